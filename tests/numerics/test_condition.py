@@ -13,7 +13,7 @@ from tests.extreme_cases import KINDS
 from tests.helix_cases import NEAR, problems
 from tests.reach import core
 from tests.references import references
-from tests.slow import slow_but
+from tests.slow import slow
 from tests.variation import growth, weight
 
 STARTS = core("start")
@@ -112,12 +112,6 @@ def test_no_length_of_a_small_libration_is_ill_conditioned(method: str) -> None:
 
 
 @BOTH
-@pytest.mark.parametrize("kind", slow_but((*KINDS, *NEAR), "gap", "helix", "plain", "fold", "centre"))
-def test_the_condition_number_is_that_of_the_variational_equation(kind: str, method: str) -> None:
-    checked(kind, 40, 5, method)
-
-
-@BOTH
 def test_a_slope_of_rounding_changes_no_condition_number(method: str) -> None:
     """A rod all but at rest turns within a time of rounding: a panel so short that its speed alone gives no H."""
     slopes = np.concatenate(([0.0], *(sign * np.logspace(-19, -13, 13) for sign in (1, -1))))
@@ -128,14 +122,6 @@ def test_a_slope_of_rounding_changes_no_condition_number(method: str) -> None:
     np.testing.assert_allclose(condition, condition[0], rtol=1e-6)
 
 
-@pytest.mark.slow
-@BOTH
-@pytest.mark.parametrize("kind", ("plain", "centre", "gap"))
-def test_condition_numbers_of_long_rods_are_within_a_factor_of_three(kind: str, method: str) -> None:
-    """Some hundred swings, so that what a period adds counts and not what one swing does."""
-    checked(kind, 60, 3, method, longer=30.0)
-
-
 @cache
 def marched(kind: str, n: int, seed: int, longer: float) -> tuple[StartProblem, np.ndarray]:
     """The problems, whose rods are so many times longer, and their condition numbers by a march."""
@@ -144,7 +130,15 @@ def marched(kind: str, n: int, seed: int, longer: float) -> tuple[StartProblem, 
     return p, growth(p.lam, p.mu, p.phi, p.span, p.beta0, p.dbeta0)
 
 
-def checked(kind: str, n: int, seed: int, method: str, longer: float = 1.0) -> None:
+QUICK = ("gap", "helix", "plain", "fold", "centre")
+# of a rod thirty times as long some hundred swings: what a period adds counts, and not what one swing does
+ROWS = [(kind, 40, 5, 1.0) if kind in QUICK else slow(kind, 40, 5, 1.0) for kind in (*KINDS, *NEAR)]
+LONG = [slow(kind, 60, 3, 30.0) for kind in ("plain", "centre", "gap")]
+
+
+@BOTH
+@pytest.mark.parametrize(("kind", "n", "seed", "longer"), ROWS + LONG)
+def test_the_condition_number_is_that_of_the_variational_equation(kind, n, seed, longer, method: str) -> None:
     """Within a factor of three of a march of order 8, and no rod refused because of a false condition number."""
     p, true = marched(kind, n, seed, longer)
     told = METHODS[method]().run(p, p.span[:, None] * np.linspace(0, 1, 9), 1e-8)

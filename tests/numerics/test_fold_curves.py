@@ -16,6 +16,7 @@ from solver.levels.level_search import census
 from solver.region_map import RegionMap
 from studies import load
 from tests.equation import march_with_variations
+from tests.slow import slow
 from workbench.branches.ends_study import ends_problem
 
 ROD = Rod(E=1.07e4, nu=0.25, a=0.25, L=3.0)
@@ -67,7 +68,7 @@ def across(folds: FoldCurves, curve: FoldCurve, i: int, far: float) -> list[list
     return [sorted(one.index for one in equilibria(folds.case_at(values), stations=2)) for values in steps]
 
 
-@pytest.mark.parametrize("made", [small, pytest.param(straight, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("made", [small, slow(straight)])
 def test_two_equilibria_of_neighbouring_index_appear_across_a_curve(made) -> None:
     folds = made().folds
     for curve in folds.curves:
@@ -102,10 +103,16 @@ def test_the_numbers_of_the_map_change_across_the_first_and_the_last_piece_of_ea
             assert more - fewer == {curve.lower: both, curve.lower + 1: both}
 
 
-@pytest.mark.parametrize("made", [small, straight])
-def test_the_numbers_of_the_map_are_those_of_all_equilibria_at_ten_random_points(made) -> None:
+@cache
+def atlas() -> RegionMap:
+    """Fig. 7 (4): the equilibria of Table 1 over the far angle and the axial force."""
+    return region_map(ends_problem(load("fig7_4_end_angle")), betaL=("-60deg", "90deg"), FZ=(4, 12), lattice=6)
+
+
+@pytest.mark.parametrize(("made", "count"), [(small, 10), (straight, 10), slow(atlas, 200)])
+def test_the_numbers_of_the_map_are_those_of_all_equilibria_at_random_points(made, count: int) -> None:
     assert made().remark == ""
-    assert made().check(10) == []
+    assert made().check(count) == []
     assert sum(one.area for one in made().regions) == pytest.approx(1, abs=1e-3)
 
 
@@ -224,36 +231,18 @@ def test_the_equilibria_that_meet_next_to_a_separatrix_have_the_indices_of_the_c
         assert sorted([*fewer, curve.lower, curve.lower + 1]) == more
 
 
-def beside_a_separatrix(**ranges: tuple[float, float]) -> FoldCurves:
-    return fold_curves(LONG, lattice=2, **ranges)
-
-
-def assert_exact(folds: FoldCurves) -> None:
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("FZ", "MZ", "lower"), [((4.0, 4.06), (-0.2, 0.2), [0, 1, 2]), ((3.9, 4.2), (-2, 2), [0, 1, 1, 2, 2, 3])]
+)
+def test_folds_next_to_a_separatrix_and_far_from_it_are_exact(FZ, MZ, lower) -> None:
     """Two equilibria more on one side of each curve than on the other, 1e-8 of the ranges away."""
+    folds = fold_curves(LONG, lattice=2, FZ=FZ, MZ=MZ)
+    assert folds.remark == ""
+    assert sorted((curve.kind, curve.lower) for curve in folds.curves) == [("fold", index) for index in lower]
     for curve in folds.curves:
         fewer, more = across(folds, curve, int(np.flatnonzero(curve.exact)[curve.exact.sum() // 2]), 1e-8)
         assert sorted([*fewer, curve.lower, curve.lower + 1]) == more
-
-
-@pytest.mark.slow
-def test_folds_next_to_a_separatrix_are_exact() -> None:
-    folds = beside_a_separatrix(FZ=(4.0, 4.06), MZ=(-0.2, 0.2))
-    assert sorted((curve.kind, curve.lower) for curve in folds.curves) == [("fold", 0), ("fold", 1), ("fold", 2)]
-    assert_exact(folds)
-
-
-@pytest.mark.slow
-def test_folds_next_to_a_separatrix_and_far_from_it_are_exact() -> None:
-    folds = beside_a_separatrix(FZ=(3.9, 4.2), MZ=(-2, 2))
-    assert folds.remark == ""
-    assert len(folds.curves) == 6
-    assert_exact(folds)
-
-
-@cache
-def atlas() -> RegionMap:
-    """Fig. 7 (4): the equilibria of Table 1 over the far angle and the axial force."""
-    return region_map(ends_problem(load("fig7_4_end_angle")), betaL=("-60deg", "90deg"), FZ=(4, 12), lattice=6)
 
 
 @pytest.mark.slow
@@ -269,12 +258,6 @@ def test_the_atlas_has_the_folds_that_its_branches_end_in() -> None:
     inside = sorted(one for one in found if -20 < one < 60)
     np.testing.assert_allclose(inside, [24.49, 35.34, 49.90], atol=0.01)
     assert {one.count for one in atlas().regions} == {9, 11, 13, 15}
-
-
-@pytest.mark.slow
-def test_the_numbers_of_the_atlas_are_those_of_all_equilibria_at_200_random_points() -> None:
-    assert atlas().remark == ""
-    assert atlas().check(200) == []
 
 
 def test_a_range_may_end_where_the_values_become_invalid() -> None:
@@ -311,7 +294,7 @@ STRIPS = {
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["EI", pytest.param("R", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("name", STRIPS)
 def test_a_strip_between_two_folds_that_undo_each_other_is_seen(name) -> None:
     """It has 5 equilibria; on both sides there are 3, one of them another."""
     case, ranges, points = STRIPS[name]

@@ -14,7 +14,8 @@ from solver import Case, Cylinder, Ends, Rod, Start, observe, solve
 from solver.observe.observables import OBSERVABLES
 from solver.problem.case_fields import fields_of
 from tests.cases import EXACT, START, ends_in_units_of_rho, helix_moment, in_units_of_rho
-from tests.numerics.test_sensitivity import differences, moved
+from tests.numerics.test_sensitivity import ALONG, along, differences, moved
+from tests.slow import slow
 
 FILE = json.loads((Path(__file__).parents[1] / "observable_references.json").read_text(encoding="utf-8"))
 
@@ -139,9 +140,14 @@ def test_every_observable_has_a_derivative() -> None:
     assert not any(remark for name, remark in found.remarks.items() if name != "neutral_at")  # a constant force
 
 
-def judged(count: int, seed: int) -> int:
-    """Compare random rods with differences; how many lifted off on the way."""
+@pytest.mark.parametrize(("count", "seed", "least"), [(12, 3, 3), slow(150, 4, 21)])
+def test_random_rods_agree_with_differences(count: int, seed: int, least: int) -> None:
+    """Of which some lift off on the way: the observables, and the arrays along the rod."""
     rng, lifted = np.random.default_rng(seed), 0
+
+    def read_all(sol: Any) -> Any:
+        return np.concatenate([read(sol), along(ALONG)(sol).ravel()])
+
     for _ in range(count):
         given = Start(
             rng.uniform(-3, 3), rng.normal(), F2=10 * rng.normal(), F3=10 * rng.normal(), M3=10 * rng.normal()
@@ -153,20 +159,13 @@ def judged(count: int, seed: int) -> int:
         field = str(rng.choice([name for name in fields_of(case) if name not in ("alpha0", "gamma0", "nu")]))
         found = solution.sensitivity([field], NAMES)
         near = [read(solve(moved(case, field, sign * 1e-3), tol=1e-13, stations=3)) for sign in (1, -1)]
-        table = differences(case, field, read, 1e-5, stations=3, method="orbit")
+        table = differences(case, field, read_all, 1e-5, stations=5, method="orbit")
+        for name, exact in zip(ALONG, table[len(NAMES) :].reshape(len(ALONG), 5), strict=True):
+            assert getattr(found, name)[0] == pytest.approx(exact, rel=1e-4, abs=1e-5 * (1 + np.abs(exact).max()))
         for k, name in enumerate(NAMES):
             if abs(near[0][k] - near[1][k]) > 0.1 * (1 + abs(near[0][k])):
                 continue  # it jumps, or nearly so
             assert found.observables[name][0] == pytest.approx(table[k], rel=1e-4, abs=1e-4 * (1 + abs(table[k]))), name
         where = float(observe(solution, ["lift_off_at"])["lift_off_at"])
         lifted += 0 < where < 8
-    return lifted
-
-
-def test_some_random_rods_agree_with_differences() -> None:
-    assert judged(12, 3) > 2
-
-
-@pytest.mark.slow
-def test_many_random_rods_agree_with_differences() -> None:
-    assert judged(150, 4) > 20
+    assert lifted >= least

@@ -232,27 +232,6 @@ def test_an_extreme_that_two_places_reach_has_a_remark() -> None:
     assert "several places" in found.remarks["push_max"]
 
 
-@pytest.mark.slow
-def test_random_rods_agree_with_differences() -> None:
-    rng = np.random.default_rng(11)
-    judged = 0
-    for _ in range(60):
-        given = Start(
-            rng.uniform(-3, 3), rng.normal(), F2=10 * rng.normal(), F3=10 * rng.normal(), M3=10 * rng.normal()
-        )
-        case = Case(Rod(1.07e4, 0.25, 0.25, 10.0), Cylinder(0.75, str(rng.choice(["inside", "outside"]))), given)
-        solution = solve(case, stations=5)
-        if not solution.solved or solution.condition > 100:  # differences would lose the digits
-            continue
-        field = str(rng.choice(fields_of(case)))
-        found = solution.sensitivity([field])
-        judged += 1
-        table = differences(case, field, along(ALONG), 2e-5, stations=5, method="orbit")
-        for name, exact in zip(ALONG, table, strict=True):
-            assert getattr(found, name)[0] == pytest.approx(exact, rel=1e-4, abs=1e-5 * (1 + np.abs(exact).max()))
-    assert judged > 30
-
-
 def test_the_derivatives_of_a_rod_do_not_depend_on_the_other_rods_of_the_call() -> None:
     """Among them a helix and a rod that is not solved."""
     E, beta, dbeta, F3 = [1e4, 2e4, 1e4, 1e4], [0.5, 0.5, 0.0, 0.5], [0.5, 0.5, 0.0, 1e200], [10.0, 10.0, 5.0, 10.0]
