@@ -26,12 +26,16 @@ def sol(request: pytest.FixtureRequest) -> Solution:
     return answer
 
 
-def vectors(sol: Solution) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """T, N, B = T x N and the force, each (n, 3)."""
+def force(sol: Solution) -> np.ndarray:
+    """Of the section, in space, (n, 3)."""
     T, N = sol.tangent, sol.normal
-    B = np.cross(T, N)
-    F = sol.F1[:, None] * N + sol.F2[:, None] * B + sol.F3[:, None] * T
-    return T, N, B, F
+    return sol.F1[:, None] * N + sol.F2[:, None] * np.cross(T, N) + sol.F3[:, None] * T
+
+
+def moment(sol: Solution) -> np.ndarray:
+    """Of the section, in space, (n, 3)."""
+    T, N = sol.tangent, sol.normal
+    return sol.M1[:, None] * N + sol.M2[:, None] * np.cross(T, N) + sol.M3 * T
 
 
 def outward(sol: Solution) -> np.ndarray:
@@ -45,22 +49,17 @@ def close(residual: np.ndarray, of: np.ndarray, share: float) -> None:
 
 
 def test_forces_balance(sol: Solution) -> None:
-    F = vectors(sol)[3]
-    dF = differentiated(F, sol.s)
+    dF = differentiated(force(sol), sol.s)
     close(dF + sol.contact[:, None] * outward(sol), dF, 1e-9)  # one derivative: 1e-14 n^2/stretch
 
 
 def test_moments_balance(sol: Solution) -> None:
-    T, N, B, F = vectors(sol)
-    M = sol.M1[:, None] * N + sol.M2[:, None] * B + sol.M3 * T
-    dM = differentiated(M, sol.s)
-    close(dM + np.cross(T, F), dM, 1e-9)  # one derivative
+    dM = differentiated(moment(sol), sol.s)
+    close(dM + np.cross(sol.tangent, force(sol)), dM, 1e-9)  # one derivative
 
 
 def test_moment_is_bending_stiffness_times_curvature_and_the_twisting_moment(sol: Solution) -> None:
-    T, N, B, _ = vectors(sol)
-    M = sol.M1[:, None] * N + sol.M2[:, None] * B + sol.M3 * T
-    t = differentiated(sol.position, sol.s)
+    M, t = moment(sol), differentiated(sol.position, sol.s)
     A = sol.case.rod.bending_stiffness
     bent = A * np.cross(t, differentiated(t, sol.s)) + sol.M3 * t
     close(M - bent, M, 1e-7)  # two derivatives: 1e-14 n^4/stretch^2

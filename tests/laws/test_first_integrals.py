@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solver import Solution, solve
+from solver import Solution, observe, solve
 from tests.cases import EXACT, GENERAL, TABLE_1, Named, table_1
+from tests.laws.test_balance import force, moment
 
 CASES: dict[str, Named] = {**TABLE_1, **GENERAL, "catenary": EXACT["catenary"]}
 
@@ -16,16 +17,6 @@ def sol(request: pytest.FixtureRequest) -> Solution:
     answer = solve(CASES[request.param].case, tol=1e-11)
     assert answer.solved, answer.outcome
     return answer
-
-
-def force(sol: Solution) -> np.ndarray:
-    T, N = sol.tangent, sol.normal
-    return sol.F1[:, None] * N + sol.F2[:, None] * np.cross(T, N) + sol.F3[:, None] * T
-
-
-def moment(sol: Solution) -> np.ndarray:
-    T, N = sol.tangent, sol.normal
-    return sol.M1[:, None] * N + sol.M2[:, None] * np.cross(T, N) + sol.M3 * T
 
 
 def constant(values: np.ndarray, expected: float, scale: float, share: float) -> None:
@@ -88,12 +79,9 @@ def test_a_start_by_its_twisting_moment_has_the_normal_force_and_the_twist_rate_
     assert pytest.approx(by_force.MZ, rel=1e-14) == by_moment.MZ
 
 
-# docs/explanation/physics.md, section 6: as many figures as it prints
 def test_energy_is_the_integral_of_its_density() -> None:
     """Routh's: A/2 kappa^2 + M3 sin cos/rho - FZ cos - MZ sin/rho, against the trapezoidal rule on many stations;
     and what twist and the work of M3 on M3 L/C leave of each other."""
-    from solver.observe.observables import observe
-
     case = TABLE_1["twist-first/compression/solid"].case
     sol = solve(case, tol=1e-11, stations=20001)
     s, c, rho = np.sin(sol.beta), np.cos(sol.beta), case.rho
@@ -102,6 +90,7 @@ def test_energy_is_the_integral_of_its_density() -> None:
     assert observe(sol, ["energy"])["energy"] == pytest.approx(expected, rel=1e-6)  # step^2 of the rule
 
 
+# docs/explanation/physics.md, section 6: as many figures as it prints
 @pytest.mark.parametrize("stiffness, F1, dgamma", [("paper", -2.268, 2.714), ("solid", -9.071, 1.572)])
 def test_table_1_contradicts_itself(stiffness: str, F1: float, dgamma: float) -> None:
     """gamma0' = 0.5 gives F10 = -2.268 N, not the 5 N beside it; 5 N need gamma0' = 2.714; no stiffness helps."""

@@ -1,26 +1,11 @@
 """A branch under held ends: the loads follow, and a fold under dead loads is none."""
 
-from functools import cache
-
 import numpy as np
 import pytest
 
 from solver import Case, Cylinder, Ends, Rod, Solution, follow, solve
-from tests.cases import TABLE_1
-
-END = "the end of the range"
-
-
-@cache
-def table_1() -> Solution:
-    return solve(TABLE_1["force-first/tension/paper"].case, tol=1e-12)
-
-
-def displacements(solution: Solution) -> dict[str, float]:
-    return {
-        "height": float(solution.z[-1]), "azimuth": float(solution.alpha[-1] - solution.alpha[0]),
-        "rotation": float(solution.gamma[-1] - solution.gamma[0]),
-    }  # fmt: skip
+from tests.laws.test_follow import END, table_1
+from tests.laws.test_held_ends import displacements
 
 
 def held(solution: Solution, *names: str) -> Solution:

@@ -20,6 +20,8 @@ from solver.problem.case import PAIRS
 from solver.problem.case_fields import fields_of
 from solver.problem.reduced import EndsProblem, reduce
 from tests.cases import in_units_of_rho, table_1
+from tests.numerics.test_sensitivity import moved
+from tests.slow import slow
 
 TABLE = table_1("force-first", "tension", "paper")
 SHORT, DRUM = Rod(E=1.07e4, nu=0.25, a=0.25, L=5.0), Cylinder(0.75)
@@ -134,20 +136,10 @@ def stepwise(case: Case, start: Solution, steps: int = 40) -> Solution:
     return seed
 
 
-@pytest.mark.parametrize("first", range(0, 30, 5))
-def test_random_held_problems_come_back_or_say_why_not(first: int) -> None:
-    told = [check_return(seed) for seed in range(first, first + 5)]
-    assert "silent" not in told, told
-
-
-@pytest.mark.slow
-def test_500_random_held_problems_come_back_or_say_why_not() -> None:
+@pytest.mark.parametrize("seeds", [*(range(k, k + 5) for k in range(0, 30, 5)), slow(range(500))])
+def test_random_held_problems_come_back_or_say_why_not(seeds: range) -> None:
     """Where the seed lies beyond a fold of the problem, its branch leads to another equilibrium, which says so."""
-    told = [check_return(seed, thorough=True) for seed in range(500)]
-    counts = {kind: sum(one == kind for one in told) for kind in ("back", "named", "others", "listed", "silent")}
-    print(counts, sorted({one for one in told if one.startswith("failed")}))
-    assert counts["silent"] == 0
-    assert sum(counts.values()) + sum(one.startswith("failed: ") for one in told) == 500
+    assert "silent" not in [check_return(seed, thorough=len(seeds) > 5) for seed in seeds]
 
 
 def test_a_seeded_solution_says_how_far_its_seed_is_and_what_is_nearer() -> None:
@@ -287,18 +279,7 @@ def test_derivatives_by_every_field_agree_with_differences(given: dict[str, floa
         assert found.observables["energy"][k] == pytest.approx(wanted, rel=1e-5, abs=1e-5), name
 
 
-def moved(case: Case, field: str, step: float) -> Case:
-    """The case with one field changed."""
-    for name in ("rod", "cylinder", "given"):
-        part = getattr(case, name)
-        if getattr(part, field, None) is not None:
-            return replace(case, **{name: replace(part, **{field: getattr(part, field) + step})})
-    raise AssertionError(field)
-
-
-@pytest.mark.parametrize(
-    "length", (pytest.param(3.0, marks=pytest.mark.slow), 20.0, pytest.param(60.0, marks=pytest.mark.slow))
-)
+@pytest.mark.parametrize("length", (slow(3.0), 20.0, slow(60.0)))
 def test_a_compressed_pipe_with_a_hinge_is_straight_or_ends_next_to_its_helix(length: float) -> None:
     """The distance from the helix at the hinge falls exponentially with the length: collocation does not need it."""
     pipe = Rod(E=2.1e11, nu=0.3, a=0.0635, L=length, inner_radius=0.0543)

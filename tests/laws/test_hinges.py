@@ -52,7 +52,7 @@ def test_a_held_azimuth_has_no_derivative_by_a_load() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("M3", (pytest.param(-4.954, marks=pytest.mark.slow), -0.954))
+@pytest.mark.parametrize("M3", (-4.954, -0.954))
 def test_every_point_of_a_branch_with_a_hinge_is_an_equilibrium_of_its_index(M3: float) -> None:
     branch = follow(solve(between_hinges(**AT_ONE_END)), M3=M3)
     for point in branch.points[:: max(len(branch) // 8, 1)]:
