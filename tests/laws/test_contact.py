@@ -55,14 +55,6 @@ def test_the_same_shape_is_pushed_from_within_or_without() -> None:
     np.testing.assert_array_equal(inside.push, -outside.push)
 
 
-def test_a_straight_rod_does_not_overlap_itself() -> None:
-    case = in_units_of_rho(0, 0, 0.5, 20.0, 0.0, 0.0)
-    sol = solve(case, tol=1e-8)
-    assert observe(sol, ["overlaps", "wraps", "kappa_max", "contact_size_mean", "turns"]) == {
-        "overlaps": 0, "wraps": 0, "kappa_max": 0, "contact_size_mean": 0, "turns": 0,
-    }  # fmt: skip
-
-
 def test_a_bend_tighter_than_the_rod_overlaps() -> None:
     """kappa above 1/a: the section would cut its neighbour, however short the rod."""
     for slope, expected in ((4.5, 1), (3.5, 0)):

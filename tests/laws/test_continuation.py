@@ -145,14 +145,6 @@ def test_a_rod_at_rest_as_a_helix_is_a_seed_and_a_goal() -> None:
     assert np.abs(back.beta).max() < 1e-12
 
 
-def test_the_solution_of_a_start_problem_is_a_seed_of_its_ends_problem() -> None:
-    case = TABLE_1["force-first/tension/paper"].case
-    start = solve(case, tol=1e-12)
-    sol = solve(from_start(case), seed=start)
-    assert sol.solved
-    np.testing.assert_allclose(sol.beta, start.beta, atol=1e-8)  # tol
-
-
 def test_a_grid_takes_a_seed_for_each_case_or_one_for_all() -> None:
     case = PROBLEMS["section 5"]()
     one = found("section 5")[2]

@@ -11,6 +11,7 @@ from solver import Case, Ends, equilibria, solve
 from solver.equilibria import Equilibrium
 from tests.cases import ends_in_units_of_rho, in_units_of_rho, table_1
 from tests.equation import loads_of, march_with_variations
+from tests.numerics.test_ends_at_saddles import signed_count
 
 NUMBERS = -0.3655, 0.7464, -0.7506  # physics.md, section 5
 
@@ -78,10 +79,6 @@ def test_the_index_is_the_number_of_conjugate_points(name: str) -> None:
         eta = by[0, 1]
         assert np.count_nonzero(eta[1:-1] * eta[2:] < 0) == one.index
     assert counted >= 6
-
-
-def signed_count(solutions: list[Equilibrium]) -> int:
-    return sum((-1) ** one.index for one in solutions)
 
 
 @both
@@ -183,16 +180,3 @@ def test_a_solution_is_followed_while_its_end_angle_moves(method: str) -> None:
     assert (steps > 0).all() or (steps < 0).all()
     last = [one.dbeta0 for one in equilibria(moved)]
     assert np.abs(np.array(last) - slopes[-1]).min() < 1e-5
-
-
-@pytest.mark.parametrize("mode", (1, 2, 3))
-def test_a_straight_rod_in_compression_buckles_at_eulers_loads(mode: int) -> None:
-    """Ends held in angle, small beta: beta'' = -(-phi) beta, so the index of beta = 0 steps up at phi = -(k pi/L)^2."""
-    length = 3.0
-    euler = (mode * np.pi / length) ** 2
-    for share, index in ((0.98, mode - 1), (1.02, mode)):
-        solutions = equilibria(ends_in_units_of_rho(0, 0, -share * euler, length, 0.0, 0.0))
-        straight = [one for one in solutions if np.abs(one.solution.beta).max() < 1e-9]
-        assert len(straight) == 1
-        assert straight[0].index == index
-        assert signed_count(solutions) == 1

@@ -20,19 +20,6 @@ def held(solution: Solution, *names: str) -> Solution:
     return solve(Case(case.rod, case.cylinder, ends), seed=solution)
 
 
-def test_a_lowered_height_asks_for_the_loads_that_an_independent_code_found() -> None:
-    """Table 1 with beta(L), azimuth and rotation held and z(L) lowered by 0.3."""
-    first = held(table_1(), "height", "azimuth", "rotation")
-    branch = follow(first, height=float(first.case.given.height) - 0.3)
-    last, A = branch.points[-1].solution, first.case.rod.bending_stiffness
-    found = [float(load) / A for load in last.loads]
-    np.testing.assert_allclose(found, [0.756046552, 2.711074293, 2.530586040], rtol=1e-9)
-    assert float(last.dbeta[0]) == pytest.approx(0.707198662, abs=1e-9)
-    assert last.z[-1] == pytest.approx(float(first.case.given.height) - 0.3, abs=1e-9)
-    assert not branch.special
-    assert set(branch.index) == {5}
-
-
 @pytest.mark.slow
 def test_a_held_height_passes_the_folds_under_dead_loads_and_turns_at_its_own() -> None:
     first = held(table_1(), "height")

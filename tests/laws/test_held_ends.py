@@ -305,3 +305,12 @@ def test_a_compressed_pipe_with_a_hinge_is_straight_or_ends_next_to_its_helix(le
     assert other.success
     np.testing.assert_allclose(found.beta / helix, other.sol(x)[0], atol=1e-8)
     assert 0 < 1 - found.beta[-1] / helix < 4 * np.exp(-0.39 * length)  # the decay about the helix is 0.39 per m
+
+
+@pytest.mark.parametrize("turned", [1e9, -1e9])
+def test_a_rod_twisted_by_many_turns_has_the_twisting_moment_of_its_twist_or_says_why_not(turned: float) -> None:
+    sol = solve(Case(SHORT, DRUM, Ends("20deg", "20deg", rotation=np.radians(turned))))
+    assert sol.outcome.startswith("solved" if sol.solved else "failed: ")
+    if sol.solved:
+        expected = SHORT.torsional_stiffness * np.radians(turned) / 5.0
+        assert pytest.approx(expected, rel=1e-6) == sol.M3  # swirl is < 10 rad

@@ -1,20 +1,14 @@
 """What is let in at the door, and what only an outcome tells; transcripts/solver.txt has what is refused."""
 
-import warnings
 from typing import Any
 
 import numpy as np
 import pytest
 
-from solver import Case, Cylinder, Rod, Start, solve
+from solver import Rod
 from solver.problem.quantities import QUANTITIES, unit_of
 
 ROD: dict[str, Any] = {"E": 1.07e4, "nu": 0.25, "a": 0.25, "L": 20.0}
-START: dict[str, Any] = {"beta": 0.5, "dbeta": 0.5, "F3": 10.0, "dgamma": 0.5}
-
-
-def case(**start: Any) -> Case:
-    return Case(Rod(**ROD), Cylinder(0.75), Start(**{**START, **start}))
 
 
 @pytest.mark.parametrize("nu", (-0.999, 0.0, 0.5))
@@ -39,13 +33,3 @@ def test_a_unit_system_names_both_units() -> None:
     assert unit_of("kappa", {"length": "m", "force": "kN"}) == "1/m"
     assert unit_of("dbeta", {"length": "m", "force": "kN"}) == "rad/m"
     assert all(unit_of(name, {"length": "cm", "force": "N"}) is not None for name in QUANTITIES)
-
-
-@pytest.mark.parametrize("a", [5e-324, 1e-90, 1e100, 1e308])
-def test_a_rod_whose_stiffness_no_float_holds_is_told_by_its_outcome(a: float) -> None:
-    for given in (Start(0.5, 0.1, F1=1.0, F3=1.0), Start(0.5, 0.1, dgamma=0.1), Start(0.5, 0.1, M3=0.1)):
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")
-            sol = solve(Case(Rod(E=1e4, nu=0.25, a=a, L=20.0), Cylinder(R=0.75), given))
-        assert sol.solved or str(sol.outcome).startswith("failed: ")
-        assert sol.solved <= np.isfinite(sol.beta).all()

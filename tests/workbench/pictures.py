@@ -3,9 +3,15 @@
 from pathlib import Path
 
 import numpy as np
+import pytest
 from matplotlib.colors import to_rgb
 from matplotlib.image import imread
 from numpy.typing import NDArray
+
+from workbench.scene import opengl
+
+# A test that draws a scene.
+draws = pytest.mark.skipif(not opengl.probe()[0], reason=opengl.probe()[1])
 
 
 def pixels(path: Path) -> NDArray[np.float64]:

@@ -13,13 +13,13 @@ from solver.problem.errors import InputError
 from studies.language.loader import loads
 from tests.workbench import small
 from tests.workbench.command import exit_status
+from tests.workbench.pictures import draws
 from workbench.commands import animate, console, study_scene
 from workbench.commands.present import result_of_files
 from workbench.figures import canvas
 from workbench.scene import film, opengl, scene_kinds
 from workbench.store import in_memory, writing
 
-draws = pytest.mark.skipif(not opengl.probe()[0], reason=opengl.probe()[1])
 DPI, SIZE = 50, (320, 212)  # of a scene in a frame
 AXIS = "[axes.E]\nvalues = [1e4, 2e4, 3e4]\n"
 

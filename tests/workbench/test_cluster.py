@@ -5,7 +5,6 @@ import pickle
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -16,6 +15,7 @@ from solver import InputError
 from studies import load
 from tests.workbench import runs, small
 from tests.workbench.test_faults import DEADLY, GRID, SMALL, TELLING, whole  # noqa: F401  (a fixture)
+from tests.workbench.waiting import until
 from workbench.store import engines, plan, recipe
 from workbench.store.study_store import Options, run_to_file
 
@@ -42,12 +42,8 @@ class Cluster:
         self._folder = folder
         at = ("--host", "127.0.0.1", "--scheduler-file", self.file, "--no-dashboard")
         self._started = [self._start("scheduler", *at, "--port", "0")]
-        here = ("--host", "127.0.0.1", "--scheduler-file", self.file, "--no-dashboard")
-        self._started += [self._start("worker", *here, "--nworkers", 2, "--nthreads", 1, "--preload", "before.py")]
-        until = time.monotonic() + 600
-        while not self.file.exists():
-            assert time.monotonic() < until
-            time.sleep(0.05)
+        self._started += [self._start("worker", *at, "--nworkers", 2, "--nthreads", 1, "--preload", "before.py")]
+        until(self.file.exists)
         with distributed.Client(scheduler_file=str(self.file), set_as_default=False) as client:
             client.wait_for_workers(2, timeout=600)
             self.address = client.scheduler.address
@@ -117,10 +113,7 @@ def test_a_worker_of_the_cluster_that_is_killed_costs_a_chunk(whole, tmp_path, c
     args = ("many.toml", "--scheduler", clusters[0].address, "--chunk", 48)
     with runs.start(tmp_path, *args, before=SMALL) as process:
         told = tmp_path / "cluster" / "worker"
-        until = time.monotonic() + 600
-        while not told.exists():
-            assert time.monotonic() < until
-            time.sleep(0.05)
+        until(told.exists)
         os.kill(int(told.read_text()), signal.SIGKILL)
         out, err = process.communicate(timeout=600)
     assert process.returncode == 0, err
@@ -147,10 +140,7 @@ def test_a_scheduler_that_goes_away_leaves_what_is_finished(whole, tmp_path, clu
     args = ("many.toml", "--scheduler", clusters[0].address, "--chunk", 16)
     with runs.start(tmp_path, *args, before=SMALL) as process:
         told = tmp_path / "cluster" / "worker"
-        until = time.monotonic() + 600
-        while not told.exists() or len(list(tmp_path.glob("many.h5.parts/*.shard"))) < 4:
-            assert time.monotonic() < until
-            time.sleep(0.05)
+        until(lambda: told.exists() and len(list(tmp_path.glob("many.h5.parts/*.shard"))) >= 4)
         clusters.pop().stop()
         _, err = process.communicate(timeout=600)
     assert process.returncode == 2

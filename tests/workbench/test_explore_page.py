@@ -20,6 +20,7 @@ from selenium.webdriver.common.keys import Keys
 
 from tests.workbench import browser
 from tests.workbench.pictures import shares_of_push
+from tests.workbench.waiting import until
 from workbench.web.live import live_document
 from workbench.web.live.presets import PRESETS
 
@@ -39,7 +40,6 @@ for (let i = 0; i < shape.s.length; i++) {
 }
 return [high / camera.half, wide / (camera.half * canvas.clientWidth / canvas.clientHeight)];
 """
-PATIENCE = 90  # s that anything is waited for, on a machine with much else to do
 
 
 class Page:
@@ -54,12 +54,8 @@ class Page:
         return self.driver.execute_script(script, *args)
 
     def until(self, condition: Callable[[], Any], what: str) -> Any:
-        end = time.monotonic() + PATIENCE
-        while time.monotonic() < end:
-            if found := condition():
-                return found
-            time.sleep(0.03)
-        pytest.fail(f"the page does not come to {what}: {self('return document.body.innerText')[:600]}")
+        shown = "return document.body.innerText"
+        return until(condition, lambda: f"the page does not come to {what}: {self(shown)[:600]}")
 
     def drawn(self) -> int:
         """Waits until nothing is asked; returns how many shapes have been drawn."""

@@ -8,7 +8,6 @@ import re
 import signal
 import subprocess
 import sys
-import time
 from concurrent.futures import ThreadPoolExecutor
 from http.client import HTTPConnection
 from pathlib import Path
@@ -23,6 +22,7 @@ from solver.problem.errors import InputError
 from tests.workbench import live_process
 from tests.workbench.command import exit_status
 from tests.workbench.live import STATES, asked, state, unpacked
+from tests.workbench.waiting import alive, until
 from workbench.commands import explore
 from workbench.web.live import page_model, server
 
@@ -213,8 +213,7 @@ def titled(path: Path) -> dict:
 
 def processes(path: Path, count: int) -> list[int]:
     """Those that have told themselves in the file, once there are so many."""
-    while not path.exists() or len(path.read_text().split()) < count:
-        time.sleep(0.01)
+    until(lambda: path.exists() and len(path.read_text().split()) >= count)
     return [int(line) for line in path.read_text().split()]
 
 
@@ -225,22 +224,13 @@ def left(port: int, path: str, state: dict) -> HTTPConnection:
     return connection
 
 
-def alive(pid: int) -> bool:
-    try:
-        os.kill(pid, 0)
-    except ProcessLookupError:
-        return False
-    return True
-
-
 def test_a_search_ends_when_its_client_leaves(port, monkeypatch, tmp_path) -> None:
     monkeypatch.setattr(page_model, "list_equilibria", live_process.endless)
     client = left(port, "/equilibria", titled(tmp_path / "told"))
     (pid,) = processes(tmp_path / "told", 1)
     assert pid != os.getpid()
     client.close()
-    while alive(pid):  # for ever, where it is not ended
-        time.sleep(0.01)
+    until(lambda: not alive(pid))
 
 
 def test_endless_searches_delay_no_slider_and_only_so_many_run_or_wait(port, monkeypatch, tmp_path) -> None:
@@ -255,8 +245,7 @@ def test_endless_searches_delay_no_slider_and_only_so_many_run_or_wait(port, mon
     assert processes(tmp_path / "told", 1) == running
     for client in clients:
         client.close()
-    while any(map(alive, running)):
-        time.sleep(0.01)
+    until(lambda: not any(map(alive, running)))
     monkeypatch.undo()
     assert asked(port, "POST", "/equilibria", {"state": CABLE}).status == 200
 

@@ -16,6 +16,7 @@ from solver import InputError
 from studies import load
 from tests.slow import slow
 from tests.workbench import runs
+from tests.workbench.waiting import alive, until
 from workbench.commands import console
 from workbench.store import engines, recipe, shards
 
@@ -134,11 +135,12 @@ block.block_of = telling
 
 def awaited(path: Path, process: subprocess.Popen[str]) -> str:
     """What the file says once it is there."""
-    until = time.monotonic() + 600
-    while not path.exists():
+
+    def is_there() -> bool:
         assert process.poll() is None, process.communicate()
-        assert time.monotonic() < until
-        time.sleep(0.01)
+        return path.exists()
+
+    until(is_there)
     return path.read_text()
 
 
@@ -152,14 +154,6 @@ def test_a_worker_that_is_killed_costs_a_chunk_which_is_solved_again(whole, tmp_
     assert (process.returncode, err) == (0, ""), err
     assert "150 cases, 0 unsolved" in out
     assert runs.contents(tmp_path / "many.h5") == whole
-
-
-def alive(pid: int) -> bool:
-    """Whether there is such a process, one that only waits to be buried aside."""
-    try:
-        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
-    except FileNotFoundError:
-        return False
 
 
 KILLED = f"{engines.KILLED} (it was killed by SIGKILL)"
@@ -331,10 +325,7 @@ def test_a_worker_ends_with_the_run_that_was_killed(tmp_path) -> None:
     with runs.start(tmp_path, "many.toml", "--workers", 2, "--chunk", 16, before=before) as process:
         worker = int(awaited(tmp_path / "worker", process))
         process.kill()
-    until = time.monotonic() + 600
-    while alive(worker):
-        assert time.monotonic() < until
-        time.sleep(0.05)
+    until(lambda: not alive(worker))
 
 
 @pytest.mark.slow

@@ -52,6 +52,7 @@ def test_sigma_of_a_file_and_of_the_command_line_are_the_same(points, tmp_path, 
     one = json.loads(call("fit", *given, other)[1])
     two = json.loads(call("fit", *given, points, "--sigma", "alpha=0.01", "--sigma", "z=0.02")[1])
     assert one["intervals"] == two["intervals"]
+    assert sum(share["E"] for share in one["shares"].values()) == pytest.approx(1)  # each point is in one third
     assert one["rule"] == "95 % intervals by the given sigma and the normal distribution"
 
 

@@ -9,14 +9,13 @@ import xarray as xr
 from PIL import Image
 
 from tests.workbench.command import exit_status
-from tests.workbench.pictures import pixels, share_of_ink, shares_of_push
-from workbench.scene import film, opengl
+from tests.workbench.pictures import draws, pixels, share_of_ink, shares_of_push
+from workbench.scene import film
 from workbench.web.live import live_document
 
 ROOT = Path(__file__).resolve().parents[2]
 WIDE_HIGH = (860, 600)  # pixels of the animated picture
 LARGEST = 2_000_000  # bytes of an animated picture in a README
-draws = pytest.mark.skipif(not opengl.probe()[0], reason=opengl.probe()[1])
 
 
 def hero() -> xr.Dataset:

@@ -10,22 +10,18 @@ import xarray as xr
 
 from solver import Case, Cylinder, Ends, Rod, solve
 from tests.workbench import small
-from tests.workbench.command import exit_status
 
 ROD = "--length-unit cm --force-unit N --E 1.07e4 --nu 0.25 --a 0.25 --L 5 --R 0.75 --beta0 0 --betaL 0 --height 4"
 QUICK = "--within FZ=-90:-30 --values 3 --tries 0"
 STUDY = small.text({**small.SHORT, "beta0": 0.0, "betaL": 0.0, "height": 4.0})
 
 
-def run(line: str, status: int = 0) -> None:
-    assert exit_status("equilibria", *line.split()) == status, line
-
-
-def test_a_study_file_json_and_the_stored_file_hold_the_same(tmp_path, monkeypatch, capsys) -> None:
+def test_a_study_file_json_and_the_stored_file_hold_the_same(tmp_path, monkeypatch, call) -> None:
     monkeypatch.chdir(tmp_path)
     Path("held.toml").write_text(STUDY, encoding="utf-8")
-    run(f"held.toml {QUICK} --json --out held.h5")
-    told = json.loads(capsys.readouterr().out)
+    status, said, _ = call("equilibria", "held.toml", *QUICK.split(), "--json", "--out", "held.h5")
+    told = json.loads(said)
+    assert status == 0
     assert told["search"]["within"] == {"FZ": [-90.0, -30.0]}
     assert not told["complete"]
     with xr.open_dataset("held.h5", engine="h5netcdf") as ds:
@@ -39,10 +35,11 @@ def test_a_study_file_json_and_the_stored_file_hold_the_same(tmp_path, monkeypat
         assert ds.attrs["remark"] == told["remark"]
 
 
-def test_solve_prints_the_energy_of_the_list_beside_the_observable(capsys) -> None:
+def test_solve_prints_the_energy_of_the_list_beside_the_observable(call) -> None:
     """14.56 and 124.95 N cm: they differ by the work of the reaction, FZ (z(L) - z(0))."""
-    exit_status("solve", *ROD.replace("beta0 0 --betaL 0", "beta0 20deg --betaL 20deg").split(), "--json")
-    told = json.loads(capsys.readouterr().out)
+    told = json.loads(
+        call("solve", *ROD.replace("beta0 0 --betaL 0", "beta0 20deg --betaL 20deg").split(), "--json")[1]
+    )
     energy, held = (told["observables"][name] for name in ("energy", "held_energy"))
     assert held == pytest.approx(told["observables"]["bending_energy"], rel=1e-9)  # M3 = MZ = 0 do no work
     assert energy == pytest.approx(held - told["reactions"]["FZ"] * 4.0, rel=1e-9)

@@ -8,14 +8,13 @@ import pytest
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from typer.testing import CliRunner
 
 from solver import InputError
 from studies import Study, load
 from studies.laws import law_words
 from studies.laws.line_verdicts import FAILS, HOLDS, UNDECIDED
 from tests.workbench import small
-from workbench import cli
+from tests.workbench.command import exit_status
 from workbench.figures import study_figure
 from workbench.figures.laws import panel
 from workbench.store import in_memory, law_verdicts
@@ -164,11 +163,6 @@ def test_expressions_of_samples_pairs_and_tables_are_stored_judged_and_drawn(var
     assert any(label.startswith("area") for label in labels)
 
 
-def run(path: Path, *args: str) -> tuple[int, str]:
-    found = CliRunner().invoke(cli.app, [*args, str(path)])
-    return found.exit_code, found.stdout
-
-
 @pytest.mark.slow
 def test_another_formula_under_the_same_name_is_computed_anew_and_not_merged(tmp_path: Path) -> None:
     from workbench.store.study_store import run_to_file
@@ -184,6 +178,5 @@ def test_another_formula_under_the_same_name_is_computed_anew_and_not_merged(tmp
     for name in ("b", "again"):
         with xr.open_dataset(tmp_path / f"{name}.h5") as ds:
             np.testing.assert_allclose(ds["x"], first * 1.5)
-    status, _ = run(tmp_path / "b.h5", "merge", "--out", str(tmp_path / "c.h5"), str(tmp_path / "a.h5"))
-    assert status != 0
+    assert exit_status("merge", "--out", tmp_path / "c.h5", tmp_path / "a.h5", tmp_path / "b.h5") == 2
     assert not (tmp_path / "c.h5").exists()

@@ -19,14 +19,12 @@ from tests.slow import slow
 from tests.workbench import small
 from tests.workbench.command import exit_status, run
 from tests.workbench.page_faults import faults
+from tests.workbench.pictures import draws
 from workbench.branches.ends_study import ends_problem
 from workbench.branches.equilibria_dataset import dataset_of
 from workbench.figures import canvas, equilibria_figure, fonts, map_figure, scales, study_figure
 from workbench.figures.sheet import sheet
-from workbench.scene import opengl
 from workbench.store import in_memory, law_verdicts, writing
-
-draws = pytest.mark.skipif(not opengl.probe()[0], reason=opengl.probe()[1])
 
 
 @pytest.fixture(scope="module")

@@ -3,7 +3,6 @@
 import base64
 import json
 import re
-import time
 from collections.abc import Iterator
 from dataclasses import replace
 from html import unescape
@@ -24,6 +23,7 @@ from studies.laws import law_words
 from tests import transcripts
 from tests.workbench import browser, node, small
 from tests.workbench.pictures import shares_of_push
+from tests.workbench.waiting import until
 from workbench.figures import canvas
 from workbench.store import in_memory, law_verdicts, reading, writing
 from workbench.store.in_memory import StudyResult
@@ -31,7 +31,6 @@ from workbench.web.report import law_cards, measured_runs, report_document, repo
 
 PAPER = [name for name in names() if name.startswith("fig")]  # the studies of the report
 LOW = ("fig7_1_modulus", "fig7_2_radius")  # the studies whose pictures are low enough for one page
-PATIENCE = 600  # s that anything is waited for, on a machine with much else to do
 
 
 class Page(HTMLParser):
@@ -313,15 +312,12 @@ def shown(text, tmp_path_factory) -> Iterator[Any]:
     with browser.chromium(tmp_path_factory.mktemp("chromium"), "1366,1400") as driver:
         driver.get(path.as_uri())
         driver.execute_script("document.querySelector('#turn-fig7_1_modulus').scrollIntoView()")
-        until(driver, "return !!document.querySelector('#turn-fig7_1_modulus').view")
+        comes_to(driver, "return !!document.querySelector('#turn-fig7_1_modulus').view")
         yield driver
 
 
-def until(driver: Any, condition: str) -> None:
-    end = time.monotonic() + PATIENCE
-    while not driver.execute_script(condition):
-        assert time.monotonic() < end, driver.get_log("browser")
-        time.sleep(0.05)
+def comes_to(driver: Any, condition: str) -> None:
+    until(lambda: driver.execute_script(condition), lambda: driver.get_log("browser"))
 
 
 FIGURE = "#turn-fig7_1_modulus"
@@ -474,7 +470,7 @@ def test_a_turntable_comes_back_after_a_lost_drawing_context(shown) -> None:
     shown.execute_script(f"window.lose = {canvas}.getContext('webgl2').getExtension('WEBGL_lose_context')")
     told = f"document.querySelector('{FIGURE} .lost').textContent"
     shown.execute_script("lose.loseContext()")
-    until(shown, f"return {told}.includes('stopped drawing')")
+    comes_to(shown, f"return {told}.includes('stopped drawing')")
     shown.execute_script("lose.restoreContext()")
-    until(shown, f"return {told} === ''")
+    comes_to(shown, f"return {told} === ''")
     np.testing.assert_allclose(seen_in(shown), before, atol=0.02)

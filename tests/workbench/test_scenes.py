@@ -16,7 +16,7 @@ from studies import load
 from studies.language.loader import loads
 from tests.cases import helix_moment, in_units_of_rho
 from tests.workbench import small
-from tests.workbench.pictures import pixels, share_of_hue, share_of_ink
+from tests.workbench.pictures import draws, pixels, share_of_hue, share_of_ink
 from workbench.commands import options, scene
 from workbench.figures import canvas, colours
 from workbench.geometry import refinement, self_contact
@@ -30,7 +30,6 @@ from workbench.store.schema import SECTION
 
 START = {"beta": 0.5, "dbeta": 0.1, "dgamma": 0.5}
 
-draws = pytest.mark.skipif(not opengl.probe()[0], reason=opengl.probe()[1])
 if opengl.probe()[0]:  # without the libraries of OpenGL these cannot be imported
     from workbench.scene import composition, layout, rendering
     from workbench.scene.rendering import Placed, render

@@ -10,6 +10,7 @@ from solver.problem.errors import InputError
 from studies.language.loader import loads
 from tests.slow import slow
 from tests.workbench import small
+from tests.workbench.pictures import draws
 from workbench.commands import scene, study_scene
 from workbench.export.stored_rod import export
 from workbench.scene import opengl, scene_kinds
@@ -19,7 +20,6 @@ from workbench.web.turntable import turntable_page
 if opengl.probe()[0]:
     from workbench.scene import composition, layout
 
-draws = pytest.mark.skipif(not opengl.probe()[0], reason=opengl.probe()[1])
 AXES = "[axes.E]\nvalues = [1e4, 2e4, 3e4]\n[axes.F1]\nvalues = [4.0, 5.0]\n"
 
 

@@ -3,7 +3,6 @@
 import base64
 import json
 import re
-import time
 from dataclasses import replace
 from html import unescape
 from io import BytesIO
@@ -20,6 +19,7 @@ from solver import Case, Cylinder, Ends, Rod, Solution, Start, equilibria, solve
 from studies.language.loader import loads
 from tests.workbench import browser, node, small
 from tests.workbench.command import exit_status
+from tests.workbench.waiting import until
 from workbench import notebook
 from workbench.geometry import stored_line
 from workbench.store import in_memory
@@ -79,14 +79,9 @@ def test_on_paper_a_scene_shows_its_rod(ds: xr.Dataset, tmp_path: Path) -> None:
     file.write_text(turntable_page.html(ds), encoding="utf-8")
     with browser.chromium(tmp_path / "chromium", "1366,1000") as driver:
         driver.get(file.as_uri())
-        there = "document.querySelector('figure').view"
-        wait = f"const done = arguments[0], look = () => {there} ? done() : setTimeout(look, 50); look()"
-        driver.execute_async_script(wait)
+        until(lambda: driver.execute_script("return !!document.querySelector('figure').view"))
         assert browser.prints_a_picture(driver)
-        copies = "return document.querySelectorAll('.printed').length"
-        end = time.monotonic() + 60
-        while driver.execute_script(copies):
-            assert time.monotonic() < end
+        until(lambda: driver.execute_script("return document.querySelector('.printed') === null"))
 
 
 @node.needs_node
