@@ -50,9 +50,8 @@ def orbit_rates(numbers: Array, path: Any, n: int, how: tuple[Cutting, Cutting])
         As of `orbits.orbits`; how panels are cut for the length, and for the orbit.
     """
     out = np.full(RATES, np.nan)
-    level = Level(path.pin, path.sign, path.y, path.leaving, path.turns)
     ways = cut(how[0], True), cut(how[1], False)
-    fine(run("rod_orbit_rates", np.ascontiguousarray(numbers), level, on_grid(), points(n), *ways, out))
+    fine(run("rod_orbit_rates", np.ascontiguousarray(numbers), _level_of(path), on_grid(), points(n), *ways, out))
     return split(out)
 
 
@@ -76,10 +75,36 @@ def split(records: Array) -> tuple[Array, Array, Array, Array]:
     return values, rows.reshape(*records.shape[:-1], NUMBERS, PARTS), by_span, length[..., 0]
 
 
+_CHARTS = np.dtype([("kind", "i4"), ("logarithmic", "i4"), ("own", "f8"), ("scale", "f8"), *RECORD.descr[1:6]])
+_MOST_CHARTS = 22
+
+
+def charts(numbers: Array, path: Any) -> list[tuple[str, tuple[Any, ...], float, bool]]:
+    """The coordinates in which an equilibrium can be followed, the best first: the fields of `charts.Chart`.
+
+    numbers: lam, mu, phi, span, beta(0), beta(L). path: `line_point.Path`, of which those of the charts have the first
+    five fields.
+    """
+    out = np.empty(_MOST_CHARTS, _CHARTS)
+    count = run("rod_charts_of", numbers, _level_of(path), on_grid(), out)
+    rows = out[:count].tolist()
+    return [(KINDS[kind], tuple(at), scale, bool(logarithmic)) for kind, logarithmic, _, scale, *at in rows]
+
+
+def path_at(numbers: Array, chart: Any, x: float) -> tuple[Any, ...] | None:
+    """The fields of the path at x in a chart; None where there is none."""
+    at = Level()
+    joins = run("rod_chart_path", numbers, chart_of(chart), float(x), on_grid(), at)
+    return (at.pin, at.sign, at.y, at.leaving, at.turns) if joins else None
+
+
+def _level_of(path: Any) -> Any:
+    return Level(path.pin, path.sign, path.y, path.leaving, path.turns)
+
+
 def chart_of(chart: Any) -> Any:
     """A `charts.Chart` as the core reads it."""
-    at = Level(chart.at.pin, chart.at.sign, chart.at.y, chart.at.leaving, chart.at.turns)
-    return Chart(KINDS.index(chart.kind), chart.logarithmic, 0.0, chart.scale, at)
+    return Chart(KINDS.index(chart.kind), chart.logarithmic, 0.0, chart.scale, _level_of(chart.at))
 
 
 def _call(numbers: Numbers, count: int, raised: list[BaseException]) -> Any:

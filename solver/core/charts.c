@@ -217,6 +217,20 @@ int rod_charts(const place *o, const path *at, chart *out)
     return count + 2;
 }
 
+/* `rod_charts` of a problem, into out (CHARTS + 2,); 0 where the problem is not possible, too. */
+int rod_charts_of(const ends_problem *of, const path *at, const grid *by, chart *out)
+{
+    place o;
+    return rod_place_of(of, by, &o) ? 0 : rod_charts(&o, at, out);
+}
+
+/* `rod_path_at` of a problem. */
+int rod_chart_path(const ends_problem *of, const chart *c, double x, const grid *by, path *out)
+{
+    place o;
+    return !rod_place_of(of, by, &o) && rod_path_at(&o, c, x, out);
+}
+
 int rod_joined_at(const place *o, const path *at)
 {
     double best = rod_place_fall(o, o->low, o->high) < 0 ? o->high : o->low;
