@@ -44,6 +44,13 @@ export function typed(text) {
 /* The slider of a number, from 0 on; properties: of the element. */
 export const makeSlider = (properties) => make("input", { type: "range", min: 0, step: "any", ...properties });
 
+/* Give an element an attribute, or null for none, where it has another: a screen reader speaks each change. */
+function tell(box, name, value) {
+  if (box.getAttribute(name) === value) return;
+  if (value === null) box.removeAttribute(name);
+  else box.setAttribute(name, value);
+}
+
 /* The fields in `box`. data: quantities and units. changed(name, value): called with each new value. */
 export function makeControls(box, quantities, changed) {
   let rows = {},
@@ -91,20 +98,14 @@ export function makeControls(box, quantities, changed) {
       if (!(Math.abs(Number(slider.value) - Math.min(Math.max(place, 0), STEPS)) < 0.01)) slider.value = place;
       if (!(bad && document.activeElement === field) && field.value !== text) field.value = text;
       const said = withUnit(number(spoken, 7), unit);
-      if (slider.getAttribute("aria-valuetext") !== said) {
-        slider.setAttribute("aria-valuetext", said);
-        field.setAttribute("aria-valuetext", said);
-        if (Number.isFinite(spoken)) field.setAttribute("aria-valuenow", spoken);
-      }
+      for (const box of [slider, field]) tell(box, "aria-valuetext", said);
+      if (Number.isFinite(spoken)) tell(field, "aria-valuenow", String(spoken));
       const about = bad ? wrong.sentence : meaning(state, name);
       set(note, about);
       note.className = bad ? "why" : "note";
       note.hidden = !about;
-      if (field.getAttribute("aria-invalid") !== String(bad)) field.setAttribute("aria-invalid", String(bad));
-      if (Boolean(about) !== field.hasAttribute("aria-describedby")) {
-        if (about) field.setAttribute("aria-describedby", note.id);
-        else field.removeAttribute("aria-describedby");
-      }
+      tell(field, "aria-invalid", String(bad));
+      tell(field, "aria-describedby", about ? note.id : null);
       row.classList.toggle("wrong", bad);
       row.classList.toggle("unused", isUnused(state, name));
     }

@@ -10,7 +10,7 @@ import { pushMarks, tallest } from "./push_marks.mjs";
 import { range } from "./range.mjs";
 import { pointOf } from "./rod_shape.mjs";
 import { makeScene } from "./scene.mjs";
-import { cylinder, rings, sidesFor, squeezeOf, tube } from "./tube.mjs";
+import { circle, cylinder, rings, sidesFor, squeezeOf, tube } from "./tube.mjs";
 
 const FINE = 0.12,
   COARSE = 0.8; // pixels that the tube may be off at rest, and while a slider moves
@@ -20,7 +20,7 @@ const REST = 160,
 const BUDGET = 2.5,
   COARSEST = 3; // ms that drawing may take while a slider moves; largest factor by which pixels grow
 const LOST = "The browser has stopped drawing in three dimensions here. The rod comes back as soon as the browser allows it.";
-const AROUND = Array.from({ length: 24 }, (_, i) => [Math.cos((i * Math.PI) / 12), Math.sin((i * Math.PI) / 12)]);
+const AROUND = circle(24);
 
 /* The view in a canvas. code: the colours of the push. calm: whether the camera must not move by itself. lies: whether a
    long rod lies along a wide view. */

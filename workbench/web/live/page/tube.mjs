@@ -54,21 +54,16 @@ export function sidesFor(a, tolerance) {
 export function tube(shape, chosen, sides, squeeze, largest) {
   const { one } = shape,
     count = chosen.length,
-    corners = new Float32Array(STRIDE * (count * sides + 2 * (sides + 1)));
-  const around = Array.from({ length: sides }, (_, j) => [
-    Math.cos((2 * Math.PI * j) / sides),
-    Math.sin((2 * Math.PI * j) / sides),
-  ]);
+    corners = new Float32Array(STRIDE * (count * sides + 2 * (sides + 1))),
+    around = circle(sides);
   let at = 0;
   const put = (...numbers) => {
     for (const v of numbers) corners[at++] = v;
   };
   const ring = (frame, flat) => {
     const { x, y, z, ox, oy, bx, by, bz, value } = frame;
-    for (let j = 0; j < sides; j++) {
-      const c = around[j][0],
-        d = around[j][1],
-        nx = c * ox + d * bx,
+    for (const [c, d] of around) {
+      const nx = c * ox + d * bx,
         ny = c * oy + d * by,
         nz = d * bz;
       corners[at] = x + one.a * nx;
@@ -152,34 +147,26 @@ export function cylinder({ one, z }, squeeze) {
   const beyond = one.a + 0.35 * one.R,
     [least, most] = range(z),
     [low, high] = [squeeze * least - beyond, squeeze * most + beyond],
+    around = circle(AROUND),
     corners = [],
-    open = one.sign < 0;
-  for (const height of [low, high])
-    for (let j = 0; j < AROUND; j++) {
-      const c = Math.cos((2 * Math.PI * j) / AROUND),
-        s = Math.sin((2 * Math.PI * j) / AROUND);
-      corners.push(one.R * c, one.R * s, height, c, s, 0, 0);
+    rim = (height, normal) => around.forEach(([c, s]) => corners.push(one.R * c, one.R * s, height, ...normal(c, s), 0));
+  for (const height of [low, high]) rim(height, (c, s) => [c, s, 0]);
+  let triangles = wallTriangles(2, AROUND);
+  if (one.sign > 0) {
+    for (const [height, way] of [
+      [low, -1],
+      [high, 1],
+    ]) {
+      rim(height, () => [0, 0, way]);
+      corners.push(0, 0, height, 0, 0, way, 0);
     }
-  const walls = wallTriangles(2, AROUND);
-  for (let i = 0; i < walls.length; i += 3) [walls[i + 1], walls[i + 2]] = [walls[i + 2], walls[i + 1]];
-  if (open) return { corners: Float32Array.from(corners), triangles: walls, low, high };
-  for (const [height, way] of [
-    [low, -1],
-    [high, 1],
-  ]) {
-    for (let j = 0; j < AROUND; j++)
-      corners.push(
-        one.R * Math.cos((2 * Math.PI * j) / AROUND),
-        one.R * Math.sin((2 * Math.PI * j) / AROUND),
-        height,
-        0,
-        0,
-        way,
-        0,
-      );
-    corners.push(0, 0, height, 0, 0, way, 0);
+    triangles = Uint32Array.from([...triangles, ...endTriangles(2 * AROUND, AROUND)]);
   }
-  const ends = endTriangles(2 * AROUND, AROUND);
-  for (let i = 0; i < ends.length; i += 3) [ends[i + 1], ends[i + 2]] = [ends[i + 2], ends[i + 1]];
-  return { corners: Float32Array.from(corners), triangles: Uint32Array.from([...walls, ...ends]), low, high };
+  // the rings of the rod run the other way around
+  for (let i = 0; i < triangles.length; i += 3) [triangles[i + 1], triangles[i + 2]] = [triangles[i + 2], triangles[i + 1]];
+  return { corners: Float32Array.from(corners), triangles, low, high };
 }
+
+/* Cosine and sine of so many angles, evenly around. */
+export const circle = (n) =>
+  Array.from({ length: n }, (_, j) => [Math.cos((2 * Math.PI * j) / n), Math.sin((2 * Math.PI * j) / n)]);
