@@ -6,6 +6,7 @@ small and the branch goes on (an end of the rod crosses a saddle, in a range as 
 in `continuation`.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -29,7 +30,7 @@ from .branch_events import Bounds, Place, Stop, arrive, both_ways, events_betwee
 from .branch_states import AT_END, IS_CLOSED, BranchState, begin_at, in_other_charts, rechart, steps_in_core
 from .family import Family
 from .helices import end_of_helix, helix_places, off_helix
-from .leaps import leap, shape_of
+from .leaps import Guess, leap, shape_of
 
 _LENGTHS = arclength.Lengths(first=0.02, longest=0.25, least=1e-7)  # of steps, in scales
 _NATURAL = replace(_LENGTHS, first=0.1, least=1e-4)  # the same where the parameter must rise all the way
@@ -288,11 +289,15 @@ def leap_from(
     first, last = family.given(p), family.given(far)
     if first is None or last is None:
         return LEFT
-    landing = leap(first, last, 0.0, problem, path) if family.is_dead else off_helix(state_of(problem, path), last)
-    if landing is None:
-        return _NONE_BESIDE if family.is_dead else STILL
-    begun, share = landing
-    return begin_at(replace(family, begun=begun.problem), begun.path, p + share * (far - p), rises)
+    guesses = leap(first, last, problem, path) if family.is_dead else off_helix(state_of(problem, path), last)
+    places = ((guess, way, p + share * (far - p)) for guess, way, share in guesses)
+    return first_equilibrium(family, places, rises) or (_NONE_BESIDE if family.is_dead else STILL)
+
+
+def first_equilibrium(family: Family, guesses: Iterable[Guess], rises: bool) -> BranchState | None:
+    """The first equilibrium that is reached from guesses at values of p; None where none is."""
+    states = (begin_at(replace(family, begun=problem), path, p, rises) for problem, path, p in guesses)
+    return next((state for state in states if not isinstance(state, str)), None)
 
 
 def past_helix(state: BranchState, bounds: Bounds) -> BranchState | None:
@@ -322,9 +327,6 @@ def past_helix(state: BranchState, bounds: Bounds) -> BranchState | None:
     p = bounds.snap(state.p + way * family.scale * state.rises)
     ends = LinePoint(problem)
     starts = sorted(zip(np.abs(speeds + way * rate), (ends.start, ends.end), strict=True), key=lambda one: one[0])
-    for speed, angle in starts:
-        bent = Path(angle, 1.0, max(2 * float(np.log(max(speed, 1e-300))), AT_REST), -path.leaving, path.turns)
-        beyond = begin_at(replace(family, begun=problem), bent, p, state.rises > 0)
-        if not isinstance(beyond, str):
-            return beyond
-    return None
+    logs = [(max(2 * float(np.log(max(speed, 1e-300))), AT_REST), angle) for speed, angle in starts]
+    guesses = [(problem, Path(angle, 1.0, y, -path.leaving, path.turns), p) for y, angle in logs]
+    return first_equilibrium(family, guesses, state.rises > 0)

@@ -5,15 +5,14 @@ helix followed over one parameter: where its Morse index changes, other equilibr
 H = H' = 0. A long rod that lies along it reaches a fold next to that parameter, nearer than its level can tell.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy  # its parts are imported when used
 
-from ..equilibrium.charts import charts, coordinate
 from ..equilibrium.given_numbers import FREE, Given, OrbitState, answer, parts_of, problem_after, problem_of
 from ..equilibrium.orbit_rates import NUMBERS, helix_change, orbit_rates
-from ..equilibrium.system import correct_equilibrium
 from ..levels.line_point import LinePoint, Path
 from ..levels.morse_index import helix_half_waves, helix_index
 from ..levels.transit_times import DOWN, UP
@@ -23,6 +22,7 @@ from ..numerics.arrays import Array
 from ..numerics.roots import root
 from .branch_events import Bounds, Place
 from .family import Family
+from .leaps import Guess
 
 _STEP = 0.25  # of the parameter's scale
 _SYMMETRIC = 1e-9  # H'' of a helix about which G is symmetric
@@ -123,11 +123,9 @@ _HELICES, _NEAR = 8, 0.5  # steps from helix to helix; largest change of an angl
 _STATIONS = 4001  # at which the turning points are counted
 
 
-def off_helix(state: OrbitState, wanted: Given) -> tuple[OrbitState, float] | None:
-    """A bent rod on the line from a helix to the wanted numbers, and the share of the line that it covers.
-
-    None where the change leaves beta_t zero at both ends.
-    """
+def off_helix(state: OrbitState, wanted: Given) -> Iterator[Guess]:
+    """Guesses of the bent rods on the line from a helix to the wanted numbers, and the shares of the line that they
+    cover; none where the change leaves beta_t zero at both ends."""
     first = wanted.at(state)
     values, span = wanted.values - first.values, np.array([wanted.span - first.span])
     change = answer(state.rates, first, values[:, None], span)[:, 0]
@@ -135,23 +133,18 @@ def off_helix(state: OrbitState, wanted: Given) -> tuple[OrbitState, float] | No
     moves = np.abs(change[[NUMBERS.index(name) for name in (*FREE, "dbeta0", "dbetaL")]])
     largest = float(moves.max())
     if not np.isfinite(largest) or not moves[-2:].max() > _STILL * largest:
-        return None
+        return
     t = np.linspace(0, float(state.problem.span[0]), _STATIONS)
     speeds = helix_change(state.problem, t[None]).rate[0] @ parts
     on_saddle = bool(slope_rate(state.problem, state.problem.beta0)[0] < 0)
     for size in _SIZES:
         share = min(1.0, size / largest)
-        ahead = first.towards(wanted, share)
-        problem = problem_after(state.problem, ahead, change, share)
+        problem = problem_after(state.problem, first.towards(wanted, share), change, share)
         place = LinePoint(problem)
-        paths = [_bent(place, share * speeds)]
+        path = _bent(place, share * speeds)
         if on_saddle:
-            paths = [_from_saddle(place, paths[0], share * float(speeds[0]), share * float(speeds[-1])), *paths]
-        for chart in (chart for path in paths for chart in charts(place, path, wanted.hinged)):
-            corrected = correct_equilibrium(problem, ahead, chart, coordinate(chart))
-            if not isinstance(corrected, str):
-                return corrected, share
-    return None
+            yield problem, _from_saddle(place, path, share * float(speeds[0]), share * float(speeds[-1])), share
+        yield problem, path, share
 
 
 def helix_ahead(state: OrbitState, wanted: Given) -> OrbitState | None:
