@@ -1,5 +1,7 @@
-"""What is wrong with the page of a figure: words cut off, words over words, small letters, red that is no failure."""
+"""What is wrong with the page of a figure: words cut off, words over words, small letters, units as programs write
+them, red that is no failure."""
 
+import re
 from io import BytesIO
 from itertools import combinations
 
@@ -13,6 +15,7 @@ SLACK = 1.5  # pixels
 MOST_MARKERS = 50  # values of a line, beyond which it has none
 COLUMN, TALLEST = 89.5, 120.5  # millimetres: a figure no wider is no taller
 RED = 0.2  # by which red exceeds green and blue
+UNREADABLE = re.compile(r"\[rad\]|\w\^|\*\*|\b(nan|inf)\b")  # angles are in degrees, powers are raised
 
 
 def words(fig: Figure) -> list[Text]:
@@ -51,6 +54,8 @@ def faults(fig: Figure, least: float = 7.0) -> list[str]:
             found.append(f"cut off: {said}")
         if text.get_fontsize() < least - 1e-9:
             found.append(f"letters of {text.get_fontsize():.1f} points: {said}")
+        if UNREADABLE.search(said):
+            found.append(f"as programs write it: {said}")
     for (one, a), (other, b) in combinations(zip(texts, boxes, strict=True), 2):
         wide, high = (min(a.x1, b.x1) - max(a.x0, b.x0)), (min(a.y1, b.y1) - max(a.y0, b.y0))
         room = one.get_text().endswith("\n") or other.get_text().endswith("\n")  # empty lines keep room for the other
