@@ -46,7 +46,7 @@ def figure(ds: xr.Dataset, sheet: Sheet = SCREEN, show: Sequence[str] = ()) -> F
     beside = "" if reaction is None else f", {labels.symbol(ds[reaction])} beside the number"
     rows: list[canvas.Row] = [
         (panel.height, [lambda ax: [*_entries(ds["index"].values), *panel.draw(ax, f"{beside}{shown}")]]),
-        (high, [lambda ax: against_index(ds, ax, name, sheet.width, high)]),
+        (high, [lambda ax: against_index(ds, ax, name, high)]),
     ]
     return canvas.page(ds, sheet, rows, more=0.45)
 
@@ -58,11 +58,8 @@ def one_shown(names: Sequence[str]) -> Sequence[str]:
     return names
 
 
-def against_index(
-    ds: xr.Dataset, ax: Axes, name: str = "energy", width: float = SCREEN.width, high: float = HIGH[1]
-) -> list[str]:
-    """An observable against the index on a page of so many inches, that high: a dot an equilibrium, filled where it is
-    stable.
+def against_index(ds: xr.Dataset, ax: Axes, name: str, high: float) -> list[str]:
+    """An observable against the index on axes so many inches high: a dot an equilibrium, filled where it is stable.
 
     Returns what is to be said of them.
     """
@@ -70,7 +67,7 @@ def against_index(
     index = ds["index"].values
     ax.scatter(ds["index"], values, c=["white" if value else colours.INK for value in index], s=20,
                edgecolors=colours.INK, linewidths=0.9, zorder=3)  # fmt: skip
-    ax.set_xlabel(fonts.break_lines("Morse index: unstable directions", width - 0.9))
+    ax.set_xlabel(fonts.wrap("Morse index: unstable directions", ax))
     ax.set_ylabel(fonts.shorter([labels.label(ds[name], long) for long in (True, False)], high - 0.3))
     ax.yaxis.set_major_locator(RoomLocator("counts" if schema.is_count(ds[name]) else "numbers"))
     ax.xaxis.set_major_locator(RoomLocator("counts"))
