@@ -178,7 +178,7 @@ def test_what_a_picture_says_of_its_case_asks_for_that_case_again() -> None:
     for i in range(ds.sizes["E"]):
         said = scene_kinds.case_values(ds, {"E": i}).partition(" = ")[2].partition(" ")[0]
         assert options.axis_values(ds, [f"E={said}"]) == {"E": float(ds["E"].values[i])}
-    assert scene_kinds.case_values(ds, {"E": 3}, 4) == "E = 10910 N/cm²"  # a frame of a film: 10905.1
+    assert scene_kinds.values(ds, {"E": 3}) == ["E = 10910 N/cm²"]  # a heading: 10905.1
 
 
 @draws
