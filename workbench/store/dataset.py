@@ -117,12 +117,12 @@ def variables(
 
     prefix: of their names in the dataset. words: added to their long names.
     """
-    found = {}
+    variables = {}
     for name, values in columns.items():
         label = schema.labels(name, units)
         label["long_name"] += words
-        found[f"{prefix}{name}"] = xr.Variable(dims, np.asarray(values), label)
-    return found
+        variables[f"{prefix}{name}"] = xr.Variable(dims, np.asarray(values), label)
+    return variables
 
 
 def _own_dims(value: Any, axes: tuple[str, ...]) -> tuple[tuple[str, ...], NDArray[np.float64]]:
