@@ -1,6 +1,6 @@
 """Follow one equilibrium while one field of its case changes."""
 
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from .levels.line_point import Path
 
 MOST = 1000
+SolvePoint = Callable[[BranchPoint], Solution]
 
 
 def follow(solution: Solution, *, points: int = MOST, **field: ArrayLike) -> Branch:
@@ -87,7 +88,7 @@ def follow(solution: Solution, *, points: int = MOST, **field: ArrayLike) -> Bra
         followed = branch_through(family_of(case, name, begun, bounds), path, value_of(case, name), bounds)
     if isinstance(followed, str):
         raise InputError(f"the equilibrium cannot be followed: {followed}")
-    return _branch(case, name, *followed, _Solver(solution.tol, solution.t[0] / solution.problem.span[0]))
+    return _branch(case, name, *followed, partial(_solution_at, solution.tol, solution.t[0] / solution.problem.span[0]))
 
 
 def _most(points: int) -> int:
@@ -116,15 +117,6 @@ def _follow_shape(solution: Solution, name: str, bounds: "Bounds") -> "tuple[lis
     known = solution.trajectory.shapes.of(0)
     curve, shape = path_at(case, known, partial(with_field, case, name), bounds.low, bounds.high)
     return shapes_through(curve, shape, value_of(case, name), bounds)
-
-
-def _solutions_at(points: list[BranchPoint], case: Case, u: Array, tol: float) -> Solution:
-    """Points of a branch of rods with weight or friction as one solution of a case with as many rods, at s/L = u."""
-    from .shooting.answers import answer_ends, shape_path
-
-    t = span_of(case)[:, None] * u
-    paths = [shape_path(point.path, point.index) for point in points]
-    return Solution(case, *answer_ends(case, t, tol, paths), t, "shooting", tol)
 
 
 def _check(solution: object) -> Solution:
@@ -172,18 +164,24 @@ def _field_and_values(case: Case, field: dict[str, ArrayLike]) -> tuple[str, Arr
     return name, numbers
 
 
-@dataclass(frozen=True, eq=False)
-class _Solver:
-    """Makes the solution of a point, at stations u = s/L."""
+def _solution_at(tol: float, u: Array, point: BranchPoint) -> Solution:
+    """The solution of a point, at stations u = s/L."""
+    return _solutions_at([point], point.case, tol, u)
 
-    tol: float
-    u: Array
 
-    def __call__(self, point: BranchPoint) -> Solution:
-        if point.case.varies:
-            return _solutions_at([point], point.case, self.u, self.tol)
-        problem, t, shape = _shape(point, self.u, self.tol)
-        return Solution(point.case, problem, shape, t, "shooting", self.tol)
+def _solutions_at(points: Sequence[BranchPoint], case: Case, tol: float, u: Array) -> Solution:
+    """Points of a branch as one solution of a case with as many rods, at stations u = s/L."""
+    if case.varies:
+        from .shooting.answers import answer_ends, shape_path
+
+        t = span_of(case)[:, None] * u
+        paths = [shape_path(point.path, point.index) for point in points]
+        return Solution(case, *answer_ends(case, t, tol, paths), t, "shooting", tol)
+    from .levels.path_orbits import together
+
+    problems, stations, shapes = zip(*(_shape(point, u, tol) for point in points), strict=True)
+    t = np.concatenate(stations)
+    return Solution(case, EndsProblem.join(problems), together(shapes, t), t, "shooting", tol)
 
 
 def _shape(point: BranchPoint, u: Array, tol: float) -> tuple[EndsProblem, Array, Trajectory]:
@@ -206,23 +204,21 @@ def _shape(point: BranchPoint, u: Array, tol: float) -> tuple[EndsProblem, Array
 
 def solutions_of(branch: Branch, stations: int) -> Solution:
     """All points of a branch as one solution over a grid of one axis."""
-    from .levels.path_orbits import together
-
-    tol, u = branch.points[0].solution.tol, np.linspace(0, 1, stations)
     case = with_field(branch.points[0].case, branch.field, branch.values)
-    if branch.points[0].case.varies:
-        return _solutions_at(list(branch.points), case, u, tol)
-    shapes = [_shape(point, u, tol) for point in branch.points]
-    t = np.concatenate([shape[1] for shape in shapes])
-    problem = EndsProblem.join([shape[0] for shape in shapes])
-    return Solution(case, problem, together([shape[2] for shape in shapes], t), t, "shooting", tol)
+    return _solutions_at(branch.points, case, branch.points[0].solution.tol, np.linspace(0, 1, stations))
 
 
 def _branch(
-    case: Case, name: str, places: "list[Place]", start: int, begin: "Stop", end: "Stop", solved: _Solver
+    case: Case,
+    name: str,
+    places: "list[Place]",
+    start: int,
+    begin: "Stop",
+    end: "Stop",
+    solve_point: SolvePoint,
 ) -> Branch:
     """The branch of the places over a field, with why there are no more at either end; start: the first one."""
-    points, special = _points(places, case, name, solved)
+    points, special = _points(places, case, name, solve_point)
     ends = _end(name, begin), _end(name, end)
     if ends[0].kind == HELIX:
         special = (SpecialPoint(HELIX, points[0].value, -1, points[0].index, 0), *special)
@@ -251,7 +247,7 @@ def _next_index(places: "list[Place]", fallback: "Place") -> int:
 
 
 def _points(
-    places: "list[Place]", case: Case, name: str, solved: _Solver
+    places: "list[Place]", case: Case, name: str, solve_point: SolvePoint
 ) -> tuple[tuple[BranchPoint, ...], tuple[SpecialPoint, ...]]:
     """The points of a branch and the special ones among them."""
     points, special, held = list[BranchPoint](), list[SpecialPoint](), bool(held_of(case))
@@ -264,5 +260,5 @@ def _points(
             special.append(SpecialPoint(place.kind, float(place.p), before, after, i))
         known = index if index is not None else _next_index(places[i:] + places[:i][::-1], place)
         problem = place.problem if held else None
-        points.append(BranchPoint(float(place.p), known, place.path, problem, case_at, solved))
+        points.append(BranchPoint(float(place.p), known, place.path, problem, case_at, solve_point))
     return tuple(points), tuple(special)

@@ -91,11 +91,20 @@ def trace_fold(branch: Branch, number: int = 0, **ranges: Any) -> FoldCurve:
         )
     plane = ParameterPlane(case, names, low, high)
     plane.case_at(np.array([[0.0, 0.0], [0.0, 1.0], [1.0, 0.0], [1.0, 1.0]]))  # raises `InputError`
-    z, point = plane.shares(np.array([value, second])), branch.points[place]
-    if case.varies:
-        shapes = [branch.points[i].path for i in (place - 1, place, place + 1)]
-        return fold_curve(plane, fold_through(rods_over(plane), z, 0, shapes))
-    return fold_curve(plane, OrbitsOnPlane(plane).fold_of(z, 0, Place(value, point.path, point.problem, point.index)))
+    points = branch.points[place - 1 : place + 2]
+    places = [Place(at.value, at.path, None if case.varies else at.problem, at.index, FOLD) for at in points]
+    z = plane.shares(np.array([value, second]))
+    curves = system_on(plane, z).curves(Meeting(z, 0, (places[0], places[1], places[2])), lambda *_: False)
+    assert curves is not None  # a fold has one
+    return fold_curve(plane, curves[0])
+
+
+def system_on(plane: ParameterPlane, middle: Array) -> "ShapesOnPlane | OrbitsOnPlane":
+    """The equilibria over a plane, as its rods have them: shapes on nodes with weight or friction, else orbits.
+
+    middle: the z that the scales of shapes are of.
+    """
+    return ShapesOnPlane(rods_over(plane), middle) if plane.varies else OrbitsOnPlane(plane)
 
 
 def rods_over(plane: ParameterPlane) -> RodAt:
@@ -111,7 +120,7 @@ def search_from_middle(plane: ParameterPlane, lattice: int) -> FoldCurves:
     """The curves that branches along the lines of a lattice meet, from the equilibria found at its middle."""
     ticks, middle = lattice_ticks(lattice), lattice // 2
     z = ticks[[middle, middle]]
-    system = ShapesOnPlane(rods_over(plane), z) if plane.varies else OrbitsOnPlane(plane)
+    system = system_on(plane, z)
     places = [system.place_of(equilibrium) for equilibrium in equilibria(plane.case_at(z), stations=2)]
     return search_linked(plane, system, ticks, {(middle, middle): places})
 

@@ -147,24 +147,21 @@ def _change(state: BranchState, chart: Chart) -> BranchState | None:
         if at is None:
             continue
         for candidate in charts(*at, curve.family.hinged):
-            if (
-                candidate.kind == chart.kind
-                and candidate.logarithmic == chart.logarithmic
-                and candidate.at.sign == chart.at.sign
-            ):
-                w, w_nearby = (
-                    np.append(coordinate(c), (point * state.curve.scales)[1:]) / curve.scales
-                    for c, point in ((chart, state.node.w), (candidate, beyond))
-                )
-                along = (w_nearby - w) / nudge
-                if not along.any():
-                    continue
-                along /= np.linalg.norm(along)
-                changed = correct_state(curve, w, along)
-                if not isinstance(changed, str) and changed.node.tangent @ along < _PARALLEL:
-                    continue
-                if not isinstance(changed, str) and changed.rises * state.rises > 0:
-                    return changed
+            if not alike(candidate, chart):
+                continue
+            w, w_nearby = (
+                np.append(coordinate(c), (point * state.curve.scales)[1:]) / curve.scales
+                for c, point in ((chart, state.node.w), (candidate, beyond))
+            )
+            along = (w_nearby - w) / nudge
+            if not along.any():
+                continue
+            along /= np.linalg.norm(along)
+            changed = correct_state(curve, w, along)
+            if isinstance(changed, str) or changed.node.tangent @ along < _PARALLEL:
+                continue
+            if changed.rises * state.rises > 0:
+                return changed
     return None
 
 
