@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..core import branches as core
-from ..equilibrium.charts import CORNER, Chart, charts, coordinate, excess, path_at
+from ..equilibrium.charts import CORNER, Chart, charts, coordinate, path_at
 from ..equilibrium.given_numbers import FREE, Given, move, problem_of, values_of
 from ..equilibrium.held_index import held_index
 from ..equilibrium.orbit_rates import NUMBERS, OrbitRates, orbit_rates, start_rates
@@ -85,13 +85,8 @@ class EquilibriumCurve:
 
     def _excess(self, p: float, x: Array) -> Array | None:
         """The length of the path less that of the rod under dead loads, at each x."""
-        if self.family.steps is not None:
-            in_core = self.family.steps.excess(core.chart_of(self.chart), p, x)
-            if in_core is not None:
-                return in_core
-        place = self.family.place(p)
-        off = np.array([np.nan]) if place is None else excess(place, self.chart, x)
-        return off if np.isfinite(off).all() else None
+        assert self.family.steps is not None
+        return self.family.steps.excess(core.chart_of(self.chart), p, x)
 
     def _less(self, rates: OrbitRates, given: Given, w: Array) -> Array | None:
         """The numbers less the given ones; those that are unknowns and given are read from w."""

@@ -33,7 +33,7 @@ int rod_place_of(const ends_problem *of, const grid *by, place *o)
     const ends_problem p = *of;
     const double *numbers = &of->lam;
     for (int k = 0; k < 6; k++)
-        if (!isfinite(numbers[k]) || (k > 3 && fabs(numbers[k]) > FAR))
+        if (!isfinite(numbers[k]))
             return NOT_POSSIBLE;
     const int failed = rod_critical(p.lam, p.mu, p.phi, by, &o->found);
     if (failed)

@@ -12,7 +12,6 @@ import numpy as np
 from ..core import branches as core
 from ..core.library import numbers_of
 from ..levels.line_point import LinePoint, Path
-from ..numerics.arrays import Array
 
 _SAME = 1e-6  # in scales: coordinates of one equilibrium
 CORNER = "corner"
@@ -76,10 +75,3 @@ def same_equilibrium(place: LinePoint, one: Path, other: Path) -> bool:
         return False
     near = abs(np.sin((first.at.pin - second.at.pin) / 2)) < _SAME
     return near and abs(coordinate(first) - coordinate(second)) < _SAME * first.scale
-
-
-def excess(place: LinePoint, chart: Chart, x: Array) -> Array:
-    """Length of the orbit less that of the rod at each x, (M,); NaN where there is no such orbit."""
-    every = [path_at(place, chart, float(value)) for value in x]
-    known = [path for path in every if path is not None]
-    return place.lengths(known) - place.problem.span[0] if len(known) == x.size else np.full(x.size, np.nan)

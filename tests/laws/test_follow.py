@@ -34,6 +34,18 @@ def every() -> list[Equilibrium]:
     return list(equilibria(table_1_ends()))
 
 
+def test_whole_turns_of_both_ends_change_no_branch() -> None:
+    """Nor beyond a million radians, where sines are those of the machine's library."""
+    branches = []
+    for turns in (0.0, 2 * np.pi * 400_000):
+        ends = Ends(beta0=0.5 + turns, betaL=0.8 + turns, FZ=-8.66)
+        unstable = equilibria(Case(Rod(E=1.07e4, nu=0.25, a=0.25, L=5.0), Cylinder(R=0.75), ends))[-1].solution
+        branches.append(follow(unstable, FZ=-4.0))
+    plain, turned = branches
+    assert [point.kind for point in turned.special] == [point.kind for point in plain.special] == ["fold"]
+    assert turned.special[0].value == pytest.approx(plain.special[0].value, rel=1e-7)
+
+
 def test_the_fold_of_table_1_is_the_largest_beta_at_the_end_over_the_slope_at_the_start() -> None:
     branch = follow(table_1(), betaL=1.0)
     (fold,) = branch.special
