@@ -33,7 +33,8 @@ typedef struct {
     ends_problem p;
     critical found;
     double low, high, start, end;
-    int rising, whole_turns, passed, helix;
+    int rising, passed, helix;
+    int64_t whole_turns;
 } place;
 
 static inline int64_t floored(int64_t a, int64_t b) { return a / b - (a % b != 0 && (a % b < 0) != (b < 0)); }

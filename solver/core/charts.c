@@ -2,6 +2,8 @@
 
 #include "branches.h"
 
+#define MOST_TURNS 1e15 /* between two ends: above, an angle has no digit left of a turn */
+
 static int is_critical(const place *o, double angle)
 {
     for (int k = 0; k < o->found.count; k++)
@@ -56,9 +58,9 @@ int rod_place_of(const ends_problem *of, const grid *by, place *o)
     }
     o->low = around[0], o->high = around[1];
     const double turns = rint((upper - lower - (o->high - o->low + (o->high < o->low ? TAU : 0))) / TAU);
-    if (!(fabs(turns) < 1e6))
+    if (!(fabs(turns) < MOST_TURNS))
         return NOT_POSSIBLE;
-    o->whole_turns = (int)turns;
+    o->whole_turns = (int64_t)turns;
     o->passed = behind[1] - behind[0] + (o->high < o->low ? o->found.count : 0);
     o->start = o->rising ? o->low : o->high, o->end = o->rising ? o->high : o->low;
     return DONE;

@@ -200,3 +200,17 @@ def test_a_seed_does_not_pass_two_folds_that_are_close_to_each_other(MZ: float, 
     folds = [point for point in follow(seed, FZ=FZ).special if point.kind == "fold"]
     assert len(folds) == 2
     assert "fold" in str(solve(Case(rod, cylinder, after), seed=seed).outcome)
+
+
+@pytest.mark.parametrize("given", [{"FZ": -0.05}, {"height": 0.5}])
+def test_rods_that_differ_by_a_million_whole_turns_at_both_ends_are_one(given: dict[str, float]) -> None:
+    rod, turned = Rod(E=2e9, nu=0.3, a=0.001, L=1.0), 2e6 * np.pi
+    near, far = (solve(Case(rod, Cylinder(R=0.1), Ends(angle, angle + 0.5, **given))) for angle in (0.0, turned))
+    assert near.solved
+    assert far.solved
+    np.testing.assert_allclose(far.beta - turned, near.beta, atol=1e-7)
+
+
+def test_a_rod_that_turns_a_million_times_is_followed() -> None:
+    sol = solve(Case(Rod(E=2e9, nu=0.3, a=0.001, L=1.0), Cylinder(R=0.1), Ends(0.0, "7e6 rad", FZ=-0.05)))
+    assert [point.value for point in follow(sol, FZ=-0.07).points][-1] == -0.07
