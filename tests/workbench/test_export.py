@@ -317,6 +317,11 @@ def test_a_vtp_file_is_a_polyline_with_every_quantity_as_point_data(ds, tmp_path
     assert shape.n_lines == 1
 
 
+def test_a_vtp_file_escapes_letters_that_vtk_does_not_store(ds, tmp_path) -> None:
+    export(ds.assign_attrs(versions="\u2028"), tmp_path / "rod.vtp", Options(SOUND))
+    assert str(pv.read(tmp_path / "rod.vtp").field_data["versions"][0]) == r"\u2028"
+
+
 def test_a_study_that_varies_the_angle_is_exported_with_the_one_along_the_rod(tmp_path) -> None:
     axis = "[axes.beta]\nvalues = [15.0, 30.0]\nunit = 'deg'\n"
     varied = in_memory.run(loads(STUDY.partition("[axes.E]")[0] + axis, default_name="angles"))

@@ -204,6 +204,16 @@ def test_versions_that_differ_are_both_kept(tmp_path) -> None:
     assert told["scipy"] == dataset.versions()["scipy"]
 
 
+@pytest.mark.parametrize("names", [("outcome",), ("outcome", "turns")])
+def test_results_that_another_program_stored_as_coordinates_are_joined_as_results(names, tmp_path) -> None:
+    a, b = one_by_one(E1), one_by_one(E2)
+    a["outcome"].attrs["units"] = "days since 2000-01-01"  # which xarray would read as times
+    for other in (b, b.set_coords(names)):
+        file_merge.merge(stored(tmp_path, a.set_coords(names), other), tmp_path / "all.h5", force=True)
+        with reading.open_study(tmp_path / "all.h5") as merged:
+            assert set(names) <= set(merged.data_vars)
+
+
 @pytest.mark.slow
 def test_a_law_is_judged_again_on_all_values(tmp_path) -> None:
     falling, rising = counted(axis("E", [1e4, 2e4]) + LAW), counted(axis("E", [3e4, 4e4]) + LAW)

@@ -103,13 +103,13 @@ def texts_of_study(ds: xr.Dataset) -> Iterator[str]:
 
 
 def axes(ds: xr.Dataset) -> Iterator[str]:
-    """Whether each axis has finite, different numbers; those of the samples are whole."""
+    """Whether each axis has different numbers that are not too large; those of the samples are whole."""
     for name in schema.axes_of(ds):
         if name not in ds.coords or ds[name].dtype.kind not in ("iu" if name == SAMPLE else "f"):
             yield f": the axis {show(name)} has no values"
         values = ds[name].values
-        if not np.isfinite(values).all():
-            yield f": the axis {show(name)} holds values that are not finite"
+        if not (np.abs(values) <= LARGEST).all():
+            yield f": the axis {show(name)} holds values that are not finite, or beyond {LARGEST:g}"
         if np.unique(values).size < values.size:
             yield f": the axis {show(name)} holds a value twice"
 
@@ -142,6 +142,9 @@ def variables(ds: xr.Dataset) -> Iterator[str]:
         fits = dims == [dim for dim in known if dim in dims] and (name not in CURVES or dims == expected)
         if not fits or (name in ("u", "s") and dims[-1:] != ["u"]):
             yield f": {show(name)} has the dimensions {show(dims)}, which do not fit the axes"
+        measured = name.removesuffix("_error")
+        if measured != name and measured in ds.variables and variable.dims != ds[measured].dims:
+            yield f": {show(name)} has other dimensions than {show(measured)}"
         for key in SCALED:
             if key in variable.encoding:
                 yield f": {show(name)} has the attribute {key}, which the format does not allow"

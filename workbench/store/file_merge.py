@@ -42,7 +42,7 @@ def merge(files: Sequence[Path], out: Path, force: bool = False) -> dict[str, An
     if len(files) < 2:
         raise InputError(f"merge takes two files or more, got {len(files)}")
     with contextlib.ExitStack() as stack:
-        opened = [stack.enter_context(reading.open_study(path, whole=True)) for path in files]
+        opened = [_with_results_as_data(stack.enter_context(reading.open_study(path, whole=True))) for path in files]
         studies = [stored_case.study_of(ds) for ds in opened]
         names = [str(path) for path in files]
         axis, axes = _axis(opened, studies, names), schema.axes_of(opened[0])
@@ -78,6 +78,12 @@ def merge(files: Sequence[Path], out: Path, force: bool = False) -> dict[str, An
     unsolved, laws, caution = statistics["unsolved"], statistics["laws"], cautions.tell(statistics["cautions"])
     counts = {"cases": prod(shape), "unsolved": unsolved, "laws": laws, "caution": caution}
     return {"file": str(out), "axis": axis, "values": union.size, **counts}
+
+
+def _with_results_as_data(ds: xr.Dataset) -> xr.Dataset:
+    """The dataset in which a result is no coordinate, as it may be in a file that another program has stored."""
+    own = {"s", *ds.dims, *map(schema.dimension, schema.fields_of_samples(ds))}
+    return ds.reset_coords([name for name in ds.coords if name not in own])
 
 
 def _dimension(ds: xr.Dataset, study: Study, axis: str) -> Dimension:

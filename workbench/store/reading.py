@@ -38,7 +38,7 @@ def raw(path: str | Path) -> xr.Dataset:
         pass
     with refusing(path), warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of xarray, on files that are refused below
-        ds = writing.open_file(path, decode_times=False)
+        ds = writing.open_file(path)
     ds.attrs.pop(file_checks.SUMS, None)  # a selection that is stored has others
     return ds
 

@@ -184,7 +184,7 @@ def _slope(ds: xr.Dataset, study: Study, case: Case) -> Any:
     """beta'(0) near that of the followed equilibrium, of the shape of the case. Raises `InputError` past the fold."""
     (name,) = map(schema.dimension, study.varied)
     targets, fold = np.broadcast_to(values_of(case, name), case.shape), float(ds["fold"])
-    values, slopes = np.atleast_1d(ds[name].values), np.atleast_1d(ds["dbeta0"].values)
+    values, slopes = np.atleast_1d(*np.broadcast_arrays(ds[name].values, ds["dbeta0"].values))
     rises = 1 if fold >= values.max() else -1  # the fold is the last value
     beyond = rises * (targets - fold) > SAME * abs(fold)  # never where there is no fold, as that is stored as NaN
     if beyond.any():

@@ -55,14 +55,14 @@ def _open(path: str | Path | BytesIO, mode: str, **options: Any) -> File:
     return File(_Arrays(path if isinstance(path, BytesIO) else str(path), mode), mode, **options)
 
 
-def open_file(path: str | Path, **options: Any) -> xr.Dataset:
+def open_file(path: str | Path) -> xr.Dataset:
     """The dataset of a netCDF4 file, opened lazily; to be closed after use.
 
-    options: keywords of `xarray.open_dataset`. Arrays without names for their dimensions get some.
+    No number is read as a time. Arrays without names for their dimensions get some.
     """
     keywords = {"decode_vlen_strings": True, "phony_dims": "access"}
     manager = CachingFileManager(_open, str(path), mode="r", kwargs=keywords)  # keeps at most 128 files open
-    return xr.open_dataset(H5NetCDFStore(manager, mode="r"), cache=False, **options)
+    return xr.open_dataset(H5NetCDFStore(manager, mode="r"), cache=False, decode_times=False)
 
 
 def write_new(ds: xr.Dataset, path: str | Path | BytesIO) -> None:
