@@ -44,6 +44,7 @@ _CREEPING = (
     "the rod is next to a helix, as beside a pitchfork, and the range ends so near that the steps became too small; "
     "choose a range that ends farther on"
 )
+_CREEPING_NATURAL = "the steps became too small"
 _NONE_BESIDE = "the rod is no helix beyond, and no equilibrium next to the helix was found"
 STILL = "the start is a helix, and the change does not bend its ends; give a bent seed"
 UNBENT = "the rod is a helix and nothing bends it: helices between two hinges are solved, not followed"
@@ -183,7 +184,7 @@ class _Walk:
         """The places of a stride from a state, at the last of which the branch may end; leap: whether it is a leap."""
         self.creeps = self.creeps + 1 if creeps(state, there, self.bounds, leap) else 0
         if self.creeps > (_FEW if self.natural else _CREEPS):
-            return arclength.Stride(places, state, step, _CREEPING)
+            return arclength.Stride(places, state, step, _CREEPING_NATURAL if self.natural else _CREEPING)
         return arrive(places, passed, state, there, step, self.bounds, self._end)
 
     def _end(self, place: Place) -> str:

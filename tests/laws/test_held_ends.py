@@ -314,3 +314,9 @@ def test_a_rod_twisted_by_many_turns_has_the_twisting_moment_of_its_twist_or_say
     if sol.solved:
         expected = SHORT.torsional_stiffness * np.radians(turned) / 5.0
         assert pytest.approx(expected, rel=1e-6) == sol.M3  # swirl is < 10 rad
+
+
+def test_a_rod_that_cannot_be_carried_to_its_held_ends_is_told_nothing_of_a_range() -> None:
+    sol = solve(Case(Rod(E=2e9, nu=0.3, a=0.001, L=1.0), Cylinder(R=0.1), Ends(0.0, "1e5 rad", height=0.5)))
+    assert sol.outcome.startswith("failed: the branch of the start could not be followed to the held ends: ")
+    assert "range" not in sol.outcome
