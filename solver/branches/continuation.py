@@ -27,6 +27,7 @@ from .leaps import LEAPS, NEAR, shape_of
 
 _MOST = 1000  # points
 _SAME = 1e-12  # largest change of a number that leaves a helix as it is
+_BESIDE = 1e-6  # share of the line from whose last point its end is tried where the steps became too small
 FOLD = "a fold"
 
 
@@ -48,14 +49,21 @@ def carry(state: OrbitState, wanted: Given, most: int = _MOST) -> OrbitState | S
         begin, end = (np.append(given.values, given.span) for given in (first, wanted))
         if (np.abs(end - begin) <= _SAME * (1 + np.abs(end))).all():
             return state
+    if not np.isfinite(first.values).all():  # an end of the rod rests, so that only its own neighbourhood is known
+        settled = settle(state.problem, state.path, wanted)
+        return Stopped(0.0, settled) if isinstance(settled, str) else settled
     line = line_between(state.problem, first, wanted, natural=True)
     places, stop = follow_branch(line, state.path, 0.0, True, Bounds(0.0, 1.0, (), most))
     share, last = (places[-1].p, places[-1]) if places else (0.0, None)
-    if last is not None and stop.reason == arclength.END:
-        if last.path.helix:
-            return state_of(last.problem, last.path)
+    ended = stop.reason == arclength.END
+    if last is not None and last.path.helix and ended:
+        return state_of(last.problem, last.path)
+    if last is not None and (ended or (stop.reason != arclength.FOLD and 1 - share < _BESIDE)):
         settled = settle(last.problem, last.path, wanted)
-        return Stopped(share, settled) if isinstance(settled, str) else settled
+        if not isinstance(settled, str):
+            return settled
+        if ended:
+            return Stopped(share, settled)
     helix = helix_ahead(state, wanted) if state.path.helix else None
     reason = FOLD if stop.reason == arclength.FOLD else stop.reason
     return Stopped(share, reason) if helix is None else helix

@@ -89,14 +89,15 @@ class EquilibriumCurve:
         return self.family.steps.excess(core.chart_of(self.chart), p, x)
 
     def _less(self, rates: OrbitRates, given: Given, w: Array) -> Array | None:
-        """The numbers less the given ones; those that are unknowns and given are read from w."""
+        """The numbers less the given ones; those that are unknowns and given are read from w, but beta(L) in a corner,
+        where it follows from the start."""
         numbers, length = rates.values[0], float(rates.length[0])
         off = values_of(numbers, length, given) - given.values
         free = w[2:] * self.scales[2:]
-        for k, name in enumerate(given.names):
-            if name in FREE:
-                off[k] = free[FREE.index(name)] - given.values[k]
         corner = self.chart.kind == CORNER
+        for k, name in enumerate(given.names):
+            if name in FREE and not (name == "betaL" and corner):
+                off[k] = free[FREE.index(name)] - given.values[k]
         off = np.append(off, free[_FAR] - numbers[NUMBERS.index("betaL")] if corner else length - given.span)
         return off if np.isfinite(off).all() else None
 

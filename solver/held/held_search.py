@@ -17,10 +17,12 @@ import numpy as np
 from ..branches.continuation import Stopped, carry
 from ..branches.deflation import across_fold, deflate, is_known, numbers_of
 from ..branches.helices import helices_of
+from ..branches.leaps import shape_of
 from ..equilibrium.given_numbers import FREE, Given, OrbitState
 from ..equilibrium.orbit_rates import orbit_rates, start_rates
 from ..equilibrium.system import corner_state, settle
 from ..levels.line_point import LinePoint, Path
+from ..levels.path_orbits import orbit_of
 from ..levels.transit_times import wrap
 from ..mechanics.potential import TAU
 from ..numerics.arrays import Array
@@ -29,7 +31,8 @@ from ..problem.reduced import EndsProblem
 from .held_sweep import Point, Ranges, ranges_of, starts_of, swept
 from .hinge_scan import hinged_states
 
-_POINTS = 30  # of each continuation
+_LEVEL = 1e-6  # rad by which beta of a rod varies that rounding alone tells from a straight rod or a helix
+_POINTS = 150  # of each continuation
 _SEED = 14  # of the random choice of where deflation begins
 CONTINUED, MIRRORED, FOLDED, DEFLATED, HELIX = "continuation", "mirror image", "across a fold", "deflation", "helix"
 SCANNED = "scan"
@@ -67,6 +70,8 @@ class HeldFound:
         if state is not None and not {"beta0", "betaL"} & {*self.given.names}:
             state = _within_a_turn(state)
         if state is None or not np.isfinite(numbers_of(state)).all() or is_known(state, self.known):
+            return False
+        if self.any_load and not state.path.helix and np.ptp(shape_of(orbit_of(state.problem, state.path))) < _LEVEL:
             return False
         self.known.append(numbers_of(state))
         values = {name: float(getattr(state.problem, name)[0]) for name in FREE}

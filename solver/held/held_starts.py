@@ -30,7 +30,6 @@ from .held_sweep import dead_states
 HELIX = "a helix, which has these ends itself"
 _TRIED, _REACHED = 8, 3  # starts from which continuation is tried; equilibria after which it ends
 _UNSTABLE = 0.3  # what a negative direction of a start adds to its distance
-_POINTS, _POINTS_NEAR = 60, 300  # on the way from each of them, and from those next to a helix
 _MOST_TURNS = 2  # of the starts
 _SHORT = 1e-3  # share of the way to a helix by which an end angle stays away from it
 
@@ -69,16 +68,14 @@ def nearest_start(wanted: Given) -> Reached | str:
     reached, tried, why = _reach(wanted, _starts(wanted, guesses), helices)
     reached = reached or [candidate for candidate in themselves if index_of(candidate.state, wanted) == 0]
     if not reached and (near := _next_to_helices(wanted, guesses)):
-        reached, more, _ = _reach(wanted, _starts(wanted, near), helices, _POINTS_NEAR)
+        reached, more, _ = _reach(wanted, _starts(wanted, near), helices)
         tried += more
     reached = reached or themselves
     stable = [candidate for candidate in reached if index_of(candidate.state, wanted) == 0]
     return [*stable, *reached][0] if reached else f"{why}; {tried} starts were tried; in Python a seed may help"
 
 
-def _reach(
-    wanted: Given, starts: list[OrbitState], helices: list[OrbitState], most: int = _POINTS
-) -> tuple[list[Reached], int, str]:
+def _reach(wanted: Given, starts: list[OrbitState], helices: list[OrbitState]) -> tuple[list[Reached], int, str]:
     """What the first starts lead to, up to a stable equilibrium; how many were tried; why the first of them failed.
 
     An orbit whose swings about one of the helices fall to rounding is that helix.
@@ -86,7 +83,7 @@ def _reach(
     reached: list[Reached] = []
     why = ""
     for tried, start in enumerate(starts[:_TRIED], 1):
-        state = carry(start, wanted, most)
+        state = carry(start, wanted)
         if isinstance(state, Stopped):
             why = why or outcome_of(state)
             continue

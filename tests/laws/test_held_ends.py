@@ -320,3 +320,38 @@ def test_a_rod_that_cannot_be_carried_to_its_held_ends_is_told_nothing_of_a_rang
     sol = solve(Case(Rod(E=2e9, nu=0.3, a=0.001, L=1.0), Cylinder(R=0.1), Ends(0.0, "1e5 rad", height=0.5)))
     assert sol.outcome.startswith("failed: the branch of the start could not be followed to the held ends: ")
     assert "range" not in sol.outcome
+
+
+def test_a_rod_with_a_hinge_at_its_start_is_followed_from_height_to_height() -> None:
+    def case(height: float) -> Case:
+        return Case(
+            Rod(E=1.07e4, nu=0.25, a=0.25, L=5.0), Cylinder(R=0.75), Ends(M10=0.0, betaL="20deg", height=height)
+        )
+
+    sol = solve(case(4.6))
+    for height in np.linspace(4.55, 2.6, 40):
+        sol = solve(case(height), seed=sol)
+        assert sol.solved, (height, sol.outcome)
+
+
+@pytest.mark.parametrize(
+    ("E", "L", "R", "side", "ends"),
+    [
+        (1.07e4, 5.0, 0.75, "outside", Ends(0.001, 0.001, height=4.9)),
+        (267.0, 10.0, 0.4155, "inside", Ends(0.6908, 0.3628, height=5.3364)),
+        (1.07e4, 500.0, 0.75, "outside", Ends(0.3, 0.3, height=400.0)),
+        (1.07e4, 5.0, 0.75, "outside", Ends(0.2, 0.2, height=4.999)),
+    ],
+)
+def test_rods_that_are_pushed_far_or_pulled_taut_are_solved_and_stable(E, L, R, side, ends) -> None:
+    sol = solve(Case(Rod(E=E, nu=0.25, a=0.25, L=L), Cylinder(R=R, side=side), ends))
+    assert sol.solved, sol.outcome
+    assert sol.held_index == 0
+
+
+def test_a_hinged_rod_that_rests_at_its_far_end_is_its_own_seed() -> None:
+    ends = Ends(M10=-0.027223322295329325, M1L=0, azimuth=-0.2775656008475698, M3=-0.005206395614304313)
+    case = Case(Rod(E=145.6711216760269, nu=0.09843019864972385, a=0.25, L=30), Cylinder(R=1.1240044064931354), ends)
+    sol = solve(case)
+    assert sol.solved
+    assert float(solve(case, seed=sol).FZ) == pytest.approx(float(sol.FZ), rel=1e-9)

@@ -110,8 +110,14 @@ class Shape:
 
 
 def is_searched(study: Study) -> bool:
-    """Whether the rod of a state is one of several, between two ends."""
-    return isinstance(study.case().given, Ends)
+    """Whether the rod of a state is one of several, between two ends.
+
+    Raises `InputError` for ends that the page does not show.
+    """
+    case = study.case()
+    if not case.varies and (held := held_of(case)):
+        raise InputError(f"the live page shows ends under dead loads, got {choices(held)}: use workbench solve")
+    return isinstance(case.given, Ends)
 
 
 def shape(study: Study, lost: bool = False) -> Shape:
@@ -121,8 +127,6 @@ def shape(study: Study, lost: bool = False) -> Shape:
     unsolved rod, and for ends that the page does not show.
     """
     case = study.case()
-    if not case.varies and (held := held_of(case)):
-        raise InputError(f"the live page shows ends under dead loads, got {choices(held)}: use workbench solve")
     if not is_searched(study):
         return _resolve(study, case, solve(case, TOL, stations=STATIONS))
     sol = _with_weight(case) if case.varies else _between(study, case, lost)
