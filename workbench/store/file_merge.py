@@ -82,8 +82,8 @@ def merge(files: Sequence[Path], out: Path, force: bool = False) -> dict[str, An
 
 def _with_results_as_data(ds: xr.Dataset) -> xr.Dataset:
     """The dataset in which a result is no coordinate, as it may be in a file that another program has stored."""
-    own = {"s", *ds.dims, *map(schema.dimension, schema.fields_of_samples(ds))}
-    return ds.reset_coords([name for name in ds.coords if name not in own])
+    coordinates = {"s", *ds.dims, *map(schema.dimension, schema.fields_of_samples(ds))}
+    return ds.reset_coords([name for name in ds.coords if name not in coordinates])
 
 
 def _dimension(ds: xr.Dataset, study: Study, axis: str) -> Dimension:
