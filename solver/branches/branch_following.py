@@ -54,7 +54,7 @@ _BACKWARD = 1e-3  # in scales, from a point to one before it: they tell how beta
 _BESIDE = 0.01  # rad between the ends of a held rod there
 _FEW = 5  # steps, after which a rod that is carried may be next to a helix
 _LITTLE = 0.01  # the share of the way to the next halt that a leap must pass
-_LITTLE_NATURAL = 1e-6  # of p where it must rise from 0 to 1: less is no way
+_LITTLE_NATURAL = 1e-6  # of p where it must rise from 0 to 1: a point that goes less far does not advance
 _SLIGHT = 0.1  # rad: the range of beta of a rod beside a helix
 _BACK = 1e-6  # in scales: an equilibrium as near to the first is the first
 

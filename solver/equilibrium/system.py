@@ -62,10 +62,8 @@ def correct_equilibrium(problem: EndsProblem, given: Given, chart: Chart, x: flo
     if isinstance(corrected, str):
         return corrected
     assert last is not None
-    if (
-        not abs(given.span - float(last.rates.length[0])) < _MET * given.span
-    ):  # swings that fell to rounding have no length
-        return DIVERGED
+    if not abs(given.span - float(last.rates.length[0])) < _MET * given.span:
+        return DIVERGED  # swings that fell to rounding have no length
     if chart.kind != CORNER:
         return last if LinePoint(last.problem).joins_at(last.path) else LEFT
     return LEFT if is_still(last.problem, at) else corner_state(last.rates, at)

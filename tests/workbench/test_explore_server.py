@@ -224,7 +224,7 @@ def left(port: int, path: str, state: dict) -> HTTPConnection:
     return connection
 
 
-def ended(pid: int) -> bool:
+def has_ended(pid: int) -> bool:
     """Whether a process has ended and the server knows: until then it counts among the searches."""
     try:
         os.kill(pid, 0)
@@ -239,7 +239,7 @@ def test_a_search_ends_when_its_client_leaves(port, monkeypatch, tmp_path) -> No
     (pid,) = processes(tmp_path / "told", 1)
     assert pid != os.getpid()
     client.close()
-    until(lambda: ended(pid))
+    until(lambda: has_ended(pid))
 
 
 def test_endless_searches_delay_no_slider_and_only_so_many_run_or_wait(port, monkeypatch, tmp_path) -> None:
@@ -254,7 +254,7 @@ def test_endless_searches_delay_no_slider_and_only_so_many_run_or_wait(port, mon
     assert processes(tmp_path / "told", 1) == running
     for client in clients:
         client.close()
-    until(lambda: all(map(ended, running)))
+    until(lambda: all(map(has_ended, running)))
     monkeypatch.undo()
     assert asked(port, "POST", "/equilibria", {"state": CABLE}).status == 200
 

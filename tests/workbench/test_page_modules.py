@@ -200,7 +200,7 @@ FOLLOWED = """
     answer(shape && [shape.s, shape.beta, shape.dbeta, shape.alpha, shape.z, shape.error]);"""
 
 
-def followed(began: Solution, before: dict, to: dict) -> tuple[np.ndarray, ...]:
+def follow_in_page(began: Solution, before: dict, to: dict) -> tuple[np.ndarray, ...]:
     """s, beta, dbeta, alpha, z and error of the rod to which the page follows another one."""
     seed = {name: getattr(began, name).tolist() for name in ("s", "beta", "dbeta")}
     return tuple(np.array(row) for row in run(FOLLOWED, {"from": before, "to": to, "seed": seed}, MODULES))
@@ -209,7 +209,7 @@ def followed(began: Solution, before: dict, to: dict) -> tuple[np.ndarray, ...]:
 @pytest.mark.parametrize("name, field, value", [("pipe", "FZ", -230.0), ("pipe", "R", 0.12), ("cable", "R", 190.0)])
 def test_between_two_ends_the_page_follows_the_equilibrium_as_the_solver_does(name, field, value) -> None:
     began, to = page_model.shape(page_model.study_of(STATES[name])).sol, state(name, **{field: value})
-    s, beta, dbeta, alpha, z, error = followed(began, STATES[name], to)
+    s, beta, dbeta, alpha, z, error = follow_in_page(began, STATES[name], to)
     there = solve(case_of(to), 1e-10, stations=s, seed=began)
     assert there.solved
     assert error < 1e-12
@@ -222,7 +222,7 @@ def test_a_shape_is_followed_over_a_change_of_its_load_by_a_factor_of_five() -> 
             "FZ": -200.0, "MZ": 0.0, "M3": 0.0}  # fmt: skip
     made = {"units": {"length": "m", "force": "kN"}, "base": base}
     began = page_model.shape(page_model.study_of(made)).sol
-    s, beta, *_, error = followed(began, made, made | {"base": base | {"FZ": -1000.0}})
+    s, beta, *_, error = follow_in_page(began, made, made | {"base": base | {"FZ": -1000.0}})
     assert error < 1e-9
     assert np.degrees(np.ptp(beta)) == pytest.approx(1.629, abs=5e-4)
     middle = np.interp(50.0, s, beta) / np.interp(50.0, began.s, began.beta)
@@ -236,7 +236,7 @@ def test_a_slider_follows_the_equilibrium_it_began_with() -> None:
     third = page_model.list_equilibria(page_model.study_of(made))[2]
     named = made | {"equilibrium": {name: third[name] for name in ("dbeta0", "energy")}}
     began, wider = page_model.shape(page_model.study_of(named)).sol, made | {"base": base | {"R": 0.76}}
-    s, beta, *_ = followed(began, made, wider)
+    s, beta, *_ = follow_in_page(began, made, wider)
     assert np.abs(beta - np.interp(s, began.s, began.beta)).max() < 0.2
     assert np.abs(page_model.shape(page_model.study_of(wider)).sol.beta - began.beta).max() > 0.5
 

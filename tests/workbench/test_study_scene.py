@@ -42,17 +42,17 @@ def solved(monkeypatch) -> list:
 def test_only_the_cases_that_are_shown_and_what_their_kind_reads_are_solved(file) -> None:
     _, ds = study_scene.two_stations(file)
 
-    def solved(kind: str, at: dict[str, float], shown: list[str]) -> xr.Dataset:
+    def solve_for(kind: str, at: dict[str, float], shown: list[str]) -> xr.Dataset:
         solve = study_scene.solver_of(ds, scene_kinds.KINDS[kind], at, shown)
         assert solve is not None
         return solve(study_scene.FIRST)
 
-    one = solved("curvature", {"E": 2e4}, [])
+    one = solve_for("curvature", {"E": 2e4}, [])
     assert (one["outcome"].size, one["E"].values.tolist()) == (1, [2e4])
     assert {name for name in one.data_vars if "u" in one[name].dims} == {"beta", "dbeta", "alpha", "z"}
-    twist = solved("twist", {}, [])
+    twist = solve_for("twist", {}, [])
     assert {name for name in twist.data_vars if "u" in twist[name].dims} == {"beta", "dbeta", "alpha", "z", "gamma"}
-    row = solved("ghosts", {"F1": 4.0}, ["E"])
+    row = solve_for("ghosts", {"F1": 4.0}, ["E"])
     assert (row["E"].values.tolist(), row["F1"].values.tolist()) == ([1e4, 2e4, 3e4], [4.0])
 
 
