@@ -11,6 +11,7 @@ from studies.language.loader import loads
 from tests.workbench import small
 from workbench.figures import drawn_numbers, study_figure, unrolled
 from workbench.figures.drawn_rods import DrawnRod
+from workbench.figures.fonts import SMALL
 from workbench.figures.sheet import sheet
 from workbench.store import in_memory
 
@@ -27,30 +28,37 @@ def pipe() -> xr.Dataset:
 def helix(length: float, pitch: float, rho: float = 0.05) -> DrawnRod:
     s = np.linspace(0, length, 2001)
     beta = np.arctan2(2 * np.pi * rho, pitch)
-    arrays = {"s": s, "z": s * np.cos(beta), "alpha": s * np.sin(beta) / rho}
+    arrays = {"s": s, "z": s * np.cos(beta), "alpha": s * np.sin(beta) / rho, "push": np.ones(s.size)}
     return DrawnRod("rod", "", arrays, rho, rho, 0.0, 0.0, 0.0, "")
 
 
 def test_only_a_rod_that_would_be_a_hair_is_set_in_lines() -> None:
-    assert unrolled.lines_for(helix(300, 9.0), ROOM) is not None
-    assert unrolled.lines_for(helix(5, 9.0), ROOM) is None  # 25 diameters high
-    assert unrolled.lines_for(helix(300, 0.3), ROOM) is None  # as wide as it is high: it is seen in one piece
+    assert unrolled.lines_of(helix(300, 9.0), ROOM, SMALL) is not None
+    assert unrolled.lines_of(helix(5, 9.0), ROOM, SMALL) is None  # 25 diameters high
+    assert unrolled.lines_of(helix(300, 0.3), ROOM, SMALL) is None  # as wide as it is high: it is seen in one piece
 
 
 def test_the_lines_show_all_of_a_rod_each_from_where_the_one_above_ends() -> None:
     curve = helix(300, 9.0)
-    found = unrolled.lines_for(curve, ROOM)
+    found = unrolled.lines_of(curve, ROOM, SMALL)
     assert found is not None
-    assert found.count * found.each == pytest.approx(300)
-    assert found.every == found.each
-    assert found.scale * found.wide >= unrolled.THINNEST
+    parts = [[view.x, *(x for x, *_ in view.over)] for view in found.views]
+    ends = [(x[0][0], x[-1][-1]) for x in parts]
+    assert ends[0][0] == 0
+    assert ends[-1][1] == pytest.approx(curve["z"][-1])
+    assert [first for first, _ in ends[1:]] == pytest.approx([last for _, last in ends[:-1]])
+    low, high = found.views[0].band
+    assert found.form.scale * (high - low) >= unrolled.THINNEST
     assert found.height <= ROOM[1] * (1 + 1e-9)
-    assert found.scale * np.ptp(curve["z"]) / found.count <= ROOM[0]
-    fewer = unrolled.lines_for(curve, (1.0, 0.3))  # no room for all
+    assert found.before + found.form.scale * max(last - first for first, last in ends) <= ROOM[0] * (1 + 1e-9)
+    assert [view.begins for view in found.views] == [True, *[False] * (len(ends) - 1)]
+    fewer = unrolled.lines_of(curve, (1.5, 1.2), SMALL)  # no room for all
     assert fewer is not None
-    assert fewer.count * fewer.each < 300
-    assert fewer.every * (fewer.count - 1) + fewer.each == pytest.approx(300)  # the last line has the end
-    assert fewer.said()[1].startswith(f"Only {fewer.count} pieces of ")
+    shown = sum(view.x[-1] - view.x[0] + sum(x[-1] - x[0] for x, *_ in view.over) for view in fewer.views)
+    assert shown < 0.9 * curve["z"][-1]
+    last = fewer.views[-1]
+    assert (last.over[-1][0] if last.over else last.x)[-1] == pytest.approx(curve["z"][-1])
+    assert f"only {len(fewer.views)} pieces of " in fewer.in_lines
 
 
 def test_each_point_of_a_line_is_on_the_rod_and_inside_the_line(pipe) -> None:
@@ -79,7 +87,8 @@ def test_a_long_rod_is_set_in_lines_among_the_curves_also_and_says_how_they_are_
     for width in (89, 183):
         fig = unrolled.figure(pipe, sheet=sheet("paper", width))
         notes = " ".join(fig.legends[0].get_title().get_text().split())
-        assert "lines, one after the other, at one scale" in notes or "pieces of" in notes
+        assert "at one scale" in notes
+        assert "lines, one after the other" in notes or "pieces of" in notes
         assert "the rod leaves it below and comes back above" in notes
 
 

@@ -21,6 +21,7 @@ from workbench.commands import options, scene
 from workbench.figures import canvas, colours
 from workbench.geometry import refinement, self_contact
 from workbench.geometry.centreline import Centreline
+from workbench.geometry.lines import Lines
 from workbench.scene import body as rods
 from workbench.scene import long_rod, opengl, page, scene_kinds, surfaces, views
 from workbench.scene.scene_kinds import KINDS, Cell, kind_of
@@ -73,20 +74,22 @@ def test_the_stripe_turns_with_the_material() -> None:
     assert 2 * len(stripe.triangles) == len(mesh.triangles) - 2 * rings.sides
 
 
+def pixels_per_length(rod: rods.Body, found: Lines, ends: tuple[float, float], room: tuple[int, int]) -> float:
+    return float(min(room[0] / np.ptp(ends), room[1] / (found.count * long_rod.PITCH * 2 * rod.reach)))
+
+
 def test_a_long_rod_is_set_in_lines_that_show_all_of_it() -> None:
     rod = body(dataset(stations=20_001, L=2000.0))
     room = (1400, 960)
-    found = long_rod.lines_for([rod], room)
-    pieces = found.cut(rod)
+    found, ends = long_rod.lines_for([rod], room)
+    pieces, per_unit = long_rod.cut(found, rod), pixels_per_length(rod, found, ends, room)
     assert long_rod.is_long([rod])
     assert not long_rod.is_long([body(dataset())])
     assert [piece.span[0] for piece in pieces] == pytest.approx([0.0, *(piece.span[1] for piece in pieces[:-1])])
     assert pieces[-1].span[1] == pytest.approx(2000.0)
-    assert all(found.ends[0] < piece.z.min() and piece.z.max() < found.ends[1] for piece in pieces)
-    assert (found.ends[1] - found.ends[0]) * found.per_unit <= room[0] * (1 + 1e-9)
-    assert found.count * 2 * rod.reach * found.per_unit <= room[1]  # no line reaches into the next
-    assert 2 * rod.reach * found.per_unit > 4 * long_rod.THINNEST  # in one row it would be a hair of two pixels
-    assert found.heads(pieces, "cm")[1] == "s = 0 cm"
+    assert all(ends[0] < piece.z.min() and piece.z.max() < ends[1] for piece in pieces)
+    assert 2 * rod.reach * per_unit > 4 * long_rod.THINNEST  # in one row it would be a hair of two pixels
+    assert found.heads([piece.span for piece in pieces], "cm")[0] == "s = 0 cm"
 
 
 @draws
@@ -126,19 +129,19 @@ def test_the_words_of_a_table_of_long_pipes_stand_apart() -> None:
 
 def test_with_far_too_few_stations_a_long_rod_is_no_taller_than_it_is_long_and_more_are_asked_for() -> None:
     rod = body(dataset(stations=21, L=2000.0))
-    found = long_rod.lines_for([rod], (1400, 960))
-    assert np.ptp(found.ends) <= 2 * (2000.0 / found.count + rod.a + 0.3 * rod.R) * (1 + 1e-9)
-    assert refinement.stations_for(rod.line, 0.5 / found.per_unit) > 21
+    found, ends = long_rod.lines_for([rod], (1400, 960))
+    assert np.ptp(ends) <= 2 * (2000.0 / found.count + rod.a + 0.3 * rod.R) * (1 + 1e-9)
+    assert refinement.stations_for(rod.line, 0.5 / pixels_per_length(rod, found, ends, (1400, 960))) > 21
 
 
 def test_of_a_rod_too_long_for_the_page_stretches_are_set_and_the_rest_is_told() -> None:
     rod = body(dataset(stations=20_001, L=2000.0))
-    found = long_rod.lines_for([rod], (60, 40))
-    pieces = found.cut(rod)
-    assert 2 * rod.reach * found.per_unit > 0.9 * long_rod.THINNEST  # swings at the ends of a line may take a little
+    found, ends = long_rod.lines_for([rod], (60, 40))
+    pieces, per_unit = long_rod.cut(found, rod), pixels_per_length(rod, found, ends, (60, 40))
+    assert 2 * rod.reach * per_unit > 0.9 * long_rod.THINNEST  # swings at the ends of a line may take a little
     assert (pieces[0].span[0], pieces[-1].span[1]) == (0.0, pytest.approx(2000.0))
     assert sum(piece.span[1] - piece.span[0] for piece in pieces) < 2000.0
-    assert found.notes(pieces, "cm")[0].startswith(f"only {found.count} pieces")
+    assert found.note([piece.span for piece in pieces], "cm").startswith(f"only {found.count} pieces")
 
 
 class Counted:

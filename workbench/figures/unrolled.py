@@ -19,6 +19,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patches import Rectangle
 from matplotlib.patheffects import withStroke
 from matplotlib.transforms import Affine2D, Transform
 from numpy.typing import NDArray
@@ -52,9 +53,8 @@ TOO_LONG = "is too long to search for the places where it passes through itself"
 # of a rod in lines
 THINNEST = 0.07  # inches of a line; below, nothing of its curve is seen
 TALLEST_LINES = 0.5, 2.8  # height of all lines as a share of the width, and inches at least
-LABELS = 1.0  # inches beside the lines
+HEADS, FOOT = 0.7, 0.75  # inches before the lines, and below them for the key
 HAIR = 0.3  # inches: a rod less wide is a hair
-ROOM = 0.97  # of the width is for the rod, as its bends at the cuts are not known before
 MOST_WIDE = 1.15  # of the width that the rod needs is that of a line
 DENSE = 4  # places for each station, so that a rod leaves a line at its edge
 
@@ -67,7 +67,8 @@ class View:
 
     x, y: z and the distance around the cylinder, (n,) each [length]; none of a rod that is not solved. text: above it.
     look: of its line; or its push and the scale of its colours. rings: as of `crossings`. name: of its line in a table;
-    default: the first line of the text. over: x, y, look and name of further lines on the same cylinder.
+    default: the first line of the text. over: x, y, look and name of further lines on the same cylinder. band: the
+    distances around between which that is drawn, where the rod is in lines. begins: whether the rod begins here.
     """
 
     x: Values
@@ -77,12 +78,15 @@ class View:
     rings: Sequence[Any] = ()
     name: str = ""
     over: Sequence[tuple[Any, Any, Mapping[str, Any], str]] = ()
+    band: tuple[float, float] | None = None
+    begins: bool = True
 
     @property
     def box(self) -> Values:
         """The least and the largest of x and of y, (2, 2) [length]; zeros without any."""
         places = np.hstack([(self.x, self.y), *((x, y) for x, y, _, _ in self.over)])
-        return np.stack([places.min(axis=1), places.max(axis=1)]) if places.size else np.zeros((2, 2))
+        ends = np.stack([places.min(axis=1), places.max(axis=1)]) if places.size else np.zeros((2, 2))
+        return ends if self.band is None else np.column_stack([ends[:, 0], self.band])
 
     @property
     def size(self) -> Values:
@@ -127,6 +131,15 @@ def plan(views: Sequence[View], room: tuple[float, float], letters: float, even:
 
     worth = arrangement.WORTH if even else WORTH
     return arrangement.in_rows(len(words), arrange, len(words), room[0], worth)[1]
+
+
+def plan_lines(views: Sequence[View], room: tuple[float, float]) -> Arrangement:
+    """The same of the lines of one rod, whose texts stand before them."""
+    sizes = np.array([[view.size] for view in views])
+    layout = arrangement.arrange(sizes, np.zeros_like(sizes), (room[0], room[1] - FOOT), pitch=lines.PITCH)
+    wide, high = layout.size
+    boxes = np.append(layout.boxes, [[[0.0, high + arrangement.BETWEEN, wide, FOOT]]], axis=0)
+    return replace(layout, boxes=boxes, size=(wide, high + FOOT))
 
 
 def words_size(text: str, letters: float) -> tuple[float, float]:
@@ -244,14 +257,19 @@ def figure(
 
 
 class Panel:
-    """Unrolled views in a room of inches, in rows. height: inches of all; unit: of lengths; notes: said of them."""
+    """Unrolled views in a room of inches, in rows, or the lines of one rod.
+
+    height: inches of all; unit: of lengths; notes: said of them; in_lines: what is said of lines, else nothing.
+    """
 
     def __init__(
         self, views: Sequence[View], room: tuple[float, float], letters: float, unit: str, even: bool = False,
-        notes: Sequence[str] = (),
+        notes: Sequence[str] = (), in_lines: str = "",
     ) -> None:  # fmt: skip
-        self.views, self.unit, self.notes = views, unit, list(dict.fromkeys(notes))
-        self.form = plan(views, room, letters, even)
+        self.views, self.unit, self.notes, self.in_lines = views, unit, list(dict.fromkeys(notes)), in_lines
+        self.before = max(words_size(view.text, letters)[0] for view in views) + ABOVE if in_lines else 0.0
+        room = room[0] - self.before, room[1]
+        self.form = plan_lines(views, room) if in_lines else plan(views, room, letters, even)
         self.height = self.form.size[1]
 
     def draw(self, ax: Axes, more: str = "", bar: tuple[str, float] | None = None) -> list[str | Artist]:
@@ -260,28 +278,32 @@ class Panel:
         more: said before the dot. bar: the unit of the push, and the inches below which its bar of colours stands.
         """
         form, small = self.form, fonts.small()
-        ax.set(xlim=(0, form.size[0]), ylim=(form.size[1], 0), aspect="equal", anchor="NW")
+        ax.set(xlim=(-self.before, form.size[0]), ylim=(form.size[1], 0), aspect="equal", anchor="NW")
         ax.set_axis_off()
         ax.set_label(VIEWS)
         ax.set_xlabel(f"z [{self.unit}]")
         ax.set_ylabel(f"{fonts.AROUND} [{self.unit}]")
         rings, columns = list[Any](), form.boxes.shape[1]
         heights = [words_size(view.text, small)[1] for view in self.views]
-        for k, (view, (left, top, _, _)) in enumerate(zip(self.views, form.places, strict=False)):
-            first = k - k % columns
-            top += max(heights[first : first + columns])
-            ax.annotate(view.text, (left, top - ABOVE), va="bottom", size=small, linespacing=1.1, annotation_clip=False)
+        for k, (view, (left, top, _, high)) in enumerate(zip(self.views, form.places, strict=False)):
+            first, text = k - k % columns, dict[str, Any](size=small, linespacing=1.1, annotation_clip=False)
+            if view.band is None:
+                top += max(heights[first : first + columns])
+                ax.annotate(view.text, (left, top - ABOVE), va="bottom", **text)
+            else:
+                ax.annotate(view.text, (left - ABOVE, top + high / 2), ha="right", va="center", **text)
+                ax.add_patch(Rectangle((left, top), form.size[0], high, color=colours.BAND, linewidth=0, zorder=0))
             if not view.x.size:
                 ax.annotate("unsolved", (left, top), va="top", color=colours.SOFT, size=small, annotation_clip=False)
                 continue
             to_page = Affine2D().translate(*-view.box[0]).scale(form.scale, form.scale * form.factor)
             where = to_page.translate(left, top) + ax.transData
             _draw_line(ax, view.x, view.y, view.look, view.name or view.text.partition("\n")[0], where)
-            ax.plot(
-                view.x[0], view.y[0], "o", color=colours.INK, markersize=2.8, zorder=4, transform=where, gid="s = 0"
-            )
+            if view.begins:
+                ax.plot(view.x[0], view.y[0], "o", color=colours.INK, markersize=2.8, zorder=4, transform=where,
+                        gid="s = 0")  # fmt: skip
             for x, y, look, name in view.over:
-                ax.plot(x, y, transform=where, gid=name, **look)
+                _draw_line(ax, x, y, look, name, where)
             rings += [(to_page.transform(place), form.scale * apart * [1, form.factor]) for place, apart in view.rings]
         if rings:
             sizes = [max(72 * float(np.linalg.norm(apart)) + RING / 2, RING) for _, apart in rings]
@@ -297,118 +319,57 @@ class Panel:
                       label=THROUGH)  # fmt: skip
         return [
             *[ring] * bool(rings),
-            sentence(self.form, len(self.views) > 1, more),
+            sentence(self.form, len(self.views) > 1 and not self.in_lines, self.in_lines + more),
             *self.notes,
         ]
 
 
-@dataclass(frozen=True, eq=False)
-class Lines:
-    """The unrolled view of one long rod in lines; drawn as a `Panel`.
+def lines_of(
+    rod: DrawnRod, room: tuple[float, float], letters: float, unit: str = "", coloured: bool = True
+) -> Panel | None:
+    """A rod in the lines in which it is largest; None where it needs none: in one piece it is no hair.
 
-    count: the number of lines. each: the arc on each [length]. every: the arc from the start of one to that of the
-    next. wide: the width of a line [length]. low: rho alpha at its upper edge. turn: what is taken off at each turn
-    about the axis, 0 where the rod stays in a line. scale: inches per length. unit: of lengths. coloured: whether the
-    lines have the colours of the push.
+    Parameters as of `panel_of`.
     """
-
-    rod: DrawnRod
-    count: int
-    each: float
-    every: float
-    wide: float
-    low: float
-    turn: float
-    scale: float
-    unit: str
-    coloured: bool
-
-    @property
-    def height(self) -> float:
-        """Inches of all lines."""
-        return self.count * lines.PITCH * self.wide * self.scale
-
-    def draw(self, ax: Axes, more: str = "", bar: tuple[str, float] | None = None) -> list[str | Artist]:
-        """As of `Panel`."""
-        norm = push_scale.scale([self.rod["push"]]) if self.coloured else None
-        look = _look(self.rod, norm)
-        s, (z, across) = self.rod["s"], self.rod.plane_points()
-        starts = s[0] + self.every * np.arange(self.count)
-        ends: list[float] = []
-        for k, start in enumerate(starts):
-            top = k * lines.PITCH * self.wide - self.low
-            left = float(np.interp(start, s, z))
-            ax.axhspan(top + self.low, top + self.low + self.wide, color=colours.BAND, linewidth=0, zorder=0)
-            stop, where = min(start + self.each, s[-1]), Affine2D().translate(-left, top) + ax.transData
-            parts = DENSE * s.size // self.count if self.turn and not is_coarse(self.rod) else 2
-            places = np.union1d(np.linspace(start, stop, parts), s[(s > start) & (s < stop)])
-            x, y = np.interp(places, s, z), np.interp(places, s, across)
-            turns = np.floor((y - self.low) / self.turn) if self.turn else np.zeros(places.size)
-            ends += [float(x.min()) - left, float(x.max()) - left]
-            for on in np.split(np.arange(places.size), np.flatnonzero(np.diff(turns)) + 1):  # on one turn
-                of_part = {"push": np.interp(places[on], s, look["push"])} if "push" in look else {}
-                _draw_line(ax, x[on], y[on] - turns[on] * self.turn, look | of_part, self.rod.name, where)
-        ax.plot(0, -self.low + across[0], "o", color=colours.INK, markersize=4, gid="s = 0", zorder=4)
-        size = max(ends) - min(ends)
-        ax.set_xlim(min(ends) - 0.01 * size, max(ends) + 0.01 * size)
-        ax.set_ylim((self.count - 1) * lines.PITCH * self.wide + 1.1 * self.wide, -0.1 * self.wide)
-        ax.set_aspect("equal", anchor="NW")
-        every = -(-self.count // lines.LABELLED)
-        middles = (np.arange(self.count) * lines.PITCH + 0.5) * self.wide
-        ax.set_yticks(middles[::every], [labels.number(float(start)) for start in starts[::every]])
-        ax.tick_params(length=2, pad=2)
-        ax.tick_params(axis="y", length=0)
-        ax.spines[:].set_visible(False)
-        ax.set(ylabel=f"line from s [{self.unit}]", xlabel=f"z from the start of a line [{self.unit}]")
-        if bar:
-            push_scale.bar(ax, *bar)
-        return [*self.said()]
-
-    def said(self) -> list[str]:
-        """How the lines are read, and which parts are left out."""
-        whole, unit = float(np.ptp(self.rod["s"])), self.unit
-        texts = [f"Unrolled view, seen from outside: {fonts.WAYS}; dot: s = 0."]
-        if self.every > self.each * (1 + 1e-9):
-            pieces = f"{self.count} pieces of {labels.number(self.each)} {unit} each"
-            texts.append(f"Only {pieces} are shown, spread over {labels.number(whole)} {unit}, at one scale.")
-        else:
-            each = f"each is {labels.number(self.wide)} {unit} wide"
-            texts.append(f"{self.count} lines, one after the other, at one scale; {each}.")
-        if self.turn:
-            texts.append("A line is the whole unrolled cylinder: the rod leaves it below and comes back above.")
-        if "overlaps" in cautions.keys(self.rod.caution):
-            texts.append("The rod passes through itself; the places are not marked in lines.")
-        return texts
-
-
-def lines_for(rod: DrawnRod, room: tuple[float, float], unit: str = "", coloured: bool = True) -> Lines | None:
-    """The lines in which a rod is largest in a room of inches; None where it needs none: in one piece it is no hair."""
-    z, across = rod.plane_points()
-    tall, spread, length = float(np.ptp(z)), float(np.ptp(across)), float(np.ptp(rod["s"]))
-    if not lines.is_long(tall, rod.rho + rod.a) or spread * room[0] >= HAIR * tall:
+    s, (z, across) = rod["s"], rod.plane_points()
+    tall, spread, inner = float(np.ptp(z)), float(np.ptp(across)), (room[0] - HEADS, room[1] - FOOT)
+    if not lines.is_long(tall, rod.rho + rod.a) or spread * inner[0] >= HAIR * tall:
         return None
     turn = 2 * np.pi * rod.rho
     around = spread > turn
     wide = turn if around else max(MOST_WIDE * spread, 0.25 * turn)
     low = -turn / 2 if around else float(across.min() + across.max() - wide) / 2
-    count, scale = lines.largest(tall / ROOM, wide, 0.0, room)
-    each = every = length / count
-    if scale * wide < THINNEST:
-        count, scale = max(int(room[1] / (lines.PITCH * THINNEST)), 1), THINNEST / wide
-        each = min(ROOM * room[0] / scale * length / tall, length / count)
-        every = (length - each) / max(count - 1, 1)
-    return Lines(rod, count, each, every, wide, low, turn * around, scale, unit, coloured)
+    setting = lines.set_in_lines(tall, wide, tall / float(np.ptp(s)), inner, THINNEST)
+    spans = setting.cut(float(s[0]), float(s[-1]))
+    dense = s if is_coarse(rod) else np.union1d(s, np.linspace(s[0], s[-1], DENSE * s.size))
+    look = _look(rod, push_scale.scale([rod["push"]]) if coloured else None)
+    views = []
+    for (start, stop), head in zip(spans, setting.heads(spans, unit), strict=True):
+        places = np.concatenate([[start], dense[(dense > start) & (dense < stop)], [stop]])
+        x, y = np.interp(places, s, z), np.interp(places, s, across)
+        turns = np.floor((y - low) / turn) if around else np.zeros(places.size)
+        parts: list[Any] = []
+        for on in np.split(np.arange(places.size), np.flatnonzero(np.diff(turns)) + 1):  # on one turn
+            of_part = {"push": np.interp(places[on], s, look["push"])} if "push" in look else {}
+            parts.append((x[on], y[on] - turns[on] * turn, look | of_part, rod.name))
+        (x, y, of_first, name), *over = parts
+        views.append(View(x, y, head, of_first, (), name, over, (low, low + wide), start == s[0]))
+    notes = ["A line is the whole unrolled cylinder: the rod leaves it below and comes back above."] * around
+    if "overlaps" in cautions.keys(rod.caution):
+        notes.append("The rod passes through itself; the places are not marked in lines.")
+    said = f"; {setting.note(spans, unit)}, each {labels.number(wide)} {unit} wide"
+    return Panel(views, room, letters, unit, notes=notes, in_lines=said)
 
 
-def panel_of(rods: DrawnRods, room: tuple[float, float], letters: float, coloured: bool = True) -> Panel | Lines:
+def panel_of(rods: DrawnRods, room: tuple[float, float], letters: float, coloured: bool = True) -> Panel:
     """The unrolled views of rods of a study in a room of inches: in rows, or one long rod in lines.
 
     coloured: whether the lines have the colours of the push. A rod whose stations are too far apart is drawn as dots.
     """
     unit = labels.unit(str(rods.source.attrs["length_unit"]))
     if len(rods.rods) == 1:
-        inches = room[0] - LABELS, max(TALLEST_LINES[0] * room[0], TALLEST_LINES[1])
-        if in_lines := lines_for(rods.rods[0], inches, unit, coloured):
+        inches = room[0], max(TALLEST_LINES[0] * room[0], TALLEST_LINES[1])
+        if in_lines := lines_of(rods.rods[0], inches, letters, unit, coloured):
             return in_lines
     norm = push_scale.scale([rod["push"] for rod in rods.solved]) if coloured else None
     views, notes = [], list[str]()

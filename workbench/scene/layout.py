@@ -206,10 +206,10 @@ def _in_lines(
     scene = Scene(ds, kind, [[View([body], Cell())]], context, case, camera, settings, notes, heads=HEADS,
                   ringed=False)  # fmt: skip
     wide, high = (side * settings.dpi for side in room_of(scene))
-    lines = long_rod.lines_for(context, (int(wide - 2 * EDGE * settings.dpi), int(high)))
-    pieces, unit = lines.cut(body), str(ds.attrs["length_unit"])
-    rows = [[View([piece], Cell(), turned, lines.ends)] for piece in pieces]
-    notes, heads = [*lines.notes(pieces, unit), *notes], lines.heads(pieces, unit)
+    lines, ends = long_rod.lines_for(context, (int(wide - 2 * EDGE * settings.dpi), int(high)))
+    spans, unit = lines.cut(*body.span), str(ds.attrs["length_unit"])
+    rows = [[View([piece], Cell(), turned, ends)] for piece in long_rod.cut(lines, body)]
+    notes, heads = [lines.note(spans, unit), *notes], ["", *lines.heads(spans, unit)]
     return composition.compose(replace(scene, rows=rows, heads=heads, notes=notes, pitch=long_rod.PITCH))
 
 

@@ -1,13 +1,13 @@
 """A long rod set in lines, as text is: each line continues the one above it, all at one scale. No OpenGL."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ..geometry import lines
 from ..geometry.centreline import Array
-from ..geometry.lines import LABELLED
+from ..geometry.lines import Lines
 from ..words import labels
 from .body import Body, part_in_view
 
@@ -17,47 +17,11 @@ WORTH = 0.5  # a rod that is compressed less than to so much of its length is no
 TIGHTEST = 0.5  # of its own radius: the curvature of a bend as it is drawn
 THINNEST = 4.0  # width of a cylinder in pixels; below, nothing of its rod is seen
 UPRIGHT = 1e-9  # of the weight, along the axis: less is none
-ROOM = 0.98  # of a line is for the rod that is cut to fit, as its bends at the cuts are not known before
 
 
-@dataclass(frozen=True)
-class Lines:
-    """How rods are set in lines.
-
-    Attributes
-    ----------
-    each
-        The arc on each line [length] where parts of the rod are left out, else 0.
-    per_unit
-        Pixels per length.
-    ends
-        The heights between which each line's cylinder stands [length].
-    """
-
-    count: int
-    each: float
-    per_unit: float
-    ends: tuple[float, float]
-
-    def cut(self, body: Body) -> list[Body]:
-        """The rod line by line."""
-        low, high = body.span
-        each = self.each or (high - low) / self.count
-        starts = np.linspace(low, high - each, self.count)
-        return [replace(body, span=(float(start), min(float(start + each), high))) for start in starts]
-
-    def heads(self, pieces: Sequence[Body], unit: str) -> list[str]:
-        """What stands before the lines: nothing as heading, and before some the arc length at which the line begins."""
-        every = -(-self.count // LABELLED)
-        begins = [labels.number(piece.span[0]) for piece in pieces]
-        return ["", *(f"s = {at} {unit}" if k == 0 else at if k % every == 0 else "" for k, at in enumerate(begins))]
-
-    def notes(self, pieces: Sequence[Body], unit: str) -> list[str]:
-        """How the lines are read, and which parts are left out."""
-        if not self.each:
-            return [f"{self.count} lines, one after the other"]
-        low, high = (labels.number(v) for v in (self.each, pieces[-1].span[1] - pieces[0].span[0]))
-        return [f"only {self.count} pieces of {low} {unit} each,", f"spread over {high} {unit}"]
+def cut(setting: Lines, body: Body) -> list[Body]:
+    """The rod line by line."""
+    return [replace(body, span=span) for span in setting.cut(*body.span)]
 
 
 def is_long(bodies: Sequence[Body]) -> bool:
@@ -94,24 +58,15 @@ def notes_on(bodies: Sequence[Body], unit: str) -> list[str]:
     return notes
 
 
-def lines_for(bodies: Sequence[Body], room: tuple[int, int]) -> Lines:
+def lines_for(bodies: Sequence[Body], room: tuple[int, int]) -> tuple[Lines, tuple[float, float]]:
     """The lines in which rods on one cylinder are largest in a room of pixels (width, height), the same for all rods.
 
     Where a cylinder would then be less than `THINNEST` pixels wide, it has that width, and the lines show pieces of the
-    rod only.
+    rod only. Returns with them the heights between which the cylinder of each line stands [length].
     """
-    wide = 2 * bodies[0].reach
     beyond = bodies[0].a + 0.3 * bodies[0].R
     tall = max(float(np.ptp(body.z)) for body in bodies)
-    count, per_unit = lines.largest(tall, wide, beyond, room)
-    if per_unit * wide >= THINNEST:
-        fitting = Lines(count, 0.0, 0.0, (0.0, 0.0))
-    else:
-        many = max(int(room[1] / (PITCH * THINNEST)), 1)
-        fits = ROOM * (room[0] * wide / THINNEST - 2 * beyond)
-        rise = max(np.ptp(body.z) / (body.span[1] - body.span[0]) for body in bodies)
-        fitting = Lines(many, float(fits / rise), 0.0, (0.0, 0.0))
-    pieces = [piece for body in bodies for piece in fitting.cut(body)]
-    ends = min(p.z.min() for p in pieces) - beyond, max(p.z.max() for p in pieces) + beyond
-    scale = min(room[0] / (ends[1] - ends[0]), room[1] / (fitting.count * PITCH * wide))
-    return replace(fitting, per_unit=float(scale), ends=(float(ends[0]), float(ends[1])))
+    rise = max(float(np.ptp(body.z)) / (body.span[1] - body.span[0]) for body in bodies)
+    setting = lines.set_in_lines(tall, 2 * bodies[0].reach, rise, room, THINNEST, beyond)
+    pieces = [piece for body in bodies for piece in cut(setting, body)]
+    return setting, (min(float(p.z.min()) for p in pieces) - beyond, max(float(p.z.max()) for p in pieces) + beyond)
