@@ -9,7 +9,6 @@ import xarray as xr
 import workbench.accessor  # noqa: F401  (registers ds.rod)
 from solver import InputError, solve
 from solver.methods import METHODS, Verlet
-from studies.language.loader import loads
 from studies.language.study_data import OUTPUTS
 from tests.slow import slow_but
 from tests.workbench import small
@@ -17,12 +16,6 @@ from tests.workbench.command import output_of
 from workbench.commands import options
 from workbench.store import case_solutions, in_memory, schema, selection, writing
 
-ENDS = small.text(
-    {**small.SHORT, "beta0": 0.5, "FZ": -8.0},
-    small.axis("betaL", [0.7, 0.8]),
-    stations=21,
-    outputs=["beta", "dbeta", "alpha", "z"],
-)
 ALL = f"outputs = {list(OUTPUTS)}"
 AXES = "[axes.E]\nvalues = [1e4, 2e4]\n[axes.R]\nvalues = [0.5, 0.75, 1.0]\n"
 FRAMES = ("tangent", "normal", "material_frame", "push")
@@ -130,13 +123,6 @@ def test_an_axis_that_has_an_outputs_name_is_not_taken_for_it() -> None:
         chosen = ds.rod.sel(**{name: 0.5})
         np.testing.assert_array_equal(chosen.rod.beta, sol.beta[1])
         assert selection.case(ds, {name: "0.5"}) == {"beta0": 1}
-
-
-def test_rods_between_two_ends_are_rebuilt_too() -> None:
-    ds = in_memory.run(loads(ENDS))
-    sol = solve(ds.rod.case, stations=21)
-    np.testing.assert_allclose(ds.rod.contact, sol.contact, rtol=1e-6)  # solved again, to 1e-8 times condition
-    np.testing.assert_allclose(ds.rod.at(betaL=0.75).beta[-1], 0.75, atol=1e-8)  # the tolerance
 
 
 def test_a_followed_equilibrium_is_followed_between_its_values_and_not_past_its_fold() -> None:

@@ -1,7 +1,6 @@
 """A followed axis over an ends problem: one branch, up to its fold; the same bits whoever solves it."""
 
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,7 +14,6 @@ from studies.language.loader import loads
 from tests.slow import slow
 from tests.workbench import small
 from workbench.store import in_memory
-from workbench.store.study_store import Options, run_to_file
 
 SNAP = {"E": 325.95, "nu": 0.25, "a": 0.25, "R": 0.75, "L": 5.0, "beta0": 0.5, "betaL": 0.5}
 FALLING = small.axis("FZ", (2.0, -3.0, 11), follow=True)
@@ -44,18 +42,6 @@ def test_the_cases_before_the_fold_are_one_branch_and_those_beyond_say_where_it_
     assert float(said.rpartition(" = ")[2]) == pytest.approx(FOLD, abs=1e-9)
     assert ds.attrs["followed"] == "FZ"
     assert np.isnan(ds["height"].values[~before]).all()
-
-
-def test_one_selected_case_has_the_arrays_along_the_rod_of_all() -> None:
-    ds = falling()
-    one = ds.isel(FZ=[2])
-    np.testing.assert_array_equal(one.rod.along("contact"), ds.rod.along("contact").isel(FZ=[2]))
-
-
-def test_a_case_between_two_values_is_on_the_followed_branch_and_none_is_beyond_its_fold() -> None:
-    ds = falling()
-    assert float(np.abs(ds.rod.at(FZ=-0.6).beta - ds["beta"].sel(FZ=-0.5)).max()) < 0.1
-    assert not ds.rod.at(FZ=-2.9).solved
 
 
 def test_without_following_the_same_cases_go_on_on_another_branch() -> None:
@@ -155,9 +141,3 @@ def test_the_equilibrium_of_a_start_problem_is_followed_to_the_last_value_or_its
     assert again.solved
     same = follow(own, **{axis: [middle, last]}).at(middle)[0].solution
     np.testing.assert_allclose(again.beta, same.beta, atol=1e-7)
-
-
-def test_a_study_that_is_no_longer_followed_is_another_study(tmp_path: Path) -> None:
-    run_to_file(study(FALLING.replace("11", "3")), tmp_path / "one.h5", Options(workers=1))
-    other = study(FALLING.replace("11", "3").replace("follow = true\n", ""))
-    assert run_to_file(other, tmp_path / "one.h5", Options(workers=1)).solved == 3

@@ -91,17 +91,6 @@ def test_angles_and_zeros_are_changed_by_an_amount_that_is_said() -> None:
         assert part in said
 
 
-def test_a_case_of_a_study_is_the_same_from_its_text_and_from_its_file(tmp_path) -> None:
-    study = small.grid()
-    ds = xr.open_dataset(writing.write(in_memory.run(study), tmp_path / "small.h5"))
-    for at in ({}, {"E": 2e4, "R": 0.5}):
-        cases = stored_case.solve_case(stored_case.outline(study), at, study), stored_case.solve_case(ds, at)
-        tables = [local(case) for case in cases]
-        np.testing.assert_array_equal(tables[0]["derivative"], tables[1]["derivative"])
-        np.testing.assert_array_equal(tables[0]["at"], tables[1]["at"])
-    assert float(tables[0]["at"].sel(field="E")) == 2e4
-
-
 def test_a_followed_study_and_a_sweep_have_elasticities_of_one_case() -> None:
     followed = load("fig7_4_end_angle").at_stations(21)
     found = stored_case.solve_case(stored_case.outline(followed), {"betaL": -14.37992253 * np.pi / 180}, followed)

@@ -1,6 +1,5 @@
 """Expressions and laws with numbers from the study file to the stored file, the commands and the panels."""
 
-import shutil
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +13,6 @@ from studies import Study, load
 from studies.laws import law_words
 from studies.laws.line_verdicts import FAILS, HOLDS, UNDECIDED
 from tests.workbench import small
-from tests.workbench.command import exit_status
 from workbench.figures import study_figure
 from workbench.figures.laws import panel
 from workbench.store import in_memory, law_verdicts
@@ -161,22 +159,3 @@ def test_expressions_of_samples_pairs_and_tables_are_stored_judged_and_drawn(var
     assert [row["verdict"] for row in law_verdicts.verdicts(ds)] == [HOLDS]
     labels = [ax.get_ylabel() for ax in study_figure.figure(ds).axes]
     assert any(label.startswith("area") for label in labels)
-
-
-@pytest.mark.slow
-def test_another_formula_under_the_same_name_is_computed_anew_and_not_merged(tmp_path: Path) -> None:
-    from workbench.store.study_store import run_to_file
-
-    axes = "[axes.R]\nvalues = [0.5, 0.75]\n"
-    one, other = (small.study(f'[expressions]\nx = "{text}*turns"\n{axes}', "outputs = []\n") for text in "23")
-    run_to_file(one, tmp_path / "a.h5")
-    with xr.open_dataset(tmp_path / "a.h5") as ds:
-        first = ds["x"].values
-    run_to_file(other, tmp_path / "b.h5")
-    shutil.copy(tmp_path / "a.h5", tmp_path / "again.h5")
-    run_to_file(other, tmp_path / "again.h5")
-    for name in ("b", "again"):
-        with xr.open_dataset(tmp_path / f"{name}.h5") as ds:
-            np.testing.assert_allclose(ds["x"], first * 1.5)
-    assert exit_status("merge", "--out", tmp_path / "c.h5", tmp_path / "a.h5", tmp_path / "b.h5") == 2
-    assert not (tmp_path / "c.h5").exists()

@@ -139,36 +139,6 @@ def test_the_file_opens_bare_with_levels_along_the_samples(stored: Path) -> None
         assert ds.rod.sel(sample=57).rod.case.shape == ()
 
 
-@pytest.mark.slow
-def test_a_finer_tolerance_solves_only_the_new_cases(stored: Path, tmp_path) -> None:
-    path, finer = tmp_path / "small.h5", study(PLANE + LAW, REFINE.replace("15", "30"))
-    path.write_bytes(stored.read_bytes())
-    before = reading.open_study(stored).sizes["sample"]
-    done = run_to_file(finer, path, Options(workers=1))
-    run_to_file(finer, tmp_path / "whole.h5", Options(workers=1))
-    with xr.open_dataset(path) as ds:
-        assert done.solved == ds.sizes["sample"] - before > 0
-    assert runs.contents(path) == runs.contents(tmp_path / "whole.h5")
-
-
-@pytest.mark.slow
-def test_a_larger_budget_continues_where_the_smaller_one_ended(stored: Path, tmp_path) -> None:
-    path = tmp_path / "small.h5"
-    work = study(PLANE + LAW, f"{REFINE}budget = 90\n")
-    run_to_file(work, path, Options(workers=1))
-    with xr.open_dataset(path) as ds:
-        assert 80 < ds.sizes["sample"] <= 90
-        assert "the budget of 90 cases is spent" in ds.attrs["refinement"]
-        first = ds["E"].values
-    run_to_file(study(PLANE + LAW), path, Options(workers=1))
-    with xr.open_dataset(path) as ds, xr.open_dataset(stored) as whole:
-        np.testing.assert_array_equal(ds["E"][: first.size], first)
-        for name in ("E", "R", "turns", "wraps"):
-            np.testing.assert_allclose(ds[name], whole[name], rtol=1e-9)
-    done = run_to_file(work, path, Options(workers=1))  # a smaller one is another refinement
-    assert done.solved == first.size
-
-
 # what is watched
 
 
@@ -268,29 +238,11 @@ def test_a_grid_has_a_boundary_too() -> None:
     assert sorted(found["E"].values) == sorted(turned["E"].values)
 
 
-def test_an_ends_problem_is_refined_by_the_rule_of_its_equilibrium() -> None:
-    base = {"nu": 0.25, "a": 0.25, "L": 6.0, "R": 0.75, "beta0": "30deg", "betaL": "20deg", "FZ": -10.0}
-    work = study_of(base, [5e3, 1e4, 2e4], 'watch = ["amplitude"]\nsteps = {amplitude = 0.1}\npoints = 9\n')
-    ds = in_memory.run(work)
-    assert "branch" not in ds
-    for i in (0, ds.sizes["sample"] - 1):
-        alone = observe(solve(work.case_of({"E": float(ds["E"][i])})), ["amplitude"])["amplitude"]
-        np.testing.assert_allclose(float(ds["amplitude"][i]), float(alone), rtol=1e-7)
-
-
 def test_a_refinement_grows_by_halvings_and_by_its_budget_alone() -> None:
     before = {"watch": ["turns"], "halvings": 3, "budget": 90}
     for change, grows in (({}, True), ({"budget": 91, "halvings": 4}, True), ({"budget": 89}, False),
                           ({"halvings": 2, "budget": 91}, False), ({"watch": ["wraps"]}, False)):  # fmt: skip
         assert plan._is_larger(before, before | change) == grows, change
-
-
-def test_another_watched_number_is_another_run(stored: Path, tmp_path) -> None:
-    path = tmp_path / "small.h5"
-    path.write_bytes(stored.read_bytes())
-    done = run_to_file(study(PLANE + LAW, '[refine]\nwatch = ["loops"]\npoints = 30\n'), path, Options(workers=1))
-    with xr.open_dataset(path) as ds:
-        assert done.solved == ds.sizes["sample"]
 
 
 def test_a_complete_file_of_other_code_is_replaced_as_that_of_a_grid(stored: Path, tmp_path, monkeypatch) -> None:

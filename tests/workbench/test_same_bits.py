@@ -1,54 +1,21 @@
-"""Every kind of study has the same bits in any chunks, by any workers, in memory, and where its run was stopped."""
+"""Every kind of study has the same bits in any chunks, by any workers, in memory, and where its run was stopped; and
+each of its cases is the same however it is reached."""
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 import xarray as xr
 
-from studies import Study
-from studies.language.loader import loads
+import workbench.accessor  # noqa: F401  (ds.rod)
+from solver import solve
 from tests.slow import slow_but
 from tests.workbench import runs, small
-from workbench.store import in_memory
+from tests.workbench.study_kinds import QUICK, STUDIES, pushed
+from workbench.store import case_solutions, in_memory, schema, stored_case
 from workbench.store.study_store import Options, run_to_file
 
-PIPE = {"E": 2.06e8, "inner_radius": 0.0543, "nu": 0.3, "a": 0.0635, "L": 20.0, "R": 0.108, "side": "inside"}
-SNAP = {"E": 325.95, "nu": 0.25, "a": 0.25, "R": 0.75, "L": 5.0, "beta0": 0.5, "betaL": 0.5}
-SEEN = {"observables": ["amplitude", "height", "index"], "outputs": ["beta"], "stations": 21}
-KEYS = {"reading": "force-first/tension/paper", "observables": ["turns", "wraps"], "outputs": ["beta", "z"]}
-TWO_RODS = small.axis("E", [325.95, 651.9])
-
-
-def table_1(tables: str) -> Study:
-    return loads(small.text({}, tables, stations=11, **KEYS), "text", "table")
-
-
-def pushed(axes: str) -> Study:
-    """A pipe pushed down its hole."""
-    return loads(small.text(PIPE | {"beta0": 0.0, "betaL": 0.0}, axes, "m kN", **SEEN), "text", "pushed")
-
-
-def snapping(count: int, tables: str = "") -> Study:
-    """A rod that snaps through, followed beyond its fold."""
-    axes = small.axis("FZ", (2.0, -3.0, count), follow=True) + tables
-    return loads(small.text(SNAP, axes, **SEEN), "text", "snapping")
-
-
-SAMPLES = '[sample]\nsize = 40\nseed = 3\nE = { from = 5e3, to = 4e4, distribution = "log-uniform" }\n'
-PLANE = "[base]\nL = 6.0\n" + small.axis("E", (5e3, 4e4, 5), spacing="geometric") + small.axis("R", (0.5, 1.5, 4))
-EXPRESSIONS = '[expressions]\nshare = "turns/wraps"\ngap = "1/(F1 - 5*N)"\n'  # which has no value in the middle
-STUDIES = {
-    "grid": table_1(EXPRESSIONS + small.axis("E", (5e3, 4e4, 3)) + small.axis("F1", (1.0, 9.0, 13))),
-    "samples": table_1(SAMPLES + "R = { from = 0.5, to = 1.5 }\n"),
-    "refined": table_1(PLANE + '[refine]\nwatch = ["turns"]\npoints = 15\n' + small.law("turns", "E", "falls")),
-    "sweep": pushed(small.axis("FZ", (-60.0, -40.0, 11))),
-    "sweep of a grid": pushed(small.axis("L", [19.0, 20.0, 21.0]) + small.axis("FZ", (-60.0, -50.0, 9))),
-    "followed": snapping(11),
-    "followed in blocks": snapping(41),
-    "followed lines": snapping(41, TWO_RODS),
-}
 WAYS = {"cut": Options(workers=1, chunk=1), "pool": Options(workers=2, chunk=16)}
-QUICK = ("grid", "samples", "refined", "sweep", "followed")
 
 small_blocks = runs.small_blocks(16)
 
@@ -84,8 +51,8 @@ def test_a_study_in_memory_has_the_bits_of_the_stored_one(whole, name: str) -> N
         assert {**ds.attrs, "created": ""}.items() <= {**stored.attrs, "created": ""}.items()
 
 
-IN_ONE_BLOCK = "sweep of a grid"
-STOPPED = [*((name, 1) for name in STUDIES if name != IN_ONE_BLOCK), ("refined", 40), ("refined", 120)]
+IN_ONE_BLOCK = ("sweep of a grid", "sweep by a rule", "samples between ends", "refined between ends")
+STOPPED = [*((name, 1) for name in STUDIES if name not in IN_ONE_BLOCK), ("refined", 40), ("refined", 120)]
 
 
 @pytest.mark.parametrize("stopped", slow_but(STOPPED, *((name, 1) for name in QUICK)))
@@ -100,3 +67,39 @@ def test_a_run_that_is_stopped_goes_on_to_the_same_bits(whole, tmp_path, stopped
     assert runs.contents(path) == expected
     assert run_to_file(STUDIES[name], path).finished_before
     assert [path.name for path in tmp_path.iterdir()] == ["one.h5"]
+
+
+@pytest.mark.parametrize(
+    "name", slow_but(STUDIES, *QUICK, *(name for name in STUDIES if "ends" in name or "rule" in name))
+)
+def test_a_case_is_the_same_in_its_study_solved_again_and_alone(whole, name: str) -> None:
+    study = STUDIES[name]
+    with xr.open_dataset(whole[name]) as ds:
+        bare, solved = ds.drop_vars(["beta", "z"], errors="ignore"), np.argwhere(ds["solved"].values)
+        for place in solved[[0, len(solved) // 2, -1]]:
+            here = dict(zip(ds["outcome"].dims, map(int, place), strict=True))
+            one, at = ds.isel(here), {dim: float(ds[dim][i]) for dim, i in here.items()}
+            fields = {field: float(one[schema.dimension(field)]) for field in study.varied}
+            rule, case = case_solutions.rule_of(study.equilibrium), study.case_of(fields)
+            file_or_study = ds if study.refine else stored_case.outline(study)
+            for way in (
+                bare.rod.beta.isel(here),
+                bare.rod.sel(**at).rod.beta,
+                ds.rod.at(**fields).beta,
+                stored_case.solve_case(file_or_study, at, study).beta,
+                solve(case, stations=study.stations, choose=rule).beta,
+            ):
+                np.testing.assert_allclose(way, one["beta"], atol=1e-12)
+
+
+FINER = {"sweep": pushed(small.axis("FZ", (-60.0, -40.0, 21))), "followed": STUDIES["followed in blocks"]}
+
+
+@pytest.mark.parametrize("name", FINER)
+def test_a_case_between_two_values_is_that_of_a_study_that_has_its_value(whole, name: str) -> None:
+    finer = in_memory.run(FINER[name])
+    with xr.open_dataset(whole[name]) as ds:
+        for one in (finer.isel(FZ=k) for k in (3, 13, -2)):
+            sol = ds.rod.at(FZ=float(one["FZ"]))
+            assert bool(sol.solved) == bool(one["solved"])  # none beyond a fold
+            np.testing.assert_allclose(sol.beta, one["beta"], atol=1e-12)

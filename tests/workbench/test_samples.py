@@ -7,7 +7,6 @@ import pytest
 import xarray as xr
 
 import workbench.accessor  # noqa: F401  (ds.rod)
-from solver import observe, solve
 from studies import Study
 from studies.language.loader import loads
 from tests.workbench import runs, small
@@ -39,12 +38,6 @@ std = 0.1
 """
 AXIS = "[axes.F1]\nvalues = [3.0, 5.0, 8.0]\n"
 LAW = small.law("kappa_max", "F1", "rises", at={"sample": 2})
-ENDS = small.text(
-    {"nu": 0.25, "a": 0.25, "L": 10.0, "R": 0.75, "betaL": 0.8, "FZ": -8.0},
-    "[zip]\nE = [1e4, 1.1e4, 1.3e4]\nbeta0 = [0.3, 0.4, 0.5]\n",
-    observables=["amplitude", "index"],
-    outputs=[],
-)
 
 
 def study(size: int = 40, seed: int = 3, more: str = "") -> Study:
@@ -82,38 +75,11 @@ def test_the_file_opens_bare_with_the_sampled_fields_along_one_dimension(stored:
             np.testing.assert_array_equal(ds["beta0" if name == "beta" else name], values)
 
 
-def test_samples_and_axes_make_every_combination(crossed: xr.Dataset) -> None:
-    assert crossed["turns"].dims == ("sample", "F1")
-    one = crossed.isel(sample=4, F1=2)
-    values = {"E": float(one["E"]), "R": float(one["R"]), "beta": float(one["beta0"]), "F1": 8.0}
-    expected = observe(solve(study().case_of(values)), ["kappa_max"])["kappa_max"]
-    np.testing.assert_allclose(float(one["kappa_max"]), float(expected), rtol=1e-7)
-
-
-def test_a_longer_sobol_sequence_solves_only_the_new_samples(stored: Path, tmp_path) -> None:
-    path = tmp_path / "small.h5"
-    path.write_bytes(stored.read_bytes())
-    assert run_to_file(study(64), path, Options(workers=1)).solved == 24
-    run_to_file(study(64), tmp_path / "whole.h5", Options(workers=1))
-    assert runs.contents(path) == runs.contents(tmp_path / "whole.h5")
-
-
 def test_a_law_is_judged_on_the_line_of_every_sample(crossed: xr.Dataset) -> None:
     from workbench.store import law_verdicts
 
     (row,) = law_verdicts.verdicts(crossed)
     assert (row["lines"], row["at"], row["verdict"]) == (5, {"sample": 2.0}, "holds")
-
-
-def test_samples_of_an_ends_problem_are_each_solved_by_the_rule() -> None:
-    work = loads(ENDS)
-    ds = in_memory.run(work)
-    assert ds["amplitude"].dims == ("sample",)
-    assert "branch" not in ds
-    for i in range(3):
-        alone = solve(work.case_of({name: row[i] for name, row in work.coordinates().items()}))
-        expected = float(observe(alone, ["amplitude"])["amplitude"])
-        np.testing.assert_allclose(float(ds["amplitude"][i]), expected, rtol=1e-7)
 
 
 # merge
@@ -193,16 +159,6 @@ def test_a_stored_study_reads_no_table_again(tmp_path) -> None:
 
 
 # which case
-
-
-def test_a_selected_sample_keeps_its_fields(stored: Path) -> None:
-    with xr.open_dataset(stored) as ds:
-        one = ds.rod.sel(sample=17)
-        assert float(one.rod.case.rod.E) == float(ds["E"][17])
-        np.testing.assert_allclose(one.rod.gamma, ds.rod.gamma[17], atol=1e-9)
-        some = ds.rod.sel(sample=[3, 5])
-        assert some.rod.case.shape == (2,)
-        assert some.rod.kappa.dims == ("sample", "u")
 
 
 def test_other_values_of_a_sampled_field_replace_those_of_the_samples(stored: Path) -> None:

@@ -1,6 +1,5 @@
 """A study in chunks: the same bits however it is cut, whoever solves it, and however it grew."""
 
-import json
 from pathlib import Path
 from typing import Any
 
@@ -321,44 +320,6 @@ def half(finished, tmp_path) -> Path:
     """A finished study over two moduli and 60 forces."""
     (tmp_path / "many.h5").write_bytes(finished)
     return runs.study(tmp_path, {"E": [1e4, 3e4], "F1": FORCES.tolist()})
-
-
-GROWN = {
-    "at the end of the last axis": {"E": [1e4, 3e4], "F1": [*FORCES, 9.5, 10.0]},
-    "before the first axis": {"E": [5e3, 1e4, 3e4], "F1": FORCES},
-    "between, on both axes": {"E": [1e4, 2e4, 3e4], "F1": np.sort([*FORCES, 1.01, 5.005])},
-    "in another order": {"E": [3e4, 4e4, 1e4], "F1": FORCES[::-1]},
-    "its last digit off": {"E": [1e4 * (1 + 2e-16), 3e4, 4e4], "F1": FORCES},
-}
-
-
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=() if "both" in name else pytest.mark.slow) for name in GROWN]
-)
-def test_values_added_to_an_axis_are_solved_alone_and_the_others_copied(half, name: str, monkeypatch) -> None:
-    axes = GROWN[name]
-    output = half.with_suffix(".h5")
-    with xr.open_dataset(output) as ds:
-        old = ds.load()
-    runs.study(half.parent, axes)
-    solved = counted(monkeypatch)
-    monkeypatch.setattr(assembly, "WINDOW", 20_000)  # bytes: many boxes, which begin inside blocks
-    ran = run_to_file(load(half), output, Options(workers=1))
-    size = len(axes["E"]) * len(axes["F1"])
-    assert ran.solved == sum(solved) == size - 120
-    with xr.open_dataset(output) as ds:
-        new = ds.load()
-    assert new.sizes["E"] * new.sizes["F1"] == size
-    assert sum(json.loads(new.attrs["statistics"])["outcomes"].values()) == size
-    np.testing.assert_allclose(new["E"], axes["E"], rtol=1e-15)
-    again = new.sel(E=old["E"], F1=old["F1"])  # by the very values: none has moved
-    for name in old.data_vars:
-        np.testing.assert_array_equal(again[name].values, old[name].values, err_msg=str(name))
-    fresh = in_memory.run(load(half))
-    for name in ("beta", "kappa_max", "turns", "FZ", "error"):
-        # other neighbours, other rounding, and no more
-        np.testing.assert_allclose(new[name], fresh[name], rtol=1e-6, atol=1e-9, err_msg=name)
-    assert run_to_file(load(half), output).finished_before
 
 
 def test_the_version_of_the_code_covers_every_source_of_solver_and_studies(monkeypatch) -> None:

@@ -14,7 +14,6 @@ from tests.workbench import small
 from workbench.commands import study_scene
 from workbench.scene import scene_kinds
 from workbench.store import case_solutions, in_memory, law_verdicts
-from workbench.store.study_store import run_to_file
 
 PIPE = {"E": 2.06e8, "inner_radius": 0.0543, "nu": 0.3, "a": 0.0635, "R": 0.108}
 HELD = {**PIPE, "side": "inside", "beta0": 0.0, "betaL": 0.0}
@@ -75,13 +74,6 @@ def test_a_sweep_numbers_its_branch_and_says_how_its_middle_case_was_taken(line)
     assert (line["outcome"] == "solved").all()
     assert line.attrs["equilibria"].startswith("the case in the middle of the grid, FZ = -50: ")
     assert line.attrs["equilibria"].endswith("the stable shape that swings least")
-
-
-def test_each_case_is_an_equilibrium_of_its_own_loads(line) -> None:
-    for FZ in (-60.0, -53.0, -40.0):
-        one = study().case_of({"FZ": FZ})
-        usual = solve(one, stations=51)
-        np.testing.assert_allclose(line["beta"].sel(FZ=FZ), usual.beta, atol=1e-8)  # both tolerances are 1e-8
 
 
 def taken_over(values: list[float], more: str = "") -> dict[float, tuple[float, float]]:
@@ -165,32 +157,7 @@ def test_the_first_case_is_the_one_that_equilibrium_chooses() -> None:
     assert "the one next to beta'(0)" in in_memory.run(study(text)).attrs["equilibria"]
 
 
-def test_a_sweep_that_is_extended_is_solved_anew(tmp_path) -> None:
-    run_to_file(study(FORCES.replace("21", "3")), tmp_path / "x.h5")
-    ran = run_to_file(study(FORCES.replace("21", "5")), tmp_path / "x.h5")
-    assert ran.solved == 5
-    assert run_to_file(study(FORCES.replace("21", "5")), tmp_path / "x.h5").finished_before
-
-
 # read again
-
-
-def extremes(beta: np.ndarray) -> int:
-    """The changes of direction of beta; the two stations beside an extreme may be equal to the bit."""
-    steps = np.diff(beta)
-    return int(np.count_nonzero(np.diff(np.sign(steps[steps != 0]))))
-
-
-def test_a_stored_sweep_is_solved_again_on_its_branch(tmp_path) -> None:
-    one = study(FORCES.replace("21", "5") + "[equilibrium]\nindex = 2\n")
-    run_to_file(one, tmp_path / "x.h5")
-    with xr.open_dataset(tmp_path / "x.h5") as ds:
-        np.testing.assert_allclose(ds.rod.dbeta[:, 0], ds.rod.beta.differentiate("s")[:, 0], atol=1e-2)
-        at = ds.rod.sel(FZ=-60.0).rod.at(FZ=-59.0)
-        between = ds.rod.at(FZ=-59.0)
-        np.testing.assert_array_equal(at.beta, between.beta)
-        assert extremes(between.beta) == extremes(ds["beta"].sel(FZ=-60.0).values)
-        assert np.abs(between.beta - ds["beta"].sel(FZ=-60.0)).max() < 0.01
 
 
 def test_a_picture_of_a_study_shows_the_branch_that_the_study_is_on(tmp_path) -> None:
