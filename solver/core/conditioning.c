@@ -43,11 +43,9 @@ static void flow_of(const course *o, int64_t i, flow *out)
 {
     const int n = o->n;
     const double half = o->all->width[o->at + i] / 2;
-    double x[NODES], v[NODES], pace[NODES];
+    double pace[NODES];
     varied_nodes *s = &out->state;
-    product(n + 1, n, series_of(o, i, 0), o->points->values, x);
-    product(n + 1, n, series_of(o, i, 1), o->points->values, v);
-    rod_vary_state(&o->problem->lam, o->all->origin[o->at + i], half, n, x, v, 0, s);
+    rod_vary_state(&o->problem->lam, o->all, o->at + i, o->points, 0, 1, s);
     for (int k = 0; k < n; k++)
         pace[k] = shear_rate(s->v[k], s->H[k], s->rate[k], s->c) * half;
     integrated(o->points, pace, out->shear);

@@ -7,13 +7,13 @@
 
 static const int pairs_of[2][PAIRS] = {{0, 0, 0, 0, 1, 1, 1, 2, 2, 3}, {0, 1, 2, 3, 1, 2, 3, 2, 3, 3}};
 
-static void slopes_by_loads(double s, double c, double *out)
+INLINE void slopes_by_loads(double s, double c, double *out)
 {
     out[0] = c, out[1] = -(c - s) * (c + s), out[2] = -s;
 }
 
 /* c of a panel, from |beta_t|, H and H' at its nodes. */
-static double scale_across(int n, const double *v, const double *H, const double *rate, double half)
+INLINE double scale_across(int n, const double *v, const double *H, const double *rate, double half)
 {
     double fastest = 0, slowest = INFINITY, steepest = 0, flattest = INFINITY, most = 1e-200;
     for (int i = 0; i < n; i++) {
@@ -36,7 +36,7 @@ typedef struct {
     double q[NODES], sx[NODES], cx[NODES], s2x[NODES], c2x[NODES];
 } distances;
 
-static void distances_of(int n, const double *x, distances *out)
+INLINE void distances_of(int n, const double *x, distances *out)
 {
     double half[NODES], sh[NODES], ch[NODES];
     for (int i = 0; i < n; i++)
@@ -51,7 +51,7 @@ static void distances_of(int n, const double *x, distances *out)
 
 /* The shift of the critical point, split off near it; gamma without the heights of critical points, and H_q + shift_q H', to
    relative accuracy in x. rest: H less its linear part. */
-static void vary_level(const double *loads, double s, double c, double steep, int n, const distances *d,
+INLINE void vary_level(const double *loads, double s, double c, double steep, int n, const distances *d,
                        const double *rest, int near, varied_nodes *out)
 {
     const double s2 = 2 * s * c, c2 = (c - s) * (c + s), s4 = 2 * s2 * c2, c4 = (c2 - s2) * (c2 + s2);
@@ -75,9 +75,14 @@ static void vary_level(const double *loads, double s, double c, double steep, in
     }
 }
 
-void rod_vary_state(const double *loads, double origin, double half, int n, const double *x, const double *v, int by_loads,
-                    varied_nodes *out)
+INLINE void vary_state(const double *loads, const read_orbits *of, int64_t i, const points *at, int by_loads,
+                       varied_nodes *out)
 {
+    const int n = (int)at->n;
+    const double *series = of->series + FUNCTIONS * of->coefficients * i, origin = of->origin[i];
+    double x[NODES], v[NODES];
+    product(n + 1, n, series, at->values, x);
+    product(n + 1, n, series + n + 1, at->values, v);
     const double lam = loads[0], mu = loads[1], phi = loads[2], s = sin(origin), c = cos(origin);
     const double s2 = 2 * s * c, c2 = (c - s) * (c + s), s4 = 2 * s2 * c2, c4 = (c2 - s2) * (c2 + s2);
     const double steep = slope_rate_by(lam, mu, phi, s, c), turn = 4 * (mu * s2 - c2 / 2), even = lam * c - phi * s;
@@ -100,10 +105,20 @@ void rod_vary_state(const double *loads, double origin, double half, int n, cons
     sin_cos_of(n, angle, out->sine, out->cosine);
     for (int i = 0; i < n; i++)
         out->rate[i] = slope_rate_by(lam, mu, phi, out->sine[i], out->cosine[i]);
-    out->c = scale_across(n, out->v, out->H, out->rate, half);
+    out->c = scale_across(n, out->v, out->H, out->rate, of->width[i] / 2);
     out->origin = origin, out->least = INFINITY;
     for (int i = 0; i < n; i++)
         out->least = smaller(out->least, square(out->v[i]) + out->c * square(out->H[i]));
+}
+
+IN_WIDTHS(vary_state,
+          (const double *loads, const read_orbits *of, int64_t i, const points *at, int by_loads, varied_nodes *out),
+          (loads, of, i, at, by_loads, out))
+
+void rod_vary_state(const double *loads, const read_orbits *of, int64_t i, const points *at, int by_loads, int64_t lanes,
+                    varied_nodes *out)
+{
+    FOR_LANES(lanes, vary_state)(loads, of, i, at, by_loads, out);
 }
 
 void rod_height_rates(double angle, double other, double *out)
@@ -116,7 +131,7 @@ void rod_height_rates(double angle, double other, double *out)
     out[2] = angle == other ? 0 : 2 * sin(mean) * sine;
 }
 
-static void vary_rates(double nearest, int n, varied_nodes *out)
+INLINE void vary_rates(double nearest, int n, varied_nodes *out)
 {
     double above[3], plain[3], *gamma[3];
     const double across = out->c, *s = out->sine, *c = out->cosine, *rate = out->rate;
@@ -142,6 +157,8 @@ static void vary_rates(double nearest, int n, varied_nodes *out)
         out->M[PAIRS][i] = s[i], out->M[PAIRS + 1][i] = c[i], out->M[PAIRS + 2][i] = s[i] * c[i];
     }
 }
+
+IN_WIDTHS(vary_rates, (double nearest, int n, varied_nodes *out), (nearest, n, out))
 
 /* What M gains where the transversal and the shift change from those of one panel to those at the near end of another.
    sign: of beta_t on the latter, away from the start. */
@@ -250,11 +267,7 @@ int64_t rod_vary(const double *loads, const read_orbits *of, int64_t b, const po
     double total[2][SUMS] = {{0}}, weights[NODES];
     weights_of(at, weights);
     for (int64_t i = 0; i < P; i++) {
-        double x[NODES], v[NODES];
-        const double *series = of->series + FUNCTIONS * width * (first + i);
-        product(n + 1, n, series, at->values, x);
-        product(n + 1, n, series + width, at->values, v);
-        rod_vary_state(loads, of->origin[first + i], of->width[first + i] / 2, n, x, v, 1, &nodes[i]);
+        rod_vary_state(loads, of, first + i, at, 1, out->lanes, &nodes[i]);
         out->least[first + i] = nodes[i].least;
         if (nodes[i].least < nodes[nearest].least)
             nearest = i;
@@ -263,7 +276,7 @@ int64_t rod_vary(const double *loads, const read_orbits *of, int64_t b, const po
         const int backward = i >= count[0], wanted = !only || i == only[0] || i == only[1];
         const double half = of->width[first + i] / 2;
         double *jump = out->jump + PAIRS * (first + i), *series = out->series + VARIED * (first + i) * width;
-        vary_rates(of->origin[first + nearest], n, &nodes[i]);
+        FOR_LANES(out->lanes, vary_rates)(of->origin[first + nearest], n, &nodes[i]);
         vary_entry(nodes, count, i, of->direction[b], jump);
         if (wanted)
             FOR_LANES(out->lanes, keep_series)(&nodes[i], at, half, series);

@@ -30,9 +30,8 @@ typedef struct {
     int64_t lanes; /* what rod_lanes says, or fewer; changes no bit */
 } varied_orbits;
 
-/* The state at the nodes x from the critical point `origin`, where beta_t is v; half: of the panel's duration. Without
-   `by_loads` no shift and no gamma. */
-void rod_vary_state(const double *loads, double origin, double half, int n, const double *x, const double *v, int by_loads,
+/* The state at the nodes of panel i of all orbits. Without `by_loads` no shift and no gamma. lanes: as of `varied_orbits`. */
+void rod_vary_state(const double *loads, const read_orbits *, int64_t i, const points *, int by_loads, int64_t lanes,
                     varied_nodes *out);
 
 /* The variations of orbit b, none of a helix, on its panels, with nodes (P,) as room. loads: (3,). only: two of the panels,

@@ -9,10 +9,10 @@ import numpy as np
 from ..numerics.arrays import Array
 from ..problem.angles import angle
 from ..problem.case import Case
-from ..problem.case_fields import FIELD, check_fields, value_of
+from ..problem.case_fields import check_fields, value_of
 from ..problem.errors import InputError, choices, show
 from ..problem.field_values import POSITIVE, RANGES
-from ..problem.quantities import quantity
+from ..problem.quantities import AT_START, quantity
 
 _SPREAD = 4.0  # starts of a positive field without bounds: from its value over this to its value times this
 
@@ -88,8 +88,8 @@ def _by_name(case: Case, vary: Any) -> dict[str, Any]:
     if isinstance(vary, str):
         vary = (vary,)
     pairs = list(vary.items()) if isinstance(vary, Mapping) else [(name, None) for name in _list(vary)]
-    by_field = {field: name for name, field in FIELD.items() if field in {f.name for f in fields(case.given)}}
-    names = [str(by_field.get(name, name)) for name, _ in pairs]
+    own = {field.name for field in fields(case.given)}
+    names = [str(AT_START.get(name, name) if name in own else name) for name, _ in pairs]
     if twice := [name for name in names if names.count(name) > 1]:
         raise InputError(f"the field {twice[0]!r} is varied twice")
     return {name: bounds for name, (_, bounds) in zip(names, pairs, strict=True)}

@@ -2,13 +2,12 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import fields, replace
+from functools import cache
 from typing import Any
 
-from .case import Case
+from .case import Case, Cylinder, Rod
 from .errors import InputError, choices, near
 from .quantities import AT_START
-
-FIELD = {name: field for field, name in AT_START.items()}  # of `Start` and `Ends`; `Ends` has fields beta0 and betaL
 
 
 def fields_of(case: Case) -> tuple[str, ...]:
@@ -30,12 +29,20 @@ def check_fields(case: Case, names: Any) -> tuple[str, ...]:
 
 def _place_of(case: Case, name: str) -> tuple[str, str]:
     """The part of a case that has a field, named as its quantity, and the field's name there."""
-    for field in (name, FIELD.get(name, name)):
-        for part in ("rod", "cylinder", "given"):
-            if hasattr(getattr(case, part), field):
-                return part, field
-    known = fields_of(case)
-    raise InputError(f"no field {name!r} in this case{near(name, known)}; choose from {choices(known)}")
+    given: Any = type(case.given)
+    place = _places(given).get(name)
+    if place is None:
+        known = fields_of(case)
+        raise InputError(f"no field {name!r} in this case{near(name, known)}; choose from {choices(known)}")
+    return place
+
+
+@cache
+def _places(given: Any) -> dict[str, tuple[str, str]]:
+    """The part and the field there, by the name of the field and by that of its quantity, with such a start or ends."""
+    parts = ("rod", Rod), ("cylinder", Cylinder), ("given", given)
+    places = {field.name: (part, field.name) for part, kind in parts for field in fields(kind)}
+    return {AT_START.get(name, name): place for name, place in places.items()} | places
 
 
 def with_field(case: Case, name: str, value: Any) -> Case:
@@ -60,8 +67,8 @@ def unchecked_with_fields(case: Case, values: Mapping[str, Any]) -> Case:
 
 def _copy(value: Any, changes: dict[str, Any]) -> Any:
     """A copy of a frozen dataclass that is not validated."""
-    new = object.__new__(type(value))
-    vars(new).update({field.name: changes.get(field.name, getattr(value, field.name)) for field in fields(value)})
+    new, known = object.__new__(type(value)), vars(value)
+    vars(new).update({name: changes[name] if name in changes else known[name] for name in value.__match_args__})
     return new
 
 

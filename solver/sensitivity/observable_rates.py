@@ -41,11 +41,15 @@ NO_ORBIT = "the method knows no orbit, so it has no period"
 def check_observables(names: Any) -> tuple[str, ...]:
     """The names as a tuple. Raises `InputError` for an unknown name, and for an observable without a derivative."""
     checked = check_names(names)
-    able = [name for name, row in OBSERVABLES.items() if set(row.measured) <= _DIFFERENTIABLE or is_count(name)]
     for name in checked:
-        if name not in able:
+        if not _has_derivative(name):
+            able = filter(_has_derivative, OBSERVABLES)
             raise InputError(f"the derivative of {name!r} is not known; choose from {choices(able)}")
     return checked
+
+
+def _has_derivative(name: str) -> bool:
+    return set(OBSERVABLES[name].measured) <= _DIFFERENTIABLE or is_count(name)
 
 
 _OWN_SLOPES = ("alpha", "z", "middle turned", "middle risen", "beta0", "betaL", "dbeta0", "dbetaL")
