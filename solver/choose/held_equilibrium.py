@@ -126,7 +126,7 @@ def each_held(problem: HeldProblem, t: Array, tol: float, seed: Seed | None) -> 
 def _reach(problem: HeldProblem, seed: Seed | None) -> Reached | str:
     if why := beyond_limits(problem)[0]:
         return str(why)
-    if why := unreachable(*held_apart(problem)):
+    if why := unreachable(*held_apart(problem), seed is not None):
         return f"failed: {why}"
     given = Given.of(problem)
     if seed is None:

@@ -24,6 +24,7 @@ LEFT = "no orbit of its path joins the two ends there"
 _REACH = 0.5  # largest size of all corrections together
 _LEAST = 9 * EPS  # share by which rounding may change an angle, or a load
 _MET = 1e-3  # of the length: by how much the length of an equilibrium may be off
+_ROUNDED = 256 * EPS  # what the sums along an orbit leave of the numbers of an equilibrium, in their sizes
 _SWING = 1e-7  # beta_t and H at a start below which an orbit is its helix, in units of the loads
 _CORNER = 1e-6  # rad: a rod that its start determines ends as near to its angle there
 _STILL = 1e-11  # beta_t below which an end is at rest, in units of the loads
@@ -56,6 +57,9 @@ def correct_equilibrium(problem: EndsProblem, given: Given, chart: Chart, x: flo
         last, corrected_by = OrbitState(problem, path, rates), corrected_by + size
         if not corrected_by <= _REACH:
             return DIVERGED
+        left = np.append(off, given.span - length) / (1 + np.abs(np.append(given.values, given.span)))
+        if size > _ENDING.small and np.abs(left).max() < _ROUNDED:  # a taut rod: rounding of its ends moves its loads
+            size = 0.0
         return (problem_after(problem, given, change), at + dx), size
 
     corrected = newton((problem, x), step, _ENDING)

@@ -17,7 +17,7 @@ from ..branches.helices import helices_of
 from ..core.orbits import critical_points
 from ..equilibrium.given_numbers import FREE, Given, OrbitState, problem_of
 from ..equilibrium.held_index import index_of
-from ..equilibrium.system import state_of
+from ..equilibrium.system import settle, state_of
 from ..levels.line_point import Path
 from ..levels.morse_index import jacobi_zeros
 from ..levels.path_orbits import orbit_of
@@ -31,6 +31,7 @@ HELIX = "a helix, which has these ends itself"
 _TRIED, _REACHED = 8, 3  # starts from which continuation is tried; equilibria after which it ends
 _UNSTABLE = 0.3  # what a negative direction of a start adds to its distance
 _MOST_TURNS = 2  # of the starts
+_LAYERS = 8.0  # least k L/rho of a taut rod: the angle decays before the other end
 _SHORT = 1e-3  # share of the way to a helix by which an end angle stays away from it
 
 
@@ -57,7 +58,7 @@ def outcome_of(found: Stopped) -> str:
     why = f"{FOLD} of the problem with held ends" if found.reason == FOLD else found.reason
     return (
         f"failed: the branch of the start could not be followed to the held ends: {why} "
-        f"after {found.share:.2%} of the way"
+        f"after {abs(found.share):.2%} of the way"
     )
 
 
@@ -81,12 +82,15 @@ def _reach(wanted: Given, starts: list[OrbitState], helices: list[OrbitState]) -
     An orbit whose swings about one of the helices fall to rounding is that helix.
     """
     reached: list[Reached] = []
-    why = ""
+    why, taut = "", _taut_loads(wanted)
     for tried, start in enumerate(starts[:_TRIED], 1):
         state = carry(start, wanted)
         if isinstance(state, Stopped):
             why = why or outcome_of(state)
-            continue
+            near = settle(start.problem, start.path, wanted) if taut else ""  # where steps are lost in rounding
+            if isinstance(near, str):
+                continue
+            state = near
         state = next((helix for helix in helices if is_known(state, [numbers_of(helix)])), state)
         reached.append(Reached(state, _dead(start)))
         if index_of(state, wanted) == 0 or len(reached) == _REACHED:
@@ -143,7 +147,27 @@ def _guesses(wanted: Given) -> list[dict[str, float]]:
         if "lam" not in known:
             lams.append(_helix_moment(mean, mu, phi))
         guesses += [{"phi": phi, "mu": mu, "lam": lam, "beta0": b0, "betaL": bL} for lam in dict.fromkeys(lams)]
-    return guesses
+    pulled = _taut_loads(wanted)
+    taut = [guess | {name: known.get(name, value) for name, value in pulled.items()} for guess in guesses if pulled]
+    return list({tuple(guess.values()): guess for guess in guesses + taut}.values())
+
+
+def _taut_loads(wanted: Given) -> dict[str, float]:
+    """The loads of a rod whose ends are nearly as far apart as it is long; none where that says nothing of them.
+
+    Under a tension k^2 the angle decays like exp(-k t) from that of each clamped end to that of the tension; an end at
+    an angle d to it shortens the rod along it by (4/k) sin(d/4)^2, and moves it aside by (2/k) sin(d/2).
+    """
+    span, height, azimuth = wanted.span, wanted.number("z", 0.0), wanted.number("alpha", 0.0)
+    short, chord = span - float(np.hypot(height, azimuth)), float(np.arctan2(azimuth, height))
+    angles = np.array([wanted.number(name, 0.0) for name in FREE[:2] if name in wanted.names])
+    bent = np.remainder(angles - chord + np.pi, TAU) - np.pi
+    size = 4 * float((np.sin(bent / 4) ** 2).sum())
+    if not 0 < _LAYERS * short < size * span:
+        return {}
+    k = size / short
+    way = chord - 2 * float(np.sin(bent / 2).sum()) / (k * span)
+    return {"phi": k**2 * np.cos(way), "lam": k**2 * np.sin(way)}
 
 
 def _next_to_helices(wanted: Given, guesses: list[dict[str, float]]) -> list[dict[str, float]]:

@@ -15,11 +15,11 @@ LONGEST = 1e16  # of L/rho between two ends: beyond, a rounding of s is larger t
 TOO_LONG = "failed: L/rho of a problem between two ends must be below 1e16; beyond, rounding of s exceeds rho"
 OUT_OF_RANGE = "failed: stiffness, radius, forces or curvatures are beyond 1e290 or 1e-290 in these units"
 TAUT = (
-    "the far end is held at a height of L or -L, where the rod can only be straight along the axis, and then its axial "
-    "force is not determined"
+    "the ends are held as far apart, along the cylinder, as the rod is long; it can only be straight or a helix then, "
+    "and the force that holds it so is not determined"
 )
 TOO_FAR = "the ends are held apart, along the cylinder, by {:.6g} times the length of the rod"
-_ROUNDING = 2.0**-50  # of L/rho: held ends are no nearer to it
+_ROUNDING = 2.0**-50  # of L/rho: ends so near to it are held at it
 _ORDINARY = 1e30  # with it the largest sum of decades in `representable` is 62 + 7 * 30 = 272
 _DECADES = 290.0  # a float has 308; the margin is for factors and sums
 
@@ -71,12 +71,14 @@ def units_held(case: Case) -> NDArray[np.bool_]:
         return np.asarray((np.abs(A) < _DECADES) & (2 * np.abs(rho) < _DECADES))
 
 
-def unreachable(height: float, azimuth: float, span: float) -> str:
-    """Why no rod of a span reaches from end to end, or only a straight one does; "" where one may.
+def unreachable(height: float, azimuth: float, span: float, seeded: bool = False) -> str:
+    """Why no rod of a span reaches from end to end, or only a taut one does; "" where one may.
 
-    height, azimuth: over rho, 0 where not held.
+    height, azimuth: over rho, 0 where not held. seeded: whether there is a seed, which may be a taut helix itself.
     """
-    return TAUT if abs(height) > span * (1 - _ROUNDING) else too_far(height, azimuth, span)
+    apart = np.hypot(height, azimuth)
+    taut = abs(apart - span) <= _ROUNDING * span and not (seeded and azimuth)
+    return TAUT if taut else too_far(height, azimuth, span)
 
 
 def too_far(height: float, azimuth: float, span: float) -> str:

@@ -137,12 +137,12 @@ def shape_path(shape: Shape, index: int) -> Path:
     return Path(shape, index, why="seed")
 
 
-def why_unsolved(rod: LoadedRod) -> str:
-    """Why no shape of a rod is computed, or nothing."""
+def why_unsolved(rod: LoadedRod, seeded: bool = False) -> str:
+    """Why no shape of a rod is computed, or nothing; seeded: whether it has a seed."""
     if not SHORTEST < rod.span < LARGEST or not all((abs(v) < LARGEST).all() for v in (rod.numbers, rod.near, rod.far)):
         return TOO_LARGE
     height, azimuth = (float(rod.far[k]) if name in rod.held else 0.0 for k, name in ((2, "height"), (1, "azimuth")))
-    if why := unreachable(height, azimuth, rod.span):
+    if why := unreachable(height, azimuth, rod.span, seeded):
         return why
     rubbed = 0.0 if rod.turning else abs(rod.numbers[3]) * rod.across * rod.span  # of a straight rod, at most
     changes = float(rod.changes(rubbed)[1][-1])
@@ -153,7 +153,7 @@ def path_to(rod: LoadedRod, seed: Any, i: int) -> Path:
     """The shape of one rod that a seed means."""
     if isinstance(seed, list):
         return seed[i]
-    if why := why_unsolved(rod):
+    if why := why_unsolved(rod, seed is not None):
         return Path(None, why=why)
     if seed is None:
         return branch_from_straight(rod)

@@ -349,6 +349,23 @@ def test_rods_that_are_pushed_far_or_pulled_taut_are_solved_and_stable(E, L, R, 
     assert sol.held_index == 0
 
 
+@pytest.mark.parametrize(("short", "off"), [(1e-4, 1e-3), (1e-6, 1e-5)])
+@pytest.mark.parametrize("is_ring", [True, False])
+def test_a_taut_rod_pulls_as_the_bends_of_its_clamped_ends_say(short, off, is_ring) -> None:
+    """Under a tension k^2 an end at an angle d to it shortens a long rod by (4/k) sin(d/4)^2, exactly."""
+    rod, drum, chord = Rod(E=1.07e4, nu=0.25, a=0.25, L=20.0), Cylinder(R=0.75), np.pi / 2 if is_ring else 0.5
+    azimuth, height = 20 * (1 - short) * np.sin(chord), 20 * (1 - short) * np.cos(chord)  # rho = 1
+    loads = {"FZ": -1.0} if is_ring else {"height": height}
+    sol = solve(Case(rod, drum, Ends(1.0, 2.0 if is_ring else 0.3, azimuth=azimuth, **loads)))
+    assert sol.solved, sol.outcome
+    assert sol.held_index == 0
+    beta0, betaL = (float(sol.beta[i]) for i in (0, -1))
+    way = float(np.arctan2(sol.MZ, sol.FZ)) if not is_ring else chord
+    k = float(np.sqrt(np.hypot(sol.MZ, sol.FZ) / rod.bending_stiffness))
+    lost = 20 - (azimuth * np.sin(way) + (0 if is_ring else height * np.cos(way)))
+    assert 4 * (np.sin((np.array([beta0, betaL]) - way) / 4) ** 2).sum() / k == pytest.approx(lost, rel=off)
+
+
 def test_a_hinged_rod_that_rests_at_its_far_end_is_its_own_seed() -> None:
     ends = Ends(M10=-0.027223322295329325, M1L=0, azimuth=-0.2775656008475698, M3=-0.005206395614304313)
     case = Case(Rod(E=145.6711216760269, nu=0.09843019864972385, a=0.25, L=30), Cylinder(R=1.1240044064931354), ends)

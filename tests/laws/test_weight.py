@@ -29,7 +29,7 @@ from solver.folds.fold_curves import fold_curve
 from solver.folds.parameter_plane import parameter_plane
 from solver.numerics.arclength import Lengths
 from solver.problem.case_fields import values_of, with_field, with_fields
-from solver.problem.limits import unreachable
+from solver.problem.limits import TAUT, unreachable
 from solver.shooting.buckling import buckling_shares, buckling_tension, straight_index, straight_shape
 from solver.shooting.descent import index_at
 from solver.shooting.loaded_rod import PHI, LoadedRod, rods_of
@@ -741,10 +741,11 @@ def test_weight_and_stiffness_are_fitted_to_a_measured_curve() -> None:
     assert found.values == pytest.approx({"weight": 0.3, "EI": 1.0}, rel=1e-9)
 
 
-def test_a_helix_whose_ends_are_held_as_far_apart_as_the_rod_is_long_is_not_out_of_reach() -> None:
+def test_a_helix_whose_ends_are_held_as_far_apart_as_the_rod_is_long_is_not_out_of_reach_of_a_seed() -> None:
     apart = [(7.3 * np.cos(beta), 7.3 * np.sin(beta)) for beta in np.linspace(0.1, 1.4, 200)]
     assert max(np.hypot(*ends) / 7.3 for ends in apart) > 1  # by a rounding
-    assert {unreachable(*ends, 7.3) for ends in apart} == {""}
+    assert {unreachable(*ends, 7.3, seeded=True) for ends in apart} == {""}
+    assert {unreachable(*ends, 7.3) for ends in apart} == {TAUT}
 
 
 @pytest.mark.parametrize(
