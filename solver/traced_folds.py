@@ -32,8 +32,8 @@ from .problem.reduced import given_numbers
 from .shooting.curve import MOST_POINTS, SPLIT, Curve, angles_of, shapes_through
 from .shooting.descent import index_at, on_nodes, weakest_modes
 from .shooting.loaded_rod import LoadedRod, densest_nodes, rods_of
-from .shooting.newton import Shape
 from .shooting.shape_folds import RodAt, fold_through, pitchforks_through
+from .shooting.varying_shapes import Shape
 from .solve import between_ends
 
 MOST = 1000  # points of a branch of orbits in each sense

@@ -22,8 +22,8 @@ from ..shape import Shape
 from ..shooting.answers import answer_ends, answer_starts, shape_path
 from ..shooting.curve import DIFFERENCE, Curve
 from ..shooting.loaded_rod import rods_of
-from ..shooting.newton import Shape as Nodal
 from ..shooting.newton import largest_turn, linear_at
+from ..shooting.varying_shapes import Shape as Nodal
 
 STEP = 1e-4  # of the angles, in their scales, and of a field, in its size
 WEIGHTS = {1: 2 / 3, 2: -1 / 12}  # of the differences at so many steps
@@ -87,7 +87,7 @@ def _line(sol: Shape, name: str) -> Line:
         nodes = shapes.of(i)
         answer = None
         if nodes is not None:
-            shape = Nodal(rod, nodes.t, nodes.y)
+            shape = replace(nodes, rod=rod)
             curve = Curve(lambda x, i=i: near[x > 0][i], 1.0, rod.scale)  # type: ignore[misc]
             answer = linear_at(shape).solve(-curve.rate(shape, 0.0)[:, None])
         if answer is None:

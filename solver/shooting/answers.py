@@ -14,11 +14,11 @@ from ..problem.trajectory import Trajectory, verdicts
 from .branch import Path, branch_from_straight
 from .buckling import straight_shape
 from .curve import Curve
-from .descent import index_of_any, nodes_of, shape_like
+from .descent import index_of_any, shape_like
 from .loaded_rod import ALPHA, BETA, MU, PHI, SHORT, SPEED, LoadedRod, Q, densest_nodes, rods_of, starts_of
-from .newton import Shape, correct, linear_at
+from .newton import correct, linear_at
 from .state import LEAVES, RUBS
-from .varying_shapes import Marched, Nodes, VaryingShapes, read_starts, read_states
+from .varying_shapes import Marched, Shape, VaryingShapes, read_starts, read_states
 
 SHORTER = 0.7  # steps of the second march, whose difference from the first estimates the error of an ends problem
 SHARE, COARSEST = 0.01, 1e-12  # of start problems: what all steps leave out of beta, as a share of the tolerance; the
@@ -92,13 +92,12 @@ def answer_ends(case: Case, t: Array, tol: float, seed: Any = None) -> tuple[End
     rods = rods_of(case)
     n, alpha0 = t.shape[1], flat(case.given.alpha, case.shape)
     paths = [path_to(rod, seed, i) for i, rod in enumerate(rods)]
-    nodes = [None if path.shape is None else nodes_of(path.shape) for path in paths]
     estimates = [(np.inf, np.inf) if path.shape is None else estimate(path.shape) for path in paths]
     none = np.full((n, SIZE), np.nan)
-    y = np.array([none if known is None else known.at(times) for known, times in zip(nodes, t, strict=True)])
+    y = np.array([none if path.shape is None else path.shape.at(times) for path, times in zip(paths, t, strict=True)])
     index = np.array([np.nan if path.shape is None or path.shape.rod.rubbed else path.index for path in paths])
     critical = np.array([np.nan if path.buckled is None else path.buckled for path in paths])
-    shapes = VaryingShapes(nodes, index, critical)
+    shapes = VaryingShapes([path.shape for path in paths], index, critical)
     begin, end = shapes.ends()
     error, condition = np.array(estimates).T
     read = read_states(y, t, alpha0, np.array([rod.numbers[0] for rod in rods]) * end[:, MU])
@@ -121,7 +120,7 @@ def answer_ends(case: Case, t: Array, tol: float, seed: Any = None) -> tuple[End
     )  # fmt: skip
 
 
-def path_at(case: Case, known: Nodes, case_at: Callable[[float], Case], low: float, high: float) -> tuple[Curve, Shape]:
+def path_at(case: Case, known: Shape, case_at: Callable[[float], Case], low: float, high: float) -> tuple[Curve, Shape]:
     """The curve of equilibria of a case that depends on one number, from low to high, and a shape of it."""
 
     def rod_at(x: float) -> LoadedRod:

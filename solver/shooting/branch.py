@@ -12,7 +12,8 @@ from .buckling import AHEAD, buckle, buckling_shares, lying_rod, straight_index,
 from .descent import LOOSE, descend, index_at, index_of_any, is_near
 from .loaded_rod import SHORT, LoadedRod
 from .local_waves import PASSED, QUIET, leans_and_buckles, lock_up_share, sinusoid, wound_shape
-from .newton import Shape, correct, is_same
+from .newton import correct, is_same
+from .varying_shapes import Shape
 
 MOST_FORCES, MOST_FAILED = 20, 3  # that are tried for a held height; of which as many fail
 LEAST_BENT = 1e-3  # how much they shorten the rod, of the wanted

@@ -10,7 +10,7 @@ from ..numerics.roots import halve
 from .curve import SPLIT, Curve
 from .descent import descend, index_at, weakest_modes
 from .loaded_rod import LoadedRod
-from .newton import Shape
+from .varying_shapes import Shape
 
 CLOSE, ALIKE = 1e-6, 1e-12  # relative: of the load at which the straight rod buckles; of two that are one
 AMPLITUDES = SPLIT * 4.0 ** -np.arange(6)  # with which a buckled shape is sought

@@ -20,7 +20,6 @@ from .loaded_rod import ALPHA, BETA, LoadedRod
 from .newton import (
     ENDING,
     SAME,
-    Shape,
     correct,
     is_same,
     linear_at,
@@ -29,6 +28,7 @@ from .newton import (
     size_of,
     with_known_loads,
 )
+from .varying_shapes import Shape
 
 DIFFERENCE = 1e-5  # of x over its size: for derivatives by x
 SOFT = 1e-14  # springs that hardly change the equations, in the scales

@@ -8,8 +8,8 @@ import numpy as np
 from ..core.varying_loads import HALF, SIZE, count_negatives
 from ..numerics.arrays import Array
 from .loaded_rod import ALPHA, BETA, MU, PHI, ROUND, SHORT, SPEED, LoadedRod, Q
-from .newton import Linear, Shape, correct, largest_turn, linear_at, march_of
-from .varying_shapes import Nodes
+from .newton import Linear, correct, largest_turn, linear_at, march_of
+from .varying_shapes import Shape
 
 
 def index_of(rod: LoadedRod, transfer: Array, scale: Array, stiffness: Array | None = None) -> int:
@@ -69,17 +69,12 @@ def fine_shape(shape: Shape) -> Shape:
     return on_nodes(shape, t)
 
 
-def nodes_of(shape: Shape) -> Nodes:
-    """A shape as one that is read along the rod."""
-    return Nodes(shape.rod.numbers, shape.rod.scale, shape.t, shape.y)
-
-
 def on_nodes(shape: Shape, t: Array) -> Shape:
     """The same shape on other nodes."""
-    return shape_like(shape.rod, nodes_of(shape), t)
+    return shape_like(shape.rod, shape, t)
 
 
-def shape_like(rod: LoadedRod, known: Nodes, t: Array) -> Shape:
+def shape_like(rod: LoadedRod, known: Shape, t: Array) -> Shape:
     """A shape of one rod as a guess of that of another rod on nodes t, at equal shares of their spans."""
     return Shape(rod, t, known.at(t * (known.t[-1] / rod.span)))
 

@@ -21,7 +21,8 @@ from ..numerics.roots import root
 from ..problem.case import ALONG_ITSELF
 from .descent import descend, index_of_any
 from .loaded_rod import ALPHA, BETA, PHI, SHORT, SPEED, LoadedRod, Q
-from .newton import Shape, correct
+from .newton import correct
+from .varying_shapes import Shape
 
 OVER = (1e-3, 0.4, 0.8, 1.2, 1.6, 2.0, 2.4, 2.8, 3.2)  # F - 2, of the rows of a table of sinusoids
 HARMONICS = np.array([[1.0], [3.0], [5.0]])

@@ -8,22 +8,13 @@ from ..core.varying_loads import BY_STATE, ORDER, SIZE, march, solve_chain
 from ..numerics.arrays import Array
 from ..numerics.roots import DIVERGED, Ending, newton
 from .loaded_rod import ALPHA, BETA, MU, PHI, ROUND, SHORT, SPEED, LoadedRod, Q
+from .varying_shapes import Shape
 
 DEEP = 13  # the order of the series of the derivatives by which Newton's method goes
 SAME = 1e-6  # of the angles in their scales: one shape
 WILD = 1e6  # of the scales: no equilibrium is sought from larger numbers
 ROUNDING = 1e-12  # of the scales: a correction below this is rounding
 ENDING = Ending(rounds=40, goal=ROUNDING, small=1e-7, stall=0.25)
-
-
-@dataclass(frozen=True, eq=False)
-class Shape:
-    """A rod on nodes. t: (N,). y: (N, 8), states at the nodes. steps: those of Newton that were taken."""
-
-    rod: LoadedRod
-    t: Array
-    y: Array
-    steps: int = 0
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,7 +16,8 @@ from .buckling import buckling_shares, straight_shape
 from .curve import MOST_POINTS, REACH, SPLIT, Curve, angles_in, angles_of, trace_shapes
 from .descent import index_at, on_nodes, weakest_modes
 from .loaded_rod import ALPHA, BETA, MU, PHI, SHORT, SPEED, LoadedRod, Q
-from .newton import DEEP, Shape, correct, is_same, largest_turn, linear_at, size_of
+from .newton import DEEP, correct, is_same, largest_turn, linear_at, size_of
+from .varying_shapes import Shape
 
 LONGEST = 10.0  # radii: a longer rod is not scanned, as its far end depends too much on its start
 CELLS = 120, 80  # of the scan, over beta_t(0) or beta(0) and over q(0)

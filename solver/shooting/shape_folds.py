@@ -34,7 +34,8 @@ from ..problem.errors import InputError
 from .curve import SPLIT, Curve, Point, angles_of, unit
 from .descent import index_at, response, weakest_modes
 from .loaded_rod import ALPHA, BETA, SPEED, LoadedRod
-from .newton import Shape, correct, linear_at
+from .newton import correct, linear_at
+from .varying_shapes import Shape
 
 RodAt = Callable[[Array], LoadedRod]
 STEPS = Lengths(first=0.02, longest=0.1, least=1e-4)  # in the sizes of the equilibrium and of z

@@ -13,7 +13,7 @@ from ..mechanics.statics import circumferential_force, contact_force
 from ..numerics.arrays import Array, Integers
 from ..numerics.roots import bisect
 from ..problem.case import IN_PLACE
-from .loaded_rod import ALPHA, BETA, MU, PHI, SPEED, Q
+from .loaded_rod import ALPHA, BETA, MU, PHI, SPEED, LoadedRod, Q
 from .state import State, states
 
 DENSE = 17  # places on a stretch, at which the states along a rod are judged
@@ -23,36 +23,37 @@ FINE = 2  # nodes of a start problem, for each step of its march
 
 
 @dataclass(frozen=True, eq=False)
-class Nodes:
-    """One rod. numbers, scale: (7,) and (8,), as of `core.varying_loads.march`. t: (N,). y: (N, 8), states there."""
+class Shape:
+    """A rod on nodes. t: (N,). y: (N, 8), states at the nodes. steps: those of Newton that were taken."""
 
-    numbers: Array
-    scale: Array
+    rod: LoadedRod
     t: Array
     y: Array
+    steps: int = 0
 
     def at(self, t: Array) -> Array:
         """States at times t (n,), rising, (n, 8)."""
         stretch = np.clip(np.searchsorted(self.t, t, side="right") - 1, 0, self.t.size - 2)
         first = np.searchsorted(stretch, np.arange(self.t.size))
-        return march(
-            self.numbers, self.scale, self.y[:-1], np.diff(self.t), first=first, stations=t - self.t[stretch]
-        ).out
+        return self._read(first, t - self.t[stretch])
 
     def between(self, places: Array) -> Array:
         """States at places (m,) of [-1, 1], rising, on each stretch, (N - 1, m, 8)."""
         width, m = np.diff(self.t), places.size
         stations = (width[:, None] * (1 + places) / 2).reshape(-1)
-        first = m * np.arange(self.t.size)
-        values = march(self.numbers, self.scale, self.y[:-1], width, first=first, stations=stations).out
-        return values.reshape(width.size, m, SIZE)
+        return self._read(m * np.arange(self.t.size), stations).reshape(width.size, m, SIZE)
+
+    def _read(self, first: Integers, stations: Array) -> Array:
+        """States at stations of the stretches, as of `core.varying_loads.march`."""
+        rod = self.rod
+        return march(rod.numbers, rod.scale, self.y[:-1], np.diff(self.t), first=first, stations=stations).out
 
     def local_values(self, y: Array) -> Array:
         """What `observe` integrates, from states (Q, m, 8), as (Q, 7, m).
 
         beta, beta_t, lam, mu, phi, omega sin(theta) cos(alpha), and what friction divides the contact force by.
         """
-        _, _, across, rubbed, way, a, outward = self.numbers
+        _, _, across, rubbed, way, a, outward = self.rod.numbers
         divisor = 1 - (way == IN_PLACE) * outward * rubbed * a * y[:, :, SPEED]
         beta, speed, lam, mu, phi = (y[:, :, k] for k in (BETA, SPEED, Q, MU, PHI))
         return np.stack([beta, speed, lam + mu, mu, phi, across * np.cos(y[:, :, ALPHA]), divisor], axis=1)
@@ -69,7 +70,7 @@ class Nodes:
         beta, speed, lam, mu, phi, weight, divisor = self.local_values(y[None])[0]
         around = circumferential_force(1.0, lam, mu, 1.0, beta)
         plain = contact_force(1.0, mu, 1.0, around, slope(Loads(lam, mu, phi), beta), beta, speed)
-        return np.asarray(self.numbers[6] * (plain - weight) / divisor)
+        return np.asarray(self.rod.numbers[6] * (plain - weight) / divisor)
 
     @cached_property
     def dense(self) -> tuple[Array, Array]:
@@ -129,7 +130,7 @@ class Nodes:
 
 @dataclass(frozen=True, eq=False)
 class Marched:
-    """Start problems, whose nodes are computed when they are asked for.
+    """Start problems, whose shapes are computed when they are asked for, as those between the ends that they have.
 
     numbers, scale, begin: (B, 7), (B, 8) and (B, 8). span, steps: (B,), lengths and steps of their march.
     """
@@ -140,34 +141,36 @@ class Marched:
     span: Array
     steps: Integers
 
-    def __getitem__(self, i: int) -> Nodes | None:
+    def __getitem__(self, i: int) -> Shape | None:
         t = np.linspace(0, self.span[i], max(FINE * int(self.steps[i]), 4) + 1)
-        ends = np.array([0, self.span[i]]), np.stack([self.begin[i], self.begin[i]])
-        y = Nodes(self.numbers[i], self.scale[i], *ends).at(t)
-        return Nodes(self.numbers[i], self.scale[i], t, y) if np.isfinite(y).all() else None
+        first = np.array([0, t.size])
+        y = march(self.numbers[i], self.scale[i], self.begin[[i]], self.span[[i]], first=first, stations=t).out
+        far = y[-1, [SPEED, Q, PHI, MU]] + [0, y[-1, MU], 0, 0]
+        rod = LoadedRod(self.numbers[i], float(self.span[i]), frozenset({"beta0"}), y[0, [BETA, ALPHA]], far)
+        return Shape(rod.in_scales(self.scale[i]), t, y) if np.isfinite(y).all() else None
 
 
 @dataclass(frozen=True, eq=False)
 class VaryingShapes:
     """The rods of B problems.
 
-    nodes: of each rod, computed or in a list; None for a rod without a shape. index: (B,), Morse indices under what the
+    shapes: of each rod, computed or in a list; None for a rod without one. index: (B,), Morse indices under what the
     ends hold, NaN where there is none. critical: (B,), the share of the loads at which the straight rod buckles, NaN
     where it does not or was not asked.
     """
 
-    nodes: Marched | Sequence[Nodes | None]
+    shapes: Marched | Sequence[Shape | None]
     index: Array
     critical: Array
 
     @cached_property
-    def _known(self) -> dict[int, Nodes | None]:
+    def _known(self) -> dict[int, Shape | None]:
         return {}
 
-    def of(self, i: int) -> Nodes | None:
-        """The nodes of one rod, computed once."""
+    def of(self, i: int) -> Shape | None:
+        """The shape of one rod, computed once."""
         if i not in self._known:
-            self._known[i] = self.nodes[i]
+            self._known[i] = self.shapes[i]
         return self._known[i]
 
     def ends(self) -> tuple[Array, Array]:

@@ -130,9 +130,9 @@ def stress_unit(units: dict[str, str]) -> tuple[str, float]:
 
 def _at_dense_stations(sol: "Solution") -> "Solution":
     """One rod at stations so dense that they show each of its bends."""
-    nodes = sol.trajectory.shapes.of(0)
-    t, y = nodes.dense
-    read = read_states(y[None], t[None], flat(sol.case.given.alpha, ()), nodes.numbers[:1] * y[-1:, MU])
+    shape = sol.trajectory.shapes.of(0)
+    t, y = shape.dense
+    read = read_states(y[None], t[None], flat(sol.case.given.alpha, ()), shape.rod.numbers[:1] * y[-1:, MU])
     return replace(sol, t=t[None], trajectory=replace(sol.trajectory, **read))
 
 
