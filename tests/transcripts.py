@@ -6,7 +6,8 @@ the status with which a command ends, if that is not 0. Lines that are not inden
 lines, `| grep -v WORDS` the others, `| grep -o WORDS` these words, and `| jq .a.b .c` what stands there in a JSON text.
 
 `python -m tests.transcripts [NAME ...]` stores anew what differs: read the difference before you commit it. Words that
-a test collects are stored as NAME.words, and anew where STORE stands in the environment of pytest.
+a test collects are stored as NAME.words, and marks of figures as NAME.marks; anew where STORE stands in the environment
+of pytest.
 """
 
 import contextlib
@@ -94,7 +95,7 @@ def _is_near(old: str, new: str) -> bool:
 
 def differences(name: str, words: list[str]) -> list[str]:
     """The lines of these words that are not as stored: `- ` what was stored, `+ ` what there is now."""
-    path, words = FOLDER / f"{name}.words", [POWER.sub("…", line) for line in words]
+    path, words = FOLDER / name, [POWER.sub("…", line) for line in words]
     if os.environ.get("STORE"):
         path.write_text("\n".join(words) + "\n", encoding="utf-8")
     old = path.read_text(encoding="utf-8").splitlines()

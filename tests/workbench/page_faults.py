@@ -4,14 +4,10 @@ them, red that is no failure."""
 import re
 from io import BytesIO
 from itertools import combinations
-from typing import Any
 
 import numpy as np
-from matplotlib.collections import PathCollection, QuadMesh
-from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.image import imread
-from matplotlib.lines import Line2D
 from matplotlib.text import Text
 from numpy.typing import NDArray
 
@@ -80,59 +76,3 @@ def share_of_red(fig: Figure) -> float:
     """The share of the pixels that are red."""
     pixels = picture(fig)
     return float((pixels[..., 0] - pixels[..., 1:].max(axis=-1) > RED).mean())
-
-
-def look(fig: Figure) -> list[str]:
-    """What each panel draws, a line for all marks that look alike: how many, where they lie, their colours and weights.
-
-    A mark with a name has a line of its own; what stands in a legend, and words, are left out.
-    """
-    found: list[str] = []
-    for number, ax in enumerate(fig.axes, 1):
-        alike: dict[str, list[NDArray[np.float64]]] = {}
-        for mark in (*ax.lines, *ax.collections, *ax.patches, *(patch for box in ax.containers for patch in box)):
-            alike.setdefault(_style(mark), []).append(_places(mark))
-        found += [f"{number} {style}: {_ranges(places)}" for style, places in alike.items()]
-    return found
-
-
-def _style(mark: Any) -> str:
-    """The kind, the name and the looks of a mark."""
-    name = str(mark.get_gid() or mark.get_label() or "_")
-    said = [type(mark).__name__, *([] if name.startswith("_") else [" ".join(name.split())])]
-    if isinstance(mark, Line2D):
-        marker = mark.get_marker()
-        said += [to_hex(mark.get_color()), mark.get_linestyle(), f"{mark.get_linewidth():g}"]
-        return " ".join([*said, *([] if marker in ("None", "") else [f"{marker}{mark.get_markersize():g}"])])
-    if mark.get_array() is not None if hasattr(mark, "get_array") else False:
-        return " ".join([*said, mark.get_cmap().name, *(f"{limit:.4g}" for limit in mark.get_clim())])
-    colours = [colour for of in (mark.get_facecolor(), mark.get_edgecolor()) for colour in np.atleast_2d(of)[:1]]
-    return " ".join([*said, *(to_hex(colour, keep_alpha=True) for colour in colours)])
-
-
-def _places(mark: Any) -> NDArray[np.float64]:
-    """The points of a mark with the values of its colours, (n, 3); NaN where a point has no value."""
-    if isinstance(mark, Line2D):
-        points = np.asarray(mark.get_xydata(), dtype=float)
-    elif isinstance(mark, PathCollection):
-        points = np.ma.getdata(mark.get_offsets())
-    elif isinstance(mark, QuadMesh):
-        points = mark.get_coordinates()[:-1, :-1].reshape(-1, 2)
-    elif hasattr(mark, "get_paths"):
-        points = np.concatenate([np.zeros((0, 2)), *(path.vertices for path in mark.get_paths())])
-    else:
-        points = mark.get_patch_transform().transform(mark.get_path().vertices)
-    array = mark.get_array() if hasattr(mark, "get_array") else None
-    values = np.ma.filled(np.ma.asarray(np.nan if array is None else array, dtype=float), np.nan).ravel()
-    rows = np.full((max(len(points), values.size), 3), np.nan)
-    rows[: len(points), :2], rows[: values.size, 2] = points, values
-    return rows
-
-
-def _ranges(places: list[NDArray[np.float64]]) -> str:
-    """The number of marks, and the least, the mean and the largest of x, y and value."""
-    said = [f"{len(places)} of {sum(map(len, places))}"]
-    for column in np.concatenate(places).T:
-        known = column[np.isfinite(column)]
-        said += [f"{known.min():.5g} {known.mean():.5g} {known.max():.5g}" if known.size else "-"]
-    return ", ".join(said)

@@ -177,3 +177,12 @@ def test_the_push_has_the_same_limits_in_a_diagram_as_in_a_scene() -> None:
     diagram = push_scale.scale([np.array([-3.0, 12.0]), np.array([1.0, 87.0])])
     painted = scene_kinds.by_push({"length": "cm", "force": "N"}, (-3.0, 87.0))
     assert (diagram.vmin, diagram.vmax) == (painted.low, painted.high) == (-100.0, 100.0)
+
+
+def test_no_two_methods_of_one_kind_of_problem_look_alike() -> None:
+    looks = [(one.colour, one.marker, one.line) for one in ladders().values()]
+    assert len({colour for colour, _, _ in looks}) == len(looks)
+    for pair in (("verlet", "verlet extrapolated"), ("difference", "difference extrapolated")):
+        first, second = (ladders()[name] for name in pair)
+        assert first.marker != second.marker
+        assert first.line != second.line

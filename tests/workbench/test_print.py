@@ -191,3 +191,12 @@ def test_the_tornado_and_its_options_are_for_print_too(tmp_path, capsys) -> None
     box = re.search(rb"/MediaBox \[ ?0 0 ([0-9.]+) ", picture.read_bytes())
     assert box is not None
     assert float(box[1]) == pytest.approx(72 * 89 / 25.4, abs=0.5)
+
+
+def test_a_figure_without_a_title_has_no_room_for_one(six) -> None:
+    tops = []
+    for title in ("A title", ""):
+        fig = canvas.figure((5, 3), lambda fig: fig.add_subplot(), six.assign_attrs(title=title))
+        fig.draw_without_rendering()
+        tops.append((1 - fig.axes[0].get_position().y1) * fig.get_figheight())
+    assert tops[0] - tops[1] == pytest.approx(fonts.height_of("A title", fonts.LARGE), abs=0.02)  # one line

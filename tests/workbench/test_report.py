@@ -131,7 +131,7 @@ def words(text: str) -> list[str]:
 
 
 def test_the_report_says_what_is_stored(text) -> None:
-    assert transcripts.differences("report", words(text)) == []
+    assert transcripts.differences("report.words", words(text)) == []
 
 
 def test_every_picture_is_inside_and_described(text, results) -> None:
