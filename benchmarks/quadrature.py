@@ -16,7 +16,7 @@ import numpy as np
 from benchmarks.ends import REFERENCE
 from solver import Case, Cylinder, Ends, Rod, equilibria, solve
 from solver.branches.continuation import resume
-from solver.core.orbits import critical_points
+from solver.core.critical_points import critical_points
 from solver.levels.line_point import path_of
 from solver.methods.orbit import OrbitQuadrature
 from solver.problem.reduced import StartProblem, reduce

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..core import levels as core
+from ..core.library import cut, fine, on_grid, points, run
 from ..equilibrium.given_numbers import Given, OrbitState, problem_of
 from ..equilibrium.system import settle, state_of
 from ..levels.line_point import LinePoint, Path
@@ -100,10 +100,9 @@ def resume(first: EndsProblem, path: Path, last: EndsProblem) -> Path | Stopped:
     """
     if not path.helix:
         begin, end = (np.concatenate(list(vars(problem).values())) for problem in (first, last))
-        level, way = (path.pin, path.sign, path.y), (path.leaving, path.turns)
-        numbers = core.resume(begin, end, level, way, NODES, CUTTING)
-        if numbers is not None:
-            return Path(*numbers)
+        level, way = np.array([path.pin, path.sign, path.y], float), np.array([path.leaving, path.turns], np.int64)
+        if fine(run("rod_continued", begin, end, on_grid(), points(NODES), cut(CUTTING, True), level, way)):
+            return Path(*level.tolist(), *way.tolist())
     return _resume_by_leaps(first, path, last)
 
 

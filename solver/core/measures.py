@@ -1,5 +1,5 @@
-"""Integrals and extremes along rods, and the search for self-contact, by the compiled core: `measures.c`,
-`strand_pairs.c`, and of curves at points `crossings.c`."""
+"""Integrals and extremes along rods by the compiled core, `measures.c`, and places where a curve comes near itself,
+`crossings.c`."""
 
 import re
 from collections.abc import Iterable, Mapping
@@ -10,7 +10,6 @@ import numpy as np
 from ..numerics.arrays import Array, Integers
 from .build import HERE
 from .library import AT, FLOAT, INT, fine, run, share_out, structure, widest
-from .orbits import reading
 
 NODES = 24  # of each piece, at which densities are computed
 
@@ -128,46 +127,6 @@ def _rods_of(pieces: Any, given: Mapping[str, Array], goal: float, groups: int) 
         **{name: np.ascontiguousarray(array, dtype=np.int64) for name, array in whole.items()},
         **{name: np.ascontiguousarray(array, dtype=float) for name, array in arrays.items()},
     )  # fmt: skip
-
-
-_STEPS, _NUMBERS = ("first", "since", "width", "series"), ("period", "length", "a", "apart")
-
-
-class Limits(NamedTuple):
-    """The largest numbers of periods and of pairs compared for a rod, and of periods compared together."""
-
-    rounds: int
-    most_pairs: int
-    together: int
-
-
-_ComparedRods = structure(  # strand_pairs.c
-    "rods", (AT, " ".join(("orbits", "panels", *_STEPS, *_NUMBERS, "periods"))),
-    (INT, " ".join((*Limits._fields, "lanes"))),
-)  # fmt: skip
-
-
-def meets(orbit: Any, numbers: Mapping[str, Array], periods: Integers, limits: Limits) -> Array:
-    """Whether B rods meet themselves, (B,): 1, 0, or NaN where `limits` leaves that open.
-
-    Parameters
-    ----------
-    orbit : MarchedOrbit or Orbit
-        B orbits, none of them lost.
-    numbers : mapping
-        period, length, a, and the smallest distance along the rod of points that meet (apart), (B,) each.
-    periods : array, (B,)
-        Periods that are compared with the first.
-    limits : Limits
-    """
-    of: dict[str, Any] = {name: np.asarray(numbers[name], dtype=float) for name in _NUMBERS} | {"periods": periods}
-    if not hasattr(orbit, "panels"):
-        of |= {name: getattr(orbit.steps, name) for name in _STEPS} | {"orbits": orbit.found}
-    arrays = {name: np.ascontiguousarray(array) for name, array in of.items()}
-    panels = reading(orbit) if hasattr(orbit, "panels") else None
-    rods, answers = _ComparedRods(**arrays, panels=panels, **limits._asdict(), lanes=widest()), np.empty(periods.size)
-    share_out(lambda a, b: fine(run("rod_meets", rods, answers, a, b)), periods.size)
-    return answers
 
 
 _MOST_CROSSINGS = 64  # for which there is room at once

@@ -106,7 +106,7 @@ typedef struct {
     double *low, *high, *time, *count, *begin;
 } covered;
 
-/* Where a time lies on an orbit: `pieces.Phase`. */
+/* Where a time lies on an orbit. */
 typedef struct {
     int second, mirrored;
     double local, periods;

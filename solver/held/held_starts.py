@@ -14,7 +14,7 @@ import numpy as np
 from ..branches.continuation import FOLD, Stopped, carry
 from ..branches.deflation import is_known, numbers_of
 from ..branches.helices import helices_of
-from ..core.orbits import critical_points
+from ..core.critical_points import critical_points
 from ..equilibrium.given_numbers import FREE, Given, OrbitState, problem_of
 from ..equilibrium.held_index import index_of
 from ..equilibrium.system import settle, state_of

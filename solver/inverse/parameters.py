@@ -88,8 +88,8 @@ def _by_name(case: Case, vary: Any) -> dict[str, Any]:
     if isinstance(vary, str):
         vary = (vary,)
     pairs = list(vary.items()) if isinstance(vary, Mapping) else [(name, None) for name in _list(vary)]
-    own = {field.name for field in fields(case.given)}
-    names = [str(AT_START.get(name, name) if name in own else name) for name, _ in pairs]
+    at_start = {field.name for field in fields(case.given)}
+    names = [str(AT_START.get(name, name) if name in at_start else name) for name, _ in pairs]
     if twice := [name for name in names if names.count(name) > 1]:
         raise InputError(f"the field {twice[0]!r} is varied twice")
     return {name: bounds for name, (_, bounds) in zip(names, pairs, strict=True)}

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from ..core.orbits import CriticalPoints, critical_points
+from ..core.critical_points import CriticalPoints, critical_points
 from ..mechanics.potential import TAU, slope, slope_higher_rates, slope_rate
 from ..numerics.arrays import Array, Booleans
 from ..numerics.roots import bisect

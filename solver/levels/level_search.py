@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from ..core import levels as core
 from ..numerics.arrays import EPS, Array, Booleans, Columns, Integers
 from ..orbit.periodic_orbit import Orbit
 from ..problem.limits import LARGEST
@@ -19,7 +18,7 @@ from ..problem.reduced import EndsProblem
 from .level_grid import LevelGrid, boundary_of, helix_of, level_grid_of
 from .morse_index import helix_half_waves, helix_index, jacobi_zeros
 from .path_orbits import energies, solve_orbits
-from .transit_times import CUTTING, NODES, Boundary, LevelPaths, Levels, Paths, TransitTimes, transit_times
+from .transit_times import Boundary, LevelPaths, Levels, Paths, TransitTimes, length_roots, transit_times
 
 MOST_PERIODS = 200  # of an orbit along a rod, unless asked for more
 BUDGET = 3e7  # evaluations of G: ten to twenty seconds
@@ -208,9 +207,7 @@ def _roots_in(boundary: Boundary, brackets: Brackets, paths: Paths, total: int, 
     y, apart = brackets.second.copy(), brackets.first != brackets.second
     if apart.any():
         cells, counts = brackets.take(apart), paths.counts(boundary.rising)[brackets.path[apart]]
-        ends = np.minimum(cells.first, cells.second), np.maximum(cells.first, cells.second)
-        roots = core.level_roots(boundary, cells.pin, cells.sign, counts, *ends, NODES, CUTTING)
-        y[apart], more = (np.nan, 0) if roots is None else roots  # none where the loads are not finite
+        y[apart], more = length_roots(boundary, Levels(cells.pin, cells.sign, cells.first), counts, cells.second)
         calls += more
     known = ~np.isnan(y)
     brackets, lost = brackets.take(known), int(np.count_nonzero(~known))

@@ -14,10 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from ..core import orbits as core
 from ..mechanics.potential import Loads, slope_rate
 from ..numerics.arrays import Array
-from ..orbit.pieces import HELIX, LIBRATION
+from ..orbit import periodic_orbit
+from ..orbit.periodic_orbit import HELIX, LIBRATION
 from ..problem.reduced import Reduced
 
 _MOST = 40_000  # steps of a mesh
@@ -127,7 +127,7 @@ def jacobi_zeros(orbit: Any) -> Array:
     librates = orbit.kind == LIBRATION
     shorter = np.full(problem.size, np.nan) if orbit.lengthens is None else 1 - orbit.lengthens
     if np.isnan(shorter[librates]).any():
-        end = np.where(turns % 2 == 0, 1, -1) * core.response(orbit)[1]
+        end = np.where(turns % 2 == 0, 1, -1) * periodic_orbit.response(orbit)[1]
         shorter = np.where(np.isnan(shorter), np.where(np.isnan(end), np.nan, end > 0), shorter)
     with np.errstate(invalid="ignore"):
         of_helix = helix_index(helix_half_waves(problem))

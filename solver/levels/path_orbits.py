@@ -10,12 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from ..core import orbits as core
 from ..mechanics.potential import potential
 from ..numerics.arrays import Array, Integers
 from ..orbit.joined_orbits import join_orbits
-from ..orbit.periodic_orbit import TIGHT, Orbit, solve_orbit
-from ..orbit.pieces import HELIX
+from ..orbit.periodic_orbit import HELIX, TIGHT, Orbit, action, response, solve_orbit
 from ..orbit.variations import Variations, variations_on
 from ..problem.reduced import EndsProblem, StartProblem
 from ..problem.trajectory import PLAIN, Trajectory, blank, verdicts, where_shown
@@ -38,7 +36,7 @@ def solve_orbits(problem: EndsProblem, boundary: Boundary, path: LevelPaths, len
     falls[moves] = boundary.falls[pin]
     orbit = solve_orbit(start, TIGHT, (path.pin, gap, 0 * gap), STRETCH)
     # between two ends on saddles of this height eta(L) stays while eta between them grows as the gap's root falls
-    growth = core.response(orbit)[0] * np.exp(np.minimum((falls == 0).all(axis=1) * excess / 2, 600))
+    growth = response(orbit)[0] * np.exp(np.minimum((falls == 0).all(axis=1) * excess / 2, 600))
     if excess.any():
         orbit = solve_orbit(start, TIGHT, (path.pin, gap, excess), STRETCH)
     base = orbit.panels.base + (problem.beta0[0] - start.beta0[0])  # whole turns
@@ -94,7 +92,7 @@ def energies(orbit: Orbit, level: Array) -> Array:
     beta_t^2/2 - G/2 integrated over the rod is the integral of beta_t^2 less level span/2, level = eta (B,). Both terms
     are exact to a few roundings, so the error of the energy is a few roundings of the larger one.
     """
-    return core.action(orbit) - level * orbit.problem.span / 2
+    return action(orbit) - level * orbit.problem.span / 2
 
 
 def plain_orbit(problem: EndsProblem, path: Path, place: LinePoint) -> Orbit:
@@ -119,7 +117,7 @@ def path_from_start(problem: EndsProblem, slope: float) -> Path | None:
 
 def equilibrium_trajectory(problem: EndsProblem, orbit: Orbit, t: Array, tol: float) -> Trajectory:
     """The orbits of K ends problems at stations t (K, n); their error is that of beta(L)."""
-    condition = core.response(orbit)[0] if orbit.response is None else orbit.response
+    condition = response(orbit)[0] if orbit.response is None else orbit.response
     return trajectory_on(orbit, t, np.abs(orbit.at(problem.span[:, None])[0][:, 0] - problem.betaL), condition, tol)
 
 

@@ -10,7 +10,7 @@ multiples of the three, all of them positive, so no digits cancel.
 Next to a saddle o, G(o + x) = G(o) - r^2 x^2 with r^2 = -H'(o). So where the level is eta = G(o) + sign exp(y), each
 half passage (from the neighbourhood of the saddle to the saddle or to the turning point before it) adds 1/(2 r) to the
 time for every unit that y falls; corrections are of the order of exp(y). Below y = `Boundary.deepest` the three times
-are continued by this law, so y has no lower limit.
+are continued by this law, so y has no lower limit. The core computes them: `transit_times.c`.
 """
 
 from dataclasses import dataclass
@@ -18,9 +18,8 @@ from typing import Any
 
 import numpy as np
 
-from ..core import levels as core
-from ..core.library import Cutting
-from ..core.orbits import CriticalPoints
+from ..core.critical_points import CriticalPoints
+from ..core.library import AT, FLOAT, INT, Cutting, cut, fine, points, run, structure
 from ..mechanics.potential import TAU, load_size
 from ..numerics.arrays import Array, Booleans, Columns, Integers
 from ..problem.reduced import EndsProblem
@@ -67,6 +66,9 @@ class LevelPaths(Columns):
 
 STRETCH = 4.0  # factor of the panels along saddles, where time is almost linear in u
 NODES, CUTTING = 22, Cutting(0.7, 1e-15, STRETCH)
+_Boundary = structure(  # orbit_parts.h
+    "boundary", (FLOAT, "lam mu phi span low high deepest"), (INT, "whole_turns passed pins"), (AT, "pin falls")
+)
 
 
 def repeat(problem: EndsProblem, count: int) -> EndsProblem:
@@ -124,7 +126,8 @@ def height_scale(problem: EndsProblem) -> float:
 
 def fall(problem: EndsProblem, pin: float, beta: float, extremum: bool) -> float:
     """G(pin) - G(beta) to relative accuracy in beta - pin; 0 for angles far apart where it is less than rounding."""
-    return core.fall(problem, pin, beta, extremum)
+    loads = (float(v[0]) for v in (problem.lam, problem.mu, problem.phi))
+    return float(run("rod_fall", *loads, pin, beta, extremum, result=FLOAT))
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,8 +162,39 @@ class TransitTimes:
 
 def transit_times(boundary: Boundary, levels: Levels, deep: bool = True) -> TransitTimes:
     """The times at M levels. deep: continue them below `boundary.deepest`, else take those at `deepest`."""
-    answer = core.transit_times(boundary, levels.pin, levels.sign, levels.y, deep, NODES, CUTTING)
-    if answer is None:  # the loads are not finite
-        nothing = np.full((3, levels.y.size), np.nan)
-        return TransitTimes(nothing, nothing, np.zeros(levels.y.size, dtype=bool), 0)
-    return TransitTimes(*answer)
+    M, calls = levels.y.size, np.zeros(1, np.int64)
+    seen = np.empty((3, M)), np.empty((3, M)), np.empty(M, np.bool_)
+    if fine(run("rod_transit_times", *_search(boundary), M, *_columns(levels), deep, *seen, calls)):
+        return TransitTimes(*seen, int(calls[0]))
+    nothing = np.full((3, M), np.nan)  # the loads are not finite
+    return TransitTimes(nothing, nothing, np.zeros(M, dtype=bool), 0)
+
+
+def length_roots(boundary: Boundary, levels: Levels, counts: Integers, other: Array) -> tuple[Array, int]:
+    """The y at which the length of K paths is the rod's, between those of K levels and others, (K,); evaluations of G.
+
+    counts: (K, 3), of `Paths.counts`. NaN where no root was found.
+    """
+    calls, roots = np.zeros(1, np.int64), np.empty(other.size)
+    pin, sign, y = _columns(levels)
+    paths, ends = np.ascontiguousarray(counts, np.int64), (np.minimum(y, other), np.maximum(y, other))
+    status = run("rod_level_roots", *_search(boundary), y.size, pin, sign, paths, *ends, roots, calls)
+    return (roots, int(calls[0])) if fine(status) else (np.full(other.size, np.nan), 0)  # the loads are not finite
+
+
+def _columns(levels: Levels) -> tuple[Integers, Array, Array]:
+    """Pin, sign and y as the core reads them."""
+    pin, sign, y = levels.pin, levels.sign, levels.y
+    return np.ascontiguousarray(pin, np.int64), np.ascontiguousarray(sign, float), np.ascontiguousarray(y, float)
+
+
+def _search(boundary: Boundary) -> tuple[Any, ...]:
+    """One ends problem as the core reads it, and how its panels are cut."""
+    problem, points_of_G = boundary.problem, boundary.found
+    loads = (float(v[0]) for v in (problem.lam, problem.mu, problem.phi, problem.span))
+    pins, falls = np.ascontiguousarray(boundary.pins), np.ascontiguousarray(boundary.falls)
+    ends = boundary.low, boundary.high, boundary.deepest
+    of = _Boundary(*loads, *ends, boundary.whole_turns, boundary.passed, pins.size, pins, falls)
+    m = int(points_of_G.count[0])
+    critical = points_of_G.beta[0, :m].copy(), points_of_G.centre[0, :m].astype(np.int64)
+    return of, m, *critical, points(NODES), cut(CUTTING, True)

@@ -5,10 +5,8 @@ from functools import partial
 
 import numpy as np
 
-from ..core.orbits import judge
 from ..numerics.arrays import Array
-from ..orbit.periodic_orbit import solve_orbit
-from ..orbit.pieces import MOST
+from ..orbit.periodic_orbit import MOST, judge, solve_orbit
 from ..problem.limits import TOO_LARGE, beyond_limits
 from ..problem.reduced import StartProblem
 from ..problem.trajectory import Trajectory, blank, stood_in, verdicts

@@ -16,8 +16,7 @@ from ..mechanics.potential import load_size
 from ..numerics.arrays import EPS, Array
 from ..numerics.complex_step import size_of
 from ..orbit.marched_orbit import MarchedOrbit
-from ..orbit.periodic_orbit import TIGHT, solve_orbit
-from ..orbit.pieces import LIBRATION, ROTATION
+from ..orbit.periodic_orbit import LIBRATION, ROTATION, TIGHT, solve_orbit
 from ..problem.case import Rod
 from ..problem.errors import known_name, no_such
 from ..problem.quantities import quantity

@@ -12,9 +12,11 @@ from typing import Any
 import numpy as np
 import scipy
 
-from ..core.measures import Limits, crossings, meets
+from ..core.library import AT, INT, fine, run, share_out, structure, widest
+from ..core.measures import crossings
 from ..numerics.arrays import Array
 from ..orbit.marched_orbit import MarchedOrbit
+from ..orbit.periodic_orbit import reading
 from ..problem.reduced import flat
 from ..shape import Shape
 
@@ -23,6 +25,11 @@ _PERIODS = 10_000_000  # largest number of periods compared with the first
 # of the radius: distance of stations, and of points between them; and the largest number of points
 _COARSE, _DENSE, _MOST = 0.5, 0.125, 200_000
 _BLOCK = 128  # rods compared together
+_STEPS, _NUMBERS = ("first", "since", "width", "series"), ("period", "length", "a", "apart")
+_ComparedRods = structure(  # strand_pairs.c
+    "rods", (AT, " ".join(("orbits", "panels", *_STEPS, *_NUMBERS, "periods"))),
+    (INT, "rounds most_pairs together lanes"),
+)  # fmt: skip
 
 
 def overlaps(sol: Shape, kappa_max: Any, low: Any, high: Any, **limits: int) -> Any:
@@ -95,9 +102,17 @@ def compare_strands(
         return verdict
     with np.errstate(divide="ignore"):  # a helix repeats after any length
         period = np.where(np.isfinite(orbit.period), orbit.period, 1 / tightest)
-    numbers = {"period": period, "length": length, "a": a, "apart": _apart(a, tightest)}
+    numbers = zip(_NUMBERS, (period, length, a, _apart(a, tightest)), strict=True)
+    arrays: dict[str, Any] = {name: np.ascontiguousarray(values, dtype=float) for name, values in numbers}
+    if isinstance(orbit, MarchedOrbit):
+        arrays |= {name: np.ascontiguousarray(getattr(orbit.steps, name)) for name in _STEPS} | {"orbits": orbit.found}
+    else:
+        arrays["panels"] = reading(orbit)
     periods = np.minimum(length // period, _PERIODS).astype(np.int64)
-    return meets(orbit, numbers, periods, Limits(_PERIODS, most_pairs, together))
+    limits = {"rounds": _PERIODS, "most_pairs": most_pairs, "together": together, "lanes": widest()}
+    rods, answers = _ComparedRods(**arrays, **limits, periods=periods), np.empty(periods.size)
+    share_out(lambda a, b: fine(run("rod_meets", rods, answers, a, b)), periods.size)
+    return answers
 
 
 def _climbs(low: Array, high: Array, a: Array, apart: Array) -> Any:

@@ -14,11 +14,11 @@ import numpy as np
 from numpy.polynomial import chebyshev as C
 
 from ..core.measures import NODES, station_series
-from ..core.orbits import cover
 from ..mechanics.potential import Loads, slope_rate
 from ..numerics.arrays import Array, Booleans, Integers
 from ..numerics.chebyshev import basis, through
 from ..orbit.marched_orbit import MarchedOrbit
+from ..orbit.periodic_orbit import cover
 from ..problem.reduced import Reduced
 from ..shape import Shape
 

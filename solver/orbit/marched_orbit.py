@@ -1,4 +1,4 @@
-"""Periodic orbits by Taylor's method, compiled: half a period is marched, the rest follows by symmetry."""
+"""Periodic orbits by Taylor's method, compiled (`rod.c`): half a period is marched, the rest follows by symmetry."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -6,22 +6,96 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..core import march as core
-from ..core.library import numbers_of
+from ..core.library import fine, numbers_of, run, share_out, widest
 from ..numerics.arrays import Array, Booleans, Integers
 from ..problem.reduced import StartProblem
-from .periodic_orbit import Orbit, solve_orbit
-from .pieces import LIBRATION, ROTATION, Periodic
+from .periodic_orbit import LIBRATION, ROTATION, Orbit, Periodic, solve_orbit
 
 if TYPE_CHECKING:
     from ..problem.trajectory import Trajectory
+
+
+LOST, TURNS, GOES_ROUND = 0, 1, 2  # how a leg ends
+ORDER = 20  # of the series
+
+_LEG = ("time", "alpha", "z", "swirl", "error", "late", "fastest", "steps", "amplitude", "e11", "e12", "e21", "e22")
+# What the core knows of an orbit: `orbit` in rod.c. A leg goes from the start to the turning point ahead, or behind, or
+# once round; status: how it ends. count: its steps. sound: whether the error is within the tolerance and far below a
+# radian, and the condition number finite.
+_FLAGS = ("sound", "i8"), ("evaluations", "i8")
+_LEGS = ("legs", [(name, "f8") for name in _LEG], 2)
+ORBIT = np.dtype([("error", "f8"), ("condition", "f8"), _LEGS, ("status", "i8", 2), ("count", "i8", 2), *_FLAGS])
+
+
+@dataclass(frozen=True, eq=False)
+class Steps:
+    """The Taylor series of the steps of B orbits, those of the second leg of an orbit behind those of its first.
+
+    first: (B,), the number of the first step of each orbit. since, width: (P,), begin and length of each step in the
+    time of its leg. series: (P, 4, ORDER + 1), powers of beta, alpha, z and the swirl.
+    """
+
+    first: Integers
+    since: Array
+    width: Array
+    series: Array
+
+
+def room_for(orbits: Array) -> Steps:
+    """Arrays, not filled, for the steps of orbits (B,) whose counts are known."""
+    count = orbits["count"].sum(axis=1)
+    total = int(count.sum())
+    return Steps(np.cumsum(count) - count, np.empty(total), np.empty(total), np.empty((total, 4, ORDER + 1)))
+
+
+def march(
+    problems: Array,
+    tol: float,
+    t: Array,
+    out: Array | None = None,
+    swirl: Array | None = None,
+    steps: Steps | None = None,
+    lanes: int = 0,
+) -> Array:
+    """March problems, read each at its stations, and keep its steps.
+
+    Results are equal to the bit for every width of the lanes, number of threads and choice of other problems.
+
+    Parameters
+    ----------
+    problems : array, (B, 6)
+        lam, mu, phi, span, beta(0), beta_t(0).
+    tol : float
+        The allowed error of beta [rad].
+    t : array, (B, n)
+        Times, rising from 0 to at most the span.
+    out : array, (4, B, n), optional
+        Filled with beta, beta_t, alpha and z.
+    swirl : array, (B, n), optional
+        Filled with the integral of sin(beta) cos(beta).
+    steps : Steps, optional
+        Filled with the series of an earlier march of the same problems.
+    lanes : int
+        Problems marched together: 1, 2, 4 or 8; 0: as many as the processor allows.
+
+    Returns
+    -------
+    array, (B,) of ORBIT
+        Of an orbit whose first status is LOST nothing is filled.
+    """
+    size, n = t.shape
+    orbits = np.zeros(size, ORBIT)
+    kept = (steps.first, steps.since, steps.width, steps.series) if steps else (None, None, None, None)
+    task = size, problems, tol, orbits, n, t, out, swirl, *kept, lanes, widest()
+    share_out(lambda a, b: fine(run("rod_march", a, b, *task)), size)
+    return orbits
 
 
 @dataclass(frozen=True, eq=False)
 class MarchedOrbit(Periodic):
     """The orbits of B problems, ready to be read anywhere along the rod.
 
-    found: (B,), records of the compiled core (`core.march.ORBIT`); those of `lost` orbits have what `rest` knows.
+    found: (B,), records of the compiled core (`ORBIT`); those of `lost` orbits have what `rest` knows.
     lost: (B,), where the march fails or is too inaccurate; these orbits are in `rest`, in order, by quadrature.
     """
 
@@ -33,7 +107,7 @@ class MarchedOrbit(Periodic):
 
     @cached_property
     def kind(self) -> Integers:
-        kind = np.where(self.found["status"][:, 0] == core.TURNS, LIBRATION, ROTATION)
+        kind = np.where(self.found["status"][:, 0] == TURNS, LIBRATION, ROTATION)
         if self.rest is not None:
             kind[self.lost] = self.rest.kind
         return kind
@@ -62,7 +136,7 @@ class MarchedOrbit(Periodic):
     def at(self, t: Array) -> tuple[Array, Array, Array, Array]:
         """beta, beta_t, alpha, z at t (B, n), each (B, n)."""
         out = np.full((4, *t.shape), np.nan)
-        core.march(numbers_of(self.problem), self.tol, np.ascontiguousarray(t), out)
+        march(numbers_of(self.problem), self.tol, np.ascontiguousarray(t), out)
         if self.rest is not None:
             out[:, self.lost] = self.rest.at(t[self.lost])
         return out[0], out[1], out[2], out[3]
@@ -70,7 +144,7 @@ class MarchedOrbit(Periodic):
     def swirl(self, t: Array) -> Array:
         """The integral of sin(beta) cos(beta) from the start, (B, n)."""
         out = np.full(t.shape, np.nan)
-        core.march(numbers_of(self.problem), self.tol, np.ascontiguousarray(t), swirl=out)
+        march(numbers_of(self.problem), self.tol, np.ascontiguousarray(t), swirl=out)
         if self.rest is not None:
             out[self.lost] = self.rest.swirl(t[self.lost])
         return out
@@ -85,12 +159,12 @@ class MarchedOrbit(Periodic):
         return MarchedOrbit(self.problem.take(rows), self.tol, self.found[rows], lost, rest)
 
     @cached_property
-    def steps(self) -> core.Steps:
+    def steps(self) -> Steps:
         """The series of all steps, marched again: an answer that is only read at its stations does not store them."""
-        steps, mine = core.room_for(self.found), np.flatnonzero(~self.lost)
+        steps, mine = room_for(self.found), np.flatnonzero(~self.lost)
         # a lost orbit has no room: the march of one that was too inaccurate would write beyond the arrays
         selected = replace(steps, first=steps.first[mine])
-        core.march(numbers_of(self.problem.take(mine)), self.tol, np.empty((mine.size, 0)), steps=selected)
+        march(numbers_of(self.problem.take(mine)), self.tol, np.empty((mine.size, 0)), steps=selected)
         return steps
 
     def complete(self, lost: Booleans, answer: "Trajectory") -> "MarchedOrbit":
@@ -100,7 +174,7 @@ class MarchedOrbit(Periodic):
         for name in ("error", "condition", "evaluations"):
             rows[name][lost] = getattr(answer, name)
         rows["legs"]["time"][lost] = np.stack([rest.ahead, rest.back], axis=1)
-        rows["status"][lost], rows["count"][lost] = core.LOST, 0
+        rows["status"][lost], rows["count"][lost] = LOST, 0
         return replace(self, found=rows, lost=lost, rest=rest)
 
 
@@ -123,5 +197,5 @@ def march_orbit(problem: StartProblem, tol: float, t: Array, out: Array) -> Marc
     MarchedOrbit
         `lost` where the march fails.
     """
-    rows = core.march(numbers_of(problem), tol, np.ascontiguousarray(t), out)
-    return MarchedOrbit(problem, tol, rows, rows["status"][:, 0] == core.LOST)
+    rows = march(numbers_of(problem), tol, np.ascontiguousarray(t), out)
+    return MarchedOrbit(problem, tol, rows, rows["status"][:, 0] == LOST)

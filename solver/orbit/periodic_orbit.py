@@ -1,34 +1,118 @@
 """Periodic orbits: the paper's quadrature (36) made exact, over half a period; the rest follows by symmetry.
 
 The arcs of the orbit, from its start to the turning points (or once round), are cut into pieces on which time is a
-smooth function of one variable u (`pieces`). On panels of these, short enough for a Chebyshev series to reach rounding
-or the tolerance, t(u) is integrated and inverted, and beta, beta_t, alpha, z become series in t. Reflection at the
-turning points and repetition give the rest, so a rod of a million bends costs as much as one of three. The series
-converge geometrically; all problems are solved together.
+smooth function of one variable u, however near a saddle the orbit passes: x = a sinh(u) over a saddle that the orbit
+passes, x = x1 cosh(u) where it turns before the saddle, x = x1 sin(u) where it turns nearer the centre; x is the
+distance from that saddle or centre. On panels of these, short enough for a Chebyshev series to reach rounding or the
+tolerance, t(u) is integrated and inverted, and beta, beta_t, alpha, z become series in t (`arcs.c`, `panels.c`,
+`orbits.c`). Reflection at the turning points and repetition give the rest, so a rod of a million bends costs as much as
+one of three. The series converge geometrically; all problems are solved together.
 """
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from ..core import orbits as core
-from ..core.library import Cutting, numbers_of
-from ..numerics.arrays import Array, Integers
+from ..core.library import AT, INT, Cutting, cut, fine, numbers_of, on_grid, points, run, structure
+from ..numerics.arrays import Array, Columns, Integers
 from ..problem.reduced import StartProblem
-from ..problem.trajectory import PLAIN
-from .pieces import Arcs, Panels, Periodic
+from ..problem.trajectory import PLAIN, stood_in
 
+HELIX, LIBRATION, ROTATION = 0, 1, 2
 TIGHT = 1e-13  # tolerance of orbits that are as exact as floats allow
+MOST = 10_000  # panels of one orbit beyond which none is halved any more
+FUNCTIONS = 5  # series of a panel
+
+_ReadOrbits = structure(  # orbit_parts.h
+    "read_orbits", (INT, "coefficients panels"),
+    (AT, "kind first count beta0 direction duration gain since width base origin series"),
+)  # fmt: skip
+_PanelArrays = structure("panel_arrays", (INT, "panels"), (AT, "arc columns series"))  # orbit_parts.h
+_Covered = structure("covered", (AT, "of row low high time count begin"))  # orbit_parts.h
+_PanelErrors = structure("panel_errors", (AT, "fastest error time_error time_rounding"))  # conditioning.c
+
+
+@dataclass(frozen=True, eq=False)
+class Panels(Columns):
+    """P panels, in order of arc and of time away from the start.
+
+    arc: (P,), 2 b for the forward arc of problem b, 2 b + 1 for the backward one. duration: (P,). base: (P,), the angle
+    of a critical point, with whole turns, from which beta counts on the panel: next to it beta has relative accuracy.
+    origin: (P,), the same in [-pi, pi). series: (P, 5, n + 1), of beta - base, |beta_t|, alpha, z and the swirl (the
+    integral of sin cos), the last three from the start of the arc. fastest: (P,), largest |beta_t|, 0 on panels at
+    rest. error: (P,), what the truncated series leave out of beta. time_error: (P,), what they leave out of the
+    duration, as a share of it. time_rounding: (P,), what the rounding of G changes of the duration, as a share. calls:
+    (P,), evaluations of G.
+    """
+
+    arc: Integers
+    duration: Array
+    base: Array
+    origin: Array
+    series: Array
+    fastest: Array
+    error: Array
+    time_error: Array
+    time_rounding: Array
+    calls: Integers
+
+
+class Periodic(ABC):
+    """The orbits of B problems, however they are computed: what they repeat, and where the far ends of the rods lie."""
+
+    problem: StartProblem
+    kind: Any  # HELIX, LIBRATION or ROTATION, (B,)
+
+    @property
+    @abstractmethod
+    def ahead(self) -> Array:
+        """Time from the start to the turning point ahead, or of a whole turn of a rotation, (B,)."""
+
+    @property
+    @abstractmethod
+    def back(self) -> Array:
+        """Time from the turning point behind to the start; 0 in a rotation, (B,)."""
+
+    @cached_property
+    def period(self) -> Array:
+        """Period of beta_t, (B,); inf on a helix."""
+        arcs = np.where(self.kind == LIBRATION, 2.0, 1.0)
+        return np.where(self.kind == HELIX, np.inf, arcs * (self.ahead + self.back))
+
+    @cached_property
+    def turns(self) -> Array:
+        """Turning points passed by the far end, (B,); 0 where beta does not librate."""
+        return self.far_end[0]
+
+    @cached_property
+    def far_end(self) -> tuple[Array, Array]:
+        """Turning points passed by the far end, and the time since the last, (B,) each; 0 and inf without any.
+
+        The time is inf too where the far end lies beyond the start again, on the way to the next turning point.
+        """
+        span, period, librates = self.problem.span, self.period, self.kind == LIBRATION
+        with np.errstate(invalid="ignore"):
+            rest = np.where(np.isfinite(period), np.fmod(span, period), span)
+            periods = np.where(np.isfinite(period), np.round((span - rest) / period), 0.0)
+        second = librates & (rest > 2 * self.ahead)  # beyond the start again, on the way to the turning point behind it
+        time, limit = np.where(second, rest - 2 * self.ahead, rest), np.where(second, self.back, self.ahead)
+        returns = librates & (time > limit)
+        turns = np.where(librates, 2 * periods + second + returns, 0.0)
+        return turns, np.where(returns, limit - np.maximum(2 * limit - time, 0), np.inf)
 
 
 @dataclass(frozen=True, eq=False)
 class Orbit(Periodic):
     """The orbits of B problems, ready to be read anywhere along the rod.
 
-    arcs, panels: see there. since: (P,), time from the start to each panel. first, count: (2 B,), the panels of each
-    arc. duration: (2 B,), of each arc. gain: (2 B, 3), what alpha, z and the swirl gain over it.
+    kind: (B,), HELIX, LIBRATION or ROTATION. direction: (B,), sign of beta_t after the start. panels: see there. since:
+    (P,), time from the start to each panel. first, count: (2 B,), the panels of each arc. duration: (2 B,), of each
+    arc. gain: (2 B, 3), what alpha, z and the swirl gain over it. A libration has a forward and a backward arc, from
+    its start to the turning points; together they are half a period. A rotation has a forward arc only, one whole turn.
+    A helix has none.
 
     The rest is known of equilibria, and None for other orbits. lengthens: (B,), 1 where the length of the orbit between
     the two end angles grows with its level, 0 where it shrinks, NaN where that is unknown; the Morse index needs it.
@@ -37,7 +121,8 @@ class Orbit(Periodic):
     """
 
     problem: StartProblem
-    arcs: Arcs
+    kind: Integers
+    direction: Array
     panels: Panels
     since: Array
     first: Integers
@@ -48,10 +133,6 @@ class Orbit(Periodic):
     response: Array | None = None
     passed: Array | None = None
     path: Any = None
-
-    @property
-    def kind(self) -> Integers:
-        return self.arcs.kind
 
     @property
     def ahead(self) -> Array:
@@ -73,8 +154,14 @@ class Orbit(Periodic):
 
     def at(self, t: Array) -> tuple[Array, Array, Array, Array]:
         """beta, beta_t, alpha, z at t (B, n), each (B, n)."""
-        beta, dbeta, alpha, z, _ = core.read(self, t)
+        beta, dbeta, alpha, z, _ = self._read(t)
         return beta, dbeta, alpha, z
+
+    def _read(self, t: Array) -> Array:
+        """The same and the swirl, (5, B, n)."""
+        out = np.empty((FUNCTIONS, *t.shape))
+        run("rod_orbits_read", reading(self), *t.shape, np.ascontiguousarray(t), out)
+        return out
 
     def take(self, rows: Integers | slice) -> "Orbit":
         """The orbits of some problems: of a slice as views, or of numbers (b,) that rise."""
@@ -88,16 +175,16 @@ class Orbit(Periodic):
             arc_rows = (2 * rows[:, None] + [0, 1]).reshape(-1)
             begin, count = self.first[arc_rows], self.count[arc_rows]
             panel_rows = np.repeat(begin - np.cumsum(count) + count, count) + np.arange(count.sum())
-        arcs = Arcs(self.arcs.kind[rows], self.arcs.direction[rows])
         panels = replace(self.panels.take(panel_rows), arc=np.repeat(np.arange(count.size), count))
         known = [None if v is None else v[rows] for v in (self.lengthens, self.response, self.passed)]
         known.append(None if self.path is None else self.path.take(rows))
-        parts = self.problem.take(rows), arcs, panels, self.since[panel_rows], np.cumsum(count) - count, count
+        arcs = self.kind[rows], self.direction[rows]
+        parts = self.problem.take(rows), *arcs, panels, self.since[panel_rows], np.cumsum(count) - count, count
         return Orbit(*parts, self.duration[arc_rows], self.gain[arc_rows], *known)
 
     def swirl(self, t: Array) -> Array:
         """The integral of sin(beta) cos(beta) from the start, (B, n)."""
-        swirl: Array = core.read(self, t)[4]
+        swirl: Array = self._read(t)[4]
         return swirl
 
     @property
@@ -125,30 +212,121 @@ def solve_orbit(
     """
     n, length = (16, 0.6) if tol >= 1e-6 else (22, 0.45)
     cutting = Cutting(length, 0.05 * tol, stretch)
-    numbers, pinned = numbers_of(problem), None if pin is None else np.stack(pin, axis=1)
-
-    def solve(rows: Any) -> core.FoundOrbits | None:
-        pins = None if pinned is None else np.ascontiguousarray(pinned[rows])
-        return core.orbits(np.ascontiguousarray(numbers[rows]), pins, n, cutting)
-
-    answer = solve(slice(None))
-    if answer is not None:
-        return orbit_of(problem, answer)
-    fit = np.array([solve(slice(b, b + 1)) is not None for b in range(problem.size)])
-    numbers[~fit] = [PLAIN[name] for name in vars(problem)]
+    pinned = None if pin is None else np.stack(pin, axis=1)
+    orbit = orbits_of(problem, pinned, n, cutting)
+    if orbit is not None:
+        return orbit
+    rows = [slice(b, b + 1) for b in range(problem.size)]
+    singles = [orbits_of(problem.take(row), None if pinned is None else pinned[row], n, cutting) for row in rows]
+    fit = np.array([single is not None for single in singles])
     if pinned is not None:
-        pinned[~fit] = PLAIN["beta0"], 0.0, 0.0
-    answer = solve(slice(None))
-    assert answer is not None
-    answer.series[~fit[answer.arc // 2]] = np.nan
-    return orbit_of(problem, answer)
+        pinned = np.where(fit[:, None], pinned, [PLAIN["beta0"], 0.0, 0.0])
+    orbit = orbits_of(stood_in(problem, fit), pinned, n, cutting)
+    assert orbit is not None
+    orbit.panels.series[~fit[orbit.panels.arc // 2]] = np.nan
+    return replace(orbit, problem=problem)
 
 
-def orbit_of(problem: StartProblem, found: core.FoundOrbits) -> Orbit:
-    """The orbits that the core made."""
-    duration, base, origin, fastest, error, time_error, time_rounding = found.columns
-    calls = np.where(fastest == 0, 0, 2 * (found.series.shape[2] - 1))  # a panel at rest costs nothing
-    angles, errors = (base, origin), (fastest, error, time_error, time_rounding)
-    panels = Panels(found.arc, duration, *angles, found.series, *errors, calls)
-    arcs = Arcs(found.kind, found.direction)
-    return Orbit(problem, arcs, panels, found.since, found.first, found.counts, found.duration, found.gain)
+def orbits_of(problem: StartProblem, pinned: Array | None, n: int, cutting: Cutting) -> Orbit | None:
+    """The orbits of B start problems by the core.
+
+    Parameters
+    ----------
+    problem : StartProblem
+    pinned : (B, 3), or None
+        `pin` of `solve_orbit` as columns.
+    n : int
+        Nodes of a panel.
+    cutting : Cutting
+
+    Returns
+    -------
+    Orbit or None
+        None where a number is not finite, or critical points could not be told apart.
+    """
+    B = problem.size
+    kind, direction, sizes = np.empty(B, np.int64), np.empty(B), np.empty(2, np.int64)
+    task = B, numbers_of(problem), pinned, on_grid(), points(n), cut(cutting, False)
+    handle = run("rod_orbits", *task, kind, direction, sizes, result=AT)
+    P, status = sizes.tolist()
+    if handle is None:
+        fine(status)
+        return None
+    arc, columns, series = np.empty(P, np.int64), np.empty((7, P)), np.empty((P, FUNCTIONS, n + 1))
+    first, count = np.empty((2, 2 * B), np.int64)
+    sums = np.empty(P), first, count, np.empty(2 * B), np.empty((2 * B, 3))
+    run("rod_orbits_fetch", handle, _PanelArrays(P, arc, columns, series), *sums)
+    duration, base, origin, fastest, error, time_error, time_rounding = columns
+    calls = np.where(fastest == 0, 0, 2 * n)  # a panel at rest costs nothing
+    panels = Panels(arc, duration, base, origin, series, fastest, error, time_error, time_rounding, calls)
+    return Orbit(problem, kind, direction, panels, *sums)
+
+
+def reading(orbit: Orbit) -> Any:
+    """The orbits as the core reads them."""
+    panels = orbit.panels
+    arrays = (
+        orbit.kind, orbit.first, orbit.count, orbit.problem.beta0, orbit.direction, orbit.duration, orbit.gain,
+        orbit.since, panels.duration, panels.base, panels.origin, panels.series,
+    )  # fmt: skip
+    return _ReadOrbits(panels.series.shape[2], panels.arc.size, *map(np.ascontiguousarray, arrays))
+
+
+def cover(
+    span: Array, kind: Integers, first: Integers, count: Integers, duration: Array, since: Array, width: Array
+) -> tuple[Integers, Integers, Array, Array, Array, Array, Array]:
+    """The pieces that B rods cover of their orbits: the columns of `observe.rod_pieces.Pieces`, (Q,) each.
+
+    Parameters
+    ----------
+    span, kind : (B,)
+        The lengths in t, and the kinds of the orbits.
+    first, count, duration : (2 B,)
+        Of the arcs: their first panels, the numbers of these, and how long they last.
+    since, width : (P,)
+        Of the panels: the time from the start, and how long they last.
+    """
+    whole = (np.ascontiguousarray(a, dtype=np.int64) for a in (kind, first, count))
+    times = (np.ascontiguousarray(a, dtype=float) for a in (duration, since, width))
+    names = "kind", "first", "count", "duration", "since", "width"
+    of, row = np.empty((2, 3 * since.size), dtype=np.int64)
+    numbers, span = np.empty((5, 3 * since.size)), np.ascontiguousarray(span, dtype=float)
+    orbit = _ReadOrbits(**dict(zip(names, (*whole, *times), strict=True)))
+    size = run("rod_cover", orbit, span.size, span, _Covered(of, row, *numbers), result=INT)
+    return of[:size], row[:size], *numbers[:, :size]
+
+
+def judge(orbit: Orbit) -> tuple[Array, Array]:
+    """Condition number and estimated error of B start problems from their orbits, (B,) each."""
+    return _judge(orbit, held=False)
+
+
+def response(orbit: Orbit) -> tuple[Array, Array]:
+    """How B orbits whose beta(0) is held answer a change of beta(L), (B,) each.
+
+    The largest |d beta(t)/d beta(L)| = |eta(t)/eta(L)|, the condition numbers of equilibria between given ends, and
+    eta(L) = d beta(L)/d beta_t(0), NaN for a helix. eta is the Jacobi field, at the nodes of all panels that the rod
+    passes, in its first period and in its last: between them eta grows evenly. At least 1; unbounded at a fold.
+    """
+    return _judge(orbit, held=True)
+
+
+def _judge(orbit: Orbit, held: bool) -> tuple[Array, Array]:
+    panels = orbit.panels
+    errors = map(np.ascontiguousarray, (panels.fastest, panels.error, panels.time_error, panels.time_rounding))
+    first, second = np.empty((2, orbit.problem.size))
+    fine(run("rod_orbits_judge", *_problems(orbit), _PanelErrors(*errors), held, first, second))
+    return first, second
+
+
+def _problems(orbit: Orbit) -> tuple[Any, ...]:
+    """The problems and their orbits as the first arguments of functions of conditioning.c."""
+    numbers = numbers_of(orbit.problem)
+    return len(numbers), numbers, reading(orbit), points(orbit.panels.series.shape[2] - 1)
+
+
+def action(orbit: Orbit) -> Array:
+    """The integral of beta_t^2 over B rods, (B,)."""
+    out = np.empty(orbit.problem.size)
+    run("rod_orbits_action", *_problems(orbit), out)
+    return out

@@ -23,13 +23,17 @@ from typing import Any
 
 import numpy as np
 
-from ..core import orbits as core
-from ..core.library import Cutting
+from ..core.library import AT, INT, Cutting, fine, points, run, structure, widest
 from ..numerics.arrays import Array
-from .periodic_orbit import Orbit
+from .periodic_orbit import Orbit, reading
 
 POINTS, LENGTH, GOAL = 22, 0.45, 5e-15  # of the panels
 HOW = Cutting(LENGTH, GOAL, 1.0)
+PAIRS = 10  # elements of M that are kept
+_SUMS = PAIRS + 3  # with the integrals of sin, cos and sin cos of beta
+_SERIES = 9 + _SUMS  # of a panel, one coefficient of all after the other
+KEPT = ("least", "M", "jump", "closing", "series", "gain")
+_VariedOrbits = structure("varied_orbits", (AT, " ".join(KEPT)), (INT, "lanes"))  # variations.h
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +59,7 @@ class Change:
 class Variations:
     """The variations of B orbits, none of them a helix, ready to be read anywhere along the rods.
 
-    kept: arrays by name (`core.orbits.KEPT`). least: (P,), the least beta_t^2 + c H^2 of each panel. M: (P, 10, n), the
+    kept: arrays by name (`KEPT`). least: (P,), the least beta_t^2 + c H^2 of each panel. M: (P, 10, n), the
     rates of its elements at the nodes. jump: (P, 10), closing: (2 B, 10), what M gains on entering each panel, and
     where the rotation of an arc closes. series: (P, n + 1, 22), of |beta_t|, H, c, the shifts (3), gamma_q (3), the ten
     elements of M and the integrals of sin, cos and sin cos of beta. gain: (B, 2, 13), what these sums gain over the
@@ -67,13 +71,17 @@ class Variations:
 
     def change(self, t: Array, parts: Array) -> Change:
         """The changes at t (B, n) in F directions with the parts (B, 5, F): a0, then e."""
-        columns = core.changes(self, t, parts).swapaxes(2, 3)
+        (B, n), F = t.shape, parts.shape[2]
+        out = np.empty((5, B, F, n))
+        given = np.ascontiguousarray(t), np.ascontiguousarray(parts.swapaxes(1, 2))
+        run("rod_variations_changes", *self.arguments, B, n, F, *given, out)
+        columns = out.swapaxes(2, 3)
         return Change(columns[0], columns[1], np.moveaxis(columns[2:], 0, -1))
 
     @cached_property
-    def reading(self) -> Any:
-        """The orbits as the core reads them."""
-        return core.reading(self.orbit)
+    def arguments(self) -> tuple[Any, Any]:
+        """The orbits and their variations as the core reads them."""
+        return reading(self.orbit), _VariedOrbits(**self.kept, lanes=widest())
 
     @cached_property
     def directions(self) -> Array:
@@ -86,4 +94,10 @@ class Variations:
 
 def variations_on(orbit: Orbit) -> Variations:
     """The variations of orbits, none of them a helix."""
-    return Variations(orbit, core.variations(orbit))
+    problem, n = orbit.problem, orbit.panels.series.shape[2] - 1
+    P, B = orbit.panels.arc.size, problem.size
+    loads = np.stack([problem.lam, problem.mu, problem.phi], axis=1)
+    shapes = (P,), (P, PAIRS, n), (P, PAIRS), (2 * B, PAIRS), (P, n + 1, _SERIES), (B, 2, _SUMS)
+    varied = Variations(orbit, dict(zip(KEPT, map(np.empty, shapes), strict=True)))
+    fine(run("rod_variations", B, loads, varied.arguments[0], points(n), varied.arguments[1]))
+    return varied

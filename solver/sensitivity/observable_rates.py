@@ -14,17 +14,16 @@ from typing import Any
 import numpy as np
 
 from ..core.measures import DENSITIES, RATED, densities
-from ..core.sensitivities import LOST, PARTLY, Measured, StartRates, shape_rates
 from ..mechanics.potential import slopes_by_loads
 from ..numerics.arrays import EPS, Array, Booleans, Integers
 from ..numerics.complex_step import slopes_of, with_slopes
 from ..observe.measurement import BARELY, Pair, Reading
 from ..observe.observables import OBSERVABLES, SEVERAL, STRAIGHT, check_names, is_count
-from ..orbit.pieces import HELIX
+from ..orbit.periodic_orbit import HELIX
 from ..problem.errors import InputError, choices
 from ..problem.reduced import FieldRates, StartProblem
 from ..shape import Shape
-from .motions import MARKS, Motion, marks_of
+from .motions import LOST, MARKS, PARTLY, Measured, Motion, StartRates, marks_of, shape_rates
 
 EXTREMES = {  # the density, and whether the size counts
     "low": ("angle", False), "high": ("angle", False), "tightest": ("curvature", False), "least": ("outward", False),
@@ -141,7 +140,7 @@ def _merge(old: Pair, rows: Integers, new: Pair, moves: Booleans) -> Pair:
 
 
 def _marks_of(motion: Motion, unit: Array, later: Array) -> Array:
-    """The derivatives of helices at the marks in units of rho, (b, 5, F, 4), as of `core.sensitivities.StartRates`."""
+    """The derivatives of helices at the marks in units of rho, (b, 5, F, 4), as of `motions.StartRates`."""
     problem, t = motion.problem, marks_of(motion.problem)
     out = motion.change(t, unit).rows
     loads = np.stack([problem.lam, problem.mu, problem.phi], axis=1)

@@ -10,15 +10,14 @@ from typing import Any
 
 import numpy as np
 
-from ..core.sensitivities import shape_rates, start_sensitivities
 from ..numerics.arrays import EPS, Array
-from ..orbit.pieces import HELIX
+from ..orbit.periodic_orbit import HELIX
 from ..orbit.variations import HOW, POINTS
 from ..problem.case_fields import check_fields
 from ..problem.reduced import EndsProblem, FieldRates, field_rates, flat, given_numbers
 from ..problem.trajectory import SHAPELESS, SOLVED
 from ..shape import Shape
-from .motions import Motion, of_equilibria, of_helices
+from .motions import Motion, of_equilibria, of_helices, shape_rates, start_sensitivities
 from .observable_rates import Moving, check_observables, derivatives_of, measure_of, why_missing
 from .varying_rates import STEP, varying_rates
 
@@ -40,7 +39,7 @@ def amounts(motion: Motion, rates: FieldRates) -> Array:
 
 
 def _shape_of(sol: Shape, rates: FieldRates, rows: Any) -> dict[str, Array]:
-    """Some cases as `core.sensitivities.shape_rates` takes them. rates: of these cases."""
+    """Some cases as `motions.shape_rates` takes them. rates: of these cases."""
     case, known = sol.case, sol.trajectory
     scales = {"ratio": flat(case.rod.stiffness_ratio, case.shape), "rho": flat(case.rho, case.shape)}
     shapes = {"t": sol.t, "beta": known.beta, "rate": known.dbeta, "z": known.z}

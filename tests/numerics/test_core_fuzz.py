@@ -7,9 +7,9 @@ is not defined (UndefinedBehaviorSanitizer).
 import numpy as np
 import pytest
 
-from solver.core import march
 from solver.core.library import run
 from solver.methods import SwingTaylor
+from solver.orbit.marched_orbit import LOST, Steps, march, room_for
 from solver.problem.reduced import StartProblem
 
 ODD = np.array([0, -0.0, 1e300, -1e300, 1e-300, 5e-324, np.inf, -np.inf, np.nan, 1, -1, np.pi, 1e16, 1e-16, 1e6, -1e8])
@@ -21,7 +21,7 @@ def odd(rng: np.random.Generator, *shape: int) -> np.ndarray:
     return np.where(rng.random(shape) < 0.25, rng.choice(ODD, shape), size)
 
 
-def read(orbits: np.ndarray, steps: march.Steps, t: np.ndarray) -> np.ndarray:
+def read(orbits: np.ndarray, steps: Steps, t: np.ndarray) -> np.ndarray:
     """beta, beta_t, alpha, z (4, N, n) at t (N, n) of the stored steps, as the search of self-contact reads them."""
     out = np.empty((len(t), 4, t.shape[1]))
     for i in range(len(t)):
@@ -42,11 +42,11 @@ def test_odd_numbers_end_in_an_answer_or_in_a_lost_orbit(seed: int) -> None:
         told = []
         for lanes in (1, 2, 8):
             out, swirl = np.zeros((4, size, n)), np.zeros((size, n))
-            orbits = march.march(problems, tol, t, out, swirl, lanes=lanes)
-            steps = march.room_for(orbits)
-            march.march(problems, tol, t, steps=steps, lanes=lanes)
+            orbits = march(problems, tol, t, out, swirl, lanes=lanes)
+            steps = room_for(orbits)
+            march(problems, tol, t, steps=steps, lanes=lanes)
             again = read(orbits, steps, t)
-            found = orbits["status"][:, 0] != march.LOST
+            found = orbits["status"][:, 0] != LOST
             np.testing.assert_array_equal(again[:, found], out[:, found])
             assert (orbits["error"][found] >= 0).all()
             told.append((orbits.tobytes(), out, swirl))
@@ -60,8 +60,8 @@ def test_a_refused_problem_leaves_its_neighbours_alone() -> None:
     rng = np.random.default_rng(4)
     rows = np.where(rng.random((200, 1)) < 0.3, odd(rng, 200, 6), rng.uniform(0.1, 2, (200, 6)))
     fine = (np.abs(rows) < 3).all(axis=1) & (rows[:, 3] > 0.01)
-    together = march.march(rows, 1e-9, np.empty((200, 0)))
-    alone = march.march(rows[fine], 1e-9, np.empty((int(fine.sum()), 0)))
+    together = march(rows, 1e-9, np.empty((200, 0)))
+    alone = march(rows[fine], 1e-9, np.empty((int(fine.sum()), 0)))
     assert together[fine].tobytes() == alone.tobytes()
 
 

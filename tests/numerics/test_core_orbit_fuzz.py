@@ -9,11 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from solver.core import levels, orbits
-from solver.core.library import Cutting
+from solver.core.library import Cutting, cut, fine, on_grid, points, run
 from solver.levels.level_grid import boundary_of
-from solver.levels.transit_times import CUTTING, NODES
-from solver.orbit.periodic_orbit import orbit_of
+from solver.levels.transit_times import CUTTING, NODES, Levels, length_roots, transit_times
+from solver.orbit.periodic_orbit import action, judge, orbits_of, response
 from solver.problem.reduced import EndsProblem, StartProblem
 
 ODD = np.array([0, -0.0, np.nan, np.inf, -np.inf, 1e300, -1e300, 1e-300, 5e-324, 1e100, np.pi, -np.pi, 1e16, -1e8])
@@ -34,19 +33,19 @@ def test_odd_numbers_give_orbits_or_none(seed: int) -> None:
         rows = odd(rng, int(rng.integers(0, 3)), 6)
         rows[:, 3] = np.abs(rows[:, 3])
         pin = None if rng.random() < 0.5 else odd(rng, rows.shape[0], 3)
-        found = orbits.orbits(rows, pin, NODES, Cutting(0.45, 10.0 ** rng.uniform(-15, -5), 4.0))
+        problem = StartProblem(*rows.T.copy())
+        orbit = orbits_of(problem, pin, NODES, Cutting(0.45, 10.0 ** rng.uniform(-15, -5), 4.0))
         told = rows if pin is None else np.column_stack([rows, pin])
-        if found is None:
+        if orbit is None:
             assert not np.isfinite(told).all() or np.abs(told).max() >= 1e100
             continue
         assert np.isfinite(told).all()
         made += 1
-        orbit = orbit_of(StartProblem(*rows.T.copy()), found)
-        condition, _ = orbits.judge(orbit)
+        condition, _ = judge(orbit)
         assert not (condition < 1).any()
-        assert not (orbits.response(orbit)[0] < 1).any()
-        assert orbits.action(orbit).shape == condition.shape
-        assert orbits.read(orbit, odd(rng, rows.shape[0], 5)).shape == (5, rows.shape[0], 5)
+        assert not (response(orbit)[0] < 1).any()
+        assert action(orbit).shape == condition.shape
+        assert orbit.swirl(odd(rng, rows.shape[0], 5)).shape == (rows.shape[0], 5)
     assert made > 15
 
 
@@ -61,14 +60,14 @@ def test_odd_levels_give_times_or_none(seed: int) -> None:
         boundary = replace(known, problem=ends, pins=odd(rng, pins), falls=odd(rng, pins, 2), low=float(low))
         boundary = replace(boundary, high=float(high), deepest=float(deepest), passed=int(rng.integers(-1, 9)))
         pin, sign = rng.integers(-1, 4, n), rng.choice([-1.0, 1.0], n)
-        found = levels.transit_times(boundary, pin, sign, odd(rng, n), bool(rng.random() < 0.5), NODES, CUTTING)
+        found = transit_times(boundary, Levels(pin, sign, odd(rng, n)), bool(rng.random() < 0.5))
         counts = rng.integers(-2, 5, (n, 3))
-        roots = levels.level_roots(boundary, pin, sign, counts, odd(rng, n), odd(rng, n), NODES, CUTTING)
-        if found is None:
-            assert roots is None or not np.isfinite(roots[0]).all()
-            continue
-        assert found[0].shape == (3, n)
-        assert ((pin >= 0) & (pin < pins)).all()
+        roots, _ = length_roots(boundary, Levels(pin, sign, odd(rng, n)), counts, odd(rng, n))
+        assert found.time.shape == (3, n)
+        assert roots.shape == (n,)
+        if not ((pin >= 0) & (pin < pins)).all():
+            assert np.isnan(found.time).all()
+            assert np.isnan(roots).all()
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -77,8 +76,7 @@ def test_odd_lines_give_a_path_or_none(seed: int) -> None:
     for _ in range(60):
         first = odd(rng, 6)
         last = first + np.where(rng.random(6) < 0.1, odd(rng, 6), 1e-2 * rng.normal(size=6))
-        level, way = tuple(odd(rng, 3)), (int(rng.choice([-1, 1])), int(rng.integers(-1, 5)))
-        found = levels.resume(first, last, level, way, NODES, CUTTING)
-        if found is not None:
+        level, way = odd(rng, 3), np.array([rng.choice([-1, 1]), rng.integers(-1, 5)])
+        if fine(run("rod_continued", first, last, on_grid(), points(NODES), cut(CUTTING, True), level, way)):
             assert np.isfinite([*first, *last]).all()
-            assert found[4] >= 0
+            assert way[1] >= 0

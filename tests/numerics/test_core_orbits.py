@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 
 from solver import Case, Cylinder, Ends, Rod, equilibria
-from solver.core import orbits as core
-from solver.core.library import Cutting, numbers_of
-from solver.core.orbits import critical_points
+from solver.core.critical_points import critical_points
+from solver.core.library import Cutting
 from solver.mechanics.potential import Loads, slope
-from solver.orbit.periodic_orbit import solve_orbit
+from solver.orbit.periodic_orbit import judge, orbits_of, solve_orbit
 from solver.problem.reduced import Reduced, StartProblem
 from tests.cases import ends_in_units_of_rho
 
@@ -62,12 +61,12 @@ def test_an_orbit_is_the_same_bits_alone_in_a_batch_and_in_any_thread() -> None:
     t = problem.span[:, None] * np.linspace(0, 1, 33)
     together = solve_orbit(problem, 1e-13)
     whole = np.stack(together.at(t))
-    growth, error = core.judge(together)
+    growth, error = judge(together)
 
     def alone(b: int) -> None:
         one = solve_orbit(problem.take(slice(b, b + 1)), 1e-13)
         np.testing.assert_array_equal(np.stack(one.at(t[b : b + 1])), whole[:, b : b + 1])
-        assert core.judge(one) == (growth[b], error[b])
+        assert judge(one) == (growth[b], error[b])
 
     with ThreadPoolExecutor(8) as pool:
         list(pool.map(alone, range(problem.size)))
@@ -75,20 +74,22 @@ def test_an_orbit_is_the_same_bits_alone_in_a_batch_and_in_any_thread() -> None:
 
 def test_the_width_of_the_lanes_changes_no_bit() -> None:
     for kind in KINDS:
-        numbers = numbers_of(problems(kind, 20))
-        one, two = (core.orbits(numbers, None, 22, Cutting(0.45, 1e-14, 1.0, lanes)) for lanes in (2, 0))
+        many = problems(kind, 20)
+        one, two = (orbits_of(many, None, 22, Cutting(0.45, 1e-14, 1.0, lanes)) for lanes in (2, 0))
         assert one is not None
         assert two is not None
-        for first, second in zip(one, two, strict=True):
-            np.testing.assert_array_equal(first, second)
+        for name in ("kind", "direction", "since", "first", "count", "duration", "gain"):
+            np.testing.assert_array_equal(getattr(one, name), getattr(two, name))
+        for name, values in vars(one.panels).items():
+            np.testing.assert_array_equal(values, getattr(two.panels, name))
 
 
 def test_the_core_refuses_numbers_that_are_not_finite() -> None:
     for row in ([np.nan, 0, 0, 1, 0, 0], [0, np.inf, 0, 1, 0, 0], [0, 0, 0, 1, 0, np.nan]):
-        assert core.orbits(np.array([row], dtype=float), None, 22, Cutting(0.45, 1e-14, 1.0)) is None
-    empty = core.orbits(np.empty((0, 6)), None, 22, Cutting(0.45, 1e-14, 1.0))
+        assert orbits_of(StartProblem(*np.array([row], dtype=float).T), None, 22, Cutting(0.45, 1e-14, 1.0)) is None
+    empty = orbits_of(StartProblem(*np.empty((6, 0))), None, 22, Cutting(0.45, 1e-14, 1.0))
     assert empty is not None
-    assert empty.arc.size == 0
+    assert empty.panels.arc.size == 0
 
 
 @pytest.mark.parametrize("name", ["lam", "span", "beta0", "dbeta0"])

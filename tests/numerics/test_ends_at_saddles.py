@@ -8,7 +8,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from solver import Case, Cylinder, Ends, Rod, Start, equilibria, solve
-from solver.core.orbits import critical_points
+from solver.core.critical_points import critical_points
 from solver.levels.level_grid import boundary_of, level_grid_of
 from solver.levels.level_search import search_levels
 from solver.levels.transit_times import Levels, transit_times

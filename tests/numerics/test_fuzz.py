@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Solution, Start, equilibria, solve
 from solver.methods import available
-from solver.orbit.pieces import MOST
+from solver.orbit.periodic_orbit import MOST
 from solver.problem.angles import AngleWarning
 from solver.problem.case import TWISTS
 from solver.problem.limits import OUT_OF_RANGE

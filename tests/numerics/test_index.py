@@ -6,13 +6,11 @@ import numpy as np
 import pytest
 
 from solver import Case, equilibria, solve
-from solver.core.orbits import response
 from solver.levels.line_point import LinePoint, Path
 from solver.levels.morse_index import index_at_stations, jacobi_zeros, morse_index
 from solver.levels.path_orbits import orbit_of, variations_of
 from solver.observe.observables import observe
-from solver.orbit.periodic_orbit import solve_orbit
-from solver.orbit.pieces import LIBRATION
+from solver.orbit.periodic_orbit import LIBRATION, response, solve_orbit
 from solver.problem.reduced import EndsProblem, StartProblem, reduce
 from tests.cases import TABLE_1, ends_in_units_of_rho, helix_moment, in_units_of_rho, table_1
 

@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 
 from solver import solve
-from solver.core import march
 from solver.core.build import digest
 from solver.core.library import OTHER, library_path, numbers_of, threads
 from solver.methods import OrbitQuadrature, SwingTaylor
 from solver.observe.observables import OBSERVABLES, observe
-from solver.orbit.pieces import ROTATION
+from solver.orbit.marched_orbit import march
+from solver.orbit.periodic_orbit import ROTATION
 from solver.problem.reduced import StartProblem
 from tests.extreme_cases import draw
 from tests.slow import slow_but
@@ -125,7 +125,7 @@ def test_steps_of_rods_that_go_to_the_quadrature_overwrite_no_others() -> None:
     """Some of these marches end, but too inaccurately: they are not kept and have no room among the steps."""
     case = draw(150, 0, "helix")
     orbit = solve(case, tol=1e-6, stations=3).trajectory.orbit
-    ended = march.march(numbers_of(orbit.problem), orbit.tol, np.empty((case.size, 0)))["count"][:, 0] > 0
+    ended = march(numbers_of(orbit.problem), orbit.tol, np.empty((case.size, 0)))["count"][:, 0] > 0
     assert (orbit.lost & ended).any()
     assert not orbit.lost.all()
     first = orbit.steps.first[~orbit.lost]
@@ -148,7 +148,7 @@ def test_results_are_equal_to_the_bit_for_every_width_of_lanes_and_number_of_thr
     def run(lanes: int, threads: str) -> tuple[bytes, ...]:
         monkeypatch.setenv("OMP_NUM_THREADS", threads)
         out, swirl = np.zeros((4, *t.shape)), np.zeros(t.shape)
-        orbits = march.march(numbers, 1e-9, t, out, swirl, lanes=lanes)
+        orbits = march(numbers, 1e-9, t, out, swirl, lanes=lanes)
         return orbits.tobytes(), out.tobytes(), swirl.tobytes()
 
     expected = run(1, "1")
@@ -176,9 +176,9 @@ def test_the_number_of_threads_is_that_of_the_environment(monkeypatch) -> None:
 
 
 def test_an_empty_batch_and_no_station_are_no_error() -> None:
-    assert march.march(np.empty((0, 6)), 1e-9, np.empty((0, 5)), np.empty((4, 0, 5))).size == 0
+    assert march(np.empty((0, 6)), 1e-9, np.empty((0, 5)), np.empty((4, 0, 5))).size == 0
     problem = random(3, 1, 1, (0, 1))
-    assert np.isfinite(march.march(numbers_of(problem), 1e-9, np.empty((3, 0)))["error"]).all()
+    assert np.isfinite(march(numbers_of(problem), 1e-9, np.empty((3, 0)))["error"]).all()
 
 
 ANOTHER = Path(_ctypes.__file__).read_bytes()

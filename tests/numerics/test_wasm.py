@@ -10,10 +10,11 @@ import numpy as np
 import pytest
 
 from solver import Case, Cylinder, Rod, Start, solve
-from solver.core import build, march
+from solver.core import build
 from solver.core.library import numbers_of
 from solver.core.measures import NUMBERS, measure
 from solver.observe.solution_pieces import pieces_of
+from solver.orbit.marched_orbit import LOST, march
 from solver.problem.reduced import StartProblem
 
 HERE = build.HERE
@@ -57,13 +58,13 @@ def test_the_core_for_browsers_gives_the_numbers_of_this_machine(tmp_path: Path)
     problem = problems()
     t = problem.span[:, None] * np.linspace(0, 1, STATIONS)
     out, swirl = np.empty((4, *t.shape)), np.empty(t.shape)
-    known = march.march(numbers_of(problem), TOL, t, out, swirl)
+    known = march(numbers_of(problem), TOL, t, out, swirl)
     told = in_node(tmp_path, problem, t)
     ends = [("marched", "turns", "goes round")[status] for status in known["status"][:, 0]]
     ends[2] = "lost"  # a change of this straight rod grows to 1e97
     assert [one["end"] for one in told] == ends
     assert set(ends) == {"lost", "marched", "turns", "goes round"}
-    for i in np.flatnonzero(known["status"][:, 0] != march.LOST):
+    for i in np.flatnonzero(known["status"][:, 0] != LOST):
         size = np.maximum(1, problem.span[i])
         for name, values in zip(("beta", "rate", "alpha", "z", "swirl"), (*out[:, i], swirl[i]), strict=True):
             off = np.abs(np.array(told[i][name]) - values).max() / size
