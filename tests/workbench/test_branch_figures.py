@@ -11,8 +11,8 @@ from matplotlib.text import Text
 
 from solver import Case, Cylinder, Ends, Rod
 from solver import equilibria as all_equilibria
-from solver.problem.errors import InputError
 from studies import load
+from tests.workbench import stored_figures
 from tests.workbench.page_faults import share_of_red
 from workbench.branches import branch_dataset
 from workbench.branches.equilibria_dataset import dataset_of
@@ -47,24 +47,6 @@ def points_of(ax) -> list:
     return [line for line in ax.lines if line.get_marker() == "o" and line.get_markersize() == 4.2]
 
 
-def numbers(fig: Figure, panel: int) -> list[str]:
-    """The numbers at the points of a panel, joint ones apart."""
-    texts = [text.get_text() for text in fig.axes[panel].texts]
-    return sorted(name for text in texts for name in apart(text))
-
-
-def apart(text: str) -> list[str]:
-    names: list[str] = []
-    for part in text.split(", "):
-        first, _, last = part.partition("–")
-        names += [str(n) for n in range(int(first), int(last) + 1)] if last else [part]
-    return names
-
-
-def legend_title(fig: Figure) -> str:
-    return fig.legends[0].get_title().get_text() if fig.legends else ""
-
-
 def shapes(fig: Figure) -> list:
     """The lines of the unrolled views."""
     (ax,) = [ax for ax in fig.axes if ax.get_label() == unrolled.VIEWS]
@@ -87,6 +69,22 @@ def test_red_is_for_what_fails_alone(drawn) -> None:
         assert share_of_red(fig) == 0.0
 
 
+def test_diagrams_of_branches_and_of_equilibria_show_what_is_stored(dead, drawn) -> None:
+    case, held = (Case(ROD, CYLINDER, Ends(beta0=0.5, betaL=betaL, FZ=FZ)) for betaL, FZ in ((0.5, -2.5), (0.4, -0.5)))
+    listed = dataset_of(load("fig6"), case, all_equilibria(case))
+    study, angles = load("fig7_4_end_angle"), np.linspace(0.2, 0.5, 3)
+    judged = branch_dataset.sweep(study, held, "betaL", angles, lambda text: None)
+    pictures = {
+        "under dead loads": lambda: drawn["dead"],
+        "with a held height": lambda: drawn["held"],
+        "any observable": lambda: bifurcation.figure(dead, show=["energy"]),
+        "with laws": lambda: bifurcation.figure(judged),
+        "equilibria": lambda: equilibria_figure.figure(listed),
+        "pushes of equilibria": lambda: equilibria_figure.figure(listed, show=["push_max"]),
+    }
+    stored_figures.check("pictures_branches", pictures)
+
+
 def test_dashed_lines_that_coincide_are_drawn_once(dead) -> None:
     """Two dashed lines one above the other look solid. Mirror images have one height and one energy."""
     ax = bifurcation.panel(dead, Figure().add_subplot(), "energy")
@@ -103,29 +101,11 @@ def test_dashed_lines_that_coincide_are_drawn_once(dead) -> None:
         )
 
 
-def test_a_legend_that_names_laws_stands_in_a_picture_that_says_them(dead) -> None:
-    case = Case(ROD, CYLINDER, Ends(beta0=0.5, betaL=0.4, FZ=-0.5))
-    judged = branch_dataset.sweep(load("fig7_4_end_angle"), case, "betaL", np.linspace(0.2, 0.5, 3), lambda text: None)
-    for ds, laws in ((judged, True), (dead, False)):
-        fig = bifurcation.figure(ds)
-        legends = [*fig.legends, *filter(None, (ax.get_legend() for ax in fig.axes))]
-        named = any("law" in text.get_text() for legend in legends for text in legend.get_texts())
-        said = "the number of bends does not fall and mean κ rises with β(L)" in " ".join(legend_title(fig).split())
-        assert (named, said) == (laws, laws)
-
-
 def test_one_branch_alone_has_a_row_of_shapes(held) -> None:
     assert len(branch_dataset.branches(held)) == 1
     assert held.sizes["shape"] == 8
     assert (np.diff(held["shape_height"].values) > 0).all()
     assert set(held["shape_branch"].values) == {0}
-
-
-def test_every_equilibrium_has_its_number_beside_its_energy() -> None:
-    case = Case(ROD, CYLINDER, Ends(beta0=0.5, betaL=0.5, FZ=-2.0))
-    ds = dataset_of(load("fig6"), case, all_equilibria(case))
-    fig = equilibria_figure.figure(ds)
-    assert numbers(fig, -1) == sorted(str(n) for n in ds["equilibrium"].values)
 
 
 def test_numbers_cover_neither_each_other_nor_a_point() -> None:
@@ -216,19 +196,3 @@ def test_a_smooth_line_passes_through_its_points_and_follows_a_circle() -> None:
         assert np.linalg.norm(found.T - point, axis=1).min() < 1e-12
     straight = max(1 - np.cos(np.diff(angle) / 2))  # how far the polygon is off
     assert np.abs(np.hypot(*found) - 1).max() < 0.3 * straight
-
-
-def test_a_diagram_of_equilibria_shows_any_observable_that_is_stored(dead) -> None:
-    ax = bifurcation.figure(dead, show=["energy"]).axes[0]
-    assert ax.get_ylabel().startswith("energy")
-    seen = {float(y) for line in ax.lines for y in np.ravel(line.get_ydata())}
-    assert seen.issuperset(dead["shape_energy"].values.tolist())
-    case = Case(ROD, CYLINDER, Ends(beta0=0.5, betaL=0.5, FZ=-2.5))
-    few = dataset_of(load("fig6"), case, all_equilibria(case))
-    (cloud,) = equilibria_figure.figure(few, show=["push_max"]).axes[1].collections
-    np.testing.assert_array_equal(cloud.get_offsets()[:, 1], few["push_max"])
-    for draw, ds, name in ((bifurcation.figure, dead, "turns"), (equilibria_figure.figure, few, "wraps")):
-        with pytest.raises(InputError, match=f"no observable.* '{name}'"):
-            draw(ds, show=[name])
-    with pytest.raises(InputError, match="this diagram shows one observable, got 2: turns, energy"):
-        equilibria_figure.figure(few, show=["turns", "energy"])

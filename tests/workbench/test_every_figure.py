@@ -1,6 +1,7 @@
 """One checker over every figure of every study, at the widths of a journal: no word cut off, none over another."""
 
 from collections.abc import Callable
+from functools import cache, partial
 
 import pytest
 import xarray as xr
@@ -8,35 +9,16 @@ from matplotlib.figure import Figure
 
 from solver import equilibria, solve
 from studies import load, names
-from tests.slow import slow_but
-from tests.workbench import small
+from tests.workbench import small, stored_figures
 from tests.workbench.page_faults import faults, picture, words
 from tests.workbench.pictures import share_of_ink
 from workbench.branches.ends_study import ends_problem
 from workbench.branches.equilibria_dataset import dataset_of
-from workbench.figures import bars, canvas, equilibria_figure, kinds, robustness, story, work_precision
+from workbench.figures import bars, equilibria_figure, kinds, robustness, story, work_precision
 from workbench.figures.sheet import sheet
 from workbench.influence.derivatives import local
 from workbench.store import reading
 from workbench.web.report import measured_runs, report_runs
-
-
-@pytest.fixture(scope="module")
-def told() -> dict[str, xr.Dataset]:
-    found = {name: small.study_dataset(name) for name in (story.ROD, story.ALONG)}
-    return found | {story.CLAIMS: report_runs.run_readings([load("fig7_1_modulus"), load("fig7_2_radius")])}
-
-
-@pytest.mark.parametrize("width", slow_but([89, 183], 183))
-def test_the_story_has_four_panels_that_can_be_read(told, width: float) -> None:
-    fig = story.figure(told, sheet("paper", width, titled=False))
-    assert faults(fig) == []
-    assert fig.get_figheight() * 25.4 <= (120 if width == 89 else 140)
-    law, table = fig.axes[2], fig.axes[3]
-    steps = next(line for line in law.lines if line.get_drawstyle() == "steps-mid")
-    assert steps.get_ydata().tolist() == told[story.ALONG]["turns"].values.tolist()
-    assert len(table.lines) >= told[story.CLAIMS]["claim_verdict"].size
-
 
 SHEETS = {"screen": sheet(), "column": sheet("paper", 89, titled=False), "page": sheet("paper", 183, titled=False)}
 
@@ -49,45 +31,45 @@ def test_every_kind_of_picture_can_be_read_at_every_width(six, kind: str, page: 
     assert faults(fig) == []
 
 
-def test_bars_of_one_column_are_those_that_have_room_and_the_others_are_named() -> None:
-    ds = small.study_dataset("fig7_1_modulus")
-    drawn = [kinds.figure(ds, "bars", SHEETS[page]) for page in ("column", "page")]
-    assert [faults(fig) for fig in drawn] == [[], []]
-    few, more = (len([ax for ax in fig.axes if ax.containers]) for fig in drawn)
-    assert few < more
-    (left_out,) = (note for note in canvas.notes_of(drawn[0]) if note.startswith("Not drawn: "))
-    assert "choose with --show or --panel" in left_out
+@cache
+def chosen() -> dict[str, xr.Dataset]:
+    """The datasets of the story."""
+    claims = report_runs.run_readings([load("fig7_1_modulus"), load("fig7_2_radius")])
+    return {name: small.study_dataset(name) for name in (story.ROD, story.ALONG)} | {story.CLAIMS: claims}
 
 
-def test_a_tornado_of_one_column_has_the_observables_that_have_room_and_names_the_others() -> None:
-    table = local(solve(ends_problem(load("fig6")))).assign_attrs(title="many observables", reading="")
-    fig = kinds.figure(table, "tornado", SHEETS["column"])
-    assert faults(fig) == []
-    (left_out,) = (note for note in canvas.notes_of(fig) if note.startswith("Not drawn: "))
-    column, whole = (len([ax for ax in picture.axes if ax.containers]) for picture in (fig, bars.tornado(table)))
-    assert whole - column == len(left_out.split(", ")) > 1
+@cache
+def effects() -> xr.Dataset:
+    return local(solve(ends_problem(load("fig6")))).assign_attrs(title="many observables", reading="")
 
 
-def every_equilibrium() -> Figure:
+@cache
+def equilibria_of_fig6() -> xr.Dataset:
     case = ends_problem(load("fig6"))
-    return equilibria_figure.figure(dataset_of(load("fig6"), case, equilibria(case)))
-
-
-def shipped(name: str) -> xr.Dataset:
-    return reading.read(measured_runs.SHIPPED / f"{name}.h5", study=False)
+    return dataset_of(load("fig6"), case, equilibria(case))
 
 
 OTHERS: dict[str, Callable[[], Figure]] = {
-    "equilibria": every_equilibrium,
-    "trade": lambda: work_precision.figure(shipped("trade"), "seconds"),
-    "extremes": lambda: robustness.figure(shipped("extremes")),
+    "the story": lambda: story.figure(chosen(), SHEETS["page"]),
+    "the story, in a column": lambda: story.figure(chosen(), SHEETS["column"]),
+    "bars that have room": lambda: kinds.figure(small.study_dataset("fig7_1_modulus"), "bars", SHEETS["column"]),
+    "effects that have room": lambda: kinds.figure(effects(), "tornado", SHEETS["column"]),
+    "effects": lambda: bars.tornado(effects()),
+    "equilibria": lambda: equilibria_figure.figure(equilibria_of_fig6()),
 }
 
 
+def test_other_pictures_can_be_read_and_show_what_is_stored() -> None:
+    stored_figures.check("pictures_others", OTHERS)
+
+
+MEASURED = {"trade": partial(work_precision.figure, cost="seconds"), "extremes": robustness.figure}
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("name", OTHERS)
-def test_the_letters_of_a_figure_can_be_read_in_two_columns(name: str) -> None:
-    fig = OTHERS[name]()
+@pytest.mark.parametrize("name", MEASURED)
+def test_the_letters_of_a_measured_figure_can_be_read_in_two_columns(name: str) -> None:
+    fig = MEASURED[name](reading.read(measured_runs.SHIPPED / f"{name}.h5", study=False))
     assert min(text.get_fontsize() for text in words(fig)) * min(183 / 25.4 / fig.get_figwidth(), 1.0) >= 5.99
 
 

@@ -8,8 +8,7 @@ import pytest
 
 from solver import Case, Cylinder, Rod, Start, fit, observe, solve
 from studies import load
-from tests.workbench import small
-from tests.workbench.page_faults import faults
+from tests.workbench import small, stored_figures
 from tests.workbench.pictures import pixels, share_of_hue, share_of_ink
 from workbench import fitting
 from workbench.figures import colours, fit_figure
@@ -57,14 +56,13 @@ def test_sigma_of_a_file_and_of_the_command_line_are_the_same(points, tmp_path, 
 
 
 def drawn(case: Case, vary, page=SCREEN):
-    """The figure of a fit to points of the case with errors, and its fit."""
+    """The figure of a fit to points of the case with errors."""
     s, rng = np.linspace(0.5, 20, 30), np.random.default_rng(0)
     sol = solve(case, stations=s)
     points = {"s": s, "alpha": sol.alpha + 0.01 * rng.standard_normal(s.size), "z": sol.z}
     found = fit(case, vary, points=points, starts=0)
     figure = fit_figure.figure(fitting.dataset_of(found, {"length": "cm", "force": "N"}, points), page)
-    figure.draw_without_rendering()
-    return figure, found
+    return figure
 
 
 def wide(beta=1.3) -> Case:
@@ -73,35 +71,18 @@ def wide(beta=1.3) -> Case:
     return Case(rod, cylinder, Start(beta, 0.0, M3=float(rod.bending_stiffness) * np.sin(beta) * np.cos(beta)))
 
 
-@pytest.mark.parametrize(("case", "least"), ((wide(), 0.07), (table1(), 0.65)))
-def test_z_is_to_the_right_of_the_curve_also_where_it_is_the_shorter_extent(case, least) -> None:
-    figure, _ = drawn(case, ["M3"])
-    panel = figure.axes[0]
-    assert panel.get_xlabel().startswith("z ")
-    assert "around" in panel.get_ylabel()
-    assert panel.yaxis_inverted()
-    line = next(line for line in panel.lines if line.get_label() == "fitted rod")
-    wide, high = np.ptp(line.get_transform().transform(line.get_xydata()), axis=0)
-    assert wide > least * figure.bbox.width
-    assert high > 0.1 * figure.bbox.height
-
-
-@pytest.mark.parametrize("page", [sheet(), sheet("paper", 89, titled=False)])
-@pytest.mark.parametrize("vary", [["M3"], ["E", "F3", "M3", "R"]])
-def test_the_picture_can_be_read_at_every_width_and_names_its_marks(page, vary) -> None:
-    figure, _ = drawn(wide() if len(vary) == 1 else table1(), vary, page)
-    assert faults(figure) == []
-    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["fitted rod", "measured points"]
-
-
-def test_fields_that_are_undetermined_have_no_shares_in_the_picture() -> None:
-    figure, found = drawn(table1(), ["E", "F3", "M3", "R"])
-    assert [text.get_text() for text in figure.axes[2].get_legend().get_texts()] == ["R"]
-    figure, found = drawn(table1(), ["E", "F3", "M3"])
-    assert figure.axes[2].get_legend() is None
-    assert figure.get_figheight() < 7.4
-    title = fitting.dataset_of(found, {"length": "cm", "force": "N"}, None).attrs["title"]
-    assert title == "Fit: E undetermined, F₃ undetermined, M₃ undetermined"
+def test_the_picture_of_a_fit_shows_what_is_stored() -> None:
+    """Fields that are undetermined have no shares; z is to the right also where it is the shorter extent."""
+    every, column = ["E", "F3", "M3", "R"], sheet("paper", 89, titled=False)
+    pictures = {
+        "wide": lambda: drawn(wide(), ["M3"]),
+        "wide, in a column": lambda: drawn(wide(), ["M3"], column),
+        "one determined field": lambda: drawn(table1(), every),
+        "one determined field, in a column": lambda: drawn(table1(), every, column),
+        "no determined field": lambda: drawn(table1(), ["E", "F3", "M3"]),
+        "one field": lambda: drawn(table1(), ["M3"]),
+    }
+    stored_figures.check("pictures_fits", pictures)
 
 
 @pytest.mark.slow

@@ -2,19 +2,17 @@
 
 import csv
 import json
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 
 import numpy as np
-import pytest
 import xarray as xr
-from matplotlib.collections import LineCollection
 
-from solver import Case, Cylinder, Ends, InputError, Rod, region_map
+from solver import Case, Cylinder, Ends, Rod, region_map
 from studies import load
-from tests.slow import slow
+from tests.workbench import stored_figures
 from workbench.branches.region_dataset import dataset_of
-from workbench.figures import canvas, kinds
+from workbench.figures import kinds
 from workbench.figures import region_map as region_figure
 from workbench.figures.sheet import sheet
 from workbench.store import reading, writing
@@ -46,35 +44,6 @@ def test_it_prints_curves_and_regions_as_data_and_stores_them(call, tmp_path, mo
     assert Path("map.png").stat().st_size > 10_000
 
 
-@pytest.mark.parametrize(("given", "inside"), [slow((-30.0, 2.0), True), ((0.0, 3.0), False)])
-def test_the_given_case_is_marked_and_named_where_it_lies(given, inside) -> None:
-    assert made().attrs["given"] == [0.0, 3.0]
-    ax = region_figure.figure(made().assign_attrs(given=given, reading="a"), sheet()).axes[0]
-    marks = [line.get_xydata()[0].tolist() for line in ax.lines if line.get_marker() == "P"]
-    assert marks == [list(given)] * inside
-    named = [text.get_text() for legend in ax.get_figure().legends for text in legend.get_texts()]
-    assert ("the rod of Table 1" in named) == inside
-
-
-@pytest.mark.parametrize(("shown", "colours"), [("count", 0), ("count_stable", 0), ("dbeta0", 1)])
-def test_the_colours_of_a_map_are_of_what_is_asked_for(shown, colours) -> None:
-    fig = kinds.figure(made(), sheet=sheet("paper", titled=False), show=[shown])
-    assert len(fig.axes) == 1 + colours  # numbers along curves have a bar
-    notes = " ".join(canvas.notes_of(fig))
-    assert ("Colours" in notes) == (shown != "count")
-    along = [one for one in fig.axes[0].collections if isinstance(one, LineCollection)]
-    stored = made()["curve_dbeta0"].values
-    for one in along:
-        assert np.nanmin(stored) <= one.get_array().min() <= one.get_array().max() <= np.nanmax(stored)
-    assert len(along) == colours
-    assert len(fig.axes[0].lines) >= made().sizes["curve"]  # the curves keep their weights
-
-
-def test_a_number_that_a_map_does_not_hold_is_refused_with_those_that_it_holds() -> None:
-    with pytest.raises(InputError, match="'energy'; choose from count, count_stable, dbeta0"):
-        kinds.figure(made(), show=["energy"])
-
-
 def test_the_numbers_of_a_map_are_written_and_those_of_a_table_of_words_are_refused(
     call, tmp_path, monkeypatch
 ) -> None:
@@ -93,3 +62,14 @@ def test_the_numbers_of_a_map_are_written_and_those_of_a_table_of_words_are_refu
     assert status == 2
     assert "has none" in refusal
     assert not Path("e.png").exists()
+
+
+def test_a_map_of_folds_shows_what_is_stored() -> None:
+    paper = sheet("paper", titled=False)
+    pictures = {
+        show: partial(kinds.figure, made(), sheet=paper, show=[show]) for show in ("count", "count_stable", "dbeta0")
+    }
+    for given in ((-30.0, 2.0), (0.0, 3.0)):
+        marked = made().assign_attrs(given=given, reading="a")
+        pictures[f"the rod of Table 1 at {given}"] = partial(region_figure.figure, marked, sheet())
+    stored_figures.check("pictures_folds", pictures)

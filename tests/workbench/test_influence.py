@@ -13,7 +13,7 @@ from solver.observe.observables import OBSERVABLES
 from studies import load
 from studies.language.loader import loads
 from studies.language.samples import METHODS
-from tests.workbench import small
+from tests.workbench import small, stored_figures
 from tests.workbench.command import run
 from workbench.figures import bars
 from workbench.figures.sheet import sheet
@@ -99,21 +99,6 @@ def test_a_followed_study_and_a_sweep_have_elasticities_of_one_case() -> None:
     sweep = loads(small.text(base, small.axis("FZ", [-9.0, -5.0])), default_name="ends")
     swept = local(stored_case.solve_case(stored_case.outline(sweep), {"FZ": -5.0}, sweep), observables=["height"])
     assert float(swept["at"].sel(field="FZ")) == -5
-
-
-def test_a_tornado_has_its_longest_bar_on_top_and_its_signs_apart() -> None:
-    table = local(solve(TABLE), observables=["height"]).assign_attrs(title="one", reading="")
-    (ax,) = bars.tornado(table).axes
-    two = local(solve(TABLE), observables=["height", "wraps"]).assign_attrs(title="two", reading="")
-    for width, columns in ((89, 1), (183, 2)):
-        fig = bars.tornado(two, sheet=sheet("paper", width))
-        assert len({round(ax.get_position().x1, 3) for ax in fig.axes}) == columns
-    sizes = [bar.get_width() for bar in ax.patches]
-    assert sorted(map(abs, sizes), reverse=True) == [abs(size) for size in sizes]
-    assert len({bar.get_facecolor() for bar in ax.patches if bar.get_width() < 0}) == 1
-    assert {bar.get_facecolor() for bar in ax.patches if bar.get_width() < 0}.isdisjoint(
-        bar.get_facecolor() for bar in ax.patches if bar.get_width() > 0
-    )
 
 
 # Saltelli's design
@@ -261,15 +246,17 @@ def test_without_salib_one_sentence_names_the_extra(stored: Path, monkeypatch, c
     assert said.count("\n") == 1
 
 
-def test_the_bars_say_why_an_index_is_negative_or_a_total_below_that_of_first_order(stored: Path) -> None:
+def test_bars_of_influence_show_what_is_stored(stored: Path) -> None:
     found = sobol(xr.open_dataset(stored))
     exact = found.assign(first=abs(found["first"]), total=abs(found["first"]) + 0.1)
-
-    def note(ds: xr.Dataset) -> str:
-        return " ".join(bars.indices(ds).legends[0].get_title().get_text().split())
-
-    assert "sampling error" not in note(exact)
-    low = exact.assign(first=-exact["first"])
-    assert note(low).endswith("The samples give estimates: by their sampling error an index can be below 0.")
-    swapped = exact.assign(total=exact["first"] / 2)
-    assert note(swapped).endswith("by their sampling error a total index can be below that of first order.")
+    tables = {names: local(solve(TABLE), observables=names.split()).assign_attrs(title="t", reading="") for names in
+              ("height", "height wraps")}  # fmt: skip
+    pictures = {
+        "indices": lambda: bars.indices(exact),
+        "negative indices": lambda: bars.indices(exact.assign(first=-exact["first"])),
+        "totals below those of first order": lambda: bars.indices(exact.assign(total=exact["first"] / 2)),
+        "a tornado": lambda: bars.tornado(tables["height"]),
+        "two, in a column": lambda: bars.tornado(tables["height wraps"], sheet=sheet("paper", 89)),
+        "two, on a page": lambda: bars.tornado(tables["height wraps"], sheet=sheet("paper", 183)),
+    }
+    stored_figures.check("pictures_influence", pictures)

@@ -1,14 +1,11 @@
 """Long rods in lines: the developed curve of a pipe of 300 m in a hole of 0.2 m, all of it, at one scale."""
 
-import csv
-from io import StringIO
-
 import numpy as np
 import pytest
 import xarray as xr
 
 from studies.language.loader import loads
-from tests.workbench import small
+from tests.workbench import small, stored_figures
 from workbench.figures import drawn_numbers, study_figure, unrolled
 from workbench.figures.drawn_rods import DrawnRod
 from workbench.figures.fonts import SMALL
@@ -83,17 +80,10 @@ def test_each_point_of_a_line_is_on_the_rod_and_inside_the_line(pipe) -> None:
             assert y.max() <= high
 
 
-def test_a_long_rod_is_set_in_lines_among_the_curves_also_and_says_how_they_are_read(pipe) -> None:
-    for width in (89, 183):
-        fig = unrolled.figure(pipe, sheet=sheet("paper", width))
-        notes = " ".join(fig.legends[0].get_title().get_text().split())
-        assert "at one scale" in notes
-        assert "lines, one after the other" in notes or "pieces of" in notes
-        assert "the rod leaves it below and comes back above" in notes
-
-
-def test_without_a_title_the_notes_are_kept_and_stand_in_the_table(pipe) -> None:
-    fig = unrolled.figure(pipe, sheet=sheet("paper", 183, titled=False))
-    assert all(legend.get_title().get_text() == "" for legend in fig.legends)
-    told = [row["series"] for row in csv.DictReader(StringIO(drawn_numbers.table(fig))) if row["kind"] == "note"]
-    assert any(note.startswith("Unrolled view, seen from outside") for note in told)
+def test_a_long_rod_in_lines_shows_what_is_stored(pipe) -> None:
+    pictures = {
+        "alone": lambda: study_figure.figure(pipe, sheet=sheet(panel="curve")),
+        "in a column": lambda: unrolled.figure(pipe, sheet=sheet("paper", 89)),
+        "on a page": lambda: unrolled.figure(pipe, sheet=sheet("paper", 183, titled=False)),
+    }
+    stored_figures.check("pictures_long_rods", pictures)

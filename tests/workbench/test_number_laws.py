@@ -1,20 +1,20 @@
 """Expressions and laws with numbers from the study file to the stored file, the commands and the panels."""
 
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from solver import InputError
 from studies import Study, load
 from studies.laws import law_words
-from studies.laws.line_verdicts import FAILS, HOLDS, UNDECIDED
-from tests.workbench import small
+from studies.laws.line_verdicts import HOLDS, UNDECIDED
+from tests.workbench import small, stored_figures
 from workbench.figures import study_figure
-from workbench.figures.laws import panel
+from workbench.figures.sheet import sheet
 from workbench.store import in_memory, law_verdicts
 
 SAID = """
@@ -48,13 +48,6 @@ def ds() -> xr.Dataset:
 @pytest.fixture(scope="module")
 def pipe() -> xr.Dataset:
     return small.study_dataset("pipe_lubinski")
-
-
-def panels(ds: xr.Dataset) -> dict[str, Axes]:
-    drawn = {row["claim"]: (Figure().subplots(), row) for row in law_verdicts.verdicts(ds)}
-    for ax, row in drawn.values():
-        panel(ds, ax, row)
-    return {claim: ax for claim, (ax, _) in drawn.items()}
 
 
 def test_an_expression_is_stored_with_its_unit_its_text_and_its_error(ds: xr.Dataset) -> None:
@@ -97,24 +90,17 @@ def test_a_formula_may_use_a_field_of_the_base_and_a_stiffness(tmp_path: Path) -
         law_verdicts.verdicts(ds.drop_vars("F3"))
 
 
-def test_a_band_is_named_where_the_line_does_not_hide_it(ds: xr.Dataset) -> None:
+def test_panels_of_laws_with_numbers_show_what_is_stored(ds: xr.Dataset) -> None:
     (row,) = [row for row in law_verdicts.verdicts(ds) if row["kind"] == "equals"]
-    for relative, hidden in ((1e-4, True), (0.3, False)):
-        ax = Figure().add_subplot()
-        panel(ds, ax, {**row, "rule": {**row["rule"], "relative": relative}})
-        named = [text.get_text() for text in ax.get_legend().get_texts()]
-        assert any(name.endswith(f"± {100 * relative:g}\N{NO-BREAK SPACE}%") for name in named)
-        assert ("allowed" in named) == (not hidden)
 
+    def banded(relative: float) -> Figure:
+        return study_figure.figure(ds, [{**row, "rule": {**row["rule"], "relative": relative}}], sheet(panel="equals"))
 
-def test_a_panel_marks_the_cases_outside(ds: xr.Dataset) -> None:
-    bad = in_memory.run(study(small.law("kappa_max", "R", claim="a", kind="bounded", most=2.0)))
-    (row,) = law_verdicts.verdicts(bad)
-    assert row["verdict"] == FAILS
-    marks = [line for line in panels(bad)["a"].get_lines() if line.get_label() == "a case outside"]
-    here = [step for step in row["exceptions"]]
-    assert len(marks) == len(here)
-    assert f"{len(here)} of {row['steps']} cases outside" in law_words.sentence(row)
+    outside = in_memory.run(study(small.law("kappa_max", "R", claim="a", kind="bounded", most=2.0)))
+    pictures = {kind: partial(study_figure.figure, ds, sheet=sheet(panel=kind)) for kind in HEADS}
+    pictures |= {f"a band of {relative}": partial(banded, relative) for relative in (1e-4, 0.3)}
+    pictures["cases outside"] = lambda: study_figure.figure(outside, sheet=sheet(panel="a"))
+    stored_figures.check("pictures_laws", pictures)
 
 
 def test_a_law_on_an_expression_without_a_value_is_not_decided(tmp_path: Path) -> None:

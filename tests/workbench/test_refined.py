@@ -12,10 +12,9 @@ import workbench.accessor  # noqa: F401  (ds.rod)
 from solver import observe, solve
 from studies import Study
 from studies.language.loader import loads
-from tests.workbench import runs, small
+from tests.workbench import runs, small, stored_figures
 from tests.workbench.command import run
-from tests.workbench.pictures import pixels, share_of_ink
-from workbench.figures import canvas, kinds, map_figure, study_figure
+from workbench.figures import kinds, map_figure, study_figure
 from workbench.store import block, in_memory, law_verdicts, plan, reading, recipe, refined, schema, writing
 from workbench.store.file_summary import summary
 from workbench.store.law_verdicts import boundary_of_law
@@ -211,23 +210,15 @@ def test_the_coarse_grid_of_a_refined_study_is_the_study_without_refinement(stor
             assert found[name].dims == plain[name].dims
 
 
-def test_the_default_picture_is_a_map_in_the_plane_and_lines_along_an_axis(stored: Path, line, tmp_path) -> None:
+def test_refined_studies_show_what_is_stored(stored: Path, line) -> None:
     ds = reading.read(stored)
     assert (kinds.kind_of(ds), kinds.kind_of(line)) == ("map", "lines")
-    fig = map_figure.figure(ds, show=["turns", "level"])
-    mesh = next(one for one in fig.axes[0].collections if hasattr(one, "get_coordinates"))
-    raster = refined.raster(ds)
-    np.testing.assert_array_equal(mesh.get_array().reshape(raster["turns"].T.shape), raster["turns"].T)
-    edges = mesh.get_coordinates()
-    np.testing.assert_allclose(edges[0, [0, -1], 0], [5e3, 4e4])
-    np.testing.assert_allclose(edges[[0, -1], 0, 1], [0.5, 1.5])
-    notes = fig.legends[0].get_title().get_text().replace("\n", " ")
-    assert "Refinement ended as the tolerance is reached" in notes
-    assert "Law (1): the number of bends falls along E; " in notes
-    canvas.save(fig, tmp_path / "map.png", dpi=60)
-    assert share_of_ink(pixels(tmp_path / "map.png")) > 0.1
-    assert "log" in [ax.get_xscale() for ax in study_figure.figure(line).axes]
-    canvas.save(study_figure.figure(ds), tmp_path / "lines.png", dpi=50)
+    pictures = {
+        "the plane": lambda: map_figure.figure(ds, show=["turns", "level"]),
+        "an axis": lambda: study_figure.figure(line),
+        "lines of the plane": lambda: study_figure.figure(ds),
+    }
+    stored_figures.check("pictures_refined", pictures)
 
 
 def test_a_grid_has_a_boundary_too() -> None:

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from solver import Case, Cylinder, InputError, Rod, Start, solve
+from solver import Case, Cylinder, Rod, Start, solve
 from studies import loads
-from tests.workbench import small
+from tests.workbench import small, stored_figures
 from workbench.export import stored_rod
-from workbench.figures import along, colours, drawn_numbers
+from workbench.figures import along
 from workbench.geometry import stored_line
 from workbench.scene import body as body_of
 from workbench.scene import layout, long_rod, scene_kinds, views
@@ -130,31 +130,12 @@ def test_a_table_of_a_rod_with_friction_holds_the_solution_s_own_arrays(sliding,
             np.testing.assert_allclose(column, getattr(sol, name), atol=1e-12, err_msg=name)
 
 
-def test_the_picture_of_a_pipe_has_its_azimuth_and_push_and_the_states_at_zero(ds: xr.Dataset) -> None:
-    table = [row for row in csv.reader(drawn_numbers.table(along.pipe(ds)).splitlines()) if row[3] == "line"]
-    states, curves = ([row for row in table if bool(row[7]) == has_push] for has_push in (False, True))
-    assert {row[6] for row in states if row[4].split(", ")[-1] in colours.STATES} == {"0.0"}
-    azimuth, push = (np.array([float(row[k]) for row in curves]) for k in (6, 7))
-    assert azimuth.max() == pytest.approx(np.degrees(ds["alpha"].values.max()), rel=0.01)
-    assert push.max() == pytest.approx(np.abs(ds["contact"].values).max(), rel=0.02)
+def test_pipes_and_their_states_show_what_is_stored(ds: xr.Dataset) -> None:
     (axis,) = ds["outcome"].dims
-    assert along.pipe(ds, at={axis: float(ds[axis][0])}).axes[0].get_ylabel() == "azimuth α [°]"
-
-
-def test_a_rod_without_weight_has_no_states() -> None:
-    bare = small.six()
-    with pytest.raises(InputError, match=r"is that of a rod with weight, .* choose --kind ridge or pipe"):
-        along.states(bare)
-    (ax, *_) = along.pipe(bare).axes
-    assert not [line for line in ax.lines if line.get_label() in colours.STATES]
-
-
-def test_the_diagram_of_states_has_the_stretches_of_the_rods(ds: xr.Dataset) -> None:
-    drawn = along.states(ds)
-    lines = [line for line in drawn.axes[0].lines if line.get_label() in colours.STATES]
-    assert all(line.get_color() == colours.STATES[line.get_label()] for line in lines)
-    assert len({line.get_gid().split(", ")[0] for line in lines}) == 2  # rods, each drawn whole, in degrees
-    assert sum(np.ptp(line.get_xdata()) for line in lines) == pytest.approx(2 * 60.0, rel=0.01)
-    assert max(line.get_ydata().max() for line in lines) == pytest.approx(np.degrees(ds["beta"].values.max()), rel=0.01)
-    listed = {row[4] for row in csv.reader(drawn_numbers.table(drawn).splitlines()) if row[3] == "line"}
-    assert {line.get_gid() for line in lines} <= listed
+    pictures = {
+        "pipes": lambda: along.pipe(ds),
+        "one pipe": lambda: along.pipe(ds, at={axis: float(ds[axis][0])}),
+        "states": lambda: along.states(ds),
+        "rods without weight": lambda: along.pipe(small.six()),
+    }
+    stored_figures.check("pictures_pipes", pictures)

@@ -9,11 +9,10 @@ import xarray as xr
 import workbench.accessor  # noqa: F401  (ds.rod)
 from studies import Study
 from studies.language.loader import loads
-from tests.workbench import runs, small
+from tests.workbench import runs, small, stored_figures
 from tests.workbench.command import run
 from workbench.commands import study_scene
-from workbench.figures import canvas, study_figure, trends
-from workbench.figures.sheet import SCREEN
+from workbench.figures import study_figure, trends
 from workbench.scene import scene_kinds
 from workbench.store import file_merge, in_memory, reading, selection, stored_case, writing
 from workbench.store.file_summary import summary
@@ -190,33 +189,14 @@ def test_a_scene_of_one_sample_solves_that_sample_alone(tmp_path) -> None:
 # the figure
 
 
-def drawn(ds: xr.Dataset) -> list:
-    names = selection.observables(ds)
-    return canvas.page(None, SCREEN, trends.samples(ds, names, 9.0, narrow=False)[0]).axes
-
-
-def test_unsolved_samples_are_crosses_and_no_points(stored: Path) -> None:
+def test_samples_show_what_is_stored(stored: Path, crossed: xr.Dataset, monkeypatch) -> None:
     ds = reading.read(stored)
     ds["wraps"][7] = np.nan
-    panel = drawn(ds)[3]
-    assert len(panel.collections[0].get_offsets()) == 39
-    (crosses,) = panel.lines
-    assert crosses.get_xdata().tolist() == [float(ds["E"][7])]
 
-
-def test_many_samples_are_drawn_as_a_density_of_them_all(monkeypatch, stored: Path) -> None:
+    pictures = {"one is missing": lambda: study_figure.figure(ds), "at axes": lambda: study_figure.figure(crossed)}
+    stored_figures.check("pictures_samples", pictures)
     monkeypatch.setattr(trends, "MANY", 30)
-    for panel in drawn(reading.read(stored)):
-        (mesh,) = panel.collections
-        assert mesh.get_array().sum() == 40
-
-
-def test_samples_at_axes_are_drawn_where_the_axes_are_held(crossed: xr.Dataset) -> None:
-    panels = drawn(crossed)
-    points = panels[0].collections[0].get_offsets()
-    np.testing.assert_array_equal(points[:, 1], crossed["turns"].sel(F1=5.0))  # that of Table 1
-    fig = study_figure.figure(crossed)  # with the law, and curves along F1
-    assert "5 samples, at F₁ = 5 N; r: rank correlation." in fig.legends[0].get_title().get_text()
+    stored_figures.check("pictures_many_samples", {"as a density": pictures["one is missing"]})
 
 
 def test_a_column_of_other_dimensions_is_no_row(stored: Path) -> None:
