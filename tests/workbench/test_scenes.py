@@ -173,7 +173,7 @@ def test_a_scene_reads_and_computes_what_its_kind_declares_and_nothing_else(kind
     rod = replace(rod, paint=scene_kinds.Paint(ramp=ramp, low=low_high[0], high=low_high[1]))
     surfaces.tube_parts(rod, rod.rings(0.01, 0.0))
     assert opened <= KINDS[kind].reads | {"solved", "outcome", "caution", "dbeta", *SECTION}
-    assert set(counted) == shown
+    assert set(counted) == shown | {"kappa"}  # where it bends more, rings are nearer
 
 
 def test_what_a_picture_says_of_its_case_asks_for_that_case_again() -> None:

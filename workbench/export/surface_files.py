@@ -9,6 +9,7 @@ from solver.problem.errors import InputError
 
 from ..geometry import tube as tubes
 from ..geometry.centreline import Array, Centreline
+from ..geometry.refinement import place_rings
 from ..geometry.tube import Mesh
 from .base import Format, Rod
 
@@ -34,7 +35,14 @@ def tube(line: Centreline, tolerance: float) -> tuple[Mesh, Array]:
     """
     # a polygon of the circle's area leaves it by a x^2/12 at its corners, x the angle of a side
     sides = max(int(np.ceil(2 * np.pi / np.sqrt(6 * tolerance / line.a))), LEAST_SIDES)
-    s, x = _rings(line, tolerance / 2, sides), 2 * np.pi / sides
+
+    def check(count: int) -> None:
+        if 2 * sides * count > MOST_TRIANGLES:
+            raise InputError(f"this rod would need {2 * sides * count} triangles, more than {MOST_TRIANGLES}: give a "
+                             "larger --tolerance")  # fmt: skip
+
+    ends = float(line.s[0]), float(line.s[-1])
+    s, x = place_rings(line, ends, tolerance / 2, check, longest=LONGEST * line.a), 2 * np.pi / sides
     larger = np.sqrt(x / np.sin(x))
     if line.bore:
         mesh = tubes.hollow(line.frame(s), line.a * larger, line.bore * larger, sides)
@@ -75,21 +83,6 @@ def _write_obj(path: Path, mesh: Mesh) -> None:
         file.seek(-min(len(last) + 2, path.stat().st_size), 2)
         if not file.read().rstrip().endswith(last):
             raise OSError("the disk did not take the whole file")
-
-
-def _rings(line: Centreline, tolerance: float, sides: int) -> Array:
-    """Where the rings stand, (n,): so dense that chords are within the tolerance of the bent and twisted tube."""
-    s = np.linspace(line.s[0], line.s[-1], 16 * line.s.size)
-    _, beta, _ = line.at(s)
-    kappa, turning = line.kappa(s), np.sin(2 * beta) / (2 * line.rho)
-    dense = np.sqrt((kappa * (1 + kappa * line.a) + line.a * turning**2) / (8 * tolerance))
-    count = np.concatenate([[0.0], np.cumsum(np.diff(s) * (dense[1:] + dense[:-1]) / 2)])
-    count = np.maximum(count, 0) + (s - s[0]) / (LONGEST * line.a)
-    n = max(int(np.ceil(count[-1])), 2)
-    if 2 * sides * n > MOST_TRIANGLES:
-        raise InputError(f"this rod would need {2 * sides * n} triangles, more than {MOST_TRIANGLES}: give a larger "
-                         "--tolerance")  # fmt: skip
-    return np.interp(np.linspace(0, count[-1], n + 1), count, s)
 
 
 FORMAT = Format((".stl", ".obj"), write, "surface", near)
