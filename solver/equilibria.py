@@ -110,9 +110,9 @@ def equilibria(
 
 def _under_dead_loads(case: Case, tol: float, stations: int, most_swings: int) -> Equilibria:
     """All equilibria of one case under dead loads."""
+    from .levels.boundary import repeat
     from .levels.level_search import search_levels
     from .levels.path_orbits import equilibrium_trajectory
-    from .levels.transit_times import repeat
     from .observe.measurement import Reading
     from .observe.observables import OBSERVABLES
 

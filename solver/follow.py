@@ -22,7 +22,7 @@ from .solve import between_ends, ends_case, seed_of
 
 if TYPE_CHECKING:
     from .branches.branch_events import Bounds, Place, Stop
-    from .levels.line_point import Path
+    from .levels.boundary import Path
 
 MOST = 1000
 SolvePoint = Callable[[BranchPoint], Solution]

@@ -16,7 +16,6 @@ from .shape import Shape
 SHOWN = "workbench.notebook"  # loaded by name when a solution is shown: the solver works without the workbench
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class Solution(Shape):
     """The shape of a case, or of each case of a grid, at n stations in the units of the case.
 

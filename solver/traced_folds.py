@@ -22,7 +22,7 @@ from .folds.linked_search import IsKnown, Meeting, lattice_ticks, place_on, sear
 from .folds.orbit_folds import GivenAt, fold_near, given_on, mark_of
 from .folds.parameter_plane import ParameterPlane, read_range, reflect
 from .folds.whole_curve import WholeCurve, point_alone
-from .levels.line_point import path_of
+from .levels.boundary import path_of
 from .mechanics.potential import load_size
 from .numerics.arclength import FOLD
 from .numerics.arrays import Array

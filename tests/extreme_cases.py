@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver import Case, Cylinder, Rod, Start
-from solver.core.critical_points import critical_points
+from solver.levels.boundary import critical_points
 from solver.mechanics.potential import potential
 from solver.problem.reduced import Reduced
 from tests.cases import start_of

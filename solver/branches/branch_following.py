@@ -17,9 +17,8 @@ from ..equilibrium.given_numbers import FREE
 from ..equilibrium.held_index import index_of
 from ..equilibrium.orbit_rates import orbit_rates
 from ..equilibrium.system import AT_REST, LEFT, state_of
-from ..levels.line_point import LinePoint, Path
+from ..levels.boundary import Path, boundary_of, height_scale
 from ..levels.path_orbits import orbit_of
-from ..levels.transit_times import height_scale
 from ..mechanics.potential import slope
 from ..numerics import arclength
 from ..numerics.arclength import BRANCH_POINT, CLOSED, END, FOLD, PITCHFORK
@@ -326,7 +325,7 @@ def past_helix(state: BranchState, bounds: Bounds) -> BranchState | None:
     change = {name: (value - getattr(place_behind.problem, name)) / _BACKWARD for name, value in numbers.items()}
     problem = EndsProblem(**{name: value + way * change[name] for name, value in numbers.items()})
     p = bounds.snap(state.p + way * family.scale * state.rises)
-    ends = LinePoint(problem)
+    ends = boundary_of(problem)
     starts = sorted(zip(np.abs(speeds + way * rate), (ends.start, ends.end), strict=True), key=lambda one: one[0])
     logs = [(max(2 * float(np.log(max(speed, 1e-300))), AT_REST), angle) for speed, angle in starts]
     guesses = [(problem, Path(angle, 1.0, y, -path.leaving, path.turns), p) for y, angle in logs]

@@ -10,7 +10,7 @@ from ..core import branches as core
 from ..equilibrium.charts import Chart, charts, coordinate
 from ..equilibrium.held_index import held_index
 from ..equilibrium.orbit_rates import OrbitRates
-from ..levels.line_point import LinePoint, Path
+from ..levels.boundary import Boundary, Path
 from ..numerics.arclength import LEFT, Node, advance, correct_point, node_at
 from ..numerics.arrays import Array
 from ..problem.reduced import EndsProblem
@@ -54,7 +54,7 @@ class BranchState:
         return node if isinstance(node, str) else BranchState(self.curve, node)
 
     @cached_property
-    def at(self) -> tuple[LinePoint, Path] | None:
+    def at(self) -> tuple[Boundary, Path] | None:
         """The problem under dead loads and the path."""
         return self.curve.at(self.node.w)
 

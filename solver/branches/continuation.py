@@ -13,11 +13,10 @@ import numpy as np
 from ..core.library import cut, fine, on_grid, points, run
 from ..equilibrium.given_numbers import Given, OrbitState, problem_of
 from ..equilibrium.system import settle, state_of
-from ..levels.line_point import LinePoint, Path
-from ..levels.morse_index import jacobi_zeros
+from ..levels.boundary import CUTTING, NODES, Path, boundary_of
 from ..levels.path_orbits import orbit_of
-from ..levels.transit_times import CUTTING, NODES
 from ..numerics import arclength
+from ..orbit.periodic_orbit import jacobi_zeros
 from ..problem.reduced import EndsProblem
 from .branch_events import Bounds
 from .branch_following import follow_branch
@@ -108,7 +107,7 @@ def resume(first: EndsProblem, path: Path, last: EndsProblem) -> Path | Stopped:
 
 def _resume_by_leaps(first: EndsProblem, path: Path, last: EndsProblem) -> Path | Stopped:
     """What the core leaves: a branch that needs a leap, passes a helix, or ends."""
-    target = LinePoint(last).helix
+    target = boundary_of(last).helix
     if path.helix and target is not None and first.beta0[0] == last.beta0[0]:
         return target  # H is linear in the loads, so it is zero on the whole line
     if target is None:

@@ -21,7 +21,7 @@ from ..equilibrium.given_numbers import (
 )
 from ..equilibrium.orbit_rates import NUMBERS
 from ..equilibrium.system import corner_state, problem_at, rates_in, settle
-from ..levels.line_point import LinePoint
+from ..levels.boundary import boundary_of
 from ..numerics.arrays import Array
 from ..numerics.roots import lead_away, solve
 from ..problem.reduced import EndsProblem
@@ -68,7 +68,7 @@ def deflate(start: OrbitState, wanted: Given, known: list[Array]) -> OrbitState 
 
 def _next_state(wanted: Given, state: OrbitState, change: Array, factor: float) -> tuple[OrbitState, float] | None:
     """The state after a step, halved where no orbit is there; and the size of the step of Newton's rule itself."""
-    for chart in charts(LinePoint(state.problem), state.path, wanted.hinged)[:2]:
+    for chart in charts(boundary_of(state.problem), state.path, wanted.hinged)[:2]:
         x = coordinate(chart)
         dx = float(move(chart, x, change))
         size = size_of(state.problem, chart, dx, change)
@@ -135,7 +135,7 @@ def _beside(state: OrbitState, wanted: Given, change: Array, share: float) -> Or
     """The state after a share of a change of the `NUMBERS`."""
     new = {name: getattr(state.problem, name) + share * change[NUMBERS.index(name)] for name in FREE}
     problem = replace(state.problem, **new)
-    for chart in charts(LinePoint(state.problem), state.path, wanted.hinged)[:2]:
+    for chart in charts(boundary_of(state.problem), state.path, wanted.hinged)[:2]:
         x = coordinate(chart)
         beside = _state_at(problem, replace(wanted, names=()), chart, x + share * float(move(chart, x, change)))
         if beside is not None:

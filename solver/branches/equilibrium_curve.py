@@ -11,7 +11,7 @@ from ..equilibrium.given_numbers import FREE, Given, move, problem_of, values_of
 from ..equilibrium.held_index import held_index
 from ..equilibrium.orbit_rates import NUMBERS, OrbitRates, orbit_rates, start_rates
 from ..equilibrium.system import corner_state
-from ..levels.line_point import LinePoint, Path
+from ..levels.boundary import Boundary, Path, boundary_of
 from ..mechanics.potential import load_size
 from ..numerics.arrays import Array
 from ..numerics.roots import solve
@@ -47,7 +47,7 @@ class EquilibriumCurve:
         """Of x, p, and the two angles and the three loads."""
         return np.array([self.chart.scale, self.family.scale, *[1.0, 1.0, *[self.loads] * 3][: len(self.unknowns)]])
 
-    def at(self, w: Array) -> tuple[LinePoint, Path] | None:
+    def at(self, w: Array) -> tuple[Boundary, Path] | None:
         """The problem under dead loads and the path at w."""
         x, p = (w * self.scales)[:2].tolist()
         if self.chart.kind == CORNER:
@@ -55,9 +55,9 @@ class EquilibriumCurve:
             if rates is None or given is None or not np.isfinite(rates.rows[0, :-1]).all():
                 return None
             state = corner_state(rates, given.number("dbeta0", x))  # what is given is x but for rounding
-            return LinePoint(state.problem), state.path
+            return boundary_of(state.problem), state.path
         problem = None if self.family.is_dead else self._problem(w)
-        place = self.family.place(p) if self.family.is_dead else None if problem is None else LinePoint(problem)
+        place = self.family.place(p) if self.family.is_dead else None if problem is None else boundary_of(problem)
         path = None if place is None else path_at(place, self.chart, x)
         return None if place is None or path is None or path.turns < 0 else (place, path)
 
@@ -171,7 +171,7 @@ class EquilibriumCurve:
 
 def curves_through(family: Family, path: Path, p: float) -> Iterator[tuple[EquilibriumCurve, Array]]:
     """The curve through an equilibrium at p in each of its coordinates, the best first, and its w."""
-    place = family.place(p) if family.is_dead else LinePoint(family.begun)
+    place = family.place(p) if family.is_dead else boundary_of(family.begun)
     for chart in () if place is None else charts(place, path, family.hinged):
         if place is not None and np.isfinite(coordinate(chart)):
             curve = EquilibriumCurve(family, chart, 1 + float(load_size(place.problem)[0]))
@@ -180,6 +180,6 @@ def curves_through(family: Family, path: Path, p: float) -> Iterator[tuple[Equil
 
 
 def _dead_index(chart: Chart, path: Path, x: float, rate: float) -> int:
-    """The Morse index under dead loads at x, as in `morse_index.jacobi_zeros`; rate: d length/dx."""
+    """The Morse index under dead loads at x, as in `periodic_orbit.jacobi_zeros`; rate: d length/dx."""
     lengthens = rate * (path.sign if chart.logarithmic else x) > 0
     return max(path.turns - int(lengthens), 0)

@@ -10,8 +10,7 @@ import numpy as np
 from ..core import branches as core
 from ..equilibrium.given_numbers import FREE, Given, is_hinged, problem_of
 from ..equilibrium.orbit_rates import HOW, NUMBERS, orbit_rates
-from ..levels.line_point import LinePoint, Path
-from ..levels.transit_times import CUTTING, NODES
+from ..levels.boundary import CUTTING, NODES, Boundary, Path, boundary_of
 from ..orbit.variations import POINTS
 from ..problem.case import PAIRS, Case
 from ..problem.case_fields import value_of, with_field
@@ -44,7 +43,7 @@ class Family:
     scale: float
     names: tuple[str, ...]
     natural: bool = False
-    _known: dict[float, LinePoint | None] = field(default_factory=dict, repr=False)  # the last few
+    _known: dict[float, Boundary | None] = field(default_factory=dict, repr=False)  # the last few
 
     @property
     def is_dead(self) -> bool:
@@ -79,13 +78,13 @@ class Family:
         numbers = self.numbers(p)
         return None if numbers is None else given_of(self.names, numbers)
 
-    def place(self, p: float) -> LinePoint | None:
+    def place(self, p: float) -> Boundary | None:
         """The problem under dead loads at p with its critical points."""
         if p not in self._known:
             given = self.given(p)
             while len(self._known) >= _KEPT:
                 del self._known[next(iter(self._known))]
-            self._known[p] = None if given is None else LinePoint(problem_of(given, {}))
+            self._known[p] = None if given is None else boundary_of(problem_of(given, {}))
         return self._known[p]
 
 

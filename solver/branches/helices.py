@@ -13,13 +13,12 @@ import scipy  # its parts are imported when used
 
 from ..equilibrium.given_numbers import FREE, Given, OrbitState, answer, parts_of, problem_after, problem_of
 from ..equilibrium.orbit_rates import NUMBERS, helix_change, orbit_rates
-from ..levels.line_point import LinePoint, Path
-from ..levels.morse_index import helix_half_waves, helix_index
-from ..levels.transit_times import DOWN, UP
+from ..levels.boundary import DOWN, UP, Boundary, Path, boundary_of
 from ..mechanics.potential import TAU, Loads, load_size, slope, slope_higher_rates, slope_rate
 from ..numerics.arclength import BRANCH_POINT, PITCHFORK, difference_rates
 from ..numerics.arrays import Array
 from ..numerics.roots import root
+from ..orbit.periodic_orbit import helix_half_waves, helix_index
 from .branch_events import Bounds, Place
 from .family import Family
 from .leaps import Guess
@@ -111,7 +110,7 @@ def _helix(beta: float, known: dict[str, float], given: Given) -> Helix | None:
 def _state(helix: Helix, given: Given) -> OrbitState | None:
     loads = {name: load for name in FREE[2:] if (load := getattr(helix, name)) is not None}
     problem = problem_of(given, {**loads, "beta0": helix.beta, "betaL": helix.beta})
-    path = LinePoint(problem).helix
+    path = boundary_of(problem).helix
     if path is None or not np.isfinite(load_size(problem)[0]):
         return None
     return OrbitState(problem, path, orbit_rates(problem, [path]))
@@ -140,7 +139,7 @@ def off_helix(state: OrbitState, wanted: Given) -> Iterator[Guess]:
     for size in _SIZES:
         share = min(1.0, size / largest)
         problem = problem_after(state.problem, first.towards(wanted, share), change, share)
-        place = LinePoint(problem)
+        place = boundary_of(problem)
         path = _bent(place, share * speeds)
         if on_saddle:
             yield problem, _from_saddle(place, path, share * float(speeds[0]), share * float(speeds[-1])), share
@@ -167,7 +166,7 @@ def helix_ahead(state: OrbitState, wanted: Given) -> OrbitState | None:
     return state
 
 
-def _bent(place: LinePoint, speeds: Array) -> Path:
+def _bent(place: Boundary, speeds: Array) -> Path:
     """The path of a rod that bends a little about a helix; speeds: beta_t along it."""
     signs = np.sign(speeds[1:-1])
     turns = int(np.count_nonzero(np.diff(signs[signs != 0])))
@@ -180,7 +179,7 @@ def _bent(place: LinePoint, speeds: Array) -> Path:
     return path
 
 
-def _from_saddle(place: LinePoint, path: Path, v_0: float, v_L: float) -> Path:
+def _from_saddle(place: Boundary, path: Path, v_0: float, v_L: float) -> Path:
     """The path with its level measured from the saddle that a helix lies on.
 
     With beta_t = k (a exp(k t) - b exp(-k t)) the gap is -4 k^2 a b.

@@ -9,13 +9,12 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..equilibrium.given_numbers import Given, problem_of
+from ..levels.boundary import Boundary, Path, boundary_of, path_of
 from ..levels.level_grid import level_grid_of
 from ..levels.level_search import level_paths_of, roots_on
-from ..levels.line_point import LinePoint, Path, path_of
-from ..levels.morse_index import jacobi_zeros
 from ..levels.path_orbits import orbit_of, solve_orbits
 from ..numerics.arrays import Array
-from ..orbit.periodic_orbit import Orbit
+from ..orbit.periodic_orbit import Orbit, jacobi_zeros
 from ..problem.reduced import EndsProblem
 
 Guess = tuple[EndsProblem, Path, float]  # of an equilibrium: its problem and path, and a share of a line
@@ -34,7 +33,7 @@ def leap(first: Given, last: Given, problem: EndsProblem, path: Path) -> Iterato
     turns = int(index) if path.helix else path.turns
     for length in LEAPS:
         problem_there = problem_of(first.towards(last, length), {})
-        every, orbit = _neighbours(LinePoint(problem_there), turns)
+        every, orbit = _neighbours(boundary_of(problem_there), turns)
         if orbit is None:
             continue
         same = np.flatnonzero(jacobi_zeros(orbit) == index)
@@ -47,10 +46,10 @@ def leap(first: Given, last: Given, problem: EndsProblem, path: Path) -> Iterato
         yield problem_there, every[int(same[order[0]])], length
 
 
-def _neighbours(place: LinePoint, turns: int) -> tuple[list[Path], Orbit | None]:
+def _neighbours(place: Boundary, turns: int) -> tuple[list[Path], Orbit | None]:
     """Every equilibrium whose path passes up to two turning points more or fewer."""
     problem = place.problem
-    boundary, grid = level_grid_of(place.blank)
+    boundary, grid = level_grid_of(place)
     ways = boundary.paths(turns + 2)
     ways = ways.take(ways.turns >= turns - 2)
     if not grid.place.size:

@@ -13,7 +13,7 @@ from ..equilibrium.orbit_rates import helix_change
 from ..equilibrium.system import correct_equilibrium
 from ..held.held_alternatives import alternatives_of, away
 from ..held.held_starts import Reached, from_seed, nearest_start
-from ..levels.line_point import LinePoint
+from ..levels.boundary import boundary_of
 from ..levels.path_orbits import orbit_of, together, trajectory_on, variations_of
 from ..mechanics.potential import load_size
 from ..numerics.arrays import Array
@@ -76,7 +76,7 @@ def at_hinges(state: OrbitState, wanted: Given) -> OrbitState:
     digits."""
     if not wanted.hinged or state.path.helix:
         return state
-    every = charts(LinePoint(state.problem), state.path, True)
+    every = charts(boundary_of(state.problem), state.path, True)
     slow = abs(float(state.rates.value("dbeta0")[0])) < _SLOW * _pace(state)
     corner = [chart for chart in every if chart.kind == CORNER]
     start = [chart for chart in every if chart.kind == "start" and not chart.logarithmic and slow]
@@ -99,7 +99,7 @@ def response_of(state: OrbitState, wanted: Given) -> float:
         if path.helix:
             moves = helix_change(problem, t).beta[0] @ parts
         else:
-            moves = variations_of(problem, path, LinePoint(problem)).change(t, parts[None]).beta
+            moves = variations_of(problem, path).change(t, parts[None]).beta
         largest = float(np.abs(moves).max())
     return max(1.0, largest) if np.isfinite(largest) else np.inf
 

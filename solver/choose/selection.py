@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..levels.boundary import Path, path_of
 from ..levels.level_search import Found, search_levels
-from ..levels.line_point import Path, path_of
 from ..levels.path_orbits import NO_EQUILIBRIUM, equilibrium_trajectory, path_from_start
 from ..numerics.arrays import Array, Integers
 from ..problem.errors import InputError

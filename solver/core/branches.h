@@ -1,4 +1,4 @@
-/* Equilibria of ends problems by their levels and paths: `line_point.Path`, `LinePoint` and `Chart`. What the
+/* Equilibria of ends problems by their levels and paths: `boundary.Path`, `Boundary` and `Chart`. What the
    files about branches share: charts.c, branch_curves.c, branch_steps.c, orbit_rates.c. */
 
 #ifndef ROD_BRANCHES_H
@@ -16,7 +16,7 @@ typedef struct {
     double lam, mu, phi, span, beta0, betaL;
 } ends_problem;
 
-/* One equilibrium: `line_point.Path`. */
+/* One equilibrium: `boundary.Path`. */
 typedef struct {
     double pin, sign, y;
     int64_t leaving, turns;

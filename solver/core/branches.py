@@ -45,7 +45,7 @@ def orbit_rates(numbers: Array, path: Any, n: int, how: tuple[Cutting, Cutting])
     Parameters
     ----------
     numbers : lam, mu, phi, span, beta(0), beta(L)
-    path : `line_point.Path`
+    path : `boundary.Path`
     n, how
         As of `orbits.orbits`; how panels are cut for the length, and for the orbit.
     """
@@ -82,7 +82,7 @@ _MOST_CHARTS = 22
 def charts(numbers: Array, path: Any) -> list[tuple[str, tuple[Any, ...], float, bool]]:
     """The coordinates in which an equilibrium can be followed, the best first: the fields of `charts.Chart`.
 
-    numbers: lam, mu, phi, span, beta(0), beta(L). path: `line_point.Path`, of which those of the charts have the first
+    numbers: lam, mu, phi, span, beta(0), beta(L). path: `boundary.Path`, of which those of the charts have the first
     five fields.
     """
     out = np.empty(_MOST_CHARTS, _CHARTS)

@@ -112,7 +112,7 @@ typedef struct {
     double local, periods;
 } phase;
 
-/* One ends problem: see `transit_times.Boundary`. falls: (pins, 2). */
+/* One ends problem: see `boundary.Boundary`. falls: (pins, 2). */
 typedef struct {
     double lam, mu, phi, span, low, high, deepest;
     int64_t whole_turns, passed, pins;

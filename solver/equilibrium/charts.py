@@ -11,7 +11,7 @@ import numpy as np
 
 from ..core import branches as core
 from ..core.library import numbers_of
-from ..levels.line_point import LinePoint, Path
+from ..levels.boundary import Boundary, Path
 
 _SAME = 1e-6  # in scales: coordinates of one equilibrium
 CORNER = "corner"
@@ -34,7 +34,7 @@ class Chart:
     logarithmic: bool
 
 
-def charts(place: LinePoint, path: Path, hinged: bool = False) -> list[Chart]:
+def charts(place: Boundary, path: Path, hinged: bool = False) -> list[Chart]:
     """Coordinates in which the equilibrium can be followed, the best first.
 
     The others are needed where the best one ends and the branch does not, as where its saddle meets a centre.
@@ -58,13 +58,13 @@ def coordinate(chart: Chart) -> float:
     return direction * float(np.exp(chart.at.y / 2))
 
 
-def path_at(place: LinePoint, chart: Chart, x: float) -> Path | None:
+def path_at(place: Boundary, chart: Chart, x: float) -> Path | None:
     """The path at x; None where its saddle no longer exists, or there is no such path."""
     at = core.path_at(numbers_of(place.problem)[0], chart, x)
     return None if at is None else Path(*at)
 
 
-def same_equilibrium(place: LinePoint, one: Path, other: Path) -> bool:
+def same_equilibrium(place: Boundary, one: Path, other: Path) -> bool:
     """Whether two paths of one problem are the same orbit, from whichever angles their levels are measured."""
     if (one.leaving, one.turns, one.helix) != (other.leaving, other.turns, other.helix):
         return False

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..levels.line_point import Path
+from ..levels.boundary import Path
 from ..mechanics.potential import load_size
 from ..numerics.arrays import Array
 from ..numerics.roots import solve

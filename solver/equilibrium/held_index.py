@@ -13,9 +13,9 @@ displacements.
 
 import numpy as np
 
-from ..levels.morse_index import helix_half_waves
 from ..mechanics.potential import load_size, slope_rate
 from ..numerics.arrays import Array
+from ..orbit.periodic_orbit import helix_half_waves
 from .given_numbers import Given, OrbitState
 from .orbit_rates import NUMBERS, OrbitRates
 

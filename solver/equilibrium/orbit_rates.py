@@ -18,8 +18,7 @@ import numpy as np
 
 from ..core import branches as core
 from ..core.library import Cutting, numbers_of
-from ..levels.line_point import Path
-from ..levels.transit_times import CUTTING, STRETCH
+from ..levels.boundary import CUTTING, STRETCH, Path
 from ..mechanics.potential import slope_rate
 from ..numerics.arrays import Array, Columns
 from ..numerics.roots import solve
@@ -39,7 +38,7 @@ class OrbitRates(Columns):
 
     problem: the ends problems that the orbits solve, span: the lengths at which their paths meet beta(L). values:
     (B, 11), the `NUMBERS`: end angles, beta_t at both ends, the integrals of sin(beta), sin(beta) cos(beta) and
-    cos(beta) over t, the loads, and y of the path (`line_point.Path`). rows: (B, 11, 5), what a unit of each
+    cos(beta) over t, the loads, and y of the path (`boundary.Path`). rows: (B, 11, 5), what a unit of each
     part of a change adds to them; NaN for y of a helix. by_span: (B, 11), what a unit of the length adds.
     """
 

@@ -9,8 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..levels.line_point import LinePoint, Path
-from ..levels.transit_times import DOWN, UP
+from ..levels.boundary import DOWN, UP, Boundary, Path, boundary_of
 from ..mechanics.potential import load_size, slope, steepest
 from ..numerics.arrays import EPS
 from ..numerics.roots import DIVERGED, Ending, newton
@@ -69,7 +68,7 @@ def correct_equilibrium(problem: EndsProblem, given: Given, chart: Chart, x: flo
     if not abs(given.span - float(last.rates.length[0])) < _MET * given.span:
         return DIVERGED  # swings that fell to rounding have no length
     if chart.kind != CORNER:
-        return last if LinePoint(last.problem).joins_at(last.path) else LEFT
+        return last if boundary_of(last.problem).joins_at(last.path) else LEFT
     return LEFT if is_still(last.problem, at) else corner_state(last.rates, at)
 
 
@@ -78,14 +77,14 @@ def state_of(problem: EndsProblem, path: Path, hinged: bool = False) -> OrbitSta
 
     hinged: whether it is meant to have given end moments.
     """
-    place = LinePoint(problem)
+    place = boundary_of(problem)
     if hinged and not path.helix and path.pin == place.start and path.sign > 0:
         v = path.leaving * float(np.exp(path.y / 2)) if path.y > AT_REST else 0.0
         rates = start_rates(problem.with_start(np.array([v])))
         if abs(float((rates.problem.betaL - problem.betaL)[0])) < _CORNER:
             return corner_state(rates, v)
     if not path.helix:
-        gap = path.sign * float(np.exp(max(path.y, place.blank.deepest)))
+        gap = path.sign * float(np.exp(max(path.y, place.deepest)))
         ends = {"dbeta0": place.start, "dbetaL": place.end}
         reached = {name: gap + place.fall(path.pin, angle) for name, angle in ends.items()}
         rest = tuple(name for name, square in reached.items() if square < least_square(problem, ends[name], False))
@@ -99,7 +98,7 @@ def settle(problem: EndsProblem, path: Path, given: Given | None = None) -> Orbi
     given: default: the dead loads of the problem.
     """
     given, reason = given or Given.dead(problem), ""
-    for chart in charts(LinePoint(problem), path, given.hinged):
+    for chart in charts(boundary_of(problem), path, given.hinged):
         settled = correct_equilibrium(problem, given, chart, coordinate(chart))
         if not isinstance(settled, str):
             return settled
@@ -114,7 +113,7 @@ def problem_at(problem: EndsProblem, given: Given, chart: Chart, x: float) -> tu
         return None
     if chart.kind == CORNER:
         return problem, chart.at
-    place = LinePoint(problem)
+    place = boundary_of(problem)
     path = path_at(place, chart, x)
     if path is None or path.turns < 0:
         return None
@@ -146,15 +145,15 @@ def corner_state(rates: OrbitRates, v: float) -> OrbitState:
         toward = DOWN if float(slope(problem, problem.betaL)[0]) < 0 else UP  # before it
         turns -= int(arriving != toward and turns > 0)
     y = max(2 * float(np.log(max(abs(v), 1e-300))), AT_REST)
-    return OrbitState(problem, Path(LinePoint(problem).start, 1.0, y, leaving, turns), rates)
+    return OrbitState(problem, Path(boundary_of(problem).start, 1.0, y, leaving, turns), rates)
 
 
-def at_given_speeds(problem: EndsProblem, place: LinePoint, path: Path, given: Given) -> EndsProblem:
+def at_given_speeds(problem: EndsProblem, place: Boundary, path: Path, given: Given) -> EndsProblem:
     """The problem with the angle of an end, where beta_t is given instead, at which the orbit has that beta_t.
 
     Where the end is at rest, or nearly, other angles lie beyond a turning point, and no orbit would reach them.
     """
-    gap = path.sign * float(np.exp(max(path.y, place.blank.deepest)))
+    gap = path.sign * float(np.exp(max(path.y, place.deepest)))
     alone = not {"dbeta0", "dbetaL"} <= set(given.names)
     new = {}
     for name, speed, first in (("beta0", "dbeta0", place.start), ("betaL", "dbetaL", place.end)):

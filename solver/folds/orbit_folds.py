@@ -23,12 +23,11 @@ from ..equilibrium.given_numbers import FREE, Given, values_of
 from ..equilibrium.held_index import index_of
 from ..equilibrium.orbit_rates import NUMBERS, OrbitRates, rates_of_helices, start_rates
 from ..equilibrium.system import corner_state
-from ..levels.morse_index import helix_half_waves
 from ..mechanics.potential import load_size, slope
 from ..numerics.arclength import FOLD, PITCHFORK, Lengths, Node
 from ..numerics.arrays import Array
 from ..numerics.roots import solve
-from ..orbit.periodic_orbit import TIGHT, solve_orbit
+from ..orbit.periodic_orbit import TIGHT, helix_half_waves, solve_orbit
 from ..problem.reduced import StartProblem
 from .parameter_plane import ParameterPlane, reflect
 from .special_line import BESIDE, Ahead, Point, SpecialPoint, change_within, point_on_line, with_no_side, zero_on

@@ -19,8 +19,7 @@ from typing import Any
 import numpy as np
 
 from ..equilibrium.given_numbers import FREE, problem_of
-from ..levels.line_point import LinePoint
-from ..levels.transit_times import Levels, Paths, transit_times
+from ..levels.boundary import Boundary, Levels, Paths, boundary_of, transit_times
 from ..mechanics.potential import slope
 from ..numerics.arclength import FOLD, PITCHFORK, Node, node_at
 from ..numerics.arrays import Array
@@ -85,12 +84,12 @@ class SeparatrixPoint(SpecialPoint):
         height = -place.fall(saddle, angle)
         return np.array([height - gap + rest**2, time[1] + kappa * rest - place.problem.span[0], rest])
 
-    def _time(self, place: LinePoint, saddle: float, angle: float, gap: float, y: Array) -> Array:
+    def _time(self, place: Boundary, saddle: float, angle: float, gap: float, y: Array) -> Array:
         """T0 at several values of log gap, with the end exactly at its turning point."""
-        base = place.boundary(saddle)
+        base = place.with_pin(saddle)
         out = np.empty(y.size)
-        low = angle == place.blank.low
-        is_helix_angle = place.blank.low == place.blank.high
+        low = angle == place.low
+        is_helix_angle = place.low == place.high
         other = float(base.falls[0, 1 if low else 0])
         for k, log_gap in enumerate(y):
             g = self.sign * np.exp(max(float(log_gap), -600.0))
@@ -127,9 +126,9 @@ class SeparatrixPoint(SpecialPoint):
         """Whether log gap is not the better unknown."""
         return float(self.w[0]) * UNIT > SHALLOW
 
-    def saddle_at(self, z: Array) -> tuple[LinePoint, float]:
+    def saddle_at(self, z: Array) -> tuple[Boundary, float]:
         """The problem at z, and the angle of its saddle next to this one; NaN where it no longer exists."""
-        place = LinePoint(problem_of(self.given_at(z), {}))
+        place = boundary_of(problem_of(self.given_at(z), {}))
         far = np.abs(_apart(place.saddles, self.saddle))
         return place, float(place.saddles[int(np.argmin(far))]) if far.size and far.min() < 0.5 else np.nan
 
@@ -144,7 +143,7 @@ class SeparatrixPoint(SpecialPoint):
         return self.leaving * float(np.sqrt(max(gap + place.fall(saddle, place.start), 0.0)))
 
 
-def _rises(place: LinePoint, angle: float) -> bool:
+def _rises(place: Boundary, angle: float) -> bool:
     """Whether beta accelerates upward at an angle: a turning point there is the lower one of the orbit."""
     return float(slope(place.problem, np.array([angle]))[0]) < 0
 
@@ -161,7 +160,7 @@ def separatrix_guess(
 
     slope_, turns: beta_t(0) and the turning points of an equilibrium nearby.
     """
-    place = LinePoint(problem_of(given_at(z), {}))
+    place = boundary_of(problem_of(given_at(z), {}))
     speed2 = slope_ * slope_
     speeds = {"start": speed2, "end": speed2 + place.fall(place.start, place.end)}
     end = min(speeds, key=lambda name: abs(speeds[name]))
@@ -171,7 +170,7 @@ def separatrix_guess(
     k = int(np.argmin(np.abs(gaps)))
     if abs(gaps[k]) > np.exp(SHALLOW):
         return None
-    equal = place.blank.low == place.blank.high and not place.blank.whole_turns
+    equal = place.low == place.high and not place.whole_turns
     if kind == PITCHFORK and not equal:
         return None
     weight = (0 if kind == PITCHFORK else 2) if equal else 1
@@ -221,6 +220,6 @@ def _onward(other: DeadPoint | None, point: DeadPoint, way: Array) -> Iterator[A
 
 def _is_deep(point: OrbitFold | OrbitPitchfork) -> bool:
     """Whether an end lies at a turning point next to a separatrix, so that beta_t(0) tells little."""
-    place, v = LinePoint(point.own[1].problem), point.slope
+    place, v = boundary_of(point.own[1].problem), point.slope
     near = min(v * v, abs(v * v + place.fall(place.start, place.end))) < _AT_REST**2
     return near and any(abs(v * v - place.fall(float(s), place.start)) < DEEP for s in place.saddles)

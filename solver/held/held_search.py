@@ -21,9 +21,8 @@ from ..branches.leaps import shape_of
 from ..equilibrium.given_numbers import FREE, Given, OrbitState
 from ..equilibrium.orbit_rates import orbit_rates, start_rates
 from ..equilibrium.system import corner_state, settle
-from ..levels.line_point import LinePoint, Path
+from ..levels.boundary import Boundary, Path, boundary_of, wrap
 from ..levels.path_orbits import orbit_of
-from ..levels.transit_times import wrap
 from ..mechanics.potential import TAU
 from ..numerics.arrays import Array
 from ..orbit.periodic_orbit import TIGHT, solve_orbit
@@ -224,11 +223,11 @@ def image_of(state: OrbitState, mirror: Mirror, given: Given) -> OrbitState:
     numbers = dict(mirror.number(name, float(getattr(old, name)[0])) for name in FREE)
     numbers |= {name: known[name] for name in numbers if name in known}
     problem = EndsProblem(**{name: np.array([value]) for name, value in numbers.items()}, span=old.span)
-    path = _path(state.path, LinePoint(old), LinePoint(problem), mirror)
+    path = _path(state.path, boundary_of(old), boundary_of(problem), mirror)
     return OrbitState(problem, path, orbit_rates(problem, [path]))
 
 
-def _path(path: Path, old: LinePoint, new: LinePoint, mirror: Mirror) -> Path:
+def _path(path: Path, old: Boundary, new: Boundary, mirror: Mirror) -> Path:
     """The image of a path, its level measured from the image of the same angle."""
     if path.helix:
         return new.helix or path

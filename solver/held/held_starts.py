@@ -14,14 +14,13 @@ import numpy as np
 from ..branches.continuation import FOLD, Stopped, carry
 from ..branches.deflation import is_known, numbers_of
 from ..branches.helices import helices_of
-from ..core.critical_points import critical_points
 from ..equilibrium.given_numbers import FREE, Given, OrbitState, problem_of
 from ..equilibrium.held_index import index_of
 from ..equilibrium.system import settle, state_of
-from ..levels.line_point import Path
-from ..levels.morse_index import jacobi_zeros
+from ..levels.boundary import Path, critical_points
 from ..levels.path_orbits import orbit_of
 from ..mechanics.potential import TAU
+from ..orbit.periodic_orbit import jacobi_zeros
 from ..problem.reduced import EndsProblem
 from ..problem.trajectory import DeadStart
 from .held_alternatives import said_of_seed

@@ -17,8 +17,8 @@ import numpy as np
 
 from ..equilibrium.given_numbers import FREE, Given, OrbitState, problem_of, values_of
 from ..equilibrium.orbit_rates import OrbitRates, orbit_rates
+from ..levels.boundary import path_of
 from ..levels.level_search import MOST_PERIODS, search_levels
-from ..levels.line_point import path_of
 from ..mechanics.potential import potential
 from ..numerics.arrays import Array
 from ..problem.reduced import EndsProblem

@@ -12,7 +12,7 @@ import numpy as np
 from ..equilibrium.given_numbers import Given, OrbitState
 from ..equilibrium.orbit_rates import start_rates
 from ..equilibrium.system import corner_state
-from ..levels.line_point import LinePoint
+from ..levels.boundary import boundary_of
 from ..mechanics.potential import TAU, potential, slope
 from ..numerics.arrays import Array
 from ..numerics.roots import bisect
@@ -86,7 +86,7 @@ def _roots(off: Callable[[Array], Array], angles: Array) -> Array:
 def _angles(problem: EndsProblem, rate: float) -> Array:
     """A turn of angles, rising: evenly, and close to those from which the orbit reaches a saddle."""
     even = np.linspace(-np.pi, np.pi, _ANGLES + 1)
-    special = [LinePoint(problem).saddles]
+    special = [boundary_of(problem).saddles]
     for height in potential(problem, special[0]):
 
         def above(angle: Array, height: float = height) -> Array:

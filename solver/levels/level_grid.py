@@ -14,17 +14,13 @@ from typing import Any
 
 import numpy as np
 
-from ..core.critical_points import CriticalPoints, critical_points
-from ..mechanics.potential import TAU, slope, slope_higher_rates, slope_rate
+from ..mechanics.potential import slope, slope_higher_rates, slope_rate
 from ..numerics.arrays import Array, Booleans
 from ..numerics.roots import bisect
 from ..problem.reduced import EndsProblem
-from .transit_times import Boundary, Levels, fall, height_scale, wrap
+from .boundary import LOWEST, Boundary, Levels, fall, height_scale
 
-_ON = 1e-110  # an end this near to a saddle lies on it
-_ROUNDING = 4e-16  # of H, in units of the size of G
 _SCAN = np.linspace(-np.pi, np.pi, 181)  # H' is a sum of harmonics up to the fourth
-LOWEST = -575.0  # log of the smallest gap that a float can hold with what is made of it
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,54 +43,10 @@ class LevelGrid:
         return int(levels.pin[k + 1]), float(levels.sign[k + 1]), float(y[k]), float(y[k + 1])
 
 
-def boundary_of(problem: EndsProblem) -> Boundary:
-    """The ends problem (of size 1) with the critical points of G; ends within rounding of a helix are moved onto it.
-
-    `pins`, `falls` and `deepest` are left to `level_grid_of`.
-    """
-    critical = critical_points(problem)
-    angles = critical.beta[0, : critical.count[0]]
-    helix = helix_of(problem, critical)
-    ends = [float(problem.beta0[0]), float(problem.betaL[0])]
-    rising = ends[0] <= ends[1]
-    around = [wrap(b) for b in sorted(ends)]
-    for i, b in enumerate(around):
-        near = angles[np.abs(_apart(np.full(angles.size, b), angles)) < _ON]
-        around[i] = float(near[0]) if near.size else b
-    low, high = around if helix is None else (helix[0], helix[0])
-    rest = high - low + (TAU if high < low else 0.0)
-    whole_turns = round((max(ends) - min(ends) - rest) / TAU)
-    behind = [int(np.count_nonzero(angles <= b)) - 1 for b in (low, high)]
-    passed = behind[1] - behind[0] + (angles.size if high < low else 0)
-    return Boundary(problem, critical, low, high, whole_turns, passed, rising, np.empty(0), np.empty((0, 2)), LOWEST)
-
-
-def _apart(a: Array, b: Array) -> Array:
-    """a - b moved into [-pi, pi), of angles in [-pi, pi); exact where they are neighbours across the cut at pi."""
-    x = a - b
-    return np.where(x >= np.pi, (a - TAU) - b, np.where(x < -np.pi, (a + TAU) - b, x))
-
-
-def helix_of(problem: EndsProblem, found: CriticalPoints) -> tuple[float, float] | None:
-    """The rod that is a helix from end to end, which has no level to search for.
-
-    Its angle in [-pi, pi), and the same plus the whole turns of beta(0); None where the ends are those of no helix, to
-    rounding.
-    """
-    beta = problem.beta0
-    if problem.betaL[0] != beta[0] or np.abs(slope(problem, beta))[0] > _ROUNDING * height_scale(problem):
-        return None
-    angles = found.beta[0, : found.count[0]]
-    turns = np.round((beta[0] - angles) / TAU)
-    k = int(np.argmin(np.abs(angles + TAU * turns - beta[0])))
-    return float(angles[k]), float(angles[k] + TAU * turns[k])
-
-
 def level_grid_of(blank: Boundary, step: float = 0.25) -> tuple[Boundary, LevelGrid]:
     """The boundary with its pins, and the grid of its levels, in steps of `step` in log gap where it is dense."""
-    problem, angles = blank.problem, blank.found.beta[0, : blank.found.count[0]]
-    saddles = angles[~blank.found.centre[0, : angles.size]]
-    floor, at_end = floor_of(blank, angles, saddles)
+    problem, angles, saddles = blank.problem, blank.angles, blank.saddles
+    floor, at_end = blank.floor()
     over = np.array([fall(problem, s, floor, True) for s in saddles])
     above = np.argsort(over)
     above = above[over[above] > 0]
@@ -194,30 +146,6 @@ def _beside(gap: Array, size: Array, step: float) -> Array:
             off = w / 8 * np.exp(np.arange(0.0, np.log(8 * step * depth / w), 2 * step))
             out.append(np.log(np.concatenate([[depth], depth - off, depth + off])))
     return np.concatenate(out)
-
-
-def floor_of(blank: Boundary, angles: Array, saddles: Array) -> tuple[float, bool]:
-    """The highest of both ends and of the saddles between them: its angle, and whether it is an end that is no critical
-    point."""
-    problem = blank.problem
-    low, high = blank.low, blank.high
-    best = low
-    if fall(problem, low, high, bool((angles == low).any())) < 0:
-        best = high
-    extremum = bool((angles == best).any())
-    inside = saddles if blank.whole_turns else saddles[_between(saddles, low, high)]
-    for s in inside:
-        rise = fall(problem, s, best, True)
-        if rise > 0 or (rise == 0 and not extremum):
-            best, extremum = float(s), True
-    return best, not extremum
-
-
-def _between(angle: Array, low: float, high: float) -> Any:
-    """Whether angles in [-pi, pi) lie from low up to high, both in [-pi, pi)."""
-    if high >= low:
-        return (angle >= low) & (angle <= high)
-    return (angle >= low) | (angle <= high)
 
 
 def _features(problem: EndsProblem, pin: float, angles: Array, ends: tuple[float, float], extremum: bool) -> Array:

@@ -12,13 +12,12 @@ from typing import Any
 import numpy as np
 
 from ..numerics.arrays import EPS, Array, Booleans, Columns, Integers
-from ..orbit.periodic_orbit import Orbit
+from ..orbit.periodic_orbit import Orbit, helix_half_waves, helix_index, jacobi_zeros
 from ..problem.limits import LARGEST
 from ..problem.reduced import EndsProblem
-from .level_grid import LevelGrid, boundary_of, helix_of, level_grid_of
-from .morse_index import helix_half_waves, helix_index, jacobi_zeros
+from .boundary import Boundary, LevelPaths, Levels, Paths, TransitTimes, boundary_of, length_roots, transit_times
+from .level_grid import LevelGrid, level_grid_of
 from .path_orbits import energies, solve_orbits
-from .transit_times import Boundary, LevelPaths, Levels, Paths, TransitTimes, length_roots, transit_times
 
 MOST_PERIODS = 200  # of an orbit along a rod, unless asked for more
 BUDGET = 3e7  # evaluations of G: ten to twenty seconds
@@ -139,8 +138,7 @@ def _search(problem: EndsProblem, most_periods: int, most_turns: int | None, ste
     """One search, on a level grid of steps of `step` in log gap."""
     boundary, grid = level_grid_of(boundary_of(problem), step)
     roots, reason = level_roots(boundary, grid, most_periods, most_turns)
-    helix = helix_of(problem, boundary.found)
-    path, lengthens = level_paths_of(boundary, roots, helix)
+    path, lengthens = level_paths_of(boundary, roots, boundary.helix_angle)
     if not lengthens.size:
         return None
     orbit, level = solve_orbits(problem, boundary, path, lengthens)
@@ -249,14 +247,14 @@ def roots_on(boundary: Boundary, grid: LevelGrid, some: Paths) -> Roots:
     return _roots_in(boundary, brackets, some, brackets.path.size, 0, calls)
 
 
-def level_paths_of(boundary: Boundary, roots: Roots, helix: Any) -> tuple[LevelPaths, Array]:
-    """Level and path of each root, the helix last; and whether its length grows with the level, NaN for the helix."""
+def level_paths_of(boundary: Boundary, roots: Roots, helix: float | None) -> tuple[LevelPaths, Array]:
+    """Level and path of each root, and whether its length grows with the level; last, with NaN, that helix."""
     levels, paths = roots.levels, roots.paths
     columns: list[Any] = [boundary.pins[levels.pin], levels.sign, levels.y]
     columns += [paths.leaving, paths.turns, np.zeros(levels.y.size, dtype=bool)]
     lengthens = roots.lengthens.astype(float)
     if helix is not None:
-        mark = (helix[0], 1.0, -np.inf, 0, 0, True)
+        mark = (helix, 1.0, -np.inf, 0, 0, True)
         columns = [np.append(c, np.asarray(v, dtype=c.dtype)) for c, v in zip(columns, mark, strict=True)]
         lengthens = np.append(lengthens, np.nan)
     return LevelPaths(*columns), lengthens
@@ -425,8 +423,7 @@ def _count(problem: EndsProblem, step: float) -> Census:
     slope = roots.paths.leaving * np.sqrt(np.maximum(speed2, 0.0))
     rotates = transit_times(boundary, levels).rotates if levels.y.size else False
     index = np.where(rotates, 0, np.maximum(turns - roots.lengthens, 0))
-    helix = helix_of(problem, boundary.found)
-    if helix is not None:
+    if boundary.helix_angle is not None:
         index = np.append(index, helix_index(helix_half_waves(problem)))
         slope, turns = np.append(slope, 0.0), np.append(turns, 0)
     index = index.astype(np.int64)

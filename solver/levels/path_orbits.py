@@ -17,9 +17,20 @@ from ..orbit.periodic_orbit import HELIX, TIGHT, Orbit, action, response, solve_
 from ..orbit.variations import Variations, variations_on
 from ..problem.reduced import EndsProblem, StartProblem
 from ..problem.trajectory import PLAIN, Trajectory, blank, verdicts, where_shown
-from .level_grid import LOWEST
-from .line_point import LinePoint, Path
-from .transit_times import DOWN, STRETCH, UP, Boundary, LevelPaths, Levels, Paths, repeat, transit_times
+from .boundary import (
+    DOWN,
+    LOWEST,
+    STRETCH,
+    UP,
+    Boundary,
+    LevelPaths,
+    Levels,
+    Path,
+    Paths,
+    boundary_of,
+    repeat,
+    transit_times,
+)
 
 NO_EQUILIBRIUM = "failed: the search found no equilibrium, though at least one exists"
 _DEEPER = 40.0  # in log gap: the root of the gap, the error of a rod at rest on a saddle, is then below rounding
@@ -68,9 +79,9 @@ def _starts(problem: EndsProblem, boundary: Boundary, path: LevelPaths) -> tuple
     return replace(start, span=span), gap, excess, pin
 
 
-def variations_of(problem: EndsProblem, path: Path, place: LinePoint) -> Variations:
-    """The variations of one equilibrium that is no helix. place: of the problem, whatever its length."""
-    start, gap, excess, _ = _starts(problem, place.boundary(path.pin), path.level_path)
+def variations_of(problem: EndsProblem, path: Path) -> Variations:
+    """The variations of one equilibrium that is no helix."""
+    start, gap, excess, _ = _starts(problem, boundary_of(problem).with_pin(path.pin), path.level_path)
     pin = np.array([path.pin])
     orbit = solve_orbit(start, TIGHT, (pin, gap, excess), STRETCH)
     return variations_on(replace(orbit, problem=replace(start, span=problem.span)))
@@ -78,12 +89,11 @@ def variations_of(problem: EndsProblem, path: Path, place: LinePoint) -> Variati
 
 def orbit_of(problem: EndsProblem, path: Path) -> Orbit:
     """The orbit of one equilibrium, with the fields that its Morse index and its condition number need."""
-    place = LinePoint(problem)
-    if path.helix:
-        return plain_orbit(problem, path, place)
-    length = place.lengths([replace(path, y=path.y - 1e-4), replace(path, y=path.y + 1e-4)])
-    lengthens = np.array([float(path.sign * (length[1] - length[0]) > 0)])
-    return solve_orbits(problem, place.boundary(path.pin), path.level_path, lengthens)[0]
+    place, lengthens = boundary_of(problem), np.array([np.nan])
+    if not path.helix:
+        length = place.lengths([replace(path, y=path.y - 1e-4), replace(path, y=path.y + 1e-4)])
+        lengthens = np.array([float(path.sign * (length[1] - length[0]) > 0)])
+    return solve_orbits(problem, place.with_pin(path.pin), path.level_path, lengthens)[0]
 
 
 def energies(orbit: Orbit, level: Array) -> Array:
@@ -95,11 +105,6 @@ def energies(orbit: Orbit, level: Array) -> Array:
     return action(orbit) - level * orbit.problem.span / 2
 
 
-def plain_orbit(problem: EndsProblem, path: Path, place: LinePoint) -> Orbit:
-    """The orbit of one equilibrium, without these."""
-    return solve_orbits(problem, place.boundary(path.pin), path.level_path, np.array([np.nan]))[0]
-
-
 def path_from_start(problem: EndsProblem, slope: float) -> Path | None:
     """The equilibrium of one ends problem that starts with beta_t(0) = slope.
 
@@ -108,7 +113,7 @@ def path_from_start(problem: EndsProblem, slope: float) -> Path | None:
     orbit = solve_orbit(problem.with_start(np.array([slope])), TIGHT)
     if abs(float(orbit.at(problem.span[:, None])[0][0, 0] - problem.betaL[0])) > 1e-6:
         return None
-    place = LinePoint(problem)
+    place = boundary_of(problem)
     if orbit.kind[0] == HELIX:
         return place.helix
     y = 2 * float(np.log(max(abs(slope), 1e-150)))

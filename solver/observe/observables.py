@@ -11,12 +11,12 @@ from typing import Any
 
 import numpy as np
 
-from ..levels.morse_index import index_at_stations, jacobi_zeros
+from ..levels.morse_index import index_at_stations
 from ..mechanics.potential import load_size
 from ..numerics.arrays import EPS, Array
 from ..numerics.complex_step import size_of
 from ..orbit.marched_orbit import MarchedOrbit
-from ..orbit.periodic_orbit import LIBRATION, ROTATION, TIGHT, solve_orbit
+from ..orbit.periodic_orbit import LIBRATION, ROTATION, TIGHT, jacobi_zeros, solve_orbit
 from ..problem.case import Rod
 from ..problem.errors import known_name, no_such
 from ..problem.quantities import quantity

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from ..core.library import AT, INT, Cutting, cut, fine, numbers_of, on_grid, points, run, structure
+from ..mechanics.potential import slope_rate
 from ..numerics.arrays import Array, Columns, Integers
 from ..problem.reduced import StartProblem
 from ..problem.trajectory import PLAIN, stood_in
@@ -117,7 +118,7 @@ class Orbit(Periodic):
     The rest is known of equilibria, and None for other orbits. lengthens: (B,), 1 where the length of the orbit between
     the two end angles grows with its level, 0 where it shrinks, NaN where that is unknown; the Morse index needs it.
     response: (B,), largest |d beta(t)/d beta(L)| along the rod. passed: (B,), turning points passed. path: the level
-    and the path of each, `levels.transit_times.LevelPaths`.
+    and the path of each, `levels.boundary.LevelPaths`.
     """
 
     problem: StartProblem
@@ -330,3 +331,41 @@ def action(orbit: Orbit) -> Array:
     out = np.empty(orbit.problem.size)
     run("rod_orbits_action", *_problems(orbit), out)
     return out
+
+
+def helix_half_waves(problem: Any) -> Array:
+    """r L/pi of helices of the angle beta(0), (B,), with r^2 = H'; 0 about a saddle."""
+    return np.asarray(np.sqrt(np.maximum(slope_rate(problem, problem.beta0), 0)) * problem.span / np.pi)
+
+
+def helix_index(half_waves: Array) -> Array:
+    """The Morse index of helices between their end angles: how many whole numbers are below r L/pi, (B,)."""
+    return np.maximum(np.ceil(half_waves * (1 - 1e-12)) - 1, 0)
+
+
+def jacobi_zeros(orbit: Orbit) -> Array:
+    """The Morse index of B orbits as the number of zeros of the Jacobi field inside (0, L).
+
+    The Jacobi field solves eta'' + H'(beta) eta = 0, eta(0) = 0, eta'(0) = 1. beta_t solves the same equation, so by
+    Sturm eta has one zero between each two zeros of beta_t, the turning points. Whether another follows the last of
+    them is given by the sign of eta(L) = d beta(L)/d beta_t(0), which is that of -2 beta_t(0) beta_t(L) dT/d(level), T
+    being the length of the orbit between the two angles. So the index is exact however long the rod and however
+    closely it passes a saddle. The search for equilibria knows the sign of dT/d(level) (`Orbit.lengthens`); for other
+    orbits the core gives that of eta(L).
+
+    Returns
+    -------
+    array (B,)
+        The Morse index as floats; NaN where a float cannot hold what decides it.
+    """
+    problem, turns = orbit.problem, orbit.turns
+    librates = orbit.kind == LIBRATION
+    shorter = np.full(problem.size, np.nan) if orbit.lengthens is None else 1 - orbit.lengthens
+    if np.isnan(shorter[librates]).any():
+        end = np.where(turns % 2 == 0, 1, -1) * response(orbit)[1]
+        shorter = np.where(np.isnan(shorter), np.where(np.isnan(end), np.nan, end > 0), shorter)
+    with np.errstate(invalid="ignore"):
+        of_helix = helix_index(helix_half_waves(problem))
+    at_rest = orbit.back == 0  # eta is beta_t itself
+    index = np.maximum(turns - 1 + np.where(at_rest, 1, shorter), 0)
+    return np.where(orbit.kind == HELIX, of_helix, np.where(librates, index, 0))

@@ -12,7 +12,7 @@ from ..core.library import AT, FLOAT, INT, Cutting, cut, fine, numbers_of, on_gr
 from ..core.measures import GROUPS, NUMBERS, RATED
 from ..equilibrium.orbit_rates import helix_change, rates_of_helices, rates_of_variations
 from ..equilibrium.system import settle
-from ..levels.line_point import LinePoint, Path, path_of
+from ..levels.boundary import Path, path_of
 from ..levels.path_orbits import path_from_start, variations_of
 from ..numerics.arrays import Array, Integers
 from ..observe.measurement import MIDDLE
@@ -82,7 +82,7 @@ def _of_equilibrium(sol: Shape, one: EndsProblem, path: Path, i: int) -> Motion:
     if path.helix:
         parts = rates_of_helices(one).parts(names, ratio)
         return Motion(rows, problem, partial(_helix_change, helix_change, one), parts)
-    varied = variations_of(one, path, LinePoint(one))
+    varied = variations_of(one, path)
     parts = rates_of_variations(one, varied).parts(names, ratio)
     return Motion(rows, problem, varied.change, parts, varied)
 

@@ -13,7 +13,7 @@ from solver import Case, Cylinder, Ends, Rod, Solution, equilibria, observe, sol
 from solver.equilibrium.given_numbers import Given, OrbitState
 from solver.equilibrium.held_index import index_of
 from solver.equilibrium.orbit_rates import orbit_rates
-from solver.levels.line_point import path_of
+from solver.levels.boundary import path_of
 from solver.levels.path_orbits import orbit_of
 from solver.mechanics.potential import slope_rate
 from solver.problem.case import PAIRS

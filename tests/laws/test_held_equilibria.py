@@ -12,8 +12,8 @@ from solver.equilibrium.given_numbers import Given, OrbitState
 from solver.equilibrium.orbit_rates import NUMBERS, orbit_rates
 from solver.equilibrium_list import HeldEquilibria
 from solver.held.held_search import Mirror, held_search, image_of, mirrors_of
+from solver.levels.boundary import path_of
 from solver.levels.level_search import Found, search_levels
-from solver.levels.line_point import path_of
 from solver.numerics.arrays import Array
 from solver.observe.observables import observe
 from solver.problem.reduced import EndsProblem, reduce_held

@@ -10,8 +10,7 @@ from solver import Case, Cylinder, Ends, Rod, equilibria, follow, solve
 from solver.core.branches import RECORD, Point, Steps, chart_of, orbit_rates
 from solver.equilibrium.charts import Chart
 from solver.equilibrium.orbit_rates import HOW
-from solver.levels.line_point import Path
-from solver.levels.transit_times import CUTTING, NODES
+from solver.levels.boundary import CUTTING, NODES, Path
 from solver.orbit.variations import POINTS
 from tests.numerics.test_core_fuzz import ODD, odd
 

@@ -10,8 +10,7 @@ import numpy as np
 import pytest
 
 from solver.core.library import Cutting, cut, fine, on_grid, points, run
-from solver.levels.level_grid import boundary_of
-from solver.levels.transit_times import CUTTING, NODES, Levels, length_roots, transit_times
+from solver.levels.boundary import CUTTING, NODES, Levels, boundary_of, length_roots, transit_times
 from solver.orbit.periodic_orbit import action, judge, orbits_of, response
 from solver.problem.reduced import EndsProblem, StartProblem
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from solver import Case, Cylinder, Ends, Rod, equilibria
-from solver.core.critical_points import critical_points
 from solver.core.library import Cutting
+from solver.levels.boundary import critical_points
 from solver.mechanics.potential import Loads, slope
 from solver.orbit.periodic_orbit import judge, orbits_of, solve_orbit
 from solver.problem.reduced import Reduced, StartProblem

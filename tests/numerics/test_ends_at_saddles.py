@@ -8,10 +8,9 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from solver import Case, Cylinder, Ends, Rod, Start, equilibria, solve
-from solver.core.critical_points import critical_points
-from solver.levels.level_grid import boundary_of, level_grid_of
+from solver.levels.boundary import Levels, boundary_of, critical_points, transit_times
+from solver.levels.level_grid import level_grid_of
 from solver.levels.level_search import search_levels
-from solver.levels.transit_times import Levels, transit_times
 from solver.observe.observables import observe
 from solver.problem.reduced import EndsProblem, Reduced, reduce
 from tests.cases import ends_in_units_of_rho, in_units_of_rho

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from solver import Case, equilibria, solve
-from solver.levels.line_point import LinePoint, Path
-from solver.levels.morse_index import index_at_stations, jacobi_zeros, morse_index
+from solver.levels.boundary import Path, boundary_of
+from solver.levels.morse_index import index_at_stations, morse_index
 from solver.levels.path_orbits import orbit_of, variations_of
 from solver.observe.observables import observe
-from solver.orbit.periodic_orbit import LIBRATION, response, solve_orbit
+from solver.orbit.periodic_orbit import LIBRATION, jacobi_zeros, response, solve_orbit
 from solver.problem.reduced import EndsProblem, StartProblem, reduce
 from tests.cases import TABLE_1, ends_in_units_of_rho, helix_moment, in_units_of_rho, table_1
 
@@ -58,11 +58,11 @@ def test_the_jacobi_field_at_the_far_end_is_what_a_change_of_the_start_slope_mak
 def test_the_response_beside_a_saddle_is_that_of_the_variations(numbers: Any, pin: int, y: float, turns: int) -> None:
     """At such gaps beta keeps no digit of H, but beta_t does."""
     problem = EndsProblem(*np.array(numbers)[:, None])
-    place = LinePoint(problem)
+    place = boundary_of(problem)
     path = Path(float(place.angles[pin]), -1.0, y, 1, turns)
     found = orbit_of(problem, path).response
     assert found is not None
-    varied = variations_of(problem, path, place)
+    varied = variations_of(problem, path)
     eta = varied.change(np.linspace(0, problem.span[0], 20001)[None], varied.directions).beta[0, :, 1]
     assert found[0] == pytest.approx(max(1.0, np.abs(eta).max() / abs(eta[-1])), rel=1e-4)  # between stations
 

@@ -8,9 +8,8 @@ import pytest
 
 from solver.branches.continuation import Stopped, resume
 from solver.equilibrium.orbit_rates import NUMBERS, OrbitRates, orbit_rates
+from solver.levels.boundary import Path, boundary_of, path_of, repeat
 from solver.levels.level_search import search_levels
-from solver.levels.line_point import LinePoint, Path, path_of
-from solver.levels.transit_times import repeat
 from solver.problem.reduced import EndsProblem
 
 DEAD = ("beta0", "betaL", "lam", "mu", "phi")
@@ -72,7 +71,7 @@ def test_the_response_agrees_with_differences(span: float) -> None:
 def test_the_level_of_a_rod_along_a_flat_saddle_answers_its_tension() -> None:
     """A pipe of 200 m in a borehole lies in a gap of exp(-120): d y/d phi as of mpmath."""
     pipe = ends_problem(0.0, 0.0, -0.00028311728717822894, 4494.38202247191, 0.0, 0.0)
-    path = Path(float(LinePoint(pipe).saddles[2]), -1.0, -120.50624556638076, 1, 1)
+    path = Path(float(boundary_of(pipe).saddles[2]), -1.0, -120.50624556638076, 1, 1)
     rate = response(orbit_rates(pipe, [path]), DEAD)[0, NUMBERS.index("y"), DEAD.index("phi")]
     assert rate == pytest.approx(181770.256957, rel=1e-9)
 

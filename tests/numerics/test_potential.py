@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from solver.core.critical_points import critical_points
+from solver.levels.boundary import critical_points
 from solver.mechanics.potential import dimensional_slope, potential, slope, slope_rate
 from solver.problem.reduced import Reduced, StartProblem
 

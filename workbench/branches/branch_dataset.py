@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from solver import Branch, Case, InputError, Solution
 from solver.equilibria import Equilibrium
 from solver.follow import solutions_of
-from solver.levels.morse_index import jacobi_zeros
 from solver.observe.observables import OBSERVABLES, observe
+from solver.orbit.periodic_orbit import jacobi_zeros
 from solver.problem.errors import no_such
 from solver.problem.reduced import held_of
 from studies import Study

@@ -18,7 +18,7 @@ from solver.equilibria import Equilibrium
 from solver.equilibrium.charts import same_equilibrium
 from solver.equilibrium_branch import HELIX, SpecialPoint
 from solver.follow import MOST
-from solver.levels.line_point import LinePoint, path_of
+from solver.levels.boundary import boundary_of, path_of
 from solver.problem.case import PAIRS
 from solver.problem.case_fields import with_field
 from studies.language.case_input import with_fields
@@ -141,7 +141,7 @@ def _place_on(branch: Branch, value: float, equilibrium: Equilibrium) -> int | N
         point = branch.points[at]
         pairs = [(getattr(point.problem, load)[0], getattr(problem, load)[0]) for load in ("lam", "mu", "phi")]
         near = all(abs(a - b) < _NEAR * (1 + abs(b)) for a, b in pairs)
-        if near and same_equilibrium(LinePoint(point.problem), path_of(equilibrium.path, 0), point.path):
+        if near and same_equilibrium(boundary_of(point.problem), path_of(equilibrium.path, 0), point.path):
             return int(at)
     return None
 

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from solver.core.critical_points import critical_points
+from solver.levels.boundary import critical_points
 from solver.mechanics.potential import TAU, Loads, potential, slope_rate
 from solver.numerics.roots import bisect
 from solver.problem.errors import InputError
