@@ -10,11 +10,10 @@ from numpy.typing import ArrayLike
 from .equilibrium_branch import BORDER, HELIX, Branch, BranchEnd, BranchPoint, SpecialPoint
 from .numerics.arclength import CLOSED, END
 from .numerics.arrays import Array
-from .problem.angles import doubt, given_by_a_program, warn
 from .problem.case import ANGLES, PAIRS, Case, Ends
 from .problem.case_fields import fields_of, value_of, with_field
 from .problem.errors import InputError, choices, no_such, show
-from .problem.field_values import in_rad
+from .problem.field_values import doubt, given_by_a_program, in_rad, warn
 from .problem.reduced import EndsProblem, held_of, reduce_held, span_of
 from .problem.trajectory import Trajectory
 from .solution import Solution

@@ -9,7 +9,6 @@ from .choose.selection import NEAREST, Choose, check
 from .numerics.arrays import Array
 from .problem.case import Case, Ends, check_case
 from .problem.errors import DEFAULT_TOLERANCE, InputError, check_tolerance, choices, show, whole_number
-from .problem.limits import OUT_OF_RANGE, TOO_LARGE, TOO_LONG, beyond, ordinary, refusals, representable
 from .problem.reduced import (
     EndsProblem,
     HeldProblem,
@@ -21,7 +20,19 @@ from .problem.reduced import (
     reduce_held,
     span_of,
 )
-from .problem.trajectory import Seed, Trajectory, blank, stood_in
+from .problem.trajectory import (
+    OUT_OF_RANGE,
+    TOO_LARGE,
+    TOO_LONG,
+    Seed,
+    Trajectory,
+    beyond,
+    blank,
+    ordinary,
+    refusals,
+    representable,
+    stood_in,
+)
 from .solution import Solution
 
 if TYPE_CHECKING:
@@ -161,16 +172,14 @@ def _run(
     case: Case, problem: StartProblem | EndsProblem, method: Any, t: Array, tol: float, which: dict[str, Any]
 ) -> Trajectory:
     """The answer of the method; a case whose numbers overflow or underflow gets an outcome that says so."""
-    from .methods.blocks import run_in_blocks
-
     if ordinary(case, problem) and isinstance(problem, StartProblem):
-        return run_in_blocks(method, problem, t, tol)
+        return method.run_in_blocks(problem, t, tol)
     why = refusals(case, problem)
     fit = why == ""
     if not fit.all():
         t = np.where(fit[:, None], t, np.linspace(0, 1, t.shape[1]))
     if isinstance(problem, StartProblem):
-        answer = run_in_blocks(method, stood_in(problem, fit), t, tol)
+        answer = method.run_in_blocks(stood_in(problem, fit), t, tol)
     else:
         answer = method.run(stood_in(problem, fit), t, tol, **which)
         slope = np.where(np.isfinite(answer.dbeta[:, 0]), answer.dbeta[:, 0], 0.0)  # beta'(0) is known only now

@@ -22,8 +22,7 @@ from ..levels.boundary import CUTTING, STRETCH, Path
 from ..mechanics.potential import slope_rate
 from ..numerics.arrays import Array, Columns
 from ..numerics.roots import solve
-from ..orbit import helix_variations
-from ..orbit.variations import GOAL, LENGTH, POINTS, Change, Variations
+from ..orbit.variations import GOAL, LENGTH, POINTS, Change, Variations, change_of_held_helices, change_of_helices
 from ..problem.reduced import EndsProblem, Reduced, StartProblem
 
 NUMBERS = ("beta0", "betaL", "dbeta0", "dbetaL", "alpha", "swirl", "z", "lam", "mu", "phi", "y")
@@ -159,7 +158,7 @@ def helix_change(problem: EndsProblem, t: Array) -> Change:
     Two parts are those of beta(0) and beta_t(0), or about a saddle those of the two end angles.
     """
     steep = slope_rate(problem, problem.beta0) < 0
-    by_ends, by_start = (vars(way(problem, t)).values() for way in (helix_variations.held, helix_variations.start))
+    by_ends, by_start = (vars(way(problem, t)).values() for way in (change_of_held_helices, change_of_helices))
     pairs = zip(by_ends, by_start, strict=True)
     return Change(*(np.where(steep.reshape(-1, *[1] * (a.ndim - 1)), a, b) for a, b in pairs))
 

@@ -7,10 +7,10 @@ from typing import Any, TypeVar
 import numpy as np
 
 from ..numerics.arrays import Array
-from ..problem.angles import angle
 from ..problem.case import ANGLES, Case, Ends
 from ..problem.case_fields import check_fields, unchecked_with_fields, with_fields
 from ..problem.errors import InputError, choices, show
+from ..problem.field_values import angle
 from ..problem.reduced import ACTING, EndsProblem, field_rates, held_of, reduce
 
 Numbers = TypeVar("Numbers")  # a dataclass

@@ -7,11 +7,10 @@ from typing import Any
 import numpy as np
 
 from ..numerics.arrays import Array
-from ..problem.angles import angle
 from ..problem.case import Case
 from ..problem.case_fields import check_fields, value_of
 from ..problem.errors import InputError, choices, show
-from ..problem.field_values import POSITIVE, RANGES
+from ..problem.field_values import POSITIVE, RANGES, angle
 from ..problem.quantities import AT_START, quantity
 
 _SPREAD = 4.0  # starts of a positive field without bounds: from its value over this to its value times this

@@ -13,8 +13,8 @@ import numpy as np
 
 from ..numerics.arrays import EPS, Array, Booleans, Columns, Integers
 from ..orbit.periodic_orbit import Orbit, helix_half_waves, helix_index, jacobi_zeros
-from ..problem.limits import LARGEST
 from ..problem.reduced import EndsProblem
+from ..problem.trajectory import LARGEST
 from .boundary import Boundary, LevelPaths, Levels, Paths, TransitTimes, boundary_of, length_roots, transit_times
 from .level_grid import LevelGrid, level_grid_of
 from .path_orbits import energies, solve_orbits

@@ -3,7 +3,7 @@ the values of one knob, from cheap to dear, for the comparison of accuracy again
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from functools import cache, partial
 from importlib.util import find_spec
 from typing import Any, ClassVar, Self
@@ -13,14 +13,17 @@ from numpy.typing import NDArray
 
 from ..choose.selection import NEAREST, Choose, select_seed
 from ..numerics.arrays import Array
+from ..orbit.joined_orbits import JoinedOrbits, Rows
 from ..problem.errors import InputError, choices
 from ..problem.reduced import EndsProblem, StartProblem
-from ..problem.trajectory import Seed, Trajectory, verdicts
+from ..problem.trajectory import Seed, Trajectory, verdicts, where_shown
 
 # Evaluations after which a ladder ends: about 0.4 s on the machine of docs/reference/methods.md. Evaluations, not
 # seconds, so that a busy machine runs the same rungs. The first limit is for methods that call Python at each one.
 MOST_CALLED, MOST_COMPILED = 20_000, 1_000_000
 TIGHTEST = 3e-14  # tolerance of a step or of a residual: scipy refuses one below 100 eps
+BLOCK = 2048  # cases: 512 take `orbit` 1.4 times as long; a study's own blocks (`workbench.store.plan`) are no larger
+BLOCK_VALUES = 2**20  # stations of all cases of a block, at most: 8 MB an array
 _LOOSE = 0.9  # the tolerance of a rung whose knob is another one: only a rung without a digit fails
 
 
@@ -217,6 +220,32 @@ class StartMethod(Method):
     @abstractmethod
     def run(self, problem: StartProblem, t: Array, tol: float) -> Trajectory:
         """The answer at the stations t (B, n) in units of rho, rising from 0, the last at most the span."""
+
+    def run_in_blocks(self, problem: StartProblem, t: Array, tol: float) -> Trajectory:
+        """The same of many problems, a block at a time, joined to one answer.
+
+        A method that solves all its problems together needs several times the memory of its answer. Here it needs that
+        for one block only: the rows of a block are moved into the whole answer before the next block is solved.
+        """
+        B, size = problem.size, max(1, min(BLOCK, BLOCK_VALUES // t.shape[1]))
+        if size >= B or not self.blockwise:
+            return self.run(problem, t, tol)
+        whole, orbits, swirls = Rows(B / size), JoinedOrbits(B / size), Rows(B / size)
+        for block in (slice(k, k + size) for k in range(0, B, size)):
+            part = self.run(problem.take(block), t[block], tol)
+            if part.orbit is None:
+                swirls.add(part.swirl())
+            else:
+                orbits.add(part.orbit)
+            whole.add(replace(part, swirl=None, orbit=None))  # type: ignore[arg-type]
+            del part
+        answer: Trajectory = whole.join()
+        orbit = orbits.join()
+        if orbit is None:
+            swirl = swirls.join()
+            return replace(answer, swirl=partial(np.asarray, swirl))
+        shown = np.isfinite(answer.beta)
+        return replace(answer, orbit=orbit, swirl=partial(where_shown, shown, orbit.swirl, t))
 
 
 class EndsMethod(Method):

@@ -7,9 +7,8 @@ import numpy as np
 
 from ..numerics.arrays import Array
 from ..orbit.periodic_orbit import MOST, judge, solve_orbit
-from ..problem.limits import TOO_LARGE, beyond_limits
 from ..problem.reduced import StartProblem
-from ..problem.trajectory import Trajectory, blank, stood_in, verdicts
+from ..problem.trajectory import TOO_LARGE, Trajectory, beyond_limits, blank, stood_in, verdicts
 from .base import TOLERANCES, Ladder, StartMethod
 
 SPENT = f"failed: the orbit needs more than {MOST} panels"

@@ -16,7 +16,6 @@ from ..problem.errors import DEFAULT_TOLERANCE
 from ..problem.reduced import StartProblem
 from ..problem.trajectory import Trajectory, Verdicts, all_solved, verdicts
 from .base import TOLERANCES, Ladder, StartMethod
-from .blocks import run_in_blocks
 from .orbit import OrbitQuadrature
 
 _DIGITS = 100  # times the tolerance: an error beyond it is handed over, also where the condition number excuses it
@@ -62,7 +61,7 @@ def _mend(orbit: MarchedOrbit, whole: Array, t: Array, tol: float) -> tuple[Marc
     # a quadrature also recovers digits that the condition number would excuse
     lost = orbit.lost | ~solved | (numbers["error"] > _DIGITS * tol) | ~np.isfinite(numbers["condition"])
     if lost.any():
-        answer = run_in_blocks(OrbitQuadrature(), orbit.problem.take(lost), t[lost], tol)
+        answer = OrbitQuadrature().run_in_blocks(orbit.problem.take(lost), t[lost], tol)
         whole[:, lost] = answer.beta, answer.dbeta, answer.alpha, answer.z
         solved[lost], outcome[lost] = answer.solved, answer.outcome
         orbit = orbit.complete(lost, answer)

@@ -16,8 +16,7 @@ from ..levels.boundary import Path, path_of
 from ..levels.path_orbits import path_from_start, variations_of
 from ..numerics.arrays import Array, Integers
 from ..observe.measurement import MIDDLE
-from ..orbit import helix_variations
-from ..orbit.variations import Change, Variations
+from ..orbit.variations import Change, Variations, change_of_helices
 from ..problem.reduced import EndsProblem, Reduced, StartProblem, flat, given_numbers
 from ..shape import Shape
 
@@ -61,7 +60,7 @@ def of_helices(sol: Shape, rows: Integers) -> Iterator[Motion]:
         problem = sol.problem.take(block)
         assert isinstance(problem, StartProblem)
         parts = np.broadcast_to(np.eye(5), (block.size, 5, 5))
-        yield Motion(block, problem, partial(_helix_change, helix_variations.start, problem), parts)
+        yield Motion(block, problem, partial(_helix_change, change_of_helices, problem), parts)
 
 
 def marks_of(problem: Reduced) -> Array:

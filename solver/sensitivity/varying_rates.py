@@ -16,6 +16,7 @@ from ..numerics.arrays import Array
 from ..observe.observables import observe
 from ..problem.case import Case, Start
 from ..problem.case_fields import unchecked_with_fields, values_of
+from ..problem.field_values import POSITIVE
 from ..problem.quantities import quantity
 from ..problem.reduced import flat, span_of
 from ..shape import Shape
@@ -27,7 +28,6 @@ from ..shooting.varying_shapes import Shape as Nodal
 
 STEP = 1e-4  # of the angles, in their scales, and of a field, in its size
 WEIGHTS = {1: 2 / 3, 2: -1 / 12}  # of the differences at so many steps
-POSITIVE = ("E", "EI", "GJ", "a", "L", "R", "inner_radius")  # a change is a share of these
 FAINT, SMOOTH = 1e-9, 3.0  # second differences: of rounding, as a share; at two steps over one, 4 of a smooth function
 
 
@@ -107,7 +107,7 @@ def _size(case: Case, name: str) -> Array:
     dimension = quantity({"beta": "beta0", "dbeta": "dbeta0"}.get(name, name)).dimension
     length, force = dimension if not isinstance(dimension, str) else (-1 if "length" in dimension else 0, 0)
     natural = L ** float(length) * (A / L**2) ** float(force)
-    return size if name in POSITIVE else np.maximum(size, natural)
+    return size if name in (*POSITIVE, "inner_radius") else np.maximum(size, natural)
 
 
 def _case_at(case: Case, name: str, change: Array) -> Case:

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, create_model, model_validator
 
 from solver import Case, Cylinder, Ends, Rod, Start
-from solver.problem.angles import angle
 from solver.problem.case import SIDES, SLIDING, STIFFNESS
 from solver.problem.errors import no_such
+from solver.problem.field_values import angle
 from solver.problem.quantities import AT_START, QUANTITIES, Quantity, quantity
 
 from .formulas import FORCES, LENGTHS

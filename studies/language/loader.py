@@ -16,9 +16,8 @@ import tomli_w
 from numpy.typing import NDArray
 from pydantic import BaseModel, ValidationError
 
-from solver.problem import angles
-from solver.problem.angles import doubt
 from solver.problem.errors import InputError, choices, near
+from solver.problem.field_values import doubt, warn
 
 from ..grammar.axes import NUMBERS, Axis, Base, Misplaced, Units, Values, Which, is_angle
 from ..laws.verdicts import Law
@@ -176,7 +175,7 @@ def loads(
         raise InputError(one_line(f"{label}{where}{':' if error.of_a_key else ''} {error}")) from None
     cases = study.samples.fields if study.table and study.samples else None
     for sentence in _notices(data, text, label, cases):
-        angles.warn(sentence)
+        warn(sentence)
     return study
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from solver import Case, Cylinder, Rod, Solution, Start, observe, solve
-from solver.methods import available, blocks
+from solver.methods import available, base
 
 MOST = 1.5  # of what is returned, while it is made
 
@@ -49,7 +49,7 @@ def bytes_of(value: Any, seen: set[int]) -> int:
 
 
 def in_blocks(monkeypatch: pytest.MonkeyPatch, size: int, case: Case, method: str, **more: Any) -> Solution:
-    monkeypatch.setattr(blocks, "BLOCK", size)
+    monkeypatch.setattr(base, "BLOCK", size)
     return solve(case, method=method, stations=17, **more)
 
 
@@ -102,7 +102,7 @@ def test_blocks_change_no_bit_of_a_method_that_keeps_its_cases_apart(
 def test_solving_takes_little_more_room_than_the_answer(
     method: str, knobs: dict[str, Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(blocks, "BLOCK", 21)  # of 1024 cases, as 2048 of 100,000
+    monkeypatch.setattr(base, "BLOCK", 21)  # of 1024 cases, as 2048 of 100,000
     case = many(1024)
     solve(many(2), method=method, stations=201, tol=1e-4, **knobs)
     tracemalloc.start()

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Start, follow, solve
-from solver.problem.angles import AngleWarning, doubt
+from solver.problem.field_values import AngleWarning, doubt
 from studies import load
 from studies.language.loader import loads, notices
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from solver import Ends, InputError, Start
-from solver.problem.angles import angle
+from solver.problem.field_values import angle
 from studies.language.loader import load, loads, names
 
 UNITS = '[units]\nlength = "cm"\nforce = "N"\n'

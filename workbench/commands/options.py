@@ -30,11 +30,11 @@ def number(text: str) -> float:
 
 def read_angle(name: str, text: str) -> float:
     """The angle of an option of that name [rad], with a notice if it looks like degrees. Raises `ValueError`."""
-    from solver.problem import angles
+    from solver.problem.field_values import angle, doubt, warn
 
-    value = angles.angle(text)
-    if sentence := angles.doubt(name, text):
-        angles.warn(sentence)
+    value = angle(text)
+    if sentence := doubt(name, text):
+        warn(sentence)
     return value
 
 
