@@ -101,6 +101,12 @@ def test_dashed_lines_that_coincide_are_drawn_once(dead) -> None:
         )
 
 
+def test_of_many_branches_on_one_line_a_few_pairs_are_named(dead, monkeypatch) -> None:
+    monkeypatch.setattr(bifurcation, "MOST_PAIRS", 1)
+    (said,) = bifurcation._alike(dead, "height")
+    assert said == "One line shows both of two branches: 3 and 4; 2 more pairs."
+
+
 def test_one_branch_alone_has_a_row_of_shapes(held) -> None:
     assert len(branch_dataset.branches(held)) == 1
     assert held.sizes["shape"] == 8

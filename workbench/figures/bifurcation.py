@@ -27,6 +27,7 @@ HIGH, TALL = (
     (0.62, 0.42),
 )  # of the width: the diagram on a page and a column; the views, otherwise round
 MOST = 16, 8  # shapes; those on one column of a page
+MOST_PAIRS = 8  # of branches on one line that are named
 MOST_INSIDE = 4  # entries of a legend that find a free place in the diagram
 MARKS = {"fold": "o", "pitchfork": "D", "branch point": "s", "helix ceases": "X"}
 HIDDEN = 0.03  # of a panel: marks would cover a shorter stable piece
@@ -118,7 +119,8 @@ def _alike(ds: xr.Dataset, key: str) -> list[str]:
     lines = [shares[ds["curve_branch"].values == row["branch"]] for row in branches(ds)]
     pairs = [f"{i + 1} and {k + 1}" for k, line in enumerate(lines) for i, other in enumerate(lines[:k])
              if _lies_on(line, other) and _lies_on(other, line)]  # fmt: skip
-    return [f"One line shows both of two branches: {', '.join(pairs)}."] if pairs else []
+    more = f"; {len(pairs) - MOST_PAIRS} more pairs" if len(pairs) > MOST_PAIRS else ""
+    return [f"One line shows both of two branches: {', '.join(pairs[:MOST_PAIRS])}{more}."] if pairs else []
 
 
 def _lies_on(line: Any, other: Any) -> bool:
