@@ -11,8 +11,12 @@ from scipy.optimize import fsolve
 from scipy.spatial.distance import pdist
 
 from solver import Branch, Case, Cylinder, Ends, Rod, equilibria, fold_curves, follow, solve, trace_fold
+from solver.branches.deflation import across_fold, numbers_of
+from solver.equilibrium.given_numbers import Given
+from solver.equilibrium.system import state_of
 from solver.folds import linked_search
 from solver.folds.fold_curves import FoldCurve
+from solver.problem.reduced import reduce_held
 from tests.equation import march_with_variations
 
 
@@ -30,6 +34,20 @@ def over_the_azimuth() -> Branch:
 def hinged() -> Branch:
     """The far end is a hinge."""
     return follow(solve(case_of(4.0, M1L=0.0, FZ=-20.0)), FZ=[-40.0, -2.0])
+
+
+def test_the_guess_across_a_fold_is_the_equilibrium_on_its_other_side_but_for_the_next_order() -> None:
+    first, fold = over_the_azimuth().points[0].solution, over_the_azimuth().special[0].value
+    missed = []
+    for beside in (4e-3, 1e-3):
+        met = follow(first, azimuth=[-2.0, fold - beside, 3.0]).at(fold - beside)
+        one, other = (state_of(point.problem, point.path) for point in met[:2])
+        guess, back = (numbers_of(state) for state in across_fold(one, Given.of(reduce_held(met[0].case))))
+        apart = numbers_of(other) - numbers_of(one)
+        missed.append(np.linalg.norm(guess - numbers_of(other)) / np.linalg.norm(apart))
+        assert (back - numbers_of(one)) @ apart < 0  # the less likely one is on the near side
+    assert missed[0] < 0.2
+    assert missed[1] == pytest.approx(missed[0] / 2, rel=0.2)  # they are apart as the root of the distance to the fold
 
 
 def marched(v: float, lam: float, phi: float, L: float) -> tuple[np.ndarray, np.ndarray]:
