@@ -120,24 +120,6 @@ def test_along_one_axis_each_jump_is_enclosed_to_the_tolerance(line: xr.Dataset)
 # the file
 
 
-def test_the_file_opens_bare_with_levels_along_the_samples(stored: Path) -> None:
-    with xr.open_dataset(stored) as ds:
-        assert {name: ds[name].dims for name in ("E", "R", "level", "turns")} == dict.fromkeys(
-            ("E", "R", "level", "turns"), ("sample",)
-        )
-        assert {"E", "R", "level"} <= set(ds.coords)
-        assert int((ds["level"] == 0).sum()) == 20
-        assert ds["level"][:20].max() == 0
-        assert ds.attrs["refinement"].startswith("refinement ended as the tolerance is reached: where turns changes is")
-        assert "of the uniform grid of 33 x 25" in ds.attrs["refinement"]
-        rows = set(zip(ds["E"].values.tolist(), ds["R"].values.tolist(), strict=True))
-        assert len(rows) == ds.sizes["sample"]
-        one = ds.sel(sample=57)
-        sol = solve(study().case_of({"E": float(one["E"]), "R": float(one["R"])}))
-        assert int(one["turns"]) == int(observe(sol, ["turns"])["turns"])
-        assert ds.rod.sel(sample=57).rod.case.shape == ()
-
-
 # what is watched
 
 

@@ -59,21 +59,6 @@ def crossed(small_blocks) -> xr.Dataset:
     return in_memory.run(study(5, more=AXIS + LAW))
 
 
-def test_the_file_opens_bare_with_the_sampled_fields_along_one_dimension(stored: Path) -> None:
-    with xr.open_dataset(stored) as ds:
-        assert ds["sample"].values.tolist() == list(range(40))
-        assert {name: ds[name].dims for name in ("E", "R", "beta0", "turns")} == dict.fromkeys(
-            ("E", "R", "beta0", "turns"), ("sample",)
-        )
-        assert {"E", "R", "beta0", "sample"} <= set(ds.coords)
-        assert ds["beta"].dims == ("sample", "u")
-        assert ds["E"].attrs["units"] == "N/cm^2"
-        assert (ds["rho"] == ds["R"] + ds["a"]).all()
-        assert ds.attrs["sampling"].startswith("40 samples of E, R, beta: scrambled Sobol' sequence, seed 3: E log-uni")
-        for name, values in study().coordinates().items():
-            np.testing.assert_array_equal(ds["beta0" if name == "beta" else name], values)
-
-
 def test_a_law_is_judged_on_the_line_of_every_sample(crossed: xr.Dataset) -> None:
     from workbench.store import law_verdicts
 

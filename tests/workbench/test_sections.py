@@ -51,23 +51,6 @@ def _stored(request: Any, tmp_path: Path) -> Iterator[xr.Dataset]:
         yield ds
 
 
-def test_a_file_stores_the_section_as_it_was_given(stored: xr.Dataset, tmp_path: Path) -> None:
-    """As any reader of xarray sees it: no modulus that nobody gave, and the unit of a stiffness."""
-    with xr.open_dataset(tmp_path / "s.h5", engine="h5netcdf") as ds:
-        axis = str(ds["outcome"].dims[0])
-        if axis == "EI":
-            assert {"EI", "GJ"} <= set(ds.variables)
-            assert not {"E", "nu", "inner_radius"} & set(ds.variables)
-            assert ds.attrs["stiffness"] == "given"
-            assert ds["GJ"].attrs == {"units": "kN m^2", "long_name": "torsional stiffness, given", "symbol": "GJ"}
-        else:
-            assert {"E", "nu", "inner_radius"} <= set(ds.variables)
-            assert not {"EI", "GJ"} & set(ds.variables)
-            assert ds.attrs["stiffness"] == "solid"
-            assert ds["inner_radius"].attrs["units"] == "m"
-        assert ds[axis].dims == (axis,)
-
-
 def test_what_reads_a_file_uses_the_stiffness_of_its_section(stored: xr.Dataset) -> None:
     axis = str(stored["outcome"].dims[0])
     case = loads(TUBE if axis == "inner_radius" else DIRECT).case()
