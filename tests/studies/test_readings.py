@@ -14,11 +14,6 @@ def start(reading: Reading, **printed: object) -> Start:
     return given
 
 
-def test_there_are_twelve_readings_each_found_by_its_name() -> None:
-    assert len(READINGS) == 12
-    assert all(parse(name).name == name for name in READINGS)
-
-
 @pytest.mark.parametrize("reading", READINGS.values(), ids=READINGS)
 def test_a_reading_uses_what_it_names_and_drops_the_rest(reading: Reading) -> None:
     case, given = reading.case(), start(reading)
@@ -38,12 +33,6 @@ def test_a_dropped_value_keeps_its_axis_and_changes_nothing() -> None:
     FZ, MZ, M3 = (np.broadcast_to(load, case.shape) for load in case.loads)
     assert all((load[0] == load[1]).all() for load in (FZ, MZ, M3))
     assert "no effect" in parse("twist-first").meaning("F1")
-
-
-def test_words_left_out_of_a_reading_are_those_of_the_default() -> None:
-    assert parse("compression").name == "force-first/compression/paper"
-    assert parse("solid/shear").name == "shear/tension/solid"
-    assert parse("tension", default=parse("shear/compression/solid")).name == "shear/tension/solid"
 
 
 @pytest.mark.parametrize("length, force, missing", [

@@ -143,3 +143,16 @@ def test_an_axis_is_told_to_the_last_bit() -> None:
     assert axis_table(geometric) == {"from": 5e3, "to": 4e4, "count": 9, "spacing": "geometric"}
     assert axis_table(np.nextafter(geometric, 0))["values"] == np.nextafter(geometric, 0).tolist()
     assert axis_table(np.array([1.0, 2.0])) == {"values": [1.0, 2.0]}
+
+
+NO_TOML = {  # in words of Python's, which differ between its versions
+    "title = ": "study is not valid TOML: Invalid value",
+    "stations = 5\n[base]\nE = 1\nE = 2\nnu = 3\n": r"\(at line 4, column \d+\): line 4 gives the key E again",
+    "stations = 5\n\nstations = 6\n": "line 3 gives the key stations again",
+}
+
+
+@pytest.mark.parametrize("text", NO_TOML)
+def test_what_is_no_toml_is_refused_with_the_place(text: str) -> None:
+    with pytest.raises(InputError, match=NO_TOML[text]):
+        loads(text)

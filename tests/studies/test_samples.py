@@ -7,24 +7,12 @@ import pytest
 from scipy import stats
 
 from solver import InputError
-from studies.grammar.axes import SAMPLE
-from studies.language.loader import dumps, load, loads
+from studies.language.loader import load, loads
 from studies.language.samples import REACH
 
 HEAD = 'title = "s"\nreading = "force-first/tension/paper"\n[units]\nlength = "cm"\nforce = "N"\n'
-ENDS = """
-title = "e"
-[units]
-length = "cm"
-force = "N"
-[base]
-nu = 0.25
-a = 0.25
-L = 10.0
-R = 0.75
-betaL = 0.8
-FZ = -8.0
-"""
+
+
 SOBOL = """
 [sample]
 size = 64
@@ -112,43 +100,6 @@ def test_more_samples_begin_with_those_of_fewer(method: str, size: int) -> None:
         np.testing.assert_array_equal(many[name][:64], values)
 
 
-def test_every_sample_stands_at_every_point_of_the_axes() -> None:
-    study = loads(HEAD + SOBOL + "[axes.F1]\nvalues = [2.0, 5.0, 8.0]\n")
-    assert (study.size, study.case().shape, study.dimensions().names) == (192, (64, 3), (SAMPLE, "F1"))
-    cell = study.dimensions().at(np.array([3 * 17 + 2]))
-    assert cell["F1"] == 8.0
-    assert cell["E"] == study.coordinates()["E"][17]
-
-
-def test_samples_go_through_toml_and_back() -> None:
-    for text in (SOBOL, "[zip]\nE = [1e4, 2e4]\nbeta = ['30deg', 0.5]\n"):
-        study = loads(HEAD + text)
-        again = loads(dumps(study))
-        assert again.model_dump() == study.model_dump()
-        for name, values in study.coordinates().items():
-            np.testing.assert_array_equal(again.coordinates()[name], values)
-
-
-def test_lists_are_paired_and_angles_may_be_text() -> None:
-    values = sampled("[zip]\nE = [1e4, 2e4, 1e4]\nbeta = ['30deg', 0.5, 'pi/6']")
-    assert values["E"].tolist() == [1e4, 2e4, 1e4]
-    np.testing.assert_allclose(values["beta"], [np.pi / 6, 0.5, np.pi / 6], rtol=1e-15)
-
-
-def test_the_kind_of_problem_follows_from_sampled_fields_too() -> None:
-    study = loads(ENDS + "[zip]\nE = [1e4, 2e4]\nbeta0 = [0.4, 0.5]")
-    assert study.case().kind == "ends"
-    assert not study.sweeps  # no sample continues from another
-
-
-LAW = '[[laws]]\nclaim = "(1)"\nobservable = "turns"\naxis = "{}"\ndirection = "falls"\nsource = "x"\n'
-
-
-def test_a_law_along_an_axis_may_be_decided_at_one_sample() -> None:
-    text = HEAD + SOBOL + "[axes.F1]\nvalues = [2.0, 5.0]\n" + LAW.format("F1")
-    assert loads(text + "at = { sample = 17 }").laws[0].at == {SAMPLE: 17}
-
-
 # tables of cases
 
 
@@ -156,17 +107,6 @@ def tabled(folder: Path, table: str, more: str = "", name: str = "cases.csv") ->
     (folder / name).write_text(table, encoding="utf-8")
     (folder / "s.toml").write_text(HEAD + f"[table]\nfile = '{name}'\n{more}")
     return load(folder / "s.toml").coordinates()
-
-
-def test_a_table_gives_a_case_for_each_row(tmp_path) -> None:
-    values = tabled(tmp_path, "\ufeffE, beta ,R\r\n1e4,30deg,1\r\n2e4,0.5,.75\r\n\r\n")
-    assert list(values) == ["E", "beta", "R"]
-    np.testing.assert_allclose([*values.values()], [[1e4, 2e4], [np.pi / 6, 0.5], [1, 0.75]], rtol=1e-15)
-
-
-def test_only_the_columns_that_are_asked_for_are_read(tmp_path) -> None:
-    values = tabled(tmp_path, 'E,note,R\n1e4,"soft, thin",1\n', 'columns = ["R", "E"]')
-    assert {name: row.tolist() for name, row in values.items()} == {"R": [1.0], "E": [1e4]}
 
 
 def test_a_table_may_be_parquet(tmp_path) -> None:
@@ -194,11 +134,3 @@ def test_a_parquet_file_without_pyarrow_is_told_what_to_install(tmp_path, monkey
     monkeypatch.setitem(__import__("sys").modules, "pyarrow", None)
     with pytest.raises(InputError, match=r"pip install 'rod-workbench\[parquet\]', or store the table as CSV"):
         tabled(tmp_path, "", name="c.parquet")
-
-
-def test_another_table_replaces_that_of_the_study(tmp_path) -> None:
-    tabled(tmp_path, "E\n1e4\n")
-    (tmp_path / "other.csv").write_text("E,R\n1e4,1\n2e4,2\n")
-    study = load(tmp_path / "s.toml", tmp_path / "other.csv")
-    assert (study.sampled, study.size) == (("E", "R"), 2)
-    assert loads(study.text).coordinates()["R"].tolist() == [1.0, 2.0]  # its text names the file that was read
