@@ -6,7 +6,6 @@ import os
 import re
 import sys
 from pathlib import Path
-from typing import get_type_hints
 
 import numpy as np
 import pytest
@@ -21,13 +20,10 @@ from solver.problem.errors import InputError
 from studies.language.loader import loads
 from tests.slow import slow, slow_but
 from tests.workbench import runs, small
-from workbench.commands import export as export_command
-from workbench.commands import plot as plot_command
 from workbench.commands.options import axis_values
-from workbench.export import step, stored_rod
+from workbench.export import step
 from workbench.export.base import Options
 from workbench.export.stored_rod import export
-from workbench.figures import kinds
 from workbench.geometry import centreline, self_contact, stored_line
 from workbench.store import in_memory, writing
 
@@ -365,12 +361,6 @@ def test_a_disk_that_refuses_the_file_is_one_sentence_and_no_file_is_left(folder
     why = "the disk did not take the whole file" if kind == ".obj" else "File too large"
     assert run.stderr == f"workbench: cannot write {path}: {why}\n"
     assert list(tmp_path.iterdir()) == []
-
-
-def test_the_help_lists_the_endings_and_the_kinds_of_pictures_that_a_refusal_lists() -> None:
-    assert export_command.SUFFIXES.split() == list(stored_rod.FORMATS)
-    help_of_kinds = get_type_hints(plot_command.plot, include_extras=True)["kind"].__metadata__[0].help
-    assert re.findall(r"(\w+):", help_of_kinds.split("Default")[0]) == list(kinds.OF_STUDIES)
 
 
 TUBE = small.text(

@@ -3,12 +3,12 @@
 from pathlib import Path
 from typing import Annotated, Any
 
+from ..export import FORMATS
 from . import console
 from .options import AT, File, ForceOutput, axis_values, flag, number_option, option
 from .present import Result, presents
 
 FACTS = ("tolerance", "solution_error", "unit", "R")  # in the order in which they are printed, after the others
-SUFFIXES = ".step .stp .stl .obj .glb .gltf .usda .vtp .pvd .csv"  # of `stored_rod.FORMATS`; --help imports none
 
 
 @presents()
@@ -17,7 +17,10 @@ def export(
     out: Annotated[
         Path,
         option(
-            "FILE", f"File to write: {SUFFIXES}; frame_{{:03d}}.stl: a file for each value of an axis.", "--out", "-o"
+            "FILE",
+            f"File to write: {' '.join(FORMATS)}; frame_{{:03d}}.stl: a file for each value of an axis.",
+            "--out",
+            "-o",
         ),
     ],
     at: Annotated[

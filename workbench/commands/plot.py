@@ -7,6 +7,7 @@ from typing import Annotated, Any
 
 from solver.problem.errors import InputError
 
+from ..figures import kinds
 from ..store import atomic
 from .options import At, Dpi, File, ForceOutput, NoTitle, Style, Width, axis_values, check_file, names, option
 from .present import Result, presents, result_of_files
@@ -23,12 +24,8 @@ def plot(
         str | None,
         option(
             "KIND",
-            "map: each observable over two axes; lines: unrolled views, and observables along each axis with their "
-            "laws, or against the sampled fields; curves: unrolled views in the colours of the push; ridge: β, κ, the "
-            "push or other arrays along s; portrait: (β, β′) beside the potential G; states: where rods with weight "
-            "are straight, sinusoidal or helical; pipe: the azimuth along s in the colours of the push, with these "
-            "states; bars: observables along an axis of at most twelve values. Default: map for a grid of two axes or "
-            "more, else lines.",
+            "; ".join(f"{name}: {row.shows}" for name, row in kinds.OF_STUDIES.items())
+            + ". Default: map for a grid of two axes or more, else lines.",
         ),
     ] = None,
     x: Annotated[
@@ -79,7 +76,7 @@ def plot(
     law holds. A third axis has a map for each of some values; further axes have one value (--at). The unrolled view of
     a rod is its centreline on the unrolled cylinder.
     """
-    from ..figures import canvas, drawn_numbers, kinds, map_panel
+    from ..figures import canvas, drawn_numbers, map_panel
     from ..figures.sheet import sheet
     from ..store import reading, schema
     from ..words import outcomes

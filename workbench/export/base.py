@@ -65,8 +65,6 @@ class Format:
 
     Attributes
     ----------
-    suffixes
-        Those of its files.
     write
         Writes a rod to a path, and returns numbers about the file by name.
     series
@@ -86,7 +84,6 @@ class Format:
         Whether it can hold the centreline alone.
     """
 
-    suffixes: tuple[str, ...]
     write: Callable[[Path, Any], dict[str, Any]]
     body: Literal["solid", "surface", "curve"] = "curve"
     tolerance: Callable[[Centreline], float] | None = None

@@ -74,4 +74,4 @@ def write(path: Path, rod: Rod) -> dict[str, Any]:
     return {"stations": rod.line.s.size, "quantities": len(table)}
 
 
-FORMAT = Format((".csv",), write)
+FORMAT = Format(write)

@@ -45,4 +45,4 @@ def _with_material(tree: dict[str, Any]) -> None:
         primitive["material"] = 0
 
 
-FORMAT = Format((".glb", ".gltf"), write, "surface", near, unit="m")
+FORMAT = Format(write, "surface", near, unit="m")

@@ -93,4 +93,4 @@ def write(path: Path, series: Series) -> dict[str, Any]:
     return {"axis": series.axis, "files": len(rows), "unsolved": series.skipped}
 
 
-FORMAT = Format((".pvd",), write, series=True)
+FORMAT = Format(write, series=True)

@@ -235,4 +235,4 @@ def _write(occ: Any, path: Path, shapes: list[Any], unit: str, name: str) -> Non
         path.write_text(text.replace("SI_UNIT(.MILLI.,.METRE.)", f"SI_UNIT({PREFIXED[unit]},.METRE.)"))
 
 
-FORMAT = Format((".step", ".stp"), write, "solid", near, curve_share=0.5, has_centreline=True)
+FORMAT = Format(write, "solid", near, curve_share=0.5, has_centreline=True)

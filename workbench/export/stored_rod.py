@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import dataclass, replace
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -12,14 +13,9 @@ from solver.problem.errors import InputError, choices
 
 from ..geometry import self_contact, stored_line
 from ..store import atomic, selection, writing
-from . import csv_table, gltf, pvd, step, surface_files, usd, vtp
+from . import FORMATS, pvd
 from .base import Format, Options, Rod, metres
 
-FORMATS = {  # a new format is a module with its `FORMAT` and its name here
-    suffix: module.FORMAT
-    for module in (step, surface_files, gltf, usd, vtp, pvd, csv_table)
-    for suffix in module.FORMAT.suffixes
-}
 DEFAULT = Options()
 NUMBERED = re.compile(r"[^{}]*\{(:0?\d*d)?\}[^{}]*")  # the name of a file for each value of an axis
 
@@ -39,7 +35,12 @@ def format_of(path: Path) -> Format:
     suffix = path.suffix.lower()
     if suffix not in FORMATS:
         raise InputError(f"cannot export to {path.name!r}: choose a name that ends in {choices(FORMATS)}")
-    return FORMATS[suffix]
+    return _format(suffix)
+
+
+def _format(suffix: str) -> Format:
+    row: Format = import_module(f".{FORMATS[suffix]}", __package__).FORMAT
+    return row
 
 
 def export(ds: xr.Dataset, path: Path, options: Options = DEFAULT, force: bool = False) -> Exported:
@@ -83,10 +84,10 @@ def export(ds: xr.Dataset, path: Path, options: Options = DEFAULT, force: bool =
     """
     format = format_of(path)
     if options.centreline and not format.has_centreline:
-        able = [suffix for suffix, row in FORMATS.items() if row.has_centreline]
+        able = [suffix for suffix in FORMATS if _format(suffix).has_centreline]
         raise InputError(f"--centreline is for {choices(able)}, got {path.name!r}")
     if options.tolerance is not None and format.tolerance is None:
-        able = [suffix for suffix, row in FORMATS.items() if row.tolerance is not None]
+        able = [suffix for suffix in FORMATS if _format(suffix).tolerance is not None]
         raise InputError(f"--tolerance is for {choices(able)}; {path.suffix} holds the stations as they are stored")
     if options.tolerance is not None and not 0 < options.tolerance < np.inf:
         raise InputError(f"--tolerance must be positive and finite, got {options.tolerance:g}")

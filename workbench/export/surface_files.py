@@ -85,4 +85,4 @@ def _write_obj(path: Path, mesh: Mesh) -> None:
             raise OSError("the disk did not take the whole file")
 
 
-FORMAT = Format((".stl", ".obj"), write, "surface", near)
+FORMAT = Format(write, "surface", near)

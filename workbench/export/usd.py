@@ -69,4 +69,4 @@ def _varying(text: str) -> str:
     return f'{text} (\n            interpolation = "varying"\n        )'
 
 
-FORMAT = Format((".usda",), write, tolerance=near, curve_share=1.0, cubic=True)
+FORMAT = Format(write, tolerance=near, curve_share=1.0, cubic=True)

@@ -34,4 +34,4 @@ def write(path: Path, rod: Rod) -> dict[str, Any]:
     return {"stations": line.s.size, "quantities": len(table)}
 
 
-FORMAT = Format((".vtp",), write)
+FORMAT = Format(write)

@@ -1,77 +1,79 @@
-"""The one table of pictures: what each kind draws, by which options, and the kind that a dataset has by default."""
+"""The one table of pictures: what each kind draws, by which options, and the kind that a dataset has by default.
 
-from collections.abc import Callable, Sequence
+What draws a kind is imported where it is drawn, because --help reads the table.
+"""
+
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
-
-import xarray as xr
-from matplotlib.figure import Figure
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
 from solver.problem.errors import InputError, choices, no_such
-from studies.grammar.axes import SAMPLE
 
-from ..store import refined, schema, selection
-from . import (
-    along,
-    bars,
-    bifurcation,
-    equilibria_figure,
-    fit_figure,
-    map_cells,
-    map_figure,
-    portrait,
-    region_map,
-    robustness,
-    study_figure,
-    unrolled,
-    work_precision,
-)
-from .sheet import SCREEN, Sheet
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+    from .sheet import Sheet
 
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of picture: its figure of a dataset and a sheet, its further keywords, and the data that it draws."""
+    """A kind of picture.
 
-    figure: Callable[..., Figure]
+    path: the module and the function of its figure of a dataset and a sheet. options: its further keywords. shows: what
+    it shows of a study, for --help. of: the data that it draws.
+    """
+
+    path: str
     options: tuple[str, ...] = ()
+    shows: str = ""
     of: str = "study"
+
+    def draw(self, ds: "xr.Dataset", **options: Any) -> "Figure":
+        """The picture of a dataset."""
+        module, _, name = self.path.partition(".")
+        fig: Figure = getattr(import_module(f".{module}", __package__), name)(ds, **options)
+        return fig
 
 
 KINDS = {
-    "map": Kind(map_figure.figure, ("x", "y", "show", "at", "shapes")),
-    "lines": Kind(study_figure.figure, ("x", "show")),
-    "curves": Kind(unrolled.figure, ("x", "at")),
-    "ridge": Kind(along.figure, ("x", "at", "show")),
-    "portrait": Kind(portrait.figure, ("x", "at")),
-    "states": Kind(along.states, ("x", "at")),
-    "pipe": Kind(along.pipe, ("x", "at")),
-    "bars": Kind(bars.of_cases, ("x", "at", "show")),
-    "equilibria": Kind(equilibria_figure.figure, ("show",), of="equilibria"),
-    "loops": Kind(equilibria_figure.loops, of="loops"),
-    "branches": Kind(bifurcation.figure, ("show",), of="branches"),
-    "folds": Kind(region_map.figure, ("show",), of="folds"),
-    "trade": Kind(work_precision.figure, ("cost",), of="trade"),
-    "extremes": Kind(robustness.figure, of="extremes"),
-    "fit": Kind(fit_figure.figure, of="fit"),
-    "indices": Kind(bars.indices, of="indices"),
-    "tornado": Kind(bars.tornado, of="tornado"),
-}
+    "map": Kind("map_figure.figure", ("x", "y", "show", "at", "shapes"), "each observable over two axes"),
+    "lines": Kind("study_figure.figure", ("x", "show"), "unrolled views, and observables along each axis with their "
+                  "laws, or against the sampled fields"),
+    "curves": Kind("unrolled.figure", ("x", "at"), "unrolled views in the colours of the push"),
+    "ridge": Kind("along.figure", ("x", "at", "show"), "β, κ, the push or other arrays along s"),
+    "portrait": Kind("portrait.figure", ("x", "at"), "(β, β′) beside the potential G"),
+    "states": Kind("along.states", ("x", "at"), "where rods with weight are straight, sinusoidal or helical"),
+    "pipe": Kind("along.pipe", ("x", "at"), "the azimuth along s in the colours of the push, with these states"),
+    "bars": Kind("bars.of_cases", ("x", "at", "show"), "observables along an axis of at most twelve values"),
+    "equilibria": Kind("equilibria_figure.figure", ("show",), of="equilibria"),
+    "loops": Kind("equilibria_figure.loops", of="loops"),
+    "branches": Kind("bifurcation.figure", ("show",), of="branches"),
+    "folds": Kind("region_map.figure", ("show",), of="folds"),
+    "trade": Kind("work_precision.figure", ("cost",), of="trade"),
+    "extremes": Kind("robustness.figure", of="extremes"),
+    "fit": Kind("fit_figure.figure", of="fit"),
+    "indices": Kind("bars.indices", of="indices"),
+    "tornado": Kind("bars.tornado", of="tornado"),
+}  # fmt: skip
 OF_STUDIES = {name: kind for name, kind in KINDS.items() if kind.of == "study"}
 
 
-def figure(ds: xr.Dataset, kind: str | None = None, sheet: Sheet = SCREEN, **options: Any) -> Figure:
+def figure(ds: "xr.Dataset", kind: str | None = None, sheet: "Sheet | None" = None, **options: Any) -> "Figure":
     """The picture of a dataset of any kind; kind: a name of `KINDS`, by default as the dataset says.
 
     Raises `InputError` as of `kind_of` and of the figure.
     """
+    from ..store import schema
+
     name = kind or schema.kind_of(ds).figure
     if name in ("", "study"):
         name = kind_of(ds, None, [option for option in options if option != "verdicts"])
-    return KINDS[name].figure(ds, sheet=sheet, **options)
+    return KINDS[name].draw(ds, **options | ({} if sheet is None else {"sheet": sheet}))
 
 
-def kind_of(ds: xr.Dataset, kind: str | None = None, given: Sequence[str] = ()) -> str:
+def kind_of(ds: "xr.Dataset", kind: str | None = None, given: Sequence[str] = ()) -> str:
     """The kind of picture of a study: the one that is asked for; default: a map over two axes, else lines.
 
     given: options; a study whose default kind does not have them is drawn in the first kind that does.
@@ -92,8 +94,13 @@ def kind_of(ds: xr.Dataset, kind: str | None = None, given: Sequence[str] = ()) 
     return kind
 
 
-def _default_kind(ds: xr.Dataset) -> str:
+def _default_kind(ds: "xr.Dataset") -> str:
+    from studies.grammar.axes import SAMPLE
+
+    from ..store import refined, schema, selection
+    from .map_cells import mappable
+
     if axes := refined.axes_of(ds):
         return "map" if len(axes) > 1 else "lines"
-    is_map = len(map_cells.mappable(ds)) > 1 and SAMPLE not in schema.axes_of(ds) and selection.observables(ds)
+    is_map = len(mappable(ds)) > 1 and SAMPLE not in schema.axes_of(ds) and selection.observables(ds)
     return "map" if is_map else "lines"
