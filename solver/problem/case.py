@@ -4,6 +4,7 @@ Every numeric field may be a number or an array; the fields of a case broadcast 
 also be text: `Start(beta="30deg", ...)`, `Ends("pi/6", ["10deg", "20deg"])`.
 """
 
+import math
 from collections.abc import Collection
 from dataclasses import dataclass, fields
 from functools import cached_property
@@ -496,7 +497,7 @@ class Case:
     def _numeric(self) -> list[tuple[Any, str, Any]]:
         """Part, name and value of each numeric field that is given."""
         parts = (self.rod, self.cylinder, self.given)
-        values = ((part, field.name, getattr(part, field.name)) for part in parts for field in fields(part))
+        values = ((part, name, getattr(part, name)) for part in parts for name in part.__match_args__)
         return [row for row in values if row[2] is not None and not isinstance(row[2], str)]
 
     @property
@@ -512,7 +513,7 @@ class Case:
     @property
     def size(self) -> int:
         """Number of cases."""
-        return int(np.prod(self.shape, dtype=int))
+        return math.prod(self.shape)
 
     @property
     def outward(self) -> float:
