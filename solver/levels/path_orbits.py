@@ -12,11 +12,11 @@ import numpy as np
 
 from ..mechanics.potential import potential
 from ..numerics.arrays import Array, Integers
-from ..orbit.joined_orbits import join_orbits
+from ..orbit.joined_orbits import alike, join_answers
 from ..orbit.periodic_orbit import HELIX, TIGHT, Orbit, action, response, solve_orbit
 from ..orbit.variations import Variations, variations_on
 from ..problem.reduced import EndsProblem, StartProblem
-from ..problem.trajectory import PLAIN, Trajectory, blank, verdicts, where_shown
+from ..problem.trajectory import PLAIN, Trajectory, blank, verdicts
 from .boundary import (
     DOWN,
     LOWEST,
@@ -139,15 +139,16 @@ def together(answers: Sequence[Trajectory | str], t: Array) -> Trajectory:
     if len(answers) == 1 and not isinstance(answers[0], str):
         return answers[0]
     each = [_missing(t[i : i + 1], a) if isinstance(a, str) else a for i, a in enumerate(answers)]
-    columns: dict[str, Any] = {name: np.concatenate([getattr(a, name) for a in each]) for name in _COLUMNS}
-    for name, unknown in _UNKNOWN.items():
-        columns[name] = np.concatenate([unknown if getattr(a, name) is None else getattr(a, name) for a in each])
-    shown = np.array([[not isinstance(a, str)] for a in answers])
-    orbit = join_orbits([a.orbit for a in each])
-    return Trajectory(**columns, swirl=partial(where_shown, shown, orbit.swirl, t), orbit=orbit)
+    orbits = alike([a.orbit for a in each])
+    return join_answers(map(_row, each, orbits), t, len(each))
 
 
-_COLUMNS = "beta", "dbeta", "alpha", "z", "solved", "outcome", "error", "condition", "evaluations"
+def _row(answer: Trajectory, orbit: Orbit) -> Trajectory:
+    """The answer to one of several problems, with arrays also for what is not known of it."""
+    unknown: dict[str, Any] = {name: value for name, value in _UNKNOWN.items() if getattr(answer, name) is None}
+    return replace(answer, orbit=orbit, alternatives=None, **unknown)
+
+
 _UNKNOWN = {"selection": np.array([None]), "begun": np.array([None]), "held_index": np.array([np.nan])}
 
 

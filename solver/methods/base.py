@@ -3,7 +3,7 @@ the values of one knob, from cheap to dear, for the comparison of accuracy again
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, fields
 from functools import cache, partial
 from importlib.util import find_spec
 from typing import Any, ClassVar, Self
@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 
 from ..choose.selection import NEAREST, Choose, select_seed
 from ..numerics.arrays import Array
-from ..orbit.joined_orbits import JoinedOrbits, Rows
+from ..orbit.joined_orbits import join_answers
 from ..problem.errors import InputError, choices
 from ..problem.reduced import EndsProblem, StartProblem
-from ..problem.trajectory import Seed, Trajectory, verdicts, where_shown
+from ..problem.trajectory import Seed, Trajectory, verdicts
 
 # Evaluations after which a ladder ends: about 0.4 s on the machine of docs/reference/methods.md. Evaluations, not
 # seconds, so that a busy machine runs the same rungs. The first limit is for methods that call Python at each one.
@@ -230,22 +230,8 @@ class StartMethod(Method):
         B, size = problem.size, max(1, min(BLOCK, BLOCK_VALUES // t.shape[1]))
         if size >= B or not self.blockwise:
             return self.run(problem, t, tol)
-        whole, orbits, swirls = Rows(B / size), JoinedOrbits(B / size), Rows(B / size)
-        for block in (slice(k, k + size) for k in range(0, B, size)):
-            part = self.run(problem.take(block), t[block], tol)
-            if part.orbit is None:
-                swirls.add(part.swirl())
-            else:
-                orbits.add(part.orbit)
-            whole.add(replace(part, swirl=None, orbit=None))  # type: ignore[arg-type]
-            del part
-        answer: Trajectory = whole.join()
-        orbit = orbits.join()
-        if orbit is None:
-            swirl = swirls.join()
-            return replace(answer, swirl=partial(np.asarray, swirl))
-        shown = np.isfinite(answer.beta)
-        return replace(answer, orbit=orbit, swirl=partial(where_shown, shown, orbit.swirl, t))
+        blocks = (slice(k, k + size) for k in range(0, B, size))
+        return join_answers((self.run(problem.take(block), t[block], tol) for block in blocks), t, B / size)
 
 
 class EndsMethod(Method):

@@ -1,43 +1,46 @@
-"""Orbits joined to one, and any dataclasses of arrays: rows of blocks, or of single problems."""
+"""Answers joined to one with their orbits, and any dataclasses of arrays: rows of blocks, or of single problems."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import fields, is_dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from ..numerics.arrays import Array
+from ..problem.trajectory import Trajectory, where_shown
 from .periodic_orbit import Orbit
 
 _MORE = 1 / 8  # a full table grows by this share
 
 
-class JoinedOrbits:
-    """The orbits of blocks, joined to one; None if there are none. share: the expected number of blocks."""
+def join_answers(parts: Iterable[Trajectory], t: Array, share: float) -> Trajectory:
+    """The answers to blocks of problems as one, at t (B, n); share: the expected number of blocks.
 
-    def __init__(self, share: float) -> None:
-        self.cases, self.panels = 0, 0
-        self.rows = Rows(share)
+    A block is moved into the whole answer before the next one is asked for, so that no two are held at once.
+    """
+    whole, orbits, swirls, cases, panels = Rows(share), Rows(share), Rows(share), 0, 0
+    for part in parts:
+        if part.orbit is None:
+            swirls.add(part.swirl())
+        else:
+            orbits.add(_move(part.orbit, cases, panels))
+            cases, panels = cases + part.orbit.problem.size, panels + part.orbit.panels.arc.size
+        whole.add(replace(part, swirl=None, orbit=None))  # type: ignore[arg-type]
+        del part
+    answer: Trajectory = whole.join()
+    orbit = orbits.join()
+    if orbit is None:
+        return replace(answer, swirl=partial(np.asarray, swirls.join()))
+    shown = np.isfinite(answer.beta)
+    return replace(answer, orbit=orbit, swirl=partial(where_shown, shown, orbit.swirl, t))
 
-    def add(self, orbit: Orbit) -> None:
-        """Add the orbits of the next block."""
-        cases, panels = orbit.problem.size, orbit.panels.arc.size
-        self.rows.add(_move(orbit, self.cases, self.panels))
-        self.cases, self.panels = self.cases + cases, self.panels + panels
 
-    def join(self) -> Any:
-        return self.rows.join()
-
-
-def join_orbits(orbits: Sequence[Orbit]) -> Orbit:
-    """Orbits as one, without paths; of what is known of equilibria alone it has what all of them have."""
+def alike(orbits: Sequence[Orbit]) -> list[Orbit]:
+    """Orbits without paths, each with what all of them have of what is known of equilibria alone."""
     names = ("lengthens", "response", "passed")
     unknown: dict[str, Any] = {name: None for name in names if any(getattr(o, name) is None for o in orbits)}
-    joined = JoinedOrbits(len(orbits))
-    for orbit in orbits:
-        joined.add(replace(orbit, path=None, **unknown))
-    whole: Orbit = joined.join()
-    return whole
+    return [replace(orbit, path=None, **unknown) for orbit in orbits]
 
 
 def _move(orbit: Orbit, cases: int, panels: int) -> Orbit:
