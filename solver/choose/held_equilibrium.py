@@ -22,9 +22,7 @@ from ..problem.reduced import EndsProblem, HeldProblem
 from ..problem.trajectory import PLAIN, Seed, Trajectory, beyond_limits, held_apart, unreachable
 from .selection import path_of_seed
 
-_SLOW = 1e-3  # beta_t at a start
 ALTERNATIVE = "another equilibrium with the same ends"
-_STATIONS = 129  # at which the response to the given numbers is read
 
 
 def held_trajectory(reached: Reached, wanted: Given, t: Array, tol: float) -> Trajectory:
@@ -76,7 +74,7 @@ def at_hinges(state: OrbitState, wanted: Given) -> OrbitState:
     if not wanted.hinged or state.path.helix:
         return state
     every = charts(boundary_of(state.problem), state.path, True)
-    slow = abs(float(state.rates.value("dbeta0")[0])) < _SLOW * _pace(state)
+    slow = abs(float(state.rates.value("dbeta0")[0])) < 1e-3 * _pace(state)
     corner = [chart for chart in every if chart.kind == CORNER]
     start = [chart for chart in every if chart.kind == "start" and not chart.logarithmic and slow]
     for chart in [*corner, *start]:
@@ -94,7 +92,7 @@ def response_of(state: OrbitState, wanted: Given) -> float:
         lengths = [k for k, name in enumerate(wanted.names) if name not in FREE[2:]]
         unit = np.eye(5)[:, lengths] * [_pace(state) if wanted.names[k].startswith("d") else 1.0 for k in lengths]
         parts = parts_of(state.rates, wanted, unit, np.zeros(len(lengths)))
-        t = problem.span[:, None] * np.linspace(0, 1, _STATIONS)
+        t = problem.span[:, None] * np.linspace(0, 1, 129)
         if path.helix:
             moves = helix_change(problem, t).beta[0] @ parts
         else:

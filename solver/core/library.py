@@ -119,9 +119,6 @@ def share_out(part: Callable[[int, int], object], size: int) -> None:
         list(pool.map(lambda a: part(a, min(a + _SHARE, size)), range(0, size, _SHARE)))
 
 
-_NO_MEMORY = 1
-
-
 _Points = structure("points", (INT, "n"), (AT, "nodes analyse values differentiate"))  # orbit_parts.h
 _Cutting = structure("cutting", (FLOAT, "length goal stretch"), (ctypes.c_int, "times_only lanes"))
 _Grid = structure("grid", (INT, "m"), (AT, "angles table"))
@@ -179,7 +176,7 @@ def on_grid() -> Any:
 
 def fine(status: int) -> bool:
     """Whether a function of the core could do its work."""
-    if status == _NO_MEMORY:
+    if status == 1:  # NO_MEMORY of orbit_parts.h
         raise MemoryError
     return status == 0
 

@@ -17,18 +17,19 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..core import branches as core
-from ..core.library import Cutting, numbers_of
+from ..core.library import numbers_of
 from ..levels.boundary import CUTTING, STRETCH, Path
 from ..mechanics.potential import slope_rate
 from ..numerics.arrays import Array, Columns
 from ..numerics.roots import solve
-from ..orbit.variations import GOAL, LENGTH, POINTS, Change, Variations, change_of_held_helices, change_of_helices
+from ..orbit.variations import HOW as VARIED
+from ..orbit.variations import POINTS, Change, Variations, change_of_held_helices, change_of_helices
 from ..problem.reduced import EndsProblem, Reduced, StartProblem
 
 NUMBERS = ("beta0", "betaL", "dbeta0", "dbetaL", "alpha", "swirl", "z", "lam", "mu", "phi", "y")
 _Y = 10
 _REST = 1e-15  # beta_t at a start at rest
-HOW = CUTTING, Cutting(LENGTH, GOAL, STRETCH)
+HOW = CUTTING, VARIED._replace(stretch=STRETCH)
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,14 +17,13 @@ from ..problem.reduced import EndsProblem
 from ..problem.trajectory import LARGEST
 from .boundary import Boundary, LevelPaths, Levels, Paths, TransitTimes, boundary_of, length_roots, transit_times
 from .level_grid import LevelGrid, level_grid_of
-from .path_orbits import energies, solve_orbits
+from .path_orbits import MISSED, energies, solve_orbits
 
 MOST_PERIODS = 200  # of an orbit along a rod, unless asked for more
 BUDGET = 3e7  # evaluations of G: ten to twenty seconds
 _EACH = 15  # levels computed for each equilibrium
 _PATHS = 1000  # paths searched together
 _COARSE = 0.5  # step in log gap of levels that are only looked at
-_MISSED = 1e-6  # rad: an orbit that ends farther than this from beta(L) is rejected
 _ZOOM, _ROUNDS = 17, 6  # points of the finer grid at a dip, and how often it is refined
 _SHALLOW = 0.5  # of the rise to the next of even steps: the bottom lies less below the lowest point
 _ROUNDING = 1e-14  # of the rod's length: bound of the rounding of a sum of times
@@ -143,7 +142,7 @@ def _search(problem: EndsProblem, most_periods: int, most_turns: int | None, ste
         return None
     orbit, level = solve_orbits(problem, boundary, path, lengthens)
     far = orbit.at(orbit.problem.span[:, None])[0][:, 0]
-    good = np.abs(far - problem.betaL[0]) < np.maximum(_MISSED, np.minimum(_end_rounding(orbit), 0.1))
+    good = np.abs(far - problem.betaL[0]) < np.maximum(MISSED, np.minimum(_end_rounding(orbit), 0.1))
     lost = roots.lost + int(np.count_nonzero(~good))
     if not good.any():
         return None

@@ -33,6 +33,7 @@ from .boundary import (
 )
 
 NO_EQUILIBRIUM = "failed: the search found no equilibrium, though at least one exists"
+MISSED = 1e-6  # rad: an orbit that ends farther than this from beta(L) is not that of an equilibrium
 _DEEPER = 40.0  # in log gap: the root of the gap, the error of a rod at rest on a saddle, is then below rounding
 
 
@@ -108,10 +109,10 @@ def energies(orbit: Orbit, level: Array) -> Array:
 def path_from_start(problem: EndsProblem, slope: float) -> Path | None:
     """The equilibrium of one ends problem that starts with beta_t(0) = slope.
 
-    None where that orbit does not end at beta(L) within 1e-6 rad.
+    None where that orbit does not end at beta(L).
     """
     orbit = solve_orbit(problem.with_start(np.array([slope])), TIGHT)
-    if abs(float(orbit.at(problem.span[:, None])[0][0, 0] - problem.betaL[0])) > 1e-6:
+    if abs(float(orbit.at(problem.span[:, None])[0][0, 0] - problem.betaL[0])) > MISSED:
         return None
     place = boundary_of(problem)
     if orbit.kind[0] == HELIX:

@@ -18,8 +18,6 @@ from ..problem.reduced import EndsProblem
 from ..problem.trajectory import Seed, Trajectory
 from .base import EndsMethod, Ladder, tens
 
-_ROUNDS = 40
-
 
 @dataclass(frozen=True)
 class Shooting(EndsMethod):
@@ -75,7 +73,7 @@ def _next_to(problem: EndsProblem, slope: Array) -> Array:
     twice = problem.take(np.tile(np.arange(B), 2))
     at = np.where(np.isfinite(slope), slope, 0.0)
     off = np.full(B, np.inf)
-    for _ in range(_ROUNDS):
+    for _ in range(40):
         nudge = 1e-7 * np.maximum(1, np.abs(at))
         orbit = solve_orbit(twice.with_start(np.concatenate([at, at + nudge])), TIGHT)
         end = orbit.at(twice.span[:, None])[0][:, 0]

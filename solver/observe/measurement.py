@@ -22,16 +22,14 @@ from ..shape import Shape
 from ..shooting.loaded_rod import ALPHA, SHORT, SPEED
 from .solution_pieces import blocks, is_resolved, off_between, pieces_of
 
-_FINEST = 1e-14  # relative: smallest goal of a series
+FINEST = 1e-14  # relative: smallest goal of a series
 SPREAD = 10  # times the error of a marched orbit, which is a standard deviation: a bound in every test
 _SHARE = 1e-3  # of the tolerance, for the series of the densities
 BARELY = 64 * EPS  # of the size of its terms: a push, or a difference of numbers, below this is rounding
 
 Pair = tuple[Any, Any]  # values and errors, (B,) each
-MIDDLE, _MIDDLE = (
-    (1 / 3, 2 / 3),
-    "middle ",
-)  # the middle third of the length; before the names of what is measured there
+MIDDLE = (1 / 3, 2 / 3)  # of the length: where its middle third begins and ends
+_MIDDLE = "middle "  # before the names of what is measured there
 
 
 class Reading:
@@ -112,7 +110,7 @@ class Reading:
     @property
     def goal(self) -> float:
         """The allowed error of the series of densities, relative."""
-        return float(max(_SHARE * self.sol.tol, _FINEST))
+        return float(max(_SHARE * self.sol.tol, FINEST))
 
     def get(self, name: str) -> Pair:
         """A number measured along the rod and its error, (B,) each."""

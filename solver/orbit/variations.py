@@ -29,12 +29,9 @@ from ..numerics.arrays import Array
 from ..problem.reduced import Reduced
 from .periodic_orbit import Orbit, reading
 
-POINTS, LENGTH, GOAL = 22, 0.45, 5e-15  # of the panels
+POINTS, HOW = 22, Cutting(0.45, 5e-15, 1.0)  # nodes of a panel, and how panels are cut
 _SUMMED = 1.0  # below this |H'| t^2 the waves along a helix are summed
-HOW = Cutting(LENGTH, GOAL, 1.0)
 PAIRS = 10  # elements of M that are kept
-_SUMS = PAIRS + 3  # with the integrals of sin, cos and sin cos of beta
-_SERIES = 9 + _SUMS  # of a panel, one coefficient of all after the other
 KEPT = ("least", "M", "jump", "closing", "series", "gain")
 _VariedOrbits = structure("varied_orbits", (AT, " ".join(KEPT)), (INT, "lanes"))  # variations.h
 
@@ -100,7 +97,8 @@ def variations_on(orbit: Orbit) -> Variations:
     problem, n = orbit.problem, orbit.panels.series.shape[2] - 1
     P, B = orbit.panels.arc.size, problem.size
     loads = np.stack([problem.lam, problem.mu, problem.phi], axis=1)
-    shapes = (P,), (P, PAIRS, n), (P, PAIRS), (2 * B, PAIRS), (P, n + 1, _SERIES), (B, 2, _SUMS)
+    sums = PAIRS + 3  # with the integrals of sin, cos and sin cos of beta
+    shapes = (P,), (P, PAIRS, n), (P, PAIRS), (2 * B, PAIRS), (P, n + 1, 9 + sums), (B, 2, sums)
     varied = Variations(orbit, dict(zip(KEPT, map(np.empty, shapes), strict=True)))
     fine(run("rod_variations", B, loads, varied.arguments[0], points(n), varied.arguments[1]))
     return varied

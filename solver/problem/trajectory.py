@@ -20,7 +20,6 @@ NOT_FINITE = "failed: the computation left the finite numbers"
 PLAIN = {"lam": 0.0, "mu": 0.0, "phi": 0.0, "span": 1.0, "beta0": 0.5, "dbeta0": 0.0, "betaL": 0.5}
 SHAPELESS = 0.1  # rad: with a larger error the shape is another one, whatever the condition number allows
 LARGEST = 1e100  # a larger dimensionless number would overflow when squared
-SHORTEST = 1e-200  # for a smaller L/rho the time between two stations would underflow
 TOO_LARGE = "failed: loads, slope or L/rho are beyond 1e100 in units of A and rho, or L/rho below 1e-200"
 LONGEST = 1e16  # of L/rho between two ends: beyond, a rounding of s is larger than rho
 TOO_LONG = "failed: L/rho of a problem between two ends must be below 1e16; beyond, rounding of s exceeds rho"
@@ -198,7 +197,7 @@ def beyond_limits(problem: Reduced | HeldProblem) -> NDArray[np.str_]:
     """The outcome of each problem whose numbers cannot be squared, or whose L/rho is beyond a limit, (B,); else ""."""
     numbers = np.column_stack([part for part in vars(problem).values() if isinstance(part, np.ndarray)])
     with np.errstate(invalid="ignore"):
-        fine = (np.abs(numbers) < LARGEST).all(axis=1) & (problem.span > SHORTEST)
+        fine = (np.abs(numbers) < LARGEST).all(axis=1) & (problem.span > LARGEST**-2)  # else times underflow
         short = (problem.span < LONGEST) | isinstance(problem, StartProblem)
     return np.where(fine, np.where(short, "", TOO_LONG), TOO_LARGE)
 

@@ -8,15 +8,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..core.library import AT, FLOAT, INT, Cutting, cut, fine, numbers_of, on_grid, points, run, share_out, structure
+from ..core.library import AT, FLOAT, INT, cut, fine, numbers_of, on_grid, points, run, share_out, structure
 from ..core.measures import GROUPS, NUMBERS, RATED
 from ..equilibrium.orbit_rates import helix_change, rates_of_helices, rates_of_variations
 from ..equilibrium.system import settle
 from ..levels.boundary import Path, path_of
 from ..levels.path_orbits import path_from_start, variations_of
 from ..numerics.arrays import Array, Integers
-from ..observe.measurement import MIDDLE
-from ..orbit.variations import Change, Variations, change_of_helices
+from ..observe.measurement import FINEST, MIDDLE
+from ..orbit.variations import HOW, POINTS, Change, Variations, change_of_helices
 from ..problem.reduced import EndsProblem, Reduced, StartProblem, flat, given_numbers
 from ..shape import Shape
 
@@ -99,7 +99,6 @@ def _path(sol: Shape, one: EndsProblem, i: int) -> Path | None:
 
 
 LOST, PARTLY = -1, ("push", "turned", "risen")  # measured over the middle third
-SERIES_GOAL = 1e-14  # of the series of which the places of extremes are found, relative
 _SHAPES = "t beta rate z loads span by later ratio rho"
 _Shapes = structure("shapes", (INT, "size stations F"), (AT, f"{_SHAPES} out"))
 _Sensitivities = structure(
@@ -168,13 +167,13 @@ class StartRates(NamedTuple):
 
 
 def start_sensitivities(
-    problem: Any, shape: Mapping[str, Array], n: int, how: Cutting, measured: Measured | None = None,
-    motion: tuple[Any, Array] | None = None,
+    problem: Reduced, shape: Mapping[str, Array], measured: Measured | None = None,
+    motion: tuple[Variations, Array] | None = None,
 ) -> StartRates:  # fmt: skip
     """The derivatives of B start problems.
 
-    shape: as of `shape_rates`. n, how: as of `orbits.orbits`. motion: of one problem whose orbit is known, its
-    variations (`orbit.variations.Variations`) and the parts of its changes, (1, 5, F).
+    shape: as of `shape_rates`. motion: of one problem whose orbit is known, its variations and the parts of its
+    changes, (1, 5, F).
     """
     numbers, (B, stations), F = numbers_of(problem), shape["t"].shape, shape["by"].shape[2]
     out, marks = np.full((5, B, F, stations), np.nan), np.full((B, 5, F, 4), np.nan)
@@ -190,10 +189,10 @@ def start_sensitivities(
     if measured is not None:
         arrays = {"sign": measured.sign, "error": measured.error, **measured.seen}
         rest |= {name: np.ascontiguousarray(array, dtype=float) for name, array in arrays.items()}
-        rest |= {"found": seen, "rates": rates, "goal": measured.goal, "rates_goal": SERIES_GOAL}
+        rest |= {"found": seen, "rates": rates, "goal": measured.goal, "rates_goal": FINEST}
         rest["wanted"] = sum(1 << RATED[name] for name in names)
         rest["groups"], rest["partly"] = _groups_of(plain), _groups_of(middle)
-    task, ways = _Sensitivities(**rest), (on_grid(), points(n), cut(how, False))
+    task, ways = _Sensitivities(**rest), (on_grid(), points(POINTS), cut(HOW, False))
     share_out(lambda a, b: fine(run("rod_sensitivities", task, *ways, a, b)), B)
     places = [(name, NUMBERS.index(name)) for name in _members(plain)]
     (whole, less, more), thirds = seen, {name: NUMBERS.index(name) for name in _members(middle)}

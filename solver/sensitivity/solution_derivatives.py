@@ -12,7 +12,6 @@ import numpy as np
 
 from ..numerics.arrays import EPS, Array
 from ..orbit.periodic_orbit import HELIX
-from ..orbit.variations import HOW, POINTS
 from ..problem.case_fields import check_fields
 from ..problem.reduced import EndsProblem, FieldRates, field_rates, flat, given_numbers
 from ..problem.trajectory import SHAPELESS, SOLVED
@@ -69,7 +68,7 @@ def _of_starts(sol: Shape, rates: FieldRates, read: Moving | None) -> tuple[Arra
     rows = slice(None) if every else solved
     problem, of_solved = (sol.problem, rates) if every else (sol.problem.take(solved), rates.take(solved))
     shape = _shape_of(sol, of_solved, rows)
-    answer = start_sensitivities(problem, shape, POINTS, HOW, None if read is None else read.measurement(rows))
+    answer = start_sensitivities(problem, shape, None if read is None else read.measurement(rows))
     if read is not None:
         read.take(rows, answer)
     out = answer.along if every else _unknown(sol, rates)
@@ -160,7 +159,7 @@ def sensitivity(sol: Shape, fields: Iterable[str], observables: Iterable[str] = 
                 continue
             shape, orbit = _shape_of(sol, of_rows, motion.rows), (motion.varied, unit)
             measured = None if read is None else read.measurement(motion.rows, given=True)
-            answer = start_sensitivities(motion.problem, shape, POINTS, HOW, measured, orbit)
+            answer = start_sensitivities(motion.problem, shape, measured, orbit)
             out[:, motion.rows] = answer.along
             if read is not None:
                 read.take(motion.rows, answer)

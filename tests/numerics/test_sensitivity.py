@@ -12,7 +12,6 @@ import pytest
 from solver import Case, Cylinder, Ends, Rod, Start, equilibria, observe, solve
 from solver.observe.observables import OBSERVABLES, is_count
 from solver.orbit.periodic_orbit import HELIX
-from solver.orbit.variations import HOW, POINTS
 from solver.problem.case_fields import fields_of
 from solver.problem.reduced import NUMBERS, StartProblem, given_numbers
 from solver.sensitivity.motions import of_equilibria, of_helices, start_sensitivities
@@ -61,7 +60,7 @@ def jacobian(solution: Any) -> Any:
         by[[NUMBERS.index(name) for name in ("beta0", "end", "lam", "mu", "phi")], 0, range(5)] = 1
         known = {"t": solution.t, "by": by, "later": np.zeros((1, 5)), "ratio": none, "rho": none + 1}
         known |= {key: getattr(solution.trajectory, n) for key, n in (("beta", "beta"), ("rate", "dbeta"), ("z", "z"))}
-        answer = start_sensitivities(solution.problem, known, POINTS, HOW)
+        answer = start_sensitivities(solution.problem, known)
         if answer.kind[0] != HELIX:
             beta, rate, alpha, z, minus_swirl = answer.along[:, 0]
             return np.stack([beta, rate, alpha, z, -minus_swirl]).transpose(2, 0, 1)
