@@ -23,7 +23,7 @@ from tests.workbench import forked, runs, small
 from tests.workbench.command import exit_status
 from workbench.figures import canvas, study_figure
 from workbench.scene import opengl
-from workbench.store import checks, file_checks, in_memory, plan, reading, schema, writing
+from workbench.store import checks, file_checks, in_memory, reading, recipe, schema, writing
 from workbench.store.study_store import run_to_file
 
 AXES = "[axes.E]\nvalues = {}\n[axes.R]\nvalues = [0.5, 0.75, 1.0]\n"
@@ -192,12 +192,12 @@ def test_an_output_that_is_there_is_looked_at_with_the_same_care(tmp_path: Path)
     path, other = tmp_path / "many.h5", tmp_path / "other.h5"
     study = load(str(runs.study(tmp_path, runs.grid(2, 2))))
     run_to_file(study, path)
-    assert plan.look(path) is not None
+    assert recipe.look(path) is not None
     shutil.copy(path, other)
     with h5py.File(path, "a") as file:
         del file["E"]
         file["E"] = h5py.ExternalLink("other.h5", "/E")  # the very same values
-    assert plan.look(path) is None
+    assert recipe.look(path) is None
 
 
 AS_NOBODY = """

@@ -20,7 +20,6 @@ from workbench.store import (
     assembly,
     block,
     case_solutions,
-    grid_io,
     in_memory,
     recipe,
     schema,
@@ -83,8 +82,8 @@ def test_a_file_gives_each_box_of_a_grid_the_cases_that_it_holds_in_any_order(si
     ds = xr.Dataset({"a": (dims, values), "b": ([*dims, "u"], np.stack([values, -values], axis=-1))})
     source = assembly.FileSource("file.h5", ds, ["a", "b"], places)
     met, most = list[int](), data.draw(st.integers(1, 50))
-    for where in grid_io.blocks(shape, most):
-        start, stop = grid_io.span(where, shape)
+    for where in schema.blocks(shape, most):
+        start, stop = schema.span(where, shape)
         assert stop - start <= most
         assert flat[where].ravel().tolist() == list(range(start, stop))
         piece = source.read(where)
@@ -322,6 +321,17 @@ def half(finished, tmp_path) -> Path:
     return runs.study(tmp_path, {"E": [1e4, 3e4], "F1": FORCES.tolist()})
 
 
+def test_a_file_with_a_changed_number_is_refused_before_it_grows(half, monkeypatch) -> None:
+    output = half.with_suffix(".h5")
+    with h5py.File(output, "a") as file:
+        file["turns"][0] = 99
+    runs.study(half.parent, {"E": [5e3, 1e4, 3e4], "F1": FORCES})
+    before, solved = output.read_bytes(), counted(monkeypatch)
+    with pytest.raises(InputError, match="turns has changed since it was stored"):
+        run_to_file(load(half), output)
+    assert (output.read_bytes(), solved) == (before, [])
+
+
 def test_the_version_of_the_code_covers_every_source_of_solver_and_studies(monkeypatch) -> None:
     read: set[str] = set()
     monkeypatch.setattr(Path, "read_bytes", lambda path: read.add("/".join(path.parts[-3:])) or b"")
@@ -349,9 +359,9 @@ def test_a_finished_study_whose_law_was_edited_is_judged_by_the_law_as_it_is_now
 
 
 def test_what_is_packed_together_lies_together() -> None:
-    assert grid_io.packing((7, 100, 3)) == (7, 100, 3)
-    assert grid_io.packing((1000, 1000)) == (65, 1000)
-    assert grid_io.packing((4, 50, 10**6)) == (1, 1, 2**16)
+    assert schema.chunk_shape((7, 100, 3)) == (7, 100, 3)
+    assert schema.chunk_shape((1000, 1000)) == (65, 1000)
+    assert schema.chunk_shape((4, 50, 10**6)) == (1, 1, 2**16)
 
 
 def test_restart_solves_a_finished_study_again(tmp_path, monkeypatch) -> None:

@@ -90,7 +90,7 @@ def _say(text: str) -> None:
 
 def _check_free(path: Path, name: str, force: bool) -> None:
     """Raise `InputError` if `path` holds something that may not be replaced; imports xarray only if it must look."""
-    from ..store.plan import look
+    from ..store.recipe import look
 
     existing = look(path)
     if force or (existing is not None and existing.name == name):

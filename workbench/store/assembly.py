@@ -1,7 +1,7 @@
 """Cases of several sources assembled into one file, window by window, so that memory stays small, and judged."""
 
 import json
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from math import prod
@@ -16,17 +16,17 @@ from numpy.typing import NDArray
 from solver.problem.errors import InputError
 
 from ..words import cautions, outcomes
-from . import atomic, dataset, file_checks, schema, writing
-from .grid_io import Where, blocks, extent, span
+from . import atomic, dataset, file_checks, reading, schema, writing
 from .law_verdicts import Tally
 from .law_verdicts import statistics as statistics_of
-from .plan import Plan, bytes_a_case, bytes_of_file, remarks
-from .schema import Columns
+from .plan import TEXT_BYTES, Plan, bytes_of_file, remarks
+from .recipe import Places
+from .schema import Columns, Where, blocks, extent, span
 from .shards import Shards
 
 WINDOW = 2**25  # bytes of results held while they are copied
 
-Piece = tuple[NDArray[np.int64], Columns]  # places of cases in a box, rising, and their variables
+Piece = tuple[Places, Columns]  # places of cases in a box, rising, and their variables
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +40,12 @@ class FileSource:
     name: str
     ds: xr.Dataset
     variables: Sequence[str]
-    places: Sequence[NDArray[np.int64]]
+    places: Sequence[Places]
+
+    @property
+    def types(self) -> dict[str, np.dtype[Any]]:
+        """The kinds of the numbers of each case."""
+        return _number_types({name: self.ds[name] for name in self.variables})
 
     def read(self, where: Where) -> Piece | None:
         """The cases of a box that the file holds. Raises `InputError` where the file is damaged."""
@@ -55,7 +60,7 @@ class FileSource:
             return cases, {name: _rows(self.ds[name].variable, rows) for name in self.variables}
 
 
-def _rows(variable: xr.Variable, rows: Sequence[NDArray[np.int64]]) -> NDArray[Any]:
+def _rows(variable: xr.Variable, rows: Sequence[Places]) -> NDArray[Any]:
     """The cases of these rows of each axis, (cases, ...). Rows that lie close together are read with those between."""
     key: list[Any] = list(rows)
     within = [np.arange(mine.size) for mine in rows]
@@ -70,38 +75,67 @@ def _rows(variable: xr.Variable, rows: Sequence[NDArray[np.int64]]) -> NDArray[A
 
 @dataclass(frozen=True, eq=False)
 class ShardSource:
-    """The cases in the shards of a run."""
+    """The cases in the shards of a run. tally: of all cases of the study, those of a file that it extends included."""
 
     parts: Shards
     plan: Plan
+    tally: Tally
     name = "the shards of the run"
+
+    @property
+    def types(self) -> dict[str, np.dtype[Any]]:
+        """The kinds of the numbers of each case. Raises `Damaged`."""
+        return _number_types(self._read(0, 1))
 
     def read(self, where: Where) -> Piece | None:
         """The cases of a box that the run solves. Raises `Damaged`."""
         start, stop = span(where, self.plan.shape)
         new = self.plan.new
         if new is None:
-            return np.arange(stop - start), self.parts.read_cases(start, stop)
+            return np.arange(stop - start), self._read(start, stop)
         a, b = np.searchsorted(new, [start, stop])
-        return (new[a:b] - start, self.parts.read_cases(a, b)) if a < b else None
+        return (new[a:b] - start, self._read(a, b)) if a < b else None
+
+    def _read(self, start: int, stop: int) -> Columns:
+        """The columns of cases that were solved, with the branches of a sweep from 0.
+
+        Whole numbers stay whole where all cases of the study are solved.
+        """
+        columns = self.parts.read_cases(start, stop)
+        if self.plan.study.sweeps:
+            columns["branch"] = outcomes.number_branches(columns["branch"], self.tally["branch"])
+        if self.tally["solved"][False]:
+            columns |= {k: v.astype(float) for k, v in columns.items() if v.dtype.kind == "i" and k != "branch"}
+        return columns
 
 
-def gather(
-    sources: Sequence[FileSource | ShardSource], shape: tuple[int, ...], bytes_a_case: int,
-    name_of: Callable[[int], str] = str,
+Source = FileSource | ShardSource
+
+
+def _number_types(columns: Mapping[str, Any]) -> dict[str, np.dtype[Any]]:
+    return {name: values.dtype for name, values in columns.items() if values.dtype.kind in "biuf"}
+
+
+def _gather(
+    sources: Sequence[Source], shape: tuple[int, ...], most: int, types: Mapping[str, np.dtype[Any]],
+    name_of: Callable[[int], str],
 ) -> Iterator[tuple[Where, Columns]]:  # fmt: skip
-    """The columns of each box of cases, in flat order, each case from the first source that holds it.
+    """The columns of each box of at most so many cases, in flat order, each case from the first source that holds it.
 
-    name_of: what a message says of a case, by its flat index. Raises `InputError` where two sources differ in a case.
+    Raises `InputError` where two sources differ in a case.
     """
-    for where in blocks(shape, max(1, WINDOW // bytes_a_case)):
+    for where in blocks(shape, most):
         parts = [(source.name, source.read(where)) for source in sources]
         held = [(name, *piece) for name, piece in parts if piece is not None]
-        yield where, held[0][2] if len(held) == 1 else _combine(held, *span(where, shape), name_of)
+        columns = held[0][2] if len(held) == 1 else _combine(held, *span(where, shape), name_of)
+        yield (
+            where,
+            {name: values.astype(types.get(name, values.dtype), copy=False) for name, values in columns.items()},
+        )
 
 
 def _combine(
-    pieces: Sequence[tuple[str, NDArray[np.int64], Columns]], start: int, stop: int, name_of: Callable[[int], str]
+    pieces: Sequence[tuple[str, Places, Columns]], start: int, stop: int, name_of: Callable[[int], str]
 ) -> Columns:
     """The columns of the cases `start` to `stop`; pieces: the name of a source, its cases among them, their columns."""
     owner = np.full(stop - start, -1)
@@ -131,41 +165,61 @@ def _same_bits(a: NDArray[Any], b: NDArray[Any]) -> bool:
 
 
 def assemble(plan: Plan, parts: Shards, output: Path, tally: Tally) -> dict[str, Any]:
-    """Write the dataset of all shards, and of the cases of the existing file, in place of that file.
+    """Merge the cases of the existing file with those of all shards, in place of that file; the statistics of the new.
 
-    tally: counts of solved, outcome, caution and branch over all cases. Returns the statistics of the file. Raises
-    `shards.Damaged` for a damaged shard and `OSError` where the disk is full; the existing file then stays as it was.
+    tally: counts of solved, outcome, caution and branch over all cases. Raises `shards.Damaged` for a damaged shard,
+    `InputError` for a damaged file and `OSError` where the disk is full; the existing file then stays as it was.
     """
     aside = parts.folder / f".{output.name}"
     variables = schema.case_variables(plan.study, plan.dimensions)
     try:
         frame = dataset.frame(plan.study, plan.dimensions, remarks(plan))
         with ExitStack() as stack:
-            sources: list[FileSource | ShardSource] = [ShardSource(parts, plan)]
+            sources: list[Source] = [ShardSource(parts, plan, tally)] if plan.todo else []
             if plan.places is not None:
-                held = stack.enter_context(writing.open_file(output))
-                source = FileSource(str(output), held, list(variables), plan.places)
-                sources = [source, *sources] if plan.todo else [source]
-            gathered = gather(sources, plan.shape, bytes_a_case(plan.study))
-            windows = ((where, _final(columns, tally, plan.study.sweeps)) for where, columns in gathered)
-            statistics = store_cases(frame, aside, bytes_a_case(plan.study), variables, windows, plan.recipe, tally)
+                held = stack.enter_context(reading.open_study(output))
+                sources = [FileSource(str(output), held, list(variables), plan.places), *sources]
+            statistics = combine(sources, frame, variables, aside, plan.recipe, tally)
         atomic.move(aside, output)
         return statistics
     finally:
         aside.unlink(missing_ok=True)
 
 
-def store_cases(
-    frame: xr.Dataset, path: Path, bytes_a_case: int, variables: schema.CaseVariables,
-    windows: Iterable[tuple[Where, Columns]], recipe: Mapping[str, Any] | None, tally: Tally | None = None,
+def combine(
+    sources: Sequence[Source], frame: xr.Dataset, variables: schema.CaseVariables, path: Path,
+    recipe: Mapping[str, Any] | None, tally: Tally | None = None, name_of: Callable[[int], str] = str,
 ) -> dict[str, Any]:  # fmt: skip
-    """Write a study to a new file, and judge it; its statistics.
+    """Write a study whose cases are those of several sources to a new file, and judge it; its statistics.
 
-    frame, variables, windows: as of `writing.write_cases`. recipe: stored beside the statistics, from which a later run
-    knows what the file holds; None: neither is stored. tally: of all cases, where it is known. Raises `OSError`.
+    Parameters
+    ----------
+    sources
+        Each case is taken from the first that holds it, and is equal in all.
+    frame, variables
+        The dataset of all that is not stored of each case; what is, with its dimensions and attributes.
+    recipe
+        Stored beside the statistics, from which a later run knows what the file holds; None: neither is stored.
+    tally
+        Of all cases, where it is known.
+    name_of
+        What a message says of a case, by its flat index.
+
+    Raises
+    ------
+    InputError
+        Where two sources differ in a case, or a file is damaged.
+    OSError
+        Where the disk is full.
     """
-    cases = prod(frame.sizes[dim] for dim in variables["outcome"][0])
-    writing.write_cases(frame, path, frame.nbytes + bytes_of_file(cases, bytes_a_case), variables, windows)
+    axes = variables["outcome"][0]
+    shape = tuple(frame.sizes[dim] for dim in axes)
+    each = [source.types for source in sources]
+    types = {name: np.result_type(*(types[name] for types in each)) for name in each[0]}
+    numbers = {name: prod(frame.sizes[dim] for dim in dims[len(axes) :]) for name, (dims, _) in variables.items()}
+    size = sum(8 * count if name in types else TEXT_BYTES for name, count in numbers.items())  # of a case
+    windows = _gather(sources, shape, max(1, WINDOW // size), types, name_of)
+    writing.write_cases(frame, path, frame.nbytes + bytes_of_file(prod(shape), size), variables, windows)
     with writing.open_file(path) as ds:
         statistics = statistics_of(ds, tally)
     with h5py.File(path, "a") as file:
@@ -174,16 +228,3 @@ def store_cases(
             file.attrs["recipe"], file.attrs["statistics"] = json.dumps(recipe), json.dumps(statistics)
         file_checks.store_sums(file)
     return statistics
-
-
-def _final(columns: Columns, tally: Tally, sweeps: bool) -> Columns:
-    """The columns as they are stored: branches of a sweep from 0, and numbers that some case has not as floats.
-
-    Whole numbers stay whole where all cases are solved.
-    """
-    final = dict(columns)
-    if sweeps:
-        final["branch"] = outcomes.number_branches(final["branch"], tally["branch"])
-    if tally["solved"][False]:
-        final |= {k: v.astype(float) for k, v in final.items() if v.dtype.kind == "i" and k != "branch"}
-    return final

@@ -23,8 +23,7 @@ from studies.grammar.formulas import FORCES, LENGTHS
 
 from ..words import escaping
 from . import refined, schema
-from .grid_io import pieces
-from .schema import CURVES, FORMAT, INNER, JUDGED, LABEL, LINE, LOADS, SECTION, show
+from .schema import CURVES, FORMAT, INNER, JUDGED, LABEL, LINE, LOADS, SECTION, pieces, show
 
 Check = Callable[[xr.Dataset], Iterator[str]]
 

@@ -23,8 +23,7 @@ import numpy as np
 
 from solver.problem.errors import InputError
 
-from .grid_io import blocks
-from .schema import show
+from .schema import blocks, show
 
 # What h5py, h5netcdf, xarray and pydantic raise on files that are not HDF5, not netCDF, cut short or damaged.
 UNREADABLE = (

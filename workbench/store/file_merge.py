@@ -2,7 +2,6 @@
 
 import contextlib
 import json
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from math import prod
@@ -11,7 +10,6 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from solver.problem.errors import InputError, choices
 from studies import TABLE_1, Study
@@ -21,8 +19,7 @@ from studies.language.study_data import SOURCES
 
 from ..words import cautions
 from . import assembly, atomic, reading, schema, stored_case, writing
-from .plan import TEXT_BYTES
-from .recipe import axis_line
+from .recipe import Places, axis_line, unite
 from .selection import SAME
 
 # Attributes in which merged files may not differ, and their names in messages.
@@ -46,7 +43,7 @@ def merge(files: Sequence[Path], out: Path, force: bool = False) -> dict[str, An
         studies = [stored_case.study_of(ds) for ds in opened]
         names = [str(path) for path in files]
         axis, axes = _axis(opened, studies, names), schema.axes_of(opened[0])
-        union, places = _unite([_dimension(ds, studies[0], axis) for ds in opened])
+        union, places = unite([_dimension(ds, studies[0], axis) for ds in opened])
         attrs = _attributes(opened, studies[0], union, names, out)
         writing.check_parent(out)
         if not force:
@@ -61,20 +58,15 @@ def merge(files: Sequence[Path], out: Path, force: bool = False) -> dict[str, An
             rows = [place if dim == axis else np.arange(n) for dim, n in zip(axes, shape, strict=True)]
             sources.append(assembly.FileSource(name, ds, cases, rows))
         variables = {name: (tuple(map(str, first[name].dims)), first[name].attrs) for name in cases}
-        kinds = {name: [ds[name].dtype for ds in opened] for name in cases if first[name].dtype.kind in "biuf"}
-        types = {name: np.result_type(*each) for name, each in kinds.items()}  # whole numbers where all are whole
-        size = sum(prod(first[name].shape[len(axes) :]) * (8 if name in types else TEXT_BYTES) for name in cases)
         along = axes.index(axis)
 
         def name_of(case: int) -> str:
             return f"{axis} = {union.coordinate[np.unravel_index(case, shape)[along]]:.10g}"
 
-        gathered = assembly.gather(sources, shape, size, name_of)
-        windows = ((where, {name: values.astype(types.get(name, values.dtype), copy=False)
-                            for name, values in columns.items()}) for where, columns in gathered)  # fmt: skip
         with atomic.refusing(out), atomic.replacement(out) as aside:
-            recipe = _recipe(opened, union)
-            statistics = assembly.store_cases(frame.assign_attrs(attrs), aside, size, variables, windows, recipe)
+            statistics = assembly.combine(
+                sources, frame.assign_attrs(attrs), variables, aside, _recipe(opened, union), name_of=name_of
+            )
     unsolved, laws, caution = statistics["unsolved"], statistics["laws"], cautions.tell(statistics["cautions"])
     counts = {"cases": prod(shape), "unsolved": unsolved, "laws": laws, "caution": caution}
     return {"file": str(out), "axis": axis, "values": union.size, **counts}
@@ -94,31 +86,9 @@ def _dimension(ds: xr.Dataset, study: Study, axis: str) -> Dimension:
     return Dimension(field, {field: ds[axis].values})
 
 
-def _unite(parts: Sequence[Dimension]) -> tuple[Dimension, list[NDArray[np.int64]]]:
-    """The values that several files hold of a dimension, each once; and where each file holds each of them, or -1.
-
-    Those of an axis rise, samples keep their order. A value is known to the bit; a sample that a file holds several
-    times stays so.
-    """
-    numbers: dict[tuple[float | int, ...], int] = {}
-    held = []
-    for part in parts:
-        seen: Counter[tuple[float, ...]] = Counter()
-        place: dict[int, int] = {}
-        for i, row in enumerate(zip(*(values.tolist() for values in part.fields.values()), strict=True)):
-            place[numbers.setdefault((*row, seen[row]), len(numbers))] = i
-            seen[row] += 1
-        held.append(place)
-    rows = np.array([key[:-1] for key in numbers])
-    order = np.arange(len(rows)) if parts[0].name == SAMPLE else np.argsort(rows[:, 0])
-    places = [np.array([place.get(number, -1) for number in order.tolist()]) for place in held]
-    fields = {name: rows[order, k] for k, name in enumerate(parts[0].fields)}
-    return Dimension(parts[0].name, fields), places
-
-
 def _frame(
     files: Sequence[xr.Dataset], names: Sequence[str], cases: Sequence[str], axis: str, union: Dimension,
-    places: Sequence[NDArray[np.int64]],
+    places: Sequence[Places],
 ) -> xr.Dataset:  # fmt: skip
     """The dataset of all that is not stored of each case.
 

@@ -79,7 +79,7 @@ def run(study: Study, tol: float | None = None, method: str | None = None) -> xr
             "GB; workbench run stores them as they are solved"
         )
     parts: list[Columns] = []
-    for so_far, start, stop in rounds(work, None, lambda *_: parts[-1]):
+    for so_far, start, stop in rounds(work, lambda *_: parts[-1]):
         if start < stop:
             blocks = so_far.chunk(start, stop).blocks(so_far.block)
             parts.append(join([block_of(so_far.study, part) for part in blocks]))

@@ -14,8 +14,7 @@ from studies.laws.verdicts import Law, by_line, decide, refusal, targets
 
 from ..words import outcomes
 from . import refined, schema
-from .grid_io import pieces
-from .schema import SAMPLING, TEXTS, Columns, dimension
+from .schema import SAMPLING, TEXTS, Columns, dimension, pieces
 
 if TYPE_CHECKING:
     import xarray as xr

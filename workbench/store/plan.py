@@ -1,7 +1,6 @@
 """What a run has to do: its cases in order, blocks and chunks, the disk space that they need; and which of them a file
 already holds. Needs no xarray."""
 
-import json
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -9,7 +8,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-import h5py
 import numpy as np
 from numpy.typing import NDArray
 
@@ -21,11 +19,11 @@ from studies.language import refine as tables
 from studies.language.refinement import OUTCOME, Refinement
 from studies.language.study_data import SOURCES
 
-from . import case_solutions, file_checks, refined, shards
+from . import case_solutions, refined, shards
 from .block import Chunk
 from .case_solutions import Sweep
-from .recipe import axis_line, differences, recipe_of, versions_of_code
-from .schema import FORMAT, TEXTS, Columns, dimension, shapes
+from .recipe import Places, StoredRun, differences, extend, look, recipe_of, versions_of_code
+from .schema import TEXTS, Columns, shapes
 
 # Cases in a block: enough for NumPy, few enough for the cache; fewer where each case is solved by itself.
 BLOCK, BLOCK_ALONE = 512, 32
@@ -35,16 +33,6 @@ TEXT_BYTES = 200  # of outcome and caution in the file: references, and texts wi
 SPARE = 4 * 2**20  # bytes for coordinates, attributes, half-filled packets and the lists of an HDF5 file
 
 FOLLOWED, MIDDLE = "the case from which the others continue", "the case in the middle of the grid"
-
-
-@dataclass(frozen=True, eq=False)
-class StoredRun:
-    """A complete file: its study's name, its recipe, its samples and axes, and its statistics."""
-
-    name: str
-    recipe: dict[str, Any]
-    dimensions: Dimensions
-    statistics: dict[str, Any]
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +62,7 @@ class Plan:
         return self.dimensions.size
 
     @cached_property
-    def places(self) -> list[NDArray[np.int64]] | None:
+    def places(self) -> list[Places] | None:
         """For each dimension the index of each value in the file, -1 where it has none; without a file None.
 
         Raises `InputError` where a refined study has other cases than the file.
@@ -84,7 +72,7 @@ class Plan:
         old = self.stored.dimensions
         if self.refinement is not None:  # the file may hold cases of later rounds
             old = Dimensions(tuple(each.only(np.arange(min(each.size, self.size))) for each in old.each))
-        matched = _match_dimensions(old, self.dimensions)
+        matched = extend(old, self.dimensions)
         if matched is None:
             raise InputError("the existing file was refined to other cases; use --restart to solve all of it again")
         return matched[1]
@@ -247,34 +235,6 @@ def _bytes(count: int) -> str:
 
 
 MOST_TOLD = 5  # differences in one line
-_ROUNDING = 8 * 2.0**-52  # relative; values of an axis that differ by less are the same
-
-
-def look(path: Path) -> StoredRun | None:
-    """The run that stored the file; None where there is no file of this format that was stored by a run.
-
-    Raises `InputError` for a file of a newer format.
-    """
-    try:
-        with file_checks.open_valid(path) as file:
-            version = np.asarray(file.attrs["format"]).item()
-            stored = _read(file) if version == FORMAT else None
-            file_checks.check_sums(file, path, arrays=False)
-    except InputError:
-        return None
-    if version > FORMAT:
-        raise InputError(f"{path} is of format {version}, but this version reads format {FORMAT}")
-    return stored
-
-
-def _read(file: h5py.File) -> StoredRun | None:
-    recipe, statistics = (json.loads(file.attrs[name]) for name in ("recipe", "statistics"))
-    fields = {name: np.asarray(file[dimension(name)][...], dtype=float) for name in recipe["axes"]}
-    if any(recipe["axes"][name] != axis_line(values) for name, values in fields.items()):
-        return None  # changed since by another program
-    axes = {name: fields.pop(name) for name in recipe["order"] if name != SAMPLE}
-    samples = Dimension(SAMPLE, fields) if SAMPLE in recipe["order"] else None
-    return StoredRun(str(file.attrs["study_name"]), recipe, Dimensions.of(axes, samples), statistics)
 
 
 def compare(path: Path, plan: Plan, restart: bool = False) -> Plan:
@@ -309,7 +269,7 @@ def _grow(stored: StoredRun, plan: Plan) -> Plan | None:
     was, refines = stored.recipe, plan.study.refine is not None
     if was.get("order") != plan.recipe["order"] or not plan.shape or ("refine" in was) != refines:
         return None
-    matched = (stored.dimensions, []) if refines else _match_dimensions(stored.dimensions, plan.dimensions)
+    matched = (stored.dimensions, []) if refines else extend(stored.dimensions, plan.dimensions)
     if matched is None:
         return None
     same = Plan(plan.study, matched[0])
@@ -336,60 +296,20 @@ def _is_larger(before: Mapping[str, Any], after: Mapping[str, Any]) -> bool:
     return same and all(before[key] <= after[key] for key in may_grow)
 
 
-def _match_dimensions(old: Dimensions, new: Dimensions) -> tuple[Dimensions, list[NDArray[np.int64]]] | None:
-    """The new dimensions, with the old values to the last digit, and the index of each value among the old.
-
-    None where an old value is not among the new.
-    """
-    each, indices = [], []
-    for before, now in zip(old.each, new.each, strict=True):
-        matched = _match_samples(before, now) if now.name == SAMPLE else _match_axis(before, now)
-        if matched is None:
-            return None
-        each.append(matched[0])
-        indices.append(matched[1])
-    return Dimensions(tuple(each)), indices
-
-
-def _match_samples(old: Dimension, new: Dimension) -> tuple[Dimension, NDArray[np.int64]] | None:
-    """Samples that begin with the old ones, and the index of each among the old, or -1; None where they do not."""
-    if tuple(old.fields) != tuple(new.fields) or old.size > new.size:
-        return None
-    if not all(np.array_equal(values, new.fields[name][: old.size]) for name, values in old.fields.items()):
-        return None
-    index = np.arange(new.size)
-    return new, np.where(index < old.size, index, -1)
-
-
-def _match_axis(old: Dimension, new: Dimension) -> tuple[Dimension, NDArray[np.int64]] | None:
-    """An axis that holds the old values in any order, and the index of each among the old, or -1."""
-    before, values = old.fields[old.name], new.fields[new.name]
-    order = np.argsort(before)
-    right = np.searchsorted(before[order], values)
-    pick = np.stack([order[np.clip(right + shift, 0, before.size - 1)] for shift in (-1, 0)])
-    off = np.abs(before[pick] - values)
-    nearest = np.take_along_axis(pick, off.argmin(axis=0)[None], axis=0)[0]
-    same = off.min(axis=0) <= _ROUNDING * np.abs(values)
-    if np.unique(nearest[same]).size < before.size:
-        return None
-    return Dimension(new.name, {new.name: np.where(same, before[nearest], values)}), np.where(same, nearest, -1)
-
-
-def rounds(work: Plan, output: Path | None, read: Callable[[int, int], Columns]) -> Iterator[tuple[Plan, int, int]]:
+def rounds(work: Plan, read: Callable[[int, int], Columns]) -> Iterator[tuple[Plan, int, int]]:
     """The plan of all cases up to each round of a study, and the first and the last + 1 of the cases that it solves.
 
     A study that is not refined has one round. Those of a refined study follow from the numbers of the rounds before;
-    its last one solves nothing. Cases are counted among those that the file `output` does not hold. read: the columns
-    of such cases, once they are solved. Raises `InputError` where the file was refined to other cases.
+    its last one solves nothing. Cases are counted among those that the stored file does not hold. read: the columns of
+    such cases, once they are solved. Raises `InputError` where the file was refined to other cases.
     """
     if work.study.refine is None:
         yield work, 0, work.todo
         return
     state = tables.refinement(work.study)
     held = np.empty((0, state.steps.size))
-    if work.stored is not None and output is not None:
-        with h5py.File(output, "r") as file:
-            held = _numbers_to_watch(work.study, {name: file[name][...] for name in (*work.study.wanted, "solved")})
+    if work.stored is not None:
+        held = _numbers_to_watch(work.study, work.stored.read([*work.study.wanted, "solved"]))
     while state.wanted:
         first, last = len(state.numbers), len(state.places)
         start, stop = max(first - len(held), 0), max(last - len(held), 0)

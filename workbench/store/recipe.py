@@ -1,12 +1,17 @@
-"""The recipe of a run: all that its numbers depend on, by which a later run knows whether it continues this one."""
+"""The recipe of a run: all that its numbers depend on, by which a later run knows whether it continues this one.
+
+Also the run that stored a file, and the values along a dimension that several parts of a study hold.
+"""
 
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
 
+import h5py
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,10 +20,15 @@ import studies
 from solver.methods import METHODS, VARYING, available
 from solver.problem.errors import InputError
 from studies import Law, Study
-from studies.grammar.axes import Dimensions
+from studies.grammar.axes import SAMPLE, Dimension, Dimensions
 from studies.language.refine import lattice
 
-from .schema import version_of
+from . import file_checks
+from .schema import FORMAT, Columns, dimension, version_of
+
+Places = NDArray[np.int64]
+
+_ROUNDING = 8 * 2.0**-52  # relative; values of an axis that differ by less are the same
 
 
 def recipe_of(study: Study, dimensions: Dimensions, block: int) -> dict[str, Any]:
@@ -126,3 +136,90 @@ def _tell(value: object) -> str:
     if isinstance(value, list):
         return ", ".join(map(str, value)) or "none"
     return "missing" if value is None else str(value)
+
+
+@dataclass(frozen=True, eq=False)
+class StoredRun:
+    """A complete file: its path, its study's name, its recipe, its samples and axes, and its statistics."""
+
+    path: Path
+    name: str
+    recipe: dict[str, Any]
+    dimensions: Dimensions
+    statistics: dict[str, Any]
+
+    def read(self, names: Iterable[str]) -> Columns:
+        """Variables of each case, (cases,)."""
+        with file_checks.open_valid(self.path) as file:
+            return {name: file[name][...] for name in names}
+
+
+def look(path: Path) -> StoredRun | None:
+    """The run that stored the file; None where there is no file of this format that was stored by a run.
+
+    Raises `InputError` for a file of a newer format.
+    """
+    try:
+        with file_checks.open_valid(path) as file:
+            version = np.asarray(file.attrs["format"]).item()
+            stored = _read(file, path) if version == FORMAT else None
+            file_checks.check_sums(file, path, arrays=False)
+    except InputError:
+        return None
+    if version > FORMAT:
+        raise InputError(f"{path} is of format {version}, but this version reads format {FORMAT}")
+    return stored
+
+
+def _read(file: h5py.File, path: Path) -> StoredRun | None:
+    recipe, statistics = (json.loads(file.attrs[name]) for name in ("recipe", "statistics"))
+    fields = {name: np.asarray(file[dimension(name)][...], dtype=float) for name in recipe["axes"]}
+    if any(recipe["axes"][name] != axis_line(values) for name, values in fields.items()):
+        return None  # changed since by another program
+    axes = {name: fields.pop(name) for name in recipe["order"] if name != SAMPLE}
+    samples = Dimension(SAMPLE, fields) if SAMPLE in recipe["order"] else None
+    return StoredRun(path, str(file.attrs["study_name"]), recipe, Dimensions.of(axes, samples), statistics)
+
+
+def unite(parts: Sequence[Dimension]) -> tuple[Dimension, list[Places]]:
+    """The values that parts of a study have along a dimension, each once; and the index of each in each part, or -1.
+
+    Those of an axis rise, samples keep their order. A value is known to the bit; a sample that a part has several times
+    stays so.
+    """
+    import pandas as pd
+
+    name, fields = parts[0].name, [*parts[0].fields]
+    rows = [pd.DataFrame({field: part.fields[field] for field in fields}) for part in parts]
+    rows = [row.assign(repetition=row.groupby(fields, sort=False).cumcount()) for row in rows]
+    union = pd.concat(rows).drop_duplicates()
+    union = union if name == SAMPLE else union.sort_values(fields)
+    values = pd.MultiIndex.from_frame(union)
+    places = [pd.MultiIndex.from_frame(row).get_indexer(values) for row in rows]
+    return Dimension(name, {field: union[field].to_numpy() for field in fields}), places
+
+
+def extend(old: Dimensions, new: Dimensions) -> tuple[Dimensions, list[Places]] | None:
+    """The new dimensions, with the old values to the last digit, and the index of each value among the old, or -1.
+
+    None where they do not extend the old ones: a value is not among the new, or samples do not begin with the old.
+    """
+    each, places = [], []
+    for before, now in zip(old.each, new.each, strict=True):
+        if tuple(before.fields) != tuple(now.fields):
+            return None
+        union, (held, order) = unite([before, now if now.name == SAMPLE else _with_digits_of(before, now)])
+        if union.size > now.size or (now.name == SAMPLE and (np.diff(order) < 0).any()):
+            return None
+        back = np.argsort(order)
+        each.append(union.only(back))
+        places.append(held[back])
+    return Dimensions(tuple(each)), places
+
+
+def _with_digits_of(old: Dimension, new: Dimension) -> Dimension:
+    """An axis with the old values in place of new ones that differ from them by rounding."""
+    known, values = np.sort(old.fields[old.name]), new.fields[new.name]
+    nearest = known[np.searchsorted((known[1:] + known[:-1]) / 2, values)]
+    same = np.abs(nearest - values) <= _ROUNDING * np.abs(values)
+    return Dimension(new.name, {new.name: np.where(same, nearest, values)})

@@ -1,7 +1,8 @@
 """The schema of stored files: kinds, format, names, dimensions, labels, packing, attributes. Needs no xarray."""
 
 import json
-from collections.abc import Mapping
+import math
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
 FORMAT = 2  # of the file; any other is refused
 CONVENTIONS = "CF-1.11"  # of units, names and missing values; every file says so
 
+Where = tuple[slice, ...]  # a box of cases
 Columns = dict[str, NDArray[Any]]  # name in the file -> (cases, ...)
 CaseVariables = Mapping[str, tuple[tuple[str, ...], Mapping[str, Any]]]  # over all axes: dimensions and attributes
 
@@ -50,6 +52,7 @@ COMPONENTS = {"xyz": ("x", "y", "z"), "director": ("d1", "d2", "d3")}
 INNER = {"position": ("xyz",)}  # dimensions after u, of an output that is not one number at each station
 # The name in the file -> the output. Forces along the rod never take the name of an axis: F1 is the force at the start.
 CURVES = {f"{name}_along" if name in ("F1", "F2", "F3") else name: name for name in OUTPUTS}
+MOST_TOGETHER = 2**16  # values of an HDF5 chunk: 512 kB
 PACKED: Mapping[str, Any] = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
 
 
@@ -97,6 +100,49 @@ def inner_shape(output: str) -> tuple[int, ...]:
 def packing(ndim: int, dtype: "np.dtype[Any]") -> dict[str, Any]:
     """How an array is compressed in the file; scalars and text are not."""
     return dict(PACKED) if ndim and dtype.kind in "biuf" else {}
+
+
+# Grids of cases piece by piece: boxes that follow one another in the flat order, the last axis fastest.
+
+
+def blocks(shape: tuple[int, ...], most: int) -> Iterator[Where]:
+    """Slices that together cover an array in its order, each of at most so many numbers."""
+    if not shape:
+        yield ()
+        return
+    cut = next(k for k in range(len(shape)) if math.prod(shape[k + 1 :]) <= most or k == len(shape) - 1)
+    step = max(1, most // math.prod(shape[cut + 1 :]))
+    for outer in np.ndindex(*shape[:cut]):
+        for start in range(0, shape[cut], step):
+            stop = min(start + step, shape[cut])
+            yield (*(slice(i, i + 1) for i in outer), slice(start, stop), *(slice(0, n) for n in shape[cut + 1 :]))
+
+
+def span(where: Where, shape: tuple[int, ...]) -> tuple[int, int]:
+    """The first and the last + 1 of the cases of a box of `blocks`, in flat order."""
+    start = int(np.ravel_multi_index([part.start for part in where], shape)) if shape else 0
+    return start, start + math.prod(extent(where))
+
+
+def extent(where: Where) -> tuple[int, ...]:
+    """The shape of a box."""
+    return tuple(part.stop - part.start for part in where)
+
+
+def pieces(ds: "xr.Dataset", names: Sequence[str], most: int) -> "Iterator[xr.Dataset]":
+    """These variables of a study's dataset, in memory, for at most so many cases at a time."""
+    dims = ds["solved"].dims
+    for where in blocks(ds["solved"].shape, most):
+        yield ds[list(names)].isel(dict(zip(dims, where, strict=True))).load()
+
+
+def chunk_shape(shape: tuple[int, ...]) -> tuple[int, ...]:
+    """The shape of an HDF5 chunk: a stretch of the flat order."""
+    sizes, left = [], MOST_TOGETHER
+    for size in reversed(shape):
+        sizes.append(max(1, min(size, left)))
+        left //= size
+    return tuple(reversed(sizes))
 
 
 def curve_name(output: str) -> str:

@@ -165,9 +165,9 @@ def run_to_file(
         return _follow(work, output)
     if options.scheduler is None and engines.count_workers(work, work.todo, options.workers) > 1:
         worker_processes.get_ready()  # while this process reads xarray
-    from .writing import check_parent
+    from . import reading, writing
 
-    check_parent(output)
+    writing.check_parent(output)
     folder = shards.folder_of(output)
     with atomic.refusing(output, KEPT), shards.lock(folder):
         work = compare(output, whole, options.restart)
@@ -175,7 +175,10 @@ def run_to_file(
             return _already(work)
         if work.replaced:
             say(work.replaced)
-        recipe = work.recipe if work.stored is None else {**work.recipe, "grows": work.stored.recipe["axes"]}
+        recipe = work.recipe
+        if work.stored is not None:
+            reading.open_study(output, whole=True).close()  # a damaged file is refused before the others are solved
+            recipe = {**recipe, "grows": work.stored.recipe["axes"]}
         return _run(work, shards.begin(folder, recipe, options.restart), output, options, say, progress)
 
 
@@ -220,7 +223,7 @@ def _run(
     with progress(max(work.size, held + kept), held + kept) as meter:
         while statistics is None:
             try:
-                for so_far, start, stop in rounds(work, output, parts.read_cases):
+                for so_far, start, stop in rounds(work, parts.read_cases):
                     meter.total = max(meter.total, so_far.size)
                     _solve(so_far, parts, options, meter, tally, start, stop)
                 statistics = assemble(so_far, parts, output, tally)
