@@ -1,8 +1,8 @@
 """Studies and their laws: the study language (TOML), Table 1 and its readings, verdicts."""
 
 from .language.loader import load, loads, names
-from .language.model import Study
 from .language.readings import READINGS, TABLE_1, Reading
+from .language.study import Study
 from .laws.line_verdicts import Verdict, judge
 from .laws.verdicts import Law
 

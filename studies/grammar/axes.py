@@ -140,6 +140,16 @@ def one_of(kind: str, known: Collection[str]) -> AfterValidator:
     return AfterValidator(check)
 
 
+def check_names(kind: str, names: list[str], known: Collection[str]) -> list[str]:
+    """The names, if all are known and none is repeated. Raises `ValueError`."""
+    for name in names:
+        if name not in known:
+            raise no_such(kind, name, known)
+    if twice := [name for name in names if names.count(name) > 1]:
+        raise ValueError(f"the {kind} {twice[0]!r} is given twice")
+    return names
+
+
 Line = Annotated[str, AfterValidator(_on_one_line)]  # text shown on terminals and in pictures
 Angle = Annotated[float, BeforeValidator(in_rad)]
 

@@ -15,8 +15,8 @@ from solver.problem.trajectory import farthest
 from ..grammar.axes import Which, case_from, quantity_of
 from ..grammar.formulas import FORCES, LENGTHS
 from .loader import load
-from .model import Study
 from .readings import DEFAULT, TABLE_UNITS, parse
+from .study import Study
 
 START_ONLY = {f.name for f in fields(Start)} - {f.name for f in fields(Ends)}
 ENDS_ONLY = {f.name for f in fields(Ends)} - {f.name for f in fields(Start)}

@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import fields
 from fractions import Fraction
 from keyword import iskeyword
 from typing import Any
@@ -10,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from solver import Cylinder, Ends, InputError, Rod, Solution, Start
-from solver.observe.observables import OBSERVABLES, error_name, observe, why_unknown
+from solver import InputError, Solution
+from solver.observe.observables import OBSERVABLES, observe, why_unknown
 from solver.problem.quantities import QUANTITIES, unit_text
 from solver.problem.reduced import flat
 
@@ -32,8 +31,7 @@ from ..grammar.formulas import (
     unit_words,
 )
 from ..laws.verdicts import Law
-from .readings import TABLE_1
-from .study_data import StudyData
+from .study import Study
 
 MOST_EXPRESSIONS = 100
 MOST_NAME = 40  # characters
@@ -55,7 +53,7 @@ def dimension_of(name: str) -> Dimension:
     return Fraction(exponents[0]), Fraction(exponents[1])
 
 
-def names(study: StudyData) -> dict[str, Dimension]:
+def names(study: Study) -> dict[str, Dimension]:
     """The names that the laws of a study may use, with their dimensions: units, numbers of each case, observables.
 
     The fields of the case are those that `[base]`, `[axes]`, Table 1 of a reading, or a default give.
@@ -84,15 +82,6 @@ def own_dimension(text: str, known: Mapping[str, Dimension], units: Mapping[str,
     return PLAIN
 
 
-def with_unit(given: Any) -> Any:
-    """An expression of a study file as one text: ``{ formula = "a/b", unit = "MPa" }`` is ``a/b in MPa``."""
-    if not isinstance(given, dict):
-        return given
-    if set(given) != {"formula", "unit"} or not all(isinstance(text, str) for text in given.values()):
-        raise ValueError(f'an expression is a text, or {{ formula = "...", unit = "..." }}, got {given!r}')
-    return f"{given['formula']}{IN}{given['unit']}"
-
-
 def unit_names(units: Mapping[str, str]) -> dict[str, Dimension]:
     """The units of a study as names, each the number 1: ``cm`` and ``N``, so that ``10*cm`` is a length."""
     return {
@@ -101,7 +90,7 @@ def unit_names(units: Mapping[str, str]) -> dict[str, Dimension]:
     }
 
 
-def check(study: StudyData) -> None:
+def check(study: Study) -> None:
     """Raise `Misplaced` unless every expression has a free name, a valid formula, names above it and fitting units."""
     if len(study.expressions) > MOST_EXPRESSIONS:
         raise Misplaced(
@@ -129,7 +118,7 @@ def check(study: StudyData) -> None:
             raise Misplaced(str(error), "expressions", name) from None
 
 
-def check_law(study: StudyData, number: int, law: Law) -> None:
+def check_law(study: Study, number: int, law: Law) -> None:
     """Raise `Misplaced` unless the formulas of a law use known names and have the unit of what they stand for."""
     known, units = names(study), study.unit_system
     for key, formula in law.formulas.items():
@@ -145,22 +134,15 @@ def check_law(study: StudyData, number: int, law: Law) -> None:
             raise Misplaced(str(error), "laws", number, key) from None
 
 
-def unit(study: StudyData, name: str) -> str:
+def unit(study: Study, name: str) -> str:
     """The unit of an expression: its own, or that of its formula in the units of the study."""
     if text := parse(study.expressions[name]).unit:
         return text
     return unit_text(names(study)[name], study.unit_system)
 
 
-def error_of(study: StudyData, name: str) -> str | None:
-    """The name of the error of an observable or expression, or None for a whole number."""
-    if name not in study.expressions:
-        return error_name(name)
-    return None if parse(study.expressions[name]).whole else f"{name}_error"
-
-
 def observables_of(
-    study: StudyData, sol: Solution, wanted: Iterable[str], given: Mapping[str, Any]
+    study: Study, sol: Solution, wanted: Iterable[str], given: Mapping[str, Any]
 ) -> tuple[dict[str, NDArray[Any]], NDArray[np.str_]]:
     """Observables and expressions of a solution with their errors, (cases,) each, and remarks on missing values.
 
@@ -204,7 +186,7 @@ def _error(formula: Formula, known: Mapping[str, Any], values: NDArray[np.float6
     return total + 8 * 2.0**-52 * np.abs(values)
 
 
-def _number(study: StudyData, sol: Solution, name: str, given: Mapping[str, Any]) -> Any:
+def _number(study: Study, sol: Solution, name: str, given: Mapping[str, Any]) -> Any:
     """A number of each case by its name, (cases,) or one for all."""
     if name in unit_names(study.unit_system):
         return 1.0
@@ -219,31 +201,12 @@ def _number(study: StudyData, sol: Solution, name: str, given: Mapping[str, Any]
                 return flat(getattr(part, name), case.shape)
     if name in given:
         return np.reshape(given[name], -1)
-    return float(as_given(study)[name])
+    return float(study.constants[name])
 
 
-def as_given(study: StudyData) -> dict[str, Any]:
-    """The numbers that are the same in all cases, as the study gives them: of its base, of Table 1, or by default."""
-    return {**(TABLE_1 if study.reading else _DEFAULTS), **study.base.given}
-
-
-def numbers_of_laws(study: StudyData) -> dict[str, Any]:
-    """The numbers of `as_given` that formulas of the laws use."""
-    used = {name for law in study.laws for formula in law.formulas.values() for name in formula.names}
-    return {name: value for name, value in as_given(study).items() if name in used and name not in WORDS}
-
-
-_DEFAULTS = {
-    field.name: field.default
-    for kind in (Rod, Cylinder, Start, Ends)
-    for field in fields(kind)
-    if isinstance(field.default, float)
-}
-
-
-def given_fields(study: StudyData) -> list[str]:
+def given_fields(study: Study) -> list[str]:
     """The numeric fields of the case that have a value in every case: given, on an axis, or by default."""
-    fixed = as_given(study)
+    fixed = study.constants
     varied = [name for name in study.varied if name not in study.fields]
     known = [name for name in study.fields if name in fixed or name in study.varied]
     excluded = ("dbeta",) if study.follow else ()  # a followed equilibrium has its own

@@ -21,11 +21,12 @@ from solver.problem.field_values import doubt, warn
 
 from ..grammar.axes import NUMBERS, Axis, Base, Misplaced, Units, Values, Which, is_angle
 from ..laws.verdicts import Law
+from . import study_checks
 from .case_tables import Table
-from .model import Study, key_of
 from .refinement import Refine
 from .samples import Distribution
-from .study_data import SOURCES
+from .study import SOURCES, Study
+from .study_checks import key_of
 
 SHIPPED = Path(__file__).parents[1]
 
@@ -209,10 +210,18 @@ def _study(data: dict[str, Any], text: str, default_name: str, context: Mapping[
         given = data.get("table")
         data["table"] = {**(given if isinstance(given, dict) else {}), "file": str(cases.absolute())}
     try:
-        study = Study.model_validate(data, context=context)
+        study = Study.model_validate(data)
+        study._samples = (
+            context["samples"]
+            if "samples" in context
+            else study_checks.read_samples(study, context.get("folder", Path()))
+        )
+        study_checks.check(study)
     except ValidationError as error:
         where, sentence = sentence_of(error)
         raise Refused(sentence, where) from None
+    except Misplaced as error:
+        raise Refused(str(error), error.path) from None
     study._text = text if cases is None else dumps(study)
     if not context.get("draw", True):
         return study

@@ -1,6 +1,6 @@
 """The table [refine] of a study: what is watched, and how finely its boundary is located."""
 
-from math import ceil, log2, prod
+from math import prod
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,18 +8,18 @@ from numpy.typing import NDArray
 from solver.observe.observables import OBSERVABLES, is_count
 from solver.problem.errors import choices, near
 
-from ..grammar.axes import SAMPLE, Dimension, Misplaced, Values, no_key
+from ..grammar.axes import Misplaced, Values, no_key
 from ..grammar.formulas import parse
 from ..laws.verdicts import Law, by_line
-from .refinement import OUTCOME, Lattice, Lines, Refinement
-from .study_data import StudyData, check_equilibrium
+from .refinement import OUTCOME, Lines, Refinement
+from .study import Study
 
 LEVEL = "level"  # the coordinate of a refined study: how many halvings made a case
 MOST_PLACES = 2**31  # along an axis
 APART = 1e-14  # least relative difference of neighbouring values
 
 
-def check(study: StudyData) -> None:
+def check(study: Study) -> None:
     """Raise `Misplaced` unless the table fits the axes and the observables of the study."""
     table = study.refine
     assert table is not None
@@ -44,7 +44,7 @@ def check(study: StudyData) -> None:
     _check_finest(study)
 
 
-def _check_law(study: StudyData, claim: str) -> None:
+def _check_law(study: Study, claim: str) -> None:
     """Raise `Misplaced` unless one law has this claim, uses no formula, and has lines beside each other."""
     known = [law.claim for law in study.laws]
     if known.count(claim) != 1:
@@ -57,7 +57,7 @@ def _check_law(study: StudyData, claim: str) -> None:
         raise Misplaced(f"the law {claim} has a formula; watch a law of numbers alone", "refine", "laws")
 
 
-def _check_watched(study: StudyData, name: str, has_step: bool) -> None:
+def _check_watched(study: Study, name: str, has_step: bool) -> None:
     """Raise `Misplaced` unless a watched name is known, and a real number has its step."""
     known = (*OBSERVABLES, *study.expressions, OUTCOME)
     if name not in known:
@@ -73,12 +73,12 @@ def _check_watched(study: StudyData, name: str, has_step: bool) -> None:
         raise Misplaced("the outcome is solved or not, and has no step", "refine", "steps", name)
 
 
-def _check_finest(study: StudyData) -> None:
+def _check_finest(study: Study) -> None:
     """Raise `Misplaced` where the finest values of an axis would not be distinct."""
     table = study.refine
     assert table is not None
     key = "points" if table.tolerance is None else "tolerance"
-    grid = lattice(study)
+    grid = study.lattice
     for (name, values), places in zip(grid.axes.items(), grid.sizes, strict=True):
         step = np.diff(values).min() / 2.0**grid.depth
         if not (places < MOST_PLACES and step > APART * np.abs(values).max()):
@@ -86,31 +86,21 @@ def _check_finest(study: StudyData) -> None:
             raise Misplaced(why, "refine", key)
 
 
-def lattice(study: StudyData) -> Lattice:
-    """The lattice of a refined study: its axes in rising order, halved until their steps are within the tolerance."""
-    assert study.refine is not None
-    axes: dict[str, Values] = {name: np.sort(axis.numbers()) for name, axis in study.axes.items()}
-    geometric = frozenset(name for name, axis in study.axes.items() if axis.spacing == "geometric")
-    coarse = Lattice(axes, geometric, 0)
-    halvings = log2(coarse.share(0) / study.refine.share)
-    return Lattice(axes, geometric, max(0, ceil(halvings - 1e-9)))  # rounding makes no further halving
-
-
-def refinement(study: StudyData) -> Refinement:
+def refinement(study: Study) -> Refinement:
     """The refinement of a study before anything is solved."""
     table = study.refine
     assert table is not None
     steps = [*table.changes.values(), *(np.inf for _ in table.laws)]
     lines = [_lines(study, law, i) for i, law in enumerate(laws_to_watch(study), len(table.watch))]
-    return Refinement(lattice(study), np.array(steps, dtype=float), table.budget, tuple(lines))
+    return Refinement(study.lattice, np.array(steps, dtype=float), table.budget, tuple(lines))
 
 
-def laws_to_watch(study: StudyData) -> list[Law]:
+def laws_to_watch(study: Study) -> list[Law]:
     """The laws whose verdict is watched."""
     return [law for claim in (study.refine.laws if study.refine else ()) for law in study.laws if law.claim == claim]
 
 
-def _lines(study: StudyData, law: Law, column: int) -> Lines:
+def _lines(study: Study, law: Law, column: int) -> Lines:
     """The lines of a watched law, whose observable is this column of the numbers."""
     along = np.sort(study.axes[law.axis].numbers())
     text = study.expressions.get(law.observable)
@@ -123,7 +113,8 @@ def _lines(study: StudyData, law: Law, column: int) -> Lines:
     return Lines(list(study.axes).index(law.axis), column, judge)
 
 
-def coarse(study: StudyData) -> Dimension:
-    """The cases of the coarse grid, as samples."""
-    grid = lattice(study)
-    return Dimension(SAMPLE, grid.values(grid.coarse()))
+def check_equilibrium(study: Study, several: str) -> None:
+    """Raise `Misplaced` where a study of several cases, as the words say, names the equilibrium of one."""
+    if study.equilibrium is not None and study.equilibrium.dbeta0 is not None:
+        why = f"dbeta0 and energy name the equilibrium of one case, and {several}: give choose or index"
+        raise Misplaced(why, "equilibrium", "dbeta0")

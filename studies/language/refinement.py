@@ -13,6 +13,7 @@ the budget is spent. The rounds follow from the numbers alone.
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise, product
+from math import ceil, log2
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +21,7 @@ from pydantic import BaseModel, Field, model_validator
 
 from solver.problem.errors import choices
 
-from ..grammar.axes import MAX_COUNT, STRICT, Misplaced, Values
+from ..grammar.axes import MAX_COUNT, STRICT, Axis, Misplaced, Values
 
 Places = NDArray[np.int64]
 
@@ -183,6 +184,13 @@ class Refine(BaseModel):
     def share(self) -> float:
         """The tolerance as a share of an axis."""
         return self.tolerance if self.tolerance is not None else 1 / ((self.points or 2) - 1)
+
+    def lattice(self, axes: Mapping[str, Axis]) -> Lattice:
+        """The lattice of a study: its axes in rising order, halved until their steps are within the tolerance."""
+        values = {name: np.sort(axis.numbers()) for name, axis in axes.items()}
+        geometric = frozenset(name for name, axis in axes.items() if axis.spacing == "geometric")
+        halvings = log2(Lattice(values, geometric, 0).share(0) / self.share)
+        return Lattice(values, geometric, max(0, ceil(halvings - 1e-9)))  # rounding makes no further halving
 
 
 TOLERANCE, BUDGET = "tolerance", "budget"  # what ends a refinement

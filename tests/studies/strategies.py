@@ -9,7 +9,7 @@ from solver.observe.observables import OBSERVABLES
 from studies import READINGS, TABLE_1
 from studies.grammar.axes import FORCES, LENGTHS, in_rad
 from studies.language.readings import TABLE_UNITS
-from studies.language.study_data import OUTPUTS
+from studies.language.study import OUTPUTS
 from studies.laws.line_verdicts import DIRECTIONS, KINDS, MONOTONE
 
 # For each field a range in which the solver takes every value, whatever the others are.

@@ -9,7 +9,7 @@ import pytest
 from solver import observe, solve
 from studies.grammar.axes import FORCES, LENGTHS
 from studies.language.loader import load, loads
-from studies.language.study_data import OUTPUTS
+from studies.language.study import OUTPUTS
 
 DOCS = Path(__file__).parents[2] / "docs"
 GUIDE = (DOCS / "how-to" / "write-a-study.md").read_text(encoding="utf-8").split("<!-- part -->")[0]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from studies.language.loader import dumps, loads
-from studies.language.refine import lattice, refinement
+from studies.language.refine import refinement
 from studies.language.refinement import BUDGET, TOLERANCE, Lattice, Lines, Refinement, refinement_of
 
 HEAD = 'title = "r"\nreading = "force-first/tension/paper"\n'
@@ -32,7 +32,7 @@ def test_a_refined_study_begins_as_its_coarse_grid_and_watches_what_it_stores() 
 
 
 def test_halvings_make_equal_ratios_or_equal_differences_as_the_axis_does() -> None:
-    found = lattice(study(table=TABLE.replace("tolerance = 0.01", "points = 13")))
+    found = study(table=TABLE.replace("tolerance = 0.01", "points = 13")).lattice
     assert (found.depth, found.sizes) == (2, (17, 13))
     places = np.indices(found.sizes).reshape(2, -1).T
     values = found.values(places)

@@ -9,7 +9,7 @@ import xarray as xr
 import workbench.accessor  # noqa: F401  (registers ds.rod)
 from solver import InputError, solve
 from solver.methods import METHODS, Verlet
-from studies.language.study_data import OUTPUTS
+from studies.language.study import OUTPUTS
 from tests.slow import slow_but
 from tests.workbench import small
 from tests.workbench.command import output_of

@@ -15,7 +15,7 @@ from solver.observe.observables import OBSERVABLES, is_count
 from solver.problem.quantities import unit_of
 from studies import load, names
 from studies.language.loader import loads
-from studies.language.study_data import OUTPUTS
+from studies.language.study import OUTPUTS
 from studies.laws.line_verdicts import KINDS as KINDS_OF_LAWS
 from tests.workbench import doc_pages
 from tests.workbench.pictures import pixels

@@ -9,7 +9,7 @@ import pytest
 
 from solver.problem.errors import near
 from studies.grammar.axes import Base, Units
-from studies.language.model import Study
+from studies.language.study import Study
 from tests.slow import slow
 from workbench.commands.case_options import FIELDS
 

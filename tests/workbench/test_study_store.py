@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from solver import InputError, solve
 from studies import load
 from studies.language.loader import loads
-from studies.language.study_data import OUTPUTS
+from studies.language.study import OUTPUTS
 from tests.slow import slow, slow_but
 from tests.workbench import runs, small
 from workbench.store import (

@@ -6,7 +6,7 @@ from solver import Rod
 from solver.observe.observables import observables_of
 from solver.problem.errors import DEFAULT_TOLERANCE, no_such
 from studies import Study
-from studies.language.study_data import OUTPUTS
+from studies.language.study import OUTPUTS
 
 SHAPE = ("beta", "alpha", "z", "contact")
 FORCES = ("F1", "F2", "F3", "M1", "M2")

@@ -15,7 +15,7 @@ import xarray as xr
 from solver.problem.errors import InputError
 from studies import Study, load
 from studies.grammar.axes import Axis
-from studies.language.study_data import MAX_STATIONS, OUTPUTS
+from studies.language.study import MAX_STATIONS, OUTPUTS
 
 from ..figures.scales import is_logarithmic, is_wide
 from ..scene.scene_kinds import Kind

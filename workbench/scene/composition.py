@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from solver.problem.errors import InputError
-from studies.language.study_data import MAX_STATIONS
+from studies.language.study import MAX_STATIONS
 
 from ..figures import canvas, fonts
 from ..figures.arrangement import Arrangement

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from solver import Case
 from studies import Study
 from studies.grammar.axes import SAMPLE, Dimensions, quantity_of
-from studies.language import expressions, refine
+from studies.language import refine
 from studies.language.loader import dumps
 
 from ..words import cautions
@@ -59,7 +59,7 @@ def frame(
     for name, value in schema.numbers_of_case(case).items():
         if name not in coords:
             data[name] = xr.Variable(*_own_dims(value, axes), schema.labels(name, units))
-    for field, value in expressions.numbers_of_laws(study).items():
+    for field, value in study.constants_of_laws.items():
         if schema.dimension(field) not in (*coords, *data, *schema.LOADS):
             data[schema.dimension(field)] = xr.Variable((), float(value), _axis_labels(study, field))
     u = np.linspace(0.0, 1.0, study.stations)
@@ -82,7 +82,7 @@ def _coordinates(study: Study, over: Dimensions) -> dict[str, Any]:
         for field, values in each.fields.items():
             coords[schema.dimension(field)] = xr.Variable((dim,), values, _axis_labels(study, field))
     if study.refine is not None:
-        lattice = refine.lattice(study)
+        lattice = study.lattice
         levels = lattice.levels(lattice.places(over.fields))
         labels_ = {"units": "1", "long_name": "level of refinement", "symbol": "level"}
         coords[refine.LEVEL] = xr.Variable((SAMPLE,), levels, labels_)

@@ -19,7 +19,7 @@ from solver.mechanics.potential import dimensional_slope, potential
 from solver.mechanics.statics import contact_force, push_from
 from solver.problem.errors import InputError
 from studies import Study
-from studies.language.study_data import OUTPUTS
+from studies.language.study import OUTPUTS
 
 from . import schema
 from .schema import COMPONENTS, axes_left

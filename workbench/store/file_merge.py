@@ -15,7 +15,7 @@ from solver.problem.errors import InputError, choices
 from studies import TABLE_1, Study
 from studies.grammar.axes import SAMPLE, Dimension
 from studies.language.loader import axis_table, dumps
-from studies.language.study_data import SOURCES
+from studies.language.study import SOURCES
 
 from ..words import cautions
 from . import assembly, atomic, reading, schema, stored_case, writing

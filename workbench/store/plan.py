@@ -17,7 +17,7 @@ from studies import Study
 from studies.grammar.axes import SAMPLE, Axis, Dimension, Dimensions, Values, in_words
 from studies.language import refine as tables
 from studies.language.refinement import OUTCOME, Refinement
-from studies.language.study_data import SOURCES
+from studies.language.study import SOURCES
 
 from . import case_solutions, refined, shards
 from .block import Chunk

@@ -21,7 +21,6 @@ from solver.methods import METHODS, VARYING, available
 from solver.problem.errors import InputError
 from studies import Law, Study
 from studies.grammar.axes import SAMPLE, Dimension, Dimensions
-from studies.language.refine import lattice
 
 from . import file_checks
 from .schema import FORMAT, Columns, dimension, version_of
@@ -115,7 +114,7 @@ def _follow_line(study: Study) -> dict[str, Any]:
 def _refine_lines(study: Study) -> dict[str, Any]:
     """The refinement: its keys, the coarse grid, and how often that is halved."""
     assert study.refine is not None
-    grid = lattice(study)
+    grid = study.lattice
     lines = {name: axis_line(values) for name, values in grid.axes.items()}
     return {
         **lines,

@@ -20,7 +20,7 @@ from solver.problem.quantities import quantity, unit_of
 from studies.grammar.axes import CYLINDER, LONGEST_LINE, SAMPLE, WORDS, quantity_of
 from studies.grammar.formulas import parse
 from studies.language import expressions
-from studies.language.study_data import OUTPUTS
+from studies.language.study import OUTPUTS
 from studies.laws.verdicts import Law
 
 from ..words import escaping

@@ -21,7 +21,7 @@ from studies import Study, load
 from studies.grammar.axes import FIELDS, SAMPLE, WORDS, Dimension, Which, in_words, quantity_of
 from studies.language.case_input import CaseInput, from_values, with_fields
 from studies.language.loader import loads
-from studies.language.study_data import MAX_STATIONS
+from studies.language.study import MAX_STATIONS
 
 from . import dataset, in_memory, reading, schema, selection
 from .case_solutions import between, solve_one

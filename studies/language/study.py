@@ -1,0 +1,403 @@
+"""A study: units, a reading of Table 1, a base case, axes, observables, outputs, and laws; and what follows from them.
+
+`study_checks` says whether the parts of a study fit each other.
+"""
+
+from collections.abc import Mapping
+from dataclasses import fields
+from math import prod
+from typing import Annotated, Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, Field, PrivateAttr, ValidationInfo, field_validator
+
+from solver import Case, Cylinder, Ends, InputError, Rod, Start
+from solver.observe.observables import OBSERVABLES, error_name
+from solver.problem.case import DIRECT, PAIRS
+from solver.problem.errors import DEFAULT_TOLERANCE, choices
+from solver.problem.shown import make
+
+from ..grammar import formulas
+from ..grammar.axes import (
+    CYLINDER,
+    ENDS,
+    ROD,
+    SAMPLE,
+    START,
+    STRICT,
+    WORDS,
+    Axis,
+    Base,
+    Dimension,
+    Dimensions,
+    Line,
+    Units,
+    Which,
+    case_from,
+    check_names,
+    read_angles,
+)
+from ..laws.verdicts import Law
+from .case_tables import Table
+from .readings import TABLE_1, parse
+from .refinement import OUTCOME, Lattice, Refine
+from .samples import Sample
+
+# The quantities that can be stored along the rod: names of `Solution`.
+OUTPUTS = (
+    "beta", "dbeta", "alpha", "z", "gamma", "position", "kappa",
+    "F1", "F2", "F3", "FY", "contact", "M1", "M2", "h",
+)  # fmt: skip
+
+# The default observables of a study.
+OBSERVED = ["turns", "wraps", "height", "kappa_max", "contact_size_mean", "attached"]
+
+SOURCES = ("sample", "zip", "table")  # the tables of a study that give fields that vary together
+
+MAX_STATIONS = 100_001
+
+
+class Study(BaseModel):
+    """One study. Without axes and samples it is a single case.
+
+    With a `reading`, base and axes are values as Table 1 prints them (F1 is F10, F3 the size of F30; default: the value
+    of the table), and the reading converts them to a case. Without one they are the fields of the case. `load` makes
+    one from a file; docs/reference/study-file.md says what each key means.
+
+    Examples
+    --------
+    >>> from solver import observe, solve
+    >>> from studies import load
+    >>> study = load("fig7_1_modulus")
+    >>> observe(solve(study.case()), ["turns"])["turns"]
+    array([8, 7, 6, 6, 6, 5, 5, 5, 5])
+    """
+
+    model_config = STRICT
+
+    name: str = Field("study", pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]*$", max_length=200)
+    title: Line
+    units: Units
+    reading: str | None = None
+    base: Base = Base()
+    equilibrium: Which | None = None
+    axes: dict[str, Axis] = {}
+    sample: Sample | None = None
+    zip: dict[str, Annotated[list[float], Field(fail_fast=True)]] | None = None
+    table: Table | None = None
+    refine: Refine | None = None
+    expressions: dict[str, str] = {}
+    observables: list[str] = OBSERVED
+    outputs: list[str] = ["beta", "alpha", "z", "contact"]
+    stations: int = Field(201, ge=2, le=MAX_STATIONS)
+    tol: float = Field(DEFAULT_TOLERANCE, gt=0, lt=1)
+    method: str = "auto"
+    laws: list[Law] = []
+    _text: str = PrivateAttr("")
+    _samples: Dimension | None = PrivateAttr(None)
+
+    @field_validator("reading")
+    @classmethod
+    def _full_reading(cls, value: str | None) -> str | None:
+        return None if value is None else parse(value).name
+
+    @field_validator("expressions", mode="before")
+    @classmethod
+    def _expressions_with_units(cls, given: Any) -> Any:
+        return {name: _with_unit(item) for name, item in given.items()} if isinstance(given, dict) else given
+
+    @field_validator("observables")
+    @classmethod
+    def _known_observables(cls, value: list[str], info: ValidationInfo) -> list[str]:
+        return check_names("observable", value, (*OBSERVABLES, *info.data.get("expressions", ())))
+
+    @field_validator("outputs")
+    @classmethod
+    def _known_outputs(cls, value: list[str]) -> list[str]:
+        if "push" in value:
+            raise ValueError(
+                "no output 'push', did you mean 'contact': it is positive outward, so the push is contact outside and "
+                f"-contact inside; ds.rod.push computes it from the stored arrays; choose from {choices(OUTPUTS)}"
+            )
+        return check_names("output", value, OUTPUTS)
+
+    @field_validator("axes", "sample", "zip", mode="before")
+    @classmethod
+    def _angles_in_rad(cls, given: Any) -> Any:
+        """The fields with angles given as text in rad, a followed axis last."""
+        read = read_angles(given)
+        if not isinstance(read, dict):
+            return read
+        return dict(sorted(read.items(), key=lambda item: isinstance(item[1], dict) and item[1].get("follow") is True))
+
+    @property
+    def text(self) -> str:
+        """The TOML text of the study, or an empty text."""
+        return self._text
+
+    @property
+    def unit_system(self) -> dict[str, str]:
+        """``{"length": "cm", "force": "N"}``."""
+        return self.units.model_dump()
+
+    @property
+    def kind(self) -> type:
+        """Start or Ends, from the names of the given fields."""
+        sampled = self.sampled if self.refine is None else ()
+        said = {*self.base.given, *sampled, *(name for name, axis in self.axes.items() if not axis.follow)}
+        return Ends if said & (set(ENDS) - set(START)) else Start
+
+    @property
+    def held(self) -> tuple[str, ...]:
+        """The given fields of Ends that replace a dead load or an end angle."""
+        said = {*self.base.given, *self.varied}
+        return tuple(partner for _, partner in PAIRS if partner in said)
+
+    @property
+    def reactions(self) -> tuple[str, ...]:
+        """What is stored of held ends besides the loads: the index, and the end angles that are found."""
+        angles = [field for field, partner in PAIRS[:2] if partner in self.held]
+        return ("held_index", *angles) if self.held else ()
+
+    @property
+    def fields(self) -> tuple[str, ...]:
+        """The names of the fields that base may hold."""
+        if self.reading:
+            return (*TABLE_1, "side")
+        return (*ROD, *CYLINDER, *(START if self.kind is Start else ENDS))
+
+    @property
+    def grid(self) -> dict[str, Axis]:
+        """The axes that are dimensions: all, but those of a refined study, whose cases are samples."""
+        return self.axes if self.refine is None else {}
+
+    @property
+    def follow(self) -> Axis | None:
+        """The axis along which the equilibrium of a start problem is followed, or None."""
+        return next((axis for axis in self.axes.values() if axis.follow and axis.is_open), None)
+
+    @property
+    def followed(self) -> str | None:
+        """The name of the axis along which equilibria are followed, or None."""
+        return next((name for name, axis in self.axes.items() if axis.follow), None)
+
+    @property
+    def has_branches(self) -> bool:
+        """Whether each case is labelled with its branch: ends problems over axes."""
+        return bool(self.grid) and self.kind is Ends
+
+    @property
+    def sweeps(self) -> bool:
+        """Whether the study is a sweep, whose cases continue from one another to tell their branches.
+
+        With weight or friction each case continues from the straight rod, whatever its neighbours are.
+        """
+        return self.has_branches and not self.varies
+
+    @property
+    def varies(self) -> bool:
+        """Whether loads vary along the rods: weight or friction is given or varied."""
+        return any(self.base.given.get(name) or name in self.varied for name in ("weight", "friction"))
+
+    @property
+    def size(self) -> int:
+        """Number of cases."""
+        return max(self.samples_count, 1) * prod(axis.size for axis in self.grid.values())
+
+    @property
+    def samples_count(self) -> int:
+        """Number of samples; 0 where nothing is sampled."""
+        if self._samples is None and self.refine is not None:
+            return prod(axis.size for axis in self.axes.values())
+        known = self._samples or self.sample
+        return 0 if known is None else known.size
+
+    @property
+    def sampled(self) -> tuple[str, ...]:
+        """The fields of the samples, those of [sample], [zip] or [table], or the refined axes."""
+        if self.refine is not None:
+            return tuple(self.axes)
+        known = self._samples or self.sample
+        return () if known is None else tuple(known.fields)
+
+    @property
+    def varied(self) -> tuple[str, ...]:
+        """The fields that vary: those of the samples, then the axes."""
+        return (*self.sampled, *self.grid)
+
+    @property
+    def source(self) -> str:
+        """The table of the study that gives the samples."""
+        return next((name for name in SOURCES if getattr(self, name) is not None), SAMPLE)
+
+    @property
+    def samples_sentence(self) -> str:
+        """Where the samples of a study come from, in one sentence; empty where there are none."""
+        if not self.sampled or self.refine is not None:
+            return ""
+        count = f"{self.samples_count} sample{'s' * (self.samples_count != 1)} of {choices(self.sampled)}"
+        if self.sample is not None:
+            return f"{count}: {self.sample.sentence}"
+        return f"{count}, from {self.table.file if self.table is not None else 'the lists of zip'}"
+
+    @property
+    def known_observables(self) -> tuple[str, ...]:
+        """The observables that the rods of the study have: with EI and GJ in place of E there is no stress."""
+        given = {*self.base.given, *self.varied}
+        return tuple(name for name, row in OBSERVABLES.items() if row.needs != "E" or not given & {*DIRECT})
+
+    @property
+    def variation(self) -> str:
+        """What varies, in words: ``the axes E, R``, ``samples of E, R``."""
+        if self.refine is not None:
+            return f"the refined axes {choices(self.axes)}"
+        sampled = [f"samples of {choices(self.sampled)}"] if self.sampled else []
+        return " and ".join([*sampled, *([f"the axes {choices(self.axes)}"] if self.axes else [])])
+
+    def at_stations(self, stations: int) -> Self:
+        """The same study with another number of stations. Raises `InputError`."""
+        if not 2 <= stations <= MAX_STATIONS:
+            raise InputError(f"stations must be from 2 to {MAX_STATIONS}, got {stations}")
+        return self.with_values(stations=stations)
+
+    def with_values(self, **values: Any) -> Self:
+        """The same study with other values of some keys, which its text then has too (`study_text.dumps`)."""
+        other = self.model_copy(update=values)
+        other._text = ""
+        return other
+
+    def with_samples(self, samples: Dimension | None) -> Self:
+        """The same study with other samples."""
+        other = self.model_copy()
+        other._samples = samples
+        return other
+
+    def meaning(self, field: str) -> str:
+        """The meaning of a printed value under the reading of the study, in words; empty if it is the plain field."""
+        return parse(self.reading).meaning(field) if self.reading else ""
+
+    @property
+    def samples(self) -> Dimension | None:
+        """The samples; None if there are none.
+
+        Those of [sample] are drawn when they are first needed; of a refined study they begin as the coarse grid.
+        """
+        if self._samples is None and self.refine is not None:
+            self._samples = Dimension(SAMPLE, self.lattice.values(self.lattice.coarse()))
+        if self._samples is None and self.sample is not None:
+            self._samples = Dimension(SAMPLE, self.sample.points())
+        return self._samples
+
+    @property
+    def lattice(self) -> Lattice:
+        """The lattice of a refined study."""
+        assert self.refine is not None
+        return self.refine.lattice(self.axes)
+
+    @property
+    def wanted(self) -> list[str]:
+        """The observables and expressions to store: those of the study, its laws and its refinement."""
+        judged = [name for law in self.laws for name in law.observables]
+        used = [name for law in self.laws for formula in law.formulas.values() for name in formula.names]
+        stored = [name for name in used if name in OBSERVABLES]
+        watched = [name for name in self.refine.watch if name != OUTCOME] if self.refine else []
+        every = dict.fromkeys([*self.observables, *self.expressions, *judged, *stored, *watched])
+        return [name for name in every if name not in (*self.held, *self.varied)]  # a height that is held is a field
+
+    @property
+    def recorded(self) -> list[str]:
+        """The columns of the observables: each name, followed by the name of its error if it has one."""
+        return [column for name in self.wanted for column in (name, self._error_of(name)) if column]
+
+    def _error_of(self, name: str) -> str | None:
+        """The name of the error of an observable or expression, or None for a whole number."""
+        if name not in self.expressions:
+            return error_name(name)
+        return None if formulas.parse(self.expressions[name]).whole else f"{name}_error"
+
+    @property
+    def constants(self) -> dict[str, Any]:
+        """The fields that are the same in all cases, as given: those of the base, of Table 1, or defaults."""
+        return {**(TABLE_1 if self.reading else _DEFAULTS), **self.base.given}
+
+    @property
+    def constants_of_laws(self) -> dict[str, Any]:
+        """The constant numbers that formulas of the laws use."""
+        used = {name for law in self.laws for formula in law.formulas.values() for name in formula.names}
+        return {name: value for name, value in self.constants.items() if name in used and name not in WORDS}
+
+    def under(self, reading: str | None) -> "Study":
+        """The same study under another reading; a missing word keeps that of the study. Raises `InputError`."""
+        if reading is None:
+            return self
+        if self.reading is None:
+            raise InputError(f"{self.name} does not use Table 1: the reading {reading!r} does not apply")
+        return self.model_copy(update={"reading": parse(reading, parse(self.reading)).name})
+
+    def coarse(self) -> "Study":
+        """The same study without its refinement: the grid of its axes."""
+        return self.model_copy(update={"refine": None}).with_samples(None) if self.refine else self
+
+    def run(self) -> Any:
+        """Solve every case and judge the laws, in memory.
+
+        Returns
+        -------
+        workbench.notebook.StudyRun
+            ``ds``, the dataset; ``verdicts``, one for each law; ``plot()`` and ``scene()``. A notebook shows its laws.
+
+        Raises
+        ------
+        InputError
+            For a study that needs too much memory; `workbench run` stores such a study as it is solved.
+
+        Examples
+        --------
+        >>> from studies import load
+        >>> result = load("fig7_1_modulus").run()
+        >>> result.verdicts[0]
+        ('turns falls along E', 'holds')
+        """
+        return make("workbench.notebook", "StudyRun", self)
+
+    def dimensions(self) -> Dimensions:
+        """The samples, and each axis that is not followed from a start problem."""
+        axes = {name: axis.numbers() for name, axis in self.grid.items() if axis is not self.follow}
+        return Dimensions.of(axes, self.samples)
+
+    def coordinates(self) -> dict[str, NDArray[np.float64]]:
+        """The values of each field that varies and is not followed from a start problem, angles in rad."""
+        return self.dimensions().fields
+
+    def case(self) -> Case:
+        """The whole grid as one case, of shape (size of each axis, in order); of a followed study the base case.
+
+        Raises `InputError` for a value that the solver refuses.
+        """
+        return self.case_of(self.dimensions().open())
+
+    def case_of(self, values: Mapping[str, Any]) -> Case:
+        """The base case with other values of some fields: numbers, or arrays that broadcast. Raises `InputError`."""
+        values = {**self.base.given, **values}
+        if self.reading:
+            side = values.pop("side", "outside")
+            return parse(self.reading).case(values, side)
+        return case_from(self.kind, values)
+
+
+_DEFAULTS = {
+    field.name: field.default
+    for kind in (Rod, Cylinder, Start, Ends)
+    for field in fields(kind)
+    if isinstance(field.default, float)
+}
+
+
+def _with_unit(given: Any) -> Any:
+    """An expression of a study file as one text: ``{ formula = "a/b", unit = "MPa" }`` is ``a/b in MPa``."""
+    if not isinstance(given, dict):
+        return given
+    if set(given) != {"formula", "unit"} or not all(isinstance(text, str) for text in given.values()):
+        raise ValueError(f'an expression is a text, or {{ formula = "...", unit = "..." }}, got {given!r}')
+    return f"{given['formula']}{formulas.IN}{given['unit']}"
