@@ -24,7 +24,7 @@ from solver.problem.quantities import quantity, unit_of
 
 from .branches.equilibria_dataset import all_units, of_solution
 from .branches.equilibria_dataset import dataset_of_loops as dataset_of_loops  # `Loops.to_dataset` looks it up here
-from .store import atomic, dataset, schema, selection
+from .store import atomic, schema, selection
 from .words import cautions, labels
 
 if TYPE_CHECKING:
@@ -257,7 +257,7 @@ def _attributes(sol: Solution, units: Mapping[str, str]) -> dict[str, Any]:
         "title": "An elastic rod on a cylinder" if not case.shape else f"{case.size} elastic rods on cylinders",
         "study_name": "solution", "study": "", "reading": "",
         **schema.attributes_of_case(case, units),
-        "laws": json.dumps([]), "versions": json.dumps(dataset.versions()), "method": sol.method, "tolerance": sol.tol,
+        "laws": json.dumps([]), "versions": json.dumps(schema.versions()), "method": sol.method, "tolerance": sol.tol,
     }  # fmt: skip
 
 

@@ -14,7 +14,7 @@ from tests.slow import slow_but
 from tests.workbench import small
 from tests.workbench.command import output_of
 from workbench.commands import options
-from workbench.store import case_solutions, in_memory, schema, selection, writing
+from workbench.store import block, in_memory, schema, selection, writing
 
 ALL = f"outputs = {list(OUTPUTS)}"
 AXES = "[axes.E]\nvalues = [1e4, 2e4]\n[axes.R]\nvalues = [0.5, 0.75, 1.0]\n"
@@ -58,7 +58,7 @@ def test_what_suffices_is_not_solved_and_what_does_not_is_solved_once(full, monk
 
     ds, _ = full
     calls = []
-    monkeypatch.setattr(stored_case, "solve_one", lambda *args: calls.append(args) or case_solutions.solve_one(*args))
+    monkeypatch.setattr(stored_case, "solve_one", lambda *args: calls.append(args) or block.solve_one(*args))
     kept = ds[["alpha", "beta", "z", "outcome"]]
     for name in ("position", "tangent", "normal", "FY", "F2", "F3", "M2"):
         kept.rod.along(name)

@@ -8,7 +8,7 @@ import pytest
 
 from solver import Case, Cylinder, Ends, Rod, Start, equilibria, solve
 from tests.workbench import small
-from workbench.store import dataset
+from workbench.store import assembly
 from workbench.store.block import columns
 from workbench.words import cautions
 
@@ -62,5 +62,5 @@ def test_an_unsolved_case_gives_no_caution() -> None:
     sol = solve(study.case(), stations=21)
     outcome, solved = np.array(["solved", "failed: on purpose"], dtype=object), np.array([True, False])
     sol = replace(sol, trajectory=replace(sol.trajectory, outcome=outcome, solved=solved))
-    ds = dataset.make(study, study.dimensions(), columns(study, sol))
+    ds = assembly.make(study, study.dimensions(), columns(study, sol))
     assert [", ".join(cautions.keys(text)) for text in ds["caution"].values] == ["overlaps, pulled", ""]

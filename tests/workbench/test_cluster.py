@@ -16,7 +16,7 @@ from studies import load
 from tests.workbench import runs, small
 from tests.workbench.test_faults import DEADLY, GRID, SMALL, TELLING, whole  # noqa: F401  (a fixture)
 from tests.workbench.waiting import until
-from workbench.store import engines, plan, recipe
+from workbench.store import cluster, plan, recipe, worker_processes
 from workbench.store.study_store import Options, run_to_file
 
 distributed = pytest.importorskip("distributed")
@@ -27,7 +27,7 @@ SAMPLES = "[sample]\nsize = 150\n[sample.E]\nfrom = 5e3\nto = 4e4\n[sample.F1]\n
 
 
 def test_a_scheduler_that_is_not_there_is_told_in_one_sentence(tmp_path, monkeypatch) -> None:
-    monkeypatch.setattr(engines, "PATIENCE", 0.3)
+    monkeypatch.setattr(cluster, "PATIENCE", 0.3)
     with pytest.raises(InputError, match=r"^no Dask scheduler answers at tcp://127\.0\.0\.1:9: [^\n]*$"):
         run_to_file(load(runs.study(tmp_path, GRID)), tmp_path / "many.h5", Options(scheduler="tcp://127.0.0.1:9"))
 
@@ -89,9 +89,9 @@ def test_what_goes_wrong_in_a_worker_can_be_sent(monkeypatch, tmp_path) -> None:
     def broken(*args: object) -> bytes:
         raise Unsendable
 
-    monkeypatch.setattr(engines, "solve_chunk", broken)
+    monkeypatch.setattr(cluster, "solve_chunk", broken)
     with pytest.raises(RuntimeError, match="Unsendable") as caught:
-        engines._solve(work.light, work.chunk(0, 4), work.block, recipe.code_version())
+        cluster._solve(work.light, work.chunk(0, 4), work.block, recipe.code_version())
     assert "Unsendable" in str(pickle.loads(pickle.dumps(caught.value)))
 
 
@@ -129,7 +129,7 @@ def test_a_chunk_that_kills_the_clusters_workers_is_recorded_as_failed(tmp_path,
     done = runs.run(tmp_path, *args, before=SMALL)
     assert done.returncode == 1, done.stderr
     with xr.open_dataset(tmp_path / "many.h5") as ds:
-        failed = (ds["outcome"] == engines.KILLED).values.ravel()
+        failed = (ds["outcome"] == worker_processes.KILLED).values.ravel()
         assert failed.nonzero()[0].tolist() == list(range(48, 64))
 
 

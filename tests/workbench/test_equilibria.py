@@ -20,7 +20,7 @@ from workbench.branches.ends_study import DEFAULT, ends_problem, write_cases
 from workbench.branches.equilibria_dataset import dataset_of
 from workbench.commands.case_options import parse_axis
 from workbench.store import in_memory, reading, writing
-from workbench.store.case_solutions import solve_one
+from workbench.store.block import solve_one
 
 MANY = -0.3655, 0.7464, -0.7506
 

@@ -18,7 +18,7 @@ from tests.slow import slow
 from tests.workbench import runs
 from tests.workbench.waiting import alive, until
 from workbench.commands import console
-from workbench.store import engines, recipe, shards
+from workbench.store import recipe, shards, worker_processes
 
 pytestmark = pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL on this system")
 
@@ -156,7 +156,7 @@ def test_a_worker_that_is_killed_costs_a_chunk_which_is_solved_again(whole, tmp_
     assert runs.contents(tmp_path / "many.h5") == whole
 
 
-KILLED = f"{engines.KILLED} (it was killed by SIGKILL)"
+KILLED = f"{worker_processes.KILLED} (it was killed by SIGKILL)"
 DEADLY = (
     SMALL
     + """

@@ -12,7 +12,7 @@ from solver.problem.trajectory import Trajectory
 from studies.language.loader import loads
 from tests.slow import slow
 from tests.workbench import small
-from workbench.store import dataset, in_memory, law_verdicts
+from workbench.store import assembly, in_memory, law_verdicts
 
 SLOW_EULER = slow("euler")  # three seconds
 
@@ -56,7 +56,7 @@ def test_it_is_told_whether_the_error_covers_the_observables(method: str) -> Non
     ends = "beta0 = 0.1\nbetaL = 0.2\n" if kind else ""
     study = loads(f'method = "{method}"\ntol = 0.1\n{text}{ends}')
     sol = solve(study.case(), method=method, tol=0.1)
-    resolved = in_memory.run(study).attrs["observed"] == dataset.RESOLVED
+    resolved = in_memory.run(study).attrs["observed"] == assembly.RESOLVED
     assert resolved == (sol.trajectory.orbit is not None)
 
 

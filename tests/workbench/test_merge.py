@@ -16,7 +16,7 @@ from studies.language.loader import loads
 from tests.slow import slow, slow_but
 from tests.workbench import small
 from tests.workbench.small import axis, law
-from workbench.store import assembly, dataset, file_merge, in_memory, law_verdicts, reading, study_store, writing
+from workbench.store import assembly, file_merge, in_memory, law_verdicts, reading, schema, study_store, writing
 
 RADII = axis("R", [0.5, 0.75, 1.0])
 LAW = law("turns", "E", "falls")
@@ -200,8 +200,8 @@ def test_versions_that_differ_are_both_kept(tmp_path) -> None:
     file_merge.merge(stored(tmp_path, a, b), tmp_path / "all.h5")
     with h5py.File(tmp_path / "all.h5") as file:
         told = json.loads(file.attrs["versions"])
-    assert told["numpy"] == f"{dataset.versions()['numpy']}, 1.0"
-    assert told["scipy"] == dataset.versions()["scipy"]
+    assert told["numpy"] == f"{schema.versions()['numpy']}, 1.0"
+    assert told["scipy"] == schema.versions()["scipy"]
 
 
 @pytest.mark.parametrize("names", [("outcome",), ("outcome", "turns")])

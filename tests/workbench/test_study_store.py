@@ -19,7 +19,6 @@ from tests.workbench import runs, small
 from workbench.store import (
     assembly,
     block,
-    case_solutions,
     in_memory,
     recipe,
     schema,
@@ -111,7 +110,7 @@ class Watched:
 def test_nothing_is_computed_along_the_rod_but_the_outputs(outputs, computed, monkeypatch) -> None:
     study = load("fig7_1_modulus").model_copy(update={"outputs": outputs, "observables": [], "laws": []})
     read: set[str] = set()
-    monkeypatch.setattr(case_solutions, "solve", lambda *args, **more: Watched(solve(*args, **more), read))
+    monkeypatch.setattr(block, "solve", lambda *args, **more: Watched(solve(*args, **more), read))
     ds = in_memory.run(study)
     assert read & set(OUTPUTS) == computed
     assert {schema.CURVES[str(name)] for name in ds.data_vars if name in schema.CURVES} == computed
@@ -161,7 +160,7 @@ def test_a_law_that_changed_is_told_as_words(tmp_path) -> None:
 
 def test_a_finished_study_is_answered_without_xarray(whole) -> None:
     before = (
-        "import atexit, sys\nfrom workbench.store import engines, plan; plan.BLOCK = 64\n"
+        "import atexit, sys\nfrom workbench.store import plan; plan.BLOCK = 64\n"
         "atexit.register(lambda: print('xarray' in sys.modules))"
     )
     with runs.start(whole.parent, whole.with_suffix(".toml"), before=before) as told:

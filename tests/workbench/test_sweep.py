@@ -13,7 +13,7 @@ from tests.slow import slow, slow_but
 from tests.workbench import small
 from workbench.commands import study_scene
 from workbench.scene import scene_kinds
-from workbench.store import case_solutions, in_memory, law_verdicts
+from workbench.store import block, in_memory, law_verdicts, sweep
 
 PIPE = {"E": 2.06e8, "inner_radius": 0.0543, "nu": 0.3, "a": 0.0635, "R": 0.108}
 HELD = {**PIPE, "side": "inside", "beta0": 0.0, "betaL": 0.0}
@@ -35,7 +35,7 @@ def study(axes: str = FORCES, L: float = 20.0) -> Study:
 
 @pytest.mark.parametrize("shape", ((1,), (2,), (30,), (3, 5), (4, 1), (1, 6), (2, 3, 4)))
 def test_every_case_continues_from_a_neighbour_and_all_from_the_middle(shape) -> None:
-    grid = case_solutions.Grid(shape)
+    grid = sweep.Grid(shape)
     first = grid.place(grid.first)
     assert grid.parent(first) is None
     for place in range(int(np.prod(shape))):
@@ -51,7 +51,7 @@ def test_every_case_continues_from_a_neighbour_and_all_from_the_middle(shape) ->
 
 @pytest.mark.parametrize("shape", ((30,), (3, 5), (7, 40), (2, 300)))
 def test_a_block_begins_on_each_line_at_its_case_nearest_to_the_first(shape) -> None:
-    grid, size = case_solutions.Grid(shape), case_solutions.block_size(shape, 1000)
+    grid, size = sweep.Grid(shape), sweep.block_size(shape, 1000)
     for start in range(0, int(np.prod(shape)), size):
         places = np.arange(start, min(start + size, int(np.prod(shape))))
         lines = [places[places // shape[-1] == line] for line in np.unique(places // shape[-1])]
@@ -133,7 +133,7 @@ def test_a_case_is_the_same_whatever_the_range_the_order_and_the_number_of_value
         part = cases_of(text, axis, sorted(values[:5], reverse=True)) | cases_of(text, axis, values[5:6])
         assert part == {value: whole[value] for value in part}, seed
         one = loads(text + small.axis(axis, values), "text", "random")
-        choose = case_solutions.rule_of(one.equilibrium)
+        choose = block.rule_of(one.equilibrium)
         for value in values[:2]:
             usual = solve(one.case_of({axis: value}), stations=11, tol=one.tol, choose=choose)
             said, beta = whole[value]

@@ -22,7 +22,7 @@ from studies.grammar.axes import quantity_of
 from studies.laws.line_verdicts import QUALIFIED
 from studies.laws.verdicts import Law, decide
 
-from ..store import dataset, schema
+from ..store import schema
 from .equilibria_dataset import (
     ALONG,
     COUNT,
@@ -274,7 +274,7 @@ def dataset_of(branch: Branch, stations: int, units: Mapping[str, str]) -> xr.Da
     numbers = _numbers_of(sol, (*POINT_NUMBERS, "dbeta0")) | {"index": branch.index}
     numbers |= _numbers_of(sol, schema.LOADS) | {"rho": np.broadcast_to(sol.case.rho, sol.case.shape)}
     ds = of_solution(sol, (POINT,), np.linspace(0, 1, stations), ALONG, units)
-    ds = ds.assign(dataset.variables({k: v for k, v in numbers.items() if k != name}, (POINT,), units))
+    ds = ds.assign(schema.variables({k: v for k, v in numbers.items() if k != name}, (POINT,), units))
     kinds = np.full(len(branch), "", dtype=object)
     kinds[[point.position for point in branch.special]] = [point.kind for point in branch.special]
     ds["special"] = POINT, kinds.astype(str), {"long_name": "kind of special point, empty for none"}

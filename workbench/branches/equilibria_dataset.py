@@ -20,7 +20,7 @@ from studies.language.case_input import field_values
 from studies.language.loader import loads
 from studies.language.readings import TABLE_UNITS
 
-from ..store import dataset, schema
+from ..store import schema
 from ..words import cautions
 from .ends_study import ELASTIC, study_text
 
@@ -56,7 +56,7 @@ def dataset_of(study: Study, case: Case, found: Sequence[Equilibrium]) -> xr.Dat
     names = (*ELASTIC, *PUSH, *(solutions[0].reactions if solutions else ()))
     numbers = {name: np.array([getattr(equilibrium, name) for equilibrium in found]) for name in EACH}
     numbers |= {name: np.array([float(row[name]) for row in seen]) for name in names}
-    data: dict[str, Any] = dataset.variables(numbers, EQUILIBRIUM, units)
+    data: dict[str, Any] = schema.variables(numbers, EQUILIBRIUM, units)
     if held:
         data["energy"].attrs = schema.labels("held_energy", units)  # what the number is; the name stays
         dead = np.array([equilibrium.dead_index for equilibrium in found], dtype=np.int64)
@@ -95,11 +95,11 @@ def of_solution(
 
     u: s/L at the stations.
     """
-    data: dict[str, Any] = dataset.variables({name: getattr(sol, name) for name in names}, (*dims, "u"), units)
+    data: dict[str, Any] = schema.variables({name: getattr(sol, name) for name in names}, (*dims, "u"), units)
     data["solved"] = xr.Variable(dims, np.asarray(sol.solved, dtype=bool))
     data["outcome"] = xr.Variable(dims, np.asarray(sol.outcome).astype(str))
     return xr.Dataset(
-        data, dataset.variables({"u": u}, ("u",), units) | dataset.variables({"s": sol.s}, (*dims, "u"), units)
+        data, schema.variables({"u": u}, ("u",), units) | schema.variables({"s": sol.s}, (*dims, "u"), units)
     )
 
 
@@ -112,12 +112,12 @@ def of_solutions(
     """
     stations = solutions[0].s.size if solutions else 2
     each = {name: np.array([getattr(sol, name) for sol in solutions]).reshape(-1, stations) for name in ALONG}
-    data: dict[str, Any] = {**dataset.variables(each, (*EQUILIBRIUM, "u"), units), **numbers}
+    data: dict[str, Any] = {**schema.variables(each, (*EQUILIBRIUM, "u"), units), **numbers}
     data["solved"] = xr.Variable(EQUILIBRIUM, np.array([bool(sol.solved) for sol in solutions], dtype=bool))
     data["outcome"] = xr.Variable(EQUILIBRIUM, np.array([str(sol.outcome) for sol in solutions], dtype=str))
     data["caution"] = xr.Variable(EQUILIBRIUM, np.array(texts, dtype=str))
     u = np.linspace(0, 1, stations)
-    coords = {"equilibrium": np.arange(1, len(solutions) + 1), **dataset.variables({"u": u, "s": u * L}, ("u",), units)}
+    coords = {"equilibrium": np.arange(1, len(solutions) + 1), **schema.variables({"u": u, "s": u * L}, ("u",), units)}
     return xr.Dataset(data, coords)
 
 
@@ -126,7 +126,7 @@ def attributes(study: Study, case: Case, title: str) -> dict[str, Any]:
     return {
         "title": title, "study_name": "equilibria", "study": study.text, "reading": study.reading or "",
         **schema.attributes_of_case(case, study.unit_system), "laws": json.dumps([]),
-        "versions": json.dumps(dataset.versions()),
+        "versions": json.dumps(schema.versions()),
         "stability": DEAD_LOADS,
     }  # fmt: skip
 
@@ -137,7 +137,7 @@ def with_case(ds: xr.Dataset, case: Case, units: dict[str, str], skip: Collectio
     ends = {name: value for name, value in every.items() if value is not None}
     varied = {*skip, *(("rho",) if {"R", "a"} & {*skip} else ())}
     numbers = {name: value for name, value in (schema.numbers_of_case(case) | ends).items() if name not in varied}
-    return ds.assign(dataset.variables({name: float(value) for name, value in numbers.items()}, (), units))
+    return ds.assign(schema.variables({name: float(value) for name, value in numbers.items()}, (), units))
 
 
 NUMBERS = {  # of each loop: units and long names of those that are no quantity of a case
@@ -184,10 +184,10 @@ def dataset_of_loops(found: Sequence[Loop], units: Mapping[str, str] | None = No
     for name, row in NUMBERS.items():
         labels = schema.labels(row, words) if isinstance(row, str) else dict(zip(LABELS, row, strict=True))
         data[name] = xr.Variable(EQUILIBRIUM, np.array([getattr(loop, name) for loop in found]), labels)
-    data |= dataset.variables({"MZ": [float(sol.MZ) for sol in solutions]}, EQUILIBRIUM, words)
-    data |= dataset.variables({"FZ": 0.0, "M3": 0.0}, (), words)
+    data |= schema.variables({"MZ": [float(sol.MZ) for sol in solutions]}, EQUILIBRIUM, words)
+    data |= schema.variables({"FZ": 0.0, "M3": 0.0}, (), words)
     scalars = {**dict(case.rod.given()), "R": case.cylinder.R, "rho": case.rho}
-    data |= dataset.variables({name: float(value) for name, value in scalars.items()}, (), words)
+    data |= schema.variables({name: float(value) for name, value in scalars.items()}, (), words)
     ds = of_solutions(solutions, data, [caution_of_loop(loop) for loop in found], float(case.rod.L), words)
     ds["equilibrium"].attrs["long_name"] = "number of the loop"
     more = {"title": "Closed rods on a cylinder", "stability": STABILITY}

@@ -12,7 +12,7 @@ from solver.problem.reduced import held_of
 from solver.region_map import Region, RegionMap
 from studies import Study
 
-from ..store import dataset, schema
+from ..store import schema
 from .equilibria_dataset import ALONG, attributes, with_case
 
 
@@ -63,7 +63,7 @@ def _of_regions(regions: list[Region], names: list[str], units: dict[str, str]) 
         stable = [equilibrium.solution for equilibrium in region.equilibria if equilibrium.index == 0]
         for (i, solution), name in product(enumerate(stable), ALONG):
             shapes[name][k, i] = getattr(solution, name)
-    data = dataset.variables(shapes, ("region", "stable", "u"), units, "stable_")
+    data = schema.variables(shapes, ("region", "stable", "u"), units, "stable_")
     numbers: dict[str, tuple[Any, list[Any], str]] = {
         "count": (np.int64, [region.count for region in regions], "number of equilibria"),
         "count_stable": (np.int64, [region.stable for region in regions], "number of stable equilibria"),
@@ -75,7 +75,7 @@ def _of_regions(regions: list[Region], names: list[str], units: dict[str, str]) 
     data["complete"] = xr.Variable("region", complete, {"long_name": "whether the equilibria pass the test"})
     places = {name: np.array([region.values[k] for region in regions]) for k, name in enumerate(names)}
     where = ", of the point where the equilibria were computed"
-    return data | dataset.variables(places, ("region",), units, "region_", where)
+    return data | schema.variables(places, ("region",), units, "region_", where)
 
 
 def _of_curves(region_map: RegionMap, names: list[str], units: dict[str, str]) -> dict[str, xr.Variable]:
@@ -86,9 +86,9 @@ def _of_curves(region_map: RegionMap, names: list[str], units: dict[str, str]) -
     most = max(map(len, points), default=0)
     padded = [np.pad(rows, ((0, most - len(rows)), (0, 0)), constant_values=np.nan) for rows in points]
     along = np.array(padded).reshape(len(curves), most, 3)
-    data = dataset.variables({name: along[..., k] for k, name in enumerate(names)}, ("curve", "point"), units, "curve_")
+    data = schema.variables({name: along[..., k] for k, name in enumerate(names)}, ("curve", "point"), units, "curve_")
     every = np.concatenate([np.zeros((0, 3)), *cusps])
-    data |= dataset.variables({name: every[:, k] for k, name in enumerate(names)}, ("cusp",), units, "cusp_")
+    data |= schema.variables({name: every[:, k] for k, name in enumerate(names)}, ("cusp",), units, "cusp_")
     owner = np.repeat(np.arange(len(curves)), list(map(len, cusps)))
     data["cusp_curve"] = xr.Variable("cusp", owner.astype(np.int64), {"long_name": "number of its curve"})
     lower = {"long_name": "lower Morse index of the two equilibria that meet", "units": "1"}

@@ -33,9 +33,9 @@ def doctor() -> Result:
     """
     import platform
 
-    from ..store import dataset, schema
+    from ..store import schema
 
-    packages = {**dataset.versions(), **{name: schema.version_of(name) for name in DRAWING}}
+    packages = {**schema.versions(), **{name: schema.version_of(name) for name in DRAWING}}
     report = {"system": platform.platform(), "checks": examine(), "versions": packages}
     return Result(lambda: report, lambda: _print(report))
 

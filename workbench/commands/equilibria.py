@@ -142,7 +142,7 @@ def _list(
 
     from ..branches.ends_study import row
     from ..branches.equilibria_dataset import dataset_of
-    from ..store.case_solutions import rule_of
+    from ..store.block import rule_of
     from ..words import cautions
 
     rule = rule_of(study.equilibrium) if choose is None else parse_choose(choose).rule

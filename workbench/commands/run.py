@@ -55,7 +55,7 @@ def run(
     """
     from studies import load
 
-    from ..store import worker_processes
+    from ..store.block import keep_memory
     from ..store.study_store import Options, run_to_file
     from .fidelity import fidelity
 
@@ -72,7 +72,7 @@ def run(
     if changes := {name: value for name, value in (("tol", tol), ("method", method)) if value is not None}:
         chosen = chosen.with_values(**changes)
     _check_free(path, chosen.name, force)
-    worker_processes.keep_memory()
+    keep_memory()
     options = Options(workers, scheduler, chunk, restart)
     say = (lambda text: None) if json else _say
     ran = run_to_file(chosen, path, options, say, partial(console.progress_bar, as_json=json))

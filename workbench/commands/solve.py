@@ -67,7 +67,7 @@ def solve(
 
     from ..branches.ends_study import text_of_solution
     from ..store import in_memory, writing
-    from ..store.case_solutions import solve_one
+    from ..store.block import solve_one
     from ..words import cautions, pipe_state
     from .fidelity import fidelity
 

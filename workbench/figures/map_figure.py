@@ -82,7 +82,7 @@ def figure(
         As of `map_cells.choose`; where shapes are not stored or more than the values of an axis; for invalid laws.
     """
     verdicts = law_verdicts.verdicts(ds) if "laws" in ds.attrs else []
-    whole, ds = (ds, refined.raster(ds)) if refined.is_refined(ds) else (None, ds)
+    whole, ds = (ds, refined.raster(ds)) if schema.is_refined(ds) else (None, ds)
     most = MOST_NARROW if sheet.narrow and not show else MOST_ASKED
     choice = choose(ds, x, y, show, at, max(int((sheet.width - 1.5) / LEAST_COLUMN), 1), most)
     if shapes is not None:

@@ -5,21 +5,24 @@ products round a case's last bits differently among other neighbours, so a case 
 number of whole blocks; whichever process solves it, the bits are the same.
 """
 
-from collections.abc import Iterator, Mapping
+import ctypes
+import sys
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from solver import Solution
-from solver.choose.selection import INCOMPLETE
+from solver import Case, Solution, equilibria, solve
+from solver.choose.selection import INCOMPLETE, NEAREST, Choose
+from solver.equilibria import Equilibria, nearest
 from studies import Study
+from studies.grammar.axes import Which
 from studies.language import expressions
 
 from ..words import cautions, pipe_state
 from ..words.outcomes import NO_BRANCH
-from .case_solutions import State, Sweep, show, solve_one
 from .schema import JUDGED, LOADS, Columns, curve_name, inner_shape, shapes
 from .shards import encode, join
 
@@ -28,15 +31,15 @@ from .shards import encode, join
 class Chunk:
     """Cases `start` to `stop` of those to be solved.
 
-    values: of each axis, (cases,). deaths: how many workers died at it. sweep: of a sweep, with the states of the cases
-    from which its blocks begin; None of other studies.
+    values: of each axis, (cases,). deaths: how many workers died at it. in_order: of a sweep, solves the case of a
+    number after those from which it continues (`Sweep.solve`); None of other studies.
     """
 
     start: int
     stop: int
     values: Mapping[str, NDArray[np.float64]]
     deaths: int
-    sweep: Sweep | None
+    in_order: Callable[[int], tuple[Solution, str, int]] | None
 
     @property
     def cases(self) -> int:
@@ -47,7 +50,7 @@ class Chunk:
         for a in range(0, self.cases, size):
             b = min(a + size, self.cases)
             values = {name: numbers[a:b] for name, numbers in self.values.items()}
-            yield Chunk(self.start + a, self.start + b, values, deaths, self.sweep)
+            yield Chunk(self.start + a, self.start + b, values, deaths, self.in_order)
 
 
 def solve_chunk(study: Study, chunk: Chunk, block: int) -> bytes:
@@ -57,19 +60,39 @@ def solve_chunk(study: Study, chunk: Chunk, block: int) -> bytes:
 
 def block_of(study: Study, part: Chunk) -> Columns:
     """The columns of one block."""
-    if part.sweep is not None:
-        return join([_columns_of(study, part.sweep.state(place)) for place in range(part.start, part.stop)])
+    if part.in_order is not None:
+        return join([_columns_of(study, *part.in_order(place)) for place in range(part.start, part.stop)])
     case = study.case_of(part.values)
     sol = solve_one(case, study.equilibrium, study.tol, study.method, study.stations)
     return columns(study, sol, part.values)
 
 
-def _columns_of(study: Study, state: State) -> Columns:
-    """The columns of one case of a sweep, with its branch."""
-    row = columns(study, show(study, state))
-    if state.remark:
-        row["outcome"] = np.array([f"{row['outcome'][0]}; {state.remark}"])
-    return {**row, "branch": np.array([state.branch])}
+def _columns_of(study: Study, sol: Solution, remark: str, branch: int) -> Columns:
+    """The columns of one case of a sweep. remark: an addition to its outcome."""
+    row = columns(study, sol)
+    if remark:
+        row["outcome"] = np.array([f"{row['outcome'][0]}; {remark}"])
+    return {**row, "branch": np.array([branch])}
+
+
+def rule_of(which: Which | None) -> Choose:
+    """The rule by which a study takes the equilibrium of a case."""
+    return NEAREST if which is None or which.rule is None else which.rule
+
+
+def solve_one(
+    case: Case, which: Which | None, tol: float, method: str, stations: Any, listed: Equilibria | None = None
+) -> Solution:
+    """The solution of a case, or of several; where a study names an equilibrium, that one. Raises `InputError`.
+
+    listed: all equilibria of the case at these stations, where they are known.
+    """
+    if which is not None and which.dbeta0 is not None and which.energy is not None:
+        every = equilibria(case, tol, stations) if listed is None else listed
+        if len(every):
+            taken = nearest(every, which.dbeta0, which.energy).solution
+            return taken if method in ("auto", taken.method) else solve(case, tol, method, stations, seed=taken)
+    return solve(case, tol=tol, method=method, stations=stations, choose=rule_of(which))
 
 
 def columns(study: Study, sol: Solution, given: Mapping[str, Any] | None = None) -> Columns:
@@ -132,3 +155,22 @@ def _where(mine: NDArray[np.bool_], values: NDArray[Any]) -> NDArray[Any]:
     if mine.all():
         return values
     return np.where(mine.reshape(-1, *(1,) * (values.ndim - 1)), values.astype(float), np.nan)
+
+
+# Of malloc.h. The sizes are the largest that glibc itself would choose after such arrays were freed.
+_TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3
+_KEPT, _LARGEST = 64 * 2**20, 32 * 2**20
+
+
+def keep_memory() -> None:
+    """Keep up to 64 MB of freed memory in this process, where the C library (glibc) has that setting.
+
+    Otherwise the system provides each temporary array of a block page by page, which costs a sixth of the time; Dask
+    starts its workers with that setting off. The setting holds for the whole process, so it is for our own only.
+    """
+    if sys.platform != "linux":
+        return
+    mallopt = getattr(ctypes.CDLL(None), "mallopt", None)
+    if mallopt is not None:
+        mallopt(_MMAP_THRESHOLD, _LARGEST)
+        mallopt(_TRIM_THRESHOLD, _KEPT)

@@ -124,7 +124,7 @@ def samples(ds: xr.Dataset) -> Iterator[str]:
             yield f": the sampled field {show(field)} has no values"
         if not np.isfinite(ds[name].values).all():
             yield f": the sampled field {show(field)} holds values that are not finite"
-    if refined.is_refined(ds):
+    if schema.is_refined(ds):
         try:
             refined.describe(ds)
         except InputError as error:

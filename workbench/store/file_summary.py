@@ -91,7 +91,7 @@ def _observables(ds: xr.Dataset) -> list[str]:
 def _boundaries(ds: xr.Dataset) -> list[dict[str, Any]]:
     """The located boundary of each watched observable of a refined study, along each axis that crosses it."""
     rows: list[dict[str, Any]] = []
-    if not refined.is_refined(ds):
+    if not schema.is_refined(ds):
         return rows
     study = refined.describe(ds)
     each = [(name, boundary(ds, name)) for name in study.watch]

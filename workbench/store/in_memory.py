@@ -13,7 +13,7 @@ from studies import Study
 from studies.grammar.axes import Dimensions, is_angle, quantity_of
 
 from ..words import outcomes
-from . import dataset, law_verdicts, schema
+from . import assembly, law_verdicts, schema
 from .block import block_of, columns
 from .plan import bytes_a_case, plan, remarks, rounds
 from .schema import Columns
@@ -86,7 +86,7 @@ def run(study: Study, tol: float | None = None, method: str | None = None) -> xr
     columns = join(parts)
     if study.sweeps:
         columns["branch"] = outcomes.number_branches(columns["branch"], columns["branch"])
-    return dataset.make(so_far.study, so_far.dimensions, columns, remarks(so_far))
+    return assembly.make(so_far.study, so_far.dimensions, columns, remarks(so_far))
 
 
 def result(study: Study, ds: xr.Dataset, path: Path | None = None) -> StudyResult:
@@ -108,7 +108,7 @@ def run_followed(study: Study) -> xr.Dataset:
     branch = to_fold(study.case(), axis.limit, axis.size, name)
     sol = solve(branch.ends, tol=study.tol, method=study.method, stations=study.stations, seed=branch.dbeta0)
     as_run = study.model_copy(update={"method": sol.method})
-    ds = dataset.make(as_run, Dimensions.of({field: branch.values}), columns(study, sol), case=branch.ends)
+    ds = assembly.make(as_run, Dimensions.of({field: branch.values}), columns(study, sol), case=branch.ends)
     units = study.unit_system
     data = {"dbeta0": xr.Variable((schema.dimension(field),), branch.dbeta0, schema.labels("dbeta0", units))}
     for key, row, value in (("fold", name, branch.fold), ("fold_dbeta0", "dbeta0", branch.fold_dbeta0)):

@@ -53,7 +53,7 @@ def verdicts(ds: "xr.Dataset", crossing: "Mapping[str, NDArray[np.bool_]] | None
     ('turns', 'holds')
     """
     laws = schema.laws_of(ds)
-    if laws:
+    if laws and schema.is_refined(ds):
         ds = refined.coarse(ds)
     rows = []
     for law in laws:

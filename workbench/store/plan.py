@@ -19,11 +19,11 @@ from studies.language import refine as tables
 from studies.language.refinement import OUTCOME, Refinement
 from studies.language.study import SOURCES
 
-from . import case_solutions, refined, shards
+from . import refined, shards
 from .block import Chunk
-from .case_solutions import Sweep
 from .recipe import Places, StoredRun, differences, extend, look, recipe_of, versions_of_code
 from .schema import TEXTS, Columns, shapes
+from .sweep import Sweep, block_size
 
 # Cases in a block: enough for NumPy, few enough for the cache; fewer where each case is solved by itself.
 BLOCK, BLOCK_ALONE = 512, 32
@@ -96,7 +96,7 @@ class Plan:
     def block(self) -> int:
         """Cases in a block; depends on the study alone."""
         if self.study.sweeps:
-            return case_solutions.block_size(self.shape, BLOCK_VALUES // self.study.stations)
+            return block_size(self.shape, BLOCK_VALUES // self.study.stations)
         most = BLOCK if self.batched else BLOCK_ALONE
         return max(1, min(most, BLOCK_VALUES // self.study.stations))
 
@@ -132,8 +132,8 @@ class Plan:
     def chunk(self, start: int, stop: int) -> Chunk:
         """The chunk of the cases `start` to `stop` of those to be solved."""
         flat = np.arange(start, stop) if self.new is None else self.new[start:stop]
-        sweep = self.sweep.hand_over(self.light, start, stop) if self.study.sweeps else None
-        return Chunk(start, stop, self.dimensions.at(flat), 0, sweep)
+        in_order = self.sweep.hand_over(self.light, start, stop).solve if self.study.sweeps else None
+        return Chunk(start, stop, self.dimensions.at(flat), 0, in_order)
 
     @cached_property
     def sweep(self) -> Sweep:

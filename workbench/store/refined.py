@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 
     from studies import Study
 
-KEY = "refined"  # the attribute of a refined study, JSON
 MOST_DRAWN = 800  # cells of a raster along an axis, unless the coarse grid has more
 SPACINGS = ("linear", "geometric")
 MOST_HALVINGS = 31
@@ -54,7 +53,7 @@ def attributes(study: "Study", refinement: Refinement) -> dict[str, str]:
     changes = [_change(name, step) for name, step in watch.items()]
     changes += [f"the verdict on law {claim} changes" for claim in table.laws]
     laws = "; laws are judged on the coarse grid" if study.laws else ""
-    return {KEY: json.dumps(data), SAMPLING[-1]: f"{_sentence(' or '.join(changes), refinement)}{laws}"}
+    return {schema.REFINED: json.dumps(data), SAMPLING[-1]: f"{_sentence(' or '.join(changes), refinement)}{laws}"}
 
 
 def _sentence(changes: str, refinement: Refinement) -> str:
@@ -86,25 +85,20 @@ def _change(name: str, step: float) -> str:
     return f"{name} changes by more than {step:g}" if step else f"{name} changes"
 
 
-def is_refined(ds: "xr.Dataset") -> bool:
-    """Whether the dataset is of a refined study."""
-    return KEY in ds.attrs
-
-
 def _has_all_cases(ds: "xr.Dataset") -> bool:
     """Whether the dataset is of a refined study, and not one case of it."""
-    return is_refined(ds) and SAMPLE in ds["outcome"].dims
+    return schema.is_refined(ds) and SAMPLE in ds["outcome"].dims
 
 
 def axes_of(ds: "xr.Dataset") -> list[str]:
     """The refined axes of a dataset, if it has any. Raises `InputError` for an invalid attribute."""
-    return list(_tell(ds)["axes"]) if is_refined(ds) else []
+    return list(_tell(ds)["axes"]) if schema.is_refined(ds) else []
 
 
 def _tell(ds: "xr.Dataset") -> dict[str, Any]:
     """The attribute of a refined study. Raises `InputError` where it is invalid."""
     try:
-        data: dict[str, Any] = json.loads(ds.attrs[KEY])
+        data: dict[str, Any] = json.loads(ds.attrs[schema.REFINED])
         axes, halvings, watch = dict(data["axes"]), data["halvings"], dict(data["watch"])
         laws = list(map(str, data["laws"]))
         if (
@@ -117,12 +111,12 @@ def _tell(ds: "xr.Dataset") -> dict[str, Any]:
             return {"axes": axes, "halvings": halvings, "watch": watch, "laws": laws}
     except (KeyError, ValueError, TypeError, RecursionError):
         pass
-    raise InputError(f"the attribute {KEY} does not describe the refinement of the dataset")
+    raise InputError(f"the attribute {schema.REFINED} does not describe the refinement of the dataset")
 
 
 def describe(ds: "xr.Dataset") -> Refined:
     """The refinement of a dataset. Raises `InputError` where cases of it are missing or have other values."""
-    if not is_refined(ds):
+    if not schema.is_refined(ds):
         return Refined(*_grid(ds), {}, [])
     data = _tell(ds)
     names = list(data["axes"])
@@ -136,7 +130,7 @@ def describe(ds: "xr.Dataset") -> Refined:
     geometric = frozenset(name for name, spacing in data["axes"].items() if spacing == "geometric")
     lattice = Lattice(coarse, geometric, data["halvings"])
     if max(lattice.sizes) > tables.MOST_PLACES:
-        raise InputError(f"the attribute {KEY} does not describe the refinement of the dataset")
+        raise InputError(f"the attribute {schema.REFINED} does not describe the refinement of the dataset")
     places = lattice.places(fields)
     if (places < 0).any() or not np.array_equal(lattice.levels(places), level):
         raise InputError(lost)
@@ -218,7 +212,7 @@ def grid_of(ds: "xr.Dataset", index: NDArray[np.int64], values: Mapping[str, Val
     spacings = _tell(ds)["axes"]
     coords = {name: xr.Variable((name,), row, {**ds[name].attrs, "spacing": spacings[name]})
               for name, row in values.items()}  # fmt: skip
-    attrs = {key: value for key, value in ds.attrs.items() if key not in (KEY, "sampled", *SAMPLING)}
+    attrs = {key: value for key, value in ds.attrs.items() if key not in (schema.REFINED, "sampled", *SAMPLING)}
     cases = grid.assign_coords(coords)
     cases.attrs = attrs
     return cases

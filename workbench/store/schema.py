@@ -2,8 +2,11 @@
 
 import json
 import math
+import os
+import platform
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -35,6 +38,7 @@ if TYPE_CHECKING:
 
 
 FORMAT = 2  # of the file; any other is refused
+PACKAGES = ("numpy", "scipy", "xarray", "h5netcdf", "h5py", "rod-workbench")  # on which numbers and files depend
 CONVENTIONS = "CF-1.11"  # of units, names and missing values; every file says so
 
 Where = tuple[slice, ...]  # a box of cases
@@ -45,6 +49,7 @@ LOADS = ("FZ", "MZ", "M3")
 TEXTS = ("outcome", "caution")  # of each case
 JUDGED = ("error", "condition")  # of each case
 SAMPLING = ("sampling", "sampling_caution", "refinement")  # sentences on the samples of a file
+REFINED = "refined"  # the attribute of a refined study, JSON
 SECTION = ("E", "nu", "inner_radius", "EI", "GJ")  # the fields of a rod's section: a file stores those that it has
 VARYING = ("weight", "friction")  # fields with which loads vary along the rod
 OF_THE_CASE = ("R", "a", "L", "rho", *SECTION, *VARYING, "inclination")
@@ -160,6 +165,11 @@ def axes_of(ds: "xr.Dataset") -> list[str]:
     return [str(dim) for dim in ds["outcome"].dims]
 
 
+def is_refined(ds: "xr.Dataset") -> bool:
+    """Whether the dataset is of a refined study."""
+    return REFINED in ds.attrs
+
+
 def over_cases(ds: "xr.Dataset", values: "xr.DataArray") -> "xr.DataArray":
     """The values over all axes of the cases, in their order."""
     return values.broadcast_like(ds["outcome"]).transpose(*ds["outcome"].dims)
@@ -190,6 +200,23 @@ def labels(name: str, units: Mapping[str, str]) -> dict[str, str]:
     row = quantity(name)
     words = {"long_name": row.long_name, "symbol": row.symbol}
     return words if row.dimension == "text" else {"units": unit_of(name, units), **words}
+
+
+def variables(
+    columns: Mapping[str, Any], dims: tuple[str, ...], units: Mapping[str, str], prefix: str = "", words: str = ""
+) -> "dict[str, xr.Variable]":
+    """Numbers by the names of their quantities as variables over these dimensions, labelled.
+
+    prefix: of their names in the dataset. words: added to their long names.
+    """
+    import xarray as xr
+
+    variables = {}
+    for name, values in columns.items():
+        label = labels(name, units)
+        label["long_name"] += words
+        variables[f"{prefix}{name}"] = xr.Variable(dims, np.asarray(values), label)
+    return variables
 
 
 def labels_in(study: "Study", name: str) -> dict[str, str]:
@@ -232,6 +259,18 @@ def version_of(package: str) -> str:
         return version(package)
     except PackageNotFoundError:
         return "not installed"
+
+
+def versions() -> dict[str, str]:
+    """Python and the packages that numbers and files depend on."""
+    return {"python": platform.python_version(), **{package: version_of(package) for package in PACKAGES}}
+
+
+def provenance(measured: bool = False) -> dict[str, str]:
+    """When and with what a file is made, as attributes; measured: on which machine too."""
+    machine = f"{platform.machine()}, {os.cpu_count()} cores, {platform.system()}"
+    attributes = {"created": datetime.now(UTC).isoformat(timespec="seconds"), "versions": json.dumps(versions())}
+    return {"machine": machine, **attributes} if measured else attributes
 
 
 SECTIONS = (*STIFFNESS, GIVEN)  # the words of the attribute stiffness

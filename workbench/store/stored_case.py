@@ -23,10 +23,11 @@ from studies.language.case_input import CaseInput, from_values, with_fields
 from studies.language.loader import loads
 from studies.language.study import MAX_STATIONS
 
-from . import dataset, in_memory, reading, schema, selection
-from .case_solutions import between, solve_one
+from . import assembly, in_memory, reading, schema, selection
+from .block import solve_one
 from .plan import plan
 from .selection import SAME, Value, real
+from .sweep import between
 
 AGREES = 1e-4  # rad, or a share of the length or of the largest value: by which a rod may differ that is solved again
 MOST_SOLVED = 10_000  # cases that are solved again: seconds
@@ -208,7 +209,7 @@ def outline(study: Study) -> xr.Dataset:
         return in_memory.run(study)
     over = study.dimensions()
     unknown = np.broadcast_to(np.array("", dtype=object), over.shape)
-    return dataset.frame(study, over).assign(outcome=(tuple(map(schema.dimension, over.names)), unknown))
+    return assembly.frame_of(study, over).assign(outcome=(tuple(map(schema.dimension, over.names)), unknown))
 
 
 def place_of(study: Study, at: Mapping[str, Value] | None = None) -> dict[str, float]:

@@ -1,6 +1,7 @@
 """Run a study into a file: in chunks, by several workers, continuing where an earlier run stopped."""
 
 import json
+import os
 import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, suppress
@@ -11,11 +12,12 @@ from typing import Any
 from solver.problem.errors import InputError
 from studies import Study
 
-from . import atomic, engines, shards, worker_processes
-from .block import unsolved
+from . import atomic, cluster, shards, worker_processes
+from .block import solve_chunk, unsolved
 from .law_verdicts import Tally, count, statistics, tally_of
 from .plan import Plan, compare, plan, room, rounds
 from .shards import Damaged, Shards, decode, encode
+from .worker_processes import Results
 
 
 class Meter:
@@ -163,7 +165,7 @@ def run_to_file(
         if work.replaced:
             say(work.replaced)
         return _follow(work, output)
-    if options.scheduler is None and engines.count_workers(work, work.todo, options.workers) > 1:
+    if options.scheduler is None and _count_workers(work, work.todo, options.workers) > 1:
         worker_processes.get_ready()  # while this process reads xarray
     from . import reading, writing
 
@@ -251,7 +253,7 @@ def _solve(work: Plan, parts: Shards, options: Options, meter: Meter, tally: Tal
     """Solve those of the cases `start` to `stop` that have no shard, and store theirs."""
     missing = shards.missing_ranges(shards.shard_ranges(parts.folder, work.todo), start, stop)
     try:
-        for chunk, results in engines.solve(work, missing, options.workers, options.scheduler, options.chunk):
+        for chunk, results in _results(work, missing, options):
             if isinstance(results, str):
                 results = encode(unsolved(work.study, chunk.cases, results))
             parts.store(chunk.start, chunk.stop, results)
@@ -266,3 +268,33 @@ def _keep(work: Plan, folder: Path) -> str:
     done = work.size - sum(stop - start for start, stop in missing)
     kept = f"{done} of {work.size} cases are kept in {folder}; run the same command again to continue"
     return f"interrupted; {kept if done else 'no case was finished yet'}"
+
+
+WORTH, WORTH_TOGETHER = 4, 10  # blocks that justify starting a worker
+
+
+def _results(work: Plan, missing: list[tuple[int, int]], options: Options) -> Results:
+    """Each chunk of the missing cases with its packed results, in any order; or with the outcome of its cases, where
+    two workers died at it."""
+    if not missing:
+        return iter(())
+    if options.scheduler is not None:
+        return cluster.solve(work, missing, options.scheduler, options.chunk)
+    count = _count_workers(work, sum(stop - start for start, stop in missing), options.workers)
+    chunks = work.chunks(missing, work.chunk_size(count, options.chunk))
+    if count == 1:
+        return ((chunk, solve_chunk(work.light, chunk, work.block)) for chunk in chunks)
+    return worker_processes.pool(work, chunks, count)
+
+
+def _count_workers(work: Plan, cases: int, given: int | None) -> int:
+    """How many workers of this machine are worth starting for so many cases, unless as many are asked for."""
+    if given is not None:
+        return given
+    blocks = WORTH_TOGETHER if work.batched else WORTH
+    return max(1, min(cores(), cases // (blocks * work.block)))
+
+
+def cores() -> int:
+    """How many cores this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

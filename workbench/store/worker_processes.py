@@ -1,30 +1,40 @@
-"""Worker processes on this machine: how they start, receive calls, and how their end is noticed.
+"""Worker processes on this machine: how they start, receive calls, and how their end is noticed; a pool of them.
 
 On Linux they are forked from one server process that has imported all code once, so that another starts in
 milliseconds; a fork of this process itself would share its threads and locks. Each has a pipe of its own: where one is
 killed, at whatever moment, the pipe ends and no other worker waits for it.
 """
 
-import ctypes
+import itertools
 import multiprocessing
 import os
 import signal
 import sys
 import traceback
-from collections.abc import Callable, Iterator
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager, suppress
 from multiprocessing import forkserver, resource_tracker
-from multiprocessing.connection import Connection
+from multiprocessing.connection import Connection, wait
 from multiprocessing.context import ForkServerContext, SpawnContext
 from multiprocessing.process import BaseProcess
 from typing import Any
 
 from solver.problem.errors import InputError
 
+from .block import Chunk, keep_memory, solve_chunk
+from .plan import Plan
+from .recipe import check_worker, code_version
+
 # One thread each, as there is one worker a core.
 ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 FORKED = sys.platform == "linux"  # elsewhere a fork of a process that has loaded NumPy is unsafe or impossible
 PRELOAD = f"{__package__}.preload"  # the module that the server process imports
+
+Results = Iterator[tuple[Chunk, bytes | str]]  # each chunk with its packed results, or the outcome of its cases
+
+DEATHS = 2  # of workers at one block, after which it is given up
+KILLED = "failed: the process that solved it ended twice without an answer"
 
 
 class Died(Exception):
@@ -86,6 +96,83 @@ class Worker:
         if code is not None and code < 0:
             return f"it was killed by {signal.Signals(-code).name}"
         return f"it ended with status {code}"
+
+
+def hand_out(
+    work: Plan, chunks: Iterable[Chunk], room: Callable[[], int], give: Callable[[Chunk], None],
+    take: Callable[[], tuple[Chunk, bytes | str]],
+) -> Results:  # fmt: skip
+    """Give chunks to workers as far as there is room, and yield the results.
+
+    A chunk at which a worker died is solved again at the end, one block at a time; a block at which a second one dies
+    is given up. take: waits for a chunk, and returns it with its results, or says why it has none.
+    """
+    waiting, suspects, under_way = iter(chunks), deque[Chunk](), 0
+    done: tuple[Chunk, bytes | str] | None = None
+    while True:
+        for chunk in itertools.islice(waiting, max(0, room())):
+            give(chunk)
+            under_way += 1
+        if suspects and not under_way:
+            give(suspects.popleft())
+            under_way = 1
+        if done is not None:
+            yield done  # after others were given, as storing takes time
+        if not under_way:
+            return
+        chunk, results = done = take()
+        under_way -= 1
+        if isinstance(results, str) and chunk.deaths + 1 < DEATHS:
+            suspects.extend(chunk.blocks(work.block, chunk.deaths + 1))
+            done = None
+
+
+def pool(work: Plan, chunks: Iterable[Chunk], workers: int) -> Results:
+    """Solve the chunks in so many processes of this machine. Raises `InputError` where workers cannot start."""
+    started: list[Worker] = []
+    busy: dict[Any, tuple[Worker, Chunk]] = {}  # by the pipe of the worker
+
+    def begin(count: int) -> None:
+        for _ in range(count):  # each is listed at once, so that it is stopped where the next cannot start
+            started.append(Worker())
+            with suppress(OSError):  # its answer then says how it died
+                started[-1].call(check_worker, work.light, code_version())
+        for worker in started[-count:]:
+            try:
+                worker.answer()
+            except Died as how:
+                raise InputError(f"a worker process cannot start: {how}") from None
+
+    def replace(worker: Worker) -> None:
+        worker.stop()
+        started.remove(worker)
+        begin(1)
+
+    def give(chunk: Chunk) -> None:
+        worker = next(worker for worker in started if worker.pipe not in busy)
+        try:
+            worker.call(solve_chunk, work.light, chunk, work.block)
+        except OSError:  # it died while idle
+            replace(worker)
+            return give(chunk)
+        busy[worker.pipe] = worker, chunk
+
+    def take() -> tuple[Chunk, bytes | str]:
+        worker, chunk = busy.pop(wait(list(busy))[0])
+        try:
+            return chunk, worker.answer()
+        except Died as how:
+            replace(worker)
+            return chunk, f"{KILLED} ({how})"
+        except Failed as error:
+            raise RuntimeError(f"in a worker process:\n{error.trace}") from None
+
+    try:
+        begin(workers)
+        yield from hand_out(work, chunks, lambda: len(started) - len(busy), give, take)
+    finally:
+        for worker in started:
+            worker.stop()
 
 
 def get_ready(*modules: str) -> None:
@@ -154,22 +241,3 @@ def _as_workers() -> Iterator[None]:
             signal.pthread_sigmask(signal.SIG_SETMASK, before)
         for name in ours:
             del os.environ[name]
-
-
-# Of malloc.h. The sizes are the largest that glibc itself would choose after such arrays were freed.
-_TRIM_THRESHOLD, _MMAP_THRESHOLD = -1, -3
-_KEPT, _LARGEST = 64 * 2**20, 32 * 2**20
-
-
-def keep_memory() -> None:
-    """Keep up to 64 MB of freed memory in this process, where the C library (glibc) has that setting.
-
-    Otherwise the system provides each temporary array of a block page by page, which costs a sixth of the time; Dask
-    starts its workers with that setting off. The setting holds for the whole process, so it is for our own only.
-    """
-    if sys.platform != "linux":
-        return
-    mallopt = getattr(ctypes.CDLL(None), "mallopt", None)
-    if mallopt is not None:
-        mallopt(_MMAP_THRESHOLD, _LARGEST)
-        mallopt(_TRIM_THRESHOLD, _KEPT)

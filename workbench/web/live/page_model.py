@@ -31,9 +31,8 @@ from studies.language.loader import loads
 from ...branches.ends_study import row as equilibrium_row
 from ...branches.tracing import Piece, Traced, trace_branches
 from ...export.stored_rod import export
-from ...store import dataset
-from ...store.block import columns
-from ...store.case_solutions import rule_of, solve_one
+from ...store import assembly
+from ...store.block import columns, rule_of, solve_one
 from ...words import cautions, labels, pipe_state
 
 SMALL = 240  # points of a small picture
@@ -294,7 +293,7 @@ def dataset_of_rod(one: Shape) -> Any:
     study = one.study.model_copy(
         update={"stations": one.sol.s.size, "outputs": ["beta", "dbeta", "alpha", "z", "contact"]}
     )
-    return dataset.make(study, Dimensions(), columns(study, one.sol))
+    return assembly.make(study, Dimensions(), columns(study, one.sol))
 
 
 def file(one: Shape, kind: str) -> bytes:

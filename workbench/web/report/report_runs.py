@@ -15,7 +15,7 @@ from studies.laws.verdicts import refusal
 
 from ...branches import equilibria_dataset
 from ...branches.ends_study import ends_problem
-from ...store import dataset, in_memory, law_verdicts
+from ...store import in_memory, law_verdicts, schema
 from ...words import labels, outcomes
 
 NAMES = READINGS_TABLE, EQUILIBRIA = "readings", "equilibria"
@@ -104,7 +104,7 @@ def _dataset_of_rows(
         "title": "Which claims of Fig. 7 hold under which reading of Table 1",
         "study_name": READINGS_TABLE,
         "rows": json.dumps(dict(zip(readings, rows, strict=True)), ensure_ascii=False),
-        "versions": json.dumps(dataset.versions()),
+        "versions": json.dumps(schema.versions()),
     }
     return xr.Dataset(data, coords, attrs)
 

@@ -1,4 +1,4 @@
-"""The solution of one case: by the rule of its study, or on the branch of the case before it.
+"""Sweeps: studies whose cases continue from one another, to tell their branches or because an axis is followed.
 
 In a sweep over ends problems the equilibrium of a case depends on its own numbers only. It is on the branch of its
 neighbour if the equilibrium of the neighbour continues to its own; else it begins a branch of another number. Only
@@ -21,43 +21,23 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from solver import Branch, Case, InputError, Solution, equilibria, follow, solve
-from solver.choose.selection import INCOMPLETE, NEAREST, Choose
-from solver.equilibria import Equilibria, nearest
+from solver import Branch, Case, InputError, Solution, follow, solve
+from solver.choose.selection import INCOMPLETE
 from solver.equilibrium_branch import BORDER, HELIX
 from solver.numerics.arclength import FOLD
 from solver.observe.observables import observe
 from solver.problem.case_fields import value_of
 from studies import Study
-from studies.grammar.axes import Which, in_words, quantity_of
+from studies.grammar.axes import in_words, quantity_of
 
 from ..words.outcomes import NO_BRANCH
+from .block import solve_one
 
 LOST = "unstable here, stable where its branch begins"
 BEYOND = "failed: the followed branch"
 SAME = 1e-6  # of the numbers at both ends, in units of rho: below it two solutions are one
 _STRAIGHT = 1e-6  # rad
 _DENSE = 2001  # stations of the seed of a method that knows the rod at stations only
-
-
-def rule_of(which: Which | None) -> Choose:
-    """The rule by which a study takes the equilibrium of a case."""
-    return NEAREST if which is None or which.rule is None else which.rule
-
-
-def solve_one(
-    case: Case, which: Which | None, tol: float, method: str, stations: Any, listed: Equilibria | None = None
-) -> Solution:
-    """The solution of a case, or of several; where a study names an equilibrium, that one. Raises `InputError`.
-
-    listed: all equilibria of the case at these stations, where they are known.
-    """
-    if which is not None and which.dbeta0 is not None and which.energy is not None:
-        every = equilibria(case, tol, stations) if listed is None else listed
-        if len(every):
-            taken = nearest(every, which.dbeta0, which.energy).solution
-            return taken if method in ("auto", taken.method) else solve(case, tol, method, stations, seed=taken)
-    return solve(case, tol=tol, method=method, stations=stations, choose=rule_of(which))
 
 
 @dataclass(frozen=True, eq=False)
@@ -325,6 +305,11 @@ class Sweep:
                 self.known[step_at] = state
         assert state is not None
         return state
+
+    def solve(self, place: int) -> tuple[Solution, str, int]:
+        """The solution of one case at the study's stations, an addition to its outcome, and its branch."""
+        state = self.state(place)
+        return show(self.study, state), state.remark, state.branch
 
     def hand_over(self, study: Study, start: int, stop: int) -> "Sweep":
         """The sweep for a worker that solves the cases `start` to `stop`: with the states with which blocks begin."""
