@@ -12,7 +12,7 @@ from solver import solve
 from tests.slow import slow_but
 from tests.workbench import runs, small
 from tests.workbench.study_kinds import QUICK, STUDIES, pushed
-from workbench.store import case_solutions, in_memory, schema, stored_case
+from workbench.store import block, in_memory, schema, stored_case
 from workbench.store.study_store import Options, run_to_file
 
 WAYS = {"cut": Options(workers=1, chunk=1), "pool": Options(workers=2, chunk=16)}
@@ -80,7 +80,7 @@ def test_a_case_is_the_same_in_its_study_solved_again_and_alone(whole, name: str
             here = dict(zip(ds["outcome"].dims, map(int, place), strict=True))
             one, at = ds.isel(here), {dim: float(ds[dim][i]) for dim, i in here.items()}
             fields = {field: float(one[schema.dimension(field)]) for field in study.varied}
-            rule, case = case_solutions.rule_of(study.equilibrium), study.case_of(fields)
+            rule, case = block.rule_of(study.equilibrium), study.case_of(fields)
             file_or_study = ds if study.refine else stored_case.outline(study)
             for way in (
                 bare.rod.beta.isel(here),
