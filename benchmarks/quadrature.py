@@ -17,7 +17,7 @@ from benchmarks.ends import REFERENCE
 from solver import Case, Cylinder, Ends, Rod, equilibria, solve
 from solver.branches.continuation import resume
 from solver.levels.boundary import critical_points, path_of
-from solver.methods.orbit import OrbitQuadrature
+from solver.methods.half_period import OrbitQuadrature
 from solver.problem.reduced import StartProblem, reduce
 from workbench.compare.trade_runs import ends_in_units_of_rho
 

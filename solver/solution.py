@@ -10,7 +10,7 @@ import numpy as np
 from .numerics.arrays import Array
 from .observe.cautions import of_cases
 from .problem.shown import make, table_of
-from .sensitivity import Sensitivity, sensitivity
+from .sensitivity.solution_derivatives import Sensitivity, sensitivity
 from .shape import Shape
 
 SHOWN = "workbench.notebook"  # loaded by name when a solution is shown: the solver works without the workbench

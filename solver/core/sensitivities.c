@@ -60,7 +60,8 @@ void rod_shape_rates(const shapes *of)
    sign, error: (B,), as of `rods`. wanted: bits of rates; groups: of numbers along the whole rod, and partly: of those over
    its first and second third. lifts, peak: (B,), what is observed; NULL for what is measured. Filled: kind (B,), of the
    orbits, LOST where there is none; half_period (B, F); found (3, B), numbers along the rod, over its first third, and over
-   two; rates (B, F, RATES). Of helices only the kind is filled. */
+   two; rates (B, F, RATES). Of helices only the kind is filled. Where nothing is measured marks, half_period, found and rates
+   are NULL. */
 typedef struct {
     shapes along;
     double *marks;
@@ -222,13 +223,15 @@ static int derive_rod(worker *o, int64_t b)
         memcpy(o->parts, all->parts, sizeof(double) * (size_t)(PARTS * F));
     else
         part_start(o, b);
+    change_shape(o, &all->along, b);
+    if (!all->marks)
+        return DONE;
     for (int64_t f = 0; f < F; f++) {
         double *later = &all->half_period[b * F + f];
         *later = 0;
         for (int k = 0; k < 4; k++)
             *later -= (o->varied->gain[k] + o->varied->gain[SUMS + k]) * o->parts[PARTS * f + 1 + k];
     }
-    change_shape(o, &all->along, b);
     change_marks(o, b);
     return all->wanted || all->groups || all->partly ? measure_rod(o, b) : DONE;
 }

@@ -7,10 +7,9 @@ from .adaptive import DOP853, LSODA, Heyoka
 from .base import EndsMethod, Method, StartMethod
 from .collocation import Collocation
 from .difference import Difference
+from .half_period import OrbitQuadrature, SwingTaylor
 from .marching import RK4, Euler, Verlet
-from .orbit import OrbitQuadrature
 from .shooting import Shooting
-from .swing import SwingTaylor
 
 _CLASSES: tuple[type[StartMethod] | type[EndsMethod], ...] = (
     OrbitQuadrature, DOP853, LSODA, Verlet, RK4, Euler, Shooting, Difference, Collocation, SwingTaylor, Heyoka,

@@ -26,7 +26,7 @@ from .base import (
     tens,
     tighten,
 )  # fmt: skip
-from .swing import condition_numbers
+from .half_period import condition_numbers
 
 _MOST_CALLS = 400_000  # of one integration: one or two seconds; stiffer cases are for `orbit`
 

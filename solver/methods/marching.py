@@ -14,7 +14,7 @@ from ..numerics.arrays import Array
 from ..problem.reduced import StartProblem
 from ..problem.trajectory import Trajectory
 from .base import Ladder, StartMethod, knob, largest, trajectory_of, twos
-from .swing import condition_numbers
+from .half_period import condition_numbers
 
 # beta, beta_t, alpha, z and swirl of B problems, (B,) each, and what a rule keeps from one step to the next
 State = Any

@@ -4,6 +4,7 @@ and of what is measured along them, from these changes, by the compiled core (`s
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -154,16 +155,16 @@ class StartRates(NamedTuple):
     kind: (B,), of their orbits; of helices, and where it is `LOST`, nothing else is known. along: (5, B, F, n), of
     beta, dbeta, alpha, z and gamma. marks: (B, 5, F, 4), of the same in units of rho at 0, 1/3, 2/3 and 1 of the
     length. half_period: (B, F). rates: (B, F) by name. values: numbers and their errors, (B,) each, by name; middle:
-    the same over the middle third.
+    the same over the middle third. Where nothing is measured kind and along alone are known.
     """
 
     kind: Integers
     along: Array
-    marks: Array
-    half_period: Array
-    rates: dict[str, Array]
-    values: dict[str, tuple[Array, Array]]
-    middle: dict[str, tuple[Array, Array]]
+    marks: Array = np.empty(0)
+    half_period: Array = np.empty(0)
+    rates: Mapping[str, Array] = MappingProxyType({})
+    values: Mapping[str, tuple[Array, Array]] = MappingProxyType({})
+    middle: Mapping[str, tuple[Array, Array]] = MappingProxyType({})
 
 
 def start_sensitivities(
@@ -176,24 +177,31 @@ def start_sensitivities(
     changes, (1, 5, F).
     """
     numbers, (B, stations), F = numbers_of(problem), shape["t"].shape, shape["by"].shape[2]
-    out, marks = np.full((5, B, F, stations), np.nan), np.full((B, 5, F, 4), np.nan)
-    kind, half = np.empty(B, dtype=np.int64), np.full((B, F), np.nan)
+    out, kind = np.full((5, B, F, stations), np.nan), np.empty(B, dtype=np.int64)
     along = _shapes_of(out, {**shape, "loads": numbers[:, :3], "span": numbers[:, 3]})
-    rest: dict[str, Any] = {"along": along, "marks": marks, "problems": numbers, "kind": kind, "half_period": half}
+    rest: dict[str, Any] = {"along": along, "problems": numbers, "kind": kind}
     if motion is not None:
         varied, parts = motion
         of, kept = varied.arguments
         rest |= {"of": of, "varied": kept, "parts": np.ascontiguousarray(parts.swapaxes(1, 2))}
+    ways = on_grid(), points(POINTS), cut(HOW, False)
+
+    def derive() -> None:
+        task = _Sensitivities(**rest)
+        share_out(lambda a, b: fine(run("rod_sensitivities", task, *ways, a, b)), B)
+
+    if measured is None:
+        derive()
+        return StartRates(kind, out)
+    marks, half = np.full((B, 5, F, 4), np.nan), np.full((B, F), np.nan)
     seen, rates = np.zeros((3, B, 2, len(NUMBERS))), np.full((B, F, len(NUMBERS) + 1), np.nan)
-    names, plain, middle = (measured.names, measured.plain, measured.middle) if measured is not None else ((), (), ())
-    if measured is not None:
-        arrays = {"sign": measured.sign, "error": measured.error, **measured.seen}
-        rest |= {name: np.ascontiguousarray(array, dtype=float) for name, array in arrays.items()}
-        rest |= {"found": seen, "rates": rates, "goal": measured.goal, "rates_goal": FINEST}
-        rest["wanted"] = sum(1 << RATED[name] for name in names)
-        rest["groups"], rest["partly"] = _groups_of(plain), _groups_of(middle)
-    task, ways = _Sensitivities(**rest), (on_grid(), points(POINTS), cut(HOW, False))
-    share_out(lambda a, b: fine(run("rod_sensitivities", task, *ways, a, b)), B)
+    names, plain, middle = measured.names, measured.plain, measured.middle
+    arrays = {"sign": measured.sign, "error": measured.error, **measured.seen}
+    rest |= {name: np.ascontiguousarray(array, dtype=float) for name, array in arrays.items()}
+    rest |= {"found": seen, "rates": rates, "marks": marks, "half_period": half}
+    rest |= {"goal": measured.goal, "rates_goal": FINEST, "wanted": sum(1 << RATED[name] for name in names)}
+    rest |= {"groups": _groups_of(plain), "partly": _groups_of(middle)}
+    derive()
     places = [(name, NUMBERS.index(name)) for name in _members(plain)]
     (whole, less, more), thirds = seen, {name: NUMBERS.index(name) for name in _members(middle)}
     return StartRates(

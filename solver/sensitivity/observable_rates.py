@@ -81,7 +81,8 @@ class Moving(Reading):
 
     def take(self, rows: Any, found: StartRates) -> None:
         """Take the derivatives of some cases; where the method knows the orbits, what was measured on them too."""
-        for name, value in (found.rates | {"half_period": found.half_period} | _at_marks(found.marks)).items():
+        slopes = {**found.rates, "half_period": found.half_period, **_at_marks(found.marks)}
+        for name, value in slopes.items():
             self._slopes[name][rows] = value
         if self.sol.trajectory.orbit is None:
             return

@@ -25,7 +25,7 @@ ROOT = Path(__file__).parents[2]
 IMPORTED = (
     "workbench.cli", "workbench.store.law_verdicts", "workbench.store.writing",
     "workbench.store.study_store", "workbench.store.file_merge", "workbench.commands.run",
-    "solver.methods.orbit", "rich.table", "rich.console",
+    "solver.methods.half_period", "rich.table", "rich.console",
     "pydantic.type_adapter", "scipy.integrate", "scipy.interpolate", "scipy.optimize", "h5netcdf.legacyapi",
     "dask.array", "distributed",
 )  # fmt: skip

@@ -1,8 +1,9 @@
-"""`swing`: half a period by Taylor's method, in the compiled core; the rest by symmetry.
+"""`orbit` and `swing`: half a period of the orbit of beta, the rest by symmetry.
 
-It marches where `orbit` integrates by quadrature. Next to a saddle a march loses the digits that decide where the
-orbit goes; there `swing` hands the rod to `orbit`. Its error is measured: the covariance of the truncation and rounding
-of its steps is carried along with them.
+`orbit` integrates by quadrature (`orbit.periodic_orbit`), `swing` marches by Taylor's method in the compiled core
+(`orbit.marched_orbit`). Next to a saddle a march loses the digits that decide where the orbit goes; there `swing` hands
+the rod to `orbit`. Its error is measured: the covariance of the truncation and rounding of its steps is carried along
+with them.
 """
 
 from dataclasses import dataclass, replace
@@ -12,13 +13,41 @@ import numpy as np
 
 from ..numerics.arrays import Array
 from ..orbit.marched_orbit import MarchedOrbit, march_orbit
+from ..orbit.periodic_orbit import MOST, judge, solve_orbit
 from ..problem.errors import DEFAULT_TOLERANCE
 from ..problem.reduced import StartProblem
-from ..problem.trajectory import Trajectory, Verdicts, all_solved, verdicts
+from ..problem.trajectory import TOO_LARGE, Trajectory, Verdicts, all_solved, beyond_limits, blank, stood_in, verdicts
 from .base import TOLERANCES, Ladder, StartMethod
-from .orbit import OrbitQuadrature
 
+SPENT = f"failed: the orbit needs more than {MOST} panels"
 _DIGITS = 100  # times the tolerance: an error beyond it is handed over, also where the condition number excuses it
+
+
+@dataclass(frozen=True)
+class OrbitQuadrature(StartMethod):
+    """The periodic orbit by quadrature; it has no knobs."""
+
+    name = "orbit"
+    summary = "quadrature over half a period, the rest by symmetry"
+    order = float("inf")
+    knows_orbit = True
+    batched = True
+    ladders = (Ladder("orbit", "tol", TOLERANCES, "#00704f", "o", bold=True),)
+
+    def run(self, problem: StartProblem, t: Array, tol: float) -> Trajectory:
+        fit = beyond_limits(problem) == ""
+        return blank(_integrate(stood_in(problem, fit), np.where(fit[:, None], t, 0), tol), fit, TOO_LARGE)
+
+
+def _integrate(problem: StartProblem, t: Array, tol: float) -> Trajectory:
+    orbit = solve_orbit(problem, tol)
+    beta, dbeta, alpha, z = orbit.at(t)
+    growth, error = judge(orbit)
+    spent = np.bincount(orbit.panels.arc // 2, minlength=problem.size) > MOST
+    why = np.where(spent & (error > tol * growth), SPENT, "")
+    verdict = verdicts(beta, error, growth, tol).failed(why)
+    rest = *verdict, error, growth, orbit.evaluations, orbit
+    return Trajectory(beta, dbeta, alpha, z, partial(orbit.swirl, t), *rest)
 
 
 @dataclass(frozen=True)
