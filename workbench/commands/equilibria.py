@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import asdict
-from math import degrees
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -192,14 +191,12 @@ def _print_table(study: "Study", rows: Sequence[dict[str, Any]], reactions: Sequ
     names = (*reactions, "dbeta0", energy, "bending_energy", "turns", "index", *dead, "stray", "attached")
     units = {name: unit_shown(name, study.unit_system) for name in names if name not in OWN} | {"stray": "deg"}
     least = _base_energy([row[energy] for row in rows])
-    heads = {name: tables.heading(HEADS.get(name, name).replace("_", " "), units.get(name, "")) for name in names}
+    heads = {name: HEADS.get(name, name).replace("_", " ") for name in names}
     table = []
     for i, row in enumerate(rows, 1):
-        every = {**row, **row.get("reactions", {})}
-        angles = {name: degrees(every[name]) for name in names if units.get(name) == "deg"}
         above = {energy: row[energy] - least} if least else {}
-        table.append({"": f"{i} *" if row["taken"] else f"{i}", **every, **angles, **above})
-    tables.print_rows(table, {"": "", **heads})
+        table.append({"": f"{i} *" if row["taken"] else f"{i}", **row, **row.get("reactions", {}), **above})
+    tables.print_rows(table, {"": "", **heads}, units)
     if least:
         console.say(f"energies are listed above the least, {least:.10g} {units[energy]}")
 

@@ -107,10 +107,9 @@ def _rod(file: Path | None, given: Given) -> "tuple[Rod, Cylinder, dict[str, str
 
 def _print(found: "list[Loop]", remarks: list[str], units: dict[str, str]) -> None:
     rows = [row(loop) for loop in found]
-    units_shown = {name: OWN[name] if name in OWN else unit_shown(name, units) for name in COLUMNS}
-    heads = {name: tables.heading(name, unit) for name, unit in units_shown.items()}
-    numbered = [{"": i, **r} for i, r in enumerate(rows, 1)]
-    tables.print_rows(numbered, {"": "", **heads, "self_intersection": "self-intersection"})
+    shown = {name: OWN[name] if name in OWN else unit_shown(name, units) for name in COLUMNS}
+    heads = {"": "", **dict.fromkeys(COLUMNS, ""), "self_intersection": "self-intersection"}
+    tables.print_rows([{"": i, **r} for i, r in enumerate(rows, 1)], heads, shown)
     stable = sum(r["index"] == 0 for r in rows)
     console.say(f"{len(rows)} loops, {stable} stable as closed rods on the surface, the section free to turn")
     pulled = [str(i) for i, r in enumerate(rows, 1) if r["lifts_off"]]

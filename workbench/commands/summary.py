@@ -92,11 +92,8 @@ def _print(found: dict[str, Any]) -> None:
         tables.print_rows(map(in_degrees, found["observables"]), {"name": "observable", **SPREAD})
         console.say("")
     if found["states"]:
-        units = {axis["name"]: axis["units"] for axis in found["axes"]}
-        heads = {name: tables.heading(name, "deg" if unit == "rad" else unit) for name, unit in units.items()}
-        turned = [name for name, unit in units.items() if unit == "rad"]
-        each = [row | {name: degrees(row[name]) for name in turned} for row in found["states"]]
-        tables.print_rows(each, {**heads, "state": "state along the rod"})
+        units = {axis["name"]: "deg" if axis["units"] == "rad" else axis["units"] for axis in found["axes"]}
+        tables.print_rows(found["states"], {**dict.fromkeys(units, ""), "state": "state along the rod"}, units)
         console.say("")
     console.say(f"{found['cases']} cases, {found['unsolved']} unsolved")
     _print_outcomes(found["outcomes"])

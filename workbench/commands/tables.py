@@ -35,15 +35,19 @@ def print_table(columns: Sequence[str], rows: Iterable[Sequence[Any]], title: st
         title = None
 
 
-def print_rows(rows: Iterable[Mapping[str, Any]], columns: Mapping[str, str] | None = None) -> None:
+def print_rows(
+    rows: Iterable[Mapping[str, Any]], columns: Mapping[str, str] | None = None, units: Mapping[str, str] | None = None
+) -> None:
     """Print plain data as a table, a row for each mapping.
 
     columns: key -> heading; default: every key of the first row, as its own heading; then nothing where there is none.
+    units: key -> unit as of `unit_shown`, for the heading; numbers under "deg" are in rad, and printed in degrees.
     """
-    every = list(rows)
+    every, units = list(rows), units or {}
     heads = columns or (dict.fromkeys(every[0]) if every else {})
+    cells = [[degrees(row[key]) if units.get(key) == "deg" else row[key] for key in heads] for row in every]
     if heads:
-        print_table([text or key for key, text in heads.items()], [[row[key] for key in heads] for row in every])
+        print_table([heading(text or key, units.get(key, "")) for key, text in heads.items()], cells)
 
 
 def heading(name: str, unit: str) -> str:

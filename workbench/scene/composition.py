@@ -106,14 +106,11 @@ def impossible(bodies: Sequence[Body]) -> list[str]:
     """What a real rod could not do, beyond what colours show; of several rods how many."""
     each = {id(body.line): body.caution for body in bodies}.values()
     sentences = []
-    for key, single, more in (
-        ("overlaps", ITSELF, "pass through themselves"),
-        ("too tight", "bent tighter than its own radius (κa > 1)", "bent tighter than their own radius (κa > 1)"),
-    ):
-        count = sum(key in caution for caution in each)
-        if count:
-            sentences.append(single if len(each) == 1 else f"{count} of {len(each)} {more}")
-    return sentences
+    for key in (cautions.MEETS, cautions.TIGHT):
+        if count := sum(key in cautions.keys(caution) for caution in each):
+            who = "the rod" if len(each) == 1 else f"{count} of {len(each)}"
+            sentences.append(f"{who} {cautions.WORDS[key][count > 1]}")
+    return [labels.typeset(text) for text in sentences]
 
 
 def room_of(scene: Scene) -> tuple[float, float]:

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 
 # those of `solver.observe.cautions` that others read here
-__all__ = ["ALL_ALONG", "IN_PART", "JUDGED", "PULLED", "SLIGHT", "UNCHECKED", "UNKNOWN", "of_cases"]
+__all__ = ["ALL_ALONG", "IN_PART", "JUDGED", "MEETS", "PULLED", "SLIGHT", "TIGHT", "UNCHECKED", "UNKNOWN", "of_cases"]
 
 # key -> words for one rod, and for several
 WORDS = {
