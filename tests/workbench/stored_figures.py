@@ -50,7 +50,8 @@ def marks(fig: Figure) -> list[str]:
     It says how many there are, with how many points, and what `_ranges` says of them. A mark with a name has a line of
     its own.
     """
-    found = []
+    wide, high = fig.get_size_inches()
+    found = [f"a page of {wide:#.2g} by {high:#.2g} inches"]
     for number, ax in enumerate(_panels(fig), 1):
         if ax.axison:  # else its limits are inches of the page
             limits = (f"{scale} {low:#.5g} to {high:#.5g}" for scale, (low, high) in

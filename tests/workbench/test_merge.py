@@ -1,22 +1,18 @@
 """Studies that extend one another along an axis are one study, and what is not alike is named."""
 
-import json
 import os
 from functools import cache
 from typing import Any
 
-import h5py
-import numpy as np
 import pytest
 import xarray as xr
 
 import workbench.accessor  # noqa: F401  (ds.rod)
 from solver import InputError
-from studies.language.loader import loads
 from tests.slow import slow, slow_but
 from tests.workbench import small
 from tests.workbench.small import axis, law
-from workbench.store import assembly, file_merge, in_memory, law_verdicts, reading, schema, study_store, writing
+from workbench.store import assembly, file_merge, in_memory, law_verdicts, reading, study_store, writing
 
 RADII = axis("R", [0.5, 0.75, 1.0])
 LAW = law("turns", "E", "falls")
@@ -99,60 +95,8 @@ def test_an_axis_of_any_field_can_be_joined_first_or_last(name: str, tmp_path) -
             assert_same_kinds(merged, solved[-1])
 
 
-def test_a_sample_that_two_files_hold_at_different_numbers_is_kept_once(tmp_path) -> None:
-    rows = (
-        ([0.7, 0.8], [1e4, 2e4]),
-        ([0.8, 0.9], [2e4, 3e4]),
-        ([0.95], [4e4]),
-        ([0.7, 0.8, 0.9, 0.95], [1e4, 2e4, 3e4, 4e4]),
-    )
-    *parts, whole = (one_by_one(f"[zip]\nR = {R}\nE = {E}\n") for R, E in rows)
-    file_merge.merge(stored(tmp_path, *parts), tmp_path / "all.h5")
-    merged = reading.read(tmp_path / "all.h5")
-    for name in ("R", "E", "rho", "turns", "beta", "position"):
-        np.testing.assert_array_equal(merged[name], whole[name])
-
-
-def test_two_axes_are_joined_along_one_also_where_a_file_has_one_value_of_it(tmp_path) -> None:
-    parts = [one_by_one(axis("a", [0.2, 0.25]) + axis("R", R)) for R in ([0.7, 0.8], [0.75], [0.7, 0.75, 0.8])]
-    for order in (parts[:2], parts[1::-1]):
-        file_merge.merge(stored(tmp_path, *order), tmp_path / "all.h5", force=True)
-        merged = reading.read(tmp_path / "all.h5")
-        for name in ("a", "R", "rho", "turns", "beta"):
-            np.testing.assert_array_equal(merged[name], parts[2][name])
-
-
-def test_the_text_of_the_study_has_all_values_and_makes_the_same_case(tmp_path) -> None:
-    degrees = "[axes.beta]\nvalues = [{}]\nunit = 'deg'\n"
-    files = stored(tmp_path, *(one_by_one(degrees.format(v)) for v in ("15, 30", "20")))
-    file_merge.merge(files, tmp_path / "all.h5")
-    ds = reading.read(tmp_path / "all.h5")
-    again = loads(ds.attrs["study"])
-    np.testing.assert_array_equal(again.coordinates()["beta"], ds["beta0"])
-    np.testing.assert_allclose(ds["beta0"], np.deg2rad([15, 20, 30]), rtol=1e-15)  # rounding
-    np.testing.assert_array_equal(ds.rod.case.given.beta, ds["beta0"])
-    assert [row["beta0"] for row in json.loads(ds.attrs["merged"])] == [2, 1]
-
-
-def test_values_that_are_evenly_spaced_are_told_so(tmp_path) -> None:
-    halves = "[axes.E]\nfrom = {}\nto = {}\ncount = 4\n"
-    files = stored(tmp_path, *(one_by_one(halves.format(a, b)) for a, b in ((1e4, 1.75e4), (2e4, 2.75e4))))
-    file_merge.merge(files, tmp_path / "all.h5")
-    text = reading.read(tmp_path / "all.h5").attrs["study"]
-    assert "from = 10000.0\nto = 27500.0\ncount = 8" in text
-
-
 def status(done: dict[str, Any]) -> int:
     return law_verdicts.status(done["unsolved"], done["laws"])
-
-
-def test_unsolved_cases_of_one_file_make_whole_numbers_of_the_other_real(tmp_path) -> None:
-    good, bad = counted(axis("E", [1e4])), counted(axis("E", [2e4]))
-    bad = small.with_outcomes(bad, ["failed: on purpose"])
-    bad["turns"] = bad["turns"].astype(float) * np.nan
-    done = file_merge.merge(stored(tmp_path, good, bad), tmp_path / "all.h5")
-    assert (done["unsolved"], status(done)) == (1, 1)
-    assert np.isnan(reading.read(tmp_path / "all.h5")["turns"].values).tolist() == [False, True]
 
 
 E1, E2 = axis("E", [1e4, 2e4]), axis("E", [3e4])
@@ -192,16 +136,6 @@ def test_small_blocks_write_the_same_bits_as_large_ones(tmp_path, monkeypatch) -
         file_merge.merge(files, tmp_path / "small.h5")
         with xr.open_dataset(tmp_path / "large.h5") as large, xr.open_dataset(tmp_path / "small.h5") as little:
             xr.testing.assert_identical(large.drop_attrs(deep=False), little.drop_attrs(deep=False))
-
-
-def test_versions_that_differ_are_both_kept(tmp_path) -> None:
-    a, b = one_by_one(E1), one_by_one(E2)
-    b.attrs["versions"] = json.dumps({**json.loads(b.attrs["versions"]), "numpy": "1.0"})
-    file_merge.merge(stored(tmp_path, a, b), tmp_path / "all.h5")
-    with h5py.File(tmp_path / "all.h5") as file:
-        told = json.loads(file.attrs["versions"])
-    assert told["numpy"] == f"{schema.versions()['numpy']}, 1.0"
-    assert told["scipy"] == schema.versions()["scipy"]
 
 
 @pytest.mark.parametrize("names", [("outcome",), ("outcome", "turns")])
