@@ -8,7 +8,7 @@ import pytest
 from typer.main import get_command
 
 from solver import Cylinder, Ends, Rod, Start
-from solver.problem.case import PAIRS, SIDES, SLIDING, STIFFNESS, TWISTS, lacking
+from solver.problem.case import PAIRS, SIDES, SLIDING, STIFFNESS, TWISTS
 from solver.problem.quantities import unit_of
 from studies.grammar.axes import quantity_of
 from tests.workbench.command import exit_status
@@ -68,13 +68,6 @@ def test_the_default_is_that_of_the_solver(name: str) -> None:
         assert defaults == {MISSING if FIELDS[name].default is None else FIELDS[name].default}
 
 
-def test_a_rod_needs_one_of_two_pairs() -> None:
-    assert lacking([]) == lacking(["inner_radius"]) == ["E", "nu", "a", "L"]
-    assert lacking(["GJ", "a"]) == ["EI", "L"]
-    for name in ("E", "nu", "EI", "GJ"):
-        assert FIELDS[name].note == "give E and nu, or EI and GJ"
-
-
 def test_words_have_the_choices_of_the_solver() -> None:
     assert FIELDS["stiffness"].choices == tuple(STIFFNESS)
     assert FIELDS["side"].choices == tuple(SIDES)
@@ -112,11 +105,3 @@ def test_of_a_pipe_with_a_section_the_stress_is_stated_and_whether_steel_yields(
         assert axial[0] == pytest.approx(load / (pi * (0.0635**2 - 0.0543**2)) * 1e-6, rel=1e-3)
         assert both[2] == pytest.approx(bending[2] - axial[2], rel=0.01)  # here the largest are at one place
         assert ("caution: the strain reaches 0.39 %" in shown) is yields
-
-
-def test_the_help_of_a_field_says_problem_unit_rule_and_default() -> None:
-    assert help_of(FIELDS["dgamma"], whole=True) == (
-        "Rate of rotation of the section at the start [rad/length]; give one of F1, dgamma, M3."
-    )
-    assert help_of(FIELDS["F2"], whole=True).endswith("across the rod [force]; default: 0.")
-    assert help_of(FIELDS["FZ"], whole=False) == "Axial force, tension positive [force]."

@@ -12,8 +12,7 @@ import xarray as xr
 
 import solver
 import workbench.accessor  # noqa: F401  (registers ds.rod)
-from solver import Case, InputError, Rod, Start, solve
-from studies.language.case_input import field_values, from_values, with_fields
+from solver import Case, Rod, Start, solve
 from studies.language.loader import dumps, loads
 from tests.workbench import doc_pages, small
 from workbench.geometry import stored_line
@@ -61,22 +60,6 @@ def test_what_reads_a_file_uses_the_stiffness_of_its_section(stored: xr.Dataset)
     if axis == "EI":
         (verdict,) = law_verdicts.verdicts(stored)
         assert verdict["verdict"] == "holds"
-
-
-def test_new_stiffnesses_replace_the_modulus_and_the_other_way_round() -> None:
-    solid = Case(Rod(1e4, 0.25, 0.25, 5.0, "paper"), solver.Cylinder(0.75), Start(0.5, 0.1, M3=1.0))
-    direct = with_fields(solid, {"EI": 3.0, "GJ": 2.0})
-    assert (direct.rod.E, direct.rod.bending_stiffness, direct.rod.torsional_stiffness) == (None, 3.0, 2.0)
-    assert "stiffness" not in field_values(direct)
-    tube = with_fields(direct, {"E": 1e4, "nu": 0.3, "inner_radius": 0.2})
-    assert (tube.rod.EI, tube.rod.GJ, tube.rod.inner_radius) == (None, None, 0.2)
-
-
-def test_a_rod_of_given_stiffnesses_assumes_no_word_of_the_modulus() -> None:
-    values = {"EI": 3.0, "GJ": 2.0, "a": 0.1, "L": 5.0, "R": 1.0, "beta": 0.5, "dbeta": 0.0, "M3": 0.0}
-    assert "stiffness" not in from_values(values)[1]
-    with pytest.raises(InputError, match="a start problem also needs GJ"):
-        from_values({name: value for name, value in values.items() if name != "GJ"})
 
 
 def test_the_page_of_sections_runs_and_prints_what_it_says(capsys: pytest.CaptureFixture[str]) -> None:
