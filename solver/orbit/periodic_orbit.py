@@ -276,7 +276,7 @@ def reading(orbit: Orbit) -> Any:
 def cover(
     span: Array, kind: Integers, first: Integers, count: Integers, duration: Array, since: Array, width: Array
 ) -> tuple[Integers, Integers, Array, Array, Array, Array, Array]:
-    """The pieces that B rods cover of their orbits: the columns of `observe.rod_pieces.Pieces`, (Q,) each.
+    """The pieces that B rods cover of their orbits: the columns of `observe.solution_pieces.Pieces`, (Q,) each.
 
     Parameters
     ----------
