@@ -6,15 +6,21 @@ from functools import partial
 
 import numpy as np
 
+from ..branches.branch_events import Bounds
+from ..numerics.arclength import END, Lengths
 from ..numerics.roots import halve
 from ..problem.case import ALONG_ITSELF
 from .buckling import AHEAD, buckle, buckling_shares, lying_rod, straight_index, straight_shape
-from .descent import LOOSE, descend, index_at, index_of_any, is_near
+from .curve import Curve, Point, trace_shapes
+from .descent import descend, index_at, index_of_any, is_near
 from .loaded_rod import SHORT, LoadedRod
 from .local_waves import PASSED, QUIET, leans_and_buckles, lock_up_share, sinusoid, wound_shape
 from .newton import correct, is_same
 from .varying_shapes import Shape
 
+MOST_POINTS = 1000  # of a branch
+LENGTHS = Lengths(first=0.1, longest=0.25, least=1e-4)  # of steps
+LEAST_RUBBED = 1e-2  # the same of a rod with friction, whose branch ends where its waves run
 MOST_FORCES, MOST_FAILED = 20, 3  # that are tried for a held height; of which as many fail
 LEAST_BENT = 1e-3  # how much they shorten the rod, of the wanted
 FRICTION = "this friction"
@@ -28,9 +34,7 @@ RESTLESS = (
     "the {} rod buckles under its compression with friction, and no sinusoid or helix at rest was found: friction may "
     "drive waves along the rod or wind up its helix"
 )
-FIRST_STEP, LEAST_STEP, LONGEST_STEP = 0.1, 1e-4, 0.25
 FINE = 2.0**-8  # of the range of a load: how closely it is enclosed
-LEAST_RUBBED = 1e-2  # least step of a rod with friction, whose branch ends where its waves run
 SHARES_AHEAD = 1.0, 0.9, 0.7, 0.4  # of the rest of the way: where a sinusoid is tried when a branch ends
 
 
@@ -74,7 +78,7 @@ def branch_from_straight(rod: LoadedRod) -> Path:
         return branch_to_height(rod)
     t = rod.nodes()
     if not rod.straight:
-        return grow(rod.share, straight_shape(rod.share(0.0), t), 0.0, 1.0)
+        return grow(rod.share, straight_shape(rod.share(0.0), t))
     shape = straight_shape(rod, t)
     if index_at(shape) == 0:
         return Path(shape)
@@ -83,11 +87,14 @@ def branch_from_straight(rod: LoadedRod) -> Path:
     if buckled is None:
         why = f"no stable equilibrium was found near {critical:.6g} of the loads, where the straight rod buckles"
         return Path(None, buckled=critical, why=why)
-    # in the root of the distance from the buckling load the branch is smooth
     first, share = buckled
-    begin, end = np.sqrt(share - critical), np.sqrt(1 - critical)
-    path = grow(lambda x: rod.share(1.0 if x == end else critical + x * x), first, begin, end)
-    return replace(path, buckled=critical, jumped=tuple(critical + x * x for x in path.jumped))
+
+    def share_at(x: float) -> float:  # in the root of the distance from the buckling load the branch is smooth
+        return 1 - (1 - x * x) * (1 - critical)
+
+    begin = np.sqrt((share - critical) / (1 - critical)) if share < 1 else 1.0
+    path = grow(lambda x: rod.share(share_at(x)), first, begin)
+    return replace(path, buckled=critical, jumped=tuple(map(share_at, path.jumped)))
 
 
 def branch_with_friction(rod: LoadedRod) -> Path:
@@ -110,7 +117,7 @@ def branch_with_friction(rod: LoadedRod) -> Path:
     if (bent := sinusoid(rod)) is not None:
         return Path(bent, rubbed=alone)
     if rod.turning and (bent := sinusoid(rod.with_torque(0.0))) is not None:
-        path = grow(rod.with_torque, bent, 0.0, 1.0)
+        path = grow(rod.with_torque, bent)
         if path.shape is not None:
             return path
     path = Path(None) if alone else grow_friction(rod, branch_from_straight(plain))
@@ -131,7 +138,7 @@ def grow_friction(rod: LoadedRod, plain: Path) -> Path:
     """What the shape without friction becomes while friction grows."""
     if plain.shape is None:
         return plain
-    path = grow(rod.with_friction, plain.shape, 0.0, 1.0, FRICTION)
+    path = grow(rod.with_friction, plain.shape, target=FRICTION)
     return replace(path, buckled=plain.buckled, jumped=plain.jumped, wound=plain.wound)
 
 
@@ -164,59 +171,49 @@ def branch_to_height(rod: LoadedRod) -> Path:
             held[2] += (1 - share) * (height - held[2])
             return replace(rod, far=held)
 
-        grown = grow(at, Shape(at(0.0), path.shape.t, path.shape.y), 0.0, 1.0)
+        grown = grow(at, Shape(at(0.0), path.shape.t, path.shape.y))
         return replace(grown, buckled=path.buckled, jumped=path.jumped + grown.jumped)
     return Path(None, why=why)
 
 
-def grow(
-    rod_at: Callable[[float], LoadedRod], shape: Shape, x: float, last: float, target: str = "these loads"
-) -> Path:
-    """The equilibrium reached from one at x while x grows to its last value; a stable one stays stable.
+def grow(rod_at: Callable[[float], LoadedRod], shape: Shape, share: float = 0.0, target: str = "these loads") -> Path:
+    """The equilibrium reached from one at a share of something while the share grows to 1; a stable one stays stable.
 
-    rod_at: the rod at each x. target: what its last value means. The `jumped` of the path are values of x.
+    rod_at: the rod at each share. target: what is whole at 1.
     """
-    step, before, eased = max(x, FIRST_STEP * last), None, True
-    jumped: list[float] = []
-    index = index_of_any(shape)
-    while x < last:
-        ahead = min(last, x + step)
-        guess = shape.y if before is None else shape.y + (shape.y - before[1]) * ((ahead - x) / (x - before[0]))
-        corrected = correct(Shape(rod_at(ahead), shape.t, guess), reach=2.0, most=10, enough=LOOSE)
-        if corrected is not None and is_near(shape, corrected) and index_of_any(corrected) <= index:
-            before = x, shape.y
-            x, shape = ahead, corrected
-            step = min(2 * step, LONGEST_STEP * last) if corrected.steps <= 5 and eased else step
-            eased = True
-            continue
-        step, eased = step / 3, False
-        if step > (LEAST_RUBBED if shape.rod.rubbed else LEAST_STEP) * last:
-            continue
-        below = stable_shape_ahead(rod_at, shape, x, last)
+    whole, jumped = rod_at(1.0), list[float]()
+    lengths = replace(LENGTHS, least=LEAST_RUBBED) if whole.rubbed else LENGTHS
+    curve = Curve(rod_at, 1.0, whole.scale, lengths)
+    while share < 1:
+        begun = Point(shape, share, np.append(np.zeros(shape.y.size), 1.0))
+        places, stop = trace_shapes(curve, begun, True, Bounds(share, 1.0, (), MOST_POINTS))
+        if places:
+            share, shape = places[-1].p, places[-1].path
+        if stop.reason == END:
+            break
+        below = stable_shape_ahead(rod_at, shape, share)
         if below is None:
-            why = f"the branch ends at {x / last:.6g} of the way to {target}"
-            return Path(None, index, None, tuple(jumped), why=why, share=x / last if target == FRICTION else None)
-        jumped.append(x)
-        (x, shape), index, before, step = below, 0, None, AHEAD * last
-    final = correct(Shape(rod_at(last), shape.t, shape.y))
+            why = f"the branch ends at {share:.6g} of the way to {target}"
+            return Path(None, jumped=tuple(jumped), why=why, share=share if target == FRICTION else None)
+        jumped.append(share)
+        share, shape = below
+    final = correct(replace(shape, rod=whole))
     if final is None or not is_near(shape, final):
         why = f"Newton's method did not converge at the end of the way to {target}"
-        return Path(None, index, None, tuple(jumped), why=why)
-    return Path(final, index_of_any(final), None, tuple(jumped))
+        return Path(None, jumped=tuple(jumped), why=why)
+    return Path(final, index_of_any(final), jumped=tuple(jumped))
 
 
-def stable_shape_ahead(
-    rod_at: Callable[[float], LoadedRod], shape: Shape, x: float, last: float
-) -> tuple[float, Shape] | None:
-    """Where a branch ends at x: the farthest stable sinusoid ahead, else the shape to which the rod falls.
+def stable_shape_ahead(rod_at: Callable[[float], LoadedRod], shape: Shape, share: float) -> tuple[float, Shape] | None:
+    """Where a branch ends at a share: the farthest stable sinusoid ahead, else the shape to which the rod falls.
 
-    With its x; None where the rod reaches none.
+    With its own share; None where the rod reaches none.
     """
-    for share in () if rod_at(last).rubbed else SHARES_AHEAD:  # that of a rod with friction was tried before
-        ahead = last if share == 1 else x + share * (last - x)
+    for rest in () if rod_at(1.0).rubbed else SHARES_AHEAD:  # that of a rod with friction was tried before
+        ahead = 1.0 if rest == 1 else share + rest * (1 - share)
         wave = sinusoid(rod_at(ahead))
         if wave is not None and index_of_any(wave) == 0:
             return ahead, wave
-    ahead = min(last, x + AHEAD * last)
+    ahead = min(1.0, share + AHEAD)
     fallen = descend(Shape(rod_at(ahead), shape.t, shape.y))
     return None if fallen is None else (ahead, fallen)

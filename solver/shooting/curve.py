@@ -15,7 +15,7 @@ from ..numerics.arclength import BRANCH_POINT, CLOSED, FOLD, PITCHFORK, Lengths,
 from ..numerics.arrays import Array
 from ..numerics.roots import DIVERGED, enclose, locate, newton
 from ..problem.errors import InputError
-from .descent import index_of_any
+from .descent import LOOSE, index_of_any, is_near
 from .loaded_rod import ALPHA, BETA, LoadedRod
 from .newton import (
     ENDING,
@@ -90,11 +90,16 @@ def unit(direction: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """rod_at: the rod at each x. size: the size of x. scale: (8,), that of the states."""
+    """rod_at: the rod at each x. size: the size of x. scale: (8,), that of the states.
+
+    natural: of steps where x must rise, and all that is wanted is the equilibrium at its last value: points on the way
+    are rough, and the branch ends where their index would rise. None where x may fall.
+    """
 
     rod_at: Callable[[float], LoadedRod]
     size: float
     scale: Array
+    natural: Lengths | None = None
 
     def shape(self, like: Shape, y: Array, x: float) -> Shape:
         """The rod at x with the states y, on the nodes of another shape."""
@@ -158,11 +163,24 @@ class Curve:
         """The point after a step; None where the step is too long."""
         shape, change = before.shape, step * before.tangent
         guess = replace(shape, y=shape.y + change[:-1].reshape(shape.y.shape) * self.scale)
+        x = before.p + change[-1] * self.size
+        if self.natural:
+            return self.rough_point(before, guess, x)
         try:
-            point = self.correct(guess, before.p + change[-1] * self.size, before.tangent, most=8)
+            point = self.correct(guess, x, before.tangent, most=8)
         except InputError:  # no case has such a value
             return None
         return None if point is None or inner(point.tangent, before.tangent) < COSINE else point
+
+    def rough_point(self, before: Point, guess: Shape, x: float) -> Point | None:
+        """The point near a guess at x, in the direction from the one before, with dx = 1; None where it may be on
+        another branch."""
+        shape = correct(replace(guess, rod=self.rod_at(x)), reach=2.0, most=6, enough=LOOSE)
+        if shape is None or not is_near(before.shape, shape):
+            return None
+        change = self.in_sizes(shape.y - before.shape.y, x - before.p)
+        point = Point(shape, x, change / change[-1])
+        return None if point.index > before.index else point
 
     def between(self, one: Point, other: Point, x: float) -> Place | None:
         """The equilibrium at x between two neighbours."""
@@ -205,10 +223,11 @@ def trace_shapes(
         return CLOSED if place.p == bounds.snap(first.p) and is_same(place.path, first.shape) else ""
 
     def stride(before: Point, step: float, _: list[Place]) -> Stride[Place, Point] | str:
+        step = min(step, (bounds.high - before.p) / curve.size) if curve.natural else step
         after = curve.ahead(before, step)
         if after is None or (abs(after.index - before.index) > 1 and step > SHORT):  # several branch points
             return LOST
-        special = special_between(curve, before, after, step, narrow)
+        special = [] if curve.natural else special_between(curve, before, after, step, narrow)
         if special is None:
             return LOST
         places = events_between(before, after, special, bounds, curve.between)
@@ -218,7 +237,7 @@ def trace_shapes(
         return arrive([], places, before, after, longer, bounds, ends)
 
     begun = replace(first, tangent=sense * first.tangent)
-    places, why = trace(begun, stride, LENGTHS, bounds.most)
+    places, why = trace(begun, stride, curve.natural or LENGTHS, bounds.most)
     return places, Stop(why or bounds.limit, places[-1].p if places else first.p)
 
 
