@@ -40,12 +40,15 @@ def height(F1):
 # derivatives
 
 
-@pytest.mark.parametrize("with_s", (True, False))
-def test_the_derivatives_of_the_residuals_are_those_of_differences(with_s) -> None:
+@pytest.mark.parametrize(
+    ("with_s", "sigma"),
+    ((True, None), (False, None), (False, {"alpha": 0.02, "z": 0.05, "height": 0.1, "push_max": 3.0})),
+)
+def test_the_derivatives_of_the_residuals_are_those_of_differences(with_s, sigma) -> None:
     case = rod(M3=17.0)
     fields = ["E", "nu", "a", "L", "R", "alpha0", "beta0", "dbeta0", "F2", "F3", "M3"]
     points = points_of(rod(), S[:40], 0.03, with_s=with_s)
-    data = check_data(case, {"height": 7.0, "push_max": 150.0}, points, None, False)
+    data = check_data(case, {"height": 7.0, "push_max": 150.0}, points, sigma, False)
     parameters = check_parameters(case, fields)
     model, x = Model(case, parameters, data, "nearest", 1e-12), np.array([one.start for one in parameters])
     found, h = model.jacobian(x), 1e-5
