@@ -18,7 +18,7 @@ from tests.workbench.command import run
 from workbench.figures import bars
 from workbench.figures.sheet import sheet
 from workbench.influence import analyse, local, sobol
-from workbench.influence.derivatives import REAL, sentences
+from workbench.influence.derivatives import REAL
 from workbench.influence.indices import Design, design_of
 from workbench.store import in_memory, stored_case, writing
 
@@ -75,22 +75,6 @@ def test_elasticities_of_stiffness_and_loads_add_up_to_the_power_of_a_force() ->
         assert float(table["effect"].sel(observable=name).sum()) == pytest.approx(wanted, abs=1e-8), name
 
 
-def test_angles_and_zeros_are_changed_by_an_amount_that_is_said() -> None:
-    table = local(solve(TABLE), ["E", "beta0", "F2", "gamma0"], ["height", "amplitude", "lift_off_at"])
-    assert list(table["amount"].values) == ["1 %", "1 deg", "0.1 N", "1 deg"]
-    assert list(table["effect_unit"].values) == ["%", "deg", "cm"]  # it lifts off at s = 0
-    slope, value = (table[key].sel(observable="height") for key in ("derivative", "value"))
-    effect = table["effect"].sel(observable="height")
-    assert float(effect.sel(field="beta0")) == pytest.approx(
-        np.deg2rad(1) * float(slope.sel(field="beta0") / value) * 100
-    )
-    assert float(effect.sel(field="F2")) == pytest.approx(0.1 * float(slope.sel(field="F2") / value) * 100)
-    said = " ".join(sentences(table))
-    for part in ("beta0, gamma0 are changed by 1 deg", "F2 by 0.1 N", "amplitude [deg], lift_off_at [cm]",
-                 "No observable here depends on gamma0"):  # fmt: skip
-        assert part in said
-
-
 def test_a_followed_study_and_a_sweep_have_elasticities_of_one_case() -> None:
     followed = load("fig7_4_end_angle").at_stations(21)
     found = stored_case.solve_case(stored_case.outline(followed), {"betaL": -14.37992253 * np.pi / 180}, followed)
@@ -113,21 +97,6 @@ def test_the_design_is_that_of_salib(method: str) -> None:
     theirs = sample(problem, 32, calc_second_order=second, seed=np.random.default_rng(5))
     np.testing.assert_array_equal(samples(method, 32, seed=5), theirs)
     assert design_of(theirs) == Design(3, 32, second)
-
-
-def test_other_samples_are_no_design() -> None:
-    points = samples("saltelli", 8)
-    assert design_of(points[:-1]) is None
-    swapped = points.copy()
-    swapped[[3, 4]] = swapped[[4, 3]]
-    assert design_of(swapped) is None
-    assert design_of(METHODS["sobol"][0](40, 3, 1)) is None
-    assert design_of(np.exp(5 * points)) == Design(3, 8, False)  # of any distribution
-
-
-def test_a_number_of_blocks_that_is_no_power_of_two_has_a_caution() -> None:
-    assert "16 or 32 are" not in small.study(SAMPLES).sample.caution
-    assert "24 blocks" in small.study(SAMPLES.replace("160", "120")).sample.caution
 
 
 # indices
@@ -173,43 +142,6 @@ def test_the_intervals_contain_the_exact_indices_as_often_as_stated() -> None:
             off = np.abs(found[key].values[0] - exact)
             inside += (off <= found[f"{key}_conf"].values[0]).tolist()
     assert 0.88 <= np.mean(inside) <= 0.99
-
-
-def test_the_indices_of_a_sum_add_up_to_one_and_are_its_shares() -> None:
-    unit, weight = samples("saltelli", 1024), np.array([1.0, 2.0, 3.0])
-    found = analyse(Design(3, 1024, False), (unit @ weight)[:, None], list("abc"), ["sum"])
-    for key in ("first", "total"):
-        assert found[key].values[0] == pytest.approx(weight**2 / (weight**2).sum(), abs=1e-3)
-
-
-def test_a_block_with_a_failed_sample_is_left_out_whole_and_said() -> None:
-    unit = samples("saltelli", 256)
-    values = np.stack([unit @ [1.0, 2.0, 3.0]] * 2, axis=1)
-    values[[12, 17, 18, 700], 0] = np.nan  # in the blocks 2, 3, 3 and 140
-    found = analyse(Design(3, 256, False), values, list("abc"), ["some", "all"])
-    assert found["blocks"].values.tolist() == [253, 256]
-    assert found["lost"].values == pytest.approx([3 / 256, 0])
-    assert str(found["remark"].values[0]).startswith("3 of 256 blocks (1.2 %) are left out")
-    assert str(found["remark"].values[1]) == ""
-    whole = np.delete(np.arange(256), [2, 3, 140])
-    alone = analyse(
-        Design(3, 253, False), values.reshape(256, 5, 2)[whole].reshape(-1, 2), list("abc"), ["some", "all"]
-    )
-    np.testing.assert_array_equal(found["first"][0], alone["first"][1])
-
-
-def test_a_constant_observable_has_no_index_and_a_remark() -> None:
-    found = analyse(Design(2, 64, False), np.ones((256, 1)), ["a", "b"], ["one"])
-    assert np.isnan(found["total"]).all()
-    assert "one value on all samples" in str(found["remark"].values[0])
-
-
-def test_one_seed_gives_the_same_intervals() -> None:
-    unit = samples("saltelli", 64)
-    y = (unit @ [1.0, 2.0, 3.0])[:, None]
-    widths = [analyse(Design(3, 64, False), y, list("abc"), ["y"], seed=k)["first_conf"].values for k in (7, 7, 8)]
-    np.testing.assert_array_equal(widths[0], widths[1])
-    assert (widths[0] != widths[2]).any()
 
 
 # stored studies
