@@ -1,6 +1,7 @@
 """The bifurcation diagram of a dataset of branches: all equilibria over an axis, folds, and a shape of each branch."""
 
 from collections.abc import Sequence
+from functools import partial
 from itertools import pairwise
 from string import ascii_lowercase
 from typing import Any
@@ -101,7 +102,7 @@ def panel(ds: xr.Dataset, ax: Axes, key: str, inches: float = 4.0) -> Axes:
             ax.plot(x, y, mark, color=colours.INK, markersize=4.5, markerfacecolor="white", zorder=6, linestyle="none",
                     label=kind)  # fmt: skip
     ax.set_xlabel(labels.axis_label(name, ds[name]))
-    ax.set_ylabel(fonts.shorter([labels.label(ds[f"curve_{key}"], long) for long in (True, False)], inches - 0.5))
+    ax.set_ylabel(fonts.fit_label(partial(labels.label, ds[f"curve_{key}"]), inches - 0.5))
     ends = labels.in_label_unit(ds[name], ds[name].values[[0, -1]])
     if "member" in ds.sizes:
         ax.margins(x=0.06)

@@ -1,6 +1,7 @@
 """Lists of equilibria and of closed rods: their unrolled views in rows, and the energies."""
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import xarray as xr
@@ -68,7 +69,7 @@ def against_index(ds: xr.Dataset, ax: Axes, name: str, high: float) -> list[str]
     ax.scatter(ds["index"], values, c=["white" if value else colours.INK for value in index], s=20,
                edgecolors=colours.INK, linewidths=0.9, zorder=3)  # fmt: skip
     ax.set_xlabel(fonts.wrap("Morse index: unstable directions", ax))
-    ax.set_ylabel(fonts.shorter([labels.label(ds[name], long) for long in (True, False)], high - 0.3))
+    ax.set_ylabel(fonts.fit_label(partial(labels.label, ds[name]), high - 0.3))
     ax.yaxis.set_major_locator(RoomLocator("counts" if schema.is_count(ds[name]) else "numbers"))
     ax.xaxis.set_major_locator(RoomLocator("counts"))
     ax.margins(0.04, 0.08)

@@ -58,7 +58,7 @@ def region(ds: xr.Dataset, ax: Axes) -> None:
     values, low, high = (ds[name].values[:2].astype(float) * factors for name in ("value", "low", "high"))
     names = [labels.symbol_of(str(name)) for name in ds["field"].values[:2]]
     ax.set_xlabel(_label(ds, 0))
-    ax.set_ylabel(fonts.shorter([_label(ds, 1, long) for long in (True, False)], fonts.inches(ax)[1]))
+    ax.set_ylabel(fonts.fit_label(partial(_label, ds, 1), fonts.inches(ax)[1]))
     ax.plot(*values, "o", color=colours.PAIR[1], markersize=6, zorder=4)
     others = ds["other_minimum"].values[:, :2]
     for other in others:

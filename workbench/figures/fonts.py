@@ -3,7 +3,7 @@
 import functools
 import re
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -94,9 +94,10 @@ def break_lines(text: str, room: float, size: float | None = None, bold: bool = 
         most = max(min(most - 1, int(most * room / widest) + 1), 1)
 
 
-def shorter(texts: Sequence[str], room: float) -> str:
-    """The first text that fits into so many inches, else the last; each shorter than the one before."""
-    return next((text for text in texts if width_of(text, normal()) <= room), texts[-1])
+def fit_label(label: Callable[[bool], str], room: float) -> str:
+    """A label in full where that fits into so many inches, else in short; label: takes whether it is in full."""
+    full = label(True)
+    return full if width_of(full, normal()) <= room else label(False)
 
 
 def height_of(text: str, size: float) -> float:

@@ -196,8 +196,8 @@ class _Maps:
             text = axis_label(self.ds, choice.x, {**where, choice.x: 0}, long=not short)
             ax.set_xlabel(fonts.break_lines(text, max(self.inches[0], 1.0)))
         if leftmost:
-            words = [labels.axis_label(choice.y, self.ds[choice.y], long and not short) for long in (True, False)]
-            ax.set_ylabel(fonts.shorter(words, 0.7 * self.inches[1]))
+            label = partial(labels.axis_label, choice.y, self.ds[choice.y])
+            ax.set_ylabel(label(False) if short else fonts.fit_label(label, 0.7 * self.inches[1]))
 
 
 @dataclass(frozen=True, eq=False)

@@ -59,9 +59,9 @@ def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, fl
     set_scale(ax.xaxis, (low, high), is_logarithmic(ds[axis]), SPARE)
     if "fold" in ds and axis == ds.attrs.get("followed") and np.isfinite(ds["fold"]):
         ax.axvline(float(np.degrees(ds["fold"])), color=colours.INK, linewidth=1, linestyle=(0, (4, 3)), label="fold")
-    words = [axis_label(ds, axis, others, long) for long in (True, False)]
-    ax.set_xlabel(fonts.wrap(fonts.shorter(words, fonts.inches(ax)[0]), ax))
-    ax.set_ylabel(fonts.shorter([labels.label(ds[observable], long) for long in (True, False)], fonts.inches(ax)[1]))
+    wide, high = fonts.inches(ax)
+    ax.set_xlabel(fonts.wrap(fonts.fit_label(partial(axis_label, ds, axis, others), wide), ax))
+    ax.set_ylabel(fonts.fit_label(partial(labels.label, ds[observable]), high))
     ax.margins(y=0.1)
     drawn = lines.values[np.isfinite(lines.values)]
     if is_count:
@@ -112,8 +112,7 @@ def samples(ds: xr.Dataset, names: Sequence[str], width: float, narrow: bool) ->
         _draw_samples(ds.isel(held), ax, name, field, room)
         ax.tick_params(labelleft=field == fields[0], labelbottom=name == names[-1])
         if name == names[-1]:
-            words = [labels.axis_label(field, ds[field], long) for long in (True, False)]
-            ax.set_xlabel(fonts.shorter(words, room))
+            ax.set_xlabel(fonts.fit_label(partial(labels.axis_label, field, ds[field]), room))
         if field == fields[0]:
             words = [fonts.break_lines(labels.label(ds[name], long), 1.2) for long in (True, False)]
             ax.set_ylabel(words[words[0].count("\n") > 1])
