@@ -15,7 +15,7 @@ from .arrays import Array
 from .roots import Ending, newton, null_vector
 
 _ENDING = Ending(rounds=10, goal=1e-12, small=1e-9, growth=0.5, stall=0.5)
-_OFF, _COSINE = 0.25, 0.92  # of the distance from the predictor to the length of a step; of the turn of the tangent
+OFF, COSINE = 0.25, 0.92  # most of the distance from the predictor over a step; least of the turn of the tangent
 
 LEFT = "the curve ends"
 FOLD, PITCHFORK, BRANCH_POINT = "fold", "pitchfork", "branch point"  # what is met on the way
@@ -132,14 +132,14 @@ def advance(curve: Curve, node: Node, step: float, across: Array | None = None, 
     if isinstance(point, str):
         return point
     bend = max(float(np.linalg.norm(point - guess)) - _ENDING.small, 0.0) / step
-    if bend > _OFF:
+    if bend > OFF:
         return "the step is too long"
     jacobian = curve.jacobian(point)
     if jacobian is None or not jacobian.any():
         return LEFT
     tangent = _null(jacobian)
     tangent = tangent if _sign(jacobian, tangent) == node.sign else -tangent
-    if tangent @ node.tangent < _COSINE:
+    if tangent @ node.tangent < COSINE:
         return "the tangent turns"
     return Node(point, jacobian, tangent, node.sign, bend)
 

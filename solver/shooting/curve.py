@@ -11,7 +11,7 @@ from functools import cached_property, partial
 import numpy as np
 
 from ..branches.branch_events import Bounds, Place, Stop, arrive, both_ways, events_between
-from ..numerics.arclength import BRANCH_POINT, CLOSED, FOLD, PITCHFORK, Lengths, Stride, trace
+from ..numerics.arclength import BRANCH_POINT, CLOSED, COSINE, FOLD, OFF, PITCHFORK, Lengths, Stride, trace
 from ..numerics.arrays import Array
 from ..numerics.roots import DIVERGED, enclose, locate, newton
 from ..problem.errors import InputError
@@ -39,7 +39,6 @@ LOST = "Newton's method did not converge on the way"
 LENGTHS = Lengths(first=0.02, longest=0.1, least=1e-5)  # of steps, in the sizes of the angles and of x
 MOST_POINTS = 150  # in each sense, of a branch that a search follows
 SHORT = 1e-3  # step, within which several branch points are one
-COSINE = 0.9  # least, of the turn of the tangent in a step
 FLAT = 1e-6  # of dx along the curve at a fold: its square is lost of x
 NARROW = 1e-4  # of a step: how closely a branch point is enclosed, at which the equations are singular
 
@@ -170,7 +169,10 @@ class Curve:
             point = self.correct(guess, x, before.tangent, most=8)
         except InputError:  # no case has such a value
             return None
-        return None if point is None or inner(point.tangent, before.tangent) < COSINE else point
+        if point is None or inner(point.tangent, before.tangent) < COSINE:
+            return None
+        off = self.in_sizes(point.shape.y - guess.y, point.p - x)
+        return None if inner(off, off) > (OFF * step) ** 2 else point
 
     def rough_point(self, before: Point, guess: Shape, x: float) -> Point | None:
         """The point near a guess at x, in the direction from the one before, with dx = 1; None where it may be on
@@ -185,9 +187,8 @@ class Curve:
     def between(self, one: Point, other: Point, x: float) -> Place | None:
         """The equilibrium at x between two neighbours."""
         share = (x - one.p) / (other.p - one.p)
-        guess = self.shape(one.shape, one.shape.y + share * (other.shape.y - one.shape.y), x)
-        shape = correct(guess, reach=REACH, most=12)
-        return None if shape is None else Point(shape, x, one.tangent).record()
+        point = self.begin(replace(one.shape, y=one.shape.y + share * (other.shape.y - one.shape.y)), x)
+        return None if point is None else point.record()
 
 
 def special_between(

@@ -506,6 +506,19 @@ def test_no_branch_is_changed_in_silence(seed: int, monkeypatch: pytest.MonkeyPa
     assert np.abs(long.points[-1].solution.beta - short.points[-1].solution.beta).max() < 1e-6
 
 
+def test_a_step_does_not_land_on_the_branch_of_the_nearly_straight_rod() -> None:
+    """Begun without a load, the bent branch was left at FZ = -2.7 for one that lies nearly straight beside it."""
+    rod, hole = Rod(EI=1.0, GJ=0.8, a=0.2, L=3.85, weight=0.075), Cylinder(R=1.2, side="inside", inclination=0.075)
+    ways = [
+        follow(solve(Case(rod, hole, Ends(beta0=0.0, betaL=0.0, azimuth=0.0, alpha=-0.35, FZ=load))), FZ=-3.96)
+        for load in (0.0, -0.3)
+    ]
+    assert [one.special for one in ways] == [(), ()]
+    first, second = (one.points[-1].solution.beta for one in ways)
+    assert np.ptp(first) > 3
+    assert first == pytest.approx(second, abs=1e-6)
+
+
 def straight(across: float, span: float, load: float, mu: float, along: float = 0, held: str = "azimuth") -> LoadedRod:
     """A straight rod with hinges, in units of A and rho, unless an end is held."""
     numbers = np.array([1.3, along, across, 0.0, 0.0, 0.3, -1.0])
