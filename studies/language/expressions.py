@@ -1,7 +1,7 @@
 """The expressions of a study: observables given by formulas, the names that formulas may use, and their values."""
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from fractions import Fraction
 from keyword import iskeyword
 from typing import Any
@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver import InputError, Solution
-from solver.observe.observables import OBSERVABLES, observe, why_unknown
+from solver.observe.observables import OBSERVABLES
 from solver.problem.quantities import QUANTITIES, unit_text
 from solver.problem.reduced import flat
 
@@ -141,37 +141,31 @@ def unit(study: Study, name: str) -> str:
     return unit_text(names(study)[name], study.unit_system)
 
 
-def observables_of(
-    study: Study, sol: Solution, wanted: Iterable[str], given: Mapping[str, Any]
-) -> tuple[dict[str, NDArray[Any]], NDArray[np.str_]]:
-    """Observables and expressions of a solution with their errors, (cases,) each, and remarks on missing values.
+def values_of(
+    study: Study, sol: Solution, observed: Mapping[str, NDArray[Any]], given: Mapping[str, Any]
+) -> tuple[dict[str, NDArray[Any]], list[tuple[str, NDArray[np.bool_]]]]:
+    """The expressions of a study of one solution with their errors, (cases,) each; why values are missing, and where.
 
-    wanted: names of observables; every expression of the study is added. given: the values of the fields that vary, as
-    the study gives them. A remark, (cases,), says why an expression or an observable has no value; "" elsewhere.
+    observed: the values and errors of `Study.observed`, (cases,) each. given: those of the fields that vary, as the
+    study gives them.
     """
     formulas = {name: parse(text) for name, text in study.expressions.items()}
-    used = dict.fromkeys([*wanted, *(name for formula in formulas.values() for name in formula.names)])
-    observed = observe(sol, [name for name in used if name in OBSERVABLES], errors=True)
-    known: dict[str, NDArray[Any]] = {name: np.reshape(values, -1) for name, values in observed.items()}
-    remarks = np.full(sol.case.size, "", dtype=object)
-    for name in dict.fromkeys(wanted):
-        for words, mask in why_unknown(name, known[name]) if name in OBSERVABLES else ():
-            _remark(remarks, mask, words)
-    if not formulas:
-        return known, remarks.astype(str)
-    others = [name for name in used if name not in known and name not in study.expressions]
-    fixed = {name: _number(study, sol, name, given) for name in others}
+    used = dict.fromkeys(name for formula in formulas.values() for name in formula.names)
+    others = [name for name in used if name not in observed and name not in formulas]
+    known = {**observed, **{name: _number(study, sol, name, given) for name in others}}
+    computed: dict[str, NDArray[Any]] = {}
+    missing = []
     for name, formula in formulas.items():
-        numbers, reasons = evaluate(formula, {**fixed, **known})
+        numbers, reasons = evaluate(formula, known)
         values, why = np.broadcast_to(numbers, sol.case.size), np.broadcast_to(reasons, sol.case.size)
-        for reason in dict.fromkeys(why.tolist()):
-            if reason:
-                _remark(remarks, why == reason, f"{name} has no value: {reason}")
+        sentences = [reason for reason in dict.fromkeys(why.tolist()) if reason]
+        missing += [(f"{name} has no value: {reason}", why == reason) for reason in sentences]
         size = size_of(formula.unit, study.unit_system)[0] if formula.unit else 1.0
         if not formula.whole:
-            known[f"{name}_error"] = _error(formula, {**fixed, **known}, values) / size
-        known[name] = values / size
-    return known, remarks.astype(str)
+            computed[f"{name}_error"] = _error(formula, known, values) / size
+        computed[name] = values / size
+        known |= computed
+    return computed, missing
 
 
 def _error(formula: Formula, known: Mapping[str, Any], values: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -211,8 +205,3 @@ def given_fields(study: Study) -> list[str]:
     known = [name for name in study.fields if name in fixed or name in study.varied]
     excluded = ("dbeta",) if study.follow else ()  # a followed equilibrium has its own
     return [name for name in (*known, *varied) if name not in (*WORDS, *excluded)]
-
-
-def _remark(remarks: NDArray[Any], where: NDArray[np.bool_], text: str) -> None:
-    """Add a remark to those of some cases."""
-    remarks[where] = [f"{remark}; {text}" if remark else text for remark in remarks[where]]

@@ -306,6 +306,12 @@ class Study(BaseModel):
         return [name for name in every if name not in (*self.held, *self.varied)]  # a height that is held is a field
 
     @property
+    def observed(self) -> list[str]:
+        """The observables to compute: those to store, and those that expressions use."""
+        used = [name for text in self.expressions.values() for name in formulas.parse(text).names]
+        return [name for name in dict.fromkeys([*self.wanted, *used]) if name in OBSERVABLES]
+
+    @property
     def recorded(self) -> list[str]:
         """The columns of the observables: each name, followed by the name of its error if it has one."""
         return [column for name in self.wanted for column in (name, self._error_of(name)) if column]

@@ -6,9 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from solver import observe, solve
+from solver import Solution, observe, solve
 from studies.language import expressions
-from studies.language.expressions import observables_of
 from studies.language.loader import dumps, loads
 
 HEAD = 'title = "one"\nreading = "force-first/compression/paper"\nstations = 11\n[units]\nlength = "cm"\nforce = "N"\n'
@@ -36,13 +35,20 @@ def study(said: str, head: str = HEAD + AXES) -> Any:
     return loads(f"{head}[expressions]\n{said}\n")
 
 
+def values_of(one: Any, sol: Solution, given: Mapping[str, Any]) -> tuple[Mapping[str, Any], list[Any]]:
+    """The observables and expressions of a study, and why values are missing."""
+    observed = {name: np.reshape(values, -1) for name, values in observe(sol, one.observed, errors=True).items()}
+    values, missing = expressions.values_of(one, sol, observed, given)
+    return {**observed, **values}, missing
+
+
 def seen(said: str, head: str = HEAD + AXES) -> Mapping[str, Any]:
     """The values of the expressions of a study over its grid."""
     one = study(said, head)
     case = one.case()
     given = {name: np.broadcast_to(v, case.shape) for name, v in zip(one.axes, np.ix_(*one.coordinates().values()))}  # noqa: B905
-    found, remarks = observables_of(one, solve(case, stations=11), one.wanted, given)
-    assert (remarks == "").all()
+    found, missing = values_of(one, solve(case, stations=11), given)
+    assert missing == []
     return {name: values.reshape(case.shape) for name, values in found.items()}
 
 
@@ -58,7 +64,7 @@ def test_an_expression_is_computed_from_fields_quantities_observables_and_expres
 def test_the_loads_are_those_of_the_case_and_start_fields_have_their_defaults() -> None:
     one = study('pulled = "FZ/lbf"\ntwo = "F2 + F3"\nbent = "tan(beta)*inch"', OWN)
     sol = solve(one.case(), stations=11)
-    found, _ = observables_of(one, sol, one.wanted, one.coordinates())
+    found, _ = values_of(one, sol, one.coordinates())
     np.testing.assert_array_equal(found["pulled"], sol.FZ)
     np.testing.assert_array_equal(found["two"], [0, 0])
     np.testing.assert_allclose(found["bent"], np.tan(np.deg2rad([20, 40])))
@@ -104,9 +110,10 @@ def test_the_error_of_an_expression_is_that_of_its_observables() -> None:
 def test_an_expression_without_a_value_is_remarked_and_its_neighbours_have_theirs() -> None:
     one = study('share = "1/(E - 1e4*N/cm**2)"')
     sol = solve(one.case(), stations=11)
-    found, remarks = observables_of(one, sol, one.wanted, {"E": np.array([1e4, 2e4, 1e4, 2e4]), "F3": np.ones(4)})
+    found, ((why, where),) = values_of(one, sol, {"E": np.array([1e4, 2e4, 1e4, 2e4]), "F3": np.ones(4)})
     assert np.isnan(found["share"]).tolist() == [True, False, True, False]
-    assert remarks.tolist() == ["share has no value: division by zero: 'E - 10000.0 * N / cm ** 2' is 0", ""] * 2
+    assert why == "share has no value: division by zero: 'E - 10000.0 * N / cm ** 2' is 0"
+    assert where.tolist() == [True, False, True, False]
 
 
 def test_an_observable_of_the_study_and_of_a_law_may_be_an_expression() -> None:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from solver import Case, Solution, equilibria, solve
 from solver.choose.selection import INCOMPLETE, NEAREST, Choose
 from solver.equilibria import Equilibria, nearest
+from solver.observe.observables import OBSERVABLES, observe, why_unknown
 from studies import Study
 from studies.grammar.axes import Which
 from studies.language import expressions
@@ -108,11 +109,20 @@ def columns(study: Study, sol: Solution, given: Mapping[str, Any] | None = None)
         along = np.asarray(getattr(sol, name)).reshape(cases, sol.t.shape[-1], *inner_shape(name))
         row[curve_name(name)] = _where(mine, along)
     # in one call, as several observables share what they are measured from
-    observed, remarks = expressions.observables_of(study, sol, (*study.wanted, *cautions.JUDGED), given or {})
+    seen = observe(sol, list(dict.fromkeys((*study.observed, *cautions.JUDGED))), errors=True)
+    observed: Columns = {name: np.reshape(values, -1) for name, values in seen.items()}
+    shown = [name for name in dict.fromkeys((*study.wanted, *cautions.JUDGED)) if name in OBSERVABLES]
+    missing = [reason for name in shown for reason in why_unknown(name, observed[name])]
+    if study.expressions:
+        values, reasons = expressions.values_of(study, sol, observed, given or {})
+        observed, missing = observed | values, missing + reasons
     for name in study.recorded:
         row[name] = _where(mine, np.asarray(observed[name]).reshape(-1))
     row["solved"] = mine
-    outcomes = _with_remarks(np.asarray(sol.outcome).astype(str).reshape(-1), np.where(mine, remarks, ""))
+    outcomes = np.asarray(sol.outcome).astype(str).reshape(-1)
+    for words, where in missing:
+        if (mine & where).any():
+            outcomes = _with_remarks(outcomes, np.where(mine & where, words, ""))
     row["outcome"] = _with_remarks(outcomes, np.where(mine, _incomplete(sol), ""))
     if study.varies and sol.begun is not None:
         begun = np.asarray(sol.begun).reshape(-1)
