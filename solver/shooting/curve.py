@@ -32,7 +32,6 @@ from .varying_shapes import Shape
 
 DIFFERENCE = 1e-5  # of x over its size: for derivatives by x
 SOFT = 1e-14  # springs that hardly change the equations, in the scales
-REACH = 1.0  # the longest step of the angles, in their scales
 SPLIT = 0.05  # of the angles, in their scales: how far from a branch those that split off it are entered
 UNSOLVED = "Newton's method did not converge from it"
 LOST = "Newton's method did not converge on the way"
@@ -140,7 +139,7 @@ class Curve:
                 return DIVERGED
             whole = whole - by_x * (inner(across, whole - passed) / along)
             change = whole[:-1].reshape(shape.y.shape)
-            share = share_within(REACH, change)
+            share = share_within(change)
             at = now.p - share * whole[-1] * self.size
             ahead = self.shape(guess, shape.y - share * change * self.scale, at)
             return Point(replace(ahead, steps=shape.steps + 1), float(at), by_x), max(size_of(change), abs(whole[-1]))
@@ -177,7 +176,7 @@ class Curve:
     def rough_point(self, before: Point, guess: Shape, x: float) -> Point | None:
         """The point near a guess at x, in the direction from the one before, with dx = 1; None where it may be on
         another branch."""
-        shape = correct(replace(guess, rod=self.rod_at(x)), reach=2.0, most=6, enough=LOOSE)
+        shape = correct(replace(guess, rod=self.rod_at(x)), most=6, enough=LOOSE)
         if shape is None or not is_near(before.shape, shape):
             return None
         change = self.in_sizes(shape.y - before.shape.y, x - before.p)

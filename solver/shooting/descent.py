@@ -34,7 +34,7 @@ def index_of(rod: LoadedRod, transfer: Array, scale: Array, stiffness: Array | N
 
 LOOSE, FLUID = 1e-4, 1e-2  # of the scales: a correction that is enough on the way, and in a fall
 WEAKEST, FIRST, FIRMEST, FACTOR = 1e-7, 1e-2, 1e6, 3.0  # springs: weakest, at first, strongest, change
-KICK, FAR, REST = 0.1, 0.5, 1e-3  # of the angles, in their scales: a push, the longest step, what counts as none
+KICK, FAR, REST = 0.1, 0.5, 1e-3  # of the angles, in their scales: a push, the longest move, what counts as none
 EASY, QUICK = 5.0, 4  # how much weaker the springs are when a shape without them is tried; steps of an easy correction
 ROUNDS = 150  # steps of a fall
 
@@ -109,7 +109,7 @@ def descend(shape: Shape, change: Array | None = None) -> Shape | None:
     y = shape.y + (KICK * weakest_modes(shape)[0] if change is None else change)
     for _ in range(ROUNDS):
         now = replace(shape, y=y)
-        ahead = correct(now, y, springs_of(now, strength), reach=FAR, most=6, enough=FLUID)
+        ahead = correct(now, y, springs_of(now, strength), most=6, enough=FLUID)
         moved = np.inf if ahead is None else largest_turn((ahead.y - y) / shape.rod.scale)
         index, held = (1, 1) if ahead is None or moved > FAR else held_indices(ahead, (strength,))
         if ahead is None or held > 0:
@@ -120,7 +120,7 @@ def descend(shape: Shape, change: Array | None = None) -> Shape | None:
         y = ahead.y
         if index == 0 and strength <= tried / EASY:
             tried = strength
-            free = correct(ahead, reach=1.0, most=12)
+            free = correct(ahead, most=12)
             if free is not None and is_near(ahead, free) and index_at(free) == 0:
                 return free
         if index > 0:

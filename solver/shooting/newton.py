@@ -12,6 +12,7 @@ from .varying_shapes import Shape
 
 DEEP = 13  # the order of the series of the derivatives by which Newton's method goes
 SAME = 1e-6  # of the angles in their scales: one shape
+REACH = 1.0  # the longest step of the angles, in their scales
 WILD = 1e6  # of the scales: no equilibrium is sought from larger numbers
 ROUNDING = 1e-12  # of the scales: a correction below this is rounding
 ENDING = Ending(rounds=40, goal=ROUNDING, small=1e-7, stall=0.25)
@@ -105,14 +106,12 @@ def correct(
     shape: Shape,
     anchor: Array | None = None,
     stiffness: Array | None = None,
-    reach: float = 0.5,
     most: int = ENDING.rounds,
     enough: float = ROUNDING,
 ) -> Shape | None:
     """The equilibrium that Newton's method reaches from a shape; None where it reaches none.
 
-    reach: the longest step of the angles, in their scales; steps are shortened to it. enough: a correction, in
-    the scales, that ends the steps; Newton's next one would be about its square.
+    enough: a correction, in the scales, that ends the steps; Newton's next one would be about its square.
     """
     scale = shape.rod.scale
 
@@ -122,7 +121,7 @@ def correct(
         change = linear_at(now, anchor, stiffness, deep=DEEP).newton_change()
         if change is None:
             return DIVERGED
-        y = now.y + change * scale * share_within(reach, change)
+        y = now.y + change * scale * share_within(change)
         return replace(now, y=y, steps=now.steps + 1), size_of(change)
 
     corrected = newton(replace(shape, steps=0), step, replace(ENDING, rounds=most, goal=enough))
@@ -133,10 +132,10 @@ def correct(
     )
 
 
-def share_within(reach: float, change: Array) -> float:
-    """The share of a change (N, 8), in the scales, by which no angle moves farther than reach."""
+def share_within(change: Array) -> float:
+    """The share of a change (N, 8), in the scales, by which no angle moves farther than `REACH`."""
     size = largest_turn(change)
-    return min(1.0, reach / size) if size else 1.0
+    return min(1.0, REACH / size) if size else 1.0
 
 
 def largest_turn(change: Array) -> float:

@@ -13,10 +13,10 @@ from ..numerics.arrays import Array, Booleans
 from ..numerics.roots import lead_away
 from .branch import branch_from_straight
 from .buckling import buckling_shares, straight_shape
-from .curve import MOST_POINTS, REACH, SPLIT, Curve, angles_in, angles_of, trace_shapes
+from .curve import MOST_POINTS, SPLIT, Curve, angles_in, angles_of, trace_shapes
 from .descent import index_at, on_nodes, weakest_modes
 from .loaded_rod import ALPHA, BETA, MU, PHI, SHORT, SPEED, LoadedRod, Q
-from .newton import DEEP, correct, is_same, largest_turn, linear_at, size_of
+from .newton import DEEP, REACH, correct, is_same, largest_turn, linear_at, size_of
 from .varying_shapes import Shape
 
 LONGEST = 10.0  # radii: a longer rod is not scanned, as its far end depends too much on its start
@@ -71,7 +71,7 @@ def search_shapes(rod: LoadedRod, light: Sequence[Any] = ()) -> Found:
         result.add(shape, WEIGHT)
     if scanned is not None:
         for y in starts(rod, t, *scanned):
-            result.add(correct(Shape(rod, t, y), reach=1.0, most=15), SCAN)
+            result.add(correct(Shape(rod, t, y), most=15), SCAN)
     for shape in further_shapes(rod, t, result.shapes, TRIES if t.size <= MOST_NODES else FEW_TRIES):
         result.add(shape, DEFLATION)
     return result
@@ -181,7 +181,7 @@ def deflate(start: Shape, known: list[Shape]) -> Shape | None:
         return replace(shape, y=shape.y + share * change * shape.rod.scale), size_of(change)
 
     near = lead_away(start, newton_step, move, [angles_of(other) for other in known], ROUNDS, NEAR)
-    shape = None if near is None else correct(near, reach=REACH, most=15)
+    shape = None if near is None else correct(near, most=15)
     return None if shape is None or any(is_same(shape, other) for other in known) else shape
 
 
