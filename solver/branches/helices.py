@@ -12,13 +12,14 @@ import numpy as np
 import scipy  # its parts are imported when used
 
 from ..equilibrium.given_numbers import FREE, Given, OrbitState, answer, parts_of, problem_after, problem_of
-from ..equilibrium.orbit_rates import NUMBERS, helix_change, orbit_rates
+from ..equilibrium.orbit_rates import NUMBERS, orbit_rates
 from ..levels.boundary import DOWN, UP, Boundary, Path, boundary_of
 from ..mechanics.potential import TAU, Loads, load_size, slope, slope_higher_rates, slope_rate
 from ..numerics.arclength import BRANCH_POINT, PITCHFORK, difference_rates
 from ..numerics.arrays import Array
 from ..numerics.roots import root
 from ..orbit.periodic_orbit import helix_half_waves, helix_index
+from ..orbit.variations import HelixVariations
 from .branch_events import Bounds, Place
 from .family import Family
 from .leaps import Guess
@@ -134,7 +135,7 @@ def off_helix(state: OrbitState, wanted: Given) -> Iterator[Guess]:
     if not np.isfinite(largest) or not moves[-2:].max() > _STILL * largest:
         return
     t = np.linspace(0, float(state.problem.span[0]), _STATIONS)
-    speeds = helix_change(state.problem, t[None]).rate[0] @ parts
+    speeds = HelixVariations(state.problem, held=True).units(t[None]).rate[0] @ parts
     on_saddle = bool(slope_rate(state.problem, state.problem.beta0)[0] < 0)
     for size in _SIZES:
         share = min(1.0, size / largest)

@@ -9,7 +9,6 @@ import numpy as np
 from ..equilibrium.charts import CORNER, charts, coordinate
 from ..equilibrium.given_numbers import FREE, Given, OrbitState, parts_of, values_of
 from ..equilibrium.held_index import dead_index_of, index_of
-from ..equilibrium.orbit_rates import helix_change
 from ..equilibrium.system import correct_equilibrium
 from ..held.held_alternatives import alternatives_of, away
 from ..held.held_starts import Reached, from_seed, nearest_start
@@ -93,10 +92,7 @@ def response_of(state: OrbitState, wanted: Given) -> float:
         unit = np.eye(5)[:, lengths] * [_pace(state) if wanted.names[k].startswith("d") else 1.0 for k in lengths]
         parts = parts_of(state.rates, wanted, unit, np.zeros(len(lengths)))
         t = problem.span[:, None] * np.linspace(0, 1, 129)
-        if path.helix:
-            moves = helix_change(problem, t).beta[0] @ parts
-        else:
-            moves = variations_of(problem, path).change(t, parts[None]).beta
+        moves = variations_of(problem, path).change(t, parts[None]).beta
         largest = float(np.abs(moves).max())
     return max(1.0, largest) if np.isfinite(largest) else np.inf
 

@@ -19,11 +19,10 @@ import numpy as np
 from ..core import branches as core
 from ..core.library import numbers_of
 from ..levels.boundary import CUTTING, STRETCH, Path
-from ..mechanics.potential import slope_rate
 from ..numerics.arrays import Array, Columns
 from ..numerics.roots import solve
 from ..orbit.variations import HOW as VARIED
-from ..orbit.variations import POINTS, Change, Variations, change_of_held_helices, change_of_helices
+from ..orbit.variations import POINTS, Change, HelixVariations, Variations
 from ..problem.reduced import EndsProblem, Reduced, StartProblem
 
 NUMBERS = ("beta0", "betaL", "dbeta0", "dbetaL", "alpha", "swirl", "z", "lam", "mu", "phi", "y")
@@ -131,7 +130,7 @@ def start_rates(problem: StartProblem) -> OrbitRates:
 
 
 def rates_of_variations(problem: EndsProblem, varied: Variations) -> OrbitRates:
-    """The numbers of orbits that are no helices at t = span, and their rows but that of y."""
+    """The numbers of orbits that are no helices at t = span, at rest at an end too, and their rows but that of y."""
     t, unit = ends_of(problem), np.broadcast_to(np.eye(5), (problem.size, 5, 5))
     ends, (_, _, turned, risen) = varied.change(t, unit), varied.orbit.at(t)
     v, H = ends.beta[..., 0].T, -ends.rate[..., 0].T  # by a unit of a0, which is one of time
@@ -147,21 +146,10 @@ def rates_of_helices(problem: EndsProblem) -> OrbitRates:
     """The numbers of helices at t = span, and their rows but that of y."""
     s, c, none = np.sin(problem.beta0), np.cos(problem.beta0), np.zeros((2, problem.size))
     with np.errstate(all="ignore"):  # beside a critical point and for long rods some terms overflow and are not taken
-        ends = helix_change(problem, ends_of(problem))
+        ends = HelixVariations(problem, held=True).units(ends_of(problem))
     rates = _assemble(problem, ends, none, none, np.stack([s, s * c, c]) * problem.span)
     rates.values[:, _Y], rates.rows[:, _Y] = -np.inf, np.nan
     return rates
-
-
-def helix_change(problem: EndsProblem, t: Array) -> Change:
-    """The changes of B helices at t (B, n) by their five parts.
-
-    Two parts are those of beta(0) and beta_t(0), or about a saddle those of the two end angles.
-    """
-    steep = slope_rate(problem, problem.beta0) < 0
-    by_ends, by_start = (vars(way(problem, t)).values() for way in (change_of_held_helices, change_of_helices))
-    pairs = zip(by_ends, by_start, strict=True)
-    return Change(*(np.where(steep.reshape(-1, *[1] * (a.ndim - 1)), a, b) for a, b in pairs))
 
 
 def _assemble(problem: EndsProblem, ends: Change, v: Array, H: Array, integrals: Array) -> OrbitRates:

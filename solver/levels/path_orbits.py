@@ -14,7 +14,7 @@ from ..mechanics.potential import potential
 from ..numerics.arrays import Array, Integers
 from ..orbit.joined_orbits import alike, join_answers
 from ..orbit.periodic_orbit import HELIX, TIGHT, Orbit, action, response, solve_orbit
-from ..orbit.variations import Variations, variations_on
+from ..orbit.variations import HelixVariations, Variations, variations_on
 from ..problem.reduced import EndsProblem, StartProblem
 from ..problem.trajectory import PLAIN, Trajectory, blank, verdicts
 from .boundary import (
@@ -80,8 +80,10 @@ def _starts(problem: EndsProblem, boundary: Boundary, path: LevelPaths) -> tuple
     return replace(start, span=span), gap, excess, pin
 
 
-def variations_of(problem: EndsProblem, path: Path) -> Variations:
-    """The variations of one equilibrium that is no helix."""
+def variations_of(problem: EndsProblem, path: Path) -> Variations | HelixVariations:
+    """The variations of one equilibrium."""
+    if path.helix:
+        return HelixVariations(problem, held=True)
     start, gap, excess, _ = _starts(problem, boundary_of(problem).with_pin(path.pin), path.level_path)
     pin = np.array([path.pin])
     orbit = solve_orbit(start, TIGHT, (pin, gap, excess), STRETCH)

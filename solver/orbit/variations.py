@@ -104,15 +104,42 @@ def variations_on(orbit: Orbit) -> Variations:
     return varied
 
 
-def change_of_helices(problem: Reduced, t: Array) -> Change:
-    """The change of B helices at t (B, n) by a unit of beta(0), beta_t(0), lam, mu and phi, (B, n, 5) each."""
+@dataclass(frozen=True, eq=False)
+class HelixVariations:
+    """The variations of B helices, in closed form: eta'' + H' eta = -H_q dq with constant coefficients.
+
+    Of the five parts of a change the first two are those of beta(0) and beta_t(0), the others those of lam, mu and phi.
+    held: whether about saddles, where what beta_t(0) changes grows too fast, they are those of beta(0) and beta(L).
+    """
+
+    problem: Reduced
+    held: bool = False
+
+    def change(self, t: Array, parts: Array) -> Change:
+        """The changes at t (B, n) in F directions with the parts (B, 5, F)."""
+        by = self.units(t)
+        integrals = np.stack([by.integrals[..., k] @ parts for k in range(3)], axis=-1)
+        return Change(by.beta @ parts, by.rate @ parts, integrals)
+
+    def units(self, t: Array) -> Change:
+        """The changes at t (B, n) by a unit of each part, (B, n, 5)."""
+        by_start = _change_by_start(self.problem, t)
+        if not self.held:
+            return by_start
+        steep = slope_rate(self.problem, self.problem.beta0) < 0
+        pairs = zip(vars(_change_by_ends(self.problem, t)).values(), vars(by_start).values(), strict=True)
+        return Change(*(np.where(steep.reshape(-1, *[1] * (a.ndim - 1)), a, b) for a, b in pairs))
+
+
+def _change_by_start(problem: Reduced, t: Array) -> Change:
+    """The change by a unit of beta(0), beta_t(0), lam, mu and phi, (B, n, 5) each."""
     beta0 = problem.beta0
     rate = slope_rate(problem, beta0)[:, None]
     C, S, S2, S3 = _waves(rate, t)
     return _by_waves(beta0, (C, -rate * S, S), (S, C, S2), (S2, S, S3))
 
 
-def change_of_held_helices(problem: Reduced, t: Array) -> Change:
+def _change_by_ends(problem: Reduced, t: Array) -> Change:
     """The same by a unit of beta(0), beta(L), lam, mu and phi, each with the other end held."""
     beta0, span = problem.beta0, problem.span[:, None]
     rate = slope_rate(problem, beta0)[:, None]

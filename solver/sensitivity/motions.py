@@ -1,9 +1,8 @@
 """The motions of the solved cases of a solution: how each orbit answers what is given; and the derivatives of shapes
 and of what is measured along them, from these changes, by the compiled core (`sensitivities.c`)."""
 
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
-from functools import partial
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
@@ -11,13 +10,13 @@ import numpy as np
 
 from ..core.library import AT, FLOAT, INT, cut, fine, numbers_of, on_grid, points, run, share_out, structure
 from ..core.measures import GROUPS, NUMBERS, RATED
-from ..equilibrium.orbit_rates import helix_change, rates_of_helices, rates_of_variations
+from ..equilibrium.orbit_rates import rates_of_helices, rates_of_variations
 from ..equilibrium.system import settle
 from ..levels.boundary import Path, path_of
 from ..levels.path_orbits import path_from_start, variations_of
 from ..numerics.arrays import Array, Integers
 from ..observe.measurement import FINEST, MIDDLE
-from ..orbit.variations import HOW, POINTS, Change, Variations, change_of_helices
+from ..orbit.variations import HOW, POINTS, HelixVariations, Variations
 from ..problem.reduced import EndsProblem, Reduced, StartProblem, flat, given_numbers
 from ..shape import Shape
 
@@ -30,17 +29,15 @@ MARKS = np.array([0.0, *MIDDLE, 1.0])  # shares of the length that observables n
 class Motion:
     """The motions of b cases, the `rows` of a solution.
 
-    problem: the start problems of the orbits. change: the changes at t (b, n) by amounts (b, 5, F) of five directions,
-    the parts of a change of an orbit (`orbit.variations`); about helices two of them are others. parts: (b, 5, k), how
-    much of each direction a unit of what is given makes: of beta(0), beta_t(0), lam, mu and phi of a start problem
-    (k = 5), of the five given numbers of an ends problem and of the length (k = 6). varied: None for helices.
+    problem: the start problems of the orbits. varied: their variations. parts: (b, 5, k), the parts of a change by a
+    unit of what is given: of beta(0), beta_t(0), lam, mu and phi of a start problem (k = 5), of the five given numbers
+    of an ends problem and of the length (k = 6).
     """
 
     rows: Integers
     problem: StartProblem
-    change: Callable[[Array, Array], Change]
+    varied: Variations | HelixVariations
     parts: Array
-    varied: Variations | None = None
 
 
 def of_equilibria(sol: Shape, outcome: Array) -> Iterator[Motion]:
@@ -61,7 +58,7 @@ def of_helices(sol: Shape, rows: Integers) -> Iterator[Motion]:
         problem = sol.problem.take(block)
         assert isinstance(problem, StartProblem)
         parts = np.broadcast_to(np.eye(5), (block.size, 5, 5))
-        yield Motion(block, problem, partial(_helix_change, change_of_helices, problem), parts)
+        yield Motion(block, problem, HelixVariations(problem), parts)
 
 
 def marks_of(problem: Reduced) -> Array:
@@ -69,22 +66,12 @@ def marks_of(problem: Reduced) -> Array:
     return np.asarray(problem.span[:, None] * MARKS)
 
 
-def _helix_change(way: Callable[[Any, Array], Change], problem: Any, t: Array, amounts: Array) -> Change:
-    by = way(problem, t)
-    integrals = np.stack([by.integrals[..., k] @ amounts for k in range(3)], axis=-1)
-    return Change(by.beta @ amounts, by.rate @ amounts, integrals)
-
-
 def _of_equilibrium(sol: Shape, one: EndsProblem, path: Path, i: int) -> Motion:
-    rows = np.array([i])
     names, ratio = given_numbers(sol.case), float(flat(sol.case.rod.stiffness_ratio, sol.case.shape)[i])
     problem = one.with_start(sol.trajectory.dbeta[i : i + 1, 0])
-    if path.helix:
-        parts = rates_of_helices(one).parts(names, ratio)
-        return Motion(rows, problem, partial(_helix_change, helix_change, one), parts)
     varied = variations_of(one, path)
-    parts = rates_of_variations(one, varied).parts(names, ratio)
-    return Motion(rows, problem, varied.change, parts, varied)
+    rates = rates_of_helices(one) if isinstance(varied, HelixVariations) else rates_of_variations(one, varied)
+    return Motion(np.array([i]), problem, varied, rates.parts(names, ratio))
 
 
 def _path(sol: Shape, one: EndsProblem, i: int) -> Path | None:

@@ -143,7 +143,7 @@ def _merge(old: Pair, rows: Integers, new: Pair, moves: Booleans) -> Pair:
 def _marks_of(motion: Motion, unit: Array, later: Array) -> Array:
     """The derivatives of helices at the marks in units of rho, (b, 5, F, 4), as of `motions.StartRates`."""
     problem, t = motion.problem, marks_of(motion.problem)
-    out = motion.change(t, unit).rows
+    out = motion.varied.change(t, unit).rows
     loads = np.stack([problem.lam, problem.mu, problem.phi], axis=1)
     beta, none = np.broadcast_to(problem.beta0[:, None], t.shape), np.zeros(t.shape)
     known = {"t": t, "beta": beta, "rate": none, "z": none, "loads": loads, "span": problem.span}
@@ -235,14 +235,14 @@ class _Helices:
     def turned(self) -> Array:
         """The integrals of d beta up to the marks, (b, 4, F)."""
         H_q = slopes_by_loads(self.problem.beta0[:, None])[..., 0]
-        moved = self.motion.change(marks_of(self.problem), self.unit).integrals
+        moved = self.motion.varied.change(marks_of(self.problem), self.unit).integrals
         return np.asarray(np.einsum("bmgk,bk->bmg", moved, H_q) / (H_q**2).sum(axis=1)[:, None, None])
 
     @cached_property
     def along(self) -> Array:
         """d beta at the stations and the marks, (b, F, n)."""
         t = np.concatenate([self.stations, marks_of(self.problem)], axis=1)
-        return np.asarray(self.motion.change(t, self.unit).beta.swapaxes(1, 2))
+        return np.asarray(self.motion.varied.change(t, self.unit).beta.swapaxes(1, 2))
 
     def rates(self, density: str) -> _Rates:
         problem, beta = self.problem, self.problem.beta0[:, None]

@@ -12,6 +12,7 @@ import numpy as np
 
 from ..numerics.arrays import EPS, Array
 from ..orbit.periodic_orbit import HELIX
+from ..orbit.variations import HelixVariations
 from ..problem.case_fields import check_fields
 from ..problem.reduced import EndsProblem, FieldRates, field_rates, flat, given_numbers
 from ..problem.trajectory import SHAPELESS, SOLVED
@@ -50,7 +51,7 @@ def _of_helices(sol: Shape, motion: Motion, unit: Array, rates: FieldRates) -> A
     """The derivatives of beta, dbeta, alpha, z and gamma of helices at the stations, (5, b, F, n). unit: (b, 5, F), of
     `amounts`. rates: of these cases."""
     shape = _shape_of(sol, rates, motion.rows)
-    out = motion.change(shape["t"], unit).rows
+    out = motion.varied.change(shape["t"], unit).rows
     loads = np.stack([motion.problem.lam, motion.problem.mu, motion.problem.phi], axis=1)
     shape_rates(out, {**shape, "loads": loads, "span": motion.problem.span})
     return out
@@ -152,7 +153,7 @@ def sensitivity(sol: Shape, fields: Iterable[str], observables: Iterable[str] = 
             for name, moved in zip(("lam", "mu", "phi"), unit[:, 2:].swapaxes(0, 1), strict=True):
                 rates.of(name)[motion.rows] = moved  # held ends find them
             of_rows = rates.take(motion.rows)
-            if motion.varied is None:
+            if isinstance(motion.varied, HelixVariations):
                 out[:, motion.rows] = _of_helices(sol, motion, unit, of_rows)
                 if read is not None:
                     read.add_helices(motion, unit, of_rows)

@@ -67,7 +67,7 @@ def jacobian(solution: Any) -> Any:
         (motion,) = of_helices(solution, np.array([0]))
     else:
         (motion,) = of_equilibria(solution, np.array(["solved"], dtype=object))
-    along = motion.change(solution.t, motion.parts)
+    along = motion.varied.change(solution.t, motion.parts)
     alpha, minus_swirl, z = (along.integrals[0, ..., k] for k in range(3))
     found = np.stack([along.beta[0], along.rate[0], alpha, z, -minus_swirl], axis=1)
     if isinstance(solution.problem, StartProblem):
