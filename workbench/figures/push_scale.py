@@ -54,8 +54,8 @@ def bar(ax: Axes, unit: str, inches: float) -> None:
     if not lines:
         return
     said = f"push [{labels.unit(unit)}]" + "; below 0: lifts off" * any(pulls(line.get_array()) for line in lines)
-    bar_axes = canvas.colour_bar([ax], lines[-1], location="bottom", anchor=(0.0, 1.0), fraction=0.05, pad=0.02,
-                                 aspect=20, shrink=min(inches, 2.2) / inches)  # fmt: skip
+    bar_axes = canvas.colour_bar([ax], lines[-1], location="bottom", anchor=(0.0, 1.0), panchor=False, fraction=0.05,
+                                 pad=0.02, aspect=20, shrink=min(inches, 2.2) / inches)  # fmt: skip
     bar_axes.set_label(said, size=fonts.small(), loc="left")
 
 
