@@ -19,8 +19,9 @@ from .equilibrium_list import Equilibrium
 from .folds.fold_curves import FoldCurve, FoldCurves, fold_curve
 from .folds.fold_search import curve_through
 from .folds.linked_search import IsKnown, Meeting, lattice_ticks, place_on, search_linked
-from .folds.orbit_folds import GivenAt, fold_near, given_on, mark_of
+from .folds.orbit_folds import GivenAt, given_on, guess_at, mark_of
 from .folds.parameter_plane import ParameterPlane, read_range, reflect
+from .folds.special_line import point_on_line
 from .folds.whole_curve import WholeCurve, point_alone
 from .levels.boundary import path_of
 from .mechanics.potential import load_size
@@ -57,8 +58,7 @@ def trace_fold(branch: Branch, number: int = 0, **ranges: Any) -> FoldCurve:
     -------
     FoldCurve
         As of `fold_curves`; its values are those of the first and of the second field. `lower` is 0 with friction,
-        which has no index. With held ends it stops next to a separatrix, where the gap to the saddle is lost in
-        rounding.
+        which has no index.
 
     Raises
     ------
@@ -223,7 +223,8 @@ class OrbitsOnPlane:
 
     def fold_of(self, z: Array, axis: int, place: Place) -> WholeCurve:
         """The curve of the fold at z of a branch along number `axis`; the point alone where it has no equation."""
-        numbers = self.numbers(place)
-        fold = fold_near(self.given_at, z, axis, numbers)
-        slope = float(numbers[NUMBERS.index("dbeta0")])
-        return point_alone(FOLD, z, slope, self.signature(place)) if fold is None else curve_through(fold)
+        numbers = dict(zip(NUMBERS, self.numbers(place).tolist(), strict=False))
+        fold = point_on_line(guess_at(FOLD, self.given_at, z, numbers), axis)
+        if fold is None:
+            return point_alone(FOLD, z, numbers["dbeta0"], self.signature(place))
+        return curve_through(fold)

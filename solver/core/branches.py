@@ -55,17 +55,20 @@ def orbit_rates(numbers: Array, path: Any, n: int, how: tuple[Cutting, Cutting])
     return split(out)
 
 
-def start_rates(numbers: Array, n: int, how: Cutting) -> tuple[Array, Array, Array, Array] | None:
+def start_rates(numbers: Array, pinned: Array | None, n: int, how: Cutting) -> tuple[Array, Array, Array, Array] | None:
     """The same of the orbit of a start problem, at its far end; y has no value and no row.
 
     Parameters
     ----------
     numbers : lam, mu, phi, span, beta(0), beta_t(0)
+    pinned : array (3,), optional
+        An angle, the height of the level above G there, and by how much the log of the true gap is smaller; default:
+        beta(0), beta_t(0)^2 and 0.
     n, how
         As of `orbit_rates`; how panels of the orbit are cut.
     """
     out = np.full(RATES, np.nan)
-    status = run("rod_start_rates", np.ascontiguousarray(numbers), on_grid(), points(n), cut(how, False), out)
+    status = run("rod_start_rates", np.ascontiguousarray(numbers), pinned, on_grid(), points(n), cut(how, False), out)
     return split(out) if fine(status) else None
 
 

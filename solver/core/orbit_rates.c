@@ -110,13 +110,13 @@ int rod_orbit_numbers(const place *o, const path *level, const points *at, const
 }
 
 /* Those of the orbit of a start problem at its far end, which has the rows of a rod at rest at both ends too; y has
-   none. Returns DONE, NO_MEMORY or NOT_POSSIBLE. */
-int rod_start_rates(const start_problem *of, const grid *by, const points *at, const cutting *how,
+   none. pinned: its level, as of `rod_cut_orbit`, or NULL. Returns DONE, NO_MEMORY or NOT_POSSIBLE. */
+int rod_start_rates(const start_problem *of, const double *pinned, const grid *by, const points *at, const cutting *how,
                     orbit_numbers *out)
 {
     const ends_problem p = {of->lam, of->mu, of->phi, of->span, of->beta0, of->beta0};
     lone_orbit on;
-    const int failed = rod_lone_orbit(of, NULL, NULL, by, at, how, &on);
+    const int failed = rod_lone_orbit(of, pinned, NULL, by, at, how, &on);
     if (!failed)
         numbers_of(&on, &p, at, NULL, NULL, of->span, out);
     out->length = of->span;

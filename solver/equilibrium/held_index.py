@@ -41,6 +41,15 @@ def held_index(rates: OrbitRates, ratio: Array, names: tuple[str, ...], leaving:
 
 def dead_index(rates: OrbitRates, leaving: Array, turns: Array, ends: tuple[str, ...] = _ANGLES) -> Array:
     """The same under dead loads, with two given numbers of the ends."""
+    passed = half_turns(rates, leaving, turns, ends)
+    index = np.maximum(np.ceil(passed), 0.0)
+    with np.errstate(invalid="ignore"):
+        return np.where(np.abs(passed - np.round(passed)) > _FLAT, index, np.nan)
+
+
+def half_turns(rates: OrbitRates, leaving: Array, turns: Array, ends: tuple[str, ...]) -> Array:
+    """By how many half turns the phase passes the condition at the far end, (B,): a whole number at a fold under dead
+    loads."""
     unit = np.sqrt(1 + load_size(rates.problem))  # of beta_t
     beta0, betaL, v0, vL = (rates.rows[:, NUMBERS.index(name), :2] for name in (*_ANGLES, "dbeta0", "dbetaL"))
     arriving = np.where(turns % 2 == 0, leaving, -leaving)
@@ -53,9 +62,7 @@ def dead_index(rates: OrbitRates, leaving: Array, turns: Array, ends: tuple[str,
         begun, ended = _phases(*at_ends, mix, (leaving, arriving), turns)
         half = 0.5 if ends[0] == "dbeta0" else 0.0
         whole = np.round(begun / np.pi - half)
-        passed = ended / np.pi - whole - (0.5 if ends[1] == "dbetaL" else 1.0)
-        index = np.maximum(np.ceil(passed), 0.0)
-        return np.where(np.abs(passed - np.round(passed)) > _FLAT, index, np.nan)
+        return np.asarray(ended / np.pi - whole - (0.5 if ends[1] == "dbetaL" else 1.0))
 
 
 def _phases(
@@ -83,12 +90,17 @@ def negative(matrix: Array) -> Array:
     """The number of negative eigenvalues of symmetric matrices (B, n, n), (B,); NaN where one is zero to rounding."""
     out = np.full(matrix.shape[0], np.nan)
     for b in np.flatnonzero(np.isfinite(matrix).all(axis=(1, 2))):
-        scale = 1 / np.sqrt(np.maximum(np.abs(matrix[b]).max(axis=1), 1e-300))
-        scaled = matrix[b] * scale * scale[:, None]
-        values = np.linalg.eigvalsh((scaled + scaled.T) / 2)
+        values = _eigenvalues_in_scale(matrix[b])
         if np.abs(values).min() > _DOUBT * np.abs(values).max():
             out[b] = np.count_nonzero(values < 0)
     return out
+
+
+def _eigenvalues_in_scale(matrix: Array) -> Array:
+    """The eigenvalues of a symmetric matrix (n, n) whose rows and columns are scaled, (n,)."""
+    scale = 1 / np.sqrt(np.maximum(np.abs(matrix).max(axis=1), 1e-300))
+    scaled = matrix * scale * scale[:, None]
+    return np.linalg.eigvalsh((scaled + scaled.T) / 2)
 
 
 def index_of(state: OrbitState, wanted: Given) -> float:
@@ -101,6 +113,25 @@ def index_of(state: OrbitState, wanted: Given) -> float:
     held = [k for k, name in enumerate(_DISPLACEMENTS) if name in wanted.names]
     excluded = negative(state.rates.compliance(ratio, ends)[:, held][:, :, held])[0] if held else 0.0
     return _helix_index(state, ends) - float(excluded)
+
+
+def lower_index(state: OrbitState, wanted: Given) -> int:
+    """The lower Morse index of the two equilibria that meet at a fold under the held ends; 0 where it is not decided.
+
+    Under dead loads the phase meets the condition at the far end there. With held displacements an eigenvalue of the
+    compliance passes through zero, and so one direction more is excluded on one side.
+    """
+    ends = tuple(name for name in wanted.names if name.endswith(_ANGLES))
+    held = [k for k, name in enumerate(_DISPLACEMENTS) if name in wanted.names]
+    passed = float(half_turns(state.rates, np.array([state.path.leaving]), np.array([state.path.turns]), ends)[0])
+    if not held:
+        return max(int(np.round(passed)), 0) if np.isfinite(passed) else 0
+    block = state.rates.compliance(np.array([wanted.ratio]), ends)[0][np.ix_(held, held)]
+    if not (np.isfinite(passed) and np.isfinite(block).all()):
+        return 0
+    values = _eigenvalues_in_scale(block)
+    excluded = np.count_nonzero(np.delete(values, np.abs(values).argmin()) < 0) + 1
+    return max(int(np.ceil(passed)) - int(excluded), 0)
 
 
 def _helix_index(state: OrbitState, ends: tuple[str, ...]) -> float:

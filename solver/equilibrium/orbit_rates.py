@@ -21,6 +21,7 @@ from ..core.library import numbers_of
 from ..levels.boundary import CUTTING, STRETCH, Path
 from ..numerics.arrays import Array, Columns
 from ..numerics.roots import solve
+from ..orbit.periodic_orbit import Pin
 from ..orbit.variations import HOW as VARIED
 from ..orbit.variations import POINTS, Change, HelixVariations, Variations
 from ..problem.reduced import EndsProblem, Reduced, StartProblem
@@ -112,15 +113,18 @@ def orbit_rates(problem: EndsProblem, paths: Sequence[Path]) -> OrbitRates:
     return OrbitRates(replace(problem, span=span), values, rows, by_span)
 
 
-def start_rates(problem: StartProblem) -> OrbitRates:
+def start_rates(problem: StartProblem, pin: Pin | None = None) -> OrbitRates:
     """The numbers and the equations of one orbit that is given by its start, at its far end.
 
     They are regular where the rod is at rest at an end, or at both: there the length at which an orbit meets beta(L)
     has no derivative. y has neither value nor row. NaN for a helix, and where the core cannot follow the orbit.
+
+    pin: the level, if beta_t(0) does not tell it.
     """
     numbers = numbers_of(problem)[0]
     numbers[5] = numbers[5] if abs(numbers[5]) > _REST else 0.0
-    answer = core.start_rates(numbers, POINTS, HOW[1])
+    pinned = None if pin is None else np.concatenate(pin)
+    answer = core.start_rates(numbers, pinned, POINTS, HOW[1])
     values, rows, by_span = (
         (np.full(11, np.nan), np.full((11, 5), np.nan), np.full(11, np.nan)) if answer is None else answer[:3]
     )

@@ -13,7 +13,7 @@ from ..levels.boundary import DOWN, UP, Boundary, Path, boundary_of
 from ..mechanics.potential import load_size, slope, steepest
 from ..numerics.arrays import EPS
 from ..numerics.roots import DIVERGED, Ending, newton
-from ..orbit.periodic_orbit import TIGHT, solve_orbit
+from ..orbit.periodic_orbit import TIGHT, Pin, solve_orbit
 from ..problem.reduced import EndsProblem
 from .charts import CORNER, Chart, charts, coordinate, path_at
 from .given_numbers import Given, OrbitState, answer, move, problem_after, size_of, values_of
@@ -131,13 +131,13 @@ def is_still(problem: EndsProblem, v: float) -> bool:
     return max(abs(v), pull) < _SWING * (1 + float(load_size(problem)[0]))
 
 
-def corner_state(rates: OrbitRates, v: float) -> OrbitState:
-    """The orbit that starts with beta_t = v, as a state; rates: of `start_rates`.
+def corner_state(rates: OrbitRates, v: float, pin: Pin | None = None) -> OrbitState:
+    """The orbit that starts with beta_t = v, as a state; rates, pin: of `start_rates`.
 
     A turning point at the start is not counted as passed, nor one at the far end.
     """
     problem, speed = rates.problem, float(rates.values[0, NUMBERS.index("dbetaL")])
-    turns = int(solve_orbit(problem.with_start(np.array([v])), TIGHT).turns[0])
+    turns = int(solve_orbit(problem.with_start(np.array([v])), TIGHT, pin).turns[0])
     pace = float(np.sqrt(1 + load_size(problem)[0]))
     leaving = UP if v > 0 or (v == 0 and float(slope(problem, problem.beta0)[0]) < 0) else DOWN
     arriving = leaving if turns % 2 == 0 else -leaving

@@ -14,12 +14,21 @@ from typing import Any
 import numpy as np
 
 from ..levels.level_search import MOST_PERIODS, Census, census, near_misses
-from ..mechanics.potential import load_size
 from ..numerics.arclength import FOLD, PITCHFORK
 from ..numerics.arrays import Array
-from .orbit_folds import LENGTHS, GivenAt, given_on, point_near, sides_between
+from .orbit_folds import (
+    DEEP,
+    LENGTHS,
+    SHALLOW,
+    GivenAt,
+    OrbitPoint,
+    given_on,
+    guess_at,
+    in_log_gap,
+    in_other_form,
+    sides_between,
+)
 from .parameter_plane import ParameterPlane
-from .separatrix_folds import DeadPoint, in_other_form, separatrix_guess
 from .special_line import Tracing, cusps_between, point_on_line, special_line
 from .whole_curve import Pieces, WholeCurve, change_along, pieces_of, whole_curve, without_zeros
 
@@ -117,8 +126,7 @@ class Searched:
 def search_curves(plane: ParameterPlane, lattice: int) -> Searched:
     """The curves that cross the lines of a lattice of so many points along each field."""
     searched, ticks = Searched(plane), _ticks(lattice)
-    scale = float(np.sqrt(load_size(plane.problems(np.array([0.5, 0.5])))[0] + 1))
-    seeds, edges = Seeds(searched, given_on(plane), scale), lattice_edges(*ticks)
+    seeds, edges = Seeds(searched, given_on(plane)), lattice_edges(*ticks)
     edges.sort(key=lambda edge: bool(np.abs(edge[0] + edge[1] - 1).max() < 1 - 3 * _INSIDE))  # the border first
     for line in [*edges, *_probes(ticks)]:
         seeds.search_line(*line)
@@ -130,19 +138,18 @@ def search_curves(plane: ParameterPlane, lattice: int) -> Searched:
     return searched
 
 
-def curve_through(point: DeadPoint) -> WholeCurve:
+def curve_through(point: OrbitPoint) -> WholeCurve:
     """The curve of a rod without weight through one of its points."""
-    how = Tracing(LENGTHS, cusps_between if point.kind == FOLD else sides_between, in_other_form)
+    how: Tracing[OrbitPoint] = Tracing(LENGTHS, cusps_between if point.kind == FOLD else sides_between, in_other_form)
     return whole_curve(special_line(point, how))
 
 
 @dataclass(frozen=True, eq=False)
 class Seeds:
-    """The search for points of curves. scale: of beta_t(0)."""
+    """The search for points of curves."""
 
     searched: Searched
     given_at: GivenAt
-    scale: float
 
     def search_line(self, start: Array, end: Array) -> None:
         """Add curves that cross a line until they explain its change of numbers."""
@@ -155,7 +162,7 @@ class Seeds:
                 break
             self.searched.add([curve_through(seed)])
 
-    def _between(self, start: Array, end: Array) -> DeadPoint | tuple[Array, Array] | None:
+    def _between(self, start: Array, end: Array) -> OrbitPoint | tuple[Array, Array] | None:
         """A point of a curve on the line from start to end that is not among the known ones.
 
         Where Newton's rule finds none, the two ends of the short line between which the numbers change; None where they
@@ -172,17 +179,17 @@ class Seeds:
             start, end = (start, middle) if self.searched.change_beyond(start, middle) else (middle, end)
         return None
 
-    def _seed_on(self, change: Counter[int], start: Array, end: Array) -> DeadPoint | None:
+    def _seed_on(self, change: Counter[int], start: Array, end: Array) -> OrbitPoint | None:
         """The point of the line at which two equilibria meet."""
         rich, poor = (end, start) if sum(change.values()) > 0 else (start, end)
         equilibria, axis = self.searched.at(rich), int(np.argmax(np.abs(end - start)))
-        index, slope = equilibria.index.tolist(), equilibria.slope
+        index, slope = equilibria.index.tolist(), equilibria.slope.tolist()
         lost = [i for i in range(equilibria.count) if change[index[i]]]
         pairs = [(i, j) for i, j in combinations(lost, 2) if abs(index[i] - index[j]) == 1]
         pairs.sort(key=lambda pair: abs(slope[pair[0]] - slope[pair[1]]))
         is_short = bool(np.abs(end - start).max() < _DEEP)
         for i, j in pairs[:_PAIRS]:
-            for point in self._points(equilibria, (i, j), (start + end) / 2, axis, is_short):
+            for point in self._points([slope[i], slope[j]], rich, poor, is_short):
                 share = (point.z[axis] - poor[axis]) / (rich[axis] - poor[axis])
                 if point.lower != min(index[i], index[j]) or not -0.01 <= share <= 1.01:
                     continue
@@ -190,23 +197,25 @@ class Seeds:
                     return point
         return None
 
-    def _points(
-        self, equilibria: Census, pair: tuple[int, int], z: Array, axis: int, is_short: bool
-    ) -> Iterator[DeadPoint]:
-        """Points next to z on the line along number `axis`, folds first, from two equilibria that are about to meet.
+    def _points(self, slopes: list[float], rich: Array, poor: Array, is_short: bool) -> Iterator[OrbitPoint]:
+        """Points on the line between two others, folds first, from two equilibria at the rich one that are about to
+        meet; slopes: their beta_t(0).
 
         is_short: whether the line is so short that they may lie next to a separatrix.
         """
+        axis, middle = int(np.argmax(np.abs(rich - poor))), (rich + poor) / 2
         for kind in (FOLD, PITCHFORK):
-            point = point_near(kind, self.given_at, self.scale, float(equilibria.slope[list(pair)].mean()), z, axis)
-            if point is not None:
-                yield point
-            for i in pair if is_short else ():
-                slope, turns = float(equilibria.slope[i]), int(equilibria.turns[i])
-                guess = separatrix_guess(self.given_at, self.scale, z, slope, turns, kind)
-                deep = None if guess is None else point_on_line(guess, axis)
-                if deep is not None:
-                    yield deep
+            guesses = [guess_at(kind, self.given_at, middle, {"dbeta0": sum(slopes) / 2})]
+            for slope in slopes if is_short else ():
+                beside = in_log_gap(guess_at(kind, self.given_at, rich, {"dbeta0": slope}), SHALLOW)
+                guesses += [beside] if beside is not None else []
+            for guess in guesses:
+                point = point_on_line(guess, axis)
+                if point is not None and point.saddle is None:
+                    beside = in_log_gap(point, DEEP)
+                    point = point if beside is None else point_on_line(beside, axis)
+                if point is not None:
+                    yield point
 
 
 def _ticks(lattice: int) -> Array:

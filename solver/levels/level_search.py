@@ -384,14 +384,13 @@ def _dip(boundary: Boundary, cells: Any, counts: Array, above: bool) -> tuple[li
 
 @dataclass(frozen=True, eq=False)
 class Census:
-    """The K equilibria of one ends problem, (K,) each: beta_t(0), Morse index, turning points passed.
+    """The K equilibria of one ends problem, (K,) each: beta_t(0), Morse index.
 
     complete: whether, counted with (-1)^index, they add up to 1, as they must by degree.
     """
 
     slope: Array
     index: Integers
-    turns: Integers
     complete: bool
 
     @property
@@ -424,7 +423,7 @@ def _count(problem: EndsProblem, step: float) -> Census:
     index = np.where(rotates, 0, np.maximum(turns - roots.lengthens, 0))
     if boundary.helix_angle is not None:
         index = np.append(index, helix_index(helix_half_waves(problem)))
-        slope, turns = np.append(slope, 0.0), np.append(turns, 0)
+        slope = np.append(slope, 0.0)
     index = index.astype(np.int64)
     signed = int(np.where(index % 2 == 0, 1, -1).sum())
-    return Census(slope, index, turns, signed == 1 and not roots.lost and not reason)
+    return Census(slope, index, signed == 1 and not roots.lost and not reason)

@@ -24,6 +24,9 @@ from ..problem.trajectory import PLAIN, stood_in
 
 HELIX, LIBRATION, ROTATION = 0, 1, 2
 TIGHT = 1e-13  # tolerance of orbits that are as exact as floats allow
+# The levels of B orbits: the angles above whose heights of G they lie, the gaps, and by how much the logs of the true
+# gaps are smaller, (B,) each
+Pin = tuple[Array, Array, Array]
 MOST = 10_000  # panels of one orbit beyond which none is halved any more
 FUNCTIONS = 5  # series of a panel
 
@@ -194,9 +197,7 @@ class Orbit(Periodic):
         return self
 
 
-def solve_orbit(
-    problem: StartProblem, tol: float, pin: tuple[Array, Array, Array] | None = None, stretch: float = 1.0
-) -> Orbit:
+def solve_orbit(problem: StartProblem, tol: float, pin: Pin | None = None, stretch: float = 1.0) -> Orbit:
     """The orbits of B start problems; those of a problem that is not finite, which the core refuses, are NaN.
 
     Parameters

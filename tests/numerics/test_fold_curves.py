@@ -1,17 +1,18 @@
 """Fold curves and region maps, against an integration of the variational equations and against all equilibria."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
-from scipy.optimize import fsolve
+from scipy.optimize import brentq, fsolve
 
 from solver import Case, Cylinder, Ends, Rod, equilibria, fold_curves, region_map
 from solver.folds.fold_curves import FoldCurve, FoldCurves
-from solver.folds.orbit_folds import given_on
+from solver.folds.orbit_folds import UNIT, OrbitFold, OrbitPitchfork, OrbitPoint, Saddle, given_on
 from solver.folds.parameter_plane import ParameterPlane, parameter_plane
-from solver.folds.separatrix_folds import UNIT, SeparatrixPoint
 from solver.folds.special_line import point_on_line
+from solver.levels.boundary import boundary_of
 from solver.levels.level_search import census
 from solver.region_map import RegionMap
 from studies import load
@@ -142,50 +143,77 @@ def test_scaling_the_stiffness_and_the_loads_leaves_the_curves() -> None:
 LONG = Case(Rod(1.07e4, 0.25, 0.25, 20.0), CASE.cylinder, Ends("30deg", "50deg", M3=8.0))
 
 
-# beta0, betaL, the end at the turning point, the sign of the gap, how the rod leaves, the turning points it passes,
-# and the lower index of the equilibria that meet
+# beta0, betaL, about beta_t(0), the sign of the gap, log gap, and the lower index of the equilibria that meet
 AT_REST = {
-    "a stable one, at the start": ("30deg", "50deg", "start", -1.0, 1, 1, 0),
-    "one more bend": ("30deg", "50deg", "start", -1.0, 1, 2, 1),
-    "a stable one, at the far end": ("50deg", "30deg", "end", -1.0, 1, 1, 0),
-    "over the saddle": ("30deg", "209deg", "start", 1.0, 1, 0, 0),
-    "over the saddle after a turning point": ("30deg", "209deg", "start", 1.0, -1, 2, 1),
-    "over the saddle to the far end": ("209deg", "30deg", "end", 1.0, -1, 0, 0),
+    "a stable one, at the start": ("30deg", "50deg", 0.0, -1.0, -17.4432, 0),
+    "one more bend": ("30deg", "50deg", 6e-7, -1.0, -14.6523, 1),
+    "a stable one, at the far end": ("50deg", "30deg", 0.607, -1.0, -17.4432, 0),
+    "over the saddle": ("30deg", "209deg", 0.0, 1.0, -17.7515, 0),
+    "over the saddle after a turning point": ("30deg", "209deg", -7e-6, 1.0, -12.2620, 1),
+    "over the saddle to the far end": ("209deg", "30deg", -0.634, 1.0, -17.7515, 0),
 }
 
 
-def near_the_saddle(plane: ParameterPlane, kind: str, **path: object) -> SeparatrixPoint:
-    """The point of a curve of long rods at MZ = -0.2."""
-    w = np.array([-17 / UNIT, 0.18, 0.0])
-    found = point_on_line(SeparatrixPoint(given_at=given_on(plane), kind=kind, scale=1.0, saddle=2.65, **path, w=w), 0)
+def near_the_saddle(point: type[OrbitPoint], plane: ParameterPlane, sign: float, even: bool, *w: float) -> OrbitPoint:
+    """The point of a curve of long rods at MZ = -0.2. w: beta_t(0) of a fold, and log gap."""
+    guess = np.array([*w[:-1], w[-1] / UNIT, 0.18, 0.0])
+    saddle = Saddle(2.65, sign, even)
+    found = point_on_line(point(given_at=given_on(plane), scales=np.ones(1), saddle=saddle, w=guess), 0)
     assert found is not None
     return found
+
+
+def long_plane(beta0: str, betaL: str, L: float = 20.0) -> ParameterPlane:
+    case = Case(replace(LONG.rod, L=L), LONG.cylinder, Ends(beta0, betaL, M3=8.0))
+    return parameter_plane(case, {"FZ": (4.0, 4.06), "MZ": (-0.2, 0.2)})
 
 
 @pytest.mark.parametrize("which", AT_REST)
 def test_a_fold_next_to_a_separatrix_is_exact(which: str) -> None:
     """Two equilibria more within 1e-8 of the ranges on one side, of the indices that the path of the rod tells."""
-    beta0, betaL, end, sign, leaving, turns, lower = AT_REST[which]
-    case = Case(LONG.rod, LONG.cylinder, Ends(beta0, betaL, M3=8.0))
-    plane = parameter_plane(case, {"FZ": (4.0, 4.06), "MZ": (-0.2, 0.2)})
-    point = near_the_saddle(plane, "fold", end=end, sign=sign, leaving=leaving, turns=turns, weight=1)
-    if which == "a stable one, at the start":
-        assert point.w[0] * UNIT == pytest.approx(-17.44, abs=0.01)  # log of the gap
+    beta0, betaL, slope, sign, log_gap, lower = AT_REST[which]
+    plane = long_plane(beta0, betaL)
+    point = near_the_saddle(OrbitFold, plane, sign, False, slope, log_gap + 0.01)
+    assert point.w[1] * UNIT == pytest.approx(log_gap, abs=1e-4)
     toward = 1e-8 * point.more / np.linalg.norm(point.more)
     fewer, more = (census(plane.problems(point.z + sign * toward)).indices for sign in (-1, 1))
     assert more - fewer == {lower: 1, lower + 1: 1}
     assert point.lower == lower
 
 
-@pytest.mark.parametrize(
-    ("kind", "leaving", "turns", "lower"), [("fold", 1, 1, 0), ("fold", -1, 2, 0), ("pitchfork", -1, 2, 1)]
-)
-def test_with_equal_ends_a_fold_and_a_pitchfork_lie_next_to_a_separatrix(kind, leaving, turns, lower) -> None:
+@pytest.mark.parametrize("which", AT_REST)
+@pytest.mark.parametrize("L", [40.0, 200.0, 700.0])
+def test_a_fold_is_exact_where_no_float_holds_the_gap(which: str, L: float) -> None:
+    """Each unit of length of the saddle takes the same from log gap, and moves the fold no more."""
+    beta0, betaL, slope, sign, log_gap, lower = AT_REST[which]
+    per_length = (-217.79525833640 + 39.70452255086) / 160  # at the saddle, r times 2
+    guess = log_gap + per_length * (L - 20)
+    point = near_the_saddle(
+        OrbitFold, long_plane(beta0, betaL, L), sign, False, slope if abs(slope) > 0.1 else 0.0, guess
+    )
+    assert point.w[1] * UNIT == pytest.approx(guess, abs=1e-3)
+    assert point.lower == lower
+    assert point.z[0] == pytest.approx(long_limit(beta0, betaL), abs=1e-9)
+
+
+@cache
+def long_limit(beta0: str, betaL: str) -> float:
+    """FZ, as a share of its range, at which an end has the height of the saddle, as it has for an endless rod."""
+    plane = long_plane(beta0, betaL)
+    angle = np.deg2rad(30.0)
+
+    def fall(share: float) -> float:
+        place = boundary_of(plane.problems(np.array([share, 0.0])))
+        return place.fall(float(place.saddles[np.abs(place.saddles - 2.65).argmin()]), angle)
+
+    return float(brentq(fall, 0.0, 1.0, xtol=1e-14))
+
+
+@pytest.mark.parametrize(("point", "w", "lower"), [(OrbitFold, (0.0,), 0), (OrbitPitchfork, (), 1)])
+def test_with_equal_ends_a_fold_and_a_pitchfork_lie_next_to_a_separatrix(point, w, lower) -> None:
     """They are closer than 1e-8 of the ranges: both are crossed."""
-    case = Case(LONG.rod, LONG.cylinder, Ends("30deg", "30deg", M3=8.0))
-    plane = parameter_plane(case, {"FZ": (4.0, 4.06), "MZ": (-0.2, 0.2)})
-    weight = 2 if kind == "fold" else 0
-    point = near_the_saddle(plane, kind, end="start", sign=-1.0, leaving=leaving, turns=turns, weight=weight)
+    plane = long_plane("30deg", "30deg")
+    point = near_the_saddle(point, plane, -1.0, True, *w, -17.0)
     toward = 1e-8 * point.more / np.linalg.norm(point.more)
     fewer, more = (census(plane.problems(point.z + sign * toward)).indices for sign in (-1, 1))
     assert more - fewer == {0: 1, 1: 2, 2: 1}

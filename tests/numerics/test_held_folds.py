@@ -183,6 +183,27 @@ def test_a_curve_under_dead_loads_goes_on_where_the_gap_to_a_saddle_is_lost_in_r
     assert more - fewer == Counter({0: 1, 1: 2, 2: 1})  # the fold of one more bend lies closer than rounding
 
 
+# the far end, FZ, which equilibrium begins the branch, and where the curve of its first fold ends at L = 25
+NEARING = {"different ends": ("50deg", -1.0, 2), "equal ends": ("30deg", 0.5, 2)}
+
+
+@pytest.mark.parametrize("which", NEARING)
+def test_a_curve_with_the_azimuth_held_goes_on_where_the_gap_to_a_saddle_is_lost_in_rounding(which: str) -> None:
+    """It ends at the longest rod where the branch of that rod folds."""
+    betaL, FZ, number = NEARING[which]
+
+    def branch(L: float, azimuth: tuple[float, float]) -> Branch:
+        rod = Rod(E=1.07e4, nu=0.25, a=0.25, L=L)
+        case = Case(rod, Cylinder(R=0.75), Ends("30deg", betaL, FZ=FZ, M3=8.0))
+        return follow(equilibria(case, stations=2)[number].solution, azimuth=list(azimuth))
+
+    curve = trace_fold(branch(10.0, (4.0, 7.9)), azimuth=(-6.0, 7.9), L=(8.0, 25.0))
+    assert curve.ends == ("border", "border")
+    assert (curve.lower, curve.cusps.shape) == (0, (1, 2))
+    (fold,) = (point.value for point in branch(25.0, (-6.0, 8.0)).special if point.kind == "fold")
+    assert end_of(curve, 1, 25.0)[0] == pytest.approx(fold, abs=1e-9)
+
+
 def test_places_where_branches_meet_without_a_curve_are_counted_in_the_remark() -> None:
     searched, branches = SimpleNamespace(curves=()), SimpleNamespace(count=3, stopped=1, whole=False)
     said = "1 of them could not be followed to the border; more were met and not followed; "
