@@ -1,5 +1,6 @@
 """A study in chunks: the same bits however it is cut, whoever solves it, and however it grew."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -170,17 +171,6 @@ def test_a_finished_study_is_answered_without_xarray_and_pandas(whole) -> None:
     assert out.splitlines()[-1].split() == ["."]
 
 
-def test_what_is_solved_is_not_solved_again(whole, tmp_path, monkeypatch) -> None:
-    path = runs.study(tmp_path, GRID)
-    folder = kept(path, monkeypatch)
-    (folder / "000000000064-000000000128.shard").unlink()
-    solved = counted(monkeypatch)
-    assert run_to_file(load(path), tmp_path / "many.h5", Options(workers=1, chunk=1)).solved == 64
-    assert solved == [64]
-    assert runs.contents(tmp_path / "many.h5") == runs.contents(whole)
-    assert not folder.exists()
-
-
 def _flipped(content: bytes, at: int) -> bytes:
     return content[:at] + bytes([content[at] ^ 1]) + content[at + 1 :]
 
@@ -199,28 +189,49 @@ def _foreign(folder: Path) -> None:
     path = runs.study(other, GRID)
     path.write_text(path.read_text() + "[base]\nR = 0.9\n")
     with pytest.MonkeyPatch.context() as patch:
-        shard = kept(path, patch) / "000000000000-000000000064.shard"
-    shard.replace(folder / shard.name)
+        shard = _first(kept(path, patch))
+    shard.replace(_first(folder))
 
 
 def _folder(folder: Path) -> None:
-    shard = folder / "000000000000-000000000064.shard"
-    shard.unlink()
-    shard.mkdir()
+    _first(folder).unlink()
+    _first(folder).mkdir()
 
 
-MISPLACED = {"exchanged": (_exchanged, [64, 64]), "foreign": (_foreign, [64]), "a folder": (_folder, [64])}
+def _first(folder: Path) -> Path:
+    return folder / "000000000000-000000000064.shard"
 
 
-@pytest.mark.parametrize("name", slow_but(MISPLACED, "foreign"))
-def test_a_shard_that_belongs_elsewhere_is_solved_again(name, whole, tmp_path, monkeypatch) -> None:
-    misplace, again = MISPLACED[name]
+def _damaged(damage: Callable[[bytes], bytes]) -> Callable[[Path], Any]:
+    return lambda folder: _first(folder).write_bytes(damage(_first(folder).read_bytes()))
+
+
+SPOILT: dict[str, Callable[[Path], Any]] = {
+    "missing": lambda folder: _first(folder).unlink(),
+    "exchanged": _exchanged,
+    "foreign": _foreign,
+    "a folder": _folder,
+    "cut short": _damaged(lambda content: content[: len(content) // 2]),
+    "empty": _damaged(lambda content: b""),
+    "a byte flipped in the middle": _damaged(lambda content: _flipped(content, len(content) // 2)),
+    "a byte flipped in the digest": _damaged(lambda content: _flipped(content, 3)),
+    "the last bit flipped": _damaged(lambda content: _flipped(content, len(content) - 1)),
+    "without a checksum": _damaged(lambda content: content[32:]),
+}
+
+
+@pytest.mark.parametrize("name", slow_but(SPOILT, "missing", "foreign", "empty", "the last bit flipped"))
+def test_a_shard_that_is_missing_misplaced_or_damaged_is_solved_again_and_no_other(
+    name, whole, tmp_path, monkeypatch
+) -> None:
     path = runs.study(tmp_path, GRID)
-    misplace(kept(path, monkeypatch))
-    solved = counted(monkeypatch)
-    run_to_file(load(path), tmp_path / "many.h5", Options(workers=1))
-    assert solved == again
+    folder = kept(path, monkeypatch)
+    SPOILT[name](folder)
+    solved, again = counted(monkeypatch), 2 if name == "exchanged" else 1
+    assert run_to_file(load(path), tmp_path / "many.h5", Options(workers=1)).solved == 64 * again
+    assert solved == [64] * again
     assert runs.contents(tmp_path / "many.h5") == runs.contents(whole)
+    assert folder.exists() == (name == "a folder")  # what is no shard is not removed
 
 
 def test_a_shard_damaged_after_it_was_looked_at_is_solved_again(whole, tmp_path, monkeypatch) -> None:
@@ -379,27 +390,6 @@ def test_a_count_stays_whole_where_all_is_solved_and_only_there(whole, tmp_path)
         assert good["turns"].dtype == np.int64
         assert bad["turns"].dtype == np.float64
         assert np.isnan(bad["turns"]).all()
-
-
-DAMAGE = {
-    "cut short": lambda content: content[: len(content) // 2],
-    "empty": lambda content: b"",
-    "a byte flipped in the middle": lambda content: _flipped(content, len(content) // 2),
-    "a byte flipped in the digest": lambda content: _flipped(content, 3),
-    "the last bit flipped": lambda content: _flipped(content, len(content) - 1),
-    "without a checksum": lambda content: content[32:],
-}
-
-
-@pytest.mark.parametrize("damage", slow_but(DAMAGE, "empty", "the last bit flipped"))
-def test_a_damaged_shard_is_found_and_solved_again(damage, whole, tmp_path, monkeypatch) -> None:
-    path = runs.study(tmp_path, GRID)
-    shard = kept(path, monkeypatch) / "000000000000-000000000064.shard"
-    shard.write_bytes(DAMAGE[damage](shard.read_bytes()))
-    solved = counted(monkeypatch)
-    run_to_file(load(path), tmp_path / "many.h5", Options(workers=1))
-    assert solved == [64]
-    assert runs.contents(tmp_path / "many.h5") == runs.contents(whole)
 
 
 def test_a_grown_study_that_was_stopped_goes_on(half, monkeypatch) -> None:
