@@ -106,13 +106,13 @@ typedef struct {
     double *low, *high, *time, *count, *begin;
 } covered;
 
-/* Where a time lies on an orbit: `pieces.Phase`. */
+/* Where a time lies on an orbit. */
 typedef struct {
     int second, mirrored;
     double local, periods;
 } phase;
 
-/* One ends problem: see `transit_times.Boundary`. falls: (pins, 2). */
+/* One ends problem: see `boundary.Boundary`. falls: (pins, 2). */
 typedef struct {
     double lam, mu, phi, span, low, high, deepest;
     int64_t whole_turns, passed, pins;

@@ -227,8 +227,8 @@ void rod_orbits_read(const read_orbits *o, int64_t n, int64_t stations, const do
         }
 }
 
-/* The pieces that n rods of these lengths cover of their orbits, and how often: `rod_pieces.Pieces`, (3 P,) each. The panel
-   in which a rod ends is cut there. Reads kind, first, count, duration, since and width. Returns their number. */
+/* The pieces that n rods of these lengths cover of their orbits, and how often: `solution_pieces.Pieces`, (3 P,) each. The
+   panel in which a rod ends is cut there. Reads kind, first, count, duration, since and width. Returns their number. */
 int64_t rod_cover(const read_orbits *o, int64_t n, const double *span, const covered *out)
 {
     int64_t size = 0;

@@ -2,7 +2,7 @@
 
 #include "measure_rates.h"
 
-/* The numbers of a case that have rates: NUMBERS in problem/field_rates.py */
+/* The numbers of a case that have rates: NUMBERS in problem/reduced.py */
 enum { LAM, MU, PHI, LENGTH, BETA0, END, STIFFNESS, RHO, RATIO, AZIMUTH, TWIST };
 enum { MARKS = 4 };
 

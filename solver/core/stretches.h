@@ -10,8 +10,8 @@ enum { ROUNDS = 48, CROSSINGS = 4 * AT }; /* most halvings of a piece; most chan
 
 #define BARELY (64 * EPS) /* of the size of its terms: a push, or a difference of numbers, below this is rounding */
 
-/* The pieces of the rods, those of rod b from first[b] to first[b + 1]: `rod_pieces.Pieces`. kinds: of series, 2 or, where
-   loads vary along the rods, 7. The others: (n,). */
+/* The pieces of the rods, those of rod b from first[b] to first[b + 1]: `solution_pieces.Pieces`. kinds: of series, 2 or,
+   where loads vary along the rods, 7. The others: (n,). */
 typedef struct {
     int64_t coefficients, kinds, monotone, groups;
     double goal;
