@@ -31,12 +31,17 @@ def held_index(rates: OrbitRates, ratio: Array, names: tuple[str, ...], leaving:
 
     names: the five given numbers (`problem.reduced.HeldProblem.numbers`). leaving, turns: (B,), of their paths.
     """
+    ends, compliance = _held_compliance(rates, ratio, names)
+    return dead_index(rates, leaving, turns, ends) - negative(compliance)
+
+
+def _held_compliance(rates: OrbitRates, ratio: Array, names: tuple[str, ...]) -> tuple[tuple[str, ...], Array]:
+    """The two given numbers of the ends, and the block of the compliance of the k held displacements, (B, k, k)."""
     ends = tuple(name for name in names if name.endswith(_ANGLES))
     held = [k for k, name in enumerate(_DISPLACEMENTS) if name in names]
-    index = dead_index(rates, leaving, turns, ends)
-    if held:
-        index -= negative(rates.compliance(ratio, ends)[:, held][:, :, held])
-    return index
+    if not held:
+        return ends, np.empty((len(rates.values), 0, 0))
+    return ends, rates.compliance(ratio, ends)[:, held][:, :, held]
 
 
 def dead_index(rates: OrbitRates, leaving: Array, turns: Array, ends: tuple[str, ...] = _ANGLES) -> Array:
@@ -91,14 +96,14 @@ def negative(matrix: Array) -> Array:
     out = np.full(matrix.shape[0], np.nan)
     for b in np.flatnonzero(np.isfinite(matrix).all(axis=(1, 2))):
         values = _eigenvalues_in_scale(matrix[b])
-        if np.abs(values).min() > _DOUBT * np.abs(values).max():
+        if np.abs(values).min(initial=np.inf) > _DOUBT * np.abs(values).max(initial=0):
             out[b] = np.count_nonzero(values < 0)
     return out
 
 
 def _eigenvalues_in_scale(matrix: Array) -> Array:
     """The eigenvalues of a symmetric matrix (n, n) whose rows and columns are scaled, (n,)."""
-    scale = 1 / np.sqrt(np.maximum(np.abs(matrix).max(axis=1), 1e-300))
+    scale = 1 / np.sqrt(np.maximum(np.abs(matrix).max(axis=1, initial=0), 1e-300))
     scaled = matrix * scale * scale[:, None]
     return np.linalg.eigvalsh((scaled + scaled.T) / 2)
 
@@ -109,10 +114,8 @@ def index_of(state: OrbitState, wanted: Given) -> float:
     if not path.helix:
         each = np.array([path.leaving]), np.array([path.turns])
         return float(held_index(state.rates, ratio, wanted.names, *each)[0])
-    ends = tuple(name for name in wanted.names if name.endswith(_ANGLES))
-    held = [k for k, name in enumerate(_DISPLACEMENTS) if name in wanted.names]
-    excluded = negative(state.rates.compliance(ratio, ends)[:, held][:, :, held])[0] if held else 0.0
-    return _helix_index(state, ends) - float(excluded)
+    ends, compliance = _held_compliance(state.rates, ratio, wanted.names)
+    return _helix_index(state, ends) - float(negative(compliance)[0])
 
 
 def lower_index(state: OrbitState, wanted: Given) -> int:
@@ -121,15 +124,13 @@ def lower_index(state: OrbitState, wanted: Given) -> int:
     Under dead loads the phase meets the condition at the far end there. With held displacements an eigenvalue of the
     compliance passes through zero, and so one direction more is excluded on one side.
     """
-    ends = tuple(name for name in wanted.names if name.endswith(_ANGLES))
-    held = [k for k, name in enumerate(_DISPLACEMENTS) if name in wanted.names]
+    ends, compliance = _held_compliance(state.rates, np.array([wanted.ratio]), wanted.names)
     passed = float(half_turns(state.rates, np.array([state.path.leaving]), np.array([state.path.turns]), ends)[0])
-    if not held:
-        return max(int(np.round(passed)), 0) if np.isfinite(passed) else 0
-    block = state.rates.compliance(np.array([wanted.ratio]), ends)[0][np.ix_(held, held)]
-    if not (np.isfinite(passed) and np.isfinite(block).all()):
+    if not (np.isfinite(passed) and np.isfinite(compliance).all()):
         return 0
-    values = _eigenvalues_in_scale(block)
+    if not compliance.size:
+        return max(int(np.round(passed)), 0)
+    values = _eigenvalues_in_scale(compliance[0])
     excluded = np.count_nonzero(np.delete(values, np.abs(values).argmin()) < 0) + 1
     return max(int(np.ceil(passed)) - int(excluded), 0)
 

@@ -32,7 +32,6 @@ TURNS = "the sense of the line turns, as it does where its equation is lost in r
 SENSE, ASIDE = 0.8, 0.2  # cosine to the first step, and distance over that of a step, of one that closes the line
 MOST = 4000  # points of a line in each sense
 ALONE = 3  # points after the first before a line can close
-BESIDE = 0.02  # how far beside a fold its two indices are read, in the sizes of the unknowns
 LONGEST = 0.5  # change of an unknown in a step of Newton's rule
 
 
@@ -188,27 +187,18 @@ def step_from(point: Point, node: Node, step: float) -> Ahead[Point] | str:
 
 def point_on_line(guess: Point, axis: int) -> Point | None:
     """The point next to a guess on the line along number `axis` of z; None where Newton's rule reaches none."""
-    row = np.eye(guess.w.size)[-1 - axis]
-    w = zero_on(guess, guess.w, row[None], MARGIN)
-    point = None if w is None else point_at(guess, w, row)
-    return point if point is not None and point.is_true else None
-
-
-def zero_on(point: SpecialPoint, guess: Array, rows: Array, beyond: float = np.inf) -> Array | None:
-    """The zero of the first equations of a point in the plane through a guess with normals `rows` (m, n + 1).
-
-    None where Newton's rule reaches none within so much beyond the border. The last m - 1 equations are left out.
-    """
-    count = guess.size - len(rows)
+    across = np.eye(guess.w.size)[-1 - axis]
 
     def equations(w: Array) -> tuple[Array, Array] | None:
-        within = np.abs(w[-2:] - 0.5).max() <= 0.5 + beyond
-        value, rates = (f(w) if within else None for f in (point.value, point.jacobian))
+        within = np.abs(w[-2:] - 0.5).max() <= 0.5 + MARGIN
+        value, rates = (f(w) if within else None for f in (guess.value, guess.jacobian))
         if value is None or rates is None:
             return None
-        return np.append(value[:count], rows @ (w - guess)), np.vstack([rates[:count], rows])
+        return np.append(value, across @ (w - guess.w)), np.vstack([rates, across])
 
-    return root(equations, guess, LONGEST)
+    w = root(equations, guess.w, LONGEST)
+    point = None if w is None else point_at(guess, w, across)
+    return point if point is not None and point.is_true else None
 
 
 def point_at(near: Point, w: Array, along: Array) -> Point | None:

@@ -15,7 +15,6 @@ from itertools import pairwise
 import numpy as np
 
 from ..folds.special_line import (
-    BESIDE,
     CROSSING,
     Ahead,
     SpecialLine,
@@ -40,6 +39,7 @@ from .varying_shapes import Shape
 RodAt = Callable[[Array], LoadedRod]
 STEPS = Lengths(first=0.02, longest=0.1, least=1e-4)  # in the sizes of the equilibrium and of z
 STEP = 1e-4  # of derivatives by a and z
+BESIDE = 0.02  # how far beside a fold its two indices are read, in the sizes of the unknowns
 NEAR_IT = 1e-3  # how far beside a pitchfork its two indices are read
 CROSSED = 3e-3  # how closely the place is enclosed where another curve crosses
 NEAR = 3  # weakest modes: where another such curve crosses, that of this one is not the weakest
