@@ -54,7 +54,7 @@ STUDIES = {
     "grid": table_1(EXPRESSIONS + small.axis("E", (5e3, 4e4, 3)) + small.axis("F1", (1.0, 9.0, 13))),
     "samples": sampled(40),
     "refined": refined(),
-    "samples at an axis": sampled(5, more=small.axis("F1", [3.0, 5.0, 8.0])),
+    "samples at an axis": sampled(8, more=small.axis("F1", [3.0, 5.0, 8.0])),
     "samples between ends": between_ends(
         "[zip]\nE = [1e4, 1.1e4, 1.3e4]\nbeta0 = [0.3, 0.4, 0.5]\n", E=None, beta0=None
     ),
