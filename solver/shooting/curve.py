@@ -176,7 +176,7 @@ class Curve:
     def rough_point(self, before: Point, guess: Shape, x: float) -> Point | None:
         """The point near a guess at x, in the direction from the one before, with dx = 1; None where it may be on
         another branch."""
-        shape = correct(replace(guess, rod=self.rod_at(x)), most=6, enough=LOOSE)
+        shape = correct(replace(guess, rod=self.rod_at(x)), most=10, enough=LOOSE)
         if shape is None or not is_near(before.shape, shape):
             return None
         change = self.in_sizes(shape.y - before.shape.y, x - before.p)

@@ -12,7 +12,7 @@ from .varying_shapes import Shape
 
 DEEP = 13  # the order of the series of the derivatives by which Newton's method goes
 SAME = 1e-6  # of the angles in their scales: one shape
-REACH = 1.0  # the longest step of the angles, in their scales
+REACH = 0.5  # the longest step of the angles, in their scales
 WILD = 1e6  # of the scales: no equilibrium is sought from larger numbers
 ROUNDING = 1e-12  # of the scales: a correction below this is rounding
 ENDING = Ending(rounds=40, goal=ROUNDING, small=1e-7, stall=0.25)

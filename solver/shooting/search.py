@@ -16,7 +16,7 @@ from .buckling import buckling_shares, straight_shape
 from .curve import MOST_POINTS, SPLIT, Curve, angles_in, angles_of, trace_shapes
 from .descent import index_at, on_nodes, weakest_modes
 from .loaded_rod import ALPHA, BETA, MU, PHI, SHORT, SPEED, LoadedRod, Q
-from .newton import DEEP, REACH, correct, is_same, largest_turn, linear_at, size_of
+from .newton import DEEP, correct, is_same, largest_turn, linear_at, size_of
 from .varying_shapes import Shape
 
 LONGEST = 10.0  # radii: a longer rod is not scanned, as its far end depends too much on its start
@@ -27,6 +27,7 @@ HEAVIEST = 2.0  # times the weight: how far a branch is followed from no weight,
 MOST_NODES = 100  # of a rod that is followed from no weight
 MOST_MODES = 8  # of the straight rod, whose branches are followed
 ROUNDS = 30  # steps of a deflation
+REACH = 1.0  # the longest step of the angles in a deflation, in their scales
 NEAR = 0.1  # size of a step of Newton's method from which it converges by itself
 AMPLITUDES = -1.0, 0.9  # of the waves of a start: the powers of ten between which it lies
 WAVES, FROM_KNOWN, AROUND = 4, 0.7, 0.3  # in a start; share of starts from known shapes; azimuths over angles
