@@ -199,7 +199,7 @@ def words_of(path: Path) -> str:
         said.append(f"{LEAVES} where its sinusoid would lift off the wall, for a helix")
     if path.buckled is not None:
         said.append(f"which buckles at {path.buckled:.6g} times these loads")
-    said += [f"{LEAVES} at {share:.4g} times them for another stable shape" for share in path.jumped]
+    said += [f"{LEAVES} at {share:.3g} times them for another stable shape" for share in path.jumped]
     if path.rubbed:
         said.append(f"{RUBS} raises its compression")
     return ", ".join([*said, *([path.why] * bool(path.why))])

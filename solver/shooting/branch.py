@@ -193,7 +193,7 @@ def grow(rod_at: Callable[[float], LoadedRod], shape: Shape, share: float = 0.0,
             break
         below = stable_shape_ahead(rod_at, shape, share)
         if below is None:
-            why = f"the branch ends at {share:.6g} of the way to {target}"
+            why = f"the branch ends at {share:.3g} of the way to {target}"
             return Path(None, jumped=tuple(jumped), why=why, share=share if target == FRICTION else None)
         jumped.append(share)
         share, shape = below
