@@ -38,7 +38,7 @@ class Equilibrium:
         Morse index under dead loads, between its own end angles; -1: not known.
     found_by : str
         What the search found it by: "levels" under dead loads; "continuation", "mirror image", "across a fold",
-        "deflation", "helix" or "scan" under held ends.
+        "deflation", "helix" or "scan" under held ends; with weight in words, such as "scan of the start".
 
     Examples
     --------

@@ -47,7 +47,7 @@ def orbit_rates(numbers: Array, path: Any, n: int, how: tuple[Cutting, Cutting])
     numbers : lam, mu, phi, span, beta(0), beta(L)
     path : `boundary.Path`
     n, how
-        As of `orbits.orbits`; how panels are cut for the length, and for the orbit.
+        As of `periodic_orbit.orbits_of`; how panels are cut for the length, and for the orbit.
     """
     out = np.full(RATES, np.nan)
     ways = cut(how[0], True), cut(how[1], False)
@@ -139,7 +139,7 @@ class Steps:
     scale : float
         Of p.
     n, how
-        As of `orbits.orbits`; how panels are cut for the transit times, and for the orbits.
+        As of `periodic_orbit.orbits_of`; how panels are cut for the transit times, and for the orbits.
     held : tuple of int, optional
         The places of the given numbers among those of `orbit_rates`, with held ends.
     """
@@ -183,7 +183,7 @@ class Steps:
         Returns
         -------
         tuple
-            The records; with held ends their numbers and rates, (N, `orbit_rates.RECORD`); step and kept as they are
+            The records; with held ends their numbers and rates, (N, `RATES`); step and kept as they are
             then; and why there are no more.
         """
         over = _Range(self._scale, halts[0], halts[-1], rounding, halts.size, halts)

@@ -1,5 +1,5 @@
-/* Periodic orbits by quadrature, made of panels, and their values along the rod; solver/orbit/periodic_orbit.py and
-   pieces.py explain them. */
+/* Periodic orbits by quadrature, made of panels, and their values along the rod; solver/orbit/periodic_orbit.py
+   explains them. */
 
 #include "orbit_parts.h"
 
