@@ -8,14 +8,16 @@ from itertools import combinations
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.image import imread
+from matplotlib.path import Path
 from matplotlib.text import Text
+from matplotlib.transforms import Affine2D
 from numpy.typing import NDArray
 
 SLACK = 1.5  # pixels
 MOST_MARKERS = 50  # values of a line, beyond which it has none
 COLUMN, TALLEST = 89.5, 120.5  # millimetres: a figure no wider is no taller
 RED = 0.2  # by which red exceeds green and blue
-UNREADABLE = re.compile(r"\[rad\]|\w\^|\*\*|\b(nan|inf)\b")  # angles are in degrees, powers are raised
+UNREADABLE = re.compile(r"\[rad\]|[\w)]\^|\*\*|\b(nan|inf)\b")  # angles are in degrees, powers are raised
 
 
 def words(fig: Figure) -> list[Text]:
@@ -59,9 +61,22 @@ def faults(fig: Figure, least: float = 7.0) -> list[str]:
     for (one, a), (other, b) in combinations(zip(texts, boxes, strict=True), 2):
         wide, high = (min(a.x1, b.x1) - max(a.x0, b.x0)), (min(a.y1, b.y1) - max(a.y0, b.y0))
         room = one.get_text().endswith("\n") or other.get_text().endswith("\n")  # empty lines keep room for the other
-        if not room and wide > SLACK and high > 0.25 * min(a.height, b.height):
+        near = not room and wide > SLACK and high > 0.25 * min(a.height, b.height)
+        if near and _outline(one).intersects_path(_outline(other)):
             found.append(f"over one another: {one.get_text()!r} and {other.get_text()!r}")
     return found
+
+
+def _outline(text: Text) -> Path:
+    """The rectangle around a text, slanted as the text is."""
+    slant = text.get_rotation() if text.get_rotation() % 90 else 0.0
+    if slant:
+        text.set_rotation(0.0)
+    corners = text.get_window_extent().corners()[[0, 1, 3, 2, 0]]
+    if slant:
+        text.set_rotation(slant)
+    place = text.get_transform().transform(text.get_position())
+    return Path(Affine2D().rotate_deg_around(*place, slant).transform(corners))
 
 
 def picture(fig: Figure, dpi: float = 80) -> NDArray[np.float64]:

@@ -21,16 +21,19 @@ from tests import transcripts
 from tests.workbench.page_faults import faults, words
 from workbench.figures import canvas, colours
 
-NUMBER = re.compile(r"[−\d.]+")
+NUMBER = re.compile(r"[−\d.·⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+")
 MANY = 100  # points: so many may be chosen by rounding
 
 
-def check(name: str, figures: Mapping[str, Callable[[], Figure]]) -> None:
-    """Draw each figure, see that its page has no fault, and compare its words and marks with the stored ones."""
+def check(name: str, figures: Mapping[str, Callable[[], Figure]], **allowed: Any) -> None:
+    """Draw each figure, see that its page has no fault, and compare its words and marks with the stored ones.
+
+    allowed: to `faults`.
+    """
     said, drawn = list[str](), list[str]()
     for title, draw in figures.items():
         fig = draw()
-        assert faults(fig) == [], title
+        assert faults(fig, **allowed) == [], title
         said += [f"{title}: {line}" for line in _lines([" ".join(text.get_text().split()) for text in words(fig)])]
         said += [f"{title}: note: {note}" for note in canvas.notes_of(fig)]
         drawn += [f"{title}: {line}" for line in marks(fig)]

@@ -1,7 +1,7 @@
 """One checker over every figure of every study, at the widths of a journal: no word cut off, none over another."""
 
 from collections.abc import Callable
-from functools import cache, partial
+from functools import cache
 
 import pytest
 import xarray as xr
@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from solver import equilibria, solve
 from studies import load, names
 from tests.workbench import small, stored_figures
-from tests.workbench.page_faults import faults, picture, words
+from tests.workbench.page_faults import faults, picture
 from tests.workbench.pictures import share_of_ink
 from workbench.branches.ends_study import ends_problem
 from workbench.branches.equilibria_dataset import dataset_of
@@ -49,6 +49,10 @@ def equilibria_of_fig6() -> xr.Dataset:
     return dataset_of(load("fig6"), case, equilibria(case))
 
 
+def measured(name: str) -> xr.Dataset:
+    return reading.read(measured_runs.SHIPPED / f"{name}.h5", study=False)
+
+
 OTHERS: dict[str, Callable[[], Figure]] = {
     "the story": lambda: story.figure(chosen(), SHEETS["page"]),
     "the story, in a column": lambda: story.figure(chosen(), SHEETS["column"]),
@@ -56,6 +60,7 @@ OTHERS: dict[str, Callable[[], Figure]] = {
     "effects that have room": lambda: kinds.figure(effects(), "tornado", SHEETS["column"]),
     "effects": lambda: bars.tornado(effects()),
     "equilibria": lambda: equilibria_figure.figure(equilibria_of_fig6()),
+    "trade": lambda: work_precision.figure(measured("trade")),
 }
 
 
@@ -63,14 +68,10 @@ def test_other_pictures_can_be_read_and_show_what_is_stored() -> None:
     stored_figures.check("pictures_others", OTHERS)
 
 
-MEASURED = {"trade": partial(work_precision.figure, cost="seconds"), "extremes": robustness.figure}
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize("name", MEASURED)
-def test_the_letters_of_a_measured_figure_can_be_read_in_two_columns(name: str) -> None:
-    fig = MEASURED[name](reading.read(measured_runs.SHIPPED / f"{name}.h5", study=False))
-    assert min(text.get_fontsize() for text in words(fig)) * min(183 / 25.4 / fig.get_figwidth(), 1.0) >= 5.99
+def test_the_shipped_map_of_extremes_can_be_read_and_shows_what_is_stored() -> None:
+    """Numbers of a cell are smaller than other letters."""
+    stored_figures.check("pictures_extremes", {"extremes": lambda: robustness.figure(measured("extremes"))}, least=6.0)
 
 
 @pytest.mark.slow

@@ -24,7 +24,7 @@ LAW = small.law(
 E_OF_NINE = small.axis("E", (123456.7, 134567.8, 9))
 E_OF_TWO, E_OF_THREE = small.axis("E", [1e4, 3.7e5]), small.axis("E", [1e4, 2e4, 4e4])
 WIDE = small.axis("E", [1e4, 1.1e4, 1.2e4, 2e4, 5e4, 3.7e5]) + small.axis("F3", [5.0, 20.0, 80.0]) + LAW
-FORMULA = "-8*pi**2*L**-2*cm + 0*bending_stiffness/(N*cm**3) + bowed**2/cm"
+FORMULA = "-8*pi**2*L**-2*cm + 0*bending_stiffness/(N*cm**3) + bowed**0.5/cm"
 ANGLE_LAWS = small.law("kappa_max", "E", claim="a", kind="equals", formula=FORMULA, absolute=9e9) + small.law(
     "amplitude", "E", claim="b", kind="bounded", least=0.5
 )

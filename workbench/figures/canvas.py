@@ -83,7 +83,7 @@ def figure(
         if ds is not None and titled:
             _set_title(fig, " · ".join(text for text in (labels.reading(ds), said) if text), str(ds.attrs["title"]))
         _write_numbers(fig)
-        lower_indices(fig)
+        set_in_mathematics(fig)
     return fig
 
 
@@ -157,13 +157,13 @@ def _write_numbers(fig: Figure) -> None:
             axis.set_major_formatter(Ticks())
 
 
-def lower_indices(fig: Figure) -> None:
-    """Set the index of ``FZ``, ``MZ`` and ``FY`` low in every text: Unicode has no such letters."""
+def set_in_mathematics(fig: Figure) -> None:
+    """Set the index of ``FZ``, ``MZ`` and ``FY`` low and powers such as ``^0.5`` high: Unicode has no such letters."""
     for text in fig.findobj(Text):
         plain = text.get_text()
-        low = labels.lower_indices(plain)
-        if low != plain and "$" not in plain:
-            text.set(text=low, parse_math=True)
+        in_mathematics = labels.mathematical(plain)
+        if in_mathematics != plain and "$" not in plain:
+            text.set(text=in_mathematics, parse_math=True)
 
 
 def _letter_panels(fig: Figure) -> None:

@@ -107,4 +107,4 @@ def _label(artist: Any, number: int) -> str:
 
 
 def _one_line(text: str) -> str:
-    return " ".join(labels.plain_indices(text).split())
+    return " ".join(labels.plain(text).split())

@@ -40,7 +40,7 @@ def figure(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
 
     def draw(ax: Axes) -> None:
         scale = ScalarMappable(Normalize(LEAST, MOST), SOLVED)
-        said = "solved: log₁₀ of the error over tol max(1, condition); the number in a cell is the error [rad]"
+        said = "solved: log₁₀ of the error over tol max(1, condition); the number in a cell is the error in radians"
         canvas.colour_bar([panel(ds, ax)], scale, said, orientation="horizontal", shrink=0.5, aspect=40, pad=0.035,
                           ticks=range(-8, 2))  # fmt: skip
 

@@ -63,7 +63,7 @@ def figure(ds: xr.Dataset, cost: str = "seconds", sheet: Sheet = SCREEN) -> Figu
         ax.tick_params(labelleft=i % columns == 0)
         ax.set_xlabel(COSTS[cost] if i + columns >= len(cases) else "")
         if i == 0:
-            error, fig = "error achieved: of angle [rad], or of position over max(ρ, L)", ax.get_figure(root=True)
+            error, fig = "error achieved: of angle in radians, or of position over max(ρ, L)", ax.get_figure(root=True)
             assert fig is not None
             fig.supylabel(error if lines > 2 else fill(error, 34), size=fonts.normal())
 

@@ -324,7 +324,7 @@ def draw_bar(ax: Axes, paint: Paint, corner: tuple[float, float], size: tuple[fl
 def pixels_of(fig: Figure) -> Pixels:
     """The figure as pixels, (height, width, 3), or 4 where its background is transparent."""
     shown: Any = fig.canvas
-    canvas.lower_indices(fig)
+    canvas.set_in_mathematics(fig)
     with rc_context(fonts.RC):
         shown.draw()
     channels = 3 if fig.patch.get_alpha() is None else 4

@@ -156,14 +156,15 @@ def law_text(row: Mapping[str, Any], text: str) -> str:
     return typeset(re.sub(r"\w+", lambda word: letters.get(word[0], word[0]), text))
 
 
-def lower_indices(text: str) -> str:
-    """``FZ²·ρ`` in the mathematical text of Matplotlib, with a low Z; MZ and FY too."""
-    return re.sub(r"(?<![^\W\d_])([FM])([YZ])(?![A-Za-z0-9_])", r"$\1_\2$", text)
+def mathematical(text: str) -> str:
+    """``FZ²·ρ`` in the mathematical text of Matplotlib, with a low Z; MZ and FY too; ``x^(1/3)`` with a power."""
+    text = re.sub(r"(?<![^\W\d_])([FM])([YZ])(?![A-Za-z0-9_])", r"$\1_\2$", text)
+    return re.sub(r"\^(\([\w ./·+−]+\)|−?[\d.]*\d|[^\W\d_]+)", r"$^{\\mathregular{\1}}$", text)
 
 
-def plain_indices(text: str) -> str:
-    """The text before `lower_indices`."""
-    return re.sub(r"\$([FM])_([YZ])\$", r"\1\2", text)
+def plain(text: str) -> str:
+    """The text before `mathematical`."""
+    return re.sub(r"\$([FM])_([YZ])\$", r"\1\2", re.sub(r"\$\^\{\\mathregular\{(.*?)\}\}\$", r"^\1", text))
 
 
 def minus_signs(text: str) -> str:
