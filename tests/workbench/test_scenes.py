@@ -16,6 +16,7 @@ from studies import load
 from studies.language.loader import loads
 from tests.cases import helix_moment, in_units_of_rho
 from tests.workbench import small
+from tests.workbench.page_faults import faults
 from tests.workbench.pictures import draws, pixels, share_of_hue, share_of_ink
 from workbench.commands import options, scene
 from workbench.figures import canvas, colours
@@ -431,6 +432,7 @@ def test_the_cylinder_of_all_equilibria_has_one_size() -> None:
     few = dataset_of(study, case, equilibria(case)).isel(equilibrium=[1, 8, 12])
     taken = layout.compose(few, kind="equilibria", settings=composition.Settings(2.0, dpi=100))
     assert [view.cell.number for view in taken.scene.views][:3] == [2, 9, 13], "their ranks among all"
+    assert faults(taken.fig, least=6.0) == []
     wide = []
     for left, top, across, high in 100 * taken.arrangement.places[:3]:
         view = taken.pixels[int(top) : int(top + high), int(left) : int(left + across)]

@@ -25,7 +25,7 @@ THIN = 6.0  # pixels of thickness, below which hidden stretches have no outline
 # Lights fixed to the camera: azimuth and elevation in degrees, intensity. The first is at the camera: nothing that is
 # seen is black.
 LIGHTS = ((0, 0, 0.3), (-28, 25, 0.32))
-LOOK = {"ambient": 0.42, "diffuse": 1.0, "smooth_shading": False, "show_scalar_bar": False, "render": False}
+LOOK = {"ambient": 0.42, "diffuse": 1.0, "render": False}
 FINER = 4  # a pixel has 4 x 4 places; every second has a sample, as on a chessboard, so each row and column has two
 AT_ONCE = 5_000_000  # pixels of a picture, up to which 2 x 2 samples of each are rendered at once
 
