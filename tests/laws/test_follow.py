@@ -62,6 +62,13 @@ def test_the_fold_of_table_1_is_the_largest_beta_at_the_end_over_the_slope_at_th
     assert branch.values[-1] == branch.values[0]
 
 
+def test_a_branch_reaches_the_ends_of_its_range_through_values_a_little_beyond() -> None:
+    ends = Ends(beta0=-0.18635438063, betaL=-0.38175329073, FZ=-1.738266398496882, M3=-1.361106708564987)
+    case = Case(Rod(E=325.949323452, nu=0.25, a=0.25, L=5.310689087464453), Cylinder(R=0.75), ends)
+    branch = follow(solve(case), FZ=[-3.738266398496882, 0.261733601503118])
+    assert branch.begin.reason == branch.end.reason == END
+
+
 def test_two_equilibria_merge_at_a_fold_and_none_is_left_beyond_it() -> None:
     (fold,) = follow(table_1(), FZ=4.0).special
     counts = [len(equilibria(with_field(table_1_ends(), "FZ", fold.value + off))) for off in (1e-4, -1e-4)]
