@@ -37,7 +37,6 @@ _ASKEW = np.array([0.13, -0.17])  # of a gap: lines of the lattice stay off line
 _PROBES = 30  # random points that are looked at beside the lattice
 _EACH = 6  # curves at most that are searched for on one line
 _FIRST, _LAST = 0.02, 1e-7  # lengths of a line, in shares: from where Newton's rule is tried, and where it ends
-_DEEP = 1e-3  # length from which on the pair may be next to a separatrix
 _PAIRS = 6  # of equilibria that are tried as those that meet
 _FINER = 24  # parts of a range into which lines are cut whose ends differ in the levels that nearly meet
 _NARROW = 1e-4  # shares: a strip between two curves that is narrower is not looked for
@@ -183,13 +182,13 @@ class Seeds:
         """The point of the line at which two equilibria meet."""
         rich, poor = (end, start) if sum(change.values()) > 0 else (start, end)
         equilibria, axis = self.searched.at(rich), int(np.argmax(np.abs(end - start)))
-        index, slope = equilibria.index.tolist(), equilibria.slope.tolist()
+        index = equilibria.index.tolist()
         lost = [i for i in range(equilibria.count) if change[index[i]]]
         pairs = [(i, j) for i, j in combinations(lost, 2) if abs(index[i] - index[j]) == 1]
-        pairs.sort(key=lambda pair: abs(slope[pair[0]] - slope[pair[1]]))
-        is_short = bool(np.abs(end - start).max() < _DEEP)
+        marks = np.stack([equilibria.slope, _depths(equilibria)], axis=1)
+        pairs.sort(key=lambda pair: float(np.abs(marks[pair[0]] - marks[pair[1]]).sum()))
         for i, j in pairs[:_PAIRS]:
-            for point in self._points([slope[i], slope[j]], rich, poor, is_short):
+            for point in self._points(equilibria, [i, j], rich, poor):
                 share = (point.z[axis] - poor[axis]) / (rich[axis] - poor[axis])
                 if point.lower != min(index[i], index[j]) or not -0.01 <= share <= 1.01:
                     continue
@@ -197,25 +196,29 @@ class Seeds:
                     return point
         return None
 
-    def _points(self, slopes: list[float], rich: Array, poor: Array, is_short: bool) -> Iterator[OrbitPoint]:
+    def _points(self, equilibria: Census, pair: list[int], rich: Array, poor: Array) -> Iterator[OrbitPoint]:
         """Points on the line between two others, folds first, from two equilibria at the rich one that are about to
-        meet; slopes: their beta_t(0).
-
-        is_short: whether the line is so short that they may lie next to a separatrix.
+        meet. Next to a saddle their log gaps, too, lie on both sides of that of the fold, about as far from it.
         """
         axis, middle = int(np.argmax(np.abs(rich - poor))), (rich + poor) / 2
+        slope, y = (float(numbers[pair].mean()) for numbers in (equilibria.slope, equilibria.y))
+        saddle, sign = equilibria.saddle[pair], equilibria.sign[pair]
+        is_beside = bool(saddle[0] == saddle[1] and sign[0] == sign[1])
         for kind in (FOLD, PITCHFORK):
-            guesses = [guess_at(kind, self.given_at, middle, {"dbeta0": sum(slopes) / 2})]
-            for slope in slopes if is_short else ():
-                beside = in_log_gap(guess_at(kind, self.given_at, rich, {"dbeta0": slope}), SHALLOW)
-                guesses += [beside] if beside is not None else []
-            for guess in guesses:
-                point = point_on_line(guess, axis)
+            plain = guess_at(kind, self.given_at, middle, {"dbeta0": slope})
+            beside = in_log_gap(plain, SHALLOW, (float(saddle[0]), float(sign[0]), y)) if is_beside else None
+            for guess in (beside, plain):
+                point = None if guess is None else point_on_line(guess, axis)
                 if point is not None and point.saddle is None:
-                    beside = in_log_gap(point, DEEP)
-                    point = point if beside is None else point_on_line(beside, axis)
+                    other = in_log_gap(point, DEEP)
+                    point = point if other is None else point_on_line(other, axis)
                 if point is not None:
                     yield point
+
+
+def _depths(equilibria: Census) -> Array:
+    """How deep the levels lie next to a saddle, in log gap below `SHALLOW` and with the sign of the gap, (K,)."""
+    return np.nan_to_num(equilibria.sign * np.maximum(np.log(SHALLOW) - equilibria.y, 0.0))
 
 
 def _ticks(lattice: int) -> Array:

@@ -95,7 +95,8 @@ def search_linked(plane: ParameterPlane, system: PlaneSystem, ticks: Array, begi
         searched.add(through or [])
     for (i, j), known in branches.known.items():
         index = np.array([-1 if place.index is None else place.index for _, place in known], dtype=np.int64)
-        searched.counted[float(ticks[i]), float(ticks[j])] = Census(0.0 * index, index, False)
+        unknown = np.full(index.size, np.nan)
+        searched.counted[float(ticks[i]), float(ticks[j])] = Census(unknown, index, unknown, unknown, unknown, False)
     return curves_of(searched, remark_of(searched, branches, failed, ticks))
 
 

@@ -40,6 +40,7 @@ from .parameter_plane import ParameterPlane, reflect
 from .special_line import Ahead, Point, SpecialPoint, change_within, point_on_line, with_no_side
 
 GivenAt = Callable[[Array], Given]
+Level = tuple[float, float, float]  # the angle of a saddle, and the sign and the log of the gap above its height
 LENGTHS = Lengths(first=0.01, longest=0.05, least=2e-6)  # of steps, in the sizes of the unknowns and of z
 START = ("beta0", "dbeta0", "lam", "mu", "phi")  # the numbers with which an orbit starts
 UNIT = 20.0  # of log gap in the metric of a curve
@@ -100,10 +101,12 @@ class StartedOrbit(NamedTuple):
         return float(self.rates.values[0, NUMBERS.index("dbeta0")])
 
     @property
-    def gaps(self) -> dict[float, float]:
-        """The angles of all saddles, and the level less their heights, as beta_t(0) tells it."""
+    def level(self) -> Level:
+        """As beta_t(0) tells it."""
         place = boundary_of(self.rates.problem)
-        return {float(s): self.slope**2 - place.fall(float(s), place.start) for s in place.saddles}
+        gaps = {float(s): self.slope**2 - place.fall(float(s), place.start) for s in place.saddles}
+        angle, gap = min(gaps.items(), key=lambda item: self.depth(*item))
+        return angle, 1.0 if gap > 0 else -1.0, float(np.log(max(abs(gap), _LEAST)))
 
     def depth(self, angle: float, gap: float) -> float:
         """The size of the gap to a saddle, over the square of the angle between it and the nearer end: an end that lies
@@ -286,16 +289,17 @@ def guess_at(kind: str, given_at: GivenAt, z: Array, numbers: Mapping[str, float
     return OrbitFold(given_at=given_at, scales=scales, w=w)
 
 
-def in_log_gap(point: OrbitPoints, largest: float) -> OrbitPoints | None:
-    """The same next to a saddle, with log gap as one more unknown; None where the `depth` is larger."""
+def in_log_gap(point: OrbitPoints, largest: float, level: Level | None = None) -> OrbitPoints | None:
+    """The same next to a saddle, with log gap as one more unknown; None where the `depth` is larger.
+
+    level: default: as beta_t(0) tells it.
+    """
     orbit = point.own
-    angle, gap = min(orbit.gaps.items(), key=lambda item: orbit.depth(*item))
+    angle, sign, y = orbit.level if level is None else level
     even = is_even(orbit)
-    if orbit.depth(angle, gap) > largest or (point.kind == PITCHFORK and not even):
+    if orbit.depth(angle, float(np.exp(y))) > largest or (point.kind == PITCHFORK and not even):
         return None
-    y = np.log(max(abs(gap), _LEAST))
-    saddle = Saddle(angle, 1.0 if gap > 0 else -1.0, even)
-    return replace(point, saddle=saddle, w=np.insert(point.w, point.w.size - 2, y / UNIT))
+    return replace(point, saddle=Saddle(angle, sign, even), w=np.insert(point.w, point.w.size - 2, y / UNIT))
 
 
 def is_even(orbit: StartedOrbit) -> bool:

@@ -15,7 +15,17 @@ from ..numerics.arrays import EPS, Array, Booleans, Columns, Integers
 from ..orbit.periodic_orbit import Orbit, helix_half_waves, helix_index, jacobi_zeros
 from ..problem.reduced import EndsProblem
 from ..problem.trajectory import LARGEST
-from .boundary import Boundary, LevelPaths, Levels, Paths, TransitTimes, boundary_of, length_roots, transit_times
+from .boundary import (
+    LOWEST,
+    Boundary,
+    LevelPaths,
+    Levels,
+    Paths,
+    TransitTimes,
+    boundary_of,
+    length_roots,
+    transit_times,
+)
 from .level_grid import LevelGrid, level_grid_of
 from .path_orbits import MISSED, energies, solve_orbits
 
@@ -384,13 +394,17 @@ def _dip(boundary: Boundary, cells: Any, counts: Array, above: bool) -> tuple[li
 
 @dataclass(frozen=True, eq=False)
 class Census:
-    """The K equilibria of one ends problem, (K,) each: beta_t(0), Morse index.
+    """The K equilibria of one ends problem, (K,) each: beta_t(0), Morse index, and the level.
 
-    complete: whether, counted with (-1)^index, they add up to 1, as they must by degree.
+    saddle, sign, y: the level is sign exp(y) above the height of a saddle at that angle, the nearest one; NaN of a
+    helix. complete: whether, counted with (-1)^index, they add up to 1, as they must by degree.
     """
 
     slope: Array
     index: Integers
+    saddle: Array
+    sign: Array
+    y: Array
     complete: bool
 
     @property
@@ -421,9 +435,29 @@ def _count(problem: EndsProblem, step: float) -> Census:
     slope = roots.paths.leaving * np.sqrt(np.maximum(speed2, 0.0))
     rotates = transit_times(boundary, levels).rotates if levels.y.size else False
     index = np.where(rotates, 0, np.maximum(turns - roots.lengthens, 0))
+    saddle, sign, y = _above_saddles(boundary, levels, grid.at_end)
     if boundary.helix_angle is not None:
         index = np.append(index, helix_index(helix_half_waves(problem)))
         slope = np.append(slope, 0.0)
+        saddle, sign, y = (np.append(numbers, np.nan) for numbers in (saddle, sign, y))
     index = index.astype(np.int64)
     signed = int(np.where(index % 2 == 0, 1, -1).sum())
-    return Census(slope, index, signed == 1 and not roots.lost and not reason)
+    return Census(slope, index, saddle, sign, y, signed == 1 and not roots.lost and not reason)
+
+
+def _above_saddles(boundary: Boundary, levels: Levels, at_end: bool) -> tuple[Array, Array, Array]:
+    """The saddle next to each of K levels, and the sign and the log of the gap, (K,) each.
+
+    at_end: whether the first pin is an end of the rod; the others are saddles.
+    """
+    saddle, sign, y = boundary.pins[levels.pin], levels.sign.copy(), levels.y.copy()
+    by_end = at_end & (levels.pin == 0)
+    if by_end.any():
+        rises = [boundary.fall(float(s), float(boundary.pins[0])) for s in boundary.saddles]
+        gaps = np.exp(np.maximum(y[by_end], boundary.deepest)) - np.array(rises)[:, None]
+        nearest = np.abs(gaps).argmin(axis=0)
+        gap = gaps[nearest, np.arange(nearest.size)]
+        saddle[by_end], sign[by_end] = boundary.saddles[nearest], np.where(gap < 0, -1.0, 1.0)
+        with np.errstate(divide="ignore"):
+            y[by_end] = np.maximum(np.log(np.abs(gap)), LOWEST)
+    return saddle, sign, y

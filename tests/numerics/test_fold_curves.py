@@ -17,7 +17,7 @@ from solver.levels.level_search import census
 from solver.region_map import RegionMap
 from studies import load
 from tests.equation import march_with_variations
-from tests.slow import slow
+from tests.slow import slow, slow_but
 from workbench.branches.ends_study import ends_problem
 
 ROD = Rod(E=1.07e4, nu=0.25, a=0.25, L=3.0)
@@ -246,6 +246,28 @@ def test_a_curve_is_whole_and_exact_where_it_comes_next_to_a_separatrix(end: str
             off, eta, _ = marched(curve.dbeta0[i] * RHO, *curve.values[i], folds.case)
             assert abs(off) < 1e-6  # next to the separatrix: the square of the gap
             assert abs(eta) < 1e-3  # of the size of the next derivative times the error of beta_t(0)
+
+
+# a long rod, the end angles, and the lower indices of its folds and pitchforks
+FAR_BELOW_ROUNDING = {
+    "the start": (40.0, "30deg", "50deg", [0, 1, 1, 2, 2, 3, 4, 5], []),
+    "the far end": (40.0, "50deg", "30deg", [0, 1, 1, 2, 2, 3, 4, 5], []),
+    "both ends": (30.0, "30deg", "30deg", [0, 2, 2], [1, 1, 3]),
+    "a longer rod": (60.0, "30deg", "50deg", [0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 6, 7, 8, 9], []),
+}
+
+
+@pytest.mark.parametrize("which", slow_but(FAR_BELOW_ROUNDING, "the start"))
+def test_all_curves_are_met_by_the_search_where_no_float_holds_the_gap(which: str) -> None:
+    """From few points: without a good first log gap each line is halved some twenty times for each curve."""
+    L, beta0, betaL, folds, pitchforks = FAR_BELOW_ROUNDING[which]
+    case = Case(Rod(E=1.07e4, nu=0.25, a=0.25, L=L), LONG.cylinder, Ends(beta0, betaL, M3=8.0))
+    met = fold_curves(case, lattice=2, FZ=(4.0, 4.06), MZ=(-0.2, 0.2))
+    assert met.remark == ""
+    assert all(curve.ends == ("border", "border") for curve in met.curves)
+    for kind, lower in (("fold", folds), ("pitchfork", pitchforks)):
+        assert sorted(curve.lower for curve in met.curves if curve.kind == kind) == lower
+    assert len(met.searched.counted) < 100
 
 
 @pytest.mark.slow
