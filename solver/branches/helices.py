@@ -30,6 +30,7 @@ _CEASES = 1e-2  # of the parameter's scale: how near a helix ceases that ends a 
 _ALONG, _SHARE = 0.15, 0.2  # rad about a helix, and the share of the rod that lies there
 _ROUNDS, _NUDGE = 20, 1e-6  # of Newton's rule; rad and of the parameter's scale, for differences
 _EQUAL = 1e-11  # relative, of what a helix has and what is given
+_MULTIPLE = 1e-4  # rad: how far from a triple root of H bisection may end
 _SCAN = 721  # angles between which those of helices are bracketed
 
 
@@ -74,10 +75,15 @@ def _angles(known: dict[str, float], given: Given) -> list[float]:
     def pull(beta: float) -> float:
         return float(slope(Loads(known["lam"], _twist(beta, known, given), known["phi"]), beta))
 
+    def quarter_near(beta: float) -> float:
+        """The whole quarter turn beside a root, where it is a root as good: a multiple root has few digits."""
+        quarter = np.pi / 2 * round(beta / (np.pi / 2))
+        return quarter if abs(quarter - beta) < _MULTIPLE and abs(pull(quarter)) <= abs(pull(beta)) else beta
+
     grid = np.linspace(-np.pi, np.pi, _SCAN) + 1e-3
     values = [pull(float(beta)) for beta in grid]
     return [
-        float(scipy.optimize.brentq(pull, grid[i], grid[i + 1], xtol=1e-15))
+        quarter_near(float(scipy.optimize.brentq(pull, grid[i], grid[i + 1], xtol=1e-15, maxiter=1000)))
         for i in range(_SCAN - 1)
         if values[i] * values[i + 1] < 0
     ]

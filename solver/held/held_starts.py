@@ -3,10 +3,12 @@
 Guesses of the unknown loads and end angles give some dead-load problems; of their equilibria with few turning points
 those are tried first whose displacements are nearest to the held ones and whose index under the held ends is small. The
 start that is taken is the first that leads to a stable equilibrium, or else the first that leads to any. If none leads
-to one, a stable helix is taken, or what starts next to helices lead to, or any helix. There may be other equilibria.
+to one, the stable helix of least energy is taken, or what starts next to helices lead to, or any helix. There may be
+other equilibria.
 """
 
 from dataclasses import dataclass
+from functools import partial
 from itertools import product
 
 import numpy as np
@@ -19,7 +21,7 @@ from ..equilibrium.held_index import index_of
 from ..equilibrium.system import settle, state_of
 from ..levels.boundary import Path, critical_points
 from ..levels.path_orbits import orbit_of
-from ..mechanics.potential import TAU
+from ..mechanics.potential import TAU, potential
 from ..orbit.periodic_orbit import jacobi_zeros
 from ..problem.reduced import EndsProblem
 from ..problem.trajectory import DeadStart
@@ -63,7 +65,7 @@ def outcome_of(found: Stopped) -> str:
 
 def nearest_start(wanted: Given) -> Reached | str:
     """The equilibrium reached from the nearest dead-load equilibria; or the outcome that says why there is none."""
-    guesses, helices = _guesses(wanted), helices_of(wanted)[0]
+    guesses, helices = _guesses(wanted), sorted(helices_of(wanted)[0], key=partial(_energy_of_helix, wanted))
     themselves = [Reached(state, HELIX) for state in helices]
     reached, tried, why = _reach(wanted, _starts(wanted, guesses), helices)
     reached = reached or [candidate for candidate in themselves if index_of(candidate.state, wanted) == 0]
@@ -73,6 +75,14 @@ def nearest_start(wanted: Given) -> Reached | str:
     reached = reached or themselves
     stable = [candidate for candidate in reached if index_of(candidate.state, wanted) == 0]
     return [*stable, *reached][0] if reached else f"{why}; {tried} starts were tried; in Python a seed may help"
+
+
+def _energy_of_helix(wanted: Given, helix: OrbitState) -> float:
+    """The energy of a helix per length, less the work of the loads; that of a torque only where no rotation is held."""
+    problem = helix.problem
+    mu, beta = float(problem.mu[0]), float(problem.beta0[0])
+    of_loads = -float(potential(problem, problem.beta0)[0]) / 2
+    return of_loads + ((wanted.ratio * mu - np.sin(2 * beta)) * mu / 2 if "turn" in wanted.names else 0.0)
 
 
 def _reach(wanted: Given, starts: list[OrbitState], helices: list[OrbitState]) -> tuple[list[Reached], int, str]:

@@ -16,6 +16,9 @@ from .reduced import EndsProblem, HeldProblem, Reduced, StartProblem, flat, valu
 SOLVED = "solved"
 FEWER = "fewer digits"  # the remark on a case whose error is above the tolerance as its condition number is large
 NOT_FINITE = "failed: the computation left the finite numbers"
+UNDETERMINED = (
+    "failed: the shape is not determined: however small a change of what is given, it may change by any amount"
+)
 # a rod that every method solves
 PLAIN = {"lam": 0.0, "mu": 0.0, "phi": 0.0, "span": 1.0, "beta0": 0.5, "dbeta0": 0.0, "betaL": 0.5}
 SHAPELESS = 0.1  # rad: with a larger error the shape is another one, whatever the condition number allows
@@ -141,10 +144,11 @@ def verdicts(beta: Array, error: Array, condition: Array, tol: float) -> Verdict
     """The verdict on each problem: it is solved if its error is at most tol * max(1, condition), and small enough to
     leave a shape."""
     outcome = np.full(error.shape, SOLVED, dtype=object)
-    finite = np.isfinite(beta).all(axis=-1) & np.isfinite(error)
+    shaped = np.isfinite(beta).all(axis=-1)
+    finite = shaped & np.isfinite(error)
     kept = error <= tol * np.maximum(1, condition)
     for i in np.flatnonzero(~finite):
-        outcome[i] = NOT_FINITE
+        outcome[i] = UNDETERMINED if shaped[i] and np.isinf(condition[i]) else NOT_FINITE
     for i in np.flatnonzero(finite & ~kept):
         outcome[i] = f"failed: error {error[i]:.1e} above the tolerance {tol:.1e} at condition {condition[i]:.1e}"
     for i in np.flatnonzero(finite & kept & (error > tol)):

@@ -19,6 +19,7 @@ from solver.mechanics.potential import slope_rate
 from solver.problem.case import PAIRS
 from solver.problem.case_fields import fields_of
 from solver.problem.reduced import EndsProblem, reduce
+from solver.problem.trajectory import UNDETERMINED
 from tests.cases import in_units_of_rho, table_1
 from tests.numerics.test_sensitivity import moved
 from tests.slow import slow
@@ -364,6 +365,20 @@ def test_a_taut_rod_pulls_as_the_bends_of_its_clamped_ends_say(short, off, is_ri
     k = float(np.sqrt(np.hypot(sol.MZ, sol.FZ) / rod.bending_stiffness))
     lost = 20 - (azimuth * np.sin(way) + (0 if is_ring else height * np.cos(way)))
     assert 4 * (np.sin((np.array([beta0, betaL]) - way) / 4) ** 2).sum() / k == pytest.approx(lost, rel=off)
+
+
+def test_a_rod_between_hinges_follows_its_pull_though_it_could_rest_turned_over() -> None:
+    for FZ, beta in ((1.0, 0.0), (-1.0, np.pi)):
+        case = Case(SHORT, DRUM, Ends(M10=0.0, M1L=0.0, FZ=FZ, MZ=0.0, M3=0.0))
+        sol = solve(case)
+        assert sol.held_index == 0
+        assert np.cos(sol.beta) == pytest.approx(np.cos(beta), abs=1e-12)
+        assert sum(found.index == 0 for found in equilibria(case)) > 1
+
+
+def test_a_rod_between_hinges_without_any_load_has_no_shape_of_its_own() -> None:
+    sol = solve(Case(SHORT, DRUM, Ends(M10=0.0, M1L=0.0, FZ=0.0, MZ=0.0, M3=0.0)))
+    assert sol.outcome == UNDETERMINED
 
 
 def test_a_hinged_rod_that_rests_at_its_far_end_is_its_own_seed() -> None:
