@@ -144,11 +144,10 @@ def verdicts(beta: Array, error: Array, condition: Array, tol: float) -> Verdict
     """The verdict on each problem: it is solved if its error is at most tol * max(1, condition), and small enough to
     leave a shape."""
     outcome = np.full(error.shape, SOLVED, dtype=object)
-    shaped = np.isfinite(beta).all(axis=-1)
-    finite = shaped & np.isfinite(error)
+    finite = np.isfinite(beta).all(axis=-1) & np.isfinite(error)
     kept = error <= tol * np.maximum(1, condition)
     for i in np.flatnonzero(~finite):
-        outcome[i] = UNDETERMINED if shaped[i] and np.isinf(condition[i]) else NOT_FINITE
+        outcome[i] = UNDETERMINED if np.isfinite(beta[i]).all() and np.isinf(condition[i]) else NOT_FINITE
     for i in np.flatnonzero(finite & ~kept):
         outcome[i] = f"failed: error {error[i]:.1e} above the tolerance {tol:.1e} at condition {condition[i]:.1e}"
     for i in np.flatnonzero(finite & kept & (error > tol)):
