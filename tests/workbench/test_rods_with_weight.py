@@ -7,17 +7,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.figure import Figure
 
 from solver import Case, Cylinder, Rod, Start, solve
 from studies import loads
 from tests.workbench import small, stored_figures
 from workbench.export import stored_rod
 from workbench.figures import along
+from workbench.figures.trends import trend
 from workbench.geometry import stored_line
 from workbench.scene import body as body_of
 from workbench.scene import layout, long_rod, scene_kinds, views
 from workbench.scene.settings import Settings
-from workbench.store import in_memory
+from workbench.store import in_memory, selection
 from workbench.words import cautions
 
 PIPE = {"EI": 1228.0, "GJ": 945.0, "a": 0.0635, "L": 60.0, "weight": 0.242, "R": 0.10795}
@@ -32,6 +34,16 @@ def pipes(stations: int) -> xr.Dataset:
 @pytest.fixture(scope="module")
 def ds() -> xr.Dataset:
     return pipes(121)
+
+
+def test_a_picture_has_no_branch_of_a_case_that_is_not_solved(ds) -> None:
+    branch, solved = ds["branch"].copy(data=[1, -1]), ds["solved"].copy(data=[True, False])
+    lost = ds.assign(branch=branch, solved=solved)
+    assert "branch" not in selection.observables(lost)
+    assert "branch" in selection.observables(lost.assign(solved=solved | True))
+    ax = Figure().add_subplot()
+    trend(lost, ax, "branch", "inclination")
+    assert np.isnan(ax.lines[0].get_ydata()).sum() == 2  # the case, and the gap between two branches
 
 
 def test_what_a_rod_with_weight_and_friction_is_given_is_stored() -> None:

@@ -74,7 +74,8 @@ def of_cases(
     rows = [f"{labels.axis_symbol(axis)} = {first}", *(text.partition(" ")[0] for text in others)]
 
     def panel(name: str, ax: Axes) -> None:
-        sizes = np.array([float(labels.in_label_unit(ds[name], ds[name].isel(case).values)) for case in cases])
+        values = selection.of_solved(ds, name)
+        sizes = np.array([float(labels.in_label_unit(values, values.isel(case).values)) for case in cases])
         texts = [labels.minus_signs(labels.number(size)) if np.isfinite(size) else "unsolved" for size in sizes]
         draw(ax, rows, [(np.nan_to_num(sizes), colours.DATA)], texts, integer=selection.is_count(ds, name))
         ax.set_title(fonts.wrap(labels.label(ds[name], long=True), ax), loc="left", pad=4)

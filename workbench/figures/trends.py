@@ -39,7 +39,7 @@ def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, fl
     order = selection.line(ds, axis, at)
     on = {axis: [where[axis] for where in order]}
     along = labels.in_label_unit(ds[axis], ds[axis].values[on[axis]])
-    lines = ds[observable].transpose(..., axis).isel(on)
+    lines = selection.of_solved(ds, observable).transpose(..., axis).isel(on)
     lines = lines.copy(data=labels.in_label_unit(ds[observable], lines.values))
     others = {name: i for name, i in order[0].items() if name != axis}
     values = lines.isel(others).values.astype(float)

@@ -192,13 +192,18 @@ def observables(ds: "xr.Dataset") -> list[str]:
 def _is_told(ds: "xr.Dataset", name: str) -> bool:
     """Whether a number tells something: not the only branch, nor a load or an end angle that was given."""
     if name == "branch":
-        return bool((ds[name] != ds[name].values.flat[0]).any())
+        return bool(np.unique(of_solved(ds, name).values[ds["solved"].values]).size > 1)
     if name not in FOUND:
         return True
     if HELD_INDEX not in ds.data_vars:
         return False
     largest = max(float(abs(ds[other]).max()) for other in FOUND if other in ds.data_vars)
     return float(ds[name].max() - ds[name].min()) > _ROUNDING * largest
+
+
+def of_solved(ds: "xr.Dataset", name: str) -> "xr.DataArray":
+    """A number of each case, NaN where it is not solved: the number of a branch is stored as -1 there."""
+    return ds[name].where(ds["solved"]) if name == "branch" else ds[name]
 
 
 def is_count(ds: "xr.Dataset", name: str) -> bool:
