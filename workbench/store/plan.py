@@ -221,7 +221,7 @@ def room(work: Plan, folder: Path, kept: int) -> str:
     if work.study.refine is not None:
         grid = f"{work.study.coarse().size} cases of the coarse grid"
         return (
-            f"{grid}, at most {work.study.refine.budget} in all{new and f', {work.size} of them already stored'}{going}"
+            f"{grid}, at most {work.study.refine.budget} in all{new and f'; {work.size} cases are stored already'}{going}"
         )
     large = f"; the file needs at most {_bytes(final)}, and the run another {_bytes(parts)} until it ends"
     return f"{work.size} case{'s' * (work.size != 1)}{new}{going}{large if final + parts > TOLD else ''}"
