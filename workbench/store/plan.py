@@ -219,10 +219,9 @@ def room(work: Plan, folder: Path, kept: int) -> str:
     new = f", {work.size - work.todo} of them already stored" if work.todo < work.size else ""
     going = f", {kept} kept from an earlier run" if kept else ""
     if work.study.refine is not None:
+        stored = f"; {work.size} cases are stored already" if new else ""
         grid = f"{work.study.coarse().size} cases of the coarse grid"
-        return (
-            f"{grid}, at most {work.study.refine.budget} in all{new and f'; {work.size} cases are stored already'}{going}"
-        )
+        return f"{grid}, at most {work.study.refine.budget} in all{stored}{going}"
     large = f"; the file needs at most {_bytes(final)}, and the run another {_bytes(parts)} until it ends"
     return f"{work.size} case{'s' * (work.size != 1)}{new}{going}{large if final + parts > TOLD else ''}"
 
