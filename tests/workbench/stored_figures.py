@@ -1,14 +1,17 @@
 """One checker of figures: nothing is wrong with their pages, and they say and draw what is stored.
 
 What they say is in `transcripts/NAME.words`; what they draw, their marks with places, colours and weights, is in
-`transcripts/NAME.marks`. Both are stored anew where STORE stands in the environment of pytest.
+`transcripts/NAME.marks`. Both are stored anew where STORE stands in the environment of pytest. Another Matplotlib than
+that of `constraints.txt` has other limits and names of its own: with it only faults are looked for.
 """
 
 import itertools
 import re
 from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
 from typing import Any
 
+import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import PathCollection, QuadMesh
@@ -22,6 +25,7 @@ from tests.workbench.page_faults import faults, words
 from workbench.figures import canvas, colours
 
 NUMBER = re.compile(r"[−\d.·⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+")
+PINNED = f"matplotlib=={matplotlib.__version__}" in (Path(__file__).parents[2] / "constraints.txt").read_text().split()
 MANY = 100  # points: so many may be chosen by rounding
 
 
@@ -37,8 +41,9 @@ def check(name: str, figures: Mapping[str, Callable[[], Figure]], **allowed: Any
         said += [f"{title}: {line}" for line in _lines([" ".join(text.get_text().split()) for text in words(fig)])]
         said += [f"{title}: note: {note}" for note in canvas.notes_of(fig)]
         drawn += [f"{title}: {line}" for line in marks(fig)]
-    assert transcripts.differences(f"{name}.words", said) == []
-    assert transcripts.differences(f"{name}.marks", drawn) == []
+    if PINNED:
+        assert transcripts.differences(f"{name}.words", said) == []
+        assert transcripts.differences(f"{name}.marks", drawn) == []
 
 
 def _lines(texts: list[str]) -> list[str]:
