@@ -19,17 +19,9 @@ from .numerics.arrays import Array
 from .problem.case import PAIRS, Case, Ends, check_case
 from .problem.case_fields import value_of, with_field
 from .problem.errors import DEFAULT_TOLERANCE, InputError, check_tolerance, choices, no_such, whole_number
+from .problem.limits import OUT_OF_RANGE, beyond_limits, held_apart, reason_beyond, refusals, too_far, units_held
 from .problem.reduced import NUMBER_OF, EndsProblem, held_of, reduce, reduce_held, span_of, value_of_number
-from .problem.trajectory import (
-    OUT_OF_RANGE,
-    Trajectory,
-    beyond_limits,
-    held_apart,
-    reason_beyond,
-    refusals,
-    too_far,
-    units_held,
-)
+from .problem.trajectory import Trajectory
 from .solution import Solution
 
 __all__ = ["Equilibria", "Equilibrium", "equilibria", "meant", "nearest"]

@@ -7,9 +7,9 @@ import numpy as np
 
 from .problem.case import Case, Cylinder, Rod, Start
 from .problem.errors import InputError, whole_number
+from .problem.limits import OUT_OF_RANGE, reason_beyond, units_held
 from .problem.reduced import reduce
 from .problem.shown import make
-from .problem.trajectory import OUT_OF_RANGE, reason_beyond, units_held
 from .solution import SHOWN, Solution
 from .solve import solve
 

@@ -9,6 +9,7 @@ from .choose.selection import NEAREST, Choose, check
 from .numerics.arrays import Array
 from .problem.case import Case, Ends, check_case
 from .problem.errors import DEFAULT_TOLERANCE, InputError, check_tolerance, choices, show, whole_number
+from .problem.limits import OUT_OF_RANGE, TOO_LARGE, TOO_LONG, beyond, ordinary, refusals, representable
 from .problem.reduced import (
     EndsProblem,
     HeldProblem,
@@ -20,19 +21,7 @@ from .problem.reduced import (
     reduce_held,
     span_of,
 )
-from .problem.trajectory import (
-    OUT_OF_RANGE,
-    TOO_LARGE,
-    TOO_LONG,
-    Seed,
-    Trajectory,
-    beyond,
-    blank,
-    ordinary,
-    refusals,
-    representable,
-    stood_in,
-)
+from .problem.trajectory import Seed, Trajectory, blank, stood_in
 from .solution import Solution
 
 if TYPE_CHECKING:

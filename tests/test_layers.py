@@ -24,7 +24,7 @@ WORKBENCH = STUDIES | {
     "SALib",  # optional: Sobol' indices, imported where they are computed
     "OCP",  # optional: Open Cascade, imported where a STEP file is written
     "aiohttp",  # optional: the live page
-    "pandas",  # xarray needs it; named for type checkers only
+    "pandas",  # xarray brings it
     "cosseratbench",  # optional: it loads the plug-in
 }  # fmt: skip
 FLOORS = {"solver": SOLVER, "studies": STUDIES, "workbench": WORKBENCH}

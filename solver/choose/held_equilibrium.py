@@ -17,8 +17,9 @@ from ..levels.path_orbits import orbit_of, together, trajectory_on, variations_o
 from ..mechanics.potential import load_size
 from ..numerics.arrays import Array
 from ..orbit.periodic_orbit import Orbit
+from ..problem.limits import beyond_limits, held_apart, unreachable
 from ..problem.reduced import EndsProblem, HeldProblem
-from ..problem.trajectory import PLAIN, Seed, Trajectory, beyond_limits, held_apart, unreachable
+from ..problem.trajectory import PLAIN, Seed, Trajectory
 from .selection import path_of_seed
 
 ALTERNATIVE = "another equilibrium with the same ends"

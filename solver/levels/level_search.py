@@ -13,8 +13,8 @@ import numpy as np
 
 from ..numerics.arrays import EPS, Array, Booleans, Columns, Integers
 from ..orbit.periodic_orbit import Orbit, helix_half_waves, helix_index, jacobi_zeros
+from ..problem.limits import LARGEST
 from ..problem.reduced import EndsProblem
-from ..problem.trajectory import LARGEST
 from .boundary import (
     LOWEST,
     Boundary,

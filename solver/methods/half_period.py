@@ -15,8 +15,9 @@ from ..numerics.arrays import Array
 from ..orbit.marched_orbit import MarchedOrbit, march_orbit
 from ..orbit.periodic_orbit import MOST, judge, solve_orbit
 from ..problem.errors import DEFAULT_TOLERANCE
+from ..problem.limits import TOO_LARGE, beyond_limits
 from ..problem.reduced import StartProblem
-from ..problem.trajectory import TOO_LARGE, Trajectory, Verdicts, all_solved, beyond_limits, blank, stood_in, verdicts
+from ..problem.trajectory import Trajectory, Verdicts, all_solved, blank, stood_in, verdicts
 from .base import TOLERANCES, Ladder, StartMethod
 
 SPENT = f"failed: the orbit needs more than {MOST} panels"

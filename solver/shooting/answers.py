@@ -8,8 +8,9 @@ import numpy as np
 from ..core.varying_loads import BY_ANGLE, HALF, MOST_STEPS, SIZE, TRUNCATION, March, march
 from ..numerics.arrays import Array
 from ..problem.case import Case
+from ..problem.limits import unreachable
 from ..problem.reduced import EndsProblem, StartProblem, flat
-from ..problem.trajectory import Trajectory, unreachable, verdicts
+from ..problem.trajectory import Trajectory, verdicts
 from .branch import Path, branch_from_straight
 from .buckling import straight_shape
 from .curve import Curve

@@ -9,8 +9,8 @@ from typing import Any
 from solver import Case, Cylinder, Ends, InputError, Rod, Start
 from solver.problem.case import DIRECT, ELASTIC, PAIRS, TWISTS, lacking
 from solver.problem.errors import choices, no_such
+from solver.problem.limits import farthest
 from solver.problem.quantities import unit_of
-from solver.problem.trajectory import farthest
 
 from ..grammar.axes import Which, case_from, quantity_of
 from ..grammar.formulas import FORCES, LENGTHS

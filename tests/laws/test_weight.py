@@ -29,7 +29,7 @@ from solver.folds.fold_curves import fold_curve
 from solver.folds.parameter_plane import parameter_plane
 from solver.numerics.arclength import Lengths
 from solver.problem.case_fields import values_of, with_field, with_fields
-from solver.problem.trajectory import TAUT, unreachable
+from solver.problem.limits import TAUT, unreachable
 from solver.shooting.buckling import buckling_shares, buckling_tension, straight_index, straight_shape
 from solver.shooting.descent import index_at
 from solver.shooting.loaded_rod import PHI, LoadedRod, rods_of

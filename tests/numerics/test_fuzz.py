@@ -18,7 +18,7 @@ from solver.methods import available
 from solver.orbit.periodic_orbit import MOST
 from solver.problem.case import TWISTS
 from solver.problem.field_values import AngleWarning
-from solver.problem.trajectory import OUT_OF_RANGE
+from solver.problem.limits import OUT_OF_RANGE
 from tests.cases import in_units_of_rho
 
 ALONG = (
