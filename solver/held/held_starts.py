@@ -164,8 +164,8 @@ def _guesses(wanted: Given) -> list[dict[str, float]]:
 def _taut_loads(wanted: Given) -> dict[str, float]:
     """The loads of a rod whose ends are nearly as far apart as it is long; none where that says nothing of them.
 
-    Under a tension k^2 the angle decays like exp(-k t) from that of each clamped end to that of the tension; an end at
-    an angle d to it shortens the rod along it by (4/k) sin(d/4)^2, and moves it aside by (2/k) sin(d/2).
+    Under a tension k^2 the angle decays like exp(-k t) from that of each clamped end to that of the chord; an end at an
+    angle d to it shortens the rod along it by (4/k) sin(d/4)^2.
     """
     span, height, azimuth = wanted.span, wanted.number("z", 0.0), wanted.number("alpha", 0.0)
     short, chord = span - float(np.hypot(height, azimuth)), float(np.arctan2(azimuth, height))
@@ -174,9 +174,8 @@ def _taut_loads(wanted: Given) -> dict[str, float]:
     size = 4 * float((np.sin(bent / 4) ** 2).sum())
     if not 0 < _LAYERS * short < size * span:
         return {}
-    k = size / short
-    way = chord - 2 * float(np.sin(bent / 2).sum()) / (k * span)
-    return {"phi": k**2 * np.cos(way), "lam": k**2 * np.sin(way)}
+    tension = (size / short) ** 2
+    return {"phi": tension * np.cos(chord), "lam": tension * np.sin(chord)}
 
 
 def _next_to_helices(wanted: Given, guesses: list[dict[str, float]]) -> list[dict[str, float]]:

@@ -17,7 +17,7 @@ def table_1(tables: str) -> Study:
     return loads(small.text({}, tables, stations=11, **KEYS), "text", "table")
 
 
-def pushed(axes: str) -> Study:
+def pipe_study(axes: str) -> Study:
     """A pipe pushed down its hole."""
     return loads(small.text(PIPE | {"beta0": 0.0, "betaL": 0.0}, axes, "m kN", **SEEN), "text", "pushed")
 
@@ -28,7 +28,7 @@ def snapping(count: int, tables: str = "", follow: bool | None = True) -> Study:
     return loads(small.text(SNAP, axes, **SEEN), "text", "snapping")
 
 
-def sampled(size: int, seed: int = 3, more: str = "") -> Study:
+def sample_study(size: int, seed: int = 3, more: str = "") -> Study:
     fields = 'E = { from = 5e3, to = 4e4, distribution = "log-uniform" }\nR = { from = 0.5, to = 1.5 }\n'
     return table_1(f"[sample]\nsize = {size}\nseed = {seed}\n{fields}{more}")
 
@@ -36,7 +36,7 @@ def sampled(size: int, seed: int = 3, more: str = "") -> Study:
 PLANE = "[base]\nL = 6.0\n" + small.axis("E", (5e3, 4e4, 5), spacing="geometric") + small.axis("R", (0.5, 1.5, 4))
 
 
-def refined(points: int = 15, watch: str = "turns", **keys: int) -> Study:
+def refinement_study(points: int = 15, watch: str = "turns", **keys: int) -> Study:
     table = small.lines({"watch": [watch], "points": points, **keys})
     return table_1(f"{PLANE}[refine]\n{table}" + small.law("turns", "E", "falls"))
 
@@ -52,9 +52,9 @@ def between_ends(table: str, **keys: Any) -> Study:
 EXPRESSIONS = '[expressions]\nshare = "turns/wraps"\ngap = "1/(F1 - 5*N)"\n'  # which has no value in the middle
 STUDIES = {
     "grid": table_1(EXPRESSIONS + small.axis("E", (5e3, 4e4, 3)) + small.axis("F1", (1.0, 9.0, 13))),
-    "samples": sampled(40),
-    "refined": refined(),
-    "samples at an axis": sampled(8, more=small.axis("F1", [3.0, 5.0, 8.0])),
+    "samples": sample_study(40),
+    "refined": refinement_study(),
+    "samples at an axis": sample_study(8, more=small.axis("F1", [3.0, 5.0, 8.0])),
     "samples between ends": between_ends(
         "[zip]\nE = [1e4, 1.1e4, 1.3e4]\nbeta0 = [0.3, 0.4, 0.5]\n", E=None, beta0=None
     ),
@@ -62,9 +62,9 @@ STUDIES = {
         small.axis("E", [5e3, 1e4, 2e4]) + '[refine]\nwatch = ["amplitude"]\nsteps = { amplitude = 0.1 }\npoints = 9\n',
         FZ=-10.0,
     ),
-    "sweep": pushed(small.axis("FZ", (-60.0, -40.0, 11))),
-    "sweep by a rule": pushed(small.axis("FZ", (-60.0, -40.0, 5)) + "[equilibrium]\nindex = 2\n"),
-    "sweep of a grid": pushed(small.axis("L", [19.0, 20.0, 21.0]) + small.axis("FZ", (-60.0, -50.0, 9))),
+    "sweep": pipe_study(small.axis("FZ", (-60.0, -40.0, 11))),
+    "sweep by a rule": pipe_study(small.axis("FZ", (-60.0, -40.0, 5)) + "[equilibrium]\nindex = 2\n"),
+    "sweep of a grid": pipe_study(small.axis("L", [19.0, 20.0, 21.0]) + small.axis("FZ", (-60.0, -50.0, 9))),
     "followed": snapping(11),
     "followed in blocks": snapping(41),
     "followed lines": snapping(41, TWO_RODS),

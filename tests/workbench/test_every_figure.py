@@ -49,7 +49,7 @@ def equilibria_of_fig6() -> xr.Dataset:
     return dataset_of(load("fig6"), case, equilibria(case))
 
 
-def measured(name: str) -> xr.Dataset:
+def shipped_measurements(name: str) -> xr.Dataset:
     return reading.read(measured_runs.SHIPPED / f"{name}.h5", study=False)
 
 
@@ -60,7 +60,7 @@ OTHERS: dict[str, Callable[[], Figure]] = {
     "effects that have room": lambda: kinds.figure(effects(), "tornado", SHEETS["column"]),
     "effects": lambda: bars.tornado(effects()),
     "equilibria": lambda: equilibria_figure.figure(equilibria_of_fig6()),
-    "trade": lambda: work_precision.figure(measured("trade")),
+    "trade": lambda: work_precision.figure(shipped_measurements("trade")),
 }
 
 
@@ -71,7 +71,9 @@ def test_other_pictures_can_be_read_and_show_what_is_stored() -> None:
 @pytest.mark.slow
 def test_the_shipped_map_of_extremes_can_be_read_and_shows_what_is_stored() -> None:
     """Numbers of a cell are smaller than other letters."""
-    stored_figures.check("pictures_extremes", {"extremes": lambda: robustness.figure(measured("extremes"))}, least=6.0)
+    stored_figures.check(
+        "pictures_extremes", {"extremes": lambda: robustness.figure(shipped_measurements("extremes"))}, least=6.0
+    )
 
 
 @pytest.mark.slow

@@ -9,7 +9,7 @@ import xarray as xr
 from studies import Study
 from tests.slow import slow_but
 from tests.workbench import runs, small
-from tests.workbench.study_kinds import pushed, refined, sampled, snapping, table_1
+from tests.workbench.study_kinds import pipe_study, refinement_study, sample_study, snapping, table_1
 from workbench.store import assembly
 from workbench.store.study_store import Options, run_to_file
 
@@ -45,13 +45,13 @@ ROWS = {
     "between, on both axes": wider([1e4, 2e4, 3e4], np.sort([*FORCES, 1.01, 5.005])),
     "in another order": wider([3e4, 4e4, 1e4], FORCES[::-1]),
     "its last digit off": wider([1e4 * (1 + 2e-16), 3e4, 4e4]),
-    "a longer sequence of samples": Row(sampled(40), sampled(64)),
-    "samples of another seed": Row(sampled(8), sampled(8, seed=4), grows=False),
-    "a finer tolerance": Row(refined(15), refined(30)),
-    "a larger budget": Row(refined(budget=90), refined(), same_bits=False),
-    "a smaller budget": Row(refined(), refined(budget=90), grows=False),
-    "another watched number": Row(refined(), refined(30, "loops"), grows=False),
-    "a sweep": Row(*(pushed(small.axis("FZ", (-60.0, -40.0, count))) for count in (3, 5)), grows=False),
+    "a longer sequence of samples": Row(sample_study(40), sample_study(64)),
+    "samples of another seed": Row(sample_study(8), sample_study(8, seed=4), grows=False),
+    "a finer tolerance": Row(refinement_study(15), refinement_study(30)),
+    "a larger budget": Row(refinement_study(budget=90), refinement_study(), same_bits=False),
+    "a smaller budget": Row(refinement_study(), refinement_study(budget=90), grows=False),
+    "another watched number": Row(refinement_study(), refinement_study(30, "loops"), grows=False),
+    "a sweep": Row(*(pipe_study(small.axis("FZ", (-60.0, -40.0, count))) for count in (3, 5)), grows=False),
     "no longer followed": Row(snapping(3), snapping(3, follow=None), grows=False),
     "another formula of the same name": Row(formula(2), formula(3), grows=False),
 }

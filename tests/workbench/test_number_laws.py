@@ -93,12 +93,12 @@ def test_a_formula_may_use_a_field_of_the_base_and_a_stiffness(tmp_path: Path) -
 def test_panels_of_laws_with_numbers_show_what_is_stored(ds: xr.Dataset) -> None:
     (row,) = [row for row in law_verdicts.verdicts(ds) if row["kind"] == "equals"]
 
-    def banded(relative: float) -> Figure:
+    def figure_with_band(relative: float) -> Figure:
         return study_figure.figure(ds, [{**row, "rule": {**row["rule"], "relative": relative}}], sheet(panel="equals"))
 
     outside = in_memory.run(study(small.law("kappa_max", "R", claim="a", kind="bounded", most=2.0)))
     pictures = {kind: partial(study_figure.figure, ds, sheet=sheet(panel=kind)) for kind in HEADS}
-    pictures |= {f"a band of {relative}": partial(banded, relative) for relative in (1e-4, 0.3)}
+    pictures |= {f"a band of {relative}": partial(figure_with_band, relative) for relative in (1e-4, 0.3)}
     pictures["cases outside"] = lambda: study_figure.figure(outside, sheet=sheet(panel="a"))
     stored_figures.check("pictures_laws", pictures)
 

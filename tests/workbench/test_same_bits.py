@@ -11,7 +11,7 @@ import workbench.accessor  # noqa: F401  (ds.rod)
 from solver import solve
 from tests.slow import slow_but
 from tests.workbench import runs, small
-from tests.workbench.study_kinds import QUICK, STUDIES, pushed
+from tests.workbench.study_kinds import QUICK, STUDIES, pipe_study
 from workbench.store import block, in_memory, schema, stored_case
 from workbench.store.study_store import Options, run_to_file
 
@@ -92,7 +92,7 @@ def test_a_case_is_the_same_in_its_study_solved_again_and_alone(whole, name: str
                 np.testing.assert_allclose(way, one["beta"], atol=1e-12)
 
 
-FINER = {"sweep": pushed(small.axis("FZ", (-60.0, -40.0, 21))), "followed": STUDIES["followed in blocks"]}
+FINER = {"sweep": pipe_study(small.axis("FZ", (-60.0, -40.0, 21))), "followed": STUDIES["followed in blocks"]}
 
 
 @pytest.mark.parametrize("name", FINER)

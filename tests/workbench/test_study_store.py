@@ -202,7 +202,7 @@ def _first(folder: Path) -> Path:
     return folder / "000000000000-000000000064.shard"
 
 
-def _damaged(damage: Callable[[bytes], bytes]) -> Callable[[Path], Any]:
+def _damage_by(damage: Callable[[bytes], bytes]) -> Callable[[Path], Any]:
     return lambda folder: _first(folder).write_bytes(damage(_first(folder).read_bytes()))
 
 
@@ -211,12 +211,12 @@ SPOILT: dict[str, Callable[[Path], Any]] = {
     "exchanged": _exchanged,
     "foreign": _foreign,
     "a folder": _folder,
-    "cut short": _damaged(lambda content: content[: len(content) // 2]),
-    "empty": _damaged(lambda content: b""),
-    "a byte flipped in the middle": _damaged(lambda content: _flipped(content, len(content) // 2)),
-    "a byte flipped in the digest": _damaged(lambda content: _flipped(content, 3)),
-    "the last bit flipped": _damaged(lambda content: _flipped(content, len(content) - 1)),
-    "without a checksum": _damaged(lambda content: content[32:]),
+    "cut short": _damage_by(lambda content: content[: len(content) // 2]),
+    "empty": _damage_by(lambda content: b""),
+    "a byte flipped in the middle": _damage_by(lambda content: _flipped(content, len(content) // 2)),
+    "a byte flipped in the digest": _damage_by(lambda content: _flipped(content, 3)),
+    "the last bit flipped": _damage_by(lambda content: _flipped(content, len(content) - 1)),
+    "without a checksum": _damage_by(lambda content: content[32:]),
 }
 
 
