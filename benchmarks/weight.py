@@ -1,4 +1,4 @@
-"""Rods with weight: start problems against DOP853 and heyoka, ends problems of a pipe against solve_bvp.
+"""Rods with weight: start problems against DOP853 and heyoka, ends problems of a pipe against solve_bvp, branches.
 
 Run from the checkout: `.venv/bin/python -m benchmarks.weight` (some minutes; the rows against heyoka need the extra
 taylor). Prints seconds and ratios; nothing is asserted: machines differ.
@@ -6,6 +6,7 @@ taylor). Prints seconds and ratios; nothing is asserted: machines differ.
 
 import math
 import tracemalloc
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -13,8 +14,8 @@ from scipy.integrate import solve_bvp, solve_ivp
 
 from benchmarks.core import threads
 from benchmarks.taylor import _loosest
-from benchmarks.timing import paired
-from solver import Case, Cylinder, Ends, Rod, Start, methods, solve
+from benchmarks.timing import paired, seconds_of_processor
+from solver import Case, Cylinder, Ends, Rod, Start, follow, methods, solve, trace_fold
 from solver.shooting.loaded_rod import starts_of
 
 STATIONS, WANTED = 201, 1e-10
@@ -154,10 +155,25 @@ def against_solve_bvp(L: float = 300.0) -> dict[str, float]:
     return out | {"our estimated error": float(sol.error)}
 
 
+def branches() -> dict[str, float]:
+    """Milliseconds of a point of a branch over the load and over the length, and of a point of a fold curve."""
+    wall, ends = Cylinder(R=0.75, inclination="60deg"), {"beta0": 0.5, "betaL": 0.8}
+    long = solve(Case(Rod(E=1.07e4, nu=0.25, a=0.25, L=20.0, weight=0.1), wall, Ends(FZ=-8.66, **ends)))
+    short = solve(Case(Rod(E=1.07e4, nu=0.25, a=0.25, L=3.0, weight=0.1), wall, Ends(FZ=-40.0, **ends)))
+    folded = follow(short, FZ=[-60.0, -20.0])
+    ways: dict[str, Callable[[], Any]] = {
+        "over FZ": lambda: follow(long, FZ=[-20.0, 0.0]),
+        "over L": lambda: follow(long, L=[10.0, 20.0]),
+        "of a fold over FZ and weight": lambda: trace_fold(folded, weight=(0.05, 0.2)),
+    }
+    return {f"ms a point {name}": 1e3 * seconds_of_processor(way) / len(way().values) for name, way in ways.items()}
+
+
 PARTS = {
     "start problems with weight, within 1e-10": start_problems,
     "a lying 5 inch pipe at 1.2 times its critical load": pipes,
     "a buckled pipe of 300 m against solve_bvp": against_solve_bvp,
+    "branches with weight": branches,
 }
 
 

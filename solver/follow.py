@@ -109,12 +109,12 @@ def _range(case: Case, name: str, goals: Array) -> tuple[float, float, tuple[flo
 
 def _follow_shape(solution: Solution, name: str, bounds: "Bounds") -> "tuple[list[Place], int, Stop, Stop] | str":
     """The branch of a rod with weight or friction, or why it cannot be followed."""
-    from .shooting.answers import path_at
+    from .shooting.answers import curve_over
     from .shooting.curve import shapes_through
 
     case = solution.case
     known = solution.trajectory.shapes.of(0)
-    curve, shape = path_at(case, known, partial(with_field, case, name), bounds.low, bounds.high)
+    curve, shape = curve_over(case, known, name, bounds.low, bounds.high)
     return shapes_through(curve, shape, value_of(case, name), bounds)
 
 
@@ -170,7 +170,9 @@ def _solution_at(tol: float, u: Array, point: BranchPoint) -> Solution:
 
 def _solutions_at(points: Sequence[BranchPoint], case: Case, tol: float, u: Array) -> Solution:
     """Points of a branch as one solution of a case with as many rods, at stations u = s/L."""
-    if case.varies:
+    from .shooting.varying_shapes import Shape
+
+    if isinstance(points[0].path, Shape):
         from .shooting.answers import answer_ends, shape_path
 
         t = span_of(case)[:, None] * u

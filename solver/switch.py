@@ -77,7 +77,7 @@ def _check(branch: Branch, special: SpecialPoint) -> None:
     if special.kind == FOLD:
         raise InputError(f"no other branch crosses at the fold at {special.value:.10g}: follow passes it")
     case = branch.points[0].case
-    if case.varies:
+    if case.varies or branch.points[-1].case.varies:
         raise InputError("switch takes a branch without weight and friction, where all equilibria are known")
     if held := held_of(case):
         raise InputError(f"switch takes a branch under dead loads, where all equilibria are known, got {choices(held)}")

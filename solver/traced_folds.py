@@ -32,7 +32,7 @@ from .problem.errors import InputError, choices
 from .problem.reduced import given_numbers
 from .shooting.curve import MOST_POINTS, SPLIT, Curve, angles_of, shapes_through
 from .shooting.descent import index_at, on_nodes, weakest_modes
-from .shooting.loaded_rod import LoadedRod, densest_nodes, rods_of
+from .shooting.loaded_rod import VARYING, densest_nodes, rod_over
 from .shooting.shape_folds import RodAt, fold_through, pitchforks_through
 from .shooting.varying_shapes import Shape
 from .solve import between_ends
@@ -92,7 +92,8 @@ def trace_fold(branch: Branch, number: int = 0, **ranges: Any) -> FoldCurve:
     plane = ParameterPlane(case, names, low, high)
     plane.case_at(np.array([[0.0, 0.0], [0.0, 1.0], [1.0, 0.0], [1.0, 1.0]]))  # raises `InputError`
     points = branch.points[place - 1 : place + 2]
-    places = [Place(at.value, at.path, None if case.varies else at.problem, at.index, FOLD) for at in points]
+    on_nodes = isinstance(points[1].path, Shape)
+    places = [Place(at.value, at.path, None if on_nodes else at.problem, at.index, FOLD) for at in points]
     z = plane.shares(np.array([value, second]))
     curves = system_on(plane, z).curves(Meeting(z, 0, (places[0], places[1], places[2])), lambda *_: False)
     assert curves is not None  # a fold has one
@@ -109,11 +110,8 @@ def system_on(plane: ParameterPlane, middle: Array) -> "ShapesOnPlane | OrbitsOn
 
 def rods_over(plane: ParameterPlane) -> RodAt:
     """The rod at shares of a plane, a little beyond its border too."""
-
-    def rod_of(z: Array) -> LoadedRod:
-        return rods_of(plane.unchecked_case_at(z))[0]
-
-    return partial(reflect, rod_of, names=("numbers", "span", "near", "far"))
+    over = rod_over(plane.case, *plane.names)
+    return partial(reflect, lambda z: over(*plane.values(z).tolist()), names=VARYING)
 
 
 def search_from_middle(plane: ParameterPlane, lattice: int) -> FoldCurves:

@@ -64,7 +64,7 @@ def given_on(plane: ParameterPlane) -> GivenAt:
     def at(z: Array) -> Given:
         return given_of(names, numbers(*plane.values(z).tolist()))
 
-    return partial(reflect, at, names=("values", "span", "ratio"))
+    return partial(reflect, at, names=("values", "ratio"))
 
 
 def mark_of(numbers: Array, loads: float, span: float) -> Array:

@@ -65,17 +65,23 @@ class ParameterPlane:
         return problem
 
 
-def reflect(at: Callable[[Array], Numbers], z: Array, names: tuple[str, ...]) -> Numbers:
-    """What a function gives at shares z, (2,), beyond the border too, where no case may have such values.
+def reflect(
+    at: Callable[[Any], Numbers], z: Any, names: tuple[str, ...], low: float = 0.0, high: float = 1.0
+) -> Numbers:
+    """What a function gives at z, one number or two from low to high, beyond this border too, where no case may have
+    such values.
 
-    names: of its numbers, which go on there as they are at the border; differences reach there.
+    names: of its numbers, which go on there as they are at the border; its span, which is positive, by its ratio.
+    Differences and steps reach there.
     """
-    border = np.clip(z, 0.0, 1.0)
-    if (z == border).all():
+    border = np.clip(z, low, high)
+    if np.all(z == border):
         return at(z)
-    on_border, inside = at(border), at(2 * border - z)
-    beyond: Any = {name: 2 * getattr(on_border, name) - getattr(inside, name) for name in names}
-    return replace(on_border, **beyond)  # type: ignore[type-var]
+    ends: list[Any] = [at(border), at(np.clip(2 * border - z, low, high))]
+    on_border, inside = ends
+    beyond = {name: 2 * getattr(on_border, name) - getattr(inside, name) for name in names}
+    changed: Numbers = replace(on_border, span=on_border.span**2 / inside.span, **beyond)
+    return changed
 
 
 def parameter_plane(case: Case, ranges: dict[str, Any]) -> ParameterPlane:

@@ -202,13 +202,13 @@ def held_problem(case: Case) -> HeldProblem:
     """The same of any case with Ends; where loads vary along the rod, its loads are those of the far end."""
     fields = given_fields(case)
     with np.errstate(all="ignore"):  # overflow is reported in the outcome
-        *five, span, ratio = (flat(number, case.shape) for number in _given_values(case, fields, {}))
+        *five, span, ratio = (flat(number, case.shape) for number in given_values(case, fields))
     return HeldProblem(fields, np.stack(five, axis=1), span, ratio)
 
 
-def _given_values(case: Case, fields: Sequence[str], new: Mapping[str, Any]) -> tuple[Any, ...]:
+def given_values(case: Case, fields: Sequence[str], new: Mapping[str, Any] | None = None) -> tuple[Any, ...]:
     """The five given numbers, L/rho and A/C of an ends problem; new: values in place of those of its ends."""
-    A, rho = case.rod.bending_stiffness, case.rho
+    A, rho, new = case.rod.bending_stiffness, case.rho, new or {}
     five = [number_of(name, new[name] if name in new else getattr(case.given, name), A, rho) for name in fields]
     return (*five, case.rod.L / rho, case.rod.stiffness_ratio)
 
@@ -220,7 +220,7 @@ def numbers_over(case: Case, *names: str) -> Callable[..., tuple[float, ...]]:
 
     def numbers(*values: float) -> tuple[float, ...]:
         new = dict(zip(names, values, strict=True))
-        return _given_values(unchecked_with_fields(case, new) if alters_rod else case, fields, new)
+        return given_values(unchecked_with_fields(case, new) if alters_rod else case, fields, new)
 
     return numbers
 

@@ -1,11 +1,12 @@
 """The answers to cases whose loads vary along the rod: start problems by one march, ends problems one by one."""
 
-from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from ..core.varying_loads import BY_ANGLE, HALF, MOST_STEPS, SIZE, TRUNCATION, March, march
+from ..folds.parameter_plane import reflect
 from ..numerics.arrays import Array
 from ..problem.case import Case
 from ..problem.limits import unreachable
@@ -15,7 +16,21 @@ from .branch import Path, branch_from_straight
 from .buckling import straight_shape
 from .curve import Curve
 from .descent import index_of_any, shape_like
-from .loaded_rod import ALPHA, BETA, MU, PHI, SHORT, SPEED, LoadedRod, Q, densest_nodes, rods_of, starts_of
+from .loaded_rod import (
+    ALPHA,
+    BETA,
+    MU,
+    PHI,
+    SHORT,
+    SPEED,
+    VARYING,
+    LoadedRod,
+    Q,
+    densest_nodes,
+    rod_over,
+    rods_of,
+    starts_of,
+)
 from .newton import correct, linear_at
 from .state import LEAVES, RUBS
 from .varying_shapes import Marched, Shape, VaryingShapes, read_starts, read_states
@@ -120,12 +135,9 @@ def answer_ends(case: Case, t: Array, tol: float, seed: Any = None) -> tuple[End
     )  # fmt: skip
 
 
-def path_at(case: Case, known: Shape, case_at: Callable[[float], Case], low: float, high: float) -> tuple[Curve, Shape]:
-    """The curve of equilibria of a case that depends on one number, from low to high, and a shape of it."""
-
-    def rod_at(x: float) -> LoadedRod:
-        return rods_of(case_at(x))[0]
-
+def curve_over(case: Case, known: Shape, name: str, low: float, high: float) -> tuple[Curve, Shape]:
+    """The curve of equilibria of a case over one field, from low to high, and a shape of it."""
+    rod_at = partial(reflect, rod_over(case, name), names=VARYING, low=low, high=high)
     rod = rods_of(case)[0]
     u = densest_nodes((rod_at(low), rod, rod_at(high)))
     return Curve(rod_at, high - low, rod.scale), shape_like(rod, known, u * rod.span)

@@ -14,7 +14,6 @@ from ..branches.branch_events import Bounds, Place, Stop, arrive, both_ways, eve
 from ..numerics.arclength import BRANCH_POINT, CLOSED, COSINE, FOLD, OFF, PITCHFORK, Lengths, Stride, trace
 from ..numerics.arrays import Array
 from ..numerics.roots import DIVERGED, enclose, locate, newton
-from ..problem.errors import InputError
 from .descent import LOOSE, index_of_any, is_near
 from .loaded_rod import ALPHA, BETA, LoadedRod
 from .newton import (
@@ -22,6 +21,7 @@ from .newton import (
     SAME,
     correct,
     is_same,
+    left_open,
     linear_at,
     open_at,
     share_within,
@@ -117,7 +117,10 @@ class Curve:
     def rate(self, shape: Shape, x: float) -> Array:
         """The derivative of what is open by x over its size, (8 N,)."""
         h = DIFFERENCE * self.size
-        above, below = (open_at(self.shape(shape, shape.y, x + sign * h)) for sign in (1, -1))
+        sides = [self.shape(shape, shape.y, x + sign * h) for sign in (1, -1)]
+        (numbers, span), (others, length) = ((side.rod.numbers, side.rod.span) for side in sides)
+        alone = span == length and (numbers == others).all()  # only the ends answer x: the stretches are not marched
+        above, below = (left_open(side, side.y[1:]) if alone else open_at(side) for side in sides)
         return np.asarray((above - below) / (2 * DIFFERENCE))
 
     def correct(self, guess: Shape, x: float, across: Array, most: int = 12) -> Point | None:
@@ -164,10 +167,7 @@ class Curve:
         x = before.p + change[-1] * self.size
         if self.natural:
             return self.rough_point(before, guess, x)
-        try:
-            point = self.correct(guess, x, before.tangent, most=8)
-        except InputError:  # no case has such a value
-            return None
+        point = self.correct(guess, x, before.tangent, most=8)
         if point is None or inner(point.tangent, before.tangent) < COSINE:
             return None
         off = self.in_sizes(point.shape.y - guess.y, point.p - x)

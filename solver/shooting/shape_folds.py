@@ -29,7 +29,6 @@ from ..folds.special_line import (
 from ..folds.whole_curve import WholeCurve, whole_curve
 from ..numerics.arclength import PITCHFORK, Lengths, Node, node_at
 from ..numerics.arrays import Array
-from ..problem.errors import InputError
 from .curve import SPLIT, Curve, Point, angles_of, unit
 from .descent import index_at, response, weakest_modes
 from .loaded_rod import ALPHA, BETA, SPEED, LoadedRod
@@ -82,10 +81,7 @@ class FoldPoint(ShapePoint):
         """The equilibrium at a on the branch over n through z; None where there is none."""
         shape = self.shape
         change = w[0] * self.tangent[:-1].reshape(shape.y.shape) * shape.rod.scale
-        try:
-            return self.line(w[1:], self.across).correct(replace(shape, y=shape.y + change), 0.0, self.tangent)
-        except InputError:  # no case has such values
-            return None
+        return self.line(w[1:], self.across).correct(replace(shape, y=shape.y + change), 0.0, self.tangent)
 
     def value(self, w: Array) -> Array | None:
         """n and dn/da, (2,)."""

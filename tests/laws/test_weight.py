@@ -27,7 +27,7 @@ from solver import (
 from solver.core.varying_loads import MOST_STEPS, march
 from solver.folds.fold_curves import fold_curve
 from solver.folds.parameter_plane import parameter_plane
-from solver.numerics.arclength import Lengths
+from solver.numerics.arclength import END, Lengths
 from solver.problem.case_fields import values_of, with_field, with_fields
 from solver.problem.limits import TAUT, unreachable
 from solver.shooting.buckling import buckling_shares, buckling_tension, straight_index, straight_shape
@@ -347,6 +347,32 @@ def test_a_buckled_pipe_is_followed_back_to_its_pitchfork_and_through_its_folds(
 def test_the_shapes_of_a_branch_have_the_stations_of_the_solution() -> None:
     whole, part = (follow(solve(BENT, stations=s), FZ=BENT.given.FZ - 0.01) for s in (201, [0.0, 0.5 * BENT.rod.L]))
     assert part.points[-1].solution.beta[1] == pytest.approx(whole.points[-1].solution.beta[100], abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("field", "last"),
+    [("weight", 0.0), ("inclination", 0.0), ("inclination", np.pi), ("nu", 0.5), ("friction", 0.0), ("L", 0.2)],
+)
+def test_a_branch_with_weight_reaches_the_last_value_that_a_rod_can_have(field: str, last: float) -> None:
+    rubbed = {"friction": 0.1} if field == "friction" else {}
+    rod = Rod(E=1.07e4, nu=0.25, a=0.25, L=6.0, weight=0.1)
+    case = Case(rod, Cylinder(R=0.75, inclination="60deg", **rubbed), Ends(beta0=0.5, betaL=0.8, FZ=-8.66))
+    branch = follow(solve(case), **{field: last})
+    assert (branch.values[-1], branch.end.reason) == (last, END)
+    there = branch.points[-1].solution
+    alone = solve(with_field(case, field, last), seed=there)
+    assert alone.beta == pytest.approx(there.beta, abs=there.error + alone.error)
+
+
+def test_steps_with_weight_check_no_case(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Three were checked in each step of Newton's method, which took two thirds of its time."""
+    sol, checked, counts = solve(BENT), list[None](), []
+    monkeypatch.setattr(Case, "__post_init__", lambda case: checked.append(None))
+    for points in (2, 10):
+        checked.clear()
+        assert len(follow(sol, FZ=BENT.given.FZ - 20.0, points=points).values) == points + 1
+        counts.append(len(checked))
+    assert counts[0] == counts[1]
 
 
 def test_the_equilibria_that_a_search_finds_are_counted_by_degree() -> None:
