@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .choose.selection import NEAREST, Choose, check
+from .each_case import Answer, Question, answer_each
 from .numerics.arrays import Array
 from .problem.case import Case, Ends, check_case
 from .problem.errors import DEFAULT_TOLERANCE, InputError, check_tolerance, choices, show, whole_number
@@ -83,33 +84,46 @@ def solve(
     >>> print(solve(Case(rod, cylinder, Ends(beta0=0.5, betaL=0.8, FZ=-8.66, MZ=1.3, M3=6.1))).selection)
     17 equilibria, 3 stable; shown: the stable shape that swings least
     """
-    from .methods import choose_method  # only a call of `solve` loads the methods
-
     case, tol = check_case("solve", case), check_tolerance(tol)
     if case.varies:
-        return _varying(case, tol, method, knobs, stations, seed, choose)
-    if held_of(case):
-        return _held(case, tol, choose_method("ends", method, knobs), stations, seed, check(choose))
-    problem = reduce(case)
-    chosen = choose_method(problem.kind, method, knobs)
-    t = _stations(case, problem.span, stations)
+        question = _varying(case, tol, method, knobs, stations, seed, choose)
+    elif held_of(case):
+        question = _held(case, tol, method, knobs, stations, seed, choose)
+    else:
+        question = _constant(case, tol, method, knobs, stations, seed, choose)
+    return Solution(case, *answer_each(question, case), question.t, question.name, tol)
+
+
+def _constant(
+    case: Case, tol: float, method: Any, knobs: dict[str, Any], stations: Any, seed: Any, choose: Choose
+) -> Question:
+    """What is asked of a start problem, or of an ends problem under dead loads."""
+    from .methods import choose_method  # only a call of `solve` loads the methods
+
+    whole = reduce(case)
+    chosen = choose_method(whole.kind, method, knobs)
+    t = _stations(case, whole.span, stations)
     choose = check(choose)
-    if isinstance(problem, EndsProblem):
+    if isinstance(whole, EndsProblem):
         if seed is not None and choose != NEAREST:
             raise InputError(f"a seed and choose = {choose!r} exclude each other: each selects an equilibrium")
-        which = {"seed": None if seed is None else seed_of(case, problem, seed), "choose": choose}
+        seed = None if seed is None else seed_of(case, whole, seed)
     elif seed is not None or choose != NEAREST:
         word = f"choose = {choose!r}" if seed is None else "a seed"
         raise InputError(f"{word} selects an equilibrium of an ends problem; a start problem has only one solution")
-    else:
-        which = {}
-    return Solution(case, problem, _run(case, problem, chosen, t, tol, which), t, chosen.name, tol)
+
+    def column(rods: Case, t: Array, seed: Any) -> Answer:
+        problem = whole if rods is case else reduce(rods)
+        which = {"seed": seed, "choose": choose} if isinstance(problem, EndsProblem) else {}
+        return problem, _run(rods, problem, chosen, t, tol, which)
+
+    return Question(column, t, seed, chosen.name)
 
 
 def _varying(
     case: Case, tol: float, method: Any, knobs: dict[str, Any], stations: Any, seed: Any, choose: Choose
-) -> Solution:
-    """The solution of a case whose loads vary along the rod: by Taylor series; between ends by multiple shooting."""
+) -> Question:
+    """What is asked where loads vary along the rod: by Taylor series; between ends by multiple shooting."""
     from .methods import varying_method
     from .shooting.answers import answer_ends, answer_starts
 
@@ -126,16 +140,22 @@ def _varying(
         )
     t = _stations(case, span_of(case), stations)
     if case.kind == "start":
-        return Solution(case, *answer_starts(case, t, tol), t, name, tol)
-    begin = seed if straight or seed is None else seed.trajectory
-    return Solution(case, *answer_ends(case, t, tol, begin), t, name, tol)
+        return Question(lambda rods, t, _: answer_starts(rods, t, tol), t, None, name)
+    begin: list[Any] | None = None
+    if seed is not None:
+        begin = case.size * ["straight"] if straight else seed.trajectory.shapes.each(case.size)
+    return Question(lambda rods, t, seed: answer_ends(rods, t, tol, seed), t, begin, name)
 
 
-def _held(case: Case, tol: float, method: Any, stations: Any, seed: Any, choose: Choose) -> Solution:
-    """The solution of a case with held ends, under the dead loads that are found."""
+def _held(
+    case: Case, tol: float, method: Any, knobs: dict[str, Any], stations: Any, seed: Any, choose: Choose
+) -> Question:
+    """What is asked of a case with held ends, whose dead loads are found."""
     from .choose.held_equilibrium import each_held
+    from .methods import choose_method
 
-    names = choices(held_of(case))
+    method, names = choose_method("ends", method, knobs), choices(held_of(case))
+    choose = check(choose)
     if method.name != "shooting":
         raise InputError(f"method {method.name!r} needs dead loads and end angles, got {names}; choose shooting")
     if choose != NEAREST:
@@ -146,15 +166,19 @@ def _held(case: Case, tol: float, method: Any, stations: Any, seed: Any, choose:
         raise InputError(
             f"seed of a case with {names} must be a Solution, got {seed!r}: beta'(0) leaves its loads open"
         )
-    problem = reduce_held(case)
-    start = None if seed is None else seed_of(case, problem, seed)
-    t = _stations(case, problem.span, stations)
-    with np.errstate(all="ignore"):
+    whole = reduce_held(case)
+    start = None if seed is None else seed_of(case, whole, seed)
+
+    @np.errstate(all="ignore")
+    def column(rods: Case, t: Array, seed: Seed | None) -> Answer:
+        problem = whole if rods is case else reduce_held(rods)
         fit = np.asarray(np.isfinite(t)).all(axis=1, keepdims=True)
-        answer, dead_problem = each_held(problem, np.where(fit, t, np.linspace(0, 1, t.shape[1])), tol, start)
+        answer, dead_problem = each_held(problem, np.where(fit, t, np.linspace(0, 1, t.shape[1])), tol, seed)
         limits = [said if said in (TOO_LARGE, TOO_LONG) else "" for said in answer.outcome]
-        why = np.where(representable(case, dead_problem), limits, OUT_OF_RANGE)
-    return Solution(case, dead_problem, _refuse(answer, case, why), t, method.name, tol)
+        why = np.where(representable(rods, dead_problem), limits, OUT_OF_RANGE)
+        return dead_problem, _refuse(answer, rods, why)
+
+    return Question(column, _stations(case, whole.span, stations), start, method.name)
 
 
 def _run(

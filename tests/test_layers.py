@@ -34,7 +34,7 @@ LISTS = {
     "solver": [
         "numerics", "problem", "mechanics", "core", "orbit", "closed", "levels", "equilibrium", "branches",
         "folds", "held", "choose", "shooting", "methods", "shape",
-        "observe", "sensitivity", "solution", "solve", "equilibrium_list",
+        "observe", "sensitivity", "solution", "each_case", "solve", "equilibrium_list",
         "equilibria", "equilibrium_branch", "follow", "switch", "traced_folds", "end_angle_branch", "region_map",
         "loops", "inverse", "benchmark",
     ],

@@ -143,12 +143,13 @@ def together(answers: Sequence[Trajectory | str], t: Array) -> Trajectory:
         return answers[0]
     each = [_missing(t[i : i + 1], a) if isinstance(a, str) else a for i, a in enumerate(answers)]
     orbits = alike([a.orbit for a in each])
-    return join_answers(map(_row, each, orbits), t, len(each))
+    known = [name for name in _UNKNOWN if any(getattr(answer, name) is not None for answer in each)]
+    return join_answers((_row(answer, orbit, known) for answer, orbit in zip(each, orbits, strict=True)), t, len(each))
 
 
-def _row(answer: Trajectory, orbit: Orbit) -> Trajectory:
-    """The answer to one of several problems, with arrays also for what is not known of it."""
-    unknown: dict[str, Any] = {name: value for name, value in _UNKNOWN.items() if getattr(answer, name) is None}
+def _row(answer: Trajectory, orbit: Orbit, known: Sequence[str]) -> Trajectory:
+    """The answer to one of several problems, with arrays also for what is known of others and not of it."""
+    unknown: dict[str, Any] = {name: _UNKNOWN[name] for name in known if getattr(answer, name) is None}
     return replace(answer, orbit=orbit, alternatives=None, **unknown)
 
 

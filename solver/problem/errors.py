@@ -1,10 +1,14 @@
-"""The error that the solver raises for an invalid value, the wording of its messages, and the checks that every call
-makes: of the tolerance, and of whole numbers."""
+"""The error that the solver raises for an invalid value, the wording of its messages, the checks that every call makes
+(of the tolerance, and of whole numbers), and the outcome of a case whose computation raises."""
 
 import operator
-from collections.abc import Iterable
+import traceback
+from collections.abc import Callable, Iterable
 from difflib import SequenceMatcher, get_close_matches
-from typing import Any
+from pathlib import Path
+from typing import Any, TypeVar
+
+T = TypeVar("T")
 
 # word -> the symbols of the fields that it may mean, in the order in which a message names them
 SYMBOLS = {
@@ -117,3 +121,27 @@ def whole_number(name: str, value: Any, least: int, most: int) -> int:
     if isinstance(value, bool) or not least <= number <= most:
         raise InputError(f"{name} must be a whole number from {least} to {most}, got {show(value)}")
     return number
+
+
+# What says nothing of a case: an invalid question; a machine that lacks memory, a package or a file, and may have it
+# the next time; a warning that its user wants as an error. An interruption is no `Exception`.
+PASSING = (InputError, MemoryError, ImportError, OSError, Warning)
+FAULT = "this is a fault of the solver, not of the case: please report it"
+_SOLVER = str(Path(__file__).parents[1])
+
+
+def attempt(compute: Callable[[], T]) -> T | str:
+    """What a computation returns; where it raises, the outcome "failed: ..." that says so.
+
+    Raises `InputError`, and whatever else is no matter of the case (`PASSING`).
+    """
+    try:
+        return compute()
+    except PASSING:
+        raise
+    except Exception as error:
+        calls = traceback.extract_tb(error.__traceback__)
+        frames = [call for call in calls if call.filename.startswith(_SOLVER) and not call.name.startswith("<")]
+        words = " ".join(str(error).split())[:200]
+        said = f"{type(error).__name__}{words and f' ({words})'} in {Path(frames[-1].filename).stem}.{frames[-1].name}"
+        return f"failed: the solver raised {said}; {FAULT}"

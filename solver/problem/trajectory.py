@@ -178,4 +178,7 @@ def blank(answer: Trajectory, fit: NDArray[np.bool_], why: str | NDArray[np.str_
         evaluations=np.where(fit, answer.evaluations, 0),
         selection=None if answer.selection is None else np.where(fit, answer.selection, np.array(None)),
         held_index=None if answer.held_index is None else np.where(fit, answer.held_index, np.nan),
+        begun=None if answer.begun is None else np.where(fit, answer.begun, np.array(None)),
+        loads=None if answer.loads is None else np.where(shown, answer.loads, np.nan),
+        shapes=None if answer.shapes is None else answer.shapes.only(fit),
     )

@@ -1,5 +1,6 @@
 """The answers to cases whose loads vary along the rod: start problems by one march, ends problems one by one."""
 
+from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
@@ -99,14 +100,14 @@ def answer_starts(case: Case, t: Array, tol: float) -> tuple[StartProblem, Traje
     )
 
 
-def answer_ends(case: Case, t: Array, tol: float, seed: Any = None) -> tuple[EndsProblem, Trajectory]:
+def answer_ends(case: Case, t: Array, tol: float, seeds: Sequence[Any] | None = None) -> tuple[EndsProblem, Trajectory]:
     """The ends problems at stations t (B, n), each from a seed.
 
-    seed: None, "straight", the `Trajectory` of one or B, or the paths of all in a list.
+    seeds: of each rod "straight", a shape or None where its seed has none, or the path that is its answer.
     """
     rods = rods_of(case)
     n, alpha0 = t.shape[1], flat(case.given.alpha, case.shape)
-    paths = [path_to(rod, seed, i) for i, rod in enumerate(rods)]
+    paths = [branch_of(rod) for rod in rods] if seeds is None else list(map(path_to, rods, seeds))
     estimates = [(np.inf, np.inf) if path.shape is None else estimate(path.shape) for path in paths]
     none = np.full((n, SIZE), np.nan)
     y = np.array([none if path.shape is None else path.shape.at(times) for path, times in zip(paths, t, strict=True)])
@@ -160,23 +161,26 @@ def why_unsolved(rod: LoadedRod, seeded: bool = False) -> str:
     return TOO_FINE.format(changes, MOST_CHANGES) if changes > MOST_CHANGES else ""
 
 
-def path_to(rod: LoadedRod, seed: Any, i: int) -> Path:
-    """The shape of one rod that a seed means."""
-    if isinstance(seed, list):
-        return seed[i]
-    if why := why_unsolved(rod, seed is not None):
+def branch_of(rod: LoadedRod) -> Path:
+    """The shape of a rod without a seed."""
+    why = why_unsolved(rod)
+    return Path(None, why=why) if why else branch_from_straight(rod)
+
+
+def path_to(rod: LoadedRod, seed: Any) -> Path:
+    """The shape of a rod that a seed, as of `answer_ends`, means."""
+    if isinstance(seed, Path):
+        return seed
+    if why := why_unsolved(rod, seeded=True):
         return Path(None, why=why)
-    if seed is None:
-        return branch_from_straight(rod)
     if isinstance(seed, str):
         if not rod.straight:
             return Path(None, why="the straight rod is no equilibrium of this case")
         shape = straight_shape(rod, rod.nodes())
         return Path(shape, index_of_any(shape))
-    known = seed.shapes.of(i if seed.shapes.index.size > 1 else 0)
-    if known is None:
+    if seed is None:
         return Path(None, why="the seed has no shape")
-    corrected = correct(shape_like(rod, known, rod.nodes()))
+    corrected = correct(shape_like(rod, seed, rod.nodes()))
     if corrected is None:
         return Path(None, why="Newton's method did not converge from the seed")
     return Path(corrected, index_of_any(corrected), why="seed")

@@ -13,6 +13,7 @@ from .loaded_rod import LoadedRod
 from .varying_shapes import Shape
 
 CLOSE, ALIKE = 1e-6, 1e-12  # relative: of the load at which the straight rod buckles; of two that are one
+LIGHTEST = 1e-9  # of the loads: a rod that buckles under less, as between hinges on a cylinder, buckles under any load
 AMPLITUDES = SPLIT * 4.0 ** -np.arange(6)  # with which a buckled shape is sought
 AHEAD = 0.01  # of the loads: how far beyond its end the stable shape is sought to which a rod jumps
 
@@ -44,7 +45,7 @@ def buckling_shares(rod: LoadedRod, t: Array) -> Iterator[tuple[float, int]]:
     """The shares of the loads just above which the index of the straight rod rises, the lowest first, and by how much.
 
     It rises by more than one where modes buckle at one load to rounding, and at 0 where the rod is unstable without
-    loads.
+    loads. Below `LIGHTEST` the index is that of rounding, and no share is given.
     """
 
     def index(share: float) -> int:
@@ -56,7 +57,7 @@ def buckling_shares(rod: LoadedRod, t: Array) -> Iterator[tuple[float, int]]:
         low, below, high, above = parts.pop()
         if above <= below:
             continue
-        if high - low <= (CLOSE if above == below + 1 else ALIKE) * high:
+        if high - low <= (CLOSE if above == below + 1 else ALIKE) * high or 0 < high <= LIGHTEST:
             yield high, above - below
             continue
         middle = (low + high) / 2

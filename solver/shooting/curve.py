@@ -14,7 +14,7 @@ from ..branches.branch_events import Bounds, Place, Stop, arrive, both_ways, eve
 from ..numerics.arclength import BRANCH_POINT, CLOSED, COSINE, FOLD, OFF, PITCHFORK, Lengths, Stride, trace
 from ..numerics.arrays import Array
 from ..numerics.roots import DIVERGED, enclose, locate, newton
-from .descent import LOOSE, index_of_any, is_near
+from .descent import LOOSE, SOFT, index_of_any, is_near
 from .loaded_rod import ALPHA, BETA, LoadedRod
 from .newton import (
     ENDING,
@@ -31,7 +31,6 @@ from .newton import (
 from .varying_shapes import Shape
 
 DIFFERENCE = 1e-5  # of x over its size: for derivatives by x
-SOFT = 1e-14  # springs that hardly change the equations, in the scales
 SPLIT = 0.05  # of the angles, in their scales: how far from a branch those that split off it are entered
 UNSOLVED = "Newton's method did not converge from it"
 LOST = "Newton's method did not converge on the way"

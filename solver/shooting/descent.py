@@ -32,6 +32,7 @@ def index_of(rod: LoadedRod, transfer: Array, scale: Array, stiffness: Array | N
     return count_negatives(transfer, unit, springs, free, held) - HALF * (N - 1) - int(held.sum())
 
 
+SOFT = 1e-14  # springs that hardly change the equations, in the scales
 LOOSE, FLUID = 1e-4, 1e-2  # of the scales: a correction that is enough on the way, and in a fall
 WEAKEST, FIRST, FIRMEST, FACTOR = 1e-7, 1e-2, 1e6, 3.0  # springs: weakest, at first, strongest, change
 KICK, FAR, REST = 0.1, 0.5, 1e-3  # of the angles, in their scales: a push, the longest move, what counts as none
@@ -158,6 +159,9 @@ def weakest_modes(shape: Shape, count: int = 1, rounds: int = 4) -> Array:
     work = (scale[angles] * scale[[SPEED, Q]])[:, None]  # of a unit force along a unit change
     for _ in range(rounds):
         step = response(linear, push)
+        if step is None:  # at a buckling load, to the last digit
+            linear = replace(linear, stiffness=np.full((N, 2), SOFT))
+            step = response(linear, push)
         assert step is not None
         mode = step
         moved = mode[:, angles]

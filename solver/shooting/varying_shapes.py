@@ -10,7 +10,7 @@ import numpy as np
 from ..core.varying_loads import READ, SIZE, march
 from ..mechanics.potential import Loads, slope
 from ..mechanics.statics import circumferential_force, contact_force
-from ..numerics.arrays import Array, Integers
+from ..numerics.arrays import Array, Booleans, Integers
 from ..numerics.roots import bisect
 from ..problem.case import IN_PLACE
 from .loaded_rod import ALPHA, BETA, MU, PHI, SPEED, LoadedRod, Q
@@ -172,6 +172,15 @@ class VaryingShapes:
         if i not in self._known:
             self._known[i] = self.shapes[i]
         return self._known[i]
+
+    def each(self, count: int) -> list[Shape | None]:
+        """The shapes of so many rods; that of one rod for all of them."""
+        return [self.of(i if self.index.size > 1 else 0) for i in range(count)]
+
+    def only(self, fit: Booleans) -> "VaryingShapes":
+        """The rods without the shapes of those that are not `fit` (B,)."""
+        shapes = [shape if fits else None for shape, fits in zip(self.each(fit.size), fit, strict=True)]
+        return VaryingShapes(shapes, *(np.where(fit, values, np.nan) for values in (self.index, self.critical)))
 
     def ends(self) -> tuple[Array, Array]:
         """States at the start and at the far end, (B, 8) each; NaN for a rod without a shape."""

@@ -181,6 +181,16 @@ def test_a_lying_helix_locks_where_its_friction_raises_the_compression_without_b
         assert float(share[1]) == pytest.approx(reach, rel=0.02)
 
 
+@pytest.mark.parametrize("side", ("outside", "inside"))
+@pytest.mark.parametrize("EI", (1200.0, 400.0, 250.0))
+def test_a_rod_with_friction_between_two_hinges_turns_aside_under_any_compression(EI: float, side: str) -> None:
+    rod, wall = Rod(EI=EI, GJ=0.8 * EI, a=0.25, L=5.0), Cylinder(R=1.0, friction=0.3, side=side)
+    sol = solve(Case(rod, wall, Ends(M10=0.0, M1L=0.0, FZ=-60.0)))
+    assert sol.solved, sol.outcome
+    assert abs(sol.beta[0]) > 0.05
+    assert max(unbalanced(sol)) < 1e-9
+
+
 def lying_and_sliding(L: float, load: float, sliding: str, inclination: float = 90.0) -> Case:
     hole = Cylinder(**HOLE, inclination=f"{inclination}deg", friction=0.25, sliding=sliding)
     return Case(Rod(L=L, **PIPE), hole, Ends(beta0=0.0, betaL=0.0, azimuth=0.0, FZ=-load))

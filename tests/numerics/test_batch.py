@@ -1,17 +1,34 @@
 """A grid of cases is solved as each of them alone, and one that fails leaves its neighbours alone."""
 
 import warnings
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import pytest
 
-from solver import Case, Cylinder, Ends, Rod, Start, solve
+from solver import Case, Cylinder, Ends, InputError, Rod, Start, solve
 from solver.methods import DOP853
 from solver.observe.observables import OBSERVABLES, observe
 from solver.problem.reduced import reduce
 from tests.cases import in_units_of_rho
+from tests.raising import LENGTHS, RAISING, make_raise
 from tests.reach import core
+
+SOME = "<Solution by {}: 2 of 3 cases solved, shape (3,)"
+WEIGHT = {"weight": 0.1}
+LIES = {"inclination": "90deg"}
+# of each column: the function that raises, the rod, the cylinder, what is given, and the method
+COLUMNS: dict[str, tuple[str, dict[str, Any], dict[str, Any], Start | Ends, str]] = {
+    "start": ("methods.half_period.march_orbit", {}, {}, Start(0.5, 0.5, F3=10.0, M3=0.0), "auto"),
+    "start by steps": ("methods.marching.Verlet.run", {}, {}, Start(0.5, 0.5, F3=10.0, M3=0.0), "verlet"),
+    "dead loads": ("methods.shooting.selection_of", {}, {}, Ends(0.5, 0.8, FZ=-8.66), "auto"),
+    "dead loads on a mesh": ("methods.base.select_seed", {}, {}, Ends(0.5, 0.8, FZ=-8.66), "difference"),
+    "held": ("choose.held_equilibrium.nearest_start", {}, {}, Ends(0.5, 0.8, height=4.0), "auto"),
+    "start with weight": ("shooting.answers.starts_of", WEIGHT, LIES, Start(0.5, 0.5, F3=1.0, M3=0.0), "auto"),
+    "weight": ("shooting.answers.branch_from_straight", WEIGHT, LIES, Ends(0.0, 0.0, FZ=-1.0), "auto"),
+    "friction": ("shooting.answers.estimate", {}, {"friction": 0.2}, Ends(0.3, 0.5, FZ=-1.0), "auto"),
+}
 
 STARTS = core("start")
 KNOBS: dict[str, dict[str, Any]] = {"verlet": {"steps": 4}}  # else the worst of a batch sets its steps
@@ -127,6 +144,57 @@ def test_a_thousand_cases_of_every_kind_are_solved_at_once() -> None:
     assert sol.solved.all(), sol.outcome[~sol.solved]
     h = sol.h - sol.h[:, :1]
     assert np.abs(h).max() < 1e-9 * np.abs(sol.h).max()
+
+
+def patch_column(name: str, error: BaseException, monkeypatch: pytest.MonkeyPatch) -> Callable[[Any], Any]:
+    """Make a column raise for one rod; returns how its rods of some lengths are solved."""
+    target, rod, cylinder, given, method = COLUMNS[name]
+    make_raise(f"solver.{target}", error, monkeypatch)
+
+    def solved(L: Any) -> Any:
+        case = Case(Rod(1.07e4, 0.25, 0.25, L, **rod), Cylinder(0.75, **cylinder), given)
+        return solve(case, tol=1e-4, method=method, stations=11)
+
+    return solved
+
+
+@pytest.mark.parametrize("name", COLUMNS)
+def test_what_a_column_raises_is_the_outcome_of_that_case_alone(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    solved = patch_column(name, ValueError("need at least\none array"), monkeypatch)
+    together, alone = solved(LENGTHS), solved(RAISING)
+    words = "failed: the solver raised ValueError (need at least one array) in "
+    assert alone.outcome == together.outcome[1]
+    assert alone.outcome.startswith(words)
+    assert alone.outcome.endswith("this is a fault of the solver, not of the case: please report it")
+    assert together.solved.tolist() == [True, False, True]
+    assert not alone.solved
+    seen, nothing = observe(together, OBSERVABLES), observe(alone, OBSERVABLES)
+    for i in (0, 2):
+        one = solved(float(LENGTHS[i]))
+        assert one.outcome == together.outcome[i]
+        np.testing.assert_allclose(together.beta[i], one.beta, atol=1e-12)
+        np.testing.assert_allclose(together.contact[i], one.contact, atol=1e-9)
+        for field, value in observe(one, OBSERVABLES).items():
+            np.testing.assert_allclose(seen[field][i], value, rtol=1e-9, atol=1e-9, err_msg=field)
+    for sol, i in ((together, 1), (alone, 0)):
+        for value in (sol.beta, sol.gamma, sol.contact, sol.error, sol.condition, sol.held_index):
+            assert not np.isfinite(np.reshape(value, (sol.case.size, -1))[i]).any()
+        assert [np.ravel(stretches)[i] for stretches in (sol.states, sol.lift_offs)] == [None, None]
+    assert (repr(together).split(";")[0], "raised" in repr(alone)) == (SOME.format(together.method), True)
+    assert all(np.isnan([seen[field][1], nothing[field]]).all() for field in seen)
+
+
+@pytest.mark.parametrize(
+    "error", [InputError("no"), MemoryError(), KeyboardInterrupt(), OSError("no disk"), UserWarning()]
+)
+@pytest.mark.parametrize("name", ["start", "held", "weight"])
+def test_what_is_no_matter_of_a_case_passes_through(
+    name: str, error: BaseException, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    solved = patch_column(name, error, monkeypatch)
+    for L in (LENGTHS, RAISING):
+        with pytest.raises(type(error)):
+            solved(L)
 
 
 def ends(betaL: Any) -> Case:

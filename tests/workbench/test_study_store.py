@@ -15,6 +15,7 @@ from solver import InputError, solve
 from studies import load
 from studies.language.loader import loads
 from studies.language.study import OUTPUTS
+from tests.raising import LENGTHS, make_raise
 from tests.slow import slow, slow_but
 from tests.workbench import runs, small
 from workbench.store import (
@@ -407,3 +408,24 @@ def test_a_study_does_not_grow_with_other_code(half, monkeypatch) -> None:
     monkeypatch.setattr(recipe, "code_version", lambda: "0.2.0+new")
     with pytest.raises(InputError, match=r"holds part of this study, but code was .*, now 0\.2\.0\+new; use --restart"):
         run_to_file(load(half), half.with_suffix(".h5"))
+
+
+OF_EACH = {
+    "friction": ("solver.shooting.answers.branch_from_straight", {"friction": 0.3, "FZ": -1.0}, False, 1),
+    "held": ("solver.choose.held_equilibrium.nearest_start", {"height": 4.5}, False, 1),
+    "followed": ("workbench.store.sweep.follow", {"FZ": -1.0}, True, 2),  # it raises on the way from the second case
+}
+
+
+@pytest.mark.parametrize("kind", OF_EACH)
+def test_a_case_whose_column_raises_is_stored_with_its_neighbours(kind: str, tmp_path, monkeypatch) -> None:
+    function, fields, followed, failed = OF_EACH[kind]
+    lengths = small.axis("L", LENGTHS.tolist(), **({"follow": True} if followed else {}))
+    text = small.text({**small.ROD, "beta0": 0.3, "betaL": 0.5, **fields}, lengths, observables=["height"], stations=11)
+    make_raise(function, AssertionError(), monkeypatch)
+    ran = run_to_file(loads(text, "text", kind), tmp_path / "raises.h5", Options(workers=1))
+    with xr.open_dataset(tmp_path / "raises.h5") as ds:
+        outcomes = ds["outcome"].values.tolist()
+    assert ran.solved == 3
+    assert "the solver raised AssertionError in" in outcomes.pop(failed)
+    assert all(outcome.startswith("solved") for outcome in outcomes)

@@ -27,6 +27,7 @@ from solver.equilibrium_branch import BORDER, HELIX
 from solver.numerics.arclength import FOLD
 from solver.observe.observables import observe
 from solver.problem.case_fields import value_of
+from solver.problem.errors import attempt
 from studies import Study
 from studies.grammar.axes import in_words, quantity_of
 
@@ -106,9 +107,11 @@ def follow_to(before: Solution, case: Case, field: str, neighbour: str) -> Solut
     value = value_of(case, name)
     target: dict[str, Any] = {name: value}
     try:
-        branch = follow(before, **target)
+        branch = attempt(lambda: follow(before, **target))
     except InputError as error:
-        return _nothing(before, case, f"{BEYOND} stops at {neighbour}: {error}")
+        branch = str(error)
+    if isinstance(branch, str):
+        return _nothing(before, case, f"{BEYOND} stops at {neighbour}: {branch.removeprefix('failed: ')}")
     if (why := _end(branch, value)) is not None:
         return _nothing(before, case, why)
     reached = solve(case, tol=before.tol, stations=2, seed=branch.points[-1].solution)
