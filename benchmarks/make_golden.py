@@ -2,7 +2,7 @@
 
     python -m benchmarks.make_golden            # makes all rows anew: only after a change of an answer that is meant
     python -m benchmarks.make_golden compare    # names each stored row whose answer differs now
-    python -m benchmarks.make_golden store folds  # stores the answers of one kind anew, after a change that is meant
+    python -m benchmarks.make_golden store folds  # stores those of one kind that differ, after a change that is meant
 
 `marched` of a shape is the largest difference of its far end from a march of the equations, written anew.
 Rows with M10 or M1L are of the kinds that were compared with marches by SciPy and an index on a mesh.
@@ -294,7 +294,12 @@ def write(made: list[Row]) -> None:
 
 
 def store(kind: str) -> None:
-    write([{**row, "answer": short(answer(row))} if row["kind"] == kind else row for row in rows()])
+    write(
+        [
+            {**row, "answer": short(answer(row))} if row["kind"] == kind and any(differences(row)) else row
+            for row in rows()
+        ]
+    )
 
 
 def compare() -> None:

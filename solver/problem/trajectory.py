@@ -12,7 +12,8 @@ from ..numerics.arrays import Array, Columns
 from .reduced import EndsProblem, Reduced, value_of_number
 
 SOLVED = "solved"
-FEWER = "fewer digits"  # the remark on a case whose error is above the tolerance as its condition number is large
+FEWER = "fewer digits"  # the remark on a case whose error is above the tolerance, for a reason that follows BECAUSE
+BECAUSE = ", as "
 NOT_FINITE = "failed: the computation left the finite numbers"
 UNDETERMINED = (
     "failed: the shape is not determined: however small a change of what is given, it may change by any amount"
@@ -125,24 +126,32 @@ def all_solved(size: int) -> Verdicts:
     return Verdicts(np.ones(size, dtype=bool), np.full(size, SOLVED, dtype=object))
 
 
-def verdicts(beta: Array, error: Array, condition: Array, tol: float) -> Verdicts:
-    """The verdict on each problem: it is solved if its error is at most tol * max(1, condition), and small enough to
-    leave a shape."""
+def verdicts(beta: Array, error: Array, condition: Array, tol: float, rounding: Any = 0.0) -> Verdicts:
+    """The verdict on each problem: it is solved if its error leaves a shape, and is small enough.
+
+    At most it may be tol * max(1, condition), or `rounding`, (B,) or one: what is left where all numbers of the case
+    are known to the digits of floats.
+    """
     outcome = np.full(error.shape, SOLVED, dtype=object)
     finite = np.isfinite(beta).all(axis=-1) & np.isfinite(error)
-    kept = error <= tol * np.maximum(1, condition)
+    grown = error <= tol * np.maximum(1, condition)
+    kept = grown | (error <= rounding)
     for i in np.flatnonzero(~finite):
         outcome[i] = UNDETERMINED if np.isfinite(beta[i]).all() and np.isinf(condition[i]) else NOT_FINITE
     for i in np.flatnonzero(finite & ~kept):
         outcome[i] = f"failed: error {error[i]:.1e} above the tolerance {tol:.1e} at condition {condition[i]:.1e}"
     for i in np.flatnonzero(finite & kept & (error > tol)):
-        if error[i] > SHAPELESS:
+        if error[i] > SHAPELESS and grown[i]:
             outcome[i] = f"failed: condition {condition[i]:.1e} leaves no digit: error {error[i]:.1e}"
+        elif error[i] > SHAPELESS:
+            outcome[i] = f"failed: rounding may change the far angle by {error[i]:.1e} rad after so many bends or turns"
         else:
-            outcome[i] = (
-                f"{SOLVED}; {FEWER} than the tolerance {tol:.1e} asks for: error {error[i]:.1e}, "
-                f"as a small change of the case grows {condition[i]:.1e} times along the rod"
+            why = (
+                f"a small change of the case grows {condition[i]:.1e} times along the rod"
+                if grown[i]
+                else "rounding may change the far angle by so much after so many bends or turns"
             )
+            outcome[i] = f"{SOLVED}; {FEWER} than the tolerance {tol:.1e} asks for: error {error[i]:.1e}{BECAUSE}{why}"
     return Verdicts(finite & kept & (error <= max(tol, SHAPELESS)), outcome)
 
 

@@ -211,6 +211,19 @@ def test_rods_that_differ_by_a_million_whole_turns_at_both_ends_are_one(given: d
     np.testing.assert_allclose(far.beta - turned, near.beta, atol=1e-7)
 
 
+def test_the_outcome_of_a_rod_of_many_turns_or_bends_is_no_chance() -> None:
+    """Its far angle has the error that rounding may make, whatever each rod happens to miss it by."""
+    turned = [(Rod(E=2e9, nu=0.3, a=0.001, L=1.0), Cylinder(R=0.1), Ends(0.0, 7e6 + k, FZ=-0.05)) for k in range(40)]
+    bent = [(Rod(1e4, 0.25, 0.25, 2e6 + k), Cylinder(R=1.0), Ends(0.3, -0.3, 3000.0)) for k in range(40)]
+    for rods, rounding in ((turned, 1.4921e-7), (bent, 4.2158e-7)):
+        solutions = [solve(Case(*rod)) for rod in rods]
+        assert {str(sol.outcome).partition(": error")[0] for sol in solutions} == {
+            "solved; fewer digits than the tolerance 1.0e-08 asks for"
+        }
+        assert [sol.error for sol in solutions] == pytest.approx([rounding] * 40, rel=1e-3)
+        assert all(abs(sol.beta[-1] - sol.case.given.betaL) < sol.error / 2 for sol in solutions)
+
+
 def test_a_rod_that_turns_a_million_times_is_followed() -> None:
     sol = solve(Case(Rod(E=2e9, nu=0.3, a=0.001, L=1.0), Cylinder(R=0.1), Ends(0.0, "7e6 rad", FZ=-0.05)))
     assert [point.value for point in follow(sol, FZ=-0.07).points][-1] == -0.07

@@ -217,21 +217,20 @@ def _warnings(outcomes: Mapping[str, int], file: Path) -> list[str]:
 
 def _fewer_digits(count: int, file: Path) -> str:
     """What cases have lost whose error is above the tolerance, how many digits remain, and which case is the worst."""
+    from solver.problem.trajectory import BECAUSE
     from studies.laws import law_words
 
     from ..store.file_summary import least_accurate
-    from ..words import labels
 
     worst = least_accurate(file)
     digits = max(floor(-log10(worst["error"])), 0)
     at = f"at {worst['at']}" if worst["at"] else ""
     which = f"the least accurate, {at}, has" if count > 1 else f"{at} it has".strip()
     are, lost = "are" if count > 1 else "is", law_words.count_of(digits, "digit")
-    grows = labels.number(worst["condition"], 2)
+    why = worst["outcome"].partition(BECAUSE)[2].partition(";")[0]
     return (
         f"{law_words.count_of(count, 'case')} {are} solved to fewer digits than the tolerance asks for: {which} "
-        f"about {lost} (estimated error {worst['error']:.1e}), because a small change of its data grows {grows} times "
-        "along the rod"
+        f"about {lost} (estimated error {worst['error']:.1e}), because {why}"
     )
 
 

@@ -157,16 +157,15 @@ def _worst(ds: xr.Dataset, name: str) -> dict[str, Any]:
 
 
 def least_accurate(path: Path) -> dict[str, Any]:
-    """The solved case of the largest error: `error`, `condition`, and `at`, its place on the axes in words.
+    """The solved case of the largest error: `error`, `outcome`, and `at`, its place on the axes in words.
 
     Raises `InputError`.
     """
     with reading.open_study(path) as ds, file_checks.reading(path):
         worst = _worst(ds, "error")
-        dims = [str(dim) for dim in ds["error"].dims]
         at = [f"{name} = {labels.value(value, ds[name], 6)}" for name, value in worst["at"].items()]
-        place = ds["condition"].transpose(*dims).sel({name: worst["at"][name] for name in dims})
-        return {"error": worst["value"], "condition": float(place), "at": ", ".join(at)}
+        outcome = ds["outcome"].sel({str(dim): worst["at"][dim] for dim in ds["outcome"].dims})
+        return {"error": worst["value"], "outcome": str(outcome.values), "at": ", ".join(at)}
 
 
 def brief_law(row: dict[str, Any]) -> dict[str, Any]:
