@@ -216,8 +216,8 @@ def _number_columns(case: Case) -> tuple[Any, ...]:
     sign, way = wall.sense
     with np.errstate(all="ignore"):  # overflow is reported in the outcome
         omega = (0.0 if case.rod.weight is None else case.rod.weight) * rho**3 / A
-        # sines of both halves of the circle, so that a rod that lies feels no weight along it
-        along, across = omega * np.sin(np.pi / 2 - theta), omega * np.sin(theta)
+        # sines of small angles, so that a rod that lies feels no weight along it, and one that hangs none across it
+        along, across = omega * np.sin(np.pi / 2 - theta), omega * np.sin(np.minimum(theta, np.pi - theta))
         rubbed = sign * (0.0 if wall.friction is None else wall.friction)
         return case.rod.stiffness_ratio, along, across, rubbed, float(way), case.rod.a / rho, case.outward
 

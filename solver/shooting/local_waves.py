@@ -259,8 +259,11 @@ def wave_shape(rod: LoadedRod, nodes: Array, over: Array, front: float = np.inf,
 def smooth_at(x: Array, alpha: Array, edge: int) -> Array:
     """The same, but for a bend at one place."""
     blur = np.hanning(2 * int(np.searchsorted(x, BLUR)) + 3)
+    wide = np.pad(alpha, blur.size // 2, "edge")
+    product = np.fft.rfft(wide) * np.fft.rfft(blur / blur.sum(), wide.size)
+    smooth = np.fft.irfft(product, wide.size)[blur.size - 1 :]  # where the circular convolution does not wrap
     near = np.exp(-((x - x[edge]) ** 2))
-    return alpha + near * (np.convolve(np.pad(alpha, blur.size // 2, "edge"), blur / blur.sum(), "valid") - alpha)
+    return np.asarray(alpha + near * (smooth - alpha))
 
 
 def helix(rod: LoadedRod, waves: Waves, x: Array, phase: Array, over: Array) -> tuple[Array, float, int]:

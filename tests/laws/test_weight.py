@@ -385,6 +385,19 @@ def test_steps_with_weight_check_no_case(monkeypatch: pytest.MonkeyPatch) -> Non
     assert counts[0] == counts[1]
 
 
+@pytest.mark.parametrize("inclination", ["0deg", "180deg"])
+def test_a_vertical_rod_feels_no_weight_across_it_and_knows_no_low_side(inclination: str) -> None:
+    """The rounding of sin(pi) made waves of 10 km, whose blur took seconds, and other shapes than elsewhere around."""
+    hole, ways = Cylinder(**HOLE, inclination=inclination), []
+    for alpha in (0.0, 1.0):
+        ends = Ends(beta0=0.0, betaL=0.0, azimuth=0.0, alpha=alpha, FZ=-50e3)
+        case = Case(Rod(L=1000.0, **PIPE), hole, ends)
+        assert rods_of(case)[0].across == 0
+        ways.append(solve(case))
+    assert ways[0].begun == ways[1].begun
+    assert np.abs(ways[0].beta) == pytest.approx(np.abs(ways[1].beta), abs=1e-9)
+
+
 def test_the_equilibria_that_a_search_finds_are_counted_by_degree() -> None:
     rod, hole = Rod(EI=1.0, GJ=0.8, a=0.2, L=4.0, weight=0.5), Cylinder(R=0.8, inclination="70deg")
     found = equilibria(Case(rod, hole, Ends(beta0=0.3, betaL=-0.2, FZ=-2.5, M3=0.3, alpha=0.4)), stations=2001)
