@@ -9,7 +9,7 @@ import numpy as np
 from ..core.varying_loads import BY_ANGLE, HALF, MOST_STEPS, SIZE, TRUNCATION, March, march
 from ..folds.parameter_plane import reflect
 from ..numerics.arrays import Array
-from ..problem.case import Case
+from ..problem.case import IN_PLACE, Case
 from ..problem.limits import unreachable
 from ..problem.reduced import EndsProblem, StartProblem, flat
 from ..problem.trajectory import Trajectory, verdicts
@@ -48,7 +48,8 @@ TOO_LARGE = (
 )
 MOST_CHANGES = 20_000  # of an ends problem: as many as of 30 km of pipe
 TOO_FINE = "the shape of this rod may change {:.3g} times along it, and at most {:,} changes are computed"
-USE_ENDS = "; a long rod with weight is an ends problem: give Ends in place of Start"
+USE_ENDS = "; a long rod with {} is an ends problem: give Ends in place of Start"
+UNDELIVERED = "the push at s = {} does not arrive at s = {}, where a tension must pull the rod (FZ = {:.4g})"
 
 
 @np.errstate(over="ignore", divide="ignore", invalid="ignore")  # what is out of range is said in the outcome
@@ -86,13 +87,14 @@ def answer_starts(case: Case, t: Array, tol: float) -> tuple[StartProblem, Traje
     solved, outcome = verdicts(read["beta"], error, condition, tol)
     for i in np.flatnonzero(~(condition < LOST)):
         endless = marched.steps[i] > MOST_STEPS
-        outcome[i] = f"{TOO_LONG if endless else outcome[i]}{USE_ENDS}"
+        load = "weight" if np.any(numbers[i, 1:3]) else "friction"
+        outcome[i] = f"{TOO_LONG if endless else outcome[i]}{USE_ENDS.format(load)}"
     shapes = VaryingShapes(Marched(numbers, scale, begin, span, marched.steps), *np.full((2, B), np.nan))
     far = StartProblem(end[:, Q] + end[:, MU], end[:, MU], end[:, PHI], span, problem.beta0, problem.dbeta0)
     return far, Trajectory(
         **read,
         solved=solved,
-        outcome=outcome,
+        outcome=with_undelivered(outcome, solved, case, numbers, begin, end),
         error=error,
         condition=condition,
         evaluations=marched.steps,
@@ -117,8 +119,7 @@ def answer_ends(case: Case, t: Array, tol: float, seeds: Sequence[Any] | None = 
     begin, end = shapes.ends()
     error, condition = np.array(estimates).T
     read = read_states(y, t, alpha0, np.array([rod.numbers[0] for rod in rods]) * end[:, MU])
-    with np.errstate(over="ignore"):
-        size = flat(case.rod.bending_stiffness / np.asarray(case.rho) ** 2, case.shape)
+    size = unit_force(case)
     rubbed = case.cylinder.friction
     friction = flat(0.0 if rubbed is None else rubbed, case.shape)
     reasons = zip(paths, size, friction, strict=True)
@@ -130,6 +131,7 @@ def answer_ends(case: Case, t: Array, tol: float, seeds: Sequence[Any] | None = 
     problem = EndsProblem(end[:, Q] + end[:, MU], end[:, MU], end[:, PHI], spans, begin[:, BETA], end[:, BETA])
     work = np.array([0 if path.shape is None else path.shape.t.size * path.shape.steps for path in paths])
     begun = np.array([words_of(path) for path in paths], dtype=object)
+    outcome = with_undelivered(outcome, solved, case, np.array([rod.numbers for rod in rods]), begin, end)
     return problem, Trajectory(
         **read, solved=solved, outcome=outcome, error=error, condition=condition, evaluations=work, begun=begun,
         held_index=index, shapes=shapes,
@@ -203,6 +205,29 @@ def round_up(load: float) -> float:
     """A load of four digits that is no less."""
     unit = 10.0 ** (np.floor(np.log10(abs(load) or 1.0)) - 3)
     return float(np.ceil(load / unit) * unit)
+
+
+def unit_force(case: Case) -> Array:
+    """A/rho^2 of each rod, (B,) [force]; infinite where it overflows."""
+    with np.errstate(over="ignore"):
+        return flat(case.rod.bending_stiffness / np.asarray(case.rho) ** 2, case.shape)
+
+
+def with_undelivered(outcome: Any, solved: Any, case: Case, numbers: Array, begin: Array, end: Array) -> Any:
+    """The outcomes (B,), with a remark on each push that friction takes before it reaches the other end.
+
+    The rod slides away from the end that is pushed, and is in tension at the end ahead: something has to pull it there.
+    numbers: (B, 7). begin, end: states at both ends, (B, 8).
+    """
+    forward = numbers[:, 3] > 0
+    behind, ahead = (np.where(forward, *pair) for pair in ((begin[:, PHI], end[:, PHI]), (end[:, PHI], begin[:, PHI])))
+    slides = (numbers[:, 3] != 0) & (numbers[:, 4] != IN_PLACE)
+    large = ahead > SAFETY * ROUNDING * np.abs(behind)
+    words, size = np.array(outcome, dtype=object), unit_force(case)
+    for i in np.flatnonzero(solved & slides & (behind < 0) & large).tolist():
+        ends = ("0", "L") if forward[i] else ("L", "0")
+        words[i] = f"{words[i]}; {UNDELIVERED.format(*ends, ahead[i] * size[i])}"
+    return words
 
 
 def words_of(path: Path) -> str:

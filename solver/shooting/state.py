@@ -5,12 +5,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..numerics.arrays import Array
+from ..numerics.arrays import Array, Booleans
+from ..problem.case import ALONG_AXIS, ALONG_ITSELF, SIDES, Cylinder
 
 STRAIGHT, SINUSOIDAL, HELICAL = "straight", "sinusoidal", "helical"
 BENT = 0.1  # rad of azimuth from one bend to the next: less is straight
 DYING = 0.7  # of the azimuth of the bend before: so bends die away in a straight rod below 0.97 of its buckling load
 TURN = 2 * np.pi  # of azimuth in one sense: as much is a helix
+SLIGHT = 1e-6  # of the largest push along the rod: a smaller one is none
 LEAVES, RUBS = "leaves its branch", "buckles where friction"  # what a rod does on its way from the straight one
 
 
@@ -23,7 +25,24 @@ class State(NamedTuple):
     turned: float = 0.0
 
 
-def states(s: Array, beta: Array, alpha: Array) -> tuple[State, ...]:
+def is_drawn(axial: Array, push: Array) -> Booleans:
+    """Where a rod is in tension and the wall does not push, (n,), from the axial force and the push there."""
+    drawn: Booleans = (axial > 0) & (push <= SLIGHT * np.abs(push).max())
+    return drawn
+
+
+def axial_force_along(wall: Cylinder, weight: float, FZ: float, s: Array, beta: Array, push: Array) -> Array:
+    """FZ at places s (n,), from that at the far end, the weight per length and the friction, by trapezoids [force]."""
+    sign, way = wall.sense
+    turning = SIDES[wall.side] * np.sin(beta)
+    share = np.cos(beta) if way == ALONG_ITSELF else np.ones(beta.shape) if way == ALONG_AXIS else turning
+    inclination, friction = (float(value or 0.0) for value in (wall.inclination, wall.friction))
+    density = weight * np.cos(inclination) + sign * friction * push * share
+    added = np.concatenate([[0.0], np.cumsum((density[1:] + density[:-1]) / 2 * np.diff(s))])
+    return np.asarray(FZ + added - added[-1])
+
+
+def states(s: Array, beta: Array, alpha: Array, drawn: Booleans | None = None) -> tuple[State, ...]:
     """The states along a rod, from its values at places s (n,), dense enough to show each change of sign of beta.
 
     Between two changes of sign the azimuth goes one way. There the rod is helical if it goes once round or more,
@@ -31,12 +50,15 @@ def states(s: Array, beta: Array, alpha: Array) -> tuple[State, ...]:
     the rod, where beta is less than half of its largest, what goes less than `BENT` is straight. Two helices that meet
     turn in different senses. Bends from an end to a straight stretch are straight too where each is at most `DYING` of
     the one before: there the rod turns from the azimuth of its end to where it lies.
+
+    drawn: of `is_drawn`, (n,). What would be helical is straight there: tension draws the rod from one azimuth to
+    another, and no load buckles it.
     """
     cuts = [0, *(np.flatnonzero(np.sign(beta[1:]) * np.sign(beta[:-1]) < 0) + 1), s.size - 1]
+    pieces = [piece for part in pairwise(cuts) for piece in _without_drawn(*part, alpha, drawn)]
     parts: list[State] = []
-    turns = np.abs(np.diff(alpha[cuts]))
-    bent = [False, *(turns >= BENT), False]
-    for (first, last), turned, *around in zip(pairwise(cuts), turns, bent, bent[2:], strict=False):
+    bent = [False, *(turned >= BENT for *_, turned in pieces), False]
+    for (first, last, turned), *around in zip(pieces, bent, bent[2:], strict=False):
         if turned < TURN:
             parts.append(State(STRAIGHT if turned < BENT else SINUSOIDAL, s[first], s[last], turned))
             continue
@@ -47,6 +69,19 @@ def states(s: Array, beta: Array, alpha: Array) -> tuple[State, ...]:
         parts += [State(STRAIGHT, s[first], leaves), State(HELICAL, leaves, arrives), State(STRAIGHT, arrives, s[last])]
     parts = [part for part in parts if part.end > part.begin]
     return tuple(_join(_without_end_turns(_without_end_turns(parts)[::-1])[::-1]))
+
+
+def _without_drawn(first: int, last: int, alpha: Array, drawn: Booleans | None) -> list[tuple[int, int, float]]:
+    """A stretch on which beta keeps its sign: from one place to another, and the azimuth that it goes.
+
+    One that goes once round or more is cut where it is `drawn`, and goes no azimuth there.
+    """
+    whole = float(abs(alpha[last] - alpha[first]))
+    if whole < TURN or drawn is None or not drawn[first : last + 1].any():
+        return [(first, last, whole)]
+    inner = drawn[first : last + 1]
+    cuts = [first, *(first + np.flatnonzero(inner[1:] != inner[:-1]) + 1), last]
+    return [(a, b, 0.0 if drawn[a] else float(abs(alpha[b] - alpha[a]))) for a, b in pairwise(cuts) if b > a]
 
 
 def _without_end_turns(found: list[State]) -> list[State]:

@@ -14,7 +14,7 @@ from ..numerics.arrays import Array, Booleans, Integers
 from ..numerics.roots import bisect
 from ..problem.case import IN_PLACE
 from .loaded_rod import ALPHA, BETA, MU, PHI, SPEED, LoadedRod, Q
-from .state import State, states
+from .state import State, is_drawn, states
 
 DENSE = 17  # places on a stretch, at which the states along a rod are judged
 BISECTIONS = 40  # of a place at which the rod lifts off
@@ -83,7 +83,7 @@ class Shape:
     def states(self, rho: float) -> tuple[State, ...]:
         """The states along the rod, with s in the unit of rho."""
         t, y = self.dense
-        return states(t * rho, y[:, BETA], y[:, ALPHA])
+        return states(t * rho, y[:, BETA], y[:, ALPHA], is_drawn(y[:, PHI], self._pushes(y)))
 
     def lift_offs(self, rho: float) -> tuple[tuple[float, float], ...]:
         """The stretches on which the wall would have to pull, from one s to another, in the unit of rho."""

@@ -1,12 +1,17 @@
 """The loads at which a long horizontal pipe changes its state, and a string about its neutral point, from `solve`."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy.interpolate import make_interp_spline
 
 from benchmarks.pipe_events import HELIX, SINUSOID, HalfWave, energy, events, push_min, wave_number
 from solver import Case, Cylinder, Ends, Rod, Start, solve
-from workbench.words.pipe_state import profile
+from solver.shooting.state import HELICAL, STRAIGHT, axial_force_along
+from workbench.words.pipe_state import axial_force, profile
+
+PIPE: dict[str, Any] = {"E": 2.06e8, "nu": 0.3, "a": 0.0635, "inner_radius": 0.0543, "weight": 0.241}  # kN and m
 
 
 @pytest.mark.slow
@@ -61,3 +66,58 @@ def test_dogleg_and_bending_stress_are_those_of_the_curve_in_space() -> None:
     most = {row.name: row.largest for row in profile(sol, {"length": "m", "force": "kN"})}
     assert np.degrees(bend * 30) == pytest.approx(most["dogleg of the pipe"], rel=2e-4)
     assert 2.06e8 * 0.0635 * bend / 1e3 == pytest.approx(most["bending stress"], rel=2e-4)
+
+
+def vertical_pipe(load: float, azimuth: float | None) -> Case:
+    hole = Cylinder(0.10795, "inside", inclination="180deg")
+    return Case(Rod(L=1000.0, **PIPE), hole, Ends(beta0=0.0, betaL=0.0, FZ=-load, azimuth=azimuth))
+
+
+@pytest.mark.parametrize("load", (50.0, 100.0))
+@pytest.mark.parametrize("azimuth", (None, 0.0, 2.0))
+def test_a_hanging_pipe_is_straight_where_it_is_in_tension_and_the_wall_does_not_push(
+    load: float, azimuth: float | None
+) -> None:
+    """The neutral point of a hanging pipe lies the load over the weight above its foot, whatever its shape."""
+    sol = solve(vertical_pipe(load, azimuth), stations=4001)
+    neutral = 1000.0 - load / 0.241
+    (top, *lower) = sol.states
+    assert (top.word, top.begin) == (STRAIGHT, 0.0)
+    assert lower[0].word == HELICAL
+    assert neutral - 40 < top.end < neutral
+    for state in lower:
+        inside = (sol.s > state.begin) & (sol.s < state.end) & (sol.s < neutral)
+        assert (sol.push[inside] > 0).all()
+
+
+@pytest.mark.parametrize("inclination", ("90deg", "100deg"))
+@pytest.mark.parametrize("sliding", ("backward", "rotating", "axial-forward", "axial-backward"))
+def test_the_axial_force_follows_from_that_at_the_far_end_the_push_the_weight_and_the_friction(
+    sliding: str, inclination: str
+) -> None:
+    hole = Cylinder(0.10795, "inside", inclination, 0.15, sliding)
+    ends = Ends(beta0=0.0, betaL=0.0, FZ=-180.0)
+    sol = solve(Case(Rod(L=300.0, **PIPE), hole, ends), stations=12_001)
+    along = axial_force_along(hole, 0.241, -180.0, sol.s, sol.beta, sol.push)
+    change, expected = along - along[-1], axial_force(sol) + 180.0
+    # trapezoids of 25 mm on waves of 20 m; the small change of a pipe that turns is a difference of forces of 180 kN
+    assert change == pytest.approx(expected, abs=2e-5 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("sliding", ("forward", "axial-forward", "backward", "axial-backward", "rotating"))
+@pytest.mark.parametrize("load", (-60.0, -80.0, 30.0))
+def test_a_push_arrives_at_the_other_end_of_a_straight_lying_pipe_where_it_exceeds_the_friction(
+    sliding: str, load: float
+) -> None:
+    """Friction is f w L = 72.3 kN; a pipe that is pushed at s = L slides backward, and one that turns has none."""
+    hole = Cylinder(0.10795, "inside", "90deg", 0.3, sliding)
+    azimuth = {} if sliding == "rotating" else {"azimuth": 0.0}
+    sol = solve(Case(Rod(L=1000.0, **PIPE), hole, Ends(beta0=0.0, betaL=0.0, FZ=load, **azimuth)))
+    outcome = str(sol.outcome)
+    assert sol.solved
+    ahead = load + 72.3 if "backward" in sliding else load  # the force at the end ahead
+    behind = load if "backward" in sliding else load - 72.3
+    lost = ahead > 0 > behind and sliding != "rotating"
+    near, far = ("L", "0") if "backward" in sliding else ("0", "L")
+    words = f"the push at s = {near} does not arrive at s = {far}, where a tension must pull the rod (FZ = {ahead:.4g})"
+    assert outcome == (f"solved; {words}" if lost else "solved")

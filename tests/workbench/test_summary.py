@@ -1,8 +1,11 @@
 """`workbench summary`: what the file holds, told from its numbers, however it is cut into blocks."""
 
+import re
+
 import numpy as np
 import pytest
 
+from solver import solve
 from studies.language.loader import loads
 from tests.slow import slow_but
 from tests.workbench import small
@@ -60,3 +63,16 @@ def test_the_states_of_pipes_are_a_table_unless_their_stations_are_too_few(stati
     lines = [line.split() for line in capsys.readouterr().out.splitlines()]
     assert ["FZ", "(kN)", *"state along the rod".split()] in lines  # noqa: SIM905
     assert ["-200", *buckled.split()] in lines
+
+
+@pytest.mark.parametrize("outputs", [["beta", "alpha", "contact"], ["beta", "alpha"]])
+def test_a_stored_pipe_is_helical_where_the_solved_one_is_also_above_its_neutral_point(outputs, tmp_path) -> None:
+    hanging = PIPE | {"L": 600.0, "inclination": "180deg"}
+    study = loads(small.text(hanging, small.axis("FZ", [-80.0]), "m kN", outputs=outputs, stations=1201))
+    path = writing.write(in_memory.run(study), tmp_path / "pipe.h5")
+    (row,) = file_summary.summary(path)["states"]
+    solved = solve(study.case_of({"FZ": -80.0}), stations=1201)
+    words, places = (re.findall(pattern, row["state"]) for pattern in ("straight|helical", r"[\d.]+(?= m|,|$)"))
+    assert words == [state.word for state in solved.states]
+    assert [float(place) for place in places] == pytest.approx([state.end for state in solved.states], abs=1.0)
+    assert 600 - 80 / 0.241 - 30 < solved.states[0].end < 600 - 80 / 0.241

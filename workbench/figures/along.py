@@ -21,6 +21,7 @@ from solver.problem.errors import InputError, no_such
 from studies.laws.line_verdicts import NOISE
 
 from ..store import schema
+from ..store.derived_arrays import states_of
 from ..words import labels
 from ..words.cautions import SLIGHT
 from . import canvas, colours, drawn_rods, fonts, push_scale, regions
@@ -267,9 +268,9 @@ def _draw_curves(ax: Axes, rods: DrawnRods, curves: Curves) -> None:
 
 
 def _states(rods: DrawnRods, rod: DrawnRod) -> Sequence[Any]:
-    from solver.shooting.state import states
-
-    return states(rod["s"], rod["beta"], rod["alpha"]) if schema.loads_vary(rods.source) else ()
+    if not schema.loads_vary(rods.source):
+        return ()
+    return states_of(rod.case, *(rod[name] for name in ("s", "beta", "alpha", "push")))
 
 
 def _name_curves(ax: Axes, rods: DrawnRods, curves: Curves, tall: float, labelled: bool) -> None:

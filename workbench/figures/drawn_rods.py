@@ -24,7 +24,8 @@ class DrawnRod:
     """One rod.
 
     name, value: ``E = 5000 N/cm²`` and ``5000``. arrays: s and what was asked for, (n,) each; None where the case is
-    not solved. rho, a [length]; lam, mu, phi: as of `solver.mechanics.potential`. caution: as stored.
+    not solved. rho, a [length]; lam, mu, phi: as of `solver.mechanics.potential`. caution: as stored. case: the numbers
+    of its case.
     """
 
     name: str
@@ -36,6 +37,7 @@ class DrawnRod:
     mu: float
     phi: float
     caution: str
+    case: xr.Dataset
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
         assert self.arrays is not None
@@ -153,7 +155,7 @@ def _rod(one: xr.Dataset, axis: str | None, arrays: Mapping[str, Any] | None) ->
     text = labels.value(float(one[axis]), one[axis]) if axis else ""
     name = f"{labels.axis_symbol(axis)} = {text}" if axis else "rod"
     short = text if text.endswith("°") else text.partition(" ")[0]
-    return DrawnRod(name, short, arrays, a=float(stored.constant("a")), caution=caution, **names)
+    return DrawnRod(name, short, arrays, a=float(stored.constant("a")), caution=caution, case=one, **names)
 
 
 def _arrays(some: xr.Dataset, names: Sequence[str], count: int) -> tuple[list[dict[str, Any] | None], list[str]]:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from solver import Case, Solution
+from solver import Case, Cylinder, Solution
 from solver.mechanics import frames, statics
 from solver.mechanics.potential import dimensional_slope, potential
 from solver.mechanics.statics import contact_force, push_from
@@ -26,6 +26,8 @@ from .schema import COMPONENTS, axes_left
 
 if TYPE_CHECKING:
     import pandas as pd
+
+    from solver.shooting.state import State
 
 
 _VECTOR, _FRAME = ("xyz",), ("director", "xyz")
@@ -198,6 +200,17 @@ RULES: dict[str, tuple[tuple[str, ...], Callable[..., Any]]] = {
         lambda at, a, b, g: _vectors(frames.material, "material_frame", a, b, g),
     ),
 }
+
+
+def states_of(one: xr.Dataset, s: Any, beta: Any, alpha: Any, push: Any) -> "tuple[State, ...]":
+    """The states along a stored rod with weight or friction, from arrays along it, (n,) each; `one`: its case."""
+    from solver.shooting.state import axial_force_along, is_drawn, states  # it loads the methods
+
+    given: dict[str, Any] = {name: float(one[name]) for name in ("R", "inclination", "friction") if name in one}
+    wall = Cylinder(**given, **{name: one.attrs[name] for name in ("side", "sliding") if name in one.attrs})
+    weight = float(one["weight"]) if "weight" in one.variables else 0.0
+    axial = axial_force_along(wall, weight, float(one["FZ"]), s, beta, push)
+    return states(s, beta, alpha, is_drawn(axial, push))
 
 
 MOST = 500_000_000  # numbers of a table: 4 GB

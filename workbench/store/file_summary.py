@@ -17,13 +17,15 @@ from studies.laws import law_words
 
 from ..words import cautions, labels
 from . import file_checks, reading, refined, schema, selection
+from .derived_arrays import StoredArrays, states_of
 from .law_verdicts import boundary_of_law, statistics
 from .refined import boundary
-from .stored_case import study_of
+from .stored_case import solve_again, study_of
 
 MOST_PLACES = 12  # of a boundary along one axis that are listed
 MOST_STATES, DENSE = 50, 3  # rods whose states are listed; stations from one change of sign of beta to the next
 TOO_FEW = "too few stations along the rod are stored"
+NO_PUSH = "helical, or drawn by tension: the push along the rod is not stored"
 
 
 def summary(path: Path) -> dict[str, Any]:
@@ -60,7 +62,7 @@ def _states(ds: xr.Dataset) -> list[dict[str, Any]]:
         return []
     rows = []
     for place in np.ndindex(ds["outcome"].shape):
-        case = ds[["s", "beta", "alpha", "solved"]].isel(dict(zip(ds["outcome"].dims, place, strict=True)))
+        case = ds.isel(dict(zip(ds["outcome"].dims, place, strict=True)))
         axes = {name: float(case[name]) for name in schema.axes_of(ds)}
         rows.append({**axes, "state": _state(case, str(ds.attrs["length_unit"])) if case["solved"] else "not solved"})
     return rows
@@ -68,12 +70,23 @@ def _states(ds: xr.Dataset) -> list[dict[str, Any]]:
 
 def _state(case: xr.Dataset, unit: str) -> str:
     """The states along one rod; that the stations are too few where a wave has less than `DENSE` between its ends."""
-    from solver.shooting.state import BENT, in_words, states  # it loads the methods
+    from solver.shooting.state import BENT, HELICAL, in_words, states  # it loads the methods
 
     s, beta, alpha = (case[name].values for name in ("s", "beta", "alpha"))
     ends = np.flatnonzero(np.sign(beta[1:]) * np.sign(beta[:-1]) < 0)
     waves = np.abs(np.diff(alpha[ends])) >= BENT
-    return in_words(states(s, beta, alpha), unit) if (np.diff(ends)[waves] >= DENSE).all() else TOO_FEW
+    if not (np.diff(ends)[waves] >= DENSE).all():
+        return TOO_FEW
+    parts = states(s, beta, alpha)
+    if all(part.word != HELICAL for part in parts):
+        return in_words(parts, unit)
+    if "contact" not in case:  # whether the wall pushes decides
+        try:
+            case = solve_again(case, s.size, ["beta", "alpha", "contact"])
+        except InputError:
+            return NO_PUSH
+        s, beta, alpha = (case[name].values for name in ("s", "beta", "alpha"))
+    return in_words(states_of(case, s, beta, alpha, StoredArrays(case).derive("push").values), unit)
 
 
 def _observables(ds: xr.Dataset) -> list[str]:
