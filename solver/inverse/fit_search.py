@@ -5,7 +5,7 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq, least_squares
+from scipy.optimize import brentq
 
 from ..choose.selection import NEAREST, Choose, check
 from ..numerics.arrays import Array
@@ -14,13 +14,10 @@ from ..problem.errors import InputError, check_tolerance
 from .assembly import EQUAL, ZERO, result
 from .data import check_data
 from .fit_result import Fit
+from .local_search import STEP, search
 from .model import Minimum, Model, NoValueError
 from .parameters import check_parameters
 
-# Relative: a search ends where its step in x, or its gain of the sum of squares, is smaller. With 50 points this gain
-# leaves 6e-4 standard errors (measured); data that are met exactly end by the step.
-_STEP, _GAIN = 1e-10, 1e-7
-_EVALUATIONS = 200  # of one search
 _SAME = 1e-3  # of x: two minima that are nearer are one
 MOST_STARTS = 100_000
 
@@ -40,8 +37,9 @@ def fit(
 ) -> Fit:
     """Values of fields of a case that fit observables and measured points, with their 95 % intervals.
 
-    It makes the sum of ((computed - measured)/sigma)^2 least by `scipy.optimize.least_squares` with the exact
-    derivatives of `Solution.sensitivity`, first from the values of the case and then from Sobol' points.
+    It makes the sum of ((computed - measured)/sigma)^2 least by steps of Gauss and Newton in a region of trust with the
+    exact derivatives of `Solution.sensitivity`, first from the values of the case and then from Sobol' points. No step
+    moves what the data do not determine: it stays near the values of the case.
 
     Parameters
     ----------
@@ -101,49 +99,18 @@ def fit(
     model = Model(case, parameters, data, check(choose), check_tolerance(tol))
     model.starts = starts
     origin = np.array([parameter.start for parameter in parameters])
-    first = _search(model, origin, [])
+    first = search(model, origin, lambda x: False)
     minima = [] if first is None else [first]
     others = _starts(model, starts, seed)
     idle = _idle(model, first, others)
     for start in others:
-        minimum = _search(model, np.where(idle, origin, start), minima)
+        minimum = search(
+            model, np.where(idle, origin, start), lambda x: any(_close(x, minimum.x) for minimum in minima)
+        )
         if minimum is not None:
             minima.append(minimum)
     moved = [minimum for minimum in minima if minimum.jacobian.any()]  # the others may be maxima
     return result(model, _distinct(moved or minima, data.size))
-
-
-@np.errstate(all="ignore")  # steps of SciPy where derivatives vanish: a search that they mislead says so
-def _search(model: Model, start: Array, known: list[Minimum]) -> Minimum | None:
-    """The minimum to which a search from `start` leads; None where there is no value, or where it comes to a known one.
-
-    A step to a place without a value is made shorter, by `least_squares`, as its residuals are NaN.
-    """
-    model.begin()
-    residuals = model.residuals(start)
-    if not np.isfinite(residuals).all():
-        return None
-
-    def near(intermediate_result: Any) -> None:
-        if any(_close(intermediate_result.x, minimum.x) for minimum in known):
-            raise StopIteration
-
-    bounds = np.array([parameter.bounds for parameter in model.parameters]).T
-    try:
-        if not model.jacobian(start).any() or not residuals.any():  # no direction is better, or nothing is left to gain
-            return Minimum(*model.accepted[0], np.ones(start.size, dtype=bool))
-        answer = least_squares(
-            model.residuals, start, model.jacobian, tuple(bounds), x_scale="jac", ftol=_GAIN, xtol=_STEP, gtol=None,
-            max_nfev=_EVALUATIONS, callback=near,
-        )  # fmt: skip
-    except NoValueError as error:
-        every = np.ones(start.size, dtype=bool)
-        return Minimum(*model.accepted[-1], every, str(error)) if model.accepted else None
-    if answer.status == -2:
-        return None
-    stop = "" if answer.status > 0 else f"the search did not end in {_EVALUATIONS} evaluations"
-    best = next(pair for pair in reversed(model.accepted) if np.array_equal(pair[0].x, answer.x))
-    return Minimum(*best, answer.active_mask == 0, stop)
 
 
 def _idle(model: Model, first: Minimum | None, starts: list[Array]) -> Array:
@@ -193,7 +160,7 @@ def _crossings(model: Model, x: Array, residuals: Array) -> list[Array]:
         if residuals[i] * residuals[j] < 0:
             model.begin()
             try:
-                zeros.append(brentq(lambda v: float(model.residuals(np.array([v]))[0]), x[i], x[j], rtol=_STEP))
+                zeros.append(brentq(lambda v: float(model.residuals(np.array([v]))[0]), x[i], x[j], rtol=STEP))
             except ValueError:  # there is no value between them
                 continue
     return [np.array([zero]) for zero in zeros]

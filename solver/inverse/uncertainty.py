@@ -2,8 +2,10 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import special
 
 from ..numerics.arrays import Array
@@ -13,6 +15,30 @@ SINGULAR = 1e-8  # of the largest singular value of normalised derivatives: a sm
 _NONE = 1e-11  # of the largest derivative: a parameter with smaller ones has no effect
 _PART = 1e-6  # of a direction: a parameter with a smaller part does not belong to it
 LEVEL = 0.95
+
+
+class Decomposition(NamedTuple):
+    """What the derivatives (N, F) of N data say about F parameters: the singular values of their columns.
+
+    norms: of the columns, (F,). active: whether a parameter is free and has an effect, (F,). left, sizes, right: the
+    decomposition of the A active columns, each of norm 1, (N, N), (min(N, A),) and (A, A). rank: how many of the sizes
+    are more than rounding; the other rows of `right` are combinations that change no datum.
+    """
+
+    norms: Array
+    active: NDArray[np.bool_]
+    left: Array
+    sizes: Array
+    right: Array
+    rank: int
+
+
+def decomposition(jacobian: Array, free: NDArray[np.bool_]) -> Decomposition:
+    """What the derivatives (N, F) determine of the parameters that are free, (F,)."""
+    norms = np.linalg.norm(jacobian, axis=0)
+    active = free & (norms > _NONE * max(norms.max(initial=0.0), 1e-300))
+    left, sizes, right = np.linalg.svd(jacobian[:, active] / norms[active], full_matrices=True)
+    return Decomposition(norms, active, left, sizes, right, int((sizes > SINGULAR * sizes.max(initial=0.0)).sum()))
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,15 +71,11 @@ def uncertainty(
     otherwise their variance is estimated. free: (F,), False for a parameter at a bound, which counts as known.
     """
     N, F = jacobian.shape
-    norms = np.linalg.norm(jacobian, axis=0)
-    active = free & (norms > _NONE * max(norms.max(initial=0.0), 1e-300))
-    columns = jacobian[:, active] / norms[active]
-    U, sizes, Vt = np.linalg.svd(columns, full_matrices=True) if active.any() else (None, np.zeros(0), np.zeros((0, 0)))
-    rank = int((sizes > SINGULAR * sizes.max(initial=0.0)).sum())
+    norms, active, U, sizes, Vt, rank = decomposition(jacobian, free)
     silent = [np.eye(F)[k] for k in np.flatnonzero(free & ~active)]
     mixed = [_whole(row / norms[active], active) for row in _reduce(Vt[rank:])]
     inverse = np.zeros((F, N))
-    if rank and U is not None:
+    if rank:
         inverse[active] = (Vt[:rank].T / sizes[:rank]) @ U[:, :rank].T / norms[active][:, None]
     unknown = free & ((np.abs(np.array([*silent, *mixed])) > 0).any(axis=0) if silent or mixed else False)
     freedom = N - rank

@@ -231,6 +231,25 @@ def test_the_modulus_and_all_forces_cannot_be_told_apart() -> None:
     assert found.condition == np.inf
 
 
+def test_no_rounding_decides_what_the_data_do_not_determine() -> None:
+    """The order of the points changes the last digits of a search, and nothing else."""
+    points, guess, fields = points_of(rod(), noise=0.03), rod(E=1.03e4, M3=17.0), ["E", "F3", "M3", "R"]
+    orders = [np.random.default_rng(seed).permutation(S.size) for seed in range(4)]
+    every = [fit(guess, fields, points={name: v[o] for name, v in points.items()}, starts=0) for o in orders]
+    for found in every:
+        assert found.outcome.startswith("undetermined")
+        assert found.values == pytest.approx(every[0].values, rel=1e-8)
+        assert abs(np.log(found.values["E"] / 1.03e4)) < 0.02  # R and the ratios of E, F3 and M3 alone move it
+
+
+def test_a_fit_that_begins_at_its_own_result_stays_there_though_the_data_do_not_determine_it() -> None:
+    points, fields = points_of(rod(), noise=0.03), ["E", "F3", "M3", "R"]
+    found = fit(rod(E=1.03e4, M3=17.0), fields, points=points, starts=0)
+    again = fit(found.case, fields, points=points, starts=0)
+    assert again.outcome.startswith("undetermined")
+    assert again.values == pytest.approx(found.values, rel=1e-4)
+
+
 def test_a_field_without_effect_is_named_and_stays() -> None:
     guess = rod(E=4.1e3, M3=12.6, gamma=-0.1)  # from which the first search ends at another minimum
     found = fit(guess, ["E", "M3", "gamma0"], points=points_of(rod(), noise=0.01))
