@@ -97,7 +97,7 @@ class Measured(Terms):
     """What an observable reads of a rod under dead loads, in terms of the numbers that pages measure."""
 
     def __init__(self) -> None:
-        case = SimpleNamespace(cylinder=SimpleNamespace(friction=None))
+        case = SimpleNamespace(cylinder=part(Cylinder, friction=None))
         sol = SimpleNamespace(case=case, trajectory=SimpleNamespace(orbit=None), problem=SimpleNamespace(span=1.0))
         known = {"length": Term("v.span"), "ratio": Term("(v.A / v.C)"), "gain": (Term("v.turned"), Term("v.risen"))}
         super().__init__(sol=sol, error=0.0, loads=(Term("v.FZ"), Term("v.MZ"), Term("v.M3")), **known)

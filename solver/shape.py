@@ -214,6 +214,16 @@ class Shape:
         return self._loads[0] * np.sin(self.beta) ** 2 / self._rho
 
     @_property
+    def M3_along(self) -> Array:
+        """Twisting moment along the rod, (*cases, n) [force length].
+
+        It is `M3` but along a rod that turns in place against friction f: there it grows by f a per push.
+        """
+        if self.trajectory.loads is None:
+            return np.broadcast_to(self._column(self.M3), self.s.shape)
+        return self._loads[0] * self._loads[2]
+
+    @_property
     def h(self) -> Array:
         """First integral beta'^2 + G(beta), constant but for the error, (*cases, n) [1/length^2]; eq. (32).
 
@@ -240,7 +250,7 @@ class Shape:
 
     @_property
     def M3(self) -> Any:
-        """Twisting moment, (*cases) [force length]."""
+        """Twisting moment, (*cases) [force length]; of a rod that turns in place against friction at its far end."""
         return self._each(flat(self.loads[2], self.case.shape))
 
     @property

@@ -27,8 +27,8 @@ class RodAccessor:
     """The accessor `ds.rod`; the dataset may be a selection, and its arrays may be lazy.
 
     Attributes are arrays along the rod with units, of dimensions (axes, u) and a component where there is one: beta,
-    dbeta, alpha, z, gamma, position, tangent, normal, material_frame, kappa, F1, F2, F3, FY, contact, push, M1, M2, h.
-    Each is read where it is stored, else computed from what is stored, else its cases are solved again.
+    dbeta, alpha, z, gamma, position, tangent, normal, material_frame, kappa, F1, F2, F3, FY, contact, push, M1, M2,
+    M3_along, h. Each is read where it is stored, else computed from what is stored, else its cases are solved again.
 
     Raises
     ------

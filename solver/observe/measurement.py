@@ -196,6 +196,15 @@ class Reading:
         return self.carry(self.sol.problem.mu, "mu")
 
     @cached_property
+    def square_twist(self) -> Array:
+        """The mean of the square of mu over the length, (B,)."""
+        shapes: Any = self.sol.trajectory.shapes
+        if shapes is None:
+            return np.asarray(self.mu**2)
+        rods = (shapes.of(i) for i in range(self.sol.problem.size))
+        return np.array([np.nan if rod is None else rod.square_twist() for rod in rods])
+
+    @cached_property
     def gain(self) -> tuple[Any, Any]:
         """alpha(L) - alpha(0) [rad] and z(L)/rho, (B,)."""
         turned, risen = self._gain()

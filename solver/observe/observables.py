@@ -221,9 +221,17 @@ def pitch(read: Reading) -> Pair:
 
 
 def twist_energy(read: Reading) -> Pair:
-    """M3^2 L/(2 C) [force length]."""
-    value = read.unit_moment * _twist(read) * read.length
-    return value, 8 * EPS * value
+    """Integral of M3^2/(2 C) along the rod [force length].
+
+    M3 is constant but along a rod that turns in place against friction.
+    """
+    turning = read.sol.case.cylinder.turns_in_place
+    square = read.square_twist if turning else read.mu**2
+    value = read.unit_moment * (square * read.ratio / 2) * read.length
+    error = 8 * EPS * value
+    if turning:
+        error = error + read.unit_moment * np.sqrt(square) * read.ratio * read.length * read.error * read.steepness**2
+    return value, error
 
 
 def energy(read: Reading) -> Pair:
@@ -240,11 +248,6 @@ def energy(read: Reading) -> Pair:
     if rubbed is not None:
         value = np.where(flat(rubbed, read.sol.case.shape) != 0, np.nan, value)
     return value - twist, error + rounding
-
-
-def _twist(read: Reading) -> Array:
-    """M3^2/(2 C) in units of A/rho^2, (B,)."""
-    return read.mu**2 * read.ratio / 2
 
 
 @dataclass(frozen=True)
@@ -318,6 +321,7 @@ OBSERVABLES: dict[str, Observable] = {
     "M3": Observable(lambda read: (read.loads[2], 0.0), holds=True),
     "FZ0": Observable(lambda read: _at_start(read, PHI, read.unit_force, read.loads[0]), holds=True),
     "MZ0": Observable(lambda read: _at_start(read, Q, read.unit_moment, read.loads[1]), holds=True),
+    "M30": Observable(lambda read: _at_start(read, MU, read.unit_moment, read.loads[2]), holds=True),
     "neutral_at": Observable(neutral_at, undefined="the axial force is nowhere 0", holds=True),
     "M10": Observable(lambda read: _end_moment(read, 0), holds=True),
     "M1L": Observable(lambda read: _end_moment(read, 1), holds=True),

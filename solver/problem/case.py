@@ -254,6 +254,11 @@ class Cylinder:
         """The sign of sliding towards larger s, and the way: ALONG_ITSELF, IN_PLACE or ALONG_AXIS."""
         return SLIDING[self.sliding or "forward"]
 
+    @property
+    def turns_in_place(self) -> bool:
+        """Whether a rod turns in place against friction: then its twisting moment varies along it."""
+        return self.friction is not None and self.sense[1] == IN_PLACE
+
     def __repr__(self) -> str:
         return write_fields(self)
 

@@ -76,12 +76,14 @@ _ROWS = (
     Quantity("contact", "f", _LINE_LOAD, "contact force per length, positive outward"),
     Quantity("M1", "M₁", _MOMENT, "bending moment about the inward normal"),
     Quantity("M2", "M₂", _MOMENT, "bending moment about the binormal in the surface"),
+    Quantity("M3_along", "M₃(s)", _MOMENT, "twisting moment along the rod"),
     # constants of the rod
     Quantity("FZ", "FZ", _FORCE, "axial force"),
     Quantity("MZ", "MZ", _MOMENT, "axial moment"),
     Quantity("M3", "M₃", _MOMENT, "twisting moment"),
     _with_error("FZ0", "FZ(0)", _FORCE, "axial force at the start"),
     _with_error("MZ0", "MZ(0)", _MOMENT, "axial moment at the start"),
+    _with_error("M30", "M₃(0)", _MOMENT, "twisting moment at the start"),
     _with_error("neutral_at", "FZ = 0 at s", _LENGTH, "first s where the axial force is 0"),
     Quantity("h", "h", (-2, 0), "first integral of the angle"),
     # observables

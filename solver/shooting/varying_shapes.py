@@ -17,6 +17,7 @@ from .loaded_rod import ALPHA, BETA, MU, PHI, SPEED, LoadedRod, Q
 from .state import State, is_drawn, states
 
 DENSE = 17  # places on a stretch, at which the states along a rod are judged
+GAUSS = 12  # places on a stretch, for integrals of products of states
 BISECTIONS = 40  # of a place at which the rod lifts off
 WAVE = 2 * np.pi  # of the lengths on which the shape changes
 FINE = 2  # nodes of a start problem, for each step of its march
@@ -103,6 +104,12 @@ class Shape:
         reaches = [(b, self.t[-1] - a) for a, b in self.lift_offs(1.0)]
         near = all(lower <= first or upper <= last for lower, upper in reaches)
         return max((min(pair) for pair in reaches), default=0.0) if near else None
+
+    def square_twist(self) -> float:
+        """The mean of the square of mu over the length."""
+        places, weights = np.polynomial.legendre.leggauss(GAUSS)
+        squares = self.between(places)[:, :, MU] ** 2 @ weights / 2
+        return float(squares @ np.diff(self.t) / self.t[-1])
 
     def neutral(self) -> float:
         """The first t at which FZ changes its sign; NaN where it does not."""

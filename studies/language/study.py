@@ -47,7 +47,7 @@ from .samples import Sample
 # The quantities that can be stored along the rod: names of `Solution`.
 OUTPUTS = (
     "beta", "dbeta", "alpha", "z", "gamma", "position", "kappa",
-    "F1", "F2", "F3", "FY", "contact", "M1", "M2", "h",
+    "F1", "F2", "F3", "FY", "contact", "M1", "M2", "M3_along", "h",
 )  # fmt: skip
 
 # The default observables of a study.
@@ -201,6 +201,11 @@ class Study(BaseModel):
         return any(self.base.given.get(name) or name in self.varied for name in ("weight", "friction"))
 
     @property
+    def turns_in_place(self) -> bool:
+        """Whether the rods turn in place against friction."""
+        return self.varies and self.base.given.get("sliding") == "rotating"
+
+    @property
     def size(self) -> int:
         """Number of cases."""
         return max(self.samples_count, 1) * prod(axis.size for axis in self.grid.values())
@@ -302,7 +307,8 @@ class Study(BaseModel):
         used = [name for law in self.laws for formula in law.formulas.values() for name in formula.names]
         stored = [name for name in used if name in OBSERVABLES]
         watched = [name for name in self.refine.watch if name != OUTCOME] if self.refine else []
-        every = dict.fromkeys([*self.observables, *self.expressions, *judged, *stored, *watched])
+        torque = ["M30"] if self.turns_in_place else []  # with the load M3 those at both ends
+        every = dict.fromkeys([*self.observables, *self.expressions, *judged, *stored, *watched, *torque])
         return [name for name in every if name not in (*self.held, *self.varied)]  # a height that is held is a field
 
     @property

@@ -239,6 +239,34 @@ def test_a_pipe_that_turns_in_place_leans_by_its_friction_and_buckles_about_its_
     assert sol.alpha[sol.s > L / 2].mean() < -friction
 
 
+LEANING = Ends(beta0=0.0, betaL=0.0, FZ=-5e4, MZ=2e3, M3=2e3)
+SWINGING = Start(0.5, 0.3, F3=-5.0, F2=2.0, M3=6.0, alpha=0.4)
+
+
+@pytest.mark.parametrize(
+    "rod, R, given", [(Rod(L=1000.0, **PIPE), HOLE["R"], LEANING), (Rod(**ROD), 1.0, SWINGING)], ids=("ends", "start")
+)
+def test_the_torque_of_a_rod_that_turns_in_place_grows_by_its_friction(rod: Rod, R: float, given: Ends | Start) -> None:
+    """M3' = f a P; the lean of a straight pipe has the tangent -f, so its push is w cos(atan f)."""
+    f, a, C, L = 0.25, rod.a, rod.torsional_stiffness, rod.L
+    hole = Cylinder(R=R, side="inside", inclination="90deg", friction=f, sliding="rotating")
+    sol = solve(Case(rod, hole, given), stations=10001)
+    assert sol.solved
+    torque, s = sol.M3_along, sol.s
+    grown = make_interp_spline(s, f * a * sol.push, k=9).antiderivative()
+    assert torque - torque[0] == pytest.approx(grown(s), abs=1e-8 * np.abs(torque).max())
+    seen = observe(sol, ["M3", "M30", "twist_energy"], errors=True)
+    assert torque[[0, -1]] == pytest.approx([seen["M30"], seen["M3"]], abs=1e-9 * np.abs(torque).max())
+    assert seen["M3" if isinstance(given, Ends) else "M30"] == pytest.approx(float(given.M3), rel=1e-12)
+    energy = make_interp_spline(s, torque**2 / (2 * C), k=9).integrate(0, L)
+    assert seen["twist_energy"] == pytest.approx(energy, abs=float(seen["twist_energy_error"]) + 1e-9 * energy)
+    turned = make_interp_spline(s, torque / C - np.sin(sol.beta) * np.cos(sol.beta) / sol.case.rho, k=9).integrate(0, L)
+    assert sol.gamma[-1] == pytest.approx(turned, abs=1e-9)
+    if isinstance(given, Ends):
+        middle = slice(s.size // 3, 2 * s.size // 3)
+        assert np.ptp(torque[middle] - f * a * 242 / np.sqrt(1 + f**2) * s[middle]) < 1e-9 * np.ptp(torque)
+
+
 def test_a_turning_pipe_without_an_answer_names_a_load_with_which_it_leans_and_is_straight() -> None:
     case = turning_pipe(300.0, 300e3, 0.25)
     found = re.search(r"failed: the leaning rod buckles .+ straight, .+ = ([^)]+)\)", str(solve(case).outcome))

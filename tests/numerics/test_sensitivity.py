@@ -138,7 +138,7 @@ def test_derivatives_of_observables_agree_with_differences(given: Start) -> None
     names = ["kappa_mean", "kappa_max", "wraps", "height", "push_mean", "pull_mean", "push_min", "push_max", "attached",
              "push_max_at", "energy", "bending_energy", "twist_energy", "amplitude", "bend_number", "contact_size_mean",
              "bending_moment_max", "pitch", "push_middle", "lift_off_at", "F3_size_max",
-             "bending_stress_max", "FZ", "MZ", "M3", "M10", "M1L", "FZ0", "MZ0"]  # fmt: skip
+             "bending_stress_max", "FZ", "MZ", "M3", "M10", "M1L", "FZ0", "MZ0", "M30"]  # fmt: skip
     found = solve(case).sensitivity(["E", "R", "beta0"], names)
     assert {*names, "neutral_at"} == set(REAL)  # the axial force is constant: it is nowhere 0
     assert not any(found.remarks.values())

@@ -9,6 +9,7 @@ import xarray as xr
 import workbench.accessor  # noqa: F401  (registers ds.rod)
 from solver import InputError, solve
 from solver.methods import METHODS, Verlet
+from studies.language.loader import loads
 from studies.language.study import OUTPUTS
 from tests.slow import slow_but
 from tests.workbench import small
@@ -51,6 +52,18 @@ def test_every_array_is_the_solutions_own_where_nothing_along_the_rod_is_stored(
     ds, sol = full
     kept = ds.drop_vars([*schema.CURVES, "xyz"])
     np.testing.assert_array_equal(getattr(kept.rod, name), getattr(sol, name))
+
+
+def test_the_torque_of_rods_that_turn_in_place_is_stored_at_both_ends_and_solved_again_along_them(tmp_path) -> None:
+    fields = {"weight": 0.1, "inclination": "90deg", "side": "inside", "friction": 0.3, "sliding": "rotating"}
+    turning = {**small.ROD, **fields, "beta0": 0.0, "betaL": 0.0, "FZ": -1.0, "M3": 0.2, "MZ": 0.2}
+    study = loads(small.text(turning, small.axis("L", [10.0, 20.0]), observables=["height"], stations=11), "text", "t")
+    ds, sol = stored(tmp_path, study), solve(study.case(), stations=11)
+    torque = ds.rod.M3_along
+    assert ds["solved"].all()
+    np.testing.assert_allclose(torque, sol.M3_along, rtol=1e-9)
+    np.testing.assert_allclose([ds["M30"], ds["M3"]], [torque[:, 0], torque[:, -1]], rtol=1e-9)
+    assert (np.diff(torque) > 0).all()
 
 
 def test_what_suffices_is_not_solved_and_what_does_not_is_solved_once(full, monkeypatch) -> None:

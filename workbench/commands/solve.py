@@ -149,7 +149,8 @@ def _find(sol: "Solution", units: dict[str, str], level: "Level", whole: bool) -
     from solver.observe.observables import observe, why_unknown
     from studies.language.case_input import field_values, with_unit
 
-    seen = observe(sol, level.observables(sol.case.rod))
+    turning = ["M30"] if sol.case.cylinder.turns_in_place else []  # with M3, the torque at both ends
+    seen = observe(sol, [*level.observables(sol.case.rod), *turning])
     remarks = [
         words for name in seen for words, affected in why_unknown(name, seen[name]) if affected and sol.solved and whole
     ]
@@ -188,7 +189,7 @@ def _indices(sol: "Solution") -> dict[str, int]:
 PROFILE = ("start", "middle", "largest", "at", "far")
 HEADLINES = (
     "turns", "wraps", "height", "kappa_max", "bending_moment_max", "F3_size_max", "push_min", "push_max", "attached",
-    "index",
+    "index", "M30",
 )  # fmt: skip
 
 

@@ -62,8 +62,9 @@ class StoredArrays:
         return None if any(part is None for part in parts) else rule(self, *parts)
 
     def _varies(self, name: str) -> bool:
-        """Whether the loads of a rule vary along the rod. F1 takes M3 alone, which varies where a rod rubs in place."""
-        return schema.loads_vary(self.ds) and (name != "F1" or self.ds.attrs.get("sliding") == "rotating")
+        """Whether the loads of a rule vary along the rod. M3 varies only where a rod turns in place."""
+        alone = name in ("F1", "M3_along")
+        return schema.loads_vary(self.ds) and (not alone or self.ds.attrs.get("sliding") == "rotating")
 
     # constants of each case
 
@@ -178,7 +179,7 @@ def _vectors(function: Callable[..., Any], name: str, *arrays: Any) -> Any:
                           output_dtypes=[float], dask_gufunc_kwargs=sizes)  # fmt: skip
 
 
-BY_LOADS = ("FY", "F1", "F2", "F3", "contact", "h")  # rules that take constant loads
+BY_LOADS = ("FY", "F1", "F2", "F3", "contact", "M3_along", "h")  # rules that take constant loads
 # name -> the arrays it needs, and the formula, which is the solver's own
 RULES: dict[str, tuple[tuple[str, ...], Callable[..., Any]]] = {
     "dbeta": (("M1",), lambda at, M1: M1 / at.A),
@@ -191,6 +192,7 @@ RULES: dict[str, tuple[tuple[str, ...], Callable[..., Any]]] = {
     "push": (("contact",), _push),
     "M1": (("dbeta",), lambda at, db: at.A * db),
     "M2": (("beta",), lambda at, b: at.A * np.sin(b) ** 2 / at.rho),
+    "M3_along": (("beta",), lambda at, b: at.constant("M3") + 0 * b),
     "h": (("beta", "dbeta"), lambda at, b, db: db**2 + potential(at, b) / at.rho**2),
     "position": (("alpha", "z"), lambda at, a, z: _vectors(frames.position, "position", at.rho, a, z)),
     "tangent": (("alpha", "beta"), lambda at, a, b: _vectors(frames.tangent, "tangent", a, b)),

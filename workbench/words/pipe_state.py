@@ -89,6 +89,8 @@ def profile(sol: "Solution", units: dict[str, str]) -> list[Row]:
     columns = [("axial force FZ", force, axial_force(fine)), ("push of the wall", per_length, fine.push)]
     if wall.friction:
         columns.append(("friction", per_length, wall.friction * fine.push))
+    if wall.turns_in_place:
+        columns.append(("torque M3", f"{force} {length}", fine.M3_along))
     columns.append(("dogleg of the pipe", f"deg/{reach:g} {length}", np.degrees(kappa) * reach))
     if rod.E is not None:
         unit, size = stress_unit(units)
