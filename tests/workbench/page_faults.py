@@ -21,7 +21,7 @@ UNREADABLE = re.compile(r"\[rad\]|[\w)]\^|\*\*|\b(nan|inf)\b")  # angles are in 
 
 
 def words(fig: Figure) -> list[Text]:
-    """The texts that are drawn; the numbers of ticks beyond an axis are not."""
+    """The texts that are drawn; the numbers of ticks beyond an axis are not. It draws the figure once."""
     fig.draw_without_rendering()
     hidden: set[Text] = set()
     for ax in fig.findobj(lambda one: hasattr(one, "get_xticklabels")):
@@ -41,9 +41,9 @@ def _is_drawn(text: Text) -> bool:
     return bool(text.get_visible() and (text.axes is None or text.axes.get_visible()))
 
 
-def faults(fig: Figure, least: float = 7.0) -> list[str]:
-    """A sentence for each fault; least: points of the smallest letters."""
-    found, texts = [], words(fig)
+def faults(fig: Figure, least: float = 7.0, texts: list[Text] | None = None) -> list[str]:
+    """A sentence for each fault; least: points of the smallest letters. texts: its `words`, if it is drawn already."""
+    found, texts = [], words(fig) if texts is None else texts
     wide, tall = 25.4 * fig.get_size_inches()
     found += [f"{tall:.0f} mm tall"] if wide < COLUMN and tall > TALLEST else []
     for line in (line for ax in fig.axes for line in ax.lines if line.get_linestyle() != "None"):

@@ -18,6 +18,7 @@ from matplotlib.collections import PathCollection, QuadMesh
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.text import Text
 from numpy.typing import NDArray
 
 from tests import transcripts
@@ -37,10 +38,11 @@ def check(name: str, figures: Mapping[str, Callable[[], Figure]], **allowed: Any
     said, drawn = list[str](), list[str]()
     for title, draw in figures.items():
         fig = draw()
-        assert faults(fig, **allowed) == [], title
-        said += [f"{title}: {line}" for line in _lines([" ".join(text.get_text().split()) for text in words(fig)])]
+        texts = words(fig)
+        assert faults(fig, texts=texts, **allowed) == [], title
+        said += [f"{title}: {line}" for line in _lines([" ".join(text.get_text().split()) for text in texts])]
         said += [f"{title}: note: {note}" for note in canvas.notes_of(fig)]
-        drawn += [f"{title}: {line}" for line in marks(fig)]
+        drawn += [f"{title}: {line}" for line in marks(fig, texts)]
     if PINNED:
         assert transcripts.differences(f"{name}.words", said) == []
         assert transcripts.differences(f"{name}.marks", drawn) == []
@@ -52,8 +54,8 @@ def _lines(texts: list[str]) -> list[str]:
     return [line for is_number, run in groups for line in ([" ".join(run)] if is_number else run)]
 
 
-def marks(fig: Figure) -> list[str]:
-    """What each panel draws, a line for its scales and one for all marks that look alike.
+def marks(fig: Figure, texts: list[Text]) -> list[str]:
+    """What each panel draws, a line for its scales and one for all marks that look alike; of texts those in colours.
 
     It says how many there are, with how many points, and what `_ranges` says of them. A mark with a name has a line of
     its own.
@@ -69,7 +71,7 @@ def marks(fig: Figure) -> list[str]:
         for mark in (*ax.lines, *ax.collections, *ax.patches):
             alike.setdefault(_style(mark), []).append(_places(mark))
         found += [f"{number} {style}: {_ranges(places)}" for style, places in alike.items()]
-    for text in words(fig):
+    for text in texts:
         if (colour := to_hex(text.get_color())) not in (to_hex(colours.INK), to_hex(colours.SOFT)):
             found.append(f"{colour}: {' '.join(text.get_text().split())}")
     return found
