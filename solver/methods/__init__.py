@@ -49,11 +49,11 @@ def choose_method(kind: str, method: str | Method, knobs: dict[str, Any] | None 
         raise InputError(f"set the knobs {choices(knobs)} in the method, {type(method).__name__}(...), not in solve")
     name = method.name if isinstance(method, Method) else method
     if not isinstance(method, Method) and not known_name(name, ["auto", *METHODS]):
-        raise no_such("method", name, ["auto", *available()])
+        raise no_such("method", name, ["auto", *METHODS])
     name = AUTOMATIC[kind] if name == "auto" else name
     instance = method if isinstance(method, Method) else METHODS[name].with_knobs(knobs or {})
     if kind not in instance.problems:
-        able = [other.name for other in available().values() if kind in other.problems]
+        able = [other.name for other in METHODS.values() if kind in other.problems]
         raise InputError(f"method {name!r} does not solve {kind} problems; choose from {choices(able)}")
     assert isinstance(instance, StartMethod | EndsMethod)
     return instance

@@ -15,7 +15,7 @@ from solver.methods import METHODS, available
 from solver.methods.base import Ladder, tens
 from solver.problem.reduced import reduce
 from tests.cases import EXACT, elliptic, in_units_of_rho
-from workbench.compare.trade_runs import CASES, FILE, reference
+from workbench.compare.trade_runs import CASES, FILE, ladders_of, reference
 
 DATA = json.loads((files("workbench.compare") / FILE).read_text(encoding="utf-8"))
 MARCHES = {"euler": 1, "verlet": 4, "rk4": 4}
@@ -114,6 +114,11 @@ def test_heyoka_where_it_is_not_installed_is_refused_with_how_to_get_it(monkeypa
     assert "heyoka" not in benchmark.available_ladders()
     with pytest.raises(InputError, match=r"not installed: pip install 'rod-workbench\[taylor\]'"):
         solve(EXACT["catenary"].case, method="heyoka")
+    for other in ("rk5", "difference"):  # a refusal has the same choices anywhere
+        with pytest.raises(InputError, match="heyoka"):
+            solve(EXACT["catenary"].case, method=other)
+    with pytest.raises(InputError, match="heyoka"):
+        ladders_of(["rk5"])
 
 
 @pytest.mark.skipif("heyoka" not in available(), reason="the extra taylor is not installed")

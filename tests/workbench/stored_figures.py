@@ -44,8 +44,8 @@ def check(name: str, figures: Mapping[str, Callable[[], Figure]], **allowed: Any
         said += [f"{title}: note: {note}" for note in canvas.notes_of(fig)]
         drawn += [f"{title}: {line}" for line in marks(fig, texts)]
     if PINNED:
-        assert transcripts.differences(f"{name}.words", said) == []
-        assert transcripts.differences(f"{name}.marks", drawn) == []
+        off = transcripts.differences(f"{name}.words", said) + transcripts.differences(f"{name}.marks", drawn)
+        assert off == [], "\n".join(off)
 
 
 def _lines(texts: list[str]) -> list[str]:

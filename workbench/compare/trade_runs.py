@@ -17,6 +17,7 @@ import xarray as xr
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Start
 from solver.benchmark import STATIONS, Reference, Row, available_ladders, cheapest, measure
+from solver.benchmark import ladders as all_ladders
 from solver.methods import METHODS
 from solver.methods.base import Ladder
 from solver.problem.errors import choices, no_such
@@ -167,7 +168,7 @@ def ladders_of(names: Sequence[str]) -> dict[str, Ladder]:
         if not matches and name in METHODS:
             METHODS[name].with_knobs({})  # says that its package is not installed
         if not matches:
-            raise no_such("method", name, able)
+            raise no_such("method", name, all_ladders())
         picked |= matches
     return picked
 

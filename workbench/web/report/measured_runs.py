@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from solver.methods import METHODS, available
+from solver.methods import METHODS
 from solver.problem.errors import InputError
 
 from ...figures import canvas, kinds, robustness, work_precision
@@ -79,7 +79,7 @@ def _extremes(ds: xr.Dataset) -> str:
     honest = "no case reported as solved is wrong" if wrong == 0 else f"cases reported as solved but wrong: {wrong}"
     bound = f"{10**robustness.MOST:g} tol max(1, condition), tol = {float(ds.attrs['tolerance']):g}"
     counts = f"Solved by {', by '.join(solved)}; {honest}{_vague(ds)}. Wrong is an error above the bound {bound}"
-    left = [name for name in available() if name not in ds["method"].values]
+    left = [name for name in METHODS if name not in ds["method"].values]
     without = f" (not in this run: {', '.join(left)})" if left else ""
     methods = f"{ds.sizes['method']} methods{without}"
     sentence = f"{ds.sizes['extreme']} named extremes by {methods}. {counts}. Each unsolved case has a reason"
