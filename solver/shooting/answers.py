@@ -40,6 +40,7 @@ SHORTER = 0.7  # steps of the second march, whose difference from the first esti
 SHARE, COARSEST = 0.01, 1e-12  # of start problems: what all steps leave out of beta, as a share of the tolerance; the
 # most that one does, of the scales
 SAFETY, ROUNDING = 3.0, 2e-16
+FAINT = 1e-12  # of the forces at both ends: less is rounding
 LOST = 1e8  # condition number: beyond, a start problem has lost half its digits
 TOO_LONG = f"failed: the march did not end within {MOST_STEPS} steps"
 LARGEST, SHORTEST = 1e30, 1e-15  # of a number of a rod in units of A and rho; of L/rho between two ends
@@ -219,12 +220,12 @@ def with_undelivered(outcome: Any, solved: Any, case: Case, numbers: Array, begi
     The rod slides away from the end that is pushed, and is in tension at the end ahead: something has to pull it there.
     numbers: (B, 7). begin, end: states at both ends, (B, 8).
     """
-    forward = numbers[:, 3] > 0
+    forward, sizes = numbers[:, 3] > 0, np.abs(np.stack([begin, end]))[:, :, [Q, PHI]].max(axis=(0, 2))
     behind, ahead = (np.where(forward, *pair) for pair in ((begin[:, PHI], end[:, PHI]), (end[:, PHI], begin[:, PHI])))
     slides = (numbers[:, 3] != 0) & (numbers[:, 4] != IN_PLACE)
-    large = ahead > SAFETY * ROUNDING * np.abs(behind)
+    pushed, pulled = behind < -FAINT * sizes, ahead > FAINT * sizes  # an axial force of a hoop is rounding
     words, size = np.array(outcome, dtype=object), unit_force(case)
-    for i in np.flatnonzero(solved & slides & (behind < 0) & large).tolist():
+    for i in np.flatnonzero(solved & slides & pushed & pulled).tolist():
         ends = ("0", "L") if forward[i] else ("L", "0")
         words[i] = f"{words[i]}; {UNDELIVERED.format(*ends, ahead[i] * size[i])}"
     return words
@@ -236,7 +237,7 @@ def words_of(path: Path) -> str:
         return ""
     if path.why == "seed":
         return "the seed"
-    said = ["the straight rod"]
+    said = ["the taut rod without weight" if path.taut else "the straight rod"]
     if path.wound:
         said.append(f"{LEAVES} where its sinusoid would lift off the wall, for a helix")
     if path.buckled is not None:

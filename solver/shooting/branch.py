@@ -16,6 +16,7 @@ from .descent import descend, index_at, index_of_any, is_near
 from .loaded_rod import SHORT, LoadedRod
 from .local_waves import PASSED, QUIET, leans_and_buckles, lock_up_share, sinusoid, wound_shape
 from .newton import correct, is_same
+from .taut import taut_shape
 from .varying_shapes import Shape
 
 MOST_POINTS = 1000  # of a branch
@@ -45,7 +46,8 @@ class Path:
     shape: None if none was. index: its Morse index; 0 with friction, which has none. buckled: the share of the loads at
     which the straight rod buckles; None if it does not. jumped: shares at which the branch ended and the rod fell to
     another one. rubbed: whether the straight rod buckles by its friction alone. wound: whether the shape is a helix in
-    place of a sinusoid that would lift off. why: why no shape, or none under the whole loads, was reached. limit,
+    place of a sinusoid that would lift off. taut: whether it continues from a taut rod without weight in place of the
+    straight one. why: why no shape, or none under the whole loads, was reached. limit,
     share: the far end's phi above which a rod with friction has a shape, and the share of its friction with which it
     has one; None where they are not known.
     """
@@ -56,6 +58,7 @@ class Path:
     jumped: tuple[float, ...] = ()
     rubbed: bool = False
     wound: bool = False
+    taut: bool = False
     why: str = ""
     limit: float | None = None
     share: float | None = None
@@ -100,9 +103,9 @@ def branch_from_straight(rod: LoadedRod) -> Path:
 def branch_with_friction(rod: LoadedRod) -> Path:
     """The equilibrium of a rod with friction.
 
-    It is straight where that is stable. Elsewhere it is the sinusoid or the helix that follows the local compression,
-    or what the shape without friction becomes while friction grows. A shape is never straight where the straight rod
-    buckles: then none is known.
+    It is straight where that is stable, and near its taut shape where it has one. Elsewhere it is the sinusoid or the
+    helix that follows the local compression, or what the shape without friction becomes while friction grows. A shape is
+    never straight where the straight rod buckles: then none is known.
     """
     locked = lock_up_share(rod)
     if locked is not None:
@@ -110,6 +113,8 @@ def branch_with_friction(rod: LoadedRod) -> Path:
         return Path(None, why=LOCKED.format(locked, PASSED), limit=limit)
     if rod.straight and not straight_index(rod):
         return Path(straight_shape(rod, rod.nodes()))
+    if not rod.straight and (taut := taut_shape(rod)) is not None:
+        return Path(None, why=taut) if isinstance(taut, str) else Path(taut, taut=True)
     if (wound := wound_shape(rod)) is not None:
         return Path(wound, wound=True)
     plain = rod.with_friction(0.0)

@@ -64,9 +64,9 @@ class Shape:
         order = np.argsort(t)
         y = np.empty((t.size, SIZE))
         y[order] = self.at(t[order])
-        return self._pushes(y)
+        return self.pushes(y)
 
-    def _pushes(self, y: Array) -> Array:
+    def pushes(self, y: Array) -> Array:
         """The push in states y (n, 8), in units of A/rho^3, (n,)."""
         beta, speed, lam, mu, phi, weight, divisor = self.local_values(y[None])[0]
         around = circumferential_force(1.0, lam, mu, 1.0, beta)
@@ -84,12 +84,12 @@ class Shape:
     def states(self, rho: float) -> tuple[State, ...]:
         """The states along the rod, with s in the unit of rho."""
         t, y = self.dense
-        return states(t * rho, y[:, BETA], y[:, ALPHA], is_drawn(y[:, PHI], self._pushes(y)))
+        return states(t * rho, y[:, BETA], y[:, ALPHA], is_drawn(y[:, PHI], self.pushes(y)))
 
     def lift_offs(self, rho: float) -> tuple[tuple[float, float], ...]:
         """The stretches on which the wall would have to pull, from one s to another, in the unit of rho."""
         t, y = self.dense
-        pulls = self._pushes(y) < 0
+        pulls = self.pushes(y) < 0
         change = np.flatnonzero(pulls[1:] != pulls[:-1])
         zeros = bisect(self.push_at, t[change], t[change + 1], BISECTIONS)
         ends = [*(t[:1] if pulls[0] else ()), *zeros, *(t[-1:] if pulls[-1] else ())]

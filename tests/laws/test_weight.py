@@ -191,6 +191,43 @@ def test_a_rod_with_friction_between_two_hinges_turns_aside_under_any_compressio
     assert max(unbalanced(sol)) < 1e-9
 
 
+def cable(turns: float, size: float, sliding: str, lay: float = 90.0, **ends: float) -> Case:
+    """A cable under 100 N at s = L on a drum at the distance 1 from its axis; size: of 100 N in EI/rho^2."""
+    EI, (cos, sin) = 100 / size, np.round([np.cos(np.deg2rad(lay)), np.sin(np.deg2rad(lay))], 15)
+    given = {"beta0": np.deg2rad(lay), "betaL": np.deg2rad(lay), "FZ": 100 * cos, "MZ": 100 * sin + EI * sin**3}
+    rod, drum = Rod(EI=EI, GJ=EI, a=0.01, L=2 * np.pi * turns), Cylinder(R=0.99, friction=0.3, sliding=sliding)
+    return Case(rod, drum, Ends(**(given | ends)))
+
+
+@pytest.mark.parametrize(
+    ("turns", "size", "sliding"),
+    [(1, 3.6e5, "forward"), (2, 1e5, "forward"), (3, 1e4, "backward"), (3, 1e3, "backward"), (1, 1e7, "forward")],
+)
+def test_a_limp_cable_on_a_drum_has_the_tension_of_the_capstan(turns: float, size: float, sliding: str) -> None:
+    sol = solve(cable(turns, size, sliding))
+    assert sol.outcome == "solved"
+    wound = 2 * np.pi * turns * (1 - sol.s / sol.s[-1])
+    grown = np.exp((-0.3 if sliding == "forward" else 0.3) * wound)
+    assert sol.F3 / grown == pytest.approx(100.0, rel=1e-9)
+    assert np.abs(sol.beta - np.pi / 2).max() < 1e-12
+
+
+@pytest.mark.parametrize("sliding", ("forward", "backward", "rotating", "axial-forward"))
+def test_a_taut_cable_that_its_ends_bend_is_the_one_that_continues_from_the_straight_rod(
+    sliding: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    case = cable(0.8, 400.0, sliding, lay=60.0, beta0=0.8, betaL=1.3)
+    taut = solve(case, stations=4001)
+    assert taut.solved
+    assert max(unbalanced(taut)) < 1e-6
+    monkeypatch.setattr("solver.shooting.branch.taut_shape", lambda rod: None)
+    straight = solve(case, stations=4001)
+    assert taut.begun == "the taut rod without weight"
+    assert straight.begun.startswith("the straight rod")
+    assert taut.beta == pytest.approx(straight.beta, abs=1e-11)
+    assert taut.alpha == pytest.approx(straight.alpha, abs=1e-11)
+
+
 def lying_and_sliding(L: float, load: float, sliding: str, inclination: float = 90.0) -> Case:
     hole = Cylinder(**HOLE, inclination=f"{inclination}deg", friction=0.25, sliding=sliding)
     return Case(Rod(L=L, **PIPE), hole, Ends(beta0=0.0, betaL=0.0, azimuth=0.0, FZ=-load))
