@@ -1,6 +1,7 @@
 """The answers to cases whose loads vary along the rod: start problems by one march, ends problems one by one."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -49,6 +50,7 @@ TOO_LARGE = (
 )
 MOST_CHANGES = 20_000  # of an ends problem: as many as of 30 km of pipe
 TOO_FINE = "the shape of this rod may change {:.3g} times along it, and at most {:,} changes are computed"
+NEEDS_TORQUE = "a straight rod needs MZ = M3, or an azimuth in place of MZ"
 USE_ENDS = "; a long rod with {} is an ends problem: give Ends in place of Start"
 UNDELIVERED = "the push at s = {} does not arrive at s = {}, where a tension must pull the rod (FZ = {:.4g})"
 
@@ -166,8 +168,12 @@ def why_unsolved(rod: LoadedRod, seeded: bool = False) -> str:
 
 def branch_of(rod: LoadedRod) -> Path:
     """The shape of a rod without a seed."""
-    why = why_unsolved(rod)
-    return Path(None, why=why) if why else branch_from_straight(rod)
+    if why := why_unsolved(rod):
+        return Path(None, why=why)
+    path = branch_from_straight(rod)
+    lying = rod.with_friction(0.0)  # what turns in place leans
+    bent_by_torque = not lying.straight and lying.with_torque_through().straight
+    return replace(path, why=f"{path.why}; {NEEDS_TORQUE}") if path.shape is None and bent_by_torque else path
 
 
 def path_to(rod: LoadedRod, seed: Any) -> Path:

@@ -104,8 +104,8 @@ def branch_with_friction(rod: LoadedRod) -> Path:
     """The equilibrium of a rod with friction.
 
     It is straight where that is stable, and near its taut shape where it has one. Elsewhere it is the sinusoid or the
-    helix that follows the local compression, or what the shape without friction becomes while friction grows. A shape is
-    never straight where the straight rod buckles: then none is known.
+    helix that follows the local compression, or what the shape without friction becomes while friction grows. A shape
+    is never straight where the straight rod buckles: then none is known.
     """
     locked = lock_up_share(rod)
     if locked is not None:

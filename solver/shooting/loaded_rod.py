@@ -135,6 +135,12 @@ class LoadedRod:
         far[3] *= part
         return replace(self, numbers=numbers, far=far)
 
+    def with_torque_through(self) -> "LoadedRod":
+        """The rod with a moment about the axis that is its torque, where that moment is given."""
+        far = self.far.copy()
+        far[1] = far[1] if "azimuth" in self.held else self.twist_known
+        return replace(self, far=far)
+
     def with_weight(self, part: float) -> "LoadedRod":
         """The rod with a share of its weight."""
         numbers = self.numbers.copy()

@@ -312,6 +312,15 @@ def test_a_turning_pipe_without_an_answer_names_a_load_with_which_it_leans_and_i
     assert "straight all" in in_words(solve(with_field(case, "FZ", float(found[1]))).states)
 
 
+@pytest.mark.parametrize("wall", ({}, {"friction": 0.25}, {"friction": 0.25, "sliding": "rotating"}))
+def test_a_pipe_that_its_torque_bends_without_an_answer_says_what_a_straight_one_needs(wall: dict[str, Any]) -> None:
+    hole, given = Cylinder(**HOLE, inclination="90deg", **wall), Ends(beta0=0.0, betaL=0.0, FZ=-1e5, M3=5e3)
+    case = Case(Rod(L=300.0, **PIPE), hole, given)
+    assert "a straight rod needs MZ = M3, or an azimuth in place of MZ" in solve(case).outcome
+    for helped in (with_field(case, "MZ", 5e3), replace(case, given=replace(given, MZ=None, azimuth=0.0))):
+        assert "straight all along" in in_words(solve(helped).states)
+
+
 @pytest.mark.slow
 def test_a_pipe_without_an_answer_names_a_friction_and_a_load_with_which_it_has_one() -> None:
     case = lying_and_sliding(300.0, 200e3, "backward")
