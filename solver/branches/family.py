@@ -96,7 +96,7 @@ def scale_of(numbers: core.Numbers, names: tuple[str, ...], p: float, reach: flo
         return reach
     values = np.array(numbers(p))[:6]
     size = 1 + np.abs(values)
-    size[:5][np.isin(names, ("z", "alpha", "turn"))] = 1.0
+    size[:5][[name in ("z", "alpha", "turn") for name in names]] = 1.0
     rate = float((np.abs(np.array(beside)[:6] - values) / nudge / size).max())
     return reach if rate * reach < 1 else 1 / rate
 

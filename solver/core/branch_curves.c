@@ -5,11 +5,23 @@
 enum { ROUNDS = 10 };
 #define QUADRATIC 1e-7 /* size of a correction by Newton's rule after which the next one would be rounding */
 
+/* So many numbers of the problem at p, as the caller gives them. */
+static int numbers_at(family *f, double p, int count, double *out)
+{
+    question asked = {.p = p};
+    for (int k = 0; k < GIVEN + 2; k++)
+        asked.numbers[k] = NAN;
+    const int answer = f->raised ? RAISED : f->problem(&asked);
+    f->raised = answer == RAISED;
+    memcpy(out, asked.numbers, sizeof(double) * (size_t)count);
+    return answer == THERE ? DONE : FAILED;
+}
+
 /* The problem under dead loads at p. */
-static int dead_problem(const family *f, double p, ends_problem *out)
+static int dead_problem(family *f, double p, ends_problem *out)
 {
     if (!f->line)
-        return f->problem(p, &out->lam);
+        return numbers_at(f, p, 6, &out->lam);
     const double *first = &f->line[0].lam, *last = &f->line[1].lam;
     for (int k = 0; k < 6; k++)
         (&out->lam)[k] = fabs(p - 1) <= f->over->rounding ? last[k] : (1 - p) * first[k] + p * last[k];
@@ -71,7 +83,7 @@ static double scale_of(const family *f, int k) { return k < 2 ? 1 : f->held->loa
 static int held_problem(family *f, double *w, double *given, ends_problem *out)
 {
     double number[NUMBERS] = {0};
-    if (f->problem(w[1] * f->over->scale, given))
+    if (numbers_at(f, w[1] * f->over->scale, GIVEN + 2, given))
         return FAILED;
     for (int k = 0; k < GIVEN; k++)
         number[free_of[k]] = w[2 + k] * scale_of(f, k);
@@ -167,10 +179,10 @@ static int held_jacobian(family *f, const point *at, const double *given, double
     const orbit_numbers *on = &f->numbers;
     double parts[EQUATIONS][EQUATIONS], beyond[GIVEN + 2], ahead = at->ahead * f->over->scale;
     const double p = at->w[1] * f->over->scale;
-    int failed = f->problem(p + ahead, beyond);
+    int failed = numbers_at(f, p + ahead, GIVEN + 2, beyond);
     if (failed) {
         ahead = -ahead;
-        failed = f->problem(p + ahead, beyond);
+        failed = numbers_at(f, p + ahead, GIVEN + 2, beyond);
     }
     if (failed || parts_of(&at->chart, at->w[0] * at->chart.scale, on, parts))
         return FAILED;

@@ -8,14 +8,19 @@
 #include "orbit_rates.h"
 
 enum { KEPT = 4, UNKNOWNS = 7, EQUATIONS = UNKNOWNS - 1, GIVEN = 5 };
-enum { FAILED = 100 };  /* besides NO_MEMORY and NOT_POSSIBLE */
+enum { FAILED = 100, INTERRUPTED }; /* besides NO_MEMORY and NOT_POSSIBLE; INTERRUPTED: the caller has raised */
 #define CONTRACTION 0.5 /* largest ratio of two corrections */
 #define SMALL 1e-9      /* a correction that may be as large as the one before: rounding */
 #define SETTLED 1e-12   /* size of the last correction */
 
-/* The problem at a value of the parameter p; 0 where there is one. Under dead loads its six numbers, lam, mu, phi, span,
-   beta(0) and beta(L); with held ends the five given numbers, span and A/C. */
-typedef int problem_at(double p, double *numbers);
+/* What the caller is asked: the problem at a value of the parameter p. Under dead loads its six numbers, lam, mu, phi,
+   span, beta(0) and beta(L); with held ends the five given numbers, span and A/C. NaN until they are given. */
+typedef struct {
+    double p, numbers[GIVEN + 2];
+} question;
+
+enum { RAISED, THERE, NOWHERE }; /* what it answers; RAISED also where an exception ends it before it answers */
+typedef int problem_at(question *);
 
 /* The parameter: its scale, the values at which to halt (rising, the ends of the range among them), and when two values
    are one. */
@@ -38,11 +43,12 @@ typedef struct {
     double loads;
 } held_ends;
 
-/* The problems over p; held: NULL under dead loads. line: the problems at p = 0 and p = 1 of a line under dead loads, in
+/* The problems over p; raised: whether the caller was interrupted, and is asked no more. held: NULL under dead loads. line: the problems at p = 0 and p = 1 of a line under dead loads, in
    place of `problem`; along it p only rises. at, known: the last few problems under dead loads. numbers, rates: of the
    last point with held ends. */
 typedef struct {
     problem_at *problem;
+    int raised;
     const ends_problem *line;
     const range *over;
     const held_ends *held;

@@ -217,7 +217,7 @@ static int followed(family *f, point *at, double *step, int64_t *kept, const rec
         if (failed || is_near_helix(&o, f->held ? BESIDE_HELD_HELIX : BESIDE_HELIX))
             return failed;
         failed = stepped(f, &here, *step, &o, &there, &left);
-        if (failed == FAILED && *step / 2 >= NARROW) {
+        if (failed == FAILED && !f->raised && *step / 2 >= NARROW) {
             *at = here, *kept -= 1, *step /= 2;
             continue;
         }
@@ -264,7 +264,7 @@ static family family_of(const curve *of)
 
 static int is_usable(const curve *of) { return of->nodes->n <= NODES && of->nodes->n >= 4; }
 
-/* The excess of length at n values of x (n,) and one of p; FAILED where there is none. */
+/* The excess of length at n values of x (n,) and one of p; FAILED where there is none, INTERRUPTED. */
 int rod_branch_excess(const curve *of, const chart *in, double p, int64_t n, const double *x, double *off)
 {
     if (!is_usable(of) || n > MOST_AT_ONCE)
@@ -272,14 +272,14 @@ int rod_branch_excess(const curve *of, const chart *in, double p, int64_t n, con
     family f = family_of(of);
     const int failed = rod_curve_excess(&f, in, (int)n, x, p, off);
     rod_panels_free(&f.room.room);
-    return failed == NOT_POSSIBLE ? FAILED : failed;
+    return f.raised ? INTERRUPTED : failed == NOT_POSSIBLE ? FAILED : failed;
 }
 
 /* Steps along a branch from a point, which is replaced by the last one.
 
    step, kept: length of the next step, and for how many more the coordinate is kept; replaced. first: where the branch
    begins, to tell whether it is closed. out, rates: (most,), filled, rates with held ends. count, why: how many, and why
-   there are no more. Returns DONE or NO_MEMORY. */
+   there are no more. Returns DONE, NO_MEMORY or INTERRUPTED. */
 int rod_branch_steps(const curve *of, point *at, double *step, int64_t *kept, const record *first, int64_t most,
                      record *out, orbit_numbers *rates, int64_t *count, int64_t *why)
 {
@@ -289,7 +289,7 @@ int rod_branch_steps(const curve *of, point *at, double *step, int64_t *kept, co
     family f = family_of(of);
     const int failed = followed(&f, at, step, kept, first, most, (records){out, rates}, count, why);
     rod_panels_free(&f.room.room);
-    return failed == NO_MEMORY ? NO_MEMORY : DONE;
+    return f.raised ? INTERRUPTED : failed == NO_MEMORY ? NO_MEMORY : DONE;
 }
 
 enum { MOST_STEPS = 4000, AT_ONCE = 16, KEPT_STEPS = 10 };

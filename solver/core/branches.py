@@ -2,7 +2,7 @@
 `branch_steps.c`."""
 
 import ctypes
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Generator, Sequence
 from typing import Any
 
 import numpy as np
@@ -17,15 +17,17 @@ RECORD = np.dtype(
     + [(name, "i8") for name in ("leaving", "turns", "index")]
     + [("numbers", "f8", 6)]
 )
-NO_ORBIT = 100
+NO_ORBIT, INTERRUPTED = 100, 101
+RAISED, THERE, NOWHERE = range(3)  # what the core is answered
 NUMBERS, PARTS = 11, 5  # of an equilibrium; of a change
 RATES = NUMBERS * (PARTS + 2) + 1  # doubles of `orbit_numbers`
 _MOST = 256  # records of a call
-_PROBLEM = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.c_double, ctypes.POINTER(ctypes.c_double))
 _UNKNOWNS, _EQUATIONS = PARTS + 2, PARTS + 1
 Numbers = Callable[[float], Sequence[float] | None]
 
 
+_Question = structure("question", (FLOAT, "p"), (FLOAT * (PARTS + 2), "numbers"))  # branch_points.h
+_PROBLEM = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.POINTER(_Question))
 Level = structure("path", (FLOAT, "pin sign y"), (INT, "leaving turns"))  # branches.h
 Chart = structure("chart", (ctypes.c_int, "kind logarithmic"), (FLOAT, "own scale"), (Level, "at"))  # branches.h
 Point = structure(  # branch_points.h
@@ -110,22 +112,25 @@ def chart_of(chart: Any) -> Any:
     return Chart(KINDS.index(chart.kind), chart.logarithmic, 0.0, chart.scale, _level_of(chart.at))
 
 
-def _call(numbers: Numbers, count: int, raised: list[BaseException]) -> Any:
-    """The problem at a value of the parameter as the core calls it, so many numbers; what it raises is kept."""
+def _answers(numbers: Numbers, count: int, raised: list[BaseException]) -> Generator[int, Any, None]:
+    """What the core is answered each time it asks for so many numbers of the problem; what ends it is kept as raised.
 
-    def at(p: float, out: Any) -> int:
-        try:
-            values = numbers(p)
-            if values is None:
-                return 1
-            for k, number in zip(range(count), values, strict=True):
-                out[k] = number
-        except BaseException as error:  # it cannot pass through the core
-            raised.append(error)
-            return 1
-        return 0
-
-    return _PROBLEM(at)
+    Where the core calls a function, a signal such as that of Ctrl-C is raised at its first instruction, before any
+    `try` of its own; a generator waits for the next question within one.
+    """
+    answer = NOWHERE
+    try:
+        while True:
+            question = (yield answer).contents
+            values = numbers(question.p)
+            answer = NOWHERE if values is None else THERE
+            if values is not None:
+                question.numbers[:count] = values
+    except GeneratorExit:
+        return
+    except BaseException as error:  # it cannot pass through the core
+        raised.append(error)
+    yield RAISED
 
 
 class Steps:
@@ -145,21 +150,27 @@ class Steps:
     """
 
     def __init__(self, numbers: Numbers, scale: float, n: int, how: tuple[Cutting, Cutting], held: Any = None) -> None:
-        self._raised: list[BaseException] = []
+        self._numbers, self._count = numbers, 7 if held else 6
         self._scale, self._held = scale, held
-        ways = cut(how[0], True), cut(how[1], False)
-        self._curve = _call(numbers, 7 if held else 6, self._raised), on_grid(), points(n), *ways
+        self._ways = on_grid(), points(n), cut(how[0], True), cut(how[1], False)
 
-    def _on(self, over: Any = None, held: Any = None) -> Any:
-        """The branch as the core reads it."""
-        problem, *rest = self._curve
-        return _Curve(problem, over, held, *rest)
+    def _run(self, name: str, *arguments: Any, over: Any = None, held: Any = None) -> int:
+        """The status of a function of the core on the branch. Raises what the numbers raise."""
+        raised: list[BaseException] = []
+        answers = _answers(self._numbers, self._count, raised)
+        next(answers)
+        problem = _PROBLEM(answers.send)
+        status: int = run(name, _Curve(problem, over, held, *self._ways), *arguments)
+        if raised:
+            raise raised[0]
+        if status == INTERRUPTED:
+            raise KeyboardInterrupt
+        return status
 
     def excess(self, chart: Any, p: float, x: Array) -> Array | None:
         """The length at each x, at most three, less that of the rod at p; None where there is no such orbit."""
         x, off = np.ascontiguousarray(x), np.empty(x.size)
-        failed = run("rod_branch_excess", self._on(), chart, float(p), x.size, x, off)
-        self._raise()
+        failed = self._run("rod_branch_excess", chart, float(p), x.size, x, off)
         return off if failed != NO_ORBIT and fine(failed) else None
 
     def run(
@@ -191,12 +202,6 @@ class Steps:
         rates = np.empty((out.size if self._held else 0, RATES))
         length, (keep, count, why) = np.array([step]), np.array([[kept], [0], [0]], np.int64)
         held = _Held((INT * PARTS)(*self._held), loads) if self._held else None
-        curve = self._on(over, held)
-        status = run("rod_branch_steps", curve, at, length, keep, first, out.size, out, rates, count, why)
-        self._raise()
-        fine(status)
+        rest = length, keep, first, out.size, out, rates, count, why
+        fine(self._run("rod_branch_steps", at, *rest, over=over, held=held))
         return out[: count[0]], rates[: count[0]], float(length[0]), int(keep[0]), int(why[0])
-
-    def _raise(self) -> None:
-        if self._raised:
-            raise self._raised.pop()

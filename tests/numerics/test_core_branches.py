@@ -1,5 +1,12 @@
 """Steps along branches by the compiled core: the branches of the steps in Python, and no crash on odd numbers."""
 
+import gc
+import signal
+import sys
+import threading
+import time
+import traceback
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -7,6 +14,7 @@ import numpy as np
 import pytest
 
 from solver import Case, Cylinder, Ends, Rod, equilibria, follow, solve
+from solver.core import branches
 from solver.core.branches import RECORD, Point, Steps, chart_of, orbit_rates
 from solver.equilibrium.charts import Chart
 from solver.equilibrium.orbit_rates import HOW
@@ -25,6 +33,84 @@ def test_what_the_problem_raises_passes_through_the_core() -> None:
     steps = Steps(numbers, 1.0, NODES, (CUTTING, CUTTING))
     with pytest.raises(KeyError):
         steps.excess(chart_of(Chart("start", Path(0.5, 1.0, 0.0, 1, 2), 1.0, False)), 0.0, np.array([1.0]))
+
+
+def ways_to_follow() -> dict[str, Callable[[], object]]:
+    """Branches under dead loads and with a held height, whose steps the core makes."""
+    start = list(equilibria(DEAD))[2].solution
+    ends = replace(DEAD.given, FZ=None, height=float(start.z[-1]))
+    held = solve(replace(DEAD, given=ends), seed=start)
+    assert held.solved
+    return {"dead loads": lambda: follow(start, FZ=[-12.0, 0.0]), "held": lambda: follow(held, MZ=[1.0, 2.0])}
+
+
+@pytest.mark.parametrize("way", ["dead loads", "held"])
+def test_what_any_call_of_the_problem_raises_ends_the_branch_at_once(way: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The core went on with other points, and asked for more problems, until its steps ended."""
+    go, calls, limit = ways_to_follow()[way], 0, 10**9
+
+    def counted(numbers: Any) -> Any:
+        def at(p: float) -> Any:
+            nonlocal calls
+            calls += 1
+            if calls >= limit:
+                raise KeyError(calls)
+            return numbers(p)
+
+        return at
+
+    whole = Steps.__init__
+    monkeypatch.setattr(Steps, "__init__", lambda self, numbers, *rest: whole(self, counted(numbers), *rest))
+    go()
+    count = calls
+    assert count > 20
+    for limit in range(1, count + 1):
+        calls = 0
+        with pytest.raises(KeyError, match=f"^{limit}$"):
+            go()
+        assert calls == limit
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="this system has no timers")
+@pytest.mark.parametrize("way", ["dead loads", "held"])
+def test_a_signal_while_the_core_works_reaches_the_caller(way: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where it was raised at the first instruction that the core calls, it was printed and forgotten."""
+    if threading.current_thread() is not threading.main_thread():
+        pytest.skip("signals come to the main thread alone")
+
+    rng = np.random.default_rng(0)
+
+    class Rung(Exception):
+        pass
+
+    def ring(_: int, frame: Any) -> None:
+        if any(one.f_code.co_filename == branches.__file__ for one, _ in traceback.walk_stack(frame)):
+            rung.append(len(caught))
+            raise Rung
+
+    go, rung, caught, lost = ways_to_follow()[way], list[int](), list[int](), list[object]()
+    monkeypatch.setattr(sys, "unraisablehook", lost.append)
+    before = signal.signal(signal.SIGALRM, ring)
+    go()
+    begun = time.perf_counter()
+    go()
+    span = time.perf_counter() - begun
+    gc.disable()  # what its callbacks raise is forgotten
+    try:
+        for _ in range(2000):
+            if len(rung) == 20:
+                break
+            try:
+                signal.setitimer(signal.ITIMER_REAL, span * rng.random())
+                go()
+                signal.setitimer(signal.ITIMER_REAL, 0)
+            except Rung:
+                caught.append(len(caught))
+    finally:
+        gc.enable()
+        signal.signal(signal.SIGALRM, before)
+    assert caught == rung != []
+    assert not lost
 
 
 @pytest.mark.parametrize("seed", range(3))
