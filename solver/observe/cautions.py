@@ -189,12 +189,9 @@ def _lift_off(sol: Shape, known: Mapping[str, Any], pulled: Any, unit: str) -> A
 
 def _lift_off_ends(sol: Shape, candidates: Booleans) -> dict[int, float]:
     """Case -> how far from an end the cylinder does not push, as a share of the length, of rods pressed in between."""
-    if not candidates.any():
-        return {}
+    cases = np.flatnonzero(candidates & only_at_ends(sol)) if candidates.any() else np.array([], dtype=int)
     if (shapes := sol.trajectory.shapes) is not None:
-        reaches = {i: shapes.of(i).lift_off_reach() for i in np.flatnonzero(candidates).tolist()}
-        return {i: float(reach / sol.problem.span[i]) for i, reach in reaches.items() if reach is not None}
-    cases = np.flatnonzero(candidates & only_at_ends(sol))
+        return {i: float(shapes.of(i).lift_off_reach() / sol.problem.span[i]) for i in cases.tolist()}
     return dict(zip(cases.tolist(), distance_from_ends(sol, cases).tolist(), strict=True)) if cases.size else {}
 
 

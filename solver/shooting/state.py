@@ -45,8 +45,9 @@ def axial_force_along(wall: Cylinder, weight: float, FZ: float, s: Array, beta: 
 def states(s: Array, beta: Array, alpha: Array, drawn: Booleans | None = None) -> tuple[State, ...]:
     """The states along a rod, from its values at places s (n,), dense enough to show each change of sign of beta.
 
-    Between two changes of sign the azimuth goes one way. There the rod is helical if it goes once round or more,
-    straight if it goes less than `BENT`, else sinusoidal; where a helix dies away into a straight piece or an end of
+    Between two changes of sign the azimuth goes one way. There the rod is helical if it goes once round or more, or if
+    beta at both ends is more than half of its largest, as on a part of a hoop; straight if it goes less than `BENT`,
+    else sinusoidal. Where a helix dies away into a straight piece or an end of
     the rod, where beta is less than half of its largest, what goes less than `BENT` is straight. Two helices that meet
     turn in different senses. Bends from an end to a straight stretch are straight too where each is at most `DYING` of
     the one before: there the rod turns from the azimuth of its end to where it lies.
@@ -54,16 +55,18 @@ def states(s: Array, beta: Array, alpha: Array, drawn: Booleans | None = None) -
     drawn: of `is_drawn`, (n,). What would be helical is straight there: tension draws the rod from one azimuth to
     another, and no load buckles it.
     """
-    cuts = [0, *(np.flatnonzero(np.sign(beta[1:]) * np.sign(beta[:-1]) < 0) + 1), s.size - 1]
+    aside = np.flatnonzero(beta)  # a beta of exactly 0 lies within a crossing
+    sign = np.sign(beta[aside])
+    cuts = [0, *aside[1:][sign[1:] != sign[:-1]], s.size - 1]
     pieces = [piece for part in pairwise(cuts) for piece in _without_drawn(*part, alpha, drawn)]
     parts: list[State] = []
     bent = [False, *(turned >= BENT for *_, turned in pieces), False]
     for (first, last, turned), *around in zip(pieces, bent, bent[2:], strict=False):
-        if turned < TURN:
-            parts.append(State(STRAIGHT if turned < BENT else SINUSOIDAL, s[first], s[last], turned))
-            continue
         way, size = np.abs(alpha[first : last + 1] - alpha[first]), np.abs(beta[first : last + 1])
         wound = size[[0, -1]] > size.max() / 2
+        if turned < BENT or (turned < TURN and not wound.all()):
+            parts.append(State(STRAIGHT if turned < BENT else SINUSOIDAL, s[first], s[last], turned))
+            continue
         leaves = s[first if around[0] or wound[0] else first + int(np.searchsorted(way, BENT))]
         arrives = s[last if around[1] or wound[1] else first + int(np.searchsorted(way, turned - BENT))]
         parts += [State(STRAIGHT, s[first], leaves), State(HELICAL, leaves, arrives), State(STRAIGHT, arrives, s[last])]

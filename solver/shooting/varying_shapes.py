@@ -18,8 +18,8 @@ from .state import State, is_drawn, states
 
 DENSE = 17  # places on a stretch, at which the states along a rod are judged
 GAUSS = 12  # places on a stretch, for integrals of products of states
+FAINT = 1e-12  # of the largest beta: a smaller change is rounding
 BISECTIONS = 40  # of a place at which the rod lifts off
-WAVE = 2 * np.pi  # of the lengths on which the shape changes
 FINE = 2  # nodes of a start problem, for each step of its march
 
 
@@ -95,15 +95,9 @@ class Shape:
         ends = [*(t[:1] if pulls[0] else ()), *zeros, *(t[-1:] if pulls[-1] else ())]
         return tuple((float(a * rho), float(b * rho)) for a, b in zip(ends[::2], ends[1::2], strict=True))
 
-    def lift_off_reach(self) -> float | None:
-        """The largest t from the nearer end at which the wall would have to pull; None beyond a wave from the ends.
-
-        There is about one node on each length on which the shape changes.
-        """
-        first, last = WAVE * np.diff(self.t)[[0, -1]]
-        reaches = [(b, self.t[-1] - a) for a, b in self.lift_offs(1.0)]
-        near = all(lower <= first or upper <= last for lower, upper in reaches)
-        return max((min(pair) for pair in reaches), default=0.0) if near else None
+    def lift_off_reach(self) -> float:
+        """The largest t from the nearer end at which the wall would have to pull, 0 where it does nowhere."""
+        return max((min(b, float(self.t[-1]) - a) for a, b in self.lift_offs(1.0)), default=0.0)
 
     def square_twist(self) -> float:
         """The mean of the square of mu over the length."""
@@ -122,7 +116,8 @@ class Shape:
 
     def bends(self, rho: float) -> tuple[tuple[float, float], ...]:
         """The interior extrema of beta: s in the unit of rho, and the size [rad], the smaller one of the changes of
-        beta from there to the next ones or to an end."""
+        beta from there to the next ones or to an end. A change of less than `FAINT` of the largest beta is rounding.
+        """
         t, y = self.dense
         moving = np.flatnonzero(y[1:-1, SPEED]) + 1
         speed = y[moving, SPEED]
@@ -130,9 +125,23 @@ class Shape:
         first, share = moving[k], speed[k] / (speed[k] - speed[k + 1])
         after = share * (t[moving[k + 1]] - t[first])  # beta_t is linear between the two
         beta = np.concatenate([y[:1, BETA], y[first, BETA] + speed[k] * after / 2, y[-1:, BETA]])
-        change = np.abs(np.diff(beta))
-        sizes = np.minimum(change[1:], change[:-1])
-        return tuple(zip(((t[first] + after) * rho).tolist(), sizes.tolist(), strict=True))
+        kept = np.array(turning_points(beta, FAINT * np.abs(y[:, BETA]).max()))
+        change = np.abs(np.diff(beta[kept]))
+        places = (t[first] + after)[kept[1:-1] - 1] * rho
+        return tuple(zip(places.tolist(), np.minimum(change[1:], change[:-1]).tolist(), strict=True))
+
+
+def turning_points(values: Array, least: float) -> list[int]:
+    """The places of the first and the last of values (n,), and between them of the extremes that differ from the ones
+    next to them by more than `least`."""
+    kept, far, way = [0], 0, 0.0
+    for i, moved in ((i, value - values[far]) for i, value in enumerate(values)):
+        if moved * way > 0:
+            far = i
+        elif abs(moved) > least:
+            kept += [far] * bool(way)
+            far, way = i, moved
+    return [*kept, values.size - 1]
 
 
 @dataclass(frozen=True, eq=False)

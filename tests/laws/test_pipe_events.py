@@ -7,8 +7,8 @@ import pytest
 from scipy.interpolate import make_interp_spline
 
 from benchmarks.pipe_events import HELIX, SINUSOID, HalfWave, energy, events, push_min, wave_number
-from solver import Case, Cylinder, Ends, Rod, Start, solve
-from solver.shooting.state import HELICAL, STRAIGHT, axial_force_along
+from solver import Case, Cylinder, Ends, Rod, Start, observe, solve
+from solver.shooting.state import HELICAL, SINUSOIDAL, STRAIGHT, axial_force_along, states
 from workbench.words.pipe_state import axial_force, profile
 
 PIPE: dict[str, Any] = {"E": 2.06e8, "nu": 0.3, "a": 0.0635, "inner_radius": 0.0543, "weight": 0.241}  # kN and m
@@ -121,3 +121,50 @@ def test_a_push_arrives_at_the_other_end_of_a_straight_lying_pipe_where_it_excee
     near, far = ("L", "0") if "backward" in sliding else ("0", "L")
     words = f"the push at s = {near} does not arrive at s = {far}, where a tension must pull the rod (FZ = {ahead:.4g})"
     assert outcome == (f"solved; {words}" if lost else "solved")
+
+
+def test_a_bend_whose_middle_is_exactly_along_the_axis_is_a_bend() -> None:
+    """A place at which beta is exactly 0 lies within a crossing: without it one azimuth seems to stay."""
+    s = np.linspace(0.0, 8.0, 801)
+    beta, alpha = np.cos(np.pi * s / 2), np.sin(np.pi * s / 2)
+    on_places = np.where(np.isclose(np.cos(np.pi * s / 2), 0), 0.0, beta)
+    assert np.count_nonzero(on_places == 0) == 4
+    for values in (beta, on_places):
+        assert [state.word for state in states(s, values, alpha)] == [SINUSOIDAL]
+    assert states(s, on_places, 0.01 * alpha)[0].word == STRAIGHT
+
+
+@pytest.mark.parametrize("turns", (0.3, 0.9, 1.5))
+def test_a_part_of_a_hoop_is_helical_and_has_no_bend(turns: float) -> None:
+    """The capstan is exact, so beta is 90 degrees but for rounding."""
+    rod, drum = Rod(EI=1e-3, GJ=1e-3, a=0.01, L=2 * np.pi * turns), Cylinder(R=0.99, friction=0.3)
+    sol = solve(Case(rod, drum, Ends("90deg", "90deg", MZ=100.001)))
+    assert [state.word for state in sol.states] == [HELICAL]
+    assert sol.bends == ()
+    assert observe(sol, ["turns"])["turns"] == 0
+
+
+def test_bends_that_die_away_are_counted_as_far_as_rounding_lets_them_be_seen() -> None:
+    """A lying pipe that turns in place leans: its ends bend like exp(-x) cos x over some metres of a kilometre."""
+    hole = Cylinder(0.10795, "inside", "90deg", 0.25, "rotating")
+    sol = solve(Case(Rod(L=1000.0, **PIPE), hole, Ends(beta0=0.0, betaL=0.0, FZ=-50.0)))
+    sizes = np.array([size for _, size in sol.bends])
+    assert 2 < sizes.size < 40
+    assert sizes.min() > 1e-13 * np.abs(sol.beta).max()
+
+
+def test_lift_off_at_the_ends_leaves_the_middle_half_on_the_wall() -> None:
+    """Short rods with weight on a cylinder, which the wall would have to hold in places."""
+    rng, kinds = np.random.default_rng(9), set[bool]()
+    for _ in range(30):
+        L, weight = rng.uniform(2.0, 14.0), 10 ** rng.uniform(-2.0, 0.0)
+        wall = Cylinder(R=0.9, inclination=rng.uniform(0, np.pi))
+        ends = Ends(rng.normal() * 0.6, rng.normal() * 0.6, FZ=rng.normal() * 2, alpha=rng.uniform(-3, 3))
+        sol = solve(Case(Rod(EI=1.0, GJ=0.8, a=0.1, L=L, weight=weight), wall, ends))
+        caution = str(sol.caution)
+        if "pulled" not in caution or "nearly everywhere" in caution:
+            continue
+        middle = [(a, b) for a, b in sol.lift_offs if b > 0.2501 * L and a < 0.7499 * L]
+        assert ("pulled at the ends" in caution) == (not middle)
+        kinds.add(bool(middle))
+    assert kinds == {True, False}
