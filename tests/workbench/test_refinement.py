@@ -1,9 +1,11 @@
 """The drawn surface stays within the pixels allowed, with no more triangles than that takes."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from benchmarks.detail import off
 from solver import Case, Cylinder, Rod, Solution, Start, solve
@@ -11,8 +13,12 @@ from solver.problem.errors import InputError
 from studies.language.loader import loads
 from tests.slow import slow
 from tests.workbench import small
+from tests.workbench.pictures import draws, pixels, shares_of_push
+from workbench.commands import scene
+from workbench.export.base import Options
+from workbench.export.stored_rod import export
 from workbench.geometry import centreline, stored_line
-from workbench.geometry.refinement import rings, stations_for
+from workbench.geometry.refinement import COLOUR_STEPS, push_along, rings, stations_for
 from workbench.scene.body import Body, read
 from workbench.scene.scene_kinds import KINDS
 from workbench.store import in_memory
@@ -134,3 +140,50 @@ def near_a_helix(beta: float, dbeta: float, L: float, stations: int) -> Solution
     FZ, FY = -2 * sin**2 * cos / rho**2, -(sin**3) / rho**2
     start = Start(beta=beta, dbeta=dbeta, F2=FZ * sin - FY * cos, F3=FZ * cos + FY * sin, M3=0.0)
     return solve(Case(Rod(EI=1.0, GJ=0.8, a=0.1, L=L), Cylinder(1.0, side="inside"), start), stations=stations)
+
+
+PIPE = {
+    "E": 2.06e8, "nu": 0.3, "a": 0.0635, "inner_radius": 0.0543, "L": 600.0, "weight": 0.241, "R": 0.10795,
+    "side": "inside", "inclination": "90deg", "beta0": 0.0, "betaL": 0.0, "FZ": -250.0,
+}  # fmt: skip
+
+
+def pipe(stations: int) -> xr.Dataset:
+    """A lying pipe of 600 m that is buckled into sinusoids of 24 m, whose push has waves of 12 m."""
+    outputs = ["beta", "dbeta", "alpha", "z", "contact"]
+    return in_memory.run(loads(small.text(PIPE, units="m kN", stations=stations, outputs=outputs), default_name="pipe"))
+
+
+def test_where_stations_are_enough_the_push_between_them_is_within_a_step_of_its_colours() -> None:
+    dense = stored_line.read(pipe(9601), {})
+    push = dense.push(dense.s)
+    step, enough = np.ptp(push) / COLOUR_STEPS, []
+    for n in (51, 161, 241, 401, 601, 1201):  # of 51 each stands where the push is the same
+        line = stored_line.read(pipe(n), {})
+        assert stations_for(line, 0.05) == n or n < 161  # of the shape, to a pixel of a picture
+        enough.append(push_along(line).stations() <= n)
+        assert not enough[-1] or np.abs(line.push(dense.s) - push).max() < step
+    assert enough[:2] == [False, False]
+    assert enough[-1]
+    for beta in (0.4, 1.3):
+        true = stored_line.read(near_a_helix(beta, 0.3, 100.0, 8001).to_dataset(length="cm", force="N"), {})
+        for n in (26, 51, 101, 201, 401):
+            line = stored_line.read(near_a_helix(beta, 0.3, 100.0, n).to_dataset(length="cm", force="N"), {})
+            off = np.abs(line.push(true.s) - true.push(true.s)).max()
+            assert push_along(line).stations() > n or off < np.ptp(true.push(true.s)) / COLOUR_STEPS
+
+
+@pytest.mark.slow
+@draws
+def test_a_scene_of_a_long_pipe_shows_no_pull_that_a_dense_solve_denies(tmp_path: Path) -> None:
+    (tmp_path / "pipe.toml").write_text(small.text({**PIPE, "L": 3000.0}, units="m kN"))
+    assert scene.scene(tmp_path / "pipe.toml", out=tmp_path / "pipe.png", dpi=60, bare=True) == 0
+    pulled, pushed = shares_of_push(pixels(tmp_path / "pipe.png"))
+    assert pulled < 0.01 * pushed  # on 0.06 % of the length, next to the start
+
+
+def test_a_file_that_does_not_fix_the_colours_of_its_push_is_not_exported_with_them(tmp_path: Path) -> None:
+    ds = pipe(161)
+    export(ds, tmp_path / "pipe.stl", Options(tolerance=0.05))
+    with pytest.raises(InputError, match=r"161 stations are too few for the colours of the push .* store about \d+"):
+        export(ds, tmp_path / "pipe.glb", Options(tolerance=0.05))

@@ -95,7 +95,7 @@ def test_a_long_rod_is_set_in_lines_that_show_all_of_it() -> None:
 
 @draws
 def test_all_lines_of_a_rod_share_the_triangles_of_a_picture(monkeypatch) -> None:
-    tight = dataset(stations=2001, L=2000.0)
+    tight = dataset(stations=4001, L=2000.0)
     layout.compose(tight, settings=layout.Settings(2.0, 50))
     monkeypatch.setattr(rendering, "ALL_TRIANGLES", 5000)  # a line takes fewer, all take more
     with pytest.raises(
@@ -110,7 +110,7 @@ def test_a_long_pipe_with_wide_bends_is_compressed_into_one_line_and_one_with_ti
     pipe = layout.compose(ds, settings=layout.Settings(2.0, 50, camera="sides"))
     assert len(pipe.scene.rows) == 2, "two sides of the whole pipe, one below the other"
     assert any("axis compressed" in note for note in pipe.notes)
-    tight = dataset(stations=2001, L=2000.0)
+    tight = dataset(stations=4001, L=2000.0)
     assert long_rod.compress([body(tight)])[0].squeeze == 1
     with pytest.raises(InputError, match="set in lines, is seen from one side, and --camera sides has several"):
         layout.compose(tight, settings=layout.Settings(camera="sides"))

@@ -124,10 +124,11 @@ MAPS: dict[str, Callable[[], Figure]] = {
 
 
 def drawn_lines(
-    axes: str, head: str = "", change: Callable[[xr.Dataset], xr.Dataset] = lambda ds: ds, **more: Any
-) -> Figure:
-    """The lines of a study of which something is changed."""
-    return study_figure.figure(change(in_memory.run(small.study(axes, head))), **more)
+    axes: str, head: str = "", change: Callable[[xr.Dataset], xr.Dataset] = lambda ds: ds, stations: int = 21,
+    **more: Any,
+) -> Figure:  # fmt: skip
+    """The lines of a study of which something is changed; stations: what a picture needs where no study is left."""
+    return study_figure.figure(change(in_memory.run(small.study(axes, head).at_stations(stations))), **more)
 
 
 def without_study(ds: xr.Dataset) -> xr.Dataset:
@@ -177,9 +178,9 @@ LINES: dict[str, Callable[[], Figure]] = {
     "one value": lambda: drawn_lines(small.axis("E", [1e4])),
     "large numbers": lambda: drawn_lines(E_OF_NINE),
     "wide verdict": lambda: drawn_lines(WIDE, change=lambda ds: ds.assign_attrs(title=LONG)),
-    "thin": lambda: drawn_lines(E_OF_TWO, change=thinner(1000)),
-    "thin beside a law": lambda: drawn_lines(E_OF_TWO + LAW, change=thinner(1000)),
-    "flat": lambda: drawn_lines(E_OF_TWO, change=thinner(1 / 1000)),
+    "thin": lambda: drawn_lines(E_OF_TWO, change=thinner(1000), stations=1001),
+    "thin beside a law": lambda: drawn_lines(E_OF_TWO + LAW, change=thinner(1000), stations=1001),
+    "flat": lambda: drawn_lines(E_OF_TWO, change=thinner(1 / 1000), stations=401),
     "an unsolved case": lambda: drawn_lines(E_OF_THREE, 'observables = ["kappa_mean"]', unsolved(slice(1, 2))),
     "level but for rounding": lambda: drawn_lines(E_OF_NINE, change=set_to("wraps", level), show=["wraps"]),
     "panel of a law": lambda: grid(panel="(2)"),
@@ -191,7 +192,7 @@ LINES: dict[str, Callable[[], Figure]] = {
     "observables": lambda: angles(show=["wraps", "turns", "condition"]),
     "a push outside": lambda: study_figure.figure(of_fig6("outside")),
     "a push inside": lambda: study_figure.figure(of_fig6("inside")),
-    "few stations": lambda: drawn_lines("", change=without_study),
+    "stored stations": lambda: drawn_lines("", change=without_study, stations=401),
     "laws of angles": with_laws_of_angles,
     "panel of an angle": lambda: with_laws_of_angles(sheet=sheet(panel="b")),
     "counts that are level": with_counts_that_are_level,

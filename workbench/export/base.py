@@ -82,6 +82,8 @@ class Format:
         The unit of length in the file; default: the dataset's.
     has_centreline
         Whether it can hold the centreline alone.
+    coloured
+        Whether it shows the push, for which the stations must be enough too.
     """
 
     write: Callable[[Path, Any], dict[str, Any]]
@@ -91,4 +93,5 @@ class Format:
     cubic: bool = False
     unit: str = ""
     has_centreline: bool = False
+    coloured: bool = False
     series: bool = False

@@ -10,7 +10,7 @@ from solver.mechanics import frames
 from solver.problem.errors import InputError
 from solver.problem.quantities import QUANTITIES, unit_of
 
-from ..geometry.centreline import APART, Array
+from ..geometry.centreline import APART, Array, advice_to_store
 from ..store import schema
 from ..store.derived_arrays import StoredArrays
 from ..words.escaping import in_csv
@@ -40,9 +40,8 @@ def columns(rod: Rod) -> list[Column]:
     if line.swing > APART and not line.stored_slopes:
         more = int(np.ceil(2 * line.s.size * line.swing / APART))
         raise InputError(
-            f"{line.s.size} stations are too far apart to tell the rate of beta: store about {more} "
-            f"(stations = {more}; workbench run takes --stations {more}, also for the .toml of solve --out), "
-            "or store dbeta (in outputs)"
+            f"{line.s.size} stations are too far apart to tell the rate of beta: {advice_to_store(more)}, or store "
+            "dbeta (in outputs)"
         )
     units = {"length": str(ds.attrs["length_unit"]), "force": str(ds.attrs["force_unit"])}
     case = ds.isel(rod.where)

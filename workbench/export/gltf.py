@@ -20,7 +20,7 @@ def write(path: Path, rod: Rod) -> dict[str, Any]:
     import trimesh
 
     mesh, s = tube(rod.line, rod.tolerance)
-    lifted = np.interp(s, rod.line.s, rod.line.push(rod.line.s))[:, None] < 0
+    lifted = rod.line.push(s)[:, None] < 0
     shades = np.where(lifted, linear(PULLED), linear(PUSHED))
     rgba = np.round(255 * np.append(shades, np.ones_like(lifted, dtype=float), axis=1)).astype(np.uint8)
     surface = trimesh.Trimesh(
@@ -45,4 +45,4 @@ def _with_material(tree: dict[str, Any]) -> None:
         primitive["material"] = 0
 
 
-FORMAT = Format(write, "surface", near, unit="m")
+FORMAT = Format(write, "surface", near, unit="m", coloured=True)

@@ -12,6 +12,8 @@ import xarray as xr
 from solver.problem.errors import InputError, choices
 
 from ..geometry import self_contact, stored_line
+from ..geometry.centreline import advice_to_store
+from ..geometry.refinement import push_along
 from ..store import atomic, selection, writing
 from . import FORMATS, pvd
 from .base import Format, Options, Rod, metres
@@ -117,6 +119,10 @@ def _write(path: Path, rod: Rod, format: Format, force: bool) -> tuple[dict[str,
     if format.tolerance is not None:
         tolerance = options.tolerance or format.tolerance(rod.line)
         rod.line.check(tolerance, format.curve_share, format.cubic)
+        if format.coloured and (more := push_along(rod.line).stations()) > (n := rod.line.s.size):
+            raise InputError(
+                f"{n} stations are too few for the colours of the push between them: {advice_to_store(more)}"
+            )
         unit = format.unit or rod.unit
         rod, facts = replace(rod, tolerance=tolerance), {"tolerance": tolerance, "unit": unit}
         if "error" in rod.ds:  # of beta, and of alpha and z/rho divided by max(1, L/rho)

@@ -7,6 +7,7 @@ import numpy as np
 
 from ..figures.colours import PULLED, PUSHED, linear
 from ..geometry.centreline import Array
+from ..geometry.refinement import push_along
 from .base import Format, Rod, metres
 from .surface_files import near
 
@@ -32,11 +33,12 @@ def Xform "Rod" (
 
 
 def write(path: Path, rod: Rod) -> dict[str, Any]:
-    """Write Bézier curves between the stations, with the exact tangents there; width, push and colour at the stations.
+    """Write Bézier curves from place to place, with the exact tangents there; width, push and colour at these places.
 
-    The numbers are in the unit of length of the dataset, which `metersPerUnit` states. The axis of the cylinder is z.
+    They are the stations, and between them as many as the straight line of the push needs. The numbers are in the unit
+    of length of the dataset, which `metersPerUnit` states. The axis of the cylinder is z.
     """
-    line = rod.line
+    line = rod.line.cut(push_along(rod.line).parts)
     points = np.concatenate([np.swapaxes(line.cubic.c[:3], 0, 1).reshape(-1, 3), line.cubic.c[3, -1:]])
     push = line.push(line.s)
     shades = np.where(push[:, None] < 0, linear(PULLED), linear(PUSHED))
@@ -69,4 +71,4 @@ def _varying(text: str) -> str:
     return f'{text} (\n            interpolation = "varying"\n        )'
 
 
-FORMAT = Format(write, tolerance=near, curve_share=1.0, cubic=True)
+FORMAT = Format(write, tolerance=near, curve_share=1.0, cubic=True, coloured=True)

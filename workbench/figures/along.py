@@ -24,7 +24,7 @@ from ..store import schema
 from ..store.derived_arrays import states_of
 from ..words import labels
 from ..words.cautions import SLIGHT
-from . import canvas, colours, drawn_rods, fonts, push_scale, regions
+from . import canvas, colours, drawn_rods, fonts, push_scale, regions, waves
 from .drawn_rods import DrawnRod, DrawnRods
 from .scales import RoomLocator, round_below
 from .sheet import SCREEN, Sheet
@@ -81,17 +81,20 @@ def figure(
     if STATES in names and not schema.loads_vary(ds):
         raise InputError(f"{NO_STATES}, and the rods of this file have none; choose --kind ridge or pipe")
     rods = drawn_rods.choose(ds, list(dict.fromkeys(a for n in names for a in ARRAYS.get(n, (n,)))), x, at, MOST)
-    curves = [_curves(rods, name) for name in names]
+    longest = max(float(rod["s"][-1]) for rod in rods.solved)
+    inches = max(sheet.width / (1 if sheet.narrow else len(names)) - fonts.BESIDE, 0.5) / longest
+    curves = [_curves(rods, name, inches) for name in names]
     ends = min(curve.ends[0] for curve in curves), max(curve.ends[1] for curve in curves)
     tall = float(np.clip(EACH * (ends[1] - ends[0]), *TALL))
     if sheet.narrow:
         tall = float(np.clip(tall, NARROW[0], NARROW[1] / len(names)))
 
-    def panel(i: int, ax: Axes) -> None:
-        _panel(ax, rods, curves[i], ends, tall, labelled=sheet.narrow or i == 0)
+    def panel(i: int, ax: Axes) -> canvas.Said:
+        said = _panel(ax, rods, curves[i], ends, tall, labelled=sheet.narrow or i == 0)
         if sheet.narrow and i < len(names) - 1:
             ax.xaxis.label.set_visible(False)
             ax.tick_params(labelbottom=False)
+        return said
 
     panels = [partial(panel, i) for i in range(len(names))]
     rows: list[canvas.Row] = [(tall + 0.3, [single]) for single in panels] if sheet.narrow else [(tall + 0.75, panels)]
@@ -111,7 +114,7 @@ class Curves:
 
     values: of each rod in the unit of the panel, None where it is not solved. unit: with a blank before it where one
     stands. foot: the value at the line of a curve. step: from one curve to the next. size: the largest range. ends: the
-    lowest and the highest point of all curves in steps from the line of the first.
+    lowest and the highest point of all curves in steps from the line of the first. inches: of a unit of s.
     """
 
     name: str
@@ -122,9 +125,10 @@ class Curves:
     step: float
     size: float
     ends: tuple[float, float]
+    inches: float
 
 
-def _curves(rods: DrawnRods, name: str) -> Curves:
+def _curves(rods: DrawnRods, name: str, inches: float) -> Curves:
     """The curves of one quantity, so far from each other that none reaches the next."""
     shown = ARRAYS.get(name, (name,))[0]
     _, unit, change = _words(rods.source, shown)
@@ -137,17 +141,21 @@ def _curves(rods: DrawnRods, name: str) -> Curves:
     far = low > 2 * (high - low) or high < -2 * (high - low)  # 0 lies far from all curves
     foot = low if far and name != "push" and high - low > NOISE * max(abs(low), abs(high)) else 0.0
     size = max(max(most, foot) - min(least, foot) for _, least, most in drawn) or 1.0
-    step = max(_clear_step(rods, values, foot, name == "push" or (not foot and low >= 0)), 0.25 * size)
+    step = max(_clear_step(rods, values, foot, name == "push" or (not foot and low >= 0), inches), 0.25 * size)
     ends = (min(0.0, *(k + (least - foot) / step for k, least, _ in drawn)),
             max(len(values) - 1.0, *(k + (most - foot) / step for k, _, most in drawn)))  # fmt: skip
-    return Curves(name, title, unit, values, foot, step, size, ends)
+    return Curves(name, title, unit, values, foot, step, size, ends, inches)
 
 
-def _clear_step(rods: DrawnRods, values: Sequence[Any], foot: float, filled: bool) -> float:
-    """From the line of one curve to the next, so that no curve reaches the next one; filled: nor its line."""
-    rows = [(rod["s"], heights - foot) for rod, heights in zip(rods.rods, values, strict=True) if heights is not None]
+def _clear_step(rods: DrawnRods, values: Sequence[Any], foot: float, filled: bool, inches: float) -> float:
+    """From the line of one curve to the next, so that no curve reaches the next one; filled: nor its line.
+
+    inches: of a unit of s.
+    """
+    rows = [waves.outline(rod["s"], heights - foot, inches)
+            for rod, heights in zip(rods.rods, values, strict=True) if heights is not None]  # fmt: skip
     most = 0.0
-    for (s, low), (s_next, high) in pairwise(rows):
+    for (s, _, low), (s_next, high, _) in pairwise(rows):
         above = np.interp(s, s_next, high, right=np.inf)
         most = max(most, float((np.maximum(low, 0) - np.minimum(above, 0) if filled else low - above).max()))
     return CLEAR * most
@@ -166,12 +174,16 @@ def _words(ds: xr.Dataset, name: str) -> tuple[str, str, Callable[[Any], Any]]:
     return labels.symbol_of(name), f" {unit}" if unit else "", np.asarray
 
 
-def _panel(ax: Axes, rods: DrawnRods, curves: Curves, ends: tuple[float, float], tall: float, labelled: bool) -> None:
-    """One quantity of all rods, on axes of that height in inches. ends: of all panels, in steps."""
+def _panel(
+    ax: Axes, rods: DrawnRods, curves: Curves, ends: tuple[float, float], tall: float, labelled: bool
+) -> list[str]:
+    """One quantity of all rods, on axes of that height in inches; returns what is to be said of it.
+
+    ends: of all panels, in steps.
+    """
     if len(rods.rods) == 1 and curves.name not in ARRAYS:
-        alone(ax, rods, curves.name)
-        return
-    _draw_curves(ax, rods, curves)
+        return alone(ax, rods, curves.name)
+    said = _draw_curves(ax, rods, curves)
     margin = 0.02 * (ends[1] - ends[0]) or 1.0  # about rods that are straight
     ax.set_ylim(curves.foot + (ends[0] - margin) * curves.step, curves.foot + (ends[1] + margin) * curves.step)
     _over_s(ax, rods)
@@ -181,9 +193,10 @@ def _panel(ax: Axes, rods: DrawnRods, curves: Curves, ends: tuple[float, float],
         ax.set_ylabel("azimuth α [°]")
         ax.set_title(fonts.wrap(curves.title, ax), loc="left")
         ax.yaxis.set_major_locator(RoomLocator("angles"))
-        return
+        return said
     _name_curves(ax, rods, curves, tall, labelled)
     _bar(ax, curves)
+    return said
 
 
 def _over_s(ax: Axes, rods: DrawnRods) -> None:
@@ -191,28 +204,28 @@ def _over_s(ax: Axes, rods: DrawnRods) -> None:
     ax.set_xlabel(f"s [{labels.unit(str(rods.source.attrs['length_unit']))}]")
 
 
-def alone(ax: Axes, rods: DrawnRods, name: str, dots: bool = False) -> None:
+def alone(ax: Axes, rods: DrawnRods, name: str) -> list[str]:
     """A quantity of one rod over s, on an axis of its numbers; shaded where the cylinder would have to pull.
 
-    dots: whether the stations miss bends.
+    Returns what is to be said of it.
     """
     rod, (title, unit, change) = rods.solved[0], _words(rods.source, name)
     s, values = rod["s"], change(rod[name])
-    if dots:
-        ax.plot(s, values, ".", color=colours.DATA, markersize=3, gid=rod.name)
-    elif name == "push":
-        push_scale.line(ax, s, values, values, push_scale.scale([values]), 1.6, order=3)
+    inches = fonts.inches(ax)[0] / float(s[-1])
+    if name == "push":
+        said = push_scale.line(ax, s, values, values, push_scale.scale([values]), 1.6, order=3, inches=inches)
         _shade_pulls(ax, s, values)
     else:
-        ax.plot(s, values, color=colours.DATA, linewidth=1.8, gid=rod.name)
+        look = {"color": colours.DATA, "linewidth": 1.8, "gid": rod.name}
+        said = _draw_line(ax, s, values, inches, look)
     ax.axhline(0, color=colours.SOFT, linewidth=0.8)
-    coarse = f"; dots: {rods.source.sizes.get('u', 1)} stations miss bends" if dots else ""
     ax.set_ylabel(f"{title} [{unit.strip()}]" if unit.strip() else title)
     words = {"beta": "angle from the axis to the tangent", "push": "push of the cylinder per length"}
-    ax.set_title(fonts.wrap(f"{words.get(name, title)}{coarse}", ax), loc="left")
+    ax.set_title(fonts.wrap(words.get(name, title), ax), loc="left")
     if unit == "°":
         ax.yaxis.set_major_locator(RoomLocator("angles"))
     _over_s(ax, rods)
+    return said
 
 
 def _shade_pulls(ax: Axes, s: Any, push: Any) -> None:
@@ -226,12 +239,12 @@ def _shade_pulls(ax: Axes, s: Any, push: Any) -> None:
                     label=push_scale.PUSHES)  # fmt: skip
 
 
-def _draw_curves(ax: Axes, rods: DrawnRods, curves: Curves) -> None:
-    """The curves of all rods, each at its offset."""
+def _draw_curves(ax: Axes, rods: DrawnRods, curves: Curves) -> list[str]:
+    """Draw the curves of all rods, each at its offset; returns what is to be said of them."""
     count, step, foot = len(curves.values), curves.step, curves.foot
     shades = colours.ramp_colours(count)
     norm = push_scale.scale([rod["push"] for rod in rods.solved] if curves.name in ("push", PIPE) else [])
-    width = float(np.clip(16 / count, 0.7, 1.4))
+    width, inches, said = float(np.clip(16 / count, 0.7, 1.4)), curves.inches, list[str]()
     for k, (rod, values) in enumerate(zip(rods.rods, curves.values, strict=True)):
         ax.axhline(k * step + foot, color=colours.FAINT, linewidth=0.6, zorder=1)
         order = 3 + 0.9 * (count - k) / count  # the lower curve stands before the upper one
@@ -249,9 +262,10 @@ def _draw_curves(ax: Axes, rods: DrawnRods, curves: Curves) -> None:
                 ax.fill_between(s, 0, side, color=colour, alpha=0.25, linewidth=0, transform=where, zorder=order,
                                 label=words)  # fmt: skip
         if curves.name in ("push", PIPE):
-            push_scale.line(ax, s, values, push, norm, width, rod.name, where, order)
+            said += push_scale.line(ax, s, values, push, norm, width, rod.name, where, order, inches)
         elif curves.name != STATES:
-            ax.plot(s, values, color=shades[k], linewidth=1.1, transform=where, zorder=order, gid=rod.name)
+            look = {"color": shades[k], "linewidth": 1.1, "gid": rod.name}
+            said += _draw_line(ax, s, values, inches, look, where, order)
         if curves.name not in ARRAYS:
             continue
         heights, wide, below = (
@@ -259,12 +273,27 @@ def _draw_curves(ax: Axes, rods: DrawnRods, curves: Curves) -> None:
         )
         for state in _states(rods, rod):
             part = (s >= state.begin) & (s <= state.end)
-            ax.plot(s[part], heights[part], color=colours.STATES[state.word], linewidth=wide, transform=where,
-                    zorder=order - below, label=state.word, gid=f"{rod.name}, {state.word}")  # fmt: skip
+            look = {"color": colours.STATES[state.word], "linewidth": wide, "label": state.word,
+                    "gid": f"{rod.name}, {state.word}"}  # fmt: skip
+            said += _draw_line(ax, s[part], heights[part], inches, look, where, order - below)
         _, first, after = regions.runs((push < -SLIGHT * np.abs(push).max())[None])
         middle = (s[first] + s[after - 1]) / 2  # of each stretch where the cylinder would have to pull
         ax.plot(middle, np.interp(middle, s, values), **PULLS, transform=where, zorder=order + 0.01,
                 label="would lift off" * bool(middle.size), gid=f"{rod.name}, would lift off")  # fmt: skip
+    return said
+
+
+def _draw_line(
+    ax: Axes, s: Any, values: Any, inches: float, look: Mapping[str, Any], where: Any = None, order: float = 2.0
+) -> list[str]:
+    """Draw a curve over s in one colour; returns what is to be said of it. inches: of a unit of s."""
+    where = where or ax.transData
+
+    def line(of: slice) -> None:
+        ax.plot(s[of], values[of], transform=where, zorder=order, **look)
+
+    label = str(look.get("label", ""))
+    return waves.draw(ax, s, values, inches, line, look["color"], look["gid"], where, order, label)
 
 
 def _states(rods: DrawnRods, rod: DrawnRod) -> Sequence[Any]:

@@ -1,6 +1,7 @@
-"""The rods of a figure: one, or those along an axis, at as many stations as a picture has pixels."""
+"""The rods of a figure: one, or those along an axis, at as many stations as its curves and colours need."""
 
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -8,15 +9,21 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from solver.problem.errors import InputError
+from solver.problem.errors import InputError, choices
 from studies.grammar.axes import SAMPLE
 
+from ..geometry import stored_line
+from ..geometry.centreline import Centreline, advice_to_store, cut
+from ..geometry.refinement import ROUNDING, DrawnCurve
 from ..store import refined, schema, selection
 from ..store.derived_arrays import StoredArrays
 from ..words import labels
 
 STATIONS = 1000  # along each rod at least, two for each pixel of a panel
-POINTS = 60_000  # of all rods together at most
+POINTS = 60_000  # of all rods together, which those are tried first have at most
+ROUNDS = 6  # each finds more stations where the round before saw that a curve or a colour needs them
+SHADES = 256  # a curve, and so a colour, may be off by one part in so many of its range
+LEAST = 1e-300  # above zero
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,7 +137,7 @@ def choose(
     cases = selection.spread(selection.line(ds, axis, at), most) if axis else [selection.case(ds, at)]
     held = {name: i for name, i in cases[0].items() if name != axis}
     chosen = ds.isel(held | ({axis: [case[axis] for case in cases]} if axis else {}))
-    arrays_of, notes = _arrays(chosen, names, len(cases))
+    arrays_of, notes = _arrays(chosen, names)
     if axis and len(cases) < ds.sizes[axis]:
         values = "samples" if axis == SAMPLE else f"values of {labels.axis_symbol(axis)}"
         notes = [f"{len(cases)} of the {ds.sizes[axis]} {values} are shown, evenly chosen.", *notes]
@@ -140,12 +147,15 @@ def choose(
     return DrawnRods(ds, axis, held, rods, notes)
 
 
-def rod_of_case(ds: xr.Dataset, names: Sequence[str]) -> DrawnRod:
-    """The rod of a dataset of one case at its stored stations; without arrays where it is not solved.
+def of_all_cases(ds: xr.Dataset, names: Sequence[str]) -> list[DrawnRod]:
+    """The rods of all cases of a dataset, in their order; without arrays where one is not solved.
 
-    Raises `InputError` for an array that is not stored.
+    names: arrays along the rod. Raises `InputError` as `choose` does.
     """
-    return _rod(ds, None, _as_stored(ds, names, 1)[0])
+    places = np.ndindex(*ds["outcome"].shape)
+    axes = schema.axes_of(ds)
+    return [_rod(ds.isel(dict(zip(axes, place, strict=True))), None, arrays)
+            for place, arrays in zip(places, _arrays(ds, names)[0], strict=True)]  # fmt: skip
 
 
 def _rod(one: xr.Dataset, axis: str | None, arrays: Mapping[str, Any] | None) -> DrawnRod:
@@ -158,26 +168,64 @@ def _rod(one: xr.Dataset, axis: str | None, arrays: Mapping[str, Any] | None) ->
     return DrawnRod(name, short, arrays, a=float(stored.constant("a")), caution=caution, case=one, **names)
 
 
-def _arrays(some: xr.Dataset, names: Sequence[str], count: int) -> tuple[list[dict[str, Any] | None], list[str]]:
-    """For each case s and the arrays of these names, None where it is not solved; and what is to be said."""
+def _arrays(some: xr.Dataset, names: Sequence[str]) -> tuple[list[dict[str, Any] | None], list[str]]:
+    """For each case s and the arrays of these names, None where it is not solved; and what is to be said.
+
+    The cases are solved again at as many stations as the arrays need. Raises `InputError`, also where the stations are
+    too few.
+    """
     from ..store import stored_case  # it loads the methods
 
+    count = int(some["outcome"].size)
     stations = int(np.clip(POINTS // count, 200, STATIONS if count > 1 else 4 * STATIONS)) + 1
-    notes, reason = list[str](), ""
-    try:
-        finer = stored_case.solve_again(some, stations, names)
-    except InputError as error:
-        finer, reason = some, str(error).rstrip(".")
-        notes = [f"Drawn at the {some.sizes.get('u', 1)} stored stations: {reason}."]
-    try:
-        rows = _as_stored(finer, names, count)
-    except InputError as error:
-        raise InputError(f"{error}, and its cases cannot be solved again: {reason}") from None
-    solved = np.atleast_1d(np.asarray(some["solved"].values, dtype=bool))
-    return [row if is_solved else None for row, is_solved in zip(rows, solved, strict=True)], notes
+    finer, reason, drawn, n = some, "", dict[int, list[DrawnCurve]](), 0
+    also = ("beta", "alpha", "z", "dbeta", *["contact"] * schema.loads_vary(some))
+    for _ in range(ROUNDS):
+        try:
+            finer = stored_case.solve_again(some, stations, dict.fromkeys((*names, *also)))
+        except InputError as error:
+            reason = str(error).rstrip(".")
+        try:
+            drawn, n = _curves_of(finer, names), finer.sizes.get("u", 0)
+        except InputError as error:
+            raise InputError(f"{error}, and its cases cannot be solved again: {reason}") from None
+        stations = max((curve.stations() for rod in drawn.values() for curve in rod), default=n)
+        if reason or stations <= n:
+            break
+    if stations > n:
+        why = f" ({reason})" if reason else ""
+        raise InputError(f"{n} stations are too few to draw {choices(names)}{why}: {advice_to_store(stations)}")
+    notes = [f"Drawn at the {n} stored stations: {reason}."] if reason else []
+    return [_cut(drawn[k]) if k in drawn else None for k in range(count)], notes
 
 
-def _as_stored(some: xr.Dataset, names: Sequence[str], count: int) -> list[dict[str, Any] | None]:
+def _curves_of(ds: xr.Dataset, names: Sequence[str]) -> dict[int, list[DrawnCurve]]:
+    """The arrays of the solved rods that have them, by the number of the rod. Raises `InputError`."""
+    solved = np.asarray(ds["solved"].values, dtype=bool).ravel()
+    known = {k: row for k, row in enumerate(_as_stored(ds, names)) if row is not None and solved[k]}
+    allowed = {name: _error_limit(name, [row[name] for row in known.values()], ds) for name in names if known}
+    places = list(np.ndindex(*ds["outcome"].shape))
+    lines = dict[int, Centreline]()
+    with suppress(InputError):  # what is stored may give no curve
+        lines = {k: stored_line.read(ds, dict(zip(schema.axes_of(ds), places[k], strict=True))) for k in known}
+    return {k: [DrawnCurve(name, row["s"], row[name], allowed[name], lines.get(k)) for name in names]
+            for k, row in known.items()}  # fmt: skip
+
+
+def _cut(rod: Sequence[DrawnCurve]) -> dict[str, Any]:
+    """s and the arrays of a rod, where straight lines between them follow its curves."""
+    parts = max(curve.parts for curve in rod)
+    return {"s": cut(rod[0].s, parts), **{curve.name: curve.between(parts) for curve in rod}}
+
+
+def _error_limit(name: str, arrays: Sequence[Any], ds: xr.Dataset) -> float:
+    """By how much a curve may be off: a part of the range of all rods, of angles and z of a turn of the cylinder."""
+    low, high = min(float(array.min()) for array in arrays), max(float(array.max()) for array in arrays)
+    turn = {"alpha": 2 * np.pi, "gamma": 2 * np.pi, "z": 2 * np.pi * float(ds["rho"].max())}.get(name, np.inf)
+    return max(min(high - low, turn) / SHADES, ROUNDING * max(abs(low), abs(high)), LEAST)
+
+
+def _as_stored(some: xr.Dataset, names: Sequence[str]) -> list[dict[str, Any] | None]:
     """The arrays as stored or computed from stored ones, of each case with numbers. Raises `InputError`."""
     if "u" not in some.dims:
         raise InputError("the dataset does not store arrays along the rod")
@@ -186,6 +234,7 @@ def _as_stored(some: xr.Dataset, names: Sequence[str], count: int) -> list[dict[
         array = some["s"] if name == "s" else StoredArrays(some).derive(name)
         if array is None:
             raise InputError(f"the dataset does not store {name}")
-        tables[name] = np.broadcast_to(array.transpose(..., "u").values, (count, some.sizes["u"]))
-    rows = [{name: table[i] for name, table in tables.items()} for i in range(count)]
+        whole = array.broadcast_like(some["outcome"]).transpose(*schema.axes_of(some), "u")
+        tables[name] = whole.values.reshape(-1, some.sizes["u"])
+    rows = [{name: table[i] for name, table in tables.items()} for i in range(len(tables["s"]))]
     return [row if all(np.isfinite(array).all() for array in row.values()) else None for row in rows]

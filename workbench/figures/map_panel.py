@@ -177,7 +177,9 @@ def draw_shapes(ax: Axes, cells: Cells, shapes: Shapes, inches: tuple[float, flo
     ds = cells.source
     columns, across = _spread(cells.x, shapes.across)
     rows, up = _spread(cells.y, shapes.up)
-    rods = {(j, i): drawn_rods.rod_of_case(ds.isel(cells.place(j, i)), ["alpha", "z"]) for j in rows for i in columns}
+    places = [(j, i) for j in rows for i in columns]
+    chosen = {name: list(dict.fromkeys(cells.place(*place)[name] for place in places)) for name in cells.place(0, 0)}
+    rods = dict(zip(places, drawn_rods.of_all_cases(ds.isel(chosen), ["alpha", "z"]), strict=True))
     known = [rod for cell, rod in rods.items() if cells.solved[cell] and rod.arrays is not None]
     if not known:
         return ["None of the chosen rods is solved: no shape is drawn."]
@@ -187,17 +189,14 @@ def draw_shapes(ax: Axes, cells: Cells, shapes: Shapes, inches: tuple[float, flo
         left, low = (float(np.clip(scale.share(float(scale.values[k])) - room / 2, 0, 1 - room))
                      for scale, k, room in ((cells.x, i, across), (cells.y, j, up)))  # fmt: skip
         if rod in known:
-            coarse: dict[str, Any] = {"linestyle": "none", "marker": ".", "markersize": 2}
-            unrolled.inset(ax, (left, low, across, up), *rod.plane_points(), (wide, tall), factor,
-                           **(coarse if unrolled.is_coarse(rod) else {}))  # fmt: skip
+            unrolled.inset(ax, (left, low, across, up), *rod.plane_points(), (wide, tall), factor)
         else:
             ax.text(left + across / 2, low + up / 2, "not solved", transform=ax.transAxes, ha="center", va="center",
                     size=fonts.small(), path_effects=[HALO], zorder=20)  # fmt: skip
-    notes = [f"Dots: {ds.sizes['u']} stations miss bends."] if any(map(unrolled.is_coarse, known)) else []
     size = f"the longest is {labels.number(wide)} {labels.unit(str(ds.attrs['length_unit']))} long"
     enlarged = f"{unrolled.larger(1 / factor, 'z')}{unrolled.larger(factor, fonts.AROUND)}"
     where = f"{fonts.WAYS}, each about its own case"
-    return [f"Shapes: unrolled views, {where}; all at one scale{enlarged}; {size}.", *notes]
+    return [f"Shapes: unrolled views, {where}; all at one scale{enlarged}; {size}."]
 
 
 def _spread(scale: Scale, count: int) -> tuple[list[int], float]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..words import labels
 from ..words.cautions import SLIGHT
-from . import canvas, colours, fonts
+from . import canvas, colours, fonts, waves
 from .drawn_numbers import CASING
 
 PUSHES, PULLS = "the cylinder pushes", "the cylinder would have to pull: the rod would lift off"  # in a legend
@@ -28,24 +28,33 @@ def scale(pushes: Sequence[Any]) -> Normalize:
 
 def line(
     ax: Axes, x: Any, y: Any, push: Any, norm: Normalize, width: float = 2.0, name: str = "", where: Any = None,
-    order: float = 2.0,
-) -> None:  # fmt: skip
-    """Draw a line whose colour at each point is that of the push there; name: its own in a table.
+    order: float = 2.0, inches: float = np.inf,
+) -> list[str]:  # fmt: skip
+    """Draw a line whose colour at each point is that of the push there; returns what is to be said of its bands.
 
-    where: its transform; order: of drawing.
+    name: its own in a table. where: its transform; order: of drawing. inches: of a unit of x. A band of the push itself
+    has the colours of its heights, another one has none.
     """
     where = where or ax.transData
     casing = max(width * EDGE, width + LEAST)
-    ax.plot(x, y, color=colours.SOFT, linewidth=casing, solid_capstyle="round", label=CASING, zorder=order,
-            transform=where)  # fmt: skip
     points: NDArray[np.float64] = np.column_stack([x, y])
     middles = (points[1:] + points[:-1]) / 2
     before, after = np.vstack([points[:1], middles]), np.vstack([middles, points[-1:]])
-    drawn = LineCollection(list(np.stack([before, points, after], axis=1)), cmap=colours.push_ramp(), norm=norm,
-                           linewidths=width, capstyle="round", joinstyle="round", gid=name, zorder=order,
-                           transform=where)  # fmt: skip
-    drawn.set_array(np.asarray(push, dtype=float))
-    ax.add_collection(drawn)
+    segments, shades = np.stack([before, points, after], axis=1), np.asarray(push, dtype=float)
+
+    def paint(of: slice) -> None:
+        ax.plot(x[of], y[of], color=colours.SOFT, linewidth=casing, solid_capstyle="round", label=CASING, zorder=order,
+                transform=where)  # fmt: skip
+        drawn = LineCollection(list(segments[of]), cmap=colours.push_ramp(), norm=norm, linewidths=width,
+                               capstyle="round", joinstyle="round", gid=name, zorder=order,
+                               transform=where)  # fmt: skip
+        drawn.set_array(shades[of])
+        ax.add_collection(drawn)
+
+    def shade(height: float) -> Any:
+        return colours.push_ramp()(norm(height))
+
+    return waves.draw(ax, x, y, inches, paint, shade if y is push else colours.NEUTRAL, name, where, order)
 
 
 def bar(ax: Axes, unit: str, inches: float) -> None:

@@ -145,7 +145,6 @@ def one_rod(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
     room = sheet.width - unrolled.BESIDE, STRIPS[not sheet.narrow] * sheet.width
     view = unrolled.panel_of(rods, room, sheet.small, coloured) if "curve" in names else None
     each = LEAST_LAW * max(min(sheet.width / SCREEN.width, 1.0), ONE_ROD)
-    coarse = view is not None and unrolled.is_coarse(rods.rods[0])
 
     def curve(ax: Axes) -> canvas.Said:
         assert view is not None
@@ -154,7 +153,7 @@ def one_rod(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
 
     rows: list[canvas.Row] = [
         (view.height + LABELS, [curve]) if view and name == "curve"
-        else (each, [partial(along.alone, rods=rods, name=arrays[name][0], dots=coarse)]) for name in names
+        else (each, [partial(along.alone, rods=rods, name=arrays[name][0])]) for name in names
     ]  # fmt: skip
     return canvas.page(ds, sheet, rows, rods.notes)
 

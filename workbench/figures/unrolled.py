@@ -28,7 +28,7 @@ from solver.mechanics import frames
 
 from ..geometry import lines, self_contact
 from ..words import cautions, labels
-from . import arrangement, canvas, colours, drawn_rods, fonts, push_scale
+from . import arrangement, canvas, colours, drawn_rods, fonts, push_scale, waves
 from .arrangement import Arrangement
 from .drawn_rods import DrawnRod, DrawnRods
 from .scales import round_below
@@ -43,7 +43,6 @@ LARGEST, SMALLEST = 8.0, 0.1  # inches of the largest view
 WORTH = 1.5  # a scale so many times larger is worth another row of a list
 LEAST = 0.12  # inches of a view, below which one direction is drawn larger
 STRAIGHT = 1e-9  # of the other extent: less is rounding, which no scale shows
-SHORT = 0.9  # of the arc: a shorter chord has turned by a right angle or more in between
 RING = 3.5  # points across at least
 NEAR = 3.0  # radii of the rod on the unrolled cylinder: two places that are nearer have one ring between them
 ARROW = 0.55  # inches of the arrows of the key at most
@@ -148,18 +147,24 @@ def words_size(text: str, letters: float) -> tuple[float, float]:
     return max(fonts.width_of(line, letters) for line in lines), len(lines) * WORDS * letters + ABOVE
 
 
-def _draw_line(ax: Axes, x: Values, y: Values, look: Mapping[str, Any], name: str, where: Transform) -> None:
-    """Draw a line in the colours of the push, or in one colour."""
+def _draw_line(
+    ax: Axes, x: Values, y: Values, look: Mapping[str, Any], name: str, where: Transform, inches: float
+) -> list[str]:
+    """Draw a line in the colours of the push, or in one colour; returns what is to be said of it.
+
+    inches: of a unit of x.
+    """
     if "push" in look:
-        push_scale.line(ax, x, y, **look, name=name, where=where)
-    else:
-        ax.plot(x, y, **{"solid_capstyle": "round", "zorder": 3, **look}, transform=where, gid=name)
+        return push_scale.line(ax, x, y, **look, name=name, where=where, inches=inches)
+
+    def line(of: slice) -> None:
+        ax.plot(x[of], y[of], **{"solid_capstyle": "round", "zorder": 3, **look}, transform=where, gid=name)
+
+    return waves.draw(ax, x, y, inches, line, look["color"], name, where, 3.0)
 
 
 def _look(rod: DrawnRod, norm: Normalize | None) -> dict[str, Any]:
-    """The look of the line of a rod, in the colours of the push where they have a scale; dots miss bends."""
-    if is_coarse(rod):
-        return {"color": colours.DATA, "marker": ".", "markersize": 3, "linestyle": "none"}
+    """The look of the line of a rod, in the colours of the push where they have a scale."""
     if norm is not None:
         return {"push": rod["push"], "norm": norm, "width": 1.6}
     return {"color": colours.DATA, "linewidth": 1.1}
@@ -221,12 +226,6 @@ def has_curve(ds: xr.Dataset) -> bool:
     return all(name in ds.data_vars for name in ("alpha", "z", "rho"))
 
 
-def is_coarse(rod: DrawnRod) -> bool:
-    """Whether the stations of a rod miss a bend: some chord is much shorter than the arc between its ends."""
-    x, y = rod.plane_points()
-    return bool((np.hypot(np.diff(x), np.diff(y)) < SHORT * np.diff(rod["s"])).any())
-
-
 def figure(
     ds: xr.Dataset, x: str | None = None, at: Mapping[str, float] | None = None, sheet: Sheet = SCREEN
 ) -> Figure:
@@ -283,7 +282,7 @@ class Panel:
         ax.set_label(VIEWS)
         ax.set_xlabel(f"z [{self.unit}]")
         ax.set_ylabel(f"{fonts.AROUND} [{self.unit}]")
-        rings, columns = list[Any](), form.boxes.shape[1]
+        rings, said, columns = list[Any](), list[str](), form.boxes.shape[1]
         heights = [words_size(view.text, small)[1] for view in self.views]
         for k, (view, (left, top, _, high)) in enumerate(zip(self.views, form.places, strict=False)):
             first, text = k - k % columns, dict[str, Any](size=small, linespacing=1.1, annotation_clip=False)
@@ -298,12 +297,13 @@ class Panel:
                 continue
             to_page = Affine2D().translate(*-view.box[0]).scale(form.scale, form.scale * form.factor)
             where = to_page.translate(left, top) + ax.transData
-            _draw_line(ax, view.x, view.y, view.look, view.name or view.text.partition("\n")[0], where)
+            name = view.name or view.text.partition("\n")[0]
+            said += _draw_line(ax, view.x, view.y, view.look, name, where, form.scale)
             if view.begins:
                 ax.plot(view.x[0], view.y[0], "o", color=colours.INK, markersize=2.8, zorder=4, transform=where,
                         gid="s = 0")  # fmt: skip
             for x, y, look, name in view.over:
-                _draw_line(ax, x, y, look, name, where)
+                said += _draw_line(ax, x, y, look, name, where, form.scale)
             rings += [(to_page.transform(place), form.scale * apart * [1, form.factor]) for place, apart in view.rings]
         if rings:
             sizes = [max(72 * float(np.linalg.norm(apart)) + RING / 2, RING) for _, apart in rings]
@@ -321,6 +321,7 @@ class Panel:
             *[ring] * bool(rings),
             sentence(self.form, len(self.views) > 1 and not self.in_lines, self.in_lines + more),
             *self.notes,
+            *said[:1],
         ]
 
 
@@ -341,7 +342,7 @@ def lines_of(
     low = -turn / 2 if around else float(across.min() + across.max() - wide) / 2
     setting = lines.set_in_lines(tall, wide, tall / float(np.ptp(s)), inner, THINNEST)
     spans = setting.cut(float(s[0]), float(s[-1]))
-    dense = s if is_coarse(rod) else np.union1d(s, np.linspace(s[0], s[-1], DENSE * s.size))
+    dense = np.union1d(s, np.linspace(s[0], s[-1], DENSE * s.size))
     look = _look(rod, push_scale.scale([rod["push"]]) if coloured else None)
     views = []
     for (start, stop), head in zip(spans, setting.heads(spans, unit), strict=True):
@@ -364,7 +365,7 @@ def lines_of(
 def panel_of(rods: DrawnRods, room: tuple[float, float], letters: float, coloured: bool = True) -> Panel:
     """The unrolled views of rods of a study in a room of inches: in rows, or one long rod in lines.
 
-    coloured: whether the lines have the colours of the push. A rod whose stations are too far apart is drawn as dots.
+    coloured: whether the lines have the colours of the push.
     """
     unit = labels.unit(str(rods.source.attrs["length_unit"]))
     if len(rods.rods) == 1:
@@ -378,8 +379,6 @@ def panel_of(rods: DrawnRods, room: tuple[float, float], letters: float, coloure
         if rod.arrays is None:
             views.append(View(np.zeros(0), np.zeros(0), text, {}))
             continue
-        if is_coarse(rod):
-            notes.append(f"Dots: {rods.source.sizes['u']} stations miss bends.")
         passes = coloured and "overlaps" in cautions.keys(rod.caution)
         view, is_too_long = view_of(rod["s"], rod.rho, rod["alpha"], rod["z"], rod.a, text, _look(rod, norm), rod.name,
                                     passes)  # fmt: skip

@@ -6,25 +6,30 @@ apart than the swings of beta, such a curve may miss swings without a trace: the
 to station, and the error is the largest that a rod of that length can have.
 """
 
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import BPoly
+from scipy.interpolate import BPoly, make_interp_spline
 
 from solver.mechanics import frames, statics
 from solver.mechanics.potential import Loads, dimensional_slope, potential
 from solver.mechanics.statics import contact_force, push_from
 from solver.problem.errors import InputError
+from studies.language.study import MAX_STATIONS
 
 Array = NDArray[np.float64]
 
 NEEDED = ("beta", "alpha", "z", "R", "a", "rho", "L", "FZ", "MZ", "M3")
 GAUSS, WEIGHT = (0.5 * (v + k) for v, k in zip(np.polynomial.legendre.leggauss(5), (1.0, 0.0), strict=True))
 ROUNDS = 6  # each reduces the error of beta' by a factor of some (step x largest frequency)^2 / 10
+DEGREE = 5  # of the splines through the stations
 ORDER, CUBIC_ORDER = 6, 4  # of the errors of the curve and of the cubics between stations, in their distance
+VALUE_ORDER = 5  # of the error of what follows from beta', as the push and the curvature do
+EASED = 4.0  # an error falls by that much at least where stations are twice as near; by 32 where they are near enough
 PARTS = 4  # of an interval, for a better number of stations
 APART = 3.0  # radians of a swing of beta between stations; from pi on a swing may lie between two of them unseen
 SHARES = np.linspace(0, 1, 17)[1:-1]  # of an interval: where the cubic is compared with the curve
@@ -149,6 +154,30 @@ class Centreline:
         chord = np.hypot(self.rho * np.diff(self.alpha), np.diff(self.z))
         return float(np.sqrt(np.maximum(np.diff(self.s) ** 2 - chord**2, 0)).max() / 2)
 
+    def cut(self, parts: int) -> Self:
+        """The same curve through so many times as many stations."""
+        s = cut(self.s, parts)
+        alpha, beta, z = self.at(s)
+        dbeta = self._angle(s, 1) if self.smooth else self._even(self.dbeta, s)
+        return replace(self, s=s, alpha=alpha, beta=beta, dbeta=dbeta, z=z)
+
+    def every_other(self) -> Self:
+        """The curve through every other station and the last one."""
+        kept = _every_other(self.s.size)
+        return replace(self, **{name: getattr(self, name)[kept] for name in self._arrays})
+
+    @property
+    def _arrays(self) -> tuple[str, ...]:
+        return ("s", "alpha", "beta", "dbeta", "z")
+
+    def value_error(self, value: "Callable[[Centreline, Array], Array]") -> float:
+        """The estimated error between stations of a quantity along the rod, of a function of a curve and of s.
+
+        The curve through every other station misses the others by this much, times what the smaller distance gains.
+        """
+        left_out = self.s[1::2]
+        return float(np.abs(value(self.every_other(), left_out) - value(self, left_out)).max()) / EASED
+
     @cached_property
     def cubic(self) -> Any:
         """Cubic curves in space from station to station, with the exact tangents there; its `c`: control points."""
@@ -192,10 +221,51 @@ class Centreline:
             more = self.stations_for(needed, cubic)
             raise InputError(
                 f"{self.s.size} stations fix the rod between them to {error:.1e} {self.unit} only, and "
-                f"{needed:.1e} {self.unit} is needed for a tolerance of {tolerance:g} {self.unit}: store about {more} "
-                f"(stations = {more}; workbench run takes --stations {more}, also for the .toml of solve --out), "
-                "or give a larger --tolerance"
+                f"{needed:.1e} {self.unit} is needed for a tolerance of {tolerance:g} {self.unit}: "
+                f"{advice_to_store(more)}, or give a larger --tolerance"
             )
+
+
+# quantities along a rod that a curve gives at any s
+ALONG: Mapping[str, Callable[[Centreline, Array], Array]] = {
+    "alpha": lambda line, s: line.at(s)[0],
+    "beta": lambda line, s: line.at(s)[1],
+    "z": lambda line, s: line.at(s)[2],
+    "kappa": lambda line, s: line.kappa(s),
+    "contact": lambda line, s: line.contact(s),
+    "push": lambda line, s: line.push(s),
+}
+
+
+def spline(s: Array, values: Array) -> Any:
+    """The spline through values at the stations, (n,)."""
+    return make_interp_spline(s, values, k=min(DEGREE, s.size - 1))
+
+
+def spline_error(s: Array, values: Array) -> float:
+    """The estimated error between stations of the spline through values there, (n,); as of `Centreline.value_error`."""
+    kept = _every_other(s.size)
+    return float(np.abs(spline(s[kept], values[kept])(s[1::2]) - values[1::2]).max()) / EASED
+
+
+def cut(s: Array, parts: int) -> Array:
+    """The stations, and between each two of them evenly as many as cut the way in so many parts."""
+    return np.interp(np.arange(parts * (s.size - 1) + 1) / parts, np.arange(s.size), s)
+
+
+def _every_other(n: int) -> NDArray[np.int64]:
+    """The indices of every other station and the last one."""
+    return np.union1d(np.arange(0, n, 2), n - 1)
+
+
+def advice_to_store(stations: int) -> str:
+    """How one has so many stations stored, as advice."""
+    if stations > MAX_STATIONS:
+        return f"about {stations} are needed, and a study stores at most {MAX_STATIONS}; study a shorter rod"
+    return (
+        f"store about {stations} (stations = {stations}; workbench run takes --stations {stations}, also for the .toml "
+        "of solve --out)"
+    )
 
 
 def through(s: Array, known: Array) -> Any:

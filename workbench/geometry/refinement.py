@@ -14,12 +14,17 @@ import numpy as np
 
 from solver.problem.errors import InputError
 
-from .centreline import Array, Centreline
+from .centreline import ALONG, APART, VALUE_ORDER, Array, Centreline, cut, spline, spline_error
+
+Value = Callable[[Centreline, Array], Array]  # what a colour shows: of a curve, at s
 
 LEAST_SIDES = 6
 BETWEEN, LEAST_PLACES = 4, 3000  # places from station to station, and in all, at which it is read how the surface bends
 COLOUR_STEPS = 48  # a colour may be off by one part in so many of its scale
 MOST_TRIANGLES = 4_000_000  # some 400 MB while it is drawn
+ROUNDING = 1e-9  # of the largest value: less is no range
+MARGIN = 1.1  # for a number of stations that follows from an estimated error
+FINEST = 16.0  # stations for each radian of the fastest swing: those of its fourth harmonic are off by 1/256
 SHARE = 0.48  # of the tolerance for the sides, as much for the rings: on a diagonal both add up, elsewhere one counts
 
 
@@ -123,8 +128,80 @@ def place_rings(
     return np.asarray(places)
 
 
-def stations_for(line: Centreline, tolerance: float) -> int:
-    """About how many stations it takes to draw a rod to a tolerance [length]; its own number where that is enough."""
-    if line.error <= tolerance / 2:
-        return line.s.size
-    return max(line.stations_for(tolerance / 6), line.s.size + 1)
+def stations_for(line: Centreline, tolerance: float, value: Value | None = None, allowed: float = np.inf) -> int:
+    """About how many stations it takes to draw a rod to a tolerance [length]; its own number where that is enough.
+
+    value: what the colour shows, of a curve at s; allowed: by how much that may be off between stations. Where beta may
+    swing between two stations, nothing of what is drawn there is known.
+    """
+    n = line.s.size
+    more = n if line.error <= tolerance / 2 else max(line.stations_for(tolerance / 6), n + 1)
+    if value is None:
+        return more
+    missed = line.value_error(value)
+    if missed > allowed:
+        more = max(more, int(np.ceil(MARGIN * n * (missed / allowed) ** (1 / VALUE_ORDER))), n + 1)
+    if line.swing > APART:
+        more = max(more, int(np.ceil(MARGIN * n * line.swing / APART)))
+    return more
+
+
+@dataclass(frozen=True, eq=False)
+class DrawnCurve:
+    """A quantity along a rod that is drawn by straight lines.
+
+    values: at the stations s, (n,) each. allowed: by how much it may be off. line: the curve of the rod, which gives
+    the quantities of `ALONG` between stations; None where nothing stored gives one. Others are splines there.
+    """
+
+    name: str
+    s: Array
+    values: Array
+    allowed: float
+    line: Centreline | None
+
+    @property
+    def missed(self) -> float:
+        """The estimated error between stations of the curve."""
+        if self.line is None or self.name not in ALONG:
+            return spline_error(self.s, self.values)
+        return self.line.value_error(ALONG[self.name])
+
+    def between(self, parts: int) -> Array:
+        """The values at so many times as many stations."""
+        s = cut(self.s, parts)
+        if parts == 1 or self.line is None or self.name not in ALONG:
+            return self.values if parts == 1 else np.asarray(spline(self.s, self.values)(s))
+        return ALONG[self.name](self.line, s)
+
+    @property
+    def parts(self) -> int:
+        """In how many parts the way from station to station is cut, for straight lines that follow the curve.
+
+        They are never more than the fastest swing needs, as what is finer is rounding.
+        """
+        bent = float(np.abs(np.diff(self.values, 2)).max(initial=0.0)) / 8
+        finest = np.inf if self.line is None else np.ceil(self.line.swing * FINEST)
+        return int(max(min(np.ceil(MARGIN * np.sqrt(bent / self.allowed)), finest), 1))
+
+    def stations(self) -> int:
+        """About how many stations it takes for the curve; its own number where that is enough.
+
+        Where beta may swing between two stations nothing is known. No more stations are asked for than the fastest
+        swing needs.
+        """
+        n, more = self.s.size, list[float]()
+        most = np.inf if self.line is None else n * self.line.swing * FINEST
+        if self.line is not None and self.line.swing > APART:
+            more = [n * self.line.swing / APART]
+        if n < most and (missed := self.missed) > self.allowed:
+            more.append(min(n * (missed / self.allowed) ** (1 / VALUE_ORDER), most))
+        return max([n, *(int(MARGIN * each) + 1 for each in more)])
+
+
+def push_along(line: Centreline) -> DrawnCurve:
+    """The push along a rod, to a step of its colours."""
+    push = line.push(line.s)
+    return DrawnCurve(
+        "push", line.s, push, max(float(np.ptp(push)) / COLOUR_STEPS, ROUNDING * float(np.abs(push).max())), line
+    )

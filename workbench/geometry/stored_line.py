@@ -1,18 +1,23 @@
 """The centreline of a case, read from its dataset; of a rod with weight or friction from its angles and its push."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 import xarray as xr
-from scipy.interpolate import make_interp_spline
+from scipy.integrate import cumulative_trapezoid
 
+from solver.mechanics.potential import Loads, slope_rate
+from solver.problem.case import ALONG_AXIS, IN_PLACE, SLIDING
 from solver.problem.errors import InputError
 
 from ..store import schema
-from .centreline import NEEDED, Array, Centreline, slopes
+from .centreline import NEEDED, Array, Centreline, slopes, spline
+
+VARIES = ("contact", "inclination", *schema.VARYING)  # what the curve of a rod with weight or friction needs beside
+ANGLES = 361  # between the least and the largest one, at which rates are compared
 
 
 def read(ds: xr.Dataset, where: Mapping[str, int]) -> Centreline:
@@ -40,7 +45,7 @@ def read(ds: xr.Dataset, where: Mapping[str, int]) -> Centreline:
     if is_stored:
         dbeta = np.asarray(case["dbeta"], dtype=float)
     elif varies:
-        dbeta = np.asarray(make_interp_spline(s, along["beta"], k=min(5, s.size - 1))(s, 1))
+        dbeta = np.asarray(spline(s, along["beta"])(s, 1))
     else:
         dbeta = slopes(s, along["beta"], rho, *loads)
     l, m, p = (np.nan, loads[1], np.nan) if varies else loads
@@ -48,8 +53,31 @@ def read(ds: xr.Dataset, where: Mapping[str, int]) -> Centreline:
     bore = number.get("inner_radius", 0.0)
     known = (s, along["alpha"], along["beta"], dbeta, along["z"], R, a, rho, A, l, m, p, side, bore, unit, is_stored)
     if varies:
-        return VaryingLine(*known, stored_contact=np.asarray(case["contact"], dtype=float))
+        contact = np.asarray(case["contact"], dtype=float)
+        rate = _fastest(case, s, along["alpha"], along["beta"], contact, A)
+        return VaryingLine(*known, stored_contact=contact, rate=rate)
     return Centreline(*known)
+
+
+def _fastest(case: xr.Dataset, s: Array, alpha: Array, beta: Array, contact: Array, A: float) -> float:
+    """The largest rate at which beta of a rod with weight or friction can swing or die away [rad/length].
+
+    The rate is that of beta'' = -H(beta) under the local loads, which follow from those of the far end by statics, and
+    of the weight that pulls the rod to the low side.
+    """
+    number = {name: float(case[name]) if name in case else 0.0 for name in ("weight", "inclination", "friction")}
+    FZ, MZ, M3, rho = (float(case[name]) for name in ("FZ", "MZ", "M3", "rho"))
+    sense, way = SLIDING[str(case.attrs.get("sliding", next(iter(SLIDING))))]
+    rubbed = 0.0 if way == IN_PLACE else sense * number["friction"] * np.abs(contact)
+    along, across = number["weight"] * np.cos(number["inclination"]), number["weight"] * np.sin(number["inclination"])
+    pulled = along + rubbed * (1.0 if way == ALONG_AXIS else np.cos(beta))
+    turned = rho * (across * np.sin(alpha) + (0.0 if way == ALONG_AXIS else rubbed * np.sin(beta)))
+    rows = [cumulative_trapezoid(np.broadcast_to(each, s.shape), s, initial=0.0) for each in (pulled, turned)]
+    p, l = (load / A + (row - row[-1]) / A for load, row in zip((FZ, MZ), rows, strict=True))
+    angle = np.linspace(beta.min(), beta.max(), ANGLES)
+    lam, phi = np.array([l.min(), l.max()]) * rho, np.array([p.min(), p.max()]) * rho**2
+    rates = slope_rate(Loads(lam[:, None, None], M3 / A * rho, phi[:, None]), angle) / rho**2
+    return float(np.sqrt(np.abs(rates).max() + np.sqrt(abs(across) / (rho * A)) + np.cbrt((along / A) ** 2)))
 
 
 def lines_of_solved(ds: xr.Dataset) -> Iterator[Centreline]:
@@ -59,21 +87,28 @@ def lines_of_solved(ds: xr.Dataset) -> Iterator[Centreline]:
         yield read(ds, dict(zip(map(str, solved.dims), map(int, place), strict=True)))
 
 
-DEGREE = 5  # of the splines through the stations
-
-
 @dataclass(frozen=True, eq=False)
 class VaryingLine(Centreline):
     """A centreline along which FZ and MZ vary: l and p are NaN, and beta'' and the contact are those of splines.
 
-    stored_contact: at the stations, (n,).
+    stored_contact: at the stations, (n,). rate: the largest one at which beta can swing or die away [rad/length].
     """
 
     stored_contact: Array = field(default_factory=lambda: np.empty(0))
+    rate: float = 0.0
+
+    @property
+    def _arrays(self) -> tuple[str, ...]:
+        return (*super()._arrays, "stored_contact")
+
+    def cut(self, parts: int) -> Self:
+        """The same curve through so many times as many stations."""
+        line = super().cut(parts)
+        return replace(line, stored_contact=self.contact(line.s))
 
     @cached_property
     def _spline(self) -> Any:
-        return make_interp_spline(self.s, self.beta, k=min(DEGREE, self.s.size - 1))
+        return spline(self.s, self.beta)
 
     @property
     def bend(self) -> Array:
@@ -82,13 +117,9 @@ class VaryingLine(Centreline):
 
     @cached_property
     def swing(self) -> float:
-        """The radians of a swing of beta between stations, at most: from the rates of its three derivatives."""
-        beta, rate, bend = (self._spline(self.s, k) for k in range(3))
-        sizes = [float(np.ptp(beta)), float(np.abs(rate).max()), float(np.abs(bend).max())]
-        if not all(sizes):
-            return 0.0
-        return float(np.diff(self.s).max() * max(2 * sizes[1] / sizes[0], sizes[2] / sizes[1]))
+        """The radians of a swing of beta between stations, at most: the step times the largest rate."""
+        return float(np.diff(self.s).max() * self.rate)
 
     def contact(self, s: Array) -> Array:
         """The cylinder's push per length at s, (k,) [force/length], positive outward."""
-        return np.asarray(make_interp_spline(self.s, self.stored_contact, k=min(DEGREE, self.s.size - 1))(s))
+        return np.asarray(spline(self.s, self.stored_contact)(s))

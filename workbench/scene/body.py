@@ -14,7 +14,7 @@ from solver.problem.errors import InputError
 from ..geometry import centreline, self_contact, stored_line
 from ..geometry.centreline import Array, Centreline
 from ..geometry.lines import TALLEST
-from ..geometry.refinement import MOST_TRIANGLES, Rings, rings
+from ..geometry.refinement import COLOUR_STEPS, MOST_TRIANGLES, Rings, rings, stations_for
 from ..store import schema
 from ..store.schema import SECTION
 from .scene_kinds import Kind, Paint
@@ -125,6 +125,24 @@ class Body:
         """Where the rod passes through itself, (3,) each [length]; heights are from where the drawing begins."""
         return [self._place_on_page(place) for place in self_contact.middles(self.line, self.span)]
 
+    @property
+    def _colour_step(self) -> float:
+        """By how much what the colour shows may be off."""
+        return (self.paint.high - self.paint.low) / COLOUR_STEPS
+
+    def stations_for(self, tolerance: float) -> int:
+        """About how many stations it takes to draw the rod to a tolerance [length], and in its true colours."""
+        return stations_for(self.line, tolerance, self._shown, self._colour_step)
+
+    @property
+    def has_true_colours(self) -> bool:
+        """Whether the stations are enough for what the colour shows."""
+        return stations_for(self.line, np.inf, self._shown, self._colour_step) == self.line.s.size
+
+    @property
+    def _shown(self) -> Callable[[Centreline, Array], Array] | None:
+        return self.value_of if self.paint.ramp is not None else None
+
     def rings(self, tolerance: float, colour_length: float, most: int = MOST_TRIANGLES) -> Rings:
         """Rings and sides for a tolerance [length]; colours are true on intervals longer than `colour_length`.
 
@@ -132,7 +150,7 @@ class Body:
         """
         scale = (self.paint.high - self.paint.low) or 1.0
         multiple = 2 * STRIPE if self.paint.stripe else 2
-        colour = (lambda s: self.value(s) / scale) if self.paint.ramp is not None else None
+        colour = (lambda s: self.value(s) / scale) if self._shown else None
         return rings(self.line, self.span, tolerance, self.stripe_angle(), colour, colour_length, multiple, most)
 
 
@@ -148,7 +166,7 @@ def read(ds: xr.Dataset, where: Mapping[str, int], kind: Kind, span: tuple[float
             raise InputError(f"the dataset stores no {name}, which the kind {kind.name} needs: add it to outputs")
     also = {name for name in ("solved", "outcome", "caution", "dbeta", *SECTION) if name in ds}
     if any(name in ds for name in schema.VARYING):
-        also |= {name for name in ("contact", *schema.VARYING) if name in ds}
+        also |= {name for name in stored_line.VARIES if name in ds}
     variables = ds[sorted(stored | also)]
     line = stored_line.read(variables, where)
     this = variables.isel(dict(where))

@@ -11,7 +11,6 @@ from studies.language.study import MAX_STATIONS
 from ..figures import canvas, fonts
 from ..figures.arrangement import Arrangement
 from ..geometry.centreline import APART, Array
-from ..geometry.refinement import stations_for
 from ..words import cautions, labels
 from . import long_rod, page
 from .body import Body
@@ -50,8 +49,9 @@ def compose(scene: Scene) -> Page:
         raise TooFewStations(f"{n} stations are too few, about {stations} are needed", stations)
     missed = max((body.line.error for body in scene.bodies), default=0.0) * camera.per_unit
     error = max(settings.pixel_error, missed + settings.pixel_error / 2)
-    blind = any(body.line.swing > APART for body in scene.bodies)  # then the push between stations is not known
-    if error > (settings.pixel_error * (1 + 1e-9) if blind else COARSEST):
+    blind = any(body.line.swing > APART for body in scene.bodies)
+    coarse = error > (settings.pixel_error * (1 + 1e-9) if blind else COARSEST)
+    if coarse or not all(body.has_true_colours for body in scene.bodies):
         raise TooFewStations(_too_few(n, stations, error, settings), stations)
     size = int(np.ceil(arranged.size[0] * dpi)), int(np.ceil(arranged.size[1] * dpi))
     placed = [Placed(view, (float(x * dpi), float(size[1] - down * dpi)))
@@ -190,16 +190,14 @@ def _rings(scene: Scene, arranged: Arrangement) -> list[tuple[float, float, floa
 
 def _stations(bodies: Sequence[Body], tolerance: float) -> tuple[int, int]:
     """How many stations the rods have, and about how many are needed to draw them all to a tolerance [length]."""
-    lines = {id(body.line): body.line for body in bodies}.values()
-    each = [(line.s.size, stations_for(line, tolerance)) for line in lines] or [(0, 0)]
+    apart = {id(body.line): body for body in bodies}.values()
+    each = [(body.line.s.size, body.stations_for(tolerance)) for body in apart] or [(0, 0)]
     return max(n for n, _ in each), max(needed for _, needed in each)
 
 
 def _too_few(n: int, needed: int, error: float, settings: Settings) -> str:
-    few = (
-        f"{n} stations are too few to draw this rod to within {settings.pixel_error:g} pixels (it could be off by "
-        f"{error:.0f})"
-    )
+    off = f" (it could be off by {error:.0f})" if error > settings.pixel_error * (1 + 1e-9) else " in its true colours"
+    few = f"{n} stations are too few to draw this rod to within {settings.pixel_error:g} pixels{off}"
     if needed > MAX_STATIONS:
         return f"{few}: about {needed} are needed, and a study stores at most {MAX_STATIONS}; study a shorter rod"
     return (

@@ -108,7 +108,8 @@ def solve_again(ds: xr.Dataset, stations: int, names: Iterable[str]) -> xr.Datas
         raise InputError(f"about {stations} stations are needed, and at most {MAX_STATIONS} are solved")
     u = xr.Variable(("u",), np.linspace(0, 1, more * n + 1), ds["u"].attrs if "u" in ds.coords else None)
     bare = (ds.drop_dims("u") if "u" in ds.dims else ds.drop_vars(["u", "s"], errors="ignore")).assign_coords(u=u)
-    sol, dims = solve_at(bare, study, {}), (*schema.axes_of(ds), "u")
+    axes = schema.axes_left(ds, study)
+    sol, dims, solved = solve_at(bare, study, {}), (*axes, "u"), ds["solved"].transpose(*axes).values
     shape = [bare.sizes[dim] for dim in dims]
 
     def array(values: Any) -> xr.Variable:
@@ -118,9 +119,9 @@ def solve_again(ds: xr.Dataset, stations: int, names: Iterable[str]) -> xr.Datas
         schema.curve_name(name): array(push_from(sol.contact, schema.text_of(ds, "side")) if name == "push" else
                                 getattr(sol, name)) for name in names})  # fmt: skip
     for name in (str(name) for name in denser.data_vars if "u" in denser[name].dims and name in ds):
-        stored = ds[name].transpose(*dims).values[ds["solved"].values]
+        stored = ds[name].transpose(*dims).values[solved]
         size = {"beta": 1.0, "alpha": 1.0, "z": float(np.max(sol.s))}.get(name, float(np.abs(stored).max(initial=0.0)))
-        far = np.abs(denser[name].values[..., ::more][ds["solved"].values] - stored)
+        far = np.abs(denser[name].values[..., ::more][solved] - stored)
         if not far.max(initial=0.0) <= AGREES * size:
             raise InputError(f"solved again, the cases have other shapes than the file: {name} differs")
     return denser
