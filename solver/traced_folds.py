@@ -30,9 +30,10 @@ from .numerics.arrays import Array
 from .problem.case_fields import value_of
 from .problem.errors import InputError, choices
 from .problem.reduced import given_numbers
-from .shooting.curve import MOST_POINTS, SPLIT, Curve, angles_of, shapes_through
+from .shooting.curve import MOST_POINTS, SPLIT, Curve, shapes_through
 from .shooting.descent import index_at, on_nodes, weakest_modes
 from .shooting.loaded_rod import VARYING, densest_nodes, rod_over
+from .shooting.newton import marks_of
 from .shooting.shape_folds import RodAt, fold_through, pitchforks_through
 from .shooting.varying_shapes import Shape
 from .solve import between_ends
@@ -151,7 +152,7 @@ class ShapesOnPlane:
         return Place(np.nan, shape, None, index_at(shape))
 
     def signature(self, place: Place) -> Array:
-        return angles_of(place.path)
+        return marks_of(place.path)
 
     def line(self, z: Array, axis: int) -> Curve:
         """The equilibria along number `axis` of z through a point."""

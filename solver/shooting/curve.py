@@ -41,16 +41,6 @@ FLAT = 1e-6  # of dx along the curve at a fold: its square is lost of x
 NARROW = 1e-4  # of a step: how closely a branch point is enclosed, at which the equations are singular
 
 
-def angles_of(shape: Shape) -> Array:
-    """The angles at the nodes in their scales, such that the length of a difference is its mean size."""
-    return angles_in(shape.y / shape.rod.scale)
-
-
-def angles_in(change: Array) -> Array:
-    """Those of a change (N, 8) in the scales."""
-    return np.asarray(change[:, [BETA, ALPHA]].reshape(-1) / np.sqrt(len(change)))
-
-
 @dataclass(frozen=True, eq=False)
 class Point:
     """A point of a curve, a `branches.branch_events.Point`. tangent: (8 N + 1,), of length 1 by `inner`."""

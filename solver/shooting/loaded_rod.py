@@ -48,6 +48,11 @@ class LoadedRod:
         """Whether friction acts: then there is no energy and no index."""
         return bool(self.numbers[3] != 0)
 
+    @property
+    def turns_freely(self) -> bool:
+        """Whether no end angle is given, so that a shape whose beta is whole turns larger is the same one."""
+        return not {"beta0", "betaL"} & self.held
+
     @cached_property
     def tension_known(self) -> float:
         """phi at the far end; 0 where the height is held."""

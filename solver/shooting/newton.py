@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..core.varying_loads import BY_STATE, ORDER, SIZE, march, solve_chain
+from ..mechanics.potential import TAU
 from ..numerics.arrays import Array
 from ..numerics.roots import DIVERGED, Ending, newton
 from .loaded_rod import ALPHA, BETA, MU, PHI, ROUND, SHORT, SPEED, LoadedRod, Q
@@ -12,6 +13,7 @@ from .varying_shapes import Shape
 
 DEEP = 13  # the order of the series of the derivatives by which Newton's method goes
 SAME = 1e-6  # of the angles in their scales: one shape
+ON_EDGE = 1e-9  # of a turn: an angle as near to -pi, as of a rod that points back, is pi, whatever its last digits
 REACH = 0.5  # the longest step of the angles, in their scales
 WILD = 1e6  # of the scales: no equilibrium is sought from larger numbers
 ROUNDING = 1e-12  # of the scales: a correction below this is rounding
@@ -98,8 +100,47 @@ def with_known_loads(rod: LoadedRod, t: Array, y: Array) -> Array:
 
 
 def is_same(one: Shape, other: Shape) -> bool:
-    """Whether two shapes are one."""
-    return bool((np.abs(one.y - other.y) / one.rod.scale)[:, [BETA, SPEED, ALPHA]].max() < SAME)
+    """Whether two shapes of a rod are one, whose beta may differ by whole turns where no end angle is given."""
+    change = one.y - other.y
+    if one.rod.turns_freely:
+        change[:, BETA] -= TAU * np.round(change[0, BETA] / TAU)
+    return bool((np.abs(change) / one.rod.scale)[:, [BETA, SPEED, ALPHA]].max() < SAME)
+
+
+def within_a_turn(shape: Shape) -> Shape:
+    """The shape itself, or where no end angle is given the one with beta(0) in (-pi, pi], to rounding."""
+    turns = np.ceil((shape.y[0, BETA] - np.pi) / TAU - ON_EDGE) if shape.rod.turns_freely else 0.0
+    if not turns:
+        return shape
+    y = shape.y.copy()
+    y[:, BETA] -= TAU * turns
+    return replace(shape, y=y)
+
+
+def marks_of(shape: Shape) -> Array:
+    """Numbers that tell a shape from others: the angles at the nodes in their scales, such that the length of a
+    difference is its mean size; sine and cosine of beta in place of beta where no end angle is given."""
+    return _marks(shape, shape.y[:, ALPHA], _sine_and_cosine(shape) if shape.rod.turns_freely else [shape.y[:, BETA]])
+
+
+def change_of_marks(shape: Shape, change: Array) -> Array:
+    """How the marks of a shape answer a small change (N, 8), in the scales."""
+    moved = change * shape.rod.scale
+    beta = [moved[:, BETA]]
+    if shape.rod.turns_freely:
+        sin, cos = _sine_and_cosine(shape)
+        beta = [cos * moved[:, BETA], -sin * moved[:, BETA]]
+    return _marks(shape, moved[:, ALPHA], beta)
+
+
+def _sine_and_cosine(shape: Shape) -> list[Array]:
+    return [np.sin(shape.y[:, BETA]), np.cos(shape.y[:, BETA])]
+
+
+def _marks(shape: Shape, alpha: Array, beta: list[Array]) -> Array:
+    scale = shape.rod.scale
+    columns = [alpha / scale[ALPHA], *(column / scale[BETA] for column in beta)]
+    return np.concatenate(columns) / np.sqrt(shape.t.size)
 
 
 def correct(

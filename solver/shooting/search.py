@@ -13,10 +13,20 @@ from ..numerics.arrays import Array, Booleans
 from ..numerics.roots import lead_away
 from .branch import branch_from_straight
 from .buckling import buckling_shares, straight_shape
-from .curve import MOST_POINTS, SPLIT, Curve, angles_in, angles_of, trace_shapes
+from .curve import MOST_POINTS, SPLIT, Curve, trace_shapes
 from .descent import index_at, on_nodes, weakest_modes
 from .loaded_rod import ALPHA, BETA, MU, PHI, SHORT, SPEED, LoadedRod, Q
-from .newton import DEEP, correct, is_same, largest_turn, linear_at, size_of
+from .newton import (
+    DEEP,
+    change_of_marks,
+    correct,
+    is_same,
+    largest_turn,
+    linear_at,
+    marks_of,
+    size_of,
+    within_a_turn,
+)
 from .varying_shapes import Shape
 
 LONGEST = 10.0  # radii: a longer rod is not scanned, as its far end depends too much on its start
@@ -48,7 +58,7 @@ class Found:
         """Take a shape that is not there yet."""
         if shape is None or any(is_same(shape, known) for known in self.shapes):
             return
-        self.shapes.append(shape)
+        self.shapes.append(within_a_turn(shape))
         self.index.append(index_at(shape))
         self.how.append(how)
 
@@ -174,14 +184,14 @@ def deflate(start: Shape, known: list[Shape]) -> Shape | None:
 
     def newton_step(shape: Shape) -> tuple[Array, Array, Array] | None:
         change = linear_at(shape, deep=DEEP).newton_change()
-        return None if change is None else (angles_of(shape), angles_in(change), change)
+        return None if change is None else (marks_of(shape), change_of_marks(shape, change), change)
 
     def move(shape: Shape, change: Array, factor: float) -> tuple[Shape, float]:
         turn = largest_turn(change)
         share = np.clip(factor, -REACH / turn, REACH / turn) if turn else 0.0
         return replace(shape, y=shape.y + share * change * shape.rod.scale), size_of(change)
 
-    near = lead_away(start, newton_step, move, [angles_of(other) for other in known], ROUNDS, NEAR)
+    near = lead_away(start, newton_step, move, [marks_of(other) for other in known], ROUNDS, NEAR)
     shape = None if near is None else correct(near, most=15)
     return None if shape is None or any(is_same(shape, other) for other in known) else shape
 

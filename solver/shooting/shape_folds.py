@@ -29,10 +29,10 @@ from ..folds.special_line import (
 from ..folds.whole_curve import WholeCurve, whole_curve
 from ..numerics.arclength import PITCHFORK, Lengths, Node, node_at
 from ..numerics.arrays import Array
-from .curve import SPLIT, Curve, Point, angles_of, unit
+from .curve import SPLIT, Curve, Point, unit
 from .descent import index_at, response, weakest_modes
 from .loaded_rod import ALPHA, BETA, SPEED, LoadedRod
-from .newton import correct, linear_at
+from .newton import correct, linear_at, marks_of
 from .varying_shapes import Shape
 
 RodAt = Callable[[Array], LoadedRod]
@@ -64,7 +64,7 @@ class ShapePoint(SpecialPoint):
     @property
     def mark(self) -> Array:
         """As of `SpecialPoint`."""
-        return angles_of(self.shape)
+        return marks_of(self.shape)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
