@@ -51,7 +51,7 @@ class BranchPoint:
         """The dimensionless problem that it solves, with the loads that held ends need."""
         if self._under_dead_loads is not None:
             return self._under_dead_loads
-        problem = reduce(self.case)
+        problem = self.solution.problem if self.case.on_nodes else reduce(self.case)
         assert isinstance(problem, EndsProblem)
         return problem
 

@@ -14,7 +14,7 @@ from .problem.case import ANGLES, PAIRS, Case, Ends
 from .problem.case_fields import fields_of, value_of, with_field
 from .problem.errors import InputError, choices, no_such, show
 from .problem.field_values import doubt, given_by_a_program, in_rad, warn
-from .problem.reduced import EndsProblem, held_of, reduce_held, span_of
+from .problem.reduced import EndsProblem, held_of, span_of
 from .problem.trajectory import Trajectory
 from .solution import Solution
 from .solve import between_ends, ends_case, seed_of
@@ -67,24 +67,17 @@ def follow(solution: Solution, *, points: int = MOST, **field: ArrayLike) -> Bra
     (-4.0, 'the end of the range')
     """
     from .branches.branch_events import Bounds
-    from .branches.branch_following import branch_through
-    from .branches.family import exchange, family_of
+    from .branches.family import exchange
 
     solution = _check(solution)
-    case = solution.case
-    if case.varies:
-        name, goals = _field_and_values(case, field)
-        if name not in fields_of(case):
+    case = ends_case(solution)
+    name, goals = _field_and_values(case, field)
+    if name not in fields_of(case):
+        if case.varies:
             raise InputError(f"with weight or friction follow takes a field that the case gives, got {name}")
-        bounds = Bounds(*_range(case, name, goals), _most(points))
-        followed = _follow_shape(solution, name, bounds)
-    else:
-        case, path, begun = _equilibrium(solution)
-        name, goals = _field_and_values(case, field)
-        if name not in fields_of(case):
-            case = exchange(case, begun, path, name)
-        bounds = Bounds(*_range(case, name, goals), _most(points))
-        followed = branch_through(family_of(case, name, begun, bounds), path, value_of(case, name), bounds)
+        case = exchange(case, _numbers(solution), name)
+    bounds = Bounds(*_range(case, name, goals), _most(points))
+    followed = (_follow_shape if case.on_nodes else _follow_orbit)(solution, case, name, bounds)
     if isinstance(followed, str):
         raise InputError(f"the equilibrium cannot be followed: {followed}")
     return _branch(case, name, *followed, partial(_solution_at, solution.tol, solution.t[0] / solution.problem.span[0]))
@@ -107,15 +100,29 @@ def _range(case: Case, name: str, goals: Array) -> tuple[float, float, tuple[flo
     return low, high, tuple(sorted({begin, *goals.tolist()}))
 
 
-def _follow_shape(solution: Solution, name: str, bounds: "Bounds") -> "tuple[list[Place], int, Stop, Stop] | str":
-    """The branch of a rod with weight or friction, or why it cannot be followed."""
+def _follow_shape(
+    solution: Solution, case: Case, name: str, bounds: "Bounds"
+) -> "tuple[list[Place], int, Stop, Stop] | str":
+    """The branch of a rod with weight, friction or a hinge, or why it cannot be followed."""
     from .shooting.answers import curve_over
+    from .shooting.constant_loads import shape_of_solution
     from .shooting.curve import shapes_through
+    from .shooting.loaded_rod import rods_of
 
-    case = solution.case
-    known = solution.trajectory.shapes.of(0)
+    known = shape_of_solution(rods_of(case)[0], solution.trajectory, between_ends(solution), solution.t[0])
     curve, shape = curve_over(case, known, name, bounds.low, bounds.high)
     return shapes_through(curve, shape, value_of(case, name), bounds)
+
+
+def _follow_orbit(
+    solution: Solution, case: Case, name: str, bounds: "Bounds"
+) -> "tuple[list[Place], int, Stop, Stop] | str":
+    """The branch of any other rod, or why it cannot be followed."""
+    from .branches.branch_following import branch_through
+    from .branches.family import family_of
+
+    begun = between_ends(solution)
+    return branch_through(family_of(case, name, begun, bounds), _path(solution), value_of(case, name), bounds)
 
 
 def _check(solution: object) -> Solution:
@@ -132,15 +139,24 @@ def _check(solution: object) -> Solution:
     return solution
 
 
-def _equilibrium(solution: Solution) -> tuple[Case, "Path", EndsProblem]:
-    """The ends problem of a solution as a case, its path, and the problem under dead loads that it solves."""
+def _path(solution: Solution) -> "Path":
+    """The path of a solution under its own dead loads, between its own end angles."""
     from .choose.selection import path_of_seed
 
-    case, begun = ends_case(solution), between_ends(solution)
-    path = path_of_seed(seed_of(case, begun, solution))
+    path = path_of_seed(seed_of(ends_case(solution), between_ends(solution), solution))
     if path is None:
         raise InputError("the solution is not an equilibrium of its own ends problem to 1e-6 rad")
-    return case, path, begun
+    return path
+
+
+def _numbers(solution: Solution) -> dict[str, float]:
+    """The numbers of a solution by the names of `problem.reduced.NUMBER_OF`."""
+    from .branches.family import end_numbers
+    from .shooting.constant_loads import end_numbers as end_numbers_of_shape
+
+    if solution.trajectory.shapes is not None:
+        return end_numbers_of_shape(solution.trajectory.shapes.of(0))
+    return end_numbers(between_ends(solution), _path(solution), float(solution.case.rod.stiffness_ratio))
 
 
 def _field_and_values(case: Case, field: dict[str, ArrayLike]) -> tuple[str, Array]:
@@ -187,18 +203,9 @@ def _solutions_at(points: Sequence[BranchPoint], case: Case, tol: float, u: Arra
 
 def _shape(point: BranchPoint, u: Array, tol: float) -> tuple[EndsProblem, Array, Trajectory]:
     """The problem of a point, and its shape at stations s/L = u."""
-    from .choose.held_equilibrium import at_hinges, held_trajectory
-    from .equilibrium.given_numbers import Given
-    from .equilibrium.system import state_of
-    from .held.held_starts import Reached
     from .levels.path_orbits import equilibrium_trajectory, orbit_of
 
     problem, path = point.problem, point.path
-    if {"M10", "M1L"} & set(held_of(point.case)) and not path.helix:
-        given = Given.of(reduce_held(point.case))
-        state = at_hinges(state_of(problem, path, True), given)
-        t = problem.span[:, None] * u
-        return state.problem, t, held_trajectory(Reached(state, "a branch"), given, t, tol)
     t = problem.span[:, None] * u
     return problem, t, equilibrium_trajectory(problem, orbit_of(problem, path), t, tol)
 

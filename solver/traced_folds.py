@@ -11,7 +11,6 @@ from .branches.branch_events import Bounds, Place, Stop
 from .branches.branch_following import branch_through
 from .branches.family import Family, scale_of
 from .equilibria import equilibria
-from .equilibrium.given_numbers import is_hinged
 from .equilibrium.orbit_rates import NUMBERS
 from .equilibrium.system import state_of
 from .equilibrium_branch import Branch
@@ -29,7 +28,7 @@ from .numerics.arclength import FOLD
 from .numerics.arrays import Array
 from .problem.case_fields import value_of
 from .problem.errors import InputError, choices
-from .problem.reduced import given_numbers
+from .shooting.constant_loads import shape_of_solution
 from .shooting.curve import MOST_POINTS, SPLIT, Curve, shapes_through
 from .shooting.descent import index_at, on_nodes, weakest_modes
 from .shooting.loaded_rod import VARYING, densest_nodes, rod_over
@@ -102,11 +101,11 @@ def trace_fold(branch: Branch, number: int = 0, **ranges: Any) -> FoldCurve:
 
 
 def system_on(plane: ParameterPlane, middle: Array) -> "ShapesOnPlane | OrbitsOnPlane":
-    """The equilibria over a plane, as its rods have them: shapes on nodes with weight or friction, else orbits.
+    """The equilibria over a plane: shapes on nodes of rods with weight, friction or a hinge, else orbits.
 
     middle: the z that the scales of shapes are of.
     """
-    return ShapesOnPlane(rods_over(plane), middle) if plane.varies else OrbitsOnPlane(plane)
+    return ShapesOnPlane(rods_over(plane), middle) if plane.on_nodes else OrbitsOnPlane(plane)
 
 
 def rods_over(plane: ParameterPlane) -> RodAt:
@@ -146,7 +145,8 @@ class ShapesOnPlane:
 
     def place_of(self, equilibrium: Equilibrium) -> Place:
         """An equilibrium at the middle."""
-        shape = equilibrium.path.shape
+        sol = equilibrium.solution
+        shape = shape_of_solution(self.rod_at(self.middle), sol.trajectory, between_ends(sol), sol.t[0])
         shape = on_nodes(shape, self.shares * shape.rod.span)
         shape = replace(shape, rod=shape.rod.in_scales(self.scale))
         return Place(np.nan, shape, None, index_at(shape))
@@ -185,11 +185,6 @@ class OrbitsOnPlane:
         """The given numbers at z."""
         return given_on(self.plane)
 
-    @cached_property
-    def hinged(self) -> bool:
-        """Whether an end moment is given."""
-        return is_hinged(given_numbers(self.plane.case))
-
     def place_of(self, equilibrium: Equilibrium) -> Place:
         """An equilibrium somewhere in the plane."""
         path, problem = path_of(equilibrium.path, 0), between_ends(equilibrium.solution)
@@ -197,7 +192,7 @@ class OrbitsOnPlane:
 
     def numbers(self, place: Place) -> Array:
         """The `NUMBERS` but the level, (10,)."""
-        return state_of(place.problem, place.path, self.hinged).rates.values[0, :-1]
+        return state_of(place.problem, place.path).rates.values[0, :-1]
 
     def signature(self, place: Place) -> Array:
         """As of `orbit_folds.mark_of`."""

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any, Protocol, TypeVar
 
-from ..numerics.arclength import CLOSED, END, Stride
+from ..numerics.arclength import CLOSED, END, FOLD, Stride
 
 
 @dataclass(frozen=True)
@@ -109,9 +109,11 @@ def events_between(
 ) -> list[Place] | None:
     """The places on the way from one point to the next, in order, and that one itself; None where one is not located.
 
-    special: the special points between the two, with their kinds. place_at: the place at a wanted value, between two.
+    special: the special points between the two, with their kinds. A pitchfork or branch point that p passes without
+    turning back changes the index, or it is none. place_at: the place at a wanted value, between two.
     """
     places = []
+    special = [(point, kind) for point, kind in special if kind == FOLD or _turns_or_changes(before, after)]
     for (place_before, _), (other, kind) in pairwise([(before, ""), *special, (after, "")]):
         for value in bounds.inside(place_before.p, other.p):
             place = place_at(place_before, other, value)
@@ -120,6 +122,14 @@ def events_between(
             places.append(replace(place, p=value))  # located to a rounding that is wider than that of halts
         places.append(other.record(kind))
     return places
+
+
+def _turns_or_changes(before: Point, after: Point) -> bool:
+    """Whether p turns back between two points, or their Morse indices differ, as far as they are known."""
+    if before.rises * after.rises <= 0:
+        return True
+    indices = before.record().index, after.record().index
+    return None in indices or indices[0] != indices[1]
 
 
 def arrive(

@@ -1,6 +1,6 @@
 """The problems of a branch: five given numbers, the length and A/C over one parameter p, as over a field of a case."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -145,18 +145,21 @@ def given_of(names: tuple[str, ...], numbers: Sequence[float]) -> Given:
 PARTNER = {name: other for pair in PAIRS for name, other in (pair, pair[::-1])}
 
 
-def exchange(case: Case, problem: EndsProblem, path: Path, name: str) -> Case:
+def end_numbers(problem: EndsProblem, path: Path, ratio: float) -> dict[str, float]:
+    """The numbers of an equilibrium under its dead loads that ends can give, by name. ratio: A/C."""
+    rates = orbit_rates(problem, [path])
+    numbers = dict(zip(NUMBERS, rates.values[0].tolist(), strict=True))
+    numbers |= {name: float(getattr(problem, name)[0]) for name in FREE}
+    return numbers | {"turn": ratio * numbers["mu"] * float(rates.length[0]) - numbers["swirl"]}
+
+
+def exchange(case: Case, numbers: Mapping[str, float], name: str) -> Case:
     """The case with one more field of `Ends` given, at its value in an equilibrium, and its partner left open.
 
-    problem, path: the equilibrium under its dead loads.
+    numbers: of the equilibrium, as of `end_numbers`.
     """
-    rho, A = float(case.rho), float(case.rod.bending_stiffness)
-    rates = orbit_rates(problem, [path])
-    number = dict(zip(NUMBERS, rates.values[0].tolist(), strict=True))
-    number |= {name: float(getattr(problem, name)[0]) for name in FREE}
-    number["turn"] = float(case.rod.stiffness_ratio) * number["mu"] * float(rates.length[0]) - number["swirl"]
-    value = value_of_number(name, number[NUMBER_OF[name]], A, rho)
-    reach = {"height": float(case.rod.L), "azimuth": float(case.rod.L) / rho}.get(name, np.inf)
+    value = value_of_number(name, numbers[NUMBER_OF[name]], float(case.rod.bending_stiffness), float(case.rho))
+    reach = {"height": float(case.rod.L), "azimuth": float(case.rod.L / case.rho)}.get(name, np.inf)
     value = float(np.clip(value, -reach, reach))  # a taut rod reaches no farther but for rounding
     given: dict[str, Any] = {PARTNER[name]: None, name: value}
     return replace(case, given=replace(case.given, **given))

@@ -58,6 +58,11 @@ class ParameterPlane:
         """Whether loads vary along the rod somewhere in the plane."""
         return self.case_at(np.ones(2)).varies
 
+    @property
+    def on_nodes(self) -> bool:
+        """Whether its equilibria are shapes on nodes somewhere in the plane, and no orbits."""
+        return self.varies or self.case.hinged
+
     def problems(self, shares: Array) -> EndsProblem:
         """The problems at shares (N, 2), as one of size N."""
         problem = reduce(self.case_at(np.atleast_2d(shares)))

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..mechanics.potential import potential
+from ..mechanics.potential import slope as pull_at
 from ..numerics.arrays import Array, Integers
 from ..orbit.joined_orbits import alike, join_answers
 from ..orbit.periodic_orbit import HELIX, TIGHT, Orbit, action, response, solve_orbit
@@ -122,7 +123,8 @@ def path_from_start(problem: EndsProblem, slope: float) -> Path | None:
     if orbit.kind[0] == HELIX:
         return place.helix
     y = 2 * float(np.log(max(abs(slope), 1e-150)))
-    return Path(place.start, 1.0, y, UP if slope > 0 else DOWN, int(orbit.turns[0]))
+    pull = slope or -float(pull_at(problem, problem.beta0)[0])  # of a start at rest, from which beta_tt leads
+    return Path(place.start, 1.0, y, UP if pull > 0 else DOWN, int(orbit.turns[0]))
 
 
 def equilibrium_trajectory(problem: EndsProblem, orbit: Orbit, t: Array, tol: float) -> Trajectory:

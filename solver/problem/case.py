@@ -531,6 +531,16 @@ class Case:
         given = (self.rod.weight, self.cylinder.friction)
         return any(value is not None and bool(np.any(value)) for value in given)
 
+    @property
+    def hinged(self) -> bool:
+        """Whether a bending moment is given at an end in place of its angle."""
+        return isinstance(self.given, Ends) and (self.given.M10 is not None or self.given.M1L is not None)
+
+    @property
+    def on_nodes(self) -> bool:
+        """Whether its equilibria are shapes on nodes, and no orbits: loads vary along the rod, or it is hinged."""
+        return self.varies or self.hinged
+
     @cached_property
     def rho(self) -> Any:
         """Distance of the centreline from the axis [length]: R + a outside, R - a inside; eq. (21)."""

@@ -35,7 +35,7 @@ from .loaded_rod import (
 )
 from .newton import correct, linear_at
 from .state import LEAVES, RUBS
-from .varying_shapes import Marched, Shape, VaryingShapes, read_starts, read_states
+from .varying_shapes import Marched, Shape, VaryingShapes, read_starts
 
 SHORTER = 0.7  # steps of the second march, whose difference from the first estimates the error of an ends problem
 SHARE, COARSEST = 0.01, 1e-12  # of start problems: what all steps leave out of beta, as a share of the tolerance; the
@@ -111,17 +111,15 @@ def answer_ends(case: Case, t: Array, tol: float, seeds: Sequence[Any] | None = 
     seeds: of each rod "straight", a shape or None where its seed has none, or the path that is its answer.
     """
     rods = rods_of(case)
-    n, alpha0 = t.shape[1], flat(case.given.alpha, case.shape)
+    alpha0 = flat(case.given.alpha, case.shape)
     paths = [branch_of(rod) for rod in rods] if seeds is None else list(map(path_to, rods, seeds))
     estimates = [(np.inf, np.inf) if path.shape is None else estimate(path.shape) for path in paths]
-    none = np.full((n, SIZE), np.nan)
-    y = np.array([none if path.shape is None else path.shape.at(times) for path, times in zip(paths, t, strict=True)])
     index = np.array([np.nan if path.shape is None or path.shape.rod.rubbed else path.index for path in paths])
     critical = np.array([np.nan if path.buckled is None else path.buckled for path in paths])
     shapes = VaryingShapes([path.shape for path in paths], index, critical)
     begin, end = shapes.ends()
     error, condition = np.array(estimates).T
-    read = read_states(y, t, alpha0, np.array([rod.numbers[0] for rod in rods]) * end[:, MU])
+    read = shapes.read(t, alpha0)
     size = unit_force(case)
     rubbed = case.cylinder.friction
     friction = flat(0.0 if rubbed is None else rubbed, case.shape)
@@ -135,6 +133,7 @@ def answer_ends(case: Case, t: Array, tol: float, seeds: Sequence[Any] | None = 
     work = np.array([0 if path.shape is None else path.shape.t.size * path.shape.steps for path in paths])
     begun = np.array([words_of(path) for path in paths], dtype=object)
     outcome = with_undelivered(outcome, solved, case, np.array([rod.numbers for rod in rods]), begin, end)
+    read = read if case.varies else read | {"loads": None}
     return problem, Trajectory(
         **read, solved=solved, outcome=outcome, error=error, condition=condition, evaluations=work, begun=begun,
         held_index=index, shapes=shapes,
@@ -145,8 +144,10 @@ def curve_over(case: Case, known: Shape, name: str, low: float, high: float) -> 
     """The curve of equilibria of a case over one field, from low to high, and a shape of it."""
     rod_at = partial(reflect, rod_over(case, name), names=VARYING, low=low, high=high)
     rod = rods_of(case)[0]
-    u = densest_nodes((rod_at(low), rod, rod_at(high)))
-    return Curve(rod_at, high - low, rod.scale), shape_like(rod, known, u * rod.span)
+    u, scale = densest_nodes((rod_at(low), rod, rod_at(high))), rod.scale
+    if not case.varies:  # the loads alone do not say how the shape changes
+        u, scale = max(u, known.t / known.t[-1], key=len), known.rod.scale
+    return Curve(rod_at, high - low, scale), shape_like(rod, known, u * rod.span)
 
 
 def shape_path(shape: Shape, index: int) -> Path:

@@ -200,15 +200,24 @@ def special_between(
 
 
 def trace_shapes(
-    curve: Curve, first: Point, rises: bool, bounds: Bounds, narrow: float = NARROW
+    curve: Curve,
+    first: Point,
+    rises: bool,
+    bounds: Bounds,
+    narrow: float = NARROW,
+    lengths: Lengths = LENGTHS,
+    to_fold: bool = False,
 ) -> tuple[list[Place], Stop]:
     """The equilibria after the first one where x rises, or falls, from it, and why there are no more.
 
-    narrow: how closely a branch point is enclosed, of a step.
+    narrow: how closely a branch point is enclosed, of a step. lengths: of the steps of a curve that is not natural.
+    to_fold: whether the branch ends at a fold.
     """
     sense = (1.0 if rises else -1.0) * np.sign(first.rises or 1.0)
 
     def ends(place: Place) -> str:
+        if to_fold and place.kind == FOLD:
+            return FOLD
         return CLOSED if place.p == bounds.snap(first.p) and is_same(place.path, first.shape) else ""
 
     def stride(before: Point, step: float, _: list[Place]) -> Stride[Place, Point] | str:
@@ -226,7 +235,7 @@ def trace_shapes(
         return arrive([], places, before, after, longer, bounds, ends)
 
     begun = replace(first, tangent=sense * first.tangent)
-    places, why = trace(begun, stride, curve.natural or LENGTHS, bounds.most)
+    places, why = trace(begun, stride, curve.natural or lengths, bounds.most)
     return places, Stop(why or bounds.limit, places[-1].p if places else first.p)
 
 

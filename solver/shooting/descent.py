@@ -58,16 +58,25 @@ def fine_shape(shape: Shape) -> Shape:
 
     The loads alone set the nodes; in a rod that goes far round, beta turns faster.
     """
+    t = fine_nodes(shape)
+    return shape if t.size == shape.t.size else on_nodes(shape, t)
+
+
+def fine_nodes(shape: Shape) -> Array:
+    """The nodes of `fine_shape`; those of the shape itself where its loads are not finite."""
+    parts = np.ceil(np.diff(shape.t) * change_rates(shape)).clip(1)
+    if not np.isfinite(parts).all():
+        return shape.t
+    return np.interp(np.arange(parts.sum() + 1), np.append(0, np.cumsum(parts)), shape.t)
+
+
+def change_rates(shape: Shape) -> Array:
+    """A bound of the root of |H'| on each stretch of a shape, (N - 1,)."""
     y, width = shape.y, np.diff(shape.t)
     sin = np.maximum(np.abs(np.sin(y[1:, BETA])), np.abs(np.sin(y[:-1, BETA])))
     sin = np.minimum(1, sin + width * np.maximum(np.abs(y[1:, SPEED]), np.abs(y[:-1, SPEED])))
     loads = np.maximum(np.abs(y[1:]), np.abs(y[:-1]))
-    squares = loads[:, PHI] + (loads[:, Q] + 5 * loads[:, MU] + 6 * sin) * sin  # above |H'|
-    parts = np.ceil(width * np.sqrt(squares)).clip(1)
-    if not np.isfinite(squares).all() or (parts == 1).all():
-        return shape
-    t = np.interp(np.arange(parts.sum() + 1), np.append(0, np.cumsum(parts)), shape.t)
-    return on_nodes(shape, t)
+    return np.asarray(np.sqrt(loads[:, PHI] + (loads[:, Q] + 5 * loads[:, MU] + 6 * sin) * sin))
 
 
 def on_nodes(shape: Shape, t: Array) -> Shape:

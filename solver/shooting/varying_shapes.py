@@ -205,19 +205,25 @@ class VaryingShapes:
         pairs = [(none, none) if shape is None else (shape.y[0], shape.y[-1]) for shape in shapes]
         return np.array([pair[0] for pair in pairs]), np.array([pair[1] for pair in pairs])
 
+    def read(self, t: Array, alpha0: Array) -> dict[str, Any]:
+        """What a trajectory holds at stations t (B, n), whose azimuth begins at alpha0 (B,); NaN without a shape."""
+        shapes = [self.of(i) for i in range(self.index.size)]
+        none = np.full((t.shape[1], SIZE), np.nan)
+        y = np.array([none if shape is None else shape.at(times) for shape, times in zip(shapes, t, strict=True)])
+        ratio = np.array([np.nan if shape is None else shape.rod.numbers[0] for shape in shapes])
+        return read_starts(np.moveaxis(y[:, :, READ], -1, 0), t, alpha0, ratio * self.ends()[1][:, MU])
+
     def turns(self) -> Array:
         """The number of interior extrema of beta of each rod, (B,); NaN for a rod without a shape."""
         shapes = [self.of(i) for i in range(self.index.size)]
         return np.array([np.nan if shape is None else len(shape.bends(1.0)) for shape in shapes])
 
 
-def read_states(y: Array, t: Array, alpha0: Array, twist: Array) -> dict[str, Any]:
-    """What a trajectory holds, from the states (B, n, 8) at t (B, n). twist: (B,), A/C times mu at the far end."""
-    return read_starts(np.moveaxis(y[:, :, READ], -1, 0), t, alpha0, twist)
-
-
 def read_starts(y: Array, t: Array, alpha0: Array, twist: Array) -> dict[str, Any]:
-    """The same from the states (8, B, n) that a march with `judge` reads, in their place."""
+    """What a trajectory holds, from states (8, B, n) at t (B, n) in the order of a march with `judge`, in their place.
+
+    twist: (B,), A/C times mu at the far end.
+    """
     beta, dbeta, alpha, lam, mu, _, short, turned = y
     alpha -= alpha0[:, None]
     lam += mu

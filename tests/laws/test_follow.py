@@ -1,5 +1,6 @@
 """A followed branch is one curve of equilibria: its folds are exact, it leads back, and it never jumps to another."""
 
+from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
@@ -7,8 +8,10 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 from solver import Branch, Case, Cylinder, Ends, Rod, Solution, equilibria, follow, solve
+from solver.branches.branch_events import Bounds, Place, events_between
 from solver.equilibria import Equilibrium
 from solver.levels.path_orbits import orbit_of
+from solver.numerics.arclength import BRANCH_POINT, FOLD, PITCHFORK
 from solver.orbit.periodic_orbit import jacobi_zeros
 from solver.problem.case_fields import with_field
 from solver.problem.reduced import reduce
@@ -307,3 +310,30 @@ def test_branches_beside_that_helix_reach_their_folds_whatever_values_they_pass(
             branch = follow(one.solution, FZ=np.linspace(-60, -45, 61))
             assert branch.end.kind == "border of the range"
             assert [point.kind for point in branch.special] == ["fold"]
+
+
+@dataclass(frozen=True)
+class Passing:
+    """A point of a made-up branch."""
+
+    p: float
+    rises: float
+    index: int | None
+
+    def record(self, kind: str = "") -> Place:
+        return Place(self.p, None, None, self.index, kind)
+
+
+@pytest.mark.parametrize(("after", "kind", "expected"), [
+    (Passing(1.0, 1.0, 3), PITCHFORK, ""),  # the index is the same, and p goes on
+    (Passing(1.0, 1.0, 4), PITCHFORK, PITCHFORK),
+    (Passing(1.0, 1.0, None), PITCHFORK, PITCHFORK),  # not decided
+    (Passing(1.0, 1.0, 3), BRANCH_POINT, ""),
+    (Passing(0.0, -1.0, 3), PITCHFORK, PITCHFORK),  # p turns back, as on the branch of the pair that splits off
+    (Passing(0.0, -1.0, 4), FOLD, FOLD),
+])  # fmt: skip
+def test_a_pitchfork_changes_the_index_or_turns_back_or_it_is_none(after: Passing, kind: str, expected: str) -> None:
+    before, middle, bounds = Passing(0.0, 1.0, 3), Passing(0.5, 0.0, None), Bounds(-1.0, 2.0, (), 10)
+    places = events_between(before, after, [(middle, kind)], bounds, lambda *_: None)
+    assert places is not None
+    assert "".join(place.kind for place in places) == expected

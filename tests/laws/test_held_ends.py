@@ -178,10 +178,14 @@ def test_hinged_at_both_ends_is_half_a_period_of_the_elastica(angle: float) -> N
 
 
 def discrete_index(problem: EndsProblem, orbit: Any, names: tuple[str, ...], ratio: float, n: int = 240) -> int:
-    """Negative eigenvalues of the second variation on a mesh, under the constraints that the ends impose."""
+    """Negative eigenvalues of the second variation on a mesh, under the constraints that the ends impose.
+
+    orbit: an orbit, or a trajectory of one rod on nodes.
+    """
     span = float(problem.span[0])
-    h = span / n
-    beta = orbit.at(np.linspace(0, span, n + 1)[None])[0][0]
+    h, t = span / n, np.linspace(0, span, n + 1)[None]
+    on_nodes = getattr(orbit, "shapes", None)
+    beta = orbit.at(t)[0][0] if on_nodes is None else on_nodes.of(0).at(t[0])[:, 0]
     weight = np.full(n + 1, h)
     weight[[0, -1]] = h / 2
     matrix = np.diag(np.r_[1, np.full(n - 1, 2), 1] / h - slope_rate(problem, beta) * weight)

@@ -6,7 +6,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from solver import Case, Cylinder, Ends, Rod, Solution, equilibria, follow, solve
+from solver import Branch, Case, Cylinder, Ends, Rod, Solution, equilibria, follow, region_map, solve
+from solver.equilibrium_branch import SpecialPoint
+from solver.numerics.arclength import END
 from tests.equation import loads_of, march
 from tests.laws.test_held_ends import discrete_index
 
@@ -22,8 +24,24 @@ def between_hinges(GJ: float, L: float, **given: float) -> Case:
 def marched(solution: Solution) -> Any:
     """beta and beta_t at the far end, marched from the start of a solution; rho = A = 1."""
     problem = solution.problem
-    loads = [float(getattr(problem, name)[0]) for name in ("lam", "mu", "phi")]
-    return march(loads, problem.beta0, 0.0, float(problem.span[0])).y[:, -1]
+    return march(problem_loads(solution), problem.beta0, 0.0, float(problem.span[0])).y[:, -1]
+
+
+def problem_loads(solution: Solution) -> list[float]:
+    return [float(getattr(solution.problem, name)[0]) for name in ("lam", "mu", "phi")]
+
+
+def miss(solution: Solution) -> float:
+    """How far two marches from the middle of a solution end from its own ends, in beta and beta_t.
+
+    Next to a saddle a march over the whole rod would grow the rounding of its start to the square of this.
+    """
+    rho, middle = float(solution.case.rho), solution.beta.size // 2
+    beta, rate = solution.beta, solution.dbeta * rho
+    half = float(solution.t[0, middle])
+    ahead, back = (march(problem_loads(solution), beta[middle], sign * rate[middle], half).y[:, -1] for sign in (1, -1))
+    off = [ahead[0] - beta[-1], ahead[1] - rate[-1], back[0] - beta[0], back[1] + rate[0]]
+    return float(np.abs(off).max())
 
 
 def names_of(case: Case) -> tuple[str, ...]:
@@ -56,10 +74,10 @@ def test_a_held_azimuth_has_no_derivative_by_a_load() -> None:
 def test_every_point_of_a_branch_with_a_hinge_is_an_equilibrium_of_its_index(M3: float) -> None:
     branch = follow(solve(between_hinges(**AT_ONE_END)), M3=M3)
     for point in branch.points[:: max(len(branch) // 8, 1)]:
-        end = marched(point.solution)
         assert point.solution.solved, point.solution.outcome
-        assert end[0] == pytest.approx(-1.118, abs=1e-6)  # a march from a start next to a saddle grows its rounding
-        mesh = discrete_index(point.problem, point.solution.trajectory.orbit, names_of(point.case), 2.0)
+        assert miss(point.solution) < 1e-8
+        assert point.solution.beta[-1] == pytest.approx(-1.118, abs=1e-12)
+        mesh = discrete_index(point.problem, point.solution.trajectory, names_of(point.case), 2.0)
         assert point.index == mesh or any(branch.points[one.position] is point for one in branch.special)
 
 
@@ -88,8 +106,9 @@ def test_a_helix_between_two_hinges_is_its_own_seed_and_leads_to_the_next_one() 
     assert solve(case, seed=helix).beta == pytest.approx(helix.beta, abs=1e-14)
     later = solve(between_hinges(**TURNING | {"FZ": 2.5}), seed=helix)
     assert later.solved, later.outcome
-    end = follow(helix, FZ=2.5).end.reason
-    assert "helix" in end
+    branch = follow(helix, FZ=2.5)
+    assert branch.end.reason == END
+    assert branch.points[-1].solution.beta == pytest.approx(later.beta, abs=1e-10)
 
 
 @pytest.mark.parametrize("betaL", (pytest.param(None, marks=pytest.mark.slow), 1.4))
@@ -104,3 +123,86 @@ def test_the_list_between_hinges_is_that_of_a_fine_march(betaL: float | None) ->
     search = equilibria(case).search  # type: ignore[attr-defined]
     assert len(equilibria(case)) + search.outside == roots.size
     assert search.problems == 0
+
+
+def turns_apart(beta: Any, other: Any) -> float:
+    """The largest difference of two shapes [rad], but for whole turns."""
+    apart = beta - other
+    return float(np.abs(apart - 2 * np.pi * np.round(apart[0] / (2 * np.pi))).max())
+
+
+def specials(branch: Branch) -> list[tuple[str, int, int]]:
+    return [(special.kind, special.before, special.after) for special in branch.special]
+
+
+def turns_back(branch: Branch, special: SpecialPoint) -> bool:
+    """Whether a branch comes back to the side from which it came, as that of a pair that splits off in a pitchfork."""
+    before, at, after = branch.values[special.position - 1 : special.position + 2]
+    return bool((before - at) * (after - at) > 0)
+
+
+def rods_between_hinges(seed: int, count: int) -> list[tuple[Case, float]]:
+    """Cases with two hinges, and the FZ to which their equilibria are followed."""
+    rng = np.random.default_rng(seed)
+    rods = []
+    for _ in range(count):
+        E, L, FZ, M3, way = rng.uniform((5e3, 4.0, -15.0, -6.0, 2.0), (3e4, 13.0, 2.0, 6.0, 5.0))
+        case = Case(Rod(E=E, nu=0.25, a=0.25, L=L), Cylinder(R=0.75), Ends(M10=0.0, M1L=0.0, FZ=FZ, M3=M3))
+        rods.append((case, float(FZ + way * rng.choice([-1, 1]))))
+    return rods
+
+
+@pytest.mark.parametrize(("case", "goal"), [
+    *rods_between_hinges(123, 1),
+    pytest.param(between_hinges(0.8, 3.6, FZ=1.2, MZ=-1.2, M3=0.8), -6.0, marks=pytest.mark.slow),
+    *(pytest.param(*row, marks=pytest.mark.slow) for row in rods_between_hinges(47, 10)),
+])  # fmt: skip
+def test_between_two_hinges_a_branch_goes_on_as_that_of_the_rod_run_through_backwards(case: Case, goal: float) -> None:
+    """The loads are the same from either end. What rounding makes of beta_t at a hinge is no pitchfork."""
+    found = [one.solution for one in equilibria(case)]
+    branches = [follow(one, FZ=goal) for one in found]
+    for one, branch in zip(found, branches, strict=True):
+        assert branch.end.reason == END
+        (image, *_) = (k for k, other in enumerate(found) if turns_apart(other.beta, one.beta[::-1]) < 1e-6)
+        assert specials(branch) == specials(branches[image])
+        assert all(special.before != special.after or turns_back(branch, special) for special in branch.special)
+        last, mirrored = branch.points[-1], branches[image].points[-1]
+        assert last.index == mirrored.index
+        assert turns_apart(last.solution.beta, mirrored.solution.beta[::-1]) < 1e-7
+        assert miss(last.solution) < 1e-6  # half of a march of 13 radii grows rounding so far
+
+
+def test_a_fold_of_a_hinged_rod_has_its_shape_and_its_reactions() -> None:
+    """Its condition number has no bound, and it is solved with fewer digits, as other folds are."""
+    case = between_hinges(0.7, 3.0, betaL=0.9, FZ=-3.0)
+    branches = [follow(one.solution, FZ=[-6.0, 3.0]) for one in equilibria(case)]
+    folds = [
+        branch.points[one.position].solution for branch in branches for one in branch.special if one.kind == "fold"
+    ]
+    assert len(folds) > 1
+    for fold in folds:
+        assert fold.solved, fold.outcome
+        assert np.isfinite([*fold.reactions.values(), *fold.loads]).all()
+        assert miss(fold) < 1e-9
+
+
+HEAVY = Rod(EI=1.0, GJ=0.8, a=0.1, L=4.0, weight=0.5)
+
+
+@pytest.mark.parametrize("inclination", (pytest.param("0deg", marks=pytest.mark.slow), "90deg"))
+def test_equilibria_whose_angles_differ_by_whole_turns_are_listed_once(inclination: str) -> None:
+    case = Case(HEAVY, Cylinder(R=0.9, inclination=inclination), Ends(M10=0.0, M1L=0.0, FZ=-0.5))
+    shapes = [one.solution.beta for one in equilibria(case)]
+    assert len(shapes) == 8
+    for i, beta in enumerate(shapes):
+        assert abs(beta[0]) <= np.pi + 1e-12
+        assert all(turns_apart(beta, other) > 1e-6 or np.ptp(beta) > 1e-6 for other in shapes[:i])
+
+
+@pytest.mark.slow
+def test_a_map_of_rods_between_hinges_counts_each_equilibrium_once() -> None:
+    rod, cylinder = Rod(EI=1.0, GJ=0.8, a=0.1, L=2.0, weight=0.5), Cylinder(R=0.9, inclination="90deg")
+    found = region_map(Case(rod, cylinder, Ends(M10=0.0, M1L=0.0, FZ=-0.5)), FZ=(-1.5, -0.2), L=(1.5, 3.0), lattice=3)
+    counts = [(len(region.equilibria), found.folds.indices_at(region.values).total()) for region in found.regions]
+    assert max(map(max, counts)) <= 8
+    assert sum(listed == counted for listed, counted in counts) >= 2  # nothing proves that all curves were met

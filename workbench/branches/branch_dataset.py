@@ -14,9 +14,9 @@ from solver import Branch, Case, InputError, Solution
 from solver.equilibria import Equilibrium
 from solver.follow import solutions_of
 from solver.observe.observables import OBSERVABLES, observe
-from solver.orbit.periodic_orbit import jacobi_zeros
 from solver.problem.errors import no_such
 from solver.problem.reduced import held_of
+from solver.shooting.constant_loads import dead_indices
 from studies import Study
 from studies.grammar.axes import quantity_of
 from studies.laws.line_verdicts import QUALIFIED
@@ -228,7 +228,7 @@ def follow_curves(
     solved = [solutions_of(curve, SHAPE_STATIONS) for curve in seen.curves]
     numbers = [
         _numbers_of(sol, shown)
-        | {"index": curve.index, "dead_index": jacobi_zeros(sol.trajectory.orbit.exact), name: curve.values}
+        | {"index": curve.index, "dead_index": dead_indices(sol.trajectory), name: curve.values}
         | {"rho": np.broadcast_to(sol.case.rho, sol.case.shape)}
         for sol, curve in zip(solved, seen.curves, strict=True)
     ]

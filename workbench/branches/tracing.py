@@ -16,15 +16,17 @@ from numpy.typing import NDArray
 from solver import Branch, Case, InputError, Solution, equilibria, follow, solve
 from solver.equilibria import Equilibrium
 from solver.equilibrium.charts import same_equilibrium
-from solver.equilibrium_branch import HELIX, SpecialPoint
+from solver.equilibrium_branch import HELIX, BranchPoint, SpecialPoint
 from solver.follow import MOST
 from solver.levels.boundary import boundary_of, path_of
 from solver.problem.case import PAIRS
 from solver.problem.case_fields import with_field
+from solver.shooting.loaded_rod import BETA
+from solver.shooting.varying_shapes import Shape
 from studies.language.case_input import with_fields
 
 PARTNER = {held: field for field, held in PAIRS}  # height -> FZ
-_NEAR = 1e-6  # between the loads of one equilibrium, relative
+_NEAR = 1e-6  # between the loads of one equilibrium, relative; rad between its shapes
 FINE = 61  # values at which a followed branch has points at least, so that its curve is smooth
 
 
@@ -141,9 +143,17 @@ def _place_on(branch: Branch, value: float, equilibrium: Equilibrium) -> int | N
         point = branch.points[at]
         pairs = [(getattr(point.problem, load)[0], getattr(problem, load)[0]) for load in ("lam", "mu", "phi")]
         near = all(abs(a - b) < _NEAR * (1 + abs(b)) for a, b in pairs)
-        if near and same_equilibrium(boundary_of(point.problem), path_of(equilibrium.path, 0), point.path):
+        if near and _is_on(point, equilibrium):
             return int(at)
     return None
+
+
+def _is_on(point: BranchPoint, equilibrium: Equilibrium) -> bool:
+    """Whether a point of a branch is an equilibrium under dead loads, which are those of the point."""
+    if not isinstance(point.path, Shape):
+        return same_equilibrium(boundary_of(point.problem), path_of(equilibrium.path, 0), point.path)
+    solution = equilibrium.solution
+    return bool(np.abs(point.path.at(solution.t[0])[:, BETA] - solution.beta).max() < _NEAR)
 
 
 def own_value(solution: Solution, name: str) -> float:

@@ -165,7 +165,7 @@ def _together(case: Case, solutions: list[Solution]) -> Solution:
     """Solutions of single cases as the one solution of their grid."""
     rows = Rows(len(solutions))
     for sol in solutions:
-        answer = replace(sol.trajectory, swirl=None, orbit=None)  # type: ignore[arg-type]
+        answer = replace(sol.trajectory, swirl=None, orbit=None, shapes=None)  # type: ignore[arg-type]
         rows.add((answer, sol.problem, sol.t, sol.trajectory.swirl()))
     answer, problem, t, swirl = rows.join()
     answer = replace(answer, swirl=partial(np.asarray, swirl))

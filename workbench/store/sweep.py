@@ -38,6 +38,7 @@ LOST = "unstable here, stable where its branch begins"
 BEYOND = "failed: the followed branch"
 SAME = 1e-6  # of the numbers at both ends, in units of rho: below it two solutions are one
 _STRAIGHT = 1e-6  # rad
+SHAPE = ("beta", "dbeta", "alpha", "z")
 _DENSE = 2001  # stations of the seed of a method that knows the rod at stations only
 
 
@@ -163,7 +164,8 @@ def show(study: Study, state: State, stations: Any = None) -> Solution:
     method = study.method if study.method != "auto" else AUTOMATIC["ends"]
     if not state.solved:
         return _without_shape(state.solution, _times(state.solution, stations))
-    if method == state.solution.method and state.solution.trajectory.orbit is not None:
+    known = state.solution.trajectory
+    if method == state.solution.method and (known.orbit is not None or known.shapes is not None):
         return read(state.solution, stations)
     return solve(state.solution.case, study.tol, method, stations, seed=read(state.solution, _DENSE))
 
@@ -182,8 +184,11 @@ def between(study: Study, case: Case, near: Callable[[], State], stations: Any) 
 
 
 def read(sol: Solution, stations: Any) -> Solution:
-    """The same equilibrium at so many stations, or at these values of s, from its orbit."""
-    t, orbit = _times(sol, stations), sol.trajectory.orbit
+    """The same equilibrium at so many stations, or at these values of s, from its orbit or its shape on nodes."""
+    t, orbit, shapes = _times(sol, stations), sol.trajectory.orbit, sol.trajectory.shapes
+    if orbit is None:
+        along = shapes.read(t, np.reshape(sol.case.given.alpha, -1))
+        return _with_shape(sol, t, [along[name] for name in SHAPE], along["swirl"])
     return _with_shape(sol, t, orbit.at(t), partial(orbit.swirl, t))
 
 
@@ -203,7 +208,7 @@ def _without_shape(sol: Solution, t: NDArray[np.float64], **judged: Any) -> Solu
 
 def _with_shape(sol: Solution, t: NDArray[np.float64], shape: Any, swirl: Callable[[], Any], **others: Any) -> Solution:
     """A solution with other arrays: beta, dbeta, alpha and z at the stations t, (1, n). others: of its trajectory."""
-    arrays = dict(zip(("beta", "dbeta", "alpha", "z"), shape, strict=True))
+    arrays = dict(zip(SHAPE, shape, strict=True))
     others |= {"selection": None, "alternatives": None}  # a state has said what they tell
     return replace(sol, trajectory=replace(sol.trajectory, **arrays, swirl=swirl, **others), t=t)
 

@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from solver.problem.reduced import flat
-from solver.shooting.loaded_rod import MU, rods_of
+from solver.shooting.loaded_rod import rods_of
 from solver.shooting.state import LEAVES, RUBS, STRAIGHT, in_words
-from solver.shooting.varying_shapes import read_states
 
 from . import cautions, outcomes
 
@@ -132,9 +131,8 @@ def stress_unit(units: dict[str, str]) -> tuple[str, float]:
 
 def _at_dense_stations(sol: "Solution") -> "Solution":
     """One rod at stations so dense that they show each of its bends."""
-    shape = sol.trajectory.shapes.of(0)
-    t, y = shape.dense
-    read = read_states(y[None], t[None], flat(sol.case.given.alpha, ()), shape.rod.numbers[:1] * y[-1:, MU])
+    t, _ = sol.trajectory.shapes.of(0).dense
+    read = sol.trajectory.shapes.read(t[None], flat(sol.case.given.alpha, ()))
     return replace(sol, t=t[None], trajectory=replace(sol.trajectory, **read))
 
 
