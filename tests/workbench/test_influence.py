@@ -15,6 +15,7 @@ from studies.language.loader import loads
 from studies.language.samples import METHODS
 from tests.workbench import small, stored_figures
 from tests.workbench.command import run
+from workbench.branches.ends_study import ends_problem
 from workbench.figures import bars
 from workbench.figures.sheet import sheet
 from workbench.influence import analyse, local, sobol
@@ -73,6 +74,17 @@ def test_elasticities_of_stiffness_and_loads_add_up_to_the_power_of_a_force() ->
     power = {"height": 0, "kappa_max": 0, "attached": 0, "push_max": 1, "energy": 1, "F3_size_max": 1, "pitch": 0}
     for name, wanted in power.items():
         assert float(table["effect"].sel(observable=name).sum()) == pytest.approx(wanted, abs=1e-8), name
+
+
+def test_an_effect_that_is_rounding_is_none() -> None:
+    """The largest curvature of a rod between two ends is that of one of its bends, which does not know its length."""
+    table = local(solve(ends_problem(load("fig6"))))
+    size = np.abs(table["effect"])
+    share = size / size.max("field")
+    assert not ((share > 0) & (share < table.attrs["relative_error"])).any()
+    assert float(table["effect"].sel(observable="kappa_max", field="L")) == 0
+    assert float(table["derivative"].sel(observable="kappa_max", field="L")) == 0
+    assert float(share.sel(observable="amplitude", field="L")) == pytest.approx(6.56e-9, rel=1e-2)
 
 
 def test_a_followed_study_and_a_sweep_have_elasticities_of_one_case() -> None:

@@ -47,9 +47,10 @@ def local(
     Dataset
         Dimensions observable (O) and field (F).
 
-        derivative: (O, F), in derivative_unit (O, F). effect: (O, F), the change of the observable in effect_unit (O)
-        for the amount (F) of the field; the elasticity where the two are "%" and "1 %". 1 % more of a negative number
-        is 1 % more of its size. value, error, unit: (O,), of the observables. at, field_unit: (F,), of the fields.
+        derivative: (O, F), in derivative_unit (O, F), 0 where it is below its error. effect: (O, F), the change of the
+        observable in effect_unit (O) for the amount (F) of the field; the elasticity where the two are "%" and "1 %".
+        1 % more of a negative number is 1 % more of its size. value, error, unit: (O,), of the observables.
+        at, field_unit: (F,), of the fields.
         remark: (O,), why a derivative does not exist and is NaN; else "".
 
     Raises
@@ -85,7 +86,7 @@ def local(
 
 
 def _with_effects(ds: xr.Dataset, solution: Solution, units: Mapping[str, str]) -> xr.Dataset:
-    """The table with effect, effect_unit and amount."""
+    """The table with effect, effect_unit and amount; an effect below the error of the largest one is 0."""
     steps, amounts = zip(*(_amount(solution, name, units) for name in ds["field"].values.tolist()), strict=True)
     parts, shown = [], []
     for name, value, error, unit in zip(
@@ -95,8 +96,14 @@ def _with_effects(ds: xr.Dataset, solution: Solution, units: Mapping[str, str]) 
         parts.append(value / 100 if relative else np.deg2rad(1.0) if angle else 1.0)
         shown.append(PERCENT if relative else "deg" if angle else unit)
     effect = ds["derivative"].values * np.array(steps) / np.array(parts)[:, None]
+    size = np.abs(np.nan_to_num(effect))
+    is_rounding = size < ds.attrs["relative_error"] * size.max(axis=1, keepdims=True)
+    effect[is_rounding] = 0.0
     return ds.assign(
-        effect=(("observable", "field"), effect), effect_unit=("observable", shown), amount=("field", list(amounts))
+        derivative=ds["derivative"].where(~is_rounding, 0.0),
+        effect=(("observable", "field"), effect),
+        effect_unit=("observable", shown),
+        amount=("field", list(amounts)),
     )
 
 
