@@ -18,7 +18,9 @@ from solver.observe.observables import OBSERVABLES
 from solver.problem.case import DIRECT, ELASTIC, GIVEN, PAIRS, SIDES, SLIDING, STIFFNESS, TWISTS, Case
 from solver.problem.field_values import ANGLES, RANGES
 from solver.problem.reduced import dimensionless_problem
+from studies.grammar.formulas import FORCES, LENGTHS
 from workbench.web.live.live_document import PAGE
+from workbench.words.cautions import LINEAR
 
 FILE = PAGE / "formulas.mjs"
 HEAD = """// Tables and formulas of the solver, written by benchmarks/make_page_formulas.py: change them there.
@@ -161,7 +163,8 @@ def plain_tables() -> dict[str, Any]:
     }
     sides = {side: int(sign) for side, sign in SIDES.items()}
     words = {"TWISTS": TWISTS, "DIRECT": DIRECT, "ELASTIC": ELASTIC, "ANGLES": ANGLES, "SLIDING": [*SLIDING]}
-    return words | {"SIDES": sides, "HELD": dict(PAIRS), "RANGES": ranges}
+    units = {"LENGTHS": LENGTHS, "FORCES": FORCES, "LINEAR": [*LINEAR.items()]}
+    return words | {"SIDES": sides, "HELD": dict(PAIRS), "RANGES": ranges} | units
 
 
 def text() -> str:

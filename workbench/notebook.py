@@ -215,7 +215,8 @@ def dataset_of(sol: Solution, units: Mapping[str, str] | None = None) -> xr.Data
             same = value.size > 0 and float(np.ptp(value)) == 0
             pair: tuple[Any, Any] = ((), float(value.flat[0])) if same else (tuple(axes), value)
             ds[name] = *pair, schema.labels(name, used)
-    ds["caution"] = tuple(axes), np.asarray(cautions.of_cases(sol)).astype(str)
+    known = units if units and len(units) == 2 else None
+    ds["caution"] = tuple(axes), np.asarray(cautions.of_cases(sol, units=known)).astype(str)
     ds = ds.assign_coords({name: xr.Variable((name,), values, _labels(name, used)) for name, values in axes.items()})
     return ds.assign_attrs(_attributes(sol, used) | {"caution": cautions.sentence(ds)})
 

@@ -2,7 +2,8 @@
 where along a rod the cylinder does not push.
 
 Like the observables they are judged on the whole rod, whatever its stations and whatever is stored. The caution of a
-case is a text of parts, ", " between: `TIGHT`, `MEETS`, one of the kinds of lift-off, and parts of `UNCHECKED`.
+case is a text of parts, ", " between: `TIGHT`, `MEETS`, `TURNED`, `STRAINED` with the strain, one of the kinds of
+lift-off, and parts of `UNCHECKED`.
 """
 
 from collections.abc import Mapping
@@ -11,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..core.measures import densities
+from ..mechanics.statics import circumferential_force, curvature, surface_forces
 from ..numerics.arrays import Array, Booleans
 from ..problem.reduced import EndsProblem, flat
 from ..shape import Shape
@@ -86,22 +88,23 @@ def push_at(sol: Shape, cases: Array, t: Array) -> Array:
     return densities("outward", np.stack([problem.lam, problem.mu, problem.phi, sign], axis=1), beta, rate).values
 
 
-TIGHT, MEETS, TURNED, PULLED = "too tight", "overlaps", "turned back", "pulled"
+TIGHT, MEETS, TURNED, STRAINED, PULLED = "too tight", "overlaps", "turned back", "strained", "pulled"
 AT_ENDS, IN_PART, ALL_ALONG = f"{PULLED} at the ends", f"{PULLED} in part", f"{PULLED} nearly everywhere"
 UNKNOWN = "not checked: "
 UNCHECKED = (f"{UNKNOWN}curvature", f"{UNKNOWN}self-contact", f"{UNKNOWN}lift-off")
 SLIGHT, ROUNDING = 1e-6, 1e-13  # of the largest push along the rod, and of A/rho^3: a smaller pull is none
 _QUARTER, _LEAST = np.pi / 2 + 1e-9, 1e-9  # rad; rad and share of the length: less is rounding
 NEARLY_ALL = 0.95  # of the length without push
+LINEAR = 0.01  # strain up to which most materials are linear, where the unit of Young's modulus is not known
 JUDGED = ("kappa_max", MEETS, "push_min", "push_max", "attached", "height")  # the observables that a caution is made of
 
 
-def of_cases(sol: Shape, observed: Mapping[str, Any] | None = None, unit: str = "") -> Any:
+def of_cases(sol: Shape, observed: Mapping[str, Any] | None = None, unit: str = "", linear: Any = LINEAR) -> Any:
     """The caution of each case, (*cases) of str.
 
-    "" means that the rod was checked and is free of all three, or that the case is not solved. "not checked" means that
-    the method knows no orbit and its stations are too few, or that two stretches of the rod are so close over such a
-    length that the search for self-contact was abandoned.
+    "" means that the rod was checked and is free of all of them, or that the case is not solved. "not checked" means
+    that the method knows no orbit and its stations are too few, or that two stretches of the rod are so close over such
+    a length that the search for self-contact was abandoned.
 
     Parameters
     ----------
@@ -111,6 +114,8 @@ def of_cases(sol: Shape, observed: Mapping[str, Any] | None = None, unit: str = 
         Observables already known, with their errors, by name.
     unit : str
         Unit of length of the cases, in which a distance is stated; default: it is stated as a share of the length.
+    linear : array, (*cases)
+        The strain up to which the material is surely linear.
     """
     known = dict(observed or {})
     needed = [*JUDGED, *(error for name in JUDGED if (error := error_name(name)))]
@@ -121,7 +126,9 @@ def of_cases(sol: Shape, observed: Mapping[str, Any] | None = None, unit: str = 
     pulled, held = _pull(sol, known)
     unknown = zip(UNCHECKED, (~(tight | free), ~np.isfinite(meets), ~(pulled | held)), strict=True)
     text = np.full(sol.case.shape, "", dtype=object)
-    sure = (TIGHT, tight), (MEETS, meets == 1), (TURNED, turns_back(sol, known["height"]))
+    strains, linear = largest_strain(sol, known["kappa_max"]), np.broadcast_to(linear, sol.case.shape)
+    strained = _strained(strains, linear), strains > linear
+    sure = (TIGHT, tight), (MEETS, meets == 1), (TURNED, turns_back(sol, known["height"])), strained
     for words, where in (*sure, (_lift_off(sol, known, pulled, unit), pulled), *unknown):
         joint = np.where(text == "", "", ", ")
         text = np.where(np.asarray(where) & sol.solved, text + joint + words, text)
@@ -143,6 +150,47 @@ def turns_back(sol: Shape, height: Any) -> Any:
         far = (high > np.maximum(first, last) + _QUARTER) | (low < np.minimum(first, last) - _QUARTER)
         behind = np.asarray(height) * np.cos(first) < -_LEAST * np.asarray(sol.case.rod.L)
         return far | (behind & (np.abs(first - last) < _LEAST))
+
+
+def largest_strain(sol: Shape, kappa_max: Any) -> Any:
+    """The largest strain of the section's outermost fibre: along the fibre, or by the twist; (*cases), NaN without E.
+
+    Along the fibre that is a kappa + |F3|/(E S), S the area of the section; by the twist a |M3|/(2 C), the largest
+    elongation of a shear. Where the loads are constant along the rod, F3 + A kappa^2/2 is too, and the strain along the
+    fibre rises with kappa (up to kappa = 2/a at least); elsewhere it is read along the rod. kappa_max: the largest
+    curvature, (*cases) [1/length].
+    """
+    rod = sol.case.rod
+    if rod.E is None:
+        return np.full(sol.case.shape, np.nan)
+    each = [rod.a, rod.bending_stiffness, rod.E, 0.0 if rod.inner_radius is None else rod.inner_radius, sol.case.rho]
+    a, A, E, bore, rho = (flat(value, sol.case.shape) for value in each)
+    with np.errstate(all="ignore"):  # a case beyond floats is not solved
+        stretch = A / rho**2 / (E * np.pi * (a**2 - bore**2))  # of the unit of forces
+        twisted = a * np.abs(sol.problem.mu) * flat(rod.stiffness_ratio, sol.case.shape) / (2 * rho)
+        if sol.trajectory.shapes is None:
+            first, tight = _bend_and_tension(sol), np.reshape(kappa_max, -1) * rho
+            along = a / rho * tight + np.abs(first[1] + (first[0] ** 2 - tight**2) / 2) * stretch
+        else:
+            along = np.full(sol.case.size, np.nan)
+            for i in np.flatnonzero(np.reshape(sol.solved, -1)).tolist():
+                kappa, F3 = sol.trajectory.shapes.of(i).bend_and_tension()
+                along[i] = (a[i] / rho[i] * kappa + np.abs(F3) * stretch[i]).max()
+        return np.maximum(along, twisted).reshape(sol.case.shape)
+
+
+def _bend_and_tension(sol: Shape) -> tuple[Array, Array]:
+    """kappa and F3 at the first station of rods with constant loads, in units of rho and A, (B,) each."""
+    problem, beta, speed = sol.problem, sol.trajectory.beta[:, 0], sol.trajectory.dbeta[:, 0]
+    around = circumferential_force(1.0, problem.lam, problem.mu, 1.0, beta)
+    return curvature(1.0, beta, speed), surface_forces(around, problem.phi, beta)[1]
+
+
+def _strained(strains: Any, linear: Any) -> Any:
+    """How far each rod is strained, (*cases) of str objects."""
+    pairs = zip(np.ravel(strains).tolist(), np.ravel(linear).tolist(), strict=True)
+    words = [f"{STRAINED} ({_round(100 * x)} %; linear to {_round(100 * most)} %)" for x, most in pairs]
+    return np.array(words, dtype=object).reshape(np.shape(strains))
 
 
 def _tight(sol: Shape, known: Mapping[str, Any]) -> tuple[Any, Any]:
@@ -197,4 +245,4 @@ def _lift_off_ends(sol: Shape, candidates: Booleans) -> dict[int, float]:
 
 def _round(value: float) -> str:
     """A number with two digits, or without a fraction."""
-    return f"{value:.2g}" if abs(value) < 9.95 else f"{value:.0f}"
+    return f"{value:.0f}" if 9.95 <= abs(value) < 1e5 else f"{value:.2g}"

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..core.varying_loads import READ, SIZE, march
 from ..mechanics.potential import Loads, slope
-from ..mechanics.statics import circumferential_force, contact_force
+from ..mechanics.statics import circumferential_force, contact_force, curvature, surface_forces
 from ..numerics.arrays import Array, Booleans, Integers
 from ..numerics.roots import bisect
 from ..problem.case import IN_PLACE
@@ -80,6 +80,12 @@ class Shape:
         y = np.concatenate([self.between(places).reshape(-1, SIZE), self.y[-1:]])
         t = (self.t[:-1, None] + np.diff(self.t)[:, None] * (1 + places) / 2).reshape(-1)
         return np.append(t, self.t[-1]), y
+
+    def bend_and_tension(self) -> tuple[Array, Array]:
+        """kappa and F3 along the rod, dense, in units of rho and A, (n,) each."""
+        beta, speed, lam, mu, phi, _, _ = self.local_values(self.dense[1][None])[0]
+        around = circumferential_force(1.0, lam, mu, 1.0, beta)
+        return curvature(1.0, beta, speed), surface_forces(around, phi, beta)[1]
 
     def states(self, rho: float) -> tuple[State, ...]:
         """The states along the rod, with s in the unit of rho."""

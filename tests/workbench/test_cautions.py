@@ -6,11 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solver import Case, Cylinder, Ends, Rod, Start, equilibria, solve
+from solver import Case, Cylinder, Ends, Rod, Start, equilibria, observe, solve
+from solver.observe.cautions import largest_strain
 from tests.workbench import small
 from workbench.store import assembly
 from workbench.store.block import columns
-from workbench.words import cautions
+from workbench.words import cautions, pipe_state
 
 STEEL = {"E": 2.1e8, "nu": 0.3, "L": 20.0}  # kN and m
 
@@ -18,7 +19,7 @@ STEEL = {"E": 2.1e8, "nu": 0.3, "L": 20.0}  # kN and m
 def test_a_pipe_pushed_down_its_hole_lifts_off_only_next_to_its_ends() -> None:
     pipe = Case(Rod(a=0.0635, **{**STEEL, "L": 60.0}), Cylinder(0.108, "inside"), Ends(0.0, 0.0, FZ=-200.0))
     sol = solve(pipe, stations=401)
-    text = str(cautions.of_cases(sol, unit="m"))
+    text = str(cautions.of_cases(sol, units={"length": "m", "force": "kN"}))
     off = np.minimum(sol.s, 60 - sol.s)[sol.push < 0]  # at stations 0.15 m apart
     share, near = (float(number) for number in re.findall(r"[\d.]+", text))
     assert text.startswith("pulled at the ends (no push on ")
@@ -29,6 +30,78 @@ def test_a_pipe_pushed_down_its_hole_lifts_off_only_next_to_its_ends() -> None:
         "of the ends."
     )
     assert sol.caution == text.replace(f"{near:g} m", "14 % of it")
+
+
+def test_the_strain_is_that_of_the_outermost_fibre_along_the_whole_rod() -> None:
+    """Read at dense stations, of tubes and rods in tension and compression, inside and outside."""
+    rng = np.random.default_rng(1)
+    for k in range(30):
+        bore = rng.choice([0.0, 0.1])
+        rod = Rod(E=rng.uniform(1, 1e3), nu=0.3, a=0.2, L=rng.uniform(1, 10), inner_radius=bore)
+        forces = rng.normal(size=3) * rod.bending_stiffness
+        start = Start(*rng.uniform(-1, 1, 2), F3=forces[0], M3=forces[1], F2=forces[2])
+        sol = solve(Case(rod, Cylinder(*((0.8, "outside"), (1.2, "inside"))[k % 2]), start), stations=20_001)
+        along = (0.2 * sol.kappa + np.abs(sol.F3) / (rod.E * np.pi * (0.2**2 - bore**2))).max()
+        twisted = 0.2 * abs(sol.M3) / rod.torsional_stiffness / 2
+        found = largest_strain(sol, observe(sol, ["kappa_max"])["kappa_max"])
+        assert found == pytest.approx(max(along, twisted), rel=1e-6)  # 20,000 stations beside the peak
+
+
+def test_the_strain_of_a_rod_with_weight_is_its_largest_stress_over_the_modulus() -> None:
+    rod = Rod(E=2.06e8, nu=0.3, a=0.0635, inner_radius=0.0543, L=300.0, weight=0.241)
+    sol = solve(Case(rod, Cylinder(0.10795, "inside", "120deg"), Ends(0.0, 0.0, FZ=-300.0)))
+    rows = pipe_state.profile(sol, {"length": "m", "force": "kN"})
+    assert rows[-1].name == "both stresses together"
+    assert largest_strain(sol, None) == pytest.approx(rows[-1].largest / 2.06e5, rel=1e-9)
+
+
+MILLIMETRES = {"length": "mm", "force": "N"}
+WOUND = Rod(E=2e5, nu=0.3, a=6.0, L=3000.0)  # a steel cable of 12 mm on a drum of 400 mm
+HEAVY = replace(WOUND, weight=0.0087)
+NITINOL = Rod(E=4e4, nu=0.33, a=0.25, L=20.0)  # a wire of 0.5 mm on a mandrel of 1.9 mm
+
+
+@pytest.mark.parametrize(
+    ("rod", "drum", "tension", "lay", "said"),
+    [
+        (WOUND, Cylinder(200.0), 2000.0, "75deg", "strained (2.7 %; linear to 0.25 %)"),
+        (replace(WOUND, a=0.4), Cylinder(200.0), 2.0, "75deg", ""),  # 0.19 %
+        (NITINOL, Cylinder(0.94), 1.0, "80deg", "strained (20 %; linear to 0.25 %)"),
+        (replace(NITINOL, E=50.0), Cylinder(0.94), 0.01, "80deg", "strained (20 %; linear to 10 %)"),  # rubber
+        (replace(NITINOL, E=50.0), Cylinder(5.0), 0.01, "80deg", ""),  # 4.6 %
+    ],
+)
+def test_a_wound_cable_is_cautioned_where_its_strain_is_beyond_what_its_material_surely_bears(
+    rod, drum, tension, lay, said
+) -> None:
+    sol = solve(Case(rod, drum, Ends.helix(rod, drum, tension, lay)), seed=0.0)
+    bent = rod.a * np.sin(np.radians(float(lay.removesuffix("deg")))) ** 2 / (drum.R + rod.a)
+    assert largest_strain(sol, sol.kappa.max()) == pytest.approx(bent, rel=0.05)  # with its tension
+    assert str(cautions.of_cases(sol, units=MILLIMETRES)) == said
+    assert not cautions.is_barred(said)
+    if said:
+        share, linear = re.findall(r"[\d.]+(?= %)", said)
+        sentence = f"The rod is strained by {share} %, and materials of its modulus may be linear to {linear} % only."
+        assert cautions.said(said) == sentence
+
+
+def test_rods_of_every_kind_have_one_caution_on_strain() -> None:
+    """A start problem, dead loads, held ends, weight; the command `solve` of a rod with weight says it too."""
+    drum, table = Cylinder(200.0), Cylinder(200.0, inclination="90deg")
+    wound = Ends.helix(WOUND, drum, 2000.0, "75deg")
+    held = Ends(beta0=0.9, betaL=1.2, height=300.0)
+    start = Start(wound.beta0, 0.0, F3=2000.0, M3=wound.M3)
+    cases = (WOUND, drum, start), (WOUND, drum, wound), (replace(WOUND, L=600.0), drum, held), (HEAVY, table, start)
+    for sol in (solve(Case(*case)) for case in cases):
+        strain = 2.6 if sol.held else 2.7
+        assert sol.solved
+        assert f"strained ({strain} %; linear to 0.25 %)" in str(cautions.of_cases(sol, units=MILLIMETRES))
+        assert f"strained ({strain} %; linear to 1 %)" in sol.caution  # without units
+        if sol.case.varies:
+            told = pipe_state.all_sentences(sol, MILLIMETRES)
+            assert sum("strained by 2.7 %" in sentence for sentence in told) == 1
+    plain = Rod(EI=WOUND.bending_stiffness, GJ=WOUND.torsional_stiffness, a=6.0, L=3000.0)  # a rope's wires slide
+    assert solve(Case(plain, drum, wound)).caution == ""
 
 
 @pytest.mark.parametrize("tol", [1e-2, 1e-3, 1e-5, 1e-8])
@@ -63,4 +136,4 @@ def test_an_unsolved_case_gives_no_caution() -> None:
     outcome, solved = np.array(["solved", "failed: on purpose"], dtype=object), np.array([True, False])
     sol = replace(sol, trajectory=replace(sol.trajectory, outcome=outcome, solved=solved))
     ds = assembly.make(study, study.dimensions(), columns(study, sol))
-    assert [", ".join(cautions.keys(text)) for text in ds["caution"].values] == ["overlaps, pulled", ""]
+    assert [", ".join(cautions.keys(text)) for text in ds["caution"].values] == ["overlaps, strained, pulled", ""]

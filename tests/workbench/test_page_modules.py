@@ -21,7 +21,7 @@ from workbench.figures import along, colours, drawn_rods
 from workbench.geometry import self_contact, stored_line
 from workbench.scene import scene_kinds, surfaces
 from workbench.web.live import page_model
-from workbench.words import labels
+from workbench.words import cautions, labels
 from workbench.words.escaping import finite
 
 pytestmark = needs_node
@@ -118,6 +118,21 @@ def test_the_observables_are_those_of_the_solver() -> None:
                 size = max(abs(float(wanted["push_min"])), abs(float(wanted["push_max"])))
             # the rods of the page are solved to 1e-8, and known at stations
             assert found[name] == pytest.approx(float(wanted[name]), abs=1e-6 * max(size, 1e-9)), name
+
+
+def test_the_strain_that_the_page_warns_of_is_that_of_the_workbench() -> None:
+    thin = {"E": 2e7, "nu": 0.3, "a": 1e-3, "R": 0.75, "L": 20.0, "beta": 1.2, "dbeta": 0.05, "M3": 0.0}
+    states = [*STARTS, {"units": {"length": "cm", "force": "N"}, "base": thin}]
+    script = """answer(given.map((state) => {
+      const shape = rod_shape.marched(core, rod_case.caseOf(state, {}));
+      return numbers.warnings(shape, numbers.observables(shape), state.units, []); }));"""
+    counts = set()
+    for made, found in zip(states, run(script, states, (*MODULES, "numbers")), strict=True):
+        told = cautions.parts(str(cautions.of_cases(solve(case_of(made)), units=made["units"])))
+        wanted = [f"The rod {cautions.phrase(part)}." for part in told if part.startswith("strained")]
+        assert [words for words in found if "strained" in words] == wanted
+        counts.add(len(wanted))
+    assert counts == {0, 1}
 
 
 def test_the_ribbon_is_as_tall_as_the_push_is_strong_and_arrows_point_as_the_cylinder_pushes() -> None:

@@ -64,7 +64,7 @@ def dataset_of(study: Study, case: Case, found: Sequence[Equilibrium]) -> xr.Dat
         ways = np.array([equilibrium.found_by for equilibrium in found], dtype=str)
         data["found_by"] = xr.Variable(EQUILIBRIUM, ways)
     data["count"] = xr.Variable((), len(found), COUNT)
-    texts = [str(cautions.of_cases(sol, unit=study.units.length)) for sol in solutions]
+    texts = [str(cautions.of_cases(sol, units=study.unit_system)) for sol in solutions]
     ds = of_solutions(solutions, data, texts, float(case.rod.L), units)
     ds["equilibrium"].attrs["long_name"] = "rank by energy"
     title = f"Equilibria with held ends: {choices(held)}" if held else "All equilibria with both end angles held"
@@ -188,13 +188,13 @@ def dataset_of_loops(found: Sequence[Loop], units: Mapping[str, str] | None = No
     data |= schema.variables({"FZ": 0.0, "M3": 0.0}, (), words)
     scalars = {**dict(case.rod.given()), "R": case.cylinder.R, "rho": case.rho}
     data |= schema.variables({name: float(value) for name, value in scalars.items()}, (), words)
-    ds = of_solutions(solutions, data, [caution_of_loop(loop) for loop in found], float(case.rod.L), words)
+    ds = of_solutions(solutions, data, [caution_of_loop(loop, words) for loop in found], float(case.rod.L), words)
     ds["equilibrium"].attrs["long_name"] = "number of the loop"
     more = {"title": "Closed rods on a cylinder", "stability": STABILITY}
     return ds.assign_attrs(attributes(study, case, "") | more | {"caution": cautions.sentence(ds)})
 
 
-def caution_of_loop(one: Loop) -> str:
-    """The keys of `cautions` of a closed rod, whose ends are neighbours and not in self-contact."""
+def caution_of_loop(one: Loop, units: Mapping[str, str] | None = None) -> str:
+    """The caution of a closed rod, whose ends are neighbours and not in self-contact."""
     met = np.nan if one.overlaps is None else float(one.overlaps)
-    return str(cautions.of_cases(one.solution, {"overlaps": np.array(met)}))
+    return str(cautions.of_cases(one.solution, {"overlaps": np.array(met)}, units))

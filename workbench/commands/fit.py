@@ -223,7 +223,7 @@ def _cautions(found: "Fit", asked: "CaseInput") -> list[str]:
 
     if found.solution is None:
         return []
-    sentence = cautions.said(cautions.of_cases(found.solution, unit=asked.units["length"]))
+    sentence = cautions.said(cautions.of_cases(found.solution, units=asked.units))
     return [sentence] if sentence else []
 
 

@@ -91,7 +91,7 @@ def solve(
         "assumed": base.assumed,
         "which": _which(sol, listed, base.study),
         "selection": None if sol.selection is None else {**asdict(sol.selection), "rule": sol.selection.rule},
-        "caution": cautions.said(cautions.of_cases(sol, unit=base.units["length"])),
+        "caution": cautions.said(cautions.of_cases(sol, units=base.units)),
         "left_out": cautions.left_out_of(base.case),
         "pipe": pipe_state.sentences(sol, base.units),
         "profile": [row._asdict() for row in rows],

@@ -130,7 +130,7 @@ def columns(study: Study, sol: Solution, given: Mapping[str, Any] | None = None)
         row["outcome"] = _with_remarks(row["outcome"], np.where(mine, ways, ""))
         if study.has_branches:
             row["branch"] = np.where(mine, [pipe_state.count_left(str(text)) for text in begun], NO_BRANCH)
-    caution = cautions.of_cases(sol, observed, study.units.length)
+    caution = cautions.of_cases(sol, observed, study.unit_system)
     row["caution"] = np.asarray(caution).reshape(-1)
     for name in (*JUDGED, *(name for name in LOADS if name not in study.varied)):
         row[name] = np.asarray(getattr(sol, name), dtype=float).reshape(-1)

@@ -19,23 +19,26 @@ from solver.observe.cautions import (
     MEETS,
     PULLED,
     SLIGHT,
+    STRAINED,
     TIGHT,
     TURNED,
     UNCHECKED,
     UNKNOWN,
-    of_cases,
 )
+from solver.observe.cautions import of_cases as _of_cases
+from studies.grammar.formulas import size_of
 
 from . import outcomes
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from solver import Case
+    from solver import Case, Rod
+    from solver.shape import Shape
 
 
 # those of `solver.observe.cautions` that others read here
-__all__ = ["ALL_ALONG", "IN_PART", "JUDGED", "MEETS", "PULLED", "SLIGHT", "TIGHT", "UNCHECKED", "UNKNOWN", "of_cases"]
+__all__ = ["ALL_ALONG", "IN_PART", "JUDGED", "MEETS", "PULLED", "SLIGHT", "TIGHT", "UNCHECKED", "UNKNOWN"]
 
 # key -> words for one rod, and for several
 WORDS = {
@@ -48,11 +51,29 @@ WORDS = {
         "turns back against the direction of both its ends",
         "turn back against the direction of both their ends",
     ),
+    STRAINED: ("is strained", "are strained"),
     PULLED: ("would lift off where the cylinder has to pull", "would lift off where the cylinder has to pull"),
 }
+# least modulus in MPa -> strain up to which its materials are surely linear. Metals, glass and composites: steel of
+# grade E-75 yields at 0.25 %, strong wire at 1 %. Plastics are linear to about 1 %, rubber to about 10 %.
+LINEAR = {1e4: 0.0025, 1e3: 0.01, 0.0: 0.1}
 NUMBERS = dict(enumerate(("none", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")))
-_POSSIBLE = (TURNED, AT_ENDS)  # what a real rod can do
+_POSSIBLE = (TURNED, STRAINED, AT_ENDS)  # what a real rod can do
+_STRAIN = re.compile(r"\((.+?) %; linear to (.+?) %\)")
 _EXTENT = re.compile(r"\((no push on .+? % of the length)(?: within (?:\S+ to )?(.+) of an end)?\)")
+
+
+def of_cases(sol: "Shape", observed: Mapping[str, Any] | None = None, units: Mapping[str, str] | None = None) -> Any:
+    """The caution of each case, (*cases) of str; units: "length" and "force" of the cases, where they are known."""
+    if not units:
+        return _of_cases(sol, observed)
+    return _of_cases(sol, observed, units["length"], linear_strain(sol.case.rod, units))
+
+
+def linear_strain(rod: "Rod", units: Mapping[str, str]) -> Any:
+    """The strain up to which materials of a rod's modulus are surely linear, as its E; see `LINEAR`."""
+    modulus = np.asarray(0.0 if rod.E is None else rod.E) / size_of("MPa", units)[0]
+    return np.select([modulus >= least for least in LINEAR], list(LINEAR.values()), min(LINEAR.values()))
 
 
 def parts(text: str) -> list[str]:
@@ -62,7 +83,7 @@ def parts(text: str) -> list[str]:
 
 def keys(text: str) -> list[str]:
     """The keys of `WORDS` and `UNCHECKED` in the caution of one case."""
-    return [PULLED if part.startswith(PULLED) else part for part in parts(text)]
+    return [next((key for key in (PULLED, STRAINED) if part.startswith(key)), part) for part in parts(text)]
 
 
 def is_barred(text: str) -> bool:
@@ -78,15 +99,19 @@ def holding(texts: Any, key: str) -> Any:
     return np.array([holds[text] for text in each], dtype=bool).reshape(texts.shape)
 
 
-def phrase(part: str) -> str:
-    """What a part says of one rod: "passes through itself"."""
+def phrase(part: str, several: bool = False) -> str:
+    """What a part says of one rod, or of several: "passes through itself", "pass through themselves"."""
+    whose = "their" if several else "its"
     if part.startswith(UNKNOWN):
-        return f"was not checked for {part.removeprefix(UNKNOWN)}"
+        return f"{'were' if several else 'was'} not checked for {part.removeprefix(UNKNOWN)}"
     if part.startswith(AT_ENDS):
-        return f"would lift off next to its ends alone: {_extent(part)}"
+        return f"would lift off next to {whose} ends alone: {_extent(part)}"
+    if part.startswith(STRAINED) and (strain := _STRAIN.search(part)):
+        only = f"materials of {whose} modulus may be linear to {strain[2]} % only"
+        return f"{_words_of(part)[several]} by {strain[1]} %, and {only}"
     if part.startswith(PULLED):
-        return WORDS[PULLED][0] + (f", {extent}" if (extent := _extent(part)) else "")
-    return _words_of(part)[0]
+        return WORDS[PULLED][several] + (f", {extent}" if (extent := _extent(part)) else "")
+    return _words_of(part)[several]
 
 
 def _words_of(part: str) -> tuple[str, str]:
@@ -138,12 +163,7 @@ def _grave(cases: int, counts: Mapping[str, int]) -> str:
 def _slight(cases: int, counts: Mapping[str, int]) -> str:
     if cases == 1:
         return f"The rod {_list([phrase(part) for part in counts])}."
-    return " ".join(
-        f"{count} of {cases} rods {WORDS[TURNED][min(count - 1, 1)]}."
-        if part == TURNED
-        else f"{count} of {cases} rods would lift off next to their ends alone: {_extent(part)}."
-        for part, count in counts.items()
-    )
+    return " ".join(f"{count} of {cases} rods {phrase(part, count > 1)}." for part, count in counts.items())
 
 
 def _unknown(cases: int, counts: Mapping[str, int]) -> str:

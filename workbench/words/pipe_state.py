@@ -39,9 +39,6 @@ WAYS = {
 TENSION = "in tension all along: a compression, as by a weight on the bit, is a negative FZ"
 STIFFEST, DENSEST = 1.3e6, 23e3  # MPa, kg/m3: above diamond and osmium
 GRAVITY = 9.81  # m/s2
-YIELD = 0.0025  # strain at which steel of grade E-75 yields: 517 MPa over 206 GPa
-STEEL = 1.8e5, 2.2e5  # MPa
-YIELDS = "steel of drill pipe yields at 0.25 % (grade E-75, 517 MPa) to 0.45 % (S-135, 931 MPa)"
 REACHES = {"m": 30.0, "ft": 100.0}  # lengths on which drillers state a dogleg
 MEGAPASCALS = {"N": 1e-6, "kN": 1e-3, "MN": 1.0}  # per m^2
 ROUNDING = 1e-12  # relative
@@ -232,15 +229,7 @@ def warnings(sol: "Solution", units: dict[str, str], rows: list[Row]) -> list[st
     if not rows:
         return _wrong_units(sol, units) if sol.case.varies else []
     said = [*_wrong_units(sol, units), *_lift_offs(sol, units["length"]), *_clamps(sol, rows[1])]
-    if sol.case.rod.E is not None:
-        unit, size = stress_unit(units)
-        modulus = float(sol.case.rod.E) * size
-        strain = rows[-1].largest / modulus
-        if strain > YIELD:
-            steel = unit == "MPa" and STEEL[0] < modulus < STEEL[1]
-            yields = f", and {YIELDS}" if steel else "; whether the material yields there is not checked"
-            said.append(f"caution: the strain reaches {100 * strain:.2g} %{yields}: the model is elastic")
-    text = str(cautions.of_cases(sol))
+    text = str(cautions.of_cases(sol, units=units))
     others = cautions.said(", ".join(part for part in cautions.parts(text) if not part.startswith(cautions.PULLED)))
     return said + [f"caution: {others.removesuffix('.')}"] * bool(others)
 

@@ -252,7 +252,7 @@ def numbers(one: Shape) -> dict[str, Any]:
     sol = one.sol
     observed = {name: float(getattr(sol, name)) for name in ("FZ", "MZ", "M3")}
     observed |= observe(sol, observables_of(sol.case.rod))
-    caution = str(cautions.of_cases(sol))
+    caution = str(cautions.of_cases(sol, units=one.study.unit_system))
     return {
         "rows": [{"name": name, "value": np.asarray(value).item()} for name, value in observed.items()],
         "warnings": [f"The rod {cautions.phrase(part)}." for part in cautions.parts(caution)],

@@ -1,8 +1,9 @@
 // Observables of a shape, in its units, of what the core measures along the rod.
 
-import { OBSERVED } from "./formulas.mjs";
+import { FORCES, LENGTHS, LINEAR, OBSERVED } from "./formulas.mjs";
 import { every } from "./rod_shape.mjs";
 import { crossings } from "./self_contact.mjs";
+import { number } from "./text.mjs";
 
 const STEP = 2; // every second station is enough for polynomials of order five
 const ROUNDING = 1e-9; // rad: beta of a helix changes by no more
@@ -21,14 +22,31 @@ export function observables(shape) {
   return { FZ, MZ, M3, turns: bends(beta, noise), bend_number, ...others };
 }
 
-/* What a real rod could not do, as sentences; found: the observables; crossed: where it passes through itself. */
-export function warnings(shape, found, crossed = crossings(shape)) {
+/* What a real rod could not do, as sentences; found: the observables; units: of its numbers; crossed: where it passes
+   through itself. */
+export function warnings(shape, found, units, crossed = crossings(shape)) {
   const told = [],
     size = Math.max(Math.abs(found.push_min), Math.abs(found.push_max));
   if (found.kappa_max * shape.one.a > 1) told.push("The rod is bent tighter than its own radius.");
   if (crossed.length) told.push("The rod passes through itself.");
+  told.push(...strained(shape, found, units));
   if (found.push_min < -1e-6 * size) told.push("The rod would lift off where the cylinder has to pull.");
   return told;
+}
+
+/* A sentence on a strain beyond that up to which the material is surely linear. Of a rod whose loads vary the server has
+   it among its notes. */
+function strained({ one, kappa, tension }, { kappa_max, M3 }, { length, force }) {
+  if (!one.E || one.varies) return [];
+  const area = Math.PI * (one.a ** 2 - one.inner_radius ** 2),
+    pull = tension[0] + (one.A / 2) * (kappa[0] ** 2 - kappa_max ** 2),
+    fibre = one.a * kappa_max + Math.abs(pull) / (one.E * area),
+    strain = Math.max(fibre, (one.a * Math.abs(M3)) / one.C / 2),
+    megapascals = (one.E * FORCES[force]) / LENGTHS[length] ** 2 / 1e6,
+    [, most] = LINEAR.find(([least]) => megapascals >= least);
+  const [percent, linear] = [100 * strain, 100 * most].map((v) => (v < 9.95 ? number(v, 2) : number(Math.round(v), 5)));
+  const words = `and materials of its modulus may be linear to ${linear} % only`;
+  return strain > most ? [`The rod is strained by ${percent} %, ${words}.`] : [];
 }
 
 /* How often beta turns back by more than `least` between the ends of the rod. */

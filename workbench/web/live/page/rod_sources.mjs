@@ -79,7 +79,7 @@ export function solvedSource(data, core) {
     facts(shape, crossed) {
       const found = observables(shape),
         told = [`${found.turns} bends, largest push ${number(Math.max(found.push_max, 0))} ${data.push}.`];
-      return minus([...told, ...warnings(shape, found, crossed)].join(" "));
+      return minus([...told, ...warnings(shape, found, data.state.units, crossed)].join(" "));
     },
     reset: () => Object.assign(base, JSON.parse(begun)),
   };

@@ -42,7 +42,7 @@ export function makeShown(me, data, { stage, diagrams, controls, context, equili
       state.equilibrium = { dbeta0: shape.dbeta[0], energy: found.energy };
     const known = Object.entries(found).filter(([, value]) => Number.isFinite(value));
     equilibria.branches.mark(state, found);
-    showRows(known, [...warnings(shape, found, crossed), ...partNote()], data.quantities, state.units);
+    showRows(known, [...warnings(shape, found, state.units, crossed), ...partNote()], data.quantities, state.units);
     set(element("fine"), solvedText(me.head, shape));
   }
 
