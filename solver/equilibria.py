@@ -236,7 +236,7 @@ def varying_equilibria(case: Case, tol: float, stations: int) -> Equilibria:
 
     (rod,) = rods_of(case)
     if rod.rubbed:
-        raise InputError("equilibria of a rod with friction are not searched for; solve gives the one without jumps")
+        raise InputError("equilibria of a rod with friction are not searched for; solve gives one of them")
     if rod.held & {"height", "rotation"}:
         raise InputError(
             "with weight equilibria needs FZ and M3, got a held height or rotation; solve gives one of them"

@@ -127,7 +127,7 @@ def of_cases(sol: Shape, observed: Mapping[str, Any] | None = None, unit: str = 
     unknown = zip(UNCHECKED, (~(tight | free), ~np.isfinite(meets), ~(pulled | held)), strict=True)
     text = np.full(sol.case.shape, "", dtype=object)
     strains, linear = largest_strain(sol, known["kappa_max"]), np.broadcast_to(linear, sol.case.shape)
-    strained = _strained(strains, linear), strains > linear
+    strained = _strain_words(strains, linear), strains > linear
     sure = (TIGHT, tight), (MEETS, meets == 1), (TURNED, turns_back(sol, known["height"])), strained
     for words, where in (*sure, (_lift_off(sol, known, pulled, unit), pulled), *unknown):
         joint = np.where(text == "", "", ", ")
@@ -186,7 +186,7 @@ def _bend_and_tension(sol: Shape) -> tuple[Array, Array]:
     return curvature(1.0, beta, speed), surface_forces(around, problem.phi, beta)[1]
 
 
-def _strained(strains: Any, linear: Any) -> Any:
+def _strain_words(strains: Any, linear: Any) -> Any:
     """How far each rod is strained, (*cases) of str objects."""
     pairs = zip(np.ravel(strains).tolist(), np.ravel(linear).tolist(), strict=True)
     words = [f"{STRAINED} ({_round(100 * x)} %; linear to {_round(100 * most)} %)" for x, most in pairs]

@@ -9,8 +9,9 @@ import numpy as np
 
 from ..core.varying_loads import BY_ANGLE, HALF, MOST_STEPS, SIZE, TRUNCATION, March, march
 from ..folds.parameter_plane import reflect
+from ..mechanics.statics import circumferential_force, surface_forces
 from ..numerics.arrays import Array
-from ..problem.case import IN_PLACE, Case
+from ..problem.case import ALONG_AXIS, IN_PLACE, Case
 from ..problem.limits import unreachable
 from ..problem.reduced import EndsProblem, StartProblem, flat
 from ..problem.trajectory import Trajectory, verdicts
@@ -52,7 +53,7 @@ MOST_CHANGES = 20_000  # of an ends problem: as many as of 30 km of pipe
 TOO_FINE = "the shape of this rod may change {:.3g} times along it, and at most {:,} changes are computed"
 NEEDS_TORQUE = "a straight rod needs MZ = M3, or an azimuth in place of MZ"
 USE_ENDS = "; a long rod with {} is an ends problem: give Ends in place of Start"
-UNDELIVERED = "the push at s = {} does not arrive at s = {}, where a tension must pull the rod (FZ = {:.4g})"
+UNDELIVERED = "the push at s = {} does not arrive at s = {}, where a tension must pull the rod ({} = {:.4g})"
 
 
 @np.errstate(over="ignore", divide="ignore", invalid="ignore")  # what is out of range is said in the outcome
@@ -225,17 +226,25 @@ def with_undelivered(outcome: Any, solved: Any, case: Case, numbers: Array, begi
     """The outcomes (B,), with a remark on each push that friction takes before it reaches the other end.
 
     The rod slides away from the end that is pushed, and is in tension at the end ahead: something has to pull it there.
+    That force is along the way of the rod: F3 where it slides along itself, FZ where it moves as a whole.
     numbers: (B, 7). begin, end: states at both ends, (B, 8).
     """
     forward, sizes = numbers[:, 3] > 0, np.abs(np.stack([begin, end]))[:, :, [Q, PHI]].max(axis=(0, 2))
-    behind, ahead = (np.where(forward, *pair) for pair in ((begin[:, PHI], end[:, PHI]), (end[:, PHI], begin[:, PHI])))
-    slides = (numbers[:, 3] != 0) & (numbers[:, 4] != IN_PLACE)
+    whole, slides = numbers[:, 4] == ALONG_AXIS, (numbers[:, 3] != 0) & (numbers[:, 4] != IN_PLACE)
+    start, far = (np.where(whole, y[:, PHI], _tangential_force(y)) for y in (begin, end))
+    behind, ahead = np.where(forward, start, far), np.where(forward, far, start)
     pushed, pulled = behind < -FAINT * sizes, ahead > FAINT * sizes  # an axial force of a hoop is rounding
     words, size = np.array(outcome, dtype=object), unit_force(case)
     for i in np.flatnonzero(solved & slides & pushed & pulled).tolist():
         ends = ("0", "L") if forward[i] else ("L", "0")
-        words[i] = f"{words[i]}; {UNDELIVERED.format(*ends, ahead[i] * size[i])}"
+        words[i] = f"{words[i]}; {UNDELIVERED.format(*ends, 'FZ' if whole[i] else 'F3', ahead[i] * size[i])}"
     return words
+
+
+def _tangential_force(y: Array) -> Array:
+    """F3 in states (B, 8), in units of A/rho^2, (B,)."""
+    beta, mu = y[:, BETA], y[:, MU]
+    return surface_forces(circumferential_force(1.0, y[:, Q] + mu, mu, 1.0, beta), y[:, PHI], beta)[1]
 
 
 def words_of(path: Path) -> str:

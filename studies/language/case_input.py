@@ -37,7 +37,9 @@ class CaseInput:
     study
         The study of the file; None for a case of Table 1 or of fields alone.
     which
-        Which equilibrium is meant: that of the study, or the helix of a rod that is wound.
+        Which equilibrium is meant: that of the study, or the helix of a rod that is wound, without weight and friction.
+    wound
+        Whether its ends are those of a rod that is wound as a helix.
     place
         Field -> value, where on the axes of the study the case was taken.
     """
@@ -48,6 +50,7 @@ class CaseInput:
     assumed: dict[str, Any] = field(default_factory=dict)
     study: Study | None = None
     which: Which | None = None
+    wound: bool = False
     place: dict[str, float] = field(default_factory=dict)
 
 
@@ -97,8 +100,9 @@ def read_case(
     case, assumed = from_values(unwound(values))
     check_units(units)
     assumed |= {f"unit of {kind}": unit for kind, unit in TABLE_UNITS.items() if kind not in units}
-    which = helix_of(case) if set(WOUND) & set(values) else None
-    return CaseInput(case, {**TABLE_UNITS, **units}, "the options", assumed, which=which)
+    wound = bool(set(WOUND) & set(values))
+    which = helix_of(case) if wound and not case.varies else None  # with them `solve` begins with the taut rod
+    return CaseInput(case, {**TABLE_UNITS, **units}, "the options", assumed, which=which, wound=wound)
 
 
 def check_alone(file: Path, units: Mapping[str, str], table1: bool = False) -> None:

@@ -119,7 +119,8 @@ def test_a_push_arrives_at_the_other_end_of_a_straight_lying_pipe_where_it_excee
     behind = load if "backward" in sliding else load - 72.3
     lost = ahead > 0 > behind and sliding != "rotating"
     near, far = ("L", "0") if "backward" in sliding else ("0", "L")
-    words = f"the push at s = {near} does not arrive at s = {far}, where a tension must pull the rod (FZ = {ahead:.4g})"
+    force = f"{'FZ' if sliding.startswith('axial') else 'F3'} = {ahead:.4g}"  # along the way of the rod
+    words = f"the push at s = {near} does not arrive at s = {far}, where a tension must pull the rod ({force})"
     assert outcome == (f"solved; {words}" if lost else "solved")
 
 

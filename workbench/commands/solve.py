@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from solver import Solution
     from solver.equilibria import Equilibria
     from studies import Study
+    from studies.language.case_input import CaseInput
 
     from .fidelity import Fidelity as Level
 
@@ -89,7 +90,7 @@ def solve(
     data = _find(sol, base.units, chosen, whole) | {
         "source": base.source,
         "assumed": base.assumed,
-        "which": _which(sol, listed, base.study),
+        "which": _which(sol, listed, base),
         "selection": None if sol.selection is None else {**asdict(sol.selection), "rule": sol.selection.rule},
         "caution": cautions.said(cautions.of_cases(sol, units=base.units)),
         "left_out": cautions.left_out_of(base.case),
@@ -122,12 +123,16 @@ def solve(
     )
 
 
-def _which(sol: "Solution", listed: "Equilibria | None", study: "Study | None") -> str:
+def _which(sol: "Solution", listed: "Equilibria | None", base: "CaseInput") -> str:
     """Which equilibrium was taken. listed: all, where it was named by numbers: by a study, or as a wound helix."""
     from solver import observe
 
+    from ..words import pipe_state
     from ..words.outcomes import stability
 
+    study = base.study
+    if base.wound and sol.case.varies and sol.solved:
+        return pipe_state.wound(sol, base.units["force"])
     if listed is None or not sol.solved:
         return f"{sol.selection} (use workbench equilibria to list all)" if sol.selection is not None else ""
     if study is not None:

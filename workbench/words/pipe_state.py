@@ -27,6 +27,7 @@ EXPECTED = (  # in a long pipe, by the number of the loads above that are reache
     "disturbance or a larger load",
     "a helix, as a sinusoid would lift off",
 )
+PUSH = "push of the wall"  # the row of a profile
 MOST = 6  # stretches that are listed
 SLIGHT = 0.1  # of the largest bend: a smaller one is a ripple beside it
 WAYS = {
@@ -39,6 +40,7 @@ WAYS = {
 TENSION = "in tension all along: a compression, as by a weight on the bit, is a negative FZ"
 STIFFEST, DENSEST = 1.3e6, 23e3  # MPa, kg/m3: above diamond and osmium
 GRAVITY = 9.81  # m/s2
+STEADY = 1e-6  # deg: a lay that varies by less is one
 REACHES = {"m": 30.0, "ft": 100.0}  # lengths on which drillers state a dogleg
 MEGAPASCALS = {"N": 1e-6, "kN": 1e-3, "MN": 1.0}  # per m^2
 ROUNDING = 1e-12  # relative
@@ -82,7 +84,9 @@ def profile(sol: "Solution", units: dict[str, str]) -> list[Row]:
     fine = _at_dense_stations(sol)
     kappa = np.where(fine.kappa * sol.case.rho < ROUNDING, 0.0, fine.kappa)
     per_length, reach = f"{force}/{length}", REACHES.get(length, 1.0)
-    columns = [("axial force FZ", force, axial_force(fine)), ("push of the wall", per_length, fine.push)]
+    columns = [("axial force FZ", force, axial_force(fine)), (PUSH, per_length, fine.push)]
+    if wall.side == "outside":
+        columns.insert(1, ("tension F3", force, fine.F3))
     if wall.friction:
         columns.append(("friction", per_length, wall.friction * fine.push))
     if wall.turns_in_place:
@@ -166,7 +170,16 @@ def sentences(sol: "Solution", units: dict[str, str]) -> list[str]:
     if sol.case.cylinder.side == "inside" and min(axial_force(sol)) > 0:
         said.append(TENSION)
     said += [*_friction(sol, force), *_buckling(sol, force), *_long_pipe(sol, force)]
-    return [*said, lower_end(sol)]
+    return [*said, *[lower_end(sol)] * bool(sol.case.rod.weight)]
+
+
+def wound(sol: "Solution", force: str) -> str:
+    """Whether a rod that is wound under weight or friction is a helix, and its tension at both ends, in a sentence."""
+    range_ = math.degrees(float(np.ptp(sol.beta)))
+    at_ends = f"tension F3 {float(sol.F3[-1]):.4g} {force} at s = L, {float(sol.F3[0]):.4g} {force} at s = 0"
+    if range_ < STEADY:
+        return f"shown: the helix of this lay; {at_ends}"
+    return f"shown: a rod under the loads of this helix at s = L, whose lay varies by {range_:.3g} deg; {at_ends}"
 
 
 def way_of(begun: str) -> str:
@@ -228,7 +241,11 @@ def warnings(sol: "Solution", units: dict[str, str], rows: list[Row]) -> list[st
     """What to mind about the shape and the rows of a rod with weight or friction: what a real rod does otherwise."""
     if not rows:
         return _wrong_units(sol, units) if sol.case.varies else []
-    said = [*_wrong_units(sol, units), *_lift_offs(sol, units["length"]), *_clamps(sol, rows[1])]
+    said = [
+        *_wrong_units(sol, units),
+        *_lift_offs(sol, units["length"]),
+        *_clamps(sol, next(row for row in rows if row.name == PUSH)),
+    ]
     text = str(cautions.of_cases(sol, units=units))
     others = cautions.said(", ".join(part for part in cautions.parts(text) if not part.startswith(cautions.PULLED)))
     return said + [f"caution: {others.removesuffix('.')}"] * bool(others)
