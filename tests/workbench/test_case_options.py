@@ -104,4 +104,4 @@ def test_of_a_pipe_with_a_section_the_stress_is_stated_and_whether_steel_yields(
         )
         assert axial[0] == pytest.approx(load / (pi * (0.0635**2 - 0.0543**2)) * 1e-6, rel=1e-3)
         assert both[2] == pytest.approx(bending[2] - axial[2], rel=0.01)  # here the largest are at one place
-        assert ("caution: the strain reaches 0.39 %" in shown) is yields
+        assert ("caution: The rod is strained by 0.39 %" in shown) is yields

@@ -132,7 +132,7 @@ def _which(sol: "Solution", listed: "Equilibria | None", base: "CaseInput") -> s
 
     study = base.study
     if base.wound and sol.case.varies and sol.solved:
-        return pipe_state.wound(sol, base.units["force"])
+        return pipe_state.lay_sentence(sol, base.units["force"])
     if listed is None or not sol.solved:
         return f"{sol.selection} (use workbench equilibria to list all)" if sol.selection is not None else ""
     if study is not None:

@@ -173,7 +173,7 @@ def sentences(sol: "Solution", units: dict[str, str]) -> list[str]:
     return [*said, *[lower_end(sol)] * bool(sol.case.rod.weight)]
 
 
-def wound(sol: "Solution", force: str) -> str:
+def lay_sentence(sol: "Solution", force: str) -> str:
     """Whether a rod that is wound under weight or friction is a helix, and its tension at both ends, in a sentence."""
     range_ = math.degrees(float(np.ptp(sol.beta)))
     at_ends = f"tension F3 {float(sol.F3[-1]):.4g} {force} at s = L, {float(sol.F3[0]):.4g} {force} at s = 0"
@@ -241,11 +241,8 @@ def warnings(sol: "Solution", units: dict[str, str], rows: list[Row]) -> list[st
     """What to mind about the shape and the rows of a rod with weight or friction: what a real rod does otherwise."""
     if not rows:
         return _wrong_units(sol, units) if sol.case.varies else []
-    said = [
-        *_wrong_units(sol, units),
-        *_lift_offs(sol, units["length"]),
-        *_clamps(sol, next(row for row in rows if row.name == PUSH)),
-    ]
+    push = next(row for row in rows if row.name == PUSH)
+    said = [*_wrong_units(sol, units), *_lift_offs(sol, units["length"]), *_clamps(sol, push)]
     text = str(cautions.of_cases(sol, units=units))
     others = cautions.said(", ".join(part for part in cautions.parts(text) if not part.startswith(cautions.PULLED)))
     return said + [f"caution: {others.removesuffix('.')}"] * bool(others)
