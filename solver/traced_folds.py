@@ -38,7 +38,6 @@ from .shooting.varying_shapes import Shape
 from .solve import between_ends
 
 MOST = 1000  # points of a branch of orbits in each sense
-NARROW = 0.01  # of a step: how closely a branch point is enclosed, before its curve is solved for
 
 
 def trace_fold(branch: Branch, number: int = 0, **ranges: Any) -> FoldCurve:
@@ -160,7 +159,7 @@ class ShapesOnPlane:
 
     def branch(self, z: Array, axis: int, place: Place, wanted: Array) -> tuple[list[Place], int, Stop, Stop] | str:
         bounds = Bounds(0.0, 1.0, tuple(wanted.tolist()), MOST_POINTS)
-        return shapes_through(self.line(z, axis), place.path, float(z[axis]), bounds, NARROW)
+        return shapes_through(self.line(z, axis), place.path, float(z[axis]), bounds)
 
     def splits(self, z: Array, axis: int, place: Place) -> list[Place]:
         shape: Shape = place.path

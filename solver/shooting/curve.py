@@ -14,7 +14,7 @@ from ..branches.branch_events import Bounds, Place, Stop, arrive, both_ways, eve
 from ..numerics.arclength import BRANCH_POINT, CLOSED, COSINE, FOLD, OFF, PITCHFORK, Lengths, Stride, trace
 from ..numerics.arrays import Array
 from ..numerics.roots import DIVERGED, enclose, locate, newton
-from .descent import LOOSE, SOFT, index_of_any, is_near
+from .descent import LOOSE, SOFT, hold, index_of_any, is_near, weakest_modes
 from .loaded_rod import ALPHA, BETA, LoadedRod
 from .newton import (
     ENDING,
@@ -37,8 +37,8 @@ LOST = "Newton's method did not converge on the way"
 LENGTHS = Lengths(first=0.02, longest=0.1, least=1e-5)  # of steps, in the sizes of the angles and of x
 MOST_POINTS = 150  # in each sense, of a branch that a search follows
 SHORT = 1e-3  # step, within which several branch points are one
-FLAT = 1e-6  # of dx along the curve at a fold: its square is lost of x
-NARROW = 1e-4  # of a step: how closely a branch point is enclosed, at which the equations are singular
+FLAT = 1e-7  # of dx along the curve at a fold: its square is lost of x
+NARROW = 0.01  # of a step: how closely a branch point is enclosed, before it is solved for
 
 
 @dataclass(frozen=True, eq=False)
@@ -179,11 +179,9 @@ class Curve:
         return None if point is None else point.record()
 
 
-def special_between(
-    curve: Curve, before: Point, after: Point, step: float, narrow: float
-) -> list[tuple[Point, str]] | None:
+def special_between(curve: Curve, before: Point, after: Point, step: float) -> list[tuple[Point, str]] | None:
     """The special point within a step after which the index or the sense of x differs, and its kind; None where it is
-    not enclosed. narrow: of the step, how closely a branch point is enclosed.
+    not enclosed.
 
     A change of branch has no place at which the points on both sides meet, so it is not enclosed.
     """
@@ -194,9 +192,30 @@ def special_between(
         return None if turn is None else [(turn, FOLD if is_fold else PITCHFORK)]
     if before.index == after.index:
         return []
-    (near, low), (far, high) = enclose(way, ends, lambda point: point.index != before.index, narrow * step)
+    (near, low), (far, high) = enclose(way, ends, lambda point: point.index != before.index, NARROW * step)
     change = curve.in_sizes(high.shape.y - low.shape.y, high.p - low.p)
-    return None if inner(change, change) > (2 * (far - near) + SAME) ** 2 else [(high, BRANCH_POINT)]
+    if inner(change, change) > (2 * (far - near) + SAME) ** 2:
+        return None
+    return [(branch_point_between(curve, low, high) or high, BRANCH_POINT)]
+
+
+def branch_point_between(curve: Curve, low: Point, high: Point) -> Point | None:
+    """The point between two close ones at which the rod gives way along a mode that the symmetry of the branch keeps it
+    from; None where no symmetry does."""
+    mode, apart = weakest_modes(low.shape)[0], high.shape.y - low.shape.y
+
+    def at(share: float) -> tuple[float, Shape, float] | None:
+        x = low.p + share * (high.p - low.p)
+        held = hold(curve.shape(low.shape, low.shape.y + share * apart, x), mode)
+        return None if held is None else (x, *held)
+
+    first, last = at(0.0), at(1.0)
+    if first is None or last is None:
+        return None
+    found = locate(at, {0.0: first, 1.0: last}, lambda held: held[2])
+    if found is None or abs(found[2]) > FLAT * abs(last[2] - first[2]):  # where it is infinite, its sign changes too
+        return None
+    return Point(found[1], found[0], low.tangent)
 
 
 def trace_shapes(
@@ -204,13 +223,12 @@ def trace_shapes(
     first: Point,
     rises: bool,
     bounds: Bounds,
-    narrow: float = NARROW,
     lengths: Lengths = LENGTHS,
     to_fold: bool = False,
 ) -> tuple[list[Place], Stop]:
     """The equilibria after the first one where x rises, or falls, from it, and why there are no more.
 
-    narrow: how closely a branch point is enclosed, of a step. lengths: of the steps of a curve that is not natural.
+    lengths: of the steps of a curve that is not natural.
     to_fold: whether the branch ends at a fold.
     """
     sense = (1.0 if rises else -1.0) * np.sign(first.rises or 1.0)
@@ -225,7 +243,7 @@ def trace_shapes(
         after = curve.ahead(before, step)
         if after is None or (abs(after.index - before.index) > 1 and step > SHORT):  # several branch points
             return LOST
-        special = [] if curve.natural else special_between(curve, before, after, step, narrow)
+        special = [] if curve.natural else special_between(curve, before, after, step)
         if special is None:
             return LOST
         places = events_between(before, after, special, bounds, curve.between)
@@ -239,13 +257,11 @@ def trace_shapes(
     return places, Stop(why or bounds.limit, places[-1].p if places else first.p)
 
 
-def shapes_through(
-    curve: Curve, shape: Shape, x: float, bounds: Bounds, narrow: float = NARROW
-) -> tuple[list[Place], int, Stop, Stop] | str:
+def shapes_through(curve: Curve, shape: Shape, x: float, bounds: Bounds) -> tuple[list[Place], int, Stop, Stop] | str:
     """The equilibria of the branch of a shape at x, the place of its own, and why there are no more at either end; or
     why it cannot be followed."""
     first = curve.begin(shape, x)
     if first is None:
         return UNSOLVED
     middle = replace(first.record(), p=x)
-    return both_ways(middle, bounds, lambda rises: trace_shapes(curve, first, rises, bounds, narrow))
+    return both_ways(middle, bounds, lambda rises: trace_shapes(curve, first, rises, bounds))

@@ -30,9 +30,9 @@ from ..folds.whole_curve import WholeCurve, whole_curve
 from ..numerics.arclength import PITCHFORK, Lengths, Node, node_at
 from ..numerics.arrays import Array
 from .curve import SPLIT, Curve, Point, unit
-from .descent import index_at, response, weakest_modes
-from .loaded_rod import ALPHA, BETA, SPEED, LoadedRod
-from .newton import correct, linear_at, marks_of
+from .descent import hold, index_at, weakest_modes
+from .loaded_rod import ALPHA, SPEED, LoadedRod
+from .newton import marks_of
 from .varying_shapes import Shape
 
 RodAt = Callable[[Array], LoadedRod]
@@ -134,25 +134,23 @@ class PitchforkPoint(ShapePoint):
         """As of `SpecialPoint`."""
         return self.index
 
-    def shape_at(self, z: Array) -> Shape | None:
-        """The equilibrium that the symmetry keeps, at z."""
-        return correct(self.line(z, np.zeros(2)).shape(self.shape, self.shape.y, 0.0))
+    def held_at(self, z: Array) -> tuple[Shape, float] | None:
+        """The equilibrium that the symmetry keeps, at z, and its stiffness against a push along the mode."""
+        return hold(self.line(z, np.zeros(2)).shape(self.shape, self.shape.y, 0.0), self.mode)
 
     def value(self, w: Array) -> Array | None:
         """The stiffness against a push along the mode at z = w, (1,)."""
-        shape = self.shape_at(w)
-        if shape is None:
-            return None
-        push = (self.mode / shape.rod.scale)[:, [BETA, ALPHA], None]
-        change = response(linear_at(shape), push)
-        return np.zeros(1) if change is None else 1 / np.array([(push * change[:, [BETA, ALPHA]]).sum()])
+        held = self.held_at(w)
+        return None if held is None else np.array([held[1]])
 
     def after(self, node: Node) -> "Ahead[PitchforkPoint] | None":
         """As of `SpecialPoint`, with its index and its mode."""
         across = node.jacobian[0] / np.linalg.norm(node.jacobian[0])
-        low, high = (self.shape_at(node.w + sign * NEAR_IT * across) for sign in (-1, 1))
-        if low is None or high is None:
+        sides = [self.held_at(node.w + sign * NEAR_IT * across) for sign in (-1, 1)]
+        shapes = [side[0] for side in sides if side is not None]
+        if len(shapes) < 2:
             return None
+        low, high = shapes
         curve = self.line(node.w, across)
         shape = curve.shape(high, (low.y + high.y) / 2, 0.0)
         mode = max(weakest_modes(high, NEAR), key=lambda one: abs(likeness(one, self.mode)))

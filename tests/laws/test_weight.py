@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from scipy.interpolate import make_interp_spline
 from scipy.optimize import minimize
 
@@ -39,6 +40,7 @@ from solver.shooting.search import buckling_shapes, further_shapes
 from solver.shooting.shape_folds import pitchforks_through
 from solver.shooting.state import in_words
 from solver.traced_folds import rods_over
+from tests.equation import force
 
 ROD: dict[str, Any] = {"E": 1.07e4, "nu": 0.25, "a": 0.25, "L": 8.0, "weight": 3.0}
 PIPE: dict[str, Any] = {"EI": 1.228e6, "GJ": 9.45e5, "a": 0.0635, "weight": 242.0}  # 5 inch, in N and m
@@ -413,7 +415,39 @@ def test_the_straight_pipe_meets_a_branch_at_each_buckling_load() -> None:
     met = [(one.kind, one.before, one.after) for one in branch.special]
     below = loads[loads < 1.5 * BUCKLES]
     assert met == [("branch point", i, i + 1) for i in range(below.size)]
-    assert [-one.value for one in branch.special] == pytest.approx(below, rel=1e-5)
+    assert [-one.value for one in branch.special] == pytest.approx(below, rel=1e-12)
+
+
+def far_ends(case: Case, dbeta0: float, MZ0: float, FZ: float) -> np.ndarray:
+    """beta(L) and the azimuth there of a lying rod without twist that starts so, by DOP853."""
+    A, rho = float(case.rod.bending_stiffness), float(case.rho)
+    across = float(case.rod.weight) * rho**3 / A
+
+    def rates(_: float, y: Any) -> list[float]:
+        beta, rate, alpha, lam = y
+        return [rate, -force(beta, lam, 0.0, FZ * rho**2 / A), np.sin(beta), across * np.sin(alpha)]
+
+    start = [case.given.beta0, dbeta0 * rho, case.given.alpha, MZ0 * rho / A]
+    return solve_ivp(rates, (0, case.rod.L / rho), start, "DOP853", rtol=1e-13, atol=1e-13).y[[0, 2], -1]
+
+
+def test_at_a_branch_point_of_a_bent_rod_its_start_answers_its_end_no_more() -> None:
+    rod, hole = Rod(EI=1.0, GJ=0.8, a=0.1, L=6.0, weight=0.3), Cylinder(R=0.9, side="inside", inclination="90deg")
+    case = Case(rod, hole, Ends(beta0=0.6, betaL=-0.6, azimuth=0.0, FZ=-0.3))
+    ways = [follow(solve(case), FZ=[low, 1.0]) for low in (-8.0, -7.3)]
+    values = [[one.value for one in way.special] for way in ways]
+    assert [one.kind for one in ways[0].special] == ["fold", "branch point", "fold"]
+    assert values[0] == pytest.approx(values[1], rel=1e-11)  # by other steps
+    met = ways[0].special[1]
+    sol = ways[0].points[met.position].solution
+    start, h = np.array([sol.dbeta[0], (sol._loads[0] * sol._loads[1]).flat[0]]), 1e-5
+    columns = [
+        (far_ends(case, *(start + h * unit), met.value) - far_ends(case, *(start - h * unit), met.value)) / (2 * h)
+        for unit in np.eye(2)
+    ]
+    assert far_ends(case, *start, met.value) == pytest.approx([-0.6, 0.0], abs=1e-9)
+    singular = np.linalg.svd(np.array(columns), compute_uv=False)
+    assert singular[1] < 1e-7 * singular[0]  # of differences
 
 
 def test_a_buckled_pipe_is_followed_back_to_its_pitchfork_and_through_its_folds() -> None:
