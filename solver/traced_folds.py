@@ -30,11 +30,12 @@ from .problem.case_fields import value_of
 from .problem.errors import InputError, choices
 from .shooting.constant_loads import shape_of_solution
 from .shooting.curve import MOST_POINTS, SPLIT, Curve, shapes_through
-from .shooting.descent import index_at, on_nodes, weakest_modes
+from .shooting.descent import index_at, on_nodes
 from .shooting.loaded_rod import VARYING, densest_nodes, rod_over
 from .shooting.newton import marks_of
 from .shooting.shape_folds import RodAt, fold_through, pitchforks_through
 from .shooting.varying_shapes import Shape
+from .shooting.weak_modes import weakest_modes
 from .solve import between_ends
 
 MOST = 1000  # points of a branch of orbits in each sense

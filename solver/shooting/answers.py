@@ -37,11 +37,13 @@ from .loaded_rod import (
 from .newton import correct, linear_at
 from .state import LEAVES, RUBS
 from .varying_shapes import Marched, Shape, VaryingShapes, read_starts
+from .weak_modes import largest_move
 
 SHORTER = 0.7  # steps of the second march, whose difference from the first estimates the error of an ends problem
 SHARE, COARSEST = 0.01, 1e-12  # of start problems: what all steps leave out of beta, as a share of the tolerance; the
 # most that one does, of the scales
 SAFETY, ROUNDING = 3.0, 2e-16
+LINEAR = 1e-8  # rad: an error above this may be less than the equations say, which are linear
 FAINT = 1e-12  # of the forces at both ends: less is rounding
 LOST = 1e8  # condition number: beyond, a start problem has lost half its digits
 TOO_LONG = f"failed: the march did not end within {MOST_STEPS} steps"
@@ -267,7 +269,8 @@ def words_of(path: Path) -> str:
 def estimate(shape: Shape) -> tuple[float, float]:
     """The error of a shape and its condition number, in radians.
 
-    The error is what shorter steps of the series leave open, carried through the equations.
+    The error is what shorter steps of the series leave open, carried through the equations; where these are nearly
+    singular, as at a fold, with the curvature that ends its growth.
     """
     scale, span = shape.rod.scale, max(1.0, shape.rod.span)
     linear = linear_at(shape, shorter=SHORTER)
@@ -275,11 +278,11 @@ def estimate(shape: Shape) -> tuple[float, float]:
     right = np.zeros((size, 3))
     right[:, 0] = linear.open
     right[0, 1] = right[size - HALF, 2] = 1
-    change = linear.solve(right)
+    change = linear.solve(right, soft=True)
     if change is None:
         return np.inf, np.inf
     moved = np.abs(change.reshape(-1, SIZE, 3)) * scale[:, None]
     off = moved[:, :, 0].max(axis=0)
     condition = max(1.0, float(moved[:, BETA, 1:].max() / scale[BETA]))
-    error = SAFETY * max(off[BETA], off[ALPHA] / span, off[SHORT] / span) + ROUNDING * condition
-    return float(error), condition
+    error = float(SAFETY * max(off[BETA], off[ALPHA] / span, off[SHORT] / span) + ROUNDING * condition)
+    return largest_move(shape, error) if LINEAR < error < np.inf else error, condition

@@ -8,9 +8,10 @@ import numpy as np
 from ..numerics.arrays import Array
 from ..numerics.roots import halve
 from .curve import SPLIT, Curve
-from .descent import descend, index_at, weakest_modes
+from .descent import descend, index_at
 from .loaded_rod import LoadedRod
 from .varying_shapes import Shape
+from .weak_modes import weakest_modes
 
 CLOSE, ALIKE = 1e-6, 1e-12  # relative: of the load at which the straight rod buckles; of two that are one
 LIGHTEST = 1e-9  # of the loads: a rod that buckles under less, as between hinges on a cylinder, buckles under any load

@@ -14,7 +14,7 @@ from ..branches.branch_events import Bounds, Place, Stop, arrive, both_ways, eve
 from ..numerics.arclength import BRANCH_POINT, CLOSED, COSINE, FOLD, OFF, PITCHFORK, Lengths, Stride, trace
 from ..numerics.arrays import Array
 from ..numerics.roots import DIVERGED, enclose, locate, newton
-from .descent import LOOSE, SOFT, hold, index_of_any, is_near, weakest_modes
+from .descent import LOOSE, index_of_any, is_near
 from .loaded_rod import ALPHA, BETA, LoadedRod
 from .newton import (
     ENDING,
@@ -29,6 +29,7 @@ from .newton import (
     with_known_loads,
 )
 from .varying_shapes import Shape
+from .weak_modes import Held, hold, weakest_modes
 
 DIFFERENCE = 1e-5  # of x over its size: for derivatives by x
 SPLIT = 0.05  # of the angles, in their scales: how far from a branch those that split off it are entered
@@ -38,6 +39,7 @@ LENGTHS = Lengths(first=0.02, longest=0.1, least=1e-5)  # of steps, in the sizes
 MOST_POINTS = 150  # in each sense, of a branch that a search follows
 SHORT = 1e-3  # step, within which several branch points are one
 FLAT = 1e-7  # of dx along the curve at a fold: its square is lost of x
+BALANCED = 1e-9  # of the scales: the force that holds a shape which its symmetry holds
 NARROW = 0.01  # of a step: how closely a branch point is enclosed, before it is solved for
 
 
@@ -119,9 +121,7 @@ class Curve:
             shape = now.shape
             linear = linear_at(shape)
             right = np.stack([linear.open, self.rate(shape, now.p)], axis=1)
-            columns = linear.solve(right)
-            if columns is None:  # at a fold, where a pivot may vanish
-                columns = replace(linear, stiffness=np.full((shape.t.size, 2), SOFT)).solve(right)
+            columns = linear.solve(right, soft=True)
             if columns is None:
                 return DIVERGED
             whole, by_x = np.append(columns[:, 0], 0.0), np.append(-columns[:, 1], 1.0)
@@ -204,18 +204,20 @@ def branch_point_between(curve: Curve, low: Point, high: Point) -> Point | None:
     from; None where no symmetry does."""
     mode, apart = weakest_modes(low.shape)[0], high.shape.y - low.shape.y
 
-    def at(share: float) -> tuple[float, Shape, float] | None:
+    def at(share: float) -> tuple[float, Held] | None:
         x = low.p + share * (high.p - low.p)
         held = hold(curve.shape(low.shape, low.shape.y + share * apart, x), mode)
-        return None if held is None else (x, *held)
+        return None if held is None else (x, held)
 
     first, last = at(0.0), at(1.0)
     if first is None or last is None:
         return None
-    found = locate(at, {0.0: first, 1.0: last}, lambda held: held[2])
-    if found is None or abs(found[2]) > FLAT * abs(last[2] - first[2]):  # where it is infinite, its sign changes too
+    crossing = locate(at, {0.0: first, 1.0: last}, lambda place: place[1].stiffness)
+    if crossing is None:
         return None
-    return Point(found[1], found[0], low.tangent)
+    x, held = crossing
+    flat = FLAT * abs(last[1].stiffness - first[1].stiffness)  # its sign changes where it is infinite, too
+    return Point(held.shape, x, low.tangent) if abs(held.stiffness) < flat and abs(held.force) < BALANCED else None
 
 
 def trace_shapes(

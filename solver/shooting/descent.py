@@ -5,21 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..core.varying_loads import HALF, SIZE, count_negatives
+from ..core.varying_loads import HALF, count_negatives
 from ..numerics.arrays import Array
-from ..numerics.roots import DIVERGED, newton, solve
 from .loaded_rod import ALPHA, BETA, MU, PHI, ROUND, SHORT, SPEED, LoadedRod, Q
-from .newton import (
-    ENDING,
-    Linear,
-    correct,
-    largest_turn,
-    linear_at,
-    march_of,
-    share_within,
-    size_of,
-)
+from .newton import correct, largest_turn, march_of
 from .varying_shapes import Shape
+from .weak_modes import weakest_modes
 
 
 def index_of(rod: LoadedRod, transfer: Array, scale: Array, stiffness: Array | None = None) -> int:
@@ -42,13 +33,11 @@ def index_of(rod: LoadedRod, transfer: Array, scale: Array, stiffness: Array | N
     return count_negatives(transfer, unit, springs, free, held) - HALF * (N - 1) - int(held.sum())
 
 
-SOFT = 1e-14  # springs that hardly change the equations, in the scales
 LOOSE, FLUID = 1e-4, 1e-2  # of the scales: a correction that is enough on the way, and in a fall
 WEAKEST, FIRST, FIRMEST, FACTOR = 1e-7, 1e-2, 1e6, 3.0  # springs: weakest, at first, strongest, change
 KICK, FAR, REST = 0.1, 0.5, 1e-3  # of the angles, in their scales: a push, the longest move, what counts as none
 EASY, QUICK = 5.0, 4  # how much weaker the springs are when a shape without them is tried; steps of an easy correction
 ROUNDS = 150  # steps of a fall
-BALANCED = 1e-9  # of the scales: what is left open where symmetry alone holds a shape
 
 
 def index_at(shape: Shape) -> int:
@@ -152,100 +141,3 @@ def descend(shape: Shape, change: Array | None = None) -> Shape | None:
         if moved < REST and index > 0:
             y = y + KICK * weakest_modes(ahead)[0]
     return None
-
-
-def forces_of(push: Array) -> Array:
-    """Forces (N, 2, count) on beta and alpha at the nodes, as right sides (8 N, count) of the equations."""
-    count = push.shape[-1]
-    right = np.zeros((len(push) - 1, SIZE, count))
-    right[:, [SPEED, Q]] = push[1:]
-    ends = np.zeros((HALF, count))
-    return np.concatenate([ends, right.reshape(-1, count), ends])
-
-
-def response(linear: Linear, push: Array) -> Array | None:
-    """The changes (N, 8, count), in the scales, that forces (N, 2, count) on beta and alpha at the nodes make."""
-    change = linear.solve(forces_of(push))
-    return None if change is None else change.reshape(len(push), SIZE, push.shape[-1])
-
-
-def held_change(linear: Linear, push: Array, right: Array, along: Array) -> tuple[Array, Array] | None:
-    """The changes (N, 8, m), in the scales, that right sides (8 N, m) make of a shape that is held along a mode, and
-    the forces (m,) along it that hold it; None where there are none.
-
-    push: the mode's angles (N, 2), also its unit force. along: (m,), by how much each change moves along it. These
-    equations are regular where the rod gives way along the mode: a spring at its largest angle is put in and taken out.
-    """
-    node, k = divmod(int(np.abs(push[1:-1]).argmax()), 2)
-    scale, pin = linear.rod.scale, np.zeros_like(push)
-    pin[node + 1, k] = 1.0
-    sprung = replace(linear, stiffness=pin * scale[[SPEED, Q]] / scale[[BETA, ALPHA]])
-    columns = sprung.solve(np.concatenate([right, forces_of(np.stack([pin, push], axis=-1))], axis=1))
-    if columns is None:
-        return None
-    changes = columns.reshape(len(push), SIZE, -1)
-    read = np.einsum("rnk,nkm->rm", np.stack([pin, push]), changes[:, [BETA, ALPHA]])  # at the pin, along the mode
-    wanted = np.stack([np.zeros_like(along), along])
-    forces = solve((read[:, -2:] + [[1.0, 0.0], [0.0, 0.0]])[None], (read[:, :-2] - wanted)[None])[0]
-    return (changes[..., :-2] - changes[..., -2:] @ forces, forces[1]) if np.isfinite(forces).all() else None
-
-
-def hold(shape: Shape, mode: Array) -> tuple[Shape, float] | None:
-    """The equilibrium near a shape that its symmetry keeps, which does not move along a mode (N, 8) that breaks it, and
-    the stiffness of the rod there against a push along the mode; None where there is none.
-
-    Both are smooth where the rod gives way along the mode, which is where the stiffness is 0.
-    """
-    scale = shape.rod.scale
-    push = (mode / scale)[:, [BETA, ALPHA]]
-
-    def step(now: Shape) -> tuple[Shape, float] | str:
-        moved = float((push * ((now.y - shape.y) / scale)[:, [BETA, ALPHA]]).sum())
-        linear = linear_at(now)
-        solved = held_change(linear, push, linear.open[:, None], np.array([moved]))
-        if solved is None:
-            return DIVERGED
-        change = solved[0][..., 0]
-        y = now.y - change * scale * share_within(change)
-        return replace(now, y=y, steps=now.steps + 1), size_of(change)
-
-    held = newton(shape, step, ENDING)
-    if isinstance(held, str):
-        return None
-    linear = linear_at(held)
-    solved = held_change(linear, push, np.zeros((linear.open.size, 1)), np.ones(1))
-    return None if solved is None or np.abs(linear.open).max() > BALANCED else (held, -float(solved[1][0]))
-
-
-def weakest_modes(shape: Shape, count: int = 1, rounds: int = 4) -> Array:
-    """The changes of the shape (count, N, 8) that the least forces make, the weakest first; the largest angle is 1.
-
-    Fewer than asked for where they are not distinct. In a long rod the two weakest differ in their phase alone, and
-    hardly in their stiffness: hence Ritz vectors.
-    """
-    N, scale = shape.t.size, shape.rod.scale
-    u = 2.399963 * np.arange(N)
-    pushes = [np.stack([np.cos(u + k), 1 + 0.5 * np.sin(u + k)], axis=1) for k in range(count)]  # contain every mode
-    push = np.stack(pushes, axis=-1)
-    linear, angles = linear_at(shape), [BETA, ALPHA]
-    mode = np.zeros((N, scale.size, count))
-    work = (scale[angles] * scale[[SPEED, Q]])[:, None]  # of a unit force along a unit change
-    for _ in range(rounds):
-        step = response(linear, push)
-        if step is None:  # at a buckling load, to the last digit
-            linear = replace(linear, stiffness=np.full((N, 2), SOFT))
-            step = response(linear, push)
-        assert step is not None
-        mode = step
-        moved = mode[:, angles]
-        stiffness = np.einsum("nik,nil->kl", moved[1:] * work, push[1:])
-        sizes = np.einsum("nik,nil->kl", moved, moved)
-        if np.linalg.matrix_rank(sizes, hermitian=True) < count:  # exactly at a buckling load all tend to one mode
-            return weakest_modes(shape, count - 1, rounds)
-        rates, mix = np.linalg.eig(np.linalg.solve(sizes, stiffness + stiffness.T))
-        mode = mode @ mix[:, np.argsort(-rates)].real  # the force that makes an unstable change is along it here
-        mode /= np.abs(mode[:, angles]).max(axis=(0, 1))
-        push = mode[:, angles]
-    first = np.argmax(np.abs(mode[:, BETA]) > 0.3 * np.abs(mode[:, BETA]).max(axis=0), axis=0)
-    sign = np.sign(np.take_along_axis(mode[:, BETA], first[None], axis=0))
-    return np.asarray(np.moveaxis(mode * sign * scale[:, None], -1, 0))

@@ -17,6 +17,7 @@ ON_EDGE = 1e-9  # of a turn: an angle as near to -pi, as of a rod that points ba
 REACH = 0.5  # the longest step of the angles, in their scales
 WILD = 1e6  # of the scales: no equilibrium is sought from larger numbers
 ROUNDING = 1e-12  # of the scales: a correction below this is rounding
+SOFT = 1e-14  # springs that hardly change the equations, in the scales
 ENDING = Ending(rounds=40, goal=ROUNDING, small=1e-7, stall=0.25)
 
 
@@ -33,13 +34,19 @@ class Linear:
     transfer: Array
     stiffness: Array | None = None
 
-    def solve(self, right: Array) -> Array | None:
-        """The changes of the states, in their scales, for right sides (8 N, m); None where there are no finite ones."""
+    def solve(self, right: Array, soft: bool = False) -> Array | None:
+        """The changes of the states, in their scales, for right sides (8 N, m); None where there are no finite ones.
+
+        soft: whether springs that hardly change the equations are put in where a pivot vanishes, as at a fold.
+        """
         if not np.isfinite(right).all():
             return None
         start, _, end, _ = self.rod.conditions()
-        columns = solve_chain(self.transfer, self.rod.scale, start, end, self.stiffness, right)
-        return None if columns is None or not np.isfinite(columns).all() else columns
+        for stiffness in (self.stiffness, *([np.full((len(self.transfer) + 1, 2), SOFT)] * soft)):
+            columns = solve_chain(self.transfer, self.rod.scale, start, end, stiffness, right)
+            if columns is not None and np.isfinite(columns).all():
+                return columns
+        return None
 
     def newton_change(self) -> Array | None:
         """The change (N, 8), in the scales, that leaves nothing open; None where there is none."""

@@ -14,7 +14,7 @@ from ..numerics.roots import lead_away
 from .branch import branch_from_straight
 from .buckling import buckling_shares, straight_shape
 from .curve import MOST_POINTS, SPLIT, Curve, trace_shapes
-from .descent import index_at, on_nodes, weakest_modes
+from .descent import index_at, on_nodes
 from .loaded_rod import ALPHA, BETA, MU, PHI, SHORT, SPEED, LoadedRod, Q
 from .newton import (
     DEEP,
@@ -28,6 +28,7 @@ from .newton import (
     within_a_turn,
 )
 from .varying_shapes import Shape
+from .weak_modes import weakest_modes
 
 LONGEST = 10.0  # radii: a longer rod is not scanned, as its far end depends too much on its start
 CELLS = 120, 80  # of the scan, over beta_t(0) or beta(0) and over q(0)

@@ -30,10 +30,11 @@ from ..folds.whole_curve import WholeCurve, whole_curve
 from ..numerics.arclength import PITCHFORK, Lengths, Node, node_at
 from ..numerics.arrays import Array
 from .curve import SPLIT, Curve, Point, unit
-from .descent import hold, index_at, weakest_modes
+from .descent import index_at
 from .loaded_rod import ALPHA, SPEED, LoadedRod
 from .newton import marks_of
 from .varying_shapes import Shape
+from .weak_modes import Held, hold, weakest_modes
 
 RodAt = Callable[[Array], LoadedRod]
 STEPS = Lengths(first=0.02, longest=0.1, least=1e-4)  # in the sizes of the equilibrium and of z
@@ -134,20 +135,20 @@ class PitchforkPoint(ShapePoint):
         """As of `SpecialPoint`."""
         return self.index
 
-    def held_at(self, z: Array) -> tuple[Shape, float] | None:
-        """The equilibrium that the symmetry keeps, at z, and its stiffness against a push along the mode."""
+    def held_at(self, z: Array) -> Held | None:
+        """The equilibrium that the symmetry keeps, at z, as it is held along the mode."""
         return hold(self.line(z, np.zeros(2)).shape(self.shape, self.shape.y, 0.0), self.mode)
 
     def value(self, w: Array) -> Array | None:
         """The stiffness against a push along the mode at z = w, (1,)."""
         held = self.held_at(w)
-        return None if held is None else np.array([held[1]])
+        return None if held is None else np.array([held.stiffness])
 
     def after(self, node: Node) -> "Ahead[PitchforkPoint] | None":
         """As of `SpecialPoint`, with its index and its mode."""
         across = node.jacobian[0] / np.linalg.norm(node.jacobian[0])
         sides = [self.held_at(node.w + sign * NEAR_IT * across) for sign in (-1, 1)]
-        shapes = [side[0] for side in sides if side is not None]
+        shapes = [side.shape for side in sides if side is not None]
         if len(shapes) < 2:
             return None
         low, high = shapes

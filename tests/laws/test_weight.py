@@ -418,6 +418,12 @@ def test_the_straight_pipe_meets_a_branch_at_each_buckling_load() -> None:
     assert [-one.value for one in branch.special] == pytest.approx(below, rel=1e-12)
 
 
+LYING = Case(
+    Rod(EI=1.0, GJ=0.8, a=0.1, L=6.0, weight=0.3), Cylinder(R=0.9, side="inside", inclination="90deg"),
+    Ends(beta0=0.6, betaL=-0.6, azimuth=0.0, FZ=-0.3),
+)  # fmt: skip
+
+
 def far_ends(case: Case, dbeta0: float, MZ0: float, FZ: float) -> np.ndarray:
     """beta(L) and the azimuth there of a lying rod without twist that starts so, by DOP853."""
     A, rho = float(case.rod.bending_stiffness), float(case.rho)
@@ -432,9 +438,7 @@ def far_ends(case: Case, dbeta0: float, MZ0: float, FZ: float) -> np.ndarray:
 
 
 def test_at_a_branch_point_of_a_bent_rod_its_start_answers_its_end_no_more() -> None:
-    rod, hole = Rod(EI=1.0, GJ=0.8, a=0.1, L=6.0, weight=0.3), Cylinder(R=0.9, side="inside", inclination="90deg")
-    case = Case(rod, hole, Ends(beta0=0.6, betaL=-0.6, azimuth=0.0, FZ=-0.3))
-    ways = [follow(solve(case), FZ=[low, 1.0]) for low in (-8.0, -7.3)]
+    ways = [follow(solve(LYING), FZ=[low, 1.0]) for low in (-8.0, -7.3)]
     values = [[one.value for one in way.special] for way in ways]
     assert [one.kind for one in ways[0].special] == ["fold", "branch point", "fold"]
     assert values[0] == pytest.approx(values[1], rel=1e-11)  # by other steps
@@ -442,12 +446,23 @@ def test_at_a_branch_point_of_a_bent_rod_its_start_answers_its_end_no_more() -> 
     sol = ways[0].points[met.position].solution
     start, h = np.array([sol.dbeta[0], (sol._loads[0] * sol._loads[1]).flat[0]]), 1e-5
     columns = [
-        (far_ends(case, *(start + h * unit), met.value) - far_ends(case, *(start - h * unit), met.value)) / (2 * h)
+        (far_ends(LYING, *(start + h * unit), met.value) - far_ends(LYING, *(start - h * unit), met.value)) / (2 * h)
         for unit in np.eye(2)
     ]
-    assert far_ends(case, *start, met.value) == pytest.approx([-0.6, 0.0], abs=1e-9)
+    assert far_ends(LYING, *start, met.value) == pytest.approx([-0.6, 0.0], abs=1e-9)
     singular = np.linalg.svd(np.array(columns), compute_uv=False)
     assert singular[1] < 1e-7 * singular[0]  # of differences
+
+
+@pytest.mark.parametrize(("case", "seed", "last"), [(lying_pipe(0.8), "straight", -1.5 * BUCKLES), (LYING, None, -8.0)])
+def test_the_rod_at_a_special_point_is_solved_with_fewer_digits(case: Case, seed: str | None, last: float) -> None:
+    """There its equations are singular, and the error that they carry has no bound; but how the rod bends gives one."""
+    branch = follow(solve(case, seed=seed), FZ=last)
+    assert len(branch.special) > 1
+    for met in branch.special:
+        there, beside = (branch.points[met.position + k].solution for k in (0, 1))
+        assert "solved; fewer digits" in there.outcome
+        assert beside.error < 1e-10 < there.error < 1e-3
 
 
 def test_a_buckled_pipe_is_followed_back_to_its_pitchfork_and_through_its_folds() -> None:
