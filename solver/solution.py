@@ -187,7 +187,7 @@ class Solution(Shape):
         ----------
         path : str or Path
             CAD (.step), surfaces (.stl, .obj, .glb), curves (.usda, .vtp) or a table (.csv). Of several cases along one
-            axis each is a file where the name holds a number: ``rod_{:03d}.stl``.
+            axis each is a file, and the name holds a number: ``rod_{:03d}.stl``; or one file holds them (.pvd).
         tolerance : float, optional
             The greatest distance of the file from the rod [length]; default: that of the format.
         replace : bool, optional
@@ -202,7 +202,13 @@ class Solution(Shape):
         Raises
         ------
         InputError
-            An invalid name or unit, an existing file, too few stations, or a solid that the rod cannot be.
+            An invalid name or unit, an existing file, too few stations, a solid that the rod cannot be, or several rods
+            and a name for one.
+
+        Warns
+        -----
+        UserWarning
+            Of rods that are left out, and of what a real rod could not do.
         """
         return make(SHOWN, "export_solution", self, path, tolerance, replace, units)
 

@@ -5,6 +5,7 @@ by which Jupyter, VS Code and Colab show a value, and `save`. No package of a no
 """
 
 import json
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from html import escape
@@ -26,6 +27,7 @@ from .branches.equilibria_dataset import all_units, of_solution
 from .branches.equilibria_dataset import dataset_of_loops as dataset_of_loops  # `Loops.to_dataset` looks it up here
 from .store import atomic, schema, selection
 from .words import cautions, labels
+from .words.python_words import in_python, python_words
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -65,8 +67,9 @@ class Plot:
         """Write the diagram as .png, .pdf or .svg. Raises `InputError` for another name."""
         from .figures import canvas
 
+        path = _path_of(path)
         canvas.save(self.figure, path)
-        return Path(path)
+        return path
 
     def _repr_png_(self) -> bytes:
         from .figures import canvas
@@ -98,7 +101,7 @@ class Scene:
 
     def save(self, path: str | Path) -> Path:
         """Write the scene as one offline .html file. Raises `InputError` for another name."""
-        path = Path(path)
+        path = _path_of(path)
         if path.suffix.lower() != ".html":
             raise InputError(f"a scene is saved as .html, got {path.name!r}")
         return atomic.write_text(path, self.html)
@@ -106,6 +109,14 @@ class Scene:
     def _repr_html_(self) -> str:
         style = f"width: 100%; height: {HEIGHT}px; border: 0"
         return f'<iframe sandbox="allow-scripts" style="{style}" srcdoc="{escape(self.html)}"></iframe>'
+
+
+def _path_of(path: Any) -> Path:
+    """The path that a text or a path means. Raises `InputError` for anything else."""
+    try:
+        return Path(path)
+    except TypeError:
+        raise InputError(f"path must be a text or a Path, got {path!r}") from None
 
 
 class StudyRun:
@@ -148,19 +159,22 @@ def plot(ds: xr.Dataset, at: Mapping[str, Any] | None = None) -> Plot:
     from .figures import kinds
 
     if not at:
-        return Plot(kinds.figure(ds, "lines"))
+        with python_words():
+            return Plot(kinds.figure(ds, "lines"))
     where, given = selection.case(ds, at), [selection.axis_of(ds, name) for name in at]
     part = ds.isel({name: where[name] for name in given})
     values = labels.equations(ds, {name: where[name] for name in given}, 6)
     titled = part.assign_attrs(title=f"{ds.attrs['title']}, {values}")
-    return Plot(kinds.figure(titled, "lines", verdicts=[]))  # the laws are of all cases
+    with python_words():
+        return Plot(kinds.figure(titled, "lines", verdicts=[]))  # the laws are of all cases
 
 
 def scene(ds: xr.Dataset, at: Mapping[str, Any] | None = None) -> Scene:
     """The rods of a dataset, with a slider for each axis that `at` does not fix. Raises `InputError`."""
     from .web.turntable import turntable_page
 
-    return Scene(turntable_page.html(ds, at))
+    with python_words():
+        return Scene(turntable_page.html(ds, at))
 
 
 def plot_solution(sol: Solution, units: Mapping[str, str] | None = None) -> Plot:
@@ -176,11 +190,27 @@ def scene_solution(sol: Solution, units: Mapping[str, str] | None = None) -> Sce
 def export_solution(
     sol: Solution, path: str | Path, tolerance: float | None, replace: bool, units: Mapping[str, str]
 ) -> Path:
-    """Write the rod of a solution, or with a number in the name those along its axis, as `export` does."""
-    from .export.base import Options
-    from .export.stored_rod import export
+    """Write the rod of a solution, or with a number in the name those along its axis, as `export` does.
 
-    return export(dataset_of(sol, units), Path(path), Options(tolerance=tolerance), replace).path
+    What is left out of a family, and what a real rod could not do, is warned of.
+    """
+    from studies.laws.law_words import count_of
+
+    from .export.base import Options
+    from .export.stored_rod import check_holds_all, export
+
+    path = _path_of(path)
+    if not (tolerance is None or isinstance(tolerance, int | float | np.number)):
+        raise InputError(f"tolerance must be a number, got {tolerance!r}")
+    with python_words():
+        ds = dataset_of(sol, units)
+        check_holds_all(ds, path)
+        done = export(ds, path, Options(tolerance=tolerance), replace)
+    unsolved = done.facts.get("unsolved", 0)
+    left = [f"{count_of(unsolved, 'rod')} left out: not solved"] if unsolved else []
+    for sentence in [*left, *done.warnings]:
+        warnings.warn(f"{path.name}: {in_python(sentence)}", stacklevel=4)
+    return done.path
 
 
 def dataset_of(sol: Solution, units: Mapping[str, str] | None = None) -> xr.Dataset:

@@ -5,6 +5,7 @@ import json
 import os
 import re
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -418,9 +419,44 @@ def test_a_solution_exports_itself_and_refuses_a_unit_that_the_format_does_not_k
     assert sol.export(tmp_path / "rod.glb", length="cm").stat().st_size > 10_000
     with pytest.raises(InputError, match=r"no unit of length 'length'.*mm"):
         sol.export(tmp_path / "other.glb")
-    with pytest.raises(InputError, match="exists"):
+    with pytest.raises(InputError, match=r"rod\.glb exists; give replace=True to replace it"):
         sol.export(tmp_path / "rod.glb", length="cm")
     sol.export(tmp_path / "rod.glb", length="mm", replace=True)
+    for path, tolerance, words in (
+        (5, None, "path must be a text or a Path, got 5"),
+        ("rod.obj", "x", "tolerance must be a number, got 'x'"),
+        ("rod.csv", 1e-3, "tolerance is for .step, .+; .csv holds the stations as they are stored"),
+    ):
+        with pytest.raises(InputError, match=words):
+            sol.export(path, tolerance=tolerance)
+
+
+def family(modulus, **rod):
+    given = Start(beta="30deg", dbeta=0.5, F1=5.0, F3=10.0)
+    return solve(Case(Rod(E=modulus, nu=0.25, L=20.0, **{"a": 0.05} | rod), Cylinder(R=0.75), given), stations=1001)
+
+
+def test_a_family_is_written_in_full_or_not_at_all(tmp_path) -> None:
+    three, grid = family([2e6, 3e6, 4e6]), family([[2e6], [3e6]], a=[0.05, 0.06])
+    for sol, name, words in (
+        (three, "rod.obj", r"rod.obj holds one rod, and there are 3 along E: .+ such as rod_\{:03d\}.obj"),
+        (grid, "rod_{}.csv", "these rods vary along E, a: solve those along one"),
+    ):
+        with pytest.raises(InputError, match=words):
+            sol.export(tmp_path / name, length="cm")
+        assert list(tmp_path.iterdir()) == []
+    three.export(tmp_path / "rod_{}.csv", length="cm")
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["rod_0.csv", "rod_1.csv", "rod_2.csv"]
+    family([2e6]).export(tmp_path / "one.csv", length="cm")
+
+
+def test_rods_that_a_family_leaves_out_are_warned_of(tmp_path) -> None:
+    sol = family([2e6, 3e6])
+    solved = np.array([True, False])
+    sol = replace(sol, trajectory=replace(sol.trajectory, solved=solved))
+    with pytest.warns(UserWarning, match=r"rod_\{\}.csv: 1 rod left out: not solved"):
+        sol.export(tmp_path / "rod_{}.csv", length="cm")
+    assert [file.name for file in tmp_path.iterdir()] == ["rod_0.csv"]
 
 
 @pytest.mark.parametrize("angle, meet", [(1.48, False), (1.50, True), (1.55, True)])

@@ -14,7 +14,7 @@ from solver.problem.errors import InputError, choices
 from ..geometry import self_contact, stored_line
 from ..geometry.centreline import advice_to_store
 from ..geometry.refinement import push_along
-from ..store import atomic, selection, writing
+from ..store import atomic, schema, selection, writing
 from . import FORMATS, pvd
 from .base import Format, Options, Rod, metres
 
@@ -43,6 +43,19 @@ def format_of(path: Path) -> Format:
 def _format(suffix: str) -> Format:
     row: Format = import_module(f".{FORMATS[suffix]}", __package__).FORMAT
     return row
+
+
+def check_holds_all(ds: xr.Dataset, path: Path) -> None:
+    """Raise `InputError` where the files of that name would not hold every rod of a dataset."""
+    axes = [axis for axis in schema.axes_of(ds) if ds.sizes[axis] > 1]
+    if len(axes) > 1:
+        raise InputError(f"files go along one axis, and these rods vary along {choices(axes)}: solve those along one")
+    if axes and not format_of(path).series and "{" not in path.name:
+        numbered = f"{path.stem}_{{:03d}}{path.suffix}"
+        raise InputError(
+            f"{path.name} holds one rod, and there are {ds.sizes[axes[0]]} along {axes[0]}: give a name with a number "
+            f"in braces, such as {numbered}, or one that ends in .pvd"
+        )
 
 
 def export(ds: xr.Dataset, path: Path, options: Options = DEFAULT, force: bool = False) -> Exported:
