@@ -233,7 +233,11 @@ def test_ctrl_c_says_how_to_go_on_and_leaves_no_process(workers, whole, tmp_path
 
 # the disk
 
-LIMITED = SMALL + "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, ({size}, {size}))\n"
+# without bytecode: Python would replace that of a library by as much of it as has room
+LIMITED = SMALL + (
+    "import resource, sys; sys.dont_write_bytecode = True\n"
+    "resource.setrlimit(resource.RLIMIT_FSIZE, ({size}, {size}))\n"
+)
 
 
 NO_ROOM = [pytest.param(1_000, 0, id="for a shard", marks=pytest.mark.slow), pytest.param(20_000, 5, id="for the file")]

@@ -113,7 +113,8 @@ def test_a_write_that_fails_leaves_the_good_file_and_no_other(six, tmp_path, mon
 def test_a_full_disk_is_one_sentence_where_hdf5_would_end_the_process(six, tmp_path, room) -> None:
     path = writing.write(six, tmp_path / "small.h5")
     limited = (
-        "import resource, sys\nfrom workbench.store import reading, writing\nds = reading.read(sys.argv[1])\n"
+        "import resource, sys\nsys.dont_write_bytecode = True  # else that of a library is cut short\n"
+        "from workbench.store import reading, writing\nds = reading.read(sys.argv[1])\n"
         "size = resource.RLIMIT_FSIZE\nhard = resource.getrlimit(size)[1]\n"
         f"resource.setrlimit(size, ({room}, hard))\n"
         "try:\n    writing.write(ds, sys.argv[2])\nexcept ValueError as error:\n    said = error\n"
