@@ -1,19 +1,45 @@
 """The command docs opens the site that was built, or says in one sentence how to build it."""
 
 import re
+import subprocess
 from pathlib import Path
+
+import pytest
 
 from tests.workbench.command import exit_status
 from workbench.commands import docs
 
 
-def test_without_a_site_one_sentence_says_how_to_build_it(tmp_path: Path, monkeypatch, capsys) -> None:
+@pytest.mark.parametrize("has_sphinx", [True, False])
+def test_without_a_site_one_line_is_the_command_that_builds_it(tmp_path: Path, monkeypatch, capsys, has_sphinx) -> None:
+    """The line is run here with a pip and a builder of its own, from another folder."""
+    root, python = tmp_path / "a checkout", tmp_path / "a python"
+    (root / "docs").mkdir(parents=True)
+    (root / "docs" / "build.py").touch()
+    python.write_text(f"#!/bin/sh\necho $PWD $* >> '{tmp_path}/log'\n", encoding="utf-8")
+    python.chmod(0o755)
     monkeypatch.setattr(docs, "PLACES", (tmp_path,))
+    monkeypatch.setattr(docs, "ROOT", root)
+    monkeypatch.setattr("sys.executable", str(python))
+    monkeypatch.setattr(docs, "find_spec", lambda name: (name == "sphinx" and has_sphinx) or None)
     assert exit_status("docs") == 2
     told = capsys.readouterr()
     assert told.out == ""
-    assert "python -m docs.build" in told.err
     assert len(told.err.splitlines()) == 1
+    subprocess.run(["sh", "-c", told.err.partition("; run: ")[2]], check=True, cwd=tmp_path)
+    install = f"{root} -m pip install -q -c constraints.txt -c docs/constraints.txt -e .[docs]\n"
+    assert (tmp_path / "log").read_text(encoding="utf-8") == f"{install * (not has_sphinx)}{root} -m docs.build\n"
+    for name in ("constraints.txt", "docs/constraints.txt", "docs/build.py"):
+        assert (Path(docs.__file__).parents[2] / name).is_file()
+
+
+def test_an_installation_without_a_site_names_no_command_that_it_cannot_run(
+    tmp_path: Path, monkeypatch, capsys
+) -> None:
+    monkeypatch.setattr(docs, "PLACES", (tmp_path,))
+    monkeypatch.setattr(docs, "ROOT", tmp_path)
+    assert exit_status("docs") == 2
+    assert "docs.build" not in capsys.readouterr().err
 
 
 def test_the_first_site_that_is_there_is_opened_or_its_address_printed(tmp_path: Path, monkeypatch, capsys) -> None:

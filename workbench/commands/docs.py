@@ -1,6 +1,9 @@
 """The command docs: open the documentation site."""
 
+import shlex
+import sys
 from collections.abc import Sequence
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated
 
@@ -38,7 +41,8 @@ def docs(
 ) -> int:
     """Open the documentation site in the browser: tutorials, how-to pages, reference, examples, the live page.
 
-    The site needs no network. A wheel carries it if it was built before the wheel was made.
+    The site needs no network. A wheel carries it if it was built before the wheel was made; in a checkout it is built
+    once, and until then the command names the line that does so.
     """
     if bibtex:
         print(_bibtex())
@@ -64,11 +68,20 @@ def _bibtex() -> str:
 
 
 def site(places: Sequence[Path]) -> Path:
-    """The first page of the site. Raises `InputError` where it was not built."""
+    """The first page of the site. Raises `InputError` where it was not built, with the command that builds it."""
     for place in places:
         if (place / "index.html").is_file():
             return place / "index.html"
-    raise InputError(
-        "this copy of the workbench carries no documentation site; in a checkout, pip install -e '.[docs]' and "
-        "python -m docs.build make it, or read the pages in docs"
-    )
+    if not (ROOT / "docs" / "build.py").is_file():
+        raise InputError(
+            "this installation carries no documentation site: its pages are in the folder docs of the source"
+        )
+    raise InputError(f"the documentation site is built once, in some minutes; run: {build_command()}")
+
+
+def build_command() -> str:
+    """The line that builds the site of this checkout, whatever the folder it is run from."""
+    python = shlex.quote(sys.executable)
+    install = f"{python} -m pip install -q -c constraints.txt -c docs/constraints.txt -e '.[docs]'"
+    steps = [f"cd {shlex.quote(str(ROOT))}", *([] if find_spec("sphinx") else [install]), f"{python} -m docs.build"]
+    return " && ".join(steps)
