@@ -1,7 +1,7 @@
 """A branch of equilibria over one field of a case; `follow` makes it."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -59,6 +59,10 @@ class BranchPoint:
     def solution(self) -> Solution:
         """Its shape."""
         return self._solve(self)
+
+    def with_path(self, path: Any, problem: EndsProblem) -> "BranchPoint":
+        """The point with the path that another solve found for it, which belongs to that problem under dead loads."""
+        return replace(self, path=path, _under_dead_loads=problem)
 
 
 @dataclass(frozen=True)

@@ -62,6 +62,7 @@ int rod_excess_at(search *, const place *, const chart *, int count, const doubl
 /* The path at x; 0 where its saddle no longer exists or there is no such path. */
 int rod_path_at(const place *, const chart *, double x, path *);
 /* Coordinates in which the equilibrium can be followed, the best first; their number, 0 where there is none. */
+path rod_own_path(const place *, const path *);
 int rod_charts(const place *, const path *, chart *);
 /* Whether the level lies above every maximum of G between the two ends. */
 int rod_joined_at(const place *, const path *);

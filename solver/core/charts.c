@@ -2,6 +2,7 @@
 
 #include "branches.h"
 
+#define MOVED 1e-7 /* by which a pin is moved by rounding, at most */
 #define MOST_TURNS 1e15 /* between two ends: above, an angle has no digit left of a turn */
 
 static int is_critical(const place *o, double angle)
@@ -10,6 +11,20 @@ static int is_critical(const place *o, double angle)
         if (o->found.beta[k] == angle)
             return 1;
     return 0;
+}
+
+/* A path whose pin, a critical point or an end, rounding has moved, with the one of this problem; see `Boundary.own_pin`. */
+path rod_own_path(const place *o, const path *at)
+{
+    path own = *at;
+    double nearest = MOVED;
+    for (int k = 0; k < o->found.count + 2; k++) {
+        const double angle = k < o->found.count ? o->found.beta[k] : k == o->found.count ? o->low : o->high;
+        const double off = fabs(sin((angle - at->pin) / 2));
+        if (off < nearest)
+            nearest = off, own.pin = angle;
+    }
+    return own;
 }
 
 double rod_place_fall(const place *o, double pin, double beta)
@@ -171,8 +186,9 @@ static void put(chart *charts, int *count, chart one)
     charts[k] = one;
 }
 
-int rod_charts(const place *o, const path *at, chart *out)
+int rod_charts(const place *o, const path *of, chart *out)
 {
+    const path own = rod_own_path(o, of), *at = &own;
     const int m = o->found.count;
     const double gap = at->sign * exp(larger(at->y, DEEPEST)), shift = o->p.beta0 - wrapped(o->p.beta0);
     const int64_t behind = behind_of(o, o->p.beta0 - shift), far = behind_of(o, o->p.betaL - shift);
@@ -233,8 +249,9 @@ int rod_chart_path(const ends_problem *of, const chart *c, double x, const grid 
     return !rod_place_of(of, by, &o) && rod_path_at(&o, c, x, out);
 }
 
-int rod_joined_at(const place *o, const path *at)
+int rod_joined_at(const place *o, const path *of)
 {
+    const path own = rod_own_path(o, of), *at = &own;
     double best = rod_place_fall(o, o->low, o->high) < 0 ? o->high : o->low;
     int extremum = is_critical(o, best);
     for (int k = 0; k < o->found.count; k++) {

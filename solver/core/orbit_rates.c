@@ -88,14 +88,14 @@ static int length_of(const place *o, const path *level, const points *at, const 
     return failed ? failed : isfinite(*length) ? DONE : NO_ORBIT;
 }
 
-int rod_orbit_numbers(const place *o, const path *level, const points *at, const cutting *times, const cutting *how,
+int rod_orbit_numbers(const place *o, const path *of, const points *at, const cutting *times, const cutting *how,
                       orbit_numbers *out)
 {
     const ends_problem *p = &o->p;
     lone_orbit on = {0};
-    if (at->n > NODES || at->n < 4 || !isfinite(level->y) || !isfinite(level->pin) || level->turns < 0 ||
-        level->turns > 1000000000)
+    if (at->n > NODES || at->n < 4 || !isfinite(of->y) || !isfinite(of->pin) || of->turns < 0 || of->turns > 1000000000)
         return NOT_POSSIBLE;
+    const path own = rod_own_path(o, of), *level = &own;
     int failed = length_of(o, level, at, times, &out->length);
     if (failed)
         return failed;

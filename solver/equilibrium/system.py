@@ -86,7 +86,8 @@ def state_of(problem: EndsProblem, path: Path, hinged: bool = False) -> OrbitSta
     if not path.helix:
         gap = path.sign * float(np.exp(max(path.y, place.deepest)))
         ends = {"dbeta0": place.start, "dbetaL": place.end}
-        reached = {name: gap + place.fall(path.pin, angle) for name, angle in ends.items()}
+        pin = place.own_pin(path.pin)
+        reached = {name: gap + place.fall(pin, angle) for name, angle in ends.items()}
         rest = tuple(name for name, square in reached.items() if square < least_square(problem, ends[name], False))
         problem = at_given_speeds(problem, place, path, Given(rest, np.zeros(len(rest)), 0.0, 0.0))
     return OrbitState(problem, path, orbit_rates(problem, [path]))
@@ -153,16 +154,16 @@ def at_given_speeds(problem: EndsProblem, place: Boundary, path: Path, given: Gi
 
     Where the end is at rest, or nearly, other angles lie beyond a turning point, and no orbit would reach them.
     """
-    gap = path.sign * float(np.exp(max(path.y, place.deepest)))
+    pin, gap = place.own_pin(path.pin), path.sign * float(np.exp(max(path.y, place.deepest)))
     alone = not {"dbeta0", "dbetaL"} <= set(given.names)
     new = {}
     for name, speed, first in (("beta0", "dbeta0", place.start), ("betaL", "dbetaL", place.end)):
-        if speed not in given.names or path.pin == first:
+        if speed not in given.names or pin == first:
             continue
         square = max(float(given.values[given.names.index(speed)]) ** 2, least_square(problem, first, alone))
 
         def step(beta: float, square: float = square) -> tuple[float, float] | str:
-            over, rate = gap + place.fall(path.pin, beta) - square, 2 * float(slope(problem, np.array([beta]))[0])
+            over, rate = gap + place.fall(pin, beta) - square, 2 * float(slope(problem, np.array([beta]))[0])
             return (beta + over / rate, abs(over / rate)) if abs(over) < _NEAR * abs(rate) else DIVERGED
 
         beta = newton(first, step, _ANGLE_ENDING)

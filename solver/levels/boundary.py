@@ -27,6 +27,7 @@ from ..problem.reduced import EndsProblem
 
 UP, DOWN = 1, -1
 _ON = 1e-110  # an end this near to a saddle lies on it
+_MOVED = 1e-7  # by rounding, at most: the root of that of G, where a saddle is about to meet a centre
 _ROUNDING = 4e-16  # of H, in units of the size of G
 LOWEST = -575.0  # log of the smallest gap that a float can hold with what is made of it
 _CRITICAL = 16  # most critical points of a problem
@@ -212,8 +213,20 @@ class Boundary:
         """G(pin) - G(beta)."""
         return fall(self.problem, pin, beta, bool((self.angles == pin).any()))
 
+    def own_pin(self, pin: float) -> float:
+        """The critical point or the end that the pin of a path means.
+
+        Saddles of the same loads, computed in two ways, differ in their last digit. Next to a saddle the root of a gap
+        is less than that, so a level above another angle is another orbit.
+        """
+        own = np.append(self.angles, [self.low, self.high])
+        apart = np.abs(np.sin((own - pin) / 2))
+        nearest = int(np.argmin(apart))
+        return float(own[nearest]) if apart[nearest] < _MOVED else pin
+
     def with_pin(self, pin: float) -> "Boundary":
-        """The same with its levels measured from one angle."""
+        """The same with its levels measured from one angle, as of `own_pin`."""
+        pin = self.own_pin(pin)
         falls = [[self.fall(pin, end) for end in (self.low, self.high)]]
         return replace(self, pins=np.array([pin]), falls=np.array(falls))
 
@@ -236,8 +249,8 @@ class Boundary:
     def joins_at(self, path: "Path") -> bool:
         """Whether the level lies above every maximum of G between the two ends."""
         highest, _ = self.floor()
-        gap = path.sign * float(np.exp(max(path.y, self.deepest)))
-        return (path.pin == highest and path.sign > 0) or gap + self.fall(path.pin, highest) >= 0
+        pin, gap = self.own_pin(path.pin), path.sign * float(np.exp(max(path.y, self.deepest)))
+        return (pin == highest and path.sign > 0) or gap + self.fall(pin, highest) >= 0
 
     def lengths(self, some: "list[Path]") -> Array:
         """Lengths of paths whose levels have one pin, (M,)."""

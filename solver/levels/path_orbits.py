@@ -46,14 +46,14 @@ def solve_orbits(problem: EndsProblem, boundary: Boundary, path: LevelPaths, len
     boundary = replace(boundary, deepest=max(LOWEST, boundary.deepest - _DEEPER))
     start, gap, excess, pin = _starts(problem, boundary, path)
     moves = ~path.helix
-    level = potential(start, path.pin) + gap
-    falls = np.ones((K, 2))  # of the two ends from the pin
-    falls[moves] = boundary.falls[pin]
-    orbit = solve_orbit(start, TIGHT, (path.pin, gap, 0 * gap), STRETCH)
+    measured, falls = path.pin.copy(), np.ones((K, 2))  # the pins, and falls of the two ends from them
+    measured[moves], falls[moves] = boundary.pins[pin], boundary.falls[pin]
+    level = potential(start, measured) + gap
+    orbit = solve_orbit(start, TIGHT, (measured, gap, 0 * gap), STRETCH)
     # between two ends on saddles of this height eta(L) stays while eta between them grows as the gap's root falls
     growth = response(orbit)[0] * np.exp(np.minimum((falls == 0).all(axis=1) * excess / 2, 600))
     if excess.any():
-        orbit = solve_orbit(start, TIGHT, (path.pin, gap, excess), STRETCH)
+        orbit = solve_orbit(start, TIGHT, (measured, gap, excess), STRETCH)
     base = orbit.panels.base + (problem.beta0[0] - start.beta0[0])  # whole turns
     start = replace(start, beta0=np.full(K, problem.beta0[0]), span=np.full(K, problem.span[0]))
     passed = np.where(path.helix, 0.0, path.turns)
@@ -87,9 +87,9 @@ def variations_of(problem: EndsProblem, path: Path) -> Variations | HelixVariati
     """The variations of one equilibrium."""
     if path.helix:
         return HelixVariations(problem, held=True)
-    start, gap, excess, _ = _starts(problem, boundary_of(problem).with_pin(path.pin), path.level_path)
-    pin = np.array([path.pin])
-    orbit = solve_orbit(start, TIGHT, (pin, gap, excess), STRETCH)
+    place = boundary_of(problem).with_pin(path.pin)
+    start, gap, excess, _ = _starts(problem, place, path.level_path)
+    orbit = solve_orbit(start, TIGHT, (place.pins, gap, excess), STRETCH)
     return variations_on(replace(orbit, problem=replace(start, span=problem.span)))
 
 

@@ -8,9 +8,12 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from solver import Case, Cylinder, Ends, Rod, Start, equilibria, solve
-from solver.levels.boundary import Levels, boundary_of, critical_points, transit_times
+from solver.equilibrium.charts import same_equilibrium
+from solver.equilibrium.orbit_rates import orbit_rates
+from solver.levels.boundary import Levels, boundary_of, critical_points, path_of, transit_times
 from solver.levels.level_grid import level_grid_of
 from solver.levels.level_search import search_levels
+from solver.levels.path_orbits import orbit_of
 from solver.observe.observables import observe
 from solver.problem.reduced import EndsProblem, Reduced, reduce
 from tests.cases import ends_in_units_of_rho, in_units_of_rho
@@ -329,3 +332,23 @@ def test_a_stiff_rod_under_a_small_axial_force_has_a_whole_list(E: float, FZ: fl
     slopes = np.sort([one.dbeta0 for one in found])
     assert 0.0 in slopes
     np.testing.assert_allclose(slopes, -slopes[::-1], rtol=1e-6, atol=1e-12 * np.abs(slopes).max())
+
+
+@pytest.mark.parametrize("L", (80.0, 150.0))
+def test_an_equilibrium_next_to_a_saddle_is_the_same_whatever_the_last_digits_of_that_saddle(L: float) -> None:
+    """Loads that are computed in two ways differ in a last digit, and so do the saddles that are found with them."""
+    rod = case(L, 1.35, 0.25, FZ=0.6, MZ=0.3)
+    problem, place = reduce(rod), boundary_of(reduce(rod))
+    found = [one for one in equilibria(rod) if one.index == 0]
+    assert found
+    for one in found:
+        path, (true,) = path_of(one.path, 0), [orbit_rates(problem, [path_of(one.path, 0)]).values]
+        shape = one.solution.beta
+        for digits in (-3, -1, 1, 3):
+            moved = replace(path, pin=path.pin + digits * np.spacing(path.pin))
+            rates = orbit_rates(problem, [moved])
+            np.testing.assert_allclose(rates.length, L, rtol=1e-12)
+            np.testing.assert_allclose(rates.values, true, rtol=1e-10, atol=1e-12)
+            np.testing.assert_allclose(orbit_of(problem, moved).at(one.solution.t)[0][0], shape, atol=1e-9)
+            assert same_equilibrium(place, path, moved)
+            assert place.joins_at(moved) == place.joins_at(path)

@@ -11,7 +11,10 @@ from matplotlib.text import Text
 
 from solver import Case, Cylinder, Ends, Rod
 from solver import equilibria as all_equilibria
+from solver.observe.observables import observe
+from solver.problem.case_fields import value_of, with_field
 from studies import load
+from tests.slow import slow_but
 from tests.workbench import stored_figures
 from tests.workbench.page_faults import share_of_red
 from workbench.branches import branch_dataset
@@ -202,3 +205,47 @@ def test_a_smooth_line_passes_through_its_points_and_follows_a_circle() -> None:
         assert np.linalg.norm(found.T - point, axis=1).min() < 1e-12
     straight = max(1 - np.cos(np.diff(angle) / 2))  # how far the polygon is off
     assert np.abs(np.hypot(*found) - 1).max() < 0.3 * straight
+
+
+def test_a_line_breaks_at_a_point_that_is_not_solved(held) -> None:
+    missing = held.copy(deep=True)
+    on = np.flatnonzero(held["curve_branch"].values == 0)
+    k = int(on[on.size // 2])
+    missing["curve_FZ"][k] = np.nan
+    value = float(held["curve_height"].values[k])
+    for ds, passes in ((held, True), (missing, False)):
+        ax = bifurcation.figure(ds).axes[0]
+        lines = [line.get_xydata() for line in ax.lines if line.get_linestyle() != "None" and len(line.get_xdata()) > 2]
+        near = [np.abs(points - [value, held["curve_FZ"].values[k]]).max(axis=1).min() for points in lines]
+        assert (min(near) < 1e-9) == passes
+
+
+def random_axis(seed: int) -> tuple[Case, str, np.ndarray]:
+    """A rod of 5 to 36 rho between random ends, and four values of one of its fields."""
+    random = np.random.default_rng(seed)
+    L = float(random.uniform(5, 36))
+    beta0, betaL, FZ, MZ, M3 = map(float, random.uniform(-1.5, 1.5, 5))
+    case = Case(Rod(EI=1.0, GJ=0.8, a=0.1, L=L), Cylinder(R=0.9), Ends(beta0, betaL, FZ=FZ, MZ=MZ, M3=M3))
+    name = str(random.choice(["FZ", "MZ", "M3", "betaL", "L"]))
+    low = float(value_of(case, name))
+    return case, name, np.linspace(low, low + (0.5 if name == "L" else 0.05) * random.uniform(0.2, 2), 4)
+
+
+@pytest.mark.parametrize("seed", slow_but(range(50), 1, 9, 11))
+def test_curves_show_at_every_place_what_the_list_there_says(seed: int) -> None:
+    case, name, values = random_axis(seed)
+    ds = branch_dataset.sweep(load("fig6"), case, name, values, lambda text: None)
+    keys = ("energy", str(ds.attrs["shown"]))
+    assert all(np.isfinite(ds[f"curve_{key}"].values).all() for key in keys)
+    along, energies = ds[f"curve_{name}"].values, ds["curve_energy"].values
+    for k, value in enumerate(values):
+        for branch, energy in zip(ds["branch"].values[k], ds["energy"].values[k], strict=True):
+            if branch >= 0:
+                on = (ds["curve_branch"].values == branch) & (along == value)
+                np.testing.assert_allclose(energies[on], energy, rtol=1e-12, atol=1e-12)
+    between = np.random.default_rng(seed).choice(np.setdiff1d(along, values))
+    listed = all_equilibria(with_field(case, name, float(between)))
+    rows = np.array([[one.energy, observe(one.solution, keys)[keys[1]]] for one in listed])
+    for k in np.flatnonzero(along == between):
+        drawn = np.array([ds[f"curve_{key}"].values[k] for key in keys])
+        assert (np.abs(rows - drawn).max(axis=1) < 1e-8 * (1 + np.abs(drawn).max())).any()

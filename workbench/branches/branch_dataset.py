@@ -217,6 +217,22 @@ def _numbers_of(sol: Solution, keys: Sequence[str]) -> dict[str, Any]:
     return observe(sol, [key for key in keys if key not in ends]) | {key: ends[key]() for key in keys if key in ends}
 
 
+def _numbers_of_solved(sol: Solution, curve: Branch, keys: Sequence[str]) -> dict[str, Any]:
+    """The numbers of the points of a branch, NaN of those that are not solved.
+
+    At a fold the condition number alone may say that an equilibrium is not.
+    """
+    known = _known(sol, curve)
+    return {key: np.where(known, values, np.nan) for key, values in _numbers_of(sol, keys).items()}
+
+
+def _known(sol: Solution, curve: Branch) -> NDArray[np.bool_]:
+    """Which points of a branch have numbers."""
+    known = np.array(sol.solved, dtype=bool)
+    known[[point.position for point in curve.special]] = True
+    return known
+
+
 def follow_curves(
     seen: Traced, name: str, units: Mapping[str, str], shown: Sequence[str], ends: tuple[float, float]
 ) -> dict[str, Any]:
@@ -227,7 +243,7 @@ def follow_curves(
     """
     solved = [solutions_of(curve, SHAPE_STATIONS) for curve in seen.curves]
     numbers = [
-        _numbers_of(sol, shown)
+        _numbers_of_solved(sol, curve, shown)
         | {"index": curve.index, "dead_index": dead_indices(sol.trajectory), name: curve.values}
         | {"rho": np.broadcast_to(sol.case.rho, sol.case.shape)}
         for sol, curve in zip(solved, seen.curves, strict=True)
@@ -240,7 +256,8 @@ def follow_curves(
     which = np.concatenate([np.empty(0), *(np.full(at.size, piece.number) for piece, at in parts)])
     owner = {"long_name": "number of the branch"}
     data["curve_branch"] = xr.Variable(("curve_point",), which.astype(np.int64), owner)
-    middles = [(piece, at) for piece in seen.pieces for at in _places(seen, piece, ends)]
+    known = [_known(sol, curve) for sol, curve in zip(solved, seen.curves, strict=True)]
+    middles = [(piece, at) for piece in seen.pieces for at in _places(seen, piece, ends, known[piece.curve])]
     for key in ("alpha", "z"):
         rows = [getattr(solved[piece.curve], key)[at] for piece, at in middles]
         values = np.array(rows).reshape(len(rows), SHAPE_STATIONS)
@@ -252,14 +269,20 @@ def follow_curves(
     return data
 
 
-def _places(seen: Traced, piece: Piece, ends: tuple[float, float]) -> list[int]:
-    """The points of a piece whose shapes are kept: the one in the middle of its values; of few pieces more of each."""
-    values = seen.curves[piece.curve].values[piece.first : piece.last + 1]
+def _places(seen: Traced, piece: Piece, ends: tuple[float, float], known: NDArray[np.bool_]) -> list[int]:
+    """The points of a piece whose shapes are kept: the one in the middle of its values; of few pieces more of each.
+
+    known: which points of its curve have numbers.
+    """
+    able = piece.first + np.flatnonzero(known[piece.first : piece.last + 1])
+    if not able.size:
+        return []
+    values = seen.curves[piece.curve].values[able]
     low, high = (float(np.clip(end, values.min(), values.max())) for end in ends)
     count = max(FEW_SHAPES // len(seen.pieces), 1)
     shares = (np.arange(count) + 0.5) / count
     goals = low + shares * (high - low)
-    return sorted({piece.first + int(np.argmin(np.abs(values - goal))) for goal in goals})
+    return sorted({int(able[np.argmin(np.abs(values - goal))]) for goal in goals})
 
 
 POINT_NUMBERS = ("energy", "height", "wraps", "turns", "amplitude", "kappa_max", "push_min", "push_max")

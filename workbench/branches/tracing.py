@@ -6,8 +6,8 @@ those of one curve, however coarse the axis; and none is followed twice.
 """
 
 import time
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -21,6 +21,7 @@ from solver.follow import MOST
 from solver.levels.boundary import boundary_of, path_of
 from solver.problem.case import PAIRS
 from solver.problem.case_fields import with_field
+from solver.problem.reduced import EndsProblem
 from solver.shooting.loaded_rod import BETA
 from solver.shooting.varying_shapes import Shape
 from studies.language.case_input import with_fields
@@ -74,6 +75,7 @@ def trace_branches(
     starts = [(value, member) for value, members in zip(values, listed, strict=True) for member in reversed(members)]
     passed = np.union1d(values, np.linspace(min(values), max(values), FINE))
     places, curves, remarks = _follow_each(name, starts, passed, lambda _, start: start.solution, until)
+    _share_solves(curves, zip(places, starts, strict=True))
     flat = iter(places)
     owner = [[next(flat) for _ in members][::-1] for members in listed]
     return number_pieces(listed, owner, curves, remarks)
@@ -134,6 +136,22 @@ def _follow_each(
             if end.value not in (passed[0], passed[-1])
         ]
     return places, curves, remarks
+
+
+def _share_solves(curves: list[Branch], placed: Iterable[tuple[Place | None, tuple[float, Equilibrium]]]) -> None:
+    """Give the points of branches at which listed equilibria lie the paths of these: both are then one solve.
+
+    Shapes on nodes have no path, and are those of the branch.
+    """
+    points = [list(curve.points) for curve in curves]
+    for place, (_, equilibrium) in placed:
+        if place is None:
+            continue
+        curve, at = place
+        point, problem = points[curve][at], equilibrium.solution.problem
+        if isinstance(problem, EndsProblem) and not isinstance(point.path, Shape):
+            points[curve][at] = point.with_path(path_of(equilibrium.path, 0), problem)
+    curves[:] = [replace(curve, points=tuple(own)) for curve, own in zip(curves, points, strict=True)]
 
 
 def _place_on(branch: Branch, value: float, equilibrium: Equilibrium) -> int | None:

@@ -82,12 +82,12 @@ def panel(ds: xr.Dataset, ax: Axes, key: str, inches: float = 4.0) -> Axes:
     name = str(ds.attrs["axis"])
     along, height = labels.in_label_unit(ds[name], ds[f"curve_{name}"].values), _values(ds, f"curve_{key}")
     drawn: list[tuple[str, Any]] = []
-    sizes = np.array([np.ptp(values) or 1.0 for values in (along, height)])
+    sizes = np.array([np.ptp(values[np.isfinite(values)]) or 1.0 for values in (along, height)])
     for row in branches(ds):
         on = np.flatnonzero(ds["curve_branch"].values == row["branch"])
         points = np.stack([along[on], height[on]], axis=1)
         runs = [(points, *_look(row))] if "member" in ds.sizes else _runs(ds, ax, on, points)
-        for run, look, label in runs:
+        for run, look, label in ((part, *how) for points, *how in runs for part in _parts(points)):
             share = run / sizes
             if any(label == same and _lies_on(share, other) for same, other in drawn):
                 continue
@@ -111,6 +111,13 @@ def panel(ds: xr.Dataset, ax: Axes, key: str, inches: float = 4.0) -> Axes:
     ax.set_ylim(*ax.get_ylim())
     _number_points(ds, ax, key, (fonts.inches(ax)[0], inches))
     return ax
+
+
+def _parts(points: Any) -> list[Any]:
+    """The stretches of points (n, 2) that have numbers, one after the other."""
+    known = np.isfinite(points).all(axis=1)
+    stretches = np.split(np.arange(len(points)), np.flatnonzero(np.diff(known)) + 1)
+    return [points[stretch] for stretch in stretches if stretch.size and known[stretch[0]]]
 
 
 def _alike(ds: xr.Dataset, key: str) -> list[str]:
