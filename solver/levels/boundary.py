@@ -219,10 +219,10 @@ class Boundary:
         Saddles of the same loads, computed in two ways, differ in their last digit. Next to a saddle the root of a gap
         is less than that, so a level above another angle is another orbit.
         """
-        own = np.append(self.angles, [self.low, self.high])
-        apart = np.abs(np.sin((own - pin) / 2))
+        pins = np.append(self.angles, [self.low, self.high])
+        apart = np.abs(np.sin((pins - pin) / 2))
         nearest = int(np.argmin(apart))
-        return float(own[nearest]) if apart[nearest] < _MOVED else pin
+        return float(pins[nearest]) if apart[nearest] < _MOVED else pin
 
     def with_pin(self, pin: float) -> "Boundary":
         """The same with its levels measured from one angle, as of `own_pin`."""

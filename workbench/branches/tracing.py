@@ -151,7 +151,7 @@ def _share_solves(curves: list[Branch], placed: Iterable[tuple[Place | None, tup
         point, problem = points[curve][at], equilibrium.solution.problem
         if isinstance(problem, EndsProblem) and not isinstance(point.path, Shape):
             points[curve][at] = point.with_path(path_of(equilibrium.path, 0), problem)
-    curves[:] = [replace(curve, points=tuple(own)) for curve, own in zip(curves, points, strict=True)]
+    curves[:] = [replace(curve, points=tuple(new)) for curve, new in zip(curves, points, strict=True)]
 
 
 def _place_on(branch: Branch, value: float, equilibrium: Equilibrium) -> int | None:
