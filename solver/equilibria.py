@@ -6,15 +6,16 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .choose.held_equilibrium import held_trajectory
-from .choose.selection import NEAREST, Choose, select
+from .choose.held_selection import Reached
+from .choose.selection import LOWEST, NEAREST, Choose, HeldSelection, Selection, select
 from .equilibrium.given_numbers import Given
-from .equilibrium.held_index import dead_index_of
 from .equilibrium_list import Equilibria, Equilibrium, HeldEquilibria, HeldSearch, equilibrium_of, in_order
 from .folds.parameter_plane import read_range
-from .held.held_search import held_search
-from .held.held_starts import Reached
+from .held.energy_minima import is_turned_round
+from .held.held_search import MOST_PERIODS, TRIES, held_search
 from .numerics.arrays import Array
 from .problem.case import PAIRS, Case, Ends, check_case
 from .problem.case_fields import value_of, with_field
@@ -26,7 +27,7 @@ from .solution import Solution
 
 __all__ = ["Equilibria", "Equilibrium", "equilibria", "meant", "nearest"]
 
-TRIES, MOST_SWINGS, MOST_HELD_SWINGS = 10, 200, 8
+MOST_SWINGS = 200
 LARGEST_SWINGS, MOST_TRIES, MOST_VALUES, MOST_LISTED = 10_000, 10_000, 1_000, 100_001  # of one call
 _FAR_WIDER = 2.5  # times the range around the equilibria that were found
 FINE = 801  # stations of an equilibrium without weight, whose shape weight changes
@@ -101,7 +102,7 @@ def equilibria(
             raise InputError("with weight equilibria searches over ranges of its own; leave within out")
         return varying_equilibria(case, tol, stations)
     if held_of(case):
-        swings = MOST_HELD_SWINGS if most_swings is None else most_swings
+        swings = MOST_PERIODS if most_swings is None else most_swings
         return _with_held_ends(case, tol, stations, swings, within or {}, tries, values)
     if within:
         raise InputError(f"within takes reactions of held ends, and the case holds none; got {choices(within)}")
@@ -173,7 +174,8 @@ def _with_held_ends(
     for state, how in zip(result.states, result.how, strict=True):
         trajectory = held_trajectory(Reached(state, how), result.given, t, tol)
         solution = Solution(case, state.problem, trajectory, t, "shooting", tol)
-        index, dead = (int(i) if np.isfinite(i) else -1 for i in (float(solution.held_index), dead_index_of(state)))
+        indices = float(solution.held_index), float(solution.dead_index)
+        index, dead = (int(i) if np.isfinite(i) else -1 for i in indices)
         listed.append(equilibrium_of(solution, index, state.path.level_path, dead, how))
 
     def in_units(number: str, some: Collection[float]) -> tuple[float, float]:
@@ -215,10 +217,34 @@ def nearest(found: list[Equilibrium], dbeta0: float, energy: float) -> Equilibri
 
 
 def meant(found: list[Equilibrium], choose: Choose = NEAREST) -> Equilibrium | None:
-    """The equilibrium that `solve` takes by the rule `choose`; None if no equilibrium fits the rule."""
-    columns = ([getattr(equilibrium, name) for equilibrium in found] for name in ("index", "energy", "stray", "dbeta0"))
-    i = select(choose, *(np.array(column, dtype=float) for column in columns))
+    """The equilibrium of a list that the rule `choose` of `solve` takes; None if no equilibrium fits the rule."""
+    index, energy, stray, slope = (
+        np.array([getattr(equilibrium, name) for equilibrium in found], dtype=float)
+        for name in ("index", "energy", "stray", "dbeta0")
+    )
+    if isinstance(found, HeldEquilibria):
+        stray = _are_turned(found).astype(float)
+    i = select(choose, index, energy, stray, slope)
     return None if i is None else found[i]
+
+
+def choice(found: Equilibria, choose: Choose) -> tuple[Equilibrium | None, Selection]:
+    """What `meant` takes of a list, and how."""
+    taken = meant(found, choose)
+    count, stable = len(found), sum(equilibrium.index == 0 for equilibrium in found)
+    if not isinstance(found, HeldEquilibria):
+        return taken, Selection(count, stable, choose, found.complete)
+    index = np.nan if taken is None or taken.index < 0 else taken.index
+    turned = _are_turned(found)
+    is_last = taken is None or choose == LOWEST or turned[[equilibrium is taken for equilibrium in found]].any()
+    return taken, HeldSelection(count, stable, choose, False, index, 0 if is_last else int(turned.sum()))
+
+
+def _are_turned(found: list[Equilibrium]) -> NDArray[np.bool_]:
+    """Whether a dead force turns each round, of held ends."""
+    given = Given.of(reduce_held(found[0].solution.case)) if found else None
+    beta = [equilibrium.solution.beta for equilibrium in found]
+    return np.array([given is not None and is_turned_round(given, each) for each in beta], dtype=bool)
 
 
 def without_weight(case: Case) -> Case:

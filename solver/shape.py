@@ -13,7 +13,7 @@ from .mechanics.statics import contact_force, push_from, with_weight
 from .numerics.arrays import Array
 from .problem.case import PAIRS, Case
 from .problem.reduced import EndsProblem, StartProblem, flat, held_of, loads_of
-from .problem.trajectory import DeadStart, Trajectory
+from .problem.trajectory import Trajectory
 
 T = TypeVar("T")
 _quiet = np.errstate(all="ignore")  # the numbers of an unsolved case may overflow
@@ -267,7 +267,9 @@ class Shape:
     def selection(self) -> Any:
         """The number of equilibria and the rule that selected this one, (*cases) of `selection.Selection`.
 
-        None for a start problem, for an ends problem solved from a seed, and where floats cannot hold the problem.
+        Of held ends those that were found and compared; it begins with the index where the equilibrium is unstable.
+        None for a start problem, with weight or friction, for a solution from a seed, and where floats cannot hold the
+        problem.
         """
         selection = self.trajectory.selection
         return self._each(np.full(self.case.size, None, dtype=object) if selection is None else selection)
@@ -276,23 +278,31 @@ class Shape:
     def held_index(self) -> Any:
         """Morse index under held ends, (*cases) of floats; NaN where it is not decided, and under dead loads.
 
-        The observable ``index`` of held ends is the same.
+        The observable ``index`` of held ends is the same: it is that under the ends as they are given.
         """
-        index = self.trajectory.held_index
+        return self._index(self.trajectory.held_index)
+
+    @property
+    def dead_index(self) -> Any:
+        """Of held ends, the Morse index of the same shape under dead loads between its own end angles, (*cases) of
+        floats.
+
+        NaN where it is not decided, under dead loads (the observable ``index``), and with weight or friction.
+        """
+        return self._index(self.trajectory.dead_index)
+
+    def _index(self, index: Array | None) -> Any:
         return self._each(np.full(self.case.size, np.nan) if index is None else index)
 
     @property
     def begun(self) -> Any:
-        """Of held ends, from which equilibrium the continuation to them began, (*cases) of sentences; else None.
+        """How the equilibrium was found, (*cases) of sentences: of held ends with a seed, and with weight or friction.
 
-        Of a seed it says how far it is, and where another equilibrium is nearer (`alternatives`).
+        Of a seed it says how far it is, and where another equilibrium is nearer (`alternatives`). Else None: see
+        `selection`.
         """
         begun = self.trajectory.begun
-        said = np.full(self.case.size, None, dtype=object)
-        scales = np.broadcast_arrays(self.case.rod.bending_stiffness, self.case.rho, np.empty(self.case.shape))[:2]
-        for i, (start, A, rho) in enumerate(zip(() if begun is None else begun, *map(np.ravel, scales), strict=False)):
-            said[i] = start.said(float(A), float(rho)) if isinstance(start, DeadStart) else start
-        return self._each(said)
+        return self._each(np.full(self.case.size, None, dtype=object) if begun is None else begun)
 
     @cached_property
     def states(self) -> Any:

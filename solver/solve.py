@@ -28,6 +28,8 @@ from .solution import Solution
 if TYPE_CHECKING:
     from .methods import Method
 
+TWO_WAYS = "a seed and choose = {!r} exclude each other: each selects an equilibrium"
+
 
 def solve(
     case: Case,
@@ -53,14 +55,16 @@ def solve(
         The number of stations, at equal steps of s; or their values of s [length], rising within [0, L].
     seed : float, array, Solution or "straight", optional
         For an ends problem, which of its equilibria: the one with beta'(0) near this value [rad/length], or the one
-        that continues from this solution. For held ends a solution. Default for held ends: the nearest equilibrium
-        under dead loads, carried to them; `Solution.begun` says which. Of a rod with weight or friction: a solution of
+        that continues from this solution. For held ends a solution. Of a rod with weight or friction: a solution of
         such a rod, or "straight" for the straight rod where it is an equilibrium; default: the branch that continues
         from the straight rod as the loads grow, stable where one is.
     choose : {"nearest", "lowest"} or int
         For an ends problem without a seed, which of its equilibria. "nearest": of the stable ones (of all, if none is
         stable) the one whose beta goes least beyond its end angles. "lowest": the one of
-        lowest energy. A number K: among those of Morse index K the one whose beta goes least beyond them.
+        lowest energy. A number K: among those of Morse index K the one whose beta goes least beyond them. For held
+        ends, of those that are found in a bounded time, "nearest": the stable one of least held energy, that of a rod
+        which a dead force turns round last; "lowest": the one of least held energy; K: that of Morse index K, among
+        those of `equilibria`, which takes seconds.
     **knobs
         The knobs of a method given by its name: ``solve(case, method="verlet", steps=400)``.
 
@@ -106,7 +110,7 @@ def _constant(
     choose = check(choose)
     if isinstance(whole, EndsProblem):
         if seed is not None and choose != NEAREST:
-            raise InputError(f"a seed and choose = {choose!r} exclude each other: each selects an equilibrium")
+            raise InputError(TWO_WAYS.format(choose))
         seed = None if seed is None else seed_of(case, whole, seed)
     elif seed is not None or choose != NEAREST:
         word = f"choose = {choose!r}" if seed is None else "a seed"
@@ -158,10 +162,8 @@ def _held(
     choose = check(choose)
     if method.name != "shooting":
         raise InputError(f"method {method.name!r} needs dead loads and end angles, got {names}; choose shooting")
-    if choose != NEAREST:
-        raise InputError(
-            f"choose = {choose!r} selects among the equilibria under dead loads, got {names}; give a solution as seed"
-        )
+    if seed is not None and choose != NEAREST:
+        raise InputError(TWO_WAYS.format(choose))
     if seed is not None and not isinstance(seed, Solution):
         raise InputError(
             f"seed of a case with {names} must be a Solution, got {seed!r}: beta'(0) leaves its loads open"
@@ -173,7 +175,7 @@ def _held(
     def column(rods: Case, t: Array, seed: Seed | None) -> Answer:
         problem = whole if rods is case else reduce_held(rods)
         fit = np.asarray(np.isfinite(t)).all(axis=1, keepdims=True)
-        answer, dead_problem = each_held(problem, np.where(fit, t, np.linspace(0, 1, t.shape[1])), tol, seed)
+        answer, dead_problem = each_held(problem, np.where(fit, t, np.linspace(0, 1, t.shape[1])), tol, seed, choose)
         limits = [said if said in (TOO_LARGE, TOO_LONG) else "" for said in answer.outcome]
         why = np.where(representable(rods, dead_problem), limits, OUT_OF_RANGE)
         return dead_problem, _refuse(answer, rods, why)

@@ -1,4 +1,4 @@
-"""One equilibrium of each of B problems with held ends, as a trajectory: from a seed or a dead-load equilibrium."""
+"""One equilibrium of each of B problems with held ends, as a trajectory: that of a rule or of a seed."""
 
 from dataclasses import replace
 from functools import partial
@@ -8,10 +8,9 @@ import numpy as np
 
 from ..equilibrium.charts import CORNER, charts, coordinate
 from ..equilibrium.given_numbers import FREE, Given, OrbitState, parts_of, values_of
-from ..equilibrium.held_index import dead_index_of, index_of
+from ..equilibrium.held_index import dead_index_of
 from ..equilibrium.system import correct_equilibrium
 from ..held.held_alternatives import alternatives_of, away
-from ..held.held_starts import Reached, from_seed, nearest_start
 from ..levels.boundary import boundary_of
 from ..levels.path_orbits import orbit_of, together, trajectory_on, variations_of
 from ..mechanics.potential import load_size
@@ -20,7 +19,8 @@ from ..orbit.periodic_orbit import Orbit
 from ..problem.limits import beyond_limits, held_apart, unreachable
 from ..problem.reduced import EndsProblem, HeldProblem
 from ..problem.trajectory import PLAIN, Seed, Trajectory
-from .selection import path_of_seed
+from .held_selection import Reached, by_rule, by_seed
+from .selection import Choose, path_of_seed
 
 ALTERNATIVE = "another equilibrium with the same ends"
 
@@ -40,8 +40,9 @@ def held_trajectory(reached: Reached, wanted: Given, t: Array, tol: float) -> Tr
     )
     shape = trajectory_on(orbit, t, np.array([miss]), np.array([response_of(state, wanted)]), tol)
     find = None if reached.seed is None else partial(_alternatives, reached.seed, reached.state, wanted, tol)
-    how, index = np.array([reached.begun], dtype=object), np.array([index_of(state, wanted)])
-    return replace(shape, begun=how, held_index=index, alternatives=find)
+    begun, how = (np.array([said], dtype=object) for said in (reached.begun, reached.selection))
+    held, dead = np.array([reached.index(wanted)]), np.array([dead_index_of(state)])
+    return replace(shape, begun=begun, selection=how, held_index=held, dead_index=dead, alternatives=find)
 
 
 def _alternatives(seed: OrbitState, found: OrbitState, wanted: Given, tol: float, t: Array) -> list[tuple[Any, ...]]:
@@ -98,7 +99,9 @@ def response_of(state: OrbitState, wanted: Given) -> float:
     return max(1.0, largest) if np.isfinite(largest) else np.inf
 
 
-def each_held(problem: HeldProblem, t: Array, tol: float, seed: Seed | None) -> tuple[Trajectory, EndsProblem]:
+def each_held(
+    problem: HeldProblem, t: Array, tol: float, seed: Seed | None, choose: Choose
+) -> tuple[Trajectory, EndsProblem]:
     """The answers to B problems at stations t (B, n), and the problems under dead loads that they solve.
 
     A problem that is not solved stands there as a plain one.
@@ -107,7 +110,7 @@ def each_held(problem: HeldProblem, t: Array, tol: float, seed: Seed | None) -> 
     solved = EndsProblem(**{name: np.full(problem.size, PLAIN[name]) for name in (*FREE, "span")})
     for i in range(problem.size):
         single = problem.take(slice(i, i + 1))
-        reached = _reach(single, None if seed is None else seed.take(slice(i, i + 1)))
+        reached = _reach(single, None if seed is None else seed.take(slice(i, i + 1)), choose)
         if isinstance(reached, str):
             answers.append(reached)
             continue
@@ -117,13 +120,13 @@ def each_held(problem: HeldProblem, t: Array, tol: float, seed: Seed | None) -> 
     return together(answers, t), solved
 
 
-def _reach(problem: HeldProblem, seed: Seed | None) -> Reached | str:
+def _reach(problem: HeldProblem, seed: Seed | None, choose: Choose) -> Reached | str:
     if why := beyond_limits(problem)[0]:
         return str(why)
     if why := unreachable(*held_apart(problem), seed is not None):
         return f"failed: {why}"
     given = Given.of(problem)
     if seed is None:
-        return nearest_start(given)
+        return by_rule(given, choose)
     assert seed.problem is not None
-    return from_seed(given, seed.problem, path_of_seed(seed))
+    return by_seed(given, seed.problem, path_of_seed(seed))

@@ -58,6 +58,43 @@ class Selection:
             return f"shown: the {'stable ' if self.stable else ''}shape that swings least"
         return f"shown: of those of index {self.choose} the shape that swings least"
 
+    @property
+    def remark(self) -> str:
+        """What the outcome of a solved case says of the selection, or nothing."""
+        return "" if self.complete else INCOMPLETE
+
+
+@dataclass(frozen=True)
+class HeldSelection(Selection):
+    """How one equilibrium under held ends was taken from those found, of which no list is complete.
+
+    index: Morse index of the one taken; NaN where it is not decided. turned: how many were set aside because a dead
+    force that pushes turns them round.
+    """
+
+    index: float = 0.0
+    turned: int = 0
+
+    def __str__(self) -> str:
+        first = "" if self.index == 0 else f"unstable under held ends, index {self.index:.0f}; "
+        first = first if np.isfinite(self.index) else "not known to be stable under held ends; "
+        many = "equilibrium" if self.count == 1 else "equilibria"
+        return f"{first}{self.count} {many} compared, {self.stable} stable; {self.rule}"
+
+    @property
+    def rule(self) -> str:
+        """Which equilibrium the rule takes, in words."""
+        if isinstance(self.choose, int):
+            return f"shown: of those of index {self.choose} that of least held energy"
+        kind = "stable " if self.choose == NEAREST and self.stable else ""
+        aside = f" (set aside: {self.turned} that the push turns round)" if self.turned else ""
+        return f"shown: the {kind}one of least held energy{aside}"
+
+    @property
+    def remark(self) -> str:
+        """Nothing: what was compared is said with the selection, and no list of held ends is complete."""
+        return ""
+
 
 def check(choose: Any) -> Choose:
     """The rule as given; raises `InputError` unless it is one of `RULES` or a Morse index."""
@@ -71,8 +108,8 @@ def check(choose: Any) -> Choose:
 def select(choose: Choose, index: Array, energy: Array, strays: Array, slope: Array) -> int | None:
     """Which of K equilibria the rule takes; None where no equilibrium has the index asked for, or K is 0.
 
-    index: Morse indices. energy: in any unit. strays: how far beta goes beyond its two end angles.
-    slope: beta'(0), in any unit. (K,) each.
+    index: Morse indices. energy: in any unit, of held ends held energy. strays: how far beta goes beyond its two end
+    angles; of held ends whether the rod turns round. slope: beta'(0), in any unit. (K,) each.
     """
     if choose == LOWEST:
         among: Integers = np.arange(index.size)
@@ -112,13 +149,18 @@ def selection_of(
         return equilibrium_trajectory(problem, known.orbit.take(nearest), t, tol)
     i = select(choose, known.index, known.energy, known.stray, known.slope)
     if i is None:
-        each = sorted({int(i) for i in known.index})
-        shown = ", ".join(map(str, each[:8])) + (f", ... up to {each[-1]}" if len(each) > 8 else "")
-        return f"failed: none of the {known.total} equilibria found has index {choose}; their indices: {shown}"
+        return none_of_index(choose, known.total, known.index)
     if not isinstance(choose, int) and known.index[i] != 0 and known.remark:  # by degree there is a stable equilibrium
         return f"failed: {known.remark}"
     how = np.array([selection(choose, known.index, known.total, not known.remark)], dtype=object)
     return replace(equilibrium_trajectory(problem, known.orbit.take(slice(i, i + 1)), t, tol), selection=how)
+
+
+def none_of_index(choose: Choose, total: int, index: Array) -> str:
+    """The outcome where none of the equilibria has the index asked for; index: of those that are known."""
+    each = sorted({int(i) for i in index[np.isfinite(index)]})
+    shown = ", ".join(map(str, each[:8])) + (f", ... up to {each[-1]}" if len(each) > 8 else "")
+    return f"failed: none of the {total} equilibria found has index {choose}; their indices: {shown}"
 
 
 def _search(problem: EndsProblem, slope: float | None, choose: Choose) -> Found | None:

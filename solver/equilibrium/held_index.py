@@ -1,4 +1,4 @@
-"""The Morse index of an equilibrium under the ends that are meant.
+"""The Morse index and the energy of an equilibrium under the ends that are meant.
 
 Under the loads of an equilibrium the second variation is that of eta'' + H' eta = 0 with eta = 0 where the angle is
 given and eta' = 0 where a moment is. Let eta be the solution that meets the condition at the start. Its phase, the
@@ -13,7 +13,8 @@ displacements.
 
 import numpy as np
 
-from ..mechanics.potential import load_size, slope_rate
+from ..levels.path_orbits import energies, orbit_of
+from ..mechanics.potential import load_size, potential, slope_rate
 from ..numerics.arrays import Array
 from ..orbit.periodic_orbit import helix_half_waves
 from .given_numbers import Given, OrbitState
@@ -32,7 +33,8 @@ def held_index(rates: OrbitRates, ratio: Array, names: tuple[str, ...], leaving:
     names: the five given numbers (`problem.reduced.HeldProblem.numbers`). leaving, turns: (B,), of their paths.
     """
     ends, compliance = _held_compliance(rates, ratio, names)
-    return dead_index(rates, leaving, turns, ends) - negative(compliance)
+    index = dead_index(rates, leaving, turns, ends) - negative(compliance)
+    return np.where(index < 0, np.nan, index)  # a rod next to a saddle for so long has no digit of its compliance
 
 
 def _held_compliance(rates: OrbitRates, ratio: Array, names: tuple[str, ...]) -> tuple[tuple[str, ...], Array]:
@@ -116,6 +118,22 @@ def index_of(state: OrbitState, wanted: Given) -> float:
         return float(held_index(state.rates, ratio, wanted.names, *each)[0])
     ends, compliance = _held_compliance(state.rates, ratio, wanted.names)
     return _helix_index(state, ends) - float(negative(compliance)[0])
+
+
+def held_energy(state: OrbitState, wanted: Given) -> float:
+    """The bending and twist energy less the work of the loads and end moments that are given, in units of A/rho.
+
+    A reaction does no work when neighbouring shapes with the same held ends are compared.
+    """
+    problem, number = state.problem, {name: float(state.rates.value(name)[0]) for name in NUMBERS}
+    level = number["dbeta0"] ** 2 + potential(problem, problem.beta0)
+    energy, mu = float(energies(orbit_of(problem, state.path), level)[0]), number["mu"]
+    twist = wanted.ratio * mu**2 * wanted.span / 2
+    energy += twist - mu * number["swirl"] if "turn" in wanted.names else -twist
+    works = (("phi", "z"), ("lam", "alpha"))
+    energy += sum(number[load] * number[held] for load, held in works if held in wanted.names)
+    moments = (("dbeta0", "beta0", 1), ("dbetaL", "betaL", -1))
+    return energy + sum(sign * wanted.number(given, 0.0) * number[angle] for given, angle, sign in moments)
 
 
 def lower_index(state: OrbitState, wanted: Given) -> int:

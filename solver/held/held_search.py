@@ -30,6 +30,7 @@ from ..problem.reduced import EndsProblem
 from .held_sweep import Point, Ranges, ranges_of, starts_of, swept
 from .hinge_scan import hinged_states
 
+MOST_PERIODS, TRIES = 8, 10  # of the rods from which the search begins; deflations without a new equilibrium
 _LEVEL = 1e-6  # rad by which beta of a rod varies that rounding alone tells from a straight rod or a helix
 _POINTS = 150  # of each continuation
 _SEED = 14  # of the random choice of where deflation begins
@@ -119,14 +120,18 @@ class HeldFound:
 
 
 def held_search(
-    given: Given, own: dict[str, tuple[float, float]], most_periods: int, tries: int, values: int | None = None
+    given: Given,
+    own: dict[str, tuple[float, float]] | None = None,
+    most_periods: int = MOST_PERIODS,
+    tries: int = TRIES,
+    values: int | None = None,
 ) -> HeldFound:
     """The equilibria with the given numbers.
 
     own: ranges of unknown numbers in place of the default ones; values: how many of each. tries: the deflations without
     a new equilibrium after which the search ends.
     """
-    result = HeldFound(given, ranges_of(given, own, values))
+    result = HeldFound(given, ranges_of(given, own or {}, values))
     scanned = hinged_states(given)
     points = [] if scanned else swept(given, result.ranges, most_periods)
     result.problems, result.equilibria = len(points), sum(len(point.states) for point in points)

@@ -1,57 +1,36 @@
-"""The equilibria from which continuation to held ends begins: a seed, or equilibria under dead loads.
+"""Equilibria under held ends, from a minimum of the energy or from equilibria under dead loads.
 
-Guesses of the unknown loads and end angles give some dead-load problems; of their equilibria with few turning points
-those are tried first whose displacements are nearest to the held ones and whose index under the held ends is small. The
-start that is taken is the first that leads to a stable equilibrium, or else the first that leads to any. If none leads
-to one, the stable helix of least energy is taken, or what starts next to helices lead to, or any helix. There may be
-other equilibria.
+A minimum on a mesh tells the loads and the end angles of an equilibrium, which is taken from those under these dead
+loads. Where no minimum is found, as of very long rods, guesses of the unknown loads and end angles give some dead-load
+problems; of their equilibria with few turning points those are tried first whose displacements are nearest to the held
+ones and whose index under the held ends is small, up to one that leads to a stable equilibrium. If none leads to one,
+the stable helices are taken, or what starts next to helices lead to, or any helix. There may be other equilibria.
 """
 
-from dataclasses import dataclass
-from functools import partial
 from itertools import product
 
 import numpy as np
 
 from ..branches.continuation import FOLD, Stopped, carry
 from ..branches.deflation import is_known, numbers_of
-from ..branches.helices import helices_of
 from ..equilibrium.given_numbers import FREE, Given, OrbitState, problem_of
 from ..equilibrium.held_index import index_of
-from ..equilibrium.system import settle, state_of
-from ..levels.boundary import Path, critical_points
+from ..equilibrium.system import settle
+from ..levels.boundary import critical_points
 from ..levels.path_orbits import orbit_of
-from ..mechanics.potential import TAU, potential
-from ..orbit.periodic_orbit import jacobi_zeros
-from ..problem.reduced import EndsProblem
-from ..problem.trajectory import DeadStart
-from .held_alternatives import said_of_seed
+from ..mechanics.potential import TAU
+from ..numerics.arrays import Array
+from .energy_minima import Minimum
 from .held_sweep import dead_states
 
-HELIX = "a helix, which has these ends itself"
 _TRIED, _REACHED = 8, 3  # starts from which continuation is tried; equilibria after which it ends
 _UNSTABLE = 0.3  # what a negative direction of a start adds to its distance
 _MOST_TURNS = 2  # of the starts
 _LAYERS = 8.0  # least k L/rho of a taut rod: the angle decays before the other end
 _SHORT = 1e-3  # share of the way to a helix by which an end angle stays away from it
-
-
-@dataclass(frozen=True, eq=False)
-class Reached:
-    """An equilibrium under held ends, what its continuation began from, and the seed where there is one."""
-
-    state: OrbitState
-    begun: str | DeadStart
-    seed: OrbitState | None = None
-
-
-def from_seed(wanted: Given, problem: EndsProblem, path: Path | None) -> Reached | str:
-    """The equilibrium on the branch of a seed, an equilibrium of `problem`; or the outcome that says why not."""
-    if path is None:
-        return "failed: the seed is not a solution of its own ends problem"
-    seed = state_of(problem, path, wanted.hinged)
-    state = carry(seed, wanted)
-    return outcome_of(state) if isinstance(state, Stopped) else Reached(state, said_of_seed(seed, state, wanted), seed)
+_STABLE_TURNS = 6  # the most of a stable rod: one more than the displacements that are held, and one at each hinge
+_BESIDE, _WAVES = 0.05, 1e-3  # rad: from a minimum to its equilibrium; swings of a minimum that may be a helix
+_POINTS = 100  # of a continuation from a minimum, which is short
 
 
 def outcome_of(found: Stopped) -> str:
@@ -63,34 +42,52 @@ def outcome_of(found: Stopped) -> str:
     )
 
 
-def nearest_start(wanted: Given) -> Reached | str:
-    """The equilibrium reached from the nearest dead-load equilibria; or the outcome that says why there is none."""
-    guesses, helices = _guesses(wanted), sorted(helices_of(wanted)[0], key=partial(_energy_of_helix, wanted))
-    themselves = [Reached(state, HELIX) for state in helices]
+def equilibrium_beside(minimum: Minimum, helices: list[OrbitState]) -> OrbitState | None:
+    """The equilibrium of a minimum on a mesh; None where none is found beside it.
+
+    helices: those that have the held ends.
+    """
+    given, u = minimum.land.given, minimum.land.mesh.points.ravel()
+    beta = minimum.land.angles(minimum.beta).ravel()
+    if np.ptp(beta) < _WAVES:
+        turn = TAU if not {"beta0", "betaL"} & {*given.names} else np.inf
+        for helix in helices:
+            if abs(np.remainder(helix.problem.beta0[0] - beta[0] + _BESIDE, turn) - _BESIDE) < _WAVES:
+                return helix
+    dead = dead_states(problem_of(given, minimum.numbers), most_turns=_STABLE_TURNS)
+    states = [] if dead is None else dead[0]
+    away = [float(np.abs(_angles_along(state, u) - beta).max()) for state in states]
+    for i in np.argsort(away)[:2]:
+        if away[i] < _BESIDE:
+            state = settle(states[i].problem, states[i].path, given)
+            carried = carry(states[i], given, _POINTS) if isinstance(state, str) else state
+            if not isinstance(carried, Stopped):
+                return carried
+    return None
+
+
+def _angles_along(state: OrbitState, u: Array) -> Array:
+    """beta at shares u of the length, (n,)."""
+    return np.asarray(orbit_of(state.problem, state.path).at(state.problem.span[:, None] * u)[0][0])
+
+
+def states_from_dead_loads(wanted: Given, helices: list[OrbitState]) -> list[OrbitState] | str:
+    """The equilibria reached from the nearest dead-load equilibria; or the outcome that says why there is none."""
+    guesses = _guesses(wanted)
     reached, tried, why = _reach(wanted, _starts(wanted, guesses), helices)
-    reached = reached or [candidate for candidate in themselves if index_of(candidate.state, wanted) == 0]
+    reached = reached or [helix for helix in helices if index_of(helix, wanted) == 0]
     if not reached and (near := _next_to_helices(wanted, guesses)):
         reached, more, _ = _reach(wanted, _starts(wanted, near), helices)
         tried += more
-    reached = reached or themselves
-    stable = [candidate for candidate in reached if index_of(candidate.state, wanted) == 0]
-    return [*stable, *reached][0] if reached else f"{why}; {tried} starts were tried; in Python a seed may help"
+    return reached or helices or f"{why}; {tried} starts were tried; in Python a seed may help"
 
 
-def _energy_of_helix(wanted: Given, helix: OrbitState) -> float:
-    """The energy of a helix per length, less the work of the loads; that of a torque only where no rotation is held."""
-    problem = helix.problem
-    mu, beta = float(problem.mu[0]), float(problem.beta0[0])
-    of_loads = -float(potential(problem, problem.beta0)[0]) / 2
-    return of_loads + ((wanted.ratio * mu - np.sin(2 * beta)) * mu / 2 if "turn" in wanted.names else 0.0)
-
-
-def _reach(wanted: Given, starts: list[OrbitState], helices: list[OrbitState]) -> tuple[list[Reached], int, str]:
+def _reach(wanted: Given, starts: list[OrbitState], helices: list[OrbitState]) -> tuple[list[OrbitState], int, str]:
     """What the first starts lead to, up to a stable equilibrium; how many were tried; why the first of them failed.
 
     An orbit whose swings about one of the helices fall to rounding is that helix.
     """
-    reached: list[Reached] = []
+    reached: list[OrbitState] = []
     why, taut = "", _taut_loads(wanted)
     for tried, start in enumerate(starts[:_TRIED], 1):
         state = carry(start, wanted)
@@ -101,16 +98,10 @@ def _reach(wanted: Given, starts: list[OrbitState], helices: list[OrbitState]) -
                 continue
             state = near
         state = next((helix for helix in helices if is_known(state, [numbers_of(helix)])), state)
-        reached.append(Reached(state, _dead(start)))
+        reached.append(state)
         if index_of(state, wanted) == 0 or len(reached) == _REACHED:
             return reached, tried, why
     return reached, len(starts[:_TRIED]), why or "failed: no equilibrium under dead loads was found to start from"
-
-
-def _dead(start: OrbitState) -> DeadStart:
-    p = start.problem
-    index = int(jacobi_zeros(orbit_of(p, start.path))[0])
-    return DeadStart(index, *(float(value[0]) for value in (p.phi, p.lam, p.mu, p.beta0, p.betaL)))
 
 
 def _starts(wanted: Given, guesses: list[dict[str, float]]) -> list[OrbitState]:

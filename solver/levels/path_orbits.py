@@ -168,7 +168,8 @@ def _row(answer: Trajectory, orbit: Orbit, known: Sequence[str]) -> Trajectory:
     return replace(answer, orbit=orbit, alternatives=None, **unknown)
 
 
-_UNKNOWN = {"selection": np.array([None]), "begun": np.array([None]), "held_index": np.array([np.nan])}
+_UNKNOWN = {name: np.array([None]) for name in ("selection", "begun")}
+_UNKNOWN |= {name: np.array([np.nan]) for name in ("held_index", "dead_index")}
 
 
 def _missing(t: Array, why: str) -> Trajectory:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..numerics.arrays import Array, Columns
-from .reduced import EndsProblem, Reduced, value_of_number
+from .reduced import EndsProblem, Reduced
 
 SOLVED = "solved"
 FEWER = "fewer digits"  # the remark on a case whose error is above the tolerance, for a reason that follows BECAUSE
@@ -26,28 +26,6 @@ SHAPELESS = 0.1  # rad: with a larger error the shape is another one, whatever t
 P = TypeVar("P", bound=Reduced)
 
 
-@dataclass(frozen=True)
-class DeadStart:
-    """An equilibrium under dead loads, from which a continuation to held ends began.
-
-    index: its Morse index. FZ [A/rho^2], MZ and M3 [A/rho]: its loads. beta0, betaL [rad].
-    """
-
-    index: int
-    FZ: float
-    MZ: float
-    M3: float
-    beta0: float
-    betaL: float
-
-    def said(self, A: float, rho: float) -> str:
-        """The equilibrium in words, for a rod of bending stiffness A at the distance rho from the axis."""
-        loads = {name: value_of_number(name, getattr(self, name), A, rho) for name in ("FZ", "MZ", "M3")}
-        numbers = ", ".join(f"{name} = {value:.6g}" for name, value in loads.items())
-        angles = f"beta0 = {self.beta0:.6g} rad, betaL = {self.betaL:.6g} rad"
-        return f"an equilibrium under dead loads, which has {numbers}, {angles} and the index {self.index}"
-
-
 @dataclass(frozen=True, eq=False)
 class Trajectory:
     """The answer to B problems at n stations, in units of rho.
@@ -58,9 +36,9 @@ class Trajectory:
     orbit: the periodic orbit if the method knows it (`orbit.periodic_orbit`), else None.
     selection: (B,) of `selection.Selection`, how each equilibrium was selected; None for a seed, for a
     start problem, and where floats cannot hold the problem.
-    begun: (B,) phrases or values of `DeadStart`, from which equilibrium the continuation to held ends began; None for
-    other problems.
-    held_index: (B,) of floats, the Morse index under held ends; None for other problems.
+    begun: (B,) phrases, how each rod with held ends, weight or friction was found; None where the selection says it.
+    held_index, dead_index: (B,) of floats, the Morse index under held ends, and without weight or friction that of the
+    shape under dead loads between its own end angles; None for other problems.
     alternatives: a function of the stations (1, n) that finds other equilibria with the held ends of a single problem,
     near its seed: distance from the seed, problem and trajectory of each; None for other problems.
     loads: lam, mu and phi at the stations, (3, B, n), and shapes: `shooting.varying_shapes.VaryingShapes`, where loads
@@ -81,6 +59,7 @@ class Trajectory:
     selection: NDArray[np.object_] | None = None
     begun: NDArray[np.object_] | None = None
     held_index: Array | None = None
+    dead_index: Array | None = None
     alternatives: Callable[[Array], Any] | None = None
     loads: Array | None = None
     shapes: Any = None
@@ -187,6 +166,7 @@ def blank(answer: Trajectory, fit: NDArray[np.bool_], why: str | NDArray[np.str_
         evaluations=np.where(fit, answer.evaluations, 0),
         selection=None if answer.selection is None else np.where(fit, answer.selection, np.array(None)),
         held_index=None if answer.held_index is None else np.where(fit, answer.held_index, np.nan),
+        dead_index=None if answer.dead_index is None else np.where(fit, answer.dead_index, np.nan),
         begun=None if answer.begun is None else np.where(fit, answer.begun, np.array(None)),
         loads=None if answer.loads is None else np.where(shown, answer.loads, np.nan),
         shapes=None if answer.shapes is None else answer.shapes.only(fit),

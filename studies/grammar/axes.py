@@ -188,7 +188,8 @@ class Which(BaseModel):
     """Which equilibrium of an ends problem: by a rule, by its Morse index, or by beta'(0) and energy.
 
     choose: a rule of `solve`. index: a Morse index; of its equilibria the one whose beta goes least beyond its end
-    angles. dbeta0 [rad/length] and energy [force length]: the equilibrium nearest to both.
+    angles, or of held ends that of least held energy. dbeta0 [rad/length] and energy [force length]: the equilibrium
+    nearest to both.
     """
 
     model_config = STRICT

@@ -138,13 +138,15 @@ def _check_units(study: Study) -> None:
 
 
 def _check_equilibrium(study: Study) -> None:
-    """Raise `Misplaced` where the key equilibrium has no list of equilibria to choose from."""
+    """Raise `Misplaced` where the key equilibrium has no equilibria to choose from."""
     if study.equilibrium is not None and (study.reading or study.kind is Start):
         why = "equilibrium selects a solution of an ends problem; it excludes a reading and a start problem"
         raise Misplaced(why, "equilibrium")
-    if study.equilibrium is not None and study.held:
-        why = f"equilibrium selects among the equilibria under dead loads, got {choices(study.held)}"
-        raise Misplaced(why, "equilibrium")
+    if study.equilibrium is not None and study.equilibrium.rule is None and study.held:
+        why = (
+            f"dbeta0 and energy name one of a complete list, which {choices(study.held)} has not: give choose or index"
+        )
+        raise Misplaced(why, "equilibrium", "dbeta0")
 
 
 def _check_law(study: Study, number: int, law: Law) -> None:

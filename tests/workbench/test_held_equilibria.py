@@ -1,15 +1,15 @@
 """The command equilibria with held ends: its table, its file and picture, and what it refuses."""
 
 import json
-import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
 
-from solver import Case, Cylinder, Ends, Rod, solve
+from studies.language.loader import loads
 from tests.workbench import small
+from workbench.store import in_memory
 
 ROD = "--length-unit cm --force-unit N --E 1.07e4 --nu 0.25 --a 0.25 --L 5 --R 0.75 --beta0 0 --betaL 0 --height 4"
 QUICK = "--within FZ=-90:-30 --values 3 --tries 0"
@@ -45,16 +45,37 @@ def test_solve_prints_the_energy_of_the_list_beside_the_observable(call) -> None
     assert energy == pytest.approx(held - told["reactions"]["FZ"] * 4.0, rel=1e-9)
 
 
-def test_the_start_of_a_held_solution_is_told_in_the_units_of_the_case() -> None:
-    """The same rod in mm: the same force, ten times the moments."""
-    solutions = [
-        solve(Case(Rod(E=1.07e4 / k**2, nu=0.25, a=0.25 * k, L=5.0 * k), Cylinder(R=0.75 * k),
-                   Ends(0.2, 0.3, azimuth=-1.0, FZ=-20.0)))
-        for k in (1, 10)
-    ]  # fmt: skip
-    begun = [dict(re.findall(r"(\w+) = (\S+?),? ", f"{sol.begun} ")) for sol in solutions]
-    assert "under dead loads" in solutions[0].begun
-    cm, mm = ({name: float(value) for name, value in one.items()} for one in begun)
-    assert (cm["FZ"], cm["beta0"], cm["betaL"]) == pytest.approx((mm["FZ"], mm["beta0"], mm["betaL"]), rel=1e-5)
-    assert mm["MZ"] == pytest.approx(10 * cm["MZ"], rel=1e-4)
-    assert cm["FZ"] == pytest.approx(-20.0, rel=1e-5)  # it is given, and is so from the start
+def test_the_first_case_of_a_followed_study_is_that_of_the_rule() -> None:
+    """So that a study which follows does not carry an unstable arch through."""
+    text = small.text(
+        {**small.SHORT, "beta0": "20deg", "betaL": "-20deg"}, small.axis("height", [4.6, 4.5], follow=True)
+    )
+    ds = in_memory.run(loads(text))
+    assert ds["held_index"].values.tolist() == [0, 0]
+    assert float(ds["FZ"][0]) == pytest.approx(-25.898892401, rel=1e-9)
+    assert "2 equilibria compared, 2 stable; shown: the stable one of least held energy" in ds.attrs["equilibria"]
+
+
+ARCH = ROD.replace("--beta0 0 --betaL 0 --height 4", "--beta0 20deg --betaL {} --height {}")
+
+
+def test_a_rule_for_held_ends_is_taken_stored_and_taken_again(tmp_path, call) -> None:
+    """The study that is written names the rule, and gives the same unstable rod."""
+    file = tmp_path / "x.toml"
+    told = json.loads(
+        call("solve", *ARCH.format("-20deg", 4.6).split(), "--choose", "1", "--out", str(file), "--json")[1]
+    )
+    again = json.loads(call("solve", str(file), "--json")[1])
+    assert "index = 1" in file.read_text(encoding="utf-8")
+    assert told["indices"]["held ends"] == 1
+    assert told["which"].startswith("unstable under held ends, index 1; ")
+    assert again["which"] == told["which"]
+    assert again["reactions"]["FZ"] == pytest.approx(told["reactions"]["FZ"], rel=1e-9)
+
+
+def test_solve_and_the_list_say_the_same_index_under_dead_loads(call) -> None:
+    rod = ARCH.format("20deg", 2.9).split()
+    said = call("solve", *rod)[1]
+    listed = json.loads(call("equilibria", *rod, "--values", "21", "--tries", "0", "--json")[1])["equilibria"][0]
+    assert "held: height; index 0 under held ends, 1 under dead loads" in said
+    assert (listed["index"], listed["dead_index"], listed["taken"]) == (0, 1, True)

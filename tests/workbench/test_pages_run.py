@@ -87,7 +87,7 @@ PAGES = [
     ),
     Page(
         "how-to/hold-the-ends", made=("held_height.png", "held_hinges.png", "held_equilibria.png"),
-        said=("held: height; the search began at an equilibrium under dead loads, which has FZ = ",
+        said=("2 equilibria compared, 2 stable; shown: the stable one of least held energy",
               "index 0 under held ends, 0 under dead loads", "8 equilibria, 2 stable under held ends: height",
               "the seed, 0.", "rad from the seed",
               "equilibria, not proved complete: searched over FZ from -60 to 0"),

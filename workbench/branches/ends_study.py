@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from solver import Case, Ends, InputError, Solution, observe, solve
+from solver.choose.selection import NEAREST
 from solver.equilibria import Equilibrium
 from solver.problem.errors import choices
 from solver.problem.reduced import held_of
@@ -97,10 +98,13 @@ def study_text(title: str, units: Mapping[str, str], values: Mapping[str, Any]) 
 def text_of_solution(title: str, units: Mapping[str, str], sol: Solution, named: bool = True) -> str:
     """The TOML text of a study of one case that takes the same solution again.
 
-    named: whether it names the equilibrium of two ends, by which it is found among all. Held ends and start problems
-    have the solution of their rule.
+    named: whether it names the equilibrium of two ends, by which it is found among all. Held ends have the solution of
+    their rule, and start problems one.
     """
     text = study_text(title, units, field_values(sol.case))
+    if sol.held and sol.selection is not None and sol.selection.choose != NEAREST:
+        rule = sol.selection.choose
+        return f"{text}\n[equilibrium]\n" + (f"index = {rule}\n" if isinstance(rule, int) else f'choose = "{rule}"\n')
     if not (named and isinstance(sol.case.given, Ends) and sol.solved) or sol.held:
         return text
     dbeta0, energy = float(sol.dbeta[0]), float(observe(sol, ["energy"])["energy"])

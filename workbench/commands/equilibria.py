@@ -131,10 +131,7 @@ def _list(
     study: "Study", case: "Case", found: "Equilibria", choose: str | None, source: str, export: Path | None
 ) -> Result:
     """The equilibria and which of them the rule selects, as they are handed over."""
-    import numpy as np
-
-    from solver.choose.selection import selection
-    from solver.equilibria import meant
+    from solver.equilibria import choice
     from solver.equilibrium_list import HeldEquilibria
     from solver.problem.reduced import held_of
     from studies.language.case_input import field_values, with_unit
@@ -147,9 +144,8 @@ def _list(
     rule = rule_of(study.equilibrium) if choose is None else parse_choose(choose).rule
     assert rule is not None
     searched = found.search if isinstance(found, HeldEquilibria) else None
-    taken = None if searched and choose is None else meant(found, rule)  # solve selects from no list of held ends
+    taken, how = choice(found, rule)
     rows = [{**row(equilibrium), "taken": equilibrium is taken} for equilibrium in found]
-    how = selection(rule, np.array([equilibrium.index for equilibrium in found], dtype=int), len(found), found.complete)
     remark = with_unit(found.remark, case, study.unit_system)
     search = {} if searched is None else {"search": asdict(searched)}
     held = held_of(case)
@@ -165,7 +161,7 @@ def _list(
         console.say(f"{len(rows)} {noun}, {sum(r['index'] == 0 for r in rows)} stable {ends}")
         if held or not found.complete:
             console.say(remark if held else f"the list may be incomplete: {remark}")
-        if taken or (found and not (searched and choose is None)):
+        if found:
             console.say(f"* {how.rule}" if taken else f"none has index {rule}")
         console.say(f"rod: {source}")
         console.say_units(study.unit_system)

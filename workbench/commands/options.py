@@ -228,12 +228,10 @@ def read_range(
 def parse_choose(text: str, given: Any = None) -> "Which":
     """``nearest``, ``lowest`` or a Morse index as the [equilibrium] table of a study.
 
-    given: the start or the ends of the case. Raises `InputError`, also for a start, which has one solution, and for
-    held ends, whose equilibria `solve` does not list.
+    given: the start or the ends of the case. Raises `InputError`, also for a start, which has one solution.
     """
-    from solver import Ends, Start
-    from solver.choose.selection import NEAREST, check
-    from solver.problem.case import PAIRS
+    from solver import Start
+    from solver.choose.selection import check
     from studies.grammar.axes import Which
 
     try:
@@ -242,10 +240,4 @@ def parse_choose(text: str, given: Any = None) -> "Which":
         raise InputError(f"--choose must be nearest, lowest or a Morse index (0, 1, 2, ...), got {text!r}") from None
     if isinstance(given, Start):
         raise InputError("--choose selects among the equilibria of an ends problem; a start problem has one solution")
-    held = [name for _, name in PAIRS if isinstance(given, Ends) and getattr(given, name) is not None]
-    if held and rule != NEAREST:
-        raise InputError(
-            f"--choose {text} selects among the equilibria under dead loads, got {', '.join(held)}: workbench "
-            f"equilibria lists those of held ends, marks one with --choose {text}, and stores all with --out"
-        )
     return Which(index=rule) if isinstance(rule, int) else Which.model_validate({"choose": rule})

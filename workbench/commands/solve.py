@@ -54,7 +54,8 @@ def solve(
     is wound on a drum has tension and lay in place of all of these.
 
     An ends problem has many equilibria: --choose selects one, by default the stable equilibrium whose beta goes least
-    beyond its end angles. The command equilibria lists all.
+    beyond its end angles; of held ends, where no list is complete, the stable one of least held energy that is found.
+    The command equilibria lists all, or searches for them.
 
     With --weight, --inclination or --friction the loads vary along the rod. The answer then continues from the straight
     rod, and the command says where the rod is straight, sinusoidal or helical. The model leaves out joints, and
@@ -134,7 +135,8 @@ def _which(sol: "Solution", listed: "Equilibria | None", base: "CaseInput") -> s
     if base.wound and sol.case.varies and sol.solved:
         return pipe_state.lay_sentence(sol, base.units["force"])
     if listed is None or not sol.solved:
-        return f"{sol.selection} (use workbench equilibria to list all)" if sol.selection is not None else ""
+        lists = "search for all" if sol.held else "list all"
+        return f"{sol.selection} (use workbench equilibria to {lists})" if sol.selection is not None else ""
     if study is not None:
         stable = sum(equilibrium.index == 0 for equilibrium in listed)
         return f"{len(listed)} equilibria, {stable} stable; shown: the one that {study.name} names"
@@ -182,13 +184,11 @@ def _find(sol: "Solution", units: dict[str, str], level: "Level", whole: bool) -
 
 
 def _indices(sol: "Solution") -> dict[str, int]:
-    """The Morse index under held ends and under dead loads; empty unless both are decided."""
-    from solver.observe.observables import observe
-
-    if not sol.held or sol.case.varies or not sol.solved or not math.isfinite(sol.held_index):
+    """The Morse index under held ends and under dead loads, each where it is decided; empty of other ends."""
+    if not sol.held or sol.case.varies or not sol.solved:
         return {}
-    dead = float(observe(sol, ["index"])["index"])
-    return {"held ends": int(sol.held_index)} | ({"dead loads": int(dead)} if math.isfinite(dead) else {})
+    indices = {"held ends": float(sol.held_index), "dead loads": float(sol.dead_index)}
+    return {loading: int(index) for loading, index in indices.items() if math.isfinite(index)}
 
 
 PROFILE = ("start", "middle", "largest", "at", "far")
@@ -227,7 +227,8 @@ def _show(found: dict[str, Any], every: bool, whole: bool) -> None:
     if found["begun"] and not found["pipe"]:
         console.say(f"held: {', '.join(found['held'])}; the search began at {found['begun']}")
     if found["indices"]:
-        console.say("index " + ", ".join(f"{index} under {loading}" for loading, index in found["indices"].items()))
+        said = ", ".join(f"{index} under {loading}" for loading, index in found["indices"].items())
+        console.say(f"held: {', '.join(found['held'])}; index {said}")
     for sentence in found["warnings"]:
         console.say(sentence)
     if found["caution"] and not found["profile"]:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver import Case, Solution, equilibria, solve
-from solver.choose.selection import INCOMPLETE, NEAREST, Choose
+from solver.choose.selection import NEAREST, Choose
 from solver.equilibria import Equilibria, nearest
 from solver.observe.observables import OBSERVABLES, observe, why_unknown
 from studies import Study
@@ -142,7 +142,7 @@ def columns(study: Study, sol: Solution, given: Mapping[str, Any] | None = None)
 def _incomplete(sol: Solution) -> NDArray[Any]:
     """A remark on each case whose equilibrium was selected from a list that may be incomplete, (cases,)."""
     lists = np.full(sol.case.size, None) if sol.selection is None else np.asarray(sol.selection).reshape(-1)
-    return np.array([INCOMPLETE if how is not None and not how.complete else "" for how in lists.tolist()])
+    return np.array(["" if how is None else how.remark for how in lists.tolist()])
 
 
 def _with_remarks(outcomes: NDArray[Any], remarks: NDArray[Any]) -> NDArray[Any]:

@@ -22,7 +22,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver import Branch, Case, InputError, Solution, follow, solve
-from solver.choose.selection import INCOMPLETE
 from solver.equilibrium_branch import BORDER, HELIX
 from solver.numerics.arclength import FOLD
 from solver.observe.observables import observe
@@ -147,8 +146,8 @@ def state_of(sol: Solution, branch: int, stable: bool | None = None, remark: str
     is_stable = float(sol.held_index if sol.held else observe(light, ["index"])["index"]) == 0
     if stable and not is_stable:
         remark = LOST
-    if sol.selection is not None and not sol.selection.complete:
-        remark = f"{remark}; {INCOMPLETE}" if remark else INCOMPLETE
+    said = "" if sol.selection is None else sol.selection.remark
+    remark = "; ".join(filter(None, (remark, said)))
     return State(light, branch, is_stable if stable is None else stable, remark)
 
 

@@ -1,0 +1,210 @@
+"""Shapes of least energy between held ends: a search that descends from simple shapes, the natural arch first.
+
+Newton's rule on a mesh, turned towards less energy where the energy curves downwards, descends from each shape; from a
+saddle it goes on to both sides. Between clamped ends the beta of a stable rod turns at most once more than
+displacements are held, so shapes of few waves suffice. Where a minimum is rough, as where a long rod turns, its mesh is
+refined.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..equilibrium.given_numbers import FREE, Given
+from ..mechanics.potential import TAU
+from ..numerics.arrays import Array
+from .bordered_bands import Bordered, times
+from .energy_landscape import Landscape, Mesh
+
+_PANELS, _LAYER = 6, 3.0  # panels at first; width of the first one beside an end, in that over which a layer decays
+_HALVINGS, _MOST_PANELS = 9, 64
+_ROUNDS, _CUTS, _MEETING = 80, 14, 6  # steps of a descent; cuts of a step; rounds to meet the constraints after one
+_LONGEST = 0.6  # rad: the largest change of beta in a step
+_CLOSE = 1e-7  # rad: a step that ends a descent
+_SADDLE, _PUSH, _PUSHES = 0.03, 0.3, 3  # rad: a step beside a saddle; the push off it; saddles on a way
+_SHIFT, _ITERATIONS = 1e-3, 8  # of the metric, first and then four times as much; to the direction that curves down
+_NEAR, _EQUAL = 1e-3, 1e-6  # rad, and of the energy: minima as near to each other are one
+_ROUNDED, _LEVEL = 1e-12, 1e-9  # of the energy: a rise that counts as none; curvature that counts as none
+_STEEPEST = 1e4  # pace of layers that still scales steps
+_WIDEST = 2.2  # rad: of a wave
+
+
+@dataclass(frozen=True, eq=False)
+class Minimum:
+    """A shape of least energy between held ends, on a mesh.
+
+    energy: held energy, in units of A/rho. beta: at the nodes (n,). reactions: to the constraints of the landscape.
+    fine: whether the mesh was refined to it.
+    """
+
+    land: Landscape
+    energy: float
+    beta: Array
+    reactions: Array
+    fine: bool = False
+
+    @property
+    def numbers(self) -> dict[str, float]:
+        """Its loads and end angles."""
+        ends = {"beta0": float(self.beta[0]), "betaL": float(self.beta[-1])}
+        return self.land.loads(self.beta, self.reactions) | ends
+
+    def is_same(self, other: "Minimum") -> bool:
+        """Whether another minimum on the mesh is this one."""
+        apart = abs(self.energy - other.energy)
+        return apart < _EQUAL * (1 + abs(self.energy)) and float(np.abs(self.beta - other.beta).max()) < _NEAR
+
+
+def is_turned_round(given: Given, beta: Array) -> bool:
+    """Whether a dead force pushes, and some of beta (n,) is more than a quarter turn beyond the angles given at the
+    ends, or between two hinges beyond that of a held azimuth.
+
+    That lets the force do more work: a long pushed rod has the least energy so, and is not what a user means. Nothing
+    keeps a rod between two hinges whose azimuth is free.
+    """
+    ends = [given.number(name, 0.0) for name in FREE[:2] if name in given.names]
+    if not ends and "alpha" in given.names:
+        ends = _angles(given, ends)[0][:1]
+    if not ends or given.number("phi", 0.0) >= 0:
+        return False
+    return max(float(beta.max()) - max(ends), min(ends) - float(beta.min())) > np.pi / 2
+
+
+def energy_minima(given: Given, helices: Sequence[float] = ()) -> list[Minimum]:
+    """The minima that are found. helices: angles of helices that have these ends, from which it is descended too."""
+    pace, taut = _pace(given), _taut_pace(given)
+    steep = max(pace, taut)
+    mesh = Mesh.with_layers(_PANELS, _LAYER / (steep * given.span))
+    land = Landscape(given, mesh, max(pace, min(taut, _STEEPEST)))
+    shapes = simple_shapes(given, mesh.nodes, steep) + [np.full(mesh.nodes.size, beta) for beta in helices]
+    minima = list[Minimum]()
+    for shape in shapes:
+        minima += [minimum for minimum in _descents(land, shape, _PUSHES) if not any(map(minimum.is_same, minima))]
+    return minima
+
+
+def refinement(minimum: Minimum) -> Minimum | None:
+    """The minimum on a mesh that is fine enough for it; None where a finer mesh has none there."""
+    for _ in range(_HALVINGS):
+        land = minimum.land
+        mesh = land.mesh.finer(minimum.beta)
+        if mesh is land.mesh:
+            return replace(minimum, fine=True)
+        if mesh.breaks.size > _MOST_PANELS:
+            return None
+        finer = Landscape(land.given, mesh, land.pace)
+        below = next(_descents(finer, land.mesh.read(minimum.beta, mesh.nodes), 0), None)
+        if below is None:
+            return None
+        minimum = below
+    return None
+
+
+def _descents(land: Landscape, shape: Array, pushes: int) -> Iterator[Minimum]:
+    """The minima below a shape: one, or those on both sides of a saddle that the way meets."""
+    beta = land.meet(land.shape(shape), 2 * _MEETING)
+    for _ in range(_ROUNDS):
+        if beta is None or (slopes := land.slopes(beta)) is None:
+            return
+        energy = land.energy(beta)
+        if not (np.isfinite(energy) and np.isfinite(slopes.curved.band).all()):
+            return
+        curved, is_valley = _upward_curvature(land, slopes.curved)
+        step = curved.solve(-slopes.slope)
+        size = float(np.abs(step).max())
+        if is_valley and size < _CLOSE:
+            yield Minimum(land, energy, beta, slopes.reactions)
+            return
+        if not is_valley and size < _SADDLE:
+            push = _PUSH * _downwards(land, curved)
+            for way in (push, -push) if pushes else ():
+                yield from _descents(land, land.move(beta, step + way), pushes - 1)
+            return
+        beta = _lower(land, beta, energy, step * min(1.0, _LONGEST / size))
+
+
+def _lower(land: Landscape, beta: Array, energy: float, step: Array) -> Array | None:
+    """The shape after a step, or after a part of it, that has no more energy; None where there is none."""
+    for _ in range(_CUTS):
+        new = land.meet(land.move(beta, step), _MEETING)
+        if new is not None and land.energy(new) <= energy + _ROUNDED * (1 + abs(energy)):
+            return new
+        step = step / 3
+    return None
+
+
+def _upward_curvature(land: Landscape, curved: Bordered) -> tuple[Bordered, bool]:
+    """The curvature of the energy with as much of the metric added as it needs to curve upwards, and whether it needs
+    none."""
+    shifted, shift = curved.plus(-_LEVEL * land.metric), _SHIFT
+    is_valley = shifted.negative == 0
+    while shifted.negative != 0:
+        shifted, shift = curved.plus(shift * land.metric), 4 * shift
+    return shifted, is_valley
+
+
+def _downwards(land: Landscape, shifted: Bordered) -> Array:
+    """The direction in which the energy curves down the most, of size 1; shifted: of `_upward_curvature`."""
+    lowest = np.cos(np.arange(shifted.band.shape[1]) ** 2)  # has a share of every direction
+    for _ in range(_ITERATIONS):
+        lowest = shifted.solve(times(land.metric, lowest))
+        lowest /= np.abs(lowest).max()
+    return lowest
+
+
+def _pace(given: Given) -> float:
+    """About the beta_t that the given loads make."""
+    mu = given.number("mu", given.number("turn", 0.0) / (given.ratio * given.span))
+    loads = abs(given.number("phi", 0.0)) + abs(given.number("lam", 0.0)) + 2 * abs(mu)
+    return float(np.sqrt(1 + loads + (TAU / given.span) ** 2))
+
+
+def _taut_pace(given: Given) -> float:
+    """The pace k of a rod whose ends are nearly as far apart as it is long.
+
+    Under a tension k^2 the angle decays like exp(-k t) from that of each clamped end to that of the chord; an end at an
+    angle d to it shortens the rod along it by (4/k) sin(d/4)^2.
+    """
+    height, azimuth = given.number("z", 0.0), given.number("alpha", 0.0)
+    short, chord = given.span - float(np.hypot(height, azimuth)), float(np.arctan2(azimuth, height))
+    angles = np.array([given.number(name, 0.0) for name in FREE[:2] if name in given.names])
+    bent = np.remainder(angles - chord + np.pi, TAU) - np.pi
+    return 4 * float((np.sin(bent / 4) ** 2).sum()) / short if short > 0 else 0.0
+
+
+def simple_shapes(given: Given, u: Array, pace: float) -> list[Array]:
+    """Shapes at shares u of the length (n,): angles that a rod with these ends may have, each with waves about it, and
+    layers at clamped ends."""
+    span = given.span
+    ends = [given.number(name, np.nan) for name in FREE[:2]]
+    angles, slack = _angles(given, [end for end in ends if np.isfinite(end)])
+    size = float(np.clip(2 * np.sqrt(slack), 0.1, _WIDEST))
+    pace = max(pace, TAU / span)
+    decays = np.exp(-pace * span * u), np.exp(-pace * span * (1 - u))
+    waves = [np.sin(k * np.pi * u) for k in (1, 2, 3)]
+    if not np.isfinite(ends).all():
+        waves = [np.sin((k - 0.5) * np.pi * (1 - u if np.isfinite(ends[1]) else u)) for k in (1, 2, 3)]
+    if not np.isfinite(ends).any():
+        waves = [np.cos(k * np.pi * u) for k in (1, 2, 3)]
+    shapes = []
+    for i, angle in enumerate(angles):
+        layers = [(end - angle) * decay for end, decay in zip(ends, decays, strict=True) if np.isfinite(end)]
+        plain = np.asarray(angle + sum(layers) + 0 * u)
+        shapes += [plain, *(plain + sign * size * wave for wave in waves[: 3 if i == 0 else 1] for sign in (1, -1))]
+    return shapes
+
+
+def _angles(given: Given, ends: list[float]) -> tuple[list[float], float]:
+    """Angles of a rod along which it lies, the likeliest first, and the share of the length by which it is slack."""
+    z, alpha = (given.number(name, np.nan) / given.span for name in ("z", "alpha"))
+    mean = float(np.mean(ends)) if ends else 0.0
+    back = [mean + np.pi, mean - np.pi] if given.number("phi", 0.0) < 0 else []
+    if np.isfinite(z) and np.isfinite(alpha):
+        return [float(np.arctan2(alpha, z))], max(1 - float(np.hypot(z, alpha)), 0.0)
+    if np.isfinite(z):
+        helix = float(np.arccos(np.clip(z, -1, 1)))
+        return [0.0 if z > 0 else np.pi, helix, -helix], max(1 - abs(z), 0.0)
+    if np.isfinite(alpha):
+        return [float(np.arcsin(np.clip(alpha, -1, 1))), *back], 0.2
+    return [mean, *back], 0.2
