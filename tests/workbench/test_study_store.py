@@ -412,7 +412,7 @@ def test_a_study_does_not_grow_with_other_code(half, monkeypatch) -> None:
 
 OF_EACH = {
     "friction": ("solver.shooting.answers.branch_from_straight", {"friction": 0.3, "FZ": -1.0}, False, 1),
-    "held": ("solver.choose.held_equilibrium.nearest_start", {"height": 4.5}, False, 1),
+    "held": ("solver.choose.held_equilibrium.by_rule", {"height": 4.5}, False, 1),
     "followed": ("workbench.store.sweep.follow", {"FZ": -1.0}, True, 2),  # it raises on the way from the second case
 }
 
