@@ -1,6 +1,7 @@
 """Follow one equilibrium while one field of its case changes."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -207,7 +208,10 @@ def _shape(point: BranchPoint, u: Array, tol: float) -> tuple[EndsProblem, Array
 
     problem, path = point.problem, point.path
     t = problem.span[:, None] * u
-    return problem, t, equilibrium_trajectory(problem, orbit_of(problem, path), t, tol)
+    shape = equilibrium_trajectory(problem, orbit_of(problem, path), t, tol)
+    if held_of(point.case):
+        shape = replace(shape, held_index=np.array([point.index if point.index >= 0 else np.nan]))
+    return problem, t, shape
 
 
 def solutions_of(branch: Branch, stations: int) -> Solution:

@@ -5,7 +5,7 @@ from collections.abc import Iterable
 import numpy as np
 import pytest
 
-from solver import Case, Cylinder, Ends, InputError, Rod, equilibria, solve
+from solver import Case, Cylinder, Ends, InputError, Rod, equilibria, follow, observe, solve
 from solver.equilibrium_list import energy_as_held
 from tests.slow import slow
 
@@ -118,3 +118,10 @@ def test_mirror_images_are_taken_by_their_start_whatever_a_rod_is_measured_in() 
     np.testing.assert_allclose(mm.beta, cm.beta, atol=1e-10)
     assert mm.reactions["MZ"] == pytest.approx(10 * cm.reactions["MZ"], rel=1e-8)
     assert str(mm.selection) == str(cm.selection)
+
+
+def test_the_observable_index_of_a_point_of_a_held_branch_is_that_of_the_branch() -> None:
+    """Under dead loads this rod is unstable in one way."""
+    branch = follow(solve(Case(SHORT, DRUM, Ends("20deg", "20deg", height=2.9))), height=2.85)
+    (last,) = branch.points[-1:]
+    assert last.index == int(observe(last.solution, ["index"])["index"]) == 0
