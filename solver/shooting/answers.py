@@ -1,7 +1,6 @@
 """The answers to cases whose loads vary along the rod: start problems by one march, ends problems one by one."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -15,10 +14,11 @@ from ..problem.case import ALONG_AXIS, IN_PLACE, Case
 from ..problem.limits import unreachable
 from ..problem.reduced import EndsProblem, StartProblem, flat
 from ..problem.trajectory import Trajectory, verdicts
-from .branch import Path, branch_from_straight
+from .branch import find_shape
 from .buckling import straight_shape
 from .curve import Curve
 from .descent import index_of_any, shape_like
+from .growth import STRAIGHT, Path
 from .loaded_rod import (
     ALPHA,
     BETA,
@@ -53,7 +53,6 @@ TOO_LARGE = (
 )
 MOST_CHANGES = 20_000  # of an ends problem: as many as of 30 km of pipe
 TOO_FINE = "the shape of this rod may change {:.3g} times along it, and at most {:,} changes are computed"
-NEEDS_TORQUE = "a straight rod needs MZ = M3, or an azimuth in place of MZ"
 USE_ENDS = "; a long rod with {} is an ends problem: give Ends in place of Start"
 UNDELIVERED = "the push at s = {} does not arrive at s = {}, where a tension must pull the rod ({} = {:.4g})"
 
@@ -172,12 +171,8 @@ def why_unsolved(rod: LoadedRod, seeded: bool = False) -> str:
 
 def branch_of(rod: LoadedRod) -> Path:
     """The shape of a rod without a seed."""
-    if why := why_unsolved(rod):
-        return Path(None, why=why)
-    path = branch_from_straight(rod)
-    lying = rod.with_friction(0.0)  # what turns in place leans
-    bent_by_torque = not lying.straight and lying.with_torque_through().straight
-    return replace(path, why=f"{path.why}; {NEEDS_TORQUE}") if path.shape is None and bent_by_torque else path
+    why = why_unsolved(rod)
+    return Path(None, why=why) if why else find_shape(rod)
 
 
 def path_to(rod: LoadedRod, seed: Any) -> Path:
@@ -255,12 +250,12 @@ def words_of(path: Path) -> str:
         return ""
     if path.why == "seed":
         return "the seed"
-    said = ["the taut rod without weight" if path.taut else "the straight rod"]
+    said, of = [path.begun], "times them" if path.begun == STRAIGHT else "of the way"
     if path.wound:
         said.append(f"{LEAVES} where its sinusoid would lift off the wall, for a helix")
     if path.buckled is not None:
         said.append(f"which buckles at {path.buckled:.6g} times these loads")
-    said += [f"{LEAVES} at {share:.3g} times them for another stable shape" for share in path.jumped]
+    said += [f"{LEAVES} at {share:.3g} {of} for another stable shape" for share in path.jumped]
     if path.rubbed:
         said.append(f"{RUBS} raises its compression")
     return ", ".join([*said, *([path.why] * bool(path.why))])

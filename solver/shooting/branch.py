@@ -1,30 +1,24 @@
 """The equilibrium that continues from the straight rod as its loads grow, stable where one is."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
-from ..branches.branch_events import Bounds
-from ..numerics.arclength import END, Lengths
 from ..numerics.roots import halve
 from ..problem.case import ALONG_ITSELF
-from .buckling import AHEAD, buckle, buckling_shares, lying_rod, straight_index, straight_shape
-from .curve import Curve, Point, trace_shapes
-from .descent import descend, index_at, index_of_any, is_near
+from .buckling import buckle, buckling_shares, lying_rod, straight_index, straight_shape
+from .descent import index_at
+from .growth import FRICTION, Path, grow
 from .loaded_rod import SHORT, LoadedRod
-from .local_waves import PASSED, QUIET, leans_and_buckles, lock_up_share, sinusoid, wound_shape
-from .newton import correct, is_same
+from .local_waves import PASSED, QUIET, leans_and_buckles, lock_up_share, sinusoid, wants_helix, wound_shape
+from .newton import is_same
 from .taut import taut_shape
 from .varying_shapes import Shape
 
-MOST_POINTS = 1000  # of a branch
-LENGTHS = Lengths(first=0.1, longest=0.25, least=1e-4)  # of steps
-LEAST_RUBBED = 1e-2  # the same of a rod with friction, whose branch ends where its waves run
-MOST_FORCES, MOST_FAILED = 20, 3  # that are tried for a held height; of which as many fail
+MOST_FORCES, MOST_FAILED = 20, 2  # that are tried for a held height; of which as many fail
 LEAST_BENT = 1e-3  # how much they shorten the rod, of the wanted
-FRICTION = "this friction"
 HINGES = "hinged ends (M10 and M1L in place of beta0 and betaL)"
 AS_A_WHOLE = "a rod that moves as a whole (sliding 'axial-forward' or 'axial-backward')"
 LOCKED = (
@@ -35,33 +29,89 @@ RESTLESS = (
     "the {} rod buckles under its compression with friction, and no sinusoid or helix at rest was found: friction may "
     "drive waves along the rod or wind up its helix"
 )
+NEIGHBOURS, NEARLY = (0.99, 1.01), 0.9  # shares of the loads; of the way
+TAUT, LIGHT = "the taut rod without weight", "the rod without weight"
+PULLED = "the rod under more tension, which is taken off"
+NEIGHBOUR = "the rod under {:g} times these loads"
+NEEDS_TORQUE = "a straight rod needs MZ = M3, or an azimuth in place of MZ"
 FINE = 2.0**-8  # of the range of a load: how closely it is enclosed
-SHARES_AHEAD = 1.0, 0.9, 0.7, 0.4  # of the rest of the way: where a sinusoid is tried when a branch ends
 
 
-@dataclass(frozen=True, eq=False)
-class Path:
-    """How a shape was reached.
+def find_shape(rod: LoadedRod) -> Path:
+    """The equilibrium on the branch of the straight rod; where that branch ends, one that another way reaches.
 
-    shape: None if none was. index: its Morse index; 0 with friction, which has none. buckled: the share of the loads at
-    which the straight rod buckles; None if it does not. jumped: shares at which the branch ended and the rod fell to
-    another one. rubbed: whether the straight rod buckles by its friction alone. wound: whether the shape is a helix in
-    place of a sinusoid that would lift off. taut: whether it continues from a taut rod without weight in place of the
-    straight one. why: why no shape, or none under the whole loads, was reached. limit,
-    share: the far end's phi above which a rod with friction has a shape, and the share of its friction with which it
-    has one; None where they are not known.
+    A rod that only its torque keeps from lying straight may wind up without end at its end; friction leaves no index
+    that would tell, so that no other way is tried.
     """
+    path = branch_from_straight(rod)
+    if path.shape is not None or path.barred:
+        return path
+    lying = rod.with_friction(0.0)  # what turns in place leans
+    bent_by_torque = not lying.straight and lying.with_torque_through().straight
+    ways = from_taut_rod, partial(from_neighbours, path=path), from_tension, from_no_weight
+    others = (way(rod) for way in (() if bent_by_torque and rod.rubbed else ways))
+    if bent_by_torque and NEEDS_TORQUE not in path.why:  # that without friction says it too
+        path = replace(path, why=f"{path.why}; {NEEDS_TORQUE}")
+    return next((other for other in others if other.shape is not None), path)
 
-    shape: Shape | None
-    index: int = 0
-    buckled: float | None = None
-    jumped: tuple[float, ...] = ()
-    rubbed: bool = False
-    wound: bool = False
-    taut: bool = False
-    why: str = ""
-    limit: float | None = None
-    share: float | None = None
+
+def helix_of(rod: LoadedRod) -> Shape | None:
+    """The helix that a rod takes in place of a sinusoid that would lift off; None of another rod.
+
+    Where Newton's method does not lead to it, it is that under a little less or more of the loads, carried back.
+    """
+    if not wants_helix(rod):
+        return None
+    shape = wound_shape(rod)
+    for share in () if shape is not None else NEIGHBOURS:
+        near = wound_shape(rod.share(share))
+        if near is not None:
+            shape = grow(partial(between_shares, rod, share), near).shape
+            if shape is not None:
+                break
+    return shape
+
+
+def from_taut_rod(rod: LoadedRod) -> Path:
+    """The shape of a rod that is taut without its weight, which then grows."""
+    taut = taut_shape(rod.with_weight(0.0)) if rod.along or rod.across else None
+    return replace(grow(rod.with_weight, taut), begun=TAUT) if isinstance(taut, Shape) else Path(None)
+
+
+def from_neighbours(rod: LoadedRod, path: Path) -> Path:
+    """The shape of the rod under a little less or more of its loads, carried back; path: that of the rod itself.
+
+    Where the branch of the rod ends far from its loads those of its neighbours do too, and are not followed.
+    """
+    for share in NEIGHBOURS if path.ended > NEARLY else ():
+        near = branch_from_straight(rod.share(share))
+        if near.shape is not None:
+            back = grow(partial(between_shares, rod, share), near.shape)
+            if back.shape is not None:
+                return replace(back, begun=NEIGHBOUR.format(share))
+    return Path(None)
+
+
+def between_shares(rod: LoadedRod, share: float, x: float) -> LoadedRod:
+    """The rod under a share of its loads at x = 0, and under all of them at 1."""
+    return rod.share(share + (1 - share) * x)
+
+
+def from_tension(rod: LoadedRod) -> Path:
+    """The shape of a rod that more tension holds straight at first."""
+    if "height" in rod.held:
+        return Path(None)
+    more = float(rod.rate(np.array([0.0, rod.span])).max()) ** 2 + max(0.0, rod.along * rod.span)
+    pulled = branch_from_straight(rod.with_tension(rod.tension_known + more))
+    if pulled.shape is None:
+        return pulled
+    return replace(grow(lambda x: rod.with_tension(rod.tension_known + more * (1 - x)), pulled.shape), begun=PULLED)
+
+
+def from_no_weight(rod: LoadedRod) -> Path:
+    """The shape of a rod whose weight grows at last."""
+    light = branch_from_straight(rod.with_weight(0.0)) if rod.along or rod.across else Path(None)
+    return light if light.shape is None else replace(grow(rod.with_weight, light.shape), begun=LIGHT)
 
 
 def branch_from_straight(rod: LoadedRod) -> Path:
@@ -74,7 +124,7 @@ def branch_from_straight(rod: LoadedRod) -> Path:
     """
     if rod.rubbed:
         return branch_with_friction(rod)
-    wound = wound_shape(rod)
+    wound = helix_of(rod)
     if wound is not None:
         return Path(wound, wound=True)
     if "height" in rod.held:
@@ -110,12 +160,12 @@ def branch_with_friction(rod: LoadedRod) -> Path:
     locked = lock_up_share(rod)
     if locked is not None:
         limit = least_tension(rod, lambda pulled: lock_up_share(pulled) is not None)
-        return Path(None, why=LOCKED.format(locked, PASSED), limit=limit)
+        return Path(None, why=LOCKED.format(locked, PASSED), barred=True, limit=limit)
     if rod.straight and not straight_index(rod):
         return Path(straight_shape(rod, rod.nodes()))
     if not rod.straight and (taut := taut_shape(rod)) is not None:
-        return Path(None, why=taut) if isinstance(taut, str) else Path(taut, taut=True)
-    if (wound := wound_shape(rod)) is not None:
+        return Path(None, why=taut, barred=True) if isinstance(taut, str) else Path(taut, begun=TAUT)
+    if (wound := helix_of(rod)) is not None:
         return Path(wound, wound=True)
     plain = rod.with_friction(0.0)
     alone = rod.straight and not straight_index(plain)
@@ -125,7 +175,7 @@ def branch_with_friction(rod: LoadedRod) -> Path:
         path = grow(rod.with_torque, bent)
         if path.shape is not None:
             return path
-    path = Path(None) if alone else grow_friction(rod, branch_from_straight(plain))
+    path = Path(None) if alone else grow_friction(rod, find_shape(plain))
     if path.shape is not None and not (rod.straight and is_same(path.shape, straight_shape(rod, path.shape.t))):
         return path
     if not (rod.straight or leans_and_buckles(rod)):
@@ -136,7 +186,7 @@ def branch_with_friction(rod: LoadedRod) -> Path:
     why = RESTLESS.format("leaning" if rod.turning else "straight")
     why = f"{why}; {' or '.join(hints)} may have an answer" if hints else why
     is_at_fault = partial(leans_and_buckles, beyond=QUIET) if rod.turning else straight_index
-    return Path(None, why=why, limit=least_tension(rod, is_at_fault), share=path.share or 0.0)
+    return Path(None, why=why, barred=True, limit=least_tension(rod, is_at_fault), share=path.share or 0.0)
 
 
 def grow_friction(rod: LoadedRod, plain: Path) -> Path:
@@ -144,7 +194,7 @@ def grow_friction(rod: LoadedRod, plain: Path) -> Path:
     if plain.shape is None:
         return plain
     path = grow(rod.with_friction, plain.shape, target=FRICTION)
-    return replace(path, buckled=plain.buckled, jumped=plain.jumped, wound=plain.wound)
+    return replace(path, buckled=plain.buckled, jumped=plain.jumped, wound=plain.wound, begun=plain.begun)
 
 
 def least_tension(rod: LoadedRod, is_at_fault: Callable[[LoadedRod], object]) -> float:
@@ -160,7 +210,7 @@ def branch_to_height(rod: LoadedRod) -> Path:
     """
     size, why, failed = 0.0, "no axial force was found that bends the rod", 0
     for _ in range(MOST_FORCES):
-        path = branch_from_straight(rod.with_tension(-size))
+        path = (branch_from_straight if failed else find_shape)(rod.with_tension(-size))
         size = 2 * size or float(rod.rate(np.array([rod.span]))[0] ** 2) / 4
         if path.shape is None:
             why, failed = f"no axial force was found that bends the rod: {path.why}", failed + 1
@@ -177,48 +227,5 @@ def branch_to_height(rod: LoadedRod) -> Path:
             return replace(rod, far=held)
 
         grown = grow(at, Shape(at(0.0), path.shape.t, path.shape.y))
-        return replace(grown, buckled=path.buckled, jumped=path.jumped + grown.jumped)
+        return replace(grown, buckled=path.buckled, jumped=path.jumped + grown.jumped, begun=path.begun)
     return Path(None, why=why)
-
-
-def grow(rod_at: Callable[[float], LoadedRod], shape: Shape, share: float = 0.0, target: str = "these loads") -> Path:
-    """The equilibrium reached from one at a share of something while the share grows to 1; a stable one stays stable.
-
-    rod_at: the rod at each share. target: what is whole at 1.
-    """
-    whole, jumped = rod_at(1.0), list[float]()
-    lengths = replace(LENGTHS, least=LEAST_RUBBED) if whole.rubbed else LENGTHS
-    curve = Curve(rod_at, 1.0, whole.scale, lengths)
-    while share < 1:
-        begun = Point(shape, share, np.append(np.zeros(shape.y.size), 1.0))
-        places, stop = trace_shapes(curve, begun, True, Bounds(share, 1.0, (), MOST_POINTS))
-        if places:
-            share, shape = places[-1].p, places[-1].path
-        if stop.reason == END:
-            break
-        below = stable_shape_ahead(rod_at, shape, share)
-        if below is None:
-            why = f"the branch ends at {share:.3g} of the way to {target}"
-            return Path(None, jumped=tuple(jumped), why=why, share=share if target == FRICTION else None)
-        jumped.append(share)
-        share, shape = below
-    final = correct(replace(shape, rod=whole))
-    if final is None or not is_near(shape, final):
-        why = f"Newton's method did not converge at the end of the way to {target}"
-        return Path(None, jumped=tuple(jumped), why=why)
-    return Path(final, index_of_any(final), jumped=tuple(jumped))
-
-
-def stable_shape_ahead(rod_at: Callable[[float], LoadedRod], shape: Shape, share: float) -> tuple[float, Shape] | None:
-    """Where a branch ends at a share: the farthest stable sinusoid ahead, else the shape to which the rod falls.
-
-    With its own share; None where the rod reaches none.
-    """
-    for rest in () if rod_at(1.0).rubbed else SHARES_AHEAD:  # that of a rod with friction was tried before
-        ahead = 1.0 if rest == 1 else share + rest * (1 - share)
-        wave = sinusoid(rod_at(ahead))
-        if wave is not None and index_of_any(wave) == 0:
-            return ahead, wave
-    ahead = min(1.0, share + AHEAD)
-    fallen = descend(Shape(rod_at(ahead), shape.t, shape.y))
-    return None if fallen is None else (ahead, fallen)

@@ -37,7 +37,7 @@ LOOSE, FLUID = 1e-4, 1e-2  # of the scales: a correction that is enough on the w
 WEAKEST, FIRST, FIRMEST, FACTOR = 1e-7, 1e-2, 1e6, 3.0  # springs: weakest, at first, strongest, change
 KICK, FAR, REST = 0.1, 0.5, 1e-3  # of the angles, in their scales: a push, the longest move, what counts as none
 EASY, QUICK = 5.0, 4  # how much weaker the springs are when a shape without them is tried; steps of an easy correction
-ROUNDS = 150  # steps of a fall
+ROUNDS, LEAST, WORK = 600, 50, 80_000  # steps of a fall; of a long rod; nodes times steps: about three seconds
 
 
 def index_at(shape: Shape) -> int:
@@ -117,7 +117,7 @@ def descend(shape: Shape, change: Array | None = None) -> Shape | None:
         return None
     strength, tried, eased = FIRST, FIRST, False
     y = shape.y + (KICK * weakest_modes(shape)[0] if change is None else change)
-    for _ in range(ROUNDS):
+    for _ in range(int(np.clip(WORK / shape.t.size, LEAST, ROUNDS))):
         now = replace(shape, y=y)
         ahead = correct(now, y, springs_of(now, strength), most=6, enough=FLUID)
         moved = np.inf if ahead is None else largest_turn((ahead.y - y) / shape.rod.scale)

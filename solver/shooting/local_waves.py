@@ -340,13 +340,16 @@ def sinusoid(rod: LoadedRod) -> Shape | None:
     return next((shape for shape in shapes if shape is not None), None)
 
 
+def wants_helix(rod: LoadedRod) -> bool:
+    """Whether the sinusoid of a rod would lift off the wall."""
+    return bool(not rod.turning and has_waves(rod) and compression(rod, places(rod, rod.nodes())).max() > LIFTED)
+
+
 def wound_shape(rod: LoadedRod) -> Shape | None:
-    """A stable equilibrium that is a helix where the compression wants one; None where the sinusoid does not lift off.
+    """A stable equilibrium that is a helix where the compression wants one; None without one.
 
     With friction, which leaves no index, any such equilibrium.
     """
-    if rod.turning or not has_waves(rod) or compression(rod, places(rod, rod.nodes())).max() <= LIFTED:
-        return None
     fronts, unstable = FRONTS[:1] if rod.rubbed and rod.nodes().size > MANY else FRONTS, None
     for front in fronts:
         t, over = wave_nodes(rod, front)

@@ -297,7 +297,7 @@ def test_a_study_that_does_not_fit_the_disk_is_refused_with_both_numbers(tmp_pat
 def test_more_than_memory_holds_is_refused_in_memory() -> None:
     study = load("fig7_1_modulus").model_copy(update={"stations": 100_001, "outputs": list(OUTPUTS)})
     axes = {"E": study.axes["E"].model_copy(update={"count": 1000})}
-    with pytest.raises(InputError, match=r"1000 cases take 13\.6 GB in memory, more than the limit of 2 GB"):
+    with pytest.raises(InputError, match=r"1000 cases take 14\.4 GB in memory, more than the limit of 2 GB"):
         in_memory.run(study.model_copy(update={"axes": axes}))
 
 
@@ -411,7 +411,7 @@ def test_a_study_does_not_grow_with_other_code(half, monkeypatch) -> None:
 
 
 OF_EACH = {
-    "friction": ("solver.shooting.answers.branch_from_straight", {"friction": 0.3, "FZ": -1.0}, False, 1),
+    "friction": ("solver.shooting.answers.find_shape", {"friction": 0.3, "FZ": -1.0}, False, 1),
     "held": ("solver.choose.held_equilibrium.by_rule", {"height": 4.5}, False, 1),
     "followed": ("workbench.store.sweep.follow", {"FZ": -1.0}, True, 2),  # it raises on the way from the second case
 }
