@@ -81,6 +81,8 @@ def _blank_answer(case: Case, t: Array, why: Array) -> Answer:
     )  # fmt: skip
     if case.kind == "ends":
         answer = replace(answer, begun=np.full(B, "", dtype=object))
+    if case.on_nodes:
+        answer = replace(answer, shapes=VaryingShapes([None] * B, each, each))
     if case.varies:
-        answer = replace(answer, loads=np.full((3, *t.shape), np.nan), shapes=VaryingShapes([None] * B, each, each))
+        answer = replace(answer, loads=np.full((3, *t.shape), np.nan))
     return problem, answer

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .choose.held_equilibrium import held_trajectory
+from .choose.held_equilibrium import held_trajectory, hinged_path
 from .choose.held_selection import Reached
 from .choose.selection import LOWEST, NEAREST, Choose, HeldSelection, Selection, select
 from .equilibrium.given_numbers import Given
@@ -23,6 +23,8 @@ from .problem.errors import DEFAULT_TOLERANCE, InputError, check_tolerance, choi
 from .problem.limits import OUT_OF_RANGE, beyond_limits, held_apart, reason_beyond, refusals, too_far, units_held
 from .problem.reduced import NUMBER_OF, EndsProblem, held_of, reduce, reduce_held, span_of, value_of_number
 from .problem.trajectory import Trajectory
+from .shooting.answers import answer_ends
+from .shooting.loaded_rod import rods_of
 from .solution import Solution
 
 __all__ = ["Equilibria", "Equilibrium", "equilibria", "meant", "nearest"]
@@ -172,11 +174,16 @@ def _with_held_ends(
     t = problem.span[:, None] * np.linspace(0, 1, stations)
     listed = []
     for state, how in zip(result.states, result.how, strict=True):
-        trajectory = held_trajectory(Reached(state, how), result.given, t, tol)
-        solution = Solution(case, state.problem, trajectory, t, "shooting", tol)
+        path: Any = state.path.level_path
+        if case.hinged:
+            path = hinged_path(state, rods_of(case)[0])
+            answer = answer_ends(case, t, tol, [path])
+        else:
+            answer = state.problem, held_trajectory(Reached(state, how), result.given, t, tol)
+        solution = Solution(case, *answer, t, "shooting", tol)
         indices = float(solution.held_index), float(solution.dead_index)
         index, dead = (int(i) if np.isfinite(i) else -1 for i in indices)
-        listed.append(equilibrium_of(solution, index, state.path.level_path, dead, how))
+        listed.append(equilibrium_of(solution, index, path, dead, how))
 
     def in_units(number: str, some: Collection[float]) -> tuple[float, float]:
         return min(some) * size[number], max(some) * size[number]

@@ -334,7 +334,7 @@ class Shape:
     def _stretches(self, name: str) -> Any:
         """What a method of the shapes says of each solved case, (*cases)."""
         stretches = np.full(self.case.size, None, dtype=object)
-        if self.trajectory.shapes is not None:
+        if self.case.varies and self.trajectory.shapes is not None:
             rho = flat(self.case.rho, self.case.shape)
             for i in np.flatnonzero(np.reshape(self.solved, -1)):
                 stretches[i] = getattr(self.trajectory.shapes.of(int(i)), name)(rho[i])

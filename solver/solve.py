@@ -155,7 +155,7 @@ def _held(
     case: Case, tol: float, method: Any, knobs: dict[str, Any], stations: Any, seed: Any, choose: Choose
 ) -> Question:
     """What is asked of a case with held ends, whose dead loads are found."""
-    from .choose.held_equilibrium import each_held
+    from .choose.held_equilibrium import each_held, each_hinged
     from .methods import choose_method
 
     method, names = choose_method("ends", method, knobs), choices(held_of(case))
@@ -175,7 +175,11 @@ def _held(
     def column(rods: Case, t: Array, seed: Seed | None) -> Answer:
         problem = whole if rods is case else reduce_held(rods)
         fit = np.asarray(np.isfinite(t)).all(axis=1, keepdims=True)
-        answer, dead_problem = each_held(problem, np.where(fit, t, np.linspace(0, 1, t.shape[1])), tol, seed, choose)
+        t = np.where(fit, t, np.linspace(0, 1, t.shape[1]))
+        if rods.hinged:
+            dead_problem, answer = each_hinged(rods, problem, t, tol, seed, choose)
+        else:
+            dead_problem, answer = each_held(problem, t, tol, seed, choose)
         limits = [said if said in (TOO_LARGE, TOO_LONG) else "" for said in answer.outcome]
         why = np.where(representable(rods, dead_problem), limits, OUT_OF_RANGE)
         return dead_problem, _refuse(answer, rods, why)
@@ -247,7 +251,9 @@ def seed_of(case: Case, problem: Reduced | HeldProblem, seed: Any) -> Seed:
         row = np.arange(problem.size) if seed.case.shape else np.zeros(problem.size, dtype=np.int64)
         ends = between_ends(seed).take(row)
         u = seed.t / seed.problem.span[:, None]
-        return Seed(trajectory.dbeta[row, 0], u[row], trajectory.beta[row], ends, trajectory.orbit, row)
+        shapes = np.full(problem.size, None, dtype=object)
+        shapes[:] = [None] * problem.size if trajectory.shapes is None else trajectory.shapes.each(problem.size)
+        return Seed(trajectory.dbeta[row, 0], u[row], trajectory.beta[row], ends, trajectory.orbit, row, shapes)
     try:
         with np.errstate(over="ignore"):
             slope = flat(np.asarray(seed, dtype=float) * case.rho, case.shape)

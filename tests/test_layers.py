@@ -33,7 +33,7 @@ FLOORS = {"solver": SOLVER, "studies": STUDIES, "workbench": WORKBENCH}
 LISTS = {
     "solver": [
         "numerics", "problem", "mechanics", "core", "orbit", "closed", "levels", "equilibrium", "branches",
-        "folds", "held", "choose", "shooting", "methods", "shape",
+        "folds", "shooting", "held", "choose", "methods", "shape",
         "observe", "sensitivity", "solution", "each_case", "solve", "equilibrium_list",
         "equilibria", "equilibrium_branch", "follow", "switch", "traced_folds", "end_angle_branch", "region_map",
         "loops", "inverse", "benchmark",

@@ -12,7 +12,6 @@ from functools import partial
 
 import numpy as np
 
-from ..equilibrium.charts import CORNER
 from ..equilibrium.given_numbers import FREE
 from ..equilibrium.held_index import index_of
 from ..equilibrium.orbit_rates import orbit_rates
@@ -46,7 +45,6 @@ _CREEPING = (
 _CREEPING_NATURAL = "the steps became too small"
 _NONE_BESIDE = "the rod is no helix beyond, and no equilibrium next to the helix was found"
 STILL = "the start is a helix, and the change does not bend its ends; give a bent seed"
-UNBENT = "the rod is a helix and nothing bends it: helices between two hinges are solved, not followed"
 _BESIDE_HELIX = 1e-6  # of the size of G: H at the ends of a rod that is nearly a helix
 _BESIDE_HELD_HELIX, _FAR = 1e-3, 0.1  # the same with held ends; of p's scale, the longest way past a helix
 _BACKWARD = 1e-3  # in scales, from a point to one before it: they tell how beta_t falls towards a helix
@@ -60,10 +58,6 @@ _BACK = 1e-6  # in scales: an equilibrium as near to the first is the first
 
 def trace_branch(family: Family, path: Path, p: float, rises: bool, bounds: Bounds) -> tuple[list[Place], Stop]:
     """The equilibria after the one at p, in order, and why there are no more."""
-    if path.helix and not family.is_dead:
-        given = family.given(p)
-        if given is not None and all(given.number(name, np.nan) == 0 for name in ("dbeta0", "dbetaL")):
-            return [], Stop(UNBENT, p)
     places, stop = follow_branch(family, path, p, rises, bounds)
     if not places or not family.is_dead or stop.reason in (END, CLOSED):
         return places, stop
@@ -144,17 +138,15 @@ class _Walk:
 
     def stride(self, state: BranchState, step: float, before: list[Place]) -> arclength.Stride[Place, BranchState]:
         """The ordinary steps after a state, and one on which something happens."""
-        places, stays = list[Place](), False
-        if state.curve.family.steps is not None and state.curve.chart.kind != CORNER:
-            begin, left = state, self.most - len(before)
-            left = min(left, _FEW) if self.natural else left
-            places, state, step, self.kept, why = steps_in_core(state, step, self.kept, left, self.first, self.bounds)
-            self.creeps = self.creeps + len(places) if creeps(begin, state, self.bounds, False) else 0
-            if why in (AT_END, IS_CLOSED):
-                return arclength.Stride(places, state, step, END if why == AT_END else CLOSED)
-            stays = self.natural and self.creeps > 0
-            if len(places) >= left and not (stays or is_near_helix(state)):
-                return arclength.Stride(places, state, step)
+        begin, left = state, self.most - len(before)
+        left = min(left, _FEW) if self.natural else left
+        places, state, step, self.kept, why = steps_in_core(state, step, self.kept, left, self.first, self.bounds)
+        self.creeps = self.creeps + len(places) if creeps(begin, state, self.bounds, False) else 0
+        if why in (AT_END, IS_CLOSED):
+            return arclength.Stride(places, state, step, END if why == AT_END else CLOSED)
+        stays = self.natural and self.creeps > 0
+        if len(places) >= left and not (stays or is_near_helix(state)):
+            return arclength.Stride(places, state, step)
         state, self.kept = rechart(state, step, keep=self.kept > 0), self.kept - 1
         past = leap_on(state, self.bounds) if stays or is_near_helix(state) else None
         if past is not None:
@@ -221,7 +213,7 @@ def _special(state: BranchState, there: BranchState) -> list[tuple[BranchState, 
     """Where beta_t passes through 0 at both ends together, or where p has an extremum; None: not located."""
     chart, at, kind = state.curve.chart, None, FOLD
     reach = float(state.node.tangent @ (there.node.w - state.node.w))
-    if not chart.logarithmic and chart.kind != CORNER and state.x * there.x < 0:
+    if not chart.logarithmic and state.x * there.x < 0:
         at = state.at
     if at is not None and at[0].is_tied:
         kind = BRANCH_POINT if at[0].start in at[0].angles and state.rises * there.rises > 0 else PITCHFORK
@@ -313,10 +305,9 @@ def past_helix(state: BranchState, bounds: Bounds) -> BranchState | None:
         orbit_rates(at.problem, [way]).values[0, 2:4] for at, way in ((place, path), (place_behind, path_behind))
     )
     rate = (speeds - speeds_behind) / _BACKWARD
-    free = [name not in family.names for name in ("dbeta0", "dbetaL")]
-    if not any(free) or not (rate * speeds < 0)[free].all():
+    if not (rate * speeds < 0).all():
         return None
-    zero = float((-speeds / rate)[free].max())
+    zero = float((-speeds / rate).max())
     room = (bounds.next(state.p, state.rises > 0) - state.p) / (family.scale * state.rises)
     way = min(2 * zero, room)
     if not zero < room or way * abs(state.rises) > _FAR:

@@ -104,7 +104,7 @@ def rechart(state: BranchState, step: float, keep: bool = False) -> BranchState:
     state = replace(state, curve=replace(state.curve, ahead=ahead))
     if state.at is None:
         return state
-    every = charts(*state.at, state.curve.family.hinged)
+    every = charts(*state.at)
     if not keep and not alike(every[0], state.curve.chart):
         changed = _change(state, every[0])
         if changed is not None:
@@ -117,7 +117,7 @@ def rechart(state: BranchState, step: float, keep: bool = False) -> BranchState:
 
 def in_other_charts(state: BranchState) -> Iterator[BranchState]:
     """The same in every other coordinate."""
-    for chart in charts(*state.at, state.curve.family.hinged) if state.at is not None else ():
+    for chart in charts(*state.at) if state.at is not None else ():
         if not alike(chart, state.curve.chart):
             changed = _change(state, chart)
             if changed is not None:
@@ -146,7 +146,7 @@ def _change(state: BranchState, chart: Chart) -> BranchState | None:
         at = state.curve.at(beyond)
         if at is None:
             continue
-        for candidate in charts(*at, curve.family.hinged):
+        for candidate in charts(*at):
             if not alike(candidate, chart):
                 continue
             w, w_nearby = (
@@ -174,7 +174,6 @@ def steps_in_core(
     begins, to tell whether it is closed.
     """
     at, curve, begin = _point_of(state), state.curve, np.zeros(1, core.RECORD)
-    assert curve.family.steps is not None
     begin["p"] = first.p
     for name in _PATH:
         begin[name] = getattr(first.path, name)

@@ -21,7 +21,6 @@ from ..problem.reduced import EndsProblem
 from .branch_events import Bounds
 from .branch_following import follow_branch
 from .family import Family, scale_of
-from .helices import helix_ahead
 from .leaps import LEAPS, NEAR, shape_of
 
 _MOST = 1000  # points
@@ -63,9 +62,7 @@ def carry(state: OrbitState, wanted: Given, most: int = _MOST) -> OrbitState | S
             return settled
         if ended:
             return Stopped(share, settled)
-    helix = helix_ahead(state, wanted) if state.path.helix else None
-    reason = FOLD if stop.reason == arclength.FOLD else stop.reason
-    return Stopped(share, reason) if helix is None else helix
+    return Stopped(share, FOLD if stop.reason == arclength.FOLD else stop.reason)
 
 
 def line_between(begun: EndsProblem, first: Given, last: Given, natural: bool = False) -> Family:

@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from ..equilibrium.charts import CORNER, Chart, charts, coordinate
+from ..equilibrium.charts import Chart, charts, coordinate
 from ..equilibrium.given_numbers import (
     FREE,
     Given,
@@ -19,8 +19,8 @@ from ..equilibrium.given_numbers import (
     size_of,
     values_of,
 )
-from ..equilibrium.orbit_rates import NUMBERS
-from ..equilibrium.system import corner_state, problem_at, rates_in, settle
+from ..equilibrium.orbit_rates import NUMBERS, orbit_rates
+from ..equilibrium.system import path_on, settle
 from ..levels.boundary import boundary_of
 from ..numerics.arrays import Array
 from ..numerics.roots import lead_away, solve
@@ -68,7 +68,7 @@ def deflate(start: OrbitState, wanted: Given, known: list[Array]) -> OrbitState 
 
 def _next_state(wanted: Given, state: OrbitState, change: Array, factor: float) -> tuple[OrbitState, float] | None:
     """The state after a step, halved where no orbit is there; and the size of the step of Newton's rule itself."""
-    for chart in charts(boundary_of(state.problem), state.path, wanted.hinged)[:2]:
+    for chart in charts(boundary_of(state.problem), state.path)[:2]:
         x = coordinate(chart)
         dx = float(move(chart, x, change))
         size = size_of(state.problem, chart, dx, change)
@@ -76,22 +76,22 @@ def _next_state(wanted: Given, state: OrbitState, change: Array, factor: float) 
             continue
         share = float(np.clip(factor, -_REACH / size, _REACH / size))
         for _ in range(_HALVED):
-            ahead = _state_at(problem_after(state.problem, wanted, change, share), wanted, chart, x + share * dx)
+            ahead = _state_at(problem_after(state.problem, wanted, change, share), chart, x + share * dx)
             if ahead is not None:
                 return ahead, size
             share /= 2
     return None
 
 
-def _state_at(problem: EndsProblem, wanted: Given, chart: Chart, x: float) -> OrbitState | None:
+def _state_at(problem: EndsProblem, chart: Chart, x: float) -> OrbitState | None:
     """The state at a coordinate; None where there is no orbit."""
-    equilibrium = problem_at(problem, wanted, chart, x)
-    if equilibrium is None:
+    path = path_on(problem, chart, x)
+    if path is None:
         return None
-    rates = rates_in(*equilibrium, chart, x)
+    rates = orbit_rates(problem, [path])
     if not (np.isfinite(rates.values[0, :-1]).all() and np.isfinite(rates.rows[0, :-1]).all()):
         return None
-    return corner_state(rates, x) if chart.kind == CORNER else OrbitState(*equilibrium, rates)
+    return OrbitState(problem, path, rates)
 
 
 def fold_beside(state: OrbitState, wanted: Given) -> tuple[Array, float] | None:
@@ -112,7 +112,7 @@ def fold_beside(state: OrbitState, wanted: Given) -> tuple[Array, float] | None:
     change = np.asarray(every @ (unit @ right[-1]))
     off = []
     for share in (0.0, _BESIDE, -_BESIDE):
-        beside = _beside(state, wanted, change, share)
+        beside = _beside(state, change, share)
         if beside is None:
             return None
         numbers, length = beside.rates.values[0], float(beside.rates.length[0])
@@ -127,17 +127,17 @@ def across_fold(state: OrbitState, wanted: Given) -> list[OrbitState]:
     if beside is None:
         return []
     change, t = beside[0], float(np.clip(beside[1], -1, 1))
-    states = [_beside(state, wanted, change, share) for share in (t, -t)]
+    states = [_beside(state, change, share) for share in (t, -t)]
     return [state for state in states if state is not None]
 
 
-def _beside(state: OrbitState, wanted: Given, change: Array, share: float) -> OrbitState | None:
+def _beside(state: OrbitState, change: Array, share: float) -> OrbitState | None:
     """The state after a share of a change of the `NUMBERS`."""
     new = {name: getattr(state.problem, name) + share * change[NUMBERS.index(name)] for name in FREE}
     problem = replace(state.problem, **new)
-    for chart in charts(boundary_of(state.problem), state.path, wanted.hinged)[:2]:
+    for chart in charts(boundary_of(state.problem), state.path)[:2]:
         x = coordinate(chart)
-        beside = _state_at(problem, replace(wanted, names=()), chart, x + share * float(move(chart, x, change)))
+        beside = _state_at(problem, chart, x + share * float(move(chart, x, change)))
         if beside is not None:
             return beside
     return None

@@ -6,11 +6,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..core import branches as core
-from ..equilibrium.charts import CORNER, Chart, charts, coordinate, path_at
+from ..equilibrium.charts import Chart, charts, coordinate, path_at
 from ..equilibrium.given_numbers import FREE, Given, move, problem_of, values_of
 from ..equilibrium.held_index import held_index
-from ..equilibrium.orbit_rates import NUMBERS, OrbitRates, orbit_rates, start_rates
-from ..equilibrium.system import corner_state
+from ..equilibrium.orbit_rates import NUMBERS, OrbitRates, orbit_rates
 from ..levels.boundary import Boundary, Path, boundary_of
 from ..mechanics.potential import load_size
 from ..numerics.arrays import Array
@@ -20,7 +19,6 @@ from .family import Family
 
 AHEAD = 1e-6  # of the parameter's scale, for differences
 _NUDGE = 1e-5  # of the unknown's scale, for differences
-_FAR = FREE.index("betaL")
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,12 +48,6 @@ class EquilibriumCurve:
     def at(self, w: Array) -> tuple[Boundary, Path] | None:
         """The problem under dead loads and the path at w."""
         x, p = (w * self.scales)[:2].tolist()
-        if self.chart.kind == CORNER:
-            rates, given = self._orbit(w), self.family.given(p)
-            if rates is None or given is None or not np.isfinite(rates.rows[0, :-1]).all():
-                return None
-            state = corner_state(rates, given.number("dbeta0", x))  # what is given is x but for rounding
-            return boundary_of(state.problem), state.path
         problem = None if self.family.is_dead else self._problem(w)
         place = self.family.place(p) if self.family.is_dead else None if problem is None else boundary_of(problem)
         path = None if place is None else path_at(place, self.chart, x)
@@ -68,10 +60,7 @@ class EquilibriumCurve:
         return None if given is None else problem_of(given, dict(zip(FREE, free, strict=True)))
 
     def _orbit(self, w: Array) -> OrbitRates | None:
-        """The orbit at w with held ends; in a corner the one that starts with beta_t = x, whatever its far angle."""
-        if self.chart.kind == CORNER:
-            problem = self._problem(w)
-            return None if problem is None else start_rates(problem.with_start(w[:1] * self.scales[0]))
+        """The orbit at w with held ends."""
         at = self.at(w)
         return None if at is None else orbit_rates(at[0].problem, [at[1]])
 
@@ -85,20 +74,17 @@ class EquilibriumCurve:
 
     def _excess(self, p: float, x: Array) -> Array | None:
         """The length of the path less that of the rod under dead loads, at each x."""
-        assert self.family.steps is not None
         return self.family.steps.excess(core.chart_of(self.chart), p, x)
 
     def _less(self, rates: OrbitRates, given: Given, w: Array) -> Array | None:
-        """The numbers less the given ones; those that are unknowns and given are read from w, but beta(L) in a corner,
-        where it follows from the start."""
+        """The numbers less the given ones; those that are unknowns and given are read from w."""
         numbers, length = rates.values[0], float(rates.length[0])
         off = values_of(numbers, length, given) - given.values
         free = w[2:] * self.scales[2:]
-        corner = self.chart.kind == CORNER
         for k, name in enumerate(given.names):
-            if name in FREE and not (name == "betaL" and corner):
+            if name in FREE:
                 off[k] = free[FREE.index(name)] - given.values[k]
-        off = np.append(off, free[_FAR] - numbers[NUMBERS.index("betaL")] if corner else length - given.span)
+        off = np.append(off, length - given.span)
         return off if np.isfinite(off).all() else None
 
     def jacobian(self, w: Array) -> Array | None:
@@ -116,10 +102,10 @@ class EquilibriumCurve:
         off, off_beyond = (self._less(rates, numbers_at, w) for numbers_at in (given, beyond))
         if off is None or off_beyond is None:
             return None
-        answers, by_span = self._answers(rates, given, x)
-        drift = (off_beyond - off + by_span * (beyond.span - given.span)) / ahead
+        answers = self._answers(rates, given, x)
+        drift = (off_beyond - off) / ahead
         for k, name in enumerate(given.names):  # an unknown that is given follows p, whatever its place in w
-            if name in FREE and not (name == "betaL" and self.chart.kind == CORNER):
+            if name in FREE:
                 column, others = 1 + FREE.index(name), np.arange(6) != k
                 drift[others] -= answers[others, column] * drift[k]
                 answers[others, column] = 0
@@ -139,21 +125,14 @@ class EquilibriumCurve:
             return None
         return np.array([[(off[2] - off[0]) / (2 * nudge), (beyond[0] - off[1]) / ahead]]) * self.scales
 
-    def _answers(self, rates: OrbitRates, given: Given, x: float) -> tuple[Array, Array]:
-        """The derivatives of the six equations by x and `FREE`, (6, 6), and what a unit of the length adds, (6,)."""
+    def _answers(self, rates: OrbitRates, given: Given, x: float) -> Array:
+        """The derivatives of the six equations by x and `FREE`, (6, 6)."""
         names = [NUMBERS.index(name) for name in FREE]
         (rows,), (by_span,) = rates.rows_of(given.names, given.ratio)
         known = np.column_stack([rates.rows[0], rates.by_span[0]])
-        if self.chart.kind != CORNER:
-            matrix = np.vstack([move(self.chart, x, known), known[names]])
-            every = np.vstack([np.column_stack([rows, by_span]), np.eye(6)[5]])
-            return every @ solve(matrix[None], np.eye(6)[None])[0], np.zeros(6)
-        far, start = names[_FAR], [k for k in (0, *range(1, 6)) if k != 1 + _FAR]  # the orbit knows no beta(L)
-        parts = np.zeros((5, 6))
-        matrix = np.vstack([move(self.chart, x, known), known[names]])[start, :5]
-        parts[:, start] = solve(matrix[None], np.eye(5)[None])[0]
-        every = np.vstack([rows @ parts, np.eye(6)[1 + _FAR] - rates.rows[0, far] @ parts])
-        return every, np.append(by_span, -rates.by_span[0, far])
+        matrix = np.vstack([move(self.chart, x, known), known[names]])
+        every = np.vstack([np.column_stack([rows, by_span]), np.eye(6)[5]])
+        return np.asarray(every @ solve(matrix[None], np.eye(6)[None])[0])
 
     def index(self, w: Array, path: Path, jacobian: Array) -> int | None:
         """The Morse index under the ends that are meant; None where an eigenvalue is zero to rounding."""
@@ -172,7 +151,7 @@ class EquilibriumCurve:
 def curves_through(family: Family, path: Path, p: float) -> Iterator[tuple[EquilibriumCurve, Array]]:
     """The curve through an equilibrium at p in each of its coordinates, the best first, and its w."""
     place = family.place(p) if family.is_dead else boundary_of(family.begun)
-    for chart in () if place is None else charts(place, path, family.hinged):
+    for chart in () if place is None else charts(place, path):
         if place is not None and np.isfinite(coordinate(chart)):
             curve = EquilibriumCurve(family, chart, 1 + float(load_size(place.problem)[0]))
             free = [float(getattr(place.problem, name)[0]) for name in curve.unknowns]

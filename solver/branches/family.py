@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..core import branches as core
-from ..equilibrium.given_numbers import FREE, Given, is_hinged, problem_of
+from ..equilibrium.given_numbers import FREE, Given, problem_of
 from ..equilibrium.orbit_rates import HOW, NUMBERS, orbit_rates
 from ..levels.boundary import CUTTING, NODES, Boundary, Path, boundary_of
 from ..orbit.variations import POINTS
@@ -50,16 +50,9 @@ class Family:
         """Whether the two angles and the three loads are given, so that nothing but the path is unknown."""
         return self.names == FREE
 
-    @property
-    def hinged(self) -> bool:
-        """Whether an end moment is given."""
-        return is_hinged(self.names)
-
     @cached_property
-    def steps(self) -> core.Steps | None:
-        """The core's functions on these problems; None for hinged rods that are followed: the core knows no corners."""
-        if self.hinged and not self.natural:
-            return None
+    def steps(self) -> core.Steps:
+        """The core's functions on these problems."""
         if self.is_dead:
             return core.Steps(self._dead_numbers, self.scale, NODES, (CUTTING, CUTTING))
         held = tuple((*NUMBERS, "turn").index(name) for name in self.names)

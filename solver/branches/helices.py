@@ -14,7 +14,7 @@ import scipy  # its parts are imported when used
 from ..equilibrium.given_numbers import FREE, Given, OrbitState, answer, parts_of, problem_after, problem_of
 from ..equilibrium.orbit_rates import NUMBERS, orbit_rates
 from ..levels.boundary import DOWN, UP, Boundary, Path, boundary_of
-from ..mechanics.potential import TAU, Loads, load_size, slope, slope_higher_rates, slope_rate
+from ..mechanics.potential import Loads, load_size, slope, slope_higher_rates, slope_rate
 from ..numerics.arclength import BRANCH_POINT, PITCHFORK, difference_rates
 from ..numerics.arrays import Array
 from ..numerics.roots import root
@@ -51,13 +51,6 @@ def helices_of(given: Given) -> tuple[list[OrbitState], bool]:
     fixed = [helix for helix in candidates if helix.lam is not None and helix.phi is not None]
     states = [state for helix in fixed if (state := _state(helix, given)) is not None]
     return states, len(fixed) < len(candidates)
-
-
-def helix_at(helix: OrbitState, beta: float) -> OrbitState:
-    """A helix with the whole turns of its angle that are nearest to an angle."""
-    turns = TAU * np.round((beta - helix.problem.beta0) / TAU)
-    problem = replace(helix.problem, beta0=helix.problem.beta0 + turns, betaL=helix.problem.betaL + turns)
-    return replace(helix, problem=problem)
 
 
 def _angles(known: dict[str, float], given: Given) -> list[float]:
@@ -125,7 +118,6 @@ def _state(helix: Helix, given: Given) -> OrbitState | None:
 
 _SIZES = (2e-2, 2e-3, 2e-4)  # of the first step, tried in this order: beta_t at an end, changes of angles and loads
 _STILL = 1e-9  # of the largest change: a beta_t that the helix does not get
-_HELICES, _NEAR = 8, 0.5  # steps from helix to helix; largest change of an angle or a load in one
 _STATIONS = 4001  # at which the turning points are counted
 
 
@@ -151,26 +143,6 @@ def off_helix(state: OrbitState, wanted: Given) -> Iterator[Guess]:
         if on_saddle:
             yield problem, _from_saddle(place, path, share * float(speeds[0]), share * float(speeds[-1])), share
         yield problem, path, share
-
-
-def helix_ahead(state: OrbitState, wanted: Given) -> OrbitState | None:
-    """The helix with the wanted numbers on the branch of a helix whose ends are both free to turn, without moments.
-
-    None where it ceases to exist on the way, or one of its loads may have any value.
-    """
-    resting = {name: wanted.number(name, np.nan) for name in ("dbeta0", "dbetaL")}
-    if any(value != 0 for value in resting.values()):
-        return None
-    first = wanted.at(state)
-    for share in np.linspace(0, 1, _HELICES + 1)[1:]:
-        beta = float(state.problem.beta0[0])
-        ahead = [helix_at(helix, beta) for helix in helices_of(first.towards(wanted, float(share)))[0]]
-        apart = [max(abs(float((getattr(helix.problem, name) - getattr(state.problem, name))[0])) for name in FREE)
-                 for helix in ahead]  # fmt: skip
-        if not apart or min(apart) > _NEAR:
-            return None
-        state = ahead[int(np.argmin(apart))]
-    return state
 
 
 def _bent(place: Boundary, speeds: Array) -> Path:

@@ -6,19 +6,23 @@ from typing import Any
 
 import numpy as np
 
-from ..equilibrium.charts import CORNER, charts, coordinate
 from ..equilibrium.given_numbers import FREE, Given, OrbitState, parts_of, values_of
 from ..equilibrium.held_index import dead_index_of
-from ..equilibrium.system import correct_equilibrium
 from ..held.held_alternatives import alternatives_of, away
-from ..levels.boundary import boundary_of
+from ..held.held_moves import seed_state
 from ..levels.path_orbits import orbit_of, together, trajectory_on, variations_of
-from ..mechanics.potential import load_size
 from ..numerics.arrays import Array
 from ..orbit.periodic_orbit import Orbit
+from ..problem.case import Case
 from ..problem.limits import beyond_limits, held_apart, unreachable
-from ..problem.reduced import EndsProblem, HeldProblem
-from ..problem.trajectory import PLAIN, Seed, Trajectory
+from ..problem.reduced import EndsProblem, HeldProblem, reduce_held
+from ..problem.trajectory import PLAIN, Seed, Trajectory, stood_in
+from ..shooting.answers import answer_ends, shape_path
+from ..shooting.branch import Path
+from ..shooting.descent import index_at
+from ..shooting.hinged_states import shape_of
+from ..shooting.loaded_rod import LoadedRod, rods_of
+from ..shooting.newton import correct
 from .held_selection import Reached, by_rule, by_seed
 from .selection import Choose, path_of_seed
 
@@ -27,13 +31,10 @@ ALTERNATIVE = "another equilibrium with the same ends"
 
 def held_trajectory(reached: Reached, wanted: Given, t: Array, tol: float) -> Trajectory:
     """The orbit of one equilibrium under held ends at stations t (1, n); its error is that of the given numbers."""
-    state = at_hinges(reached.state, wanted)
+    state = reached.state
     orbit = orbit_of(state.problem, state.path)
-    if orbit.lengthens is not None and orbit.turns[0] > 0 and not state.path.helix:
-        lengthens = orbit.turns - dead_index_of(state)  # differences of the length fail at a hinge
-        orbit = replace(orbit, lengthens=lengthens)
     values = values_of(_at_length(state, orbit), float(state.problem.span[0]), wanted)
-    size = {"z": wanted.span, "alpha": wanted.span, "turn": wanted.span, "dbeta0": _pace(state), "dbetaL": _pace(state)}
+    size = {"z": wanted.span, "alpha": wanted.span, "turn": wanted.span}
     miss = max(
         abs(float(value - given)) / max(size.get(name, 1.0), 1.0)
         for name, value, given in zip(wanted.names, values, wanted.values, strict=True)
@@ -64,34 +65,12 @@ def _at_length(state: OrbitState, orbit: Orbit) -> Array:
     return np.array([problem.beta0[0], beta[1], *v, alpha[1], swirl, z[1], *loads, state.path.y])
 
 
-def _pace(state: OrbitState) -> float:
-    """A size of beta_t for the loads of a state."""
-    return float(np.sqrt(1 + load_size(state.problem)[0]))
-
-
-def at_hinges(state: OrbitState, wanted: Given) -> OrbitState:
-    """The state as its orbit has it from the start on; read where it meets beta(L), a rod at rest there has half the
-    digits."""
-    if not wanted.hinged or state.path.helix:
-        return state
-    every = charts(boundary_of(state.problem), state.path, True)
-    slow = abs(float(state.rates.value("dbeta0")[0])) < 1e-3 * _pace(state)
-    corner = [chart for chart in every if chart.kind == CORNER]
-    start = [chart for chart in every if chart.kind == "start" and not chart.logarithmic and slow]
-    for chart in [*corner, *start]:
-        corrected = correct_equilibrium(state.problem, wanted, chart, coordinate(chart))
-        if not isinstance(corrected, str):
-            return corrected
-    return state
-
-
 def response_of(state: OrbitState, wanted: Given) -> float:
-    """The largest |d beta| along the rod by a unit of a given angle, or of a displacement in units of rho, or by a
-    change of beta_t at an end of the size that the loads make."""
+    """The largest |d beta| along the rod by a unit of a given angle, or of a displacement in units of rho."""
     problem, path = state.problem, state.path
     with np.errstate(all="ignore"):
         lengths = [k for k, name in enumerate(wanted.names) if name not in FREE[2:]]
-        unit = np.eye(5)[:, lengths] * [_pace(state) if wanted.names[k].startswith("d") else 1.0 for k in lengths]
+        unit = np.eye(5)[:, lengths]
         parts = parts_of(state.rates, wanted, unit, np.zeros(len(lengths)))
         t = problem.span[:, None] * np.linspace(0, 1, 129)
         moves = variations_of(problem, path).change(t, parts[None]).beta
@@ -101,8 +80,8 @@ def response_of(state: OrbitState, wanted: Given) -> float:
 
 def each_held(
     problem: HeldProblem, t: Array, tol: float, seed: Seed | None, choose: Choose
-) -> tuple[Trajectory, EndsProblem]:
-    """The answers to B problems at stations t (B, n), and the problems under dead loads that they solve.
+) -> tuple[EndsProblem, Trajectory]:
+    """The problems under dead loads that B problems lead to, and the answers at stations t (B, n).
 
     A problem that is not solved stands there as a plain one.
     """
@@ -117,16 +96,61 @@ def each_held(
         answers.append(held_trajectory(reached, Given.of(single), t[i : i + 1], tol))
         for name, value in vars(solved).items():
             value[i] = getattr(reached.state.problem, name)[0]
-    return together(answers, t), solved
+    return solved, together(answers, t)
+
+
+def each_hinged(
+    case: Case, problem: HeldProblem, t: Array, tol: float, seed: Seed | None, choose: Choose
+) -> tuple[EndsProblem, Trajectory]:
+    """The same of B rods with a given end moment, on nodes; problem: theirs."""
+    reached = [
+        _reach(problem.take(slice(i, i + 1)), None if seed is None else seed.take(slice(i, i + 1)), choose)
+        for i in range(problem.size)
+    ]
+    paths = [
+        Path(None, why=end.removeprefix("failed: ")) if isinstance(end, str) else hinged_path(end.state, rod)
+        for end, rod in zip(reached, rods_of(case), strict=True)
+    ]
+    solved, answer = answer_ends(case, t, tol, paths)
+    begun, how = (
+        np.array([None if isinstance(end, str) else getattr(end, name) for end in reached], dtype=object)
+        for name in ("begun", "selection")
+    )
+    find, first = None, reached[0]
+    if not isinstance(first, str) and first.seed is not None:  # of a single problem, as the trajectory says
+        find = partial(_hinged_alternatives, first.seed, first.state, case, tol)
+    fit = np.array([path.shape is not None for path in paths])
+    return stood_in(solved, fit), replace(answer, begun=begun, selection=how, alternatives=find)
+
+
+def hinged_path(state: OrbitState, rod: LoadedRod) -> Path:
+    """The shape of an equilibrium of a rod with a given end moment, as an answer."""
+    guess = shape_of(state, rod)
+    shape = correct(guess) or guess  # a shape that is not determined is as good as it is
+    return shape_path(shape, index_at(shape))
+
+
+def _hinged_alternatives(
+    seed: OrbitState, found: OrbitState, case: Case, tol: float, t: Array
+) -> list[tuple[Any, ...]]:
+    """As of `_alternatives`."""
+    (rod,) = rods_of(case)
+    rows = []
+    for other in alternatives_of(seed, found, Given.of(reduce_held(case))):
+        problem, answer = answer_ends(case, t, tol, [hinged_path(other, rod)])
+        rows.append((away(seed, other), problem, replace(answer, begun=np.array([ALTERNATIVE], dtype=object))))
+    return sorted(rows, key=lambda row: row[0])
 
 
 def _reach(problem: HeldProblem, seed: Seed | None, choose: Choose) -> Reached | str:
     if why := beyond_limits(problem)[0]:
         return str(why)
-    if why := unreachable(*held_apart(problem), seed is not None):
-        return f"failed: {why}"
     given = Given.of(problem)
+    if why := unreachable(*held_apart(problem), seed is not None and not given.hinged):
+        return f"failed: {why}"
     if seed is None:
         return by_rule(given, choose)
     assert seed.problem is not None
-    return by_seed(given, seed.problem, path_of_seed(seed))
+    shape = None if seed.shapes is None else seed.shapes[0]
+    path = None if given.hinged and shape is not None else path_of_seed(seed)
+    return by_seed(given, seed_state(seed.problem, path, shape, given))

@@ -10,19 +10,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..branches.continuation import Stopped, carry
+from ..branches.continuation import Stopped
 from ..branches.helices import helices_of
-from ..branches.leaps import shape_of
 from ..equilibrium.given_numbers import Given, OrbitState
 from ..equilibrium.held_index import held_energy, index_of
-from ..equilibrium.system import settle, state_of
 from ..held.energy_minima import energy_minima, is_turned_round, refinement
 from ..held.held_alternatives import said_of_seed
+from ..held.held_moves import angles_along, carry, settle
 from ..held.held_search import held_search, image_of, mirrors_of
 from ..held.held_starts import equilibrium_beside, outcome_of, states_from_dead_loads
-from ..levels.boundary import Path
-from ..levels.path_orbits import orbit_of
-from ..problem.reduced import EndsProblem
 from .selection import LOWEST, Choose, HeldSelection, none_of_index, select
 
 _RISES = 1e-9  # by which beta_t(0) of a mirror image must be the larger one
@@ -48,11 +44,10 @@ class Reached:
         return 0.0 if self.is_minimum and np.isnan(index) else index
 
 
-def by_seed(wanted: Given, problem: EndsProblem, path: Path | None) -> Reached | str:
-    """The equilibrium on the branch of a seed, an equilibrium of `problem`; or the outcome that says why not."""
-    if path is None:
+def by_seed(wanted: Given, seed: OrbitState | None) -> Reached | str:
+    """The equilibrium on the branch of a seed; or the outcome that says why there is none."""
+    if seed is None:
         return "failed: the seed is not a solution of its own ends problem"
-    seed = state_of(problem, path, wanted.hinged)
     state = carry(seed, wanted)
     return outcome_of(state) if isinstance(state, Stopped) else Reached(state, said_of_seed(seed, state, wanted), seed)
 
@@ -94,7 +89,7 @@ def _image_rising_most(state: OrbitState, wanted: Given) -> OrbitState:
     best = state
     for mirror in mirrors_of(wanted):
         image = image_of(state, mirror, wanted)
-        settled = image if image.path.helix else settle(image.problem, image.path, wanted)
+        settled = image if image.path.helix else settle(image, wanted)
         if not isinstance(settled, str) and _start(settled) > _start(best) + _RISES * (1 + abs(_start(best))):
             best = settled
     return best
@@ -108,7 +103,7 @@ def _start(state: OrbitState) -> float:
 def _choice(wanted: Given, states: list[OrbitState], choose: Choose) -> Reached | str:
     """The equilibrium that the rule takes of those found."""
     index = np.array([index_of(state, wanted) for state in states])
-    turned = np.array([is_turned_round(wanted, shape_of(orbit_of(state.problem, state.path))[0]) for state in states])
+    turned = np.array([is_turned_round(wanted, angles_along(state)) for state in states])
     energy = np.array([held_energy(state, wanted) for state in states])
     i = select(choose, index, energy, turned.astype(float), np.array([_start(state) for state in states]))
     if i is None:

@@ -5,7 +5,7 @@ log|gap|, as transit times are linear in it; where beta_t is small at an end, th
 sign.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -14,17 +14,13 @@ from ..core.library import numbers_of
 from ..levels.boundary import Boundary, Path
 
 _SAME = 1e-6  # in scales: coordinates of one equilibrium
-CORNER = "corner"
-_LEAST = 1e-9  # gap to a saddle of an orbit that is followed from its start: rounding grows by its inverse
-_PLAIN = 1e-4  # the same, where this is the best way
 
 
 @dataclass(frozen=True)
 class Chart:
     """A coordinate x on the equilibria of one path near `at`.
 
-    kind: where the level is measured from, a "saddle", the "start" or the "end"; or a "corner": from the start, and the
-    far end is where the orbit is after the length of the rod, whatever its angle. scale: the change of x over which the
+    kind: where the level is measured from, a "saddle", the "start" or the "end". scale: the change of x over which the
     orbit changes its form. logarithmic: whether x is log|gap|; else x is beta_t at that end, with its sign.
     """
 
@@ -34,20 +30,13 @@ class Chart:
     logarithmic: bool
 
 
-def charts(place: Boundary, path: Path, hinged: bool = False) -> list[Chart]:
+def charts(place: Boundary, path: Path) -> list[Chart]:
     """Coordinates in which the equilibrium can be followed, the best first.
 
     The others are needed where the best one ends and the branch does not, as where its saddle meets a centre.
-    hinged: whether an end moment is given. The rod may then turn at both ends, where the length at which an orbit meets
-    beta(L) has no derivative, so a corner is best unless the rod comes close to a saddle.
     """
     rows = core.charts(numbers_of(place.problem)[0], path)
-    every = [Chart(kind, Path(*at), scale, logarithmic) for kind, at, scale, logarithmic in rows]
-    start = next(chart for chart in every if chart.kind == "start" and not chart.logarithmic)
-    nearest, at_rest = start.scale**2, not every[0].logarithmic
-    if hinged and nearest > _LEAST:
-        every.insert(0 if at_rest and nearest > _PLAIN else len(every), replace(start, kind=CORNER))
-    return every
+    return [Chart(kind, Path(*at), scale, logarithmic) for kind, at, scale, logarithmic in rows]
 
 
 def coordinate(chart: Chart) -> float:

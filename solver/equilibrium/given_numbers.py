@@ -4,7 +4,6 @@ Five numbers are given, among the end angles, their slopes, the displacements an
 and all three loads. All derivatives are those of `orbit_rates`.
 """
 
-from collections.abc import Collection
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,21 +20,19 @@ FREE = ("beta0", "betaL", "lam", "mu", "phi")  # what a state consists of, besid
 _AT = {name: k for k, name in enumerate(NUMBERS)}
 
 
-def is_hinged(names: Collection[str]) -> bool:
-    """Whether an end moment is among the given numbers."""
-    return "dbeta0" in names or "dbetaL" in names
-
-
 @dataclass(frozen=True, eq=False)
 class OrbitState:
     """One equilibrium under held ends: as an ends problem under dead loads, its path, and how its numbers answer.
 
-    rates: of the problem and the path, or of a state that differs from it by a small correction.
+    rates: of the problem and the path, or of a state that differs from it by a small correction. known_index,
+    known_energy: Morse index under what its ends hold, and energy as of `path_orbits.energies`, of a shape on nodes.
     """
 
     problem: EndsProblem
     path: Path
     rates: OrbitRates
+    known_index: int | None = None
+    known_energy: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +47,7 @@ class Given:
     @property
     def hinged(self) -> bool:
         """Whether an end moment is given."""
-        return is_hinged(self.names)
+        return bool({"dbeta0", "dbetaL"} & {*self.names})
 
     def number(self, name: str, otherwise: float) -> float:
         """The value of a given number, or another one where it is not given."""

@@ -112,6 +112,8 @@ def _eigenvalues_in_scale(matrix: Array) -> Array:
 
 def index_of(state: OrbitState, wanted: Given) -> float:
     """The Morse index under the held ends; NaN where it is not decided."""
+    if state.known_index is not None:
+        return float(state.known_index)
     ratio, path = np.array([wanted.ratio]), state.path
     if not path.helix:
         each = np.array([path.leaving]), np.array([path.turns])
@@ -126,8 +128,10 @@ def held_energy(state: OrbitState, wanted: Given) -> float:
     A reaction does no work when neighbouring shapes with the same held ends are compared.
     """
     problem, number = state.problem, {name: float(state.rates.value(name)[0]) for name in NUMBERS}
-    level = number["dbeta0"] ** 2 + potential(problem, problem.beta0)
-    energy, mu = float(energies(orbit_of(problem, state.path), level)[0]), number["mu"]
+    energy, mu = state.known_energy, number["mu"]
+    if energy is None:
+        level = number["dbeta0"] ** 2 + potential(problem, problem.beta0)
+        energy = float(energies(orbit_of(problem, state.path), level)[0])
     twist = wanted.ratio * mu**2 * wanted.span / 2
     energy += twist - mu * number["swirl"] if "turn" in wanted.names else -twist
     works = (("phi", "z"), ("lam", "alpha"))

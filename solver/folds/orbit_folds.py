@@ -29,7 +29,7 @@ from ..branches.family import given_of, given_over
 from ..equilibrium.given_numbers import FREE, Given, values_of
 from ..equilibrium.held_index import lower_index
 from ..equilibrium.orbit_rates import NUMBERS, OrbitRates, rates_of_helices, start_rates
-from ..equilibrium.system import corner_state
+from ..equilibrium.system import state_from_start
 from ..levels.boundary import boundary_of
 from ..mechanics.potential import TAU, load_size, slope
 from ..numerics.arclength import PITCHFORK, Lengths, Node, node_at
@@ -227,7 +227,7 @@ class OrbitFold(OrbitPoint):
         """
         given, rates, pin, _ = self.own
         if given.names != FREE:
-            return lower_index(corner_state(rates, self.slope, pin), given)
+            return lower_index(state_from_start(rates, self.slope, pin), given)
         orbit = solve_orbit(rates.problem.with_start(np.array([self.slope])), TIGHT, pin)
         if pin is None:
             return int(orbit.turns[0]) - 1

@@ -8,14 +8,10 @@ itself: beyond the ends that are wanted and behind the seed it may turn back at 
 import numpy as np
 
 from ..branches.branch_events import Bounds
-from ..branches.branch_following import trace_branch
-from ..branches.continuation import line_between
-from ..branches.deflation import across_fold, deflate, fold_beside, is_known, numbers_of
-from ..branches.leaps import shape_of
+from ..branches.deflation import is_known, numbers_of
 from ..equilibrium.given_numbers import Given, OrbitState
 from ..equilibrium.held_index import index_of
-from ..equilibrium.system import state_of
-from ..levels.path_orbits import orbit_of
+from .held_moves import across_fold, angles_along, deflate, is_nearer_across_fold, meetings
 
 NEARER = "another equilibrium with these ends is nearer to this one than the seed is: see alternatives"
 _MOST = 150  # points of a branch in each direction
@@ -35,7 +31,7 @@ def alternatives_of(seed: OrbitState, found: OrbitState, wanted: Given) -> list[
 
     for guess in (*across_fold(found, wanted), seed):
         add(deflate(guess, wanted, known))
-    for state in _on_branch(seed, found, wanted):
+    for state in meetings(seed, found, wanted, Bounds(*_REACH, (1.0,), _MOST)):
         add(state)
     for other in tuple(others):
         for guess in across_fold(other, wanted)[:1]:
@@ -43,19 +39,9 @@ def alternatives_of(seed: OrbitState, found: OrbitState, wanted: Given) -> list[
     return others
 
 
-def _on_branch(seed: OrbitState, found: OrbitState, wanted: Given) -> list[OrbitState]:
-    """Where the branch of the seed meets the wanted ends."""
-    if found.path.helix:
-        return []
-    line, bounds = line_between(found.problem, wanted.at(seed), wanted), Bounds(*_REACH, (1.0,), _MOST)
-    places = [place for rises in (True, False) for place in trace_branch(line, found.path, 1.0, rises, bounds)[0]]
-    return [state_of(place.problem, place.path) for place in places if place.p == 1]
-
-
 def away(one: OrbitState, other: OrbitState) -> float:
     """The largest difference of beta [rad] at equal s/L."""
-    beta, other_beta = (shape_of(orbit_of(state.problem, state.path)) for state in (one, other))
-    return float(np.abs(beta - other_beta).max())
+    return float(np.abs(angles_along(one) - angles_along(other)).max())
 
 
 def said_of_seed(seed: OrbitState, found: OrbitState, wanted: Given) -> str:
@@ -65,7 +51,6 @@ def said_of_seed(seed: OrbitState, found: OrbitState, wanted: Given) -> str:
     indices = index_of(seed, wanted.at(seed)), index_of(found, wanted)
     if np.isfinite(indices).all() and indices[0] != indices[1]:
         words += f"; the seed has index {indices[0]:.0f} and this equilibrium index {indices[1]:.0f}"
-    beside = fold_beside(found, wanted)
-    if beside is not None and abs(beside[1]) < np.linalg.norm(numbers_of(found) - numbers_of(seed)):
+    if is_nearer_across_fold(seed, found, wanted):
         words += f"; {NEARER}"
     return words

@@ -14,19 +14,17 @@ from itertools import product
 
 import numpy as np
 
-from ..branches.continuation import Stopped, carry
-from ..branches.deflation import across_fold, deflate, is_known, numbers_of
+from ..branches.continuation import Stopped
+from ..branches.deflation import is_known, numbers_of
 from ..branches.helices import helices_of
-from ..branches.leaps import shape_of
 from ..equilibrium.given_numbers import FREE, Given, OrbitState
-from ..equilibrium.orbit_rates import orbit_rates, start_rates
-from ..equilibrium.system import corner_state, settle
+from ..equilibrium.orbit_rates import orbit_rates
 from ..levels.boundary import Boundary, Path, boundary_of, wrap
-from ..levels.path_orbits import orbit_of
 from ..mechanics.potential import TAU
 from ..numerics.arrays import Array
-from ..orbit.periodic_orbit import TIGHT, solve_orbit
 from ..problem.reduced import EndsProblem
+from ..shooting.hinged_states import HingedState, half_period_later, mirror_image
+from .held_moves import across_fold, angles_along, carry, deflate, settle, within_a_turn
 from .held_sweep import Point, Ranges, ranges_of, starts_of, swept
 from .hinge_scan import hinged_states
 
@@ -68,10 +66,10 @@ class HeldFound:
     def add(self, state: OrbitState | None, how: str) -> bool:
         """Add an equilibrium and its mirror images; whether it was new. A state without numbers is none."""
         if state is not None and not {"beta0", "betaL"} & {*self.given.names}:
-            state = _within_a_turn(state)
+            state = within_a_turn(state)
         if state is None or not np.isfinite(numbers_of(state)).all() or is_known(state, self.known):
             return False
-        if self.any_load and not state.path.helix and np.ptp(shape_of(orbit_of(state.problem, state.path))) < _LEVEL:
+        if self.any_load and not state.path.helix and np.ptp(angles_along(state)) < _LEVEL:
             return False
         self.known.append(numbers_of(state))
         values = {name: float(getattr(state.problem, name)[0]) for name in FREE}
@@ -81,14 +79,14 @@ class HeldFound:
         else:
             self.outside.append(values)
         images = [image_of(state, mirror, self.given) for mirror in mirrors_of(self.given)]
-        later = half_period_later(state, self.given)
+        later = image_half_period_later(state, self.given)
         for image in [*images, *([] if later is None else [later])]:
             self.add(image if image.path.helix else self.equilibrium_near(image), MIRRORED)
         return True
 
     def equilibrium_near(self, guess: OrbitState) -> OrbitState | None:
         """The equilibrium next to a guess."""
-        state = settle(guess.problem, guess.path, self.given)
+        state = settle(guess, self.given)
         return None if isinstance(state, str) else state
 
     def carry_one(self, starts: list[OrbitState]) -> None:
@@ -149,15 +147,6 @@ def held_search(
     return result
 
 
-def _within_a_turn(state: OrbitState) -> OrbitState:
-    """The state with beta(0) in [-pi, pi)."""
-    add = -TAU * np.floor((state.problem.beta0 + np.pi) / TAU)
-    if not add:
-        return state
-    problem = replace(state.problem, beta0=state.problem.beta0 + add, betaL=state.problem.betaL + add)
-    return replace(state, problem=problem, rates=orbit_rates(problem, [state.path]))
-
-
 @dataclass(frozen=True)
 class Mirror:
     """Whether beta becomes -beta, whether then pi - beta, whether the rod is run through from its far end; then whole
@@ -206,23 +195,22 @@ def mirrors_of(given: Given) -> list[Mirror]:
     return mirrors
 
 
-def half_period_later(state: OrbitState, given: Given) -> OrbitState | None:
-    """The rod that begins at the other turning point of the same orbit; None unless both ends rest at turning points.
+def image_half_period_later(state: OrbitState, given: Given) -> OrbitState | None:
+    """A guess of the rod that begins at the other turning point of the same orbit; None unless both ends rest there.
 
     Over whole periods all that is held is the same.
     """
-    resting = all(given.number(name, np.nan) == 0 for name in ("dbeta0", "dbetaL"))
-    if not resting or state.path.helix or state.path.turns % 2 == 0:
+    if not isinstance(state, HingedState) or any(given.number(name, np.nan) != 0 for name in ("dbeta0", "dbetaL")):
         return None
-    problem = state.problem.with_start(np.zeros(1))
-    orbit = solve_orbit(problem, TIGHT)
-    other = float(orbit.at(orbit.ahead[:, None])[0][0, 0])
-    rates = start_rates(replace(problem, beta0=np.array([other])))
-    return corner_state(rates, 0.0) if np.isfinite(rates.rows[0, :-1]).all() else None
+    later = half_period_later(state.shape)
+    return None if later is None else replace(state, shape=later)
 
 
 def image_of(state: OrbitState, mirror: Mirror, given: Given) -> OrbitState:
-    """The image of a state; what is given is exactly as given."""
+    """The image of a state, or a guess of it; what is given is exactly as given."""
+    if isinstance(state, HingedState):
+        image = mirror_image(state.shape, mirror.negated, mirror.turned, mirror.backward, mirror.whole_turns)
+        return replace(state, shape=image)
     old = state.problem
     known = dict(zip(given.names, given.values.tolist(), strict=True))
     numbers = dict(mirror.number(name, float(getattr(old, name)[0])) for name in FREE)

@@ -11,16 +11,16 @@ from itertools import product
 
 import numpy as np
 
-from ..branches.continuation import FOLD, Stopped, carry
+from ..branches.continuation import FOLD, Stopped
 from ..branches.deflation import is_known, numbers_of
 from ..equilibrium.given_numbers import FREE, Given, OrbitState, problem_of
 from ..equilibrium.held_index import index_of
-from ..equilibrium.system import settle
 from ..levels.boundary import critical_points
 from ..levels.path_orbits import orbit_of
 from ..mechanics.potential import TAU
 from ..numerics.arrays import Array
 from .energy_minima import Minimum
+from .held_moves import carry, settle
 from .held_sweep import dead_states
 
 _TRIED, _REACHED = 8, 3  # starts from which continuation is tried; equilibria after which it ends
@@ -59,7 +59,7 @@ def equilibrium_beside(minimum: Minimum, helices: list[OrbitState]) -> OrbitStat
     away = [float(np.abs(_angles_along(state, u) - beta).max()) for state in states]
     for i in np.argsort(away)[:2]:
         if away[i] < _BESIDE:
-            state = settle(states[i].problem, states[i].path, given)
+            state = settle(states[i], given)
             carried = carry(states[i], given, _POINTS) if isinstance(state, str) else state
             if not isinstance(carried, Stopped):
                 return carried
@@ -93,7 +93,7 @@ def _reach(wanted: Given, starts: list[OrbitState], helices: list[OrbitState]) -
         state = carry(start, wanted)
         if isinstance(state, Stopped):
             why = why or outcome_of(state)
-            near = settle(start.problem, start.path, wanted) if taut else ""  # where steps are lost in rounding
+            near = settle(start, wanted) if taut else ""  # where steps are lost in rounding
             if isinstance(near, str):
                 continue
             state = near

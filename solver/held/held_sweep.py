@@ -36,16 +36,19 @@ _FEWEST, _MOST = 16, 100  # starts with several unknowns
 class Ranges:
     """The lowest and the highest value of each unknown number, by its name, and how many values of each are taken.
 
-    root: of the load under which a straight rod buckles into `HALF_WAVES`.
+    root: of the load under which a straight rod buckles into `HALF_WAVES`. turns: whether no end angle is given or has
+    a range that is asked for, so that the angles of starts bound nothing: shapes are those of one turn of beta(0).
     """
 
     bounds: dict[str, tuple[float, float]]
     count: int
     root: float
+    turns: bool
 
     def holds(self, values: dict[str, float]) -> bool:
         """Whether numbers lie within."""
-        return all(low - 1e-9 <= values[name] <= high + 1e-9 for name, (low, high) in self.bounds.items())
+        judged = self.bounds.keys() - (FREE[:2] if self.turns else ())
+        return all(self.bounds[name][0] - 1e-9 <= values[name] <= self.bounds[name][1] + 1e-9 for name in judged)
 
     def axes(self) -> dict[str, Array]:
         """The values of each; of a force or MZ by its root, as half waves go with it.
@@ -66,7 +69,8 @@ def ranges_of(given: Given, own: dict[str, tuple[float, float]], count: int | No
     """The ranges of the unknown numbers of a problem, those of `own` as they are there, with `count` values of each."""
     known = dict(zip(given.names, given.values.tolist(), strict=True))
     bounds = {name: own.get(name) or _default(name, known, given) for name in FREE if name not in known}
-    return Ranges(bounds, VALUES[len(bounds)] if count is None else count, HALF_WAVES * np.pi / given.span)
+    turns = {*FREE[:2]} <= bounds.keys() and not {*FREE[:2]} & own.keys()
+    return Ranges(bounds, VALUES[len(bounds)] if count is None else count, HALF_WAVES * np.pi / given.span, turns)
 
 
 def _default(name: str, known: dict[str, float], given: Given) -> tuple[float, float]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..equilibrium.given_numbers import Given, OrbitState
 from ..equilibrium.orbit_rates import start_rates
-from ..equilibrium.system import corner_state
+from ..equilibrium.system import state_from_start
 from ..levels.boundary import boundary_of
 from ..mechanics.potential import TAU, potential, slope
 from ..numerics.arrays import Array
@@ -63,7 +63,7 @@ def hinged_states(given: Given) -> list[OrbitState]:
         start = StartProblem(beta0=np.array([first + turns]), dbeta0=np.array([v0]), span=problem.span, **loads)
         rates = start_rates(start)
         if np.isfinite(rates.values).all():
-            states.append(corner_state(rates, float(v0)))
+            states.append(state_from_start(rates, float(v0)))
     return states
 
 

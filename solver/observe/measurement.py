@@ -16,8 +16,10 @@ from ..core.measures import measure
 from ..mechanics.potential import steepest
 from ..numerics.arrays import EPS, Array
 from ..orbit.marched_orbit import MarchedOrbit
+from ..orbit.periodic_orbit import TIGHT, solve_orbit
 from ..problem.errors import InputError
 from ..problem.reduced import flat
+from ..problem.trajectory import stood_in
 from ..shape import Shape
 from ..shooting.loaded_rod import ALPHA, SHORT, SPEED
 from .solution_pieces import blocks, is_resolved, off_between, pieces_of
@@ -251,9 +253,17 @@ class Reading:
 
     @property
     def half_period(self) -> Any:
-        """Half a period of beta in t, or a whole turn of it, (B,), where the method knows the orbit."""
-        orbit = self.sol.trajectory.orbit
-        return self.carry(orbit.ahead + orbit.back, "half_period")
+        """Half a period of beta in t, or a whole turn of it, (B,), where there is an `orbit`."""
+        return self.carry(self.orbit.ahead + self.orbit.back, "half_period")
+
+    @cached_property
+    def orbit(self) -> Any:
+        """The orbits, where the method knows them; of shapes on nodes under constant loads those of their starts."""
+        sol, shapes = self.sol, self.sol.trajectory.shapes
+        if sol.trajectory.orbit is not None or shapes is None or sol.case.varies:
+            return sol.trajectory.orbit
+        start = sol.problem.with_start(shapes.ends()[0][:, SPEED])
+        return solve_orbit(stood_in(start, np.isfinite(start.dbeta0)), TIGHT)
 
     @property
     def plain(self) -> "Reading":

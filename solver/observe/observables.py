@@ -108,7 +108,7 @@ def bend_number(read: Reading) -> Pair:
 
     NaN where the method knows no orbit.
     """
-    orbit = read.sol.trajectory.orbit
+    orbit = read.orbit
     if orbit is None:
         unknown = np.full(read.sol.problem.size, np.nan)
         return unknown, unknown

@@ -70,7 +70,8 @@ class Seed(Columns):
     """Selects one of many solutions: the one near the seed.
 
     slope: beta_t(0), (B,). beta: at s/L = u, (B, n). If the seeds are solutions, problem: the ends problems that they
-    solve; orbit: their orbits if the method knows them; row: the row of each seed in `orbit`, (B,).
+    solve; orbit: their orbits if the method knows them; row: the row of each seed in `orbit`, (B,); shapes: those on
+    nodes, (B,), None where there is none.
     """
 
     slope: Array
@@ -79,6 +80,7 @@ class Seed(Columns):
     problem: EndsProblem | None = None
     orbit: Any = None
     row: Any = None
+    shapes: Any = None
 
     def on(self, problem: EndsProblem, nodes: int) -> Array:
         """The single shape on equal steps, (nodes,), changed linearly to meet the end angles of the problem."""

@@ -179,7 +179,7 @@ def measure_of(name: str) -> tuple[str, ...]:
 def why_missing(name: str, sol: Shape) -> str:
     """Why a derivative of an observable of a solved case does not exist."""
     row = OBSERVABLES[name]
-    if sol.case.varies and row.undefined:
+    if sol.trajectory.shapes is not None and row.undefined:
         return f"no derivative where {row.undefined}"
     if name == "bend_number" and sol.trajectory.orbit is None:
         return f"no derivative: {NO_ORBIT}"

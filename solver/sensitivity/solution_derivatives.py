@@ -133,7 +133,7 @@ def sensitivity(sol: Shape, fields: Iterable[str], observables: Iterable[str] = 
     ends, growth = isinstance(sol.problem, EndsProblem), np.asarray(sol.trajectory.condition)
     with np.errstate(all="ignore"):
         error = _ROUNDING * (growth**2 if ends else growth)
-    if sol.case.varies:
+    if sol.trajectory.shapes is not None:
         known = np.where(sol.trajectory.solved, SOLVED, sol.trajectory.outcome).astype(object)
         with np.errstate(all="ignore"):
             curves, numbers = varying_rates(sol, names, _ALONG, observed)

@@ -28,6 +28,7 @@ from ..shooting.varying_shapes import Shape as Nodal
 
 STEP = 1e-4  # of the angles, in their scales, and of a field, in its size
 WEIGHTS = {1: 2 / 3, 2: -1 / 12}  # of the differences at so many steps
+EARLY = 1e-14  # of the places of nodes: so a station at one is read from it at each step, and not from the one before
 FAINT, SMOOTH = 1e-9, 3.0  # second differences: of rounding, as a share; at two steps over one, 4 of a smooth function
 
 
@@ -87,6 +88,7 @@ def _line(sol: Shape, name: str) -> Line:
         nodes = shapes.of(i)
         answer = None
         if nodes is not None:
+            rod = rod.in_scales(nodes.rod.scale)
             shape = replace(nodes, rod=rod)
             curve = Curve(lambda x, i=i: near[x > 0][i], 1.0, rod.scale)  # type: ignore[misc]
             answer = linear_at(shape).solve(-curve.rate(shape, 0.0)[:, None])
@@ -130,6 +132,7 @@ def _at_step(sol: Shape, line: Line, count: int) -> Shape:
             nodes, answer, index = known.shapes.of(i), line.answers[i], known.held_index[i]
             y = np.full((2, 8), np.nan) if answer is None else nodes.y + count * line.step[i] * answer
             times = np.array([0.0, rod.span]) if answer is None else nodes.t * (rod.span / nodes.t[-1])
+            times[1:-1] *= 1 - EARLY
             paths.append(shape_path(Nodal(rod, times, y), index))
         problem, trajectory = answer_ends(case, t, sol.tol, paths)
     # on the line the equations are open by the square of the step

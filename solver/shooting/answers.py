@@ -16,6 +16,7 @@ from ..problem.reduced import EndsProblem, StartProblem, flat
 from ..problem.trajectory import Trajectory, verdicts
 from .branch import find_shape
 from .buckling import straight_shape
+from .constant_loads import dead_indices
 from .curve import Curve
 from .descent import index_of_any, shape_like
 from .growth import STRAIGHT, Path
@@ -135,7 +136,8 @@ def answer_ends(case: Case, t: Array, tol: float, seeds: Sequence[Any] | None = 
     work = np.array([0 if path.shape is None else path.shape.t.size * path.shape.steps for path in paths])
     begun = np.array([words_of(path) for path in paths], dtype=object)
     outcome = with_undelivered(outcome, solved, case, np.array([rod.numbers for rod in rods]), begin, end)
-    read = read if case.varies else read | {"loads": None}
+    if not case.varies:
+        read |= {"loads": None, "dead_index": dead_indices(shapes.each(len(rods)))}
     return problem, Trajectory(
         **read, solved=solved, outcome=outcome, error=error, condition=condition, evaluations=work, begun=begun,
         held_index=index, shapes=shapes,

@@ -1,13 +1,12 @@
 """Rods under constant loads on nodes: the shapes of orbits and of other solutions, each read at nodes of its own."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from ..numerics.arrays import Array
-from ..orbit.periodic_orbit import jacobi_zeros
 from .descent import change_rates, fine_nodes, held_indices
 from .loaded_rod import ALPHA, BETA, MU, PHI, ROUND, SHORT, SPEED, LoadedRod, Q, scales
 from .varying_shapes import Shape
@@ -83,14 +82,11 @@ def end_numbers(shape: Shape) -> dict[str, float]:
     }
 
 
-def dead_indices(trajectory: Any) -> Array:
-    """The Morse index of B equilibria under their dead loads and between their own end angles, (B,) of floats.
+def dead_indices(shapes: Sequence[Shape | None]) -> Array:
+    """The Morse index of B shapes under their dead loads and between their own end angles, (B,) of floats.
 
-    NaN of a shape on nodes that is singular there to rounding, as that of a rod which rests at its ends.
+    NaN of a shape that is singular there to rounding, as that of a rod which rests at its ends, and without a shape.
     """
-    if trajectory.shapes is None:
-        return jacobi_zeros(trajectory.orbit.exact)
-    shapes = [trajectory.shapes.of(i) for i in range(trajectory.shapes.index.size)]
     return np.array([np.nan if shape is None else _dead_index(shape) for shape in shapes])
 
 

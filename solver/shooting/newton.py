@@ -97,8 +97,11 @@ def open_at(shape: Shape) -> Array:
 
 
 def with_known_loads(rod: LoadedRod, t: Array, y: Array) -> Array:
-    """The states with the loads that are given and vary in a known way, without the rounding of a solved system."""
+    """The states with what is given at the ends, and loads that vary in a known way, without the rounding of a solved
+    system."""
     y = y.copy()
+    y[0, BETA if "beta0" in rod.held else SPEED] = rod.near[0]
+    y[-1, BETA if "betaL" in rod.held else SPEED] = rod.far[0]
     if not rod.rubbed and "rotation" not in rod.held:
         y[:, MU] = rod.far[3]
     if not rod.rubbed and "height" not in rod.held:
@@ -114,9 +117,14 @@ def is_same(one: Shape, other: Shape) -> bool:
     return bool((np.abs(change) / one.rod.scale)[:, [BETA, SPEED, ALPHA]].max() < SAME)
 
 
+def whole_turns(beta: float) -> int:
+    """The whole turns by which an angle lies above the one in (-pi, pi], to rounding."""
+    return int(np.ceil((beta - np.pi) / TAU - ON_EDGE))
+
+
 def within_a_turn(shape: Shape) -> Shape:
     """The shape itself, or where no end angle is given the one with beta(0) in (-pi, pi], to rounding."""
-    turns = np.ceil((shape.y[0, BETA] - np.pi) / TAU - ON_EDGE) if shape.rod.turns_freely else 0.0
+    turns = whole_turns(float(shape.y[0, BETA])) if shape.rod.turns_freely else 0
     if not turns:
         return shape
     y = shape.y.copy()

@@ -19,7 +19,6 @@ from solver.mechanics.potential import slope_rate
 from solver.problem.case import PAIRS
 from solver.problem.case_fields import fields_of
 from solver.problem.reduced import EndsProblem, reduce
-from solver.problem.trajectory import UNDETERMINED
 from tests.cases import in_units_of_rho, table_1
 from tests.numerics.test_sensitivity import moved
 from tests.slow import slow
@@ -173,7 +172,7 @@ def test_hinged_at_both_ends_is_half_a_period_of_the_elastica(angle: float) -> N
     height = solve(Case(rod, flat, Ends(M10=0.0, M1L=0.0, height=float(found.z[-1]))), seed=seed)
     assert height.reactions["FZ"] == pytest.approx(-p, rel=1e-8)
     for one, name in ((found, "phi"), (height, "z")):
-        mesh = discrete_index(one.problem, one.trajectory.orbit, ("dbeta0", "dbetaL", "lam", "mu", name), 1.25, 80)
+        mesh = discrete_index(one.problem, one.trajectory, ("dbeta0", "dbetaL", "lam", "mu", name), 1.25, 80)
         assert one.held_index == mesh
 
 
@@ -210,7 +209,7 @@ def test_a_hinged_end_keeps_index_and_bends_along_a_branch() -> None:
     for height in (4.25, 4.0, 3.75, 3.5):
         found = solve(Case(SHORT, DRUM, Ends("20deg", M1L=0.0, rotation="90deg", height=height)), seed=seed)
         seen = observe(found, ["turns", "index"])
-        mesh = discrete_index(found.problem, found.trajectory.orbit, ("beta0", "dbetaL", "z", "lam", "turn"), 1.25)
+        mesh = discrete_index(found.problem, found.trajectory, ("beta0", "dbetaL", "z", "lam", "turn"), 1.25)
         assert found.held_index == mesh
         told.append((int(seen["turns"]), int(seen["index"]), int(found.held_index)))
         seed = found
@@ -380,9 +379,11 @@ def test_a_rod_between_hinges_follows_its_pull_though_it_could_rest_turned_over(
         assert sum(found.index == 0 for found in equilibria(case)) > 1
 
 
-def test_a_rod_between_hinges_without_any_load_has_no_shape_of_its_own() -> None:
+def test_a_rod_between_hinges_without_any_load_lies_along_the_cylinder_and_hardly_resists_turning() -> None:
+    """Its energy is the integral of sin(beta)^4, so that half of the digits are lost, and more."""
     sol = solve(Case(SHORT, DRUM, Ends(M10=0.0, M1L=0.0, FZ=0.0, MZ=0.0, M3=0.0)))
-    assert sol.outcome == UNDETERMINED
+    assert sol.outcome.startswith("solved; fewer digits")
+    assert np.abs(np.sin(sol.beta)).max() <= sol.error < 1e-3
 
 
 def test_a_hinged_rod_that_rests_at_its_far_end_is_its_own_seed() -> None:

@@ -14,9 +14,9 @@ from solver import Branch, Case, InputError, Solution
 from solver.equilibria import Equilibrium
 from solver.follow import solutions_of
 from solver.observe.observables import OBSERVABLES, observe
+from solver.orbit.periodic_orbit import jacobi_zeros
 from solver.problem.errors import no_such
 from solver.problem.reduced import held_of
-from solver.shooting.constant_loads import dead_indices
 from studies import Study
 from studies.grammar.axes import quantity_of
 from studies.laws.line_verdicts import QUALIFIED
@@ -244,7 +244,7 @@ def follow_curves(
     solved = [solutions_of(curve, SHAPE_STATIONS) for curve in seen.curves]
     numbers = [
         _numbers_of_solved(sol, curve, shown)
-        | {"index": curve.index, "dead_index": dead_indices(sol.trajectory), name: curve.values}
+        | {"index": curve.index, "dead_index": _dead_indices(sol), name: curve.values}
         | {"rho": np.broadcast_to(sol.case.rho, sol.case.shape)}
         for sol, curve in zip(solved, seen.curves, strict=True)
     ]
@@ -267,6 +267,12 @@ def follow_curves(
         values = np.array([numbers[piece.curve][key][at] for piece, at in middles], dtype=float)
         data[f"shape_{key}"] = xr.Variable(("shape",), values, label)
     return data
+
+
+def _dead_indices(sol: Solution) -> NDArray[np.float64]:
+    """The Morse index of each point under dead loads, between its own end angles; NaN where it is not decided."""
+    known = sol.trajectory.dead_index
+    return jacobi_zeros(sol.trajectory.orbit.exact) if known is None else known
 
 
 def _places(seen: Traced, piece: Piece, ends: tuple[float, float], known: NDArray[np.bool_]) -> list[int]:

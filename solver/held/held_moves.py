@@ -1,0 +1,104 @@
+"""The ways from one equilibrium with held ends to others: on nodes where an end moment is given, else along orbits."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ..branches import continuation, deflation
+from ..branches.branch_events import Bounds
+from ..branches.branch_following import trace_branch
+from ..branches.continuation import Stopped, line_between
+from ..branches.deflation import numbers_of
+from ..branches.leaps import shape_of
+from ..equilibrium import system
+from ..equilibrium.given_numbers import FREE, Given, OrbitState
+from ..equilibrium.orbit_rates import orbit_rates
+from ..levels.boundary import Path
+from ..levels.path_orbits import orbit_of
+from ..mechanics.potential import TAU
+from ..numerics.arrays import Array
+from ..problem.reduced import EndsProblem
+from ..shooting import hinged_states, newton
+from ..shooting.hinged_states import HingedState
+from ..shooting.loaded_rod import BETA
+from ..shooting.newton import whole_turns
+from ..shooting.varying_shapes import Shape
+
+MOST = 1000  # points of a branch
+SHARES = np.linspace(0, 1, 257)
+
+
+def carry(state: OrbitState, wanted: Given, most: int = MOST) -> OrbitState | Stopped:
+    """The equilibrium with the wanted numbers on the branch of a state; all numbers change in proportion."""
+    return (hinged_states.carry_hinged if wanted.hinged else continuation.carry)(state, wanted, most)
+
+
+def settle(guess: OrbitState, wanted: Given) -> OrbitState | str:
+    """The equilibrium with the wanted numbers next to a guess, or why there is none."""
+    if wanted.hinged:
+        return hinged_states.settle_hinged(guess, wanted)
+    return system.settle(guess.problem, guess.path, wanted)
+
+
+def deflate(start: OrbitState, wanted: Given, known: Sequence[Array]) -> OrbitState | None:
+    """An equilibrium with the wanted numbers that is none of the known ones; None where the steps lead to none.
+
+    known: the `numbers_of` each.
+    """
+    return (hinged_states.deflate_hinged if wanted.hinged else deflation.deflate)(start, wanted, list(known))
+
+
+def across_fold(state: OrbitState, wanted: Given) -> list[OrbitState]:
+    """Guesses of the equilibrium that meets this one at the nearest fold, on either side of it, the likelier first."""
+    return (hinged_states.across_fold_hinged if wanted.hinged else deflation.across_fold)(state, wanted)
+
+
+def is_nearer_across_fold(seed: OrbitState, found: OrbitState, wanted: Given) -> bool:
+    """Whether the equilibrium that meets one at its nearest fold is nearer to it than a seed is."""
+    if wanted.hinged:
+        return hinged_states.is_nearer_across_fold(seed, found, wanted)
+    beside = deflation.fold_beside(found, wanted)
+    return beside is not None and bool(abs(beside[1]) < np.linalg.norm(numbers_of(found) - numbers_of(seed)))
+
+
+def meetings(seed: OrbitState, found: OrbitState, wanted: Given, bounds: Bounds) -> list[OrbitState]:
+    """Where the branch of an equilibrium meets the wanted numbers again, on the line from those of a seed."""
+    if wanted.hinged:
+        return hinged_states.hinged_meetings(seed, found, wanted, bounds)
+    if found.path.helix:
+        return []
+    line = line_between(found.problem, wanted.at(seed), wanted)
+    places = [place for rises in (True, False) for place in trace_branch(line, found.path, 1.0, rises, bounds)[0]]
+    return [system.state_of(place.problem, place.path) for place in places if place.p == 1]
+
+
+def seed_state(problem: EndsProblem, path: Path | None, shape: Shape | None, wanted: Given) -> OrbitState | None:
+    """The state of a seed that is carried to the wanted numbers; None of one that is no equilibrium.
+
+    path: of the seed under the dead loads of `problem`. shape: on nodes, which counts where an end moment is given.
+    """
+    state = None if path is None else system.state_of(problem, path)
+    if not wanted.hinged:
+        return state
+    if shape is None and state is not None:
+        shape = hinged_states.shape_of(state, hinged_states.rod_of(wanted))
+    return None if shape is None else hinged_states.with_ends_of(shape, wanted)
+
+
+def angles_along(state: OrbitState) -> Array:
+    """beta at equal shares of the rod, (257,)."""
+    if isinstance(state, HingedState):
+        return np.asarray(state.shape.at(SHARES * state.shape.t[-1])[:, BETA])
+    return shape_of(orbit_of(state.problem, state.path))[0]
+
+
+def within_a_turn(state: OrbitState) -> OrbitState:
+    """The state with beta(0) in (-pi, pi], to rounding."""
+    turns = whole_turns(float(state.problem.beta0[0]))
+    if not turns:
+        return state
+    if isinstance(state, HingedState):
+        return hinged_states.hinged_state(newton.within_a_turn(state.shape))
+    problem = replace(state.problem, **{name: getattr(state.problem, name) - TAU * turns for name in FREE[:2]})
+    return replace(state, problem=problem, rates=orbit_rates(problem, [state.path]))
