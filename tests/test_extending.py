@@ -78,7 +78,7 @@ def test_the_boolean_of_every_method_says_what_its_sentence_says(method: str) ->
         sol = solve(case, stations=3, **options)
         assert [text.startswith("solved") for text in sol.outcome] == sol.solved.tolist()
         assert [text.startswith("failed: ") for text in sol.outcome] == (~sol.solved).tolist()
-        assert sol.solved.tolist() == [options["tol"] == 0.5, False]
+        assert sol.solved.tolist() == [options["tol"] == 0.5 or "; fewer digits" in sol.outcome[0], False]
 
 
 def strings(file: Path) -> Iterator[str]:

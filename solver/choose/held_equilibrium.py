@@ -18,8 +18,8 @@ from ..problem.limits import beyond_limits, held_apart, unreachable
 from ..problem.reduced import EndsProblem, HeldProblem, reduce_held
 from ..problem.trajectory import PLAIN, Seed, Trajectory, stood_in
 from ..shooting.answers import answer_ends, shape_path
-from ..shooting.branch import Path
 from ..shooting.descent import index_at
+from ..shooting.growth import Path
 from ..shooting.hinged_states import shape_of
 from ..shooting.loaded_rod import LoadedRod, rods_of
 from ..shooting.newton import correct

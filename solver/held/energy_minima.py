@@ -15,7 +15,7 @@ from ..equilibrium.given_numbers import FREE, Given
 from ..mechanics.potential import TAU
 from ..numerics.arrays import Array
 from .bordered_bands import Bordered, times
-from .energy_landscape import Landscape, Mesh
+from .discrete_energy import DiscreteEnergy, Mesh
 
 _PANELS, _LAYER = 6, 3.0  # panels at first; width of the first one beside an end, in that over which a layer decays
 _HALVINGS, _MOST_PANELS = 9, 64
@@ -34,11 +34,11 @@ _WIDEST = 2.2  # rad: of a wave
 class Minimum:
     """A shape of least energy between held ends, on a mesh.
 
-    energy: held energy, in units of A/rho. beta: at the nodes (n,). reactions: to the constraints of the landscape.
+    energy: held energy, in units of A/rho. beta: at the nodes (n,). reactions: to its constraints.
     fine: whether the mesh was refined to it.
     """
 
-    land: Landscape
+    land: DiscreteEnergy
     energy: float
     beta: Array
     reactions: Array
@@ -76,7 +76,7 @@ def energy_minima(given: Given, helices: Sequence[float] = ()) -> list[Minimum]:
     pace, taut = _pace(given), _taut_pace(given)
     steep = max(pace, taut)
     mesh = Mesh.with_layers(_PANELS, _LAYER / (steep * given.span))
-    land = Landscape(given, mesh, max(pace, min(taut, _STEEPEST)))
+    land = DiscreteEnergy(given, mesh, max(pace, min(taut, _STEEPEST)))
     shapes = simple_shapes(given, mesh.nodes, steep) + [np.full(mesh.nodes.size, beta) for beta in helices]
     minima = list[Minimum]()
     for shape in shapes:
@@ -93,7 +93,7 @@ def refinement(minimum: Minimum) -> Minimum | None:
             return replace(minimum, fine=True)
         if mesh.breaks.size > _MOST_PANELS:
             return None
-        finer = Landscape(land.given, mesh, land.pace)
+        finer = DiscreteEnergy(land.given, mesh, land.pace)
         below = next(_descents(finer, land.mesh.read(minimum.beta, mesh.nodes), 0), None)
         if below is None:
             return None
@@ -101,7 +101,7 @@ def refinement(minimum: Minimum) -> Minimum | None:
     return None
 
 
-def _descents(land: Landscape, shape: Array, pushes: int) -> Iterator[Minimum]:
+def _descents(land: DiscreteEnergy, shape: Array, pushes: int) -> Iterator[Minimum]:
     """The minima below a shape: one, or those on both sides of a saddle that the way meets."""
     beta = land.meet(land.shape(shape), 2 * _MEETING)
     for _ in range(_ROUNDS):
@@ -124,7 +124,7 @@ def _descents(land: Landscape, shape: Array, pushes: int) -> Iterator[Minimum]:
         beta = _lower(land, beta, energy, step * min(1.0, _LONGEST / size))
 
 
-def _lower(land: Landscape, beta: Array, energy: float, step: Array) -> Array | None:
+def _lower(land: DiscreteEnergy, beta: Array, energy: float, step: Array) -> Array | None:
     """The shape after a step, or after a part of it, that has no more energy; None where there is none."""
     for _ in range(_CUTS):
         new = land.meet(land.move(beta, step), _MEETING)
@@ -134,7 +134,7 @@ def _lower(land: Landscape, beta: Array, energy: float, step: Array) -> Array | 
     return None
 
 
-def _upward_curvature(land: Landscape, curved: Bordered) -> tuple[Bordered, bool]:
+def _upward_curvature(land: DiscreteEnergy, curved: Bordered) -> tuple[Bordered, bool]:
     """The curvature of the energy with as much of the metric added as it needs to curve upwards, and whether it needs
     none."""
     shifted, shift = curved.plus(-_LEVEL * land.metric), _SHIFT
@@ -144,7 +144,7 @@ def _upward_curvature(land: Landscape, curved: Bordered) -> tuple[Bordered, bool
     return shifted, is_valley
 
 
-def _downwards(land: Landscape, shifted: Bordered) -> Array:
+def _downwards(land: DiscreteEnergy, shifted: Bordered) -> Array:
     """The direction in which the energy curves down the most, of size 1; shifted: of `_upward_curvature`."""
     lowest = np.cos(np.arange(shifted.band.shape[1]) ** 2)  # has a share of every direction
     for _ in range(_ITERATIONS):

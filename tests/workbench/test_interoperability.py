@@ -185,15 +185,15 @@ def test_a_usd_curve_between_the_stations_is_the_solvers(tmp_path) -> None:
     assert text.startswith("#usda 1.0\n")
     assert 'metersPerUnit = 0.01\n    upAxis = "Z"' in text
     points = numbers(text, "points").reshape(-1, 3)
-    assert numbers(text, "curveVertexCounts") == len(points) == 601
+    assert numbers(text, "curveVertexCounts") == len(points) == 1201  # two parts a station, for the push
     assert numbers(text, "widths") == 0.5
     solution = solve(
         Case(Rod(2e4, 0.25, 0.25, 20.0, "paper"), Cylinder(0.75), Start(beta=np.pi / 6, F1=5.0, F3=10.0, dbeta=0.5)),
-        tol=1e-12, stations=401,
+        tol=1e-12, stations=801,
     )  # fmt: skip
     middle = (points[:-1:3] + 3 * points[1::3] + 3 * points[2::3] + points[3::3]) / 8
     np.testing.assert_allclose(points[::3], solution.position[::2], atol=1e-7)  # nine digits of 10 cm
-    np.testing.assert_allclose(middle, solution.position[1::2], atol=2e-5)  # cubics over 0.1 cm, measured 8e-6
+    np.testing.assert_allclose(middle, solution.position[1::2], atol=2e-5)  # cubics over 0.05 cm
     np.testing.assert_allclose(numbers(text, "primvars:push"), solution.push[::2], rtol=1e-5, atol=1e-4)
 
 

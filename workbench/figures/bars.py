@@ -100,7 +100,7 @@ def indices(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
             ax.text(0.5, 0.5, "one value on all samples", transform=ax.transAxes, ha="center", color=colours.SOFT)
             ax.set(xticks=[], yticks=[])
             return
-        order = _falling(row["total"].values.tolist())
+        order = _order_of_size(row["total"].values.tolist())
         fields = [str(ds["field_symbol"].values[i]) for i in order]
         draw(ax, fields, [(row["first"].values[order], FIRST), (row["total"].values[order], TOTAL)], names=ORDERS,
              errors=[row[f"{key}_conf"].values[order] for key in ("first", "total")])  # fmt: skip
@@ -232,10 +232,10 @@ def _effects(ds: xr.Dataset, name: str) -> list[tuple[str, float]]:
     """The fields that have an effect on an observable, and the effects, the largest first."""
     row = ds["effect"].sel(observable=name).values
     effects = [(str(f), float(v)) for f, v in zip(ds["field"].values, row, strict=True) if np.isfinite(v) and v != 0]
-    return [effects[k] for k in _falling([abs(effect) for _, effect in effects])]
+    return [effects[k] for k in _order_of_size([abs(effect) for _, effect in effects])]
 
 
-def _falling(sizes: Sequence[float]) -> list[int]:
+def _order_of_size(sizes: Sequence[float]) -> list[int]:
     """Their order, the largest first; of those that are equal but for rounding, as of E and L, that of the list."""
     return sorted(range(len(sizes)), key=lambda k: -float(f"{sizes[k]:.6g}"))
 

@@ -91,7 +91,7 @@ def draw(
     colour: of bands, or the colour of a height. name: of their edges in a table; label: in a legend. where: the
     transform; order: of drawing.
     """
-    where, bands = where or ax.transData, 0
+    where, bands, x, y = where or ax.transData, 0, np.asarray(x, dtype=float), np.asarray(y, dtype=float)
     for stretch in stretches(x, y, inches):
         if stretch.band is None:
             line(stretch.of)

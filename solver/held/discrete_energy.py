@@ -138,7 +138,7 @@ class Slopes:
 
 
 @dataclass(frozen=True, eq=False)
-class Landscape:
+class DiscreteEnergy:
     """The energy of shapes on a mesh between given ends; a shape is beta at the n nodes.
 
     pace: about the beta_t that the loads make; bending and pace^2 times the square of a change are its size.

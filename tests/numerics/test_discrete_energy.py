@@ -8,7 +8,7 @@ from solver.equilibrium.given_numbers import Given
 from solver.equilibrium.held_index import held_energy
 from solver.equilibrium.system import state_of
 from solver.held.bordered_bands import Bordered, times
-from solver.held.energy_landscape import Landscape, Mesh
+from solver.held.discrete_energy import DiscreteEnergy, Mesh
 from solver.held.energy_minima import energy_minima, refinement
 from solver.levels.boundary import path_of
 from solver.problem.reduced import reduce_held
@@ -26,7 +26,7 @@ def given_of(ends: Ends) -> Given:
     return Given.of(reduce_held(Case(SHORT, DRUM, ends)))
 
 
-def shape_on(land: Landscape) -> np.ndarray:
+def shape_on(land: DiscreteEnergy) -> np.ndarray:
     """Some shape that meets the constraints."""
     u = land.mesh.nodes
     beta = land.meet(land.shape(0.4 - 0.7 * u + 1.2 * np.sin(np.pi * u) + 0.3 * np.sin(2 * np.pi * u)), 20)
@@ -37,7 +37,7 @@ def shape_on(land: Landscape) -> np.ndarray:
 @pytest.mark.parametrize("ends", ENDS)
 def test_slope_and_curvature_are_those_of_differences_of_the_energy(ends: Ends) -> None:
     """Along the constraints, on which the energy and not a Lagrangian is measured."""
-    land = Landscape(given_of(ends), Mesh.with_layers(2, 1.0), 1.0)
+    land = DiscreteEnergy(given_of(ends), Mesh.with_layers(2, 1.0), 1.0)
     beta, u = shape_on(land), land.mesh.nodes
     slopes = land.slopes(beta)
     assert slopes is not None
