@@ -44,8 +44,8 @@ MEANING = {  # verdict -> what it means
     QUALIFIED: "one of these, with a reservation: a count is constant where the sentence says that it rises "
     f"({NOT_CONTRADICTED}), the law is true on the line that decides but not as well on another line ({ON_PART}), or "
     f"it is false of an alternative observable ({ON_OBSERVABLE})",
-    UNDECIDED: "cases are unsolved, or steps cross to another branch of equilibria, and the other steps do not decide; "
-    "or the reading drops the load of the axis",
+    UNDECIDED: "cases have no value, or steps cross to another branch of equilibria, and the other steps do not "
+    "decide; or the reading drops the load of the axis",
     FAILS: "none of these",
 }
 

@@ -2,7 +2,7 @@
 
 *holds*: every step goes the right way; a count may stay level between neighbours but must change over the whole axis.
 *holds as a trend*: Kendall's tau in the direction is at least 0.8; the steps that go the wrong way are listed.
-*not decided*: cases are unsolved or steps cross to another branch of equilibria, and the other steps leave it open.
+*not decided*: cases have no value or steps cross to another branch of equilibria, and the other steps leave it open.
 *fails*: none of these.
 
 The verdict on a law, which may also be *qualified*, is made from the verdicts on its lines by `verdicts.decide`.
@@ -118,10 +118,16 @@ class Line:
         """How many cases have no value, in words; "" for none."""
         lost = ~np.isfinite(self.values)
         none = np.logical_or.reduce([~np.isfinite(target) for target in self.targets.values()], axis=0)
-        sentences = [f"{int(lost.sum())} of {lost.size} cases have no value"] if lost.any() else []
+        sentences = [without_value(lost)] if lost.any() else []
         if np.any(none):
             sentences.append(f"the formula has no value in {int(np.sum(none))} of {lost.size} cases ({self.why})")
         return "; ".join(sentences)
+
+
+def without_value(missing: NDArray[np.bool_]) -> str:
+    """How many cases have no value, in words: they are unsolved, or what is observed is not defined there."""
+    count = int(missing.sum())
+    return f"{count} of {missing.size} cases {'have' if count > 1 else 'has'} no value"
 
 
 @dataclass(frozen=True)
@@ -254,8 +260,8 @@ def _with_gaps(
 ) -> Verdict:
     """The verdict on a line with unknown steps: it fails only if the known steps rule out even a trend."""
     reasons = []
-    if unsolved := int(np.isnan(row).sum()):
-        reasons.append(f"{unsolved} of {row.size} cases unsolved")
+    if np.isnan(row).any():
+        reasons.append(without_value(np.isnan(row)))
     if crossed := int(cut.sum()):
         steps = f"{crossed} of {cut.size} steps {'cross' if crossed > 1 else 'crosses'}"
         reasons.append(f"{steps} to another branch of equilibria")

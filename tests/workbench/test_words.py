@@ -102,6 +102,13 @@ def unsolved(rows: slice) -> Callable[[xr.Dataset], xr.Dataset]:
     return change
 
 
+def without_number(ds: xr.Dataset) -> xr.Dataset:
+    """The dataset whose first case is unsolved, and whose second one is solved and has no mean curvature."""
+    ds = unsolved(slice(0, 1))(ds)
+    ds["kappa_mean"][1] = np.nan
+    return ds
+
+
 FURTHER = small.law("turns", "F1", "falls", claim="(2)") + small.law("wraps", "F1", "falls", claim="(3)")
 MAPS: dict[str, Callable[[], Figure]] = {
     "a third axis": lambda: map_figure.figure(three()),
@@ -182,6 +189,7 @@ LINES: dict[str, Callable[[], Figure]] = {
     "thin beside a law": lambda: drawn_lines(E_OF_TWO + LAW, change=thinner(1000), stations=1001),
     "flat": lambda: drawn_lines(E_OF_TWO, change=thinner(1 / 1000), stations=401),
     "an unsolved case": lambda: drawn_lines(E_OF_THREE, 'observables = ["kappa_mean"]', unsolved(slice(1, 2))),
+    "a case without a number": lambda: drawn_lines(E_OF_THREE, 'observables = ["kappa_mean"]', without_number),
     "level but for rounding": lambda: drawn_lines(E_OF_NINE, change=set_to("wraps", level), show=["wraps"]),
     "panel of a law": lambda: grid(panel="(2)"),
     "panel of a curve": lambda: drawn_lines("", sheet=sheet(panel="curve")),

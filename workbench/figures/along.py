@@ -250,7 +250,7 @@ def _draw_curves(ax: Axes, rods: DrawnRods, curves: Curves) -> list[str]:
         order = 3 + 0.9 * (count - k) / count  # the lower curve stands before the upper one
         where = Affine2D().translate(0, k * step) + ax.transData
         if values is None:
-            ax.text(0.5, k * step + foot, "unsolved", transform=ax.get_yaxis_transform(), ha="center", va="bottom",
+            ax.text(0.5, k * step + foot, rod.why, transform=ax.get_yaxis_transform(), ha="center", va="bottom",
                     color=colours.SOFT, size=fonts.small())  # fmt: skip
             continue
         s, push = rod["s"], rod["push"] if curves.name in ("push", *ARRAYS) else values

@@ -76,7 +76,9 @@ def of_cases(
     def panel(name: str, ax: Axes) -> None:
         values = selection.of_solved(ds, name)
         sizes = np.array([float(labels.in_label_unit(values, values.isel(case).values)) for case in cases])
-        texts = [labels.minus_signs(labels.number(size)) if np.isfinite(size) else "unsolved" for size in sizes]
+        none = ["no number" if bool(ds["solved"].isel(case)) else "unsolved" for case in cases]
+        texts = [labels.minus_signs(labels.number(size)) if np.isfinite(size) else why
+                 for size, why in zip(sizes, none, strict=True)]  # fmt: skip
         draw(ax, rows, [(np.nan_to_num(sizes), colours.DATA)], texts, integer=selection.is_count(ds, name))
         ax.set_title(fonts.wrap(labels.label(ds[name], long=True), ax), loc="left", pad=4)
 

@@ -46,6 +46,11 @@ class DrawnRod:
     caution: str
     case: xr.Dataset
 
+    @property
+    def why(self) -> str:
+        """Why nothing of the rod is drawn, where it has no arrays."""
+        return "solved, without numbers" if bool(self.case["solved"]) else "unsolved"
+
     def __getitem__(self, name: str) -> NDArray[np.float64]:
         assert self.arrays is not None
         return np.asarray(self.arrays[name], dtype=float)

@@ -47,7 +47,8 @@ class Colours:
         known = values[np.isfinite(values)]
         low, high = self.low, self.high = (float(known.min()), float(known.max())) if known.size else (0.0, 1.0)
         self.constant = selection.is_level(ds, name)  # what rounding and errors allow is no news
-        self.said = f", {labels.level(ds[name], *selection.level(ds, name))} in all cases" if self.constant else ""
+        level = labels.level(ds[name], *selection.level(ds, name)) if self.constant else ""
+        self.said = f", {level} in {selection.known_cases(ds[name])}" if self.constant else ""
         self.cmap: Colormap = colours.map_colours()
         self.norm = Normalize(low, high)
         if self.constant:

@@ -160,7 +160,7 @@ def row(ds: xr.Dataset, ax: Axes, below: Axes) -> None:
             shown = rod.between(0.0, 1.0, 260)
             _rod(ax, eye, shown, colours.push_ramp()(norm(shown["push"]))[:, :3], ends, R)
         if k % every == 0:
-            _write(ax, foot, rod.value if rod.arrays is not None else "unsolved", (0, -5))
+            _write(ax, foot, rod.value if rod.arrays is not None else rod.why, (0, -5))
     _frame(ax)
     ax.set_title(chosen.axis_label(), loc="center", size=fonts.small(), pad=2)
     canvas.colour_bar([ax], ScalarMappable(norm, colours.push_ramp()), cax=below, orientation="horizontal")

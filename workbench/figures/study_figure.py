@@ -221,17 +221,18 @@ def _for_column(chosen: _Choice) -> _Choice:
 
 
 def level_notes(ds: xr.Dataset, names: Sequence[str]) -> list[str]:
-    """A sentence about each observable that is the same in all cases."""
+    """A sentence about each observable that is the same in all cases, or in all that have a number."""
     is_true_or_false = re.compile(r"[<>]|==|!=|\b(and|or|not)\b")  # an expression
     texts = []
     for array, ends in ((ds[name], selection.level(ds, name)) for name in names if selection.is_level(ds, name)):
-        noun, holds = labels.long_name(array), bool(round(sum(ends) / 2))
+        noun, holds, where = labels.long_name(array), bool(round(sum(ends) / 2)), selection.known_cases(array)
         if flag := re.fullmatch("1 where (.*), else 0", noun):
-            said = f"{flag[1]} in {'all cases' if holds else 'no case'}."
+            none = "no case" if where.startswith("all") else f"none of {where}"
+            said = f"{flag[1]} in {where if holds else none}."
         elif is_true_or_false.search(str(array.attrs.get("expression", ""))):
-            said = f"{noun}: {'true' if holds else 'false'} in all cases."
+            said = f"{noun}: {'true' if holds else 'false'} in {where}."
         else:
-            said = f"{noun}: {labels.level(array, *ends)} in all cases."
+            said = f"{noun}: {labels.level(array, *ends)} in {where}."
         texts.append(said[0].upper() + said[1:])
     return texts
 

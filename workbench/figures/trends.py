@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from solver.problem.errors import no_such
 from studies.grammar.axes import SAMPLE
-from studies.laws.line_verdicts import FAILS
 
 from ..store import schema, selection
 from ..words import labels
@@ -25,6 +24,7 @@ NARROW_ROW, LEAST_PANEL, BESIDE = 1.25, 0.85, 0.75  # on a narrow sheet; inches 
 FEW, MANY = 300, 4000  # samples up to which a dot is large, and beyond which the density is drawn
 LEAST = 8  # samples of which a rank correlation says something
 BINS = (90, 60)  # of the density
+WITHOUT = "solved, without a number"  # in a legend
 
 Values = NDArray[np.float64]
 
@@ -54,7 +54,8 @@ def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, fl
             zorder=2, **look)  # fmt: skip
     if along.size <= MOST_DOTS:
         ax.scatter(along, values, color=colours.DATA, s=15, zorder=4, edgecolors="white", linewidths=0.7)
-    _mark_unsolved(ax, along[~np.isfinite(values)], label="unsolved")
+    solved = ds["solved"].transpose(..., axis).isel(on).isel(others).values
+    _mark_missing(ax, along, np.isfinite(values), solved, named=True)
     low, high = float(along.min()), float(along.max())
     set_scale(ax.xaxis, (low, high), is_logarithmic(ds[axis]), SPARE)
     if "fold" in ds and axis == ds.attrs.get("followed") and np.isfinite(ds["fold"]):
@@ -82,11 +83,13 @@ def axis_label(ds: xr.Dataset, axis: str, where: dict[str, int], long: bool = Tr
     return labels.axis_label(axis, ds[axis], long) + (f", at {held}" if held else "")
 
 
-def _mark_unsolved(ax: Axes, at: Values, **look: Any) -> None:
-    """A cross on the lower edge at each value whose case is not solved."""
-    if at.size:
-        ax.plot(at, np.zeros(at.size), "x", color=colours.VERDICTS[FAILS], clip_on=False,
-                transform=ax.get_xaxis_transform(), **look)  # fmt: skip
+def _mark_missing(ax: Axes, at: Values, known: Any, solved: Any, named: bool = False, **look: Any) -> None:
+    """On the lower edge a cross at each value whose case is not solved, and a ring at that of a solved one without a
+    number, as a rod that does not bend has no number of bends; named: in a legend."""
+    for missing, mark, label in ((~solved, "x", "unsolved"), (solved & ~known, "o", WITHOUT)):
+        if missing.any():
+            ax.plot(at[missing], np.zeros(int(missing.sum())), mark, color=colours.SOFT, clip_on=False, fillstyle="none",
+                    transform=ax.get_xaxis_transform(), label=label * named, **look)  # fmt: skip
 
 
 def fields_of(ds: xr.Dataset) -> list[str]:
@@ -98,7 +101,8 @@ def samples(ds: xr.Dataset, names: Sequence[str], width: float, narrow: bool) ->
     """Each of these observables against each sampled field, in rows of panels of a figure of so many inches.
 
     Beside samples the dataset may have axes: they are held where the laws or Table 1 put them. Each panel says the rank
-    correlation (Spearman) of its two quantities, over the solved samples. Returns the rows, and a sentence about them.
+    correlation (Spearman) of its two quantities, over the samples that have a number. Returns the rows, and a sentence
+    about them.
     """
     held = {axis: i for axis, i in selection.case(ds).items() if axis != SAMPLE}
     every, most, high = fields_of(ds), max(int((width - BESIDE) / LEAST_PANEL), 1), NARROW_ROW if narrow else ROW_HEIGHT
@@ -131,17 +135,17 @@ def samples(ds: xr.Dataset, names: Sequence[str], width: float, narrow: bool) ->
 def _draw_samples(ds: xr.Dataset, ax: Axes, name: str, field: str, room: float) -> None:
     """One observable against one field, on a panel of so many inches."""
     x, y = (labels.in_label_unit(ds[key], ds[key].values) for key in (field, name))
-    solved = np.isfinite(y)
+    known, solved = np.isfinite(y), ds["solved"].values
     logarithmic = is_logarithmic(ds[field])
     set_scale(ax.xaxis, (float(x.min()), float(x.max())), logarithmic, SPARE)
-    if solved.sum() > MANY:
-        _density(ax, x[solved], y[solved], logarithmic)
+    if known.sum() > MANY:
+        _density(ax, x[known], y[known], logarithmic)
     else:
         size, alpha = (16, 0.75) if x.size <= FEW else (5, 0.45)
         area = size * min(room / ROW_HEIGHT, 1.0) ** 2
-        ax.scatter(x[solved], y[solved], s=area, color=colours.DATA, alpha=alpha, linewidths=0, zorder=3)
-    _mark_unsolved(ax, x[~solved], markersize=4, rasterized=x.size > MANY)
-    if (r := rank_correlation(x[solved], y[solved])) is not None:
+        ax.scatter(x[known], y[known], s=area, color=colours.DATA, alpha=alpha, linewidths=0, zorder=3)
+    _mark_missing(ax, x, known, solved, markersize=4, rasterized=x.size > MANY)
+    if (r := rank_correlation(x[known], y[known])) is not None:
         ax.set_title(f"r = {r:+.2f}".replace("-", "−"), loc="right", size=fonts.small(), color=colours.SOFT, pad=2)
     ax.yaxis.set_major_locator(RoomLocator("counts" if selection.is_count(ds, name) else "numbers"))
     ax.margins(y=0.12)

@@ -64,10 +64,11 @@ Values = NDArray[np.float64]
 class View:
     """An unrolled view.
 
-    x, y: z and the distance around the cylinder, (n,) each [length]; none of a rod that is not solved. text: above it.
-    look: of its line; or its push and the scale of its colours. rings: as of `crossings`. name: of its line in a table;
-    default: the first line of the text. over: x, y, look and name of further lines on the same cylinder. band: the
-    distances around between which that is drawn, where the rod is in lines. begins: whether the rod begins here.
+    x, y: z and the distance around the cylinder, (n,) each [length]; none of a rod that is not solved, whose name says
+    so. text: above it. look: of its line; or its push and the scale of its colours. rings: as of `crossings`. name: of
+    its line in a table; default: the first line of the text. over: x, y, look and name of further lines on the same
+    cylinder. band: the distances around between which that is drawn, where the rod is in lines. begins: whether the rod
+    begins here.
     """
 
     x: Values
@@ -160,6 +161,9 @@ def _draw_line(
     def line(of: slice) -> None:
         ax.plot(x[of], y[of], **{"solid_capstyle": "round", "zorder": 3, **look}, transform=where, gid=name)
 
+    if "marker" in look:  # of points, which are no curve
+        line(slice(None))
+        return []
     return waves.draw(ax, x, y, inches, line, look["color"], name, where, 3.0)
 
 
@@ -293,7 +297,7 @@ class Panel:
                 ax.annotate(view.text, (left - ABOVE, top + high / 2), ha="right", va="center", **text)
                 ax.add_patch(Rectangle((left, top), form.size[0], high, color=colours.BAND, linewidth=0, zorder=0))
             if not view.x.size:
-                ax.annotate("unsolved", (left, top), va="top", color=colours.SOFT, size=small, annotation_clip=False)
+                ax.annotate(view.name, (left, top), va="top", color=colours.SOFT, size=small, annotation_clip=False)
                 continue
             to_page = Affine2D().translate(*-view.box[0]).scale(form.scale, form.scale * form.factor)
             where = to_page.translate(left, top) + ax.transData
@@ -377,7 +381,7 @@ def panel_of(rods: DrawnRods, room: tuple[float, float], letters: float, coloure
     for k, rod in enumerate(rods.rods):
         text = "" if rods.axis is None else rod.name if k == 0 else rod.value
         if rod.arrays is None:
-            views.append(View(np.zeros(0), np.zeros(0), text, {}))
+            views.append(View(np.zeros(0), np.zeros(0), text, {}, name=rod.why))
             continue
         passes = coloured and "overlaps" in cautions.keys(rod.caution)
         view, is_too_long = view_of(rod["s"], rod.rho, rod["alpha"], rod["z"], rod.a, text, _look(rod, norm), rod.name,

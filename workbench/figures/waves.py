@@ -38,6 +38,7 @@ def stretches(x: Values, y: Values, inches: float) -> Iterator[Stretch]:
 
     x, y: (n,); where x does not rise everywhere the curve is one line. inches: of a unit of x.
     """
+    x, y = np.asarray(x), np.asarray(y)
     sign = np.sign(np.diff(y))
     moves = np.flatnonzero(sign)
     turns = np.concatenate([[0], moves[1:][np.diff(sign[moves]) != 0], [y.size - 1]])

@@ -230,6 +230,12 @@ def level(ds: "xr.Dataset", name: str) -> tuple[float, float]:
     return float((values[known] - errors).max()), float((values[known] + errors).min())
 
 
+def known_cases(array: "xr.DataArray") -> str:
+    """The cases that have a number, in words: ``all cases``, or ``the 10 of 16 cases that have a number``."""
+    known = int(np.isfinite(np.asarray(array.values, dtype=float)).sum())
+    return "all cases" if known == array.size else f"the {known} of {array.size} cases that have a number"
+
+
 def names_of(ds: "xr.Dataset", names: Sequence[str]) -> list[str]:
     """The names, each once. Raises `InputError` for one that is no number of each case, with the observables."""
     for name in names:

@@ -186,17 +186,28 @@ def _list(facts: list[str]) -> str:
 
 
 def restable(ds: "xr.Dataset") -> str:
-    """How many rods of a dataset could rest as they are computed: the caution that a verdict on them carries."""
-    texts = np.asarray(ds["caution"].values).astype(str).ravel() if "caution" in ds else np.array([], dtype=str)
-    barred = sum(map(is_barred, texts.tolist()))
+    """How many solved rods of a dataset could rest as they are computed: the caution that a verdict on them carries.
+
+    Of a rod that was not checked for all that bars it nobody knows: then the number is the largest that it may be.
+    """
+    if "caution" not in ds:
+        return ""
+    solved = ds["solved"].values if "solved" in ds else np.ones(ds["caution"].shape, dtype=bool)
+    texts = ds["caution"].values[np.asarray(solved, dtype=bool)].astype(str).ravel().tolist()
+    barred = sum(map(is_barred, texts))
+    unknown = any(UNKNOWN in text and not is_barred(text) for text in texts)
     if not barred:
         return ""
-    count = NUMBERS.get(texts.size, str(texts.size))
-    if texts.size == 1:
+    if ds["caution"].size == 1:
         return "this rod could not rest as computed"
-    if barred == texts.size:
-        return f"none of the {count} rods could rest as computed"
-    return f"{NUMBERS.get(texts.size - barred, texts.size - barred)} of the {count} rods could rest as computed"
+    of = f"of the {_number_in_words(len(texts))}{' solved' * (len(texts) < ds['caution'].size)} rods"
+    if barred == len(texts):
+        return f"none {of} could rest as computed"
+    return f"{'at most ' * unknown}{_number_in_words(len(texts) - barred)} {of} could rest as computed"
+
+
+def _number_in_words(number: int) -> str:
+    return NUMBERS.get(number, str(number))
 
 
 NO_LOAD = "the curvature of the hole", "fluid flow", "temperature", "yielding"  # what no number of a case stands for
