@@ -44,7 +44,7 @@ def test_a_case_that_fails_keeps_its_outcome_and_leaves_its_neighbours_alone(mon
     assert not np.isnan(ds["beta"]).where(ds["outcome"] == "solved").sum() > 0
     (row,) = law_verdicts.verdicts(ds)
     assert row["verdict"] == "not decided"
-    assert "1 of 3 cases unsolved" in row["reason"]
+    assert "1 of 3 cases has no value" in row["reason"]
     assert law_verdicts.status(1, law_verdicts.verdicts(ds)) == 1
     assert law_verdicts.status(1, []) == 1  # an unsolved case is enough
 

@@ -106,7 +106,7 @@ def test_panels_of_laws_with_numbers_show_what_is_stored(ds: xr.Dataset) -> None
 def test_a_law_on_an_expression_without_a_value_is_not_decided(tmp_path: Path) -> None:
     ds = in_memory.run(study(small.law("gap", "R", claim="a", kind="bounded", most=100)))
     (row,) = law_verdicts.verdicts(ds)
-    assert (row["verdict"], row["reason"]) == (UNDECIDED, "1 of 4 cases have no value")
+    assert (row["verdict"], row["reason"]) == (UNDECIDED, "1 of 4 cases has no value")
 
 
 def test_the_buckled_pipe_is_lubinskis_and_mitchells_up_to_the_angle_of_its_helix(pipe: xr.Dataset) -> None:
