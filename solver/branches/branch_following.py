@@ -27,7 +27,8 @@ from ..problem.reduced import EndsProblem
 from .branch_events import Bounds, Place, Stop, arrive, both_ways, events_between
 from .branch_states import AT_END, IS_CLOSED, BranchState, begin_at, in_other_charts, rechart, steps_in_core
 from .family import Family
-from .helices import end_of_helix, helix_places, off_helix
+from .helices import off_helix
+from .helix_branch import end_of_helix, helix_places
 from .leaps import Guess, leap, shape_of
 
 _LENGTHS = arclength.Lengths(first=0.02, longest=0.25, least=1e-7)  # of steps, in scales
@@ -87,14 +88,13 @@ def follow_branch(family: Family, path: Path, p: float, rises: bool, bounds: Bou
     if not path.helix:
         beyond = begin_at(family, path, p, rises)
         return ([], Stop(beyond, p)) if isinstance(beyond, str) else _follow(beyond, [], bounds)
-    if family.is_dead:
-        places, last = helix_places(family, p, rises, bounds)
-        if last is None:
-            ended = bool(places) and bounds.is_end(places[-1].p, 1.0 if rises else -1.0)
-            return places, Stop(END if ended else bounds.limit, places[-1].p)
-        p = last
-        if places:
-            path, begun = places[-1].path, places[-1].problem
+    places, last = helix_places(family, begun, p, rises, bounds)
+    if last is None:
+        ended = bool(places) and bounds.is_end(places[-1].p, 1.0 if rises else -1.0)
+        return places, Stop(END if ended else bounds.limit, places[-1].p)
+    p = last
+    if places:
+        path, begun = places[-1].path, places[-1].problem
     beyond = leap_from(family, begun, path, p, rises, bounds)
     if isinstance(beyond, str):
         return places, Stop(beyond, p)

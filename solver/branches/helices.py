@@ -1,12 +1,8 @@
-"""Rods that are helices from end to end, which no path of levels reaches.
-
-Those with held ends, and the bent rods that they become when the numbers that the ends hold change. Under dead loads, a
-helix followed over one parameter: where its Morse index changes, other equilibria branch off; it ceases to exist where
-H = H' = 0. A long rod that lies along it reaches a fold next to that parameter, nearer than its level can tell.
-"""
+"""Rods that are helices from end to end, which no path of levels reaches: those with held ends, and the bent rods that
+they become when the numbers that the ends hold change."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import scipy  # its parts are imported when used
@@ -14,21 +10,11 @@ import scipy  # its parts are imported when used
 from ..equilibrium.given_numbers import FREE, Given, OrbitState, answer, parts_of, problem_after, problem_of
 from ..equilibrium.orbit_rates import NUMBERS, orbit_rates
 from ..levels.boundary import DOWN, UP, Boundary, Path, boundary_of
-from ..mechanics.potential import Loads, load_size, slope, slope_higher_rates, slope_rate
-from ..numerics.arclength import BRANCH_POINT, PITCHFORK, difference_rates
+from ..mechanics.potential import Loads, load_size, slope, slope_rate
 from ..numerics.arrays import Array
-from ..numerics.roots import root
-from ..orbit.periodic_orbit import helix_half_waves, helix_index
 from ..orbit.variations import HelixVariations
-from .branch_events import Bounds, Place
-from .family import Family
 from .leaps import Guess
 
-_STEP = 0.25  # of the parameter's scale
-_SYMMETRIC = 1e-9  # H'' of a helix about which G is symmetric
-_CEASES = 1e-2  # of the parameter's scale: how near a helix ceases that ends a branch
-_ALONG, _SHARE = 0.15, 0.2  # rad about a helix, and the share of the rod that lies there
-_ROUNDS, _NUDGE = 20, 1e-6  # of Newton's rule; rad and of the parameter's scale, for differences
 _EQUAL = 1e-11  # relative, of what a helix has and what is given
 _MULTIPLE = 1e-4  # rad: how far from a triple root of H bisection may end
 _SCAN = 721  # angles between which those of helices are bracketed
@@ -173,83 +159,3 @@ def _from_saddle(place: Boundary, path: Path, v_0: float, v_L: float) -> Path:
     a = fall * (v_L - v_0 * fall) / (1 - fall * fall)
     gap = -4 * a * (a - v_0)
     return Path(float(saddle), float(np.sign(gap)), float(np.log(abs(gap))), path.leaving, path.turns) if gap else path
-
-
-def helix_places(family: Family, p: float, rises: bool, bounds: Bounds) -> tuple[list[Place], float | None]:
-    """The helices after the one at p, in order, and the parameter of the last if the rod is none beyond; else None.
-
-    With H' = r^2 on the helix, its index is the number of n with n pi < r L; equilibria of n half waves branch off
-    where r L = n pi. For even n, and where G is symmetric about the helix, they do so to both sides of p alike.
-    """
-    places, step = list[Place](), _STEP * family.scale
-    position = p
-    while len(places) < bounds.most:
-        halt = bounds.next(position, rises)
-        target = bounds.snap(min(position + step, halt) if rises else max(position - step, halt))
-        place = family.place(target)
-        if place is None or place.helix is None:
-            return places, position
-        places += [*_branch_points(family, position, target), helix_place(family, target)]
-        if bounds.is_end(places[-1].p, 1.0 if rises else -1.0):
-            break
-        position = target
-    return places, None
-
-
-def helix_place(family: Family, p: float) -> Place:
-    """The helix at p, where there is one."""
-    place = family.place(p)
-    assert place is not None
-    return Place(p, place.helix, place.problem, int(helix_index(helix_half_waves(place.problem))[0]))
-
-
-def _branch_points(family: Family, p: float, q: float) -> list[Place]:
-    """The special points between two parameters, from p to q."""
-
-    def waves(at: float) -> float:
-        place = family.place(at)
-        assert place is not None
-        return float(helix_half_waves(place.problem)[0])
-
-    low, high = sorted((waves(p), waves(q)))
-    met = list[Place]()
-    for n in range(int(np.floor(low)) + 1, int(np.ceil(high))):
-        at = float(scipy.optimize.brentq(lambda one, n=n: waves(one) - n, p, q, xtol=1e-15 * abs(p - q), rtol=1e-15))
-        if met:
-            met.append(helix_place(family, (met[-1].p + at) / 2))
-        place = helix_place(family, at)
-        even = n % 2 == 0 or abs(slope_higher_rates(place.problem, place.problem.beta0)[0][0]) < _SYMMETRIC
-        met.append(replace(place, kind=PITCHFORK if even else BRANCH_POINT))
-    return met if waves(p) < waves(q) else met[::-1]
-
-
-def end_of_helix(family: Family, p: float, beta: Array) -> tuple[float, float] | None:
-    """The parameter at which the helix that a rod lies along ceases to exist, and its beta; None if none does near p.
-
-    beta: along the rod at p, at equal steps (n,).
-    """
-    place = family.place(p)
-    if place is None:
-        return None
-
-    def equations(x: Array) -> Array | None:
-        """H and H' at an angle and a parameter over its scale."""
-        at = family.place(x[1] * family.scale)
-        return None if at is None else np.concatenate([slope(at.problem, x[:1]), slope_rate(at.problem, x[:1])])
-
-    def double_root(x: Array) -> tuple[Array, Array] | None:
-        off, rates = equations(x), difference_rates(equations, x, _NUDGE)
-        return None if off is None or rates is None else (off, rates)
-
-    angles = np.linspace(beta.min() - _ALONG, beta.max() + _ALONG, 2001)
-    rates = slope_rate(place.problem, angles)
-    for i in np.flatnonzero(rates[1:] * rates[:-1] < 0):
-        if np.mean(np.abs(beta - angles[i]) < _ALONG) < _SHARE:
-            continue
-        end = root(double_root, np.array([angles[i], p / family.scale]), np.inf, _ROUNDS)
-        if end is None:
-            continue
-        angle, at = float(end[0]), float(end[1]) * family.scale
-        if abs(at - p) < _CEASES * family.scale and abs(angle - angles[i]) < _ALONG:
-            return at, angle
-    return None

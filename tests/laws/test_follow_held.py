@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from solver import Case, Cylinder, Ends, Rod, Solution, follow, solve
+from solver.problem.reduced import reduce_held
 from tests.laws.test_follow import END, table_1
-from tests.laws.test_held_ends import displacements
+from tests.laws.test_held_ends import discrete_index, displacements
 
 
 def held(solution: Solution, *names: str) -> Solution:
@@ -66,3 +67,46 @@ def test_an_end_is_held_from_the_solution_on_and_its_load_found_again(
 
 def moments(solution: Solution) -> dict[str, float]:
     return {"M10": float(solution.M1[0]), "M1L": float(solution.M1[-1])}
+
+
+STRAIGHT = Rod(EI=1.0, GJ=0.7, a=0.1, L=7.0), Cylinder(R=0.9)  # rho = A = 1
+
+
+def test_a_straight_rod_whose_azimuth_is_held_is_followed_through_its_exact_pitchforks() -> None:
+    """Whole waves, -FZ = (2 n pi/L)^2, keep the azimuth; of those of half waves tan(k L/2) = k L/2 do."""
+    straight = solve(Case(*STRAIGHT, Ends(0.0, 0.0, azimuth=0.0, FZ=-0.3)))
+    branch = follow(straight, FZ=[-3.0, 1.0])
+    known = {(2 * np.pi / 7) ** 2: "pitchfork", (2 * 4.493409457909064 / 7) ** 2: "pitchfork"}
+    assert [(-point.value, point.kind) for point in branch.special[::-1]] == [
+        (pytest.approx(value, rel=1e-13), kind) for value, kind in known.items()
+    ]
+    assert (branch.begin.reason, branch.end.reason) == (END, END)
+    for point, index in ((branch.points[0], 2), (branch.points[-1], 0)):
+        assert np.abs(point.solution.beta).max() == 0
+        assert point.index == index
+    again = solve(Case(*STRAIGHT, Ends(0.0, 0.0, azimuth=0.0, FZ=-2.0)), seed=straight)
+    assert (float(again.held_index), float(np.abs(again.beta).max())) == (2, 0)
+
+
+@pytest.mark.parametrize(
+    ("ends", "over", "kinds"),
+    [
+        (Ends(0.0, 0.0, rotation=0.0, FZ=-0.1), {"FZ": -2.0}, ["pitchfork"] * 3),
+        (Ends(0.0, 0.0, azimuth=0.0, FZ=-0.1, M3=0.4), {"FZ": -2.0}, ["pitchfork", "branch point"]),
+        (Ends(0.5, 0.5, height=7 * np.cos(0.5)), {"MZ": -2.0}, ["pitchfork", "branch point", "pitchfork"]),
+    ],
+)
+def test_the_index_of_a_held_helix_changes_where_its_second_variation_does(
+    ends: Ends, over: dict[str, float], kinds: list[str]
+) -> None:
+    """Waves that are no mirror images of each other branch off to one side: G is not symmetric about the helix."""
+    helix = solve(Case(*STRAIGHT, ends))
+    assert np.ptp(helix.beta) < 1e-12
+    branch = follow(helix, **over)
+    assert [point.kind for point in branch.special] == kinds
+    names = reduce_held(helix.case).numbers
+    for special in branch.special:
+        for point in (branch.points[special.position - 1], branch.points[special.position + 1]):
+            sol = point.solution
+            mesh = discrete_index(sol.problem, sol.trajectory.orbit, names, float(helix.case.rod.stiffness_ratio), 400)
+            assert point.index == mesh
