@@ -88,7 +88,8 @@ def _mark_missing(ax: Axes, at: Values, known: Any, solved: Any, named: bool = F
     number, as a rod that does not bend has no number of bends; named: in a legend."""
     for missing, mark, label in ((~solved, "x", "unsolved"), (solved & ~known, "o", WITHOUT)):
         if missing.any():
-            ax.plot(at[missing], np.zeros(int(missing.sum())), mark, color=colours.SOFT, clip_on=False, fillstyle="none",
+            below = np.zeros(int(missing.sum()))
+            ax.plot(at[missing], below, mark, color=colours.SOFT, clip_on=False, fillstyle="none",
                     transform=ax.get_xaxis_transform(), label=label * named, **look)  # fmt: skip
 
 
