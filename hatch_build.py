@@ -49,7 +49,7 @@ class CoreHook(BuildHookInterface):  # type: ignore[type-arg]
     def dependencies(self) -> list[str]:
         """The packages that the build needs beside hatchling."""
         core = core_build()
-        if core.compiler():
+        if core.can_compile():
             return []
         return [ZIG] if within_reach(ZIG) else []
 

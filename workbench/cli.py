@@ -5,6 +5,7 @@ The modules of the commands import heavy libraries inside their functions, so th
 """
 
 import errno
+import io
 import os
 import re
 import sys
@@ -214,6 +215,9 @@ def main(args: list[str] | None = None) -> None:
     if sys.stdout is None:
         print("workbench: stdout is closed; give it a file or a pipe, or /dev/null", file=sys.stderr)
         sys.exit(2)
+    for stream in (sys.stdout, sys.stderr):  # whatever their encoding, no text of a file or of a case fails there
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors=escaping.SPELL)
     with warnings.catch_warnings():
         warnings.filterwarnings("always", NOTICE)
         warnings.showwarning = _printer_of_warnings(warnings.showwarning)

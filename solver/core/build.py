@@ -1,8 +1,8 @@
 """Compile the core: all C files of this folder to one shared library beside them.
 
 The build of the package runs this; in a checkout run `python -m solver.core` after a change of the C files. It
-uses the C compiler of the machine, and if there is none, that of the package `ziglang`. It imports only the standard
-library.
+uses a C compiler of the machine, and if there is none that can do it, that of the package `ziglang`. It imports only
+the standard library.
 """
 
 import os
@@ -41,24 +41,23 @@ def digest(names: Sequence[str] = ()) -> str:
     return f"rod-{zlib.crc32(content):08x}"
 
 
-def compiler() -> list[str]:
-    """The command of the machine's C compiler; empty where there is none.
+def compilers() -> list[list[str]]:
+    """The commands of the machine's C compilers, in the order in which they are tried: that of CC first.
 
     On Windows only that of the variable CC: there GCC does not align the stack for AVX (its bug 54412), and Clang
     exports no function. The package `ziglang` does both.
     """
     import shutil  # the loader, which imports this module, has no need of it
 
-    for name in (os.environ.get("CC", ""), *(() if sys.platform == "win32" else ("cc", "gcc", "clang"))):
-        if name and shutil.which(name.split()[0]):
-            return name.split()
-    return []
+    names = [os.environ.get("CC", ""), *(() if sys.platform == "win32" else ("cc", "gcc", "clang"))]
+    commands = [name.split() for name in dict.fromkeys(names)]
+    return [command for command in commands if command and shutil.which(command[0])]
 
 
 def commands() -> list[list[str]]:
-    """The compilers that are there, in the order in which they are tried."""
-    native = [compiler()] if compiler() else []
-    return [*native, [sys.executable, "-m", "ziglang", "cc", "-s"]] if find_spec("ziglang") else native
+    """All compilers that are there, in the order in which they are tried."""
+    zig = [[sys.executable, "-m", "ziglang", "cc", "-s"]] if find_spec("ziglang") else []
+    return [*compilers(), *zig]
 
 
 def digest_flag(digest: str) -> str:
@@ -66,11 +65,37 @@ def digest_flag(digest: str) -> str:
     return f'-DROD_SOURCES="{digest}"'
 
 
-def arguments(target: Path) -> list[str]:
+def arguments(target: Path, sources: Sequence[Path]) -> list[str]:
     """What each compiler is given to write the library `target`."""
     unix = [] if sys.platform == "win32" else ["-fPIC", "-lm"]
-    sources = [str(path) for path in sorted(HERE.glob("*.c"))]
-    return [*FLAGS, digest_flag(digest()), "-shared", "-o", str(target), *sources, *unix]
+    return [*FLAGS, digest_flag(digest()), "-shared", "-o", str(target), *map(str, sources), *unix]
+
+
+def failure(command: Sequence[str], target: Path, sources: Sequence[Path], *flags: str) -> str:
+    """Compile a library, and return why that failed, in words; "" where the library is there."""
+    import subprocess
+
+    try:
+        run = [*command, *arguments(target, sources), *flags]
+        done = subprocess.run(run, capture_output=True, text=True, check=False, errors="replace")
+    except OSError as error:
+        return f"{' '.join(command)}: {error.strerror}"
+    if done.returncode == 0 and target.is_file():
+        return ""
+    said = done.stderr.strip()[-500:] or done.stdout.strip()[-500:]
+    return (
+        f"{' '.join(command)}: {said or f'it ended with status {done.returncode}, said nothing and wrote no library'}"
+    )
+
+
+def can_compile() -> bool:
+    """Whether a compiler of the machine makes a library of one line."""
+    import tempfile
+
+    with tempfile.TemporaryDirectory() as folder:
+        source, target = Path(folder, "one.c"), Path(folder, "one.so")
+        source.write_text("int one(void) { return 1; }\n", encoding="ascii")
+        return any(not failure(command, target, [source]) for command in compilers())
 
 
 def build_for_browsers(target: Path = HERE / WASM) -> None:
@@ -96,15 +121,13 @@ def build(target: Path | None = None, *flags: str) -> tuple[Path | None, str]:
 
     flags: after those of every library, so that the last optimization named is the one that counts.
     """
-    import subprocess
-
     target, messages = target or HERE / library_name(), []
     aside = target.with_name(f".{os.getpid()}.{target.name}")
     for command in commands():
-        done = subprocess.run([*command, *arguments(aside), *flags], capture_output=True, text=True, check=False)
-        if done.returncode == 0:
+        why = failure(command, aside, sorted(HERE.glob("*.c")), *flags)
+        if not why:
             os.replace(aside, target)
             return target, ""
-        messages.append(f"{' '.join(command)}: {done.stderr.strip()[-500:]}")
+        messages.append(why)
         aside.unlink(missing_ok=True)
     return None, "; ".join(messages) or "no C compiler was found"

@@ -168,6 +168,7 @@ def loads(
     >>> study.size, study.case().rod.L
     (1, 20.0)
     """
+    text = text.removeprefix("\N{ZERO WIDTH NO-BREAK SPACE}")  # the byte order mark that some editors write
     try:
         data = tables_of(text)
         study = _study(data, text, default_name, context or {})

@@ -23,9 +23,9 @@ def test_the_core_compiles_for(tmp_path: Path, system: str) -> None:
         assert run.returncode == 0, run.stderr
 
 
-@pytest.mark.parametrize("system, found", (("linux", ["gcc"]), ("darwin", ["gcc"]), ("win32", [])))
+@pytest.mark.parametrize("system, found", (("linux", [["gcc"]]), ("darwin", [["gcc"]]), ("win32", [])))
 def test_on_windows_only_the_compiler_that_the_user_names_is_taken(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, system: str, found: list[str]
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, system: str, found: list[list[str]]
 ) -> None:
     for name in ("gcc", "gcc.exe", "mycc"):
         (tmp_path / name).write_text("#!/bin/sh\n")
@@ -34,9 +34,9 @@ def test_on_windows_only_the_compiler_that_the_user_names_is_taken(
     monkeypatch.delenv("CC", raising=False)
     monkeypatch.setattr("shutil.which", lambda name: name if (tmp_path / name).exists() else None)
     monkeypatch.setattr("sys.platform", system)
-    assert build.compiler() == found
+    assert build.compilers() == found
     monkeypatch.setenv("CC", "mycc -m64")
-    assert build.compiler() == ["mycc", "-m64"]
+    assert build.compilers() == [["mycc", "-m64"], *found]
 
 
 def test_a_compiler_that_fails_is_quoted_and_leaves_nothing(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -46,3 +46,27 @@ def test_a_compiler_that_fails_is_quoted_and_leaves_nothing(monkeypatch: pytest.
     assert library is None
     assert why.count(": no such machine") == 2
     assert list(tmp_path.iterdir()) == []
+
+
+def test_the_next_compiler_is_tried_and_each_that_fails_says_why(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """CC may name a program that fails without a word, that writes nothing, or that cannot be run."""
+    native = build.compilers()
+    (tmp_path / "none").write_text("no program", encoding="ascii")
+    (tmp_path / "none").chmod(0o755)
+    for broken, why in (("false", "status 1"), ("true", "status 0"), (str(tmp_path / "none"), "Exec format error")):
+        monkeypatch.setenv("CC", broken)
+        monkeypatch.setattr(build, "FLAGS", ("-O0", "-std=gnu11"))
+        if native:
+            monkeypatch.setattr(build, "commands", lambda: build.compilers())
+            assert build.build(tmp_path / "core.so") == (tmp_path / "core.so", "")
+            assert build.can_compile()
+        monkeypatch.setattr(build, "compilers", lambda broken=broken: [[broken]])
+        monkeypatch.setattr(build, "commands", lambda broken=broken: [[broken]])
+        library, said = build.build(tmp_path / "core.so")
+        assert library is None
+        assert said.startswith(f"{broken}: ")
+        assert why in said
+        assert not build.can_compile()
+        monkeypatch.undo()

@@ -4,6 +4,7 @@ import os
 import shutil
 import signal
 import stat
+import subprocess
 import sys
 import warnings
 from contextlib import ExitStack
@@ -166,3 +167,16 @@ def test_a_killed_run_leaves_the_good_file_whole(six, tmp_path) -> None:
     assert run.returncode == -signal.SIGKILL, run.stderr
     assert path.read_bytes() == before
     xr.testing.assert_identical(reading.read(path), six)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has other locks")
+def test_a_file_that_another_program_writes_is_not_called_damaged(six, tmp_path) -> None:
+    file = writing.write(six, tmp_path / "six.h5")
+    code = "import sys, h5py; held = h5py.File(sys.argv[1], 'a'); print(1, flush=True); sys.stdin.read()"
+    with subprocess.Popen([sys.executable, "-c", code, file], stdin=subprocess.PIPE, stdout=subprocess.PIPE) as other:
+        assert other.stdout is not None
+        other.stdout.readline()
+        with pytest.raises(InputError, match=r"^cannot read .*six\.h5: another program holds it open"):
+            reading.read(file)
+        other.communicate()
+    assert reading.read(file).equals(six)

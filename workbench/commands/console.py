@@ -75,8 +75,9 @@ def at_words(text: str, console: "Console") -> str:
 
 
 def print_json(data: Any) -> None:
-    """Print the data as JSON; NaN and infinity become null."""
-    print(escaping.in_json(json.dumps(escaping.finite(data), indent=2, ensure_ascii=False)))
+    """Print the data as JSON; NaN and infinity become null. Where stdout lacks letters, all but ASCII is escaped."""
+    ascii_alone = not (sys.stdout.encoding or "utf-8").lower().startswith("utf")
+    print(escaping.in_json(json.dumps(escaping.finite(data), indent=2, ensure_ascii=ascii_alone)))
 
 
 @contextmanager

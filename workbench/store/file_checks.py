@@ -60,9 +60,16 @@ def refusing(path: str | Path) -> Iterator[None]:
         raise
     except PermissionError:
         raise InputError(f"cannot read {path}: permission denied") from None
-    except UNREADABLE:
+    except UNREADABLE as error:
+        if is_held(error):
+            raise InputError(f"cannot read {path}: another program holds it open; close it there") from None
         why = "it is damaged, cut short, or another kind of file"
         raise InputError(f"{path} cannot be read as HDF5: {why}") from None
+
+
+def is_held(error: Exception) -> bool:
+    """Whether HDF5 could not open a file because another program writes it: by its lock, or by the mark of a writer."""
+    return isinstance(error, BlockingIOError) or "unable to lock file" in str(error) or "already open for" in str(error)
 
 
 @contextmanager

@@ -1,5 +1,6 @@
 """Escape untrusted text for terminals, messages, JSON and CSV. Imports nothing heavy."""
 
+import codecs
 import csv
 import json
 import math
@@ -10,6 +11,25 @@ from typing import Any
 
 LONGEST = 4000  # characters of a printed line; the rest is cut
 _COMMANDS = re.compile(r"[^\n\t\x20-\x7e]")  # control sequences of terminals are among these
+
+
+# How a sign is written where a stream has no such letter; any other letter becomes its number, as in JSON and TOML.
+_SPELT = {
+    "°": "deg", "−": "-", "–": "-", "—": "-", "→": "->", "×": "x", "·": "*", "…": "...", "²": "^2", "³": "^3",
+    "≤": "<=", "≥": ">=", "\N{NO-BREAK SPACE}": " ",
+}  # fmt: skip
+
+
+def _spell(error: UnicodeError) -> tuple[str, int]:
+    """What takes the place of letters that an encoding lacks, and where to go on: a handler of `codecs`."""
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    letters = error.object[error.start : error.end]
+    return "".join(_SPELT.get(letter) or json.dumps(letter)[1:-1] for letter in letters), error.end
+
+
+SPELL = "workbench.spell"  # the name of the handler
+codecs.register_error(SPELL, _spell)
 
 
 def lines(text: str) -> str:
