@@ -73,9 +73,9 @@ static parted parted_on(const workspace *w, const stretch *p, double whole, doub
 
 /* The parts of the rod on which the cylinder pushes and pulls; the error of the push alone. An uncertain push has uncertain
    zeros, or may vanish on a whole stretch. */
-static void pushes_of(const workspace *w, double error, numbers *out)
+static void pushes_of(const workspace *w, double error, double span, numbers *out)
 {
-    double pushed = 0, pulled = 0, share = 0, unsure = 0, wrong = 0;
+    double pushed = 0, pulled = 0, share = 0, free = 0, unsure = 0, wrong = 0;
     for (int64_t i = 0; i < w->count; i++) {
         const stretch *p = &w->parts[i];
         double doubt[AT], faint = 0;
@@ -85,10 +85,12 @@ static void pushes_of(const workspace *w, double error, numbers *out)
         }
         const double length = p->time * p->count, whole = total_of(p->series, w->by.mean);
         const parted part = parted_on(w, p, whole, highest(doubt));
-        pushed += part.area * length, pulled += (part.area - whole) * length, share += part.share * length;
+        pushed += part.area * length, pulled += (part.area - whole) * length;
+        share += part.share * length, free += (1 - part.share) * length;
         unsure += (smaller(larger(part.unsure, faint / AT), 1) + EPS) * length;
         wrong += total_of(doubt, w->by.weight) * length;
     }
+    share = free > 0 ? smaller(share, span) : span; /* rounding neither adds to the whole nor takes from it */
     out->value[PUSHED] = out->value[PUSHED_ALONE] = pushed, out->value[PULLED] = pulled, out->value[SHARE] = share;
     out->error[PUSHED] = out->error[PUSHED_ALONE] = out->error[PULLED] = wrong, out->error[SHARE] = unsure;
 }
@@ -177,7 +179,7 @@ int rod_measured_numbers(workspace *w, int64_t b, numbers *out)
         if (rod_resolved(w, b, OUTWARD, SIGNS, all->goal))
             return NO_MEMORY;
         if (groups & (1 << PUSHES | 1 << PUSH_ALONE))
-            pushes_of(w, error, out);
+            pushes_of(w, error, all->span[b], out);
         if (groups >> PUSHES & 1) {
             out->value[LEAST] = -rod_largest(w, -1), out->value[GREATEST] = rod_largest(w, 1);
             out->error[LEAST] = out->error[GREATEST] = worst_of(w, error, 1);

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .case import Case
+from .case import Case, Start
 from .reduced import HeldProblem, Reduced, StartProblem, flat
 
 LARGEST = 1e100  # a larger dimensionless number would overflow when squared
@@ -21,6 +21,10 @@ TAUT = (
     "and the force that holds it so is not determined"
 )
 TOO_FAR = "the ends are held apart, along the cylinder, by {:.6g} times the length of the rod"
+TWIST_LOST = (
+    "failed: M3 is lost in rounding, as GJ is so much larger than EI that the last digit of dgamma decides: give M3"
+)
+_MOST_LOST = 1e-8  # of the loads in units of A and rho: what the last digits of the rate of twist may change
 _ROUNDING = 2.0**-50  # of L/rho: ends so near to it are held at it
 _ORDINARY = 1e30  # with it the largest sum of decades in `representable` is 62 + 7 * 30 = 272
 _DECADES = 290.0  # a float has 308; the margin is for factors and sums
@@ -41,8 +45,8 @@ def refusals(case: Case, problem: Reduced) -> NDArray[np.str_]:
     Between ends beta'(0) is not known, so `representable` judges the solution again.
     """
     limits = beyond_limits(problem)
-    first = [~units_held(case), limits == TOO_LARGE, ~representable(case, problem)]
-    return np.select(first, [OUT_OF_RANGE, TOO_LARGE, OUT_OF_RANGE], limits)
+    first = [~units_held(case), limits == TOO_LARGE, ~representable(case, problem), twist_lost(case, problem)]
+    return np.select(first, [OUT_OF_RANGE, TOO_LARGE, OUT_OF_RANGE, TWIST_LOST], limits)
 
 
 def farthest(case: Case) -> tuple[NDArray[np.str_], NDArray[np.float64]]:
@@ -71,6 +75,17 @@ def units_held(case: Case) -> NDArray[np.bool_]:
     with np.errstate(all="ignore"):
         A, rho = (np.log10(flat(v, case.shape)) for v in (case.rod.bending_stiffness, case.rho))
         return np.asarray((np.abs(A) < _DECADES) & (2 * np.abs(rho) < _DECADES))
+
+
+def twist_lost(case: Case, problem: Reduced) -> NDArray[np.bool_]:
+    """Whether the rounding of dgamma + sin cos/rho decides M3, (B,): GJ times it, eq. (24)."""
+    given = case.given
+    if not isinstance(given, Start) or given.dgamma is None:
+        return np.zeros(case.size, dtype=bool)
+    with np.errstate(all="ignore"):
+        parts = np.abs(case.rho * given.dgamma) + np.abs(np.sin(2 * given.beta) / 2)
+        loads = np.abs(problem.lam) + np.abs(problem.mu) + np.abs(problem.phi) + 1
+        return flat(2.0**-52 * parts / case.rod.stiffness_ratio, case.shape) > _MOST_LOST * loads
 
 
 def unreachable(height: float, azimuth: float, span: float, seeded: bool = False) -> str:
@@ -127,4 +142,4 @@ def ordinary(case: Case, problem: Reduced) -> bool:
     else:
         fits = [bool(np.abs(v).max() < _ORDINARY) for v in numbers]
         fits += [bool(np.min(v) > least and np.max(v) < _ORDINARY) for v in lengths]
-    return all(fits)  # a comparison with NaN is False
+    return all(fits) and not twist_lost(case, problem).any()  # a comparison with NaN is False

@@ -19,6 +19,7 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..numerics.arrays import Array, Columns, Integers
 from ..numerics.complex_step import STEP
@@ -236,6 +237,7 @@ def loads_of(problem: Reduced, A: Any, rho: Any, shape: tuple[int, ...]) -> tupl
         )
 
 
+_ROUNDED = 2.0**-50  # of the loads: what a field changes less, as a whole, has no effect on them
 ACTING = ("lam", "mu", "phi", "span", "beta0", "end")  # the numbers on which a shape depends
 NUMBERS = (*ACTING, "A", "rho", "ratio", "alpha", "gamma")
 _FROM_ENDS = {"lam": "lam", "mu": "mu", "phi": "phi", "beta0": "beta0", "betaL": "end"}
@@ -281,17 +283,25 @@ def field_rates(case: Case, fields: Sequence[str]) -> FieldRates:
         if field in ("weight", "friction"):
             raise InputError(f"the derivative by {field} of a rod without {field} is not known; give it a little")
         moved[k] = steps[k] = values_of(case, field)
-    steps = STEP * np.where(steps == 0, 1.0, np.abs(steps))
+    has_size = steps != 0
+    steps = STEP * np.where(has_size, np.abs(steps), 1.0)
     moved.imag[range(F), range(F)] = steps
     with np.errstate(all="ignore"):  # a case whose numbers overflow has an outcome that says so
         other = unchecked_with_fields(case, dict(zip(fields, moved, strict=True)))
         vars(other)["shape"] = moved.shape[1:]
         numbers, given = _numbers(other)
+        numbers[:3].imag[has_size & _is_rounding(numbers[:3])] = 0.0
         steps = steps.reshape(F, size)
         table = np.ascontiguousarray((numbers.imag.reshape(-1, F, size) / steps).swapaxes(1, 2))
         if given is not None:
             given = np.moveaxis(given.imag.reshape(F, size, 5) / steps[..., None], 0, 2)
     return FieldRates(tuple(fields), table, given)
+
+
+def _is_rounding(loads: Array) -> NDArray[np.bool_]:
+    """Which changes of lam, mu and phi by `STEP` of each field, (3, F, *cases), are rounding of terms that cancel."""
+    size = STEP * (1 + np.abs(loads.real).sum(axis=0))
+    return np.asarray(np.abs(loads.imag) < _ROUNDED * size)
 
 
 def _numbers(case: Case) -> tuple[Array, Array | None]:

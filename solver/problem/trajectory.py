@@ -123,7 +123,7 @@ def verdicts(beta: Array, error: Array, condition: Array, tol: float, rounding: 
         outcome[i] = f"failed: error {error[i]:.1e} above the tolerance {tol:.1e} at condition {condition[i]:.1e}"
     for i in np.flatnonzero(finite & kept & (error > tol)):
         if error[i] > SHAPELESS and grown[i]:
-            outcome[i] = f"failed: condition {condition[i]:.1e} leaves no digit: error {error[i]:.1e}"
+            outcome[i] = f"failed: condition above {decade(condition[i])} leaves no digit"
         elif error[i] > SHAPELESS:
             outcome[i] = f"failed: rounding may change the far angle by {error[i]:.1e} rad after so many bends or turns"
         else:
@@ -134,6 +134,11 @@ def verdicts(beta: Array, error: Array, condition: Array, tol: float, rounding: 
             )
             outcome[i] = f"{SOLVED}; {FEWER} than the tolerance {tol:.1e} asks for: error {error[i]:.1e}{BECAUSE}{why}"
     return Verdicts(finite & kept & (error <= max(tol, SHAPELESS)), outcome)
+
+
+def decade(number: float) -> str:
+    """The power of ten below a positive number, as of a condition number of which rounding leaves no digit: 1e+15."""
+    return f"{10.0 ** np.floor(np.log10(number)):.0e}"
 
 
 def where_shown(shown: NDArray[np.bool_], values: Callable[..., Array], *at: Array) -> Array:

@@ -15,7 +15,7 @@ from ..orbit.periodic_orbit import HELIX
 from ..orbit.variations import HelixVariations
 from ..problem.case_fields import check_fields
 from ..problem.reduced import EndsProblem, FieldRates, field_rates, flat, given_numbers
-from ..problem.trajectory import SHAPELESS, SOLVED
+from ..problem.trajectory import SHAPELESS, SOLVED, decade
 from ..shape import Shape
 from .motions import Motion, of_equilibria, of_helices, shape_rates, start_sensitivities
 from .observable_rates import Moving, check_observables, derivatives_of, measure_of, why_missing
@@ -180,7 +180,7 @@ def _judge(
     begun = outcome == SOLVED
     where = "at a fold, or next to one" if held else "next to a separatrix"
     for i in np.flatnonzero(begun & ~((error < SHAPELESS) & finite)):
-        outcome[i] = f"failed: {where}, condition {growth[i]:.1e} leaves no digit of the derivatives"
+        outcome[i] = f"failed: {where}, condition above {decade(growth[i])} leaves no digit of the derivatives"
     solved, shape = outcome == SOLVED, sol.case.shape
     missing = solved & ~np.isfinite(table).all(axis=2)
     if not solved.all():
