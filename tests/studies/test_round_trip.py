@@ -82,7 +82,6 @@ HOSTILE = {
     "a name that climbs": 'name = "../../x"\n' + HEAD,
     "code for a title": HEAD.replace("'t'", "\"__import__('os').abort()\"") + "[axes.E]\nvalues = []",
     "a NUL": "title = 'a\x00b'",
-    "a byte order mark": "\ufeff" + HEAD,
     "a title that clears the terminal": 'title = "\\u001b[2J"\n' + HEAD.partition("\n")[2],
     "values that overflow": HEAD + "[axes.dgamma]\nfrom = -1.7e308\nto = 1.7e308\ncount = 3",
     "values that are rounded to one": HEAD + "[axes.E]\nfrom = 1.0\nto = 1.0000000000000002\ncount = 9",

@@ -298,7 +298,7 @@ def _cylinder(ax: Axes, eye: _Eye, R: float, ends: tuple[float, float]) -> None:
     strips = np.stack([low[:-1], low[1:], high[1:], high[:-1]], axis=1)
     ax.add_collection(PolyCollection(list(eye.to_page(strips)), facecolors=shades, linewidths=0, antialiaseds=False,
                                      alpha=VEIL, zorder=2, rasterized=True))  # fmt: skip
-    top = frames.position(R, np.linspace(0, 2 * np.pi, 121), np.asarray(ends[1]))
+    top = frames.position(R, np.linspace(0, 2 * np.pi, 120, endpoint=False), np.asarray(ends[1]))
     ax.fill(*eye.to_page(top).T, facecolor=colours.CUT, edgecolor=colours.SOFT, linewidth=0.5, zorder=2.1)
     for side in (0, -1):
         ax.plot(*eye.to_page([low[side], high[side]]).T, color=colours.SOFT, linewidth=0.5, zorder=2.1)
