@@ -3,6 +3,7 @@
 
 #include "stretches.h"
 
+#define WHOLE 1e-14         /* of the length: a share that differs less from it is all of it */
 #define SURELY 1e4          /* times that: a push beyond this is none by the series of either */
 
 /* The error of the integral by truncation and rounding. */
@@ -75,7 +76,7 @@ static parted parted_on(const workspace *w, const stretch *p, double whole, doub
    zeros, or may vanish on a whole stretch. */
 static void pushes_of(const workspace *w, double error, double span, numbers *out)
 {
-    double pushed = 0, pulled = 0, share = 0, free = 0, unsure = 0, wrong = 0;
+    double pushed = 0, pulled = 0, share = 0, unsure = 0, wrong = 0;
     for (int64_t i = 0; i < w->count; i++) {
         const stretch *p = &w->parts[i];
         double doubt[AT], faint = 0;
@@ -85,12 +86,12 @@ static void pushes_of(const workspace *w, double error, double span, numbers *ou
         }
         const double length = p->time * p->count, whole = total_of(p->series, w->by.mean);
         const parted part = parted_on(w, p, whole, highest(doubt));
-        pushed += part.area * length, pulled += (part.area - whole) * length;
-        share += part.share * length, free += (1 - part.share) * length;
+        pushed += part.area * length, pulled += (part.area - whole) * length, share += part.share * length;
         unsure += (smaller(larger(part.unsure, faint / AT), 1) + EPS) * length;
         wrong += total_of(doubt, w->by.weight) * length;
     }
-    share = free > 0 ? smaller(share, span) : span; /* rounding neither adds to the whole nor takes from it */
+    if (fabs(share - span) < WHOLE * span)
+        share = span;
     out->value[PUSHED] = out->value[PUSHED_ALONE] = pushed, out->value[PULLED] = pulled, out->value[SHARE] = share;
     out->error[PUSHED] = out->error[PUSHED_ALONE] = out->error[PULLED] = wrong, out->error[SHARE] = unsure;
 }

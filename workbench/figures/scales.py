@@ -97,6 +97,9 @@ def is_logarithmic(axis: xr.DataArray) -> bool:
     return abs(middle - np.sqrt(low * high)) < abs(middle - (low + high) / 2)
 
 
+EDGE = 1e-9  # of an axis: a place so near to an edge of a cell lies on it
+
+
 class Ticks(Formatter):
     """The numbers of the ticks of an axis in full, all with the same number of decimals."""
 
@@ -136,8 +139,8 @@ class Scale:
         return float(np.exp(value)) if self.logarithmic else value
 
     def cell(self, share: float) -> int:
-        """The index of the value whose cell lies there."""
-        shares = [self.share(float(edge)) for edge in self.edges[1:-1]]
+        """The index of the value whose cell lies there; on an edge, within rounding, that of the upper cell."""
+        shares = [self.share(float(edge)) - EDGE for edge in self.edges[1:-1]]
         return int(np.searchsorted(shares, share, side="right"))
 
     def apply(self, ax: Axes, which: str) -> None:
