@@ -16,6 +16,7 @@ from .equilibrium_list import Equilibria, Equilibrium, HeldEquilibria, HeldSearc
 from .folds.parameter_plane import read_range
 from .held.energy_minima import is_turned_round
 from .held.held_search import MOST_PERIODS, TRIES, held_search
+from .held.held_sweep import ranges_of
 from .numerics.arrays import Array
 from .problem.case import PAIRS, Case, Ends, check_case
 from .problem.case_fields import value_of, with_field
@@ -157,7 +158,7 @@ def _with_held_ends(
     case: Case, tol: float, stations: int, most_swings: int, within: Mapping[str, Any], tries: int, values: int | None
 ) -> HeldEquilibria:
     """Those of a case with held ends that a search over stated ranges finds."""
-    number_of = {name: NUMBER_OF[name] for held in held_of(case) for name, other in PAIRS if other == held}
+    number_of = _reactions_of(case)
     for name in within:
         if name not in number_of:
             raise no_such("reaction of this case", name, [*number_of])
@@ -167,8 +168,7 @@ def _with_held_ends(
     said = reason_beyond(why, case) if why else too_far(*held_apart(problem))
     if said:
         return HeldEquilibria([], HeldSearch({}, most_swings, 0, 0, 0, 0, 0, said))
-    A, rho = float(case.rod.bending_stiffness), float(case.rho)
-    size = {number: value_of_number(name, 1.0, A, rho) for name, number in number_of.items()}
+    size = _sizes_of(case)
     bounds = {(k := number_of[name]): (low / size[k], high / size[k]) for name, (low, high) in ranges.items()}
     result = held_search(Given.of(problem), bounds, most_swings, tries, values)
     t = problem.span[:, None] * np.linspace(0, 1, stations)
@@ -195,6 +195,24 @@ def _with_held_ends(
     note = ANY_LOAD if result.any_load else ""
     narrower = _narrower(listed, {name: ends for name, ends in searched.items() if name not in ranges})
     return HeldEquilibria(in_order(listed), HeldSearch(searched, most_swings, *counts, note, outside, narrower))
+
+
+def _reactions_of(case: Case) -> dict[str, str]:
+    """The reactions of a case, and the dimensionless number of each."""
+    return {name: NUMBER_OF[name] for held in held_of(case) for name, other in PAIRS if other == held}
+
+
+def _sizes_of(case: Case) -> dict[str, float]:
+    """A unit of each dimensionless number of the reactions in the units of a case."""
+    A, rho = float(case.rod.bending_stiffness), float(case.rho)
+    return {number: value_of_number(name, 1.0, A, rho) for name, number in _reactions_of(case).items()}
+
+
+def default_ranges(case: Case) -> dict[str, tuple[float, float]]:
+    """The lowest and the highest value of each reaction over which a case with held ends is searched by default."""
+    bounds, size = ranges_of(Given.of(reduce_held(case)), {}, None).bounds, _sizes_of(case)
+    ends = {name: [size[k] * end for end in bounds[k]] for name, k in _reactions_of(case).items()}
+    return {name: (min(pair), max(pair)) for name, pair in ends.items()}
 
 
 def _narrower(listed: list[Equilibrium], searched: Mapping[str, tuple[float, float]]) -> dict[str, tuple[float, float]]:

@@ -174,7 +174,7 @@ class HeldSearch:
     @property
     def ranges(self) -> str:
         """The ranges in words."""
-        return _in_words(self.within)
+        return ranges_in_words(self.within)
 
     def _counts(self) -> list[str]:
         return [
@@ -194,7 +194,7 @@ class HeldSearch:
         if self.outside:
             are = "equilibrium was" if self.outside == 1 else "equilibria were"
             said.append(
-                f"{self.outside} more {are} found outside these ranges and not listed ({_in_words(self.beyond)})"
+                f"{self.outside} more {are} found outside these ranges and not listed ({ranges_in_words(self.beyond)})"
             )
         if self.narrower:
             ranges = " ".join(f"--within {name}={low:g}:{high:g}" for name, (low, high) in self.narrower.items())
@@ -203,7 +203,7 @@ class HeldSearch:
         return "; ".join([*said, *([self.note] if self.note else [])])
 
 
-def _in_words(ranges: Mapping[str, tuple[float, float]]) -> str:
+def ranges_in_words(ranges: Mapping[str, tuple[float, float]]) -> str:
     """``FZ from -3 to 4, MZ = 1``, for the lowest and the highest value of each number."""
     said = []
     for name, (low, high) in ranges.items():

@@ -1,5 +1,6 @@
 """The regions into which fold curves divide a rectangle of two fields, and the equilibria in each."""
 
+from collections import Counter
 from dataclasses import dataclass
 from typing import Any
 
@@ -82,7 +83,7 @@ class RegionMap:
             raise InputError(f"points must be from 1 to {MOST_POINTS}, got {points}")
         folds, wrong = self.folds, []
         for values in np.random.default_rng(seed).uniform(folds.low, folds.high, (points, 2)):
-            listed = equilibria(folds.case_at(values), stations=2)
+            listed = equilibria(folds.case_at(values), stations=2, within=folds.within)
             expected = folds.indices_at(values)
             counts = len(listed), sum(equilibrium.index == 0 for equilibrium in listed)
             of_map = sum(expected.values()), expected[0]
@@ -174,15 +175,21 @@ def region_map(case: Case, *, lattice: int | None = None, stations: int = 101, *
     folds = fold_curves(case, lattice=lattice, **ranges)
     labels, inner = regions_of(folds.searched.pieces, PIXELS)
     ticks = folds.low[:, None] + (folds.high - folds.low)[:, None] * ((np.arange(PIXELS) + 0.5) / PIXELS)
-    regions, wrong = [], 0
+    regions, more, fewer = [], 0, 0
     for number, (row, column) in enumerate(inner):
         values = np.array([ticks[0, column], ticks[1, row]])
-        listed = equilibria(folds.case_at(values), stations=stations)
+        listed = equilibria(folds.case_at(values), stations=stations, within=folds.within)
         regions.append(Region(values, float(np.mean(labels == number)), listed))
-        expected = folds.indices_at(values)
-        wrong += (len(listed), regions[-1].stable) != (sum(expected.values()), expected[0])
-    remarks = [folds.remark, f"in {wrong} of {len(regions)} regions the equilibria do not fit the curves"]
-    return RegionMap(folds, regions, labels, ticks, "; ".join(filter(None, remarks if wrong else remarks[:1])))
+        expected, counts = folds.indices_at(values), Counter(equilibrium.index for equilibrium in listed)
+        more, fewer = more + bool(counts - expected), fewer + bool(expected - counts and not counts - expected)
+    many = len(regions)
+    beyond = ", which may lie beyond these reactions" if folds.within else ""
+    said = [
+        folds.remark,
+        f"in {more} of {many} regions the search finds equilibria that the curves do not tell of" if more else "",
+        f"in {fewer} of {many} regions the search does not find all that the curves tell of{beyond}" if fewer else "",
+    ]
+    return RegionMap(folds, regions, labels, ticks, "; ".join(filter(None, said)))
 
 
 _LEAST = 6  # points of the raster of a region

@@ -10,11 +10,11 @@ import numpy as np
 from .branches.branch_events import Bounds, Place, Stop
 from .branches.branch_following import branch_through
 from .branches.family import Family, scale_of
-from .equilibria import equilibria
+from .equilibria import default_ranges, equilibria
 from .equilibrium.orbit_rates import NUMBERS
 from .equilibrium.system import state_of
 from .equilibrium_branch import Branch
-from .equilibrium_list import Equilibrium
+from .equilibrium_list import Equilibrium, ranges_in_words
 from .folds.fold_curves import FoldCurve, FoldCurves, fold_curve
 from .folds.fold_search import curve_through
 from .folds.linked_search import IsKnown, Meeting, lattice_ticks, place_on, search_linked
@@ -117,10 +117,20 @@ def rods_over(plane: ParameterPlane) -> RodAt:
 def search_from_middle(plane: ParameterPlane, lattice: int) -> FoldCurves:
     """The curves that branches along the lines of a lattice meet, from the equilibria found at its middle."""
     ticks, middle = lattice_ticks(lattice), lattice // 2
-    z = ticks[[middle, middle]]
-    system = system_on(plane, z)
-    places = [system.place_of(equilibrium) for equilibrium in equilibria(plane.case_at(z), stations=2)]
-    return search_linked(plane, system, ticks, {(middle, middle): places})
+    z, within = ticks[[middle, middle]], {} if plane.varies else ranges_over(plane)
+    system, found = system_on(plane, z), equilibria(plane.case_at(z), stations=2, within=within)
+    places = [system.place_of(equilibrium) for equilibrium in found]
+    curves = search_linked(plane, system, ticks, {(middle, middle): places})
+    if not within:
+        return curves
+    said = f"{curves.remark}; counted are equilibria that are searched with {ranges_in_words(within)}"
+    return replace(curves, remark=said, within=within)
+
+
+def ranges_over(plane: ParameterPlane) -> dict[str, tuple[float, float]]:
+    """The range of each reaction over which a map searches: that of all its corners and middles, for all its points."""
+    every = [default_ranges(plane.case_at(np.array(z))) for z in product((0.0, 0.5, 1.0), repeat=2)]
+    return {name: (min(at[name][0] for at in every), max(at[name][1] for at in every)) for name in every[0]}
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,7 +1,7 @@
 """Fold curves over two fields of an ends problem: where equilibria appear and disappear."""
 
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -67,7 +67,10 @@ class FoldCurves:
     curves : list of FoldCurve
     remark : str
         Where curves may be missing or incomplete; empty if the equilibria of all points that were looked at agree with
-        the curves.
+        the curves. Under held ends it states `within` too.
+    within : dict
+        Under held ends, the lowest and the highest value of each reaction between which the counted equilibria were
+        searched, by its name; else empty.
     """
 
     case: Case
@@ -77,6 +80,7 @@ class FoldCurves:
     curves: list[FoldCurve]
     remark: str
     searched: Searched
+    within: dict[str, tuple[float, float]] = field(default_factory=dict)
 
     def case_at(self, values: Any) -> Case:
         """The case at a point (2,) of the plane."""

@@ -2,10 +2,11 @@
 
 Equilibria that are known at a point of the lattice in the plane of two numbers z are followed along both lines through
 it, in any system whose equilibria can be followed. Those that are met at other points of the lattice, and those that
-split off, are followed in turn, until no new one is met.
+split off, are followed in turn, until no new one is met. Where a branch is steep, it may pass two folds closely, on a
+curve that no line of the lattice crosses; so it is followed across its line there too.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Protocol
@@ -24,6 +25,7 @@ from .whole_curve import WholeCurve, lies_on
 ASKEW = 0.013  # lines of the lattice stay off lines of symmetry
 MOST_BRANCHES = 150  # that are followed
 ALIKE = 1e-5  # least distance of the signatures of two equilibria at one z
+STEEP, MOST_STEEP = 3.0, 2  # times the median of a branch; places of a branch from which it is followed across
 Node = tuple[int, int]
 Known = dict[Node, list[Place]]  # equilibria at points of the lattice
 IsKnown = Callable[[Array, Array], bool]  # of a z and the signature of an equilibrium there
@@ -103,25 +105,27 @@ def search_linked(plane: ParameterPlane, system: PlaneSystem, ticks: Array, begi
 def branches_on(system: PlaneSystem, ticks: Array, begin: Known) -> Branches:
     """The branches along the lines z = ticks of a lattice from 0 to 1 that hang together with known equilibria."""
     known: dict[Node, list[tuple[Array, Place]]] = {(i, j): [] for i in range(ticks.size) for j in range(ticks.size)}
-    waiting: list[tuple[Node, int, Place, Array]] = []
-    on_lines: dict[tuple[int, int], list[Array]] = {}
+    at_tick = {float(tick): i for i, tick in enumerate(ticks)}
+    waiting: list[tuple[Array, int, Place, Array]] = []
+    on_lines: dict[tuple[int, float], list[Array]] = {}
     meetings: list[Meeting] = []
     halts, count, stopped = np.concatenate([[0.0], ticks, [1.0]]), 0, 0
 
-    def take(node: Node, place: Place, mark: Array) -> None:
+    def take(z: Array, place: Place, mark: Array) -> None:
+        node = at_tick[float(z[0])], at_tick[float(z[1])]
         if all(np.linalg.norm(other - mark) > ALIKE for other, _ in known[node]):
             known[node].append((mark, place))
-            waiting.extend((node, axis, replace(place, p=float(ticks[node[axis]])), mark) for axis in (0, 1))
+            waiting.extend((z, axis, replace(place, p=float(z[axis])), mark) for axis in (0, 1))
 
     for node, places in begin.items():
         for place in places:
-            take(node, place, system.signature(place))
+            take(ticks[list(node)], place, system.signature(place))
     while waiting and count < MOST_BRANCHES:
-        node, axis, begun, mark = waiting.pop(0)
-        passed = on_lines.setdefault((axis, node[1 - axis]), [])
+        z, axis, begun, mark = waiting.pop(0)
+        passed = on_lines.setdefault((axis, float(z[1 - axis])), [])
         if any(lies_on(points, np.append(begun.p, mark)) for points in passed):
             continue
-        z, count = place_on(ticks[list(node)], axis, begun.p), count + 1
+        z, count = place_on(z, axis, begun.p), count + 1
         followed = system.branch(z, axis, begun, halts)
         if isinstance(followed, str):
             stopped += 1
@@ -130,16 +134,34 @@ def branches_on(system: PlaneSystem, ticks: Array, begin: Known) -> Branches:
         stopped += any(stop.reason not in (END, CLOSED) for stop in stops)
         marks = [system.signature(place) for place in places]
         passed.append(np.column_stack([[place.p for place in places], marks]))
+        on_lattice = float(z[1 - axis]) in at_tick
         for i, (place, mark) in enumerate(zip(places, marks, strict=True)):
+            here = place_on(z, axis, place.p)
             if place.kind and 0 < i < len(places) - 1:
-                meetings.append(Meeting(place_on(z, axis, place.p), axis, (places[i - 1], place, places[i + 1])))
+                meetings.append(Meeting(here, axis, (places[i - 1], place, places[i + 1])))
                 if place.kind != FOLD:
                     splits = system.splits(z, axis, place)
-                    waiting.extend((node, axis, split, system.signature(split)) for split in splits)
-            elif place.p in ticks:
-                k = int(np.flatnonzero(ticks == place.p)[0])
-                take((k, node[1]) if axis == 0 else (node[0], k), place, mark)
+                    waiting.extend((z, axis, split, system.signature(split)) for split in splits)
+            elif on_lattice and float(place.p) in at_tick:
+                take(here, place, mark)
+        for i in steep_places(places, marks) if on_lattice else ():
+            here = place_on(z, axis, places[i].p)
+            waiting.append((here, 1 - axis, replace(places[i], p=float(here[1 - axis])), marks[i]))
     return Branches(known, meetings, count, stopped, not waiting)
+
+
+def steep_places(places: Sequence[Place], marks: Sequence[Array]) -> list[int]:
+    """The numbers of the places where a branch is steepest: its equilibria change the most by its parameter, though it
+    does not turn back nearby."""
+    p, plain = np.array([place.p for place in places]), [not place.kind for place in places]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        rates = np.linalg.norm(np.diff(marks, axis=0), axis=1) / np.abs(np.diff(p))
+    inside = [
+        i
+        for i in range(1, rates.size - 1)
+        if all(plain[i - 1 : i + 3]) and np.argmax(rates[i - 1 : i + 2]) == 1 and rates[i] > STEEP * np.median(rates)
+    ]
+    return sorted(inside, key=lambda i: -float(rates[i]))[:MOST_STEEP]
 
 
 def place_on(z: Array, axis: int, x: float) -> Array:

@@ -194,7 +194,7 @@ def special_between(curve: Curve, before: Point, after: Point, step: float) -> l
         return []
     (near, low), (far, high) = enclose(way, ends, lambda point: point.index != before.index, NARROW * step)
     change = curve.in_sizes(high.shape.y - low.shape.y, high.p - low.p)
-    if inner(change, change) > (2 * (far - near) + SAME) ** 2:
+    if far - near > 2 * NARROW * step or inner(change, change) > (2 * (far - near) + SAME) ** 2:
         return None
     return [(branch_point_between(curve, low, high) or high, BRANCH_POINT)]
 

@@ -206,3 +206,19 @@ def test_a_map_of_rods_between_hinges_counts_each_equilibrium_once() -> None:
     counts = [(len(region.equilibria), found.folds.indices_at(region.values).total()) for region in found.regions]
     assert max(map(max, counts)) <= 8
     assert sum(listed == counted for listed, counted in counts) >= 2  # nothing proves that all curves were met
+
+
+def test_a_branch_steps_over_to_no_other_one_that_passes_close() -> None:
+    """Near -206 two branches are 0.1 rad apart; each start on one of them meets the same folds, and no branch point."""
+    case = Case(
+        Rod(EI=100.0, GJ=60.0, a=0.2, L=4.0),
+        Cylinder(1.0, "inside"),
+        Ends(M10=0.0, betaL=0.5, azimuth=1.2575, FZ=-194.67),
+    )
+    starts = equilibria(case, within={"MZ": (-40.0, 80.0), "beta0": (-2.5, 0.0)}, values=5, tries=0)
+    met = {one.index: set() for one in starts}
+    for one in starts:
+        branch = follow(one.solution, FZ=[-300.0, -60.0])
+        met[one.index].add(tuple(sorted((point.kind, round(point.value, 4)) for point in branch.special)))
+    assert met[0] == {(("fold", -245.9659),)}
+    assert met[1] == {(("fold", -213.336), ("fold", -191.2938))}

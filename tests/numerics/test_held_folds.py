@@ -10,13 +10,16 @@ import pytest
 from scipy.optimize import fsolve
 from scipy.spatial.distance import pdist
 
-from solver import Branch, Case, Cylinder, Ends, Rod, equilibria, fold_curves, follow, solve, trace_fold
+from solver import Branch, Case, Cylinder, Ends, Rod, equilibria, fold_curves, follow, region_map, solve, trace_fold
 from solver.branches.deflation import across_fold, numbers_of
 from solver.equilibrium.given_numbers import Given
 from solver.equilibrium.system import state_of
+from solver.equilibrium_list import HeldEquilibria
 from solver.folds import linked_search
 from solver.folds.fold_curves import FoldCurve
+from solver.folds.parameter_plane import parameter_plane
 from solver.problem.reduced import reduce_held
+from solver.traced_folds import system_on
 from tests.equation import march_with_variations
 
 
@@ -202,6 +205,43 @@ def test_a_curve_with_the_azimuth_held_goes_on_where_the_gap_to_a_saddle_is_lost
     assert (curve.lower, curve.cusps.shape) == (0, (1, 2))
     (fold,) = (point.value for point in branch(25.0, (-6.0, 8.0)).special if point.kind == "fold")
     assert end_of(curve, 1, 25.0)[0] == pytest.approx(fold, abs=1e-9)
+
+
+PIPE_IN_A_HOLE = Case(
+    Rod(EI=100.0, GJ=60.0, a=0.2, L=4.0), Cylinder(1.0, "inside"), Ends(M10=0.0, betaL=0.5, azimuth=0.8, FZ=-150.0)
+)
+
+
+def test_a_closed_curve_between_the_lines_of_a_lattice_is_found_where_branches_pass_it_closely() -> None:
+    """Three cusps: two branches that would cross on a symmetric rod are a little apart, and one of them turns back."""
+    plane = parameter_plane(PIPE_IN_A_HOLE, {"azimuth": (0.8, 1.4), "FZ": (-260.0, -140.0)})
+    ticks = linked_search.lattice_ticks(2)
+    z = ticks[[1, 0]]
+    known = equilibria(plane.case_at(z), stations=2, within={"MZ": (-60, 60), "beta0": (-2.5, 2.5)}, values=3, tries=0)
+    system = system_on(plane, z)
+    found = linked_search.search_linked(plane, system, ticks, {(1, 0): [system.place_of(one) for one in known]})
+    closed = next(curve for curve in found.curves if curve.ends == ("closed", "closed"))
+    low, high = closed.values.min(axis=0), closed.values.max(axis=0)
+    assert (closed.lower, len(closed.cusps)) == (1, 3)
+    lines = plane.values(np.stack([ticks, ticks], axis=1))
+    assert not ((low < lines) & (lines < high)).any()
+    # where a branch over FZ turns back
+    assert np.abs(closed.values - [1.2575, -213.336]).min(axis=0) == pytest.approx([0, 0], abs=0.1)
+
+
+def test_a_map_of_held_ends_states_the_range_of_reactions_that_its_counts_mean() -> None:
+    """It is one range for all of its points."""
+    folds = region_map(case_of(4.0, betaL=0.8, height=3.4), height=(3.3, 3.4), betaL=(0.7, 0.8), lattice=2)
+    ((low, high),) = folds.folds.within.values()
+    assert f"; counted are equilibria that are searched with FZ from {low:.6g} to {high:.6g}" in folds.remark
+    for region in folds.regions:
+        assert isinstance(region.equilibria, HeldEquilibria)
+        assert region.equilibria.search.within["FZ"] == pytest.approx((low, high))
+    for height in (3.3, 3.4):  # the default of each point lies within
+        alone = equilibria(case_of(4.0, betaL=0.8, height=height), values=2, tries=0)
+        assert isinstance(alone, HeldEquilibria)
+        assert low <= alone.search.within["FZ"][0]
+        assert alone.search.within["FZ"][1] <= high
 
 
 def test_places_where_branches_meet_without_a_curve_are_counted_in_the_remark() -> None:
