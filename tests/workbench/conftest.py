@@ -1,12 +1,16 @@
 """What many tests of the workbench begin with."""
 
 from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import pytest
 import xarray as xr
 
+from solver.problem.errors import InputError
+from studies import load
 from tests.workbench import live, small
 from tests.workbench.command import exit_status
+from workbench.store import atomic, reading, schema
 
 
 @pytest.fixture
@@ -26,3 +30,24 @@ def port() -> Iterator[int]:
     """The port of a live page."""
     with live.served() as port:
         yield port
+
+
+@pytest.fixture(autouse=True)
+def every_file_that_is_written_is_read(monkeypatch) -> Iterator[None]:
+    """Whatever the writer writes the reader reads: each file of results and each study, as soon as it has its name."""
+    refused: list[str] = []
+    move = atomic.move
+
+    def move_and_read(aside: Path, path: Path) -> None:
+        move(aside, path)
+        try:
+            if path.suffix == ".h5":
+                reading.read(path, study=reading.kind_of_file(path) is schema.STUDY)
+            elif path.suffix == ".toml":
+                load(path)
+        except InputError as error:
+            refused.append(str(error))
+
+    monkeypatch.setattr(atomic, "move", move_and_read)
+    yield
+    assert refused == []

@@ -1,6 +1,7 @@
 """Through HDF5 and back, and never half."""
 
 import os
+import re
 import shutil
 import signal
 import stat
@@ -15,9 +16,10 @@ import pytest
 import xarray as xr
 
 from solver import InputError
+from studies.language.loader import loads
 from tests.slow import slow
 from tests.workbench import forked, runs, small
-from workbench.store import in_memory, reading, writing
+from workbench.store import in_memory, reading, schema, study_store, writing
 
 
 def test_what_is_stored_is_what_is_read(six, tmp_path) -> None:
@@ -180,3 +182,56 @@ def test_a_file_that_another_program_writes_is_not_called_damaged(six, tmp_path)
             reading.read(file)
         other.communicate()
     assert reading.read(file).equals(six)
+
+
+ROD = {"E": 1e4, "nu": 0.25, "a": 0.05, "L": 20.0, "R": 0.75, "beta": 0.5, "dbeta": 0.5, "M3": 0.0, "F3": 10.0}
+LOGS = "[expressions]\n" + "".join(f'a_quantity_of_some_length_{k} = "log(turns - 100)"\n' for k in range(20))
+
+
+def stored_study(base, tables, tmp_path, head="") -> xr.Dataset:
+    """The file of a study that is run into one, read; the same study that is run in memory and then stored too."""
+    study = loads(head + small.text(ROD | base, tables))
+    study_store.run_to_file(study, tmp_path / "run.h5")
+    writing.write(in_memory.run(study), tmp_path / "memory.h5")
+    ran, kept = (reading.read(tmp_path / f"{name}.h5") for name in ("run", "memory"))
+    assert {*ran["outcome"].values} == {*kept["outcome"].values}
+    return ran
+
+
+@pytest.mark.parametrize(
+    ("base", "tables", "words"),
+    [
+        ({"E": 1e40, "F3": 1e37}, small.axis("R", [0.75, 0.8]), "failed: .+ contact is not finite, or beyond 1e.30"),
+        ({"alpha": 1e13}, small.axis("R", [0.75, 0.8]), "failed: .+ alpha is not finite, or beyond 1e.12"),
+        ({}, small.axis("E", [1e4, 2e4]) + LOGS, r"solved; .+a_quantity_of_some_length_2.+; \.\.\."),
+    ],
+)
+def test_a_case_that_a_file_cannot_hold_says_so_and_the_file_is_read(base, tables, words, tmp_path) -> None:
+    outcomes = stored_study(base, tables, tmp_path)["outcome"].values.tolist()
+    assert all(re.fullmatch(words, outcome) and len(outcome) <= schema.LABEL for outcome in outcomes)
+
+
+def test_the_control_characters_of_a_comment_are_blanks_in_the_file(tmp_path) -> None:
+    ds = stored_study({}, small.axis("E", [1e4, 2e4]), tmp_path, head="# a \x85 comment\n")
+    assert ds.attrs["study"].startswith("# a   comment\n")
+
+
+@pytest.mark.parametrize(
+    ("base", "tables", "words"),
+    [
+        ({}, small.axis("E", [1e4, 1e308]), "the axis E holds values that are not finite, or beyond 1e.50"),
+        ({}, small.axis("E", [1e-60, 1e4]), "E of a study that is stored must be from 1e-50 to 1e.50, got 1e-60"),
+        ({"E": 1e60}, small.axis("R", [0.75, 0.8]), "E of a study that is stored must be .+, got 1e.60"),
+        ({"L": 1e30}, small.axis("R", [1e-5, 0.8]), "L of a study that is stored must be at most 1e.30 times rho"),
+    ],
+)
+def test_a_study_that_no_file_can_hold_is_refused_before_it_is_solved(
+    base, tables, words, tmp_path, monkeypatch
+) -> None:
+    study = loads(small.text(ROD | base, tables))
+    monkeypatch.setattr(study_store, "_run", lambda *_: pytest.fail("it was solved"))
+    with pytest.raises(InputError, match=words):
+        study_store.run_to_file(study, tmp_path / "study.h5")
+    with pytest.raises(InputError, match="cannot write"):
+        writing.write(in_memory.run(study), tmp_path / "study.h5")
+    assert list(tmp_path.iterdir()) == []

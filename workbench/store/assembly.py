@@ -24,7 +24,7 @@ from studies.language.loader import dumps
 from studies.language.refine import LEVEL
 
 from ..words import cautions, outcomes
-from . import atomic, file_checks, reading, schema, writing
+from . import atomic, bounds, file_checks, reading, schema, writing
 from .law_verdicts import Tally
 from .law_verdicts import statistics as statistics_of
 from .plan import TEXT_BYTES, Plan, bytes_of_file, remarks
@@ -131,7 +131,7 @@ def _attributes(study: Study, case: Case) -> dict[str, Any]:
         "format": schema.FORMAT,
         "title": study.title,
         "study_name": study.name,
-        "study": study.text or dumps(study),
+        "study": bounds.fit_lines(study.text or dumps(study)),
         "reading": study.reading or "",
         **schema.attributes_of_case(case, study.unit_system),
         "tolerance": study.tol,

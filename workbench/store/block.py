@@ -24,7 +24,8 @@ from studies.language import expressions
 
 from ..words import cautions, pipe_state
 from ..words.outcomes import NO_BRANCH
-from .schema import JUDGED, LOADS, Columns, curve_name, inner_shape, shapes
+from . import bounds
+from .schema import JUDGED, LOADS, TEXTS, Columns, curve_name, inner_shape, shapes
 from .shards import encode, join
 
 
@@ -72,7 +73,7 @@ def _columns_of(study: Study, sol: Solution, remark: str, branch: int) -> Column
     """The columns of one case of a sweep. remark: an addition to its outcome."""
     row = columns(study, sol)
     if remark:
-        row["outcome"] = np.array([f"{row['outcome'][0]}; {remark}"])
+        row["outcome"] = np.array([bounds.fit_text(f"{row['outcome'][0]}; {remark}")])
     return {**row, "branch": np.array([branch])}
 
 
@@ -136,7 +137,21 @@ def columns(study: Study, sol: Solution, given: Mapping[str, Any] | None = None)
         row[name] = np.asarray(getattr(sol, name), dtype=float).reshape(-1)
     for name in study.reactions:
         row[name] = np.asarray(sol.held_index if name == "held_index" else sol.reactions[name], float).reshape(-1)
-    return row
+    return _as_a_file_holds(study, sol.case, row)
+
+
+def _as_a_file_holds(study: Study, case: Case, row: Columns) -> Columns:
+    """The columns with texts that a file can hold; cases whose numbers it cannot hold are not solved."""
+    bad = np.full(case.size, "", dtype=object)
+    for why, where in bounds.unfit(study, case, row):
+        bad[where & (bad == "")] = f"failed: solved, but no file can hold it: {why}"
+    if (fails := bad != "").any():
+        none = unsolved(study, case.size, "") | {"outcome": bad.astype(str)}
+        row = {
+            name: np.where(fails.reshape(-1, *(1,) * (values.ndim - 1)), none.get(name, values), values)
+            for name, values in row.items()
+        }
+    return row | {name: np.array([bounds.fit_text(text) for text in row[name].tolist()]) for name in TEXTS}
 
 
 def _incomplete(sol: Solution) -> NDArray[Any]:

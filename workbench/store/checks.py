@@ -11,18 +11,15 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
-from solver.observe.observables import OBSERVABLES
 from solver.problem.case import DIRECT, ELASTIC, GIVEN, SIDES, SLIDING
 from solver.problem.errors import InputError, choices
-from solver.problem.field_values import POSITIVE, RANGES
 from studies import names
 from studies.grammar.axes import FIELDS, SAMPLE
 from studies.grammar.formulas import FORCES, LENGTHS
 
 from ..words import escaping
-from . import refined, schema
+from . import bounds, refined, schema
 from .schema import CURVES, FORMAT, INNER, JUDGED, LABEL, LINE, LOADS, SECTION, pieces, show
 
 Check = Callable[[xr.Dataset], Iterator[str]]
@@ -38,7 +35,6 @@ MOST_TEXT = 64_000_000  # bytes of an attribute
 LONG = ("study", "laws", "versions", "recipe", "statistics", "branches", "rows")  # of many lines, or JSON; not printed
 BLOCK = 100_000  # cases that are read at a time
 BLOCK_ALONG = 2**20  # stations of their curves
-COUNTED = ("held_index", "branch")  # whole numbers of each case that are no observables
 LABELS = ("units", "long_name", "symbol", "reading")
 CHOICES: Mapping[str, Any] = {
     "side": SIDES,
@@ -47,11 +43,6 @@ CHOICES: Mapping[str, Any] = {
     "length_unit": LENGTHS,
     "force_unit": FORCES,
 }
-# Of fields in their own units, and of dimensionless loads and lengths: beyond, squares and fourth powers overflow.
-SMALLEST, LARGEST, MOST = 1e-50, 1e50, 1e30
-MOST_ANGLE = 1e12  # rad: beyond, a float cannot hold the direction to 1e-4
-SAME = 1e-9  # relative, between a stored number and what it follows from
-STRAIGHT = 1e-6  # share of the arc by which its chord may exceed it: rounding and the error of the method
 
 
 def check(ds: xr.Dataset, path: str | Path, checks: Sequence[Check]) -> None:
@@ -106,11 +97,8 @@ def axes(ds: xr.Dataset) -> Iterator[str]:
     for name in schema.axes_of(ds):
         if name not in ds.coords or ds[name].dtype.kind not in ("iu" if name == SAMPLE else "f"):
             yield f": the axis {show(name)} has no values"
-        values = ds[name].values
-        if not (np.abs(values) <= LARGEST).all():
-            yield f": the axis {show(name)} holds values that are not finite, or beyond {LARGEST:g}"
-        if np.unique(values).size < values.size:
-            yield f": the axis {show(name)} holds a value twice"
+        if why := bounds.wrong_axis(ds[name].values):
+            yield f": the axis {show(name)} {why}"
 
 
 def samples(ds: xr.Dataset) -> Iterator[str]:
@@ -148,8 +136,8 @@ def variables(ds: xr.Dataset) -> Iterator[str]:
             if key in variable.encoding:
                 yield f": {show(name)} has the attribute {key}, which the format does not allow"
         fill = np.asarray(variable.encoding.get("_FillValue", np.nan))
-        if fill.size != 1 or fill.dtype.kind not in "iuf":
-            yield f": the attribute _FillValue of {show(name)} must be a number"
+        if fill.size != 1 or fill.dtype.kind != "f" or not np.isnan(fill).all():  # a number that is there would be lost
+            yield f": the attribute _FillValue of {show(name)} must be NaN"
         kind, kinds = ("text", "OUST") if name in WORDS else ("numbers", "iuf")
         if name == "solved":
             kind, kinds = "booleans", "b"
@@ -186,9 +174,7 @@ def _text(text: str, longest: int | None, what: str) -> Iterator[str]:
     except UnicodeEncodeError:
         yield f": {what} is not UTF-8 text: {show(text)}"
     if longest is None:
-        if any(ord(letter) < 32 and letter not in "\n\r\t" for letter in text) or any(
-            "\x7f" <= letter <= "\x9f" for letter in text
-        ):
+        if any(map(bounds.is_control, text)):
             yield f": {what} holds control characters"
     elif not escaping.is_line(text, longest):
         yield f": {what} must be one line of text, got {show(text)}"
@@ -196,25 +182,19 @@ def _text(text: str, longest: int | None, what: str) -> Iterator[str]:
 
 def fields(ds: xr.Dataset) -> Iterator[str]:
     """Whether rod, cylinder and stations are finite, positive, in order and consistent."""
-    number = {name: ds[name] for name in (*POSITIVE, "rho", *RANGES) if name in ds.variables}
+    number = {name: ds[name] for name in bounds.FIELDS if name in ds.variables}
     for name, variable in number.items():
         if variable.dtype.kind != "f":
             yield f": {name} must be a floating-point number, got {variable.dtype}"
-        values = variable.values.astype(float)
-        if not np.isfinite(values).all():
-            yield f": {name} must be finite, got {_worst(values, np.isfinite(values))}"
-        allowed = RANGES.get(name, RANGES["R"])  # rho is positive, as R is
-        low, high = allowed.low if allowed.low or allowed.closed else SMALLEST, min(allowed.high, LARGEST)
-        good = ~allowed.excludes(values) & (values >= low) & (values <= high)
-        if not good.all():
-            yield f": {name} must be from {low:g} to {high:g}, got {_worst(values, good)}"
+        if why := bounds.wrong_field(name, variable.values):
+            yield f": {name} {why}"
     yield from _section(ds, number)
     if {"R", "a", "rho"} <= set(number) and ds.attrs.get("side") in SIDES:
         expected = number["R"] + SIDES[ds.attrs["side"]] * number["a"]
-        if bool((np.abs(number["rho"] - expected) > SAME * (number["R"] + number["a"])).any()):
+        if bool((np.abs(number["rho"] - expected) > bounds.SAME * (number["R"] + number["a"])).any()):
             yield f": rho is not R {'+-'[ds.attrs['side'] == 'inside']} a"
-    if {"L", "rho"} <= set(number) and not bool((number["L"] / number["rho"] < MOST).all()):
-        yield f": L is more than {MOST:g} times rho"
+    if {"L", "rho"} <= set(number) and bounds.is_too_long(number["L"], number["rho"]):
+        yield f": L is more than {bounds.MOST:g} times rho"
     yield from _stations(ds, number.get("L"))
 
 
@@ -244,7 +224,7 @@ def _stations(ds: xr.Dataset, L: xr.DataArray | None) -> Iterator[str]:
     expected = L * ds["u"]
     missing = {*expected.dims} - {*ds["s"].dims}  # an axis of one value is none of a field's
     fits = {*ds["s"].dims} <= {*expected.dims} and all(expected.sizes[dim] == 1 for dim in missing)
-    if not fits or not bool((np.abs(ds["s"] - expected) <= SAME * L).all()):
+    if not fits or not bool((np.abs(ds["s"] - expected) <= bounds.SAME * L).all()):
         yield ": s must be u L"
 
 
@@ -265,38 +245,25 @@ def each(ds: xr.Dataset) -> Iterator[str]:
         for name in schema.TEXTS:
             for text in set(block[name].values.ravel().tolist()) if name in block.data_vars else ():
                 yield from _text(str(text), LABEL, f"one of {name}")
+        solved = block["solved"].values
+        L = schema.over_cases(block, block["L"]).values[solved] if "L" in block.variables else np.inf
         for name in numbers:
-            yield from _number(block, name)
+            counted = name in bounds.COUNTED or schema.is_count(block[name])
+            values = block[name].values[solved]
+            if (bad := bounds.bad_numbers(name, values, counted, L)).any():
+                yield f": {name} of a solved case cannot be {values[bad][0]:g}"
         yield from _loads(block)
-
-
-def _number(ds: xr.Dataset, name: str) -> Iterator[str]:
-    """Whether each solved case can have its number; NaN says that it is not known."""
-    solved = ds["solved"].values
-    values, row = ds[name].values[solved], OBSERVABLES.get(name)
-    if name in JUDGED and not (values >= 0).all():
-        yield f": {name} of a solved case must be a number and not negative"
-    counted = name in COUNTED or schema.is_count(ds[name])
-    least = 0.0 if counted or name.endswith("_error") else -np.inf if row is None else row.least
-    most: Any = np.inf if row is None else row.most
-    if most == "L":
-        most = schema.over_cases(ds, ds["L"]).values[solved] * (1 + STRAIGHT) if "L" in ds.variables else np.inf
-    with np.errstate(invalid="ignore"):
-        bad = (values < least) | (np.abs(values) > most * (1 + SAME))
-        bad |= counted & (values != np.round(values)) & ~np.isnan(values)
-    if bad.any():
-        yield f": {name} of a solved case cannot be {values[bad][0]:g}"
 
 
 def _loads(ds: xr.Dataset) -> Iterator[str]:
     """Whether the loads of solved cases are finite, and not far too large for their rods."""
     if not {*schema.stiffness_fields(ds), "rho"} <= {*ds.variables}:
         return
-    unit = schema.bending_stiffness(str(ds.attrs["stiffness"]), ds) / ds["rho"]  # of moment
+    solved = ds["solved"].values
+    A, rho = schema.bending_stiffness(str(ds.attrs["stiffness"]), ds), ds["rho"]
+    A, rho = (schema.over_cases(ds, number).values[solved] for number in (A, rho))
     for name in (name for name in LOADS if name in ds.variables):
-        with np.errstate(all="ignore"):
-            size = abs(ds[name]) / (unit / ds["rho"] if name == "FZ" else unit)
-        if not (schema.over_cases(ds, size).values[ds["solved"].values] < MOST).all():
+        if bounds.bad_loads(name, schema.over_cases(ds, ds[name]).values[solved], A, rho).any():
             yield f": {name} of a solved case is not finite, or far too large for its rod"
 
 
@@ -311,9 +278,8 @@ def curves(ds: xr.Dataset) -> Iterator[str]:
     for block in pieces(ds, names, max(1, BLOCK_ALONG // ds.sizes.get("u", 1))):
         solved = block["solved"].variable
         for key in keys:
-            most = MOST_ANGLE if CURVES[key] in ("beta", "alpha", "gamma") else MOST
-            if not (np.abs(block[key].values[solved.values]) < most).all():
-                yield f": {show(key)} of a solved case is not finite, or beyond {most:g}"
+            if bounds.bad_curves(key, block[key].values[solved.values]).any():
+                yield f": {show(key)} of a solved case is not finite, or beyond {bounds.most_along(key):g}"
         if {"s", "rho"} <= set(block.variables) and "u" in block.dims:
             yield from _chords(block)
 
@@ -323,13 +289,23 @@ def _chords(ds: xr.Dataset) -> Iterator[str]:
     for name, scale in (("alpha", ds["rho"]), ("z", 1.0)):
         if name in ds.data_vars and "u" in ds[name].dims:
             with np.errstate(all="ignore"):
-                far = np.abs(ds[name].diff("u") * scale) > arc * (1 + STRAIGHT) + STRAIGHT * ds["rho"]
+                far = np.abs(ds[name].diff("u") * scale) > arc * (1 + bounds.STRAIGHT) + bounds.STRAIGHT * ds["rho"]
             if bool((far & ds["solved"].variable).any()):
                 yield f": {name} of a solved case moves farther than the rod is long"
 
 
-def _worst(values: NDArray[Any], good: NDArray[np.bool_]) -> str:
-    return f"{values[~good].flat[0]:g}"
-
-
 STUDY = (texts_of_study, axes, samples, texts, variables, fields, each)
+
+
+def check_all(ds: xr.Dataset, path: str | Path) -> None:
+    """Raise `InputError` where anything is wrong with a dataset, of whichever kind: of a study, else of any other."""
+    if schema.kind_of(ds) is schema.STUDY:
+        check_kind(ds, path)
+        check(ds, path, [*STUDY, curves])
+    else:
+        check_any(ds, path)
+
+
+def check_any(ds: xr.Dataset, path: str | Path) -> None:
+    """Raise `InputError` where anything is wrong with what datasets of all kinds have."""
+    check(ds, path, [texts, fields, *([each, curves] if "solved" in ds else [])])

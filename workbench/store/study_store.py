@@ -12,7 +12,7 @@ from typing import Any
 from solver.problem.errors import InputError
 from studies import Study
 
-from . import atomic, cluster, shards, worker_processes
+from . import atomic, bounds, cluster, shards, worker_processes
 from .block import solve_chunk, unsolved
 from .law_verdicts import Tally, count, statistics, tally_of
 from .plan import Plan, compare, plan, room, rounds
@@ -157,6 +157,7 @@ def run_to_file(
     if options.workers is not None and options.scheduler is not None:
         raise InputError("--workers is for this machine, --scheduler for a cluster: give one of them")
     whole = plan(study)
+    bounds.check_study(study, whole.dimensions)
     work = compare(output, whole, options.restart)
     if work.is_finished:
         _tidy(work, output)
@@ -171,7 +172,7 @@ def run_to_file(
 
     writing.check_parent(output)
     folder = shards.folder_of(output)
-    with atomic.refusing(output, KEPT), shards.lock(folder):
+    with atomic.refusing(output, lambda: "" if shards.is_empty(folder) else KEPT), shards.lock(folder):
         work = compare(output, whole, options.restart)
         if work.is_finished:  # by the run that held the lock
             return _already(work)

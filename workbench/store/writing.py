@@ -14,7 +14,7 @@ from xarray.backends import CachingFileManager, H5NetCDFStore
 
 from solver.problem.errors import InputError
 
-from . import atomic, file_checks, schema
+from . import atomic, checks, file_checks, schema
 
 
 class _Arrays(h5py.File):  # type: ignore[misc]
@@ -78,13 +78,15 @@ def write(ds: xr.Dataset, path: str | Path, force: bool = False) -> Path:
     """Store a dataset under `path` and return the path.
 
     An existing file is replaced only if it is a dataset of the same study, or with `force`. Raises `InputError` where
-    it is something else, or where the folder cannot be written; the existing file then stays as it was.
+    it is something else, where the folder cannot be written, and for a dataset that no command would read; the existing
+    file then stays as it was.
     """
     path = Path(path)
     check_parent(path)
     ds = ds.assign_attrs(Conventions=schema.CONVENTIONS)
     if not force:
         check_free(path, str(ds.attrs["study_name"]))
+    checks.check_all(ds.drop_encoding(), f"cannot write {path}")  # whatever is written is read
     image = BytesIO()  # HDF5 does not survive a full disk, so it writes to memory
     write_new(ds, image)
     with h5py.File(image, "a") as file:
