@@ -49,9 +49,11 @@ def served(presets: Sequence[Any] | None = None) -> Iterator[int]:
         loop.close()
 
 
-def asked(port: int, method: str, path: str, body: Any = None, headers: dict[str, str] | None = None) -> HTTPResponse:
-    """The answer to one request, read whole (`.data`)."""
-    connection = HTTPConnection("127.0.0.1", port, timeout=600)
+def asked(
+    port: int, method: str, path: str, body: Any = None, headers: dict[str, str] | None = None, source: str = ""
+) -> HTTPResponse:
+    """The answer to one request, read whole (`.data`); source: the address that asks."""
+    connection = HTTPConnection("127.0.0.1", port, timeout=600, source_address=(source, 0) if source else None)
     data = body if isinstance(body, (bytes, type(None))) else json.dumps(body).encode()
     given = {"Content-Type": "application/json"} if data is not None else {}
     connection.request(method, path, data, {**given, **(headers or {})})

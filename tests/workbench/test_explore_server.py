@@ -244,8 +244,7 @@ def test_a_search_ends_when_its_client_leaves(port, monkeypatch, tmp_path) -> No
 
 def test_endless_searches_delay_no_slider_and_only_so_many_run_or_wait(port, monkeypatch, tmp_path) -> None:
     monkeypatch.setattr(page_model, "list_equilibria", live_process.endless)
-    most = server.AT_ONCE + server.WAITING
-    clients = [left(port, "/equilibria", titled(tmp_path / "told")) for _ in range(most)]
+    clients = [left(port, "/equilibria", titled(tmp_path / "told")) for _ in range(server.SHARE)]
     running = processes(tmp_path / "told", server.AT_ONCE)
     for k in range(5):
         assert unpacked(asked(port, "POST", "/shape", {"state": state(L=20.0 + k)}).data)[0]["outcome"] == "solved"
@@ -257,6 +256,37 @@ def test_endless_searches_delay_no_slider_and_only_so_many_run_or_wait(port, mon
     until(lambda: all(map(has_ended, running)))
     monkeypatch.undo()
     assert asked(port, "POST", "/equilibria", {"state": CABLE}).status == 200
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        {"headers": {"X-Page": "another"}},
+        pytest.param({"source": "127.0.0.2"}, marks=pytest.mark.skipif(sys.platform != "linux", reason="one address")),
+    ],
+)
+def test_the_endless_searches_of_one_client_keep_no_other_from_its_own(port, monkeypatch, tmp_path, other) -> None:
+    """Another page on the same machine, or another machine, has its share at once; so have many, in turn."""
+    monkeypatch.setattr(page_model, "list_equilibria", live_process.endless_or_listed)
+    clients = [left(port, "/equilibria", titled(tmp_path / "told")) for _ in range(server.SHARE)]
+    running = processes(tmp_path / "told", server.AT_ONCE)
+    for _ in range(3):
+        assert json.loads(asked(port, "POST", "/equilibria", {"state": CABLE}, **other).data) == {"rows": []}
+    with ThreadPoolExecutor(server.SHARE) as pool:
+        answers = pool.map(lambda _: asked(port, "POST", "/equilibria", {"state": CABLE}, **other), range(server.SHARE))
+        assert [json.loads(answer.data) for answer in answers] == [{"rows": []}] * server.SHARE
+    assert processes(tmp_path / "told", 1) == running
+    for client in clients:
+        client.close()
+    until(lambda: all(map(has_ended, running)))
+
+
+@pytest.mark.parametrize("charset", ["zzz", "hex", "utf-16", ""])
+def test_a_request_is_read_as_utf_8_whatever_charset_it_claims(port, charset) -> None:
+    headers = {"Content-Type": f"application/json; charset={charset}"}
+    answer = asked(port, "POST", "/shape", {"state": TABLE_1 | {"title": "Länge"}}, headers)
+    assert answer.status == 200
+    assert unpacked(answer.data)[0]["outcome"] == "solved"
 
 
 @pytest.mark.parametrize(

@@ -15,10 +15,10 @@ import xarray as xr
 from solver import InputError
 from studies import load
 from tests.slow import slow
-from tests.workbench import runs
+from tests.workbench import runs, small
 from tests.workbench.waiting import alive, until
 from workbench.commands import console
-from workbench.store import recipe, shards, worker_processes
+from workbench.store import recipe, shards, study_store, worker_processes
 
 pytestmark = pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL on this system")
 
@@ -248,11 +248,31 @@ def test_a_disk_that_fills_is_told_and_what_is_finished_is_kept(size, kept, whol
     runs.study(tmp_path, GRID)
     done = runs.run(tmp_path, "many.toml", "--workers", 1, "--chunk", 32, before=LIMITED.format(size=size))
     assert done.returncode == 2, done.stderr
-    assert re.fullmatch(r"workbench: cannot write many\.h5: .*; finished cases are kept; .*\n", done.stderr)
+    told = "; finished cases are kept; run the same command again to continue" * bool(kept)
+    assert re.fullmatch(rf"workbench: cannot write many\.h5: [^;]*{told}\n", done.stderr)
     assert len(list(tmp_path.glob("many.h5.parts/*.shard"))) == kept
     assert not list(tmp_path.glob("many.h5.parts/.*"))
     assert not (tmp_path / "many.h5").exists()
     finished(tmp_path, whole)
+
+
+@pytest.mark.parametrize("make", [Path.touch, lambda parts: parts.symlink_to("nowhere")], ids=["file", "link"])
+def test_what_stands_where_a_run_keeps_its_cases_is_named_and_stays(make, tmp_path) -> None:
+    parts = tmp_path / "study.h5.parts"
+    make(parts)
+    words = "study.h5.parts is no folder, and a run keeps its finished cases in one of that name: rename or remove it"
+    with pytest.raises(InputError, match=words):
+        study_store.run_to_file(small.study(), tmp_path / "study.h5")
+    assert [*tmp_path.iterdir()] == [parts]
+
+
+def test_a_run_that_cannot_begin_promises_no_cases(tmp_path, monkeypatch) -> None:
+    def refuse(*_: object) -> None:
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(study_store, "_run", refuse)
+    with pytest.raises(InputError, match=r"cannot write \S+study.h5: Permission denied$"):
+        study_store.run_to_file(small.study(), tmp_path / "study.h5")
 
 
 def test_a_merge_on_a_full_disk_says_so_and_leaves_nothing(tmp_path) -> None:

@@ -21,7 +21,7 @@ from workbench.figures.sheet import sheet
 from workbench.influence import analyse, local, sobol
 from workbench.influence.derivatives import REAL
 from workbench.influence.indices import Design, design_of
-from workbench.store import in_memory, stored_case, writing
+from workbench.store import in_memory, reading, stored_case, writing
 
 TABLE = Case(Rod(1.07e4, 0.25, 0.25, 20.0), Cylinder(0.75), Start("30deg", 0.5, F1=5.0, F3=10.0))
 SAMPLES = """
@@ -51,6 +51,14 @@ def samples(method: str, blocks: int, fields: int = 3, seed: int = 1) -> Any:
 @pytest.fixture(scope="module")
 def stored(tmp_path_factory: Any) -> Path:
     return writing.write(in_memory.run(small.study(SAMPLES, OBSERVED)), tmp_path_factory.mktemp("stored") / "small.h5")
+
+
+def test_loads_and_end_moments_that_a_study_names_have_indices_too(tmp_path) -> None:
+    held = 'observables = ["kappa_max", "MZ0", "M10"]\noutputs = []\n'
+    path = writing.write(in_memory.run(small.study(SAMPLES, held)), tmp_path / "named.h5")
+    table = sobol(reading.read(path))
+    assert table["observable"].values.tolist() == ["kappa_max", "MZ0", "M10"]
+    assert np.isfinite(table["total"].values).all()
 
 
 # one case

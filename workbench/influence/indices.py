@@ -103,7 +103,7 @@ def sobol(
         raise InputError("sample is not held: the indices are those of all samples")
     held = {axis: i for axis, i in selection.case(ds, at).items() if axis != SAMPLE}
     section = ds.isel(held)
-    names = selection.names_of(section, observables) if observables else schema.observables_of(section)
+    names = selection.names_of(section, observables) if observables else selection.all_observables(section)
     if not names:
         raise InputError("the file stores no observable: give the study observables, and run it again")
     solved = section["solved"].values.astype(bool)

@@ -77,7 +77,7 @@ def observable_of(ds: xr.Dataset, axis: str, name: str | None = None) -> str:
 
     Raises `InputError` where the dataset stores no such observable.
     """
-    stored = [observable for observable in schema.observables_of(ds) if ds[observable].dims == ds["outcome"].dims]
+    stored = selection.all_observables(ds)
     if not stored:
         raise InputError("the dataset stores no observable whose curve could be drawn: add some to the study")
     if name is not None:

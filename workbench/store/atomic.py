@@ -33,13 +33,13 @@ def check_link(path: Path) -> None:
 
 
 @contextmanager
-def refusing(path: Path, more: str = "") -> Iterator[None]:
-    """An `OSError` of the body becomes an `InputError` of one sentence that names the path; more: what it adds."""
+def refusing(path: Path, more: Callable[[], str] = str) -> Iterator[None]:
+    """An `OSError` of the body becomes an `InputError` of one sentence that names the path; more: what it adds then."""
     try:
         yield
     except OSError as error:
-        why = error.strerror or str(error).partition(",")[0]
-        raise InputError(f"cannot write {path}: {why}{more and f'; {more}'}") from None
+        why, added = error.strerror or str(error).partition(",")[0], more()
+        raise InputError(f"cannot write {path}: {why}{added and f'; {added}'}") from None
 
 
 def move(aside: Path, path: Path) -> None:

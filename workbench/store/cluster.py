@@ -26,7 +26,7 @@ def solve(work: Plan, missing: Iterable[tuple[int, int]], address: str, chunk_si
 
     A few chunks are submitted for each thread, so that neither side holds many. Where a worker dies, Dask solves its
     chunks again, as often as its scheduler allows, and then gives up all of them. Raises `InputError` where there is no
-    such cluster, no worker, or a worker with other code.
+    such cluster, no worker, or a worker with other code, and `OSError` where the scheduler goes away.
     """
     try:
         from distributed import CancelledError, Client, KilledWorker, as_completed
@@ -58,9 +58,7 @@ def solve(work: Plan, missing: Iterable[tuple[int, int]], address: str, chunk_si
         except KilledWorker:
             return chunk, KILLED
         except (CancelledError, CommClosedError):
-            raise InputError(
-                "the Dask scheduler no longer answers; finished cases are kept; run the same command again to continue"
-            ) from None
+            raise ConnectionError("the Dask scheduler no longer answers") from None
         future.release()
         return chunk, results
 

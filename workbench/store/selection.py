@@ -189,6 +189,13 @@ def observables(ds: "xr.Dataset") -> list[str]:
     return [name for name in names if not name.endswith("error") and name not in NOT_OBSERVED and _is_told(ds, name)]
 
 
+def all_observables(ds: "xr.Dataset") -> list[str]:
+    """The observables and expressions in their order, then what else of `observables` the file has of its cases: loads
+    and end moments that the study names, and what is found of held ends."""
+    first = [name for name in schema.observables_of(ds) if _is_number_of_each_case(ds, name)]
+    return list(dict.fromkeys([*first, *observables(ds)]))
+
+
 def _is_told(ds: "xr.Dataset", name: str) -> bool:
     """Whether a number tells something: not the only branch, nor a load or an end angle that was given."""
     if name == "branch":

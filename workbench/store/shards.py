@@ -93,6 +93,10 @@ def lock(folder: Path) -> Iterator[None]:
             folder.mkdir(exist_ok=True)
             lock.acquire()
             break
+        except FileExistsError:
+            raise InputError(
+                f"{folder} is no folder, and a run keeps its finished cases in one of that name: rename or remove it"
+            ) from None
         except FileNotFoundError:  # another run has just ended and removed it
             if not folder.parent.is_dir():
                 raise

@@ -12,10 +12,10 @@ import gc
 import json
 import logging
 import re
-from collections import OrderedDict
+from collections import Counter, OrderedDict
 from collections.abc import Awaitable, Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -39,7 +39,8 @@ DOWNLOADS = {"csv": "text/csv", "step": "model/step", "stl": "model/stl", "glb":
 REMEMBERED = 16  # solved rods
 THREADS = 2  # that solve and mesh; each has memory of its own
 FAULT = "internal error of the workbench; see the terminal of the server"
-AT_ONCE, WAITING = 2, 16  # searches that run, and that wait
+AT_ONCE = 2  # searches that run; one more is started of a client of whom none runs
+SHARE, MOST = 8, 64  # searches that run or wait, of one client and of all
 MEMORY = 3 * 2**30  # bytes of address space of a search, its libraries included
 
 MANY = "too many searches are waiting; try again later"
@@ -50,31 +51,63 @@ Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
 
 
 class Tasks:
-    """At most `AT_ONCE` processes at a time, and `WAITING` searches in a queue; further ones are refused."""
+    """Searches in processes, a share for each client: what one asks for never keeps another from its first search.
+
+    A client is an address and the page that is open there. Of one client at most `SHARE` searches run or wait, of all
+    `MOST`; further ones are refused. `AT_ONCE` run at a time, and one more of a client of whom none runs.
+    """
 
     def __init__(self) -> None:
-        self._turn = asyncio.Semaphore(AT_ONCE)
-        self._asked = 0
+        self._running, self._waiting = Counter[str](), list[tuple[str, asyncio.Future[None]]]()
 
-    async def run(self, function: Callable[..., Any], *args: Any) -> Any:
+    async def run(self, client: str, function: Callable[..., Any], *args: Any) -> Any:
         """The result of a function (of a module, as it is sent by name) for these arguments.
 
         Raises `InputError` where the function does or the queue is full, `Failed` or `Died` for its other ends. Where
         the client leaves, aiohttp cancels the request, and the process is killed.
         """
-        if self._asked >= AT_ONCE + WAITING:
+        clients = [*self._running.elements(), *(each for each, _ in self._waiting)]
+        if clients.count(client) >= SHARE or len(clients) >= MOST:
             raise InputError(MANY)
-        self._asked += 1
+        await self._turn(client)
         try:
-            async with self._turn:
-                worker = await asyncio.to_thread(Worker)
-                try:
-                    worker.call(_search, function, args)
-                    return await asyncio.to_thread(worker.answer)
-                finally:
-                    await asyncio.shield(asyncio.to_thread(worker.stop))
+            worker = await asyncio.to_thread(Worker)
+            try:
+                worker.call(_search, function, args)
+                return await asyncio.to_thread(worker.answer)
+            finally:
+                await asyncio.shield(asyncio.to_thread(worker.stop))
         finally:
-            self._asked -= 1
+            self._end(client)
+
+    async def _turn(self, client: str) -> None:
+        """Wait until a search of a client may run, which then counts as running."""
+        turn = asyncio.get_running_loop().create_future()
+        self._waiting.append((client, turn))
+        self._start()
+        try:
+            await turn
+        except asyncio.CancelledError:
+            if (client, turn) in self._waiting:
+                self._waiting.remove((client, turn))
+            else:
+                self._end(client)
+            raise
+
+    def _end(self, client: str) -> None:
+        """Let those run that may, now that a search of a client has ended."""
+        self._running[client] -= 1
+        self._running += Counter()  # without those of whom none runs
+        self._start()
+
+    def _start(self) -> None:
+        """Let the searches that wait run, the first of them first, as far as they may."""
+        for client, turn in [*self._waiting]:
+            if self._running.total() < AT_ONCE + (client not in self._running):
+                self._waiting.remove((client, turn))
+                self._running[client] += 1
+                if not turn.done():
+                    turn.set_result(None)
 
 
 def _search(function: Callable[..., Any], args: Any) -> Any:
@@ -169,12 +202,14 @@ def _page(text: str) -> Handler:
 class Context:
     """What requests need.
 
-    shapes: the rods that are kept. few: threads for work without a search. tasks: processes for searches.
+    shapes: the rods that are kept. few: threads for work without a search. tasks: processes for searches. client: who
+    asks.
     """
 
     shapes: Shapes
     few: ThreadPoolExecutor
     tasks: Tasks
+    client: str = ""
 
     async def in_thread(self, work: Callable[..., Any], *args: Any) -> Any:
         """The result of work of some milliseconds, in a thread."""
@@ -182,7 +217,7 @@ class Context:
 
     async def search(self, work: Callable[..., Any], *args: Any) -> Any:
         """The result of work in a process, which is killed when the client leaves."""
-        return await self.tasks.run(work, *args)
+        return await self.tasks.run(self.client, work, *args)
 
     async def shape(self, asked: dict[str, Any]) -> page_model.Shape:
         """The rod of the state that a request has."""
@@ -208,13 +243,13 @@ def _handler_of(work: Work, context: Context, report: Report) -> Handler:
 
     async def handler(request: web.Request) -> web.StreamResponse:
         try:
-            data = await request.json()
+            data = json.loads(await request.read())  # in UTF-8, whatever charset the request claims
         except (ValueError, RecursionError):  # a number of 5000 digits is a ValueError too
             return _refusal("the request is not valid JSON", status=400)
         try:
             if not isinstance(data, dict):
                 raise InputError("the request must be a table")
-            answer = await work(data, context)
+            answer = await work(data, replace(context, client=_client(request)))
             return answer if isinstance(answer, web.StreamResponse) else web.json_response(finite(answer))
         except ArithmeticError:  # a radius of 5e-324, say
             return _refusal(NO_FLOAT)
@@ -225,6 +260,11 @@ def _handler_of(work: Work, context: Context, report: Report) -> Handler:
             return _refusal(FAULT, status=500)
 
     return handler
+
+
+def _client(request: web.Request) -> str:
+    """Who asks: an address, and the page there, by the number that it gave itself."""
+    return f"{request.remote} {request.headers.get('X-Page', '')[:40]}"
 
 
 def _refusal(sentence: str, field: str = "", status: int = 200) -> web.Response:

@@ -2,13 +2,15 @@
 
 import { Refused } from "./rod_case.mjs";
 
+const PAGE = Math.random().toString(36).slice(2); // of this page: each that is open has a share of the searches
+
 /* What the server answers: JSON as plain data, else the answer itself. Throws Refused with the server's sentence. */
 export async function post(path, body, signal) {
   let answer;
   try {
     answer = await fetch(path, {
       method: "POST",
-      headers: { "Content-Type": "application/json" },
+      headers: { "Content-Type": "application/json", "X-Page": PAGE },
       body: JSON.stringify(body),
       signal,
     });
