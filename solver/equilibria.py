@@ -192,7 +192,8 @@ def _with_held_ends(
     searched = {name_of[k]: in_units(k, ends) for k, ends in result.ranges.bounds.items()}
     outside = {name_of[k]: in_units(k, [unknowns[k] for unknowns in result.outside]) for k in name_of if result.outside}
     counts = result.problems, result.starts, result.failed, result.tries, len(result.outside)
-    note = ANY_LOAD if result.any_load else ""
+    whole = result.ranges.turns and len(result.ranges.bounds) == 2 and not result.any_load
+    note = ANY_LOAD if result.any_load else _count_between_hinges(listed) if whole else ""
     narrower = _narrower(listed, {name: ends for name, ends in searched.items() if name not in ranges})
     return HeldEquilibria(in_order(listed), HeldSearch(searched, most_swings, *counts, note, outside, narrower))
 
@@ -213,6 +214,17 @@ def default_ranges(case: Case) -> dict[str, tuple[float, float]]:
     bounds, size = ranges_of(Given.of(reduce_held(case)), {}, None).bounds, _sizes_of(case)
     ends = {name: [size[k] * end for end in bounds[k]] for name, k in _reactions_of(case).items()}
     return {name: (min(pair), max(pair)) for name, pair in ends.items()}
+
+
+def _count_between_hinges(listed: list[Equilibrium]) -> str:
+    """What the indices of the equilibria between two hinges under given loads tell of their list, or nothing.
+
+    Shapes of one turn of beta are as many as points of a circle, so that by degree they add up to 0.
+    """
+    count = sum((-1) ** equilibrium.index for equilibrium in listed)
+    if not count or any(equilibrium.index < 0 for equilibrium in listed):
+        return ""
+    return f"counted with (-1)^index they add up to {count}, by degree to 0, so some are missing"
 
 
 def _narrower(listed: list[Equilibrium], searched: Mapping[str, tuple[float, float]]) -> dict[str, tuple[float, float]]:

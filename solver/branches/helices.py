@@ -9,7 +9,7 @@ import scipy  # its parts are imported when used
 
 from ..equilibrium.given_numbers import FREE, Given, OrbitState, answer, parts_of, problem_after, problem_of
 from ..equilibrium.orbit_rates import NUMBERS, orbit_rates
-from ..levels.boundary import DOWN, UP, Boundary, Path, boundary_of
+from ..levels.boundary import DOWN, UP, Boundary, Path, boundary_of, wrap
 from ..mechanics.potential import Loads, load_size, slope, slope_rate
 from ..numerics.arrays import Array
 from ..orbit.variations import HelixVariations
@@ -96,9 +96,9 @@ def _helix(beta: float, known: dict[str, float], given: Given) -> Helix | None:
 def _state(helix: Helix, given: Given) -> OrbitState | None:
     loads = {name: load for name in FREE[2:] if (load := getattr(helix, name)) is not None}
     problem = problem_of(given, {**loads, "beta0": helix.beta, "betaL": helix.beta})
-    path = boundary_of(problem).helix
-    if path is None or not np.isfinite(load_size(problem)[0]):
+    if not np.isfinite(load_size(problem)[0]):
         return None
+    path = boundary_of(problem).helix or Path(wrap(helix.beta), 1.0, -np.inf, 0, 0, True)  # its H has another rounding
     return OrbitState(problem, path, orbit_rates(problem, [path]))
 
 

@@ -7,9 +7,12 @@ import numpy as np
 import pytest
 
 from solver import Branch, Case, Cylinder, Ends, Rod, Solution, equilibria, follow, region_map, solve
+from solver.branches.helices import helices_of
+from solver.equilibrium.given_numbers import Given
 from solver.equilibrium_branch import SpecialPoint
 from solver.numerics.arclength import END
-from tests.equation import loads_of, march
+from solver.problem.reduced import reduce_held
+from tests.equation import force, loads_of, march
 from tests.laws.test_held_ends import discrete_index
 
 TURNING = {"GJ": 0.9, "L": 2.4, "FZ": 1.9, "MZ": 1.8, "M3": -0.5}
@@ -159,7 +162,10 @@ def rods_between_hinges(seed: int, count: int) -> list[tuple[Case, float]]:
 ])  # fmt: skip
 def test_between_two_hinges_a_branch_goes_on_as_that_of_the_rod_run_through_backwards(case: Case, goal: float) -> None:
     """The loads are the same from either end. What rounding makes of beta_t at a hinge is no pitchfork."""
-    found = [one.solution for one in equilibria(case)]
+    listed = equilibria(case)
+    assert sum((-1) ** one.index for one in listed) == 0  # as on a circle: none is missing
+    assert "missing" not in listed.remark
+    found = [one.solution for one in listed]
     branches = [follow(one, FZ=goal) for one in found]
     for one, branch in zip(found, branches, strict=True):
         assert branch.end.reason == END
@@ -222,3 +228,14 @@ def test_a_branch_steps_over_to_no_other_one_that_passes_close() -> None:
         met[one.index].add(tuple(sorted((point.kind, round(point.value, 4)) for point in branch.special)))
     assert met[0] == {(("fold", -245.9659),)}
     assert met[1] == {(("fold", -213.336), ("fold", -191.2938))}
+
+
+def test_no_helix_between_hinges_is_missing_by_the_rounding_of_its_angle() -> None:
+    """H has as many roots as it changes its sign on a circle of angles."""
+    rng, angles = np.random.default_rng(5), np.linspace(-np.pi, np.pi, 100_001)
+    for _ in range(100):
+        loads = rng.uniform(-4.0, 4.0, 3)
+        FZ, MZ, M3 = loads[[2, 0, 1]]  # rho = A = 1
+        case = between_hinges(0.8, 3.0, FZ=FZ, MZ=MZ, M3=M3)
+        signs = np.sign(force(angles, *loads))
+        assert len(helices_of(Given.of(reduce_held(case)))[0]) == np.count_nonzero(signs[1:] != signs[:-1])
