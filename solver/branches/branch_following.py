@@ -12,6 +12,18 @@ from functools import partial
 
 import numpy as np
 
+from ..core.tuning import (
+    BACK,
+    BESIDE_HELD_HELIX,
+    BESIDE_HELIX,
+    EASY_BEND,
+    FASTER,
+    LONGEST,
+    NARROW,
+    SLOWER,
+    STEEP,
+    STEPS_KEPT,
+)
 from ..equilibrium.given_numbers import FREE
 from ..equilibrium.held_index import index_of
 from ..equilibrium.orbit_rates import orbit_rates
@@ -31,14 +43,10 @@ from .helices import off_helix
 from .helix_branch import end_of_helix, helix_places
 from .leaps import Guess, leap, shape_of
 
-_LENGTHS = arclength.Lengths(first=0.02, longest=0.25, least=1e-7)  # of steps, in scales
+_LENGTHS = arclength.Lengths(first=0.02, longest=LONGEST, least=1e-7)  # of steps, in scales
 _NATURAL = replace(_LENGTHS, first=0.1, least=1e-4)  # the same where the parameter must rise all the way
-NARROW = 1e-3  # length of a step below which other coordinates and a leap are tried
-_KEPT = 10  # steps for which another coordinate is kept
-_EASY_BEND = 0.05  # distance from the predictor, as a share of the step, that the next step aims at
 _LEAP = 1.0  # of the parameter's scale: the line whose shares `leaps.LEAPS` are leapt
 _CREEPS = 60  # points in a row that do not advance p
-_STEEP = 0.2  # dp along the branch, in scales, above which a step may end at a given p
 _CREEPING = (
     "the rod is next to a helix, as beside a pitchfork, and the range ends so near that the steps became too small; "
     "choose a range that ends farther on"
@@ -46,15 +54,13 @@ _CREEPING = (
 _CREEPING_NATURAL = "the steps became too small"
 _NONE_BESIDE = "the rod is no helix beyond, and no equilibrium next to the helix was found"
 STILL = "the start is a helix, and the change does not bend its ends; give a bent seed"
-_BESIDE_HELIX = 1e-6  # of the size of G: H at the ends of a rod that is nearly a helix
-_BESIDE_HELD_HELIX, _FAR = 1e-3, 0.1  # the same with held ends; of p's scale, the longest way past a helix
+_FAR = 0.1  # of p's scale, the longest way past a helix
 _BACKWARD = 1e-3  # in scales, from a point to one before it: they tell how beta_t falls towards a helix
 _BESIDE = 0.01  # rad between the ends of a held rod there
 _FEW = 5  # steps, after which a rod that is carried may be next to a helix
 _LITTLE = 0.01  # the share of the way to the next halt that a leap must pass
 _LITTLE_NATURAL = 1e-6  # of p where it must rise from 0 to 1: a point that goes less far does not advance
 _SLIGHT = 0.1  # rad: the range of beta of a rod beside a helix
-_BACK = 1e-6  # in scales: an equilibrium as near to the first is the first
 
 
 def trace_branch(family: Family, path: Path, p: float, rises: bool, bounds: Bounds) -> tuple[list[Place], Stop]:
@@ -156,11 +162,11 @@ class _Walk:
             for other in in_other_charts(state):
                 again, passed = _pass(other, _step(other, step, self.bounds), self.bounds)
                 if not isinstance(again, str):
-                    state, ahead, self.kept = other, again, _KEPT
+                    state, ahead, self.kept = other, again, STEPS_KEPT
                     break
         if not isinstance(ahead, str):
             bend = max(ahead.node.bend, 1e-6)
-            longer = step * float(np.clip(np.sqrt(_EASY_BEND / bend), 0.3, 2.0))
+            longer = step * float(np.clip(np.sqrt(EASY_BEND / bend), SLOWER, FASTER))
             return self._arrive(places, state, ahead, passed, longer, False)
         half = step / 2
         beyond = leap_on(state, self.bounds) if step >= NARROW > half or half < self.lengths.least else None
@@ -188,7 +194,7 @@ def _step(state: BranchState, step: float, bounds: Bounds) -> BranchState | str:
     curve, node, across = state.curve, state.node, None
     halt = bounds.next(state.p, state.rises > 0) / curve.scales[1]
     ahead = float((halt - node.w[1]) / state.rises) if state.rises else np.inf
-    if abs(state.rises) > _STEEP and 0 < ahead <= step:
+    if abs(state.rises) > STEEP and 0 < ahead <= step:
         step, across = ahead, np.eye(node.w.size)[1]
     return state.ahead(step, across)
 
@@ -227,9 +233,7 @@ def _is_same(first: Place, place: Place) -> bool:
     """Whether the branch is back where it began."""
     path, other = place.path, first.path
     same = (path.leaving, path.turns, path.sign) == (other.leaving, other.turns, other.sign)
-    return (
-        same and abs(place.p - first.p) < _BACK and abs(path.pin - other.pin) < _BACK and abs(path.y - other.y) < _BACK
-    )
+    return same and abs(place.p - first.p) < BACK and abs(path.pin - other.pin) < BACK and abs(path.y - other.y) < BACK
 
 
 def creeps(state: BranchState, there: BranchState, bounds: Bounds, leap: bool) -> bool:
@@ -253,7 +257,7 @@ def is_near_helix(state: BranchState) -> bool:
     ):
         return False
     problem = equilibrium[0].problem
-    near = _BESIDE_HELIX if family.is_dead else _BESIDE_HELD_HELIX
+    near = BESIDE_HELIX if family.is_dead else BESIDE_HELD_HELIX
     pull = np.abs([slope(problem, end)[0] for end in (problem.beta0, problem.betaL)])
     if not 0 < pull.max() < near * height_scale(problem):
         return False

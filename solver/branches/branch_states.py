@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from ..core import branches as core
+from ..core.tuning import AHEAD, LEAST, SAME_SADDLE, SHARE
 from ..equilibrium.charts import Chart, charts, coordinate
 from ..equilibrium.held_index import held_index
 from ..equilibrium.orbit_rates import OrbitRates
@@ -15,14 +16,11 @@ from ..numerics.arclength import LEFT, Node, advance, correct_point, node_at
 from ..numerics.arrays import Array
 from ..problem.reduced import EndsProblem
 from .branch_events import Bounds, Place
-from .equilibrium_curve import AHEAD, EquilibriumCurve, curves_through
+from .equilibrium_curve import EquilibriumCurve, curves_through
 from .family import Family
 
 AT_END, IS_CLOSED = core.AT_END, core.IS_CLOSED
 _PATH = ("pin", "sign", "y", "leaving", "turns")  # of a record of the core
-_SAME_SADDLE = 0.1  # half of the largest angle by which a saddle moves in a step
-_SHARE = 0.1  # of the change of p in a step, over which differences in p are taken
-_LEAST = 1e-10  # the same in scales of p
 _PARALLEL = 0.7  # smallest cosine between a tangent and the direction to the neighbouring point
 _ROUGH = 1e-9  # in scales: the last correction of a point that is only passed
 _NUDGE = 1e-4  # in scales, between the two points that give the direction of travel in another chart
@@ -100,7 +98,7 @@ def rechart(state: BranchState, step: float, keep: bool = False) -> BranchState:
 
     step: length of the next step.
     """
-    ahead = float(np.clip(_SHARE * step * abs(state.rises), _LEAST, AHEAD))
+    ahead = float(np.clip(SHARE * step * abs(state.rises), LEAST, AHEAD))
     state = replace(state, curve=replace(state.curve, ahead=ahead))
     if state.at is None:
         return state
@@ -127,7 +125,7 @@ def in_other_charts(state: BranchState) -> Iterator[BranchState]:
 def alike(one: Chart, other: Chart) -> bool:
     """Whether two charts have one coordinate."""
     same = one.kind == other.kind and one.logarithmic == other.logarithmic and one.at.sign == other.at.sign
-    return same and (one.kind != "saddle" or abs(np.sin((one.at.pin - other.at.pin) / 2)) < _SAME_SADDLE)
+    return same and (one.kind != "saddle" or abs(np.sin((one.at.pin - other.at.pin) / 2)) < SAME_SADDLE)
 
 
 def _rescale(state: BranchState, chart: Chart) -> BranchState:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..core import branches as core
+from ..core.tuning import AHEAD, NUDGE
 from ..equilibrium.charts import Chart, charts, coordinate, path_at
 from ..equilibrium.given_numbers import FREE, Given, move, problem_of, values_of
 from ..equilibrium.held_index import held_index
@@ -16,9 +17,6 @@ from ..numerics.arrays import Array
 from ..numerics.roots import solve
 from ..problem.reduced import EndsProblem
 from .family import Family
-
-AHEAD = 1e-6  # of the parameter's scale, for differences
-_NUDGE = 1e-5  # of the unknown's scale, for differences
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,7 +114,7 @@ class EquilibriumCurve:
 
     def _differences(self, x: float, p: float, ahead: float) -> Array | None:
         """The derivatives under dead loads: a rod may rest at both ends, where `orbit_rates` has none of its length."""
-        nudge = _NUDGE * self.chart.scale
+        nudge = NUDGE * self.chart.scale
         off, beyond = self._excess(p, x + nudge * np.array([-1.0, 0.0, 1.0])), self._excess(p + ahead, np.array([x]))
         if beyond is None:
             ahead = -ahead

@@ -2,9 +2,6 @@
 
 #include "branch_points.h"
 
-enum { ROUNDS = 10 };
-#define QUADRATIC 1e-7 /* size of a correction by Newton's rule after which the next one would be rounding */
-
 /* So many numbers of the problem at p, as the caller gives them. */
 static int numbers_at(family *f, double p, int count, double *out)
 {
@@ -60,7 +57,7 @@ int rod_curve_excess(family *f, const chart *c, int count, const double *x, doub
 
 int rod_curve_jacobian(family *f, point *at) /* by differences */
 {
-    const double scale = at->chart.scale, x = at->w[0] * scale, p = at->w[1] * f->over->scale, nudge = NUDGE * scale;
+    const double scale = at->chart.scale, x = at->w[0] * scale, p = at->w[1] * f->over->scale, nudge = rod_tuning.nudge * scale;
     const double three[3] = {x - nudge, x, x + nudge};
     double ahead = at->ahead * f->over->scale, off[3], beyond;
     int failed = rod_curve_excess(f, &at->chart, 3, three, p, off);
@@ -256,7 +253,7 @@ static int corrected(family *f, point *at, const double *guess, const double *ac
     const int n = unknowns_of(f), columns = n + 1;
     double matrix[UNKNOWNS * (UNKNOWNS + 1)], off[EQUATIONS] = {0}, move[UNKNOWNS] = {0}, last = INFINITY;
     memcpy(at->w, guess, sizeof(double) * n);
-    for (int round = 0; round < ROUNDS; round++) {
+    for (int round = 0; round < rod_tuning.rounds; round++) {
         double size = 0, plane = 0;
         const int failed = equations(f, at, move, round, off);
         if (failed)
@@ -272,16 +269,16 @@ static int corrected(family *f, point *at, const double *guess, const double *ac
         for (int i = 0; i < n; i++)
             move[i] = matrix[i * columns + n], size += square(move[i]);
         size = sqrt(size);
-        if (!(size <= larger(CONTRACTION * last, SMALL)))
+        if (!(size <= larger(rod_tuning.contraction * last, rod_tuning.small)))
             return FAILED;
         for (int i = 0; i < n; i++)
             at->w[i] += move[i];
-        if (size <= SETTLED || (f->held && round && size <= QUADRATIC && size <= 1e-2 * last) ||
-            (size <= SMALL && size >= CONTRACTION * last))
+        if (size <= rod_tuning.settled || (f->held && round && size <= rod_tuning.close && size <= 1e-2 * last) ||
+            (size <= rod_tuning.small && size >= rod_tuning.contraction * last))
             return DONE;
         last = size;
     }
-    return last <= SMALL ? DONE : FAILED;
+    return last <= rod_tuning.small ? DONE : FAILED;
 }
 
 int rod_curve_corrected(family *f, const point *from, const double *guess, const double *across, point *out)

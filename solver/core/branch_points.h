@@ -9,9 +9,6 @@
 
 enum { KEPT = 4, UNKNOWNS = 7, EQUATIONS = UNKNOWNS - 1, GIVEN = 5 };
 enum { FAILED = 100, INTERRUPTED }; /* besides NO_MEMORY and NOT_POSSIBLE; INTERRUPTED: the caller has raised */
-#define CONTRACTION 0.5 /* largest ratio of two corrections */
-#define SMALL 1e-9      /* a correction that may be as large as the one before: rounding */
-#define SETTLED 1e-12   /* size of the last correction */
 
 /* What the caller is asked: the problem at a value of the parameter p. Under dead loads its six numbers, lam, mu, phi,
    span, beta(0) and beta(L); with held ends the five given numbers, span and A/C. NaN until they are given. */

@@ -8,20 +8,7 @@
 
 enum { MOST_AT_ONCE = 3 };
 enum { LEFT_TO_CALLER, AT_END, IS_CLOSED, ENOUGH }; /* why the steps end */
-#define OFF 0.25         /* largest distance from the predictor, as a share of the step */
-#define COSINE 0.92      /* of the largest turn of the tangent */
-#define LONGEST 0.25     /* step */
-#define NARROW 1e-3      /* length of a step below which the caller tries other ways */
-#define EASY_BEND 0.05   /* distance from the predictor, as a share of the step, that the next step aims at */
-#define STEEP 0.2        /* dp along the branch, in scales, above which a step may end at a given p */
 #define RATIO 4 /* on a line of problems, by which the rate of the length may change in a step: more hides two folds */
-#define SHARE 0.1        /* of the change of p in a step, over which differences in p are taken */
-#define LEAST 1e-10      /* the least and the largest of it, in scales of p */
-#define AHEAD 1e-6
-#define BESIDE_HELIX 1e-6 /* of the size of G: H at the ends of a rod that is nearly a helix */
-#define BESIDE_HELD_HELIX 1e-3
-#define SAME_SADDLE 0.1   /* half of the largest angle by which a saddle moves in a step */
-#define BACK 1e-6         /* in scales: an equilibrium as near to the first is the first */
 
 static const double by_p[UNKNOWNS] = {0, 1};
 
@@ -64,21 +51,21 @@ static int advanced(family *f, const point *from, double step, const double *acr
         return failed;
     for (int i = 0; i < n; i++)
         off += square(out->w[i] - guess[i]);
-    out->bend = larger(sqrt(off) - SMALL, 0) / step;
-    if (out->bend > OFF)
+    out->bend = larger(sqrt(off) - rod_tuning.small, 0) / step;
+    if (out->bend > rod_tuning.off)
         return FAILED;
     failed = f->held ? DONE : rod_curve_jacobian(f, out);
     failed = failed ? failed : tangent_of(n, from, out);
     for (int i = 0; i < n && !failed; i++)
         turned += out->tangent[i] * from->tangent[i];
-    return failed ? failed : turned >= COSINE ? DONE : FAILED;
+    return failed ? failed : turned >= rod_tuning.cosine ? DONE : FAILED;
 }
 
 /* Whether two charts have one coordinate. */
 static int alike(const chart *one, const chart *other)
 {
     const int same = one->kind == other->kind && one->logarithmic == other->logarithmic && one->at.sign == other->at.sign;
-    return same && (one->kind != SADDLE_OF || fabs(sin((one->at.pin - other->at.pin) / 2)) < SAME_SADDLE);
+    return same && (one->kind != SADDLE_OF || fabs(sin((one->at.pin - other->at.pin) / 2)) < rod_tuning.same_saddle);
 }
 
 /* The same point in its own coordinate, made anew; FAILED where another one is better, if it need not be kept. */
@@ -87,8 +74,8 @@ static int recharted(family *f, point *at, double step, int keep, place *o)
     const int n = unknowns_of(f);
     path here;
     chart charts[CHARTS + 2];
-    const double small = SHARE * step * fabs(at->tangent[1]);
-    at->ahead = smaller(larger(small, LEAST), AHEAD);
+    const double small = rod_tuning.share * step * fabs(at->tangent[1]);
+    at->ahead = smaller(larger(small, rod_tuning.least), rod_tuning.ahead);
     const int failed = rod_curve_place(f, at, o, &here);
     if (failed)
         return failed;
@@ -177,7 +164,7 @@ static int stepped(family *f, const point *from, double step, const place *o, po
     const range *over = f->over;
     const double p = from->w[1] * over->scale, rises = from->tangent[1];
     const double ahead = rises != 0 ? (next_halt(over, p, rises > 0) / over->scale - from->w[1]) / rises : INFINITY;
-    const int ends = (f->line || fabs(rises) > STEEP) && ahead > 0 && ahead <= step;
+    const int ends = (f->line || fabs(rises) > rod_tuning.steep) && ahead > 0 && ahead <= step;
     const int failed = advanced(f, from, ends ? ahead : step, ends ? by_p : NULL, there);
     if (failed)
         return failed;
@@ -195,8 +182,9 @@ static int stepped(family *f, const point *from, double step, const place *o, po
 /* Whether the branch is back where it began. */
 static int is_same(const record *one, const record *first)
 {
+    const double back = rod_tuning.back;
     return one->leaving == first->leaving && one->turns == first->turns && one->sign == first->sign &&
-           fabs(one->p - first->p) < BACK && fabs(one->pin - first->pin) < BACK && fabs(one->y - first->y) < BACK;
+           fabs(one->p - first->p) < back && fabs(one->pin - first->pin) < back && fabs(one->y - first->y) < back;
 }
 
 typedef struct {
@@ -214,10 +202,10 @@ static int followed(family *f, point *at, double *step, int64_t *kept, const rec
         point here = *at, there;
         record *one = &out.places[*count];
         int left = 0, failed = recharted(f, &here, *step, *kept > 0, &o);
-        if (failed || is_near_helix(&o, f->held ? BESIDE_HELD_HELIX : BESIDE_HELIX))
+        if (failed || is_near_helix(&o, f->held ? rod_tuning.beside_held_helix : rod_tuning.beside_helix))
             return failed;
         failed = stepped(f, &here, *step, &o, &there, &left);
-        if (failed == FAILED && !f->raised && *step / 2 >= NARROW) {
+        if (failed == FAILED && !f->raised && *step / 2 >= rod_tuning.narrow) {
             *at = here, *kept -= 1, *step /= 2;
             continue;
         }
@@ -227,8 +215,8 @@ static int followed(family *f, point *at, double *step, int64_t *kept, const rec
         if (f->held)
             out.rates[*count] = f->numbers;
         *at = there, *kept -= 1, *count += 1;
-        const double share = sqrt(EASY_BEND / larger(there.bend, 1e-6));
-        *step = smaller(LONGEST, *step * smaller(larger(share, 0.3), 2.0));
+        const double share = sqrt(rod_tuning.easy_bend / larger(there.bend, 1e-6));
+        *step = smaller(rod_tuning.longest, *step * smaller(larger(share, rod_tuning.slower), rod_tuning.faster));
         *why = IS_CLOSED;
         if (is_same(one, first))
             return DONE;
@@ -292,12 +280,12 @@ int rod_branch_steps(const curve *of, point *at, double *step, int64_t *kept, co
     return f.raised ? INTERRUPTED : failed == NO_MEMORY ? NO_MEMORY : DONE;
 }
 
-enum { MOST_STEPS = 4000, AT_ONCE = 16, KEPT_STEPS = 10 };
+enum { MOST_STEPS = 4000, AT_ONCE = 16 };
 
 /* The point of a line of problems at p on an equilibrium near a path, in a chart, on the way along which p rises. */
 static int begun(family *f, const chart *in, double p, point *out)
 {
-    point guess = {.w = {coordinate(in) / in->scale, p / f->over->scale}, .ahead = AHEAD, .chart = *in};
+    point guess = {.w = {coordinate(in) / in->scale, p / f->over->scale}, .ahead = rod_tuning.ahead, .chart = *in};
     int failed = isfinite(guess.w[0]) ? rod_curve_jacobian(f, &guess) : FAILED;
     failed = failed ? failed : rod_curve_corrected(f, &guess, guess.w, by_p, out);
     if (failed)
@@ -323,7 +311,7 @@ static int carried_on(family *f, path *at, double *p, double *step, int64_t *cou
     *count = 0;
     for (int i = 0; i < most && !*count && failed != NO_MEMORY; i++) {
         record places[AT_ONCE];
-        int64_t kept = i ? KEPT_STEPS : 0, why;
+        int64_t kept = i ? rod_tuning.steps_kept : 0, why;
         failed = begun(f, &charts[i], *p, here);
         if (failed)
             continue;
@@ -339,7 +327,7 @@ static int carried_on(family *f, path *at, double *p, double *step, int64_t *cou
 /* The path at p = 1 on the branch of a path at p = 0. */
 static int carried(family *f, path *at)
 {
-    double p = 0, step = LONGEST;
+    double p = 0, step = rod_tuning.longest;
     int64_t count;
     place o;
     point here, last;

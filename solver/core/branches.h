@@ -8,9 +8,6 @@
 
 enum { UP = 1, DOWN = -1, CHARTS = CRITICAL + 4 };
 enum { SADDLE_OF, START_OF, END_OF }; /* where the level of a chart is measured from */
-#define NUDGE 1e-5 /* of the unknown's scale, for differences */
-#define DEEPEST -575.0
-#define ON 1e-110 /* an end this near to a saddle lies on it */
 
 typedef struct {
     double lam, mu, phi, span, beta0, betaL;

@@ -18,12 +18,12 @@ SANITIZED = ("-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover
 WASM = "rod.wasm"  # in the repository: not every installation can make it
 WASM_SOURCES = (
     "rod.c", "varying_loads.c", "measures.c", "stations.c", "stretches.c", "peaks.c", "critical_points.c",
-    "crossings.c", "lanes.h", "varying_lanes.h", "vectors.h", "widths.h", "measured.h", "densities.h", "stretches.h",
-    "orbit_parts.h",
+    "crossings.c", "tuning.c", "lanes.h", "varying_lanes.h", "vectors.h", "widths.h", "measured.h", "densities.h",
+    "stretches.h", "orbit_parts.h", "tuning.h",
 )  # fmt: skip
 WASM_CALLS = (
     "rod_march", "rod_loaded", "rod_densities", "rod_measure_stations", "rod_landmarks_of_stations", "rod_crossings",
-    "rod_measured", "rod_sources", "malloc", "free",
+    "rod_measured", "rod_sources", "rod_tuned", "malloc", "free",
 )  # fmt: skip
 # No operation is contracted or reordered, so that every compiler and every processor give the same bits.
 FLAGS = ("-O3", "-std=gnu11", "-ffp-contract=off", "-fno-math-errno", "-fno-trapping-math", "-Wno-pass-failed")
@@ -39,6 +39,13 @@ def digest(names: Sequence[str] = ()) -> str:
     files = [HERE / name for name in names] or sorted([*HERE.glob("*.c"), *HERE.glob("*.h")])
     content = b"".join(path.name.encode() + path.read_bytes().replace(b"\r\n", b"\n") for path in files)
     return f"rod-{zlib.crc32(content):08x}"
+
+
+def digest_for_browsers() -> str:
+    """The digest of the core for browsers, with the tuned constants with which it is compiled."""
+    from .tuning import initializer  # it imports NumPy, which the build of the package does without
+
+    return f"{digest(WASM_SOURCES)}-{zlib.crc32(initializer().encode()):08x}"
 
 
 def compilers() -> list[list[str]]:
@@ -106,10 +113,13 @@ def build_for_browsers(target: Path = HERE / WASM) -> None:
     """
     import subprocess
 
+    from .tuning import initializer
+
     kind = ["--target=wasm32-wasi", "-mexec-model=reactor", "-msimd128", "-Wl,--strip-all"]
     kind += [f"-Wl,--export={name}" for name in WASM_CALLS]
     sources = [str(HERE / name) for name in WASM_SOURCES if name.endswith(".c")]
-    options = [*kind, *FLAGS, "-Os", "-DROLLED", digest_flag(digest(WASM_SOURCES)), "-o", str(target), *sources]
+    tuned = [f"-DROD_TUNING={initializer()}", digest_flag(digest_for_browsers())]
+    options = [*kind, *FLAGS, "-Os", "-DROLLED", *tuned, "-o", str(target), *sources]
     command = [sys.executable, "-m", "ziglang", "cc", *options]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode != 0:

@@ -2,7 +2,6 @@
 
 #include "branches.h"
 
-#define MOVED 1e-7 /* by which a pin is moved by rounding, at most */
 #define MOST_TURNS 1e15 /* between two ends: above, an angle has no digit left of a turn */
 
 static int is_critical(const place *o, double angle)
@@ -17,7 +16,7 @@ static int is_critical(const place *o, double angle)
 path rod_own_path(const place *o, const path *at)
 {
     path own = *at;
-    double nearest = MOVED;
+    double nearest = rod_tuning.moved;
     for (int k = 0; k < o->found.count + 2; k++) {
         const double angle = k < o->found.count ? o->found.beta[k] : k == o->found.count ? o->low : o->high;
         const double off = fabs(sin((angle - at->pin) / 2));
@@ -56,7 +55,7 @@ int rod_place_of(const ends_problem *of, const grid *by, place *o)
     if (failed)
         return failed;
     const double height = 1 + fabs(p.lam) + fabs(p.mu) + fabs(p.phi);
-    o->helix = p.beta0 == p.betaL && fabs(slope(p.lam, p.mu, p.phi, p.beta0)) <= 4e-16 * height;
+    o->helix = p.beta0 == p.betaL && fabs(slope(p.lam, p.mu, p.phi, p.beta0)) <= rod_tuning.at_rest * height;
     o->rising = p.beta0 <= p.betaL;
     const double lower = o->rising ? p.beta0 : p.betaL, upper = o->rising ? p.betaL : p.beta0;
     double around[2] = {wrapped(lower), wrapped(upper)};
@@ -66,7 +65,7 @@ int rod_place_of(const ends_problem *of, const grid *by, place *o)
     for (int i = 0; i < 2; i++) {
         const double b = around[i];
         for (int k = o->found.count - 1; k >= 0; k--)
-            if (fabs(apart(b, o->found.beta[k])) < ON)
+            if (fabs(apart(b, o->found.beta[k])) < rod_tuning.on)
                 around[i] = o->found.beta[k];
         for (int k = 0; k < o->found.count; k++)
             behind[i] += o->found.beta[k] <= around[i];
@@ -92,8 +91,8 @@ void rod_path_counts(const place *o, const path *one, int64_t counts[3])
 int rod_excess_of(search *room, const place *o, int count, const path *some, double *off)
 {
     const double pin = some[0].pin, falls[2] = {rod_place_fall(o, pin, o->low), rod_place_fall(o, pin, o->high)};
-    const boundary of = {o->p.lam, o->p.mu, o->p.phi, o->p.span, o->low, o->high, DEEPEST, o->whole_turns, o->passed, 1,
-                         &pin, falls};
+    const boundary of = {o->p.lam, o->p.mu, o->p.phi, o->p.span, o->low, o->high, rod_tuning.lowest,
+                         o->whole_turns, o->passed, 1, &pin, falls};
     int failed = DONE;
     room->of = &of, room->found = o->found;
     for (int i = 0; i < count && !failed; i++) {
@@ -190,7 +189,7 @@ int rod_charts(const place *o, const path *of, chart *out)
 {
     const path own = rod_own_path(o, of), *at = &own;
     const int m = o->found.count;
-    const double gap = at->sign * exp(larger(at->y, DEEPEST)), shift = o->p.beta0 - wrapped(o->p.beta0);
+    const double gap = at->sign * exp(larger(at->y, rod_tuning.lowest)), shift = o->p.beta0 - wrapped(o->p.beta0);
     const int64_t behind = behind_of(o, o->p.beta0 - shift), far = behind_of(o, o->p.betaL - shift);
     const int64_t near_end = behind < far ? behind : far, far_end = behind < far ? far : behind;
     int64_t lowest = behind + 1, highest = behind + m;
@@ -263,5 +262,6 @@ int rod_joined_at(const place *o, const path *of)
         if (rise > 0 || (rise == 0 && !extremum))
             best = s, extremum = 1;
     }
-    return (at->pin == best && at->sign > 0) || at->sign * exp(larger(at->y, DEEPEST)) + rod_place_fall(o, at->pin, best) >= 0;
+    const double gap = at->sign * exp(larger(at->y, rod_tuning.lowest));
+    return (at->pin == best && at->sign > 0) || gap + rod_place_fall(o, at->pin, best) >= 0;
 }

@@ -11,10 +11,12 @@ import numpy as np
 
 from ..numerics.arrays import Array
 from ..numerics.chebyshev import Basis, basis
+from . import tuning
 from .build import HERE, OTHER, digest, library_name
 
 HOW = "install rod-workbench again, or in a checkout run python -m solver.core"
 INT, FLOAT, AT = ctypes.c_int64, ctypes.c_double, ctypes.c_void_p
+KIND_OF = {"double": FLOAT, "int64_t": INT}
 _BYTE, _WHOLE = ctypes.c_char, (int, np.integer, np.bool_)
 _SHARE = 256  # problems that a thread takes at a time
 
@@ -39,6 +41,7 @@ def library() -> Any:
         raise MissingCore(f"the compiled core cannot be loaded ({error}); {HOW}") from None
     if core.rod_sources().decode() != digest():
         raise MissingCore(f"{path} was compiled from other sources; {HOW}")
+    core.rod_tune(ctypes.byref(Tuning(**tuning.values())))
     return core
 
 
@@ -119,6 +122,7 @@ def share_out(part: Callable[[int, int], object], size: int) -> None:
         list(pool.map(lambda a: part(a, min(a + _SHARE, size)), range(0, size, _SHARE)))
 
 
+Tuning = structure("tuning", *((KIND_OF[kind], names.replace(",", "")) for kind, names in tuning.ROWS))  # tuning.h
 _Points = structure("points", (INT, "n"), (AT, "nodes analyse values differentiate"))  # orbit_parts.h
 _Cutting = structure("cutting", (FLOAT, "length goal stretch"), (ctypes.c_int, "times_only lanes"))
 _Grid = structure("grid", (INT, "m"), (AT, "angles table"))

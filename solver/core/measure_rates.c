@@ -139,18 +139,18 @@ static void above_rest(const rod *o, int kind, double still, const states *at, c
     differences(kind, &o->w->steady, at, exact);
     for (int i = 0; i < AT; i++)
         if (fabs(sin((at->base[i] - o->of->base[o->nearest]) / 2)) < ONE_POINT &&
-            fabs(out[i] - exact[i]) <= BARELY * (1 + fabs(still)))
+            fabs(out[i] - exact[i]) <= rod_tuning.barely * (1 + fabs(still)))
             out[i] = exact[i];
 }
 
 /* What of a density at rest counts in its positive part. */
-static double level_of(double still) { return still > BARELY * (1 + still) ? still : 0; }
+static double level_of(double still) { return still > rod_tuning.barely * (1 + still) ? still : 0; }
 
 /* The columns at a place less those at rest; above: the density less that at rest. */
 static void columns_at(double value, double above, double still, double out[COLUMNS])
 {
     out[WHOLE] = above;
-    out[ALONE] = !(value > 0) ? -level_of(still) : still > -BARELY ? above : value;
+    out[ALONE] = !(value > 0) ? -level_of(still) : still > -rod_tuning.barely ? above : value;
     out[ATTACHED] = (value > 0) - (still > 0);
 }
 
@@ -198,7 +198,7 @@ static void add_positive(const rod *o, double still, const stretch *p, const rat
     w->use.through(by->pace, w->by.analyse, pace);
     for (int k = 0; k < 4; k++) {
         for (int i = 0; i < AT; i++)
-            column[i] = by->moved[k][i] - (still > -BARELY ? above[i] : by->of.values[i]) * M[k][i];
+            column[i] = by->moved[k][i] - (still > -rod_tuning.barely ? above[i] : by->of.values[i]) * M[k][i];
         const double lies = total_of(M[k], w->by.weight), all = total_of(column, w->by.weight);
         const double positive = rod_positive_mean(w, M[k], lies, &zeros, first);
         sum[ALONE][k] += length * (rod_positive_mean(w, column, all, &zeros, first) + level_of(still) * (lies - positive));
@@ -346,7 +346,7 @@ static void judge_places(rod *o, int kind, int size, places *of)
             for (int k = 0; k < 4; k++)
                 most = larger(most, fabs(e[k])), sizes += e[k] != 0 ? fabs(one->moved[k] * e[k]) : 0;
             o->slopes[F * i + f] = (along_e(one->moved, e - 1) + shifted) * (size ? one->turn : 1);
-            o->faint[F * i + f] = FAINT * (sizes + fabs(shifted)) + BARELY * one->size * most;
+            o->faint[F * i + f] = FAINT * (sizes + fabs(shifted)) + rod_tuning.barely * one->size * most;
         }
     }
 }

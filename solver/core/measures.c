@@ -37,7 +37,7 @@ static double worst_of(const workspace *w, double error, int push)
         const stretch *p = &w->parts[i];
         double doubt[AT];
         for (int k = 0; k < AT; k++)
-            doubt[k] = p->of.spread[k] * (2 * error) + (push ? 2 * p->tail + BARELY * p->of.size[k] : 0);
+            doubt[k] = p->of.spread[k] * (2 * error) + (push ? 2 * p->tail + rod_tuning.barely * p->of.size[k] : 0);
         keep_larger(&worst, highest(doubt) + 2 * p->tail + EPS * highest(p->of.size));
     }
     return worst;
@@ -52,10 +52,10 @@ static parted parted_on(const workspace *w, const stretch *p, double whole, doub
 {
     double left[AT], c[AT];
     const double clear = fabs(p->series[0]) - range_of(p->series), size = highest(p->of.size);
-    if (clear > SURELY * BARELY * size)
+    if (clear > SURELY * rod_tuning.barely * size)
         return p->series[0] > 0 ? (parted){whole, 1, 0} : (parted){0, 0, 0};
     for (int k = 0; k < AT; k++)
-        left[k] = p->of.values[k] - BARELY * p->of.size[k];
+        left[k] = p->of.values[k] - rod_tuning.barely * p->of.size[k];
     sign_changes found;
     w->use.through(left, w->by.analyse, c);
     rod_changes(w, left, c, &found);
@@ -81,7 +81,7 @@ static void pushes_of(const workspace *w, double error, double span, numbers *ou
         const stretch *p = &w->parts[i];
         double doubt[AT], faint = 0;
         for (int k = 0; k < AT; k++) {
-            doubt[k] = p->of.spread[k] * (2 * error) + 2 * p->tail + BARELY * p->of.size[k];
+            doubt[k] = p->of.spread[k] * (2 * error) + 2 * p->tail + rod_tuning.barely * p->of.size[k];
             faint += (fabs(p->of.values[k]) < doubt[k]) & (p->of.values[k] != 0);
         }
         const double length = p->time * p->count, whole = total_of(p->series, w->by.mean);
@@ -104,8 +104,8 @@ static double first_below(const workspace *w, double error, double barely, doubl
         const stretch *p = &w->parts[i];
         double left[AT], c[AT];
         for (int k = 0; k < AT; k++) {
-            const double doubt = p->of.spread[k] * (2 * error) + 2 * p->tail + BARELY * p->of.size[k];
-            left[k] = p->of.values[k] - (doubted != 0 ? doubted * doubt : barely * (BARELY * p->of.size[k]));
+            const double doubt = p->of.spread[k] * (2 * error) + 2 * p->tail + rod_tuning.barely * p->of.size[k];
+            left[k] = p->of.values[k] - (doubted != 0 ? doubted * doubt : barely * (rod_tuning.barely * p->of.size[k]));
         }
         sign_changes found;
         w->use.through(left, w->by.analyse, c);
@@ -188,7 +188,7 @@ int rod_measured_numbers(workspace *w, int64_t b, numbers *out)
         if (groups >> LIFT_OFFS & 1)
             lift_offs_of(w, error, all->span[b], out);
         if (groups >> PEAKS & 1 &&
-            rod_first_peak(w, worst_of(w, error, 1), all->span[b], BARELY, &out->value[PEAK], &out->error[PEAK]))
+            rod_first_peak(w, worst_of(w, error, 1), all->span[b], rod_tuning.barely, &out->value[PEAK], &out->error[PEAK]))
             return NO_MEMORY;
     }
     if (groups >> TENSIONS & 1) {

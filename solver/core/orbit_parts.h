@@ -9,6 +9,7 @@
 #define TARGET
 #define W 1
 #define SUFFIX _1
+#include "tuning.h"
 #include "vectors.h"
 #undef TARGET
 #undef W

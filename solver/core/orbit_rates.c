@@ -23,14 +23,14 @@ static void add_level(const place *o, const path *level, double nearest, double 
         is_critical |= o->found.beta[k] == level->pin;
     values[Y] = level->y;
     if (is_critical) {
-        const double gap = level->sign * exp(larger(level->y, DEEPEST));
+        const double gap = level->sign * exp(larger(level->y, rod_tuning.lowest));
         double above[3];
         rod_height_rates(fabs(sin((level->pin - nearest) / 2)) < SAME ? nearest : level->pin, nearest, above);
         rows[PARTS * Y] = 0, rows[PARTS * Y + 1] = 2 / gap, by_span[Y] = 0;
         for (int q = 0; q < 3; q++)
             rows[PARTS * Y + 2 + q] = 2 * above[q] / gap;
-        if (level->y < DEEPEST)
-            add_steepness(&o->p, level->pin, (level->y - DEEPEST) / 2, rows + PARTS * Y + 2);
+        if (level->y < rod_tuning.lowest)
+            add_steepness(&o->p, level->pin, (level->y - rod_tuning.lowest) / 2, rows + PARTS * Y + 2);
         return;
     }
     const int end = level->pin == o->start ? DBETA0 : DBETAL;
@@ -99,7 +99,7 @@ int rod_orbit_numbers(const place *o, const path *of, const points *at, const cu
     int failed = length_of(o, level, at, times, &out->length);
     if (failed)
         return failed;
-    const double y = larger(level->y, DEEPEST), gap = level->sign * exp(y), v2 = gap + rod_place_fall(o, level->pin, o->start);
+    const double y = larger(level->y, rod_tuning.lowest), gap = level->sign * exp(y), v2 = gap + rod_place_fall(o, level->pin, o->start);
     const double speed = (double)level->leaving * sqrt(larger(v2, 0));
     const start_problem start = {p->lam, p->mu, p->phi, out->length, o->start, speed};
     failed = rod_lone_orbit(&start, (double[]){level->pin, gap, y - level->y}, &o->found, NULL, at, how, &on);

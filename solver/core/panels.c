@@ -2,7 +2,7 @@
 
 #include "orbit_parts.h"
 
-enum { MOST = 10000, ROUNDS = 14, PATIENCE = 3, CROWD = 16, NEWTON = 12, ARCS = 4 };
+enum { ROUNDS = 14, PATIENCE = 3, CROWD = 16, NEWTON = 12, ARCS = 4 };
 #define TOO_LONG 1e4 /* times the rod's length: a first panel that lasts longer is cut */
 #define LONG 8.0     /* in u: a piece longer than this is stretched along a saddle */
 
@@ -258,7 +258,7 @@ static int first_cuts(const piece *pieces, int count, const points *at, const cu
         double wide = fabs(u1 - u0);
         wide = isfinite(wide) ? wide : 0; /* beyond a float: one panel, without a number, which is refused */
         const double share = larger(ceil(wide / (wide > LONG ? how->stretch * how->length : how->length)), 1);
-        if (share > MOST)
+        if (share > rod_tuning.most_panels)
             return NOT_POSSIBLE;
         const int64_t parts = (int64_t)share;
         const double step = (u1 - u0) / share;
@@ -305,7 +305,7 @@ static int64_t judged(const start_problem *p, const piece *pieces, const cutting
         const int64_t arc = pieces[one->piece].arc;
         /* panels beside a singularity are few; many that halving does not help are at the limit of rounding */
         const int hopeless = (round >= PATIENCE && left[arc] > CROWD) || round == ROUNDS || !isfinite(one->error) ||
-                             !isfinite(one->duration) || made[arc / 2] > MOST;
+                             !isfinite(one->duration) || made[arc / 2] > rod_tuning.most_panels;
         if (one->open == 1 || hopeless)
             one->open = 0;
         open += one->open > 0;

@@ -1,4 +1,4 @@
-/* Half periods of beta by Taylor's method, and what is read of them. C11, libm only; no global state.
+/* Half periods of beta by Taylor's method, and what is read of them. C11, libm only.
 
    A leg goes from the start of the rod to the turning point ahead or behind, or once round. It keeps its series for
    reading, the transfer matrix of a change of its start for the condition number, and the covariance of what its steps
@@ -10,8 +10,6 @@
 #define MOST 60    /* steps of a leg: more are needed only next to a saddle or by very large loads */
 #define LOOKS 2    /* at each step, where the growth of a change is looked at */
 #define STEADY 1e6 /* a growth beyond this leaves the march too few digits to tell where the orbit goes */
-#define SAFETY 3.0
-#define SHAPELESS 0.1 /* rad: with a larger error the shape is another one */
 #define SERIES (4 * (ORDER + 1)) /* numbers kept of a step: the series of beta, alpha, z and the swirl */
 
 enum { B, V, S, C, S2, C2, RATE, ETA, ZETA, ROWS };
@@ -173,7 +171,7 @@ static void judge(const start_problem *p, double weight, const double *grown[2],
     double shift = fastest * late;
     if (swings)
         shift = smaller(shift, l[0].amplitude + l[1].amplitude);
-    o->error = SAFETY * (larger(l[0].error, l[1].error) + shift) + EPS * (span * fastest + larger(1, fabs(p->beta0)));
+    o->error = rod_tuning.safety * (larger(l[0].error, l[1].error) + shift) + EPS * (span * fastest + larger(1, fabs(p->beta0)));
 }
 
 /* Whether the numbers of a problem can be squared. */
@@ -233,7 +231,7 @@ static void settle(const task *work, int64_t rod, orbit *o, const room *own)
     judge(p, weight, grown, o);
     if (rod_beside_helix(p, weight, &steady))
         o->condition = steady;
-    o->sound = o->error <= smaller(work->tol, SHAPELESS) && o->condition < INFINITY;
+    o->sound = o->error <= smaller(work->tol, rod_tuning.shapeless) && o->condition < INFINITY;
     o->evaluations = ORDER * (o->count[0] + o->count[1]);
     if (work->stations > 0)
         work->read(o, own->since, own->width, own->series, work->t + rod * work->stations, work->stations, &work->out,

@@ -5,10 +5,10 @@
 #define ROD_STRETCHES_H
 
 #include "densities.h"
+#include "tuning.h"
 
 enum { ROUNDS = 48, CROSSINGS = 4 * AT }; /* most halvings of a piece; most changes of sign on a part of one */
 
-#define BARELY (64 * EPS) /* of the size of its terms: a push, or a difference of numbers, below this is rounding */
 
 /* The pieces of the rods, those of rod b from first[b] to first[b + 1]: `solution_pieces.Pieces`. kinds: of series, 2 or,
    where loads vary along the rods, 7. The others: (n,). */

@@ -508,7 +508,7 @@ static inline ALWAYS TARGET void NAME(advance)(NAME(lanes) *x, const marches *al
     for (int i = 0; i < W; i++) {
         const double t = LANE(x->t, i);
         x->step[i]++;
-        lost[i] = !(fabs(LANE(sum, i)) < INFINITY) || (!final[i] && (t + LANE(h, i) * 1e-3 <= t || x->step[i] > MOST_STEPS));
+        lost[i] = !(fabs(LANE(sum, i)) < INFINITY) || (!final[i] && (t + LANE(h, i) * 1e-3 <= t || x->step[i] > rod_tuning.most_steps));
         over[i] = final[i] || lost[i];
     }
     const vec t = x->t + h, back = t - x->t;

@@ -11,6 +11,7 @@ lam - mu, 1 - cos(beta) and t - z keep their digits in a slender rod, where beta
     P = o f,  f = sin (q + mu e - sin^3) + H (3 sin cos - mu) - 3 beta_t^2 cos(2 beta) - ws_s cos(alpha) + beta_t mu_t
 
 with o = 1 outside and -1 inside. */
+#include "tuning.h"
 #include "vectors.h"
 
 #include <stdlib.h>
@@ -21,7 +22,6 @@ with o = 1 outside and -1 inside. */
 #define WIDE 6   /* columns: changes by the first six numbers of the state, */
 #define GIVENS 9 /* and by the weight along, the weight across and the friction */
 #define SHALLOW 12 /* order of the derivatives that carry the error: a change can shrink a thousandfold and grow again */
-#define MOST_STEPS 200000 /* a second or two; as in varying_loads.py */
 #define USUAL 5.0 /* the ratio of a term to the next, at the end of a usual step */
 
 enum { BETA, SPEED, ALPHA, Q, PHI, MU, SHORT, ROUND };

@@ -21,15 +21,12 @@ from typing import Any
 import numpy as np
 
 from ..core.library import AT, FLOAT, INT, Cutting, cut, fine, on_grid, points, run, structure
+from ..core.tuning import AT_REST, LOWEST, MOVED, ON
 from ..mechanics.potential import TAU, HasLoads, load_size, slope
 from ..numerics.arrays import Array, Booleans, Columns, Integers
 from ..problem.reduced import EndsProblem
 
 UP, DOWN = 1, -1
-_ON = 1e-110  # an end this near to a saddle lies on it
-_MOVED = 1e-7  # by rounding, at most: the root of that of G, where a saddle is about to meet a centre
-_ROUNDING = 4e-16  # of H, in units of the size of G
-LOWEST = -575.0  # log of the smallest gap that a float can hold with what is made of it
 _CRITICAL = 16  # most critical points of a problem
 STRETCH = 4.0  # factor of the panels along saddles, where time is almost linear in u
 NODES, CUTTING = 22, Cutting(0.7, 1e-15, STRETCH)
@@ -222,7 +219,7 @@ class Boundary:
         pins = np.append(self.angles, [self.low, self.high])
         apart = np.abs(np.sin((pins - pin) / 2))
         nearest = int(np.argmin(apart))
-        return float(pins[nearest]) if apart[nearest] < _MOVED else pin
+        return float(pins[nearest]) if apart[nearest] < MOVED else pin
 
     def with_pin(self, pin: float) -> "Boundary":
         """The same with its levels measured from one angle, as of `own_pin`."""
@@ -288,7 +285,7 @@ def boundary_of(problem: EndsProblem) -> Boundary:
     rising = first <= last
     around = [wrap(b) for b in sorted((first, last))]
     for i, b in enumerate(around):
-        near = angles[np.abs(_apart(np.full(angles.size, b), angles)) < _ON]
+        near = angles[np.abs(_apart(np.full(angles.size, b), angles)) < ON]
         around[i] = float(near[0]) if near.size else b
     low, high = around if helix is None else (helix, helix)
     rest = high - low + (TAU if high < low else 0.0)
@@ -311,7 +308,7 @@ def _helix_angle(problem: EndsProblem, angles: Array) -> float | None:
     angles: critical points. None where the ends are those of no helix, to rounding.
     """
     beta = problem.beta0
-    if problem.betaL[0] != beta[0] or np.abs(slope(problem, beta))[0] > _ROUNDING * height_scale(problem):
+    if problem.betaL[0] != beta[0] or np.abs(slope(problem, beta))[0] > AT_REST * height_scale(problem):
         return None
     turns = np.round((beta[0] - angles) / TAU)
     return float(angles[int(np.argmin(np.abs(angles + TAU * turns - beta[0])))])

@@ -14,11 +14,12 @@ from typing import Any
 
 import numpy as np
 
+from ..core.tuning import LOWEST
 from ..mechanics.potential import slope, slope_higher_rates, slope_rate
 from ..numerics.arrays import Array, Booleans
 from ..numerics.roots import bisect
 from ..problem.reduced import EndsProblem
-from .boundary import LOWEST, Boundary, Levels, fall, height_scale
+from .boundary import Boundary, Levels, fall, height_scale
 
 _SCAN = np.linspace(-np.pi, np.pi, 181)  # H' is a sum of harmonics up to the fourth
 

@@ -11,12 +11,12 @@ from typing import Any
 
 import numpy as np
 
+from ..core.tuning import LOWEST
 from ..numerics.arrays import EPS, Array, Booleans, Columns, Integers
 from ..orbit.periodic_orbit import Orbit, helix_half_waves, helix_index, jacobi_zeros
 from ..problem.limits import LARGEST
 from ..problem.reduced import EndsProblem
 from .boundary import (
-    LOWEST,
     Boundary,
     LevelPaths,
     Levels,

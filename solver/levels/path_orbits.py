@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from ..core.tuning import LOWEST
 from ..mechanics.potential import potential
 from ..mechanics.potential import slope as pull_at
 from ..numerics.arrays import Array, Integers
@@ -20,7 +21,6 @@ from ..problem.reduced import EndsProblem, StartProblem
 from ..problem.trajectory import PLAIN, Trajectory, blank, verdicts
 from .boundary import (
     DOWN,
-    LOWEST,
     STRETCH,
     UP,
     Boundary,

@@ -11,16 +11,17 @@ from functools import partial
 
 import numpy as np
 
+from ..core.tuning import MOST_PANELS
 from ..numerics.arrays import Array
 from ..orbit.marched_orbit import MarchedOrbit, march_orbit
-from ..orbit.periodic_orbit import MOST, judge, solve_orbit
+from ..orbit.periodic_orbit import judge, solve_orbit
 from ..problem.errors import DEFAULT_TOLERANCE
 from ..problem.limits import TOO_LARGE, beyond_limits
 from ..problem.reduced import StartProblem
 from ..problem.trajectory import Trajectory, Verdicts, all_solved, blank, stood_in, verdicts
 from .base import TOLERANCES, Ladder, StartMethod
 
-SPENT = f"failed: the orbit needs more than {MOST} panels"
+SPENT = f"failed: the orbit needs more than {MOST_PANELS} panels"
 _DIGITS = 100  # times the tolerance: an error beyond it is handed over, also where the condition number excuses it
 
 
@@ -44,7 +45,7 @@ def _integrate(problem: StartProblem, t: Array, tol: float) -> Trajectory:
     orbit = solve_orbit(problem, tol)
     beta, dbeta, alpha, z = orbit.at(t)
     growth, error = judge(orbit)
-    spent = np.bincount(orbit.panels.arc // 2, minlength=problem.size) > MOST
+    spent = np.bincount(orbit.panels.arc // 2, minlength=problem.size) > MOST_PANELS
     why = np.where(spent & (error > tol * growth), SPENT, "")
     verdict = verdicts(beta, error, growth, tol).failed(why)
     rest = *verdict, error, growth, orbit.evaluations, orbit

@@ -14,7 +14,7 @@ import numpy as np
 from .arrays import Array
 from .roots import Ending, newton, null_vector
 
-_ENDING = Ending(rounds=10, goal=1e-12, small=1e-9, growth=0.5, stall=0.5)
+ENDING = Ending(rounds=10, goal=1e-12, small=1e-9, growth=0.5, stall=0.5)
 OFF, COSINE = 0.25, 0.92  # most of the distance from the predictor over a step; least of the turn of the tangent
 
 LEFT = "the curve ends"
@@ -131,7 +131,7 @@ def advance(curve: Curve, node: Node, step: float, across: Array | None = None, 
     point = correct_point(curve, guess, node.tangent if across is None else across, node.jacobian, goal)
     if isinstance(point, str):
         return point
-    bend = max(float(np.linalg.norm(point - guess)) - _ENDING.small, 0.0) / step
+    bend = max(float(np.linalg.norm(point - guess)) - ENDING.small, 0.0) / step
     if bend > OFF:
         return "the step is too long"
     jacobian = curve.jacobian(point)
@@ -167,7 +167,7 @@ def correct_point(curve: Curve, guess: Array, across: Array, jacobian: Array, go
         with np.errstate(over="ignore"):
             return w + move, float(np.linalg.norm(move))
 
-    return newton(guess, step, replace(_ENDING, goal=max(goal, _ENDING.goal)))
+    return newton(guess, step, replace(ENDING, goal=max(goal, ENDING.goal)))
 
 
 def difference_rates(value: Callable[[Array], Array | None], w: Array, step: float | Array) -> Array | None:

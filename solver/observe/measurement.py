@@ -27,7 +27,6 @@ from .solution_pieces import blocks, is_resolved, off_between, pieces_of
 FINEST = 1e-14  # relative: smallest goal of a series
 SPREAD = 10  # times the error of a marched orbit, which is a standard deviation: a bound in every test
 _SHARE = 1e-3  # of the tolerance, for the series of the densities
-BARELY = 64 * EPS  # of the size of its terms: a push, or a difference of numbers, below this is rounding
 
 Pair = tuple[Any, Any]  # values and errors, (B,) each
 MIDDLE = (1 / 3, 2 / 3)  # of the length: where its middle third begins and ends

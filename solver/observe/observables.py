@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from ..core.tuning import BARELY
 from ..levels.morse_index import index_at_stations
 from ..mechanics.potential import load_size
 from ..numerics.arrays import EPS, Array
@@ -23,7 +24,7 @@ from ..problem.quantities import quantity
 from ..problem.reduced import flat
 from ..shape import Shape
 from ..shooting.loaded_rod import MU, PHI, Q
-from .measurement import BARELY, SPREAD, Pair, Reading
+from .measurement import SPREAD, Pair, Reading
 from .self_contact import overlaps
 from .solution_pieces import is_resolved
 

@@ -27,7 +27,6 @@ TIGHT = 1e-13  # tolerance of orbits that are as exact as floats allow
 # The levels of B orbits: the angles above whose heights of G they lie, the gaps, and by how much the logs of the true
 # gaps are smaller, (B,) each
 Pin = tuple[Array, Array, Array]
-MOST = 10_000  # panels of one orbit beyond which none is halved any more
 FUNCTIONS = 5  # series of a panel
 
 _ReadOrbits = structure(  # orbit_parts.h

@@ -14,10 +14,11 @@ from typing import Any
 import numpy as np
 
 from ..core.measures import DENSITIES, RATED, densities
+from ..core.tuning import BARELY
 from ..mechanics.potential import slopes_by_loads
 from ..numerics.arrays import EPS, Array, Booleans, Integers
 from ..numerics.complex_step import slopes_of, with_slopes
-from ..observe.measurement import BARELY, Pair, Reading
+from ..observe.measurement import Pair, Reading
 from ..observe.observables import OBSERVABLES, SEVERAL, STRAIGHT, check_names, is_count
 from ..orbit.periodic_orbit import HELIX
 from ..problem.errors import InputError, choices

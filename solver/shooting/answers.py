@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from ..core.varying_loads import BY_ANGLE, HALF, MOST_STEPS, SIZE, TRUNCATION, March, march
+from ..core.tuning import MOST_STEPS, SAFETY
+from ..core.varying_loads import BY_ANGLE, HALF, SIZE, TRUNCATION, March, march
 from ..folds.parameter_plane import reflect
 from ..mechanics.statics import circumferential_force, surface_forces
 from ..numerics.arrays import Array
@@ -43,7 +44,7 @@ from .weak_modes import largest_move
 SHORTER = 0.7  # steps of the second march, whose difference from the first estimates the error of an ends problem
 SHARE, COARSEST = 0.01, 1e-12  # of start problems: what all steps leave out of beta, as a share of the tolerance; the
 # most that one does, of the scales
-SAFETY, ROUNDING = 3.0, 2e-16
+ROUNDING = 2e-16
 LINEAR = 1e-8  # rad: an error above this may be less than the equations say, which are linear
 FAINT = 1e-12  # of the forces at both ends: less is rounding
 LOST = 1e8  # condition number: beyond, a start problem has lost half its digits

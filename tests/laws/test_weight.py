@@ -25,7 +25,8 @@ from solver import (
     solve,
     trace_fold,
 )
-from solver.core.varying_loads import MOST_STEPS, march
+from solver.core.tuning import MOST_STEPS
+from solver.core.varying_loads import march
 from solver.folds.fold_curves import fold_curve
 from solver.folds.parameter_plane import parameter_plane
 from solver.numerics.arclength import END, Lengths

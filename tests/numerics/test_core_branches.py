@@ -1,6 +1,8 @@
 """Steps along branches by the compiled core: the branches of the steps in Python, and no crash on odd numbers."""
 
+import ctypes
 import gc
+import re
 import signal
 import sys
 import threading
@@ -13,9 +15,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from solver import Case, Cylinder, Ends, Rod, equilibria, follow, solve
-from solver.core import branches
+from solver import Branch, Case, Cylinder, Ends, Rod, equilibria, follow, solve
+from solver.core import branches, tuning
 from solver.core.branches import RECORD, Point, Steps, chart_of, orbit_rates
+from solver.core.build import HERE
+from solver.core.library import Tuning, library
 from solver.equilibrium.charts import Chart
 from solver.equilibrium.orbit_rates import HOW
 from solver.levels.boundary import CUTTING, NODES, Path
@@ -35,7 +39,7 @@ def test_what_the_problem_raises_passes_through_the_core() -> None:
         steps.excess(chart_of(Chart("start", Path(0.5, 1.0, 0.0, 1, 2), 1.0, False)), 0.0, np.array([1.0]))
 
 
-def ways_to_follow() -> dict[str, Callable[[], object]]:
+def ways_to_follow() -> dict[str, Callable[[], Branch]]:
     """Branches under dead loads and with a held height, whose steps the core makes."""
     start = list(equilibria(DEAD))[2].solution
     ends = replace(DEAD.given, FZ=None, height=float(start.z[-1]))
@@ -111,6 +115,26 @@ def test_a_signal_while_the_core_works_reaches_the_caller(way: str, monkeypatch:
         signal.signal(signal.SIGALRM, before)
     assert caught == rung != []
     assert not lost
+
+
+def test_the_core_decides_by_the_numbers_of_python(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A shorter longest step: more points. Fifteen such numbers stood in C as well, equal by hand."""
+    go, usual = ways_to_follow()["dead loads"], Tuning(**tuning.values())
+    few = len(go())
+    monkeypatch.setattr(tuning, "LONGEST", tuning.LONGEST / 10)
+    try:
+        library().rod_tune(ctypes.byref(Tuning(**tuning.values())))
+        many = len(go())
+    finally:
+        library().rod_tune(ctypes.byref(usual))
+    assert many > 2 * few == 2 * len(go())
+
+
+def test_no_number_that_c_and_python_share_stands_in_c() -> None:
+    for path in [*HERE.glob("*.c"), *HERE.glob("*.h")]:
+        defined = re.findall(r"^#define (\w+) [-\d.(]", path.read_text(encoding="utf-8"), re.MULTILINE)
+        shared = {name.upper() for name in tuning.NAMES} & set(defined)
+        assert not shared, path.name
 
 
 @pytest.mark.parametrize("seed", range(3))

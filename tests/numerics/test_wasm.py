@@ -1,6 +1,7 @@
 """rod.wasm, the core for browsers, against the core of this machine."""
 
 import json
+import re
 import shutil
 import subprocess
 from importlib.util import find_spec
@@ -10,12 +11,15 @@ import numpy as np
 import pytest
 
 from solver import Case, Cylinder, Rod, Start, solve
-from solver.core import build
+from solver.core import build, tuning
 from solver.core.library import numbers_of
 from solver.core.measures import NUMBERS, measure
+from solver.core.varying_loads import ORDER, TRUNCATION
 from solver.observe.solution_pieces import pieces_of
 from solver.orbit.marched_orbit import LOST, march
 from solver.problem.reduced import StartProblem
+from solver.shooting.answers import ROUNDING, SAFETY, SHORTER
+from solver.shooting.newton import DEEP
 
 HERE = build.HERE
 CASES, STATIONS, TOL = 200, 41, 1e-10
@@ -101,7 +105,34 @@ def test_a_browser_measures_the_numbers_of_this_machine_between_the_same_station
 
 
 def test_the_file_was_compiled_from_the_sources_that_are_here() -> None:
-    assert build.digest(build.WASM_SOURCES).encode() in (HERE / build.WASM).read_bytes()
+    assert build.digest_for_browsers().encode() in (HERE / build.WASM).read_bytes()
+
+
+def test_the_numbers_of_the_script_are_those_of_python() -> None:
+    script = (HERE / build.WASM).with_name("rod.js").read_text(encoding="utf-8")
+    same = {"ORDER": ORDER, "SAFETY": SAFETY, "ROUNDING": ROUNDING, "SHORTER": SHORTER, "LEFT_OUT": TRUNCATION}
+    for name, value in same.items():
+        assert [float(text) for text in re.findall(rf"\b{name} = ([\d.e-]+)", script)] == [value]
+    assert re.findall(r"NEWTON = \{columns: BY_ANGLE, deep: (\d+)\}", script) == [str(DEEP)]
+
+
+TUNED = """
+const [folder, counts] = process.argv.slice(1), [doubles, integers] = JSON.parse(counts);
+const bytes = require("fs").readFileSync(folder + "/rod.wasm");
+WebAssembly.instantiate(bytes, {}).then(({instance: {exports: own}}) => {
+  own._initialize();
+  const at = own.rod_tuned(), whole = new BigInt64Array(own.memory.buffer, at + 8 * doubles, integers);
+  console.log(JSON.stringify([...new Float64Array(own.memory.buffer, at, doubles), ...Array.from(whole, Number)]));
+});
+"""
+
+
+@pytest.mark.skipif(shutil.which("node") is None, reason="Node is not installed")
+def test_the_core_for_browsers_decides_by_the_numbers_of_python() -> None:
+    counts = [sum(len(names.split(",")) for kind, names in tuning.ROWS if kind == of) for of in ("double", "int64_t")]
+    command = ["node", "-e", TUNED, str(HERE), json.dumps(counts)]
+    run = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert json.loads(run.stdout) == list(tuning.values().values())
 
 
 @pytest.mark.slow
