@@ -118,8 +118,8 @@ def search_from_middle(plane: ParameterPlane, lattice: int) -> FoldCurves:
     """The curves that branches along the lines of a lattice meet, from the equilibria found at its middle."""
     ticks, middle = lattice_ticks(lattice), lattice // 2
     z, within = ticks[[middle, middle]], {} if plane.varies else ranges_over(plane)
-    system, found = system_on(plane, z), equilibria(plane.case_at(z), stations=2, within=within)
-    places = [system.place_of(equilibrium) for equilibrium in found]
+    system, listed = system_on(plane, z), equilibria(plane.case_at(z), stations=2, within=within)
+    places = [system.place_of(equilibrium) for equilibrium in listed]
     curves = search_linked(plane, system, ticks, {(middle, middle): places})
     if not within:
         return curves

@@ -136,17 +136,17 @@ def branches_on(system: PlaneSystem, ticks: Array, begin: Known) -> Branches:
         passed.append(np.column_stack([[place.p for place in places], marks]))
         on_lattice = float(z[1 - axis]) in at_tick
         for i, (place, mark) in enumerate(zip(places, marks, strict=True)):
-            here = place_on(z, axis, place.p)
+            z_of_place = place_on(z, axis, place.p)
             if place.kind and 0 < i < len(places) - 1:
-                meetings.append(Meeting(here, axis, (places[i - 1], place, places[i + 1])))
+                meetings.append(Meeting(z_of_place, axis, (places[i - 1], place, places[i + 1])))
                 if place.kind != FOLD:
                     splits = system.splits(z, axis, place)
                     waiting.extend((z, axis, split, system.signature(split)) for split in splits)
             elif on_lattice and float(place.p) in at_tick:
-                take(here, place, mark)
+                take(z_of_place, place, mark)
         for i in steep_places(places, marks) if on_lattice else ():
-            here = place_on(z, axis, places[i].p)
-            waiting.append((here, 1 - axis, replace(places[i], p=float(here[1 - axis])), marks[i]))
+            steep = place_on(z, axis, places[i].p)
+            waiting.append((steep, 1 - axis, replace(places[i], p=float(steep[1 - axis])), marks[i]))
     return Branches(known, meetings, count, stopped, not waiting)
 
 

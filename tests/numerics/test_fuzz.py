@@ -14,8 +14,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Solution, Start, equilibria, solve
+from solver.core.tuning import MOST_PANELS
 from solver.methods import available
-from solver.orbit.periodic_orbit import MOST
 from solver.problem.case import TWISTS
 from solver.problem.field_values import AngleWarning
 from solver.problem.limits import OUT_OF_RANGE
@@ -106,7 +106,7 @@ def sound(sol: Solution) -> None:
         text.startswith("solved" if fine else "failed: ")
         for text, fine in zip(np.reshape(sol.outcome, -1), solved, strict=True)
     )
-    assert (np.reshape(sol.evaluations, -1) <= 100 * MOST).all()
+    assert (np.reshape(sol.evaluations, -1) <= 100 * MOST_PANELS).all()
 
 
 ROD = {"E": 1e4, "nu": 0.25, "a": 0.25, "L": 20.0}

@@ -123,7 +123,7 @@ def test_digits_that_only_a_march_would_lose_are_not_lost() -> None:
 
 def test_steps_of_rods_that_go_to_the_quadrature_overwrite_no_others() -> None:
     """Some of these marches end, but too inaccurately: they are not kept and have no room among the steps."""
-    case = draw(150, 0, "helix")
+    case = draw(150, 0)
     orbit = solve(case, tol=1e-6, stations=3).trajectory.orbit
     ended = march(numbers_of(orbit.problem), orbit.tol, np.empty((case.size, 0)))["count"][:, 0] > 0
     assert (orbit.lost & ended).any()
