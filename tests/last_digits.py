@@ -12,13 +12,15 @@ import functools
 import os
 import sys
 from collections.abc import Callable
+from importlib import import_module
 from typing import Any
 
 import numpy as np
 import scipy.linalg
 
-with contextlib.suppress(ImportError):
-    import dask.array  # noqa: F401  (it refuses functions of NumPy that are none)
+for name in ("dask.array", "heyoka"):  # they refuse functions of NumPy that are none
+    with contextlib.suppress(ImportError):
+        import_module(name)
 
 SEED = np.uint64(int(os.environ.get("LAST_DIGITS", "0")))
 OURS = ("solver", "studies", "workbench", "tests")
