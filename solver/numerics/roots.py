@@ -7,7 +7,7 @@ from typing import TypeVar
 import numpy as np
 import scipy  # its parts are imported when used
 
-from .arrays import Array
+from .arrays import Array, Integers
 
 Point = TypeVar("Point")
 State = TypeVar("State")
@@ -235,3 +235,44 @@ def bisect(f: Callable[[Array], Array], lo: Array, hi: Array, steps: int) -> Arr
         below = f(x) * first > 0
         lo, hi = np.where(below, x, lo), np.where(below, hi, x)
     return (lo + hi) / 2
+
+
+def largest_between(read: Callable[[Array], Array], t: Array, rounds: int = 3, places: int = 17) -> tuple[Array, Array]:
+    """The largest of numbers along t, (rows,), and where each is, (rows,): the first place of several.
+
+    read: the numbers, 0 or more, at rising t, (rows, n). t: (n,), so dense that each peak has one of them. Beside each
+    peak that may be the largest, the numbers are read at so many places, and beside the largest of these again, rounds
+    times.
+    """
+    values = read(t)
+    rows, k = _peaks(values)
+    best, at = values[rows, k], t[k]
+    low, high = t[np.maximum(k - 1, 0)], t[np.minimum(k + 1, t.size - 1)]
+    for _ in range(rounds):
+        tried = low[:, None] + (high - low)[:, None] * np.linspace(0, 1, places)
+        order = np.argsort(tried, axis=None)
+        read_there = np.empty((len(values), tried.size))
+        read_there[:, order] = read(tried.reshape(-1)[order])
+        peaks = np.arange(k.size)
+        beside = read_there.reshape(len(values), k.size, places)[rows, peaks]
+        top = np.argmax(beside, axis=1)
+        larger = beside[peaks, top] > best
+        best, at = np.where(larger, beside[peaks, top], best), np.where(larger, tried[peaks, top], at)
+        low, high = tried[peaks, np.maximum(top - 1, 0)], tried[peaks, np.minimum(top + 1, places - 1)]
+    largest = np.array([best[rows == row].max() for row in range(len(values))])
+    first = [at[(rows == row) & (best >= (1 - 1e-9) * most)].min() for row, most in enumerate(largest)]
+    return largest, np.array(first)
+
+
+def _peaks(values: Array, most: int = 64) -> tuple[Integers, Integers]:
+    """Row and column of each peak of numbers (rows, n) that may be the largest of its row between the columns.
+
+    Between a peak and its neighbours a parabola rises above the peak by at most an eighth of the larger fall to them;
+    twice that is allowed for. Of more than so many the highest.
+    """
+    beside = np.pad(values, ((0, 0), (1, 1)), mode="edge")
+    falls = values - np.stack([beside[:, :-2], beside[:, 2:]])
+    reach = np.where((falls >= 0).all(axis=0), values + falls.max(axis=0) / 4, -np.inf)
+    highest = np.argsort(-reach, axis=1, kind="stable")[:, :most]
+    rows, order = np.nonzero(np.take_along_axis(reach, highest, axis=1) >= values.max(axis=1, keepdims=True))
+    return rows, highest[rows, order]

@@ -16,6 +16,7 @@ from ..mechanics.statics import circumferential_force, curvature, surface_forces
 from ..numerics.arrays import Array, Booleans
 from ..problem.reduced import EndsProblem, flat
 from ..shape import Shape
+from ..shooting.loaded_rod import MU
 from .measurement import Reading
 from .observables import error_name, observe
 
@@ -167,15 +168,17 @@ def largest_strain(sol: Shape, kappa_max: Any) -> Any:
     a, A, E, bore, rho = (flat(value, sol.case.shape) for value in each)
     with np.errstate(all="ignore"):  # a case beyond floats is not solved
         stretch = A / rho**2 / (E * np.pi * (a**2 - bore**2))  # of the unit of forces
-        twisted = a * np.abs(sol.problem.mu) * flat(rod.stiffness_ratio, sol.case.shape) / (2 * rho)
-        if sol.trajectory.shapes is None:
+        mu, shapes = np.abs(sol.problem.mu), sol.trajectory.shapes
+        if shapes is not None and sol.case.cylinder.turns_in_place:  # its torque grows from one end to the other
+            mu = np.abs(np.stack(shapes.ends())[:, :, MU]).max(axis=0)
+        twisted = a * mu * flat(rod.stiffness_ratio, sol.case.shape) / (2 * rho)
+        if shapes is None:
             first, tight = _bend_and_tension(sol), np.reshape(kappa_max, -1) * rho
             along = a / rho * tight + np.abs(first[1] + (first[0] ** 2 - tight**2) / 2) * stretch
         else:
             along = np.full(sol.case.size, np.nan)
             for i in np.flatnonzero(np.reshape(sol.solved, -1)).tolist():
-                kappa, F3 = sol.trajectory.shapes.of(i).bend_and_tension()
-                along[i] = (a[i] / rho[i] * kappa + np.abs(F3) * stretch[i]).max()
+                along[i] = shapes.of(i).largest_strain(a[i] / rho[i], stretch[i])
         return np.maximum(along, twisted).reshape(sol.case.shape)
 
 

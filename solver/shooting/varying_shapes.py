@@ -11,7 +11,7 @@ from ..core.varying_loads import READ, SIZE, march
 from ..mechanics.potential import Loads, slope
 from ..mechanics.statics import circumferential_force, contact_force, curvature, surface_forces
 from ..numerics.arrays import Array, Booleans, Integers
-from ..numerics.roots import bisect
+from ..numerics.roots import bisect, largest_between
 from ..problem.case import IN_PLACE
 from .loaded_rod import ALPHA, BETA, MU, PHI, SPEED, LoadedRod, Q
 from .state import State, is_drawn, states
@@ -81,11 +81,20 @@ class Shape:
         t = (self.t[:-1, None] + np.diff(self.t)[:, None] * (1 + places) / 2).reshape(-1)
         return np.append(t, self.t[-1]), y
 
-    def bend_and_tension(self) -> tuple[Array, Array]:
-        """kappa and F3 along the rod, dense, in units of rho and A, (n,) each."""
-        beta, speed, lam, mu, phi, _, _ = self.local_values(self.dense[1][None])[0]
+    def bend_and_tension(self, t: Array) -> tuple[Array, Array]:
+        """kappa and F3 at rising times t, in units of rho and A, (n,) each."""
+        beta, speed, lam, mu, phi, _, _ = self.local_values(self.at(t)[None])[0]
         around = circumferential_force(1.0, lam, mu, 1.0, beta)
         return curvature(1.0, beta, speed), surface_forces(around, phi, beta)[1]
+
+    def largest_strain(self, bent: float, stretched: float) -> float:
+        """The largest strain along the rod: `bent` times kappa plus `stretched` times |F3|, in units of rho and A."""
+
+        def strain(t: Array) -> Array:
+            kappa, F3 = self.bend_and_tension(t)
+            return (bent * kappa + stretched * np.abs(F3))[None]
+
+        return float(largest_between(strain, self.dense[0])[0][0])
 
     def states(self, rho: float) -> tuple[State, ...]:
         """The states along the rod, with s in the unit of rho."""

@@ -9,7 +9,7 @@ from scipy.interpolate import make_interp_spline
 from benchmarks.pipe_events import HELIX, SINUSOID, HalfWave, energy, events, push_min, wave_number
 from solver import Case, Cylinder, Ends, Rod, Start, observe, solve
 from solver.shooting.state import HELICAL, SINUSOIDAL, STRAIGHT, axial_force_along, states
-from workbench.words.pipe_state import axial_force, profile
+from workbench.words.pipe_profile import axial_force, profile
 
 PIPE: dict[str, Any] = {"E": 2.06e8, "nu": 0.3, "a": 0.0635, "inner_radius": 0.0543, "weight": 0.241}  # kN and m
 
@@ -169,3 +169,29 @@ def test_lift_off_at_the_ends_leaves_the_middle_half_on_the_wall() -> None:
         assert ("pulled at the ends" in caution) == (not middle)
         kinds.add(bool(middle))
     assert kinds == {True, False}
+
+
+@pytest.mark.parametrize(
+    ("L", "inclination", "load", "wall"),
+    [
+        (60.0, "60deg", 220.0, {}),
+        (300.0, "90deg", 200.0, {"friction": 0.2, "sliding": "axial-forward"}),
+        (200.0, "90deg", 50.0, {"friction": 0.25, "sliding": "rotating"}),
+    ],
+)
+def test_the_rows_of_a_pipe_are_its_observables(L: float, inclination: str, load: float, wall: dict[str, Any]) -> None:
+    rod, hole = Rod(**{**PIPE, "E": 2.06e8, "L": L}), Cylinder(0.10795, "inside", inclination, **wall)
+    sol = solve(Case(rod, hole, Ends(beta0=0.0, betaL=0.0, FZ=-load)))
+    rows = {row.name: row for row in profile(sol, {"length": "m", "force": "kN"})}
+    seen = observe(sol, ["push_max", "push_max_at", "push_middle", "kappa_max", "bending_stress_max", "FZ0", "M30"])
+    push = rows["push of the wall"]
+    near = {"rel": 1e-7}  # between two of the places at which a row is read last
+    assert push.largest == pytest.approx(float(seen["push_max"]), **near)
+    assert push.middle == pytest.approx(float(seen["push_middle"]), rel=1e-10)
+    assert push.at == pytest.approx(float(seen["push_max_at"]), abs=1e-3)  # flat there
+    assert rows["dogleg of the pipe"].largest == pytest.approx(np.degrees(float(seen["kappa_max"])) * 30, **near)
+    assert rows["bending stress"].largest == pytest.approx(float(seen["bending_stress_max"]) / 1e3, **near)
+    assert rows["axial force FZ"].start == pytest.approx(float(seen["FZ0"]), rel=1e-12)
+    if "torque M3" in rows:
+        assert rows["torque M3"].start == pytest.approx(float(seen["M30"]), rel=1e-9)
+        assert rows["friction"].middle == pytest.approx(0.25 * push.middle, rel=1e-12)

@@ -11,7 +11,7 @@ from solver.observe.cautions import largest_strain
 from tests.workbench import small
 from workbench.store import assembly
 from workbench.store.block import columns
-from workbench.words import cautions, pipe_state
+from workbench.words import cautions, pipe_profile, pipe_state
 
 STEEL = {"E": 2.1e8, "nu": 0.3, "L": 20.0}  # kN and m
 
@@ -50,7 +50,7 @@ def test_the_strain_is_that_of_the_outermost_fibre_along_the_whole_rod() -> None
 def test_the_strain_of_a_rod_with_weight_is_its_largest_stress_over_the_modulus() -> None:
     rod = Rod(E=2.06e8, nu=0.3, a=0.0635, inner_radius=0.0543, L=300.0, weight=0.241)
     sol = solve(Case(rod, Cylinder(0.10795, "inside", "120deg"), Ends(0.0, 0.0, FZ=-300.0)))
-    rows = pipe_state.profile(sol, {"length": "m", "force": "kN"})
+    rows = pipe_profile.profile(sol, {"length": "m", "force": "kN"})
     assert rows[-1].name == "both stresses together"
     assert largest_strain(sol, None) == pytest.approx(rows[-1].largest / 2.06e5, rel=1e-9)
 

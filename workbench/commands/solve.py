@@ -70,7 +70,7 @@ def solve(
     from ..branches.ends_study import text_of_solution
     from ..store import in_memory, writing
     from ..store.block import solve_one
-    from ..words import cautions, pipe_state
+    from ..words import cautions, pipe_profile, pipe_state
     from .fidelity import fidelity
 
     chosen = fidelity(level or "standard")
@@ -87,7 +87,7 @@ def solve(
     listed = equilibria(base.case, tol, stations) if named else None
     sol = solve_one(base.case, which, tol, "auto" if method is None else method, stations, listed)
     whole = every or json or not base.case.varies
-    rows = pipe_state.profile(sol, base.units)
+    rows = pipe_profile.profile(sol, base.units)
     data = _find(sol, base.units, chosen, whole) | {
         "source": base.source,
         "assumed": base.assumed,

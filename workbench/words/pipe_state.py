@@ -1,22 +1,18 @@
-"""A rod with weight or friction in words: its state along the length, when that changes, and what to mind.
-
-The numbers along it: at its ends, in its middle, and the largest.
-"""
+"""A rod with weight or friction in words: its state along the length, when that changes, and what to mind."""
 
 import math
-from dataclasses import replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from solver.problem.reduced import flat
 from solver.shooting.loaded_rod import rods_of
 from solver.shooting.state import LEAVES, RUBS, STRAIGHT, in_words
 
 from . import cautions, outcomes
+from .pipe_profile import PUSH, ROUNDING, Row, axial_force, number, profile, stress_unit, weight_across
 
 if TYPE_CHECKING:
-    from solver import Case, Solution
+    from solver import Solution
 
 SINUSOID, PRESSED = 2.0, 2.744687  # forces in sqrt(A w sin(theta)/rho), as of `studies/pipe_horizontal.toml`
 EXPECTED = (  # in a long pipe, by the number of the loads above that are reached
@@ -27,7 +23,6 @@ EXPECTED = (  # in a long pipe, by the number of the loads above that are reache
     "disturbance or a larger load",
     "a helix, as a sinusoid would lift off",
 )
-PUSH = "push of the wall"  # the row of a profile
 MOST = 6  # stretches that are listed
 SLIGHT = 0.1  # of the largest bend: a smaller one is a ripple beside it
 WAYS = {
@@ -41,25 +36,6 @@ TENSION = "in tension all along: a compression, as by a weight on the bit, is a 
 STIFFEST, DENSEST = 1.3e6, 23e3  # MPa, kg/m3: above diamond and osmium
 GRAVITY = 9.81  # m/s2
 STEADY = 1e-6  # deg: a lay that varies by less is one
-REACHES = {"m": 30.0, "ft": 100.0}  # lengths on which drillers state a dogleg
-MEGAPASCALS = {"N": 1e-6, "kN": 1e-3, "MN": 1.0}  # per m^2
-ROUNDING = 1e-12  # relative
-
-
-class Row(NamedTuple):
-    """A quantity along a rod: at s = 0, its mean over the middle third, its largest size and where, and at s = L.
-
-    inside: its largest size at least a wave away from both ends.
-    """
-
-    name: str
-    unit: str
-    start: float
-    middle: float
-    largest: float
-    at: float
-    far: float
-    inside: float
 
 
 def lower_end(sol: "Solution") -> str:
@@ -69,81 +45,6 @@ def lower_end(sol: "Solution") -> str:
         return "neither end is lower"
     low, high = ("s = 0", "s = L")[:: 1 if rise > 0 else -1]
     return f"{low} is the lower end, {high} the upper one"
-
-
-def axial_force(sol: "Solution") -> Any:
-    """FZ at the stations, (n,) [force]."""
-    return np.asarray(sol.F2 * np.sin(sol.beta) + sol.F3 * np.cos(sol.beta))
-
-
-def profile(sol: "Solution", units: dict[str, str]) -> list[Row]:
-    """Forces, curvature and stresses along a rod with weight or friction; none of another one, or where unsolved."""
-    if not (sol.case.varies and sol.solved):
-        return []
-    rod, wall, (length, force) = sol.case.rod, sol.case.cylinder, (units["length"], units["force"])
-    fine = _at_dense_stations(sol)
-    kappa = np.where(fine.kappa * sol.case.rho < ROUNDING, 0.0, fine.kappa)
-    per_length, reach = f"{force}/{length}", REACHES.get(length, 1.0)
-    columns = [("axial force FZ", force, axial_force(fine)), (PUSH, per_length, fine.push)]
-    if wall.side == "outside":
-        columns.insert(1, ("tension F3", force, fine.F3))
-    if wall.friction:
-        columns.append(("friction", per_length, wall.friction * fine.push))
-    if wall.turns_in_place:
-        columns.append(("torque M3", f"{force} {length}", fine.M3_along))
-    columns.append(("dogleg of the pipe", f"deg/{reach:g} {length}", np.degrees(kappa) * reach))
-    if rod.E is not None:
-        unit, size = stress_unit(units)
-        axial = fine.F3 / (math.pi * (rod.a**2 - (rod.inner_radius or 0) ** 2)) * size
-        bending = rod.E * rod.a * kappa * size
-        stresses = axial, bending, np.abs(axial) + bending
-        names = "axial stress", "bending stress", "both stresses together"
-        columns += [(name, unit, values) for name, values in zip(names, stresses, strict=True)]
-    wave = _wave(sol)
-    return [_row(*column, fine.s, wave) for column in columns]
-
-
-def _wave(sol: "Solution") -> float:
-    """The length of a wave of a buckled pipe under its largest axial force, at most a third of the rod [length]."""
-    stiffness, across = float(sol.case.rod.bending_stiffness), weight_across(sol.case)
-    most = max(abs(number(sol, name)) for name in ("FZ0", "FZ"))
-    waves = most / (2 * stiffness), math.sqrt(across / (stiffness * float(sol.case.rho)))
-    return min(2 * math.pi / math.sqrt(max(*waves, 1e-300)), float(sol.case.rod.L) / 3)
-
-
-def number(sol: "Solution", name: str) -> float:
-    from solver import observe
-
-    return float(observe(sol, [name])[name])
-
-
-def weight_across(case: "Case") -> float:
-    """The weight per length across the cylinder's axis; 0 for a rod outside."""
-    wall, weight = case.cylinder, float(case.rod.weight or 0)
-    across = weight * math.sin(float(wall.inclination or 0))
-    return across if across > ROUNDING * weight and wall.side == "inside" else 0.0
-
-
-def stress_unit(units: dict[str, str]) -> tuple[str, float]:
-    """The unit in which a stress is stated, and how many of it one of the case's units is."""
-    length, force = units["length"], units["force"]
-    return ("MPa", MEGAPASCALS[force]) if length == "m" and force in MEGAPASCALS else (f"{force}/{length}^2", 1.0)
-
-
-def _at_dense_stations(sol: "Solution") -> "Solution":
-    """One rod at stations so dense that they show each of its bends."""
-    t, _ = sol.trajectory.shapes.of(0).dense
-    read = sol.trajectory.shapes.read(t[None], flat(sol.case.given.alpha, ()))
-    return replace(sol, t=t[None], trajectory=replace(sol.trajectory, **read))
-
-
-def _row(name: str, unit: str, values: Any, s: Any, wave: float) -> Row:
-    values = np.where(np.abs(values) < ROUNDING * np.abs(values).max(), 0.0, values)
-    inner = np.linspace(s[-1] / 3, 2 * s[-1] / 3, s.size)
-    most = int(np.argmax(np.abs(values) > (1 - 1e-9) * np.abs(values).max()))
-    middle = np.interp(inner, s, values).mean()
-    inside = np.abs(values[(s >= wave) & (s <= s[-1] - wave)]).max()
-    return Row(name, unit, *(float(x) for x in (values[0], middle, values[most], s[most], values[-1], inside)))
 
 
 def all_sentences(sol: "Solution", units: dict[str, str]) -> list[str]:

@@ -33,7 +33,7 @@ from ...branches.tracing import Piece, Traced, trace_branches
 from ...export.stored_rod import export
 from ...store import assembly
 from ...store.block import columns, rule_of, solve_one
-from ...words import cautions, labels, pipe_state
+from ...words import cautions, labels, pipe_profile, pipe_state
 
 SMALL = 240  # points of a small picture
 KEYS = ("title", "units", "reading", "base", "equilibrium")
@@ -215,7 +215,7 @@ def stations(one: Shape) -> dict[str, Any]:
         names |= {"push": "push", "kappa": "kappa", "tension": "F3"}
     arrays = {name: np.asarray(getattr(sol, of), dtype=float) for name, of in names.items()}
     if sol.case.varies:
-        arrays["axial"] = pipe_state.axial_force(sol)
+        arrays["axial"] = pipe_profile.axial_force(sol)
     return arrays
 
 

@@ -1,0 +1,134 @@
+"""The numbers along a rod with weight or friction: at its ends, in its middle, and the largest."""
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from solver.numerics.roots import largest_between
+from solver.problem.reduced import flat
+
+if TYPE_CHECKING:
+    from solver import Case, Solution
+
+PUSH = "push of the wall"  # the row of a profile
+REACHES = {"m": 30.0, "ft": 100.0}  # lengths on which drillers state a dogleg
+MEGAPASCALS = {"N": 1e-6, "kN": 1e-3, "MN": 1.0}  # per m^2
+ROUNDING = 1e-12  # relative
+GAUSS = 8  # places between two nodes, for a mean
+
+
+class Row(NamedTuple):
+    """A quantity along a rod: at s = 0, its mean over the middle third, its largest size and where, and at s = L.
+
+    inside: its largest size at least a wave away from both ends.
+    """
+
+    name: str
+    unit: str
+    start: float
+    middle: float
+    largest: float
+    at: float
+    far: float
+    inside: float
+
+
+def axial_force(sol: "Solution") -> Any:
+    """FZ at the stations, (n,) [force]."""
+    return np.asarray(sol.F2 * np.sin(sol.beta) + sol.F3 * np.cos(sol.beta))
+
+
+def profile(sol: "Solution", units: dict[str, str]) -> list[Row]:
+    """Forces, curvature and stresses along a rod with weight or friction; none of another one, or where unsolved."""
+    if not (sol.case.varies and sol.solved):
+        return []
+    shape, rho = sol.trajectory.shapes.of(0), float(sol.case.rho)
+
+    def read(t: Any) -> Any:
+        return np.stack([values for *_, values in _along(sol, units, t)])
+
+    def sizes(t: Any) -> Any:
+        return np.abs(read(t))
+
+    t, _ = shape.dense
+    wave = _wave(sol) / rho
+    largest, at = largest_between(sizes, t)
+    away = np.concatenate([[wave], t[(t > wave) & (t < t[-1] - wave)], [t[-1] - wave]])
+    inside, _ = largest_between(sizes, away)
+    order = np.argsort(at)
+    peaks = np.empty((at.size, at.size))
+    peaks[:, order] = read(at[order])
+    start, far = read(t[[0, -1]]).T
+    numbers = np.stack([start, _means(read, shape.t), peaks.diagonal(), at * rho, far, inside], axis=1)
+    numbers[np.abs(numbers) < ROUNDING * np.maximum(largest, 1e-300)[:, None]] = 0.0
+    heads = [(name, unit) for name, unit, _ in _along(sol, units, t[:1])]
+    return [Row(*head, *row) for head, row in zip(heads, numbers.tolist(), strict=True)]
+
+
+def _means(read: Any, nodes: Any) -> Any:
+    """The means over the middle third of numbers along a rod, (rows,), by Gauss's rule between its nodes."""
+    low, high = nodes[-1] / 3, 2 * nodes[-1] / 3
+    ends = np.concatenate([[low], nodes[(nodes > low) & (nodes < high)], [high]])
+    x, w = np.polynomial.legendre.leggauss(GAUSS)
+    width = np.diff(ends)[:, None] / 2
+    places = ends[:-1, None] + width * (1 + x)
+    return read(places.reshape(-1)) @ (width * w).reshape(-1) / (high - low)
+
+
+def _along(sol: "Solution", units: dict[str, str], t: Any) -> list[tuple[str, str, Any]]:
+    """The quantities of a profile, their units and their values at rising times t, (n,) each."""
+    rod, wall, (length, force) = sol.case.rod, sol.case.cylinder, (units["length"], units["force"])
+    fine = _at_times(sol, t)
+    kappa = np.where(fine.kappa * sol.case.rho < ROUNDING, 0.0, fine.kappa)
+    per_length, reach = f"{force}/{length}", REACHES.get(length, 1.0)
+    columns = [("axial force FZ", force, axial_force(fine)), (PUSH, per_length, fine.push)]
+    if wall.side == "outside":
+        columns.insert(1, ("tension F3", force, fine.F3))
+    if wall.friction:
+        columns.append(("friction", per_length, wall.friction * fine.push))
+    if wall.turns_in_place:
+        columns.append(("torque M3", f"{force} {length}", fine.M3_along))
+    columns.append(("dogleg of the pipe", f"deg/{reach:g} {length}", np.degrees(kappa) * reach))
+    if rod.E is not None:
+        unit, size = stress_unit(units)
+        axial = fine.F3 / (math.pi * (rod.a**2 - (rod.inner_radius or 0) ** 2)) * size
+        bending = rod.E * rod.a * kappa * size
+        stresses = axial, bending, np.abs(axial) + bending
+        names = "axial stress", "bending stress", "both stresses together"
+        columns += [(name, unit, values) for name, values in zip(names, stresses, strict=True)]
+    return columns
+
+
+def _wave(sol: "Solution") -> float:
+    """The length of a wave of a buckled pipe under its largest axial force, at most a third of the rod [length]."""
+    stiffness, across = float(sol.case.rod.bending_stiffness), weight_across(sol.case)
+    most = max(abs(number(sol, name)) for name in ("FZ0", "FZ"))
+    waves = most / (2 * stiffness), math.sqrt(across / (stiffness * float(sol.case.rho)))
+    return min(2 * math.pi / math.sqrt(max(*waves, 1e-300)), float(sol.case.rod.L) / 3)
+
+
+def number(sol: "Solution", name: str) -> float:
+    from solver import observe
+
+    return float(observe(sol, [name])[name])
+
+
+def weight_across(case: "Case") -> float:
+    """The weight per length across the cylinder's axis; 0 for a rod outside."""
+    wall, weight = case.cylinder, float(case.rod.weight or 0)
+    across = weight * math.sin(float(wall.inclination or 0))
+    return across if across > ROUNDING * weight and wall.side == "inside" else 0.0
+
+
+def stress_unit(units: dict[str, str]) -> tuple[str, float]:
+    """The unit in which a stress is stated, and how many of it one of the case's units is."""
+    length, force = units["length"], units["force"]
+    return ("MPa", MEGAPASCALS[force]) if length == "m" and force in MEGAPASCALS else (f"{force}/{length}^2", 1.0)
+
+
+def _at_times(sol: "Solution", t: Any) -> "Solution":
+    """One rod at rising times t (n,)."""
+    read = sol.trajectory.shapes.read(t[None], flat(sol.case.given.alpha, ()))
+    return replace(sol, t=t[None], trajectory=replace(sol.trajectory, **read))
