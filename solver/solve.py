@@ -10,7 +10,7 @@ from .each_case import Answer, Question, answer_each
 from .numerics.arrays import Array
 from .problem.case import Case, Ends, check_case
 from .problem.errors import DEFAULT_TOLERANCE, InputError, check_tolerance, choices, show, whole_number
-from .problem.limits import OUT_OF_RANGE, TOO_LARGE, TOO_LONG, beyond, ordinary, refusals, representable
+from .problem.limits import OUT_OF_RANGE, TOO_LARGE_HELD, TOO_LONG, beyond, ordinary, refusals, representable
 from .problem.reduced import (
     EndsProblem,
     HeldProblem,
@@ -132,7 +132,7 @@ def _varying(
     from .shooting.answers import answer_ends, answer_starts
 
     name = varying_method(case.kind, method, knobs)
-    if choose != NEAREST:
+    if check(choose) != NEAREST:
         raise InputError(f"choose = {choose!r} needs all equilibria, which are not known with weight or friction")
     straight = isinstance(seed, str) and seed == "straight"
     is_seed = straight or (isinstance(seed, Solution) and seed.trajectory.shapes is not None
@@ -180,7 +180,7 @@ def _held(
             dead_problem, answer = each_hinged(rods, problem, t, tol, seed, choose)
         else:
             dead_problem, answer = each_held(problem, t, tol, seed, choose)
-        limits = [said if said in (TOO_LARGE, TOO_LONG) else "" for said in answer.outcome]
+        limits = [said if said in (TOO_LARGE_HELD, TOO_LONG) else "" for said in answer.outcome]
         why = np.where(representable(rods, dead_problem), limits, OUT_OF_RANGE)
         return dead_problem, _refuse(answer, rods, why)
 

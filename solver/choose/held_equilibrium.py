@@ -17,7 +17,7 @@ from ..problem.case import Case
 from ..problem.limits import beyond_limits, held_apart, unreachable
 from ..problem.reduced import EndsProblem, HeldProblem, reduce_held
 from ..problem.trajectory import PLAIN, Seed, Trajectory, stood_in
-from ..shooting.answers import answer_ends, shape_path
+from ..shooting.answers import answer_ends, shape_path, why_unsolved
 from ..shooting.descent import index_at
 from ..shooting.growth import Path
 from ..shooting.hinged_states import shape_of
@@ -103,13 +103,14 @@ def each_hinged(
     case: Case, problem: HeldProblem, t: Array, tol: float, seed: Seed | None, choose: Choose
 ) -> tuple[EndsProblem, Trajectory]:
     """The same of B rods with a given end moment, on nodes; problem: theirs."""
-    reached = [
-        _reach(problem.take(slice(i, i + 1)), None if seed is None else seed.take(slice(i, i + 1)), choose)
-        for i in range(problem.size)
-    ]
+    rods, reached = rods_of(case), list[Reached | str]()
+    for i, rod in enumerate(rods):
+        row = slice(i, i + 1)
+        why = why_unsolved(rod, seeded=True)  # whether the ends are within reach is said below
+        reached.append(f"failed: {why}" if why else _reach(problem.take(row), seed and seed.take(row), choose))
     paths = [
         Path(None, why=end.removeprefix("failed: ")) if isinstance(end, str) else hinged_path(end.state, rod)
-        for end, rod in zip(reached, rods_of(case), strict=True)
+        for end, rod in zip(reached, rods, strict=True)
     ]
     solved, answer = answer_ends(case, t, tol, paths)
     begun, how = (

@@ -28,6 +28,7 @@ _NEAR, _EQUAL = 1e-3, 1e-6  # rad, and of the energy: minima as near to each oth
 _ROUNDED, _LEVEL = 1e-12, 1e-9  # of the energy: a rise that counts as none; curvature that counts as none
 _STEEPEST = 1e4  # pace of layers that still scales steps
 _WIDEST = 2.2  # rad: of a wave
+_WILDEST = 1e50  # pace: the fourth power of a larger one is soon beyond the range of floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,9 +73,14 @@ def is_turned_round(given: Given, beta: Array) -> bool:
 
 
 def energy_minima(given: Given, helices: Sequence[float] = ()) -> list[Minimum]:
-    """The minima that are found. helices: angles of helices that have these ends, from which it is descended too."""
+    """The minima that are found. helices: angles of helices that have these ends, from which it is descended too.
+
+    None are sought where the numbers would leave the range of floats.
+    """
     pace, taut = _pace(given), _taut_pace(given)
     steep = max(pace, taut)
+    if not steep < _WILDEST:
+        return []
     mesh = Mesh.with_layers(_PANELS, _LAYER / (steep * given.span))
     land = DiscreteEnergy(given, mesh, max(pace, min(taut, _STEEPEST)))
     shapes = simple_shapes(given, mesh.nodes, steep) + [np.full(mesh.nodes.size, beta) for beta in helices]
@@ -157,7 +163,7 @@ def _pace(given: Given) -> float:
     """About the beta_t that the given loads make."""
     mu = given.number("mu", given.number("turn", 0.0) / (given.ratio * given.span))
     loads = abs(given.number("phi", 0.0)) + abs(given.number("lam", 0.0)) + 2 * abs(mu)
-    return float(np.sqrt(1 + loads + (TAU / given.span) ** 2))
+    return float(np.hypot(np.sqrt(1 + loads), TAU / given.span))
 
 
 def _taut_pace(given: Given) -> float:

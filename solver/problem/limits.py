@@ -13,6 +13,8 @@ from .reduced import HeldProblem, Reduced, StartProblem, flat
 
 LARGEST = 1e100  # a larger dimensionless number would overflow when squared
 TOO_LARGE = "failed: loads, slope or L/rho are beyond 1e100 in units of A and rho, or L/rho below 1e-200"
+LARGEST_HELD = 1e70  # the same with held ends, whose search takes fourth powers
+TOO_LARGE_HELD = "failed: held numbers, loads or L/rho are beyond 1e70 in units of A and rho, or L/rho below 1e-70"
 LONGEST = 1e16  # of L/rho between two ends: beyond, a rounding of s is larger than rho
 TOO_LONG = "failed: L/rho of a problem between two ends must be below 1e16; beyond, rounding of s exceeds rho"
 OUT_OF_RANGE = "failed: stiffness, radius, forces or curvatures are beyond 1e290 or 1e-290 in these units"
@@ -34,9 +36,13 @@ def beyond_limits(problem: Reduced | HeldProblem) -> NDArray[np.str_]:
     """The outcome of each problem whose numbers cannot be squared, or whose L/rho is beyond a limit, (B,); else ""."""
     numbers = np.column_stack([part for part in vars(problem).values() if isinstance(part, np.ndarray)])
     with np.errstate(invalid="ignore"):
-        fine = (np.abs(numbers) < LARGEST).all(axis=1) & (problem.span > LARGEST**-2)  # else times underflow
         short = (problem.span < LONGEST) | isinstance(problem, StartProblem)
-    return np.where(fine, np.where(short, "", TOO_LONG), TOO_LARGE)
+        if isinstance(problem, HeldProblem):
+            largest, least, why = LARGEST_HELD, 1 / LARGEST_HELD, TOO_LARGE_HELD
+        else:
+            largest, least, why = LARGEST, LARGEST**-2, TOO_LARGE  # below it times underflow
+        fine = (np.abs(numbers) < largest).all(axis=1) & (problem.span > least)
+    return np.where(fine, np.where(short, "", TOO_LONG), why)
 
 
 def refusals(case: Case, problem: Reduced) -> NDArray[np.str_]:

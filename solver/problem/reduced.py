@@ -26,6 +26,8 @@ from ..numerics.complex_step import STEP
 from .case import PAIRS, Case, Ends
 from .case_fields import unchecked_with_fields, values_of
 from .errors import InputError
+from .field_values import POSITIVE
+from .quantities import AT_START, quantity
 
 # The number (`equilibrium.orbit_rates`, and the rotation "turn") that each field of Ends fixes, in the order of PAIRS.
 NUMBER_OF = {
@@ -191,6 +193,19 @@ def flat(value: Any, shape: tuple[int, ...]) -> Array:
     if value.ndim == 0:
         return np.full(math.prod(shape), value)
     return np.ascontiguousarray(np.broadcast_to(value, shape)).reshape(-1)
+
+
+def size_of_field(case: Case, name: str, unit: Any = None) -> Array:
+    """The size of a field of a case, (B,): its own; of one that may be 0 at least that of its dimension.
+
+    name: of the field, or of its quantity. unit: the length of which, and of A, the dimension is made; default: L.
+    """
+    size = np.abs(flat(values_of(case, name), case.shape))
+    unit, A = (flat(value, case.shape) for value in (case.rod.L if unit is None else unit, case.rod.bending_stiffness))
+    dimension = quantity(AT_START.get(name, name)).dimension
+    length, force = dimension if not isinstance(dimension, str) else (-1 if "length" in dimension else 0, 0)
+    natural = unit ** float(length) * (A / unit**2) ** float(force)
+    return size if name in (*POSITIVE, "inner_radius") else np.maximum(size, natural)
 
 
 def reduce_held(case: Case) -> HeldProblem:

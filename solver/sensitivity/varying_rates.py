@@ -16,9 +16,7 @@ from ..numerics.arrays import Array
 from ..observe.observables import observe
 from ..problem.case import Case, Start
 from ..problem.case_fields import unchecked_with_fields, values_of
-from ..problem.field_values import POSITIVE
-from ..problem.quantities import quantity
-from ..problem.reduced import flat, span_of
+from ..problem.reduced import flat, size_of_field, span_of
 from ..shape import Shape
 from ..shooting.answers import answer_ends, answer_starts, shape_path
 from ..shooting.curve import DIFFERENCE, Curve
@@ -77,7 +75,7 @@ def _line(sol: Shape, name: str) -> Line:
     """How the rods of a solution answer one field."""
     case = sol.case
     name = {"beta0": "beta", "dbeta0": "dbeta"}.get(name, name) if isinstance(case.given, Start) else name
-    size = _size(case, name)
+    size = size_of_field(case, name)
     if isinstance(case.given, Start):
         return Line(name, size, STEP / np.asarray(sol.trajectory.condition), [])
     near = {sign > 0: rods_of(_case_at(case, name, sign * DIFFERENCE * size)) for sign in (1, -1)}
@@ -100,16 +98,6 @@ def _line(sol: Shape, name: str) -> Line:
         steps.append(STEP / max(1.0, largest_turn(change)))
         answers.append(change * rod.scale)
     return Line(name, size, np.array(steps), answers)
-
-
-def _size(case: Case, name: str) -> Array:
-    """The size of a field, (B,): its own; of one that may be 0 at least that of its dimension, made of L and A."""
-    size = np.abs(flat(values_of(case, name), case.shape))
-    L, A = (flat(value, case.shape) for value in (case.rod.L, case.rod.bending_stiffness))
-    dimension = quantity({"beta": "beta0", "dbeta": "dbeta0"}.get(name, name)).dimension
-    length, force = dimension if not isinstance(dimension, str) else (-1 if "length" in dimension else 0, 0)
-    natural = L ** float(length) * (A / L**2) ** float(force)
-    return size if name in (*POSITIVE, "inner_radius") else np.maximum(size, natural)
 
 
 def _case_at(case: Case, name: str, change: Array) -> Case:

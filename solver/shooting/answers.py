@@ -12,9 +12,10 @@ from ..folds.parameter_plane import reflect
 from ..mechanics.statics import circumferential_force, surface_forces
 from ..numerics.arrays import Array
 from ..problem.case import ALONG_AXIS, IN_PLACE, Case
+from ..problem.errors import InputError
 from ..problem.limits import unreachable
 from ..problem.reduced import EndsProblem, StartProblem, flat
-from ..problem.trajectory import Trajectory, verdicts
+from ..problem.trajectory import Trajectory, blank, verdicts
 from .branch import find_shape
 from .buckling import straight_shape
 from .constant_loads import dead_indices
@@ -51,8 +52,11 @@ LOST = 1e8  # condition number: beyond, a start problem has lost half its digits
 TOO_LONG = f"failed: the march did not end within {MOST_STEPS} steps"
 LARGEST, SHORTEST = 1e30, 1e-15  # of a number of a rod in units of A and rho; of L/rho between two ends
 TOO_LARGE = (
-    "loads, ends or L/rho of a rod with weight or friction are beyond 1e30 in units of A and rho, or L/rho below 1e-15"
+    "loads, ends or L/rho of a rod with weight, friction or a hinge are beyond 1e30 in units of A and rho, or L/rho "
+    "below 1e-15"
 )
+ROUGHEST = 10.0  # coefficient of friction: rubber on rubber has 1 to 4, and the time to lose a march grows with it
+TOO_ROUGH = "the coefficient of friction is {:g}, and at most {:g} is computed: in a radian a force grows by exp({:g})"
 MOST_CHANGES = 20_000  # of an ends problem: as many as of 30 km of pipe
 TOO_FINE = "the shape of this rod may change {:.3g} times along it, and at most {:,} changes are computed"
 USE_ENDS = "; a long rod with {} is an ends problem: give Ends in place of Start"
@@ -66,6 +70,9 @@ def answer_starts(case: Case, t: Array, tol: float) -> tuple[StartProblem, Traje
     The error is what the steps leave out and round off, carried along the rod by their own derivatives.
     """
     problem, numbers, begin, scale = starts_of(case)
+    friction = numbers[:, 3].copy()
+    rough = np.abs(friction) > ROUGHEST
+    numbers[rough, 3] = 0.0  # another rod in its place
     B, n = t.shape
     span, alpha0 = problem.span, begin[:, ALPHA]
     weight = np.sqrt(np.abs(begin[:, SPEED]) + scale[:, 4])
@@ -98,7 +105,7 @@ def answer_starts(case: Case, t: Array, tol: float) -> tuple[StartProblem, Traje
         outcome[i] = f"{TOO_LONG if endless else outcome[i]}{USE_ENDS.format(load)}"
     shapes = VaryingShapes(Marched(numbers, scale, begin, span, marched.steps), *np.full((2, B), np.nan))
     far = StartProblem(end[:, Q] + end[:, MU], end[:, MU], end[:, PHI], span, problem.beta0, problem.dbeta0)
-    return far, Trajectory(
+    answer = Trajectory(
         **read,
         solved=solved,
         outcome=with_undelivered(outcome, solved, case, numbers, begin, end),
@@ -107,6 +114,10 @@ def answer_starts(case: Case, t: Array, tol: float) -> tuple[StartProblem, Traje
         evaluations=marched.steps,
         shapes=shapes,
     )
+    if rough.any():
+        why = [f"failed: {why_too_rough(value)}" for value in friction.tolist()]
+        answer = blank(answer, ~rough, np.array(why, dtype=object))
+    return far, answer
 
 
 def answer_ends(case: Case, t: Array, tol: float, seeds: Sequence[Any] | None = None) -> tuple[EndsProblem, Trajectory]:
@@ -146,8 +157,14 @@ def answer_ends(case: Case, t: Array, tol: float, seeds: Sequence[Any] | None = 
 
 
 def curve_over(case: Case, known: Shape, name: str, low: float, high: float) -> tuple[Curve, Shape]:
-    """The curve of equilibria of a case over one field, from low to high, and a shape of it."""
+    """The curve of equilibria of a case over one field, from low to high, and a shape of it.
+
+    Raises `InputError` where no rod is computed at an end of the range.
+    """
     rod_at = partial(reflect, rod_over(case, name), names=VARYING, low=low, high=high)
+    for value in (low, high):
+        if why := why_unsolved(rod_at(value), seeded=True):
+            raise InputError(f"the equilibrium cannot be followed to {name} = {value:g}: {why}")
     rod = rods_of(case)[0]
     u, scale = densest_nodes((rod_at(low), rod, rod_at(high))), rod.scale
     if not case.varies:  # the loads alone do not say how the shape changes
@@ -160,10 +177,17 @@ def shape_path(shape: Shape, index: int) -> Path:
     return Path(shape, index, why="seed")
 
 
+def why_too_rough(friction: float) -> str:
+    """Why no shape is computed with a friction of either sign, or nothing."""
+    return TOO_ROUGH.format(abs(friction), ROUGHEST, abs(friction)) if abs(friction) > ROUGHEST else ""
+
+
 def why_unsolved(rod: LoadedRod, seeded: bool = False) -> str:
     """Why no shape of a rod is computed, or nothing; seeded: whether it has a seed."""
     if not SHORTEST < rod.span < LARGEST or not all((abs(v) < LARGEST).all() for v in (rod.numbers, rod.near, rod.far)):
         return TOO_LARGE
+    if why := why_too_rough(rod.numbers[3]):
+        return why
     height, azimuth = (float(rod.far[k]) if name in rod.held else 0.0 for k, name in ((2, "height"), (1, "azimuth")))
     if why := unreachable(height, azimuth, rod.span, seeded):
         return why
@@ -217,8 +241,8 @@ def round_up(load: float) -> float:
 
 
 def unit_force(case: Case) -> Array:
-    """A/rho^2 of each rod, (B,) [force]; infinite where it overflows."""
-    with np.errstate(over="ignore"):
+    """A/rho^2 of each rod, (B,) [force]; infinite where it overflows, NaN where A and rho^2 do."""
+    with np.errstate(over="ignore", invalid="ignore"):
         return flat(case.rod.bending_stiffness / np.asarray(case.rho) ** 2, case.shape)
 
 

@@ -38,7 +38,7 @@ LOST = "Newton's method did not converge on the way"
 LENGTHS = Lengths(first=0.02, longest=0.1, least=1e-5)  # of steps, in the sizes of the angles and of x
 MOST_POINTS = 150  # in each sense, of a branch that a search follows
 SHORT = 1e-3  # step, within which several branch points are one
-FLAT = 1e-7  # of dx along the curve at a fold: its square is lost of x
+FLAT = 1e-7  # of dx along the curve next to a fold: its square is lost of x
 BALANCED = 1e-9  # of the scales: the force that holds a shape which its symmetry holds
 NARROW = 0.01  # of a step: how closely a branch point is enclosed, before it is solved for
 
@@ -187,7 +187,8 @@ def special_between(curve: Curve, before: Point, after: Point, step: float) -> l
     """
     way, ends = partial(curve.ahead, before), {0.0: before, step: after}
     if before.rises * after.rises < 0:
-        turn = locate(way, ends, lambda point: point.rises, FLAT)
+        flat = FLAT * max(abs(before.rises), abs(after.rises))  # these are small where x has a far wider range
+        turn = locate(way, ends, lambda point: point.rises, flat)
         is_fold = before.index != after.index or after.shape.rod.rubbed
         return None if turn is None else [(turn, FOLD if is_fold else PITCHFORK)]
     if before.index == after.index:

@@ -48,7 +48,8 @@ def weakest_modes(shape: Shape, count: int = 1, rounds: int = 4) -> Array:
     for _ in range(rounds):
         step = response(linear, push)
         assert step is not None
-        mode = step
+        size = 2.0 ** np.floor(np.log2(np.abs(step[:, ANGLES]).max(axis=(0, 1))))  # squares of it may overflow
+        mode, push = step / size, push / size
         moved = mode[:, ANGLES]
         stiffness = np.einsum("nik,nil->kl", moved[1:] * work, push[1:])
         sizes = np.einsum("nik,nil->kl", moved, moved)

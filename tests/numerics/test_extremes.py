@@ -12,8 +12,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from solver import Solution, solve
+from solver import Case, Cylinder, Ends, InputError, Rod, Solution, Start, solve
 from solver.methods import METHODS, available
+from solver.problem.case_fields import with_field
+from solver.problem.errors import FAULT
 from solver.problem.reduced import StartProblem
 from solver.problem.trajectory import Trajectory
 from tests.cases import in_units_of_rho
@@ -143,3 +145,29 @@ def compared(kind: str, method: str) -> tuple[Trajectory, Any]:
     parts = zip((told.beta, told.alpha, told.z), (1, reach, reach), strict=True)
     off = [(values[:, 1:] - true[:, k]) / unit for k, (values, unit) in enumerate(parts)]
     return told, np.abs(off).max(axis=(0, 2))
+
+
+TUBE: dict[str, Any] = {"E": 1e4, "nu": 0.25, "a": 0.25, "L": 5.0}
+LEANING: dict[str, Any] = {"R": 0.75, "inclination": 1.0}
+WITH_ENDS = {
+    "hinged": Case(Rod(**TUBE), Cylinder(0.75), Ends(M10=0.2, betaL=0.3, FZ=-0.5)),
+    "held": Case(Rod(**TUBE), Cylinder(0.75), Ends(0.2, 0.3, height=4.0, rotation=0.2)),
+    "weight": Case(Rod(**TUBE, weight=0.1), Cylinder(**LEANING), Ends(0.2, 0.3, FZ=-0.5)),
+    "hinged, weight": Case(Rod(**TUBE, weight=0.1), Cylinder(**LEANING), Ends(M10=0.2, M1L=0.3, height=4.0)),
+    "friction": Case(Rod(**TUBE, weight=0.1), Cylinder(**LEANING, friction=0.3), Start(0.2, 0.3, F3=3.0, M3=0.2)),
+}
+
+
+@pytest.mark.parametrize("name", WITH_ENDS)
+def test_a_length_at_the_limits_of_the_floats_has_a_finite_answer_or_a_reason(name: str) -> None:
+    case, wrong = WITH_ENDS[name], []
+    for field in ("a", "L", "R"):
+        for value in (1e200, -1e200, 1e-154):
+            try:
+                there = with_field(case, field, value)
+            except InputError:
+                continue
+            sol = quietly(there, stations=5)
+            if ("failed: " not in sol.outcome and not finite(sol)) or FAULT in sol.outcome:
+                wrong.append((field, value, sol.outcome))
+    assert not wrong
