@@ -9,7 +9,7 @@ import numpy as np
 
 from .numerics.arrays import Array, Integers
 from .problem.case import Case
-from .problem.errors import InputError
+from .problem.errors import InputError, show
 from .problem.reduced import EndsProblem, reduce
 from .problem.shown import make
 from .solution import Solution
@@ -167,10 +167,12 @@ class Branch:
         InputError
             For a value at which the branch has no point.
         """
-        points = [point for point in self.points if point.value == value]
+        points = [point for point in self.points if np.array_equal(point.value, value)]
         if not points:
+            number: object = value
+            given = f"{number:.10g}" if isinstance(number, float) else show(number)
             raise InputError(
-                f"the branch has no point at {self.field} = {value:.10g}; it goes from {self.values.min():.10g} to "
+                f"the branch has no point at {self.field} = {given}; it goes from {self.values.min():.10g} to "
                 f"{self.values.max():.10g}; give follow the values at which points are wanted"
             )
         return points

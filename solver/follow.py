@@ -13,9 +13,9 @@ from .numerics.arclength import CLOSED, END
 from .numerics.arrays import Array
 from .problem.case import ANGLES, PAIRS, Case, Ends
 from .problem.case_fields import fields_of, value_of, with_field
-from .problem.errors import InputError, choices, no_such, show
+from .problem.errors import InputError, check_type, choices, no_such, show, whole_number
 from .problem.field_values import doubt, given_by_a_program, in_rad, warn
-from .problem.reduced import EndsProblem, held_of, span_of
+from .problem.reduced import EndsProblem, held_of, size_of_field, span_of
 from .problem.trajectory import Trajectory
 from .solution import Solution
 from .solve import between_ends, ends_case, seed_of
@@ -24,7 +24,8 @@ if TYPE_CHECKING:
     from .branches.branch_events import Bounds, Place, Stop
     from .levels.boundary import Path
 
-MOST = 1000
+MOST, MOST_POINTS = 1000, 10_000_000  # points of a branch: by default, and at most
+WIDEST = 1e8  # of the size of a field: the range of a branch, of which a share of 4e-15 is taken for rounding
 SolvePoint = Callable[[BranchPoint], Solution]
 
 
@@ -77,17 +78,11 @@ def follow(solution: Solution, *, points: int = MOST, **field: ArrayLike) -> Bra
         if case.varies:
             raise InputError(f"with weight or friction follow takes a field that the case gives, got {name}")
         case = exchange(case, _numbers(solution), name)
-    bounds = Bounds(*_range(case, name, goals), _most(points))
+    bounds = Bounds(*_range(case, name, goals), whole_number("points", points, 1, MOST_POINTS))
     followed = (_follow_shape if case.on_nodes else _follow_orbit)(solution, case, name, bounds)
     if isinstance(followed, str):
         raise InputError(f"the equilibrium cannot be followed: {followed}")
     return _branch(case, name, *followed, partial(_solution_at, solution.tol, solution.t[0] / solution.problem.span[0]))
-
-
-def _most(points: int) -> int:
-    if points < 1:
-        raise InputError(f"points must be a whole number of at least 1, got {points!r}")
-    return int(points)
 
 
 def _range(case: Case, name: str, goals: Array) -> tuple[float, float, tuple[float, ...]]:
@@ -96,6 +91,13 @@ def _range(case: Case, name: str, goals: Array) -> tuple[float, float, tuple[flo
     for value in (float(goals.min()), float(goals.max())):
         with_field(case, name, value)  # raises `InputError`
     low, high = min(begin, float(goals.min())), max(begin, float(goals.max()))
+    widest = WIDEST * float(max(size_of_field(case, name)[0], size_of_field(case, name, case.rho)[0]))
+    if max(-low, high) > widest:
+        far = low if -low > high else high
+        raise InputError(
+            f"{name} = {far:g} is so far that rounding of the range would hide the branch; give follow values of "
+            f"{name} from {-widest:.3g} to {widest:.3g}"
+        )
     if low == high:
         raise InputError(f"the solution has {name} = {begin:.10g} already; give follow another value of {name}")
     return low, high, tuple(sorted({begin, *goals.tolist()}))
@@ -128,9 +130,7 @@ def _follow_orbit(
 
 def _check(solution: object) -> Solution:
     """One solved equilibrium. Raises `InputError`."""
-    if not isinstance(solution, Solution):
-        hint = "; give its solution" if hasattr(solution, "solution") else ""
-        raise InputError(f"follow takes a Solution, got {type(solution).__name__}{hint}")
+    solution = check_type("follow", solution, Solution, "; give its solution" if hasattr(solution, "solution") else "")
     if solution.case.shape:
         raise InputError(f"follow takes one solution at a time, got a grid of shape {solution.case.shape}")
     if not solution.solved:

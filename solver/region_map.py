@@ -6,14 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from .equilibria import Equilibria, equilibria
+from .equilibria import MOST_LISTED, Equilibria, equilibria
 from .folds.fold_curves import FoldCurves, curves_of
 from .folds.fold_search import search_curves
 from .folds.parameter_plane import parameter_plane
 from .folds.whole_curve import Pieces
 from .numerics.arrays import Array, Booleans, Integers
-from .problem.case import Case
-from .problem.errors import InputError
+from .problem.case import Case, check_case
+from .problem.errors import LARGEST_SEED, whole_number
 from .problem.reduced import held_of
 from .traced_folds import search_from_middle
 
@@ -77,10 +77,9 @@ class RegionMap:
     def check(self, points: int = 200, seed: int = 0) -> list[str]:
         """A sentence for each of some random points at which `equilibria` does not find the numbers of the map.
 
-        Raises `InputError` for a number of points that is not from 1 to 100000.
+        Raises `InputError` unless points is a whole number from 1 to 100000 and seed one from 0 on.
         """
-        if not 1 <= points <= MOST_POINTS:
-            raise InputError(f"points must be from 1 to {MOST_POINTS}, got {points}")
+        points, seed = whole_number("points", points, 1, MOST_POINTS), whole_number("seed", seed, 0, LARGEST_SEED)
         folds, wrong = self.folds, []
         for values in np.random.default_rng(seed).uniform(folds.low, folds.high, (points, 2)):
             listed = equilibria(folds.case_at(values), stations=2, within=folds.within)
@@ -135,13 +134,12 @@ def fold_curves(case: Case, *, lattice: int | None = None, **ranges: Any) -> Fol
     >>> curve.kind, curve.lower, curve.cusps.round(6).tolist()
     ('fold', 0, [[-55.891532, 2.293935]])
     """
-    plane = parameter_plane(case, ranges)
+    plane = parameter_plane(check_case("fold_curves", case), ranges)
     lattice = (THREE if plane.varies or held_of(case) else NINE) if lattice is None else lattice
-    if not 2 <= lattice <= MOST or lattice != int(lattice):
-        raise InputError(f"lattice must be a whole number from 2 to {MOST}, got {lattice!r}")
+    lattice = whole_number("lattice", lattice, 2, MOST)
     if plane.varies or held_of(case):
-        return search_from_middle(plane, int(lattice))
-    return curves_of(search_curves(plane, int(lattice)))
+        return search_from_middle(plane, lattice)
+    return curves_of(search_curves(plane, lattice))
 
 
 def region_map(case: Case, *, lattice: int | None = None, stations: int = 101, **ranges: Any) -> RegionMap:
@@ -172,6 +170,8 @@ def region_map(case: Case, *, lattice: int | None = None, stations: int = 101, *
     >>> [(one.count, one.stable) for one in found.regions]
     [(1, 1), (3, 2)]
     """
+    check_case("region_map", case)
+    stations = whole_number("stations", stations, 2, MOST_LISTED)
     folds = fold_curves(case, lattice=lattice, **ranges)
     labels, inner = regions_of(folds.searched.pieces, PIXELS)
     ticks = folds.low[:, None] + (folds.high - folds.low)[:, None] * ((np.arange(PIXELS) + 0.5) / PIXELS)

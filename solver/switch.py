@@ -10,7 +10,7 @@ from .follow import follow
 from .numerics.arclength import FOLD
 from .numerics.arrays import Array
 from .problem.case_fields import with_field
-from .problem.errors import InputError, choices
+from .problem.errors import InputError, check_type, choices
 from .problem.reduced import held_of
 from .solution import Solution
 
@@ -72,7 +72,7 @@ def switch(branch: Branch, special: SpecialPoint) -> tuple[Solution, ...]:
 
 def _check(branch: Branch, special: SpecialPoint) -> None:
     """Raise `InputError` unless another branch crosses at the point."""
-    if special not in branch.special:
+    if check_type("switch", special, SpecialPoint) not in check_type("switch", branch, Branch).special:
         raise InputError(f"switch takes one of the special points of the branch, got {special!r}")
     if special.kind == FOLD:
         raise InputError(f"no other branch crosses at the fold at {special.value:.10g}: follow passes it")

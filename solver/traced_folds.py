@@ -27,7 +27,7 @@ from .mechanics.potential import load_size
 from .numerics.arclength import FOLD
 from .numerics.arrays import Array
 from .problem.case_fields import value_of
-from .problem.errors import InputError, choices
+from .problem.errors import InputError, check_type, choices, whole_number
 from .shooting.constant_loads import shape_of_solution
 from .shooting.curve import MOST_POINTS, SPLIT, Curve, shapes_through
 from .shooting.descent import index_at, on_nodes
@@ -74,10 +74,11 @@ def trace_fold(branch: Branch, number: int = 0, **ranges: Any) -> FoldCurve:
     >>> trace_fold(branch, weight=(0.09, 0.11)).ends
     ('border', 'border')
     """
-    special = [point for point in branch.special if point.kind == FOLD]
+    special = [point for point in check_type("trace_fold", branch, Branch).special if point.kind == FOLD]
     case = branch.points[0].case
-    if not 0 <= number < len(special):
-        raise InputError(f"the branch has {len(special)} folds, got number {number!r}")
+    if not special:
+        raise InputError("the branch has no fold")
+    number = whole_number("number", number, 0, len(special) - 1)
     others = [name for name in ranges if name != branch.field]
     if len(others) != 1:
         raise InputError(f"trace_fold takes one second field with its range, got {choices(others) or 'none'}")

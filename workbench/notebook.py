@@ -20,8 +20,9 @@ from solver import Case, Solution, solve
 from solver.equilibria import Equilibria
 from solver.equilibrium_list import stability
 from solver.observe.observables import observe
-from solver.problem.errors import InputError
+from solver.problem.errors import InputError, show, yes_or_no
 from solver.problem.quantities import quantity, unit_of
+from studies.grammar.formulas import FORCES, LENGTHS
 
 from .branches.equilibria_dataset import all_units, of_solution
 from .branches.equilibria_dataset import dataset_of_loops as dataset_of_loops  # `Loops.to_dataset` looks it up here
@@ -200,12 +201,14 @@ def export_solution(
     from .export.stored_rod import check_holds_all, export
 
     path = _path_of(path)
-    if not (tolerance is None or isinstance(tolerance, int | float | np.number)):
-        raise InputError(f"tolerance must be a number, got {tolerance!r}")
+    try:
+        tolerance = None if tolerance is None else float(tolerance + 0.0)  # a text has no sum
+    except (TypeError, ValueError, OverflowError):
+        raise InputError(f"tolerance must be a number, got {show(tolerance)}") from None
     with python_words():
         ds = dataset_of(sol, units)
         check_holds_all(ds, path)
-        done = export(ds, path, Options(tolerance=tolerance), replace)
+        done = export(ds, path, Options(tolerance=tolerance), yes_or_no("replace", replace))
     unsolved = done.facts.get("unsolved", 0)
     left = [f"{count_of(unsolved, 'rod')} left out: not solved"] if unsolved else []
     for sentence in [*left, *done.warnings]:
@@ -245,7 +248,7 @@ def dataset_of(sol: Solution, units: Mapping[str, str] | None = None) -> xr.Data
             same = value.size > 0 and float(np.ptp(value)) == 0
             pair: tuple[Any, Any] = ((), float(value.flat[0])) if same else (tuple(axes), value)
             ds[name] = *pair, schema.labels(name, used)
-    known = units if units and len(units) == 2 else None
+    known = used if used["length"] in LENGTHS and used["force"] in FORCES else None
     ds["caution"] = tuple(axes), np.asarray(cautions.of_cases(sol, units=known)).astype(str)
     ds = ds.assign_coords({name: xr.Variable((name,), values, _labels(name, used)) for name, values in axes.items()})
     return ds.assign_attrs(_attributes(sol, used) | {"caution": cautions.sentence(ds)})

@@ -9,6 +9,7 @@ import numpy as np
 
 from ..numerics.arrays import Array, Booleans
 from ..problem.case import Case
+from ..problem.errors import InputError, show
 from .fold_search import Searched
 from .parameter_plane import ParameterPlane
 from .whole_curve import PIECES, WholeCurve, change_along, without_zeros
@@ -84,11 +85,21 @@ class FoldCurves:
 
     def case_at(self, values: Any) -> Case:
         """The case at a point (2,) of the plane."""
-        return self.searched.plane.case_at(self.searched.plane.shares(values))
+        return self.searched.plane.case_at(self._shares(values))
 
     def indices_at(self, values: Any) -> Counter[int]:
         """How many equilibria of each Morse index exist at a point (2,), counted from the curves crossed on the way."""
-        return self._indices_from(self._reference, self.searched.plane.shares(values))
+        return self._indices_from(self._reference, self._shares(values))
+
+    def _shares(self, values: Any) -> Array:
+        """The shares of a point (2,). Raises `InputError` for what is no point."""
+        try:
+            point = np.asarray(values, dtype=float)
+        except (TypeError, ValueError, OverflowError):
+            point = np.empty(0)
+        if point.shape != (2,) or not np.isfinite(point).all():
+            raise InputError(f"a point is a value of {self.names[0]} and one of {self.names[1]}, got {show(values)}")
+        return self.searched.plane.shares(point)
 
     @cached_property
     def _reference(self) -> Array:

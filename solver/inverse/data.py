@@ -10,7 +10,7 @@ import numpy as np
 from ..numerics.arrays import Array
 from ..observe.observables import OBSERVABLES, is_count
 from ..problem.case import Case
-from ..problem.errors import InputError, choices, no_such, show
+from ..problem.errors import InputError, choices, known_name, no_such, show
 from ..problem.quantities import quantity
 from ..sensitivity.observable_rates import check_observables
 from .parameters import natural_unit
@@ -81,12 +81,12 @@ class Data:
 
 def check_data(case: Case, targets: Any, points: Any, sigma: Any, wrapped: bool) -> Data:
     """The data. Raises `InputError` where they are invalid."""
-    goals = {name: _number(f"the target {name}", value) for name, value in dict(targets or {}).items()}
+    goals = {name: _number(f"the target {name}", value) for name, value in _numbers_by_name("targets", targets).items()}
     _check_targets(goals)
     columns, s = _columns(points) if points is not None else ({}, None)
     if not goals and not columns:
         raise InputError("fit needs data: give targets, such as height = 10, or measured points")
-    sigmas = _sigmas(dict(sigma or {}), goals, columns, s)
+    sigmas = _sigmas(_numbers_by_name("sigma", sigma), goals, columns, s)
     sizes = [float(sigmas[name]) if sigmas else scale_of(case, name, value) for name, value in goals.items()]
     targets = np.array(list(goals.values()))
     if not columns:
@@ -107,9 +107,16 @@ def check_data(case: Case, targets: Any, points: Any, sigma: Any, wrapped: bool)
     return Data(goals, points, bool(sigmas), np.concatenate([targets, *measured]), np.concatenate([sizes, *scales]))
 
 
+def _numbers_by_name(name: str, value: Any) -> Mapping[str, Any]:
+    """A mapping of names to numbers; an empty one for None. Raises `InputError` for anything else."""
+    if value is not None and not isinstance(value, Mapping):
+        raise InputError(f"{name} must be a mapping of names to numbers, got {show(value)}")
+    return value or {}
+
+
 def _check_targets(names: Mapping[str, float]) -> None:
     for name in names:
-        if name not in OBSERVABLES:
+        if not known_name(name, OBSERVABLES):
             raise no_such("observable", name, OBSERVABLES)
         if is_count(name):
             raise InputError(
@@ -161,7 +168,7 @@ def _number(what: str, value: Any) -> float:
 
 
 def _sigmas(
-    sigma: dict[str, Any], targets: Mapping[str, float], columns: Mapping[str, Array], s: Array | None
+    sigma: Mapping[str, Any], targets: Mapping[str, float], columns: Mapping[str, Array], s: Array | None
 ) -> dict[str, Any]:
     """The standard deviations of all data, or none. Raises `InputError`."""
     names = [*targets, *columns]

@@ -9,8 +9,8 @@ from scipy.optimize import brentq
 
 from ..choose.selection import NEAREST, Choose, check
 from ..numerics.arrays import Array
-from ..problem.case import Case
-from ..problem.errors import InputError, check_tolerance
+from ..problem.case import Case, check_case
+from ..problem.errors import LARGEST_SEED, check_tolerance, whole_number, yes_or_no
 from .assembly import EQUAL, ZERO, result
 from .data import check_data
 from .fit_result import Fit
@@ -92,10 +92,9 @@ def fit(
     >>> print(f"F1 = {found.values['F1']:.4f}")
     F1 = 6.0274
     """
-    parameters = check_parameters(case, vary)
-    data = check_data(case, targets, points, sigma, wrapped)
-    if not 0 <= starts <= MOST_STARTS:
-        raise InputError(f"starts must be from 0 to {MOST_STARTS}, got {starts}")
+    parameters = check_parameters(check_case("fit", case), vary)
+    data = check_data(case, targets, points, sigma, yes_or_no("wrapped", wrapped))
+    starts, seed = whole_number("starts", starts, 0, MOST_STARTS), whole_number("seed", seed, 0, LARGEST_SEED)
     model = Model(case, parameters, data, check(choose), check_tolerance(tol))
     model.starts = starts
     origin = np.array([parameter.start for parameter in parameters])

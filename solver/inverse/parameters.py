@@ -1,6 +1,6 @@
 """The parameters of a fit: fields of a case, their bounds, and the numbers x by which a search moves them."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -9,7 +9,7 @@ import numpy as np
 from ..numerics.arrays import Array
 from ..problem.case import Case
 from ..problem.case_fields import check_fields, value_of
-from ..problem.errors import InputError, choices, show
+from ..problem.errors import InputError, choices, known_name, names_of, show
 from ..problem.field_values import POSITIVE, RANGES, angle
 from ..problem.quantities import AT_START, quantity
 
@@ -84,20 +84,14 @@ def check_parameters(case: Case, vary: Any) -> list[Parameter]:
 
 def _by_name(case: Case, vary: Any) -> dict[str, Any]:
     """Name -> bounds or None; `beta` of a start problem is beta0, as in a study."""
-    if isinstance(vary, str):
-        vary = (vary,)
-    pairs = list(vary.items()) if isinstance(vary, Mapping) else [(name, None) for name in _list(vary)]
+    pairs = list(vary.items()) if isinstance(vary, Mapping) else [(name, None) for name in names_of(vary)]
     at_start = {field.name for field in fields(case.given)}
-    names = [str(AT_START.get(name, name) if name in at_start else name) for name, _ in pairs]
+    names: list[Any] = [AT_START.get(name, name) if known_name(name, at_start) else name for name, _ in pairs]
+    if strange := [name for name in names if not isinstance(name, str)]:
+        raise InputError(f"vary must be names of fields, or a mapping of names to bounds, got {show(strange[0])}")
     if twice := [name for name in names if names.count(name) > 1]:
         raise InputError(f"the field {twice[0]!r} is varied twice")
     return {name: bounds for name, (_, bounds) in zip(names, pairs, strict=True)}
-
-
-def _list(vary: Any) -> list[Any]:
-    if not isinstance(vary, Iterable):
-        raise InputError(f"vary must be names of fields, or a mapping of names to bounds, got {vary!r}")
-    return list(vary)
 
 
 def _parameter(case: Case, name: str, bounds: Any) -> Parameter:

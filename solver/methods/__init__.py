@@ -34,7 +34,7 @@ def available() -> dict[str, type[StartMethod] | type[EndsMethod]]:
 
 def varying_method(kind: str, method: str | Method, knobs: dict[str, Any] | None = None) -> str:
     """The name of the method for rods with weight or friction. Raises `InputError` where another one is asked for."""
-    name, choice = VARYING[kind], method if isinstance(method, str) else method.name
+    name, choice = VARYING[kind], _name_of(method)
     if choice not in ("auto", name) or knobs:
         raise InputError(f"a rod with weight or friction is solved by {name} alone, without knobs; got {choice!r}")
     return name
@@ -47,9 +47,7 @@ def choose_method(kind: str, method: str | Method, knobs: dict[str, Any] | None 
     """
     if isinstance(method, Method) and knobs:
         raise InputError(f"set the knobs {choices(knobs)} in the method, {type(method).__name__}(...), not in solve")
-    name = method.name if isinstance(method, Method) else method
-    if not isinstance(method, Method) and not known_name(name, ["auto", *METHODS]):
-        raise no_such("method", name, ["auto", *METHODS])
+    name = _name_of(method)
     name = AUTOMATIC[kind] if name == "auto" else name
     instance = method if isinstance(method, Method) else METHODS[name].with_knobs(knobs or {})
     if kind not in instance.problems:
@@ -57,3 +55,12 @@ def choose_method(kind: str, method: str | Method, knobs: dict[str, Any] | None 
         raise InputError(f"method {name!r} does not solve {kind} problems; choose from {choices(able)}")
     assert isinstance(instance, StartMethod | EndsMethod)
     return instance
+
+
+def _name_of(method: Any) -> str:
+    """The name of a method that a caller asks for. Raises `InputError` for an unknown one."""
+    if isinstance(method, Method):
+        return method.name
+    if not known_name(method, ["auto", *METHODS]):
+        raise no_such("method", method, ["auto", *METHODS])
+    return str(method)

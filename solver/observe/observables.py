@@ -19,7 +19,7 @@ from ..numerics.complex_step import size_of
 from ..orbit.marched_orbit import MarchedOrbit
 from ..orbit.periodic_orbit import LIBRATION, ROTATION, TIGHT, jacobi_zeros, solve_orbit
 from ..problem.case import Rod
-from ..problem.errors import known_name, no_such
+from ..problem.errors import check_type, known_name, names_of, no_such, yes_or_no
 from ..problem.quantities import quantity
 from ..problem.reduced import flat
 from ..shape import Shape
@@ -354,7 +354,7 @@ def why_unknown(name: str, values: Any) -> list[tuple[str, Any]]:
 
 def check_names(names: Any) -> tuple[str, ...]:
     """One name or several as a tuple. Raises `InputError` for an unknown one."""
-    chosen = (names,) if not isinstance(names, Iterable) or isinstance(names, str) else tuple(names)
+    chosen = names_of(names)
     for name in chosen:
         if not known_name(name, OBSERVABLES):
             raise no_such("observable", name, OBSERVABLES)
@@ -396,8 +396,8 @@ def observe(sol: Shape, names: Iterable[str], errors: bool = False) -> dict[str,
     >>> print(f"{seen['turns']} bends, largest curvature {seen['kappa_max']:.4f}")
     5 bends, largest curvature 2.6140
     """
-    names = check_names(names)
-    read = Reading(sol)
+    names, errors = check_names(names), yes_or_no("errors", errors)
+    read = Reading(check_type("observe", sol, Shape))
     read.measure(key for name in names for key in OBSERVABLES[name].measured)
     shapeless = ~np.isfinite(sol.trajectory.beta).all(axis=1)
     observed: dict[str, Any] = {}

@@ -14,7 +14,7 @@ import numpy as np
 
 from .errors import InputError, choices, known_name, no_such, show
 from .field_values import ANGLES as ANGLES
-from .field_values import check_field_names, check_numbers, refuse, refuse_outside, write_fields
+from .field_values import check_field_names, check_numbers, numbers_of, refuse, refuse_outside, write_fields
 from .shown import table_of
 
 STIFFNESS = {"solid": np.pi / 4, "paper": np.pi / 16}  # A / (E (a^4 - inner_radius^4))
@@ -610,10 +610,17 @@ def weight_in_fluid(
     float or array
         [force/length]; with metres and kg/m^3, N/m.
 
+    Raises
+    ------
+    InputError
+        For a value that is no finite number.
+
     Examples
     --------
     >>> from solver import weight_in_fluid
     >>> print(f"{weight_in_fluid(0.0635, 0.0543, fluid=1200.0):.1f} N/m")  # 5 inch pipe in mud
     222.0 N/m
     """
-    return np.pi * (a - inner_radius) * (a + inner_radius) * (density - fluid) * gravity
+    given = {"a": a, "inner_radius": inner_radius, "density": density, "fluid": fluid, "gravity": gravity}
+    outer, inner, solid, liquid, pull = (numbers_of("weight_in_fluid", name, value) for name, value in given.items())
+    return np.pi * (outer - inner) * (outer + inner) * (solid - liquid) * pull

@@ -1,12 +1,12 @@
 """The numeric fields of a case by the names of their quantities, and a case with another value of one of them."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import fields, replace
 from functools import cache
 from typing import Any
 
 from .case import Case, Cylinder, Rod
-from .errors import InputError, choices, near
+from .errors import InputError, choices, known_name, names_of, near
 from .quantities import AT_START
 
 
@@ -17,10 +17,10 @@ def fields_of(case: Case) -> tuple[str, ...]:
 
 def check_fields(case: Case, names: Any) -> tuple[str, ...]:
     """The names as a tuple. Raises `InputError` for a name that is no numeric field of the case or is repeated."""
-    fields = (names,) if not isinstance(names, Iterable) or isinstance(names, str) else tuple(names)
+    fields = names_of(names)
     known = fields_of(case)
     for name in fields:
-        if name not in known:
+        if not known_name(name, known):
             raise InputError(f"no field {name!r} in this case{near(name, known)}; choose from {choices(known)}")
     if not fields or len(set(fields)) < len(fields):
         raise InputError(f"fields must be one or several different names, got {choices(fields) or 'none'}")

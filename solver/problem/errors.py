@@ -1,5 +1,5 @@
 """The error that the solver raises for an invalid value, the wording of its messages, the checks that every call makes
-(of the tolerance, and of whole numbers), and the outcome of a case whose computation raises."""
+(of the tolerance, of types, and of whole numbers), and the outcome of a case whose computation raises."""
 
 import operator
 import traceback
@@ -46,6 +46,14 @@ def show(value: object) -> str:
 def known_name(name: object, names: Iterable[object]) -> bool:
     """Whether a value of any type is one of the names."""
     return isinstance(name, str) and name in names
+
+
+def names_of(value: Any) -> tuple[Any, ...]:
+    """One name or several as a tuple of what may be names."""
+    try:
+        return (value,) if isinstance(value, str) else tuple(value)
+    except TypeError:  # of what holds none
+        return (value,)
 
 
 def choices(names: Iterable[object]) -> str:
@@ -99,6 +107,7 @@ def _one_letter_off(text: str, names: list[str]) -> list[str]:
 
 
 DEFAULT_TOLERANCE = 1e-8
+LARGEST_SEED = 2**63 - 1  # of random numbers
 
 
 def check_tolerance(tol: Any) -> float:
@@ -110,6 +119,25 @@ def check_tolerance(tol: Any) -> float:
     if not 0 < value < 1:
         raise InputError(f"tol must be a number between 0 and 1, got {show(tol)}")
     return value
+
+
+def check_type(function: str, value: object, kind: type[T], hint: str = "") -> T:
+    """The value if it is of a class. Raises `InputError` with the name of the function that takes it."""
+    if not isinstance(value, kind):
+        article = "an" if kind.__name__[0] in "AEIOU" else "a"
+        raise InputError(f"{function} takes {article} {kind.__name__}, got {type(value).__name__}{hint}")
+    return value
+
+
+def yes_or_no(name: str, value: Any) -> bool:
+    """The value as a bool. Raises `InputError` unless it is true or false, 1 or 0."""
+    try:
+        number = operator.index(value)
+    except TypeError:  # of NumPy's bool too
+        number = int(value) if type(value).__name__ in ("bool", "bool_") else -1
+    if number not in (0, 1):
+        raise InputError(f"{name} must be True or False, got {show(value)}")
+    return number == 1
 
 
 def whole_number(name: str, value: Any, least: int, most: int) -> int:

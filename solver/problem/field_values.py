@@ -82,7 +82,7 @@ def check_field_names(kind: type[T]) -> type[T]:
     return kind
 
 
-def _numbers(owner: str, field: str, value: Any) -> NDArray[np.float64] | float:
+def numbers_of(owner: str, field: str, value: Any) -> NDArray[np.float64] | float:
     """The value as a float or a read-only float array, angles in rad; `InputError` for other and non-finite values."""
     try:
         array = np.asarray(value)
@@ -134,7 +134,7 @@ def check_numbers(self: Any, skip: tuple[str, ...] = ()) -> None:
         value = getattr(self, field.name)
         optional = field.default is None
         if field.name not in skip and not (optional and value is None):
-            read = _numbers(type(self).__name__, field.name, value)
+            read = numbers_of(type(self).__name__, field.name, value)
             object.__setattr__(self, field.name, read)
             if field.name in ANGLES:
                 _notice(field.name, value, read)

@@ -10,12 +10,12 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from solver import Branch, Case, InputError, Solution
-from solver.equilibria import Equilibrium
+from solver import Branch, Case, Solution
+from solver.equilibria import MOST_LISTED, Equilibrium
 from solver.follow import solutions_of
 from solver.observe.observables import OBSERVABLES, observe
 from solver.orbit.periodic_orbit import jacobi_zeros
-from solver.problem.errors import no_such
+from solver.problem.errors import no_such, whole_number
 from solver.problem.reduced import held_of
 from studies import Study
 from studies.grammar.axes import quantity_of
@@ -297,8 +297,7 @@ POINT = "point"
 
 def dataset_of(branch: Branch, stations: int, units: Mapping[str, str]) -> xr.Dataset:
     """The branch over (point) and (point, u); see `Branch.to_dataset`."""
-    if stations < 2:
-        raise InputError(f"stations must be at least 2, got {stations}")
+    stations = whole_number("stations", stations, 2, MOST_LISTED)
     units, sol, name = all_units(units), solutions_of(branch, stations), branch.field
     numbers = _numbers_of(sol, (*POINT_NUMBERS, "dbeta0")) | {"index": branch.index}
     numbers |= _numbers_of(sol, schema.LOADS) | {"rho": np.broadcast_to(sol.case.rho, sol.case.shape)}

@@ -13,7 +13,7 @@ from solver.equilibrium_list import HeldEquilibria
 from solver.loops import Loop
 from solver.observe.observables import observe
 from solver.problem.case import PAIRS
-from solver.problem.errors import InputError, choices, no_such
+from solver.problem.errors import InputError, choices, no_such, show
 from solver.problem.reduced import held_of
 from studies import Study
 from studies.language.case_input import field_values
@@ -82,9 +82,11 @@ def dataset_of(study: Study, case: Case, found: Sequence[Equilibrium]) -> xr.Dat
 def all_units(units: Mapping[str, str] | None) -> dict[str, str]:
     """The units of length and force; default: these words. Raises `InputError` for another unit than these two."""
     words = {"length": "length", "force": "force"}
-    for name in units or {}:
+    for name, unit in (units or {}).items():
         if name not in words:
             raise no_such("unit", name, words)
+        if not isinstance(unit, str):
+            raise InputError(f"the unit of {name} must be text, got {show(unit)}")
     return words | dict(units or {})
 
 
