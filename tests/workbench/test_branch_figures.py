@@ -104,6 +104,16 @@ def test_dashed_lines_that_coincide_are_drawn_once(dead) -> None:
         )
 
 
+def test_a_whole_number_along_a_branch_is_drawn_at_its_points_and_nowhere_in_between(held) -> None:
+    """It has a gap where it changes; a smooth line would show numbers that no rod has."""
+    numbers = (held["curve_FZ"].values > np.median(held["curve_FZ"].values)) * 1.0
+    counted = held.assign(curve_turns=("curve_point", numbers, {"long_name": "number of bends", "units": "1"}))
+    ax = bifurcation.panel(counted, Figure().add_subplot(), "turns")
+    lines = [line for line in ax.lines if line.get_linestyle() != "None"]
+    assert len(lines) > 1
+    assert {tuple(np.unique(line.get_ydata())) for line in lines} == {(0.0,), (1.0,)}
+
+
 def test_of_many_branches_on_one_line_a_few_pairs_are_named(dead, monkeypatch) -> None:
     monkeypatch.setattr(bifurcation, "MOST_PAIRS", 1)
     (said,) = bifurcation._alike(dead, "height")

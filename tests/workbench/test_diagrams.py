@@ -6,12 +6,27 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.figure import Figure
 
 from solver.mechanics.potential import Loads, potential
 from solver.problem.errors import InputError
+from studies import load
+from studies.grammar.axes import Axis
 from tests.workbench import small
 from tests.workbench.small import study
-from workbench.figures import along, canvas, colours, drawn_rods, portrait, push_scale, study_figure, unrolled, waves
+from workbench.figures import (
+    along,
+    canvas,
+    colours,
+    drawn_numbers,
+    drawn_rods,
+    portrait,
+    push_scale,
+    study_figure,
+    trends,
+    unrolled,
+    waves,
+)
 from workbench.store import in_memory
 
 OUTPUTS = 'outputs = ["beta", "dbeta", "alpha", "z", "kappa", "contact"]\n'
@@ -178,6 +193,32 @@ def test_equal_peaks_of_push_are_drawn_equal_however_few_stations_are_stored() -
         peaks = push[1:-1][(push[1:-1] > push[:-2]) & (push[1:-1] > push[2:]) & (push[1:-1] > 160)]
         assert peaks.size == 6
         np.testing.assert_allclose(peaks, ds["push_max"].values[0], rtol=1e-3)  # a third of a pixel
+
+
+def test_a_whole_number_is_drawn_where_a_case_has_it_and_brackets_hold_its_changes() -> None:
+    coarse = small.study_dataset("fig7_1_modulus")
+    axis = Axis.model_validate({"from": 5e3, "to": 4e4, "count": 400, "spacing": "geometric"})
+    lean = {"axes": {"E": axis}, "laws": [], "observables": ["turns"], "outputs": []}
+    fine = in_memory.run(load("fig7_1_modulus").model_copy(update=lean))
+    E, turns = fine["E"].values, fine["turns"].values
+    jumps = [(E[k], E[k + 1]) for k in np.flatnonzero(np.diff(turns))]
+    assert len(jumps) == 3
+    for ds, wide in ((coarse, True), (fine, False)):
+        ax = trends.trend(ds, Figure(figsize=(5, 3)).subplots(), "turns", "E")
+        brackets = [line for line in ax.lines if line.get_label() == trends.BRACKET]
+        assert len(brackets) == 3 * wide
+        for (low, high), line in zip(jumps, brackets, strict=wide):
+            first, last = line.get_xdata()
+            assert (first <= low) & (high <= last)
+        (curve, *steps) = [line for line in ax.lines if line not in brackets]
+        rises = np.diff(curve.get_ydata())
+        assert not rises[np.isfinite(rises)].any()
+        for line in steps:
+            x, y = line.get_xdata(), line.get_ydata()
+            places = x[np.flatnonzero(np.abs(np.diff(y)) > 0)]
+            assert [low < place < high for place, (low, high) in zip(places, jumps, strict=True)] == [True] * 3
+        assert len(steps) == (not wide)
+        assert {y for *_, y, _ in drawn_numbers.rows(ax)} == set(turns)
 
 
 def test_drawing_leaves_no_state_behind(tmp_path) -> None:

@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 from scipy.interpolate import Akima1DInterpolator, CubicSpline
 
+from solver.observe import observables
 from solver.problem.errors import no_such
 from studies.laws.line_verdicts import DIRECTIONS, FAILS, HOLDS, QUALIFIED
 
@@ -83,11 +84,12 @@ def panel(ds: xr.Dataset, ax: Axes, key: str, inches: float = 4.0) -> Axes:
     along, height = labels.in_label_unit(ds[name], ds[f"curve_{name}"].values), _values(ds, f"curve_{key}")
     drawn: list[tuple[str, Any]] = []
     sizes = np.array([np.ptp(values[np.isfinite(values)]) or 1.0 for values in (along, height)])
+    count = observables.is_count(key)
     for row in branches(ds):
         on = np.flatnonzero(ds["curve_branch"].values == row["branch"])
         points = np.stack([along[on], height[on]], axis=1)
         runs = [(points, *_look(row))] if "member" in ds.sizes else _runs(ds, ax, on, points)
-        for run, look, label in ((part, *how) for points, *how in runs for part in _parts(points)):
+        for run, look, label in ((part, *how) for points, *how in runs for part in _parts(points, count)):
             share = run / sizes
             if any(label == same and _lies_on(share, other) for same, other in drawn):
                 continue
@@ -95,7 +97,7 @@ def panel(ds: xr.Dataset, ax: Axes, key: str, inches: float = 4.0) -> Axes:
             line = smooth_line(run[:, 0], run[:, 1], share)
             if look["linestyle"] == "-" and np.ptp(share, axis=0).max() < HIDDEN:
                 look = look | {"zorder": 6.5}  # above the marks at its two ends
-            ax.plot(*line, label=label, marker="." if on.size == 1 else "", **look)
+            ax.plot(*line, label=label, marker="." if len(run if count else on) == 1 else "", **look)
     for kind, mark in MARKS.items():
         x, y = _special(ds, name, key, kind)
         if x.size:
@@ -113,10 +115,12 @@ def panel(ds: xr.Dataset, ax: Axes, key: str, inches: float = 4.0) -> Axes:
     return ax
 
 
-def _parts(points: Any) -> list[Any]:
-    """The stretches of points (n, 2) that have numbers, one after the other."""
+def _parts(points: Any, count: bool) -> list[Any]:
+    """The stretches of points (n, 2) that have numbers, one after the other; of a count those of one number each, as
+    nobody knows where between two points it changes."""
     known = np.isfinite(points).all(axis=1)
-    stretches = np.split(np.arange(len(points)), np.flatnonzero(np.diff(known)) + 1)
+    ends = np.diff(known) | (count & (np.abs(np.diff(points[:, 1])) > 0))
+    stretches = np.split(np.arange(len(points)), np.flatnonzero(ends) + 1)
     return [points[stretch] for stretch in stretches if stretch.size and known[stretch[0]]]
 
 

@@ -19,6 +19,7 @@ from matplotlib.lines import Line2D
 
 from ..words import labels
 from . import canvas
+from .trends import CHANGE
 
 CASING = "_casing"  # the label of the grey casing of a coloured line
 COLUMNS = ("panel", "x_label", "y_label", "kind", "series", "x", "y", "value")
@@ -95,9 +96,10 @@ def _name_at(axis: Axis, place: float) -> str:
 
 
 def _is_mark(ax: Axes, line: Line2D) -> bool:
-    """Whether it is a line across the whole panel, which marks one value, or the casing of a coloured line."""
+    """Whether it is a line across the whole panel, which marks one value, a bracket or step between two values, or the
+    casing of a coloured line."""
     across = line.get_transform() in (ax.get_xaxis_transform("grid"), ax.get_yaxis_transform("grid"))
-    return across or line.get_label() in (CASING, "_samples")
+    return across or line.get_gid() == CHANGE or line.get_label() in (CASING, "_samples")
 
 
 def _label(artist: Any, number: int) -> str:

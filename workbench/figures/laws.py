@@ -16,7 +16,8 @@ from studies.laws.verdicts import Law
 from ..store import law_verdicts, selection
 from ..words import labels
 from . import canvas, colours, fonts
-from .trends import trend
+from .scales import is_logarithmic
+from .trends import draw_line, trend
 
 
 def panel(ds: xr.Dataset, ax: Axes, row: Mapping[str, Any]) -> str:
@@ -50,9 +51,10 @@ def _draw_alternative(ds: xr.Dataset, ax: Axes, row: Mapping[str, Any]) -> None:
         return
     axis, array, places = row["axis"], ds[also["observable"]], selection.line(ds, row["axis"], row["at"])
     along = labels.in_label_unit(ds[axis], ds[axis].values[[place[axis] for place in places]])
+    values = np.asarray(labels.in_label_unit(array, [float(array.isel(place)) for place in places]))
     right, colour = ax.twinx(), colours.PAIR[0]
-    right.plot(along, labels.in_label_unit(array, [float(array.isel(place)) for place in places]), color=colour,
-               linewidth=1.0, linestyle=DASHED, label=str(array.name))  # fmt: skip
+    draw_line(right, along, values, selection.is_count(ds, str(array.name)), is_logarithmic(ds[axis]), color=colour,
+              linewidth=1.0, linestyle=DASHED, label=str(array.name))  # fmt: skip
     right.set_ylabel(f"{labels.label(array)}: {PLAIN[FAILS]}", color=colour)
     right.tick_params(axis="y", colors=colour)
     right.spines["right"].set(visible=True, color=colour)

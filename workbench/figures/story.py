@@ -169,11 +169,12 @@ def row(ds: xr.Dataset, ax: Axes, below: Axes) -> None:
 
 
 def law(ds: xr.Dataset, ax: Axes) -> None:
-    """The first law of a dataset: its observable as steps, and its verdict."""
+    """The first law of a dataset: its observable along the axis, and its verdict."""
     (verdict, *_) = law_verdicts.verdicts(ds)
     trend(ds, ax, verdict["observable"], verdict["axis"], verdict["at"])
     title = f"claim {verdict['claim']}: {PLAIN[verdict['verdict']]}"
     ax.set_title(title, loc="left", size=fonts.small(), color=colours.VERDICTS[verdict["verdict"]], pad=3)
+    canvas.add_legend(ax, loc="upper right", borderpad=0.0, handlelength=1.3)
 
 
 def claims(ds: xr.Dataset, ax: Axes) -> None:

@@ -25,6 +25,8 @@ FEW, MANY = 300, 4000  # samples up to which a dot is large, and beyond which th
 LEAST = 8  # samples of which a rank correlation says something
 BINS = (90, 60)  # of the density
 WITHOUT = "solved, without a number"  # in a legend
+BRACKET, CHANGE = "changes in between", "change"  # of a whole number: in a legend, and the gid of what shows it
+NEAR = 0.08  # inches between two values of an axis whose dots touch: a step in their middle is right within a dot
 
 Values = NDArray[np.float64]
 
@@ -43,21 +45,22 @@ def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, fl
     lines = lines.copy(data=labels.in_label_unit(ds[observable], lines.values))
     others = {name: i for name, i in order[0].items() if name != axis}
     values = lines.isel(others).values.astype(float)
-    is_count = selection.is_count(ds, observable)
-    look: dict[str, Any] = {"drawstyle": "steps-mid"} if is_count else {}
+    is_count, logarithmic = selection.is_count(ds, observable), is_logarithmic(ds[axis])
     for line in lines.values.reshape(-1, along.size) if lines.ndim > 1 else ():
-        ax.plot(along, line, color=colours.FAINT, linewidth=1, zorder=1, **look)
+        draw_line(ax, along, line, is_count, logarithmic, color=colours.FAINT, linewidth=1, zorder=1)
     broken = np.empty(0, dtype=int)  # a line has a gap wherever the branch changes
     if "branch" in ds and set(ds["branch"].dims) == set(order[0]):
         broken = np.flatnonzero(np.diff(ds["branch"].isel(others | on).values)) + 1
-    ax.plot(*(np.insert(numbers, broken, np.nan) for numbers in (along, values)), color=colours.DATA, linewidth=1.2,
-            zorder=2, **look)  # fmt: skip
+    changes = draw_line(ax, along, values, is_count, logarithmic, broken, color=colours.DATA, linewidth=1.2, zorder=2)
+    for k in changes.tolist():
+        ax.plot(along[[k - 1, k]], [values[[k - 1, k]].mean()] * 2, color=colours.SOFT, linewidth=0.8, marker="|",
+                markersize=5, zorder=1.9, label=BRACKET, gid=CHANGE)  # fmt: skip
     if along.size <= MOST_DOTS:
         ax.scatter(along, values, color=colours.DATA, s=15, zorder=4, edgecolors="white", linewidths=0.7)
     solved = ds["solved"].transpose(..., axis).isel(on).isel(others).values
     _mark_missing(ax, along, np.isfinite(values), solved, named=True)
     low, high = float(along.min()), float(along.max())
-    set_scale(ax.xaxis, (low, high), is_logarithmic(ds[axis]), SPARE)
+    set_scale(ax.xaxis, (low, high), logarithmic, SPARE)
     if "fold" in ds and axis == ds.attrs.get("followed") and np.isfinite(ds["fold"]):
         ax.axvline(float(np.degrees(ds["fold"])), color=colours.INK, linewidth=1, linestyle=(0, (4, 3)), label="fold")
     wide, high = fonts.inches(ax)
@@ -75,6 +78,41 @@ def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, fl
         half = max(0.1 * abs(middle), 10 * np.ptp(drawn))
         ax.set_ylim(middle - half, middle + half)
     return ax
+
+
+def draw_line(
+    ax: Axes,
+    along: Values,
+    values: Values,
+    is_count: bool,
+    logarithmic: bool,
+    broken: NDArray[np.int64] | tuple[()] = (),
+    **look: Any,
+) -> NDArray[np.int64]:
+    """Draw values against those of an axis, with a gap before each of the places `broken`, and a dot where one stands
+    alone.
+
+    A whole number has a step between two values of the axis that stand at one place of the picture. Between others
+    nobody knows where it changes: the line has a gap there too, before the places that are returned. look: options of
+    `Axes.plot`.
+    """
+    changes = np.setdiff1d(np.flatnonzero(np.abs(np.diff(values)) > 0) + 1 if is_count else (), broken).astype(int)
+    share = np.log(np.abs(along)) if logarithmic else along
+    inches = np.abs(np.diff(share)) / (np.ptp(share) or 1.0) * fonts.inches(ax)[0]
+    is_near = inches[changes - 1] < NEAR
+    gaps = np.union1d(broken, changes).astype(int)
+    known = np.isfinite(values)
+    joined = known[1:] & known[:-1] & ~np.isin(np.arange(1, values.size), gaps)
+    alone = np.flatnonzero(known & ~np.append(joined, False) & ~np.insert(joined, 0, False))
+    dots = {"marker": ".", "markersize": 3, "markevery": (alone + np.searchsorted(gaps, alone, "right")).tolist()}
+    ax.plot(*(np.insert(row.astype(float), gaps, np.nan) for row in (along, values)), **(dots if alone.size else {}),
+            **look)  # fmt: skip
+    if (near := changes[is_near]).size:
+        (left, right), (first, last) = ((row[near - 1], row[near]) for row in (along, values))
+        middle, gap = (left + right) / 2, np.full(near.size, np.nan)
+        x, y = np.stack([left, middle, middle, right, gap], 1), np.stack([first, first, last, last, gap], 1)
+        ax.plot(x.ravel(), y.ravel(), **{**look, "label": "", "gid": CHANGE})
+    return changes[~is_near]
 
 
 def axis_label(ds: xr.Dataset, axis: str, where: dict[str, int], long: bool = True) -> str:

@@ -23,7 +23,7 @@ from solver.problem.errors import InputError, choices, no_such
 
 from ..figures import canvas, colours, fonts
 from ..figures.scales import is_logarithmic
-from ..figures.trends import trend
+from ..figures.trends import BRACKET, trend
 from ..store import atomic, schema, selection
 from ..words import cautions, labels
 from . import body as rods
@@ -199,6 +199,9 @@ def _grow(ax: Axes, at: float) -> Iterator[Artist]:
     shown = Rectangle((low, foot), at - low, top - foot, transform=ax.transData)
     for artist in (*ax.lines, *ax.collections):
         artist.set_clip_path(shown)
+    for line in ax.lines:
+        if line.get_label() == BRACKET:
+            line.set_visible(float(np.max(np.asarray(line.get_xdata()))) <= at)
     curve = max(ax.lines, key=Artist.get_zorder)
     values = np.asarray(curve.get_ydata())[np.asarray(curve.get_xdata()) == at]
     yield from ax.plot([at] * values.size, values, "o", color=colours.INK, markersize=5, zorder=5)
@@ -225,7 +228,11 @@ def _draw_diagram(ax: Axes, ds: xr.Dataset, film: Film) -> None:
     trend(ds, ax, film.observable, film.axis, film.at).set_label(DIAGRAM_LABEL)
     ax.set(xlabel=labels.axis_label(film.axis, ds[film.axis]), ylabel="")
     name = labels.label(ds[film.observable], long=True)
-    ax.set_title(name[:1].upper() + name[1:], loc="left", size=fonts.SMALL)
+    is_wide = fonts.inches(ax)[0] > DIAGRAM[0]
+    side, place = ("right", (1.0, 1.0)) if is_wide else ("left", (0.0, 1.0))
+    canvas.add_legend(ax, loc=f"lower {side}", bbox_to_anchor=place, borderpad=0.2, fontsize=fonts.SMALL)
+    has_line = not is_wide and ax.get_legend() is not None  # of its own, below the name
+    ax.set_title(name[:1].upper() + name[1:], loc="left", size=fonts.SMALL, pad=18 if has_line else 6)
 
 
 def write(paths: Sequence[Path], made: Iterator[Pixels], fps: float = FPS, each: int = 1, back: bool = False) -> None:

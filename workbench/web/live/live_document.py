@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from solver.core import build
+from solver.observe import observables
 from solver.problem.errors import InputError
 from solver.problem.quantities import QUANTITIES
 from studies.language.readings import READINGS
@@ -102,7 +103,11 @@ def _data(presets: Sequence[Preset], served: bool) -> dict[str, Any]:
         "quantities": {
             name: [row.symbol, labels.quantity_name(row.long_name), row.dimension] for name, row in QUANTITIES.items()
         },
-        "branches": {"fields": page_model.FIELDS, "shown": page_model.SHOWN},
+        "branches": {
+            "fields": page_model.FIELDS,
+            "shown": page_model.SHOWN,
+            "counts": [name for name in page_model.SHOWN if observables.is_count(name)],
+        },
         "colours": colours.for_pages(),
         "core": core_text(),
     }

@@ -13,6 +13,13 @@ const STABLE = [2.6, [], "ink"],
   UNSTABLE = [1.2, [4, 3], "soft"]; // pixels, dashes and colour of a line, as in the figures
 const LIMIT = "Not all branches are drawn: the page follows them for 8 s. The command workbench equilibria --axis has no limit.";
 
+/* The stretches of a piece of a branch, of its field x and its values y: of a count those of one number each, as nobody
+   knows where between two points it changes. */
+export function runs(x, y, isCount) {
+  const ends = [...y.keys()].filter((i) => i > 0 && isCount && y[i] !== y[i - 1]);
+  return [0, ...ends].map((from, k) => ({ x: x.slice(from, ends[k]), y: y.slice(from, ends[k]) }));
+}
+
 /* The diagram in a figure with two menus, a canvas and a note. names: fields and what is shown. ask(body, then, refused,
    isOld): of the server. pick(field, value, equilibrium): take a rod. */
 export function makeBranches(figure, names, quantities, theme, ask, pick) {
@@ -118,11 +125,11 @@ export function makeBranches(figure, names, quantities, theme, ask, pick) {
       ratio = window.devicePixelRatio || 1,
       ctx = paper(canvas, wide, HIGH, ratio),
       colours = theme(),
-      lines = curves.pieces.map((piece) => ({
-        x: piece.field.map((value) => scaled(field.value, value)),
-        y: piece[name].map((value) => scaled(name, value)),
-        look: piece.index === 0 ? STABLE : UNSTABLE,
-      }));
+      isCount = names.counts.includes(name),
+      lines = curves.pieces.flatMap((piece) => {
+        const [x, y] = [piece.field.map((value) => scaled(field.value, value)), piece[name].map((value) => scaled(name, value))];
+        return runs(x, y, isCount).map((run) => ({ ...run, look: piece.index === 0 ? STABLE : UNSTABLE }));
+      });
     const spec = {
       lines,
       x: lines.flatMap(({ x }) => x),
