@@ -39,7 +39,10 @@ def test_a_file_is_written_and_opened_as_xarray_alone_does(six, tmp_path) -> Non
     six.to_netcdf(tmp_path / "theirs.h5", engine="h5netcdf", encoding=writing.encoding(six))
     writing.write_new(six, tmp_path / "ours.h5")
     assert runs.contents(tmp_path / "ours.h5") == runs.contents(tmp_path / "theirs.h5")
-    with writing.open_file(tmp_path / "ours.h5") as ours, xr.open_dataset(tmp_path / "ours.h5") as theirs:
+    with (
+        writing.open_file(tmp_path / "ours.h5") as ours,
+        xr.open_dataset(tmp_path / "ours.h5", engine="h5netcdf") as theirs,
+    ):
         xr.testing.assert_identical(ours, theirs)
         for name, variable in ours.variables.items():
             assert str(variable.encoding) == str(theirs[name].encoding)
