@@ -6,8 +6,9 @@ two equal steps of each step: of equal differences, or of equal ratios where the
 
 The cells begin as those of the coarse grid. A cell is halved along every axis if the numbers of its corners disagree,
 or if those along one of its faces do, as the smaller cells beyond the face show: so a boundary is followed into the
-next cell. Each round halves the largest of these cells, until none is left that is larger than the tolerance, or until
-the budget is spent. The rounds follow from the numbers alone.
+next cell. Along one axis an interval whose ends agree is halved once, too: a number that changes and changes back shows
+in its middle, or not at all. Each round halves the largest of these cells, until none is left that is larger than the
+tolerance, or until the budget is spent. The rounds follow from the numbers alone.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -259,6 +260,10 @@ class Refinement:
         """How many cells of each level are still to be halved."""
         return [int(mask.sum()) for mask in self._mark()]
 
+    def widest(self) -> float:
+        """The size of the largest cells, as a share of an axis."""
+        return self.lattice.share(next(level for level, cells in enumerate(self.cells) if len(cells)))
+
     def open_lines(self) -> int:
         """How many gaps between lines of different verdicts are wider than the tolerance."""
         return sum(int((upper - lower > 1).sum()) for line in self.lines for lower, upper in [line.gaps()])
@@ -309,12 +314,21 @@ class Refinement:
                 continue
             numbers = self.numbers[self.corners(level)]
             if level < depth:
-                marked[level] |= disagree(numbers, self.steps)
+                marked[level] |= disagree(numbers, self.steps) | self._intervals_to_test(level)
             for axis, side in product(range(offsets.shape[1]), (0, 1)):
                 across = cells[disagree(numbers[:, offsets[:, axis] == side], self.steps)].copy()
                 across[:, axis] += self.size(level) if side else -self.size(level)
                 self._mark_larger(across, level, marked)
         return marked
+
+    def _intervals_to_test(self, level: int) -> Mask:
+        """The intervals of a level in which no case was solved to see whether a number changes and changes back: along
+        one axis all but those that were halved from an interval whose ends agreed with its middle."""
+        cells = self.cells[level]
+        if len(self.lattice.shape) > 1 or level == 0:
+            return np.full(len(cells), len(self.lattice.shape) == 1)
+        whole, half = cells & -self.size(level - 1), self.size(level)
+        return disagree(self.numbers[self._cases(whole[:, None, :] + np.arange(3)[:, None] * half)], self.steps)
 
     def _mark_larger(self, across: Places, level: int, marked: list[Mask]) -> None:
         """Mark the cells that hold these places and are larger than those of a level."""

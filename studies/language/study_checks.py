@@ -151,7 +151,7 @@ def _check_equilibrium(study: Study) -> None:
 
 def _check_law(study: Study, number: int, law: Law) -> None:
     """Raise `Misplaced` unless axes and observables of a law are those of the study."""
-    sampled = study.sampled if study.refine is None else ()  # laws are judged on the coarse grid
+    sampled = study.sampled if study.refine is None else ()  # a refined study has its axes
     lines = [*study.axes, *([SAMPLE] if sampled else [])]
     if law.axis in (*sampled, *lines[len(study.axes) :]):
         is_drawn = "" if law.axis == SAMPLE else f"{law.axis} is sampled, and "

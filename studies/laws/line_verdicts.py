@@ -98,7 +98,8 @@ class Line:
 
     values: (n,), not finite where there is no value. cut: (n - 1,), the steps that cross to another branch. count:
     whether the values are a count. axis: its name. along: its values, (n,). targets: key of the law -> (n,). why: why a
-    target has no value, or "". A law with a direction needs none of the last four.
+    target has no value, or "". A law with a direction needs none of these four. added: (n,), the cases that a
+    refinement added where something changes; default: none. The others lie evenly.
     """
 
     values: Array
@@ -108,6 +109,12 @@ class Line:
     along: Array = field(default_factory=lambda: np.empty(0))
     targets: Mapping[str, Array] = field(default_factory=dict)
     why: str = ""
+    added: NDArray[np.bool_] | None = None
+
+    @property
+    def even(self) -> NDArray[np.int64]:
+        """The indices of the cases that no refinement added."""
+        return np.arange(self.values.size) if self.added is None else np.flatnonzero(~self.added)
 
     @property
     def noise(self) -> float:
@@ -189,15 +196,23 @@ def line_of(values: ArrayLike, count: bool | None = None, crossing: ArrayLike | 
 
 
 def monotone(line: Line, sign: int, may_stand: bool) -> Verdict:
-    """The verdict on a line that must go the way of `sign`; may_stand: whether it may be level over the whole axis."""
-    row, cut, noise = line.values, line.cut, line.noise
+    """The verdict on a line that must go the way of `sign`; may_stand: whether it may be level over the whole axis.
+
+    No case may go the wrong way. Whether it stands still, and the trend, are those of the even cases, so that they do
+    not depend on where a refinement added cases.
+    """
+    row, cut, noise, even = line.values, line.cut, line.noise, line.even
     pausing = may_stand or line.count
     steps = np.where(cut, np.nan, sign * np.diff(row))
-    wrong = steps < -noise if pausing else steps <= noise  # False for NaN
-    exceptions = [(int(i), int(i) + 1) for i in np.flatnonzero(wrong)]
-    pairs = _compare(row, cut, sign, noise)
+    exceptions = [(int(i), int(i) + 1) for i in np.flatnonzero(steps < -noise)]  # False for NaN
+    crossed = np.logical_or.reduceat(cut, even[:-1]) if even.size > 1 else cut[:0]
+    if not pausing:
+        wrong = np.logical_or.reduceat(steps < -noise, even[:-1]) if even.size > 1 else cut[:0]
+        stands = ~wrong & ~crossed & (sign * np.diff(row[even]) <= noise)
+        exceptions = sorted([*exceptions, *((int(even[k]), int(even[k + 1])) for k in np.flatnonzero(stands))])
+    pairs = _compare(row[even], crossed, sign, noise)
     if row.size == 1 or np.isnan(steps).any():
-        return _with_gaps(row, cut, pausing, pairs, exceptions)
+        return _with_gaps(line, pausing, pairs, exceptions)
     changed = may_stand or sign * (row[-1] - row[0]) > noise
     level = "" if np.ptp(row) > noise else "it does not change"
     if not exceptions and changed:
@@ -255,10 +270,9 @@ def cuts(crossing: ArrayLike | None, shape: tuple[int, ...], k: int = 0) -> NDAr
     return np.moveaxis(cut, k, -1)
 
 
-def _with_gaps(
-    row: NDArray[np.float64], cut: NDArray[np.bool_], pausing: bool, pairs: _Pairs, exceptions: list[tuple[int, int]]
-) -> Verdict:
+def _with_gaps(line: Line, pausing: bool, pairs: _Pairs, exceptions: list[tuple[int, int]]) -> Verdict:
     """The verdict on a line with unknown steps: it fails only if the known steps rule out even a trend."""
+    row, cut, count = line.values, line.cut, line.even.size
     reasons = []
     if np.isnan(row).any():
         reasons.append(without_value(np.isnan(row)))
@@ -267,7 +281,7 @@ def _with_gaps(
         reasons.append(f"{steps} to another branch of equilibria")
     reason = "; ".join(reasons) or "a single value has no step"
     wrong = pairs.wrong > 0 or (not pausing and pairs.right < pairs.compared)
-    best = pairs.at_best(row.size * (row.size - 1) // 2).tau
+    best = pairs.at_best(count * (count - 1) // 2).tau
     if wrong and best is not None and best < TREND_TAU:
         return Verdict(FAILS, pairs.tau, exceptions, f"{reason}; the other steps rule out even a trend")
     return Verdict(UNDECIDED, pairs.tau, exceptions, reason)

@@ -222,13 +222,15 @@ class Grid:
     """What laws are judged on: the axes of a grid of cases, and numbers of each case.
 
     axes: the values of each. crossing: over the grid, but one fewer along the axis of the law. counts: the expressions
-    that are whole numbers. known: the numbers that the formulas of the law use, by name.
+    that are whole numbers. known: the numbers that the formulas of the law use, by name. added: over the grid, the
+    cases that a refinement added.
     """
 
     axes: Mapping[str, ArrayLike]
     crossing: ArrayLike | None
     counts: Collection[str]
     known: Mapping[str, ArrayLike]
+    added: ArrayLike | None = None
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -242,6 +244,7 @@ def decide(
     crossing: ArrayLike | None = None,
     counts: Collection[str] = (),
     known: Mapping[str, ArrayLike] | None = None,
+    added: ArrayLike | None = None,
 ) -> dict[str, Any]:
     """The verdict on a law, and on each further observable that it names, as plain data.
 
@@ -259,6 +262,9 @@ def decide(
         The expressions among the observables that are whole numbers.
     known : mapping of arrays, optional
         The numbers that the formulas of the law use, by name; each broadcasts to the grid.
+    added : array of bool, optional
+        Over the grid: the cases that a refinement added where a number changes. They may go against the law; a trend is
+        that of the others.
 
     Returns
     -------
@@ -280,7 +286,7 @@ def decide(
     missing = [name for name in law.observables if name not in observed]
     if missing:
         raise InputError(f"the law {law.claim} needs the observable {missing[0]!r}; available: {choices(observed)}")
-    grid = Grid(axes, crossing, counts, known or {})
+    grid = Grid(axes, crossing, counts, known or {}, added)
     rows = [
         {"observable": name, **_over_lines(law, name, np.asarray(observed[name]), grid)} for name in law.observables
     ]
@@ -406,11 +412,13 @@ def _lines(
     along, lines, cut = along[order], rise(values), cuts(grid.crossing, grid.shape, k)
     compared = {key: (rise(at), rise(why)) for key, (at, why) in targets(law, grid.shape, grid.known).items()}
     count, rule, kind = name in grid.counts or is_count(name), law.rule, KINDS[law.kind]
+    added = None if grid.added is None else rise(np.asarray(grid.added))
 
     def judge(where: tuple[int, ...]) -> Verdict:
         mine = {key: at[where] for key, (at, _) in compared.items()}
         why = "; ".join(dict.fromkeys(text for _, texts in compared.values() for text in texts[where].tolist() if text))
-        line = line_of(lines[where], count, cut[where], axis=law.axis, along=along, targets=mine, why=why)
+        line = line_of(lines[where], count, cut[where], axis=law.axis, along=along, targets=mine, why=why,
+                       added=None if added is None else added[where])  # fmt: skip
         return kind.judge(line, rule)
 
     return along, lines, judge

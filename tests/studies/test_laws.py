@@ -15,6 +15,8 @@ from studies.laws.line_verdicts import (
     Line,
     Verdict,
     judge,
+    judge_direction,
+    line_of,
 )
 from studies.laws.verdicts import Law, by_line, decide
 
@@ -54,6 +56,19 @@ def test_pairs_across_a_crossing_are_not_counted_in_tau() -> None:
     cut[3] = True
     left, right = kendalltau(range(4), row[:4]), kendalltau(range(4), row[4:])  # six pairs each, none equal
     assert judge(row, "rises", crossing=cut).tau == pytest.approx((left.statistic + right.statistic) / 2)
+
+
+def test_cases_that_a_refinement_added_may_refute_a_law_and_do_not_weigh_in_its_trend() -> None:
+    """Two that are nearly equal do not stand still either."""
+    x = np.arange(9.0)
+    near = 4.0 + np.linspace(1e-12, 1e-11, 40)
+    rising, dipping = x, np.where(x == 4, 2.5, x)
+    for even, dip, verdict, wrong in ((rising, 0.0, HOLDS, 0), (rising, 1.0, TREND, 1), (dipping, 0.0, TREND, 1)):
+        added = np.interp(near, x, even) - dip * (near == near[20])
+        values, is_added = np.insert(even, 5, added), np.insert(np.zeros(9, dtype=bool), 5, np.ones(40, dtype=bool))
+        judged = judge_direction(line_of(values, False, added=is_added), "rises")
+        assert (judged.verdict, len(judged.exceptions)) == (verdict, wrong)
+        assert judged.tau == judge(even, "rises").tau
 
 
 @pytest.mark.parametrize("size", [257, 1000, 2500])

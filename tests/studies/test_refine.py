@@ -133,14 +133,23 @@ def test_a_finer_tolerance_begins_with_the_cases_of_the_coarser_one() -> None:
     np.testing.assert_array_equal(many.places[: len(few.places)], few.places * 4)
 
 
-def test_along_one_axis_a_jump_costs_one_case_for_each_halving() -> None:
+def test_along_one_axis_a_jump_costs_two_cases_for_each_halving() -> None:
+    """One halves the interval that holds it, one tests the middle of the half that does not."""
     found = refined(lambda x: x > 0.4321, shape=(6,), depth=20)
-    assert len(found.places) == 6 + 20
+    assert len(found.places) == 6 + 4 + 20 + 19  # four intervals hold no jump; a half of the last level has no middle
     pairs, _ = found.edges()
     (jump,) = np.flatnonzero(np.diff(found.numbers[pairs, 0], axis=1)[:, 0])
     low, high = found.lattice.along("x", found.places[pairs[jump], 0])
     assert low <= 0.4321 < high
     assert high - low == pytest.approx(0.2 / 2**20)
+
+
+def test_along_one_axis_what_holds_the_middle_of_a_level_interval_is_found() -> None:
+    found = refined(lambda x: (x > 0.27) & (x < 0.35), shape=(6,), depth=12)  # 0.3 is the middle of 0.2 and 0.4
+    numbers = found.numbers[np.argsort(found.places[:, 0]), 0]
+    assert np.count_nonzero(np.diff(numbers)) == 2
+    assert found.widest() == pytest.approx(0.1)
+    assert not any(found.open_cells())
 
 
 def with_law(along: int, budget: int = 10**6) -> Refinement:

@@ -113,8 +113,57 @@ def test_along_one_axis_each_jump_is_enclosed_to_the_tolerance(line: xr.Dataset)
         for side, number in ((-1, pair["before"]), (1, pair["after"])):
             case = study(LINE).case_of({"E": float(pair["E"] + side * pair["E_half_width"])})
             assert float(observe(solve(case), ["turns"])["turns"]) == float(number)
-    assert line.sizes["sample"] < 100
+    assert line.sizes["sample"] < 130
     assert sorted(refined.line(line)["E"].values) == refined.line(line)["E"].values.tolist()
+
+
+FIVE = """[base]
+nu = 0.25
+a = 0.25
+L = 14.0
+R = 1.0
+side = "inside"
+beta = "10deg"
+dbeta = 0.1
+M3 = 3.0
+F3 = -10.0
+"""
+CHANGES = {5104.1: (2, 1), 5110.5: (1, 0), 5113.9: (0, 1), 7036.7: (1, 2), 17811.4: (2, 1)}  # by a scan of 20,000 rods
+
+
+@pytest.fixture(scope="module")
+def five() -> xr.Dataset:
+    axis = LINE.replace("count = 4", "count = 6") + small.law("turns", "E", "falls")
+    whole = '[refine]\nwatch = ["turns"]\ntolerance = 1e-6\n'
+    head = 'title = "small"\nobservables = ["turns"]\noutputs = []\nunits = {length = "cm", force = "N"}\n'
+    return in_memory.run(loads(head + FIVE + axis + whole))
+
+
+def test_a_number_that_changes_and_changes_back_between_two_values_is_located(five: xr.Dataset) -> None:
+    """Between the first two values of the axis it goes from 2 to 0 and back to 2; the ends of the interval agree."""
+    found = boundary(five, "turns")
+    assert five["turns"].values[:2].tolist() == [2, 2]
+    pairs = zip(found["before"].values, found["after"].values, strict=True)
+    assert dict(zip(found["E"].values.round(1), pairs, strict=True)) == CHANGES
+
+
+def test_a_law_along_one_refined_axis_is_judged_on_every_case(five: xr.Dataset) -> None:
+    """The six values of the axis alone agree with it."""
+    (row,) = law_verdicts.verdicts(five)
+    (coarse,) = law_verdicts.verdicts(refined.coarse(five))
+    assert (row["verdict"], coarse["verdict"]) == ("fails", "holds")
+    steps = [(step["from"], step["to"]) for step in row["exceptions"]]
+    jumps = [at for at, (before, after) in CHANGES.items() if after > before]
+    assert [low < at + 0.1 and at - 0.1 < high for (low, high), at in zip(steps, jumps, strict=True)] == [True, True]
+    assert row["steps"] == five.sizes["sample"] - 1
+
+
+def test_a_refinement_says_what_it_cannot_have_seen(five: xr.Dataset, stored: Path) -> None:
+    line = np.sort(np.log(five["E"].values))
+    apart = np.diff(line).max() / np.ptp(line)
+    assert f"a change and its reverse between neighbouring cases, up to {apart:.2g} of an axis" in five.refinement
+    with xr.open_dataset(stored) as ds:
+        assert "a region inside one cell, up to 0.33 of an axis wide, that holds none of its corners" in ds.refinement
 
 
 # the file

@@ -27,7 +27,9 @@ BLOCK = 100_000  # cases that are read at a time
 
 
 def verdicts(ds: "xr.Dataset", crossing: "Mapping[str, NDArray[np.bool_]] | None" = None) -> list[dict[str, Any]]:
-    """The verdicts on the laws of a dataset. A refined study is judged on its coarse grid.
+    """The verdicts on the laws of a dataset.
+
+    A study that is refined along one axis is judged on all its cases, one in a plane on its coarse grid.
 
     A law along an axis that the reading of Table 1 drops is not tested: it is not decided.
 
@@ -53,18 +55,18 @@ def verdicts(ds: "xr.Dataset", crossing: "Mapping[str, NDArray[np.bool_]] | None
     ('turns', 'holds')
     """
     laws = schema.laws_of(ds)
+    rows, added = [], None
     if laws and schema.is_refined(ds):
-        ds = refined.coarse(ds)
-    rows = []
+        ds, added = refined.cases_for_laws(ds)
     for law in laws:
         observed = {name: ds[name].values for name in law.observables if name in ds}
         steps = crossings(ds, law.axis) if crossing is None else crossing.get(law.axis)
-        row = decide(law, observed, *_grid(ds, law, steps))
+        row = decide(law, observed, *_grid(ds, law, steps), added)
         rows.append(_row_of_untested(law, row) if _is_inert(ds, law) else row)
     return rows
 
 
-def _grid(ds: "xr.Dataset", law: Law, steps: "NDArray[np.bool_] | None") -> tuple[Any, ...]:
+def _grid(ds: "xr.Dataset", law: Law, steps: "NDArray[np.bool_] | None") -> tuple[Any, Any, Any, Any]:
     """What a law is judged with beside its observables: axes, steps, counts and numbers, as of `decide`."""
     axes = {str(dim): ds[dim].values for dim in ds["outcome"].dims}
     counts = [name for name in law.observables if name in ds and schema.is_count(ds[name])]

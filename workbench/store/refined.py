@@ -52,16 +52,23 @@ def attributes(study: "Study", refinement: Refinement) -> dict[str, str]:
     data |= {"ended": refinement.ended, "rounds": refinement.rounds}
     changes = [_change(name, step) for name, step in watch.items()]
     changes += [f"the verdict on law {claim} changes" for claim in table.laws]
-    laws = "; laws are judged on the coarse grid" if study.laws else ""
+    judged_on = "all cases" if len(lattice.axes) == 1 else "the coarse grid"
+    laws = f"; laws are judged on {judged_on}" if study.laws else ""
     return {schema.REFINED: json.dumps(data), SAMPLING[-1]: f"{_sentence(' or '.join(changes), refinement)}{laws}"}
 
 
 def _sentence(changes: str, refinement: Refinement) -> str:
-    """What ended a refinement."""
+    """What ended a refinement, and what it cannot have seen."""
     lattice, cases = refinement.lattice, len(refinement.places)
     within = f"{lattice.share(lattice.depth):.2g} of an axis"
     grid = " x ".join(map(str, lattice.sizes))
     share = f"{cases} cases, {100 * cases / prod(lattice.sizes):.2g} % of the uniform grid of {grid}"
+    wide = f"up to {refinement.widest():.2g} of an axis"
+    unseen = (
+        f"a change and its reverse between neighbouring cases, {wide} apart, are not seen"
+        if len(lattice.axes) == 1
+        else f"a region inside one cell, {wide} wide, that holds none of its corners is not seen"
+    )
     if refinement.ended == BUDGET:
         left = refinement.open_cells()
         many = f"{sum(left)} cell{'s' * (sum(left) != 1)}"
@@ -71,12 +78,13 @@ def _sentence(changes: str, refinement: Refinement) -> str:
         if refinement.lines:
             many += f" and {refinement.open_lines()} gaps between lines"
         return (
-            f"refinement ended as the budget of {refinement.budget} cases is spent: {many} where {changes} are still "
-            f"coarser than {within} ({share})"
+            f"refinement ended as the budget of {refinement.budget} cases is spent: {many} are not halved, so that "
+            f"where {changes} is not known to {within} everywhere ({share}); {unseen}"
         )
     if not refinement.rounds:
-        return f"refinement added no case: on the coarse grid there is no step wider than {within} at which {changes}"
-    return f"refinement ended as the tolerance is reached: where {changes} is known to {within} ({share})"
+        none = f"on the coarse grid there is no step wider than {within} at which {changes}"
+        return f"refinement added no case: {none}; {unseen}"
+    return f"refinement ended as the tolerance is reached: where {changes} is known to {within} ({share}); {unseen}"
 
 
 def _change(name: str, step: float) -> str:
@@ -155,6 +163,20 @@ def line(ds: "xr.Dataset") -> "xr.Dataset":
     (name,) = study.lattice.axes
     order = np.argsort(study.places[:, 0])
     return grid_of(ds, order, {name: ds[name].values[order]})
+
+
+def cases_for_laws(ds: "xr.Dataset") -> "tuple[xr.Dataset, NDArray[np.bool_] | None]":
+    """The cases on which the laws of a refined study are judged, and which of them were added where a number changes.
+
+    Along one axis all cases in its order; evenly lie those of the coarse grid and, where each of its intervals has one,
+    their middles. In the plane the coarse grid, as lines through other cases are not complete.
+    """
+    if not _has_all_cases(ds) or len(axes_of(ds)) > 1:
+        return coarse(ds), None
+    study = describe(ds)
+    levels = study.lattice.levels(np.sort(study.places, axis=0))
+    has_middles = int((levels <= 1).sum()) == 2 * study.lattice.shape[0] - 1
+    return line(ds), levels > has_middles
 
 
 def raster(ds: "xr.Dataset") -> "xr.Dataset":
