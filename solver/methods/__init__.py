@@ -34,7 +34,8 @@ def available() -> dict[str, type[StartMethod] | type[EndsMethod]]:
 
 def varying_method(kind: str, method: str | Method, knobs: dict[str, Any] | None = None) -> str:
     """The name of the method for rods with weight or friction. Raises `InputError` where another one is asked for."""
-    name, choice = VARYING[kind], _name_of(method)
+    name = VARYING[kind]
+    choice = name if isinstance(method, str) and method == name else _name_of(method)
     if choice not in ("auto", name) or knobs:
         raise InputError(f"a rod with weight or friction is solved by {name} alone, without knobs; got {choice!r}")
     return name
