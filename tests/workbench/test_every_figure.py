@@ -31,6 +31,12 @@ def test_every_kind_of_picture_can_be_read_at_every_width(six, kind: str, page: 
     assert faults(fig) == []
 
 
+@pytest.mark.parametrize("name", ["fig7_1_modulus", "fig7_2_radius"])
+def test_sentences_below_a_narrow_picture_leave_its_panels_their_room(name: str) -> None:
+    fig = kinds.figure(small.study_dataset(name), "lines", sheet("paper", 89))
+    assert [fault for fault in faults(fig) if "over one another" in fault] == []
+
+
 @cache
 def chosen() -> dict[str, xr.Dataset]:
     """The datasets of the story."""

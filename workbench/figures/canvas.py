@@ -135,7 +135,10 @@ def page(
                 grid.set_height_ratios(inner)
                 heights[i] = sum(inner)
         outer.set_height_ratios(heights)
-        write_below(fig, [*below, *said], sheet)
+        key = write_below(fig, [*below, *said], sheet)
+        if key is not None and sheet.narrow:  # as for a title: sentences in many lines would squeeze the panels
+            high = fonts.height_of(key.get_title().get_text(), fonts.small())
+            fig.set_figheight(fig.get_figheight() + max(high - more, 0.0))
 
     return figure((width or sheet.width, sum(high for high, _ in rows) + more), draw, ds, sheet=sheet,
                   **options)  # fmt: skip
