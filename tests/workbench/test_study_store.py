@@ -103,6 +103,10 @@ class Watched:
     def __init__(self, sol: Any, read: set[str]) -> None:
         self._sol, self._read = sol, read
 
+    @property
+    def __class__(self) -> Any:
+        return type(self._sol)
+
     def __getattr__(self, name: str) -> Any:
         self._read.add(name)
         return getattr(self._sol, name)
