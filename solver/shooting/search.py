@@ -15,7 +15,7 @@ from .branch import branch_from_straight
 from .buckling import buckling_shares, straight_shape
 from .curve import MOST_POINTS, SPLIT, Curve, trace_shapes
 from .descent import index_at, on_nodes
-from .loaded_rod import ALPHA, BETA, MU, PHI, SHORT, SPEED, LoadedRod, Q
+from .loaded_rod import ALPHA, BETA, SHORT, SPEED, LoadedRod, Q
 from .newton import (
     DEEP,
     change_of_marks,
@@ -28,9 +28,10 @@ from .newton import (
     within_a_turn,
 )
 from .varying_shapes import Shape
+from .vertical_scan import begin_at, every_start
 from .weak_modes import weakest_modes
 
-LONGEST = 10.0  # radii: a longer rod is not scanned, as its far end depends too much on its start
+LONGEST = 25.0  # radii: a longer rod is not scanned, as its far end depends too much on its start
 CELLS = 120, 80  # of the scan, over beta_t(0) or beta(0) and over q(0)
 TRIES, FEW_TRIES = 60, 10  # of deflations in a row that find none, after which the search ends; of a long rod
 WIDE = 5  # times the largest load: the range of a reaction
@@ -64,14 +65,31 @@ class Found:
         self.how.append(how)
 
 
-def search_shapes(rod: LoadedRod, light: Sequence[Any] = ()) -> Found:
-    """The equilibria found from the straight rod, from those without weight, by a scan and by deflation.
+def scan_one_unknown(rod: LoadedRod) -> tuple[Found, bool]:
+    """The equilibria of a vertical rod by a scan of the one number of its start, and whether they are all.
 
-    light: solutions of the rod without weight. A long rod is not scanned.
+    They are where the scan resolves the far end, each of its starts leads to another shape, and (-1)^index adds up to
+    1, or between two hinges, where the starts lie on a circle, to 0.
     """
     t = rod.nodes()
-    scanned = ranges(rod) if rod.span <= LONGEST else None
-    result = Found([], [], [], scanned)
+    result = Found([], [], [], None)
+    if rod.straight:
+        result.add(straight_shape(rod, t), STRAIGHT)
+    begin, resolved = every_start(rod)
+    for y in _states_at(rod, t, begin):
+        result.add(correct(Shape(rod, t, y), most=15), SCAN)
+    degree = sum((-1) ** index for index in result.index)
+    return result, resolved and len(result.shapes) == len(begin) and degree == (0 if rod.turns_freely else 1)
+
+
+def search_shapes(rod: LoadedRod, light: Sequence[Any] = (), known: Found | None = None) -> Found:
+    """The equilibria found from the straight rod, from those without weight, by a scan and by deflation.
+
+    light: solutions of the rod without weight. known: what is found already. A long rod is not scanned.
+    """
+    t = rod.nodes()
+    scanned = ranges(rod) if rod.span <= LONGEST and known is None else None
+    result = Found([], [], [], scanned) if known is None else known
     if rod.straight:
         result.add(straight_shape(rod, t), STRAIGHT)
     begun = branch_from_straight(rod)
@@ -149,26 +167,22 @@ def ranges(rod: LoadedRod) -> tuple[tuple[float, float], tuple[float, float]]:
 def starts(rod: LoadedRod, t: Array, first: tuple[float, float], second: tuple[float, float]) -> list[Array]:
     """States at the nodes (N, 8) of rods marched from the cells of the scan whose degree is not 0."""
     a, b = (np.linspace(*ends, n + 1) for ends, n in zip((first, second), CELLS, strict=True))
-    begin = _begin(rod, *(grid.reshape(-1) for grid in np.meshgrid(a, b, indexing="ij")))
+    begin = begin_at(rod, *(grid.reshape(-1) for grid in np.meshgrid(a, b, indexing="ij")))
     end = march(rod.numbers, rod.scale, begin, np.full(len(begin), rod.span)).end
     _, _, rows, values = rod.conditions()
     open_ = (end @ rows[:2].T - values[:2]).reshape(a.size, b.size, 2)
     i, j = np.nonzero(_wound(open_ / rod.scale[[BETA, ALPHA]]))
-    middle = _begin(rod, (a[i] + a[i + 1]) / 2, (b[j] + b[j + 1]) / 2)
-    count = t.size
+    return _states_at(rod, t, begin_at(rod, (a[i] + a[i + 1]) / 2, (b[j] + b[j + 1]) / 2))
+
+
+def _states_at(rod: LoadedRod, t: Array, begin: Array) -> list[Array]:
+    """The states at the nodes t of rods that begin with these, (N, 8); those that stay finite."""
+    rods, count = len(begin), t.size
     read = march(
-        rod.numbers, rod.scale, middle, np.full(i.size, rod.span),
-        first=count * np.arange(i.size + 1), stations=np.tile(t, i.size),
+        rod.numbers, rod.scale, begin, np.full(rods, rod.span),
+        first=count * np.arange(rods + 1), stations=np.tile(t, rods),
     )  # fmt: skip
-    return [y for y in read.out.reshape(i.size, count, -1) if np.isfinite(y).all()]
-
-
-def _begin(rod: LoadedRod, first: Array, q: Array) -> Array:
-    y = np.zeros((first.size, rod.scale.size))
-    y[:, BETA], y[:, SPEED] = (rod.near[0], first) if "beta0" in rod.held else (first, rod.near[0])
-    y[:, ALPHA], y[:, Q], y[:, MU] = rod.near[1], q, rod.far[3]
-    y[:, PHI] = rod.far[2] - rod.along * rod.span
-    return y
+    return [y for y in read.out.reshape(rods, count, -1) if np.isfinite(y).all()]
 
 
 def _wound(open_: Array) -> Booleans:

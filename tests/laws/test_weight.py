@@ -29,6 +29,7 @@ from solver.core.tuning import MOST_STEPS
 from solver.core.varying_loads import march
 from solver.folds.fold_curves import fold_curve
 from solver.folds.parameter_plane import parameter_plane
+from solver.mechanics.potential import Loads, slope
 from solver.numerics.arclength import END, Lengths
 from solver.problem.case_fields import values_of, with_field, with_fields
 from solver.problem.limits import TAUT, unreachable
@@ -1052,3 +1053,68 @@ def test_bends_have_the_sizes_that_dense_stations_show_and_their_number_counts_r
     assert sizes.min() < 0.002 * sizes.max()
     light = replace(solution.case, rod=replace(rod, weight=None), cylinder=replace(hole, inclination=None))
     assert solve(light).bends is None
+
+
+VERTICAL = [
+    ("0deg", {"beta0": 0.0, "betaL": 0.0, "FZ": -2.5}),
+    ("180deg", {"beta0": 0.6, "betaL": -0.4, "FZ": -1.8, "MZ": 0.3}),
+    ("0deg", {"beta0": 0.3, "M1L": 0.1, "FZ": -1.2, "M3": 0.4}),
+    ("180deg", {"M10": 0.2, "betaL": 0.5, "FZ": -1.5, "MZ": -0.3}),
+    ("0deg", {"M10": 0.0, "M1L": 0.1, "FZ": -1.0, "MZ": 0.2}),
+]
+
+
+@pytest.mark.parametrize(("inclination", "given"), VERTICAL)
+def test_all_equilibria_of_a_vertical_rod_are_listed(inclination: str, given: dict[str, float]) -> None:
+    """An independent march of beta'' = -H from an even scan of the start, which is wide, changes sign as often."""
+    L, w = 7.0, 0.4
+    case = Case(Rod(EI=1.0, GJ=0.8, a=0.1, L=L, weight=w), Cylinder(R=0.9, inclination=inclination), Ends(**given))
+    listed = equilibria(case)
+    assert listed.complete
+    assert all(one.solution.solved and one.index == one.solution.held_index for one in listed)
+    assert sum((-1) ** one.index for one in listed) == (0 if {"M10", "M1L"} <= given.keys() else 1)
+    lam, mu, far = given.get("MZ", 0.0), given.get("M3", 0.0), given["FZ"]
+    along = w if inclination == "0deg" else -w
+    hinged = "M10" in given
+    first = np.linspace(-np.pi, np.pi, 4_001)[:-1] + 1e-4 if hinged else np.linspace(-12, 12.1, 6_001)
+    beta, speed = (first, given["M10"]) if hinged else (given["beta0"], first)
+    beta, speed = beta + np.zeros(first.size), speed + np.zeros(first.size)
+
+    def rate(t: float, beta: Any) -> Any:
+        return -slope(Loads(lam, mu, far - along * (L - t)), beta)
+
+    steps = 500
+    h = L / steps
+    for t in h * np.arange(steps):  # Runge and Kutta's method of Nystrom
+        a = rate(t, beta)
+        b = rate(t + h / 2, beta + h / 2 * speed + h * h / 8 * a)
+        c = rate(t + h, beta + h * speed + h * h / 2 * b)
+        beta, speed = beta + h * speed + h * h / 6 * (a + 2 * b), speed + h / 6 * (a + 4 * b + c)
+    off = speed - given["M1L"] if "M1L" in given else beta - given["betaL"]
+    if hinged and "betaL" in given:  # each whole turn is another equilibrium
+        crossed = np.abs(np.diff(np.floor(np.append(off, off[0] + 2 * np.pi) / (2 * np.pi)))).sum()
+    else:
+        around = np.append(off, off[0]) if hinged else off
+        crossed = np.count_nonzero(np.diff(np.sign(around)))
+    assert len(listed) == crossed
+
+
+def test_a_vertical_rod_of_hardly_any_weight_has_the_equilibria_of_one_without() -> None:
+    for L, FZ in ((5.0, -2.0), (8.0, -1.0)):
+        given = Ends(beta0=0.4, betaL=-0.7, FZ=FZ, MZ=0.3, M3=0.2)
+        hung = equilibria(Case(Rod(EI=1.0, GJ=0.8, a=0.1, L=L, weight=1e-9), Cylinder(0.9, inclination="0deg"), given))
+        free = equilibria(Case(Rod(EI=1.0, GJ=0.8, a=0.1, L=L), Cylinder(0.9), given))
+        assert hung.complete
+        assert free.complete
+        assert [one.index for one in hung] == [one.index for one in free]
+        assert [one.dbeta0 for one in hung] == pytest.approx([one.dbeta0 for one in free], abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("L", "said"), [(8.0, ""), (12.0, "64 of the 70"), pytest.param(26.0, "83 of the 203", marks=pytest.mark.slow)]
+)
+def test_a_list_of_a_long_rod_with_weight_says_what_share_such_lists_held(L: float, said: str) -> None:
+    rod, cylinder = Rod(EI=1.0, GJ=0.8, a=0.1, L=L, weight=0.2), Cylinder(0.9, inclination=1.0)
+    remark = equilibria(Case(rod, cylinder, Ends(beta0=0.3, betaL=0.1, FZ=0.5)), stations=3).remark
+    assert said in remark
+    assert ("equilibria of" in remark) == bool(said)

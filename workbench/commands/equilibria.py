@@ -159,7 +159,7 @@ def _list(
         ends = f"under held ends: {choices(held)}" if held else "with the end angles held and dead loads"
         noun = "equilibrium" if len(rows) == 1 else "equilibria"
         console.say(f"{len(rows)} {noun}, {sum(r['index'] == 0 for r in rows)} stable {ends}")
-        if held or not found.complete:
+        if not found.complete:
             console.say(remark if held else f"the list may be incomplete: {remark}")
         if found:
             console.say(f"* {how.rule}" if taken else f"none has index {rule}")
