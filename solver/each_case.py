@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from .free.free_rods import FreeRods
 from .numerics.arrays import Array
 from .problem.case import Case
 from .problem.case_fields import unchecked_with_fields, values_of
@@ -81,6 +82,8 @@ def _blank_answer(case: Case, t: Array, why: Array) -> Answer:
     )  # fmt: skip
     if case.kind == "ends":
         answer = replace(answer, begun=np.full(B, "", dtype=object))
+    if case.leaves:
+        return problem, replace(answer, free=FreeRods.unknown(*t.shape))
     if case.on_nodes:
         answer = replace(answer, shapes=VaryingShapes([None] * B, each, each))
     if case.varies:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from .equilibrium_branch import BORDER, HELIX, Branch, BranchEnd, BranchPoint, SpecialPoint
 from .numerics.arclength import CLOSED, END
 from .numerics.arrays import Array
-from .problem.case import ANGLES, PAIRS, Case, Ends
+from .problem.case import ANGLES, PAIRS, Case, Ends, refuse_leaving
 from .problem.case_fields import fields_of, value_of, with_field
 from .problem.errors import InputError, check_type, choices, no_such, show, whole_number
 from .problem.field_values import doubt, given_by_a_program, in_rad, warn
@@ -133,6 +133,7 @@ def _check(solution: object) -> Solution:
     solution = check_type("follow", solution, Solution, "; give its solution" if hasattr(solution, "solution") else "")
     if solution.case.shape:
         raise InputError(f"follow takes one solution at a time, got a grid of shape {solution.case.shape}")
+    refuse_leaving(solution.case.cylinder, "follow")
     if not solution.solved:
         raise InputError(f"follow takes a solved equilibrium; this one is not solved: {solution.outcome}")
     if solution.case.varies and not isinstance(solution.case.given, Ends):

@@ -136,6 +136,40 @@ class Shape:
         return frames.position(self._rho, self.alpha, self.z)
 
     @_property
+    def radius(self) -> Array:
+        """Distance of the centreline from the axis, (*cases, n) [length]."""
+        return self._rho + np.zeros(self.t.shape[-1])
+
+    @_property
+    def gap(self) -> Array:
+        """Distance of the rod from the wall, at least 0, (*cases, n) [length]; 0 if the cylinder holds the rod on."""
+        return np.abs(self.radius - self._rho)
+
+    @_property
+    def tilt(self) -> Array:
+        """Angle of the tangent out of the tangent plane of the cylinder through its point, outward, (*cases, n) [rad];
+        0 where the cylinder holds the rod on."""
+        return np.zeros((*self.case.shape, self.t.shape[-1]))
+
+    @property
+    def contacts(self) -> Any:
+        """Of rods that may leave the cylinder, where they lie on the wall: pairs of s [length], (*cases) of tuples.
+
+        Both are equal where the rod touches the wall at a point. None for other rods, and for an unsolved case.
+        """
+        return self._each(np.full(self.case.size, None, dtype=object))
+
+    @property
+    def point_forces(self) -> Any:
+        """Of rods that may leave the cylinder, the forces at edges and single points of contact, (*cases) of tuples.
+
+        Pairs of s [length] and the force with which the cylinder pushes [force]; `push` is without them. At an edge the
+        shear of the rod on the wall and that of the free arc differ by it. None for other rods, and for an unsolved
+        case.
+        """
+        return self._each(np.full(self.case.size, None, dtype=object))
+
+    @_property
     def tangent(self) -> Array:
         """Unit tangent, (*cases, n, 3); eq. (3)."""
         return frames.tangent(self.alpha, self.beta)

@@ -1,14 +1,18 @@
 """The solution: a shape, and what can be asked of it."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
+from .free.beginnings import curves_of, held_case
+from .free.free_rods import FREE_TOLERANCE, answers_beside
+from .mechanics import frames
 from .numerics.arrays import Array
 from .observe.cautions import of_cases
+from .problem.errors import check_tolerance
 from .problem.shown import make, table_of
 from .sensitivity.solution_derivatives import Sensitivity, sensitivity
 from .shape import Shape
@@ -71,6 +75,46 @@ class Solution(Shape):
             Alternative(away, Solution(self.case, problem, shape, self.t, self.method, self.tol))
             for away, problem, shape in find(self.t)
         )
+
+    def let_go(self, tol: float | None = None) -> "FreeSolution":
+        """What the rod becomes beside a cylinder that only pushes, while both ends stay as they are.
+
+        Position, direction and rotation of both ends are held. The shape is a minimum of the energy, which continues
+        from this shape; others may exist. A rod that is stable and pressed on everywhere stays as it is.
+
+        Parameters
+        ----------
+        tol : float, optional
+            Tolerance of the places of the rod, as a share of its length; default: 1e-4.
+
+        Returns
+        -------
+        FreeSolution
+            At the stations of this solution, of the case with `contact="unilateral"` and held ends.
+
+        Raises
+        ------
+        InputError
+            With friction, for an invalid tolerance, and where the package unopy is not installed.
+
+        Examples
+        --------
+        >>> from solver import Case, Cylinder, Ends, Rod, solve
+        >>> rod = Rod(E=1.07e4, nu=0.25, a=0.25, L=20.0)
+        >>> ends = Ends(beta0=0.5, betaL=0.8, FZ=-8.66, MZ=1.3, M3=6.1)
+        >>> free = solve(Case(rod, Cylinder(R=0.75), ends)).let_go()
+        >>> begin, end = free.contacts[0]
+        >>> print(f"on the wall from s = {begin:.1f} to {end:.1f}; gap up to {free.gap.max():.2f}")
+        on the wall from s = 3.5 to 15.0; gap up to 0.21
+        """
+        from .methods import FREE
+
+        tol = check_tolerance(FREE_TOLERANCE if tol is None else tol)
+        curves = curves_of(self, "the shape that was let go")
+        case = held_case(self, curves)
+        ways = ["there is no shape to be let go" if curve is None else [curve] for curve in curves]
+        answers = answers_beside(case, ways, self.t, tol)
+        return FreeSolution(case, *answers, self.t, FREE, tol)
 
     def sensitivity(self, fields: Iterable[str], observables: Iterable[str] = ()) -> Sensitivity:
         """The derivatives with respect to fields of the case, along the rod and of observables.
@@ -226,6 +270,125 @@ class Solution(Shape):
     def _repr_html_(self) -> str | None:
         """A table for a notebook; None, which shows the `repr`, where the workbench cannot be imported."""
         return table_of("solution", self)
+
+
+class FreeSolution(Solution):
+    """The shape of a case, or of each case of a grid, beside a cylinder that only pushes.
+
+    `solve` makes it of a case with `contact="unilateral"`, and `Solution.let_go` of any solution. It is a `Solution`
+    whose rods may be off the wall: `radius`, `gap` and `tilt` say where, `contacts` and `point_forces` where and how
+    the cylinder pushes, and `push` is 0 off the wall. Moments and forces have the directions that they have on the
+    wall: inward along the normal of the cylinder through each point, in its tangent plane across the rod, and along the
+    tangent. There is no first integral: `h` is NaN.
+
+    Examples
+    --------
+    A pipe in a hole, centred at both ends, straight on the low side in between:
+
+    >>> from solver import Case, Cylinder, Ends, Rod, solve
+    >>> pipe = Rod(EI=1228.0, GJ=945.0, a=0.0635, L=100.0, weight=0.242)  # m, kN
+    >>> hole = Cylinder(R=0.108, side="inside", inclination="90deg", contact="unilateral")
+    >>> solution = solve(Case(pipe, hole, Ends(beta0=0.0, betaL=0.0, FZ=-150.0, radius0=0.0, radiusL=0.0)))
+    >>> begin, end = solution.contacts[0]
+    >>> print(f"on the wall from s = {begin:.1f} to {end:.1f}")
+    on the wall from s = 9.9 to 90.1
+    """
+
+    def _along_free(self, name: str) -> Array:
+        """Something along the rods in units of A and rho, (*cases, n), vectors (*cases, n, 3)."""
+        values = getattr(self.trajectory.free.along, name)
+        return values.reshape(*self.case.shape, *values.shape[1:])
+
+    @cached_property
+    def _units(self) -> tuple[Array, Array]:
+        """A/rho and A/rho^2, (*cases, 1)."""
+        moment = self._column(self.case.rod.bending_stiffness) / self._rho
+        return moment, moment / self._rho
+
+    def _part(self, name: str, direction: Array) -> Array:
+        """The component of a force or a moment in a direction (*cases, n, 3), in units of A and rho."""
+        return np.asarray((self._along_free(name) * direction).sum(axis=-1))
+
+    @property
+    def radius(self) -> Array:
+        return self._along_free("radius") * self._rho
+
+    @property
+    def tilt(self) -> Array:
+        return self._along_free("turned")[..., 2, :]
+
+    @property
+    def gamma(self) -> Array:
+        return self._along_free("turned")[..., 3, :]
+
+    @property
+    def position(self) -> Array:
+        return frames.position(self.radius, self.alpha, self.z)
+
+    @property
+    def tangent(self) -> Array:
+        return self._along_free("tangent")
+
+    @property
+    def material_frame(self) -> Array:
+        d1, d3 = self._along_free("d1"), self.tangent
+        return np.stack([d1, np.cross(d3, d1), d3], axis=-2)
+
+    @property
+    def kappa(self) -> Array:
+        bent = np.cross(self.tangent, self._along_free("moment"))
+        return np.linalg.norm(bent, axis=-1) / self._rho
+
+    @property
+    def FY(self) -> Array:
+        around = np.cross([0.0, 0.0, 1.0], frames.outward(self.alpha))
+        return self._part("force", around) * self._units[1]
+
+    @property
+    def F1(self) -> Array:
+        return self._part("force", self.normal) * self._units[1]
+
+    @property
+    def F2(self) -> Array:
+        return self._part("force", frames.binormal(self.alpha, self.beta)) * self._units[1]
+
+    @property
+    def F3(self) -> Array:
+        return self._part("force", self.tangent) * self._units[1]
+
+    @property
+    def contact(self) -> Array:
+        return self.case.outward * self._along_free("push") * self._units[1] / self._rho
+
+    @property
+    def M1(self) -> Array:
+        return self._part("moment", self.normal) * self._units[0]
+
+    @property
+    def M2(self) -> Array:
+        return self._part("moment", frames.binormal(self.alpha, self.beta)) * self._units[0]
+
+    @property
+    def h(self) -> Array:
+        return np.full(self.s.shape, np.nan)
+
+    @cached_property
+    def contacts(self) -> Any:
+        return self._of_contacts(lambda on, rho, _: [(on.begin * rho, on.end * rho)])
+
+    @cached_property
+    def point_forces(self) -> Any:
+        return self._of_contacts(lambda on, rho, unit: [(s * rho, force * unit) for s, force in on.points])
+
+    def _of_contacts(self, read: Callable[[Any, float, float], Iterable[tuple[float, float]]]) -> Any:
+        """What is read of the contacts of each solved case, with rho and the unit of forces, (*cases) of tuples."""
+        pairs = np.full(self.case.size, None, dtype=object)
+        units = (np.broadcast_to(unit, (*self.case.shape, 1)).ravel() for unit in (self._rho, self._units[1]))
+        for i, (answer, rho, unit) in enumerate(zip(self.trajectory.free.answers, *units, strict=True)):
+            if self.trajectory.solved[i]:
+                contacts = answer.shapes[-1].contacts
+                pairs[i] = tuple(pair for on in contacts for pair in read(on, float(rho), float(unit)))
+        return self._each(pairs)
 
 
 @dataclass(frozen=True, eq=False)

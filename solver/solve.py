@@ -7,8 +7,10 @@ import numpy as np
 
 from .choose.selection import NEAREST, Choose, check
 from .each_case import Answer, Question, answer_each
+from .free.beginnings import BILATERAL, bilateral_cases, curves_of
+from .free.free_rods import FREE_TOLERANCE, answers_beside
 from .numerics.arrays import Array
-from .problem.case import Case, Ends, check_case
+from .problem.case import ON_WALL, Case, Ends, check_case
 from .problem.errors import DEFAULT_TOLERANCE, InputError, check_tolerance, choices, show, whole_number
 from .problem.limits import OUT_OF_RANGE, TOO_LARGE_HELD, TOO_LONG, beyond, ordinary, refusals, representable
 from .problem.reduced import (
@@ -23,7 +25,7 @@ from .problem.reduced import (
     span_of,
 )
 from .problem.trajectory import Seed, Trajectory, blank, stood_in
-from .solution import Solution
+from .solution import FreeSolution, Solution
 
 if TYPE_CHECKING:
     from .methods import Method
@@ -33,7 +35,7 @@ TWO_WAYS = "a seed and choose = {!r} exclude each other: each selects an equilib
 
 def solve(
     case: Case,
-    tol: float = DEFAULT_TOLERANCE,
+    tol: float | None = None,
     method: "str | Method" = "auto",
     stations: Any = 201,
     seed: Any = None,
@@ -47,8 +49,9 @@ def solve(
     Parameters
     ----------
     case : Case
-    tol : float
-        Tolerance: the error allowed, times max(1, condition), of beta [rad], and of alpha and z/rho over max(1, L/rho).
+    tol : float, optional
+        Tolerance: the error allowed, times max(1, condition), of beta [rad], and of alpha and z/rho over max(1, L/rho);
+        default: 1e-8. Of a rod that may leave the cylinder: of its places over its length; default: 1e-4.
     method : str or Method
         "auto", a name of `solver.methods.METHODS`, or a method with its knobs, for example ``Verlet(steps=400)``.
     stations : int or array, (n,) or (*cases, n)
@@ -57,7 +60,9 @@ def solve(
         For an ends problem, which of its equilibria: the one with beta'(0) near this value [rad/length], or the one
         that continues from this solution. For held ends a solution. Of a rod with weight or friction: a solution of
         such a rod, or "straight" for the straight rod where it is an equilibrium; default: the branch that continues
-        from the straight rod as the loads grow, stable where one is.
+        from the straight rod as the loads grow, stable where one is. Of a rod that may leave the cylinder: a solution;
+        default: that of the cylinder which holds the rod on, and where there is none, or an end is off the wall
+        outside, the straight rod as its loads grow.
     choose : {"nearest", "lowest"} or int
         For an ends problem without a seed, which of its equilibria. "nearest": of the stable ones (of all, if none is
         stable) the one whose beta goes least beyond its end angles. "lowest": the one of
@@ -88,7 +93,11 @@ def solve(
     >>> print(solve(Case(rod, cylinder, Ends(beta0=0.5, betaL=0.8, FZ=-8.66, MZ=1.3, M3=6.1))).selection)
     17 equilibria, 3 stable; shown: the stable shape that swings least
     """
-    case, tol = check_case("solve", case), check_tolerance(tol)
+    case = check_case("solve", case)
+    tol = check_tolerance((FREE_TOLERANCE if case.leaves else DEFAULT_TOLERANCE) if tol is None else tol)
+    if case.leaves:
+        question = _beside(case, tol, method, knobs, stations, seed, choose)
+        return FreeSolution(case, *answer_each(question, case), question.t, question.name, tol)
     if case.varies:
         question = _varying(case, tol, method, knobs, stations, seed, choose)
     elif held_of(case):
@@ -122,6 +131,31 @@ def _constant(
         return problem, _run(rods, problem, chosen, t, tol, which)
 
     return Question(column, t, seed, chosen.name)
+
+
+def _beside(
+    case: Case, tol: float, method: Any, knobs: dict[str, Any], stations: Any, seed: Any, choose: Choose
+) -> Question:
+    """What is asked of rods that may leave the cylinder: a minimum of the energy."""
+    from .methods import free_method
+
+    name = free_method(method, knobs)
+    if choose != NEAREST:
+        raise InputError(f"choose = {choose!r} needs all equilibria, which are not known with contact='unilateral'")
+    if seed is not None and not (isinstance(seed, Solution) and seed.case.shape in ((), case.shape)):
+        raise InputError(f"seed of a rod that may leave the cylinder is a Solution, got {type(seed).__name__}")
+    if seed is not None:
+        ways = ["the seed is not solved" if curve is None else [curve] for curve in curves_of(seed, "the seed")]
+        seed = ways * (case.size // len(ways))
+
+    def column(rods: Case, t: Array, seed: Any) -> Answer:
+        if seed is None:
+            twins = [curves_of(solve(twin, stations=2), BILATERAL) for twin in bilateral_cases(rods)]
+            off = flat(np.maximum(*rods.end_radii) > (1 + ON_WALL) * rods.rho, rods.shape)
+            seed = [[] if away else [*filter(None, each)] for *each, away in zip(*twins, off, strict=True)]
+        return answers_beside(rods, seed, t, tol)
+
+    return Question(column, _stations(case, span_of(case), stations), seed, name)
 
 
 def _varying(

@@ -11,7 +11,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 
-SOLVER = {"numpy", "scipy", "heyoka"}  # heyoka is optional, imported where its method runs
+SOLVER = {"numpy", "scipy", "heyoka", "unopy"}  # the last two are optional, imported where their methods run
 STUDIES = SOLVER | {
     "solver", "tomllib", "pydantic", "tomli_w",
     "pyarrow",  # optional: reads tables of cases in Parquet, imported where it reads
@@ -34,7 +34,7 @@ LISTS = {
     "solver": [
         "numerics", "problem", "mechanics", "core", "orbit", "closed", "levels", "equilibrium", "branches",
         "folds", "shooting", "held", "choose", "methods", "shape",
-        "observe", "sensitivity", "solution", "each_case", "solve", "equilibrium_list",
+        "free", "observe", "sensitivity", "solution", "each_case", "solve", "equilibrium_list",
         "equilibria", "equilibrium_branch", "follow", "switch", "traced_folds", "end_angle_branch", "region_map",
         "loops", "inverse", "benchmark",
     ],

@@ -7,7 +7,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from ..numerics.arrays import Array
-from ..problem.case import ANGLES, Case, Ends
+from ..problem.case import ANGLES, Case, Ends, refuse_leaving
 from ..problem.case_fields import check_fields, unchecked_with_fields, with_fields
 from ..problem.errors import InputError, choices, show
 from ..problem.field_values import angle
@@ -99,6 +99,7 @@ def parameter_plane(case: Case, ranges: dict[str, Any]) -> ParameterPlane:
         no equilibrium depends, and a range that is not two finite numbers, the first lower, or that holds invalid
         values.
     """
+    refuse_leaving(case.cylinder, "a search for fold curves")
     if not isinstance(case.given, Ends):
         raise InputError(f"fold curves need a Case with Ends, got {type(case.given).__name__}")
     if case.shape:

@@ -19,11 +19,12 @@ METHODS = {method.name: method for method in _CLASSES}
 AUTOMATIC = {"start": "swing", "ends": "shooting"}  # measured, see docs/reference/methods.md
 
 VARYING = {"start": "taylor", "ends": "shooting"}  # of rods with weight or friction
+FREE = "uno"  # of rods that may leave the cylinder
 
 __all__ = [
-    "AUTOMATIC", "DOP853", "LSODA", "METHODS", "RK4", "VARYING", "Collocation", "Difference", "EndsMethod", "Euler",
-    "Heyoka", "Method", "OrbitQuadrature", "Shooting", "StartMethod", "SwingTaylor", "Verlet", "available",
-    "choose_method", "varying_method",
+    "AUTOMATIC", "DOP853", "FREE", "LSODA", "METHODS", "RK4", "VARYING", "Collocation", "Difference", "EndsMethod",
+    "Euler", "Heyoka", "Method", "OrbitQuadrature", "Shooting", "StartMethod", "SwingTaylor", "Verlet", "available",
+    "choose_method", "free_method", "varying_method",
 ]  # fmt: skip
 
 
@@ -39,6 +40,14 @@ def varying_method(kind: str, method: str | Method, knobs: dict[str, Any] | None
     if choice not in ("auto", name) or knobs:
         raise InputError(f"a rod with weight or friction is solved by {name} alone, without knobs; got {choice!r}")
     return name
+
+
+def free_method(method: str | Method, knobs: dict[str, Any] | None = None) -> str:
+    """The name of the method for rods that may leave the cylinder; `InputError` where another one is asked for."""
+    choice = method if isinstance(method, str) else method.name
+    if choice not in ("auto", FREE) or knobs:
+        raise InputError(f"a rod that may leave the cylinder is solved by {FREE} alone, without knobs; got {choice!r}")
+    return FREE
 
 
 def choose_method(kind: str, method: str | Method, knobs: dict[str, Any] | None = None) -> StartMethod | EndsMethod:

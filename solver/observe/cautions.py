@@ -140,9 +140,9 @@ def turns_back(sol: Shape, height: Any) -> Any:
     """Whether a rod between two ends runs against the direction of both of them, (*cases) of bool.
 
     Its beta goes more than 90 degrees beyond both end angles; or its ends are parallel, and the far one lies behind the
-    start. height: z(L) - z(0) [length].
+    start. A rod that may leave the cylinder is not judged. height: z(L) - z(0) [length].
     """
-    if not isinstance(sol.problem, EndsProblem):
+    if not isinstance(sol.problem, EndsProblem) or sol.case.leaves:
         return np.zeros(sol.case.shape, dtype=bool)
     reading = Reading(sol)
     numbers = reading.value("low"), reading.value("high"), sol.problem.beta0, sol.problem.betaL

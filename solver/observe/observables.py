@@ -24,6 +24,7 @@ from ..problem.quantities import quantity
 from ..problem.reduced import flat
 from ..shape import Shape
 from ..shooting.loaded_rod import MU, PHI, Q
+from .free_numbers import UNDEFINED, free_numbers
 from .measurement import SPREAD, Pair, Reading
 from .self_contact import overlaps
 from .solution_pieces import is_resolved
@@ -255,12 +256,14 @@ def energy(read: Reading) -> Pair:
 class Observable:
     """One number a case.
 
-    compute: the values (B,), with their errors if `Quantity.estimated`. measured: what `Reading` measures for it; what
-    is measured over the middle third alone has "middle" before it. undefined: where it has no value although the case
-    is solved, in words; "" if nowhere. not_smooth: where it has a value, and may have no derivative; "" for the reasons
-    that go with what is measured. needs: the field of the rod without which it does not exist. holds: whether it
-    is a load or a moment that holds an end, which is computed only where it is asked for by name. least, most: the
-    bounds of its value and of its size, in which "L" is the length of the rod; whole numbers are never negative.
+    compute: the values (B,), with their errors if `Quantity.estimated`. measured: what `Reading` measures for it;
+    what is measured over the middle third alone has "middle" before it. undefined: where it has no value although
+    the case is solved, in words; "" if nowhere. not_smooth: where it has a value, and may have no derivative; ""
+    for the reasons that go with what is measured. needs: the field of the rod without which it does not exist.
+    holds: whether it is a load or a moment that holds an end, which is computed only where it is asked for by name.
+    free: whether it is of a rod that may leave the cylinder; of another one, which lies on the wall, it is computed
+    only where it is asked for by name. least, most: the bounds of its value and of its size, in which "L" is the
+    length of the rod; whole numbers are never negative.
     """
 
     compute: Callable[[Reading], Any]
@@ -269,6 +272,7 @@ class Observable:
     not_smooth: str = ""
     needs: str = ""
     holds: bool = False
+    free: bool = False
     least: float = -np.inf
     most: float | str = np.inf
 
@@ -317,6 +321,10 @@ OBSERVABLES: dict[str, Observable] = {
     "bending_energy": _in_unit("bending", lambda read: read.unit_moment, least=0),
     "twist_energy": Observable(twist_energy, least=0),
     "index": Observable(index),
+    "gap_max": Observable(lambda read: (0 * read.rho, 0 * read.rho), free=True, least=0),
+    "contact_share": Observable(lambda read: (1 + 0 * read.rho, 0 * read.rho), free=True, least=0, most=1),
+    "contact_count": Observable(lambda read: np.ones(read.sol.problem.size, dtype=np.int64), free=True),
+    "point_force_max": Observable(lambda read: (0 * read.rho, 0 * read.rho), free=True, least=0),
     "FZ": Observable(lambda read: (read.loads[0], 0.0), holds=True),
     "MZ": Observable(lambda read: (read.loads[1], 0.0), holds=True),
     "M3": Observable(lambda read: (read.loads[2], 0.0), holds=True),
@@ -329,9 +337,12 @@ OBSERVABLES: dict[str, Observable] = {
 }
 
 
-def observables_of(rod: Rod) -> tuple[str, ...]:
-    """The names of the observables of the shape of a rod: without Young's modulus there is no stress."""
-    rows = ((name, row) for name, row in OBSERVABLES.items() if not row.holds)
+def observables_of(rod: Rod, leaves: bool = False) -> tuple[str, ...]:
+    """The names of the observables of the shape of a rod: without Young's modulus there is no stress.
+
+    leaves: whether it may leave the cylinder.
+    """
+    rows = ((name, row) for name, row in OBSERVABLES.items() if not row.holds and (leaves or not row.free))
     return tuple(name for name, row in rows if not row.needs or getattr(rod, row.needs) is not None)
 
 
@@ -345,9 +356,13 @@ def error_name(name: str) -> str | None:
     return f"{name}_error" if quantity(name).estimated else None
 
 
-def why_unknown(name: str, values: Any) -> list[tuple[str, Any]]:
-    """Sentences on the missing values of an observable, each with where it holds among solved cases, (*cases)."""
+def why_unknown(name: str, values: Any, leaves: bool = False) -> list[tuple[str, Any]]:
+    """Sentences on the missing values of an observable, each with where it holds among solved cases, (*cases).
+
+    leaves: whether the rods may leave the cylinder.
+    """
     numbers, words = np.asarray(values, dtype=float), OBSERVABLES[name].undefined
+    words = UNDEFINED.get(name, words) if leaves else words
     sentences = [(f"{name} is not defined: {words}", np.isnan(numbers))] if words else []
     return [*sentences, (f"{name} is beyond floats in these units", np.isinf(numbers))]
 
@@ -398,12 +413,15 @@ def observe(sol: Shape, names: Iterable[str], errors: bool = False) -> dict[str,
     """
     names, errors = check_names(names), yes_or_no("errors", errors)
     read = Reading(check_type("observe", sol, Shape))
-    read.measure(key for name in names for key in OBSERVABLES[name].measured)
+    off = sol.trajectory.free is not None
+    known = free_numbers(sol, names) if off else {}
+    read.measure(key for name in names for key in OBSERVABLES[name].measured if not off)
     shapeless = ~np.isfinite(sol.trajectory.beta).all(axis=1)
     observed: dict[str, Any] = {}
     for name in names:
-        computed = OBSERVABLES[name].compute(read)
+        computed: Any = known[name] if off else OBSERVABLES[name].compute(read)
         if is_count(name):
+            computed = computed[0] if off else computed
             observed[name] = read.each(_whole(np.where(shapeless, np.nan, computed)))
             continue
         values, error = computed

@@ -25,6 +25,8 @@ DIRECT = ("EI", "GJ")
 _WAYS = "give E and nu (and inner_radius for a tube), or EI and GJ"
 SIDES = {"outside": 1.0, "inside": -1.0}  # the sign of rho - R, and of the contact force where the cylinder pushes
 TWISTS = ("F1", "dgamma", "M3")  # fields of Start: each alone determines the twisting moment
+REACHED = 1e-9  # of the length: a rod that is shorter by less is taut
+ON_WALL = 1e-9  # of rho: an end that is nearer to the wall lies on it
 ALONG_ITSELF, IN_PLACE, ALONG_AXIS = 0, 1, -1  # ways to move against the wall
 # the sign of sliding towards larger s, and the way
 SLIDING = {
@@ -34,8 +36,11 @@ SLIDING = {
     "axial-forward": (1.0, ALONG_AXIS),
     "axial-backward": (-1.0, ALONG_AXIS),
 }
+CONTACTS = ("bilateral", "unilateral")  # whether the cylinder holds the rod on, or only pushes
 # fields of Ends: one of each pair is given, the other one is then unknown
 PAIRS = (("beta0", "M10"), ("betaL", "M1L"), ("FZ", "height"), ("MZ", "azimuth"), ("M3", "rotation"))
+TILTS = (("tilt0", "M20"), ("tiltL", "M2L"))  # the same of a rod that may leave the cylinder
+OFF_WALL = ("radius0", "radiusL", *TILTS[0], *TILTS[1])  # fields of Ends of such a rod alone
 
 
 def lacking(given: Collection[str]) -> list[str]:
@@ -216,12 +221,15 @@ class Cylinder:
     sliding : {"forward", "backward", "rotating", "axial-forward", "axial-backward"}, optional
         How a rod with friction moves: along itself towards larger s or smaller s, turning in place, counterclockwise
         seen against s, or as a whole along the axis of the cylinder. Default: forward.
+    contact : {"bilateral", "unilateral"}
+        "bilateral": the cylinder holds the rod on, so that it lies on the wall all along. "unilateral": the cylinder
+        only pushes, and the rod may leave it. Only between `Ends`, and without friction.
 
     Raises
     ------
     InputError
-        If R is not positive, the inclination is outside [0, pi], the friction is negative, a word is unknown, or
-        sliding is given without friction.
+        If R is not positive, the inclination is outside [0, pi], the friction is negative, a word is unknown, sliding
+        is given without friction, or friction with unilateral contact.
 
     Examples
     --------
@@ -235,9 +243,10 @@ class Cylinder:
     inclination: Any = None
     friction: Any = None
     sliding: Literal["forward", "backward", "rotating", "axial-forward", "axial-backward"] | None = None
+    contact: Literal["bilateral", "unilateral"] = "bilateral"
 
     def __post_init__(self) -> None:
-        check_numbers(self, skip=("side", "sliding"))
+        check_numbers(self, skip=("side", "sliding", "contact"))
         refuse_outside(self, "R")
         if not known_name(self.side, SIDES):
             raise no_such("side", self.side, SIDES)
@@ -245,7 +254,12 @@ class Cylinder:
             raise no_such("sliding", self.sliding, SLIDING)
         if self.sliding is not None and self.friction is None:
             raise InputError(f"sliding matters only with friction, got sliding={self.sliding!r} and no friction")
+        if not known_name(self.contact, CONTACTS):
+            raise no_such("contact", self.contact, CONTACTS)
         refuse_outside(self, "inclination", "friction")
+        if self.contact == "unilateral" and self.friction is not None and np.any(self.friction):
+            why = "with friction a rod has no energy, whose minimum the shape beside a cylinder that only pushes is"
+            raise InputError(f"contact='unilateral' excludes friction, got friction={show(self.friction)}: {why}")
         if self.friction is not None:
             object.__setattr__(self, "sliding", self.sliding or next(iter(SLIDING)))
 
@@ -260,7 +274,7 @@ class Cylinder:
         return self.friction is not None and self.sense[1] == IN_PLACE
 
     def __repr__(self) -> str:
-        return write_fields(self)
+        return write_fields(self, skip=("contact",) if self.contact == CONTACTS[0] else ())
 
 
 @check_field_names
@@ -351,6 +365,15 @@ class Ends:
         gamma(L) - gamma(0) [rad], held instead of M3.
     M10, M1L : float or array, optional
         Bending moment A beta' at s = 0 and at s = L [force length], given instead of the angle; 0: a hinge.
+    radius0, radiusL : float or array, optional
+        Only with unilateral contact: distance of the centreline from the axis at s = 0 and at s = L [length]. Default:
+        on the wall. At radius 0 the azimuth turns only the frame that beta and the rotation are measured in.
+    tilt0, tiltL : float, str or array, optional
+        Only with unilateral contact: angle of the tangent at s = 0 and at s = L out of the tangent plane of the
+        cylinder through that point, positive outwards [rad]. Default: 0.
+    M20, M2L : float or array, optional
+        Bending moment about the binormal in the surface, given instead of the tilt [force length]. With M10 = M20 = 0
+        the start is a ball joint.
 
     Raises
     ------
@@ -379,14 +402,21 @@ class Ends:
     rotation: Any = None
     M10: Any = None
     M1L: Any = None
+    radius0: Any = None
+    radiusL: Any = None
+    tilt0: Any = None
+    tiltL: Any = None
+    M20: Any = None
+    M2L: Any = None
 
     def __post_init__(self) -> None:
         check_numbers(self)
-        for field, partner in PAIRS:
+        refuse_outside(self, "radius0", "radiusL", "tilt0", "tiltL")
+        for field, partner in (*PAIRS, *TILTS):
             value, other = getattr(self, field), getattr(self, partner)
             if value is not None and other is not None:
                 raise InputError(f"Ends takes {field} or {partner}, got both: {field}={value}, {partner}={other}")
-            if value is None and other is None:
+            if value is None and other is None and field not in OFF_WALL:
                 if field in ANGLES:
                     raise InputError(f"Ends needs {field} or {partner}, got neither; {partner}=0 is a hinge")
                 object.__setattr__(self, field, 0.0)
@@ -449,8 +479,9 @@ class Case:
     Raises
     ------
     InputError
-        If the fields do not broadcast, a rod inside the cylinder has no room (R <= a), or an inclination is given
-        without weight.
+        If the fields do not broadcast, a rod inside the cylinder has no room (R <= a), an inclination is given
+        without weight, an end lies in the wall or has no rod long enough, or unilateral contact does not fit the
+        problem.
 
     Examples
     --------
@@ -482,7 +513,57 @@ class Case:
         if self.cylinder.inclination is not None and self.rod.weight is None:
             angle = show(self.cylinder.inclination)
             raise InputError(f"inclination matters only for a rod with weight, got inclination={angle} and no weight")
-        self._check_reach()
+        if self.leaves:
+            self._check_free_ends()
+        elif off := [name for name in OFF_WALL if getattr(self.given, name, None) is not None]:
+            raise InputError(f"{off[0]} needs contact='unilateral': a rod that the cylinder holds on lies on its wall")
+        else:
+            self._check_reach()
+
+    def _check_free_ends(self) -> None:
+        """Refuse a start problem, an end within the wall, and ends that are farther apart than the rod is long."""
+        given, rho, shape = self.given, self.rho, self.shape
+        if not isinstance(given, Ends):
+            raise InputError(
+                "contact='unilateral' needs Ends, got Start: a rod is stable or not between ends; solve the start "
+                "problem with bilateral contact and let its solution go (Solution.let_go)"
+            )
+        apart, words = (
+            self.outward,
+            f"at {'least' if self.outward > 0 else 'most'} R {'+' if self.outward > 0 else '-'} a",
+        )
+        radii = [rho if radius is None else radius for radius in (given.radius0, given.radiusL)]
+        for name, radius in zip(("radius0", "radiusL"), radii, strict=True):
+            value, wall = np.broadcast_arrays(radius, rho)
+            bad = apart * (value - wall) < -ON_WALL * wall
+            refuse(
+                "Ends",
+                name,
+                value,
+                bad,
+                f"{words} = {np.atleast_1d(wall)[np.atleast_1d(bad)].min(initial=np.inf):.10g}",
+            )
+        if given.MZ is not None and np.any(idle := np.not_equal(given.MZ, 0) & np.equal(radii[1], 0)):
+            refuse(
+                "Ends",
+                "MZ",
+                np.broadcast_to(given.MZ, np.shape(idle)),
+                idle,
+                "0 at radiusL = 0, where M3 does its work",
+            )
+        turned = given.azimuth
+        across = (
+            np.abs(radii[1] - radii[0])
+            if turned is None
+            else np.sqrt(np.maximum(radii[0] ** 2 + radii[1] ** 2 - 2 * radii[0] * radii[1] * np.cos(turned), 0.0))
+        )
+        far = np.broadcast_to(np.hypot(across, 0.0 if given.height is None else given.height), shape)
+        length = np.broadcast_to(self.rod.L, shape)
+        if (bad := np.atleast_1d(far > length * (1 + REACHED))).any():
+            i = np.flatnonzero(bad)[0]
+            raise InputError(
+                f"the ends are {far.flat[i]:.10g} apart, and the rod is only L = {length.flat[i]:.10g} long"
+            )
 
     def _check_reach(self) -> None:
         """Refuse a held end that no rod of this length reaches."""
@@ -524,6 +605,18 @@ class Case:
     def outward(self) -> float:
         """+1 for a rod outside, which the cylinder pushes outward; -1 for a rod inside."""
         return SIDES[self.cylinder.side]
+
+    @property
+    def leaves(self) -> bool:
+        """Whether the rod may leave the cylinder, which then only pushes."""
+        return self.cylinder.contact == "unilateral"
+
+    @property
+    def end_radii(self) -> tuple[Any, Any]:
+        """The distances of both ends from the axis [length]."""
+        radii = (getattr(self.given, name, None) for name in OFF_WALL[:2])
+        first, last = (self.rho if radius is None else radius for radius in radii)
+        return first, last
 
     @cached_property
     def varies(self) -> bool:
@@ -584,7 +677,18 @@ def check_case(function: str, value: object) -> Case:
     if not isinstance(value, Case):
         how = f"{function}(Case(rod, cylinder, Start(...) or Ends(...)))"
         raise InputError(f"{function} takes a Case, got {show(value)}; write {how}")
+    if function != "solve":
+        refuse_leaving(value.cylinder, function)
     return value
+
+
+def refuse_leaving(cylinder: Cylinder, function: str) -> None:
+    """Raise `InputError` for a cylinder that only pushes."""
+    if cylinder.contact == "unilateral":
+        raise InputError(
+            f"{function} is for rods that the cylinder holds on, got contact='unilateral'; of a rod that may leave it "
+            "solve and observe are known"
+        )
 
 
 def weight_in_fluid(

@@ -70,7 +70,8 @@ def no_such(kind: str, name: object, names: Iterable[object]) -> InputError:
 def near(name: object, known: Iterable[object]) -> str:
     """``, did you mean 'sobol'`` where known names are close to this one or are its symbols; else nothing."""
     text, names = str(name)[:60], list(dict.fromkeys(map(str, known)))
-    likely = [other for other in names if other.lower() == text.lower()] or _closest(text, names, 0.9)
+    likely = [other for other in names if other.lower() == text.lower()]
+    likely = likely or (_symbols(text, names) if text.lower() in SYMBOLS else []) or _closest(text, names, 0.9)
     likely = likely or _symbols(text, names) or _begin(text, names)
     likely = likely or _closest(text, names) or _one_letter_off(text, names)
     return f", did you mean {' or '.join(map(repr, likely))}" if likely else ""

@@ -22,7 +22,7 @@ from .errors import InputError, choices, near, show
 T = TypeVar("T")
 
 # the fields that may be text, read by `angle`
-ANGLES = ("beta", "beta0", "betaL", "alpha", "gamma", "azimuth", "rotation", "inclination")
+ANGLES = ("beta", "beta0", "betaL", "alpha", "gamma", "azimuth", "rotation", "inclination", "tilt0", "tiltL")
 
 
 @dataclass(frozen=True)
@@ -48,6 +48,9 @@ RANGES = {
     "inner_radius": Range(0, "at least 0 and less than Rod.a", closed=True),
     "weight": _NOT_NEGATIVE,
     "friction": _NOT_NEGATIVE,
+    "radius0": _NOT_NEGATIVE,
+    "radiusL": _NOT_NEGATIVE,
+    **dict.fromkeys(("tilt0", "tiltL"), Range(-np.pi / 2, "from -pi/2 to pi/2 rad (90 deg)", True, np.pi / 2)),
     "inclination": Range(0, "from 0 to pi rad (180 deg)", closed=True, high=np.pi * (1 + 1e-15)),
 }
 

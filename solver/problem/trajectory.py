@@ -43,6 +43,7 @@ class Trajectory:
     near its seed: distance from the seed, problem and trajectory of each; None for other problems.
     loads: lam, mu and phi at the stations, (3, B, n), and shapes: `shooting.varying_shapes.VaryingShapes`, where loads
     vary along the rod; else None.
+    free: `free.answers.FreeRods` of rods that may leave the cylinder; else None.
     """
 
     beta: Array
@@ -63,6 +64,7 @@ class Trajectory:
     alternatives: Callable[[Array], Any] | None = None
     loads: Array | None = None
     shapes: Any = None
+    free: Any = None
 
 
 @dataclass(frozen=True, eq=False)

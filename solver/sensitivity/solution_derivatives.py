@@ -13,6 +13,7 @@ import numpy as np
 from ..numerics.arrays import EPS, Array
 from ..orbit.periodic_orbit import HELIX
 from ..orbit.variations import HelixVariations
+from ..problem.case import refuse_leaving
 from ..problem.case_fields import check_fields
 from ..problem.reduced import EndsProblem, FieldRates, field_rates, flat, given_numbers
 from ..problem.trajectory import SHAPELESS, SOLVED, decade
@@ -129,6 +130,7 @@ class Sensitivity:
 
 def sensitivity(sol: Shape, fields: Iterable[str], observables: Iterable[str] = ()) -> Sensitivity:
     """The derivatives of a solution; see `Solution.sensitivity`."""
+    refuse_leaving(sol.case.cylinder, "sensitivity")
     names, observed = check_fields(sol.case, fields), check_observables(observables)
     ends, growth = isinstance(sol.problem, EndsProblem), np.asarray(sol.trajectory.condition)
     with np.errstate(all="ignore"):

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, create_model, model_validator
 
 from solver import Case, Cylinder, Ends, Rod, Start
-from solver.problem.case import SIDES, SLIDING, STIFFNESS
+from solver.problem.case import CONTACTS, SIDES, SLIDING, STIFFNESS
 from solver.problem.errors import no_such
 from solver.problem.field_values import angle
 from solver.problem.quantities import AT_START, QUANTITIES, Quantity, quantity
@@ -31,7 +31,8 @@ CYLINDER = tuple(f.name for f in fields(Cylinder))
 START = tuple(f.name for f in fields(Start))
 ENDS = tuple(f.name for f in fields(Ends))
 FIELDS = frozenset((*ROD, *CYLINDER, *START, *ENDS))  # of a case
-CHOICES: dict[str, Any] = {"stiffness": STIFFNESS, "side": SIDES, "sliding": SLIDING}  # of the fields that are text
+# of the fields that are text
+CHOICES: dict[str, Any] = {"stiffness": STIFFNESS, "side": SIDES, "sliding": SLIDING, "contact": CONTACTS}
 WORDS = tuple(CHOICES)
 
 MAX_COUNT = 10_000_000  # values of an axis: 80 MB

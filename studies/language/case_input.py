@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Start
-from solver.problem.case import DIRECT, ELASTIC, PAIRS, TWISTS, lacking
+from solver.problem.case import DIRECT, ELASTIC, PAIRS, TILTS, TWISTS, lacking
 from solver.problem.errors import choices, no_such
 from solver.problem.limits import farthest
 from solver.problem.quantities import unit_of
@@ -156,6 +156,7 @@ def from_values(values: Mapping[str, Any], problem: type | None = None) -> tuple
     assumed = {f.name: f.default for f in known if f.name not in values and f.default is not None}
     if case.rod.EI is not None:
         assumed.pop("stiffness", None)  # a factor of E, which this rod does not have
+    assumed.pop("contact", None)  # what every rod was held by before there was a choice
     if case.cylinder.friction is not None and "sliding" not in values:
         assumed["sliding"] = case.cylinder.sliding
     if case.rod.weight is not None and "inclination" not in values:
@@ -207,7 +208,7 @@ def with_fields(case: Case, changes: Mapping[str, Any]) -> Case:
         if name not in values:
             kind, names = _name(type(case.given)), choices(f.name for f in fields(case.given))
             raise InputError(f"this case is {kind}, which has no {name}; choose from {names}")
-    groups = (TWISTS,) if isinstance(case.given, Start) else PAIRS
+    groups = (TWISTS,) if isinstance(case.given, Start) else (*PAIRS, *TILTS)
     replaced = {*_other_section(changes), *(name for group in groups if {*group} & {*changes} for name in group)}
     kept = {name: value for name, value in values.items() if value is not None and name not in replaced}
     return case_from(type(case.given), {**kept, **changes})
@@ -218,6 +219,8 @@ def field_values(case: Case) -> dict[str, Any]:
     values = _fields_of(case)
     if case.rod.EI is not None:
         del values["stiffness"]
+    if not case.leaves:
+        del values["contact"]
     return {name: v if isinstance(v, str) else float(v) for name, v in values.items() if v is not None}
 
 

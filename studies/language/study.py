@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, Field, PrivateAttr, ValidationInfo, field_validator
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Start
+from solver.free.free_rods import FREE_TOLERANCE
 from solver.observe.observables import OBSERVABLES, error_name
 from solver.problem.case import DIRECT, PAIRS
 from solver.problem.errors import DEFAULT_TOLERANCE, choices
@@ -46,9 +47,12 @@ from .samples import Sample
 
 # The quantities that can be stored along the rod: names of `Solution`.
 OUTPUTS = (
-    "beta", "dbeta", "alpha", "z", "gamma", "position", "kappa",
+    "beta", "dbeta", "alpha", "z", "radius", "gap", "tilt", "gamma", "position", "kappa",
     "F1", "F2", "F3", "FY", "contact", "M1", "M2", "M3_along", "h",
 )  # fmt: skip
+
+# The default outputs of a study; of rods that may leave the cylinder also their radius, as it gives their place.
+DRAWN = ["beta", "alpha", "z", "contact"]
 
 # The default observables of a study.
 OBSERVED = ["turns", "wraps", "height", "kappa_max", "contact_size_mean", "attached"]
@@ -56,6 +60,11 @@ OBSERVED = ["turns", "wraps", "height", "kappa_max", "contact_size_mean", "attac
 SOURCES = ("sample", "zip", "table")  # the tables of a study that give fields that vary together
 
 MAX_STATIONS = 100_001
+
+
+def _leaves(said: Mapping[str, Any]) -> bool:
+    """Whether rods may leave the cylinder; said: the keys of a study that come before."""
+    return bool(said.get("let_go")) or ("base" in said and said["base"].given.get("contact") == "unilateral")
 
 
 class Study(BaseModel):
@@ -81,6 +90,7 @@ class Study(BaseModel):
     units: Units
     reading: str | None = None
     base: Base = Base()
+    let_go: bool = False
     equilibrium: Which | None = None
     axes: dict[str, Axis] = {}
     sample: Sample | None = None
@@ -89,9 +99,9 @@ class Study(BaseModel):
     refine: Refine | None = None
     expressions: dict[str, str] = {}
     observables: list[str] = OBSERVED
-    outputs: list[str] = ["beta", "alpha", "z", "contact"]
+    outputs: list[str] = Field(default_factory=lambda said: [*DRAWN, *["radius"] * _leaves(said)])
     stations: int = Field(201, ge=2, le=MAX_STATIONS)
-    tol: float = Field(DEFAULT_TOLERANCE, gt=0, lt=1)
+    tol: float = Field(default_factory=lambda said: FREE_TOLERANCE if _leaves(said) else DEFAULT_TOLERANCE, gt=0, lt=1)
     method: str = "auto"
     laws: list[Law] = []
     _text: str = PrivateAttr("")
@@ -185,7 +195,7 @@ class Study(BaseModel):
     @property
     def has_branches(self) -> bool:
         """Whether each case is labelled with its branch: ends problems over axes."""
-        return bool(self.grid) and self.kind is Ends
+        return bool(self.grid) and self.kind is Ends and not self.leaves
 
     @property
     def sweeps(self) -> bool:
@@ -194,6 +204,11 @@ class Study(BaseModel):
         With weight or friction each case continues from the straight rod, whatever its neighbours are.
         """
         return self.has_branches and not self.varies
+
+    @property
+    def leaves(self) -> bool:
+        """Whether the rods may leave the cylinder: it only pushes, or they are let go."""
+        return _leaves(vars(self))
 
     @property
     def varies(self) -> bool:

@@ -205,8 +205,12 @@ def _check_followed(study: Study) -> None:
     if len(names) > 1:
         raise Misplaced(f"one axis may be followed, got {choices(names)}", "axes", names[1], "follow")
     for name in names:
-        if study.varies:
+        if study.leaves or study.varies:
             why = "with weight or friction each case continues from the straight rod, not from the one before it"
+            if study.leaves:
+                why = (
+                    "a rod that may leave the cylinder continues from its own bilateral shape, not from the case before"
+                )
             raise Misplaced(f"{why}: remove follow", "axes", name, "follow")
         if study.kind is Start:
             _check_of_a_start(study, name, study.axes[name])

@@ -49,7 +49,7 @@ def between_ends(table: str, **keys: Any) -> Study:
     )
 
 
-EXPRESSIONS = '[expressions]\nshare = "turns/wraps"\ngap = "1/(F1 - 5*N)"\n'  # which has no value in the middle
+EXPRESSIONS = '[expressions]\nshare = "turns/wraps"\nroom = "1/(F1 - 5*N)"\n'  # which has no value in the middle
 STUDIES = {
     "grid": table_1(EXPRESSIONS + small.axis("E", (5e3, 4e4, 3)) + small.axis("F1", (1.0, 9.0, 13))),
     "samples": sample_study(40),

@@ -8,7 +8,7 @@ import pytest
 from typer.main import get_command
 
 from solver import Cylinder, Ends, Rod, Start
-from solver.problem.case import PAIRS, SIDES, SLIDING, STIFFNESS, TWISTS
+from solver.problem.case import CONTACTS, OFF_WALL, PAIRS, SIDES, SLIDING, STIFFNESS, TWISTS
 from solver.problem.quantities import unit_of
 from studies.grammar.axes import quantity_of
 from tests.workbench.command import exit_status
@@ -16,6 +16,7 @@ from workbench import cli
 from workbench.commands.case_options import ENDS_FIELDS, FIELDS, HELD, help_of
 
 SECTION = ("E", "nu", "a", "L", "inner_radius", "EI", "GJ")  # of which a rod needs either pair, a and L
+ABSENT = ("weight", "inclination", "friction", "sliding", *OFF_WALL)  # without one there is none; ends lie on the wall
 PARTS = {"": (Rod, Cylinder), "start": (Start,), "ends": (Ends,)}
 
 
@@ -58,7 +59,7 @@ def test_the_default_is_that_of_the_solver(name: str) -> None:
     defaults = {field.default for part in declared()[name] for field in fields(part) if field.name == name}
     if name in TWISTS or name in SECTION:  # required in one way or another
         assert FIELDS[name].default is None
-    elif name in ("weight", "inclination", "friction", "sliding"):  # without one there is none
+    elif name in ABSENT:
         assert defaults == {None}
         assert FIELDS[name].default is None
     elif name in {field for pair in PAIRS for field in pair}:  # a load is 0 unless its displacement is held
@@ -72,6 +73,7 @@ def test_words_have_the_choices_of_the_solver() -> None:
     assert FIELDS["stiffness"].choices == tuple(STIFFNESS)
     assert FIELDS["side"].choices == tuple(SIDES)
     assert FIELDS["sliding"].choices == tuple(SLIDING)
+    assert FIELDS["contact"].choices == CONTACTS
 
 
 @pytest.mark.parametrize(

@@ -22,7 +22,16 @@ def part(trial: Callable[[], None] = lambda: None, package: str = "numpy") -> Ex
 
 
 def test_every_optional_part_has_a_row() -> None:
-    assert {part.extra for part in EXTRAS} == {"cad", "explore", "animate", "taylor", "cluster", "parquet", "global"}
+    assert {part.extra for part in EXTRAS} == {
+        "cad",
+        "explore",
+        "animate",
+        "taylor",
+        "cluster",
+        "parquet",
+        "global",
+        "contact",
+    }
 
 
 @pytest.mark.slow

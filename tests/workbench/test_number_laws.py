@@ -23,7 +23,7 @@ share = "kappa_mean/kappa_max"
 tight = "kappa_max*rho > 2"
 area = "pi*R**2"
 wide = "R > 0.9*cm"
-gap = "1/(R - 0.75*cm)"
+room = "1/(R - 0.75*cm)"
 """
 HEADS = {
     "equals": "observable = 'kappa_max'\nkind = 'equals'\nformula = 'kappa_mean/share'\nrelative = 1e-9",
@@ -52,8 +52,8 @@ def pipe() -> xr.Dataset:
 
 def test_an_expression_is_stored_with_its_unit_its_text_and_its_error(ds: xr.Dataset) -> None:
     np.testing.assert_allclose(ds["share"], ds["kappa_mean"] / ds["kappa_max"])
-    assert ds["gap"].attrs == {
-        "units": "1/cm", "long_name": "gap", "symbol": "gap", "expression": "1/(R - 0.75*cm)",
+    assert ds["room"].attrs == {
+        "units": "1/cm", "long_name": "room", "symbol": "room", "expression": "1/(R - 0.75*cm)",
     }  # fmt: skip
     assert ds["share_error"].attrs["units"] == "1"
     assert "tight_error" not in ds
@@ -62,10 +62,10 @@ def test_an_expression_is_stored_with_its_unit_its_text_and_its_error(ds: xr.Dat
 
 def test_a_case_where_an_expression_divides_by_zero_says_so_and_its_neighbours_are_untouched(ds: xr.Dataset) -> None:
     bad = ds["R"].values == 0.75
-    assert np.isnan(ds["gap"].values[bad]).all()
-    assert np.isfinite(ds["gap"].values[~bad]).all()
+    assert np.isnan(ds["room"].values[bad]).all()
+    assert np.isfinite(ds["room"].values[~bad]).all()
     told = ds["outcome"].values
-    assert set(told[bad].ravel()) == {"solved; gap has no value: division by zero: 'R - 0.75 * cm' is 0"}
+    assert set(told[bad].ravel()) == {"solved; room has no value: division by zero: 'R - 0.75 * cm' is 0"}
     assert set(told[~bad].ravel()) == {"solved"}
     assert ds["solved"].all()
     assert np.isfinite(ds["share"]).all()
@@ -104,7 +104,7 @@ def test_panels_of_laws_with_numbers_show_what_is_stored(ds: xr.Dataset) -> None
 
 
 def test_a_law_on_an_expression_without_a_value_is_not_decided(tmp_path: Path) -> None:
-    ds = in_memory.run(study(small.law("gap", "R", claim="a", kind="bounded", most=100)))
+    ds = in_memory.run(study(small.law("room", "R", claim="a", kind="bounded", most=100)))
     (row,) = law_verdicts.verdicts(ds)
     assert (row["verdict"], row["reason"]) == (UNDECIDED, "1 of 4 cases has no value")
 

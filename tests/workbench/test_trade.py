@@ -12,7 +12,7 @@ from solver.benchmark import available_ladders, measure
 from solver.observe.observables import OBSERVABLES
 from tests.workbench import forked, small
 from workbench.commands import trade
-from workbench.commands.fidelity import FIDELITIES
+from workbench.commands.fidelity import FIDELITIES, OFF_WALL
 from workbench.compare.trade_runs import CASES, advice, reference
 from workbench.figures import work_precision
 from workbench.store import in_memory, reading
@@ -158,4 +158,5 @@ def test_a_study_at_a_fidelity_has_its_tolerance_its_stations_and_what_it_comput
     assert "wraps" in found["draft"]  # a law admits it
     assert "turns" not in found["draft"]
     for name in ("fine", "exact"):
-        assert set(CURVES) | set(OBSERVABLES) <= set(found[name].data_vars)
+        along = set(CURVES) - set(OFF_WALL)
+        assert along | {name for name, row in OBSERVABLES.items() if not row.free} <= set(found[name].data_vars)

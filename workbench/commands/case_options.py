@@ -88,6 +88,8 @@ FIELDS: dict[str, CaseField] = {
         CaseField("sliding", "how a rod with friction moves: along itself, turning in place, or along the axis", "",
                   note="only with friction; default: forward",
                   choices=("forward", "backward", "rotating", "axial-forward", "axial-backward")),
+        CaseField("contact", "whether the cylinder holds the rod on (bilateral) or only pushes (unilateral)", "",
+                  default="bilateral", choices=("bilateral", "unilateral")),
         _of_quantity("beta", "", "start"),
         _of_quantity("dbeta", "", "start"),
         _of_quantity("F1", "", "start", _TWIST),
@@ -104,6 +106,12 @@ FIELDS: dict[str, CaseField] = {
         _of_quantity("rotation", ", held", "ends", "in place of M3"),
         _of_quantity("M10", ", 0 for a hinge", "ends", "in place of beta0"),
         _of_quantity("M1L", ", 0 for a hinge", "ends", "in place of betaL"),
+        _of_quantity("radius0", "", "ends", "only with unilateral contact; default: on the wall"),
+        _of_quantity("radiusL", "", "ends", "only with unilateral contact; default: on the wall"),
+        _of_quantity("tilt0", "", "ends", "only with unilateral contact; default: 0"),
+        _of_quantity("tiltL", "", "ends", "only with unilateral contact; default: 0"),
+        _of_quantity("M20", ", 0 for a hinge", "ends", "in place of tilt0"),
+        _of_quantity("M2L", ", 0 for a hinge", "ends", "in place of tiltL"),
         _of_quantity("alpha", default=0.0),
         _of_quantity("gamma", default=0.0),
     )
@@ -119,13 +127,16 @@ WINDING = {
     )
 }  # fmt: skip
 EVERY = (*FIELDS, *WINDING)
+FREE = ("contact", "radius0", "radiusL", "tilt0", "tiltL", "M20", "M2L")  # of rods that may leave the cylinder
 HELD = ("height", "azimuth", "rotation", "M10", "M1L")  # what ends hold in place of dead loads and angles
 ENDS_FIELDS = tuple(
-    name for name, field in FIELDS.items() if field.problem != "start" and name not in ("alpha", "gamma", *HELD)
+    name for name, field in FIELDS.items() if field.problem != "start" and name not in ("alpha", "gamma", *HELD, *FREE)
 )
 AXES = tuple(name for name in (*ENDS_FIELDS, *HELD) if not FIELDS[name].choices)  # what may vary between two ends
 MAX_COUNT = 401  # values of an axis over which equilibria are followed
-ROD_FIELDS = tuple(name for name, field in FIELDS.items() if not field.problem and name not in ("alpha", "gamma"))
+ROD_FIELDS = tuple(
+    name for name, field in FIELDS.items() if not field.problem and name not in ("alpha", "gamma", "contact")
+)
 
 
 def of_case(names: Sequence[str]) -> dict[str, Any]:

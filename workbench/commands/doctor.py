@@ -146,6 +146,7 @@ EXTRAS = (
     Extra("Open Cascade", "cad", ("cadquery-ocp-novtk",), _cad, "STEP files"),
     Extra("live page", "explore", ("aiohttp",), "aiohttp", "workbench explore"),
     Extra("films", "animate", ("imageio", "imageio-ffmpeg"), _film, "workbench animate"),
+    Extra("Uno", "contact", ("unopy",), "unopy", "workbench solve --let-go"),
     Extra("heyoka", "taylor", ("heyoka",), "heyoka", "method for comparison"),
     Extra("Parquet", "parquet", ("pyarrow",), "pyarrow.parquet", "workbench run --cases TABLE.parquet"),
     Extra("SALib", "global", ("SALib",), "SALib.analyze.sobol", "workbench sensitivity --global"),

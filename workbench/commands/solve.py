@@ -6,12 +6,27 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+from solver.problem.errors import DEFAULT_TOLERANCE
 from solver.problem.quantities import quantity, unit_of
 
 from ..store import atomic
 from . import console, tables
 from .case_options import EVERY, Given
-from .options import CaseFile, Choose, Fidelity, Json, Method, Reading, Table1, Tol, flag, parse_choose
+from .options import (
+    AT,
+    CaseFile,
+    Choose,
+    Fidelity,
+    Json,
+    Method,
+    Reading,
+    Table1,
+    Tol,
+    flag,
+    option,
+    pairs,
+    parse_choose,
+)
 from .present import Result, presents
 
 if TYPE_CHECKING:
@@ -42,6 +57,10 @@ def solve(
     method: Method = None,
     level: Fidelity = None,
     choose: Choose = None,
+    at: Annotated[list[str] | None, option("AXIS=VALUE", f"Take one case of a study or of a stored file. {AT}")] = None,
+    let_go: Annotated[
+        bool, flag("Let the rod go: hold both ends as they are, while the cylinder only pushes.", "--let-go")
+    ] = False,
     every: Annotated[bool, flag("Print every number that is found, not only ten.", "--all")] = False,
     json: Json = False,
 ) -> Result:
@@ -61,40 +80,58 @@ def solve(
     rod, and the command says where the rod is straight, sinusoidal or helical. The model leaves out joints, and
     clearance at the ends.
 
+    With --contact unilateral the cylinder only pushes, and a rod between two ends may leave it; these may be off the
+    wall too (--radius0, --radiusL, --tilt0, --tiltL). With --let-go any rod is let go. Both need the extra contact.
+
     Angles: a number in rad, or a form like 30deg or pi/6. Exit status 1 if the case is unsolved.
     """
     from solver import equilibria
-    from studies.language.case_input import read_case
+    from studies.language.case_input import check_alone, read_case
     from studies.language.loader import dumps, loads
 
     from ..branches.ends_study import text_of_solution
-    from ..store import in_memory, writing
+    from ..store import in_memory, stored_case, writing
     from ..store.block import solve_one
-    from ..words import cautions, pipe_profile, pipe_state
+    from ..words import cautions, free_rods, pipe_profile, pipe_state
     from .fidelity import fidelity
 
     chosen = fidelity(level or "standard")
-    base = read_case(file, given.values, given.units, table1, reading)
+    if file is not None and (at or file.suffix.lower() == ".h5"):
+        check_alone(file, given.units, table1)
+        base = stored_case.case_in(file, pairs("--at", at), given.values)
+    else:
+        base = read_case(file, given.values, given.units, table1, reading)
     stations, which = 201, base.which
+    let_go = let_go or (base.study is not None and base.study.let_go)
+    leaves = let_go or base.case.leaves
     if base.study is not None:
         stations = base.study.stations
-        tol = base.study.tol if tol is None and level is None else tol
+        tol = base.study.tol if tol is None and level is None and base.study.leaves == leaves else tol
         method = base.study.method if method is None else method
-    tol, stations = chosen.tol if tol is None else tol, chosen.stations or stations
+    tol, stations = chosen.tol_of(leaves) if tol is None else tol, chosen.stations or stations
     if choose is not None:
         which = parse_choose(choose, base.case.given)
     named = which is not None and which.rule is None
-    listed = equilibria(base.case, tol, stations) if named else None
-    sol = solve_one(base.case, which, tol, "auto" if method is None else method, stations, listed)
-    whole = every or json or not base.case.varies
+    held_to = DEFAULT_TOLERANCE if let_go and not base.case.leaves else tol  # of the rod before it is let go
+    listed = equilibria(base.case, held_to, stations) if named else None
+    method_of_case = "auto" if method is None or let_go else method
+    before = solve_one(base.case, which, held_to, method_of_case, stations, listed=listed)
+    sol: Solution = before.let_go(tol) if let_go else before
+    whole = every or json or leaves or not base.case.varies
+    energies = free_rods.release(before, sol) if let_go else {}
     rows = pipe_profile.profile(sol, base.units)
     data = _find(sol, base.units, chosen, whole) | {
         "source": base.source,
         "assumed": base.assumed,
-        "which": _which(sol, listed, base),
+        "which": _which(before, listed, base),
         "selection": None if sol.selection is None else {**asdict(sol.selection), "rule": sol.selection.rule},
         "caution": cautions.said(cautions.of_cases(sol, units=base.units)),
-        "left_out": cautions.left_out_of(base.case),
+        "left_out": cautions.left_out_of(sol.case),
+        "free": free_rods.sentences(sol, base.units)
+        + ([free_rods.release_sentence(energies, base.units)] if energies else []),
+        "contacts": sol.contacts,
+        "point_forces": sol.point_forces,
+        "released": energies,
         "pipe": pipe_state.sentences(sol, base.units),
         "profile": [row._asdict() for row in rows],
         "warnings": pipe_state.warnings(sol, base.units, rows),
@@ -102,10 +139,14 @@ def solve(
     }
 
     def study(name: str = "rod") -> "Study":
-        taken = which is not None or not base.case.varies  # with weight the default takes no list of equilibria
-        plain = loads(text_of_solution(f"One rod, from {base.source}", base.units, sol, taken))
-        settings = {"tol": tol, "stations": sol.t.shape[-1], "observables": [*chosen.observables(sol.case.rod)]}
-        settings |= {"name": name} | ({} if method is None else {"method": method})
+        taken = which is not None or not (base.case.varies or base.case.leaves)  # else there is no list of equilibria
+        plain = loads(text_of_solution(f"One rod, from {base.source}", base.units, before, taken))
+        settings: dict[str, Any] = {"tol": tol, "stations": sol.t.shape[-1]}
+        settings |= (
+            {"name": name} | ({} if method is None else {"method": method}) | ({"let_go": True} if let_go else {})
+        )
+        plain = loads(dumps(plain.model_copy(update=settings)))
+        settings["observables"] = [*chosen.observables(sol.case.rod, leaves)]
         return loads(dumps(chosen.of(plain).model_copy(update=settings)))
 
     def write(path: Path) -> None:
@@ -157,11 +198,11 @@ def _find(sol: "Solution", units: dict[str, str], level: "Level", whole: bool) -
     from studies.language.case_input import field_values, with_unit
 
     turning = ["M30"] if sol.case.cylinder.turns_in_place else []  # with M3, the torque at both ends
-    seen = observe(sol, [*level.observables(sol.case.rod), *turning])
-    remarks = [
-        words for name in seen for words, affected in why_unknown(name, seen[name]) if affected and sol.solved and whole
-    ]
-    listed = "energy" in seen and sol.held and sol.solved and not sol.case.varies  # among equilibria of held ends
+    leaves = sol.case.leaves
+    seen = observe(sol, [*level.observables(sol.case.rod, leaves), *turning])
+    reasons = [reason for name in seen for reason in why_unknown(name, seen[name], leaves)]
+    remarks = [words for words, affected in reasons if affected and sol.solved and whole and not leaves]
+    listed = "energy" in seen and sol.held and sol.solved and not (sol.case.varies or leaves)  # of held ends
     as_held = {"held_energy": energy_as_held(sol)} if listed else {}
     return {
         "case": field_values(sol.case),
@@ -179,19 +220,23 @@ def _find(sol: "Solution", units: dict[str, str], level: "Level", whole: bool) -
         "begun": sol.begun or "",
         "indices": _indices(sol),
         "observables": {name: np.asarray(value).item() for name, value in seen.items()} | as_held,
-        "along": {name: getattr(sol, name).tolist() for name in level.along},
+        "along": {name: getattr(sol, name).tolist() for name in level.along(leaves)},
     }
 
 
 def _indices(sol: "Solution") -> dict[str, int]:
     """The Morse index under held ends and under dead loads, each where it is decided; empty of other ends."""
-    if not sol.held or sol.case.varies or not sol.solved:
+    if not sol.held or sol.case.varies or sol.case.leaves or not sol.solved:
         return {}
     indices = {"held ends": float(sol.held_index), "dead loads": float(sol.dead_index)}
     return {loading: int(index) for loading, index in indices.items() if math.isfinite(index)}
 
 
 PROFILE = ("start", "middle", "largest", "at", "far")
+OFF_WALL = (
+    "wraps", "height", "kappa_max", "bending_moment_max", "F3_size_max", "push_max", "gap_max", "contact_share",
+    "contact_count", "point_force_max",
+)  # fmt: skip
 HEADLINES = (
     "turns", "wraps", "height", "kappa_max", "bending_moment_max", "F3_size_max", "push_min", "push_max", "attached",
     "index", "M30",
@@ -212,10 +257,12 @@ def _show(found: dict[str, Any], every: bool, whole: bool) -> None:
         )
         console.say(", ".join(words))
     accuracy = f": error {found['error']:.1e}, condition {found['condition']:.3g}"
+    if found["case"].get("contact"):
+        accuracy = f" of the length: error {found['error']:.1e}"
     if not math.isfinite(found["error"]):
         accuracy = ""
     console.say(f"\n{found['outcome']} ({found['method']}, tolerance {found['tolerance']:g}{accuracy})")
-    for sentence in (found["which"], *found["pipe"]):
+    for sentence in (found["which"], *found["pipe"], *found["free"]):
         if sentence:
             console.say(sentence)
     if found["profile"]:
@@ -224,7 +271,7 @@ def _show(found: dict[str, Any], every: bool, whole: bool) -> None:
         console.say("")
         tables.print_table(heads, rows)
         console.say("middle: the mean of the middle third\n")
-    if found["begun"] and not found["pipe"]:
+    if found["begun"] and not found["pipe"] and not found["case"].get("contact"):
         console.say(f"held: {', '.join(found['held'])}; the search began at {found['begun']}")
     if found["indices"]:
         said = ", ".join(f"{index} under {loading}" for loading, index in found["indices"].items())
@@ -254,8 +301,9 @@ def _print_tables(found: dict[str, Any], every: bool) -> None:
     tables.print_table(["given", "value", "unit", ""], rows)
     console.say("")
     if results := _results(found):
-        plain = set(found["observables"]) | set(found["case"]) - set(HEADLINES)  # a load that is given stands above
-        shown = [name for name in results if every or name in HEADLINES or name not in plain]
+        heads = OFF_WALL if found["case"].get("contact") else HEADLINES
+        plain = set(found["observables"]) | set(found["case"]) - set(heads)  # a load that is given stands above
+        shown = [name for name in results if every or name in heads or name not in plain]
         tables.print_table(
             ["found", "value", "unit", ""],
             [[name, results[name], _unit(name, found), quantity(name).long_name] for name in shown],

@@ -134,6 +134,7 @@ def _attributes(study: Study, case: Case) -> dict[str, Any]:
         "study": bounds.fit_lines(study.text or dumps(study)),
         "reading": study.reading or "",
         **schema.attributes_of_case(case, study.unit_system),
+        **({"contact": "unilateral"} if study.let_go else {}),
         "tolerance": study.tol,
         "method": study.method,
         "observed": RESOLVED if _knows_orbit(study.method) else AT_STATIONS,

@@ -18,6 +18,7 @@ from solver import Case, Solution, equilibria, solve
 from solver.choose.selection import NEAREST, Choose
 from solver.equilibria import Equilibria, nearest
 from solver.observe.observables import OBSERVABLES, observe, why_unknown
+from solver.problem.errors import DEFAULT_TOLERANCE
 from studies import Study
 from studies.grammar.axes import Which
 from studies.language import expressions
@@ -65,7 +66,7 @@ def block_of(study: Study, part: Chunk) -> Columns:
     if part.in_order is not None:
         return join([_columns_of(study, *part.in_order(place)) for place in range(part.start, part.stop)])
     case = study.case_of(part.values)
-    sol = solve_one(case, study.equilibrium, study.tol, study.method, study.stations)
+    sol = solve_one(case, study.equilibrium, study.tol, study.method, study.stations, study.let_go)
     return columns(study, sol, part.values)
 
 
@@ -83,12 +84,21 @@ def rule_of(which: Which | None) -> Choose:
 
 
 def solve_one(
-    case: Case, which: Which | None, tol: float, method: str, stations: Any, listed: Equilibria | None = None
+    case: Case,
+    which: Which | None,
+    tol: float,
+    method: str,
+    stations: Any,
+    let_go: bool = False,
+    listed: Equilibria | None = None,
 ) -> Solution:
     """The solution of a case, or of several; where a study names an equilibrium, that one. Raises `InputError`.
 
-    listed: all equilibria of the case at these stations, where they are known.
+    let_go: whether the cylinder then only pushes; tol is that of the rod let go. listed: all equilibria of the case at
+    these stations, where they are known.
     """
+    if let_go:
+        return solve_one(case, which, DEFAULT_TOLERANCE, "auto", stations, listed=listed).let_go(tol)
     if which is not None and which.dbeta0 is not None and which.energy is not None:
         every = equilibria(case, tol, stations) if listed is None else listed
         if len(every):
@@ -113,7 +123,7 @@ def columns(study: Study, sol: Solution, given: Mapping[str, Any] | None = None)
     seen = observe(sol, list(dict.fromkeys((*study.observed, *cautions.JUDGED))), errors=True)
     observed: Columns = {name: np.reshape(values, -1) for name, values in seen.items()}
     shown = [name for name in dict.fromkeys((*study.wanted, *cautions.JUDGED)) if name in OBSERVABLES]
-    missing = [reason for name in shown for reason in why_unknown(name, observed[name])]
+    missing = [reason for name in shown for reason in why_unknown(name, observed[name], study.leaves)]
     if study.expressions:
         values, reasons = expressions.values_of(study, sol, observed, given or {})
         observed, missing = observed | values, missing + reasons

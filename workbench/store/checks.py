@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from solver.problem.case import DIRECT, ELASTIC, GIVEN, SIDES, SLIDING
+from solver.problem.case import CONTACTS, DIRECT, ELASTIC, GIVEN, SIDES, SLIDING
 from solver.problem.errors import InputError, choices
 from studies import names
 from studies.grammar.axes import FIELDS, SAMPLE
@@ -39,6 +39,7 @@ LABELS = ("units", "long_name", "symbol", "reading")
 CHOICES: Mapping[str, Any] = {
     "side": SIDES,
     "sliding": SLIDING,
+    "contact": CONTACTS,
     "stiffness": schema.SECTIONS,
     "length_unit": LENGTHS,
     "force_unit": FORCES,

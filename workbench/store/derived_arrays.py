@@ -57,6 +57,8 @@ class StoredArrays:
             return self.ds[key]
         if name not in RULES or name in above or (name in BY_LOADS and self._varies(name)):
             return None
+        if schema.leaves(self.ds) and name not in ANYWHERE:
+            return None
         needs, rule = RULES[name]
         parts = [self.derive(need, (*above, name)) for need in needs]
         return None if any(part is None for part in parts) else rule(self, *parts)
@@ -179,6 +181,7 @@ def _vectors(function: Callable[..., Any], name: str, *arrays: Any) -> Any:
                           output_dtypes=[float], dask_gufunc_kwargs=sizes)  # fmt: skip
 
 
+ANYWHERE = ("push", "gap", "position", "normal")  # rules that hold off the wall too
 BY_LOADS = ("FY", "F1", "F2", "F3", "contact", "M3_along", "h")  # rules that take constant loads
 # name -> the arrays it needs, and the formula, which is the solver's own
 RULES: dict[str, tuple[tuple[str, ...], Callable[..., Any]]] = {
@@ -194,7 +197,10 @@ RULES: dict[str, tuple[tuple[str, ...], Callable[..., Any]]] = {
     "M2": (("beta",), lambda at, b: at.A * np.sin(b) ** 2 / at.rho),
     "M3_along": (("beta",), lambda at, b: at.constant("M3") + 0 * b),
     "h": (("beta", "dbeta"), lambda at, b, db: db**2 + potential(at, b) / at.rho**2),
-    "position": (("alpha", "z"), lambda at, a, z: _vectors(frames.position, "position", at.rho, a, z)),
+    "radius": (("alpha",), lambda at, a: at.rho + 0 * a),
+    "gap": (("radius",), lambda at, r: abs(r - at.rho)),
+    "tilt": (("alpha",), lambda at, a: 0 * a),
+    "position": (("radius", "alpha", "z"), lambda at, r, a, z: _vectors(frames.position, "position", r, a, z)),
     "tangent": (("alpha", "beta"), lambda at, a, b: _vectors(frames.tangent, "tangent", a, b)),
     "normal": (("alpha",), lambda at, a: -_vectors(frames.outward, "normal", a)),
     "material_frame": (

@@ -157,14 +157,19 @@ class Plan:
 
 def plan(study: Study) -> Plan:
     """The plan of a study; "auto" becomes the automatic method. Raises `InputError` as `solve` does."""
-    from solver.methods import choose_method, varying_method
+    from solver.methods import choose_method, free_method, varying_method
 
     dimensions = study.dimensions()
     first = study.case_of({name: values[0] for name, values in dimensions.fields.items()})
     if study.follow is not None:  # the equilibrium is followed by its ends, also where the study gives its start
         first = Case(first.rod, first.cylinder, Ends(0.0, 0.0))
-    name = varying_method(first.kind, study.method) if study.varies else choose_method(first.kind, study.method).name
-    if study.held and name != "shooting":
+    if study.leaves:
+        name = free_method(study.method)
+    elif study.varies:
+        name = varying_method(first.kind, study.method)
+    else:
+        name = choose_method(first.kind, study.method).name
+    if study.held and name not in ("shooting", "uno"):
         raise InputError(f"method {name!r} needs dead loads and end angles, got {choices(study.held)}; choose shooting")
     return Plan(study.model_copy(update={"tol": check_tolerance(study.tol), "method": name}), dimensions)
 

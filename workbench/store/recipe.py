@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 import solver
 import studies
-from solver.methods import METHODS, VARYING, available
+from solver.methods import FREE, METHODS, VARYING, available
 from solver.problem.errors import InputError
 from studies import Law, Study
 from studies.grammar.axes import SAMPLE, Dimension, Dimensions
@@ -41,6 +41,7 @@ def recipe_of(study: Study, dimensions: Dimensions, block: int) -> dict[str, Any
         "units": study.unit_system,
         "reading": study.reading or "",
         "base": study.base.given,
+        **({"let_go": True} if study.let_go else {}),
         "equilibrium": study.equilibrium.model_dump(exclude_none=True) if study.equilibrium else {},
         "order": list(dimensions.names),
         "axes": {name: axis_line(values) for name, values in dimensions.fields.items()},
@@ -55,7 +56,7 @@ def recipe_of(study: Study, dimensions: Dimensions, block: int) -> dict[str, Any
         "method": study.method,
         "block": block,
         "code": code_version(),
-        **{package: version_of(package) for package in ("numpy", "scipy", *required)},
+        **{package: version_of(package) for package in ("numpy", "scipy", *required, *["unopy"] * study.leaves)},
     }
     plain: dict[str, Any] = json.loads(json.dumps(data))
     return plain
@@ -86,13 +87,13 @@ def check_worker(study: Study, code: str) -> None:
     """Raise `InputError` where this process would give other numbers: other code, or a method that is missing."""
     if code_version() != code:
         raise InputError(f"a worker has the code {code_version()}, but the run was started with {code}")
-    if study.method not in (*available(), *VARYING.values()):
+    if study.method not in (*available(), *VARYING.values(), FREE):
         raise InputError(f"a worker has no method {study.method!r}: install there what is installed here")
 
 
 def versions_of_code() -> set[str]:
     """The keys of a recipe that are not the study: code, packages, block."""
-    return {"code", "numpy", "scipy", "block", *(method.requires for method in METHODS.values())}
+    return {"code", "numpy", "scipy", "unopy", "block", *(method.requires for method in METHODS.values())}
 
 
 def _digest(content: bytes) -> str:

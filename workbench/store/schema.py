@@ -87,9 +87,16 @@ def numbers_of_case(case: "Case") -> dict[str, Any]:
 
 def attributes_of_case(case: "Case", units: Mapping[str, str]) -> dict[str, str]:
     """The words of a case, and the units of its numbers."""
-    words = {"side": case.cylinder.side, "stiffness": case.rod.section, "sliding": case.cylinder.sliding}
+    wall = case.cylinder
+    words = {"side": wall.side, "stiffness": case.rod.section, "sliding": wall.sliding}
+    words |= {"contact": wall.contact} if case.leaves else {}
     units = {f"{kind}_unit": units[kind] for kind in ("length", "force")}
     return {name: word for name, word in words.items() if word is not None} | units
+
+
+def leaves(ds: "xr.Dataset") -> bool:
+    """Whether the rods of a dataset may leave the cylinder."""
+    return ds.attrs.get("contact") == "unilateral"
 
 
 def loads_vary(ds: "xr.Dataset") -> bool:

@@ -80,7 +80,7 @@ def solve_at(ds: xr.Dataset, study: Study, values: Mapping[str, Any]) -> Solutio
         as_run = study.model_copy(update={"tol": tol, "method": method})
         return _swept(as_run, case, stations, {**_places(ds, study, values), **values})
     if study.follow is None:
-        return solve_one(case, study.equilibrium, tol, method, stations)
+        return solve_one(case, study.equilibrium, tol, method, stations, study.let_go)
     return solve(case, tol=tol, method=method, stations=stations, seed=_slope(ds, study, case))
 
 
@@ -275,6 +275,14 @@ def open_case(file: Path, values: Mapping[str, Any]) -> CaseInput:
         if "L" not in ds.variables:
             raise schema.other_kind(file, kind, "explore opens files with all fields of a rod")
         return _equilibrium_of(ds, file.name, values)
+
+
+def case_in(file: Path, at: Mapping[str, Value], values: Mapping[str, Any]) -> CaseInput:
+    """A case of a study or of a stored study, as of `case_at`. Raises `InputError` for another file too."""
+    if is_study(file):
+        return case_at(load(str(file)), at, values)
+    with reading.raw(file) as ds:
+        return case_at(study_of(ds), at, values, file.name)
 
 
 def _part(name: str, study: Study) -> str:

@@ -214,14 +214,14 @@ NO_LOAD = "the curvature of the hole", "fluid flow", "temperature", "yielding"  
 
 
 def model_leaves_out(given: Mapping[str, Any], *more: str) -> str:
-    """What is left out where `given` holds the values of weight, friction and sliding, each if there is one, and more.
+    """What is left out where `given` holds weight, friction, sliding and contact, each if there is one, and more.
 
     A picture has room for the first of them.
     """
     parts = [name for name in ("weight", "friction") if not np.any(given.get(name, 0))]
     if "friction" not in parts and given.get("sliding") != "rotating":
         parts.append("the moment of friction about the rod's own axis")
-    parts += ["joints", "clearance at the ends", *more]
+    parts += ["joints", *["clearance at the ends"] * (given.get("contact") != "unilateral"), *more]
     return f"The model leaves out {', '.join(parts[:-1])}{',' * (len(parts) > 2)} and {parts[-1]}."
 
 
@@ -233,7 +233,8 @@ def left_out_of(case: "Case") -> str:
     if case.cylinder.side != "inside":
         return ""
     wall = case.cylinder
-    return model_leaves_out({"weight": case.rod.weight, "friction": wall.friction, "sliding": wall.sliding}, *NO_LOAD)
+    words = {"sliding": wall.sliding, "contact": wall.contact}
+    return model_leaves_out({"weight": case.rod.weight, "friction": wall.friction, **words}, *NO_LOAD)
 
 
 def left_out_of_dataset(ds: "xr.Dataset") -> str:
@@ -241,4 +242,4 @@ def left_out_of_dataset(ds: "xr.Dataset") -> str:
     if str(ds.attrs["side"]) != "inside":
         return ""
     given = {name: ds[name].values for name in ("weight", "friction") if name in ds}
-    return model_leaves_out(given | {"sliding": ds.attrs.get("sliding")})
+    return model_leaves_out(given | {name: ds.attrs.get(name) for name in ("sliding", "contact")})

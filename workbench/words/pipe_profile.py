@@ -42,7 +42,7 @@ def axial_force(sol: "Solution") -> Any:
 
 def profile(sol: "Solution", units: dict[str, str]) -> list[Row]:
     """Forces, curvature and stresses along a rod with weight or friction; none of another one, or where unsolved."""
-    if not (sol.case.varies and sol.solved):
+    if not (sol.case.varies and sol.solved) or sol.case.leaves:
         return []
     shape, rho = sol.trajectory.shapes.of(0), float(sol.case.rho)
 

@@ -60,7 +60,7 @@ def all_sentences(sol: "Solution", units: dict[str, str]) -> list[str]:
 
 def sentences(sol: "Solution", units: dict[str, str]) -> list[str]:
     """The sentences on one case, where it is not solved the loads alone; none of a rod without weight and friction."""
-    if not sol.case.varies:
+    if not sol.case.varies or sol.case.leaves:
         return []
     length, force = units["length"], units["force"]
     if not sol.solved:

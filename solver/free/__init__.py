@@ -1,0 +1,1 @@
+"""One-sided contact: a rod in space that may leave the cylinder, as a minimum of its energy."""

@@ -1,0 +1,268 @@
+"""A discrete rod in space: its energy, its constraints, and their exact derivatives.
+
+In units of A and rho. N edges of length h lead from node 0 to node N. Edge k has a frame, a quaternion q_k whose third
+director is the direction of the edge:  x_{k+1} = x_k + h D3(q_k), |q_k| = 1. Between two edges, over a length d (h; h/2
+between the frame of an end and its edge), the strain is u = 2 v/d with v the imaginary part of conj(q) q', and the
+energy there d/2 (u1^2 + u2^2 + c (u3 + tau)^2), with c = C/A. Frames turn with the uniform twist tau, which is
+therefore no strain of theirs: however often a rod is twisted, neighbouring frames are close to one another. At the
+nodes between the ends the wall asks for  side (x^2 + y^2 - 1) >= 0, or for equality where it holds the rod on.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from ..numerics.arrays import Array, Booleans
+from .quaternions import BILINEAR, QUADRATIC, end_frame
+
+EDGE = 7  # unknowns of an edge: its quaternion, and the node behind it
+ENDS = 8  # the angles of both ends: azimuth, beta, tilt, rotation
+CONDITIONS = 4  # of an edge: where it leads, and the size of its quaternion
+HELD_ON, OUTSIDE, INSIDE = 0, 1, -1
+
+
+class Joints(NamedTuple):
+    """Between neighbouring frames: v, (N + 1, 3); its derivatives by the frame before and after, (N + 1, 3, 4) each;
+    that of the energy by v, (N + 1, 3)."""
+
+    v: Array
+    before: Array
+    after: Array
+    pull: Array
+
+
+@dataclass(frozen=True, eq=False)
+class DiscreteRod:
+    """A rod between its ends, on N edges.
+
+    edges: N. span: L/rho. ratio: C/A. twist: tau. side: `OUTSIDE`, `INSIDE` or `HELD_ON`. weight: (3,), force per
+    length. angles: (8,), azimuth, beta, tilt and rotation of both ends, anything where `free` (8,) says that they are
+    unknown; never the azimuth and the rotation of the start. flip: sign of the quaternion of the far end. radius: (2,),
+    distance of both ends from the axis. height: z of node N; None if unknown. loads: (8,), what does work with the
+    angles. tension: what does work with the height.
+    """
+
+    edges: int
+    span: float
+    ratio: float
+    twist: float
+    side: int
+    weight: Array
+    angles: Array
+    free: Booleans
+    flip: float
+    radius: Array
+    height: float | None
+    loads: Array
+    tension: float
+
+    @property
+    def h(self) -> float:
+        """The length of an edge."""
+        return self.span / self.edges
+
+    @property
+    def size(self) -> int:
+        """The number of unknowns, those included that are given."""
+        return EDGE * self.edges + ENDS
+
+    @property
+    def swings(self) -> bool:
+        """Whether the far end moves round the axis."""
+        return bool(self.free[4] and self.radius[1] > 0)
+
+    def parts(self, y: Array) -> tuple[Array, Array, Array]:
+        """Quaternions (N, 4), nodes 1 to N (N, 3), and the angles of both ends (8,), as views of the unknowns."""
+        edges = y[:-ENDS].reshape(-1, EDGE)
+        return edges[:, :4], edges[:, 4:], y[-ENDS:]
+
+    def place(self, end: int, azimuth: float) -> Array:
+        """Where an end is across the axis, (2,)."""
+        return np.asarray(self.radius[end] * np.array([np.cos(azimuth), np.sin(azimuth)]))
+
+    @cached_property
+    def known(self) -> Booleans:
+        """Which unknowns are given, (size,)."""
+        known = np.zeros(self.size, dtype=bool)
+        known[-ENDS:] = ~self.free
+        known[-ENDS - 3 : -ENDS - 1] = not self.swings
+        known[-ENDS - 1] = self.height is not None
+        return known
+
+    def with_known(self, y: Array) -> Array:
+        """The unknowns with those that are given put in."""
+        y = y.copy()
+        _, x, angles = self.parts(y)
+        angles[~self.free] = self.angles[~self.free]
+        if not self.swings:
+            x[-1, :2] = self.place(1, angles[4])
+        if self.height is not None:
+            x[-1, 2] = self.height
+        return y
+
+    # the energy
+
+    @cached_property
+    def lengths(self) -> Array:
+        """The lengths of the joints, between the middles of edges and from an end to one, (N + 1,)."""
+        lengths = np.full(self.edges + 1, self.h)
+        lengths[[0, -1]] /= 2
+        return lengths
+
+    @cached_property
+    def _stiffness(self) -> Array:
+        """What multiplies v v/2 at each joint, (N + 1, 3)."""
+        return 4 * np.array([1.0, 1.0, self.ratio]) / self.lengths[:, None]
+
+    @cached_property
+    def _lumped(self) -> Array:
+        """The weight at nodes 1 to N, (N, 3)."""
+        weight = np.tile(self.h * self.weight, (self.edges, 1))
+        weight[-1] /= 2
+        return weight
+
+    def _end_frames(self, y: Array) -> tuple[tuple[Array, ...], tuple[Array, ...]]:
+        """The frames of both ends with their first and second derivatives by the angles there."""
+        angles = y[-ENDS:]
+        far = tuple(self.flip * part for part in end_frame(angles[4:]))
+        return end_frame(angles[:4]), far
+
+    def chain(self, y: Array) -> Array:
+        """The frames of the start, of the edges and of the far end, (N + 2, 4)."""
+        (first, *_), (last, *_) = self._end_frames(y)
+        return np.concatenate([first[None], self.parts(y)[0], last[None]])
+
+    def joints(self, y: Array) -> Joints:
+        """The strains between neighbouring frames."""
+        chain = self.chain(y)
+        before = np.einsum("ikl,nl->nik", BILINEAR, chain[1:])
+        after = np.einsum("nk,ikl->nil", chain[:-1], BILINEAR)
+        v = (before @ chain[:-1, :, None])[..., 0]
+        pull = self._stiffness * v
+        pull[:, 2] += 2 * self.ratio * self.twist
+        return Joints(v, before, after, pull)
+
+    def weight_energy(self, y: Array) -> float:
+        """The energy of the weight, 0 at the axis and at z = 0."""
+        return -float((self._lumped * self.parts(y)[1]).sum())
+
+    def energy(self, y: Array) -> float:
+        """Bending and twist energy, less that of the uniform twist, and less the work of weight and loads."""
+        _, x, angles = self.parts(y)
+        joints = self.joints(y)
+        strain = ((self._stiffness * joints.v / 2 + [0, 0, 2 * self.ratio * self.twist]) * joints.v).sum()
+        return float(strain + self.weight_energy(y) - self.loads @ angles - self.tension * (x[-1, 2] - self.span))
+
+    def gradient(self, y: Array) -> Array:
+        """The derivatives of the energy, (size,)."""
+        joints, gradient = self.joints(y), np.zeros(self.size)
+        by_q, by_x, by_angle = self.parts(gradient)
+        before, after = (np.einsum("ni,nik->nk", joints.pull, part) for part in (joints.before, joints.after))
+        by_q += before[1:] + after[:-1]
+        by_x -= self._lumped
+        by_x[-1, 2] -= self.tension
+        (_, near, _), (_, far, _) = self._end_frames(y)
+        by_angle[:] = np.append(near @ before[0], far @ after[-1]) - self.loads
+        return gradient
+
+    # what the unknowns obey
+
+    @cached_property
+    def bounds(self) -> tuple[Array, Array]:
+        """The least and the largest values of the conditions, (M,) each."""
+        low = np.zeros(CONDITIONS * self.edges + (self.edges - 1) + 2 * self.swings)
+        high = low.copy()
+        wall = slice(CONDITIONS * self.edges, CONDITIONS * self.edges + self.edges - 1)
+        if self.side != HELD_ON:
+            (low if self.side == INSIDE else high)[wall] = self.side * np.inf
+        return low, high
+
+    def conditions(self, y: Array) -> Array:
+        """How far an edge leads beside its node, and |q|^2 - 1, of each edge; x^2 + y^2 - 1 at nodes 1 to N - 1; how
+        far a far end that swings is from its place. (M,)"""
+        q, x, angles = self.parts(y)
+        start = np.append(self.place(0, angles[0]), 0.0)
+        led = np.diff(x, axis=0, prepend=start[None]) - self.h * np.einsum("nk,ikl,nl->ni", q, QUADRATIC, q)
+        of_edges = np.column_stack([led, (q * q).sum(axis=1) - 1])
+        wall = (x[:-1, :2] ** 2).sum(axis=1) - 1
+        return np.concatenate([of_edges.ravel(), wall, *([x[-1, :2] - self.place(1, angles[4])] * self.swings)])
+
+    @cached_property
+    def jacobian_places(self) -> tuple[Array, Array]:
+        """Rows and columns of the entries of `jacobian_values`, the unknowns that are given included."""
+        k = np.arange(self.edges)[:, None, None]
+        by_q = CONDITIONS * k + np.arange(4)[:, None], EDGE * k + np.arange(4)
+        ahead = CONDITIONS * k[..., 0] + np.arange(3), EDGE * k[..., 0] + 4 + np.arange(3)
+        back = ahead[0][1:], ahead[1][:-1]
+        walls = CONDITIONS * self.edges + k[:-1, 0] + np.zeros(2, int), EDGE * k[:-1, 0] + np.array([4, 5])
+        last, n = CONDITIONS * self.edges + self.edges - 1, EDGE * self.edges
+        swing = ([last, last + 1] * 2, [n - 3, n - 2, n + 4, n + 4]) if self.swings else ([], [])
+        groups = [np.broadcast_arrays(*part) for part in (by_q, ahead, back, walls, swing)]
+        rows, columns = (np.concatenate([np.ravel(group[i]) for group in groups]) for i in (0, 1))
+        return rows.astype(np.int64), columns.astype(np.int64)
+
+    def jacobian_values(self, y: Array) -> Array:
+        """The derivatives of the conditions, at the places of `jacobian_places`."""
+        q, x, angles = self.parts(y)
+        by_q = np.concatenate([-2 * self.h * np.einsum("ikl,nl->nik", QUADRATIC, q), 2 * q[:, None]], axis=1)
+        swing = [1.0, 1.0, *(self.place(1, angles[4])[::-1] * [1, -1])] if self.swings else []
+        ones = np.ones(3 * self.edges)
+        return np.concatenate([by_q.ravel(), ones, -ones[3:], 2 * x[:-1, :2].ravel(), swing])
+
+    def finer_multipliers(self, multipliers: Array) -> Array:
+        """Multipliers of the conditions of this rod as a guess of those of the rod on twice as many edges."""
+        of_edges, (wall, swing) = (
+            multipliers[: CONDITIONS * self.edges],
+            np.split(multipliers[CONDITIONS * self.edges :], [self.edges - 1]),
+        )
+        nodes = np.interp(np.arange(1, 2 * self.edges) / 2, np.arange(self.edges + 1), np.pad(wall, 1)) / 2
+        return np.concatenate([np.repeat(of_edges.reshape(-1, CONDITIONS), 2, axis=0).ravel(), nodes, swing])
+
+    # the second derivatives of the Lagrangian  size E - multipliers . conditions
+
+    @cached_property
+    def hessian_places(self) -> tuple[Array, Array]:
+        """Rows and columns of the entries of `hessian_values`: the lower triangle, some entries in several parts."""
+        i, j = np.tril_indices(4)
+        k, n = EDGE * np.arange(self.edges)[:, None], EDGE * self.edges
+        block = k + i, k + j
+        cross = k[1:, :, None] + np.arange(4)[:, None], k[:-1, :, None] + np.arange(4)
+        walls = (k[:-1] + np.array([4, 5]),) * 2
+        near, far = n + np.arange(4), n + 4 + np.arange(4)
+        ends = (
+            (near[i], near[j]),
+            (far[i], far[j]),
+            (near[:, None], np.arange(4)),
+            (far[:, None], n - EDGE + np.arange(4)),
+        )
+        groups = [np.broadcast_arrays(*part) for part in (block, cross, walls, *ends)]
+        rows, columns = (np.concatenate([group[a].ravel() for group in groups]) for a in (0, 1))
+        return rows.astype(np.int64), columns.astype(np.int64)
+
+    def hessian_values(self, y: Array, size: float, multipliers: Array) -> Array:
+        """The second derivatives, at the places of `hessian_places`."""
+        angles = y[-ENDS:]
+        of_edges = multipliers[: CONDITIONS * self.edges].reshape(-1, CONDITIONS)
+        wall = multipliers[CONDITIONS * self.edges :][: self.edges - 1]
+        _, before, after, pull = self.joints(y)
+        weighted = self._stiffness[..., None] * before
+        first = np.swapaxes(before, 1, 2) @ weighted
+        second = np.swapaxes(after, 1, 2) @ (self._stiffness[..., None] * after)
+        mixed = np.swapaxes(weighted, 1, 2) @ after + np.einsum("ni,ikl->nkl", pull, BILINEAR)
+        block = size * (first[1:] + second[:-1])
+        block += 2 * self.h * np.einsum("ni,ikl->nkl", of_edges[:, :3], QUADRATIC) - 2 * of_edges[
+            :, 3, None, None
+        ] * np.eye(4)
+        i, j = np.tril_indices(4)
+        (_, near, near2), (_, far, far2) = self._end_frames(y)
+        at_start = size * (near @ first[0] @ near.T + near2 @ (pull[0] @ before[0]))
+        at_end = size * (far @ second[-1] @ far.T + far2 @ (pull[-1] @ after[-1]))
+        if self.swings:
+            at_end[0, 0] -= multipliers[-2:] @ self.place(1, angles[4])
+        parts = (
+            block[:, i, j], size * np.swapaxes(mixed[1:-1], 1, 2), np.repeat(-2 * wall, 2),
+            at_start[i, j], at_end[i, j], size * near @ mixed[0], size * far @ mixed[-1].T,
+        )  # fmt: skip
+        return np.concatenate([np.ravel(part) for part in parts])

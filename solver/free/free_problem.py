@@ -1,0 +1,156 @@
+"""Rods beside a wall in units of A and rho, and curves from which their shapes are continued."""
+
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..numerics.arrays import Array
+from ..problem.case import TILTS, Case
+from ..problem.reduced import flat
+from ..shooting.loaded_rod import rods_of
+from .discrete_rod import INSIDE, OUTSIDE, DiscreteRod
+from .free_shape import between, through
+from .program import Sizes
+from .quaternions import directors, end_frame
+
+SAME = 1e-6  # of a step: ends that differ less are the same
+TURN, SHORTENED, GROWTH = 0.5, 0.1, 8.0  # a step of the ends: rad, of the length; steps in which loads grow
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """The shape of a rod at n shares u of its length, in units of rho, as a guess.
+
+    name: what it is, in words. x: (n, 3). q: frames without the uniform twist, at shares u_q. twist: that twist.
+    angles: azimuth, beta, tilt and rotation of both ends, (8,), that of the far end without the twist. grows: whether
+    it has no loads yet.
+    """
+
+    name: str
+
+    u: Array
+    x: Array
+    u_q: Array
+    q: Array
+    twist: float
+    angles: Array
+    grows: bool = False
+
+    @property
+    def turning(self) -> float:
+        """By how much the frames turn along the rod, in all [rad]."""
+        q = self.q / np.linalg.norm(self.q, axis=1, keepdims=True)
+        return float(2 * np.arccos(np.clip(np.abs((q[1:] * q[:-1]).sum(axis=1)), 0, 1)).sum())
+
+    def on(self, rod: DiscreteRod) -> Array:
+        """The unknowns of a rod with this shape."""
+        y, edge = np.zeros(rod.size), np.arange(1, rod.edges + 1) / rod.edges
+        q, x, angles = rod.parts(y)
+        q[:] = between(edge - 0.5 / rod.edges, self.u_q, self.q)
+        q /= np.linalg.norm(q, axis=1, keepdims=True)
+        tangents = directors(between(self.u, self.u_q, self.q))[:, 2]
+        x[:] = through(edge * rod.span, self.u * rod.span, self.x, tangents)
+        angles[:] = self.angles
+        return y
+
+
+class Beside(NamedTuple):
+    """A rod beside its wall.
+
+    rod: on one edge, with the twist of a given twisting moment. rotation: of the far end from the start, None where it
+    is free. turns: whether nothing holds the azimuth of a far end on the axis. time: the shortest length on which its
+    shape changes. changes: how many such lengths it has.
+    """
+
+    rod: DiscreteRod
+    rotation: float | None
+    turns: bool
+    time: float
+    changes: float
+
+    def sizes(self, curve: Curve) -> Sizes:
+        """The sizes of a shape like that of a curve."""
+        steep = np.hypot(*directors(curve.q)[:, 2, :2].T).max()
+        turned = min(1.0, max(1 / self.time, steep))
+        across = min(1.0, self.time)
+        return Sizes(across, turned * across, turned, turned**2 / self.time)
+
+    def rod_on(self, curve: Curve, share: float, edges: int) -> DiscreteRod:
+        """The rod whose ends are this share of the way from those of a curve to its own."""
+        rod, ends = self.rod, curve.angles
+        twist = rod.twist
+        if self.rotation is not None:
+            twist = (1 - share) * curve.twist + share * (ends[3] + self.rotation - ends[7]) / rod.span
+        goal = rod.angles.copy()
+        goal[7] = ends[7]
+        if self.turns and self.rotation is None:
+            goal[4] = ends[4]
+        flip = np.sign(end_frame(ends[4:])[0] @ curve.q[-1])
+        radius, loads = np.hypot(*curve.x[[0, -1], :2].T), share if curve.grows else 1.0
+        height = None if rod.height is None else (1 - share) * curve.x[-1, 2] + share * rod.height
+        return replace(
+            rod, edges=edges, twist=twist * (loads if self.rotation is None else 1.0), flip=float(flip), height=height,
+            angles=np.where(rod.free, ends, (1 - share) * ends + share * goal), loads=loads * rod.loads,
+            radius=(1 - share) * radius + share * rod.radius, tension=loads * rod.tension, weight=loads * rod.weight,
+        )  # fmt: skip
+
+    def way(self, curve: Curve) -> float:
+        """How far the ends of a curve are from where those of the rod are held: 1 is a step of moderate size."""
+        begin, end = (self.rod_on(curve, share, 1) for share in (0.0, 1.0))
+        ways = [
+            (begin.angles - end.angles) / TURN,
+            begin.radius - end.radius,
+            (begin.twist - end.twist) * end.span / TURN,
+        ]
+        if begin.height is not None and end.height is not None:
+            ways.append((begin.height - end.height) / (SHORTENED * end.span))
+        return max(float(np.abs(part).max()) for part in map(np.asarray, ways))
+
+    def meets(self, curve: Curve) -> bool:
+        """Whether the ends of a curve are already where those of the rod are held."""
+        return self.way(curve) < SAME and not curve.grows
+
+    def first_step(self, curve: Curve) -> float:
+        """The share of the way from a curve that is gone first."""
+        return 1 / max(GROWTH if curve.grows else 1.0, np.ceil(self.way(curve)))
+
+
+def problems_of(case: Case) -> list[Beside]:
+    """The rods of a case, one by one."""
+    A, rho = case.rod.bending_stiffness, case.rho
+    given = {name: getattr(case.given, name) for name in (*TILTS[0], *TILTS[1])}
+
+    def column(value: Any, missing: float) -> Array:
+        return flat(missing if value is None else value, case.shape)
+
+    moments = [column(None if (m := given[name]) is None else m / A * rho, 0.0) for _, name in TILTS]
+    tilts, tilting = [column(given[name], 0.0) for name, _ in TILTS], [given[name] is not None for _, name in TILTS]
+    radii = [column(radius / rho, 1.0) for radius in case.end_radii]
+    gamma0, ratio = column(case.given.gamma, 0.0), column(1 / case.rod.stiffness_ratio, 1.0)
+    problems = []
+    for i, loaded in enumerate(rods_of(case)):
+        held, (near, alpha0), far = loaded.held, loaded.near, loaded.far
+        angles, loads, free = np.zeros(8), np.zeros(8), np.zeros(8, dtype=bool)
+        angles[[0, 3]] = alpha0, gamma0[i]
+        for place, name, value, sign in ((1, "beta0", near, -1.0), (5, "betaL", far[0], 1.0)):
+            free[place] = name not in held
+            (loads if free[place] else angles)[place] = value * (sign if free[place] else 1.0)
+        for place, k, sign in ((2, 0, 1.0), (6, 1, -1.0)):
+            free[place] = tilting[k]
+            angles[place], loads[place] = tilts[k][i], sign * moments[k][i]
+        free[4] = "azimuth" not in held and radii[1][i] > 0
+        angles[4] = alpha0 + (far[1] if "azimuth" in held else 0.0)
+        loads[4] = 0.0 if "azimuth" in held else far[1]
+        free[7] = "rotation" not in held
+        loads[7] = far[3] if free[7] else 0.0
+        rod = DiscreteRod(
+            1, loaded.span, float(ratio[i]), float(far[3] / ratio[i]) if free[7] else 0.0,
+            OUTSIDE if case.outward > 0 else INSIDE, np.array([loaded.across, 0.0, -loaded.along]), angles, free, 1.0,
+            np.array([radii[0][i], radii[1][i]]), float(far[2]) if "height" in held else None, loads,
+            0.0 if "height" in held else float(far[2]),
+        )  # fmt: skip
+        changes = float(loaded.changes()[1][-1])
+        turns = "azimuth" not in held and not free[4]
+        problems.append(Beside(rod, None if free[7] else float(far[3]), turns, loaded.time, changes))
+    return problems

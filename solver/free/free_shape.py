@@ -1,0 +1,166 @@
+"""The shape of a rod beside its wall, read at any station, in units of A and rho."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from ..mechanics.frames import binormal, outward
+from ..numerics.arrays import Array
+from .contacts import Contact, contacts_of
+from .discrete_rod import CONDITIONS, DiscreteRod
+from .quaternions import directors
+
+ON_AXIS = 1e-9  # of rho: a station that is nearer has no azimuth of its own
+
+
+class Along(NamedTuple):
+    """A rod at n stations: (n,) each, vectors in space (n, 3).
+
+    turned: azimuth, beta, tilt and rotation, (4, n); the tilt is the angle of the tangent out of the tangent plane of
+    the cylinder through its point, outward. rate: of beta. tangent, d1: of the frame of the section. force, moment:
+    internal. push: of the wall, per length.
+    """
+
+    x: Array
+    radius: Array
+    turned: Array
+    rate: Array
+    tangent: Array
+    d1: Array
+    force: Array
+    moment: Array
+    push: Array
+
+    @classmethod
+    def unknown(cls, n: int) -> "Along":
+        """That of a rod without a shape."""
+        line, vectors = np.full(n, np.nan), np.full((n, 3), np.nan)
+        return cls(vectors, line, np.full((4, n), np.nan), line, vectors, vectors, vectors, vectors, line)
+
+
+@dataclass(frozen=True, eq=False)
+class FreeShape:
+    """A minimum. rod: the discrete rod. y: its unknowns (size,). multipliers: of its conditions (M,)."""
+
+    rod: DiscreteRod
+    y: Array
+    multipliers: Array
+
+    @property
+    def angles(self) -> Array:
+        """Azimuth, beta, tilt and rotation of both ends, (8,), the rotation without the uniform twist."""
+        return self.rod.parts(self.y)[2]
+
+    @cached_property
+    def nodes(self) -> Array:
+        """Where the nodes are along the rod, (N + 1,)."""
+        return np.linspace(0, self.rod.span, self.rod.edges + 1)
+
+    @cached_property
+    def x(self) -> Array:
+        """The nodes, (N + 1, 3)."""
+        return np.concatenate([[[*self.rod.place(0, self.angles[0]), 0.0]], self.rod.parts(self.y)[1]])
+
+    @cached_property
+    def moments(self) -> Array:
+        """The internal moment at the nodes, in the frames there without the uniform twist, (N + 1, 3).
+
+        That of a joint at an end is the moment at the end itself, by the balance of the edge there, turned into the
+        frame of the end; any other one is in the frame half way.
+        """
+        joints = self.rod.joints(self.y)
+        moments = joints.pull / 2
+        for end, sense in ((0, 1.0), (-1, -1.0)):
+            moments[end] += sense * np.cross(joints.v[end], moments[end])
+        return moments
+
+    @property
+    def far_loads(self) -> Array:
+        """lam, mu and phi at the far end, the span, and beta at both ends."""
+        end = self.at(self.nodes[-1:])
+        around = np.cross(end.x[0], end.force[0])[2] + end.moment[0, 2]
+        return np.array([around, self.twist_moment, end.force[0, 2], self.rod.span, *self.angles[[1, 5]]])
+
+    @cached_property
+    def twist_moment(self) -> float:
+        """mu, which is constant along the rod; its mean."""
+        return float(self.moments[:, 2] @ self.rod.lengths / self.rod.span)
+
+    @cached_property
+    def wall_force(self) -> Array:
+        """The force with which the wall pushes the nodes, (N + 1,); 0 at the ends, which are held."""
+        multipliers = self.multipliers[CONDITIONS * self.rod.edges :][: self.rod.edges - 1]
+        return np.concatenate([[0.0], 2 * self.rod.side * multipliers, [0.0]])
+
+    @cached_property
+    def contacts(self) -> list[Contact]:
+        """The intervals of contact, in order."""
+        start, far = np.abs(self.rod.radius - 1) < ON_AXIS
+        return contacts_of(self.wall_force, self.rod.h, (bool(start), bool(far)))
+
+    @cached_property
+    def _known_angles(self) -> Array:
+        """The four angles at the nodes without jumps, (4, N + 1)."""
+        turned = np.unwrap(self._angles(self.nodes, self.x, self._directors(self.nodes)))
+        turned += 2 * np.pi * np.round((self.angles[:4] - turned[:, 0]) / (2 * np.pi))[:, None]
+        return turned
+
+    def _directors(self, t: Array) -> Array:
+        """D1, D2, D3 at stations (n, 3, 3), without the uniform twist."""
+        middles = np.concatenate([[0.0], self.nodes[:-1] + self.rod.h / 2, [self.rod.span]])
+        q = between(t, middles, self.rod.chain(self.y))
+        return directors(q / np.linalg.norm(q, axis=1, keepdims=True))
+
+    def _angles(self, t: Array, x: Array, D: Array) -> Array:
+        """Azimuth, beta, tilt and rotation at stations, (4, n), each but for full turns."""
+        alpha = np.arctan2(x[:, 1], x[:, 0])
+        off = np.hypot(x[:, 0], x[:, 1]) > ON_AXIS
+        ends = np.where(self.rod.radius[:, None] > ON_AXIS, np.nan, self.angles[[0, 4]][:, None])
+        alpha = np.where(off, alpha, np.where(2 * t < self.rod.span, *ends)) if not off.all() else alpha
+        e_x = outward(alpha)
+        e_y = np.column_stack([-e_x[:, 1], e_x[:, 0], np.zeros(t.size)])
+        around, up, out = (D[:, 2] * e_y).sum(axis=1), D[:, 2, 2], (D[:, 2] * e_x).sum(axis=1)
+        beta = np.arctan2(around, up)
+        side = -binormal(alpha, beta)  # D2 where the rotation is 0
+        gamma = np.arctan2((D[:, 0] * side).sum(axis=1), (D[:, 1] * side).sum(axis=1))
+        return np.stack([alpha, beta, np.arcsin(np.clip(out, -1, 1)), gamma])
+
+    def at(self, t: Array) -> Along:
+        """The rod at stations t (n,)."""
+        h, D = self.rod.h, self._directors(t)
+        x = through(t, self.nodes, self.x, self._directors(self.nodes)[:, 2])
+        turned = self._angles(t, x, D)
+        known = np.stack([np.interp(t, self.nodes, row) for row in self._known_angles])
+        turned += 2 * np.pi * np.round((known - turned) / (2 * np.pi))
+        turned[3] += self.rod.twist * t
+        radius, push = np.hypot(x[:, 0], x[:, 1]), np.zeros(t.size)
+        radius = np.fmax(radius, 1.0) if self.rod.side > 0 else np.fmin(radius, 1.0)
+        for contact in self.contacts:
+            touching = (t >= contact.begin) & (t <= contact.end)
+            radius[touching] = 1.0
+            push[touching] = np.interp(t[touching], contact.places, contact.push)
+        edges = -self.multipliers[: CONDITIONS * self.rod.edges].reshape(-1, CONDITIONS)[:, :3]
+        moment = np.einsum("ni,nij->nj", between(t, self.nodes, self.moments), D)
+        c, s = np.cos(self.rod.twist * t)[:, None], np.sin(self.rod.twist * t)[:, None]
+        d1, force = -(c * D[:, 0] + s * D[:, 1]), between(t, self.nodes[:-1] + h / 2, edges)
+        rate = np.interp(t, self.nodes, np.gradient(self._known_angles[1], h))
+        return Along(x, radius, turned, rate, D[:, 2], d1, force, moment, push)
+
+
+def between(t: Array, places: Array, values: Array) -> Array:
+    """Values (m, k) at places (m,), at t (n, k): linear between them, and beyond the first and the last."""
+    k = np.clip(np.searchsorted(places, t) - 1, 0, places.size - 2)
+    share = ((t - places[k]) / (places[k + 1] - places[k]))[:, None]
+    return np.asarray((1 - share) * values[k] + share * values[k + 1])
+
+
+def through(t: Array, places: Array, x: Array, rate: Array) -> Array:
+    """The cubics through points x (m, k) with given rates, at places (m,), read at t (n, k)."""
+    k = np.clip(np.searchsorted(places, t) - 1, 0, places.size - 2)
+    width = (places[k + 1] - places[k])[:, None]
+    u = (t - places[k])[:, None] / width
+    rise, v = x[k + 1] - x[k], 1 - u
+    bent = u * v * (v * (width * rate[k] - rise) - u * (width * rate[k + 1] - rise))
+    return np.asarray(x[k] + u * rise + bent)

@@ -1,0 +1,138 @@
+"""A discrete rod as a program of order 1, which Uno minimises by its interior-point method.
+
+Without such unknowns, conditions and energy a pipe of 100 m, whose azimuth swings by a radian where its angle to the
+axis swings by a hundredth, does not converge.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..numerics.arrays import Array
+from ..problem.errors import InputError
+from .discrete_rod import CONDITIONS, DiscreteRod
+
+MISSING = "contact='unilateral' needs the package unopy: pip install 'rod-workbench[contact]'"
+OPTIONS = {
+    "logger": "SILENT",
+    "use_function_scaling": False,  # the sizes do that
+    "primal_tolerance": 1e-8,
+    "dual_tolerance": 1e-8,
+    "barrier_k_epsilon": 100.0,  # how closely each barrier problem is solved: with 10, the default, some steps more
+    "max_iterations": 300,  # usual are 10 to 60
+}
+STRATEGIES = "waechter_filter_method", "funnel_method"  # to accept steps; where the first one jams, the other often not
+ENOUGH = 1e-6  # of what Uno may leave of the equations
+
+
+class Sizes(NamedTuple):
+    """What unknowns and conditions are divided by: lengths across and along the axis, angles; and the energy."""
+
+    across: float
+    along: float
+    turned: float
+    energy: float
+
+
+@dataclass(frozen=True, eq=False)
+class Program:
+    """A discrete rod as a problem of order 1 in its free unknowns z, which are 0 at a guess."""
+
+    rod: DiscreteRod
+    sizes: Sizes
+    base: Array
+
+    @cached_property
+    def free(self) -> Any:
+        return np.flatnonzero(~self.rod.known)
+
+    @cached_property
+    def unit(self) -> Array:
+        """The sizes of the unknowns, (size,)."""
+        unit = np.full(self.rod.size, self.sizes.turned)
+        self.rod.parts(unit)[1][:] = self.sizes.across, self.sizes.across, self.sizes.along
+        return unit
+
+    @cached_property
+    def unit_of(self) -> Array:
+        """The sizes of the conditions, (M,)."""
+        unit = np.full(self.rod.bounds[0].size, self.sizes.across)
+        unit[: CONDITIONS * self.rod.edges].reshape(-1, CONDITIONS)[:, 2:] = self.sizes.along, self.sizes.turned
+        return unit
+
+    @cached_property
+    def places(self) -> tuple[Any, ...]:
+        """Of Jacobian and Hessian: which entries are of free unknowns, their rows, columns and factors."""
+        known, place = self.rod.known, np.cumsum(~self.rod.known) - 1
+        rows, columns = self.rod.jacobian_places
+        kept = ~known[columns]
+        rows, columns = rows[kept], columns[kept]
+        above, beside = self.rod.hessian_places
+        inner = ~(known[above] | known[beside])
+        above, beside = above[inner], beside[inner]
+        slopes, bends = self.unit[columns] / self.unit_of[rows], self.unit[above] * self.unit[beside]
+        return kept, rows, place[columns], slopes, inner, place[above], place[beside], bends
+
+    def whole(self, z: Array) -> Array:
+        """The unknowns (size,) of the rod."""
+        y = self.base.copy()
+        y[self.free] += self.unit[self.free] * z
+        return y
+
+    def energy(self, z: Array) -> float:
+        return self.rod.energy(self.whole(z)) / self.sizes.energy
+
+    def gradient(self, z: Array) -> Array:
+        return self.rod.gradient(self.whole(z))[self.free] * (self.unit[self.free] / self.sizes.energy)
+
+    def conditions(self, z: Array) -> Array:
+        return self.rod.conditions(self.whole(z)) / self.unit_of
+
+    def jacobian(self, z: Array) -> Array:
+        kept, *_, slopes = self.places[:4]
+        return np.asarray(self.rod.jacobian_values(self.whole(z))[kept] * slopes)
+
+    def hessian(self, z: Array, share: float, multipliers: Array) -> Array:
+        inner, *_, bends = self.places[4:]
+        values = self.rod.hessian_values(self.whole(z), share / self.sizes.energy, multipliers / self.unit_of)
+        return np.asarray(values[inner] * bends)
+
+    def minimise(self, barrier: float) -> tuple[Array, Array, int] | None:
+        """The minimum near the guess, its multipliers, and the steps; None where Uno finds none.
+
+        Raises `InputError` where Uno is not installed.
+        """
+        try:
+            import unopy
+        except ImportError:
+            raise InputError(MISSING) from None
+
+        def into(compute: Any) -> Any:
+            """A function that writes its last argument."""
+
+            def write(*arguments: Any) -> None:
+                arguments[-1][:] = compute(*arguments[:-1])
+
+            return write
+
+        _, rows, columns, _, _, above, beside, _ = self.places
+        low, high = (bound / self.unit_of for bound in self.rod.bounds)
+        model = unopy.Model(unopy.PROBLEM_NONLINEAR, self.free.size, unopy.ZERO_BASED_INDEXING)
+        model.set_objective(unopy.MINIMIZE, self.energy, into(self.gradient))
+        model.set_constraints(low.size, into(self.conditions), low, high, rows.size, rows, columns, into(self.jacobian))
+        model.set_lagrangian_hessian(above.size, unopy.LOWER_TRIANGLE, above, beside, into(self.hessian))
+        model.set_initial_primal_iterate(np.zeros(self.free.size))
+        for strategy in STRATEGIES:
+            solver = unopy.UnoSolver()
+            solver.set_preset("ipopt")
+            options = {**OPTIONS, "barrier_initial_parameter": barrier, "globalization_strategy": strategy}
+            for name, value in options.items():
+                solver.set_option(name, value)
+            result = solver.optimize(model)
+            left = result.solution_primal_feasibility, result.solution_stationarity, result.solution_complementarity
+            if max(left) < ENOUGH:
+                z, multipliers = np.array(result.primal_solution), np.array(result.constraint_dual_solution)
+                return z, multipliers, int(result.number_iterations)
+        return None

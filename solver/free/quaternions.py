@@ -1,0 +1,59 @@
+"""Quaternions (w, x, y, z) as the last axis, and the frames that they stand for.
+
+A frame is D1, D2, D3; D3 is the tangent, and D1 = -d1, D2 = -d2 of `mechanics.frames.material`, so that the frame of a
+rod along the axis, at azimuth 0 and not rotated, is the identity.
+"""
+
+import numpy as np
+
+from ..numerics.arrays import Array
+
+# the imaginary parts of conj(a) b are a @ BILINEAR[i] @ b
+BILINEAR = np.array([
+    [[0, 1, 0, 0], [-1, 0, 0, 0], [0, 0, 0, -1], [0, 0, 1, 0]],
+    [[0, 0, 1, 0], [0, 0, 0, 1], [-1, 0, 0, 0], [0, -1, 0, 0]],
+    [[0, 0, 0, 1], [0, 0, -1, 0], [0, 1, 0, 0], [-1, 0, 0, 0]],
+], dtype=float)  # fmt: skip
+# the components of D3 are q @ QUADRATIC[i] @ q
+QUADRATIC = np.array([
+    [[0, 0, 1, 0], [0, 0, 0, 1], [1, 0, 0, 0], [0, 1, 0, 0]],
+    [[0, -1, 0, 0], [-1, 0, 0, 0], [0, 0, 0, 1], [0, 0, 1, 0]],
+    [[1, 0, 0, 0], [0, -1, 0, 0], [0, 0, -1, 0], [0, 0, 0, 1]],
+], dtype=float)  # fmt: skip
+_CONJUGATE = np.array([1.0, -1.0, -1.0, -1.0])
+_PRODUCT = np.concatenate([np.diag(_CONJUGATE)[None], BILINEAR * _CONJUGATE[:, None]])  # of which a @ each @ b is a b
+_TURNS = ((3, 1.0), (1, -1.0), (2, 1.0), (3, 1.0))  # axis and sense of the azimuth, beta, the tilt, the rotation
+_ORDERS = np.eye(4, dtype=int)
+
+
+def product(a: Array, b: Array) -> Array:
+    """The quaternion a b, (..., 4)."""
+    return np.einsum("...i,kij,...j->...k", a, _PRODUCT, b)
+
+
+def directors(q: Array) -> Array:
+    """D1, D2, D3 as rows, (..., 3, 3)."""
+    w, x, y, z = np.moveaxis(q, -1, 0)
+    rows = [
+        [w * w + x * x - y * y - z * z, 2 * (x * y + w * z), 2 * (x * z - w * y)],
+        [2 * (x * y - w * z), w * w - x * x + y * y - z * z, 2 * (y * z + w * x)],
+        [2 * (x * z + w * y), 2 * (y * z - w * x), w * w - x * x - y * y + z * z],
+    ]
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+
+
+def end_frame(angles: Array) -> tuple[Array, Array, Array]:
+    """The frame with such azimuth, beta, tilt and rotation, and its first and second derivatives by them.
+
+    angles: (4, ...). The frames: (..., 4), (4, ..., 4) and (4, 4, ..., 4): the last axis holds the quaternion.
+    """
+    angles = np.asarray(angles)
+    factors = np.zeros((4, 3, *angles.shape[1:], 4))  # by angle and by order of the derivative
+    for factor, angle, (axis, sense) in zip(factors, angles, _TURNS, strict=True):
+        c, s = np.cos(angle / 2), sense * np.sin(angle / 2)
+        factor[..., 0] = c, -s * sense / 2, -c / 4
+        factor[..., axis] = s, c * sense / 2, -s / 4
+    first, second = (product(factors[i][:, None], factors[i + 1]) for i in (0, 2))
+    joined = product(first[:, :, None, None], second)
+    by_one, by_two = _ORDERS, _ORDERS[:, None] + _ORDERS
+    return joined[0, 0, 0, 0], joined[tuple(by_one.T)], joined[tuple(np.moveaxis(by_two, -1, 0))]

@@ -1,0 +1,206 @@
+"""The observables of rods that may leave the cylinder: of each mesh, and what is left to the limit of fine meshes."""
+
+from collections.abc import Callable, Iterable
+from functools import cached_property
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from ..free.free_rods import MESHES, estimate
+from ..free.free_shape import Along, FreeShape
+from ..mechanics.frames import outward
+from ..numerics.arrays import Array
+from ..problem.quantities import quantity
+from ..problem.reduced import flat
+from ..shape import Shape
+
+THIRD = 1 / 3  # of the length: where its middle third begins
+WAVE = 1e-3  # rad: a smaller change of beta between two bends is no bend of a rod that is solved to 1e-4 of its length
+NEAREST = np.pi  # radii of the rod: stretches that are closer along it do not meet unless it is bent tighter than that
+MOST_PLACES = 200_000  # at which a rod is looked at for self-contact
+NO_PERIOD = "a rod that may leave the wall has no period"
+NO_PULL = "a cylinder that only pushes never pulls; contacts says where it does not push"
+COUNTS = ("turns", "loops", "overlaps", "index", "contact_count")
+UNDEFINED = {"bend_number": NO_PERIOD, "lift_off_at": NO_PULL}
+
+
+class FreeReading:
+    """One mesh of a rod, in units of A and rho. a: the radius of the rod."""
+
+    def __init__(self, shape: FreeShape, a: float) -> None:
+        self.shape, self.rod, self.a = shape, shape.rod, a
+
+    @cached_property
+    def along(self) -> Along:
+        """The rod at its nodes and half way between them."""
+        return self.shape.at(np.linspace(0, self.rod.span, 2 * self.rod.edges + 1))
+
+    def at(self, share: float) -> Along:
+        """The rod at one place."""
+        return self.shape.at(np.array([share * self.rod.span]))
+
+    @cached_property
+    def bend(self) -> Array:
+        """The curvature at the joints, (N + 1,)."""
+        return np.hypot(*self.shape.moments[:, :2].T)
+
+    def mean(self, values: Array) -> float:
+        """The mean of values at the joints."""
+        return float(values @ self.rod.lengths / self.rod.span)
+
+    @property
+    def pushes(self) -> Array:
+        """Where the wall pushes inside contacts, and how hard, (2, n)."""
+        return np.concatenate([np.zeros((2, 0)), *(np.stack(on[:2]) for on in self.shape.contacts)], axis=1)
+
+    @property
+    def share(self) -> float:
+        """The share of the length on the wall."""
+        return sum(on.end - on.begin for on in self.shape.contacts) / self.rod.span
+
+    @cached_property
+    def bending(self) -> float:
+        return self.mean(self.bend**2) * self.rod.span / 2
+
+    @cached_property
+    def twisting(self) -> float:
+        return self.mean(self.shape.moments[:, 2] ** 2) * self.rod.span / (2 * self.rod.ratio)
+
+    @property
+    def energy(self) -> float:
+        """Of bending, twist and weight, less the work of the dead loads at the far end."""
+        (lam, mu, phi), far = self.shape.far_loads[:3], self.at(1.0).turned[:, 0]
+        first = self.at(0.0).turned[:, 0]
+        work = phi * self.shape.x[-1, 2] + lam * (far[0] - first[0]) + mu * (far[3] - first[3])
+        return self.bending + self.twisting + self.rod.weight_energy(self.shape.y) - work
+
+    def end_moment(self, share: float) -> float:
+        """The bending moment about the inward normal at an end."""
+        end = self.at(share)
+        return float(-end.moment[0] @ outward(end.turned[0])[0])
+
+    def middle_push(self) -> float:
+        """The push over the middle third, point forces included, per length."""
+        nodes, half = self.shape.nodes, self.rod.h / 2
+        low, high = THIRD * self.rod.span, 2 * THIRD * self.rod.span
+        inside = np.clip(np.minimum(nodes + half, high) - np.maximum(nodes - half, low), 0, None) / self.rod.h
+        return float(inside @ self.shape.wall_force) / (high - low)
+
+    def pitch(self) -> float:
+        """The height of a turn about the axis in the middle third; NaN where it does not turn there."""
+        low, high = self.at(THIRD), self.at(2 * THIRD)
+        turned = abs(float(high.turned[0, 0] - low.turned[0, 0]))
+        return float(high.x[0, 2] - low.x[0, 2]) * 2 * np.pi / turned if turned > WAVE else np.nan
+
+    def bends(self) -> int:
+        """The interior extrema of beta that differ from their neighbours by more than `WAVE`."""
+        beta, count, way, last = self.along.turned[1], 0, 0.0, self.along.turned[1, 0]
+        for value in beta:
+            if way * (value - last) >= 0 and (way or abs(value - last) > WAVE):
+                way, last = way or np.sign(value - last), value
+            elif way and abs(value - last) > WAVE:
+                count, way, last = count + 1, -way, value
+        return count
+
+    def neutral_at(self) -> float:
+        """The first place where the axial force is 0; NaN where it is nowhere."""
+        force, t = self.along.force[:, 2], np.linspace(0, self.rod.span, 2 * self.rod.edges + 1)
+        k = np.flatnonzero(force[1:] * force[:-1] <= 0)
+        if not k.size or not force.any():
+            return np.nan
+        first = k[0]
+        return float(t[first] + (t[1] - t[0]) * force[first] / (force[first] - force[first + 1]))
+
+    def overlaps(self) -> float:
+        """1 where two stretches of the rod are closer than 2 a, 0 where none are; NaN for too long a rod."""
+        from scipy.spatial import cKDTree  # only a search loads SciPy
+
+        count = int(2 * self.rod.span / self.a) + 2
+        if count > MOST_PLACES:
+            return np.nan
+        t = np.linspace(0, self.rod.span, count)
+        pairs = cKDTree(self.shape.at(t).x).query_pairs(2 * self.a * (1 - 1e-3), output_type="ndarray")
+        return float((t[pairs[:, 1]] - t[pairs[:, 0]] > NEAREST * self.a).any())
+
+
+def _largest(read: FreeReading) -> Array:
+    """Where the largest push inside contacts is, and how large, (2,)."""
+    places = read.pushes
+    return places[:, places[1].argmax()] if places.size else np.zeros(2)
+
+
+NUMBERS: dict[str, Callable[[FreeReading], Any]] = {
+    "turns": FreeReading.bends,
+    "bend_number": lambda read: np.nan,
+    "loops": lambda read: np.floor(np.ptp(read.along.turned[1]) / (2 * np.pi)),
+    "amplitude": lambda read: np.ptp(read.along.turned[1]),
+    "kappa_mean": lambda read: read.mean(read.bend),
+    "kappa_max": lambda read: read.bend.max(),
+    "wraps": lambda read: (read.along.turned[0, -1] - read.along.turned[0, 0]) / (2 * np.pi),
+    "height": lambda read: read.shape.x[-1, 2],
+    "pitch": FreeReading.pitch,
+    "contact_size_mean": lambda read: read.shape.wall_force.sum() / read.rod.span,
+    "push_mean": lambda read: read.shape.wall_force.sum() / read.rod.span,
+    "pull_mean": lambda read: 0.0,
+    "push_min": lambda read: read.pushes[1].min() if read.share > 1 - 1e-9 else 0.0,
+    "push_max": lambda read: _largest(read)[1],
+    "push_max_at": lambda read: _largest(read)[0],
+    "push_middle": FreeReading.middle_push,
+    "attached": lambda read: read.share,
+    "lift_off_at": lambda read: np.nan,
+    "F3_size_max": lambda read: np.abs((read.along.force * read.along.tangent).sum(axis=1)).max(),
+    "bending_moment_max": lambda read: read.bend.max(),
+    "bending_stress_max": lambda read: read.bend.max(),
+    "overlaps": FreeReading.overlaps,
+    "energy": lambda read: read.energy,
+    "bending_energy": lambda read: read.bending,
+    "twist_energy": lambda read: read.twisting,
+    "index": lambda read: 0,
+    "gap_max": lambda read: np.abs(read.along.radius - 1).max(),
+    "contact_share": lambda read: read.share,
+    "contact_count": lambda read: len(read.shape.contacts),
+    "point_force_max": lambda read: max((force for on in read.shape.contacts for _, force in on.points), default=0.0),
+    "FZ": lambda read: read.shape.far_loads[2],
+    "MZ": lambda read: read.shape.far_loads[0],
+    "M3": lambda read: read.shape.far_loads[1],
+    "FZ0": lambda read: read.at(0.0).force[0, 2],
+    "MZ0": lambda read: np.cross(read.at(0.0).x[0], read.at(0.0).force[0])[2] + read.at(0.0).moment[0, 2],
+    "M30": lambda read: read.shape.far_loads[1],
+    "neutral_at": FreeReading.neutral_at,
+    "M10": lambda read: read.end_moment(0.0),
+    "M1L": lambda read: read.end_moment(1.0),
+}
+
+
+def free_numbers(sol: Shape, names: Iterable[str]) -> dict[str, tuple[Array, Array]]:
+    """Observables of rods that may leave the cylinder, and their errors, (B,) each; NaN where a rod has no shape.
+
+    The value is that of the finest mesh, and what the order 2 leaves, where the changes from mesh to mesh show it.
+    """
+    case = sol.case
+    A, rho, a = (flat(value, case.shape) for value in (case.rod.bending_stiffness, case.rho, case.rod.a))
+    E = np.nan if case.rod.E is None else flat(case.rod.E, case.shape)
+    readings = [
+        [FreeReading(shape, a[i] / rho[i]) for shape in answer.shapes[-MESHES:]]
+        for i, answer in enumerate(sol.trajectory.free.answers)
+    ]
+    numbers = {}
+    for name in names:
+        pairs = np.array([_limit(name, reads) for reads in readings])
+        dimension = quantity(name).dimension
+        length, force = dimension if isinstance(dimension, tuple) else (0, 0)
+        unit = E * a / rho if name == "bending_stress_max" else rho ** float(length) * (A / rho**2) ** float(force)
+        numbers[name] = pairs[:, 0] * unit, pairs[:, 1] * unit
+    return numbers
+
+
+def _limit(name: str, reads: list[FreeReading]) -> tuple[float, float]:
+    """The value of one rod and its error, from its meshes."""
+    if not reads:
+        return np.nan, np.nan
+    values = [float(NUMBERS[name](read)) for read in reads]
+    if name in COUNTS:
+        return values[-1], 0.0
+    rest, error = estimate([after - before for before, after in pairwise(values)])
+    return values[-1] + rest, error

@@ -1,0 +1,205 @@
+"""Rods beside a cylinder that only pushes: the belt, balance in space, what stays and what leaves, and the refusals."""
+
+import sys
+from typing import Any
+
+import numpy as np
+import pytest
+
+from solver import Case, Cylinder, Ends, InputError, Rod, Start, observe, solve
+from tests.slow import slow_but
+
+pytest.importorskip("unopy", reason="the extra contact is not installed")
+
+ROD = Rod(E=1.07e4, nu=0.25, a=0.25, L=20.0)
+ENDS = Ends(beta0=0.5, betaL=0.8, FZ=-8.66, MZ=1.3, M3=6.1)
+ELASTIC = ("bending_energy", "twist_energy")
+
+
+def elastic_energy(sol: Any) -> float:
+    return sum(float(value) for value in observe(sol, ELASTIC).values())
+
+
+def pushes(sol: Any) -> tuple[np.ndarray, float]:
+    """The force of the wall on the rod, (3,), and the sum of its sizes: push per length, and point forces."""
+    outward, s = -sol.normal, sol.s
+    size = np.concatenate([0.5 * (sol.push[1:] + sol.push[:-1]) * np.diff(s), [f for _, f in sol.point_forces]])
+    at = np.concatenate([(s[1:] + s[:-1]) / 2, [place for place, _ in sol.point_forces]])
+    ways = np.stack([np.interp(at, s, outward[:, k]) for k in range(3)], axis=1)
+    return sol.case.outward * (size[:, None] * ways).sum(axis=0), float(size.sum())
+
+
+def force_in_space(sol: Any) -> np.ndarray:
+    """The internal force, (n, 3): the part across the cylinder, around it, and along its axis."""
+    around = np.cross([0.0, 0.0, 1.0], -sol.normal)
+    FZ = observe(sol, ["FZ"])["FZ"]
+    return sol.F1[:, None] * sol.normal + sol.FY[:, None] * around + FZ * np.array([0.0, 0.0, 1.0])
+
+
+def belt(slack: float, stations: int = 2001) -> Any:
+    """A rod in a plane across the axis, hinged at 4 rho from it at both ends, bent round the cylinder; A = rho = 1.
+
+    slack: its length over that of a string which is drawn taut.
+    """
+    radius, half = 4.0, 2.2
+    taut = 2 * (half - np.arccos(1 / radius) + np.sqrt(radius**2 - 1))
+    ends = Ends(beta0="90deg", betaL="90deg", height=0.0, azimuth=2 * half, M3=0.0, radius0=radius, radiusL=radius,
+                M20=0.0, M2L=0.0)  # fmt: skip
+    wall = Cylinder(R=0.9, contact="unilateral")
+    return solve(Case(Rod(EI=1.0, GJ=0.8, a=0.1, L=taut * slack), wall, ends), stations=stations)
+
+
+@pytest.mark.parametrize("slack", (1.001, 1.005))
+def test_a_belt_leaves_the_drum_where_bending_lets_it_and_is_pressed_on_at_a_point_there(slack: float) -> None:
+    """sin(theta_c/2) = sqrt(A/F)/(2 rho); push F cos(theta_c)/rho in between, point forces F sin(theta_c)."""
+    sol = belt(slack)
+    F = float(np.hypot(sol.F1, sol.FY)[0])
+    first, last = force_in_space(sol)[[0, -1]] / F
+    leaves = 2 * np.arcsin(1 / (2 * np.sqrt(F)))
+    ((begin, end),) = sol.contacts
+    middle = np.abs(sol.s - (begin + end) / 2).argmin()
+    # the edges of contact lie between nodes: order 1 there, 7e-5 of the length and its share of the forces
+    assert end - begin == pytest.approx(np.arccos(first @ last) - 2 * leaves, abs=2 * sol.error * sol.case.rod.L)
+    assert sol.push[middle] == pytest.approx(F * np.cos(leaves), rel=1e-3)
+    assert [force for _, force in sol.point_forces] == pytest.approx([F * np.sin(leaves)] * 2, rel=2e-3)
+
+
+def test_a_slack_belt_touches_the_drum_at_one_point() -> None:
+    sol = belt(1.02)
+    ((begin, end),) = sol.contacts
+    assert begin == end == pytest.approx(sol.case.rod.L / 2, abs=1e-3)
+    ((_, force),) = sol.point_forces
+    around = force_in_space(sol)
+    assert force == pytest.approx(np.linalg.norm(around[-1] - around[0]), rel=1e-3)
+
+
+@pytest.fixture(scope="module")
+def freed() -> tuple[Any, Any]:
+    """A rod that the cylinder would have to pull on a fifth of its length, before and after it is let go."""
+    before = solve(Case(ROD, Cylinder(R=0.75), ENDS), stations=2001)
+    return before, before.let_go(tol=1e-5)
+
+
+def test_a_rod_that_is_let_go_leaves_the_wall_where_it_would_have_to_pull(freed: tuple[Any, Any]) -> None:
+    """The numbers are limits of order 2 of another code, by CasADi and IPOPT."""
+    before, after = freed
+    assert after.solved
+    assert "others may exist" in str(after.outcome)
+    assert elastic_energy(after) == pytest.approx(37.555, abs=2e-3)
+    assert elastic_energy(before) > 39.7
+    assert float(observe(after, ["gap_max"])["gap_max"]) == pytest.approx(0.21005, abs=1e-4)
+    ((begin, end),) = after.contacts
+    assert (begin, end) == pytest.approx((3.45, 15.0), abs=0.05)
+    assert pushes(after)[1] == pytest.approx(23.41, abs=0.05)
+
+
+def test_the_ends_of_a_rod_that_is_let_go_stay_as_they_are(freed: tuple[Any, Any]) -> None:
+    before, after = freed
+    for name in ("position", "tangent", "material_frame"):
+        old, new = getattr(before, name), getattr(after, name)
+        np.testing.assert_allclose(new[[0, -1]], old[[0, -1]], atol=1e-7)
+
+
+def test_gap_and_push_are_never_negative_and_never_both_there(freed: tuple[Any, Any]) -> None:
+    _, sol = freed
+    assert (sol.gap >= 0).all()
+    assert (sol.push >= 0).all()
+    assert (sol.push * sol.gap == 0).all()
+    assert np.linalg.norm(sol.position[:, :2], axis=1) == pytest.approx(sol.radius, rel=1e-9)
+
+
+def test_the_forces_of_the_wall_and_of_both_ends_are_in_balance_in_space(freed: tuple[Any, Any]) -> None:
+    _, sol = freed
+    forces = force_in_space(sol)
+    assert forces[-1] - forces[0] == pytest.approx(-pushes(sol)[0], abs=2e-2)  # of 23.4 N, by trapezoids and edges
+
+
+@pytest.mark.parametrize("seed", slow_but(range(40), 0, 1, 2))
+def test_energy_never_rises_by_letting_go(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    beta0, betaL = rng.uniform(-1, 1, 2)
+    rod = Rod(EI=1.0, GJ=0.8, a=0.1, L=rng.uniform(3, 15))
+    ends = Ends(beta0, betaL, FZ=rng.uniform(-1.5, 1), MZ=rng.uniform(-0.5, 0.5), M3=rng.uniform(-0.5, 0.5))
+    before = solve(Case(rod, Cylinder(0.9, str(rng.choice(["outside", "inside"]))), ends), stations=401)
+    if not before.solved or before.case.outward < 0:
+        before = solve(Case(rod, Cylinder(0.9), ends), stations=401)
+    after = before.let_go()
+    if after.solved:
+        assert elastic_energy(after) <= elastic_energy(before) * (1 + 1e-6) + 1e-6
+    else:
+        assert str(after.outcome).startswith("failed: ")
+
+
+PIPE = Rod(EI=1228.0, GJ=945.0, a=0.0635, L=100.0, weight=0.242)  # m, kN
+HOLE: dict[str, Any] = {"R": 0.10795, "side": "inside", "inclination": "90deg"}
+
+
+@pytest.mark.parametrize("FZ", (-100.0, -150.0, -200.0))
+def test_a_pipe_that_is_stable_and_pressed_on_stays_where_it_lies(FZ: float) -> None:
+    before = solve(Case(PIPE, Cylinder(**HOLE), Ends(0.0, 0.0, FZ=FZ, azimuth=0.0)), stations=801)
+    after = before.let_go()
+    inside = (after.s > 15) & (after.s < 85)  # within a wave of a clamp a real pipe may leave the wall
+    assert before.solved
+    assert after.solved
+    assert after.gap[inside].max() <= 2 * after.error * PIPE.L
+    np.testing.assert_allclose(after.alpha[inside], before.alpha[inside], atol=0.05)
+
+
+def test_a_pipe_with_centred_ends_buckles_at_the_load_of_dawson_and_paslay() -> None:
+    hole = Cylinder(**HOLE, contact="unilateral")
+    ranges = {}
+    for FZ in (-150.0, -170.0):
+        sol = solve(Case(PIPE, hole, Ends(0.0, 0.0, FZ=FZ, radius0=0.0, radiusL=0.0)), stations=801)
+        assert sol.solved
+        middle = (sol.s > 25) & (sol.s < 75)
+        ranges[FZ] = np.ptp(sol.alpha[middle])
+        assert 0.7 < float(observe(sol, ["contact_share"])["contact_share"]) < 0.9
+    assert ranges[-150.0] < 1e-3
+    assert 0.2 < ranges[-170.0] < 0.4
+
+
+def test_a_rod_that_never_touches_bends_as_a_beam_under_its_end_moments() -> None:
+    """Small angles: with both ends turned by b in a plane far from the cylinder the moment is 2 A b/L all along."""
+    L, b = 10.0, 0.02
+    ends = Ends(0.0, 0.0, FZ=0.0, azimuth=0.0, M3=0.0, radius0=50.0, radiusL=50.0, tilt0=b, tiltL=-b)
+    sol = solve(Case(Rod(EI=1.0, GJ=0.8, a=0.1, L=L), Cylinder(R=0.9, contact="unilateral"), ends), tol=1e-6)
+    assert sol.contacts == ()
+    assert np.abs(sol.kappa) == pytest.approx(2 * b / L, rel=1e-3)
+    assert sol.radius.max() - 50.0 == pytest.approx(b * L / 4, rel=1e-3)
+
+
+def test_a_mirror_image_is_let_go_to_the_mirror_image(freed: tuple[Any, Any]) -> None:
+    _, after = freed
+    ends = Ends(beta0=-0.5, betaL=-0.8, FZ=-8.66, MZ=-1.3, M3=-6.1)
+    mirrored = solve(Case(ROD, Cylinder(R=0.75), ends), stations=2001).let_go(tol=1e-5)
+    np.testing.assert_allclose(mirrored.position, after.position * [1, -1, 1], atol=1e-6)
+
+
+def test_a_finer_tolerance_moves_a_rod_by_no_more_than_the_stated_error(freed: tuple[Any, Any]) -> None:
+    before, fine = freed
+    coarse = before.let_go()
+    far = np.linalg.norm(fine.position - coarse.position, axis=1).max() / ROD.L
+    assert far <= coarse.error + fine.error
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: Case(ROD, Cylinder(0.75, contact="unilateral"), Start(beta=0.5, dbeta=0.1, F3=1.0, M3=0.0)), "Ends"),
+        (lambda: Cylinder(0.75, friction=0.3, contact="unilateral"), "excludes friction"),
+        (lambda: Cylinder(0.75, contact="none"), "bilateral"),
+        (lambda: Case(ROD, Cylinder(0.75), Ends(0.0, 0.0, tilt0=0.1)), "tilt0 needs contact='unilateral'"),
+        (lambda: Case(ROD, Cylinder(0.75, contact="unilateral"), Ends(0.0, 0.0, radiusL=0.5)), "radiusL"),
+    ],
+)
+def test_what_has_no_shape_beside_a_cylinder_that_only_pushes_is_refused(make: Any, words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        make()
+
+
+def test_without_uno_one_sentence_names_its_package_and_the_extra(
+    freed: tuple[Any, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "unopy", None)
+    with pytest.raises(InputError, match=r"needs the package unopy: pip install 'rod-workbench\[contact\]'"):
+        freed[0].let_go()
