@@ -29,7 +29,7 @@ MOST_CASES = 10_000
 TRIED, STEP, JUMP, LEAST = 49, 0.12, 1.0, 72  # of a film: first values, motion a frame in rho, at most; frames
 Solve = Callable[[int], xr.Dataset]  # the cases of a scene at a number of stations
 Drawn = TypeVar("Drawn")
-SHAPE = ("beta", "dbeta", "alpha", "z", "gamma", "contact")
+SHAPE = ("beta", "dbeta", "alpha", "z", "radius", "gamma", "contact")
 
 
 def open_rods(file: Path) -> tuple[Study | None, xr.Dataset]:
@@ -54,7 +54,12 @@ def solver_of(ds: xr.Dataset, kind: Kind, at: dict[str, float], shown: Sequence[
         return None
     where, kept = selection.case(ds, at), {selection.axis_of(ds, name) for name in shown}
     part = ds.isel({name: [where[name]] for name in schema.axes_of(ds) if name not in kept})
-    needed = {*kind.reads, "dbeta", *["contact"] * schema.loads_vary(ds)}
+    needed = {
+        *kind.reads,
+        "dbeta",
+        *["contact"] * (schema.loads_vary(ds) or schema.leaves(ds)),
+        *["radius"] * schema.leaves(ds),
+    }
     return partial(solve_again, part, names=[name for name in SHAPE if name in ds or name in needed])
 
 
@@ -120,7 +125,8 @@ def film_cases(
 def _motion(ds: xr.Dataset, axis: str) -> Any:
     """How far rods move from one case of an axis to the next, in distances from the axis of the cylinder."""
     line = ds.squeeze([name for name in schema.axes_of(ds) if name != axis])
-    place = np.stack([line["rho"] * np.cos(line["alpha"]), line["rho"] * np.sin(line["alpha"]), line["z"]], axis=-1)
+    r = line["radius"] if schema.leaves(ds) else line["rho"]
+    place = np.stack([r * np.cos(line["alpha"]), r * np.sin(line["alpha"]), line["z"]], axis=-1)
     place = np.moveaxis(place, line["alpha"].dims.index(axis), 0)
     far = np.linalg.norm(np.diff(place, axis=0), axis=-1).max(axis=-1) / float(line["rho"].max())
     return np.clip(np.nan_to_num(far), 0.02 * STEP, JUMP)
@@ -146,8 +152,12 @@ def at_needed_stations(
 
 
 def _with_outputs(study: Study, outputs: Any) -> Study:
-    """The study with these outputs alone; with weight or friction the curve of a rod needs its contact force too."""
-    needed = {*outputs, "contact"} if outputs and study.varies else outputs
+    """The study with these outputs alone, and those that the curve of a rod needs besides.
+
+    With weight or friction that is its contact force, and where it may leave the cylinder its radius too.
+    """
+    also = [*["contact"] * (study.varies or study.leaves), *["radius"] * study.leaves]
+    needed = {*outputs, *also} if outputs else outputs
     return study.model_copy(
         update={"outputs": [name for name in OUTPUTS if name in needed], "observables": [], "laws": []}
     )

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from solver.mechanics import frames
 from solver.problem.errors import InputError
 from solver.problem.quantities import QUANTITIES, unit_of
 
@@ -54,7 +53,7 @@ def columns(rod: Rod) -> list[Column]:
         if array.dims == ("u",) and name in QUANTITIES:
             known[name] = np.asarray(array.values, dtype=float)
     order = [*FIRST, *(name for name in known if name not in FIRST)]
-    x, y, _ = frames.position(line.rho, line.alpha, line.z).T
+    x, y, _ = line.place.T
     known |= {"x": x, "y": y}
     words = {"x": "position across the axis, where alpha = 0", "y": "position across the axis, where alpha = 90 deg"}
     return [

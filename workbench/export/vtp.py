@@ -16,12 +16,11 @@ def write(path: Path, rod: Rod) -> dict[str, Any]:
     import pyvista as pv
 
     table, line = columns(rod), rod.line
-    place = frames.position(line.rho, line.alpha, line.z)
-    shape = pv.PolyData(place, lines=np.concatenate([[len(place)], np.arange(len(place))]))
+    shape = pv.PolyData(line.place, lines=np.concatenate([[line.s.size], np.arange(line.s.size)]))
     for column in table:
         shape.point_data[column.name] = column.values
-    shape.point_data["radius"] = np.full(len(place), line.a)  # for a tube filter
-    shape.point_data["tangent"] = frames.tangent(line.alpha, line.beta)
+    shape.point_data["radius"] = np.full(line.s.size, line.a)  # for a tube filter
+    shape.point_data["tangent"] = line.tangent
     shape.point_data["outward"] = frames.outward(line.alpha)
     shape.field_data["units"] = [f"{c.name}: {c.unit}" for c in table]
     for name, value in (("title", rod.title), ("versions", str(rod.ds.attrs["versions"]))):

@@ -184,7 +184,8 @@ def _arrays(some: xr.Dataset, names: Sequence[str]) -> tuple[list[dict[str, Any]
     count = int(some["outcome"].size)
     stations = int(np.clip(POINTS // count, 200, STATIONS if count > 1 else 4 * STATIONS)) + 1
     finer, reason, drawn, n = some, "", dict[int, list[DrawnCurve]](), 0
-    also = ("beta", "alpha", "z", "dbeta", *["contact"] * schema.loads_vary(some))
+    also = ("beta", "alpha", "z", "dbeta", *["contact"] * (schema.loads_vary(some) or schema.leaves(some)),
+            *["radius"] * schema.leaves(some))  # fmt: skip
     for _ in range(ROUNDS):
         try:
             finer = stored_case.solve_again(some, stations, dict.fromkeys((*names, *also)))

@@ -62,6 +62,8 @@ def figure(
     """
     names = sheet.choose(PANELS)
     most = max(int((sheet.width - 0.6) / COLUMN), 1)
+    if schema.leaves(ds):
+        raise InputError("a portrait needs rods that lie on the cylinder; choose --kind ridge or lines")
     if schema.loads_vary(ds):
         raise InputError("a portrait needs loads that are constant along the rod; choose --kind ridge or states")
     chosen = drawn_rods.choose(ds, ("beta", "dbeta"), x, at, most * (1 if sheet.narrow else BANDS))

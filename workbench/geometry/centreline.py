@@ -66,6 +66,21 @@ class Centreline:
         return float(self.s[-1] - self.s[0])
 
     @property
+    def reach(self) -> float:
+        """The largest distance of the centreline from the axis [length]."""
+        return self.rho
+
+    @property
+    def place(self) -> Array:
+        """The centreline at the stations, (n, 3) [length]."""
+        return frames.position(self.rho, self.alpha, self.z)
+
+    @property
+    def tangent(self) -> Array:
+        """The unit tangent at the stations, (n, 3)."""
+        return frames.tangent(self.alpha, self.beta)
+
+    @property
     def bend(self) -> Array:
         """beta'' at the stations, (n,) [1/length^2]."""
         return -dimensional_slope(self.l, self.m, self.p, self.rho, self.beta)
@@ -181,8 +196,7 @@ class Centreline:
     @cached_property
     def cubic(self) -> Any:
         """Cubic curves in space from station to station, with the exact tangents there; its `c`: control points."""
-        place = frames.position(self.rho, self.alpha, self.z)
-        return through(self.s, np.stack([place, frames.tangent(self.alpha, self.beta)], axis=1))
+        return through(self.s, np.stack([self.place, self.tangent], axis=1))
 
     @cached_property
     def cubic_error(self) -> float:

@@ -202,6 +202,5 @@ class DrawnCurve:
 def push_along(line: Centreline) -> DrawnCurve:
     """The push along a rod, to a step of its colours."""
     push = line.push(line.s)
-    return DrawnCurve(
-        "push", line.s, push, max(float(np.ptp(push)) / COLOUR_STEPS, ROUNDING * float(np.abs(push).max())), line
-    )
+    allowed = max(float(np.ptp(push)) / COLOUR_STEPS, ROUNDING * float(np.abs(push).max()))
+    return DrawnCurve("push", line.s, push, allowed or 1.0, line)  # off the wall all of it is 0

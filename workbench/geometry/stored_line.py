@@ -1,6 +1,7 @@
-"""The centreline of a case, read from its dataset; of a rod with weight or friction from its angles and its push."""
+"""The centreline of a case, read from its dataset; with weight or friction from its angles and its push, and of a rod
+that may leave the cylinder from its places."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Self
@@ -8,15 +9,19 @@ from typing import Any, Self
 import numpy as np
 import xarray as xr
 from scipy.integrate import cumulative_trapezoid
+from scipy.interpolate import CubicSpline
 
+from solver.mechanics import frames
 from solver.mechanics.potential import Loads, slope_rate
 from solver.problem.case import ALONG_AXIS, IN_PLACE, SLIDING
 from solver.problem.errors import InputError
 
 from ..store import schema
-from .centreline import NEEDED, Array, Centreline, slopes, spline
+from .centreline import EASED, NEEDED, Array, Centreline, cut, slopes, spline
 
-VARIES = ("contact", "inclination", *schema.VARYING)  # what the curve of a rod with weight or friction needs beside
+# what the curve of a rod with weight or friction needs beside, and of one that may leave the cylinder
+VARIES = ("contact", "radius", "inclination", *schema.VARYING)
+FREE_ORDER = 3  # of the errors of a spline through places, in their distance: the shear jumps at edges of contact
 ANGLES = 361  # between the least and the largest one, at which rates are compared
 
 
@@ -24,10 +29,11 @@ def read(ds: xr.Dataset, where: Mapping[str, int]) -> Centreline:
     """The centreline of one case, by its indices along the axes.
 
     Raises `InputError` where the dataset lacks one of `NEEDED`, or the case is not solved. Where loads vary along the
-    rod the curve needs the contact force in place of the loads.
+    rod the curve needs the contact force in place of the loads, and the radius where the rod may leave the cylinder.
     """
-    varies = schema.loads_vary(ds)
-    needed = (*NEEDED, *schema.stiffness_fields(ds), *["contact"] * varies)
+    leaves = schema.leaves(ds)
+    varies = leaves or schema.loads_vary(ds)
+    needed = (*NEEDED, *schema.stiffness_fields(ds), *["contact"] * varies, *["radius"] * leaves)
     missing = [name for name in needed if name not in ds]
     if missing:
         raise InputError(f"the dataset stores no {', '.join(missing)}, which the curve of the rod needs")
@@ -36,7 +42,7 @@ def read(ds: xr.Dataset, where: Mapping[str, int]) -> Centreline:
     along = {name: np.asarray(case[name], dtype=float) for name in ("alpha", "beta", "z")}
     if not case["solved"] or not np.isfinite(list(along.values())).all():
         raise InputError(f"this case has no shape: {outcome}")
-    number = {name: float(case[name]) for name in needed[3:] if name != "contact"}
+    number = {name: float(case[name]) for name in needed[3:] if name not in ("contact", "radius")}
     A = float(schema.bending_stiffness(str(ds.attrs["stiffness"]), number))
     loads = [number[name] / A for name in ("MZ", "M3", "FZ")]
     s = np.asarray(case["s"].values, dtype=float)
@@ -54,6 +60,8 @@ def read(ds: xr.Dataset, where: Mapping[str, int]) -> Centreline:
     known = (s, along["alpha"], along["beta"], dbeta, along["z"], R, a, rho, A, l, m, p, side, bore, unit, is_stored)
     if varies:
         contact = np.asarray(case["contact"], dtype=float)
+        if leaves:
+            return FreeLine(*known, stored_contact=contact, radius=np.asarray(case["radius"], dtype=float))
         rate = _fastest(case, s, along["alpha"], along["beta"], contact, A)
         return VaryingLine(*known, stored_contact=contact, rate=rate)
     return Centreline(*known)
@@ -123,3 +131,93 @@ class VaryingLine(Centreline):
     def contact(self, s: Array) -> Array:
         """The cylinder's push per length at s, (k,) [force/length], positive outward."""
         return np.asarray(spline(self.s, self.stored_contact)(s))
+
+
+@dataclass(frozen=True, eq=False)
+class FreeLine(Centreline):
+    """The centreline of a rod that may leave the cylinder: a cubic spline through its places in space.
+
+    radius: its distance from the axis at the stations, (n,) [length]. stored_contact: as of `VaryingLine`.
+    """
+
+    stored_contact: Array = field(default_factory=lambda: np.empty(0))
+    radius: Array = field(default_factory=lambda: np.empty(0))
+
+    @property
+    def _arrays(self) -> tuple[str, ...]:
+        return (*super()._arrays, "stored_contact", "radius")
+
+    @property
+    def reach(self) -> float:
+        """The largest distance of the centreline from the axis [length]."""
+        return float(self.radius.max())
+
+    @property
+    def place(self) -> Array:
+        """The centreline at the stations, (n, 3) [length]."""
+        return frames.position(self.radius, self.alpha, self.z)
+
+    @cached_property
+    def _path(self) -> Any:
+        return CubicSpline(self.s, self.place)
+
+    @property
+    def tangent(self) -> Array:
+        """The unit tangent at the stations, (n, 3)."""
+        return _unit(self._path(self.s, 1))
+
+    @cached_property
+    def swing(self) -> float:
+        """The radians by which the tangent turns between stations, at most."""
+        return float((np.diff(self.s) * np.linalg.norm(self._path(self.s[:-1], 2), axis=1)).max())
+
+    @property
+    def smooth(self) -> bool:
+        """False: the angles rise evenly between stations, as the azimuth of a rod that passes the axis turns fast."""
+        return False
+
+    @cached_property
+    def error(self) -> float:
+        """The estimated error of the curve between stations [length]."""
+        return float(np.linalg.norm(self.every_other()._path(self.s[1::2]) - self.place[1::2], axis=1).max()) / EASED
+
+    def value_error(self, value: Callable[[Centreline, Array], Array]) -> float:
+        """The estimated error between stations of a quantity, but next to edges of contact, where the push jumps."""
+        touches = np.pad(self.stored_contact != 0, 1, mode="edge")
+        even = (touches[:-2] == touches[1:-1]) & (touches[2:] == touches[1:-1])
+        left_out = self.s[1::2][even[1::2]]
+        missed = value(self.every_other(), left_out) - value(self, left_out)
+        return float(np.abs(missed).max(initial=0.0)) / EASED
+
+    def stations_for(self, tolerance: float, cubic: bool = False) -> int:
+        """About how many stations are needed for an `error`, or a `cubic_error`, within the tolerance [length]."""
+        error = self.cubic_error if cubic else self.error
+        return int(np.ceil(1.1 * self.s.size * max(error / tolerance, 1.0) ** (1 / FREE_ORDER))) + 1
+
+    def frame(self, s: Array) -> tuple[Array, Array, Array, Array]:
+        """Position, tangent, the normal nearest to the outward one, and the normal across both at s, (k, 3) each."""
+        tangent, out = _unit(self._path(s, 1)), frames.outward(self.at(s)[0])
+        out = _unit(out - np.sum(out * tangent, axis=-1, keepdims=True) * tangent)
+        return self._path(s), tangent, out, np.cross(out, tangent)
+
+    def kappa(self, s: Array) -> Array:
+        """Curvature at s, (k,) [1/length]."""
+        return np.asarray(np.linalg.norm(self._path(s, 2), axis=-1))
+
+    def contact(self, s: Array) -> Array:
+        """The cylinder's push per length at s, (k,) [force/length], positive outward; point forces are not in it."""
+        return self._even(self.stored_contact, s)
+
+    def cut(self, parts: int) -> Self:
+        """The same curve through so many times as many stations."""
+        s = cut(self.s, parts)
+        x, y, z = self._path(s).T
+        alpha, beta, _ = self.at(s)
+        turned = np.arctan2(y, x)
+        turned += 2 * np.pi * np.round((alpha - turned) / (2 * np.pi))
+        return replace(self, s=s, alpha=turned, beta=beta, dbeta=self._even(self.dbeta, s), z=z,
+                       radius=np.hypot(x, y), stored_contact=self.contact(s))  # fmt: skip
+
+
+def _unit(vectors: Array) -> Array:
+    return np.asarray(vectors / np.linalg.norm(vectors, axis=-1, keepdims=True))

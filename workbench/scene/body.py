@@ -71,7 +71,7 @@ class Body:
     @property
     def reach(self) -> float:
         """The largest distance from the axis of the rod and the cylinder."""
-        return max(self.line.R, self.line.rho + self.line.a + self.lift)
+        return max(self.line.R, self.line.reach + self.line.a + self.lift)
 
     @cached_property
     def _sampled(self) -> tuple[Array, Array]:
@@ -165,7 +165,7 @@ def read(ds: xr.Dataset, where: Mapping[str, int], kind: Kind, span: tuple[float
         if name not in ds:
             raise InputError(f"the dataset stores no {name}, which the kind {kind.name} needs: add it to outputs")
     also = {name for name in ("solved", "outcome", "caution", "dbeta", *SECTION) if name in ds}
-    if any(name in ds for name in schema.VARYING):
+    if schema.leaves(ds) or any(name in ds for name in schema.VARYING):
         also |= {name for name in stored_line.VARIES if name in ds}
     variables = ds[sorted(stored | also)]
     line = stored_line.read(variables, where)

@@ -287,12 +287,27 @@ def curves(ds: xr.Dataset) -> Iterator[str]:
 
 def _chords(ds: xr.Dataset) -> Iterator[str]:
     arc = ds["s"].diff("u")
+    if schema.leaves(ds):
+        yield from _chords_in_space(ds, arc)
+        return
     for name, scale in (("alpha", ds["rho"]), ("z", 1.0)):
         if name in ds.data_vars and "u" in ds[name].dims:
             with np.errstate(all="ignore"):
                 far = np.abs(ds[name].diff("u") * scale) > arc * (1 + bounds.STRAIGHT) + bounds.STRAIGHT * ds["rho"]
             if bool((far & ds["solved"].variable).any()):
                 yield f": {name} of a solved case moves farther than the rod is long"
+
+
+def _chords_in_space(ds: xr.Dataset, arc: xr.DataArray) -> Iterator[str]:
+    """The same of rods that may leave the cylinder, whose places have an error; nothing where no radius is stored."""
+    if not all(name in ds.data_vars and "u" in ds[name].dims for name in ("radius", "alpha", "z")):
+        return
+    r, alpha, z = ds["radius"], ds["alpha"], ds["z"]
+    with np.errstate(all="ignore"):
+        chord = np.hypot(np.hypot((r * np.cos(alpha)).diff("u"), (r * np.sin(alpha)).diff("u")), z.diff("u"))
+        far = chord > arc + float(ds.attrs["tolerance"]) * ds["s"].isel(u=-1)
+    if bool((far & ds["solved"].variable).any()):
+        yield ": radius, alpha and z of a solved case move farther than the rod is long"
 
 
 STUDY = (texts_of_study, axes, samples, texts, variables, fields, each)

@@ -22,10 +22,11 @@ def sentences(sol: "Solution", units: dict[str, str]) -> list[str]:
     share = float(observe(sol, ["contact_share"])["contact_share"])
     if len(sol.contacts) > MOST:
         first, last = sol.contacts[0][0], sol.contacts[-1][1]
-        where = f"in {len(sol.contacts)} intervals and points from s = {first:.4g} to {last:.4g} {length}"
+        where = f"in {len(sol.contacts)} intervals or points from s = {first:.4g} to {last:.4g} {length}"
     else:
         where = "at s = " + ", ".join(_interval(low, high) for low, high in sol.contacts) + f" {length}"
-    said = [f"the rod lies on {100 * share:.3g} % of its length on the wall, {where}; it is {gap}"]
+    touches = f"lies on {100 * share:.3g} % of its length on the wall," if share else "touches the wall"
+    said = [f"the rod {touches} {where}; it is {gap}"]
     if sol.point_forces and len(sol.contacts) <= MOST:
         each = ", ".join(f"{value:.4g} {force} at {s:.4g}" for s, value in sol.point_forces)
         said.append(f"point forces of the wall: {each} {length}")

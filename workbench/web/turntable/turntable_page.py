@@ -147,6 +147,8 @@ def turntable_of_dataset(
     base = selection.case(ds, at)
     fixed = {selection.axis_of(ds, name) for name in at}
     free = [name for name in axes_of(ds) if name not in fixed]
+    if schema.leaves(ds):
+        raise InputError("a page of turning rods needs rods that lie on the cylinder: make a picture, a .png")
     if schema.loads_vary(ds):
         raise InputError("a page of turning rods needs rods without weight and friction: make a picture, a .png")
     n = ds.sizes["u"]

@@ -1,0 +1,122 @@
+"""Rods that may leave the cylinder in stored files, pictures and exports: drawn where they are, or refused in words."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from solver import Case, Cylinder, Ends, InputError, Rod, solve
+from studies.language.loader import loads
+from workbench import accessor  # noqa: F401
+from workbench.export.stored_rod import export
+from workbench.figures import portrait
+from workbench.geometry import stored_line
+from workbench.geometry.refinement import push_along
+from workbench.store import checks, in_memory, reading, writing
+from workbench.web.turntable import turntable_page
+
+pytest.importorskip("unopy", reason="the extra contact is not installed")
+
+STUDY = """
+title = "A rod that is let go"
+let_go = true
+stations = 201
+observables = ["gap_max", "contact_share"]
+units = { length = "cm", force = "N" }
+base = { E = 1.07e4, nu = 0.25, a = 0.25, L = 20.0, R = 0.75, beta0 = 0.5, betaL = 0.8, FZ = -8.66, MZ = 1.3, M3 = 6.1 }
+"""
+
+
+@pytest.fixture(scope="module")
+def stored() -> xr.Dataset:
+    return in_memory.run(loads(STUDY))
+
+
+@pytest.fixture(scope="module")
+def finer() -> Any:
+    """The rod of the study at four times as many places."""
+    case = Case(Rod(1.07e4, 0.25, 0.25, 20.0), Cylinder(0.75), Ends(0.5, 0.8, FZ=-8.66, MZ=1.3, M3=6.1))
+    return solve(case, stations=801).let_go()
+
+
+def test_a_study_lets_its_rods_go_and_stores_where_they_are(stored: xr.Dataset, finer: Any) -> None:
+    assert stored.attrs["contact"] == "unilateral"
+    np.testing.assert_allclose(stored.rod.position.values, finer.position[::4], atol=1e-6)
+    assert float(stored["gap_max"]) == pytest.approx(finer.gap.max(), abs=1e-3)
+
+
+def test_between_stations_a_rod_is_drawn_where_it_is(stored: xr.Dataset, finer: Any) -> None:
+    line = stored_line.read(stored, {})
+    place, tangent, out, across = line.frame(finer.s)
+    assert np.linalg.norm(place - finer.position, axis=1).max() <= line.error + finer.error * line.L
+    assert line.error < 1e-3
+    np.testing.assert_allclose(tangent, finer.tangent, atol=0.02)
+    np.testing.assert_allclose(np.cross(out, tangent), across, atol=1e-12)
+    np.testing.assert_allclose(out[finer.gap == 0], -finer.normal[finer.gap == 0], atol=0.02)
+
+
+def test_cut_stations_lie_on_the_curve(stored: xr.Dataset) -> None:
+    line = stored_line.read(stored, {})
+    cut = line.cut(3)
+    np.testing.assert_allclose(cut.place, line.frame(cut.s)[0], atol=1e-12)
+    np.testing.assert_allclose(cut.place[::3], line.place, atol=1e-12)
+
+
+def test_the_edge_of_a_contact_asks_for_no_more_stations_and_a_rod_without_push_for_none(stored: xr.Dataset) -> None:
+    line = stored_line.read(stored, {})
+    assert push_along(line).stations() == line.s.size
+    off = stored_line.read(stored.assign(contact=0 * stored["contact"]), {})
+    assert push_along(off).stations() == off.s.size
+    assert push_along(off).parts == 1
+
+
+def test_a_table_of_a_rod_has_its_places_in_space(stored: xr.Dataset, tmp_path: Path) -> None:
+    export(stored, tmp_path / "rod.csv")
+    head, *_ = (tmp_path / "rod.csv").read_text(encoding="utf-8").splitlines()
+    table = np.loadtxt(tmp_path / "rod.csv", delimiter=",", skiprows=1)
+    columns = dict(zip((name.partition(" ")[0] for name in head.split(",")), table.T, strict=True))
+    np.testing.assert_allclose(np.hypot(columns["x"], columns["y"]), columns["radius"], rtol=1e-12)
+    assert columns["radius"].max() > 1.2
+
+
+def test_pictures_of_rods_on_the_wall_are_refused_for_others(stored: xr.Dataset) -> None:
+    for draw in (portrait.figure, turntable_page.html):
+        with pytest.raises(InputError, match="needs rods that lie on the cylinder"):
+            draw(stored)
+
+
+def test_a_file_whose_places_are_farther_apart_than_the_rod_is_long_is_told(stored: xr.Dataset) -> None:
+    assert list(checks.curves(stored)) == []
+    far = stored.assign(radius=1.1 * stored["radius"])
+    assert list(checks.curves(far)) == [": radius, alpha and z of a solved case move farther than the rod is long"]
+
+
+def test_a_cable_that_leaves_its_drum_is_stored_read_and_exported(tmp_path: Path) -> None:
+    """In a plane across the axis a rod goes round the wall as far as it is long, but for the error of its places."""
+    cable = """
+        title = "A cable"
+        observables = ["contact_count"]
+        units = { length = "mm", force = "N" }
+        [base]
+        EI = 2e6
+        GJ = 1.6e6
+        a = 6.0
+        L = 1450.0
+        R = 200.0
+        contact = "unilateral"
+        beta0 = "90deg"
+        betaL = "90deg"
+        height = 0.0
+        azimuth = "200deg"
+        radiusL = 1000.0
+        M2L = 0.0
+        """
+    ds = in_memory.run(loads(cable))
+    writing.write(ds, tmp_path / "cable.h5")
+    whole = reading.read(tmp_path / "cable.h5")
+    assert float(whole["radius"][-1]) == pytest.approx(1000.0)
+    assert int(whole["contact_count"]) == 1
+    written = export(whole, tmp_path / "cable.stl")
+    assert written.facts["triangles"] > 100
