@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .problem.case import Case, Cylinder, Rod, Start, refuse_leaving
-from .problem.errors import InputError, whole_number
+from .problem.errors import InputError, check_type, whole_number
 from .problem.limits import OUT_OF_RANGE, reason_beyond, units_held
 from .problem.reduced import reduce
 from .problem.shown import make
@@ -158,7 +158,7 @@ def _check(rod: Rod, cylinder: Cylinder, wraps: int, folds: int) -> float:
     counts: dict[str, Any] = {"wraps": wraps, "folds": folds}
     for name, value in counts.items():
         whole_number(name, value, 1, MOST_TURNS)
-    refuse_leaving(cylinder, "loops")
+    refuse_leaving(check_type("loops", cylinder, Cylinder), "loops")
     case = Case(rod, cylinder, Start(0.0, 0.0, M3=0.0))
     if case.shape:
         raise InputError(f"loops takes one rod and one cylinder, got fields of shape {case.shape}")

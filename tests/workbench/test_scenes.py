@@ -149,7 +149,7 @@ class Counted:
     """A dataset that remembers which variables were opened."""
 
     def __init__(self, ds: xr.Dataset, opened: set[str]) -> None:
-        self.ds, self.opened = ds, opened
+        self.ds, self.opened, self.attrs = ds, opened, ds.attrs
 
     def __contains__(self, name: str) -> bool:
         return name in self.ds
