@@ -260,8 +260,10 @@ def largest_between(read: Callable[[Array], Array], t: Array, rounds: int = 3, p
         best, at = np.where(larger, beside[peaks, top], best), np.where(larger, tried[peaks, top], at)
         low, high = tried[peaks, np.maximum(top - 1, 0)], tried[peaks, np.minimum(top + 1, places - 1)]
     largest = np.array([best[rows == row].max() for row in range(len(values))])
-    first = [at[(rows == row) & (best >= (1 - 1e-9) * most)].min() for row, most in enumerate(largest)]
-    return largest, np.array(first)
+    least = (1 - 1e-9) * largest  # a number that rounding alone changes is largest at its begin
+    first = [at[(rows == row) & (best >= enough)].min() for row, enough in enumerate(least)]
+    reached = values >= least[:, None]
+    return largest, np.where(reached.any(axis=1), np.minimum(first, t[np.argmax(reached, axis=1)]), first)
 
 
 def _peaks(values: Array, most: int = 64) -> tuple[Integers, Integers]:
