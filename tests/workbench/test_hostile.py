@@ -175,8 +175,8 @@ def test_a_value_that_the_solver_takes_is_no_fault_of_a_file(field: str, value: 
 def test_an_axis_that_no_picture_can_hold_and_errors_of_fewer_cases_than_their_numbers_are_refused(opened) -> None:
     (huge,) = checks.axes(opened.assign_coords(E=[1e4, 1e300]))
     assert huge == ": the axis 'E' holds values that are not finite, or beyond 1e+50"
-    assert list(checks.variables(opened)) == []
-    (other,) = checks.variables(opened.assign(turns_error=0.0))
+    assert list(checks.layout(opened)) == []
+    (other,) = checks.layout(opened.assign(turns_error=0.0))
     assert other == ": 'turns_error' has other dimensions than 'turns'"
 
 

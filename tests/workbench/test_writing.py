@@ -40,19 +40,19 @@ def test_a_file_is_written_and_opened_as_xarray_alone_does(six, tmp_path) -> Non
     writing.write_new(six, tmp_path / "ours.h5")
     assert runs.contents(tmp_path / "ours.h5") == runs.contents(tmp_path / "theirs.h5")
     with (
-        writing.open_file(tmp_path / "ours.h5") as ours,
+        reading.raw(tmp_path / "ours.h5") as ours,
         xr.open_dataset(tmp_path / "ours.h5", engine="h5netcdf") as theirs,
     ):
         xr.testing.assert_identical(ours, theirs)
         for name, variable in ours.variables.items():
-            assert str(variable.encoding) == str(theirs[name].encoding)
+            assert variable.dtype == theirs[name].dtype
 
 
 def test_of_many_opened_files_those_closed_meanwhile_are_opened_again(six, tmp_path) -> None:
     path = writing.write(six, tmp_path / "small.h5")
     with ExitStack() as stack:
         copies = [tmp_path / f"{k}.h5" for k in range(4)]
-        opened = [stack.enter_context(writing.open_file(shutil.copy(path, copy))) for copy in copies]
+        opened = [stack.enter_context(reading.raw(shutil.copy(path, copy))) for copy in copies]
         with xr.set_options(file_cache_maxsize=2):
             for one in (*opened, opened[0]):
                 np.testing.assert_array_equal(one["beta"], six["beta"])
@@ -73,6 +73,7 @@ def test_h5py_reads_numbers_units_and_texts(six, tmp_path) -> None:
         assert file["E"].attrs["units"] == "N/cm^2"
         assert file.attrs["study"].startswith('title = "two moduli')
         assert (file["beta"].compression, file["beta"].compression_opts, file["beta"].shuffle) == ("gzip", 1, True)
+        assert file["beta"].fletcher32
         assert file["beta"].dims[0].keys() == ["E"] or "E" in file["beta"].dims[0]
 
 

@@ -342,7 +342,7 @@ def combine(
     size = sum(8 * count if name in types else TEXT_BYTES for name, count in numbers.items())  # of a case
     windows = _gather(sources, shape, max(1, WINDOW // size), types, name_of)
     writing.write_cases(frame, path, frame.nbytes + bytes_of_file(prod(shape), size), variables, windows)
-    with writing.open_file(path) as ds:
+    with reading.raw(path) as ds:
         statistics = statistics_of(ds, tally)
     with h5py.File(path, "a") as file:
         file.attrs["caution"] = cautions.tell(statistics["cautions"])

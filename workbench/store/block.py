@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from solver import Case, Solution, equilibria, solve
 from solver.choose.selection import NEAREST, Choose
 from solver.equilibria import Equilibria, nearest
-from solver.observe.observables import OBSERVABLES, observe, why_unknown
+from solver.observe.observables import OBSERVABLES, is_count, observe, why_unknown
 from solver.problem.errors import DEFAULT_TOLERANCE
 from studies import Study
 from studies.grammar.axes import Which
@@ -152,9 +152,15 @@ def columns(study: Study, sol: Solution, given: Mapping[str, Any] | None = None)
 
 def _as_a_file_holds(study: Study, case: Case, row: Columns) -> Columns:
     """The columns with texts that a file can hold; cases whose numbers it cannot hold are not solved."""
-    bad = np.full(case.size, "", dtype=object)
-    for why, where in bounds.unfit(study, case, row):
-        bad[where & (bad == "")] = f"failed: solved, but no file can hold it: {why}"
+
+    def of_solved(value: Any) -> NDArray[np.float64]:
+        return np.broadcast_to(np.asarray(value, dtype=float), case.shape).reshape(-1)[solved]
+
+    bad, solved = np.full(case.size, "", dtype=object), np.flatnonzero(row["solved"])
+    rod = {"L": of_solved(case.rod.L), "rho": of_solved(case.rho), "A": of_solved(case.rod.bending_stiffness)}
+    counted = [name for name in row if is_count(name) or name in bounds.COUNTED]
+    for name, why, where in bounds.unfit({name: values[solved] for name, values in row.items()}, counted, rod):
+        bad[[k for k in solved[where] if not bad[k]]] = f"failed: solved, but no file can hold it: {name} {why}"
     if (fails := bad != "").any():
         none = unsolved(study, case.size, "") | {"outcome": bad.astype(str)}
         row = {

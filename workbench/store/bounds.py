@@ -4,22 +4,20 @@ The writer asks before it solves (`check_study`) and before it stores (`unfit`, 
 (`checks`): so whatever is written is read. Needs no xarray.
 """
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from solver import Case
 from solver.observe.observables import OBSERVABLES
-from solver.observe.observables import is_count as is_counted
 from solver.problem.errors import InputError
 from solver.problem.field_values import POSITIVE, RANGES
 from studies import Study
 from studies.grammar.axes import Dimensions
 
 from . import schema
-from .schema import CURVES, JUDGED, LABEL, LOADS, Columns
+from .schema import CURVES, JUDGED, LABEL, LOADS
 
 Mask = NDArray[np.bool_]
 
@@ -55,12 +53,6 @@ def _worst(values: NDArray[Any], good: Mask) -> str:
     return f"{values[~good].flat[0]:g}"
 
 
-def is_too_long(L: Any, rho: Any) -> bool:
-    """Whether a rod is too long for its cylinder."""
-    with np.errstate(all="ignore"):
-        return not bool(np.all(L / rho < MOST))
-
-
 def check_study(study: Study, dimensions: Dimensions) -> None:
     """Raise `InputError` for a study with a case that a file cannot hold, before anything is solved."""
     for name, values in dimensions.fields.items():
@@ -71,56 +63,42 @@ def check_study(study: Study, dimensions: Dimensions) -> None:
     for name in (name for name in FIELDS if name in numbers):
         if why := wrong_field(name, numbers[name]):
             raise InputError(f"{name} of a study that is stored {why}")
-    if is_too_long(np.max(case.rod.L), np.min(case.rho)):
+    if not np.max(case.rod.L) / np.min(case.rho) < MOST:
         raise InputError(f"L of a study that is stored must be at most {MOST:g} times rho")
 
 
-def bad_numbers(name: str, values: Any, counted: bool, L: Any = np.inf) -> Mask:
-    """Which solved cases cannot have their number (B,); NaN says that it is not known. L: lengths of the rods."""
+def unfit(
+    columns: Mapping[str, NDArray[Any]], counted: Collection[str], rod: Mapping[str, Any]
+) -> Iterator[tuple[str, str, Mask]]:
+    """What numbers of solved cases cannot be: a name, what is wrong in words, and in which cases (B,).
+
+    columns: name in the file -> (B, ...); NaN says that a number is not known. counted: those that are whole numbers.
+    rod: of each case L, rho and A, the bending stiffness; without them loads and lengths have no bounds.
+    """
+    L, rho, A = (rod.get(name) for name in ("L", "rho", "A"))
+    for name, values in columns.items():
+        if name in CURVES:
+            most = MOST_ANGLE if CURVES[name] in ("beta", "alpha", "gamma") else MOST
+            inside = (np.abs(values) < most).all(axis=tuple(range(1, values.ndim)))
+            yield name, f"is not finite, or beyond {most:g}", ~np.asarray(inside)
+        elif values.dtype.kind in "iuf":
+            yield name, "is out of its range", _outside(name, values, name in counted, np.inf if L is None else L)
+        if name in LOADS and rho is not None and A is not None:
+            with np.errstate(all="ignore"):
+                fits = np.abs(values) * rho ** (2 if name == "FZ" else 1) / A < MOST
+            yield name, "is not finite, or far too large for its rod", ~np.asarray(fits)
+
+
+def _outside(name: str, values: NDArray[Any], is_counted: bool, L: Any) -> Mask:
+    """Which numbers are outside the range of their observable, not whole, or not known where they must be."""
     row = OBSERVABLES.get(name)
-    least = 0.0 if counted or name.endswith("_error") else -np.inf if row is None else row.least
+    least = 0.0 if is_counted or name.endswith("_error") else -np.inf if row is None else row.least
     most: Any = np.inf if row is None else row.most
     most = np.asarray(L) * (1 + STRAIGHT) if most == "L" else most
     with np.errstate(invalid="ignore"):
         bad: Mask = (values < least) | (np.abs(values) > most * (1 + SAME))
-        bad |= counted & (values != np.round(values)) & ~np.isnan(values)
+        bad |= is_counted & (values != np.round(values)) & ~np.isnan(values)
         return bad | (~(values >= 0) if name in JUDGED else False)
-
-
-def bad_loads(name: str, values: Any, A: Any, rho: Any) -> Mask:
-    """Which solved cases have a load FZ, MZ or M3 (B,) that is not finite, or far too large for their rods."""
-    with np.errstate(all="ignore"):
-        bad: Mask = ~(np.abs(values) * rho ** (2 if name == "FZ" else 1) / A < MOST)
-    return bad
-
-
-def most_along(key: str) -> float:
-    """The bound of an array along the rod, by its name in the file."""
-    return MOST_ANGLE if CURVES[key] in ("beta", "alpha", "gamma") else MOST
-
-
-def bad_curves(key: str, values: Any) -> Mask:
-    """Which solved cases have an array along the rod (B, n, ...) that is not finite, or beyond its bound."""
-    inside = np.abs(values) < most_along(key)
-    return ~np.asarray(inside.all(axis=tuple(range(1, inside.ndim))))
-
-
-def unfit(study: Study, case: Case, row: Columns) -> Iterator[tuple[str, Mask]]:
-    """Why a file cannot hold the numbers of solved cases, and which cases (B,) these are."""
-
-    def each(value: Any) -> NDArray[np.float64]:
-        return np.broadcast_to(np.asarray(value, dtype=float), case.shape).reshape(-1)
-
-    counts = {name: is_counted(name) or name in COUNTED for name in row}
-    L, rho, A = each(case.rod.L), each(case.rho), each(case.rod.bending_stiffness)
-    for name, values in row.items():
-        if name in CURVES:
-            yield f"{name} is not finite, or beyond {most_along(name):g}", row["solved"] & bad_curves(name, values)
-        elif values.dtype.kind in "iuf":
-            yield f"{name} has no such value", row["solved"] & bad_numbers(name, values, counts[name], L)
-        if name in LOADS:
-            words = f"{name} is not finite, or far too large for its rod"
-            yield words, row["solved"] & bad_loads(name, values, A, rho)
 
 
 def fit_lines(text: str) -> str:

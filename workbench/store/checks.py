@@ -1,8 +1,9 @@
-"""Validate a dataset before it is used: its layout, texts and numbers.
+"""Validate a dataset before it is used or stored: its layout, texts and numbers.
 
 A check yields what is wrong with a dataset, each a sentence without its beginning, the name of the file; a dataset with
 which nothing is wrong is valid. Checks change nothing. Those of `STUDY` are asked for every study; they read no array
-along the rod. `curves` does, block by block: of a dataset that is read whole, for its summary and for its check.
+along the rod. `curves` does, block by block: of a dataset that is read whole, for its summary and for its check. What
+texts and numbers can be stands in `ATTRIBUTES` and in `bounds`.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -11,39 +12,39 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
+from solver.observe import observables
 from solver.problem.case import CONTACTS, DIRECT, ELASTIC, GIVEN, SIDES, SLIDING
 from solver.problem.errors import InputError, choices
 from studies import names
 from studies.grammar.axes import FIELDS, SAMPLE
-from studies.grammar.formulas import FORCES, LENGTHS
+from studies.grammar.formulas import FORCES, LENGTHS, parse
 
 from ..words import escaping
 from . import bounds, refined, schema
-from .schema import CURVES, FORMAT, INNER, JUDGED, LABEL, LINE, LOADS, SECTION, pieces, show
+from .schema import CURVES, FORMAT, INNER, JUDGED, LABEL, LINE, LOADS, SECTION, TEXTS, blocks, show
 
 Check = Callable[[xr.Dataset], Iterator[str]]
 
-# The attributes that mark a study's dataset, and all that are text.
-NEEDED = ("title", "study_name", "laws")
-NAMED = (*NEEDED, "study", "reading", "side", "stiffness", "length_unit", "force_unit", "method", "versions")
-EACH = ("solved", "caution", *JUDGED)  # of every case, beside the outcome
-WORDS = ("outcome", "caution", "xyz")  # the variables that are text; `solved` is boolean, all others are numbers
-SCALED = ("scale_factor", "add_offset", "missing_value", "_Unsigned")  # attributes by which xarray changes numbers
-MOST_TEXT = 64_000_000  # bytes of an attribute
-
+NEEDED = ("title", "study_name", "laws")  # the attributes that mark a study's dataset
+OF_STUDY = (*NEEDED, "study", "reading", "side", "stiffness", "length_unit", "force_unit", "method", "versions")
 LONG = ("study", "laws", "versions", "recipe", "statistics", "branches", "rows")  # of many lines, or JSON; not printed
+MOST_TEXT = 64_000_000  # characters of a text of many lines
+ATTRIBUTES: Mapping[str, Any] = {  # the words that one can be, or how many characters; of others it is `LINE`
+    **dict.fromkeys(LONG, MOST_TEXT),
+    "side": SIDES, "sliding": SLIDING, "contact": CONTACTS,
+    "stiffness": schema.SECTIONS, "length_unit": LENGTHS, "force_unit": FORCES,
+}  # fmt: skip
+LABELS = ("units", "long_name", "symbol", "reading")  # attributes of variables that are text
+
+EACH = ("solved", "caution", *JUDGED)  # of every case, beside the outcome
+# What the values of a variable are, and their kinds in NumPy.
+KINDS = {**dict.fromkeys((*TEXTS, "xyz"), ("text", "OUST")), "solved": ("booleans", "b")}
+NUMBERS = ("numbers", "iuf")  # of all others
+SCALED = ("scale_factor", "add_offset", "missing_value", "_Unsigned")  # attributes by which xarray changes numbers
 BLOCK = 100_000  # cases that are read at a time
 BLOCK_ALONG = 2**20  # stations of their curves
-LABELS = ("units", "long_name", "symbol", "reading")
-CHOICES: Mapping[str, Any] = {
-    "side": SIDES,
-    "sliding": SLIDING,
-    "contact": CONTACTS,
-    "stiffness": schema.SECTIONS,
-    "length_unit": LENGTHS,
-    "force_unit": FORCES,
-}
 
 
 def check(ds: xr.Dataset, path: str | Path, checks: Sequence[Check]) -> None:
@@ -51,6 +52,20 @@ def check(ds: xr.Dataset, path: str | Path, checks: Sequence[Check]) -> None:
     for look in checks:
         for wrong in look(ds):
             raise InputError(f"{path}{wrong}")
+
+
+def check_all(ds: xr.Dataset, path: str | Path) -> None:
+    """Raise `InputError` where anything is wrong with a dataset, of whichever kind."""
+    if schema.kind_of(ds) is schema.STUDY:
+        check_kind(ds, path)
+        check(ds, path, [*STUDY, curves])
+    else:
+        check(ds, path, of_any(ds))
+
+
+def of_any(ds: xr.Dataset) -> Sequence[Check]:
+    """The checks of what datasets of all kinds have."""
+    return (texts, packing, fields, *((cases, curves) if "solved" in ds else ()))
 
 
 def check_kind(ds: xr.Dataset, path: str | Path) -> None:
@@ -73,14 +88,51 @@ def check_kind(ds: xr.Dataset, path: str | Path) -> None:
         raise InputError(f"{other}; make it again with: workbench run {study} --out {path}")
 
 
-def texts_of_study(ds: xr.Dataset) -> Iterator[str]:
+def is_nan(value: Any) -> bool:
+    """Whether a value of an attribute is one NaN."""
+    array = np.asarray(value)
+    return array.size == 1 and array.dtype.kind == "f" and bool(np.isnan(array).all())
+
+
+def texts(ds: xr.Dataset) -> Iterator[str]:
+    """Whether every text is printable and every word is one of its choices."""
+    for key, value in ds.attrs.items():
+        yield from _text(str(key), LABEL, "the name of an attribute")
+        most = ATTRIBUTES.get(str(key), LINE)
+        if not isinstance(most, int):
+            if value not in (*most,):
+                yield f": the attribute {key} is {show(value)}; it can be {choices(most)}"
+        elif isinstance(value, str):
+            yield from _text(value, most, f"the attribute {key}")
+    for name, variable in ds.variables.items():
+        yield from _text(str(name), LABEL, "the name of a variable")
+        for key, value in variable.attrs.items():
+            what = f"the attribute {show(key)} of {show(name)}"
+            if isinstance(value, str):
+                yield from _text(value, LABEL, what)
+            elif key in LABELS:
+                yield f": {what} is not text"
+
+
+def _text(text: str, most: int, what: str) -> Iterator[str]:
+    """Whether it is UTF-8 of at most so many characters, and one line, but for a long text."""
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        yield f": {what} is not UTF-8 text: {show(text)}"
+    if most < MOST_TEXT:
+        if not escaping.is_line(text, most):
+            yield f": {what} must be one line of text, got {show(text)}"
+    elif len(text) > most or any(map(bounds.is_control, text)):
+        yield f": {what} holds control characters, or more than {most} letters"
+
+
+def study_texts(ds: xr.Dataset) -> Iterator[str]:
     """Whether it has the attributes that every command relies on, and laws about its axes."""
-    for name in NAMED:
-        value = ds.attrs.get(name)
-        if not isinstance(value, str) or len(value) > MOST_TEXT:
-            kind = "missing" if value is None else f"not text of at most {MOST_TEXT} characters"
-            yield f": the attribute {name} is {kind}"
-    of_laws = [*schema.axes_of(ds), *refined.axes_of(ds)]
+    for name in OF_STUDY:
+        if not isinstance(value := ds.attrs.get(name), str):
+            yield f": the attribute {name} is {'missing' if value is None else 'not text'}"
+    known = [*schema.axes_of(ds), *refined.axes_of(ds)]
     try:
         if not 0 < schema.number_of(ds, "tolerance", "") < 1:
             yield ": the attribute tolerance is not between 0 and 1"
@@ -89,23 +141,55 @@ def texts_of_study(ds: xr.Dataset) -> Iterator[str]:
         yield str(error)
         return
     for axes in about:
-        if not {*axes} <= {*of_laws}:
-            yield f": a law is about {show(axes)}, but the axes are {show(of_laws)}"
+        if not {*axes} <= {*known}:
+            yield f": a law is about {show(axes)}, but the axes are {show(known)}"
+
+
+def kinds(ds: xr.Dataset) -> Iterator[str]:
+    """Whether each variable holds the kind of values that it is known for."""
+    for name, variable in ds.variables.items():
+        words, allowed = KINDS.get(str(name), NUMBERS)
+        if variable.dtype.kind not in allowed:
+            yield f": {show(name)} must hold {words}, got {variable.dtype}"
+
+
+def layout(ds: xr.Dataset) -> Iterator[str]:
+    """Whether the dimensions of each variable fit."""
+    axes = schema.axes_of(ds)
+    known = [*axes, "u", *dict.fromkeys(dim for dims in INNER.values() for dim in dims)]
+    for name, variable in ((str(key), variable) for key, variable in ds.variables.items()):
+        expected = [*axes, "u", *INNER.get(CURVES.get(name, name), ())]
+        dims = [str(dim) for dim in variable.dims]
+        fits = dims == [dim for dim in known if dim in dims] and (name not in CURVES or dims == expected)
+        if not fits or (name in ("u", "s") and dims[-1:] != ["u"]):
+            yield f": {show(name)} has the dimensions {show(dims)}, which do not fit the axes"
+        measured = name.removesuffix("_error")
+        if measured != name and measured in ds.variables and variable.dims != ds.variables[measured].dims:
+            yield f": {show(name)} has other dimensions than {show(measured)}"
+    for name in EACH:
+        if name not in ds or list(ds[name].dims) != axes:
+            yield f" has no {name} for each of its cases"
+
+
+def packing(ds: xr.Dataset) -> Iterator[str]:
+    """Whether no attribute tells xarray to read other numbers than those that are stored."""
+    for name, variable in ds.variables.items():
+        for key in SCALED:
+            if key in variable.encoding:
+                yield f": {show(name)} has the attribute {key}, which the format does not allow"
+        if not is_nan(variable.encoding.get("_FillValue", np.nan)):  # a number that is there would be lost
+            yield f": the attribute _FillValue of {show(name)} must be NaN"
 
 
 def axes(ds: xr.Dataset) -> Iterator[str]:
-    """Whether each axis has different numbers that are not too large; those of the samples are whole."""
+    """Whether each axis has different numbers that are not too large, and each sampled field is along the samples."""
     for name in schema.axes_of(ds):
-        if name not in ds.coords or ds[name].dtype.kind not in ("iu" if name == SAMPLE else "f"):
+        if name not in ds.coords or ds.variables[name].dtype.kind not in ("iu" if name == SAMPLE else "f"):
             yield f": the axis {show(name)} has no values"
-        if why := bounds.wrong_axis(ds[name].values):
+        if why := bounds.wrong_axis(ds.variables[name].values):
             yield f": the axis {show(name)} {why}"
-
-
-def samples(ds: xr.Dataset) -> Iterator[str]:
-    """Whether each sampled field is a coordinate of finite numbers along the samples."""
     fields = schema.fields_of_samples(ds)
-    if bool(fields) != (SAMPLE in ds["outcome"].dims):
+    if bool(fields) != (SAMPLE in schema.axes_of(ds)):
         yield f": the attribute sampled and the dimension {SAMPLE} belong together: one is missing"
     for field in fields:
         name = schema.dimension(field) if field in FIELDS else field
@@ -120,208 +204,135 @@ def samples(ds: xr.Dataset) -> Iterator[str]:
             yield f": {error}"
 
 
-def variables(ds: xr.Dataset) -> Iterator[str]:
-    """Whether each variable has dimensions and a kind of values that fit."""
-    axes = schema.axes_of(ds)
-    known = [*axes, "u", *dict.fromkeys(dim for dims in INNER.values() for dim in dims)]
-    for name, variable in ((str(key), variable) for key, variable in ds.variables.items()):
-        expected = [*axes, "u", *INNER.get(CURVES.get(name, name), ())]
-        dims = [str(dim) for dim in variable.dims]
-        fits = dims == [dim for dim in known if dim in dims] and (name not in CURVES or dims == expected)
-        if not fits or (name in ("u", "s") and dims[-1:] != ["u"]):
-            yield f": {show(name)} has the dimensions {show(dims)}, which do not fit the axes"
-        measured = name.removesuffix("_error")
-        if measured != name and measured in ds.variables and variable.dims != ds[measured].dims:
-            yield f": {show(name)} has other dimensions than {show(measured)}"
-        for key in SCALED:
-            if key in variable.encoding:
-                yield f": {show(name)} has the attribute {key}, which the format does not allow"
-        fill = np.asarray(variable.encoding.get("_FillValue", np.nan))
-        if fill.size != 1 or fill.dtype.kind != "f" or not np.isnan(fill).all():  # a number that is there would be lost
-            yield f": the attribute _FillValue of {show(name)} must be NaN"
-        kind, kinds = ("text", "OUST") if name in WORDS else ("numbers", "iuf")
-        if name == "solved":
-            kind, kinds = "booleans", "b"
-        if variable.dtype.kind not in kinds:
-            yield f": {show(name)} must hold {kind}, got {variable.dtype}"
-    for name in EACH:
-        if name not in ds or list(ds[name].dims) != axes:
-            yield f" has no {name} for each of its cases"
+# What fields and stations must be together: the names, what is wrong otherwise, and the rule.
+TOGETHER: Sequence[tuple[tuple[str, ...], str, Callable[..., Any]]] = (
+    (("inner_radius", "a"), "inner_radius is not less than a", lambda inner, a: inner < a),
+    (
+        ("rho", "R", "a", "side"),
+        "rho is not R + a, or inside a hole R - a",
+        lambda rho, R, a, side: abs(rho - R - side * a) <= bounds.SAME * (R + a),
+    ),
+    (("L", "rho"), f"L is more than {bounds.MOST:g} times rho", lambda L, rho: L / rho < bounds.MOST),
+    (
+        ("u",),
+        "u must rise from 0 to 1",
+        lambda u: (u >= 0) & (u <= 1) & bool((np.diff(np.atleast_1d(u.values)) > 0).all()),
+    ),
+    (("s", "u", "L"), "s must be u L", lambda s, u, L: (abs(s - u * L) <= bounds.SAME * L) & _fits(s, u * L)),
+)
 
 
-def texts(ds: xr.Dataset) -> Iterator[str]:
-    """Whether every text is printable and every word is one of its choices."""
-    for key, value in ds.attrs.items():
-        yield from _text(str(key), LABEL, "the name of an attribute")
-        if isinstance(value, str):
-            yield from _text(value, None if key in LONG else LINE, f"the attribute {key}")
-    for key, known in CHOICES.items():
-        if key in ds.attrs and ds.attrs[key] not in (*known,):
-            yield f": the attribute {key} is {show(ds.attrs[key])}; it can be {choices(known)}"
-    for name, variable in ds.variables.items():
-        yield from _text(str(name), LABEL, "the name of a variable")
-        for key, value in variable.attrs.items():
-            what = f"the attribute {show(key)} of {show(name)}"
-            if isinstance(value, str):
-                yield from _text(value, LABEL, what)
-            elif key in LABELS:
-                yield f": {what} is not text"
-
-
-def _text(text: str, longest: int | None, what: str) -> Iterator[str]:
-    """Whether it is a line of at most so many characters; None: lines without control characters."""
-    try:
-        text.encode()
-    except UnicodeEncodeError:
-        yield f": {what} is not UTF-8 text: {show(text)}"
-    if longest is None:
-        if any(map(bounds.is_control, text)):
-            yield f": {what} holds control characters"
-    elif not escaping.is_line(text, longest):
-        yield f": {what} must be one line of text, got {show(text)}"
+def _fits(s: xr.Variable, expected: xr.Variable) -> bool:
+    """Whether the arc length has the dimensions that it must have; an axis of one value is none of a field's."""
+    return {*expected.squeeze().dims} <= {*s.dims} <= {*expected.dims}
 
 
 def fields(ds: xr.Dataset) -> Iterator[str]:
     """Whether rod, cylinder and stations are finite, positive, in order and consistent."""
-    number = {name: ds[name] for name in bounds.FIELDS if name in ds.variables}
+    number = {name: ds.variables[name] for name in (*bounds.FIELDS, "u", "s") if name in ds.variables}
     for name, variable in number.items():
         if variable.dtype.kind != "f":
             yield f": {name} must be a floating-point number, got {variable.dtype}"
-        if why := bounds.wrong_field(name, variable.values):
+        if name in bounds.FIELDS and (why := bounds.wrong_field(name, variable.values)):
             yield f": {name} {why}"
-    yield from _section(ds, number)
-    if {"R", "a", "rho"} <= set(number) and ds.attrs.get("side") in SIDES:
-        expected = number["R"] + SIDES[ds.attrs["side"]] * number["a"]
-        if bool((np.abs(number["rho"] - expected) > bounds.SAME * (number["R"] + number["a"])).any()):
-            yield f": rho is not R {'+-'[ds.attrs['side'] == 'inside']} a"
-    if {"L", "rho"} <= set(number) and bounds.is_too_long(number["L"], number["rho"]):
-        yield f": L is more than {bounds.MOST:g} times rho"
-    yield from _stations(ds, number.get("L"))
-
-
-def _section(ds: xr.Dataset, number: Mapping[str, xr.DataArray]) -> Iterator[str]:
-    """Whether the fields of the section fit the attribute stiffness, and a tube has a wall."""
-    word = ds.attrs.get("stiffness")
+    word, side = ds.attrs.get("stiffness"), ds.attrs.get("side")
     allowed = DIRECT if word == GIVEN else (*ELASTIC, *(["inner_radius"] if word == "solid" else []))
     for name in SECTION:
         if name in number and name not in allowed:
             yield f": the attribute stiffness is {show(word)}, which excludes {name}"
-    if {"inner_radius", "a"} <= set(number) and not bool((number["inner_radius"] < number["a"]).all()):
-        yield ": inner_radius is not less than a"
-
-
-def _stations(ds: xr.Dataset, L: xr.DataArray | None) -> Iterator[str]:
-    """Whether u rises from 0 to 1 and s is u L."""
-    if "u" not in ds.variables or ds["u"].dims != ("u",):
-        return
-    u = ds["u"].values
-    if u.dtype.kind != "f" or not np.isfinite(u).all() or u.min() < 0 or u.max() > 1 or not (np.diff(u) > 0).all():
-        yield ": u must rise from 0 to 1"
-    along = [str(name) for name, variable in ds.data_vars.items() if name in CURVES and "u" in variable.dims]
-    if "s" not in ds.variables and along:
+    if side in SIDES:
+        number["side"] = xr.Variable((), SIDES[side])
+    for needed, wrong, holds in TOGETHER:
+        if {*needed} <= {*number} and not np.all(holds(*(number[name] for name in needed)).values):
+            yield f": {wrong}"
+    along = [name for name in CURVES if name in ds.data_vars and "u" in ds.variables[name].dims]
+    if along and "u" in number and "s" not in number:
         yield f": {along[0]} is an array along the rod, but s is missing"
-    if "s" not in ds.variables or L is None:
-        return
-    expected = L * ds["u"]
-    missing = {*expected.dims} - {*ds["s"].dims}  # an axis of one value is none of a field's
-    fits = {*ds["s"].dims} <= {*expected.dims} and all(expected.sizes[dim] == 1 for dim in missing)
-    if not fits or not bool((np.abs(ds["s"] - expected) <= bounds.SAME * L).all()):
-        yield ": s must be u L"
 
 
-def each(ds: xr.Dataset) -> Iterator[str]:
+def cases(ds: xr.Dataset) -> Iterator[str]:
     """Whether the texts, errors, loads and observables of each case are valid, block by block."""
-    for name in (*JUDGED, *LOADS):
-        if name in ds.variables and ds[name].dtype.kind not in "iuf":
-            yield f": {name} must hold numbers, got {ds[name].dtype}"
-    sizes = (*schema.stiffness_fields(ds), "rho", "L")
-    dims = ds["outcome"].dims
-    numbers = [
-        str(name) for name, variable in ds.data_vars.items() if variable.dims == dims and variable.dtype.kind in "iuf"
-    ]
-    names = [
-        name for name in dict.fromkeys(("solved", *schema.TEXTS, *numbers, *LOADS, *sizes)) if name in ds.variables
-    ]
-    for block in pieces(ds, names, BLOCK):
-        for name in schema.TEXTS:
-            for text in set(block[name].values.ravel().tolist()) if name in block.data_vars else ():
+    variables, dims = ds.variables, ds.variables["solved"].dims
+    each = [str(name) for name in ds.data_vars if variables[name].dims == dims and variables[name].dtype.kind in "iuf"]
+    numbers = [*dict.fromkeys([*each, *(name for name in LOADS if name in variables)])]
+    for block in _boxes(ds, [*TEXTS, *numbers, *schema.stiffness_fields(ds), "rho", "L"], BLOCK):
+        for name in (name for name in TEXTS if name in block):
+            for text in set(block[name].values.ravel().tolist()):
                 yield from _text(str(text), LABEL, f"one of {name}")
-        solved = block["solved"].values
-        L = schema.over_cases(block, block["L"]).values[solved] if "L" in block.variables else np.inf
-        for name in numbers:
-            counted = name in bounds.COUNTED or schema.is_count(block[name])
-            values = block[name].values[solved]
-            if (bad := bounds.bad_numbers(name, values, counted, L)).any():
-                yield f": {name} of a solved case cannot be {values[bad][0]:g}"
-        yield from _loads(block)
-
-
-def _loads(ds: xr.Dataset) -> Iterator[str]:
-    """Whether the loads of solved cases are finite, and not far too large for their rods."""
-    if not {*schema.stiffness_fields(ds), "rho"} <= {*ds.variables}:
-        return
-    solved = ds["solved"].values
-    A, rho = schema.bending_stiffness(str(ds.attrs["stiffness"]), ds), ds["rho"]
-    A, rho = (schema.over_cases(ds, number).values[solved] for number in (A, rho))
-    for name in (name for name in LOADS if name in ds.variables):
-        if bounds.bad_loads(name, schema.over_cases(ds, ds[name]).values[solved], A, rho).any():
-            yield f": {name} of a solved case is not finite, or far too large for its rod"
+        yield from _numbers(ds, block, numbers)
 
 
 def curves(ds: xr.Dataset) -> Iterator[str]:
     """Whether the curves of solved cases are finite, and no chord is longer than its arc."""
-    keys = [key for key in CURVES if key in ds.data_vars and "u" in ds[key].dims]
-    dims = ds["solved"].dims
-    for key in keys:
-        if ds[key].dtype.kind not in "iuf" or ds[key].dims[: len(dims)] != dims:
-            yield f": {show(key)} is not an array of numbers along each rod"
-    names = [name for name in ("solved", *keys, "s", "rho") if name in ds.variables]
-    for block in pieces(ds, names, max(1, BLOCK_ALONG // ds.sizes.get("u", 1))):
-        solved = block["solved"].variable
-        for key in keys:
-            if bounds.bad_curves(key, block[key].values[solved.values]).any():
-                yield f": {show(key)} of a solved case is not finite, or beyond {bounds.most_along(key):g}"
-        if {"s", "rho"} <= set(block.variables) and "u" in block.dims:
-            yield from _chords(block)
+    keys = [key for key in CURVES if key in ds.data_vars and "u" in ds.variables[key].dims]
+    for block in _boxes(ds, [*keys, "s", "rho"], max(1, BLOCK_ALONG // ds.sizes.get("u", 1))):
+        yield from _numbers(ds, block, keys)
+        if {"s", "rho", "u"} <= {*block, *ds.dims}:
+            yield from _chords(ds, block)
 
 
-def _chords(ds: xr.Dataset) -> Iterator[str]:
-    arc = ds["s"].diff("u")
-    if schema.leaves(ds):
-        yield from _chords_in_space(ds, arc)
-        return
-    for name, scale in (("alpha", ds["rho"]), ("z", 1.0)):
-        if name in ds.data_vars and "u" in ds[name].dims:
-            with np.errstate(all="ignore"):
-                far = np.abs(ds[name].diff("u") * scale) > arc * (1 + bounds.STRAIGHT) + bounds.STRAIGHT * ds["rho"]
-            if bool((far & ds["solved"].variable).any()):
-                yield f": {name} of a solved case moves farther than the rod is long"
-
-
-def _chords_in_space(ds: xr.Dataset, arc: xr.DataArray) -> Iterator[str]:
-    """The same of rods that may leave the cylinder, whose places have an error; nothing where no radius is stored."""
-    if not all(name in ds.data_vars and "u" in ds[name].dims for name in ("radius", "alpha", "z")):
-        return
-    r, alpha, z = ds["radius"], ds["alpha"], ds["z"]
+def _chords(ds: xr.Dataset, block: Mapping[str, xr.Variable]) -> Iterator[str]:
+    """Whether no solved rod moves farther than it is long; places of rods that may leave the cylinder have an error."""
+    s, rho = block["s"], block["rho"]
+    moved: dict[str, xr.Variable] = {}
     with np.errstate(all="ignore"):
-        chord = np.hypot(np.hypot((r * np.cos(alpha)).diff("u"), (r * np.sin(alpha)).diff("u")), z.diff("u"))
-        far = chord > arc + float(ds.attrs["tolerance"]) * ds["s"].isel(u=-1)
-    if bool((far & ds["solved"].variable).any()):
-        yield ": radius, alpha and z of a solved case move farther than the rod is long"
+        arc = _steps(s) * (1 + bounds.STRAIGHT) + bounds.STRAIGHT * rho
+        if not schema.leaves(ds):
+            scales = {"alpha": rho, "z": 1.0}
+            moved = {name: abs(_steps(block[name])) * scale for name, scale in scales.items() if name in block}
+        elif {"radius", "alpha", "z"} <= {*block}:
+            r, alpha, z = (block[name] for name in ("radius", "alpha", "z"))
+            chord = (_steps(r * np.cos(alpha)) ** 2 + _steps(r * np.sin(alpha)) ** 2 + _steps(z) ** 2) ** 0.5
+            arc = _steps(s) + float(ds.attrs["tolerance"]) * s.isel(u=-1)
+            moved = {"radius, alpha and z": chord}
+        for name, far in moved.items():
+            if ((far > arc) & block["solved"]).values.any():
+                move = "move" if "," in name else "moves"
+                yield f": {name} of a solved case {move} farther than the rod is long"
 
 
-STUDY = (texts_of_study, axes, samples, texts, variables, fields, each)
+def _boxes(ds: xr.Dataset, names: Sequence[str], most: int) -> Iterator[dict[str, xr.Variable]]:
+    """These variables and `solved`, in memory, for at most so many cases at a time."""
+    solved = ds.variables["solved"]
+    held = {name: ds.variables[name] for name in dict.fromkeys(["solved", *names]) if name in ds.variables}
+    for where in blocks(solved.shape, most):
+        box = dict(zip(solved.dims, where, strict=True))
+        yield {
+            name: xr.Variable(v.dims, v[tuple(box.get(dim, slice(None)) for dim in v.dims)].values)
+            for name, v in held.items()
+        }
 
 
-def check_all(ds: xr.Dataset, path: str | Path) -> None:
-    """Raise `InputError` where anything is wrong with a dataset, of whichever kind: of a study, else of any other."""
-    if schema.kind_of(ds) is schema.STUDY:
-        check_kind(ds, path)
-        check(ds, path, [*STUDY, curves])
-    else:
-        check_any(ds, path)
+def _numbers(ds: xr.Dataset, block: Mapping[str, xr.Variable], names: Sequence[str]) -> Iterator[str]:
+    """Whether numbers of the solved cases of a block can be (`bounds.unfit`)."""
+    solved = block["solved"]
+
+    def of_solved(variable: xr.Variable) -> NDArray[Any]:
+        inner = {dim: size for dim, size in variable.sizes.items() if dim not in solved.dims}
+        return np.asarray(
+            variable.set_dims({**solved.sizes, **inner}).transpose(*solved.dims, ...).values[solved.values]
+        )
+
+    rod = {name: of_solved(block[name]) for name in ("L", "rho") if name in block}
+    if {*schema.stiffness_fields(ds)} <= {*block}:
+        rod["A"] = of_solved(schema.bending_stiffness(str(ds.attrs["stiffness"]), block))
+    columns = {name: of_solved(block[name]) for name in names}
+    counted = [name for name in names if _is_counted(name, ds.variables[name].attrs)]
+    for name, why, bad in bounds.unfit(columns, counted, rod):
+        if bad.any():
+            got = f", got {columns[name][bad][0]:g}" if columns[name].ndim == 1 else ""
+            yield f": {name} of a solved case {why}{got}"
 
 
-def check_any(ds: xr.Dataset, path: str | Path) -> None:
-    """Raise `InputError` where anything is wrong with what datasets of all kinds have."""
-    check(ds, path, [texts, fields, *([each, curves] if "solved" in ds else [])])
+def _is_counted(name: str, attrs: Mapping[str, Any]) -> bool:
+    """Whether a number of each case is whole. Raises `InputError` for an invalid expression."""
+    text = attrs.get("expression")
+    return name in bounds.COUNTED or (observables.is_count(name) if text is None else parse(str(text)).whole)
+
+
+def _steps(along: xr.Variable) -> xr.Variable:
+    """Differences from one station to the next."""
+    return along.isel(u=slice(1, None)) - along.isel(u=slice(None, -1))
+
+
+STUDY = (kinds, study_texts, axes, texts, packing, layout, fields, cases)

@@ -1,12 +1,11 @@
-"""Validate untrusted HDF5 files. Needs no xarray.
+"""What an HDF5 file of plain arrays holds, read in one pass, and whether that has changed. Needs no xarray.
 
 Links out of a file are not followed, filter plug-ins are not loaded, claimed sizes are compared with the bytes that are
 stored, and nothing read from a file is executed. Each refusal is an `InputError` of one sentence.
 
-A file has checksums of its attributes, and of its numbers and texts of each case, in the attribute `checksums`: some
-digits for each attribute and variable. A variable of another shape is a selection that another program has stored, and
-is not compared. Arrays along the rod have none: HDF5 guards what it has compressed, and a number that is lost in a
-solved case is refused.
+Two guards tell of damage. HDF5 itself checks each chunk of an array when it reads it (fletcher32). The attribute
+`checksums` has a digest of every attribute, and of every text and number of each case, as JSON. A variable of another
+shape is a selection that another program has stored, and is not compared.
 """
 
 import hashlib
@@ -15,6 +14,8 @@ import os
 import stat
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
+from math import prod
 from pathlib import Path
 from typing import Any
 
@@ -25,30 +26,55 @@ from solver.problem.errors import InputError
 
 from .schema import blocks, show
 
-# What h5py, h5netcdf, xarray and pydantic raise on files that are not HDF5, not netCDF, cut short or damaged.
+# What h5py, xarray and pydantic raise on files that are not HDF5, cut short or damaged.
 UNREADABLE = (
-    OSError, ValueError, KeyError, RuntimeError, TypeError, AttributeError, EOFError, MemoryError,
+    OSError, ValueError, LookupError, ArithmeticError, RuntimeError, TypeError, AttributeError, EOFError, MemoryError,
 )  # fmt: skip
 
 FILTERS = {h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_FLETCHER32}  # HDF5's own, no plug-ins
 DEFLATED = 1032  # the best ratio of deflate; an array that claims a better one is not all stored
 MOST_VARIABLES = 1000
+MOST_CHUNK = 2**28  # bytes: HDF5 unpacks a chunk as a whole
+AT_ONCE = 2**13  # values of an array that are read when the file is opened
 
 SUMS = "checksums"
-UNSUMMED = {SUMS, "DIMENSION_LIST", "REFERENCE_LIST", "CLASS", "NAME", "_Netcdf4Dimid", "_Netcdf4Coordinates",
-            "_NCProperties", "_nc3_strict", "_FillValue", "coordinates"}  # fmt: skip
-_SIZE = 4  # bytes
+# Attributes by which HDF5 and netCDF keep dimensions, and those that change when another program stores the same.
+HIDDEN = {"DIMENSION_LIST", "REFERENCE_LIST", "CLASS", "NAME", "_Netcdf4Dimid", "_Netcdf4Coordinates",
+          "_NCProperties", "_nc3_strict"}  # fmt: skip
+UNSUMMED = {SUMS, "_FillValue", "coordinates"}
+NO_VALUES = b"This is a netCDF dimension but not a netCDF variable"
+_SIZE = 4  # bytes of a digest
 _READ = 2**16  # texts at a time
 
 
+@dataclass(frozen=True, eq=False)
+class Stored:
+    """An array of a file: the names of its dimensions, and its attributes and values as HDF5 holds them.
+
+    values: an `h5py.Dataset` where there are more than `AT_ONCE`. is_guarded: whether HDF5 packs it, and so checks it.
+    """
+
+    dims: tuple[str, ...]
+    attrs: dict[str, Any]
+    values: Any
+    dtype: np.dtype[Any]
+    is_guarded: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Contents:
+    """What a file holds: its attributes, and its arrays by their names."""
+
+    attrs: dict[str, Any]
+    arrays: dict[str, Stored]
+
+
 @contextmanager
-def open_valid(path: str | Path) -> Iterator[h5py.File]:
-    """An HDF5 file of plain arrays, open for reading; `InputError` where it is not one."""
-    path = Path(path)
-    _check_file(path)
+def open_valid(path: str | Path) -> Iterator[tuple[h5py.File, Contents]]:
+    """An HDF5 file of plain arrays, open for reading, and what it holds; `InputError` where it is not one."""
+    check_file(Path(path))
     with refusing(path), h5py.File(path, "r") as file:
-        _check_inside(file, path)
-        yield file
+        yield file, contents(file, path)
 
 
 @contextmanager
@@ -61,15 +87,11 @@ def refusing(path: str | Path) -> Iterator[None]:
     except PermissionError:
         raise InputError(f"cannot read {path}: permission denied") from None
     except UNREADABLE as error:
-        if is_held(error):
+        said = str(error)  # a lock, or the mark of a writer
+        if isinstance(error, BlockingIOError) or "unable to lock file" in said or "already open for" in said:
             raise InputError(f"cannot read {path}: another program holds it open; close it there") from None
         why = "it is damaged, cut short, or another kind of file"
         raise InputError(f"{path} cannot be read as HDF5: {why}") from None
-
-
-def is_held(error: Exception) -> bool:
-    """Whether HDF5 could not open a file because another program writes it: by its lock, or by the mark of a writer."""
-    return isinstance(error, BlockingIOError) or "unable to lock file" in str(error) or "already open for" in str(error)
 
 
 @contextmanager
@@ -81,7 +103,7 @@ def reading(path: str | Path) -> Iterator[None]:
         raise InputError(f"{path} cannot be read to its end: it is damaged or cut short") from None
 
 
-def _check_file(path: Path) -> None:
+def check_file(path: Path) -> None:
     """Raise `InputError` unless it is a regular file that may be read; a pipe would block for ever."""
     try:
         mode = os.stat(path).st_mode
@@ -100,68 +122,82 @@ def _check_file(path: Path) -> None:
         raise InputError(f"{path} is not a regular file")
 
 
-def _check_inside(file: h5py.File, path: Path) -> None:
-    """Raise `InputError` unless the file holds plain arrays in one group and nothing else."""
-    _check_attributes(file, f"{path}:")
+def contents(file: h5py.File, path: object) -> Contents:
+    """What an open file holds. Raises `InputError` where it holds more than plain arrays in one group."""
     if len(file) > MOST_VARIABLES:
         raise InputError(f"{path} holds {len(file)} variables; a study's dataset has at most {MOST_VARIABLES}")
+    attrs, arrays = _attributes(file, f"{path}:"), {}
     for name in file:
         what = f"{path}: {show(name)}"
-        link = file.get(name, getlink=True)
-        if not isinstance(link, h5py.HardLink):
+        if not isinstance(file.get(name, getlink=True), h5py.HardLink):
             raise InputError(f"{what} is a link to another place; links are not followed")
-        variable = file[name]
-        if not isinstance(variable, h5py.Dataset):
+        if not isinstance(array := file[name], h5py.Dataset):
             raise InputError(f"{what} is not an array; a study's dataset holds only arrays")
-        _check_stored(variable, what)
-        _check_attributes(variable, what)
+        if (stored := _contents_of(array, name, what)) is not None:
+            arrays[name] = stored
+    return Contents(attrs, arrays)
 
 
-def _check_attributes(held: h5py.File | h5py.Dataset, what: str) -> None:
-    for key in held.attrs:
-        if (shape := held.attrs.get_id(key).shape) is None or 0 in shape:
+def _attributes(held: h5py.File | h5py.Dataset, what: str) -> dict[str, Any]:
+    attrs = {key: held.attrs[key] for key in held.attrs if key not in HIDDEN}
+    for key, value in attrs.items():
+        if isinstance(value, h5py.Empty) or np.size(value) == 0:
             raise InputError(f"{what} the attribute {show(key)} is empty")
+    return attrs
 
 
-def _check_stored(variable: h5py.Dataset, what: str) -> None:
-    if variable.is_virtual or variable.external:
+def _contents_of(array: h5py.Dataset, name: str, what: str) -> Stored | None:
+    """What an array holds; None for a dimension without values."""
+    if array.is_virtual or array.external:
         raise InputError(f"{what} is stored in another file; links are not followed")
-    text = h5py.check_string_dtype(variable.dtype) is not None
-    if not text and variable.dtype.kind not in "iufS":
-        raise InputError(f"{what} must hold numbers or text, got {variable.dtype}")
-    if variable.shape is None or 0 in variable.shape:
-        raise InputError(f"{what} is empty: its shape is {variable.shape}")
-    filters = variable.id.get_create_plist()
-    unknown = {filters.get_filter(i)[0] for i in range(filters.get_nfilters())} - FILTERS
-    if unknown:
+    dtype, shape = array.dtype, array.shape
+    if h5py.check_string_dtype(dtype) is None and dtype.kind not in "iufS":
+        raise InputError(f"{what} must hold numbers or text, got {dtype}")
+    if shape is None or 0 in shape:
+        raise InputError(f"{what} is empty: its shape is {shape}")
+    layout = array.id.get_create_plist()
+    filters = {layout.get_filter(i)[0] for i in range(layout.get_nfilters())}
+    if unknown := filters - FILTERS:
         raise InputError(f"{what} is compressed with filter {min(unknown)}; only gzip, shuffle and fletcher32 are read")
-    without_values = variable.attrs.get("NAME", b"")
-    if bytes(without_values).startswith(b"This is a netCDF dimension but not a netCDF variable"):
-        return
-    stored = variable.id.get_storage_size()
-    if variable.nbytes > DEFLATED * stored:
-        raise InputError(f"{what} claims {variable.nbytes} bytes, but only {stored} compressed bytes are stored")
+    is_scale = h5py.h5ds.is_scale(array.id)
+    if is_scale and bytes(np.asarray(array.attrs.get("NAME"))[()] or b"").startswith(NO_VALUES):
+        return None
+    stored, claimed = array.id.get_storage_size(), prod(shape) * dtype.itemsize
+    if claimed > DEFLATED * stored:
+        raise InputError(f"{what} claims {claimed} bytes, but only {stored} compressed bytes are stored")
+    if prod(array.chunks or ()) * dtype.itemsize > MOST_CHUNK:
+        raise InputError(f"{what} has chunks of {array.chunks}, which take more than {MOST_CHUNK} bytes")
+    dims = (name,) if is_scale and len(shape) == 1 else _dimensions(array, name)
+    values = array[()] if prod(shape) <= AT_ONCE else array
+    return Stored(dims, _attributes(array, what), values, dtype, bool(filters))
+
+
+def _dimensions(array: h5py.Dataset, name: str) -> tuple[str, ...]:
+    """The names of the dimensions of an array; one that has none in the file gets one that no other array has."""
+    lists = array.attrs.get("DIMENSION_LIST", [[]] * array.ndim)
+    places = [h5py.h5r.get_name(scales[-1], array.id) if len(scales) else None for scales in lists]
+    return tuple(f"{name} {i}" if place is None else place.decode().lstrip("/") for i, place in enumerate(places))
 
 
 def store_sums(file: h5py.File) -> None:
     """Store the checksums of a complete file that is open for writing."""
-    file.attrs[SUMS] = json.dumps({place: _sum(file, place) for place in _places(file)})
+    file.attrs[SUMS] = json.dumps({place: _sum(value) for place, value in _places(contents(file, file.filename))})
 
 
-def check_sums(file: h5py.File, path: object, arrays: bool = True) -> None:
-    """Raise `InputError` where something has changed since `store`. arrays: whether variables are compared too.
+def check_sums(held: Contents, path: object, arrays: bool = True) -> None:
+    """Raise `InputError` where something has changed since `store_sums`. arrays: whether arrays are compared too.
 
     Nothing is compared in a file without checksums, as other programs store it.
     """
-    if SUMS not in file.attrs:
+    if SUMS not in held.attrs:
         return
     try:
-        stored = {str(place): str(summed) for place, summed in json.loads(file.attrs[SUMS]).items()}
+        stored = {str(place): str(summed) for place, summed in json.loads(held.attrs[SUMS]).items()}
     except (ValueError, TypeError, AttributeError, RecursionError):
         raise InputError(f"{path}: the attribute {SUMS} is damaged") from None
-    for place in (place for place in _places(file) if arrays or "@" in place):
+    for place, value in _places(held):
         shape, _, _ = stored.get(place, "added:").partition(":")
-        if shape == _shape(file, place) and _sum(file, place) != stored[place]:
+        if (arrays or "@" in place) and shape == _shape(value) and _sum(value) != stored[place]:
             variable, _, key = place.partition("@")
             what = f"the attribute {key}{variable and f' of {variable}'}" if key else variable
             raise InputError(
@@ -169,30 +205,35 @@ def check_sums(file: h5py.File, path: object, arrays: bool = True) -> None:
             )
 
 
-def _places(file: h5py.File) -> Iterator[str]:
-    """``@title`` of the file, ``E@units`` and ``outcome`` of variables."""
-    most = file["outcome"].ndim if "outcome" in file else 0
-    for name, held in (("", file), *file.items()):
-        yield from (f"{name}@{key}" for key in held.attrs if key not in UNSUMMED)
-        if name and (held.ndim <= most or not held.id.get_create_plist().get_nfilters()):
-            yield name
+def _places(held: Contents) -> Iterator[tuple[str, Any]]:
+    """``@title`` of the file, ``E@units`` and ``outcome`` of arrays, and what is there.
+
+    Arrays along the rod are left to HDF5.
+    """
+    most = len(held.arrays["outcome"].dims) if "outcome" in held.arrays else 0
+    yield from ((f"@{key}", value) for key, value in held.attrs.items() if key not in UNSUMMED)
+    for name, array in held.arrays.items():
+        yield from ((f"{name}@{key}", value) for key, value in array.attrs.items() if key not in UNSUMMED)
+        if len(array.dims) <= most or not array.is_guarded:
+            yield name, array.values
 
 
-def _shape(file: h5py.File, place: str) -> str:
-    name, at, key = place.partition("@")
-    shape = file[name or "/"].attrs.get_id(key).shape if at else file[name].shape
-    return "x".join(map(str, shape))
+def _shape(value: Any) -> str:
+    return "x".join(map(str, np.shape(value)))
 
 
-def _sum(file: h5py.File, place: str) -> str:
-    """``9x3:0f3c11d2``: the shape, and a digest of the content."""
-    name, at, key = place.partition("@")
+def _sum(value: Any) -> str:
+    """``9x3:0f3c11d2``: the shape of an attribute or array, and a digest of its content."""
     summed = hashlib.blake2b(digest_size=_SIZE)
-    if not at and h5py.check_string_dtype(file[name].dtype) and file[name].ndim:
-        for where in blocks(file[name].shape, _READ):
-            summed.update(b"\0".join(file[name][where].ravel().tolist()) + b"\0")
-    else:
-        value: Any = file[name or "/"].attrs[key] if at else file[name][()]
-        value = value.encode() if isinstance(value, str) else value
-        summed.update(value if isinstance(value, bytes) else np.asarray(value).tobytes())
-    return f"{_shape(file, place)}:{summed.hexdigest()}"
+    for where in blocks(np.shape(value), _READ):
+        part = value[where] if where else value[()] if isinstance(value, h5py.Dataset) else value
+        if np.ndim(part) and part.dtype.kind in "OS":
+            part = b"".join(_bytes(text) + b"\0" for text in part.ravel().tolist())
+        summed.update(_bytes(part))
+    return f"{_shape(value)}:{summed.hexdigest()}"
+
+
+def _bytes(value: Any) -> bytes:
+    if isinstance(value, str):
+        return value.encode(errors="surrogateescape")
+    return value if isinstance(value, bytes) else np.asarray(value).tobytes()

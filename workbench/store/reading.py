@@ -2,15 +2,78 @@
 
 import os
 import warnings
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 import h5py
+import numpy as np
 import xarray as xr
+from xarray.backends import AbstractDataStore, BackendArray, CachingFileManager
+from xarray.core import indexing
 
 from solver.problem.errors import InputError
 
-from . import checks, file_checks, schema, writing
-from .file_checks import open_valid, refusing
+from . import checks, file_checks, schema
+from .file_checks import Contents, Stored, refusing
+
+
+class _Array(BackendArray):
+    """An array that is read from its file when its numbers are asked for."""
+
+    def __init__(self, files: CachingFileManager[h5py.File], name: str, stored: Stored) -> None:
+        self.files, self.name, self.shape = files, name, stored.values.shape
+        self.dtype = np.dtype(object) if _is_text(stored) else stored.dtype
+
+    def __getitem__(self, key: indexing.ExplicitIndexer) -> Any:
+        return indexing.explicit_indexing_adapter(key, self.shape, indexing.IndexingSupport.OUTER_1VECTOR, self._read)
+
+    def _read(self, key: Any) -> Any:
+        with self.files.acquire_context() as file:
+            array = file[self.name]
+            return (array.asstr() if self.dtype.kind == "O" else array)[key]
+
+
+class _Store(AbstractDataStore):
+    """What a file holds, in the way in which `xr.open_dataset` asks for it."""
+
+    def __init__(self, files: CachingFileManager[h5py.File], held: Contents) -> None:
+        self.files, self.held = files, held
+
+    def get_attrs(self) -> dict[str, Any]:
+        return {key: _attribute(value) for key, value in self.held.attrs.items()}
+
+    def get_variables(self) -> dict[str, xr.Variable]:
+        return {name: self._variable(name, stored) for name, stored in self.held.arrays.items()}
+
+    def close(self) -> None:
+        self.files.close()
+
+    def _variable(self, name: str, stored: Stored) -> xr.Variable:
+        values = stored.values
+        encoding: dict[str, Any] = {"dtype": str if _is_text(stored) else stored.dtype}
+        attrs = {key: _attribute(value) for key, value in stored.attrs.items()}
+        if isinstance(values, h5py.Dataset):
+            values = indexing.LazilyIndexedArray(_Array(self.files, name, stored))
+        elif _is_text(stored):
+            texts = [text.decode() for text in np.ravel(values).tolist()]
+            values = np.array(texts, dtype=object).reshape(np.shape(values))
+        if stored.dtype.kind == "f" and checks.is_nan(attrs.get("_FillValue")):
+            encoding["_FillValue"] = attrs.pop("_FillValue")  # xarray would replace each NaN by NaN
+        return xr.Variable(stored.dims, values, attrs, encoding)
+
+
+def _is_text(stored: Stored) -> bool:
+    """Whether it holds texts of any length; others stay bytes."""
+    kind = h5py.check_string_dtype(stored.dtype)
+    return kind is not None and kind.length is None
+
+
+def _attribute(value: Any) -> Any:
+    """The value of an attribute; of a list of one value that value."""
+    if isinstance(value, np.ndarray) and value.size == 1:
+        value = value.flat[0]
+    return value.decode(errors="surrogateescape") if isinstance(value, bytes) else value
 
 
 def open_study(path: str | Path, whole: bool = False) -> xr.Dataset:
@@ -18,29 +81,23 @@ def open_study(path: str | Path, whole: bool = False) -> xr.Dataset:
 
     Raises `InputError` where the file is missing, damaged, of another format, or not a study's dataset.
     """
-    ds = raw(path)
-    try:
+    return _open(path, checks.check_kind, [*checks.STUDY, *([checks.curves] if whole else [])])
+
+
+def read(path: str | Path, study: bool = True) -> xr.Dataset:
+    """A study's dataset (or, where `study` is False, any that the workbench wrote), all in memory.
+
+    Raises `InputError` where the file is missing, damaged, foreign or too large, or holds invalid values.
+    """
+    with open_study(path) if study else _open(path) as ds:
+        memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")  # bytes
+        if ds.nbytes > memory:
+            held = f"{path} holds {ds.nbytes / 1e9:.3g} GB, more than this machine's memory of {memory / 1e9:.3g} GB"
+            raise InputError(f"{held}; open it with xarray.open_dataset and select from it")
         with refusing(path):
-            checks.check_kind(ds, path)
-            checks.check(ds, path, checks.STUDY)
-            _check_sums(path)
-            if whole:
-                checks.check(ds, path, [checks.curves])
-    except InputError:
-        ds.close()
-        raise
-    return ds
-
-
-def raw(path: str | Path) -> xr.Dataset:
-    """Any netCDF4 file of plain arrays, opened lazily; `InputError` where it is not one."""
-    with open_valid(path):
-        pass
-    with refusing(path), warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # of xarray, on files that are refused below
-        ds = writing.open_file(path)
-    ds.attrs.pop(file_checks.SUMS, None)  # a selection that is stored has others
-    return ds
+            ds.load()
+            checks.check(ds, path, [checks.curves] if study else checks.of_any(ds))  # a study's others have been asked
+        return ds
 
 
 def kind_of_file(path: str | Path) -> schema.Kind:
@@ -49,27 +106,44 @@ def kind_of_file(path: str | Path) -> schema.Kind:
         return schema.kind_of(ds)
 
 
-def _check_sums(path: str | Path) -> None:
-    """Raise `InputError` where an attribute, a text or a single number is not what was stored."""
-    with refusing(path), h5py.File(path, "r") as file:
-        file_checks.check_sums(file, path)
+def raw(path: str | Path) -> xr.Dataset:
+    """The dataset of any file of plain arrays, opened lazily and not validated; to be closed after use.
 
-
-def read(path: str | Path, study: bool = True) -> xr.Dataset:
-    """A study's dataset (or, where `study` is False, any that the workbench wrote), all in memory.
-
-    Raises `InputError` where the file is missing, damaged, foreign or too large, or holds invalid values.
+    No number is read as a time. Raises `InputError` where it is no such file.
     """
-    with open_study(path) if study else raw(path) as ds:
-        memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")  # bytes
-        if ds.nbytes > memory:
-            held = f"{path} holds {ds.nbytes / 1e9:.3g} GB, more than this machine's memory of {memory / 1e9:.3g} GB"
-            raise InputError(f"{held}; open it with xarray.open_dataset and select from it")
+    return _unchecked(path)[0]
+
+
+def _open(path: str | Path, first: Callable[..., None] | None = None, asked: Sequence[checks.Check] = ()) -> xr.Dataset:
+    """A dataset, opened lazily, that has not changed since it was stored and passes these checks.
+
+    first: what raises `InputError` for another kind or format.
+    """
+    ds, held = _unchecked(path)
+    try:
         with refusing(path):
-            ds.load()
-        if study:
-            checks.check(ds, path, [checks.curves])  # the others have been asked when it was opened
-        else:
-            checks.check_any(ds, path)
-            _check_sums(path)
-        return ds
+            if first is not None:
+                first(ds, path)
+            file_checks.check_sums(held, path)
+            checks.check(ds, path, asked)
+    except InputError:
+        ds.close()
+        raise
+    return ds
+
+
+def _unchecked(path: str | Path) -> tuple[xr.Dataset, Contents]:
+    """The dataset of a file, without its checksums, as a selection that is stored has others; what the file holds."""
+    file_checks.check_file(Path(path))
+    files = CachingFileManager(h5py.File, str(path), mode="r")  # keeps at most 128 files open
+    with refusing(path), warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of xarray, on files that are refused later
+        try:
+            with files.acquire_context(needs_lock=False) as file:
+                held = file_checks.contents(file, path)
+            ds = xr.open_dataset(_Store(files, held), cache=False, decode_times=False)
+        except BaseException:
+            files.close()
+            raise
+    ds.attrs.pop(file_checks.SUMS, None)
+    return ds, held

@@ -150,7 +150,7 @@ class StoredRun:
 
     def read(self, names: Iterable[str]) -> Columns:
         """Variables of each case, (cases,)."""
-        with file_checks.open_valid(self.path) as file:
+        with file_checks.open_valid(self.path) as (file, _):
             return {name: file[name][...] for name in names}
 
 
@@ -160,10 +160,10 @@ def look(path: Path) -> StoredRun | None:
     Raises `InputError` for a file of a newer format.
     """
     try:
-        with file_checks.open_valid(path) as file:
+        with file_checks.open_valid(path) as (file, held):
             version = np.asarray(file.attrs["format"]).item()
             stored = _read(file, path) if version == FORMAT else None
-            file_checks.check_sums(file, path, arrays=False)
+            file_checks.check_sums(held, path, arrays=False)
     except InputError:
         return None
     if version > FORMAT:

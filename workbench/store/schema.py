@@ -58,7 +58,7 @@ INNER = {"position": ("xyz",)}  # dimensions after u, of an output that is not o
 # The name in the file -> the output. Forces along the rod never take the name of an axis: F1 is the force at the start.
 CURVES = {f"{name}_along" if name in ("F1", "F2", "F3") else name: name for name in OUTPUTS}
 MOST_TOGETHER = 2**16  # values of an HDF5 chunk: 512 kB
-PACKED: Mapping[str, Any] = {"compression": "gzip", "compression_opts": 1, "shuffle": True}
+PACKED: Mapping[str, Any] = {"compression": "gzip", "compression_opts": 1, "shuffle": True, "fletcher32": True}
 
 
 def case_variables(study: "Study", over: "Dimensions") -> CaseVariables:

@@ -1,4 +1,4 @@
-"""Datasets in HDF5 (netCDF4-compatible): opened, and written by an atomic replacement."""
+"""Datasets written in HDF5 (netCDF4-compatible), by an atomic replacement."""
 
 import os
 from collections.abc import Iterable, Mapping, Sequence
@@ -10,7 +10,7 @@ import h5netcdf
 import h5py
 import numpy as np
 import xarray as xr
-from xarray.backends import CachingFileManager, H5NetCDFStore
+from xarray.backends import H5NetCDFStore
 
 from solver.problem.errors import InputError
 
@@ -21,7 +21,7 @@ class _Arrays(h5py.File):  # type: ignore[misc]
     """An HDF5 file that remembers its arrays: h5netcdf asks for each about fifty times, half of its time."""
 
     def __init__(self, path: str | BytesIO, mode: str) -> None:
-        super().__init__(path, mode, **({} if mode == "r" else {"track_order": True}))  # as h5netcdf wants it
+        super().__init__(path, mode, track_order=True)  # as h5netcdf wants it
         self._found: dict[str, Any] = {}
 
     def __getitem__(self, name: Any) -> Any:
@@ -41,28 +41,18 @@ class _Arrays(h5py.File):  # type: ignore[misc]
 class File(h5netcdf.File):  # type: ignore[misc]
     """Such a file as netCDF; it is closed with its arrays."""
 
-    def __init__(self, arrays: _Arrays, mode: str, **options: Any) -> None:
+    def __init__(self, arrays: _Arrays, mode: str) -> None:
         self._arrays = arrays
-        super().__init__(arrays, mode, **options)
+        super().__init__(arrays, mode)
 
     def close(self) -> None:
         super().close()
         self._arrays.close()
 
 
-def _open(path: str | Path | BytesIO, mode: str, **options: Any) -> File:
-    """A netCDF4 file: "r" is read, "a" gets more variables, "w" is new."""
-    return File(_Arrays(path if isinstance(path, BytesIO) else str(path), mode), mode, **options)
-
-
-def open_file(path: str | Path) -> xr.Dataset:
-    """The dataset of a netCDF4 file, opened lazily; to be closed after use.
-
-    No number is read as a time. Arrays without names for their dimensions get some.
-    """
-    keywords = {"decode_vlen_strings": True, "phony_dims": "access"}
-    manager = CachingFileManager(_open, str(path), mode="r", kwargs=keywords)  # keeps at most 128 files open
-    return xr.open_dataset(H5NetCDFStore(manager, mode="r"), cache=False, decode_times=False)
+def _open(path: str | Path | BytesIO, mode: str) -> File:
+    """A netCDF4 file: "a" gets more variables, "w" is new."""
+    return File(_Arrays(path if isinstance(path, BytesIO) else str(path), mode), mode)
 
 
 def write_new(ds: xr.Dataset, path: str | Path | BytesIO) -> None:
@@ -155,8 +145,8 @@ def check_free(path: str | Path, study_name: str) -> None:
     if not path.exists():
         return
     try:
-        with file_checks.open_valid(path) as file:
-            stored = file.attrs.get("study_name")
+        with file_checks.open_valid(path) as (_, held):
+            stored = held.attrs.get("study_name")
     except InputError:
         stored = None
     if stored is None:
