@@ -278,7 +278,7 @@ def _chords(ds: xr.Dataset, block: Mapping[str, xr.Variable]) -> Iterator[str]:
     with np.errstate(all="ignore"):
         arc = _steps(s) * (1 + bounds.STRAIGHT) + bounds.STRAIGHT * rho
         if not schema.leaves(ds):
-            scales = {"alpha": rho, "z": 1.0}
+            scales: dict[str, Any] = {"alpha": rho, "z": 1.0}
             moved = {name: abs(_steps(block[name])) * scale for name, scale in scales.items() if name in block}
         elif {"radius", "alpha", "z"} <= {*block}:
             r, alpha, z = (block[name] for name in ("radius", "alpha", "z"))
