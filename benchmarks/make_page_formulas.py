@@ -18,7 +18,7 @@ from solver.observe.observables import OBSERVABLES
 from solver.problem.case import DIRECT, ELASTIC, GIVEN, PAIRS, SIDES, SLIDING, STIFFNESS, TWISTS, Case
 from solver.problem.field_values import ANGLES, RANGES
 from solver.problem.reduced import dimensionless_problem
-from studies.grammar.formulas import FORCES, LENGTHS
+from solver.problem.units import FORCES, LENGTHS
 from workbench.web.live.live_document import PAGE
 from workbench.words.cautions import LINEAR
 

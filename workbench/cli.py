@@ -47,7 +47,7 @@ from .commands import (
 from .words import escaping
 
 OF_SCENE = ("pyvista", "trimesh", "vtkmodules")  # packages of the extra scene
-NOTICE = r".* is read as .* rad = "  # the warnings of `solver.problem.field_values`, which --help does not import
+NOTICE = r".* is read as .* = "  # the warnings of `solver.problem.field_values`, which --help does not import
 NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)  # a disk that takes no more
 LONGEST = 200  # characters of a value in a message; a path of a usual length stays whole
 INTERRUPTED = 130  # 128 and the number of the signal that Ctrl-C sends

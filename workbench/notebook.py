@@ -22,7 +22,7 @@ from solver.equilibrium_list import stability
 from solver.observe.observables import observe
 from solver.problem.errors import InputError, show, yes_or_no
 from solver.problem.quantities import quantity, unit_of
-from studies.grammar.formulas import FORCES, LENGTHS
+from solver.problem.units import FORCES, LENGTHS
 
 from .branches.equilibria_dataset import all_units, of_solution
 from .branches.equilibria_dataset import dataset_of_loops as dataset_of_loops  # `Loops.to_dataset` looks it up here

@@ -9,7 +9,7 @@ import math
 import re
 import sys
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import MISSING, dataclass, fields
 from functools import wraps
 from typing import Any, TypeVar
@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .errors import InputError, choices, near, show
+from .units import size_in
 
 T = TypeVar("T")
 
@@ -195,7 +196,11 @@ _OWN = ("solver", "studies", "workbench", "dataclasses")
 _MAKERS = ("solver.problem.field_values", "solver.problem.case", "solver.follow", "dataclasses")
 
 
-class AngleWarning(UserWarning):
+class UnitWarning(UserWarning):
+    """A number without a unit looks as if it is meant in another unit than that in which it is read."""
+
+
+class AngleWarning(UnitWarning):
     """A number without a unit is read in rad, but looks like degrees."""
 
 
@@ -220,6 +225,33 @@ def doubt(name: str, value: object) -> str:
     )
 
 
+_METALS = (40e9, 450e9)  # N/m2: the moduli of metals, from magnesium to tungsten
+_INCHES = {"lbf": "psi", "klbf": "ksi", "kip": "ksi"}  # force -> the unit of a stress of these on square inches
+
+
+def doubt_modulus(value: object, units: Mapping[str, str]) -> str:
+    """The notice about Young's modulus of rods in feet if it is a metal's in psi or ksi, else an empty text.
+
+    value: as a user gives it, as in `doubt`. units: of "length" and "force".
+
+    >>> doubt_modulus(30e6, {"length": "ft", "force": "lbf"})
+    'E = 30000000 is read as 30000000 lbf/ft^2 = 1.44 GPa; write "30000000 psi" if psi is meant, or "30000000 lbf/ft^2"'
+    >>> doubt_modulus(4.32e9, {"length": "ft", "force": "lbf"})
+    ''
+    """
+    if units["length"] != "ft" or units["force"] not in _INCHES:
+        return ""
+    size, (low, high) = size_in((-2, 1), units), _METALS
+    doubtful = [number for number in _plain_numbers(value) if low <= 144 * number * size <= high]
+    if not doubtful:
+        return ""
+    said, unit, other = f"{max(doubtful):.10g}", f"{units['force']}/ft^2", _INCHES[units["force"]]
+    return (
+        f"E = {said} is read as {said} {unit} = {max(doubtful) * size / 1e9:.3g} GPa; "
+        f'write "{said} {other}" if {other} is meant, or "{said} {unit}"'
+    )
+
+
 def _plain_numbers(value: object) -> Iterator[float]:
     """The finite numbers without a unit in a value."""
     value = getattr(value, "tolist", lambda: value)()
@@ -241,14 +273,19 @@ def _looks_like_degrees(number: float) -> bool:
     )
 
 
-def warn(sentence: str) -> None:
+def kind_of(sentence: str) -> type[UnitWarning]:
+    """The warning that a notice is: of an angle, or of another quantity."""
+    return AngleWarning if " degrees; " in sentence else UnitWarning
+
+
+def warn(sentence: str, kind: type[UnitWarning] = AngleWarning) -> None:
     """Issue the notice as a warning at the line of the program that called this package."""
     level = 1
     for name in _callers():
         if name.partition(".")[0] not in _OWN:
             break
         level += 1
-    warnings.warn(sentence, AngleWarning, stacklevel=level + 1)
+    warnings.warn(sentence, kind, stacklevel=level + 1)
 
 
 def given_by_a_program() -> bool:

@@ -7,6 +7,7 @@ every point of the grid of the axes. They are counted along the dimensions, the 
 from collections import Counter
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, fields
+from functools import partial
 from math import isfinite, log, prod
 from typing import Annotated, Any, Literal
 
@@ -14,13 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, create_model, model_validator
 
-from solver import Case, Cylinder, Ends, Rod, Start
+from solver import Case, Cylinder, Ends, InputError, Rod, Start
 from solver.problem.case import CONTACTS, SIDES, SLIDING, STIFFNESS
 from solver.problem.errors import no_such
 from solver.problem.field_values import angle
 from solver.problem.quantities import AT_START, QUANTITIES, Quantity, quantity
-
-from .formulas import FORCES, LENGTHS
+from solver.problem.units import FORCES, LENGTHS, number_in
 
 Values = NDArray[np.float64]
 
@@ -95,28 +95,71 @@ def number_of(field: str, text: str) -> float:
 NUMBERS = ("values", "from", "to", "mean", "std")  # keys of an axis or a distribution that are in the unit of its field
 
 
-def read_angles(fields: Any) -> Any:
-    """The values of fields, field -> value, list, or table of `NUMBERS`, with angles that are given as text in rad.
+def read_units(fields: Any, units: Mapping[str, str] | None) -> Any:
+    """The values of fields with each text, such as ``30deg`` or ``2.5in``, as a number in the units of the study.
 
     Other errors are found later. Raises `Misplaced`.
+
+    Parameters
+    ----------
+    fields : dict
+        Field -> value, list, or table of `NUMBERS`, whose key unit may be any unit of the field.
+    units : dict or None
+        The units of "length" and "force"; None where they are not known: then only angles are read.
     """
     if not isinstance(fields, dict):
         return fields
-    return {name: _read_angle(value, name) if is_angle(str(name)) else value for name, value in fields.items()}
+    known = [name for name in fields if is_angle(str(name)) or (units and _has_unit(str(name)))]
+    return {name: _read(value, units or {}, name) if name in known else value for name, value in fields.items()}
 
 
-def _read_angle(given: Any, *where: str) -> Any:
+def _has_unit(field: str) -> bool:
+    """Whether a name is that of a number with a unit."""
+    return field not in CHOICES and AT_START.get(field, field) in QUANTITIES and quantity_of(field).dimension != "text"
+
+
+def _read(given: Any, units: Mapping[str, str], *where: str) -> Any:
     if isinstance(given, dict):
         numbers = {key: given[key] for key in NUMBERS if key in given}
         each = [value for entry in numbers.values() for value in (entry if isinstance(entry, list) else [entry])]
         texts = [value for value in each if isinstance(value, str)]
         if texts and "unit" in given:
             raise Misplaced(f"{texts[0]!r} has its own unit: remove the key unit", *where, "unit")
-        return given | {key: _read_angle(value, *where, key) for key, value in numbers.items()}
+        table = given | {key: _read(value, units, *where, key) for key, value in numbers.items()}
+        return table if texts else _in_own_unit(where[0], table, units)
     try:
-        return [in_rad(value) for value in given] if isinstance(given, list) else in_rad(given)
+        read = partial(number_with_unit, where[0], units=units)
+        return [read(value) for value in given] if isinstance(given, list) else read(given)
     except ValueError as error:
         raise Misplaced(str(error), *where) from None
+
+
+def _in_own_unit(field: str, given: dict[str, Any], units: Mapping[str, str]) -> dict[str, Any]:
+    """A table of `NUMBERS` whose key unit is another unit of the field than that of the study, in that of the study."""
+    unit = given.get("unit")
+    if not (units and isinstance(unit, str)) or is_angle(field):
+        return given
+    try:
+        size = number_in(field, f"1 {unit}", units)
+    except InputError:  # which `study_checks` says
+        return given
+
+    def times_size(value: Any) -> Any:
+        if isinstance(value, list):
+            return [times_size(each) for each in value]
+        return value * size if isinstance(value, int | float) and not isinstance(value, bool) else value
+
+    return {key: times_size(value) if key in NUMBERS else value for key, value in given.items() if key != "unit"}
+
+
+def number_with_unit(field: str, value: Any, units: Mapping[str, str]) -> Any:
+    """A text as the number that it gives for a field, in these units, an angle in rad; any other value unchanged.
+
+    Raises `ValueError`.
+    """
+    if not isinstance(value, str) or field in CHOICES:
+        return value
+    return angle(value) if is_angle(field) else number_in(field, value, units)
 
 
 LONGEST_LINE = 10_000  # characters of a text that a file of results holds in one line

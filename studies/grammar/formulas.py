@@ -2,17 +2,16 @@
 
 A formula has numbers, names, ``+ - * / **``, comparisons, ``and or not``, and the functions of `FUNCTIONS`. `parse`
 reads it, `evaluate` computes its values, `dimension` its unit; in units angles and counts are plain numbers. `size_of`
-reads products of units that an expression may state.
+says how large the unit is that an expression may state.
 """
 
 import ast
-import re
 import warnings
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache, reduce
-from math import isfinite, pi
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -20,6 +19,7 @@ from numpy.typing import NDArray
 
 from solver.problem.errors import InputError, choices, near
 from solver.problem.quantities import unit_text
+from solver.problem.units import UnknownUnit, size_in, unit_size
 
 MOST_TEXT = 500  # characters of a formula
 MOST_DEPTH = 60  # levels of a formula
@@ -327,27 +327,6 @@ class _Units:
         return f"{ast.unparse(node)[:60]!r} is {unit_words(dim or PLAIN, self.units)}"
 
 
-# in metres
-LENGTHS = {"nm": 1e-9, "um": 1e-6, "mm": 1e-3, "cm": 1e-2, "dm": 0.1, "m": 1.0, "km": 1e3, "in": 0.0254, "ft": 0.3048}
-_POUND = 4.4482216152605
-FORCES = {  # in newtons
-    "pN": 1e-12, "nN": 1e-9, "uN": 1e-6, "mN": 1e-3, "N": 1.0, "daN": 10.0, "kN": 1e3, "MN": 1e6, "dyn": 1e-5,
-    "gf": 9.80665e-3, "kgf": 9.80665, "lbf": _POUND,
-}  # fmt: skip
-STRESSES = {  # in newtons per square metre
-    "Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "bar": 1e5,
-    "psi": _POUND / 0.0254**2, "ksi": 1e3 * _POUND / 0.0254**2,
-}  # fmt: skip
-ENERGIES = {"J": 1.0, "kJ": 1e3}  # in newton metres
-NUMBERS = {"deg": pi / 180, "rad": 1.0, "turn": 2 * pi, "percent": 0.01}
-
-_DIMENSIONS: tuple[tuple[Mapping[str, float], Dimension], ...] = (
-    (LENGTHS, (Fraction(1), Fraction(0))),
-    (FORCES, (Fraction(0), Fraction(1))),
-    (STRESSES, (Fraction(-2), Fraction(1))),
-    (ENERGIES, (Fraction(1), Fraction(1))),
-    (NUMBERS, PLAIN),
-)
 NAMED = ("Pa", "kPa", "MPa", "GPa", "ksi", "deg")  # at the end of a name they claim to be its unit
 
 
@@ -356,21 +335,8 @@ def size_of(text: str, units: Mapping[str, str]) -> tuple[float, Dimension]:
 
     Raises `InputError` for a text that is no product of known units.
     """
-    sizes, known = {}, {}
-    for table, (length, force) in _DIMENSIONS:
-        in_study = LENGTHS[units["length"]] ** float(length) * FORCES[units["force"]] ** float(force)
-        for unit, size in table.items():
-            name = "inch" if unit == "in" else unit
-            sizes[name], known[name] = size / in_study, (length, force)
-    product = re.sub(r"(?<=[\w)])\s+(?=[\w(])", "*", re.sub(r"\bin\b", "inch", text.strip().replace("^", "**")))
     try:
-        formula = parse(product)
-        if unknown := [name for name in formula.names if name not in known]:
-            raise InputError(f"no unit {unknown[0]!r}{near(unknown[0], known)}; choose from {choices(known)}")
-        dim = dimension(formula, known, units)
-    except InputError as error:
+        size, (length, force, _) = unit_size(text.strip())
+    except UnknownUnit as error:
         raise InputError(f"unit {text!r}: {error}") from None
-    value = float(evaluate(formula, sizes)[0])
-    if not value > 0:
-        raise InputError(f"unit {text!r} is not a product of units, such as MPa or deg/(30 m)")
-    return value, dim
+    return size / size_in((length, force), units), (Fraction(length), Fraction(force))

@@ -9,11 +9,12 @@ from typing import Any
 from solver import Case, Cylinder, Ends, InputError, Rod, Start
 from solver.problem.case import DIRECT, ELASTIC, PAIRS, TILTS, TWISTS, lacking
 from solver.problem.errors import choices, no_such
+from solver.problem.field_values import UnitWarning, doubt_modulus, warn
 from solver.problem.limits import farthest
 from solver.problem.quantities import unit_of
+from solver.problem.units import FORCES, LENGTHS, base_unit, dimension_of, split
 
-from ..grammar.axes import Which, case_from, quantity_of
-from ..grammar.formulas import FORCES, LENGTHS
+from ..grammar.axes import WORDS, Which, case_from, number_with_unit, quantity_of
 from .loader import load
 from .readings import DEFAULT, TABLE_UNITS, parse
 from .study import Study
@@ -68,9 +69,9 @@ def read_case(
     file
         A TOML study without axes.
     values
-        Fields of the case by name; they replace those of the file or of Table 1.
+        Fields of the case by name, numbers or texts with a unit; they replace those of the file or of Table 1.
     units
-        "length" and "force" of the values, for a case of fields alone; default: cm and N.
+        "length" and "force" of the values, for a case of fields alone; default: `units_said`, else cm and N.
     table1
         Start from the rod of Table 1; also the default when nothing else is given.
     reading
@@ -86,7 +87,7 @@ def read_case(
         check_alone(file, units, table1)
         study = _study(file).under(reading)
         return CaseInput(
-            with_fields(study.case(), values),
+            with_fields(study.case(), in_units(values, study.unit_system)),
             study.unit_system,
             f"{file.name}{changed}",
             study=study,
@@ -96,13 +97,53 @@ def read_case(
         if units:
             raise InputError("Table 1 is in cm and N: omit the units")
         read = DEFAULT if reading is None else parse(reading)
-        return CaseInput(with_fields(read.case(), values), dict(TABLE_UNITS), f"Table 1, read {read.name}{changed}")
-    case, assumed = from_values(unwound(values))
+        return CaseInput(
+            with_fields(read.case(), in_units(values, TABLE_UNITS)),
+            dict(TABLE_UNITS),
+            f"Table 1, read {read.name}{changed}",
+        )
     check_units(units)
+    units = units_said(values, units) | dict(units)
+    case, assumed = from_values(unwound(in_units(values, {**TABLE_UNITS, **units})))
     assumed |= {f"unit of {kind}": unit for kind, unit in TABLE_UNITS.items() if kind not in units}
     wound = bool(set(WOUND) & set(values))
     which = helix_of(case) if wound and not case.varies else None  # with them `solve` begins with the taut rod
     return CaseInput(case, {**TABLE_UNITS, **units}, "the options", assumed, which=which, wound=wound)
+
+
+def in_units(values: Mapping[str, Any], units: Mapping[str, str]) -> dict[str, Any]:
+    """The values of fields with each text such as ``2.5in`` as a number in these units.
+
+    A `UnitWarning` says of a plain modulus that it may be meant in another unit. Raises `InputError`.
+    """
+    try:
+        numbers = {name: number_with_unit(name, value, units) for name, value in values.items()}
+    except ValueError as error:
+        raise InputError(str(error)) from None
+    if sentence := doubt_modulus(values.get("E"), units):
+        warn(sentence, UnitWarning)
+    return numbers
+
+
+def units_said(values: Mapping[str, Any], units: Mapping[str, str]) -> dict[str, str]:
+    """The units in which all values are given that the units do not count: none where one of these is a plain number.
+
+    units: of "length" and "force", where they are stated. Of several units that of the length L, or of a force, is
+    taken. The number 0 has every unit.
+    """
+    said: dict[str, str] = {}
+    for kind, place, first in (("length", 0, "L"), ("force", 1, "FZ")):
+        counted = [
+            name
+            for name, value in values.items()
+            if kind not in units and name not in WORDS and value != 0 and dimension_of(name)[place]
+        ]
+        if any(not isinstance(values[name], str) for name in counted):
+            return {}
+        counted.sort(key=lambda name: (name != first, dimension_of(name) != dimension_of(first)))
+        named = [base_unit(kind, split(values[name])[1]) for name in counted]
+        said.update([(kind, unit) for unit in named if unit][:1])
+    return said
 
 
 def check_alone(file: Path, units: Mapping[str, str], table1: bool = False) -> None:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ValidationError
 
 from solver.problem.errors import InputError, choices, near
-from solver.problem.field_values import doubt, warn
+from solver.problem.field_values import doubt, doubt_modulus, kind_of, warn
 
 from ..grammar.axes import NUMBERS, Axis, Base, Misplaced, Units, Values, Which, is_angle
 from ..laws.verdicts import Law
@@ -177,14 +177,14 @@ def loads(
         raise InputError(one_line(f"{label}{where}{':' if error.of_a_key else ''} {error}")) from None
     cases = study.samples.fields if study.table and study.samples else None
     for sentence in _notices(data, text, label, cases):
-        warn(sentence)
+        warn(sentence, kind_of(sentence))
     return study
 
 
 def notices(text: str, label: str = "study") -> list[str]:
-    """The notices about the numbers of a study that are read in rad but look like degrees, with file and line.
+    """The notices about the numbers of a study that look as if another unit is meant, with file and line.
 
-    `loads` and `load` issue each as an `AngleWarning`.
+    `loads` and `load` issue each as an `AngleWarning` or, of a modulus, as a `UnitWarning`.
     """
     try:
         return _notices(tables_of(text), text, label)
@@ -197,9 +197,9 @@ def _notices(data: Mapping[str, Any], text: str, label: str, cases: Mapping[str,
 
     data: the tables of a valid study, as the file has them. cases: the columns of its table of cases.
     """
-    columns = ((("table", name), values[np.abs(values) > np.pi]) for name, values in (cases or {}).items())
-    every = chain(_angles(data), ((where, values) for where, values in columns if is_angle(where[1])))
-    said = [(where, sentence) for where, value in every if (sentence := doubt(str(where[1]), value))]
+    columns = [(("table", name), values[np.abs(values) > np.pi]) for name, values in (cases or {}).items()]
+    every = chain(_plain_values(data), columns)
+    said = [(where, sentence) for where, value in every if (sentence := _doubt(str(where[1]), value, data["units"]))]
     lines = lines_of(text) if said else {}
     return [one_line(f"{label}{line_of(lines, where)}: {sentence}") for where, sentence in said]
 
@@ -263,15 +263,19 @@ def _field(message: str) -> str:
     return match.group(1) if match else ""
 
 
-def _angles(data: Mapping[str, Any]) -> Iterator[tuple[Where, Any]]:
-    """The key of each angle, and the values that have no key `unit` beside them."""
+def _doubt(name: str, value: Any, units: Mapping[str, str]) -> str:
+    """The notice about values of a field that may be meant in another unit; empty where none is."""
+    return doubt(name, value) if is_angle(name) else doubt_modulus(value, units) if name == "E" else ""
+
+
+def _plain_values(data: Mapping[str, Any]) -> Iterator[tuple[Where, Any]]:
+    """The key of each field, and the values that have no key `unit` beside them."""
     for table in ("base", "zip"):
         for name, value in (data.get(table) or {}).items():
-            if is_angle(name):
-                yield (table, name), value
+            yield (table, name), value
     for table in ("axes", "sample"):
         for name, value in (data.get(table) or {}).items():
-            if is_angle(name) and isinstance(value, dict) and "unit" not in value:
+            if isinstance(value, dict) and "unit" not in value:
                 yield (table, name), [value[key] for key in NUMBERS if key in value]
 
 

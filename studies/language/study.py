@@ -37,7 +37,7 @@ from ..grammar.axes import (
     Which,
     case_from,
     check_names,
-    read_angles,
+    read_units,
 )
 from ..laws.verdicts import Law
 from .case_tables import Table
@@ -132,11 +132,30 @@ class Study(BaseModel):
             )
         return check_names("output", value, OUTPUTS)
 
+    @field_validator("base", "equilibrium", mode="before")
+    @classmethod
+    def _in_units(cls, given: Any, info: ValidationInfo) -> Any:
+        """The fields with numbers that are given with a unit in those of the study."""
+        return read_units(given, _units_of(info))
+
+    @field_validator("laws", mode="before")
+    @classmethod
+    def _places_in_units(cls, given: Any, info: ValidationInfo) -> Any:
+        """The laws with their places on axes in the units of the study."""
+        if not isinstance(given, list):
+            return given
+        units = _units_of(info)
+        placed = [isinstance(law, dict) and "at" in law for law in given]
+        return [
+            law | {"at": read_units(law["at"], units)} if known else law
+            for law, known in zip(given, placed, strict=True)
+        ]
+
     @field_validator("axes", "sample", "zip", mode="before")
     @classmethod
-    def _angles_in_rad(cls, given: Any) -> Any:
-        """The fields with angles given as text in rad, a followed axis last."""
-        read = read_angles(given)
+    def _values_in_units(cls, given: Any, info: ValidationInfo) -> Any:
+        """The fields with their values in the units of the study, a followed axis last."""
+        read = read_units(given, _units_of(info))
         if not isinstance(read, dict):
             return read
         return dict(sorted(read.items(), key=lambda item: isinstance(item[1], dict) and item[1].get("follow") is True))
@@ -419,6 +438,12 @@ _DEFAULTS = {
     for field in fields(kind)
     if isinstance(field.default, float)
 }
+
+
+def _units_of(info: ValidationInfo) -> dict[str, str] | None:
+    """The units of a study that is being read, angles included; None where they are invalid."""
+    units = info.data.get("units")
+    return None if units is None else units.model_dump()
 
 
 def _with_unit(given: Any) -> Any:

@@ -20,7 +20,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, field_validat
 from solver.observe.observables import is_count
 from solver.problem.errors import InputError, choices, no_such
 
-from ..grammar.axes import Line, Misplaced, in_rad, is_angle, one_of, read_angles
+from ..grammar.axes import Line, Misplaced, in_rad, is_angle, one_of, read_units
 from ..grammar.formulas import Formula, evaluate, parse
 from . import law_words
 from .law_words import ON_OBSERVABLE
@@ -126,7 +126,7 @@ class Law(BaseModel):
     @field_validator("at", mode="before")
     @classmethod
     def _angles(cls, at: Any) -> Any:
-        return read_angles(at)
+        return read_units(at, None)
 
     @model_validator(mode="before")
     @classmethod

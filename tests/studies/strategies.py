@@ -6,8 +6,9 @@ from typing import Any
 from hypothesis import strategies as st
 
 from solver.observe.observables import OBSERVABLES
+from solver.problem.units import FORCES, LENGTHS
 from studies import READINGS, TABLE_1
-from studies.grammar.axes import FORCES, LENGTHS, in_rad
+from studies.grammar.axes import in_rad
 from studies.language.readings import TABLE_UNITS
 from studies.language.study import OUTPUTS
 from studies.laws.line_verdicts import DIRECTIONS, KINDS, MONOTONE

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from solver import observe, solve
-from studies.grammar.axes import FORCES, LENGTHS
+from solver.problem.units import FORCES, LENGTHS
 from studies.language.loader import load, loads
 from studies.language.study import OUTPUTS
 

@@ -14,7 +14,7 @@ import xarray as xr
 
 import workbench.accessor  # noqa: F401
 from solver import Case, Cylinder, InputError, Rod, Start, solve
-from studies.grammar.formulas import FORCES, LENGTHS
+from solver.problem.units import FORCES, LENGTHS
 from tests.workbench import small
 from workbench.export.base import Options
 from workbench.export.stored_rod import export

@@ -11,7 +11,7 @@ from solver.problem.errors import choices
 from solver.problem.reduced import held_of
 from solver.solve import ends_case
 from studies import Study, load
-from studies.language.case_input import check_alone, field_values, from_values, with_fields
+from studies.language.case_input import check_alone, check_units, field_values, from_values, in_units, with_fields
 from studies.language.loader import loads
 from studies.language.readings import TABLE_UNITS
 
@@ -32,8 +32,10 @@ def study_and_case(
         check_alone(file, units)
     if not units:
         study = load(DEFAULT if file is None else str(file))
-        case = with_fields(ends_problem(study, held=True), values)
+        case = with_fields(ends_problem(study, held=True), in_units(values, study.unit_system))
     else:
+        check_units(units)
+        values = in_units(values, {**TABLE_UNITS, **units})
         case, defaults = from_values(values, Ends)
         given = {name: value for name, value in (defaults | dict(values)).items() if value is not None}
         study = loads(study_text("a rod of the options", {**TABLE_UNITS, **units}, given), "equilibria")

@@ -4,7 +4,7 @@ Long names and units are those of the table of quantities. The rest is written o
 of `solver`, because --help must not import NumPy; `tests/workbench/test_case_options.py` compares it with them.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite
 from typing import TYPE_CHECKING, Annotated, Any
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from solver.problem.errors import InputError
 from solver.problem.quantities import AT_START, quantity, unit_of
 
-from .options import angle_of, number_option, option, read_range
+from .options import angle_of, number_or_text_of, option, read_range
 
 if TYPE_CHECKING:
     import numpy as np
@@ -49,7 +49,10 @@ class CaseField:
 
 @dataclass(frozen=True)
 class Given:
-    """The fields that the command line gives, by name, and the units ("length", "force") that it states."""
+    """The fields that the command line gives, by name, and the units ("length", "force") that it states.
+
+    A value with a unit is still text, as it is converted where the units of the case are known.
+    """
 
     values: dict[str, float | str]
     units: dict[str, str]
@@ -168,7 +171,7 @@ def _type(field: CaseField, whole: bool) -> Any:
         return Annotated[str | None, option("|".join(field.choices), help, flag, **group)]
     if field.unit == "rad":
         return Annotated[float | None, option("ANGLE", help, flag, parser=angle_of(flag), **group)]
-    return Annotated[float | None, number_option(help, flag, *also, **group)]
+    return Annotated[float | None, option("NUMBER", help, flag, *also, parser=number_or_text_of(field.name), **group)]
 
 
 def _heading(field: CaseField, whole: bool) -> str:
@@ -189,11 +192,14 @@ def help_of(field: CaseField, whole: bool) -> str:
     return f"{said[0].upper()}{said[1:]}."
 
 
-def parse_axis(text: str) -> "tuple[str, np.ndarray]":
-    """``betaL=-90deg:60deg:41`` as a field and the values of such an axis of a study, rising. Raises `InputError`."""
+def parse_axis(text: str, units: Mapping[str, str]) -> "tuple[str, np.ndarray]":
+    """``betaL=-90deg:60deg:41`` as a field and the values of such an axis of a study, rising. Raises `InputError`.
+
+    units: of "length" and "force", of the study.
+    """
     from studies.grammar.axes import Axis
 
-    name, first, last, count = read_range("--axis", text, AXES, "FROM:TO:COUNT")
+    name, first, last, count = read_range("--axis", text, units, AXES, "FROM:TO:COUNT")
     if not 2 <= count <= MAX_COUNT or first == last or not (isfinite(first) and isfinite(last)):
         raise InputError(f"--axis needs two different finite ends and a count from 2 to {MAX_COUNT}, got {text!r}")
     axis = Axis.model_validate({"from": min(first, last), "to": max(first, last), "count": count})

@@ -94,7 +94,8 @@ def equilibria(
 
     study, case = study_and_case(file, given.values, given.units, held=axis is None)
     held = held_of(case)
-    every = {"within": ranges("--within", within, "FZ=-50:10") or None, "values": values, "tries": tries}
+    loads = ranges("--within", within, study.unit_system, "FZ=-50:10")
+    every = {"within": loads or None, "values": values, "tries": tries}
     search: dict[str, Any] = {name: value for name, value in every.items() if value is not None}
     if search and (axis is not None or not held):
         name = next(iter(search))
@@ -112,7 +113,7 @@ def equilibria(
     if export is not None:
         writing.check_folder(export)
     if axis is not None:
-        return _over_axis(study, case, *parse_axis(axis), show)
+        return _over_axis(study, case, *parse_axis(axis, study.unit_system), show)
     listed = all_equilibria(case, **search)
     if export is not None:
         write_cases(study, case, listed, export)

@@ -95,15 +95,15 @@ def fit(
 
     from .. import fitting
 
-    targets = numbers("--target", target)
     read, sigmas = fitting.read_points(points) if points is not None else (None, {})
     base = _case(file, at, given, table1, reading)
+    targets = numbers("--target", target, base.units)
     result = fitted(
         base.case,
-        _vary(vary, ranges("--bounds", bounds)),
+        _vary(vary, ranges("--bounds", bounds, base.units)),
         targets,
         read,
-        sigma={**sigmas, **numbers("--sigma", sigma)},
+        sigma={**sigmas, **numbers("--sigma", sigma, base.units)},
         wrapped=wrapped,
         starts=starts,
         seed=seed,

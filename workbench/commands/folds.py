@@ -60,7 +60,7 @@ def folds(
     from ..branches.region_dataset import dataset_of
 
     study, case = study_and_case(file, given.values, given.units, held=True)
-    read = [read_range("--axis", text, AXES) for text in axis or []]
+    read = [read_range("--axis", text, study.unit_system, AXES) for text in axis or []]
     ranges: dict[str, Any] = {name: (low, high) for name, low, high, _ in read}
     if len(axis or []) != 2 or len(ranges) != 2:
         said = ", ".join(axis or []) or "none"

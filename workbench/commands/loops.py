@@ -91,16 +91,18 @@ def _rod(file: Path | None, given: Given) -> "tuple[Rod, Cylinder, dict[str, str
     from dataclasses import fields
 
     from solver import Cylinder, Rod
-    from studies.language.case_input import check_units, read_case
+    from studies.language.case_input import check_units, in_units, read_case
     from studies.language.readings import TABLE_UNITS
 
     if file is None and given.units:
         check_units(given.units)
+        units = {**TABLE_UNITS, **given.units}
+        values = in_units(given.values, units)
         rod, cylinder = (
-            {field.name: given.values[field.name] for field in fields(kind) if field.name in given.values}
+            {field.name: values[field.name] for field in fields(kind) if field.name in values}
             for kind in (Rod, Cylinder)
         )
-        return Rod(**rod), Cylinder(**cylinder), {**TABLE_UNITS, **given.units}  # type: ignore[arg-type]
+        return Rod(**rod), Cylinder(**cylinder), units
     base = read_case(file, given.values, given.units, table1=file is None)
     return base.case.rod, base.case.cylinder, base.units
 

@@ -3,9 +3,8 @@
 The fields of a case are in `case_options`.
 """
 
-from collections.abc import Callable, Sequence
-from functools import partial
-from math import isfinite
+from collections.abc import Callable, Mapping, Sequence
+from math import isfinite, isnan
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -24,8 +23,25 @@ def number(text: str) -> float:
     try:
         return float(text)
     except ValueError:
-        hint = "; write the number without a unit, which --help says" if text[:1].isdigit() else ""
+        hint = "; write it without a unit, which --help says" if text[:1].isdigit() else ""
         raise typer.BadParameter(f"{text!r} is not a number{hint}") from None
+
+
+def number_or_text_of(name: str) -> Callable[[str], float | str]:
+    """The parser of the option of a field: a number, or a text with a unit of that field, which is kept as it is."""
+
+    def read(text: str) -> float | str:
+        from solver.problem.units import size_of_unit, split
+
+        try:
+            value, unit = split(text)
+            if unit:
+                size_of_unit(name, unit)
+        except InputError as error:
+            raise typer.BadParameter(str(error)) from None
+        return text if unit else value
+
+    return read
 
 
 def read_angle(name: str, text: str) -> float:
@@ -155,11 +171,12 @@ def pairs(option: str, texts: Sequence[str] | None) -> dict[str, str]:
     return values
 
 
-def numbers(option: str, texts: Sequence[str] | None) -> dict[str, float]:
-    """The pairs with their values as numbers, angles in rad also from forms like 30deg. Raises `InputError`."""
-    from studies.grammar.axes import is_angle, number_of
+def numbers(option: str, texts: Sequence[str] | None, units: Mapping[str, str]) -> dict[str, float]:
+    """The pairs with their values as numbers in these units, angles in rad. Raises `InputError`."""
+    from studies.grammar.axes import is_angle
 
-    values = {name: (number_of(name, text), text) for name, text in pairs(option, texts).items()}
+    values = {name: (field_number(f"{option} {name}", name, text, units), text)
+              for name, text in pairs(option, texts).items()}  # fmt: skip
     for name, (value, text) in values.items():
         if not isfinite(value):
             forms = "a number in rad, or a form like 30deg" if is_angle(name) else "a finite number"
@@ -167,14 +184,39 @@ def numbers(option: str, texts: Sequence[str] | None) -> dict[str, float]:
     return {name: value for name, (value, _) in values.items()}
 
 
+def field_number(option: str, name: str, text: str, units: Mapping[str, str]) -> float:
+    """The number of a text for a field or observable, in these units; NaN of an unreadable one without a unit.
+
+    Raises `InputError` for a unit that is unknown or of another quantity.
+    """
+    from solver.problem.quantities import AT_START, QUANTITIES
+    from solver.problem.units import number_in, split
+    from studies.grammar.axes import is_angle, number_of
+
+    if is_angle(name) or AT_START.get(name, name) not in QUANTITIES:
+        return number_of(name, text)
+    try:
+        unit = split(text)[1]
+    except InputError:
+        return float("nan")
+    if not unit:
+        return number_of(name, text)
+    try:
+        return number_in(name, text, units)
+    except InputError as error:
+        raise InputError(f"{option}: {error}") from None
+
+
 def axis_values(ds: "xr.Dataset", at: Sequence[str] | None) -> dict[str, float]:
     """The stored value that each text of --at means, by the name of its axis. Raises `InputError` where it has none."""
     from ..store import selection
 
     values: dict[str, float] = {}
+    units = {kind: str(ds.attrs.get(f"{kind}_unit", "")) for kind in ("length", "force")}
     for name, value in pairs("--at", at).items():
         try:
             axis = selection.axis_of(ds, name)
+            value = _in_units_of(axis, value, units) if all(units.values()) else value
             stored = float(ds[axis].values[selection.index(ds, axis, value)])
         except InputError as error:
             raise InputError(f"--at {name}={value}: {error}") from None
@@ -184,15 +226,31 @@ def axis_values(ds: "xr.Dataset", at: Sequence[str] | None) -> dict[str, float]:
     return values
 
 
-def ranges(option: str, texts: Sequence[str] | None, example: str = "") -> dict[str, tuple[float, float]]:
-    """``["FZ=-50:10"]`` as name -> (low, high), angles in rad. Raises `InputError`."""
+def _in_units_of(axis: str, text: str, units: Mapping[str, str]) -> str:
+    """A value with a unit as a text without one; any other text as it is. Raises `InputError`."""
+    from studies.grammar.axes import is_angle
+
+    number = float("nan") if is_angle(axis) else field_number(axis, axis, text, units)
+    plain = isnan(number) or text.strip()[-1].isdigit() or text.strip().endswith(".")
+    return text if plain else repr(number)
+
+
+def ranges(
+    option: str, texts: Sequence[str] | None, units: Mapping[str, str], example: str = ""
+) -> dict[str, tuple[float, float]]:
+    """``["FZ=-50:10"]`` as name -> (low, high) in these units, angles in rad. Raises `InputError`."""
     each = (f"{name}={ends}" for name, ends in pairs(option, texts).items())
-    read = [read_range(option, text, form="LOW:HIGH", example=example) for text in each]
+    read = [read_range(option, text, units, form="LOW:HIGH", example=example) for text in each]
     return {name: (low, high) for name, low, high, _ in read}
 
 
 def read_range(
-    option: str, text: str, known: Sequence[str] = (), form: str = "FROM:TO", example: str = ""
+    option: str,
+    text: str,
+    units: Mapping[str, str],
+    known: Sequence[str] = (),
+    form: str = "FROM:TO",
+    example: str = "",
 ) -> tuple[str, float, float, int]:
     """A field, the ends of its range, angles in rad, and how many values it has; 0 where the form has no count.
 
@@ -201,7 +259,9 @@ def read_range(
     Parameters
     ----------
     option, text : str
-        The option, for messages, and what was given: ``FZ=-50:10``, ``betaL=-90deg:60deg:41``.
+        The option, for messages, and what was given: ``FZ=-50:10``, ``betaL=-90deg:60deg:41``, ``R=2in:4in``.
+    units : dict
+        The units of "length" and "force" of the numbers.
     known : sequence of str
         The fields that it takes; default: any name.
     form : str
@@ -219,8 +279,15 @@ def read_range(
     if not equals or len(parts) != len(form.split(":")):
         raise InputError(f"{option} takes NAME={form}{such}, got {text!r}")
     try:
-        low, high = map(partial(read_angle, f"{option} {name}") if is_angle(name) else float, parts[:2])
+        if is_angle(name):
+            low, high = (read_angle(f"{option} {name}", part) for part in parts[:2])
+        else:
+            low, high = (field_number(f"{option} {name}", name, part, units) for part in parts[:2])
+        if isnan(low) or isnan(high):
+            raise ValueError
         return name, low, high, int(parts[2]) if len(parts) > 2 else 0
+    except InputError:
+        raise
     except ValueError:
         raise InputError(f"{option} takes NAME={form} with numbers{such}, got {text!r}") from None
 

@@ -106,7 +106,7 @@ def check(file: File) -> Result:
 
     Exit status 1 if a case is unsolved, or if a law fails, is not decided or is true in part only.
     """
-    from solver.problem.field_values import warn
+    from solver.problem.field_values import kind_of, warn
     from studies.language.loader import notices
 
     from ..store import file_checks, reading
@@ -117,7 +117,7 @@ def check(file: File) -> Result:
         data = {**named, "file": str(file), **statistics(ds)}
         text = str(ds.attrs.get("study", ""))
     for sentence in notices(text, f"{file.name}, its study"):
-        warn(sentence)
+        warn(sentence, kind_of(sentence))
     return result_of(data)
 
 

@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from solver.problem.errors import DEFAULT_TOLERANCE
-from solver.problem.quantities import quantity, unit_of
+from solver.problem.quantities import quantity
 
 from ..store import atomic
+from ..words.habits import plain, size_shown, unit_shown
 from . import console, tables
 from .case_options import EVERY, Given
 from .options import (
@@ -245,15 +246,14 @@ HEADLINES = (
 
 def _show(found: dict[str, Any], every: bool, whole: bool) -> None:
     """Print a case. whole: with tables of what is given and found; else what an engineer asks of a pipe."""
-    from studies.grammar.axes import in_words
-
     if whole:
         _print_tables(found, every)
     else:
         console.say_units(found["units"])
         given = {name: value for name, value in found["case"].items() if name not in found["assumed"]}
         words = (
-            f"{name} {value}" if isinstance(value, str) else in_words(name, value) for name, value in given.items()
+            f"{name} {value}" if isinstance(value, str) else _in_words(name, value, found["units"])
+            for name, value in given.items()
         )
         console.say(", ".join(words))
     accuracy = f": error {found['error']:.1e}, condition {found['condition']:.3g}"
@@ -267,7 +267,7 @@ def _show(found: dict[str, Any], every: bool, whole: bool) -> None:
             console.say(sentence)
     if found["profile"]:
         heads = ["", "unit", "s = 0", "middle", "largest", f"at s ({found['units']['length']})", "s = L"]
-        rows = [[row["name"], row["unit"], *(f"{row[name]:.4g}" for name in PROFILE)] for row in found["profile"]]
+        rows = [[row["name"], row["unit"], *(plain(row[name]) for name in PROFILE)] for row in found["profile"]]
         console.say("")
         tables.print_table(heads, rows)
         console.say("middle: the mean of the middle third\n")
@@ -296,7 +296,7 @@ def _print_tables(found: dict[str, Any], every: bool) -> None:
         unit = _unit(row.name, found) if row else ""
         turned = math.degrees(value) if unit == "rad" else 0.0
         degrees = f" ({turned:.6g} deg)" if turned and math.isfinite(turned) else ""
-        shown = f"{value:.10g}" if isinstance(value, float) else value
+        shown = f"{value * size_shown(name, found['units']):.10g}" if isinstance(value, float) else value
         rows.append([name, shown, unit, f"{row.long_name}{degrees}" if row else ""])
     tables.print_table(["given", "value", "unit", ""], rows)
     console.say("")
@@ -306,7 +306,10 @@ def _print_tables(found: dict[str, Any], every: bool) -> None:
         shown = [name for name in results if every or name in heads or name not in plain]
         tables.print_table(
             ["found", "value", "unit", ""],
-            [[name, results[name], _unit(name, found), quantity(name).long_name] for name in shown],
+            [
+                [name, _number(name, results[name], found["units"]), _unit(name, found), quantity(name).long_name]
+                for name in shown
+            ],
         )
         if more := len(results) - len(shown):
             console.say(f"{more} more numbers with --all")
@@ -321,7 +324,22 @@ def _results(found: dict[str, Any]) -> dict[str, float]:
     return known if known.keys() & found["observables"].keys() else {}
 
 
-def _unit(name: str, found: dict[str, Any]) -> str:
+def _number(name: str, value: float, units: dict[str, str]) -> str:
+    """A number of a table, in the unit of `_unit`."""
+    return str(value) if isinstance(value, int) else plain(value * size_shown(name, units), 6)
 
-    unit = unit_of(name, found["units"])
+
+def _unit(name: str, found: dict[str, Any]) -> str:
+    """The unit of a number in a table; an angle is in rad."""
+    unit = unit_shown(name, found["units"])
     return "" if unit == "1" else unit
+
+
+def _in_words(name: str, value: float, units: dict[str, str]) -> str:
+    """``R = 4.25 in``, ``inclination = 60 deg``."""
+    from studies.grammar.axes import in_words, is_angle
+
+    unit = unit_shown(name, units)
+    if is_angle(name) or unit == "1":
+        return in_words(name, value)
+    return f"{name} = {plain(value * size_shown(name, units), 6)} {unit}"

@@ -8,7 +8,7 @@ from typing import Any, Literal
 import xarray as xr
 
 from solver.problem.errors import no_such
-from studies.grammar.formulas import LENGTHS
+from solver.problem.units import LENGTHS
 
 from ..geometry.centreline import Centreline
 

@@ -17,9 +17,10 @@ from numpy.typing import NDArray
 from solver.observe import observables
 from solver.problem.case import CONTACTS, DIRECT, ELASTIC, GIVEN, SIDES, SLIDING
 from solver.problem.errors import InputError, choices
+from solver.problem.units import FORCES, LENGTHS
 from studies import names
 from studies.grammar.axes import FIELDS, SAMPLE
-from studies.grammar.formulas import FORCES, LENGTHS, parse
+from studies.grammar.formulas import parse
 
 from ..words import escaping
 from . import bounds, refined, schema

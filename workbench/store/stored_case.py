@@ -19,7 +19,7 @@ from solver.problem.case_fields import values_of, with_field
 from solver.problem.errors import InputError, choices, no_such
 from studies import Study, load
 from studies.grammar.axes import FIELDS, SAMPLE, WORDS, Dimension, Which, in_words, quantity_of
-from studies.language.case_input import CaseInput, from_values, with_fields
+from studies.language.case_input import CaseInput, from_values, in_units, with_fields
 from studies.language.loader import loads
 from studies.language.study import MAX_STATIONS
 
@@ -253,7 +253,8 @@ def case_at(study: Study, at: Mapping[str, Any], values: Mapping[str, Any], name
     case = study.case() if study.follow is not None else study.case_of(place)
     source = f"{named or study.title}{changed}"
     which = study.equilibrium
-    return CaseInput(with_fields(case, values), study.unit_system, source, study=study, which=which, place=place)
+    taken = with_fields(case, in_units(values, study.unit_system))
+    return CaseInput(taken, study.unit_system, source, study=study, which=which, place=place)
 
 
 def open_case(file: Path, values: Mapping[str, Any]) -> CaseInput:
@@ -311,5 +312,6 @@ def _equilibrium_of(ds: xr.Dataset, name: str, values: Mapping[str, Any]) -> Cas
         place += f", the equilibrium of the lowest energy, one of {count}" if count > 1 else ""
     units = {kind: str(ds.attrs[f"{kind}_unit"]) for kind in ("length", "force")}
     if values:
-        return CaseInput(with_fields(case, values), units, f"{name}{place}, except {choices(values)}")
+        taken = with_fields(case, in_units(values, units))
+        return CaseInput(taken, units, f"{name}{place}, except {choices(values)}")
     return CaseInput(case, units, f"{name}{place}", which=which)

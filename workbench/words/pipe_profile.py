@@ -9,12 +9,12 @@ import numpy as np
 from solver.numerics.roots import largest_between
 from solver.problem.reduced import flat
 
+from . import habits
+
 if TYPE_CHECKING:
     from solver import Case, Solution
 
 PUSH = "push of the wall"  # the row of a profile
-REACHES = {"m": 30.0, "ft": 100.0}  # lengths on which drillers state a dogleg
-MEGAPASCALS = {"N": 1e-6, "kN": 1e-3, "MN": 1.0}  # per m^2
 ROUNDING = 1e-12  # relative
 GAUSS = 8  # places between two nodes, for a mean
 
@@ -82,17 +82,19 @@ def _along(sol: "Solution", units: dict[str, str], t: Any) -> list[tuple[str, st
     rod, wall, (length, force) = sol.case.rod, sol.case.cylinder, (units["length"], units["force"])
     fine = _at_times(sol, t)
     kappa = np.where(fine.kappa * sol.case.rho < ROUNDING, 0.0, fine.kappa)
-    per_length, reach = f"{force}/{length}", REACHES.get(length, 1.0)
-    columns = [("axial force FZ", force, axial_force(fine)), (PUSH, per_length, fine.push)]
+    per_length, dogleg = habits.habitual_unit(habits.LINE_LOAD, units), habits.dogleg_unit(units)
+    push = fine.push * habits.size(per_length, habits.LINE_LOAD, units)
+    columns = [("axial force FZ", force, axial_force(fine)), (PUSH, per_length, push)]
     if wall.side == "outside":
         columns.insert(1, ("tension F3", force, fine.F3))
     if wall.friction:
-        columns.append(("friction", per_length, wall.friction * fine.push))
+        columns.append(("friction", per_length, wall.friction * push))
     if wall.turns_in_place:
         columns.append(("torque M3", f"{force} {length}", fine.M3_along))
-    columns.append(("dogleg of the pipe", f"deg/{reach:g} {length}", np.degrees(kappa) * reach))
+    columns.append(("dogleg of the pipe", dogleg, kappa * habits.size(dogleg, habits.CURVATURE, units)))
     if rod.E is not None:
-        unit, size = stress_unit(units)
+        unit = habits.habitual_unit(habits.STRESS, units)
+        size = habits.size(unit, habits.STRESS, units)
         axial = fine.F3 / (math.pi * (rod.a**2 - (rod.inner_radius or 0) ** 2)) * size
         bending = rod.E * rod.a * kappa * size
         stresses = axial, bending, np.abs(axial) + bending
@@ -120,12 +122,6 @@ def weight_across(case: "Case") -> float:
     wall, weight = case.cylinder, float(case.rod.weight or 0)
     across = weight * math.sin(float(wall.inclination or 0))
     return across if across > ROUNDING * weight and wall.side == "inside" else 0.0
-
-
-def stress_unit(units: dict[str, str]) -> tuple[str, float]:
-    """The unit in which a stress is stated, and how many of it one of the case's units is."""
-    length, force = units["length"], units["force"]
-    return ("MPa", MEGAPASCALS[force]) if length == "m" and force in MEGAPASCALS else (f"{force}/{length}^2", 1.0)
 
 
 def _at_times(sol: "Solution", t: Any) -> "Solution":

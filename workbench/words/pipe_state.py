@@ -8,8 +8,9 @@ import numpy as np
 from solver.shooting.loaded_rod import rods_of
 from solver.shooting.state import LEAVES, RUBS, STRAIGHT, in_words
 
-from . import cautions, outcomes
-from .pipe_profile import PUSH, ROUNDING, Row, axial_force, number, profile, stress_unit, weight_across
+from . import cautions, habits, outcomes
+from .habits import plain
+from .pipe_profile import PUSH, ROUNDING, Row, axial_force, number, profile, weight_across
 
 if TYPE_CHECKING:
     from solver import Solution
@@ -51,8 +52,8 @@ def all_sentences(sol: "Solution", units: dict[str, str]) -> list[str]:
     """The sentences, the rows as sentences too, and the warnings."""
     rows = profile(sol, units)
     each = [
-        f"{row.name}: {row.start:.4g} {row.unit} at s = 0; {row.far:.4g} at s = L; in the middle third "
-        f"{row.middle:.4g}; at most {row.largest:.4g}, at s = {row.at:.4g}"
+        f"{row.name}: {plain(row.start)} {row.unit} at s = 0; {plain(row.far)} at s = L; in the middle third "
+        f"{plain(row.middle)}; at most {plain(row.largest)}, at s = {plain(row.at)}"
         for row in rows
     ]
     return [*sentences(sol, units), *each, *warnings(sol, units, rows)]
@@ -77,7 +78,7 @@ def sentences(sol: "Solution", units: dict[str, str]) -> list[str]:
 def lay_sentence(sol: "Solution", force: str) -> str:
     """Whether a rod that is wound under weight or friction is a helix, and its tension at both ends, in a sentence."""
     range_ = math.degrees(float(np.ptp(sol.beta)))
-    at_ends = f"tension F3 {float(sol.F3[-1]):.4g} {force} at s = L, {float(sol.F3[0]):.4g} {force} at s = 0"
+    at_ends = f"tension F3 {plain(float(sol.F3[-1]))} {force} at s = L, {plain(float(sol.F3[0]))} {force} at s = 0"
     if range_ < STEADY:
         return f"shown: the helix of this lay; {at_ends}"
     return f"shown: a rod under the loads of this helix at s = L, whose lay varies by {range_:.3g} deg; {at_ends}"
@@ -120,9 +121,9 @@ def _friction(sol: "Solution", force: str) -> list[str]:
         return []
     scale = float(wall.friction) * float(sol.case.rod.L)
     pushed, pulled = (scale * number(sol, name) for name in ("push_mean", "pull_mean"))
-    text = f"friction {pushed:.4g} {force} in all, of a rod that {WAYS[str(wall.sliding)]}"
+    text = f"friction {plain(pushed)} {force} in all, of a rod that {WAYS[str(wall.sliding)]}"
     if pulled > 5e-4 * pushed:  # the model's friction turns round with the push
-        text += f"; where the wall would pull, the model takes {pulled:.4g} {force} off again"
+        text += f"; where the wall would pull, the model takes {plain(pulled)} {force} off again"
     return [text]
 
 
@@ -151,12 +152,11 @@ def warnings(sol: "Solution", units: dict[str, str], rows: list[Row]) -> list[st
 
 def _wrong_units(sol: "Solution", units: dict[str, str]) -> list[str]:
     """That no material is so stiff or so heavy: a number was meant in another unit."""
-    rod, (unit, megapascals) = sol.case.rod, stress_unit(units)
-    if unit != "MPa":
-        return []
+    rod, megapascals = sol.case.rod, habits.megapascals(units)
     stiffness = float(rod.E or 0) * megapascals
     section = math.pi * float(rod.a) ** 2  # it may leave the range of floats
-    density = float(rod.weight or 0) * megapascals * 1e6 / (GRAVITY * section) if section else 0.0
+    in_newtons = habits.size("N/m^3", (-3, 1), units)
+    density = float(rod.weight or 0) * in_newtons / (GRAVITY * section) if section else 0.0
     said = []
     if stiffness > STIFFEST:
         said.append(
@@ -174,7 +174,7 @@ def _lift_offs(sol: "Solution", length: str) -> list[str]:
     if not stretches:
         return []
     share = 100 * sum(end - begin for begin, end in stretches) / float(sol.case.rod.L)
-    each = [f"{begin:.4g} to {end:.4g} {length}" for begin, end in stretches[:MOST]]
+    each = [f"{plain(begin)} to {plain(end)} {length}" for begin, end in stretches[:MOST]]
     more = f", and on {len(stretches) - MOST} more stretches" if len(stretches) > MOST else ""
     text = str(cautions.of_cases(sol))
     so = "a real rod takes another shape there" if cautions.IN_PART in text else "a real rod leaves the wall there"
@@ -189,12 +189,13 @@ def _clamps(sol: "Solution", push: Row) -> list[str]:
     if not places or all(state.word == STRAIGHT for state in sol.states):
         return []
     said = f"the push at {' and '.join(places)} is that next to a clamp"
-    return [f"{said}; a wave away from the ends it is at most {push.inside:.4g} {push.unit}"]
+    return [f"{said}; a wave away from the ends it is at most {plain(push.inside)} {push.unit}"]
 
 
 def _load(tension: float, force: str) -> str:
     """A load below which, as a tension, something happens."""
-    return f"a compression above {-tension:.4g} {force}" if tension <= 0 else f"a tension below {tension:.4g} {force}"
+    words = "a compression above" if tension <= 0 else "a tension below"
+    return f"{words} {plain(abs(tension))} {force}"
 
 
 def _buckling(sol: "Solution", force: str) -> list[str]:
@@ -227,7 +228,7 @@ def _long_pipe(sol: "Solution", force: str) -> list[str]:
     if not unit:
         return []
     limits = [x * unit for x in (SINUSOID, PRESSED, 2 + EQUAL, 2 + LIFTED)]
-    sinusoid, pressed, equal, lifted = (f"{limit:.4g}" for limit in limits)
+    sinusoid, pressed, equal, lifted = (f"{plain(limit)}" for limit in limits)
     said = [
         f"local compression (-FZ) in a long pipe without torque or friction: straight below {sinusoid} {force}; "
         f"from {pressed} a helix can stay, from {equal} it has less energy than the sinusoid; above {lifted} "
@@ -239,4 +240,4 @@ def _long_pipe(sol: "Solution", force: str) -> list[str]:
         return said
     most = -float(min(axial_force(sol)))
     expected = EXPECTED[sum(most >= limit for limit in limits)]
-    return [*said, f"expected of a long pipe at {most:.4g} {force}, the largest compression here: {expected}"]
+    return [*said, f"expected of a long pipe at {plain(most)} {force}, the largest compression here: {expected}"]

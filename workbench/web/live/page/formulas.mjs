@@ -19,7 +19,7 @@ export const RANGES = {"E": {"low": 0, "closed": false}, "EI": {"low": 0, "close
 
 export const LENGTHS = {"nm": 1e-09, "um": 1e-06, "mm": 0.001, "cm": 0.01, "dm": 0.1, "m": 1.0, "km": 1000.0, "in": 0.0254, "ft": 0.3048};
 
-export const FORCES = {"pN": 1e-12, "nN": 1e-09, "uN": 1e-06, "mN": 0.001, "N": 1.0, "daN": 10.0, "kN": 1000.0, "MN": 1000000.0, "dyn": 1e-05, "gf": 0.00980665, "kgf": 9.80665, "lbf": 4.4482216152605};
+export const FORCES = {"pN": 1e-12, "nN": 1e-09, "uN": 1e-06, "mN": 0.001, "N": 1.0, "daN": 10.0, "kN": 1000.0, "MN": 1000000.0, "dyn": 1e-05, "gf": 0.00980665, "kgf": 9.80665, "lbf": 4.4482216152605, "klbf": 4448.2216152605, "kip": 4448.2216152605};
 
 export const LINEAR = [[10000.0, 0.0025], [1000.0, 0.01], [0.0, 0.1]];
 
