@@ -222,15 +222,15 @@ def check_unit(name: str, text: str) -> float:
 
 def size_of_unit(name: str, unit: str) -> float:
     """The size of a unit of a quantity or field, in metres, newtons and rad. Raises `InputError` if it does not fit."""
-    own = dimension_of(name)
-    kind, units = _KINDS.get(own, ("a quantity of another unit", ()))
+    field_dimension = dimension_of(name)
+    kind, units = _KINDS.get(field_dimension, ("a quantity of another unit", ()))
     ending = f"choose from {choices(units)}" if units else "write it without a unit"
     try:
         size, dimension = unit_size(unit)
     except UnknownUnit as error:
         raise InputError(f"{name} is {kind}, and there is {error.reason}: {ending}") from None
     curvatures = (-1, 0, 0), (-1, 0, 1)  # deg/30 m is a unit of both, as 1/m is
-    if dimension != own and not (dimension in curvatures and own in curvatures):
+    if dimension != field_dimension and not (dimension in curvatures and field_dimension in curvatures):
         other = _KINDS.get(dimension, ("of another quantity",))[0].partition(" ")[2]
         raise InputError(f"{name} is {kind}, and {unit} is a unit of {other}: {ending}")
     return size
@@ -257,8 +257,8 @@ def number_in(name: str, text: str, units: Mapping[str, str]) -> float:
     value, unit = split(text)
     if not unit:
         return value
-    given, own = size_of_unit(name, unit), size_in(dimension_of(name), units)
-    more, less = given / own, own / given
+    given, in_study = size_of_unit(name, unit), size_in(dimension_of(name), units)
+    more, less = given / in_study, in_study / given
     return value / _whole(less) if less > more else value * _whole(more)
 
 
