@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping
 from functools import cache
 from typing import Any
 
-from .errors import InputError, choices, near
+from .errors import InputError, choices, near, show
 from .quantities import AT_START, QUANTITIES
 
 Dimension = tuple[int, int, int]  # exponents of length, force and angle
@@ -208,7 +208,7 @@ def split(text: str) -> tuple[float, str]:
     try:
         unit_size(said)
     except UnknownUnit:
-        raise InputError(f"{text[:MOST_TEXT]!r} is not a number, alone or with its unit, such as 2.5in") from None
+        raise InputError(f"{show(text)} is not a number, alone or with its unit, such as 2.5in") from None
     raise InputError(f"{text!r} is a unit without a number: write the number before it, such as 5 {said}")
 
 

@@ -24,6 +24,8 @@ from workbench.store.block import solve_one
 
 MANY = -0.3655, 0.7464, -0.7506
 
+UNITS = {"length": "cm", "force": "N"}
+
 
 def default() -> Case:
     return ends_problem(load(DEFAULT))
@@ -148,7 +150,7 @@ def test_the_papers_claim_is_not_contradicted_on_its_own_branch_and_fails_on_oth
 
 def test_angles_on_an_axis_may_be_given_in_degrees() -> None:
     for text in ("betaL=60deg:-30deg:4", "betaL=-pi/6:pi/3:4"):
-        name, values = parse_axis(text)
+        name, values = parse_axis(text, UNITS)
         assert name == "betaL"
         np.testing.assert_allclose(values, np.deg2rad([-30, 0, 30, 60]), atol=1e-15)  # rounding
 
@@ -175,7 +177,7 @@ def test_a_study_may_name_its_equilibrium_by_a_rule_or_an_index() -> None:
 
 @pytest.mark.parametrize("name", ["height", "azimuth", "rotation", "M10", "M1L"])
 def test_what_an_end_holds_may_be_an_axis(name: str) -> None:
-    assert parse_axis(f"{name}=-1:1:3")[0] == name
+    assert parse_axis(f"{name}=-1:1:3", UNITS)[0] == name
 
 
 def test_the_nearest_is_told_by_slope_and_energy_together() -> None:
