@@ -14,10 +14,11 @@ from ..shooting.loaded_rod import numbers_of, rate_of_change
 from .discrete_rod import DiscreteRod
 from .free_problem import Curve
 from .free_shape import FreeShape
-from .quaternions import end_frame
+from .quaternions import directors, end_frame
 
 EACH, FEWEST, MOST = 16, 401, 20_001  # stations of a known rod: for each length on which its shape changes
 ENDS = np.array([0.0, 1.0])
+WIDEST = 2.405  # of a bow whose ends are at one height: just beyond the first zero of J0
 BILATERAL = "the bilateral shape"
 
 
@@ -63,11 +64,29 @@ def held_case(sol: Shape, curves: Sequence[Curve | None]) -> Case:
 
 
 def straight_curve(rod: DiscreteRod) -> Curve:
-    """A straight rod along the axis on the wall, without loads."""
+    """A straight rod along the axis from where the start is, without loads.
+
+    Where its ends only have to come nearer to each other along it, which no small change of a straight rod allows, a
+    rod that is bowed round the axis, beta = size sin(2 pi s/L), to that height: the mean of cos(beta) is J0(size).
+    """
+    from scipy.integrate import cumulative_simpson  # only a search loads SciPy
+    from scipy.optimize import brentq
+    from scipy.special import j0
+
     angles = np.tile([rod.angles[0], 0.0, 0.0, rod.angles[3]], 2)
-    place = [np.cos(angles[0]), np.sin(angles[0])]
-    x = np.array([[*place, 0.0], [*place, rod.span]])
-    return Curve("the straight rod", ENDS, x, ENDS, end_frame(angles.reshape(2, 4).T)[0], 0.0, angles, True)
+    bound = np.where(rod.free, angles, rod.angles)
+    short = rod.height is not None and rod.height < rod.span * (1 - REACHED)
+    if not (short and np.array_equal(bound, angles) and rod.radius[0] == rod.radius[1]):
+        place = rod.place(0, angles[0])
+        x = np.array([[*place, 0.0], [*place, rod.span]])
+        return Curve("the straight rod", ENDS, x, ENDS, end_frame(angles.reshape(2, 4).T)[0], 0.0, angles, True)
+    size = brentq(lambda bow: j0(bow) - max(float(rod.height or 0.0) / rod.span, 0.0), 0.0, WIDEST)
+    u = np.linspace(0, 1, FEWEST)
+    turned = np.tile(angles[:4, None], u.size)
+    turned[1] = size * np.sin(2 * np.pi * u)
+    q = end_frame(turned)[0]
+    along = cumulative_simpson(directors(q)[:, 2], x=rod.span * u, axis=0, initial=0.0)
+    return Curve("a bowed rod", u, along + np.append(rod.place(0, angles[0]), 0.0), u, q, 0.0, angles, True)
 
 
 def curve_of(shape: FreeShape, name: str = "the seed") -> Curve:

@@ -14,6 +14,7 @@ from .program import Program, Sizes
 COLD, WARM = 1e-2, 1e-4  # first barrier: from another problem's shape, and from one of this problem on another mesh
 MOST_STEPS = 30  # of Newton's method; usual are 3 to 6
 SHARP, BLUNT = 1e-10, 1e-7  # changes of the unknowns: the last one; one below which rounding may end the progress
+ROUNDING = 1e-11  # of derivatives of the energy, a hundred times what is seen
 FIRM = 1e-6  # of the order of the second derivatives: what holds a rod that may turn as a whole
 STIFF, TINY = 1e-4, 1e-14  # of the force that bends an edge by the radius, what a gap counts as; least of a derivative
 ALONE = 2  # nodes: where no more touch together, the rod touches at one point, somewhere between the nodes
@@ -99,6 +100,11 @@ class Newton:
         self.wall = self.first + 1 + np.arange(rod.edges - 1)
         ends = rod.side * (rod.radius**2 - 1) / program.sizes.across
         self.ends = ends[:1], ends[1:]
+
+    @property
+    def blunt(self) -> float:
+        """The change of the unknowns below which rounding may end the progress: what it moves a rod that may turn."""
+        return max(BLUNT, ROUNDING / self.firm) if self.firm else BLUNT
 
     def minimum(self, state: "State", unstable: int | None) -> Minimum:
         """An equilibrium in the unknowns of the rod."""
@@ -211,7 +217,7 @@ def solution_of(newton: Newton, z: Array, multipliers: Array, steps: int) -> Sta
         if change is None:
             return None
         z, multipliers, steps, far = z + change[0], multipliers + change[1], steps + 1, np.abs(change[0]).max()
-        if far < SHARP or (far < BLUNT and far > last / 2):  # rounding ends the progress
+        if far < SHARP or (far < newton.blunt and far > last / 2):  # rounding ends the progress
             active[wall] = side * multipliers[wall] > stiff * side * program.conditions(z)[wall]
             state = State(z, np.where(active, multipliers, 0.0), active, NO_POINTS.nodes, steps)
             return state if side == HELD_ON else state_of_points(newton, state)
@@ -249,7 +255,7 @@ def state_of_points(newton: Newton, state: State) -> State:
             ahead = newton.points(z + part * change[0], nodes)
         z, multipliers, steps, points = z + part * change[0], multipliers + part * change[1], steps + 1, ahead
         far = np.abs(change[0]).max()
-        if far < SHARP or (far < BLUNT and far > last / 2):
+        if far < SHARP or (far < newton.blunt and far > last / 2):
             pushes, gaps = program.rod.side * multipliers[newton.wall], newton.gaps(program.conditions(z))
             return state if pushes.min() < 0 or gaps.min() < -BLUNT else State(z, multipliers, active, nodes, steps)
         last, moved = far, nodes + np.round(points.offset).astype(np.int64)

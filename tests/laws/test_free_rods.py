@@ -5,6 +5,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
+from scipy.special import ellipe, ellipk
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Start, observe, solve
 from tests.slow import slow_but
@@ -166,6 +168,18 @@ def test_a_rod_that_never_touches_bends_as_a_beam_under_its_end_moments() -> Non
     assert sol.contacts == ()
     assert np.abs(sol.kappa) == pytest.approx(2 * b / L, rel=1e-3)
     assert sol.radius.max() - 50.0 == pytest.approx(b * L / 4, rel=1e-3)
+
+
+@pytest.mark.parametrize(("radius", "height"), [(3.0, 9.9), (20.0, 9.0)])
+def test_a_clamped_rod_that_is_pressed_together_off_the_wall_bows_as_the_elastica(radius: float, height: float) -> None:
+    """Between clamps on one line: height/L = 2 E(k)/K(k) - 1, and the bow is k L/K(k) wide, in whichever direction."""
+    L = 10.0
+    m = brentq(lambda m: 2 * ellipe(m) / ellipk(m) - 1 - height / L, 0.0, 0.9)
+    ends = Ends(0.0, 0.0, height=height, azimuth=0.0, M3=0.0, radius0=radius, radiusL=radius)
+    sol = solve(Case(Rod(EI=1.0, GJ=0.8, a=0.1, L=L), Cylinder(R=0.9, contact="unilateral"), ends))
+    assert sol.solved, sol.outcome
+    bow = np.linalg.norm(sol.position[:, :2] - sol.position[0, :2], axis=1).max()
+    assert bow == pytest.approx(np.sqrt(m) * L / ellipk(m), abs=2 * sol.error * L)
 
 
 def test_a_mirror_image_is_let_go_to_the_mirror_image(freed: tuple[Any, Any]) -> None:
