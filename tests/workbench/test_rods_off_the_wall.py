@@ -15,6 +15,7 @@ from workbench.figures import portrait
 from workbench.geometry import stored_line
 from workbench.geometry.refinement import push_along
 from workbench.store import checks, in_memory, reading, writing
+from workbench.web.live.presets import own_preset
 from workbench.web.turntable import turntable_page
 
 pytest.importorskip("unopy", reason="the extra contact is not installed")
@@ -120,3 +121,13 @@ def test_a_cable_that_leaves_its_drum_is_stored_read_and_exported(tmp_path: Path
     assert int(whole["contact_count"]) == 1
     written = export(whole, tmp_path / "cable.stl")
     assert written.facts["triangles"] > 100
+
+
+PUSHED = STUDY.replace("let_go = true", "").replace("R = 0.75", 'R = 0.75, contact = "unilateral"')
+
+
+@pytest.mark.parametrize("text", [STUDY, PUSHED])
+def test_the_live_page_refuses_a_rod_that_it_would_draw_on_the_wall(text: str, tmp_path: Path) -> None:
+    (tmp_path / "rod.toml").write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match="the live page shows rods that lie on the cylinder"):
+        own_preset(tmp_path / "rod.toml", {}, {})

@@ -54,6 +54,11 @@ def own_preset(file: Path | None, options: dict[str, Any], units: dict[str, str]
         rod = read_case(file, options, units)
     else:
         rod = open_case(file, options)
+    if rod.case.leaves or (rod.study is not None and rod.study.let_go):
+        raise InputError(
+            f"the live page shows rods that lie on the cylinder, and {rod.source} may leave it; "
+            "workbench solve and workbench scene show it"
+        )
     rod = _under_dead_loads(rod)
     named = "A rod of the command line's options" if file is None else file.name
     title = named if rod.study is None else rod.study.title
