@@ -26,6 +26,7 @@ from workbench.scene import opengl, surfaces
 from workbench.scene.body import Body, read
 from workbench.scene.scene_kinds import KINDS
 from workbench.store import in_memory, reading, writing
+from workbench.stored.stored_study import StoredStudy
 
 WIDE = 1450  # pixels of the picture that the rod's length fills
 ERRORS = (2.0, 0.5)
@@ -101,7 +102,7 @@ def solved(name: str) -> xr.Dataset:
 
 def measure(name: str, pixel_error: float) -> list[object]:
     ds, stations = solved(name), RODS[name][0]
-    body = read(ds, {}, KINDS["plain"])
+    body = read(StoredStudy(ds), {}, KINDS["plain"])
     line = body.line
     per_unit = WIDE / max(float(np.ptp(body.z)), 2 * body.reach)
     allowed = pixel_error / per_unit
@@ -145,9 +146,9 @@ def scene(file: Path, pixel_error: float) -> None:
     surfaces.tube_parts = counted
     start = process_time()
     ds = reading.read(file)
-    read(ds, {}, KINDS["plain"])
+    read(StoredStudy(ds), {}, KINDS["plain"])
     taken = process_time() - start
-    layout.render(ds, file.with_suffix(".png"), kind="plain", settings=composition.Settings(pixel_error))
+    layout.render(StoredStudy(ds), file.with_suffix(".png"), kind="plain", settings=composition.Settings(pixel_error))
     seconds = process_time() - start - 2 * taken  # the scene reads once more
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3
     told = {"surfaces": len(triangles), "triangles": sum(triangles), "memory": memory}

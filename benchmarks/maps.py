@@ -23,6 +23,7 @@ from studies.language.loader import load, loads
 from workbench.figures import canvas, map_figure
 from workbench.store import reading
 from workbench.store.study_store import Options, run_to_file
+from workbench.stored.stored_study import StoredStudy
 
 
 def regimes(count: int, observables: list[str]) -> Study:
@@ -63,7 +64,7 @@ def main() -> None:
             run_to_file(both, file, Options(workers=1, restart=True))
 
         def drawn() -> None:
-            canvas.save(map_figure.figure(reading.read(file)), BytesIO())
+            canvas.save(map_figure.figure(StoredStudy(reading.read(file))), BytesIO())
 
         rows = {
             "solve and observe the number of bends": bare(turns),

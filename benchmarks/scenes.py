@@ -15,6 +15,7 @@ from time import perf_counter, process_time
 from studies import load
 from workbench.scene import opengl
 from workbench.store import in_memory, reading, writing
+from workbench.stored.stored_study import StoredStudy
 
 KINDS = ("plain", "contact", "curvature", "twist")
 TIMES = 3
@@ -33,14 +34,14 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         file, picture = Path(folder) / "fig6.h5", Path(folder) / "fig6.png"
         writing.write(in_memory.run(load("fig6")), file)
-        layout.render(reading.read(file), picture, settings=settings)
+        layout.render(StoredStudy(reading.read(file)), picture, settings=settings)
         for kind in KINDS:
             found = []
             for _ in range(TIMES):
                 start, busy = perf_counter(), process_time()
                 ds = reading.read(file)
                 read = perf_counter()
-                taken = layout.compose(ds, kind=kind, settings=settings)
+                taken = layout.compose(StoredStudy(ds), kind=kind, settings=settings)
                 composed = perf_counter()
                 page.save(taken, picture)
                 end = perf_counter()

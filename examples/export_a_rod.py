@@ -14,6 +14,7 @@ import trimesh
 
 from solver import Case, Cylinder, Rod, Start, solve
 from workbench.export.stored_rod import Options, export
+from workbench.stored.stored_study import StoredStudy
 
 rod = Rod(E=1e4, nu=0.25, a=0.25, L=20.0)  # cm and N
 start = Start(beta="10deg", dbeta=0.0, M3=0.0, F3=-10.0)
@@ -21,7 +22,7 @@ sol = solve(Case(rod, Cylinder(R=1.5, side="inside"), start), stations=401)
 ds = sol.to_dataset(length="cm", force="N")
 formats = ["glb", "step"] if find_spec("OCP") else ["glb"]
 for name in formats:
-    written = export(ds, Path(f"rod.{name}"), Options(tolerance=0.005), force=True)
+    written = export(StoredStudy(ds), Path(f"rod.{name}"), Options(tolerance=0.005), force=True)
     print(written.path, written.facts)
 sol.scene(length="cm", force="N").save("export_a_rod.html")
 

@@ -6,15 +6,14 @@ The five panels of Fig. 7 of the paper vary Young's modulus, the radius of the c
 and the forces. This script runs the five shipped studies, judges their laws and draws the first panel.
 """
 
+import workbench.accessor  # noqa: F401  (gives a dataset its `rod`)
 from studies import load, names
-from workbench import notebook
 from workbench.store import in_memory
-from workbench.store.law_verdicts import verdicts
 
 panels = {name: in_memory.run(load(name)) for name in names() if name.startswith("fig7")}
 for name, ds in panels.items():
-    print(name, *(f"{law['observable']}: {law['verdict']}" for law in verdicts(ds)), sep="; ")
-notebook.plot(panels["fig7_1_modulus"]).save("figure_7.png")
+    print(name, *(f"{law['observable']}: {law['verdict']}" for law in ds.rod.verdicts), sep="; ")
+panels["fig7_1_modulus"].rod.plot().save("figure_7.png")
 
 # %%
 # The softest rod has 8 bends and the stiffest 5: the number of bends falls as the modulus rises.

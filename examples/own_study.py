@@ -6,10 +6,9 @@ A study says which fields of the case vary, what is observed, and which law must
 ``workbench run FILE``; here it is a text in a script. Seven forces push a rod into a pipe. Units are cm and N.
 """
 
+import workbench.accessor  # noqa: F401  (gives a dataset its `rod`)
 from studies.language.loader import loads
-from workbench import notebook
 from workbench.store import in_memory
-from workbench.store.law_verdicts import verdicts
 
 study = loads("""
 title = "A rod pushed into a pipe"
@@ -36,8 +35,8 @@ direction = "falls"
 source = "The less a rod is pushed, the fewer bends it has. F3 is negative: compression."
 """)
 ds = in_memory.run(study)
-notebook.plot(ds).save("own_study.png")
-(law,) = verdicts(ds)
+ds.rod.plot().save("own_study.png")
+(law,) = ds.rod.verdicts
 print(law["claim"], law["verdict"], ds["turns"].values)
 
 # %%

@@ -12,6 +12,7 @@ import numpy as np
 from studies.language.loader import loads
 from workbench.figures import canvas, map_figure
 from workbench.store import in_memory
+from workbench.stored.stored_study import StoredStudy
 
 study = loads("""
 title = "Regimes of a rod pushed into a pipe"
@@ -31,7 +32,7 @@ M3 = 0.0
 F3 = -10.0
 """)
 ds = in_memory.run(study)
-canvas.save(map_figure.figure(ds), "phase_map.png")
+canvas.save(map_figure.figure(StoredStudy(ds)), "phase_map.png")
 
 # %%
 # There are two regimes. In a wide pipe the rod touches the wall on its whole length, in a narrow one it lifts off near

@@ -22,7 +22,9 @@ from studies.laws.line_verdicts import DIRECTIONS, FAILS, HOLDS, Direction, Line
 from tests.workbench import small
 from workbench.compare.trade_runs import ladders_of
 from workbench.figures import study_figure, work_precision
-from workbench.store import in_memory, law_verdicts
+from workbench.store import in_memory
+from workbench.stored import law_verdicts
+from workbench.stored.stored_study import StoredStudy
 
 ROOT = Path(__file__).parents[1]
 CASE = Case(Rod(1.07e4, 0.25, 0.25, 5.0), Cylinder(0.75), Start(0.5, 0.5, dgamma=0.5))
@@ -148,6 +150,6 @@ def test_a_kind_of_law_is_one_row_and_is_then_read_judged_worded_and_drawn(monke
     (row,) = law_verdicts.verdicts(ds)
     assert (row["verdict"], len(row["exceptions"])) == (FAILS, 2)
     assert law_words.law_in_words(row) == "height stays level along E"
-    fig = study_figure.figure(ds)
+    fig = study_figure.figure(StoredStudy(ds))
     assert any(ax.get_title(loc="left") == "a: false" for ax in fig.axes)
     assert "stays level with" in " ".join(fig.legends[0].get_title().get_text().split())

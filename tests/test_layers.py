@@ -40,8 +40,8 @@ LISTS = {
     ],
     "studies": ["grammar", "laws", "language"],
     "workbench": [
-        "words", "store", "geometry", "branches", "influence", "fitting", "figures", "scene", "export", "compare",
-        "web", "notebook", "commands", "accessor", "cli", "plugin",
+        "words", "stored", "store", "geometry", "branches", "influence", "fitting", "figures", "scene", "export",
+        "compare", "web", "notebook", "commands", "accessor", "cli", "plugin",
     ],
 }  # fmt: skip
 

@@ -18,7 +18,10 @@ from tests.workbench.command import output_of
 
 SOLVER = [f"solver.{name}" for name in solver.__all__]
 PATHS = [*SOLVER, *(path for package in ("studies", "workbench") for path in api_pages.PUBLIC[package])]
-METHODS = {"solver.Solution": ("sensitivity", "to_dataset"), "workbench.accessor.RodAccessor": ("sel", "at", "plot")}
+METHODS = {
+    "solver.Solution": ("sensitivity", "to_dataset"),
+    "workbench.stored.stored_study.StoredStudy": ("sel", "at", "plot"),
+}
 SLOW = {"solver.region_map", "solver.fold_curves", "solver.trace_fold"}  # more than a second each
 
 

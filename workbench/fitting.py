@@ -18,7 +18,8 @@ from studies.language import case_tables
 from studies.language.case_input import CaseInput, field_values
 
 from .branches.ends_study import study_text, text_of_solution
-from .store import atomic, schema
+from .store import atomic
+from .stored import quantity_variables
 from .words import escaping, labels
 
 STATIONS = 801
@@ -42,7 +43,7 @@ def dataset_of(found: Fit, units: dict[str, str], points: dict[str, Any] | None,
             "group": ("datum", list(found.groups)),
             "other_minimum": (("minimum", "field"), _others(found, names)),
         },
-        coords={"field": names, "unit": ("field", [schema.labels(name, units)["units"] for name in names])},
+        coords={"field": names, "unit": ("field", [quantity_variables.labels(name, units)["units"] for name in names])},
         attrs={
             "title": f"Fit: {_said(found, units)}", "rule": found.rule, "freedom": found.freedom,
             "outcome": found.outcome, "length_unit": units["length"], "exact": found.exact,
@@ -63,7 +64,7 @@ def _said(found: Fit, units: dict[str, str]) -> str:
         if np.isinf(found.intervals[name][1]):
             parts.append(f"{labels.symbol_of(name)} {UNDETERMINED}")
             continue
-        unit = schema.labels(name, units)["units"]
+        unit = quantity_variables.labels(name, units)["units"]
         factor = np.degrees(1.0) if unit == "rad" else 1.0
         shown = "°" if unit == "rad" else f" {labels.unit(unit)}".rstrip()
         low, high = (f"{factor * end:.5g}" for end in found.intervals[name])
@@ -138,7 +139,7 @@ def table_of(found: Fit, asked: CaseInput) -> str:
     names = list(found.values)
     lines: list[list[Any]] = [["field", "value", "low", "high", "unit", *(f"covariance_{name}" for name in names)]]
     for name, row in zip(names, np.asarray(found.covariance).tolist(), strict=True):
-        unit = schema.labels(name, asked.units)["units"]
+        unit = quantity_variables.labels(name, asked.units)["units"]
         lines.append([name, found.values[name], *found.intervals[name], unit, *row])
     return escaping.in_csv(lines, "\n")
 

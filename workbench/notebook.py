@@ -26,7 +26,9 @@ from solver.problem.units import FORCES, LENGTHS
 
 from .branches.equilibria_dataset import all_units, of_solution
 from .branches.equilibria_dataset import dataset_of_loops as dataset_of_loops  # `Loops.to_dataset` looks it up here
-from .store import atomic, schema, selection
+from .store import atomic
+from .stored import provenance, quantity_variables, schema
+from .stored.stored_study import StoredStudy
 from .words import cautions, labels
 from .words.python_words import in_python, python_words
 
@@ -134,19 +136,20 @@ class StudyRun:
     def __init__(self, study: "Study") -> None:
         from studies.laws import law_words
 
-        from .store import in_memory, law_verdicts
+        from .store import in_memory
 
         self.ds = in_memory.run(study)
-        self._rows = law_verdicts.verdicts(self.ds)
+        self._stored = StoredStudy(self.ds)
+        self._rows = self._stored.verdicts
         self.verdicts = [(law_words.law_in_words(row), str(row["verdict"])) for row in self._rows]
 
     def plot(self, **at: Any) -> Plot:
         """The figure of the study, or of its case at these values of axes. Raises `InputError`."""
-        return plot(self.ds, at)
+        return plot(self._stored, at)
 
     def scene(self, **at: Any) -> Scene:
         """The rods, with a slider for each axis that has no value here. Raises `InputError`."""
-        return scene(self.ds, at)
+        return scene(self._stored, at)
 
     def _repr_html_(self) -> str:
         from studies.laws import law_words
@@ -155,37 +158,35 @@ class StudyRun:
         return _table(title, [(law_words.law_in_words(row), law_words.sentence(row)) for row in self._rows])
 
 
-def plot(ds: xr.Dataset, at: Mapping[str, Any] | None = None) -> Plot:
-    """The figure of a dataset, or of its case at some values of its axes. Raises `InputError`."""
+def plot(stored: StoredStudy, at: Mapping[str, Any] | None = None) -> Plot:
+    """The figure of a stored study, or of its case at some values of its axes. Raises `InputError`."""
     from .figures import kinds
 
     if not at:
         with python_words():
-            return Plot(kinds.figure(ds, "lines"))
-    where, given = selection.case(ds, at), [selection.axis_of(ds, name) for name in at]
-    part = ds.isel({name: where[name] for name in given})
-    values = labels.equations(ds, {name: where[name] for name in given}, 6)
-    titled = part.assign_attrs(title=f"{ds.attrs['title']}, {values}")
+            return Plot(kinds.figure(stored, "lines"))
+    where = {name: stored.place(at)[name] for name in map(stored.axis, at)}
+    part = stored.select(where).with_title(f"{stored.attrs['title']}, {stored.equations(where, 6)}")
     with python_words():
-        return Plot(kinds.figure(titled, "lines", verdicts=[]))  # the laws are of all cases
+        return Plot(kinds.figure(part, "lines", verdicts=[]))  # the laws are of all cases
 
 
-def scene(ds: xr.Dataset, at: Mapping[str, Any] | None = None) -> Scene:
-    """The rods of a dataset, with a slider for each axis that `at` does not fix. Raises `InputError`."""
+def scene(stored: StoredStudy, at: Mapping[str, Any] | None = None) -> Scene:
+    """The rods of a stored study, with a slider for each axis that `at` does not fix. Raises `InputError`."""
     from .web.turntable import turntable_page
 
     with python_words():
-        return Scene(turntable_page.html(ds, at))
+        return Scene(turntable_page.html(stored, at))
 
 
 def plot_solution(sol: Solution, units: Mapping[str, str] | None = None) -> Plot:
     """The figure of a solution: of one case with peaks to the pixel, of several their unrolled views."""
-    return plot(dataset_of(_fine(sol) if not sol.case.shape else sol, units))
+    return plot(StoredStudy(dataset_of(_fine(sol) if not sol.case.shape else sol, units)))
 
 
 def scene_solution(sol: Solution, units: Mapping[str, str] | None = None) -> Scene:
     """The rods of a solution on their cylinder."""
-    return scene(dataset_of(sol, units))
+    return scene(StoredStudy(dataset_of(sol, units)))
 
 
 def export_solution(
@@ -206,9 +207,9 @@ def export_solution(
     except (TypeError, ValueError, OverflowError):
         raise InputError(f"tolerance must be a number, got {show(tolerance)}") from None
     with python_words():
-        ds = dataset_of(sol, units)
-        check_holds_all(ds, path)
-        done = export(ds, path, Options(tolerance=tolerance), yes_or_no("replace", replace))
+        stored = StoredStudy(dataset_of(sol, units))
+        check_holds_all(stored, path)
+        done = export(stored, path, Options(tolerance=tolerance), yes_or_no("replace", replace))
     unsolved = done.facts.get("unsolved", 0)
     left = [f"{count_of(unsolved, 'rod')} left out: not solved"] if unsolved else []
     for sentence in [*left, *done.warnings]:
@@ -241,17 +242,17 @@ def dataset_of(sol: Solution, units: Mapping[str, str] | None = None) -> xr.Data
     case, axes = sol.case, _axes(sol)
     u = np.asarray(sol.s, dtype=float).reshape(-1, sol.t.shape[-1])[0]
     ds = of_solution(sol, tuple(axes), (u - u[0]) / (u[-1] - u[0]), ALONG, used)
-    loads = {name: getattr(sol, name) for name in schema.LOADS}
+    loads = {name: getattr(sol, name) for name in quantity_variables.LOADS}
     for name, number in {**schema.numbers_of_case(case), **loads}.items():
         if name not in axes:
             value = np.broadcast_to(np.asarray(number, dtype=float), case.shape)
             same = value.size > 0 and float(np.ptp(value)) == 0
             pair: tuple[Any, Any] = ((), float(value.flat[0])) if same else (tuple(axes), value)
-            ds[name] = *pair, schema.labels(name, used)
+            ds[name] = *pair, quantity_variables.labels(name, used)
     known = used if used["length"] in LENGTHS and used["force"] in FORCES else None
     ds["caution"] = tuple(axes), np.asarray(cautions.of_cases(sol, units=known)).astype(str)
     ds = ds.assign_coords({name: xr.Variable((name,), values, _labels(name, used)) for name, values in axes.items()})
-    return ds.assign_attrs(_attributes(sol, used) | {"caution": cautions.sentence(ds)})
+    return ds.assign_attrs(_attributes(sol, used) | {"caution": cautions.said(ds["caution"].values)})
 
 
 def _axes(sol: Solution) -> dict[str, Any]:
@@ -261,7 +262,7 @@ def _axes(sol: Solution) -> dict[str, Any]:
         along = [name for name, value in _fields(sol).items() if _varies_along(value, case.shape) == [k]]
         if len(along) == 1:
             value = np.broadcast_to(np.asarray(_fields(sol)[along[0]], dtype=float), case.shape)
-            axes[schema.dimension(along[0])] = np.moveaxis(value, k, 0).reshape(size, -1)[:, 0]
+            axes[quantity_variables.dimension(along[0])] = np.moveaxis(value, k, 0).reshape(size, -1)[:, 0]
         else:
             axes[f"case{k + 1}"] = np.arange(1, size + 1)
     return axes
@@ -282,7 +283,7 @@ def _varies_along(value: Any, shape: tuple[int, ...]) -> list[int]:
 def _labels(name: str, units: Mapping[str, str]) -> dict[str, str]:
     if name.startswith("case"):
         return {"long_name": "number of the case", "symbol": "case", "units": "1"}
-    return schema.labels(name, dict(units))
+    return quantity_variables.labels(name, dict(units))
 
 
 def _attributes(sol: Solution, units: Mapping[str, str]) -> dict[str, Any]:
@@ -291,7 +292,8 @@ def _attributes(sol: Solution, units: Mapping[str, str]) -> dict[str, Any]:
         "title": "An elastic rod on a cylinder" if not case.shape else f"{case.size} elastic rods on cylinders",
         "study_name": "solution", "study": "", "reading": "",
         **schema.attributes_of_case(case, units),
-        "laws": json.dumps([]), "versions": json.dumps(schema.versions()), "method": sol.method, "tolerance": sol.tol,
+        "laws": json.dumps([]), "versions": json.dumps(provenance.versions()),
+        "method": sol.method, "tolerance": sol.tol,
     }  # fmt: skip
 
 

@@ -13,12 +13,11 @@ PUBLIC: dict[str, tuple[str, ...]] = {
     "solver": tuple(f"solver.{name}" for name in solver.__all__),
     "studies": (*(f"studies.{name}" for name in studies.__all__), "studies.language.loader.loads"),
     "workbench": (
-        "workbench.accessor.RodAccessor",
+        "workbench.stored.stored_study.StoredStudy",
         "workbench.notebook.Plot",
         "workbench.notebook.Scene",
         "workbench.store.in_memory.run",
         "workbench.store.study_store.run_to_file",
-        "workbench.store.law_verdicts.verdicts",
         "workbench.export.stored_rod.export",
         "workbench.export.base.Options",
     ),

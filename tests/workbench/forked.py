@@ -23,7 +23,7 @@ from typing import Any
 
 ROOT = Path(__file__).parents[2]
 IMPORTED = (
-    "workbench.cli", "workbench.store.law_verdicts", "workbench.store.writing",
+    "workbench.cli", "workbench.stored.law_verdicts", "workbench.store.writing",
     "workbench.store.study_store", "workbench.store.file_merge", "workbench.commands.run",
     "solver.methods.half_period", "rich.table", "rich.console",
     "pydantic.type_adapter", "scipy.integrate", "scipy.interpolate", "scipy.optimize", "h5netcdf.legacyapi",

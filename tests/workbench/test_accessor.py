@@ -15,7 +15,9 @@ from tests.slow import slow_but
 from tests.workbench import small
 from tests.workbench.command import output_of
 from workbench.commands import options
-from workbench.store import block, in_memory, schema, selection, writing
+from workbench.store import in_memory, writing
+from workbench.stored import one_case, quantity_variables, solved_again
+from workbench.stored.stored_study import StoredStudy
 
 ALL = f"outputs = {list(OUTPUTS)}"
 AXES = "[axes.E]\nvalues = [1e4, 2e4]\n[axes.R]\nvalues = [0.5, 0.75, 1.0]\n"
@@ -50,7 +52,7 @@ def test_every_array_is_the_solutions_own_from_what_is_stored(full, name: str) -
 @pytest.mark.parametrize("name", [*OUTPUTS, *FRAMES])
 def test_every_array_is_the_solutions_own_where_nothing_along_the_rod_is_stored(full, name: str) -> None:
     ds, sol = full
-    kept = ds.drop_vars([*schema.CURVES, "xyz"])
+    kept = ds.drop_vars([*quantity_variables.CURVES, "xyz"])
     np.testing.assert_array_equal(getattr(kept.rod, name), getattr(sol, name))
 
 
@@ -67,11 +69,10 @@ def test_the_torque_of_rods_that_turn_in_place_is_stored_at_both_ends_and_solved
 
 
 def test_what_suffices_is_not_solved_and_what_does_not_is_solved_once(full, monkeypatch) -> None:
-    from workbench.store import stored_case
 
     ds, _ = full
     calls = []
-    monkeypatch.setattr(stored_case, "solve_one", lambda *args: calls.append(args) or block.solve_one(*args))
+    monkeypatch.setattr(solved_again, "solve_one", lambda *args: calls.append(args) or one_case.solve_one(*args))
     kept = ds[["alpha", "beta", "z", "outcome"]]
     for name in ("position", "tangent", "normal", "FY", "F2", "F3", "M2"):
         kept.rod.along(name)
@@ -130,12 +131,12 @@ def test_an_axis_that_has_an_outputs_name_is_not_taken_for_it() -> None:
     sol = solve(small.study("[axes.beta]\nvalues = [0.4, 0.5]\n").case(), stations=21)
     np.testing.assert_array_equal(ds.rod.beta, sol.beta)
     np.testing.assert_allclose(ds.rod.kappa, sol.kappa, rtol=1e-14)
-    assert "_solved" not in vars(ds.rod), "it was solved again"
+    assert "_solution" not in vars(ds.rod), "it was solved again"
     for name in ("beta", "beta0"):  # the study's field, and the dataset's dimension
         np.testing.assert_allclose(ds.rod.at(**{name: 0.4}).beta[0], 0.4, rtol=1e-15)  # rounding
         chosen = ds.rod.sel(**{name: 0.5})
         np.testing.assert_array_equal(chosen.rod.beta, sol.beta[1])
-        assert selection.case(ds, {name: "0.5"}) == {"beta0": 1}
+        assert ds.rod.place({name: "0.5"}) == {"beta0": 1}
 
 
 def test_a_followed_equilibrium_is_followed_between_its_values_and_not_past_its_fold() -> None:
@@ -183,9 +184,8 @@ def test_unsolved_cases_stay_nan_when_they_are_solved_again(monkeypatch) -> None
 
 
 def test_what_would_take_too_long_is_refused(full, monkeypatch) -> None:
-    from workbench.store import stored_case
 
-    monkeypatch.setattr(stored_case, "MOST_SOLVED", 5)
+    monkeypatch.setattr(solved_again, "MOST_SOLVED", 5)
     kept = full[0][["alpha", "outcome"]]
     with pytest.raises(
         InputError, match=r"6 cases would have to be solved again, more than 5; select some first, as ds.rod.sel\(E="
@@ -207,7 +207,7 @@ IMPORTS = {"accessor first": "import workbench.accessor, xarray", "xarray first"
 @pytest.mark.parametrize("order", slow_but(IMPORTS, "accessor first"))
 def test_importing_the_accessor_registers_it_and_loads_no_solver(order: str) -> None:
     assert output_of(f"{IMPORTS[order]}; print(xarray.Dataset.rod.__name__, 'solver' in sys.modules)") == [
-        "RodAccessor",
+        "rod",
         "False",
     ]
 
@@ -233,7 +233,7 @@ def test_every_part_of_the_workbench_means_the_same_value_of_an_axis(full, said,
         return None
 
     assert found(lambda: float(ds.rod.sel(E=said)["E"])) == stored
-    assert found(lambda: float(ds["E"][selection.case(ds, {"E": said})["E"]])) == stored
-    assert found(lambda: float(ds["E"][selection.line(ds, "R", {"E": said})[0]["E"]])) == stored
+    assert found(lambda: float(ds["E"][ds.rod.place({"E": said})["E"]])) == stored
+    assert found(lambda: float(ds["E"][ds.rod.places("R", {"E": said})[0]["E"]])) == stored
     if isinstance(said, str):
-        assert found(lambda: options.axis_values(ds, [f"E={said}"])["E"]) == stored
+        assert found(lambda: options.axis_values(StoredStudy(ds), [f"E={said}"])["E"]) == stored

@@ -19,6 +19,7 @@ from workbench.commands.present import result_of_files
 from workbench.figures import canvas
 from workbench.scene import film, opengl, scene_kinds
 from workbench.store import in_memory, writing
+from workbench.stored.stored_study import StoredStudy
 
 DPI, SIZE = 50, (320, 212)  # of a scene in a frame
 AXIS = "[axes.E]\nvalues = [1e4, 2e4, 3e4]\n"
@@ -35,7 +36,7 @@ def shown() -> film.Film:
 
 @pytest.fixture(scope="module")
 def made(ds) -> list[np.ndarray]:
-    return list(film.frames(ds, shown()))
+    return list(film.frames(StoredStudy(ds), shown()))
 
 
 @draws
@@ -57,7 +58,7 @@ def test_the_cylinder_stands_still_the_rod_moves_and_the_curve_grows_to_the_righ
 @draws
 def test_a_case_without_a_shape_is_a_frame_that_says_so(ds, made) -> None:
     lost = small.with_outcomes(ds, ["solved", "no solution", "solved"]).assign(height=("E", [1.0, np.nan, 2.0]))
-    frames = list(film.frames(lost, shown()))
+    frames = list(film.frames(StoredStudy(lost), shown()))
     assert {frame.shape for frame in frames} == {made[0].shape}
     top, foot = round((film.SIZE[1] - film.TOP - 0.3) * DPI), round((film.FOOT + film.DIAGRAM[1] + 0.2) * DPI)
     assert (frames[1][-top:-foot].max(axis=-1) < 250).mean() < 0.02  # a few letters
@@ -67,7 +68,7 @@ def test_a_case_without_a_shape_is_a_frame_that_says_so(ds, made) -> None:
 def test_the_curve_of_an_angle_is_in_degrees_and_that_of_an_expression_has_its_name(observable, words) -> None:
     ds = in_memory.run(small.study(f'{AXIS}[expressions]\nbend = "kappa_max * a"\n', 'observables = ["amplitude"]'))
     axes = Figure().subplots()
-    film._draw_diagram(axes, ds, film.Film("E", {}, observable))
+    film._draw_diagram(axes, StoredStudy(ds), film.Film("E", {}, observable))
     values = np.degrees(ds["amplitude"]) if observable == "amplitude" else ds["bend"]
     np.testing.assert_allclose(axes.lines[0].get_ydata(), values)
     assert words in axes.get_title(loc="left").lower()
@@ -139,9 +140,9 @@ def test_the_old_command_names_the_new_one(ds, tmp_path, monkeypatch, capsys) ->
 
 def test_the_curve_is_that_of_the_axiss_law_where_none_is_asked_for(ds) -> None:
     grid = small.six()
-    assert film.observable_of(grid, "R", None) == "kappa_max"  # of its law
-    assert film.observable_of(grid, "E", None) in ("turns", "wraps", "kappa_max")
-    assert film.observable_of(ds, "E", "height") == "height"
+    assert film.observable_of(StoredStudy(grid), "R", None) == "kappa_max"  # of its law
+    assert film.observable_of(StoredStudy(grid), "E", None) in ("turns", "wraps", "kappa_max")
+    assert film.observable_of(StoredStudy(ds), "E", "height") == "height"
 
 
 def test_what_is_missing_is_said_before_anything_is_drawn(ds, tmp_path, monkeypatch) -> None:
@@ -181,7 +182,7 @@ def test_the_scale_of_all_frames_is_one_whatever_their_legends_say() -> None:
     settings = composition.Settings(2.0, DPI, size=(300, SIZE[1]))  # of two legends one has two lines
 
     def page(E: float, along: str | None) -> Any:
-        return layout.compose(ds, {"E": E}, "plain", (), along, settings)
+        return layout.compose(StoredStudy(ds), {"E": E}, "plain", (), along, settings)
 
     alone = [page(E, None) for E in (5e3, 2e4)]
     assert alone[0].legend != alone[1].legend  # only the soft rod passes through itself in sight
@@ -196,16 +197,19 @@ def test_the_scale_of_all_frames_is_one_whatever_their_legends_say() -> None:
 def test_a_film_has_as_many_frames_as_its_change_needs(tmp_path, capsys) -> None:
     study = loads(small.HEAD + "[axes.E]\nvalues = [1e4, 2e4]\n", default_name="soft")
     ds = in_memory.run(study)
-    more = study_scene.film_cases(ds, "E", {}, scene_kinds.kind_of("plain"), "height", 200)
+    more = study_scene.film_cases(StoredStudy(ds), "E", {}, scene_kinds.kind_of("plain"), "height", 200)
     assert more is not None
     assert 72 <= more.sizes["E"] <= 200
     assert more["E"].attrs["spacing"] == "linear"  # as the axis, wherever its rods move
-    moves = study_scene._motion(more, "E")
+    moves = study_scene._motion(more.ds, "E")
     assert moves.max() < 4 * np.median(moves)  # at an even pace
     near = ds.assign_coords(E=[1e4, 1.001e4])
-    few = study_scene.film_cases(near, "E", {}, scene_kinds.kind_of("plain"), "height", 200)
+    few = study_scene.film_cases(StoredStudy(near), "E", {}, scene_kinds.kind_of("plain"), "height", 200)
     assert few is not None
     assert few.sizes["E"] == 72  # three seconds
     assert (
-        study_scene.film_cases(ds.assign_attrs(study=""), "E", {}, scene_kinds.kind_of("plain"), "height", 200) is None
+        study_scene.film_cases(
+            StoredStudy(ds.assign_attrs(study="")), "E", {}, scene_kinds.kind_of("plain"), "height", 200
+        )
+        is None
     )

@@ -21,6 +21,7 @@ from workbench.branches import branch_dataset
 from workbench.branches.equilibria_dataset import dataset_of
 from workbench.figures import bifurcation, equilibria_figure, point_numbers, unrolled
 from workbench.figures.point_numbers import Point
+from workbench.stored.stored_study import StoredStudy
 
 ROD, CYLINDER = Rod(E=325.95, nu=0.25, a=0.25, L=5.0), Cylinder(R=0.75)
 
@@ -42,7 +43,7 @@ def held() -> xr.Dataset:
 
 @pytest.fixture(scope="module")
 def drawn(dead, held) -> dict[str, Figure]:
-    return {"dead": bifurcation.figure(dead), "held": bifurcation.figure(held)}
+    return {"dead": bifurcation.figure(StoredStudy(dead)), "held": bifurcation.figure(StoredStudy(held))}
 
 
 def points_of(ax) -> list:
@@ -67,7 +68,7 @@ def test_a_shape_has_the_look_of_its_line_whose_weight_says_whether_it_is_stable
 
 def test_red_is_for_what_fails_alone(drawn) -> None:
     case = Case(ROD, CYLINDER, Ends(beta0=0.5, betaL=0.5, FZ=-2.0))
-    listed = equilibria_figure.figure(dataset_of(load("fig6"), case, all_equilibria(case)))
+    listed = equilibria_figure.figure(StoredStudy(dataset_of(load("fig6"), case, all_equilibria(case))))
     for fig in (*drawn.values(), listed):
         assert share_of_red(fig) == 0.0
 
@@ -80,19 +81,19 @@ def test_diagrams_of_branches_and_of_equilibria_show_what_is_stored(dead, drawn)
     pictures = {
         "under dead loads": lambda: drawn["dead"],
         "with a held height": lambda: drawn["held"],
-        "any observable": lambda: bifurcation.figure(dead, show=["energy"]),
-        "with laws": lambda: bifurcation.figure(judged),
-        "equilibria": lambda: equilibria_figure.figure(listed),
-        "pushes of equilibria": lambda: equilibria_figure.figure(listed, show=["push_max"]),
+        "any observable": lambda: bifurcation.figure(StoredStudy(dead), show=["energy"]),
+        "with laws": lambda: bifurcation.figure(StoredStudy(judged)),
+        "equilibria": lambda: equilibria_figure.figure(StoredStudy(listed)),
+        "pushes of equilibria": lambda: equilibria_figure.figure(StoredStudy(listed), show=["push_max"]),
     }
     stored_figures.check("pictures_branches", pictures)
 
 
 def test_dashed_lines_that_coincide_are_drawn_once(dead) -> None:
     """Two dashed lines one above the other look solid. Mirror images have one height and one energy."""
-    ax = bifurcation.panel(dead, Figure().add_subplot(), "energy")
+    ax = bifurcation.panel(StoredStudy(dead), Figure().add_subplot(), "energy")
     dashed = [line.get_xydata() for line in ax.lines if line.get_linestyle() == "--"]
-    unstable = [row["branch"] for row in branch_dataset.branches(dead) if row["index"]]
+    unstable = [row["branch"] for row in StoredStudy(dead).data("branches") if row["index"]]
     names = ("curve_FZ", "curve_energy")
     curves = [np.stack([dead[n].values[dead["curve_branch"].values == b] for n in names], axis=1) for b in unstable]
     apart = {tuple(np.round(curve[[0, -1]], 6).ravel()) for curve in curves}
@@ -108,7 +109,7 @@ def test_a_whole_number_along_a_branch_is_drawn_at_its_points_and_nowhere_in_bet
     """It has a gap where it changes; a smooth line would show numbers that no rod has."""
     numbers = (held["curve_FZ"].values > np.median(held["curve_FZ"].values)) * 1.0
     counted = held.assign(curve_turns=("curve_point", numbers, {"long_name": "number of bends", "units": "1"}))
-    ax = bifurcation.panel(counted, Figure().add_subplot(), "turns")
+    ax = bifurcation.panel(StoredStudy(counted), Figure().add_subplot(), "turns")
     lines = [line for line in ax.lines if line.get_linestyle() != "None"]
     assert len(lines) > 1
     assert {tuple(np.unique(line.get_ydata())) for line in lines} == {(0.0,), (1.0,)}
@@ -116,12 +117,12 @@ def test_a_whole_number_along_a_branch_is_drawn_at_its_points_and_nowhere_in_bet
 
 def test_of_many_branches_on_one_line_a_few_pairs_are_named(dead, monkeypatch) -> None:
     monkeypatch.setattr(bifurcation, "MOST_PAIRS", 1)
-    (said,) = bifurcation._alike(dead, "height")
+    (said,) = bifurcation._alike(StoredStudy(dead), "height")
     assert said == "One line shows both of two branches: 3 and 4; 2 more pairs."
 
 
 def test_one_branch_alone_has_a_row_of_shapes(held) -> None:
-    assert len(branch_dataset.branches(held)) == 1
+    assert len(StoredStudy(held).data("branches")) == 1
     assert held.sizes["shape"] == 8
     assert (np.diff(held["shape_height"].values) > 0).all()
     assert set(held["shape_branch"].values) == {0}
@@ -224,7 +225,7 @@ def test_a_line_breaks_at_a_point_that_is_not_solved(held) -> None:
     missing["curve_FZ"][k] = np.nan
     value = float(held["curve_height"].values[k])
     for ds, passes in ((held, True), (missing, False)):
-        ax = bifurcation.figure(ds).axes[0]
+        ax = bifurcation.figure(StoredStudy(ds)).axes[0]
         lines = [line.get_xydata() for line in ax.lines if line.get_linestyle() != "None" and len(line.get_xdata()) > 2]
         near = [np.abs(points - [value, held["curve_FZ"].values[k]]).max(axis=1).min() for points in lines]
         assert (min(near) < 1e-9) == passes

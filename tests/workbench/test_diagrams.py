@@ -28,6 +28,7 @@ from workbench.figures import (
     waves,
 )
 from workbench.store import in_memory
+from workbench.stored.stored_study import StoredStudy
 
 OUTPUTS = 'outputs = ["beta", "dbeta", "alpha", "z", "kappa", "contact"]\n'
 AXIS = "[axes.E]\nvalues = [5e3, 1e4, 2e4, 4e4]\n"
@@ -39,7 +40,7 @@ def ds() -> xr.Dataset:
 
 
 def test_the_values_of_the_axis_stand_at_the_same_height_in_every_panel_of_a_ridge(ds) -> None:
-    fig = along.figure(ds)
+    fig = along.figure(StoredStudy(ds))
     fig.draw_without_rendering()
     heights = [[ax.transAxes.inverted().transform(ax.transData.transform((0, y)))[1] for y in ax.get_yticks()]
                for ax in fig.axes]  # fmt: skip
@@ -50,17 +51,17 @@ def test_the_values_of_the_axis_stand_at_the_same_height_in_every_panel_of_a_rid
 
 def test_no_curve_of_a_ridge_reaches_the_next_one(ds) -> None:
     for name, rad in (("beta", np.radians(1)), ("kappa", 1.0), ("push", 1.0)):
-        (ax,) = along.figure(ds, show=[name]).axes
+        (ax,) = along.figure(StoredStudy(ds), show=[name]).axes
         steps = np.diff(ax.get_yticks())
         assert np.ptp(steps) < 1e-9 * steps.sum()
-        curves = [rod[name] / rad for rod in drawn_rods.choose(ds, (name,)).rods]
+        curves = [rod[name] / rad for rod in drawn_rods.choose(StoredStudy(ds), (name,)).rods]
         assert all((low < high + steps[0]).all() for low, high in pairwise(curves))
 
 
 @pytest.mark.slow
 def test_a_ridge_of_sixty_values_names_as_many_as_have_room() -> None:
     many = in_memory.run(study("[axes.E]\nfrom = 5e3\nto = 4e4\ncount = 61\n"))
-    fig = along.figure(many)
+    fig = along.figure(StoredStudy(many))
     fig.draw_without_rendering()
     texts = [text for text in fig.axes[0].get_yticklabels() if text.get_text()]
     boxes = sorted((text.get_window_extent().y0, text.get_window_extent().y1) for text in texts)
@@ -80,7 +81,7 @@ def test_the_colours_of_a_line_are_those_of_the_one_definition() -> None:
 
 
 def test_rings_stand_on_the_rods_whose_caution_says_that_they_pass_through_themselves(ds) -> None:
-    views = unrolled.panel_of(drawn_rods.choose(ds, unrolled.NAMES), (8.0, 5.0), 8.0).views
+    views = unrolled.panel_of(drawn_rods.choose(StoredStudy(ds), unrolled.NAMES), (8.0, 5.0), 8.0).views
     ringed = [bool(view.rings) for view in views]
     assert ringed == ["overlaps" in text for text in ds["caution"].values]
     assert any(ringed)
@@ -88,7 +89,7 @@ def test_rings_stand_on_the_rods_whose_caution_says_that_they_pass_through_thems
 
 
 def test_the_views_along_an_axis_have_equal_room_do_not_touch_and_are_as_large_as_the_page_allows(ds) -> None:
-    rods = drawn_rods.choose(ds, unrolled.NAMES)
+    rods = drawn_rods.choose(StoredStudy(ds), unrolled.NAMES)
     for room in ((8.0, 5.0), (2.9, 3.0), (8.0, 1.6)):
         panel = unrolled.panel_of(rods, room, 8.0)
         form, sizes = panel.form, np.array([view.size for view in panel.views])
@@ -101,7 +102,7 @@ def test_the_views_along_an_axis_have_equal_room_do_not_touch_and_are_as_large_a
 
 
 def test_a_rod_lies_on_its_level_and_a_separatrix_passes_through_the_saddles(ds) -> None:
-    fig = portrait.figure(ds, at={"E": 1e4})
+    fig = portrait.figure(StoredStudy(ds), at={"E": 1e4})
     phase, well = fig.axes
     one = ds.sel(E=1e4)
     A = np.pi / 16 * 1e4 * 0.25**4  # the paper's stiffness
@@ -128,7 +129,7 @@ def test_a_rod_lies_on_its_level_and_a_separatrix_passes_through_the_saddles(ds)
 
 def test_a_file_that_no_longer_fits_its_study_is_drawn_as_stored_and_says_so(ds) -> None:
     changed = ds.assign_attrs(study=str(ds.attrs["study"]).replace("[axes.E]", "[base]\ndbeta = 0.51\n[axes.E]"))
-    found = drawn_rods.choose(changed, ("alpha", "z", "push"))
+    found = drawn_rods.choose(StoredStudy(changed), ("alpha", "z", "push"))
     parts = (found.rods[0]["z"].size - 1) // 200
     np.testing.assert_allclose(found.rods[0]["z"][::parts], ds["z"][0], atol=1e-12)
     why = "solved again, the cases have other shapes than the file: alpha differs"
@@ -138,15 +139,15 @@ def test_a_file_that_no_longer_fits_its_study_is_drawn_as_stored_and_says_so(ds)
     with pytest.raises(
         InputError, match="does not store push, and its cases cannot be solved again: the dataset has no"
     ):
-        drawn_rods.choose(unknown, ("alpha", "z", "push"))
+        drawn_rods.choose(StoredStudy(unknown), ("alpha", "z", "push"))
 
 
 def test_what_is_drawn_between_stored_stations_is_what_a_dense_solve_says(ds) -> None:
     dense = in_memory.run(study(AXIS, OUTPUTS).at_stations(8001)).assign_attrs(study="")
     names = ("beta", "alpha", "z", "kappa", "push")
-    true = drawn_rods.choose(dense, names)
+    true = drawn_rods.choose(StoredStudy(dense), names)
     for file in (ds, ds.assign_attrs(study="")):
-        for rod, other in zip(drawn_rods.choose(file, names).rods, true.rods, strict=True):
+        for rod, other in zip(drawn_rods.choose(StoredStudy(file), names).rods, true.rods, strict=True):
             for name in names:
                 off = np.abs(np.interp(other["s"], rod["s"], rod[name]) - other[name]).max()
                 assert off <= np.ptp(np.concatenate([one[name] for one in true.rods])) / drawn_rods.SHADES
@@ -157,7 +158,7 @@ def test_a_file_whose_stations_are_too_few_for_a_picture_is_refused_with_their_n
     few = in_memory.run(study(AXIS, OUTPUTS).at_stations(stations)).assign_attrs(study="")
     for draw in (unrolled.figure, along.figure, portrait.figure, study_figure.figure):
         with pytest.raises(InputError, match=rf"{stations} stations are too few to draw .*: store about \d+ \(station"):
-            draw(few)
+            draw(StoredStudy(few))
 
 
 def test_waves_of_less_than_four_pixels_are_the_band_from_their_least_to_their_largest() -> None:
@@ -180,7 +181,11 @@ def test_waves_of_less_than_four_pixels_are_the_band_from_their_least_to_their_l
 def test_what_is_not_stored_is_solved_again(ds) -> None:
     bare = in_memory.run(study(AXIS, "outputs = []\n").at_stations(201))
     for name in ("beta", "kappa"):
-        for one, other in zip(drawn_rods.choose(bare, (name,)).rods, drawn_rods.choose(ds, (name,)).rods, strict=True):
+        for one, other in zip(
+            drawn_rods.choose(StoredStudy(bare), (name,)).rods,
+            drawn_rods.choose(StoredStudy(ds), (name,)).rods,
+            strict=True,
+        ):
             np.testing.assert_allclose(one[name][::5], np.interp(one["s"][::5], other["s"], other[name]), atol=1e-5)
 
 
@@ -189,7 +194,7 @@ def test_equal_peaks_of_push_are_drawn_equal_however_few_stations_are_stored() -
         study("[axes.E]\nvalues = [1e4]\n", 'observables = ["push_max"]\noutputs = ["contact", "beta"]\n')
     )
     for stored in (ds, ds.isel(E=0)):
-        push = study_figure.figure(stored).axes[1].lines[0].get_ydata()
+        push = study_figure.figure(StoredStudy(stored)).axes[1].lines[0].get_ydata()
         peaks = push[1:-1][(push[1:-1] > push[:-2]) & (push[1:-1] > push[2:]) & (push[1:-1] > 160)]
         assert peaks.size == 6
         np.testing.assert_allclose(peaks, ds["push_max"].values[0], rtol=1e-3)  # a third of a pixel
@@ -204,7 +209,7 @@ def test_a_whole_number_is_drawn_where_a_case_has_it_and_brackets_hold_its_chang
     jumps = [(E[k], E[k + 1]) for k in np.flatnonzero(np.diff(turns))]
     assert len(jumps) == 3
     for ds, wide in ((coarse, True), (fine, False)):
-        ax = trends.trend(ds, Figure(figsize=(5, 3)).subplots(), "turns", "E")
+        ax = trends.trend(StoredStudy(ds), Figure(figsize=(5, 3)).subplots(), "turns", "E")
         brackets = [line for line in ax.lines if line.get_label() == trends.BRACKET]
         assert len(brackets) == 3 * wide
         for (low, high), line in zip(jumps, brackets, strict=wide):
@@ -225,6 +230,6 @@ def test_drawing_leaves_no_state_behind(tmp_path) -> None:
     import matplotlib
 
     before = dict(matplotlib.rcParams)
-    canvas.save(study_figure.figure(small.six()), tmp_path / "figure.png")
+    canvas.save(study_figure.figure(StoredStudy(small.six())), tmp_path / "figure.png")
     assert dict(matplotlib.rcParams) == before
     assert "matplotlib.pyplot" not in sys.modules or not sys.modules["matplotlib.pyplot"].get_fignums()

@@ -20,7 +20,8 @@ from workbench.branches.ends_study import DEFAULT, ends_problem, write_cases
 from workbench.branches.equilibria_dataset import dataset_of
 from workbench.commands.case_options import parse_axis
 from workbench.store import in_memory, reading, writing
-from workbench.store.block import solve_one
+from workbench.stored.one_case import solve_one
+from workbench.stored.stored_study import StoredStudy
 
 MANY = -0.3655, 0.7464, -0.7506
 
@@ -132,14 +133,14 @@ def test_a_fold_is_where_the_branch_of_table_1_is_known_to_end(swept) -> None:
     assert off.min() < 1e-6
     assert swept["fold_dbeta0"].values[off.argmin()] == pytest.approx(known.fold_dbeta0, abs=2e-2)
     first, second = swept["fold_branches"].values[off.argmin()]
-    rows = branch_dataset.branches(swept)
+    rows = StoredStudy(swept).data("branches")
     assert abs(rows[first]["index"] - rows[second]["index"]) == 1
     assert rows[first]["to"] == rows[second]["to"] == pytest.approx(35)
 
 
 def test_the_papers_claim_is_not_contradicted_on_its_own_branch_and_fails_on_others(swept) -> None:
     """Panel (4): turns do not fall (nor rise, as the sentence says) and kappa_mean rises with beta(L)."""
-    rows = [row for row in branch_dataset.branches(swept) if row["values"] > 2]
+    rows = [row for row in StoredStudy(swept).data("branches") if row["values"] > 2]
     known = to_fold(load(DEFAULT).case(), np.deg2rad(60))
     at = np.interp(0.0, known.values, known.dbeta0)
     own = int(swept["branch"].values[0, np.nanargmin(np.abs(swept["dbeta0"].values[0] - at))])

@@ -18,6 +18,7 @@ from workbench.figures import bars, equilibria_figure, kinds, robustness, story,
 from workbench.figures.sheet import sheet
 from workbench.influence.derivatives import local
 from workbench.store import reading
+from workbench.stored.stored_study import StoredStudy
 from workbench.web.report import measured_runs, report_runs
 
 SHEETS = {"screen": sheet(), "column": sheet("paper", 89, titled=False), "page": sheet("paper", 183, titled=False)}
@@ -26,22 +27,23 @@ SHEETS = {"screen": sheet(), "column": sheet("paper", 89, titled=False), "page":
 @pytest.mark.parametrize("page", SHEETS)
 @pytest.mark.parametrize("kind", kinds.OF_STUDIES)
 def test_every_kind_of_picture_can_be_read_at_every_width(six, kind: str, page: str) -> None:
-    fig = kinds.figure(small.study_dataset("capstan") if kind == "states" else six, kind, SHEETS[page])
+    fig = kinds.figure(StoredStudy(small.study_dataset("capstan") if kind == "states" else six), kind, SHEETS[page])
     assert fig.get_figwidth() == pytest.approx(SHEETS[page].width)
     assert faults(fig) == []
 
 
 @pytest.mark.parametrize("name", ["fig7_1_modulus", "fig7_2_radius"])
 def test_sentences_below_a_narrow_picture_leave_its_panels_their_room(name: str) -> None:
-    fig = kinds.figure(small.study_dataset(name), "lines", sheet("paper", 89))
+    fig = kinds.figure(StoredStudy(small.study_dataset(name)), "lines", sheet("paper", 89))
     assert [fault for fault in faults(fig) if "over one another" in fault] == []
 
 
 @cache
-def chosen() -> dict[str, xr.Dataset]:
-    """The datasets of the story."""
+def chosen() -> dict[str, StoredStudy]:
+    """The files of the story."""
     claims = report_runs.run_readings([load("fig7_1_modulus"), load("fig7_2_radius")])
-    return {name: small.study_dataset(name) for name in (story.ROD, story.ALONG)} | {story.CLAIMS: claims}
+    files = {name: small.study_dataset(name) for name in (story.ROD, story.ALONG)} | {story.CLAIMS: claims}
+    return {name: StoredStudy(ds) for name, ds in files.items()}
 
 
 @cache
@@ -62,11 +64,13 @@ def shipped_measurements(name: str) -> xr.Dataset:
 OTHERS: dict[str, Callable[[], Figure]] = {
     "the story": lambda: story.figure(chosen(), SHEETS["page"]),
     "the story, in a column": lambda: story.figure(chosen(), SHEETS["column"]),
-    "bars that have room": lambda: kinds.figure(small.study_dataset("fig7_1_modulus"), "bars", SHEETS["column"]),
-    "effects that have room": lambda: kinds.figure(effects(), "tornado", SHEETS["column"]),
-    "effects": lambda: bars.tornado(effects()),
-    "equilibria": lambda: equilibria_figure.figure(equilibria_of_fig6()),
-    "trade": lambda: work_precision.figure(shipped_measurements("trade")),
+    "bars that have room": lambda: kinds.figure(
+        StoredStudy(small.study_dataset("fig7_1_modulus")), "bars", SHEETS["column"]
+    ),
+    "effects that have room": lambda: kinds.figure(StoredStudy(effects()), "tornado", SHEETS["column"]),
+    "effects": lambda: bars.tornado(StoredStudy(effects())),
+    "equilibria": lambda: equilibria_figure.figure(StoredStudy(equilibria_of_fig6())),
+    "trade": lambda: work_precision.figure(StoredStudy(shipped_measurements("trade"))),
 }
 
 
@@ -78,7 +82,9 @@ def test_other_pictures_can_be_read_and_show_what_is_stored() -> None:
 def test_the_shipped_map_of_extremes_can_be_read_and_shows_what_is_stored() -> None:
     """Numbers of a cell are smaller than other letters."""
     stored_figures.check(
-        "pictures_extremes", {"extremes": lambda: robustness.figure(shipped_measurements("extremes"))}, least=6.0
+        "pictures_extremes",
+        {"extremes": lambda: robustness.figure(StoredStudy(shipped_measurements("extremes")))},
+        least=6.0,
     )
 
 
@@ -87,7 +93,7 @@ def test_the_shipped_map_of_extremes_can_be_read_and_shows_what_is_stored() -> N
 @pytest.mark.parametrize("name", names())
 def test_the_pictures_of_every_study_can_be_read_at_every_width_and_are_not_empty(name: str, page: str) -> None:
     ds = small.study_dataset(name)
-    for kind in dict.fromkeys((kinds.kind_of(ds), "lines")):
-        fig = kinds.figure(ds, kind, SHEETS[page])
+    for kind in dict.fromkeys((kinds.kind_of(StoredStudy(ds)), "lines")):
+        fig = kinds.figure(StoredStudy(ds), kind, SHEETS[page])
         assert faults(fig) == []
         assert 0.02 < share_of_ink(picture(fig)) < 0.6

@@ -27,6 +27,7 @@ from workbench.export.base import Options
 from workbench.export.stored_rod import export
 from workbench.geometry import centreline, self_contact, stored_line
 from workbench.store import in_memory, writing
+from workbench.stored.stored_study import StoredStudy
 
 # Table 1 but for E, its lengths in any unit: at 5000 a bend is tighter than the rod is thick, at 10700 turns meet, at
 # 20000 neither.
@@ -55,7 +56,7 @@ def ds() -> xr.Dataset:
 
 
 def line(ds: xr.Dataset, i: int = 2, every: int = 1) -> centreline.Centreline:
-    return stored_line.read(ds.isel(u=slice(None, None, every)), {"E": i})
+    return stored_line.read(StoredStudy(ds.isel(u=slice(None, None, every))), {"E": i})
 
 
 @pytest.mark.parametrize("every", [1, 2, 4, 8])
@@ -97,7 +98,7 @@ def kernel():
 @pytest.fixture(scope="module")
 def step_file(ds, kernel, tmp_path_factory) -> Path:
     path = tmp_path_factory.mktemp("step") / "rod.step"
-    assert export(ds, path, Options(SOUND)).warnings == []
+    assert export(StoredStudy(ds), path, Options(SOUND)).warnings == []
     return path
 
 
@@ -178,7 +179,7 @@ def test_the_text_of_a_step_file_says_the_same_to_a_reader_without_a_cad_kernel(
 @pytest.mark.parametrize("length, size", [("nm", 1e-9), ("dm", 0.1), ("in", 0.0254)])
 def test_a_step_file_keeps_the_studys_unit(kernel, tmp_path, length, size) -> None:
     ds = in_memory.run(loads(STUDY.replace('"cm"', f'"{length}"'), default_name="moduli"))
-    export(ds, tmp_path / "rod.step", Options(SOUND, centreline=True))
+    export(StoredStudy(ds), tmp_path / "rod.step", Options(SOUND, centreline=True))
     (edge,) = parts(kernel, shapes(kernel, tmp_path / "rod.step"), "EDGE")
     properties = kernel.GProp_GProps()
     kernel.BRepGProp.LinearProperties_s(edge, properties)
@@ -186,19 +187,19 @@ def test_a_step_file_keeps_the_studys_unit(kernel, tmp_path, length, size) -> No
 
 
 def test_a_step_file_is_no_nearer_than_it_says_and_needs_no_more_spans_than_that(ds, kernel, tmp_path) -> None:
-    fine = export(ds, tmp_path / "fine.step", Options(SOUND, 1e-6, centreline=True)).facts
-    rough = export(ds, tmp_path / "rough.step", Options(SOUND, 1e-3, centreline=True)).facts
+    fine = export(StoredStudy(ds), tmp_path / "fine.step", Options(SOUND, 1e-6, centreline=True)).facts
+    rough = export(StoredStudy(ds), tmp_path / "rough.step", Options(SOUND, 1e-3, centreline=True)).facts
     assert rough["spans"] < fine["spans"]
     assert rough["within"] <= 5e-4
 
 
 def test_no_solid_is_made_of_a_rod_that_cannot_be_one(ds, kernel, tmp_path) -> None:
     with pytest.raises(InputError, match=r"bends with a radius of 0.22.* less than its own radius.*--centreline"):
-        export(ds, tmp_path / "rod.step", Options({"E": 5e3}, overlap=True))
+        export(StoredStudy(ds), tmp_path / "rod.step", Options({"E": 5e3}, overlap=True))
     with pytest.raises(InputError, match=r"passes through itself: at s = .*--overlap"):
-        export(ds, tmp_path / "rod.step", Options({"E": 1.07e4}))
+        export(StoredStudy(ds), tmp_path / "rod.step", Options({"E": 1.07e4}))
     assert list(tmp_path.iterdir()) == []
-    done = export(ds, tmp_path / "rod.step", Options({"E": 1.07e4}, overlap=True))
+    done = export(StoredStudy(ds), tmp_path / "rod.step", Options({"E": 1.07e4}, overlap=True))
     assert "passes through itself" in done.warnings[0]
     assert done.facts["volume"] == pytest.approx(VOLUME, rel=1e-8)
 
@@ -206,7 +207,7 @@ def test_no_solid_is_made_of_a_rod_that_cannot_be_one(ds, kernel, tmp_path) -> N
 def test_without_open_cascade_one_sentence_says_what_to_install(ds, tmp_path, monkeypatch) -> None:
     monkeypatch.setitem(sys.modules, "OCP", None)
     with pytest.raises(InputError, match=r"STEP files need Open Cascade.*rod-workbench\[cad\].*libgl1"):
-        export(ds, tmp_path / "rod.step", Options(SOUND))
+        export(StoredStudy(ds), tmp_path / "rod.step", Options(SOUND))
     assert list(tmp_path.iterdir()) == []
 
 
@@ -224,7 +225,7 @@ def read_mesh(path: Path) -> trimesh.Trimesh:
 @pytest.mark.parametrize("kind, scale", [(".stl", 1.0), (".obj", 1.0), (".glb", 0.01), (".gltf", 0.01)])
 def test_a_mesh_is_closed_and_has_the_rods_volume(ds, tmp_path, kind, scale) -> None:
     path = tmp_path / f"rod{kind}"
-    facts = export(ds, path, Options(SOUND, 5e-4)).facts
+    facts = export(StoredStudy(ds), path, Options(SOUND, 5e-4)).facts
     mesh = read_mesh(path)
     assert len(mesh.faces) == facts["triangles"]
     assert mesh.is_watertight
@@ -238,7 +239,7 @@ def test_the_mesh_is_as_near_to_the_rod_as_asked(ds, tmp_path) -> None:
     centre = rod(2e4, s).position
     for tolerance in (5e-3, 5e-4):
         path = tmp_path / f"{tolerance}.stl"
-        export(ds, path, Options(SOUND, tolerance))
+        export(StoredStudy(ds), path, Options(SOUND, tolerance))
         mesh = trimesh.load(path)
         away = cKDTree(centre).query(np.concatenate([mesh.vertices, mesh.triangles.mean(axis=1)]))[0]
         inner = away > 0.2  # not the two flat ends
@@ -249,7 +250,7 @@ def test_the_mesh_is_as_near_to_the_rod_as_asked(ds, tmp_path) -> None:
 
 
 def test_gltf_has_the_scenes_two_colours_where_the_cylinder_pushes_and_where_not(ds, tmp_path) -> None:
-    export(ds, tmp_path / "rod.glb", Options(SOUND))
+    export(StoredStudy(ds), tmp_path / "rod.glb", Options(SOUND))
     mesh = pv.read(tmp_path / "rod.glb").combine()
     colours, count = np.unique(np.round(mesh.point_data["COLOR_0"], 4), axis=0, return_counts=True)
     assert len(colours) == 2
@@ -265,12 +266,12 @@ def test_gltf_has_the_scenes_two_colours_where_the_cylinder_pushes_and_where_not
 def test_the_same_rod_is_the_same_file(ds, tmp_path, kind) -> None:
     files = [tmp_path / f"{name}{kind}" for name in ("one", "other")]
     for path in files:
-        export(ds, path, Options(SOUND, 5e-3))
+        export(StoredStudy(ds), path, Options(SOUND, 5e-3))
     assert files[0].read_bytes() == files[1].read_bytes()
 
 
 def test_gltf_is_of_no_metal_and_names_the_case(ds, tmp_path) -> None:
-    export(ds, tmp_path / "rod.gltf", Options(SOUND, 5e-3))
+    export(StoredStudy(ds), tmp_path / "rod.gltf", Options(SOUND, 5e-3))
     tree = json.loads((tmp_path / "rod.gltf").read_text())
     (mesh,) = tree["meshes"]
     (primitive,) = mesh["primitives"]
@@ -281,7 +282,7 @@ def test_gltf_is_of_no_metal_and_names_the_case(ds, tmp_path) -> None:
 
 
 def test_a_mesh_of_a_rod_that_meets_itself_is_written_and_said(ds, tmp_path) -> None:
-    done = export(ds, tmp_path / "rod.stl", Options({"E": 5e3}, 5e-3))
+    done = export(StoredStudy(ds), tmp_path / "rod.stl", Options({"E": 5e3}, 5e-3))
     assert ["kappa a >= 1" in done.warnings[0], "passes through itself" in done.warnings[1]] == [True, True]
     assert done.path.exists()
 
@@ -290,7 +291,7 @@ def test_a_mesh_of_a_rod_that_meets_itself_is_written_and_said(ds, tmp_path) -> 
 
 
 def test_a_csv_file_has_every_quantity_with_its_unit_as_the_solver_has_it(ds, tmp_path) -> None:
-    export(ds, tmp_path / "rod.csv", Options(SOUND))
+    export(StoredStudy(ds), tmp_path / "rod.csv", Options(SOUND))
     with (tmp_path / "rod.csv").open(encoding="utf-8", newline="") as file:
         head, *rows = csv.reader(file)
     table = dict(zip((name.split(" ")[0] for name in head), np.array(rows, float).T, strict=True))
@@ -304,7 +305,7 @@ def test_a_csv_file_has_every_quantity_with_its_unit_as_the_solver_has_it(ds, tm
 
 
 def test_a_vtp_file_is_a_polyline_with_every_quantity_as_point_data(ds, tmp_path) -> None:
-    export(ds, tmp_path / "rod.vtp", Options(SOUND))
+    export(StoredStudy(ds), tmp_path / "rod.vtp", Options(SOUND))
     shape = pv.read(tmp_path / "rod.vtp")
     sol = rod(2e4, shape.point_data["s"])
     np.testing.assert_allclose(shape.points, sol.position, atol=1e-9)
@@ -315,14 +316,14 @@ def test_a_vtp_file_is_a_polyline_with_every_quantity_as_point_data(ds, tmp_path
 
 
 def test_a_vtp_file_escapes_letters_that_vtk_does_not_store(ds, tmp_path) -> None:
-    export(ds.assign_attrs(versions="\u2028"), tmp_path / "rod.vtp", Options(SOUND))
+    export(StoredStudy(ds.assign_attrs(versions="\u2028")), tmp_path / "rod.vtp", Options(SOUND))
     assert str(pv.read(tmp_path / "rod.vtp").field_data["versions"][0]) == r"\u2028"
 
 
 def test_a_study_that_varies_the_angle_is_exported_with_the_one_along_the_rod(tmp_path) -> None:
     axis = "[axes.beta]\nvalues = [15.0, 30.0]\nunit = 'deg'\n"
     varied = in_memory.run(loads(STUDY.partition("[axes.E]")[0] + axis, default_name="angles"))
-    export(varied, tmp_path / "rod.csv", Options(axis_values(varied, ["beta=15deg"])))
+    export(StoredStudy(varied), tmp_path / "rod.csv", Options(axis_values(StoredStudy(varied), ["beta=15deg"])))
     with (tmp_path / "rod.csv").open() as file:
         first = next(csv.DictReader(file))
     assert float(first["beta [rad]"]) == pytest.approx(np.radians(15))
@@ -380,7 +381,7 @@ def _tube() -> xr.Dataset:
 
 @pytest.mark.parametrize("suffix", [".stl", ".obj", ".glb"])
 def test_the_mesh_of_a_tube_is_closed_and_has_its_bore(tube: xr.Dataset, tmp_path: Path, suffix: str) -> None:
-    written = export(tube, tmp_path / f"tube{suffix}", Options(tolerance=2.5e-3))
+    written = export(StoredStudy(tube), tmp_path / f"tube{suffix}", Options(tolerance=2.5e-3))
     mesh = read_mesh(written.path)
     assert mesh.is_watertight
     assert mesh.is_winding_consistent
@@ -390,7 +391,7 @@ def test_the_mesh_of_a_tube_is_closed_and_has_its_bore(tube: xr.Dataset, tmp_pat
 
 
 def test_the_step_file_of_a_tube_is_a_solid_with_its_bore(kernel, tube: xr.Dataset, tmp_path: Path) -> None:
-    written = export(tube, tmp_path / "tube.step")
+    written = export(StoredStudy(tube), tmp_path / "tube.step")
     (solid,) = parts(kernel, shapes(kernel, written.path), "SOLID")
     assert kernel.BRepCheck_Analyzer(solid).IsValid()
     assert written.facts["volume"] == pytest.approx(WALL, rel=1e-8)
@@ -400,16 +401,16 @@ def test_the_step_file_of_a_tube_is_a_solid_with_its_bore(kernel, tube: xr.Datas
 @pytest.mark.parametrize("suffix", [".obj", ".csv", ".usda"])
 def test_a_number_in_the_name_writes_each_rod_of_the_axis_as_it_is_alone(ds, tmp_path, suffix) -> None:
     unsolved = ds.assign(solved=ds["solved"].copy(data=[True, False, True]))
-    done = export(unsolved, tmp_path / f"frame_{{:03d}}{suffix}")
+    done = export(StoredStudy(unsolved), tmp_path / f"frame_{{:03d}}{suffix}")
     assert sorted(file.name for file in tmp_path.iterdir()) == [f"frame_000{suffix}", f"frame_002{suffix}"]
     assert (done.facts["files"], done.facts["unsolved"], done.facts["values"]) == (2, 1, [5e3, 2e4])
-    export(ds, tmp_path / f"one{suffix}", Options({"E": 2e4}))
+    export(StoredStudy(ds), tmp_path / f"one{suffix}", Options({"E": 2e4}))
     assert (tmp_path / f"frame_002{suffix}").read_bytes() == (tmp_path / f"one{suffix}").read_bytes()
 
 
 @pytest.mark.slow
 def test_a_rod_that_is_no_solid_is_left_out_and_its_neighbours_are_written(kernel, ds, tmp_path) -> None:
-    done = export(ds, tmp_path / "frame_{:d}.step", Options(overlap=True))
+    done = export(StoredStudy(ds), tmp_path / "frame_{:d}.step", Options(overlap=True))
     assert sorted(file.name for file in tmp_path.iterdir()) == ["frame_1.step", "frame_2.step"]
     assert "E=5000 is left out: no solid: the rod bends with a radius" in done.warnings[0]
 

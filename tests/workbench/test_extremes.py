@@ -22,6 +22,7 @@ from workbench.compare.extreme_runs import (
 from workbench.figures import canvas, robustness
 from workbench.figures import colours as palette
 from workbench.store import reading, writing
+from workbench.stored.stored_study import StoredStudy
 from workbench.web.report import measured_runs
 
 
@@ -56,10 +57,10 @@ def test_a_stored_map_holds_all_that_the_drawing_needs(tmp_path: Path) -> None:
     assert not (again["verdict"].sel({"extreme": "L/ρ = 1e-6"}) == INACCURATE).any()
     assert (again["verdict"].sel({"extreme": "L/ρ = 1e-6", "method": "orbit"}) == "solved").all()
     assert (again["verdict"].sel({"extreme": "R = 1e9 a", "method": "euler"}) == REFUSED).all()
-    fig = robustness.figure(again)
+    fig = robustness.figure(StoredStudy(again))
     canvas.save(fig, tmp_path / "map.png")
     assert (tmp_path / "map.png").stat().st_size > 10_000
-    kept = robustness.promise_kept(again)
+    kept = robustness.promise_kept(StoredStudy(again))
     here = {"extreme": "R = 1e9 a", "method": "dop853"}
     i, j = list(again["extreme"].values).index(here["extreme"]), list(again["method"].values).index(here["method"])
     one = again.sel(here)
@@ -81,13 +82,13 @@ def test_the_command_ends_with_status_1_where_a_method_calls_an_inaccurate_answe
 
 def test_a_solved_cell_whose_bound_is_wide_has_a_colour_of_its_own() -> None:
     ds = reading.read(measured_runs.SHIPPED / "extremes.h5", study=False)
-    fig = robustness.figure(ds)
+    fig = robustness.figure(StoredStudy(ds))
     colours = {patch.get_xy(): to_hex(patch.get_facecolor()) for patch in fig.axes[0].patches}
-    wide = robustness.vague(ds)
+    wide = robustness.vague(StoredStudy(ds))
     for (i, j), here in np.ndenumerate(wide):
         assert (colours[j, i] == palette.EXTREMES["vague"]) == here
     saddle = ds["extreme"].values.tolist().index("turns 1e-12 before a saddle")
     assert wide[saddle, ds["method"].values.tolist().index("euler")]
     assert not wide[ds["extreme"].values.tolist().index("Table 1 as printed")].any()
     ones = ds["condition"].copy(data=np.ones(ds["condition"].shape))
-    assert not robustness.vague(ds.assign(condition=ones)).any()
+    assert not robustness.vague(StoredStudy(ds.assign(condition=ones))).any()

@@ -10,7 +10,9 @@ from solver.end_angle_branch import to_fold
 from studies import TABLE_1, load, names
 from tests.workbench import small, stored_figures
 from workbench.figures import kinds
-from workbench.store import in_memory, law_verdicts, selection
+from workbench.store import in_memory
+from workbench.stored import law_verdicts
+from workbench.stored.stored_study import StoredStudy
 
 VERDICTS = {  # of the laws of each figure under the default reading
     "fig6": [],
@@ -37,7 +39,10 @@ PAPER = [name for name in names() if name.startswith("fig")]
 @pytest.mark.parametrize("name", names())
 def test_the_pictures_of_a_shipped_study_can_be_read_and_show_what_is_stored(name: str) -> None:
     ds = small.study_dataset(name)
-    pictures = {kind: partial(kinds.figure, ds, kind) for kind in dict.fromkeys((kinds.kind_of(ds), "lines"))}
+    pictures = {
+        kind: partial(kinds.figure, StoredStudy(ds), kind)
+        for kind in dict.fromkeys((kinds.kind_of(StoredStudy(ds)), "lines"))
+    }
     stored_figures.check(f"figure_{name}", pictures)
 
 
@@ -46,7 +51,7 @@ def test_no_law_of_a_shipped_study_fails_under_the_default_reading_and_those_tha
     name: str,
 ) -> None:
     ds = small.study_dataset(name)
-    assert law_verdicts.unsolved(ds) == 0
+    assert StoredStudy(ds).unsolved == 0
     rows = law_verdicts.verdicts(ds)
     assert [(row["verdict"], row["qualifications"]) for row in rows] == VERDICTS[name]
     assert all(row["reason"] for row in rows if row["verdict"] == "qualified")
@@ -120,4 +125,4 @@ def test_where_a_law_decides_is_where_a_picture_is_taken() -> None:
     forces = small.study_dataset("fig7_5_forces")
     for row in law_verdicts.verdicts(forces):
         for name, value in row["at"].items():
-            assert float(forces[name][selection.case(forces)[name]]) == pytest.approx(value)
+            assert float(forces[name][StoredStudy(forces).place()[name]]) == pytest.approx(value)

@@ -13,6 +13,7 @@ from tests.workbench.pictures import pixels, share_of_hue, share_of_ink
 from workbench import fitting
 from workbench.figures import colours, fit_figure
 from workbench.figures.sheet import SCREEN, sheet
+from workbench.stored.stored_study import StoredStudy
 
 ENDS = small.text({**small.ROD, "beta0": 0.5, "betaL": 0.8, "FZ": -8.5, "MZ": 1.3, "M3": 6.1})
 
@@ -61,7 +62,7 @@ def drawn(case: Case, vary, page=SCREEN):
     sol = solve(case, stations=s)
     points = {"s": s, "alpha": sol.alpha + 0.01 * rng.standard_normal(s.size), "z": sol.z}
     found = fit(case, vary, points=points, starts=0)
-    figure = fit_figure.figure(fitting.dataset_of(found, {"length": "cm", "force": "N"}, points), page)
+    figure = fit_figure.figure(StoredStudy(fitting.dataset_of(found, {"length": "cm", "force": "N"}, points)), page)
     return figure
 
 

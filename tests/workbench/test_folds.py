@@ -16,6 +16,7 @@ from workbench.figures import kinds
 from workbench.figures import region_map as region_figure
 from workbench.figures.sheet import sheet
 from workbench.store import reading, writing
+from workbench.stored.stored_study import StoredStudy
 from workbench.web.report import measured_runs
 
 SHORT = ["--beta0", "0.5", "--betaL", "0.8", "--MZ", "0", "--M3", "0", "--axis", "FZ=-15:-5", "--axis", "L=1.5:3"]
@@ -67,9 +68,10 @@ def test_the_numbers_of_a_map_are_written_and_those_of_a_table_of_words_are_refu
 def test_a_map_of_folds_shows_what_is_stored() -> None:
     paper = sheet("paper", titled=False)
     pictures = {
-        show: partial(kinds.figure, made(), sheet=paper, show=[show]) for show in ("count", "count_stable", "dbeta0")
+        show: partial(kinds.figure, StoredStudy(made()), sheet=paper, show=[show])
+        for show in ("count", "count_stable", "dbeta0")
     }
     for given in ((-30.0, 2.0), (0.0, 3.0)):
         marked = made().assign_attrs(given=given, reading="a")
-        pictures[f"the rod of Table 1 at {given}"] = partial(region_figure.figure, marked, sheet())
+        pictures[f"the rod of Table 1 at {given}"] = partial(region_figure.figure, StoredStudy(marked), sheet())
     stored_figures.check("pictures_folds", pictures)

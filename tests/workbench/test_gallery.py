@@ -5,12 +5,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import xarray as xr
 from PIL import Image
 
 from tests.workbench.command import exit_status
 from tests.workbench.pictures import draws, pixels, share_of_ink, shares_of_push
 from workbench.scene import film
+from workbench.stored.stored_study import StoredStudy
 from workbench.web.live import live_document
 from workbench.words import cautions
 
@@ -19,8 +19,8 @@ WIDE_HIGH = (860, 600)  # pixels of the animated picture
 LARGEST = 2_000_000  # bytes of an animated picture in a README
 
 
-def hero() -> xr.Dataset:
-    """The dataset of the animated picture."""
+def hero() -> StoredStudy:
+    """The cases of the animated picture."""
     from workbench.commands import gallery
 
     return gallery._datasets()["hero_sweep"]()
@@ -85,7 +85,7 @@ def test_the_frames_have_one_camera_one_scale_and_a_value_that_changes() -> None
     from workbench.commands import gallery
 
     shown = film.Film("F3", {}, dpi=100, size=gallery.HERO_SIZE)
-    first, last = (frame.astype(float) / 255 for frame in film.frames(hero().isel(F3=[0, -1]), shown))
+    first, last = (frame.astype(float) / 255 for frame in film.frames(hero().select({"F3": [0, -1]}), shown))
     top, foot = round(100 * film.TOP), round(100 * film.FOOT)
     np.testing.assert_array_equal(first[-foot:], last[-foot:])  # the scale of colours
     assert np.abs(first[:30] - last[:30]).max() > 0.5  # the value

@@ -23,8 +23,10 @@ from tests.workbench import forked, runs, small
 from tests.workbench.command import exit_status
 from workbench.figures import canvas, study_figure
 from workbench.scene import opengl
-from workbench.store import checks, file_checks, in_memory, reading, recipe, schema, writing
+from workbench.store import checks, file_checks, in_memory, reading, recipe, writing
 from workbench.store.study_store import run_to_file
+from workbench.stored import schema
+from workbench.stored.stored_study import StoredStudy
 
 AXES = "[axes.E]\nvalues = {}\n[axes.R]\nvalues = [0.5, 0.75, 1.0]\n"
 LAW = small.law("kappa_max", "R", "falls", claim="(2)")
@@ -156,7 +158,7 @@ def test_a_dollar_in_a_units_name_is_drawn_as_it_is(whole: bytes, tmp_path: Path
             file[name].attrs["units"] = file[name].attrs["long_name"] = text
         file.attrs["title"] = text
     out = tmp_path / "out.png"
-    canvas.save(study_figure.figure(reading.read(path)), out, 50)
+    canvas.save(study_figure.figure(StoredStudy(reading.read(path))), out, 50)
     assert out.exists()
 
 

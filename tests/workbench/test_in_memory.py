@@ -12,7 +12,9 @@ from solver.problem.trajectory import Trajectory
 from studies.language.loader import loads
 from tests.slow import slow
 from tests.workbench import small
-from workbench.store import assembly, in_memory, law_verdicts
+from workbench.store import assembly, in_memory
+from workbench.stored import law_verdicts
+from workbench.stored.stored_study import StoredStudy
 
 SLOW_EULER = slow("euler")  # three seconds
 
@@ -40,7 +42,7 @@ def test_a_case_that_fails_keeps_its_outcome_and_leaves_its_neighbours_alone(mon
     assert bad["outcome"].item() == "failed: on purpose"
     assert np.isnan(bad["beta"]).all()
     assert np.isnan(bad["turns"])
-    assert law_verdicts.unsolved(ds) == 1
+    assert StoredStudy(ds).unsolved == 1
     assert not np.isnan(ds["beta"]).where(ds["outcome"] == "solved").sum() > 0
     (row,) = law_verdicts.verdicts(ds)
     assert row["verdict"] == "not decided"

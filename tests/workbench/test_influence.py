@@ -22,6 +22,7 @@ from workbench.influence import analyse, local, sobol
 from workbench.influence.derivatives import REAL
 from workbench.influence.indices import Design, design_of
 from workbench.store import in_memory, reading, stored_case, writing
+from workbench.stored.stored_study import StoredStudy
 
 TABLE = Case(Rod(1.07e4, 0.25, 0.25, 20.0), Cylinder(0.75), Start("30deg", 0.5, F1=5.0, F3=10.0))
 SAMPLES = """
@@ -99,11 +100,15 @@ def test_an_effect_that_is_rounding_is_none() -> None:
 
 def test_a_followed_study_and_a_sweep_have_elasticities_of_one_case() -> None:
     followed = load("fig7_4_end_angle").at_stations(21)
-    found = stored_case.solve_case(stored_case.outline(followed), {"betaL": -14.37992253 * np.pi / 180}, followed)
+    found = stored_case.solve_case(
+        StoredStudy(stored_case.outline(followed)), {"betaL": -14.37992253 * np.pi / 180}, followed
+    )
     assert "betaL" in local(found, observables=["height"])["field"]
     base = {**small.ROD, "beta0": 0.5, "betaL": 0.8, "MZ": 1.3, "M3": 6.1}
     sweep = loads(small.text(base, small.axis("FZ", [-9.0, -5.0])), default_name="ends")
-    swept = local(stored_case.solve_case(stored_case.outline(sweep), {"FZ": -5.0}, sweep), observables=["height"])
+    swept = local(
+        stored_case.solve_case(StoredStudy(stored_case.outline(sweep)), {"FZ": -5.0}, sweep), observables=["height"]
+    )
     assert float(swept["at"].sel(field="FZ")) == -5
 
 
@@ -206,11 +211,11 @@ def test_bars_of_influence_show_what_is_stored(stored: Path) -> None:
     tables = {names: local(solve(TABLE), observables=names.split()).assign_attrs(title="t", reading="") for names in
               ("height", "height wraps")}  # fmt: skip
     pictures = {
-        "indices": lambda: bars.indices(exact),
-        "negative indices": lambda: bars.indices(exact.assign(first=-exact["first"])),
-        "totals below those of first order": lambda: bars.indices(exact.assign(total=exact["first"] / 2)),
-        "a tornado": lambda: bars.tornado(tables["height"]),
-        "two, in a column": lambda: bars.tornado(tables["height wraps"], sheet=sheet("paper", 89)),
-        "two, on a page": lambda: bars.tornado(tables["height wraps"], sheet=sheet("paper", 183)),
+        "indices": lambda: bars.indices(StoredStudy(exact)),
+        "negative indices": lambda: bars.indices(StoredStudy(exact.assign(first=-exact["first"]))),
+        "totals below those of first order": lambda: bars.indices(StoredStudy(exact.assign(total=exact["first"] / 2))),
+        "a tornado": lambda: bars.tornado(StoredStudy(tables["height"])),
+        "two, in a column": lambda: bars.tornado(StoredStudy(tables["height wraps"]), sheet=sheet("paper", 89)),
+        "two, on a page": lambda: bars.tornado(StoredStudy(tables["height wraps"]), sheet=sheet("paper", 183)),
     }
     stored_figures.check("pictures_influence", pictures)

@@ -11,6 +11,7 @@ from workbench.figures.drawn_rods import DrawnRod
 from workbench.figures.fonts import SMALL
 from workbench.figures.sheet import sheet
 from workbench.store import in_memory
+from workbench.stored.stored_study import StoredStudy
 
 PIPE = {"E": 2.06e8, "nu": 0.3, "a": 0.06, "R": 0.11, "side": "inside", "beta0": 0.0, "betaL": 0.0, "FZ": -2000}
 KEYS = {"units": "m kN", "observables": ["wraps"], "outputs": ["beta", "alpha", "z", "contact"], "stations": 4001}
@@ -26,7 +27,7 @@ def helix(length: float, pitch: float, rho: float = 0.05) -> DrawnRod:
     s = np.linspace(0, length, 2001)
     beta = np.arctan2(2 * np.pi * rho, pitch)
     arrays = {"s": s, "z": s * np.cos(beta), "alpha": s * np.sin(beta) / rho, "push": np.ones(s.size)}
-    return DrawnRod("rod", "", arrays, rho, rho, 0.0, 0.0, 0.0, "", xr.Dataset())
+    return DrawnRod("rod", "", arrays, rho, rho, 0.0, 0.0, 0.0, "", StoredStudy(xr.Dataset()))
 
 
 def test_only_a_rod_that_would_be_a_hair_is_set_in_lines() -> None:
@@ -59,7 +60,7 @@ def test_the_lines_show_all_of_a_rod_each_from_where_the_one_above_ends() -> Non
 
 
 def test_each_point_of_a_line_is_on_the_rod_and_inside_the_line(pipe) -> None:
-    fig = study_figure.figure(pipe, sheet=sheet(panel="curve"))
+    fig = study_figure.figure(StoredStudy(pipe), sheet=sheet(panel="curve"))
     (ax,) = fig.axes
     assert ax.get_aspect() == 1.0
     fig.draw_without_rendering()
@@ -82,8 +83,8 @@ def test_each_point_of_a_line_is_on_the_rod_and_inside_the_line(pipe) -> None:
 
 def test_a_long_rod_in_lines_shows_what_is_stored(pipe) -> None:
     pictures = {
-        "alone": lambda: study_figure.figure(pipe, sheet=sheet(panel="curve")),
-        "in a column": lambda: unrolled.figure(pipe, sheet=sheet("paper", 89)),
-        "on a page": lambda: unrolled.figure(pipe, sheet=sheet("paper", 183, titled=False)),
+        "alone": lambda: study_figure.figure(StoredStudy(pipe), sheet=sheet(panel="curve")),
+        "in a column": lambda: unrolled.figure(StoredStudy(pipe), sheet=sheet("paper", 89)),
+        "on a page": lambda: unrolled.figure(StoredStudy(pipe), sheet=sheet("paper", 183, titled=False)),
     }
     stored_figures.check("pictures_long_rods", pictures)

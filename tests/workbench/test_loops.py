@@ -5,6 +5,7 @@ import pytest
 
 from solver import Cylinder, InputError, Rod, loops
 from workbench.geometry import self_contact, stored_line
+from workbench.stored.stored_study import StoredStudy
 
 
 def test_a_dataset_of_loops_has_the_units_given_and_of_none_there_is_none() -> None:
@@ -20,6 +21,6 @@ def test_the_ends_of_a_closed_rod_are_no_place_where_it_passes_through_itself() 
     found = loops(Rod(E=1.07e4, nu=0.25, a=0.05, L=12.0), Cylinder(R=1.05, side="inside"), folds=2)
     ds = found.to_dataset(length="cm", force="N")
     for k in range(ds.sizes["equilibrium"]):
-        line = stored_line.read(ds, {"equilibrium": k})
+        line = stored_line.read(StoredStudy(ds), {"equilibrium": k})
         end = line.frame(line.s[:1])[0]
         assert all(np.linalg.norm(place - end) > line.a for place in self_contact.middles(line, (0.0, line.L)))

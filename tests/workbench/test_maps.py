@@ -9,6 +9,7 @@ from studies import load
 from tests.workbench import small
 from workbench.figures import map_figure, regions
 from workbench.store import in_memory
+from workbench.stored.stored_study import StoredStudy
 
 
 @pytest.fixture(scope="module")
@@ -45,7 +46,7 @@ def test_a_box_lies_inside_its_region_and_has_no_place_where_it_does_not_fit() -
 
 
 def test_the_regions_of_a_count_carry_their_counts(regimes) -> None:
-    ax = maps(map_figure.figure(regimes, show=["turns"]))[0]
+    ax = maps(map_figure.figure(StoredStudy(regimes), show=["turns"]))[0]
     numbers = [text for text in ax.texts if text.get_text().isdigit()]
     assert {text.get_text() for text in numbers} == {str(n) for n in range(8)}
     for text in numbers:

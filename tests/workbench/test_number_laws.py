@@ -15,7 +15,9 @@ from studies.laws.line_verdicts import HOLDS, UNDECIDED
 from tests.workbench import small, stored_figures
 from workbench.figures import study_figure
 from workbench.figures.sheet import sheet
-from workbench.store import in_memory, law_verdicts
+from workbench.store import in_memory
+from workbench.stored import law_verdicts
+from workbench.stored.stored_study import StoredStudy
 
 SAID = """
 [expressions]
@@ -94,12 +96,14 @@ def test_panels_of_laws_with_numbers_show_what_is_stored(ds: xr.Dataset) -> None
     (row,) = [row for row in law_verdicts.verdicts(ds) if row["kind"] == "equals"]
 
     def figure_with_band(relative: float) -> Figure:
-        return study_figure.figure(ds, [{**row, "rule": {**row["rule"], "relative": relative}}], sheet(panel="equals"))
+        return study_figure.figure(
+            StoredStudy(ds), [{**row, "rule": {**row["rule"], "relative": relative}}], sheet(panel="equals")
+        )
 
     outside = in_memory.run(study(small.law("kappa_max", "R", claim="a", kind="bounded", most=2.0)))
-    pictures = {kind: partial(study_figure.figure, ds, sheet=sheet(panel=kind)) for kind in HEADS}
+    pictures = {kind: partial(study_figure.figure, StoredStudy(ds), sheet=sheet(panel=kind)) for kind in HEADS}
     pictures |= {f"a band of {relative}": partial(figure_with_band, relative) for relative in (1e-4, 0.3)}
-    pictures["cases outside"] = lambda: study_figure.figure(outside, sheet=sheet(panel="a"))
+    pictures["cases outside"] = lambda: study_figure.figure(StoredStudy(outside), sheet=sheet(panel="a"))
     stored_figures.check("pictures_laws", pictures)
 
 
@@ -143,5 +147,5 @@ def test_expressions_of_samples_pairs_and_tables_are_stored_judged_and_drawn(var
     assert ds["area"].shape == shape
     np.testing.assert_allclose(ds["area"], np.pi * ds["R"].broadcast_like(ds["area"]) ** 2)
     assert [row["verdict"] for row in law_verdicts.verdicts(ds)] == [HOLDS]
-    labels = [ax.get_ylabel() for ax in study_figure.figure(ds).axes]
+    labels = [ax.get_ylabel() for ax in study_figure.figure(StoredStudy(ds)).axes]
     assert any(label.startswith("area") for label in labels)

@@ -20,6 +20,7 @@ from tests.workbench.node import needs_node, run
 from workbench.figures import along, colours, drawn_rods
 from workbench.geometry import self_contact, stored_line
 from workbench.scene import scene_kinds, surfaces
+from workbench.stored.stored_study import StoredStudy
 from workbench.web.live import page_model
 from workbench.words import cautions, labels
 from workbench.words.escaping import finite
@@ -169,7 +170,7 @@ def test_which_rods_pass_through_themselves() -> None:
 def test_a_rod_is_ringed_where_the_stills_ring_it() -> None:
     script = SHAPE + "answer(self_contact.crossings(shape));"
     found = np.array(run(script, state(), (*MODULES, "self_contact")))
-    line = stored_line.read(solve(case_of(state()), stations=2001).to_dataset(), {})
+    line = stored_line.read(StoredStudy(solve(case_of(state()), stations=2001).to_dataset()), {})
     wanted = np.array(self_contact.middles(line, (0.0, line.L)))
     away = np.linalg.norm(found[:, None] - wanted, axis=-1)
     assert len(wanted) == len(found) == 5
@@ -421,7 +422,7 @@ def test_a_link_holds_the_whole_state() -> None:
 def test_push_and_pull_are_shaded_as_in_the_figures() -> None:
     ds = solve(case_of(state()), stations=401).to_dataset()
     ax = Figure().add_subplot()
-    along.alone(ax, drawn_rods.choose(ds, ["push"]), "push")
+    along.alone(ax, drawn_rods.choose(StoredStudy(ds), ["push"]), "push")
     bands, areas = [one.get_facecolor()[0] for one in ax.collections if one.get_label().startswith("the cylinder")]
     band, area = run("answer([diagram.BAND, diagram.AREA]);", None, ("diagram",))
     np.testing.assert_allclose(bands, [*np.array(colours.rgb(colours.PULLED)) / 255, band])

@@ -24,7 +24,9 @@ from workbench.branches.ends_study import ends_problem
 from workbench.branches.equilibria_dataset import dataset_of
 from workbench.figures import canvas, equilibria_figure, fonts, map_figure, scales, study_figure
 from workbench.figures.sheet import sheet
-from workbench.store import in_memory, law_verdicts, writing
+from workbench.store import in_memory, writing
+from workbench.stored import law_verdicts
+from workbench.stored.stored_study import StoredStudy
 
 
 @pytest.fixture(scope="module")
@@ -38,14 +40,14 @@ def equilibria(path: Path) -> None:
     case = ends_problem(study)
     from solver import equilibria as every
 
-    canvas.save(equilibria_figure.figure(dataset_of(study, case, every(case)[:2])), path)
+    canvas.save(equilibria_figure.figure(StoredStudy(dataset_of(study, case, every(case)[:2]))), path)
 
 
 @pytest.mark.parametrize("name", ["plot", slow("equilibria")])
 def test_a_diagram_for_print_is_vectors_with_its_letters_inside(ds, tmp_path, name: str) -> None:
     for kind in ("pdf", "svg"):
         path = tmp_path / f"one.{kind}"
-        canvas.save(study_figure.figure(ds), path) if name == "plot" else equilibria(path)
+        canvas.save(study_figure.figure(StoredStudy(ds)), path) if name == "plot" else equilibria(path)
         said = path.read_bytes()
         assert b"/Subtype /Image" not in said
         assert b"<image" not in said
@@ -64,7 +66,7 @@ def test_a_scene_has_the_same_page_at_any_dots_an_inch(ds, tmp_path) -> None:
     pages, sizes = [], []
     for dpi in (60, 75, 110):  # with fewer, letters of five pixels differ
         path = tmp_path / f"{dpi}.png"
-        layout.render(ds, path, kind="plain", settings=composition.Settings(1.0, dpi))
+        layout.render(StoredStudy(ds), path, kind="plain", settings=composition.Settings(1.0, dpi))
         with Image.open(path) as picture:
             sizes.append(np.array(picture.size) / dpi)
             assert picture.info["dpi"] == pytest.approx((dpi, dpi), abs=0.1)
@@ -80,8 +82,8 @@ def test_without_background_only_what_is_drawn_is_opaque(ds, tmp_path) -> None:
     from workbench.scene import composition, layout
 
     settings = composition.Settings(1.0, 60, transparent=True, bare=True, size=(500, 400))
-    layout.render(ds, tmp_path / "clear.png", kind="plain", settings=settings)
-    layout.render(ds, tmp_path / "white.png", kind="plain", settings=replace(settings, transparent=False))
+    layout.render(StoredStudy(ds), tmp_path / "clear.png", kind="plain", settings=settings)
+    layout.render(StoredStudy(ds), tmp_path / "white.png", kind="plain", settings=replace(settings, transparent=False))
     with Image.open(tmp_path / "clear.png") as clear, Image.open(tmp_path / "white.png") as white:
         assert clear.size == white.size == (500, 400)
         over = Image.new("RGBA", clear.size, "white")
@@ -124,7 +126,7 @@ def test_a_full_disk_is_a_sentence_and_an_existing_picture_stays(tmp_path) -> No
 
 def test_maps_that_stand_one_below_the_other_have_equal_widths() -> None:
     ds = small.six()
-    fig = map_figure.figure(ds, sheet=sheet("paper", 89))
+    fig = map_figure.figure(StoredStudy(ds), sheet=sheet("paper", 89))
     fig.draw_without_rendering()
     boxes = [ax.get_position() for ax in fig.axes if ax.get_label() != "<colorbar>"]
     assert len(boxes) > 1
@@ -163,7 +165,7 @@ def test_the_panels_of_samples_are_wide_enough_to_read_on_a_column() -> None:
     text += "".join(
         f"{name} = {{ from = {low}, to = {2 * low} }}\n" for name, low in (("R", 0.5), ("L", 10.0), ("F1", 3.0))
     )
-    fig = study_figure.figure(in_memory.run(loads(text)), sheet=sheet("paper", 89))
+    fig = study_figure.figure(StoredStudy(in_memory.run(loads(text))), sheet=sheet("paper", 89))
     fig.draw_without_rendering()
     panels = [ax for ax in fig.axes if " against " in ax.get_label()]
     assert len(panels) == 8
@@ -196,7 +198,7 @@ def test_the_tornado_and_its_options_are_for_print_too(tmp_path, capsys) -> None
 def test_a_figure_without_a_title_has_no_room_for_one(six) -> None:
     tops = []
     for title in ("A title", ""):
-        fig = canvas.figure((5, 3), lambda fig: fig.add_subplot(), six.assign_attrs(title=title))
+        fig = canvas.figure((5, 3), lambda fig: fig.add_subplot(), StoredStudy(six).with_title(title))
         fig.draw_without_rendering()
         tops.append((1 - fig.axes[0].get_position().y1) * fig.get_figheight())
     assert tops[0] - tops[1] == pytest.approx(fonts.height_of("A title", fonts.LARGE), abs=0.02)  # one line

@@ -15,11 +15,11 @@ from studies.language.loader import loads
 from tests.workbench import runs, small, stored_figures
 from tests.workbench.command import run
 from workbench.figures import kinds, map_figure, study_figure
-from workbench.store import block, in_memory, law_verdicts, plan, reading, recipe, refined, schema, writing
+from workbench.store import block, in_memory, plan, reading, recipe, writing
 from workbench.store.file_summary import summary
-from workbench.store.law_verdicts import boundary_of_law
-from workbench.store.refined import boundary
 from workbench.store.study_store import Options, run_to_file
+from workbench.stored import law_verdicts, refined, schema
+from workbench.stored.stored_study import StoredStudy
 
 LINE = small.axis("E", (5e3, 4e4, 4), spacing="geometric")
 PLANE = "[base]\nL = 6.0\n" + LINE.replace("count = 4", "count = 5") + small.axis("R", (0.5, 1.5, 4))
@@ -105,7 +105,7 @@ def test_the_map_shows_at_every_place_the_number_of_the_uniform_grid(stored: Pat
 
 
 def test_along_one_axis_each_jump_is_enclosed_to_the_tolerance(line: xr.Dataset) -> None:
-    found = boundary(line, "turns")
+    found = StoredStudy(line).boundary("turns")
     assert found.sizes["pair"] == int(line["turns"].max() - line["turns"].min()) > 1
     assert ((found["E_half_width"] / found["E"]) < 1e-6 * np.log(8) / 2 * 1.01).all()
     for k in range(found.sizes["pair"]):
@@ -141,7 +141,7 @@ def five() -> xr.Dataset:
 
 def test_a_number_that_changes_and_changes_back_between_two_values_is_located(five: xr.Dataset) -> None:
     """Between the first two values of the axis it goes from 2 to 0 and back to 2; the ends of the interval agree."""
-    found = boundary(five, "turns")
+    found = StoredStudy(five).boundary("turns")
     assert five["turns"].values[:2].tolist() == [2, 2]
     pairs = zip(found["before"].values, found["after"].values, strict=True)
     assert dict(zip(found["E"].values.round(1), pairs, strict=True)) == CHANGES
@@ -176,8 +176,8 @@ def test_a_real_number_is_refined_where_it_changes_by_more_than_its_step() -> No
     ds = in_memory.run(study(LINE, '[refine]\nwatch = ["wraps"]\nsteps = { wraps = 0.02 }\npoints = 2000\n'))
     wraps = refined.line(ds)["wraps"].values
     assert np.abs(np.diff(wraps)).max() <= 0.02
-    assert boundary(ds, "wraps").sizes["pair"] == 0
-    assert boundary(ds, "wraps", step=0.01).sizes["pair"] == (np.abs(np.diff(wraps)) > 0.01).sum()
+    assert StoredStudy(ds).boundary("wraps").sizes["pair"] == 0
+    assert StoredStudy(ds).boundary("wraps", step=0.01).sizes["pair"] == (np.abs(np.diff(wraps)) > 0.01).sum()
 
 
 FAILING = {"nu": 0.25, "a": 0.25, "L": 20.0, "R": 0.75, "dbeta": 0.5, "F1": 5.0, "beta": "30deg", "F3": 10.0}
@@ -204,9 +204,9 @@ def test_where_cases_begin_to_fail_is_located_and_failed_cells_are_told(monkeypa
     path = tmp_path / "ends.h5"
     run_to_file(work, path, Options(workers=1))
     with xr.open_dataset(path) as ds:
-        (pair,) = np.unique(boundary(ds, "outcome")["E"])
+        (pair,) = np.unique(StoredStudy(ds).boundary("outcome")["E"])
         assert abs(pair - 13_333) < 1e-3 * 11_000
-        assert boundary(ds, "amplitude", step=1e9).attrs["unknown"] == 1
+        assert StoredStudy(ds).boundary("amplitude", step=1e9).attrs["unknown"] == 1
     told = summary(path)["boundaries"]
     assert (told[0]["name"], told[0]["pairs"]) == ("outcome", 1)
 
@@ -224,7 +224,7 @@ def test_a_law_is_judged_on_the_coarse_grid(stored: Path) -> None:
 def test_a_law_changes_its_verdict_between_the_two_lines_that_its_boundary_names() -> None:
     """The two lines alone, solved as a study of their own, have the two verdicts."""
     ds = in_memory.run(study(PLANE + LAW, '[refine]\nlaws = ["(1)"]\ntolerance = 0.1\n'))
-    (found,) = (pair for _, pair in boundary_of_law(ds, "(1)").groupby("pair"))
+    (found,) = (pair for _, pair in StoredStudy(ds).boundary("(1)").groupby("pair"))
     lines = [float((found["R"] + sign * found["R_half_width"]).item()) for sign in (-1, 1)]
     alone = in_memory.run(study(PLANE.partition("[axes.R]")[0] + f"[axes.R]\nvalues = {lines}\n" + LAW, ""))
     (law,) = schema.laws_of(alone)
@@ -243,20 +243,20 @@ def test_the_coarse_grid_of_a_refined_study_is_the_study_without_refinement(stor
 
 def test_refined_studies_show_what_is_stored(stored: Path, line) -> None:
     ds = reading.read(stored)
-    assert (kinds.kind_of(ds), kinds.kind_of(line)) == ("map", "lines")
+    assert (kinds.kind_of(StoredStudy(ds)), kinds.kind_of(StoredStudy(line))) == ("map", "lines")
     pictures = {
-        "the plane": lambda: map_figure.figure(ds, show=["turns", "level"]),
-        "an axis": lambda: study_figure.figure(line),
-        "lines of the plane": lambda: study_figure.figure(ds),
+        "the plane": lambda: map_figure.figure(StoredStudy(ds), show=["turns", "level"]),
+        "an axis": lambda: study_figure.figure(StoredStudy(line)),
+        "lines of the plane": lambda: study_figure.figure(StoredStudy(ds)),
     }
     stored_figures.check("pictures_refined", pictures)
 
 
 def test_a_grid_has_a_boundary_too() -> None:
     ds = in_memory.run(small.study(PLANE, HEAD))
-    found = boundary(ds, "turns")
+    found = StoredStudy(ds).boundary("turns")
     assert found.sizes["pair"] == sum(int((np.diff(ds["turns"].values, axis=k) != 0).sum()) for k in (0, 1))
-    turned = boundary(ds.isel(E=slice(None, None, -1)), "turns")
+    turned = StoredStudy(ds.isel(E=slice(None, None, -1))).boundary("turns")
     assert sorted(found["E"].values) == sorted(turned["E"].values)
 
 
@@ -304,7 +304,7 @@ def test_the_summary_lists_each_place_along_one_axis(line: xr.Dataset, tmp_path,
     writing.write(line, tmp_path / "line.h5")
     run(f"summary {tmp_path / 'line.h5'}")
     said = capsys.readouterr().out
-    found = boundary(line, "turns")
+    found = StoredStudy(line).boundary("turns")
     for pair in (found.isel(pair=k) for k in range(found.sizes["pair"])):
         (place,) = re.findall(
             rf"turns: {int(pair['before'])} to {int(pair['after'])} at E = ([\d.]+) \+- ([\d.]+) ", said

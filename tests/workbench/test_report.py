@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-import xarray as xr
 from matplotlib import image
 from PIL import Image, PngImagePlugin
 
@@ -25,8 +24,10 @@ from tests.workbench import browser, node, small
 from tests.workbench.pictures import shares_of_push
 from tests.workbench.waiting import until
 from workbench.figures import canvas
-from workbench.store import in_memory, law_verdicts, reading, writing
+from workbench.store import in_memory, reading, writing
 from workbench.store.in_memory import StudyResult
+from workbench.stored import law_verdicts
+from workbench.stored.stored_study import StoredStudy
 from workbench.web.report import law_cards, measured_runs, report_document, report_runs, sources
 
 PAPER = [name for name in names() if name.startswith("fig")]  # the studies of the report
@@ -75,8 +76,8 @@ class Page(HTMLParser):
 
 
 @pytest.fixture(scope="module")
-def readings() -> xr.Dataset:
-    return report_runs.run_readings()
+def readings() -> StoredStudy:
+    return StoredStudy(report_runs.run_readings())
 
 
 @pytest.fixture(scope="module")
@@ -258,7 +259,7 @@ def test_a_picture_keeps_a_narrow_white_margin(tmp_path) -> None:
 @node.needs_node
 def test_the_page_solves_the_stored_rod_of_table_1(results) -> None:
     (ds,) = [result.ds for result in results if result.study.name == "fig6"]
-    data = report_document.figure_of(ds)
+    data = report_document.figure_of(StoredStudy(ds))
     assert data["fields"] == ["E", "R", "beta", "F1", "F3"]
     script = """const s = rod_shape.marched(core, rod_case.caseOf(given.state, given.letters));
 answer({ ...s.at(Float64Array.from(given.s)), end: s.z.at(-1) });"""
@@ -270,14 +271,14 @@ answer({ ...s.at(Float64Array.from(given.s)), end: s.z.at(-1) });"""
 
 def test_a_reading_without_the_force_has_a_slider_for_the_twist(results) -> None:
     (ds,) = [result.ds for result in results if result.study.name == "fig6"]
-    fields = report_document.figure_of(ds.assign_attrs(reading="twist-first/tension/paper"))["fields"]
+    fields = report_document.figure_of(StoredStudy(ds.assign_attrs(reading="twist-first/tension/paper")))["fields"]
     assert fields == ["E", "R", "beta", "dgamma", "F3"]
 
 
 def test_a_rod_without_a_shape_does_not_turn(results) -> None:
     (one,) = [result for result in results if result.study.name == "fig7_1_modulus"]
     ds = small.with_outcomes(one.ds, ["failed: for the test"] * 9)
-    assert report_document.figure_of(ds) is None
+    assert report_document.figure_of(StoredStudy(ds)) is None
     text = report_document.html([replace(one, ds=ds)])
     assert 'class="turntable"' not in text
 
@@ -407,12 +408,12 @@ def test_a_row_of_rods_says_where_each_stands_so_that_the_slider_can_frame_it(re
 def test_the_rod_of_table_1_is_named_among_its_equilibria(results, tmp_path) -> None:
     ds = report_runs.run_equilibria(load("fig6"))
     assert (ds.sizes["equilibrium"], ds.attrs["rank_of_study"], ds.attrs["rank_of_stable"]) == (13, 13, 1)
-    told = Page(report_document.html(results[:1], equilibria=(ds, {}))).text
+    told = Page(report_document.html(results[:1], equilibria=(StoredStudy(ds), {}))).text
     told = re.sub(r"\s+", " ", told)
     assert "is number 13 of 13, unstable in 6 ways. Number 1 is stable" in told
     top = told.partition("In the pictures the tube")[0]
     assert "ways. A rod let go would leave it for a stable one, such as number 1." in top
-    assert report_runs.pair(ds)["index"].values.tolist() == [0, 6]
+    assert report_runs.pair(StoredStudy(ds))["index"].values.tolist() == [0, 6]
 
 
 @pytest.mark.slow

@@ -15,6 +15,7 @@ from workbench.figures import portrait
 from workbench.geometry import stored_line
 from workbench.geometry.refinement import push_along
 from workbench.store import checks, in_memory, reading, writing
+from workbench.stored.stored_study import StoredStudy
 from workbench.web.live.presets import own_preset
 from workbench.web.turntable import turntable_page
 
@@ -49,7 +50,7 @@ def test_a_study_lets_its_rods_go_and_stores_where_they_are(stored: xr.Dataset, 
 
 
 def test_between_stations_a_rod_is_drawn_where_it_is(stored: xr.Dataset, finer: Any) -> None:
-    line = stored_line.read(stored, {})
+    line = stored_line.read(StoredStudy(stored), {})
     place, tangent, out, across = line.frame(finer.s)
     assert np.linalg.norm(place - finer.position, axis=1).max() <= line.error + finer.error * line.L
     assert line.error < 1e-3
@@ -59,22 +60,22 @@ def test_between_stations_a_rod_is_drawn_where_it_is(stored: xr.Dataset, finer: 
 
 
 def test_cut_stations_lie_on_the_curve(stored: xr.Dataset) -> None:
-    line = stored_line.read(stored, {})
+    line = stored_line.read(StoredStudy(stored), {})
     cut = line.cut(3)
     np.testing.assert_allclose(cut.place, line.frame(cut.s)[0], atol=1e-12)
     np.testing.assert_allclose(cut.place[::3], line.place, atol=1e-12)
 
 
 def test_the_edge_of_a_contact_asks_for_no_more_stations_and_a_rod_without_push_for_none(stored: xr.Dataset) -> None:
-    line = stored_line.read(stored, {})
+    line = stored_line.read(StoredStudy(stored), {})
     assert push_along(line).stations() == line.s.size
-    off = stored_line.read(stored.assign(contact=0 * stored["contact"]), {})
+    off = stored_line.read(StoredStudy(stored.assign(contact=0 * stored["contact"])), {})
     assert push_along(off).stations() == off.s.size
     assert push_along(off).parts == 1
 
 
 def test_a_table_of_a_rod_has_its_places_in_space(stored: xr.Dataset, tmp_path: Path) -> None:
-    export(stored, tmp_path / "rod.csv")
+    export(StoredStudy(stored), tmp_path / "rod.csv")
     head, *_ = (tmp_path / "rod.csv").read_text(encoding="utf-8").splitlines()
     table = np.loadtxt(tmp_path / "rod.csv", delimiter=",", skiprows=1)
     columns = dict(zip((name.partition(" ")[0] for name in head.split(",")), table.T, strict=True))
@@ -85,7 +86,7 @@ def test_a_table_of_a_rod_has_its_places_in_space(stored: xr.Dataset, tmp_path: 
 def test_pictures_of_rods_on_the_wall_are_refused_for_others(stored: xr.Dataset) -> None:
     for draw in (portrait.figure, turntable_page.html):
         with pytest.raises(InputError, match="needs rods that lie on the cylinder"):
-            draw(stored)
+            draw(StoredStudy(stored))
 
 
 def test_a_file_whose_places_are_farther_apart_than_the_rod_is_long_is_told(stored: xr.Dataset) -> None:
@@ -119,7 +120,7 @@ def test_a_cable_that_leaves_its_drum_is_stored_read_and_exported(tmp_path: Path
     whole = reading.read(tmp_path / "cable.h5")
     assert float(whole["radius"][-1]) == pytest.approx(1000.0)
     assert int(whole["contact_count"]) == 1
-    written = export(whole, tmp_path / "cable.stl")
+    written = export(StoredStudy(whole), tmp_path / "cable.stl")
     assert written.facts["triangles"] > 100
 
 

@@ -19,7 +19,8 @@ from workbench.geometry import stored_line
 from workbench.scene import body as body_of
 from workbench.scene import layout, long_rod, scene_kinds, views
 from workbench.scene.settings import Settings
-from workbench.store import in_memory, selection
+from workbench.store import in_memory
+from workbench.stored.stored_study import StoredStudy
 from workbench.words import cautions
 
 PIPE = {"EI": 1228.0, "GJ": 945.0, "a": 0.0635, "L": 60.0, "weight": 0.242, "R": 0.10795}
@@ -39,10 +40,10 @@ def ds() -> xr.Dataset:
 def test_a_picture_has_no_branch_of_a_case_that_is_not_solved(ds) -> None:
     branch, solved = ds["branch"].copy(data=[1, -1]), ds["solved"].copy(data=[True, False])
     lost = ds.assign(branch=branch, solved=solved)
-    assert "branch" not in selection.observables(lost)
-    assert "branch" in selection.observables(lost.assign(solved=solved | True))
+    assert "branch" not in StoredStudy(lost).observables
+    assert "branch" in StoredStudy(lost.assign(solved=solved | True)).observables
     ax = Figure().add_subplot()
-    trend(lost, ax, "branch", "inclination")
+    trend(StoredStudy(lost), ax, "branch", "inclination")
     assert np.isnan(ax.lines[0].get_ydata()).sum() == 2  # the case, and the gap between two branches
 
 
@@ -58,7 +59,7 @@ LYING: Mapping[str, int] = {"inclination": 1}
 
 
 def test_the_curve_of_a_stored_rod_with_weight_is_that_of_more_stations(ds: xr.Dataset) -> None:
-    line, fine = stored_line.read(ds, LYING), stored_line.read(pipes(961), LYING)
+    line, fine = stored_line.read(StoredStudy(ds), LYING), stored_line.read(StoredStudy(pipes(961)), LYING)
     place, exact = line.frame(fine.s)[0], fine.frame(fine.s)[0]
     assert np.abs(place - exact).max() < 1e-5 * line.rho
     assert line.error < 1e-5 * line.rho
@@ -67,24 +68,26 @@ def test_the_curve_of_a_stored_rod_with_weight_is_that_of_more_stations(ds: xr.D
 
 def test_the_weight_points_down_in_a_scene_and_the_low_side_is_below(ds: xr.Dataset) -> None:
     for where, up in (({"inclination": 0}, [-np.sqrt(3) / 2, 0.0, 0.5]), (LYING, [-1.0, 0.0, 0.0])):
-        down = views.gravity(ds, where)
+        down = views.gravity(StoredStudy(ds), where)
         assert down == pytest.approx(-np.array(up), abs=1e-12)
         seen = views.upright(views.front_camera([], 0.0, True, down))
         right, above = seen.page @ np.array(up)
         assert right == pytest.approx(0, abs=1e-12)
         assert above > 0.5
         assert (seen.page @ np.array([0.0, 0.0, 1.0]))[0] > 0.5  # s goes to the right
-    assert views.gravity(ds, {}) is None  # one picture, two inclinations
-    rows, (seen,) = layout._cells(ds, scene_kinds.kind_of("grid"), ["inclination"], [[LYING, LYING]], Settings())
+    assert views.gravity(StoredStudy(ds), {}) is None  # one picture, two inclinations
+    rows, (seen,) = layout._cells(
+        StoredStudy(ds), scene_kinds.kind_of("grid"), ["inclination"], [[LYING, LYING]], Settings()
+    )
     assert [view.turned for view in rows[0]] == [0.0, 0.0]  # in a row of lying pipes each low side is below
     assert seen.page @ seen.down == pytest.approx([0.0, -np.sqrt(3) / 2], abs=1e-12)
-    made = layout.compose(ds, {"inclination": np.pi / 2}, settings=Settings(span=(20.0, 24.0)))
+    made = layout.compose(StoredStudy(ds), {"inclination": np.pi / 2}, settings=Settings(span=(20.0, 24.0)))
     assert made.scene.down == pytest.approx([0.0, made.scene.down[1]], abs=1e-12)
     assert made.notes[-1] == cautions.model_leaves_out({"weight": 0.242})
 
 
 def test_a_long_rod_with_weight_is_compressed_along_the_axis_no_more_than_its_bends_allow(ds: xr.Dataset) -> None:
-    body = body_of.read(ds, LYING, scene_kinds.kind_of("contact"))
+    body = body_of.read(StoredStudy(ds), LYING, scene_kinds.kind_of("contact"))
     factor = long_rod.squeeze_of([body])
     assert 0 < factor < 1
     squeezed = replace(body, squeeze=factor)
@@ -93,10 +96,10 @@ def test_a_long_rod_with_weight_is_compressed_along_the_axis_no_more_than_its_be
     step = np.diff(squeezed.dense, axis=0)[:-1]
     bend = np.linalg.norm(np.cross(step, turn), axis=-1) / np.linalg.norm(step, axis=-1) ** 3
     assert bend.max() * body.a < 1.05 * long_rod.TIGHTEST  # the tube is drawn without folds
-    made = layout.compose(ds, {"inclination": np.pi / 2})
+    made = layout.compose(StoredStudy(ds), {"inclination": np.pi / 2})
     assert f"axis compressed 1 : {1 / factor:.3g}" in made.notes
     assert made.scene.along == pytest.approx(factor)  # the scale bar is of lengths along the axis
-    rows, _ = layout._cells(ds, scene_kinds.kind_of("grid"), ["inclination"], [[LYING, LYING]], Settings())
+    rows, _ = layout._cells(StoredStudy(ds), scene_kinds.kind_of("grid"), ["inclination"], [[LYING, LYING]], Settings())
     assert [view.bodies[0].squeeze for view in rows[0]] == [pytest.approx(factor)] * 2
     assert all(view.bodies[0].whole for view in rows[0])
 
@@ -106,7 +109,7 @@ def test_of_long_pipes_one_view_shows_the_lower_part_compressed_and_lying() -> N
     pipe = {name: value for name, value in HELD.items() if name not in ("EI", "GJ")} | steel | {"azimuth": 0.0}
     ds = in_memory.run(loads(small.text(pipe, small.axis("FZ", [-210.0, -150.0]), "m kN", stations=201)))
     cases = [{"FZ": 0}, {"FZ": 1}]
-    rows, (camera_,) = layout._cells(ds, scene_kinds.kind_of("grid"), ["FZ"], [cases], Settings())
+    rows, (camera_,) = layout._cells(StoredStudy(ds), scene_kinds.kind_of("grid"), ["FZ"], [cases], Settings())
     assert camera_.page @ [0, 0, 1] == pytest.approx([1, 0], abs=1e-12)
     for k, body in enumerate(view.bodies[0] for view in rows[0]):
         assert 0 < body.span[0] < body.span[1] == 600.0  # s = L is the lower end
@@ -121,7 +124,7 @@ def test_of_long_pipes_one_view_shows_the_lower_part_compressed_and_lying() -> N
 
 
 def test_a_table_of_a_rod_with_weight_has_no_force_that_is_not_known(ds: xr.Dataset, tmp_path) -> None:
-    stored_rod.export(ds, tmp_path / "rod.csv", stored_rod.Options(at={"inclination": np.pi / 2}))
+    stored_rod.export(StoredStudy(ds), tmp_path / "rod.csv", stored_rod.Options(at={"inclination": np.pi / 2}))
     head, *rows = (tmp_path / "rod.csv").read_text(encoding="utf-8").splitlines()
     assert "contact [kN/m]" in head
     assert "FY" not in head
@@ -132,7 +135,7 @@ def test_a_table_of_a_rod_with_weight_has_no_force_that_is_not_known(ds: xr.Data
 def test_a_table_of_a_rod_with_friction_holds_the_solution_s_own_arrays(sliding, has, tmp_path) -> None:
     wall = Cylinder(R=0.3, side="inside", inclination=1.2, friction=0.3, sliding=sliding)
     sol = solve(Case(Rod(EI=1.0, GJ=0.8, a=0.05, L=6.0, weight=0.3), wall, Start(0.2, 0.3, F3=-4.0, M3=0.1)))
-    stored_rod.export(sol.to_dataset(length="m", force="N"), tmp_path / "rod.csv")
+    stored_rod.export(StoredStudy(sol.to_dataset(length="m", force="N")), tmp_path / "rod.csv")
     with (tmp_path / "rod.csv").open(encoding="utf-8") as file:
         head, *rows = csv.reader(file)
     names = [cell.partition(" ")[0] for cell in head]
@@ -145,9 +148,9 @@ def test_a_table_of_a_rod_with_friction_holds_the_solution_s_own_arrays(sliding,
 def test_pipes_and_their_states_show_what_is_stored(ds: xr.Dataset) -> None:
     (axis,) = ds["outcome"].dims
     pictures = {
-        "pipes": lambda: along.pipe(ds),
-        "one pipe": lambda: along.pipe(ds, at={axis: float(ds[axis][0])}),
-        "states": lambda: along.states(ds),
-        "rods without weight": lambda: along.pipe(small.six()),
+        "pipes": lambda: along.pipe(StoredStudy(ds)),
+        "one pipe": lambda: along.pipe(StoredStudy(ds), at={axis: float(ds[axis][0])}),
+        "states": lambda: along.states(StoredStudy(ds)),
+        "rods without weight": lambda: along.pipe(StoredStudy(small.six())),
     }
     stored_figures.check("pictures_pipes", pictures)

@@ -12,8 +12,10 @@ from solver import solve
 from tests.slow import slow_but
 from tests.workbench import runs, small
 from tests.workbench.study_kinds import QUICK, STUDIES, pipe_study
-from workbench.store import block, in_memory, schema, stored_case
+from workbench.store import in_memory, stored_case
 from workbench.store.study_store import Options, run_to_file
+from workbench.stored import one_case, quantity_variables
+from workbench.stored.stored_study import StoredStudy
 
 WAYS = {"cut": Options(workers=1, chunk=1), "pool": Options(workers=2, chunk=16)}
 
@@ -79,14 +81,14 @@ def test_a_case_is_the_same_in_its_study_solved_again_and_alone(whole, name: str
         for place in solved[[0, len(solved) // 2, -1]]:
             here = dict(zip(ds["outcome"].dims, map(int, place), strict=True))
             one, at = ds.isel(here), {dim: float(ds[dim][i]) for dim, i in here.items()}
-            fields = {field: float(one[schema.dimension(field)]) for field in study.varied}
-            rule, case = block.rule_of(study.equilibrium), study.case_of(fields)
+            fields = {field: float(one[quantity_variables.dimension(field)]) for field in study.varied}
+            rule, case = one_case.rule_of(study.equilibrium), study.case_of(fields)
             file_or_study = ds if study.refine else stored_case.outline(study)
             for way in (
                 bare.rod.beta.isel(here),
                 bare.rod.sel(**at).rod.beta,
                 ds.rod.at(**fields).beta,
-                stored_case.solve_case(file_or_study, at, study).beta,
+                stored_case.solve_case(StoredStudy(file_or_study), at, study).beta,
                 solve(case, stations=study.stations, choose=rule).beta,
             ):
                 np.testing.assert_allclose(way, one["beta"], atol=1e-12)

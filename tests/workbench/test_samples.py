@@ -14,9 +14,11 @@ from tests.workbench.command import run
 from workbench.commands import study_scene
 from workbench.figures import study_figure, trends
 from workbench.scene import scene_kinds
-from workbench.store import file_merge, in_memory, reading, selection, stored_case, writing
+from workbench.store import file_merge, in_memory, reading, writing
 from workbench.store.file_summary import summary
 from workbench.store.study_store import Options, run_to_file
+from workbench.stored import solved_again
+from workbench.stored.stored_study import StoredStudy
 
 HEAD = 'observables = ["turns", "wraps", "kappa_max"]\noutputs = ["beta", "alpha", "z"]'
 SAMPLE = """
@@ -60,7 +62,7 @@ def crossed(small_blocks) -> xr.Dataset:
 
 
 def test_a_law_is_judged_on_the_line_of_every_sample(crossed: xr.Dataset) -> None:
-    from workbench.store import law_verdicts
+    from workbench.stored import law_verdicts
 
     (row,) = law_verdicts.verdicts(crossed)
     assert (row["lines"], row["at"], row["verdict"]) == (5, {"sample": 2.0}, "holds")
@@ -81,7 +83,7 @@ def test_merged_samples_are_those_of_all_files_each_once(stored: Path, tmp_path)
             np.testing.assert_array_equal(ds[name], np.concatenate([a[name], b[name]]))
         assert ds["sample"].values.tolist() == list(range(58))
         assert ds.attrs["sampling"].startswith("58 samples of E, R, beta, merged from: 40 samples of E, R, beta: scr")
-        assert stored_case.study_of(ds).samples_count == 58
+        assert solved_again.study_of(ds).samples_count == 58
         again = in_memory.run(loads(ds.attrs["study"]))
         np.testing.assert_array_equal(again["kappa_max"], ds["kappa_max"])
 
@@ -102,7 +104,7 @@ def test_a_merged_study_of_too_many_samples_names_a_table_and_keeps_them_as_arra
     with xr.open_dataset(tmp_path / "d.h5") as ds:
         assert 'file = "d.csv"' in ds.attrs["study"]
         assert "[zip]" not in ds.attrs["study"]
-        assert stored_case.study_of(ds).coordinates()["E"].tolist() == [1e4, 2e4, 3e4, 4e4, 5e4]
+        assert solved_again.study_of(ds).coordinates()["E"].tolist() == [1e4, 2e4, 3e4, 4e4, 5e4]
         assert ds.rod.sel(sample=4).rod.study.coordinates()["E"].tolist() == [5e4]
     writing.write(in_memory.run(small.study("[zip]\nE = [6e4]\nR = [0.5]\n", HEAD)), paths[0])
     assert file_merge.merge([tmp_path / "d.h5", paths[0]], tmp_path / "e.h5")["cases"] == 6
@@ -157,16 +159,16 @@ def test_other_values_of_a_sampled_field_replace_those_of_the_samples(stored: Pa
 def test_a_scene_of_one_sample_solves_that_sample_alone(tmp_path) -> None:
     path = tmp_path / "s.toml"
     path.write_text(study().text)
-    whole, ds = study_scene.two_stations(path)
-    solve = study_scene.solver_of(ds, scene_kinds.KINDS["plain"], {"sample": 17}, [])
+    whole, rods = study_scene.two_stations(path)
+    solve = study_scene.solver_of(rods, scene_kinds.KINDS["plain"], {"sample": 17}, [])
     assert solve is not None
     part = solve(study_scene.FIRST)
     assert part["sample"].values.tolist() == [17]
     assert part["E"].values[0] == whole.coordinates()["E"][17]
-    row = study_scene.solver_of(ds, scene_kinds.KINDS["ghosts"], {}, ["sample"])
+    row = study_scene.solver_of(rods, scene_kinds.KINDS["ghosts"], {}, ["sample"])
     assert row is not None
     assert row(study_scene.FIRST).sizes["sample"] == 40
-    text = scene_kinds.case_values(ds, {"sample": 17})
+    text = scene_kinds.case_values(rods, {"sample": 17})
     assert text.startswith("sample = 17, E = ")
     assert "R = " in text
 
@@ -178,7 +180,10 @@ def test_samples_show_what_is_stored(stored: Path, crossed: xr.Dataset, monkeypa
     ds = reading.read(stored)
     ds["wraps"][7] = np.nan
 
-    pictures = {"one is missing": lambda: study_figure.figure(ds), "at axes": lambda: study_figure.figure(crossed)}
+    pictures = {
+        "one is missing": lambda: study_figure.figure(StoredStudy(ds)),
+        "at axes": lambda: study_figure.figure(StoredStudy(crossed)),
+    }
     stored_figures.check("pictures_samples", pictures)
     monkeypatch.setattr(trends, "MANY", 30)
     stored_figures.check("pictures_many_samples", {"as a density": pictures["one is missing"]})
@@ -186,7 +191,7 @@ def test_samples_show_what_is_stored(stored: Path, crossed: xr.Dataset, monkeypa
 
 def test_a_column_of_other_dimensions_is_no_row(stored: Path) -> None:
     ds = reading.read(stored)
-    assert selection.observables(ds.assign(turns=ds["turns"][0])) == ["wraps", "kappa_max"]
+    assert StoredStudy(ds.assign(turns=ds["turns"][0])).observables == ["wraps", "kappa_max"]
 
 
 def test_few_samples_or_one_value_have_no_rank_correlation() -> None:

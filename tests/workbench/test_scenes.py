@@ -1,7 +1,8 @@
 """The tube about the rod, and the pictures made of it."""
 
 import resource
-from dataclasses import asdict, replace
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass, replace
 from itertools import product
 
 import numpy as np
@@ -28,7 +29,8 @@ from workbench.scene import long_rod, opengl, page, scene_kinds, surfaces, views
 from workbench.scene.scene_kinds import KINDS, Cell, kind_of
 from workbench.scene.views import View
 from workbench.store import in_memory, writing
-from workbench.store.schema import SECTION
+from workbench.stored.schema import SECTION
+from workbench.stored.stored_study import StoredStudy
 
 START = {"beta": 0.5, "dbeta": 0.1, "dgamma": 0.5}
 
@@ -52,7 +54,7 @@ def fig6() -> xr.Dataset:
 
 
 def body(ds: xr.Dataset, kind: str = "contact", **where: int) -> rods.Body:
-    return rods.read(ds, where, kind_of(kind))
+    return rods.read(StoredStudy(ds), where, kind_of(kind))
 
 
 def test_the_colour_of_lift_off_covers_what_is_not_attached(fig6) -> None:
@@ -96,31 +98,31 @@ def test_a_long_rod_is_set_in_lines_that_show_all_of_it() -> None:
 @draws
 def test_all_lines_of_a_rod_share_the_triangles_of_a_picture(monkeypatch) -> None:
     tight = dataset(stations=4001, L=2000.0)
-    layout.compose(tight, settings=layout.Settings(2.0, 50))
+    layout.compose(StoredStudy(tight), settings=layout.Settings(2.0, 50))
     monkeypatch.setattr(rendering, "ALL_TRIANGLES", 5000)  # a line takes fewer, all take more
     with pytest.raises(
         InputError, match=r"triangles for a part of the picture, and \d+ are the limit: .*--from and --to"
     ):
-        layout.compose(tight, settings=layout.Settings(2.0, 50))
+        layout.compose(StoredStudy(tight), settings=layout.Settings(2.0, 50))
 
 
 @draws
 def test_a_long_pipe_with_wide_bends_is_compressed_into_one_line_and_one_with_tight_bends_is_set_in_lines() -> None:
     ds = in_memory.run(loads(small.text(PIPE, units="m kN", stations=401)))
-    pipe = layout.compose(ds, settings=layout.Settings(2.0, 50, camera="sides"))
+    pipe = layout.compose(StoredStudy(ds), settings=layout.Settings(2.0, 50, camera="sides"))
     assert len(pipe.scene.rows) == 2, "two sides of the whole pipe, one below the other"
     assert any("axis compressed" in note for note in pipe.notes)
     tight = dataset(stations=4001, L=2000.0)
     assert long_rod.compress([body(tight)])[0].squeeze == 1
     with pytest.raises(InputError, match="set in lines, is seen from one side, and --camera sides has several"):
-        layout.compose(tight, settings=layout.Settings(camera="sides"))
+        layout.compose(StoredStudy(tight), settings=layout.Settings(camera="sides"))
 
 
 @draws
 def test_the_words_of_a_table_of_long_pipes_stand_apart() -> None:
     axes = small.axis("FZ", [-150.0, -100.0]) + small.axis("R", [0.1, 0.12, 0.15])
     ds = in_memory.run(loads(small.text(PIPE, axes, units="m kN", stations=401)))
-    taken = layout.compose(ds, None, "grid", ["FZ", "R"], settings=layout.Settings(2.0, 50))
+    taken = layout.compose(StoredStudy(ds), None, "grid", ["FZ", "R"], settings=layout.Settings(2.0, 50))
     assert taken.scene.heads[0] == "", "the name of the rows is longer than they are high"
     assert "rows: radius of the cylinder" in taken.scene.case
     taken.fig.canvas.draw()
@@ -145,18 +147,15 @@ def test_of_a_rod_too_long_for_the_page_stretches_are_set_and_the_rest_is_told()
     assert found.note([piece.span for piece in pieces], "cm").startswith(f"only {found.count} pieces")
 
 
-class Counted:
-    """A dataset that remembers which variables were opened."""
+@dataclass(frozen=True, eq=False)
+class Counted(StoredStudy):
+    """A stored study that remembers which variables were opened."""
 
-    def __init__(self, ds: xr.Dataset, opened: set[str]) -> None:
-        self.ds, self.opened, self.attrs = ds, opened, ds.attrs
+    opened: set[str]
 
-    def __contains__(self, name: str) -> bool:
-        return name in self.ds
-
-    def __getitem__(self, names: list[str]) -> xr.Dataset:
-        self.opened |= set(names)
-        return self.ds[names]
+    def only(self, names: Iterable[str]) -> StoredStudy:
+        self.opened.update(names)
+        return StoredStudy(self.ds).only(names)
 
 
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "equilibria"])
@@ -180,9 +179,9 @@ def test_a_scene_reads_and_computes_what_its_kind_declares_and_nothing_else(kind
 def test_what_a_picture_says_of_its_case_asks_for_that_case_again() -> None:
     ds = in_memory.run(load("fig7_1_modulus").at_stations(2))
     for i in range(ds.sizes["E"]):
-        said = scene_kinds.case_values(ds, {"E": i}).partition(" = ")[2].partition(" ")[0]
-        assert options.axis_values(ds, [f"E={said}"]) == {"E": float(ds["E"].values[i])}
-    assert scene_kinds.values(ds, {"E": 3}) == ["E = 10910 N/cm²"]  # a heading: 10905.1
+        said = scene_kinds.case_values(StoredStudy(ds), {"E": i}).partition(" = ")[2].partition(" ")[0]
+        assert options.axis_values(StoredStudy(ds), [f"E={said}"]) == {"E": float(ds["E"].values[i])}
+    assert scene_kinds.values(StoredStudy(ds), {"E": 3}) == ["E = 10910 N/cm²"]  # a heading: 10905.1
 
 
 @draws
@@ -201,7 +200,7 @@ def test_a_row_in_the_table_is_all_that_a_new_kind_needs(fig6, tmp_path, monkeyp
 
 @draws
 def test_fig_6_is_large_and_shows_rod_cylinder_and_lift_off(fig6, tmp_path) -> None:
-    taken = layout.render(fig6, tmp_path / "fig6.png")
+    taken = layout.render(StoredStudy(fig6), tmp_path / "fig6.png")
     assert taken.error <= 0.5 * (1 + 1e-9)
     picture = pixels(tmp_path / "fig6.png")
     assert 1599 <= picture.shape[1] <= 1600  # Matplotlib may round down
@@ -346,17 +345,17 @@ def test_a_case_without_a_shape_leaves_a_labelled_empty_cell(tmp_path) -> None:
     ds = dataset(axes="[axes.E]\nvalues = [1e4, 2e4, 3e4]\n")
     ds = small.with_outcomes(ds, ["solved", "no solution", "solved"])
     ds["alpha"][1] = np.nan
-    taken = layout.compose(ds, None, "grid", ["E"], settings=layout.Settings(2.0, 60))
+    taken = layout.compose(StoredStudy(ds), None, "grid", ["E"], settings=layout.Settings(2.0, 60))
     assert [view.cell.why_empty for view in taken.scene.views] == ["", "no solution", ""]
     with pytest.raises(InputError, match="nothing to draw at E = 20000 N/cm²: no solution"):
-        layout.render(ds, tmp_path / "one.png", {"E": 2e4})
+        layout.render(StoredStudy(ds), tmp_path / "one.png", {"E": 2e4})
     ds = small.with_outcomes(ds, ["no solution"] * 3)
-    assert share_of_ink(pixels(layout.draw(ds, tmp_path / "none.png")["scene E"])) > 0.001
+    assert share_of_ink(pixels(layout.draw(StoredStudy(ds), tmp_path / "none.png")["scene E"])) > 0.001
 
 
 @draws
 def test_inside_the_rod_is_seen_through_the_near_wall(tmp_path) -> None:
-    layout.render(dataset("inside"), tmp_path / "inside.png", kind="curvature")
+    layout.render(StoredStudy(dataset("inside")), tmp_path / "inside.png", kind="curvature")
     assert share_of_hue(pixels(tmp_path / "inside.png"), "#21918c", 0.2) > 0.01
 
 
@@ -364,10 +363,10 @@ def test_inside_the_rod_is_seen_through_the_near_wall(tmp_path) -> None:
 @pytest.mark.slow
 def test_a_wound_rod_does_not_blow_the_memory(tmp_path) -> None:
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    layout.render(dataset(stations=20_001, L=2000.0), tmp_path / "long.png")
+    layout.render(StoredStudy(dataset(stations=20_001, L=2000.0)), tmp_path / "long.png")
     long = dataset(axes="[axes.E]\nvalues = [1e4, 2e4]\n", stations=2001, L=2000.0)
     with pytest.raises(InputError, match="pixels wide in the picture: draw a shorter part"):
-        layout.compose(long, kind="ghosts", settings=composition.Settings(span=(0.0, 2000.0)))
+        layout.compose(StoredStudy(long), kind="ghosts", settings=composition.Settings(span=(0.0, 2000.0)))
     # kilobytes; a process of its own takes 0.9e6 for it, of which 0.8e6 for any picture
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 1.2e6
 
@@ -400,7 +399,7 @@ def test_the_places_of_self_intersection_are_where_two_stretches_are_less_than_t
 @draws
 def test_each_rod_of_a_row_that_passes_through_itself_is_ringed_in_its_cell(fig6) -> None:
     ds = dataset(axes="[axes.F3]\nvalues = [1.0, 10.0, 40.0]\n")
-    taken = layout.compose(ds, None, "grid", ["F3"], settings=composition.Settings(2.0, 50))
+    taken = layout.compose(StoredStudy(ds), None, "grid", ["F3"], settings=composition.Settings(2.0, 50))
     inside = [[x for x, y, _ in taken.rings if left <= x <= left + wide and 0 <= y - top <= high]
               for left, top, wide, high in taken.arrangement.places]  # fmt: skip
     assert sum(map(len, inside)) == len(taken.rings)
@@ -410,14 +409,14 @@ def test_each_rod_of_a_row_that_passes_through_itself_is_ringed_in_its_cell(fig6
     assert page.RING in [colour for colour, _ in taken.legend]
     assert sum(through) == 1
     assert "1 of 3 passes through itself" in taken.notes
-    bare = layout.compose(ds, None, "grid", ["F3"], settings=composition.Settings(2.0, 50, bare=True))
+    bare = layout.compose(StoredStudy(ds), None, "grid", ["F3"], settings=composition.Settings(2.0, 50, bare=True))
     assert not bare.rings
 
 
 @draws
 @pytest.mark.parametrize("camera, outlined", [("front", False), ("180,0", True)])
 def test_the_legend_says_what_outlines_are_where_there_are_some(fig6, camera, outlined) -> None:
-    taken = layout.compose(fig6, settings=composition.Settings(2.0, 50, camera=camera))
+    taken = layout.compose(StoredStudy(fig6), settings=composition.Settings(2.0, 50, camera=camera))
     assert ((page.OUTLINE, "a stretch behind the cylinder") in taken.legend) == outlined
 
 
@@ -430,7 +429,7 @@ def test_the_cylinder_of_all_equilibria_has_one_size() -> None:
     study = load("fig7_4_end_angle")
     case = ends_problem(study)
     few = dataset_of(study, case, equilibria(case)).isel(equilibrium=[1, 8, 12])
-    taken = layout.compose(few, kind="equilibria", settings=composition.Settings(2.0, dpi=100))
+    taken = layout.compose(StoredStudy(few), kind="equilibria", settings=composition.Settings(2.0, dpi=100))
     assert [view.cell.number for view in taken.scene.views][:3] == [2, 9, 13], "their ranks among all"
     assert faults(taken.fig, least=6.0) == []
     wide = []
@@ -445,7 +444,7 @@ def test_the_cylinder_of_all_equilibria_has_one_size() -> None:
 @pytest.mark.parametrize("camera", ["front", "70,0", None, "-35,20"])
 def test_the_picture_has_the_scale_of_its_bar_along_the_axis(camera, helix) -> None:
     """The ends of the cylinder, which stand still whatever the side, are as far apart as the scale says."""
-    taken = layout.compose(helix, kind="plain", settings=composition.Settings(dpi=100, camera=camera))
+    taken = layout.compose(StoredStudy(helix), kind="plain", settings=composition.Settings(dpi=100, camera=camera))
     rod = body(helix, "plain")
     low, high = View([rod], Cell()).cylinder
     R, per_unit, along = rod.R, taken.arrangement.scale * 100, taken.scene.along
@@ -474,9 +473,9 @@ def test_in_place_of_an_unsolved_case_the_nearest_solved_one_is_drawn_and_this_i
     words = ["solved"] * 11
     words[5] = "no solution"
     ds = small.with_outcomes(ds, words)
-    taken = layout.compose(ds, settings=layout.Settings(2.0, 50))
+    taken = layout.compose(StoredStudy(ds), settings=layout.Settings(2.0, 50))
     assert "E = 20000 N/cm² is not solved; this is the nearest solved case" in taken.notes
-    row = layout.compose(ds, None, "grid", ["E"], settings=layout.Settings(2.0, 50))
+    row = layout.compose(StoredStudy(ds), None, "grid", ["E"], settings=layout.Settings(2.0, 50))
     assert "in place of 1 unsolved case the nearest solved" in row.notes
     assert not any(view.cell.why_empty for view in row.scene.views)
 
@@ -484,7 +483,9 @@ def test_in_place_of_an_unsolved_case_the_nearest_solved_one_is_drawn_and_this_i
 @draws
 def test_each_rod_of_a_row_faces_the_viewer() -> None:
     ds = dataset(axes="[axes.E]\nvalues = [1e4, 2e4, 4e4]\n")
-    rows, both = layout._cells(ds, kind_of("grid"), ["E"], [[{"E": i} for i in range(3)]], layout.Settings())
+    rows, both = layout._cells(
+        StoredStudy(ds), kind_of("grid"), ["E"], [[{"E": i} for i in range(3)]], layout.Settings()
+    )
     for view, camera in product(rows[0], both):
         place = view.places(view.bodies[0])
         front = np.degrees(np.angle(np.exp(1j * np.arctan2(place[:, 1], place[:, 0])).mean()))
@@ -494,11 +495,11 @@ def test_each_rod_of_a_row_faces_the_viewer() -> None:
 @draws
 def test_many_rods_stand_and_few_lie_where_they_fill_the_page_better_and_each_is_seen_from_one_side() -> None:
     ds = dataset(axes="[axes.E]\nfrom = 1e4\nto = 4e4\ncount = 9\n")
-    rows = [layout.compose(ds.isel(E=slice(n)), None, "grid", ["E"], settings=layout.Settings(2.0, 50)).scene.rows
-            for n in (2, 9)]  # fmt: skip
+    settings, few = layout.Settings(2.0, 50), [StoredStudy(ds.isel(E=slice(n))) for n in (2, 9)]
+    rows = [layout.compose(stored, None, "grid", ["E"], settings=settings).scene.rows for stored in few]
     assert [(len(cells), len(cells[0])) for cells in rows] == [(2, 1), (1, 9)]
     with pytest.raises(InputError, match="each rod of the kind grid is seen from one side, and --camera sides has sev"):
-        layout.compose(ds, None, "grid", ["E"], settings=layout.Settings(camera="sides"))
+        layout.compose(StoredStudy(ds), None, "grid", ["E"], settings=layout.Settings(camera="sides"))
 
 
 @draws
@@ -506,7 +507,7 @@ def test_a_picture_of_a_row_knows_the_places_of_its_rods(tmp_path) -> None:
     import json
 
     ds = dataset(axes="[axes.E]\nvalues = [1e4, 2e4, 4e4]\n")
-    layout.draw(ds, tmp_path / "row.png")
+    layout.draw(StoredStudy(ds), tmp_path / "row.png")
     with Image.open(tmp_path / "row.png") as picture:
         places = np.array(json.loads(picture.text["rods"]))
         drawn = np.asarray(picture)[..., :3].min(axis=-1) < 250
@@ -522,7 +523,7 @@ def test_a_picture_of_a_row_knows_the_places_of_its_rods(tmp_path) -> None:
 
 @draws
 def test_self_intersections_are_ringed_and_said_once(fig6) -> None:
-    taken = layout.compose(fig6, kind="plain", settings=composition.Settings(2.0, 50))
+    taken = layout.compose(StoredStudy(fig6), kind="plain", settings=composition.Settings(2.0, 50))
     ((left, top, wide, high),) = taken.arrangement.places
     assert len(taken.rings) >= 4
     assert all(left < x < left + wide and top < y < top + high for x, y, _ in taken.rings)

@@ -16,7 +16,9 @@ from solver import Case, Rod, Start, solve
 from studies.language.loader import dumps, loads
 from tests.workbench import doc_pages, small
 from workbench.geometry import stored_line
-from workbench.store import in_memory, law_verdicts, reading, writing
+from workbench.store import in_memory, reading, writing
+from workbench.stored import law_verdicts
+from workbench.stored.stored_study import StoredStudy
 
 START = {"a": 0.0635, "L": 8.0, "R": 0.108, "beta": 0.3, "dbeta": 0.1, "dgamma": 0.2, "F3": 20.0}
 KEYS = {"observables": ["height", "twist_energy"], "outputs": ["beta", "alpha", "z"], "stations": 41}
@@ -55,7 +57,7 @@ def test_what_reads_a_file_uses_the_stiffness_of_its_section(stored: xr.Dataset)
     case = loads(TUBE if axis == "inner_radius" else DIRECT).case()
     A = case.rod.bending_stiffness
     for k in range(3):
-        assert np.broadcast_to(A, case.shape)[k] == stored_line.read(stored, {axis: k}).A
+        assert np.broadcast_to(A, case.shape)[k] == stored_line.read(StoredStudy(stored), {axis: k}).A
     np.testing.assert_array_equal(stored.rod.M2, A[:, None] * np.sin(stored["beta"]) ** 2 / stored["rho"])
     if axis == "EI":
         (verdict,) = law_verdicts.verdicts(stored)

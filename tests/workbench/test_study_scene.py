@@ -4,7 +4,6 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-import xarray as xr
 
 from solver.problem.errors import InputError
 from studies.language.loader import loads
@@ -15,6 +14,7 @@ from workbench.commands import scene, study_scene
 from workbench.export.stored_rod import export
 from workbench.scene import opengl, scene_kinds
 from workbench.store import in_memory, stored_case, writing
+from workbench.stored.stored_study import StoredStudy
 from workbench.web.turntable import turntable_page
 
 if opengl.probe()[0]:
@@ -40,18 +40,18 @@ def solved(monkeypatch) -> list:
 
 
 def test_only_the_cases_that_are_shown_and_what_their_kind_reads_are_solved(file) -> None:
-    _, ds = study_scene.two_stations(file)
+    _, rods = study_scene.two_stations(file)
 
-    def solve_for(kind: str, at: dict[str, float], shown: list[str]) -> xr.Dataset:
-        solve = study_scene.solver_of(ds, scene_kinds.KINDS[kind], at, shown)
+    def solve_for(kind: str, at: dict[str, float], shown: list[str]) -> StoredStudy:
+        solve = study_scene.solver_of(rods, scene_kinds.KINDS[kind], at, shown)
         assert solve is not None
         return solve(study_scene.FIRST)
 
     one = solve_for("curvature", {"E": 2e4}, [])
     assert (one["outcome"].size, one["E"].values.tolist()) == (1, [2e4])
-    assert {name for name in one.data_vars if "u" in one[name].dims} == {"beta", "dbeta", "alpha", "z"}
+    assert {name for name in one.variables if "u" in one[name].dims} == {"beta", "dbeta", "alpha", "z"}
     twist = solve_for("twist", {}, [])
-    assert {name for name in twist.data_vars if "u" in twist[name].dims} == {"beta", "dbeta", "alpha", "z", "gamma"}
+    assert {name for name in twist.variables if "u" in twist[name].dims} == {"beta", "dbeta", "alpha", "z", "gamma"}
     row = solve_for("ghosts", {"F1": 4.0}, ["E"])
     assert (row["E"].values.tolist(), row["F1"].values.tolist()) == ([1e4, 2e4, 3e4], [4.0])
 
@@ -93,17 +93,17 @@ def test_a_file_with_too_few_stations_is_solved_again_and_without_a_study_refuse
     assert suffix == ".html" or "solved at" in capsys.readouterr().out
     few = ds.assign_attrs(study="")
     with pytest.raises(InputError, match="201 stations are too few"):
-        (layout.compose if suffix == ".png" else turntable_page.html)(few)
+        (layout.compose if suffix == ".png" else turntable_page.html)(StoredStudy(few))
     with pytest.raises(InputError, match=r"201 stations are too far apart to tell the rate of beta: store about \d+"):
-        export(ds, tmp_path / "wound.csv")
+        export(StoredStudy(ds), tmp_path / "wound.csv")
 
 
 @pytest.mark.parametrize("name", ["alpha", "z"])
 def test_a_file_whose_case_is_solved_to_another_shape_is_refused(name, tmp_path) -> None:
     ds = in_memory.run(loads(small.study("").text, default_name="rod"))
-    solve = study_scene.solver_of(ds, scene_kinds.KINDS["contact"], {}, [])
+    solve = study_scene.solver_of(StoredStudy(ds), scene_kinds.KINDS["contact"], {}, [])
     assert solve(1000).sizes["u"] == 1001
-    other = study_scene.solver_of(ds.assign({name: ds[name] * 1.01}), scene_kinds.KINDS["contact"], {}, [])
+    other = study_scene.solver_of(StoredStudy(ds.assign({name: ds[name] * 1.01})), scene_kinds.KINDS["contact"], {}, [])
     with pytest.raises(InputError, match=f"other shapes than the file: {name} differs"):
         other(1000)
 

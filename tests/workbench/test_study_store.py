@@ -18,16 +18,9 @@ from studies.language.study import OUTPUTS
 from tests.raising import LENGTHS, make_raise
 from tests.slow import slow, slow_but
 from tests.workbench import runs, small
-from workbench.store import (
-    assembly,
-    block,
-    in_memory,
-    recipe,
-    schema,
-    shards,
-    study_store,
-)
+from workbench.store import assembly, block, in_memory, recipe, shards, study_store
 from workbench.store.study_store import Options, run_to_file
+from workbench.stored import quantity_variables, schema
 
 GRID = runs.grid(3, 50)  # 150 cases: blocks of 64, the last one short
 
@@ -119,7 +112,9 @@ def test_nothing_is_computed_along_the_rod_but_the_outputs(outputs, computed, mo
     monkeypatch.setattr(block, "solve", lambda *args, **more: Watched(solve(*args, **more), read))
     ds = in_memory.run(study)
     assert read & set(OUTPUTS) == computed
-    assert {schema.CURVES[str(name)] for name in ds.data_vars if name in schema.CURVES} == computed
+    assert {
+        quantity_variables.CURVES[str(name)] for name in ds.data_vars if name in quantity_variables.CURVES
+    } == computed
 
 
 # going on, and starting over
@@ -417,7 +412,7 @@ def test_a_study_does_not_grow_with_other_code(half, monkeypatch) -> None:
 OF_EACH = {
     "friction": ("solver.shooting.answers.find_shape", {"friction": 0.3, "FZ": -1.0}, False, 1),
     "held": ("solver.choose.held_equilibrium.by_rule", {"height": 4.5}, False, 1),
-    "followed": ("workbench.store.sweep.follow", {"FZ": -1.0}, True, 2),  # it raises on the way from the second case
+    "followed": ("workbench.stored.sweep.follow", {"FZ": -1.0}, True, 2),  # it raises on the way from the second case
 }
 
 

@@ -16,7 +16,8 @@ from workbench.commands.fidelity import FIDELITIES, OFF_WALL
 from workbench.compare.trade_runs import CASES, advice, reference
 from workbench.figures import work_precision
 from workbench.store import in_memory, reading
-from workbench.store.schema import CURVES
+from workbench.stored.quantity_variables import CURVES
+from workbench.stored.stored_study import StoredStudy
 
 NUMBERS = (
     "seconds", "evaluations", "error", "error_beta", "error_position", "error_contact", "estimate", "condition",
@@ -89,7 +90,7 @@ def test_a_diagram_draws_every_rung_that_was_tried_failures_as_crosses(ds) -> No
     failed["outcome"] = ds["outcome"].astype(object)
     failed["outcome"].loc[{"case": "elliptic", "ladder": "orbit"}] = "failed: made up"
     for data, crosses in ((ds, 0), (failed, 8)):
-        ax = work_precision.panel(data, Figure().add_subplot(), "elliptic")
+        ax = work_precision.panel(StoredStudy(data), Figure().add_subplot(), "elliptic")
         drawn = {line.get_marker(): line for line in ax.lines if len(line.get_xdata()) and line.get_marker() in "ox"}
         assert len(drawn["x"].get_xdata() if "x" in drawn else ()) == crosses
         assert len(drawn["o"].get_xdata() if "o" in drawn else ()) == 8 - crosses
@@ -101,7 +102,7 @@ def test_a_method_that_hands_over_has_two_lines_and_no_line_between_them(ds) -> 
     handed = ds.copy(deep=True)
     handed["answered"] = ds["answered"].astype(object)
     handed["answered"].loc[{"case": "elliptic", "ladder": "orbit"}] = ["swing"] * 3 + ["orbit"] * 7
-    ax = work_precision.panel(handed, Figure().add_subplot(), "elliptic")
+    ax = work_precision.panel(StoredStudy(handed), Figure().add_subplot(), "elliptic")
     assert sorted(len(line.get_xdata()) for line in ax.lines if line.get_marker() == "o") == [3, 5]
     swing = {"swing": available_ladders()["swing"]}
     rows = measure({"x": (CASES["gap 1e-08"].case, reference("gap 1e-08"), None)}, swing)
@@ -129,8 +130,8 @@ def test_the_advice_names_the_method_that_reaches_a_level_in_the_most_cases(ran,
 
 def test_each_panel_of_a_trade_has_the_numbers_of_its_cost_and_many_cases_are_six(ds) -> None:
     many = ds.isel(case=[0] * 8).assign_coords(case=[f"case {k}" for k in range(8)])
-    assert work_precision.cases_to_show(many.isel(case=slice(5))) == [f"case {k}" for k in range(5)]
-    fig = work_precision.figure(many, "seconds")
+    assert work_precision.cases_to_show(StoredStudy(many.isel(case=slice(5)))) == [f"case {k}" for k in range(5)]
+    fig = work_precision.figure(StoredStudy(many), "seconds")
     fig.draw_without_rendering()
     assert len(fig.axes) == 6
     assert any("6 of 8 cases" in text.get_text() for text in fig.texts)

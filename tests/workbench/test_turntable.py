@@ -23,6 +23,7 @@ from tests.workbench.waiting import until
 from workbench import notebook
 from workbench.geometry import stored_line
 from workbench.store import in_memory
+from workbench.stored.stored_study import StoredStudy
 from workbench.web.turntable import turntable_page
 from workbench.web.turntable.turntable_page import turntable_of_dataset
 
@@ -40,7 +41,7 @@ def data_of(text: str) -> dict[str, Any]:
 
 
 def test_the_file_asks_for_nothing_and_is_small(ds: xr.Dataset) -> None:
-    text = turntable_page.html(ds)
+    text = turntable_page.html(StoredStudy(ds))
     assert not re.search(r'https?://(?!www\.w3\.org/2000/svg)|@import|url\(|src="', text)
     assert "default-src 'none'" in unescape(text)
     assert len(text) < 0.3e6
@@ -49,7 +50,7 @@ def test_the_file_asks_for_nothing_and_is_small(ds: xr.Dataset) -> None:
 @pytest.mark.slow
 def test_axe_finds_nothing_that_bars_people_from_a_scene(ds: xr.Dataset, tmp_path: Path) -> None:
     file, script = tmp_path / "x.html", browser.axe(tmp_path)
-    file.write_text(turntable_page.html(ds), encoding="utf-8")
+    file.write_text(turntable_page.html(StoredStudy(ds)), encoding="utf-8")
     with browser.chromium(tmp_path / "chromium", "1366,1000") as driver:
         driver.get(file.as_uri())
         for scheme in ("light", "dark"):
@@ -76,7 +77,7 @@ def test_a_scene_fits_its_frame_in_a_notebook(ds: xr.Dataset, wide: int, tmp_pat
 def test_on_paper_a_scene_shows_its_rod(ds: xr.Dataset, tmp_path: Path) -> None:
     """A browser prints no WebGL: a copy of the rod takes its place, and goes away afterwards."""
     file = tmp_path / "x.html"
-    file.write_text(turntable_page.html(ds), encoding="utf-8")
+    file.write_text(turntable_page.html(StoredStudy(ds)), encoding="utf-8")
     with browser.chromium(tmp_path / "chromium", "1366,1000") as driver:
         driver.get(file.as_uri())
         until(lambda: driver.execute_script("return !!document.querySelector('figure').view"))
@@ -86,11 +87,11 @@ def test_on_paper_a_scene_shows_its_rod(ds: xr.Dataset, tmp_path: Path) -> None:
 
 @node.needs_node
 def test_the_page_draws_the_stored_rods(ds: xr.Dataset) -> None:
-    data = data_of(turntable_page.html(ds)) | {"k": 7}
+    data = data_of(turntable_page.html(StoredStudy(ds))) | {"k": 7}
     script = """given.arrays = rod_sources.numbersOf(given.arrays);
 const { s, alpha, z, push } = rod_sources.storedShape(core, given, given.k); answer({ s, alpha, z, push });"""
     found = node.run(script, data, ("rod_sources",))
-    line = stored_line.read(ds, {"E": 7})
+    line = stored_line.read(StoredStudy(ds), {"E": 7})
     s = np.array(found["s"])
     alpha, _, z = line.at(s)
     np.testing.assert_allclose(found["alpha"], alpha, atol=2e-3)  # half a hundredth of the rod's radius
@@ -100,24 +101,24 @@ const { s, alpha, z, push } = rod_sources.storedShape(core, given, given.k); ans
 
 
 def test_a_slider_has_the_values_of_the_axis_as_the_command_line_takes_them(ds: xr.Dataset) -> None:
-    (axis,) = data_of(turntable_page.html(ds))["axes"]
+    (axis,) = data_of(turntable_page.html(StoredStudy(ds)))["axes"]
     assert axis["symbol"] == "E"
     assert axis["texts"][axis["start"]] == "10910 N/cm²"
     for text, value in zip(axis["texts"], ds["E"].values, strict=True):
         found = ds.rod.sel(E=text.removesuffix(" N/cm²"))
         assert float(found["E"]) == value
-    assert data_of(turntable_page.html(ds, {"E": "10905"}))["axes"] == []
+    assert data_of(turntable_page.html(StoredStudy(ds), {"E": "10905"}))["axes"] == []
 
 
 def test_each_case_carries_its_caution_or_why_it_has_no_shape(ds: xr.Dataset) -> None:
     broken = small.with_outcomes(ds, ["solved", "failed: for the test", *["solved"] * 7])
-    cases = turntable_of_dataset(broken).data["cases"]
+    cases = turntable_of_dataset(StoredStudy(broken)).data["cases"]
     assert cases[1] == {"numbers": None, "note": "Not solved: failed: for the test."}
     assert "passes through itself" in " ".join(case["note"] for case in cases)
 
 
 def test_too_many_cases_for_a_file_are_thinned_and_the_file_says_so(ds: xr.Dataset) -> None:
-    found = turntable_of_dataset(ds, most_bytes=5 * 4 * 4 * ds.sizes["u"])
+    found = turntable_of_dataset(StoredStudy(ds), most_bytes=5 * 4 * 4 * ds.sizes["u"])
     assert [len(axis["texts"]) for axis in found.data["axes"]] == [5]
     assert found.data["axes"][0]["texts"][0] == "5000 N/cm²"
     assert found.data["axes"][0]["texts"][-1] == "40000 N/cm²"
@@ -193,7 +194,7 @@ def test_the_axes_of_a_solution_are_those_of_its_fields(one: Solution) -> None:
     assert dict(notebook.dataset_of(solve(both)).sizes) == {"case1": 3, "u": 201}
     ends = solve(Case(ROD, Cylinder(R=0.75), Ends(beta0=0.5, betaL=0.8, FZ=-8.66, MZ=1.3, M3=6.1)))
     np.testing.assert_allclose(notebook.dataset_of(ends)["z"], ends.z)
-    line = stored_line.read(notebook.dataset_of(one), {})
+    line = stored_line.read(StoredStudy(notebook.dataset_of(one)), {})
     np.testing.assert_array_equal(line.push(one.s).argmax(), one.push.argmax())
 
 
@@ -205,7 +206,7 @@ INSIDE = small.text(
 
 
 def test_a_rod_inside_is_told_so() -> None:
-    found = turntable_of_dataset(in_memory.run(loads(INSIDE, default_name="inside"))).data
+    found = turntable_of_dataset(StoredStudy(in_memory.run(loads(INSIDE, default_name="inside")))).data
     assert found["shared"] == {"sign": -1}
     raw = np.frombuffer(base64.b64decode(found["arrays"]), dtype="<f4").reshape(2, 4, -1)
     assert np.isfinite(raw).all()

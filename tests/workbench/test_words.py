@@ -12,7 +12,9 @@ from matplotlib.figure import Figure
 from tests.workbench import small, stored_figures
 from workbench.figures import along, kinds, map_figure, map_panel, portrait, study_figure, unrolled
 from workbench.figures.sheet import sheet
-from workbench.store import in_memory, law_verdicts
+from workbench.store import in_memory
+from workbench.stored import law_verdicts
+from workbench.stored.stored_study import StoredStudy
 
 LAW = small.law(
     "contact_size_mean",
@@ -33,7 +35,7 @@ LONG = "A title that goes on for longer than a page of this width can hold, " * 
 
 def drawn_map(change: Callable[[xr.Dataset], xr.Dataset], **more: Any) -> Figure:
     """The map of the bends of a study over E and R of which something is changed."""
-    return map_figure.figure(change(small.study_dataset("regimes")), **{"show": ["turns"], **more})
+    return map_figure.figure(StoredStudy(change(small.study_dataset("regimes"))), **{"show": ["turns"], **more})
 
 
 def three(more: str = "") -> xr.Dataset:
@@ -111,9 +113,9 @@ def without_number(ds: xr.Dataset) -> xr.Dataset:
 
 FURTHER = small.law("turns", "F1", "falls", claim="(2)") + small.law("wraps", "F1", "falls", claim="(3)")
 MAPS: dict[str, Callable[[], Figure]] = {
-    "a third axis": lambda: map_figure.figure(three()),
-    "a value of the third axis": lambda: map_figure.figure(three(), show=["turns"], at={"F1": 9.0}),
-    "laws along a further axis": lambda: map_figure.figure(three(FURTHER), "R", "E", at={"F1": 5.0}),
+    "a third axis": lambda: map_figure.figure(StoredStudy(three())),
+    "a value of the third axis": lambda: map_figure.figure(StoredStudy(three()), show=["turns"], at={"F1": 9.0}),
+    "laws along a further axis": lambda: map_figure.figure(StoredStudy(three(FURTHER)), "R", "E", at={"F1": 5.0}),
     "many counts": lambda: drawn_map(set_to("turns", in_classes)),
     "large counts": lambda: drawn_map(set_to("turns", lambda turns: turns * 12345)),
     "constant": lambda: drawn_map(set_to("attached", nearly_constant), show=["attached"]),
@@ -123,7 +125,7 @@ MAPS: dict[str, Callable[[], Figure]] = {
     "level but for the errors": lambda: drawn_map(noise(2e-12), show=["attached"]),
     "noise above the errors": lambda: drawn_map(noise(1e-14), show=["attached"]),
     "cells of every kind": lambda: drawn_map(every_kind_of_cell),
-    "a sample": lambda: kinds.figure(samples_on_a_plane(), "map", show=["wraps"], at={"sample": 3}),
+    "a sample": lambda: kinds.figure(StoredStudy(samples_on_a_plane()), "map", show=["wraps"], at={"sample": 3}),
     "half not solved": lambda: drawn_map(unsolved(slice(13, None)), shapes=map_panel.Shapes(2, 1)),
     "nothing solved": lambda: drawn_map(unsolved(slice(None)), show=None),
     "shapes": lambda: drawn_map(lambda ds: ds, show=None, shapes=map_panel.Shapes(3, 2)),
@@ -135,7 +137,9 @@ def drawn_lines(
     **more: Any,
 ) -> Figure:  # fmt: skip
     """The lines of a study of which something is changed; stations: what a picture needs where no study is left."""
-    return study_figure.figure(change(in_memory.run(small.study(axes, head).at_stations(stations))), **more)
+    return study_figure.figure(
+        StoredStudy(change(in_memory.run(small.study(axes, head).at_stations(stations)))), **more
+    )
 
 
 def without_study(ds: xr.Dataset) -> xr.Dataset:
@@ -154,11 +158,11 @@ def level(wraps: xr.DataArray) -> np.ndarray:
 def two_laws_of_one_claim(panel: str) -> Figure:
     ds = small.six()
     (row, *_) = law_verdicts.verdicts(ds)
-    return study_figure.figure(ds, [row, {**row, "observable": "turns"}], sheet(panel=panel))
+    return study_figure.figure(StoredStudy(ds), [row, {**row, "observable": "turns"}], sheet(panel=panel))
 
 
 def grid(**more: Any) -> Figure:
-    return study_figure.figure(small.six(), sheet=sheet(**more))
+    return study_figure.figure(StoredStudy(small.six()), sheet=sheet(**more))
 
 
 def of_fig6(side: str) -> xr.Dataset:
@@ -174,11 +178,11 @@ def with_laws_of_angles(**more: Any) -> Figure:
 def with_counts_that_are_level() -> Figure:
     ds = small.six()
     flag = (ds["turns"] * 0 + 1).assign_attrs(long_name="1 where the rod intersects itself, else 0")
-    return study_figure.figure(ds.assign(turns=ds["turns"] * 0 + 3, overlaps=flag), [])
+    return study_figure.figure(StoredStudy(ds.assign(turns=ds["turns"] * 0 + 3, overlaps=flag)), [])
 
 
 def angles(**more: Any) -> Figure:
-    return study_figure.figure(small.study_dataset("fig7_3_start_angle"), **more)
+    return study_figure.figure(StoredStudy(small.study_dataset("fig7_3_start_angle")), **more)
 
 
 LINES: dict[str, Callable[[], Figure]] = {
@@ -198,8 +202,8 @@ LINES: dict[str, Callable[[], Figure]] = {
     "two laws of one claim": lambda: two_laws_of_one_claim("(2)"),
     "one of two laws": lambda: two_laws_of_one_claim("(2) turns"),
     "observables": lambda: angles(show=["wraps", "turns", "condition"]),
-    "a push outside": lambda: study_figure.figure(of_fig6("outside")),
-    "a push inside": lambda: study_figure.figure(of_fig6("inside")),
+    "a push outside": lambda: study_figure.figure(StoredStudy(of_fig6("outside"))),
+    "a push inside": lambda: study_figure.figure(StoredStudy(of_fig6("inside"))),
     "stored stations": lambda: drawn_lines("", change=without_study, stations=401),
     "laws of angles": with_laws_of_angles,
     "panel of an angle": lambda: with_laws_of_angles(sheet=sheet(panel="b")),
@@ -216,14 +220,14 @@ def four() -> xr.Dataset:
 
 
 RODS: dict[str, Callable[[], Figure]] = {
-    "curves": lambda: unrolled.figure(four()),
-    "ridge": lambda: along.figure(four()),
-    "ridge of any array": lambda: along.figure(four(), show=["F1", "alpha"]),
-    "one rod alone": lambda: along.figure(four(), at={"E": 1e4}, show=["beta", "push"]),
-    "portraits": lambda: portrait.figure(four(), at={"E": 1e4}),
-    "pipe": lambda: along.pipe(four()),
-    "states": lambda: along.states(small.study_dataset("capstan")),
-    "bars": lambda: kinds.figure(small.six(), "bars", x="R", show=["kappa_max"], at={"E": 2e4}),
+    "curves": lambda: unrolled.figure(StoredStudy(four())),
+    "ridge": lambda: along.figure(StoredStudy(four())),
+    "ridge of any array": lambda: along.figure(StoredStudy(four()), show=["F1", "alpha"]),
+    "one rod alone": lambda: along.figure(StoredStudy(four()), at={"E": 1e4}, show=["beta", "push"]),
+    "portraits": lambda: portrait.figure(StoredStudy(four()), at={"E": 1e4}),
+    "pipe": lambda: along.pipe(StoredStudy(four())),
+    "states": lambda: along.states(StoredStudy(small.study_dataset("capstan"))),
+    "bars": lambda: kinds.figure(StoredStudy(small.six()), "bars", x="R", show=["kappa_max"], at={"E": 2e4}),
 }
 
 

@@ -19,7 +19,8 @@ from solver import InputError
 from studies.language.loader import loads
 from tests.slow import slow
 from tests.workbench import forked, runs, small
-from workbench.store import in_memory, reading, schema, study_store, writing
+from workbench.store import in_memory, reading, study_store, writing
+from workbench.stored import schema
 
 
 def test_what_is_stored_is_what_is_read(six, tmp_path) -> None:

@@ -22,7 +22,8 @@ from studies.grammar.axes import quantity_of
 from studies.laws.line_verdicts import QUALIFIED
 from studies.laws.verdicts import Law, decide
 
-from ..store import schema
+from ..stored import quantity_variables
+from ..stored.stored_study import StoredStudy
 from .equilibria_dataset import (
     ALONG,
     COUNT,
@@ -39,7 +40,7 @@ from .tracing import PARTNER, Piece, Traced, trace_branches, trace_held
 STATIONS = 101
 SHAPE_STATIONS = 161
 FEW_SHAPES = 8  # in a row: one or two branches have so many together
-OWN = ("dbeta0", "beta0", "betaL", *schema.LOADS)  # what a diagram may show beside observables
+OWN = ("dbeta0", "beta0", "betaL", *quantity_variables.LOADS)  # what a diagram may show beside observables
 NAMES = tuple(dict.fromkeys((*OWN, *OBSERVABLES)))
 INDICES = {
     "index": {"units": "1", "long_name": "Morse index under the ends of the case"},
@@ -90,7 +91,7 @@ def sweep(
         padded = [[row[key] for row in (*members, *[blank] * (most - len(members)))] for members in rows]
         return xr.Variable((name, "member"), np.array(padded, dtype=kind).reshape(len(rows), most), label)
 
-    data: dict[str, Any] = {key: column(key, float, schema.labels(key, units)) for key in (*EACH, *judged)}
+    data: dict[str, Any] = {key: column(key, float, quantity_variables.labels(key, units)) for key in (*EACH, *judged)}
     if not held:
         data["count"] = xr.Variable((name,), np.array(list(map(len, rows))), COUNT)
     data["branch"] = column("branch", np.int64, {"long_name": "number of the branch, -1 for none"})
@@ -98,7 +99,9 @@ def sweep(
     chosen = default_observable(name) if show is None else show
     shown = (chosen,) if held else (chosen, "energy")
     data |= special_points(seen, name, units, shown) | follow_curves(seen, name, units, shown, (values[0], values[-1]))
-    ds = xr.Dataset(data, {name: xr.Variable((name,), values, schema.labels(quantity_of(name).name, units))})
+    ds = xr.Dataset(
+        data, {name: xr.Variable((name,), values, quantity_variables.labels(quantity_of(name).name, units))}
+    )
     every = "Equilibria with a held" if held else "All equilibria over"
     ds.attrs = attributes(study, case, f"{every} {quantity_of(name).symbol}")
     if held:
@@ -109,20 +112,10 @@ def sweep(
     return ds.drop_dims([dim for dim, size in ds.sizes.items() if not size])  # a file holds no empty array
 
 
-def branches(ds: xr.Dataset) -> list[dict[str, Any]]:
-    """A row for each branch: its first and last value of the axis, index, number of bends, and each law's verdict."""
-    return list(json.loads(ds.attrs["branches"]))
-
-
-def folds(ds: xr.Dataset) -> list[dict[str, float]]:
+def folds(stored: StoredStudy) -> list[dict[str, float]]:
     """Axis value, beta'(0) and energy of each fold."""
     names = ("fold", "fold_dbeta0", "fold_energy")
-    return [{name: float(ds[name][i]) for name in names} for i in range(ds.sizes.get("fold", 0))]
-
-
-def remarks(ds: xr.Dataset) -> list[str]:
-    """Where and why branches could not be followed to the end of the axis."""
-    return list(json.loads(ds.attrs["remarks"]))
+    return [{name: float(stored[name][i]) for name in names} for i in range(stored.sizes.get("fold", 0))]
 
 
 def _numbers(member: Equilibrium, judged: Sequence[str]) -> dict[str, Any]:
@@ -138,6 +131,7 @@ def _is_of_observables(law: Law) -> bool:
 
 
 def _rows(ds: xr.Dataset, name: str, laws: list[Law], seen: Traced) -> list[dict[str, Any]]:
+    """A row for each branch: its first and last value of the axis, index, number of bends, and each law's verdict."""
     rows = []
     scale = 180 / np.pi if ds[name].attrs["units"] == "rad" else 1.0
     for piece in seen.pieces:
@@ -207,13 +201,15 @@ def special_points(seen: Traced, name: str, units: Mapping[str, str], shown: Seq
 
 def _labels(name: str, keys: Sequence[str], units: Mapping[str, str]) -> dict[str, dict[str, str]]:
     """The attributes of the field and of what is shown, by name."""
-    return {key: schema.labels(quantity_of(name).name if key == name else key, units) for key in (name, *keys)}
+    return {
+        key: quantity_variables.labels(quantity_of(name).name if key == name else key, units) for key in (name, *keys)
+    }
 
 
 def _numbers_of(sol: Solution, keys: Sequence[str]) -> dict[str, Any]:
     """Observables, loads and values at the ends, one for each case."""
     ends = {"dbeta0": lambda: sol.dbeta[..., 0], "beta0": lambda: sol.beta[..., 0], "betaL": lambda: sol.beta[..., -1]}
-    ends |= {name: partial(getattr, sol, name) for name in schema.LOADS}
+    ends |= {name: partial(getattr, sol, name) for name in quantity_variables.LOADS}
     return observe(sol, [key for key in keys if key not in ends]) | {key: ends[key]() for key in keys if key in ends}
 
 
@@ -261,7 +257,7 @@ def follow_curves(
     for key in ("alpha", "z"):
         rows = [getattr(solved[piece.curve], key)[at] for piece, at in middles]
         values = np.array(rows).reshape(len(rows), SHAPE_STATIONS)
-        data[f"shape_{key}"] = xr.Variable(("shape", "u"), values, schema.labels(key, units))
+        data[f"shape_{key}"] = xr.Variable(("shape", "u"), values, quantity_variables.labels(key, units))
     data["shape_branch"] = xr.Variable(("shape",), np.array([p.number for p, _ in middles], dtype=np.int64), owner)
     for key, label in _labels(name, ("rho", *shown), units).items():
         values = np.array([numbers[piece.curve][key][at] for piece, at in middles], dtype=float)
@@ -300,14 +296,14 @@ def dataset_of(branch: Branch, stations: int, units: Mapping[str, str]) -> xr.Da
     stations = whole_number("stations", stations, 2, MOST_LISTED)
     units, sol, name = all_units(units), solutions_of(branch, stations), branch.field
     numbers = _numbers_of(sol, (*POINT_NUMBERS, "dbeta0")) | {"index": branch.index}
-    numbers |= _numbers_of(sol, schema.LOADS) | {"rho": np.broadcast_to(sol.case.rho, sol.case.shape)}
+    numbers |= _numbers_of(sol, quantity_variables.LOADS) | {"rho": np.broadcast_to(sol.case.rho, sol.case.shape)}
     ds = of_solution(sol, (POINT,), np.linspace(0, 1, stations), ALONG, units)
-    ds = ds.assign(schema.variables({k: v for k, v in numbers.items() if k != name}, (POINT,), units))
+    ds = ds.assign(quantity_variables.variables({k: v for k, v in numbers.items() if k != name}, (POINT,), units))
     kinds = np.full(len(branch), "", dtype=object)
     kinds[[point.position for point in branch.special]] = [point.kind for point in branch.special]
     ds["special"] = POINT, kinds.astype(str), {"long_name": "kind of special point, empty for none"}
     number = {"long_name": "number of the point along the branch"}
-    field = xr.Variable((POINT,), branch.values, schema.labels(quantity_of(name).name, units))
+    field = xr.Variable((POINT,), branch.values, quantity_variables.labels(quantity_of(name).name, units))
     ds = ds.assign_coords({POINT: xr.Variable((POINT,), np.arange(len(branch)), number), name: field})
     return ds.assign_attrs(_attributes(branch))
 

@@ -20,7 +20,7 @@ from studies.language.case_input import field_values
 from studies.language.loader import loads
 from studies.language.readings import TABLE_UNITS
 
-from ..store import schema
+from ..stored import provenance, quantity_variables, schema
 from ..words import cautions
 from .ends_study import ELASTIC, study_text
 
@@ -56,9 +56,9 @@ def dataset_of(study: Study, case: Case, found: Sequence[Equilibrium]) -> xr.Dat
     names = (*ELASTIC, *PUSH, *(solutions[0].reactions if solutions else ()))
     numbers = {name: np.array([getattr(equilibrium, name) for equilibrium in found]) for name in EACH}
     numbers |= {name: np.array([float(row[name]) for row in seen]) for name in names}
-    data: dict[str, Any] = schema.variables(numbers, EQUILIBRIUM, units)
+    data: dict[str, Any] = quantity_variables.variables(numbers, EQUILIBRIUM, units)
     if held:
-        data["energy"].attrs = schema.labels("held_energy", units)  # what the number is; the name stays
+        data["energy"].attrs = quantity_variables.labels("held_energy", units)  # what the number is; the name stays
         dead = np.array([equilibrium.dead_index for equilibrium in found], dtype=np.int64)
         data["dead_index"] = xr.Variable(EQUILIBRIUM, dead, DEAD_INDEX)
         ways = np.array([equilibrium.found_by for equilibrium in found], dtype=str)
@@ -71,7 +71,7 @@ def dataset_of(study: Study, case: Case, found: Sequence[Equilibrium]) -> xr.Dat
     ds.attrs = attributes(study, case, title)
     if isinstance(found, HeldEquilibria):
         ranges = (
-            f"{name} from {low:.4g} to {high:.4g} {schema.labels(name, units)['units']}"
+            f"{name} from {low:.4g} to {high:.4g} {quantity_variables.labels(name, units)['units']}"
             for name, (low, high) in found.search.within.items()
         )
         search = {"remark": found.remark, "searched": ", ".join(ranges)}
@@ -97,11 +97,15 @@ def of_solution(
 
     u: s/L at the stations.
     """
-    data: dict[str, Any] = schema.variables({name: getattr(sol, name) for name in names}, (*dims, "u"), units)
+    data: dict[str, Any] = quantity_variables.variables(
+        {name: getattr(sol, name) for name in names}, (*dims, "u"), units
+    )
     data["solved"] = xr.Variable(dims, np.asarray(sol.solved, dtype=bool))
     data["outcome"] = xr.Variable(dims, np.asarray(sol.outcome).astype(str))
     return xr.Dataset(
-        data, schema.variables({"u": u}, ("u",), units) | schema.variables({"s": sol.s}, (*dims, "u"), units)
+        data,
+        quantity_variables.variables({"u": u}, ("u",), units)
+        | quantity_variables.variables({"s": sol.s}, (*dims, "u"), units),
     )
 
 
@@ -114,12 +118,15 @@ def of_solutions(
     """
     stations = solutions[0].s.size if solutions else 2
     each = {name: np.array([getattr(sol, name) for sol in solutions]).reshape(-1, stations) for name in ALONG}
-    data: dict[str, Any] = {**schema.variables(each, (*EQUILIBRIUM, "u"), units), **numbers}
+    data: dict[str, Any] = {**quantity_variables.variables(each, (*EQUILIBRIUM, "u"), units), **numbers}
     data["solved"] = xr.Variable(EQUILIBRIUM, np.array([bool(sol.solved) for sol in solutions], dtype=bool))
     data["outcome"] = xr.Variable(EQUILIBRIUM, np.array([str(sol.outcome) for sol in solutions], dtype=str))
     data["caution"] = xr.Variable(EQUILIBRIUM, np.array(texts, dtype=str))
     u = np.linspace(0, 1, stations)
-    coords = {"equilibrium": np.arange(1, len(solutions) + 1), **schema.variables({"u": u, "s": u * L}, ("u",), units)}
+    coords = {
+        "equilibrium": np.arange(1, len(solutions) + 1),
+        **quantity_variables.variables({"u": u, "s": u * L}, ("u",), units),
+    }
     return xr.Dataset(data, coords)
 
 
@@ -128,7 +135,7 @@ def attributes(study: Study, case: Case, title: str) -> dict[str, Any]:
     return {
         "title": title, "study_name": "equilibria", "study": study.text, "reading": study.reading or "",
         **schema.attributes_of_case(case, study.unit_system), "laws": json.dumps([]),
-        "versions": json.dumps(schema.versions()),
+        "versions": json.dumps(provenance.versions()),
         "stability": DEAD_LOADS,
     }  # fmt: skip
 
@@ -139,7 +146,7 @@ def with_case(ds: xr.Dataset, case: Case, units: dict[str, str], skip: Collectio
     ends = {name: value for name, value in every.items() if value is not None}
     varied = {*skip, *(("rho",) if {"R", "a"} & {*skip} else ())}
     numbers = {name: value for name, value in (schema.numbers_of_case(case) | ends).items() if name not in varied}
-    return ds.assign(schema.variables({name: float(value) for name, value in numbers.items()}, (), units))
+    return ds.assign(quantity_variables.variables({name: float(value) for name, value in numbers.items()}, (), units))
 
 
 NUMBERS = {  # of each loop: units and long names of those that are no quantity of a case
@@ -184,16 +191,16 @@ def dataset_of_loops(found: Sequence[Loop], units: Mapping[str, str] | None = No
     solutions = [loop.solution for loop in found]
     data: dict[str, Any] = {}
     for name, row in NUMBERS.items():
-        labels = schema.labels(row, words) if isinstance(row, str) else dict(zip(LABELS, row, strict=True))
+        labels = quantity_variables.labels(row, words) if isinstance(row, str) else dict(zip(LABELS, row, strict=True))
         data[name] = xr.Variable(EQUILIBRIUM, np.array([getattr(loop, name) for loop in found]), labels)
-    data |= schema.variables({"MZ": [float(sol.MZ) for sol in solutions]}, EQUILIBRIUM, words)
-    data |= schema.variables({"FZ": 0.0, "M3": 0.0}, (), words)
+    data |= quantity_variables.variables({"MZ": [float(sol.MZ) for sol in solutions]}, EQUILIBRIUM, words)
+    data |= quantity_variables.variables({"FZ": 0.0, "M3": 0.0}, (), words)
     scalars = {**dict(case.rod.given()), "R": case.cylinder.R, "rho": case.rho}
-    data |= schema.variables({name: float(value) for name, value in scalars.items()}, (), words)
+    data |= quantity_variables.variables({name: float(value) for name, value in scalars.items()}, (), words)
     ds = of_solutions(solutions, data, [caution_of_loop(loop, words) for loop in found], float(case.rod.L), words)
     ds["equilibrium"].attrs["long_name"] = "number of the loop"
     more = {"title": "Closed rods on a cylinder", "stability": STABILITY}
-    return ds.assign_attrs(attributes(study, case, "") | more | {"caution": cautions.sentence(ds)})
+    return ds.assign_attrs(attributes(study, case, "") | more | {"caution": cautions.said(ds["caution"].values)})
 
 
 def caution_of_loop(one: Loop, units: Mapping[str, str] | None = None) -> str:

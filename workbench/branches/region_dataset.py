@@ -12,7 +12,7 @@ from solver.problem.reduced import held_of
 from solver.region_map import Region, RegionMap
 from studies import Study
 
-from ..store import schema
+from ..stored import quantity_variables
 from .equilibria_dataset import ALONG, attributes, with_case
 
 
@@ -34,14 +34,14 @@ def dataset_of(study: Study, found: RegionMap, checked: tuple[int, int] | None =
     stable, u) its stable shapes; over (curve, point) and `cusp` the curves.
     """
     units, folds = study.unit_system, found.folds
-    names = [schema.dimension(name) for name in folds.names]
-    labels = {name: schema.labels(name, units) for name in names}
+    names = [quantity_variables.dimension(name) for name in folds.names]
+    labels = {name: quantity_variables.labels(name, units) for name in names}
     label = {"long_name": "number of the region, the largest 0; -1: too small to be a region", "units": "1"}
     data = {"region_at": xr.Variable(names[::-1], found.labels, label)}
     data |= _of_regions(found.regions, names, units) | _of_curves(found, names, units)
     coords = {name: xr.Variable(name, ticks, labels[name]) for name, ticks in zip(names, found.ticks, strict=True)}
     stations = data["stable_alpha"].sizes["u"]
-    coords["u"] = xr.Variable("u", np.linspace(0, 1, stations), schema.labels("u", units))
+    coords["u"] = xr.Variable("u", np.linspace(0, 1, stations), quantity_variables.labels("u", units))
     symbols = " and ".join(label["symbol"] for label in labels.values())
     number = "The number of equilibria" + " found" * (folds.case.rod.weight is not None or bool(held_of(folds.case)))
     ds = xr.Dataset(data, coords, attributes(study, folds.case, f"{number} over {symbols}"))
@@ -63,7 +63,7 @@ def _of_regions(regions: list[Region], names: list[str], units: dict[str, str]) 
         stable = [equilibrium.solution for equilibrium in region.equilibria if equilibrium.index == 0]
         for (i, solution), name in product(enumerate(stable), ALONG):
             shapes[name][k, i] = getattr(solution, name)
-    data = schema.variables(shapes, ("region", "stable", "u"), units, "stable_")
+    data = quantity_variables.variables(shapes, ("region", "stable", "u"), units, "stable_")
     numbers: dict[str, tuple[Any, list[Any], str]] = {
         "count": (np.int64, [region.count for region in regions], "number of equilibria"),
         "count_stable": (np.int64, [region.stable for region in regions], "number of stable equilibria"),
@@ -75,7 +75,7 @@ def _of_regions(regions: list[Region], names: list[str], units: dict[str, str]) 
     data["complete"] = xr.Variable("region", complete, {"long_name": "whether the equilibria pass the test"})
     places = {name: np.array([region.values[k] for region in regions]) for k, name in enumerate(names)}
     where = ", of the point where the equilibria were computed"
-    return data | schema.variables(places, ("region",), units, "region_", where)
+    return data | quantity_variables.variables(places, ("region",), units, "region_", where)
 
 
 def _of_curves(region_map: RegionMap, names: list[str], units: dict[str, str]) -> dict[str, xr.Variable]:
@@ -86,9 +86,11 @@ def _of_curves(region_map: RegionMap, names: list[str], units: dict[str, str]) -
     most = max(map(len, points), default=0)
     padded = [np.pad(rows, ((0, most - len(rows)), (0, 0)), constant_values=np.nan) for rows in points]
     along = np.array(padded).reshape(len(curves), most, 3)
-    data = schema.variables({name: along[..., k] for k, name in enumerate(names)}, ("curve", "point"), units, "curve_")
+    data = quantity_variables.variables(
+        {name: along[..., k] for k, name in enumerate(names)}, ("curve", "point"), units, "curve_"
+    )
     every = np.concatenate([np.zeros((0, 3)), *cusps])
-    data |= schema.variables({name: every[:, k] for k, name in enumerate(names)}, ("cusp",), units, "cusp_")
+    data |= quantity_variables.variables({name: every[:, k] for k, name in enumerate(names)}, ("cusp",), units, "cusp_")
     owner = np.repeat(np.arange(len(curves)), list(map(len, cusps)))
     data["cusp_curve"] = xr.Variable("cusp", owner.astype(np.int64), {"long_name": "number of its curve"})
     lower = {"long_name": "lower Morse index of the two equilibria that meet", "units": "1"}

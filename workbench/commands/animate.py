@@ -44,41 +44,41 @@ def film_of(
     """
     from ..scene import film, opengl
     from ..scene.scene_kinds import kind_of
-    from ..store import in_memory, schema
-    from ..words import outcomes
+    from ..store import in_memory
+    from ..stored.stored_study import StoredStudy
     from . import study_scene
 
     fps = film.FPS if fps is None else fps
-    study, ds = study_scene.open_rods(file)
+    study, rods = study_scene.open_rods(file)
     if study is not None:
-        ds = in_memory.run(study)
-    outcomes.check_any_solved(ds)
-    axes = schema.axes_of(ds)
+        rods = StoredStudy(in_memory.run(study))
+    rods.check_any_solved()
+    axes = rods.axes
     if not axes:
         raise InputError(f"{file} has one case and no axis, so nothing changes from frame to frame")
     if axis is None and len(axes) > 1:
         raise InputError(f"{file} has several axes: choose one with --axis from {choices(axes)}")
     axis = axis or axes[0]
-    where = axis_values(ds, at)
+    where = axis_values(rods, at)
     if axis in where:
         raise InputError(f"--at {axis}: the film runs along {axis}, so that axis takes no value")
-    shown = film.Film(axis, where, film.observable_of(ds, axis, show), kind, pixel_error, dpi)
+    shown = film.Film(axis, where, film.observable_of(rods, axis, show), kind, pixel_error, dpi)
     default = file.with_name(f"{file.stem}_{axis}.mp4")
     paths = [check_file(path, film.SUFFIXES, force) for path in out or [default]]
-    cases = film.cases_of(ds, shown)
+    cases = film.cases_of(rods, shown)
     if not RATES[0] <= fps <= RATES[1]:
         raise InputError(f"--fps must be between {RATES[0]:g} and {RATES[1]:g}, got {fps:g}")
     film.check_writers(paths)
     able, advice = opengl.probe()
     if not able:
         return result_of_files([], warnings=[advice], status=1)
-    solving = ds, axis, where, kind_of(kind), str(shown.observable), MOST
+    solving = rods, axis, where, kind_of(kind), str(shown.observable), MOST
     more = None if stored else study_scene.film_cases(*solving)
     if more is not None:
-        ds, shown, cases = more, replace(shown, at={}), film.cases_of(more, replace(shown, at={}))
+        rods, shown, cases = more, replace(shown, at={}), film.cases_of(more, replace(shown, at={}))
     each = 1 if more is not None else max(round(STAYS * fps), 1)
     with console.progress(len(cases), lines=True) as step:
-        film.write(paths, film.frames(ds, shown, step), fps, each)
+        film.write(paths, film.frames(rods, shown, step), fps, each)
     solved = "stored cases" if more is None else "cases, solved for this film"
     return result_of_files(paths, [f"{path}: {len(cases)} {solved}, {fps:g} frames per second" for path in paths])
 

@@ -33,9 +33,9 @@ def doctor() -> Result:
     """
     import platform
 
-    from ..store import schema
+    from ..stored import provenance
 
-    packages = {**schema.versions(), **{name: schema.version_of(name) for name in DRAWING}}
+    packages = {**provenance.versions(), **{name: provenance.version_of(name) for name in DRAWING}}
     report = {"system": platform.platform(), "checks": examine(), "versions": packages}
     return Result(lambda: report, lambda: _print(report))
 
@@ -76,7 +76,7 @@ def _hdf5() -> dict[str, Any]:
     import numpy as np
     import xarray as xr
 
-    from ..store import schema
+    from ..stored import schema
 
     try:
         with tempfile.TemporaryDirectory() as folder:

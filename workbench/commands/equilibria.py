@@ -139,7 +139,7 @@ def _list(
 
     from ..branches.ends_study import row
     from ..branches.equilibria_dataset import dataset_of
-    from ..store.block import rule_of
+    from ..stored.one_case import rule_of
     from ..words import cautions
 
     rule = rule_of(study.equilibrium) if choose is None else parse_choose(choose).rule
@@ -220,10 +220,11 @@ def _over_axis(study: "Study", case: "Case", name: str, values: "np.ndarray", sh
     from studies.laws import law_words
 
     from ..branches import branch_dataset
+    from ..stored.stored_study import StoredStudy
 
     with console.progress(values.size) as step:
-        ds = branch_dataset.sweep(study, case, name, values, step, show)
-    rows, folds, remarks = branch_dataset.branches(ds), branch_dataset.folds(ds), branch_dataset.remarks(ds)
+        stored = StoredStudy(branch_dataset.sweep(study, case, name, values, step, show))
+    rows, folds, remarks = stored.data("branches"), branch_dataset.folds(stored), stored.data("remarks")
 
     def data() -> dict[str, Any]:
         numbered = [{"number": row["branch"] + 1, **row} for row in rows]
@@ -243,4 +244,4 @@ def _over_axis(study: "Study", case: "Case", name: str, values: "np.ndarray", sh
         for remark in remarks:
             console.say(f"a branch stops at {remark}")
 
-    return Result(data, tell, 0 if rows else 1, lambda: ds)
+    return Result(data, tell, 0 if rows else 1, lambda: stored.ds)

@@ -52,16 +52,17 @@ def export(
     from ..export import stored_rod
     from ..export.base import Options
     from ..store import reading
+    from ..stored.stored_study import StoredStudy
 
     stored_rod.format_of(out)  # before a large file is read
-    ds = reading.read(file)
-    options = Options(axis_values(ds, at), tolerance, centreline, overlap)
-    done = stored_rod.export(ds, out, options, force)
+    stored = StoredStudy(reading.read(file))
+    options = Options(axis_values(stored, at), tolerance, centreline, overlap)
+    done = stored_rod.export(stored, out, options, force)
     status = 1 if done.warnings else 0
 
     def show() -> None:
         where = ", ".join(f"{name}={value:g}" for name, value in done.at.items())
-        unit = str(ds.attrs["length_unit"])
+        unit = stored.units["length"]
         order = sorted(done.facts, key=lambda key: FACTS.index(key) if key in FACTS else -1)
         facts = ", ".join(_fact(key, done.facts[key], unit) for key in order if key != "values")
         console.say(f"{done.path}{f' at {where}' if where else ''}: {facts}")

@@ -128,6 +128,7 @@ def _case(file: Path | None, at: list[str] | None, given: Given, table1: bool, r
     from studies.language.case_input import check_alone, read_case
 
     from ..store.stored_case import case_at, outline
+    from ..stored.stored_study import StoredStudy
 
     if file is None:
         if at:
@@ -139,7 +140,7 @@ def _case(file: Path | None, at: list[str] | None, given: Given, table1: bool, r
         raise InputError(
             f"{study.name} follows one equilibrium along {study.followed}: fit takes a study of single cases"
         )
-    return case_at(study, axis_values(outline(study), at), given.values)
+    return case_at(study, axis_values(StoredStudy(outline(study)), at), given.values)
 
 
 def _vary(texts: list[str] | None, bounds: dict[str, tuple[float, float]]) -> "dict[str, tuple[float, float] | None]":

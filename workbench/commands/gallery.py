@@ -4,7 +4,7 @@ from collections.abc import Callable
 from functools import partial
 from math import cos, pi
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 from solver.problem.errors import InputError, no_such
 
@@ -12,6 +12,9 @@ from ..store import atomic
 from . import console
 from .options import ForceOutput, check_file, option
 from .present import Result, presents, result_of_files
+
+if TYPE_CHECKING:
+    from ..stored.stored_study import StoredStudy
 
 DPI = 200  # of print
 SWEEP, PAGE = "hero_sweep", "hero_page"
@@ -75,18 +78,18 @@ def _suffixes(only: list[str]) -> dict[str, str]:
     return {name: suffix for name, suffix in known.items() if not only or name in only}
 
 
-def _scene(ds: Any, path: Path) -> None:
+def _scene(rods: "StoredStudy", path: Path) -> None:
     """Draw one scene, or the rod along the axis of the film and back."""
     from ..scene import composition, film, layout
 
     if path.stem == SWEEP:
-        film.write([path], film.frames(ds, film.Film("F3", {}, dpi=HERO_DPI, size=HERO_SIZE)), back=True)
+        film.write([path], film.frames(rods, film.Film("F3", {}, dpi=HERO_DPI, size=HERO_SIZE)), back=True)
         return
     kind, axes = "contact" if path.stem in OWN else path.stem, ["F1", "F3"] if path.stem == "grid" else []
-    layout.render(ds, path, None, kind, axes, settings=composition.Settings(dpi=DPI), level=9)
+    layout.render(rods, path, None, kind, axes, settings=composition.Settings(dpi=DPI), level=9)
 
 
-def _four_views(ds: Any, path: Path) -> None:
+def _four_views(rods: "StoredStudy", path: Path) -> None:
     """Draw a rod in four kinds of scene, two by two."""
     import numpy as np
     from PIL import Image
@@ -95,7 +98,7 @@ def _four_views(ds: Any, path: Path) -> None:
 
     views = []
     for letter, kind in zip("abcd", VIEWS, strict=True):
-        titled = ds.assign_attrs(title=f"{letter}  {scene_kinds.KINDS[kind].description}")
+        titled = rods.with_title(f"{letter}  {scene_kinds.KINDS[kind].description}")
         picture = layout.compose(titled, None, kind, settings=composition.Settings(dpi=VIEW_DPI))
         views.append(page.pixels_of(picture.fig))
     high = max(len(view) for view in views)
@@ -104,7 +107,7 @@ def _four_views(ds: Any, path: Path) -> None:
     atomic.write(path, lambda aside: image.save(aside, compress_level=9))
 
 
-def _datasets() -> dict[str, Callable[[], Any]]:
+def _datasets() -> "dict[str, Callable[[], StoredStudy]]":
     """What solves the dataset of each picture."""
     from solver import equilibria as every
     from studies import load
@@ -113,15 +116,16 @@ def _datasets() -> dict[str, Callable[[], Any]]:
     from ..branches.ends_study import ends_problem
     from ..branches.equilibria_dataset import dataset_of
     from ..store import in_memory
+    from ..stored.stored_study import StoredStudy
 
-    def equilibria() -> Any:
+    def equilibria() -> StoredStudy:
         study = load("fig7_4_end_angle")
         case = ends_problem(study)
-        return dataset_of(study, case, every(case))
+        return StoredStudy(dataset_of(study, case, every(case)))
 
-    def run(study: str | Path, **axes: list[float]) -> Any:
+    def run(study: str | Path, **axes: list[float]) -> StoredStudy:
         values = {name: Axis.model_validate({"values": each}) for name, each in axes.items()}
-        return in_memory.run(load(study).model_copy(update={"axes": values}) if axes else load(study))
+        return StoredStudy(in_memory.run(load(study).model_copy(update={"axes": values}) if axes else load(study)))
 
     shipped = {ROD: "fig6", "ghosts": "fig7_1_modulus", "grid": "fig7_5_forces"}
     return {

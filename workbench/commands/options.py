@@ -13,9 +13,9 @@ import typer
 from solver.problem.errors import InputError, choices, no_such
 
 if TYPE_CHECKING:
-    import xarray as xr
-
     from studies.grammar.axes import Which
+
+    from ..stored.stored_study import StoredStudy
 
 
 def number(text: str) -> float:
@@ -207,22 +207,20 @@ def field_number(option: str, name: str, text: str, units: Mapping[str, str]) ->
         raise InputError(f"{option}: {error}") from None
 
 
-def axis_values(ds: "xr.Dataset", at: Sequence[str] | None) -> dict[str, float]:
+def axis_values(stored: "StoredStudy", at: Sequence[str] | None) -> dict[str, float]:
     """The stored value that each text of --at means, by the name of its axis. Raises `InputError` where it has none."""
-    from ..store import selection
-
     values: dict[str, float] = {}
-    units = {kind: str(ds.attrs.get(f"{kind}_unit", "")) for kind in ("length", "force")}
+    units = {kind: unit for kind, unit in stored.units.items() if unit}
     for name, value in pairs("--at", at).items():
         try:
-            axis = selection.axis_of(ds, name)
-            value = _in_units_of(axis, value, units) if all(units.values()) else value
-            stored = float(ds[axis].values[selection.index(ds, axis, value)])
+            axis = stored.axis(name)
+            value = _in_units_of(axis, value, units) if len(units) == 2 else value
+            number = stored.value(axis, value)
         except InputError as error:
             raise InputError(f"--at {name}={value}: {error}") from None
         if axis in values:
             raise InputError(f"--at {name}={value}: {axis} is given twice")
-        values[axis] = stored
+        values[axis] = number
     return values
 
 

@@ -78,8 +78,9 @@ def plot(
     """
     from ..figures import canvas, drawn_numbers, map_panel
     from ..figures.sheet import sheet
-    from ..store import reading, schema
-    from ..words import outcomes
+    from ..store import reading
+    from ..stored import schema
+    from ..stored.stored_study import StoredStudy
 
     every = {"x": x, "y": y, "show": show, "at": at, "shapes": shapes}
     given: dict[str, Any] = {name: value for name, value in every.items() if value}
@@ -90,17 +91,17 @@ def plot(
         return _story(file, out or file / "story.png", width, force, dpi)
     page, of = sheet(style, width, not no_title, panel), reading.kind_of_file(file)
     if of is schema.STUDY:
-        ds = reading.read(file)
-        outcomes.check_any_solved(ds)
-        kind = kinds.kind_of(ds, kind, list(given))
+        stored = StoredStudy(reading.read(file))
+        stored.check_any_solved()
+        kind = kinds.kind_of(stored, kind, list(given))
     else:
         if not of.figure:
             raise schema.other_kind(file, of, "plot has no figure of it")
         if alien := [name for name in named if name not in kinds.KINDS[of.figure].options]:
             raise InputError(f"{file} is {of.what}, which plot draws without --{alien[0]}")
-        ds, kind = reading.read(file, study=False), of.figure
+        stored, kind = StoredStudy(reading.read(file, study=False)), of.figure
     readers: dict[str, Callable[[Any], Any]] = {
-        "at": partial(axis_values, ds),
+        "at": partial(axis_values, stored),
         "show": names,
         "shapes": map_panel.read_shapes,
     }
@@ -109,7 +110,7 @@ def plot(
         given["show"] = [panel]
     path = check_file(out or file.with_suffix(".png"), canvas.DIAGRAMS, force)
     numbers = check_file(data, (".csv",), force) if data else None
-    drawn = kinds.figure(ds, kind, page, **given)
+    drawn = kinds.figure(stored, kind, page, **given)
     table = drawn_numbers.table(drawn) if numbers else ""
     if numbers and table.count("\n") < 2:
         raise InputError(f"--data writes lines, dots, bars and cells of maps, and the picture of {file} has none")
@@ -125,8 +126,10 @@ def _story(folder: Path, out: Path, width: float | None, force: bool, dpi: int) 
     from ..figures import canvas, story
     from ..figures.sheet import sheet
     from ..store import reading
+    from ..stored.stored_study import StoredStudy
 
     path = check_file(out, canvas.DIAGRAMS, force)
-    datasets = {name: reading.read(folder / f"{name}.h5", study=name != story.CLAIMS) for name in story.NEEDED}
+    files = {name: reading.read(folder / f"{name}.h5", study=name != story.CLAIMS) for name in story.NEEDED}
+    datasets = {name: StoredStudy(ds) for name, ds in files.items()}
     canvas.save(story.figure(datasets, sheet("paper", width or 183, titled=False)), path, dpi)
     return result_of_files([path])

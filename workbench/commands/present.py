@@ -186,9 +186,10 @@ def present(
         writing.write(dataset, out, force)
     if plot and dataset is not None:
         from ..figures import canvas, kinds
+        from ..stored.stored_study import StoredStudy
 
         assert sheet is not None
-        drawn = kinds.figure(dataset, result.figure, sheet)
+        drawn = kinds.figure(StoredStudy(dataset), result.figure, sheet)
         canvas.save(drawn, plot, dpi)
         notes = canvas.notes_of(drawn)
     if as_json:

@@ -12,11 +12,10 @@ from .options import Reading, option
 from .run import print_verdicts
 
 if TYPE_CHECKING:
-    import xarray as xr
-
     from studies import Study
 
     from ..store.in_memory import StudyResult
+    from ..stored.stored_study import StoredStudy
 
 RODS = "fig6"  # the study of the rod of Table 1
 STORY = "story.png"
@@ -35,7 +34,9 @@ def reproduce(
     """
     from studies import READINGS, load, names
 
-    from ..store import law_verdicts, writing
+    from ..store import writing
+    from ..stored import law_verdicts
+    from ..stored.stored_study import StoredStudy
     from ..web.report import report_runs
 
     studies = [load(name).under(reading) for name in names() if name.startswith(FIGURES)]
@@ -51,8 +52,8 @@ def reproduce(
     panels = report_runs.panels()
     with console.progress(len(studies) * 2 + len(panels) * len(READINGS) + 1) as step:
         results, refusals = _results(studies, files, out, able, step)
-        readings = report_runs.run_readings(panels, step=step)
-        writing.write(readings, out / f"{report_runs.READINGS_TABLE}.h5")
+        readings = StoredStudy(report_runs.run_readings(panels, step=step))
+        writing.write(readings.ds, out / f"{report_runs.READINGS_TABLE}.h5")
         step("writing the report")
         equilibria = _equilibria(load(RODS).under(reading), out, able)
         story = _draw_story(results, readings, out / STORY)
@@ -60,7 +61,7 @@ def reproduce(
     _print(results, readings, out, advice)
     for refusal in refusals:
         console.say(f"Omitted: {refusal}")
-    refuted = any(law_verdicts.is_refuted(law_verdicts.unsolved(result.ds), result.verdicts) for result in results)
+    refuted = any(law_verdicts.is_refuted(result.stored.unsolved, result.verdicts) for result in results)
     return 1 if refusals or refuted else 0
 
 
@@ -85,21 +86,23 @@ def _results(
     return results, refusals
 
 
-def _equilibria(study: "Study", out: Path, able: bool) -> "tuple[xr.Dataset, dict[str, Path]] | None":
+def _equilibria(study: "Study", out: Path, able: bool) -> "tuple[StoredStudy, dict[str, Path]] | None":
     """Store the equilibria of the rod of Table 1 and draw it beside the stable one; None where it has no shape."""
     from ..store import writing
+    from ..stored.stored_study import StoredStudy
     from ..web.report import report_runs
 
     try:
-        ds = report_runs.run_equilibria(study)
+        stored = StoredStudy(report_runs.run_equilibria(study))
     except InputError:
         return None
-    writing.write(ds, out / f"{report_runs.EQUILIBRIA}.h5")
-    if not able or not ds.attrs[report_runs.OWN]:
-        return ds, {}
+    writing.write(stored.ds, out / f"{report_runs.EQUILIBRIA}.h5")
+    if not able or not stored.attrs[report_runs.OWN]:
+        return stored, {}
     from ..scene import layout
 
-    return ds, layout.draw(report_runs.pair(ds).assign_attrs(title=""), out / f"{report_runs.EQUILIBRIA}_scene.png")
+    pair = report_runs.pair(stored).with_title("")
+    return stored, layout.draw(pair, out / f"{report_runs.EQUILIBRIA}_scene.png")
 
 
 def _draw(result: "StudyResult", out: Path, able: bool) -> dict[str, Path]:
@@ -107,23 +110,24 @@ def _draw(result: "StudyResult", out: Path, able: bool) -> dict[str, Path]:
     from ..figures import canvas, kinds
 
     name = result.ds.attrs["study_name"]
-    ds = result.ds.assign_attrs(title="")  # the report gives the title, once
+    stored = result.stored.with_title("")  # the report gives the title, once
     pictures = {"figure": out / f"{name}.png"}
-    canvas.save(kinds.figure(ds, "lines", verdicts=result.verdicts), pictures["figure"])
+    canvas.save(kinds.figure(stored, "lines", verdicts=result.verdicts), pictures["figure"])
     if able:
         from ..scene import layout
 
-        pictures |= layout.draw(ds, out / f"{name}_scene.png")
+        pictures |= layout.draw(stored, out / f"{name}_scene.png")
     return pictures
 
 
-def _draw_story(results: "list[StudyResult]", readings: "xr.Dataset", path: Path) -> Path | None:
+def _draw_story(results: "list[StudyResult]", readings: "StoredStudy", path: Path) -> Path | None:
     """Draw the figure of the whole story and return its file; None where the reading leaves a study out."""
     from ..figures import canvas, story
     from ..figures.sheet import sheet
     from ..web.report import report_document
 
-    datasets = {str(ds.attrs["study_name"]): ds for ds in (*(result.ds for result in results), readings)}
+    files = [*(result.stored for result in results), readings]
+    datasets = {str(stored.attrs["study_name"]): stored for stored in files}
     if not set(story.NEEDED) <= set(datasets):
         return None
     for file, wide in ((path, 183), (report_document.column_of(path), 89)):
@@ -131,15 +135,14 @@ def _draw_story(results: "list[StudyResult]", readings: "xr.Dataset", path: Path
     return path
 
 
-def _print(results: "list[StudyResult]", readings: "xr.Dataset", out: Path, advice: str) -> None:
-    from ..store import law_verdicts
+def _print(results: "list[StudyResult]", readings: "StoredStudy", out: Path, advice: str) -> None:
 
     verdicts = [row for result in results for row in result.verdicts]
     print_verdicts(verdicts, title=f"Table 1 read {results[0].ds.attrs['reading']}")
     console.say("")
     claims = [str(claim) for claim in readings["claim"].values]
     tables.print_table(["reading", *claims], _verdict_rows(readings), title="The claims in each reading")
-    unsolved = sum(law_verdicts.unsolved(result.ds) for result in results)
+    unsolved = sum(result.stored.unsolved for result in results)
     cases = sum(result.ds["outcome"].size for result in results)
     console.say("")
     console.say(f"{cases} cases, {unsolved} unsolved")
@@ -148,7 +151,7 @@ def _print(results: "list[StudyResult]", readings: "xr.Dataset", out: Path, advi
         console.say(f"The scenes are omitted: {advice}")
 
 
-def _verdict_rows(readings: "xr.Dataset") -> list[list[str]]:
+def _verdict_rows(readings: "StoredStudy") -> list[list[str]]:
     """One row for each reading: the verdict of each claim."""
     from studies.laws.law_words import PLAIN
     from studies.laws.line_verdicts import TREND

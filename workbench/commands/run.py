@@ -110,7 +110,7 @@ def check(file: File) -> Result:
     from studies.language.loader import notices
 
     from ..store import file_checks, reading
-    from ..store.law_verdicts import statistics
+    from ..stored.law_verdicts import statistics
 
     with reading.open_study(file, whole=True) as ds, file_checks.refusing(file):
         named = {"title": ds.attrs["title"], "study": ds.attrs["study_name"], "reading": ds.attrs["reading"]}
@@ -133,8 +133,8 @@ def merge(
 
     Exit status 1 if a case is unsolved, or if a law fails, is not decided or is true in part only.
     """
-    from ..store import law_verdicts
     from ..store.file_merge import merge as join
+    from ..stored import law_verdicts
 
     done = join(files, out, force)
     status = law_verdicts.status(done["unsolved"], done["laws"])
@@ -238,7 +238,7 @@ def result_of(found: dict[str, Any], ran: "Ran | None" = None) -> Result:
     """What a stored study holds, and after a run what the run did; status 1 if a case is unsolved or a law fails."""
     from studies.laws import law_words
 
-    from ..store import law_verdicts
+    from ..stored import law_verdicts
     from ..words import cautions
 
     outcomes, file = found["outcomes"], Path(found["file"])

@@ -12,11 +12,10 @@ from .options import At, ForceOutput, PixelError, argument, axis_values, check_f
 from .present import Result, presents, result_of_files
 
 if TYPE_CHECKING:
-    import xarray as xr
-
     from studies import Study
 
     from ..scene.page import Page
+    from ..stored.stored_study import StoredStudy
 
 SUFFIXES = (".png", ".jpg")
 DPI, FILM_DPI = 200, 160
@@ -95,7 +94,7 @@ def scene(
     """
     from ..scene import film, opengl, scene_kinds
     from ..scene.settings import Settings, check, check_name, color_range_of, size_of
-    from ..store import schema, selection
+    from ..stored import selection
     from . import animate, study_scene
 
     axes, suffix = axis or [], "" if out is None else out.suffix.lower()
@@ -119,12 +118,12 @@ def scene(
         transparent=transparent, size=size_of(size),
     )  # fmt: skip
     check(settings)
-    study, ds = study_scene.open_rods(file)
-    where = axis_values(ds, at)
+    study, rods = study_scene.open_rods(file)
+    where = axis_values(rods, at)
     if out is not None and suffix == PAGE:
-        return _page(study, ds, where, check_file(out, (PAGE,), force))
+        return _page(study, rods, where, check_file(out, (PAGE,), force))
     file = file if study is None else Path(f"{study.name}.h5")
-    chosen = scene_kinds.kind_of(kind or scene_kinds.default_kind(ds))
+    chosen = scene_kinds.kind_of(kind or scene_kinds.default_kind(rods))
     case = [f"{name}={selection.write(name, value)}" for name, value in where.items()]
     named = [] if chosen.name in ("contact", "equilibria") else [chosen.name, *axes]
     default = file.with_name("_".join([file.stem, "scene", *named, *case]) + ".png")
@@ -136,20 +135,20 @@ def scene(
     from ..scene import layout
 
     if others[0] or others[1]:
-        settings = replace(settings, span=(low or 0.0, float(ds["s"].max()) if high is None else high))
+        settings = replace(settings, span=(low or 0.0, float(rods["s"].max()) if high is None else high))
 
-    def draw(ds: "xr.Dataset", strict: bool) -> "Page":
-        return layout.render(ds, path, where or None, chosen.name, axes, along, replace(settings, strict=strict))
+    def draw(rods: "StoredStudy", strict: bool) -> "Page":
+        return layout.render(rods, path, where or None, chosen.name, axes, along, replace(settings, strict=strict))
 
     if chosen.cells == "one":  # the case is named also where --at was not given
-        indices = selection.case(ds, where).items()
-        case = [f"{name}={selection.write(name, float(ds[name].values[i]))}" for name, i in indices]
-    shown = [*(axes or ([] if chosen.cells == "one" else schema.axes_of(ds)[:1])), *([along] if along else [])]
-    solve = study_scene.solver_of(ds, chosen, where, shown)
+        indices = rods.place(where).items()
+        case = [f"{name}={selection.write(name, float(rods[name].values[i]))}" for name, i in indices]
+    shown = [*(axes or ([] if chosen.cells == "one" else rods.axes[:1])), *([along] if along else [])]
+    solve = study_scene.solver_of(rods, chosen, where, shown)
     if study is not None and solve is not None:
-        ds = solve(study_scene.FIRST)
-    picture, stations = study_scene.at_needed_stations(ds, solve, draw)
-    solved = f", solved at {stations} stations" if study or stations != ds.sizes["u"] else ""
+        rods = solve(study_scene.FIRST)
+    picture, stations = study_scene.at_needed_stations(rods, solve, draw)
+    solved = f", solved at {stations} stations" if study or stations != rods.sizes["u"] else ""
     said = [" at ".join([str(path), *([", ".join(case)] if case else [])]) + solved]
     if picture.error <= pixel_error * (1 + 1e-9):
         return result_of_files([path], said)
@@ -158,26 +157,25 @@ def scene(
     return result_of_files([path], said, [warning], 1)
 
 
-def _page(study: "Study | None", ds: "xr.Dataset", where: "dict[str, float]", path: Path) -> Result:
+def _page(study: "Study | None", stored: "StoredStudy", where: "dict[str, float]", path: Path) -> Result:
     """A scene as one offline HTML file: every case that --at leaves; of status 1 where the stations are too few."""
     from ..scene.scene_kinds import kind_of
     from ..scene.settings import TooFewStations
-    from ..store import schema
     from ..web.turntable import turntable_page
     from . import study_scene
 
-    sliders = [name for name in schema.axes_of(ds) if name not in where]
-    solve = study_scene.solver_of(ds, kind_of(PAGE_KIND), where, sliders)
+    sliders = [name for name in stored.axes if name not in where]
+    solve = study_scene.solver_of(stored, kind_of(PAGE_KIND), where, sliders)
     if study is not None and solve is not None:
-        ds = solve(PAGE_FIRST)
+        stored = solve(PAGE_FIRST)
 
-    def draw(ds: "xr.Dataset", strict: bool) -> "tuple[str, int]":
-        needed = _needed_stations(ds)
-        if strict and needed > ds.sizes["u"]:
+    def draw(stored: "StoredStudy", strict: bool) -> "tuple[str, int]":
+        needed = _needed_stations(stored)
+        if strict and needed > stored.sizes["u"]:
             raise TooFewStations("too few for a smooth rod", needed)
-        return turntable_page.html(ds, where), needed
+        return turntable_page.html(stored, where), needed
 
-    (text, needed), stations = study_scene.at_needed_stations(ds, solve, draw)
+    (text, needed), stations = study_scene.at_needed_stations(stored, solve, draw)
     atomic.write_text(path, text)
     said = [f"{path}: {len(text) / 1e6:.2g} MB, opens in a browser without a network"]
     if needed <= stations:
@@ -186,9 +184,9 @@ def _page(study: "Study | None", ds: "xr.Dataset", where: "dict[str, float]", pa
     return result_of_files([path], said, [warning], 1)
 
 
-def _needed_stations(ds: "xr.Dataset") -> int:
+def _needed_stations(stored: "StoredStudy") -> int:
     """About how many stations the rods need for a curve without corners; as many as there are where these suffice."""
     from ..geometry.stored_line import lines_of_solved
     from ..web.turntable.turntable_page import stations_for
 
-    return max(int(ds.sizes["u"]), *map(stations_for, lines_of_solved(ds)), 0)
+    return max(int(stored.sizes["u"]), *map(stations_for, lines_of_solved(stored)), 0)

@@ -77,7 +77,9 @@ def _local(
     from studies import load
 
     from ..influence import derivatives
-    from ..store import reading, schema, stored_case
+    from ..store import reading, stored_case
+    from ..stored import quantity_variables
+    from ..stored.stored_study import StoredStudy
 
     real = None if show is None else [name for name in show if not is_count(name)]
     left_out = derivatives.counts_left_out(show or [])
@@ -85,13 +87,13 @@ def _local(
         real = show  # refused with the choices
     if stored_case.is_study(file):
         study = load(file)
-        ds = stored_case.outline(study)
+        stored = StoredStudy(stored_case.outline(study))
     else:
-        ds = reading.read(file)
-        study = stored_case.study_of(ds)
-    solution = stored_case.solve_case(ds, axis_values(ds, at), study)
+        stored = StoredStudy(reading.read(file))
+        study = stored.study
+    solution = stored_case.solve_case(stored, axis_values(stored, at), study)
     table = derivatives.local(solution, fields, real, study.unit_system)
-    varied = " ".join(schema.dimension(name) for name in study.varied)
+    varied = " ".join(quantity_variables.dimension(name) for name in study.varied)
     table = table.assign_attrs(title=study.title, reading=study.reading or "", varied=varied)
     return table, [*derivatives.sentences(table), *([left_out] if left_out else [])]
 
@@ -102,12 +104,13 @@ def _indices(
     """The indices of a stored study, and the sentences on them."""
     from ..influence import indices
     from ..store import reading, stored_case
+    from ..stored.stored_study import StoredStudy
 
     if stored_case.is_study(file):
         raise InputError(f"--global needs a stored study: workbench run {file} stores one")
-    ds = reading.read(file)
+    stored = StoredStudy(reading.read(file))
     share = indices.CONFIDENCE if confidence is None else confidence
-    table = indices.sobol(ds, show, axis_values(ds, at), share)
+    table = indices.sobol(stored.ds, show, axis_values(stored, at), share)
     return table, indices.sentences(table)
 
 

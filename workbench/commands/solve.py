@@ -92,7 +92,7 @@ def solve(
 
     from ..branches.ends_study import text_of_solution
     from ..store import in_memory, stored_case, writing
-    from ..store.block import solve_one
+    from ..stored.one_case import solve_one
     from ..words import cautions, free_rods, pipe_profile, pipe_state
     from .fidelity import fidelity
 

@@ -20,19 +20,21 @@ from studies.language.study import MAX_STATIONS, OUTPUTS
 from ..figures.scales import is_logarithmic, is_wide
 from ..scene.scene_kinds import Kind
 from ..scene.settings import TooFewStations
-from ..store import in_memory, reading, schema, selection
-from ..store.stored_case import is_study, solve_again, study_of
+from ..store import in_memory, reading
+from ..store.stored_case import is_study
+from ..stored import quantity_variables, schema
+from ..stored.stored_study import StoredStudy
 
 FIRST = 21  # stations that are tried first
 ROUNDS = 12  # each finds some six times as many stations where the round before missed the bends
 MOST_CASES = 10_000
 TRIED, STEP, JUMP, LEAST = 49, 0.12, 1.0, 72  # of a film: first values, motion a frame in rho, at most; frames
-Solve = Callable[[int], xr.Dataset]  # the cases of a scene at a number of stations
+Solve = Callable[[int], StoredStudy]  # the cases of a scene at a number of stations
 Drawn = TypeVar("Drawn")
 SHAPE = ("beta", "dbeta", "alpha", "z", "radius", "gamma", "contact")
 
 
-def open_rods(file: Path) -> tuple[Study | None, xr.Dataset]:
+def open_rods(file: Path) -> tuple[Study | None, StoredStudy]:
     """The study of a name or a TOML file, and its rods as of `two_stations`; or None, and a stored dataset.
 
     Raises `InputError` for a file that is no study and holds no equilibria.
@@ -42,33 +44,29 @@ def open_rods(file: Path) -> tuple[Study | None, xr.Dataset]:
     kind = reading.kind_of_file(file)
     if kind is not schema.STUDY and not kind.scene:
         raise schema.other_kind(file, kind, "scene draws studies and equilibria")
-    return None, reading.read(file, study=kind is schema.STUDY)
+    return None, StoredStudy(reading.read(file, study=kind is schema.STUDY))
 
 
-def solver_of(ds: xr.Dataset, kind: Kind, at: dict[str, float], shown: Sequence[str]) -> Solve | None:
+def solver_of(stored: StoredStudy, kind: Kind, at: dict[str, float], shown: Sequence[str]) -> Solve | None:
     """What solves the cases that a scene shows, of a dataset of `open_rods`; None where no study gives them.
 
     shown: the axes of which all cases are shown.
     """
-    if not _is_whole(ds):
+    if not _is_whole(stored):
         return None
-    where, kept = selection.case(ds, at), {selection.axis_of(ds, name) for name in shown}
-    part = ds.isel({name: [where[name]] for name in schema.axes_of(ds) if name not in kept})
-    needed = {
-        *kind.reads,
-        "dbeta",
-        *["contact"] * (schema.loads_vary(ds) or schema.leaves(ds)),
-        *["radius"] * schema.leaves(ds),
-    }
-    return partial(solve_again, part, names=[name for name in SHAPE if name in ds or name in needed])
+    where, kept = stored.place(at), {stored.axis(name) for name in shown}
+    part = stored.select({name: [where[name]] for name in stored.axes if name not in kept})
+    off_wall = ["contact"] * (stored.loads_vary or stored.leaves) + ["radius"] * stored.leaves
+    needed = {*kind.reads, "dbeta", *off_wall}
+    return partial(part.solve, names=[name for name in SHAPE if name in stored or name in needed])
 
 
-def _is_whole(ds: xr.Dataset) -> bool:
+def _is_whole(stored: StoredStudy) -> bool:
     """Whether a study gives the cases of a dataset, on all axes that it has."""
-    return bool(ds.attrs.get("study")) and schema.axes_of(ds) == schema.axes_left(ds, study_of(ds))
+    return bool(stored.attrs.get("study")) and stored.axes == schema.axes_left(stored.ds, stored.study)
 
 
-def two_stations(file: Path) -> tuple[Study, xr.Dataset]:
+def two_stations(file: Path) -> tuple[Study, StoredStudy]:
     """The study, and its dataset at two stations a case, from which the cases that are drawn are chosen.
 
     Raises `InputError`, also for more cases than are solved for one picture.
@@ -79,47 +77,49 @@ def two_stations(file: Path) -> tuple[Study, xr.Dataset]:
             f"{study.name} has {study.size} cases, and at most {MOST_CASES} are solved for a picture: store it with "
             "workbench run, and draw the file"
         )
-    ds = in_memory.run(_with_outputs(study, ()).at_stations(2))
-    return study, ds.assign_attrs(laws=schema.laws_text(study))  # they fix where an axis is held
+    stored = in_memory.run(_with_outputs(study, ()).at_stations(2))
+    return study, StoredStudy(stored.assign_attrs(laws=schema.laws_text(study)))  # they fix where an axis is held
 
 
-def _held_where(study: Study, ds: xr.Dataset, where: Mapping[str, int], free: Collection[str]) -> Study:
+def _held_where(study: Study, stored: StoredStudy, where: Mapping[str, int], free: Collection[str]) -> Study:
     """The study with one value on each axis but the free ones: that of the dataset at an index."""
     axes = dict(study.axes)
     for name in axes.keys() - {*free}:
-        dim = schema.dimension(name)
-        axes[name] = Axis.model_validate({"values": [float(ds[dim].values[where[dim]])]})
+        dim = quantity_variables.dimension(name)
+        axes[name] = Axis.model_validate({"values": [float(stored[dim].values[where[dim]])]})
     return study.model_copy(update={"axes": axes})
 
 
 def film_cases(
-    ds: xr.Dataset, axis: str, at: dict[str, float], kind: Kind, observable: str, most: int
-) -> xr.Dataset | None:
+    stored: StoredStudy, axis: str, at: dict[str, float], kind: Kind, observable: str, most: int
+) -> StoredStudy | None:
     """The cases of a film along an axis, at most so many: as many as let no rod move far from one to the next.
 
     None for a dataset whose cases a study does not give at any value of the axis. Raises `InputError` of the solver.
     """
-    if not _is_whole(ds):
+    if not _is_whole(stored):
         return None
-    study = study_of(ds)
-    field = schema.field_of(study, axis)
+    study = stored.study
+    field = quantity_variables.field_of(study, axis)
     if field not in study.axes or study.follow is not None or study.sampled:
         return None
     lean = _with_outputs(study, kind.reads | {"dbeta"}).model_copy(update={"observables": [observable]})
-    lean = _held_where(lean, ds, selection.case(ds, at), [field])
+    lean = _held_where(lean, stored, stored.place(at), [field])
 
     def solve(values: Any) -> xr.Dataset:
         axes = {**lean.axes, field: Axis.model_validate({"values": list(values)})}
         return in_memory.run(lean.model_copy(update={"axes": axes}))
 
-    low, high = float(ds[axis].values[0]), float(ds[axis].values[-1])
+    low, high = float(stored[axis].values[0]), float(stored[axis].values[-1])
     values = (np.geomspace if is_wide(low, high) else np.linspace)(low, high, TRIED)
     first = solve(values)
     way = np.concatenate([[0.0], np.cumsum(_motion(first, axis))])
     count = int(np.clip(np.ceil(way[-1] / STEP), LEAST, most))
     cases = solve(np.interp(np.linspace(0, way[-1], count), way + 1e-9 * np.arange(TRIED), values))
-    spacing = "geometric" if is_logarithmic(ds[axis]) else "linear"  # the scale is that of the axis, not of the motion
-    return cases.assign_coords({axis: cases[axis].assign_attrs(spacing=spacing)})
+    spacing = (
+        "geometric" if is_logarithmic(stored[axis]) else "linear"
+    )  # the scale is that of the axis, not of the motion
+    return StoredStudy(cases.assign_coords({axis: cases[axis].assign_attrs(spacing=spacing)}))
 
 
 def _motion(ds: xr.Dataset, axis: str) -> Any:
@@ -133,7 +133,7 @@ def _motion(ds: xr.Dataset, axis: str) -> Any:
 
 
 def at_needed_stations(
-    ds: xr.Dataset, solve: Solve | None, draw: Callable[[xr.Dataset, bool], Drawn]
+    stored: StoredStudy, solve: Solve | None, draw: Callable[[StoredStudy, bool], Drawn]
 ) -> tuple[Drawn, int]:
     """What is drawn of a dataset, or of its cases solved at the stations that it needs, and the number of stations.
 
@@ -141,14 +141,14 @@ def at_needed_stations(
     and whether it raises `TooFewStations` rather than draw less well than asked. Raises `InputError` as they do.
     """
     for _ in range(ROUNDS):
-        stations = ds.sizes["u"]
+        stations = stored.sizes["u"]
         try:
-            return draw(ds, solve is not None and stations < MAX_STATIONS), stations
+            return draw(stored, solve is not None and stations < MAX_STATIONS), stations
         except TooFewStations as error:
             if solve is None or stations >= MAX_STATIONS:
                 raise
-            ds = solve(min(max(error.stations, stations + 1), MAX_STATIONS))
-    return draw(ds, False), ds.sizes["u"]
+            stored = solve(min(max(error.stations, stations + 1), MAX_STATIONS))
+    return draw(stored, False), stored.sizes["u"]
 
 
 def _with_outputs(study: Study, outputs: Any) -> Study:

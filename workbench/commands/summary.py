@@ -25,9 +25,10 @@ def summary(file: File) -> Result:
     Prints its axes, observables, outcomes, laws and versions, and the cases of the largest error and condition number;
     of lists of equilibria, branches, fold maps and measurements their numbers.
     """
-    from ..store import reading, schema
+    from ..store import reading
     from ..store.file_summary import brief_law, contents
     from ..store.file_summary import summary as summarise
+    from ..stored import schema
 
     if reading.kind_of_file(file) is schema.STUDY:
         study = summarise(file)

@@ -134,6 +134,7 @@ def _measure(
     """
     from ..figures import canvas, kinds
     from ..store import writing
+    from ..stored.stored_study import StoredStudy
 
     writing.check_folder(path.parent)
     writing.check_free(path, path.stem)
@@ -144,7 +145,7 @@ def _measure(
         writing.write(ds, path)
         for more, options in pictures.items():
             files.append(path.with_name(f"{path.stem}{more}.png"))
-            drawn = kinds.figure(ds, **options)
+            drawn = kinds.figure(StoredStudy(ds), **options)
             canvas.save(drawn, files[-1], drawn.dpi)
         return ds, files
 

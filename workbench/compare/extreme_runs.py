@@ -21,7 +21,7 @@ from solver import Case, Ends, Solution, solve
 from solver.methods import OrbitQuadrature, available
 from studies.language.readings import READINGS
 
-from ..store import schema
+from ..stored import provenance
 from .trade_runs import in_units_of_rho
 
 SHARES = (0.25, 0.5, 0.75, 1.0)  # of the length: where answer and reference are compared
@@ -233,6 +233,6 @@ def dataset_of(found: Mapping[str, Mapping[str, Attempt]]) -> xr.Dataset:
         "study_name": "extremes",
         "laws": "[]",
         "tolerance": TOL,
-        **schema.provenance(measured=True),
+        **provenance.provenance(measured=True),
     }
     return xr.Dataset(data, {"extreme": [extreme.name for extreme in named], "method": methods}, attributes)

@@ -23,7 +23,7 @@ from solver.methods.base import Ladder
 from solver.problem.errors import choices, no_such
 from studies.language.readings import LOADS, READINGS, TWISTS
 
-from ..store import schema
+from ..stored import provenance
 
 GAPS = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 FILE = "trade_references.json"
@@ -215,7 +215,7 @@ def dataset_of(rows: Sequence[Row], ladders: Mapping[str, Ladder]) -> xr.Dataset
     }
     about = {"title": "Accuracy against cost", "study_name": "trade", "reading": "", "laws": "[]", "stations": STATIONS}
     coordinates = {"case": cases, "ladder": methods, "level": list(LEVELS)}
-    return xr.Dataset(data, coordinates, about | schema.provenance(measured=True))
+    return xr.Dataset(data, coordinates, about | provenance.provenance(measured=True))
 
 
 def advice(ds: xr.Dataset) -> list[dict[str, Any]]:

@@ -5,12 +5,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
-import xarray as xr
-
 from solver.problem.errors import no_such
 from solver.problem.units import LENGTHS
 
 from ..geometry.centreline import Centreline
+from ..stored.stored_study import StoredStudy
 
 
 def metres(unit: str) -> float:
@@ -46,7 +45,7 @@ class Options:
 class Rod:
     """The rod of one case, by its indices along the axes; tolerance: the one to keep [length], 0 for tables."""
 
-    ds: xr.Dataset
+    stored: StoredStudy
     where: dict[str, int]
     line: Centreline
     title: str
@@ -56,7 +55,7 @@ class Rod:
     @property
     def unit(self) -> str:
         """The unit of length of the dataset."""
-        return str(self.ds.attrs["length_unit"])
+        return self.stored.units["length"]
 
 
 @dataclass(frozen=True)

@@ -10,8 +10,7 @@ from solver.problem.errors import InputError
 from solver.problem.quantities import QUANTITIES, unit_of
 
 from ..geometry.centreline import APART, Array, advice_to_store
-from ..store import schema
-from ..store.derived_arrays import StoredArrays
+from ..stored import quantity_variables
 from ..words.escaping import in_csv
 from .base import Format, Rod
 
@@ -35,21 +34,20 @@ def columns(rod: Rod) -> list[Column]:
 
     Raises `InputError` where beta' is not stored and the stations are too far apart for it.
     """
-    ds, line = rod.ds, rod.line
+    stored, line = rod.stored, rod.line
     if line.swing > APART and not line.stored_slopes:
         more = int(np.ceil(2 * line.s.size * line.swing / APART))
         raise InputError(
             f"{line.s.size} stations are too far apart to tell the rate of beta: {advice_to_store(more)}, or store "
             "dbeta (in outputs)"
         )
-    units = {"length": str(ds.attrs["length_unit"]), "force": str(ds.attrs["force_unit"])}
-    case = ds.isel(rod.where)
+    units, case = stored.units, stored.select(rod.where)
     along = {name: getattr(line, name) for name in ("s", "alpha", "beta", "dbeta", "z")}
-    stored = StoredArrays(case.assign({name: ("u", values) for name, values in along.items()}))
-    derived = {name: stored.derive(name) for name in COMPUTED}
+    given = case.with_arrays(along)
+    derived = {name: given.array(name) for name in COMPUTED}
     known = along | {name: np.asarray(array) for name, array in derived.items() if array is not None}
-    for key, array in case.data_vars.items():
-        name = schema.CURVES.get(str(key), str(key))
+    for key in case.variables:
+        name, array = quantity_variables.CURVES.get(key, key), case[key]
         if array.dims == ("u",) and name in QUANTITIES:
             known[name] = np.asarray(array.values, dtype=float)
     order = [*FIRST, *(name for name in known if name not in FIRST)]

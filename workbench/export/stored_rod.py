@@ -7,14 +7,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import xarray as xr
 
 from solver.problem.errors import InputError, choices
 
 from ..geometry import self_contact, stored_line
 from ..geometry.centreline import advice_to_store
 from ..geometry.refinement import push_along
-from ..store import atomic, schema, selection, writing
+from ..store import atomic, writing
+from ..stored.stored_study import StoredStudy
 from . import FORMATS, pvd
 from .base import Format, Options, Rod, metres
 
@@ -45,26 +45,26 @@ def _format(suffix: str) -> Format:
     return row
 
 
-def check_holds_all(ds: xr.Dataset, path: Path) -> None:
+def check_holds_all(stored: StoredStudy, path: Path) -> None:
     """Raise `InputError` where the files of that name would not hold every rod of a dataset."""
-    axes = [axis for axis in schema.axes_of(ds) if ds.sizes[axis] > 1]
+    axes = [axis for axis in stored.axes if stored.sizes[axis] > 1]
     if len(axes) > 1:
         raise InputError(f"files go along one axis, and these rods vary along {choices(axes)}: solve those along one")
     if axes and not format_of(path).series and "{" not in path.name:
         numbered = f"{path.stem}_{{:03d}}{path.suffix}"
         raise InputError(
-            f"{path.name} holds one rod, and there are {ds.sizes[axes[0]]} along {axes[0]}: give a name with a number "
-            f"in braces, such as {numbered}, or one that ends in .pvd"
+            f"{path.name} holds one rod, and there are {stored.sizes[axes[0]]} along {axes[0]}: give a name with a "
+            f"number in braces, such as {numbered}, or one that ends in .pvd"
         )
 
 
-def export(ds: xr.Dataset, path: Path, options: Options = DEFAULT, force: bool = False) -> Exported:
+def export(stored: StoredStudy, path: Path, options: Options = DEFAULT, force: bool = False) -> Exported:
     """Write one case of a dataset to a file. Nothing is left where it fails.
 
     Parameters
     ----------
-    ds : xr.Dataset
-        A stored study, or `Solution.to_dataset`.
+    stored : StoredStudy
+        Of a stored study, or of `Solution.to_dataset`: its ``.rod``.
     path : Path
         Its suffix chooses the format: docs/how-to/solve-one-rod.md. With a number in its name, as in
         ``frame_{:03d}.stl``, each solved rod along the one axis that the options do not name is a file.
@@ -89,11 +89,12 @@ def export(ds: xr.Dataset, path: Path, options: Options = DEFAULT, force: bool =
     >>> from pathlib import Path
     >>> from tempfile import TemporaryDirectory
     >>> from solver import Case, Cylinder, Rod, Start, solve
+    >>> import workbench.accessor
     >>> from workbench.export.stored_rod import export
     >>> rod = Rod(E=1.07e4, nu=0.25, a=0.25, L=20.0)
     >>> sol = solve(Case(rod, Cylinder(R=0.75), Start(beta="30deg", dbeta=0.5, F1=5.0, F3=10.0)))
     >>> with TemporaryDirectory() as folder:
-    ...     written = export(sol.to_dataset(length="cm", force="N"), Path(folder) / "rod.csv")
+    ...     written = export(sol.to_dataset(length="cm", force="N").rod, Path(folder) / "rod.csv")
     >>> written.path.name
     'rod.csv'
     """
@@ -108,14 +109,14 @@ def export(ds: xr.Dataset, path: Path, options: Options = DEFAULT, force: bool =
         raise InputError(f"--tolerance must be positive and finite, got {options.tolerance:g}")
     if format.series:  # an index, and a folder of files beside it
         pvd.check_free(path, force)
-        series = pvd.along(ds, path.stem, options)
+        series = pvd.along(stored, path.stem, options)
         return Exported(path, series.at, _write_file(path, series, format, force), [])
     if "{" in path.name:
-        return _frames(ds, path, options, force, format)
-    where = selection.case(ds, options.at)
-    at = {name: float(ds[name].values[i]) for name, i in where.items()}
-    title = " ".join([str(ds.attrs["study_name"]), *(f"{name}={value:.6g}" for name, value in at.items())])
-    rod = Rod(ds, where, stored_line.read(ds, where), title, options)
+        return _frames(stored, path, options, force, format)
+    where = stored.place(options.at)
+    at = {name: float(stored[name].values[i]) for name, i in where.items()}
+    title = " ".join([str(stored.attrs["study_name"]), *(f"{name}={value:.6g}" for name, value in at.items())])
+    rod = Rod(stored, where, stored_line.read(stored, where), title, options)
     facts, warnings = _write(path, rod, format, force)
     return Exported(path, at, facts, warnings)
 
@@ -138,16 +139,16 @@ def _write(path: Path, rod: Rod, format: Format, force: bool) -> tuple[dict[str,
             )
         unit = format.unit or rod.unit
         rod, facts = replace(rod, tolerance=tolerance), {"tolerance": tolerance, "unit": unit}
-        if "error" in rod.ds:  # of beta, and of alpha and z/rho divided by max(1, L/rho)
-            error = float(rod.ds["error"].isel(rod.where))
+        if "error" in rod.stored:  # of beta, and of alpha and z/rho divided by max(1, L/rho)
+            error = float(rod.stored["error"].isel(rod.where))
             facts["solution_error"] = error * max(rod.line.L, rod.line.rho)
         facts["R"] = rod.line.R if unit == rod.unit else rod.line.R * metres(rod.unit) / metres(unit)
     return {**_write_file(path, rod, format, force), **facts}, [finding.sentence for finding in faults]
 
 
-def _frames(ds: xr.Dataset, path: Path, options: Options, force: bool, format: Format) -> Exported:
+def _frames(stored: StoredStudy, path: Path, options: Options, force: bool, format: Format) -> Exported:
     """Write each solved rod along an axis to a file of its own; a rod that the format cannot hold is left out."""
-    series = pvd.along(ds, path.stem, options)
+    series = pvd.along(stored, path.stem, options)
     places = [rod.where[series.axis] for rod in series.rods]
     files = [path.with_name(_number(path.name, i)) for i in places]
     for file in files:

@@ -23,7 +23,7 @@ def write(path: Path, rod: Rod) -> dict[str, Any]:
     shape.point_data["tangent"] = line.tangent
     shape.point_data["outward"] = frames.outward(line.alpha)
     shape.field_data["units"] = [f"{c.name}: {c.unit}" for c in table]
-    for name, value in (("title", rod.title), ("versions", str(rod.ds.attrs["versions"]))):
+    for name, value in (("title", rod.title), ("versions", str(rod.stored.attrs["versions"]))):
         shape.field_data[name] = [value.encode("ascii", "backslashreplace").decode()]  # VTK takes no other
     writer = pv.XMLPolyDataWriter(path, shape).writer
     writer.SetDataModeToBinary()

@@ -20,8 +20,8 @@ from matplotlib.transforms import Affine2D
 from solver.problem.errors import InputError, no_such
 from studies.laws.line_verdicts import NOISE
 
-from ..store import schema
-from ..store.derived_arrays import states_of
+from ..stored import quantity_variables
+from ..stored.stored_study import StoredStudy
 from ..words import labels
 from ..words.cautions import SLIGHT
 from . import canvas, colours, drawn_rods, fonts, push_scale, regions, waves
@@ -46,7 +46,7 @@ TEXT = 1.45  # heights of a letter from one line of text to the next
 
 
 def figure(
-    ds: xr.Dataset,
+    stored: StoredStudy,
     x: str | None = None,
     at: Mapping[str, float] | None = None,
     show: Sequence[str] = (),
@@ -59,7 +59,7 @@ def figure(
 
     Parameters
     ----------
-    ds : xr.Dataset
+    stored : StoredStudy
     x, at
         As `axis` and `at` of `drawn_rods.choose`.
     show : sequence of str
@@ -73,14 +73,20 @@ def figure(
         As of `drawn_rods.choose`, for an unknown panel, and for states of rods without weight.
     """
     names = list(dict.fromkeys([sheet.panel] if sheet.panel else show or PANELS))
-    known = dict.fromkeys([*PANELS, *ARRAYS, *(name for name in schema.CURVES.values() if name not in schema.INNER)])
+    known = dict.fromkeys(
+        [
+            *PANELS,
+            *ARRAYS,
+            *(name for name in quantity_variables.CURVES.values() if name not in quantity_variables.INNER),
+        ]
+    )
     for name in names:
         if name not in known:
             raise no_such("panel", name, known)
     names = names[:MOST_PANELS]
-    if STATES in names and not schema.loads_vary(ds):
+    if STATES in names and not stored.loads_vary:
         raise InputError(f"{NO_STATES}, and the rods of this file have none; choose --kind ridge or pipe")
-    rods = drawn_rods.choose(ds, list(dict.fromkeys(a for n in names for a in ARRAYS.get(n, (n,)))), x, at, MOST)
+    rods = drawn_rods.choose(stored, list(dict.fromkeys(a for n in names for a in ARRAYS.get(n, (n,)))), x, at, MOST)
     longest = max(float(rod["s"][-1]) for rod in rods.solved)
     inches = max(sheet.width / (1 if sheet.narrow else len(names)) - fonts.BESIDE, 0.5) / longest
     curves = [_curves(rods, name, inches) for name in names]
@@ -100,7 +106,7 @@ def figure(
     rows: list[canvas.Row] = [(tall + 0.3, [single]) for single in panels] if sheet.narrow else [(tall + 0.75, panels)]
     faint = len(names) > 1 and any(not curve.foot for curve in curves)
     said = ["Faint line: where the quantity of a rod is 0."] * faint + rods.said() + rods.notes
-    if PIPE in names and not schema.loads_vary(ds):
+    if PIPE in names and not stored.loads_vary:
         said.append(f"No states: {NO_STATES}.")
     return canvas.page(rods.source, sheet, rows, said, 0.75)
 
@@ -134,7 +140,7 @@ def _curves(rods: DrawnRods, name: str, inches: float) -> Curves:
     _, unit, change = _words(rods.source, shown)
     title = TITLES.get(shown, labels.symbol_of(shown))
     if name == PIPE:
-        title = "azimuth α" + "; the line at 0: the state" * schema.loads_vary(rods.source)
+        title = "azimuth α" + "; the line at 0: the state" * rods.source.loads_vary
     values = [change(rod[shown]) if rod.arrays is not None else None for rod in rods.rods]
     drawn = [(k, float(value.min()), float(value.max())) for k, value in enumerate(values) if value is not None]
     low, high = min(least for _, least, _ in drawn), max(most for _, _, most in drawn)
@@ -161,13 +167,14 @@ def _clear_step(rods: DrawnRods, values: Sequence[Any], foot: float, filled: boo
     return CLEAR * most
 
 
-def _words(ds: xr.Dataset, name: str) -> tuple[str, str, Callable[[Any], Any]]:
+def _words(stored: StoredStudy, name: str) -> tuple[str, str, Callable[[Any], Any]]:
     """The name of an array along the rod, its unit, and what brings its numbers into it."""
     if name == "push":
-        return "push", f" {labels.unit(push_scale.unit(ds))}", np.asarray
-    units = {"length": str(ds.attrs["length_unit"]), "force": str(ds.attrs["force_unit"])}
-    attrs = dict(ds[schema.curve_name(name)].attrs) if schema.curve_name(name) in ds else {}
-    array = xr.DataArray(0.0, attrs=attrs or schema.labels(name, units), name=name)
+        return "push", f" {labels.unit(push_scale.unit(stored))}", np.asarray
+    attrs = (
+        dict(stored[quantity_variables.curve_name(name)].attrs) if quantity_variables.curve_name(name) in stored else {}
+    )
+    array = xr.DataArray(0.0, attrs=attrs or quantity_variables.labels(name, stored.units), name=name)
     unit = labels.unit(str(array.attrs.get("units", "1")))
     if labels.is_angle(array):
         return labels.symbol_of(name), "°", np.degrees
@@ -201,7 +208,7 @@ def _panel(
 
 def _over_s(ax: Axes, rods: DrawnRods) -> None:
     ax.set_xlim(0, max(float(rod["s"][-1]) for rod in rods.solved))
-    ax.set_xlabel(f"s [{labels.unit(str(rods.source.attrs['length_unit']))}]")
+    ax.set_xlabel(f"s [{labels.unit(rods.source.units['length'])}]")
 
 
 def alone(ax: Axes, rods: DrawnRods, name: str) -> list[str]:
@@ -297,9 +304,9 @@ def _draw_line(
 
 
 def _states(rods: DrawnRods, rod: DrawnRod) -> Sequence[Any]:
-    if not schema.loads_vary(rods.source):
+    if not rods.source.loads_vary:
         return ()
-    return states_of(rod.case, *(rod[name] for name in ("s", "beta", "alpha", "push")))
+    return rod.case.states(*(rod[name] for name in ("s", "beta", "alpha", "push")))
 
 
 def _name_curves(ax: Axes, rods: DrawnRods, curves: Curves, tall: float, labelled: bool) -> None:

@@ -13,7 +13,7 @@ from solver.problem.errors import InputError
 from solver.problem.quantities import quantity
 from studies.grammar.axes import SAMPLE
 
-from ..store import refined, schema, selection
+from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import canvas, colours, fonts
 from .scales import RoomLocator
@@ -33,7 +33,7 @@ LINE: dict[str, Any] = {"ecolor": colours.INK, "elinewidth": 1, "capsize": 2}
 
 
 def of_cases(
-    ds: xr.Dataset,
+    stored: StoredStudy,
     x: str | None = None,
     show: Sequence[str] = (),
     at: Mapping[str, float] | None = None,
@@ -43,7 +43,7 @@ def of_cases(
 
     Parameters
     ----------
-    ds, x, at
+    stored, x, at
         The study, the axis (default: the first of several values), and values of other axes.
     show
         The observables, which the panel of the sheet replaces; default: the first that vary, as many as have room.
@@ -55,93 +55,93 @@ def of_cases(
     InputError
         For an axis of more than `MOST` values, a study of samples or of one case, and an observable that is not stored.
     """
-    ds = refined.coarse(ds)
-    axes = [name for name in schema.axes_of(ds) if ds.sizes[name] > 1]
+    stored = stored.coarse()
+    axes = [name for name in stored.axes if stored.sizes[name] > 1]
     if not axes or SAMPLE in axes:
         raise InputError(f"bars need an axis of several values; the file holds {'samples' if axes else 'one case'}")
-    axis = selection.axis_of(ds, x) if x else axes[0]
-    if (count := ds.sizes[axis]) > MOST:
+    axis = stored.axis(x) if x else axes[0]
+    if (count := stored.sizes[axis]) > MOST:
         raise InputError(f"bars show at most {MOST} values of an axis, and {axis} has {count}: choose --kind lines")
     show, most = [sheet.panel] if sheet.panel else show, _most_panels(sheet, count) or MOST_PANELS
-    names, left_out = choose_observables(ds, show, most, most_asked=None)
+    names, left_out = choose_observables(stored, show, most, most_asked=None)
     if not names:
         raise InputError("no bars: the dataset has no observables")
-    cases = selection.line(ds, axis, at)
+    cases = stored.places(axis, at)
     held = {name: i for name, i in cases[0].items() if name != axis}
-    notes = [f"All bars: {labels.equations(ds, held)}."] if held else []
+    notes = [f"All bars: {stored.equations(held)}."] if held else []
     notes += canvas.say_left_out(left_out, "--show or --panel")
-    first, *others = labels.distinct(ds[axis], ds[axis].values[[case[axis] for case in cases]])
+    first, *others = labels.distinct(stored[axis], stored[axis].values[[case[axis] for case in cases]])
     rows = [f"{labels.axis_symbol(axis)} = {first}", *(text.partition(" ")[0] for text in others)]
 
     def panel(name: str, ax: Axes) -> None:
-        values = selection.of_solved(ds, name)
+        values = stored.of_solved(name)
         sizes = np.array([float(labels.in_label_unit(values, values.isel(case).values)) for case in cases])
-        none = ["no number" if bool(ds["solved"].isel(case)) else "unsolved" for case in cases]
+        none = ["no number" if bool(stored["solved"].isel(case)) else "unsolved" for case in cases]
         texts = [labels.minus_signs(labels.number(size)) if np.isfinite(size) else why
                  for size, why in zip(sizes, none, strict=True)]  # fmt: skip
-        draw(ax, rows, [(np.nan_to_num(sizes), colours.DATA)], texts, integer=selection.is_count(ds, name))
-        ax.set_title(fonts.wrap(labels.label(ds[name], long=True), ax), loc="left", pad=4)
+        draw(ax, rows, [(np.nan_to_num(sizes), colours.DATA)], texts, integer=name in stored.counts)
+        ax.set_title(fonts.wrap(labels.label(stored[name], long=True), ax), loc="left", pad=4)
 
-    return _panels(ds, names, count, panel, notes, sheet)
+    return _panels(stored, names, count, panel, notes, sheet)
 
 
-def indices(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
+def indices(stored: StoredStudy, sheet: Sheet = SCREEN) -> Figure:
     """The Sobol' indices of a dataset of `influence.sobol`, of first order and total, with intervals.
 
     The field of the largest total is on top. The axis of every panel goes from 0 to 1, and beyond them as far as the
     intervals need.
     """
-    low = min(float((ds[key] - ds[f"{key}_conf"]).min()) for key in ("first", "total"))
-    high = max(float((ds[key] + ds[f"{key}_conf"]).max()) for key in ("first", "total"))
+    low = min(float((stored[key] - stored[f"{key}_conf"]).min()) for key in ("first", "total"))
+    high = max(float((stored[key] + stored[f"{key}_conf"]).max()) for key in ("first", "total"))
     limits = min(np.nan_to_num(low), 0.0) - 0.03, max(np.nan_to_num(high), 1.0) + 0.03
 
     def panel(name: str, ax: Axes) -> None:
-        row = ds.sel(observable=name)
+        row = stored.ds.sel(observable=name)
         ax.set_title(str(row["symbol"].values), loc="left", pad=4)
         if not np.isfinite(row["total"].values).any():
             ax.text(0.5, 0.5, "one value on all samples", transform=ax.transAxes, ha="center", color=colours.SOFT)
             ax.set(xticks=[], yticks=[])
             return
         order = _order_of_size(row["total"].values.tolist())
-        fields = [str(ds["field_symbol"].values[i]) for i in order]
+        fields = [str(stored["field_symbol"].values[i]) for i in order]
         draw(ax, fields, [(row["first"].values[order], FIRST), (row["total"].values[order], TOTAL)], names=ORDERS,
              errors=[row[f"{key}_conf"].values[order] for key in ("first", "total")])  # fmt: skip
         ax.set_xlim(*limits)
         if row["lost"] > 0:
             _remark(ax, f"{100 * float(row['lost']):.2g} % of the blocks left out")
 
-    notes = [f"Shares of the variance; lines: {100 * ds.attrs['confidence']:g} % intervals."]
+    notes = [f"Shares of the variance; lines: {100 * stored.attrs['confidence']:g} % intervals."]
     surprises = {
-        "an index can be below 0": bool((ds["first"] < 0).any() or (ds["total"] < 0).any()),
-        "a total index can be below that of first order": bool((ds["total"] < ds["first"]).any()),
+        "an index can be below 0": bool((stored["first"] < 0).any() or (stored["total"] < 0).any()),
+        "a total index can be below that of first order": bool((stored["total"] < stored["first"]).any()),
     }
     if said := " and ".join(words for words, occurs in surprises.items() if occurs):
         notes.append(f"The samples give estimates: by their sampling error {said}.")
-    names, bars = [str(name) for name in ds["observable"].values], 2 * ds.sizes["field"]
-    return _panels(ds, names, bars, panel, notes, sheet, SHOW)
+    names, bars = [str(name) for name in stored["observable"].values], 2 * stored.sizes["field"]
+    return _panels(stored, names, bars, panel, notes, sheet, SHOW)
 
 
-def tornado(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
+def tornado(stored: StoredStudy, sheet: Sheet = SCREEN) -> Figure:
     """How each observable of a dataset of `influence.local` answers each field, the strongest on top.
 
-    ds may have the attribute varied: the fields of the axes of a study, whose values the title names. Raises
+    stored may have the attribute varied: the fields of the axes of a study, whose values the title names. Raises
     `InputError` where no field has an effect.
     """
-    effects = {str(name): _effects(ds, str(name)) for name in ds["observable"].values}
+    effects = {str(name): _effects(stored, str(name)) for name in stored["observable"].values}
     names = [name for name, rows in effects.items() if rows]
     if not names:
         raise InputError("no diagram: no observable depends on these fields, or none has a derivative")
-    varied = [name for name in str(ds.attrs.get("varied", "")).split() if name in ds["field"].values]
-    at = [(quantity(name).symbol, ds.sel(field=name)) for name in varied]
+    varied = [name for name in str(stored.attrs.get("varied", "")).split() if name in stored["field"].values]
+    at = [(quantity(name).symbol, stored.ds.sel(field=name)) for name in varied]
     values = [f"{symbol} = {_in_unit(float(row['at']), str(row['field_unit'].values))}" for symbol, row in at]
-    titled = ds.assign_attrs(title=", ".join([str(ds.attrs["title"]), *values]))
+    titled = stored.with_title(", ".join([str(stored.attrs["title"]), *values]))
 
     def panel(name: str, ax: Axes) -> None:
-        row, shown, rest = ds.sel(observable=name), effects[name][:MOST], effects[name][MOST:]
+        row, shown, rest = stored.ds.sel(observable=name), effects[name][:MOST], effects[name][MOST:]
         sizes = np.array([effect for _, effect in shown])
         texts = [f"{'+' if size > 0 else '−'}{labels.number(abs(size), 2)}" for size in sizes]
         rises = [int(size > 0) for size in sizes]
-        draw(ax, [_tick(ds, field) for field, _ in shown], [(sizes, [colours.PAIR[k] for k in rises])], texts,
+        draw(ax, [_tick(stored, field) for field, _ in shown], [(sizes, [colours.PAIR[k] for k in rises])], texts,
              names=[[SIGNS[k] for k in rises]])  # fmt: skip
         value, unit = _in_unit(float(row["value"]), str(row["unit"].values)), str(row["effect_unit"].values)
         ax.set_title(f"{quantity(name).symbol} = {value}", loc="left", pad=4)
@@ -215,7 +215,7 @@ def _height(bars: int) -> float:
 
 
 def _panels(
-    ds: xr.Dataset, names: Sequence[str], bars: int, panel: Callable[[str, Axes], None], said: Sequence[str],
+    stored: StoredStudy, names: Sequence[str], bars: int, panel: Callable[[str, Axes], None], said: Sequence[str],
     sheet: Sheet, option: str = "",
 ) -> Figure:  # fmt: skip
     """A panel of so many bars for each of the names, and one legend below.
@@ -227,13 +227,15 @@ def _panels(
     names = names[:most]
     columns = 1 if sheet.narrow else min(len(names), max(int(sheet.width / COLUMN), 1))
     rows = canvas.in_rows([partial(panel, name) for name in names], columns, _height(bars))
-    return canvas.page(ds, sheet, rows, said, AROUND)
+    return canvas.page(stored, sheet, rows, said, AROUND)
 
 
-def _effects(ds: xr.Dataset, name: str) -> list[tuple[str, float]]:
+def _effects(stored: StoredStudy, name: str) -> list[tuple[str, float]]:
     """The fields that have an effect on an observable, and the effects, the largest first."""
-    row = ds["effect"].sel(observable=name).values
-    effects = [(str(f), float(v)) for f, v in zip(ds["field"].values, row, strict=True) if np.isfinite(v) and v != 0]
+    row = stored["effect"].sel(observable=name).values
+    effects = [
+        (str(f), float(v)) for f, v in zip(stored["field"].values, row, strict=True) if np.isfinite(v) and v != 0
+    ]
     return [effects[k] for k in _order_of_size([abs(effect) for _, effect in effects])]
 
 
@@ -242,9 +244,9 @@ def _order_of_size(sizes: Sequence[float]) -> list[int]:
     return sorted(range(len(sizes)), key=lambda k: -float(f"{sizes[k]:.6g}"))
 
 
-def _tick(ds: xr.Dataset, field: str) -> str:
+def _tick(stored: StoredStudy, field: str) -> str:
     """``E``, or with another amount than 1 % ``β₀, 1°``."""
-    amount = str(ds["amount"].sel(field=field).values)
+    amount = str(stored["amount"].sel(field=field).values)
     symbol = quantity(field).symbol
     return symbol if amount == "1 %" else f"{symbol}, {labels.unit(amount.replace(' deg', '°'))}"
 

@@ -7,7 +7,6 @@ from string import ascii_lowercase
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
@@ -17,7 +16,7 @@ from solver.observe import observables
 from solver.problem.errors import no_such
 from studies.laws.line_verdicts import DIRECTIONS, FAILS, HOLDS, QUALIFIED
 
-from ..branches.branch_dataset import branches
+from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import canvas, colours, fonts, point_numbers, unrolled
 from .equilibria_figure import one_shown
@@ -44,7 +43,7 @@ _HELD: dict[int, tuple[dict[str, Any], str]] = {
 }
 
 
-def figure(ds: xr.Dataset, sheet: Sheet = SCREEN, show: Sequence[str] = ()) -> Figure:
+def figure(stored: StoredStudy, sheet: Sheet = SCREEN, show: Sequence[str] = ()) -> Figure:
     """An observable against the axis, and the unrolled views of the branches.
 
     Stable branches are thick, unstable ones thin and dashed; a shape of each has a number, and its point has the same.
@@ -54,41 +53,41 @@ def figure(ds: xr.Dataset, sheet: Sheet = SCREEN, show: Sequence[str] = ()) -> F
     show: the observable; default: as the dataset says. Raises `InputError` for one that is not stored along the
     branches, and for several.
     """
-    known = [str(name).removeprefix("curve_") for name in ds.data_vars if ds[name].dims == ("curve_point",)]
-    known = [name for name in known if name not in ("branch", "index", "dead_index", ds.attrs["axis"])]
+    known = [name.removeprefix("curve_") for name in stored.variables if stored[name].dims == ("curve_point",)]
+    known = [name for name in known if name not in ("branch", "index", "dead_index", stored.attrs["axis"])]
     for name in show:
         if name not in known:
             raise no_such("observable along the branches", name, known)
-    (shown,) = one_shown(show) or (str(ds.attrs["shown"]),)
-    count = min(ds.sizes.get("shape", 0), MOST[sheet.narrow])
-    shapes, high = _shapes(ds, count), HIGH[sheet.narrow] * sheet.width
+    (shown,) = one_shown(show) or (str(stored.attrs["shown"]),)
+    count = min(stored.sizes.get("shape", 0), MOST[sheet.narrow])
+    shapes, high = _shapes(stored, count), HIGH[sheet.narrow] * sheet.width
     room = sheet.width - unrolled.BESIDE, TALL[not sheet.narrow] * sheet.width
-    laws = _laws(ds)
+    laws = _laws(stored)
 
     def diagram(ax: Axes) -> canvas.Said:
-        canvas.add_legend(panel(ds, ax, shown, high), MOST_INSIDE)
+        canvas.add_legend(panel(stored, ax, shown, high), MOST_INSIDE)
         return laws
 
     rows: list[canvas.Row] = [(high, [diagram])]
     if shapes:
-        views = unrolled.Panel(shapes, room, sheet.small, labels.unit(str(ds["shape_z"].attrs.get("units", "1"))))
-        how_many = f"; those of {count} of {ds.sizes['shape']} branches" if count < ds.sizes["shape"] else ""
+        views = unrolled.Panel(shapes, room, sheet.small, labels.unit(str(stored["shape_z"].attrs.get("units", "1"))))
+        how_many = f"; those of {count} of {stored.sizes['shape']} branches" if count < stored.sizes["shape"] else ""
         said = f", of the points with their numbers{how_many}"
-        rows.append((views.height, [lambda ax: [*views.draw(ax, said), *_alike(ds, shown)]]))
-    return canvas.page(ds, sheet, rows, more=0.45 + 0.2 * len(laws) * sheet.titled)
+        rows.append((views.height, [lambda ax: [*views.draw(ax, said), *_alike(stored, shown)]]))
+    return canvas.page(stored, sheet, rows, more=0.45 + 0.2 * len(laws) * sheet.titled)
 
 
-def panel(ds: xr.Dataset, ax: Axes, key: str, inches: float = 4.0) -> Axes:
+def panel(stored: StoredStudy, ax: Axes, key: str, inches: float = 4.0) -> Axes:
     """One quantity of each equilibrium against the axis, a line a branch; inches: the height of the panel."""
-    name = str(ds.attrs["axis"])
-    along, height = labels.in_label_unit(ds[name], ds[f"curve_{name}"].values), _values(ds, f"curve_{key}")
+    name = str(stored.attrs["axis"])
+    along, height = labels.in_label_unit(stored[name], stored[f"curve_{name}"].values), _values(stored, f"curve_{key}")
     drawn: list[tuple[str, Any]] = []
     sizes = np.array([np.ptp(values[np.isfinite(values)]) or 1.0 for values in (along, height)])
     count = observables.is_count(key)
-    for row in branches(ds):
-        on = np.flatnonzero(ds["curve_branch"].values == row["branch"])
+    for row in stored.data("branches"):
+        on = np.flatnonzero(stored["curve_branch"].values == row["branch"])
         points = np.stack([along[on], height[on]], axis=1)
-        runs = [(points, *_look(row))] if "member" in ds.sizes else _runs(ds, ax, on, points)
+        runs = [(points, *_look(row))] if "member" in stored.sizes else _runs(stored, ax, on, points)
         for run, look, label in ((part, *how) for points, *how in runs for part in _parts(points, count)):
             share = run / sizes
             if any(label == same and _lies_on(share, other) for same, other in drawn):
@@ -99,19 +98,19 @@ def panel(ds: xr.Dataset, ax: Axes, key: str, inches: float = 4.0) -> Axes:
                 look = look | {"zorder": 6.5}  # above the marks at its two ends
             ax.plot(*line, label=label, marker="." if len(run if count else on) == 1 else "", **look)
     for kind, mark in MARKS.items():
-        x, y = _special(ds, name, key, kind)
+        x, y = _special(stored, name, key, kind)
         if x.size:
             ax.plot(x, y, mark, color=colours.INK, markersize=4.5, markerfacecolor="white", zorder=6, linestyle="none",
                     label=kind)  # fmt: skip
-    ax.set_xlabel(labels.axis_label(name, ds[name]))
-    ax.set_ylabel(fonts.fit_label(partial(labels.label, ds[f"curve_{key}"]), inches - 0.5))
-    ends = labels.in_label_unit(ds[name], ds[name].values[[0, -1]])
-    if "member" in ds.sizes:
+    ax.set_xlabel(labels.axis_label(name, stored[name]))
+    ax.set_ylabel(fonts.fit_label(partial(labels.label, stored[f"curve_{key}"]), inches - 0.5))
+    ends = labels.in_label_unit(stored[name], stored[name].values[[0, -1]])
+    if "member" in stored.sizes:
         ax.margins(x=0.06)
     else:
         ax.set_xlim(*(ends + 0.06 * np.ptp(ends) * np.array([-1, 1])))
     ax.set_ylim(*ax.get_ylim())
-    _number_points(ds, ax, key, (fonts.inches(ax)[0], inches))
+    _number_points(stored, ax, key, (fonts.inches(ax)[0], inches))
     return ax
 
 
@@ -124,11 +123,11 @@ def _parts(points: Any, count: bool) -> list[Any]:
     return [points[stretch] for stretch in stretches if stretch.size and known[stretch[0]]]
 
 
-def _alike(ds: xr.Dataset, key: str) -> list[str]:
+def _alike(stored: StoredStudy, key: str) -> list[str]:
     """The sentence that names branches of which one line shows two; none where each has its own."""
-    points = np.stack([ds[f"curve_{name}"].values for name in (str(ds.attrs["axis"]), key)], axis=1)
+    points = np.stack([stored[f"curve_{name}"].values for name in (str(stored.attrs["axis"]), key)], axis=1)
     shares = points / np.array([np.ptp(values) or 1.0 for values in points.T])
-    lines = [shares[ds["curve_branch"].values == row["branch"]] for row in branches(ds)]
+    lines = [shares[stored["curve_branch"].values == row["branch"]] for row in stored.data("branches")]
     pairs = [f"{i + 1} and {k + 1}" for k, line in enumerate(lines) for i, other in enumerate(lines[:k])
              if _lies_on(line, other) and _lies_on(other, line)]  # fmt: skip
     more = f"; {len(pairs) - MOST_PAIRS} more pairs" if len(pairs) > MOST_PAIRS else ""
@@ -146,26 +145,26 @@ def _lies_on(line: Any, other: Any) -> bool:
     return bool((apart.min(axis=1) < SAME).all())
 
 
-def _values(ds: xr.Dataset, name: str) -> Any:
-    return labels.in_label_unit(ds[name], ds[name].values)
+def _values(stored: StoredStudy, name: str) -> Any:
+    return labels.in_label_unit(stored[name], stored[name].values)
 
 
-def _special(ds: xr.Dataset, name: str, key: str, kind: str) -> tuple[Any, Any]:
+def _special(stored: StoredStudy, name: str, key: str, kind: str) -> tuple[Any, Any]:
     """Axis values and shown values of the special points of one kind."""
     dim = "fold" if kind == "fold" else "special"
-    if dim not in ds.sizes:
+    if dim not in stored.sizes:
         return np.empty(0), np.empty(0)
-    chosen = np.ones(ds.sizes[dim], dtype=bool) if dim == "fold" else ds["special_kind"].values == kind
-    return labels.in_label_unit(ds[name], ds[dim].values)[chosen], _values(ds, f"{dim}_{key}")[chosen]
+    chosen = np.ones(stored.sizes[dim], dtype=bool) if dim == "fold" else stored["special_kind"].values == kind
+    return labels.in_label_unit(stored[name], stored[dim].values)[chosen], _values(stored, f"{dim}_{key}")[chosen]
 
 
-def _runs(ds: xr.Dataset, ax: Axes, on: Any, points: Any) -> list[tuple[Any, dict[str, Any], str]]:
+def _runs(stored: StoredStudy, ax: Axes, on: Any, points: Any) -> list[tuple[Any, dict[str, Any], str]]:
     """The parts of a branch under held ends of one look: their points (n, 2), look and entry in the legend.
 
     Those are told apart that would be stable under dead loads too. They meet half way between two stored points, where
     a mark says that a rod would snap through under dead loads.
     """
-    index, dead = ds["curve_index"].values[on], ds["curve_dead_index"].values[on]
+    index, dead = stored["curve_index"].values[on], stored["curve_dead_index"].values[on]
     kind = np.where(index > 0, 0, np.where(dead > 0, 1, 2))
     if kind.size > 2:
         kind[[0, -1]] = kind[[1, -2]]
@@ -184,14 +183,14 @@ def _runs(ds: xr.Dataset, ax: Axes, on: Any, points: Any) -> list[tuple[Any, dic
     return runs
 
 
-def _laws(ds: xr.Dataset) -> list[str]:
+def _laws(stored: StoredStudy) -> list[str]:
     """The sentence that says the laws of the legend; none where no branch has their colour."""
-    rows = branches(ds)
-    if "member" not in ds.sizes or not any(_judge(row)[0] for row in rows):
+    rows = stored.data("branches")
+    if "member" not in stored.sizes or not any(_judge(row)[0] for row in rows):
         return []
     laws = [key.split(" ") for key in rows[0] if " " in key]
     words = " and ".join(f"{labels.noun_of(name)} {DIRECTIONS[direction].does}" for name, direction in laws)
-    return [f"Laws of the study: {words} with {labels.symbol(ds[str(ds.attrs['axis'])])}."]
+    return [f"Laws of the study: {words} with {labels.symbol(stored[str(stored.attrs['axis'])])}."]
 
 
 def _judge(row: dict[str, Any]) -> tuple[bool, str]:
@@ -212,53 +211,53 @@ def _look(row: dict[str, Any]) -> tuple[dict[str, Any], str]:
     return look, ("stable" if stable else "unstable") + words
 
 
-def _look_of_shape(ds: xr.Dataset, k: int) -> dict[str, Any]:
+def _look_of_shape(stored: StoredStudy, k: int) -> dict[str, Any]:
     """Colour and width of the line of its branch, at the place of the shape."""
-    name, number = str(ds.attrs["axis"]), int(_shape_branches(ds)[k])
-    if "member" in ds.sizes:
-        return colours.of_line(_look(next(row for row in branches(ds) if row["branch"] == number))[0])
-    on = np.flatnonzero(ds["curve_branch"].values == number)
-    at = on[int(np.argmin(np.abs(ds[f"curve_{name}"].values[on] - float(ds[f"shape_{name}"].values[k]))))]
-    index, dead = int(ds["curve_index"].values[at]), int(ds["curve_dead_index"].values[at])
+    name, number = str(stored.attrs["axis"]), int(_shape_branches(stored)[k])
+    if "member" in stored.sizes:
+        return colours.of_line(_look(next(row for row in stored.data("branches") if row["branch"] == number))[0])
+    on = np.flatnonzero(stored["curve_branch"].values == number)
+    at = on[int(np.argmin(np.abs(stored[f"curve_{name}"].values[on] - float(stored[f"shape_{name}"].values[k]))))]
+    index, dead = int(stored["curve_index"].values[at]), int(stored["curve_dead_index"].values[at])
     return colours.of_line(_HELD[0 if index > 0 else 1 if dead > 0 else 2][0])
 
 
-def _shapes(ds: xr.Dataset, count: int) -> list[View]:
+def _shapes(stored: StoredStudy, count: int) -> list[View]:
     """The unrolled views at the first numbered points, each with its number."""
     views = []
-    for k, number in enumerate(_names(ds)[:count]):
-        rho, alpha, z = (ds[f"shape_{key}"].values[k] for key in ("rho", "alpha", "z"))
-        a, L = (float(ds[key]) if not ds[key].dims else float(ds[f"shape_{key}"][k]) for key in ("a", "L"))
+    for k, number in enumerate(_names(stored)[:count]):
+        rho, alpha, z = (stored[f"shape_{key}"].values[k] for key in ("rho", "alpha", "z"))
+        a, L = (float(stored[key]) if not stored[key].dims else float(stored[f"shape_{key}"][k]) for key in ("a", "L"))
         s = np.linspace(0, L, z.size)
-        views.append(unrolled.view_of(s, float(rho), alpha, z, a, number, _look_of_shape(ds, k))[0])
+        views.append(unrolled.view_of(s, float(rho), alpha, z, a, number, _look_of_shape(stored, k))[0])
     return views
 
 
-def _shape_branches(ds: xr.Dataset) -> Any:
+def _shape_branches(stored: StoredStudy) -> Any:
     """The branch of each shape; in a file that does not say it each branch has one."""
-    return ds["shape_branch"].values if "shape_branch" in ds else np.arange(ds.sizes.get("shape", 0))
+    return stored["shape_branch"].values if "shape_branch" in stored else np.arange(stored.sizes.get("shape", 0))
 
 
-def _names(ds: xr.Dataset) -> list[str]:
+def _names(stored: StoredStudy) -> list[str]:
     """What the shapes are called: by the number of their branch, from 1, with a letter where a branch has several."""
-    of = [int(branch) for branch in _shape_branches(ds)]
+    of = [int(branch) for branch in _shape_branches(stored)]
     letters = [ascii_lowercase[of[:k].count(branch)] if of.count(branch) > 1 else "" for k, branch in enumerate(of)]
     return [f"{branch + 1}{letter}" for branch, letter in zip(of, letters, strict=True)]
 
 
-def _number_points(ds: xr.Dataset, ax: Axes, key: str, inches: tuple[float, float]) -> None:
+def _number_points(stored: StoredStudy, ax: Axes, key: str, inches: tuple[float, float]) -> None:
     """A dot with its number at the point of each shape that is drawn, where the axis reaches it."""
-    if f"shape_{key}" not in ds:
+    if f"shape_{key}" not in stored:
         return
-    name, names = str(ds.attrs["axis"]), _names(ds)
-    x, y = (_values(ds, f"shape_{quantity}")[: MOST[0]] for quantity in (name, key))
+    name, names = str(stored.attrs["axis"]), _names(stored)
+    x, y = (_values(stored, f"shape_{quantity}")[: MOST[0]] for quantity in (name, key))
     (left, right), (low, high) = sorted(ax.get_xlim()), sorted(ax.get_ylim())
     inside = [int(k) for k in np.flatnonzero((x >= left) & (x <= right) & (y >= low) & (y <= high))]
     for k in inside:
-        ax.plot(x[k], y[k], "o", color=_look_of_shape(ds, k)["color"], markersize=4.2, zorder=7,
+        ax.plot(x[k], y[k], "o", color=_look_of_shape(stored, k)["color"], markersize=4.2, zorder=7,
                 markeredgecolor="white", markeredgewidth=0.7)  # fmt: skip
     points = [point_numbers.Point(x[k], y[k], names[k]) for k in inside]
-    dots = [dot for kind in MARKS for dot in np.transpose(_special(ds, name, key, kind))]
+    dots = [dot for kind in MARKS for dot in np.transpose(_special(stored, name, key, kind))]
     lines = [line.get_xydata() for line in ax.lines if np.size(line.get_xdata()) > 1]
     point_numbers.write(ax, points, lines, dots, inches)
 

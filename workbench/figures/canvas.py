@@ -13,7 +13,6 @@ from typing import Any
 from weakref import WeakKeyDictionary
 
 import numpy as np
-import xarray as xr
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -32,6 +31,7 @@ from matplotlib.transforms import ScaledTranslation
 from solver.problem.errors import InputError
 
 from ..store import atomic
+from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import fonts
 from .colours import INK, SOFT
@@ -59,7 +59,7 @@ _KEPT: WeakKeyDictionary[Figure, list[str]] = WeakKeyDictionary()  # sentences t
 def figure(
     size: tuple[float, float],
     draw: Callable[[Figure], Any],
-    ds: xr.Dataset | None = None,
+    stored: StoredStudy | None = None,
     dpi: float = DPI,
     layout: Any = "constrained",
     sheet: Sheet = SCREEN,
@@ -67,10 +67,10 @@ def figure(
 ) -> Figure:
     """A figure of a size in inches with what `draw` draws on it.
 
-    ds: the dataset whose title is written above that, where the sheet has one. said: what is written below the title,
-    after the reading of the dataset.
+    stored: the file whose title is written above that, where the sheet has one. said: what is written below the title,
+    after the reading of the file.
     """
-    titled = ds is not None and sheet.titled
+    titled = stored is not None and sheet.titled
     if sheet.style == "paper":
         most = (TALLEST if sheet.narrow else TALLEST_PAGE) - TITLE * titled
         size = size[0], max(min(size[1], most), LEAST * size[1])
@@ -80,22 +80,22 @@ def figure(
         draw(fig)
         if sheet.style == "paper" and layout is not None:
             _letter_panels(fig)
-        if ds is not None and titled:
-            _set_title(fig, " · ".join(text for text in (labels.reading(ds), said) if text), str(ds.attrs["title"]))
+        if stored is not None and titled:
+            _set_title(fig, " · ".join(text for text in (stored.reading, said) if text), str(stored.attrs["title"]))
         _write_numbers(fig)
         set_in_mathematics(fig)
     return fig
 
 
 def page(
-    ds: xr.Dataset | None, sheet: Sheet, rows: Sequence[Row], said: Said = (), more: float = 0.5,
+    stored: StoredStudy | None, sheet: Sheet, rows: Sequence[Row], said: Said = (), more: float = 0.5,
     ratios: Sequence[float] | None = None, width: float | None = None, **options: Any,
 ) -> Figure:  # fmt: skip
     """A figure of panels in rows, with one legend below.
 
     Parameters
     ----------
-    ds
+    stored
         As of `figure`, which takes the further options.
     sheet
         What it is drawn for.
@@ -140,7 +140,7 @@ def page(
             high = fonts.height_of(key.get_title().get_text(), fonts.small())
             fig.set_figheight(fig.get_figheight() + max(high - more, 0.0))
 
-    return figure((width or sheet.width, sum(high for high, _ in rows) + more), draw, ds, sheet=sheet,
+    return figure((width or sheet.width, sum(high for high, _ in rows) + more), draw, stored, sheet=sheet,
                   **options)  # fmt: skip
 
 

@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from solver.problem.errors import InputError, choices
@@ -15,8 +14,8 @@ from studies.grammar.axes import SAMPLE
 from ..geometry import stored_line
 from ..geometry.centreline import Centreline, advice_to_store, cut
 from ..geometry.refinement import ROUNDING, DrawnCurve
-from ..store import refined, schema, selection
-from ..store.derived_arrays import StoredArrays
+from ..stored import selection
+from ..stored.stored_study import StoredStudy
 from ..words import labels
 
 STATIONS = 1000  # along each rod at least, two for each pixel of a panel
@@ -44,7 +43,7 @@ class DrawnRod:
     mu: float
     phi: float
     caution: str
-    case: xr.Dataset
+    case: StoredStudy
 
     @property
     def why(self) -> str:
@@ -76,7 +75,7 @@ class DrawnRods:
     axis: along which they stand; None for one rod. held: the index of every other axis. notes: what the figure says.
     """
 
-    source: xr.Dataset
+    source: StoredStudy
     axis: str | None
     held: dict[str, int]
     rods: list[DrawnRod]
@@ -89,7 +88,7 @@ class DrawnRods:
 
     def at(self) -> str:
         """The values at which the other axes are held: ``R = 0.75 cm, F₃ = 10 N``; else nothing."""
-        return labels.equations(self.source, self.held)
+        return self.source.equations(self.held)
 
     def said(self) -> list[str]:
         """A sentence on the values at which the other axes are held, where there are any."""
@@ -104,7 +103,7 @@ class DrawnRods:
 
 
 def choose(
-    ds: xr.Dataset,
+    stored: StoredStudy,
     names: Sequence[str],
     axis: str | None = None,
     at: Mapping[str, float] | None = None,
@@ -114,7 +113,7 @@ def choose(
 
     Parameters
     ----------
-    ds : xr.Dataset
+    stored : StoredStudy
         A stored study; of a refined one its coarse grid.
     names : sequence of str
         Arrays along the rod.
@@ -131,64 +130,61 @@ def choose(
         For an unknown axis or value, an axis whose value is given, and where an array is not stored and the cases
         cannot be solved again.
     """
-    ds = refined.coarse(ds)
-    at = {selection.axis_of(ds, name): value for name, value in (at or {}).items()}
+    stored = stored.coarse()
+    at = {stored.axis(name): value for name, value in (at or {}).items()}
     if axis is not None:
-        axis = selection.axis_of(ds, axis)
+        axis = stored.axis(axis)
         if axis in at:
             raise InputError(f"the rods stand along {axis}, so it takes no value, got {axis} = {at[axis]:.10g}")
     else:
-        axis = next((name for name in schema.axes_of(ds) if ds.sizes[name] > 1 and name not in at), None)
-    cases = selection.spread(selection.line(ds, axis, at), most) if axis else [selection.case(ds, at)]
+        axis = next((name for name in stored.axes if stored.sizes[name] > 1 and name not in at), None)
+    cases = selection.spread(stored.places(axis, at), most) if axis else [stored.place(at)]
     held = {name: i for name, i in cases[0].items() if name != axis}
-    chosen = ds.isel(held | ({axis: [case[axis] for case in cases]} if axis else {}))
+    chosen = stored.select(held | ({axis: [case[axis] for case in cases]} if axis else {}))
     arrays_of, notes = _arrays(chosen, names)
-    if axis and len(cases) < ds.sizes[axis]:
+    if axis and len(cases) < stored.sizes[axis]:
         values = "samples" if axis == SAMPLE else f"values of {labels.axis_symbol(axis)}"
-        notes = [f"{len(cases)} of the {ds.sizes[axis]} {values} are shown, evenly chosen.", *notes]
-    rods = [_rod(chosen.isel({axis: i}) if axis else chosen, axis, arrays) for i, arrays in enumerate(arrays_of)]
+        notes = [f"{len(cases)} of the {stored.sizes[axis]} {values} are shown, evenly chosen.", *notes]
+    rods = [_rod(chosen.select({axis: i}) if axis else chosen, axis, arrays) for i, arrays in enumerate(arrays_of)]
     if not any(rod.arrays is not None for rod in rods):
         raise InputError("nothing to draw: none of the chosen cases is solved")
-    return DrawnRods(ds, axis, held, rods, notes)
+    return DrawnRods(stored, axis, held, rods, notes)
 
 
-def of_all_cases(ds: xr.Dataset, names: Sequence[str]) -> list[DrawnRod]:
+def of_all_cases(stored: StoredStudy, names: Sequence[str]) -> list[DrawnRod]:
     """The rods of all cases of a dataset, in their order; without arrays where one is not solved.
 
     names: arrays along the rod. Raises `InputError` as `choose` does.
     """
-    places = np.ndindex(*ds["outcome"].shape)
-    axes = schema.axes_of(ds)
-    return [_rod(ds.isel(dict(zip(axes, place, strict=True))), None, arrays)
-            for place, arrays in zip(places, _arrays(ds, names)[0], strict=True)]  # fmt: skip
+    places = np.ndindex(*stored["outcome"].shape)
+    axes = stored.axes
+    return [_rod(stored.select(dict(zip(axes, place, strict=True))), None, arrays)
+            for place, arrays in zip(places, _arrays(stored, names)[0], strict=True)]  # fmt: skip
 
 
-def _rod(one: xr.Dataset, axis: str | None, arrays: Mapping[str, Any] | None) -> DrawnRod:
-    stored = StoredArrays(one)
-    names = {name: float(getattr(stored, name)) for name in ("rho", "lam", "mu", "phi")}
+def _rod(one: StoredStudy, axis: str | None, arrays: Mapping[str, Any] | None) -> DrawnRod:
+    names = {name: float(getattr(one.arrays, name)) for name in ("rho", "lam", "mu", "phi")}
     caution = str(one["caution"].values) if "caution" in one else ""
     text = labels.value(float(one[axis]), one[axis]) if axis else ""
     name = f"{labels.axis_symbol(axis)} = {text}" if axis else "rod"
     short = text if text.endswith("°") else text.partition(" ")[0]
-    return DrawnRod(name, short, arrays, a=float(stored.constant("a")), caution=caution, case=one, **names)
+    return DrawnRod(name, short, arrays, a=float(one.arrays.constant("a")), caution=caution, case=one, **names)
 
 
-def _arrays(some: xr.Dataset, names: Sequence[str]) -> tuple[list[dict[str, Any] | None], list[str]]:
+def _arrays(some: StoredStudy, names: Sequence[str]) -> tuple[list[dict[str, Any] | None], list[str]]:
     """For each case s and the arrays of these names, None where it is not solved; and what is to be said.
 
     The cases are solved again at as many stations as the arrays need. Raises `InputError`, also where the stations are
     too few.
     """
-    from ..store import stored_case  # it loads the methods
-
     count = int(some["outcome"].size)
     stations = int(np.clip(POINTS // count, 200, STATIONS if count > 1 else 4 * STATIONS)) + 1
     finer, reason, drawn, n = some, "", dict[int, list[DrawnCurve]](), 0
-    also = ("beta", "alpha", "z", "dbeta", *["contact"] * (schema.loads_vary(some) or schema.leaves(some)),
-            *["radius"] * schema.leaves(some))  # fmt: skip
+    also = ("beta", "alpha", "z", "dbeta", *["contact"] * (some.loads_vary or some.leaves),
+            *["radius"] * some.leaves)  # fmt: skip
     for _ in range(ROUNDS):
         try:
-            finer = stored_case.solve_again(some, stations, dict.fromkeys((*names, *also)))
+            finer = some.solve(stations, dict.fromkeys((*names, *also)))
         except InputError as error:
             reason = str(error).rstrip(".")
         try:
@@ -205,15 +201,15 @@ def _arrays(some: xr.Dataset, names: Sequence[str]) -> tuple[list[dict[str, Any]
     return [_cut(drawn[k]) if k in drawn else None for k in range(count)], notes
 
 
-def _curves_of(ds: xr.Dataset, names: Sequence[str]) -> dict[int, list[DrawnCurve]]:
+def _curves_of(stored: StoredStudy, names: Sequence[str]) -> dict[int, list[DrawnCurve]]:
     """The arrays of the solved rods that have them, by the number of the rod. Raises `InputError`."""
-    solved = np.asarray(ds["solved"].values, dtype=bool).ravel()
-    known = {k: row for k, row in enumerate(_as_stored(ds, names)) if row is not None and solved[k]}
-    allowed = {name: _error_limit(name, [row[name] for row in known.values()], ds) for name in names if known}
-    places = list(np.ndindex(*ds["outcome"].shape))
+    solved = np.asarray(stored["solved"].values, dtype=bool).ravel()
+    known = {k: row for k, row in enumerate(_as_stored(stored, names)) if row is not None and solved[k]}
+    allowed = {name: _error_limit(name, [row[name] for row in known.values()], stored) for name in names if known}
+    places = list(np.ndindex(*stored["outcome"].shape))
     lines = dict[int, Centreline]()
     with suppress(InputError):  # what is stored may give no curve
-        lines = {k: stored_line.read(ds, dict(zip(schema.axes_of(ds), places[k], strict=True))) for k in known}
+        lines = {k: stored_line.read(stored, dict(zip(stored.axes, places[k], strict=True))) for k in known}
     return {k: [DrawnCurve(name, row["s"], row[name], allowed[name], lines.get(k)) for name in names]
             for k, row in known.items()}  # fmt: skip
 
@@ -224,23 +220,23 @@ def _cut(rod: Sequence[DrawnCurve]) -> dict[str, Any]:
     return {"s": cut(rod[0].s, parts), **{curve.name: curve.between(parts) for curve in rod}}
 
 
-def _error_limit(name: str, arrays: Sequence[Any], ds: xr.Dataset) -> float:
+def _error_limit(name: str, arrays: Sequence[Any], stored: StoredStudy) -> float:
     """By how much a curve may be off: a part of the range of all rods, of angles and z of a turn of the cylinder."""
     low, high = min(float(array.min()) for array in arrays), max(float(array.max()) for array in arrays)
-    turn = {"alpha": 2 * np.pi, "gamma": 2 * np.pi, "z": 2 * np.pi * float(ds["rho"].max())}.get(name, np.inf)
+    turn = {"alpha": 2 * np.pi, "gamma": 2 * np.pi, "z": 2 * np.pi * float(stored["rho"].max())}.get(name, np.inf)
     return max(min(high - low, turn) / SHADES, ROUNDING * max(abs(low), abs(high)), LEAST)
 
 
-def _as_stored(some: xr.Dataset, names: Sequence[str]) -> list[dict[str, Any] | None]:
+def _as_stored(some: StoredStudy, names: Sequence[str]) -> list[dict[str, Any] | None]:
     """The arrays as stored or computed from stored ones, of each case with numbers. Raises `InputError`."""
-    if "u" not in some.dims:
+    if "u" not in some.sizes:
         raise InputError("the dataset does not store arrays along the rod")
     tables = {}
     for name in ("s", *names):
-        array = some["s"] if name == "s" else StoredArrays(some).derive(name)
+        array = some["s"] if name == "s" else some.array(name)
         if array is None:
             raise InputError(f"the dataset does not store {name}")
-        whole = array.broadcast_like(some["outcome"]).transpose(*schema.axes_of(some), "u")
+        whole = array.broadcast_like(some["outcome"]).transpose(*some.axes, "u")
         tables[name] = whole.values.reshape(-1, some.sizes["u"])
     rows = [{name: table[i] for name, table in tables.items()} for i in range(len(tables["s"]))]
     return [row if all(np.isfinite(array).all() for array in row.values()) else None for row in rows]

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
-import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -12,7 +11,7 @@ from matplotlib.lines import Line2D
 from solver.mechanics.statics import push_from
 from solver.problem.errors import InputError, choices
 
-from ..store import schema, selection
+from ..stored.stored_study import StoredStudy
 from ..words import cautions, labels
 from . import canvas, colours, fonts, point_numbers, push_scale, unrolled
 from .scales import RoomLocator
@@ -26,30 +25,32 @@ TALL = 0.7, 0.6  # the height of all views over the width of a column and of oth
 REACTIONS = ("FZ", "MZ", "M3", "beta0", "betaL")  # of held ends
 
 
-def figure(ds: xr.Dataset, sheet: Sheet = SCREEN, show: Sequence[str] = ()) -> Figure:
+def figure(stored: StoredStudy, sheet: Sheet = SCREEN, show: Sequence[str] = ()) -> Figure:
     """The unrolled views of all equilibria of one case in the order of energy, and below them an observable against
     the index.
 
     show: the observable; default: the energy. Raises `InputError` for one that is not stored, for several, and for an
     empty list.
     """
-    (name,) = one_shown(selection.names_of(ds, show)) or ("energy",)
-    if not ds.sizes["equilibrium"]:
+    (name,) = one_shown(stored.names_of(show)) or ("energy",)
+    if not stored.sizes["equilibrium"]:
         raise InputError("there is no equilibrium to draw")
-    count, high = min(ds.sizes["equilibrium"], MOST[not sheet.narrow]), HIGH[not sheet.narrow]
-    reaction = next((name for name in REACTIONS if name in ds and ds[name].dims == ("equilibrium",)), None)
+    count, high = min(stored.sizes["equilibrium"], MOST[not sheet.narrow]), HIGH[not sheet.narrow]
+    reaction = next((name for name in REACTIONS if name in stored and stored[name].dims == ("equilibrium",)), None)
     texts = [f"{k + 1}" for k in range(count)]
     if reaction is not None:
-        texts = [f"{text}: {labels.value(float(ds[reaction][k]), ds[reaction])}" for k, text in enumerate(texts)]
-    shapes = [_shape(ds, k, texts[k], look(int(ds["index"][k]))) for k in range(count)]
-    panel = unrolled.Panel(shapes, _room(sheet), sheet.small, labels.unit(str(ds["z"].attrs.get("units", "1"))))
-    shown = f"; {count} of {ds.sizes['equilibrium']} are shown" if count < ds.sizes["equilibrium"] else ""
-    beside = "" if reaction is None else f", {labels.symbol(ds[reaction])} beside the number"
+        texts = [
+            f"{text}: {labels.value(float(stored[reaction][k]), stored[reaction])}" for k, text in enumerate(texts)
+        ]
+    shapes = [_shape(stored, k, texts[k], look(int(stored["index"][k]))) for k in range(count)]
+    panel = unrolled.Panel(shapes, _room(sheet), sheet.small, labels.unit(str(stored["z"].attrs.get("units", "1"))))
+    shown = f"; {count} of {stored.sizes['equilibrium']} are shown" if count < stored.sizes["equilibrium"] else ""
+    beside = "" if reaction is None else f", {labels.symbol(stored[reaction])} beside the number"
     rows: list[canvas.Row] = [
-        (panel.height, [lambda ax: [*_entries(ds["index"].values), *panel.draw(ax, f"{beside}{shown}")]]),
-        (high, [lambda ax: against_index(ds, ax, name, high)]),
+        (panel.height, [lambda ax: [*_entries(stored["index"].values), *panel.draw(ax, f"{beside}{shown}")]]),
+        (high, [lambda ax: against_index(stored, ax, name, high)]),
     ]
-    return canvas.page(ds, sheet, rows, more=0.45)
+    return canvas.page(stored, sheet, rows, more=0.45)
 
 
 def one_shown(names: Sequence[str]) -> Sequence[str]:
@@ -59,18 +60,18 @@ def one_shown(names: Sequence[str]) -> Sequence[str]:
     return names
 
 
-def against_index(ds: xr.Dataset, ax: Axes, name: str, high: float) -> list[str]:
+def against_index(stored: StoredStudy, ax: Axes, name: str, high: float) -> list[str]:
     """An observable against the index on axes so many inches high: a dot an equilibrium, filled where it is stable.
 
     Returns what is to be said of them.
     """
-    values = labels.in_label_unit(ds[name], ds[name].values)
-    index = ds["index"].values
-    ax.scatter(ds["index"], values, c=["white" if value else colours.INK for value in index], s=20,
+    values = labels.in_label_unit(stored[name], stored[name].values)
+    index = stored["index"].values
+    ax.scatter(stored["index"], values, c=["white" if value else colours.INK for value in index], s=20,
                edgecolors=colours.INK, linewidths=0.9, zorder=3)  # fmt: skip
     ax.set_xlabel(fonts.wrap("Morse index: unstable directions", ax))
-    ax.set_ylabel(fonts.fit_label(partial(labels.label, ds[name]), high - 0.3))
-    ax.yaxis.set_major_locator(RoomLocator("counts" if schema.is_count(ds[name]) else "numbers"))
+    ax.set_ylabel(fonts.fit_label(partial(labels.label, stored[name]), high - 0.3))
+    ax.yaxis.set_major_locator(RoomLocator("counts" if name in stored.counts else "numbers"))
     ax.xaxis.set_major_locator(RoomLocator("counts"))
     ax.margins(0.04, 0.08)
     if index.size and index.min() == index.max():
@@ -79,33 +80,36 @@ def against_index(ds: xr.Dataset, ax: Axes, name: str, high: float) -> list[str]
               for k, (x, y) in enumerate(zip(index, values, strict=True))]  # fmt: skip
     ax.set_xlim(*ax.get_xlim()), ax.set_ylim(*ax.get_ylim())
     point_numbers.write(ax, points, [], [], (fonts.inches(ax)[0], high - 0.5))
-    noun, stability = "equilibrium" if index.size == 1 else "equilibria", str(ds.attrs["stability"]).replace("M3", "M₃")
+    noun, stability = (
+        "equilibrium" if index.size == 1 else "equilibria",
+        str(stored.attrs["stability"]).replace("M3", "M₃"),
+    )
     said = [f"{index.size} {noun}, {int((index == 0).sum())} stable (filled): {stability}."]
-    if "searched" in ds.attrs:
-        said.append(f"Not proved complete: searched over {labels.minus_signs(ds.attrs['searched'])}.")
+    if "searched" in stored.attrs:
+        said.append(f"Not proved complete: searched over {labels.minus_signs(stored.attrs['searched'])}.")
     return said
 
 
-def loops(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
+def loops(stored: StoredStudy, sheet: Sheet = SCREEN) -> Figure:
     """The unrolled view of each closed rod at one scale, in the colours of the push, with its index and energy."""
-    count = min(ds.sizes["equilibrium"], MOST_LOOPS)
-    pushes = [push_from(ds["contact"].values[k], str(ds.attrs["side"])) for k in range(count)]
+    count = min(stored.sizes["equilibrium"], MOST_LOOPS)
+    pushes = [push_from(stored["contact"].values[k], str(stored.attrs["side"])) for k in range(count)]
     norm, shapes = push_scale.scale(pushes), []
     for k in range(count):
-        loop = ds.isel(equilibrium=k)
+        loop = stored.select({"equilibrium": k})
         index, waves = int(loop["index"]), int(loop["folds"])
         stable = f"unstable ({index})" if index else "stable"
         text = (
             f"{k + 1}: {waves} wave{'s' * (waves > 1)}, {stable}\n{labels.value(float(loop['energy']), loop['energy'])}"
         )
-        shapes.append(_shape(ds, k, text, {"push": pushes[k], "norm": norm}))
-    panel = unrolled.Panel(shapes, _room(sheet), sheet.small, labels.unit(str(ds.attrs["length_unit"])))
+        shapes.append(_shape(stored, k, text, {"push": pushes[k], "norm": norm}))
+    panel = unrolled.Panel(shapes, _room(sheet), sheet.small, labels.unit(stored.units["length"]))
     said = [
-        f"The rod lies {ds.attrs['side']}.",
+        f"The rod lies {stored.attrs['side']}.",
         "Below each number the energy. Unstable (2): in 2 ways, as a closed rod whose section is free to turn.",
     ]
-    bar = push_scale.unit(ds), sheet.width
-    return canvas.page(ds, sheet, [(panel.height, [lambda ax: panel.draw(ax, bar=bar)])], said, 1.25)
+    bar = push_scale.unit(stored), sheet.width
+    return canvas.page(stored, sheet, [(panel.height, [lambda ax: panel.draw(ax, bar=bar)])], said, 1.25)
 
 
 def _room(sheet: Sheet) -> tuple[float, float]:
@@ -113,9 +117,9 @@ def _room(sheet: Sheet) -> tuple[float, float]:
     return sheet.width - unrolled.BESIDE, TALL[not sheet.narrow] * sheet.width
 
 
-def _shape(ds: xr.Dataset, k: int, text: str, how: dict[str, Any]) -> View:
+def _shape(stored: StoredStudy, k: int, text: str, how: dict[str, Any]) -> View:
     """The unrolled view of an equilibrium, with rings where its caution says that it passes through itself."""
-    case = ds.isel(equilibrium=k)
+    case = stored.select({"equilibrium": k})
     crossed = "overlaps" in cautions.keys(str(case["caution"].values)) if "caution" in case else False
     return unrolled.view_of(case["s"].values, float(case["rho"]), case["alpha"].values, case["z"].values,
                             float(case["a"]), text, how, ringed=crossed)[0]  # fmt: skip

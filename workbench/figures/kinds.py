@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 from solver.problem.errors import InputError, choices, no_such
 
 if TYPE_CHECKING:
-    import xarray as xr
     from matplotlib.figure import Figure
 
+    from ..stored.stored_study import StoredStudy
     from .sheet import Sheet
 
 
@@ -30,10 +30,10 @@ class Kind:
     shows: str = ""
     of: str = "study"
 
-    def draw(self, ds: "xr.Dataset", **options: Any) -> "Figure":
+    def draw(self, stored: "StoredStudy", **options: Any) -> "Figure":
         """The picture of a dataset."""
         module, _, name = self.path.partition(".")
-        fig: Figure = getattr(import_module(f".{module}", __package__), name)(ds, **options)
+        fig: Figure = getattr(import_module(f".{module}", __package__), name)(stored, **options)
         return fig
 
 
@@ -60,20 +60,19 @@ KINDS = {
 OF_STUDIES = {name: kind for name, kind in KINDS.items() if kind.of == "study"}
 
 
-def figure(ds: "xr.Dataset", kind: str | None = None, sheet: "Sheet | None" = None, **options: Any) -> "Figure":
+def figure(stored: "StoredStudy", kind: str | None = None, sheet: "Sheet | None" = None, **options: Any) -> "Figure":
     """The picture of a dataset of any kind; kind: a name of `KINDS`, by default as the dataset says.
 
     Raises `InputError` as of `kind_of` and of the figure.
     """
-    from ..store import schema
 
-    name = kind or schema.kind_of(ds).figure
+    name = kind or stored.kind.figure
     if name in ("", "study"):
-        name = kind_of(ds, None, [option for option in options if option != "verdicts"])
-    return KINDS[name].draw(ds, **options | ({} if sheet is None else {"sheet": sheet}))
+        name = kind_of(stored, None, [option for option in options if option != "verdicts"])
+    return KINDS[name].draw(stored, **options | ({} if sheet is None else {"sheet": sheet}))
 
 
-def kind_of(ds: "xr.Dataset", kind: str | None = None, given: Sequence[str] = ()) -> str:
+def kind_of(stored: "StoredStudy", kind: str | None = None, given: Sequence[str] = ()) -> str:
     """The kind of picture of a study: the one that is asked for; default: a map over two axes, else lines.
 
     given: options; a study whose default kind does not have them is drawn in the first kind that does.
@@ -81,7 +80,7 @@ def kind_of(ds: "xr.Dataset", kind: str | None = None, given: Sequence[str] = ()
     Raises `InputError` for an unknown kind, and for an option that the kind does not have.
     """
     if kind is None:
-        default = _default_kind(ds)
+        default = _default_kind(stored)
         kind = next(
             (candidate for candidate in (default, *OF_STUDIES) if set(given) <= set(KINDS[candidate].options)), default
         )
@@ -94,13 +93,12 @@ def kind_of(ds: "xr.Dataset", kind: str | None = None, given: Sequence[str] = ()
     return kind
 
 
-def _default_kind(ds: "xr.Dataset") -> str:
+def _default_kind(stored: "StoredStudy") -> str:
     from studies.grammar.axes import SAMPLE
 
-    from ..store import refined, schema, selection
     from .map_cells import mappable
 
-    if axes := refined.axes_of(ds):
-        return "map" if len(axes) > 1 else "lines"
-    is_map = len(mappable(ds)) > 1 and SAMPLE not in schema.axes_of(ds) and selection.observables(ds)
+    if stored.is_refined:
+        return "map" if len(stored.refinement.lattice.axes) > 1 else "lines"
+    is_map = len(mappable(stored)) > 1 and SAMPLE not in stored.axes and stored.observables
     return "map" if is_map else "lines"

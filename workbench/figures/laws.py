@@ -13,47 +13,47 @@ from studies.laws.law_words import PLAIN
 from studies.laws.line_verdicts import FAILS, MONOTONE, Show
 from studies.laws.verdicts import Law
 
-from ..store import law_verdicts, selection
+from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import canvas, colours, fonts
 from .scales import is_logarithmic
 from .trends import draw_line, trend
 
 
-def panel(ds: xr.Dataset, ax: Axes, row: Mapping[str, Any]) -> str:
+def panel(stored: StoredStudy, ax: Axes, row: Mapping[str, Any]) -> str:
     """Draw a law, given as a row of `law_verdicts.verdicts`: its trend, and the verdict above it.
 
     Returns the sentence for below the figure: the law, its verdict with what was measured, the other observables.
     """
-    trend(ds, ax, row["observable"], row["axis"], row["at"])
+    trend(stored, ax, row["observable"], row["axis"], row["at"])
     colour, verdict = colours.VERDICTS[row["verdict"]], PLAIN[row["verdict"]]
     for step in row["exceptions"]:
         if all(step["at"][name] == value for name, value in row["at"].items()):
-            ends = [labels.in_label_unit(ds[row["axis"]], step[end]) for end in ("from", "to")]
+            ends = [labels.in_label_unit(stored[row["axis"]], step[end]) for end in ("from", "to")]
             case = step["from"] == step["to"]
             how: dict[str, Any] = {"marker": "o", "markersize": 9, "markerfacecolor": "none"} if case else {}
-            heights = labels.in_label_unit(ds[row["observable"]], step["values"])
+            heights = labels.in_label_unit(stored[row["observable"]], step["values"])
             ax.plot(ends, heights, color=colour, linewidth=3, alpha=0.6, zorder=3,
                     label="a case outside" if case else "a step the wrong way", **how)  # fmt: skip
-    draw_curve(ds, ax, row)
-    _draw_alternative(ds, ax, row)
+    draw_curve(stored, ax, row)
+    _draw_alternative(stored, ax, row)
     ax.set_title(fonts.wrap(f"{row['claim']}: {verdict}", ax), loc="left", color=colour)
     canvas.add_legend(ax)
-    others = law_words.others(row, lambda name: labels.symbol(ds[name]))
-    said = "; ".join(text for text in (verdict, _measure(ds, row)) if text)
-    return f"{row['claim']}: {sentence(ds, row)}; {said.rstrip('.')}. {others}".rstrip()
+    others = law_words.others(row, lambda name: labels.symbol(stored[name]))
+    said = "; ".join(text for text in (verdict, _measure(stored, row)) if text)
+    return f"{row['claim']}: {sentence(stored, row)}; {said.rstrip('.')}. {others}".rstrip()
 
 
-def _draw_alternative(ds: xr.Dataset, ax: Axes, row: Mapping[str, Any]) -> None:
+def _draw_alternative(stored: StoredStudy, ax: Axes, row: Mapping[str, Any]) -> None:
     """Draw the first alternative observable of which the law is false, on an axis at the right, on the same line."""
     also = next((also for also in row["also"] if also["alternative"] and also["verdict"] == FAILS), None)
     if also is None:
         return
-    axis, array, places = row["axis"], ds[also["observable"]], selection.line(ds, row["axis"], row["at"])
-    along = labels.in_label_unit(ds[axis], ds[axis].values[[place[axis] for place in places]])
+    axis, array, places = row["axis"], stored[also["observable"]], stored.places(row["axis"], row["at"])
+    along = labels.in_label_unit(stored[axis], stored[axis].values[[place[axis] for place in places]])
     values = np.asarray(labels.in_label_unit(array, [float(array.isel(place)) for place in places]))
     right, colour = ax.twinx(), colours.PAIR[0]
-    draw_line(right, along, values, selection.is_count(ds, str(array.name)), is_logarithmic(ds[axis]), color=colour,
+    draw_line(right, along, values, str(array.name) in stored.counts, is_logarithmic(stored[axis]), color=colour,
               linewidth=1.0, linestyle=DASHED, label=str(array.name))  # fmt: skip
     right.set_ylabel(f"{labels.label(array)}: {PLAIN[FAILS]}", color=colour)
     right.tick_params(axis="y", colors=colour)
@@ -61,20 +61,20 @@ def _draw_alternative(ds: xr.Dataset, ax: Axes, row: Mapping[str, Any]) -> None:
     right.margins(y=0.1)
 
 
-def _measure(ds: xr.Dataset, row: Mapping[str, Any]) -> str:
+def _measure(stored: StoredStudy, row: Mapping[str, Any]) -> str:
     """What was measured, its numbers with their units, and the reason of the verdict."""
-    said = law_words.finding_of(row, _show(ds, row))
+    said = law_words.finding_of(row, _show(stored, row))
     return labels.law_text(row, "; ".join(text for text in (said, law_words.detail(row)) if text))
 
 
-def _show(ds: xr.Dataset, row: Mapping[str, Any]) -> Show:
+def _show(stored: StoredStudy, row: Mapping[str, Any]) -> Show:
     """How a law writes a number or a formula: with units and symbols."""
     axis = row["axis"]
-    arrays = {"observable": ds[row["observable"]], "axis": ds[axis], "place": ds[axis]}
+    arrays = {"observable": stored[row["observable"]], "axis": stored[axis], "place": stored[axis]}
 
     def show(value: Any, of: str) -> str:
         named = f"{labels.axis_symbol(axis)} = " if of == "place" else ""
-        return named + formula(ds, value, arrays[of])
+        return named + formula(stored, value, arrays[of])
 
     return show
 
@@ -83,25 +83,25 @@ DASHED, DOTTED = (0, (4, 2)), (0, (1, 1.5))  # of a curve and a lower bound; of 
 SEEN = 4.0  # points across, from which a band is seen beside a line
 
 
-def draw_curve(ds: xr.Dataset, ax: Axes, row: Mapping[str, Any]) -> None:
+def draw_curve(stored: StoredStudy, ax: Axes, row: Mapping[str, Any]) -> None:
     """Draw what a law (a row of `law_verdicts.verdicts`) compares its observable with, on the line that decides."""
     if row["kind"] == MONOTONE:
         return
     law = Law.model_validate({key: row[key] for key in ("claim", "kind", "observable", "axis", "source")} | row["rule"])
-    places = selection.line(ds, law.axis, row["at"])
-    along = labels.in_label_unit(ds[law.axis], ds[law.axis].values[[place[law.axis] for place in places]])
+    places = stored.places(law.axis, row["at"])
+    along = labels.in_label_unit(stored[law.axis], stored[law.axis].values[[place[law.axis] for place in places]])
     numbers = {
-        key: values if key == "x" else labels.in_label_unit(ds[law.observable], values)
-        for key, values in law_verdicts.numbers_of_line(ds, law, places).items()
+        key: values if key == "x" else labels.in_label_unit(stored[law.observable], values)
+        for key, values in stored.numbers_of_line(law, places).items()
     }
-    WITH_NUMBERS[law.kind](ax, ds, along, numbers, law, row)
+    WITH_NUMBERS[law.kind](ax, stored, along, numbers, law, row)
 
 
-def _equals(ax: Axes, ds: xr.Dataset, along: Any, numbers: Any, law: Law, row: Any) -> None:
-    values, array = numbers["formula"], ds[law.observable]
+def _equals(ax: Axes, stored: StoredStudy, along: Any, numbers: Any, law: Law, row: Any) -> None:
+    values, array = numbers["formula"], stored[law.observable]
     half = labels.in_label_unit(array, law.absolute) if law.relative is None else law.relative * np.abs(values)
     near = _number(law.absolute or 0.0, array) if law.relative is None else f"{100 * law.relative:.4g}{NO_BREAK}%"
-    _line(ax, along, values, f"{formula(ds, law.formula, array)} ± {near}")
+    _line(ax, along, values, f"{formula(stored, law.formula, array)} ± {near}")
     _allow(ax, along, values - half, values + half)
 
 
@@ -112,31 +112,31 @@ def _allow(ax: Axes, along: Any, low: Any, high: Any) -> None:
                     label="allowed" if seen else "")  # fmt: skip
 
 
-def _bound(ax: Axes, ds: xr.Dataset, along: Any, numbers: Any, law: Law, row: Any) -> None:
+def _bound(ax: Axes, stored: StoredStudy, along: Any, numbers: Any, law: Law, row: Any) -> None:
     for key, word in (("least", "at least"), ("most", "at most")):
         if key in numbers:
-            words = f"{word} {formula(ds, getattr(law, key), ds[law.observable])}"
+            words = f"{word} {formula(stored, getattr(law, key), stored[law.observable])}"
             _line(ax, along, numbers[key], words, DASHED if key == "least" else DOTTED)
 
 
-def _scales(ax: Axes, ds: xr.Dataset, along: Any, numbers: Any, law: Law, row: Any) -> None:
+def _scales(ax: Axes, stored: StoredStudy, along: Any, numbers: Any, law: Law, row: Any) -> None:
     measured = row["numbers"]
     if not measured:
         return
-    stored = np.abs(np.radians(along) if labels.is_angle(ds[law.axis]) else along)
-    fitted = labels.in_label_unit(ds[law.observable], measured["factor"] * stored ** measured["exponent"])
+    at = np.abs(np.radians(along) if labels.is_angle(stored[law.axis]) else along)
+    fitted = labels.in_label_unit(stored[law.observable], measured["factor"] * at ** measured["exponent"])
     _line(ax, along, fitted, labels.typeset(f"fit: {row['found']}"))
-    wide = np.exp(law.within * np.abs(np.log(stored / np.exp(np.mean(np.log(stored))))))
+    wide = np.exp(law.within * np.abs(np.log(at / np.exp(np.mean(np.log(at))))))
     low, high = np.sort([fitted / wide, fitted * wide], axis=0)
     _allow(ax, along, low, high)
 
 
-def _boundary(ax: Axes, ds: xr.Dataset, along: Any, numbers: Any, law: Law, row: Any) -> None:
-    axis = ds[law.axis]
+def _boundary(ax: Axes, stored: StoredStudy, along: Any, numbers: Any, law: Law, row: Any) -> None:
+    axis = stored[law.axis]
     places = np.unique(labels.in_label_unit(axis, numbers["x"]))
     half, expected = float(labels.in_label_unit(axis, law.within)), float(numbers["x"][0])
-    passed = formula(ds, law.passes, ds[law.observable])
-    _line(ax, along, numbers["passes"], f"{labels.symbol(ds[law.observable])} = {passed}")
+    passed = formula(stored, law.passes, stored[law.observable])
+    _line(ax, along, numbers["passes"], f"{labels.symbol(stored[law.observable])} = {passed}")
     if places.size == 1 and np.isfinite(places[0]):
         ax.axvspan(places[0] - half, places[0] + half, color=colours.INK, alpha=0.12, linewidth=0, zorder=0)
         ax.axvline(places[0], color=colours.SOFT, linewidth=1, zorder=1,
@@ -156,23 +156,23 @@ LETTERS = {"pi": "π", "bending_stiffness": "EI", "torsional_stiffness": "GJ"}  
 LONGEST = 60  # letters of a formula beside a curve
 
 
-def sentence(ds: xr.Dataset, row: Mapping[str, Any]) -> str:
+def sentence(stored: StoredStudy, row: Mapping[str, Any]) -> str:
     """``push in the middle equals FZ²·ρ/(4·EI) within 1 %, along FZ``.
 
     Parameters
     ----------
-    ds
+    stored
         The dataset of the law.
     row
         A row of `law_verdicts.verdicts`.
     """
-    array = ds[row["observable"]]
+    array = stored[row["observable"]]
     noun = labels.long_name(array) if row["kind"] == MONOTONE else labels.symbol(array)
-    text = law_words.law_in_words(row, noun, labels.axis_symbol(row["axis"]), _show(ds, row))
+    text = law_words.law_in_words(row, noun, labels.axis_symbol(row["axis"]), _show(stored, row))
     return labels.typeset(text.replace(" %", f"{NO_BREAK}%"))
 
 
-def formula(ds: xr.Dataset, value: Any, array: xr.DataArray) -> str:
+def formula(stored: StoredStudy, value: Any, array: xr.DataArray) -> str:
     """A formula in symbols, or a number with the unit of a variable; an expression by its own formula, or by its name.
 
     ``FZ**2*rho/(4*bending_stiffness)`` is ``FZ²·ρ/(4·EI)``. A formula of more than `LONGEST` letters leaves no room for
@@ -180,23 +180,23 @@ def formula(ds: xr.Dataset, value: Any, array: xr.DataArray) -> str:
     """
     if not isinstance(value, str):
         return _number(value, array)
-    if value in ds and "expression" in ds[value].attrs:
-        whole = _in_symbols(ds, str(ds[value].attrs["expression"]))
-        return whole if len(whole) <= LONGEST else _symbol(ds, value)
-    whole = _in_symbols(ds, value)
+    if value in stored and "expression" in stored[value].attrs:
+        whole = _in_symbols(stored, str(stored[value].attrs["expression"]))
+        return whole if len(whole) <= LONGEST else _symbol(stored, value)
+    whole = _in_symbols(stored, value)
     return whole if len(whole) <= LONGEST else f"{whole[: LONGEST - 1].rstrip()}…"
 
 
-def _in_symbols(ds: xr.Dataset, value: str) -> str:
-    text = re.sub(r"[A-Za-z_]\w*", lambda found: _symbol(ds, found[0]), value)
+def _in_symbols(stored: StoredStudy, value: str) -> str:
+    text = re.sub(r"[A-Za-z_]\w*", lambda found: _symbol(stored, found[0]), value)
     text = re.sub(r"\*\*\s*(?:\((-?[\d.]+)\)|(-?[\d.]+))", lambda found: _exponent(found[1] or found[2]), text)
     return re.sub(r"\s*\*\s*", "·", text.replace("**", "^").replace(" - ", " − "))
 
 
-def _symbol(ds: xr.Dataset, name: str) -> str:
+def _symbol(stored: StoredStudy, name: str) -> str:
     if name in LETTERS:
         return LETTERS[name]
-    return name.replace("_", " ") if name in ds and "expression" in ds[name].attrs else labels.symbol_of(name)
+    return name.replace("_", " ") if name in stored and "expression" in stored[name].attrs else labels.symbol_of(name)
 
 
 def _exponent(text: str) -> str:

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, QuadMesh
 from numpy.typing import NDArray
@@ -13,8 +12,9 @@ from numpy.typing import NDArray
 from solver.problem.errors import InputError, choices
 from studies.grammar.axes import FIELDS, SAMPLE, WORDS
 
-from ..store import selection
-from ..store.schema import axes_of, dimension
+from ..stored import selection
+from ..stored.quantity_variables import dimension
+from ..stored.stored_study import StoredStudy
 from ..words import cautions, labels
 from . import regions
 from .scales import Scale, scale_of
@@ -49,34 +49,37 @@ class Choice:
 class Cells:
     """The cells of one column of maps, (rows, columns) of the values of y and x, both rising.
 
-    ds: the dataset there. solved: of each cell. straight: whether beta varies by less than `STRAIGHT` along its rod.
-    unchecked: of how many cells the rod was not checked for a caution. source: the dataset with the arrays along the
-    rod, at `place`.
+    stored: the cases there. solved: of each cell. straight: whether beta varies by less than `STRAIGHT` along its rod.
+    unchecked: of how many cells the rod was not checked for a caution. source: the study with the arrays along the rod,
+    at `place`.
     """
 
-    ds: xr.Dataset
+    stored: StoredStudy
     x: Scale
     y: Scale
     solved: NDArray[np.bool_]
     straight: NDArray[np.bool_]
     unchecked: int
-    source: xr.Dataset
+    source: StoredStudy
 
     def place(self, j: int, i: int) -> dict[str, int]:
         """The indices of the case of a cell in the source."""
-        if SAMPLE in self.source.dims:
-            return {SAMPLE: int(self.ds["case"].values[j, i])}
-        down, across = map(str, self.ds["outcome"].dims)
+        if SAMPLE in self.source.sizes:
+            return {SAMPLE: int(self.stored["case"].values[j, i])}
+        down, across = map(str, self.stored["outcome"].dims)
         return {down: j, across: i}
 
     def samples(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
         """The values of x and y of the cases, and whether no real rod takes the shape, (n,) each."""
-        refined = SAMPLE in self.source.dims
-        ds = self.source if refined else self.ds
-        texts = ds["caution"].values.ravel() if "caution" in ds else np.full(ds["outcome"].size, "")
+        refined = SAMPLE in self.source.sizes
+        stored = self.source if refined else self.stored
+        texts = stored["caution"].values.ravel() if "caution" in stored else np.full(stored["outcome"].size, "")
         barred = np.array([cautions.is_barred(str(text)) for text in texts])
         if refined:
-            x, y = (labels.in_label_unit(ds[str(dim)], ds[str(dim)].values) for dim in self.ds["outcome"].dims[::-1])
+            x, y = (
+                labels.in_label_unit(stored[str(dim)], stored[str(dim)].values)
+                for dim in self.stored["outcome"].dims[::-1]
+            )
             return x, y, barred
         x, y = np.meshgrid(self.x.values, self.y.values)
         return x.ravel(), y.ravel(), barred
@@ -84,7 +87,7 @@ class Cells:
     def values(self, name: str) -> NDArray[np.float64]:
         """An observable in the unit of its label, NaN where a cell is not solved or its number is not known, and the
         number of bends of a rod that is nearly straight."""
-        values = labels.in_label_unit(self.ds[name], self.ds[name].values.astype(float))
+        values = labels.in_label_unit(self.stored[name], self.stored[name].values.astype(float))
         return np.where(self.solved & np.isfinite(values) & ~self.unbent(name), values, np.nan)
 
     def colour(self, ax: Axes, values: NDArray[np.float64], **colours: Any) -> QuadMesh:
@@ -103,14 +106,14 @@ class Cells:
         return self.straight & (name == BENDS)
 
 
-def mappable(ds: xr.Dataset) -> list[str]:
+def mappable(stored: StoredStudy) -> list[str]:
     """The axes that a map can have: those of a field of the case with at least two values."""
     fields = {dimension(name) for name in FIELDS if name not in WORDS}
-    return [axis for axis in axes_of(ds) if axis in fields and ds.sizes[axis] > 1]
+    return [axis for axis in stored.axes if axis in fields and stored.sizes[axis] > 1]
 
 
 def choose(
-    ds: xr.Dataset,
+    stored: StoredStudy,
     x: str | None = None,
     y: str | None = None,
     show: Sequence[str] = (),
@@ -122,7 +125,7 @@ def choose(
 
     Parameters
     ----------
-    ds : xr.Dataset
+    stored : StoredStudy
     x, y : str, optional
         The axes to the right and up; default: the first axes of the study.
     show : sequence of str
@@ -143,22 +146,22 @@ def choose(
     InputError
         For fewer than two axes, an unknown axis or observable, `x` equal to `y`, too many observables.
     """
-    x, y = _two_axes(ds, x, y, dict(at or {}))
-    shown, left_out = choose_observables(ds, show, most, most_level=1)
+    x, y = _two_axes(stored, x, y, dict(at or {}))
+    shown, left_out = choose_observables(stored, show, most, most_level=1)
     if not shown:
         raise InputError("the study stores no observable; a map shows one")
-    held = {name: i for name, i in selection.case(ds, at).items() if name not in (x, y)}
-    free = [axis for axis in mappable(ds) if axis in held and axis not in (at or {})]
+    held = {name: i for name, i in stored.place(at).items() if name not in (x, y)}
+    free = [axis for axis in mappable(stored) if axis in held and axis not in (at or {})]
     if not free:
         return Choice(x, y, tuple(shown), tuple(left_out), None, (), held)
-    order = [where[free[0]] for where in selection.spread(selection.line(ds, free[0]), min(columns, MOST_COLUMNS))]
+    order = [where[free[0]] for where in selection.spread(stored.places(free[0]), min(columns, MOST_COLUMNS))]
     del held[free[0]]
     return Choice(x, y, tuple(shown), tuple(left_out), free[0], tuple(order), held)
 
 
-def cells(ds: xr.Dataset, choice: Choice, where: Mapping[str, int], source: xr.Dataset | None = None) -> Cells:
+def cells(stored: StoredStudy, choice: Choice, where: Mapping[str, int], source: StoredStudy | None = None) -> Cells:
     """The cells of one column of maps; where: as of `Choice.places`. source: the refined study of a raster."""
-    plane = ds.isel(where).sortby([choice.x, choice.y]).transpose(choice.y, choice.x, ...)
+    plane = stored.plane(choice.x, choice.y, where)
     solved = plane["solved"].values.astype(bool)
     unchecked = np.zeros(solved.shape, dtype=bool)
     for key in cautions.UNCHECKED if "caution" in plane else ():
@@ -173,13 +176,13 @@ def cells(ds: xr.Dataset, choice: Choice, where: Mapping[str, int], source: xr.D
     return Cells(plane, *scales, solved, straight & solved, int(unchecked.sum()), whole)
 
 
-def _two_axes(ds: xr.Dataset, x: str | None, y: str | None, at: dict[str, float]) -> tuple[str, str]:
+def _two_axes(stored: StoredStudy, x: str | None, y: str | None, at: dict[str, float]) -> tuple[str, str]:
     """The axes to the right and up."""
-    axes = mappable(ds)
+    axes = mappable(stored)
     if len(axes) < 2:
         has = f"only {axes[0]}" if axes else "none"
         raise InputError(f"a map needs two axes with several values, and the study has {has}; choose the kind lines")
-    given = [selection.axis_of(ds, name) for name in (x, y) if name is not None]
+    given = [stored.axis(name) for name in (x, y) if name is not None]
     if len(given) == 2 and given[0] == given[1]:
         others = choices(axis for axis in axes if axis != given[0])
         raise InputError(f"x and y are both {given[0]}; choose another axis for one of them: {others}")

@@ -23,7 +23,8 @@ from studies.laws import law_words
 from studies.laws.law_words import PLAIN
 from studies.laws.line_verdicts import HOLDS, VERDICTS
 
-from ..store import law_verdicts, refined, schema, selection
+from ..stored import schema
+from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import canvas, colours, fonts, map_panel
 from .map_cells import Cells, Choice, cells, choose
@@ -46,7 +47,7 @@ OF_VERDICTS: dict[str, Any] = {
 
 
 def figure(
-    ds: xr.Dataset,
+    stored: StoredStudy,
     x: str | None = None,
     y: str | None = None,
     show: Sequence[str] = (),
@@ -64,7 +65,7 @@ def figure(
 
     Parameters
     ----------
-    ds : xr.Dataset
+    stored : StoredStudy
     x, y, show, at
         As of `map_cells.choose`.
     shapes : map_panel.Shapes, optional
@@ -81,15 +82,15 @@ def figure(
     InputError
         As of `map_cells.choose`; where shapes are not stored or more than the values of an axis; for invalid laws.
     """
-    verdicts = law_verdicts.verdicts(ds) if "laws" in ds.attrs else []
-    whole, ds = (ds, refined.raster(ds)) if schema.is_refined(ds) else (None, ds)
+    verdicts = stored.verdicts if "laws" in stored.attrs else []
+    whole, stored = (stored, stored.raster()) if stored.is_refined else (None, stored)
     most = MOST_NARROW if sheet.narrow and not show else MOST_ASKED
-    choice = choose(ds, x, y, show, at, max(int((sheet.width - 1.5) / LEAST_COLUMN), 1), most)
+    choice = choose(stored, x, y, show, at, max(int((sheet.width - 1.5) / LEAST_COLUMN), 1), most)
     if shapes is not None:
-        map_panel.check_shapes(ds if whole is None else whole, ds, choice, shapes)
-    columns = [cells(ds, choice, where, whole) for where in choice.places()]
-    laws = _judge(ds, choice, verdicts) if whole is None else []
-    maps = _Maps(ds, choice, columns, [law for law in laws if law.row["axis"] in (choice.x, choice.y)], sheet)
+        map_panel.check_shapes(stored if whole is None else whole, stored, choice, shapes)
+    columns = [cells(stored, choice, where, whole) for where in choice.places()]
+    laws = _judge(stored, choice, verdicts) if whole is None else []
+    maps = _Maps(stored, choice, columns, [law for law in laws if law.row["axis"] in (choice.x, choice.y)], sheet)
     elsewhere = [law for law in laws if law not in maps.laws]
     mixed = [law for law in elsewhere if law.is_mixed()]
     rows = maps.rows_of_panels()
@@ -98,36 +99,36 @@ def figure(
         rows.append((maps.of_shapes[1] + 0.8, [partial(maps.draw_shapes, shapes)]))
     said: list[str | Artist] = [*map_panel.entries(columns, choice.shown)]
     said += [] if whole is None else _refinement(whole, verdicts)
-    said += [f"Law {law.sentence(ds)}." for law in maps.laws if choice.along]
-    if choice.along and len(choice.columns) < ds.sizes[choice.along]:
-        of = f"the {ds.sizes[choice.along]} values of {labels.axis_symbol(choice.along)}"
+    said += [f"Law {law.sentence(stored)}." for law in maps.laws if choice.along]
+    if choice.along and len(choice.columns) < stored.sizes[choice.along]:
+        of = f"the {stored.sizes[choice.along]} values of {labels.axis_symbol(choice.along)}"
         said.append(f"The columns show {len(choice.columns)} of {of}.")
-    said += level_notes(ds, selection.observables(ds)) if not show else []
+    said += level_notes(stored, stored.observables) if not show else []
     said += canvas.say_left_out(choice.left_out, "--show")
     if choice.along and choice.held:
-        said.append(f"All maps: {labels.equations(ds, choice.held)}.")
-    said += [f"Law {law.sentence(ds)}." for law in elsewhere if law not in mixed]
-    return canvas.page(ds, sheet, rows, said, 0.4)
+        said.append(f"All maps: {stored.equations(choice.held)}.")
+    said += [f"Law {law.sentence(stored)}." for law in elsewhere if law not in mixed]
+    return canvas.page(stored, sheet, rows, said, 0.4)
 
 
 class _Maps:
     """The maps of one figure, row by row."""
 
     def __init__(
-        self, ds: xr.Dataset, choice: Choice, columns: list[Cells], laws: list["_JudgedLaw"], sheet: Sheet
+        self, stored: StoredStudy, choice: Choice, columns: list[Cells], laws: list["_JudgedLaw"], sheet: Sheet
     ) -> None:
         self.across = 1 if sheet.narrow else 2
         alone, beside = sheet.width - (1.25 if sheet.narrow else 2.0), (sheet.width - 2.5) / 2
         large = alone, alone * 0.605  # inches of a map alone in its row
         self.small = large if sheet.narrow else (beside, beside * 0.775)  # of one of two
         self.of_shapes = sheet.width - 1.4, (sheet.width - 1.4) * 0.52
-        self.ds, self.choice, self.columns, self.laws, self.places = ds, choice, columns, laws, choice.places()
+        self.stored, self.choice, self.columns, self.laws, self.places = stored, choice, columns, laws, choice.places()
         self.drawn: dict[str, list[Axes]] = {name: [] for name in choice.shown}
         self.inches = large if len(choice.shown) == 1 else self.small
         if choice.along:
             self.inches = (sheet.width - 1.8) / len(columns) - 0.15, COLUMN
         self.colours = {
-            name: map_panel.Colours(ds, name, np.stack([column.values(name) for column in columns]))
+            name: map_panel.Colours(stored, name, np.stack([column.values(name) for column in columns]))
             for name in choice.shown
         }
 
@@ -148,11 +149,11 @@ class _Maps:
         laws = [law for law in self.laws if law.row["observable"] == name]
         mesh = map_panel.draw(ax, column, name, self.colours[name], self.inches)
         entries = _draw_laws(ax, laws, column, self.choice, where, self.inches)
-        value = labels.equations(self.ds, {along: where[along]}) if along else ""
-        heads = [f"{law.row['claim']}: " if along else f"{law.sentence(self.ds)}; lines: " for law in laws]
+        value = self.stored.equations({along: where[along]}) if along else ""
+        heads = [f"{law.row['claim']}: " if along else f"{law.sentence(self.stored)}; lines: " for law in laws]
         tail = f" at {value}." if value else "."
         said = [f"Law {head}{law.counts(where)}{tail}" for head, law in zip(heads, laws, strict=True)]
-        title = labels.label(self.ds[name], long=True) + self.colours[name].said
+        title = labels.label(self.stored[name], long=True) + self.colours[name].said
         title = fonts.break_lines(title, self.inches[0] + 0.3)
         if along:
             title = f"{title}\n{value}" if k == 0 else value
@@ -167,20 +168,20 @@ class _Maps:
     def draw_law(self, law: "_JudgedLaw", ax: Axes) -> canvas.Said:
         """Draw the verdict on the line through each cell, for a law along an axis that the map does not have."""
         on_map, column = law.at(self.places[0]), self.columns[0]
-        verdicts = on_map.sortby([*on_map.dims]).transpose(*column.ds["outcome"].dims).values
+        verdicts = on_map.sortby([*on_map.dims]).transpose(*column.stored["outcome"].dims).values
         column.colour(ax, _numbers(verdicts), **OF_VERDICTS)
         column.draw_borders(ax, _numbers(verdicts), colors="white", linewidths=1.0)
         self._label(ax, leaving=law.row["axis"])
         ax.set_title(f"verdicts on {law.row['observable']} along {labels.axis_symbol(law.row['axis'])}", loc="left")
-        return [*_entries(verdicts), f"Law {law.sentence(self.ds)}; lines: {law.counts(self.places[0])}."]
+        return [*_entries(verdicts), f"Law {law.sentence(self.stored)}; lines: {law.counts(self.places[0])}."]
 
     def draw_shapes(self, shapes: map_panel.Shapes, ax: Axes) -> canvas.Said:
         """Draw the panel of shapes: those of the first column, on a pale map of the first observable."""
         name, column = self.choice.shown[0], self.columns[0]
         map_panel.draw(ax, column, name, self.colours[name], self.of_shapes, pale=0.3)
         self._label(ax)
-        held = [labels.equations(self.ds, self.places[0])] if self.choice.along else []
-        ax.set_title(", ".join([f"unrolled views over the {labels.long_name(self.ds[name])}", *held]), loc="left")
+        held = [self.stored.equations(self.places[0])] if self.choice.along else []
+        ax.set_title(", ".join([f"unrolled views over the {labels.long_name(self.stored[name])}", *held]), loc="left")
         return map_panel.draw_shapes(ax, column, shapes, self.of_shapes)
 
     def _label(self, ax: Axes, leftmost: bool = True, lowest: bool = True, leaving: str = "") -> None:
@@ -193,10 +194,10 @@ class _Maps:
         where = {} if short else {name: i for name, i in self.places[0].items() if name != leaving}
         ax.tick_params(labelbottom=lowest, labelleft=leftmost)
         if lowest:
-            text = axis_label(self.ds, choice.x, {**where, choice.x: 0}, long=not short)
+            text = axis_label(self.stored, choice.x, {**where, choice.x: 0}, long=not short)
             ax.set_xlabel(fonts.break_lines(text, max(self.inches[0], 1.0)))
         if leftmost:
-            label = partial(labels.axis_label, choice.y, self.ds[choice.y])
+            label = partial(labels.axis_label, choice.y, self.stored[choice.y])
             ax.set_ylabel(label(False) if short else fonts.fit_label(label, 0.7 * self.inches[1]))
 
 
@@ -220,10 +221,10 @@ class _JudgedLaw:
         verdicts = self.at(where).values
         return law_words.count({verdict: int(np.count_nonzero(verdicts == verdict)) for verdict in VERDICTS})
 
-    def sentence(self, ds: xr.Dataset) -> str:
+    def sentence(self, stored: StoredStudy) -> str:
         """``(1): the number of bends falls with E; true in part: true at R = 0.75 cm``, on the line that decides."""
         row = self.row
-        at = ", ".join(labels.equation(ds[name], value) for name, value in row["at"].items())
+        at = ", ".join(labels.equation(stored[name], value) for name, value in row["at"].items())
         at = at.replace(" ", "\N{NO-BREAK SPACE}")
         text = law_words.law_in_words(row, labels.noun_of(row["observable"]), labels.axis_symbol(row["axis"]))
         said = f"{row['claim']}: {text}; {PLAIN[row['verdict']]}"
@@ -236,10 +237,10 @@ class _JudgedLaw:
         return f"{said}{how} {at}"
 
 
-def _judge(ds: xr.Dataset, choice: Choice, rows: Sequence[Mapping[str, Any]]) -> list[_JudgedLaw]:
+def _judge(stored: StoredStudy, choice: Choice, rows: Sequence[Mapping[str, Any]]) -> list[_JudgedLaw]:
     """The laws on the observables shown; rows: of `law_verdicts.verdicts`, in the same order."""
-    return [_JudgedLaw(row, law_verdicts.verdicts_of_lines(ds, law))
-            for law, row in zip(schema.laws_of(ds), rows, strict=True) if law.observable in choice.shown]  # fmt: skip
+    return [_JudgedLaw(row, stored.verdicts_of_lines(law))
+            for law, row in zip(stored.laws, rows, strict=True) if law.observable in choice.shown]  # fmt: skip
 
 
 def _draw_laws(
@@ -269,8 +270,8 @@ def _draw_laws(
         strip.set_axis_off()
         entries += _entries(verdicts, unless=HOLDS)
         at = law.row["at"]
-        if across in at and all(name not in at or at[name] == float(cells.ds[name]) for name in where):
-            place = float(labels.in_label_unit(cells.ds[across], at[across]))
+        if across in at and all(name not in at or at[name] == float(cells.stored[name]) for name in where):
+            place = float(labels.in_label_unit(cells.stored[across], at[across]))
             entries.append((ax.axhline if upward else ax.axvline)(place, **DECIDES))
     return entries
 
@@ -285,10 +286,10 @@ def _numbers(verdicts: NDArray[np.str_]) -> NDArray[np.float64]:
     return np.vectorize(VERDICTS.index, otypes=[float])(verdicts)
 
 
-def _refinement(ds: xr.Dataset, rows: Sequence[Mapping[str, Any]]) -> list[str]:
+def _refinement(stored: StoredStudy, rows: Sequence[Mapping[str, Any]]) -> list[str]:
     """The refinement of a study in words, and the verdict of each of its laws."""
-    watched = refined.describe(ds).watch
-    ended = str(ds.attrs.get(schema.SAMPLING[-1], ""))
+    watched = stored.refinement.watch
+    ended = str(stored.attrs.get(schema.SAMPLING[-1], ""))
     ended = re.sub(r"\w+", lambda word: labels.noun_of(word[0]) if word[0] in watched else word[0], ended)
     verdicts = [f"law {row['claim']}: {labels.law_text(row, law_words.law_in_words(row))}; {PLAIN[row['verdict']]}"
                 for row in rows]  # fmt: skip

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.colors import BoundaryNorm, Colormap, ListedColormap, LogNorm, Normalize
@@ -19,7 +18,8 @@ from numpy.typing import NDArray
 
 from solver.problem.errors import InputError
 
-from ..store import selection
+from ..stored import selection
+from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import canvas, colours, drawn_rods, fonts, regions, unrolled
 from .map_cells import STRAIGHT, Cells, Choice
@@ -42,13 +42,13 @@ class Colours:
     said: ``, 3 in all cases`` of a constant, which is white and has no bar; else nothing.
     """
 
-    def __init__(self, ds: xr.Dataset, name: str, values: Values) -> None:
-        self.count = selection.is_count(ds, name)
+    def __init__(self, stored: StoredStudy, name: str, values: Values) -> None:
+        self.count = name in stored.counts
         known = values[np.isfinite(values)]
         low, high = self.low, self.high = (float(known.min()), float(known.max())) if known.size else (0.0, 1.0)
-        self.constant = selection.is_level(ds, name)  # what rounding and errors allow is no news
-        level = labels.level(ds[name], *selection.level(ds, name)) if self.constant else ""
-        self.said = f", {level} in {selection.known_cases(ds[name])}" if self.constant else ""
+        self.constant = stored.is_level(name)  # what rounding and errors allow is no news
+        level = labels.level(stored[name], *stored.level(name)) if self.constant else ""
+        self.said = f", {level} in {selection.known_cases(stored[name])}" if self.constant else ""
         self.cmap: Colormap = colours.map_colours()
         self.norm = Normalize(low, high)
         if self.constant:
@@ -164,23 +164,23 @@ def read_shapes(text: str) -> Shapes:
     return Shapes(*numbers)
 
 
-def check_shapes(ds: xr.Dataset, grid: xr.Dataset, choice: Choice, shapes: Shapes) -> None:
+def check_shapes(stored: StoredStudy, grid: StoredStudy, choice: Choice, shapes: Shapes) -> None:
     """Raise `InputError` unless the dataset stores the curves, and the axes of its grid have enough values."""
     for axis, count in ((choice.x, shapes.across), (choice.y, shapes.up)):
         if count > grid.sizes[axis]:
             raise InputError(f"{count} shapes along {axis} are more than its {grid.sizes[axis]} values")
-    if not unrolled.has_curve(ds):
+    if not unrolled.has_curve(stored):
         raise InputError('the study stores no unrolled curves: add "alpha" and "z" to its outputs, and run it again')
 
 
 def draw_shapes(ax: Axes, cells: Cells, shapes: Shapes, inches: tuple[float, float]) -> list[str]:
     """Draw the shapes on a map so many inches wide and high, each about its own case; returns notes."""
-    ds = cells.source
+    stored = cells.source
     columns, across = _spread(cells.x, shapes.across)
     rows, up = _spread(cells.y, shapes.up)
     places = [(j, i) for j in rows for i in columns]
     chosen = {name: list(dict.fromkeys(cells.place(*place)[name] for place in places)) for name in cells.place(0, 0)}
-    rods = dict(zip(places, drawn_rods.of_all_cases(ds.isel(chosen), ["alpha", "z"]), strict=True))
+    rods = dict(zip(places, drawn_rods.of_all_cases(stored.select(chosen), ["alpha", "z"]), strict=True))
     known = [rod for cell, rod in rods.items() if cells.solved[cell] and rod.arrays is not None]
     if not known:
         return ["None of the chosen rods is solved: no shape is drawn."]
@@ -194,7 +194,7 @@ def draw_shapes(ax: Axes, cells: Cells, shapes: Shapes, inches: tuple[float, flo
         else:
             ax.text(left + across / 2, low + up / 2, "not solved", transform=ax.transAxes, ha="center", va="center",
                     size=fonts.small(), path_effects=[HALO], zorder=20)  # fmt: skip
-    size = f"the longest is {labels.number(wide)} {labels.unit(str(ds.attrs['length_unit']))} long"
+    size = f"the longest is {labels.number(wide)} {labels.unit(stored.units['length'])} long"
     enlarged = f"{unrolled.larger(1 / factor, 'z')}{unrolled.larger(factor, fonts.AROUND)}"
     where = f"{fonts.WAYS}, each about its own case"
     return [f"Shapes: unrolled views, {where}; all at one scale{enlarged}; {size}."]

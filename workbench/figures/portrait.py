@@ -7,7 +7,6 @@ from math import ceil
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
@@ -17,7 +16,7 @@ from solver.mechanics.potential import TAU, Loads, potential, slope_rate
 from solver.numerics.roots import bisect
 from solver.problem.errors import InputError
 
-from ..store import schema
+from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import canvas, colours, drawn_rods, fonts
 from .drawn_rods import DrawnRod
@@ -40,7 +39,7 @@ SEPARATRIX: dict[str, Any] = {"color": colours.INK, "linewidth": 0.9, "linestyle
 
 
 def figure(
-    ds: xr.Dataset, x: str | None = None, at: Mapping[str, float] | None = None, sheet: Sheet = SCREEN
+    stored: StoredStudy, x: str | None = None, at: Mapping[str, float] | None = None, sheet: Sheet = SCREEN
 ) -> Figure:
     """Draw (beta, beta') of one rod beside its potential G(beta); of the rods along an axis one above the other.
 
@@ -49,7 +48,7 @@ def figure(
 
     Parameters
     ----------
-    ds : xr.Dataset
+    stored : StoredStudy
     x, at
         As `axis` and `at` of `drawn_rods.choose`.
     sheet : Sheet
@@ -62,11 +61,11 @@ def figure(
     """
     names = sheet.choose(PANELS)
     most = max(int((sheet.width - 0.6) / COLUMN), 1)
-    if schema.leaves(ds):
+    if stored.leaves:
         raise InputError("a portrait needs rods that lie on the cylinder; choose --kind ridge or lines")
-    if schema.loads_vary(ds):
+    if stored.loads_vary:
         raise InputError("a portrait needs loads that are constant along the rod; choose --kind ridge or states")
-    chosen = drawn_rods.choose(ds, ("beta", "dbeta"), x, at, most * (1 if sheet.narrow else BANDS))
+    chosen = drawn_rods.choose(stored, ("beta", "dbeta"), x, at, most * (1 if sheet.narrow else BANDS))
     windows = np.array([window_of(rod) for rod in chosen.solved])
     window = float(windows[:, 0].min()), float(windows[:, 1].max())
     orbits = [orbit(rod, window) for rod in chosen.solved]
@@ -75,11 +74,11 @@ def figure(
     across = columns if not alone else 1 if sheet.narrow else len(names)
     tall = min(0.75 * sheet.width / across, 3.6) if alone else 1.9
     tall = min(tall, 1.25) if sheet.narrow else tall
-    unit = labels.unit(str(chosen.source.attrs["length_unit"]))
+    unit = labels.unit(chosen.source.units["length"])
     source = chosen.source
     heights = {name: np.array([orbit_of_rod.ends(name) for orbit_of_rod in orbits]) for name in names}
     if chosen.axis is None and chosen.at():
-        source = source.assign_attrs(title=f"{source.attrs['title']}, {chosen.at()}")
+        source = source.with_title(f"{source.attrs['title']}, {chosen.at()}")
 
     def panel(i: int, name: str, ax: Axes) -> None:
         """Draw a panel of a rod; among others it has numbers at the left and below only."""

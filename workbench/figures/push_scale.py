@@ -4,12 +4,12 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
 from numpy.typing import NDArray
 
+from ..stored.stored_study import StoredStudy
 from ..words import labels
 from ..words.cautions import SLIGHT
 from . import canvas, colours, fonts, waves
@@ -74,6 +74,6 @@ def pulls(push: Any) -> bool:
     return bool((push < -SLIGHT * np.abs(push).max()).any())
 
 
-def unit(ds: xr.Dataset) -> str:
+def unit(stored: StoredStudy) -> str:
     """The unit of the push."""
-    return f"{ds.attrs['force_unit']}/{ds.attrs['length_unit']}"
+    return f"{stored.units['force']}/{stored.units['length']}"

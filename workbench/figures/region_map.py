@@ -1,12 +1,10 @@
 """The map of a dataset of regions: the number of equilibria over two fields, fold curves, cusps, stable shapes."""
 
-import json
 import re
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
@@ -16,6 +14,7 @@ from matplotlib.patches import Patch
 
 from solver.problem.errors import no_such
 
+from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import canvas, colours, fonts, regions, unrolled
 from .equilibria_figure import one_shown
@@ -40,7 +39,7 @@ MARK: dict[str, Any] = {"marker": "P", "color": colours.INK, "markeredgecolor": 
 COUNT, STABLE = "count", "count_stable"  # of the equilibria of a region
 
 
-def figure(ds: xr.Dataset, sheet: Sheet = SCREEN, show: Sequence[str] = ()) -> Figure:
+def figure(stored: StoredStudy, sheet: Sheet = SCREEN, show: Sequence[str] = ()) -> Figure:
     """The map: colours and numbers by region, curves where stable equilibria appear or disappear thick.
 
     A shape stands beside the number where there is room: the unrolled views of the stable equilibria there.
@@ -49,49 +48,48 @@ def figure(ds: xr.Dataset, sheet: Sheet = SCREEN, show: Sequence[str] = ()) -> F
     the curves, such as `dbeta0`. Raises `InputError` for another, and for several.
     """
     shown = next(iter(one_shown(show)), COUNT)
-    along = _along_curves(ds)
+    along = _along_curves(stored)
     if shown not in (known := [COUNT, STABLE, *along]):
         raise no_such("quantity of this map", shown, known)
     high = sheet.width * (HIGH if not sheet.narrow else 1.0)
 
     def draw(ax: Axes) -> canvas.Said:
-        said = _panel(ds, ax, (sheet.width - 1.1, high - 0.6), None if shown in along else shown)
+        said = _panel(stored, ax, (sheet.width - 1.1, high - 0.6), None if shown in along else shown)
         if shown in along:
-            _colour_curves(ds, ax, shown)
-            said.append(f"Colours beside the curves: {labels.long_name(ds[f'curve_{shown}'])}.")
+            _colour_curves(stored, ax, shown)
+            said.append(f"Colours beside the curves: {labels.long_name(stored[f'curve_{shown}'])}.")
         elif shown != COUNT:
-            said.append(f"Colours of the regions: {labels.long_name(ds[shown])}.")
+            said.append(f"Colours of the regions: {labels.long_name(stored[shown])}.")
         return said
 
     subject = {COUNT: "", STABLE: "The number of stable equilibria"}.get(shown)
-    subject = f"Folds, and their {labels.long_name(ds[f'curve_{shown}'])}," if subject is None else subject
-    title = re.sub(r"^The number of equilibria", lambda words: subject or words[0], str(ds.attrs["title"]))
-    return canvas.page(ds.assign_attrs(title=title), sheet, [(high, [draw])])
+    subject = f"Folds, and their {labels.long_name(stored[f'curve_{shown}'])}," if subject is None else subject
+    title = re.sub(r"^The number of equilibria", lambda words: subject or words[0], str(stored.attrs["title"]))
+    return canvas.page(stored.with_title(title), sheet, [(high, [draw])])
 
 
-def _along_curves(ds: xr.Dataset) -> list[str]:
+def _along_curves(stored: StoredStudy) -> list[str]:
     """The quantities that are stored along the curves, beside the two fields."""
-    names = [
-        str(name).removeprefix("curve_") for name, array in ds.data_vars.items() if array.dims == ("curve", "point")
-    ]
-    return [
-        name for name in names if name not in json.loads(ds.attrs["fields"]) and ds[f"curve_{name}"].notnull().any()
-    ]
+    fields = stored.data("fields")
+    along = [name for name in stored.variables if stored[name].dims == ("curve", "point")]
+    names = [name.removeprefix("curve_") for name in along if stored[name].notnull().any()]
+    return [name for name in names if name not in fields]
 
 
-def _lines(ds: xr.Dataset) -> list[Any]:
+def _lines(stored: StoredStudy) -> list[Any]:
     """The points of each curve in the units of the axes, (points, 2), NaN beyond its ends."""
-    fields = json.loads(ds.attrs["fields"])
+    fields = stored.data("fields")
     x, y = (
-        labels.in_label_unit(ds[name], ds[f"curve_{name}"].values) if "curve" in ds.sizes else () for name in fields
+        labels.in_label_unit(stored[name], stored[f"curve_{name}"].values) if "curve" in stored.sizes else ()
+        for name in fields
     )
     return [np.stack(line, axis=1) for line in zip(x, y, strict=True)]
 
 
-def _colour_curves(ds: xr.Dataset, ax: Axes, name: str) -> None:
+def _colour_curves(stored: StoredStudy, ax: Axes, name: str) -> None:
     """Colour what lies beside the curves by a quantity that is stored along them, with its bar."""
-    values = labels.in_label_unit(array := ds[f"curve_{name}"], array.values)
-    pairs = [np.stack([line[:-1], line[1:]], axis=1) for line in _lines(ds)]
+    values = labels.in_label_unit(array := stored[f"curve_{name}"], array.values)
+    pairs = [np.stack([line[:-1], line[1:]], axis=1) for line in _lines(stored)]
     segments, middles = np.concatenate(pairs), ((values[:, 1:] + values[:, :-1]) / 2).ravel()
     known = np.isfinite(segments).all(axis=(1, 2)) & np.isfinite(middles)
     drawn = LineCollection(list(segments[known]), cmap=colours.map_colours(), linewidths=6.0, zorder=2,
@@ -100,47 +98,47 @@ def _colour_curves(ds: xr.Dataset, ax: Axes, name: str) -> None:
     canvas.colour_bar([ax], drawn, labels.label(array), pad=0.015, aspect=30, fraction=0.05)
 
 
-def _panel(ds: xr.Dataset, ax: Axes, inches: tuple[float, float], shown: str | None) -> list[str | Artist]:
+def _panel(stored: StoredStudy, ax: Axes, inches: tuple[float, float], shown: str | None) -> list[str | Artist]:
     """Draw the map on axes of about that width and height; shown: the count that colours the regions; None: nothing.
 
     Returns what is said of it: notes, and the colours that no number explains.
     """
-    names = json.loads(ds.attrs["fields"])
-    edges = np.array([labels.in_label_unit(ds[name], np.array([ds.attrs[end][k] for end in ("low", "high")]))
+    names = stored.data("fields")
+    edges = np.array([labels.in_label_unit(stored[name], np.array([stored.attrs[end][k] for end in ("low", "high")]))
                       for k, name in enumerate(names)])  # fmt: skip
-    lines = _lines(ds)
-    for number, (line, curve) in enumerate(zip(lines, _curves(ds), strict=True), 1):
+    lines = _lines(stored)
+    for number, (line, curve) in enumerate(zip(lines, _curves(stored), strict=True), 1):
         ax.plot(*line.T, zorder=3, solid_capstyle="round", gid=str(number), label=CURVES[curve], **_look(*curve))
-    if "cusp" in ds.dims:
-        ax.plot(*(labels.in_label_unit(ds[name], ds[f"cusp_{name}"].values) for name in names), **CUSP)
-    ax.set(xlim=edges[0], ylim=edges[1], **{f"{axis}label": labels.axis_label(name, ds[name])
+    if "cusp" in stored.sizes:
+        ax.plot(*(labels.in_label_unit(stored[name], stored[f"cusp_{name}"].values) for name in names), **CUSP)
+    ax.set(xlim=edges[0], ylim=edges[1], **{f"{axis}label": labels.axis_label(name, stored[name])
                                             for axis, name in zip("xy", names, strict=True)})  # fmt: skip
-    given = zip(names, ds.attrs.get("given", (np.nan, np.nan)), strict=True)  # older files have none
-    point = np.array([float(labels.in_label_unit(ds[name], value)) for name, value in given])
+    given = zip(names, stored.attrs.get("given", (np.nan, np.nan)), strict=True)  # older files have none
+    point = np.array([float(labels.in_label_unit(stored[name], value)) for name, value in given])
     if ((edges[:, 0] <= point) & (point <= edges[:, 1])).all():
-        ax.plot(*point, **MARK, label=GIVEN[bool(ds.attrs.get("reading"))])
-    notes, left_out = _name_regions(ds, ax, inches)
+        ax.plot(*point, **MARK, label=GIVEN[bool(stored.attrs.get("reading"))])
+    notes, left_out = _name_regions(stored, ax, inches)
     if shown is None:
         return [*notes]
-    raster = regions.fine(ds["region_at"].values, [(line - edges[:, 0]) / np.ptp(edges, axis=1) for line in lines])
-    counts = np.append(ds[shown].values, 0)[raster].astype(float)
+    raster = regions.fine(stored["region_at"].values, [(line - edges[:, 0]) / np.ptp(edges, axis=1) for line in lines])
+    counts = np.append(stored[shown].values, 0)[raster].astype(float)
     counts[raster < 0] = np.nan
     known = np.unique(counts[np.isfinite(counts)])
     ramp = ListedColormap(colours.map_colours(max(known.size, 2))(np.arange(max(known.size, 1))))
     ax.imshow(np.searchsorted(known, np.where(np.isnan(counts), known[:1], counts)), cmap=ramp, origin="lower",
               extent=(*edges[0], *edges[1]), aspect="auto", interpolation="nearest", alpha=0.8,
               vmin=-0.5, vmax=max(known.size, 2) - 0.5, zorder=0)  # fmt: skip
-    said = {int(count) for k, count in enumerate(ds[shown].values) if k not in left_out}
-    unsaid = sorted({int(ds[shown].values[k]) for k in left_out} - said)
+    said = {int(count) for k, count in enumerate(stored[shown].values) if k not in left_out}
+    unsaid = sorted({int(stored[shown].values[k]) for k in left_out} - said)
     noun = "stable equilibri" if shown == STABLE else "equilibri"
     return [*notes, *(Patch(color=(*ramp(int(np.searchsorted(known, count)))[:3], 0.8),
                             label=f"{count} {noun}{'um' if count == 1 else 'a'}") for count in unsaid)]  # fmt: skip
 
 
-def _curves(ds: xr.Dataset) -> list[tuple[str, bool]]:
+def _curves(stored: StoredStudy) -> list[tuple[str, bool]]:
     """The kind of each curve, and whether an equilibrium on it is stable on one side."""
-    count = ds.sizes.get("curve", 0)
-    return [(str(ds["curve_kind"].values[k]), bool(ds["curve_index"].values[k] == 0)) for k in range(count)]
+    count = stored.sizes.get("curve", 0)
+    return [(str(stored["curve_kind"].values[k]), bool(stored["curve_index"].values[k] == 0)) for k in range(count)]
 
 
 def _look(kind: str, stable: bool) -> dict[str, Any]:
@@ -151,19 +149,19 @@ def _look(kind: str, stable: bool) -> dict[str, Any]:
     }
 
 
-def _name_regions(ds: xr.Dataset, ax: Axes, inches: tuple[float, float]) -> tuple[list[str], list[int]]:
+def _name_regions(stored: StoredStudy, ax: Axes, inches: tuple[float, float]) -> tuple[list[str], list[int]]:
     """Write ``13, 2 stable`` into each region with room, and its stable shapes below it where they fit too; where all
     regions have as many stable ones, ``13`` alone in all but the largest.
 
     Returns notes, and the regions without room.
     """
-    numbers = ds["region_at"].values
+    numbers = stored["region_at"].values
     cell = inches[1] / numbers.shape[0], inches[0] / numbers.shape[1]
     line, side = 1.3 * fonts.small() / 72, SHAPE if inches[0] > NARROW else SMALL_SHAPE
     left_out, fewer, drawn = list[int](), False, False
     largest = np.bincount(numbers[numbers >= 0]).argmax()
-    same = np.unique(ds["count_stable"].values).size == 1
-    for k, (count, stable) in enumerate(zip(ds["count"].values, ds["count_stable"].values, strict=True)):
+    same = np.unique(stored["count_stable"].values).size == 1
+    for k, (count, stable) in enumerate(zip(stored["count"].values, stored["count_stable"].values, strict=True)):
         text = f"{count}" if same else f"{count}, {stable} stable"
         full = f"{count} equilibri{'um' if count == 1 else 'a'}, {stable} stable"
         for said, shapes in (
@@ -182,7 +180,12 @@ def _name_regions(ds: xr.Dataset, ax: Axes, inches: tuple[float, float]) -> tupl
                 ax.text(across, up + lift, said, transform=ax.transAxes, ha="center", va="center", size=fonts.small(),
                         color=colours.INK, linespacing=1.1, path_effects=[HALO], zorder=6)  # fmt: skip
                 _draw_shapes(
-                    ds, ax, k, shapes, (across, up - (line / 2 + PAD) / inches[1]), (side / inches[0], side / inches[1])
+                    stored,
+                    ax,
+                    k,
+                    shapes,
+                    (across, up - (line / 2 + PAD) / inches[1]),
+                    (side / inches[0], side / inches[1]),
                 )
                 break
         else:
@@ -193,10 +196,10 @@ def _name_regions(ds: xr.Dataset, ax: Axes, inches: tuple[float, float]) -> tupl
 
 
 def _draw_shapes(
-    ds: xr.Dataset, ax: Axes, k: int, count: int, middle: tuple[float, float], side: tuple[float, float]
+    stored: StoredStudy, ax: Axes, k: int, count: int, middle: tuple[float, float], side: tuple[float, float]
 ) -> None:
     """So many stable shapes of a region side by side about a place; places and sizes in shares of the map."""
-    rho, alpha, z = _rho(ds), ds["stable_alpha"].values, ds["stable_z"].values
+    rho, alpha, z = _rho(stored), stored["stable_alpha"].values, stored["stable_z"].values
     extents = [rho[:, None] * np.ptp(alpha, axis=2), np.ptp(z, axis=2)]
     size = 1.08 * max((float(np.nanmax(extent)) for extent in extents if np.isfinite(extent).any()), default=1.0)
     for i in range(count):
@@ -204,9 +207,9 @@ def _draw_shapes(
         unrolled.inset(ax, box, z[k, i], rho[k] * (alpha[k, i] - alpha[k, i, 0]), (size, size))
 
 
-def _rho(ds: xr.Dataset) -> Any:
+def _rho(stored: StoredStudy) -> Any:
     """rho of each region, (regions,)."""
-    if "rho" in ds:
-        return np.full(ds.sizes["region"], float(ds["rho"]))
-    R, a = (ds[f"region_{n}"].values if f"region_{n}" in ds else float(ds[n]) for n in ("R", "a"))
-    return R + (1 if ds.attrs["side"] == "outside" else -1) * a
+    if "rho" in stored:
+        return np.full(stored.sizes["region"], float(stored["rho"]))
+    R, a = (stored[f"region_{n}"].values if f"region_{n}" in stored else float(stored[n]) for n in ("R", "a"))
+    return R + (1 if stored.attrs["side"] == "outside" else -1) * a

@@ -8,13 +8,13 @@ its own.
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
+from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import canvas, colours, fonts
 from .sheet import SCREEN, Sheet
@@ -34,50 +34,50 @@ LETTERS = 6.2  # points of the numbers in the cells
 DPI = 300  # its letters are small
 
 
-def figure(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
+def figure(stored: StoredStudy, sheet: Sheet = SCREEN) -> Figure:
     """Draw the map of a dataset of `compare.extremes`, as wide as its table is; sheet: whether it has a title."""
-    rows, columns = ds.sizes["extreme"], ds.sizes["method"]
+    rows, columns = stored.sizes["extreme"], stored.sizes["method"]
 
     def draw(ax: Axes) -> None:
         scale = ScalarMappable(Normalize(LEAST, MOST), SOLVED)
         said = "solved: log₁₀ of the error over tol max(1, condition); the number in a cell is the error in radians"
-        canvas.colour_bar([panel(ds, ax)], scale, said, orientation="horizontal", shrink=0.5, aspect=40, pad=0.035,
+        canvas.colour_bar([panel(stored, ax)], scale, said, orientation="horizontal", shrink=0.5, aspect=40, pad=0.035,
                           ticks=range(-8, 2))  # fmt: skip
 
-    titled = ds.assign_attrs(title=labels.powers_of_ten(str(ds.attrs["title"])))
+    titled = stored.with_title(labels.powers_of_ten(str(stored.attrs["title"])))
     page = Sheet(max(_NAMES + _COLUMN * (columns + 2), LEAST_WIDTH), "paper", sheet.titled)
     return canvas.page(titled, page, [(_ROW * rows, [draw])], more=1.9, dpi=DPI)
 
 
-def promise_kept(ds: xr.Dataset) -> Any:
+def promise_kept(stored: StoredStudy) -> Any:
     """log10 of the error over the promise tol max(1, condition) of each cell, (extremes, methods)."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.log10(ds["error"].values / _promise(ds))
+        return np.log10(stored["error"].values / _promise(stored))
 
 
-def vague(ds: xr.Dataset) -> Any:
+def vague(stored: StoredStudy) -> Any:
     """Whether a cell is solved and its bound, above which an error is wrong, exceeds `VAGUE`, (extremes, methods)."""
-    return (ds["verdict"].values == "solved") & (10**MOST * _promise(ds) > VAGUE)
+    return (stored["verdict"].values == "solved") & (10**MOST * _promise(stored) > VAGUE)
 
 
-def _promise(ds: xr.Dataset) -> Any:
-    return float(ds.attrs["tolerance"]) * np.fmax(1.0, ds["condition"].values)
+def _promise(stored: StoredStudy) -> Any:
+    return float(stored.attrs["tolerance"]) * np.fmax(1.0, stored["condition"].values)
 
 
-def panel(ds: xr.Dataset, ax: Axes) -> Axes:
+def panel(stored: StoredStudy, ax: Axes) -> Axes:
     """The map on given axes."""
-    names, methods = [str(v) for v in ds["extreme"].values], [str(v) for v in ds["method"].values]
-    verdict, error, kept = ds["verdict"].values, ds["error"].values, promise_kept(ds)
-    kind = np.where(vague(ds), "vague", verdict.astype("<U10"))
+    names, methods = [str(v) for v in stored["extreme"].values], [str(v) for v in stored["method"].values]
+    verdict, error, kept = stored["verdict"].values, stored["error"].values, promise_kept(stored)
+    kind = np.where(vague(stored), "vague", verdict.astype("<U10"))
     for i in range(len(names)):
         for j in range(len(methods)):
             share = (kept[i, j] - LEAST) / (MOST - LEAST)
             colour = SOLVED(share) if kind[i, j] == "solved" else colours.EXTREMES[str(kind[i, j])]
             ax.add_patch(Rectangle((j, i), 1, 1, facecolor=colour, edgecolor="white", linewidth=1))
             _write(ax, j + 0.5, i + 0.5, _number(error[i, j]) if verdict[i, j] in ("solved", "inaccurate") else "")
-        _write(ax, len(methods) + 0.5, i + 0.5, _number(_condition(ds, i)))
-        _write(ax, len(methods) + 1.5, i + 0.5, _number(float(ds["span"].values[i])))
-    _groups(ax, [str(v) for v in ds["group"].values], len(methods) + 2)
+        _write(ax, len(methods) + 0.5, i + 0.5, _number(_condition(stored, i)))
+        _write(ax, len(methods) + 1.5, i + 0.5, _number(float(stored["span"].values[i])))
+    _groups(ax, [str(v) for v in stored["group"].values], len(methods) + 2)
     ax.set(xlim=(0, len(methods) + 2), ylim=(len(names), 0))
     ax.set_yticks(np.arange(len(names)) + 0.5, [labels.minus_signs(labels.powers_of_ten(name)) for name in names])
     ax.set_xticks(np.arange(len(methods) + 2) + 0.5, [*methods, "condition", "L/ρ"], rotation=35, ha="left",
@@ -90,9 +90,9 @@ def panel(ds: xr.Dataset, ax: Axes) -> Axes:
     return ax
 
 
-def _condition(ds: xr.Dataset, i: int) -> float:
+def _condition(stored: StoredStudy, i: int) -> float:
     """The condition number that the method `orbit` reports."""
-    return float(ds["condition"].sel({"method": "orbit"}).values[i])
+    return float(stored["condition"].sel({"method": "orbit"}).values[i])
 
 
 def _write(ax: Axes, x: float, y: float, text: str) -> None:

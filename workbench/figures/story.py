@@ -3,13 +3,11 @@
 Rods on their cylinder are drawn by Matplotlib alone: shaded faces, the farthest first, in a parallel projection.
 """
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import PolyCollection
@@ -22,7 +20,7 @@ from studies.laws.law_words import PLAIN
 from studies.laws.line_verdicts import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED
 
 from ..geometry import tube
-from ..store import law_verdicts
+from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import canvas, colours, drawn_rods, fonts, push_scale
 from .sheet import Sheet
@@ -84,7 +82,7 @@ class _Eye:
         return np.stack([right, z * up - near * out, z * out + near * up], axis=-1)
 
 
-def figure(datasets: Mapping[str, xr.Dataset], page: Sheet) -> Figure:
+def figure(datasets: Mapping[str, StoredStudy], page: Sheet) -> Figure:
     """Draw the story of the stored datasets of `reproduce`, by the name of their study.
 
     page: the sheet; its width is that of two columns of a journal, or of one.
@@ -105,10 +103,10 @@ def figure(datasets: Mapping[str, xr.Dataset], page: Sheet) -> Figure:
     return canvas.figure((page.width, height), draw, layout=None, sheet=page)
 
 
-def letters(ds: xr.Dataset, ax: Axes) -> None:
+def letters(stored: StoredStudy, ax: Axes) -> None:
     """The first part of the rod of a dataset of one case in three-quarter view, with the letters of its geometry."""
-    (rod,) = drawn_rods.choose(ds, ("alpha", "beta", "z")).rods
-    R, beta = float(ds["R"]), rod["beta"]
+    (rod,) = drawn_rods.choose(stored, ("alpha", "beta", "z")).rods
+    R, beta = float(stored["R"]), rod["beta"]
     eye = _Eye(float(rod["alpha"].mean()) - TURNED)
     shown = rod.between(0.0, PART)
     low = float(shown["z"].min() - R)  # where the azimuth is drawn
@@ -142,13 +140,13 @@ def letters(ds: xr.Dataset, ax: Axes) -> None:
     _frame(ax)
 
 
-def row(ds: xr.Dataset, ax: Axes, below: Axes) -> None:
+def row(stored: StoredStudy, ax: Axes, below: Axes) -> None:
     """The rods along the axis of a dataset side by side, each seen from its own side, in the colours of the push.
 
     below: the axes of the bar of the colours.
     """
-    chosen = drawn_rods.choose(ds, ("alpha", "beta", "z", "push"), most=9)
-    R, norm = float(ds["R"]), push_scale.scale([rod["push"] for rod in chosen.solved])
+    chosen = drawn_rods.choose(stored, ("alpha", "beta", "z", "push"), most=9)
+    R, norm = float(stored["R"]), push_scale.scale([rod["push"] for rod in chosen.solved])
     heights = np.concatenate([rod["z"] for rod in chosen.solved])
     ends = float(heights.min()) - R, float(heights.max()) + R
     step = 2.9 * (R + 2 * chosen.solved[0].a)
@@ -164,29 +162,29 @@ def row(ds: xr.Dataset, ax: Axes, below: Axes) -> None:
     _frame(ax)
     ax.set_title(chosen.axis_label(), loc="center", size=fonts.small(), pad=2)
     canvas.colour_bar([ax], ScalarMappable(norm, colours.push_ramp()), cax=below, orientation="horizontal")
-    said = f"push of the cylinder [{labels.unit(push_scale.unit(ds))}]\nbelow 0: the rod would lift off"
+    said = f"push of the cylinder [{labels.unit(push_scale.unit(stored))}]\nbelow 0: the rod would lift off"
     _write(below, (0, 0.5), said, (-14, -4), xycoords="axes fraction", ha="right")
 
 
-def law(ds: xr.Dataset, ax: Axes) -> None:
+def law(stored: StoredStudy, ax: Axes) -> None:
     """The first law of a dataset: its observable along the axis, and its verdict."""
-    (verdict, *_) = law_verdicts.verdicts(ds)
-    trend(ds, ax, verdict["observable"], verdict["axis"], verdict["at"])
+    (verdict, *_) = stored.verdicts
+    trend(stored, ax, verdict["observable"], verdict["axis"], verdict["at"])
     title = f"claim {verdict['claim']}: {PLAIN[verdict['verdict']]}"
     ax.set_title(title, loc="left", size=fonts.small(), color=colours.VERDICTS[verdict["verdict"]], pad=3)
     canvas.add_legend(ax, loc="upper right", borderpad=0.0, handlelength=1.3)
 
 
-def claims(ds: xr.Dataset, ax: Axes) -> None:
+def claims(stored: StoredStudy, ax: Axes) -> None:
     """The verdict on each claim, (reading, claim), as a table of marks: a row a claim, a column a reading."""
     names, readings = (
-        [str(value) for value in ds["claim"].values],
-        [str(value).split("/") for value in ds["reading"].values],
+        [str(value) for value in stored["claim"].values],
+        [str(value).split("/") for value in stored["reading"].values],
     )
-    verdicts, wide = ds["claim_verdict"].values.astype(str), bool(fonts.inches(ax)[0] > WIDE_TABLE)
+    verdicts, wide = stored["claim_verdict"].values.astype(str), bool(fonts.inches(ax)[0] > WIDE_TABLE)
     for (j, i), verdict in np.ndenumerate(verdicts):
         ax.plot(j, i, **_mark(verdict))
-    sayings = [_claim(ds, name) for name in names]
+    sayings = [_claim(stored, name) for name in names]
     ax.set_yticks(range(len(names)), [saying if wide else saying.replace("mean ", "") for saying in sayings])
     heads = [", ".join(word if wide else SHORT.get(word, word) for word in words[1:]) for words in readings]
     ax.set_xticks(range(len(readings)), heads, rotation=90)
@@ -214,9 +212,9 @@ def _mark(verdict: str) -> dict[str, Any]:
             "markerfacecoloralt": "white", **MARKS[verdict]}  # fmt: skip
 
 
-def _claim(ds: xr.Dataset, name: str) -> str:
+def _claim(stored: StoredStudy, name: str) -> str:
     """``(1) bends ↓ with E``: the observables of the laws of a claim, their direction, and their axes."""
-    rows = [row for row in next(iter(json.loads(ds.attrs["rows"]).values())) if row["claim"] == name]
+    rows = [row for row in next(iter(stored.data("rows").values())) if row["claim"] == name]
     groups: dict[str, dict[str, None]] = {}
     for row in rows:
         symbol = labels.symbol_of(row["observable"])

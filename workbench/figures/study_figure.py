@@ -8,7 +8,6 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -16,8 +15,9 @@ from matplotlib.lines import Line2D
 from solver.problem.errors import InputError, no_such
 from studies.grammar.axes import SAMPLE
 
-from ..store import law_verdicts, refined, schema, selection
-from ..words import cautions, labels
+from ..stored import selection
+from ..stored.stored_study import StoredStudy
+from ..words import labels
 from . import along, canvas, colours, drawn_rods, push_scale, trends, unrolled
 from .laws import panel
 from .sheet import SCREEN, Sheet
@@ -36,7 +36,7 @@ MOST_NARROW = 3  # panels of laws on one column of a page, one less with curves
 
 
 def figure(
-    ds: xr.Dataset,
+    stored: StoredStudy,
     verdicts: Sequence[Mapping[str, Any]] | None = None,
     sheet: Sheet = SCREEN,
     show: Sequence[str] = (),
@@ -67,23 +67,23 @@ def figure(
         The dataset's laws are invalid, there is nothing to draw, the figure has no such panel, or an observable is not
         stored.
     """
-    rows = law_verdicts.verdicts(ds) if verdicts is None else verdicts
-    ds, curves = refined.line(ds), refined.coarse(ds)
-    axes = [axis for axis in schema.axes_of(ds) if ds.sizes[axis] > 1]
+    rows = stored.verdicts if verdicts is None else verdicts
+    stored, curves = stored.line(), stored.coarse()
+    axes = [axis for axis in stored.axes if stored.sizes[axis] > 1]
     if not axes:
         if show:
             raise InputError("the file holds one case: each observable is one number, which workbench summary prints")
-        return one_rod(ds, sheet)
-    is_sampled = SAMPLE in axes and bool(selection.observables(ds))
+        return one_rod(stored, sheet)
+    is_sampled = SAMPLE in axes and bool(stored.observables)
     axes = [axis for axis in axes if not (is_sampled and axis == SAMPLE)]
-    chosen = _choice(ds, rows, axes if unrolled.has_curve(curves) else [], is_sampled, sheet.panel, show)
+    chosen = _choice(stored, rows, axes if unrolled.has_curve(curves) else [], is_sampled, sheet.panel, show)
     if sheet.narrow and sheet.panel is None and not show:
         chosen = _for_column(chosen)
     panels, strips, sampled = chosen.panels, chosen.strips, chosen.sampled
     if not (panels or strips or sampled):
         raise InputError("nothing to draw: the dataset has neither observables nor the arrays alpha and z")
     strips_high = STRIPS[not sheet.narrow] * sheet.width
-    axis_of_trends = selection.axis_of(ds, x) if x else next(iter(axes), "")
+    axis_of_trends = stored.axis(x) if x else next(iter(axes), "")
     count, width = len(panels), sheet.width
     across = 1 if sheet.narrow else 3 if count == 3 and not rows else 2
     beside = 0 < count <= len(strips) and not sampled and not sheet.narrow
@@ -102,8 +102,8 @@ def figure(
 
     def law_of(one: Any, ax: Axes) -> canvas.Said:
         if not isinstance(one, str):
-            return [panel(ds, ax, one)]
-        trends.trend(ds, ax, one, axis_of_trends).set_label(labels.long_name(ds[one]))
+            return [panel(stored, ax, one)]
+        trends.trend(stored, ax, one, axis_of_trends).set_label(labels.long_name(stored[one]))
         canvas.add_legend(ax)
         return []
 
@@ -122,26 +122,26 @@ def figure(
     said = []
     if sampled:
         wide = sheet.style == SCREEN.style and not sheet.narrow
-        width = max(width, trends.LEAST_WIDTH * len(trends.fields_of(ds)) + 0.8) if wide else width
-        diagrams, sentence = trends.samples(ds, sampled, width, sheet.narrow)
+        width = max(width, trends.LEAST_WIDTH * len(stored.sampled) + 0.8) if wide else width
+        diagrams, sentence = trends.samples(stored, sampled, width, sheet.narrow)
         lines, said = lines + diagrams, [sentence]
-    rest = cautions.restable(ds)
+    rest = stored.restable
     said += [*[f"{rest[:1].upper()}{rest[1:]}."] * bool(rest), *chosen.level]
     ratios = (BESIDE, 1 - BESIDE) if beside else None
-    fig = canvas.page(ds, sheet, lines, said, 0.3 * bool(sampled), width=width, ratios=ratios)
+    fig = canvas.page(stored, sheet, lines, said, 0.3 * bool(sampled), width=width, ratios=ratios)
     canvas.keep(fig, canvas.say_left_out(chosen.left_out, "--show or --panel"))
     return fig
 
 
-def one_rod(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
+def one_rod(stored: StoredStudy, sheet: Sheet = SCREEN) -> Figure:
     """The angle, the push and the unrolled view of one rod; what is not stored is left out. Raises `InputError`."""
-    stored = {"angle": "beta", "push": "contact", "curve": "alpha"}
-    names = [panel for panel in sheet.choose(stored) if stored[panel] in ds.data_vars]
+    needs = {"angle": "beta", "push": "contact", "curve": "alpha"}
+    names = [panel for panel in sheet.choose(needs) if needs[panel] in stored]
     if not names:
-        raise no_such("panel", sheet.panel, stored)
-    coloured = "contact" in ds.data_vars
+        raise no_such("panel", sheet.panel, needs)
+    coloured = "contact" in stored
     arrays = {"angle": ["beta"], "push": ["push"], "curve": ["alpha", "z"] + ["push"] * coloured}
-    rods = drawn_rods.choose(ds, list(dict.fromkeys(name for panel in names for name in arrays[panel])))
+    rods = drawn_rods.choose(stored, list(dict.fromkeys(name for panel in names for name in arrays[panel])))
     room = sheet.width - unrolled.BESIDE, STRIPS[not sheet.narrow] * sheet.width
     view = unrolled.panel_of(rods, room, sheet.small, coloured) if "curve" in names else None
     each = LEAST_LAW * max(min(sheet.width / SCREEN.width, 1.0), ONE_ROD)
@@ -155,7 +155,7 @@ def one_rod(ds: xr.Dataset, sheet: Sheet = SCREEN) -> Figure:
         (view.height + LABELS, [curve]) if view and name == "curve"
         else (each, [partial(along.alone, rods=rods, name=arrays[name][0])]) for name in names
     ]  # fmt: skip
-    return canvas.page(ds, sheet, rows, rods.notes)
+    return canvas.page(stored, sheet, rows, rods.notes)
 
 
 @dataclass(frozen=True)
@@ -175,7 +175,7 @@ class _Choice:
 
 
 def _choice(
-    ds: xr.Dataset,
+    stored: StoredStudy,
     rows: Sequence[Mapping[str, Any]],
     strips: Sequence[str],
     is_sampled: bool,
@@ -186,26 +186,26 @@ def _choice(
 
     Raises `InputError` for an unknown panel, and for more observables than have room.
     """
-    stored, laws = selection.observables(ds), _name(rows)
+    known, laws = stored.observables, _name(rows)
     free = 0 if rows or is_sampled else MOST_PLAIN
-    names, without_room = choose_observables(ds, show, free, most_level=free)
+    names, without_room = choose_observables(stored, show, free, most_level=free)
     if show and is_sampled:
         return _Choice([], sampled=names)
     if show:
         laws_on: dict[str, list[Any]] = {name: [row for row in rows if row["observable"] == name] for name in names}
         return _Choice([entry for name in names for entry in laws_on[name] or [name]])
     if panel is None:
-        shown = {*names, *(row["observable"] for row in rows), *(stored if is_sampled else ())}
-        level = level_notes(ds, [name for name in stored if name not in shown])
+        shown = {*names, *(row["observable"] for row in rows), *(known if is_sampled else ())}
+        level = level_notes(stored, [name for name in known if name not in shown])
         left_out = [name for name in without_room if name not in shown]
-        return _Choice(rows or names, strips, stored if is_sampled else (), level, left_out)
-    known = [*strips, *(str(row["claim"]) for row in rows), *laws, *stored, *([SAMPLES] if is_sampled else [])]
-    if panel not in known:
-        raise no_such("panel", panel, dict.fromkeys(known))
+        return _Choice(rows or names, strips, known if is_sampled else (), level, left_out)
+    panels = [*strips, *(str(row["claim"]) for row in rows), *laws, *known, *([SAMPLES] if is_sampled else [])]
+    if panel not in panels:
+        raise no_such("panel", panel, dict.fromkeys(panels))
     if panel in strips:
         return _Choice([], [panel])
-    if panel in stored or panel == SAMPLES:
-        return _Choice([], sampled=stored if panel == SAMPLES else [panel]) if is_sampled else _Choice([panel])
+    if panel in known or panel == SAMPLES:
+        return _Choice([], sampled=known if panel == SAMPLES else [panel]) if is_sampled else _Choice([panel])
     return _Choice([laws[panel]] if panel in laws else [row for row in rows if row["claim"] == panel])
 
 
@@ -220,11 +220,11 @@ def _for_column(chosen: _Choice) -> _Choice:
     return replace(chosen, panels=chosen.panels[:most], strips=chosen.strips[:1], left_out=[*left, *chosen.left_out])
 
 
-def level_notes(ds: xr.Dataset, names: Sequence[str]) -> list[str]:
+def level_notes(stored: StoredStudy, names: Sequence[str]) -> list[str]:
     """A sentence about each observable that is the same in all cases, or in all that have a number."""
     is_true_or_false = re.compile(r"[<>]|==|!=|\b(and|or|not)\b")  # an expression
     texts = []
-    for array, ends in ((ds[name], selection.level(ds, name)) for name in names if selection.is_level(ds, name)):
+    for array, ends in ((stored[name], stored.level(name)) for name in names if stored.is_level(name)):
         noun, holds, where = labels.long_name(array), bool(round(sum(ends) / 2)), selection.known_cases(array)
         if flag := re.fullmatch("1 where (.*), else 0", noun):
             none = "no case" if where.startswith("all") else f"none of {where}"

@@ -5,7 +5,6 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from numpy.typing import NDArray
@@ -13,7 +12,7 @@ from numpy.typing import NDArray
 from solver.problem.errors import no_such
 from studies.grammar.axes import SAMPLE
 
-from ..store import schema, selection
+from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import canvas, colours, fonts
 from .scales import SPARE, RoomLocator, is_logarithmic, set_scale
@@ -31,41 +30,43 @@ NEAR = 0.08  # inches between two values of an axis whose dots touch: a step in 
 Values = NDArray[np.float64]
 
 
-def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, float] | None = None) -> Axes:
+def trend(stored: StoredStudy, ax: Axes, observable: str, axis: str, at: dict[str, float] | None = None) -> Axes:
     """An observable against an axis; on a grid the line at `at` stands out and the others are faint.
 
     Raises `InputError` for an observable or axis that is not stored.
     """
-    if observable not in ds:
-        raise no_such("observable", observable, [str(name) for name in ds.data_vars])
-    order = selection.line(ds, axis, at)
+    if observable not in stored:
+        raise no_such("observable", observable, stored.variables)
+    order = stored.places(axis, at)
     on = {axis: [where[axis] for where in order]}
-    along = labels.in_label_unit(ds[axis], ds[axis].values[on[axis]])
-    lines = selection.of_solved(ds, observable).transpose(..., axis).isel(on)
-    lines = lines.copy(data=labels.in_label_unit(ds[observable], lines.values))
+    along = labels.in_label_unit(stored[axis], stored[axis].values[on[axis]])
+    lines = stored.of_solved(observable).transpose(..., axis).isel(on)
+    lines = lines.copy(data=labels.in_label_unit(stored[observable], lines.values))
     others = {name: i for name, i in order[0].items() if name != axis}
     values = lines.isel(others).values.astype(float)
-    is_count, logarithmic = selection.is_count(ds, observable), is_logarithmic(ds[axis])
+    is_count, logarithmic = observable in stored.counts, is_logarithmic(stored[axis])
     for line in lines.values.reshape(-1, along.size) if lines.ndim > 1 else ():
         draw_line(ax, along, line, is_count, logarithmic, color=colours.FAINT, linewidth=1, zorder=1)
     broken = np.empty(0, dtype=int)  # a line has a gap wherever the branch changes
-    if "branch" in ds and set(ds["branch"].dims) == set(order[0]):
-        broken = np.flatnonzero(np.diff(ds["branch"].isel(others | on).values)) + 1
+    if "branch" in stored and set(stored["branch"].dims) == set(order[0]):
+        broken = np.flatnonzero(np.diff(stored["branch"].isel(others | on).values)) + 1
     changes = draw_line(ax, along, values, is_count, logarithmic, broken, color=colours.DATA, linewidth=1.2, zorder=2)
     for k in changes.tolist():
         ax.plot(along[[k - 1, k]], [values[[k - 1, k]].mean()] * 2, color=colours.SOFT, linewidth=0.8, marker="|",
                 markersize=5, zorder=1.9, label=BRACKET, gid=CHANGE)  # fmt: skip
     if along.size <= MOST_DOTS:
         ax.scatter(along, values, color=colours.DATA, s=15, zorder=4, edgecolors="white", linewidths=0.7)
-    solved = ds["solved"].transpose(..., axis).isel(on).isel(others).values
+    solved = stored["solved"].transpose(..., axis).isel(on).isel(others).values
     _mark_missing(ax, along, np.isfinite(values), solved, named=True)
     low, high = float(along.min()), float(along.max())
     set_scale(ax.xaxis, (low, high), logarithmic, SPARE)
-    if "fold" in ds and axis == ds.attrs.get("followed") and np.isfinite(ds["fold"]):
-        ax.axvline(float(np.degrees(ds["fold"])), color=colours.INK, linewidth=1, linestyle=(0, (4, 3)), label="fold")
+    if "fold" in stored and axis == stored.attrs.get("followed") and np.isfinite(stored["fold"]):
+        ax.axvline(
+            float(np.degrees(stored["fold"])), color=colours.INK, linewidth=1, linestyle=(0, (4, 3)), label="fold"
+        )
     wide, high = fonts.inches(ax)
-    ax.set_xlabel(fonts.wrap(fonts.fit_label(partial(axis_label, ds, axis, others), wide), ax))
-    ax.set_ylabel(fonts.fit_label(partial(labels.label, ds[observable]), high))
+    ax.set_xlabel(fonts.wrap(fonts.fit_label(partial(axis_label, stored, axis, others), wide), ax))
+    ax.set_ylabel(fonts.fit_label(partial(labels.label, stored[observable]), high))
     ax.margins(y=0.1)
     drawn = lines.values[np.isfinite(lines.values)]
     if is_count:
@@ -73,7 +74,7 @@ def trend(ds: xr.Dataset, ax: Axes, observable: str, axis: str, at: dict[str, fl
         if drawn.size and np.ptp(drawn) < 2:
             count = round(float(drawn.mean()))
             ax.set_ylim(max(count - 2, min(count, 0) - 0.5), count + 2)
-    elif drawn.size and np.ptp(drawn) and selection.is_level(ds, observable):  # what rounding allows is no news
+    elif drawn.size and np.ptp(drawn) and stored.is_level(observable):  # what rounding allows is no news
         middle = float(drawn.mean())
         half = max(0.1 * abs(middle), 10 * np.ptp(drawn))
         ax.set_ylim(middle - half, middle + half)
@@ -115,10 +116,10 @@ def draw_line(
     return changes[~is_near]
 
 
-def axis_label(ds: xr.Dataset, axis: str, where: dict[str, int], long: bool = True) -> str:
+def axis_label(stored: StoredStudy, axis: str, where: dict[str, int], long: bool = True) -> str:
     """The axis with its unit, and the values at which the other axes are held."""
-    held = labels.equations(ds, {name: i for name, i in where.items() if name != axis})
-    return labels.axis_label(axis, ds[axis], long) + (f", at {held}" if held else "")
+    held = stored.equations({name: i for name, i in where.items() if name != axis})
+    return labels.axis_label(axis, stored[axis], long) + (f", at {held}" if held else "")
 
 
 def _mark_missing(ax: Axes, at: Values, known: Any, solved: Any, named: bool = False, **look: Any) -> None:
@@ -131,20 +132,19 @@ def _mark_missing(ax: Axes, at: Values, known: Any, solved: Any, named: bool = F
                     transform=ax.get_xaxis_transform(), label=label * named, **look)  # fmt: skip
 
 
-def fields_of(ds: xr.Dataset) -> list[str]:
-    """The sampled fields, as the dataset names them: the columns of the diagrams of samples."""
-    return [schema.dimension(name) for name in schema.fields_of_samples(ds)]
-
-
-def samples(ds: xr.Dataset, names: Sequence[str], width: float, narrow: bool) -> tuple[list[canvas.Row], str]:
+def samples(stored: StoredStudy, names: Sequence[str], width: float, narrow: bool) -> tuple[list[canvas.Row], str]:
     """Each of these observables against each sampled field, in rows of panels of a figure of so many inches.
 
     Beside samples the dataset may have axes: they are held where the laws or Table 1 put them. Each panel says the rank
     correlation (Spearman) of its two quantities, over the samples that have a number. Returns the rows, and a sentence
     about them.
     """
-    held = {axis: i for axis, i in selection.case(ds).items() if axis != SAMPLE}
-    every, most, high = fields_of(ds), max(int((width - BESIDE) / LEAST_PANEL), 1), NARROW_ROW if narrow else ROW_HEIGHT
+    held = {axis: i for axis, i in stored.place().items() if axis != SAMPLE}
+    every, most, high = (
+        stored.sampled,
+        max(int((width - BESIDE) / LEAST_PANEL), 1),
+        NARROW_ROW if narrow else ROW_HEIGHT,
+    )
     blocks = [every[i : i + most] for i in range(0, len(every), most)]
     whole = min(len(blocks) * (high * len(names) + 0.5), max(TALLEST, 1.1 * len(blocks) * len(names)))
     across = len(blocks[0])
@@ -152,12 +152,12 @@ def samples(ds: xr.Dataset, names: Sequence[str], width: float, narrow: bool) ->
 
     def draw(name: str, field: str, fields: list[str], ax: Axes) -> None:
         ax.set_label(f"{name} against {field}")
-        _draw_samples(ds.isel(held), ax, name, field, room)
+        _draw_samples(stored.select(held), ax, name, field, room)
         ax.tick_params(labelleft=field == fields[0], labelbottom=name == names[-1])
         if name == names[-1]:
-            ax.set_xlabel(fonts.fit_label(partial(labels.axis_label, field, ds[field]), room))
+            ax.set_xlabel(fonts.fit_label(partial(labels.axis_label, field, stored[field]), room))
         if field == fields[0]:
-            words = [fonts.break_lines(labels.label(ds[name], long), 1.2) for long in (True, False)]
+            words = [fonts.break_lines(labels.label(stored[name], long), 1.2) for long in (True, False)]
             ax.set_ylabel(words[words[0].count("\n") > 1])
 
     rows = [
@@ -166,16 +166,16 @@ def samples(ds: xr.Dataset, names: Sequence[str], width: float, narrow: bool) ->
         for row in canvas.in_rows([partial(draw, name, field, fields) for field in fields], across,
                                   whole / len(names) / len(blocks))
     ]  # fmt: skip
-    count, at = ds.sizes[SAMPLE], labels.equations(ds, held)
+    count, at = stored.sizes[SAMPLE], stored.equations(held)
     dense = "; the darker, the more samples" if count > MANY else ""
     return rows, f"{count} sample{'s' * (count != 1)}{f', at {at}' if at else ''}; r: rank correlation{dense}."
 
 
-def _draw_samples(ds: xr.Dataset, ax: Axes, name: str, field: str, room: float) -> None:
+def _draw_samples(stored: StoredStudy, ax: Axes, name: str, field: str, room: float) -> None:
     """One observable against one field, on a panel of so many inches."""
-    x, y = (labels.in_label_unit(ds[key], ds[key].values) for key in (field, name))
-    known, solved = np.isfinite(y), ds["solved"].values
-    logarithmic = is_logarithmic(ds[field])
+    x, y = (labels.in_label_unit(stored[key], stored[key].values) for key in (field, name))
+    known, solved = np.isfinite(y), stored["solved"].values
+    logarithmic = is_logarithmic(stored[field])
     set_scale(ax.xaxis, (float(x.min()), float(x.max())), logarithmic, SPARE)
     if known.sum() > MANY:
         _density(ax, x[known], y[known], logarithmic)
@@ -186,7 +186,7 @@ def _draw_samples(ds: xr.Dataset, ax: Axes, name: str, field: str, room: float) 
     _mark_missing(ax, x, known, solved, markersize=4, rasterized=x.size > MANY)
     if (r := rank_correlation(x[known], y[known])) is not None:
         ax.set_title(f"r = {r:+.2f}".replace("-", "−"), loc="right", size=fonts.small(), color=colours.SOFT, pad=2)
-    ax.yaxis.set_major_locator(RoomLocator("counts" if selection.is_count(ds, name) else "numbers"))
+    ax.yaxis.set_major_locator(RoomLocator("counts" if name in stored.counts else "numbers"))
     ax.margins(y=0.12)
 
 

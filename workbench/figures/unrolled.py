@@ -13,7 +13,6 @@ from math import floor, log10
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.colors import Normalize
@@ -27,6 +26,7 @@ from numpy.typing import NDArray
 from solver.mechanics import frames
 
 from ..geometry import lines, self_contact
+from ..stored.stored_study import StoredStudy
 from ..words import cautions, labels
 from . import arrangement, canvas, colours, drawn_rods, fonts, push_scale, waves
 from .arrangement import Arrangement
@@ -225,13 +225,13 @@ def sentence(form: Arrangement, several: bool, more: str = "") -> str:
     return f"Unrolled view{'s' * several}, seen from outside: {fonts.WAYS}{scale}{more}; dot: s = 0."
 
 
-def has_curve(ds: xr.Dataset) -> bool:
+def has_curve(stored: StoredStudy) -> bool:
     """Whether the dataset stores what the unrolled view is made of."""
-    return all(name in ds.data_vars for name in ("alpha", "z", "rho"))
+    return all(name in stored for name in ("alpha", "z", "rho"))
 
 
 def figure(
-    ds: xr.Dataset, x: str | None = None, at: Mapping[str, float] | None = None, sheet: Sheet = SCREEN
+    stored: StoredStudy, x: str | None = None, at: Mapping[str, float] | None = None, sheet: Sheet = SCREEN
 ) -> Figure:
     """Draw the unrolled views of the rods along an axis, or of one rod, in the colours of the push.
 
@@ -240,7 +240,7 @@ def figure(
 
     Parameters
     ----------
-    ds : xr.Dataset
+    stored : StoredStudy
     x, at
         As `axis` and `at` of `drawn_rods.choose`.
     sheet : Sheet
@@ -252,7 +252,7 @@ def figure(
         As of `drawn_rods.choose`, and for an unknown panel.
     """
     sheet.choose(["curves"])
-    rods = drawn_rods.choose(ds, NAMES, x, at, MOST)
+    rods = drawn_rods.choose(stored, NAMES, x, at, MOST)
     panel = panel_of(rods, (sheet.width - BESIDE, TALLEST * sheet.width), sheet.small)
     bar = push_scale.unit(rods.source), sheet.width - 0.3
     rows = [(panel.height, [lambda ax: panel.draw(ax, bar=bar)])]
@@ -371,7 +371,7 @@ def panel_of(rods: DrawnRods, room: tuple[float, float], letters: float, coloure
 
     coloured: whether the lines have the colours of the push.
     """
-    unit = labels.unit(str(rods.source.attrs["length_unit"]))
+    unit = labels.unit(rods.source.units["length"])
     if len(rods.rods) == 1:
         inches = room[0], max(TALLEST_LINES[0] * room[0], TALLEST_LINES[1])
         if in_lines := lines_of(rods.rods[0], inches, letters, unit, coloured):

@@ -14,6 +14,7 @@ from matplotlib.ticker import NullFormatter
 
 from solver.problem.errors import no_such
 
+from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import canvas, colours, fonts
 from .sheet import SCREEN, Sheet
@@ -39,27 +40,28 @@ SHOWN = {
 }
 
 
-def cases_to_show(ds: xr.Dataset) -> list[str]:
+def cases_to_show(stored: StoredStudy) -> list[str]:
     """The cases of a trade that its diagrams show: all where they are few, else those of `SHOWN`, else the first."""
-    cases = [str(case) for case in ds["case"].values]
+    cases = [str(case) for case in stored["case"].values]
     return cases if len(cases) <= MOST else [case for case in SHOWN if case in cases] or cases[:MOST]
 
 
-def figure(ds: xr.Dataset, cost: str = "seconds", sheet: Sheet = SCREEN) -> Figure:
+def figure(stored: StoredStudy, cost: str = "seconds", sheet: Sheet = SCREEN) -> Figure:
     """The shown cases of a trade against one cost of `COSTS`. Raises `InputError` for one that was not measured."""
-    if cost not in (measured := [name for name in COSTS if name in ds]):
+    if cost not in (measured := [name for name in COSTS if name in stored]):
         raise no_such("cost", cost, measured)
-    cases = cases_to_show(ds)
+    cases = cases_to_show(stored)
     columns = min(1 if sheet.narrow else 3, len(cases))
     lines = -(-len(cases) // columns)
-    which = f", {len(cases)} of {ds.sizes['case']} cases" if len(cases) < ds.sizes["case"] else ""
-    titled = ds.assign_attrs(title=f"{ds.attrs['title']}: {COSTS[cost]}{which}" if ds.attrs["title"] else "")
+    which = f", {len(cases)} of {stored.sizes['case']} cases" if len(cases) < stored.sizes["case"] else ""
+    title = str(stored.attrs["title"])
+    titled = stored.with_title(title and f"{title}: {COSTS[cost]}{which}")
 
-    spent = ds[cost].sel(case=cases).values
+    spent = stored[cost].sel(case=cases).values
     ends = np.nanmin(spent) / 2, 2 * np.nanmax(spent)
 
     def draw(i: int, ax: Axes) -> None:
-        panel(ds, ax, cases[i], cost).set_xlim(*ends)
+        panel(stored, ax, cases[i], cost).set_xlim(*ends)
         ax.tick_params(labelleft=i % columns == 0)
         ax.set_xlabel(COSTS[cost] if i + columns >= len(cases) else "")
         if i == 0:
@@ -68,18 +70,18 @@ def figure(ds: xr.Dataset, cost: str = "seconds", sheet: Sheet = SCREEN) -> Figu
             fig.supylabel(error if lines > 2 else fill(error, 34), size=fonts.normal())
 
     rows = canvas.in_rows([partial(draw, i) for i in range(len(cases))], columns, PANEL[1])
-    return canvas.page(titled, sheet, rows, _entries(ds), LEGEND, width=max(sheet.width, 2 * PANEL[0]))
+    return canvas.page(titled, sheet, rows, _entries(stored), LEGEND, width=max(sheet.width, 2 * PANEL[0]))
 
 
-def panel(ds: xr.Dataset, ax: Axes, case: str, cost: str = "seconds") -> Axes:
+def panel(stored: StoredStudy, ax: Axes, case: str, cost: str = "seconds") -> Axes:
     """One case: a line a method over its ladder; a failed rung is a cross at the top. Raises `InputError`.
 
     Rungs that a method handed over to another are a line of their own.
     """
-    if case not in ds["case"].values:
-        raise no_such("case", case, [str(name) for name in ds["case"].values])
-    rows = ds.sel(case=case)
-    for method in ds["ladder"].values:
+    if case not in stored["case"].values:
+        raise no_such("case", case, [str(name) for name in stored["case"].values])
+    rows = stored.ds.sel(case=case)
+    for method in stored["ladder"].values:
         climb = rows.sel(ladder=method)
         outcome = climb["outcome"].values.astype(str)
         error, spent = climb["error"].values, climb[cost].values
@@ -121,9 +123,9 @@ def _stretches(one: xr.Dataset, good: "NDArray[np.bool_]", name: str) -> "list[t
     return [(rungs[answered == method], method != name) for method in dict.fromkeys(answered.tolist())]
 
 
-def _entries(ds: xr.Dataset) -> list[Artist]:
+def _entries(stored: StoredStudy) -> list[Artist]:
     """The legend: the methods that were tried, and what the marks are."""
-    tried = [str(m) for m in ds["ladder"].values if np.isfinite(ds["seconds"].sel(ladder=m)).any()]
+    tried = [str(m) for m in stored["ladder"].values if np.isfinite(stored["seconds"].sel(ladder=m)).any()]
     looks: list[dict[str, Any]] = [
         {"color": look.colour, "marker": look.marker, "markersize": _size(look) + 0.4, "linestyle": look.line,
          "linewidth": 1.4, "label": look.name}
@@ -134,16 +136,16 @@ def _entries(ds: xr.Dataset) -> list[Artist]:
         {"marker": ">", "markersize": 7, "markerfacecolor": "none", "linestyle": "",
          "label": "its next finer setting takes too long"},
     ]  # fmt: skip
-    if "answered" in ds and any(_is_handed_over(ds, str(name)) for name in ds["ladder"].values):
+    if "answered" in stored and any(_is_handed_over(stored, str(name)) for name in stored["ladder"].values):
         looks += [
             {"marker": "h", "markersize": 4, "markerfacecolor": "white", "label": "handed over to another method"}
         ]
     return [Line2D([], [], **{"color": colours.SOFT, **look}) for look in looks]
 
 
-def _is_handed_over(ds: xr.Dataset, ladder: str) -> bool:
+def _is_handed_over(stored: StoredStudy, ladder: str) -> bool:
     """Whether another method answered on some rung of a ladder."""
-    answered = np.unique(ds["answered"].sel(ladder=ladder).values.astype(str))
+    answered = np.unique(stored["answered"].sel(ladder=ladder).values.astype(str))
     return bool(set(answered.tolist()) - {"", look_of(ladder).method})
 
 

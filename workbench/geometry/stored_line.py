@@ -7,7 +7,6 @@ from functools import cached_property
 from typing import Any, Self
 
 import numpy as np
-import xarray as xr
 from scipy.integrate import cumulative_trapezoid
 from scipy.interpolate import CubicSpline
 
@@ -16,7 +15,8 @@ from solver.mechanics.potential import Loads, slope_rate
 from solver.problem.case import ALONG_AXIS, IN_PLACE, SLIDING
 from solver.problem.errors import InputError
 
-from ..store import schema
+from ..stored import schema
+from ..stored.stored_study import StoredStudy
 from .centreline import EASED, NEEDED, Array, Centreline, cut, slopes, spline
 
 # what the curve of a rod with weight or friction needs beside, and of one that may leave the cylinder
@@ -25,28 +25,28 @@ FREE_ORDER = 3  # of the errors of a spline through places, in their distance: t
 ANGLES = 361  # between the least and the largest one, at which rates are compared
 
 
-def read(ds: xr.Dataset, where: Mapping[str, int]) -> Centreline:
+def read(stored: StoredStudy, where: Mapping[str, int]) -> Centreline:
     """The centreline of one case, by its indices along the axes.
 
     Raises `InputError` where the dataset lacks one of `NEEDED`, or the case is not solved. Where loads vary along the
     rod the curve needs the contact force in place of the loads, and the radius where the rod may leave the cylinder.
     """
-    leaves = schema.leaves(ds)
-    varies = leaves or schema.loads_vary(ds)
-    needed = (*NEEDED, *schema.stiffness_fields(ds), *["contact"] * varies, *["radius"] * leaves)
-    missing = [name for name in needed if name not in ds]
+    leaves = stored.leaves
+    varies = leaves or stored.loads_vary
+    needed = (*NEEDED, *stored.stiffness_fields, *["contact"] * varies, *["radius"] * leaves)
+    missing = [name for name in needed if name not in stored]
     if missing:
         raise InputError(f"the dataset stores no {', '.join(missing)}, which the curve of the rod needs")
-    case = ds.isel(dict(where))
+    case = stored.select(dict(where))
     outcome = str(case["outcome"].values)
     along = {name: np.asarray(case[name], dtype=float) for name in ("alpha", "beta", "z")}
     if not case["solved"] or not np.isfinite(list(along.values())).all():
         raise InputError(f"this case has no shape: {outcome}")
     number = {name: float(case[name]) for name in needed[3:] if name not in ("contact", "radius")}
-    A = float(schema.bending_stiffness(str(ds.attrs["stiffness"]), number))
+    A = float(schema.bending_stiffness(str(stored.attrs["stiffness"]), number))
     loads = [number[name] / A for name in ("MZ", "M3", "FZ")]
     s = np.asarray(case["s"].values, dtype=float)
-    is_stored = "dbeta" in ds
+    is_stored = "dbeta" in stored
     R, a, rho = (number[name] for name in ("R", "a", "rho"))
     if is_stored:
         dbeta = np.asarray(case["dbeta"], dtype=float)
@@ -55,7 +55,7 @@ def read(ds: xr.Dataset, where: Mapping[str, int]) -> Centreline:
     else:
         dbeta = slopes(s, along["beta"], rho, *loads)
     l, m, p = (np.nan, loads[1], np.nan) if varies else loads
-    side, unit = str(ds.attrs["side"]), str(ds.attrs["length_unit"])
+    side, unit = str(stored.attrs["side"]), stored.units["length"]
     bore = number.get("inner_radius", 0.0)
     known = (s, along["alpha"], along["beta"], dbeta, along["z"], R, a, rho, A, l, m, p, side, bore, unit, is_stored)
     if varies:
@@ -67,7 +67,7 @@ def read(ds: xr.Dataset, where: Mapping[str, int]) -> Centreline:
     return Centreline(*known)
 
 
-def _fastest(case: xr.Dataset, s: Array, alpha: Array, beta: Array, contact: Array, A: float) -> float:
+def _fastest(case: StoredStudy, s: Array, alpha: Array, beta: Array, contact: Array, A: float) -> float:
     """The largest rate at which beta of a rod with weight or friction can swing or die away [rad/length].
 
     The rate is that of beta'' = -H(beta) under the local loads, which follow from those of the far end by statics, and
@@ -88,11 +88,11 @@ def _fastest(case: xr.Dataset, s: Array, alpha: Array, beta: Array, contact: Arr
     return float(np.sqrt(np.abs(rates).max() + np.sqrt(abs(across) / (rho * A)) + np.cbrt((along / A) ** 2)))
 
 
-def lines_of_solved(ds: xr.Dataset) -> Iterator[Centreline]:
+def lines_of_solved(stored: StoredStudy) -> Iterator[Centreline]:
     """The centreline of every solved case of a dataset. Raises `InputError` as `read` does."""
-    solved = ds["solved"]
+    solved = stored["solved"]
     for place in np.argwhere(np.asarray(solved.values, dtype=bool)):
-        yield read(ds, dict(zip(map(str, solved.dims), map(int, place), strict=True)))
+        yield read(stored, dict(zip(map(str, solved.dims), map(int, place), strict=True)))
 
 
 @dataclass(frozen=True, eq=False)

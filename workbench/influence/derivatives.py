@@ -17,7 +17,7 @@ from solver.problem.errors import no_such
 from solver.problem.quantities import quantity, unit_of
 from studies.grammar.axes import FIELDS, WORDS
 
-from ..store import schema
+from ..stored import quantity_variables
 
 REAL = tuple(name for name in OBSERVABLES if not is_count(name))
 PERCENT = "%"
@@ -161,7 +161,7 @@ def _fields(solution: Solution, names: Iterable[str] | None) -> list[str]:
     known = fields_of(solution.case)
     if names is None:
         return list(known)
-    fields = [schema.dimension(name) if name in FIELDS and name not in WORDS else name for name in names]
+    fields = [quantity_variables.dimension(name) if name in FIELDS and name not in WORDS else name for name in names]
     for name in fields:
         if name not in known:
             raise no_such("field", name, known)

@@ -19,7 +19,8 @@ from solver.problem.errors import InputError, choices
 from studies.grammar.axes import SAMPLE
 from studies.language.samples import block_of, blocks_of
 
-from ..store import schema, selection
+from ..stored import selection
+from ..stored.stored_study import StoredStudy
 
 CONFIDENCE, SEED = 0.95, 1  # of the intervals; of the bootstrap, whose 0 would mean another each time
 RESAMPLES, MOST_DRAWN = 200, 4_000_000  # of the bootstrap; blocks drawn in all, above which it has fewer resamples
@@ -91,31 +92,32 @@ def sobol(
         For samples that are of another design, for too few of them, for too many that are not solved, for an unknown
         observable; and without SALib.
     """
-    fields = [schema.dimension(name) for name in schema.fields_of_samples(ds)]
-    if SAMPLE not in schema.axes_of(ds) or not fields:
-        raise InputError(f"Sobol' indices need a study of samples, got {_axes(ds)}; {_how(max(len(fields), 3))}")
-    samples = np.stack([ds[name].values.astype(float) for name in fields], axis=1)
+    stored = StoredStudy(ds)
+    fields = stored.sampled
+    if SAMPLE not in stored.axes or not fields:
+        raise InputError(f"Sobol' indices need a study of samples, got {_axes(stored)}; {_how(max(len(fields), 3))}")
+    samples = np.stack([stored[name].values.astype(float) for name in fields], axis=1)
     design = design_of(samples)
     if design is None:
-        sampling = str(ds.attrs.get("sampling", "")) or f"{samples.shape[0]} samples"
+        sampling = str(stored.attrs.get("sampling", "")) or f"{samples.shape[0]} samples"
         raise InputError(f"the samples are of no Saltelli design: {sampling}; {_how(len(fields))}")
     if SAMPLE in (at or {}):
         raise InputError("sample is not held: the indices are those of all samples")
-    held = {axis: i for axis, i in selection.case(ds, at).items() if axis != SAMPLE}
-    section = ds.isel(held)
-    names = selection.names_of(section, observables) if observables else selection.all_observables(section)
+    held = {axis: i for axis, i in stored.place(at).items() if axis != SAMPLE}
+    section = stored.select(held)
+    names = section.names_of(observables) if observables else section.all_observables
     if not names:
         raise InputError("the file stores no observable: give the study observables, and run it again")
     solved = section["solved"].values.astype(bool)
     values = np.stack([np.where(solved, section[name].values.astype(float), np.nan) for name in names], axis=1)
     result = analyse(design, values, fields, names, confidence, seed)
-    labels = {str(name): _labels(ds[name]) for name in [*fields, *names]}
+    labels = {str(name): _labels(stored[name]) for name in [*fields, *names]}
     attributes = {
-        "title": ds.attrs["title"],
-        "reading": ds.attrs.get("reading", ""),
-        "sampling": ds.attrs.get("sampling", ""),
+        "title": stored.attrs["title"],
+        "reading": stored.attrs.get("reading", ""),
+        "sampling": stored.attrs.get("sampling", ""),
     }
-    attributes |= {f"at {axis}": float(ds[axis][i]) for axis, i in held.items()}
+    attributes |= {f"at {axis}": float(stored[axis][i]) for axis, i in held.items()}
     words = {"unsolved": int((~solved).sum()), "samples": samples.shape[0]}
     texts = {key: ("observable", [labels[name][key] for name in names]) for key in ("symbol", "units")}
     return (
@@ -129,8 +131,8 @@ def _labels(array: xr.DataArray) -> dict[str, str]:
     return {"symbol": str(array.attrs.get("symbol", array.name)), "units": str(array.attrs.get("units", "1"))}
 
 
-def _axes(ds: xr.Dataset) -> str:
-    axes = schema.axes_of(ds)
+def _axes(stored: StoredStudy) -> str:
+    axes = stored.axes
     return f"the axes {choices(axes)}" if axes else "one case"
 
 

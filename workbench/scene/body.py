@@ -6,7 +6,6 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from scipy.interpolate import CubicSpline
 
 from solver.problem.errors import InputError
@@ -15,8 +14,9 @@ from ..geometry import centreline, self_contact, stored_line
 from ..geometry.centreline import Array, Centreline
 from ..geometry.lines import TALLEST
 from ..geometry.refinement import COLOUR_STEPS, MOST_TRIANGLES, Rings, rings, stations_for
-from ..store import schema
-from ..store.schema import SECTION
+from ..stored import schema
+from ..stored.schema import SECTION
+from ..stored.stored_study import StoredStudy
 from .scene_kinds import Kind, Paint
 
 STRIPE = 3  # one side in so many is painted
@@ -154,34 +154,34 @@ class Body:
         return rings(self.line, self.span, tolerance, self.stripe_angle(), colour, colour_length, multiple, most)
 
 
-def read(ds: xr.Dataset, where: Mapping[str, int], kind: Kind, span: tuple[float, float] | None = None) -> Body:
+def read(stored: StoredStudy, where: Mapping[str, int], kind: Kind, span: tuple[float, float] | None = None) -> Body:
     """The rod of one case, by its indices along the axes; only what the kind reads is opened.
 
     span: the arc lengths between which it is drawn; default: the whole rod. Raises `InputError` where the case has no
     shape, or the dataset lacks what the kind needs.
     """
-    stored = {name for name in kind.reads if name in ds}
+    reads = {name for name in kind.reads if name in stored}
     for name in sorted(kind.reads - set(centreline.NEEDED)):
-        if name not in ds:
+        if name not in stored:
             raise InputError(f"the dataset stores no {name}, which the kind {kind.name} needs: add it to outputs")
-    also = {name for name in ("solved", "outcome", "caution", "dbeta", *SECTION) if name in ds}
-    if schema.leaves(ds) or any(name in ds for name in schema.VARYING):
-        also |= {name for name in stored_line.VARIES if name in ds}
-    variables = ds[sorted(stored | also)]
+    also = {name for name in ("solved", "outcome", "caution", "dbeta", *SECTION) if name in stored}
+    if stored.leaves or any(name in stored for name in schema.VARYING):
+        also |= {name for name in stored_line.VARIES if name in stored}
+    variables = stored.only(sorted(reads | also))
     line = stored_line.read(variables, where)
-    this = variables.isel(dict(where))
+    this = variables.select(dict(where))
     gamma = np.asarray(this["gamma"], dtype=float) if "gamma" in kind.reads else None
     caution = str(this["caution"].values) if "caution" in this else ""
     return Body(line, span or (float(line.s[0]), float(line.s[-1])), kind.value, gamma, caution)
 
 
 def of_case(
-    ds: xr.Dataset, where: Mapping[str, int], kind: Kind, span: tuple[float, float] | None = None
+    stored: StoredStudy, where: Mapping[str, int], kind: Kind, span: tuple[float, float] | None = None
 ) -> tuple[Body | None, str]:
     """The rod of a case, or why there is none. Raises `InputError` for a part that is not on the rod."""
-    if not ds["solved"].isel(dict(where)):
-        return None, str(ds["outcome"].isel(dict(where)).values)
-    body = read(ds, where, kind, span)
+    if not stored["solved"].isel(dict(where)):
+        return None, str(stored["outcome"].isel(dict(where)).values)
+    body = read(stored, where, kind, span)
     if span and not 0 <= span[0] < span[1] <= body.line.L * (1 + 1e-9):
         raise InputError(
             f"no part from {span[0]:g} to {span[1]:g} on a rod of length {body.line.L:g}: give --from and --to with "

@@ -93,8 +93,8 @@ def words_of(scene: Scene) -> tuple[list[tuple[str, str]], list[str]]:
     if len(scene.context) > len(scene.bodies):  # the views of the pictures along an axis stand at one place
         most = max(len(_impossible_beside([body], ringed)) for body in scene.context)
         warnings += ["\N{ZERO WIDTH SPACE}" * (k + 1) for k in range(most - len(warnings))]
-    inside = str(scene.ds.attrs["side"]) == "inside"
-    return legend, [*scene.notes, *warnings, *[cautions.left_out_of_dataset(scene.ds)] * inside]
+    inside = str(scene.stored.attrs["side"]) == "inside"
+    return legend, [*scene.notes, *warnings, *[scene.stored.left_out] * inside]
 
 
 def _impossible_beside(bodies: Sequence[Body], ringed: bool) -> list[str]:
@@ -141,7 +141,7 @@ def colour_rods(scene: Scene) -> tuple[Scene, list[str]]:
         return scene, []
     each = [body.extremes() for body in scene.context] if scene.kind.value else []
     extremes = (min(low for low, _ in each), max(high for _, high in each)) if each else None
-    units = {kind: str(scene.ds.attrs[f"{kind}_unit"]) for kind in ("length", "force")}
+    units = scene.stored.units
     paint, notes = scene.kind.paint(units, extremes), list[str]()
     if chosen := scene.settings.color_range:
         if scene.kind.value is None:

@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from matplotlib import rc_context
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
@@ -24,8 +23,9 @@ from solver.problem.errors import InputError, choices, no_such
 from ..figures import canvas, colours, fonts
 from ..figures.scales import is_logarithmic
 from ..figures.trends import BRACKET, trend
-from ..store import atomic, schema, selection
-from ..words import cautions, labels
+from ..store import atomic
+from ..stored.stored_study import StoredStudy
+from ..words import labels
 from . import body as rods
 from . import long_rod, page, scene_kinds
 from .page import Pixels
@@ -72,28 +72,28 @@ class Film:
     size: tuple[float, float] = SIZE
 
 
-def observable_of(ds: xr.Dataset, axis: str, name: str | None = None) -> str:
+def observable_of(stored: StoredStudy, axis: str, name: str | None = None) -> str:
     """The observable whose curve is drawn; default: that of the axis's first law, else the first that is stored.
 
     Raises `InputError` where the dataset stores no such observable.
     """
-    stored = selection.all_observables(ds)
-    if not stored:
+    known = stored.all_observables
+    if not known:
         raise InputError("the dataset stores no observable whose curve could be drawn: add some to the study")
     if name is not None:
-        if name not in stored:
-            raise no_such("observable", name, stored)
+        if name not in known:
+            raise no_such("observable", name, known)
         return name
-    judged = [law.observable for law in schema.laws_of(ds) if law.axis == axis]
-    return next(candidate for candidate in (*judged, *stored) if candidate in stored)
+    judged = [law.observable for law in stored.laws if law.axis == axis]
+    return next(candidate for candidate in (*judged, *known) if candidate in known)
 
 
-def cases_of(ds: xr.Dataset, film: Film) -> list[dict[str, int]]:
+def cases_of(stored: StoredStudy, film: Film) -> list[dict[str, int]]:
     """The indices of each frame's case. Raises `InputError` for a kind or an axis that makes no film."""
     single = [kind.name for kind in scene_kinds.TABLE if kind.cells == "one"]
     if scene_kinds.kind_of(film.kind).cells != "one":
         raise InputError(f"a frame shows one case, so --kind is one of {choices(single)}, not {film.kind!r}")
-    cases = selection.line(ds, film.axis, film.at)
+    cases = stored.places(film.axis, film.at)
     if not LEAST <= len(cases) <= MOST:
         raise InputError(f"a film has {LEAST} to {MOST} frames, and the axis {film.axis} {len(cases)} values")
     return cases
@@ -108,7 +108,7 @@ def check_writers(paths: Sequence[Path]) -> None:
         raise InputError(f"an MP4 needs imageio-ffmpeg, which is not installed: {INSTALL}; .gif and .webp do not")
 
 
-def frames(ds: xr.Dataset, film: Film, step: Callable[[str], None] = lambda text: None) -> Iterator[Pixels]:
+def frames(stored: StoredStudy, film: Film, step: Callable[[str], None] = lambda text: None) -> Iterator[Pixels]:
     """The frames in rising order of the axis, (height, width, 3) each, all of one even size.
 
     A case without a shape shows its outcome in place of the rod. step: called with a text as each frame begins. Raises
@@ -116,9 +116,9 @@ def frames(ds: xr.Dataset, film: Film, step: Callable[[str], None] = lambda text
     """
     from . import composition  # VTK, which ends the process where OpenGL does not work
 
-    kind, cases = scene_kinds.kind_of(film.kind), cases_of(ds, film)
-    each = [rods.of_case(ds, where, kind)[0] for where in cases]
-    down = gravity(ds, {name: i for name, i in cases[0].items() if name != film.axis})
+    kind, cases = scene_kinds.kind_of(film.kind), cases_of(stored, film)
+    each = [rods.of_case(stored, where, kind)[0] for where in cases]
+    down = gravity(stored, {name: i for name, i in cases[0].items() if name != film.axis})
     context = long_rod.in_view([body for body in each if body], down)
     if not context:
         raise InputError(f"no case along {film.axis} has a shape: there is nothing to show")
@@ -129,15 +129,15 @@ def frames(ds: xr.Dataset, film: Film, step: Callable[[str], None] = lambda text
     settings = Settings(film.pixel_error, film.dpi, bare=True, samples=SAMPLES,
                         size=(round(wide * film.dpi), round(high * film.dpi)))  # fmt: skip
     first = View(context[:1], Cell(), turned, ends, context)
-    scene = page.Scene(ds, kind, [[first]], context, "", camera, settings)
+    scene = page.Scene(stored, kind, [[first]], context, "", camera, settings)
     fig = canvas.figure(film.size, lambda fig: _begin(fig, film, scene, lying), dpi=film.dpi, layout=None)
     for where, body in zip(cases, bodies, strict=True):
-        step(f"{film.axis} = {float(ds[film.axis][where[film.axis]]):.4g}")
+        step(f"{film.axis} = {float(stored[film.axis][where[film.axis]]):.4g}")
         view = replace(first, bodies=[body] if body else [])
         picture = composition.compose(replace(scene, rows=[[view]])).pixels if body else None
         with rc_context(fonts.RC):
-            drawn = [*_draw_case(fig, film, ds, where[film.axis])]
-            drawn += _draw_rod(fig, film, picture, (wide, high), ds, where)
+            drawn = [*_draw_case(fig, film, stored, where[film.axis])]
+            drawn += _draw_rod(fig, film, picture, (wide, high), stored, where)
         yield _even(page.pixels_of(fig))
         for artist in drawn:
             artist.remove()
@@ -154,11 +154,11 @@ def _begin(fig: Figure, film: Film, scene: page.Scene, lying: bool) -> None:
     """What all frames have: the name of the axis, the scale of colours, and the scales of the diagram."""
     from . import composition
 
-    (across, tall), (_, high), ds = film.size, _room(film, lying), scene.ds
+    (across, tall), (_, high), stored = film.size, _room(film, lying), scene.stored
     ax = fig.add_axes((0.0, 0.0, 1.0, 1.0))
     ax.set(xlim=(0, across), ylim=(tall, 0))
     ax.axis("off")
-    name = labels.long_name(ds[film.axis])
+    name = labels.long_name(stored[film.axis])
     left, right = canvas.MARGIN, across - canvas.MARGIN
     ax.text(right, left + 0.02, name[:1].upper() + name[1:], color=colours.SOFT, va="top", ha="right")
     ax.plot([left, right], [left + 0.34] * 2, color=colours.FAINT, linewidth=2.0, solid_capstyle="round")
@@ -167,21 +167,21 @@ def _begin(fig: Figure, film: Film, scene: page.Scene, lying: bool) -> None:
         page.draw_weight(ax, right - 0.85, tall - 0.27, weight)
     if paint.label:
         page.draw_bar(ax, paint, (2 * left, tall - 0.32), (1.6, 0.1))
-    if str(ds.attrs["side"]) == "inside":
+    if str(stored.attrs["side"]) == "inside":
         room = across - (2.4 if weight is None else 3.5)
-        words = fonts.break_lines(cautions.left_out_of_dataset(ds), room, fonts.SMALL)
-        words = "\n".join([*[", ".join(long_rod.notes_on(scene.context, str(ds.attrs["length_unit"])))], words]).strip()
+        words = fonts.break_lines(stored.left_out, room, fonts.SMALL)
+        words = "\n".join([*[", ".join(long_rod.notes_on(scene.context, stored.units["length"]))], words]).strip()
         ax.text(2.3, tall - 0.24, words, size=fonts.SMALL, color=colours.SOFT)
     if film.observable:
         box = ((0.62, FOOT + 0.3, across - 0.9, DIAGRAM[1] - 0.5) if lying else
                (across - DIAGRAM[0] + 0.45, FOOT + 0.35, DIAGRAM[0] - 0.65, high - 0.55))  # fmt: skip
         place = box[0] / across, box[1] / tall, box[2] / across, box[3] / tall
-        _draw_diagram(fig.add_axes(place), ds, film)
+        _draw_diagram(fig.add_axes(place), stored, film)
 
 
-def _draw_case(fig: Figure, film: Film, ds: xr.Dataset, i: int) -> Iterator[Artist]:
+def _draw_case(fig: Figure, film: Film, stored: StoredStudy, i: int) -> Iterator[Artist]:
     """The i-th value of the axis in words and among the others, on its scale; the curve of the diagram up to it."""
-    ax, array = fig.axes[0], ds[film.axis]
+    ax, array = fig.axes[0], stored[film.axis]
     left, right = canvas.MARGIN, film.size[0] - canvas.MARGIN
     yield ax.text(left, left, labels.equation(array, float(array[i]), 3), size=fonts.LARGE, va="top", weight="bold")
     ends = array.values[[0, i, -1]]
@@ -208,12 +208,17 @@ def _grow(ax: Axes, at: float) -> Iterator[Artist]:
 
 
 def _draw_rod(
-    fig: Figure, film: Film, picture: Pixels | None, room: tuple[float, float], ds: xr.Dataset, where: dict[str, int]
+    fig: Figure,
+    film: Film,
+    picture: Pixels | None,
+    room: tuple[float, float],
+    stored: StoredStudy,
+    where: dict[str, int],
 ) -> Iterator[Artist]:
     """The picture of a rod in the middle of its room, or why there is none."""
     low = film.size[1] - TOP - room[1]
     if picture is None:
-        outcome = str(ds["outcome"].isel(where).values)
+        outcome = str(stored["outcome"].isel(where).values)
         yield fig.axes[0].text(canvas.MARGIN, TOP + room[1] / 2, outcome, color=colours.SOFT)
         return
     size = np.array(picture.shape[1::-1]) / film.dpi
@@ -222,12 +227,12 @@ def _draw_rod(
     yield fig.figimage(picture, x, y, origin="upper", zorder=-1)
 
 
-def _draw_diagram(ax: Axes, ds: xr.Dataset, film: Film) -> None:
+def _draw_diagram(ax: Axes, stored: StoredStudy, film: Film) -> None:
     """The whole curve of the observable, with its name above it."""
     assert film.observable is not None
-    trend(ds, ax, film.observable, film.axis, film.at).set_label(DIAGRAM_LABEL)
-    ax.set(xlabel=labels.axis_label(film.axis, ds[film.axis]), ylabel="")
-    name = labels.label(ds[film.observable], long=True)
+    trend(stored, ax, film.observable, film.axis, film.at).set_label(DIAGRAM_LABEL)
+    ax.set(xlabel=labels.axis_label(film.axis, stored[film.axis]), ylabel="")
+    name = labels.label(stored[film.observable], long=True)
     is_wide = fonts.inches(ax)[0] > DIAGRAM[0]
     side, place = ("right", (1.0, 1.0)) if is_wide else ("left", (0.0, 1.0))
     canvas.add_legend(ax, loc=f"lower {side}", bbox_to_anchor=place, borderpad=0.2, fontsize=fonts.SMALL)

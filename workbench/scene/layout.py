@@ -10,14 +10,13 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import xarray as xr
 
 from solver.problem.errors import InputError
 
 from ..figures import canvas, colours
 from ..geometry.centreline import Array
-from ..store import selection
-from ..store.schema import axes_of
+from ..stored import selection
+from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import body as rods
 from . import composition, long_rod, page, scene_kinds
@@ -54,7 +53,7 @@ Where = dict[str, int]
 
 
 def render(
-    ds: xr.Dataset,
+    stored: StoredStudy,
     path: str | Path,
     at: Mapping[str, float] | None = None,
     kind: str = "contact",
@@ -66,29 +65,29 @@ def render(
     """Draw a scene and save it; parameters as of `compose`; level: of the compression of a PNG."""
     path = canvas.check_name(path, SUFFIXES)
     check_name(path, settings)
-    picture = compose(ds, at, kind, axes, along, settings)
+    picture = compose(stored, at, kind, axes, along, settings)
     page.save(picture, path, level)
     return picture
 
 
-def draw(ds: xr.Dataset, path: str | Path) -> dict[str, Path]:
+def draw(stored: StoredStudy, path: str | Path) -> dict[str, Path]:
     """Draw the scenes of a dataset: every equilibrium, or a row along each axis, or the one case large.
 
     path: of the file; with several axes each row's file has the axis's name appended. Returns name -> file. Raises
     `InputError`.
     """
-    path, axes = Path(path), axes_of(ds)
-    if default_kind(ds) == "equilibria" or not axes:
-        render(ds, path, kind=default_kind(ds))
+    path, axes = Path(path), stored.axes
+    if default_kind(stored) == "equilibria" or not axes:
+        render(stored, path, kind=default_kind(stored))
         return {"scene": path}
     files = {axis: path.with_stem(f"{path.stem}_{axis}") if len(axes) > 1 else path for axis in axes}
     for axis, file in files.items():
-        render(ds, file, kind="grid", axes=[axis])
+        render(stored, file, kind="grid", axes=[axis])
     return {f"scene {axis}": file for axis, file in files.items()}
 
 
 def compose(
-    ds: xr.Dataset,
+    stored: StoredStudy,
     at: Mapping[str, float] | None = None,
     kind: str = "contact",
     axes: Sequence[str] = (),
@@ -113,55 +112,57 @@ def compose(
     InputError
         An invalid name or value, one case that `at` names and that has no shape, stations that are far too few.
     """
-    chosen, along = kind_of(kind), along and selection.axis_of(ds, along)
+    chosen, along = kind_of(kind), along and stored.axis(along)
     check(settings)
     if chosen.cells == "one":
         if axes:
             raise InputError(f"a scene of kind {kind} shows one case, so it takes no axis; choose ghosts or grid")
-        return _single(ds, chosen, at, along, settings)
+        return _single(stored, chosen, at, along, settings)
     if along:
         raise InputError(f"a scene of kind {kind} shows a whole axis already: it takes no --along")
-    if chosen.of_equilibria and default_kind(ds) != kind:
+    if chosen.of_equilibria and default_kind(stored) != kind:
         raise InputError(f"a scene of kind {kind} takes a dataset that `workbench equilibria --out FILE` stored")
-    names = [selection.axis_of(ds, name) for name in axes] or axes_of(ds)[:1]
+    names = [stored.axis(name) for name in axes] or stored.axes[:1]
     most = 1 if chosen.cells == "together" else 2
     if not names:
         raise InputError(f"a scene of kind {kind} shows the cases of an axis, and the study has none")
     if len(names) > most:
         raise InputError(f"a scene of kind {kind} shows at most {most} of the axes {', '.join(names)}")
     if chosen.cells == "together":
-        return _together(ds, chosen, names[0], at, settings)
-    return (_row if len(names) == 1 else _table)(ds, chosen, names, at, settings)
+        return _together(stored, chosen, names[0], at, settings)
+    return (_row if len(names) == 1 else _table)(stored, chosen, names, at, settings)
 
 
-def _single(ds: xr.Dataset, kind: Kind, at: Mapping[str, float] | None, along: str | None, settings: Settings) -> Page:
+def _single(
+    stored: StoredStudy, kind: Kind, at: Mapping[str, float] | None, along: str | None, settings: Settings
+) -> Page:
     """One case large; a long one in lines."""
-    chosen = selection.case(ds, at)
-    where = chosen if at else _nearest_solved(ds, chosen)
-    case = scene_kinds.case_values(ds, where)
-    body, why = rods.of_case(ds, where, kind, settings.span)
+    chosen = stored.place(at)
+    where = chosen if at else _nearest_solved(stored, chosen)
+    case = scene_kinds.case_values(stored, where)
+    body, why = rods.of_case(stored, where, kind, settings.span)
     if body is None:
         raise InputError(f"nothing to draw{f' at {case}' if case else ''}: {why}")
     context = [body]
     if along:
-        held = {name: float(ds[name].values[i]) for name, i in where.items() if name != along}
-        line = [rods.of_case(ds, each, kind, settings.span)[0] for each in selection.line(ds, along, held)]
+        held = {name: float(stored[name].values[i]) for name, i in where.items() if name != along}
+        line = [rods.of_case(stored, each, kind, settings.span)[0] for each in stored.places(along, held)]
         context = [each for each in line if each]
     notes = []
     if where != chosen:
-        notes += [f"{scene_kinds.case_values(ds, chosen)} is not solved; this is the nearest solved case"]
-    down = gravity(ds, where)
+        notes += [f"{scene_kinds.case_values(stored, chosen)} is not solved; this is the nearest solved case"]
+    down = gravity(stored, where)
     body, *context = long_rod.compress([body, *context])
-    notes = [*long_rod.notes_on([body], str(ds.attrs["length_unit"])), *notes]
+    notes = [*long_rod.notes_on([body], stored.units["length"]), *notes]
     if long_rod.is_long(context):
-        return _in_lines(ds, kind, body, context, case, settings, notes, down)
+        return _in_lines(stored, kind, body, context, case, settings, notes, down)
     rows, camera = _from_sides([body], context, settings, down)
-    return composition.compose(Scene(ds, kind, rows, context, case, camera, settings, notes))
+    return composition.compose(Scene(stored, kind, rows, context, case, camera, settings, notes))
 
 
-def _nearest_solved(ds: xr.Dataset, where: Where, among: Sequence[Where] | None = None) -> Where:
+def _nearest_solved(stored: StoredStudy, where: Where, among: Sequence[Where] | None = None) -> Where:
     """The solved case with the fewest steps along the axes to a case, of a list or of all; the case where none is."""
-    solved = ds["solved"]
+    solved = stored["solved"]
     if bool(solved.isel(where)):
         return where
     if among is None:
@@ -192,8 +193,8 @@ def _side(azimuth: float, elevation: float) -> str:
 
 
 def _in_lines(
-    ds: xr.Dataset, kind: Kind, body: Body, context: Sequence[Body], case: str, settings: Settings, notes: list[str],
-    down: Array | None,
+    stored: StoredStudy, kind: Kind, body: Body, context: Sequence[Body], case: str, settings: Settings,
+    notes: list[str], down: Array | None,
 ) -> Page:  # fmt: skip
     """All of a rod that would be too thin to see in one view."""
     azimuth, elevation = one_view_of(settings.camera or "front", "a rod this long, which is set in lines,")
@@ -203,37 +204,39 @@ def _in_lines(
             f"elevation of {elevation:g} degrees; draw a part of the rod with --from and --to"
         )
     camera, turned = front_camera(context, lying=True, down=down), -np.radians(azimuth)
-    scene = Scene(ds, kind, [[View([body], Cell())]], context, case, camera, settings, notes, heads=HEADS,
+    scene = Scene(stored, kind, [[View([body], Cell())]], context, case, camera, settings, notes, heads=HEADS,
                   ringed=False)  # fmt: skip
     wide, high = (side * settings.dpi for side in room_of(scene))
     lines, ends = long_rod.lines_for(context, (int(wide - 2 * EDGE * settings.dpi), int(high)))
-    spans, unit = lines.cut(*body.span), str(ds.attrs["length_unit"])
+    spans, unit = lines.cut(*body.span), stored.units["length"]
     rows = [[View([piece], Cell(), turned, ends)] for piece in long_rod.cut(lines, body)]
     notes, heads = [lines.note(spans, unit), *notes], ["", *lines.heads(spans, unit)]
     return composition.compose(replace(scene, rows=rows, heads=heads, notes=notes, pitch=long_rod.PITCH))
 
 
-def _together(ds: xr.Dataset, kind: Kind, axis: str, at: Mapping[str, float] | None, settings: Settings) -> Page:
+def _together(stored: StoredStudy, kind: Kind, axis: str, at: Mapping[str, float] | None, settings: Settings) -> Page:
     """The cases of an axis on one cylinder, thin, each in the colour of its value."""
     if settings.color_range:
         raise InputError(f"a scene of kind {kind.name} has one colour for each rod, so it takes no --color-range")
-    line = selection.line(ds, axis, at)
+    line = stored.places(axis, at)
     cases = selection.spread(line, kind.most)
-    drawn = [rods.of_case(ds, where, kind, settings.span)[0] for where in cases]
+    drawn = [rods.of_case(stored, where, kind, settings.span)[0] for where in cases]
     whole = {k: body for k, body in enumerate(drawn) if body}
     if not whole:
         raise InputError(f"nothing to draw along {axis}: no case of it has a shape")
     thin = [_thin(body, k) for k, body in whole.items()]
-    words = [scene_kinds.values(ds, {axis: cases[k][axis]})[0] for k in whole]
+    words = [scene_kinds.values(stored, {axis: cases[k][axis]})[0] for k in whole]
     held = {k: i for k, i in cases[0].items() if k != axis}
-    down = gravity(ds, held)
+    down = gravity(stored, held)
     bodies = _in_view(thin, down, settings)
-    case = ", ".join([labels.axis_label(axis, ds[axis]), *scene_kinds.values(ds, held)])
+    case = ", ".join([labels.axis_label(axis, stored[axis]), *scene_kinds.values(stored, held)])
     notes = [f"{len(cases)} of {len(line)} values"] if len(cases) < len(line) else []
     notes += [f"drawn at {GHOST:.2g} of the thickness, one upon the other"]
-    notes += long_rod.notes_on(bodies, str(ds.attrs["length_unit"]))
+    notes += long_rod.notes_on(bodies, stored.units["length"])
     rows, camera = _from_sides(bodies, bodies, settings, down)
-    return composition.compose(Scene(ds, kind, rows, bodies, case, camera, settings, notes, ringed=False, names=words))
+    return composition.compose(
+        Scene(stored, kind, rows, bodies, case, camera, settings, notes, ringed=False, names=words)
+    )
 
 
 def _thin(body: Body, k: int) -> Body:
@@ -243,36 +246,41 @@ def _thin(body: Body, k: int) -> Body:
     return replace(body, line=replace(body.line, a=a), lift=lift, paint=Paint(colours.SEVERAL[k]))
 
 
-def _row(ds: xr.Dataset, kind: Kind, names: list[str], at: Mapping[str, float] | None, settings: Settings) -> Page:
+def _row(stored: StoredStudy, kind: Kind, names: list[str], at: Mapping[str, float] | None, settings: Settings) -> Page:
     """The cases of an axis in rows, as large as they fit; each rod faces the viewer."""
-    line = selection.line(ds, names[0], at)
+    line = stored.places(names[0], at)
     spread, chosen = selection.spread(line, kind.most), list[Where]()
     for where in spread:
-        chosen.append(_nearest_solved(ds, where, [other for other in line if other not in [*spread, *chosen]]))
+        chosen.append(_nearest_solved(stored, where, [other for other in line if other not in [*spread, *chosen]]))
     chosen.sort(key=lambda where: where[names[0]])
     moved = sum(where not in chosen for where in spread)
-    rows, cameras = _cells(ds, kind, names, [chosen], settings)
+    rows, cameras = _cells(stored, kind, names, [chosen], settings)
     size = GRID if len(chosen) > IN_ROW else ROW
-    shown = [labels.axis_label(name, ds[name]) for name in names if name != "equilibrium"]
+    shown = [labels.axis_label(name, stored[name]) for name in names if name != "equilibrium"]
     notes = [f"{len(chosen)} of {len(line)} values"] if len(chosen) < len(line) else []
     notes += [f"in place of {moved} unsolved case{'s' * (moved > 1)} the nearest solved"] if moved else []
-    scene = _several(ds, kind, names, rows, cameras[0], settings, chosen[0], shown, notes, size)
+    scene = _several(stored, kind, names, rows, cameras[0], settings, chosen[0], shown, notes, size)
     room = room_of(scene)
     scenes = [replace(scene, rows=in_rows(rows[0], camera, room), camera=camera) for camera in cameras]
     return _compose_larger(scenes, room)
 
 
-def _table(ds: xr.Dataset, kind: Kind, names: list[str], at: Mapping[str, float] | None, settings: Settings) -> Page:
+def _table(
+    stored: StoredStudy, kind: Kind, names: list[str], at: Mapping[str, float] | None, settings: Settings
+) -> Page:
     """The cases of two axes, with headings."""
-    line, down = (selection.line(ds, name, at) for name in names)
+    line, down = (stored.places(name, at) for name in names)
     across = selection.spread(line, kind.most)
     cases = [[{**case, names[1]: row[names[1]]} for case in across] for row in selection.spread(down, MOST_ROWS)]
-    rows, cameras = _cells(ds, kind, [], cases, settings)
+    rows, cameras = _cells(stored, kind, [], cases, settings)
     notes = [f"{count} of {of} values of {labels.axis_symbol(name)}"
              for name, count, of in zip(names, (len(across), len(cases)), (len(line), len(down)), strict=True)
              if count < of]  # fmt: skip
-    scene = _several(ds, kind, names, rows, cameras[0], settings, cases[0][0], [], notes, GRID)
-    heads = scene_kinds.headings(ds, names[0], cases[0]), scene_kinds.headings(ds, names[1], [row[0] for row in cases])
+    scene = _several(stored, kind, names, rows, cameras[0], settings, cases[0][0], [], notes, GRID)
+    heads = (
+        scene_kinds.headings(stored, names[0], cases[0]),
+        scene_kinds.headings(stored, names[1], [row[0] for row in cases]),
+    )
     scene = replace(scene, columns=heads[0], heads=heads[1])
     return _compose_larger([replace(scene, camera=camera) for camera in cameras], room_of(scene))
 
@@ -289,7 +297,7 @@ def _compose_larger(scenes: Sequence[Scene], room: tuple[float, float]) -> Page:
 
 
 def _cells(
-    ds: xr.Dataset, kind: Kind, names: list[str], cases: Sequence[Sequence[Where]], settings: Settings
+    stored: StoredStudy, kind: Kind, names: list[str], cases: Sequence[Sequence[Where]], settings: Settings
 ) -> tuple[list[list[View]], list[Camera]]:
     """The views of cases, in which each rod faces the camera; of a case without a shape its reason.
 
@@ -297,8 +305,8 @@ def _cells(
     """
     azimuth, elevation = one_view_of(settings.camera or f"0,{LEVEL}", f"each rod of the kind {kind.name}")
     held = {name: i for name, i in cases[0][0].items() if all(each[name] == i for row in cases for each in row)}
-    down = None if settings.camera else gravity(ds, held)
-    each = [[rods.of_case(ds, where, kind, settings.span) for where in row] for row in cases]
+    down = None if settings.camera else gravity(stored, held)
+    each = [[rods.of_case(stored, where, kind, settings.span) for where in row] for row in cases]
     drawn = _in_view([body for row in each for body, _ in row if body], down, settings)
     flat = [front_camera([], elevation, lying) for lying in (False, True)]
     cameras = [camera_of(drawn, front_camera([], 0.0, True, down))] if down is not None else flat
@@ -307,7 +315,7 @@ def _cells(
         views = []
         for where, (body, why) in zip(row, bodies_of_row, strict=True):
             body = next(fitted) if body else None
-            cell = replace(kind.cell(ds, names, where) if names else Cell(), why_empty=why)
+            cell = replace(kind.cell(stored, names, where) if names else Cell(), why_empty=why)
             own_azimuth = azimuth_of([body]) if body and down is None else 0.0
             turned = -np.radians(azimuth) - own_azimuth
             views.append(View([body] if body else [], cell, turned))
@@ -316,15 +324,15 @@ def _cells(
 
 
 def _several(
-    ds: xr.Dataset, kind: Kind, names: list[str], rows: list[list[View]], camera: Camera, settings: Settings,
+    stored: StoredStudy, kind: Kind, names: list[str], rows: list[list[View]], camera: Camera, settings: Settings,
     first: Where, shown: list[str], notes: list[str], size: tuple[float, float],
 ) -> Scene:  # fmt: skip
     """The scene of cases side by side."""
     bodies = [body for row in rows for view in row for body in view.bodies]
     held = {name: i for name, i in first.items() if name not in names}
-    case = ", ".join([*shown, *scene_kinds.values(ds, held)])
-    notes = [*long_rod.notes_on(bodies, str(ds.attrs["length_unit"])), *notes, *kind.notes]
-    return Scene(ds, kind, rows, bodies, case, camera, settings, notes, size)
+    case = ", ".join([*shown, *scene_kinds.values(stored, held)])
+    notes = [*long_rod.notes_on(bodies, stored.units["length"]), *notes, *kind.notes]
+    return Scene(stored, kind, rows, bodies, case, camera, settings, notes, size)
 
 
 def _in_view(bodies: Sequence[Body], down: Array | None, settings: Settings) -> list[Body]:

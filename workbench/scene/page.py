@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from matplotlib import rc_context
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
@@ -27,6 +26,7 @@ from ..figures.arrangement import Arrangement
 from ..figures.scales import round_below
 from ..geometry.centreline import Array
 from ..store import atomic
+from ..stored.stored_study import StoredStudy
 from ..words import labels
 from .body import Body
 from .scene_kinds import Cell, Kind, Paint
@@ -73,7 +73,7 @@ class Scene:
         Whose bar the page has; chosen by `composition.colour_rods`.
     """
 
-    ds: xr.Dataset
+    stored: StoredStudy
     kind: Kind
     rows: Sequence[Sequence[View]]
     context: Sequence[Body]
@@ -141,10 +141,10 @@ class Page:
         self.scene, self.legend, self.notes = scene, legend, notes
         bare, size = scene.settings.bare, size or scene.page_size
         self.bare, self.head, self.foot = bare, (0.0, 0.0) if bare else scene.beside, 0.0 if bare else FOOT
-        inside = "inside the cylinder, cut open" if str(scene.ds.attrs["side"]) == "inside" else ""
-        ds, layout = (None, None) if bare else (scene.ds, "constrained")
+        inside = "inside the cylinder, cut open" if str(scene.stored.attrs["side"]) == "inside" else ""
+        titled, layout = (None, None) if bare else (scene.stored, "constrained")
         said = " · ".join(fact for fact in (scene.case, inside) if fact)
-        self.fig = canvas.figure(size, self._begin, ds, scene.settings.dpi, layout, said=said)
+        self.fig = canvas.figure(size, self._begin, titled, scene.settings.dpi, layout, said=said)
         self.left = size[1] if bare else canvas.resize(self.fig, size)
         if scene.settings.transparent:
             self.fig.patch.set_alpha(0.0)
@@ -236,7 +236,7 @@ class Page:
         if scene.down is not None:
             draw_weight(self.ax, x, y, scene.down)
             x += WEIGHT + APART
-        unit = str(scene.ds.attrs["length_unit"])
+        unit = scene.stored.units["length"]
         _draw_scale(self.ax, x, y, self.arrangement.scale * scene.along, unit, scene.along)
         if scene.paint.label:
             draw_bar(self.ax, scene.paint, (x + SCALE + APART, y - 0.04), (BAR, 0.1))

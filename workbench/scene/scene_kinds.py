@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
-import xarray as xr
 from matplotlib.colors import Colormap
 
 from solver.problem.errors import InputError, no_such
@@ -15,7 +14,7 @@ from studies.grammar.axes import SAMPLE
 
 from ..figures import colours
 from ..geometry.centreline import NEEDED, Array, Centreline
-from ..store.schema import axes_of, dimension, fields_of_samples
+from ..stored.stored_study import StoredStudy
 from ..words import labels
 
 PUSH_RAMP = colours.push_ramp()
@@ -105,35 +104,35 @@ class Cell:
     stable: bool = False
 
 
-def value_cell(ds: xr.Dataset, names: list[str], where: dict[str, int]) -> Cell:
+def value_cell(stored: StoredStudy, names: list[str], where: dict[str, int]) -> Cell:
     """A cell with the case's values along the axes below it."""
     if len(names) == 1:
-        return Cell(labels.value(float(ds[names[0]].values[where[names[0]]]), ds[names[0]]))
-    return Cell("\n".join(values(ds, {name: where[name] for name in names})))
+        return Cell(labels.value(float(stored[names[0]].values[where[names[0]]]), stored[names[0]]))
+    return Cell("\n".join(values(stored, {name: where[name] for name in names})))
 
 
-def equilibrium(ds: xr.Dataset, names: list[str], where: dict[str, int]) -> Cell:
+def equilibrium(stored: StoredStudy, names: list[str], where: dict[str, int]) -> Cell:
     """A cell with the number of an equilibrium, whether it is stable, and its energy."""
-    case = ds.isel(where)
+    case = stored.select(where)
     index = int(case["index"])
     words = "stable\n" if index == 0 else f"unstable\nin {index} way{'s' * (index > 1)}"
     energy = labels.value(float(case["energy"]), case["energy"])
     return Cell(f"{words}\n{energy}", number=int(case["equilibrium"]), stable=index == 0)
 
 
-def headings(ds: xr.Dataset, name: str, cases: list[dict[str, int]]) -> list[str]:
+def headings(stored: StoredStudy, name: str, cases: list[dict[str, int]]) -> list[str]:
     """The headings of a table: the quantity of an axis with its unit, and the value of each case without."""
-    array = ds[name]
+    array = stored[name]
     each = labels.in_label_unit(array, array.values[[where[name] for where in cases]])
     return [labels.axis_label(name, array), *(labels.minus_signs(labels.number(float(value))) for value in each)]
 
 
-def case_values(ds: xr.Dataset, where: Mapping[str, int]) -> str:
+def case_values(stored: StoredStudy, where: Mapping[str, int]) -> str:
     """The values of a case along all axes, in one line, with as many digits as --at needs."""
-    return ", ".join(values(ds, where, ASKED))
+    return ", ".join(values(stored, where, ASKED))
 
 
-def values(ds: xr.Dataset, where: Mapping[str, int], digits: int = 4) -> list[str]:
+def values(stored: StoredStudy, where: Mapping[str, int], digits: int = 4) -> list[str]:
     """The value of a case along each of these axes, with its unit; an equilibrium's number is none.
 
     The number of a sample is followed by the values of its fields.
@@ -142,8 +141,8 @@ def values(ds: xr.Dataset, where: Mapping[str, int], digits: int = 4) -> list[st
     for axis, i in where.items():
         names = [] if axis == "equilibrium" else [axis]
         if axis == SAMPLE:
-            names += map(dimension, fields_of_samples(ds))
-        each += [labels.equations(ds, {name: i}, digits) for name in names]
+            names += stored.sampled
+        each += [stored.equations({name: i}, digits) for name in names]
     return each
 
 
@@ -184,7 +183,7 @@ class Kind:
     value: Callable[[Centreline, Array], Array] | None = None
     paint: Callable[[dict[str, str], Extremes], Paint] = one_colour
     legend: tuple[tuple[str, str], ...] = ()
-    cell: Callable[[xr.Dataset, list[str], dict[str, int]], Cell] = value_cell
+    cell: Callable[[StoredStudy, list[str], dict[str, int]], Cell] = value_cell
     of_equilibria: bool = False
     most: int = 9
     notes: tuple[str, ...] = ()
@@ -214,6 +213,6 @@ def kind_of(name: str) -> Kind:
     return KINDS[name]
 
 
-def default_kind(ds: xr.Dataset) -> str:
+def default_kind(stored: StoredStudy) -> str:
     """The kind by which a dataset is drawn unless another is asked for."""
-    return "equilibria" if axes_of(ds) == ["equilibrium"] else "contact"
+    return "equilibria" if stored.axes == ["equilibrium"] else "contact"

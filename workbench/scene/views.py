@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import xarray as xr
 
 from solver.mechanics import frames
 from solver.problem.errors import InputError, no_such
@@ -15,6 +14,7 @@ from solver.problem.errors import InputError, no_such
 from ..figures import arrangement, fonts
 from ..figures.arrangement import Arrangement
 from ..geometry.centreline import Array
+from ..stored.stored_study import StoredStudy
 from .body import Body
 from .scene_kinds import Cell
 
@@ -104,11 +104,13 @@ def one_view_of(text: str | None, shown: str) -> tuple[float, float]:
     return view
 
 
-def gravity(ds: xr.Dataset, where: Mapping[str, int]) -> Array | None:
+def gravity(stored: StoredStudy, where: Mapping[str, int]) -> Array | None:
     """The direction of the weight of the rods of a case, (3,); None without weight or for several directions."""
-    if "weight" not in ds or not ds["weight"].values.any():
+    if "weight" not in stored or not stored["weight"].values.any():
         return None
-    angles = np.unique(ds["inclination"].isel(where, missing_dims="ignore").values) if "inclination" in ds else [0.0]
+    angles = (
+        np.unique(stored["inclination"].isel(where, missing_dims="ignore").values) if "inclination" in stored else [0.0]
+    )
     return np.array([np.sin(angles[0]), 0.0, -np.cos(angles[0])]) if len(angles) == 1 else None
 
 

@@ -23,13 +23,14 @@ from studies.grammar.axes import SAMPLE, Dimensions, quantity_of
 from studies.language.loader import dumps
 from studies.language.refine import LEVEL
 
+from ..stored import provenance, quantity_variables, schema
+from ..stored.law_verdicts import Tally
+from ..stored.law_verdicts import statistics as statistics_of
+from ..stored.schema import Columns, Where, blocks, extent, span
 from ..words import cautions, outcomes
-from . import atomic, bounds, file_checks, reading, schema, writing
-from .law_verdicts import Tally
-from .law_verdicts import statistics as statistics_of
+from . import atomic, bounds, file_checks, reading, writing
 from .plan import TEXT_BYTES, Plan, bytes_of_file, remarks
 from .recipe import Places
-from .schema import Columns, Where, blocks, extent, span
 from .shards import Shards
 
 WINDOW = 2**25  # bytes of results held while they are copied
@@ -58,31 +59,33 @@ def make(
         values = columns[name]
         data[name] = xr.Variable(dims, values.reshape((*over.shape, *values.shape[1:])), attrs)
     ds = frame_of(study, over, remarks, case).assign(data)  # all at once: xarray aligns at each assignment
-    return ds.assign_attrs(caution=cautions.sentence(ds))
+    return ds.assign_attrs(caution=cautions.said(ds["caution"].values))
 
 
 def frame_of(
     study: Study, over: Dimensions, remarks: Mapping[str, str] | None = None, case: Case | None = None
 ) -> xr.Dataset:
     """The dataset without the variables of each case: coordinates, fields of the case, attributes."""
-    axes = tuple(map(schema.dimension, over.names))
+    axes = tuple(map(quantity_variables.dimension, over.names))
     units = study.unit_system
     case = study.case_of(over.open()) if case is None else case
     coords = _coordinates(study, over)
     data = {}
     for name, value in schema.numbers_of_case(case).items():
         if name not in coords:
-            data[name] = xr.Variable(*_own_dims(value, axes), schema.labels(name, units))
+            data[name] = xr.Variable(*_own_dims(value, axes), quantity_variables.labels(name, units))
     for field, value in study.constants_of_laws.items():
-        if schema.dimension(field) not in (*coords, *data, *schema.LOADS):
-            data[schema.dimension(field)] = xr.Variable((), float(value), _axis_labels(study, field))
+        if quantity_variables.dimension(field) not in (*coords, *data, *quantity_variables.LOADS):
+            data[quantity_variables.dimension(field)] = xr.Variable((), float(value), _axis_labels(study, field))
     u = np.linspace(0.0, 1.0, study.stations)
-    coords["u"] = xr.Variable(("u",), u, schema.labels("u", units))
+    coords["u"] = xr.Variable(("u",), u, quantity_variables.labels("u", units))
     dims, length = _own_dims(case.rod.L, axes)
     if study.outputs or length.size < MOST_LENGTHS:
-        coords["s"] = xr.Variable((*dims, "u"), length[..., None] * u, schema.labels("s", units))
-    if any(name in schema.INNER for name in study.outputs):
-        coords["xyz"] = xr.Variable(("xyz",), list(schema.COMPONENTS["xyz"]), {"long_name": "component; z is the axis"})
+        coords["s"] = xr.Variable((*dims, "u"), length[..., None] * u, quantity_variables.labels("s", units))
+    if any(name in quantity_variables.INNER for name in study.outputs):
+        coords["xyz"] = xr.Variable(
+            ("xyz",), list(quantity_variables.COMPONENTS["xyz"]), {"long_name": "component; z is the axis"}
+        )
     ds = xr.Dataset(coords=coords, attrs={**_attributes(study, case), **(remarks or {})})
     return ds.assign(data)  # the axes come first, in order
 
@@ -91,10 +94,10 @@ def _coordinates(study: Study, over: Dimensions) -> dict[str, Any]:
     """The coordinates of the dimensions: the values of each axis; the numbers of the samples, and their fields."""
     coords: dict[str, Any] = {}
     for each in over.each:
-        dim = schema.dimension(each.name)
+        dim = quantity_variables.dimension(each.name)
         coords[dim] = xr.Variable((dim,), each.coordinate, _axis_labels(study, each.name))
         for field, values in each.fields.items():
-            coords[schema.dimension(field)] = xr.Variable((dim,), values, _axis_labels(study, field))
+            coords[quantity_variables.dimension(field)] = xr.Variable((dim,), values, _axis_labels(study, field))
     if study.refine is not None:
         lattice = study.lattice
         levels = lattice.levels(lattice.places(over.fields))
@@ -105,7 +108,7 @@ def _coordinates(study: Study, over: Dimensions) -> dict[str, Any]:
 
 def _axis_labels(study: Study, name: str) -> dict[str, str]:
     row = quantity_of(name)
-    words = schema.labels(row.name, study.unit_system)
+    words = quantity_variables.labels(row.name, study.unit_system)
     if meaning := study.meaning(name):
         words["long_name"] += f" ({meaning})"
         words["reading"] = meaning
@@ -139,9 +142,9 @@ def _attributes(study: Study, case: Case) -> dict[str, Any]:
         "method": study.method,
         "observed": RESOLVED if _knows_orbit(study.method) else AT_STATIONS,
         "laws": schema.laws_text(study),
-        **schema.provenance(),
+        **provenance.provenance(),
         **{name: sentence for name, sentence in sampling.items() if sentence},
-        **({} if study.followed is None else {"followed": schema.dimension(study.followed)}),
+        **({} if study.followed is None else {"followed": quantity_variables.dimension(study.followed)}),
     }
 
 

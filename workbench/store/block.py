@@ -14,19 +14,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from solver import Case, Solution, equilibria, solve
-from solver.choose.selection import NEAREST, Choose
-from solver.equilibria import Equilibria, nearest
+from solver import Case, Solution
 from solver.observe.observables import OBSERVABLES, is_count, observe, why_unknown
-from solver.problem.errors import DEFAULT_TOLERANCE
 from studies import Study
-from studies.grammar.axes import Which
 from studies.language import expressions
 
+from ..stored.one_case import solve_one
+from ..stored.quantity_variables import LOADS, curve_name, inner_shape
+from ..stored.schema import JUDGED, TEXTS, Columns, shapes
 from ..words import cautions, pipe_state
 from ..words.outcomes import NO_BRANCH
 from . import bounds
-from .schema import JUDGED, LOADS, TEXTS, Columns, curve_name, inner_shape, shapes
 from .shards import encode, join
 
 
@@ -76,35 +74,6 @@ def _columns_of(study: Study, sol: Solution, remark: str, branch: int) -> Column
     if remark:
         row["outcome"] = np.array([bounds.fit_text(f"{row['outcome'][0]}; {remark}")])
     return {**row, "branch": np.array([branch])}
-
-
-def rule_of(which: Which | None) -> Choose:
-    """The rule by which a study takes the equilibrium of a case."""
-    return NEAREST if which is None or which.rule is None else which.rule
-
-
-def solve_one(
-    case: Case,
-    which: Which | None,
-    tol: float,
-    method: str,
-    stations: Any,
-    let_go: bool = False,
-    listed: Equilibria | None = None,
-) -> Solution:
-    """The solution of a case, or of several; where a study names an equilibrium, that one. Raises `InputError`.
-
-    let_go: whether the cylinder then only pushes; tol is that of the rod let go. listed: all equilibria of the case at
-    these stations, where they are known.
-    """
-    if let_go:
-        return solve_one(case, which, DEFAULT_TOLERANCE, "auto", stations, listed=listed).let_go(tol)
-    if which is not None and which.dbeta0 is not None and which.energy is not None:
-        every = equilibria(case, tol, stations) if listed is None else listed
-        if len(every):
-            taken = nearest(every, which.dbeta0, which.energy).solution
-            return taken if method in ("auto", taken.method) else solve(case, tol, method, stations, seed=taken)
-    return solve(case, tol=tol, method=method, stations=stations, choose=rule_of(which))
 
 
 def columns(study: Study, sol: Solution, given: Mapping[str, Any] | None = None) -> Columns:

@@ -16,8 +16,9 @@ from solver.problem.field_values import POSITIVE, RANGES
 from studies import Study
 from studies.grammar.axes import Dimensions
 
-from . import schema
-from .schema import CURVES, JUDGED, LABEL, LOADS
+from ..stored import schema
+from ..stored.quantity_variables import CURVES, LOADS
+from ..stored.schema import JUDGED, LABEL
 
 Mask = NDArray[np.bool_]
 

@@ -22,9 +22,11 @@ from studies import names
 from studies.grammar.axes import FIELDS, SAMPLE
 from studies.grammar.formulas import parse
 
+from ..stored import refined, schema
+from ..stored.quantity_variables import CURVES, INNER, LOADS
+from ..stored.schema import FORMAT, JUDGED, LABEL, LINE, SECTION, TEXTS, blocks, show
 from ..words import escaping
-from . import bounds, refined, schema
-from .schema import CURVES, FORMAT, INNER, JUDGED, LABEL, LINE, LOADS, SECTION, TEXTS, blocks, show
+from . import bounds
 
 Check = Callable[[xr.Dataset], Iterator[str]]
 

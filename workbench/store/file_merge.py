@@ -17,10 +17,11 @@ from studies.grammar.axes import SAMPLE, Dimension
 from studies.language.loader import axis_table, dumps
 from studies.language.study import SOURCES
 
+from ..stored import quantity_variables, schema, solved_again
+from ..stored.selection import SAME
 from ..words import cautions
-from . import assembly, atomic, reading, schema, stored_case, writing
+from . import assembly, atomic, reading, writing
 from .recipe import Places, axis_line, unite
-from .selection import SAME
 
 # Attributes in which merged files may not differ, and their names in messages.
 ALIKE = {
@@ -40,7 +41,7 @@ def merge(files: Sequence[Path], out: Path, force: bool = False) -> dict[str, An
         raise InputError(f"merge takes two files or more, got {len(files)}")
     with contextlib.ExitStack() as stack:
         opened = [_with_results_as_data(stack.enter_context(reading.open_study(path, whole=True))) for path in files]
-        studies = [stored_case.study_of(ds) for ds in opened]
+        studies = [solved_again.study_of(ds) for ds in opened]
         names = [str(path) for path in files]
         axis, axes = _axis(opened, studies, names), schema.axes_of(opened[0])
         union, places = unite([_dimension(ds, studies[0], axis) for ds in opened])
@@ -74,15 +75,15 @@ def merge(files: Sequence[Path], out: Path, force: bool = False) -> dict[str, An
 
 def _with_results_as_data(ds: xr.Dataset) -> xr.Dataset:
     """The dataset in which a result is no coordinate, as it may be in a file that another program has stored."""
-    coordinates = {"s", *ds.dims, *map(schema.dimension, schema.fields_of_samples(ds))}
+    coordinates = {"s", *ds.dims, *map(quantity_variables.dimension, schema.fields_of_samples(ds))}
     return ds.reset_coords([name for name in ds.coords if name not in coordinates])
 
 
 def _dimension(ds: xr.Dataset, study: Study, axis: str) -> Dimension:
     """An axis of a file by the study's field, or its samples."""
     if axis == SAMPLE:
-        return Dimension(SAMPLE, stored_case.samples_of(ds))
-    field = schema.field_of(study, axis)
+        return Dimension(SAMPLE, solved_again.samples_of(ds))
+    field = quantity_variables.field_of(study, axis)
     return Dimension(field, {field: ds[axis].values})
 
 
@@ -148,7 +149,7 @@ def _axis(files: Sequence[xr.Dataset], studies: Sequence[Study], names: Sequence
 
 def _values(ds: xr.Dataset, axis: str) -> list[bytes]:
     """The values of an axis, those of the samples by their fields, to the bit."""
-    names = map(schema.dimension, schema.fields_of_samples(ds)) if axis == SAMPLE else [axis]
+    names = map(quantity_variables.dimension, schema.fields_of_samples(ds)) if axis == SAMPLE else [axis]
     return [ds[name].values.tobytes() for name in names]
 
 
@@ -190,7 +191,7 @@ def _attributes(
     attrs = {key: value for key, value in files[0].attrs.items() if key not in OF_ONE_RUN}
     axis = union.name
     if axis != SAMPLE:
-        axis = schema.dimension(axis)
+        axis = quantity_variables.dimension(axis)
         text = dumps(study, axes={union.name: axis_table(union.fields[union.name])})
     else:
         attrs["sampling"] = _origin_of_samples(files, union)

@@ -15,12 +15,14 @@ from solver.problem.errors import InputError
 from studies.grammar.axes import SAMPLE
 from studies.laws import law_words
 
+from ..stored import quantity_variables, refined, schema
+from ..stored.derived_arrays import StoredArrays, states_of
+from ..stored.law_verdicts import statistics
+from ..stored.solved_again import solve_again, study_of
+from ..stored.stored_cases import HELD_INDEX
+from ..stored.stored_study import StoredStudy
 from ..words import cautions, labels
-from . import file_checks, reading, refined, schema, selection
-from .derived_arrays import StoredArrays, states_of
-from .law_verdicts import boundary_of_law, statistics
-from .refined import boundary
-from .stored_case import solve_again, study_of
+from . import file_checks, reading
 
 MOST_PLACES = 12  # of a boundary along one axis that are listed
 MOST_STATES, DENSE = 50, 3  # rods whose states are listed; stations from one change of sign of beta to the next
@@ -40,9 +42,9 @@ def summary(path: Path) -> dict[str, Any]:
         data |= {key: str(ds.attrs.get(key, "")) for key in ("created", "caution", *schema.SAMPLING)}
         data["versions"] = schema.versions_of(ds, path)
         data["axes"] = [_axis(ds[name]) for name in schema.axes_of(ds)]
-        data["sampled"] = [_axis(ds[schema.dimension(name)]) for name in schema.fields_of_samples(ds)]
+        data["sampled"] = [_axis(ds[quantity_variables.dimension(name)]) for name in schema.fields_of_samples(ds)]
         data["stations"] = ds.sizes.get("u", 0)
-        data["along"] = [name for name in schema.CURVES if name in ds.data_vars]
+        data["along"] = [name for name in quantity_variables.CURVES if name in ds.data_vars]
         data["boundaries"] = _boundaries(ds)
         data["cases"] = ds["outcome"].size
         counted = statistics(ds)
@@ -97,7 +99,7 @@ def _observables(ds: xr.Dataset) -> list[str]:
     except InputError:  # a file without the text of its study
         names, reactions = [], []
     holding = [name for name in OBSERVABLES if name in names and OBSERVABLES[name].holds and name not in reactions]
-    known = [name for name in (*reactions, *holding, selection.HELD_INDEX) if name in ds.data_vars]
+    known = [name for name in (*reactions, *holding, HELD_INDEX) if name in ds.data_vars]
     return [*schema.observables_of(ds), *known]
 
 
@@ -107,8 +109,9 @@ def _boundaries(ds: xr.Dataset) -> list[dict[str, Any]]:
     if not schema.is_refined(ds):
         return rows
     study = refined.describe(ds)
-    each = [(name, boundary(ds, name)) for name in study.watch]
-    each += [(f"law {claim}", boundary_of_law(ds, claim)) for claim in study.laws]
+    stored = StoredStudy(ds)
+    each = [(name, stored.boundary(name)) for name in study.watch]
+    each += [(f"law {claim}", stored.boundary(claim)) for claim in study.laws]
     for name, pairs in each:
         for axis in map(str, pairs.coords):
             half = pairs[f"{axis}_half_width"].values
@@ -164,7 +167,7 @@ def _worst(ds: xr.Dataset, name: str) -> dict[str, Any]:
     i = int(np.nanargmax(np.where(np.isfinite(values), values, np.nan)))
     where = np.unravel_index(i, variable.shape)
     at = {str(dim): variable[dim][k].item() for dim, k in zip(variable.dims, where, strict=True)}
-    sampled = map(schema.dimension, schema.fields_of_samples(ds))
+    sampled = map(quantity_variables.dimension, schema.fields_of_samples(ds))
     at |= {field: ds[field].sel({SAMPLE: at[SAMPLE]}).item() for field in sampled}
     return {"name": name, "value": float(values[i]), "at": at}
 

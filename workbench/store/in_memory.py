@@ -1,6 +1,7 @@
 """Run a study in memory."""
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -12,11 +13,13 @@ from solver.end_angle_branch import EndAngleBranch, to_fold
 from studies import Study
 from studies.grammar.axes import Dimensions, is_angle, quantity_of
 
+from ..stored import law_verdicts, quantity_variables
+from ..stored.schema import Columns
+from ..stored.stored_study import StoredStudy
 from ..words import outcomes
-from . import assembly, law_verdicts, schema
+from . import assembly
 from .block import block_of, columns
 from .plan import bytes_a_case, plan, remarks, rounds
-from .schema import Columns
 from .shards import join
 
 MOST_IN_MEMORY = 2_000_000_000
@@ -34,6 +37,11 @@ class StudyResult:
     verdicts: list[dict[str, Any]]
     path: Path | None = None
     pictures: dict[str, Path] = field(default_factory=dict)
+
+    @cached_property
+    def stored(self) -> StoredStudy:
+        """The dataset, as figures, scenes and pages take it."""
+        return StoredStudy(self.ds)
 
 
 def run(study: Study, tol: float | None = None, method: str | None = None) -> xr.Dataset:
@@ -110,9 +118,13 @@ def run_followed(study: Study) -> xr.Dataset:
     as_run = study.model_copy(update={"method": sol.method})
     ds = assembly.make(as_run, Dimensions.of({field: branch.values}), columns(study, sol), case=branch.ends)
     units = study.unit_system
-    data = {"dbeta0": xr.Variable((schema.dimension(field),), branch.dbeta0, schema.labels("dbeta0", units))}
+    data = {
+        "dbeta0": xr.Variable(
+            (quantity_variables.dimension(field),), branch.dbeta0, quantity_variables.labels("dbeta0", units)
+        )
+    }
     for key, row, value in (("fold", name, branch.fold), ("fold_dbeta0", "dbeta0", branch.fold_dbeta0)):
-        labels = schema.labels(row, units)
+        labels = quantity_variables.labels(row, units)
         labels["long_name"] += " where the equilibrium ceases to exist"
         data[key] = xr.Variable((), np.nan if value is None else value, labels)
     return ds.assign(data).assign_attrs(fold_note=_note(study, branch, axis.limit))

@@ -11,19 +11,20 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from solver import Case, Ends
-from solver.problem.errors import InputError, check_tolerance, choices
+from solver.problem.errors import InputError, check_tolerance
 from studies import Study
 from studies.grammar.axes import SAMPLE, Axis, Dimension, Dimensions, Values, in_words
 from studies.language import refine as tables
 from studies.language.refinement import OUTCOME, Refinement
 from studies.language.study import SOURCES
 
-from . import refined, shards
+from ..stored import refined
+from ..stored.one_case import method_of
+from ..stored.schema import TEXTS, Columns, shapes
+from ..stored.sweep import Sweep, block_size
+from . import shards
 from .block import Chunk
 from .recipe import Places, StoredRun, differences, extend, look, recipe_of, versions_of_code
-from .schema import TEXTS, Columns, shapes
-from .sweep import Sweep, block_size
 
 # Cases in a block: enough for NumPy, few enough for the cache; fewer where each case is solved by itself.
 BLOCK, BLOCK_ALONE = 512, 32
@@ -157,21 +158,9 @@ class Plan:
 
 def plan(study: Study) -> Plan:
     """The plan of a study; "auto" becomes the automatic method. Raises `InputError` as `solve` does."""
-    from solver.methods import choose_method, free_method, varying_method
-
     dimensions = study.dimensions()
-    first = study.case_of({name: values[0] for name, values in dimensions.fields.items()})
-    if study.follow is not None:  # the equilibrium is followed by its ends, also where the study gives its start
-        first = Case(first.rod, first.cylinder, Ends(0.0, 0.0))
-    if study.leaves:
-        name = free_method(study.method)
-    elif study.varies:
-        name = varying_method(first.kind, study.method)
-    else:
-        name = choose_method(first.kind, study.method).name
-    if study.held and name not in ("shooting", "uno"):
-        raise InputError(f"method {name!r} needs dead loads and end angles, got {choices(study.held)}; choose shooting")
-    return Plan(study.model_copy(update={"tol": check_tolerance(study.tol), "method": name}), dimensions)
+    method = method_of(study, dimensions)
+    return Plan(study.model_copy(update={"tol": check_tolerance(study.tol), "method": method}), dimensions)
 
 
 def remarks(plan: Plan) -> dict[str, str]:

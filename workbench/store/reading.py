@@ -14,7 +14,8 @@ from xarray.core import indexing
 
 from solver.problem.errors import InputError
 
-from . import checks, file_checks, schema
+from ..stored import schema
+from . import checks, file_checks
 from .file_checks import Contents, Stored, refusing
 
 

@@ -24,9 +24,9 @@ import numpy as np
 
 from solver.problem.errors import InputError
 
+from ..stored.schema import Columns
 from . import atomic
 from .recipe import differences
-from .schema import Columns
 
 MOST = 10**12 - 1  # cases that the name of a shard can count
 FORMAT = 3  # of the folder and its shards

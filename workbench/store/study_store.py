@@ -12,9 +12,9 @@ from typing import Any
 from solver.problem.errors import InputError
 from studies import Study
 
+from ..stored.law_verdicts import Tally, count, statistics, tally_of
 from . import atomic, bounds, cluster, shards, worker_processes
 from .block import solve_chunk, unsolved
-from .law_verdicts import Tally, count, statistics, tally_of
 from .plan import Plan, compare, plan, room, rounds
 from .shards import Damaged, Shards, decode, encode
 from .worker_processes import Results

@@ -14,7 +14,8 @@ from xarray.backends import H5NetCDFStore
 
 from solver.problem.errors import InputError
 
-from . import atomic, checks, file_checks, schema
+from ..stored import schema
+from . import atomic, checks, file_checks
 
 
 class _Arrays(h5py.File):  # type: ignore[misc]

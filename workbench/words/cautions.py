@@ -31,8 +31,6 @@ from studies.grammar.formulas import size_of
 from . import outcomes
 
 if TYPE_CHECKING:
-    import xarray as xr
-
     from solver import Case, Rod
     from solver.shape import Shape
 
@@ -119,11 +117,6 @@ def _words_of(part: str) -> tuple[str, str]:
     return WORDS.get(keys(part)[0], (f"is marked {part!r}", f"are marked {part!r}"))
 
 
-def sentence(ds: "xr.Dataset") -> str:
-    """One sentence on the cautions of a dataset; empty where there are none, or none stored."""
-    return said(ds["caution"].values) if "caution" in ds else ""
-
-
 def said(texts: Any) -> str:
     """One sentence on the cautions of `of_cases`; empty where there is nothing to say."""
     return tell(Counter(np.atleast_1d(texts).astype(str).ravel().tolist()))
@@ -185,22 +178,22 @@ def _list(facts: list[str]) -> str:
     return facts[0] if len(facts) == 1 else f"{', '.join(facts[:-1])} and {facts[-1]}"
 
 
-def restable(ds: "xr.Dataset") -> str:
-    """How many solved rods of a dataset could rest as they are computed: the caution that a verdict on them carries.
+def restable(texts: Any, solved: Any) -> str:
+    """How many solved rods could rest as they are computed: the caution that a verdict on them carries.
+
+    texts: the caution of each case. solved: whether each is solved.
 
     Of a rod that was not checked for all that bars it nobody knows: then the number is the largest that it may be.
     """
-    if "caution" not in ds:
-        return ""
-    solved = ds["solved"].values if "solved" in ds else np.ones(ds["caution"].shape, dtype=bool)
-    texts = ds["caution"].values[np.asarray(solved, dtype=bool)].astype(str).ravel().tolist()
+    cases = np.size(texts)
+    texts = np.asarray(texts)[np.asarray(solved, dtype=bool)].astype(str).ravel().tolist()
     barred = sum(map(is_barred, texts))
     unknown = any(UNKNOWN in text and not is_barred(text) for text in texts)
     if not barred:
         return ""
-    if ds["caution"].size == 1:
+    if cases == 1:
         return "this rod could not rest as computed"
-    of = f"of the {_number_in_words(len(texts))}{' solved' * (len(texts) < ds['caution'].size)} rods"
+    of = f"of the {_number_in_words(len(texts))}{' solved' * (len(texts) < cases)} rods"
     if barred == len(texts):
         return f"none {of} could rest as computed"
     return f"{'at most ' * unknown}{_number_in_words(len(texts) - barred)} {of} could rest as computed"
@@ -235,11 +228,3 @@ def left_out_of(case: "Case") -> str:
     wall = case.cylinder
     words = {"sliding": wall.sliding, "contact": wall.contact}
     return model_leaves_out({"weight": case.rod.weight, "friction": wall.friction, **words}, *NO_LOAD)
-
-
-def left_out_of_dataset(ds: "xr.Dataset") -> str:
-    """The same of a stored rod, or of several."""
-    if str(ds.attrs["side"]) != "inside":
-        return ""
-    given = {name: ds[name].values for name in ("weight", "friction") if name in ds}
-    return model_leaves_out(given | {name: ds.attrs.get(name) for name in ("sliding", "contact")})

@@ -78,11 +78,6 @@ def equation(array: xr.DataArray, number_: float, digits: int = 4) -> str:
     return f"{axis_symbol(str(array.name))} = {value(number_, array, digits)}"
 
 
-def equations(ds: xr.Dataset, where: Mapping[str, int], digits: int = 4) -> str:
-    """The values at indices along axes: ``R = 0.75 cm, F₃ = 10 N``; nothing where there are none."""
-    return ", ".join(equation(ds[axis], float(ds[axis].values[i]), digits) for axis, i in where.items())
-
-
 def axis_label(name: str, array: xr.DataArray, long: bool = True) -> str:
     """``Young's modulus  E [N/cm²]``, or with `long=False` ``E [N/cm²]``; angles in degrees."""
     symbol_ = axis_symbol(name)
@@ -170,12 +165,6 @@ def plain(text: str) -> str:
 def minus_signs(text: str) -> str:
     """The text with minus signs for hyphens before numbers."""
     return re.sub(r"(?<![\w.])-(?=[\d.])", "−", text)
-
-
-def reading(ds: xr.Dataset) -> str:
-    """The reading of Table 1 in words, or nothing."""
-    text = str(ds.attrs.get("reading", ""))
-    return f"Table 1 read {text.replace('/', ', ')}" if text else ""
 
 
 def tick(value: float, _: object = None) -> str:

@@ -12,7 +12,7 @@ from solver.problem.errors import InputError
 from studies.laws.law_words import count_of
 
 if TYPE_CHECKING:
-    import xarray as xr
+    pass
 
 
 _ONE = r"(?<![A-Za-z\d.])[-+]?\d+(?:\.\d+)?(?:e[+-]?\d+)?"  # not the digit of a name such as F3
@@ -37,11 +37,11 @@ def group(counts: Mapping[str, int]) -> Counter[str]:
     return Counter({_together(texts): sum(counts[text] for text in texts) for texts in kinds.values()})
 
 
-def check_any_solved(ds: "xr.Dataset") -> None:
-    """Raise `InputError`, which says why, where no case of a dataset is solved and there is nothing to draw."""
-    if ds["solved"].values.any():
+def check_any_solved(solved: "NDArray[np.bool_]", texts: "NDArray[Any]") -> None:
+    """Raise `InputError`, which says why, where no case is solved and there is nothing to draw. texts: the outcomes."""
+    if solved.any():
         return
-    counts = group(Counter(map(str, ds["outcome"].values.ravel().tolist())))
+    counts = group(Counter(map(str, texts.ravel().tolist())))
     cases = sum(counts.values())
     if cases == 1:
         raise InputError(f"nothing to draw: {next(iter(counts))}")
@@ -88,14 +88,6 @@ def count_branches(branch: NDArray[Any]) -> dict[int, int]:
     known = np.nan_to_num(np.asarray(branch, dtype=float), nan=NO_BRANCH, posinf=NO_BRANCH, neginf=NO_BRANCH)
     numbers, counts = np.unique(known, return_counts=True)
     return {int(number): int(count) for number, count in zip(numbers, counts, strict=True)}
-
-
-def branches_of(ds: "xr.Dataset", counts: Mapping[int, int]) -> str:
-    """One sentence about the branches of a study; counts: branch -> how many cases; none for a study without."""
-    if not counts:
-        return ""
-    several = sum(size > 1 for size in ds["branch"].shape) > 1
-    return branch_sentence(counts, ds["branch"].attrs.get("long_name") == LEFT, several)
 
 
 def branch_sentence(counts: Mapping[int, int], left: bool = False, several: bool = False) -> str:

@@ -32,7 +32,9 @@ from ...branches.ends_study import row as equilibrium_row
 from ...branches.tracing import Piece, Traced, trace_branches
 from ...export.stored_rod import export
 from ...store import assembly
-from ...store.block import columns, rule_of, solve_one
+from ...store.block import columns
+from ...stored.one_case import rule_of, solve_one
+from ...stored.stored_study import StoredStudy
 from ...words import cautions, labels, pipe_profile, pipe_state
 
 SMALL = 240  # points of a small picture
@@ -298,11 +300,11 @@ def dataset_of_rod(one: Shape) -> Any:
 
 def file(one: Shape, kind: str) -> bytes:
     """The bytes of an exported file with that suffix. Raises `InputError` as `stored_rod.export` does."""
-    ds = dataset_of_rod(one)
+    stored = StoredStudy(dataset_of_rod(one))
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / f"rod.{kind}"
         try:
-            export(ds, path)
+            export(stored, path)
         except InputError as error:
             raise InputError(
                 str(error).partition("; --")[0]

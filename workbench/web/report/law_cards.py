@@ -1,6 +1,5 @@
 """The laws in the report: sentences, verdicts with their reasons, the claims and their mechanics, and all readings."""
 
-import json
 import re
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
@@ -13,29 +12,30 @@ from studies.language.readings import DEFAULT
 from studies.laws import law_words
 from studies.laws.line_verdicts import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED, worst
 
+from ...stored.stored_study import StoredStudy
 from ...words import labels
 
 CLASSES = {HOLDS: "holds", TREND: "trend", QUALIFIED: "qualified", UNDECIDED: "undecided", FAILS: "fails"}
 
 
-def law_of(ds: xr.Dataset, row: Mapping[str, Any]) -> dict[str, Any]:
+def law_of(stored: StoredStudy, row: Mapping[str, Any]) -> dict[str, Any]:
     """One law and the other observables that it names, as text."""
-    words = labels.long_name(ds[row["observable"]])
+    words = labels.long_name(stored[row["observable"]])
     return {
         "claim": row["claim"],
         "source": row["source"],
         "words": words,
         "stated": labels.typeset(law_words.law_in_words(row, words, labels.axis_symbol(row["axis"]))),
         "name": row["observable"],
-        **_verdict(row, ds[row["observable"]]),
+        **_verdict(row, stored[row["observable"]]),
         "fixed": row["fixed"] or "not stated",
         "fixed_note": row["fixed_note"] or "",
         "also": [
             {
-                "stated": labels.long_name(ds[also["observable"]]),
+                "stated": labels.long_name(stored[also["observable"]]),
                 "name": also["observable"],
                 "role": f"{law_words.role(also)}:",
-                **_verdict({**also, "axis": row["axis"]}, ds[also["observable"]]),
+                **_verdict({**also, "axis": row["axis"]}, stored[also["observable"]]),
             }
             for also in row["also"]
         ],
@@ -81,12 +81,12 @@ def _criterion(law: Mapping[str, Any]) -> str:
     return f"the {law['words']}{f' (or {others})' if others else ''}"
 
 
-def of_readings(readings: xr.Dataset | None) -> dict[str, Any] | None:
+def of_readings(readings: StoredStudy | None) -> dict[str, Any] | None:
     """The table reading x claim: in each cell the verdict and the measured observables."""
     if readings is None:
         return None
     claims = [str(claim) for claim in readings["claim"].values]
-    by_reading = json.loads(readings.attrs["rows"])
+    by_reading = readings.data("rows")
     table = []
     for reading in map(str, readings["reading"].values):
         cells = []
@@ -142,14 +142,14 @@ def _short(verdict: str, laws: Sequence[Mapping[str, Any]]) -> str:
     return ", ".join(kinds) if verdict == QUALIFIED else ""
 
 
-def mechanism(claim: str, ds: xr.Dataset) -> str:
+def mechanism(claim: str, stored: StoredStudy) -> str:
     """Return why the laws of a claim come out as they do under the default reading of Table 1.
 
     Parameters
     ----------
     claim : str
         Its number in the paper, for example ``"(1)"``.
-    ds : xr.Dataset
+    stored : StoredStudy
         The stored panel.
 
     Returns
@@ -157,20 +157,20 @@ def mechanism(claim: str, ds: xr.Dataset) -> str:
     Two or three sentences; none under another reading, which has other loads, and for a claim without a row here.
     """
     explain = MECHANISMS.get(claim)
-    return "" if explain is None or ds.attrs.get("reading") != DEFAULT.name else explain(ds)
+    return "" if explain is None or stored.attrs.get("reading") != DEFAULT.name else explain(stored)
 
 
-def _of_modulus(ds: xr.Dataset) -> str:
-    sweep = _ends(ds["amplitude"] * (180 / np.pi), "{:.0f}°")
-    room = _ends(ds["L"] / ds["bend_number"], "{:.2g}") + f" {ds.attrs['length_unit']}"
+def _of_modulus(stored: StoredStudy) -> str:
+    sweep = _ends(stored["amplitude"] * (180 / np.pi), "{:.0f}°")
+    room = _ends(stored["L"] / stored["bend_number"], "{:.2g}") + f" {stored.units['length']}"
     return (
         "F₃ + Aκ²/2 is constant along the rod (eq. 27), so the same change of tension bends a stiffer rod less: κ goes "
         f"with 1/√A. A bend sweeps about the same angle at every E ({sweep}), so it needs more length: {room}."
     )
 
 
-def _of_radius(ds: xr.Dataset) -> str:
-    twist = _ends(ds["M3"], "{:.3g}") + f" {_moment(ds)}"
+def _of_radius(stored: StoredStudy) -> str:
+    twist = _ends(stored["M3"], "{:.3g}") + f" {_moment(stored)}"
     return (
         f"With F₁₀ and β₀′ given, the twisting moment M₃ = F₁₀/β₀′ + 3A sin 2β₀/(2ρ) falls ({twist}), and so does the "
         "curvature sin²β/ρ that the cylinder imposes: the sharpest bend opens. But the energy of lying across the "
@@ -178,26 +178,28 @@ def _of_radius(ds: xr.Dataset) -> str:
     )
 
 
-def _of_start_angle(ds: xr.Dataset) -> str:
-    force = _ends(ds["FZ"], "{:.3g}") + f" {ds.attrs['force_unit']}"
-    twist = _ends(ds["M3"], "{:.3g}") + f" {_moment(ds)}"
+def _of_start_angle(stored: StoredStudy) -> str:
+    force = _ends(stored["FZ"], "{:.3g}") + f" {stored.units['force']}"
+    twist = _ends(stored["M3"], "{:.3g}") + f" {_moment(stored)}"
     return (
         "F₁₀ and F₃₀ stay, but a larger β₀ turns F₃₀ away from the axis: the axial tension FZ = F₃₀ cos β₀ falls "
         f"({force}), and the twisting moment M₃ rises ({twist}). Less tension and more twist make the bends shorter."
     )
 
 
-def _of_end_angle(ds: xr.Dataset) -> str:
-    bends = _ends(ds["bend_number"], "{:.2f}")
+def _of_end_angle(stored: StoredStudy) -> str:
+    bends = _ends(stored["bend_number"], "{:.2f}")
     return (
         "The loads stay, and they set most of the spacing of the bends. Turning the far end changes the shape by a "
         f"fraction of one bend ({bends}), until this equilibrium ends at a fold: too little for another whole bend."
     )
 
 
-def _of_forces(ds: xr.Dataset) -> str:
-    middle = {name: ds.sizes[name] // 2 for name in ("F1", "F3")}
-    with_f1, with_f3 = (_ends(100 * ds["attached"].isel({other: middle[other]}), "{:.0f} %") for other in ("F3", "F1"))
+def _of_forces(stored: StoredStudy) -> str:
+    middle = {name: stored.sizes[name] // 2 for name in ("F1", "F3")}
+    with_f1, with_f3 = (
+        _ends(100 * stored["attached"].isel({other: middle[other]}), "{:.0f} %") for other in ("F3", "F1")
+    )
     return (
         "Larger loads bend the rod more sharply, F₁₀ through the twisting moment and F₃₀ through the tension, and the "
         "contact force grows with them. But pull grows as well as push: the share of the length on which the cylinder "
@@ -205,7 +207,7 @@ def _of_forces(ds: xr.Dataset) -> str:
     )
 
 
-MECHANISMS: dict[str, Callable[[xr.Dataset], str]] = {
+MECHANISMS: dict[str, Callable[[StoredStudy], str]] = {
     "(1)": _of_modulus,
     "(2)": _of_radius,
     "(3)": _of_start_angle,
@@ -219,5 +221,5 @@ def _ends(values: xr.DataArray, form: str) -> str:
     return " to ".join(labels.minus_signs(form.format(float(values.values.flat[k]))) for k in (0, -1))
 
 
-def _moment(ds: xr.Dataset) -> str:
-    return labels.unit(f"{ds.attrs['force_unit']} {ds.attrs['length_unit']}")
+def _moment(stored: StoredStudy) -> str:
+    return labels.unit(f"{stored.units['force']} {stored.units['length']}")

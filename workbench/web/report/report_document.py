@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from PIL import Image, ImageChops
 
 from solver.problem.errors import InputError
@@ -19,9 +18,9 @@ from studies.language.readings import DROPPED, TABLE_1, Reading
 from studies.laws import law_words
 
 from ...figures import colours
-from ...store import atomic, law_verdicts
+from ...store import atomic
 from ...store.in_memory import StudyResult
-from ...store.schema import axes_of
+from ...stored.stored_study import StoredStudy
 from ...words import cautions, labels
 from .. import pages
 from ..live.presets import PRESETS, Preset
@@ -54,9 +53,9 @@ FIELDS = ("E", "R", "beta", "F1", "dgamma", "F3")  # those that the reading uses
 def write(
     results: Sequence[StudyResult],
     out: Path,
-    readings: xr.Dataset | None = None,
+    readings: StoredStudy | None = None,
     refusals: Sequence[str] = (),
-    equilibria: tuple[xr.Dataset, Mapping[str, Path]] | None = None,
+    equilibria: tuple[StoredStudy, Mapping[str, Path]] | None = None,
     story: Path | None = None,
 ) -> Path:
     """Write `report.html` into the folder `out` and return it.
@@ -71,19 +70,19 @@ def write(
 
 def html(
     results: Sequence[StudyResult],
-    readings: xr.Dataset | None = None,
+    readings: StoredStudy | None = None,
     refusals: Sequence[str] = (),
     measured: Sequence[Measured] = (),
-    equilibria: tuple[xr.Dataset, Mapping[str, Path]] | None = None,
+    equilibria: tuple[StoredStudy, Mapping[str, Path]] | None = None,
     story: Path | None = None,
 ) -> str:
     """The report as text, with every picture, a turntable for each panel and the compiled core inside it."""
     if not results:
         raise InputError("a report needs at least one study")
-    figures = {f"turn-{result.ds.attrs['study_name']}": figure_of(result.ds) for result in results}
+    figures = {f"turn-{result.stored.attrs['study_name']}": figure_of(result.stored) for result in results}
     figures = {name: figure for name, figure in figures.items() if figure is not None}
     sections = [_section(result, figures) for result in results]
-    datasets = [*(result.ds for result in results), *([] if readings is None else [readings])]
+    datasets = [*(result.stored for result in results), *([] if readings is None else [readings])]
     laws = [row for section in sections for row in section["laws"]]
     verdicts = "".join(f" --{CLASSES[name]}: {colour};" for name, colour in colours.VERDICTS.items())
     style = f":root {{{verdicts} }}\n{turntable_page.look()}{_text('report.css')}"
@@ -91,7 +90,7 @@ def html(
     claims = claims_of(sections)
     return pages.page(
         _text(TEMPLATE), style, {"program": program}, turntable_page.data(figures), finalize=with_hard_spaces,
-        reading=str(results[0].ds.attrs["reading"]),
+        reading=str(results[0].stored.attrs["reading"]),
         claims=claims,
         tally=law_words.tally_of(claims, "claim"),
         meanings=[(law_words.PLAIN[key], labels.typeset(text)) for key, text in law_words.MEANING.items()],
@@ -102,10 +101,10 @@ def html(
         errata=_text("errata.html"),
         sources=[sources.row(result) for result in results],
         versions=sources.versions(datasets),
-        created=max(str(result.ds.attrs["created"]) for result in results),
+        created=max(str(result.stored.attrs["created"]) for result in results),
         refusals=[labels.typeset(in_degrees(refusal)) for refusal in refusals],
         paper=sources.PAPER,
-        table_1=sources.table_1(str(results[0].ds.attrs["reading"])),
+        table_1=sources.table_1(str(results[0].stored.attrs["reading"])),
         version=sources.version(datasets),
         turntable=turntable_page.figure,
         captions=CAPTIONS,
@@ -116,20 +115,20 @@ def html(
     )  # fmt: skip
 
 
-def figure_of(ds: xr.Dataset) -> dict[str, Any] | None:
+def figure_of(stored: StoredStudy) -> dict[str, Any] | None:
     """The plain data of a panel's turntable; None where no case has a shape."""
-    if not axes_of(ds) and (solving := _solve(ds)):
+    if not stored.axes and (solving := _solve(stored)):
         return solving
     try:
-        return turntable_page.turntable_of_dataset(ds, most_bytes=MOST_BYTES, facts=facts_of).data
+        return turntable_page.turntable_of_dataset(stored, most_bytes=MOST_BYTES, facts=facts_of).data
     except InputError:
         return None
 
 
-def _solve(ds: xr.Dataset) -> dict[str, Any] | None:
+def _solve(stored: StoredStudy) -> dict[str, Any] | None:
     """The data of the rod of Table 1, which the page solves itself; None for any other rod."""
-    reading, preset = str(ds.attrs.get("reading", "")), PRESETS[0]
-    if not reading or any(abs(float(ds[name]) - TABLE_1[name]) > 1e-9 for name in ("E", "R", "a", "L")):
+    reading, preset = str(stored.attrs.get("reading", "")), PRESETS[0]
+    if not reading or any(abs(float(stored[name]) - TABLE_1[name]) > 1e-9 for name in ("E", "R", "a", "L")):
         return None
     read = Reading(*reading.split("/"))
     fields = [name for name in FIELDS if name != DROPPED.get(read.twist)]
@@ -140,7 +139,7 @@ def _solve(ds: xr.Dataset) -> dict[str, Any] | None:
         "spans": asdict(preset)["spans"],
         "quantities": {name: [row.symbol, _short(row.long_name), row.dimension] for name, row in QUANTITIES.items()},
         "letters": {name: row.symbol for name, row in QUANTITIES.items()} | {"beta": "β₀", "dbeta": "β₀′"},
-        "push": labels.unit(f"{ds.attrs['force_unit']}/{ds.attrs['length_unit']}"),
+        "push": labels.unit(f"{stored.units['force']}/{stored.units['length']}"),
     }
 
 
@@ -152,12 +151,12 @@ def _short(words: str) -> str:
     return words.partition(" (")[0]
 
 
-def facts_of(case: xr.Dataset) -> list[tuple[str, str]]:
+def facts_of(case: StoredStudy) -> list[tuple[str, str]]:
     """Long name and value of each observable of a dataset of one case; of those that it has and that are finite."""
     return [_row(case, name) for name in SHOWN if name in case and np.isfinite(case[name])]
 
 
-def _row(case: xr.Dataset, name: str) -> tuple[str, str]:
+def _row(case: StoredStudy, name: str) -> tuple[str, str]:
     value = float(case[name])
     if name == "overlaps":
         return "passes through itself", "yes" if value else "no"
@@ -181,36 +180,36 @@ def _measure(run: Measured) -> dict[str, Any]:
     return {"name": run.name, "title": TITLES[run.name], "shows": run.shows, "source": run.source, "picture": picture}
 
 
-def _equilibria(ds: xr.Dataset, files: Mapping[str, Path]) -> dict[str, Any] | None:
+def _equilibria(stored: StoredStudy, files: Mapping[str, Path]) -> dict[str, Any] | None:
     alt = "The stable equilibrium and the rod of Table 1, between the same ends under the same loads"
-    return report_runs.rows(ds, [_picture(path, alt, SCENE) for path in files.values()])
+    return report_runs.rows(stored, [_picture(path, alt, SCENE) for path in files.values()])
 
 
 def _section(result: StudyResult, figures: Mapping[str, Any]) -> dict[str, Any]:
     """The section of one study."""
-    ds = result.ds
+    stored = result.stored
     scenes = [(name, path) for name, path in result.pictures.items() if name.startswith("scene")]
     others = [(name, path) for name, path in result.pictures.items() if not name.startswith("scene")]
-    laws = [law_of(ds, row) | {"why": mechanism(row["claim"], ds)} for row in result.verdicts]
-    name, title = str(ds.attrs["study_name"]), str(ds.attrs["title"])
+    laws = [law_of(stored, row) | {"why": mechanism(row["claim"], stored)} for row in result.verdicts]
+    name, title = str(stored.attrs["study_name"]), str(stored.attrs["title"])
     turntable = figures.get(f"turn-{name}")
     pictures = [
-        _picture(path, f"{title}: {_of(ds, part)}", SCENE) | _rods(path, part, turntable) for part, path in scenes
+        _picture(path, f"{title}: {_of(stored, part)}", SCENE) | _rods(path, part, turntable) for part, path in scenes
     ]
     diagrams = [_picture(path, f"{title}: curves and laws", DRAWING) for _, path in others]
     return {
         "id": name,
         "title": title,
         "turning": turntable,
-        "row": bool(axes_of(ds)) and bool(scenes),
-        "restable": cautions.restable(ds),
+        "row": bool(stored.axes) and bool(scenes),
+        "restable": stored.restable,
         "sentences": list(dict.fromkeys(row["source"] for row in result.verdicts)),
         "laws": laws,
-        "single": facts_of(ds) if not axes_of(ds) else [],
-        "note": sentence(str(ds.attrs.get("fold_note", ""))),
-        "caution": labels.typeset(str(ds.attrs.get("caution", ""))),
-        "unsolved": law_verdicts.unsolved(ds),
-        "cases": int(ds["outcome"].size),
+        "single": facts_of(stored) if not stored.axes else [],
+        "note": sentence(str(stored.attrs.get("fold_note", ""))),
+        "caution": labels.typeset(str(stored.attrs.get("caution", ""))),
+        "unsolved": stored.unsolved,
+        "cases": int(stored["outcome"].size),
         "scenes": pictures,
         "others": diagrams,
     }
@@ -231,9 +230,11 @@ def _rods(path: Path, part: str, turntable: Mapping[str, Any] | None) -> dict[st
     return {"rods": json.dumps((boxes / (wide, high, wide, high)).round(4).tolist()), "axis": places[0]}
 
 
-def _of(ds: xr.Dataset, name: str) -> str:
+def _of(stored: StoredStudy, name: str) -> str:
     axis = name.removeprefix("scene").strip()
-    return f"the rod along {labels.axis_label(axis, ds[axis])}" if axis in ds.dims else "the rod on its cylinder"
+    return (
+        f"the rod along {labels.axis_label(axis, stored[axis])}" if axis in stored.sizes else "the rod on its cylinder"
+    )
 
 
 def _picture(file: Path | BytesIO, alt: str, how: dict[str, Any]) -> dict[str, Any]:

@@ -15,7 +15,9 @@ from studies.laws.verdicts import refusal
 
 from ...branches import equilibria_dataset
 from ...branches.ends_study import ends_problem
-from ...store import in_memory, law_verdicts, schema
+from ...store import in_memory
+from ...stored import provenance
+from ...stored.stored_study import StoredStudy
 from ...words import labels, outcomes
 
 NAMES = READINGS_TABLE, EQUILIBRIA = "readings", "equilibria"
@@ -48,13 +50,13 @@ def run_readings(
         for study in studies:
             step(f"{study.name} {reading}")
             try:
-                ds = in_memory.run(study.under(reading))
+                stored = StoredStudy(in_memory.run(study.under(reading)))
             except InputError as error:  # for example where the base rod already ends beyond a followed axis's limit
                 of_reading += [refusal(law, str(error)) for law in study.laws]
                 missing.append(study.size)
                 continue
-            of_reading += law_verdicts.verdicts(ds)
-            missing.append(law_verdicts.unsolved(ds))
+            of_reading += stored.verdicts
+            missing.append(stored.unsolved)
         rows.append(of_reading)
         unsolved.append(missing)
     return _dataset_of_rows(studies, readings, rows, unsolved)
@@ -104,7 +106,7 @@ def _dataset_of_rows(
         "title": "Which claims of Fig. 7 hold under which reading of Table 1",
         "study_name": READINGS_TABLE,
         "rows": json.dumps(dict(zip(readings, rows, strict=True)), ensure_ascii=False),
-        "versions": json.dumps(schema.versions()),
+        "versions": json.dumps(provenance.versions()),
     }
     return xr.Dataset(data, coords, attrs)
 
@@ -132,23 +134,23 @@ def _rank(slopes: "np.ndarray[Any, Any]", slope: float) -> int:
     return int(np.abs(slopes - slope).argmin()) + 1 if slopes.size else 0
 
 
-def pair(ds: xr.Dataset) -> xr.Dataset:
+def pair(stored: StoredStudy) -> StoredStudy:
     """Return the stable equilibrium, if there is one, and the rod of the study."""
-    return ds.isel(equilibrium=[ds.attrs[rank] - 1 for rank in (STABLE, OWN) if ds.attrs[rank]])
+    return stored.select({"equilibrium": [stored.attrs[rank] - 1 for rank in (STABLE, OWN) if stored.attrs[rank]]})
 
 
-def rows(ds: xr.Dataset, pictures: Sequence[Mapping[str, Any]]) -> dict[str, Any] | None:
+def rows(stored: StoredStudy, pictures: Sequence[Mapping[str, Any]]) -> dict[str, Any] | None:
     """Return what the report says of them; None where the study's own rod is not among them."""
-    if not ds.attrs[OWN]:
+    if not stored.attrs[OWN]:
         return None
-    case = ds.isel(equilibrium=ds.attrs[OWN] - 1)
-    stable = ds.attrs[STABLE]
+    case = stored.select({"equilibrium": stored.attrs[OWN] - 1})
+    stable = stored.attrs[STABLE]
     return {
-        "count": ds.sizes["equilibrium"],
-        "rank": ds.attrs[OWN],
+        "count": stored.sizes["equilibrium"],
+        "rank": stored.attrs[OWN],
         "stability": outcomes.stability(int(case["index"])),
-        "sister": stable if stable != ds.attrs[OWN] else 0,
-        "attached": f"{float(ds['attached'][stable - 1]):.0%}" if stable else "",
-        "ends": labels.typeset(str(ds.attrs["stability"])),
+        "sister": stable if stable != stored.attrs[OWN] else 0,
+        "attached": f"{float(stored['attached'][stable - 1]):.0%}" if stable else "",
+        "ends": labels.typeset(str(stored.attrs["stability"])),
         "pictures": pictures,
     }

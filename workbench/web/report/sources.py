@@ -1,19 +1,17 @@
 """Where the numbers of the report come from: the files of its studies, their versions, the paper and its Table 1."""
 
-import json
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import xarray as xr
 
 from solver.problem.quantities import unit_of
 from studies import TABLE_1
 from studies.grammar.axes import quantity_of
 from studies.language.readings import Reading
 
-from ...store import law_verdicts
 from ...store.in_memory import StudyResult
+from ...stored.stored_study import StoredStudy
 from ...words import labels
 
 WORKBENCH = "rod-workbench"
@@ -21,30 +19,30 @@ WORKBENCH = "rod-workbench"
 
 def row(result: StudyResult) -> dict[str, Any]:
     """The file of a study, its method and its errors."""
-    ds = result.ds
-    error, condition = (np.asarray(ds[name].values, dtype=float) for name in ("error", "condition"))
+    stored = result.stored
+    error, condition = (np.asarray(stored[name].values, dtype=float) for name in ("error", "condition"))
     return {
-        "name": str(ds.attrs["study_name"]),
+        "name": str(stored.attrs["study_name"]),
         "file": result.path.name if result.path else "",
-        "cases": int(ds["outcome"].size),
-        "unsolved": law_verdicts.unsolved(ds),
-        "method": str(ds.attrs["method"]),
-        "tolerance": labels.typeset(f"{float(ds.attrs['tolerance']):g}"),
+        "cases": int(stored["outcome"].size),
+        "unsolved": stored.unsolved,
+        "method": str(stored.attrs["method"]),
+        "tolerance": labels.typeset(f"{float(stored.attrs['tolerance']):g}"),
         "error": labels.typeset(f"{np.nanmax(error):.1e}") if np.isfinite(error).any() else "–",
         "condition": labels.typeset(f"{np.nanmax(condition):.3g}") if np.isfinite(condition).any() else "–",
     }
 
 
-def versions(datasets: Sequence[xr.Dataset]) -> list[tuple[str, str]]:
+def versions(datasets: Sequence[StoredStudy]) -> list[tuple[str, str]]:
     """Every package that the datasets name, with its version; where they differ, with each version and its studies."""
     packages: dict[str, dict[str, list[str]]] = {}
-    for ds in datasets:
-        for package, version in json.loads(ds.attrs["versions"]).items():
-            packages.setdefault(package, {}).setdefault(version, []).append(str(ds.attrs["study_name"]))
+    for stored in datasets:
+        for package, version in stored.versions.items():
+            packages.setdefault(package, {}).setdefault(version, []).append(str(stored.attrs["study_name"]))
     return [(package, _each(of)) for package, of in packages.items()]
 
 
-def version(datasets: Sequence[xr.Dataset]) -> str:
+def version(datasets: Sequence[StoredStudy]) -> str:
     """The version of the workbench that made the datasets, or each of its versions and the studies made with it."""
     return dict(versions(datasets)).get(WORKBENCH, "")
 

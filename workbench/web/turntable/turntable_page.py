@@ -12,7 +12,6 @@ from itertools import product
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from scipy.interpolate import CubicHermiteSpline
 
 from solver.problem.errors import InputError
@@ -21,8 +20,7 @@ from studies.grammar.axes import SAMPLE
 from ...figures import colours
 from ...geometry import refinement, stored_line
 from ...geometry.centreline import APART, Array, Centreline
-from ...store import schema, selection
-from ...store.schema import axes_of
+from ...stored.stored_study import StoredStudy
 from ...words import cautions, labels
 from .. import pages
 from ..live import live_document
@@ -36,12 +34,12 @@ SHARE = 1e-3  # of the height of a rod, by which its curve between stations may 
 FIRST = "turntables"  # the module of the page with which the program begins
 
 
-def html(ds: xr.Dataset, at: Mapping[str, Any] | None = None) -> str:
+def html(stored: StoredStudy, at: Mapping[str, Any] | None = None) -> str:
     """The file as text. It loads nothing from any address.
 
     Parameters
     ----------
-    ds
+    stored
         A stored study, or stored equilibria.
     at
         Values of axes, by name: these axes have no slider.
@@ -51,16 +49,16 @@ def html(ds: xr.Dataset, at: Mapping[str, Any] | None = None) -> str:
     InputError
         As of `stored`.
     """
-    stored = turntable_of_dataset(ds, at)
+    rods = turntable_of_dataset(stored, at)
     style = look() + read("page.css")
-    sliders = len(stored.data["axes"])
+    sliders = len(rods.data["axes"])
     return pages.page(
-        read("page.html.j2"), style, {"program": program()}, data({"rod": stored.data}),
-        title=str(ds.attrs["title"]),
-        lead=". ".join(part for part in (labels.reading(ds), _held(ds, at or {})) if part),
+        read("page.html.j2"), style, {"program": program()}, data({"rod": rods.data}),
+        title=str(stored.attrs["title"]),
+        lead=". ".join(part for part in (stored.reading, _held(stored, at or {})) if part),
         figure=figure("rod", "The rod on its cylinder", reset=bool(sliders)),
         sliders=sliders,
-        left_out=stored.left_out,
+        left_out=rods.left_out,
     )  # fmt: skip
 
 
@@ -93,14 +91,14 @@ def read(name: str) -> str:
     return pages.read(__package__, name)
 
 
-def _held(ds: xr.Dataset, at: Mapping[str, Any]) -> str:
+def _held(stored: StoredStudy, at: Mapping[str, Any]) -> str:
     """The values at which axes are fixed, as text."""
-    where = selection.case(ds, at)
-    names = [selection.axis_of(ds, name) for name in at]
-    return labels.equations(ds, {name: where[name] for name in names})
+    where = stored.place(at)
+    names = [stored.axis(name) for name in at]
+    return stored.equations({name: where[name] for name in names})
 
 
-Facts = Callable[[xr.Dataset], Sequence[tuple[str, str]]]
+Facts = Callable[[StoredStudy], Sequence[tuple[str, str]]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,7 +118,7 @@ class Stored:
 
 
 def turntable_of_dataset(
-    ds: xr.Dataset,
+    stored: StoredStudy,
     at: Mapping[str, Any] | None = None,
     most_bytes: int = MOST_BYTES,
     facts: Facts | None = None,
@@ -129,7 +127,7 @@ def turntable_of_dataset(
 
     Parameters
     ----------
-    ds
+    stored
         A stored study, or stored equilibria.
     at
         Values of axes, by name.
@@ -144,37 +142,40 @@ def turntable_of_dataset(
         Where no case has a shape, and where one alone takes more than `most_bytes`.
     """
     at = at or {}
-    base = selection.case(ds, at)
-    fixed = {selection.axis_of(ds, name) for name in at}
-    free = [name for name in axes_of(ds) if name not in fixed]
-    if schema.leaves(ds):
+    base = stored.place(at)
+    fixed = {stored.axis(name) for name in at}
+    free = [name for name in stored.axes if name not in fixed]
+    if stored.leaves:
         raise InputError("a page of turning rods needs rods that lie on the cylinder: make a picture, a .png")
-    if schema.loads_vary(ds):
+    if stored.loads_vary:
         raise InputError("a page of turning rods needs rods without weight and friction: make a picture, a .png")
-    n = ds.sizes["u"]
-    chosen = _choose({name: ds.sizes[name] for name in free}, base, most_bytes // (ROWS * BYTES * n))
+    n = stored.sizes["u"]
+    chosen = _choose({name: stored.sizes[name] for name in free}, base, most_bytes // (ROWS * BYTES * n))
     wheres = [base | dict(zip(free, place, strict=True)) for place in product(*chosen.values())]
-    lines = [_line(ds, where) for where in wheres]
+    lines = [_line(stored, where) for where in wheres]
     solved = [line for line in lines if line is not None]
     if not solved:
-        raise InputError(f"no case has a shape: {ds['outcome'].isel(wheres[0]).values}")
+        raise InputError(f"no case has a shape: {stored['outcome'].isel(wheres[0]).values}")
     if any(map(_is_blind, solved)):
         more = max(map(stations_for, solved))
         raise InputError(f"{n} stations are too few, as a rod swings between them unseen: store about {more}")
     step = _stride(solved)
     along = [(float(push.min()), float(push.max())) for push in (line.push(line.s) for line in solved)]
     data = {
-        "axes": [_axis(ds, name, rows, base[name]) for name, rows in chosen.items()],
-        "stations": ds["u"].values[::step].tolist(),
-        "shared": {"sign": -1 if str(ds.attrs["side"]) == "inside" else 1},
+        "axes": [_axis(stored, name, rows, base[name]) for name, rows in chosen.items()],
+        "stations": stored["u"].values[::step].tolist(),
+        "shared": {"sign": -1 if str(stored.attrs["side"]) == "inside" else 1},
         "cases": [
-            _case(ds, where, line) | _facts(ds, where, line, facts) for where, line in zip(wheres, lines, strict=True)
+            _case(stored, where, line) | _facts(stored, where, line, facts)
+            for where, line in zip(wheres, lines, strict=True)
         ],
         "arrays": _pack(lines, step, n),
         "extremes": [min(pushes[0] for pushes in along), max(pushes[1] for pushes in along)],
-        "push": labels.unit(f"{ds.attrs['force_unit']}/{ds.attrs['length_unit']}"),
+        "push": labels.unit(f"{stored.units['force']}/{stored.units['length']}"),
     }
-    return Stored(data, [_left_out(ds, name, rows) for name, rows in chosen.items() if len(rows) < ds.sizes[name]])
+    return Stored(
+        data, [_left_out(stored, name, rows) for name, rows in chosen.items() if len(rows) < stored.sizes[name]]
+    )
 
 
 def stations_for(line: Centreline) -> int:
@@ -212,9 +213,9 @@ def _choose(sizes: dict[str, int], base: Mapping[str, int], most: int) -> dict[s
     return indices
 
 
-def _line(ds: xr.Dataset, where: Mapping[str, int]) -> Centreline | None:
+def _line(stored: StoredStudy, where: Mapping[str, int]) -> Centreline | None:
     """The centreline of a case; None where it is not solved."""
-    return stored_line.read(ds, where) if bool(ds["solved"].isel(dict(where))) else None
+    return stored_line.read(stored, where) if bool(stored["solved"].isel(dict(where))) else None
 
 
 def _stride(lines: Sequence[Centreline]) -> int:
@@ -240,34 +241,37 @@ def _is_near(line: Centreline, step: int) -> bool:
     )
 
 
-def _axis(ds: xr.Dataset, name: str, rows: Sequence[int], base: int) -> dict[str, Any]:
-    texts = labels.distinct(ds[name], ds[name].values[list(rows)])
+def _axis(stored: StoredStudy, name: str, rows: Sequence[int], base: int) -> dict[str, Any]:
+    texts = labels.distinct(stored[name], stored[name].values[list(rows)])
     start = int(np.abs(np.array(rows) - base).argmin())
-    words, symbol = labels.long_name(ds[name]), labels.symbol(ds[name])
+    words, symbol = labels.long_name(stored[name]), labels.symbol(stored[name])
     return {"name": name, "words": words, "symbol": "" if symbol == words else symbol, "texts": texts, "start": start}
 
 
-def _case(ds: xr.Dataset, where: Mapping[str, int], line: Centreline | None) -> dict[str, Any]:
+def _case(stored: StoredStudy, where: Mapping[str, int], line: Centreline | None) -> dict[str, Any]:
     """The numbers of a case, and its caution; or why it has no shape."""
     if line is None:
-        return {"numbers": None, "note": labels.typeset(f"Not solved: {ds['outcome'].isel(dict(where)).values}.")}
+        return {"numbers": None, "note": labels.typeset(f"Not solved: {stored['outcome'].isel(dict(where)).values}.")}
     numbers = {"R": line.R, "a": line.a, "rho": line.rho, "L": line.L, "A": line.A}
     loads = {"FZ": line.p * line.A, "MZ": line.l * line.A, "M3": line.m * line.A}
-    caution = cautions.said(ds["caution"].isel(dict(where)).values) if "caution" in ds else ""
-    notes = (_sample(ds, where), caution, cautions.left_out_of_dataset(ds))
+    caution = cautions.said(stored["caution"].isel(dict(where)).values) if "caution" in stored else ""
+    notes = (_sample(stored, where), caution, stored.left_out)
     return {"numbers": numbers | loads, "note": labels.typeset(" ".join(note for note in notes if note))}
 
 
-def _facts(ds: xr.Dataset, where: Mapping[str, int], line: Centreline | None, facts: Facts | None) -> dict[str, Any]:
-    return {} if facts is None or line is None else {"facts": facts(ds.isel(dict(where)))}
+def _facts(
+    stored: StoredStudy, where: Mapping[str, int], line: Centreline | None, facts: Facts | None
+) -> dict[str, Any]:
+    return {} if facts is None or line is None else {"facts": facts(stored.select(dict(where)))}
 
 
-def _sample(ds: xr.Dataset, where: Mapping[str, int]) -> str:
+def _sample(stored: StoredStudy, where: Mapping[str, int]) -> str:
     """The values of the sampled fields of a case, as a sentence."""
-    fields = schema.fields_of_samples(ds) if SAMPLE in ds.dims else []
-    names = [name for name in map(schema.dimension, fields) if name in ds]
-    values = [(name, float(ds[name].isel({k: i for k, i in where.items() if k in ds[name].dims}))) for name in names]
-    texts = [labels.equation(ds[name], value) for name, value in values]
+    names = [name for name in stored.sampled if name in stored] if SAMPLE in stored.sizes else []
+    values = [
+        (name, float(stored[name].isel({k: i for k, i in where.items() if k in stored[name].dims}))) for name in names
+    ]
+    texts = [labels.equation(stored[name], value) for name, value in values]
     return f"{', '.join(texts)}." if texts else ""
 
 
@@ -280,5 +284,6 @@ def _pack(lines: Sequence[Centreline | None], step: int, n: int) -> str:
     return base64.b64encode(np.stack(rows).astype("<f4").tobytes()).decode("ascii")
 
 
-def _left_out(ds: xr.Dataset, name: str, rows: Sequence[int]) -> str:
-    return f"{len(rows)} of the {ds.sizes[name]} values of {labels.symbol(ds[name])}, evenly chosen, are in this file."
+def _left_out(stored: StoredStudy, name: str, rows: Sequence[int]) -> str:
+    values = f"{stored.sizes[name]} values of {labels.symbol(stored[name])}"
+    return f"{len(rows)} of the {values}, evenly chosen, are in this file."

@@ -1,7 +1,7 @@
 """The verdicts on the laws of a stored dataset, the numbers that their formulas use, and the tally of its cases."""
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,7 +14,8 @@ from studies.laws.verdicts import Law, by_line, decide, refusal, targets
 
 from ..words import outcomes
 from . import refined, schema
-from .schema import SAMPLING, TEXTS, Columns, dimension, pieces
+from .quantity_variables import dimension
+from .schema import SAMPLING, TEXTS, Columns, blocks
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -44,15 +45,6 @@ def verdicts(ds: "xr.Dataset", crossing: "Mapping[str, NDArray[np.bool_]] | None
     -------
     list of dict
         One row a law, in the study's order; see `studies.laws.verdicts.decide`.
-
-    Examples
-    --------
-    >>> from studies import load
-    >>> from workbench.store.law_verdicts import verdicts
-    >>> from workbench.store import in_memory
-    >>> (law,) = verdicts(in_memory.run(load("fig7_1_modulus")))
-    >>> law["observable"], law["verdict"]
-    ('turns', 'holds')
     """
     laws = schema.laws_of(ds)
     rows, added = [], None
@@ -115,11 +107,6 @@ def crossings(ds: "xr.Dataset", axis: str) -> "NDArray[np.bool_] | None":
     held = np.take_along_axis(branch, last, axis=-1)
     changes = (np.diff(held, axis=-1) != 0) & np.logical_or.accumulate(known, axis=-1)[..., :-1]
     return np.moveaxis(changes, -1, list(ds["outcome"].dims).index(axis))
-
-
-def unsolved(ds: "xr.Dataset") -> int:
-    """How many cases are not solved."""
-    return int((~ds["solved"].values).sum())
 
 
 def status(unsolved: int, rows: Sequence[Mapping[str, Any]]) -> int:
@@ -239,14 +226,29 @@ def statistics(ds: "xr.Dataset", tally: Tally | None = None) -> dict[str, Any]:
     if tally is None:
         tally = tally_of()
         names = [name for name in ("solved", *TEXTS, "branch") if name in ds]
-        for piece in pieces(ds, names, BLOCK):
+        for piece in _pieces(ds, names, BLOCK):
             count({name: piece[name].values for name in names}, tally)
     return {
         "unsolved": tally["solved"][False],
         **{f"{name}s": dict(sorted(tally[name].items())) for name in TEXTS},
         "laws": verdicts(ds),
         "equilibria": str(ds.attrs.get("equilibria", "")),
-        "branches": outcomes.branches_of(ds, tally["branch"]),
+        "branches": _branches(ds, tally["branch"]),
         "branch_counts": dict(sorted(tally["branch"].items())),
         **{name: str(ds.attrs[name]) for name in SAMPLING if name in ds.attrs},
     }
+
+
+def _branches(ds: "xr.Dataset", counts: Mapping[int, int]) -> str:
+    """One sentence about the branches of a study; counts: branch -> how many cases; none for a study without."""
+    if not counts:
+        return ""
+    several = sum(size > 1 for size in ds["branch"].shape) > 1
+    return outcomes.branch_sentence(counts, ds["branch"].attrs.get("long_name") == outcomes.LEFT, several)
+
+
+def _pieces(ds: "xr.Dataset", names: Sequence[str], most: int) -> "Iterator[xr.Dataset]":
+    """These variables of a study's dataset, in memory, for at most so many cases at a time."""
+    dims = ds["solved"].dims
+    for where in blocks(ds["solved"].shape, most):
+        yield ds[list(names)].isel(dict(zip(dims, where, strict=True))).load()

@@ -31,7 +31,7 @@ from studies import Study
 from studies.grammar.axes import in_words, quantity_of
 
 from ..words.outcomes import NO_BRANCH
-from .block import solve_one
+from .one_case import solve_one
 
 LOST = "unstable here, stable where its branch begins"
 BEYOND = "failed: the followed branch"

@@ -2,7 +2,7 @@
 boundary of an observable: the pairs of neighbouring cases between which it changes."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import prod
 from typing import TYPE_CHECKING, Any
@@ -15,8 +15,9 @@ from studies.grammar.axes import SAMPLE, Values
 from studies.language import refine as tables
 from studies.language.refinement import BUDGET, OUTCOME, Lattice, Places, Refinement, product_of, refinement_of
 
-from . import schema, selection
-from .schema import OF_THE_CASE, SAMPLING, dimension
+from . import schema
+from .quantity_variables import dimension
+from .schema import OF_THE_CASE, SAMPLING
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -240,7 +241,7 @@ def grid_of(ds: "xr.Dataset", index: NDArray[np.int64], values: Mapping[str, Val
     return cases
 
 
-def boundary(ds: "xr.Dataset", name: str, step: float | None = None) -> "xr.Dataset":
+def boundary(ds: "xr.Dataset", name: str, step: float | None, observables: Sequence[str]) -> "xr.Dataset":
     """The pairs of neighbouring cases between which an observable changes.
 
     Parameters
@@ -250,7 +251,9 @@ def boundary(ds: "xr.Dataset", name: str, step: float | None = None) -> "xr.Data
     name : str
         An observable, an expression, or "outcome" (whether a case is solved).
     step : float, optional
-        The change that counts, in the unit of the observable; default: that of `[refine.steps]`, and 0 for a count.
+        The change that counts, in the unit of the observable; None: that of `[refine.steps]`, and 0 for a count.
+    observables : sequence of str
+        The observables of the dataset, for a message.
 
     Returns
     -------
@@ -266,7 +269,7 @@ def boundary(ds: "xr.Dataset", name: str, step: float | None = None) -> "xr.Data
         For an unknown observable, a real one without a step, a dataset of more than two axes, or lost cases.
     """
     study = describe(ds)
-    numbers, step = _numbers(ds, name, study.watch, step)
+    numbers, step = _numbers(ds, name, study.watch, step, observables)
     cells = refinement_of(study.lattice, study.places, numbers.reshape(-1, 1), np.zeros(1), study.lattice.depth)
     edges, along = cells.edges()
     change = np.abs(np.diff(cells.numbers[edges, 0], axis=1)[:, 0])
@@ -296,11 +299,13 @@ def pairs(ds: "xr.Dataset", places: "Mapping[str, tuple[Values, Values]]", sides
     return xr.Dataset(result).set_coords(list(places))
 
 
-def _numbers(ds: "xr.Dataset", name: str, watch: Mapping[str, float], step: float | None) -> "tuple[Values, float]":
+def _numbers(
+    ds: "xr.Dataset", name: str, watch: Mapping[str, float], step: float | None, observables: Sequence[str]
+) -> "tuple[Values, float]":
     """The numbers of an observable, of the shape of the cases, and the change that counts."""
     if name == OUTCOME:
         return ds["solved"].values.astype(float), 0.0
-    known = [*selection.observables(ds), OUTCOME]
+    known = [*observables, OUTCOME]
     if name not in ds.data_vars or ds[name].dims != ds["outcome"].dims or ds[name].dtype.kind not in "iuf":
         raise InputError(f"no observable {name!r}{near(name, known)}; the dataset has {choices(known)}")
     if step is None and name not in watch and not schema.is_count(ds[name]):

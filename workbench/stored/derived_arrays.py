@@ -21,8 +21,9 @@ from solver.problem.errors import InputError
 from studies import Study
 from studies.language.study import OUTPUTS
 
-from . import schema
-from .schema import COMPONENTS, axes_left
+from . import quantity_variables, schema
+from .quantity_variables import COMPONENTS
+from .schema import axes_left
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -52,7 +53,7 @@ class StoredArrays:
 
         above: the arrays for which it is needed.
         """
-        key = schema.curve_name(name)
+        key = quantity_variables.curve_name(name)
         if key in self.ds.data_vars:
             return self.ds[key]
         if name not in RULES or name in above or (name in BY_LOADS and self._varies(name)):
@@ -143,8 +144,8 @@ class Stored(StoredArrays):
     def _labels(self, name: str) -> dict[str, str]:
         units = self.study.unit_system
         if name in OUTPUTS:
-            return schema.labels(name, units)
-        words = schema.labels("contact" if name == "push" else "u", units)
+            return quantity_variables.labels(name, units)
+        words = quantity_variables.labels("contact" if name == "push" else "u", units)
         return {"units": words["units"], "long_name": _LONG_NAMES[name]}
 
     def constant(self, name: str) -> xr.DataArray:
@@ -237,9 +238,9 @@ def stations_table(ds: xr.Dataset, arrays: Sequence[xr.DataArray]) -> "pd.DataFr
     """
     columns = {"s": ds["s"]} if "s" in ds.coords else {}
     for array in arrays:
-        inner = [str(dim) for dim in array.dims if dim in schema.COMPONENTS]
+        inner = [str(dim) for dim in array.dims if dim in quantity_variables.COMPONENTS]
         for which in product(*(range(array.sizes[dim]) for dim in inner)):
-            words = [schema.COMPONENTS[dim][i] for dim, i in zip(inner, which, strict=True)]
+            words = [quantity_variables.COMPONENTS[dim][i] for dim, i in zip(inner, which, strict=True)]
             columns["_".join([str(array.name), *words])] = array.isel(dict(zip(inner, which, strict=True)), drop=True)
     axes = _study_axes(ds)
     fields = {str(name): ds[name] for name in ds.coords if ds[name].dims and set(ds[name].dims) <= {*axes}}

@@ -2,13 +2,8 @@
 
 import json
 import math
-import os
-import platform
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from datetime import UTC, datetime
-from functools import cache
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,15 +14,15 @@ from solver.observe import observables
 from solver.observe.observables import OBSERVABLES
 from solver.problem.case import GIVEN, STIFFNESS, fourth_powers
 from solver.problem.errors import InputError
-from solver.problem.quantities import quantity, unit_of
-from studies.grammar.axes import CYLINDER, LONGEST_LINE, SAMPLE, WORDS, quantity_of
+from studies.grammar.axes import CYLINDER, LONGEST_LINE
 from studies.grammar.formulas import parse
 from studies.language import expressions
-from studies.language.study import OUTPUTS
 from studies.laws.verdicts import Law
 
 from ..words import escaping
 from ..words.outcomes import LEFT
+from .quantity_variables import INNER, LOADS, curve_name, inner_shape, labels, own_dimension
+from .quantity_variables import dimension as dimension  # `checks` looks it up here
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -38,14 +33,12 @@ if TYPE_CHECKING:
 
 
 FORMAT = 2  # of the file; any other is refused
-PACKAGES = ("numpy", "scipy", "xarray", "h5netcdf", "h5py", "rod-workbench")  # on which numbers and files depend
 CONVENTIONS = "CF-1.11"  # of units, names and missing values; every file says so
 
 Where = tuple[slice, ...]  # a box of cases
 Columns = dict[str, NDArray[Any]]  # name in the file -> (cases, ...)
 CaseVariables = Mapping[str, tuple[tuple[str, ...], Mapping[str, Any]]]  # over all axes: dimensions and attributes
 
-LOADS = ("FZ", "MZ", "M3")
 TEXTS = ("outcome", "caution")  # of each case
 JUDGED = ("error", "condition")  # of each case
 SAMPLING = ("sampling", "sampling_caution", "refinement")  # sentences on the samples of a file
@@ -53,10 +46,6 @@ REFINED = "refined"  # the attribute of a refined study, JSON
 SECTION = ("E", "nu", "inner_radius", "EI", "GJ")  # the fields of a rod's section: a file stores those that it has
 VARYING = ("weight", "friction")  # fields with which loads vary along the rod
 OF_THE_CASE = ("R", "a", "L", "rho", *SECTION, *VARYING, "inclination")
-COMPONENTS = {"xyz": ("x", "y", "z"), "director": ("d1", "d2", "d3")}
-INNER = {"position": ("xyz",)}  # dimensions after u, of an output that is not one number at each station
-# The name in the file -> the output. Forces along the rod never take the name of an axis: F1 is the force at the start.
-CURVES = {f"{name}_along" if name in ("F1", "F2", "F3") else name: name for name in OUTPUTS}
 MOST_TOGETHER = 2**16  # values of an HDF5 chunk: 512 kB
 PACKED: Mapping[str, Any] = {"compression": "gzip", "compression_opts": 1, "shuffle": True, "fletcher32": True}
 
@@ -104,11 +93,6 @@ def loads_vary(ds: "xr.Dataset") -> bool:
     return any(bool(np.any(ds[name].values != 0)) for name in VARYING if name in ds.variables)
 
 
-def inner_shape(output: str) -> tuple[int, ...]:
-    """How many numbers an output has at each station, as a shape: () for one."""
-    return tuple(len(COMPONENTS[dim]) for dim in INNER.get(output, ()))
-
-
 def packing(ndim: int, dtype: "np.dtype[Any]") -> dict[str, Any]:
     """How an array is compressed in the file; scalars and text are not."""
     return dict(PACKED) if ndim and dtype.kind in "biuf" else {}
@@ -141,13 +125,6 @@ def extent(where: Where) -> tuple[int, ...]:
     return tuple(part.stop - part.start for part in where)
 
 
-def pieces(ds: "xr.Dataset", names: Sequence[str], most: int) -> "Iterator[xr.Dataset]":
-    """These variables of a study's dataset, in memory, for at most so many cases at a time."""
-    dims = ds["solved"].dims
-    for where in blocks(ds["solved"].shape, most):
-        yield ds[list(names)].isel(dict(zip(dims, where, strict=True))).load()
-
-
 def chunk_shape(shape: tuple[int, ...]) -> tuple[int, ...]:
     """The shape of an HDF5 chunk: a stretch of the flat order."""
     sizes, left = [], MOST_TOGETHER
@@ -155,16 +132,6 @@ def chunk_shape(shape: tuple[int, ...]) -> tuple[int, ...]:
         sizes.append(max(1, min(size, left)))
         left //= size
     return tuple(reversed(sizes))
-
-
-def curve_name(output: str) -> str:
-    """The name in the file of an output along the rod: ``beta``, ``F1_along``."""
-    return output if output in CURVES else f"{output}_along"
-
-
-def dimension(field: str) -> str:
-    """The dimension of an axis: the quantity that the study's field is, so that `beta` of a start problem is beta0."""
-    return quantity_of(field).name
 
 
 def axes_of(ds: "xr.Dataset") -> list[str]:
@@ -182,11 +149,6 @@ def over_cases(ds: "xr.Dataset", values: "xr.DataArray") -> "xr.DataArray":
     return values.broadcast_like(ds["outcome"]).transpose(*ds["outcome"].dims)
 
 
-def own_dimension(study: "Study", field: str) -> str:
-    """The dimension along which a field of the study varies: its own, or that of the samples."""
-    return SAMPLE if field in study.sampled else dimension(field)
-
-
 def fields_of_samples(ds: "xr.Dataset") -> list[str]:
     """The fields of the study that are coordinates along the samples."""
     return str(ds.attrs.get("sampled", "")).split()
@@ -195,35 +157,6 @@ def fields_of_samples(ds: "xr.Dataset") -> list[str]:
 def axes_left(ds: "xr.Dataset", study: "Study") -> list[str]:
     """The study's dimensions that the dataset still has; one on which a value was selected is gone."""
     return [dim for dim in dict.fromkeys(own_dimension(study, name) for name in study.varied) if dim in ds.dims]
-
-
-def field_of(study: "Study", name: str) -> str:
-    """The study's field of an axis or quantity that the dataset names; any other name as it is."""
-    return next((field for field in study.fields if field not in WORDS and dimension(field) == name), name)
-
-
-def labels(name: str, units: Mapping[str, str]) -> dict[str, str]:
-    """The attributes of a variable of that quantity: units (not of texts and flags), long_name, symbol."""
-    row = quantity(name)
-    words = {"long_name": row.long_name, "symbol": row.symbol}
-    return words if row.dimension == "text" else {"units": unit_of(name, units), **words}
-
-
-def variables(
-    columns: Mapping[str, Any], dims: tuple[str, ...], units: Mapping[str, str], prefix: str = "", words: str = ""
-) -> "dict[str, xr.Variable]":
-    """Numbers by the names of their quantities as variables over these dimensions, labelled.
-
-    prefix: of their names in the dataset. words: added to their long names.
-    """
-    import xarray as xr
-
-    variables = {}
-    for name, values in columns.items():
-        label = labels(name, units)
-        label["long_name"] += words
-        variables[f"{prefix}{name}"] = xr.Variable(dims, np.asarray(values), label)
-    return variables
 
 
 def labels_in(study: "Study", name: str) -> dict[str, str]:
@@ -257,27 +190,6 @@ def laws_text(study: "Study") -> str:
     for row in rows:
         row |= {"axis": dimension(row["axis"]), "at": {dimension(name): value for name, value in row["at"].items()}}
     return json.dumps(rows, ensure_ascii=False)
-
-
-@cache  # reading it takes a millisecond, and a process keeps the packages that it has imported
-def version_of(package: str) -> str:
-    """The installed version of a package, or that it is not installed."""
-    try:
-        return version(package)
-    except PackageNotFoundError:
-        return "not installed"
-
-
-def versions() -> dict[str, str]:
-    """Python and the packages that numbers and files depend on."""
-    return {"python": platform.python_version(), **{package: version_of(package) for package in PACKAGES}}
-
-
-def provenance(measured: bool = False) -> dict[str, str]:
-    """When and with what a file is made, as attributes; measured: on which machine too."""
-    machine = f"{platform.machine()}, {os.cpu_count()} cores, {platform.system()}"
-    attributes = {"created": datetime.now(UTC).isoformat(timespec="seconds"), "versions": json.dumps(versions())}
-    return {"machine": machine, **attributes} if measured else attributes
 
 
 SECTIONS = (*STIFFNESS, GIVEN)  # the words of the attribute stiffness

@@ -1,0 +1,285 @@
+"""What a dataset holds of its cases: axes, units, numbers, and which case a user means. `StoredStudy` adds the rest."""
+
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Self
+
+import numpy as np
+import xarray as xr
+
+from solver.problem.errors import InputError, choices, near, no_such
+from studies import TABLE_1
+from studies.grammar.axes import FIELDS, SAMPLE
+from studies.laws.line_verdicts import NOISE
+
+from ..words import cautions, labels, outcomes
+from . import quantity_variables, schema
+from .quantity_variables import COMPONENTS
+from .selection import Value, index
+
+NOT_OBSERVED = ("rho", "condition", "dbeta0", "level")  # numbers of each case, not observables
+FOUND = ("FZ", "MZ", "M3", "beta0", "betaL")  # observables where they are found of held ends
+_ROUNDING = 1e-9  # of the largest: a load that is 0 by symmetry differs by less
+HELD_INDEX = "held_index"  # stored of held ends alone
+
+
+@dataclass(frozen=True, eq=False)
+class StoredCases:
+    """The cases of a dataset; each property is asked once."""
+
+    ds: xr.Dataset
+
+    def __getitem__(self, name: str) -> xr.DataArray:
+        """A stored variable. Raises `KeyError`."""
+        return self.ds[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.ds
+
+    @property
+    def attrs(self) -> dict[str, Any]:
+        """The attributes of the dataset."""
+        return self.ds.attrs
+
+    def data(self, name: str) -> Any:
+        """An attribute in JSON as plain data, parsed once."""
+        if name not in self._parsed:
+            self._parsed[name] = json.loads(self.attrs[name])
+        return self._parsed[name]
+
+    @cached_property
+    def _parsed(self) -> dict[str, Any]:
+        return {}
+
+    @property
+    def sizes(self) -> Mapping[str, int]:
+        """How many values each dimension has."""
+        return {str(name): size for name, size in self.ds.sizes.items()}
+
+    @property
+    def variables(self) -> list[str]:
+        """The names of what it stores beside its coordinates."""
+        return list(map(str, self.ds.data_vars))
+
+    def with_title(self, title: str) -> Self:
+        """The same cases under another title."""
+        return type(self)(self.ds.assign_attrs(title=title))
+
+    # what it holds
+
+    @cached_property
+    def kind(self) -> schema.Kind:
+        """The kind of file that it is."""
+        return schema.kind_of(self.ds)
+
+    @cached_property
+    def axes(self) -> list[str]:
+        """The axes of the cases, in order, that of the samples among them; without cases the dimensions."""
+        return schema.axes_of(self.ds) if "outcome" in self.ds else list(map(str, self.ds.dims))
+
+    @cached_property
+    def cases(self) -> int:
+        """How many cases it has."""
+        return int(self.ds["outcome"].size)
+
+    @cached_property
+    def units(self) -> dict[str, str]:
+        """The units "length" and "force" of its numbers."""
+        units = {kind: self.ds.attrs.get(f"{kind}_unit") for kind in ("length", "force")}
+        return {kind: str(unit) for kind, unit in units.items() if unit is not None}
+
+    @cached_property
+    def sampled(self) -> list[str]:
+        """The coordinates along the samples: the sampled fields, as the dataset names them."""
+        return [quantity_variables.dimension(name) for name in schema.fields_of_samples(self.ds)]
+
+    @property
+    def leaves(self) -> bool:
+        """Whether its rods may leave the cylinder."""
+        return schema.leaves(self.ds)
+
+    @cached_property
+    def loads_vary(self) -> bool:
+        """Whether loads vary along a rod: one has weight or friction."""
+        return schema.loads_vary(self.ds)
+
+    @property
+    def stiffness_fields(self) -> tuple[str, ...]:
+        """The fields that determine the bending stiffness of its rods."""
+        return schema.stiffness_fields(self.ds)
+
+    @cached_property
+    def versions(self) -> dict[str, str]:
+        """The versions with which it was made, by package. Raises `InputError`."""
+        return schema.versions_of(self.ds)
+
+    @cached_property
+    def reading(self) -> str:
+        """The reading of Table 1 in words, or nothing."""
+        text = str(self.ds.attrs.get("reading", ""))
+        return f"Table 1 read {text.replace('/', ', ')}" if text else ""
+
+    @cached_property
+    def caution(self) -> str:
+        """One sentence on the cautions of its cases; empty where there are none."""
+        return cautions.said(self.ds["caution"].values) if "caution" in self.ds else ""
+
+    @cached_property
+    def restable(self) -> str:
+        """How many of its solved rods could rest as they are computed, in words; empty where all could."""
+        if "caution" not in self.ds:
+            return ""
+        texts = self.ds["caution"].values
+        return cautions.restable(texts, self.ds["solved"].values if "solved" in self.ds else np.ones(texts.shape))
+
+    @cached_property
+    def left_out(self) -> str:
+        """What the model leaves out of rods inside a cylinder, in one sentence; empty outside."""
+        if str(self.ds.attrs["side"]) != "inside":
+            return ""
+        given = {name: self.ds[name].values for name in schema.VARYING if name in self.ds}
+        return cautions.model_leaves_out(given | {name: self.attrs.get(name) for name in ("sliding", "contact")})
+
+    def check_any_solved(self) -> None:
+        """Raise `InputError`, which says why, where no case is solved and there is nothing to draw."""
+        outcomes.check_any_solved(self.ds["solved"].values, self.ds["outcome"].values)
+
+    # which cases
+
+    def axis(self, name: str) -> str:
+        """The axis of that name, or of that field of the study (`beta` is beta0). Raises `InputError` with the axes."""
+        axes = [dim for dim in self.axes if dim in self.ds.coords and dim not in ("u", *COMPONENTS)]
+        for known in (name, quantity_variables.dimension(name) if name in FIELDS else name):
+            if known in axes:
+                return known
+        if SAMPLE in axes and name in (fields := schema.fields_of_samples(self.ds)):
+            raise InputError(
+                f"{name} is no axis: the samples are of {choices(fields)}; give the number of one, sample=0"
+            )
+        if name in self.ds.coords and not self.ds[name].ndim:
+            raise InputError(f"{name} is selected already: it is {self.ds[name].item():.10g}")
+        if not axes:
+            raise InputError(f"no axis {name!r}: the dataset has none")
+        raise no_such("axis", name, axes)
+
+    def place(self, at: Mapping[str, Value] | None = None) -> dict[str, int]:
+        """The indices of the case at these values; an axis that is not named stays where the laws or Table 1 put it.
+
+        Raises `InputError` for a name that is no axis or a value that is not stored.
+        """
+        chosen = {self.axis(name): value for name, value in (at or {}).items()}
+        return {name: index(self.ds[name], chosen[name]) if name in chosen else self._base(name) for name in self.axes}
+
+    def _base(self, name: str) -> int:
+        """The index nearest to where the laws or Table 1 put an axis; else its middle."""
+        values = self.ds[name].values.astype(float)
+        for row in self.data("laws") if "laws" in self.attrs else ():
+            if name in row.get("at", {}):
+                return int(np.abs(values - row["at"][name]).argmin())
+        at_start = {quantity_variables.dimension(field): value for field, value in TABLE_1.items() if field in FIELDS}
+        base = at_start.get(name) if self.attrs.get("reading") else None
+        return values.size // 2 if base is None else int(np.abs(values - base).argmin())
+
+    def places(self, axis: str, at: Mapping[str, Value] | None = None) -> list[dict[str, int]]:
+        """The indices of each case along an axis in its rising order, the other axes as in `place`."""
+        axis, place = self.axis(axis), self.place(at)
+        return [{**place, axis: int(i)} for i in np.argsort(self.ds[axis].values, kind="stable")]
+
+    def value(self, axis: str, value: Value) -> float:
+        """The stored value of an axis that is meant. Raises `InputError` with the stored values."""
+        return float(self.ds[axis].values[index(self.ds[axis], value)])
+
+    def select(self, places: Mapping[str, Any]) -> Self:
+        """The cases at these indices; an axis with one index is gone."""
+        return type(self)(self.ds.isel(places))
+
+    def only(self, names: Iterable[str]) -> Self:
+        """The same cases with these variables alone, so that nothing else is read."""
+        return type(self)(self.ds[list(names)])
+
+    def with_arrays(self, along: Mapping[str, Any]) -> Self:
+        """The same case with these arrays along the rod, (n,) each, in place of stored ones."""
+        return type(self)(self.ds.assign({name: ("u", values) for name, values in along.items()}))
+
+    def plane(self, x: str, y: str, where: Mapping[str, int]) -> Self:
+        """The cases over two axes, (y, x) with rising values of both; where: the indices along the others."""
+        return type(self)(self.ds.isel(where).sortby([x, y]).transpose(y, x, ...))
+
+    # its numbers
+
+    @cached_property
+    def observables(self) -> list[str]:
+        """The observables that are stored for each case, in the order of the file; of a sweep, its branches too."""
+        names = [name for name in self.variables if self._is_number_of_each_case(name)]
+        return [
+            name for name in names if not name.endswith("error") and name not in NOT_OBSERVED and self._varies(name)
+        ]
+
+    @cached_property
+    def all_observables(self) -> list[str]:
+        """The observables and expressions in their order, then what else of `observables` the file has of its cases:
+        loads and end moments that the study names, and what is found of held ends."""
+        first = [name for name in schema.observables_of(self.ds) if self._is_number_of_each_case(name)]
+        return list(dict.fromkeys([*first, *self.observables]))
+
+    def _varies(self, name: str) -> bool:
+        """Whether a number tells something: not the only branch, nor a load or an end angle that was given."""
+        if name == "branch":
+            return bool(np.unique(self.of_solved(name).values[self.ds["solved"].values]).size > 1)
+        if name not in FOUND:
+            return True
+        if HELD_INDEX not in self.ds.data_vars:
+            return False
+        largest = max(float(abs(self.ds[other]).max()) for other in FOUND if other in self.ds.data_vars)
+        return float(self.ds[name].max() - self.ds[name].min()) > _ROUNDING * largest
+
+    def _is_number_of_each_case(self, name: str) -> bool:
+        """Also the estimated errors, the condition number and the loads are numbers of each case."""
+        ds = self.ds
+        return name in ds.data_vars and ds[name].dtype.kind in "iuf" and set(ds[name].dims) == set(ds["outcome"].dims)
+
+    @cached_property
+    def counts(self) -> frozenset[str]:
+        """The names of the numbers that are whole: counts, comparisons, and the number of a branch."""
+        whole = {name for name in self.variables if self.ds[name].dtype.kind in "iu" or schema.is_count(self.ds[name])}
+        return frozenset({*whole, HELD_INDEX})
+
+    def names_of(self, names: Sequence[str]) -> list[str]:
+        """The names, each once. Raises `InputError` for one that is no number of each case, with the observables."""
+        for name in names:
+            if not self._is_number_of_each_case(name):
+                known = self.observables
+                raise InputError(f"no observable {name!r}{near(name, known)}; the file has {choices(known) or 'none'}")
+        return list(dict.fromkeys(names))
+
+    def of_solved(self, name: str) -> xr.DataArray:
+        """A number of each case, NaN where it is not solved: the number of a branch is stored as -1 there."""
+        return self.ds[name].where(self.ds["solved"]) if name == "branch" else self.ds[name]
+
+    def is_level(self, name: str) -> bool:
+        """Whether a number is the same in all cases, but for rounding and its estimated errors: one value lies within
+        the error of each."""
+        low, high = self.level(name)
+        return low <= high
+
+    def level(self, name: str) -> tuple[float, float]:
+        """The ends of what all cases may have in common of a number, within rounding and their estimated errors; the
+        first is the larger where they have nothing in common."""
+        values = np.asarray(self.ds[name].values, dtype=float)
+        known = np.isfinite(values)
+        if not known.any():
+            return np.inf, -np.inf
+        errors = self.ds[f"{name}_error"].values if f"{name}_error" in self.ds else np.zeros(values.shape)
+        errors = np.maximum(np.nan_to_num(errors), NOISE / 2 * np.abs(values[known]).max())[known]
+        return float((values[known] - errors).max()), float((values[known] + errors).min())
+
+    def label(self, name: str, long: bool = False) -> str:
+        """``mean κ [1/cm]``: symbol and unit of a stored variable; angles in degrees. long: with its name in words."""
+        return labels.label(self.ds[name], long)
+
+    def equations(self, where: Mapping[str, int], digits: int = 4) -> str:
+        """The values at indices along axes: ``R = 0.75 cm, F₃ = 10 N``; nothing where there are none."""
+        numbers = [(self.ds[axis], float(self.ds[axis].values[i])) for axis, i in where.items()]
+        return ", ".join(labels.equation(array, number, digits) for array, number in numbers)

@@ -1,0 +1,373 @@
+"""A stored study as an object: what a dataset holds, each thing asked once, and what follows from it.
+
+    import workbench.accessor       # registers it as ds.rod
+    ds = xr.open_dataset("modulus.h5", chunks={})
+    ds.rod.sel(E=2e4).rod.position  # computed from what is stored where that suffices, else solved again
+    ds.rod.at(E=2.1e4).position     # a case that is on no axis, solved
+
+Figures, scenes, pages and exports take one.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from solver.problem.errors import InputError, near, no_such
+
+from . import derived_arrays, law_verdicts, refined, schema
+from .derived_arrays import ARRAYS, StoredArrays
+from .refined import Refined
+from .selection import indices
+from .stored_cases import StoredCases
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from solver import Case, Solution
+    from studies import Study
+    from studies.laws.verdicts import Law
+
+NOTEBOOK = "workbench.notebook"  # loaded by name: it draws what this module reads
+
+
+@dataclass(frozen=True, eq=False)
+class StoredStudy(StoredCases):
+    """What a dataset holds; the dataset may be a selection, and its arrays may be lazy.
+
+    Attributes are arrays along the rod with units, of dimensions (axes, u) and a component where there is one: beta,
+    dbeta, alpha, z, gamma, position, tangent, normal, material_frame, kappa, F1, F2, F3, FY, contact, push, M1, M2,
+    M3_along, h. Each is read where it is stored, else computed from what is stored, else its cases are solved again.
+
+    Raises
+    ------
+    InputError
+        Where the dataset was not made from a study, or too many cases would have to be solved again.
+
+    Examples
+    --------
+    >>> import workbench.accessor
+    >>> from studies import load
+    >>> from workbench.store import in_memory
+    >>> (law,) = in_memory.run(load("fig7_1_modulus")).rod.verdicts
+    >>> law["observable"], law["verdict"]
+    ('turns', 'holds')
+    """
+
+    # what it holds
+
+    @cached_property
+    def laws(self) -> "list[Law]":
+        """The laws that its study states. Raises `InputError`."""
+        return schema.laws_of(self.ds)
+
+    @cached_property
+    def verdicts(self) -> list[dict[str, Any]]:
+        """The verdicts on its laws, a row each, in the study's order; see `studies.laws.verdicts.decide`.
+
+        A study that is refined along one axis is judged on all its cases, one in a plane on its coarse grid. A law
+        along an axis that the reading of Table 1 drops is not decided. Raises `InputError`.
+        """
+        return law_verdicts.verdicts(self.ds)
+
+    @cached_property
+    def unsolved(self) -> int:
+        """How many cases are not solved."""
+        return int((~self.ds["solved"].values).sum())
+
+    @property
+    def is_refined(self) -> bool:
+        """Whether it is a refined study."""
+        return schema.is_refined(self.ds)
+
+    @cached_property
+    def refinement(self) -> Refined:
+        """Its refinement; of a grid of one axis or two one without halvings. Raises `InputError`."""
+        return refined.describe(self.ds)
+
+    @cached_property
+    def samples(self) -> dict[str, NDArray[np.float64]]:
+        """The samples, or the one that is selected: field -> values. Raises `InputError`."""
+        from .solved_again import samples_of
+
+        return samples_of(self.ds)
+
+    @cached_property
+    def study(self) -> "Study":
+        """The study, under the reading that the dataset was run under. Raises `InputError`."""
+        from .solved_again import study_of
+
+        return study_of(self.ds)
+
+    @cached_property
+    def case(self) -> "Case":
+        """The case of the dataset, of the shape of its remaining axes. Raises `InputError`."""
+        from .solved_again import case_of
+
+        return case_of(self.ds, self.study)
+
+    # which cases
+
+    def sel(self, **values: Any) -> xr.Dataset:
+        """Select by values of axes: ``sel(E=1e4)``, ``sel(E=[1e4, 2e4])``, ``sel(E=slice(1e4, 2e4))``.
+
+        Parameters
+        ----------
+        **values : float, str, list or slice
+            For an axis (``beta0``, or the study's field ``beta``) a stored value to nine digits, an angle in rad; as
+            text, ``"10910"`` or ``"30deg"``, the value that it abbreviates.
+
+        Returns
+        -------
+        xr.Dataset
+            The selection; an axis of which one value was selected is gone.
+
+        Raises
+        ------
+        InputError
+            For a value that is not stored, with the values that are.
+
+        Examples
+        --------
+        >>> import workbench.accessor
+        >>> from studies import load
+        >>> from workbench.store import in_memory
+        >>> ds = in_memory.run(load("fig7_1_modulus"))
+        >>> one = ds.rod.sel(E="10905")
+        >>> int(one["turns"]), dict(one.sizes)
+        (6, {'u': 201})
+        """
+        places = {}
+        for name, value in values.items():
+            axis = self.axis(name)
+            try:
+                places[axis] = indices(self.ds[axis], value)
+            except InputError as error:
+                raise InputError(f"{error}; ds.rod.at({name}=...) solves a case at any value") from None
+        return self.ds.isel(places)
+
+    def coarse(self) -> "StoredStudy":
+        """The coarse grid of a refined study as a study over its axes; any other study as it is."""
+        return self._of(refined.coarse(self.ds))
+
+    def line(self) -> "StoredStudy":
+        """All cases of a study that is refined along one axis, in the order of that axis; else as `coarse`."""
+        return self._of(refined.line(self.ds))
+
+    def raster(self) -> "StoredStudy":
+        """The plane of a refined study as a fine grid, each point with the numbers of the case around which it lies."""
+        return StoredStudy(refined.raster(self.ds))
+
+    def _of(self, ds: xr.Dataset) -> "StoredStudy":
+        return self if ds is self.ds else StoredStudy(ds)
+
+    # its numbers
+
+    def verdicts_of_lines(self, law: "Law") -> xr.DataArray:
+        """The verdict on a law on each line of the grid along its axis, over the other axes."""
+        return law_verdicts.verdicts_of_lines(self.ds, law)
+
+    def numbers_of_line(self, law: "Law", places: list[dict[str, int]]) -> dict[str, NDArray[np.float64]]:
+        """The numbers with which a law compares its observable, by key, at the places of one line of the grid."""
+        return law_verdicts.numbers_of_line(self.ds, law, places)
+
+    def boundary(self, name: str, step: float | None = None) -> xr.Dataset:
+        """The boundary of an observable: the pairs of neighbouring cases between which it changes.
+
+        Parameters
+        ----------
+        name : str
+            An observable, an expression, "outcome" (whether a case is solved), or the claim of a law, such as "(1)":
+            where its verdict changes from line to line.
+        step : float, optional
+            The change that counts, in the unit of the observable; default: that of the study's refinement, and 0 for a
+            count.
+
+        Returns
+        -------
+        xr.Dataset
+            Of the dimension `pair`: each axis (the middle between the two cases), ``<axis>_half_width``, `before` and
+            `after` (the numbers of the two cases).
+
+        Raises
+        ------
+        InputError
+            For an unknown observable, a real one without a step, or a grid of more than two axes.
+        """
+        if any(law.claim == name for law in self.laws):
+            return law_verdicts.boundary_of_law(self.ds, name)
+        return refined.boundary(self.ds, name, step, self.observables)
+
+    def to_pandas(self, *along: str) -> "pd.DataFrame":
+        """A table: one row a case, or with names of arrays along the rod one row a station.
+
+        Parameters
+        ----------
+        *along : str
+            Arrays along the rod, ``to_pandas("beta", "push")``; stored, or computed as by `along`. Default: none.
+
+        Returns
+        -------
+        pandas.DataFrame
+            The axes are the index, and `u` for stations; angles in rad. Every stored quantity of a case is a column, of
+            stations `s`, the arrays, and their components (``position_x``). ``attrs["units"]`` has the unit of each
+            column and axis, ``attrs["long_names"]`` its name in words.
+
+        Raises
+        ------
+        InputError
+            For an unknown array, a dataset that is not a stored study, and a table of more than 5e8 numbers.
+        """
+        if not along:
+            return derived_arrays.cases_table(self.ds)
+        return derived_arrays.stations_table(self.ds, [self.along(name).rename(name) for name in along])
+
+    # its arrays along the rod, and cases that are solved
+
+    @cached_property
+    def arrays(self) -> StoredArrays:
+        """Its arrays along the rod and the constants of its cases, as far as what is stored suffices."""
+        return StoredArrays(self.ds)
+
+    def array(self, name: str) -> xr.DataArray | None:
+        """An array along the rod as stored or computed from stored ones; None where they do not suffice."""
+        values: xr.DataArray | None = self.arrays.derive(name)
+        return values
+
+    def states(self, s: Any, beta: Any, alpha: Any, push: Any) -> Sequence[Any]:
+        """The states along a rod with weight or friction, of one case, from arrays along it, (n,) each."""
+        return derived_arrays.states_of(self.ds, s, beta, alpha, push)
+
+    def along(self, name: str) -> xr.DataArray:
+        """The array along the rod of that name; the same as the attribute, ``ds.rod.contact``. Raises `InputError`."""
+        if name not in ARRAYS:
+            raise no_such("array along the rod", name, ARRAYS)
+        return derived_arrays.Stored(self.ds, self.study, lambda: self.case, lambda: self._solution).array(name)
+
+    if not TYPE_CHECKING:  # a misspelt name is an error of types
+
+        def __getattr__(self, name: str) -> xr.DataArray:
+            if name not in ARRAYS:
+                raise AttributeError(f"ds.rod has no {name!r}{near(name, dir(self))}; dir(ds.rod) lists its names")
+            return self.along(name)
+
+    @cached_property
+    def _solution(self) -> "Solution":
+        return self.at()
+
+    def at(self, **values: float) -> "Solution":
+        """Solve the case at other values of fields of the study, with the study's tolerance and method.
+
+        Parameters
+        ----------
+        **values : float
+            Of any field of the study, on its axis or not; angles in rad. Other axes stay.
+
+        Returns
+        -------
+        Solution
+            Of the shape of the other axes.
+
+        Raises
+        ------
+        InputError
+            For an unknown field, a value that the solver refuses, or too many cases.
+
+        Examples
+        --------
+        >>> import workbench.accessor
+        >>> from studies import load
+        >>> from workbench.store import in_memory
+        >>> ds = in_memory.run(load("fig7_1_modulus"))
+        >>> print(f"{ds.rod.at(E=12000.0).z[-1]:.3f}")
+        6.965
+        """
+        from .solved_again import solve_at
+
+        return solve_at(self.ds, self.study, values)
+
+    def solve(self, stations: int, names: Iterable[str]) -> "StoredStudy":
+        """Its cases solved again, as its study solves them, at so many stations or a little more.
+
+        Parameters
+        ----------
+        stations : int
+            The stored stations are among those of the result.
+        names : iterable of str
+            The arrays along the rod that the result has.
+
+        Returns
+        -------
+        StoredStudy
+
+        Raises
+        ------
+        InputError
+            Where the dataset has no study, for too many cases or stations, and where the shapes are not the stored
+            ones.
+        """
+        from .solved_again import solve_again
+
+        return StoredStudy(solve_again(self.ds, stations, names))
+
+    # pictures
+
+    def plot(self, **at: Any) -> Any:
+        """The figure of the dataset, or of its case at these values of axes; a notebook shows it inline.
+
+        Parameters
+        ----------
+        **at : float or str
+            Values of axes, as of `sel`: ``plot(E=1e4)``.
+
+        Returns
+        -------
+        workbench.notebook.Plot
+            With ``save("modulus.pdf")`` and ``figure``.
+
+        Raises
+        ------
+        InputError
+            For a value that is not stored, and where there is nothing to draw.
+
+        Examples
+        --------
+        >>> import workbench.accessor
+        >>> from studies import load
+        >>> from workbench.store import in_memory
+        >>> ds = in_memory.run(load("fig7_1_modulus"))
+        >>> len(ds.rod.plot(E="10905").figure.axes)
+        3
+        """
+        return import_module(NOTEBOOK).plot(self, at)
+
+    def scene(self, **at: Any) -> Any:
+        """The rods on their cylinder, with a slider for each axis that is not given; a notebook shows them inline.
+
+        Parameters
+        ----------
+        **at : float or str
+            Values of axes, as of `sel`: ``scene(E=1e4)``.
+
+        Returns
+        -------
+        workbench.notebook.Scene
+            With ``save("modulus.html")``, one offline file.
+
+        Raises
+        ------
+        InputError
+            For a value that is not stored, and where no case has a shape.
+        """
+        return import_module(NOTEBOOK).scene(self, at)
+
+    def __dir__(self) -> list[str]:
+        return sorted({*(name for name in super().__dir__() if not name.startswith("_")), *ARRAYS})
+
+    def __repr__(self) -> str:
+        return f"<ds.rod: {', '.join(dir(self))}>"
