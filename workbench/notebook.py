@@ -27,7 +27,7 @@ from solver.problem.units import FORCES, LENGTHS
 from .branches.equilibria_dataset import all_units, of_solution
 from .branches.equilibria_dataset import dataset_of_loops as dataset_of_loops  # `Loops.to_dataset` looks it up here
 from .store import atomic
-from .stored import provenance, quantity_variables, schema
+from .stored import provenance, quantity_variables
 from .stored.stored_study import StoredStudy
 from .words import cautions, labels
 from .words.python_words import in_python, python_words
@@ -243,7 +243,7 @@ def dataset_of(sol: Solution, units: Mapping[str, str] | None = None) -> xr.Data
     u = np.asarray(sol.s, dtype=float).reshape(-1, sol.t.shape[-1])[0]
     ds = of_solution(sol, tuple(axes), (u - u[0]) / (u[-1] - u[0]), ALONG, used)
     loads = {name: getattr(sol, name) for name in quantity_variables.LOADS}
-    for name, number in {**schema.numbers_of_case(case), **loads}.items():
+    for name, number in {**quantity_variables.numbers_of_case(case), **loads}.items():
         if name not in axes:
             value = np.broadcast_to(np.asarray(number, dtype=float), case.shape)
             same = value.size > 0 and float(np.ptp(value)) == 0
@@ -291,7 +291,7 @@ def _attributes(sol: Solution, units: Mapping[str, str]) -> dict[str, Any]:
     return {
         "title": "An elastic rod on a cylinder" if not case.shape else f"{case.size} elastic rods on cylinders",
         "study_name": "solution", "study": "", "reading": "",
-        **schema.attributes_of_case(case, units),
+        **quantity_variables.attributes_of_case(case, units),
         "laws": json.dumps([]), "versions": json.dumps(provenance.versions()),
         "method": sol.method, "tolerance": sol.tol,
     }  # fmt: skip

@@ -11,7 +11,7 @@ from studies import load
 from tests.workbench import live, small
 from tests.workbench.command import exit_status
 from workbench.store import atomic, reading
-from workbench.stored import schema
+from workbench.stored import file_kinds
 
 
 @pytest.fixture
@@ -43,7 +43,7 @@ def every_file_that_is_written_is_read(monkeypatch) -> Iterator[None]:
         move(aside, path)
         try:
             if path.suffix == ".h5":
-                reading.read(path, study=reading.kind_of_file(path) is schema.STUDY)
+                reading.read(path, study=reading.kind_of_file(path) is file_kinds.STUDY)
             elif path.suffix == ".toml":
                 load(path)
         except InputError as error:

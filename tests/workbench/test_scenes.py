@@ -29,7 +29,7 @@ from workbench.scene import long_rod, opengl, page, scene_kinds, surfaces, views
 from workbench.scene.scene_kinds import KINDS, Cell, kind_of
 from workbench.scene.views import View
 from workbench.store import in_memory, writing
-from workbench.stored.schema import SECTION
+from workbench.stored.quantity_variables import SECTION
 from workbench.stored.stored_study import StoredStudy
 
 START = {"beta": 0.5, "dbeta": 0.1, "dgamma": 0.5}

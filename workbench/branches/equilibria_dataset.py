@@ -20,7 +20,7 @@ from studies.language.case_input import field_values
 from studies.language.loader import loads
 from studies.language.readings import TABLE_UNITS
 
-from ..stored import provenance, quantity_variables, schema
+from ..stored import provenance, quantity_variables
 from ..words import cautions
 from .ends_study import ELASTIC, study_text
 
@@ -134,7 +134,7 @@ def attributes(study: Study, case: Case, title: str) -> dict[str, Any]:
     """The attributes that every dataset of equilibria has."""
     return {
         "title": title, "study_name": "equilibria", "study": study.text, "reading": study.reading or "",
-        **schema.attributes_of_case(case, study.unit_system), "laws": json.dumps([]),
+        **quantity_variables.attributes_of_case(case, study.unit_system), "laws": json.dumps([]),
         "versions": json.dumps(provenance.versions()),
         "stability": DEAD_LOADS,
     }  # fmt: skip
@@ -145,7 +145,9 @@ def with_case(ds: xr.Dataset, case: Case, units: dict[str, str], skip: Collectio
     every = {name: getattr(case.given, name) for pair in PAIRS for name in pair}
     ends = {name: value for name, value in every.items() if value is not None}
     varied = {*skip, *(("rho",) if {"R", "a"} & {*skip} else ())}
-    numbers = {name: value for name, value in (schema.numbers_of_case(case) | ends).items() if name not in varied}
+    numbers = {
+        name: value for name, value in (quantity_variables.numbers_of_case(case) | ends).items() if name not in varied
+    }
     return ds.assign(quantity_variables.variables({name: float(value) for name, value in numbers.items()}, (), units))
 
 

@@ -79,7 +79,7 @@ def plot(
     from ..figures import canvas, drawn_numbers, map_panel
     from ..figures.sheet import sheet
     from ..store import reading
-    from ..stored import schema
+    from ..stored import file_kinds
     from ..stored.stored_study import StoredStudy
 
     every = {"x": x, "y": y, "show": show, "at": at, "shapes": shapes}
@@ -90,13 +90,13 @@ def plot(
             raise InputError(f"{file} is a folder, whose story plot draws without --{alien[0]}")
         return _story(file, out or file / "story.png", width, force, dpi)
     page, of = sheet(style, width, not no_title, panel), reading.kind_of_file(file)
-    if of is schema.STUDY:
+    if of is file_kinds.STUDY:
         stored = StoredStudy(reading.read(file))
         stored.check_any_solved()
         kind = kinds.kind_of(stored, kind, list(given))
     else:
         if not of.figure:
-            raise schema.other_kind(file, of, "plot has no figure of it")
+            raise file_kinds.other_kind(file, of, "plot has no figure of it")
         if alien := [name for name in named if name not in kinds.KINDS[of.figure].options]:
             raise InputError(f"{file} is {of.what}, which plot draws without --{alien[0]}")
         stored, kind = StoredStudy(reading.read(file, study=False)), of.figure

@@ -22,7 +22,7 @@ from ..scene.scene_kinds import Kind
 from ..scene.settings import TooFewStations
 from ..store import in_memory, reading
 from ..store.stored_case import is_study
-from ..stored import quantity_variables, schema
+from ..stored import file_kinds, quantity_variables, schema
 from ..stored.stored_study import StoredStudy
 
 FIRST = 21  # stations that are tried first
@@ -42,9 +42,9 @@ def open_rods(file: Path) -> tuple[Study | None, StoredStudy]:
     if is_study(file):
         return two_stations(file)
     kind = reading.kind_of_file(file)
-    if kind is not schema.STUDY and not kind.scene:
-        raise schema.other_kind(file, kind, "scene draws studies and equilibria")
-    return None, StoredStudy(reading.read(file, study=kind is schema.STUDY))
+    if kind is not file_kinds.STUDY and not kind.scene:
+        raise file_kinds.other_kind(file, kind, "scene draws studies and equilibria")
+    return None, StoredStudy(reading.read(file, study=kind is file_kinds.STUDY))
 
 
 def solver_of(stored: StoredStudy, kind: Kind, at: dict[str, float], shown: Sequence[str]) -> Solve | None:

@@ -28,9 +28,9 @@ def summary(file: File) -> Result:
     from ..store import reading
     from ..store.file_summary import brief_law, contents
     from ..store.file_summary import summary as summarise
-    from ..stored import schema
+    from ..stored import file_kinds
 
-    if reading.kind_of_file(file) is schema.STUDY:
+    if reading.kind_of_file(file) is file_kinds.STUDY:
         study = summarise(file)
         return Result(lambda: study | {"laws": [brief_law(row) for row in study["laws"]]}, lambda: _print(study))
     described = contents(file)

@@ -23,7 +23,6 @@ from studies.laws import law_words
 from studies.laws.law_words import PLAIN
 from studies.laws.line_verdicts import HOLDS, VERDICTS
 
-from ..stored import schema
 from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import canvas, colours, fonts, map_panel
@@ -289,7 +288,7 @@ def _numbers(verdicts: NDArray[np.str_]) -> NDArray[np.float64]:
 def _refinement(stored: StoredStudy, rows: Sequence[Mapping[str, Any]]) -> list[str]:
     """The refinement of a study in words, and the verdict of each of its laws."""
     watched = stored.refinement.watch
-    ended = str(stored.attrs.get(schema.SAMPLING[-1], ""))
+    ended = stored.refinement_in_words
     ended = re.sub(r"\w+", lambda word: labels.noun_of(word[0]) if word[0] in watched else word[0], ended)
     verdicts = [f"law {row['claim']}: {labels.law_text(row, law_words.law_in_words(row))}; {PLAIN[row['verdict']]}"
                 for row in rows]  # fmt: skip

@@ -15,12 +15,12 @@ from solver.mechanics.potential import Loads, slope_rate
 from solver.problem.case import ALONG_AXIS, IN_PLACE, SLIDING
 from solver.problem.errors import InputError
 
-from ..stored import schema
+from ..stored import quantity_variables
 from ..stored.stored_study import StoredStudy
 from .centreline import EASED, NEEDED, Array, Centreline, cut, slopes, spline
 
 # what the curve of a rod with weight or friction needs beside, and of one that may leave the cylinder
-VARIES = ("contact", "radius", "inclination", *schema.VARYING)
+VARIES = ("contact", "radius", "inclination", *quantity_variables.VARYING)
 FREE_ORDER = 3  # of the errors of a spline through places, in their distance: the shear jumps at edges of contact
 ANGLES = 361  # between the least and the largest one, at which rates are compared
 
@@ -43,7 +43,7 @@ def read(stored: StoredStudy, where: Mapping[str, int]) -> Centreline:
     if not case["solved"] or not np.isfinite(list(along.values())).all():
         raise InputError(f"this case has no shape: {outcome}")
     number = {name: float(case[name]) for name in needed[3:] if name not in ("contact", "radius")}
-    A = float(schema.bending_stiffness(str(stored.attrs["stiffness"]), number))
+    A = float(quantity_variables.bending_stiffness(str(stored.attrs["stiffness"]), number))
     loads = [number[name] / A for name in ("MZ", "M3", "FZ")]
     s = np.asarray(case["s"].values, dtype=float)
     is_stored = "dbeta" in stored

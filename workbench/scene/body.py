@@ -14,8 +14,8 @@ from ..geometry import centreline, self_contact, stored_line
 from ..geometry.centreline import Array, Centreline
 from ..geometry.lines import TALLEST
 from ..geometry.refinement import COLOUR_STEPS, MOST_TRIANGLES, Rings, rings, stations_for
-from ..stored import schema
-from ..stored.schema import SECTION
+from ..stored import quantity_variables
+from ..stored.quantity_variables import SECTION
 from ..stored.stored_study import StoredStudy
 from .scene_kinds import Kind, Paint
 
@@ -165,7 +165,7 @@ def read(stored: StoredStudy, where: Mapping[str, int], kind: Kind, span: tuple[
         if name not in stored:
             raise InputError(f"the dataset stores no {name}, which the kind {kind.name} needs: add it to outputs")
     also = {name for name in ("solved", "outcome", "caution", "dbeta", *SECTION) if name in stored}
-    if stored.leaves or any(name in stored for name in schema.VARYING):
+    if stored.leaves or any(name in stored for name in quantity_variables.VARYING):
         also |= {name for name in stored_line.VARIES if name in stored}
     variables = stored.only(sorted(reads | also))
     line = stored_line.read(variables, where)

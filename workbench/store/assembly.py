@@ -71,7 +71,7 @@ def frame_of(
     case = study.case_of(over.open()) if case is None else case
     coords = _coordinates(study, over)
     data = {}
-    for name, value in schema.numbers_of_case(case).items():
+    for name, value in quantity_variables.numbers_of_case(case).items():
         if name not in coords:
             data[name] = xr.Variable(*_own_dims(value, axes), quantity_variables.labels(name, units))
     for field, value in study.constants_of_laws.items():
@@ -136,7 +136,7 @@ def _attributes(study: Study, case: Case) -> dict[str, Any]:
         "study_name": study.name,
         "study": bounds.fit_lines(study.text or dumps(study)),
         "reading": study.reading or "",
-        **schema.attributes_of_case(case, study.unit_system),
+        **quantity_variables.attributes_of_case(case, study.unit_system),
         **({"contact": "unilateral"} if study.let_go else {}),
         "tolerance": study.tol,
         "method": study.method,

@@ -16,7 +16,7 @@ from solver.problem.field_values import POSITIVE, RANGES
 from studies import Study
 from studies.grammar.axes import Dimensions
 
-from ..stored import schema
+from ..stored import quantity_variables
 from ..stored.quantity_variables import CURVES, LOADS
 from ..stored.schema import JUDGED, LABEL
 
@@ -60,7 +60,7 @@ def check_study(study: Study, dimensions: Dimensions) -> None:
         if why := wrong_axis(np.unique(values)):
             raise InputError(f"the axis {name} {why}: no file holds that")
     case = study.case_of(dimensions.open())
-    numbers = schema.numbers_of_case(case)
+    numbers = quantity_variables.numbers_of_case(case)
     for name in (name for name in FIELDS if name in numbers):
         if why := wrong_field(name, numbers[name]):
             raise InputError(f"{name} of a study that is stored {why}")

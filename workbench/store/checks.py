@@ -22,9 +22,9 @@ from studies import names
 from studies.grammar.axes import FIELDS, SAMPLE
 from studies.grammar.formulas import parse
 
-from ..stored import refined, schema
-from ..stored.quantity_variables import CURVES, INNER, LOADS
-from ..stored.schema import FORMAT, JUDGED, LABEL, LINE, SECTION, TEXTS, blocks, show
+from ..stored import file_kinds, quantity_variables, refined, schema
+from ..stored.quantity_variables import CURVES, INNER, LOADS, SECTION
+from ..stored.schema import FORMAT, JUDGED, LABEL, LINE, TEXTS, blocks, show
 from ..words import escaping
 from . import bounds
 
@@ -37,7 +37,7 @@ MOST_TEXT = 64_000_000  # characters of a text of many lines
 ATTRIBUTES: Mapping[str, Any] = {  # the words that one can be, or how many characters; of others it is `LINE`
     **dict.fromkeys(LONG, MOST_TEXT),
     "side": SIDES, "sliding": SLIDING, "contact": CONTACTS,
-    "stiffness": schema.SECTIONS, "length_unit": LENGTHS, "force_unit": FORCES,
+    "stiffness": quantity_variables.SECTIONS, "length_unit": LENGTHS, "force_unit": FORCES,
 }  # fmt: skip
 LABELS = ("units", "long_name", "symbol", "reading")  # attributes of variables that are text
 
@@ -59,7 +59,7 @@ def check(ds: xr.Dataset, path: str | Path, checks: Sequence[Check]) -> None:
 
 def check_all(ds: xr.Dataset, path: str | Path) -> None:
     """Raise `InputError` where anything is wrong with a dataset, of whichever kind."""
-    if schema.kind_of(ds) is schema.STUDY:
+    if file_kinds.kind_of(ds) is file_kinds.STUDY:
         check_kind(ds, path)
         check(ds, path, [*STUDY, curves])
     else:
@@ -73,9 +73,9 @@ def of_any(ds: xr.Dataset) -> Sequence[Check]:
 
 def check_kind(ds: xr.Dataset, path: str | Path) -> None:
     """Raise `InputError` unless it is a study's dataset of this version's format; a study is cheap to solve again."""
-    kind = schema.kind_of(ds)
-    if kind is not schema.STUDY:
-        raise schema.other_kind(path, kind, f"this command reads {schema.STUDY.what}")
+    kind = file_kinds.kind_of(ds)
+    if kind is not file_kinds.STUDY:
+        raise file_kinds.other_kind(path, kind, f"this command reads {file_kinds.STUDY.what}")
     missing = [name for name in NEEDED if name not in ds.attrs]
     if missing or "outcome" not in ds:
         raise InputError(f"{path} is not a study's dataset: it has no {', '.join(missing) or 'outcome'}")
@@ -195,7 +195,7 @@ def axes(ds: xr.Dataset) -> Iterator[str]:
     if bool(fields) != (SAMPLE in schema.axes_of(ds)):
         yield f": the attribute sampled and the dimension {SAMPLE} belong together: one is missing"
     for field in fields:
-        name = schema.dimension(field) if field in FIELDS else field
+        name = quantity_variables.dimension(field) if field in FIELDS else field
         if name not in ds.coords or ds[name].dims != (SAMPLE,) or ds[name].dtype.kind != "f":
             yield f": the sampled field {show(field)} has no values"
         if not np.isfinite(ds[name].values).all():
@@ -318,7 +318,7 @@ def _numbers(ds: xr.Dataset, block: Mapping[str, xr.Variable], names: Sequence[s
 
     rod = {name: of_solved(block[name]) for name in ("L", "rho") if name in block}
     if {*schema.stiffness_fields(ds)} <= {*block}:
-        rod["A"] = of_solved(schema.bending_stiffness(str(ds.attrs["stiffness"]), block))
+        rod["A"] = of_solved(quantity_variables.bending_stiffness(str(ds.attrs["stiffness"]), block))
     columns = {name: of_solved(block[name]) for name in names}
     counted = [name for name in names if _is_counted(name, ds.variables[name].attrs)]
     for name, why, bad in bounds.unfit(columns, counted, rod):

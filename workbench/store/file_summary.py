@@ -15,7 +15,7 @@ from solver.problem.errors import InputError
 from studies.grammar.axes import SAMPLE
 from studies.laws import law_words
 
-from ..stored import quantity_variables, refined, schema
+from ..stored import file_kinds, quantity_variables, refined, schema
 from ..stored.derived_arrays import StoredArrays, states_of
 from ..stored.law_verdicts import statistics
 from ..stored.solved_again import solve_again, study_of
@@ -212,7 +212,7 @@ def contents(path: Path) -> dict[str, Any]:
     return {
         "file": str(path),
         "bytes": os.stat(path).st_size,
-        "kind": schema.kind_of(ds).what,
+        "kind": file_kinds.kind_of(ds).what,
         "title": str(ds.attrs.get("title", "")),
         "sizes": {str(dim): int(size) for dim, size in ds.sizes.items()},
         "along": [str(name) for name, variable in ds.data_vars.items() if "u" in variable.dims],

@@ -14,7 +14,7 @@ from xarray.core import indexing
 
 from solver.problem.errors import InputError
 
-from ..stored import schema
+from ..stored import file_kinds
 from . import checks, file_checks
 from .file_checks import Contents, Stored, refusing
 
@@ -101,10 +101,10 @@ def read(path: str | Path, study: bool = True) -> xr.Dataset:
         return ds
 
 
-def kind_of_file(path: str | Path) -> schema.Kind:
+def kind_of_file(path: str | Path) -> file_kinds.Kind:
     """The kind of a stored file. Raises `InputError` where it is none."""
     with raw(path) as ds:
-        return schema.kind_of(ds)
+        return file_kinds.kind_of(ds)
 
 
 def raw(path: str | Path) -> xr.Dataset:

@@ -13,7 +13,7 @@ from studies import Study, load
 from studies.grammar.axes import FIELDS, WORDS, Which, in_words
 from studies.language.case_input import CaseInput, from_values, in_units, with_fields
 
-from ..stored import quantity_variables, schema
+from ..stored import file_kinds, quantity_variables
 from ..stored.selection import Value
 from ..stored.solved_again import solve_at, study_of
 from ..stored.stored_study import StoredStudy
@@ -94,13 +94,13 @@ def open_case(file: Path, values: Mapping[str, Any]) -> CaseInput:
         study = load(str(file))
         return case_at(study, {}, values, _part(file.name, study))
     with reading.raw(file) as ds:
-        kind = schema.kind_of(ds)
-        if kind in (schema.STUDY, schema.LOOPS):
+        kind = file_kinds.kind_of(ds)
+        if kind in (file_kinds.STUDY, file_kinds.LOOPS):
             study = study_of(ds)
-            first = "" if kind is schema.STUDY else f"{file.name}, the first of {ds.sizes['equilibrium']}"
+            first = "" if kind is file_kinds.STUDY else f"{file.name}, the first of {ds.sizes['equilibrium']}"
             return case_at(study, {}, values, first or _part(file.name, study))
         if "L" not in ds.variables:
-            raise schema.other_kind(file, kind, "explore opens files with all fields of a rod")
+            raise file_kinds.other_kind(file, kind, "explore opens files with all fields of a rod")
         return _equilibrium_of(ds, file.name, values)
 
 

@@ -86,7 +86,7 @@ class StoredArrays:
     def A(self) -> xr.DataArray:
         """Bending stiffness [force length^2]."""
         numbers = {name: self.constant(name) for name in schema.stiffness_fields(self.ds)}
-        return schema.bending_stiffness(schema.text_of(self.ds, "stiffness"), numbers)
+        return quantity_variables.bending_stiffness(schema.text_of(self.ds, "stiffness"), numbers)
 
     @property
     def lmp(self) -> tuple[xr.DataArray, xr.DataArray, xr.DataArray]:

@@ -13,7 +13,7 @@ from studies.laws.line_verdicts import FAILS, HOLDS, TREND, UNDECIDED
 from studies.laws.verdicts import Law, by_line, decide, refusal, targets
 
 from ..words import outcomes
-from . import refined, schema
+from . import quantity_variables, refined, schema
 from .quantity_variables import dimension
 from .schema import SAMPLING, TEXTS, Columns, blocks
 
@@ -140,9 +140,9 @@ def _number_of(ds: "xr.Dataset", name: str) -> Any:
     if name in unit_names({key: str(ds.attrs[f"{key}_unit"]) for key in ("length", "force")}):
         return xr.DataArray(1.0)
     if name == "torsional_stiffness":
-        return schema.torsional_stiffness(str(ds.attrs["stiffness"]), ds)
+        return quantity_variables.torsional_stiffness(str(ds.attrs["stiffness"]), ds)
     if name == "bending_stiffness":
-        return schema.bending_stiffness(str(ds.attrs["stiffness"]), ds)
+        return quantity_variables.bending_stiffness(str(ds.attrs["stiffness"]), ds)
     try:
         key = dimension(name)
     except InputError:

@@ -5,20 +5,26 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from solver.problem.case import GIVEN, STIFFNESS, fourth_powers
 from solver.problem.quantities import quantity, unit_of
-from studies.grammar.axes import SAMPLE, WORDS, quantity_of
+from studies.grammar.axes import CYLINDER, SAMPLE, WORDS, quantity_of
 from studies.language.study import OUTPUTS
 
 if TYPE_CHECKING:
     import xarray as xr
 
+    from solver import Case
     from studies import Study
 
 LOADS = ("FZ", "MZ", "M3")
+SECTION = ("E", "nu", "inner_radius", "EI", "GJ")  # the fields of a rod's section: a file stores those that it has
+VARYING = ("weight", "friction")  # fields with which loads vary along the rod
+OF_THE_CASE = ("R", "a", "L", "rho", *SECTION, *VARYING, "inclination")
 COMPONENTS = {"xyz": ("x", "y", "z"), "director": ("d1", "d2", "d3")}
 INNER = {"position": ("xyz",)}  # dimensions after u, of an output that is not one number at each station
 # The name in the file -> the output. Forces along the rod never take the name of an axis: F1 is the force at the start.
 CURVES = {f"{name}_along" if name in ("F1", "F2", "F3") else name: name for name in OUTPUTS}
+SECTIONS = (*STIFFNESS, GIVEN)  # the words of the attribute stiffness
 
 
 def curve_name(output: str) -> str:
@@ -68,3 +74,32 @@ def variables(
         label["long_name"] += words
         variables[f"{prefix}{name}"] = xr.Variable(dims, np.asarray(values), label)
     return variables
+
+
+def numbers_of_case(case: "Case") -> dict[str, Any]:
+    """The fields of a case's rod and cylinder that are given, rho, and of rods whose loads vary the azimuth alpha0."""
+    owner = {"rho": case, **dict.fromkeys(CYLINDER, case.cylinder)}
+    values = {name: getattr(owner.get(name, case.rod), name) for name in OF_THE_CASE}
+    values |= {"alpha0": case.given.alpha} if case.varies else {}
+    return {name: value for name, value in values.items() if value is not None}
+
+
+def attributes_of_case(case: "Case", units: Mapping[str, str]) -> dict[str, str]:
+    """The words of a case, and the units of its numbers."""
+    wall = case.cylinder
+    words = {"side": wall.side, "stiffness": case.rod.section, "sliding": wall.sliding}
+    words |= {"contact": wall.contact} if case.leaves else {}
+    units = {f"{kind}_unit": units[kind] for kind in ("length", "force")}
+    return {name: word for name, word in words.items() if word is not None} | units
+
+
+def bending_stiffness(word: str, number: Any) -> Any:
+    """A [force length^2]. word: the attribute stiffness. number: what gives a field by its name, as a dataset does."""
+    if word == GIVEN:
+        return number["EI"]
+    return STIFFNESS[word] * number["E"] * fourth_powers(number["a"], number.get("inner_radius"))
+
+
+def torsional_stiffness(word: str, number: Any) -> Any:
+    """C [force length^2]; parameters as of `bending_stiffness`."""
+    return number["GJ"] if word == GIVEN else bending_stiffness(word, number) / (1 + number["nu"])

@@ -16,8 +16,8 @@ from studies.language import refine as tables
 from studies.language.refinement import BUDGET, OUTCOME, Lattice, Places, Refinement, product_of, refinement_of
 
 from . import schema
-from .quantity_variables import dimension
-from .schema import OF_THE_CASE, SAMPLING
+from .quantity_variables import OF_THE_CASE, dimension
+from .schema import SAMPLING
 
 if TYPE_CHECKING:
     import xarray as xr

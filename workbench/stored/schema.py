@@ -3,7 +3,6 @@
 import json
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,22 +11,19 @@ from numpy.typing import NDArray
 
 from solver.observe import observables
 from solver.observe.observables import OBSERVABLES
-from solver.problem.case import GIVEN, STIFFNESS, fourth_powers
 from solver.problem.errors import InputError
-from studies.grammar.axes import CYLINDER, LONGEST_LINE
+from studies.grammar.axes import LONGEST_LINE
 from studies.grammar.formulas import parse
 from studies.language import expressions
 from studies.laws.verdicts import Law
 
 from ..words import escaping
 from ..words.outcomes import LEFT
-from .quantity_variables import INNER, LOADS, curve_name, inner_shape, labels, own_dimension
-from .quantity_variables import dimension as dimension  # `checks` looks it up here
+from .quantity_variables import INNER, LOADS, VARYING, curve_name, dimension, inner_shape, labels, own_dimension
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from solver import Case
     from studies import Study
     from studies.grammar.axes import Dimensions
 
@@ -43,9 +39,6 @@ TEXTS = ("outcome", "caution")  # of each case
 JUDGED = ("error", "condition")  # of each case
 SAMPLING = ("sampling", "sampling_caution", "refinement")  # sentences on the samples of a file
 REFINED = "refined"  # the attribute of a refined study, JSON
-SECTION = ("E", "nu", "inner_radius", "EI", "GJ")  # the fields of a rod's section: a file stores those that it has
-VARYING = ("weight", "friction")  # fields with which loads vary along the rod
-OF_THE_CASE = ("R", "a", "L", "rho", *SECTION, *VARYING, "inclination")
 MOST_TOGETHER = 2**16  # values of an HDF5 chunk: 512 kB
 PACKED: Mapping[str, Any] = {"compression": "gzip", "compression_opts": 1, "shuffle": True, "fletcher32": True}
 
@@ -64,23 +57,6 @@ def shapes(study: "Study") -> dict[str, tuple[int, ...]]:
     branch = ["branch"] if study.has_branches else []
     loads = [load for load in LOADS if load not in (*study.varied, *study.recorded)]
     return along | dict.fromkeys([*study.recorded, "solved", *TEXTS, *branch, *JUDGED, *loads, *study.reactions], ())
-
-
-def numbers_of_case(case: "Case") -> dict[str, Any]:
-    """The fields of a case's rod and cylinder that are given, rho, and of rods whose loads vary the azimuth alpha0."""
-    owner = {"rho": case, **dict.fromkeys(CYLINDER, case.cylinder)}
-    values = {name: getattr(owner.get(name, case.rod), name) for name in OF_THE_CASE}
-    values |= {"alpha0": case.given.alpha} if case.varies else {}
-    return {name: value for name, value in values.items() if value is not None}
-
-
-def attributes_of_case(case: "Case", units: Mapping[str, str]) -> dict[str, str]:
-    """The words of a case, and the units of its numbers."""
-    wall = case.cylinder
-    words = {"side": wall.side, "stiffness": case.rod.section, "sliding": wall.sliding}
-    words |= {"contact": wall.contact} if case.leaves else {}
-    units = {f"{kind}_unit": units[kind] for kind in ("length", "force")}
-    return {name: word for name, word in words.items() if word is not None} | units
 
 
 def leaves(ds: "xr.Dataset") -> bool:
@@ -192,26 +168,11 @@ def laws_text(study: "Study") -> str:
     return json.dumps(rows, ensure_ascii=False)
 
 
-SECTIONS = (*STIFFNESS, GIVEN)  # the words of the attribute stiffness
-
-
 def stiffness_fields(ds: "xr.Dataset") -> tuple[str, ...]:
     """The fields that determine the bending stiffness of the rods of a dataset."""
     if "EI" in ds.variables:
         return ("EI",)
     return ("E", "a", "inner_radius") if "inner_radius" in ds.variables else ("E", "a")
-
-
-def bending_stiffness(word: str, number: Any) -> Any:
-    """A [force length^2]. word: the attribute stiffness. number: what gives a field by its name, as a dataset does."""
-    if word == GIVEN:
-        return number["EI"]
-    return STIFFNESS[word] * number["E"] * fourth_powers(number["a"], number.get("inner_radius"))
-
-
-def torsional_stiffness(word: str, number: Any) -> Any:
-    """C [force length^2]; parameters as of `bending_stiffness`."""
-    return number["GJ"] if word == GIVEN else bending_stiffness(word, number) / (1 + number["nu"])
 
 
 LINE, LABEL = LONGEST_LINE, 1000  # characters of an attribute of a file, and of a variable
@@ -261,48 +222,3 @@ def versions_of(ds: "xr.Dataset", path: str | Path = "the dataset") -> dict[str,
     if not isinstance(table, dict) or not all(escaping.is_line(f"{a} {b}", LABEL) for a, b in table.items()):
         raise InputError(f"{path}: the attribute versions is not a table in JSON")
     return {str(name): str(number) for name, number in table.items()}
-
-
-@dataclass(frozen=True)
-class Kind:
-    """A kind of file.
-
-    what: in words. figure: its kind in `workbench.figures.kinds`, "" for none. scene: whether `scene` draws
-    it. needs: dimensions and variables that no other kind has.
-    """
-
-    what: str
-    figure: str = ""
-    scene: bool = False
-    needs: tuple[str, ...] = ()
-
-
-STUDY = Kind("the results of a study", "study", True)
-LOOPS = Kind("a list of closed rods", "loops", True, ("equilibrium", "wraps", "about"))
-KINDS = (
-    LOOPS,
-    Kind("a list of equilibria", "equilibria", True, ("equilibrium", "index")),
-    Kind("all equilibria over an axis", "branches", False, ("curve_point", "curve_branch")),
-    Kind("a fold map", "folds", False, ("region_at",)),
-    Kind("a branch of equilibria", "", False, ("point", "special", "dbeta0")),
-    Kind("a trade of methods", "trade", False, ("ladder", "rung")),
-    Kind("extremes by method", "extremes", False, ("extreme", "method")),
-    Kind("the laws under each reading of Table 1", "", False, ("reading", "claim_verdict")),
-)
-
-
-def kind_of(ds: "xr.Dataset") -> Kind:
-    """The kind of a dataset; that of a study where nothing says otherwise."""
-    held = {*map(str, ds.dims), *map(str, ds.variables)}
-    return next((kind for kind in KINDS if held.issuperset(kind.needs)), STUDY)
-
-
-def other_kind(path: object, kind: Kind, reads: str) -> InputError:
-    """The error of a file of a kind that a command does not read; reads: what it reads, or why it does not."""
-    return InputError(f"{path} is {kind.what}, which {_readers(kind)}; {reads}")
-
-
-def _readers(kind: Kind) -> str:
-    """``summary, plot and scene read``."""
-    names = ["summary", *(["plot"] if kind.figure else []), *(["scene"] if kind.scene else [])]
-    return f"{' and '.join(part for part in (', '.join(names[:-1]), names[-1]) if part)} read{'s' * (len(names) == 1)}"

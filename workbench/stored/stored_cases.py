@@ -15,7 +15,7 @@ from studies.grammar.axes import FIELDS, SAMPLE
 from studies.laws.line_verdicts import NOISE
 
 from ..words import cautions, labels, outcomes
-from . import quantity_variables, schema
+from . import file_kinds, quantity_variables, schema
 from .quantity_variables import COMPONENTS
 from .selection import Value, index
 
@@ -70,9 +70,9 @@ class StoredCases:
     # what it holds
 
     @cached_property
-    def kind(self) -> schema.Kind:
+    def kind(self) -> file_kinds.Kind:
         """The kind of file that it is."""
-        return schema.kind_of(self.ds)
+        return file_kinds.kind_of(self.ds)
 
     @cached_property
     def axes(self) -> list[str]:
@@ -139,7 +139,7 @@ class StoredCases:
         """What the model leaves out of rods inside a cylinder, in one sentence; empty outside."""
         if str(self.ds.attrs["side"]) != "inside":
             return ""
-        given = {name: self.ds[name].values for name in schema.VARYING if name in self.ds}
+        given = {name: self.ds[name].values for name in quantity_variables.VARYING if name in self.ds}
         return cautions.model_leaves_out(given | {name: self.attrs.get(name) for name in ("sliding", "contact")})
 
     def check_any_solved(self) -> None:

@@ -90,6 +90,11 @@ class StoredStudy(StoredCases):
         """Its refinement; of a grid of one axis or two one without halvings. Raises `InputError`."""
         return refined.describe(self.ds)
 
+    @property
+    def refinement_in_words(self) -> str:
+        """What ended its refinement, in a sentence; empty where it has none."""
+        return str(self.attrs.get(schema.SAMPLING[-1], ""))
+
     @cached_property
     def samples(self) -> dict[str, NDArray[np.float64]]:
         """The samples, or the one that is selected: field -> values. Raises `InputError`."""

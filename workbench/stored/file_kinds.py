@@ -1,0 +1,54 @@
+"""The kinds of files: what each holds, how it is told from others, and which commands read it."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from solver.problem.errors import InputError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of file.
+
+    what: in words. figure: its kind in `workbench.figures.kinds`, "" for none. scene: whether `scene` draws
+    it. needs: dimensions and variables that no other kind has.
+    """
+
+    what: str
+    figure: str = ""
+    scene: bool = False
+    needs: tuple[str, ...] = ()
+
+
+STUDY = Kind("the results of a study", "study", True)
+LOOPS = Kind("a list of closed rods", "loops", True, ("equilibrium", "wraps", "about"))
+KINDS = (
+    LOOPS,
+    Kind("a list of equilibria", "equilibria", True, ("equilibrium", "index")),
+    Kind("all equilibria over an axis", "branches", False, ("curve_point", "curve_branch")),
+    Kind("a fold map", "folds", False, ("region_at",)),
+    Kind("a branch of equilibria", "", False, ("point", "special", "dbeta0")),
+    Kind("a trade of methods", "trade", False, ("ladder", "rung")),
+    Kind("extremes by method", "extremes", False, ("extreme", "method")),
+    Kind("the laws under each reading of Table 1", "", False, ("reading", "claim_verdict")),
+)
+
+
+def kind_of(ds: "xr.Dataset") -> Kind:
+    """The kind of a dataset; that of a study where nothing says otherwise."""
+    held = {*map(str, ds.dims), *map(str, ds.variables)}
+    return next((kind for kind in KINDS if held.issuperset(kind.needs)), STUDY)
+
+
+def other_kind(path: object, kind: Kind, reads: str) -> InputError:
+    """The error of a file of a kind that a command does not read; reads: what it reads, or why it does not."""
+    return InputError(f"{path} is {kind.what}, which {_readers(kind)}; {reads}")
+
+
+def _readers(kind: Kind) -> str:
+    """``summary, plot and scene read``."""
+    names = ["summary", *(["plot"] if kind.figure else []), *(["scene"] if kind.scene else [])]
+    return f"{' and '.join(part for part in (', '.join(names[:-1]), names[-1]) if part)} read{'s' * (len(names) == 1)}"
