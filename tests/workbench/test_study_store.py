@@ -20,7 +20,7 @@ from tests.slow import slow, slow_but
 from tests.workbench import runs, small
 from workbench.store import assembly, block, in_memory, recipe, shards, study_store
 from workbench.store.study_store import Options, run_to_file
-from workbench.stored import quantity_variables, schema
+from workbench.stored import one_case, quantity_variables, schema
 
 GRID = runs.grid(3, 50)  # 150 cases: blocks of 64, the last one short
 
@@ -109,7 +109,7 @@ class Watched:
 def test_nothing_is_computed_along_the_rod_but_the_outputs(outputs, computed, monkeypatch) -> None:
     study = load("fig7_1_modulus").model_copy(update={"outputs": outputs, "observables": [], "laws": []})
     read: set[str] = set()
-    monkeypatch.setattr(block, "solve", lambda *args, **more: Watched(solve(*args, **more), read))
+    monkeypatch.setattr(one_case, "solve", lambda *args, **more: Watched(solve(*args, **more), read))
     ds = in_memory.run(study)
     assert read & set(OUTPUTS) == computed
     assert {
