@@ -92,6 +92,11 @@ class RegionMap:
         return wrong
 
 
+def points_of_lattice(case: Case) -> int:
+    """The points of the lattice along each field, by default."""
+    return THREE if case.varies or held_of(case) else NINE
+
+
 def fold_curves(case: Case, *, lattice: int | None = None, **ranges: Any) -> FoldCurves:
     """Fold and pitchfork curves that cross a rectangle of two fields: all under dead loads, else those that are found.
 
@@ -135,7 +140,7 @@ def fold_curves(case: Case, *, lattice: int | None = None, **ranges: Any) -> Fol
     ('fold', 0, [[-55.891532, 2.293935]])
     """
     plane = parameter_plane(check_case("fold_curves", case), ranges)
-    lattice = (THREE if plane.varies or held_of(case) else NINE) if lattice is None else lattice
+    lattice = points_of_lattice(case) if lattice is None else lattice
     lattice = whole_number("lattice", lattice, 2, MOST)
     if plane.varies or held_of(case):
         return search_from_middle(plane, lattice)

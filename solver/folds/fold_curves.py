@@ -155,7 +155,8 @@ def _remark(searched: Searched) -> str:
     """Where the curves may be incomplete, or nothing."""
     said = said_of_stopped(searched)
     if searched.open_lines:
-        said.append(f"on {len(searched.open_lines)} lines of the lattice the numbers change where no curve was found")
+        lines = f"{len(searched.open_lines)} line{'s' * (len(searched.open_lines) > 1)}"
+        said.append(f"on {lines} of the lattice the numbers change where no curve was found")
     incomplete = sum(not count.complete for count in searched.counted.values())
     if incomplete:
         said.append(f"at {incomplete} of {len(searched.counted)} points the equilibria may be incomplete")

@@ -64,6 +64,13 @@ def refuse_outside(part: Any, *names: str) -> None:
             refuse(type(part).__name__, name, value, RANGES[name].excludes(value), RANGES[name].rule)
 
 
+PARTS = {  # of a case, which are no numbers
+    "rod": "Rod(...) as its first argument",
+    "cylinder": "Cylinder(...) as its second argument",
+    "given": "Start(...) or Ends(...) as its third argument",
+}
+
+
 def check_field_names(kind: type[T]) -> type[T]:
     """Decorate a dataclass: an unknown, a missing and a surplus argument raise `InputError` with the choices."""
     known = {field.name: field.default is MISSING for field in fields(kind)}  # type: ignore[arg-type]
@@ -79,6 +86,8 @@ def check_field_names(kind: type[T]) -> type[T]:
         if len(values) > len(known) or len(set(given)) < len(given):
             raise InputError(f"{kind.__name__} takes each of {choices(known)} once, got {choices(given)}")
         if missing := [name for name, needed in known.items() if needed and name not in given]:
+            if missing[0] in PARTS:
+                raise InputError(f"{kind.__name__} needs {PARTS[missing[0]]}")
             raise InputError(f"{kind.__name__} needs {choices(missing)}; got {choices(given) or 'nothing'}")
         make(self, *values, **named)
 

@@ -229,8 +229,9 @@ def failure(path: Path, size: float, friction: float) -> str:
         return f"{said}; this rod has an answer {less}" if less else said
     load = round_up(path.limit * size)
     straight = f"with a {'tension' if load > 0 else 'compression'} of {abs(load):.4g} at s = L (FZ = {load:.4g})"
-    if path.share is None:
-        return f"{said}; it does not {straight}"
+    if path.share is None:  # locked up
+        size_of_load = f"a tension of at least {load:.4g}" if load > 0 else f"at most {-load:.4g}"
+        return f"{said}. It still does with {size_of_load} at s = L (FZ = {load:.4g})"
     return f"{said}; this rod has an answer {less and f'{less}, and, '}straight, {straight}"
 
 

@@ -22,8 +22,8 @@ LEAST_BENT = 1e-3  # how much they shorten the rod, of the wanted
 HINGES = "hinged ends (M10 and M1L in place of beta0 and betaL)"
 AS_A_WHOLE = "a rod that moves as a whole (sliding 'axial-forward' or 'axial-backward')"
 LOCKED = (
-    "the rod locks up: on {:.3g} of the length from s = L friction lets less than {:.0%} of a change of the axial "
-    "force pass"
+    "locked up. A push at s = 0 no longer reaches s = L: less than {1:.0%} of it passes {0:.3g} of the length, next to "
+    "s = L"
 )
 RESTLESS = (
     "the {} rod buckles under its compression with friction, and no sinusoid or helix at rest was found: friction may "

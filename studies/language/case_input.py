@@ -1,6 +1,7 @@
 """One case from a study file, from Table 1, or from fields by name."""
 
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import MISSING, Field, dataclass, field, fields
 from pathlib import Path
@@ -271,7 +272,9 @@ def _fields_of(case: Case) -> dict[str, Any]:
 
 
 def with_unit(sentence: str, case: Case, units: Mapping[str, str]) -> str:
-    """A sentence of the solver on one case, with the unit behind the value that is too large or too small."""
+    """A sentence of the solver on one case, with the unit behind an extreme value or a load at s = L."""
+    force = units["force"]
+    sentence = re.sub(r"(at (?:most|least) [-+.\de]+)( at s = L \(FZ = [-+.\de]+)", rf"\1 {force}\2 {force}", sentence)
     name, value = (part[0] for part in farthest(case))
     unit, said = unit_of(quantity_of(name).name, units), f"{name} = {value:g}"
     return sentence if unit == "1" else sentence.replace(said, f"{said} {unit}")

@@ -223,7 +223,7 @@ def detail(row: Mapping[str, Any]) -> str:
         if row["at"]:
             notes.append(f"at {', '.join(f'{name} = {value:.4g}' for name, value in row['at'].items())}")
         if row["lines"] > 1:
-            notes.append(f"of {row['lines']} rows {count(row['line_verdicts'])}")
+            notes.append(_rows(row))
     if row["verdict"] == QUALIFIED:
         return "; ".join(notes)
     if row["exceptions"]:
@@ -231,6 +231,15 @@ def detail(row: Mapping[str, Any]) -> str:
     if row["tau"] is not None and row["verdict"] != HOLDS:
         notes.append(f"tau {row['tau']:.2f}")
     return "; ".join(notes)
+
+
+def _rows(row: Mapping[str, Any]) -> str:
+    """For how many values of the other axis, or rows of several, a law is true: ``true for 1 of 9 values of R``."""
+    across = row.get("across", [])
+    what = f"values of {across[0]}" if len(across) == 1 else "rows"
+    others = {verdict: n for verdict, n in row["line_verdicts"].items() if verdict not in (HOLDS, FAILS)}
+    said = f"true for {row['line_verdicts'].get(HOLDS, 0)} of {row['lines']} {what}"
+    return f"{said}, {count(others)}" if others else said
 
 
 def _span(ends: list[float] | None) -> str:

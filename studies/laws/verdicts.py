@@ -182,7 +182,11 @@ class Law(BaseModel):
 
     @property
     def counted(self) -> str:
-        """What the exceptions of a verdict are."""
+        """What the exceptions of a verdict are, in words behind their number."""
+        if self.relative is not None:
+            return f"cases miss the {100 * self.relative:g} %"
+        if self.absolute is not None:
+            return f"cases miss it by more than {self.absolute:g}"
         return self._kind.exceptions
 
     @property
@@ -389,6 +393,7 @@ def _over_lines(law: Law, name: str, values: NDArray[Any], grid: Grid) -> dict[s
         ]
     return _tell(law, name, every, deciding, at, ends) | {
         "counted": law.counted,
+        "across": list(others),
         "steps": len(deciding) * (along.size - (law.counted == STEPS)),
         "exceptions": exceptions,
     }

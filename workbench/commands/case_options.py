@@ -61,6 +61,7 @@ class Given:
 _TWIST = "give one of F1, dgamma, M3"
 _SECTION = "give E and nu, or EI and GJ"
 _STIFFNESS = "bending stiffness of a solid section (solid), or a quarter of it as printed in the paper (paper)"
+_SENSES = " (0: s climbs straight up; 90deg: horizontal; 180deg: s goes straight down)"
 
 WORDS_OF_UNITS = {"length": "length", "force": "force"}
 
@@ -86,7 +87,7 @@ FIELDS: dict[str, CaseField] = {
         _of_quantity("R"),
         CaseField("side", "side of the cylinder on which the rod lies", "", default="outside",
                   choices=("outside", "inside")),
-        _of_quantity("inclination", ", 90deg: it lies", note="only with weight; default: 0"),
+        _of_quantity("inclination", _SENSES, note="only with weight; default: 0"),
         _of_quantity("friction", note="default: no friction"),
         CaseField("sliding", "how a rod with friction moves: along itself, turning in place, or along the axis", "",
                   note="only with friction; default: forward",

@@ -25,7 +25,7 @@ BIBTEX = """@software{{rod_workbench,
 }}
 
 @article{{physical_modeling_2023,
-  author  = {{{{{authors}}}}},
+  author  = {{{author} and others}},
   title   = {{{title}}},
   journal = {{{journal}}},
   volume  = {{{volume}}},
@@ -60,9 +60,10 @@ def _bibtex() -> str:
     from ..web.report import sources
 
     cited = sources.PAPER
+    author = cited["authors"].partition(",")[0]
     journal, volume = cited["journal"].rsplit(" ", 1)
     return BIBTEX.format(
-        version=__version__, year=YEAR, authors=cited["authors"], title=cited["title"], journal=journal, volume=volume,
+        version=__version__, year=YEAR, author=author, title=cited["title"], journal=journal, volume=volume,
         published=cited["year"], doi=cited["doi"],
     )  # fmt: skip
 

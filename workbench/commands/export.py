@@ -1,14 +1,17 @@
 """The command export: one stored rod as a file for other programs."""
 
+import math
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
 from ..export import FORMATS
+from ..words.habits import plain
 from . import console
 from .options import AT, File, ForceOutput, axis_values, flag, number_option, option
 from .present import Result, presents
 
-FACTS = ("tolerance", "solution_error", "unit", "R")  # in the order in which they are printed, after the others
+APART = ("volume", "spans", "within", "tolerance", "solution_error", "unit", "R", "values")  # with words of their own
 
 
 @presents()
@@ -63,20 +66,22 @@ def export(
     def show() -> None:
         where = ", ".join(f"{name}={value:g}" for name, value in done.at.items())
         unit = stored.units["length"]
-        order = sorted(done.facts, key=lambda key: FACTS.index(key) if key in FACTS else -1)
-        facts = ", ".join(_fact(key, done.facts[key], unit) for key in order if key != "values")
-        console.say(f"{done.path}{f' at {where}' if where else ''}: {facts}")
+        console.say(f"{done.path}{f' at {where}' if where else ''}: {_in_words(done.facts, unit)}")
 
     data = {"file": str(done.path), "at": done.at, **done.facts, "warnings": done.warnings, "status": status}
     return Result(lambda: data, show, status, warnings=done.warnings)
 
 
-def _fact(name: str, value: Any, unit: str) -> str:
-    """A number about a file in words; unit: that of length in the study, which is that of the tolerance."""
-    text = f"{value:.2g}" if name == "solution_error" else f"{value:g}" if isinstance(value, float) else str(value)
-    words = {
-        "tolerance": f"within {text} {unit} of the stored rod",
-        "solution_error": f"whose own error is estimated at {text} {unit} at most",
-        "R": f"without the cylinder of radius {text}",
-    }
-    return words.get(name, f"{name} {text}")
+def _in_words(facts: Mapping[str, Any], unit: str) -> str:
+    """The numbers about a file in words; unit: that of length in the study, which is that of the tolerance."""
+    written = str(facts.get("unit", unit))
+    said = [f"solid, {facts['volume']:.6g} {written}3"] if "volume" in facts else []
+    said += ["centreline"] if "spans" in facts and "volume" not in facts else []
+    counted = {name: value for name, value in facts.items() if name not in APART}
+    said += [f"{name} {n}" if isinstance(n, str) else f"{n} {name}" for name, n in counted.items()]
+    if "tolerance" in facts:
+        said.append(f"within {plain(facts['tolerance'], 2)} {unit} of the rod")
+    if facts.get("solution_error", 0.0) > facts.get("tolerance", math.inf):
+        said.append(f"whose own error is estimated at {facts['solution_error']:.2g} {unit} at most")
+    apart = f" (in {written}; the cylinder of radius {facts['R']:g} is not in the file)" if "R" in facts else ""
+    return f"{', '.join(said)}{apart}"

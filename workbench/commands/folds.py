@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from solver.region_map import RegionMap
 
 MOST_POINTS = 100_000  # as of `RegionMap.checked`
+MOST_LINES = 101  # of the lattice, as of `solver.region_map.MOST`
 
 
 @presents(
@@ -54,7 +55,7 @@ def folds(
 
     The options of a case are those of the command equilibria.
     """
-    from solver.region_map import region_map
+    from solver.region_map import points_of_lattice, region_map
 
     from ..branches.ends_study import study_and_case
     from ..branches.region_dataset import dataset_of
@@ -75,7 +76,7 @@ def folds(
         return ds.assign_attrs(reading="") if given.values else ds  # it would not be that of Table 1
 
     def show() -> None:
-        _print(regions, points, wrong)
+        _print(regions, points, wrong, points_of_lattice(case) if lattice is None else lattice)
         console.say_units(study.unit_system)
 
     status = 1 if regions.remark or wrong else 0
@@ -108,8 +109,8 @@ def _as_data(found: "RegionMap", points: int, wrong: list[str]) -> dict[str, Any
     }  # fmt: skip
 
 
-def _print(found: "RegionMap", points: int, wrong: list[str]) -> None:
-    """Print the curves, the regions, and what the check says."""
+def _print(found: "RegionMap", points: int, wrong: list[str], lattice: int) -> None:
+    """Print the curves, the regions, and what the check says; lattice: the points along each field."""
     curves, regions = _curves(found), _regions(found)
     tables.print_rows(curves)
     tables.print_rows(regions)
@@ -120,4 +121,5 @@ def _print(found: "RegionMap", points: int, wrong: list[str]) -> None:
         for sentence in wrong[:10]:
             console.say(sentence)
     if found.remark:
-        console.say(f"the map may be incomplete: {found.remark}")
+        finer = min(2 * lattice - 1, MOST_LINES)
+        console.say(f"a curve may be missing; try --lattice {finer}: {found.remark}")

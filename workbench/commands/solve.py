@@ -134,6 +134,7 @@ def solve(
         "point_forces": sol.point_forces,
         "released": energies,
         "pipe": pipe_state.sentences(sol, base.units),
+        "limits": [limit._asdict() for limit in pipe_state.limits(sol)],
         "profile": [row._asdict() for row in rows],
         "warnings": pipe_state.warnings(sol, base.units, rows),
         "lift_offs": sol.lift_offs,
@@ -265,6 +266,10 @@ def _show(found: dict[str, Any], every: bool, whole: bool) -> None:
     for sentence in (found["which"], *found["pipe"], *found["free"]):
         if sentence:
             console.say(sentence)
+    if found["limits"]:
+        heads = ["local compression of a long pipe", "name", f"value ({found['units']['force']})"]
+        console.say("")
+        tables.print_table(heads, [[row["load"], row["name"], plain(row["value"])] for row in found["limits"]])
     if found["profile"]:
         heads = ["", "unit", "s = 0", "middle", "largest", f"at s ({found['units']['length']})", "s = L"]
         rows = [[row["name"], row["unit"], *(plain(row[name]) for name in PROFILE)] for row in found["profile"]]

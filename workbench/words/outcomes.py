@@ -90,6 +90,9 @@ def count_branches(branch: NDArray[Any]) -> dict[int, int]:
     return {int(number): int(count) for number, count in zip(numbers, counts, strict=True)}
 
 
+NO_LAW = "Laws are not judged across a change of branch"
+
+
 def branch_sentence(counts: Mapping[int, int], left: bool = False, several: bool = False) -> str:
     """One sentence about branches; counts: branch -> how many cases.
 
@@ -98,20 +101,15 @@ def branch_sentence(counts: Mapping[int, int], left: bool = False, several: bool
     sizes = {branch: count for branch, count in sorted(counts.items()) if branch != NO_BRANCH}
     if not sizes:
         return "no case has an equilibrium"
-    no_law = "no law counts a step from one to another"
     if left:
         away, cases = sum(count for branch, count in sizes.items() if branch), sum(sizes.values())
         if not away:
             return "every case continues from the straight rod without leaving its branch of equilibria"
         return (
             f"in {away} of {cases} cases the rod leaves its branch of equilibria on the way from the straight rod: the "
-            f"outcome of a case says where, and {no_law}"
+            f"outcome of a case says where. {NO_LAW}"
         )
     if len(sizes) == 1:
         return "all cases lie on one branch of equilibria"
-    listed = ", ".join(map(str, list(sizes.values())[:8])) + (", ..." if len(sizes) > 8 else "")
-    at_most, of_line = ("at most ", "; those that begin on different lines are not compared") if several else ("", "")
-    return (
-        f"the grid shows {at_most}{len(sizes)} branches of equilibria ({listed} cases): the outcome of a case says "
-        f"where a branch begins, and {no_law}{of_line}"
-    )
+    most = f"{max(sizes.values())} of {sum(sizes.values())} cases on one"
+    return f"{'up to ' if several else ''}{len(sizes)} branches of equilibria ({most}). {NO_LAW}"

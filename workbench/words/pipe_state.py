@@ -1,7 +1,7 @@
 """A rod with weight or friction in words: its state along the length, when that changes, and what to mind."""
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -16,6 +16,12 @@ if TYPE_CHECKING:
     from solver import Solution
 
 SINUSOID, PRESSED = 2.0, 2.744687  # forces in sqrt(A w sin(theta)/rho), as of `studies/pipe_horizontal.toml`
+LIMITS = (  # what happens at each of these, and what the load is called
+    ("sinusoid from", "Dawson-Paslay"),
+    ("helix possible from", "pressed on the wall all along"),
+    ("helix likely from", "less energy than the sinusoid"),
+    ("sinusoid gone above", "lift-off"),
+)
 EXPECTED = (  # in a long pipe, by the number of the loads above that are reached
     "a straight pipe",
     "a sinusoid, as no helix can stay",
@@ -39,6 +45,14 @@ GRAVITY = 9.81  # m/s2
 STEADY = 1e-6  # deg: a lay that varies by less is one
 
 
+class Limit(NamedTuple):
+    """A local compression [force] at which a long pipe changes its state: what happens there, and its name."""
+
+    load: str
+    name: str
+    value: float
+
+
 def lower_end(sol: "Solution") -> str:
     """That ``s = 0`` or ``s = L`` is the lower end, in a sentence."""
     rise = math.cos(float(sol.case.cylinder.inclination or 0)) * bool(sol.case.rod.weight)
@@ -56,7 +70,9 @@ def all_sentences(sol: "Solution", units: dict[str, str]) -> list[str]:
         f"{plain(row.middle)}; at most {plain(row.largest)}, at s = {plain(row.at)}"
         for row in rows
     ]
-    return [*sentences(sol, units), *each, *warnings(sol, units, rows)]
+    loads = [f"{row.load} {plain(row.value)} {units['force']} ({row.name})" for row in limits(sol)]
+    said = f"local compression in a long pipe without torque or friction: {', '.join(loads)}"
+    return [*sentences(sol, units), *[said] * bool(loads), *each, *warnings(sol, units, rows)]
 
 
 def sentences(sol: "Solution", units: dict[str, str]) -> list[str]:
@@ -65,13 +81,13 @@ def sentences(sol: "Solution", units: dict[str, str]) -> list[str]:
         return []
     length, force = units["length"], units["force"]
     if not sol.solved:
-        return [*_buckling(sol, force), *_long_pipe(sol, force)]
+        return _buckling(sol, force)
     said = [f"state: {in_words(sol.states, length)}{_doubt(sol)}; {_stability(sol)}"]
     said += _ripples(sol)
     said += [way] if (way := way_of(str(sol.begun or ""))) else []
     if sol.case.cylinder.side == "inside" and min(axial_force(sol)) > 0:
         said.append(TENSION)
-    said += [*_friction(sol, force), *_buckling(sol, force), *_long_pipe(sol, force)]
+    said += [*_friction(sol, force), *_buckling(sol, force), *_expected(sol, force)]
     return [*said, *[lower_end(sol)] * bool(sol.case.rod.weight)]
 
 
@@ -216,28 +232,31 @@ def _buckling(sol: "Solution", force: str) -> list[str]:
     return [f"{who} buckles with {_load(far, force)} at s = L{start}"]
 
 
-def _long_pipe(sol: "Solution", force: str) -> list[str]:
-    """The compressions at which a long pipe of this weight changes its state, and what is expected at the largest one.
-
-    Nothing without weight across the axis. The second sentence is given of a bent shape without torque and friction,
-    for which the first one holds.
-    """
+def limits(sol: "Solution") -> list[Limit]:
+    """The compressions at which a long pipe of this weight changes its state; none without weight across the axis."""
     from solver.shooting.local_waves import EQUAL, LIFTED
 
-    unit = math.sqrt(float(sol.case.rod.bending_stiffness) * weight_across(sol.case) / float(sol.case.rho))
-    if not unit:
+    if not (size := _size_of_limits(sol)):
         return []
-    limits = [x * unit for x in (SINUSOID, PRESSED, 2 + EQUAL, 2 + LIFTED)]
-    sinusoid, pressed, equal, lifted = (f"{plain(limit)}" for limit in limits)
-    said = [
-        f"local compression (-FZ) in a long pipe without torque or friction: straight below {sinusoid} {force}; "
-        f"from {pressed} a helix can stay, from {equal} it has less energy than the sinusoid; above {lifted} "
-        "the sinusoid lifts off the wall"
-    ]
+    multiples = SINUSOID, PRESSED, 2 + EQUAL, 2 + LIFTED
+    return [Limit(*words, x * size) for words, x in zip(LIMITS, multiples, strict=True)]
+
+
+def _size_of_limits(sol: "Solution") -> float:
+    """The unit of the compressions at which a long pipe changes its state, 0 where it does not."""
+    if not sol.case.varies or sol.case.cylinder.side == "outside":
+        return 0.0
+    return math.sqrt(float(sol.case.rod.bending_stiffness) * weight_across(sol.case) / float(sol.case.rho))
+
+
+def _expected(sol: "Solution", force: str) -> list[str]:
+    """What is expected of a long pipe at the largest compression; of a bent shape without torque and friction."""
+    reached = [limit.value for limit in limits(sol)]
     given = sol.case.given
     torque = any(float(getattr(given, load, None) or 0) for load in ("MZ", "M3"))
-    if not sol.solved or sol.case.cylinder.friction or torque or all(state.word == STRAIGHT for state in sol.states):
-        return said
+    straight = all(state.word == STRAIGHT for state in sol.states)
+    if not reached or sol.case.cylinder.friction or torque or straight:
+        return []
     most = -float(min(axial_force(sol)))
-    expected = EXPECTED[sum(most >= limit for limit in limits)]
-    return [*said, f"expected of a long pipe at {plain(most)} {force}, the largest compression here: {expected}"]
+    expected = EXPECTED[sum(most >= value for value in reached)]
+    return [f"expected of a long pipe at {plain(most)} {force}, the largest compression here: {expected}"]

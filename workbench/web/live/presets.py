@@ -62,10 +62,21 @@ def own_preset(file: Path | None, options: dict[str, Any], units: dict[str, str]
     rod = _under_dead_loads(rod)
     named = "A rod of the command line's options" if file is None else file.name
     title = named if rod.study is None else rod.study.title
-    assumed = ", ".join(f"{name} = {value}" for name, value in rod.assumed.items())
-    in_units = f"{rod.units['length']} and {rod.units['force']}"
-    source = f"From {rod.source}.{f' Assumed: {assumed}.' if assumed else ''} {in_units}."
-    return Preset(OWN, title, source, _state(rod, title, not options), _spans(rod.case))
+    source = "Your rod" if rod.source == "the options" else f"From {rod.source}"
+    in_units = f"Lengths in {rod.units['length']}, forces in {rod.units['force']}"
+    return Preset(
+        OWN, title, f"{source}. {in_units}.{_assumed(rod)}", _state(rod, title, not options), _spans(rod.case)
+    )
+
+
+def _assumed(rod: CaseInput) -> str:
+    """What the page takes for fields that are not given, in a sentence; empty where all are given."""
+    hidden = (*HIDDEN, "unit of length", "unit of force")
+    values = {name: value for name, value in rod.assumed.items() if name not in hidden}
+    words = [value for value in values.values() if isinstance(value, str)]
+    zeros = [name for name, value in values.items() if value == 0]
+    said = ", ".join([*words, *([f"{' = '.join(zeros)} = 0"] if zeros else [])])
+    return f" Not given, so assumed: {said}." if said else ""
 
 
 def _under_dead_loads(rod: CaseInput) -> CaseInput:
