@@ -19,6 +19,7 @@ from ..grammar.axes import WORDS, Which, case_from, number_with_unit, quantity_o
 from .loader import load
 from .readings import DEFAULT, TABLE_UNITS, parse
 from .study import Study
+from .well_input import of_a_well
 
 START_ONLY = {f.name for f in fields(Start)} - {f.name for f in fields(Ends)}
 ENDS_ONLY = {f.name for f in fields(Ends)} - {f.name for f in fields(Start)}
@@ -88,7 +89,7 @@ def read_case(
         check_alone(file, units, table1)
         study = _study(file).under(reading)
         return CaseInput(
-            with_fields(study.case(), in_units(values, study.unit_system)),
+            with_values(study.case(), in_units(values, study.unit_system)),
             study.unit_system,
             f"{file.name}{changed}",
             study=study,
@@ -99,13 +100,14 @@ def read_case(
             raise InputError("Table 1 is in cm and N: omit the units")
         read = DEFAULT if reading is None else parse(reading)
         return CaseInput(
-            with_fields(read.case(), in_units(values, TABLE_UNITS)),
+            with_values(read.case(), in_units(values, TABLE_UNITS)),
             dict(TABLE_UNITS),
             f"Table 1, read {read.name}{changed}",
         )
     check_units(units)
     units = units_said(values, units) | dict(units)
-    case, assumed = from_values(unwound(in_units(values, {**TABLE_UNITS, **units})))
+    numbers = of_a_well(in_units(values, {**TABLE_UNITS, **units}), {}, lambda given: from_values(given, Ends)[0])
+    case, assumed = from_values(unwound(numbers))
     assumed |= {f"unit of {kind}": unit for kind, unit in TABLE_UNITS.items() if kind not in units}
     wound = bool(set(WOUND) & set(values))
     which = helix_of(case) if wound and not case.varies else None  # with them `solve` begins with the taut rod
@@ -235,6 +237,12 @@ def helix_of(case: Case) -> Which:
     s, c = math.sin(beta), math.cos(beta)
     density = A / 2 * s**4 / rho**2 + M3 * s * c / rho - FZ * c - MZ * s / rho - M3**2 / (2 * C)
     return Which(index=None, dbeta0=0.0, energy=float(density * case.rod.L))
+
+
+def with_values(case: Case, values: Mapping[str, Any]) -> Case:
+    """The case with some fields replaced, those of `of_a_well` too. Raises `InputError`."""
+    known = {name: value for name, value in _fields_of(case).items() if value is not None}
+    return with_fields(case, of_a_well(values, known, lambda given: with_fields(case, given)))
 
 
 def with_fields(case: Case, changes: Mapping[str, Any]) -> Case:

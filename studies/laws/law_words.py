@@ -8,6 +8,7 @@ Commands, figures and the report take their words here. How a number or a formul
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+from ..grammar.axes import SAMPLE
 from .line_verdicts import (
     DIRECTIONS,
     FAILS,
@@ -236,7 +237,7 @@ def detail(row: Mapping[str, Any]) -> str:
 def _rows(row: Mapping[str, Any]) -> str:
     """For how many values of the other axis, or rows of several, a law is true: ``true for 1 of 9 values of R``."""
     across = row.get("across", [])
-    what = f"values of {across[0]}" if len(across) == 1 else "rows"
+    what = "samples" if across == [SAMPLE] else f"values of {across[0]}" if len(across) == 1 else "rows"
     others = {verdict: n for verdict, n in row["line_verdicts"].items() if verdict not in (HOLDS, FAILS)}
     said = f"true for {row['line_verdicts'].get(HOLDS, 0)} of {row['lines']} {what}"
     return f"{said}, {count(others)}" if others else said

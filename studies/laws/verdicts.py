@@ -279,8 +279,8 @@ def decide(
         lines_trend, steps (those that decide), exceptions (steps the wrong way: from, to, values of the axis; values;
         at: the other axes; for a case that disagrees, from and to are equal), first and last (the range of the
         observable at the two ends of the axis), found and numbers (what was measured, in words and by name; empty for
-        a direction), counted (what the exceptions are); in "also", alternative: whether it is an alternative of the
-        law.
+        a direction), counted (what the exceptions are), across (the other axes); in "also", alternative: whether it is
+        an alternative of the law.
 
     Raises
     ------
@@ -341,7 +341,7 @@ def by_line(
 
 def refusal(law: Law, reason: str) -> dict[str, Any]:
     """The row of a law that could not be tested, in the form of `decide`: not decided, with the reason."""
-    counts = {"lines": 0, "line_verdicts": {}, "lines_hold": 0, "lines_trend": 0}
+    counts = {"lines": 0, "line_verdicts": {}, "lines_hold": 0, "lines_trend": 0, "across": []}
     nothing = {"qualifications": [], "reason": reason, "tau": None, "at": {}, **counts, "steps": 0, "exceptions": []}
     nothing |= {"found": "", "numbers": {}, "counted": law.counted}
     rows = [

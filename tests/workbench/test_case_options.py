@@ -2,15 +2,16 @@
 
 import re
 from dataclasses import MISSING, fields
-from math import pi
+from math import cos, pi
 
 import pytest
 from typer.main import get_command
 
-from solver import Cylinder, Ends, Rod, Start
+from solver import Cylinder, Ends, InputError, Rod, Start, observe, solve
 from solver.problem.case import CONTACTS, OFF_WALL, PAIRS, SIDES, SLIDING, STIFFNESS, TWISTS
 from solver.problem.quantities import unit_of
 from studies.grammar.axes import quantity_of
+from studies.language.case_input import read_case
 from tests.workbench.command import exit_status
 from workbench import cli
 from workbench.commands.case_options import ENDS_FIELDS, FIELDS, HELD, help_of
@@ -107,3 +108,51 @@ def test_of_a_pipe_with_a_section_the_stress_is_stated_and_whether_steel_yields(
         assert axial[0] == pytest.approx(load / (pi * (0.0635**2 - 0.0543**2)) * 1e-6, rel=1e-3)
         assert both[2] == pytest.approx(bending[2] - axial[2], rel=0.01)  # here the largest are at one place
         assert ("caution: The rod is strained by 0.39 %" in shown) is yields
+
+
+PIPE = {
+    "E": "206 GPa", "nu": 0.3, "a": "2.5in", "inner_radius": "2.138in", "L": "300 m", "R": "4.25in", "side": "inside",
+    "weight": "241 N/m", "beta0": 0.0, "betaL": 0.0,
+}  # fmt: skip
+UNITS = {"length": "m", "force": "kN"}
+
+
+def force_of(values: dict[str, object]) -> float:
+    """The force at s = L of the pipe with other fields."""
+    return float(read_case(None, {**PIPE, **values}, UNITS).case.given.FZ)
+
+
+def test_a_hole_and_the_force_at_either_end_are_the_inclination_and_the_force_at_the_far_end() -> None:
+    down = read_case(None, {**PIPE, "hole": pi / 3, "wob": "200 kN"}, UNITS)
+    plain = read_case(None, {**PIPE, "inclination": pi - pi / 3, "FZ": -200.0}, UNITS)
+    assert repr(down.case) == repr(plain.case)
+    along = 0.241 * 300 * cos(pi / 3)
+    assert force_of({"hole": pi / 3, "FZ0": -200 + along}) == pytest.approx(-200, rel=1e-12)
+    assert force_of({"inclination": pi / 3, "wob": 200.0}) == pytest.approx(-200 + along, rel=1e-12)  # s climbs
+    assert force_of({"hole": pi / 2, "wob": 200.0}) == -200
+
+
+def test_with_friction_the_force_at_the_start_is_that_of_the_answer() -> None:
+    rubbed = {**PIPE, "hole": pi / 3, "friction": 0.25, "sliding": "axial-forward"}
+    case = read_case(None, {**rubbed, "FZ0": -150.0}, UNITS).case
+    assert observe(solve(case), ["FZ0"])["FZ0"] == pytest.approx(-150, rel=1e-6)
+    assert -150 - 0.241 * 300 * cos(pi / 3) + 25 > case.given.FZ  # friction takes a part of the weight
+
+
+@pytest.mark.parametrize(
+    "given",
+    [{"hole": 1.0, "inclination": 1.0}, {"wob": 1.0, "FZ": 1.0}, {"FZ0": 1.0, "wob": 1.0}, {"FZ0": 1.0, "height": 1.0}],
+)
+def test_each_end_gives_one_of_each_pair(given: dict[str, float]) -> None:
+    with pytest.raises(InputError, match="exclude each other"):
+        read_case(None, {**PIPE, **given}, UNITS)
+
+
+def test_the_units_in_which_every_number_is_typed_are_those_of_the_answer() -> None:
+    typed = {**PIPE, "L": "1000 ft", "weight": "19.5 lb/ft", "FZ": "-40 klbf", "inclination": 1.0}
+    assert read_case(None, typed, {}).units == {"length": "ft", "force": "klbf"}
+    assert read_case(None, {**typed, "L": 1000.0}, {}).units == {"length": "cm", "force": "N"}
+    case, other = read_case(None, typed, {}).case, read_case(None, typed, {"length": "in", "force": "lbf"}).case
+    assert case.rod.L == 1000
+    assert pytest.approx(12000) == other.rod.L
+    assert pytest.approx(case.rod.E) == other.rod.E * 12**2 / 1000

@@ -130,7 +130,17 @@ WINDING = {
                   "default: that with which F2 is 0"),
     )
 }  # fmt: skip
-EVERY = (*FIELDS, *WINDING)
+WELL = {
+    field.name: field
+    for field in (
+        CaseField("hole", "inclination of a hole that s runs down, 0: vertical, 90deg: horizontal", "rad", "well",
+                  "in place of inclination"),
+        CaseField("wob", "weight on bit, the push at the lower end", "force", "well", "in place of FZ"),
+        CaseField("FZ0", "axial force at s = 0, tension positive; down a hole its upper end", "force", "well",
+                  "in place of FZ"),
+    )
+}  # fmt: skip
+EVERY = (*FIELDS, *WINDING, *WELL)
 FREE = ("contact", "radius0", "radiusL", "tilt0", "tiltL", "M20", "M2L")  # of rods that may leave the cylinder
 HELD = ("height", "azimuth", "rotation", "M10", "M1L")  # what ends hold in place of dead loads and angles
 ENDS_FIELDS = tuple(
@@ -154,7 +164,7 @@ def of_case(names: Sequence[str]) -> dict[str, Any]:
         ]
         for kind, unit in (("length", "cm"), ("force", "N"))
     }
-    return types | {name: _type({**FIELDS, **WINDING}[name], whole) for name in names}
+    return types | {name: _type({**FIELDS, **WINDING, **WELL}[name], whole) for name in names}
 
 
 def given_of(options: dict[str, Any], names: Sequence[str]) -> Given:
@@ -175,10 +185,13 @@ def _type(field: CaseField, whole: bool) -> Any:
     return Annotated[float | None, option("NUMBER", help, flag, *also, parser=number_or_text_of(field.name), **group)]
 
 
+HEADINGS = {"wound": "Wound as a helix", "well": "In a hole, in the words of drillers"}
+
+
 def _heading(field: CaseField, whole: bool) -> str:
     """The heading of a field in the help; whole: of both problems."""
-    if field.problem == "wound":
-        return "Wound as a helix"
+    if field.problem in HEADINGS:
+        return HEADINGS[field.problem]
     if field.problem:
         return f"{field.problem.capitalize() if whole else 'Ends'} problem"
     return "Rod and cylinder" if field.name not in ("alpha", "gamma") else "Place of the start"

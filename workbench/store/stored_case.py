@@ -11,7 +11,7 @@ from solver import Ends, Solution
 from solver.problem.errors import choices
 from studies import Study, load
 from studies.grammar.axes import FIELDS, WORDS, Which, in_words
-from studies.language.case_input import CaseInput, from_values, in_units, with_fields
+from studies.language.case_input import CaseInput, from_values, in_units, with_values
 
 from ..stored import file_kinds, quantity_variables
 from ..stored.selection import Value
@@ -79,7 +79,7 @@ def case_at(study: Study, at: Mapping[str, Any], values: Mapping[str, Any], name
     case = study.case() if study.follow is not None else study.case_of(place)
     source = f"{named or study.title}{changed}"
     which = study.equilibrium
-    taken = with_fields(case, in_units(values, study.unit_system))
+    taken = with_values(case, in_units(values, study.unit_system))
     return CaseInput(taken, study.unit_system, source, study=study, which=which, place=place)
 
 
@@ -138,6 +138,6 @@ def _equilibrium_of(ds: xr.Dataset, name: str, values: Mapping[str, Any]) -> Cas
         place += f", the equilibrium of the lowest energy, one of {count}" if count > 1 else ""
     units = {kind: str(ds.attrs[f"{kind}_unit"]) for kind in ("length", "force")}
     if values:
-        taken = with_fields(case, in_units(values, units))
+        taken = with_values(case, in_units(values, units))
         return CaseInput(taken, units, f"{name}{place}, except {choices(values)}")
     return CaseInput(case, units, f"{name}{place}", which=which)
