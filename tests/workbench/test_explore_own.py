@@ -78,7 +78,7 @@ def test_a_rod_of_options_is_in_their_units_and_says_what_was_assumed() -> None:
     own = presets.own_preset(None, options, {"length": "m"})
     assert own is not None
     assert own.state["units"] == {"length": "m", "force": "N"}
-    assert "unit of force = N" in own.source
+    assert "forces in N. Not given, so assumed: solid, outside" in own.source
     assert page_model.study_of(own.state).case().rod.E == 2e11
 
 

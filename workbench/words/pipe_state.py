@@ -87,7 +87,7 @@ def sentences(sol: "Solution", units: dict[str, str]) -> list[str]:
     said += [way] if (way := way_of(str(sol.begun or ""))) else []
     if sol.case.cylinder.side == "inside" and min(axial_force(sol)) > 0:
         said.append(TENSION)
-    said += [*_friction(sol, force), *_buckling(sol, force), *_expected(sol, force)]
+    said += [*_friction(sol, force), *_buckling(sol, force), *_expectation(sol, force)]
     return [*said, *[lower_end(sol)] * bool(sol.case.rod.weight)]
 
 
@@ -249,7 +249,7 @@ def _size_of_limits(sol: "Solution") -> float:
     return math.sqrt(float(sol.case.rod.bending_stiffness) * weight_across(sol.case) / float(sol.case.rho))
 
 
-def _expected(sol: "Solution", force: str) -> list[str]:
+def _expectation(sol: "Solution", force: str) -> list[str]:
     """What is expected of a long pipe at the largest compression; of a bent shape without torque and friction."""
     reached = [limit.value for limit in limits(sol)]
     given = sol.case.given

@@ -65,11 +65,11 @@ def own_preset(file: Path | None, options: dict[str, Any], units: dict[str, str]
     source = "Your rod" if rod.source == "the options" else f"From {rod.source}"
     in_units = f"Lengths in {rod.units['length']}, forces in {rod.units['force']}"
     return Preset(
-        OWN, title, f"{source}. {in_units}.{_assumed(rod)}", _state(rod, title, not options), _spans(rod.case)
+        OWN, title, f"{source}. {in_units}.{_assumption(rod)}", _state(rod, title, not options), _spans(rod.case)
     )
 
 
-def _assumed(rod: CaseInput) -> str:
+def _assumption(rod: CaseInput) -> str:
     """What the page takes for fields that are not given, in a sentence; empty where all are given."""
     hidden = (*HIDDEN, "unit of length", "unit of force")
     values = {name: value for name, value in rod.assumed.items() if name not in hidden}
