@@ -11,7 +11,7 @@ from PIL import Image
 
 ROOT = Path(__file__).resolve().parents[2]
 WIDEST = 1500  # pixels of a picture on the site
-ROOT_PAGES = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md")
+ROOT_PAGES = ("README.md", "CHANGELOG.md", "ARCHITECTURE.md", "CONTRIBUTING.md")
 PICTURE = re.compile(r"((?:figures|scenes)/[\w-]+)\.png(?=[)\"])")
 ENTRY = re.compile(r"^- \[([^\]]+)\]\(([^)#]+)\.md\)", re.MULTILINE)
 
@@ -27,7 +27,8 @@ MADE = {
             ("Variables of a file", "reference/variables"),
         ),
     ),
-    "Explanation": ("Project", (("Read me", "readme"), ("Changes", "changelog"), ("Contributing", "contributing"))),
+    "Explanation": ("Project", (("Read me", "readme"), ("Changes", "changelog"))),
+    "For contributors": ("Begin", (("Architecture", "architecture"), ("Contributing", "contributing"))),
 }
 KINDS = (
     "The pages are of four kinds. A tutorial teaches by doing. A how-to page solves one task. A reference page lists "
@@ -55,7 +56,9 @@ def copy(root: Path, folder: Path) -> None:
     """Copy the pages, pictures and examples of a checkout to the folder of the sources."""
     docs = root / "docs"
     for page in sorted(docs.rglob("*.md")):
-        text = page.read_text(encoding="utf-8").replace("](../../README.md", "](../readme.md")
+        text = page.read_text(encoding="utf-8")
+        for name in ROOT_PAGES:
+            text = re.sub(rf"\]\(((?:\.\./)*)\.\./{re.escape(name)}", rf"](\1{name.lower()}", text)
         _put(folder / page.relative_to(docs), text)
     for name in ROOT_PAGES:
         text = (root / name).read_text(encoding="utf-8").replace("](docs/", "](").replace('src="docs/', 'src="')
