@@ -27,8 +27,15 @@ MADE = {
             ("Variables of a file", "reference/variables"),
         ),
     ),
-    "Explanation": ("Project", (("Read me", "readme"), ("Changes", "changelog"))),
-    "For contributors": ("Begin", (("Architecture", "architecture"), ("Contributing", "contributing"))),
+    "Explanation": (
+        "Project",
+        (
+            ("Read me", "readme"),
+            ("Changes", "changelog"),
+            ("Architecture", "architecture"),
+            ("Contributing", "contributing"),
+        ),
+    ),
 }
 KINDS = (
     "The pages are of four kinds. A tutorial teaches by doing. A how-to page solves one task. A reference page lists "
