@@ -28,18 +28,22 @@ class Solution(Shape):
 
     Attributes
     ----------
+    solved, outcome, caution : bool and two str for each case
+        Whether it is solved; "solved", perhaps with a remark, or why it is not; what a real rod could not do.
+    error, condition : float for each case
+        Estimated error along the rod, and the factor by which a change of the start can grow.
+    s, beta, alpha, z, position, kappa, push : array, n stations for each case
+        The shape and what the cylinder presses with; position has a further axis x, y, z. More are listed below.
+    FZ, MZ, M3 : float for each case
+        The loads, given or found.
     case : Case
         The case that was solved.
-    problem : StartProblem or EndsProblem
-        The dimensionless problem of the case.
-    trajectory : Trajectory
-        The answer of the method, in units of rho.
-    t : array, (B, n)
-        Stations in units of rho, a row for each of the B cases.
     method : str
         Name of the method.
     tol : float
         Tolerance.
+    problem, trajectory, t : StartProblem or EndsProblem, Trajectory, array (B, n)
+        For methods: the problem and its answer without units, and the stations, a row for each of B cases.
 
     Examples
     --------

@@ -70,6 +70,11 @@ def page(path: str) -> str:
     name = path.rpartition(".")[2]
     if inspect.isclass(thing):
         body = [f".. autoclass:: {path}", "   :members:", "   :exclude-members: model_config"]
+        if any(
+            base.__module__.partition(".")[0] in PUBLIC and not base.__name__.startswith("_")
+            for base in thing.__bases__
+        ):
+            body.append("   :inherited-members: BaseModel")  # what a user reads of a solution is that of its shape
     elif callable(thing):
         body = [f".. autofunction:: {path}"]
     else:
