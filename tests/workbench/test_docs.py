@@ -83,6 +83,20 @@ def test_the_index_lists_every_page_and_each_page_has_one_kind() -> None:
     assert {page.partition("/")[0] for page in pages} == {*KINDS, "decisions.md"}
 
 
+def test_the_pages_for_developers_name_what_exists_and_the_first_one_every_package() -> None:
+    tops = ("solver", "studies", "workbench", "docs", "tests", "benchmarks")
+    there = {f"/{path.relative_to(ROOT).as_posix()}" for top in tops for path in [ROOT / top, *(ROOT / top).rglob("*")]}
+    architecture = text(ROOT / "ARCHITECTURE.md")
+    for page in (architecture, *map(text, (DOCS / "developer").glob("*.md"))):
+        named = re.findall(r"`((?:\w+/)*\w+(?:\.py|\.c|\.h|/)|(?:\w+/)+\w+)`", page)
+        assert named
+        for name in named:
+            ends = tuple(f"/{name.rstrip('/')}{ending}" for ending in ("", ".py"))
+            assert any(path.endswith(ends) for path in there), name
+    packages = {path.parent.name for top in tops[:3] for path in (ROOT / top).glob("*/__init__.py")}
+    assert not packages - set(re.findall(r"`(?:\w+/)*?(\w+)/`", architecture))
+
+
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(ROOT).as_posix())
 def test_a_page_uses_the_terms_of_the_glossary(page: Path) -> None:
     found = re.sub(r"\s+", " ", text(page)).lower()
