@@ -163,6 +163,20 @@ def test_a_sub_package_imports_only_from_those_above_it_in_the_list(top: str) ->
     assert upward == set()
 
 
+def test_what_draws_and_exports_is_given_a_stored_study_and_never_its_dataset() -> None:
+    """Makers of new datasets, in the report, return them and take none."""
+    found = []
+    for file in files_of(*(f"workbench/{part}/**/*.py" for part in ("figures", "scene", "geometry", "export", "web"))):
+        for node in ast.walk(tree_of(file)):
+            asks = isinstance(node, ast.Attribute) and node.attr == "ds" and isinstance(node.ctx, ast.Load)
+            takes = (
+                isinstance(node, ast.arg) and node.annotation is not None and "Dataset" in ast.unparse(node.annotation)
+            )
+            if asks or takes:
+                found.append(f"{file.relative_to(ROOT)}:{node.lineno}")
+    assert found == []
+
+
 def test_drawing_loads_no_method_of_the_solver() -> None:
     parts = ("words", "geometry", "figures", "scene")
     assert methods_loaded_by([file for part in parts for file in files_of(f"workbench/{part}/**/*.py")]) == []

@@ -96,7 +96,7 @@ def indices(stored: StoredStudy, sheet: Sheet = SCREEN) -> Figure:
     limits = min(np.nan_to_num(low), 0.0) - 0.03, max(np.nan_to_num(high), 1.0) + 0.03
 
     def panel(name: str, ax: Axes) -> None:
-        row = stored.ds.sel(observable=name)
+        row = stored.part(observable=name)
         ax.set_title(str(row["symbol"].values), loc="left", pad=4)
         if not np.isfinite(row["total"].values).any():
             ax.text(0.5, 0.5, "one value on all samples", transform=ax.transAxes, ha="center", color=colours.SOFT)
@@ -132,12 +132,12 @@ def tornado(stored: StoredStudy, sheet: Sheet = SCREEN) -> Figure:
     if not names:
         raise InputError("no diagram: no observable depends on these fields, or none has a derivative")
     varied = [name for name in str(stored.attrs.get("varied", "")).split() if name in stored["field"].values]
-    at = [(quantity(name).symbol, stored.ds.sel(field=name)) for name in varied]
+    at = [(quantity(name).symbol, stored.part(field=name)) for name in varied]
     values = [f"{symbol} = {_in_unit(float(row['at']), str(row['field_unit'].values))}" for symbol, row in at]
     titled = stored.with_title(", ".join([str(stored.attrs["title"]), *values]))
 
     def panel(name: str, ax: Axes) -> None:
-        row, shown, rest = stored.ds.sel(observable=name), effects[name][:MOST], effects[name][MOST:]
+        row, shown, rest = stored.part(observable=name), effects[name][:MOST], effects[name][MOST:]
         sizes = np.array([effect for _, effect in shown])
         texts = [f"{'+' if size > 0 else '−'}{labels.number(abs(size), 2)}" for size in sizes]
         rises = [int(size > 0) for size in sizes]

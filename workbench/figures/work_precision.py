@@ -5,7 +5,6 @@ from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -80,9 +79,9 @@ def panel(stored: StoredStudy, ax: Axes, case: str, cost: str = "seconds") -> Ax
     """
     if case not in stored["case"].values:
         raise no_such("case", case, [str(name) for name in stored["case"].values])
-    rows = stored.ds.sel(case=case)
+    rows = stored.part(case=case)
     for method in stored["ladder"].values:
-        climb = rows.sel(ladder=method)
+        climb = rows.part(ladder=str(method))
         outcome = climb["outcome"].values.astype(str)
         error, spent = climb["error"].values, climb[cost].values
         tried = np.isfinite(spent)
@@ -111,7 +110,7 @@ def panel(stored: StoredStudy, ax: Axes, case: str, cost: str = "seconds") -> Ax
     return ax
 
 
-def _stretches(one: xr.Dataset, good: "NDArray[np.bool_]", name: str) -> "list[tuple[NDArray[np.intp], bool]]":
+def _stretches(one: StoredStudy, good: "NDArray[np.bool_]", name: str) -> "list[tuple[NDArray[np.intp], bool]]":
     """The good rungs of one ladder, those of each method that answered by themselves: no line joins two methods.
 
     name: of the method; beside each stretch whether the method handed it over to another.

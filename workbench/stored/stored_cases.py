@@ -195,6 +195,10 @@ class StoredCases:
         """The cases at these indices; an axis with one index is gone."""
         return type(self)(self.ds.isel(places))
 
+    def part(self, **values: str) -> Self:
+        """What stands at these names on dimensions of names, as of methods or observables; such a dimension is gone."""
+        return type(self)(self.ds.sel(values))
+
     def only(self, names: Iterable[str]) -> Self:
         """The same cases with these variables alone, so that nothing else is read."""
         return type(self)(self.ds[list(names)])
