@@ -3,12 +3,14 @@
 import math
 
 import pytest
+import xarray as xr
 
 from solver import InputError
 from solver.problem.quantities import QUANTITIES, unit_of
 from solver.problem.units import FORCES, LENGTHS, dimension_of, number_in, unit_size
 from studies.language.loader import loads
 from tests.workbench import small
+from workbench.stored.selection import index
 from workbench.words import habits
 
 INCHES = {"length": "in", "force": "lbf"}
@@ -90,3 +92,10 @@ def test_numbers_are_stated_without_an_exponent() -> None:
         assert "e" not in habits.plain(value)
         assert float(habits.plain(value)) == pytest.approx(value, rel=5e-4)
     assert habits.plain(-12345.678) == "-12346"
+
+
+def test_a_stored_value_is_named_in_any_unit_of_its_axis() -> None:
+    axis = xr.DataArray([-20.0, -10.0], dims="FZ", name="FZ", attrs={"units": "N"})
+    assert [index(axis, text) for text in ("-20 N", "-0.02kN", "-1 daN", "-10")] == [0, 0, 1, 1]
+    with pytest.raises(InputError, match="psi is a unit of stress"):
+        index(axis, "-20 psi")

@@ -23,7 +23,7 @@ from .options import (
     ranges,
 )
 from .present import Result, presents
-from .tables import number_shown, unit_shown
+from .tables import number_stated, unit_stated
 
 if TYPE_CHECKING:
     from solver.inverse.fit_result import Fit
@@ -172,12 +172,9 @@ def _rule(asked: "CaseInput", choose: str | None) -> Any:
 
 def _show(found: "Fit", asked: "CaseInput") -> None:
     """Print a fit for people; angles in degrees."""
-    from studies.grammar.axes import is_angle
+    from studies.grammar.axes import in_words
 
-    where = ", ".join(
-        f"{name} = {number_shown(name, value):.6g}{'deg' if is_angle(name) else ''}"
-        for name, value in asked.place.items()
-    )
+    where = ", ".join(in_words(name, value) for name, value in asked.place.items())
     console.say(f"rod: {asked.source}{f', at {where}' if where else ''}")
     console.say_units(asked.units, asked.assumed)
     console.say("")
@@ -235,10 +232,16 @@ def _show_values(found: "Fit", asked: "CaseInput") -> None:
 
     rows = []
     for name, value in found.values.items():
-        low, high = (number_shown(name, end) for end in found.intervals[name])
+        low, high = (number_stated(name, end, asked.units) for end in found.intervals[name])
         known = "unknown" if math.isnan(low) else UNDETERMINED if math.isinf(high) else f"{low:.6g} to {high:.6g}"
         rows.append(
-            [name, number_shown(name, value), known, unit_shown(name, asked.units), quantity_of(name).long_name]
+            [
+                name,
+                number_stated(name, value, asked.units),
+                known,
+                unit_stated(name, asked.units),
+                quantity_of(name).long_name,
+            ]
         )
     tables.print_table(["fitted", "value", "95 % interval", "unit", ""], rows)
     console.say(f"{found.rule}\n")
@@ -256,8 +259,8 @@ def _show_data(found: "Fit", asked: "CaseInput") -> None:
         shares = [f"{100 * row[mine].sum():.3g} %" if np.isfinite(row).all() else "" for row in found.shares.values()]
         pair: list[Any] = ["", "", ""] if targets else []
         if group in targets:
-            pair = [*(number_shown(group, float(v[mine][0])) for v in (found.measured, found.computed)),
-                    unit_shown(group, asked.units)]  # fmt: skip
+            pair = [*(number_stated(group, float(v[mine][0]), asked.units) for v in (found.measured, found.computed)),
+                    unit_stated(group, asked.units)]  # fmt: skip
         rows.append([label, *pair, f"{math.sqrt(float(np.mean(found.residuals[mine] ** 2))):.3g}", *shares])
     heads = ["datum", *(["wanted", "fitted", "unit"] if targets else []), "residual"]
     tables.print_table([*heads, *(f"share in {name}" for name in found.values)], rows)
@@ -304,14 +307,14 @@ def _show_minima(found: "Fit", asked: "CaseInput") -> None:
         [
             _sum(found, minimum.cost),
             *(
-                f"{number_shown(n, minimum.values[n]):.6g}{' (bound)' if n in minimum.at_bound else ''}"
+                f"{number_stated(n, minimum.values[n], asked.units):.6g}{' (bound)' if n in minimum.at_bound else ''}"
                 for n in found.values
             ),
             "yes" if minimum.as_good == found.exact else "no",
         ]
         for minimum in found.minima
     ]
-    heads = [tables.heading(name, unit_shown(name, asked.units)) for name in found.values]
+    heads = [tables.heading(name, unit_stated(name, asked.units)) for name in found.values]
     goal = "data" if found.feet is not None else "target" if len(found.groups) == 1 else "targets"
     judged = f"reaches the {goal}" if found.exact else "excluded by the data"
     console.say("")

@@ -210,11 +210,9 @@ def field_number(option: str, name: str, text: str, units: Mapping[str, str]) ->
 def axis_values(stored: "StoredStudy", at: Sequence[str] | None) -> dict[str, float]:
     """The stored value that each text of --at means, by the name of its axis. Raises `InputError` where it has none."""
     values: dict[str, float] = {}
-    units = {kind: unit for kind, unit in stored.units.items() if unit}
     for name, value in pairs("--at", at).items():
         try:
             axis = stored.axis(name)
-            value = _in_units_of(axis, value, units) if len(units) == 2 else value
             number = stored.value(axis, value)
         except InputError as error:
             raise InputError(f"--at {name}={value}: {error}") from None
@@ -222,15 +220,6 @@ def axis_values(stored: "StoredStudy", at: Sequence[str] | None) -> dict[str, fl
             raise InputError(f"--at {name}={value}: {axis} is given twice")
         values[axis] = number
     return values
-
-
-def _in_units_of(axis: str, text: str, units: Mapping[str, str]) -> str:
-    """A value with a unit as a text without one; any other text as it is. Raises `InputError`."""
-    from studies.grammar.axes import is_angle
-
-    number = float("nan") if is_angle(axis) else field_number(axis, axis, text, units)
-    plain = isnan(number) or text.strip()[-1].isdigit() or text.strip().endswith(".")
-    return text if plain else repr(number)
 
 
 def ranges(

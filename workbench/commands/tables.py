@@ -8,7 +8,7 @@ from typing import Any
 
 from solver.problem.quantities import unit_of
 
-from ..words import escaping
+from ..words import escaping, habits
 from . import console
 
 COLOURS = {  # verdict -> colour
@@ -55,11 +55,17 @@ def heading(name: str, unit: str) -> str:
     return f"{name} ({unit.replace(' ', chr(0xA0))})" if unit else name
 
 
-def number_shown(name: str, value: float) -> float:
-    """A value of a quantity or a field as it is printed: an angle in degrees."""
+def number_stated(name: str, value: float, units: Mapping[str, str]) -> float:
+    """A value of a quantity or a field in the unit of `unit_stated`."""
     from studies.grammar.axes import is_angle
 
-    return degrees(value) if is_angle(name) else value
+    return degrees(value) if is_angle(name) else value * habits.size_shown(name, units)
+
+
+def unit_stated(name: str, units: Mapping[str, str]) -> str:
+    """The unit in which engineers state a quantity or a field; degrees for an angle, nothing for a plain number."""
+    unit = habits.unit_shown(name, units)
+    return {"rad": "deg", "1": ""}.get(unit, unit)
 
 
 def unit_shown(name: str, units: Mapping[str, str]) -> str:

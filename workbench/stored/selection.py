@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver.problem.errors import InputError, choices
+from solver.problem.units import size_of_unit, split, unit_size
 from studies.grammar.axes import SAMPLE, in_rad, is_angle
 
 if TYPE_CHECKING:
@@ -36,6 +37,7 @@ def spread(places: list[dict[str, int]], count: int) -> list[dict[str, int]]:
 def index(values: "xr.DataArray", value: Value) -> int:
     """The index of the value of an axis that is meant. Raises `InputError` with the stored values."""
     name, axis = str(values.name), np.asarray(values.values, dtype=float)
+    value = _without_unit(values, value)
     number = real(name, value)
     away = np.abs(axis - number)
     nearest = int(away.argmin())
@@ -58,6 +60,18 @@ def indices(values: "xr.DataArray", value: Any) -> Any:
     if isinstance(value, list | tuple | np.ndarray):
         return [index(values, each) for each in value]
     return index(values, value)
+
+
+def _without_unit(values: "xr.DataArray", value: Value) -> Value:
+    """A text with a unit as its number in the unit of the axis; any other value as it is. Raises `InputError`."""
+    name, unit_of_axis = str(values.name), str(values.attrs.get("units", "1"))
+    if not isinstance(value, str) or is_angle(name) or unit_of_axis == "1":
+        return value
+    try:
+        number, unit = split(value)
+    except InputError:  # no number, which `real` says
+        return value
+    return number * size_of_unit(name, unit) / unit_size(unit_of_axis)[0] if unit else value
 
 
 def real(name: str, value: Any) -> float:
