@@ -57,13 +57,14 @@ def states(s: Array, beta: Array, alpha: Array, drawn: Booleans | None = None) -
     """
     aside = np.flatnonzero(beta)  # a beta of exactly 0 lies within a crossing
     sign = np.sign(beta[aside])
-    cuts = [0, *aside[1:][sign[1:] != sign[:-1]], s.size - 1]
+    crossings = aside[1:][sign[1:] != sign[:-1]]  # beta is 0 there, whatever it is at the next station
+    cuts = [0, *crossings, s.size - 1]
     pieces = [piece for part in pairwise(cuts) for piece in _without_drawn(*part, alpha, drawn)]
     parts: list[State] = []
     bent = [False, *(turned >= BENT for *_, turned in pieces), False]
     for (first, last, turned), *around in zip(pieces, bent, bent[2:], strict=False):
         way, size = np.abs(alpha[first : last + 1] - alpha[first]), np.abs(beta[first : last + 1])
-        wound = size[[0, -1]] > size.max() / 2
+        wound = (size[[0, -1]] > size.max() / 2) & ~np.isin([first, last], crossings)
         if turned < BENT or (turned < TURN and not wound.all()):
             parts.append(State(STRAIGHT if turned < BENT else SINUSOIDAL, s[first], s[last], turned))
             continue

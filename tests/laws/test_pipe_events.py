@@ -195,3 +195,12 @@ def test_the_rows_of_a_pipe_are_its_observables(L: float, inclination: str, load
     if "torque M3" in rows:
         assert rows["torque M3"].start == pytest.approx(float(seen["M30"]), rel=1e-9)
         assert rows["friction"].middle == pytest.approx(0.25 * push.middle, rel=1e-12)
+
+
+@pytest.mark.parametrize("stations", [6, 9, 40])
+def test_a_sinusoid_is_one_however_few_stations_a_wave_has(stations: int) -> None:
+    """Next to a change of sign beta may be large at the next station already; that is no part of a hoop."""
+    waves = 25
+    s = np.linspace(0, waves, stations * waves + 1) + 0.8 / stations
+    beta, alpha = np.sin(2 * np.pi * s), -np.cos(2 * np.pi * s)
+    assert [state.word for state in states(s, beta, alpha)] == [SINUSOIDAL]
