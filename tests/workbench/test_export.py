@@ -22,7 +22,7 @@ from studies.language.loader import loads
 from tests.slow import slow, slow_but
 from tests.workbench import runs, small
 from workbench.commands.options import axis_values
-from workbench.export import step
+from workbench.export import step, stored_rod
 from workbench.export.base import Options
 from workbench.export.stored_rod import export
 from workbench.geometry import centreline, self_contact, stored_line
@@ -247,6 +247,58 @@ def test_the_mesh_is_as_near_to_the_rod_as_asked(ds, tmp_path) -> None:
         assert off <= tolerance
         assert off > tolerance / 10  # no finer than it must be
         assert len(mesh.faces) * tolerance < 40  # measured 31 at every tolerance: sides and rings each go as its root
+
+
+@pytest.mark.parametrize("most", [700, 5_000, 50_000])
+@pytest.mark.parametrize("kind", [".stl", ".glb"])
+def test_a_mesh_has_as_many_triangles_as_are_allowed_and_is_as_near_as_it_says(ds, tmp_path, kind, most) -> None:
+    facts = export(StoredStudy(ds), tmp_path / f"rod{kind}", Options(SOUND, triangles=most)).facts
+    mesh = read_mesh(tmp_path / f"rod{kind}")
+    assert len(mesh.faces) == facts["triangles"] <= most
+    assert facts["triangles"] > 0.9 * most or facts["tolerance"] == pytest.approx(1e-3 * 0.25)  # the default
+    assert mesh.is_watertight
+    if kind == ".stl":
+        centre = rod(2e4, np.linspace(0, 20, 20001)).position
+        away = cKDTree(centre).query(np.concatenate([mesh.vertices, mesh.triangles.mean(axis=1)]))[0]
+        assert np.abs(away[away > 0.2] - 0.25).max() <= facts["tolerance"]
+
+
+def test_a_tube_with_a_bore_has_no_more_triangles_than_allowed(tube, tmp_path) -> None:
+    facts = export(StoredStudy(tube), tmp_path / "tube.stl", Options(triangles=5_000)).facts
+    assert 4_500 < facts["triangles"] == len(read_mesh(tmp_path / "tube.stl").faces) <= 5_000
+
+
+@pytest.mark.parametrize(
+    "name, options, words",
+    [
+        ("rod.csv", Options(SOUND, triangles=500), "for the meshes"),
+        ("rod.stl", Options(SOUND, 0.1, triangles=500), "give one of them"),
+        ("rod.stl", Options(SOUND, triangles=0), "must be positive, got 0"),
+        ("rod.stl", Options(SOUND, triangles=50), "give --triangles [0-9]+ or more"),
+    ],
+)
+def test_a_budget_that_no_mesh_keeps_is_refused(ds, tmp_path, name, options, words) -> None:
+    with pytest.raises(InputError, match=words):
+        export(StoredStudy(ds), tmp_path / name, options)
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("name, words", [("rod.obj", "rod.obj: "), ("rod_{:d}.obj", "{:d}.obj: 3 files of ")])
+def test_the_size_of_large_meshes_is_told_before_they_are_written(ds, tmp_path, monkeypatch, name, words) -> None:
+    monkeypatch.setattr(stored_rod, "LARGE", 1e6)
+    told = []
+
+    def tell(sentence: str) -> None:
+        told.append(sentence)
+        assert not list(tmp_path.iterdir())
+
+    export(StoredStudy(ds), tmp_path / name, Options({} if "{" in name else SOUND, 1e-3), False, tell)
+    (sentence,) = told
+    size = sum(file.stat().st_size for file in tmp_path.iterdir()) / 1e6
+    assert words in sentence
+    assert float(re.findall("about ([0-9]+) MB", sentence)[0]) == pytest.approx(size, abs=0.1 * size + 0.5)
+    export(StoredStudy(ds), tmp_path / "small.obj", Options(SOUND, triangles=2_000), False, tell)
+    assert len(told) == 1
 
 
 def test_gltf_has_the_scenes_two_colours_where_the_cylinder_pushes_and_where_not(ds, tmp_path) -> None:

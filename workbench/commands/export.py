@@ -39,6 +39,11 @@ def export(
                       "the axis of the cylinder to the centreline; for meshes and .usda: 1e-3 of the rod's radius. The "
                       "formats .vtp, .pvd and .csv hold the stored stations and take no tolerance."),
     ] = None,
+    triangles: Annotated[
+        int | None,
+        option("NUMBER", "Most triangles of a mesh; its tolerance is then the default one, or the least larger one "
+               "that they allow."),
+    ] = None,
     centreline: Annotated[
         bool, flag("Write the centreline to STEP, without a solid.", "--centreline")
     ] = False,
@@ -59,8 +64,8 @@ def export(
 
     stored_rod.format_of(out)  # before a large file is read
     stored = StoredStudy(reading.read(file))
-    options = Options(axis_values(stored, at), tolerance, centreline, overlap)
-    done = stored_rod.export(stored, out, options, force)
+    options = Options(axis_values(stored, at), tolerance, centreline, overlap, triangles)
+    done = stored_rod.export(stored, out, options, force, console.warn)
     status = 1 if done.warnings else 0
 
     def show() -> None:

@@ -33,12 +33,15 @@ class Options:
         STEP without the solid.
     overlap
         The solid also of a rod that passes through itself.
+    triangles
+        The most triangles of a mesh; default: as many as the tolerance takes.
     """
 
     at: Mapping[str, float] = field(default_factory=dict)
     tolerance: float | None = None
     centreline: bool = False
     overlap: bool = False
+    triangles: int | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,6 +86,8 @@ class Format:
         Whether it can hold the centreline alone.
     coloured
         Whether it shows the push, for which the stations must be enough too.
+    triangle_bytes
+        By suffix, about how many bytes a triangle takes in a file of a mesh; default: no mesh.
     """
 
     write: Callable[[Path, Any], dict[str, Any]]
@@ -93,4 +98,5 @@ class Format:
     unit: str = ""
     has_centreline: bool = False
     coloured: bool = False
+    triangle_bytes: Mapping[str, int] = field(default_factory=dict)
     series: bool = False

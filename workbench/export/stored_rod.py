@@ -1,6 +1,7 @@
 """One stored rod as a file for other programs, or those along an axis as one file each. Nothing is solved."""
 
 import re
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
@@ -11,14 +12,15 @@ import numpy as np
 from solver.problem.errors import InputError, choices
 
 from ..geometry import self_contact, stored_line
-from ..geometry.centreline import advice_to_store
+from ..geometry.centreline import Centreline, advice_to_store
 from ..geometry.refinement import push_along
 from ..store import atomic, writing
 from ..stored.stored_study import StoredStudy
-from . import FORMATS, pvd
+from . import FORMATS, pvd, surface_files
 from .base import Format, Options, Rod, metres
 
 DEFAULT = Options()
+LARGE = 100e6  # bytes of meshes, of which is told before they are written
 NUMBERED = re.compile(r"[^{}]*\{(:0?\d*d)?\}[^{}]*")  # the name of a file for each value of an axis
 
 
@@ -58,7 +60,17 @@ def check_holds_all(stored: StoredStudy, path: Path) -> None:
         )
 
 
-def export(stored: StoredStudy, path: Path, options: Options = DEFAULT, force: bool = False) -> Exported:
+def _say_nothing(sentence: str) -> None:
+    """What takes a sentence, where nobody reads it."""
+
+
+def export(
+    stored: StoredStudy,
+    path: Path,
+    options: Options = DEFAULT,
+    force: bool = False,
+    tell: Callable[[str], None] = _say_nothing,
+) -> Exported:
     """Write one case of a dataset to a file. Nothing is left where it fails.
 
     Parameters
@@ -72,6 +84,8 @@ def export(stored: StoredStudy, path: Path, options: Options = DEFAULT, force: b
         Which case, how exactly, and what to do with a rod that passes through itself.
     force : bool
         Replace an existing file.
+    tell : callable
+        Called with a sentence before meshes of more than 100 MB are written; default: nothing is called.
 
     Returns
     -------
@@ -107,18 +121,58 @@ def export(stored: StoredStudy, path: Path, options: Options = DEFAULT, force: b
         raise InputError(f"--tolerance is for {choices(able)}; {path.suffix} holds the stations as they are stored")
     if options.tolerance is not None and not 0 < options.tolerance < np.inf:
         raise InputError(f"--tolerance must be positive and finite, got {options.tolerance:g}")
+    _check_triangles(path, options, format)
     if format.series:  # an index, and a folder of files beside it
         pvd.check_free(path, force)
         series = pvd.along(stored, path.stem, options)
         return Exported(path, series.at, _write_file(path, series, format, force), [])
     if "{" in path.name:
-        return _frames(stored, path, options, force, format)
+        return _frames(stored, path, options, force, format, tell)
     where = stored.place(options.at)
     at = {name: float(stored[name].values[i]) for name, i in where.items()}
     title = " ".join([str(stored.attrs["study_name"]), *(f"{name}={value:.6g}" for name, value in at.items())])
     rod = Rod(stored, where, stored_line.read(stored, where), title, options)
+    _tell_size(path, [rod], format, tell)
     facts, warnings = _write(path, rod, format, force)
     return Exported(path, at, facts, warnings)
+
+
+def _check_triangles(path: Path, options: Options, format: Format) -> None:
+    """Raise `InputError` for a number of triangles that is none, is not of a mesh, or beside a tolerance."""
+    if options.triangles is None:
+        return
+    if not format.triangle_bytes:
+        able = [suffix for suffix in FORMATS if _format(suffix).triangle_bytes]
+        raise InputError(f"--triangles is for the meshes {choices(able)}, got {path.name!r}")
+    if options.tolerance is not None:
+        raise InputError("--triangles and --tolerance each fix the mesh: give one of them")
+    if options.triangles < 1:
+        raise InputError(f"--triangles must be positive, got {options.triangles}")
+
+
+def _tolerance(line: Centreline, format: Format, options: Options) -> float:
+    """The tolerance of the file of a rod [length]. Raises `InputError` where a mesh takes more triangles than asked."""
+    if options.triangles is not None:
+        return surface_files.within(line, options.triangles)
+    assert format.tolerance is not None
+    return options.tolerance or format.tolerance(line)
+
+
+def _tell_size(path: Path, rods: Sequence[Rod], format: Format, tell: Callable[[str], None]) -> None:
+    """Tell about how large the files of meshes will be, where that is more than `LARGE`."""
+    if not format.triangle_bytes:
+        return
+    count = 0
+    for rod in rods:
+        try:
+            tolerance = _tolerance(rod.line, format, rod.options)
+            count += surface_files.triangles_of(rod.line, tolerance, rod.options.triangles)
+        except InputError:  # which is said where that rod is written
+            continue
+    size = count * format.triangle_bytes[path.suffix.lower()]
+    if size > LARGE:
+        files = f"{path.name}: {len(rods)} files of" if len(rods) > 1 else f"{path.name}:"
+        tell(f"{files} {count} triangles, about {size / 1e6:.0f} MB; --triangles and --tolerance make a smaller mesh")
 
 
 def _write(path: Path, rod: Rod, format: Format, force: bool) -> tuple[dict[str, Any], list[str]]:
@@ -131,7 +185,7 @@ def _write(path: Path, rod: Rod, format: Format, force: bool) -> tuple[dict[str,
             raise InputError(f"no solid: {finding.sentence}; --centreline writes the curve alone{also}")
     facts: dict[str, Any] = {}
     if format.tolerance is not None:
-        tolerance = options.tolerance or format.tolerance(rod.line)
+        tolerance = _tolerance(rod.line, format, options)
         rod.line.check(tolerance, format.curve_share, format.cubic)
         if format.coloured and (more := push_along(rod.line).stations()) > (n := rod.line.s.size):
             raise InputError(
@@ -146,13 +200,16 @@ def _write(path: Path, rod: Rod, format: Format, force: bool) -> tuple[dict[str,
     return {**_write_file(path, rod, format, force), **facts}, [finding.sentence for finding in faults]
 
 
-def _frames(stored: StoredStudy, path: Path, options: Options, force: bool, format: Format) -> Exported:
+def _frames(
+    stored: StoredStudy, path: Path, options: Options, force: bool, format: Format, tell: Callable[[str], None]
+) -> Exported:
     """Write each solved rod along an axis to a file of its own; a rod that the format cannot hold is left out."""
     series = pvd.along(stored, path.stem, options)
     places = [rod.where[series.axis] for rod in series.rods]
     files = [path.with_name(_number(path.name, i)) for i in places]
     for file in files:
         writing.check_new(file, force)
+    _tell_size(path, series.rods, format, tell)
     facts: dict[str, Any] = {}
     warnings, values = [], []
     for file, rod, value in zip(files, series.rods, series.values, strict=True):

@@ -26,23 +26,15 @@ def near(line: Centreline) -> float:
     return NEAR * line.a
 
 
-def tube(line: Centreline, tolerance: float) -> tuple[Mesh, Array]:
-    """The tube about the whole rod, nowhere farther than the tolerance [length] from the true surface.
+def tube(rod: Rod) -> tuple[Mesh, Array]:
+    """The tube about the whole rod, nowhere farther than its tolerance [length] from the true surface.
 
     A rod with an inner radius has its bore. Its sections are polygons with the area of the circle, so that the volume
-    is the rod's. Returns with it the arc
-    length of each point, (m,). Raises `InputError` for a rod that would need more than `MOST_TRIANGLES`.
+    is the rod's. Returns with it the arc length of each point, (m,). Raises `InputError` for a rod that would need more
+    than `MOST_TRIANGLES`.
     """
-    # a polygon of the circle's area leaves it by a x^2/12 at its corners, x the angle of a side
-    sides = max(int(np.ceil(2 * np.pi / np.sqrt(6 * tolerance / line.a))), LEAST_SIDES)
-
-    def check(count: int) -> None:
-        if 2 * sides * count > MOST_TRIANGLES:
-            raise InputError(f"this rod would need {2 * sides * count} triangles, more than {MOST_TRIANGLES}: give a "
-                             "larger --tolerance")  # fmt: skip
-
-    ends = float(line.s[0]), float(line.s[-1])
-    s, x = place_rings(line, ends, tolerance / 2, check, longest=LONGEST * line.a), 2 * np.pi / sides
+    line, (s, sides) = rod.line, _rings(rod.line, rod.tolerance, rod.options.triangles)
+    x = 2 * np.pi / sides
     larger = np.sqrt(x / np.sin(x))
     if line.bore:
         mesh = tubes.hollow(line.frame(s), line.a * larger, line.bore * larger, sides)
@@ -51,9 +43,59 @@ def tube(line: Centreline, tolerance: float) -> tuple[Mesh, Array]:
     return mesh, tubes.at_points(s, sides, sharp=False)
 
 
+def _rings(line: Centreline, tolerance: float, budget: int | None) -> tuple[Array, int]:
+    """Where the rings of a mesh stand, (n,), and the number of its sides, for a tolerance [length].
+
+    With a budget of triangles rings stand apart as far as the tolerance lets them.
+    """
+    # a polygon of the circle's area leaves it by a x^2/12 at its corners, x the angle of a side
+    sides = max(int(np.ceil(2 * np.pi / np.sqrt(6 * tolerance / line.a))), LEAST_SIDES)
+
+    def check(count: int) -> None:
+        if _triangles(line, count + 1, sides) > MOST_TRIANGLES:
+            raise InputError(
+                f"this rod would need {_triangles(line, count + 1, sides)} triangles, more than {MOST_TRIANGLES}: give "
+                "a larger --tolerance"
+            )
+
+    longest = LONGEST * line.a * (1.0 if budget is None else max(np.sqrt(tolerance / near(line)), 1.0))
+    ends = float(line.s[0]), float(line.s[-1])
+    return place_rings(line, ends, tolerance / 2, check, longest=longest), sides
+
+
+def _triangles(line: Centreline, rings: int, sides: int) -> int:
+    """The triangles of a closed tube: of its wall and its two ends; with a bore of two walls and two flat rings."""
+    return 4 * sides * rings if line.bore else 2 * sides * rings
+
+
+def triangles_of(line: Centreline, tolerance: float, budget: int | None = None) -> int:
+    """The number of triangles of the mesh of a rod with a tolerance [length]. Raises `InputError` as `tube`."""
+    s, sides = _rings(line, tolerance, budget)
+    return _triangles(line, s.size, sides)
+
+
+def within(line: Centreline, budget: int) -> float:
+    """The tolerance [length] of a mesh of at most so many triangles: the default one, or the least larger one.
+
+    Raises `InputError` where even a mesh that is off by the rod's radius takes more.
+    """
+    fine, coarse = near(line), line.a
+    if (least := triangles_of(line, coarse, budget)) > budget:
+        raise InputError(
+            f"a mesh of {budget} triangles would miss this rod by more than its radius {line.a:g}: give --triangles "
+            f"{least} or more"
+        )
+    if triangles_of(line, fine, budget) <= budget:
+        return fine
+    while coarse > 1.01 * fine:
+        middle = float(np.sqrt(fine * coarse))
+        fine, coarse = (fine, middle) if triangles_of(line, middle, budget) <= budget else (middle, coarse)
+    return coarse
+
+
 def write(path: Path, rod: Rod) -> dict[str, Any]:
     """Write binary STL (single precision) or OBJ (full precision, with normals), by the suffix; neither has units."""
-    mesh, _ = tube(rod.line, rod.tolerance)
+    mesh, _ = tube(rod)
     (_write_stl if path.suffix.lower() == ".stl" else _write_obj)(path, mesh)
     return {"triangles": len(mesh.triangles)}
 
@@ -85,4 +127,4 @@ def _write_obj(path: Path, mesh: Mesh) -> None:
             raise OSError("the disk did not take the whole file")
 
 
-FORMAT = Format(write, "surface", near)
+FORMAT = Format(write, "surface", near, triangle_bytes={".stl": 50, ".obj": 105})
