@@ -70,7 +70,7 @@ def names() -> list[str]:
     --------
     >>> from studies import names
     >>> names()[:3]
-    ['capstan', 'fig6', 'fig7_1_modulus']
+    ['belt', 'capstan', 'fig6']
     """
     return sorted(path.stem for path in SHIPPED.glob("*.toml"))
 

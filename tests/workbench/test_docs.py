@@ -155,7 +155,7 @@ def test_the_tutorial_names_every_shipped_study() -> None:
         r"The table lists (.*?)\. Each row", text(DOCS / "tutorial" / "reproduce-a-figure.md"), re.DOTALL
     )
     assert set(re.findall(r"`(\w+)`", said)) == {name for name in shipped if not name.startswith("fig7")}
-    assert said.startswith({14: "14 "}[len(shipped)])
+    assert said.startswith({17: "17 "}[len(shipped)])
 
 
 def test_the_table_of_fidelities_is_that_of_the_code() -> None:

@@ -32,6 +32,9 @@ VERDICTS = {  # of the laws of each figure under the default reading
     "pipe_vertical": [("holds", [])] * 4,
     "pole_greenhill": [("holds", [])] * 2,
     "capstan": [("holds", [])],
+    "belt": [("holds", [])] * 3,
+    "let_go": [("holds", [])] * 3,
+    "pipe_centred": [("holds", [])] * 2,
 }
 PAPER = [name for name in names() if name.startswith("fig")]
 
