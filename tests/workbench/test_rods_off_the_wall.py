@@ -9,9 +9,10 @@ import xarray as xr
 
 from solver import Case, Cylinder, Ends, InputError, Rod, solve
 from studies.language.loader import loads
+from tests.workbench.page_faults import words
 from workbench import accessor  # noqa: F401
 from workbench.export.stored_rod import export
-from workbench.figures import portrait
+from workbench.figures import kinds, portrait, unrolled
 from workbench.geometry import stored_line
 from workbench.geometry.refinement import push_along
 from workbench.store import checks, in_memory, reading, writing
@@ -132,3 +133,24 @@ def test_the_live_page_refuses_a_rod_that_it_would_draw_on_the_wall(text: str, t
     (tmp_path / "rod.toml").write_text(text, encoding="utf-8")
     with pytest.raises(InputError, match="the live page shows rods that lie on the cylinder"):
         own_preset(tmp_path / "rod.toml", {}, {})
+
+
+def said_by(stored: xr.Dataset, kind: str) -> str:
+    """All words of a figure of a study."""
+    return " ".join(" ".join(text.get_text() for text in words(kinds.figure(StoredStudy(stored), kind))).split())
+
+
+def test_an_unrolled_view_says_that_a_rod_off_the_wall_is_seen_along_the_radius(stored: xr.Dataset) -> None:
+    radial = "Where a rod is off the wall, it is seen along the radius, at its azimuth times ρ."
+    held = in_memory.run(loads(STUDY.replace("let_go = true", "").replace('"gap_max", "contact_share"', '"turns"')))
+    for kind in ("curves", "lines"):
+        assert radial in said_by(stored, kind)
+        assert radial not in said_by(held, kind)
+
+
+def test_stretches_that_cross_one_over_the_other_off_the_wall_have_no_ring() -> None:
+    """A figure of eight that rises from the wall along the rod."""
+    s = np.linspace(0.0, 1.0, 401)
+    alpha, z = np.sin(2 * np.pi * s), 0.5 * np.sin(4 * np.pi * s)
+    assert unrolled.crossings(6 * s, 1.0, alpha, z, 0.05, 1.0)
+    assert unrolled.crossings(6 * s, 1.0, alpha, z, 0.05, 1.0 + s) == []

@@ -54,6 +54,11 @@ class DrawnRod:
         assert self.arrays is not None
         return np.asarray(self.arrays[name], dtype=float)
 
+    @property
+    def radius(self) -> Any:
+        """The distance from the axis [length]: (n,) of a rod that may leave the cylinder, else rho."""
+        return self["radius"] if self.arrays is not None and "radius" in self.arrays else self.rho
+
     def between(self, first: float, last: float, most: int = 400) -> "DrawnRod":
         """The part of a rod between two shares of its length, at so many stations at most."""
         s = self["s"]
@@ -174,9 +179,10 @@ def _rod(one: StoredStudy, axis: str | None, arrays: Mapping[str, Any] | None) -
 def _arrays(some: StoredStudy, names: Sequence[str]) -> tuple[list[dict[str, Any] | None], list[str]]:
     """For each case s and the arrays of these names, None where it is not solved; and what is to be said.
 
-    The cases are solved again at as many stations as the arrays need. Raises `InputError`, also where the stations are
-    too few.
+    The cases are solved again at as many stations as the arrays need. Places along rods that may leave the cylinder
+    have their radius too. Raises `InputError`, also where the stations are too few.
     """
+    names = list(dict.fromkeys([*names, *["radius"] * (some.leaves and {"alpha", "z"} <= set(names))]))
     count = int(some["outcome"].size)
     stations = int(np.clip(POINTS // count, 200, STATIONS if count > 1 else 4 * STATIONS)) + 1
     finer, reason, drawn, n = some, "", dict[int, list[DrawnCurve]](), 0

@@ -96,14 +96,14 @@ class View:
 
 def view_of(
     s: Values, rho: float, alpha: Values, z: Values, a: float, text: str, look: Mapping[str, Any], name: str = "",
-    ringed: bool = True,
+    ringed: bool = True, radius: Any = None,
 ) -> tuple[View, bool]:  # fmt: skip
     """The unrolled view of a rod, and whether it is too long to search for the places where it passes through itself.
 
     s, rho, alpha, z, a: of the rod, (n,) or a number [length]. text, look, name: as of `View`. ringed: whether those
-    places have rings.
+    places have rings. radius: the distance from the axis, (n,); default: rho all along.
     """
-    rings = crossings(s, rho, alpha, z, a) if ringed else []
+    rings = crossings(s, rho, alpha, z, a, rho if radius is None else radius) if ringed else []
     return View(z, rho * (alpha - alpha[0]), text, look, rings or [], name), rings is None
 
 
@@ -360,6 +360,7 @@ def lines_of(
         (x, y, of_first, name), *over = parts
         views.append(View(x, y, head, of_first, (), name, over, (low, low + wide), start == s[0]))
     notes = ["A line is the whole unrolled cylinder: the rod leaves it below and comes back above."] * around
+    notes += off_wall([rod])
     if "overlaps" in cautions.keys(rod.caution):
         notes.append("The rod passes through itself; the places are not marked in lines.")
     said = f"; {setting.note(spans, unit)}, each {labels.number(wide)} {unit} wide"
@@ -385,17 +386,26 @@ def panel_of(rods: DrawnRods, room: tuple[float, float], letters: float, coloure
             continue
         passes = coloured and "overlaps" in cautions.keys(rod.caution)
         view, is_too_long = view_of(rod["s"], rod.rho, rod["alpha"], rod["z"], rod.a, text, _look(rod, norm), rod.name,
-                                    passes)  # fmt: skip
+                                    passes, rod.radius)  # fmt: skip
         if is_too_long:
             notes.append(f"The rod {TOO_LONG}." if rods.axis is None else f"The rod of {rod.name} {TOO_LONG}.")
         views.append(view)
-    return Panel(views, room, letters, unit, even=True, notes=notes)
+    return Panel(views, room, letters, unit, even=True, notes=[*off_wall(rods.solved), *notes])
 
 
-def crossings(s: Any, rho: float, alpha: Any, z: Any, a: float) -> list[tuple[Any, Any]] | None:
+def off_wall(rods: Sequence[DrawnRod]) -> list[str]:
+    """How the unrolled views of rods are read that leave the wall; nothing where none does."""
+    leaves = any(np.any(np.abs(rod.radius - rod.rho) > STRAIGHT * rod.rho) for rod in rods)
+    return ["Where a rod is off the wall, it is seen along the radius, at its azimuth times ρ."] * leaves
+
+
+def crossings(s: Any, rho: float, alpha: Any, z: Any, a: float, radius: Any) -> list[tuple[Any, Any]] | None:
     """Where a rod passes through itself on the unrolled cylinder: z and distance around, and how far its two stretches
-    are apart there, (2,) each; two places where it comes back after a turn. None for a rod that is too long."""
-    pairs = self_contact.places(s, frames.position(rho, alpha, z), a)
+    are apart there, (2,) each; two places where it comes back after a turn. None for a rod that is too long.
+
+    radius: the distance from the axis, so that stretches that cross one over the other off the wall are none.
+    """
+    pairs = self_contact.places(s, frames.position(radius, alpha, z), a)
     if pairs is None:
         return None
     rings: list[tuple[Any, Any]] = []
