@@ -110,11 +110,11 @@ def test_a_film_that_cannot_be_drawn_leaves_nothing(tmp_path) -> None:
 def test_scene_makes_a_film(monkeypatch) -> None:
     asked = []
     monkeypatch.setattr(animate, "film_of", lambda *given, **more: asked.append((given, more)) or result_of_files([]))
-    film_options = ["--show", "turns", "--fps", "12", "--stored"]
+    film_options = ["--show", "turns", "--fps", "12", "--stored", "--frames", "9"]
     for way in ("--along", "--axis"):
         assert exit_status("scene", "a.h5", way, "E", "--out", "E.mp4", "--dpi", "90", *film_options) == 0
         given, more = asked.pop()
-        assert given == (Path("a.h5"), "E", None, "contact", "turns", [Path("E.mp4")], 12.0, True, 0.5, 90, False)
+        assert given == (Path("a.h5"), "E", None, "contact", "turns", [Path("E.mp4")], 12.0, True, 0.5, 90, False, 9)
         assert more == {}
         assert exit_status("scene", "a.h5", way, "E", "--out", "E.png", *film_options) == 2, "it would be ignored"
     for other in (["--camera", "front"], ["--bare"], ["--axis", "E", "--along", "R"]):
@@ -213,3 +213,37 @@ def test_a_film_has_as_many_frames_as_its_change_needs(tmp_path, capsys) -> None
         )
         is None
     )
+
+
+def test_the_curve_is_one_that_changes_along_the_axis(ds) -> None:
+    stored = StoredStudy(ds.assign(wraps=("E", [1.0, 1.0, 1.0])))
+    assert film.observable_of(stored, "E") == "height"
+    assert film.observable_of(stored, "E", "wraps") == "wraps"  # which was asked for
+
+
+def test_a_frame_of_samples_names_the_fields_that_change() -> None:
+    sample = "[sample]\nsize = 4\nseed = 1\n[sample.E]\nfrom = 1e4\nto = 2e4\n"
+    stored = StoredStudy(in_memory.run(small.study(sample, 'observables = ["height"]')))
+    fig = Figure()
+    fig.add_axes((0.0, 0.0, 1.0, 1.0))
+    list(film._draw_case(fig, film.Film("sample", {}), stored, 1))
+    words = [text.get_text() for text in fig.axes[0].texts]
+    assert words == ["Sample 2 of 4", stored.equations({"E": 1}, 3)]
+    assert words[1].startswith("E = ")
+
+
+@draws
+@pytest.mark.parametrize("stored", [[], ["--stored"]])
+def test_a_film_has_exactly_as_many_frames_as_asked_for(ds, tmp_path, stored, capsys) -> None:
+    path, count = tmp_path / "film.gif", 2 if stored else 5
+    writing.write(ds, tmp_path / "one.h5")
+    asked = ["scene", tmp_path / "one.h5", "-o", path, "--dpi", "30", "--kind", "plain", *stored, "--frames"]
+    assert exit_status(*asked, count) == 0
+    with Image.open(path) as gif:
+        lasts = [gif.seek(k) or gif.info["duration"] for k in range(gif.n_frames)]
+    assert lasts == [40] * count  # none stays longer
+    assert exit_status(*asked, 1, "--force") == 2
+    assert "--frames must be between 2 and 2000, got 1" in capsys.readouterr().err
+    if stored:
+        assert exit_status(*asked, 60, "--force") == 2
+        assert "E has 3 stored values, and no cases are solved between them" in capsys.readouterr().err

@@ -18,6 +18,11 @@ Show = Annotated[
     str | None, option("OBSERVABLE", "Observable drawn beside a film; default: that of the axis's first law.")
 ]
 Fps = Annotated[float | None, number_option("Frames per second of a film; default: 24.")]
+Frames = Annotated[
+    int | None,
+    option("NUMBER", "Frames of a film, no more and no fewer; default: as many as let the rod move smoothly, with the "
+           "first and the last for half a second more."),
+]  # fmt: skip
 Stored = Annotated[bool, flag("Film the stored cases alone, each for a third of a second.", "--stored")]
 
 
@@ -36,6 +41,7 @@ def film_of(
     pixel_error: PixelError = 0.5,
     dpi: Annotated[int, option("DPI", "Resolution [pixels/inch]; 160 gives 1280 x 720 pixels.")] = 160,
     force: ForceOutput = False,
+    frames: Frames = None,
 ) -> Result:
     """Make a film of the cases along an axis.
 
@@ -62,23 +68,26 @@ def film_of(
     where = axis_values(rods, at)
     if axis in where:
         raise InputError(f"--at {axis}: the film runs along {axis}, so that axis takes no value")
-    shown = film.Film(axis, where, film.observable_of(rods, axis, show), kind, pixel_error, dpi)
+    shown = film.Film(axis, where, film.observable_of(rods, axis, show, where), kind, pixel_error, dpi)
     default = file.with_name(f"{file.stem}_{axis}.mp4")
     paths = [check_file(path, film.SUFFIXES, force) for path in out or [default]]
     cases = film.cases_of(rods, shown)
     if not RATES[0] <= fps <= RATES[1]:
         raise InputError(f"--fps must be between {RATES[0]:g} and {RATES[1]:g}, got {fps:g}")
+    film.check_count(frames)
     film.check_writers(paths)
     able, advice = opengl.probe()
     if not able:
         return result_of_files([], warnings=[advice], status=1)
-    solving = rods, axis, where, kind_of(kind), str(shown.observable), MOST
+    solving = rods, axis, where, kind_of(kind), str(shown.observable), MOST, frames
     more = None if stored else study_scene.film_cases(*solving)
+    if more is None and frames:
+        shown, cases = (less := replace(shown, count=frames)), film.cases_of(rods, less)
     if more is not None:
         rods, shown, cases = more, replace(shown, at={}), film.cases_of(more, replace(shown, at={}))
-    each = 1 if more is not None else max(round(STAYS * fps), 1)
+    each = 1 if frames or more is not None else max(round(STAYS * fps), 1)
     with console.progress(len(cases), lines=True) as step:
-        film.write(paths, film.frames(rods, shown, step), fps, each)
+        film.write(paths, film.frames(rods, shown, step), fps, each, stay=0.0 if frames else film.HOLD)
     solved = "stored cases" if more is None else "cases, solved for this film"
     return result_of_files(paths, [f"{path}: {len(cases)} {solved}, {fps:g} frames per second" for path in paths])
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 from solver.problem.errors import InputError, choices
 
 from ..store import atomic
-from .animate import Fps, Show, Stored
+from .animate import Fps, Frames, Show, Stored
 from .options import At, ForceOutput, PixelError, argument, axis_values, check_file, flag, number_option, option
 from .present import Result, presents, result_of_files
 
@@ -73,6 +73,7 @@ def scene(
     transparent: Annotated[bool, flag("Leave the background transparent (.png).", "--transparent")] = False,
     show: Show = None,
     fps: Fps = None,
+    frames: Frames = None,
     stored: Stored = False,
     out: Annotated[
         Path | None,
@@ -101,13 +102,15 @@ def scene(
     others = [low is not None, high is not None, camera, color_range, bare, transparent, size]
     if out is not None and suffix in film.SUFFIXES:
         if any(others) or len({*axes, along} - {None}) > 1:
-            raise InputError(f"a film takes --axis, --at, --kind, --show, --fps, --stored, --pixel-error and --dpi "
-                             f"alone, got {out.name!r}")  # fmt: skip
+            raise InputError("a film takes --axis, --at, --kind, --show, --fps, --frames, --stored, --pixel-error and "
+                             f"--dpi alone, got {out.name!r}")  # fmt: skip
         way = along or next(iter(axes), None)
         return animate.film_of(file, way, at, kind or "contact", show, [out], fps, stored, pixel_error,
-                               dpi or FILM_DPI, force)  # fmt: skip
-    if stored or (show, fps) != (None, None):
-        raise InputError(f"--show, --fps and --stored are for films: give --out NAME, with {choices(film.SUFFIXES)}")
+                               dpi or FILM_DPI, force, frames)  # fmt: skip
+    if stored or (show, fps, frames) != (None, None, None):
+        raise InputError(
+            f"--show, --fps, --frames and --stored are for films: give --out NAME, with {choices(film.SUFFIXES)}"
+        )
     if suffix == PAGE and (kind not in (None, PAGE_KIND, "equilibria") or any([axes, along, *others])):
         raise InputError(
             f"an {PAGE} file shows the kind {PAGE_KIND} of all cases that --at leaves; --kind, --axis, --along, --from "

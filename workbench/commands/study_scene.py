@@ -91,10 +91,12 @@ def _held_where(study: Study, stored: StoredStudy, where: Mapping[str, int], fre
 
 
 def film_cases(
-    stored: StoredStudy, axis: str, at: dict[str, float], kind: Kind, observable: str, most: int
-) -> StoredStudy | None:
+    stored: StoredStudy, axis: str, at: dict[str, float], kind: Kind, observable: str, most: int,
+    count: int | None = None,
+) -> StoredStudy | None:  # fmt: skip
     """The cases of a film along an axis, at most so many: as many as let no rod move far from one to the next.
 
+    count: so many cases, at an even pace of the rod.
     None for a dataset whose cases a study does not give at any value of the axis. Raises `InputError` of the solver.
     """
     if not _is_whole(stored):
@@ -114,7 +116,7 @@ def film_cases(
     values = (np.geomspace if is_wide(low, high) else np.linspace)(low, high, TRIED)
     first = solve(values)
     way = np.concatenate([[0.0], np.cumsum(_motion(first, axis))])
-    count = int(np.clip(np.ceil(way[-1] / STEP), LEAST, most))
+    count = count or int(np.clip(np.ceil(way[-1] / STEP), LEAST, most))
     cases = solve(np.interp(np.linspace(0, way[-1], count), way + 1e-9 * np.arange(TRIED), values))
     spacing = (
         "geometric" if is_logarithmic(stored[axis]) else "linear"

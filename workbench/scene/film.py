@@ -4,7 +4,7 @@ One frame a case of the dataset; nothing is solved. MP4 and GIF are written by i
 Pillow. Frames need OpenGL. Lengths are in inches.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import dataclass, replace
 from importlib.util import find_spec
@@ -19,6 +19,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from solver.problem.errors import InputError, choices, no_such
+from studies.grammar.axes import SAMPLE
 
 from ..figures import canvas, colours, fonts
 from ..figures.scales import is_logarithmic
@@ -41,6 +42,7 @@ DIAGRAM_LABEL = "diagram"  # of its axes
 SAMPLES = 2  # along each side of a pixel: a frame is seen for an instant
 FPS, HOLD = 24.0, 0.5  # frames a second; seconds for which the first and the last stay
 QUALITY = 80  # of WebP
+TITLES = (fonts.LARGE, fonts.NORMAL, fonts.SMALL)  # sizes of the value of a frame: the first that has room
 LEAST, MOST = 2, 2000  # frames
 INSTALL = "pip install 'rod-workbench[animate]'"
 
@@ -61,6 +63,8 @@ class Film:
         As of a scene.
     size
         Width and height of a frame.
+    count
+        Frames, of so many stored cases at even steps from the first to the last; default: all of them.
     """
 
     axis: str
@@ -70,10 +74,14 @@ class Film:
     pixel_error: float = 0.5
     dpi: int = 160
     size: tuple[float, float] = SIZE
+    count: int | None = None
 
 
-def observable_of(stored: StoredStudy, axis: str, name: str | None = None) -> str:
-    """The observable whose curve is drawn; default: that of the axis's first law, else the first that is stored.
+def observable_of(
+    stored: StoredStudy, axis: str, name: str | None = None, at: Mapping[str, float] | None = None
+) -> str:
+    """The observable whose curve is drawn; default: that of the axis's first law, else the first that is stored, of
+    those that change along the axis, with the other axes at `at`.
 
     Raises `InputError` where the dataset stores no such observable.
     """
@@ -85,7 +93,10 @@ def observable_of(stored: StoredStudy, axis: str, name: str | None = None) -> st
             raise no_such("observable", name, known)
         return name
     judged = [law.observable for law in stored.laws if law.axis == axis]
-    return next(candidate for candidate in (*judged, *known) if candidate in known)
+    candidates = [candidate for candidate in (*judged, *known) if candidate in known]
+    held = {other: i for other, i in stored.place(at or {}).items() if other != axis}
+    line = stored.select(held)
+    return next((candidate for candidate in candidates if not line.is_level(candidate)), candidates[0])
 
 
 def cases_of(stored: StoredStudy, film: Film) -> list[dict[str, int]]:
@@ -96,7 +107,19 @@ def cases_of(stored: StoredStudy, film: Film) -> list[dict[str, int]]:
     cases = stored.places(film.axis, film.at)
     if not LEAST <= len(cases) <= MOST:
         raise InputError(f"a film has {LEAST} to {MOST} frames, and the axis {film.axis} {len(cases)} values")
-    return cases
+    if film.count is None:
+        return cases
+    if film.count > len(cases):
+        raise InputError(
+            f"--frames {film.count}: {film.axis} has {len(cases)} stored values, and no cases are solved between them"
+        )
+    return [cases[round(i)] for i in np.linspace(0, len(cases) - 1, film.count)]
+
+
+def check_count(count: int | None) -> None:
+    """Raise `InputError` for a number of frames that no film has."""
+    if count is not None and not LEAST <= count <= MOST:
+        raise InputError(f"--frames must be between {LEAST} and {MOST}, got {count}")
 
 
 def check_writers(paths: Sequence[Path]) -> None:
@@ -132,7 +155,7 @@ def frames(stored: StoredStudy, film: Film, step: Callable[[str], None] = lambda
     scene = page.Scene(stored, kind, [[first]], context, "", camera, settings)
     fig = canvas.figure(film.size, lambda fig: _begin(fig, film, scene, lying), dpi=film.dpi, layout=None)
     for where, body in zip(cases, bodies, strict=True):
-        step(f"{film.axis} = {float(stored[film.axis][where[film.axis]]):.4g}")
+        step(_value(stored, film.axis, where[film.axis], 4))
         view = replace(first, bodies=[body] if body else [])
         picture = composition.compose(replace(scene, rows=[[view]])).pixels if body else None
         with rc_context(fonts.RC):
@@ -158,9 +181,7 @@ def _begin(fig: Figure, film: Film, scene: page.Scene, lying: bool) -> None:
     ax = fig.add_axes((0.0, 0.0, 1.0, 1.0))
     ax.set(xlim=(0, across), ylim=(tall, 0))
     ax.axis("off")
-    name = labels.long_name(stored[film.axis])
     left, right = canvas.MARGIN, across - canvas.MARGIN
-    ax.text(right, left + 0.02, name[:1].upper() + name[1:], color=colours.SOFT, va="top", ha="right")
     ax.plot([left, right], [left + 0.34] * 2, color=colours.FAINT, linewidth=2.0, solid_capstyle="round")
     weight, paint = scene.down, composition.colour_rods(scene)[0].paint
     if weight is not None:
@@ -183,7 +204,12 @@ def _draw_case(fig: Figure, film: Film, stored: StoredStudy, i: int) -> Iterator
     """The i-th value of the axis in words and among the others, on its scale; the curve of the diagram up to it."""
     ax, array = fig.axes[0], stored[film.axis]
     left, right = canvas.MARGIN, film.size[0] - canvas.MARGIN
-    yield ax.text(left, left, labels.equation(array, float(array[i]), 3), size=fonts.LARGE, va="top", weight="bold")
+    words, name = _value(stored, film.axis, i, 3), labels.long_name(array)
+    name = f"Sample {i + 1} of {array.size}" if film.axis == SAMPLE else name[:1].upper() + name[1:]
+    yield ax.text(right, left + 0.02, name, color=colours.SOFT, va="top", ha="right")
+    room = right - left - fonts.width_of(name, fonts.NORMAL) - 0.1
+    size = next((size for size in TITLES if fonts.width_of(words, size) < room), TITLES[-1])
+    yield ax.text(left, left, words, size=size, va="top", weight="bold")
     ends = array.values[[0, i, -1]]
     first, at, last = np.log(ends) if is_logarithmic(array) else ends
     place = left + (at - first) / (last - first) * (right - left)
@@ -191,6 +217,12 @@ def _draw_case(fig: Figure, film: Film, stored: StoredStudy, i: int) -> Iterator
     yield from ax.plot(place, left + 0.34, "o", color=colours.INK, markersize=6)
     for diagram in (ax for ax in fig.axes if ax.get_label() == DIAGRAM_LABEL):
         yield from _grow(diagram, float(labels.in_label_unit(array, array.values[i])))
+
+
+def _value(stored: StoredStudy, axis: str, i: int, digits: int) -> str:
+    """The i-th value of an axis in words; of a sample those of its fields."""
+    fields = (stored.sampled if axis == SAMPLE else []) or [axis]
+    return stored.equations(dict.fromkeys(fields, i), digits)
 
 
 def _grow(ax: Axes, at: float) -> Iterator[Artist]:
@@ -240,17 +272,25 @@ def _draw_diagram(ax: Axes, stored: StoredStudy, film: Film) -> None:
     ax.set_title(name[:1].upper() + name[1:], loc="left", size=fonts.SMALL, pad=18 if has_line else 6)
 
 
-def write(paths: Sequence[Path], made: Iterator[Pixels], fps: float = FPS, each: int = 1, back: bool = False) -> None:
+def write(
+    paths: Sequence[Path],
+    made: Iterator[Pixels],
+    fps: float = FPS,
+    each: int = 1,
+    back: bool = False,
+    stay: float = HOLD,
+) -> None:
     """Write the frames as films, each complete before it takes its name. Raises `InputError` where that fails.
 
-    each: how often a frame is shown. back: the film runs back again, and has no beginning.
+    each: how often a frame is shown. back: the film runs back again, and has no beginning. stay: seconds for which the
+    first frame and the last stay.
     """
     with atomic.refusing(paths[0].parent), ExitStack() as whole:
         aside = [whole.enter_context(atomic.replacement(path)) for path in paths]
         with ExitStack() as open_ones:
             # imageio's own context leaves ffmpeg running where something fails inside
             writers = [open_ones.enter_context(closing(_writer(path, fps))) for path in aside]
-            hold = 0 if back else round(HOLD * fps)
+            hold = 0 if back else round(stay * fps)
             shown: list[Pixels] = []
             for frame in made:
                 for writer in writers:
