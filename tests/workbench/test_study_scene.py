@@ -9,6 +9,7 @@ from solver.problem.errors import InputError
 from studies.language.loader import loads
 from tests.slow import slow
 from tests.workbench import small
+from tests.workbench.command import exit_status
 from tests.workbench.pictures import draws
 from workbench.commands import scene, study_scene
 from workbench.export.stored_rod import export
@@ -129,3 +130,19 @@ def test_a_rod_that_the_most_stations_do_not_fix_is_drawn_once_and_refused() -> 
     with pytest.raises(InputError, match="too few"):
         study_scene.at_needed_stations(SimpleNamespace(sizes={"u": 2}), lambda stations: solved, draw)
     assert drawn == [True, False]
+
+
+@draws
+def test_a_number_in_the_name_draws_each_case_of_the_axis_before_one_camera(tmp_path, capsys) -> None:
+    text = small.text(small.SHORT | {"beta": 0.5, "dbeta": 0.5, "M3": 0.0}, small.axis("F3", [1.0, 2.0]))
+    (tmp_path / "two.toml").write_text(text)
+    out = tmp_path / "f_{:02d}.png"
+    asked = ["scene", tmp_path / "two.toml", "--kind", "plain", "--dpi", "50", "-o"]
+    assert exit_status(*asked, out) == 0
+    assert sorted(file.name for file in tmp_path.glob("*.png")) == ["f_00.png", "f_01.png"]
+    assert exit_status(*asked, tmp_path / "one.png", "--at", "F3=2", "--along", "F3") == 0
+    assert (tmp_path / "one.png").read_bytes() == (tmp_path / "f_01.png").read_bytes()
+    assert exit_status(*asked, out) == 2
+    assert "f_00.png" in capsys.readouterr().err
+    for wrong in (["--kind", "grid"], ["--at", "F3=1"]):
+        assert exit_status("scene", tmp_path / "two.toml", "-o", tmp_path / "g_{:d}.png", *wrong) == 2

@@ -1,6 +1,6 @@
 """The command scene: a stored dataset, or a study, drawn in three dimensions."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from studies import Study
 
     from ..scene.page import Page
+    from ..scene.scene_kinds import Kind
     from ..stored.stored_study import StoredStudy
 
 SUFFIXES = (".png", ".jpg")
@@ -79,7 +80,8 @@ def scene(
         Path | None,
         option(
             "FILE",
-            "Picture, .png or .jpg; .html, an offline page with all cases that --at leaves, in which the rod turns; "
+            "Picture, .png or .jpg; frame_{:03d}.png: a picture for each value of --along or of the axis that --at "
+            "does not name; .html, an offline page with all cases that --at leaves, in which the rod turns; "
             ".mp4, .webp or .gif, a film of the cases along the axis, or along --along; "
             "default: FILE_scene.png or FILE_scene_E=10905.png.",
             "--out",
@@ -130,7 +132,8 @@ def scene(
     case = [f"{name}={selection.write(name, value)}" for name, value in where.items()]
     named = [] if chosen.name in ("contact", "equilibria") else [chosen.name, *axes]
     default = file.with_name("_".join([file.stem, "scene", *named, *case]) + ".png")
-    path = check_file(out or default, SUFFIXES, force)
+    frames_of = _frames(rods, where, out, along, chosen, force) if out is not None and "{" in out.name else None
+    path = out if frames_of and out is not None else check_file(out or default, SUFFIXES, force)
     check_name(path, settings)
     able, advice = opengl.probe()
     if not able:
@@ -141,9 +144,17 @@ def scene(
         settings = replace(settings, span=(low or 0.0, float(rods["s"].max()) if high is None else high))
 
     def draw(rods: "StoredStudy", strict: bool) -> "Page":
+        if frames_of:
+            way, places, drawn = frames_of.axis, frames_of.files, replace(settings, strict=strict)
+            pages = (layout.render(rods, file, where | {way: at}, chosen.name, axes, way, drawn) for at, file in places)
+            return max(pages, key=lambda page: page.error)
         return layout.render(rods, path, where or None, chosen.name, axes, along, replace(settings, strict=strict))
 
-    if chosen.cells == "one":  # the case is named also where --at was not given
+    paths = [path]
+    if frames_of:
+        paths = [file for _, file in frames_of.files]
+        case, along = [f"{len(frames_of.files)} values of {frames_of.axis}"], frames_of.axis
+    elif chosen.cells == "one":  # the case is named also where --at was not given
         indices = rods.place(where).items()
         case = [f"{name}={selection.write(name, float(rods[name].values[i]))}" for name, i in indices]
     shown = [*(axes or ([] if chosen.cells == "one" else rods.axes[:1])), *([along] if along else [])]
@@ -154,10 +165,37 @@ def scene(
     solved = f", solved at {stations} stations" if study or stations != rods.sizes["u"] else ""
     said = [" at ".join([str(path), *([", ".join(case)] if case else [])]) + solved]
     if picture.error <= pixel_error * (1 + 1e-9):
-        return result_of_files([path], said)
+        return result_of_files(paths, said)
     reached = f"{picture.error:.1f} pixels, not {pixel_error:g}: {stations} stations are too few for that"
     warning = f"drawn to within {reached}, about {picture.stations} are needed"
-    return result_of_files([path], said, [warning], 1)
+    return result_of_files(paths, said, [warning], 1)
+
+
+@dataclass(frozen=True)
+class _Frames:
+    """The pictures of the solved cases along an axis: the value of each and its file."""
+
+    axis: str
+    files: list[tuple[float, Path]]
+
+
+def _frames(
+    rods: "StoredStudy", where: "dict[str, float]", out: Path, along: str | None, kind: "Kind", force: bool
+) -> _Frames:
+    """The pictures that a name with a number in braces asks for, along one axis. Raises `InputError` for another."""
+    from ..export.stored_rod import numbered_name
+
+    free = [rods.axis(along)] if along else [name for name in rods.axes if name not in where]
+    if kind.cells != "one" or len(free) != 1:
+        why = f"the kind {kind.name} shows several" if kind.cells != "one" else f"the axes {choices(free)} remain"
+        why = why if free else "no axis remains"
+        raise InputError(f"{out.name} has a picture for each case along one axis, and {why}: choose one with --along")
+    cases = [(case, case[free[0]]) for case in rods.places(free[0], where)]
+    files = [(float(rods[free[0]].values[i]), out.with_name(numbered_name(out.name, i)))
+             for case, i in cases if rods["solved"].isel(case)]  # fmt: skip
+    if not files:
+        raise InputError(f"no case along {free[0]} is solved: there is nothing to draw")
+    return _Frames(free[0], [(at, check_file(file, SUFFIXES, force)) for at, file in files])
 
 
 def _page(study: "Study | None", stored: "StoredStudy", where: "dict[str, float]", path: Path) -> Result:
