@@ -12,7 +12,7 @@ from solver import solve
 from tests.slow import slow_but
 from tests.workbench import runs, small
 from tests.workbench.study_kinds import QUICK, STUDIES, pipe_study
-from workbench.store import in_memory, stored_case
+from workbench.store import block, in_memory, plan, stored_case, worker_processes
 from workbench.store.study_store import Options, run_to_file
 from workbench.stored import one_case, quantity_variables
 from workbench.stored.stored_study import StoredStudy
@@ -92,6 +92,36 @@ def test_a_case_is_the_same_in_its_study_solved_again_and_alone(whole, name: str
                 solve(case, stations=study.stations, choose=rule).beta,
             ):
                 np.testing.assert_allclose(way, one["beta"], atol=1e-12)
+
+
+IN_BLOCKS = ("grid", "samples", "samples between ends", "sweep")
+
+
+@pytest.mark.parametrize("name", slow_but(IN_BLOCKS, "grid"))
+def test_a_run_of_slow_cases_keeps_every_block_and_goes_on(whole, tmp_path, monkeypatch, name: str) -> None:
+    study, path, options = STUDIES[name], tmp_path / "one.h5", Options(workers=1, chunk=10_000)
+    monkeypatch.setattr(plan, "BLOCK_ALONE", 2)
+    run_to_file(study, tmp_path / "whole.h5", options)
+    monkeypatch.setattr(block, "SECONDS", 0.0)  # as where each block takes longer
+    size, cases = plan.plan(study).block, plan.plan(study).size
+    assert size < cases, "a single block shows nothing"
+    with pytest.raises(KeyboardInterrupt, match=f"{size} of {cases} cases are kept in"):
+        run_to_file(study, path, options, progress=runs.stop_after(1))
+    assert run_to_file(study, path, options).solved == cases - size
+    assert runs.contents(path) == runs.contents(tmp_path / "whole.h5")
+
+
+def test_what_a_worker_leaves_of_a_chunk_is_given_out_again(monkeypatch) -> None:
+    monkeypatch.setattr(block, "SECONDS", 0.0)
+    work = plan.plan(STUDIES["grid"])  # 39 cases in blocks of 16
+    given: list[block.Chunk] = []
+
+    def take() -> tuple[block.Chunk, tuple[int, bytes]]:
+        chunk = given.pop(0)
+        return chunk, block.solve_chunk(work.light, chunk, work.block)
+
+    parts = worker_processes.hand_out(work, [work.chunk(0, 39)], lambda: 2 - len(given), given.append, take)
+    assert [(part.start, part.stop) for part, _ in parts] == [(0, 16), (16, 32), (32, 39)]
 
 
 FINER = {"sweep": pipe_study(small.axis("FZ", (-60.0, -40.0, 21))), "followed": STUDIES["followed in blocks"]}

@@ -18,7 +18,7 @@ if TYPE_CHECKING:  # --help does not import rich
 
 HELD = "\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}"
 EVERY = 5.0  # seconds between two lines of progress
-LINE_EVERY = 30.0  # seconds between two lines of a run where stderr is no terminal
+LINE_EVERY = 5.0  # seconds between two lines of a run where stderr is no terminal
 WHOLE: dict[str, Any] = {"break_long_words": False, "break_on_hyphens": False}
 
 
@@ -113,7 +113,7 @@ def progress(total: int, lines: bool = False) -> Iterator[Any]:
 
 @contextmanager
 def progress_bar(total: int, done: int, as_json: bool = False) -> "Iterator[Meter]":
-    """A meter, shown while the body runs; where stderr is no terminal, or as JSON, by a line every 30 s."""
+    """A meter, shown while the body runs; where stderr is no terminal, or as JSON, by a line every 5 s."""
     from ..store.study_store import Meter
 
     if as_json or not err().is_terminal:

@@ -37,7 +37,7 @@ def run(
         str | None, option("ADDRESS", "Solve on the Dask cluster at tcp://host:port instead of this machine.")
     ] = None,
     chunk: Annotated[
-        int | None, option("CASES", "Cases in one task of a worker; default: a few seconds of work.", min=1)
+        int | None, option("CASES", "Cases in one task of a worker, at most; default: chosen automatically.", min=1)
     ] = None,
     restart: Annotated[
         bool, flag("Discard the results of an earlier run and solve every case again.", "--restart")

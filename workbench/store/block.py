@@ -2,13 +2,15 @@
 
 Cases are numbered along the axes, the last fastest, and solved in blocks whose size depends on the study alone: matrix
 products round a case's last bits differently among other neighbours, so a case always has the same ones. A chunk is a
-number of whole blocks; whichever process solves it, the bits are the same.
+number of whole blocks; whichever process solves it, the bits are the same. It is solved in parts of some seconds' work,
+each of whole blocks, and each part is stored when it is there.
 """
 
 import ctypes
 import sys
+import time
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -26,6 +28,8 @@ from ..words import cautions, pipe_state
 from ..words.outcomes import NO_BRANCH
 from . import bounds
 from .shards import encode, join
+
+SECONDS = 3.0  # of work, after which a worker gives what it has: what an interruption costs
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,10 +57,28 @@ class Chunk:
             values = {name: numbers[a:b] for name, numbers in self.values.items()}
             yield Chunk(self.start + a, self.start + b, values, deaths, self.in_order)
 
+    def cut(self, cases: int) -> "tuple[Chunk, Chunk]":
+        """The first so many cases of the chunk, and the others."""
+        first, others = (
+            {name: row[at] for name, row in self.values.items()} for at in (slice(cases), slice(cases, None))
+        )
+        at = self.start + cases
+        return replace(self, stop=at, values=first), replace(self, start=at, values=others)
 
-def solve_chunk(study: Study, chunk: Chunk, block: int) -> bytes:
-    """The chunk's results as packed by `shards.encode`. Raises `InputError` for an invalid study."""
-    return encode(join([block_of(study, part) for part in chunk.blocks(block)]))
+
+def solve_chunk(study: Study, chunk: Chunk, block: int) -> tuple[int, bytes]:
+    """Solve the first blocks of a chunk, for `SECONDS`: at least one, at most all.
+
+    Returns how many cases these are, and their results as packed by `shards.encode`. Raises `InputError` for an invalid
+    study.
+    """
+    parts, cases, ends = [], 0, time.monotonic() + SECONDS
+    for part in chunk.blocks(block):
+        parts.append(block_of(study, part))
+        cases += part.cases
+        if time.monotonic() >= ends:
+            break
+    return cases, encode(join(parts))
 
 
 def block_of(study: Study, part: Chunk) -> Columns:

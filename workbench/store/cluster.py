@@ -14,7 +14,7 @@ from studies import Study
 from .block import Chunk, keep_memory, solve_chunk
 from .plan import Plan
 from .recipe import check_worker, code_version
-from .worker_processes import KILLED, Results, hand_out
+from .worker_processes import KILLED, Answer, Results, hand_out
 
 MISSING = "--scheduler needs the packages dask and distributed: pip install 'rod-workbench[cluster]'"
 PATIENCE = 20.0  # seconds to wait for a scheduler, and for its first worker
@@ -50,17 +50,17 @@ def solve(work: Plan, missing: Iterable[tuple[int, int]], address: str, chunk_si
         under_way[future.key] = chunk
         done.add(future)
 
-    def take() -> tuple[Chunk, bytes | str]:
+    def take() -> tuple[Chunk, Answer]:
         future = next(done)
         chunk = under_way.pop(future.key)
         try:
-            results = future.result()  # Dask solves it again where the worker died before the results were fetched
+            answer = future.result()  # Dask solves it again where the worker died before the results were fetched
         except KilledWorker:
             return chunk, KILLED
         except (CancelledError, CommClosedError):
             raise ConnectionError("the Dask scheduler no longer answers") from None
         future.release()
-        return chunk, results
+        return chunk, answer
 
     try:
         _check_workers(client, work.light)
@@ -91,8 +91,8 @@ def _check_workers(client: Any, study: Study) -> None:
         raise InputError(f"a worker lacks what this run needs: {error}") from None
 
 
-def _solve(study: Study, chunk: Chunk, block: int, code: str) -> bytes:
-    """Solve a chunk in a worker, which may have joined later than the others."""
+def _solve(study: Study, chunk: Chunk, block: int, code: str) -> tuple[int, bytes]:
+    """Solve a chunk or its first part (`solve_chunk`) in a worker, which may have joined later than the others."""
     check_worker(study, code)
     keep_memory()
     try:

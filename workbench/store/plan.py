@@ -26,10 +26,11 @@ from . import shards
 from .block import Chunk
 from .recipe import Places, StoredRun, differences, extend, look, recipe_of, versions_of_code
 
-# Cases in a block: enough for NumPy, few enough for the cache; fewer where each case is solved by itself.
-BLOCK, BLOCK_ALONE = 512, 32
+# Cases in a block: enough for NumPy, few enough for the cache; fewer where each case is solved by itself, as an
+# interruption costs the block under way.
+BLOCK, BLOCK_ALONE = 512, 8
 BLOCK_VALUES = 2**18  # stations of all cases of a block, at most: some MB for each array
-MOST_BLOCKS, MOST_BYTES = 8, 32 * 2**20  # of a chunk: what the death of a worker costs, and what a process holds
+MOST_BLOCKS, MOST_BYTES = 8, 32 * 2**20  # of a chunk, at most: what a process holds
 TEXT_BYTES = 200  # of outcome and caution in the file: references, and texts with a remark
 SPARE = 4 * 2**20  # bytes for coordinates, attributes, half-filled packets and the lists of an HDF5 file
 
@@ -148,7 +149,7 @@ class Plan:
                 yield self.chunk(a, min(a + most, stop))
 
     def chunk_size(self, workers: int = 1, given: int | None = None) -> int:
-        """Cases in a chunk, whole blocks: as asked, else a few seconds' work and enough chunks for all workers."""
+        """Cases in a chunk, whole blocks: as asked, else few enough that there are chunks for all workers."""
         if given is not None:
             return self.block * max(1, round(given / self.block))
         fair = -(-self.todo // self.block) // (4 * workers)

@@ -3,7 +3,7 @@
 import json
 import os
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,7 +14,7 @@ from studies import Study
 
 from ..stored.law_verdicts import Tally, count, statistics, tally_of
 from . import atomic, bounds, cluster, shards, worker_processes
-from .block import solve_chunk, unsolved
+from .block import Chunk, solve_chunk, unsolved
 from .plan import Plan, compare, plan, room, rounds
 from .shards import Damaged, Shards, decode, encode
 from .worker_processes import Results
@@ -84,7 +84,7 @@ class Options:
     scheduler : str, optional
         The address of a Dask cluster, instead.
     chunk : int, optional
-        Cases in a chunk; default: a few seconds' work.
+        Cases in a chunk, at most; each is stored in parts of a few seconds' work.
     restart : bool
         Discard what an earlier run has kept, and solve a complete study again.
     """
@@ -271,12 +271,13 @@ def _keep(work: Plan, folder: Path) -> str:
     return f"interrupted; {kept if done else 'no case was finished yet'}"
 
 
-WORTH, WORTH_TOGETHER = 4, 10  # blocks that justify starting a worker
+# Cases solved by themselves, and blocks of others, that justify starting a worker.
+WORTH, WORTH_TOGETHER = 128, 10
 
 
 def _results(work: Plan, missing: list[tuple[int, int]], options: Options) -> Results:
-    """Each chunk of the missing cases with its packed results, in any order; or with the outcome of its cases, where
-    two workers died at it."""
+    """The missing cases in chunks or parts of them with their packed results, in any order; or with the outcome of
+    their cases, where two workers died at them."""
     if not missing:
         return iter(())
     if options.scheduler is not None:
@@ -284,16 +285,25 @@ def _results(work: Plan, missing: list[tuple[int, int]], options: Options) -> Re
     count = _count_workers(work, sum(stop - start for start, stop in missing), options.workers)
     chunks = work.chunks(missing, work.chunk_size(count, options.chunk))
     if count == 1:
-        return ((chunk, solve_chunk(work.light, chunk, work.block)) for chunk in chunks)
+        return _alone(work, chunks)
     return worker_processes.pool(work, chunks, count)
+
+
+def _alone(work: Plan, chunks: Iterable[Chunk]) -> Results:
+    """The results of the chunks, solved in this process."""
+    for rest in chunks:
+        while rest.cases:
+            cases, content = solve_chunk(work.light, rest, work.block)
+            solved, rest = rest.cut(cases)
+            yield solved, content
 
 
 def _count_workers(work: Plan, cases: int, given: int | None) -> int:
     """How many workers of this machine are worth starting for so many cases, unless as many are asked for."""
     if given is not None:
         return given
-    blocks = WORTH_TOGETHER if work.batched else WORTH
-    return max(1, min(cores(), cases // (blocks * work.block)))
+    worth = WORTH_TOGETHER * work.block if work.batched else max(WORTH, work.block)
+    return max(1, min(cores(), cases // worth))
 
 
 def cores() -> int:

@@ -31,7 +31,8 @@ ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "NUM
 FORKED = sys.platform == "linux"  # elsewhere a fork of a process that has loaded NumPy is unsafe or impossible
 PRELOAD = f"{__package__}.preload"  # the module that the server process imports
 
-Results = Iterator[tuple[Chunk, bytes | str]]  # each chunk with its packed results, or the outcome of its cases
+Answer = tuple[int, bytes] | str  # how many cases of a chunk are solved and their results; or the outcome of all
+Results = Iterator[tuple[Chunk, bytes | str]]  # cases with their packed results, or the outcome of them
 
 DEATHS = 2  # of workers at one block, after which it is given up
 KILLED = "failed: the process that solved it ended twice without an answer"
@@ -100,17 +101,22 @@ class Worker:
 
 def hand_out(
     work: Plan, chunks: Iterable[Chunk], room: Callable[[], int], give: Callable[[Chunk], None],
-    take: Callable[[], tuple[Chunk, bytes | str]],
+    take: Callable[[], tuple[Chunk, Answer]],
 ) -> Results:  # fmt: skip
     """Give chunks to workers as far as there is room, and yield the results.
 
-    A chunk at which a worker died is solved again at the end, one block at a time; a block at which a second one dies
-    is given up. take: waits for a chunk, and returns it with its results, or says why it has none.
+    What a worker leaves of a chunk (`solve_chunk`) is given to the next that has room. A chunk at which a worker died
+    is solved again at the end, one block at a time; a block at which a second one dies is given up. take: waits for a
+    chunk, and returns it with its answer.
     """
-    waiting, suspects, under_way = iter(chunks), deque[Chunk](), 0
+    waiting, rests, suspects, under_way = iter(chunks), deque[Chunk](), deque[Chunk](), 0
     done: tuple[Chunk, bytes | str] | None = None
+
+    def following() -> Chunk | None:
+        return rests.popleft() if rests else next(waiting, None)
+
     while True:
-        for chunk in itertools.islice(waiting, max(0, room())):
+        for chunk in itertools.islice(iter(following, None), max(0, room())):
             give(chunk)
             under_way += 1
         if suspects and not under_way:
@@ -120,11 +126,19 @@ def hand_out(
             yield done  # after others were given, as storing takes time
         if not under_way:
             return
-        chunk, results = done = take()
+        chunk, answer = take()
         under_way -= 1
-        if isinstance(results, str) and chunk.deaths + 1 < DEATHS:
+        if not isinstance(answer, str):
+            cases, content = answer
+            solved, rest = chunk.cut(cases)
+            done = solved, content
+            if rest.cases:
+                rests.append(rest)
+        elif chunk.deaths + 1 < DEATHS:
             suspects.extend(chunk.blocks(work.block, chunk.deaths + 1))
             done = None
+        else:
+            done = chunk, answer
 
 
 def pool(work: Plan, chunks: Iterable[Chunk], workers: int) -> Results:
@@ -157,7 +171,7 @@ def pool(work: Plan, chunks: Iterable[Chunk], workers: int) -> Results:
             return give(chunk)
         busy[worker.pipe] = worker, chunk
 
-    def take() -> tuple[Chunk, bytes | str]:
+    def take() -> tuple[Chunk, Answer]:
         worker, chunk = busy.pop(wait(list(busy))[0])
         try:
             return chunk, worker.answer()
