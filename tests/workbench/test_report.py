@@ -475,3 +475,14 @@ def test_a_turntable_comes_back_after_a_lost_drawing_context(shown) -> None:
     shown.execute_script("lose.restoreContext()")
     comes_to(shown, f"return {told} === ''")
     np.testing.assert_allclose(seen_in(shown), before, atol=0.02)
+
+
+def test_the_report_says_what_the_rods_would_do_or_what_to_install(results) -> None:
+    page = Page(report_document.html(results, release="it needs a package"))
+    assert "The rods were not let go: it needs a package." in page.text
+    ds = small.study_dataset(report_runs.LET_GO)
+    page = Page(report_document.html(results, release=report_runs.release(load(report_runs.LET_GO), StoredStudy(ds))))
+    assert "What these rods would do" in page.text
+    assert page.rows[report_runs.LET_GO] == 1 + ds["outcome"].size
+    for gap in ds["gap_max"].values:
+        assert f"{gap:.2f}" in page.text

@@ -57,7 +57,9 @@ def reproduce(
         step("writing the report")
         equilibria = _equilibria(load(RODS).under(reading), out, able)
         story = _draw_story(results, readings, out / STORY)
-        report_document.write(results, out, readings=readings, refusals=refusals, equilibria=equilibria, story=story)
+        release = _release(load(report_runs.LET_GO).under(reading), out)
+        report_document.write(results, out, readings=readings, refusals=refusals, equilibria=equilibria, story=story,
+                              release=release)  # fmt: skip
     _print(results, readings, out, advice)
     for refusal in refusals:
         console.say(f"Omitted: {refusal}")
@@ -103,6 +105,20 @@ def _equilibria(study: "Study", out: Path, able: bool) -> "tuple[StoredStudy, di
 
     pair = report_runs.pair(stored).with_title("")
     return stored, layout.draw(pair, out / f"{report_runs.EQUILIBRIA}_scene.png")
+
+
+def _release(study: "Study", out: Path) -> dict[str, Any] | str:
+    """Store the rods of a study that are let go; what the report says of them, or why there are none."""
+    from ..store import reading, study_store
+    from ..stored.stored_study import StoredStudy
+    from ..web.report import report_runs
+
+    file = out / f"{study.name}.h5"
+    try:
+        study_store.run_to_file(study, file)
+    except InputError as error:
+        return str(error)
+    return report_runs.release(study, StoredStudy(reading.read(file)))
 
 
 def _draw(result: "StudyResult", out: Path, able: bool) -> dict[str, Path]:

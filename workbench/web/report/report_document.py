@@ -57,14 +57,15 @@ def write(
     refusals: Sequence[str] = (),
     equilibria: tuple[StoredStudy, Mapping[str, Path]] | None = None,
     story: Path | None = None,
+    release: Mapping[str, Any] | str = "",
 ) -> Path:
     """Write `report.html` into the folder `out` and return it.
 
     readings: the dataset of `report_runs.run_readings`. refusals: studies that could not be run under this reading, and
-    why. equilibria: the dataset of `run_equilibria` and its pictures. story: the figure of the whole story. Raises
-    `InputError` where it cannot be written.
+    why. equilibria: the dataset of `run_equilibria` and its pictures. story: the figure of the whole story.
+    release: as of `report_runs.release`, or why there is none. Raises `InputError` where it cannot be written.
     """
-    text = html(results, readings, refusals, measured_runs.comparisons(Path(out)), equilibria, story)
+    text = html(results, readings, refusals, measured_runs.comparisons(Path(out)), equilibria, story, release)
     return atomic.write_text(Path(out) / NAME, text)
 
 
@@ -75,6 +76,7 @@ def html(
     measured: Sequence[Measured] = (),
     equilibria: tuple[StoredStudy, Mapping[str, Path]] | None = None,
     story: Path | None = None,
+    release: Mapping[str, Any] | str = "",
 ) -> str:
     """The report as text, with every picture, a turntable for each panel and the compiled core inside it."""
     if not results:
@@ -112,6 +114,7 @@ def html(
         story=[] if story is None else [_picture(story, STORY, DRAWING) | _column(story)],
         left_out=cautions.LEFT_OUT,
         equilibria=_equilibria(*equilibria) if equilibria else None,
+        release=release,
     )  # fmt: skip
 
 

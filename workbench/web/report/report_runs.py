@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from solver import equilibria, solve
+from solver import equilibria, observe, solve
 from solver.problem.errors import InputError
 from studies import READINGS, Study, load, names
 from studies.laws.line_verdicts import worst
@@ -18,9 +18,9 @@ from ...branches.ends_study import ends_problem
 from ...store import in_memory
 from ...stored import provenance
 from ...stored.stored_study import StoredStudy
-from ...words import labels, outcomes
+from ...words import free_rods, labels, outcomes
 
-NAMES = READINGS_TABLE, EQUILIBRIA = "readings", "equilibria"
+NAMES = READINGS_TABLE, EQUILIBRIA, LET_GO = "readings", "equilibria", "let_go"
 OWN, STABLE = "rank_of_study", "rank_of_stable"  # attributes: places by energy, from 1; 0: there is none
 
 
@@ -154,3 +154,30 @@ def rows(stored: StoredStudy, pictures: Sequence[Mapping[str, Any]]) -> dict[str
         "ends": labels.typeset(str(stored.attrs["stability"])),
         "pictures": pictures,
     }
+
+
+def release(study: Study, stored: StoredStudy) -> dict[str, Any]:
+    """Return what the report says of the rods of a study along one axis that are let go.
+
+    Its `head` is that of a table, and `rows` has the texts of each rod: its value, how far it is off the wall, the
+    share of its length on it, and its elastic energy before and after; a dash where it was not solved.
+    """
+    (axis,) = stored.axes
+    held = observe(solve(study.case(), stations=2), free_rods.ELASTIC)
+    before, after = (np.sum([known[name] for name in free_rods.ELASTIC], axis=0) for known in (held, stored))
+    unit = labels.unit(f"{stored.units['force']} {stored.units['length']}")
+    length = labels.unit(stored.units["length"])
+    columns = zip(
+        stored[axis].values, stored["gap_max"].values, stored["contact_share"].values, before, after, strict=True
+    )
+    return {
+        "head": [labels.axis_label(axis, stored[axis]), f"Off the wall, at most [{length}]", "On the wall",
+                 f"Elastic energy held on [{unit}]", f"Let go [{unit}]"],
+        "rows": [[labels.number(value), *(text if np.isfinite(number) else "–" for number, text in
+                                    ((gap, f"{gap:.2f}"), (share, f"{share:.0%}"), (held_on, f"{held_on:.0f}"),
+                                     (free, f"{free:.1f}")))]
+                 for value, gap, share, held_on, free in columns],
+        "count": int(stored["outcome"].size),
+        "on": int(np.sum(stored["contact_share"].values > 0)),
+        "file": f"{LET_GO}.h5",
+    }  # fmt: skip
