@@ -183,7 +183,7 @@ def _frames(
     rods: "StoredStudy", where: "dict[str, float]", out: Path, along: str | None, kind: "Kind", force: bool
 ) -> _Frames:
     """The pictures that a name with a number in braces asks for, along one axis. Raises `InputError` for another."""
-    from ..export.stored_rod import numbered_name
+    from ..export.stored_rod import name_of_file
 
     free = [rods.axis(along)] if along else [name for name in rods.axes if name not in where]
     if kind.cells != "one" or len(free) != 1:
@@ -191,7 +191,7 @@ def _frames(
         why = why if free else "no axis remains"
         raise InputError(f"{out.name} has a picture for each case along one axis, and {why}: choose one with --along")
     cases = [(case, case[free[0]]) for case in rods.places(free[0], where)]
-    files = [(float(rods[free[0]].values[i]), out.with_name(numbered_name(out.name, i)))
+    files = [(float(rods[free[0]].values[i]), out.with_name(name_of_file(out.name, i)))
              for case, i in cases if rods["solved"].isel(case)]  # fmt: skip
     if not files:
         raise InputError(f"no case along {free[0]} is solved: there is nothing to draw")

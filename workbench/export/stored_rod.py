@@ -206,7 +206,7 @@ def _frames(
     """Write each solved rod along an axis to a file of its own; a rod that the format cannot hold is left out."""
     series = pvd.along(stored, path.stem, options)
     places = [rod.where[series.axis] for rod in series.rods]
-    files = [path.with_name(numbered_name(path.name, i)) for i in places]
+    files = [path.with_name(name_of_file(path.name, i)) for i in places]
     for file in files:
         writing.check_new(file, force)
     _tell_size(path, series.rods, format, tell)
@@ -228,7 +228,7 @@ def _frames(
     return Exported(path, series.at, about | unit, warnings)
 
 
-def numbered_name(name: str, i: int) -> str:
+def name_of_file(name: str, i: int) -> str:
     """The name of the i-th file. Raises `InputError` for a pattern that does not hold one whole number."""
     if not NUMBERED.fullmatch(name):
         raise InputError(f"the name {name!r} must hold one number in braces, such as frame_{{:03d}}{Path(name).suffix}")
