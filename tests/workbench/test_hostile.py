@@ -146,20 +146,32 @@ def test_a_study_that_is_altered_in_one_place_is_read_or_refused_in_a_sentence(b
     assert [json.loads(line) for line in run.stdout.splitlines()] == []
 
 
-UNITS = ("$\\mathrm{", "$x$ and $\\frac{", "\\alpha $")
+NAMES = ("$\\mathrm{", "$x$ and $\\frac{", "\\alpha $")
 
 
-@pytest.mark.parametrize("text", slow_but(UNITS, UNITS[1]))
-def test_a_dollar_in_a_units_name_is_drawn_as_it_is(whole: bytes, tmp_path: Path, text: str) -> None:
+@pytest.mark.parametrize("text", slow_but(NAMES, NAMES[1]))
+def test_a_dollar_in_a_name_is_drawn_as_it_is(whole: bytes, tmp_path: Path, text: str) -> None:
     path = tmp_path / "dollar.h5"
     path.write_bytes(whole)
     with h5py.File(path, "a") as file:
         for name in ("E", "R", "contact", "turns"):
-            file[name].attrs["units"] = file[name].attrs["long_name"] = text
+            file[name].attrs["long_name"] = text
         file.attrs["title"] = text
     out = tmp_path / "out.png"
     canvas.save(study_figure.figure(StoredStudy(reading.read(path))), out, 50)
     assert out.exists()
+
+
+@pytest.mark.parametrize(("name", "unit"), [("E", "Pa"), ("R", "m"), ("kappa_max", "1")])
+def test_a_quantity_in_another_unit_than_its_file_is_refused(opened: xr.Dataset, name: str, unit: str) -> None:
+    altered = opened.copy()
+    assert list(checks.units(altered)) == []
+    wrote = altered[name].attrs["units"]
+    altered[name] = altered[name].assign_attrs(units=unit)
+    (wrong,) = checks.units(altered)
+    assert wrong == f": {name} is in {unit!r}, but in the units of the file it is in {wrote}"
+    with pytest.raises(InputError, match=f"x.h5: {name} is in"):
+        checks.check_all(altered, "x.h5")
 
 
 COMMANDS = "\x1b[2J \x9b31m \x07 \u202e \u2028 \x00"

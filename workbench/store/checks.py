@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from solver.observe import observables
 from solver.problem.case import CONTACTS, DIRECT, ELASTIC, GIVEN, SIDES, SLIDING
 from solver.problem.errors import InputError, choices
+from solver.problem.quantities import QUANTITIES, unit_of
 from solver.problem.units import FORCES, LENGTHS
 from studies import names
 from studies.grammar.axes import FIELDS, SAMPLE
@@ -172,6 +173,19 @@ def layout(ds: xr.Dataset) -> Iterator[str]:
     for name in EACH:
         if name not in ds or list(ds[name].dims) != axes:
             yield f" has no {name} for each of its cases"
+
+
+def units(ds: xr.Dataset) -> Iterator[str]:
+    """Whether each quantity is labelled with its unit in the units of the file."""
+    system = {kind: str(ds.attrs[f"{kind}_unit"]) for kind in ("length", "force") if f"{kind}_unit" in ds.attrs}
+    own = [name for name, variable in ds.variables.items() if "expression" in variable.attrs]  # of the study
+    for name, variable in ds.variables.items() if len(system) == 2 else ():
+        row = QUANTITIES.get(CURVES.get(str(name), str(name)))
+        said = variable.attrs.get("units")
+        if row is None or row.dimension == "text" or said is None or str(name).removesuffix("_error") in own:
+            continue
+        if said != (unit := unit_of(row.name, system)):
+            yield f": {name} is in {show(said)}, but in the units of the file it is in {unit}"
 
 
 def packing(ds: xr.Dataset) -> Iterator[str]:
@@ -338,4 +352,4 @@ def _steps(along: xr.Variable) -> xr.Variable:
     return along.isel(u=slice(1, None)) - along.isel(u=slice(None, -1))
 
 
-STUDY = (kinds, study_texts, axes, texts, packing, layout, fields, cases)
+STUDY = (kinds, study_texts, axes, texts, units, packing, layout, fields, cases)
