@@ -178,11 +178,11 @@ def layout(ds: xr.Dataset) -> Iterator[str]:
 def units(ds: xr.Dataset) -> Iterator[str]:
     """Whether each quantity is labelled with its unit in the units of the file."""
     system = {kind: str(ds.attrs[f"{kind}_unit"]) for kind in ("length", "force") if f"{kind}_unit" in ds.attrs}
-    own = [name for name, variable in ds.variables.items() if "expression" in variable.attrs]  # of the study
+    expressions = [name for name, variable in ds.variables.items() if "expression" in variable.attrs]
     for name, variable in ds.variables.items() if len(system) == 2 else ():
         row = QUANTITIES.get(CURVES.get(str(name), str(name)))
         said = variable.attrs.get("units")
-        if row is None or row.dimension == "text" or said is None or str(name).removesuffix("_error") in own:
+        if row is None or row.dimension == "text" or said is None or str(name).removesuffix("_error") in expressions:
             continue
         if said != (unit := unit_of(row.name, system)):
             yield f": {name} is in {show(said)}, but in the units of the file it is in {unit}"
