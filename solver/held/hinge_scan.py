@@ -5,8 +5,6 @@ number. It is marched from many angles of a whole turn, and each change of sign 
 the orbit passes next to a saddle, because there the far end moves fast.
 """
 
-from collections.abc import Callable
-
 import numpy as np
 
 from ..equilibrium.given_numbers import Given, OrbitState
@@ -15,7 +13,7 @@ from ..equilibrium.system import state_from_start
 from ..levels.boundary import boundary_of
 from ..mechanics.potential import TAU, potential, slope
 from ..numerics.arrays import Array
-from ..numerics.roots import bisect
+from ..numerics.roots import bisect, roots_between
 from ..orbit.periodic_orbit import solve_orbit
 from ..problem.reduced import EndsProblem, StartProblem
 
@@ -23,7 +21,6 @@ _ANGLES = 1440  # of a turn, evenly
 _CLOSER = np.logspace(-13, -2, 89)  # distances [rad] from the angles whose orbits reach a saddle
 _TOL = 1e-12  # of the march
 _BISECTIONS = 60
-_SECTION, _DIP_STEPS = 0.382, 25  # golden section; the steps to the least size between two angles
 _STILL = 1e-9  # |beta_tt| of a helix between two hinges, in units of load, which is found as a helix
 _LOADS = ("lam", "mu", "phi")
 
@@ -52,7 +49,7 @@ def hinged_states(given: Given) -> list[OrbitState]:
         return np.sin((beta - given.number(far, 0.0)) / 2)  # 0 at each whole turn from the given angle
 
     problem = EndsProblem(beta0=np.zeros(1), betaL=np.zeros(1), span=np.array([given.span]), **loads)
-    roots = _roots(off, _angles(problem, rate))
+    roots = roots_between(off, _angles(problem, rate), _BISECTIONS)[0]  # straight rods and helices are known
     beta, speed = ends(roots)
     states = []
     for x, b, v in zip(roots, beta, speed, strict=True):
@@ -65,22 +62,6 @@ def hinged_states(given: Given) -> list[OrbitState]:
         if np.isfinite(rates.values).all():
             states.append(state_from_start(rates, float(v0)))
     return states
-
-
-def _roots(off: Callable[[Array], Array], angles: Array) -> Array:
-    """The roots between neighbouring angles; two of them between three where the size has a minimum at 0 or beyond."""
-    value = off(angles)
-    size, same = np.abs(value), value[1:] * value[:-1] > 0
-    dips = 1 + np.flatnonzero((size[1:-1] < size[:-2]) & (size[1:-1] <= size[2:]) & same[:-1] & same[1:])
-    lo, hi, sign = angles[dips - 1], angles[dips + 1], np.sign(value[dips])
-    for _ in range(_DIP_STEPS if dips.size else 0):
-        left, right = lo + _SECTION * (hi - lo), hi - _SECTION * (hi - lo)
-        falls = sign * (off(right) - off(left)) < 0
-        lo, hi = np.where(falls, left, lo), np.where(falls, hi, right)
-    every = np.unique(np.concatenate([angles, (lo + hi) / 2]))
-    value = off(every)
-    change = np.flatnonzero(value[1:] * value[:-1] < 0)
-    return bisect(off, every[change], every[change + 1], _BISECTIONS)
 
 
 def _angles(problem: EndsProblem, rate: float) -> Array:

@@ -278,3 +278,25 @@ def _peaks(values: Array, most: int = 64) -> tuple[Integers, Integers]:
     highest = np.argsort(-reach, axis=1, kind="stable")[:, :most]
     rows, order = np.nonzero(np.take_along_axis(reach, highest, axis=1) >= values.max(axis=1, keepdims=True))
     return rows, highest[rows, order]
+
+
+SECTION, DIP_STEPS = 0.382, 40  # golden section; the steps to the least size between two places
+
+
+def roots_between(f: Callable[[Array], Array], x: Array, steps: int) -> tuple[Array, Array]:
+    """The roots of f between neighbours of rising places x (n,), by so many bisections, and the places where it is 0.
+
+    Between three places where the size of f has a minimum two roots may lie: it is looked for by golden section.
+    """
+    value = f(x)
+    size, same = np.abs(value), value[1:] * value[:-1] > 0
+    dips = 1 + np.flatnonzero((size[1:-1] < size[:-2]) & (size[1:-1] <= size[2:]) & same[:-1] & same[1:])
+    lo, hi, sign = x[dips - 1], x[dips + 1], np.sign(value[dips])
+    for _ in range(DIP_STEPS if dips.size else 0):
+        left, right = lo + SECTION * (hi - lo), hi - SECTION * (hi - lo)
+        falls = sign * (f(right) - f(left)) < 0
+        lo, hi = np.where(falls, left, lo), np.where(falls, hi, right)
+    every = np.unique(np.concatenate([x, (lo + hi) / 2]))
+    value = f(every)
+    change = np.flatnonzero(value[1:] * value[:-1] < 0)
+    return bisect(f, every[change], every[change + 1], steps), every[value == 0]

@@ -12,13 +12,12 @@ import numpy as np
 from ..core.varying_loads import march
 from ..mechanics.potential import TAU, Loads, load_size
 from ..numerics.arrays import Array
-from ..numerics.roots import bisect
+from ..numerics.roots import roots_between
 from .loaded_rod import ALPHA, BETA, MU, PHI, SPEED, LoadedRod, Q
 
 FIRST, MOST = 1001, 200_000  # starts of the scan
 STEP, BENT, LEAST, NEAR = 0.5, 0.05, 1e-3, 0.1  # of the far end, between starts: see `_rough`
 BISECTIONS = 60
-SECTION, DIP_STEPS = 0.382, 40  # golden section; the steps to the least size between two starts
 
 
 def has_one_unknown(rod: LoadedRod) -> bool:
@@ -68,8 +67,8 @@ def every_start(rod: LoadedRod) -> tuple[Array, bool]:
     def size(value: Array) -> Array:
         return 2 * np.sin(value / 2) if turning else value
 
-    x, value, resolved = _resolve(off, size, *start_range(rod))
-    roots = _roots(lambda first: size(off(first)), x, size(value))
+    x, resolved = _resolve(off, size, *start_range(rod))
+    roots = np.concatenate(roots_between(lambda first: size(off(first)), x, BISECTIONS))
     if "beta0" not in rod.held:
         roots = roots[roots < np.pi * (1 - 1e-12)]
     if turning:
@@ -79,8 +78,8 @@ def every_start(rod: LoadedRod) -> tuple[Array, bool]:
 
 def _resolve(
     read: Callable[[Array], Array], size: Callable[[Array], Array], low: float, high: float
-) -> tuple[Array, Array, bool]:
-    """Places from low to high, the numbers there, and whether no interval is left too wide.
+) -> tuple[Array, bool]:
+    """Places from low to high, and whether no interval is left too wide.
 
     size: how far from a root a number is, with a sign.
     """
@@ -90,7 +89,7 @@ def _resolve(
         rough = _rough(x, value, np.abs(size(value)))
         fine = np.diff(x) > 8 * np.finfo(float).eps * np.maximum(np.abs(x[1:]), np.abs(x[:-1]))
         if not rough.any() or x.size + rough.sum() > MOST or not fine[rough].all():
-            return x, value, not rough.any()
+            return x, not rough.any()
         middle = (x[:-1] + np.diff(x) / 2)[rough]
         x, place = np.concatenate([x, middle]), np.concatenate([value, read(middle)])
         order = np.argsort(x)
@@ -111,18 +110,3 @@ def _rough(x: Array, value: Array, size: Array) -> Array:
     rough[:-1] |= bent
     rough[1:] |= bent
     return np.asarray(rough)
-
-
-def _roots(read: Callable[[Array], Array], x: Array, value: Array) -> Array:
-    """The roots between neighbouring places; two of them between three where the size has a minimum at 0 or beyond."""
-    size, same = np.abs(value), value[1:] * value[:-1] > 0
-    dips = 1 + np.flatnonzero((size[1:-1] < size[:-2]) & (size[1:-1] <= size[2:]) & same[:-1] & same[1:])
-    lo, hi, sign = x[dips - 1], x[dips + 1], np.sign(value[dips])
-    for _ in range(DIP_STEPS if dips.size else 0):
-        left, right = lo + SECTION * (hi - lo), hi - SECTION * (hi - lo)
-        falls = sign * (read(right) - read(left)) < 0
-        lo, hi = np.where(falls, left, lo), np.where(falls, hi, right)
-    every = np.unique(np.concatenate([x, (lo + hi) / 2]))
-    value = read(every)
-    change = np.flatnonzero(value[1:] * value[:-1] < 0)
-    return np.append(bisect(read, every[change], every[change + 1], BISECTIONS), every[value == 0])
