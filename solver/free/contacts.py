@@ -38,8 +38,11 @@ class Contact(NamedTuple):
 
 
 class Edge(NamedTuple):
-    """Of the far side of a contact. place: in edges of the rod. force: at that point. push: per length, next to it.
-    inner: the last node of which the whole force is of this push."""
+    """An edge of a contact, on its far side.
+
+    place: in edges of the rod. force: at that point. push: per length, next to it. inner: the last node of which the
+    whole force is of this push.
+    """
 
     place: float
     force: float

@@ -101,7 +101,7 @@ class Way(NamedTuple):
 
     @property
     def energy(self) -> float:
-        """Of the shape, infinite where the way has no end."""
+        """The energy of the shape; infinite where the way has no end."""
         return np.inf if self.shape is None or self.share < 1 else self.shape.rod.energy(self.shape.y)
 
 

@@ -35,7 +35,7 @@ class Along(NamedTuple):
 
     @classmethod
     def unknown(cls, n: int) -> "Along":
-        """That of a rod without a shape."""
+        """The arrays of a rod without a shape: NaN everywhere."""
         line, vectors = np.full(n, np.nan), np.full((n, 3), np.nan)
         return cls(vectors, line, np.full((4, n), np.nan), line, vectors, vectors, vectors, vectors, line)
 

@@ -198,7 +198,7 @@ def exact_state(program: Program, z: Array, multipliers: Array, steps: int) -> S
 
 
 def solution_of(newton: Newton, z: Array, multipliers: Array, steps: int) -> State | None:
-    """The same by certain equations.
+    """The equilibrium of a program, by Newton's method on certain equations; None where it does not converge.
 
     At each node push a and gap b obey a + b - (a^2 + b^2)^(1/2) = 0 (Fischer and Burmeister), whose derivatives tell by
     themselves which of the two is 0. Points then move to where they belong between nodes.
@@ -226,7 +226,7 @@ def solution_of(newton: Newton, z: Array, multipliers: Array, steps: int) -> Sta
 
 
 def state_of_points(newton: Newton, state: State) -> State:
-    """The same, with the points at which the rod touches the wall where they belong; as it is where that fails."""
+    """A state whose points of contact stand where they belong between nodes; the state itself where that fails."""
     program, (z, multipliers, active, _, steps) = newton.program, state
     touching = np.flatnonzero(active[newton.wall]) + 1
     runs = np.split(touching, np.flatnonzero(np.diff(touching) > 1) + 1) if touching.size else []

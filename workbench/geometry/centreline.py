@@ -170,7 +170,7 @@ class Centreline:
         return float(np.sqrt(np.maximum(np.diff(self.s) ** 2 - chord**2, 0)).max() / 2)
 
     def cut(self, parts: int) -> Self:
-        """The same curve through so many times as many stations."""
+        """This curve through so many times as many stations."""
         s = cut(self.s, parts)
         alpha, beta, z = self.at(s)
         dbeta = self._angle(s, 1) if self.smooth else self._even(self.dbeta, s)

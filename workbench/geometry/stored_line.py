@@ -110,7 +110,7 @@ class VaryingLine(Centreline):
         return (*super()._arrays, "stored_contact")
 
     def cut(self, parts: int) -> Self:
-        """The same curve through so many times as many stations."""
+        """This curve through so many times as many stations."""
         line = super().cut(parts)
         return replace(line, stored_contact=self.contact(line.s))
 
@@ -209,7 +209,7 @@ class FreeLine(Centreline):
         return self._even(self.stored_contact, s)
 
     def cut(self, parts: int) -> Self:
-        """The same curve through so many times as many stations."""
+        """This curve through so many times as many stations."""
         s = cut(self.s, parts)
         x, y, z = self._path(s).T
         alpha, beta, _ = self.at(s)

@@ -64,7 +64,7 @@ class StoredCases:
         return list(map(str, self.ds.data_vars))
 
     def with_title(self, title: str) -> Self:
-        """The same cases under another title."""
+        """These cases under another title."""
         return type(self)(self.ds.assign_attrs(title=title))
 
     # what it holds
@@ -200,11 +200,11 @@ class StoredCases:
         return type(self)(self.ds.sel(values))
 
     def only(self, names: Iterable[str]) -> Self:
-        """The same cases with these variables alone, so that nothing else is read."""
+        """These cases with some of their variables alone, so that nothing else is read."""
         return type(self)(self.ds[list(names)])
 
     def with_arrays(self, along: Mapping[str, Any]) -> Self:
-        """The same case with these arrays along the rod, (n,) each, in place of stored ones."""
+        """This case with other arrays along the rod, (n,) each, in place of stored ones."""
         return type(self)(self.ds.assign({name: ("u", values) for name, values in along.items()}))
 
     def plane(self, x: str, y: str, where: Mapping[str, int]) -> Self:

@@ -46,7 +46,7 @@ def release(before: "Solution", after: "Solution") -> dict[str, Any]:
 
 
 def release_sentence(energies: dict[str, float], units: dict[str, str]) -> str:
-    """The same in a sentence."""
+    """By how much the elastic energy falls, in a sentence. energies: of `release`."""
     unit = f"{units['force']} {units['length']}"
     lost = 1 - energies["after"] / energies["before"] if energies["before"] else 0.0
     return (
