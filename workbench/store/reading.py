@@ -112,7 +112,7 @@ def raw(path: str | Path) -> xr.Dataset:
 
     No number is read as a time. Raises `InputError` where it is no such file.
     """
-    return _unchecked(path)[0]
+    return _dataset_of(path)[0]
 
 
 def _open(path: str | Path, first: Callable[..., None] | None = None, asked: Sequence[checks.Check] = ()) -> xr.Dataset:
@@ -120,7 +120,7 @@ def _open(path: str | Path, first: Callable[..., None] | None = None, asked: Seq
 
     first: what raises `InputError` for another kind or format.
     """
-    ds, held = _unchecked(path)
+    ds, held = _dataset_of(path)
     try:
         with refusing(path):
             if first is not None:
@@ -133,7 +133,7 @@ def _open(path: str | Path, first: Callable[..., None] | None = None, asked: Seq
     return ds
 
 
-def _unchecked(path: str | Path) -> tuple[xr.Dataset, Contents]:
+def _dataset_of(path: str | Path) -> tuple[xr.Dataset, Contents]:
     """The dataset of a file, without its checksums, as a selection that is stored has others; what the file holds."""
     file_checks.check_file(Path(path))
     files = CachingFileManager(h5py.File, str(path), mode="r")  # keeps at most 128 files open

@@ -55,7 +55,7 @@ def html(stored: StoredStudy, at: Mapping[str, Any] | None = None) -> str:
     return pages.page(
         read("page.html.j2"), style, {"program": program()}, data({"rod": rods.data}),
         title=str(stored.attrs["title"]),
-        lead=". ".join(part for part in (stored.reading, _held(stored, at or {})) if part),
+        lead=". ".join(part for part in (stored.reading, _axis_values(stored, at or {})) if part),
         figure=figure("rod", "The rod on its cylinder", reset=bool(sliders)),
         sliders=sliders,
         left_out=rods.left_out,
@@ -91,7 +91,7 @@ def read(name: str) -> str:
     return pages.read(__package__, name)
 
 
-def _held(stored: StoredStudy, at: Mapping[str, Any]) -> str:
+def _axis_values(stored: StoredStudy, at: Mapping[str, Any]) -> str:
     """The values at which axes are fixed, as text."""
     where = stored.place(at)
     names = [stored.axis(name) for name in at]
