@@ -18,8 +18,8 @@ import numpy as np
 from scipy.integrate import solve_bvp, solve_ivp
 
 from solver import Case, fold_curves, region_map
-from solver.folds.fold_curves import FoldCurve
-from solver.mechanics.potential import Loads, slope, slope_rate
+from solver.branches.fold_curves import FoldCurve
+from solver.orbits.potential import Loads, slope, slope_rate
 from studies import load
 from workbench.branches.ends_study import ends_problem
 

@@ -22,7 +22,7 @@ from solver import solve
 from solver.observe.observables import observe
 from studies import Study
 from studies.language.loader import loads
-from workbench.store.study_store import Options, run_to_file
+from workbench.run.study_store import Options, run_to_file
 from workbench.words import cautions
 
 STUDY = """

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from workbench.store import reading, writing
+from workbench.run import reading, writing
 from workbench.web.report.measured_runs import SHIPPED
 
 KEPT = {

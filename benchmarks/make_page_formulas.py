@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 
 from solver import Cylinder, Rod, Start
-from solver.mechanics.potential import Loads, potential
 from solver.observe.measurement import Reading
 from solver.observe.observables import OBSERVABLES
+from solver.orbits.potential import Loads, potential
 from solver.problem.case import DIRECT, ELASTIC, GIVEN, PAIRS, SIDES, SLIDING, STIFFNESS, TWISTS, Case
 from solver.problem.field_values import ANGLES, RANGES
 from solver.problem.reduced import dimensionless_problem

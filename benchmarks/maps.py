@@ -21,8 +21,8 @@ from solver.observe.observables import observe
 from studies import Study
 from studies.language.loader import load, loads
 from workbench.figures import canvas, map_figure
-from workbench.store import reading
-from workbench.store.study_store import Options, run_to_file
+from workbench.run import reading
+from workbench.run.study_store import Options, run_to_file
 from workbench.stored.stored_study import StoredStudy
 
 

@@ -78,8 +78,8 @@ def wave_number(sol: Solution) -> float:
 
 def buckling() -> float:
     """The least compression at which a straight half wave of any length buckles."""
-    from solver.shooting.buckling import buckling_tension
-    from solver.shooting.loaded_rod import rods_of
+    from solver.nodes.buckling import buckling_tension
+    from solver.nodes.loaded_rod import rods_of
 
     def load(k: float) -> float:
         straight = Case(

@@ -16,8 +16,8 @@ import numpy as np
 from benchmarks.ends import REFERENCE
 from solver import Case, Cylinder, Ends, Rod, equilibria, solve
 from solver.branches.continuation import resume
-from solver.levels.boundary import critical_points, path_of
 from solver.methods.half_period import OrbitQuadrature
+from solver.orbits.boundary import critical_points, path_of
 from solver.problem.reduced import StartProblem, reduce
 from workbench.compare.trade_runs import ends_in_units_of_rho
 

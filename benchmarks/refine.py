@@ -20,8 +20,8 @@ from solver.observe.observables import observe
 from studies import Study
 from studies.language.loader import load, loads
 from studies.language.refinement import Lattice, refinement_of
-from workbench.store import in_memory
-from workbench.store.study_store import Options, run_to_file
+from workbench.run import in_memory
+from workbench.run.study_store import Options, run_to_file
 from workbench.stored import refined
 
 BLOCK = 512  # cases, as of a run

@@ -13,8 +13,8 @@ from pathlib import Path
 from time import perf_counter, process_time
 
 from studies import load
+from workbench.run import in_memory, reading, writing
 from workbench.scene import opengl
-from workbench.store import in_memory, reading, writing
 from workbench.stored.stored_study import StoredStudy
 
 KINDS = ("plain", "contact", "curvature", "twist")

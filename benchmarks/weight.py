@@ -16,7 +16,7 @@ from benchmarks.core import threads
 from benchmarks.taylor import _loosest
 from benchmarks.timing import paired, seconds_of_processor
 from solver import Case, Cylinder, Ends, Rod, Start, follow, methods, solve, trace_fold
-from solver.shooting.loaded_rod import starts_of
+from solver.nodes.loaded_rod import starts_of
 
 STATIONS, WANTED = 201, 1e-10
 PIPE: dict[str, Any] = {"EI": 1.228e6, "GJ": 9.45e5, "a": 0.0635, "weight": 242.0}  # 5 inch, in N and m

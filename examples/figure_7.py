@@ -8,7 +8,7 @@ and the forces. This script runs the five shipped studies, judges their laws and
 
 import workbench.accessor  # noqa: F401  (gives a dataset its `rod`)
 from studies import load, names
-from workbench.store import in_memory
+from workbench.run import in_memory
 
 panels = {name: in_memory.run(load(name)) for name in names() if name.startswith("fig7")}
 for name, ds in panels.items():

@@ -8,7 +8,7 @@ A study says which fields of the case vary, what is observed, and which law must
 
 import workbench.accessor  # noqa: F401  (gives a dataset its `rod`)
 from studies.language.loader import loads
-from workbench.store import in_memory
+from workbench.run import in_memory
 
 study = loads("""
 title = "A rod pushed into a pipe"

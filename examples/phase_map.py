@@ -11,7 +11,7 @@ import numpy as np
 
 from studies.language.loader import loads
 from workbench.figures import canvas, map_figure
-from workbench.store import in_memory
+from workbench.run import in_memory
 from workbench.stored.stored_study import StoredStudy
 
 study = loads("""

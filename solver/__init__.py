@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from .equilibria import Equilibrium, equilibria
     from .equilibrium_branch import Branch
+    from .fits.fit_search import fit
     from .follow import follow
-    from .inverse.fit_search import fit
     from .loops import Loop, loops
     from .observe.observables import observe
     from .problem.case import Case, Cylinder, Ends, Rod, Start, weight_in_fluid
@@ -52,7 +52,7 @@ __all__ = [
 _HOMES = {
     "Branch": "equilibrium_branch", "Case": "problem.case", "Cylinder": "problem.case", "Ends": "problem.case",
     "Equilibrium": "equilibria", "InputError": "problem.errors", "Loop": "loops", "Rod": "problem.case",
-    "Solution": "solution", "Start": "problem.case", "fit": "inverse.fit_search", "fold_curves": "region_map",
+    "Solution": "solution", "Start": "problem.case", "fit": "fits.fit_search", "fold_curves": "region_map",
     "observe": "observe.observables", "trace_fold": "traced_folds", "weight_in_fluid": "problem.case",
 }  # fmt: skip
 

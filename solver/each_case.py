@@ -12,13 +12,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from .free.free_rods import FreeRods
+from .nodes.varying_shapes import VaryingShapes
 from .numerics.arrays import Array
 from .problem.case import Case
 from .problem.case_fields import unchecked_with_fields, values_of
 from .problem.errors import attempt
 from .problem.reduced import EndsProblem, StartProblem, flat, span_of
 from .problem.trajectory import PLAIN, Seed, Trajectory, blank
-from .shooting.varying_shapes import VaryingShapes
 
 Answer = tuple[StartProblem | EndsProblem, Trajectory]
 

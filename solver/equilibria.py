@@ -8,15 +8,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .choose.held_equilibrium import held_trajectory, hinged_path
-from .choose.held_selection import Reached
-from .choose.selection import LOWEST, NEAREST, Choose, HeldSelection, Selection, select
-from .equilibrium.given_numbers import Given
+from .branches.given_numbers import Given
+from .branches.parameter_plane import read_range
 from .equilibrium_list import Equilibria, Equilibrium, HeldEquilibria, HeldSearch, equilibrium_of, in_order
-from .folds.parameter_plane import read_range
 from .held.energy_minima import is_turned_round
+from .held.held_equilibrium import held_trajectory, hinged_path
 from .held.held_search import MOST_PERIODS, TRIES, held_search
+from .held.held_selection import Reached
 from .held.held_sweep import ranges_of
+from .held.selection import LOWEST, NEAREST, Choose, HeldSelection, Selection, select
+from .nodes.answers import answer_ends
+from .nodes.loaded_rod import rods_of
 from .numerics.arrays import Array
 from .problem.case import PAIRS, Case, Ends, check_case
 from .problem.case_fields import value_of, with_field
@@ -24,8 +26,6 @@ from .problem.errors import DEFAULT_TOLERANCE, InputError, check_tolerance, choi
 from .problem.limits import OUT_OF_RANGE, beyond_limits, held_apart, reason_beyond, refusals, too_far, units_held
 from .problem.reduced import NUMBER_OF, EndsProblem, held_of, reduce, reduce_held, span_of, value_of_number
 from .problem.trajectory import Trajectory
-from .shooting.answers import answer_ends
-from .shooting.loaded_rod import rods_of
 from .solution import Solution
 
 __all__ = ["Equilibria", "Equilibrium", "equilibria", "meant", "nearest"]
@@ -118,11 +118,11 @@ def equilibria(
 
 def _under_dead_loads(case: Case, tol: float, stations: int, most_swings: int) -> Equilibria:
     """All equilibria of one case under dead loads."""
-    from .levels.boundary import repeat
-    from .levels.level_search import search_levels
-    from .levels.path_orbits import equilibrium_trajectory
     from .observe.measurement import Reading
     from .observe.observables import OBSERVABLES
+    from .orbits.boundary import repeat
+    from .orbits.level_search import search_levels
+    from .orbits.path_orbits import equilibrium_trajectory
 
     problem = reduce(case)
     assert isinstance(problem, EndsProblem)
@@ -297,10 +297,10 @@ def without_weight(case: Case) -> Case:
 
 def varying_equilibria(case: Case, tol: float, stations: int) -> Equilibria:
     """Those of a rod with weight that a search finds. Raises `InputError` for what it does not search."""
-    from .shooting.answers import why_unsolved
-    from .shooting.loaded_rod import rods_of
-    from .shooting.search import HEAVIEST, LONGEST, MOST_NODES, scan_one_unknown, search_shapes
-    from .shooting.vertical_scan import has_one_unknown
+    from .nodes.answers import why_unsolved
+    from .nodes.loaded_rod import rods_of
+    from .nodes.search import HEAVIEST, LONGEST, MOST_NODES, scan_one_unknown, search_shapes
+    from .nodes.vertical_scan import has_one_unknown
 
     (rod,) = rods_of(case)
     if rod.rubbed:
@@ -338,7 +338,7 @@ def varying_equilibria(case: Case, tol: float, stations: int) -> Equilibria:
 
 def _list_of(case: Case, result: Any, tol: float, stations: int) -> list[Equilibrium]:
     """The equilibria of the shapes that a search found, lowest energy first."""
-    from .shooting.answers import answer_ends, shape_path
+    from .nodes.answers import answer_ends, shape_path
 
     t = span_of(case)[:, None] * np.linspace(0, 1, stations)
     listed = []

@@ -22,7 +22,7 @@ from .solve import between_ends, ends_case, seed_of
 
 if TYPE_CHECKING:
     from .branches.branch_events import Bounds, Place, Stop
-    from .levels.boundary import Path
+    from .orbits.boundary import Path
 
 MOST, MOST_POINTS = 1000, 10_000_000  # points of a branch: by default, and at most
 WIDEST = 1e8  # of the size of a field: the range of a branch, of which a share of 4e-15 is taken for rounding
@@ -107,10 +107,10 @@ def _follow_shape(
     solution: Solution, case: Case, name: str, bounds: "Bounds"
 ) -> "tuple[list[Place], int, Stop, Stop] | str":
     """The branch of a rod with weight, friction or a hinge, or why it cannot be followed."""
-    from .shooting.answers import curve_over
-    from .shooting.constant_loads import shape_of_solution
-    from .shooting.curve import shapes_through
-    from .shooting.loaded_rod import rods_of
+    from .nodes.answers import curve_over
+    from .nodes.constant_loads import shape_of_solution
+    from .nodes.curve import shapes_through
+    from .nodes.loaded_rod import rods_of
 
     known = shape_of_solution(rods_of(case)[0], solution.trajectory, between_ends(solution), solution.t[0])
     curve, shape = curve_over(case, known, name, bounds.low, bounds.high)
@@ -143,7 +143,7 @@ def _check(solution: object) -> Solution:
 
 def _path(solution: Solution) -> "Path":
     """The path of a solution under its own dead loads, between its own end angles."""
-    from .choose.selection import path_of_seed
+    from .held.selection import path_of_seed
 
     path = path_of_seed(seed_of(ends_case(solution), between_ends(solution), solution))
     if path is None:
@@ -154,7 +154,7 @@ def _path(solution: Solution) -> "Path":
 def _numbers(solution: Solution) -> dict[str, float]:
     """The numbers of a solution by the names of `problem.reduced.NUMBER_OF`."""
     from .branches.family import end_numbers
-    from .shooting.constant_loads import end_numbers as end_numbers_of_shape
+    from .nodes.constant_loads import end_numbers as end_numbers_of_shape
 
     if solution.trajectory.shapes is not None:
         return end_numbers_of_shape(solution.trajectory.shapes.of(0))
@@ -188,15 +188,15 @@ def _solution_at(tol: float, u: Array, point: BranchPoint) -> Solution:
 
 def _solutions_at(points: Sequence[BranchPoint], case: Case, tol: float, u: Array) -> Solution:
     """Points of a branch as one solution of a case with as many rods, at stations u = s/L."""
-    from .shooting.varying_shapes import Shape
+    from .nodes.varying_shapes import Shape
 
     if isinstance(points[0].path, Shape):
-        from .shooting.answers import answer_ends, shape_path
+        from .nodes.answers import answer_ends, shape_path
 
         t = span_of(case)[:, None] * u
         paths = [shape_path(point.path, point.index) for point in points]
         return Solution(case, *answer_ends(case, t, tol, paths), t, "shooting", tol)
-    from .levels.path_orbits import together
+    from .orbits.path_orbits import together
 
     problems, stations, shapes = zip(*(_shape(point, u, tol) for point in points), strict=True)
     t = np.concatenate(stations)
@@ -205,7 +205,7 @@ def _solutions_at(points: Sequence[BranchPoint], case: Case, tol: float, u: Arra
 
 def _shape(point: BranchPoint, u: Array, tol: float) -> tuple[EndsProblem, Array, Trajectory]:
     """The problem of a point, and its shape at stations s/L = u."""
-    from .levels.path_orbits import equilibrium_trajectory, orbit_of
+    from .orbits.path_orbits import equilibrium_trajectory, orbit_of
 
     problem, path = point.problem, point.path
     t = problem.span[:, None] * u

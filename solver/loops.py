@@ -14,7 +14,7 @@ from .solution import SHOWN, Solution
 from .solve import solve
 
 if TYPE_CHECKING:
-    from .closed.loop_orbits import ClosedOrbit
+    from .orbits.loop_orbits import ClosedOrbit
 
 TOL = 1e-11
 MOST_TURNS = 1_000_000  # wraps and folds
@@ -139,7 +139,7 @@ def loops(rod: Rod, cylinder: Cylinder, wraps: int = 1, folds: int = 2, stations
     >>> [one.index for one in found], found[0].push_min < 0
     ([2, 3], True)
     """
-    from .closed.loop_orbits import CLOSE, orbits_of_gain
+    from .orbits.loop_orbits import CLOSE, orbits_of_gain
 
     span = _check(rod, cylinder, wraps, folds)
     shapes, remarks = [], []
@@ -177,8 +177,8 @@ def _loop(
     rod: Rod, cylinder: Cylinder, wraps: int, folds: int, orbit: "ClosedOrbit", about: int, stations: int
 ) -> Loop:
     """The loop of an orbit; about: 1, or -1 for the mirror image of the orbit."""
-    from .closed.loop_orbits import index_of, meets_itself
     from .observe.observables import observe
+    from .orbits.loop_orbits import index_of, meets_itself
 
     case = Case(rod, cylinder, _start(rod, cylinder, about * orbit.lowest, about * orbit.lam))
     sol = solve(case, tol=TOL, stations=stations)

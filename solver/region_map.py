@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from .branches.fold_curves import FoldCurves, curves_of
+from .branches.fold_search import search_curves
+from .branches.parameter_plane import parameter_plane
+from .branches.whole_curve import Pieces
 from .equilibria import MOST_LISTED, Equilibria, equilibria
-from .folds.fold_curves import FoldCurves, curves_of
-from .folds.fold_search import search_curves
-from .folds.parameter_plane import parameter_plane
-from .folds.whole_curve import Pieces
 from .numerics.arrays import Array, Booleans, Integers
 from .problem.case import Case, check_case
 from .problem.errors import LARGEST_SEED, whole_number

@@ -9,13 +9,13 @@ import numpy as np
 
 from .free.beginnings import curves_of, held_case
 from .free.free_rods import FREE_TOLERANCE, answers_beside
-from .mechanics import frames
 from .numerics.arrays import Array
 from .observe.cautions import of_cases
+from .observe.solution_derivatives import Sensitivity, sensitivity
+from .orbits import frames
+from .orbits.shape import Shape
 from .problem.errors import check_tolerance
 from .problem.shown import make, table_of
-from .sensitivity.solution_derivatives import Sensitivity, sensitivity
-from .shape import Shape
 
 SHOWN = "workbench.notebook"  # loaded by name when a solution is shown: the solver works without the workbench
 

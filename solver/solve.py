@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .choose.selection import NEAREST, Choose, check
 from .each_case import Answer, Question, answer_each
 from .free.beginnings import BILATERAL, bilateral_cases, curves_of
 from .free.free_rods import FREE_TOLERANCE, answers_beside
+from .held.selection import NEAREST, Choose, check
 from .numerics.arrays import Array
 from .problem.case import ON_WALL, Case, Ends, check_case
 from .problem.errors import DEFAULT_TOLERANCE, InputError, check_tolerance, choices, show, whole_number
@@ -163,7 +163,7 @@ def _varying(
 ) -> Question:
     """What is asked where loads vary along the rod: by Taylor series; between ends by multiple shooting."""
     from .methods import varying_method
-    from .shooting.answers import answer_ends, answer_starts
+    from .nodes.answers import answer_ends, answer_starts
 
     name = varying_method(case.kind, method, knobs)
     if check(choose) != NEAREST:
@@ -189,7 +189,7 @@ def _held(
     case: Case, tol: float, method: Any, knobs: dict[str, Any], stations: Any, seed: Any, choose: Choose
 ) -> Question:
     """What is asked of a case with held ends, whose dead loads are found."""
-    from .choose.held_equilibrium import each_held, each_hinged
+    from .held.held_equilibrium import each_held, each_hinged
     from .methods import choose_method
 
     method, names = choose_method("ends", method, knobs), choices(held_of(case))

@@ -10,32 +10,32 @@ import numpy as np
 from .branches.branch_events import Bounds, Place, Stop
 from .branches.branch_following import branch_through
 from .branches.family import Family, scale_of
+from .branches.fold_curves import FoldCurve, FoldCurves, fold_curve
+from .branches.fold_search import curve_through
+from .branches.linked_search import IsKnown, Meeting, lattice_ticks, place_on, search_linked
+from .branches.orbit_folds import GivenAt, given_on, guess_at, mark_of
+from .branches.orbit_rates import NUMBERS
+from .branches.parameter_plane import ParameterPlane, read_range, reflect
+from .branches.special_line import point_on_line
+from .branches.system import state_of
+from .branches.whole_curve import WholeCurve, point_alone
 from .equilibria import default_ranges, equilibria
-from .equilibrium.orbit_rates import NUMBERS
-from .equilibrium.system import state_of
 from .equilibrium_branch import Branch
 from .equilibrium_list import Equilibrium, ranges_in_words
-from .folds.fold_curves import FoldCurve, FoldCurves, fold_curve
-from .folds.fold_search import curve_through
-from .folds.linked_search import IsKnown, Meeting, lattice_ticks, place_on, search_linked
-from .folds.orbit_folds import GivenAt, given_on, guess_at, mark_of
-from .folds.parameter_plane import ParameterPlane, read_range, reflect
-from .folds.special_line import point_on_line
-from .folds.whole_curve import WholeCurve, point_alone
-from .levels.boundary import path_of
-from .mechanics.potential import load_size
+from .nodes.constant_loads import shape_of_solution
+from .nodes.curve import MOST_POINTS, SPLIT, Curve, shapes_through
+from .nodes.descent import index_at, on_nodes
+from .nodes.loaded_rod import VARYING, densest_nodes, rod_over
+from .nodes.newton import marks_of
+from .nodes.shape_folds import RodAt, fold_through, pitchforks_through
+from .nodes.varying_shapes import Shape
+from .nodes.weak_modes import weakest_modes
 from .numerics.arclength import FOLD
 from .numerics.arrays import Array
+from .orbits.boundary import path_of
+from .orbits.potential import load_size
 from .problem.case_fields import value_of
 from .problem.errors import InputError, check_type, choices, whole_number
-from .shooting.constant_loads import shape_of_solution
-from .shooting.curve import MOST_POINTS, SPLIT, Curve, shapes_through
-from .shooting.descent import index_at, on_nodes
-from .shooting.loaded_rod import VARYING, densest_nodes, rod_over
-from .shooting.newton import marks_of
-from .shooting.shape_folds import RodAt, fold_through, pitchforks_through
-from .shooting.varying_shapes import Shape
-from .shooting.weak_modes import weakest_modes
 from .solve import between_ends
 
 MOST = 1000  # points of a branch of orbits in each sense

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver import Case, Cylinder, Rod, Start
-from solver.levels.boundary import critical_points
-from solver.mechanics.potential import potential
+from solver.orbits.boundary import critical_points
+from solver.orbits.potential import potential
 from solver.problem.reduced import Reduced
 from tests.cases import start_of
 

@@ -22,7 +22,7 @@ from studies.laws.line_verdicts import DIRECTIONS, FAILS, HOLDS, Direction, Line
 from tests.workbench import small
 from workbench.compare.trade_runs import ladders_of
 from workbench.figures import study_figure, work_precision
-from workbench.store import in_memory
+from workbench.run import in_memory
 from workbench.stored import law_verdicts
 from workbench.stored.stored_study import StoredStudy
 

@@ -32,15 +32,13 @@ FLOORS = {"solver": SOLVER, "studies": STUDIES, "workbench": WORKBENCH}
 # The parts of a package in order: each imports only from those before it, and from itself.
 LISTS = {
     "solver": [
-        "numerics", "problem", "mechanics", "core", "orbit", "closed", "levels", "equilibrium", "branches",
-        "folds", "shooting", "held", "choose", "methods", "shape",
-        "free", "observe", "sensitivity", "solution", "each_case", "solve", "equilibrium_list",
-        "equilibria", "equilibrium_branch", "follow", "switch", "traced_folds", "end_angle_branch", "region_map",
-        "loops", "inverse", "benchmark",
+        "numerics", "problem", "core", "orbits", "branches", "nodes", "held", "free", "methods", "observe",
+        "solution", "each_case", "solve", "equilibrium_list", "equilibria", "equilibrium_branch", "follow", "switch",
+        "traced_folds", "end_angle_branch", "region_map", "loops", "fits", "benchmark",
     ],
     "studies": ["grammar", "laws", "language"],
     "workbench": [
-        "words", "stored", "store", "geometry", "branches", "influence", "fitting", "figures", "scene", "export",
+        "words", "stored", "run", "geometry", "branches", "influence", "fitting", "figures", "scene", "export",
         "compare", "web", "notebook", "commands", "accessor", "cli", "plugin",
     ],
 }  # fmt: skip

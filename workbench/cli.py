@@ -37,7 +37,7 @@ from .commands import (
     loops,
     plot,
     reproduce,
-    run,
+    run_study,
     scene,
     sensitivity,
     solve,
@@ -82,10 +82,10 @@ GROUPS: dict[str, dict[str, tuple[Any, ...]]] = {
     },
     "Studies": {
         "list": (summary.list_studies, "list"),
-        "run": (run.run, "run fig7_1_modulus", "run study.toml --out study.h5 --tol 1e-10"),
-        "check": (run.check, "check fig7_1_modulus.h5"),
+        "run": (run_study.run, "run fig7_1_modulus", "run study.toml --out study.h5 --tol 1e-10"),
+        "check": (run_study.check, "check fig7_1_modulus.h5"),
         "summary": (summary.summary, "summary fig7_1_modulus.h5"),
-        "merge": (run.merge, "merge first.h5 second.h5 --out both.h5"),
+        "merge": (run_study.merge, "merge first.h5 second.h5 --out both.h5"),
         "sensitivity": (
             sensitivity.sensitivity,
             "sensitivity fig7_1_modulus --at E=5000 --show height,wraps --plot tornado.pdf",

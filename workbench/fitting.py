@@ -11,14 +11,14 @@ import numpy as np
 import xarray as xr
 
 from solver import solve
-from solver.inverse.data import COLUMNS, DISTANCE
-from solver.inverse.fit_result import Fit
+from solver.fits.data import COLUMNS, DISTANCE
+from solver.fits.fit_result import Fit
 from solver.problem.errors import InputError
 from studies.language import case_tables
 from studies.language.case_input import CaseInput, field_values
 
 from .branches.ends_study import study_text, text_of_solution
-from .store import atomic
+from .run import atomic
 from .stored import quantity_variables
 from .words import escaping, labels
 

@@ -26,7 +26,7 @@ from solver.problem.units import FORCES, LENGTHS
 
 from .branches.equilibria_dataset import all_units, of_solution
 from .branches.equilibria_dataset import dataset_of_loops as dataset_of_loops  # `Loops.to_dataset` looks it up here
-from .store import atomic
+from .run import atomic
 from .stored import provenance, quantity_variables
 from .stored.stored_study import StoredStudy
 from .words import cautions, labels
@@ -136,7 +136,7 @@ class StudyRun:
     def __init__(self, study: "Study") -> None:
         from studies.laws import law_words
 
-        from .store import in_memory
+        from .run import in_memory
 
         self.ds = in_memory.run(study)
         self._stored = StoredStudy(self.ds)

@@ -7,7 +7,7 @@ import xarray as xr
 from solver.observe.observables import OBSERVABLES
 from studies.language.loader import loads
 from studies.language.study import OUTPUTS
-from workbench.store import in_memory
+from workbench.run import in_memory
 
 HEAD = """
 title = "{title}"

@@ -1,1 +1,1 @@
-"""Branches of equilibria: continuation, steps along a curve, folds and pitchforks on it, deflation, helices."""
+"""From one equilibrium to others: a path as a root, continuation, deflation, helices, curves of special points."""

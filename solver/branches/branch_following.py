@@ -24,24 +24,24 @@ from ..core.tuning import (
     STEEP,
     STEPS_KEPT,
 )
-from ..equilibrium.given_numbers import FREE
-from ..equilibrium.held_index import index_of
-from ..equilibrium.orbit_rates import orbit_rates
-from ..equilibrium.system import AT_REST, LEFT, state_of
-from ..levels.boundary import Path, boundary_of, height_scale
-from ..levels.path_orbits import orbit_of
-from ..mechanics.potential import slope
 from ..numerics import arclength
 from ..numerics.arclength import BRANCH_POINT, CLOSED, END, FOLD, PITCHFORK
 from ..numerics.arrays import Array
 from ..numerics.roots import locate
+from ..orbits.boundary import Path, boundary_of, height_scale
+from ..orbits.path_orbits import orbit_of
+from ..orbits.potential import slope
 from ..problem.reduced import EndsProblem
 from .branch_events import Bounds, Place, Stop, arrive, both_ways, events_between
 from .branch_states import AT_END, IS_CLOSED, BranchState, begin_at, in_other_charts, rechart, steps_in_core
 from .family import Family
+from .given_numbers import FREE
+from .held_index import index_of
 from .helices import off_helix
 from .helix_branch import end_of_helix, helix_places
 from .leaps import Guess, leap, shape_of
+from .orbit_rates import orbit_rates
+from .system import AT_REST, LEFT, state_of
 
 _LENGTHS = arclength.Lengths(first=0.02, longest=LONGEST, least=1e-7)  # of steps, in scales
 _NATURAL = replace(_LENGTHS, first=0.1, least=1e-4)  # the same where the parameter must rise all the way

@@ -6,18 +6,18 @@ from functools import cached_property
 
 import numpy as np
 
-from ..core import branches as core
+from ..core import branch_calls as core
 from ..core.tuning import AHEAD, LEAST, SAME_SADDLE, SHARE
-from ..equilibrium.charts import Chart, charts, coordinate
-from ..equilibrium.held_index import held_index
-from ..equilibrium.orbit_rates import OrbitRates
-from ..levels.boundary import Boundary, Path
 from ..numerics.arclength import LEFT, Node, advance, correct_point, node_at
 from ..numerics.arrays import Array
+from ..orbits.boundary import Boundary, Path
 from ..problem.reduced import EndsProblem
 from .branch_events import Bounds, Place
+from .charts import Chart, charts, coordinate
 from .equilibrium_curve import EquilibriumCurve, curves_through
 from .family import Family
+from .held_index import held_index
+from .orbit_rates import OrbitRates
 
 AT_END, IS_CLOSED = core.AT_END, core.IS_CLOSED
 _PATH = ("pin", "sign", "y", "leaving", "turns")  # of a record of the core

@@ -11,17 +11,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..core.library import cut, fine, on_grid, points, run
-from ..equilibrium.given_numbers import Given, OrbitState, problem_of
-from ..equilibrium.system import settle, state_of
-from ..levels.boundary import CUTTING, NODES, Path, boundary_of
-from ..levels.path_orbits import orbit_of
 from ..numerics import arclength
-from ..orbit.periodic_orbit import jacobi_zeros
+from ..orbits.boundary import CUTTING, NODES, Path, boundary_of
+from ..orbits.path_orbits import orbit_of
+from ..orbits.periodic_orbit import jacobi_zeros
 from ..problem.reduced import EndsProblem
 from .branch_events import Bounds
 from .branch_following import follow_branch
 from .family import Family, scale_of
+from .given_numbers import Given, OrbitState, problem_of
 from .leaps import LEAPS, NEAR, shape_of
+from .system import settle, state_of
 
 _MOST = 1000  # points
 _SAME = 1e-12  # largest change of a number that leaves a helix as it is

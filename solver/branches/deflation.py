@@ -8,8 +8,12 @@ from functools import partial
 
 import numpy as np
 
-from ..equilibrium.charts import Chart, charts, coordinate
-from ..equilibrium.given_numbers import (
+from ..numerics.arrays import Array
+from ..numerics.roots import lead_away, solve
+from ..orbits.boundary import boundary_of
+from ..problem.reduced import EndsProblem
+from .charts import Chart, charts, coordinate
+from .given_numbers import (
     FREE,
     Given,
     OrbitState,
@@ -19,12 +23,8 @@ from ..equilibrium.given_numbers import (
     size_of,
     values_of,
 )
-from ..equilibrium.orbit_rates import NUMBERS, orbit_rates
-from ..equilibrium.system import path_on, settle
-from ..levels.boundary import boundary_of
-from ..numerics.arrays import Array
-from ..numerics.roots import lead_away, solve
-from ..problem.reduced import EndsProblem
+from .orbit_rates import NUMBERS, orbit_rates
+from .system import path_on, settle
 
 _ROUNDS = 20
 _REACH = 0.5  # largest size of a step

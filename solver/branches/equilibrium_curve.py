@@ -5,18 +5,18 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..core import branches as core
+from ..core import branch_calls as core
 from ..core.tuning import AHEAD, NUDGE
-from ..equilibrium.charts import Chart, charts, coordinate, path_at
-from ..equilibrium.given_numbers import FREE, Given, move, problem_of, values_of
-from ..equilibrium.held_index import held_index
-from ..equilibrium.orbit_rates import NUMBERS, OrbitRates, orbit_rates
-from ..levels.boundary import Boundary, Path, boundary_of
-from ..mechanics.potential import load_size
 from ..numerics.arrays import Array
 from ..numerics.roots import solve
+from ..orbits.boundary import Boundary, Path, boundary_of
+from ..orbits.potential import load_size
 from ..problem.reduced import EndsProblem
+from .charts import Chart, charts, coordinate, path_at
 from .family import Family
+from .given_numbers import FREE, Given, move, problem_of, values_of
+from .held_index import held_index
+from .orbit_rates import NUMBERS, OrbitRates, orbit_rates
 
 
 @dataclass(frozen=True, eq=False)

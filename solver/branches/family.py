@@ -7,11 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from ..core import branches as core
-from ..equilibrium.given_numbers import FREE, Given, problem_of
-from ..equilibrium.orbit_rates import HOW, NUMBERS, orbit_rates
-from ..levels.boundary import CUTTING, NODES, Boundary, Path, boundary_of
-from ..orbit.variations import POINTS
+from ..core import branch_calls as core
+from ..orbits.boundary import CUTTING, NODES, Boundary, Path, boundary_of
+from ..orbits.variations import POINTS
 from ..problem.case import PAIRS, Case
 from ..problem.case_fields import value_of, with_field
 from ..problem.errors import InputError
@@ -24,6 +22,8 @@ from ..problem.reduced import (
     value_of_number,
 )
 from .branch_events import Bounds
+from .given_numbers import FREE, Given, problem_of
+from .orbit_rates import HOW, NUMBERS, orbit_rates
 
 _KEPT = 6  # problems kept, as one is needed several times in a step
 

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 import scipy  # its parts are imported when used
 
-from ..equilibrium.given_numbers import FREE, Given, OrbitState, answer, parts_of, problem_after, problem_of
-from ..equilibrium.orbit_rates import NUMBERS, orbit_rates
-from ..levels.boundary import DOWN, UP, Boundary, Path, boundary_of, wrap
-from ..mechanics.potential import Loads, load_size, slope, slope_rate
 from ..numerics.arrays import Array
-from ..orbit.variations import HelixVariations
+from ..orbits.boundary import DOWN, UP, Boundary, Path, boundary_of, wrap
+from ..orbits.potential import Loads, load_size, slope, slope_rate
+from ..orbits.variations import HelixVariations
+from .given_numbers import FREE, Given, OrbitState, answer, parts_of, problem_after, problem_of
 from .leaps import Guess
+from .orbit_rates import NUMBERS, orbit_rates
 
 _EQUAL = 1e-11  # relative, of what a helix has and what is given
 _MULTIPLE = 1e-4  # rad: how far from a triple root of H bisection may end

@@ -10,16 +10,16 @@ from itertools import pairwise
 import numpy as np
 import scipy  # its parts are imported when used
 
-from ..equilibrium.given_numbers import OrbitState
-from ..equilibrium.held_index import index_of
-from ..mechanics.potential import slope, slope_higher_rates, slope_rate
 from ..numerics.arclength import BRANCH_POINT, PITCHFORK, difference_rates
 from ..numerics.arrays import Array
 from ..numerics.roots import halve, root
-from ..orbit.periodic_orbit import helix_half_waves, helix_index
+from ..orbits.periodic_orbit import helix_half_waves, helix_index
+from ..orbits.potential import slope, slope_higher_rates, slope_rate
 from ..problem.reduced import EndsProblem
 from .branch_events import Bounds, Place
 from .family import Family
+from .given_numbers import OrbitState
+from .held_index import index_of
 from .helices import helices_of
 
 _STEP = 0.25  # of the parameter's scale

@@ -8,14 +8,14 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ..equilibrium.given_numbers import Given, problem_of
-from ..levels.boundary import Boundary, Path, boundary_of, path_of
-from ..levels.level_grid import level_grid_of
-from ..levels.level_search import level_paths_of, roots_on
-from ..levels.path_orbits import orbit_of, solve_orbits
 from ..numerics.arrays import Array
-from ..orbit.periodic_orbit import Orbit, jacobi_zeros
+from ..orbits.boundary import Boundary, Path, boundary_of, path_of
+from ..orbits.level_grid import level_grid_of
+from ..orbits.level_search import level_paths_of, roots_on
+from ..orbits.path_orbits import orbit_of, solve_orbits
+from ..orbits.periodic_orbit import Orbit, jacobi_zeros
 from ..problem.reduced import EndsProblem
+from .given_numbers import Given, problem_of
 
 Guess = tuple[EndsProblem, Path, float]  # of an equilibrium: its problem and path, and a share of a line
 LEAPS = (1e-3, 1e-4, 1e-5)  # shares of the line over which a leap is tried

@@ -1,4 +1,4 @@
-/* Coordinates on the equilibria of one path: solver/equilibrium/charts.py. */
+/* Coordinates on the equilibria of one path: solver/branches/charts.py. */
 
 #include "branches.h"
 

@@ -1,4 +1,4 @@
-/* How the numbers measured along rods answer changes of their orbits: solver/sensitivity/observable_rates.py.
+/* How the numbers measured along rods answer changes of their orbits: solver/observe/observable_rates.py.
 
    A change of an orbit has a part a along its flow, which moves a density by a times its pace. That part is integrated by
    parts, so that what is summed depends on the angle alone: it is the integral of another density over the same parts of the

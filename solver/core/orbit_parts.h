@@ -1,7 +1,7 @@
 /* What the files about quadrature over an orbit share: `orbit` and the search for equilibria.
 
    Each function does one problem. Next to a saddle the order of operations decides a digit. Pieces, panels and levels
-   are explained in solver/orbit and solver/levels. C11, libm only; no global state. */
+   are explained in solver/orbits. C11, libm only; no global state. */
 
 #ifndef ROD_ORBIT_PARTS_H
 #define ROD_ORBIT_PARTS_H

@@ -1,4 +1,4 @@
-/* The numbers of one equilibrium and the linear equations between their changes: solver/equilibrium/orbit_rates.py. */
+/* The numbers of one equilibrium and the linear equations between their changes: solver/branches/orbit_rates.py. */
 
 #include "orbit_rates.h"
 

@@ -1,4 +1,4 @@
-/* Periodic orbits by quadrature, made of panels, and their values along the rod; solver/orbit/periodic_orbit.py
+/* Periodic orbits by quadrature, made of panels, and their values along the rod; solver/orbits/periodic_orbit.py
    explains them. */
 
 #include "orbit_parts.h"

@@ -1,4 +1,4 @@
-/* The derivatives of start problems by fields of their cases, in one pass over each orbit: solver/sensitivity. */
+/* The derivatives of start problems by fields of their cases, in one pass over each orbit: solver/observe. */
 
 #include "measure_rates.h"
 

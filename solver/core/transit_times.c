@@ -1,5 +1,5 @@
 /* The times that orbits of one level take between two end angles, and the levels at which a path has the length of the
-   rod: solver/levels/boundary.py and level_search.py. */
+   rod: solver/orbits/boundary.py and level_search.py. */
 
 #include "orbit_parts.h"
 

@@ -1,5 +1,5 @@
 /* The variations of orbits: the state at the nodes of their panels, and the change of an orbit anywhere along the rod;
-   solver/orbit/variations.py explains them. */
+   solver/orbits/variations.py explains them. */
 
 #include "variations.h"
 

@@ -1,4 +1,4 @@
-/* The variations of orbits on their panels; solver/orbit/variations.py explains them. */
+/* The variations of orbits on their panels; solver/orbits/variations.py explains them. */
 
 #ifndef ROD_VARIATIONS_H
 #define ROD_VARIATIONS_H

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from ..nodes.loaded_rod import numbers_of, rate_of_change
 from ..numerics.arrays import Array
+from ..orbits.shape import Shape
 from ..problem.case import OFF_WALL, REACHED, Case, Ends
 from ..problem.reduced import flat
-from ..shape import Shape
-from ..shooting.loaded_rod import numbers_of, rate_of_change
 from .discrete_rod import DiscreteRod
 from .free_problem import Curve
 from .free_shape import FreeShape

@@ -5,10 +5,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..nodes.loaded_rod import rods_of
 from ..numerics.arrays import Array
 from ..problem.case import TILTS, Case
 from ..problem.reduced import flat
-from ..shooting.loaded_rod import rods_of
 from .discrete_rod import INSIDE, OUTSIDE, DiscreteRod
 from .free_shape import between, through
 from .program import Sizes

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..mechanics.frames import binormal, outward
 from ..numerics.arrays import Array
+from ..orbits.frames import binormal, outward
 from .contacts import Contact, contacts_of
 from .discrete_rod import CONDITIONS, DiscreteRod
 from .quaternions import directors

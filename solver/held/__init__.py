@@ -1,1 +1,1 @@
-"""Equilibria with held ends: where a search begins, mirror images, ranges, the scan of a hinge's angle."""
+"""Ends that are held in place (search, mirror images, ranges), and which equilibrium a rule or a seed means."""

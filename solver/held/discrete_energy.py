@@ -12,7 +12,7 @@ from functools import cache, cached_property
 import numpy as np
 import scipy  # its parts are imported when used
 
-from ..equilibrium.given_numbers import Given
+from ..branches.given_numbers import Given
 from ..numerics.arrays import Array, Integers
 from ..numerics.chebyshev import basis
 from .bordered_bands import Bordered

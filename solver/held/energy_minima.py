@@ -11,9 +11,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..equilibrium.given_numbers import FREE, Given
-from ..mechanics.potential import TAU
+from ..branches.given_numbers import FREE, Given
 from ..numerics.arrays import Array
+from ..orbits.potential import TAU
 from .bordered_bands import Bordered, times
 from .discrete_energy import DiscreteEnergy, Mesh
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from ..branches.branch_events import Bounds
 from ..branches.deflation import is_known, numbers_of
-from ..equilibrium.given_numbers import Given, OrbitState
-from ..equilibrium.held_index import index_of
+from ..branches.given_numbers import Given, OrbitState
+from ..branches.held_index import index_of
 from .held_moves import across_fold, angles_along, deflate, is_nearer_across_fold, meetings
 
 NEARER = "another equilibrium with these ends is nearer to this one than the seed is: see alternatives"

@@ -5,25 +5,24 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..branches import continuation, deflation
+from ..branches import continuation, deflation, system
 from ..branches.branch_events import Bounds
 from ..branches.branch_following import trace_branch
 from ..branches.continuation import Stopped, line_between
 from ..branches.deflation import numbers_of
+from ..branches.given_numbers import FREE, Given, OrbitState
 from ..branches.leaps import shape_of
-from ..equilibrium import system
-from ..equilibrium.given_numbers import FREE, Given, OrbitState
-from ..equilibrium.orbit_rates import orbit_rates
-from ..levels.boundary import Path
-from ..levels.path_orbits import orbit_of
-from ..mechanics.potential import TAU
+from ..branches.orbit_rates import orbit_rates
+from ..nodes import hinged_states, newton
+from ..nodes.hinged_states import HingedState
+from ..nodes.loaded_rod import BETA
+from ..nodes.newton import whole_turns
+from ..nodes.varying_shapes import Shape
 from ..numerics.arrays import Array
+from ..orbits.boundary import Path
+from ..orbits.path_orbits import orbit_of
+from ..orbits.potential import TAU
 from ..problem.reduced import EndsProblem
-from ..shooting import hinged_states, newton
-from ..shooting.hinged_states import HingedState
-from ..shooting.loaded_rod import BETA
-from ..shooting.newton import whole_turns
-from ..shooting.varying_shapes import Shape
 
 MOST = 1000  # points of a branch
 SHARES = np.linspace(0, 1, 257)

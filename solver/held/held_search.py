@@ -16,14 +16,14 @@ import numpy as np
 
 from ..branches.continuation import Stopped
 from ..branches.deflation import is_known, numbers_of
+from ..branches.given_numbers import FREE, Given, OrbitState
 from ..branches.helices import helices_of
-from ..equilibrium.given_numbers import FREE, Given, OrbitState
-from ..equilibrium.orbit_rates import orbit_rates
-from ..levels.boundary import Boundary, Path, boundary_of, wrap
-from ..mechanics.potential import TAU
+from ..branches.orbit_rates import orbit_rates
+from ..nodes.hinged_states import HingedState, half_period_later, mirror_image
 from ..numerics.arrays import Array
+from ..orbits.boundary import Boundary, Path, boundary_of, wrap
+from ..orbits.potential import TAU
 from ..problem.reduced import EndsProblem
-from ..shooting.hinged_states import HingedState, half_period_later, mirror_image
 from .held_moves import across_fold, angles_along, carry, deflate, settle, within_a_turn
 from .held_sweep import Point, Ranges, ranges_of, starts_of, swept
 from .hinge_scan import hinged_states

@@ -13,12 +13,12 @@ import numpy as np
 
 from ..branches.continuation import FOLD, Stopped
 from ..branches.deflation import is_known, numbers_of
-from ..equilibrium.given_numbers import FREE, Given, OrbitState, problem_of
-from ..equilibrium.held_index import index_of
-from ..levels.boundary import critical_points
-from ..levels.path_orbits import orbit_of
-from ..mechanics.potential import TAU
+from ..branches.given_numbers import FREE, Given, OrbitState, problem_of
+from ..branches.held_index import index_of
 from ..numerics.arrays import Array
+from ..orbits.boundary import critical_points
+from ..orbits.path_orbits import orbit_of
+from ..orbits.potential import TAU
 from .energy_minima import Minimum
 from .held_moves import carry, settle
 from .held_sweep import dead_states

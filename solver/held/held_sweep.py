@@ -15,12 +15,12 @@ from itertools import pairwise, product
 
 import numpy as np
 
-from ..equilibrium.given_numbers import FREE, Given, OrbitState, problem_of, values_of
-from ..equilibrium.orbit_rates import OrbitRates, orbit_rates
-from ..levels.boundary import path_of
-from ..levels.level_search import MOST_PERIODS, search_levels
-from ..mechanics.potential import potential
+from ..branches.given_numbers import FREE, Given, OrbitState, problem_of, values_of
+from ..branches.orbit_rates import OrbitRates, orbit_rates
 from ..numerics.arrays import Array
+from ..orbits.boundary import path_of
+from ..orbits.level_search import MOST_PERIODS, search_levels
+from ..orbits.potential import potential
 from ..problem.reduced import EndsProblem
 
 HALF_WAVES = 4  # of a straight rod: pushed as hard as it needs to buckle into so many, or pulled as hard

@@ -7,14 +7,14 @@ the orbit passes next to a saddle, because there the far end moves fast.
 
 import numpy as np
 
-from ..equilibrium.given_numbers import Given, OrbitState
-from ..equilibrium.orbit_rates import start_rates
-from ..equilibrium.system import state_from_start
-from ..levels.boundary import boundary_of
-from ..mechanics.potential import TAU, potential, slope
+from ..branches.given_numbers import Given, OrbitState
+from ..branches.orbit_rates import start_rates
+from ..branches.system import state_from_start
 from ..numerics.arrays import Array
 from ..numerics.roots import bisect, roots_between
-from ..orbit.periodic_orbit import solve_orbit
+from ..orbits.boundary import boundary_of
+from ..orbits.periodic_orbit import solve_orbit
+from ..orbits.potential import TAU, potential, slope
 from ..problem.reduced import EndsProblem, StartProblem
 
 _ANGLES = 1440  # of a turn, evenly

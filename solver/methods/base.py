@@ -11,9 +11,9 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from ..choose.selection import NEAREST, Choose, select_seed
+from ..held.selection import NEAREST, Choose, select_seed
 from ..numerics.arrays import Array
-from ..orbit.joined_orbits import join_answers
+from ..orbits.joined_orbits import join_answers
 from ..problem.errors import InputError, choices
 from ..problem.reduced import EndsProblem, StartProblem
 from ..problem.trajectory import Seed, Trajectory, verdicts
@@ -22,7 +22,7 @@ from ..problem.trajectory import Seed, Trajectory, verdicts
 # seconds, so that a busy machine runs the same rungs. The first limit is for methods that call Python at each one.
 MOST_CALLED, MOST_COMPILED = 20_000, 1_000_000
 TIGHTEST = 3e-14  # tolerance of a step or of a residual: scipy refuses one below 100 eps
-BLOCK = 2048  # cases: 512 take `orbit` 1.4 times as long; a study's own blocks (`workbench.store.plan`) are no larger
+BLOCK = 2048  # cases: 512 take `orbit` 1.4 times as long; a study's own blocks (`workbench.run.plan`) are no larger
 BLOCK_VALUES = 2**20  # stations of all cases of a block, at most: 8 MB an array
 _LOOSE = 0.9  # the tolerance of a rung whose knob is another one: only a rung without a digit fails
 

@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from ..levels.morse_index import response
-from ..mechanics.potential import slope, slope_rate
 from ..numerics.arrays import Array
+from ..orbits.morse_index import response
+from ..orbits.potential import slope, slope_rate
 from ..problem.reduced import EndsProblem
 from ..problem.trajectory import Seed
 from .base import MOST_COMPILED, TIGHTEST, TOLERANCES, Answer, Ladder, SeededMethod, knob, tighten

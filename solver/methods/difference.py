@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..levels.morse_index import response
-from ..mechanics.potential import Loads, slope, slope_rate
 from ..numerics.arrays import EPS, Array
+from ..orbits.morse_index import response
+from ..orbits.potential import Loads, slope, slope_rate
 from ..problem.reduced import EndsProblem
 from ..problem.trajectory import Seed
 from .base import MOST_COMPILED, Answer, Ladder, SeededMethod, knob, largest, twos

@@ -13,8 +13,8 @@ import numpy as np
 
 from ..core.tuning import MOST_PANELS
 from ..numerics.arrays import Array
-from ..orbit.marched_orbit import MarchedOrbit, march_orbit
-from ..orbit.periodic_orbit import judge, solve_orbit
+from ..orbits.marched_orbit import MarchedOrbit, march_orbit
+from ..orbits.periodic_orbit import judge, solve_orbit
 from ..problem.errors import DEFAULT_TOLERANCE
 from ..problem.limits import TOO_LARGE, beyond_limits
 from ..problem.reduced import StartProblem

@@ -9,8 +9,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ..mechanics.potential import slope
 from ..numerics.arrays import Array
+from ..orbits.potential import slope
 from ..problem.reduced import StartProblem
 from ..problem.trajectory import Trajectory
 from .base import Ladder, StartMethod, knob, largest, trajectory_of, twos

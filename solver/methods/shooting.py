@@ -10,10 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..branches.continuation import FOLD, Stopped, resume
-from ..choose.selection import NEAREST, Choose, path_of_seed, selection_of
-from ..levels.path_orbits import equilibrium_trajectory, orbit_of, together
+from ..held.selection import NEAREST, Choose, path_of_seed, selection_of
 from ..numerics.arrays import Array
-from ..orbit.periodic_orbit import TIGHT, solve_orbit
+from ..orbits.path_orbits import equilibrium_trajectory, orbit_of, together
+from ..orbits.periodic_orbit import TIGHT, solve_orbit
 from ..problem.reduced import EndsProblem
 from ..problem.trajectory import Seed, Trajectory
 from .base import EndsMethod, Ladder, tens

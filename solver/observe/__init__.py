@@ -1,1 +1,1 @@
-"""Observables: numbers of a whole rod, and how they are computed."""
+"""Observables: numbers of a whole rod with their errors; derivatives by the fields of its case; cautions."""

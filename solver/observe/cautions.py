@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 
 from ..core.measures import densities
-from ..mechanics.statics import circumferential_force, curvature, surface_forces
+from ..nodes.loaded_rod import MU
 from ..numerics.arrays import Array, Booleans
+from ..orbits.shape import Shape
+from ..orbits.statics import circumferential_force, curvature, surface_forces
 from ..problem.reduced import EndsProblem, flat
-from ..shape import Shape
-from ..shooting.loaded_rod import MU
 from .measurement import Reading
 from .observables import error_name, observe
 

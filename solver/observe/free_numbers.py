@@ -9,11 +9,11 @@ import numpy as np
 
 from ..free.free_rods import MESHES, estimate
 from ..free.free_shape import Along, FreeShape
-from ..mechanics.frames import outward
 from ..numerics.arrays import Array
+from ..orbits.frames import outward
+from ..orbits.shape import Shape
 from ..problem.quantities import quantity
 from ..problem.reduced import flat
-from ..shape import Shape
 
 THIRD = 1 / 3  # of the length: where its middle third begins
 WAVE = 1e-3  # rad: a smaller change of beta between two bends is no bend of a rod that is solved to 1e-4 of its length

@@ -13,15 +13,15 @@ from typing import Any
 import numpy as np
 
 from ..core.measures import measure
-from ..mechanics.potential import steepest
+from ..nodes.loaded_rod import ALPHA, SHORT, SPEED
 from ..numerics.arrays import EPS, Array
-from ..orbit.marched_orbit import MarchedOrbit
-from ..orbit.periodic_orbit import TIGHT, solve_orbit
+from ..orbits.marched_orbit import MarchedOrbit
+from ..orbits.periodic_orbit import TIGHT, solve_orbit
+from ..orbits.potential import steepest
+from ..orbits.shape import Shape
 from ..problem.errors import InputError
 from ..problem.reduced import flat
 from ..problem.trajectory import stood_in
-from ..shape import Shape
-from ..shooting.loaded_rod import ALPHA, SHORT, SPEED
 from .solution_pieces import blocks, is_resolved, off_between, pieces_of
 
 FINEST = 1e-14  # relative: smallest goal of a series

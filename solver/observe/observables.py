@@ -12,18 +12,18 @@ from typing import Any
 import numpy as np
 
 from ..core.tuning import BARELY
-from ..levels.morse_index import index_at_stations
-from ..mechanics.potential import load_size
+from ..nodes.loaded_rod import MU, PHI, Q
 from ..numerics.arrays import EPS, Array
 from ..numerics.complex_step import size_of
-from ..orbit.marched_orbit import MarchedOrbit
-from ..orbit.periodic_orbit import LIBRATION, ROTATION, TIGHT, jacobi_zeros, solve_orbit
+from ..orbits.marched_orbit import MarchedOrbit
+from ..orbits.morse_index import index_at_stations
+from ..orbits.periodic_orbit import LIBRATION, ROTATION, TIGHT, jacobi_zeros, solve_orbit
+from ..orbits.potential import load_size
+from ..orbits.shape import Shape
 from ..problem.case import Rod
 from ..problem.errors import check_type, known_name, names_of, no_such, yes_or_no
 from ..problem.quantities import quantity
 from ..problem.reduced import flat
-from ..shape import Shape
-from ..shooting.loaded_rod import MU, PHI, Q
 from .free_numbers import UNDEFINED, free_numbers
 from .measurement import SPREAD, Pair, Reading
 from .self_contact import overlaps

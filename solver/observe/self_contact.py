@@ -15,10 +15,10 @@ import scipy
 from ..core.library import AT, INT, fine, run, share_out, structure, widest
 from ..core.measures import crossings
 from ..numerics.arrays import Array
-from ..orbit.marched_orbit import MarchedOrbit
-from ..orbit.periodic_orbit import reading
+from ..orbits.marched_orbit import MarchedOrbit
+from ..orbits.periodic_orbit import reading
+from ..orbits.shape import Shape
 from ..problem.reduced import flat
-from ..shape import Shape
 
 PAIRS, TOGETHER = 300_000, 8  # largest number of pairs of stretches compared for a rod; periods compared together
 _PERIODS = 10_000_000  # largest number of periods compared with the first

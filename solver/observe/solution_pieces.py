@@ -14,13 +14,13 @@ import numpy as np
 from numpy.polynomial import chebyshev as C
 
 from ..core.measures import NODES, station_series
-from ..mechanics.potential import Loads, slope_rate
 from ..numerics.arrays import Array, Booleans, Integers
 from ..numerics.chebyshev import basis, through
-from ..orbit.marched_orbit import MarchedOrbit
-from ..orbit.periodic_orbit import cover
+from ..orbits.marched_orbit import MarchedOrbit
+from ..orbits.periodic_orbit import cover
+from ..orbits.potential import Loads, slope_rate
+from ..orbits.shape import Shape
 from ..problem.reduced import Reduced
-from ..shape import Shape
 
 _CASES = 192  # of a block, so that arrays stay in the cache; with 48 `swing` takes 1.3 times as long, `orbit` 1.5 times
 _RESOLVED = 1.0  # largest distance of stations, in units of 1/sqrt(|H'|), that resolves every bend

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from solver.mechanics.frames import material
+from solver.orbits.frames import material
 
 ANGLES = np.random.default_rng(13).uniform(-np.pi, np.pi, (100, 3))  # alpha, beta, gamma
 RATES = np.random.default_rng(14).uniform(-1, 1, (100, 3))

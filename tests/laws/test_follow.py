@@ -10,9 +10,9 @@ from scipy.optimize import minimize_scalar
 from solver import Branch, Case, Cylinder, Ends, Rod, Solution, equilibria, follow, solve
 from solver.branches.branch_events import Bounds, Place, events_between
 from solver.equilibria import Equilibrium
-from solver.levels.path_orbits import orbit_of
 from solver.numerics.arclength import BRANCH_POINT, FOLD, PITCHFORK
-from solver.orbit.periodic_orbit import jacobi_zeros
+from solver.orbits.path_orbits import orbit_of
+from solver.orbits.periodic_orbit import jacobi_zeros
 from solver.problem.case_fields import with_field
 from solver.problem.reduced import reduce
 from tests.cases import TABLE_1, ends_in_units_of_rho, rod_of_unit_stiffness

@@ -10,12 +10,12 @@ from scipy.optimize import brentq
 from scipy.special import ellipk
 
 from solver import Case, Cylinder, Ends, Rod, Solution, equilibria, observe, solve
-from solver.equilibrium.given_numbers import Given, OrbitState
-from solver.equilibrium.held_index import index_of
-from solver.equilibrium.orbit_rates import orbit_rates
-from solver.levels.boundary import path_of
-from solver.levels.path_orbits import orbit_of
-from solver.mechanics.potential import slope_rate
+from solver.branches.given_numbers import Given, OrbitState
+from solver.branches.held_index import index_of
+from solver.branches.orbit_rates import orbit_rates
+from solver.orbits.boundary import path_of
+from solver.orbits.path_orbits import orbit_of
+from solver.orbits.potential import slope_rate
 from solver.problem.case import PAIRS
 from solver.problem.case_fields import fields_of
 from solver.problem.reduced import EndsProblem, reduce

@@ -8,14 +8,14 @@ import pytest
 
 from solver import Case, Cylinder, Ends, Rod, equilibria, solve
 from solver.branches.deflation import is_known
-from solver.equilibrium.given_numbers import Given, OrbitState
-from solver.equilibrium.orbit_rates import NUMBERS, orbit_rates
+from solver.branches.given_numbers import Given, OrbitState
+from solver.branches.orbit_rates import NUMBERS, orbit_rates
 from solver.equilibrium_list import HeldEquilibria
 from solver.held.held_search import Mirror, held_search, image_of, mirrors_of
-from solver.levels.boundary import path_of
-from solver.levels.level_search import Found, search_levels
 from solver.numerics.arrays import Array
 from solver.observe.observables import observe
+from solver.orbits.boundary import path_of
+from solver.orbits.level_search import Found, search_levels
 from solver.problem.reduced import EndsProblem, reduce_held
 from tests.laws.test_held_ends import discrete_index
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from solver import Case, Cylinder, Ends, Rod, Solution, equilibria, follow, solve
+from solver.branches.given_numbers import Given
 from solver.branches.helices import helices_of
-from solver.equilibrium.given_numbers import Given
 from solver.problem.case_fields import value_of, with_field
 from solver.problem.reduced import reduce_held
 from tests.cases import ends_in_units_of_rho, start_of

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from solver import Branch, Case, Cylinder, Ends, Rod, Solution, equilibria, follow, region_map, solve
+from solver.branches.given_numbers import Given
 from solver.branches.helices import helices_of
-from solver.equilibrium.given_numbers import Given
 from solver.equilibrium_branch import SpecialPoint
 from solver.numerics.arclength import END
 from solver.problem.reduced import reduce_held

@@ -25,22 +25,22 @@ from solver import (
     solve,
     trace_fold,
 )
+from solver.branches.fold_curves import fold_curve
+from solver.branches.parameter_plane import parameter_plane
 from solver.core.tuning import MOST_STEPS
 from solver.core.varying_loads import march
-from solver.folds.fold_curves import fold_curve
-from solver.folds.parameter_plane import parameter_plane
-from solver.mechanics.potential import Loads, slope
+from solver.nodes.buckling import buckling_shares, buckling_tension, straight_index, straight_shape
+from solver.nodes.descent import index_at
+from solver.nodes.loaded_rod import PHI, LoadedRod, rods_of
+from solver.nodes.local_waves import OVER, compression, places, rows, sinusoid, wave_shape
+from solver.nodes.newton import open_at
+from solver.nodes.search import buckling_shapes, further_shapes
+from solver.nodes.shape_folds import pitchforks_through
+from solver.nodes.state import in_words
 from solver.numerics.arclength import END, Lengths
+from solver.orbits.potential import Loads, slope
 from solver.problem.case_fields import values_of, with_field, with_fields
 from solver.problem.limits import TAUT, unreachable
-from solver.shooting.buckling import buckling_shares, buckling_tension, straight_index, straight_shape
-from solver.shooting.descent import index_at
-from solver.shooting.loaded_rod import PHI, LoadedRod, rods_of
-from solver.shooting.local_waves import OVER, compression, places, rows, sinusoid, wave_shape
-from solver.shooting.newton import open_at
-from solver.shooting.search import buckling_shapes, further_shapes
-from solver.shooting.shape_folds import pitchforks_through
-from solver.shooting.state import in_words
 from solver.traced_folds import rods_over
 from tests.equation import force
 
@@ -285,7 +285,7 @@ def test_a_taut_cable_that_its_ends_bend_is_the_one_that_continues_from_the_stra
     taut = solve(case, stations=4001)
     assert taut.solved
     assert max(unbalanced(taut)) < 1e-6
-    monkeypatch.setattr("solver.shooting.branch.taut_shape", lambda rod: None)
+    monkeypatch.setattr("solver.nodes.branch.taut_shape", lambda rod: None)
     straight = solve(case, stations=4001)
     assert taut.begun == "the taut rod without weight"
     assert straight.begun.startswith("the straight rod")
@@ -733,7 +733,7 @@ def test_no_branch_is_changed_in_silence(seed: int, monkeypatch: pytest.MonkeyPa
     if not sol.solved:
         pytest.skip(str(sol.outcome))
     for first, longest in ((0.02, 0.1), (0.006, 0.025)):
-        monkeypatch.setattr("solver.shooting.curve.LENGTHS", Lengths(first, longest, 1e-5))
+        monkeypatch.setattr("solver.nodes.curve.LENGTHS", Lengths(first, longest, 1e-5))
         ways.append(follow(sol, FZ=float(ends.FZ) - 2))
     long, short = ways
     assert [one.kind for one in long.special] == [one.kind for one in short.special]

@@ -24,10 +24,10 @@ COLUMNS: dict[str, tuple[str, dict[str, Any], dict[str, Any], Start | Ends, str]
     "start by steps": ("methods.marching.Verlet.run", {}, {}, Start(0.5, 0.5, F3=10.0, M3=0.0), "verlet"),
     "dead loads": ("methods.shooting.selection_of", {}, {}, Ends(0.5, 0.8, FZ=-8.66), "auto"),
     "dead loads on a mesh": ("methods.base.select_seed", {}, {}, Ends(0.5, 0.8, FZ=-8.66), "difference"),
-    "held": ("choose.held_equilibrium.by_rule", {}, {}, Ends(0.5, 0.8, height=4.0), "auto"),
-    "start with weight": ("shooting.answers.starts_of", WEIGHT, LIES, Start(0.5, 0.5, F3=1.0, M3=0.0), "auto"),
-    "weight": ("shooting.answers.find_shape", WEIGHT, LIES, Ends(0.0, 0.0, FZ=-1.0), "auto"),
-    "friction": ("shooting.answers.estimate", {}, {"friction": 0.2}, Ends(0.3, 0.5, FZ=-1.0), "auto"),
+    "held": ("held.held_equilibrium.by_rule", {}, {}, Ends(0.5, 0.8, height=4.0), "auto"),
+    "start with weight": ("nodes.answers.starts_of", WEIGHT, LIES, Start(0.5, 0.5, F3=1.0, M3=0.0), "auto"),
+    "weight": ("nodes.answers.find_shape", WEIGHT, LIES, Ends(0.0, 0.0, FZ=-1.0), "auto"),
+    "friction": ("nodes.answers.estimate", {}, {"friction": 0.2}, Ends(0.3, 0.5, FZ=-1.0), "auto"),
 }
 
 STARTS = core("start")

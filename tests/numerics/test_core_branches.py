@@ -16,14 +16,14 @@ import numpy as np
 import pytest
 
 from solver import Branch, Case, Cylinder, Ends, Rod, equilibria, follow, solve
-from solver.core import branches, tuning
-from solver.core.branches import RECORD, Point, Steps, chart_of, orbit_rates
+from solver.branches.charts import Chart
+from solver.branches.orbit_rates import HOW
+from solver.core import branch_calls, tuning
+from solver.core.branch_calls import RECORD, Point, Steps, chart_of, orbit_rates
 from solver.core.build import HERE
 from solver.core.library import Tuning, library
-from solver.equilibrium.charts import Chart
-from solver.equilibrium.orbit_rates import HOW
-from solver.levels.boundary import CUTTING, NODES, Path
-from solver.orbit.variations import POINTS
+from solver.orbits.boundary import CUTTING, NODES, Path
+from solver.orbits.variations import POINTS
 from tests.numerics.test_core_fuzz import ODD, odd
 
 ROD, CYLINDER = Rod(E=1.07e4, nu=0.25, a=0.25, L=20.0), Cylinder(R=0.75)
@@ -88,7 +88,7 @@ def test_a_signal_while_the_core_works_reaches_the_caller(way: str, monkeypatch:
         pass
 
     def ring(_: int, frame: Any) -> None:
-        if any(one.f_code.co_filename == branches.__file__ for one, _ in traceback.walk_stack(frame)):
+        if any(one.f_code.co_filename == branch_calls.__file__ for one, _ in traceback.walk_stack(frame)):
             rung.append(len(caught))
             raise Rung
 

@@ -8,9 +8,9 @@ import pytest
 
 from solver import Case, Cylinder, Ends, Rod, equilibria
 from solver.core.library import Cutting
-from solver.levels.boundary import critical_points
-from solver.mechanics.potential import Loads, slope
-from solver.orbit.periodic_orbit import judge, orbits_of, solve_orbit
+from solver.orbits.boundary import critical_points
+from solver.orbits.periodic_orbit import judge, orbits_of, solve_orbit
+from solver.orbits.potential import Loads, slope
 from solver.problem.reduced import Reduced, StartProblem
 from tests.cases import ends_in_units_of_rho
 

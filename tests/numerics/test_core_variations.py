@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from solver.orbit.periodic_orbit import HELIX, TIGHT, solve_orbit
-from solver.orbit.variations import Variations, variations_on
+from solver.orbits.periodic_orbit import HELIX, TIGHT, solve_orbit
+from solver.orbits.variations import Variations, variations_on
 from solver.problem.reduced import StartProblem
 from tests.equation import march_with_variations
 

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from solver import Case, Cylinder, Ends, Rod, equilibria
-from solver.equilibrium.given_numbers import Given
-from solver.equilibrium.held_index import held_energy
-from solver.equilibrium.system import state_of
+from solver.branches.given_numbers import Given
+from solver.branches.held_index import held_energy
+from solver.branches.system import state_of
 from solver.held.bordered_bands import Bordered, times
 from solver.held.discrete_energy import DiscreteEnergy, Mesh
 from solver.held.energy_minima import energy_minima, refinement
-from solver.levels.boundary import path_of
+from solver.orbits.boundary import path_of
 from solver.problem.reduced import reduce_held
 
 SHORT, DRUM = Rod(EI=1.0, GJ=0.8, a=0.1, L=5.0), Cylinder(R=0.9)  # rho = 1, A = 1

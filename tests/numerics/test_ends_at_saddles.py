@@ -8,13 +8,13 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from solver import Case, Cylinder, Ends, Rod, Start, equilibria, solve
-from solver.equilibrium.charts import same_equilibrium
-from solver.equilibrium.orbit_rates import orbit_rates
-from solver.levels.boundary import Levels, boundary_of, critical_points, path_of, transit_times
-from solver.levels.level_grid import level_grid_of
-from solver.levels.level_search import search_levels
-from solver.levels.path_orbits import orbit_of
+from solver.branches.charts import same_equilibrium
+from solver.branches.orbit_rates import orbit_rates
 from solver.observe.observables import observe
+from solver.orbits.boundary import Levels, boundary_of, critical_points, path_of, transit_times
+from solver.orbits.level_grid import level_grid_of
+from solver.orbits.level_search import search_levels
+from solver.orbits.path_orbits import orbit_of
 from solver.problem.reduced import EndsProblem, Reduced, reduce
 from tests.cases import ends_in_units_of_rho, in_units_of_rho
 from tests.equation import force, march, potential
@@ -303,7 +303,7 @@ def test_ends_problems_of_any_size_are_solved_or_say_why_not(block: int) -> None
 
 def test_a_search_beyond_its_budget_solves_the_paths_of_fewest_bends_and_says_so(monkeypatch) -> None:
     """The budget counts evaluations, so the answer does not depend on the machine."""
-    monkeypatch.setattr("solver.levels.level_search.BUDGET", 1e5)
+    monkeypatch.setattr("solver.orbits.level_search.BUDGET", 1e5)
     found = equilibria(nylon())
     assert not found.complete
     assert "bends" in found.remark

@@ -9,10 +9,10 @@ import pytest
 from solver import Case, Ends, equilibria, solve
 from solver.end_angle_branch import to_fold
 from solver.equilibria import Equilibrium
-from solver.levels.boundary import repeat
-from solver.levels.level_search import search_levels
-from solver.levels.morse_index import morse_index
-from solver.orbit.periodic_orbit import jacobi_zeros
+from solver.orbits.boundary import repeat
+from solver.orbits.level_search import search_levels
+from solver.orbits.morse_index import morse_index
+from solver.orbits.periodic_orbit import jacobi_zeros
 from solver.problem.reduced import reduce
 from tests.cases import ends_in_units_of_rho, helix_moment, in_units_of_rho, table_1
 from tests.equation import force_rate

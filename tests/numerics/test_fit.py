@@ -7,9 +7,9 @@ import pytest
 from scipy.optimize import brentq, curve_fit
 
 from solver import Case, Cylinder, Ends, Rod, Start, fit, observe, solve
-from solver.inverse.data import check_data
-from solver.inverse.model import Model
-from solver.inverse.parameters import check_parameters
+from solver.fits.data import check_data
+from solver.fits.model import Model
+from solver.fits.parameters import check_parameters
 from tests.slow import slow
 
 TRUE = {"E": 1.07e4, "M3": 18.0}

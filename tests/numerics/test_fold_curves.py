@@ -8,12 +8,12 @@ import pytest
 from scipy.optimize import brentq, fsolve
 
 from solver import Case, Cylinder, Ends, Rod, equilibria, fold_curves, region_map
-from solver.folds.fold_curves import FoldCurve, FoldCurves
-from solver.folds.orbit_folds import UNIT, OrbitFold, OrbitPitchfork, OrbitPoint, Saddle, given_on
-from solver.folds.parameter_plane import ParameterPlane, parameter_plane
-from solver.folds.special_line import point_on_line
-from solver.levels.boundary import boundary_of
-from solver.levels.level_search import census
+from solver.branches.fold_curves import FoldCurve, FoldCurves
+from solver.branches.orbit_folds import UNIT, OrbitFold, OrbitPitchfork, OrbitPoint, Saddle, given_on
+from solver.branches.parameter_plane import ParameterPlane, parameter_plane
+from solver.branches.special_line import point_on_line
+from solver.orbits.boundary import boundary_of
+from solver.orbits.level_search import census
 from solver.region_map import RegionMap
 from studies import load
 from tests.equation import march_with_variations

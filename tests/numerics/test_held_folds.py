@@ -11,13 +11,13 @@ from scipy.optimize import fsolve
 from scipy.spatial.distance import pdist
 
 from solver import Branch, Case, Cylinder, Ends, Rod, equilibria, fold_curves, follow, region_map, solve, trace_fold
+from solver.branches import linked_search
 from solver.branches.deflation import across_fold, numbers_of
-from solver.equilibrium.given_numbers import Given
-from solver.equilibrium.system import state_of
+from solver.branches.fold_curves import FoldCurve
+from solver.branches.given_numbers import Given
+from solver.branches.parameter_plane import parameter_plane
+from solver.branches.system import state_of
 from solver.equilibrium_list import HeldEquilibria
-from solver.folds import linked_search
-from solver.folds.fold_curves import FoldCurve
-from solver.folds.parameter_plane import parameter_plane
 from solver.problem.reduced import reduce_held
 from solver.traced_folds import system_on
 from tests.equation import march_with_variations

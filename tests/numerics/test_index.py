@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from solver import Case, equilibria, solve
-from solver.levels.boundary import Path, boundary_of
-from solver.levels.morse_index import index_at_stations, morse_index
-from solver.levels.path_orbits import orbit_of, variations_of
 from solver.observe.observables import observe
-from solver.orbit.periodic_orbit import LIBRATION, jacobi_zeros, response, solve_orbit
+from solver.orbits.boundary import Path, boundary_of
+from solver.orbits.morse_index import index_at_stations, morse_index
+from solver.orbits.path_orbits import orbit_of, variations_of
+from solver.orbits.periodic_orbit import LIBRATION, jacobi_zeros, response, solve_orbit
 from solver.problem.reduced import EndsProblem, StartProblem, reduce
 from tests.cases import TABLE_1, ends_in_units_of_rho, helix_moment, in_units_of_rho, table_1
 

@@ -10,7 +10,7 @@ from solver import Case, Cylinder, Rod, Start, solve
 from solver.methods import available
 from solver.observe.measurement import Reading
 from solver.observe.observables import OBSERVABLES, error_name, observe
-from solver.orbit.periodic_orbit import LIBRATION
+from solver.orbits.periodic_orbit import LIBRATION
 from solver.problem.quantities import QUANTITIES
 from tests.cases import in_units_of_rho, random_rods
 from tests.slow import slow

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from solver.branches.continuation import Stopped, resume
-from solver.equilibrium.orbit_rates import NUMBERS, OrbitRates, orbit_rates
-from solver.levels.boundary import Path, boundary_of, path_of, repeat
-from solver.levels.level_search import search_levels
+from solver.branches.orbit_rates import NUMBERS, OrbitRates, orbit_rates
+from solver.orbits.boundary import Path, boundary_of, path_of, repeat
+from solver.orbits.level_search import search_levels
 from solver.problem.reduced import EndsProblem
 
 DEAD = ("beta0", "betaL", "lam", "mu", "phi")

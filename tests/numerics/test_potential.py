@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from solver.levels.boundary import critical_points
-from solver.mechanics.potential import dimensional_slope, potential, slope, slope_rate
+from solver.orbits.boundary import critical_points
+from solver.orbits.potential import dimensional_slope, potential, slope, slope_rate
 from solver.problem.reduced import Reduced, StartProblem
 
 loads = st.floats(-3, 3).map(lambda x: round(x, 6))

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from solver import Case, Cylinder, Ends, Rod, Start, equilibria, observe, solve
+from solver.observe.motions import of_equilibria, of_helices, start_sensitivities
 from solver.observe.observables import OBSERVABLES, is_count
-from solver.orbit.periodic_orbit import HELIX
+from solver.orbits.periodic_orbit import HELIX
 from solver.problem.case_fields import fields_of
 from solver.problem.reduced import NUMBERS, StartProblem, given_numbers
-from solver.sensitivity.motions import of_equilibria, of_helices, start_sensitivities
 from tests.cases import START, ends_in_units_of_rho, in_units_of_rho
 from tests.slow import slow_but
 

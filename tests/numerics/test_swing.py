@@ -15,8 +15,8 @@ from solver.core.build import digest
 from solver.core.library import OTHER, library_path, numbers_of, threads
 from solver.methods import OrbitQuadrature, SwingTaylor
 from solver.observe.observables import OBSERVABLES, observe
-from solver.orbit.marched_orbit import march
-from solver.orbit.periodic_orbit import ROTATION
+from solver.orbits.marched_orbit import march
+from solver.orbits.periodic_orbit import ROTATION
 from solver.problem.reduced import StartProblem
 from tests.extreme_cases import draw
 from tests.slow import slow_but

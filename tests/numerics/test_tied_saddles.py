@@ -4,7 +4,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from solver.orbit.periodic_orbit import judge, solve_orbit
+from solver.orbits.periodic_orbit import judge, solve_orbit
 from solver.problem.reduced import StartProblem
 
 # lam and the lower turning point; two saddles are mirror images about pi/2, half way between the turning points

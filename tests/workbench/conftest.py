@@ -10,7 +10,7 @@ from solver.problem.errors import InputError
 from studies import load
 from tests.workbench import live, small
 from tests.workbench.command import exit_status
-from workbench.store import atomic, reading
+from workbench.run import atomic, reading
 from workbench.stored import file_kinds
 
 

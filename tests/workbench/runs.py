@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from tests.workbench import forked
-from workbench.store.study_store import Meter
+from workbench.run.study_store import Meter
 
 ROOT = Path(__file__).parents[2]
 HEAD = """
@@ -85,7 +85,7 @@ def small_blocks(cases: int) -> Any:
     @pytest.fixture(autouse=True, scope="module")
     def small_blocks() -> Iterator[None]:
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr("workbench.store.plan.BLOCK", cases)
+            patch.setattr("workbench.run.plan.BLOCK", cases)
             yield
 
     return small_blocks

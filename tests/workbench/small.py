@@ -11,7 +11,7 @@ import xarray as xr
 
 from studies import Study, load
 from studies.language.loader import loads
-from workbench.store import in_memory
+from workbench.run import in_memory
 
 ROD = {"E": 1.07e4, "nu": 0.25, "a": 0.25, "L": 20.0, "R": 0.75}  # of Table 1, with its cylinder
 SHORT = {**ROD, "L": 5.0}

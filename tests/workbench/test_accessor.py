@@ -15,7 +15,7 @@ from tests.slow import slow_but
 from tests.workbench import small
 from tests.workbench.command import output_of
 from workbench.commands import options
-from workbench.store import in_memory, writing
+from workbench.run import in_memory, writing
 from workbench.stored import one_case, quantity_variables, solved_again
 from workbench.stored.stored_study import StoredStudy
 

@@ -17,8 +17,8 @@ from tests.workbench.pictures import draws
 from workbench.commands import animate, console, study_scene
 from workbench.commands.present import result_of_files
 from workbench.figures import canvas
+from workbench.run import in_memory, writing
 from workbench.scene import film, opengl, scene_kinds
-from workbench.store import in_memory, writing
 from workbench.stored.stored_study import StoredStudy
 
 DPI, SIZE = 50, (320, 212)  # of a scene in a frame

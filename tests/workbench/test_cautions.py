@@ -9,8 +9,8 @@ import pytest
 from solver import Case, Cylinder, Ends, Rod, Start, equilibria, observe, solve
 from solver.observe.cautions import largest_strain
 from tests.workbench import small
-from workbench.store import assembly
-from workbench.store.block import columns
+from workbench.run import assembly
+from workbench.run.block import columns
 from workbench.words import cautions, pipe_profile, pipe_state
 
 STEEL = {"E": 2.1e8, "nu": 0.3, "L": 20.0}  # kN and m

@@ -15,8 +15,8 @@ from tests.workbench import forked, small
 from tests.workbench.command import exit_status
 from workbench import cli
 from workbench.commands import scene
+from workbench.run import study_store, writing
 from workbench.scene import opengl
-from workbench.store import study_store, writing
 
 ROOT = Path(__file__).parents[2]
 

@@ -16,8 +16,8 @@ from studies import load
 from tests.workbench import runs, small
 from tests.workbench.test_faults import DEADLY, GRID, SMALL, TELLING, whole  # noqa: F401  (a fixture)
 from tests.workbench.waiting import until
-from workbench.store import cluster, plan, recipe, worker_processes
-from workbench.store.study_store import Options, run_to_file
+from workbench.run import cluster, plan, recipe, worker_processes
+from workbench.run.study_store import Options, run_to_file
 
 distributed = pytest.importorskip("distributed")
 

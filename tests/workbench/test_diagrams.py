@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 from matplotlib.figure import Figure
 
-from solver.mechanics.potential import Loads, potential
+from solver.orbits.potential import Loads, potential
 from solver.problem.errors import InputError
 from studies import load
 from studies.grammar.axes import Axis
@@ -27,7 +27,7 @@ from workbench.figures import (
     unrolled,
     waves,
 )
-from workbench.store import in_memory
+from workbench.run import in_memory
 from workbench.stored.stored_study import StoredStudy
 
 OUTPUTS = 'outputs = ["beta", "dbeta", "alpha", "z", "kappa", "contact"]\n'

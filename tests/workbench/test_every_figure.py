@@ -17,7 +17,7 @@ from workbench.branches.equilibria_dataset import dataset_of
 from workbench.figures import bars, equilibria_figure, kinds, robustness, story, work_precision
 from workbench.figures.sheet import sheet
 from workbench.influence.derivatives import local
-from workbench.store import reading
+from workbench.run import reading
 from workbench.stored.stored_study import StoredStudy
 from workbench.web.report import measured_runs, report_runs
 

@@ -19,7 +19,7 @@ from tests.workbench.live import asked, served, unpacked
 from tests.workbench.node import needs_node, run
 from workbench.branches import equilibria_dataset
 from workbench.branches.ends_study import ends_problem
-from workbench.store import writing
+from workbench.run import writing
 from workbench.web.live import page_model, presets
 from workbench.web.live.presets import PRESETS, Preset
 

@@ -26,7 +26,7 @@ from workbench.export import step, stored_rod
 from workbench.export.base import Options
 from workbench.export.stored_rod import export
 from workbench.geometry import centreline, self_contact, stored_line
-from workbench.store import in_memory, writing
+from workbench.run import in_memory, writing
 from workbench.stored.stored_study import StoredStudy
 
 # Table 1 but for E, its lengths in any unit: at 5000 a bend is tighter than the rod is thick, at 10700 turns meet, at

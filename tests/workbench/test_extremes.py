@@ -21,7 +21,7 @@ from workbench.compare.extreme_runs import (
 )
 from workbench.figures import canvas, robustness
 from workbench.figures import colours as palette
-from workbench.store import reading, writing
+from workbench.run import reading, writing
 from workbench.stored.stored_study import StoredStudy
 from workbench.web.report import measured_runs
 

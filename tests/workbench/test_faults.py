@@ -18,19 +18,19 @@ from tests.slow import slow
 from tests.workbench import runs, small
 from tests.workbench.waiting import alive, until
 from workbench.commands import console
-from workbench.store import recipe, shards, study_store, worker_processes
+from workbench.run import recipe, shards, study_store, worker_processes
 
 pytestmark = pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL on this system")
 
 GRID = runs.grid(3, 50)  # 150 cases
-SMALL = "from workbench.store import plan; plan.BLOCK = 16\n"  # ten blocks of them
+SMALL = "from workbench.run import plan; plan.BLOCK = 16\n"  # ten blocks of them
 
 # A run that takes its time: at each block, and wherever a file is put on the disk.
 SLOW = (
     SMALL
     + """
 import os, time
-from workbench.store import block
+from workbench.run import block
 block_of, fsync = block.block_of, os.fsync
 def slowly(study, part):
     time.sleep(0.03)
@@ -95,7 +95,7 @@ def test_a_run_killed_at_twenty_random_moments_ends_with_every_bit_of_one_that_w
 
 
 WAYS = {
-    "while the file is assembled": ("workbench.store.writing._create", []),
+    "while the file is assembled": ("workbench.run.writing._create", []),
     "while the parts are removed": ("pathlib.Path.rmdir", [pytest.mark.slow]),
     "while a shard is renamed": ("os.replace", [pytest.mark.slow]),
     "while a shard is put on the disk": ("os.fsync", [pytest.mark.slow]),
@@ -121,7 +121,7 @@ TELLING = (
     + """
 import os, time
 from pathlib import Path
-from workbench.store import block
+from workbench.run import block
 def telling(study, part, block_of=block.block_of):
     if part.start == 32 and not Path("worker").exists():
         Path("worker.part").write_text(str(os.getpid()))
@@ -161,7 +161,7 @@ DEADLY = (
     SMALL
     + """
 import os, signal
-from workbench.store import block
+from workbench.run import block
 def deadly(study, part, block_of=block.block_of):
     with open("deaths", "a") as file:
         if (part.values["F1"] == 9.0).any() and (part.values["E"] == 5e3).any():
@@ -363,7 +363,7 @@ def test_a_file_system_that_is_full_is_told_and_what_is_finished_is_kept(size, w
         pytest.skip("this machine does not let itself mount a tmpfs")
     try:
         runs.study(small, GRID)
-        believing = SMALL + "from workbench.store import shards; shards.free = lambda folder: 10**12\n"
+        believing = SMALL + "from workbench.run import shards; shards.free = lambda folder: 10**12\n"
         done = runs.run(small, "many.toml", "--workers", 1, "--chunk", 16, before=believing)
         assert done.returncode == 2, done.stderr
         assert re.fullmatch(r"workbench: cannot write many\.h5: .*; finished cases are kept; .*\n", done.stderr)

@@ -10,7 +10,7 @@ from solver.end_angle_branch import to_fold
 from studies import TABLE_1, load, names
 from tests.workbench import small, stored_figures
 from workbench.figures import kinds
-from workbench.store import in_memory
+from workbench.run import in_memory
 from workbench.stored import law_verdicts
 from workbench.stored.stored_study import StoredStudy
 

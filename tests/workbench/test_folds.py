@@ -15,7 +15,7 @@ from workbench.branches.region_dataset import dataset_of
 from workbench.figures import kinds
 from workbench.figures import region_map as region_figure
 from workbench.figures.sheet import sheet
-from workbench.store import reading, writing
+from workbench.run import reading, writing
 from workbench.stored.stored_study import StoredStudy
 from workbench.web.report import measured_runs
 

@@ -13,7 +13,7 @@ from studies import Study
 from studies.language.loader import loads
 from tests.slow import slow
 from tests.workbench import small
-from workbench.store import in_memory
+from workbench.run import in_memory
 
 SNAP = {"E": 325.95, "nu": 0.25, "a": 0.25, "R": 0.75, "L": 5.0, "beta0": 0.5, "betaL": 0.5}
 FALLING = small.axis("FZ", (2.0, -3.0, 11), follow=True)

@@ -10,8 +10,8 @@ from studies import Study
 from tests.slow import slow_but
 from tests.workbench import runs, small
 from tests.workbench.study_kinds import pipe_study, refinement_study, sample_study, snapping, table_1
-from workbench.store import assembly
-from workbench.store.study_store import Options, run_to_file
+from workbench.run import assembly
+from workbench.run.study_store import Options, run_to_file
 
 FORCES = np.linspace(1, 9, 60)
 small_blocks = runs.small_blocks(64)

@@ -9,7 +9,7 @@ import xarray as xr
 
 from studies.language.loader import loads
 from tests.workbench import small
-from workbench.store import in_memory
+from workbench.run import in_memory
 
 ROD = "--length-unit cm --force-unit N --E 1.07e4 --nu 0.25 --a 0.25 --L 5 --R 0.75 --beta0 0 --betaL 0 --height 4"
 QUICK = "--within FZ=-90:-30 --values 3 --tries 0"

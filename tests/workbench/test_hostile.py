@@ -22,9 +22,9 @@ from tests.slow import slow, slow_but
 from tests.workbench import forked, runs, small
 from tests.workbench.command import exit_status
 from workbench.figures import canvas, study_figure
+from workbench.run import checks, file_checks, in_memory, reading, recipe, writing
+from workbench.run.study_store import run_to_file
 from workbench.scene import opengl
-from workbench.store import checks, file_checks, in_memory, reading, recipe, writing
-from workbench.store.study_store import run_to_file
 from workbench.stored import schema
 from workbench.stored.stored_study import StoredStudy
 

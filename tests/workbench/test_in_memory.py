@@ -12,7 +12,7 @@ from solver.problem.trajectory import Trajectory
 from studies.language.loader import loads
 from tests.slow import slow
 from tests.workbench import small
-from workbench.store import assembly, in_memory
+from workbench.run import assembly, in_memory
 from workbench.stored import law_verdicts
 from workbench.stored.stored_study import StoredStudy
 

@@ -21,7 +21,7 @@ from workbench.figures.sheet import sheet
 from workbench.influence import analyse, local, sobol
 from workbench.influence.derivatives import REAL
 from workbench.influence.indices import Design, design_of
-from workbench.store import in_memory, reading, stored_case, writing
+from workbench.run import in_memory, reading, stored_case, writing
 from workbench.stored.stored_study import StoredStudy
 
 TABLE = Case(Rod(1.07e4, 0.25, 0.25, 20.0), Cylinder(0.75), Start("30deg", 0.5, F1=5.0, F3=10.0))

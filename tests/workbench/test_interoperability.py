@@ -19,7 +19,7 @@ from tests.workbench import small
 from workbench.export.base import Options
 from workbench.export.stored_rod import export
 from workbench.geometry import stored_line
-from workbench.store import in_memory, writing
+from workbench.run import in_memory, writing
 from workbench.stored.stored_study import StoredStudy
 
 UNSOLVED = "failed: on purpose"

@@ -10,7 +10,7 @@ from workbench.figures import drawn_numbers, study_figure, unrolled
 from workbench.figures.drawn_rods import DrawnRod
 from workbench.figures.fonts import SMALL
 from workbench.figures.sheet import sheet
-from workbench.store import in_memory
+from workbench.run import in_memory
 from workbench.stored.stored_study import StoredStudy
 
 PIPE = {"E": 2.06e8, "nu": 0.3, "a": 0.06, "R": 0.11, "side": "inside", "beta0": 0.0, "betaL": 0.0, "FZ": -2000}

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from studies import load
 from tests.workbench import small
 from workbench.figures import map_figure, regions
-from workbench.store import in_memory
+from workbench.run import in_memory
 from workbench.stored.stored_study import StoredStudy
 
 

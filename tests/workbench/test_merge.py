@@ -12,7 +12,7 @@ from solver import InputError
 from tests.slow import slow, slow_but
 from tests.workbench import small
 from tests.workbench.small import axis, law
-from workbench.store import assembly, file_merge, in_memory, reading, study_store, writing
+from workbench.run import assembly, file_merge, in_memory, reading, study_store, writing
 from workbench.stored import law_verdicts
 
 RADII = axis("R", [0.5, 0.75, 1.0])

@@ -15,7 +15,7 @@ from studies.laws.line_verdicts import HOLDS, UNDECIDED
 from tests.workbench import small, stored_figures
 from workbench.figures import study_figure
 from workbench.figures.sheet import sheet
-from workbench.store import in_memory
+from workbench.run import in_memory
 from workbench.stored import law_verdicts
 from workbench.stored.stored_study import StoredStudy
 

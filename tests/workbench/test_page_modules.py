@@ -8,9 +8,9 @@ from matplotlib.figure import Figure
 
 from benchmarks import make_page_formulas
 from solver import Case, Ends, Solution, solve
-from solver.mechanics import frames
-from solver.mechanics.potential import potential
 from solver.observe.observables import observe
+from solver.orbits import frames
+from solver.orbits.potential import potential
 from solver.problem.quantities import QUANTITIES, unit_of
 from studies.language.loader import loads
 from studies.language.readings import READINGS

@@ -24,7 +24,7 @@ from workbench.branches.ends_study import ends_problem
 from workbench.branches.equilibria_dataset import dataset_of
 from workbench.figures import canvas, equilibria_figure, fonts, map_figure, scales, study_figure
 from workbench.figures.sheet import sheet
-from workbench.store import in_memory, writing
+from workbench.run import in_memory, writing
 from workbench.stored import law_verdicts
 from workbench.stored.stored_study import StoredStudy
 

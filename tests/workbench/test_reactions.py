@@ -11,8 +11,8 @@ from studies import Study
 from studies.language.loader import loads
 from studies.laws.line_verdicts import HOLDS
 from tests.workbench import small
-from workbench.store import in_memory
-from workbench.store.study_store import Options, run_to_file
+from workbench.run import in_memory
+from workbench.run.study_store import Options, run_to_file
 from workbench.stored import law_verdicts
 
 ROD, WALL = Rod(E=1.07e4, nu=0.25, a=0.25, L=5.0), Cylinder(R=0.75)

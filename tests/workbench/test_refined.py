@@ -15,9 +15,9 @@ from studies.language.loader import loads
 from tests.workbench import runs, small, stored_figures
 from tests.workbench.command import run
 from workbench.figures import kinds, map_figure, study_figure
-from workbench.store import block, in_memory, plan, reading, recipe, writing
-from workbench.store.file_summary import summary
-from workbench.store.study_store import Options, run_to_file
+from workbench.run import block, in_memory, plan, reading, recipe, writing
+from workbench.run.file_summary import summary
+from workbench.run.study_store import Options, run_to_file
 from workbench.stored import law_verdicts, refined, schema
 from workbench.stored.stored_study import StoredStudy
 

@@ -19,9 +19,9 @@ from workbench.export.base import Options
 from workbench.export.stored_rod import export
 from workbench.geometry import centreline, stored_line
 from workbench.geometry.refinement import COLOUR_STEPS, push_along, rings, stations_for
+from workbench.run import in_memory
 from workbench.scene.body import Body, read
 from workbench.scene.scene_kinds import KINDS
-from workbench.store import in_memory
 from workbench.stored.stored_study import StoredStudy
 
 

@@ -24,8 +24,8 @@ from tests.workbench import browser, node, small
 from tests.workbench.pictures import shares_of_push
 from tests.workbench.waiting import until
 from workbench.figures import canvas
-from workbench.store import in_memory, reading, writing
-from workbench.store.in_memory import StudyResult
+from workbench.run import in_memory, reading, writing
+from workbench.run.in_memory import StudyResult
 from workbench.stored import law_verdicts
 from workbench.stored.stored_study import StoredStudy
 from workbench.web.report import law_cards, measured_runs, report_document, report_runs, sources

@@ -15,7 +15,7 @@ from workbench.export.stored_rod import export
 from workbench.figures import kinds, portrait, unrolled
 from workbench.geometry import stored_line
 from workbench.geometry.refinement import push_along
-from workbench.store import checks, in_memory, reading, writing
+from workbench.run import checks, in_memory, reading, writing
 from workbench.stored.stored_study import StoredStudy
 from workbench.web.live.presets import own_preset
 from workbench.web.turntable import turntable_page

@@ -16,10 +16,10 @@ from workbench.export import stored_rod
 from workbench.figures import along
 from workbench.figures.trends import trend
 from workbench.geometry import stored_line
+from workbench.run import in_memory
 from workbench.scene import body as body_of
 from workbench.scene import layout, long_rod, scene_kinds, views
 from workbench.scene.settings import Settings
-from workbench.store import in_memory
 from workbench.stored.stored_study import StoredStudy
 from workbench.words import cautions
 

@@ -12,8 +12,8 @@ from solver import solve
 from tests.slow import slow_but
 from tests.workbench import runs, small
 from tests.workbench.study_kinds import QUICK, STUDIES, pipe_study
-from workbench.store import block, in_memory, plan, stored_case, worker_processes
-from workbench.store.study_store import Options, run_to_file
+from workbench.run import block, in_memory, plan, stored_case, worker_processes
+from workbench.run.study_store import Options, run_to_file
 from workbench.stored import one_case, quantity_variables
 from workbench.stored.stored_study import StoredStudy
 

@@ -13,10 +13,10 @@ from tests.workbench import runs, small, stored_figures
 from tests.workbench.command import run
 from workbench.commands import study_scene
 from workbench.figures import study_figure, trends
+from workbench.run import file_merge, in_memory, reading, writing
+from workbench.run.file_summary import summary
+from workbench.run.study_store import Options, run_to_file
 from workbench.scene import scene_kinds
-from workbench.store import file_merge, in_memory, reading, writing
-from workbench.store.file_summary import summary
-from workbench.store.study_store import Options, run_to_file
 from workbench.stored import solved_again
 from workbench.stored.stored_study import StoredStudy
 

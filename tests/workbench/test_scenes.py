@@ -11,7 +11,7 @@ import xarray as xr
 from matplotlib.colors import to_hex, to_rgb
 from PIL import Image
 
-from solver.mechanics import frames
+from solver.orbits import frames
 from solver.problem.errors import InputError
 from studies import load
 from studies.language.loader import loads
@@ -24,11 +24,11 @@ from workbench.figures import canvas, colours
 from workbench.geometry import refinement, self_contact
 from workbench.geometry.centreline import Centreline
 from workbench.geometry.lines import Lines
+from workbench.run import in_memory, writing
 from workbench.scene import body as rods
 from workbench.scene import long_rod, opengl, page, scene_kinds, surfaces, views
 from workbench.scene.scene_kinds import KINDS, Cell, kind_of
 from workbench.scene.views import View
-from workbench.store import in_memory, writing
 from workbench.stored.quantity_variables import SECTION
 from workbench.stored.stored_study import StoredStudy
 

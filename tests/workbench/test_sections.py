@@ -16,7 +16,7 @@ from solver import Case, Rod, Start, solve
 from studies.language.loader import dumps, loads
 from tests.workbench import doc_pages, small
 from workbench.geometry import stored_line
-from workbench.store import in_memory, reading, writing
+from workbench.run import in_memory, reading, writing
 from workbench.stored import law_verdicts
 from workbench.stored.stored_study import StoredStudy
 

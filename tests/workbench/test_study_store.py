@@ -18,8 +18,8 @@ from studies.language.study import OUTPUTS
 from tests.raising import LENGTHS, make_raise
 from tests.slow import slow, slow_but
 from tests.workbench import runs, small
-from workbench.store import assembly, block, in_memory, recipe, shards, study_store
-from workbench.store.study_store import Options, run_to_file
+from workbench.run import assembly, block, in_memory, recipe, shards, study_store
+from workbench.run.study_store import Options, run_to_file
 from workbench.stored import one_case, quantity_variables, schema
 
 GRID = runs.grid(3, 50)  # 150 cases: blocks of 64, the last one short
@@ -161,7 +161,7 @@ def test_a_law_that_changed_is_told_as_words(tmp_path) -> None:
 
 def test_a_finished_study_is_answered_without_xarray_and_pandas(whole) -> None:
     before = (
-        "import atexit, sys\nfrom workbench.store import plan; plan.BLOCK = 64\n"
+        "import atexit, sys\nfrom workbench.run import plan; plan.BLOCK = 64\n"
         "atexit.register(lambda: print(*{'xarray', 'pandas'} & set(sys.modules), '.'))"
     )
     with runs.start(whole.parent, whole.with_suffix(".toml"), before=before) as told:
@@ -410,8 +410,8 @@ def test_a_study_does_not_grow_with_other_code(half, monkeypatch) -> None:
 
 
 OF_EACH = {
-    "friction": ("solver.shooting.answers.find_shape", {"friction": 0.3, "FZ": -1.0}, False, 1),
-    "held": ("solver.choose.held_equilibrium.by_rule", {"height": 4.5}, False, 1),
+    "friction": ("solver.nodes.answers.find_shape", {"friction": 0.3, "FZ": -1.0}, False, 1),
+    "held": ("solver.held.held_equilibrium.by_rule", {"height": 4.5}, False, 1),
     "followed": ("workbench.stored.sweep.follow", {"FZ": -1.0}, True, 2),  # it raises on the way from the second case
 }
 

@@ -10,7 +10,7 @@ from studies.language.loader import loads
 from tests.slow import slow_but
 from tests.workbench import small
 from tests.workbench.command import exit_status
-from workbench.store import file_summary, in_memory, writing
+from workbench.run import file_summary, in_memory, writing
 from workbench.stored import law_verdicts
 
 AXES = small.axis("E", [1e4, 2e4]) + small.axis("R", [0.5, 0.75, 1.0])

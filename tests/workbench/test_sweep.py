@@ -12,8 +12,8 @@ from studies.laws.line_verdicts import FAILS, UNDECIDED
 from tests.slow import slow, slow_but
 from tests.workbench import small
 from workbench.commands import study_scene
+from workbench.run import in_memory
 from workbench.scene import scene_kinds
-from workbench.store import in_memory
 from workbench.stored import law_verdicts, one_case, sweep
 
 PIPE = {"E": 2.06e8, "inner_radius": 0.0543, "nu": 0.3, "a": 0.0635, "R": 0.108}

@@ -15,7 +15,7 @@ from workbench.commands import trade
 from workbench.commands.fidelity import FIDELITIES, OFF_WALL
 from workbench.compare.trade_runs import CASES, advice, reference
 from workbench.figures import work_precision
-from workbench.store import in_memory, reading
+from workbench.run import in_memory, reading
 from workbench.stored.quantity_variables import CURVES
 from workbench.stored.stored_study import StoredStudy
 

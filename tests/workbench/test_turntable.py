@@ -22,7 +22,7 @@ from tests.workbench.command import exit_status
 from tests.workbench.waiting import until
 from workbench import notebook
 from workbench.geometry import stored_line
-from workbench.store import in_memory
+from workbench.run import in_memory
 from workbench.stored.stored_study import StoredStudy
 from workbench.web.turntable import turntable_page
 from workbench.web.turntable.turntable_page import turntable_of_dataset

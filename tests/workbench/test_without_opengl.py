@@ -8,8 +8,8 @@ import pytest
 
 from tests.workbench import forked, small
 from tests.workbench.command import exit_status
+from workbench.run import in_memory, writing
 from workbench.scene import opengl
-from workbench.store import in_memory, writing
 
 SAID = "libegl1 libgl1-mesa-dri"
 

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from tests.workbench import small, stored_figures
 from workbench.figures import along, kinds, map_figure, map_panel, portrait, study_figure, unrolled
 from workbench.figures.sheet import sheet
-from workbench.store import in_memory
+from workbench.run import in_memory
 from workbench.stored import law_verdicts
 from workbench.stored.stored_study import StoredStudy
 

@@ -9,7 +9,7 @@ import pytest
 from studies import load
 from tests.workbench import runs
 from tests.workbench.command import output_of
-from workbench.store import block, plan, worker_processes
+from workbench.run import block, plan, worker_processes
 
 linux = pytest.mark.skipif(sys.platform != "linux", reason="reads /proc, and copies are made on Linux only")
 
@@ -22,7 +22,7 @@ def parent(pid: int | None) -> int:
 @pytest.mark.slow
 @linux
 def test_what_workers_are_copies_of_has_one_thread_so_that_copying_is_safe() -> None:
-    code = "import os, workbench.store.preload; print(len(os.listdir('/proc/self/task')))"
+    code = "import os, workbench.run.preload; print(len(os.listdir('/proc/self/task')))"
     assert output_of(code, **dict.fromkeys(worker_processes.ONE_THREAD, "1")) == ["1"]
 
 
@@ -30,10 +30,10 @@ def test_what_workers_are_copies_of_has_one_thread_so_that_copying_is_safe() -> 
 def test_what_workers_are_copies_of_has_read_all_that_a_block_needs(tmp_path) -> None:
     path = runs.study(tmp_path, runs.grid(2, 2), method="auto")
     code = f"""
-import sys, workbench.store.preload
+import sys, workbench.run.preload
 from pathlib import Path
 from studies import load
-from workbench.store import block, plan
+from workbench.run import block, plan
 before = set(sys.modules)
 work = plan.plan(load({str(path)!r}))
 block.solve_chunk(work.light, work.chunk(0, 4), work.block)
@@ -66,7 +66,7 @@ def test_a_worker_whose_model_ends_is_told_in_one_sentence_and_not_taken_for_an_
     (tmp_path / "deadly.py").write_text("import os\nos._exit(1)\n")
     code = """
 from solver import InputError
-from workbench.store import worker_processes
+from workbench.run import worker_processes
 worker_processes.PRELOAD = "deadly"
 try:
     worker_processes.Worker()
@@ -84,7 +84,7 @@ def test_a_process_that_keeps_memory_does_not_fetch_it_anew_for_every_array() ->
     code = """
 import resource
 import numpy as np
-from workbench.store import worker_processes
+from workbench.run import worker_processes
 if {keep}:
     worker_processes.keep_memory()
 def faults():

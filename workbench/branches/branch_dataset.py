@@ -14,7 +14,7 @@ from solver import Branch, Case, Solution
 from solver.equilibria import MOST_LISTED, Equilibrium
 from solver.follow import solutions_of
 from solver.observe.observables import OBSERVABLES, observe
-from solver.orbit.periodic_orbit import jacobi_zeros
+from solver.orbits.periodic_orbit import jacobi_zeros
 from solver.problem.errors import no_such, whole_number
 from solver.problem.reduced import held_of
 from studies import Study

@@ -5,8 +5,8 @@ from pathlib import Path
 from typing import Any
 
 from solver import Case, Ends, InputError, Solution, observe, solve
-from solver.choose.selection import NEAREST
 from solver.equilibria import Equilibrium
+from solver.held.selection import NEAREST
 from solver.problem.errors import choices
 from solver.problem.reduced import held_of
 from solver.solve import ends_case
@@ -15,7 +15,7 @@ from studies.language.case_input import check_alone, check_units, field_values, 
 from studies.language.loader import loads
 from studies.language.readings import TABLE_UNITS
 
-from ..store import writing
+from ..run import writing
 
 DEFAULT = "fig7_4_end_angle"  # the study whose rod is that of Table 1
 ELASTIC = ("bending_energy", "twist_energy")

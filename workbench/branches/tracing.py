@@ -14,16 +14,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver import Branch, Case, InputError, Solution, equilibria, follow, solve
+from solver.branches.charts import same_equilibrium
 from solver.equilibria import Equilibrium
-from solver.equilibrium.charts import same_equilibrium
 from solver.equilibrium_branch import HELIX, BranchPoint, SpecialPoint
 from solver.follow import MOST
-from solver.levels.boundary import boundary_of, path_of
+from solver.nodes.loaded_rod import BETA
+from solver.nodes.varying_shapes import Shape
+from solver.orbits.boundary import boundary_of, path_of
 from solver.problem.case import PAIRS
 from solver.problem.case_fields import with_field
 from solver.problem.reduced import EndsProblem
-from solver.shooting.loaded_rod import BETA
-from solver.shooting.varying_shapes import Shape
 from studies.language.case_input import with_fields
 
 PARTNER = {held: field for field, held in PAIRS}  # height -> FZ

@@ -48,9 +48,9 @@ def film_of(
     Each frame shows the rod and the curve of an observable up to that case. Between the stored cases others are solved,
     as many as let the rod move smoothly. Exit status 1 if OpenGL does not work on this machine.
     """
+    from ..run import in_memory
     from ..scene import film, opengl
     from ..scene.scene_kinds import kind_of
-    from ..store import in_memory
     from ..stored.stored_study import StoredStudy
     from . import study_scene
 

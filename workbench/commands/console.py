@@ -14,7 +14,7 @@ from ..words import escaping
 if TYPE_CHECKING:  # --help does not import rich
     from rich.console import Console
 
-    from ..store.study_store import Meter
+    from ..run.study_store import Meter
 
 HELD = "\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}"
 EVERY = 5.0  # seconds between two lines of progress
@@ -114,7 +114,7 @@ def progress(total: int, lines: bool = False) -> Iterator[Any]:
 @contextmanager
 def progress_bar(total: int, done: int, as_json: bool = False) -> "Iterator[Meter]":
     """A meter, shown while the body runs; where stderr is no terminal, or as JSON, by a line every 5 s."""
-    from ..store.study_store import Meter
+    from ..run.study_store import Meter
 
     if as_json or not err().is_terminal:
         yield Meter(total, done, _make_lines(as_json))

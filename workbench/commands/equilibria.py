@@ -90,7 +90,7 @@ def equilibria(
     from solver.problem.reduced import held_of
 
     from ..branches.ends_study import study_and_case, write_cases
-    from ..store import writing
+    from ..run import writing
 
     study, case = study_and_case(file, given.values, given.units, held=axis is None)
     held = held_of(case)

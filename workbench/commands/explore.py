@@ -8,7 +8,7 @@ from typing import Annotated
 
 from solver.problem.errors import InputError
 
-from ..store import atomic
+from ..run import atomic
 from . import console
 from .case_options import EVERY, Given
 from .options import ForceOutput, argument, check_file, option

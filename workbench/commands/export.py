@@ -59,7 +59,7 @@ def export(
     """
     from ..export import stored_rod
     from ..export.base import Options
-    from ..store import reading
+    from ..run import reading
     from ..stored.stored_study import StoredStudy
 
     stored_rod.format_of(out)  # before a large file is read

@@ -26,7 +26,7 @@ from .present import Result, presents
 from .tables import number_stated, unit_stated
 
 if TYPE_CHECKING:
-    from solver.inverse.fit_result import Fit
+    from solver.fits.fit_result import Fit
     from studies.language.case_input import CaseInput
 
 OUT = (".toml", ".csv")
@@ -127,7 +127,7 @@ def _case(file: Path | None, at: list[str] | None, given: Given, table1: bool, r
     from studies import load
     from studies.language.case_input import check_alone, read_case
 
-    from ..store.stored_case import case_at, outline
+    from ..run.stored_case import case_at, outline
     from ..stored.stored_study import StoredStudy
 
     if file is None:
@@ -158,7 +158,7 @@ def _vary(texts: list[str] | None, bounds: dict[str, tuple[float, float]]) -> "d
 
 def _rule(asked: "CaseInput", choose: str | None) -> Any:
     """Which equilibrium of an ends problem the search begins with."""
-    from solver.choose.selection import NEAREST
+    from solver.held.selection import NEAREST
 
     which = asked.study.equilibrium if asked.study else None
     if choose is not None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from solver.problem.errors import InputError, no_such
 
-from ..store import atomic
+from ..run import atomic
 from . import console
 from .options import ForceOutput, check_file, option
 from .present import Result, presents, result_of_files
@@ -40,8 +40,8 @@ def gallery(
     is pushed and released. hero_page.png shows the live page; without a Chromium on PATH it is left out. Exit status 1
     if OpenGL does not work on this machine.
     """
+    from ..run import writing
     from ..scene import opengl
-    from ..store import writing
     from ..web.live import live_document
 
     suffixes = _suffixes(only or [])
@@ -115,7 +115,7 @@ def _datasets() -> "dict[str, Callable[[], StoredStudy]]":
 
     from ..branches.ends_study import ends_problem
     from ..branches.equilibria_dataset import dataset_of
-    from ..store import in_memory
+    from ..run import in_memory
     from ..stored.stored_study import StoredStudy
 
     def equilibria() -> StoredStudy:

@@ -145,7 +145,7 @@ Json = Annotated[bool, flag("Print JSON.", "--json")]
 
 def check_file(path: Path, suffixes: tuple[str, ...], force: bool) -> Path:
     """The path; raises `InputError` for another suffix, and as of `writing.check_new`."""
-    from ..store import writing
+    from ..run import writing
 
     if path.suffix.lower() not in suffixes:
         raise InputError(f"cannot write {path.name!r}: choose a name that ends in {choices(suffixes)}")
@@ -285,7 +285,7 @@ def parse_choose(text: str, given: Any = None) -> "Which":
     given: the start or the ends of the case. Raises `InputError`, also for a start, which has one solution.
     """
     from solver import Start
-    from solver.choose.selection import check
+    from solver.held.selection import check
     from studies.grammar.axes import Which
 
     try:

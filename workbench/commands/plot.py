@@ -8,7 +8,7 @@ from typing import Annotated, Any
 from solver.problem.errors import InputError
 
 from ..figures import kinds
-from ..store import atomic
+from ..run import atomic
 from .options import At, Dpi, File, ForceOutput, NoTitle, Style, Width, axis_values, check_file, names, option
 from .present import Result, presents, result_of_files
 
@@ -78,7 +78,7 @@ def plot(
     """
     from ..figures import canvas, drawn_numbers, map_panel
     from ..figures.sheet import sheet
-    from ..store import reading
+    from ..run import reading
     from ..stored import file_kinds
     from ..stored.stored_study import StoredStudy
 
@@ -125,7 +125,7 @@ def _story(folder: Path, out: Path, width: float | None, force: bool, dpi: int) 
     """Draw the figure of the datasets that reproduce wrote into a folder."""
     from ..figures import canvas, story
     from ..figures.sheet import sheet
-    from ..store import reading
+    from ..run import reading
     from ..stored.stored_study import StoredStudy
 
     path = check_file(out, canvas.DIAGRAMS, force)

@@ -144,7 +144,7 @@ def _check_files(
 
     Raises `InputError` for a file that cannot be written, and for an option of a picture without a picture.
     """
-    from ..store import writing
+    from ..run import writing
 
     if out is not None and suffixes:
         check_file(out, suffixes, force)
@@ -181,7 +181,7 @@ def present(
     if out and result.write is not None:
         result.write(out)
     elif out and dataset is not None:
-        from ..store import writing
+        from ..run import writing
 
         writing.write(dataset, out, force)
     if plot and dataset is not None:

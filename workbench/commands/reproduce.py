@@ -9,12 +9,12 @@ from solver.problem.errors import InputError
 
 from . import console, tables
 from .options import Reading, option
-from .run import print_verdicts
+from .run_study import print_verdicts
 
 if TYPE_CHECKING:
     from studies import Study
 
-    from ..store.in_memory import StudyResult
+    from ..run.in_memory import StudyResult
     from ..stored.stored_study import StoredStudy
 
 RODS = "fig6"  # the study of the rod of Table 1
@@ -34,7 +34,7 @@ def reproduce(
     """
     from studies import READINGS, load, names
 
-    from ..store import writing
+    from ..run import writing
     from ..stored import law_verdicts
     from ..stored.stored_study import StoredStudy
     from ..web.report import report_runs
@@ -71,7 +71,7 @@ def _results(
     studies: "Sequence[Study]", files: dict[str, Path], out: Path, able: bool, step: Any
 ) -> "tuple[list[StudyResult], list[str]]":
     """Solve, store and draw each study; the results, and a sentence for each study that its reading does not admit."""
-    from ..store import in_memory, reading, study_store
+    from ..run import in_memory, reading, study_store
 
     results, refusals = [], []
     for study in studies:
@@ -90,7 +90,7 @@ def _results(
 
 def _equilibria(study: "Study", out: Path, able: bool) -> "tuple[StoredStudy, dict[str, Path]] | None":
     """Store the equilibria of the rod of Table 1 and draw it beside the stable one; None where it has no shape."""
-    from ..store import writing
+    from ..run import writing
     from ..stored.stored_study import StoredStudy
     from ..web.report import report_runs
 
@@ -109,7 +109,7 @@ def _equilibria(study: "Study", out: Path, able: bool) -> "tuple[StoredStudy, di
 
 def _release(study: "Study", out: Path) -> dict[str, Any] | str:
     """Store the rods of a study that are let go; what the report says of them, or why there are none."""
-    from ..store import reading, study_store
+    from ..run import reading, study_store
     from ..stored.stored_study import StoredStudy
     from ..web.report import report_runs
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from solver.problem.errors import InputError, choices
 
-from ..store import atomic
+from ..run import atomic
 from .animate import Fps, Frames, Show, Stored
 from .options import At, ForceOutput, PixelError, argument, axis_values, check_file, flag, number_option, option
 from .present import Result, presents, result_of_files

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from solver.problem.errors import InputError
 
-from ..store import atomic
+from ..run import atomic
 from . import console, tables
 from .options import At, argument, axis_values, flag, names, number, option
 from .present import Result, presents
@@ -77,7 +77,7 @@ def _local(
     from studies import load
 
     from ..influence import derivatives
-    from ..store import reading, stored_case
+    from ..run import reading, stored_case
     from ..stored import quantity_variables
     from ..stored.stored_study import StoredStudy
 
@@ -103,7 +103,7 @@ def _indices(
 ) -> "tuple[xr.Dataset, list[str]]":
     """The indices of a stored study, and the sentences on them."""
     from ..influence import indices
-    from ..store import reading, stored_case
+    from ..run import reading, stored_case
     from ..stored.stored_study import StoredStudy
 
     if stored_case.is_study(file):

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from solver.problem.errors import DEFAULT_TOLERANCE
 from solver.problem.quantities import quantity
 
-from ..store import atomic
+from ..run import atomic
 from ..words.habits import plain, size_shown, unit_shown
 from . import console, tables
 from .case_options import EVERY, Given
@@ -92,7 +92,7 @@ def solve(
     from studies.language.loader import dumps, loads
 
     from ..branches.ends_study import text_of_solution
-    from ..store import in_memory, stored_case, writing
+    from ..run import in_memory, stored_case, writing
     from ..stored.one_case import solve_one
     from ..words import cautions, free_rods, pipe_profile, pipe_state
     from .fidelity import fidelity

@@ -18,10 +18,10 @@ from studies.grammar.axes import Axis
 from studies.language.study import MAX_STATIONS, OUTPUTS
 
 from ..figures.scales import is_logarithmic, is_wide
+from ..run import in_memory, reading
+from ..run.stored_case import is_study
 from ..scene.scene_kinds import Kind
 from ..scene.settings import TooFewStations
-from ..store import in_memory, reading
-from ..store.stored_case import is_study
 from ..stored import file_kinds, quantity_variables, schema
 from ..stored.stored_study import StoredStudy
 

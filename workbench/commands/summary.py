@@ -9,7 +9,7 @@ from solver.problem.quantities import unit_of
 from . import console, tables
 from .options import File
 from .present import Result, presents
-from .run import JUDGED, SAMPLING, print_sentences, print_verdicts
+from .run_study import JUDGED, SAMPLING, print_sentences, print_verdicts
 
 if TYPE_CHECKING:
     from studies.grammar.axes import Axis
@@ -25,9 +25,9 @@ def summary(file: File) -> Result:
     Prints its axes, observables, outcomes, laws and versions, and the cases of the largest error and condition number;
     of lists of equilibria, branches, fold maps and measurements their numbers.
     """
-    from ..store import reading
-    from ..store.file_summary import brief_law, contents
-    from ..store.file_summary import summary as summarise
+    from ..run import reading
+    from ..run.file_summary import brief_law, contents
+    from ..run.file_summary import summary as summarise
     from ..stored import file_kinds
 
     if reading.kind_of_file(file) is file_kinds.STUDY:

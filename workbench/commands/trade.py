@@ -133,7 +133,7 @@ def _measure(
         What is added to the name of the file for each picture -> the options of its figure.
     """
     from ..figures import canvas, kinds
-    from ..store import writing
+    from ..run import writing
     from ..stored.stored_study import StoredStudy
 
     writing.check_folder(path.parent)

@@ -14,7 +14,7 @@ from solver.problem.errors import InputError, choices
 from ..geometry import self_contact, stored_line
 from ..geometry.centreline import Centreline, advice_to_store
 from ..geometry.refinement import push_along
-from ..store import atomic, writing
+from ..run import atomic, writing
 from ..stored.stored_study import StoredStudy
 from . import FORMATS, pvd, surface_files
 from .base import Format, Options, Rod, metres

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from solver.mechanics import frames
+from solver.orbits import frames
 
 from .base import Format, Rod
 from .csv_table import columns

@@ -30,7 +30,7 @@ from matplotlib.transforms import ScaledTranslation
 
 from solver.problem.errors import InputError
 
-from ..store import atomic
+from ..run import atomic
 from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import fonts

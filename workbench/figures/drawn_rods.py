@@ -30,7 +30,7 @@ class DrawnRod:
     """One rod.
 
     name, value: ``E = 5000 N/cm²`` and ``5000``. arrays: s and what was asked for, (n,) each; None where the case is
-    not solved. rho, a [length]; lam, mu, phi: as of `solver.mechanics.potential`. caution: as stored. case: the numbers
+    not solved. rho, a [length]; lam, mu, phi: as of `solver.orbits.potential`. caution: as stored. case: the numbers
     of its case.
     """
 

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from solver.mechanics.statics import push_from
+from solver.orbits.statics import push_from
 from solver.problem.errors import InputError, choices
 
 from ..stored.stored_study import StoredStudy

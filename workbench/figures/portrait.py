@@ -11,9 +11,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from solver.levels.boundary import critical_points
-from solver.mechanics.potential import TAU, Loads, potential, slope_rate
 from solver.numerics.roots import bisect
+from solver.orbits.boundary import critical_points
+from solver.orbits.potential import TAU, Loads, potential, slope_rate
 from solver.problem.errors import InputError
 
 from ..stored.stored_study import StoredStudy

@@ -23,7 +23,7 @@ from matplotlib.patheffects import withStroke
 from matplotlib.transforms import Affine2D, Transform
 from numpy.typing import NDArray
 
-from solver.mechanics import frames
+from solver.orbits import frames
 
 from ..geometry import lines, self_contact
 from ..stored.stored_study import StoredStudy

@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import BPoly, make_interp_spline
 
-from solver.mechanics import frames, statics
-from solver.mechanics.potential import Loads, dimensional_slope, potential
-from solver.mechanics.statics import contact_force, push_from
+from solver.orbits import frames, statics
+from solver.orbits.potential import Loads, dimensional_slope, potential
+from solver.orbits.statics import contact_force, push_from
 from solver.problem.errors import InputError
 from studies.language.study import MAX_STATIONS
 

@@ -10,8 +10,8 @@ import numpy as np
 from scipy.integrate import cumulative_trapezoid
 from scipy.interpolate import CubicSpline
 
-from solver.mechanics import frames
-from solver.mechanics.potential import Loads, slope_rate
+from solver.orbits import frames
+from solver.orbits.potential import Loads, slope_rate
 from solver.problem.case import ALONG_AXIS, IN_PLACE, SLIDING
 from solver.problem.errors import InputError
 

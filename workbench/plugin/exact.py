@@ -14,8 +14,8 @@ from cosseratbench.trajectory import Trajectory
 from scipy.interpolate import CubicHermiteSpline, CubicSpline
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Solution, solve
-from solver.mechanics import frames
 from solver.numerics.arrays import Array
+from solver.orbits import frames
 
 STATIONS = 1001  # of a solution; between them cubics with the exact slopes
 NEAR = 1e-3  # of rho: how far the rod may begin from the surface

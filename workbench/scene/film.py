@@ -24,7 +24,7 @@ from studies.grammar.axes import SAMPLE
 from ..figures import canvas, colours, fonts
 from ..figures.scales import is_logarithmic
 from ..figures.trends import BRACKET, trend
-from ..store import atomic
+from ..run import atomic
 from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import body as rods

@@ -25,7 +25,7 @@ from ..figures import canvas, colours, fonts
 from ..figures.arrangement import Arrangement
 from ..figures.scales import round_below
 from ..geometry.centreline import Array
-from ..store import atomic
+from ..run import atomic
 from ..stored.stored_study import StoredStudy
 from ..words import labels
 from .body import Body

@@ -14,7 +14,7 @@ from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from solver.mechanics import frames
+from solver.orbits import frames
 
 from ..figures.colours import DEPTH, REACH, SURFACE
 from ..geometry import tube

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from solver.mechanics import frames
+from solver.orbits import frames
 from solver.problem.errors import InputError, no_such
 
 from ..figures import arrangement, fonts

@@ -14,9 +14,9 @@ import numpy as np
 import xarray as xr
 
 from solver import Case, Cylinder, Solution
-from solver.mechanics import frames, statics
-from solver.mechanics.potential import dimensional_slope, potential
-from solver.mechanics.statics import contact_force, push_from
+from solver.orbits import frames, statics
+from solver.orbits.potential import dimensional_slope, potential
+from solver.orbits.statics import contact_force, push_from
 from solver.problem.errors import InputError
 from studies import Study
 from studies.language.study import OUTPUTS
@@ -28,7 +28,7 @@ from .schema import axes_left
 if TYPE_CHECKING:
     import pandas as pd
 
-    from solver.shooting.state import State
+    from solver.nodes.state import State
 
 
 _VECTOR, _FRAME = ("xyz",), ("director", "xyz")
@@ -93,7 +93,7 @@ class StoredArrays:
         """The loads over A: l = MZ/A, m = M3/A [1/length], p = FZ/A [1/length^2]."""
         return self.constant("MZ") / self.A, self.constant("M3") / self.A, self.constant("FZ") / self.A
 
-    # the problem without dimensions, as `solver.mechanics.potential.potential` reads it
+    # the problem without dimensions, as `solver.orbits.potential.potential` reads it
 
     @property
     def lam(self) -> xr.DataArray:
@@ -213,7 +213,7 @@ RULES: dict[str, tuple[tuple[str, ...], Callable[..., Any]]] = {
 
 def states_of(one: xr.Dataset, s: Any, beta: Any, alpha: Any, push: Any) -> "tuple[State, ...]":
     """The states along a stored rod with weight or friction, from arrays along it, (n,) each; `one`: its case."""
-    from solver.shooting.state import axial_force_along, is_drawn, states  # it loads the methods
+    from solver.nodes.state import axial_force_along, is_drawn, states  # it loads the methods
 
     given: dict[str, Any] = {name: float(one[name]) for name in ("R", "inclination", "friction") if name in one}
     wall = Cylinder(**given, **{name: one.attrs[name] for name in ("side", "sliding") if name in one.attrs})

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from solver import Case, Solution, solve
 from solver.end_angle_branch import own_ends
-from solver.mechanics.statics import push_from
-from solver.orbit.joined_orbits import Rows
+from solver.orbits.joined_orbits import Rows
+from solver.orbits.statics import push_from
 from solver.problem.case_fields import values_of, with_field
 from solver.problem.errors import InputError, no_such
 from studies import Study

@@ -53,7 +53,7 @@ class StoredStudy(StoredCases):
     --------
     >>> import workbench.accessor
     >>> from studies import load
-    >>> from workbench.store import in_memory
+    >>> from workbench.run import in_memory
     >>> (law,) = in_memory.run(load("fig7_1_modulus")).rod.verdicts
     >>> law["observable"], law["verdict"]
     ('turns', 'holds')
@@ -141,7 +141,7 @@ class StoredStudy(StoredCases):
         --------
         >>> import workbench.accessor
         >>> from studies import load
-        >>> from workbench.store import in_memory
+        >>> from workbench.run import in_memory
         >>> ds = in_memory.run(load("fig7_1_modulus"))
         >>> one = ds.rod.sel(E="10905")
         >>> int(one["turns"]), dict(one.sizes)
@@ -287,7 +287,7 @@ class StoredStudy(StoredCases):
         --------
         >>> import workbench.accessor
         >>> from studies import load
-        >>> from workbench.store import in_memory
+        >>> from workbench.run import in_memory
         >>> ds = in_memory.run(load("fig7_1_modulus"))
         >>> print(f"{ds.rod.at(E=12000.0).z[-1]:.3f}")
         6.965
@@ -344,7 +344,7 @@ class StoredStudy(StoredCases):
         --------
         >>> import workbench.accessor
         >>> from studies import load
-        >>> from workbench.store import in_memory
+        >>> from workbench.run import in_memory
         >>> ds = in_memory.run(load("fig7_1_modulus"))
         >>> len(ds.rod.plot(E="10905").figure.axes)
         3

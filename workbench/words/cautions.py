@@ -32,7 +32,7 @@ from . import outcomes
 
 if TYPE_CHECKING:
     from solver import Case, Rod
-    from solver.shape import Shape
+    from solver.orbits.shape import Shape
 
 
 # those of `solver.observe.cautions` that others read here

@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from solver.shooting.loaded_rod import rods_of
-from solver.shooting.state import LEAVES, RUBS, STRAIGHT, in_words
+from solver.nodes.loaded_rod import rods_of
+from solver.nodes.state import LEAVES, RUBS, STRAIGHT, in_words
 
 from . import cautions, habits, outcomes
 from .habits import plain
@@ -216,7 +216,7 @@ def _load(tension: float, force: str) -> str:
 
 def _buckling(sol: "Solution", force: str) -> list[str]:
     """The load at which the straight rod buckles under its whole weight; none where it is no equilibrium."""
-    from solver.shooting.buckling import buckling_tension
+    from solver.nodes.buckling import buckling_tension
 
     if sol.case.kind != "ends" or sol.case.cylinder.side == "outside":
         return []
@@ -234,7 +234,7 @@ def _buckling(sol: "Solution", force: str) -> list[str]:
 
 def limits(sol: "Solution") -> list[Limit]:
     """The compressions at which a long pipe of this weight changes its state; none without weight across the axis."""
-    from solver.shooting.local_waves import EQUAL, LIFTED
+    from solver.nodes.local_waves import EQUAL, LIFTED
 
     if not (size := _size_of_limits(sol)):
         return []

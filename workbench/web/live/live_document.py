@@ -23,7 +23,7 @@ from solver.problem.quantities import QUANTITIES
 from studies.language.readings import READINGS
 
 from ...figures import colours
-from ...store import atomic
+from ...run import atomic
 from ...words import labels
 from .. import pages
 from . import page_model

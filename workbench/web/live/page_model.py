@@ -19,11 +19,11 @@ import tomli_w
 from solver import Case, Ends, Solution, equilibria, solve
 from solver.equilibria import Equilibrium
 from solver.follow import solutions_of
+from solver.nodes.loaded_rod import rods_of
 from solver.observe.observables import observables_of, observe
 from solver.problem.case_fields import value_of, with_field
 from solver.problem.errors import DEFAULT_TOLERANCE, InputError, choices, no_such
 from solver.problem.reduced import held_of, reduce
-from solver.shooting.loaded_rod import rods_of
 from studies import Study
 from studies.grammar.axes import WORDS, Dimensions, Which
 from studies.language.loader import loads
@@ -31,8 +31,8 @@ from studies.language.loader import loads
 from ...branches.ends_study import row as equilibrium_row
 from ...branches.tracing import Piece, Traced, trace_branches
 from ...export.stored_rod import export
-from ...store import assembly
-from ...store.block import columns
+from ...run import assembly
+from ...run.block import columns
 from ...stored.one_case import rule_of, solve_one
 from ...stored.stored_study import StoredStudy
 from ...words import cautions, labels, pipe_profile, pipe_state

@@ -12,7 +12,7 @@ from studies.grammar.axes import Which, quantity_of
 from studies.language.case_input import CaseInput, field_values, read_case
 from studies.language.readings import TABLE_1
 
-from ...store.stored_case import open_case
+from ...run.stored_case import open_case
 from ...stored.one_case import solve_one
 from .. import pages
 from .page_model import BETWEEN

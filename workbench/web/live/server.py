@@ -23,8 +23,8 @@ from aiohttp import web
 
 from solver.problem.errors import InputError
 
-from ...store import worker_processes
-from ...store.worker_processes import Worker
+from ...run import worker_processes
+from ...run.worker_processes import Worker
 from ...words import escaping
 from ...words.escaping import finite
 from . import live_document, page_model

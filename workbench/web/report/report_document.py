@@ -18,8 +18,8 @@ from studies.language.readings import DROPPED, TABLE_1, Reading
 from studies.laws import law_words
 
 from ...figures import colours
-from ...store import atomic
-from ...store.in_memory import StudyResult
+from ...run import atomic
+from ...run.in_memory import StudyResult
 from ...stored.stored_study import StoredStudy
 from ...words import cautions, labels
 from .. import pages

@@ -1,0 +1,66 @@
+"""Coordinates on the equilibria of one path, in which continuation follows an equilibrium.
+
+The level of an orbit is measured from a saddle or from one of the two ends (`Path`). Next to a saddle the coordinate is
+log|gap|, as transit times are linear in it; where beta_t is small at an end, the coordinate is that beta_t, with its
+sign.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..core import branch_calls as core
+from ..core.library import numbers_of
+from ..orbits.boundary import Boundary, Path
+
+_SAME = 1e-6  # in scales: coordinates of one equilibrium
+
+
+@dataclass(frozen=True)
+class Chart:
+    """A coordinate x on the equilibria of one path near `at`.
+
+    kind: where the level is measured from, a "saddle", the "start" or the "end". scale: the change of x over which the
+    orbit changes its form. logarithmic: whether x is log|gap|; else x is beta_t at that end, with its sign.
+    """
+
+    kind: str
+    at: Path
+    scale: float
+    logarithmic: bool
+
+
+def charts(place: Boundary, path: Path) -> list[Chart]:
+    """Coordinates in which the equilibrium can be followed, the best first.
+
+    The others are needed where the best one ends and the branch does not, as where its saddle meets a centre.
+    """
+    rows = core.charts(numbers_of(place.problem)[0], path)
+    return [Chart(kind, Path(*at), scale, logarithmic) for kind, at, scale, logarithmic in rows]
+
+
+def coordinate(chart: Chart) -> float:
+    """x of the path at which the chart was made."""
+    if chart.logarithmic:
+        return chart.at.y
+    direction = chart.at.arriving if chart.kind == "end" else chart.at.leaving
+    return direction * float(np.exp(chart.at.y / 2))
+
+
+def path_at(place: Boundary, chart: Chart, x: float) -> Path | None:
+    """The path at x; None where its saddle no longer exists, or there is no such path."""
+    at = core.path_at(numbers_of(place.problem)[0], chart, x)
+    return None if at is None else Path(*at)
+
+
+def same_equilibrium(place: Boundary, one: Path, other: Path) -> bool:
+    """Whether two paths of one problem are the same orbit, from whichever angles their levels are measured."""
+    if (one.leaving, one.turns, one.helix) != (other.leaving, other.turns, other.helix):
+        return False
+    if one.helix:
+        return True
+    first, second = charts(place, one)[0], charts(place, other)[0]
+    if (first.kind, first.logarithmic, first.at.sign) != (second.kind, second.logarithmic, second.at.sign):
+        return False
+    near = abs(np.sin((first.at.pin - second.at.pin) / 2)) < _SAME
+    return near and abs(coordinate(first) - coordinate(second)) < _SAME * first.scale

@@ -1,1 +1,0 @@
-"""Which equilibrium a rule or a seed means, as a trajectory."""

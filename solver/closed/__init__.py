@@ -1,1 +1,0 @@
-"""Closed rods: their orbits, their stability, and where they intersect themselves."""

@@ -1,1 +1,0 @@
-"""One equilibrium as a root: its numbers, which of them are given, their exact derivatives, charts, Morse index."""

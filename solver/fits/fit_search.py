@@ -1,0 +1,181 @@
+"""The search of a fit: a local search from the values of the case, then from the best of a Sobol' set."""
+
+from collections.abc import Iterable, Mapping
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from scipy.optimize import brentq
+
+from ..held.selection import NEAREST, Choose, check
+from ..numerics.arrays import Array
+from ..problem.case import Case, check_case
+from ..problem.errors import LARGEST_SEED, check_tolerance, whole_number, yes_or_no
+from .assembly import EQUAL, ZERO, result
+from .data import check_data
+from .fit_result import Fit
+from .local_search import STEP, search
+from .model import Minimum, Model, NoValueError
+from .parameters import check_parameters
+
+_SAME = 1e-3  # of x: two minima that are nearer are one
+MOST_STARTS = 100_000
+
+
+def fit(
+    case: Case,
+    vary: "str | Iterable[str] | Mapping[str, tuple[Any, Any] | None]",
+    targets: Mapping[str, float] | None = None,
+    points: Mapping[str, Any] | None = None,
+    *,
+    sigma: Mapping[str, Any] | None = None,
+    wrapped: bool = False,
+    starts: int = 32,
+    seed: int = 0,
+    choose: Choose = NEAREST,
+    tol: float = 1e-10,
+) -> Fit:
+    """Values of fields of a case that fit observables and measured points, with their 95 % intervals.
+
+    It makes the sum of ((computed - measured)/sigma)^2 least by steps of Gauss and Newton in a region of trust with the
+    exact derivatives of `Solution.sensitivity`, first from the values of the case and then from Sobol' points. No step
+    moves what the data do not determine: it stays near the values of the case.
+
+    Parameters
+    ----------
+    case : Case
+        A single case. Its values are the first guess; fields that are not varied are held.
+    vary : str, iterable of str, or mapping
+        Names of fields, as of `Solution.sensitivity`; or name -> (low, high), bounds in the unit of the field, or None.
+        Without bounds, starts are drawn from a quarter to four times the value of ``E``, ``a``, ``L`` and ``R``, and
+        elsewhere from the value plus and minus its size or the natural unit of the case, whichever is larger.
+    targets : mapping, optional
+        Observable -> wanted value, in its unit.
+    points : mapping, optional
+        Measured points (n,): "alpha" [rad], "z" [length], "beta" [rad], and "s" [length] where known; z = 0 at s = 0.
+        With s, each given column is compared at its arc length. Without s, the distance from the curve on the unrolled
+        cylinder to each point is used, which needs alpha and z.
+    sigma : mapping, optional
+        Standard deviation of targets by name, and of the points as "alpha", "z" and "beta": a number, or (n,). Of all
+        data or of none. Without it the residual variance is used; a target then counts by its relative error, and an
+        error of 1 rad as one of rho.
+    wrapped : bool
+        Whether measured azimuths are known only up to whole turns. Default: alpha grows from turn to turn.
+    starts : int
+        Number of Sobol' points that are tried beside the values of the case; 0: none.
+    seed : int
+        Seed of the Sobol' points.
+    choose : {"nearest", "lowest"} or int
+        Of an ends problem, which equilibrium a search starts from, as of `solve`; it then stays on its branch.
+    tol : float
+        Tolerance of the solutions.
+
+    Returns
+    -------
+    Fit
+        Its `values`, `intervals`, `correlation`, `shares`, `minima`, `remarks` and `outcome`.
+
+    Raises
+    ------
+    InputError
+        For an unknown or repeated field, an observable that is a count or unknown, invalid bounds, sigma or points, no
+        data, and a grid of cases.
+
+    Examples
+    --------
+    >>> from solver import Case, Cylinder, Rod, Start, fit
+    >>> rod = Rod(E=1.07e4, nu=0.25, a=0.25, L=20.0)
+    >>> case = Case(rod, Cylinder(R=0.75), Start(beta="30deg", dbeta=0.5, F1=5.0, F3=10.0))
+    >>> found = fit(case, {"F1": (1.0, 9.0)}, {"height": 9.0})
+    >>> found.outcome
+    'solved'
+    >>> print(f"F1 = {found.values['F1']:.4f}")
+    F1 = 6.0274
+    """
+    parameters = check_parameters(check_case("fit", case), vary)
+    data = check_data(case, targets, points, sigma, yes_or_no("wrapped", wrapped))
+    starts, seed = whole_number("starts", starts, 0, MOST_STARTS), whole_number("seed", seed, 0, LARGEST_SEED)
+    model = Model(case, parameters, data, check(choose), check_tolerance(tol))
+    model.starts = starts
+    origin = np.array([parameter.start for parameter in parameters])
+    first = search(model, origin, lambda x: False)
+    minima = [] if first is None else [first]
+    others = _starts(model, starts, seed)
+    idle = _idle(model, first, others)
+    for start in others:
+        minimum = search(
+            model, np.where(idle, origin, start), lambda x: any(_close(x, minimum.x) for minimum in minima)
+        )
+        if minimum is not None:
+            minima.append(minimum)
+    moved = [minimum for minimum in minima if minimum.jacobian.any()]  # the others may be maxima
+    return result(model, _distinct(moved or minima, data.size))
+
+
+def _idle(model: Model, first: Minimum | None, starts: list[Array]) -> Array:
+    """Which parameters change no datum, (F,): not only at the first minimum, where a symmetry may be why."""
+    F = len(model.parameters)
+    idle: Array = np.asarray(np.zeros(F, dtype=bool) if first is None else ~first.jacobian.any(axis=0))
+    for start in starts:
+        if not idle.any():
+            break
+        model.begin()
+        try:
+            idle &= ~model.jacobian(start).any(axis=0)
+        except NoValueError:
+            continue
+    return idle
+
+
+def _starts(model: Model, count: int, seed: int) -> list[Array]:
+    """Those of a Sobol' set that are lower than their nearest neighbours, lowest first.
+
+    Of one datum and one parameter also the places between neighbours where the residual changes its sign.
+    """
+    if not count:
+        return []
+    from scipy.stats import qmc  # takes half a second to import
+
+    F = len(model.parameters)
+    u = qmc.Sobol(F, rng=np.random.default_rng(seed)).random_base2(int(np.ceil(np.log2(count))))[:count]
+    low, high = np.array([parameter.span for parameter in model.parameters]).T
+    x = low + u * (high - low)
+    residuals = np.empty((count, model.data.size))
+    for i, place in enumerate(x):
+        model.begin()
+        residuals[i] = model.residuals(place)
+    costs = (np.where(np.isfinite(residuals), residuals, np.inf) ** 2).sum(axis=1)
+    order = np.argsort(costs, kind="stable")
+    distances = np.linalg.norm(u[:, None] - u, axis=2)
+    neighbours = np.argsort(distances, axis=1, kind="stable")[:, 1 : 2 * F + 1]
+    crossings = _crossings(model, x[:, 0], residuals[:, 0]) if (F, model.data.size) == (1, 1) else []
+    return crossings + [x[i] for i in order if costs[i] < np.inf and (costs[i] <= costs[neighbours[i]]).all()]
+
+
+def _crossings(model: Model, x: Array, residuals: Array) -> list[Array]:
+    """The zeros of the only residual between neighbours of different sign, by Brent's rule."""
+    order, zeros = np.argsort(x), []
+    for i, j in pairwise(order):
+        if residuals[i] * residuals[j] < 0:
+            model.begin()
+            try:
+                zeros.append(brentq(lambda v: float(model.residuals(np.array([v]))[0]), x[i], x[j], rtol=STEP))
+            except ValueError:  # there is no value between them
+                continue
+    return [np.array([zero]) for zero in zeros]
+
+
+def _distinct(minima: list[Minimum], size: int) -> list[Minimum]:
+    """The different minima, lowest first; that of the first search before others that are as low."""
+    different: list[Minimum] = []
+    for minimum in sorted(minima, key=lambda minimum: (bool(minimum.stop), minimum.cost)):
+        if not any(_close(minimum.x, other.x) for other in different):
+            different.append(minimum)
+    first, lowest = minima[:1], different[0].cost if different else 0.0
+    if first and not first[0].stop and first[0].cost <= lowest * (1 + EQUAL) + size * ZERO:
+        different = first + [minimum for minimum in different if not _close(minimum.x, first[0].x)]
+    return different
+
+
+def _close(x: Array, y: Array) -> bool:
+    return bool(np.abs(x - y).max() <= _SAME * max(1.0, float(np.abs(y).max())))

@@ -1,1 +1,0 @@
-"""Fold and pitchfork curves over two parameters."""

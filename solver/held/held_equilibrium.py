@@ -1,0 +1,157 @@
+"""One equilibrium of each of B problems with held ends, as a trajectory: that of a rule or of a seed."""
+
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from ..branches.given_numbers import FREE, Given, OrbitState, parts_of, values_of
+from ..branches.held_index import dead_index_of
+from ..nodes.answers import answer_ends, shape_path, why_unsolved
+from ..nodes.descent import index_at
+from ..nodes.growth import Path
+from ..nodes.hinged_states import shape_of
+from ..nodes.loaded_rod import LoadedRod, rods_of
+from ..nodes.newton import correct
+from ..numerics.arrays import Array
+from ..orbits.path_orbits import orbit_of, together, trajectory_on, variations_of
+from ..orbits.periodic_orbit import Orbit
+from ..problem.case import Case
+from ..problem.limits import beyond_limits, held_apart, unreachable
+from ..problem.reduced import EndsProblem, HeldProblem, reduce_held
+from ..problem.trajectory import PLAIN, Seed, Trajectory, stood_in
+from .held_alternatives import alternatives_of, away
+from .held_moves import seed_state
+from .held_selection import Reached, by_rule, by_seed
+from .selection import Choose, path_of_seed
+
+ALTERNATIVE = "another equilibrium with the same ends"
+
+
+def held_trajectory(reached: Reached, wanted: Given, t: Array, tol: float) -> Trajectory:
+    """The orbit of one equilibrium under held ends at stations t (1, n); its error is that of the given numbers."""
+    state = reached.state
+    orbit = orbit_of(state.problem, state.path)
+    values = values_of(_at_length(state, orbit), float(state.problem.span[0]), wanted)
+    size = {"z": wanted.span, "alpha": wanted.span, "turn": wanted.span}
+    miss = max(
+        abs(float(value - given)) / max(size.get(name, 1.0), 1.0)
+        for name, value, given in zip(wanted.names, values, wanted.values, strict=True)
+    )
+    shape = trajectory_on(orbit, t, np.array([miss]), np.array([response_of(state, wanted)]), tol)
+    find = None if reached.seed is None else partial(_alternatives, reached.seed, reached.state, wanted, tol)
+    begun, how = (np.array([said], dtype=object) for said in (reached.begun, reached.selection))
+    held, dead = np.array([reached.index(wanted)]), np.array([dead_index_of(state)])
+    return replace(shape, begun=begun, selection=how, held_index=held, dead_index=dead, alternatives=find)
+
+
+def _alternatives(seed: OrbitState, found: OrbitState, wanted: Given, tol: float, t: Array) -> list[tuple[Any, ...]]:
+    """Of each other equilibrium near that of the seed: its distance from the seed, problem and shape."""
+    others = alternatives_of(seed, found, wanted)
+    rows = [
+        (away(seed, other), other.problem, held_trajectory(Reached(other, ALTERNATIVE), wanted, t, tol))
+        for other in others
+    ]
+    return sorted(rows, key=lambda row: row[0])
+
+
+def _at_length(state: OrbitState, orbit: Orbit) -> Array:
+    """The `NUMBERS` of a state as its orbit has them at the length of the rod, (11,)."""
+    problem, ends = state.problem, state.problem.span[:, None] * [0, 1]
+    beta, v, alpha, z = (value[0] for value in orbit.at(ends))
+    loads = problem.lam[0], problem.mu[0], problem.phi[0]
+    swirl = orbit.swirl(ends)[0, 1]
+    return np.array([problem.beta0[0], beta[1], *v, alpha[1], swirl, z[1], *loads, state.path.y])
+
+
+def response_of(state: OrbitState, wanted: Given) -> float:
+    """The largest |d beta| along the rod by a unit of a given angle, or of a displacement in units of rho."""
+    problem, path = state.problem, state.path
+    with np.errstate(all="ignore"):
+        lengths = [k for k, name in enumerate(wanted.names) if name not in FREE[2:]]
+        unit = np.eye(5)[:, lengths]
+        parts = parts_of(state.rates, wanted, unit, np.zeros(len(lengths)))
+        t = problem.span[:, None] * np.linspace(0, 1, 129)
+        moves = variations_of(problem, path).change(t, parts[None]).beta
+        largest = float(np.abs(moves).max())
+    return max(1.0, largest) if np.isfinite(largest) else np.inf
+
+
+def each_held(
+    problem: HeldProblem, t: Array, tol: float, seed: Seed | None, choose: Choose
+) -> tuple[EndsProblem, Trajectory]:
+    """The problems under dead loads that B problems lead to, and the answers at stations t (B, n).
+
+    A problem that is not solved stands there as a plain one.
+    """
+    answers: list[Trajectory | str] = []
+    solved = EndsProblem(**{name: np.full(problem.size, PLAIN[name]) for name in (*FREE, "span")})
+    for i in range(problem.size):
+        single = problem.take(slice(i, i + 1))
+        reached = _reach(single, None if seed is None else seed.take(slice(i, i + 1)), choose)
+        if isinstance(reached, str):
+            answers.append(reached)
+            continue
+        answers.append(held_trajectory(reached, Given.of(single), t[i : i + 1], tol))
+        for name, value in vars(solved).items():
+            value[i] = getattr(reached.state.problem, name)[0]
+    return solved, together(answers, t)
+
+
+def each_hinged(
+    case: Case, problem: HeldProblem, t: Array, tol: float, seed: Seed | None, choose: Choose
+) -> tuple[EndsProblem, Trajectory]:
+    """The same of B rods with a given end moment, on nodes; problem: theirs."""
+    rods, reached = rods_of(case), list[Reached | str]()
+    for i, rod in enumerate(rods):
+        row = slice(i, i + 1)
+        why = why_unsolved(rod, seeded=True)  # whether the ends are within reach is said below
+        reached.append(f"failed: {why}" if why else _reach(problem.take(row), seed and seed.take(row), choose))
+    paths = [
+        Path(None, why=end.removeprefix("failed: ")) if isinstance(end, str) else hinged_path(end.state, rod)
+        for end, rod in zip(reached, rods, strict=True)
+    ]
+    solved, answer = answer_ends(case, t, tol, paths)
+    begun, how = (
+        np.array([None if isinstance(end, str) else getattr(end, name) for end in reached], dtype=object)
+        for name in ("begun", "selection")
+    )
+    find, first = None, reached[0]
+    if not isinstance(first, str) and first.seed is not None:  # of a single problem, as the trajectory says
+        find = partial(_hinged_alternatives, first.seed, first.state, case, tol)
+    fit = np.array([path.shape is not None for path in paths])
+    return stood_in(solved, fit), replace(answer, begun=begun, selection=how, alternatives=find)
+
+
+def hinged_path(state: OrbitState, rod: LoadedRod) -> Path:
+    """The shape of an equilibrium of a rod with a given end moment, as an answer."""
+    guess = shape_of(state, rod)
+    shape = correct(guess) or guess  # a shape that is not determined is as good as it is
+    return shape_path(shape, index_at(shape))
+
+
+def _hinged_alternatives(
+    seed: OrbitState, found: OrbitState, case: Case, tol: float, t: Array
+) -> list[tuple[Any, ...]]:
+    """As of `_alternatives`."""
+    (rod,) = rods_of(case)
+    rows = []
+    for other in alternatives_of(seed, found, Given.of(reduce_held(case))):
+        problem, answer = answer_ends(case, t, tol, [hinged_path(other, rod)])
+        rows.append((away(seed, other), problem, replace(answer, begun=np.array([ALTERNATIVE], dtype=object))))
+    return sorted(rows, key=lambda row: row[0])
+
+
+def _reach(problem: HeldProblem, seed: Seed | None, choose: Choose) -> Reached | str:
+    if why := beyond_limits(problem)[0]:
+        return str(why)
+    given = Given.of(problem)
+    if why := unreachable(*held_apart(problem), seed is not None and not given.hinged):
+        return f"failed: {why}"
+    if seed is None:
+        return by_rule(given, choose)
+    assert seed.problem is not None
+    shape = None if seed.shapes is None else seed.shapes[0]
+    path = None if given.hinged and shape is not None else path_of_seed(seed)
+    return by_seed(given, seed_state(seed.problem, path, shape, given))

@@ -1,1 +1,0 @@
-"""The mechanics of the rod: potential, internal forces, contact force, frames."""

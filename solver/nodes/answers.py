@@ -1,0 +1,311 @@
+"""The answers to cases whose loads vary along the rod: start problems by one march, ends problems one by one."""
+
+from collections.abc import Sequence
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from ..branches.parameter_plane import reflect
+from ..core.tuning import MOST_STEPS, SAFETY
+from ..core.varying_loads import BY_ANGLE, HALF, SIZE, TRUNCATION, March, march
+from ..numerics.arrays import Array
+from ..orbits.statics import circumferential_force, surface_forces
+from ..problem.case import ALONG_AXIS, IN_PLACE, Case
+from ..problem.errors import InputError
+from ..problem.limits import unreachable
+from ..problem.reduced import EndsProblem, StartProblem, flat
+from ..problem.trajectory import Trajectory, blank, verdicts
+from .branch import find_shape
+from .buckling import straight_shape
+from .constant_loads import dead_indices
+from .curve import Curve
+from .descent import index_of_any, shape_like
+from .growth import STRAIGHT, Path
+from .loaded_rod import (
+    ALPHA,
+    BETA,
+    MU,
+    PHI,
+    SHORT,
+    SPEED,
+    VARYING,
+    LoadedRod,
+    Q,
+    densest_nodes,
+    rod_over,
+    rods_of,
+    starts_of,
+)
+from .newton import correct, linear_at
+from .state import LEAVES, RUBS
+from .varying_shapes import Marched, Shape, VaryingShapes, read_starts
+from .weak_modes import largest_move
+
+SHORTER = 0.7  # steps of the second march, whose difference from the first estimates the error of an ends problem
+SHARE, COARSEST = 0.01, 1e-12  # of start problems: what all steps leave out of beta, as a share of the tolerance; the
+# most that one does, of the scales
+ROUNDING = 2e-16
+LINEAR = 1e-8  # rad: an error above this may be less than the equations say, which are linear
+FAINT = 1e-12  # of the forces at both ends: less is rounding
+LOST = 1e8  # condition number: beyond, a start problem has lost half its digits
+TOO_LONG = f"failed: the march did not end within {MOST_STEPS} steps"
+LARGEST, SHORTEST = 1e30, 1e-15  # of a number of a rod in units of A and rho; of L/rho between two ends
+TOO_LARGE = (
+    "loads, ends or L/rho of a rod with weight, friction or a hinge are beyond 1e30 in units of A and rho, or L/rho "
+    "below 1e-15"
+)
+ROUGHEST = 10.0  # coefficient of friction: rubber on rubber has 1 to 4, and the time to lose a march grows with it
+TOO_ROUGH = "the coefficient of friction is {:g}, and at most {:g} is computed: in a radian a force grows by exp({:g})"
+MOST_CHANGES = 20_000  # of an ends problem: as many as of 30 km of pipe
+TOO_FINE = "the shape of this rod may change {:.3g} times along it, and at most {:,} changes are computed"
+USE_ENDS = "; a long rod with {} is an ends problem: give Ends in place of Start"
+UNDELIVERED = "the push at s = {} does not arrive at s = {}, where a tension must pull the rod ({} = {:.4g})"
+
+
+@np.errstate(over="ignore", divide="ignore", invalid="ignore")  # what is out of range is said in the outcome
+def answer_starts(case: Case, t: Array, tol: float) -> tuple[StartProblem, Trajectory]:
+    """The start problems at stations t (B, n); the problem has the loads of the far end.
+
+    The error is what the steps leave out and round off, carried along the rod by their own derivatives.
+    """
+    problem, numbers, begin, scale = starts_of(case)
+    friction = numbers[:, 3].copy()
+    rough = np.abs(friction) > ROUGHEST
+    numbers[rough, 3] = 0.0  # another rod in its place
+    B, n = t.shape
+    span, alpha0 = problem.span, begin[:, ALPHA]
+    weight = np.sqrt(np.abs(begin[:, SPEED]) + scale[:, 4])
+
+    def march_with_errors(rows: Any, truncation: Array | float) -> tuple[March, Array, Array]:
+        first, stations = n * np.arange(span[rows].size + 1), t[rows].reshape(-1)
+        marched = march(
+            numbers[rows], scale[rows], begin[rows], span[rows], BY_ANGLE, first, stations, judge=True,
+            truncation=truncation,
+        )  # fmt: skip
+        with np.errstate(invalid="ignore"):
+            condition = np.maximum(1, np.maximum(marched.growth[:, BETA], weight[rows] * marched.growth[:, SPEED]))
+            off = np.maximum(marched.errors[:, 0], marched.errors[:, 1] / np.maximum(1, span[rows]))
+        error = SAFETY * off + ROUNDING * (condition + span[rows] * scale[rows, SPEED])
+        return marched, np.where(np.isfinite(error), error, np.inf), condition
+
+    left_out = np.clip(SHARE * tol / np.maximum(1, span * scale[:, MU]), TRUNCATION, COARSEST)
+    marched, error, condition = march_with_errors(slice(None), left_out[:, None])
+    y, end = marched.out.reshape(SIZE, B, n), marched.end
+    rows = np.flatnonzero((error > tol) & (left_out > TRUNCATION))
+    if rows.size:
+        enough = np.maximum(TRUNCATION, 0.2 * left_out[rows] * tol / error[rows])
+        finer, error[rows], condition[rows] = march_with_errors(rows, enough[:, None])
+        y[:, rows], end[rows], marched.steps[rows] = finer.out.reshape(SIZE, -1, n), finer.end, finer.steps
+    read = read_starts(y, t, alpha0, numbers[:, 0] * end[:, MU])
+    solved, outcome = verdicts(read["beta"], error, condition, tol)
+    for i in np.flatnonzero(~(condition < LOST)):
+        endless = marched.steps[i] > MOST_STEPS
+        load = "weight" if np.any(numbers[i, 1:3]) else "friction"
+        outcome[i] = f"{TOO_LONG if endless else outcome[i]}{USE_ENDS.format(load)}"
+    shapes = VaryingShapes(Marched(numbers, scale, begin, span, marched.steps), *np.full((2, B), np.nan))
+    far = StartProblem(end[:, Q] + end[:, MU], end[:, MU], end[:, PHI], span, problem.beta0, problem.dbeta0)
+    answer = Trajectory(
+        **read,
+        solved=solved,
+        outcome=with_undelivered(outcome, solved, case, numbers, begin, end),
+        error=error,
+        condition=condition,
+        evaluations=marched.steps,
+        shapes=shapes,
+    )
+    if rough.any():
+        why = [f"failed: {why_too_rough(value)}" for value in friction.tolist()]
+        answer = blank(answer, ~rough, np.array(why, dtype=object))
+    return far, answer
+
+
+def answer_ends(case: Case, t: Array, tol: float, seeds: Sequence[Any] | None = None) -> tuple[EndsProblem, Trajectory]:
+    """The ends problems at stations t (B, n), each from a seed.
+
+    seeds: of each rod "straight", a shape or None where its seed has none, or the path that is its answer.
+    """
+    rods = rods_of(case)
+    alpha0 = flat(case.given.alpha, case.shape)
+    paths = [branch_of(rod) for rod in rods] if seeds is None else list(map(path_to, rods, seeds))
+    estimates = [(np.inf, np.inf) if path.shape is None else estimate(path.shape) for path in paths]
+    index = np.array([np.nan if path.shape is None or path.shape.rod.rubbed else path.index for path in paths])
+    critical = np.array([np.nan if path.buckled is None else path.buckled for path in paths])
+    shapes = VaryingShapes([path.shape for path in paths], index, critical)
+    begin, end = shapes.ends()
+    error, condition = np.array(estimates).T
+    read = shapes.read(t, alpha0)
+    size = unit_force(case)
+    rubbed = case.cylinder.friction
+    friction = flat(0.0 if rubbed is None else rubbed, case.shape)
+    reasons = zip(paths, size, friction, strict=True)
+    why = np.array(
+        ["" if path.shape is not None else failure(path, *numbers) for path, *numbers in reasons], dtype=object
+    )
+    solved, outcome = verdicts(read["beta"], error, condition, tol).failed(why)
+    spans = np.array([rod.span for rod in rods])
+    problem = EndsProblem(end[:, Q] + end[:, MU], end[:, MU], end[:, PHI], spans, begin[:, BETA], end[:, BETA])
+    work = np.array([0 if path.shape is None else path.shape.t.size * path.shape.steps for path in paths])
+    begun = np.array([words_of(path) for path in paths], dtype=object)
+    outcome = with_undelivered(outcome, solved, case, np.array([rod.numbers for rod in rods]), begin, end)
+    if not case.varies:
+        read |= {"loads": None, "dead_index": dead_indices(shapes.each(len(rods)))}
+    return problem, Trajectory(
+        **read, solved=solved, outcome=outcome, error=error, condition=condition, evaluations=work, begun=begun,
+        held_index=index, shapes=shapes,
+    )  # fmt: skip
+
+
+def curve_over(case: Case, known: Shape, name: str, low: float, high: float) -> tuple[Curve, Shape]:
+    """The curve of equilibria of a case over one field, from low to high, and a shape of it.
+
+    Raises `InputError` where no rod is computed at an end of the range.
+    """
+    rod_at = partial(reflect, rod_over(case, name), names=VARYING, low=low, high=high)
+    for value in (low, high):
+        if why := why_unsolved(rod_at(value), seeded=True):
+            raise InputError(f"the equilibrium cannot be followed to {name} = {value:g}: {why}")
+    rod = rods_of(case)[0]
+    u, scale = densest_nodes((rod_at(low), rod, rod_at(high))), rod.scale
+    if not case.varies:  # the loads alone do not say how the shape changes
+        u, scale = max(u, known.t / known.t[-1], key=len), known.rod.scale
+    return Curve(rod_at, high - low, scale), shape_like(rod, known, u * rod.span)
+
+
+def shape_path(shape: Shape, index: int) -> Path:
+    """A shape that is known, as a seed of `answer_ends`."""
+    return Path(shape, index, why="seed")
+
+
+def why_too_rough(friction: float) -> str:
+    """Why no shape is computed with a friction of either sign, or nothing."""
+    return TOO_ROUGH.format(abs(friction), ROUGHEST, abs(friction)) if abs(friction) > ROUGHEST else ""
+
+
+def why_unsolved(rod: LoadedRod, seeded: bool = False) -> str:
+    """Why no shape of a rod is computed, or nothing; seeded: whether it has a seed."""
+    if not SHORTEST < rod.span < LARGEST or not all((abs(v) < LARGEST).all() for v in (rod.numbers, rod.near, rod.far)):
+        return TOO_LARGE
+    if why := why_too_rough(rod.numbers[3]):
+        return why
+    height, azimuth = (float(rod.far[k]) if name in rod.held else 0.0 for k, name in ((2, "height"), (1, "azimuth")))
+    if why := unreachable(height, azimuth, rod.span, seeded):
+        return why
+    rubbed = 0.0 if rod.turning else abs(rod.numbers[3]) * rod.across * rod.span  # of a straight rod, at most
+    changes = float(rod.changes(rubbed)[1][-1])
+    return TOO_FINE.format(changes, MOST_CHANGES) if changes > MOST_CHANGES else ""
+
+
+def branch_of(rod: LoadedRod) -> Path:
+    """The shape of a rod without a seed."""
+    why = why_unsolved(rod)
+    return Path(None, why=why) if why else find_shape(rod)
+
+
+def path_to(rod: LoadedRod, seed: Any) -> Path:
+    """The shape of a rod that a seed, as of `answer_ends`, means."""
+    if isinstance(seed, Path):
+        return seed
+    if why := why_unsolved(rod, seeded=True):
+        return Path(None, why=why)
+    if isinstance(seed, str):
+        if not rod.straight:
+            return Path(None, why="the straight rod is no equilibrium of this case")
+        shape = straight_shape(rod, rod.nodes())
+        return Path(shape, index_of_any(shape))
+    if seed is None:
+        return Path(None, why="the seed has no shape")
+    corrected = correct(shape_like(rod, seed, rod.nodes()))
+    if corrected is None:
+        return Path(None, why="Newton's method did not converge from the seed")
+    return Path(corrected, index_of_any(corrected), why="seed")
+
+
+def failure(path: Path, size: float, friction: float) -> str:
+    """Why a rod has no shape, and with which load or friction it has one. size: of forces."""
+    said = f"failed: {path.why}"
+    less = f"with friction {path.share * friction:.3g}, the most that the way from none reaches" if path.share else ""
+    if path.limit is None:
+        return f"{said}; this rod has an answer {less}" if less else said
+    load = round_up(path.limit * size)
+    straight = f"with a {'tension' if load > 0 else 'compression'} of {abs(load):.4g} at s = L (FZ = {load:.4g})"
+    if path.share is None:  # locked up
+        size_of_load = f"a tension of at least {load:.4g}" if load > 0 else f"at most {-load:.4g}"
+        return f"{said}. It still does with {size_of_load} at s = L (FZ = {load:.4g})"
+    return f"{said}; this rod has an answer {less and f'{less}, and, '}straight, {straight}"
+
+
+def round_up(load: float) -> float:
+    """A load of four digits that is no less."""
+    unit = 10.0 ** (np.floor(np.log10(abs(load) or 1.0)) - 3)
+    return float(np.ceil(load / unit) * unit)
+
+
+def unit_force(case: Case) -> Array:
+    """A/rho^2 of each rod, (B,) [force]; infinite where it overflows, NaN where A and rho^2 do."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        return flat(case.rod.bending_stiffness / np.asarray(case.rho) ** 2, case.shape)
+
+
+def with_undelivered(outcome: Any, solved: Any, case: Case, numbers: Array, begin: Array, end: Array) -> Any:
+    """The outcomes (B,), with a remark on each push that friction takes before it reaches the other end.
+
+    The rod slides away from the end that is pushed, and is in tension at the end ahead: something has to pull it there.
+    That force is along the way of the rod: F3 where it slides along itself, FZ where it moves as a whole.
+    numbers: (B, 7). begin, end: states at both ends, (B, 8).
+    """
+    forward, sizes = numbers[:, 3] > 0, np.abs(np.stack([begin, end]))[:, :, [Q, PHI]].max(axis=(0, 2))
+    whole, slides = numbers[:, 4] == ALONG_AXIS, (numbers[:, 3] != 0) & (numbers[:, 4] != IN_PLACE)
+    start, far = (np.where(whole, y[:, PHI], _tangential_force(y)) for y in (begin, end))
+    behind, ahead = np.where(forward, start, far), np.where(forward, far, start)
+    pushed, pulled = behind < -FAINT * sizes, ahead > FAINT * sizes  # an axial force of a hoop is rounding
+    words, size = np.array(outcome, dtype=object), unit_force(case)
+    for i in np.flatnonzero(solved & slides & pushed & pulled).tolist():
+        ends = ("0", "L") if forward[i] else ("L", "0")
+        words[i] = f"{words[i]}; {UNDELIVERED.format(*ends, 'FZ' if whole[i] else 'F3', ahead[i] * size[i])}"
+    return words
+
+
+def _tangential_force(y: Array) -> Array:
+    """F3 in states (B, 8), in units of A/rho^2, (B,)."""
+    beta, mu = y[:, BETA], y[:, MU]
+    return surface_forces(circumferential_force(1.0, y[:, Q] + mu, mu, 1.0, beta), y[:, PHI], beta)[1]
+
+
+def words_of(path: Path) -> str:
+    """How a shape was reached, in words."""
+    if path.shape is None:
+        return ""
+    if path.why == "seed":
+        return "the seed"
+    said, of = [path.begun], "times them" if path.begun == STRAIGHT else "of the way"
+    if path.wound:
+        said.append(f"{LEAVES} where its sinusoid would lift off the wall, for a helix")
+    if path.buckled is not None:
+        said.append(f"which buckles at {path.buckled:.6g} times these loads")
+    said += [f"{LEAVES} at {share:.3g} {of} for another stable shape" for share in path.jumped]
+    if path.rubbed:
+        said.append(f"{RUBS} raises its compression")
+    return ", ".join([*said, *([path.why] * bool(path.why))])
+
+
+def estimate(shape: Shape) -> tuple[float, float]:
+    """The error of a shape and its condition number, in radians.
+
+    The error is what shorter steps of the series leave open, carried through the equations; where these are nearly
+    singular, as at a fold, with the curvature that ends its growth.
+    """
+    scale, span = shape.rod.scale, max(1.0, shape.rod.span)
+    linear = linear_at(shape, shorter=SHORTER)
+    size = linear.open.size
+    right = np.zeros((size, 3))
+    right[:, 0] = linear.open
+    right[0, 1] = right[size - HALF, 2] = 1
+    change = linear.solve(right, soft=True)
+    if change is None:
+        return np.inf, np.inf
+    moved = np.abs(change.reshape(-1, SIZE, 3)) * scale[:, None]
+    off = moved[:, :, 0].max(axis=0)
+    condition = max(1.0, float(moved[:, BETA, 1:].max() / scale[BETA]))
+    error = float(SAFETY * max(off[BETA], off[ALPHA] / span, off[SHORT] / span) + ROUNDING * condition)
+    return largest_move(shape, error) if LINEAR < error < np.inf else error, condition

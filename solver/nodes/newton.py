@@ -1,0 +1,204 @@
+"""Newton's method for a rod on nodes: each stretch is marched with its variations, and the system is banded."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..core.varying_loads import BY_STATE, ORDER, SIZE, march, solve_chain
+from ..numerics.arrays import Array
+from ..numerics.roots import DIVERGED, Ending, newton
+from ..orbits.potential import TAU
+from .loaded_rod import ALPHA, BETA, MU, PHI, ROUND, SHORT, SPEED, LoadedRod, Q
+from .varying_shapes import Shape
+
+DEEP = 13  # the order of the series of the derivatives by which Newton's method goes
+SAME = 1e-6  # of the angles in their scales: one shape
+ON_EDGE = 1e-9  # of a turn: an angle as near to -pi, as of a rod that points back, is pi, whatever its last digits
+REACH = 0.5  # the longest step of the angles, in their scales
+WILD = 1e6  # of the scales: no equilibrium is sought from larger numbers
+ROUNDING = 1e-12  # of the scales: a correction below this is rounding
+SOFT = 1e-14  # springs that hardly change the equations, in the scales
+ENDING = Ending(rounds=40, goal=ROUNDING, small=1e-7, stall=0.25)
+
+
+@dataclass(frozen=True, eq=False)
+class Linear:
+    """The equations at a shape, scaled.
+
+    open: (8 N,), what is left open at the start, by the stretches and at the far end. transfer: (N - 1, 8, 8), of the
+    stretches. stiffness: (N, 2), of springs, or None.
+    """
+
+    rod: LoadedRod
+    open: Array
+    transfer: Array
+    stiffness: Array | None = None
+
+    def solve(self, right: Array, soft: bool = False) -> Array | None:
+        """The changes of the states, in their scales, for right sides (8 N, m); None where there are no finite ones.
+
+        soft: whether springs that hardly change the equations are put in where a pivot vanishes, as at a fold.
+        """
+        if not np.isfinite(right).all():
+            return None
+        start, _, end, _ = self.rod.conditions()
+        for stiffness in (self.stiffness, *([np.full((len(self.transfer) + 1, 2), SOFT)] * soft)):
+            columns = solve_chain(self.transfer, self.rod.scale, start, end, stiffness, right)
+            if columns is not None and np.isfinite(columns).all():
+                return columns
+        return None
+
+    def newton_change(self) -> Array | None:
+        """The change (N, 8), in the scales, that leaves nothing open; None where there is none."""
+        column = self.solve(self.open)
+        return None if column is None else -column.reshape(-1, SIZE)
+
+
+def march_of(shape: Shape, shorter: float = 1.0, deep: int = ORDER) -> tuple[Array, Array]:
+    """The ends (N, 8) of the stretches and their transfer matrices (N, 8, 8): heights and rotations only add."""
+    rod = shape.rod
+    marched = march(rod.numbers, rod.scale, shape.y[:-1], np.diff(shape.t), BY_STATE, shorter=shorter, deep=deep)
+    columns = marched.columns
+    whole = np.zeros((columns.shape[0], SIZE, SIZE))
+    whole[:, :, :BY_STATE] = columns
+    whole[:, SHORT, SHORT] = whole[:, ROUND, ROUND] = 1
+    return marched.end, whole
+
+
+def linear_at(
+    shape: Shape,
+    anchor: Array | None = None,
+    stiffness: Array | None = None,
+    shorter: float = 1.0,
+    deep: int = ORDER,
+) -> Linear:
+    """The equations of a shape and their derivatives, scaled.
+
+    anchor, stiffness: (N, 8) and (N, 2): springs at the nodes that pull beta and alpha towards those of the anchor.
+    deep: the order of the series of the derivatives.
+    """
+    pulled, transfer = march_of(shape, shorter, deep)
+    if stiffness is not None and anchor is not None:
+        for k, (angle, moment) in enumerate(((BETA, SPEED), (ALPHA, Q))):
+            pulled[:-1, moment] += stiffness[1:-1, k] * (shape.y[1:-1, angle] - anchor[1:-1, angle])
+    return Linear(shape.rod, left_open(shape, pulled), transfer, stiffness)
+
+
+def left_open(shape: Shape, after: Array) -> Array:
+    """What is open, (8 N,), where the stretches end in the states `after` (N - 1, 8)."""
+    start, near, end, far = shape.rod.conditions()
+    gap = (shape.y[1:] - after) / shape.rod.scale
+    return np.concatenate([start @ shape.y[0] - near, gap.reshape(-1), end @ shape.y[-1] - far])
+
+
+def open_at(shape: Shape) -> Array:
+    """What is left open in the equations of a shape, scaled, as of `Linear`."""
+    return left_open(shape, march(shape.rod.numbers, shape.rod.scale, shape.y[:-1], np.diff(shape.t)).end)
+
+
+def with_known_loads(rod: LoadedRod, t: Array, y: Array) -> Array:
+    """The states with what is given at the ends, and loads that vary in a known way, without the rounding of a solved
+    system."""
+    y = y.copy()
+    y[0, BETA if "beta0" in rod.held else SPEED] = rod.near[0]
+    y[-1, BETA if "betaL" in rod.held else SPEED] = rod.far[0]
+    if not rod.rubbed and "rotation" not in rod.held:
+        y[:, MU] = rod.far[3]
+    if not rod.rubbed and "height" not in rod.held:
+        y[:, PHI] = rod.far[2] - rod.along * (rod.span - t)
+    return y
+
+
+def is_same(one: Shape, other: Shape) -> bool:
+    """Whether two shapes of a rod are one, whose beta may differ by whole turns where no end angle is given."""
+    change = one.y - other.y
+    if one.rod.turns_freely:
+        change[:, BETA] -= TAU * np.round(change[0, BETA] / TAU)
+    return bool((np.abs(change) / one.rod.scale)[:, [BETA, SPEED, ALPHA]].max() < SAME)
+
+
+def whole_turns(beta: float) -> int:
+    """The whole turns by which an angle lies above the one in (-pi, pi], to rounding."""
+    return int(np.ceil((beta - np.pi) / TAU - ON_EDGE))
+
+
+def within_a_turn(shape: Shape) -> Shape:
+    """The shape itself, or where no end angle is given the one with beta(0) in (-pi, pi], to rounding."""
+    turns = whole_turns(float(shape.y[0, BETA])) if shape.rod.turns_freely else 0
+    if not turns:
+        return shape
+    y = shape.y.copy()
+    y[:, BETA] -= TAU * turns
+    return replace(shape, y=y)
+
+
+def marks_of(shape: Shape) -> Array:
+    """Numbers that tell a shape from others: the angles at the nodes in their scales, such that the length of a
+    difference is its mean size; sine and cosine of beta in place of beta where no end angle is given."""
+    return _marks(shape, shape.y[:, ALPHA], _sine_and_cosine(shape) if shape.rod.turns_freely else [shape.y[:, BETA]])
+
+
+def change_of_marks(shape: Shape, change: Array) -> Array:
+    """How the marks of a shape answer a small change (N, 8), in the scales."""
+    moved = change * shape.rod.scale
+    beta = [moved[:, BETA]]
+    if shape.rod.turns_freely:
+        sin, cos = _sine_and_cosine(shape)
+        beta = [cos * moved[:, BETA], -sin * moved[:, BETA]]
+    return _marks(shape, moved[:, ALPHA], beta)
+
+
+def _sine_and_cosine(shape: Shape) -> list[Array]:
+    return [np.sin(shape.y[:, BETA]), np.cos(shape.y[:, BETA])]
+
+
+def _marks(shape: Shape, alpha: Array, beta: list[Array]) -> Array:
+    scale = shape.rod.scale
+    columns = [alpha / scale[ALPHA], *(column / scale[BETA] for column in beta)]
+    return np.concatenate(columns) / np.sqrt(shape.t.size)
+
+
+def correct(
+    shape: Shape,
+    anchor: Array | None = None,
+    stiffness: Array | None = None,
+    most: int = ENDING.rounds,
+    enough: float = ROUNDING,
+) -> Shape | None:
+    """The equilibrium that Newton's method reaches from a shape; None where it reaches none.
+
+    enough: a correction, in the scales, that ends the steps; Newton's next one would be about its square.
+    """
+    scale = shape.rod.scale
+
+    def step(now: Shape) -> tuple[Shape, float] | str:
+        if np.abs(now.y / scale)[:, [BETA, SPEED, Q, PHI]].max() > WILD:  # whose march would take seconds
+            return DIVERGED
+        change = linear_at(now, anchor, stiffness, deep=DEEP).newton_change()
+        if change is None:
+            return DIVERGED
+        y = now.y + change * scale * share_within(change)
+        return replace(now, y=y, steps=now.steps + 1), size_of(change)
+
+    corrected = newton(replace(shape, steps=0), step, replace(ENDING, rounds=most, goal=enough))
+    return (
+        None
+        if isinstance(corrected, str)
+        else replace(corrected, y=with_known_loads(corrected.rod, corrected.t, corrected.y))
+    )
+
+
+def share_within(change: Array) -> float:
+    """The share of a change (N, 8), in the scales, by which no angle moves farther than `REACH`."""
+    size = largest_turn(change)
+    return min(1.0, REACH / size) if size else 1.0
+
+
+def largest_turn(change: Array) -> float:
+    """The largest change of an angle in a change (N, 8), in the scales."""
+    return float(np.abs(change[:, [BETA, ALPHA]]).max())
+
+
+def size_of(change: Array) -> float:
+    """The size of a change (N, 8), in the scales: forces that vary in a known way do not count."""
+    return float(np.abs(change[:, :PHI]).max())

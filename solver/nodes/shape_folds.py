@@ -1,0 +1,202 @@
+"""The curves of folds and pitchforks over two numbers z, of a rod whose loads vary along it.
+
+Through each z a line goes along n, across the curve of a fold. On it the equilibria lie on a branch with a place a,
+along its direction at the last fold. At a fold the branch passes n = 0 where dn/da = 0: two equations in a and z,
+regular at cusps too, where z turns back.
+
+Along the curve of a pitchfork an equilibrium that its symmetry keeps, such as the straight rod, exists on both sides,
+and on it a push along one mode meets no resistance. The stiffness against that push, smooth over z, is the equation.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+
+from ..branches.special_line import (
+    CROSSING,
+    Ahead,
+    SpecialLine,
+    SpecialPoint,
+    Tracing,
+    change_within,
+    cusps_between,
+    point_at,
+    point_on_line,
+    special_line,
+)
+from ..branches.whole_curve import WholeCurve, whole_curve
+from ..numerics.arclength import PITCHFORK, Lengths, Node, node_at
+from ..numerics.arrays import Array
+from .curve import SPLIT, Curve, Point, unit
+from .descent import index_at
+from .loaded_rod import ALPHA, SPEED, LoadedRod
+from .newton import marks_of
+from .varying_shapes import Shape
+from .weak_modes import Held, hold, weakest_modes
+
+RodAt = Callable[[Array], LoadedRod]
+STEPS = Lengths(first=0.02, longest=0.1, least=1e-4)  # in the sizes of the equilibrium and of z
+STEP = 1e-4  # of derivatives by a and z
+BESIDE = 0.02  # how far beside a fold its two indices are read, in the sizes of the unknowns
+NEAR_IT = 1e-3  # how far beside a pitchfork its two indices are read
+CROSSED = 3e-3  # how closely the place is enclosed where another curve crosses
+NEAR = 3  # weakest modes: where another such curve crosses, that of this one is not the weakest
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ShapePoint(SpecialPoint):
+    """A fold or pitchfork. shape: the equilibrium there."""
+
+    rod_at: RodAt
+    shape: Shape
+    nudge = STEP
+
+    def line(self, z: Array, across: Array) -> Curve:
+        """The equilibria along a line through z."""
+        return Curve(lambda n: self.rod_at(z + n * across), 1.0, self.shape.rod.scale)
+
+    @property
+    def slope(self) -> float:
+        """beta_t(0)."""
+        return float(self.shape.y[0, SPEED])
+
+    @property
+    def mark(self) -> Array:
+        """As of `SpecialPoint`."""
+        return marks_of(self.shape)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class FoldPoint(ShapePoint):
+    """A fold. w: a, and z over their sizes.
+
+    across: (2,), the unit vector of n. tangent: that of the branch over n at the shape, where a and n are 0.
+    """
+
+    across: Array
+    tangent: Array
+
+    def at(self, w: Array) -> Point | None:
+        """The equilibrium at a on the branch over n through z; None where there is none."""
+        shape = self.shape
+        change = w[0] * self.tangent[:-1].reshape(shape.y.shape) * shape.rod.scale
+        return self.line(w[1:], self.across).correct(replace(shape, y=shape.y + change), 0.0, self.tangent)
+
+    def value(self, w: Array) -> Array | None:
+        """n and dn/da, (2,)."""
+        point = self.at(w)
+        return None if point is None else np.array([point.p, point.rises])
+
+    def after(self, node: Node) -> "Ahead[FoldPoint] | None":
+        """As of `SpecialPoint`; a is counted from there on."""
+        point = self.at(node.w)
+        if point is None:
+            return None
+        across = -node.jacobian[0, 1:] / np.linalg.norm(node.jacobian[0, 1:])  # n falls as z moves along it
+        tangent = np.append(point.tangent[:-1], 0.0)
+        fold = replace(self, w=np.append(0.0, node.w[1:]), across=across, shape=point.shape, tangent=tangent)
+        following = node_at(fold, fold.w, node.tangent)
+        return None if isinstance(following, str) else SpecialPoint.after(fold, following)
+
+    @property
+    def lower(self) -> int:
+        """The lower index of the two equilibria that meet; 0 with friction."""
+        sides = (self.at(self.w + np.array([a, 0.0, 0.0])) for a in (BESIDE, -BESIDE))
+        return min((side.index for side in sides if side is not None), default=0)
+
+
+def fold_through(rod_at: RodAt, z: Array, axis: int, shapes: list[Shape]) -> WholeCurve:
+    """The curve of the fold at z of a branch along number `axis`, from the shapes before, at and after it."""
+    (before, shape, after), (across, way) = shapes, np.eye(2)[[axis, 1 - axis]]
+    tangent = unit(Curve(lambda n: shape.rod, 1.0, shape.rod.scale).in_sizes(after.y - before.y, 0.0))
+    w = np.append(0.0, z)
+    guess = FoldPoint(w=w, way=way, rod_at=rod_at, across=across, shape=shape, tangent=tangent)
+    first = point_at(guess, w, np.append(0.0, way)) or guess
+    how: Tracing[FoldPoint] = Tracing(STEPS, cusps_between)
+    return whole_curve(special_line(first, how))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PitchforkPoint(ShapePoint):
+    """A pitchfork. w: z over their sizes. more: NaN where the two others lie on different sides.
+
+    shape: that which the symmetry keeps. mode: (N, 8), along which others split off. index: the lower one beside the
+    curve.
+    """
+
+    mode: Array
+    index: int = 0
+    kind: str = PITCHFORK
+
+    @property
+    def lower(self) -> int:
+        """As of `SpecialPoint`."""
+        return self.index
+
+    def held_at(self, z: Array) -> Held | None:
+        """The equilibrium that the symmetry keeps, at z, as it is held along the mode."""
+        return hold(self.line(z, np.zeros(2)).shape(self.shape, self.shape.y, 0.0), self.mode)
+
+    def value(self, w: Array) -> Array | None:
+        """The stiffness against a push along the mode at z = w, (1,)."""
+        held = self.held_at(w)
+        return None if held is None else np.array([held.stiffness])
+
+    def after(self, node: Node) -> "Ahead[PitchforkPoint] | None":
+        """As of `SpecialPoint`, with its index and its mode."""
+        across = node.jacobian[0] / np.linalg.norm(node.jacobian[0])
+        sides = [self.held_at(node.w + sign * NEAR_IT * across) for sign in (-1, 1)]
+        shapes = [side.shape for side in sides if side is not None]
+        if len(shapes) < 2:
+            return None
+        low, high = shapes
+        curve = self.line(node.w, across)
+        shape = curve.shape(high, (low.y + high.y) / 2, 0.0)
+        mode = max(weakest_modes(high, NEAR), key=lambda one: abs(likeness(one, self.mode)))
+        turns = {float(np.sign(point.p)) for point in curve.split_off(shape, mode, (SPLIT, -SPLIT), 0.0)}
+        more = across * turns.pop() if len(turns) == 1 else np.full(2, np.nan)
+        index = min(index_at(low), index_at(high))
+        following = replace(self, w=node.w, way=node.tangent, more=more, shape=shape, mode=mode, index=index)
+        node_there = node_at(following, following.w, node.tangent)
+        return None if isinstance(node_there, str) else (following, node_there)
+
+
+def likeness(one: Array, other: Array) -> float:
+    """The cosine of the angle between the azimuths of two modes (N, 8)."""
+    a, b = one[:, ALPHA], other[:, ALPHA]
+    return float(a @ b / np.sqrt((a @ a) * (b @ b)))
+
+
+def pitchforks_through(
+    rod_at: RodAt, z: Array, axis: int, shape: Shape, is_known: Callable[[Array, Array], bool]
+) -> list[WholeCurve] | None:
+    """The curve of the pitchfork near z on the line along number `axis`, in parts of equal index; None without one.
+
+    The index changes where another such curve crosses. shape: an equilibrium near it that its symmetry keeps.
+    is_known: whether a z and a mark there lie on a known curve; where the shape becomes that of one, this one ends.
+    """
+    guess = PitchforkPoint(w=z, rod_at=rod_at, shape=shape, mode=weakest_modes(shape)[0])
+    first = point_on_line(guess, axis)
+    if first is None:
+        return None
+    if np.isnan(first.more).any():  # where the sides differ, branches exchange their indices, and no number changes
+        return []
+    how = Tracing(STEPS, crossing_between, is_known=lambda point: is_known(point.z, point.mark))
+    line = special_line(first, how)
+    points, last = line.points, len(line.points) - 1
+    cuts = [0, *(i + 1 for i, (point, other) in enumerate(pairwise(points)) if point.lower != other.lower), last]
+    curves = []
+    for a, b in pairwise(dict.fromkeys(cuts)):
+        ends = line.ends[0] if a == 0 else CROSSING, line.ends[1] if b == last else CROSSING
+        curves.append(whole_curve(SpecialLine(points[a : b + 1], ends, points[a])))
+    return curves
+
+
+def crossing_between(
+    point: PitchforkPoint, node: Node, step: float, taken: Ahead[PitchforkPoint]
+) -> list[PitchforkPoint]:
+    """As of `Between`: pitchforks on either side of where another curve crosses, and close to it."""
+    sides = change_within(point, node, step, taken, lambda ahead: ahead[0].lower, CROSSED)
+    return [side for side in sides if side is not point and side is not taken[0]]

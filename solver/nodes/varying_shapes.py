@@ -1,0 +1,251 @@
+"""The shapes of B rods whose loads vary along them, on nodes from which everything along them is read."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property, partial
+from typing import Any
+
+import numpy as np
+
+from ..core.varying_loads import READ, SIZE, march
+from ..numerics.arrays import Array, Booleans, Integers
+from ..numerics.roots import bisect, largest_between
+from ..orbits.potential import Loads, slope
+from ..orbits.statics import circumferential_force, contact_force, curvature, surface_forces
+from ..problem.case import IN_PLACE
+from .loaded_rod import ALPHA, BETA, MU, PHI, SPEED, LoadedRod, Q
+from .state import State, is_drawn, states
+
+DENSE = 17  # places on a stretch, at which the states along a rod are judged
+GAUSS = 12  # places on a stretch, for integrals of products of states
+FAINT = 1e-12  # of the largest beta: a smaller change is rounding
+BISECTIONS = 40  # of a place at which the rod lifts off
+FINE = 2  # nodes of a start problem, for each step of its march
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """A rod on nodes. t: (N,). y: (N, 8), states at the nodes. steps: those of Newton that were taken."""
+
+    rod: LoadedRod
+    t: Array
+    y: Array
+    steps: int = 0
+
+    def at(self, t: Array) -> Array:
+        """States at times t (n,), rising, (n, 8)."""
+        stretch = np.clip(np.searchsorted(self.t, t, side="right") - 1, 0, self.t.size - 2)
+        first = np.searchsorted(stretch, np.arange(self.t.size))
+        return self._read(first, t - self.t[stretch])
+
+    def between(self, places: Array) -> Array:
+        """States at places (m,) of [-1, 1], rising, on each stretch, (N - 1, m, 8)."""
+        width, m = np.diff(self.t), places.size
+        stations = (width[:, None] * (1 + places) / 2).reshape(-1)
+        return self._read(m * np.arange(self.t.size), stations).reshape(width.size, m, SIZE)
+
+    def _read(self, first: Integers, stations: Array) -> Array:
+        """States at stations of the stretches, as of `core.varying_loads.march`."""
+        rod = self.rod
+        return march(rod.numbers, rod.scale, self.y[:-1], np.diff(self.t), first=first, stations=stations).out
+
+    def local_values(self, y: Array) -> Array:
+        """What `observe` integrates, from states (Q, m, 8), as (Q, 7, m).
+
+        beta, beta_t, lam, mu, phi, omega sin(theta) cos(alpha), and what friction divides the contact force by.
+        """
+        _, _, across, rubbed, way, a, outward = self.rod.numbers
+        divisor = 1 - (way == IN_PLACE) * outward * rubbed * a * y[:, :, SPEED]
+        beta, speed, lam, mu, phi = (y[:, :, k] for k in (BETA, SPEED, Q, MU, PHI))
+        return np.stack([beta, speed, lam + mu, mu, phi, across * np.cos(y[:, :, ALPHA]), divisor], axis=1)
+
+    def push_at(self, t: Array) -> Array:
+        """The push at times t (n,) in any order, in units of A/rho^3, (n,)."""
+        order = np.argsort(t)
+        y = np.empty((t.size, SIZE))
+        y[order] = self.at(t[order])
+        return self.pushes(y)
+
+    def pushes(self, y: Array) -> Array:
+        """The push in states y (n, 8), in units of A/rho^3, (n,)."""
+        beta, speed, lam, mu, phi, weight, divisor = self.local_values(y[None])[0]
+        around = circumferential_force(1.0, lam, mu, 1.0, beta)
+        plain = contact_force(1.0, mu, 1.0, around, slope(Loads(lam, mu, phi), beta), beta, speed)
+        return np.asarray(self.rod.numbers[6] * (plain - weight) / divisor)
+
+    @cached_property
+    def dense(self) -> tuple[Array, Array]:
+        """Times and states (n,) and (n, 8), dense enough to judge what the rod does between its nodes."""
+        places = np.linspace(-1, 1, DENSE)[:-1]
+        y = np.concatenate([self.between(places).reshape(-1, SIZE), self.y[-1:]])
+        t = (self.t[:-1, None] + np.diff(self.t)[:, None] * (1 + places) / 2).reshape(-1)
+        return np.append(t, self.t[-1]), y
+
+    def bend_and_tension(self, t: Array) -> tuple[Array, Array]:
+        """kappa and F3 at rising times t, in units of rho and A, (n,) each."""
+        beta, speed, lam, mu, phi, _, _ = self.local_values(self.at(t)[None])[0]
+        around = circumferential_force(1.0, lam, mu, 1.0, beta)
+        return curvature(1.0, beta, speed), surface_forces(around, phi, beta)[1]
+
+    def largest_strain(self, bent: float, stretched: float) -> float:
+        """The largest strain along the rod: `bent` times kappa plus `stretched` times |F3|, in units of rho and A."""
+
+        def strain(t: Array) -> Array:
+            kappa, F3 = self.bend_and_tension(t)
+            return (bent * kappa + stretched * np.abs(F3))[None]
+
+        return float(largest_between(strain, self.dense[0])[0][0])
+
+    def states(self, rho: float) -> tuple[State, ...]:
+        """The states along the rod, with s in the unit of rho."""
+        t, y = self.dense
+        return states(t * rho, y[:, BETA], y[:, ALPHA], is_drawn(y[:, PHI], self.pushes(y)))
+
+    def lift_offs(self, rho: float) -> tuple[tuple[float, float], ...]:
+        """The stretches on which the wall would have to pull, from one s to another, in the unit of rho."""
+        t, y = self.dense
+        pulls = self.pushes(y) < 0
+        change = np.flatnonzero(pulls[1:] != pulls[:-1])
+        zeros = bisect(self.push_at, t[change], t[change + 1], BISECTIONS)
+        ends = [*(t[:1] if pulls[0] else ()), *zeros, *(t[-1:] if pulls[-1] else ())]
+        return tuple((float(a * rho), float(b * rho)) for a, b in zip(ends[::2], ends[1::2], strict=True))
+
+    def lift_off_reach(self) -> float:
+        """The largest t from the nearer end at which the wall would have to pull, 0 where it does nowhere."""
+        return max((min(b, float(self.t[-1]) - a) for a, b in self.lift_offs(1.0)), default=0.0)
+
+    def square_twist(self) -> float:
+        """The mean of the square of mu over the length."""
+        places, weights = np.polynomial.legendre.leggauss(GAUSS)
+        squares = self.between(places)[:, :, MU] ** 2 @ weights / 2
+        return float(squares @ np.diff(self.t) / self.t[-1])
+
+    def neutral(self) -> float:
+        """The first t at which FZ changes its sign; NaN where it does not."""
+        phi = self.y[:, PHI]
+        where = np.flatnonzero(np.sign(phi[1:]) * np.sign(phi[:-1]) < 0)
+        if not where.size:
+            return np.nan
+        low, high = self.t[where[:1]], self.t[where[:1] + 1]
+        return float(bisect(lambda t: self.at(t)[:, PHI], low, high, 60)[0])
+
+    def bends(self, rho: float) -> tuple[tuple[float, float], ...]:
+        """The interior extrema of beta: s in the unit of rho, and the size [rad], the smaller one of the changes of
+        beta from there to the next ones or to an end. A change of less than `FAINT` of the largest beta is rounding.
+        """
+        t, y = self.dense
+        moving = np.flatnonzero(y[1:-1, SPEED]) + 1
+        speed = y[moving, SPEED]
+        k = np.flatnonzero(np.sign(speed[1:]) != np.sign(speed[:-1]))
+        first, share = moving[k], speed[k] / (speed[k] - speed[k + 1])
+        after = share * (t[moving[k + 1]] - t[first])  # beta_t is linear between the two
+        beta = np.concatenate([y[:1, BETA], y[first, BETA] + speed[k] * after / 2, y[-1:, BETA]])
+        kept = np.array(turning_points(beta, FAINT * np.abs(y[:, BETA]).max()))
+        change = np.abs(np.diff(beta[kept]))
+        places = (t[first] + after)[kept[1:-1] - 1] * rho
+        return tuple(zip(places.tolist(), np.minimum(change[1:], change[:-1]).tolist(), strict=True))
+
+
+def turning_points(values: Array, least: float) -> list[int]:
+    """The places of the first and the last of values (n,), and between them of the extremes that differ from the ones
+    next to them by more than `least`."""
+    kept, far, way = [0], 0, 0.0
+    for i, moved in ((i, value - values[far]) for i, value in enumerate(values)):
+        if moved * way > 0:
+            far = i
+        elif abs(moved) > least:
+            kept += [far] * bool(way)
+            far, way = i, moved
+    return [*kept, values.size - 1]
+
+
+@dataclass(frozen=True, eq=False)
+class Marched:
+    """Start problems, whose shapes are computed when they are asked for, as those between the ends that they have.
+
+    numbers, scale, begin: (B, 7), (B, 8) and (B, 8). span, steps: (B,), lengths and steps of their march.
+    """
+
+    numbers: Array
+    scale: Array
+    begin: Array
+    span: Array
+    steps: Integers
+
+    def __getitem__(self, i: int) -> Shape | None:
+        t = np.linspace(0, self.span[i], max(FINE * int(self.steps[i]), 4) + 1)
+        first = np.array([0, t.size])
+        y = march(self.numbers[i], self.scale[i], self.begin[[i]], self.span[[i]], first=first, stations=t).out
+        far = y[-1, [SPEED, Q, PHI, MU]] + [0, y[-1, MU], 0, 0]
+        rod = LoadedRod(self.numbers[i], float(self.span[i]), frozenset({"beta0"}), y[0, [BETA, ALPHA]], far)
+        return Shape(rod.in_scales(self.scale[i]), t, y) if np.isfinite(y).all() else None
+
+
+@dataclass(frozen=True, eq=False)
+class VaryingShapes:
+    """The rods of B problems.
+
+    shapes: of each rod, computed or in a list; None for a rod without one. index: (B,), Morse indices under what the
+    ends hold, NaN where there is none. critical: (B,), the share of the loads at which the straight rod buckles, NaN
+    where it does not or was not asked.
+    """
+
+    shapes: Marched | Sequence[Shape | None]
+    index: Array
+    critical: Array
+
+    @cached_property
+    def _known(self) -> dict[int, Shape | None]:
+        return {}
+
+    def of(self, i: int) -> Shape | None:
+        """The shape of one rod, computed once."""
+        if i not in self._known:
+            self._known[i] = self.shapes[i]
+        return self._known[i]
+
+    def each(self, count: int) -> list[Shape | None]:
+        """The shapes of so many rods; that of one rod for all of them."""
+        return [self.of(i if self.index.size > 1 else 0) for i in range(count)]
+
+    def only(self, fit: Booleans) -> "VaryingShapes":
+        """The rods without the shapes of those that are not `fit` (B,)."""
+        shapes = [shape if fits else None for shape, fits in zip(self.each(fit.size), fit, strict=True)]
+        return VaryingShapes(shapes, *(np.where(fit, values, np.nan) for values in (self.index, self.critical)))
+
+    def ends(self) -> tuple[Array, Array]:
+        """States at the start and at the far end, (B, 8) each; NaN for a rod without a shape."""
+        none = np.full(SIZE, np.nan)
+        shapes = [self.of(i) for i in range(self.index.size)]
+        pairs = [(none, none) if shape is None else (shape.y[0], shape.y[-1]) for shape in shapes]
+        return np.array([pair[0] for pair in pairs]), np.array([pair[1] for pair in pairs])
+
+    def read(self, t: Array, alpha0: Array) -> dict[str, Any]:
+        """What a trajectory holds at stations t (B, n), whose azimuth begins at alpha0 (B,); NaN without a shape."""
+        shapes = [self.of(i) for i in range(self.index.size)]
+        none = np.full((t.shape[1], SIZE), np.nan)
+        y = np.array([none if shape is None else shape.at(times) for shape, times in zip(shapes, t, strict=True)])
+        ratio = np.array([np.nan if shape is None else shape.rod.numbers[0] for shape in shapes])
+        return read_starts(np.moveaxis(y[:, :, READ], -1, 0), t, alpha0, ratio * self.ends()[1][:, MU])
+
+    def turns(self) -> Array:
+        """The number of interior extrema of beta of each rod, (B,); NaN for a rod without a shape."""
+        shapes = [self.of(i) for i in range(self.index.size)]
+        return np.array([np.nan if shape is None else len(shape.bends(1.0)) for shape in shapes])
+
+
+def read_starts(y: Array, t: Array, alpha0: Array, twist: Array) -> dict[str, Any]:
+    """What a trajectory holds, from states (8, B, n) at t (B, n) in the order of a march with `judge`, in their place.
+
+    twist: (B,), A/C times mu at the far end.
+    """
+    beta, dbeta, alpha, lam, mu, _, short, turned = y
+    alpha -= alpha0[:, None]
+    lam += mu
+    np.subtract(t, short, out=short)
+    swirl = partial(_swirl, twist[:, None], t, turned, alpha)
+    return {"beta": beta, "dbeta": dbeta, "alpha": alpha, "z": short, "swirl": swirl, "loads": y[Q : PHI + 2]}
+
+
+def _swirl(twist: Array, t: Array, turned: Array, alpha: Array) -> Array:
+    return np.asarray(twist * t - turned + alpha)

@@ -1,0 +1,198 @@
+"""The derivatives of a solution with respect to the fields of its case.
+
+What is given answers directly; the loads that are found follow from the equations of the equilibrium
+(`motions.Motion.parts`).
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from ..numerics.arrays import EPS, Array
+from ..orbits.periodic_orbit import HELIX
+from ..orbits.shape import Shape
+from ..orbits.variations import HelixVariations
+from ..problem.case import refuse_leaving
+from ..problem.case_fields import check_fields
+from ..problem.reduced import EndsProblem, FieldRates, field_rates, flat, given_numbers
+from ..problem.trajectory import SHAPELESS, SOLVED, decade
+from .motions import Motion, of_equilibria, of_helices, shape_rates, start_sensitivities
+from .observable_rates import Moving, check_observables, derivatives_of, measure_of, why_missing
+from .varying_rates import STEP, varying_rates
+
+
+def ends_field_rates(sol: Shape, fields: Sequence[str]) -> FieldRates:
+    """The derivatives of the numbers of an ends problem by fields of its case, but those of loads that are found."""
+    rates = field_rates(sol.case, fields)
+    assert rates.given is not None
+    turn = np.array(given_numbers(sol.case)) == "turn"  # ratio mu span less the swirl: the ratio changes it at once
+    by_ratio = (sol.problem.mu * sol.problem.span)[:, None] * rates.of("ratio")
+    return replace(rates, given=rates.given - turn[:, None] * by_ratio[:, None])
+
+
+def amounts(motion: Motion, rates: FieldRates) -> Array:
+    """How far a unit of each field moves the cases in the five directions of a motion, (b, 5, F)."""
+    if rates.given is None:
+        return np.matmul(motion.parts, rates.table[[4, 5, 0, 1, 2]].swapaxes(0, 1))
+    return np.matmul(motion.parts, np.concatenate([rates.given, rates.of("span")[:, None]], axis=1))
+
+
+def _shape_of(sol: Shape, rates: FieldRates, rows: Any) -> dict[str, Array]:
+    """Some cases as `motions.shape_rates` takes them. rates: of these cases."""
+    case, known = sol.case, sol.trajectory
+    scales = {"ratio": flat(case.rod.stiffness_ratio, case.shape), "rho": flat(case.rho, case.shape)}
+    shapes = {"t": sol.t, "beta": known.beta, "rate": known.dbeta, "z": known.z}
+    arrays = {name: array[rows] for name, array in {**shapes, **scales}.items()}
+    return arrays | {"by": rates.table, "later": rates.of("span")}
+
+
+def _of_helices(sol: Shape, motion: Motion, unit: Array, rates: FieldRates) -> Array:
+    """The derivatives of beta, dbeta, alpha, z and gamma of helices at the stations, (5, b, F, n). unit: (b, 5, F), of
+    `amounts`. rates: of these cases."""
+    shape = _shape_of(sol, rates, motion.rows)
+    out = motion.varied.change(shape["t"], unit).rows
+    loads = np.stack([motion.problem.lam, motion.problem.mu, motion.problem.phi], axis=1)
+    shape_rates(out, {**shape, "loads": loads, "span": motion.problem.span})
+    return out
+
+
+def _unknown(sol: Shape, rates: FieldRates) -> Array:
+    """NaN in place of all derivatives along the rods, (5, B, F, n)."""
+    return np.full((len(_ALONG), sol.problem.size, len(rates.fields), sol.t.shape[1]), np.nan)
+
+
+def _of_starts(sol: Shape, rates: FieldRates, read: Moving | None) -> tuple[Array, Array]:
+    """Derive the solved start problems that are no helices; all of them, (5, B, F, n), and which are helices."""
+    solved = np.flatnonzero(sol.trajectory.solved)
+    every = solved.size == sol.problem.size
+    rows = slice(None) if every else solved
+    problem, of_solved = (sol.problem, rates) if every else (sol.problem.take(solved), rates.take(solved))
+    shape = _shape_of(sol, of_solved, rows)
+    answer = start_sensitivities(problem, shape, None if read is None else read.measurement(rows))
+    if read is not None:
+        read.take(rows, answer)
+    out = answer.along if every else _unknown(sol, rates)
+    if not every:
+        out[:, solved] = answer.along
+    return out, solved[answer.kind == HELIX]
+
+
+_ROUNDING = 32 * EPS  # of a derivative, times the condition number
+_CARRIED = 4  # of the error of the shape, on which the derivatives depend through beta, H, alpha and z
+_ALONG = ("beta", "dbeta", "alpha", "z", "gamma")
+
+
+@dataclass(frozen=True, eq=False)
+class Sensitivity:
+    """The derivatives of a solution with respect to F fields of its case; `Solution.sensitivity` makes it.
+
+    The stations keep their place s/L when a field changes. The unit of each derivative is that of the quantity over
+    that of the field (`solver.problem.quantities`).
+
+    Attributes
+    ----------
+    solution : Shape
+        The solution.
+    fields : tuple of str
+        The names of the F fields.
+    beta, alpha, gamma : array, (*cases, F, n)
+        Derivatives of the angle, the azimuth and the rotation of the section at the stations.
+    dbeta, z : array, (*cases, F, n)
+        Derivatives of beta' and of the height.
+    solved : bool or array, (*cases)
+        Whether a case has derivatives; where not, all of them are NaN.
+    outcome : str or array, (*cases)
+        "solved", or "failed: " and the reason.
+    error : float or array, (*cases)
+        Estimated error of the derivatives along the rod, relative to the largest of each: rounding, grown, and the
+        error of the solution, which its tolerance allows.
+    observables : dict
+        Name of an observable -> its derivatives, (*cases, F).
+    remarks : dict
+        Name of an observable -> (*cases), a sentence where one of its derivatives does not exist and is NaN, else "".
+    """
+
+    solution: Shape = field(repr=False)
+    fields: tuple[str, ...]
+    beta: Array = field(repr=False)
+    dbeta: Array = field(repr=False)
+    alpha: Array = field(repr=False)
+    z: Array = field(repr=False)
+    gamma: Array = field(repr=False)
+    solved: Any
+    outcome: Any
+    error: Any
+    observables: dict[str, Any] = field(default_factory=dict)
+    remarks: dict[str, Any] = field(default_factory=dict)
+
+
+def sensitivity(sol: Shape, fields: Iterable[str], observables: Iterable[str] = ()) -> Sensitivity:
+    """The derivatives of a solution; see `Solution.sensitivity`."""
+    refuse_leaving(sol.case.cylinder, "sensitivity")
+    names, observed = check_fields(sol.case, fields), check_observables(observables)
+    ends, growth = isinstance(sol.problem, EndsProblem), np.asarray(sol.trajectory.condition)
+    with np.errstate(all="ignore"):
+        error = _ROUNDING * (growth**2 if ends else growth)
+    if sol.trajectory.shapes is not None:
+        known = np.where(sol.trajectory.solved, SOLVED, sol.trajectory.outcome).astype(object)
+        with np.errstate(all="ignore"):
+            curves, numbers = varying_rates(sol, names, _ALONG, observed)
+            table = np.array([*numbers.values()]).reshape(len(observed), known.size, len(names))
+            return _judge(sol, names, np.stack([*curves.values()]), observed, table, known, error / STEP)
+    rates = ends_field_rates(sol, names) if ends else field_rates(sol.case, names)
+    outcome = np.where(sol.trajectory.solved, SOLVED, sol.trajectory.outcome).astype(object)
+    read = Moving(sol, rates, (key for name in observed for key in measure_of(name))) if observed else None
+    with np.errstate(all="ignore"):  # what leaves the finite numbers is told by the outcome
+        if ends:
+            out, moving = _unknown(sol, rates), of_equilibria(sol, outcome)
+        else:
+            out, still = _of_starts(sol, rates, read)
+            moving = of_helices(sol, still)
+        for motion in moving:
+            unit = amounts(motion, rates.take(motion.rows))
+            for name, moved in zip(("lam", "mu", "phi"), unit[:, 2:].swapaxes(0, 1), strict=True):
+                rates.of(name)[motion.rows] = moved  # held ends find them
+            of_rows = rates.take(motion.rows)
+            if isinstance(motion.varied, HelixVariations):
+                out[:, motion.rows] = _of_helices(sol, motion, unit, of_rows)
+                if read is not None:
+                    read.add_helices(motion, unit, of_rows)
+                continue
+            shape, orbit = _shape_of(sol, of_rows, motion.rows), (motion.varied, unit)
+            measured = None if read is None else read.measurement(motion.rows, given=True)
+            answer = start_sensitivities(motion.problem, shape, measured, orbit)
+            out[:, motion.rows] = answer.along
+            if read is not None:
+                read.take(motion.rows, answer)
+        derivatives = np.empty((0, sol.problem.size, len(names))) if read is None else derivatives_of(observed, read)
+    return _judge(sol, names, out, observed, derivatives, outcome, error)
+
+
+def _judge(
+    sol: Shape, names: tuple[str, ...], out: Array, wanted: tuple[str, ...], table: Array, outcome: Array, error: Array
+) -> Sensitivity:
+    """The result; a case in which no digit is left gets an outcome that says so.
+
+    out: (5, B, F, n), along the rods. table: (K, B, F), of the observables. error: (B,), by rounding.
+    """
+    growth, held = np.asarray(sol.trajectory.condition), isinstance(sol.problem, EndsProblem)
+    finite = np.isfinite(out).all(axis=(0, 2, 3))
+    begun = outcome == SOLVED
+    where = "at a fold, or next to one" if held else "next to a separatrix"
+    for i in np.flatnonzero(begun & ~((error < SHAPELESS) & finite)):
+        outcome[i] = f"failed: {where}, condition above {decade(growth[i])} leaves no digit of the derivatives"
+    solved, shape = outcome == SOLVED, sol.case.shape
+    missing = solved & ~np.isfinite(table).all(axis=2)
+    if not solved.all():
+        out[:, ~solved] = table[:, ~solved] = np.nan
+    along = dict(zip(_ALONG, out.reshape(len(_ALONG), *shape, *out.shape[2:]), strict=True))
+    stated = np.where(solved, error + _CARRIED * np.asarray(sol.trajectory.error), np.inf)
+    values = dict(zip(wanted, table.reshape(len(wanted), *shape, len(names)), strict=True))
+    remarks = np.full(missing.shape, "", dtype=object)
+    for k in np.flatnonzero(missing.any(axis=1)):
+        remarks[k, missing[k]] = why_missing(wanted[k], sol)
+    by_case = {name: sol._each(value) for name, value in (("solved", solved), ("outcome", outcome), ("error", stated))}
+    sentences = {name: sol._each(row) for name, row in zip(wanted, remarks, strict=True)}
+    return Sensitivity(sol, names, **along, **by_case, observables=values, remarks=sentences)

@@ -1,1 +1,0 @@
-"""The periodic orbit of beta: critical points, arcs, pieces, panels, action, condition number."""

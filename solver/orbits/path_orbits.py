@@ -1,0 +1,181 @@
+"""The orbits of levels and paths, the path of an orbit, and the shapes of equilibria as trajectories.
+
+Orbits that stay at a saddle for longer than a gap in floating point can express have panels at rest.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from ..core.tuning import LOWEST
+from ..numerics.arrays import Array, Integers
+from ..problem.reduced import EndsProblem, StartProblem
+from ..problem.trajectory import PLAIN, Trajectory, blank, verdicts
+from .boundary import (
+    DOWN,
+    STRETCH,
+    UP,
+    Boundary,
+    LevelPaths,
+    Levels,
+    Path,
+    Paths,
+    boundary_of,
+    repeat,
+    transit_times,
+)
+from .joined_orbits import alike, join_answers
+from .periodic_orbit import HELIX, TIGHT, Orbit, action, response, solve_orbit
+from .potential import potential
+from .potential import slope as pull_at
+from .variations import HelixVariations, Variations, variations_on
+
+NO_EQUILIBRIUM = "failed: the search found no equilibrium, though at least one exists"
+MISSED = 1e-6  # rad: an orbit that ends farther than this from beta(L) is not that of an equilibrium
+# Relative: the largest estimate (2 * miss) of 7,000 random orbits that sweep 1 to 1e9 rad was 18 eps
+ROUNDING = 20 * float(np.finfo(float).eps)
+_DEEPER = 40.0  # in log gap: the root of the gap, the error of a rod at rest on a saddle, is then below rounding
+
+
+def solve_orbits(problem: EndsProblem, boundary: Boundary, path: LevelPaths, lengthens: Array) -> tuple[Orbit, Array]:
+    """The orbits and their levels eta, (K,)."""
+    K = path.y.size
+    boundary = replace(boundary, deepest=max(LOWEST, boundary.deepest - _DEEPER))
+    start, gap, excess, pin = _starts(problem, boundary, path)
+    moves = ~path.helix
+    measured, falls = path.pin.copy(), np.ones((K, 2))  # the pins, and falls of the two ends from them
+    measured[moves], falls[moves] = boundary.pins[pin], boundary.falls[pin]
+    level = potential(start, measured) + gap
+    orbit = solve_orbit(start, TIGHT, (measured, gap, 0 * gap), STRETCH)
+    # between two ends on saddles of this height eta(L) stays while eta between them grows as the gap's root falls
+    growth = response(orbit)[0] * np.exp(np.minimum((falls == 0).all(axis=1) * excess / 2, 600))
+    if excess.any():
+        orbit = solve_orbit(start, TIGHT, (measured, gap, excess), STRETCH)
+    base = orbit.panels.base + (problem.beta0[0] - start.beta0[0])  # whole turns
+    start = replace(start, beta0=np.full(K, problem.beta0[0]), span=np.full(K, problem.span[0]))
+    passed = np.where(path.helix, 0.0, path.turns)
+    known = {"lengthens": lengthens, "response": growth, "passed": passed, "path": path}
+    return replace(orbit, problem=start, panels=replace(orbit.panels, base=base), **known), level
+
+
+def _starts(problem: EndsProblem, boundary: Boundary, path: LevelPaths) -> tuple[StartProblem, Array, Array, Integers]:
+    """The start problems of K levels, without the time that a gap in floating point cannot express at a saddle; the
+    gaps and the log by which they are too large, (K,) each; and the numbers of the pins of those that are no helices.
+    """
+    K, moves = path.y.size, ~path.helix
+    pin = np.array([int(np.argmin(np.abs(boundary.pins - p))) for p in path.pin[moves]], dtype=int)
+    gap, slope, excess = np.zeros(K), np.zeros(K), np.zeros(K)
+    gap[moves] = path.sign[moves] * np.exp(np.maximum(path.y[moves], boundary.deepest))
+    slope[moves] = path.leaving[moves] * np.sqrt(np.maximum(boundary.start_speed2(pin, gap[moves]), 0))
+    excess[moves] = np.maximum(boundary.deepest - path.y[moves], 0)
+    first = boundary.low if boundary.rising else boundary.high
+    start = replace(repeat(problem, K).with_start(slope), beta0=np.full(K, first))
+    deep = excess > 0
+    if not deep.any():
+        return start, gap, excess, pin
+    moving = Paths(path.leaving[moves], path.turns[moves])
+    seen = transit_times(boundary, Levels(pin, path.sign[moves], path.y[moves]), deep=False)
+    span = start.span.copy()
+    span[moves] = np.where(deep[moves], seen.lengths_along(moving.counts(boundary.rising)), span[moves])
+    return replace(start, span=span), gap, excess, pin
+
+
+def variations_of(problem: EndsProblem, path: Path) -> Variations | HelixVariations:
+    """The variations of one equilibrium."""
+    if path.helix:
+        return HelixVariations(problem, held=True)
+    place = boundary_of(problem).with_pin(path.pin)
+    start, gap, excess, _ = _starts(problem, place, path.level_path)
+    orbit = solve_orbit(start, TIGHT, (place.pins, gap, excess), STRETCH)
+    return variations_on(replace(orbit, problem=replace(start, span=problem.span)))
+
+
+def orbit_of(problem: EndsProblem, path: Path) -> Orbit:
+    """The orbit of one equilibrium, with the fields that its Morse index and its condition number need."""
+    place, lengthens = boundary_of(problem), np.array([np.nan])
+    if not path.helix:
+        length = place.lengths([replace(path, y=path.y - 1e-4), replace(path, y=path.y + 1e-4)])
+        lengthens = np.array([float(path.sign * (length[1] - length[0]) > 0)])
+    return solve_orbits(problem, place.with_pin(path.pin), path.level_path, lengthens)[0]
+
+
+def energies(orbit: Orbit, level: Array) -> Array:
+    """Bending energy minus the work of the dead loads, the twist eliminated, in units of A/rho, (B,).
+
+    beta_t^2/2 - G/2 integrated over the rod is the integral of beta_t^2 less level span/2, level = eta (B,). Both terms
+    are exact to a few roundings, so the error of the energy is a few roundings of the larger one.
+    """
+    return action(orbit) - level * orbit.problem.span / 2
+
+
+def path_from_start(problem: EndsProblem, slope: float) -> Path | None:
+    """The equilibrium of one ends problem that starts with beta_t(0) = slope.
+
+    None where that orbit does not end at beta(L).
+    """
+    orbit = solve_orbit(problem.with_start(np.array([slope])), TIGHT)
+    if abs(float(orbit.at(problem.span[:, None])[0][0, 0] - problem.betaL[0])) > MISSED:
+        return None
+    place = boundary_of(problem)
+    if orbit.kind[0] == HELIX:
+        return place.helix
+    y = 2 * float(np.log(max(abs(slope), 1e-150)))
+    pull = slope or -float(pull_at(problem, problem.beta0)[0])  # of a start at rest, from which beta_tt leads
+    return Path(place.start, 1.0, y, UP if pull > 0 else DOWN, int(orbit.turns[0]))
+
+
+def equilibrium_trajectory(problem: EndsProblem, orbit: Orbit, t: Array, tol: float) -> Trajectory:
+    """The orbits of K ends problems at stations t (K, n); their error is that of beta(L)."""
+    condition = response(orbit)[0] if orbit.response is None else orbit.response
+    return trajectory_on(orbit, t, np.abs(orbit.at(problem.span[:, None])[0][:, 0] - problem.betaL), condition, tol)
+
+
+def trajectory_on(orbit: Orbit, t: Array, miss: Array, condition: Array, tol: float) -> Trajectory:
+    """The orbits of K ends problems at stations t (K, n); miss: (K,), by how much each misses what its ends are given.
+
+    Where the rounding of a case alone may exceed the tolerance, the miss is chance: the error is then what it may be.
+    """
+    beta, dbeta, alpha, z = orbit.at(t)
+    error, rounding = (2 * miss + 1e-14) * condition, ROUNDING * _swept(orbit) * condition
+    error = np.where(rounding > tol, np.maximum(error, rounding), error)
+    rest = *verdicts(beta, error, condition, tol, 2 * rounding), error, condition, orbit.evaluations, orbit
+    return Trajectory(beta, dbeta, alpha, z, partial(orbit.swirl, t), *rest)
+
+
+def _swept(orbit: Orbit) -> Array:
+    """By how much beta changes where the length and the far angle double [rad], (K,)."""
+    fastest, problem = np.zeros(orbit.kind.size), orbit.problem
+    np.maximum.at(fastest, orbit.panels.arc // 2, orbit.panels.fastest)
+    return np.asarray(np.abs(orbit.at(problem.span[:, None])[0][:, 0]) + fastest * problem.span)
+
+
+def together(answers: Sequence[Trajectory | str], t: Array) -> Trajectory:
+    """The answers to B problems at t (B, n) as one; a problem without an answer is given by its outcome."""
+    if len(answers) == 1 and not isinstance(answers[0], str):
+        return answers[0]
+    each = [_missing(t[i : i + 1], a) if isinstance(a, str) else a for i, a in enumerate(answers)]
+    orbits = alike([a.orbit for a in each])
+    known = [name for name in _UNKNOWN if any(getattr(answer, name) is not None for answer in each)]
+    return join_answers((_row(answer, orbit, known) for answer, orbit in zip(each, orbits, strict=True)), t, len(each))
+
+
+def _row(answer: Trajectory, orbit: Orbit, known: Sequence[str]) -> Trajectory:
+    """The answer to one of several problems, with arrays also for what is known of others and not of it."""
+    unknown: dict[str, Any] = {name: _UNKNOWN[name] for name in known if getattr(answer, name) is None}
+    return replace(answer, orbit=orbit, alternatives=None, **unknown)
+
+
+_UNKNOWN = {name: np.array([None]) for name in ("selection", "begun")}
+_UNKNOWN |= {name: np.array([np.nan]) for name in ("held_index", "dead_index")}
+
+
+def _missing(t: Array, why: str) -> Trajectory:
+    """An answer that stands for none: a plain rod, blank."""
+    plain = {name: np.array([value]) for name, value in PLAIN.items()}
+    slope, betaL = plain.pop("dbeta0"), plain.pop("betaL")
+    orbit = solve_orbit(StartProblem(**plain, dbeta0=slope), TIGHT)  # the tolerance of the others: the same series
+    answer = equilibrium_trajectory(EndsProblem(**plain, betaL=betaL), orbit, t, 1.0)
+    return blank(answer, np.array([False]), np.array([why], dtype=object))

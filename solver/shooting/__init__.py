@@ -1,1 +1,0 @@
-"""Equilibria of rods whose loads vary along them (weight, sliding friction): multiple shooting."""

@@ -1,0 +1,226 @@
+"""The summary of a stored dataset, read block by block, however many cases it has."""
+
+import os
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from solver.observe.observables import OBSERVABLES
+from solver.problem.case import PAIRS
+from solver.problem.errors import InputError
+from studies.grammar.axes import SAMPLE
+from studies.laws import law_words
+
+from ..stored import file_kinds, quantity_variables, refined, schema
+from ..stored.derived_arrays import StoredArrays, states_of
+from ..stored.law_verdicts import statistics
+from ..stored.solved_again import solve_again, study_of
+from ..stored.stored_cases import HELD_INDEX
+from ..stored.stored_study import StoredStudy
+from ..words import cautions, labels
+from . import file_checks, reading
+
+MOST_PLACES = 12  # of a boundary along one axis that are listed
+MOST_STATES, DENSE = 50, 3  # rods whose states are listed; stations from one change of sign of beta to the next
+TOO_FEW = "too few stations along the rod are stored"
+NO_PUSH = "helical, or drawn by tension: the push along the rod is not stored"
+
+
+def summary(path: Path) -> dict[str, Any]:
+    """What the file holds, as plain data; "laws" are rows as of `law_verdicts.verdicts`. Raises `InputError`.
+
+    Memory: one number a case, for one observable at a time.
+    """
+    with reading.open_study(path, whole=True) as ds, file_checks.reading(path):
+        data: dict[str, Any] = {"file": str(path), "bytes": os.stat(path).st_size}
+        data |= {key: str(ds.attrs[key]) for key in ("title", "study_name", "reading", "method")}
+        data |= {"tolerance": schema.number_of(ds, "tolerance"), "format": int(ds.attrs.get("format", schema.FORMAT))}
+        data |= {key: str(ds.attrs.get(key, "")) for key in ("created", "caution", *schema.SAMPLING)}
+        data["versions"] = schema.versions_of(ds, path)
+        data["axes"] = [_axis(ds[name]) for name in schema.axes_of(ds)]
+        data["sampled"] = [_axis(ds[quantity_variables.dimension(name)]) for name in schema.fields_of_samples(ds)]
+        data["stations"] = ds.sizes.get("u", 0)
+        data["along"] = [name for name in quantity_variables.CURVES if name in ds.data_vars]
+        data["boundaries"] = _boundaries(ds)
+        data["cases"] = ds["outcome"].size
+        counted = statistics(ds)
+        data |= {key: counted[key] for key in ("unsolved", "equilibria", "branches", "laws")}
+        data["outcomes"] = dict(Counter(counted["outcomes"]).most_common())
+        data["observables"] = [_spread(ds[name]) for name in _observables(ds)]
+        data["states"] = _states(ds)
+        data["worst"] = [_worst(ds, name) for name in ("error", "condition")]
+        data["verdicts"] = law_words.tally(data["laws"])
+    return data
+
+
+def _states(ds: xr.Dataset) -> list[dict[str, Any]]:
+    """The states along each rod with weight or friction, in words; none of more than `MOST_STATES` rods."""
+    loaded = {"weight", "friction"} & set(ds.variables) and {"beta", "alpha"} <= set(ds.data_vars)
+    if not loaded or ds["outcome"].size > MOST_STATES:
+        return []
+    rows = []
+    for place in np.ndindex(ds["outcome"].shape):
+        case = ds.isel(dict(zip(ds["outcome"].dims, place, strict=True)))
+        axes = {name: float(case[name]) for name in schema.axes_of(ds)}
+        rows.append({**axes, "state": _state(case, str(ds.attrs["length_unit"])) if case["solved"] else "not solved"})
+    return rows
+
+
+def _state(case: xr.Dataset, unit: str) -> str:
+    """The states along one rod; that the stations are too few where a wave has less than `DENSE` between its ends."""
+    from solver.nodes.state import BENT, HELICAL, in_words, states  # it loads the methods
+
+    s, beta, alpha = (case[name].values for name in ("s", "beta", "alpha"))
+    ends = np.flatnonzero(np.sign(beta[1:]) * np.sign(beta[:-1]) < 0)
+    waves = np.abs(np.diff(alpha[ends])) >= BENT
+    if not (np.diff(ends)[waves] >= DENSE).all():
+        return TOO_FEW
+    parts = states(s, beta, alpha)
+    if all(part.word != HELICAL for part in parts):
+        return in_words(parts, unit)
+    if "contact" not in case:  # whether the wall pushes decides
+        try:
+            case = solve_again(case, s.size, ["beta", "alpha", "contact"])
+        except InputError:
+            return NO_PUSH
+        s, beta, alpha = (case[name].values for name in ("s", "beta", "alpha"))
+    return in_words(states_of(case, s, beta, alpha, StoredArrays(case).derive("push").values), unit)
+
+
+def _observables(ds: xr.Dataset) -> list[str]:
+    """The observables, the reactions of held ends, other loads and end moments that the study names, and the index."""
+    try:
+        study = study_of(ds)
+        names, reactions = study.wanted, [load for load, partner in PAIRS if partner in study.held]
+    except InputError:  # a file without the text of its study
+        names, reactions = [], []
+    holding = [name for name in OBSERVABLES if name in names and OBSERVABLES[name].holds and name not in reactions]
+    known = [name for name in (*reactions, *holding, HELD_INDEX) if name in ds.data_vars]
+    return [*schema.observables_of(ds), *known]
+
+
+def _boundaries(ds: xr.Dataset) -> list[dict[str, Any]]:
+    """The located boundary of each watched observable of a refined study, along each axis that crosses it."""
+    rows: list[dict[str, Any]] = []
+    if not schema.is_refined(ds):
+        return rows
+    study = refined.describe(ds)
+    stored = StoredStudy(ds)
+    each = [(name, stored.boundary(name)) for name in study.watch]
+    each += [(f"law {claim}", stored.boundary(claim)) for claim in study.laws]
+    for name, pairs in each:
+        for axis in map(str, pairs.coords):
+            half = pairs[f"{axis}_half_width"].values
+            middle = pairs[axis].values[half > 0]
+            row: dict[str, Any] = {"name": name, "axis": axis, "pairs": int(middle.size)}
+            row |= dict.fromkeys(("from", "to", "half_width"))
+            if middle.size:
+                row |= {"from": float(middle.min()), "to": float(middle.max()), "half_width": float(half.max())}
+            row["places"] = _places(pairs, axis) if len(pairs.coords) == 1 and middle.size <= MOST_PLACES else []
+            row |= {"units": str(ds[axis].attrs.get("units", "")), "unknown": pairs.attrs.get("unknown", 0)}
+            rows.append(row)
+    return rows
+
+
+def _places(pairs: xr.Dataset, axis: str) -> list[dict[str, Any]]:
+    """Each place of a boundary along a single axis, in rising order."""
+    order = np.argsort(pairs[axis].values)
+    keys = {"at": axis, "half_width": f"{axis}_half_width", "before": "before", "after": "after"}
+    return [{key: pairs[name].values[i].item() for key, name in keys.items()} for i in order]
+
+
+def _axis(axis: xr.DataArray) -> dict[str, Any]:
+    values = axis.values
+    ends = {"count": int(values.size), "from": float(values.min()), "to": float(values.max())}
+    return {"name": str(axis.name), **ends, "units": str(axis.attrs.get("units", ""))}
+
+
+def _numbers(variable: xr.DataArray) -> NDArray[np.float64]:
+    """All the values of one number a case, (cases,)."""
+    return variable.values.ravel().astype(float)
+
+
+def _spread(variable: xr.DataArray) -> dict[str, Any]:
+    """Smallest, median and largest value, None where there is none; the dimensions, and how many values are missing."""
+    values = _numbers(variable)
+    finite = values[np.isfinite(values)]
+    three = (float(f(finite)) if finite.size else None for f in (np.min, np.median, np.max))
+    return {
+        "name": str(variable.name),
+        "over": " x ".join(map(str, variable.dims)),
+        "units": str(variable.attrs.get("units", "")),
+        **dict(zip(("min", "median", "max"), three, strict=True)),
+        "missing": int(values.size - finite.size),
+    }
+
+
+def _worst(ds: xr.Dataset, name: str) -> dict[str, Any]:
+    """The largest value of one number of the solved cases, and the place of its case on the axes and among samples."""
+    variable = ds[name]
+    values = np.where(_numbers(ds["solved"]) > 0, _numbers(variable), np.nan)
+    if not np.isfinite(values).any():
+        return {"name": name, "value": None, "at": {}}
+    i = int(np.nanargmax(np.where(np.isfinite(values), values, np.nan)))
+    where = np.unravel_index(i, variable.shape)
+    at = {str(dim): variable[dim][k].item() for dim, k in zip(variable.dims, where, strict=True)}
+    sampled = map(quantity_variables.dimension, schema.fields_of_samples(ds))
+    at |= {field: ds[field].sel({SAMPLE: at[SAMPLE]}).item() for field in sampled}
+    return {"name": name, "value": float(values[i]), "at": at}
+
+
+def least_accurate(path: Path) -> dict[str, Any]:
+    """The solved case of the largest error: `error`, `outcome`, and `at`, its place on the axes in words.
+
+    Raises `InputError`.
+    """
+    with reading.open_study(path) as ds, file_checks.reading(path):
+        worst = _worst(ds, "error")
+        at = [f"{name} = {labels.value(value, ds[name], 6)}" for name, value in worst["at"].items()]
+        outcome = ds["outcome"].sel({str(dim): worst["at"][dim] for dim in ds["outcome"].dims})
+        return {"error": worst["value"], "outcome": str(outcome.values), "at": ", ".join(at)}
+
+
+def brief_law(row: dict[str, Any]) -> dict[str, Any]:
+    """A law's row with the number of its exceptions, of which there may be as many as cases, in place of their list."""
+    short = {key: value for key, value in row.items() if key not in ("exceptions", "also")}
+    return {
+        **short,
+        "stated": law_words.law_in_words(row),
+        "said": law_words.sentence(row),
+        "exceptions": len(row["exceptions"]),
+    }
+
+
+SENTENCES = ("stability", "begin", "end", "remark", "searched")  # attributes that are printed as they are
+
+
+def contents(path: Path) -> dict[str, Any]:
+    """What the file holds, as plain data. Raises `InputError`."""
+    ds = reading.read(path, study=False)
+    numbers = [
+        str(name)
+        for name, variable in ds.variables.items()
+        if variable.dtype.kind in "iuf" and "u" not in variable.dims
+    ]
+    solved = ds["solved"].values.astype(bool) if "solved" in ds else np.ones(0, dtype=bool)
+    named = ds["outcome"].values.astype(str) if "outcome" in ds else np.zeros(0, dtype=str)
+    texts = Counter(map(str, np.ravel(ds["caution"].values))) if "caution" in ds else Counter()
+    return {
+        "file": str(path),
+        "bytes": os.stat(path).st_size,
+        "kind": file_kinds.kind_of(ds).what,
+        "title": str(ds.attrs.get("title", "")),
+        "sizes": {str(dim): int(size) for dim, size in ds.sizes.items()},
+        "along": [str(name) for name, variable in ds.data_vars.items() if "u" in variable.dims],
+        "numbers": [_spread(ds[name]) for name in numbers if ds[name].ndim],
+        "fields": [_spread(ds[name]) for name in numbers if not ds[name].ndim],
+        "outcomes": dict(Counter(named[named != ""].tolist())),
+        "unsolved": int((~solved & (named != "")).sum()) if solved.shape == named.shape else 0,
+        "caution": cautions.tell(texts),
+        "said": {key: str(ds.attrs[key]) for key in SENTENCES if ds.attrs.get(key)},
+        "versions": schema.versions_of(ds, path) if "versions" in ds.attrs else {},
+    }

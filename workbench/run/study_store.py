@@ -1,0 +1,311 @@
+"""Run a study into a file: in chunks, by several workers, continuing where an earlier run stopped."""
+
+import json
+import os
+import time
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import AbstractContextManager, contextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from solver.problem.errors import InputError
+from studies import Study
+
+from ..stored.law_verdicts import Tally, count, statistics, tally_of
+from . import atomic, bounds, cluster, shards, worker_processes
+from .block import Chunk, solve_chunk, unsolved
+from .plan import Plan, compare, plan, room, rounds
+from .shards import Damaged, Shards, decode, encode
+from .worker_processes import Results
+
+
+class Meter:
+    """Counts cases: `done` of `total` are finished. show: called with the meter whenever the count has changed."""
+
+    def __init__(self, total: int, done: int, show: "Callable[[Meter], None]" = lambda meter: None) -> None:
+        self.total, self.done, self.unsolved = total, done, 0
+        self._before, self._began, self._show = done, time.monotonic(), show
+
+    def add(self, cases: int, unsolved: int) -> None:
+        """So many more cases are done, of which so many were not solved."""
+        self.done += cases
+        self.unsolved += unsolved
+        self._show(self)
+
+    @property
+    def seconds(self) -> float:
+        """Since the run began."""
+        return time.monotonic() - self._began
+
+    @property
+    def rate(self) -> float:
+        """Cases a second."""
+        return (self.done - self._before) / max(self.seconds, 1e-9)
+
+    @property
+    def left(self) -> float | None:
+        """Seconds left; None while nothing tells."""
+        return (self.total - self.done) / self.rate if self.done > self._before else None
+
+    def text(self) -> str:
+        """``310 a second, 0:12:05 left, 2 unsolved``."""
+        left = "" if self.left is None else f", {_clock(self.left)} left"
+        return f"{self.rate:.3g} a second{left}" + (f", {self.unsolved} unsolved" if self.unsolved else "")
+
+    def data(self) -> dict[str, Any]:
+        """The same for programs."""
+        counts = {"done": self.done, "cases": self.total, "unsolved": self.unsolved}
+        return {**counts, "per_second": round(self.rate, 1), "seconds_left": self.left and round(self.left, 1)}
+
+
+Progress = Callable[[int, int], AbstractContextManager[Meter]]  # takes total and done
+
+
+@contextmanager
+def unshown(total: int, done: int) -> Iterator[Meter]:
+    """A meter that nobody sees."""
+    yield Meter(total, done)
+
+
+def _clock(seconds: float) -> str:
+    minutes, rest = divmod(round(seconds), 60)
+    return f"{minutes // 60}:{minutes % 60:02d}:{rest:02d}"
+
+
+@dataclass(frozen=True)
+class Options:
+    """How a study is run; none of these changes a bit of what is stored.
+
+    Parameters
+    ----------
+    workers : int, optional
+        Processes on this machine; default: chosen automatically.
+    scheduler : str, optional
+        The address of a Dask cluster, instead.
+    chunk : int, optional
+        Cases in a chunk, at most; each is stored in parts of a few seconds' work.
+    restart : bool
+        Discard what an earlier run has kept, and solve a complete study again.
+    """
+
+    workers: int | None = None
+    scheduler: str | None = None
+    chunk: int | None = None
+    restart: bool = False
+
+
+DEFAULT = Options()
+KEPT = "finished cases are kept; run the same command again to continue"
+
+
+@dataclass(frozen=True)
+class Ran:
+    """What a run did. statistics: of the file (`law_verdicts.statistics`). solved: cases that it solved itself."""
+
+    statistics: dict[str, Any]
+    solved: int
+    seconds: float
+    finished_before: bool = False
+
+
+def run_to_file(
+    study: Study,
+    output: Path,
+    options: Options = DEFAULT,
+    say: Callable[[str], None] = lambda text: None,
+    progress: Progress = unshown,
+) -> Ran:
+    """Solve a study into a file.
+
+    Parameters
+    ----------
+    study : Study
+        Its `tol` and `method` are those that it is run with.
+    output : Path
+        The file; a complete study of the same recipe in it is not solved again.
+    options : Options
+        How it is run.
+    say : callable
+        Takes a line of text about the size, before the work begins.
+    progress : callable
+        Makes the meter that counts the cases.
+
+    Returns
+    -------
+    Ran
+        Counts of outcomes and cautions, cases that this run solved, and seconds.
+
+    Raises
+    ------
+    InputError
+        Where another run is at it, where the disk has no room, or where what is there is of another run.
+    KeyboardInterrupt
+        It says how to go on.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> from studies import load
+    >>> from workbench.run.study_store import run_to_file
+    >>> with TemporaryDirectory() as folder:
+    ...     ran = run_to_file(load("fig7_1_modulus"), Path(folder) / "modulus.h5")
+    >>> ran.solved
+    9
+    """
+    if options.workers is not None and options.scheduler is not None:
+        raise InputError("--workers is for this machine, --scheduler for a cluster: give one of them")
+    whole = plan(study)
+    bounds.check_study(study, whole.dimensions)
+    work = compare(output, whole, options.restart)
+    if work.is_finished:
+        _tidy(work, output)
+        return _already(work)
+    if study.follow is not None:
+        if work.replaced:
+            say(work.replaced)
+        return _follow(work, output)
+    if options.scheduler is None and _count_workers(work, work.todo, options.workers) > 1:
+        worker_processes.get_ready()  # while this process reads xarray
+    from . import reading, writing
+
+    writing.check_parent(output)
+    folder = shards.folder_of(output)
+    with atomic.refusing(output, lambda: "" if shards.is_empty(folder) else KEPT), shards.lock(folder):
+        work = compare(output, whole, options.restart)
+        if work.is_finished:  # by the run that held the lock
+            return _already(work)
+        if work.replaced:
+            say(work.replaced)
+        recipe = work.recipe
+        if work.stored is not None:
+            reading.open_study(output, whole=True).close()  # a damaged file is refused before the others are solved
+            recipe = {**recipe, "grows": work.stored.recipe["axes"]}
+        return _run(work, shards.begin(folder, recipe, options.restart), output, options, say, progress)
+
+
+def _follow(work: Plan, output: Path) -> Ran:
+    """A study that follows one equilibrium cannot be cut into chunks, and is solved in memory."""
+    from . import writing
+    from .in_memory import run_followed
+
+    writing.check_parent(output)
+    began = time.monotonic()
+    ds = run_followed(work.study)
+    numbers = statistics(ds)
+    writing.write(ds.assign_attrs(recipe=json.dumps(work.recipe), statistics=json.dumps(numbers)), output, force=True)
+    return Ran(numbers, ds["outcome"].size, time.monotonic() - began)
+
+
+def _already(work: Plan) -> Ran:
+    assert work.stored is not None
+    return Ran(work.stored.statistics, 0, 0.0, True)
+
+
+def _tidy(work: Plan, output: Path) -> None:
+    """Remove what is left of a run that was killed after its file was complete."""
+    folder = shards.folder_of(output)
+    if not folder.is_dir():
+        return
+    with suppress(InputError, OSError), shards.lock(folder):
+        if shards.is_left_over(folder, work.recipe):
+            shards.clear(folder)
+
+
+def _run(
+    work: Plan, parts: Shards, output: Path, options: Options, say: Callable[[str], None], progress: Progress
+) -> Ran:
+    from .assembly import assemble
+
+    before = None if work.stored is None else work.stored.statistics
+    tally = tally_of(before)
+    kept = _count_kept(work, parts, tally)
+    say(room(work, parts.folder, kept))
+    held, so_far, statistics = work.size - work.todo, work, None
+    with progress(max(work.size, held + kept), held + kept) as meter:
+        while statistics is None:
+            try:
+                for so_far, start, stop in rounds(work, parts.read_cases):
+                    meter.total = max(meter.total, so_far.size)
+                    _solve(so_far, parts, options, meter, tally, start, stop)
+                statistics = assemble(so_far, parts, output, tally)
+            except Damaged:  # by another program since it was read: its cases are solved again
+                tally = tally_of(before)
+                meter.done = held + _count_kept(work, parts, tally)
+    shards.clear(parts.folder)
+    return Ran(statistics, so_far.todo - kept, meter.seconds)
+
+
+def _count_kept(work: Plan, parts: Shards, tally: Tally) -> int:
+    """Count the cases of the existing shards, each verified; damaged ones are removed."""
+    kept = 0
+    most = work.todo if work.study.refine is None else shards.MOST
+    for start, stop in shards.shard_ranges(parts.folder, most):
+        try:
+            count(parts.read(start, stop), tally)
+        except Damaged:
+            continue
+        kept += stop - start
+    return kept
+
+
+def _solve(work: Plan, parts: Shards, options: Options, meter: Meter, tally: Tally, start: int, stop: int) -> None:
+    """Solve those of the cases `start` to `stop` that have no shard, and store theirs."""
+    missing = shards.missing_ranges(shards.shard_ranges(parts.folder, work.todo), start, stop)
+    try:
+        for chunk, results in _results(work, missing, options):
+            if isinstance(results, str):
+                results = encode(unsolved(work.study, chunk.cases, results))
+            parts.store(chunk.start, chunk.stop, results)
+            meter.add(chunk.cases, count(decode(results), tally))
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(_keep(work, parts.folder)) from None
+
+
+def _keep(work: Plan, folder: Path) -> str:
+    """How to continue; counted from the shards, as the interruption may come between a shard and the meter."""
+    missing = shards.missing_ranges(shards.shard_ranges(folder, work.todo), 0, work.todo)
+    done = work.size - sum(stop - start for start, stop in missing)
+    kept = f"{done} of {work.size} cases are kept in {folder}; run the same command again to continue"
+    return f"interrupted; {kept if done else 'no case was finished yet'}"
+
+
+# Cases solved by themselves, and blocks of others, that justify starting a worker.
+WORTH, WORTH_TOGETHER = 128, 10
+
+
+def _results(work: Plan, missing: list[tuple[int, int]], options: Options) -> Results:
+    """The missing cases in chunks or parts of them with their packed results, in any order; or with the outcome of
+    their cases, where two workers died at them."""
+    if not missing:
+        return iter(())
+    if options.scheduler is not None:
+        return cluster.solve(work, missing, options.scheduler, options.chunk)
+    count = _count_workers(work, sum(stop - start for start, stop in missing), options.workers)
+    chunks = work.chunks(missing, work.chunk_size(count, options.chunk))
+    if count == 1:
+        return _alone(work, chunks)
+    return worker_processes.pool(work, chunks, count)
+
+
+def _alone(work: Plan, chunks: Iterable[Chunk]) -> Results:
+    """The results of the chunks, solved in this process."""
+    for rest in chunks:
+        while rest.cases:
+            cases, content = solve_chunk(work.light, rest, work.block)
+            solved, rest = rest.cut(cases)
+            yield solved, content
+
+
+def _count_workers(work: Plan, cases: int, given: int | None) -> int:
+    """How many workers of this machine are worth starting for so many cases, unless as many are asked for."""
+    if given is not None:
+        return given
+    worth = WORTH_TOGETHER * work.block if work.batched else max(WORTH, work.block)
+    return max(1, min(cores(), cases // worth))
+
+
+def cores() -> int:
+    """How many cores this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
