@@ -17,7 +17,7 @@ from studies.language.readings import READINGS
 from tests.workbench import small
 from tests.workbench.live import STATES, state
 from tests.workbench.node import needs_node, run
-from workbench.figures import along, colours, drawn_rods
+from workbench.figures import along, colours, drawn_rods, push_scale
 from workbench.geometry import self_contact, stored_line
 from workbench.scene import scene_kinds, surfaces
 from workbench.stored.stored_study import StoredStudy
@@ -134,6 +134,20 @@ def test_the_strain_that_the_page_warns_of_is_that_of_the_workbench() -> None:
         assert [words for words in found if "strained" in words] == wanted
         counts.add(len(wanted))
     assert counts == {0, 1}
+
+
+def test_the_page_tells_lift_off_next_to_the_ends_alone_where_the_solver_does() -> None:
+    script = """answer(given.map(({ state, arrays, facts }) => {
+      const rows = Object.entries(arrays).map(([name, row]) => [name, Float64Array.from(row)]);
+      const shape = rod_shape.interpolated(core, rod_case.caseOf(state, {}), Object.fromEntries(rows), facts);
+      return numbers.warnings(shape, numbers.observables(shape), state.units, []); }));"""
+    rods = [(made, page_model.shape(page_model.study_of(made))) for made in (state("pipe"), state())]
+    given = [{"state": made, **(answer := page_model.answer(rod)), "facts": answer | {"sound": True, "shown": 1}}
+             for made, rod in rods]  # fmt: skip
+    said = run(script, finite(given), (*MODULES, "numbers"))
+    alone = [any("next to its ends alone" in text for text in texts) for texts in said]
+    assert alone == [any(cautions.AT_ENDS in part for part in cautions.parts(str(cautions.of_cases(rod.sol))))
+                     for _, rod in rods] == [True, False]  # fmt: skip
 
 
 def test_the_ribbon_is_as_tall_as_the_push_is_strong_and_arrows_point_as_the_cylinder_pushes() -> None:
@@ -423,7 +437,8 @@ def test_push_and_pull_are_shaded_as_in_the_figures() -> None:
     ds = solve(case_of(state()), stations=401).to_dataset()
     ax = Figure().add_subplot()
     along.alone(ax, drawn_rods.choose(StoredStudy(ds), ["push"]), "push")
-    bands, areas = [one.get_facecolor()[0] for one in ax.collections if one.get_label().startswith("the cylinder")]
+    labels = push_scale.PULLS, push_scale.PUSHES
+    bands, areas = [one.get_facecolor()[0] for name in labels for one in ax.collections if one.get_label() == name]
     band, area = run("answer([diagram.BAND, diagram.AREA]);", None, ("diagram",))
     np.testing.assert_allclose(bands, [*np.array(colours.rgb(colours.PULLED)) / 255, band])
     np.testing.assert_allclose(areas, [*np.array(colours.rgb(colours.PUSHED)) / 255, area])

@@ -179,6 +179,11 @@ def test_the_push_has_the_same_limits_in_a_diagram_as_in_a_scene() -> None:
     assert (diagram.vmin, diagram.vmax) == (painted.low, painted.high) == (-100.0, 100.0)
 
 
+def test_rings_of_crossings_have_one_colour_in_pictures_and_in_pages() -> None:
+    page = (Path(workbench.__file__).parent / "web/live/page/shared.css").read_text(encoding="utf-8")
+    assert re.findall(r"^\.ring, .*border: 1\.5px solid (#\w+);", page, re.M) == [colours.CROSSED]
+
+
 def test_no_two_methods_of_one_kind_of_problem_look_alike() -> None:
     looks = [(one.colour, one.marker, one.line) for one in ladders().values()]
     assert len({colour for colour, _, _ in looks}) == len(looks)

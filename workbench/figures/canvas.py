@@ -24,6 +24,7 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.patheffects import withStroke
 from matplotlib.text import Text
 from matplotlib.ticker import AutoLocator, ScalarFormatter
 from matplotlib.transforms import ScaledTranslation
@@ -34,7 +35,7 @@ from ..run import atomic
 from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import fonts
-from .colours import INK, SOFT
+from .colours import CROSSED, INK, SOFT
 from .fonts import DPI, RC
 from .scales import RoomLocator, Ticks
 from .sheet import MILLIMETRES, SCREEN, Sheet
@@ -49,6 +50,7 @@ MOST_LETTERS = 12  # panels; more are a table of panels, which its rows and colu
 PADDED = {"borderpad": 1.0, "borderaxespad": 0.0}
 ALONE: dict[str, Any] = {"fontsize": 1, "borderpad": 3.2}  # of a legend of notes: its empty entry takes no room
 HANDLE = 0.45  # inches of an entry beside its label
+RING = 1.2  # points, the line of a ring
 DIAGRAMS = (".png", ".pdf", ".svg")
 Said = Iterable[Any]  # below a figure: sentences, and labelled artists, the entries of its legend
 Panel = Callable[[Axes], Said | None]  # draws, and returns what is said of it
@@ -301,6 +303,22 @@ def write_below(fig: Figure, said: Said, sheet: Sheet = SCREEN) -> Legend | None
                        handleheight=1.2, title_fontsize=fonts.small(), **how)  # fmt: skip
     legend.get_title().set_color(SOFT)
     return legend
+
+
+def ring_entry(label: str) -> Line2D:
+    """The entry of a legend for the rings of `draw_rings`."""
+    return Line2D([], [], marker="o", markersize=7, fillstyle="none", color=CROSSED, linestyle="none", label=label)
+
+
+def draw_rings(ax: Axes, places: Any, sizes: Any, name: str) -> None:
+    """Ring the places (n, 2) where rods pass through themselves: open circles with a white edge, seen on every colour.
+
+    sizes: (n,), points across. name: theirs in a table.
+    """
+    edge = [withStroke(linewidth=2 * RING, foreground="white")]
+    x, y = np.transpose(places)
+    ax.scatter(x, y, s=np.square(sizes), facecolors="none", edgecolors=CROSSED, linewidths=RING,
+               path_effects=edge, gid=name, zorder=5, clip_on=False)  # fmt: skip
 
 
 def colour_bar(beside: Sequence[Axes], colours: ScalarMappable, label: str = "", **where: Any) -> Colorbar:

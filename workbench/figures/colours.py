@@ -60,7 +60,8 @@ PUSHED, PULLED = "#2a7bb7", "#de7800"  # where one colour says push, or pull
 ENDS = (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)  # round numbers, at which a scale ends
 UNIFORM, BEYOND = 0.95, 1.5  # a push that varies less than that; how far beyond it its scale then ends
 ROUNDING = 1e-9  # share of the largest push below which a pull is rounding
-WORDS, PULL_WORDS = "push [{unit}]", ", orange: pull"
+LIFTS = "below 0 the rod would lift off"  # the one sentence on the sign of a push
+WORDS, PULL_WORDS = "push [{unit}]", f"; {LIFTS}"
 
 COUNTS = "Blues"  # how many cases lie in a cell
 RAMP = "viridis"  # of a quantity that is no push

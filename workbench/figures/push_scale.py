@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
+from matplotlib.colorbar import Colorbar
 from matplotlib.colors import Normalize
 from numpy.typing import NDArray
 
@@ -15,7 +16,7 @@ from ..words.cautions import SLIGHT
 from . import canvas, colours, fonts, waves
 from .drawn_numbers import CASING
 
-PUSHES, PULLS = "the cylinder pushes", "the cylinder would have to pull: the rod would lift off"  # in a legend
+PUSHES, PULLS = "the cylinder pushes", colours.LIFTS  # in a legend
 EDGE, LEAST = 1.2, 0.35  # the grey casing of a line: share of its width, and points that it adds at least
 
 
@@ -62,10 +63,17 @@ def bar(ax: Axes, unit: str, inches: float) -> None:
     lines = [collection for collection in ax.collections if isinstance(collection, LineCollection)]
     if not lines:
         return
-    said = f"push [{labels.unit(unit)}]" + "; below 0: lifts off" * any(pulls(line.get_array()) for line in lines)
-    bar_axes = canvas.colour_bar([ax], lines[-1], location="bottom", anchor=(0.0, 1.0), panchor=False, fraction=0.05,
-                                 pad=0.02, aspect=20, shrink=min(inches, 2.2) / inches)  # fmt: skip
-    bar_axes.set_label(said, size=fonts.small(), loc="left")
+    drawn = canvas.colour_bar([ax], lines[-1], location="bottom", anchor=(0.0, 1.0), panchor=False, fraction=0.05,
+                              pad=0.02, aspect=20, shrink=min(inches, 2.2) / inches)  # fmt: skip
+    drawn.set_label(trim(drawn, unit, [line.get_array() for line in lines]), size=fonts.small(), loc="left")
+
+
+def trim(drawn: Colorbar, unit: str, pushes: Sequence[Any]) -> str:
+    """Cut the half of a bar where none of these pushes is; returns what its colours are called."""
+    end = float(drawn.norm.vmax or 0.0)
+    low = -end if any(pulls(push) for push in pushes) else 0.0
+    drawn.ax.set_xlim(low, end)
+    return colours.push_words(labels.unit(unit), low)
 
 
 def pulls(push: Any) -> bool:

@@ -161,9 +161,9 @@ def row(stored: StoredStudy, ax: Axes, below: Axes) -> None:
             _write(ax, foot, rod.value if rod.arrays is not None else rod.why, (0, -5))
     _frame(ax)
     ax.set_title(chosen.axis_label(), loc="center", size=fonts.small(), pad=2)
-    canvas.colour_bar([ax], ScalarMappable(norm, colours.push_ramp()), cax=below, orientation="horizontal")
-    said = f"push of the cylinder [{labels.unit(push_scale.unit(stored))}]\nbelow 0: the rod would lift off"
-    _write(below, (0, 0.5), said, (-14, -4), xycoords="axes fraction", ha="right")
+    bar = canvas.colour_bar([ax], ScalarMappable(norm, colours.push_ramp()), cax=below, orientation="horizontal")
+    said = push_scale.trim(bar, push_scale.unit(stored), [rod["push"] for rod in chosen.solved])
+    _write(below, (0, 0.5), said.replace("; ", "\n"), (-14, -4), xycoords="axes fraction", ha="right")
 
 
 def law(stored: StoredStudy, ax: Axes) -> None:

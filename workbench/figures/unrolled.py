@@ -17,7 +17,6 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 from matplotlib.patheffects import withStroke
 from matplotlib.transforms import Affine2D, Transform
@@ -311,18 +310,14 @@ class Panel:
             rings += [(to_page.transform(place), form.scale * apart * [1, form.factor]) for place, apart in view.rings]
         if rings:
             sizes = [max(72 * float(np.linalg.norm(apart)) + RING / 2, RING) for _, apart in rings]
-            x, y = np.transpose([place for place, _ in rings])
-            ax.scatter(x, y, s=np.square(sizes), facecolors="none", linewidths=0.7, edgecolors=colours.CROSSED,
-                       gid=THROUGH, zorder=5)  # fmt: skip
+            canvas.draw_rings(ax, [place for place, _ in rings], sizes, THROUGH)
         for artist in (*ax.lines, *ax.collections):
             artist.set_clip_on(False)
         _draw_key(ax, form, form.places[len(self.views)], self.unit)
         if bar:
             push_scale.bar(ax, *bar)
-        ring = Line2D([], [], marker="o", markersize=7, fillstyle="none", color=colours.CROSSED, linestyle="none",
-                      label=THROUGH)  # fmt: skip
         return [
-            *[ring] * bool(rings),
+            *[canvas.ring_entry(THROUGH)] * bool(rings),
             sentence(self.form, len(self.views) > 1 and not self.in_lines, self.in_lines + more),
             *self.notes,
             *said[:1],

@@ -17,7 +17,6 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Patch
 from numpy.typing import NDArray
 
@@ -198,8 +197,10 @@ class Page:
                 _draw_cell(self.ax, view.cell, box)
             self._draw_headings()
             self._draw_foot(high - 0.27)
-            for across, down, radius in rings:
-                _draw_ring(self.ax, start[0] + across, start[1] + down, radius)
+            if rings:
+                across, down, radii = np.transpose(rings)
+                places = np.column_stack([start[0] + across, start[1] + down])
+                canvas.draw_rings(self.ax, places, 2 * 72 * radii, "rings")
 
     @property
     def places(self) -> list[list[float]]:
@@ -264,16 +265,9 @@ def _draw_cell(ax: Axes, cell: Cell, box: NDArray[np.float64]) -> None:
 def _handle(colour: str, text: str) -> Artist:
     """What stands beside a text in the legend."""
     if colour == RING:
-        ring: Any = {"marker": "o", "markersize": 7, "fillstyle": "none", "linestyle": "none"}
-        return Line2D([], [], color=colours.CROSSED, label=text, **ring)
+        return canvas.ring_entry(text)
     face, edge = (colours.SURFACE, colours.SOFT) if colour == OUTLINE else (colour, "none")
     return Patch(facecolor=face, edgecolor=edge, label=text)
-
-
-def _draw_ring(ax: Axes, x: float, y: float, radius: float) -> None:
-    """An open circle with a white edge, seen on every colour."""
-    for colour, wide in (("white", 2.4), (colours.CROSSED, 1.2)):
-        ax.add_patch(Circle((x, y), radius, fill=False, edgecolor=colour, linewidth=wide, zorder=3))
 
 
 def _draw_scale(ax: Axes, x: float, y: float, per_unit: float, unit: str, along: float) -> None:

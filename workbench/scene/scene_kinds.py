@@ -193,7 +193,7 @@ TURNS = (colours.STRIPE, "a stripe along the material: it turns as the rod is tw
 PUSH: dict[str, Any] = {"value": lambda line, s: line.push(s), "paint": by_push}
 TABLE = (
     Kind("plain", "the rod on its cylinder", "one"),
-    Kind("contact", "how hard the cylinder pushes, and where it would have to pull", "one", **PUSH),
+    Kind("contact", "how hard the cylinder pushes, and where the rod would lift off", "one", **PUSH),
     Kind("curvature", "how tightly the rod is bent", "one", value=lambda line, s: line.kappa(s),
          paint=by_curvature),
     Kind("twist", "a stripe on the rod that turns with its material", "one", CURVE | {"gamma"},

@@ -1,6 +1,7 @@
 // The observables and warnings below the rod, and the small parts that other modules of the page share.
 
 import { DEGREE, quantityOf } from "./rod_case.mjs";
+import { AT_ENDS } from "./numbers.mjs";
 import { number, powers, unitText, withUnit } from "./text.mjs";
 
 export const element = (id) => document.getElementById(id);
@@ -20,7 +21,8 @@ export function make(tag, properties = {}, ...content) {
 }
 
 const HEADLINE = ["turns", "wraps", "height", "push_max", "kappa_max"];
-const BARRED = /pass(es)? through itself|lift off|tighter than/; // sentences on what no real rod could do
+const BARRED = /pass(es)? through itself|lift off|tighter than/, // sentences on what no real rod could do
+  LIMIT = "The model's limit near the ends."; // before one on lift-off there alone
 
 /* Draw pixels, red, green, blue and opacity each, over a whole canvas. */
 export const putPixels = (canvas, pixels) =>
@@ -43,12 +45,15 @@ export function showRows(rows, sentences, quantities, units) {
   const headline = HEADLINE.map((name) => rows.find(([other]) => other === name)).filter(Boolean);
   element("headline").replaceChildren(...headline.map((one) => row(one, "h")));
   element("numbers").replaceChildren(...rows.map((one) => row(one, "o")));
-  const barred = sentences.filter((text) => BARRED.test(text)),
+  const [limits, more] = [true, false].map((isLimit) => sentences.filter((text) => text.includes(AT_ENDS) === isLimit)),
+    barred = more.filter((text) => BARRED.test(text)),
     start = rows.find(([name]) => name === "lift_off_at"),
     from = start && barred.some((text) => text.includes("lift off")) ? ` Lift-off from s = ${number(start[1])} ${units.length}.` : "";
-  element("chip").hidden = !barred.length;
-  set(element("chip"), barred.length ? `Not physically possible. ${barred.join(" ")}${from}` : "");
-  const others = sentences.filter((text) => !BARRED.test(text));
+  for (const [id, first, texts] of [["chip", "Not physically possible.", barred], ["limit", LIMIT, limits]]) {
+    element(id).hidden = !texts.length;
+    set(element(id), texts.length ? `${first} ${texts.join(" ")}${id === "chip" ? from : ""}` : "");
+  }
+  const others = more.filter((text) => !BARRED.test(text));
   element("warnings").replaceChildren(...others.map((text) => make("li", {}, text)));
 }
 

@@ -6,6 +6,7 @@ import { crossings } from "./self_contact.mjs";
 import { number } from "./text.mjs";
 
 const STEP = 2; // every second station is enough for polynomials of order five
+export const AT_ENDS = "next to its ends alone"; // as the solver says it
 const ROUNDING = 1e-9; // rad: beta of a helix changes by no more
 
 /* Observables by name, in the units of the state. Those of a rod whose loads vary are the server's. */
@@ -30,9 +31,13 @@ export function warnings(shape, found, units, crossed = crossings(shape)) {
   if (found.kappa_max * shape.one.a > 1) told.push("The rod is bent tighter than its own radius.");
   if (crossed.length) told.push("The rod passes through itself.");
   told.push(...strained(shape, found, units));
-  if (found.push_min < -1e-6 * size) told.push("The rod would lift off where the cylinder has to pull.");
+  const where = isPressed(shape) ? AT_ENDS : "where the cylinder has to pull";
+  if (found.push_min < -1e-6 * size) told.push(`The rod would lift off ${where}.`);
   return told;
 }
+
+/* Whether the cylinder pushes all along the middle half of a rod. */
+const isPressed = ({ s, push, one: { L } }) => push.every((v, i) => v > 0 || Math.abs(s[i] / L - 0.5) >= 0.25);
 
 /* A sentence on a strain beyond that up to which the material is surely linear. Of a rod whose loads vary the server has
    it among its notes. */
