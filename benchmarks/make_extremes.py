@@ -1,4 +1,4 @@
-"""Write workbench/compare/extreme_runs.json: beta of the named extremes by Taylor series to 25 digits, where possible.
+"""Write workbench/lab/extreme_runs.json: beta of the named extremes by Taylor series to 25 digits, where possible.
 
 Run from the root: python -m benchmarks.make_extremes
 """
@@ -9,7 +9,7 @@ import numpy as np
 
 from benchmarks.march_25_digits import march
 from solver.problem.reduced import reduce
-from workbench.compare.extreme_runs import FILE, SHARES, extremes
+from workbench.lab.extreme_runs import FILE, SHARES, extremes
 
 _STEPS = 1500  # some minutes for all of them together
 

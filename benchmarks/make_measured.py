@@ -4,7 +4,7 @@
     workbench extremes --out RUN
     python benchmarks/make_measured.py RUN
 
-Replaces workbench/compare/measured/trade.h5 and extremes.h5. Numbers keep three digits: a diagram shows no more.
+Replaces workbench/lab/measured/trade.h5 and extremes.h5. Numbers keep three digits: a diagram shows no more.
 """
 
 import sys
@@ -13,8 +13,8 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from workbench.run import reading, writing
-from workbench.web.report.measured_runs import SHIPPED
+from workbench.lab.measured_runs import SHIPPED
+from workbench.store import reading, writing
 
 KEPT = {
     "trade": ("seconds", "error", "outcome", "answered", "kind"),

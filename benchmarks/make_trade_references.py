@@ -1,4 +1,4 @@
-"""Writes workbench/compare/trade_references.json: the cases of `workbench trade` by Taylor series in 40 digits.
+"""Writes workbench/lab/trade_references.json: the cases of `workbench trade` by Taylor series in 40 digits.
 
 The series and the reduction in 40 digits are make_references'. An ends problem is shot from its start's slope, by
 Newton's rule on the series' own change of beta(L) with beta'(0), until the far angle is met to 25 digits.
@@ -15,7 +15,7 @@ from mpmath import mpf
 
 from benchmarks.make_references import DIGITS, ORDER, numbers, series, stepped
 from solver import Case, Ends
-from workbench.compare.trade_runs import CASES, FILE, Named
+from workbench.lab.trade_runs import CASES, FILE, Named
 
 STATIONS = 40  # and the start
 OUT = Path(__file__).resolve().parents[1] / "workbench" / "compare" / FILE

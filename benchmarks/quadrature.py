@@ -19,7 +19,7 @@ from solver.branches.continuation import resume
 from solver.methods.half_period import OrbitQuadrature
 from solver.orbits.boundary import critical_points, path_of
 from solver.problem.reduced import StartProblem, reduce
-from workbench.compare.trade_runs import ends_in_units_of_rho
+from workbench.lab.trade_runs import ends_in_units_of_rho
 
 STATIONS = 201
 Work = dict[str, tuple[Callable[[], object], int]]  # what is measured, and how often

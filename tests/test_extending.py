@@ -20,9 +20,10 @@ from studies.language.loader import loads
 from studies.laws import law_words
 from studies.laws.line_verdicts import DIRECTIONS, FAILS, HOLDS, Direction, Line, Verdict
 from tests.workbench import small
-from workbench.compare.trade_runs import ladders_of
-from workbench.figures import study_figure, work_precision
-from workbench.run import in_memory
+from workbench.figures import study_figure
+from workbench.lab import work_precision
+from workbench.lab.trade_runs import ladders_of
+from workbench.store import in_memory
 from workbench.stored import law_verdicts
 from workbench.stored.stored_study import StoredStudy
 

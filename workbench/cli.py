@@ -36,14 +36,14 @@ from .commands import (
     gallery,
     loops,
     plot,
-    reproduce,
-    run_study,
+    run,
     scene,
     sensitivity,
     solve,
     summary,
-    trade,
 )
+from .lab import trade
+from .paper import reproduce
 from .words import escaping
 
 OF_SCENE = ("pyvista", "trimesh", "vtkmodules")  # packages of the extra scene

@@ -16,8 +16,8 @@ from solver.problem.quantities import unit_of
 from solver.problem.units import FORCES, LENGTHS, base_unit, dimension_of, split
 
 from ..grammar.axes import WORDS, Which, case_from, number_with_unit, quantity_of
+from ..paper.readings import DEFAULT, TABLE_UNITS, parse
 from .loader import load
-from .readings import DEFAULT, TABLE_UNITS, parse
 from .study import Study
 from .well_input import of_a_well
 

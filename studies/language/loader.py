@@ -72,7 +72,12 @@ def names() -> list[str]:
     >>> names()[:3]
     ['belt', 'capstan', 'fig6']
     """
-    return sorted(path.stem for path in SHIPPED.glob("*.toml"))
+    return sorted(study_files())
+
+
+def study_files() -> dict[str, Path]:
+    """The file of each shipped study, by its name."""
+    return {path.stem: path for path in SHIPPED.rglob("*.toml")}
 
 
 def load(study: str | Path, cases: Path | None = None, draw: bool = True) -> Study:
@@ -114,7 +119,7 @@ def load(study: str | Path, cases: Path | None = None, draw: bool = True) -> Stu
             if path.is_dir():
                 raise InputError(f"{text} is a folder, not a study; {known}")
             raise InputError(f"no study {text!r}{near(text, names())}; {known}")
-        path = SHIPPED / f"{text}.toml"
+        path = study_files()[text]
     try:
         if path.exists() and not (path.is_file() or path.is_dir()):  # reading a pipe might never end
             raise InputError(f"{one_line(str(path))} is not a regular file")

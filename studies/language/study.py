@@ -40,8 +40,8 @@ from ..grammar.axes import (
     read_units,
 )
 from ..laws.verdicts import Law
+from ..paper.readings import TABLE_1, parse
 from .case_tables import Table
-from .readings import TABLE_1, parse
 from .refinement import OUTCOME, Lattice, Refine
 from .samples import Sample
 

@@ -27,8 +27,8 @@ from ..grammar.axes import (
     quantity_of,
 )
 from ..laws.verdicts import Law
+from ..paper.readings import TABLE_1, TABLE_UNITS
 from . import case_tables, expressions, refine
-from .readings import TABLE_1, TABLE_UNITS
 from .refine import check_equilibrium
 from .samples import Distribution
 from .study import SOURCES, Study

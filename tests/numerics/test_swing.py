@@ -20,7 +20,7 @@ from solver.orbits.periodic_orbit import ROTATION
 from solver.problem.reduced import StartProblem
 from tests.extreme_cases import draw
 from tests.slow import slow_but
-from workbench.compare.trade_runs import CASES
+from workbench.lab.trade_runs import CASES
 
 NEAR_SADDLE = (0.0, 0.0, -1.0, 60.0, np.pi, 1e-9)  # a pendulum that all but stands on its head
 

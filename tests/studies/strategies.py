@@ -9,9 +9,9 @@ from solver.observe.observables import OBSERVABLES
 from solver.problem.units import FORCES, LENGTHS
 from studies import READINGS, TABLE_1
 from studies.grammar.axes import in_rad
-from studies.language.readings import TABLE_UNITS
 from studies.language.study import OUTPUTS
 from studies.laws.line_verdicts import DIRECTIONS, KINDS, MONOTONE
+from studies.paper.readings import TABLE_UNITS
 
 # For each field a range in which the solver takes every value, whatever the others are.
 RANGES = {

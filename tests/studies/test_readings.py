@@ -5,7 +5,7 @@ import pytest
 
 from solver import InputError, Start
 from studies.language.loader import loads
-from studies.language.readings import READINGS, TABLE_1, Reading, parse
+from studies.paper.readings import READINGS, TABLE_1, Reading, parse
 
 
 def start(reading: Reading, **printed: object) -> Start:

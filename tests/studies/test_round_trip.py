@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from solver import InputError
 from studies import Study
-from studies.language.loader import SHIPPED, axis_table, dumps, load, loads
+from studies.language.loader import axis_table, dumps, load, loads, study_files
 from tests.slow import slow_but
 from tests.studies import strategies
 
@@ -124,7 +124,7 @@ def test_any_bytes_in_a_file_are_a_study_or_refused(tmp_path, said: dict[str, An
 
 
 def test_a_byte_order_mark_is_no_part_of_a_study(tmp_path) -> None:
-    text = (SHIPPED / "fig6.toml").read_text(encoding="utf-8")
+    text = study_files()["fig6"].read_text(encoding="utf-8")
     (tmp_path / "marked.toml").write_text(text, encoding="utf-8-sig")
     marked, plain = load(tmp_path / "marked.toml"), load("fig6")
     assert marked.model_dump(exclude={"name"}) == plain.model_dump(exclude={"name"})

@@ -14,12 +14,13 @@ from tests.workbench.page_faults import faults, picture
 from tests.workbench.pictures import share_of_ink
 from workbench.branches.ends_study import ends_problem
 from workbench.branches.equilibria_dataset import dataset_of
-from workbench.figures import bars, equilibria_figure, kinds, robustness, story, work_precision
+from workbench.figures import bars, equilibria_figure, kinds
 from workbench.figures.sheet import sheet
 from workbench.influence.derivatives import local
-from workbench.run import reading
+from workbench.lab import measured_runs, robustness, work_precision
+from workbench.paper import report_runs, story
+from workbench.store import reading
 from workbench.stored.stored_study import StoredStudy
-from workbench.web.report import measured_runs, report_runs
 
 SHEETS = {"screen": sheet(), "column": sheet("paper", 89, titled=False), "page": sheet("paper", 183, titled=False)}
 

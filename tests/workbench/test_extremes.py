@@ -8,8 +8,10 @@ from matplotlib.colors import to_hex
 
 from solver.methods import available
 from tests.workbench.command import exit_status
-from workbench.compare import extreme_runs
-from workbench.compare.extreme_runs import (
+from workbench.figures import canvas
+from workbench.figures import colours as palette
+from workbench.lab import extreme_runs, measured_runs, robustness
+from workbench.lab.extreme_runs import (
     INACCURATE,
     REFUSED,
     VERDICTS,
@@ -19,11 +21,8 @@ from workbench.compare.extreme_runs import (
     extremes,
     references,
 )
-from workbench.figures import canvas, robustness
-from workbench.figures import colours as palette
-from workbench.run import reading, writing
+from workbench.store import reading, writing
 from workbench.stored.stored_study import StoredStudy
-from workbench.web.report import measured_runs
 
 
 def test_every_extreme_has_a_name_of_its_own_and_a_reference_or_none_said() -> None:
@@ -35,7 +34,7 @@ def test_every_extreme_has_a_name_of_its_own_and_a_reference_or_none_said() -> N
 def test_orbit_is_right_to_its_promise_at_every_extreme_that_a_march_of_25_digits_reaches() -> None:
     """Looser than the promise by ten only where rounding of the case's own numbers is amplified."""
     from solver import solve
-    from workbench.compare.extreme_runs import SHARES
+    from workbench.lab.extreme_runs import SHARES
 
     for one in extremes():
         known = references()[one.name].beta

@@ -8,9 +8,9 @@ import pytest
 
 from studies import READINGS
 from tests.workbench import runs
-from workbench.commands.reproduce import reproduce
+from workbench.paper import report_runs
+from workbench.paper.reproduce import reproduce
 from workbench.scene import opengl
-from workbench.web.report import report_runs
 
 STUDIES = ["fig6", "fig7_2_radius", "fig7_4_end_angle"]  # a single case, an axis, and one that is followed
 

@@ -13,7 +13,7 @@ from solver.orbits import frames
 from solver.orbits.potential import potential
 from solver.problem.quantities import QUANTITIES, unit_of
 from studies.language.loader import loads
-from studies.language.readings import READINGS
+from studies.paper.readings import READINGS
 from tests.workbench import small
 from tests.workbench.live import STATES, state
 from tests.workbench.node import needs_node, run

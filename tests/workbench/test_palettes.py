@@ -15,9 +15,10 @@ from matplotlib.colors import to_rgb
 
 import workbench
 from solver.benchmark import ladders
-from workbench.figures import bars, colours, push_scale, robustness
+from workbench.figures import bars, colours, push_scale
+from workbench.lab import robustness
+from workbench.paper import report_document
 from workbench.scene import scene_kinds
-from workbench.web.report import report_document
 
 WHITE = "#ffffff"
 TEXT, LINE = 4.5, 3.0
@@ -167,7 +168,7 @@ def test_text_and_lines_of_page_and_report_stand_out_in_both_schemes(path: str, 
 
 def test_the_verdicts_of_the_report_stand_out_in_the_dark_too() -> None:
     """In the light they have the colours of the figures."""
-    light, dark = of_css("web/turntable/scheme.css", "web/report/report.css")
+    light, dark = of_css("web/turntable/scheme.css", "paper/report.css")
     assert contrast(light["paper"]) < 15 < contrast(dark["paper"])
     for verdict in report_document.CLASSES.values():
         assert contrast(dark[verdict], dark["paper"]) >= TEXT, verdict

@@ -23,12 +23,14 @@ from tests import transcripts
 from tests.workbench import browser, node, small
 from tests.workbench.pictures import shares_of_push
 from tests.workbench.waiting import until
+from workbench.commands import docs
 from workbench.figures import canvas
-from workbench.run import in_memory, reading, writing
-from workbench.run.in_memory import StudyResult
+from workbench.lab import measured_runs
+from workbench.paper import law_cards, report_document, report_runs
+from workbench.store import in_memory, reading, writing
+from workbench.store.in_memory import StudyResult
 from workbench.stored import law_verdicts
 from workbench.stored.stored_study import StoredStudy
-from workbench.web.report import law_cards, measured_runs, report_document, report_runs, sources
 
 PAPER = [name for name in names() if name.startswith("fig")]  # the studies of the report
 LOW = ("fig7_1_modulus", "fig7_2_radius")  # the studies whose pictures are low enough for one page
@@ -109,7 +111,7 @@ def text(results, readings, measured) -> str:
 
 def test_nothing_outside_the_file_is_needed(text) -> None:
     page = Page(text)
-    cited = f"https://doi.org/{sources.PAPER['doi']}"
+    cited = f"https://doi.org/{docs.PAPER['doi']}"
     assert all(link.startswith(("#", "data:image/")) or link == cited for link in page.links)
     assert {link[1:] for link in page.links if link.startswith("#")} <= set(page.ids)
     own = text.replace(cited, "").replace("http://www.w3.org/2000/svg", "")

@@ -11,11 +11,10 @@ import xarray as xr
 from solver.benchmark import available_ladders, measure
 from solver.observe.observables import OBSERVABLES
 from tests.workbench import forked, small
-from workbench.commands import trade
 from workbench.commands.fidelity import FIDELITIES, OFF_WALL
-from workbench.compare.trade_runs import CASES, advice, reference
-from workbench.figures import work_precision
-from workbench.run import in_memory, reading
+from workbench.lab import trade, work_precision
+from workbench.lab.trade_runs import CASES, advice, reference
+from workbench.store import in_memory, reading
 from workbench.stored.quantity_variables import CURVES
 from workbench.stored.stored_study import StoredStudy
 

@@ -13,7 +13,7 @@ from solver.solve import ends_case
 from studies import Study, load
 from studies.language.case_input import check_alone, check_units, field_values, from_values, in_units, with_fields
 from studies.language.loader import loads
-from studies.language.readings import TABLE_UNITS
+from studies.paper.readings import TABLE_UNITS
 
 from ..run import writing
 

@@ -18,7 +18,7 @@ from solver.problem.reduced import held_of
 from studies import Study
 from studies.language.case_input import field_values
 from studies.language.loader import loads
-from studies.language.readings import TABLE_UNITS
+from studies.paper.readings import TABLE_UNITS
 
 from ..stored import provenance, quantity_variables
 from ..words import cautions

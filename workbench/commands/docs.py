@@ -33,6 +33,14 @@ BIBTEX = """@software{{rod_workbench,
   doi     = {{{doi}}}
 }}"""
 YEAR = "2026"  # of this version
+PAPER = {
+    "title": "Physical modeling and geometric shape simulation for one-dimensional flexible objects with cylindrical "
+    "surface constraints",
+    "authors": "Y. M., H. D., Q. J. and W. X.",  # as the paper's list of contributions has them
+    "journal": "Scientific Reports 13",
+    "year": "2023",
+    "doi": "10.1038/s41598-023-32064-y",
+}
 
 
 def docs(
@@ -57,14 +65,12 @@ def docs(
 
 def _bibtex() -> str:
     from .. import __version__
-    from ..web.report import sources
 
-    cited = sources.PAPER
-    author = cited["authors"].partition(",")[0]
-    journal, volume = cited["journal"].rsplit(" ", 1)
+    author = PAPER["authors"].partition(",")[0]
+    journal, volume = PAPER["journal"].rsplit(" ", 1)
     return BIBTEX.format(
-        version=__version__, year=YEAR, author=author, title=cited["title"], journal=journal, volume=volume,
-        published=cited["year"], doi=cited["doi"],
+        version=__version__, year=YEAR, author=author, title=PAPER["title"], journal=journal, volume=volume,
+        published=PAPER["year"], doi=PAPER["doi"],
     )  # fmt: skip
 
 

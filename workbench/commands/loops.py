@@ -92,7 +92,7 @@ def _rod(file: Path | None, given: Given) -> "tuple[Rod, Cylinder, dict[str, str
 
     from solver import Cylinder, Rod
     from studies.language.case_input import check_units, in_units, read_case
-    from studies.language.readings import TABLE_UNITS
+    from studies.paper.readings import TABLE_UNITS
 
     if file is None and given.units:
         check_units(given.units)

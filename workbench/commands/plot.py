@@ -123,11 +123,14 @@ def plot(
 
 def _story(folder: Path, out: Path, width: float | None, force: bool, dpi: int) -> Result:
     """Draw the figure of the datasets that reproduce wrote into a folder."""
-    from ..figures import canvas, story
+    from studies import tenants
+
+    from ..figures import canvas
     from ..figures.sheet import sheet
     from ..run import reading
     from ..stored.stored_study import StoredStudy
 
+    story = tenants.module_of("workbench.paper.story")
     path = check_file(out, canvas.DIAGRAMS, force)
     files = {name: reading.read(folder / f"{name}.h5", study=name != story.CLAIMS) for name in story.NEEDED}
     datasets = {name: StoredStudy(ds) for name, ds in files.items()}

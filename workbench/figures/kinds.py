@@ -5,7 +5,6 @@ What draws a kind is imported where it is drawn, because --help reads the table.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from solver.problem.errors import InputError, choices, no_such
@@ -21,8 +20,8 @@ if TYPE_CHECKING:
 class Kind:
     """A kind of picture.
 
-    path: the module and the function of its figure of a dataset and a sheet. options: its further keywords. shows: what
-    it shows of a study, for --help. of: the data that it draws.
+    path: the module in `workbench` and the function of its figure of a stored study and a sheet. options: its further
+    keywords. shows: what it shows of a study, for --help. of: the data that it draws.
     """
 
     path: str
@@ -32,30 +31,33 @@ class Kind:
 
     def draw(self, stored: "StoredStudy", **options: Any) -> "Figure":
         """The picture of a dataset."""
-        module, _, name = self.path.partition(".")
-        fig: Figure = getattr(import_module(f".{module}", __package__), name)(stored, **options)
+        from studies import tenants
+
+        module, _, name = f"workbench.{self.path}".rpartition(".")
+        fig: Figure = getattr(tenants.module_of(module), name)(stored, **options)
         return fig
 
 
 KINDS = {
-    "map": Kind("map_figure.figure", ("x", "y", "show", "at", "shapes"), "each observable over two axes"),
-    "lines": Kind("study_figure.figure", ("x", "show"), "unrolled views, and observables along each axis with their "
-                  "laws, or against the sampled fields"),
-    "curves": Kind("unrolled.figure", ("x", "at"), "unrolled views in the colours of the push"),
-    "ridge": Kind("along.figure", ("x", "at", "show"), "β, κ, the push or other arrays along s"),
-    "portrait": Kind("portrait.figure", ("x", "at"), "(β, β′) beside the potential G"),
-    "states": Kind("along.states", ("x", "at"), "where rods with weight are straight, sinusoidal or helical"),
-    "pipe": Kind("along.pipe", ("x", "at"), "the azimuth along s in the colours of the push, with these states"),
-    "bars": Kind("bars.of_cases", ("x", "at", "show"), "observables along an axis of at most twelve values"),
-    "equilibria": Kind("equilibria_figure.figure", ("show",), of="equilibria"),
-    "loops": Kind("equilibria_figure.loops", of="loops"),
-    "branches": Kind("bifurcation.figure", ("show",), of="branches"),
-    "folds": Kind("region_map.figure", ("show",), of="folds"),
-    "trade": Kind("work_precision.figure", ("cost",), of="trade"),
-    "extremes": Kind("robustness.figure", of="extremes"),
-    "fit": Kind("fit_figure.figure", of="fit"),
-    "indices": Kind("bars.indices", of="indices"),
-    "tornado": Kind("bars.tornado", of="tornado"),
+    "map": Kind("figures.map_figure.figure", ("x", "y", "show", "at", "shapes"), "each observable over two axes"),
+    "lines": Kind("figures.study_figure.figure", ("x", "show"), "unrolled views, and observables along each axis with "
+                  "their laws, or against the sampled fields"),
+    "curves": Kind("figures.unrolled.figure", ("x", "at"), "unrolled views in the colours of the push"),
+    "ridge": Kind("figures.along.figure", ("x", "at", "show"), "β, κ, the push or other arrays along s"),
+    "portrait": Kind("figures.portrait.figure", ("x", "at"), "(β, β′) beside the potential G"),
+    "states": Kind("figures.along.states", ("x", "at"), "where rods with weight are straight, sinusoidal or helical"),
+    "pipe": Kind("figures.along.pipe", ("x", "at"), "the azimuth along s in the colours of the push, with "
+                 "these states"),
+    "bars": Kind("figures.bars.of_cases", ("x", "at", "show"), "observables along an axis of at most twelve values"),
+    "equilibria": Kind("figures.equilibria_figure.figure", ("show",), of="equilibria"),
+    "loops": Kind("figures.equilibria_figure.loops", of="loops"),
+    "branches": Kind("figures.bifurcation.figure", ("show",), of="branches"),
+    "folds": Kind("figures.region_map.figure", ("show",), of="folds"),
+    "trade": Kind("lab.work_precision.figure", ("cost",), of="trade"),
+    "extremes": Kind("lab.robustness.figure", of="extremes"),
+    "fit": Kind("figures.fit_figure.figure", of="fit"),
+    "indices": Kind("figures.bars.indices", of="indices"),
+    "tornado": Kind("figures.bars.tornado", of="tornado"),
 }  # fmt: skip
 OF_STUDIES = {name: kind for name, kind in KINDS.items() if kind.of == "study"}
 

@@ -8,9 +8,9 @@ import numpy as np
 
 from solver.problem.errors import InputError, choices, no_such
 from studies.language.expressions import unit_names
-from studies.language.readings import DROPPED
 from studies.laws.line_verdicts import FAILS, HOLDS, TREND, UNDECIDED
 from studies.laws.verdicts import Law, by_line, decide, refusal, targets
+from studies.paper.readings import DROPPED
 
 from ..words import outcomes
 from . import quantity_variables, refined, schema

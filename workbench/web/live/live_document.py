@@ -20,7 +20,7 @@ from solver.core import build
 from solver.observe import observables
 from solver.problem.errors import InputError
 from solver.problem.quantities import QUANTITIES
-from studies.language.readings import READINGS
+from studies.paper.readings import READINGS
 
 from ...figures import colours
 from ...run import atomic

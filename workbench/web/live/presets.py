@@ -10,7 +10,7 @@ from solver.problem.errors import DEFAULT_TOLERANCE, InputError, choices
 from solver.problem.reduced import held_of
 from studies.grammar.axes import Which, quantity_of
 from studies.language.case_input import CaseInput, field_values, read_case
-from studies.language.readings import TABLE_1
+from studies.paper.readings import TABLE_1
 
 from ...run.stored_case import open_case
 from ...stored.one_case import solve_one

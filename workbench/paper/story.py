@@ -19,12 +19,12 @@ from solver.orbits import frames
 from studies.laws.law_words import PLAIN
 from studies.laws.line_verdicts import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED
 
+from ..figures import canvas, colours, drawn_rods, fonts, push_scale
+from ..figures.sheet import Sheet
+from ..figures.trends import trend
 from ..geometry import tube
 from ..stored.stored_study import StoredStudy
 from ..words import labels
-from . import canvas, colours, drawn_rods, fonts, push_scale
-from .sheet import Sheet
-from .trends import trend
 
 ROD, ALONG, CLAIMS = "fig6", "fig7_1_modulus", "readings"  # the datasets by the name of their study
 NEEDED = (ROD, ALONG, CLAIMS)

@@ -13,10 +13,10 @@ from matplotlib.ticker import NullFormatter
 
 from solver.problem.errors import no_such
 
+from ..figures import canvas, colours, fonts
+from ..figures.sheet import SCREEN, Sheet
 from ..stored.stored_study import StoredStudy
 from ..words import labels
-from . import canvas, colours, fonts
-from .sheet import SCREEN, Sheet
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

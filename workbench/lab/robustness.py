@@ -14,10 +14,10 @@ from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch, Rectangle
 
+from ..figures import canvas, colours, fonts
+from ..figures.sheet import SCREEN, Sheet
 from ..stored.stored_study import StoredStudy
 from ..words import labels
-from . import canvas, colours, fonts
-from .sheet import SCREEN, Sheet
 
 VAGUE = 0.1  # rad
 WORDS = {

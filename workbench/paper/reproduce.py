@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from solver.problem.errors import InputError
 
-from . import console, tables
-from .options import Reading, option
-from .run_study import print_verdicts
+from ..commands import console, tables
+from ..commands.options import Reading, option
+from ..commands.run import print_verdicts
 
 if TYPE_CHECKING:
     from studies import Study
@@ -37,7 +37,7 @@ def reproduce(
     from ..run import writing
     from ..stored import law_verdicts
     from ..stored.stored_study import StoredStudy
-    from ..web.report import report_runs
+    from . import report_runs
 
     studies = [load(name).under(reading) for name in names() if name.startswith(FIGURES)]
     writing.check_folder(out)
@@ -45,7 +45,7 @@ def reproduce(
     for name, path in {**files, **{name: out / f"{name}.h5" for name in report_runs.NAMES}}.items():
         writing.check_free(path, name)
     from ..scene import opengl
-    from ..web.report import report_document  # drawing libraries are imported once all input is checked
+    from . import report_document  # drawing libraries are imported once all input is checked
 
     able, advice = opengl.probe()
     advice = "" if able else advice
@@ -92,7 +92,7 @@ def _equilibria(study: "Study", out: Path, able: bool) -> "tuple[StoredStudy, di
     """Store the equilibria of the rod of Table 1 and draw it beside the stable one; None where it has no shape."""
     from ..run import writing
     from ..stored.stored_study import StoredStudy
-    from ..web.report import report_runs
+    from . import report_runs
 
     try:
         stored = StoredStudy(report_runs.run_equilibria(study))
@@ -111,7 +111,7 @@ def _release(study: "Study", out: Path) -> dict[str, Any] | str:
     """Store the rods of a study that are let go; what the report says of them, or why there are none."""
     from ..run import reading, study_store
     from ..stored.stored_study import StoredStudy
-    from ..web.report import report_runs
+    from . import report_runs
 
     file = out / f"{study.name}.h5"
     try:
@@ -138,9 +138,9 @@ def _draw(result: "StudyResult", out: Path, able: bool) -> dict[str, Path]:
 
 def _draw_story(results: "list[StudyResult]", readings: "StoredStudy", path: Path) -> Path | None:
     """Draw the figure of the whole story and return its file; None where the reading leaves a study out."""
-    from ..figures import canvas, story
+    from ..figures import canvas
     from ..figures.sheet import sheet
-    from ..web.report import report_document
+    from . import report_document, story
 
     files = [*(result.stored for result in results), readings]
     datasets = {str(stored.attrs["study_name"]): stored for stored in files}

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from solver import Case, Ends, Solution, solve
 from solver.methods import OrbitQuadrature, available
-from studies.language.readings import READINGS
+from studies.paper.readings import READINGS
 
 from ..stored import provenance
 from .trade_runs import in_units_of_rho

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from studies.language.readings import DEFAULT
 from studies.laws import law_words
 from studies.laws.line_verdicts import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED, worst
+from studies.paper.readings import DEFAULT
 
-from ...stored.stored_study import StoredStudy
-from ...words import labels
+from ..stored.stored_study import StoredStudy
+from ..words import labels
 
 CLASSES = {HOLDS: "holds", TREND: "trend", QUALIFIED: "qualified", UNDECIDED: "undecided", FAILS: "fails"}
 

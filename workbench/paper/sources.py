@@ -8,11 +8,11 @@ import numpy as np
 from solver.problem.quantities import unit_of
 from studies import TABLE_1
 from studies.grammar.axes import quantity_of
-from studies.language.readings import Reading
+from studies.paper.readings import Reading
 
-from ...run.in_memory import StudyResult
-from ...stored.stored_study import StoredStudy
-from ...words import labels
+from ..store.in_memory import StudyResult
+from ..stored.stored_study import StoredStudy
+from ..words import labels
 
 WORKBENCH = "rod-workbench"
 
@@ -54,14 +54,6 @@ def _each(of: dict[str, list[str]]) -> str:
     return " and ".join(f"{version} ({', '.join(studies)})" for version, studies in of.items())
 
 
-PAPER = {
-    "title": "Physical modeling and geometric shape simulation for one-dimensional flexible objects with cylindrical "
-    "surface constraints",
-    "authors": "Y. M., H. D., Q. J. and W. X.",  # as the paper's list of contributions has them
-    "journal": "Scientific Reports 13",
-    "year": "2023",
-    "doi": "10.1038/s41598-023-32064-y",
-}
 UNITS = {"length": "cm", "force": "N"}
 PRINTED = {"alpha": "α₀", "beta": "β₀", "gamma": "γ₀", "dbeta": "β₀′", "dgamma": "γ₀′", "F1": "F₁₀", "F3": "F₃₀"}
 VALUES = {"E": "1.07 × 10⁴", "beta": "π/6"}  # as printed, where a decimal number would not be

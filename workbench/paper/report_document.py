@@ -14,20 +14,22 @@ from PIL import Image, ImageChops
 
 from solver.problem.errors import InputError
 from solver.problem.quantities import QUANTITIES
-from studies.language.readings import DROPPED, TABLE_1, Reading
 from studies.laws import law_words
+from studies.paper.readings import DROPPED, TABLE_1, Reading
 
-from ...figures import colours
-from ...run import atomic
-from ...run.in_memory import StudyResult
-from ...stored.stored_study import StoredStudy
-from ...words import cautions, labels
-from .. import pages
-from ..live.presets import PRESETS, Preset
-from ..turntable import turntable_page
-from . import measured_runs, report_runs, sources
+from ..commands.docs import PAPER
+from ..figures import colours
+from ..lab import measured_runs
+from ..lab.measured_runs import Measured
+from ..store import atomic
+from ..store.in_memory import StudyResult
+from ..stored.stored_study import StoredStudy
+from ..web import pages
+from ..web.live.presets import PRESETS, Preset
+from ..web.turntable import turntable_page
+from ..words import cautions, labels
+from . import report_runs, sources
 from .law_cards import CLASSES, claims_of, in_degrees, law_of, mechanism, of_readings, sentence
-from .measured_runs import Measured
 
 NAME = "report.html"
 TEMPLATE = "report.html.j2"
@@ -105,7 +107,7 @@ def html(
         versions=sources.versions(datasets),
         created=max(str(result.stored.attrs["created"]) for result in results),
         refusals=[labels.typeset(in_degrees(refusal)) for refusal in refusals],
-        paper=sources.PAPER,
+        paper=PAPER,
         table_1=sources.table_1(str(results[0].stored.attrs["reading"])),
         version=sources.version(datasets),
         turntable=turntable_page.figure,

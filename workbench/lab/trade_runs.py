@@ -21,7 +21,7 @@ from solver.benchmark import ladders as all_ladders
 from solver.methods import METHODS
 from solver.methods.base import Ladder
 from solver.problem.errors import choices, no_such
-from studies.language.readings import LOADS, READINGS, TWISTS
+from studies.paper.readings import LOADS, READINGS, TWISTS
 
 from ..stored import provenance
 

@@ -13,12 +13,12 @@ from studies import READINGS, Study, load, names
 from studies.laws.line_verdicts import worst
 from studies.laws.verdicts import refusal
 
-from ...branches import equilibria_dataset
-from ...branches.ends_study import ends_problem
-from ...run import in_memory
-from ...stored import provenance
-from ...stored.stored_study import StoredStudy
-from ...words import free_rods, labels, outcomes
+from ..branches import equilibria_dataset
+from ..branches.ends_study import ends_problem
+from ..store import in_memory
+from ..stored import provenance
+from ..stored.stored_study import StoredStudy
+from ..words import free_rods, labels, outcomes
 
 NAMES = READINGS_TABLE, EQUILIBRIA, LET_GO = "readings", "equilibria", "let_go"
 OWN, STABLE = "rank_of_study", "rank_of_stable"  # attributes: places by energy, from 1; 0: there is none

@@ -6,9 +6,9 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from . import console, tables
-from .options import names, option
-from .present import Result, presents
+from ..commands import console, tables
+from ..commands.options import names, option
+from ..commands.present import Result, presents
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -29,8 +29,8 @@ def trade(
 
     When interrupted, the command stores and draws the finished cases as trade_interrupted; trade.h5 stays unchanged.
     """
-    from ..compare import trade_runs as comparison
-    from ..figures.work_precision import COSTS
+    from . import trade_runs as comparison
+    from .work_precision import COSTS
 
     named, ladders = comparison.choose(names(cases)), comparison.ladders_of(names(methods))
     comparison.check_kinds(named, ladders)
@@ -86,8 +86,8 @@ def extremes(
     When interrupted, the command stores and draws the finished extremes as extremes_interrupted; extremes.h5 stays
     unchanged.
     """
-    from ..compare import extreme_runs
-    from ..compare.extreme_runs import INACCURATE, VERDICTS, dataset_of, rows_of
+    from . import extreme_runs
+    from .extreme_runs import INACCURATE, VERDICTS, dataset_of, rows_of
 
     named = extreme_runs.extremes()
 

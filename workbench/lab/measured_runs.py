@@ -10,12 +10,13 @@ import numpy as np
 from solver.methods import METHODS
 from solver.problem.errors import InputError
 
-from ...figures import canvas, kinds, robustness, work_precision
-from ...run import reading
-from ...stored.stored_study import StoredStudy
-from ...words import labels
+from ..figures import canvas, kinds
+from ..store import reading
+from ..stored.stored_study import StoredStudy
+from ..words import labels
+from . import robustness, work_precision
 
-SHIPPED = Path(__file__).parents[2] / "compare" / "measured"  # made with benchmarks/make_measured.py
+SHIPPED = Path(__file__).parent / "measured"  # made with benchmarks/make_measured.py
 
 
 @dataclass(frozen=True)
