@@ -18,7 +18,7 @@ import numpy as np
 from scipy.integrate import solve_bvp
 
 from solver import Case, Solution, equilibria, solve
-from solver.mechanics.potential import slope, slope_rate
+from solver.orbits.potential import slope, slope_rate
 from workbench.lab.trade_runs import CASES, ends_in_units_of_rho
 
 WANTED = 5e-8  # error of beta, at 201 stations

@@ -14,7 +14,7 @@ import numpy as np
 import xarray as xr
 
 from workbench.lab.measured_runs import SHIPPED
-from workbench.store import reading, writing
+from workbench.run import reading, writing
 
 KEPT = {
     "trade": ("seconds", "error", "outcome", "answered", "kind"),

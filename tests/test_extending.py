@@ -23,7 +23,7 @@ from tests.workbench import small
 from workbench.figures import study_figure
 from workbench.lab import work_precision
 from workbench.lab.trade_runs import ladders_of
-from workbench.store import in_memory
+from workbench.run import in_memory
 from workbench.stored import law_verdicts
 from workbench.stored.stored_study import StoredStudy
 

@@ -38,7 +38,7 @@ LISTS = {
     ],
     "studies": ["tenants", "grammar", "laws", "language", "paper"],
     "workbench": [
-        "words", "stored", "store", "geometry", "branches", "influence", "fitting", "figures", "scene", "export",
+        "words", "stored", "run", "geometry", "branches", "influence", "fitting", "figures", "scene", "export",
         "web", "notebook", "commands", "lab", "paper", "accessor", "cli", "plugin",
     ],
 }  # fmt: skip

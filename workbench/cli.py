@@ -36,7 +36,7 @@ from .commands import (
     gallery,
     loops,
     plot,
-    run,
+    run_study,
     scene,
     sensitivity,
     solve,

@@ -21,7 +21,7 @@ from workbench.lab.extreme_runs import (
     extremes,
     references,
 )
-from workbench.store import reading, writing
+from workbench.run import reading, writing
 from workbench.stored.stored_study import StoredStudy
 
 

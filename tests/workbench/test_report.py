@@ -27,8 +27,8 @@ from workbench.commands import docs
 from workbench.figures import canvas
 from workbench.lab import measured_runs
 from workbench.paper import law_cards, report_document, report_runs
-from workbench.store import in_memory, reading, writing
-from workbench.store.in_memory import StudyResult
+from workbench.run import in_memory, reading, writing
+from workbench.run.in_memory import StudyResult
 from workbench.stored import law_verdicts
 from workbench.stored.stored_study import StoredStudy
 

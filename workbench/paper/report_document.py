@@ -21,8 +21,8 @@ from ..commands.docs import PAPER
 from ..figures import colours
 from ..lab import measured_runs
 from ..lab.measured_runs import Measured
-from ..store import atomic
-from ..store.in_memory import StudyResult
+from ..run import atomic
+from ..run.in_memory import StudyResult
 from ..stored.stored_study import StoredStudy
 from ..web import pages
 from ..web.live.presets import PRESETS, Preset

@@ -15,7 +15,7 @@ from studies.laws.verdicts import refusal
 
 from ..branches import equilibria_dataset
 from ..branches.ends_study import ends_problem
-from ..store import in_memory
+from ..run import in_memory
 from ..stored import provenance
 from ..stored.stored_study import StoredStudy
 from ..words import free_rods, labels, outcomes

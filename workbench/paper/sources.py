@@ -10,7 +10,7 @@ from studies import TABLE_1
 from studies.grammar.axes import quantity_of
 from studies.paper.readings import Reading
 
-from ..store.in_memory import StudyResult
+from ..run.in_memory import StudyResult
 from ..stored.stored_study import StoredStudy
 from ..words import labels
 
