@@ -22,7 +22,7 @@ from solver import solve
 from solver.observe.observables import observe
 from studies import Study
 from studies.language.loader import loads
-from workbench.run.study_store import Options, run_to_file
+from workbench.run.study_store import RunOptions, run_to_file
 from workbench.words import cautions
 
 STUDY = """
@@ -82,7 +82,7 @@ def stored(work: Study, folder: Path, **options: object) -> Callable[[], None]:
     """A run of the study, to its end, each time anew."""
 
     def run() -> None:
-        run_to_file(work, folder / "benchmark.h5", Options(restart=True, **options))  # type: ignore[arg-type]
+        run_to_file(work, folder / "benchmark.h5", RunOptions(restart=True, **options))  # type: ignore[arg-type]
 
     return run
 

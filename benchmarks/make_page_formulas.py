@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from solver import Cylinder, Rod, Start
-from solver.observe.measurement import Reading
+from solver.observe.measurement import MeasuredNumbers
 from solver.observe.observables import OBSERVABLES
 from solver.orbits.potential import Loads, potential
 from solver.problem.case import DIRECT, ELASTIC, GIVEN, PAIRS, SIDES, SLIDING, STIFFNESS, TWISTS, Case
@@ -103,8 +103,8 @@ class Measured(Terms):
         sol = SimpleNamespace(case=case, trajectory=SimpleNamespace(orbit=None), problem=SimpleNamespace(span=1.0))
         known = {"length": Term("v.span"), "ratio": Term("(v.A / v.C)"), "gain": (Term("v.turned"), Term("v.risen"))}
         super().__init__(sol=sol, error=0.0, loads=(Term("v.FZ"), Term("v.MZ"), Term("v.M3")), **known)
-        units = (name for name in vars(Reading) if name.startswith("unit_"))
-        vars(self).update({name: getattr(Reading, name).func(self) for name in units})
+        units = (name for name in vars(MeasuredNumbers) if name.startswith("unit_"))
+        vars(self).update({name: getattr(MeasuredNumbers, name).func(self) for name in units})
 
     def value(self, name: str) -> Term:
         return Term(f"v.{name}")

@@ -22,7 +22,7 @@ from studies import Study
 from studies.language.loader import load, loads
 from workbench.figures import canvas, map_figure
 from workbench.run import reading
-from workbench.run.study_store import Options, run_to_file
+from workbench.run.study_store import RunOptions, run_to_file
 from workbench.stored.stored_study import StoredStudy
 
 
@@ -61,7 +61,7 @@ def main() -> None:
         file = Path(folder) / "map.h5"
 
         def stored() -> None:
-            run_to_file(both, file, Options(workers=1, restart=True))
+            run_to_file(both, file, RunOptions(workers=1, restart=True))
 
         def drawn() -> None:
             canvas.save(map_figure.figure(StoredStudy(reading.read(file))), BytesIO())

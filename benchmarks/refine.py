@@ -21,7 +21,7 @@ from studies import Study
 from studies.language.loader import load, loads
 from studies.language.refinement import Lattice, refinement_of
 from workbench.run import in_memory
-from workbench.run.study_store import Options, run_to_file
+from workbench.run.study_store import RunOptions, run_to_file
 from workbench.stored import refined
 
 BLOCK = 512  # cases, as of a run
@@ -49,7 +49,7 @@ def seconds_to_store(work: Study) -> float:
     """Processor time of a run into a file, by one worker."""
     with tempfile.TemporaryDirectory() as folder:
         began = time.process_time()
-        run_to_file(work, Path(folder) / "stored.h5", Options(workers=1))
+        run_to_file(work, Path(folder) / "stored.h5", RunOptions(workers=1))
         return time.process_time() - began
 
 

@@ -24,7 +24,7 @@ _ENOUGH = 0.06  # seconds of repeats, after which no further one is made
 
 
 @dataclass(frozen=True, eq=False)
-class Reference:
+class BenchmarkReference:
     """The known answer of a case.
 
     beta [rad], alpha [rad], z/rho and contact rho^3/A at s/L = u, (n,) each; condition: the condition number.
@@ -39,7 +39,7 @@ class Reference:
 
 
 @dataclass(frozen=True)
-class Row:
+class BenchmarkRow:
     """One rung: what was asked for, and the result.
 
     Errors: of beta [rad], of position over max(rho, L), of contact over its largest size; estimate: the error that the
@@ -83,10 +83,10 @@ def available_ladders() -> dict[str, Ladder]:
 
 
 def measure(
-    cases: Mapping[str, tuple[Case, Reference, float | None]],
+    cases: Mapping[str, tuple[Case, BenchmarkReference, float | None]],
     ladders: Mapping[str, Ladder] | None = None,
     told: Callable[[str], None] = lambda _: None,
-) -> list[Row]:
+) -> list[BenchmarkRow]:
     """Each ladder on each case of a kind that its method solves; one row a rung, failed rungs included.
 
     Parameters
@@ -103,7 +103,7 @@ def measure(
     InputError
         For what `solve` refuses.
     """
-    rows: list[Row] = []
+    rows: list[BenchmarkRow] = []
     for name, (case, reference, slope) in cases.items():
         told(name)
         # of ends the equilibrium that is meant is the seed of every method; its cost is not counted
@@ -115,20 +115,20 @@ def measure(
 
 
 def _climb(
-    name: str, case: Case, reference: Reference, label: str, ladder: Ladder, seed: Mapping[str, Any]
-) -> Iterator[Row]:
+    name: str, case: Case, reference: BenchmarkReference, label: str, ladder: Ladder, seed: Mapping[str, Any]
+) -> Iterator[BenchmarkRow]:
     """The rows of one ladder on one case."""
     taken, before = 0.0, ladder.values[0]  # evaluations of the last rung, and its value
     solve(case, stations=STATIONS, **seed, **ladder.options(before))  # warm-up
     for value in ladder.values:
         if taken * max(1.0, value / before) > ladder.most:
             why = f"not run: it would take more than {ladder.most:g} evaluations"
-            yield Row(name, label, ladder.knob, value, False, why, "", *[np.nan] * 10)
+            yield BenchmarkRow(name, label, ladder.knob, value, False, why, "", *[np.nan] * 10)
             continue
         sol, seconds = _time(case, {**seed, **ladder.options(value)}, ladder.cold)
         taken, lost = float(sol.evaluations), np.any(getattr(sol.trajectory.orbit, "lost", False))
         answered = OrbitQuadrature.name if lost else sol.method  # a march that loses its orbit hands it over
-        yield Row(name, label, ladder.knob, value, bool(sol.solved), str(sol.outcome), answered, seconds,
+        yield BenchmarkRow(name, label, ladder.knob, value, bool(sol.solved), str(sol.outcome), answered, seconds,
                   taken, **errors_against(sol, reference), estimate=float(sol.error), condition=float(sol.condition),
                   **drift(sol))  # fmt: skip
         before = value
@@ -146,8 +146,11 @@ def _time(case: Case, options: Mapping[str, Any], cold: bool) -> tuple[Solution,
             return sol, min(seconds[1:] or seconds)
 
 
-def errors_against(sol: Solution, reference: Reference) -> dict[str, float]:
-    """Errors of a single case by their names in `Row`, inf where not finite; its stations include the reference's."""
+def errors_against(sol: Solution, reference: BenchmarkReference) -> dict[str, float]:
+    """Errors of a single case by their names in `BenchmarkRow`, inf where not finite.
+
+    The stations of the case include those of the reference.
+    """
     at = np.rint(reference.u * (sol.beta.size - 1)).astype(int)
     rho, A = float(sol.case.rho), float(sol.case.rod.bending_stiffness)
     with np.errstate(all="ignore"):
@@ -160,7 +163,7 @@ def errors_against(sol: Solution, reference: Reference) -> dict[str, float]:
 
 
 def drift(sol: Solution) -> dict[str, float]:
-    """Largest changes of the constants along a single rod by their names in `Row`; inf where not finite."""
+    """Largest changes of the constants along a single rod by their names in `BenchmarkRow`; inf where not finite."""
     rho, A = float(sol.case.rho), float(sol.case.rod.bending_stiffness)
     with np.errstate(all="ignore"):
         s, c = np.sin(sol.beta), np.cos(sol.beta)
@@ -178,9 +181,9 @@ def _largest(values: Array) -> float:
     return float(np.abs(values).max()) if np.isfinite(values).all() else np.inf
 
 
-def cheapest(rows: Iterable[Row], level: float) -> dict[str, Row | None]:
+def cheapest(rows: Iterable[BenchmarkRow], level: float) -> dict[str, BenchmarkRow | None]:
     """For each case the fastest rung that was solved with an error of at most `level`, or None."""
-    best: dict[str, Row | None] = {}
+    best: dict[str, BenchmarkRow | None] = {}
     for row in rows:
         fastest = best.setdefault(row.case, None)
         if row.solved and row.error <= level and (fastest is None or row.seconds < fastest.seconds):

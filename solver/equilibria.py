@@ -118,7 +118,7 @@ def equilibria(
 
 def _under_dead_loads(case: Case, tol: float, stations: int, most_swings: int) -> Equilibria:
     """All equilibria of one case under dead loads."""
-    from .observe.measurement import Reading
+    from .observe.measurement import MeasuredNumbers
     from .observe.observables import OBSERVABLES
     from .orbits.boundary import repeat
     from .orbits.level_search import search_levels
@@ -136,7 +136,7 @@ def _under_dead_loads(case: Case, tol: float, stations: int, most_swings: int) -
     t = wide.span[:, None] * np.linspace(0, 1, stations)
     together = equilibrium_trajectory(wide, orbit, t, tol)
     copies = with_field(case, "beta0", np.full(K, value_of(case, "beta0")))
-    read = Reading(Solution(copies, wide, together, t, "shooting", tol))
+    read = MeasuredNumbers(Solution(copies, wide, together, t, "shooting", tol))
     for name, angle in (("low", all_of_them.lowest), ("high", all_of_them.highest)):
         read.know({name: (angle, read.error)})
     turns, attached = OBSERVABLES["turns"].compute(read), OBSERVABLES["attached"].compute(read)[0]

@@ -9,7 +9,7 @@ import numpy as np
 from .branches.fold_curves import FoldCurves, curves_of
 from .branches.fold_search import search_curves
 from .branches.parameter_plane import parameter_plane
-from .branches.whole_curve import Pieces
+from .branches.whole_curve import CurvePieces
 from .equilibria import MOST_LISTED, Equilibria, equilibria
 from .numerics.arrays import Array, Booleans, Integers
 from .problem.case import Case, check_case
@@ -200,7 +200,7 @@ def region_map(case: Case, *, lattice: int | None = None, stations: int = 101, *
 _LEAST = 6  # points of the raster of a region
 
 
-def regions_of(pieces: Pieces, n: int) -> tuple[Integers, list[tuple[int, int]]]:
+def regions_of(pieces: CurvePieces, n: int) -> tuple[Integers, list[tuple[int, int]]]:
     """The number of the region of each point of the raster (n, n), the largest region 0, and -1 in pieces of the
     square that are too small; and row and column of the point of each region that is farthest from its border."""
     import scipy.ndimage
@@ -227,7 +227,7 @@ def regions_of(pieces: Pieces, n: int) -> tuple[Integers, list[tuple[int, int]]]
     return labels, inner
 
 
-def _cut(pieces: Pieces, n: int, axis: int) -> Booleans:
+def _cut(pieces: CurvePieces, n: int, axis: int) -> Booleans:
     """Whether a curve passes between two neighbouring points of the raster along an axis: of each line of points (n),
     and each gap (n, the last of which is beyond the border)."""
     cut = np.zeros((n, n), dtype=bool)

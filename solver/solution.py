@@ -13,14 +13,14 @@ from .numerics.arrays import Array
 from .observe.cautions import of_cases
 from .observe.solution_derivatives import Sensitivity, sensitivity
 from .orbits import frames
-from .orbits.shape import Shape
+from .orbits.shape import ShapeArrays
 from .problem.errors import check_tolerance
 from .problem.shown import make, table_of
 
 SHOWN = "workbench.notebook"  # loaded by name when a solution is shown: the solver works without the workbench
 
 
-class Solution(Shape):
+class Solution(ShapeArrays):
     """The shape of a case, or of each case of a grid, at n stations in the units of the case.
 
     `solve` makes it. Quantities along the rod have the shape (*cases, n), quantities of a case (*cases); each is

@@ -23,7 +23,7 @@ from .equilibria import default_ranges, equilibria
 from .equilibrium_branch import Branch
 from .equilibrium_list import Equilibrium, ranges_in_words
 from .nodes.constant_loads import shape_of_solution
-from .nodes.curve import MOST_POINTS, SPLIT, Curve, shapes_through
+from .nodes.curve import MOST_POINTS, SPLIT, NodeCurve, shapes_through
 from .nodes.descent import index_at, on_nodes
 from .nodes.loaded_rod import VARYING, densest_nodes, rod_over
 from .nodes.newton import marks_of
@@ -165,9 +165,9 @@ class ShapesOnPlane:
     def signature(self, place: Place) -> Array:
         return marks_of(place.path)
 
-    def line(self, z: Array, axis: int) -> Curve:
+    def line(self, z: Array, axis: int) -> NodeCurve:
         """The equilibria along number `axis` of z through a point."""
-        return Curve(lambda x: self.rod_at(place_on(z, axis, x)), 1.0, self.scale)
+        return NodeCurve(lambda x: self.rod_at(place_on(z, axis, x)), 1.0, self.scale)
 
     def branch(self, z: Array, axis: int, place: Place, wanted: Array) -> tuple[list[Place], int, Stop, Stop] | str:
         bounds = Bounds(0.0, 1.0, tuple(wanted.tolist()), MOST_POINTS)

@@ -82,7 +82,7 @@ class Plot:
         return picture.getvalue()
 
 
-class Scene:
+class NotebookScene:
     """A rod on its cylinder that a notebook shows inline and a reader turns.
 
     Attributes
@@ -147,7 +147,7 @@ class StudyRun:
         """The figure of the study, or of its case at these values of axes. Raises `InputError`."""
         return plot(self._stored, at)
 
-    def scene(self, **at: Any) -> Scene:
+    def scene(self, **at: Any) -> NotebookScene:
         """The rods, with a slider for each axis that has no value here. Raises `InputError`."""
         return scene(self._stored, at)
 
@@ -171,12 +171,12 @@ def plot(stored: StoredStudy, at: Mapping[str, Any] | None = None) -> Plot:
         return Plot(kinds.figure(part, "lines", verdicts=[]))  # the laws are of all cases
 
 
-def scene(stored: StoredStudy, at: Mapping[str, Any] | None = None) -> Scene:
+def scene(stored: StoredStudy, at: Mapping[str, Any] | None = None) -> NotebookScene:
     """The rods of a stored study, with a slider for each axis that `at` does not fix. Raises `InputError`."""
     from .web.turntable import turntable_page
 
     with python_words():
-        return Scene(turntable_page.html(stored, at))
+        return NotebookScene(turntable_page.html(stored, at))
 
 
 def plot_solution(sol: Solution, units: Mapping[str, str] | None = None) -> Plot:
@@ -184,7 +184,7 @@ def plot_solution(sol: Solution, units: Mapping[str, str] | None = None) -> Plot
     return plot(StoredStudy(dataset_of(_fine(sol) if not sol.case.shape else sol, units)))
 
 
-def scene_solution(sol: Solution, units: Mapping[str, str] | None = None) -> Scene:
+def scene_solution(sol: Solution, units: Mapping[str, str] | None = None) -> NotebookScene:
     """The rods of a solution on their cylinder."""
     return scene(StoredStudy(dataset_of(sol, units)))
 
@@ -198,7 +198,7 @@ def export_solution(
     """
     from studies.laws.law_words import count_of
 
-    from .export.base import Options
+    from .export.base import ExportOptions
     from .export.stored_rod import check_holds_all, export
 
     path = _path_of(path)
@@ -209,7 +209,7 @@ def export_solution(
     with python_words():
         stored = StoredStudy(dataset_of(sol, units))
         check_holds_all(stored, path)
-        done = export(stored, path, Options(tolerance=tolerance), yes_or_no("replace", replace))
+        done = export(stored, path, ExportOptions(tolerance=tolerance), yes_or_no("replace", replace))
     unsolved = done.facts.get("unsolved", 0)
     left = [f"{count_of(unsolved, 'rod')} left out: not solved"] if unsolved else []
     for sentence in [*left, *done.warnings]:

@@ -51,12 +51,12 @@ class Family:
         return self.names == FREE
 
     @cached_property
-    def steps(self) -> core.Steps:
+    def steps(self) -> core.BranchSteps:
         """The core's functions on these problems."""
         if self.is_dead:
-            return core.Steps(self._dead_numbers, self.scale, NODES, (CUTTING, CUTTING))
+            return core.BranchSteps(self._dead_numbers, self.scale, NODES, (CUTTING, CUTTING))
         held = tuple((*NUMBERS, "turn").index(name) for name in self.names)
-        return core.Steps(self.numbers, self.scale, POINTS, HOW, held)
+        return core.BranchSteps(self.numbers, self.scale, POINTS, HOW, held)
 
     def _dead_numbers(self, p: float) -> Sequence[float] | None:
         """lam, mu, phi, span, beta(0) and beta(L) at p."""

@@ -30,7 +30,7 @@ from .orbit_folds import (
 )
 from .parameter_plane import ParameterPlane
 from .special_line import Tracing, cusps_between, point_on_line, special_line
-from .whole_curve import Pieces, WholeCurve, change_along, pieces_of, whole_curve, without_zeros
+from .whole_curve import CurvePieces, WholeCurve, change_along, pieces_of, whole_curve, without_zeros
 
 _INSIDE = 1e-4  # shares of the ranges: how far the lattice stays away from the border, where the curves end
 _ASKEW = np.array([0.13, -0.17])  # of a gap: lines of the lattice stay off lines of symmetry, on which cusps lie
@@ -52,7 +52,7 @@ class Searched:
 
     plane: ParameterPlane
     curves: list[WholeCurve] = field(default_factory=list)
-    pieces: Pieces = field(default_factory=partial(pieces_of, ()))
+    pieces: CurvePieces = field(default_factory=partial(pieces_of, ()))
     counted: dict[tuple[float, ...], Census] = field(default_factory=dict)
     open_lines: list[Array] = field(default_factory=list)
     _missed: dict[tuple[float, ...], tuple[int, Counter[Any]]] = field(default_factory=dict)

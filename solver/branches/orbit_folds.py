@@ -36,7 +36,7 @@ from .given_numbers import FREE, Given, values_of
 from .held_index import lower_index
 from .orbit_rates import NUMBERS, OrbitRates, rates_of_helices, start_rates
 from .parameter_plane import ParameterPlane, reflect
-from .special_line import Ahead, Point, SpecialPoint, change_within, point_on_line, with_no_side
+from .special_line import Ahead, LinePoint, Point, change_within, point_on_line, with_no_side
 from .system import state_from_start
 
 GivenAt = Callable[[Array], Given]
@@ -117,7 +117,7 @@ class StartedOrbit(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class OrbitPoint(SpecialPoint):
+class OrbitPoint(LinePoint):
     """A fold or pitchfork.
 
     w: the unknown numbers of the start over `scales`, next to a saddle log gap over `UNIT`, and z.
@@ -181,7 +181,7 @@ class OrbitPoint(SpecialPoint):
         return np.append(off, [orbit.over, -orbit.pin[1][0] * determinant])
 
     def after(self: "OrbitPoints", node: Node) -> "Ahead[OrbitPoints] | None":
-        """As of `SpecialPoint`; the saddle is looked for where it is now."""
+        """As of `LinePoint`; the saddle is looked for where it is now."""
         ahead = super().after(node)
         if ahead is None or self.saddle is None:
             return ahead
@@ -250,7 +250,7 @@ class OrbitPitchfork(OrbitPoint):
         return values if np.isfinite(values).all() else None
 
     def side_of(self, node: Node) -> Array:
-        """As of `SpecialPoint`. The miss of beta(L) is E v + B v^3/6: the two others exist where E B < 0. Next to a
+        """As of `LinePoint`. The miss of beta(L) is E v + B v^3/6: the two others exist where E B < 0. Next to a
         saddle the length does not depend on v, and v^2 is what the level lies above that of rest."""
         if self.saddle is not None:
             return -node.jacobian[1, 1:]

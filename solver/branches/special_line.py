@@ -36,7 +36,7 @@ LONGEST = 0.5  # change of an unknown in a step of Newton's rule
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class SpecialPoint(ABC):
+class LinePoint(ABC):
     """A special point, and the equation of its line nearby, a `numerics.arclength.Curve`.
 
     w: (n + 1,), in the coordinates of the equation, z last. kind: FOLD or PITCHFORK. way: (2,), the direction of the
@@ -100,7 +100,7 @@ class SpecialPoint(ABC):
         return replace(self, w=node.w, way=way / np.linalg.norm(way), more=self.side_of(node)), node
 
 
-Point = TypeVar("Point", bound=SpecialPoint)
+Point = TypeVar("Point", bound=LinePoint)
 Ahead = tuple[Point, Node]
 # Of a point, its node, a step and where that leads: the points on the way, in order; None where they are not located
 Between = Callable[[Point, Node, float, Ahead[Point]], list[Point] | None]
@@ -256,7 +256,7 @@ def border_point(point: Point, node: Node) -> Point | None:
     return None
 
 
-def _passes(first: SpecialPoint, second: SpecialPoint, here: SpecialPoint, there: SpecialPoint) -> bool:
+def _passes(first: LinePoint, second: LinePoint, here: LinePoint, there: LinePoint) -> bool:
     """Whether the step from here to there passes the first point in the sense in which the line left it."""
     if not first.mark.size == second.mark.size == here.mark.size == there.mark.size:
         return False

@@ -91,7 +91,7 @@ def lies_on(points: Array, x: Array) -> bool:
 
 
 @dataclass(frozen=True, eq=False)
-class Pieces:
+class CurvePieces:
     """The pieces of all curves: first, last: (N, 2), their ends in shares; more: (N, 2), the side of two more
     equilibria; lower: (N,), the lower index of the two."""
 
@@ -101,17 +101,17 @@ class Pieces:
     lower: Integers
 
 
-def pieces_of(curves: Sequence[WholeCurve]) -> Pieces:
+def pieces_of(curves: Sequence[WholeCurve]) -> CurvePieces:
     """The pieces of curves between the points of their polylines."""
     empty, lines = np.zeros((0, 2)), [curve.dense() for curve in curves]
     first = np.concatenate([empty, *(line[:-1] for line, _ in lines)])
     last = np.concatenate([empty, *(line[1:] for line, _ in lines)])
     more = np.concatenate([empty, *(side[:-1] for _, side in lines)])
     lower = np.array([curve.lower for curve in curves], dtype=np.int64)
-    return Pieces(first, last, more, np.repeat(lower, [len(line) - 1 for line, _ in lines]))
+    return CurvePieces(first, last, more, np.repeat(lower, [len(line) - 1 for line, _ in lines]))
 
 
-def change_along(pieces: Pieces, start: Array, end: Array) -> Counter[int]:
+def change_along(pieces: CurvePieces, start: Array, end: Array) -> Counter[int]:
     """How many more equilibria of each index exist at the end of a straight line than at its start.
 
     Each piece that the line crosses adds two, where the line enters their side, or takes them away.

@@ -133,7 +133,7 @@ def _answers(numbers: Numbers, count: int, raised: list[BaseException]) -> Gener
     yield RAISED
 
 
-class Steps:
+class BranchSteps:
     """Steps along branches over one parameter.
 
     Parameters

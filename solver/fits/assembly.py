@@ -12,7 +12,7 @@ from ..problem.quantities import quantity
 from ..problem.trajectory import SOLVED
 from .data import scale_of
 from .fit_result import NO_INTERVALS, Fit, OtherMinimum
-from .model import Minimum, Model
+from .model import FitMinimum, Model
 from .parameters import Parameter, values_at, values_in_words
 from .uncertainty import LEVEL, Uncertainty, uncertainty
 
@@ -31,7 +31,7 @@ FAR = 0.5
 _ROUNDING = 1e-9  # of the scale of a parameter: a smaller value is 0
 
 
-def result(model: Model, minima: Sequence[Minimum]) -> Fit:
+def result(model: Model, minima: Sequence[FitMinimum]) -> Fit:
     """The result; minima: what a search found, the best one first, or none where there was no value at all."""
     if not minima:
         return _nothing(model)
@@ -101,9 +101,9 @@ def _in_units(model: Model, way: Array) -> dict[str, float]:
     return {name: float(value / first) for name, value in changes.items()}
 
 
-def _others(model: Model, minima: Sequence[Minimum], known: Uncertainty) -> list[OtherMinimum]:
+def _others(model: Model, minima: Sequence[FitMinimum], known: Uncertainty) -> list[OtherMinimum]:
     """The other minima. Where the data do not determine all parameters, equal ones are places of one valley."""
-    places: list[Minimum] = [minima[0]]
+    places: list[FitMinimum] = [minima[0]]
     for minimum in minima[1:]:
         levels = [other.cost * (1 + EQUAL) + model.data.size * ZERO for other in places]
         low = any(minimum.cost <= level for level in levels) if known.directions else False
@@ -118,7 +118,7 @@ def _others(model: Model, minima: Sequence[Minimum], known: Uncertainty) -> list
     ]  # fmt: skip
 
 
-def _as_good(model: Model, minimum: Minimum, best: Minimum, known: Uncertainty) -> bool:
+def _as_good(model: Model, minimum: FitMinimum, best: FitMinimum, known: Uncertainty) -> bool:
     """Whether the data do not exclude a minimum: by the likelihood ratio, or where sigma is unknown by the F test."""
     F, more = best.x.size, 2 * (minimum.cost - best.cost)
     if model.data.known:
@@ -129,7 +129,7 @@ def _as_good(model: Model, minimum: Minimum, best: Minimum, known: Uncertainty) 
     return bool(more <= F * variance * special.fdtri(F, known.freedom, LEVEL))
 
 
-def _feet(model: Model, best: Minimum) -> tuple[Array, Array, Array] | None:
+def _feet(model: Model, best: FitMinimum) -> tuple[Array, Array, Array] | None:
     """s, alpha and z of the rod at the points, in the order in which these were given."""
     points, sol = model.data.points, best.found.sol
     if points is None:
@@ -138,7 +138,7 @@ def _feet(model: Model, best: Minimum) -> tuple[Array, Array, Array] | None:
     return sol.s[at], sol.alpha[at], sol.z[at]
 
 
-def _outcome(model: Model, best: Minimum, directions: Sequence[dict[str, float]], probability: float) -> str:
+def _outcome(model: Model, best: FitMinimum, directions: Sequence[dict[str, float]], probability: float) -> str:
     """Solved, undetermined, a misfit, or failed, with the reason."""
     if best.stop:
         return f"failed: {best.stop}"
@@ -151,7 +151,7 @@ def _outcome(model: Model, best: Minimum, directions: Sequence[dict[str, float]]
     return SOLVED
 
 
-def _miss_of(model: Model, best: Minimum) -> str:
+def _miss_of(model: Model, best: FitMinimum) -> str:
     """That no value reaches the targets, where there are no more of them than parameters; else ""."""
     data = model.data
     if data.points is not None or data.size > len(model.parameters):
@@ -170,7 +170,7 @@ def _miss_of(model: Model, best: Minimum) -> str:
     return f"the search found no {ranges} that {verb} {goals}; the nearest reached is {nearest}, at {place}"
 
 
-def _far(model: Model, best: Minimum, probability: float) -> str:
+def _far(model: Model, best: FitMinimum, probability: float) -> str:
     """That the points are too far from the rod, by alpha and z alone, unless sigma says that they may be; else ""."""
     points, sol = model.data.points, best.found.sol
     if points is None or probability >= UNLIKELY:
@@ -201,7 +201,7 @@ def _starts_in_words(model: Model, parameter: Parameter) -> str:
     return f" (starts from {low:.4g} to {high:.4g})"
 
 
-def _tell(model: Model, best: Minimum, way: dict[str, float]) -> str:
+def _tell(model: Model, best: FitMinimum, way: dict[str, float]) -> str:
     """A direction in words."""
     if len(way) == 1:
         return f"the data do not depend on {next(iter(way))}"
@@ -248,7 +248,7 @@ def _rule(sigma: bool, known: Uncertainty) -> str:
 
 def _remarks(
     model: Model,
-    best: Minimum,
+    best: FitMinimum,
     directions: Sequence[dict[str, float]],
     correlation: Array,
     probability: float,

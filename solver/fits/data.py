@@ -20,7 +20,7 @@ DISTANCE = "distance"  # of points without arc length
 
 
 @dataclass(frozen=True, eq=False)
-class Points:
+class MeasuredPoints:
     """P measured points, (P,) each, in the order of s where that is known.
 
     columns: of `COLUMNS`, the measured values. sizes: the error of each column that counts as 1. s: arc lengths, or
@@ -53,7 +53,7 @@ class Data:
     """
 
     targets: dict[str, float]
-    points: Points | None
+    points: MeasuredPoints | None
     known: bool
     measured: Array
     scales: Array
@@ -97,7 +97,7 @@ def check_data(case: Case, targets: Any, points: Any, sigma: Any, wrapped: bool)
     order = np.arange(count) if s is None else np.argsort(s, kind="stable")
     units = {"alpha": 1.0, "beta": 1.0, "z": float(case.rho)}
     each = {name: np.broadcast_to(sigmas[name] if sigmas else units[name], count)[order] for name in columns}
-    points = Points(
+    points = MeasuredPoints(
         {name: v[order] for name, v in columns.items()}, each, None if s is None else s[order], order, wrapped
     )
     numbers = {DISTANCE: (np.zeros(count), np.ones(count))}

@@ -15,7 +15,7 @@ from .assembly import EQUAL, ZERO, result
 from .data import check_data
 from .fit_result import Fit
 from .local_search import STEP, search
-from .model import Minimum, Model, NoValueError
+from .model import FitMinimum, Model, NoValueError
 from .parameters import check_parameters
 
 _SAME = 1e-3  # of x: two minima that are nearer are one
@@ -112,7 +112,7 @@ def fit(
     return result(model, _distinct(moved or minima, data.size))
 
 
-def _idle(model: Model, first: Minimum | None, starts: list[Array]) -> Array:
+def _idle(model: Model, first: FitMinimum | None, starts: list[Array]) -> Array:
     """Which parameters change no datum, (F,): not only at the first minimum, where a symmetry may be why."""
     F = len(model.parameters)
     idle: Array = np.asarray(np.zeros(F, dtype=bool) if first is None else ~first.jacobian.any(axis=0))
@@ -165,9 +165,9 @@ def _crossings(model: Model, x: Array, residuals: Array) -> list[Array]:
     return [np.array([zero]) for zero in zeros]
 
 
-def _distinct(minima: list[Minimum], size: int) -> list[Minimum]:
+def _distinct(minima: list[FitMinimum], size: int) -> list[FitMinimum]:
     """The different minima, lowest first; that of the first search before others that are as low."""
-    different: list[Minimum] = []
+    different: list[FitMinimum] = []
     for minimum in sorted(minima, key=lambda minimum: (bool(minimum.stop), minimum.cost)):
         if not any(_close(minimum.x, other.x) for other in different):
             different.append(minimum)

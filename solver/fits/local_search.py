@@ -12,7 +12,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from ..numerics.arrays import Array
-from .model import Minimum, Model, NoValueError
+from .model import FitMinimum, Model, NoValueError
 from .uncertainty import Decomposition, decomposition
 
 # Relative: a search ends where its step in x, or its gain of the sum of squares, is smaller. With 50 points this gain
@@ -32,7 +32,7 @@ class _Step(NamedTuple):
 
 
 @np.errstate(all="ignore")  # of steps to places without a value
-def search(model: Model, start: Array, is_known: Callable[[Array], bool]) -> Minimum | None:
+def search(model: Model, start: Array, is_known: Callable[[Array], bool]) -> FitMinimum | None:
     """The minimum to which a search from `start` leads; None where there is no value, or where it comes to a known one.
 
     A step to a place without a value is made shorter.
@@ -44,13 +44,13 @@ def search(model: Model, start: Array, is_known: Callable[[Array], bool]) -> Min
     every = np.ones(start.size, dtype=bool)
     try:
         if not model.jacobian(start).any() or not residuals.any():  # no direction is better, or nothing is left to gain
-            return Minimum(*model.accepted[0], every)
+            return FitMinimum(*model.accepted[0], every)
         return _descent(model, start, is_known)
     except NoValueError as error:
-        return Minimum(*model.accepted[-1], every, str(error)) if model.accepted else None
+        return FitMinimum(*model.accepted[-1], every, str(error)) if model.accepted else None
 
 
-def _descent(model: Model, start: Array, is_known: Callable[[Array], bool]) -> Minimum | None:
+def _descent(model: Model, start: Array, is_known: Callable[[Array], bool]) -> FitMinimum | None:
     low, high = bounds = np.array([parameter.bounds for parameter in model.parameters]).T
     x = start
     radius = float(np.linalg.norm(x * np.linalg.norm(model.accepted[0][1], axis=0))) or 1.0  # a change of its own size
@@ -58,7 +58,7 @@ def _descent(model: Model, start: Array, is_known: Callable[[Array], bool]) -> M
         evaluation, jacobian = model.accepted[-1]
         step = _step(jacobian, evaluation.residuals, x, bounds, radius)
         if np.linalg.norm(step.move) < STEP * (STEP + np.linalg.norm(x)):
-            return Minimum(evaluation, jacobian, (low < x) & (x < high))
+            return FitMinimum(evaluation, jacobian, (low < x) & (x < high))
         x_new = np.clip(x + step.move, low, high)
         residuals = model.residuals(x_new)
         cost, cost_new = float(evaluation.residuals @ evaluation.residuals) / 2, float(residuals @ residuals) / 2
@@ -70,13 +70,13 @@ def _descent(model: Model, start: Array, is_known: Callable[[Array], bool]) -> M
             if is_known(x):
                 return None
         if gain < _GAIN * cost and share > _POOR:
-            return Minimum(*model.accepted[-1], (low < x) & (x < high))
+            return FitMinimum(*model.accepted[-1], (low < x) & (x < high))
         if share < _POOR:
             radius = _POOR * step.length
         elif share > _GOOD:
             radius = max(radius, 2 * step.length)
     stop = f"the search did not end in {_EVALUATIONS} evaluations"
-    return Minimum(*model.accepted[-1], (low < x) & (x < high), stop)
+    return FitMinimum(*model.accepted[-1], (low < x) & (x < high), stop)
 
 
 def _step(jacobian: Array, residuals: Array, x: Array, bounds: Array, radius: float) -> _Step:

@@ -17,7 +17,7 @@ from ..problem.case_fields import with_fields
 from ..problem.errors import InputError
 from ..solution import Solution
 from ..solve import solve
-from .data import Data, Points
+from .data import Data, MeasuredPoints
 from .parameters import Parameter, rates_at, values_at, values_in_words
 
 _COARSE, _FINEST = 201, 6401  # stations of the first search
@@ -67,7 +67,7 @@ class Evaluation:
 
 
 @dataclass(frozen=True, eq=False)
-class Minimum:
+class FitMinimum:
     """Where a local search ended.
 
     free: (F,), False at a bound. stop: why it ended early, or "".
@@ -211,7 +211,7 @@ class Model:
         return computed, off / data.scales
 
 
-def feet(curve: AtStations, points: Points) -> Feet:
+def feet(curve: AtStations, points: MeasuredPoints) -> Feet:
     """The feet of points on a curve; curve: its solution at given stations.
 
     At a foot within the rod the distance is normal to the curve, so moving along the curve does not change it; its
@@ -261,7 +261,7 @@ def _local(
     return across, up, (at.alpha[place] - alpha) / wide, (at.z[place] - z) / tall, turning
 
 
-def _nearest(curve: AtStations, points: Points) -> tuple[Solution, Array, Array, Array, Array]:
+def _nearest(curve: AtStations, points: MeasuredPoints) -> tuple[Solution, Array, Array, Array, Array]:
     """For each point the nearest s on the polyline, the whole turns to add to its azimuth, and a bracket of s."""
     count = _COARSE
     while True:
@@ -288,7 +288,7 @@ def _nearest(curve: AtStations, points: Points) -> tuple[Solution, Array, Array,
     return sol, foot, turns, np.maximum(foot - step, 0), np.minimum(foot + step, float(sol.case.rod.L))
 
 
-def _turns(alpha: Array, points: Points) -> range:
+def _turns(alpha: Array, points: MeasuredPoints) -> range:
     """The whole turns that may be added to the measured azimuths."""
     if not points.wrapped:
         return range(1)

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..nodes.loaded_rod import numbers_of, rate_of_change
 from ..numerics.arrays import Array
-from ..orbits.shape import Shape
+from ..orbits.shape import ShapeArrays
 from ..problem.case import OFF_WALL, REACHED, Case, Ends
 from ..problem.reduced import flat
 from .discrete_rod import DiscreteRod
@@ -35,7 +35,7 @@ def bilateral_cases(case: Case) -> list[Case]:
     return [Case(case.rod, wall, Ends(**each)) for each in ends]
 
 
-def held_case(sol: Shape, curves: Sequence[Curve | None]) -> Case:
+def held_case(sol: ShapeArrays, curves: Sequence[Curve | None]) -> Case:
     """The rods of a solution, with these curves, beside a cylinder that only pushes: both ends are held as they are.
 
     A rod without a curve stands for none: its ends are those of a straight rod. Rods that are straight keep their axial
@@ -96,7 +96,7 @@ def curve_of(shape: FreeShape, name: str = "the seed") -> Curve:
     return Curve(name, np.arange(N + 1) / N, shape.x, middles, rod.chain(shape.y), rod.twist, shape.angles)
 
 
-def curves_of(sol: Shape, name: str) -> list[Curve | None]:
+def curves_of(sol: ShapeArrays, name: str) -> list[Curve | None]:
     """The curve of each rod of a solution; None where it is not solved."""
     solved = sol.trajectory.solved.tolist()
     if sol.trajectory.free is not None:
@@ -113,7 +113,7 @@ def curves_of(sol: Shape, name: str) -> list[Curve | None]:
     return curves
 
 
-def _along(sol: Shape) -> Iterable[tuple[Array, ...]]:
+def _along(sol: ShapeArrays) -> Iterable[tuple[Array, ...]]:
     """beta, alpha and z/rho from the start, the swirl, and s/L, along each rod of a solution on the wall.
 
     At stations that are dense enough for its loads, where the shape is known there; else at those of the solution.

@@ -27,7 +27,7 @@ _LOAD_OF = {"z": "phi", "alpha": "lam"}
 
 
 @dataclass(frozen=True, eq=False)
-class Panel:
+class EnergyPanel:
     """The panel [0, 1].
 
     points, weights: of integrals, (q,). values, slopes: from its nodes to beta and its slope there, (q, d). products:
@@ -42,7 +42,7 @@ class Panel:
 
 
 @cache
-def panel() -> Panel:
+def panel() -> EnergyPanel:
     """The panel of all meshes."""
     chebyshev, unit = np.polynomial.chebyshev, np.eye(_DEGREE + 1)
     x, weights = np.polynomial.legendre.leggauss(_GAUSS)
@@ -50,17 +50,17 @@ def panel() -> Panel:
     values = chebyshev.chebvander(x, _DEGREE) @ series
     slopes = 2 * np.stack([chebyshev.chebval(x, chebyshev.chebder(row)) for row in unit], axis=1) @ series
     products = (values[:, :, None] * values[:, None]).reshape(_GAUSS, -1)
-    return Panel((x + 1) / 2, weights / 2, values, slopes, products)
+    return EnergyPanel((x + 1) / 2, weights / 2, values, slopes, products)
 
 
 @dataclass(frozen=True, eq=False)
-class Mesh:
+class EnergyMesh:
     """P panels between breaks that rise from 0 to 1, as shares of the length; beta is a polynomial on each."""
 
     breaks: Array
 
     @classmethod
-    def with_layers(cls, panels: int, layer: float) -> "Mesh":
+    def with_layers(cls, panels: int, layer: float) -> "EnergyMesh":
         """So many equal panels, and narrower ones beside both ends, where a layer is so wide."""
         breaks, edges = np.linspace(0, 1, panels + 1), list[float]()
         while layer < 0.7 * breaks[1]:
@@ -110,11 +110,11 @@ class Mesh:
             diagonal[:, : _DEGREE + 1 - i] = np.diagonal(blocks, -i, axis1=1, axis2=2)
         return out
 
-    def finer(self, beta: Array) -> "Mesh":
+    def finer(self, beta: Array) -> "EnergyMesh":
         """The mesh with each panel halved on which beta (n,) is rough; itself where there is none."""
         rough = np.abs((self.on_panels(beta) @ basis(_DEGREE + 1).analyse)[:, -2:]).max(axis=1) > _SMOOTH
         middles = (self.breaks[:-1] + self.breaks[1:]) / 2
-        return Mesh(np.sort(np.append(self.breaks, middles[rough]))) if rough.any() else self
+        return EnergyMesh(np.sort(np.append(self.breaks, middles[rough]))) if rough.any() else self
 
     def read(self, beta: Array, u: Array) -> Array:
         """beta at other shares of the length u (m,), from that at the nodes."""
@@ -145,7 +145,7 @@ class DiscreteEnergy:
     """
 
     given: Given
-    mesh: Mesh
+    mesh: EnergyMesh
     pace: float
 
     @cached_property

@@ -15,7 +15,7 @@ from ..branches.given_numbers import FREE, Given
 from ..numerics.arrays import Array
 from ..orbits.potential import TAU
 from .bordered_bands import Bordered, times
-from .discrete_energy import DiscreteEnergy, Mesh
+from .discrete_energy import DiscreteEnergy, EnergyMesh
 
 _PANELS, _LAYER = 6, 3.0  # panels at first; width of the first one beside an end, in that over which a layer decays
 _HALVINGS, _MOST_PANELS = 9, 64
@@ -32,7 +32,7 @@ _WILDEST = 1e50  # pace: the fourth power of a larger one is soon beyond the ran
 
 
 @dataclass(frozen=True, eq=False)
-class Minimum:
+class EnergyMinimum:
     """A shape of least energy between held ends, on a mesh.
 
     energy: held energy, in units of A/rho. beta: at the nodes (n,). reactions: to its constraints.
@@ -51,7 +51,7 @@ class Minimum:
         ends = {"beta0": float(self.beta[0]), "betaL": float(self.beta[-1])}
         return self.land.loads(self.beta, self.reactions) | ends
 
-    def is_same(self, other: "Minimum") -> bool:
+    def is_same(self, other: "EnergyMinimum") -> bool:
         """Whether another minimum on the mesh is this one."""
         apart = abs(self.energy - other.energy)
         return apart < _EQUAL * (1 + abs(self.energy)) and float(np.abs(self.beta - other.beta).max()) < _NEAR
@@ -72,7 +72,7 @@ def is_turned_round(given: Given, beta: Array) -> bool:
     return max(float(beta.max()) - max(ends), min(ends) - float(beta.min())) > np.pi / 2
 
 
-def energy_minima(given: Given, helices: Sequence[float] = ()) -> list[Minimum]:
+def energy_minima(given: Given, helices: Sequence[float] = ()) -> list[EnergyMinimum]:
     """The minima that are found. helices: angles of helices that have these ends, from which it is descended too.
 
     None are sought where the numbers would leave the range of floats.
@@ -81,16 +81,16 @@ def energy_minima(given: Given, helices: Sequence[float] = ()) -> list[Minimum]:
     steep = max(pace, taut)
     if not steep < _WILDEST:
         return []
-    mesh = Mesh.with_layers(_PANELS, _LAYER / (steep * given.span))
+    mesh = EnergyMesh.with_layers(_PANELS, _LAYER / (steep * given.span))
     land = DiscreteEnergy(given, mesh, max(pace, min(taut, _STEEPEST)))
     shapes = simple_shapes(given, mesh.nodes, steep) + [np.full(mesh.nodes.size, beta) for beta in helices]
-    minima = list[Minimum]()
+    minima = list[EnergyMinimum]()
     for shape in shapes:
         minima += [minimum for minimum in _descents(land, shape, _PUSHES) if not any(map(minimum.is_same, minima))]
     return minima
 
 
-def refinement(minimum: Minimum) -> Minimum | None:
+def refinement(minimum: EnergyMinimum) -> EnergyMinimum | None:
     """The minimum on a mesh that is fine enough for it; None where a finer mesh has none there."""
     for _ in range(_HALVINGS):
         land = minimum.land
@@ -107,7 +107,7 @@ def refinement(minimum: Minimum) -> Minimum | None:
     return None
 
 
-def _descents(land: DiscreteEnergy, shape: Array, pushes: int) -> Iterator[Minimum]:
+def _descents(land: DiscreteEnergy, shape: Array, pushes: int) -> Iterator[EnergyMinimum]:
     """The minima below a shape: one, or those on both sides of a saddle that the way meets."""
     beta = land.meet(land.shape(shape), 2 * _MEETING)
     for _ in range(_ROUNDS):
@@ -120,7 +120,7 @@ def _descents(land: DiscreteEnergy, shape: Array, pushes: int) -> Iterator[Minim
         step = curved.solve(-slopes.slope)
         size = float(np.abs(step).max())
         if is_valley and size < _CLOSE:
-            yield Minimum(land, energy, beta, slopes.reactions)
+            yield EnergyMinimum(land, energy, beta, slopes.reactions)
             return
         if not is_valley and size < _SADDLE:
             push = _PUSH * _downwards(land, curved)

@@ -10,7 +10,7 @@ from ..branches.given_numbers import FREE, Given, OrbitState, parts_of, values_o
 from ..branches.held_index import dead_index_of
 from ..nodes.answers import answer_ends, shape_path, why_unsolved
 from ..nodes.descent import index_at
-from ..nodes.growth import Path
+from ..nodes.growth import GrowthWay
 from ..nodes.hinged_states import shape_of
 from ..nodes.loaded_rod import LoadedRod, rods_of
 from ..nodes.newton import correct
@@ -109,7 +109,7 @@ def each_hinged(
         why = why_unsolved(rod, seeded=True)  # whether the ends are within reach is said below
         reached.append(f"failed: {why}" if why else _reach(problem.take(row), seed and seed.take(row), choose))
     paths = [
-        Path(None, why=end.removeprefix("failed: ")) if isinstance(end, str) else hinged_path(end.state, rod)
+        GrowthWay(None, why=end.removeprefix("failed: ")) if isinstance(end, str) else hinged_path(end.state, rod)
         for end, rod in zip(reached, rods, strict=True)
     ]
     solved, answer = answer_ends(case, t, tol, paths)
@@ -124,7 +124,7 @@ def each_hinged(
     return stood_in(solved, fit), replace(answer, begun=begun, selection=how, alternatives=find)
 
 
-def hinged_path(state: OrbitState, rod: LoadedRod) -> Path:
+def hinged_path(state: OrbitState, rod: LoadedRod) -> GrowthWay:
     """The shape of an equilibrium of a rod with a given end moment, as an answer."""
     guess = shape_of(state, rod)
     shape = correct(guess) or guess  # a shape that is not determined is as good as it is

@@ -25,7 +25,7 @@ from ..orbits.boundary import Boundary, Path, boundary_of, wrap
 from ..orbits.potential import TAU
 from ..problem.reduced import EndsProblem
 from .held_moves import across_fold, angles_along, carry, deflate, settle, within_a_turn
-from .held_sweep import Point, Ranges, ranges_of, starts_of, swept
+from .held_sweep import Ranges, SweepPoint, ranges_of, starts_of, swept
 from .hinge_scan import hinged_states
 
 MOST_PERIODS, TRIES = 8, 10  # of the rods from which the search begins; deflations without a new equilibrium
@@ -106,7 +106,7 @@ class HeldFound:
                 self.add(deflate(guess, self.given, self.known), FOLDED)
             first += 1
 
-    def deflate(self, points: list[Point], most: int) -> None:
+    def deflate(self, points: list[SweepPoint], most: int) -> None:
         """Add what deflation leads to, until so many tries in a row find none within the ranges."""
         seeds, rng, fruitless = [state for point in points for state in point.states], np.random.default_rng(_SEED), 0
         while seeds and fruitless < most:

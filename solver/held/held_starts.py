@@ -19,7 +19,7 @@ from ..numerics.arrays import Array
 from ..orbits.boundary import critical_points
 from ..orbits.path_orbits import orbit_of
 from ..orbits.potential import TAU
-from .energy_minima import Minimum
+from .energy_minima import EnergyMinimum
 from .held_moves import carry, settle
 from .held_sweep import dead_states
 
@@ -42,7 +42,7 @@ def outcome_of(found: Stopped) -> str:
     )
 
 
-def equilibrium_beside(minimum: Minimum, helices: list[OrbitState]) -> OrbitState | None:
+def equilibrium_beside(minimum: EnergyMinimum, helices: list[OrbitState]) -> OrbitState | None:
     """The equilibrium of a minimum on a mesh; None where none is found beside it.
 
     helices: those that have the held ends.

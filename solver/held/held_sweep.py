@@ -110,7 +110,7 @@ def _steps(low: float, high: float, count: int, root: float | None) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class Point:
+class SweepPoint:
     """The equilibria of one dead-load problem that are no helices.
 
     off: (K, k), what is held less the wanted values. slope: (K, k, k), its derivatives by the unknowns.
@@ -121,7 +121,7 @@ class Point:
     slope: Array
 
 
-def swept(given: Given, ranges: Ranges, most_periods: int) -> list[Point]:
+def swept(given: Given, ranges: Ranges, most_periods: int) -> list[SweepPoint]:
     """The equilibria at all points of the grid."""
     unknown = list(ranges.bounds)
     return [_point(problem_of(given, values), given, unknown, most_periods) for values in ranges.points()]
@@ -143,10 +143,10 @@ def dead_states(
     return [OrbitState(problem, path, rates.take(slice(i, i + 1))) for i, path in enumerate(paths)], rates
 
 
-def _point(problem: EndsProblem, given: Given, unknown: list[str], most_periods: int) -> Point:
+def _point(problem: EndsProblem, given: Given, unknown: list[str], most_periods: int) -> SweepPoint:
     dead, k = dead_states(problem, most_periods), len(unknown)
     if dead is None:
-        return Point([], np.empty((0, k)), np.empty((0, k, k)))
+        return SweepPoint([], np.empty((0, k)), np.empty((0, k, k)))
     states, rates = dead
     held = [i for i, name in enumerate(given.names) if name not in FREE]
     values = [values_of(*numbers, given) for numbers in zip(rates.values, rates.length.tolist(), strict=True)]
@@ -155,10 +155,10 @@ def _point(problem: EndsProblem, given: Given, unknown: list[str], most_periods:
     with np.errstate(invalid="ignore", over="ignore"):
         slope = rates.rows_of(given.names, given.ratio)[0][:, held] @ by_unknown
     fine = np.flatnonzero(np.isfinite(off).all(axis=1))
-    return Point([states[i] for i in fine], off[fine], slope[fine])
+    return SweepPoint([states[i] for i in fine], off[fine], slope[fine])
 
 
-def starts_of(points: list[Point], ranges: Ranges) -> list[list[OrbitState]]:
+def starts_of(points: list[SweepPoint], ranges: Ranges) -> list[list[OrbitState]]:
     """The starts, each with others that may lead to the same equilibrium, the best first."""
     if len(ranges.bounds) == 1:
         (axis,) = ranges.axes().values()
@@ -170,7 +170,7 @@ def starts_of(points: list[Point], ranges: Ranges) -> list[list[OrbitState]]:
     return _nearest(points, ranges)
 
 
-def _between(lower: Point, upper: Point, step: float) -> list[list[OrbitState]]:
+def _between(lower: SweepPoint, upper: SweepPoint, step: float) -> list[list[OrbitState]]:
     """Starts between two neighbouring values of one unknown."""
     starts, alone = list[list[OrbitState]](), list[tuple[float, OrbitState]]()
     first, second = _classes(lower), _classes(upper)
@@ -195,7 +195,7 @@ def _between(lower: Point, upper: Point, step: float) -> list[list[OrbitState]]:
     return starts
 
 
-def _classes(point: Point) -> dict[tuple[int, int], list[int]]:
+def _classes(point: SweepPoint) -> dict[tuple[int, int], list[int]]:
     """The equilibria on each path, in the order of their levels."""
     classes = defaultdict[tuple[int, int], list[int]](list)
     for i, state in enumerate(point.states):
@@ -225,7 +225,7 @@ def _returns(a: float, b: float, a_slope: float, b_slope: float) -> bool:
     return bool((cubic * a <= 0).any())
 
 
-def _nearest(points: list[Point], ranges: Ranges) -> list[list[OrbitState]]:
+def _nearest(points: list[SweepPoint], ranges: Ranges) -> list[list[OrbitState]]:
     step = np.array([float(np.ptp(axis)) / (axis.size - 1) for axis in ranges.axes().values()])
     ranked: list[tuple[float, OrbitState]] = []
     for point in points:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..numerics.arrays import Array, Integers
 from ..orbits.boundary import Path, path_of
-from ..orbits.level_search import Found, search_levels
+from ..orbits.level_search import FoundPaths, search_levels
 from ..orbits.path_orbits import NO_EQUILIBRIUM, equilibrium_trajectory, path_from_start
 from ..problem.errors import InputError
 from ..problem.reduced import EndsProblem
@@ -163,7 +163,7 @@ def none_of_index(choose: Choose, total: int, index: Array) -> str:
     return f"failed: none of the {total} equilibria found has index {choose}; their indices: {shown}"
 
 
-def _search(problem: EndsProblem, slope: float | None, choose: Choose) -> Found | None:
+def _search(problem: EndsProblem, slope: float | None, choose: Choose) -> FoundPaths | None:
     """The equilibria that the rule needs.
 
     A stable one has one turning point at most, one of index K at most K + 1, and that of lowest energy is stable.

@@ -19,9 +19,9 @@ from ..problem.trajectory import Trajectory, blank, verdicts
 from .branch import find_shape
 from .buckling import straight_shape
 from .constant_loads import dead_indices
-from .curve import Curve
+from .curve import NodeCurve
 from .descent import index_of_any, shape_like
-from .growth import STRAIGHT, Path
+from .growth import STRAIGHT, GrowthWay
 from .loaded_rod import (
     ALPHA,
     BETA,
@@ -156,7 +156,7 @@ def answer_ends(case: Case, t: Array, tol: float, seeds: Sequence[Any] | None = 
     )  # fmt: skip
 
 
-def curve_over(case: Case, known: Shape, name: str, low: float, high: float) -> tuple[Curve, Shape]:
+def curve_over(case: Case, known: Shape, name: str, low: float, high: float) -> tuple[NodeCurve, Shape]:
     """The curve of equilibria of a case over one field, from low to high, and a shape of it.
 
     Raises `InputError` where no rod is computed at an end of the range.
@@ -169,12 +169,12 @@ def curve_over(case: Case, known: Shape, name: str, low: float, high: float) -> 
     u, scale = densest_nodes((rod_at(low), rod, rod_at(high))), rod.scale
     if not case.varies:  # the loads alone do not say how the shape changes
         u, scale = max(u, known.t / known.t[-1], key=len), known.rod.scale
-    return Curve(rod_at, high - low, scale), shape_like(rod, known, u * rod.span)
+    return NodeCurve(rod_at, high - low, scale), shape_like(rod, known, u * rod.span)
 
 
-def shape_path(shape: Shape, index: int) -> Path:
+def shape_path(shape: Shape, index: int) -> GrowthWay:
     """A shape that is known, as a seed of `answer_ends`."""
-    return Path(shape, index, why="seed")
+    return GrowthWay(shape, index, why="seed")
 
 
 def why_too_rough(friction: float) -> str:
@@ -196,32 +196,32 @@ def why_unsolved(rod: LoadedRod, seeded: bool = False) -> str:
     return TOO_FINE.format(changes, MOST_CHANGES) if changes > MOST_CHANGES else ""
 
 
-def branch_of(rod: LoadedRod) -> Path:
+def branch_of(rod: LoadedRod) -> GrowthWay:
     """The shape of a rod without a seed."""
     why = why_unsolved(rod)
-    return Path(None, why=why) if why else find_shape(rod)
+    return GrowthWay(None, why=why) if why else find_shape(rod)
 
 
-def path_to(rod: LoadedRod, seed: Any) -> Path:
+def path_to(rod: LoadedRod, seed: Any) -> GrowthWay:
     """The shape of a rod that a seed, as of `answer_ends`, means."""
-    if isinstance(seed, Path):
+    if isinstance(seed, GrowthWay):
         return seed
     if why := why_unsolved(rod, seeded=True):
-        return Path(None, why=why)
+        return GrowthWay(None, why=why)
     if isinstance(seed, str):
         if not rod.straight:
-            return Path(None, why="the straight rod is no equilibrium of this case")
+            return GrowthWay(None, why="the straight rod is no equilibrium of this case")
         shape = straight_shape(rod, rod.nodes())
-        return Path(shape, index_of_any(shape))
+        return GrowthWay(shape, index_of_any(shape))
     if seed is None:
-        return Path(None, why="the seed has no shape")
+        return GrowthWay(None, why="the seed has no shape")
     corrected = correct(shape_like(rod, seed, rod.nodes()))
     if corrected is None:
-        return Path(None, why="Newton's method did not converge from the seed")
-    return Path(corrected, index_of_any(corrected), why="seed")
+        return GrowthWay(None, why="Newton's method did not converge from the seed")
+    return GrowthWay(corrected, index_of_any(corrected), why="seed")
 
 
-def failure(path: Path, size: float, friction: float) -> str:
+def failure(path: GrowthWay, size: float, friction: float) -> str:
     """Why a rod has no shape, and with which load or friction it has one. size: of forces."""
     said = f"failed: {path.why}"
     less = f"with friction {path.share * friction:.3g}, the most that the way from none reaches" if path.share else ""
@@ -272,7 +272,7 @@ def _tangential_force(y: Array) -> Array:
     return surface_forces(circumferential_force(1.0, y[:, Q] + mu, mu, 1.0, beta), y[:, PHI], beta)[1]
 
 
-def words_of(path: Path) -> str:
+def words_of(path: GrowthWay) -> str:
     """How a shape was reached, in words."""
     if path.shape is None:
         return ""

@@ -10,7 +10,7 @@ from ..numerics.roots import halve
 from ..problem.case import ALONG_ITSELF
 from .buckling import buckle, buckling_shares, lying_rod, straight_index, straight_shape
 from .descent import index_at
-from .growth import FRICTION, Path, grow
+from .growth import FRICTION, GrowthWay, grow
 from .loaded_rod import SHORT, LoadedRod
 from .local_waves import PASSED, QUIET, leans_and_buckles, lock_up_share, sinusoid, wants_helix, wound_shape
 from .newton import is_same
@@ -37,7 +37,7 @@ NEEDS_TORQUE = "a straight rod needs MZ = M3, or an azimuth in place of MZ"
 FINE = 2.0**-8  # of the range of a load: how closely it is enclosed
 
 
-def find_shape(rod: LoadedRod) -> Path:
+def find_shape(rod: LoadedRod) -> GrowthWay:
     """The equilibrium on the branch of the straight rod; where that branch ends, one that another way reaches.
 
     A rod that only its torque keeps from lying straight may wind up without end at its end; friction leaves no index
@@ -72,13 +72,13 @@ def helix_of(rod: LoadedRod) -> Shape | None:
     return shape
 
 
-def from_taut_rod(rod: LoadedRod) -> Path:
+def from_taut_rod(rod: LoadedRod) -> GrowthWay:
     """The shape of a rod that is taut without its weight, which then grows."""
     taut = taut_shape(rod.with_weight(0.0)) if rod.along or rod.across else None
-    return replace(grow(rod.with_weight, taut), begun=TAUT) if isinstance(taut, Shape) else Path(None)
+    return replace(grow(rod.with_weight, taut), begun=TAUT) if isinstance(taut, Shape) else GrowthWay(None)
 
 
-def from_neighbours(rod: LoadedRod, path: Path) -> Path:
+def from_neighbours(rod: LoadedRod, path: GrowthWay) -> GrowthWay:
     """The shape of the rod under a little less or more of its loads, carried back; path: that of the rod itself.
 
     Where the branch of the rod ends far from its loads those of its neighbours do too, and are not followed.
@@ -89,7 +89,7 @@ def from_neighbours(rod: LoadedRod, path: Path) -> Path:
             back = grow(partial(between_shares, rod, share), near.shape)
             if back.shape is not None:
                 return replace(back, begun=NEIGHBOUR.format(share))
-    return Path(None)
+    return GrowthWay(None)
 
 
 def between_shares(rod: LoadedRod, share: float, x: float) -> LoadedRod:
@@ -97,10 +97,10 @@ def between_shares(rod: LoadedRod, share: float, x: float) -> LoadedRod:
     return rod.share(share + (1 - share) * x)
 
 
-def from_tension(rod: LoadedRod) -> Path:
+def from_tension(rod: LoadedRod) -> GrowthWay:
     """The shape of a rod that more tension holds straight at first."""
     if "height" in rod.held:
-        return Path(None)
+        return GrowthWay(None)
     more = float(rod.rate(np.array([0.0, rod.span])).max()) ** 2 + max(0.0, rod.along * rod.span)
     pulled = branch_from_straight(rod.with_tension(rod.tension_known + more))
     if pulled.shape is None:
@@ -108,13 +108,13 @@ def from_tension(rod: LoadedRod) -> Path:
     return replace(grow(lambda x: rod.with_tension(rod.tension_known + more * (1 - x)), pulled.shape), begun=PULLED)
 
 
-def from_no_weight(rod: LoadedRod) -> Path:
+def from_no_weight(rod: LoadedRod) -> GrowthWay:
     """The shape of a rod whose weight grows at last."""
-    light = branch_from_straight(rod.with_weight(0.0)) if rod.along or rod.across else Path(None)
+    light = branch_from_straight(rod.with_weight(0.0)) if rod.along or rod.across else GrowthWay(None)
     return light if light.shape is None else replace(grow(rod.with_weight, light.shape), begun=LIGHT)
 
 
-def branch_from_straight(rod: LoadedRod) -> Path:
+def branch_from_straight(rod: LoadedRod) -> GrowthWay:
     """The equilibrium on the branch of the straight rod.
 
     A straight rod that is stable is the answer. Elsewhere the loads grow from 0, but for the weight across, which is
@@ -126,7 +126,7 @@ def branch_from_straight(rod: LoadedRod) -> Path:
         return branch_with_friction(rod)
     wound = helix_of(rod)
     if wound is not None:
-        return Path(wound, wound=True)
+        return GrowthWay(wound, wound=True)
     if "height" in rod.held:
         return branch_to_height(rod)
     t = rod.nodes()
@@ -134,12 +134,12 @@ def branch_from_straight(rod: LoadedRod) -> Path:
         return grow(rod.share, straight_shape(rod.share(0.0), t))
     shape = straight_shape(rod, t)
     if index_at(shape) == 0:
-        return Path(shape)
+        return GrowthWay(shape)
     critical = next(buckling_shares(rod, t))[0]
     buckled = buckle(rod, t, critical)
     if buckled is None:
         why = f"no stable equilibrium was found near {critical:.6g} of the loads, where the straight rod buckles"
-        return Path(None, buckled=critical, why=why)
+        return GrowthWay(None, buckled=critical, why=why)
     first, share = buckled
 
     def share_at(x: float) -> float:  # in the root of the distance from the buckling load the branch is smooth
@@ -150,7 +150,7 @@ def branch_from_straight(rod: LoadedRod) -> Path:
     return replace(path, buckled=critical, jumped=tuple(map(share_at, path.jumped)))
 
 
-def branch_with_friction(rod: LoadedRod) -> Path:
+def branch_with_friction(rod: LoadedRod) -> GrowthWay:
     """The equilibrium of a rod with friction.
 
     It is straight where that is stable, and near its taut shape where it has one. Elsewhere it is the sinusoid or the
@@ -160,22 +160,22 @@ def branch_with_friction(rod: LoadedRod) -> Path:
     locked = lock_up_share(rod)
     if locked is not None:
         limit = least_tension(rod, lambda pulled: lock_up_share(pulled) is not None)
-        return Path(None, why=LOCKED.format(locked, PASSED), barred=True, limit=limit)
+        return GrowthWay(None, why=LOCKED.format(locked, PASSED), barred=True, limit=limit)
     if rod.straight and not straight_index(rod):
-        return Path(straight_shape(rod, rod.nodes()))
+        return GrowthWay(straight_shape(rod, rod.nodes()))
     if not rod.straight and (taut := taut_shape(rod)) is not None:
-        return Path(None, why=taut, barred=True) if isinstance(taut, str) else Path(taut, begun=TAUT)
+        return GrowthWay(None, why=taut, barred=True) if isinstance(taut, str) else GrowthWay(taut, begun=TAUT)
     if (wound := helix_of(rod)) is not None:
-        return Path(wound, wound=True)
+        return GrowthWay(wound, wound=True)
     plain = rod.with_friction(0.0)
     alone = rod.straight and not straight_index(plain)
     if (bent := sinusoid(rod)) is not None:
-        return Path(bent, rubbed=alone)
+        return GrowthWay(bent, rubbed=alone)
     if rod.turning and (bent := sinusoid(rod.with_torque(0.0))) is not None:
         path = grow(rod.with_torque, bent)
         if path.shape is not None:
             return path
-    path = Path(None) if alone else grow_friction(rod, find_shape(plain))
+    path = GrowthWay(None) if alone else grow_friction(rod, find_shape(plain))
     if path.shape is not None and not (rod.straight and is_same(path.shape, straight_shape(rod, path.shape.t))):
         return path
     if not (rod.straight or leans_and_buckles(rod)):
@@ -186,10 +186,10 @@ def branch_with_friction(rod: LoadedRod) -> Path:
     why = RESTLESS.format("leaning" if rod.turning else "straight")
     why = f"{why}; {' or '.join(hints)} may have an answer" if hints else why
     is_at_fault = partial(leans_and_buckles, beyond=QUIET) if rod.turning else straight_index
-    return Path(None, why=why, barred=True, limit=least_tension(rod, is_at_fault), share=path.share or 0.0)
+    return GrowthWay(None, why=why, barred=True, limit=least_tension(rod, is_at_fault), share=path.share or 0.0)
 
 
-def grow_friction(rod: LoadedRod, plain: Path) -> Path:
+def grow_friction(rod: LoadedRod, plain: GrowthWay) -> GrowthWay:
     """What the shape without friction becomes while friction grows."""
     if plain.shape is None:
         return plain
@@ -203,7 +203,7 @@ def least_tension(rod: LoadedRod, is_at_fault: Callable[[LoadedRod], object]) ->
     return halve(lambda phi: not is_at_fault(rod.with_tension(phi)), low, high, (high - low) * FINE)[1]
 
 
-def branch_to_height(rod: LoadedRod) -> Path:
+def branch_to_height(rod: LoadedRod) -> GrowthWay:
     """The same where the height is held: it changes to the held one from that of a shape bent by an axial force.
 
     A straight rod does not answer a change of its height.
@@ -228,4 +228,4 @@ def branch_to_height(rod: LoadedRod) -> Path:
 
         grown = grow(at, Shape(at(0.0), path.shape.t, path.shape.y))
         return replace(grown, buckled=path.buckled, jumped=path.jumped + grown.jumped, begun=path.begun)
-    return Path(None, why=why)
+    return GrowthWay(None, why=why)

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..numerics.arrays import Array
 from ..numerics.roots import halve
-from .curve import SPLIT, Curve
+from .curve import SPLIT, NodeCurve
 from .descent import descend, index_at
 from .loaded_rod import LoadedRod
 from .varying_shapes import Shape
@@ -94,7 +94,7 @@ def buckle(rod: LoadedRod, t: Array, critical: float) -> tuple[Shape, float] | N
     """
     begin = straight_shape(rod.share(critical), t)
     modes = weakest_modes(begin, 2)
-    curve = Curve(rod.share, 1.0, begin.rod.scale)
+    curve = NodeCurve(rod.share, 1.0, begin.rod.scale)
     for amplitude, mode in product(AMPLITUDES, modes):
         point = next(curve.split_off(begin, mode, (amplitude,), critical), None)
         if point is None or point.p > 1:

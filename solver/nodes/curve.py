@@ -44,7 +44,7 @@ NARROW = 0.01  # of a step: how closely a branch point is enclosed, before it is
 
 
 @dataclass(frozen=True, eq=False)
-class Point:
+class CurvePoint:
     """A point of a curve, a `branches.branch_events.Point`. tangent: (8 N + 1,), of length 1 by `inner`."""
 
     shape: Shape
@@ -78,7 +78,7 @@ def unit(direction: Array) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class Curve:
+class NodeCurve:
     """rod_at: the rod at each x. size: the size of x. scale: (8,), that of the states.
 
     natural: of steps where x must rise, and all that is wanted is the equilibrium at its last value: points on the way
@@ -99,7 +99,7 @@ class Curve:
         """A change (N, 8) of the states and of x in their sizes, (8 N + 1,)."""
         return np.append((change / self.scale).reshape(-1), x / self.size)
 
-    def split_off(self, shape: Shape, mode: Array, sizes: Sequence[float], x: float) -> Iterator[Point]:
+    def split_off(self, shape: Shape, mode: Array, sizes: Sequence[float], x: float) -> Iterator[CurvePoint]:
         """The equilibria near x that differ from a shape by so much of a mode (N, 8): x is what follows."""
         across = unit(self.in_sizes(mode, 0.0))
         points = (self.correct(replace(shape, y=shape.y + size * mode), x, across) for size in sizes)
@@ -114,10 +114,10 @@ class Curve:
         above, below = (left_open(side, side.y[1:]) if alone else open_at(side) for side in sides)
         return np.asarray((above - below) / (2 * DIFFERENCE))
 
-    def correct(self, guess: Shape, x: float, across: Array, most: int = 12) -> Point | None:
+    def correct(self, guess: Shape, x: float, across: Array, most: int = 12) -> CurvePoint | None:
         """The point of the curve in the plane through a guess with the normal `across` (8 N + 1,); None without one."""
 
-        def step(now: Point) -> tuple[Point, float] | str:
+        def step(now: CurvePoint) -> tuple[CurvePoint, float] | str:
             shape = now.shape
             linear = linear_at(shape)
             right = np.stack([linear.open, self.rate(shape, now.p)], axis=1)
@@ -134,22 +134,24 @@ class Curve:
             share = share_within(change)
             at = now.p - share * whole[-1] * self.size
             ahead = self.shape(guess, shape.y - share * change * self.scale, at)
-            return Point(replace(ahead, steps=shape.steps + 1), float(at), by_x), max(size_of(change), abs(whole[-1]))
+            return CurvePoint(replace(ahead, steps=shape.steps + 1), float(at), by_x), max(
+                size_of(change), abs(whole[-1])
+            )
 
-        corrected = newton(Point(self.shape(guess, guess.y, x), x, across), step, replace(ENDING, rounds=most))
+        corrected = newton(CurvePoint(self.shape(guess, guess.y, x), x, across), step, replace(ENDING, rounds=most))
         if isinstance(corrected, str):
             return None
         solved, tangent = corrected.shape, unit(corrected.tangent)
         solved = replace(solved, y=with_known_loads(solved.rod, solved.t, solved.y))
-        return Point(solved, corrected.p, tangent if inner(tangent, across) >= 0 else -tangent)
+        return CurvePoint(solved, corrected.p, tangent if inner(tangent, across) >= 0 else -tangent)
 
-    def begin(self, shape: Shape, x: float) -> Point | None:
+    def begin(self, shape: Shape, x: float) -> CurvePoint | None:
         """The equilibrium at x near a shape; None where Newton's method reaches none."""
         level = np.zeros(shape.y.size + 1)
         level[-1] = 1
         return self.correct(shape, x, level)
 
-    def ahead(self, before: Point, step: float) -> Point | None:
+    def ahead(self, before: CurvePoint, step: float) -> CurvePoint | None:
         """The point after a step; None where the step is too long."""
         shape, change = before.shape, step * before.tangent
         guess = replace(shape, y=shape.y + change[:-1].reshape(shape.y.shape) * self.scale)
@@ -162,24 +164,26 @@ class Curve:
         off = self.in_sizes(point.shape.y - guess.y, point.p - x)
         return None if inner(off, off) > (OFF * step) ** 2 else point
 
-    def rough_point(self, before: Point, guess: Shape, x: float) -> Point | None:
+    def rough_point(self, before: CurvePoint, guess: Shape, x: float) -> CurvePoint | None:
         """The point near a guess at x, in the direction from the one before, with dx = 1; None where it may be on
         another branch."""
         shape = correct(replace(guess, rod=self.rod_at(x)), most=10, enough=LOOSE)
         if shape is None or not is_near(before.shape, shape):
             return None
         change = self.in_sizes(shape.y - before.shape.y, x - before.p)
-        point = Point(shape, x, change / change[-1])
+        point = CurvePoint(shape, x, change / change[-1])
         return None if point.index > before.index else point
 
-    def between(self, one: Point, other: Point, x: float) -> Place | None:
+    def between(self, one: CurvePoint, other: CurvePoint, x: float) -> Place | None:
         """The equilibrium at x between two neighbours."""
         share = (x - one.p) / (other.p - one.p)
         point = self.begin(replace(one.shape, y=one.shape.y + share * (other.shape.y - one.shape.y)), x)
         return None if point is None else point.record()
 
 
-def special_between(curve: Curve, before: Point, after: Point, step: float) -> list[tuple[Point, str]] | None:
+def special_between(
+    curve: NodeCurve, before: CurvePoint, after: CurvePoint, step: float
+) -> list[tuple[CurvePoint, str]] | None:
     """The special point within a step after which the index or the sense of x differs, and its kind; None where it is
     not enclosed.
 
@@ -200,7 +204,7 @@ def special_between(curve: Curve, before: Point, after: Point, step: float) -> l
     return [(branch_point_between(curve, low, high) or high, BRANCH_POINT)]
 
 
-def branch_point_between(curve: Curve, low: Point, high: Point) -> Point | None:
+def branch_point_between(curve: NodeCurve, low: CurvePoint, high: CurvePoint) -> CurvePoint | None:
     """The point between two close ones at which the rod gives way along a mode that the symmetry of the branch keeps it
     from; None where no symmetry does."""
     mode, apart = weakest_modes(low.shape)[0], high.shape.y - low.shape.y
@@ -218,12 +222,12 @@ def branch_point_between(curve: Curve, low: Point, high: Point) -> Point | None:
         return None
     x, held = crossing
     flat = FLAT * abs(last[1].stiffness - first[1].stiffness)  # its sign changes where it is infinite, too
-    return Point(held.shape, x, low.tangent) if abs(held.stiffness) < flat and abs(held.force) < BALANCED else None
+    return CurvePoint(held.shape, x, low.tangent) if abs(held.stiffness) < flat and abs(held.force) < BALANCED else None
 
 
 def trace_shapes(
-    curve: Curve,
-    first: Point,
+    curve: NodeCurve,
+    first: CurvePoint,
     rises: bool,
     bounds: Bounds,
     lengths: Lengths = LENGTHS,
@@ -241,7 +245,7 @@ def trace_shapes(
             return FOLD
         return CLOSED if place.p == bounds.snap(first.p) and is_same(place.path, first.shape) else ""
 
-    def stride(before: Point, step: float, _: list[Place]) -> Stride[Place, Point] | str:
+    def stride(before: CurvePoint, step: float, _: list[Place]) -> Stride[Place, CurvePoint] | str:
         step = min(step, (bounds.high - before.p) / curve.size) if curve.natural else step
         after = curve.ahead(before, step)
         if after is None or (abs(after.index - before.index) > 1 and step > SHORT):  # several branch points
@@ -260,7 +264,9 @@ def trace_shapes(
     return places, Stop(why or bounds.limit, places[-1].p if places else first.p)
 
 
-def shapes_through(curve: Curve, shape: Shape, x: float, bounds: Bounds) -> tuple[list[Place], int, Stop, Stop] | str:
+def shapes_through(
+    curve: NodeCurve, shape: Shape, x: float, bounds: Bounds
+) -> tuple[list[Place], int, Stop, Stop] | str:
     """The equilibria of the branch of a shape at x, the place of its own, and why there are no more at either end; or
     why it cannot be followed."""
     first = curve.begin(shape, x)

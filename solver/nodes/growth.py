@@ -8,7 +8,7 @@ import numpy as np
 from ..branches.branch_events import Bounds
 from ..numerics.arclength import END, Lengths
 from .buckling import AHEAD
-from .curve import Curve, Point, trace_shapes
+from .curve import CurvePoint, NodeCurve, trace_shapes
 from .descent import descend, index_of_any, is_near
 from .loaded_rod import LoadedRod
 from .local_waves import sinusoid
@@ -24,7 +24,7 @@ STRAIGHT = "the straight rod"
 
 
 @dataclass(frozen=True, eq=False)
-class Path:
+class GrowthWay:
     """How a shape was reached.
 
     shape: None if none was. index: its Morse index; 0 with friction, which has none. buckled: the share of the loads at
@@ -50,16 +50,16 @@ class Path:
     share: float | None = None
 
 
-def grow(rod_at: Callable[[float], LoadedRod], shape: Shape, share: float = 0.0, target: str = LOADS) -> Path:
+def grow(rod_at: Callable[[float], LoadedRod], shape: Shape, share: float = 0.0, target: str = LOADS) -> GrowthWay:
     """The equilibrium reached from one at a share of something while the share grows to 1; a stable one stays stable.
 
     rod_at: the rod at each share. target: what is whole at 1.
     """
     whole, jumped = rod_at(1.0), list[float]()
     lengths = replace(LENGTHS, least=LEAST_RUBBED) if whole.rubbed else LENGTHS
-    curve = Curve(rod_at, 1.0, whole.scale, lengths)
+    curve = NodeCurve(rod_at, 1.0, whole.scale, lengths)
     while share < 1:
-        begun = Point(shape, share, np.append(np.zeros(shape.y.size), 1.0))
+        begun = CurvePoint(shape, share, np.append(np.zeros(shape.y.size), 1.0))
         places, stop = trace_shapes(curve, begun, True, Bounds(share, 1.0, (), MOST_POINTS))
         if places:
             share, shape = places[-1].p, places[-1].path
@@ -69,14 +69,14 @@ def grow(rod_at: Callable[[float], LoadedRod], shape: Shape, share: float = 0.0,
         if below is None:
             why = f"the branch ends at {share:.3g} of the way to {target}"
             known = share if target == FRICTION else None
-            return Path(None, jumped=tuple(jumped), why=why, ended=share, share=known)
+            return GrowthWay(None, jumped=tuple(jumped), why=why, ended=share, share=known)
         jumped.append(share)
         share, shape = below
     final = correct(replace(shape, rod=whole))
     if final is None or not is_near(shape, final):
         why = f"Newton's method did not converge at the end of the way to {target}"
-        return Path(None, jumped=tuple(jumped), why=why, ended=1.0)
-    return Path(final, index_of_any(final), jumped=tuple(jumped))
+        return GrowthWay(None, jumped=tuple(jumped), why=why, ended=1.0)
+    return GrowthWay(final, index_of_any(final), jumped=tuple(jumped))
 
 
 def stable_shape_ahead(rod_at: Callable[[float], LoadedRod], shape: Shape, share: float) -> tuple[float, Shape] | None:

@@ -24,7 +24,7 @@ from ..orbits.path_orbits import orbit_of
 from ..orbits.potential import TAU, Loads, potential
 from ..problem.reduced import EndsProblem
 from .constant_loads import NUMBER_OF_HELD, end_numbers, shape_of_orbit
-from .curve import UNSOLVED, Curve, inner, trace_shapes
+from .curve import UNSOLVED, NodeCurve, inner, trace_shapes
 from .descent import index_at, shape_like
 from .loaded_rod import ALPHA, BETA, MU, PHI, ROUND, SHORT, SPEED, LoadedRod, Q
 from .newton import DEEP, correct, largest_turn, linear_at, open_at, size_of
@@ -120,7 +120,7 @@ def carry_hinged(state: OrbitState, wanted: Given, most: int = MOST) -> HingedSt
     return Stopped(stop.p, FOLD if stop.reason == arclength.FOLD else stop.reason)
 
 
-def line_from(state: OrbitState, wanted: Given) -> tuple[Curve, Shape]:
+def line_from(state: OrbitState, wanted: Given) -> tuple[NodeCurve, Shape]:
     """The equilibria on the line from the numbers of a state, at 0, to the wanted ones, at 1; and its shape."""
     target = rod_of(wanted)
     shape = shape_of(state, target)
@@ -133,7 +133,7 @@ def line_from(state: OrbitState, wanted: Given) -> tuple[Curve, Shape]:
         )
         return target if x == 1 else replace(first, span=span, near=near, far=far)
 
-    return Curve(rod_at, 1.0, shape.rod.scale), shape_like(first.in_scales(shape.rod.scale), shape, u * first.span)
+    return NodeCurve(rod_at, 1.0, shape.rod.scale), shape_like(first.in_scales(shape.rod.scale), shape, u * first.span)
 
 
 def with_own_ends(shape: Shape) -> LoadedRod:
@@ -259,7 +259,7 @@ def is_nearer_across_fold(seed: OrbitState, found: OrbitState, wanted: Given) ->
     return any(place.p == 1 and _apart(curve, place.path, point.shape) < far for place in places)
 
 
-def _apart(curve: Curve, one: Shape, other: Shape) -> float:
+def _apart(curve: NodeCurve, one: Shape, other: Shape) -> float:
     """The mean difference of the angles of two shapes, in their sizes."""
     change = curve.in_sizes(one.y - other.y, 0.0)
     return float(np.sqrt(inner(change, change)))

@@ -43,7 +43,7 @@ TURNS = 2.0  # least, of a helix
 BLUR = 1.0  # of x: from where a helix becomes a sinusoid
 
 
-class Row(NamedTuple):
+class WaveRow(NamedTuple):
     """Of the sinusoid at F: its wave number, what its energy and its push say, as smooth functions of F.
 
     size, third: a/(F - 2)^(1/2) and a3/a^3 of the first and third harmonics a, a3. stiffness: d2e/dk2/(F - 2). push:
@@ -60,7 +60,7 @@ class Row(NamedTuple):
     axis: float
 
 
-def row(over: float, sizes: Array, k: float) -> tuple[Row, Array]:
+def row(over: float, sizes: Array, k: float) -> tuple[WaveRow, Array]:
     """The sinusoid at F - 2, and the sizes (3,) of its harmonics, from those and a wave number near it."""
     F, n = 2 + over, HARMONICS
     waves = np.stack([np.sin(n * PHASES), n * np.cos(n * PHASES), -n * n * np.sin(n * PHASES)])
@@ -83,10 +83,10 @@ def row(over: float, sizes: Array, k: float) -> tuple[Row, Array]:
     P += F * square
     by_square, by_means = np.mean(P * square) / (2 * k), np.mean(P) * np.mean(square) / (2 * k)
     scaled = sizes[0] / np.sqrt(over), sizes[1] / sizes[0] ** 3, stiffness / over
-    return Row(k, *scaled, P.mean(), (by_square + by_means) / over, (by_means - by_square) / over**2), sizes
+    return WaveRow(k, *scaled, P.mean(), (by_square + by_means) / over, (by_means - by_square) / over**2), sizes
 
 
-def rows() -> list[Row]:
+def rows() -> list[WaveRow]:
     """Those of the table."""
     k, sizes, table, last = 1.0, np.sqrt([8 / 11, 0.0, 0.0]), [], 1.0
     for over in OVER:

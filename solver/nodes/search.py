@@ -13,7 +13,7 @@ from ..numerics.arrays import Array, Booleans
 from ..numerics.roots import lead_away
 from .branch import branch_from_straight
 from .buckling import buckling_shares, straight_shape
-from .curve import MOST_POINTS, SPLIT, Curve, trace_shapes
+from .curve import MOST_POINTS, SPLIT, NodeCurve, trace_shapes
 from .descent import index_at, on_nodes
 from .loaded_rod import ALPHA, BETA, SHORT, SPEED, LoadedRod, Q
 from .newton import (
@@ -48,7 +48,7 @@ WEIGHT, BUCKLED = "growth of the weight", "a buckling load of the straight rod"
 
 
 @dataclass(frozen=True, eq=False)
-class Found:
+class FoundShapes:
     """shapes: different ones. index, how: of each. scanned: ranges of the scan in units of rho, None without one."""
 
     shapes: list[Shape]
@@ -65,14 +65,14 @@ class Found:
         self.how.append(how)
 
 
-def scan_one_unknown(rod: LoadedRod) -> tuple[Found, bool]:
+def scan_one_unknown(rod: LoadedRod) -> tuple[FoundShapes, bool]:
     """The equilibria of a vertical rod by a scan of the one number of its start, and whether they are all.
 
     They are where the scan resolves the far end, each of its starts leads to another shape, and (-1)^index adds up to
     1, or between two hinges, where the starts lie on a circle, to 0.
     """
     t = rod.nodes()
-    result = Found([], [], [], None)
+    result = FoundShapes([], [], [], None)
     if rod.straight:
         result.add(straight_shape(rod, t), STRAIGHT)
     begin, resolved = every_start(rod)
@@ -82,14 +82,14 @@ def scan_one_unknown(rod: LoadedRod) -> tuple[Found, bool]:
     return result, resolved and len(result.shapes) == len(begin) and degree == (0 if rod.turns_freely else 1)
 
 
-def search_shapes(rod: LoadedRod, light: Sequence[Any] = (), known: Found | None = None) -> Found:
+def search_shapes(rod: LoadedRod, light: Sequence[Any] = (), known: FoundShapes | None = None) -> FoundShapes:
     """The equilibria found from the straight rod, from those without weight, by a scan and by deflation.
 
     light: solutions of the rod without weight. known: what is found already. A long rod is not scanned.
     """
     t = rod.nodes()
     scanned = ranges(rod) if rod.span <= LONGEST and known is None else None
-    result = Found([], [], [], scanned) if known is None else known
+    result = FoundShapes([], [], [], scanned) if known is None else known
     if rod.straight:
         result.add(straight_shape(rod, t), STRAIGHT)
     begun = branch_from_straight(rod)
@@ -109,7 +109,7 @@ def search_shapes(rod: LoadedRod, light: Sequence[Any] = (), known: Found | None
 
 def shapes_from_no_weight(rod: LoadedRod, t: Array, light: Sequence[Any]) -> Iterator[Shape]:
     """The shapes at the weight of a rod on the branches of its equilibria without weight, at nodes t."""
-    curve = Curve(rod.with_weight, 1.0, rod.scale)
+    curve = NodeCurve(rod.with_weight, 1.0, rod.scale)
     seen: list[Shape] = []  # other ends of branches that come back to no weight
     for solution in light:
         first = curve.begin(light_shape(rod, t, solution), 0.0)
@@ -136,7 +136,7 @@ def buckling_shapes(rod: LoadedRod, t: Array) -> Iterator[Shape]:
     if not rod.straight:
         return
     straight = straight_shape(rod, t)
-    curve = Curve(rod.share, 1.0, rod.scale)
+    curve = NodeCurve(rod.share, 1.0, rod.scale)
     for share, count in islice(buckling_shares(rod, t), MOST_MODES):
         at_load = straight_shape(rod.share(share), t)
         for mode in weakest_modes(at_load, count):

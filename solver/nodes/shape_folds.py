@@ -17,8 +17,8 @@ import numpy as np
 from ..branches.special_line import (
     CROSSING,
     Ahead,
+    LinePoint,
     SpecialLine,
-    SpecialPoint,
     Tracing,
     change_within,
     cusps_between,
@@ -29,7 +29,7 @@ from ..branches.special_line import (
 from ..branches.whole_curve import WholeCurve, whole_curve
 from ..numerics.arclength import PITCHFORK, Lengths, Node, node_at
 from ..numerics.arrays import Array
-from .curve import SPLIT, Curve, Point, unit
+from .curve import SPLIT, CurvePoint, NodeCurve, unit
 from .descent import index_at
 from .loaded_rod import ALPHA, SPEED, LoadedRod
 from .newton import marks_of
@@ -46,16 +46,16 @@ NEAR = 3  # weakest modes: where another such curve crosses, that of this one is
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class ShapePoint(SpecialPoint):
+class ShapePoint(LinePoint):
     """A fold or pitchfork. shape: the equilibrium there."""
 
     rod_at: RodAt
     shape: Shape
     nudge = STEP
 
-    def line(self, z: Array, across: Array) -> Curve:
+    def line(self, z: Array, across: Array) -> NodeCurve:
         """The equilibria along a line through z."""
-        return Curve(lambda n: self.rod_at(z + n * across), 1.0, self.shape.rod.scale)
+        return NodeCurve(lambda n: self.rod_at(z + n * across), 1.0, self.shape.rod.scale)
 
     @property
     def slope(self) -> float:
@@ -64,7 +64,7 @@ class ShapePoint(SpecialPoint):
 
     @property
     def mark(self) -> Array:
-        """As of `SpecialPoint`."""
+        """As of `LinePoint`."""
         return marks_of(self.shape)
 
 
@@ -78,7 +78,7 @@ class FoldPoint(ShapePoint):
     across: Array
     tangent: Array
 
-    def at(self, w: Array) -> Point | None:
+    def at(self, w: Array) -> CurvePoint | None:
         """The equilibrium at a on the branch over n through z; None where there is none."""
         shape = self.shape
         change = w[0] * self.tangent[:-1].reshape(shape.y.shape) * shape.rod.scale
@@ -90,7 +90,7 @@ class FoldPoint(ShapePoint):
         return None if point is None else np.array([point.p, point.rises])
 
     def after(self, node: Node) -> "Ahead[FoldPoint] | None":
-        """As of `SpecialPoint`; a is counted from there on."""
+        """As of `LinePoint`; a is counted from there on."""
         point = self.at(node.w)
         if point is None:
             return None
@@ -98,7 +98,7 @@ class FoldPoint(ShapePoint):
         tangent = np.append(point.tangent[:-1], 0.0)
         fold = replace(self, w=np.append(0.0, node.w[1:]), across=across, shape=point.shape, tangent=tangent)
         following = node_at(fold, fold.w, node.tangent)
-        return None if isinstance(following, str) else SpecialPoint.after(fold, following)
+        return None if isinstance(following, str) else LinePoint.after(fold, following)
 
     @property
     def lower(self) -> int:
@@ -110,7 +110,7 @@ class FoldPoint(ShapePoint):
 def fold_through(rod_at: RodAt, z: Array, axis: int, shapes: list[Shape]) -> WholeCurve:
     """The curve of the fold at z of a branch along number `axis`, from the shapes before, at and after it."""
     (before, shape, after), (across, way) = shapes, np.eye(2)[[axis, 1 - axis]]
-    tangent = unit(Curve(lambda n: shape.rod, 1.0, shape.rod.scale).in_sizes(after.y - before.y, 0.0))
+    tangent = unit(NodeCurve(lambda n: shape.rod, 1.0, shape.rod.scale).in_sizes(after.y - before.y, 0.0))
     w = np.append(0.0, z)
     guess = FoldPoint(w=w, way=way, rod_at=rod_at, across=across, shape=shape, tangent=tangent)
     first = point_at(guess, w, np.append(0.0, way)) or guess
@@ -132,7 +132,7 @@ class PitchforkPoint(ShapePoint):
 
     @property
     def lower(self) -> int:
-        """As of `SpecialPoint`."""
+        """As of `LinePoint`."""
         return self.index
 
     def held_at(self, z: Array) -> Held | None:
@@ -145,7 +145,7 @@ class PitchforkPoint(ShapePoint):
         return None if held is None else np.array([held.stiffness])
 
     def after(self, node: Node) -> "Ahead[PitchforkPoint] | None":
-        """As of `SpecialPoint`, with its index and its mode."""
+        """As of `LinePoint`, with its index and its mode."""
         across = node.jacobian[0] / np.linalg.norm(node.jacobian[0])
         sides = [self.held_at(node.w + sign * NEAR_IT * across) for sign in (-1, 1)]
         shapes = [side.shape for side in sides if side is not None]

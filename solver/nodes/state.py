@@ -16,7 +16,7 @@ SLIGHT = 1e-6  # of the largest push along the rod: a smaller one is none
 LEAVES, RUBS = "leaves its branch", "buckles where friction"  # what a rod does on its way from the straight one
 
 
-class State(NamedTuple):
+class StretchState(NamedTuple):
     """A stretch of a rod in one state, from one s to another [length]. turned: the azimuth that a bend goes."""
 
     word: str
@@ -42,7 +42,7 @@ def axial_force_along(wall: Cylinder, weight: float, FZ: float, s: Array, beta: 
     return np.asarray(FZ + added - added[-1])
 
 
-def states(s: Array, beta: Array, alpha: Array, drawn: Booleans | None = None) -> tuple[State, ...]:
+def states(s: Array, beta: Array, alpha: Array, drawn: Booleans | None = None) -> tuple[StretchState, ...]:
     """The states along a rod, from its values at places s (n,), dense enough to show each change of sign of beta.
 
     Between two changes of sign the azimuth goes one way. There the rod is helical if it goes once round or more, or if
@@ -60,17 +60,21 @@ def states(s: Array, beta: Array, alpha: Array, drawn: Booleans | None = None) -
     crossings = aside[1:][sign[1:] != sign[:-1]]  # beta is 0 there, whatever it is at the next station
     cuts = [0, *crossings, s.size - 1]
     pieces = [piece for part in pairwise(cuts) for piece in _without_drawn(*part, alpha, drawn)]
-    parts: list[State] = []
+    parts: list[StretchState] = []
     bent = [False, *(turned >= BENT for *_, turned in pieces), False]
     for (first, last, turned), *around in zip(pieces, bent, bent[2:], strict=False):
         way, size = np.abs(alpha[first : last + 1] - alpha[first]), np.abs(beta[first : last + 1])
         wound = (size[[0, -1]] > size.max() / 2) & ~np.isin([first, last], crossings)
         if turned < BENT or (turned < TURN and not wound.all()):
-            parts.append(State(STRAIGHT if turned < BENT else SINUSOIDAL, s[first], s[last], turned))
+            parts.append(StretchState(STRAIGHT if turned < BENT else SINUSOIDAL, s[first], s[last], turned))
             continue
         leaves = s[first if around[0] or wound[0] else first + int(np.searchsorted(way, BENT))]
         arrives = s[last if around[1] or wound[1] else first + int(np.searchsorted(way, turned - BENT))]
-        parts += [State(STRAIGHT, s[first], leaves), State(HELICAL, leaves, arrives), State(STRAIGHT, arrives, s[last])]
+        parts += [
+            StretchState(STRAIGHT, s[first], leaves),
+            StretchState(HELICAL, leaves, arrives),
+            StretchState(STRAIGHT, arrives, s[last]),
+        ]
     parts = [part for part in parts if part.end > part.begin]
     return tuple(_join(_without_end_turns(_without_end_turns(parts)[::-1])[::-1]))
 
@@ -88,7 +92,7 @@ def _without_drawn(first: int, last: int, alpha: Array, drawn: Booleans | None) 
     return [(a, b, 0.0 if drawn[a] else float(abs(alpha[b] - alpha[a]))) for a, b in pairwise(cuts) if b > a]
 
 
-def _without_end_turns(found: list[State]) -> list[State]:
+def _without_end_turns(found: list[StretchState]) -> list[StretchState]:
     """The stretches, whose first bends are straight if they die away and straight ones follow.
 
     A straight stretch at the end itself that is shorter than the bend after it is a part of the turn.
@@ -103,9 +107,9 @@ def _without_end_turns(found: list[State]) -> list[State]:
     return [part._replace(word=STRAIGHT) for part in found[:bends]] + found[bends:]
 
 
-def _join(found: list[State]) -> list[State]:
+def _join(found: list[StretchState]) -> list[StretchState]:
     """Neighbours of the same state as one, but for helices; a short straight piece next to bends joins them."""
-    kept: list[State] = []
+    kept: list[StretchState] = []
     longest = max((part.end - part.begin for part in found if part.word == SINUSOIDAL), default=0.0)
     for i, part in enumerate(found):
         word, around = part.word, [other.word for other in found[max(0, i - 1) : i + 2] if other is not part]
@@ -113,13 +117,13 @@ def _join(found: list[State]) -> list[State]:
             room = longest if len(around) == 2 else longest / 4 * (around == [SINUSOIDAL])
             word = around[0] if part.end - part.begin < room else word
         if kept and kept[-1].word == word != HELICAL:
-            kept[-1] = State(word, kept[-1].begin, float(part.end))
+            kept[-1] = StretchState(word, kept[-1].begin, float(part.end))
         else:
-            kept.append(State(word, float(part.begin), float(part.end)))
+            kept.append(StretchState(word, float(part.begin), float(part.end)))
     return kept
 
 
-def in_words(parts: tuple[State, ...], unit: str = "") -> str:
+def in_words(parts: tuple[StretchState, ...], unit: str = "") -> str:
     """``straight from 0 to 12 m, sinusoidal to 288 m, straight to 300 m``."""
     unit = unit and f" {unit}"
     parts = tuple(part for part in parts if f"{part.begin:.4g}" != f"{part.end:.4g}")

@@ -14,7 +14,7 @@ from ..orbits.potential import Loads, slope
 from ..orbits.statics import circumferential_force, contact_force, curvature, surface_forces
 from ..problem.case import IN_PLACE
 from .loaded_rod import ALPHA, BETA, MU, PHI, SPEED, LoadedRod, Q
-from .state import State, is_drawn, states
+from .state import StretchState, is_drawn, states
 
 DENSE = 17  # places on a stretch, at which the states along a rod are judged
 GAUSS = 12  # places on a stretch, for integrals of products of states
@@ -96,7 +96,7 @@ class Shape:
 
         return float(largest_between(strain, self.dense[0])[0][0])
 
-    def states(self, rho: float) -> tuple[State, ...]:
+    def states(self, rho: float) -> tuple[StretchState, ...]:
         """The states along the rod, with s in the unit of rho."""
         t, y = self.dense
         return states(t * rho, y[:, BETA], y[:, ALPHA], is_drawn(y[:, PHI], self.pushes(y)))

@@ -14,10 +14,10 @@ import numpy as np
 from ..core.measures import densities
 from ..nodes.loaded_rod import MU
 from ..numerics.arrays import Array, Booleans
-from ..orbits.shape import Shape
+from ..orbits.shape import ShapeArrays
 from ..orbits.statics import circumferential_force, curvature, surface_forces
 from ..problem.reduced import EndsProblem, flat
-from .measurement import Reading
+from .measurement import MeasuredNumbers
 from .observables import error_name, observe
 
 QUARTER = 0.25  # of the length at each end: a rod without push only there lifts off at its ends
@@ -25,19 +25,19 @@ ALLOWED = 1e-9  # of the length: a shorter stretch without push is rounding
 PLACES, FINER = 256, 64  # at which the push is computed in a quarter, and between two of these places
 
 
-def only_at_ends(sol: Shape) -> Booleans:
+def only_at_ends(sol: ShapeArrays) -> Booleans:
     """Whether the cylinder pushes all along the middle half of each computed shape, (B,).
 
     The error of the shares is left out: it is as large as the tolerance of the solution lets it be, and would excuse
     stretches without push.
     """
-    read = Reading(sol)
+    read = MeasuredNumbers(sol)
     first, last = (read.over("share", until)[0] for until in (QUARTER, 1 - QUARTER))
     pressed: Booleans = 1 - 2 * QUARTER - (last - first) / read.length <= ALLOWED
     return pressed
 
 
-def distance_from_ends(sol: Shape, cases: Array) -> Array:
+def distance_from_ends(sol: ShapeArrays, cases: Array) -> Array:
     """The largest distance from the nearer end at which the cylinder does not push, as a share of the length.
 
     Parameters
@@ -65,7 +65,7 @@ def distance_from_ends(sol: Shape, cases: Array) -> Array:
     return share
 
 
-def _last_without_push(sol: Shape, cases: Array, places: Array, far: bool) -> Array:
+def _last_without_push(sol: ShapeArrays, cases: Array, places: Array, far: bool) -> Array:
     """The number of the last of places (k, m), shares of the length, without push, (k,); -1 where there is none.
 
     far: the places are counted from the far end.
@@ -76,7 +76,7 @@ def _last_without_push(sol: Shape, cases: Array, places: Array, far: bool) -> Ar
     return np.where(free.any(axis=1), m - 1 - np.argmax(free[:, ::-1], axis=1), -1)
 
 
-def push_at(sol: Shape, cases: Array, t: Array) -> Array:
+def push_at(sol: ShapeArrays, cases: Array, t: Array) -> Array:
     """The push at places t (k, m), in units of rho, of some cases (k,), in units of A/rho^3; between stations, where
     the method knows no orbit, linear in t."""
     if sol.trajectory.orbit is None:
@@ -100,7 +100,7 @@ LINEAR = 0.01  # strain up to which most materials are linear, where the unit of
 JUDGED = ("kappa_max", MEETS, "push_min", "push_max", "attached", "height")  # the observables that a caution is made of
 
 
-def of_cases(sol: Shape, observed: Mapping[str, Any] | None = None, unit: str = "", linear: Any = LINEAR) -> Any:
+def of_cases(sol: ShapeArrays, observed: Mapping[str, Any] | None = None, unit: str = "", linear: Any = LINEAR) -> Any:
     """The caution of each case, (*cases) of str.
 
     "" means that the rod was checked and is free of all of them, or that the case is not solved. "not checked" means
@@ -136,7 +136,7 @@ def of_cases(sol: Shape, observed: Mapping[str, Any] | None = None, unit: str = 
     return text.astype(str)
 
 
-def turns_back(sol: Shape, height: Any) -> Any:
+def turns_back(sol: ShapeArrays, height: Any) -> Any:
     """Whether a rod between two ends runs against the direction of both of them, (*cases) of bool.
 
     Its beta goes more than 90 degrees beyond both end angles; or its ends are parallel, and the far one lies behind the
@@ -144,7 +144,7 @@ def turns_back(sol: Shape, height: Any) -> Any:
     """
     if not isinstance(sol.problem, EndsProblem) or sol.case.leaves:
         return np.zeros(sol.case.shape, dtype=bool)
-    reading = Reading(sol)
+    reading = MeasuredNumbers(sol)
     numbers = reading.value("low"), reading.value("high"), sol.problem.beta0, sol.problem.betaL
     low, high, first, last = (np.reshape(number, sol.case.shape) for number in numbers)
     with np.errstate(invalid="ignore"):
@@ -153,7 +153,7 @@ def turns_back(sol: Shape, height: Any) -> Any:
         return far | (behind & (np.abs(first - last) < _LEAST))
 
 
-def largest_strain(sol: Shape, kappa_max: Any) -> Any:
+def largest_strain(sol: ShapeArrays, kappa_max: Any) -> Any:
     """The largest strain of the section's outermost fibre: along the fibre, or by the twist; (*cases), NaN without E.
 
     Along the fibre that is a kappa + |F3|/(E S), S the area of the section; by the twist a |M3|/(2 C), the largest
@@ -182,7 +182,7 @@ def largest_strain(sol: Shape, kappa_max: Any) -> Any:
         return np.maximum(along, twisted).reshape(sol.case.shape)
 
 
-def _bend_and_tension(sol: Shape) -> tuple[Array, Array]:
+def _bend_and_tension(sol: ShapeArrays) -> tuple[Array, Array]:
     """kappa and F3 at the first station of rods with constant loads, in units of rho and A, (B,) each."""
     problem, beta, speed = sol.problem, sol.trajectory.beta[:, 0], sol.trajectory.dbeta[:, 0]
     around = circumferential_force(1.0, problem.lam, problem.mu, 1.0, beta)
@@ -196,7 +196,7 @@ def _strain_words(strains: Any, linear: Any) -> Any:
     return np.array(words, dtype=object).reshape(np.shape(strains))
 
 
-def _tight(sol: Shape, known: Mapping[str, Any]) -> tuple[Any, Any]:
+def _tight(sol: ShapeArrays, known: Mapping[str, Any]) -> tuple[Any, Any]:
     """Whether kappa a > 1 somewhere, and whether it surely is nowhere, (*cases)."""
     sure = np.isfinite(known["kappa_max_error"])
     most = np.asarray(known["kappa_max"]) if sure.all() else np.where(sure, known["kappa_max"], sol.kappa.max(axis=-1))
@@ -204,7 +204,7 @@ def _tight(sol: Shape, known: Mapping[str, Any]) -> tuple[Any, Any]:
     return bend > 1, (bend <= 1) & sure
 
 
-def _pull(sol: Shape, known: Mapping[str, Any]) -> tuple[Any, Any]:
+def _pull(sol: ShapeArrays, known: Mapping[str, Any]) -> tuple[Any, Any]:
     """Whether the cylinder would have to pull somewhere, and whether it surely does nowhere, (*cases)."""
     sure = np.isfinite(known["push_min_error"])
     low, high = np.asarray(known["push_min"]), np.asarray(known["push_max"])
@@ -218,7 +218,7 @@ def _pull(sol: Shape, known: Mapping[str, Any]) -> tuple[Any, Any]:
     return (low < -least) & known, (low >= -least) & sure & known
 
 
-def _lift_off(sol: Shape, known: Mapping[str, Any], pulled: Any, unit: str) -> Any:
+def _lift_off(sol: ShapeArrays, known: Mapping[str, Any], pulled: Any, unit: str) -> Any:
     """How much of each rod that would lift off is without push, and where, (*cases) of str objects."""
     pulled = np.reshape(pulled, -1) & np.reshape(sol.solved, -1)
     share = 1 - np.clip(np.reshape(known["attached"], -1), 0, 1)
@@ -238,7 +238,7 @@ def _lift_off(sol: Shape, known: Mapping[str, Any], pulled: Any, unit: str) -> A
     return words.reshape(sol.case.shape)
 
 
-def _lift_off_ends(sol: Shape, candidates: Booleans) -> dict[int, float]:
+def _lift_off_ends(sol: ShapeArrays, candidates: Booleans) -> dict[int, float]:
     """Case -> how far from an end the cylinder does not push, as a share of the length, of rods pressed in between."""
     cases = np.flatnonzero(candidates & only_at_ends(sol)) if candidates.any() else np.array([], dtype=int)
     if (shapes := sol.trajectory.shapes) is not None:

@@ -11,7 +11,7 @@ from ..free.free_rods import MESHES, estimate
 from ..free.free_shape import Along, FreeShape
 from ..numerics.arrays import Array
 from ..orbits.frames import outward
-from ..orbits.shape import Shape
+from ..orbits.shape import ShapeArrays
 from ..problem.quantities import quantity
 from ..problem.reduced import flat
 
@@ -173,7 +173,7 @@ NUMBERS: dict[str, Callable[[FreeReading], Any]] = {
 }
 
 
-def free_numbers(sol: Shape, names: Iterable[str]) -> dict[str, tuple[Array, Array]]:
+def free_numbers(sol: ShapeArrays, names: Iterable[str]) -> dict[str, tuple[Array, Array]]:
     """Observables of rods that may leave the cylinder, and their errors, (B,) each; NaN where a rod has no shape.
 
     The value is that of the finest mesh, and what the order 2 leaves, where the changes from mesh to mesh show it.

@@ -18,7 +18,7 @@ from ..numerics.arrays import EPS, Array
 from ..orbits.marched_orbit import MarchedOrbit
 from ..orbits.periodic_orbit import TIGHT, solve_orbit
 from ..orbits.potential import steepest
-from ..orbits.shape import Shape
+from ..orbits.shape import ShapeArrays
 from ..problem.errors import InputError
 from ..problem.reduced import flat
 from ..problem.trajectory import stood_in
@@ -33,10 +33,10 @@ MIDDLE = (1 / 3, 2 / 3)  # of the length: where its middle third begins and ends
 _MIDDLE = "middle "  # before the names of what is measured there
 
 
-class Reading:
+class MeasuredNumbers:
     """A solution and the numbers measured on it; each density is computed once for all observables."""
 
-    def __init__(self, sol: Shape) -> None:
+    def __init__(self, sol: ShapeArrays) -> None:
         self.sol = sol
         self._known: dict[str, Pair] = {}
         self._middle: dict[str, Pair] = {}
@@ -265,7 +265,7 @@ class Reading:
         return solve_orbit(stood_in(start, np.isfinite(start.dbeta0)), TIGHT)
 
     @property
-    def plain(self) -> "Reading":
+    def plain(self) -> "MeasuredNumbers":
         """The same without derivatives: itself."""
         return self
 

@@ -15,7 +15,7 @@ from ..core.measures import GROUPS, NUMBERS, RATED
 from ..numerics.arrays import Array, Integers
 from ..orbits.boundary import Path, path_of
 from ..orbits.path_orbits import path_from_start, variations_of
-from ..orbits.shape import Shape
+from ..orbits.shape import ShapeArrays
 from ..orbits.variations import HOW, POINTS, HelixVariations, Variations
 from ..problem.reduced import EndsProblem, Reduced, StartProblem, flat, given_numbers
 from .measurement import FINEST, MIDDLE
@@ -40,7 +40,7 @@ class Motion:
     parts: Array
 
 
-def of_equilibria(sol: Shape, outcome: Array) -> Iterator[Motion]:
+def of_equilibria(sol: ShapeArrays, outcome: Array) -> Iterator[Motion]:
     """The motions of the solved cases of an ends problem. outcome: (B,), set where one of them has none."""
     for i in np.flatnonzero(sol.trajectory.solved):
         problem = sol.problem.take(slice(i, i + 1))
@@ -52,7 +52,7 @@ def of_equilibria(sol: Shape, outcome: Array) -> Iterator[Motion]:
             yield _of_equilibrium(sol, problem, path, int(i))
 
 
-def of_helices(sol: Shape, rows: Integers) -> Iterator[Motion]:
+def of_helices(sol: ShapeArrays, rows: Integers) -> Iterator[Motion]:
     """The motions of start problems whose orbits are helices, some at a time."""
     for block in (rows[k : k + _BLOCK] for k in range(0, rows.size, _BLOCK)):
         problem = sol.problem.take(block)
@@ -66,7 +66,7 @@ def marks_of(problem: Reduced) -> Array:
     return np.asarray(problem.span[:, None] * MARKS)
 
 
-def _of_equilibrium(sol: Shape, one: EndsProblem, path: Path, i: int) -> Motion:
+def _of_equilibrium(sol: ShapeArrays, one: EndsProblem, path: Path, i: int) -> Motion:
     names, ratio = given_numbers(sol.case), float(flat(sol.case.rod.stiffness_ratio, sol.case.shape)[i])
     problem = one.with_start(sol.trajectory.dbeta[i : i + 1, 0])
     varied = variations_of(one, path)
@@ -74,7 +74,7 @@ def _of_equilibrium(sol: Shape, one: EndsProblem, path: Path, i: int) -> Motion:
     return Motion(np.array([i]), problem, varied, rates.parts(names, ratio))
 
 
-def _path(sol: Shape, one: EndsProblem, i: int) -> Path | None:
+def _path(sol: ShapeArrays, one: EndsProblem, i: int) -> Path | None:
     """The level and the path of the equilibrium of case i; None where no orbit is found that joins the ends."""
     orbit = sol.trajectory.orbit
     if orbit is not None and getattr(orbit, "path", None) is not None:
@@ -119,7 +119,7 @@ def _shapes_of(out: Array, shape: Mapping[str, Array]) -> Any:
     )  # fmt: skip
 
 
-class Measured(NamedTuple):
+class RatedNumbers(NamedTuple):
     """What is measured of B rods for their derivatives.
 
     sign, error : (B,), of the push, and of beta. names: of `RATED`. plain: of `NUMBERS`, whose values are wanted.
@@ -155,7 +155,7 @@ class StartRates(NamedTuple):
 
 
 def start_sensitivities(
-    problem: Reduced, shape: Mapping[str, Array], measured: Measured | None = None,
+    problem: Reduced, shape: Mapping[str, Array], measured: RatedNumbers | None = None,
     motion: tuple[Variations, Array] | None = None,
 ) -> StartRates:  # fmt: skip
     """The derivatives of B start problems.

@@ -19,11 +19,11 @@ from ..numerics.arrays import EPS, Array, Booleans, Integers
 from ..numerics.complex_step import slopes_of, with_slopes
 from ..orbits.periodic_orbit import HELIX
 from ..orbits.potential import slopes_by_loads
-from ..orbits.shape import Shape
+from ..orbits.shape import ShapeArrays
 from ..problem.errors import InputError, choices
 from ..problem.reduced import FieldRates, StartProblem
-from .measurement import Pair, Reading
-from .motions import LOST, MARKS, PARTLY, Measured, Motion, StartRates, marks_of, shape_rates
+from .measurement import MeasuredNumbers, Pair
+from .motions import LOST, MARKS, PARTLY, Motion, RatedNumbers, StartRates, marks_of, shape_rates
 from .observables import OBSERVABLES, SEVERAL, STRAIGHT, check_names, is_count
 
 EXTREMES = {  # the density, and whether the size counts
@@ -55,18 +55,18 @@ def _has_derivative(name: str) -> bool:
 _OWN_SLOPES = ("alpha", "z", "middle turned", "middle risen", "beta0", "betaL", "dbeta0", "dbetaL")
 
 
-class Moving(Reading):
-    """What `Reading` reads of a solution, as numbers that carry their derivatives with respect to F fields."""
+class Moving(MeasuredNumbers):
+    """What `MeasuredNumbers` reads of a solution, as numbers that carry their derivatives with respect to F fields."""
 
-    def __init__(self, sol: Shape, rates: FieldRates, measured: Iterable[str]) -> None:
+    def __init__(self, sol: ShapeArrays, rates: FieldRates, measured: Iterable[str]) -> None:
         super().__init__(sol)
-        self._plain = Reading(sol)
+        self._plain = MeasuredNumbers(sol)
         self._rates = rates
         self._wanted = set(measured)
         shape = sol.problem.size, len(rates.fields)
         self._slopes = {name: np.full(shape, np.nan) for name in (*self._wanted, *_OWN_SLOPES, "half_period")}
 
-    def measurement(self, rows: Any, given: bool = False) -> Measured:
+    def measurement(self, rows: Any, given: bool = False) -> RatedNumbers:
         """What is to be measured of some cases for their derivatives.
 
         given: whether the values of what is measured are known; else, where the method knows orbits, they are measured
@@ -78,7 +78,7 @@ class Moving(Reading):
         values = () if given else {*names, "push"} - {"middle push"} if "middle push" in names else names
         middle = [name for name in PARTLY if f"middle {name}" in self._wanted and not given]
         seen = {name: plain.value(name)[rows] for name in observed}
-        return Measured(plain.sign[rows], plain.doubt[rows], names, values, middle, plain.goal, seen)
+        return RatedNumbers(plain.sign[rows], plain.doubt[rows], names, values, middle, plain.goal, seen)
 
     def take(self, rows: Any, found: StartRates) -> None:
         """Take the derivatives of some cases; where the method knows the orbits, what was measured on them too."""
@@ -109,7 +109,7 @@ class Moving(Reading):
             self._slopes[name][motion.rows] = value
 
     @property
-    def plain(self) -> Reading:
+    def plain(self) -> MeasuredNumbers:
         return self._plain
 
     def at_jump(self, value: float) -> Any:
@@ -177,7 +177,7 @@ def measure_of(name: str) -> tuple[str, ...]:
     return () if is_count(name) else OBSERVABLES[name].measured
 
 
-def why_missing(name: str, sol: Shape) -> str:
+def why_missing(name: str, sol: ShapeArrays) -> str:
     """Why a derivative of an observable of a solved case does not exist."""
     row = OBSERVABLES[name]
     if sol.trajectory.shapes is not None and row.undefined:

@@ -19,13 +19,13 @@ from ..orbits.marched_orbit import MarchedOrbit
 from ..orbits.morse_index import index_at_stations
 from ..orbits.periodic_orbit import LIBRATION, ROTATION, TIGHT, jacobi_zeros, solve_orbit
 from ..orbits.potential import load_size
-from ..orbits.shape import Shape
+from ..orbits.shape import ShapeArrays
 from ..problem.case import Rod
 from ..problem.errors import check_type, known_name, names_of, no_such, yes_or_no
 from ..problem.quantities import quantity
 from ..problem.reduced import flat
 from .free_numbers import UNDEFINED, free_numbers
-from .measurement import SPREAD, Pair, Reading
+from .measurement import SPREAD, MeasuredNumbers, Pair
 from .self_contact import overlaps
 from .solution_pieces import is_resolved
 
@@ -33,7 +33,7 @@ _LONG = 12.0  # over the root of the size of H: half a period that is longer is 
 _NUDGE = 4 * EPS  # of the size of a number of the case: what the reduction of a case rounds off
 
 
-def turns(read: Reading) -> Any:
+def turns(read: MeasuredNumbers) -> Any:
     """Number of bends: interior extrema of beta, (B,). A helix has none, whatever the rounding of beta.
 
     NaN where the method knows no orbit and the stations are too few.
@@ -56,7 +56,7 @@ def _inner_turns(orbit: Any) -> Any:
     return np.where(just, np.minimum(orbit.turns, passed - 1), orbit.turns)
 
 
-def _librates(read: Reading) -> Any:
+def _librates(read: MeasuredNumbers) -> Any:
     """Whether beta changes by more than rounding, and where no orbit is known, by more than the tolerance, (B,)."""
     low, high = read.value("low"), read.value("high")
     rounding = BARELY * np.maximum(1, np.maximum(np.abs(low), np.abs(high)))
@@ -66,7 +66,7 @@ def _librates(read: Reading) -> Any:
     return high - low > np.fmax(rounding, allowed)
 
 
-def loops(read: Reading) -> Any:
+def loops(read: MeasuredNumbers) -> Any:
     """Full turns of beta between the two ends of the rod, (B,); a libration has none."""
     orbit, sol = read.sol.trajectory.orbit, read.sol
     if orbit is None:
@@ -75,7 +75,7 @@ def loops(read: Reading) -> Any:
         return np.where(orbit.kind == ROTATION, np.floor(orbit.problem.span / orbit.ahead), 0)
 
 
-def overlapping(read: Reading, **limits: int) -> Any:
+def overlapping(read: MeasuredNumbers, **limits: int) -> Any:
     """Self-intersection: 1 where the rod would intersect itself, else 0, (B,); NaN where that was not decided.
 
     limits: options of `self_contact.overlaps`.
@@ -84,7 +84,7 @@ def overlapping(read: Reading, **limits: int) -> Any:
     return np.reshape(overlaps(read.sol, *bounds, **limits), -1)
 
 
-def index(read: Reading) -> Any:
+def index(read: MeasuredNumbers) -> Any:
     """Morse index under the ends as they are given, (B,); 0 is stable.
 
     Of a start problem, and where angles and loads are given: between the shape's own two end angles, under dead loads.
@@ -105,7 +105,7 @@ def index(read: Reading) -> Any:
     return np.where(np.reshape(sol.solved, -1), count, np.nan)
 
 
-def bend_number(read: Reading) -> Pair:
+def bend_number(read: MeasuredNumbers) -> Pair:
     """L divided by the half period of beta: a continuous number of bends; 0 where beta does not librate.
 
     NaN where the method knows no orbit.
@@ -146,7 +146,7 @@ def _by_rounding(orbit: Any, count: Array, moves: Array) -> Array:
     return change
 
 
-def amplitude(read: Reading) -> Pair:
+def amplitude(read: MeasuredNumbers) -> Pair:
     """Largest less smallest beta along the rod [rad]."""
     range_, orbit = read.value("high") - read.value("low"), read.sol.trajectory.orbit
     error = read.error_of("high") + read.error_of("low")
@@ -156,22 +156,22 @@ def amplitude(read: Reading) -> Pair:
     return np.where(orbit.kind == ROTATION, size_of(last - first), range_), error
 
 
-def wraps(read: Reading) -> Pair:
+def wraps(read: MeasuredNumbers) -> Pair:
     """Turns about the axis, (alpha(L) - alpha(0))/2 pi."""
     return read.gain[0] / (2 * np.pi), _far(read) / (2 * np.pi)
 
 
-def height(read: Reading) -> Pair:
+def height(read: MeasuredNumbers) -> Pair:
     """z(L) [length]."""
     return read.gain[1] * read.rho, _far(read) * read.rho
 
 
-def _far(read: Reading) -> Array:
+def _far(read: MeasuredNumbers) -> Array:
     """The error of alpha and z/rho at the far end, (B,)."""
     return read.error * np.maximum(1, read.sol.problem.span)
 
 
-def _at_start(read: Reading, number: int, unit: Array, constant: Any) -> Pair:
+def _at_start(read: MeasuredNumbers, number: int, unit: Array, constant: Any) -> Pair:
     shapes = read.sol.trajectory.shapes
     if shapes is None:
         return constant, 0.0
@@ -180,7 +180,7 @@ def _at_start(read: Reading, number: int, unit: Array, constant: Any) -> Pair:
     return value * unit, read.error * read.steepness**2 * unit
 
 
-def neutral_at(read: Reading) -> Pair:
+def neutral_at(read: MeasuredNumbers) -> Pair:
     """The first s at which the axial force FZ is 0 [length]; NaN where it is nowhere 0."""
     shapes = read.sol.trajectory.shapes
     if shapes is None:
@@ -190,25 +190,25 @@ def neutral_at(read: Reading) -> Pair:
     return value, np.abs(value) * read.error
 
 
-def _end_moment(read: Reading, end: int) -> Pair:
+def _end_moment(read: MeasuredNumbers, end: int) -> Pair:
     error = np.where(np.isfinite(read.error), read.error, 1.0) * read.steepness
     return read.end_rates[end] * read.A / read.rho, error * read.unit_moment
 
 
-def contact_size_mean(read: Reading) -> Pair:
+def contact_size_mean(read: MeasuredNumbers) -> Pair:
     """Mean of |f| over the whole length [force/length]; pull counts as much as push."""
     pushed, pulled = read.scale("pushed", read.unit_mean_push), read.scale("pulled", read.unit_mean_push)
     return pushed[0] + pulled[0], pushed[1]
 
 
-def push_middle(read: Reading) -> Pair:
+def push_middle(read: MeasuredNumbers) -> Pair:
     """Mean of the push over the middle third of the length [force/length], where pull counts as 0."""
     pushed, error = read.middle("push")
     factor = 3 * read.unit_mean_push
     return pushed * factor, error * factor
 
 
-def pitch(read: Reading) -> Pair:
+def pitch(read: MeasuredNumbers) -> Pair:
     """Height of one whole turn about the axis in the middle third of the rod [length], positive along z.
 
     2 pi (z_2 - z_1)/|alpha_2 - alpha_1| between s = L/3 and s = 2L/3, also where the rod turns less than once there.
@@ -222,7 +222,7 @@ def pitch(read: Reading) -> Pair:
     return value, a_turn * error + size_of(value) * doubt / np.where(np.real(size) > doubt, size - doubt, np.nan)
 
 
-def twist_energy(read: Reading) -> Pair:
+def twist_energy(read: MeasuredNumbers) -> Pair:
     """Integral of M3^2/(2 C) along the rod [force length].
 
     M3 is constant but along a rod that turns in place against friction.
@@ -236,7 +236,7 @@ def twist_energy(read: Reading) -> Pair:
     return value, error
 
 
-def energy(read: Reading) -> Pair:
+def energy(read: MeasuredNumbers) -> Pair:
     """Bending and twist energy minus the work of the dead loads FZ, MZ and M3 [force length].
 
     That is bending_energy + twist_energy - FZ (z(L) - z(0)) - MZ (alpha(L) - alpha(0)) - M3 (gamma(L) - gamma(0)), the
@@ -256,8 +256,8 @@ def energy(read: Reading) -> Pair:
 class Observable:
     """One number a case.
 
-    compute: the values (B,), with their errors if `Quantity.estimated`. measured: what `Reading` measures for it;
-    what is measured over the middle third alone has "middle" before it. undefined: where it has no value although
+    compute: the values (B,), with their errors if `Quantity.estimated`. measured: what `MeasuredNumbers` measures for
+    it; what is measured over the middle third alone has "middle" before it. undefined: where it has no value although
     the case is solved, in words; "" if nowhere. not_smooth: where it has a value, and may have no derivative; ""
     for the reasons that go with what is measured. needs: the field of the rod without which it does not exist.
     holds: whether it is a load or a moment that holds an end, which is computed only where it is asked for by name.
@@ -266,7 +266,7 @@ class Observable:
     length of the rod; whole numbers are never negative.
     """
 
-    compute: Callable[[Reading], Any]
+    compute: Callable[[MeasuredNumbers], Any]
     measured: tuple[str, ...] = ()
     undefined: str = ""
     not_smooth: str = ""
@@ -285,7 +285,7 @@ TOUCHES = "the push touches zero without a change of sign, where a change makes 
 PLACES = "several places of the rod have the largest push, or the place may leave an end of the rod"
 
 
-def _in_unit(name: str, unit: Callable[[Reading], Any], **rest: Any) -> Observable:
+def _in_unit(name: str, unit: Callable[[MeasuredNumbers], Any], **rest: Any) -> Observable:
     """An observable that is a number measured along the rod, in a unit of each rod."""
     return Observable(lambda read: read.scale(name, unit(read)), (name,), **rest)
 
@@ -377,7 +377,7 @@ def check_names(names: Any) -> tuple[str, ...]:
 
 
 @np.errstate(all="ignore")  # the numbers of an unsolved case may overflow
-def observe(sol: Shape, names: Iterable[str], errors: bool = False) -> dict[str, Any]:
+def observe(sol: ShapeArrays, names: Iterable[str], errors: bool = False) -> dict[str, Any]:
     """Observables of a solution: one number a case.
 
     Parameters
@@ -412,7 +412,7 @@ def observe(sol: Shape, names: Iterable[str], errors: bool = False) -> dict[str,
     5 bends, largest curvature 2.6140
     """
     names, errors = check_names(names), yes_or_no("errors", errors)
-    read = Reading(check_type("observe", sol, Shape))
+    read = MeasuredNumbers(check_type("observe", sol, ShapeArrays))
     off = sol.trajectory.free is not None
     known = free_numbers(sol, names) if off else {}
     read.measure(key for name in names for key in OBSERVABLES[name].measured if not off)

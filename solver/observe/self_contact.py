@@ -17,7 +17,7 @@ from ..core.measures import crossings
 from ..numerics.arrays import Array
 from ..orbits.marched_orbit import MarchedOrbit
 from ..orbits.periodic_orbit import reading
-from ..orbits.shape import Shape
+from ..orbits.shape import ShapeArrays
 from ..problem.reduced import flat
 
 PAIRS, TOGETHER = 300_000, 8  # largest number of pairs of stretches compared for a rod; periods compared together
@@ -32,7 +32,7 @@ _ComparedRods = structure(  # strand_pairs.c
 )  # fmt: skip
 
 
-def overlaps(sol: Shape, kappa_max: Any, low: Any, high: Any, **limits: int) -> Any:
+def overlaps(sol: ShapeArrays, kappa_max: Any, low: Any, high: Any, **limits: int) -> Any:
     """Whether each rod would intersect itself.
 
     It does where two points farther apart along the rod than pi a come closer in space than 2 a, or where kappa a is 1
@@ -130,7 +130,7 @@ def _goes_round_once(low: Array, high: Array, a: Array, apart: Array, span: Arra
     return (off < np.pi / 2) & (np.cos(off) * apart > thick) & (span < 2 * np.pi - thick) & (a < 1)
 
 
-def _at_stations(sol: Shape, i: int, a: float) -> float:
+def _at_stations(sol: ShapeArrays, i: int, a: float) -> float:
     """The same from the stations of case i alone."""
     t, shape = sol.t[i], sol.trajectory
     alpha, z, beta = shape.alpha[i], shape.z[i], shape.beta[i]

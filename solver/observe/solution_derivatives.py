@@ -12,7 +12,7 @@ import numpy as np
 
 from ..numerics.arrays import EPS, Array
 from ..orbits.periodic_orbit import HELIX
-from ..orbits.shape import Shape
+from ..orbits.shape import ShapeArrays
 from ..orbits.variations import HelixVariations
 from ..problem.case import refuse_leaving
 from ..problem.case_fields import check_fields
@@ -23,7 +23,7 @@ from .observable_rates import Moving, check_observables, derivatives_of, measure
 from .varying_rates import STEP, varying_rates
 
 
-def ends_field_rates(sol: Shape, fields: Sequence[str]) -> FieldRates:
+def ends_field_rates(sol: ShapeArrays, fields: Sequence[str]) -> FieldRates:
     """The derivatives of the numbers of an ends problem by fields of its case, but those of loads that are found."""
     rates = field_rates(sol.case, fields)
     assert rates.given is not None
@@ -39,7 +39,7 @@ def amounts(motion: Motion, rates: FieldRates) -> Array:
     return np.matmul(motion.parts, np.concatenate([rates.given, rates.of("span")[:, None]], axis=1))
 
 
-def _shape_of(sol: Shape, rates: FieldRates, rows: Any) -> dict[str, Array]:
+def _shape_of(sol: ShapeArrays, rates: FieldRates, rows: Any) -> dict[str, Array]:
     """Some cases as `motions.shape_rates` takes them. rates: of these cases."""
     case, known = sol.case, sol.trajectory
     scales = {"ratio": flat(case.rod.stiffness_ratio, case.shape), "rho": flat(case.rho, case.shape)}
@@ -48,7 +48,7 @@ def _shape_of(sol: Shape, rates: FieldRates, rows: Any) -> dict[str, Array]:
     return arrays | {"by": rates.table, "later": rates.of("span")}
 
 
-def _of_helices(sol: Shape, motion: Motion, unit: Array, rates: FieldRates) -> Array:
+def _of_helices(sol: ShapeArrays, motion: Motion, unit: Array, rates: FieldRates) -> Array:
     """The derivatives of beta, dbeta, alpha, z and gamma of helices at the stations, (5, b, F, n). unit: (b, 5, F), of
     `amounts`. rates: of these cases."""
     shape = _shape_of(sol, rates, motion.rows)
@@ -58,12 +58,12 @@ def _of_helices(sol: Shape, motion: Motion, unit: Array, rates: FieldRates) -> A
     return out
 
 
-def _unknown(sol: Shape, rates: FieldRates) -> Array:
+def _unknown(sol: ShapeArrays, rates: FieldRates) -> Array:
     """NaN in place of all derivatives along the rods, (5, B, F, n)."""
     return np.full((len(_ALONG), sol.problem.size, len(rates.fields), sol.t.shape[1]), np.nan)
 
 
-def _of_starts(sol: Shape, rates: FieldRates, read: Moving | None) -> tuple[Array, Array]:
+def _of_starts(sol: ShapeArrays, rates: FieldRates, read: Moving | None) -> tuple[Array, Array]:
     """Derive the solved start problems that are no helices; all of them, (5, B, F, n), and which are helices."""
     solved = np.flatnonzero(sol.trajectory.solved)
     every = solved.size == sol.problem.size
@@ -114,7 +114,7 @@ class Sensitivity:
         Name of an observable -> (*cases), a sentence where one of its derivatives does not exist and is NaN, else "".
     """
 
-    solution: Shape = field(repr=False)
+    solution: ShapeArrays = field(repr=False)
     fields: tuple[str, ...]
     beta: Array = field(repr=False)
     dbeta: Array = field(repr=False)
@@ -128,7 +128,7 @@ class Sensitivity:
     remarks: dict[str, Any] = field(default_factory=dict)
 
 
-def sensitivity(sol: Shape, fields: Iterable[str], observables: Iterable[str] = ()) -> Sensitivity:
+def sensitivity(sol: ShapeArrays, fields: Iterable[str], observables: Iterable[str] = ()) -> Sensitivity:
     """The derivatives of a solution; see `Solution.sensitivity`."""
     refuse_leaving(sol.case.cylinder, "sensitivity")
     names, observed = check_fields(sol.case, fields), check_observables(observables)
@@ -171,7 +171,13 @@ def sensitivity(sol: Shape, fields: Iterable[str], observables: Iterable[str] = 
 
 
 def _judge(
-    sol: Shape, names: tuple[str, ...], out: Array, wanted: tuple[str, ...], table: Array, outcome: Array, error: Array
+    sol: ShapeArrays,
+    names: tuple[str, ...],
+    out: Array,
+    wanted: tuple[str, ...],
+    table: Array,
+    outcome: Array,
+    error: Array,
 ) -> Sensitivity:
     """The result; a case in which no digit is left gets an outcome that says so.
 

@@ -19,7 +19,7 @@ from ..numerics.chebyshev import basis, through
 from ..orbits.marched_orbit import MarchedOrbit
 from ..orbits.periodic_orbit import cover
 from ..orbits.potential import Loads, slope_rate
-from ..orbits.shape import Shape
+from ..orbits.shape import ShapeArrays
 from ..problem.reduced import Reduced
 
 _CASES = 192  # of a block, so that arrays stay in the cache; with 48 `swing` takes 1.3 times as long, `orbit` 1.5 times
@@ -29,7 +29,7 @@ COLUMNS = ("case", "row", "low", "high", "time", "count", "begin")  # fields of 
 
 
 @dataclass(frozen=True, eq=False)
-class Pieces:
+class SolutionPieces:
     """Q pieces of the rods of B problems.
 
     series: (P, 2, N), Chebyshev coefficients of beta and |beta_t| on panels; where loads vary along the rods (P, 7, N),
@@ -51,12 +51,12 @@ class Pieces:
     begin: Array
     monotone: bool = False
 
-    def take(self, index: Any) -> "Pieces":
+    def take(self, index: Any) -> "SolutionPieces":
         """The pieces that an index picks."""
         return replace(self, **{name: getattr(self, name)[index] for name in COLUMNS})
 
 
-def join_pieces(parts: Sequence[Pieces], problem: Reduced) -> Pieces:
+def join_pieces(parts: Sequence[SolutionPieces], problem: Reduced) -> SolutionPieces:
     """Pieces one after the other, as those of `problem`."""
     if len(parts) == 1:
         return replace(parts[0], problem=problem)
@@ -65,16 +65,16 @@ def join_pieces(parts: Sequence[Pieces], problem: Reduced) -> Pieces:
     before = np.cumsum([0, *(p.series.shape[0] for p in parts)])
     row = np.concatenate([p.row + k for p, k in zip(parts, before, strict=False)])
     rest = {name: np.concatenate([getattr(p, name) for p in parts]) for name in COLUMNS if name != "row"}
-    return Pieces(problem, np.concatenate(padded), row=row, monotone=all(p.monotone for p in parts), **rest)
+    return SolutionPieces(problem, np.concatenate(padded), row=row, monotone=all(p.monotone for p in parts), **rest)
 
 
-def blocks(sol: Shape) -> Iterator[slice]:
+def blocks(sol: ShapeArrays) -> Iterator[slice]:
     """The cases of a solution in blocks."""
     for start in range(0, sol.problem.size, _CASES):
         yield slice(start, min(start + _CASES, sol.problem.size))
 
 
-def pieces_of(sol: Shape, some: slice, until: float = 1.0, step: int = 1) -> Pieces:
+def pieces_of(sol: ShapeArrays, some: slice, until: float = 1.0, step: int = 1) -> SolutionPieces:
     """The pieces of some of the cases, numbered from 0, of the first share `until` of their length.
 
     step: where no orbit is known, every `step`-th station is used.
@@ -86,7 +86,7 @@ def pieces_of(sol: Shape, some: slice, until: float = 1.0, step: int = 1) -> Pie
     return of_orbit(sol.trajectory.orbit, some, until)
 
 
-def of_nodes(sol: Shape, some: slice, until: float = 1.0) -> Pieces:
+def of_nodes(sol: ShapeArrays, some: slice, until: float = 1.0) -> SolutionPieces:
     """The pieces of rods whose loads vary along them: the stretches between their nodes."""
     x, parts, problem = basis(NODES), [], sol.problem.take(some)
     for k, i in enumerate(range(some.start, some.stop)):
@@ -101,7 +101,7 @@ def of_nodes(sol: Shape, some: slice, until: float = 1.0) -> Pieces:
         ones, share = np.ones(row.size), share[row]
         series = through(values.reshape(-1, NODES), x.analyse).reshape(values.shape)
         parts.append(
-            Pieces(
+            SolutionPieces(
                 problem, series, np.full(row.size, k), row, -ones, 2 * share - 1, share * np.diff(shape.t)[row], ones,
                 shape.t[row],
             )
@@ -109,7 +109,7 @@ def of_nodes(sol: Shape, some: slice, until: float = 1.0) -> Pieces:
     return join_pieces(parts, problem)
 
 
-def of_orbit(orbit: Any, some: slice, until: float = 1.0) -> Pieces:
+def of_orbit(orbit: Any, some: slice, until: float = 1.0) -> SolutionPieces:
     """The pieces of some of the problems of an `Orbit` or a `Swing`, of the first share `until` of their length."""
     if not isinstance(orbit, MarchedOrbit):
         return _of_panels(orbit, np.arange(some.start, some.stop), np.arange(some.stop - some.start), some, until)
@@ -122,7 +122,7 @@ def of_orbit(orbit: Any, some: slice, until: float = 1.0) -> Pieces:
     return join_pieces(pieces, orbit.problem.take(some))
 
 
-def _of_panels(orbit: Any, own: Array, case: Array, some: slice, until: float, whole: Any = None) -> Pieces:
+def _of_panels(orbit: Any, own: Array, case: Array, some: slice, until: float, whole: Any = None) -> SolutionPieces:
     """The pieces of the problems `own` of an `Orbit`, which are the problems `case` of the block."""
     panels, problem = orbit.panels, orbit.problem.take(own)
     arcs_of_case = slice(2 * int(own[0]), 2 * int(own[-1]) + 2)
@@ -135,7 +135,7 @@ def _of_panels(orbit: Any, own: Array, case: Array, some: slice, until: float, w
     return replace(pieces, problem=block, case=np.asarray(case)[pieces.case])
 
 
-def _of_steps(orbit: MarchedOrbit, some: slice, case: Array, until: float) -> Pieces:
+def _of_steps(orbit: MarchedOrbit, some: slice, case: Array, until: float) -> SolutionPieces:
     """The pieces of the problems `case` of a block of a marched orbit: its steps, marched again."""
     rows = some.start + case
     problem = orbit.problem.take(rows)
@@ -155,24 +155,24 @@ def _of_steps(orbit: MarchedOrbit, some: slice, case: Array, until: float) -> Pi
     return replace(pieces, problem=orbit.problem.take(some), case=case[pieces.case])
 
 
-def _cover(problem: Reduced, series: Array, covered: tuple[Array, ...], until: float) -> Pieces:
+def _cover(problem: Reduced, series: Array, covered: tuple[Array, ...], until: float) -> SolutionPieces:
     """The pieces that the rods cover, on panels with these series, up to a share of their length."""
-    pieces = Pieces(problem, series, **dict(zip(COLUMNS, covered, strict=True)), monotone=True)
+    pieces = SolutionPieces(problem, series, **dict(zip(COLUMNS, covered, strict=True)), monotone=True)
     still = np.flatnonzero(np.bincount(pieces.case, minlength=problem.size) == 0)  # nothing moves
     if still.size:
         pieces = join_pieces([pieces, _still(problem, still, until * problem.span[still])], problem)
     return pieces
 
 
-def _still(problem: Reduced, case: Array, time: Array, speed: Array | float = 0.0) -> Pieces:
+def _still(problem: Reduced, case: Array, time: Array, speed: Array | float = 0.0) -> SolutionPieces:
     """Rods of constant angle, each one piece that lasts `time`."""
     series = np.zeros((case.size, 2, 1))
     series[:, 0, 0], series[:, 1, 0] = problem.beta0[case], speed
     ones = np.ones(case.size)
-    return Pieces(problem, series, case, np.arange(case.size), -ones, ones, time, ones, 0 * ones, monotone=True)
+    return SolutionPieces(problem, series, case, np.arange(case.size), -ones, ones, time, ones, 0 * ones, monotone=True)
 
 
-def of_stations(sol: Shape, some: slice, step: int = 1, until: float = 1.0) -> Pieces:
+def of_stations(sol: ShapeArrays, some: slice, step: int = 1, until: float = 1.0) -> SolutionPieces:
     """The pieces between neighbouring stations of some of the cases, or between every `step`-th of them, up to the
     share `until` of the length."""
     problem, n = sol.problem.take(some), sol.t.shape[1]
@@ -188,7 +188,7 @@ def of_stations(sol: Shape, some: slice, step: int = 1, until: float = 1.0) -> P
     begin = t[:, :-1].reshape(-1)
     with np.errstate(divide="ignore", invalid="ignore"):
         share = np.clip((until * problem.span[case] - begin) / time, 0, 1) if until < 1 else ones
-    pieces = Pieces(problem, series, case, row, -ones, 2 * share - 1, share * time, ones, begin)
+    pieces = SolutionPieces(problem, series, case, row, -ones, 2 * share - 1, share * time, ones, begin)
     pieces = pieces.take((time > 0) & (share > 0))
     short = np.flatnonzero(np.bincount(pieces.case, minlength=B) == 0)
     if not short.size:
@@ -197,7 +197,7 @@ def of_stations(sol: Shape, some: slice, step: int = 1, until: float = 1.0) -> P
     return join_pieces([pieces, points], problem)
 
 
-def off_between(sol: Shape, some: slice) -> Array:
+def off_between(sol: ShapeArrays, some: slice) -> Array:
     """How far beta between the stations may be off, (b,): as far as it is at every other station without that one."""
     n = sol.t.shape[1]
     t, beta = sol.t[some], sol.trajectory.beta[some]
@@ -213,7 +213,7 @@ def off_between(sol: Shape, some: slice) -> Array:
     return off
 
 
-def is_resolved(sol: Shape) -> Booleans:
+def is_resolved(sol: ShapeArrays) -> Booleans:
     """Whether the stations of each case cover its rod and resolve every bend that the loads allow, (B,)."""
     t, beta, span = sol.t, sol.trajectory.beta, sol.problem.span
     column = Loads.columns(sol.problem)

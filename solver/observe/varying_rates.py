@@ -13,12 +13,12 @@ from typing import Any
 import numpy as np
 
 from ..nodes.answers import answer_ends, answer_starts, shape_path
-from ..nodes.curve import DIFFERENCE, Curve
+from ..nodes.curve import DIFFERENCE, NodeCurve
 from ..nodes.loaded_rod import rods_of
 from ..nodes.newton import largest_turn, linear_at
 from ..nodes.varying_shapes import Shape as Nodal
 from ..numerics.arrays import Array
-from ..orbits.shape import Shape
+from ..orbits.shape import ShapeArrays
 from ..problem.case import Case, Start
 from ..problem.case_fields import unchecked_with_fields, values_of
 from ..problem.reduced import flat, size_of_field, span_of
@@ -31,7 +31,7 @@ FAINT, SMOOTH = 1e-9, 3.0  # second differences: of rounding, as a share; at two
 
 
 @dataclass(frozen=True, eq=False)
-class Line:
+class FieldAnswers:
     """How B rods answer a field. size: (B,), of the field. step: (B,), over its size. answers: of the states (N, 8)."""
 
     name: str
@@ -41,7 +41,7 @@ class Line:
 
 
 def varying_rates(
-    sol: Shape, fields: Sequence[str], along: Sequence[str], observables: Sequence[str]
+    sol: ShapeArrays, fields: Sequence[str], along: Sequence[str], observables: Sequence[str]
 ) -> tuple[dict[str, Array], dict[str, Array]]:
     """The derivatives of arrays along B rods, (B, F, n), and of observables, (B, F), by name; NaN where there is none.
 
@@ -71,13 +71,13 @@ def varying_rates(
     return curves, numbers
 
 
-def _line(sol: Shape, name: str) -> Line:
+def _line(sol: ShapeArrays, name: str) -> FieldAnswers:
     """How the rods of a solution answer one field."""
     case = sol.case
     name = {"beta0": "beta", "dbeta0": "dbeta"}.get(name, name) if isinstance(case.given, Start) else name
     size = size_of_field(case, name)
     if isinstance(case.given, Start):
-        return Line(name, size, STEP / np.asarray(sol.trajectory.condition), [])
+        return FieldAnswers(name, size, STEP / np.asarray(sol.trajectory.condition), [])
     near = {sign > 0: rods_of(_case_at(case, name, sign * DIFFERENCE * size)) for sign in (1, -1)}
     shapes: Any = sol.trajectory.shapes
     steps: list[float] = []
@@ -88,7 +88,7 @@ def _line(sol: Shape, name: str) -> Line:
         if nodes is not None:
             rod = rod.in_scales(nodes.rod.scale)
             shape = replace(nodes, rod=rod)
-            curve = Curve(lambda x, i=i: near[x > 0][i], 1.0, rod.scale)  # type: ignore[misc]
+            curve = NodeCurve(lambda x, i=i: near[x > 0][i], 1.0, rod.scale)  # type: ignore[misc]
             answer = linear_at(shape).solve(-curve.rate(shape, 0.0)[:, None])
         if answer is None:
             steps.append(STEP)
@@ -97,7 +97,7 @@ def _line(sol: Shape, name: str) -> Line:
         change = answer.reshape(nodes.y.shape)
         steps.append(STEP / max(1.0, largest_turn(change)))
         answers.append(change * rod.scale)
-    return Line(name, size, np.array(steps), answers)
+    return FieldAnswers(name, size, np.array(steps), answers)
 
 
 def _case_at(case: Case, name: str, change: Array) -> Case:
@@ -106,7 +106,7 @@ def _case_at(case: Case, name: str, change: Array) -> Case:
     return unchecked_with_fields(case, {name: value})
 
 
-def _at_step(sol: Shape, line: Line, count: int) -> Shape:
+def _at_step(sol: ShapeArrays, line: FieldAnswers, count: int) -> ShapeArrays:
     """The rods after so many steps along their lines, at the same s/L."""
     case = _case_at(sol.case, line.name, count * line.step * line.size)
     t = span_of(case)[:, None] * (sol.t / sol.t[:, -1:])
@@ -125,4 +125,4 @@ def _at_step(sol: Shape, line: Line, count: int) -> Shape:
         problem, trajectory = answer_ends(case, t, sol.tol, paths)
     # on the line the equations are open by the square of the step
     trajectory = replace(trajectory, solved=known.solved, error=known.error, condition=known.condition)
-    return Shape(case, problem, trajectory, t, sol.method, sol.tol)
+    return ShapeArrays(case, problem, trajectory, t, sol.method, sol.tol)

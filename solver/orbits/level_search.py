@@ -40,7 +40,7 @@ _ROUNDING = 1e-14  # of the rod's length: bound of the rounding of a sum of time
 
 
 @dataclass(frozen=True, eq=False)
-class Found:
+class FoundPaths:
     """K equilibria of one ends problem and their orbits.
 
     slope: (K,), beta_t(0). orbit: of all. path: their levels and paths. index: (K,), Morse index. energy: (K,), in
@@ -104,7 +104,7 @@ class Brackets(Columns):
 
 def search_levels(
     problem: EndsProblem, most_periods: int = MOST_PERIODS, most_turns: int | None = None
-) -> Found | None:
+) -> FoundPaths | None:
     """Every equilibrium of one ends problem.
 
     Parameters
@@ -143,7 +143,7 @@ def _fits(problem: EndsProblem) -> bool:
         return bool((np.abs(np.stack([*numbers, reach, 1 / problem.span])) < LARGEST).all())
 
 
-def _search(problem: EndsProblem, most_periods: int, most_turns: int | None, step: float) -> Found | None:
+def _search(problem: EndsProblem, most_periods: int, most_turns: int | None, step: float) -> FoundPaths | None:
     """One search, on a level grid of steps of `step` in log gap."""
     boundary, grid = level_grid_of(boundary_of(problem), step)
     roots, reason = level_roots(boundary, grid, most_periods, most_turns)
@@ -165,7 +165,7 @@ def _search(problem: EndsProblem, most_periods: int, most_turns: int | None, ste
     signed = roots.signed + int(np.where(helices % 2 == 0, 1, -1).sum())
     remark = reason or _remark(index, energy, signed, lost)
     total, calls = roots.total + helices.size, roots.calls + int(orbit.panels.calls.sum())
-    return Found(problem, orbit.problem.dbeta0, orbit, path, index, energy, lowest, highest, total, remark, calls)
+    return FoundPaths(problem, orbit.problem.dbeta0, orbit, path, index, energy, lowest, highest, total, remark, calls)
 
 
 def _remark(index: Array, energy: Array, signed: int, lost: int) -> str:

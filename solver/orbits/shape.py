@@ -25,7 +25,7 @@ def _property(compute: Callable[[Any], T]) -> cached_property[T]:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Shape:
+class ShapeArrays:
     """The shape and the forces of a case, or of each case of a grid: what a `Solution` is, without what it offers.
 
     The attributes are those of `Solution`.

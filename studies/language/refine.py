@@ -11,7 +11,7 @@ from solver.problem.errors import choices, near
 from ..grammar.axes import Misplaced, Values, no_key
 from ..grammar.formulas import parse
 from ..laws.verdicts import Law, by_line
-from .refinement import OUTCOME, Lines, Refinement
+from .refinement import OUTCOME, RefinedLines, Refinement
 from .study import Study
 
 LEVEL = "level"  # the coordinate of a refined study: how many halvings made a case
@@ -100,7 +100,7 @@ def laws_to_watch(study: Study) -> list[Law]:
     return [law for claim in (study.refine.laws if study.refine else ()) for law in study.laws if law.claim == claim]
 
 
-def _lines(study: Study, law: Law, column: int) -> Lines:
+def _lines(study: Study, law: Law, column: int) -> RefinedLines:
     """The lines of a watched law, whose observable is this column of the numbers."""
     along = np.sort(study.axes[law.axis].numbers())
     text = study.expressions.get(law.observable)
@@ -110,7 +110,7 @@ def _lines(study: Study, law: Law, column: int) -> Lines:
         axes = {"line": np.arange(len(values)), law.axis: along}
         return by_line(law.model_copy(update={"at": {}}), values, axes, None, counts)
 
-    return Lines(list(study.axes).index(law.axis), column, judge)
+    return RefinedLines(list(study.axes).index(law.axis), column, judge)
 
 
 def check_equilibrium(study: Study, several: str) -> None:

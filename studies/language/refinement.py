@@ -112,7 +112,7 @@ class Lattice:
 
 
 @dataclass(eq=False)
-class Lines:
+class RefinedLines:
     """The complete lines of the coarse grid along one axis, for a law that is judged on each.
 
     along: the axis of the lines. column: of the number that is judged. judge: from its values on lines, (lines, cases),
@@ -219,7 +219,7 @@ class Refinement:
     lattice: Lattice
     steps: Values
     budget: int
-    lines: tuple[Lines, ...] = ()
+    lines: tuple[RefinedLines, ...] = ()
     places: Places = field(init=False)
     numbers: Values = field(init=False)
     cells: list[Places] = field(init=False)
@@ -347,13 +347,13 @@ class Refinement:
                     zip(new.tolist(), line.judge(self.numbers[cases, line.column]).tolist(), strict=True)
                 )
 
-    def _line(self, line: Lines, at: Places) -> Places:
+    def _line(self, line: RefinedLines, at: Places) -> Places:
         """The places of the cases of lines, (lines, cases, 2)."""
         along = np.arange(self.lattice.shape[line.along]) << self.lattice.depth
         pair = np.broadcast_arrays(along[None, :], at[:, None])
         return np.stack(pair if line.along == 0 else pair[::-1], axis=-1)
 
-    def _between(self, level: int) -> list[tuple[Lines, Places]]:
+    def _between(self, level: int) -> list[tuple[RefinedLines, Places]]:
         """For each law the places of new lines, half-way between lines of a level with different verdicts."""
         halves = []
         for line in self.lines:

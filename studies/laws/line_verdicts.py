@@ -493,7 +493,7 @@ STEPS, CASES = "steps the wrong way", "cases outside"  # what the exceptions of 
 
 
 @dataclass(frozen=True)
-class Kind:
+class LawKind:
     """A kind of law.
 
     does: what the observable does, in words, of the law's keys. judge: the verdict on a line. finding: what was
@@ -516,14 +516,14 @@ class Kind:
         return (*self.needs, *self.one_of, *self.keys)
 
 
-KINDS: dict[str, Kind] = {
-    MONOTONE: Kind(
+KINDS: dict[str, LawKind] = {
+    MONOTONE: LawKind(
         lambda rule, show: DIRECTIONS[rule["direction"]].does, keeps_direction,
         needs=("direction",), keys=("says", "alternatives", "also"), exceptions=STEPS,
     ),
-    "equals": Kind(_equals, equals, _off, ("formula",), ("relative", "absolute"), exclusive=True),
-    "bounded": Kind(_bounds, bound, _range, one_of=("least", "most")),
-    "scales": Kind(_scales, scales, _exponent, ("exponent", "within")),
-    "boundary": Kind(_passes, boundary, _gap, ("passes", "x", "within")),
+    "equals": LawKind(_equals, equals, _off, ("formula",), ("relative", "absolute"), exclusive=True),
+    "bounded": LawKind(_bounds, bound, _range, one_of=("least", "most")),
+    "scales": LawKind(_scales, scales, _exponent, ("exponent", "within")),
+    "boundary": LawKind(_passes, boundary, _gap, ("passes", "x", "within")),
 }  # fmt: skip
 FORMULAS = ("formula", "least", "most", "passes", "x")  # keys whose value may be a formula

@@ -36,7 +36,7 @@ from .line_verdicts import (
     TREND,
     UNDECIDED,
     VERDICTS,
-    Kind,
+    LawKind,
     Verdict,
     as_given,
     as_good,
@@ -150,7 +150,7 @@ class Law(BaseModel):
             )
         return self
 
-    def _check_keys(self, kind: Kind) -> None:
+    def _check_keys(self, kind: LawKind) -> None:
         """Raise `ValueError` unless the keys are those of the kind of the law."""
         said = self.rule
         for key in said:
@@ -166,7 +166,7 @@ class Law(BaseModel):
             raise ValueError(f"a law of the kind {self.kind!r} needs {how} of the keys {choices(kind.one_of)}")
 
     @property
-    def _kind(self) -> Kind:
+    def _kind(self) -> LawKind:
         return KINDS[self.kind]
 
     @property

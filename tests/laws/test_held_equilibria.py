@@ -15,7 +15,7 @@ from solver.held.held_search import Mirror, held_search, image_of, mirrors_of
 from solver.numerics.arrays import Array
 from solver.observe.observables import observe
 from solver.orbits.boundary import path_of
-from solver.orbits.level_search import Found, search_levels
+from solver.orbits.level_search import FoundPaths, search_levels
 from solver.problem.reduced import EndsProblem, reduce_held
 from tests.laws.test_held_ends import discrete_index
 
@@ -193,7 +193,7 @@ def test_only_images_with_the_given_numbers_are_taken() -> None:
 ROW = {"alpha": 2, "z": 3}  # of what an orbit returns
 
 
-def displaced(case: Case, number: str, load: float) -> tuple[Found, Array]:
+def displaced(case: Case, number: str, load: float) -> tuple[FoundPaths, Array]:
     """All equilibria under a dead load in place of what is held, and what they have of it."""
     given = Given.of(reduce_held(case))
     known = dict(zip(given.names, given.values.tolist(), strict=True))

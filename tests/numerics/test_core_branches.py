@@ -19,7 +19,7 @@ from solver import Branch, Case, Cylinder, Ends, Rod, equilibria, follow, solve
 from solver.branches.charts import Chart
 from solver.branches.orbit_rates import HOW
 from solver.core import branch_calls, tuning
-from solver.core.branch_calls import RECORD, Point, Steps, chart_of, orbit_rates
+from solver.core.branch_calls import RECORD, BranchSteps, Point, chart_of, orbit_rates
 from solver.core.build import HERE
 from solver.core.library import Tuning, library
 from solver.orbits.boundary import CUTTING, NODES, Path
@@ -34,7 +34,7 @@ def test_what_the_problem_raises_passes_through_the_core() -> None:
     def numbers(value: float) -> Any:
         raise KeyError(value)
 
-    steps = Steps(numbers, 1.0, NODES, (CUTTING, CUTTING))
+    steps = BranchSteps(numbers, 1.0, NODES, (CUTTING, CUTTING))
     with pytest.raises(KeyError):
         steps.excess(chart_of(Chart("start", Path(0.5, 1.0, 0.0, 1, 2), 1.0, False)), 0.0, np.array([1.0]))
 
@@ -63,8 +63,8 @@ def test_what_any_call_of_the_problem_raises_ends_the_branch_at_once(way: str, m
 
         return at
 
-    whole = Steps.__init__
-    monkeypatch.setattr(Steps, "__init__", lambda self, numbers, *rest: whole(self, counted(numbers), *rest))
+    whole = BranchSteps.__init__
+    monkeypatch.setattr(BranchSteps, "__init__", lambda self, numbers, *rest: whole(self, counted(numbers), *rest))
     go()
     count = calls
     assert count > 20
@@ -150,7 +150,7 @@ def test_odd_numbers_end_in_an_answer_or_in_none(seed: int) -> None:
         chart = Chart(str(rng.choice(["saddle", "start", "end"])), path, 1.0, bool(rng.random() < 0.5))
         for held in (None, (0, 1, 6, 7, 8), (2, 1, 6, 4, 11)):
             count = 7 if held else 6
-            steps = Steps(lambda p, one=numbers[:count]: one + 1e-3 * p, 1.0, POINTS, HOW, held)
+            steps = BranchSteps(lambda p, one=numbers[:count]: one + 1e-3 * p, 1.0, POINTS, HOW, held)
             at = Point(sign=1.0, ahead=1e-6, chart=chart_of(chart))
             at.w[:], at.tangent[:] = rng.normal(size=7).tolist(), [0, 1, 0, 0, 0, 0, 0]
             at.jacobian[:] = rng.normal(size=42).tolist()

@@ -16,7 +16,7 @@ from solver.core import measures
 from solver.core.library import run
 from solver.observe.observables import observe
 from solver.observe.self_contact import compare_strands
-from solver.observe.solution_pieces import Pieces, pieces_of
+from solver.observe.solution_pieces import SolutionPieces, pieces_of
 from solver.problem.reduced import StartProblem
 from tests.cases import random_rods
 from tests.extreme_cases import KINDS, draw
@@ -66,7 +66,7 @@ def test_only_the_groups_that_are_asked_for_are_measured() -> None:
             assert bits({name: alone[name]}) == bits({name: whole[name]})
 
 
-def odd_pieces(rng: np.random.Generator) -> Pieces:
+def odd_pieces(rng: np.random.Generator) -> SolutionPieces:
     """Rods of odd loads and series, cut anywhere; some have no piece."""
     size, count, n = int(rng.integers(0, 12)), int(rng.integers(0, 40)), int(rng.integers(1, 60))
     problem = StartProblem(*odd(rng, 6, size))
@@ -76,7 +76,7 @@ def odd_pieces(rng: np.random.Generator) -> Pieces:
     ends = np.where(rng.random((2, count)) < 0.5, [[-1.0], [1.0]], np.sort(rng.uniform(-1, 1, (2, count)), axis=0))
     time, often, begin = np.abs(odd(rng, 3, count))
     keep = case < size
-    pieces = Pieces(problem, series, case, row, *ends, time, often, begin, monotone=bool(rng.integers(2)))
+    pieces = SolutionPieces(problem, series, case, row, *ends, time, often, begin, monotone=bool(rng.integers(2)))
     return pieces.take(keep)
 
 

@@ -8,7 +8,7 @@ from solver.branches.given_numbers import Given
 from solver.branches.held_index import held_energy
 from solver.branches.system import state_of
 from solver.held.bordered_bands import Bordered, times
-from solver.held.discrete_energy import DiscreteEnergy, Mesh
+from solver.held.discrete_energy import DiscreteEnergy, EnergyMesh
 from solver.held.energy_minima import energy_minima, refinement
 from solver.orbits.boundary import path_of
 from solver.problem.reduced import reduce_held
@@ -37,7 +37,7 @@ def shape_on(land: DiscreteEnergy) -> np.ndarray:
 @pytest.mark.parametrize("ends", ENDS)
 def test_slope_and_curvature_are_those_of_differences_of_the_energy(ends: Ends) -> None:
     """Along the constraints, on which the energy and not a Lagrangian is measured."""
-    land = DiscreteEnergy(given_of(ends), Mesh.with_layers(2, 1.0), 1.0)
+    land = DiscreteEnergy(given_of(ends), EnergyMesh.with_layers(2, 1.0), 1.0)
     beta, u = shape_on(land), land.mesh.nodes
     slopes = land.slopes(beta)
     assert slopes is not None

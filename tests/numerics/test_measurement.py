@@ -8,7 +8,7 @@ import pytest
 
 from solver import Case, Cylinder, Rod, Start, solve
 from solver.methods import available
-from solver.observe.measurement import Reading
+from solver.observe.measurement import MeasuredNumbers
 from solver.observe.observables import OBSERVABLES, error_name, observe
 from solver.orbits.periodic_orbit import LIBRATION
 from solver.problem.quantities import QUANTITIES
@@ -167,7 +167,7 @@ def test_the_smallest_and_the_largest_angle_of_a_libration_are_those_of_beta_alo
     for start in starts:
         rod = Rod(E=E, nu=0.25, a=0.25, L=L, stiffness="paper")
         sol = solve(Case(rod, Cylinder(R=0.75), start), 1e-9, method, 4001)
-        read, librates = Reading(sol), sol.trajectory.orbit.kind == LIBRATION
+        read, librates = MeasuredNumbers(sol), sol.trajectory.orbit.kind == LIBRATION
         assert librates.any()
         beta_of = sol.beta.reshape(-1, 4001)[librates]
         step = np.abs(np.diff(beta_of)).max(axis=-1)  # an extremum lies between two stations

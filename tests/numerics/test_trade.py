@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from solver import Case, InputError, Solution, benchmark, solve
-from solver.benchmark import Row, cheapest, drift, errors_against, measure
+from solver.benchmark import BenchmarkRow, cheapest, drift, errors_against, measure
 from solver.methods import METHODS, available
 from solver.methods.base import Ladder, tens
 from solver.problem.reduced import reduce
@@ -37,7 +37,7 @@ def asked(*names: str) -> dict:
 
 
 @pytest.fixture(scope="module")
-def rows() -> list[Row]:
+def rows() -> list[BenchmarkRow]:
     return measure(asked("force-first/tension", "gap 1e-06", "ends table 1"), SHORT)
 
 
@@ -201,7 +201,7 @@ def test_what_is_not_finite_is_infinitely_wrong() -> None:
 
 
 def test_the_cheapest_is_solved_meets_the_level_and_takes_least(rows) -> None:
-    def row(ladder: str, seconds: float, error: float, solved: bool = True) -> Row:
+    def row(ladder: str, seconds: float, error: float, solved: bool = True) -> BenchmarkRow:
         return replace(rows[0], ladder=ladder, seconds=seconds, error_beta=error, error_position=0.0, solved=solved)
 
     some = [row("slow", 3.0, 1e-9), row("coarse", 0.1, 1e-2), row("lucky", 0.2, 1e-9, False), row("a", 2, 1e-4)]

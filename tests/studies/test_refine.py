@@ -5,7 +5,7 @@ import pytest
 
 from studies.language.loader import dumps, loads
 from studies.language.refine import refinement
-from studies.language.refinement import BUDGET, TOLERANCE, Lattice, Lines, Refinement, refinement_of
+from studies.language.refinement import BUDGET, TOLERANCE, Lattice, RefinedLines, Refinement, refinement_of
 
 HEAD = 'title = "r"\nreading = "force-first/tension/paper"\n'
 UNITS = '[units]\nlength = "cm"\nforce = "N"\n'
@@ -155,7 +155,7 @@ def test_along_one_axis_what_holds_the_middle_of_a_level_interval_is_found() -> 
 def with_law(along: int, budget: int = 10**6) -> Refinement:
     """Lines are judged by the largest of a made-up number on them."""
     axes = {"x": np.linspace(0, 1, 6), "y": np.linspace(0, 1, 4)}
-    lines = Lines(along, 0, lambda values: np.where(values.max(axis=1) > 0.8, "fails", "holds"))
+    lines = RefinedLines(along, 0, lambda values: np.where(values.max(axis=1) > 0.8, "fails", "holds"))
     found = Refinement(Lattice(axes, frozenset(), 5), np.array([np.inf]), budget, (lines,))
     while found.wanted:
         x, y = found.lattice.values(found.places[-found.wanted :]).values()

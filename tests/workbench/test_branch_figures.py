@@ -20,7 +20,7 @@ from tests.workbench.page_faults import share_of_red
 from workbench.branches import branch_dataset
 from workbench.branches.equilibria_dataset import dataset_of
 from workbench.figures import bifurcation, equilibria_figure, point_numbers, unrolled
-from workbench.figures.point_numbers import Point
+from workbench.figures.point_numbers import NumberedPoint
 from workbench.stored.stored_study import StoredStudy
 
 ROD, CYLINDER = Rod(E=325.95, nu=0.25, a=0.25, L=5.0), Cylinder(R=0.75)
@@ -133,8 +133,10 @@ def test_numbers_cover_neither_each_other_nor_a_point() -> None:
     ax = fig.add_axes((0, 0, 1, 1))
     ax.set(xlim=(0, 6), ylim=(0, 3))  # inches
     rng = np.random.default_rng(2)
-    points = [Point(float(x), float(y), str(k)) for k, (x, y) in enumerate(rng.uniform((2, 1), (4, 2), (14, 2)))]
-    points += [Point(5.0, 2.0, "20"), Point(5.0, 2.0, "21"), Point(5.0, 2.0, "22")]
+    points = [
+        NumberedPoint(float(x), float(y), str(k)) for k, (x, y) in enumerate(rng.uniform((2, 1), (4, 2), (14, 2)))
+    ]
+    points += [NumberedPoint(5.0, 2.0, "20"), NumberedPoint(5.0, 2.0, "21"), NumberedPoint(5.0, 2.0, "22")]
     point_numbers.write(ax, points, [], [], (6.0, 3.0))
     fig.draw_without_rendering()
     assert "20–22" in [text.get_text() for text in ax.texts]
@@ -169,7 +171,7 @@ CLOSE = {
 def test_a_number_is_nearest_to_its_own_point_or_has_a_line_to_it(name) -> None:
     ax = Figure(figsize=(6, 3)).add_axes((0, 0, 1, 1))
     ax.set(xlim=(0, 6), ylim=(0, 3))  # inches
-    points = [Point(x, y, str(k + 5)) for k, (x, y) in enumerate(CLOSE[name])]
+    points = [NumberedPoint(x, y, str(k + 5)) for k, (x, y) in enumerate(CLOSE[name])]
     point_numbers.write(ax, points, [], [], (6.0, 3.0))
     assert len(ax.texts) == len(points)
     assert unclear(ax) == []
@@ -187,7 +189,7 @@ def test_no_number_of_a_diagram_of_branches_is_nearer_to_another_point(which, dr
 @pytest.mark.parametrize("sizes", [[(10.0, 3.0)] * 3, [(0.2, 7.0), (7.0, 0.2)], [(5.0, 0.0)] * 9])
 def test_shapes_in_rows_have_one_scale_and_neither_meet_nor_leave_the_page(sizes) -> None:
     views = [
-        unrolled.View(np.linspace(1, 1 + wide, 9), np.linspace(0, tall, 9), f"{k}", {})
+        unrolled.UnrolledView(np.linspace(1, 1 + wide, 9), np.linspace(0, tall, 9), f"{k}", {})
         for k, (wide, tall) in enumerate(sizes)
     ]
     form = unrolled.plan(views, (6.0, 3.0), 8.0)

@@ -17,7 +17,7 @@ from tests.workbench import runs, small
 from tests.workbench.test_faults import DEADLY, GRID, SMALL, TELLING, whole  # noqa: F401  (a fixture)
 from tests.workbench.waiting import until
 from workbench.run import cluster, plan, recipe, worker_processes
-from workbench.run.study_store import Options, run_to_file
+from workbench.run.study_store import RunOptions, run_to_file
 
 distributed = pytest.importorskip("distributed")
 
@@ -29,7 +29,7 @@ SAMPLES = "[sample]\nsize = 150\n[sample.E]\nfrom = 5e3\nto = 4e4\n[sample.F1]\n
 def test_a_scheduler_that_is_not_there_is_told_in_one_sentence(tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(cluster, "PATIENCE", 0.3)
     with pytest.raises(InputError, match=r"^no Dask scheduler answers at tcp://127\.0\.0\.1:9: [^\n]*$"):
-        run_to_file(load(runs.study(tmp_path, GRID)), tmp_path / "many.h5", Options(scheduler="tcp://127.0.0.1:9"))
+        run_to_file(load(runs.study(tmp_path, GRID)), tmp_path / "many.h5", RunOptions(scheduler="tcp://127.0.0.1:9"))
 
 
 class Cluster:

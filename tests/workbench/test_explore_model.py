@@ -14,7 +14,7 @@ from workbench.web.live.presets import PRESETS
 BY_NAME = {preset.name: preset for preset in PRESETS}
 
 
-def shape(name: str = "table1", **changes: object) -> page_model.Shape:
+def shape(name: str = "table1", **changes: object) -> page_model.LiveRod:
     return page_model.shape(page_model.study_of(state(name, **changes)))
 
 

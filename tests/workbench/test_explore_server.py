@@ -170,7 +170,7 @@ def test_a_rod_is_solved_once_for_its_shape_and_its_numbers(port, monkeypatch) -
 
 
 def test_only_so_many_shapes_are_remembered() -> None:
-    shapes = server.Shapes()
+    shapes = server.LiveRods()
     names = [str(k) for k in range(server.REMEMBERED + 5)]
     for name in names:
         shapes.keep(name, name)

@@ -23,7 +23,7 @@ from tests.slow import slow, slow_but
 from tests.workbench import runs, small
 from workbench.commands.options import axis_values
 from workbench.export import step, stored_rod
-from workbench.export.base import Options
+from workbench.export.base import ExportOptions
 from workbench.export.stored_rod import export
 from workbench.geometry import centreline, self_contact, stored_line
 from workbench.run import in_memory, writing
@@ -98,7 +98,7 @@ def kernel():
 @pytest.fixture(scope="module")
 def step_file(ds, kernel, tmp_path_factory) -> Path:
     path = tmp_path_factory.mktemp("step") / "rod.step"
-    assert export(StoredStudy(ds), path, Options(SOUND)).warnings == []
+    assert export(StoredStudy(ds), path, ExportOptions(SOUND)).warnings == []
     return path
 
 
@@ -179,7 +179,7 @@ def test_the_text_of_a_step_file_says_the_same_to_a_reader_without_a_cad_kernel(
 @pytest.mark.parametrize("length, size", [("nm", 1e-9), ("dm", 0.1), ("in", 0.0254)])
 def test_a_step_file_keeps_the_studys_unit(kernel, tmp_path, length, size) -> None:
     ds = in_memory.run(loads(STUDY.replace('"cm"', f'"{length}"'), default_name="moduli"))
-    export(StoredStudy(ds), tmp_path / "rod.step", Options(SOUND, centreline=True))
+    export(StoredStudy(ds), tmp_path / "rod.step", ExportOptions(SOUND, centreline=True))
     (edge,) = parts(kernel, shapes(kernel, tmp_path / "rod.step"), "EDGE")
     properties = kernel.GProp_GProps()
     kernel.BRepGProp.LinearProperties_s(edge, properties)
@@ -187,19 +187,19 @@ def test_a_step_file_keeps_the_studys_unit(kernel, tmp_path, length, size) -> No
 
 
 def test_a_step_file_is_no_nearer_than_it_says_and_needs_no_more_spans_than_that(ds, kernel, tmp_path) -> None:
-    fine = export(StoredStudy(ds), tmp_path / "fine.step", Options(SOUND, 1e-6, centreline=True)).facts
-    rough = export(StoredStudy(ds), tmp_path / "rough.step", Options(SOUND, 1e-3, centreline=True)).facts
+    fine = export(StoredStudy(ds), tmp_path / "fine.step", ExportOptions(SOUND, 1e-6, centreline=True)).facts
+    rough = export(StoredStudy(ds), tmp_path / "rough.step", ExportOptions(SOUND, 1e-3, centreline=True)).facts
     assert rough["spans"] < fine["spans"]
     assert rough["within"] <= 5e-4
 
 
 def test_no_solid_is_made_of_a_rod_that_cannot_be_one(ds, kernel, tmp_path) -> None:
     with pytest.raises(InputError, match=r"bends with a radius of 0.22.* less than its own radius.*--centreline"):
-        export(StoredStudy(ds), tmp_path / "rod.step", Options({"E": 5e3}, overlap=True))
+        export(StoredStudy(ds), tmp_path / "rod.step", ExportOptions({"E": 5e3}, overlap=True))
     with pytest.raises(InputError, match=r"passes through itself: at s = .*--overlap"):
-        export(StoredStudy(ds), tmp_path / "rod.step", Options({"E": 1.07e4}))
+        export(StoredStudy(ds), tmp_path / "rod.step", ExportOptions({"E": 1.07e4}))
     assert list(tmp_path.iterdir()) == []
-    done = export(StoredStudy(ds), tmp_path / "rod.step", Options({"E": 1.07e4}, overlap=True))
+    done = export(StoredStudy(ds), tmp_path / "rod.step", ExportOptions({"E": 1.07e4}, overlap=True))
     assert "passes through itself" in done.warnings[0]
     assert done.facts["volume"] == pytest.approx(VOLUME, rel=1e-8)
 
@@ -207,7 +207,7 @@ def test_no_solid_is_made_of_a_rod_that_cannot_be_one(ds, kernel, tmp_path) -> N
 def test_without_open_cascade_one_sentence_says_what_to_install(ds, tmp_path, monkeypatch) -> None:
     monkeypatch.setitem(sys.modules, "OCP", None)
     with pytest.raises(InputError, match=r"STEP files need Open Cascade.*rod-workbench\[cad\].*libgl1"):
-        export(StoredStudy(ds), tmp_path / "rod.step", Options(SOUND))
+        export(StoredStudy(ds), tmp_path / "rod.step", ExportOptions(SOUND))
     assert list(tmp_path.iterdir()) == []
 
 
@@ -225,7 +225,7 @@ def read_mesh(path: Path) -> trimesh.Trimesh:
 @pytest.mark.parametrize("kind, scale", [(".stl", 1.0), (".obj", 1.0), (".glb", 0.01), (".gltf", 0.01)])
 def test_a_mesh_is_closed_and_has_the_rods_volume(ds, tmp_path, kind, scale) -> None:
     path = tmp_path / f"rod{kind}"
-    facts = export(StoredStudy(ds), path, Options(SOUND, 5e-4)).facts
+    facts = export(StoredStudy(ds), path, ExportOptions(SOUND, 5e-4)).facts
     mesh = read_mesh(path)
     assert len(mesh.faces) == facts["triangles"]
     assert mesh.is_watertight
@@ -239,7 +239,7 @@ def test_the_mesh_is_as_near_to_the_rod_as_asked(ds, tmp_path) -> None:
     centre = rod(2e4, s).position
     for tolerance in (5e-3, 5e-4):
         path = tmp_path / f"{tolerance}.stl"
-        export(StoredStudy(ds), path, Options(SOUND, tolerance))
+        export(StoredStudy(ds), path, ExportOptions(SOUND, tolerance))
         mesh = trimesh.load(path)
         away = cKDTree(centre).query(np.concatenate([mesh.vertices, mesh.triangles.mean(axis=1)]))[0]
         inner = away > 0.2  # not the two flat ends
@@ -252,7 +252,7 @@ def test_the_mesh_is_as_near_to_the_rod_as_asked(ds, tmp_path) -> None:
 @pytest.mark.parametrize("most", [700, 5_000, 50_000])
 @pytest.mark.parametrize("kind", [".stl", ".glb"])
 def test_a_mesh_has_as_many_triangles_as_are_allowed_and_is_as_near_as_it_says(ds, tmp_path, kind, most) -> None:
-    facts = export(StoredStudy(ds), tmp_path / f"rod{kind}", Options(SOUND, triangles=most)).facts
+    facts = export(StoredStudy(ds), tmp_path / f"rod{kind}", ExportOptions(SOUND, triangles=most)).facts
     mesh = read_mesh(tmp_path / f"rod{kind}")
     assert len(mesh.faces) == facts["triangles"] <= most
     assert facts["triangles"] > 0.9 * most or facts["tolerance"] == pytest.approx(1e-3 * 0.25)  # the default
@@ -264,17 +264,17 @@ def test_a_mesh_has_as_many_triangles_as_are_allowed_and_is_as_near_as_it_says(d
 
 
 def test_a_tube_with_a_bore_has_no_more_triangles_than_allowed(tube, tmp_path) -> None:
-    facts = export(StoredStudy(tube), tmp_path / "tube.stl", Options(triangles=5_000)).facts
+    facts = export(StoredStudy(tube), tmp_path / "tube.stl", ExportOptions(triangles=5_000)).facts
     assert 4_500 < facts["triangles"] == len(read_mesh(tmp_path / "tube.stl").faces) <= 5_000
 
 
 @pytest.mark.parametrize(
     "name, options, words",
     [
-        ("rod.csv", Options(SOUND, triangles=500), "for the meshes"),
-        ("rod.stl", Options(SOUND, 0.1, triangles=500), "give one of them"),
-        ("rod.stl", Options(SOUND, triangles=0), "must be positive, got 0"),
-        ("rod.stl", Options(SOUND, triangles=50), "give --triangles [0-9]+ or more"),
+        ("rod.csv", ExportOptions(SOUND, triangles=500), "for the meshes"),
+        ("rod.stl", ExportOptions(SOUND, 0.1, triangles=500), "give one of them"),
+        ("rod.stl", ExportOptions(SOUND, triangles=0), "must be positive, got 0"),
+        ("rod.stl", ExportOptions(SOUND, triangles=50), "give --triangles [0-9]+ or more"),
     ],
 )
 def test_a_budget_that_no_mesh_keeps_is_refused(ds, tmp_path, name, options, words) -> None:
@@ -292,17 +292,17 @@ def test_the_size_of_large_meshes_is_told_before_they_are_written(ds, tmp_path, 
         told.append(sentence)
         assert not list(tmp_path.iterdir())
 
-    export(StoredStudy(ds), tmp_path / name, Options({} if "{" in name else SOUND, 1e-3), False, tell)
+    export(StoredStudy(ds), tmp_path / name, ExportOptions({} if "{" in name else SOUND, 1e-3), False, tell)
     (sentence,) = told
     size = sum(file.stat().st_size for file in tmp_path.iterdir()) / 1e6
     assert words in sentence
     assert float(re.findall("about ([0-9]+) MB", sentence)[0]) == pytest.approx(size, abs=0.1 * size + 0.5)
-    export(StoredStudy(ds), tmp_path / "small.obj", Options(SOUND, triangles=2_000), False, tell)
+    export(StoredStudy(ds), tmp_path / "small.obj", ExportOptions(SOUND, triangles=2_000), False, tell)
     assert len(told) == 1
 
 
 def test_gltf_has_the_scenes_two_colours_where_the_cylinder_pushes_and_where_not(ds, tmp_path) -> None:
-    export(StoredStudy(ds), tmp_path / "rod.glb", Options(SOUND))
+    export(StoredStudy(ds), tmp_path / "rod.glb", ExportOptions(SOUND))
     mesh = pv.read(tmp_path / "rod.glb").combine()
     colours, count = np.unique(np.round(mesh.point_data["COLOR_0"], 4), axis=0, return_counts=True)
     assert len(colours) == 2
@@ -318,12 +318,12 @@ def test_gltf_has_the_scenes_two_colours_where_the_cylinder_pushes_and_where_not
 def test_the_same_rod_is_the_same_file(ds, tmp_path, kind) -> None:
     files = [tmp_path / f"{name}{kind}" for name in ("one", "other")]
     for path in files:
-        export(StoredStudy(ds), path, Options(SOUND, 5e-3))
+        export(StoredStudy(ds), path, ExportOptions(SOUND, 5e-3))
     assert files[0].read_bytes() == files[1].read_bytes()
 
 
 def test_gltf_is_of_no_metal_and_names_the_case(ds, tmp_path) -> None:
-    export(StoredStudy(ds), tmp_path / "rod.gltf", Options(SOUND, 5e-3))
+    export(StoredStudy(ds), tmp_path / "rod.gltf", ExportOptions(SOUND, 5e-3))
     tree = json.loads((tmp_path / "rod.gltf").read_text())
     (mesh,) = tree["meshes"]
     (primitive,) = mesh["primitives"]
@@ -334,7 +334,7 @@ def test_gltf_is_of_no_metal_and_names_the_case(ds, tmp_path) -> None:
 
 
 def test_a_mesh_of_a_rod_that_meets_itself_is_written_and_said(ds, tmp_path) -> None:
-    done = export(StoredStudy(ds), tmp_path / "rod.stl", Options({"E": 5e3}, 5e-3))
+    done = export(StoredStudy(ds), tmp_path / "rod.stl", ExportOptions({"E": 5e3}, 5e-3))
     assert ["kappa a >= 1" in done.warnings[0], "passes through itself" in done.warnings[1]] == [True, True]
     assert done.path.exists()
 
@@ -343,7 +343,7 @@ def test_a_mesh_of_a_rod_that_meets_itself_is_written_and_said(ds, tmp_path) -> 
 
 
 def test_a_csv_file_has_every_quantity_with_its_unit_as_the_solver_has_it(ds, tmp_path) -> None:
-    export(StoredStudy(ds), tmp_path / "rod.csv", Options(SOUND))
+    export(StoredStudy(ds), tmp_path / "rod.csv", ExportOptions(SOUND))
     with (tmp_path / "rod.csv").open(encoding="utf-8", newline="") as file:
         head, *rows = csv.reader(file)
     table = dict(zip((name.split(" ")[0] for name in head), np.array(rows, float).T, strict=True))
@@ -357,7 +357,7 @@ def test_a_csv_file_has_every_quantity_with_its_unit_as_the_solver_has_it(ds, tm
 
 
 def test_a_vtp_file_is_a_polyline_with_every_quantity_as_point_data(ds, tmp_path) -> None:
-    export(StoredStudy(ds), tmp_path / "rod.vtp", Options(SOUND))
+    export(StoredStudy(ds), tmp_path / "rod.vtp", ExportOptions(SOUND))
     shape = pv.read(tmp_path / "rod.vtp")
     sol = rod(2e4, shape.point_data["s"])
     np.testing.assert_allclose(shape.points, sol.position, atol=1e-9)
@@ -368,14 +368,14 @@ def test_a_vtp_file_is_a_polyline_with_every_quantity_as_point_data(ds, tmp_path
 
 
 def test_a_vtp_file_escapes_letters_that_vtk_does_not_store(ds, tmp_path) -> None:
-    export(StoredStudy(ds.assign_attrs(versions="\u2028")), tmp_path / "rod.vtp", Options(SOUND))
+    export(StoredStudy(ds.assign_attrs(versions="\u2028")), tmp_path / "rod.vtp", ExportOptions(SOUND))
     assert str(pv.read(tmp_path / "rod.vtp").field_data["versions"][0]) == r"\u2028"
 
 
 def test_a_study_that_varies_the_angle_is_exported_with_the_one_along_the_rod(tmp_path) -> None:
     axis = "[axes.beta]\nvalues = [15.0, 30.0]\nunit = 'deg'\n"
     varied = in_memory.run(loads(STUDY.partition("[axes.E]")[0] + axis, default_name="angles"))
-    export(StoredStudy(varied), tmp_path / "rod.csv", Options(axis_values(StoredStudy(varied), ["beta=15deg"])))
+    export(StoredStudy(varied), tmp_path / "rod.csv", ExportOptions(axis_values(StoredStudy(varied), ["beta=15deg"])))
     with (tmp_path / "rod.csv").open() as file:
         first = next(csv.DictReader(file))
     assert float(first["beta [rad]"]) == pytest.approx(np.radians(15))
@@ -433,7 +433,7 @@ def _tube() -> xr.Dataset:
 
 @pytest.mark.parametrize("suffix", [".stl", ".obj", ".glb"])
 def test_the_mesh_of_a_tube_is_closed_and_has_its_bore(tube: xr.Dataset, tmp_path: Path, suffix: str) -> None:
-    written = export(StoredStudy(tube), tmp_path / f"tube{suffix}", Options(tolerance=2.5e-3))
+    written = export(StoredStudy(tube), tmp_path / f"tube{suffix}", ExportOptions(tolerance=2.5e-3))
     mesh = read_mesh(written.path)
     assert mesh.is_watertight
     assert mesh.is_winding_consistent
@@ -456,13 +456,13 @@ def test_a_number_in_the_name_writes_each_rod_of_the_axis_as_it_is_alone(ds, tmp
     done = export(StoredStudy(unsolved), tmp_path / f"frame_{{:03d}}{suffix}")
     assert sorted(file.name for file in tmp_path.iterdir()) == [f"frame_000{suffix}", f"frame_002{suffix}"]
     assert (done.facts["files"], done.facts["unsolved"], done.facts["values"]) == (2, 1, [5e3, 2e4])
-    export(StoredStudy(ds), tmp_path / f"one{suffix}", Options({"E": 2e4}))
+    export(StoredStudy(ds), tmp_path / f"one{suffix}", ExportOptions({"E": 2e4}))
     assert (tmp_path / f"frame_002{suffix}").read_bytes() == (tmp_path / f"one{suffix}").read_bytes()
 
 
 @pytest.mark.slow
 def test_a_rod_that_is_no_solid_is_left_out_and_its_neighbours_are_written(kernel, ds, tmp_path) -> None:
-    done = export(StoredStudy(ds), tmp_path / "frame_{:d}.step", Options(overlap=True))
+    done = export(StoredStudy(ds), tmp_path / "frame_{:d}.step", ExportOptions(overlap=True))
     assert sorted(file.name for file in tmp_path.iterdir()) == ["frame_1.step", "frame_2.step"]
     assert "E=5000 is left out: no solid: the rod bends with a radius" in done.warnings[0]
 

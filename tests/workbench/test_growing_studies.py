@@ -11,7 +11,7 @@ from tests.slow import slow_but
 from tests.workbench import runs, small
 from tests.workbench.study_kinds import pipe_study, refinement_study, sample_study, snapping, table_1
 from workbench.run import assembly
-from workbench.run.study_store import Options, run_to_file
+from workbench.run.study_store import RunOptions, run_to_file
 
 FORCES = np.linspace(1, 9, 60)
 small_blocks = runs.small_blocks(64)
@@ -74,11 +74,11 @@ def test_what_is_new_is_solved_and_what_is_stored_is_kept_unless_the_study_is_an
 ) -> None:
     row, path, alone = ROWS[name], tmp_path / "one.h5", tmp_path / "alone.h5"
     monkeypatch.setattr(assembly, "WINDOW", 20_000)  # bytes: many boxes, which begin inside blocks
-    run_to_file(row.before, path, Options(workers=1))
+    run_to_file(row.before, path, RunOptions(workers=1))
     with xr.open_dataset(path) as ds:
         old = cases(ds.load())
-    solved = run_to_file(row.after, path, Options(workers=1)).solved
-    run_to_file(row.after, alone, Options(workers=1))
+    solved = run_to_file(row.after, path, RunOptions(workers=1)).solved
+    run_to_file(row.after, alone, RunOptions(workers=1))
     with xr.open_dataset(path) as ds, xr.open_dataset(alone) as fresh:
         new = cases(ds.load())
         assert len(new) == fresh["outcome"].size

@@ -16,7 +16,7 @@ import workbench.accessor  # noqa: F401
 from solver import Case, Cylinder, InputError, Rod, Start, solve
 from solver.problem.units import FORCES, LENGTHS
 from tests.workbench import small
-from workbench.export.base import Options
+from workbench.export.base import ExportOptions
 from workbench.export.stored_rod import export
 from workbench.geometry import stored_line
 from workbench.run import in_memory, writing
@@ -137,7 +137,7 @@ def times(path: Path) -> dict[float, Path]:
 
 
 def test_a_time_series_has_one_file_a_value_in_rising_order(line, tmp_path) -> None:
-    done = export(StoredStudy(line), tmp_path / "moduli.pvd", Options({}))
+    done = export(StoredStudy(line), tmp_path / "moduli.pvd", ExportOptions({}))
     found = times(tmp_path / "moduli.pvd")
     assert list(found) == [1e4, 2e4]
     assert done.facts == {"axis": "E", "files": 2, "unsolved": 0}
@@ -150,7 +150,7 @@ def test_a_time_series_has_one_file_a_value_in_rising_order(line, tmp_path) -> N
 
 
 def test_a_time_series_leaves_out_a_case_without_a_shape(line, tmp_path) -> None:
-    done = export(StoredStudy(small.with_outcomes(line, ["solved", UNSOLVED])), tmp_path / "one.pvd", Options({}))
+    done = export(StoredStudy(small.with_outcomes(line, ["solved", UNSOLVED])), tmp_path / "one.pvd", ExportOptions({}))
     assert list(times(tmp_path / "one.pvd")) == [2e4]
     assert done.facts["unsolved"] == 1
     assert sorted(path.name for path in tmp_path.iterdir()) == ["one", "one.pvd"]
@@ -158,7 +158,7 @@ def test_a_time_series_leaves_out_a_case_without_a_shape(line, tmp_path) -> None
 
 def test_a_time_series_goes_along_the_axis_that_is_not_named(tmp_path) -> None:
     ds = in_memory.run(small.grid().at_stations(61))
-    export(StoredStudy(ds), tmp_path / "radii.pvd", Options({"E": 1e4}))
+    export(StoredStudy(ds), tmp_path / "radii.pvd", ExportOptions({"E": 1e4}))
     assert list(times(tmp_path / "radii.pvd")) == [0.5, 0.75, 1.0]
 
 
@@ -166,7 +166,7 @@ def test_a_folder_with_other_files_is_never_replaced(line, tmp_path) -> None:
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "notes.txt").write_text("mine")
     with pytest.raises(InputError, match=r"mine is not a folder of VTP files only, it is or holds notes.txt"):
-        export(StoredStudy(line), tmp_path / "mine.pvd", Options({}), force=True)
+        export(StoredStudy(line), tmp_path / "mine.pvd", ExportOptions({}), force=True)
     assert (tmp_path / "mine" / "notes.txt").read_text() == "mine"
     assert not (tmp_path / "mine.pvd").exists()
 
@@ -181,7 +181,7 @@ def numbers(text: str, name: str) -> np.ndarray:
 
 def test_a_usd_curve_between_the_stations_is_the_solvers(tmp_path) -> None:
     ds = in_memory.run(small.study("[axes.E]\nvalues = [2e4]\n").at_stations(201))
-    export(StoredStudy(ds), tmp_path / "rod.usda", Options({}))
+    export(StoredStudy(ds), tmp_path / "rod.usda", ExportOptions({}))
     text = (tmp_path / "rod.usda").read_text()
     assert text.startswith("#usda 1.0\n")
     assert 'metersPerUnit = 0.01\n    upAxis = "Z"' in text
@@ -215,11 +215,13 @@ def test_too_few_stations_for_the_cubics_of_usd_are_refused_and_the_number_named
     coarse = in_memory.run(study.at_stations(8))
     for tolerance in (None, 1e-3, 0.1):
         with pytest.raises(InputError, match=r"8 stations fix the rod between them to \S+ cm only, and") as told:
-            export(StoredStudy(coarse), tmp_path / "rod.usda", Options(tolerance=tolerance))
+            export(StoredStudy(coarse), tmp_path / "rod.usda", ExportOptions(tolerance=tolerance))
         assert f"is needed for a tolerance of {tolerance or 2.5e-4:g} cm: store about" in str(told.value)
         more = int(re.search(r"store about (\d+)", str(told.value))[1])
         done = export(
-            StoredStudy(in_memory.run(study.at_stations(more))), tmp_path / f"{more}.usda", Options(tolerance=tolerance)
+            StoredStudy(in_memory.run(study.at_stations(more))),
+            tmp_path / f"{more}.usda",
+            ExportOptions(tolerance=tolerance),
         )
         assert done.facts["tolerance"] == (tolerance or 2.5e-4)
     assert not (tmp_path / "rod.usda").exists()
@@ -231,7 +233,7 @@ def test_usd_reads_the_curve_and_its_validators_find_nothing(tmp_path) -> None:
 
     assert usd
     dense = in_memory.run(small.grid().at_stations(41))
-    export(StoredStudy(dense), tmp_path / "rod.usda", Options({"E": 1e4, "R": 1.0}, tolerance=1.0))
+    export(StoredStudy(dense), tmp_path / "rod.usda", ExportOptions({"E": 1e4, "R": 1.0}, tolerance=1.0))
     stage = Usd.Stage.Open(str(tmp_path / "rod.usda"))
     assert UsdGeom.GetStageMetersPerUnit(stage) == 0.01
     assert UsdGeom.GetStageUpAxis(stage) == "Z"

@@ -12,7 +12,7 @@ from studies.language.loader import loads
 from studies.laws.line_verdicts import HOLDS
 from tests.workbench import small
 from workbench.run import in_memory
-from workbench.run.study_store import Options, run_to_file
+from workbench.run.study_store import RunOptions, run_to_file
 from workbench.stored import law_verdicts
 
 ROD, WALL = Rod(E=1.07e4, nu=0.25, a=0.25, L=5.0), Cylinder(R=0.75)
@@ -79,7 +79,7 @@ def pushed(axis: str, values: tuple[float, float, int], observable: str) -> Stud
 
 def test_a_study_stores_reactions_and_judges_a_law_of_one(tmp_path: Path) -> None:
     study = pushed("height", (4.6, 4.4, 3), "FZ")
-    run_to_file(study, tmp_path / "pushed.h5", Options(workers=1))
+    run_to_file(study, tmp_path / "pushed.h5", RunOptions(workers=1))
     with xr.open_dataset(tmp_path / "pushed.h5") as ds:
         assert ds["M10"].attrs["units"] == "N cm" or ds["M10"].attrs["units"] == "cm N"
         assert list(ds["M10_error"].dims) == ["height"]

@@ -17,7 +17,7 @@ from tests.workbench.command import run
 from workbench.figures import kinds, map_figure, study_figure
 from workbench.run import block, in_memory, plan, reading, recipe, writing
 from workbench.run.file_summary import summary
-from workbench.run.study_store import Options, run_to_file
+from workbench.run.study_store import RunOptions, run_to_file
 from workbench.stored import law_verdicts, refined, schema
 from workbench.stored.stored_study import StoredStudy
 
@@ -38,7 +38,7 @@ small_blocks = runs.small_blocks(16)
 @pytest.fixture(scope="module")
 def stored(small_blocks, tmp_path_factory) -> Path:
     path = tmp_path_factory.mktemp("stored") / "small.h5"
-    run_to_file(study(PLANE + LAW), path, Options(workers=1))
+    run_to_file(study(PLANE + LAW), path, RunOptions(workers=1))
     return path
 
 
@@ -202,7 +202,7 @@ def test_where_cases_begin_to_fail_is_located_and_failed_cells_are_told(monkeypa
 
     monkeypatch.setattr(block, "block_of", failing)
     path = tmp_path / "ends.h5"
-    run_to_file(work, path, Options(workers=1))
+    run_to_file(work, path, RunOptions(workers=1))
     with xr.open_dataset(path) as ds:
         (pair,) = np.unique(StoredStudy(ds).boundary("outcome")["E"])
         assert abs(pair - 13_333) < 1e-3 * 11_000
@@ -271,7 +271,7 @@ def test_a_complete_file_of_other_code_is_replaced_as_that_of_a_grid(stored: Pat
     path, said = tmp_path / "small.h5", list[str]()
     path.write_bytes(stored.read_bytes())
     monkeypatch.setattr(recipe, "code_version", lambda: "0.2.0+new")
-    done = run_to_file(study(PLANE + LAW), path, Options(workers=1), said.append)
+    done = run_to_file(study(PLANE + LAW), path, RunOptions(workers=1), said.append)
     assert done.solved == reading.open_study(stored).sizes["sample"]
     assert re.match(r"replaces the results in .*small\.h5, which differ: code was [^;]*, now 0\.2\.0\+new$", said[0])
 
@@ -281,7 +281,7 @@ def test_where_a_law_changes_its_verdict_is_the_place_on_the_uniform_lines(tmp_p
     plane = PLANE.replace("count = 4", "count = 13")
     work = study(plane + LAW, '[refine]\nlaws = ["(1)"]\ntolerance = 0.01\n')
     path = tmp_path / "small.h5"
-    run_to_file(work, path, Options(workers=1))
+    run_to_file(work, path, RunOptions(workers=1))
     with xr.open_dataset(path) as ds:
         found = ds.rod.boundary("(1)")
         lattice = refined.describe(ds).lattice

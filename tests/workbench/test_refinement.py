@@ -15,7 +15,7 @@ from tests.slow import slow
 from tests.workbench import small
 from tests.workbench.pictures import draws, pixels, shares_of_push
 from workbench.commands import scene
-from workbench.export.base import Options
+from workbench.export.base import ExportOptions
 from workbench.export.stored_rod import export
 from workbench.geometry import centreline, stored_line
 from workbench.geometry.refinement import COLOUR_STEPS, push_along, rings, stations_for
@@ -189,6 +189,6 @@ def test_a_scene_of_a_long_pipe_shows_no_pull_that_a_dense_solve_denies(tmp_path
 
 def test_a_file_that_does_not_fix_the_colours_of_its_push_is_not_exported_with_them(tmp_path: Path) -> None:
     ds = pipe(161)
-    export(StoredStudy(ds), tmp_path / "pipe.stl", Options(tolerance=0.05))
+    export(StoredStudy(ds), tmp_path / "pipe.stl", ExportOptions(tolerance=0.05))
     with pytest.raises(InputError, match=r"161 stations are too few for the colours of the push .* store about \d+"):
-        export(StoredStudy(ds), tmp_path / "pipe.glb", Options(tolerance=0.05))
+        export(StoredStudy(ds), tmp_path / "pipe.glb", ExportOptions(tolerance=0.05))

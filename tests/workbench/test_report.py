@@ -97,7 +97,7 @@ def results(tmp_path_factory) -> list[StudyResult]:
 
 
 @pytest.fixture(scope="module")
-def measured(tmp_path_factory) -> list[measured_runs.Measured]:
+def measured(tmp_path_factory) -> list[measured_runs.MeasuredRun]:
     save = canvas.save
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(canvas, "save", lambda fig, page, dpi: save(fig, page, 40))  # few dots are soon drawn

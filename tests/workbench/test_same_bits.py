@@ -13,11 +13,11 @@ from tests.slow import slow_but
 from tests.workbench import runs, small
 from tests.workbench.study_kinds import QUICK, STUDIES, pipe_study
 from workbench.run import block, in_memory, plan, stored_case, worker_processes
-from workbench.run.study_store import Options, run_to_file
+from workbench.run.study_store import RunOptions, run_to_file
 from workbench.stored import one_case, quantity_variables
 from workbench.stored.stored_study import StoredStudy
 
-WAYS = {"cut": Options(workers=1, chunk=1), "pool": Options(workers=2, chunk=16)}
+WAYS = {"cut": RunOptions(workers=1, chunk=1), "pool": RunOptions(workers=2, chunk=16)}
 
 small_blocks = runs.small_blocks(16)
 
@@ -30,7 +30,7 @@ def whole(small_blocks, tmp_path_factory) -> dict[str, Path]:
     class Files(dict[str, Path]):
         def __missing__(self, name: str) -> Path:
             self[name] = folder / f"{name}.h5"
-            run_to_file(STUDIES[name], self[name], Options(workers=1, chunk=10_000))
+            run_to_file(STUDIES[name], self[name], RunOptions(workers=1, chunk=10_000))
             return self[name]
 
     return Files()
@@ -62,9 +62,9 @@ def test_a_run_that_is_stopped_goes_on_to_the_same_bits(whole, tmp_path, stopped
     name, after = stopped
     path, expected = tmp_path / "one.h5", runs.contents(whole[name])
     with pytest.raises(KeyboardInterrupt, match="cases are kept in"):
-        run_to_file(STUDIES[name], path, Options(workers=1, chunk=8), progress=runs.stop_after(after))
+        run_to_file(STUDIES[name], path, RunOptions(workers=1, chunk=8), progress=runs.stop_after(after))
     assert not path.exists()
-    done = run_to_file(STUDIES[name], path, Options(workers=1))
+    done = run_to_file(STUDIES[name], path, RunOptions(workers=1))
     assert 0 < done.solved < sum(done.statistics["outcomes"].values())
     assert runs.contents(path) == expected
     assert run_to_file(STUDIES[name], path).finished_before
@@ -99,7 +99,7 @@ IN_BLOCKS = ("grid", "samples", "samples between ends", "sweep")
 
 @pytest.mark.parametrize("name", slow_but(IN_BLOCKS, "grid"))
 def test_a_run_of_slow_cases_keeps_every_block_and_goes_on(whole, tmp_path, monkeypatch, name: str) -> None:
-    study, path, options = STUDIES[name], tmp_path / "one.h5", Options(workers=1, chunk=10_000)
+    study, path, options = STUDIES[name], tmp_path / "one.h5", RunOptions(workers=1, chunk=10_000)
     monkeypatch.setattr(plan, "BLOCK_ALONE", 2)
     run_to_file(study, tmp_path / "whole.h5", options)
     monkeypatch.setattr(block, "SECONDS", 0.0)  # as where each block takes longer

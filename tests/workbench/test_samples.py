@@ -15,7 +15,7 @@ from workbench.commands import study_scene
 from workbench.figures import study_figure, trends
 from workbench.run import file_merge, in_memory, reading, writing
 from workbench.run.file_summary import summary
-from workbench.run.study_store import Options, run_to_file
+from workbench.run.study_store import RunOptions, run_to_file
 from workbench.scene import scene_kinds
 from workbench.stored import solved_again
 from workbench.stored.stored_study import StoredStudy
@@ -51,7 +51,7 @@ small_blocks = runs.small_blocks(16)
 @pytest.fixture(scope="module")
 def stored(small_blocks, tmp_path_factory) -> Path:
     path = tmp_path_factory.mktemp("stored") / "small.h5"
-    run_to_file(study(), path, Options(workers=1))
+    run_to_file(study(), path, RunOptions(workers=1))
     return path
 
 

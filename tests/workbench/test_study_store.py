@@ -19,7 +19,7 @@ from tests.raising import LENGTHS, make_raise
 from tests.slow import slow, slow_but
 from tests.workbench import runs, small
 from workbench.run import assembly, block, in_memory, recipe, shards, study_store
-from workbench.run.study_store import Options, run_to_file
+from workbench.run.study_store import RunOptions, run_to_file
 from workbench.stored import one_case, quantity_variables, schema
 
 GRID = runs.grid(3, 50)  # 150 cases: blocks of 64, the last one short
@@ -32,7 +32,7 @@ small_blocks = runs.small_blocks(64)
 def whole(small_blocks, tmp_path_factory) -> Path:
     """The study in one chunk, in one process."""
     folder = tmp_path_factory.mktemp("whole")
-    run_to_file(load(runs.study(folder, GRID)), folder / "many.h5", Options(workers=1, chunk=10_000))
+    run_to_file(load(runs.study(folder, GRID)), folder / "many.h5", RunOptions(workers=1, chunk=10_000))
     return folder / "many.h5"
 
 
@@ -45,7 +45,7 @@ def kept(path: Path, monkeypatch) -> Path:
     with monkeypatch.context() as patch:
         patch.setattr(assembly, "assemble", stopped)
         with pytest.raises(KeyboardInterrupt):
-            run_to_file(load(path), path.with_suffix(".h5"), Options(workers=1, chunk=64))
+            run_to_file(load(path), path.with_suffix(".h5"), RunOptions(workers=1, chunk=64))
     return shards.folder_of(path.with_suffix(".h5"))
 
 
@@ -139,14 +139,14 @@ def test_other_results_of_the_same_study_are_replaced_with_a_line_that_says_what
         text += "[axes.FZ]\nfollow = true\nfrom = 1\nto = 2\ncount = 3\n"
     told: list[str] = []
     for changed in (text, text, text.replace("206000", "210000").replace("1e-8", "1e-9")):
-        run_to_file(loads(changed, default_name="one"), tmp_path / "one.h5", Options(workers=1), told.append)
+        run_to_file(loads(changed, default_name="one"), tmp_path / "one.h5", RunOptions(workers=1), told.append)
     (line,) = [line for line in told if "replaces" in line]
     assert line == (
         f"replaces the results in {tmp_path / 'one.h5'}, which differ: base.E was 206000.0, now 210000.0; "
         "tol was 1e-08, now 1e-09"
     )
     told.clear()
-    run_to_file(loads(text, default_name="one"), tmp_path / "one.h5", Options(workers=1, restart=True), told.append)
+    run_to_file(loads(text, default_name="one"), tmp_path / "one.h5", RunOptions(workers=1, restart=True), told.append)
     assert not [line for line in told if "replaces" in line]
 
 
@@ -154,7 +154,7 @@ def test_a_law_that_changed_is_told_as_words(tmp_path) -> None:
     axis, told = small.axis("E", [1e4, 2e4]), list[str]()
     for direction in ("falls", "not-rising"):
         work = small.study(axis + small.law("turns", "E", direction), 'observables = ["turns"]')
-        run_to_file(work, tmp_path / "small.h5", Options(workers=1), told.append)
+        run_to_file(work, tmp_path / "small.h5", RunOptions(workers=1), told.append)
     (line,) = [line for line in told if "replaces" in line]
     assert "laws.1 was claim (1), observable turns, axis E, direction falls, source s, now claim (1), " in line
 
@@ -228,7 +228,7 @@ def test_a_shard_that_is_missing_misplaced_or_damaged_is_solved_again_and_no_oth
     folder = kept(path, monkeypatch)
     SPOILT[name](folder)
     solved, again = counted(monkeypatch), 2 if name == "exchanged" else 1
-    assert run_to_file(load(path), tmp_path / "many.h5", Options(workers=1)).solved == 64 * again
+    assert run_to_file(load(path), tmp_path / "many.h5", RunOptions(workers=1)).solved == 64 * again
     assert solved == [64] * again
     assert runs.contents(tmp_path / "many.h5") == runs.contents(whole)
     assert folder.exists() == (name == "a folder")  # what is no shard is not removed
@@ -246,7 +246,7 @@ def test_a_shard_damaged_after_it_was_looked_at_is_solved_again(whole, tmp_path,
         times.append(1)
 
     monkeypatch.setattr(study_store, "_solve", damaging)
-    ran = run_to_file(load(path), tmp_path / "many.h5", Options(workers=1))
+    ran = run_to_file(load(path), tmp_path / "many.h5", RunOptions(workers=1))
     assert len(times) == 2
     assert sum(ran.statistics["outcomes"].values()) == 150
     assert runs.contents(tmp_path / "many.h5") == runs.contents(whole)
@@ -378,7 +378,7 @@ def test_restart_solves_a_finished_study_again(tmp_path, monkeypatch) -> None:
     path = runs.study(tmp_path, runs.grid(2, 2))
     run_to_file(load(path), tmp_path / "many.h5")
     solved = counted(monkeypatch)
-    assert not run_to_file(load(path), tmp_path / "many.h5", Options(restart=True)).finished_before
+    assert not run_to_file(load(path), tmp_path / "many.h5", RunOptions(restart=True)).finished_before
     assert solved == [4]
 
 
@@ -422,7 +422,7 @@ def test_a_case_whose_column_raises_is_stored_with_its_neighbours(kind: str, tmp
     lengths = small.axis("L", LENGTHS.tolist(), **({"follow": True} if followed else {}))
     text = small.text({**small.ROD, "beta0": 0.3, "betaL": 0.5, **fields}, lengths, observables=["height"], stations=11)
     make_raise(function, AssertionError(), monkeypatch)
-    ran = run_to_file(loads(text, "text", kind), tmp_path / "raises.h5", Options(workers=1))
+    ran = run_to_file(loads(text, "text", kind), tmp_path / "raises.h5", RunOptions(workers=1))
     with xr.open_dataset(tmp_path / "raises.h5") as ds:
         outcomes = ds["outcome"].values.tolist()
     assert ran.solved == 3

@@ -36,7 +36,7 @@ def study(axes: str = FORCES, L: float = 20.0) -> Study:
 
 @pytest.mark.parametrize("shape", ((1,), (2,), (30,), (3, 5), (4, 1), (1, 6), (2, 3, 4)))
 def test_every_case_continues_from_a_neighbour_and_all_from_the_middle(shape) -> None:
-    grid = sweep.Grid(shape)
+    grid = sweep.SweepGrid(shape)
     first = grid.place(grid.first)
     assert grid.parent(first) is None
     for place in range(int(np.prod(shape))):
@@ -52,7 +52,7 @@ def test_every_case_continues_from_a_neighbour_and_all_from_the_middle(shape) ->
 
 @pytest.mark.parametrize("shape", ((30,), (3, 5), (7, 40), (2, 300)))
 def test_a_block_begins_on_each_line_at_its_case_nearest_to_the_first(shape) -> None:
-    grid, size = sweep.Grid(shape), sweep.block_size(shape, 1000)
+    grid, size = sweep.SweepGrid(shape), sweep.block_size(shape, 1000)
     for start in range(0, int(np.prod(shape)), size):
         places = np.arange(start, min(start + size, int(np.prod(shape))))
         lines = [places[places // shape[-1] == line] for line in np.unique(places // shape[-1])]

@@ -126,9 +126,9 @@ MAPS: dict[str, Callable[[], Figure]] = {
     "noise above the errors": lambda: drawn_map(noise(1e-14), show=["attached"]),
     "cells of every kind": lambda: drawn_map(every_kind_of_cell),
     "a sample": lambda: kinds.figure(StoredStudy(samples_on_a_plane()), "map", show=["wraps"], at={"sample": 3}),
-    "half not solved": lambda: drawn_map(unsolved(slice(13, None)), shapes=map_panel.Shapes(2, 1)),
+    "half not solved": lambda: drawn_map(unsolved(slice(13, None)), shapes=map_panel.ShapeCounts(2, 1)),
     "nothing solved": lambda: drawn_map(unsolved(slice(None)), show=None),
-    "shapes": lambda: drawn_map(lambda ds: ds, show=None, shapes=map_panel.Shapes(3, 2)),
+    "shapes": lambda: drawn_map(lambda ds: ds, show=None, shapes=map_panel.ShapeCounts(3, 2)),
 }
 
 

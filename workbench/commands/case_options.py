@@ -48,7 +48,7 @@ class CaseField:
 
 
 @dataclass(frozen=True)
-class Given:
+class GivenOptions:
     """The fields that the command line gives, by name, and the units ("length", "force") that it states.
 
     A value with a unit is still text, as it is converted where the units of the case are known.
@@ -167,11 +167,11 @@ def of_case(names: Sequence[str]) -> dict[str, Any]:
     return types | {name: _type({**FIELDS, **WINDING, **WELL}[name], whole) for name in names}
 
 
-def given_of(options: dict[str, Any], names: Sequence[str]) -> Given:
+def given_of(options: dict[str, Any], names: Sequence[str]) -> GivenOptions:
     """What the options of `of_case` give; they are taken out of `options`."""
     values = {name: options.pop(name) for name in names}
     units = {kind: options.pop(f"{kind}_unit") for kind in ("length", "force")}
-    return Given(*({k: v for k, v in said.items() if v is not None} for said in (values, units)))
+    return GivenOptions(*({k: v for k, v in said.items() if v is not None} for said in (values, units)))
 
 
 def _type(field: CaseField, whole: bool) -> Any:

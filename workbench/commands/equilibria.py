@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from solver.problem.errors import InputError, choices
 
 from . import console, tables
-from .case_options import ENDS_FIELDS, HELD, Given, parse_axis
+from .case_options import ENDS_FIELDS, HELD, GivenOptions, parse_axis
 from .options import Choose, OneCase, option, parse_choose, ranges
 from .present import Result, presents
 from .tables import unit_shown
@@ -35,7 +35,7 @@ OWN = ("stray", "dead_index")  # columns that are no quantities
 def equilibria(
     file: OneCase = None,
     *,
-    given: Given,
+    given: GivenOptions,
     axis: Annotated[
         str | None,
         option(
@@ -120,7 +120,7 @@ def equilibria(
     return _list(study, case, listed, choose, _source(study, file, given), export)
 
 
-def _source(study: "Study", file: Path | None, given: Given) -> str:
+def _source(study: "Study", file: Path | None, given: GivenOptions) -> str:
     if given.units:
         return "the options"
     end_angle = "" if {"betaL", "M1L"} & {*given.values} else " (betaL: the angle at which its own rod ends)"

@@ -10,7 +10,7 @@ from solver.problem.errors import InputError
 
 from ..run import atomic
 from . import console
-from .case_options import EVERY, Given
+from .case_options import EVERY, GivenOptions
 from .options import ForceOutput, argument, check_file, option
 from .present import Result, presents, result_of_files
 
@@ -34,7 +34,7 @@ def explore(
     ] = None,
     force: ForceOutput = False,
     *,
-    given: Given,
+    given: GivenOptions,
 ) -> Result:
     """Serve the live page: sliders for a rod, in the browser.
 

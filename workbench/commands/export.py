@@ -58,13 +58,13 @@ def export(
     Exit status 1 if a rod intersects itself or is bent tighter than its own radius, or is left out for such a reason.
     """
     from ..export import stored_rod
-    from ..export.base import Options
+    from ..export.base import ExportOptions
     from ..run import reading
     from ..stored.stored_study import StoredStudy
 
     stored_rod.format_of(out)  # before a large file is read
     stored = StoredStudy(reading.read(file))
-    options = Options(axis_values(stored, at), tolerance, centreline, overlap, triangles)
+    options = ExportOptions(axis_values(stored, at), tolerance, centreline, overlap, triangles)
     done = stored_rod.export(stored, out, options, force, console.warn)
     status = 1 if done.warnings else 0
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from solver.problem.errors import InputError
 
 from . import console, tables
-from .case_options import EVERY, Given
+from .case_options import EVERY, GivenOptions
 from .options import (
     At,
     Choose,
@@ -81,7 +81,7 @@ def fit(
     table1: Table1 = False,
     reading: Reading = None,
     *,
-    given: Given,
+    given: GivenOptions,
     choose: Choose = None,
 ) -> Result:
     """Find values of fields that give wanted observables or fit measured points, with their intervals.
@@ -122,7 +122,9 @@ def fit(
     )
 
 
-def _case(file: Path | None, at: list[str] | None, given: Given, table1: bool, reading: str | None) -> "CaseInput":
+def _case(
+    file: Path | None, at: list[str] | None, given: GivenOptions, table1: bool, reading: str | None
+) -> "CaseInput":
     """The case, of a study at a place of its axes."""
     from studies import load
     from studies.language.case_input import check_alone, read_case

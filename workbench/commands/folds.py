@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from solver.problem.errors import InputError
 
 from . import console, tables
-from .case_options import AXES, ENDS_FIELDS, HELD, Given
+from .case_options import AXES, ENDS_FIELDS, HELD, GivenOptions
 from .options import OneCase, option, read_range
 from .present import Result, presents
 
@@ -27,7 +27,7 @@ MOST_LINES = 101  # of the lattice, as of `solver.region_map.MOST`
 def folds(
     file: OneCase = None,
     *,
-    given: Given,
+    given: GivenOptions,
     axis: Annotated[
         list[str] | None,
         option(

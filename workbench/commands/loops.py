@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from solver.problem.errors import InputError
 
 from . import console, tables
-from .case_options import ROD_FIELDS, Given
+from .case_options import ROD_FIELDS, GivenOptions
 from .options import argument, flag, option
 from .present import Result, presents
 from .tables import unit_shown
@@ -30,7 +30,7 @@ COLUMNS = ("wraps", "folds", "about", "lam", "energy", "index", "push_min", "pus
 def loops(
     file: Annotated[Path | None, argument("FILE", "TOML study of one rod; default: the rod of Table 1.")] = None,
     *,
-    given: Given,
+    given: GivenOptions,
     wraps: Annotated[int, option("COUNT", "Turns of the closed rod about the axis.")] = 1,
     folds: Annotated[
         str, option("COUNT[,COUNT...]", "Periods of the angle along the closed rod, one or several numbers.")
@@ -86,7 +86,7 @@ def parse_folds(text: str) -> list[int]:
     return list(dict.fromkeys(int(part) for part in parts))
 
 
-def _rod(file: Path | None, given: Given) -> "tuple[Rod, Cylinder, dict[str, str]]":
+def _rod(file: Path | None, given: GivenOptions) -> "tuple[Rod, Cylinder, dict[str, str]]":
     """The rod and the cylinder of a file, of Table 1 or of the options alone, and their units."""
     from dataclasses import fields
 

@@ -56,7 +56,7 @@ def run(
     from studies import load
 
     from ..run.block import keep_memory
-    from ..run.study_store import Options, run_to_file
+    from ..run.study_store import RunOptions, run_to_file
     from .fidelity import fidelity
 
     chosen = load(study, cases).under(reading)
@@ -73,7 +73,7 @@ def run(
         chosen = chosen.with_values(**changes)
     _check_free(path, chosen.name, force)
     keep_memory()
-    options = Options(workers, scheduler, chunk, restart)
+    options = RunOptions(workers, scheduler, chunk, restart)
     say = (lambda text: None) if json else _say
     ran = run_to_file(chosen, path, options, say, partial(console.progress_bar, as_json=json))
     named = {"title": chosen.title, "study": chosen.name, "reading": chosen.reading or "", "file": str(path)}

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from studies import Study
 
     from ..scene.page import Page
-    from ..scene.scene_kinds import Kind
+    from ..scene.scene_kinds import SceneKind
     from ..stored.stored_study import StoredStudy
 
 SUFFIXES = (".png", ".jpg")
@@ -180,7 +180,7 @@ class _Frames:
 
 
 def _frames(
-    rods: "StoredStudy", where: "dict[str, float]", out: Path, along: str | None, kind: "Kind", force: bool
+    rods: "StoredStudy", where: "dict[str, float]", out: Path, along: str | None, kind: "SceneKind", force: bool
 ) -> _Frames:
     """The pictures that a name with a number in braces asks for, along one axis. Raises `InputError` for another."""
     from ..export.stored_rod import name_of_file

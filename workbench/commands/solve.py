@@ -12,7 +12,7 @@ from solver.problem.quantities import quantity
 from ..run import atomic
 from ..words.habits import plain, size_shown, unit_shown
 from . import console, tables
-from .case_options import EVERY, Given
+from .case_options import EVERY, GivenOptions
 from .options import (
     AT,
     CaseFile,
@@ -53,7 +53,7 @@ def solve(
     table1: Table1 = False,
     reading: Reading = None,
     *,
-    given: Given,
+    given: GivenOptions,
     tol: Tol = None,
     method: Method = None,
     level: Fidelity = None,

@@ -20,7 +20,7 @@ from studies.language.study import MAX_STATIONS, OUTPUTS
 from ..figures.scales import is_logarithmic, is_wide
 from ..run import in_memory, reading
 from ..run.stored_case import is_study
-from ..scene.scene_kinds import Kind
+from ..scene.scene_kinds import SceneKind
 from ..scene.settings import TooFewStations
 from ..stored import file_kinds, quantity_variables, schema
 from ..stored.stored_study import StoredStudy
@@ -47,7 +47,7 @@ def open_rods(file: Path) -> tuple[Study | None, StoredStudy]:
     return None, StoredStudy(reading.read(file, study=kind is file_kinds.STUDY))
 
 
-def solver_of(stored: StoredStudy, kind: Kind, at: dict[str, float], shown: Sequence[str]) -> Solve | None:
+def solver_of(stored: StoredStudy, kind: SceneKind, at: dict[str, float], shown: Sequence[str]) -> Solve | None:
     """What solves the cases that a scene shows, of a dataset of `open_rods`; None where no study gives them.
 
     shown: the axes of which all cases are shown.
@@ -91,7 +91,7 @@ def _held_where(study: Study, stored: StoredStudy, where: Mapping[str, int], fre
 
 
 def film_cases(
-    stored: StoredStudy, axis: str, at: dict[str, float], kind: Kind, observable: str, most: int,
+    stored: StoredStudy, axis: str, at: dict[str, float], kind: SceneKind, observable: str, most: int,
     count: int | None = None,
 ) -> StoredStudy | None:  # fmt: skip
     """The cases of a film along an axis, at most so many: as many as let no rod move far from one to the next.

@@ -20,7 +20,7 @@ def metres(unit: str) -> float:
 
 
 @dataclass(frozen=True)
-class Options:
+class ExportOptions:
     """What a user chooses.
 
     Attributes
@@ -45,14 +45,14 @@ class Options:
 
 
 @dataclass(frozen=True, eq=False)
-class Rod:
+class ExportedRod:
     """The rod of one case, by its indices along the axes; tolerance: the one to keep [length], 0 for tables."""
 
     stored: StoredStudy
     where: dict[str, int]
     line: Centreline
     title: str
-    options: Options
+    options: ExportOptions
     tolerance: float = 0.0
 
     @property

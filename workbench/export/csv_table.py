@@ -12,7 +12,7 @@ from solver.problem.quantities import QUANTITIES, unit_of
 from ..geometry.centreline import APART, Array, advice_to_store
 from ..stored import quantity_variables
 from ..words.escaping import in_csv
-from .base import Format, Rod
+from .base import ExportedRod, Format
 
 COMPUTED = ("kappa", "F1", "F2", "F3", "FY", "contact", "M1", "M2", "h")
 # columns before all others, whatever the study stores
@@ -29,7 +29,7 @@ class Column:
     words: str
 
 
-def columns(rod: Rod) -> list[Column]:
+def columns(rod: ExportedRod) -> list[Column]:
     """Every quantity at the stations: what is stored, and what follows from it by the equations of statics.
 
     Raises `InputError` where beta' is not stored and the stations are too far apart for it.
@@ -61,7 +61,7 @@ def columns(rod: Rod) -> list[Column]:
     ]  # fmt: skip
 
 
-def write(path: Path, rod: Rod) -> dict[str, Any]:
+def write(path: Path, rod: ExportedRod) -> dict[str, Any]:
     """Write every quantity at the stations in full precision; the header has the units: ``beta [rad]``."""
     table = columns(rod)
     heads = [f"{c.name} [{c.unit}]" if c.unit != "1" else c.name for c in table]

@@ -6,13 +6,13 @@ from typing import Any
 import numpy as np
 
 from ..figures.colours import PULLED, PUSHED, linear
-from .base import Format, Rod, metres
+from .base import ExportedRod, Format, metres
 from .surface_files import near, tube
 
 MATERIAL = {"pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": 0.55}}
 
 
-def write(path: Path, rod: Rod) -> dict[str, Any]:
+def write(path: Path, rod: ExportedRod) -> dict[str, Any]:
     """Write the rod as one binary file for the suffix .glb, else as JSON with the data inside.
 
     The format has y up: the cylinder's axis is y.

@@ -12,7 +12,7 @@ from solver.problem.errors import InputError, choices
 from ..geometry import stored_line
 from ..stored.stored_study import StoredStudy
 from . import vtp
-from .base import Format, Options, Rod
+from .base import ExportedRod, ExportOptions, Format
 
 HEAD = '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">\n  <Collection>\n'
 TAIL = "  </Collection>\n</VTKFile>\n"
@@ -25,7 +25,7 @@ class Series:
     name: str
     axis: str
     values: list[float]
-    rods: list[Rod]
+    rods: list[ExportedRod]
     skipped: int
 
     @property
@@ -35,7 +35,7 @@ class Series:
         return {name: float(stored[name].values[i]) for name, i in where.items() if name != self.axis}
 
 
-def along(stored: StoredStudy, name: str, options: Options) -> Series:
+def along(stored: StoredStudy, name: str, options: ExportOptions) -> Series:
     """The rods along the one axis that the options do not name. name: of the file, without its ending.
 
     Raises `InputError` where no axis or more than one remains, or no case along it is solved.
@@ -52,7 +52,7 @@ def along(stored: StoredStudy, name: str, options: Options) -> Series:
     for case in cases:
         if stored["solved"].isel(case):
             title = f"{stored.attrs['study_name']} {axis}={float(stored[axis][case[axis]]):.6g}"
-            rods.append(Rod(stored, case, stored_line.read(stored, case), title, options))
+            rods.append(ExportedRod(stored, case, stored_line.read(stored, case), title, options))
     if not rods:
         raise InputError(f"no case along {axis} is solved: there is nothing to export")
     values = [float(stored[axis][rod.where[axis]]) for rod in rods]

@@ -17,7 +17,7 @@ from scipy.interpolate import BSpline, make_interp_spline
 from solver.problem.errors import InputError
 
 from ..geometry.centreline import Array, Centreline
-from .base import Format, Rod, metres
+from .base import ExportedRod, Format, metres
 
 DEGREE = 5
 NEAR = 1e-6  # of rho: the default tolerance
@@ -37,7 +37,7 @@ NAMED = {"um": "UM", "mm": "MM", "cm": "CM", "m": "M", "km": "KM", "in": "INCH",
 PREFIXED = {"nm": ".NANO.", "dm": ".DECI."}
 
 
-def write(path: Path, rod: Rod) -> dict[str, Any]:
+def write(path: Path, rod: ExportedRod) -> dict[str, Any]:
     """Write the rod to its tolerance, without the solid where the options say so; see `write_line`."""
     metres(rod.unit)  # refuses a unit that STEP does not know
     return write_line(path, rod.line, rod.unit, rod.title, rod.tolerance / 2, not rod.options.centreline)

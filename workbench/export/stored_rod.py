@@ -17,9 +17,9 @@ from ..geometry.refinement import push_along
 from ..run import atomic, writing
 from ..stored.stored_study import StoredStudy
 from . import FORMATS, pvd, surface_files
-from .base import Format, Options, Rod, metres
+from .base import ExportedRod, ExportOptions, Format, metres
 
-DEFAULT = Options()
+DEFAULT = ExportOptions()
 LARGE = 100e6  # bytes of meshes, of which is told before they are written
 NUMBERED = re.compile(r"[^{}]*\{(:0?\d*d)?\}[^{}]*")  # the name of a file for each value of an axis
 
@@ -67,7 +67,7 @@ def _say_nothing(sentence: str) -> None:
 def export(
     stored: StoredStudy,
     path: Path,
-    options: Options = DEFAULT,
+    options: ExportOptions = DEFAULT,
     force: bool = False,
     tell: Callable[[str], None] = _say_nothing,
 ) -> Exported:
@@ -131,13 +131,13 @@ def export(
     where = stored.place(options.at)
     at = {name: float(stored[name].values[i]) for name, i in where.items()}
     title = " ".join([str(stored.attrs["study_name"]), *(f"{name}={value:.6g}" for name, value in at.items())])
-    rod = Rod(stored, where, stored_line.read(stored, where), title, options)
+    rod = ExportedRod(stored, where, stored_line.read(stored, where), title, options)
     _tell_size(path, [rod], format, tell)
     facts, warnings = _write(path, rod, format, force)
     return Exported(path, at, facts, warnings)
 
 
-def _check_triangles(path: Path, options: Options, format: Format) -> None:
+def _check_triangles(path: Path, options: ExportOptions, format: Format) -> None:
     """Raise `InputError` for a number of triangles that is none, is not of a mesh, or beside a tolerance."""
     if options.triangles is None:
         return
@@ -150,7 +150,7 @@ def _check_triangles(path: Path, options: Options, format: Format) -> None:
         raise InputError(f"--triangles must be positive, got {options.triangles}")
 
 
-def _tolerance(line: Centreline, format: Format, options: Options) -> float:
+def _tolerance(line: Centreline, format: Format, options: ExportOptions) -> float:
     """The tolerance of the file of a rod [length]. Raises `InputError` where a mesh takes more triangles than asked."""
     if options.triangles is not None:
         return surface_files.within(line, options.triangles)
@@ -158,7 +158,7 @@ def _tolerance(line: Centreline, format: Format, options: Options) -> float:
     return options.tolerance or format.tolerance(line)
 
 
-def _tell_size(path: Path, rods: Sequence[Rod], format: Format, tell: Callable[[str], None]) -> None:
+def _tell_size(path: Path, rods: Sequence[ExportedRod], format: Format, tell: Callable[[str], None]) -> None:
     """Tell about how large the files of meshes will be, where that is more than `LARGE`."""
     if not format.triangle_bytes:
         return
@@ -175,7 +175,7 @@ def _tell_size(path: Path, rods: Sequence[Rod], format: Format, tell: Callable[[
         tell(f"{files} {count} triangles, about {size / 1e6:.0f} MB; --triangles and --tolerance make a smaller mesh")
 
 
-def _write(path: Path, rod: Rod, format: Format, force: bool) -> tuple[dict[str, Any], list[str]]:
+def _write(path: Path, rod: ExportedRod, format: Format, force: bool) -> tuple[dict[str, Any], list[str]]:
     """Write one rod; returns numbers about the file by name, and what a real rod could not do. Raises `InputError`."""
     options = rod.options
     faults = [] if format.body == "curve" or options.centreline else self_contact.findings(rod.line, rod.unit)
@@ -201,7 +201,7 @@ def _write(path: Path, rod: Rod, format: Format, force: bool) -> tuple[dict[str,
 
 
 def _frames(
-    stored: StoredStudy, path: Path, options: Options, force: bool, format: Format, tell: Callable[[str], None]
+    stored: StoredStudy, path: Path, options: ExportOptions, force: bool, format: Format, tell: Callable[[str], None]
 ) -> Exported:
     """Write each solved rod along an axis to a file of its own; a rod that the format cannot hold is left out."""
     series = pvd.along(stored, path.stem, options)

@@ -11,7 +11,7 @@ from ..geometry import tube as tubes
 from ..geometry.centreline import Array, Centreline
 from ..geometry.refinement import place_rings
 from ..geometry.tube import Mesh
-from .base import Format, Rod
+from .base import ExportedRod, Format
 
 LEAST_SIDES = 12
 MOST_TRIANGLES = 20_000_000  # an STL file of 1 GB
@@ -26,7 +26,7 @@ def near(line: Centreline) -> float:
     return NEAR * line.a
 
 
-def tube(rod: Rod) -> tuple[Mesh, Array]:
+def tube(rod: ExportedRod) -> tuple[Mesh, Array]:
     """The tube about the whole rod, nowhere farther than its tolerance [length] from the true surface.
 
     A rod with an inner radius has its bore. Its sections are polygons with the area of the circle, so that the volume
@@ -93,7 +93,7 @@ def within(line: Centreline, budget: int) -> float:
     return coarse
 
 
-def write(path: Path, rod: Rod) -> dict[str, Any]:
+def write(path: Path, rod: ExportedRod) -> dict[str, Any]:
     """Write binary STL (single precision) or OBJ (full precision, with normals), by the suffix; neither has units."""
     mesh, _ = tube(rod)
     (_write_stl if path.suffix.lower() == ".stl" else _write_obj)(path, mesh)

@@ -8,7 +8,7 @@ import numpy as np
 from ..figures.colours import PULLED, PUSHED, linear
 from ..geometry.centreline import Array
 from ..geometry.refinement import push_along
-from .base import Format, Rod, metres
+from .base import ExportedRod, Format, metres
 from .surface_files import near
 
 HEAD = """#usda 1.0
@@ -32,7 +32,7 @@ def Xform "Rod" (
 """
 
 
-def write(path: Path, rod: Rod) -> dict[str, Any]:
+def write(path: Path, rod: ExportedRod) -> dict[str, Any]:
     """Write Bézier curves from place to place, with the exact tangents there; width, push and colour at these places.
 
     They are the stations, and between them as many as the straight line of the push needs. The numbers are in the unit

@@ -7,11 +7,11 @@ import numpy as np
 
 from solver.orbits import frames
 
-from .base import Format, Rod
+from .base import ExportedRod, Format
 from .csv_table import columns
 
 
-def write(path: Path, rod: Rod) -> dict[str, Any]:
+def write(path: Path, rod: ExportedRod) -> dict[str, Any]:
     """Write every quantity, the frame and the radius as point data; units, title and versions as field data."""
     import pyvista as pv
 

@@ -21,7 +21,7 @@ from ..words import labels
 from . import canvas, colours, fonts, point_numbers, unrolled
 from .equilibria_figure import one_shown
 from .sheet import SCREEN, Sheet
-from .unrolled import View
+from .unrolled import UnrolledView
 
 HIGH, TALL = (
     (0.46, 0.62),
@@ -70,7 +70,9 @@ def figure(stored: StoredStudy, sheet: Sheet = SCREEN, show: Sequence[str] = ())
 
     rows: list[canvas.Row] = [(high, [diagram])]
     if shapes:
-        views = unrolled.Panel(shapes, room, sheet.small, labels.unit(str(stored["shape_z"].attrs.get("units", "1"))))
+        views = unrolled.UnrolledPanel(
+            shapes, room, sheet.small, labels.unit(str(stored["shape_z"].attrs.get("units", "1")))
+        )
         how_many = f"; those of {count} of {stored.sizes['shape']} branches" if count < stored.sizes["shape"] else ""
         said = f", of the points with their numbers{how_many}"
         rows.append((views.height, [lambda ax: [*views.draw(ax, said), *_alike(stored, shown)]]))
@@ -222,7 +224,7 @@ def _look_of_shape(stored: StoredStudy, k: int) -> dict[str, Any]:
     return colours.of_line(_HELD[0 if index > 0 else 1 if dead > 0 else 2][0])
 
 
-def _shapes(stored: StoredStudy, count: int) -> list[View]:
+def _shapes(stored: StoredStudy, count: int) -> list[UnrolledView]:
     """The unrolled views at the first numbered points, each with its number."""
     views = []
     for k, number in enumerate(_names(stored)[:count]):
@@ -256,7 +258,7 @@ def _number_points(stored: StoredStudy, ax: Axes, key: str, inches: tuple[float,
     for k in inside:
         ax.plot(x[k], y[k], "o", color=_look_of_shape(stored, k)["color"], markersize=4.2, zorder=7,
                 markeredgecolor="white", markeredgewidth=0.7)  # fmt: skip
-    points = [point_numbers.Point(x[k], y[k], names[k]) for k in inside]
+    points = [point_numbers.NumberedPoint(x[k], y[k], names[k]) for k in inside]
     dots = [dot for kind in MARKS for dot in np.transpose(_special(stored, name, key, kind))]
     lines = [line.get_xydata() for line in ax.lines if np.size(line.get_xdata()) > 1]
     point_numbers.write(ax, points, lines, dots, inches)

@@ -16,7 +16,7 @@ from ..words import cautions, labels
 from . import canvas, colours, fonts, point_numbers, push_scale, unrolled
 from .scales import RoomLocator
 from .sheet import SCREEN, Sheet
-from .unrolled import View
+from .unrolled import UnrolledView
 
 MOST = 8, 40  # shapes shown on one column of a page and elsewhere
 HIGH = 1.6, 1.8  # inches of the diagram of energies there
@@ -43,7 +43,9 @@ def figure(stored: StoredStudy, sheet: Sheet = SCREEN, show: Sequence[str] = ())
             f"{text}: {labels.value(float(stored[reaction][k]), stored[reaction])}" for k, text in enumerate(texts)
         ]
     shapes = [_shape(stored, k, texts[k], look(int(stored["index"][k]))) for k in range(count)]
-    panel = unrolled.Panel(shapes, _room(sheet), sheet.small, labels.unit(str(stored["z"].attrs.get("units", "1"))))
+    panel = unrolled.UnrolledPanel(
+        shapes, _room(sheet), sheet.small, labels.unit(str(stored["z"].attrs.get("units", "1")))
+    )
     shown = f"; {count} of {stored.sizes['equilibrium']} are shown" if count < stored.sizes["equilibrium"] else ""
     beside = "" if reaction is None else f", {labels.symbol(stored[reaction])} beside the number"
     rows: list[canvas.Row] = [
@@ -76,7 +78,7 @@ def against_index(stored: StoredStudy, ax: Axes, name: str, high: float) -> list
     ax.margins(0.04, 0.08)
     if index.size and index.min() == index.max():
         ax.set_xlim(index.min() - 0.5, index.max() + 0.5)
-    points = [point_numbers.Point(float(x), float(y), f"{k + 1}")
+    points = [point_numbers.NumberedPoint(float(x), float(y), f"{k + 1}")
               for k, (x, y) in enumerate(zip(index, values, strict=True))]  # fmt: skip
     ax.set_xlim(*ax.get_xlim()), ax.set_ylim(*ax.get_ylim())
     point_numbers.write(ax, points, [], [], (fonts.inches(ax)[0], high - 0.5))
@@ -103,7 +105,7 @@ def loops(stored: StoredStudy, sheet: Sheet = SCREEN) -> Figure:
             f"{k + 1}: {waves} wave{'s' * (waves > 1)}, {stable}\n{labels.value(float(loop['energy']), loop['energy'])}"
         )
         shapes.append(_shape(stored, k, text, {"push": pushes[k], "norm": norm}))
-    panel = unrolled.Panel(shapes, _room(sheet), sheet.small, labels.unit(stored.units["length"]))
+    panel = unrolled.UnrolledPanel(shapes, _room(sheet), sheet.small, labels.unit(stored.units["length"]))
     said = [
         f"The rod lies {stored.attrs['side']}.",
         "Below each number the energy. Unstable (2): in 2 ways, as a closed rod whose section is free to turn.",
@@ -117,7 +119,7 @@ def _room(sheet: Sheet) -> tuple[float, float]:
     return sheet.width - unrolled.BESIDE, TALL[not sheet.narrow] * sheet.width
 
 
-def _shape(stored: StoredStudy, k: int, text: str, how: dict[str, Any]) -> View:
+def _shape(stored: StoredStudy, k: int, text: str, how: dict[str, Any]) -> UnrolledView:
     """The unrolled view of an equilibrium, with rings where its caution says that it passes through itself."""
     case = stored.select({"equilibrium": k})
     crossed = "overlaps" in cautions.keys(str(case["caution"].values)) if "caution" in case else False

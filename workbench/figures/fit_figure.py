@@ -40,7 +40,7 @@ def figure(stored: StoredStudy, sheet: Sheet = SCREEN) -> Figure:
     return canvas.page(stored, sheet, rows)
 
 
-def curve(stored: StoredStudy, room: tuple[float, float], letters: float) -> unrolled.Panel:
+def curve(stored: StoredStudy, room: tuple[float, float], letters: float) -> unrolled.UnrolledPanel:
     """The fitted unrolled view with the measured points, which lines join to their places on the rod."""
     factors = {"z": 1.0, "alpha": float(stored["rho"])}
     line, feet, points = (
@@ -49,8 +49,8 @@ def curve(stored: StoredStudy, room: tuple[float, float], letters: float) -> unr
     )
     over: list[Any] = [((a, c), (b, d), JOINED, "") for a, b, c, d in zip(*points, *feet, strict=True)]
     over += [(*points, MEASURED, "measured points")] if points else []
-    view = unrolled.View(line[0], line[1], "", FITTED, name="fitted rod", over=over)
-    return unrolled.Panel([view], room, letters, labels.unit(stored.units["length"]))
+    view = unrolled.UnrolledView(line[0], line[1], "", FITTED, name="fitted rod", over=over)
+    return unrolled.UnrolledPanel([view], room, letters, labels.unit(stored.units["length"]))
 
 
 def region(stored: StoredStudy, ax: Axes) -> None:

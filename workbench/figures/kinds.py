@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Kind:
+class FigureKind:
     """A kind of picture.
 
     path: the module in `workbench` and the function of its figure of a stored study and a sheet. options: its further
@@ -39,25 +39,24 @@ class Kind:
 
 
 KINDS = {
-    "map": Kind("figures.map_figure.figure", ("x", "y", "show", "at", "shapes"), "each observable over two axes"),
-    "lines": Kind("figures.study_figure.figure", ("x", "show"), "unrolled views, and observables along each axis with "
-                  "their laws, or against the sampled fields"),
-    "curves": Kind("figures.unrolled.figure", ("x", "at"), "unrolled views in the colours of the push"),
-    "ridge": Kind("figures.along.figure", ("x", "at", "show"), "β, κ, the push or other arrays along s"),
-    "portrait": Kind("figures.portrait.figure", ("x", "at"), "(β, β′) beside the potential G"),
-    "states": Kind("figures.along.states", ("x", "at"), "where rods with weight are straight, sinusoidal or helical"),
-    "pipe": Kind("figures.along.pipe", ("x", "at"), "the azimuth along s in the colours of the push, with "
-                 "these states"),
-    "bars": Kind("figures.bars.of_cases", ("x", "at", "show"), "observables along an axis of at most twelve values"),
-    "equilibria": Kind("figures.equilibria_figure.figure", ("show",), of="equilibria"),
-    "loops": Kind("figures.equilibria_figure.loops", of="loops"),
-    "branches": Kind("figures.bifurcation.figure", ("show",), of="branches"),
-    "folds": Kind("figures.region_map.figure", ("show",), of="folds"),
-    "trade": Kind("lab.work_precision.figure", ("cost",), of="trade"),
-    "extremes": Kind("lab.robustness.figure", of="extremes"),
-    "fit": Kind("figures.fit_figure.figure", of="fit"),
-    "indices": Kind("figures.bars.indices", of="indices"),
-    "tornado": Kind("figures.bars.tornado", of="tornado"),
+    "map": FigureKind("map_figure.figure", ("x", "y", "show", "at", "shapes"), "each observable over two axes"),
+    "lines": FigureKind("study_figure.figure", ("x", "show"), "unrolled views, and observables along each axis with "
+                        "their laws, or against the sampled fields"),
+    "curves": FigureKind("unrolled.figure", ("x", "at"), "unrolled views in the colours of the push"),
+    "ridge": FigureKind("along.figure", ("x", "at", "show"), "β, κ, the push or other arrays along s"),
+    "portrait": FigureKind("portrait.figure", ("x", "at"), "(β, β′) beside the potential G"),
+    "states": FigureKind("along.states", ("x", "at"), "where rods with weight are straight, sinusoidal or helical"),
+    "pipe": FigureKind("along.pipe", ("x", "at"), "the azimuth along s in the colours of the push, with these states"),
+    "bars": FigureKind("bars.of_cases", ("x", "at", "show"), "observables along an axis of at most twelve values"),
+    "equilibria": FigureKind("equilibria_figure.figure", ("show",), of="equilibria"),
+    "loops": FigureKind("equilibria_figure.loops", of="loops"),
+    "branches": FigureKind("bifurcation.figure", ("show",), of="branches"),
+    "folds": FigureKind("region_map.figure", ("show",), of="folds"),
+    "trade": FigureKind("work_precision.figure", ("cost",), of="trade"),
+    "extremes": FigureKind("robustness.figure", of="extremes"),
+    "fit": FigureKind("fit_figure.figure", of="fit"),
+    "indices": FigureKind("bars.indices", of="indices"),
+    "tornado": FigureKind("bars.tornado", of="tornado"),
 }  # fmt: skip
 OF_STUDIES = {name: kind for name, kind in KINDS.items() if kind.of == "study"}
 

@@ -51,7 +51,7 @@ def figure(
     y: str | None = None,
     show: Sequence[str] = (),
     at: Mapping[str, float] | None = None,
-    shapes: map_panel.Shapes | None = None,
+    shapes: map_panel.ShapeCounts | None = None,
     sheet: Sheet = SCREEN,
 ) -> Figure:
     """Draw a map of each observable.
@@ -67,7 +67,7 @@ def figure(
     stored : StoredStudy
     x, y, show, at
         As of `map_cells.choose`.
-    shapes : map_panel.Shapes, optional
+    shapes : map_panel.ShapeCounts, optional
         Numbers of unrolled views that a further panel shows; default: no such panel.
     sheet : Sheet
         What the figure is drawn for.
@@ -174,7 +174,7 @@ class _Maps:
         ax.set_title(f"verdicts on {law.row['observable']} along {labels.axis_symbol(law.row['axis'])}", loc="left")
         return [*_entries(verdicts), f"Law {law.sentence(self.stored)}; lines: {law.counts(self.places[0])}."]
 
-    def draw_shapes(self, shapes: map_panel.Shapes, ax: Axes) -> canvas.Said:
+    def draw_shapes(self, shapes: map_panel.ShapeCounts, ax: Axes) -> canvas.Said:
         """Draw the panel of shapes: those of the first column, on a pale map of the first observable."""
         name, column = self.choice.shown[0], self.columns[0]
         map_panel.draw(ax, column, name, self.colours[name], self.of_shapes, pale=0.3)

@@ -148,23 +148,23 @@ def _show_samples(ax: Axes, cells: Cells) -> None:
 
 
 @dataclass(frozen=True)
-class Shapes:
+class ShapeCounts:
     """How many shapes stand side by side, and one above the other."""
 
     across: int
     up: int
 
 
-def read_shapes(text: str) -> Shapes:
+def read_shapes(text: str) -> ShapeCounts:
     """``5x4`` as the numbers of shapes. Raises `InputError`."""
     match = re.fullmatch(r"(\d{1,4})x(\d{1,4})", text.strip())
     numbers = [int(number) for number in match.groups()] if match else [0]
     if not all(1 <= number <= MOST_SHAPES for number in numbers):
         raise InputError(f"the shapes are two numbers from 1 to {MOST_SHAPES} such as 5x5, got {text!r}")
-    return Shapes(*numbers)
+    return ShapeCounts(*numbers)
 
 
-def check_shapes(stored: StoredStudy, grid: StoredStudy, choice: Choice, shapes: Shapes) -> None:
+def check_shapes(stored: StoredStudy, grid: StoredStudy, choice: Choice, shapes: ShapeCounts) -> None:
     """Raise `InputError` unless the dataset stores the curves, and the axes of its grid have enough values."""
     for axis, count in ((choice.x, shapes.across), (choice.y, shapes.up)):
         if count > grid.sizes[axis]:
@@ -173,7 +173,7 @@ def check_shapes(stored: StoredStudy, grid: StoredStudy, choice: Choice, shapes:
         raise InputError('the study stores no unrolled curves: add "alpha" and "z" to its outputs, and run it again')
 
 
-def draw_shapes(ax: Axes, cells: Cells, shapes: Shapes, inches: tuple[float, float]) -> list[str]:
+def draw_shapes(ax: Axes, cells: Cells, shapes: ShapeCounts, inches: tuple[float, float]) -> list[str]:
     """Draw the shapes on a map so many inches wide and high, each about its own case; returns notes."""
     stored = cells.source
     columns, across = _spread(cells.x, shapes.across)

@@ -30,7 +30,7 @@ Values = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Point:
+class NumberedPoint:
     """A point of a diagram in the units of its axes, and what it is called: a number, perhaps with a letter."""
 
     x: float
@@ -39,7 +39,7 @@ class Point:
 
 
 def write(
-    ax: Axes, points: Sequence[Point], lines: Sequence[Any], marks: Sequence[Any], inches: tuple[float, float]
+    ax: Axes, points: Sequence[NumberedPoint], lines: Sequence[Any], marks: Sequence[Any], inches: tuple[float, float]
 ) -> None:
     """Write the numbers of points beside them; points at one place share a text, ``3, 4``.
 

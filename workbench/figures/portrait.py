@@ -110,7 +110,7 @@ def figure(
 
 
 @dataclass(frozen=True, eq=False)
-class Orbit:
+class DrawnOrbit:
     """A rod in its phase plane.
 
     beta, dbeta: along the rod, (n,) [rad], [1/length]. h: its level [1/length^2]. saddles, centres: the critical points
@@ -159,11 +159,11 @@ def window_of(rod: DrawnRod) -> tuple[float, float]:
     return float(low - spare), float(high + spare)
 
 
-def orbit(rod: DrawnRod, window: tuple[float, float]) -> Orbit:
+def orbit(rod: DrawnRod, window: tuple[float, float]) -> DrawnOrbit:
     """The orbit of a rod, with the critical points of G that lie in a window."""
     level = rod["dbeta"][0] ** 2 + potential(_loads(rod), rod["beta"][0]) / rod.rho**2
     saddles, centres = saddles_and_centres(rod, *window)
-    return Orbit(rod, rod["beta"], rod["dbeta"], float(level), saddles, centres, window)
+    return DrawnOrbit(rod, rod["beta"], rod["dbeta"], float(level), saddles, centres, window)
 
 
 def saddles_and_centres(rod: DrawnRod, low: float, high: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -180,7 +180,7 @@ def _loads(rod: DrawnRod) -> Loads:
     return Loads(rod.lam, rod.mu, rod.phi)
 
 
-def _portrait(ax: Axes, one: Orbit) -> None:
+def _portrait(ax: Axes, one: DrawnOrbit) -> None:
     """The orbit, the separatrices and some level sets."""
     G = one.G(one.angles())
     for level in np.linspace(float(G.min()), float(G.min()) + 1.4 * (one.fastest() ** 2 + 1e-12), LEVELS + 2)[1:]:
@@ -191,7 +191,7 @@ def _portrait(ax: Axes, one: Orbit) -> None:
     _mark(ax, one, lambda angles: 0 * angles, one.dbeta[[0, -1]])
 
 
-def _mark(ax: Axes, one: Orbit, height: Callable[[Any], Any], ends: Any) -> None:
+def _mark(ax: Axes, one: DrawnOrbit, height: Callable[[Any], Any], ends: Any) -> None:
     """Mark saddles and centres at their height, and the two ends of the rod at theirs."""
     places: list[tuple[str, str, Any, Any, str, int, str]] = [
         ("saddle", "", one.saddles, height(one.saddles), "x", 5, colours.INK),
@@ -203,7 +203,7 @@ def _mark(ax: Axes, one: Orbit, height: Callable[[Any], Any], ends: Any) -> None
         ax.plot(np.degrees(angles), heights, marker, color=colour, markersize=size, gid=name, label=words, zorder=6)
 
 
-def _levels(one: Orbit) -> list[float]:
+def _levels(one: DrawnOrbit) -> list[float]:
     """The levels of the saddles, rising, each once."""
     levels: list[float] = []
     for level in sorted(one.G(one.saddles).tolist()):
@@ -212,7 +212,7 @@ def _levels(one: Orbit) -> list[float]:
     return levels
 
 
-def _level_set(ax: Axes, one: Orbit, level: float, **look: Any) -> None:
+def _level_set(ax: Axes, one: DrawnOrbit, level: float, **look: Any) -> None:
     """Both halves of beta' = +-sqrt(level - G), with the angles where they meet."""
     angles = np.sort(np.concatenate([one.angles(), one.saddles]))
     above = level - one.G(angles)
@@ -227,7 +227,7 @@ def _level_set(ax: Axes, one: Orbit, level: float, **look: Any) -> None:
         ax.plot(np.degrees(angles), half, **look)
 
 
-def _potential(ax: Axes, one: Orbit) -> None:
+def _potential(ax: Axes, one: DrawnOrbit) -> None:
     """G over the angle, and the level h of the rod, where it lies above G."""
     angles = one.angles()
     ax.plot(np.degrees(angles), one.G(angles), color=colours.INK, linewidth=1.0, gid="G", zorder=3)

@@ -60,7 +60,7 @@ Values = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class View:
+class UnrolledView:
     """An unrolled view.
 
     x, y: z and the distance around the cylinder, (n,) each [length]; none of a rod that is not solved, whose name says
@@ -96,17 +96,17 @@ class View:
 def view_of(
     s: Values, rho: float, alpha: Values, z: Values, a: float, text: str, look: Mapping[str, Any], name: str = "",
     ringed: bool = True, radius: Any = None,
-) -> tuple[View, bool]:  # fmt: skip
+) -> tuple[UnrolledView, bool]:  # fmt: skip
     """The unrolled view of a rod, and whether it is too long to search for the places where it passes through itself.
 
-    s, rho, alpha, z, a: of the rod, (n,) or a number [length]. text, look, name: as of `View`. ringed: whether those
-    places have rings. radius: the distance from the axis, (n,); default: rho all along.
+    s, rho, alpha, z, a: of the rod, (n,) or a number [length]. text, look, name: as of `UnrolledView`. ringed: whether
+    those places have rings. radius: the distance from the axis, (n,); default: rho all along.
     """
     rings = crossings(s, rho, alpha, z, a, rho if radius is None else radius) if ringed else []
-    return View(z, rho * (alpha - alpha[0]), text, look, rings or [], name), rings is None
+    return UnrolledView(z, rho * (alpha - alpha[0]), text, look, rings or [], name), rings is None
 
 
-def plan(views: Sequence[View], room: tuple[float, float], letters: float, even: bool = False) -> Arrangement:
+def plan(views: Sequence[UnrolledView], room: tuple[float, float], letters: float, even: bool = False) -> Arrangement:
     """Where views and the key of their directions stand, as large as they fit in so many inches; the key is the last.
 
     letters: points of the texts. even: all views have the room of the largest, so their z can be compared.
@@ -132,7 +132,7 @@ def plan(views: Sequence[View], room: tuple[float, float], letters: float, even:
     return arrangement.in_rows(len(words), arrange, len(words), room[0], worth)[1]
 
 
-def plan_lines(views: Sequence[View], room: tuple[float, float]) -> Arrangement:
+def plan_lines(views: Sequence[UnrolledView], room: tuple[float, float]) -> Arrangement:
     """The same of the lines of one rod, whose texts stand before them."""
     sizes = np.array([[view.size] for view in views])
     layout = arrangement.arrange(sizes, np.zeros_like(sizes), (room[0], room[1] - FOOT), pitch=lines.PITCH)
@@ -258,14 +258,14 @@ def figure(
     return canvas.page(rods.source, sheet, rows, [*rods.said(), *rods.notes], BELOW)
 
 
-class Panel:
+class UnrolledPanel:
     """Unrolled views in a room of inches, in rows, or the lines of one rod.
 
     height: inches of all; unit: of lengths; notes: said of them; in_lines: what is said of lines, else nothing.
     """
 
     def __init__(
-        self, views: Sequence[View], room: tuple[float, float], letters: float, unit: str, even: bool = False,
+        self, views: Sequence[UnrolledView], room: tuple[float, float], letters: float, unit: str, even: bool = False,
         notes: Sequence[str] = (), in_lines: str = "",
     ) -> None:  # fmt: skip
         self.views, self.unit, self.notes, self.in_lines = views, unit, list(dict.fromkeys(notes)), in_lines
@@ -326,7 +326,7 @@ class Panel:
 
 def lines_of(
     rod: DrawnRod, room: tuple[float, float], letters: float, unit: str = "", coloured: bool = True
-) -> Panel | None:
+) -> UnrolledPanel | None:
     """A rod in the lines in which it is largest; None where it needs none: in one piece it is no hair.
 
     Parameters as of `panel_of`.
@@ -353,16 +353,16 @@ def lines_of(
             of_part = {"push": np.interp(places[on], s, look["push"])} if "push" in look else {}
             parts.append((x[on], y[on] - turns[on] * turn, look | of_part, rod.name))
         (x, y, of_first, name), *over = parts
-        views.append(View(x, y, head, of_first, (), name, over, (low, low + wide), start == s[0]))
+        views.append(UnrolledView(x, y, head, of_first, (), name, over, (low, low + wide), start == s[0]))
     notes = ["A line is the whole unrolled cylinder: the rod leaves it below and comes back above."] * around
     notes += off_wall([rod])
     if "overlaps" in cautions.keys(rod.caution):
         notes.append("The rod passes through itself; the places are not marked in lines.")
     said = f"; {setting.note(spans, unit)}, each {labels.number(wide)} {unit} wide"
-    return Panel(views, room, letters, unit, notes=notes, in_lines=said)
+    return UnrolledPanel(views, room, letters, unit, notes=notes, in_lines=said)
 
 
-def panel_of(rods: DrawnRods, room: tuple[float, float], letters: float, coloured: bool = True) -> Panel:
+def panel_of(rods: DrawnRods, room: tuple[float, float], letters: float, coloured: bool = True) -> UnrolledPanel:
     """The unrolled views of rods of a study in a room of inches: in rows, or one long rod in lines.
 
     coloured: whether the lines have the colours of the push.
@@ -377,7 +377,7 @@ def panel_of(rods: DrawnRods, room: tuple[float, float], letters: float, coloure
     for k, rod in enumerate(rods.rods):
         text = "" if rods.axis is None else rod.name if k == 0 else rod.value
         if rod.arrays is None:
-            views.append(View(np.zeros(0), np.zeros(0), text, {}, name=rod.why))
+            views.append(UnrolledView(np.zeros(0), np.zeros(0), text, {}, name=rod.why))
             continue
         passes = coloured and "overlaps" in cautions.keys(rod.caution)
         view, is_too_long = view_of(rod["s"], rod.rho, rod["alpha"], rod["z"], rod.a, text, _look(rod, norm), rod.name,
@@ -385,7 +385,7 @@ def panel_of(rods: DrawnRods, room: tuple[float, float], letters: float, coloure
         if is_too_long:
             notes.append(f"The rod {TOO_LONG}." if rods.axis is None else f"The rod of {rod.name} {TOO_LONG}.")
         views.append(view)
-    return Panel(views, room, letters, unit, even=True, notes=[*off_wall(rods.solved), *notes])
+    return UnrolledPanel(views, room, letters, unit, even=True, notes=[*off_wall(rods.solved), *notes])
 
 
 def off_wall(rods: Sequence[DrawnRod]) -> list[str]:

@@ -20,7 +20,7 @@ SHIPPED = Path(__file__).parent / "measured"  # made with benchmarks/make_measur
 
 
 @dataclass(frozen=True)
-class Measured:
+class MeasuredRun:
     """A diagram (PNG), a sentence on what it shows, and the run and machine that it is from."""
 
     name: str
@@ -29,12 +29,12 @@ class Measured:
     source: str
 
 
-def comparisons(folder: Path) -> list[Measured]:
+def comparisons(folder: Path) -> list[MeasuredRun]:
     """Extremes and trade, of the runs stored in the folder; default: of those that are shipped."""
     return [comparison(folder, "extremes", _extremes), comparison(folder, "trade", _trade)]
 
 
-def comparison(folder: Path, name: str, shows: Callable[[StoredStudy], str]) -> Measured:
+def comparison(folder: Path, name: str, shows: Callable[[StoredStudy], str]) -> MeasuredRun:
     """The diagram of `name`.h5; of the shipped run where that cannot be drawn, with the reason."""
     beside, why = Path(folder) / f"{name}.h5", ""
     try:
@@ -46,11 +46,11 @@ def comparison(folder: Path, name: str, shows: Callable[[StoredStudy], str]) -> 
     return _make(shipped, name, shows, f"a run that comes with the workbench{why}")
 
 
-def _make(stored: StoredStudy, name: str, shows: Callable[[StoredStudy], str], source: str) -> Measured:
+def _make(stored: StoredStudy, name: str, shows: Callable[[StoredStudy], str], source: str) -> MeasuredRun:
     picture = BytesIO()
     drawn = kinds.figure(stored.with_title(""), name)  # the report gives the title, once
     canvas.save(drawn, picture, drawn.dpi)
-    return Measured(name, picture.getvalue(), shows(stored), f"{_run(stored)}; {source}")
+    return MeasuredRun(name, picture.getvalue(), shows(stored), f"{_run(stored)}; {source}")
 
 
 def _run(stored: StoredStudy) -> str:

@@ -16,7 +16,7 @@ import numpy as np
 import xarray as xr
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Start
-from solver.benchmark import STATIONS, Reference, Row, available_ladders, cheapest, measure
+from solver.benchmark import STATIONS, BenchmarkReference, BenchmarkRow, available_ladders, cheapest, measure
 from solver.benchmark import ladders as all_ladders
 from solver.methods import METHODS
 from solver.methods.base import Ladder
@@ -120,19 +120,19 @@ def _references() -> dict[str, Any]:
     return dict(json.loads((files(__package__) / FILE).read_text(encoding="utf-8")))
 
 
-def reference(name: str) -> Reference:
+def reference(name: str) -> BenchmarkReference:
     """The reference of a named case. Raises `InputError` if it has none."""
     rows = _references()
     if name not in rows["cases"]:
         raise InputError(f"no reference for {name!r}: compute it with benchmarks/make_trade_references.py")
     row = rows["cases"][name]
     columns = {column: np.array(row[column]) for column in ("beta", "alpha", "z", "contact")}
-    return Reference(u=np.array(rows["u"]), condition=row["condition"], **columns)
+    return BenchmarkReference(u=np.array(rows["u"]), condition=row["condition"], **columns)
 
 
 def rows_of(
     cases: Mapping[str, Named], ladders: Mapping[str, Ladder], step: Callable[[str], None]
-) -> Generator[list[Row]]:
+) -> Generator[list[BenchmarkRow]]:
     """The measurements of each case in turn, so that an interrupted comparison keeps the cases before.
 
     Parameters
@@ -173,7 +173,7 @@ def ladders_of(names: Sequence[str]) -> dict[str, Ladder]:
     return picked
 
 
-def dataset_of(rows: Sequence[Row], ladders: Mapping[str, Ladder]) -> xr.Dataset:
+def dataset_of(rows: Sequence[BenchmarkRow], ladders: Mapping[str, Ladder]) -> xr.Dataset:
     """The measurements, at least one, over (case, ladder, rung); NaN: not tried.
 
     `knob` (ladder) names the knob of each ladder and `value` (ladder, rung) holds its values.

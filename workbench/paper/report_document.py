@@ -30,6 +30,7 @@ from ..web.turntable import turntable_page
 from ..words import cautions, labels
 from . import report_runs, sources
 from .law_cards import CLASSES, claims_of, in_degrees, law_of, mechanism, of_readings, sentence
+from .measured_runs import MeasuredRun
 
 NAME = "report.html"
 TEMPLATE = "report.html.j2"
@@ -75,7 +76,7 @@ def html(
     results: Sequence[StudyResult],
     readings: StoredStudy | None = None,
     refusals: Sequence[str] = (),
-    measured: Sequence[Measured] = (),
+    measured: Sequence[MeasuredRun] = (),
     equilibria: tuple[StoredStudy, Mapping[str, Path]] | None = None,
     story: Path | None = None,
     release: Mapping[str, Any] | str = "",
@@ -180,7 +181,7 @@ def column_of(story: Path) -> Path:
     return story.with_stem(f"{story.stem}_column")
 
 
-def _measure(run: Measured) -> dict[str, Any]:
+def _measure(run: MeasuredRun) -> dict[str, Any]:
     picture = _picture(BytesIO(run.picture), f"{TITLES[run.name]}: {run.shows}", DRAWING)
     return {"name": run.name, "title": TITLES[run.name], "shows": run.shows, "source": run.source, "picture": picture}
 

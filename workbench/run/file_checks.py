@@ -48,7 +48,7 @@ _READ = 2**16  # texts at a time
 
 
 @dataclass(frozen=True, eq=False)
-class Stored:
+class FileArray:
     """An array of a file: the names of its dimensions, and its attributes and values as HDF5 holds them.
 
     values: an `h5py.Dataset` where there are more than `AT_ONCE`. is_guarded: whether HDF5 packs it, and so checks it.
@@ -66,7 +66,7 @@ class Contents:
     """What a file holds: its attributes, and its arrays by their names."""
 
     attrs: dict[str, Any]
-    arrays: dict[str, Stored]
+    arrays: dict[str, FileArray]
 
 
 @contextmanager
@@ -146,7 +146,7 @@ def _attributes(held: h5py.File | h5py.Dataset, what: str) -> dict[str, Any]:
     return attrs
 
 
-def _contents_of(array: h5py.Dataset, name: str, what: str) -> Stored | None:
+def _contents_of(array: h5py.Dataset, name: str, what: str) -> FileArray | None:
     """What an array holds; None for a dimension without values."""
     if array.is_virtual or array.external:
         raise InputError(f"{what} is stored in another file; links are not followed")
@@ -169,7 +169,7 @@ def _contents_of(array: h5py.Dataset, name: str, what: str) -> Stored | None:
         raise InputError(f"{what} has chunks of {array.chunks}, which take more than {MOST_CHUNK} bytes")
     dims = (name,) if is_scale and len(shape) == 1 else _dimensions(array, name)
     values = array[()] if prod(shape) <= AT_ONCE else array
-    return Stored(dims, _attributes(array, what), values, dtype, bool(filters))
+    return FileArray(dims, _attributes(array, what), values, dtype, bool(filters))
 
 
 def _dimensions(array: h5py.Dataset, name: str) -> tuple[str, ...]:

@@ -16,13 +16,13 @@ from solver.problem.errors import InputError
 
 from ..stored import file_kinds
 from . import checks, file_checks
-from .file_checks import Contents, Stored, refusing
+from .file_checks import Contents, FileArray, refusing
 
 
 class _Array(BackendArray):
     """An array that is read from its file when its numbers are asked for."""
 
-    def __init__(self, files: CachingFileManager[h5py.File], name: str, stored: Stored) -> None:
+    def __init__(self, files: CachingFileManager[h5py.File], name: str, stored: FileArray) -> None:
         self.files, self.name, self.shape = files, name, stored.values.shape
         self.dtype = np.dtype(object) if _is_text(stored) else stored.dtype
 
@@ -50,7 +50,7 @@ class _Store(AbstractDataStore):
     def close(self) -> None:
         self.files.close()
 
-    def _variable(self, name: str, stored: Stored) -> xr.Variable:
+    def _variable(self, name: str, stored: FileArray) -> xr.Variable:
         values = stored.values
         encoding: dict[str, Any] = {"dtype": str if _is_text(stored) else stored.dtype}
         attrs = {key: _attribute(value) for key, value in stored.attrs.items()}
@@ -64,7 +64,7 @@ class _Store(AbstractDataStore):
         return xr.Variable(stored.dims, values, attrs, encoding)
 
 
-def _is_text(stored: Stored) -> bool:
+def _is_text(stored: FileArray) -> bool:
     """Whether it holds texts of any length; others stay bytes."""
     kind = h5py.check_string_dtype(stored.dtype)
     return kind is not None and kind.length is None
@@ -101,7 +101,7 @@ def read(path: str | Path, study: bool = True) -> xr.Dataset:
         return ds
 
 
-def kind_of_file(path: str | Path) -> file_kinds.Kind:
+def kind_of_file(path: str | Path) -> file_kinds.FileKind:
     """The kind of a stored file. Raises `InputError` where it is none."""
     with raw(path) as ds:
         return file_kinds.kind_of(ds)

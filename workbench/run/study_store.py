@@ -74,7 +74,7 @@ def _clock(seconds: float) -> str:
 
 
 @dataclass(frozen=True)
-class Options:
+class RunOptions:
     """How a study is run; none of these changes a bit of what is stored.
 
     Parameters
@@ -95,7 +95,7 @@ class Options:
     restart: bool = False
 
 
-DEFAULT = Options()
+DEFAULT = RunOptions()
 KEPT = "finished cases are kept; run the same command again to continue"
 
 
@@ -112,7 +112,7 @@ class Ran:
 def run_to_file(
     study: Study,
     output: Path,
-    options: Options = DEFAULT,
+    options: RunOptions = DEFAULT,
     say: Callable[[str], None] = lambda text: None,
     progress: Progress = unshown,
 ) -> Ran:
@@ -214,7 +214,7 @@ def _tidy(work: Plan, output: Path) -> None:
 
 
 def _run(
-    work: Plan, parts: Shards, output: Path, options: Options, say: Callable[[str], None], progress: Progress
+    work: Plan, parts: Shards, output: Path, options: RunOptions, say: Callable[[str], None], progress: Progress
 ) -> Ran:
     from .assembly import assemble
 
@@ -250,7 +250,7 @@ def _count_kept(work: Plan, parts: Shards, tally: Tally) -> int:
     return kept
 
 
-def _solve(work: Plan, parts: Shards, options: Options, meter: Meter, tally: Tally, start: int, stop: int) -> None:
+def _solve(work: Plan, parts: Shards, options: RunOptions, meter: Meter, tally: Tally, start: int, stop: int) -> None:
     """Solve those of the cases `start` to `stop` that have no shard, and store theirs."""
     missing = shards.missing_ranges(shards.shard_ranges(parts.folder, work.todo), start, stop)
     try:
@@ -275,7 +275,7 @@ def _keep(work: Plan, folder: Path) -> str:
 WORTH, WORTH_TOGETHER = 128, 10
 
 
-def _results(work: Plan, missing: list[tuple[int, int]], options: Options) -> Results:
+def _results(work: Plan, missing: list[tuple[int, int]], options: RunOptions) -> Results:
     """The missing cases in chunks or parts of them with their packed results, in any order; or with the outcome of
     their cases, where two workers died at them."""
     if not missing:

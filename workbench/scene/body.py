@@ -17,7 +17,7 @@ from ..geometry.refinement import COLOUR_STEPS, MOST_TRIANGLES, Rings, rings, st
 from ..stored import quantity_variables
 from ..stored.quantity_variables import SECTION
 from ..stored.stored_study import StoredStudy
-from .scene_kinds import Kind, Paint
+from .scene_kinds import Paint, SceneKind
 
 STRIPE = 3  # one side in so many is painted
 
@@ -31,7 +31,7 @@ class Body:
     span
         The arc lengths between which it is drawn [length].
     value_of
-        What its colour shows at s (`Kind.value`), None for one colour.
+        What its colour shows at s (`SceneKind.value`), None for one colour.
     gamma
         The section's rotation at the stations, (n,) [rad], where a stripe shows it.
     caution
@@ -154,7 +154,9 @@ class Body:
         return rings(self.line, self.span, tolerance, self.stripe_angle(), colour, colour_length, multiple, most)
 
 
-def read(stored: StoredStudy, where: Mapping[str, int], kind: Kind, span: tuple[float, float] | None = None) -> Body:
+def read(
+    stored: StoredStudy, where: Mapping[str, int], kind: SceneKind, span: tuple[float, float] | None = None
+) -> Body:
     """The rod of one case, by its indices along the axes; only what the kind reads is opened.
 
     span: the arc lengths between which it is drawn; default: the whole rod. Raises `InputError` where the case has no
@@ -176,7 +178,7 @@ def read(stored: StoredStudy, where: Mapping[str, int], kind: Kind, span: tuple[
 
 
 def of_case(
-    stored: StoredStudy, where: Mapping[str, int], kind: Kind, span: tuple[float, float] | None = None
+    stored: StoredStudy, where: Mapping[str, int], kind: SceneKind, span: tuple[float, float] | None = None
 ) -> tuple[Body | None, str]:
     """The rod of a case, or why there is none. Raises `InputError` for a part that is not on the rod."""
     if not stored["solved"].isel(dict(where)):

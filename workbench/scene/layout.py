@@ -23,7 +23,7 @@ from . import composition, long_rod, page, scene_kinds
 from .body import Body
 from .composition import DEFAULT, Scene, room_of
 from .page import Page
-from .scene_kinds import Cell, Kind, Paint, default_kind, kind_of
+from .scene_kinds import Cell, Paint, SceneKind, default_kind, kind_of
 from .settings import Settings, check, check_name
 from .views import (
     EDGE,
@@ -134,7 +134,7 @@ def compose(
 
 
 def _single(
-    stored: StoredStudy, kind: Kind, at: Mapping[str, float] | None, along: str | None, settings: Settings
+    stored: StoredStudy, kind: SceneKind, at: Mapping[str, float] | None, along: str | None, settings: Settings
 ) -> Page:
     """One case large; a long one in lines."""
     chosen = stored.place(at)
@@ -193,7 +193,7 @@ def _side(azimuth: float, elevation: float) -> str:
 
 
 def _in_lines(
-    stored: StoredStudy, kind: Kind, body: Body, context: Sequence[Body], case: str, settings: Settings,
+    stored: StoredStudy, kind: SceneKind, body: Body, context: Sequence[Body], case: str, settings: Settings,
     notes: list[str], down: Array | None,
 ) -> Page:  # fmt: skip
     """All of a rod that would be too thin to see in one view."""
@@ -214,7 +214,9 @@ def _in_lines(
     return composition.compose(replace(scene, rows=rows, heads=heads, notes=notes, pitch=long_rod.PITCH))
 
 
-def _together(stored: StoredStudy, kind: Kind, axis: str, at: Mapping[str, float] | None, settings: Settings) -> Page:
+def _together(
+    stored: StoredStudy, kind: SceneKind, axis: str, at: Mapping[str, float] | None, settings: Settings
+) -> Page:
     """The cases of an axis on one cylinder, thin, each in the colour of its value."""
     if settings.color_range:
         raise InputError(f"a scene of kind {kind.name} has one colour for each rod, so it takes no --color-range")
@@ -246,7 +248,9 @@ def _thin(body: Body, k: int) -> Body:
     return replace(body, line=replace(body.line, a=a), lift=lift, paint=Paint(colours.SEVERAL[k]))
 
 
-def _row(stored: StoredStudy, kind: Kind, names: list[str], at: Mapping[str, float] | None, settings: Settings) -> Page:
+def _row(
+    stored: StoredStudy, kind: SceneKind, names: list[str], at: Mapping[str, float] | None, settings: Settings
+) -> Page:
     """The cases of an axis in rows, as large as they fit; each rod faces the viewer."""
     line = stored.places(names[0], at)
     spread, chosen = selection.spread(line, kind.most), list[Where]()
@@ -266,7 +270,7 @@ def _row(stored: StoredStudy, kind: Kind, names: list[str], at: Mapping[str, flo
 
 
 def _table(
-    stored: StoredStudy, kind: Kind, names: list[str], at: Mapping[str, float] | None, settings: Settings
+    stored: StoredStudy, kind: SceneKind, names: list[str], at: Mapping[str, float] | None, settings: Settings
 ) -> Page:
     """The cases of two axes, with headings."""
     line, down = (stored.places(name, at) for name in names)
@@ -297,7 +301,7 @@ def _compose_larger(scenes: Sequence[Scene], room: tuple[float, float]) -> Page:
 
 
 def _cells(
-    stored: StoredStudy, kind: Kind, names: list[str], cases: Sequence[Sequence[Where]], settings: Settings
+    stored: StoredStudy, kind: SceneKind, names: list[str], cases: Sequence[Sequence[Where]], settings: Settings
 ) -> tuple[list[list[View]], list[Camera]]:
     """The views of cases, in which each rod faces the camera; of a case without a shape its reason.
 
@@ -324,7 +328,7 @@ def _cells(
 
 
 def _several(
-    stored: StoredStudy, kind: Kind, names: list[str], rows: list[list[View]], camera: Camera, settings: Settings,
+    stored: StoredStudy, kind: SceneKind, names: list[str], rows: list[list[View]], camera: Camera, settings: Settings,
     first: Where, shown: list[str], notes: list[str], size: tuple[float, float],
 ) -> Scene:  # fmt: skip
     """The scene of cases side by side."""

@@ -28,7 +28,7 @@ from ..run import atomic
 from ..stored.stored_study import StoredStudy
 from ..words import labels
 from .body import Body
-from .scene_kinds import Cell, Kind, Paint
+from .scene_kinds import Cell, Paint, SceneKind
 from .settings import Settings
 from .views import BELOW, DOT, Camera, View
 
@@ -73,7 +73,7 @@ class Scene:
     """
 
     stored: StoredStudy
-    kind: Kind
+    kind: SceneKind
     rows: Sequence[Sequence[View]]
     context: Sequence[Body]
     case: str

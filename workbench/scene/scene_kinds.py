@@ -150,7 +150,7 @@ CURVE = frozenset(NEEDED)
 
 
 @dataclass(frozen=True)
-class Kind:
+class SceneKind:
     """A kind of scene.
 
     Attributes
@@ -192,21 +192,21 @@ class Kind:
 TURNS = (colours.STRIPE, "a stripe along the material: it turns as the rod is twisted and bent")
 PUSH: dict[str, Any] = {"value": lambda line, s: line.push(s), "paint": by_push}
 TABLE = (
-    Kind("plain", "the rod on its cylinder", "one"),
-    Kind("contact", "how hard the cylinder pushes, and where the rod would lift off", "one", **PUSH),
-    Kind("curvature", "how tightly the rod is bent", "one", value=lambda line, s: line.kappa(s),
+    SceneKind("plain", "the rod on its cylinder", "one"),
+    SceneKind("contact", "how hard the cylinder pushes, and where the rod would lift off", "one", **PUSH),
+    SceneKind("curvature", "how tightly the rod is bent", "one", value=lambda line, s: line.kappa(s),
          paint=by_curvature),
-    Kind("twist", "a stripe on the rod that turns with its material", "one", CURVE | {"gamma"},
+    SceneKind("twist", "a stripe on the rod that turns with its material", "one", CURVE | {"gamma"},
          paint=with_stripe, legend=(TURNS,)),
-    Kind("ghosts", "every case of an axis in one scene", "together", most=3),
-    Kind("grid", "every case of one axis or two, side by side at one scale", "each", **PUSH),
-    Kind("equilibria", "every equilibrium between two ends", "each", CURVE | {"energy", "index"}, **PUSH,
+    SceneKind("ghosts", "every case of an axis in one scene", "together", most=3),
+    SceneKind("grid", "every case of one axis or two, side by side at one scale", "each", **PUSH),
+    SceneKind("equilibria", "every equilibrium between two ends", "each", CURVE | {"energy", "index"}, **PUSH,
          cell=equilibrium, of_equilibria=True, most=18, notes=("below each rod its energy",)),
 )  # fmt: skip
 KINDS = {kind.name: kind for kind in TABLE}
 
 
-def kind_of(name: str) -> Kind:
+def kind_of(name: str) -> SceneKind:
     """The kind of that name. Raises `InputError` with the choices."""
     if name not in KINDS:
         raise no_such("kind of scene", name, KINDS)

@@ -28,7 +28,7 @@ from .schema import axes_left
 if TYPE_CHECKING:
     import pandas as pd
 
-    from solver.nodes.state import State
+    from solver.nodes.state import StretchState
 
 
 _VECTOR, _FRAME = ("xyz",), ("director", "xyz")
@@ -112,7 +112,7 @@ class StoredArrays:
 
 
 @dataclass(frozen=True)
-class Stored(StoredArrays):
+class StoredRod(StoredArrays):
     """The same with the study; case and solution are made only when needed."""
 
     study: Study
@@ -211,7 +211,7 @@ RULES: dict[str, tuple[tuple[str, ...], Callable[..., Any]]] = {
 }
 
 
-def states_of(one: xr.Dataset, s: Any, beta: Any, alpha: Any, push: Any) -> "tuple[State, ...]":
+def states_of(one: xr.Dataset, s: Any, beta: Any, alpha: Any, push: Any) -> "tuple[StretchState, ...]":
     """The states along a stored rod with weight or friction, from arrays along it, (n,) each; `one`: its case."""
     from solver.nodes.state import axial_force_along, is_drawn, states  # it loads the methods
 

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Kind:
+class FileKind:
     """A kind of file.
 
     what: in words. figure: its kind in `workbench.figures.kinds`, "" for none. scene: whether `scene` draws
@@ -23,32 +23,32 @@ class Kind:
     needs: tuple[str, ...] = ()
 
 
-STUDY = Kind("the results of a study", "study", True)
-LOOPS = Kind("a list of closed rods", "loops", True, ("equilibrium", "wraps", "about"))
+STUDY = FileKind("the results of a study", "study", True)
+LOOPS = FileKind("a list of closed rods", "loops", True, ("equilibrium", "wraps", "about"))
 KINDS = (
     LOOPS,
-    Kind("a list of equilibria", "equilibria", True, ("equilibrium", "index")),
-    Kind("all equilibria over an axis", "branches", False, ("curve_point", "curve_branch")),
-    Kind("a fold map", "folds", False, ("region_at",)),
-    Kind("a branch of equilibria", "", False, ("point", "special", "dbeta0")),
-    Kind("a trade of methods", "trade", False, ("ladder", "rung")),
-    Kind("extremes by method", "extremes", False, ("extreme", "method")),
-    Kind("the laws under each reading of Table 1", "", False, ("reading", "claim_verdict")),
+    FileKind("a list of equilibria", "equilibria", True, ("equilibrium", "index")),
+    FileKind("all equilibria over an axis", "branches", False, ("curve_point", "curve_branch")),
+    FileKind("a fold map", "folds", False, ("region_at",)),
+    FileKind("a branch of equilibria", "", False, ("point", "special", "dbeta0")),
+    FileKind("a trade of methods", "trade", False, ("ladder", "rung")),
+    FileKind("extremes by method", "extremes", False, ("extreme", "method")),
+    FileKind("the laws under each reading of Table 1", "", False, ("reading", "claim_verdict")),
 )
 
 
-def kind_of(ds: "xr.Dataset") -> Kind:
+def kind_of(ds: "xr.Dataset") -> FileKind:
     """The kind of a dataset; that of a study where nothing says otherwise."""
     held = {*map(str, ds.dims), *map(str, ds.variables)}
     return next((kind for kind in KINDS if held.issuperset(kind.needs)), STUDY)
 
 
-def other_kind(path: object, kind: Kind, reads: str) -> InputError:
+def other_kind(path: object, kind: FileKind, reads: str) -> InputError:
     """The error of a file of a kind that a command does not read; reads: what it reads, or why it does not."""
     return InputError(f"{path} is {kind.what}, which {_readers(kind)}; {reads}")
 
 
-def _readers(kind: Kind) -> str:
+def _readers(kind: FileKind) -> str:
     """``summary, plot and scene read``."""
     names = ["summary", *(["plot"] if kind.figure else []), *(["scene"] if kind.scene else [])]
     return f"{' and '.join(part for part in (', '.join(names[:-1]), names[-1]) if part)} read{'s' * (len(names) == 1)}"

@@ -70,7 +70,7 @@ class StoredCases:
     # what it holds
 
     @cached_property
-    def kind(self) -> file_kinds.Kind:
+    def kind(self) -> file_kinds.FileKind:
         """The kind of file that it is."""
         return file_kinds.kind_of(self.ds)
 

@@ -252,7 +252,7 @@ class StoredStudy(StoredCases):
         """The array along the rod of that name; the same as the attribute, ``ds.rod.contact``. Raises `InputError`."""
         if name not in ARRAYS:
             raise no_such("array along the rod", name, ARRAYS)
-        return derived_arrays.Stored(self.ds, self.study, lambda: self.case, lambda: self._solution).array(name)
+        return derived_arrays.StoredRod(self.ds, self.study, lambda: self.case, lambda: self._solution).array(name)
 
     if not TYPE_CHECKING:  # a misspelt name is an error of types
 

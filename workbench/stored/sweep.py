@@ -42,7 +42,7 @@ _DENSE = 2001  # stations of the seed of a method that knows the rod at stations
 
 
 @dataclass(frozen=True, eq=False)
-class State:
+class SweepState:
     """The equilibrium of one case, with stations at its two ends only.
 
     branch: 0 for that of the first case, else 1 + the flat index of the case where it begins; `NONE` where the case is
@@ -65,7 +65,7 @@ def select(study: Study, case: Case) -> Solution:
     return solve_one(case, study.equilibrium, study.tol, "auto", 2)
 
 
-def step(study: Study, case: Case, before: State, place: int, name: str, neighbour: float) -> State:
+def step(study: Study, case: Case, before: SweepState, place: int, name: str, neighbour: float) -> SweepState:
     """The state of a case next to another one. Along a followed axis it continues from that one.
 
     name: the axis between the two. neighbour: its value there.
@@ -138,24 +138,24 @@ def _end(branch: Branch, value: float) -> str | None:
     return f"{BEYOND} stops at {in_words(branch.field, branch.end.value, 10)}: {branch.end.reason}"
 
 
-def state_of(sol: Solution, branch: int, stable: bool | None = None, remark: str = "") -> State:
+def state_of(sol: Solution, branch: int, stable: bool | None = None, remark: str = "") -> SweepState:
     """A state that can be sent to another process. stable: of its branch where that begins; None: it begins here."""
     light = replace(sol, trajectory=replace(sol.trajectory, swirl=_not_kept))
     if not sol.solved:
-        return State(light, NO_BRANCH, False)
+        return SweepState(light, NO_BRANCH, False)
     is_stable = float(sol.held_index if sol.held else observe(light, ["index"])["index"]) == 0
     if stable and not is_stable:
         remark = LOST
     said = "" if sol.selection is None else sol.selection.remark
     remark = "; ".join(filter(None, (remark, said)))
-    return State(light, branch, is_stable if stable is None else stable, remark)
+    return SweepState(light, branch, is_stable if stable is None else stable, remark)
 
 
 def _not_kept() -> NDArray[np.float64]:
     raise NotImplementedError("the state of a sweep keeps no shape")
 
 
-def show(study: Study, state: State, stations: Any = None) -> Solution:
+def show(study: Study, state: SweepState, stations: Any = None) -> Solution:
     """The solution of a state by the study's method, at the study's stations or at others: a number, or values of s."""
     from solver.methods import AUTOMATIC
 
@@ -169,7 +169,7 @@ def show(study: Study, state: State, stations: Any = None) -> Solution:
     return solve(state.solution.case, study.tol, method, stations, seed=read(state.solution, _DENSE))
 
 
-def between(study: Study, case: Case, near: Callable[[], State], stations: Any) -> Solution:
+def between(study: Study, case: Case, near: Callable[[], SweepState], stations: Any) -> Solution:
     """A case between those of a sweep, at so many stations: by the study's rule, or on the branch that it follows.
 
     near: makes the state of the nearest case of the sweep.
@@ -226,7 +226,7 @@ MOST_KEPT = 2000  # cases of a single line that the run itself solves
 
 
 @dataclass(frozen=True)
-class Grid:
+class SweepGrid:
     """The order of a sweep. shape: of the grid; places are counted along the axes, the last fastest. follows: whether
     the last axis is followed, from its first value on."""
 
@@ -281,23 +281,23 @@ class Sweep:
     study: Study
     coordinates: Mapping[str, NDArray[np.float64]]
     block: int
-    known: dict[int, State] = field(default_factory=dict)
+    known: dict[int, SweepState] = field(default_factory=dict)
     keeps_all: bool = False
 
     @cached_property
-    def grid(self) -> Grid:
-        return Grid(tuple(values.size for values in self.coordinates.values()), self.study.followed is not None)
+    def grid(self) -> SweepGrid:
+        return SweepGrid(tuple(values.size for values in self.coordinates.values()), self.study.followed is not None)
 
-    def first(self) -> State:
+    def first(self) -> SweepState:
         """The state of the first case."""
         return self.state(self.grid.place(self.grid.first))
 
-    def nearest(self, values: Mapping[str, float]) -> State:
+    def nearest(self, values: Mapping[str, float]) -> SweepState:
         """The state of the case nearest to these values of the axes."""
         rows = self.coordinates.items()
         return self.state(self.grid.place(tuple(int(np.abs(row - values[name]).argmin()) for name, row in rows)))
 
-    def state(self, place: int) -> State:
+    def state(self, place: int) -> SweepState:
         """The state of one case."""
         way: list[tuple[int, tuple[int, int] | None]] = []
         at: int | None = place
@@ -327,7 +327,7 @@ class Sweep:
         known = {place: self.state(place) for place in sorted(places)}
         return Sweep(study, self.coordinates, self.block, known, keeps_all=True)
 
-    def _continue(self, place: int, parent: tuple[int, int] | None, before: State | None) -> State:
+    def _continue(self, place: int, parent: tuple[int, int] | None, before: SweepState | None) -> SweepState:
         case = self.study.case_of(self._values(place))
         if parent is None or before is None:
             return state_of(select(self.study, case), 0)

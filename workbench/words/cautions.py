@@ -32,7 +32,7 @@ from . import outcomes
 
 if TYPE_CHECKING:
     from solver import Case, Rod
-    from solver.orbits.shape import Shape
+    from solver.orbits.shape import ShapeArrays
 
 
 # those of `solver.observe.cautions` that others read here
@@ -61,7 +61,9 @@ _STRAIN = re.compile(r"\((.+?) %; linear to (.+?) %\)")
 _EXTENT = re.compile(r"\((no push on .+? % of the length)(?: within (?:\S+ to )?(.+) of an end)?\)")
 
 
-def of_cases(sol: "Shape", observed: Mapping[str, Any] | None = None, units: Mapping[str, str] | None = None) -> Any:
+def of_cases(
+    sol: "ShapeArrays", observed: Mapping[str, Any] | None = None, units: Mapping[str, str] | None = None
+) -> Any:
     """The caution of each case, (*cases) of str; units: "length" and "force" of the cases, where they are known."""
     if not units:
         return _of_cases(sol, observed)

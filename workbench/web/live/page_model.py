@@ -95,7 +95,7 @@ def field_of(message: str) -> str:
 
 
 @dataclass(frozen=True, eq=False)
-class Shape:
+class LiveRod:
     """A solved rod: its study and solution. Of a rod with very many bends only the beginning is solved and shown."""
 
     study: Study
@@ -121,7 +121,7 @@ def is_searched(study: Study) -> bool:
     return isinstance(case.given, Ends)
 
 
-def shape(study: Study, lost: bool = False) -> Shape:
+def shape(study: Study, lost: bool = False) -> LiveRod:
     """The rod of a state; between two ends the one that the study names, or that `solve` selects.
 
     lost: the study names the equilibrium of an earlier state, which could not be followed. Raises `InputError` for an
@@ -132,7 +132,7 @@ def shape(study: Study, lost: bool = False) -> Shape:
         return _resolve(study, case, solve(case, TOL, stations=STATIONS))
     sol = _with_weight(case) if case.varies else _between(study, case, lost)
     _check(sol)
-    return Shape(study, sol)
+    return LiveRod(study, sol)
 
 
 def _with_weight(case: Case) -> Solution:
@@ -146,17 +146,17 @@ def _with_weight(case: Case) -> Solution:
     return solve(case, TOL, stations=MOST)
 
 
-def _resolve(study: Study, case: Case, sol: Solution) -> Shape:
+def _resolve(study: Study, case: Case, sol: Solution) -> LiveRod:
     """The start problem at as many stations as its bends need, or the part of the rod that fits into `MOST`."""
     _check(sol)
     turn = float((sol.kappa.max() if sol.kappa.size else 0.0) * sol.s[-1] / (sol.s.size - 1))
     if turn <= CHORD:
-        return Shape(study, sol)
+        return LiveRod(study, sol)
     n = int(np.ceil(STATIONS * turn / CHORD))
     length = float(case.rod.L) * min(1.0, MOST / n)
     sol = solve(case, TOL, stations=np.linspace(0.0, length, min(n, MOST)))
     _check(sol)
-    return Shape(study, sol)
+    return LiveRod(study, sol)
 
 
 def _between(study: Study, case: Case, lost: bool) -> Solution:
@@ -206,7 +206,7 @@ def _check(sol: Solution) -> None:
         raise InputError(f"this rod is not solved: {sol.outcome}")
 
 
-def stations(one: Shape) -> dict[str, Any]:
+def stations(one: LiveRod) -> dict[str, Any]:
     """The rod at its stations, arrays by name, in the units of the study and rad: s, beta, dbeta, alpha, z.
 
     Of a rod whose loads vary also what the page cannot compute: push, kappa, tension (F3) and the axial force `axial`.
@@ -221,12 +221,12 @@ def stations(one: Shape) -> dict[str, Any]:
     return arrays
 
 
-def answer(one: Shape) -> dict[str, Any]:
+def answer(one: LiveRod) -> dict[str, Any]:
     """A solved rod at its stations and its facts, as plain data."""
     return {**facts(one), "arrays": {name: array.tolist() for name, array in stations(one).items()}}
 
 
-def facts(one: Shape) -> dict[str, Any]:
+def facts(one: LiveRod) -> dict[str, Any]:
     """Outcome, error, condition number and notes of a solved rod, as plain data; observables where its loads vary."""
     sol, study = one.sol, one.study
     units = study.unit_system
@@ -249,7 +249,7 @@ def _observations(sol: Solution) -> dict[str, float]:
     return {name: float(value) for name, value in observe(sol, names).items()}
 
 
-def numbers(one: Shape) -> dict[str, Any]:
+def numbers(one: LiveRod) -> dict[str, Any]:
     """Loads and every observable as a row, in the units of the study and rad, and what a real rod could not do."""
     sol = one.sol
     observed = {name: float(getattr(sol, name)) for name in ("FZ", "MZ", "M3")}
@@ -288,7 +288,7 @@ def round_rows(rows: Mapping[str, Any], digits: int) -> dict[str, list[float]]:
     return {name: [float(f"{value:.{digits}g}") for value in row] for name, row in rows.items()}
 
 
-def dataset_of_rod(one: Shape) -> Any:
+def dataset_of_rod(one: LiveRod) -> Any:
     """The dataset of a solved rod, as `workbench run` stores it. Raises `InputError` for a part of a rod."""
     if not one.whole:
         raise InputError("only a part of this rod is shown: run it as a study to export it")
@@ -298,7 +298,7 @@ def dataset_of_rod(one: Shape) -> Any:
     return assembly.make(study, Dimensions(), columns(study, one.sol))
 
 
-def file(one: Shape, kind: str) -> bytes:
+def file(one: LiveRod, kind: str) -> bytes:
     """The bytes of an exported file with that suffix. Raises `InputError` as `stored_rod.export` does."""
     stored = StoredStudy(dataset_of_rod(one))
     with tempfile.TemporaryDirectory() as folder:

@@ -130,18 +130,18 @@ def _bound() -> None:
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
 
 
-class Shapes:
+class LiveRods:
     """The last solved rods, each by what was asked; a rod that is not kept is solved again."""
 
     def __init__(self) -> None:
-        self._kept: OrderedDict[str, page_model.Shape] = OrderedDict()
+        self._kept: OrderedDict[str, page_model.LiveRod] = OrderedDict()
 
-    def keep(self, asked: str, one: page_model.Shape) -> None:
+    def keep(self, asked: str, one: page_model.LiveRod) -> None:
         self._kept[asked] = one
         while len(self._kept) > REMEMBERED:
             self._kept.popitem(last=False)
 
-    def find(self, asked: str) -> page_model.Shape | None:
+    def find(self, asked: str) -> page_model.LiveRod | None:
         return self._kept.get(asked)
 
 
@@ -155,7 +155,7 @@ def application(names: set[str], presets: Sequence[Preset] = PRESETS, report: Re
     names: the `host:port` that it accepts in Host and Origin. presets: the rods to begin with; the first is drawn when
     the page is opened. report: called with one sentence on each error of the server.
     """
-    context = Context(Shapes(), ThreadPoolExecutor(THREADS, "shapes"), Tasks())
+    context = Context(LiveRods(), ThreadPoolExecutor(THREADS, "shapes"), Tasks())
 
     @web.middleware
     async def guard(request: web.Request, handler: Handler) -> web.StreamResponse:
@@ -206,7 +206,7 @@ class Context:
     asks.
     """
 
-    shapes: Shapes
+    shapes: LiveRods
     few: ThreadPoolExecutor
     tasks: Tasks
     client: str = ""
@@ -219,7 +219,7 @@ class Context:
         """The result of work in a process, which is killed when the client leaves."""
         return await self.tasks.run(self.client, work, *args)
 
-    async def shape(self, asked: dict[str, Any]) -> page_model.Shape:
+    async def shape(self, asked: dict[str, Any]) -> page_model.LiveRod:
         """The rod of the state that a request has."""
         state, lost = asked.get("state"), bool(asked.get("lost"))
         key = json.dumps([state, lost], sort_keys=True)

@@ -102,7 +102,7 @@ Facts = Callable[[StoredStudy], Sequence[tuple[str, str]]]
 
 
 @dataclass(frozen=True, eq=False)
-class Stored:
+class StoredTurntable:
     """The cases of a turntable.
 
     Attributes
@@ -122,7 +122,7 @@ def turntable_of_dataset(
     at: Mapping[str, Any] | None = None,
     most_bytes: int = MOST_BYTES,
     facts: Facts | None = None,
-) -> Stored:
+) -> StoredTurntable:
     """The cases of a dataset, with a slider for each axis that `at` does not fix.
 
     Parameters
@@ -173,7 +173,7 @@ def turntable_of_dataset(
         "extremes": [min(pushes[0] for pushes in along), max(pushes[1] for pushes in along)],
         "push": labels.unit(f"{stored.units['force']}/{stored.units['length']}"),
     }
-    return Stored(
+    return StoredTurntable(
         data, [_left_out(stored, name, rows) for name, rows in chosen.items() if len(rows) < stored.sizes[name]]
     )
 
