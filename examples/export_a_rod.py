@@ -13,7 +13,7 @@ import numpy as np
 import trimesh
 
 from solver import Case, Cylinder, Rod, Start, solve
-from workbench.export.stored_rod import Options, export
+from workbench.export.stored_rod import ExportOptions, export
 from workbench.stored.stored_study import StoredStudy
 
 rod = Rod(E=1e4, nu=0.25, a=0.25, L=20.0)  # cm and N
@@ -22,7 +22,7 @@ sol = solve(Case(rod, Cylinder(R=1.5, side="inside"), start), stations=401)
 ds = sol.to_dataset(length="cm", force="N")
 formats = ["glb", "step"] if find_spec("OCP") else ["glb"]
 for name in formats:
-    written = export(StoredStudy(ds), Path(f"rod.{name}"), Options(tolerance=0.005), force=True)
+    written = export(StoredStudy(ds), Path(f"rod.{name}"), ExportOptions(tolerance=0.005), force=True)
     print(written.path, written.facts)
 sol.scene(length="cm", force="N").save("export_a_rod.html")
 

@@ -15,11 +15,11 @@ PUBLIC: dict[str, tuple[str, ...]] = {
     "workbench": (
         "workbench.stored.stored_study.StoredStudy",
         "workbench.notebook.Plot",
-        "workbench.notebook.Scene",
+        "workbench.notebook.NotebookScene",
         "workbench.run.in_memory.run",
         "workbench.run.study_store.run_to_file",
         "workbench.export.stored_rod.export",
-        "workbench.export.base.Options",
+        "workbench.export.base.ExportOptions",
     ),
 }
 SAID = {

@@ -75,7 +75,7 @@ def test_the_push_of_eq_16_has_no_part_along_the_rod_with_the_derivative_by_zeta
 def test_the_report_and_the_page_list_these_misprints() -> None:
     root = Path(__file__).parents[2]
     page = (root / "docs" / "explanation" / "physics.md").read_text(encoding="utf-8").partition("## 11. Errata")[2]
-    report = (root / "workbench" / "web" / "report" / "errata.html").read_text(encoding="utf-8")
+    report = (root / "workbench" / "paper" / "errata.html").read_text(encoding="utf-8")
     for number in ("(13), row 2, column 2", "(14), row 1", "(16), third"):
         assert f"| {number}" in page
         assert f"eq.&nbsp;{number}" in report

@@ -124,7 +124,7 @@ def test_of_long_pipes_one_view_shows_the_lower_part_compressed_and_lying() -> N
 
 
 def test_a_table_of_a_rod_with_weight_has_no_force_that_is_not_known(ds: xr.Dataset, tmp_path) -> None:
-    stored_rod.export(StoredStudy(ds), tmp_path / "rod.csv", stored_rod.Options(at={"inclination": np.pi / 2}))
+    stored_rod.export(StoredStudy(ds), tmp_path / "rod.csv", stored_rod.ExportOptions(at={"inclination": np.pi / 2}))
     head, *rows = (tmp_path / "rod.csv").read_text(encoding="utf-8").splitlines()
     assert "contact [kN/m]" in head
     assert "FY" not in head

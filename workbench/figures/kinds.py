@@ -39,24 +39,27 @@ class FigureKind:
 
 
 KINDS = {
-    "map": FigureKind("map_figure.figure", ("x", "y", "show", "at", "shapes"), "each observable over two axes"),
-    "lines": FigureKind("study_figure.figure", ("x", "show"), "unrolled views, and observables along each axis with "
-                        "their laws, or against the sampled fields"),
-    "curves": FigureKind("unrolled.figure", ("x", "at"), "unrolled views in the colours of the push"),
-    "ridge": FigureKind("along.figure", ("x", "at", "show"), "β, κ, the push or other arrays along s"),
-    "portrait": FigureKind("portrait.figure", ("x", "at"), "(β, β′) beside the potential G"),
-    "states": FigureKind("along.states", ("x", "at"), "where rods with weight are straight, sinusoidal or helical"),
-    "pipe": FigureKind("along.pipe", ("x", "at"), "the azimuth along s in the colours of the push, with these states"),
-    "bars": FigureKind("bars.of_cases", ("x", "at", "show"), "observables along an axis of at most twelve values"),
-    "equilibria": FigureKind("equilibria_figure.figure", ("show",), of="equilibria"),
-    "loops": FigureKind("equilibria_figure.loops", of="loops"),
-    "branches": FigureKind("bifurcation.figure", ("show",), of="branches"),
-    "folds": FigureKind("region_map.figure", ("show",), of="folds"),
-    "trade": FigureKind("work_precision.figure", ("cost",), of="trade"),
-    "extremes": FigureKind("robustness.figure", of="extremes"),
-    "fit": FigureKind("fit_figure.figure", of="fit"),
-    "indices": FigureKind("bars.indices", of="indices"),
-    "tornado": FigureKind("bars.tornado", of="tornado"),
+    "map": FigureKind("figures.map_figure.figure", ("x", "y", "show", "at", "shapes"), "each observable over two axes"),
+    "lines": FigureKind("figures.study_figure.figure", ("x", "show"), "unrolled views, and observables along each axis "
+        "with their laws, or against the sampled fields"),
+    "curves": FigureKind("figures.unrolled.figure", ("x", "at"), "unrolled views in the colours of the push"),
+    "ridge": FigureKind("figures.along.figure", ("x", "at", "show"), "β, κ, the push or other arrays along s"),
+    "portrait": FigureKind("figures.portrait.figure", ("x", "at"), "(β, β′) beside the potential G"),
+    "states": FigureKind("figures.along.states", ("x", "at"),
+        "where rods with weight are straight, sinusoidal or helical"),
+    "pipe": FigureKind("figures.along.pipe", ("x", "at"), "the azimuth along s in the colours of the push, with "
+        "these states"),
+    "bars": FigureKind("figures.bars.of_cases", ("x", "at", "show"),
+        "observables along an axis of at most twelve values"),
+    "equilibria": FigureKind("figures.equilibria_figure.figure", ("show",), of="equilibria"),
+    "loops": FigureKind("figures.equilibria_figure.loops", of="loops"),
+    "branches": FigureKind("figures.bifurcation.figure", ("show",), of="branches"),
+    "folds": FigureKind("figures.region_map.figure", ("show",), of="folds"),
+    "trade": FigureKind("lab.work_precision.figure", ("cost",), of="trade"),
+    "extremes": FigureKind("lab.robustness.figure", of="extremes"),
+    "fit": FigureKind("figures.fit_figure.figure", of="fit"),
+    "indices": FigureKind("figures.bars.indices", of="indices"),
+    "tornado": FigureKind("figures.bars.tornado", of="tornado"),
 }  # fmt: skip
 OF_STUDIES = {name: kind for name, kind in KINDS.items() if kind.of == "study"}
 

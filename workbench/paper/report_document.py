@@ -20,7 +20,7 @@ from studies.paper.readings import DROPPED, TABLE_1, Reading
 from ..commands.docs import PAPER
 from ..figures import colours
 from ..lab import measured_runs
-from ..lab.measured_runs import Measured
+from ..lab.measured_runs import MeasuredRun
 from ..run import atomic
 from ..run.in_memory import StudyResult
 from ..stored.stored_study import StoredStudy
@@ -30,7 +30,6 @@ from ..web.turntable import turntable_page
 from ..words import cautions, labels
 from . import report_runs, sources
 from .law_cards import CLASSES, claims_of, in_degrees, law_of, mechanism, of_readings, sentence
-from .measured_runs import MeasuredRun
 
 NAME = "report.html"
 TEMPLATE = "report.html.j2"
