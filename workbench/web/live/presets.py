@@ -28,7 +28,8 @@ class Preset:
     """A rod to begin with.
 
     state: a study as plain data, see `page_model.study_of`. spans: of sliders of quantities with either sign, the
-    greatest size or the two ends. source: where the values come from, and which are assumed.
+    greatest size or the two ends. source: where the values come from, and which are assumed. handle: the field whose
+    slider stands first, and sentence: what is said of it.
     """
 
     name: str
@@ -36,6 +37,8 @@ class Preset:
     source: str
     state: dict[str, Any]
     spans: dict[str, Any] = field(default_factory=dict)
+    handle: str = "L"
+    sentence: str = "Move a slider, and the shape follows."
 
 
 PRESETS = tuple(Preset(**row) for row in tomllib.loads(pages.read(__package__, "presets.toml"))["preset"])

@@ -10,6 +10,7 @@ const WIDER = 5; // the ends of a slider, as a factor of the value of the preset
 const STEPS = 1000,
   KEY = 10,
   PAGE = 100; // of a slider; of an arrow key; of page up and down
+const LETTERS = 9; // in the box of a number
 
 /* The two ends of the slider of a field; centre: its value in the preset. */
 export function spanOf(name, centre, span) {
@@ -41,6 +42,15 @@ export function typed(text) {
   return /^[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?$/i.test(plain) ? Number(plain) : NaN;
 }
 
+/* A number as its box shows it: with as many of seven digits as there is room for. */
+export function inBox(value) {
+  for (let digits = 7; ; digits--) {
+    const rounded = Number(value.toPrecision(digits)),
+      texts = [String(rounded), rounded.toExponential().replace("e+", "e")].sort((a, b) => a.length - b.length);
+    if (texts[0].length <= LETTERS || digits === 1) return texts[0];
+  }
+}
+
 /* The slider of a number, from 0 on; properties: of the element. */
 export const makeSlider = (properties) => make("input", { type: "range", min: 0, step: "any", ...properties });
 
@@ -51,13 +61,13 @@ function tell(box, name, value) {
   else box.setAttribute(name, value);
 }
 
-/* The fields in `box`. data: quantities and units. changed(name, value): called with each new value. */
-export function makeControls(box, quantities, changed) {
+/* The fields in `box`, the one that stands first in `first`. changed(name, value): called with each new value. */
+export function makeControls(box, first, quantities, changed) {
   let rows = {},
     made = "";
 
   function build(state, context) {
-    box.replaceChildren();
+    for (const place of [box, first]) place.replaceChildren();
     rows = {};
     for (const name of fieldNames(state)) {
       const [symbol, words, dimension] = quantities[quantityOf(name)],
@@ -69,7 +79,7 @@ export function makeControls(box, quantities, changed) {
         ends = context.span(name).map((end) => make("span", {}, number(isDegrees(name) ? end / DEGREE : end, 3))),
         range = make("div", { className: "range" }, ends[0], slider, ends[1]),
         row = make("div", { className: "field" }, label, field, make("span", { className: "unit" }, unit), range, note);
-      box.append(row);
+      (name === context.handle() ? first : box).append(row);
       rows[name] = { row, slider, field, note, unit };
       slider.addEventListener("input", () => changed(name, valueAt(name, Number(slider.value), context.span(name))));
       field.addEventListener("change", () => {
@@ -87,13 +97,13 @@ export function makeControls(box, quantities, changed) {
 
   /* Show the values of a state. wrong: a sentence and its field. context: the span and the value of each field. */
   function show(state, wrong, context) {
-    const key = JSON.stringify([fieldNames(state), state.units, fieldNames(state).map(context.span)]);
+    const key = JSON.stringify([context.handle(), fieldNames(state), state.units, fieldNames(state).map(context.span)]);
     if (key !== made) (build(state, context), (made = key));
     for (const [name, { row, slider, field, note, unit }] of Object.entries(rows)) {
       const value = state.base[name] ?? 0,
         spoken = isDegrees(name) ? value / DEGREE : value,
         bad = wrong.field === name;
-      const text = Number.isFinite(spoken) ? String(Number(spoken.toPrecision(7))) : field.value;
+      const text = Number.isFinite(spoken) ? inBox(spoken) : field.value;
       const place = placeOf(name, value, context.span(name));
       if (!(Math.abs(Number(slider.value) - Math.min(Math.max(place, 0), STEPS)) < 0.01)) slider.value = place;
       if (!(bad && document.activeElement === field) && field.value !== text) field.value = text;

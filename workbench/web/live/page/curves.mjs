@@ -30,13 +30,18 @@ export function diagrams(shape, units) {
   ];
 }
 
-/* Seen from outside with z to the right. */
+/* Seen from outside with z to the right. A rod that reaches more than once around the cylinder leaves the view below and
+   comes back above. */
 function unrolled({ one, z, alpha, push }, length) {
-  const around = (v) => one.rho * (alpha[0] - v),
+  const turn = 2 * Math.PI * one.rho,
+    far = (v) => one.rho * (alpha[0] - v),
+    [low, high] = range(alpha.map(far)),
+    winds = high - low > turn,
+    around = winds ? (v) => far(v) - turn * Math.ceil(far(v) / turn) : far,
     y = alpha.map(around);
   return {
     key: "developed",
-    title: "Unrolled view, seen from outside",
+    title: winds ? "Unrolled view of one turn, seen from outside" : "Unrolled view, seen from outside",
     x: z,
     y,
     xlabel: `z [${length}]`,
@@ -47,6 +52,7 @@ function unrolled({ one, z, alpha, push }, length) {
     least: 1e-6 * one.L,
     equal: areSimilar(y, z),
     dot: true,
+    jump: winds ? turn / 2 : Infinity,
     push,
   };
 }

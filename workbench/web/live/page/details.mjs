@@ -2,7 +2,7 @@
 
 import { DEGREE, quantityOf } from "./rod_case.mjs";
 import { AT_ENDS } from "./numbers.mjs";
-import { number, powers, unitText, withUnit } from "./text.mjs";
+import { number, powers, stability, unitText, withUnit } from "./text.mjs";
 
 export const element = (id) => document.getElementById(id);
 
@@ -20,7 +20,7 @@ export function make(tag, properties = {}, ...content) {
   return box;
 }
 
-const HEADLINE = ["turns", "wraps", "height", "push_max", "kappa_max"];
+const HEADLINE = ["index", "turns", "wraps", "height", "push_max", "kappa_max"];
 const BARRED = /pass(es)? through itself|lift off|tighter than/, // sentences on what no real rod could do
   LIMIT = "The model's limit near the ends."; // before one on lift-off there alone
 
@@ -38,7 +38,9 @@ export function showRows(rows, sentences, quantities, units) {
       letter = make("b", { className: isSaid ? "said" : "" }, symbol),
       amount = isAnswer
         ? value ? "yes" : "no"
-        : withUnit(number(dimension === "rad" ? value / DEGREE : value), unitText(dimension, units));
+        : id === "h" && name === "index"
+          ? stability(value)
+          : withUnit(number(dimension === "rad" ? value / DEGREE : value), unitText(dimension, units));
     return make("div", {}, make("dt", {}, letter, isSaid ? words.slice(symbol.length) : ` ${words}`),
                 make("dd", { id: `${id}-${name}` }, amount));
   };
@@ -71,7 +73,7 @@ export function solvedText({ outcome, method }, { error, condition, s }) {
 /* The colours of the page's style, read anew after `forget`. */
 export function makeTheme() {
   let known = null;
-  const names = ["ink", "soft", "faint", "line", "level", "mark", "badge", "on-badge", "font"];
+  const names = ["ink", "soft", "faint", "line", "level", "mark", "font"];
   const read = () => {
     const style = getComputedStyle(document.documentElement);
     return Object.fromEntries(names.map((name) => [name, style.getPropertyValue(`--${name}`).trim()]));

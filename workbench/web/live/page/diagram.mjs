@@ -124,7 +124,7 @@ export function paintDiagram(ctx, spec, frame, theme, code, end) {
     line(ctx, thinned(Array.from(x, px), Array.from(y, py)), theme[colour], width);
     ctx.setLineDash([]);
   }
-  if (spec.push) pushLine(ctx, points, spec.push, chosen, theme, code, end);
+  if (spec.push) for (const part of unbroken(chosen, spec)) pushLine(ctx, part, xs, ys, spec.push, theme, code, end);
   else if (!spec.lines) line(ctx, points, theme.line, 1.8);
   if (spec.level !== undefined) levelOf(ctx, spec, frame, theme);
   if (spec.dot) spot(ctx, points[0], 3.5, theme.ink);
@@ -168,8 +168,15 @@ function shade(ctx, { from, to, pulls }, spec, { px, py, h }, code) {
   ctx.globalAlpha = 1;
 }
 
+/* The points of a curve in pieces, each without a jump of y. */
+function unbroken(chosen, { y, jump = Infinity }) {
+  const cuts = chosen.flatMap((i, k) => (k && Math.abs(y[i] - y[chosen[k - 1]]) > jump ? [k] : []));
+  return [0, ...cuts].map((from, k) => chosen.slice(from, cuts[k]));
+}
+
 /* A line in the colours of the push at its points, on a casing that is seen on every paper. */
-function pushLine(ctx, points, push, chosen, theme, code, end) {
+function pushLine(ctx, chosen, xs, ys, push, theme, code, end) {
+  const points = chosen.map((i) => [xs[i], ys[i]]);
   const toneOf = (v) => (v < 0 ? -0.5 : 0.5) + Math.trunc((TONES * v) / (end || 1)); // none spans 0, where the tint changes
   line(ctx, points, theme.soft, 2.7);
   for (let i = 1, from = 0; i < points.length; i++) {
@@ -198,7 +205,7 @@ function levelOf(ctx, spec, { px, py, w }, theme) {
   }
 }
 
-function labels(ctx, spec, { px, py, x0, x1, y0, y1, w, h, height, stretch }, theme) {
+function labels(ctx, spec, { px, py, x0, x1, y0, y1, w, h, height }, theme) {
   ctx.fillStyle = theme.soft;
   ctx.textAlign = "center";
   for (const v of ticks(x0, x1, 6)) ctx.fillText(tickText(v, x1 - x0), px(v), TOP + h + 14);
@@ -211,23 +218,14 @@ function labels(ctx, spec, { px, py, x0, x1, y0, y1, w, h, height, stretch }, th
   ctx.textAlign = "center";
   ctx.fillText(spec.ylabel, 0, 0);
   ctx.restore();
-  if ("equal" in spec && Math.max(stretch, 1 / stretch) > LEAST_SCALES) badge(ctx, scaleText(stretch), LEFT + w, theme);
 }
 
-/* How unequal the two scales of a diagram are, in words; stretch: of the horizontal over the vertical. */
-export function scaleText(stretch) {
-  return stretch > 1
-    ? `width drawn ${number(stretch, 2)} times larger`
-    : `height drawn ${number(1 / stretch, 2)} times larger`;
-}
-
-function badge(ctx, text, right, theme) {
-  const wide = ctx.measureText(text).width + 12;
-  ctx.fillStyle = theme.badge;
-  ctx.fillRect(right - wide, TOP, wide, 18);
-  ctx.fillStyle = theme["on-badge"];
-  ctx.textAlign = "left";
-  ctx.fillText(text, right - wide + 6, TOP + 13);
+/* The title of a diagram, and by how much the scale of one direction is larger; stretch: of the horizontal over the
+   vertical. */
+export function titleOf(spec, { stretch }) {
+  if (!("equal" in spec) || Math.max(stretch, 1 / stretch) <= LEAST_SCALES) return spec.title;
+  const [way, times] = stretch > 1 ? ["width", stretch] : ["height", 1 / stretch];
+  return `${spec.title}; ${way} drawn ${number(times, 2)} times larger`;
 }
 
 /* A straight line. */

@@ -3,7 +3,7 @@
 import { makeBranches } from "./branch_diagram.mjs";
 import { element, make, set } from "./details.mjs";
 import { range } from "./range.mjs";
-import { number } from "./text.mjs";
+import { number, stability } from "./text.mjs";
 
 /* me: the page's state, list and place in it. context: the span of a field. send: asks the server. update(how): draws the
    state. */
@@ -84,8 +84,6 @@ function smallRod({ line: { z, around }, index }) {
   svg.firstChild.setAttribute("points", points.join(" "));
   return svg;
 }
-
-const stability = (index) => (index === 0 ? "stable" : `unstable in ${index} way${index === 1 ? "" : "s"}`);
 
 /* The list as a table with a small rod and a radio button a row: one tab stop, arrow keys choose. */
 function showList(box, list, here, units, choose) {

@@ -34,7 +34,7 @@ let core = null,
 
 const theme = makeTheme();
 const unit = () => me.state.units.length,
-  stage = makeStage(element("scene"), element("mark"), element, data.colours, () => still.matches, unit, true),
+  stage = makeStage(element("scene"), element("mark"), element, data.colours, () => still.matches, unit),
   { view } = stage;
 const diagrams = makeDiagrams(element("diagrams"), element("unrolled"), data.colours, theme, (s) => shown.setCursor(s));
 const address = makeAddress(data.readings);
@@ -44,10 +44,11 @@ makePrint(element("scene"), view, (on) => {
   diagrams.onPaper(on);
 });
 const context = {
+  handle: () => presetOf().handle,
   span: (name) => spanOf(name, me.centre[name], (presetOf() || {}).spans?.[name]),
   value: (name) => me.state.base[name],
 };
-const controls = makeControls(element("fields"), data.quantities, (name, value) => {
+const controls = makeControls(element("fields"), element("handle"), data.quantities, (name, value) => {
   me.state.base[name] = value;
   update();
 });
@@ -69,7 +70,7 @@ function enter(name, state, seed = null) {
   Object.assign(me, { preset: name, centre: copied(state.base), state, list: [], here: -1, cursor: null });
   shown.setCursor(null);
   element("preset").value = name;
-  element("source").textContent = presetOf().source;
+  for (const part of ["sentence", "source"]) element(part).textContent = presetOf()[part];
   set(element("message"), "");
   element("list").replaceChildren();
   update({ fresh: true, seed });
@@ -83,7 +84,7 @@ function follow() {
     enter(name, known.state, isEnds(known.state) ? shape : null);
   } else if (known) {
     begin(data.presets[0].name);
-    refuse(new Refused("This link is not complete: copy it again from the page."));
+    set(element("message"), "This link is not complete: copy it again from the page.");
   }
   return known !== null;
 }
@@ -156,6 +157,7 @@ function took(shape, head, how, since) {
   );
   later("numbers", PATIENCE.numbers, afterwards);
   if (shape.one.kind !== "ends") {
+    clearTimeout(timers.list);
     me.list = [];
     return;
   }

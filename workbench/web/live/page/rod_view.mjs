@@ -22,9 +22,9 @@ const BUDGET = 2.5,
 const LOST = "The browser has stopped drawing in three dimensions here. The rod comes back as soon as the browser allows it.";
 const AROUND = circle(24);
 
-/* The view in a canvas. code: the colours of the push. calm: whether the camera must not move by itself. lies: whether a
-   long rod lies along a wide view. */
-export function makeView(canvas, mark, code, calm, lies = false) {
+/* The view in a canvas. code: the colours of the push. calm: whether the camera must not move by itself. A long
+   rod lies along a wide view. */
+export function makeView(canvas, mark, code, calm) {
   const me = { shape: null, drawn: null, camera: null, target: null, ratio: 1, touched: false, at: null, push: "colours" };
   Object.assign(me, { picked: () => {}, moved: () => {} });
   let resting = 0,
@@ -37,7 +37,7 @@ export function makeView(canvas, mark, code, calm, lies = false) {
     filled();
     weigh();
   });
-  const frontOf = (shape) => facing(shape, lies && aspect() > WIDE);
+  const frontOf = (shape) => facing(shape, aspect() > WIDE);
   const aspect = () => Math.max(canvas.clientWidth, 1) / Math.max(canvas.clientHeight, 1);
   const pixelRatio = () => window.devicePixelRatio || 1;
 

@@ -2,7 +2,7 @@
 
 import { diagrams, valuesAt } from "./curves.mjs";
 import { make, set } from "./details.mjs";
-import { frameOf, paintCursor, paintDiagram, paper } from "./diagram.mjs";
+import { frameOf, paintCursor, paintDiagram, paper, titleOf } from "./diagram.mjs";
 
 const HEIGHT = 165,
   PRINTED = 3; // pixels of a canvas for one of the page, at least, on paper
@@ -35,7 +35,6 @@ export function makeDiagrams(box, below, code, theme, pointed) {
     if (!shown.length) build(specs);
     shown.forEach((one, i) => {
       one.spec = specs[i];
-      set(one.title, specs[i].title);
       one.canvas.setAttribute("aria-label", specs[i].title);
     });
     paint();
@@ -50,6 +49,7 @@ export function makeDiagrams(box, below, code, theme, pointed) {
         high = one.spec.height || HEIGHT,
         ctx = paper(one.canvas, wide, high, ratio);
       one.frame = frameOf(one.spec, wide, high);
+      set(one.title, titleOf(one.spec, one.frame));
       paintDiagram(ctx, one.spec, one.frame, theme(), code, end);
       if (here) paintCursor(ctx, one.frame, one.spec.cursor(here), one.spec.alongRod, theme());
     }

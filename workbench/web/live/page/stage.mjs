@@ -8,8 +8,8 @@ import { crossings } from "./self_contact.mjs";
 import { minus, number, tickText, ticks } from "./text.mjs";
 
 /* The stage in a canvas. part: the element of a name. unit: that of length. The others: as of `makeView`. */
-export function makeStage(canvas, mark, part, code, calm, unit, lies = false) {
-  const view = makeView(canvas, mark, code, calm, lies);
+export function makeStage(canvas, mark, part, code, calm, unit) {
+  const view = makeView(canvas, mark, code, calm);
   view.moved = (camera) => {
     drawTriad(part("triad"), camera);
     showScale(part("scale"), view, canvas, unit());

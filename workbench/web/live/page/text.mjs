@@ -52,5 +52,7 @@ export function ticks(low, high, count) {
 /* The text of a tick: a value next to 0, compared with the distance of the ticks, is 0. */
 export const tickText = (value, size) => number(Math.abs(value) < 1e-9 * size ? 0 : value, 6);
 
+export const stability = (index) => (index === 0 ? "stable" : `unstable in ${index} way${index === 1 ? "" : "s"}`);
+
 /* A number with its unit: "5 N", "30°", "0.25". */
 export const withUnit = (text, unit) => (unit === "°" ? `${text}°` : `${text} ${unit}`.trim());
