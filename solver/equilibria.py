@@ -161,7 +161,7 @@ def _row_of(together: Trajectory, t: Array, i: int) -> Trajectory:
 def _with_held_ends(
     case: Case, tol: float, stations: int, most_swings: int, within: Mapping[str, Any], tries: int, values: int | None
 ) -> HeldEquilibria:
-    """Those of a case with held ends that a search over stated ranges finds."""
+    """The equilibria of a case with held ends that a search over stated ranges finds."""
     number_of = _reactions_of(case)
     for name in within:
         if name not in number_of:
@@ -289,14 +289,14 @@ def _are_turned(found: list[Equilibrium]) -> NDArray[np.bool_]:
 
 
 def without_weight(case: Case) -> Case:
-    """The same case of a rod without weight."""
+    """A case with the weight of its rod taken away."""
     return Case(
         replace(case.rod, weight=None), replace(case.cylinder, inclination=None), replace(case.given, alpha=0.0)
     )
 
 
 def varying_equilibria(case: Case, tol: float, stations: int) -> Equilibria:
-    """Those of a rod with weight that a search finds. Raises `InputError` for what it does not search."""
+    """The equilibria of a rod with weight that a search finds. Raises `InputError` for what it does not search."""
     from .nodes.answers import why_unsolved
     from .nodes.loaded_rod import rods_of
     from .nodes.search import HEAVIEST, LONGEST, MOST_NODES, scan_one_unknown, search_shapes

@@ -206,7 +206,7 @@ class OrbitsOnPlane:
         return state_of(place.problem, place.path).rates.values[0, :-1]
 
     def signature(self, place: Place) -> Array:
-        """As of `orbit_folds.mark_of`."""
+        """What tells this equilibrium from others nearby, by `orbit_folds.mark_of`."""
         return mark_of(self.numbers(place), float(load_size(place.problem)[0]), float(place.problem.span[0]))
 
     def branch(self, z: Array, axis: int, place: Place, wanted: Array) -> tuple[list[Place], int, Stop, Stop] | str:

@@ -298,7 +298,7 @@ def _attributes(sol: Solution, units: Mapping[str, str]) -> dict[str, Any]:
 
 
 def _fine(sol: Solution) -> Solution:
-    """The same solution at as many stations as a diagram has pixels; as it is where it cannot be solved again."""
+    """A solution at as many stations as a diagram has pixels; as it is where it cannot be solved again."""
     if sol.t.shape[-1] >= FINE or not sol.solved:
         return sol
     try:

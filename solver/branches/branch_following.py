@@ -89,7 +89,7 @@ def branch_through(family: Family, path: Path, p: float, bounds: Bounds) -> tupl
 
 
 def follow_branch(family: Family, path: Path, p: float, rises: bool, bounds: Bounds) -> tuple[list[Place], Stop]:
-    """The same without the reason that a helix ceases to exist, or that nothing bends it."""
+    """The places of the branch from the path at p on, where p rises or falls, and why there are no more."""
     places, begun = list[Place](), family.begun
     if not path.helix:
         beyond = begin_at(family, path, p, rises)

@@ -94,7 +94,7 @@ def correct_state(curve: EquilibriumCurve, w: Array, along: Array) -> BranchStat
 
 
 def rechart(state: BranchState, step: float, keep: bool = False) -> BranchState:
-    """The same in the coordinate that is best there, where it can be changed; keep: in its own, made anew.
+    """A state in the coordinate that is best there, where it can be changed; keep: in its own, made anew.
 
     step: length of the next step.
     """
@@ -114,7 +114,7 @@ def rechart(state: BranchState, step: float, keep: bool = False) -> BranchState:
 
 
 def in_other_charts(state: BranchState) -> Iterator[BranchState]:
-    """The same in every other coordinate."""
+    """A state in each coordinate but its own."""
     for chart in charts(*state.at) if state.at is not None else ():
         if not alike(chart, state.curve.chart):
             changed = _change(state, chart)
@@ -137,7 +137,7 @@ def _rescale(state: BranchState, chart: Chart) -> BranchState:
 
 
 def _change(state: BranchState, chart: Chart) -> BranchState | None:
-    """The same in another chart; the direction of travel is that of two neighbouring points."""
+    """A state in another chart; the direction of travel is that of two neighbouring points."""
     curve = replace(state.curve, chart=chart)
     for nudge in (_NUDGE, -_NUDGE):
         beyond = state.node.w + nudge * state.node.tangent

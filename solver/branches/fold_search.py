@@ -75,7 +75,7 @@ class Searched:
         return self.counted[key]
 
     def near_misses(self, shares: Array) -> tuple[int, Counter[Any]]:
-        """Those of `levels.level_search` at a point."""
+        """How many near misses `orbits.level_search` counts at a point, and of which kinds."""
         key = tuple(shares.tolist())
         if key not in self._missed:
             self._missed[key] = near_misses(self.plane.problems(shares), MOST_PERIODS)

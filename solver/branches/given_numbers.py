@@ -61,11 +61,11 @@ class Given:
 
     @classmethod
     def of(cls, problem: HeldProblem) -> "Given":
-        """Those of one held problem."""
+        """The given numbers of one held problem."""
         return cls(problem.numbers, problem.values[0], float(problem.span[0]), float(problem.ratio[0]))
 
     def at(self, state: OrbitState) -> "Given":
-        """The same numbers as a state has them."""
+        """The numbers that are given, with the values that a state has."""
         length = float(state.rates.length[0])
         return replace(self, values=values_of(state.rates.values[0], length, self), span=length)
 

@@ -47,7 +47,7 @@ def _held_compliance(rates: OrbitRates, ratio: Array, names: tuple[str, ...]) ->
 
 
 def dead_index(rates: OrbitRates, leaving: Array, turns: Array, ends: tuple[str, ...] = _ANGLES) -> Array:
-    """The same under dead loads, with two given numbers of the ends."""
+    """The Morse index under dead loads, with two given numbers of the ends."""
     passed = half_turns(rates, leaving, turns, ends)
     index = np.maximum(np.ceil(passed), 0.0)
     with np.errstate(invalid="ignore"):

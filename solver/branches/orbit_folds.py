@@ -135,7 +135,7 @@ class OrbitPoint(LinePoint):
 
     @property
     def mark(self) -> Array:
-        """As of `mark_of`."""
+        """What tells this equilibrium from others nearby, by `mark_of`."""
         rates = self.own.rates
         return mark_of(rates.values[0, :-1], float(load_size(rates.problem)[0]), float(rates.problem.span[0]))
 
@@ -181,7 +181,7 @@ class OrbitPoint(LinePoint):
         return np.append(off, [orbit.over, -orbit.pin[1][0] * determinant])
 
     def after(self: "OrbitPoints", node: Node) -> "Ahead[OrbitPoints] | None":
-        """As of `LinePoint`; the saddle is looked for where it is now."""
+        """The point a step ahead (`LinePoint.after`); the saddle is looked for where it is now."""
         ahead = super().after(node)
         if ahead is None or self.saddle is None:
             return ahead
@@ -250,8 +250,11 @@ class OrbitPitchfork(OrbitPoint):
         return values if np.isfinite(values).all() else None
 
     def side_of(self, node: Node) -> Array:
-        """As of `LinePoint`. The miss of beta(L) is E v + B v^3/6: the two others exist where E B < 0. Next to a
-        saddle the length does not depend on v, and v^2 is what the level lies above that of rest."""
+        """The direction to the side of two more equilibria (`LinePoint.side_of`).
+
+        The miss of beta(L) is E v + B v^3/6: the two others exist where E B < 0. Next to a saddle the length does not
+        depend on v, and v^2 is what the level lies above that of rest.
+        """
         if self.saddle is not None:
             return -node.jacobian[1, 1:]
         v = _BEND * np.sqrt(1 + float(load_size(self.own.rates.problem)[0]))
@@ -290,7 +293,7 @@ def guess_at(kind: str, given_at: GivenAt, z: Array, numbers: Mapping[str, float
 
 
 def in_log_gap(point: OrbitPoints, largest: float, level: Level | None = None) -> OrbitPoints | None:
-    """The same next to a saddle, with log gap as one more unknown; None where the `depth` is larger.
+    """A point next to a saddle with log gap as one more unknown; None where the `depth` is larger.
 
     level: default: as beta_t(0) tells it.
     """
@@ -310,7 +313,7 @@ def is_even(orbit: StartedOrbit) -> bool:
 
 
 def in_start_numbers(point: OrbitPoints) -> OrbitPoints:
-    """The same without log gap."""
+    """A point without log gap among its unknowns."""
     return replace(point, saddle=None, w=np.delete(point.w, -3))
 
 
@@ -334,7 +337,7 @@ def meets_pitchforks(fold: OrbitFold, node: Node) -> bool:
 
 
 def in_other_form(point: OrbitPoint, node: Node, stuck: bool) -> Iterator[Ahead[OrbitPoint]]:
-    """As of `special_line.Others`: with log gap, or without it, or the mirror image."""
+    """Other forms of a point (`special_line.Others`): with log gap, or without it, or the mirror image."""
     way, guess = node.tangent[-2:], None
     pin = point.own.pin
     if pin is not None:
@@ -353,7 +356,7 @@ def in_other_form(point: OrbitPoint, node: Node, stuck: bool) -> Iterator[Ahead[
 
 
 def sides_between(point: Point, node: Node, step: float, taken: Ahead[Point]) -> list[Point] | None:
-    """As of `special_line.Between`, of pitchforks: where a fold curve ends on the line, and the side of two more
+    """Pitchforks within a step (`special_line.Between`): where a fold curve ends on the line, and the side of two more
     equilibria changes."""
 
     def is_left(there: Ahead[Point]) -> bool:

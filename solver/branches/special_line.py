@@ -77,10 +77,10 @@ class LinePoint(ABC):
 
     @abstractmethod
     def value(self, w: Array) -> Array | None:
-        """As of `numerics.arclength.Curve`."""
+        """F(w) of the equation of its line (`numerics.arclength.Curve`); None where there is none."""
 
     def jacobian(self, w: Array) -> Array | None:
-        """As of `numerics.arclength.Curve`."""
+        """F'(w) of that equation; None where there is none."""
         return difference_rates(self.value, w, self.nudge)
 
     def side_of(self, node: Node) -> Array:
@@ -225,7 +225,7 @@ def change_within(
 
 
 def cusps_between(point: Point, node: Node, step: float, taken: Ahead[Point]) -> list[Point] | None:
-    """As of `Between`, of folds: a cusp where z turns back within a step."""
+    """Folds within a step (`Between`): a cusp where z turns back."""
     before = node.tangent[-2:]
     if before @ taken[1].tangent[-2:] >= 0:
         return []
@@ -238,7 +238,7 @@ def cusps_between(point: Point, node: Node, step: float, taken: Ahead[Point]) ->
 
 
 def with_no_side(point: Point) -> Point:
-    """The same where the side of two more equilibria changes."""
+    """The point where the side of two more equilibria changes, hence with none."""
     return replace(point, more=np.zeros(2))
 
 

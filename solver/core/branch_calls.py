@@ -58,7 +58,7 @@ def orbit_rates(numbers: Array, path: Any, n: int, how: tuple[Cutting, Cutting])
 
 
 def start_rates(numbers: Array, pinned: Array | None, n: int, how: Cutting) -> tuple[Array, Array, Array, Array] | None:
-    """The same of the orbit of a start problem, at its far end; y has no value and no row.
+    """Values, rows, derivatives and length of the orbit of a start problem, at its far end; y has no value and no row.
 
     Parameters
     ----------

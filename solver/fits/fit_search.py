@@ -128,7 +128,7 @@ def _idle(model: Model, first: FitMinimum | None, starts: list[Array]) -> Array:
 
 
 def _starts(model: Model, count: int, seed: int) -> list[Array]:
-    """Those of a Sobol' set that are lower than their nearest neighbours, lowest first.
+    """The points of a Sobol' set that are lower than their nearest neighbours, lowest first.
 
     Of one datum and one parameter also the places between neighbours where the residual changes its sign.
     """

@@ -269,7 +269,7 @@ class DiscreteEnergy:
         return None if self.held else beta
 
     def slopes(self, beta: Array) -> Slopes | None:
-        """Those of a shape that meets the constraints; None of a straight rod that is held."""
+        """The derivatives at a shape that meets the constraints; None of a straight rod that is held."""
         given, weights, b = self.given, self._weights, self.angles(beta)
         s, c, c2 = np.sin(b), np.cos(b), np.cos(2 * b)
         rows, dead = self._constraints(beta)[1], self.loads(beta, np.zeros(len(self.held)))

@@ -102,7 +102,7 @@ def each_held(
 def each_hinged(
     case: Case, problem: HeldProblem, t: Array, tol: float, seed: Seed | None, choose: Choose
 ) -> tuple[EndsProblem, Trajectory]:
-    """The same of B rods with a given end moment, on nodes; problem: theirs."""
+    """The problems and answers of B rods with a given end moment, on nodes; problem: theirs."""
     rods, reached = rods_of(case), list[Reached | str]()
     for i, rod in enumerate(rods):
         row = slice(i, i + 1)
@@ -134,7 +134,7 @@ def hinged_path(state: OrbitState, rod: LoadedRod) -> GrowthWay:
 def _hinged_alternatives(
     seed: OrbitState, found: OrbitState, case: Case, tol: float, t: Array
 ) -> list[tuple[Any, ...]]:
-    """As of `_alternatives`."""
+    """What `_alternatives` gives, of a rod with a given end moment."""
     (rod,) = rods_of(case)
     rows = []
     for other in alternatives_of(seed, found, Given.of(reduce_held(case))):

@@ -222,7 +222,7 @@ class StartMethod(Method):
         """The answer at the stations t (B, n) in units of rho, rising from 0, the last at most the span."""
 
     def run_in_blocks(self, problem: StartProblem, t: Array, tol: float) -> Trajectory:
-        """The same of many problems, a block at a time, joined to one answer.
+        """The answer to many problems, solved a block at a time and joined.
 
         A method that solves all its problems together needs several times the memory of its answer. Here it needs that
         for one block only: the rows of a block are moved into the whole answer before the next block is solved.

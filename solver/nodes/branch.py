@@ -204,7 +204,7 @@ def least_tension(rod: LoadedRod, is_at_fault: Callable[[LoadedRod], object]) ->
 
 
 def branch_to_height(rod: LoadedRod) -> GrowthWay:
-    """The same where the height is held: it changes to the held one from that of a shape bent by an axial force.
+    """A way to a rod whose height is held: it changes to the held one from that of a shape bent by an axial force.
 
     A straight rod does not answer a change of its height.
     """

@@ -91,7 +91,7 @@ def dead_indices(shapes: Sequence[Shape | None]) -> Array:
 
 
 def _dead_index(shape: Shape) -> float:
-    """The same of one shape: as many negative directions with springs that hardly push it away or hold it."""
+    """The Morse index of one shape: as many negative directions with springs that hardly push it away or hold it."""
     alone = replace(shape, rod=replace(shape.rod, held=frozenset({"beta0", "betaL"})).in_scales(shape.rod.scale))
     _, *nearby = held_indices(alone, (-FAINT, FAINT))
     return float(nearby[0]) if nearby[0] == nearby[1] else np.nan

@@ -58,7 +58,7 @@ class CurvePoint:
 
     @cached_property
     def index(self) -> int:
-        """As of `index_of_any`."""
+        """The Morse index, by `index_of_any`."""
         return index_of_any(self.shape)
 
     def record(self, kind: str = "") -> Place:

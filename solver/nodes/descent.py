@@ -80,7 +80,7 @@ def change_rates(shape: Shape) -> Array:
 
 
 def on_nodes(shape: Shape, t: Array) -> Shape:
-    """The same shape on other nodes."""
+    """A shape, read at other nodes."""
     return shape_like(shape.rod, shape, t)
 
 

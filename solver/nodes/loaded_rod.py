@@ -82,7 +82,7 @@ class LoadedRod:
         return np.array(scales(1 / self.time, min(1.0, 1 / self.time)))
 
     def in_scales(self, scale: Array) -> "LoadedRod":
-        """The same rod with given sizes of the numbers of the state."""
+        """A copy of the rod with given sizes of the numbers of the state."""
         other = replace(self)
         vars(other)["scale"] = scale
         return other

@@ -72,7 +72,7 @@ def row(over: float, sizes: Array, k: float) -> tuple[WaveRow, Array]:
         return np.append(by_size.mean(axis=1), (2 * k**3 * (b**2 + a**4) - F * k * a**2).mean())
 
     def bends(x: Array) -> Array:
-        """Those of the slopes, (4, 4), exact: the imaginary part carries a change too small to be felt."""
+        """The derivatives of the slopes, (4, 4), exact: the imaginary part carries a change too small to be felt."""
         return np.array([slopes(x + 1e-30j * unit).imag / 1e-30 for unit in np.eye(4)])
 
     x = root(lambda x: (slopes(x), bends(x)), np.append(sizes, k), np.inf, STEPS)
@@ -87,7 +87,7 @@ def row(over: float, sizes: Array, k: float) -> tuple[WaveRow, Array]:
 
 
 def rows() -> list[WaveRow]:
-    """Those of the table."""
+    """The rows of the table of sinusoids."""
     k, sizes, table, last = 1.0, np.sqrt([8 / 11, 0.0, 0.0]), [], 1.0
     for over in OVER:
         entry, sizes = row(over, sizes * np.sqrt(over / last), k)
@@ -257,7 +257,7 @@ def wave_shape(rod: LoadedRod, nodes: Array, over: Array, front: float = np.inf,
 
 
 def smooth_at(x: Array, alpha: Array, edge: int) -> Array:
-    """The same, but for a bend at one place."""
+    """The angles alpha, but for a bend at one place."""
     blur = np.hanning(2 * int(np.searchsorted(x, BLUR)) + 3)
     wide = np.pad(alpha, blur.size // 2, "edge")
     product = np.fft.rfft(wide) * np.fft.rfft(blur / blur.sum(), wide.size)

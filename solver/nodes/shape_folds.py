@@ -64,7 +64,7 @@ class ShapePoint(LinePoint):
 
     @property
     def mark(self) -> Array:
-        """As of `LinePoint`."""
+        """Numbers of about 1 that tell the equilibrium from others."""
         return marks_of(self.shape)
 
 
@@ -90,7 +90,7 @@ class FoldPoint(ShapePoint):
         return None if point is None else np.array([point.p, point.rises])
 
     def after(self, node: Node) -> "Ahead[FoldPoint] | None":
-        """As of `LinePoint`; a is counted from there on."""
+        """The point a step ahead (`LinePoint.after`); a is counted from there on."""
         point = self.at(node.w)
         if point is None:
             return None
@@ -132,7 +132,7 @@ class PitchforkPoint(ShapePoint):
 
     @property
     def lower(self) -> int:
-        """As of `LinePoint`."""
+        """The lower Morse index of the equilibria that meet."""
         return self.index
 
     def held_at(self, z: Array) -> Held | None:
@@ -145,7 +145,7 @@ class PitchforkPoint(ShapePoint):
         return None if held is None else np.array([held.stiffness])
 
     def after(self, node: Node) -> "Ahead[PitchforkPoint] | None":
-        """As of `LinePoint`, with its index and its mode."""
+        """The point a step ahead (`LinePoint.after`), with its index and its mode."""
         across = node.jacobian[0] / np.linalg.norm(node.jacobian[0])
         sides = [self.held_at(node.w + sign * NEAR_IT * across) for sign in (-1, 1)]
         shapes = [side.shape for side in sides if side is not None]
@@ -197,6 +197,6 @@ def pitchforks_through(
 def crossing_between(
     point: PitchforkPoint, node: Node, step: float, taken: Ahead[PitchforkPoint]
 ) -> list[PitchforkPoint]:
-    """As of `Between`: pitchforks on either side of where another curve crosses, and close to it."""
+    """Pitchforks within a step (`Between`): on either side of where another curve crosses, and close to it."""
     sides = change_within(point, node, step, taken, lambda ahead: ahead[0].lower, CROSSED)
     return [side for side in sides if side is not point and side is not taken[0]]

@@ -188,7 +188,7 @@ class MeasuredNumbers:
 
     @cached_property
     def unit_mean_push(self) -> Any:
-        """The same over the length in t, (B,)."""
+        """A/rho^3 over the length in t [force/length], (B,)."""
         return self.A / (self.rho**3 * self.length)
 
     @property
@@ -266,7 +266,7 @@ class MeasuredNumbers:
 
     @property
     def plain(self) -> "MeasuredNumbers":
-        """The same without derivatives: itself."""
+        """The numbers without derivatives: itself."""
         return self
 
     def at_jump(self, value: float) -> Any:

@@ -131,7 +131,7 @@ def _goes_round_once(low: Array, high: Array, a: Array, apart: Array, span: Arra
 
 
 def _at_stations(sol: ShapeArrays, i: int, a: float) -> float:
-    """The same from the stations of case i alone."""
+    """The least distance of case i from itself, from its stations alone."""
     t, shape = sol.t[i], sol.trajectory
     alpha, z, beta = shape.alpha[i], shape.z[i], shape.beta[i]
     points = np.stack([np.cos(alpha), np.sin(alpha), z], axis=-1)

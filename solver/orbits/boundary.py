@@ -62,7 +62,7 @@ def critical_points(problem: HasLoads) -> CriticalPoints:
 
 
 def _critical_points(loads: Array) -> CriticalPoints | None:
-    """Those of loads (B, 3); None where one is not finite, or critical points could not be told apart."""
+    """The critical points of loads (B, 3); None where one is not finite, or points could not be told apart."""
     B = loads.shape[0]
     beta, centre = np.full((B, _CRITICAL), np.nan), np.zeros((B, _CRITICAL), np.bool_)
     count = np.empty(B, np.int64)
@@ -132,7 +132,7 @@ class Path:
 
     @property
     def level_path(self) -> LevelPaths:
-        """The same as `LevelPaths` of one."""
+        """This path as `LevelPaths` of one."""
         return LevelPaths(*(np.array([number]) for number in vars(self).values()))
 
 
@@ -222,7 +222,7 @@ class Boundary:
         return float(pins[nearest]) if apart[nearest] < MOVED else pin
 
     def with_pin(self, pin: float) -> "Boundary":
-        """The same with its levels measured from one angle, as of `own_pin`."""
+        """A boundary whose levels are measured from one angle, one of `own_pin`."""
         pin = self.own_pin(pin)
         falls = [[self.fall(pin, end) for end in (self.low, self.high)]]
         return replace(self, pins=np.array([pin]), falls=np.array(falls))

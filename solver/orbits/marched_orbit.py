@@ -130,7 +130,7 @@ class MarchedOrbit(Periodic):
 
     @cached_property
     def exact(self) -> Orbit:
-        """The same orbits by quadrature, for the Morse index: its sign depends on digits that a march may lose."""
+        """These orbits by quadrature, for the Morse index: its sign depends on digits that a march may lose."""
         return solve_orbit(self.problem, self.tol)
 
     def at(self, t: Array) -> tuple[Array, Array, Array, Array]:
@@ -168,7 +168,7 @@ class MarchedOrbit(Periodic):
         return steps
 
     def complete(self, lost: Booleans, answer: "Trajectory") -> "MarchedOrbit":
-        """The same orbits, those that are `lost` (B,) taken from an answer to them by quadrature."""
+        """These orbits, those that are `lost` (B,) taken from an answer by quadrature."""
         rest: Orbit = answer.orbit
         rows = np.array(self.found)
         for name in ("error", "condition", "evaluations"):

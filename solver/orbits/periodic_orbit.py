@@ -161,7 +161,7 @@ class Orbit(Periodic):
         return beta, dbeta, alpha, z
 
     def _read(self, t: Array) -> Array:
-        """The same and the swirl, (5, B, n)."""
+        """beta, beta_t, alpha, z and the swirl at t (B, n), (5, B, n)."""
         out = np.empty((FUNCTIONS, *t.shape))
         run("rod_orbits_read", reading(self), *t.shape, np.ascontiguousarray(t), out)
         return out

@@ -50,7 +50,7 @@ class Change:
 
     @property
     def rows(self) -> Array:
-        """The same, (5, b, F, n), of changes at n places of b orbits."""
+        """The changes of beta, beta_t and the integrals as rows, (5, b, F, n), at n places of b orbits."""
         every = self.beta, self.rate, *np.moveaxis(self.integrals, -1, 0)
         return np.ascontiguousarray(np.stack(every).swapaxes(2, 3))
 
@@ -140,7 +140,7 @@ def _change_by_start(problem: Reduced, t: Array) -> Change:
 
 
 def _change_by_ends(problem: Reduced, t: Array) -> Change:
-    """The same by a unit of beta(0), beta(L), lam, mu and phi, each with the other end held."""
+    """The change by a unit of beta(0), beta(L), lam, mu and phi, each with the other end held."""
     beta0, span = problem.beta0, problem.span[:, None]
     rate = slope_rate(problem, beta0)[:, None]
     with np.errstate(all="ignore"):

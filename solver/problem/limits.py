@@ -72,7 +72,7 @@ def beyond(why: Any, case: Case) -> NDArray[np.str_]:
 
 
 def reason_beyond(why: str, case: Case) -> str:
-    """The same of one case, for a list that it leaves empty, and for an error."""
+    """The outcome of one case out of range, for a list that it leaves empty, and for an error."""
     return str(beyond(why, case)[0]).removeprefix("failed: ")
 
 
@@ -105,7 +105,7 @@ def unreachable(height: float, azimuth: float, span: float, seeded: bool = False
 
 
 def too_far(height: float, azimuth: float, span: float) -> str:
-    """The same where none reaches."""
+    """That no rod of a span reaches from end to end, in words."""
     apart = float(np.hypot(height, azimuth)) / span
     return TOO_FAR.format(apart) if apart > 1 + _ROUNDING else ""
 

@@ -152,7 +152,7 @@ def reduce(case: Case) -> StartProblem | EndsProblem:
 
 
 def dimensionless_problem(case: Case, kind: type = float) -> StartProblem | EndsProblem:
-    """The same of any case; where loads vary along the rod, with those that the case gives. kind: of the numbers."""
+    """The dimensionless problem of any case, of varying loads those that it gives. kind: of the numbers."""
     numbers = dimensionless_numbers(case, kind).reshape(6, -1)
     return EndsProblem(*numbers) if isinstance(case.given, Ends) else StartProblem(*numbers)
 
@@ -215,7 +215,7 @@ def reduce_held(case: Case) -> HeldProblem:
 
 
 def held_problem(case: Case) -> HeldProblem:
-    """The same of any case with Ends; where loads vary along the rod, its loads are those of the far end."""
+    """The five given numbers of any case with Ends; of varying loads those of the far end."""
     fields = given_fields(case)
     with np.errstate(all="ignore"):  # overflow is reported in the outcome
         *five, span, ratio = (flat(number, case.shape) for number in given_values(case, fields))

@@ -295,19 +295,19 @@ class Study(BaseModel):
         return " and ".join([*sampled, *([f"the axes {choices(self.axes)}"] if self.axes else [])])
 
     def at_stations(self, stations: int) -> Self:
-        """The same study with another number of stations. Raises `InputError`."""
+        """A copy of the study with another number of stations. Raises `InputError`."""
         if not 2 <= stations <= MAX_STATIONS:
             raise InputError(f"stations must be from 2 to {MAX_STATIONS}, got {stations}")
         return self.with_values(stations=stations)
 
     def with_values(self, **values: Any) -> Self:
-        """The same study with other values of some keys, which its text then has too (`study_text.dumps`)."""
+        """A copy of the study with other values of some keys, which its text then has too (`study_text.dumps`)."""
         other = self.model_copy(update=values)
         other._text = ""
         return other
 
     def with_samples(self, samples: Dimension | None) -> Self:
-        """The same study with other samples."""
+        """A copy of the study with other samples."""
         other = self.model_copy()
         other._samples = samples
         return other
@@ -374,7 +374,7 @@ class Study(BaseModel):
         return {name: value for name, value in self.constants.items() if name in used and name not in WORDS}
 
     def under(self, reading: str | None) -> "Study":
-        """The same study under another reading; a missing word keeps that of the study. Raises `InputError`."""
+        """A copy of the study under another reading; a missing word keeps that of the study. Raises `InputError`."""
         if reading is None:
             return self
         if self.reading is None:
@@ -382,7 +382,7 @@ class Study(BaseModel):
         return self.model_copy(update={"reading": parse(reading, parse(self.reading)).name})
 
     def coarse(self) -> "Study":
-        """The same study without its refinement: the grid of its axes."""
+        """A copy of the study without its refinement: the grid of its axes."""
         return self.model_copy(update={"refine": None}).with_samples(None) if self.refine else self
 
     def run(self) -> Any:

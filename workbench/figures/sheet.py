@@ -46,7 +46,7 @@ class Sheet:
         return self.width < ONE_COLUMN
 
     def choose(self, panels: Iterable[str]) -> list[str]:
-        """Those of the panels of a figure that are drawn. Raises `InputError` for a panel that it has not."""
+        """Which of the panels of a figure are drawn. Raises `InputError` for a panel that it has not."""
         if self.panel is not None and self.panel not in (known := list(panels)):
             raise no_such("panel", self.panel, known)
         return list(panels) if self.panel is None else [self.panel]

@@ -133,7 +133,7 @@ def plan(views: Sequence[UnrolledView], room: tuple[float, float], letters: floa
 
 
 def plan_lines(views: Sequence[UnrolledView], room: tuple[float, float]) -> Arrangement:
-    """The same of the lines of one rod, whose texts stand before them."""
+    """The arrangement of the lines of one rod, whose texts stand before them."""
     sizes = np.array([[view.size] for view in views])
     layout = arrangement.arrange(sizes, np.zeros_like(sizes), (room[0], room[1] - FOOT), pitch=lines.PITCH)
     wide, high = layout.size

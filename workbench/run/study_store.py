@@ -54,7 +54,7 @@ class Meter:
         return f"{self.rate:.3g} a second{left}" + (f", {self.unsolved} unsolved" if self.unsolved else "")
 
     def data(self) -> dict[str, Any]:
-        """The same for programs."""
+        """What `text` says, as numbers for programs."""
         counts = {"done": self.done, "cases": self.total, "unsolved": self.unsolved}
         return {**counts, "per_second": round(self.rate, 1), "seconds_left": self.left and round(self.left, 1)}
 

@@ -43,7 +43,7 @@ def compress(bodies: Sequence[Body]) -> list[Body]:
 
 
 def in_view(bodies: Sequence[Body], down: Array | None) -> list[Body]:
-    """The same, and of rods that are long even so the beginning, or where that is higher, the last part."""
+    """The compressed rods, and of those that are long even so the beginning, or where that is higher, the last part."""
     last = down is not None and bool(down[2] > UPRIGHT)
     return [part_in_view(body, last) for body in compress(bodies)]
 

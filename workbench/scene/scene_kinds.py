@@ -67,7 +67,7 @@ def by_curvature(units: dict[str, str], extremes: Extremes) -> Paint:
 
 
 def set_range(paint: Paint, chosen: tuple[float, float]) -> Paint:
-    """The same colours between two other values.
+    """The colours of a paint between two other values.
 
     Raises `InputError` for a scale of pushes that is not pale at 0.
     """

@@ -97,7 +97,7 @@ def views_of(text: str | None) -> tuple[tuple[float, float], ...]:
 
 
 def one_view_of(text: str | None, shown: str) -> tuple[float, float]:
-    """The same of a picture with one view of each rod; shown: what it shows. Raises `InputError` for several views."""
+    """The one view of each rod, as azimuth and elevation [deg]; shown: what. Raises `InputError` for several."""
     view, *others = views_of(text)
     if others:
         raise InputError(f"{shown} is seen from one side, and --camera {text} has several: choose front or side")

@@ -113,7 +113,7 @@ class StoredArrays:
 
 @dataclass(frozen=True)
 class StoredRod(StoredArrays):
-    """The same with the study; case and solution are made only when needed."""
+    """The stored arrays of a rod with its study; case and solution are made only when needed."""
 
     study: Study
     case: Callable[[], Case]

@@ -183,7 +183,7 @@ def between(study: Study, case: Case, near: Callable[[], SweepState], stations: 
 
 
 def read(sol: Solution, stations: Any) -> Solution:
-    """The same equilibrium at so many stations, or at these values of s, from its orbit or its shape on nodes."""
+    """An equilibrium at so many stations, or at these values of s, from its orbit or its shape on nodes."""
     t, orbit, shapes = _times(sol, stations), sol.trajectory.orbit, sol.trajectory.shapes
     if orbit is None:
         along = shapes.read(t, np.reshape(sol.case.given.alpha, -1))

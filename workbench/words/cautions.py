@@ -125,7 +125,7 @@ def said(texts: Any) -> str:
 
 
 def tell(texts: Mapping[str, int]) -> str:
-    """The same of how often each caution stands."""
+    """One sentence on how often each caution stands; empty where there is nothing to say."""
     cases, counts = sum(texts.values()), _parts(texts)
     known = {part: count for part, count in counts.items() if not part.startswith(UNKNOWN)}
     grave = {part: count for part, count in known.items() if not part.startswith(_POSSIBLE)}
