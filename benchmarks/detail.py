@@ -30,7 +30,7 @@ from workbench.stored.stored_study import StoredStudy
 
 WIDE = 1450  # pixels of the picture that the rod's length fills
 ERRORS = (2.0, 0.5)
-HEAD = 'title = "{}"\nreading = "force-first/tension/paper"\nstations = {}\nobservables = ["turns"]\n'
+HEAD = 'title = "{}"\nreading = "force-first/tension/paper"\nstations = {}\nobservables = ["bends"]\n'
 UNITS = 'outputs = ["beta", "alpha", "z"]\n[units]\nlength = "cm"\nforce = "N"\n[base]\n'
 # name -> stations and the fields of Table 1 that are changed
 RODS = {
@@ -118,7 +118,7 @@ def measure(name: str, pixel_error: float) -> list[object]:
     if stations <= 2001 and float(line.a) * per_unit > 0.5:
         count, sides = uniform(body, max(made, allowed * 0.5))
         even = f"{2 * count * sides}"
-    return [name, int(ds["turns"]), stations, pixel_error, found.s.size, found.sides, len(mesh.triangles),
+    return [name, int(ds["bends"]), stations, pixel_error, found.s.size, found.sides, len(mesh.triangles),
             f"{1e3 * seconds:.0f} + {1e3 * meshing:.0f}", f"{made * per_unit:.2f}", even]  # fmt: skip
 
 

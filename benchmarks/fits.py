@@ -64,7 +64,7 @@ def costs(rounds: int = 15) -> dict[str, tuple[float, float]]:
         "50 points with s, and 32 Sobol' points": of(points=points[True]),
         "50 points without s, from the case alone": of(points=points[False], starts=0),
         "50 points without s, and 32 Sobol' points": of(points=points[False]),
-        "height and wraps, from the case alone": of(targets={"height": 8.0, "wraps": 0.2}, starts=0),
+        "height and wraps, from the case alone": of(targets={"height": 8.0, "turns_around": 0.2}, starts=0),
         "height and push_max, from the case alone": of(targets={"height": 7.9, "push_max": 150.0}, starts=0),
     }
     found = {}

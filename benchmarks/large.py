@@ -28,7 +28,7 @@ from workbench.words import cautions
 STUDY = """
 title = "Benchmark"
 reading = "force-first/tension/paper"
-observables = ["turns", "wraps", "height", "kappa_max"]
+observables = ["bends", "turns_around", "height", "kappa_max"]
 outputs = {outputs}
 stations = {stations}
 method = "{method}"

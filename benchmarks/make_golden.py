@@ -181,16 +181,16 @@ def folds() -> Iterator[Row]:
 
 
 def closed() -> Iterator[Row]:
-    for wraps in (1, 2, 3):
+    for turns in (1, 2, 3):
         for waves in (1, 2, 3, 4):
             for longer in (1.05, 1.6):
-                rod = {"E": A25, "nu": 0.25, "a": 0.25, "L": 2 * np.pi * wraps * longer}
-                yield {"kind": "loops", "name": f"loop {wraps} {waves} {longer}", "rod": rod, "cylinder": {"R": 0.75},
-                       "options": {"wraps": wraps, "folds": waves}}  # fmt: skip
+                rod = {"E": A25, "nu": 0.25, "a": 0.25, "L": 2 * np.pi * turns * longer}
+                yield {"kind": "loops", "name": f"loop {turns} {waves} {longer}", "rod": rod, "cylinder": {"R": 0.75},
+                       "options": {"turns_around": turns, "folds": waves}}  # fmt: skip
 
 
-SEEN = ["height", "wraps", "amplitude", "kappa_max", "kappa_mean", "push_min", "push_max", "push_mean", "attached",
-        "energy", "bending_energy", "F3_size_max", "lift_off_at", "push_max_at"]  # fmt: skip
+SEEN = ["height", "turns_around", "amplitude", "kappa_max", "kappa_mean", "push_min", "push_max", "push_mean",
+        "attached", "energy", "bending_energy", "F3_size_max", "lift_off_at", "push_max_at"]  # fmt: skip
 
 
 def sensitivities() -> Iterator[Row]:

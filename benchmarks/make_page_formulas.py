@@ -117,9 +117,9 @@ class Measured(Terms):
 
 
 OBSERVED = (
-    "FZ", "MZ", "M3", "amplitude", "wraps", "height", "kappa_mean", "kappa_max", "contact_size_mean", "push_mean",
-    "pull_mean", "push_min", "push_max", "push_max_at", "attached", "lift_off_at", "F3_size_max", "bending_moment_max",
-    "bending_stress_max", "energy", "bending_energy", "twist_energy",
+    "FZ", "MZ", "M3", "amplitude", "turns_around", "height", "kappa_mean", "kappa_max", "contact_size_mean",
+    "push_mean", "pull_mean", "push_min", "push_max", "push_max_at", "attached", "lift_off_at", "F3_size_max",
+    "bending_moment_max", "bending_stress_max", "energy", "bending_energy", "twist_energy",
 )  # fmt: skip
 
 

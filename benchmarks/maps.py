@@ -31,7 +31,7 @@ def regimes(count: int, observables: list[str]) -> Study:
     text = load("regimes").text.partition("[[laws]]")[0]
     text = text.replace("count = 25", f"count = {count}").replace("count = 19", f"count = {count}")
     told = ", ".join(f'"{name}"' for name in observables)
-    return loads(text.replace('["turns", "attached"]', f"[{told}]\noutputs = []\nstations = 2"), default_name="map")
+    return loads(text.replace('["bends", "attached"]', f"[{told}]\noutputs = []\nstations = 2"), default_name="map")
 
 
 def bare(work: Study, size: int = 512) -> Callable[[], None]:
@@ -56,7 +56,7 @@ def main() -> None:
     given = options.parse_args()
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
-    turns, both = regimes(given.count, ["turns"]), regimes(given.count, ["turns", "attached"])
+    turns, both = regimes(given.count, ["bends"]), regimes(given.count, ["bends", "attached"])
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "map.h5"
 

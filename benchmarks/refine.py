@@ -41,7 +41,7 @@ def uniform(work: Study, lattice: Lattice) -> NDArray[np.float64]:
     for i in range(0, len(places), BLOCK):
         case = work.case_of({name: row[i : i + BLOCK] for name, row in values.items()})
         sol = solve(case, work.tol, work.method, 2)
-        found.append(np.where(sol.solved, np.asarray(observe(sol, ["turns"])["turns"], dtype=float), np.nan))
+        found.append(np.where(sol.solved, np.asarray(observe(sol, ["bends"])["bends"], dtype=float), np.nan))
     return np.concatenate(found).reshape(lattice.sizes)
 
 
@@ -82,7 +82,7 @@ def main() -> None:
     print(f"refined: {cases} cases; uniform: {grid} = {size} cases; share {100 * cases / size:.2f} %", flush=True)
     turns = uniform(work, lattice)
     at = tuple(found.places.T)
-    print(f"cases with another number than on the uniform grid: {int((turns[at] != ds['turns'].values).sum())}")
+    print(f"cases with another number than on the uniform grid: {int((turns[at] != ds['bends'].values).sum())}")
     cells = refinement_of(lattice, found.places, np.empty((cases, 0)), np.empty(0), lattice.depth).cells[-1]
     wanted, known = boundary(turns), np.zeros([size - 1 for size in lattice.sizes], dtype=bool)
     known[tuple(cells.T)] = True

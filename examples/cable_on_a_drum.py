@@ -26,10 +26,10 @@ print(sol.selection)
 # The winding is stable (Morse index 0) and regular. Its pitch is larger than the diameter of the rope, so the turns lie
 # beside one another, and the drum carries the push of a rope without stiffness.
 
-seen = observe(sol, ["wraps", "pitch", "push_middle", "index", "overlaps"])
+seen = observe(sol, ["turns_around", "pitch", "push_middle", "index", "overlaps"])
 for name, value in seen.items():
     print(f"{name}: {float(value):.4f}")
-np.testing.assert_allclose(seen["wraps"], 5.0, atol=1e-3)
+np.testing.assert_allclose(seen["turns_around"], 5.0, atol=1e-3)
 np.testing.assert_allclose(seen["push_middle"], 1e4 * sin(lay) ** 2 / 190.0, rtol=1e-5)
 assert seen["index"] == 0
 assert seen["pitch"] > 2 * 10.0

@@ -18,4 +18,4 @@ panels["fig7_1_modulus"].rod.plot().save("figure_7.png")
 # %%
 # The softest rod has 8 bends and the stiffest 5: the number of bends falls as the modulus rises.
 
-assert panels["fig7_1_modulus"]["turns"].values.tolist() == [8, 7, 6, 6, 6, 5, 5, 5, 5]
+assert panels["fig7_1_modulus"]["bends"].values.tolist() == [8, 7, 6, 6, 6, 5, 5, 5, 5]

@@ -12,7 +12,7 @@ from workbench.run import in_memory
 
 study = loads("""
 title = "A rod pushed into a pipe"
-observables = ["turns", "push_mean"]
+observables = ["bends", "push_mean"]
 units = { length = "cm", force = "N" }
 axes.F3 = { from = -15.0, to = -3.0, count = 7 }
 
@@ -29,7 +29,7 @@ M3 = 0.0
 
 [[laws]]
 claim = "bends"
-observable = "turns"
+observable = "bends"
 axis = "F3"
 direction = "falls"
 source = "The less a rod is pushed, the fewer bends it has. F3 is negative: compression."
@@ -37,7 +37,7 @@ source = "The less a rod is pushed, the fewer bends it has. F3 is negative: comp
 ds = in_memory.run(study)
 ds.rod.plot().save("own_study.png")
 (law,) = ds.rod.verdicts
-print(law["claim"], law["verdict"], ds["turns"].values)
+print(law["claim"], law["verdict"], ds["bends"].values)
 
 # %%
 # The law holds: the number of bends falls, or stays, from each force to the next weaker one, and falls on the whole.

@@ -16,7 +16,7 @@ from workbench.stored.stored_study import StoredStudy
 
 study = loads("""
 title = "Regimes of a rod pushed into a pipe"
-observables = ["turns", "attached"]
+observables = ["bends", "attached"]
 units = { length = "cm", force = "N" }
 axes.E = { from = 5e3, to = 4e4, count = 17, spacing = "geometric" }
 axes.R = { from = 0.5, to = 2.0, count = 13, spacing = "geometric" }

@@ -139,12 +139,12 @@ def _under_dead_loads(case: Case, tol: float, stations: int, most_swings: int) -
     read = MeasuredNumbers(Solution(copies, wide, together, t, "shooting", tol))
     for name, angle in (("low", all_of_them.lowest), ("high", all_of_them.highest)):
         read.know({name: (angle, read.error)})
-    turns, attached = OBSERVABLES["turns"].compute(read), OBSERVABLES["attached"].compute(read)[0]
+    bends, attached = OBSERVABLES["bends"].compute(read), OBSERVABLES["attached"].compute(read)[0]
     energy = read.unit_moment * all_of_them.energy - OBSERVABLES["twist_energy"].compute(read)[0]
     listed = []
     for i in range(K):
         solution = Solution(case, problem, _row_of(together, t, i), t[i : i + 1], "shooting", tol)
-        numbers = float(energy[i]), float(slopes[i] / case.rho), int(turns[i])
+        numbers = float(energy[i]), float(slopes[i] / case.rho), int(bends[i])
         more = float(attached[i]), float(stray[i]), all_of_them.path.take(slice(i, i + 1))
         listed.append(Equilibrium(solution, int(index[i]), *numbers, *more, int(index[i])))
     return Equilibria(in_order(listed), all_of_them.remark)

@@ -190,7 +190,7 @@ class Branch:
         Returns
         -------
         xarray.Dataset
-            The field, energy, height, azimuth, wraps, Morse index, number of bends and beta'(0) over `point`; beta,
+            The field, energy, height, azimuth, turns around, Morse index, bends and beta'(0) over `point`; beta,
             alpha and z over (point, u), u = s/L; `special`, the kind of each special point, else empty. Needs xarray.
         """
         return make(DATASET, "dataset_of", self, stations, units)

@@ -8,6 +8,7 @@ import numpy as np
 
 from .observe.observables import observe
 from .problem.case import PAIRS, Ends
+from .problem.quantities import former
 from .problem.shown import table_of
 from .solution import Solution
 
@@ -26,7 +27,7 @@ class Equilibrium:
         Bending and twist energy minus the work of the loads and end moments that the case gives [force length].
     dbeta0 : float
         beta'(0) [rad/length].
-    turns : int
+    bends : int
         Number of bends.
     attached : float
         Share of the length where the cylinder pushes.
@@ -46,7 +47,7 @@ class Equilibrium:
     >>> rod = Rod(E=1.07e4, nu=0.25, a=0.25, L=5.0)
     >>> found = equilibria(Case(rod, Cylinder(R=0.75), Ends(beta0=0.5, betaL=0.8, FZ=-8.66)))
     >>> lowest = found[0]
-    >>> print(f"index {lowest.index}, {lowest.turns} bends, energy {lowest.energy:.4f}")
+    >>> print(f"index {lowest.index}, {lowest.bends} bends, energy {lowest.energy:.4f}")
     index 0, 1 bends, energy 44.1262
     """
 
@@ -54,18 +55,19 @@ class Equilibrium:
     index: int
     energy: float
     dbeta0: float
-    turns: int
+    bends: int
     attached: float
     stray: float
     path: Any = field(repr=False)
     dead_index: int = field(repr=False)
     found_by: str = field(default="levels", repr=False)
+    turns = former("turns")
 
 
 def equilibrium_of(solution: Solution, index: int, path: Any, dead_index: int, found_by: str) -> Equilibrium:
     """An equilibrium with what is observed of its shape."""
-    seen = observe(solution, ["turns", "attached"])
-    numbers = energy_as_held(solution), float(solution.dbeta[0]), int(seen["turns"]), float(seen["attached"])
+    seen = observe(solution, ["bends", "attached"])
+    numbers = energy_as_held(solution), float(solution.dbeta[0]), int(seen["bends"]), float(seen["attached"])
     ends = solution.beta[[0, -1]]
     stray = max(float(solution.beta.max() - ends.max()), float(ends.min() - solution.beta.min()), 0.0)
     return Equilibrium(solution, index, *numbers, stray, path, dead_index, found_by)
@@ -118,7 +120,7 @@ class Equilibria(list[Equilibrium]):
         count = f"{len(self)} {'equilibrium' if len(self) == 1 else 'equilibria'}"
         lines = [f"{count}, {'complete' if self.complete else self.remark}"]
         for i, equilibrium in enumerate(self, 1):
-            bends = f"{equilibrium.turns} {'bend' if equilibrium.turns == 1 else 'bends'}"
+            bends = f"{equilibrium.bends} {'bend' if equilibrium.bends == 1 else 'bends'}"
             name = "held energy" if equilibrium.solution.held else "energy"
             numbers = f"{name} {equilibrium.energy:.6g}, {bends}, beta'(0) = {equilibrium.dbeta0:.6g}"
             lines.append(f"{i}: {stability(equilibrium.index)}, {numbers}{self._more(equilibrium)}")

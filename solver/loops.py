@@ -8,6 +8,7 @@ import numpy as np
 from .problem.case import Case, Cylinder, Rod, Start, refuse_leaving
 from .problem.errors import InputError, check_type, whole_number
 from .problem.limits import OUT_OF_RANGE, reason_beyond, units_held
+from .problem.quantities import current, former
 from .problem.reduced import reduce
 from .problem.shown import make
 from .solution import SHOWN, Solution
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from .orbits.loop_orbits import ClosedOrbit
 
 TOL = 1e-11
-MOST_TURNS = 1_000_000  # wraps and folds
+MOST_TURNS = 1_000_000  # around the axis, and folds
 NOT_FOUND = "the loop about {} was not found: it lies nearer to a separatrix than numbers of 64 bits resolve"
 NOT_CLOSED = "the loop about {} closes only to {:.1e}: it lies so near to a separatrix that rounding shows"
 _ULPS = 8  # units in the last place by which the forces at the start are moved
@@ -33,8 +34,8 @@ class Loop:
     solution : Solution
         Its shape, as the solution of a start problem with the loads found. It starts where beta is farthest from
         `about`.
-    wraps, folds : int
-        Turns about the axis, and periods of beta.
+    turns_around, folds : int
+        Turns around the axis, and periods of beta.
     about : float
         The angle about which beta oscillates [rad]: pi/2, or -pi/2 for a loop that turns back at each hairpin.
     lam : float
@@ -56,13 +57,13 @@ class Loop:
     Examples
     --------
     >>> from solver import Cylinder, Rod, loops
-    >>> (first, _) = loops(Rod(E=1.07e4, nu=0.25, a=0.1, L=10.0), Cylinder(R=0.9), wraps=1, folds=1)
+    >>> (first, _) = loops(Rod(E=1.07e4, nu=0.25, a=0.1, L=10.0), Cylinder(R=0.9), turns_around=1, folds=1)
     >>> print(f"lam = {first.lam:.6f}, index {first.index}, self-intersection: {first.overlaps}")
     lam = -0.171987, index 0, self-intersection: False
     """
 
     solution: Solution
-    wraps: int
+    turns_around: int
     folds: int
     about: float
     lam: float
@@ -73,6 +74,7 @@ class Loop:
     attached: float
     overlaps: bool | None
     closure: float
+    wraps = former("wraps")
 
 
 class Loops(list[Loop]):
@@ -101,51 +103,65 @@ class Loops(list[Loop]):
         return make(SHOWN, "dataset_of_loops", self, units)
 
 
-def loops(rod: Rod, cylinder: Cylinder, wraps: int = 1, folds: int = 2, stations: int = 401) -> Loops:
-    """Every closed shape of a rod with FZ = M3 = 0, a number of wraps and a number of folds.
+def loops(
+    rod: Rod,
+    cylinder: Cylinder,
+    turns_around: int = 1,
+    folds: int = 2,
+    stations: int = 401,
+    wraps: int | None = None,
+) -> Loops:
+    """Every closed shape of a rod with FZ = M3 = 0, a number of turns around the axis and a number of folds.
 
     The rod closes in position and direction: beta(L) = beta(0), beta'(L) = beta'(0), z(L) = z(0), and alpha(L) =
-    alpha(0) + 2 pi wraps. Its angle oscillates `folds` times about pi/2 or -pi/2. By symmetry the section returns
-    without a turn, gamma(L) = gamma(0), so the twist closes with M3 = 0: the ends may be glued, or joined by a swivel.
+    alpha(0) + 2 pi turns_around. Its angle oscillates `folds` times about pi/2 or -pi/2. By symmetry the section
+    returns without a turn, gamma(L) = gamma(0), so the twist closes with M3 = 0: the ends may be glued, or joined by a
+    swivel.
 
     Parameters
     ----------
     rod, cylinder
-        One rod and one cylinder. L must exceed 2 pi rho wraps, the length of the ring.
-    wraps : int
-        Turns about the axis, at least 1.
+        One rod and one cylinder. L must exceed 2 pi rho turns_around, the length of the ring.
+    turns_around : int
+        Turns around the axis, at least 1.
     folds : int
-        Periods of beta along the rod, at least 1. With a divisor d in common with `wraps` the rod covers a shorter
-        loop d times.
+        Periods of beta along the rod, at least 1. With a divisor d in common with `turns_around` the rod covers a
+        shorter loop d times.
     stations : int
         Number of stations of each solution.
+    wraps : int, optional
+        Former name of `turns_around`.
 
     Returns
     -------
     Loops
         A list of `Loop`, lowest energy first. One loop oscillates about pi/2; near the ring it is a wave with
-        lam = 2 - (folds/wraps)^2. Another one oscillates about -pi/2; it intersects itself. More would be found where
-        the azimuth of a period is not monotonic in the amplitude, which was not seen.
+        lam = 2 - (folds/turns_around)^2. Another one oscillates about -pi/2; it intersects itself. More would be
+        found where the azimuth of a period is not monotonic in the amplitude, which was not seen.
 
     Raises
     ------
     InputError
-        For arrays, a number of wraps or folds below 1, and a rod that is not longer than the ring.
+        For arrays, a number of turns or folds below 1, and a rod that is not longer than the ring.
 
     Examples
     --------
     >>> from solver import Cylinder, Rod, loops
-    >>> found = loops(Rod(E=1.07e4, nu=0.25, a=0.1, L=10.0), Cylinder(R=0.9), wraps=1, folds=2)
+    >>> found = loops(Rod(E=1.07e4, nu=0.25, a=0.1, L=10.0), Cylinder(R=0.9), turns_around=1, folds=2)
     >>> [one.index for one in found], found[0].push_min < 0
     ([2, 3], True)
     """
     from .orbits.loop_orbits import CLOSE, orbits_of_gain
 
-    span = _check(rod, cylinder, wraps, folds)
+    if wraps is not None:
+        current("wraps")
+        turns_around = wraps
+    span = _check(rod, cylinder, turns_around, folds)
     shapes, remarks = [], []
-    pairs = zip((1, -1), ("pi/2", "-pi/2"), orbits_of_gain(span / folds, 2 * np.pi * wraps / folds), strict=True)
-    for about, word, orbits in pairs:
-        family = [_loop(rod, cylinder, wraps, folds, orbit, about, stations) for orbit in orbits if orbit.error < CLOSE]
+    families = orbits_of_gain(span / folds, 2 * np.pi * turns_around / folds)
+    for about, word, orbits in zip((1, -1), ("pi/2", "-pi/2"), families, strict=True):
+        closed = [orbit for orbit in orbits if orbit.error < CLOSE]
+        family = [_loop(rod, cylinder, turns_around, folds, orbit, about, stations) for orbit in closed]
         worst = max((loop.closure for loop in family), default=0.0)
         remarks += [] if family else [NOT_FOUND.format(word)]
         remarks += [NOT_CLOSED.format(word, worst)] if worst > CLOSE * span else []
@@ -153,9 +169,9 @@ def loops(rod: Rod, cylinder: Cylinder, wraps: int = 1, folds: int = 2, stations
     return Loops(sorted(shapes, key=lambda loop: loop.energy), tuple(remarks))
 
 
-def _check(rod: Rod, cylinder: Cylinder, wraps: int, folds: int) -> float:
+def _check(rod: Rod, cylinder: Cylinder, turns_around: int, folds: int) -> float:
     """L/rho of a rod that can form the loop."""
-    counts: dict[str, Any] = {"wraps": wraps, "folds": folds}
+    counts: dict[str, Any] = {"turns_around": turns_around, "folds": folds}
     for name, value in counts.items():
         whole_number(name, value, 1, MOST_TURNS)
     refuse_leaving(check_type("loops", cylinder, Cylinder), "loops")
@@ -164,17 +180,18 @@ def _check(rod: Rod, cylinder: Cylinder, wraps: int, folds: int) -> float:
         raise InputError(f"loops takes one rod and one cylinder, got fields of shape {case.shape}")
     if not units_held(case).all():
         raise InputError(reason_beyond(OUT_OF_RANGE, case))
-    span, ring = float(rod.L / case.rho), 2 * np.pi * wraps
+    span, ring = float(rod.L / case.rho), 2 * np.pi * turns_around
     if not span > ring * (1 + 1e-12):
+        times = f"{turns_around} turn{'s' * (turns_around > 1)}"
         raise InputError(
-            f"a loop of {wraps} wrap{'s' * (wraps > 1)} needs a rod longer than the ring, L > 2 pi rho wraps = "
-            f"{ring * case.rho:.12g}, got L = {rod.L:.12g}"
+            f"a closed rod of {times} around the axis must be longer than the ring: "
+            f"L > 2 pi rho {turns_around} = {ring * case.rho:.12g}, got L = {rod.L:.12g}"
         )
     return span
 
 
 def _loop(
-    rod: Rod, cylinder: Cylinder, wraps: int, folds: int, orbit: "ClosedOrbit", about: int, stations: int
+    rod: Rod, cylinder: Cylinder, turns_around: int, folds: int, orbit: "ClosedOrbit", about: int, stations: int
 ) -> Loop:
     """The loop of an orbit; about: 1, or -1 for the mirror image of the orbit."""
     from .observe.observables import observe
@@ -184,14 +201,14 @@ def _loop(
     sol = solve(case, tol=TOL, stations=stations)
     seen = {name: float(value) for name, value in observe(sol, MEASURED).items()}
     kept = sol.trajectory
-    ends = kept.beta[0, -1] - kept.beta[0, 0], kept.alpha[0, -1] - 2 * np.pi * wraps, kept.z[0, -1]
+    ends = kept.beta[0, -1] - kept.beta[0, 0], kept.alpha[0, -1] - 2 * np.pi * turns_around, kept.z[0, -1]
     closure = float(np.abs([*ends, kept.dbeta[0, -1]]).max())
     met = None if kept.orbit is None else meets_itself(
         kept.orbit, float(rod.a / case.rho), seen["kappa_max"] * float(case.rho)
     )  # fmt: skip
     numbers = seen["bending_energy"], index_of(orbit.lowest, orbit.lam, folds), seen["push_min"], seen["push_max"]
     lam = about * float(orbit.lam)
-    return Loop(sol, int(wraps), int(folds), about * np.pi / 2, lam, *numbers, seen["attached"], met, closure)
+    return Loop(sol, int(turns_around), int(folds), about * np.pi / 2, lam, *numbers, seen["attached"], met, closure)
 
 
 def _start(rod: Rod, cylinder: Cylinder, beta: float, lam: float) -> Start:

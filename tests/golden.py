@@ -77,7 +77,7 @@ def shape(row: Row) -> Row:
 def every_equilibrium(row: Row) -> Row:
     members = equilibria(case_of(row), stations=2, **row.get("options", {}))
     each = [
-        {"dbeta0": e.dbeta0, "energy": e.energy, "index": e.index, "turns": e.turns, "stray": e.stray} for e in members
+        {"dbeta0": e.dbeta0, "energy": e.energy, "index": e.index, "bends": e.bends, "stray": e.stray} for e in members
     ]
     condition = max((float(e.solution.condition) for e in members), default=1.0)
     return {"complete": members.complete, "each": each, "condition": condition}

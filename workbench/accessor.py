@@ -13,9 +13,10 @@ if TYPE_CHECKING:
 
 def rod(ds: xr.Dataset) -> "StoredStudy":
     """The stored study of a dataset."""
+    from .stored.schema import dataset_in_current_names
     from .stored.stored_study import StoredStudy
 
-    return StoredStudy(ds)
+    return StoredStudy(dataset_in_current_names(ds))
 
 
 xr.register_dataset_accessor("rod")(rod)

@@ -47,7 +47,7 @@ from .paper import reproduce
 from .words import escaping
 
 OF_SCENE = ("pyvista", "trimesh", "vtkmodules")  # packages of the extra scene
-NOTICE = r".* is read as .* = "  # the warnings of `solver.problem.field_values`, which --help does not import
+NOTICE = r".* is (read as .* = |now called )"  # the warnings of `solver.problem`, which --help does not import
 NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)  # a disk that takes no more
 LONGEST = 200  # characters of a value in a message; a path of a usual length stays whole
 INTERRUPTED = 130  # 128 and the number of the signal that Ctrl-C sends
@@ -88,12 +88,12 @@ GROUPS: dict[str, dict[str, tuple[Any, ...]]] = {
         "merge": (run_study.merge, "merge first.h5 second.h5 --out both.h5"),
         "sensitivity": (
             sensitivity.sensitivity,
-            "sensitivity fig7_1_modulus --at E=5000 --show height,wraps --plot tornado.pdf",
+            "sensitivity fig7_1_modulus --at E=5000 --show height,turns_around --plot tornado.pdf",
             "sensitivity study.h5 --global --plot indices.png",
         ),
     },
     "Pictures and files": {
-        "plot": (plot.plot, "plot regimes.h5 --show turns --shapes 6x4", "plot fig7_1_modulus.h5 --out figure.pdf"),
+        "plot": (plot.plot, "plot regimes.h5 --show bends --shapes 6x4", "plot fig7_1_modulus.h5 --out figure.pdf"),
         "scene": (
             scene.scene,
             "scene fig6 --kind contact",

@@ -41,7 +41,7 @@ HEIGHT = 640  # pixels of a scene in a notebook
 FINE = 4001  # stations of a diagram, two for each pixel
 DPI = 110  # of a picture in a notebook
 ALONG = ("beta", "dbeta", "alpha", "z", "contact")
-NUMBERS = ("turns", "wraps", "height", "kappa_max", "push_min", "push_max")  # of a solution's table
+NUMBERS = ("bends", "turns_around", "height", "kappa_max", "push_min", "push_max")  # of a solution's table
 HEADINGS = ("", "stability", "energy [force length]", "bends", "beta'(0) [rad/length]", "pushed share")
 
 
@@ -342,7 +342,7 @@ def table_of_equilibria(found: Equilibria) -> str:
     heads = [f"{held}{name}" if name.startswith("energy") else name for name in HEADINGS]
     rows = []
     for i, member in enumerate(found, 1):
-        numbers = f"{member.energy:.6g}", str(member.turns), f"{member.dbeta0:.6g}", f"{member.attached:.0%}"
+        numbers = f"{member.energy:.6g}", str(member.bends), f"{member.dbeta0:.6g}", f"{member.attached:.0%}"
         rows.append((str(i), *map(labels.minus_signs, (stability(member.index), *numbers))))
     remark = found.remark or "the list passes the test of completeness"
     return _table(f"{len(found)} {'equilibrium' if len(found) == 1 else 'equilibria'}: {remark}", rows, heads)

@@ -24,7 +24,7 @@ STUDIES = {  # what is described -> the study after its head; each shows only wh
     "More with held ends": f"[base]\n{ROD}beta0 = 0.5\nM1L = 0.0\n[axes.height]\nvalues = [4.1, 4.0]\n",
     "More with samples": START + "[sample]\nsize = 2\n[sample.E]\nfrom = 1e4\nto = 2e4\n",
     "More with refinement": START
-    + '[axes.E]\nvalues = [1e4, 2e4]\n[refine]\nwatch = ["turns"]\ntolerance = 0.5\nbudget = 4\n',
+    + '[axes.E]\nvalues = [1e4, 2e4]\n[refine]\nwatch = ["bends"]\ntolerance = 0.5\nbudget = 4\n',
 }
 
 
@@ -46,7 +46,7 @@ def run(title: str, study: str) -> xr.Dataset:
     """The dataset of a small study; the first has every output and observable."""
     whole = title == next(iter(STUDIES))
     outputs = list(OUTPUTS) if whole else ["beta"]
-    observables = list(OBSERVABLES) if whole else ["turns"]
+    observables = list(OBSERVABLES) if whole else ["bends"]
     return in_memory.run(loads(HEAD.format(title=title, outputs=outputs, observables=observables) + study))
 
 

@@ -12,7 +12,7 @@ from ..observe.observable_rates import check_observables
 from ..observe.observables import OBSERVABLES, is_count
 from ..problem.case import Case
 from ..problem.errors import InputError, choices, known_name, no_such, show
-from ..problem.quantities import quantity
+from ..problem.quantities import current, quantity
 from .parameters import natural_unit
 
 COLUMNS = ("alpha", "z", "beta")  # what is measured at a point
@@ -111,7 +111,7 @@ def _numbers_by_name(name: str, value: Any) -> Mapping[str, Any]:
     """A mapping of names to numbers; an empty one for None. Raises `InputError` for anything else."""
     if value is not None and not isinstance(value, Mapping):
         raise InputError(f"{name} must be a mapping of names to numbers, got {show(value)}")
-    return value or {}
+    return {current(key): number for key, number in (value or {}).items()}
 
 
 def _check_targets(names: Mapping[str, float]) -> None:

@@ -228,7 +228,7 @@ class VaryingShapes:
         ratio = np.array([np.nan if shape is None else shape.rod.numbers[0] for shape in shapes])
         return read_starts(np.moveaxis(y[:, :, READ], -1, 0), t, alpha0, ratio * self.ends()[1][:, MU])
 
-    def turns(self) -> Array:
+    def bend_counts(self) -> Array:
         """The number of interior extrema of beta of each rod, (B,); NaN for a rod without a shape."""
         shapes = [self.of(i) for i in range(self.index.size)]
         return np.array([np.nan if shape is None else len(shape.bends(1.0)) for shape in shapes])

@@ -21,7 +21,7 @@ NEAREST = np.pi  # radii of the rod: stretches that are closer along it do not m
 MOST_PLACES = 200_000  # at which a rod is looked at for self-contact
 NO_PERIOD = "a rod that may leave the wall has no period"
 NO_PULL = "a cylinder that only pushes never pulls; contacts says where it does not push"
-COUNTS = ("turns", "loops", "overlaps", "index", "contact_count")
+COUNTS = ("bends", "loops", "overlaps", "index", "contact_count")
 UNDEFINED = {"bend_number": NO_PERIOD, "lift_off_at": NO_PULL}
 
 
@@ -131,13 +131,13 @@ def _largest(read: FreeReading) -> Array:
 
 
 NUMBERS: dict[str, Callable[[FreeReading], Any]] = {
-    "turns": FreeReading.bends,
+    "bends": FreeReading.bends,
     "bend_number": lambda read: np.nan,
     "loops": lambda read: np.floor(np.ptp(read.along.turned[1]) / (2 * np.pi)),
     "amplitude": lambda read: np.ptp(read.along.turned[1]),
     "kappa_mean": lambda read: read.mean(read.bend),
     "kappa_max": lambda read: read.bend.max(),
-    "wraps": lambda read: (read.along.turned[0, -1] - read.along.turned[0, 0]) / (2 * np.pi),
+    "turns_around": lambda read: (read.along.turned[0, -1] - read.along.turned[0, 0]) / (2 * np.pi),
     "height": lambda read: read.shape.x[-1, 2],
     "pitch": FreeReading.pitch,
     "contact_size_mean": lambda read: read.shape.wall_force.sum() / read.rod.span,

@@ -22,7 +22,7 @@ from ..orbits.potential import load_size
 from ..orbits.shape import ShapeArrays
 from ..problem.case import Rod
 from ..problem.errors import check_type, known_name, names_of, no_such, yes_or_no
-from ..problem.quantities import quantity
+from ..problem.quantities import ByName, current, quantity
 from ..problem.reduced import flat
 from .free_numbers import UNDEFINED, free_numbers
 from .measurement import SPREAD, MeasuredNumbers, Pair
@@ -33,14 +33,14 @@ _LONG = 12.0  # over the root of the size of H: half a period that is longer is 
 _NUDGE = 4 * EPS  # of the size of a number of the case: what the reduction of a case rounds off
 
 
-def turns(read: MeasuredNumbers) -> Any:
+def bends(read: MeasuredNumbers) -> Any:
     """Number of bends: interior extrema of beta, (B,). A helix has none, whatever the rounding of beta.
 
     NaN where the method knows no orbit and the stations are too few.
     """
     sol, orbit = read.sol, read.sol.trajectory.orbit
     if sol.trajectory.shapes is not None:
-        return np.where(_librates(read), sol.trajectory.shapes.turns(), 0)
+        return np.where(_librates(read), sol.trajectory.shapes.bend_counts(), 0)
     if orbit is None:
         sign = np.sign(sol.trajectory.dbeta)
         count = np.count_nonzero(sign[:, 1:] * sign[:, :-1] < 0, axis=1)
@@ -156,7 +156,7 @@ def amplitude(read: MeasuredNumbers) -> Pair:
     return np.where(orbit.kind == ROTATION, size_of(last - first), range_), error
 
 
-def wraps(read: MeasuredNumbers) -> Pair:
+def turns_around(read: MeasuredNumbers) -> Pair:
     """Turns about the axis, (alpha(L) - alpha(0))/2 pi."""
     return read.gain[0] / (2 * np.pi), _far(read) / (2 * np.pi)
 
@@ -292,13 +292,13 @@ def _in_unit(name: str, unit: Callable[[MeasuredNumbers], Any], **rest: Any) -> 
 
 # The row in `problem.quantities` says whether the error is estimated; if not, the values are loads or whole numbers.
 OBSERVABLES: dict[str, Observable] = {
-    "turns": Observable(turns, ("low", "high")),
+    "bends": Observable(bends, ("low", "high")),
     "bend_number": Observable(bend_number, ("low", "high"), not_smooth=STRAIGHT, least=0),
     "loops": Observable(loops),
     "amplitude": Observable(amplitude, ("low", "high"), least=0),
     "kappa_mean": _in_unit("curvature", lambda read: 1 / (read.length * read.rho), least=0),
     "kappa_max": _in_unit("tightest", lambda read: 1 / read.rho, least=0),
-    "wraps": Observable(wraps),
+    "turns_around": Observable(turns_around),
     "height": Observable(height, most="L"),
     "pitch": Observable(pitch, ("middle turned", "middle risen"), undefined=NO_TURN, not_smooth=NO_TURN),
     "contact_size_mean": Observable(contact_size_mean, ("pushed", "pulled"), least=0),
@@ -368,8 +368,8 @@ def why_unknown(name: str, values: Any, leaves: bool = False) -> list[tuple[str,
 
 
 def check_names(names: Any) -> tuple[str, ...]:
-    """One name or several as a tuple. Raises `InputError` for an unknown one."""
-    chosen = names_of(names)
+    """One name or several as a tuple, former ones as those of today. Raises `InputError` for an unknown one."""
+    chosen = tuple(current(name) for name in names_of(names))
     for name in chosen:
         if not known_name(name, OBSERVABLES):
             raise no_such("observable", name, OBSERVABLES)
@@ -384,11 +384,11 @@ def observe(sol: ShapeArrays, names: Iterable[str], errors: bool = False) -> dic
     ----------
     sol : Shape
     names : iterable of str
-        Names of `solver.observe.observables.OBSERVABLES`, for example ``["turns", "energy"]``; their units are in
+        Names of `solver.observe.observables.OBSERVABLES`, for example ``["bends", "energy"]``; their units are in
         `solver.problem.quantities`.
     errors : bool
         Whether to add the estimated error of each, as ``<name>_error`` in the same unit, except for the whole numbers
-        `turns`, `loops`, `overlaps` and `index`, and for the loads `FZ`, `MZ` and `M3`.
+        `bends`, `loops`, `overlaps` and `index`, and for the loads `FZ`, `MZ` and `M3`.
 
     Returns
     -------
@@ -407,8 +407,8 @@ def observe(sol: ShapeArrays, names: Iterable[str], errors: bool = False) -> dic
     >>> from solver import Case, Cylinder, Rod, Start, observe, solve
     >>> rod = Rod(E=1.07e4, nu=0.25, a=0.25, L=20.0)
     >>> solution = solve(Case(rod, Cylinder(R=0.75), Start(beta="30deg", dbeta=0.5, F1=5.0, F3=10.0)))
-    >>> seen = observe(solution, ["turns", "kappa_max"])
-    >>> print(f"{seen['turns']} bends, largest curvature {seen['kappa_max']:.4f}")
+    >>> seen = observe(solution, ["bends", "kappa_max"])
+    >>> print(f"{seen['bends']} bends, largest curvature {seen['kappa_max']:.4f}")
     5 bends, largest curvature 2.6140
     """
     names, errors = check_names(names), yes_or_no("errors", errors)
@@ -417,7 +417,7 @@ def observe(sol: ShapeArrays, names: Iterable[str], errors: bool = False) -> dic
     known = free_numbers(sol, names) if off else {}
     read.measure(key for name in names for key in OBSERVABLES[name].measured if not off)
     shapeless = ~np.isfinite(sol.trajectory.beta).all(axis=1)
-    observed: dict[str, Any] = {}
+    observed = ByName()
     for name in names:
         computed: Any = known[name] if off else OBSERVABLES[name].compute(read)
         if is_count(name):

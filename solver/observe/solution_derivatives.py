@@ -16,6 +16,7 @@ from ..orbits.shape import ShapeArrays
 from ..orbits.variations import HelixVariations
 from ..problem.case import refuse_leaving
 from ..problem.case_fields import check_fields
+from ..problem.quantities import ByName
 from ..problem.reduced import EndsProblem, FieldRates, field_rates, flat, given_numbers
 from ..problem.trajectory import SHAPELESS, SOLVED, decade
 from .motions import Motion, of_equilibria, of_helices, shape_rates, start_sensitivities
@@ -195,7 +196,7 @@ def _judge(
         out[:, ~solved] = table[:, ~solved] = np.nan
     along = dict(zip(_ALONG, out.reshape(len(_ALONG), *shape, *out.shape[2:]), strict=True))
     stated = np.where(solved, error + _CARRIED * np.asarray(sol.trajectory.error), np.inf)
-    values = dict(zip(wanted, table.reshape(len(wanted), *shape, len(names)), strict=True))
+    values = ByName(zip(wanted, table.reshape(len(wanted), *shape, len(names)), strict=True))
     remarks = np.full(missing.shape, "", dtype=object)
     for k in np.flatnonzero(missing.any(axis=1)):
         remarks[k, missing[k]] = why_missing(wanted[k], sol)

@@ -356,11 +356,11 @@ class ShapeArrays:
         return self._stretches("lift_offs")
 
     @cached_property
-    def bends(self) -> Any:
+    def bends_at(self) -> Any:
         """Of rods with weight or friction, where beta turns back, and by how much, (*cases) of tuples of pairs.
 
         s [length], and the smaller one of the changes of beta from there to the next bend or end on either side [rad].
-        The observable `turns` is their number, so it counts ripples too; it is 0 where beta changes by rounding alone.
+        The observable `bends` is their number, so it counts ripples too; it is 0 where beta changes by rounding alone.
         None for other rods, whose beta swings between the same two angles, and for an unsolved case.
         """
         return self._stretches("bends")

@@ -287,11 +287,11 @@ def kind_of(sentence: str) -> type[UnitWarning]:
     return AngleWarning if " degrees; " in sentence else UnitWarning
 
 
-def warn(sentence: str, kind: type[UnitWarning] = AngleWarning) -> None:
+def warn(sentence: str, kind: type[Warning] = AngleWarning) -> None:
     """Issue the notice as a warning at the line of the program that called this package."""
     level = 1
     for name in _callers():
-        if name.partition(".")[0] not in _OWN:
+        if name.partition(".")[0] not in (*_OWN, "numpy", "xarray", "functools"):  # which call it between
             break
         level += 1
     warnings.warn(sentence, kind, stacklevel=level + 1)

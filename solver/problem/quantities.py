@@ -1,24 +1,35 @@
-"""Every quantity of the workbench, one row each: all labels and units come from this table.
+"""Every quantity of the workbench, one row each: all labels, units and former names come from this table.
 
 A dimension is a pair of exponents (length, force); the unit of an angle is ``rad``; a ``text`` or flag has none.
 """
 
+import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
+from typing import Any
 
 from .errors import InputError, no_such
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """A quantity. estimated: whether its error is estimated; the error is the quantity ``<name>_error``."""
+    """A quantity.
+
+    estimated: whether its error is estimated; the error is the quantity ``<name>_error``. former: its name in 0.2.0,
+    which is read until 0.5.0 wherever a name is given, and written nowhere.
+    """
 
     name: str
     symbol: str
     dimension: tuple[int, int] | str
     long_name: str
     estimated: bool = False
+    former: str = ""
+
+
+class RenamedWarning(FutureWarning):
+    """A quantity is given by its former name."""
 
 
 _NUMBER = (0, 0)
@@ -96,13 +107,13 @@ _ROWS = (
     _with_error("neutral_at", "FZ = 0 at s", _LENGTH, "first s where the axial force is 0"),
     Quantity("h", "h", (-2, 0), "first integral of the angle"),
     # observables
-    Quantity("turns", "bends", _NUMBER, "number of bends (interior extrema of beta)"),
+    Quantity("bends", "bends", _NUMBER, "number of bends (interior extrema of beta)", former="turns"),
     _with_error("bend_number", "half waves", _NUMBER, "number of half waves of beta along the rod"),
     Quantity("loops", "full turns of β", _NUMBER, "full turns of beta"),
     _with_error("amplitude", "amplitude of β", "rad", "largest beta minus smallest beta"),
     _with_error("kappa_mean", "mean κ", _PER_LENGTH, "mean curvature"),
     _with_error("kappa_max", "max κ", _PER_LENGTH, "largest curvature"),
-    _with_error("wraps", "turns around", _NUMBER, "turns around the cylinder"),
+    replace(_with_error("turns_around", "turns around", _NUMBER, "turns around the cylinder"), former="wraps"),
     _with_error("height", "z(L)", _LENGTH, "axial distance of the far end"),
     _with_error("pitch", "pitch", _LENGTH, "height of one turn about the axis, in the middle third"),
     _with_error(
@@ -154,6 +165,45 @@ QUANTITIES: dict[str, Quantity] = {row.name: row for row in _ROWS} | {
     for row in _ROWS
     if row.estimated
 }
+
+
+RENAMED: dict[str, str] = {row.former: row.name for row in _ROWS if row.former}  # former name -> name
+RENAMED |= {f"{former}_error": f"{name}_error" for former, name in RENAMED.items() if f"{name}_error" in QUANTITIES}
+_FORMER = re.compile(rf"\b({'|'.join(RENAMED)})\b")
+
+
+def current(name: Any) -> Any:
+    """The name of a quantity that is given by its former one, with a `RenamedWarning`; any other value as it is.
+
+    >>> current("height")
+    'height'
+    """
+    if not isinstance(name, str) or name not in RENAMED:
+        return name
+    from .field_values import warn  # needs NumPy, as this table does not
+
+    old, new = (known.removesuffix("_error") for known in (name, RENAMED[name]))
+    warn(f"{old!r} is now called {new!r}; the old name is read until 0.5.0", RenamedWarning)
+    return RENAMED[name]
+
+
+def in_current_names(formula: str) -> str:
+    """A formula with the names of today in place of former ones, as of `current`."""
+    return _FORMER.sub(lambda found: str(current(found[0])), formula)
+
+
+class ByName(dict[str, Any]):
+    """Values of quantities by name; a former name gives the value of today's, with a notice."""
+
+    def __missing__(self, name: str) -> Any:
+        if RENAMED.get(name) not in self:
+            raise KeyError(name)
+        return self[current(name)]
+
+
+def former(name: str) -> Any:
+    """The attribute of a former name, which gives that of today with a notice."""
+    return property(lambda holder: getattr(holder, current(name)), doc=f"Former name of `{RENAMED[name]}`.")
 
 
 def quantity(name: str) -> Quantity:

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver.problem.errors import InputError, choices, near
-from solver.problem.quantities import unit_text
+from solver.problem.quantities import current, in_current_names, unit_text
 from solver.problem.units import UnknownUnit, size_in, unit_size
 
 MOST_TEXT = 500  # characters of a formula
@@ -60,6 +60,24 @@ OF_SEVERAL = ("min", "max")  # functions of two or more values
 
 Dimension = tuple[Fraction, Fraction]  # exponents of length and force
 PLAIN: Dimension = (Fraction(0), Fraction(0))
+
+
+_OF_FORMULAS = ("expressions", "formula", "least", "most", "passes", "x")  # keys whose texts are formulas
+
+
+def tables_in_current_names(value: Any, key: str = "") -> Any:
+    """Tables of a study, or of what is stored of it, with the names of today in place of former ones.
+
+    A name is a key, or a whole text, but for claims and their sources; formulas have several. Each gives a notice.
+    """
+    if isinstance(value, dict):
+        return {current(name): tables_in_current_names(item, name if key != "expressions" else key)
+                for name, item in value.items()}  # fmt: skip
+    if isinstance(value, list):
+        return [tables_in_current_names(item, key) for item in value]
+    if isinstance(value, str) and key in _OF_FORMULAS:
+        return in_current_names(value)
+    return value if key in ("claim", "laws", "source") else current(value)
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from solver import InputError, Solution
 from solver.observe.observables import OBSERVABLES
-from solver.problem.quantities import QUANTITIES, unit_text
+from solver.problem.quantities import QUANTITIES, RENAMED, unit_text
 from solver.problem.reduced import flat
 
 from ..grammar.axes import FIELDS, WORDS, Misplaced, quantity_of
@@ -96,7 +96,7 @@ def check(study: Study) -> None:
         raise Misplaced(
             f"{len(study.expressions)} expressions, more than the limit of {MOST_EXPRESSIONS}", "expressions"
         )
-    taken = {*QUANTITIES, *FIELDS, *FUNCTIONS, *CONSTANTS, *RESERVED, *unit_names(study.unit_system)}
+    taken = {*QUANTITIES, *RENAMED, *FIELDS, *FUNCTIONS, *CONSTANTS, *RESERVED, *unit_names(study.unit_system)}
     for name in study.expressions:
         if not NAME.fullmatch(name) or len(name) > MOST_NAME or iskeyword(name):
             rule = f"must be at most {MOST_NAME} letters, digits and _ that begin with a letter"

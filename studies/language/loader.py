@@ -20,6 +20,7 @@ from solver.problem.errors import InputError, choices, near
 from solver.problem.field_values import doubt, doubt_modulus, kind_of, warn
 
 from ..grammar.axes import NUMBERS, Axis, Base, Misplaced, Units, Values, Which, is_angle
+from ..grammar.formulas import tables_in_current_names
 from ..laws.verdicts import Law
 from . import study_checks
 from .case_tables import Table
@@ -209,7 +210,10 @@ def _notices(data: Mapping[str, Any], text: str, label: str, cases: Mapping[str,
     return [one_line(f"{label}{line_of(lines, where)}: {sentence}") for where, sentence in said]
 
 
-def _study(data: dict[str, Any], text: str, default_name: str, context: Mapping[str, Any]) -> Study:
+def _study(given: dict[str, Any], text: str, default_name: str, context: Mapping[str, Any]) -> Study:
+    named = {key: given[key] for key in ("expressions", "refine", "observables", "laws") if key in given}
+    today = tables_in_current_names(named)
+    data = given | today
     data.setdefault("name", default_name)
     cases = context.get("cases")
     if cases is not None:
@@ -228,7 +232,7 @@ def _study(data: dict[str, Any], text: str, default_name: str, context: Mapping[
         raise Refused(sentence, where) from None
     except Misplaced as error:
         raise Refused(str(error), error.path) from None
-    study._text = text if cases is None else dumps(study)
+    study._text = text if cases is None and today == named else dumps(study)
     if not context.get("draw", True):
         return study
     try:

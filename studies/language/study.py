@@ -55,7 +55,7 @@ OUTPUTS = (
 DRAWN = ["beta", "alpha", "z", "contact"]
 
 # The default observables of a study.
-OBSERVED = ["turns", "wraps", "height", "kappa_max", "contact_size_mean", "attached"]
+OBSERVED = ["bends", "turns_around", "height", "kappa_max", "contact_size_mean", "attached"]
 
 SOURCES = ("sample", "zip", "table")  # the tables of a study that give fields that vary together
 
@@ -79,7 +79,7 @@ class Study(BaseModel):
     >>> from solver import observe, solve
     >>> from studies import load
     >>> study = load("fig7_1_modulus")
-    >>> observe(solve(study.case()), ["turns"])["turns"]
+    >>> observe(solve(study.case()), ["bends"])["bends"]
     array([8, 7, 6, 6, 6, 5, 5, 5, 5])
     """
 
@@ -403,7 +403,7 @@ class Study(BaseModel):
         >>> from studies import load
         >>> result = load("fig7_1_modulus").run()
         >>> result.verdicts[0]
-        ('turns falls along E', 'holds')
+        ('bends falls along E', 'holds')
         """
         return make("workbench.notebook", "StudyRun", self)
 

@@ -179,7 +179,7 @@ def tally_of(rows: Sequence[Mapping[str, Any]], noun: str = "law") -> str:
 
 
 def law_in_words(row: Mapping[str, Any], noun: str = "", axis: str = "", show: Show | None = None) -> str:
-    """The law in words: ``turns falls along E``; with names of its observable and axis ``the pitch falls with E``.
+    """The law in words: ``bends falls along E``; with names of its observable and axis ``the pitch falls with E``.
 
     show: of the numbers and formulas of a law with numbers; default: as they are stored.
     """

@@ -94,8 +94,8 @@ class Law(BaseModel):
     Examples
     --------
     >>> from studies import Law
-    >>> law = Law(claim="(1)", observable="turns", axis="E", direction="falls", source="Stiffer rods have fewer bends.")
-    >>> law.judge("turns", [8, 7, 6, 6, 5]).verdict
+    >>> law = Law(claim="(1)", observable="bends", axis="E", direction="falls", source="Stiffer rods have fewer bends.")
+    >>> law.judge("bends", [8, 7, 6, 6, 5]).verdict
     'holds'
     """
 

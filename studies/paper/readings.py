@@ -67,7 +67,7 @@ class Reading:
     >>> from solver import observe, solve
     >>> from studies import Reading
     >>> reading = Reading("force-first", "tension", "paper")
-    >>> print(reading.name, observe(solve(reading.case({"R": 1.0})), ["turns"])["turns"])
+    >>> print(reading.name, observe(solve(reading.case({"R": 1.0})), ["bends"])["bends"])
     force-first/tension/paper 5
     """
 

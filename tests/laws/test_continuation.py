@@ -87,7 +87,7 @@ def test_after_a_small_change_of_any_number_it_continues_one_to_one(name: str, f
         assert sorted(taken) == list(range(len(others))), field
         for one, i in zip(found(name), taken, strict=True):
             assert others[i].index == one.index, field
-            assert others[i].turns == one.turns or min(abs(one.dbeta0), abs(others[i].dbeta0)) < 1e-2, field
+            assert others[i].bends == one.bends or min(abs(one.dbeta0), abs(others[i].dbeta0)) < 1e-2, field
 
 
 @pytest.mark.slow

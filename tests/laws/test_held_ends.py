@@ -208,10 +208,10 @@ def test_a_hinged_end_keeps_index_and_bends_along_a_branch() -> None:
     seed, told = None, []
     for height in (4.25, 4.0, 3.75, 3.5):
         found = solve(Case(SHORT, DRUM, Ends("20deg", M1L=0.0, rotation="90deg", height=height)), seed=seed)
-        seen = observe(found, ["turns", "index"])
+        seen = observe(found, ["bends", "index"])
         mesh = discrete_index(found.problem, found.trajectory, ("beta0", "dbetaL", "z", "lam", "turn"), 1.25)
         assert found.held_index == mesh
-        told.append((int(seen["turns"]), int(seen["index"]), int(found.held_index)))
+        told.append((int(seen["bends"]), int(seen["index"]), int(found.held_index)))
         seed = found
     assert len(set(told)) == 1, told
 

@@ -135,21 +135,21 @@ def test_a_bend_whose_middle_is_exactly_along_the_axis_is_a_bend() -> None:
     assert states(s, on_places, 0.01 * alpha)[0].word == STRAIGHT
 
 
-@pytest.mark.parametrize("turns", (0.3, 0.9, 1.5))
+@pytest.mark.parametrize("bends", (0.3, 0.9, 1.5))
 def test_a_part_of_a_hoop_is_helical_and_has_no_bend(turns: float) -> None:
     """The capstan is exact, so beta is 90 degrees but for rounding."""
     rod, drum = Rod(EI=1e-3, GJ=1e-3, a=0.01, L=2 * np.pi * turns), Cylinder(R=0.99, friction=0.3)
     sol = solve(Case(rod, drum, Ends("90deg", "90deg", MZ=100.001)))
     assert [state.word for state in sol.states] == [HELICAL]
-    assert sol.bends == ()
-    assert observe(sol, ["turns"])["turns"] == 0
+    assert sol.bends_at == ()
+    assert observe(sol, ["bends"])["bends"] == 0
 
 
 def test_bends_that_die_away_are_counted_as_far_as_rounding_lets_them_be_seen() -> None:
     """A lying pipe that turns in place leans: its ends bend like exp(-x) cos x over some metres of a kilometre."""
     hole = Cylinder(0.10795, "inside", "90deg", 0.25, "rotating")
     sol = solve(Case(Rod(L=1000.0, **PIPE), hole, Ends(beta0=0.0, betaL=0.0, FZ=-50.0)))
-    sizes = np.array([size for _, size in sol.bends])
+    sizes = np.array([size for _, size in sol.bends_at])
     assert 2 < sizes.size < 40
     assert sizes.min() > 1e-13 * np.abs(sol.beta).max()
 

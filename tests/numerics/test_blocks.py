@@ -79,7 +79,7 @@ def test_an_orbit_of_blocks_is_read_as_that_of_one_block(method: str, monkeypatc
 
 @pytest.mark.parametrize("method", ORBITS)
 def test_observables_do_not_depend_on_the_blocks(method: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    case, names = mixed(53), ("turns", "index", "overlaps", "kappa_max", "energy", "wraps")
+    case, names = mixed(53), ("bends", "index", "overlaps", "kappa_max", "energy", "turns_around")
     whole, parts = (observe(in_blocks(monkeypatch, size, case, method), names) for size in (1000, 8))
     for name in names:
         np.testing.assert_allclose(parts[name], whole[name], rtol=1e-8, atol=1e-8, err_msg=name)

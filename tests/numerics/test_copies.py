@@ -59,7 +59,7 @@ MAKERS = {
     "branch": lambda: follow(ends(FZ=-8.66), FZ=-12.0),
     "weight, branch": lambda: follow(solve(Case(HEAVY, CYLINDER, Ends(beta0=0.5, betaL=0.8, FZ=-8.66))), FZ=-9.0),
     "held branch": lambda: follow(ends(height=4.0), height=3.8),
-    "loops": lambda: loops(Rod(E=1.07e4, nu=0.25, a=0.1, L=10.0), Cylinder(R=0.9), wraps=1, folds=2),
+    "loops": lambda: loops(Rod(E=1.07e4, nu=0.25, a=0.1, L=10.0), Cylinder(R=0.9), turns_around=1, folds=2),
     "fit": lambda: fit(ends(FZ=-8.66).case, {"FZ": (-10.0, -5.0)}, {"height": 3.9}),
     "sensitivity": lambda: ends(FZ=-8.66).sensitivity(["E", "FZ"], ["height"]),
     "folds": lambda: fold_curves(ends().case, FZ=(-60, -20), L=(1.5, 3), lattice=3),

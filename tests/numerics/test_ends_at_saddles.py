@@ -317,7 +317,7 @@ def test_a_narrow_peak_of_the_length_at_a_shelf_of_the_potential_hides_no_pair(F
     assert (
         len(found) == 31
     )  # a grid of levels eight times as fine has as many; without levels at the shelf there are 29
-    hidden = [one.index for one in found if one.turns == 1 and 0.14 < one.dbeta0 < 0.16]
+    hidden = [one.index for one in found if one.bends == 1 and 0.14 < one.dbeta0 < 0.16]
     assert sorted(hidden) == [0, 1]
 
 

@@ -292,10 +292,10 @@ def test_a_search_steps_back_from_values_without_a_rod() -> None:
 
 def test_a_value_between_starts_of_different_sign_is_found() -> None:
     case = rod(R=0.8, side="inside", M3=1.0)  # from which the first search ends beside R = 0.3497
-    assert not fit(case, "R", {"wraps": 6.0}, starts=0).reached
-    found = fit(case, "R", {"wraps": 6.0}, starts=16)
+    assert not fit(case, "R", {"turns_around": 6.0}, starts=0).reached
+    found = fit(case, "R", {"turns_around": 6.0}, starts=16)
     assert found.solved
-    assert observe(solve(found.case), ["wraps"])["wraps"] == pytest.approx(6.0)
+    assert observe(solve(found.case), ["turns_around"])["turns_around"] == pytest.approx(6.0)
 
 
 def test_a_rod_that_is_too_short_for_a_point_is_not_tried() -> None:
@@ -322,8 +322,8 @@ def test_a_field_that_ends_at_its_bound_has_no_interval() -> None:
 
 
 def test_a_target_of_zero_with_sigma_is_reached() -> None:
-    wanted = {"beta": (-pi / 3, pi / 3)}, {"wraps": 0.0}
-    found = fit(rod(M3=None, F1=5.0), *wanted, sigma={"wraps": 0.1})
+    wanted = {"beta": (-pi / 3, pi / 3)}, {"turns_around": 0.0}
+    found = fit(rod(M3=None, F1=5.0), *wanted, sigma={"turns_around": 0.1})
     assert found.outcome == "solved"
     assert found.computed[0] == pytest.approx(0.0, abs=1e-9)
     assert found.values["beta0"] == pytest.approx(fit(rod(M3=None, F1=5.0), *wanted).values["beta0"], rel=1e-6)

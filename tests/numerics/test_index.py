@@ -51,7 +51,7 @@ def test_the_jacobi_field_at_the_far_end_is_what_a_change_of_the_start_slope_mak
     np.testing.assert_allclose(told[swings], change[swings], rtol=1e-3, atol=1e-3)  # nudge^2 times the third change
 
 
-@pytest.mark.parametrize(("numbers", "pin", "y", "turns"), (
+@pytest.mark.parametrize(("numbers", "pin", "y", "bends"), (
     ((-4.742, 0.809, 0.311, 71.597, -1.034, -0.881), 0, -69.7, 2),
     ((0.0, 0.0, -3.64e-4, 4494.0, 0.0, 0.0), 2, -134.31, 1),  # a pipe: where terms of H cancel
 ))  # fmt: skip
@@ -71,8 +71,8 @@ def test_the_response_beside_a_saddle_is_that_of_the_variations(numbers: Any, pi
 @pytest.mark.parametrize("reading", TABLE_1)
 def test_the_index_is_the_number_of_bends_or_one_less_however_long_the_rod(reading: str, L: float) -> None:
     sol = solve(table_1(*reading.split("/"), L=L), stations=2)
-    got = observe(sol, ["index", "turns"])
-    assert got["turns"] - 1 <= got["index"] <= got["turns"] or got["turns"] == got["index"] == 0
+    got = observe(sol, ["index", "bends"])
+    assert got["bends"] - 1 <= got["index"] <= got["bends"] or got["bends"] == got["index"] == 0
 
 
 def test_a_rod_that_goes_round_is_stable() -> None:

@@ -89,7 +89,7 @@ def calls() -> Iterator[tuple[Any, dict[str, Any]]]:
         fit,
         {"case": BEGUN, "vary": "F3", "points": {"s": [0.1, 1.0], "z": [0.1, 0.9]}, "wrapped": False, "starts": 0},
     )
-    yield loops, {"rod": Rod(**EI, L=20.0), "cylinder": ROUND, "wraps": 1, "folds": 2, "stations": 41}
+    yield loops, {"rod": Rod(**EI, L=20.0), "cylinder": ROUND, "turns_around": 1, "folds": 2, "stations": 41}
     yield observe, {"sol": solution, "names": ["height"], "errors": True}
     yield solution.sensitivity, {"fields": ["EI"], "observables": ["height"]}
     yield solution.to_dataset, {"length": "furlong", "force": "N"}

@@ -113,8 +113,8 @@ def test_a_straight_rod_along_the_cylinder_is_not_attached(F3: float, M3: float,
 def test_energy_is_bending_and_twist_less_the_work_of_the_three_loads() -> None:
     case = in_units_of_rho(0.4, 0.7, -0.8, 30.0, 0.7, 0.4)
     sol = solve(case, tol=1e-11, stations=2)
-    got = observe(sol, ["energy", "bending_energy", "twist_energy", "height", "wraps"])
-    work = sol.FZ * got["height"] + sol.MZ * 2 * np.pi * got["wraps"] + sol.M3 * (sol.gamma[-1] - sol.gamma[0])
+    got = observe(sol, ["energy", "bending_energy", "twist_energy", "height", "turns_around"])
+    work = sol.FZ * got["height"] + sol.MZ * 2 * np.pi * got["turns_around"] + sol.M3 * (sol.gamma[-1] - sol.gamma[0])
     assert got["twist_energy"] == pytest.approx(sol.M3**2 * 30.0 / (2 * case.rod.torsional_stiffness), rel=1e-14)
     assert got["energy"] == pytest.approx(got["bending_energy"] + got["twist_energy"] - work, rel=1e-10)
 
@@ -149,10 +149,10 @@ def test_what_a_march_gives_is_within_its_error_or_said_not_to_be_known() -> Non
         got = observe(solve(case, tol=1e-9, method="dop853", stations=stations), names, errors=True)
         for name in names:
             assert abs(got[name] - true[name]) <= got[f"{name}_error"] + 1e-12, (name, stations)
-    few = observe(solve(case, tol=1e-9, method="dop853", stations=5), [*names, "turns"], errors=True)
+    few = observe(solve(case, tol=1e-9, method="dop853", stations=5), [*names, "bends"], errors=True)
     for name in ("kappa_max", "push_min", "attached", "energy"):
         assert np.isnan(few[f"{name}_error"]), name
-    assert np.isnan(few["turns"])
+    assert np.isnan(few["bends"])
 
 
 @by_both

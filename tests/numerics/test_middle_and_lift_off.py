@@ -43,7 +43,7 @@ def test_a_buckled_helix_has_the_pitch_push_force_moment_and_stress_of_its_formu
 def test_a_rod_that_turns_less_than_once_has_the_pitch_that_it_would_have() -> None:
     case = EXACT["buckled pipe 10 deg"].case
     short = Case(Rod(case.rod.E, case.rod.nu, case.rod.a, 0.5), case.cylinder, case.given)
-    assert observe(solve(short), ["wraps"])["wraps"] < 0.05
+    assert observe(solve(short), ["turns_around"])["turns_around"] < 0.05
     assert seen(short)["pitch"] == pytest.approx(2 * np.pi / np.tan(np.deg2rad(10)), rel=1e-9)
 
 

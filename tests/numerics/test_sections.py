@@ -88,7 +88,7 @@ def test_derivatives_agree_with_differences(fields: dict[str, Any], given: Start
     assert set(own) < set(fields_of(case))
     real = [name for name in observables_of(case.rod) if not is_count(name)]
     found = solve(case, stations=5).sensitivity(own, real)
-    seen = ["height", "wraps", "energy", "twist_energy", "push_mean", *(["bending_stress_max"] if "E" in own else [])]
+    seen = ["height", "turns_around", "energy", "twist_energy", "push_mean"] + ["bending_stress_max"] * ("E" in own)
     for k, field in enumerate(own):
         step = 2e-3 * (1.0 if field == "E" else getattr(case.rod, field))  # of E it is relative
         exact = differences(case, field, along(ALONG), step, stations=5, method="orbit")
@@ -109,7 +109,7 @@ def test_derivatives_agree_with_differences(fields: dict[str, Any], given: Start
 ))  # fmt: skip
 def test_a_fit_finds_the_section(fields: dict[str, Any], name: str, low: float, high: float) -> None:
     true = Case(Rod(**fields), WALL, STARTS["dgamma"])
-    seen = observe(solve(true, tol=1e-12), ["height", "wraps"])  # several bores have this height
+    seen = observe(solve(true, tol=1e-12), ["height", "turns_around"])  # several bores have this height
     first = replace(true, rod=replace(true.rod, **{name: 0.95 * fields[name]}))
     found = fit(first, vary={name: (low, high)}, targets={key: float(value) for key, value in seen.items()}, starts=0)
     assert getattr(found.case.rod, name) == pytest.approx(fields[name], rel=1e-6)

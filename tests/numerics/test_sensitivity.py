@@ -135,9 +135,9 @@ def test_derivatives_by_every_field_agree_with_differences(given: Start, side: s
 @pytest.mark.parametrize("given", (TABLE.given, Start(0.7, -0.4, F2=2.0, F3=-20.0, dgamma=0.3)))
 def test_derivatives_of_observables_agree_with_differences(given: Start) -> None:
     case = Case(TABLE.rod, TABLE.cylinder, given)
-    names = ["kappa_mean", "kappa_max", "wraps", "height", "push_mean", "pull_mean", "push_min", "push_max", "attached",
-             "push_max_at", "energy", "bending_energy", "twist_energy", "amplitude", "bend_number", "contact_size_mean",
-             "bending_moment_max", "pitch", "push_middle", "lift_off_at", "F3_size_max",
+    names = ["kappa_mean", "kappa_max", "turns_around", "height", "push_mean", "pull_mean", "push_min", "push_max",
+             "attached", "push_max_at", "energy", "bending_energy", "twist_energy", "amplitude", "bend_number",
+             "contact_size_mean", "bending_moment_max", "pitch", "push_middle", "lift_off_at", "F3_size_max",
              "bending_stress_max", "FZ", "MZ", "M3", "M10", "M1L", "FZ0", "MZ0", "M30"]  # fmt: skip
     found = solve(case).sensitivity(["E", "R", "beta0"], names)
     assert {*names, "neutral_at"} == set(REAL)  # the axial force is constant: it is nowhere 0
@@ -174,7 +174,7 @@ def test_derivatives_of_an_equilibrium_between_long_ends_agree_with_differences(
 
 
 def test_stiffness_and_loads_together_leave_the_shape() -> None:
-    found = solve(TABLE).sensitivity(["E", "F1", "F2", "F3"], ["height", "wraps", "kappa_max"])
+    found = solve(TABLE).sensitivity(["E", "F1", "F2", "F3"], ["height", "turns_around", "kappa_max"])
     values = np.array([TABLE.rod.E, TABLE.given.F1, TABLE.given.F2, TABLE.given.F3])
     for name in ALONG:
         parts = getattr(found, name) * values[:, None]

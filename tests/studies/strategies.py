@@ -198,7 +198,7 @@ def rules(kind: str, observable: str, axis: str) -> st.SearchStrategy[dict[str, 
     return st.one_of([st.fixed_dictionaries(way) for way in ways[kind]])
 
 
-EXPRESSIONS = {"first": "attached < 0.9", "second": "first + turns/pi", "third": "kappa_max*rho**0.5", "fourth": "-L"}
+EXPRESSIONS = {"first": "attached < 0.9", "second": "first + bends/pi", "third": "kappa_max*rho**0.5", "fourth": "-L"}
 
 
 # what a study cannot be, or hardly

@@ -84,7 +84,7 @@ def test_the_loads_are_those_of_the_case_and_start_fields_have_their_defaults() 
         ("kappa_max", "deg/(30 m)", np.pi / 180 / 3000),
         ("height", "in", 2.54),
         ("energy", "kN m", 1e5),
-        ("wraps", "turn", 2 * np.pi),
+        ("turns_around", "turn", 2 * np.pi),
     ],
 )
 def test_an_expression_with_a_unit_is_converted_and_others_count_in_it(formula: str, unit: str, size: float) -> None:
@@ -99,12 +99,12 @@ def test_an_expression_with_a_unit_is_converted_and_others_count_in_it(formula: 
 
 
 def test_the_error_of_an_expression_is_that_of_its_observables() -> None:
-    found = seen('twice = "2*kappa_max/kappa_mean"\nmany = "turns > 5"')
+    found = seen('twice = "2*kappa_max/kappa_mean"\nmany = "bends > 5"')
     share = found["kappa_max_error"] / found["kappa_max"] if "kappa_max_error" in found else 0
     share = share + found["kappa_mean_error"] / found["kappa_mean"]
     np.testing.assert_allclose(found["twice_error"], found["twice"] * share, rtol=1e-2)
     assert "many_error" not in found
-    assert study('many = "turns > 5"').recorded[-1] == "many"
+    assert study('many = "bends > 5"').recorded[-1] == "many"
 
 
 def test_an_expression_without_a_value_is_remarked_and_its_neighbours_have_theirs() -> None:
@@ -119,12 +119,12 @@ def test_an_expression_without_a_value_is_remarked_and_its_neighbours_have_their
 def test_an_observable_of_the_study_and_of_a_law_may_be_an_expression() -> None:
     law = f"{LAW}observable = 'lift'\ndirection = 'falls'\n"
     one = study(
-        'lift = "attached < 0.9"', HEAD.replace("stations", 'observables = ["turns", "lift"]\nstations') + AXES + law
+        'lift = "attached < 0.9"', HEAD.replace("stations", 'observables = ["bends", "lift"]\nstations') + AXES + law
     )
-    assert one.wanted == ["turns", "lift"]
+    assert one.wanted == ["bends", "lift"]
 
 
 def test_a_law_stores_the_observables_that_its_formula_uses() -> None:
     law = f"{LAW}kind = 'bounded'\nobservable = 'kappa_max'\nmost = '2*kappa_mean + 0/L'\n"
-    one = study('x = "turns"', HEAD.replace("stations", "observables = []\nstations") + AXES + law)
+    one = study('x = "bends"', HEAD.replace("stations", "observables = []\nstations") + AXES + law)
     assert set(one.wanted) == {"x", "kappa_max", "kappa_mean"}

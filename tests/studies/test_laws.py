@@ -20,7 +20,7 @@ from studies.laws.line_verdicts import (
 )
 from studies.laws.verdicts import Law, by_line, decide
 
-LAW = Law(claim="(1)", observable="turns", axis="E", direction="falls", source="a sentence")
+LAW = Law(claim="(1)", observable="bends", axis="E", direction="falls", source="a sentence")
 
 
 @pytest.mark.parametrize(
@@ -96,10 +96,10 @@ def test_a_kind_of_law_words_what_its_observable_and_its_alternatives_do(monkeyp
         return Verdict(FAILS if wrong.size else HOLDS, None, [(int(i), int(i) + 1) for i in wrong])
 
     monkeypatch.setitem(DIRECTIONS, "stays-level", Direction(level, "stays level", "changes"))
-    law = LAW.model_copy(update={"direction": "stays-level", "alternatives": ["wraps"]})
-    row = decide(law, {"turns": np.array([3, 3, 3]), "wraps": np.array([1.0, 1.0, 2.0])}, {"E": [1.0, 2.0, 3.0]})
+    law = LAW.model_copy(update={"direction": "stays-level", "alternatives": ["turns_around"]})
+    row = decide(law, {"bends": np.array([3, 3, 3]), "turns_around": np.array([1.0, 1.0, 2.0])}, {"E": [1.0, 2.0, 3.0]})
     assert row["verdict"] == QUALIFIED
-    assert row["reason"] == "turns stays level, but wraps changes at 1 of 2 steps"
+    assert row["reason"] == "bends stays level, but turns_around changes at 1 of 2 steps"
 
 
 def test_the_verdicts_of_the_lines_are_those_that_the_law_counts() -> None:
@@ -107,12 +107,12 @@ def test_the_verdicts_of_the_lines_are_those_that_the_law_counts() -> None:
     axes = {"E": [3.0, 1.0, 2.0], "R": [1.0, 2.0, 3.0, 4.0], "F1": [1.0, 2.0]}
     grid = rng.integers(0, 3, (3, 4, 2)).astype(float)
     grid[1, 2, 0] = np.nan
-    law = Law(claim="c", observable="turns", axis="E", direction="not-rising", source="s")
+    law = Law(claim="c", observable="bends", axis="E", direction="not-rising", source="s")
     found = by_line(law, grid, axes)
     assert found.shape == (4, 2)
     for r in range(4):
         for f in range(2):
             assert found[r, f] == judge(grid[[1, 2, 0], r, f], "not-rising", True).verdict  # in the rising order of E
-    counts = decide(law, {"turns": grid}, axes)["line_verdicts"]
+    counts = decide(law, {"bends": grid}, axes)["line_verdicts"]
     assert {verdict: int((found == verdict).sum()) for verdict in counts} == counts
     assert len(counts) > 1

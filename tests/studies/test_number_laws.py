@@ -29,5 +29,5 @@ def test_the_number_0_fits_every_unit_as_a_bound() -> None:
 
 def test_the_place_of_a_boundary_on_an_axis_of_angles_may_be_text() -> None:
     said = "kind = 'boundary'\npasses = 1\nx = '30deg'\nwithin = 0.1\n"
-    study = loads(f"{HEAD}{AXES}[[laws]]\nclaim = 'a'\nobservable = 'turns'\naxis = 'beta'\nsource = 's'\n{said}")
+    study = loads(f"{HEAD}{AXES}[[laws]]\nclaim = 'a'\nobservable = 'bends'\naxis = 'beta'\nsource = 's'\n{said}")
     assert study.laws[0].x == pytest.approx(np.pi / 6)

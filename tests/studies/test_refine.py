@@ -11,7 +11,7 @@ HEAD = 'title = "r"\nreading = "force-first/tension/paper"\n'
 UNITS = '[units]\nlength = "cm"\nforce = "N"\n'
 E = '[axes.E]\nfrom = 5e3\nto = 4e4\ncount = 5\nspacing = "geometric"\n'
 R = "[axes.R]\nfrom = 0.5\nto = 1.5\ncount = 4\n"
-TABLE = '[refine]\nwatch = ["turns"]\ntolerance = 0.01\n'
+TABLE = '[refine]\nwatch = ["bends"]\ntolerance = 0.01\n'
 
 
 def study(axes: str = E + R, table: str = TABLE, head: str = ""):
@@ -19,7 +19,7 @@ def study(axes: str = E + R, table: str = TABLE, head: str = ""):
 
 
 def test_a_refined_study_begins_as_its_coarse_grid_and_watches_what_it_stores() -> None:
-    work = study(E + R, TABLE.replace('["turns"]', '["loops", "outcome"]'))
+    work = study(E + R, TABLE.replace('["bends"]', '["loops", "outcome"]'))
     assert (work.size, work.sampled, work.varied) == (20, ("E", "R"), ("E", "R"))
     assert "loops" in work.wanted
     assert work.coarse().dimensions().shape == (5, 4)
@@ -211,5 +211,7 @@ def test_the_cells_follow_from_the_stored_cases() -> None:
 
 
 def test_the_refinement_of_a_study_has_its_steps_and_its_budget() -> None:
-    found = refinement(study(table=TABLE.replace('["turns"]', '["turns", "wraps"]') + "steps = {wraps = 0.2}\n"))
+    found = refinement(
+        study(table=TABLE.replace('["bends"]', '["bends", "turns_around"]') + "steps = {turns_around = 0.2}\n")
+    )
     assert (found.steps.tolist(), found.budget, found.lattice.depth) == ([0.0, 0.2], 10_000, 6)

@@ -55,10 +55,10 @@ TEXT = text(
     {},
     axis("E", [1e4, 2e4])
     + axis("R", [0.5, 0.75, 1.0])
-    + law("kappa_max", "R", "falls", claim="(2)", also=["wraps"], source="a sentence of the paper"),
+    + law("kappa_max", "R", "falls", claim="(2)", also=["turns_around"], source="a sentence of the paper"),
     title="two moduli and three radii",
     reading="force-first/tension/paper",
-    observables=["turns", "wraps"],
+    observables=["bends", "turns_around"],
     outputs=["beta", "alpha", "z", "F1"],
     stations=21,
 )
@@ -68,7 +68,7 @@ THREE = (
     axis("E", (5e3, 4e4, 5), spacing="geometric")
     + axis("R", [1.0, 0.5, 0.75])
     + axis("F1", (1.0, 9.0, 9))
-    + law("turns", "E", "falls", at={"R": 0.75, "F1": 5.0})
+    + law("bends", "E", "falls", at={"R": 0.75, "F1": 5.0})
 )
 
 

@@ -9,7 +9,7 @@ from tests.workbench import small
 PIPE = {"E": 2.06e8, "inner_radius": 0.0543, "nu": 0.3, "a": 0.0635, "L": 20.0, "R": 0.108, "side": "inside"}
 SNAP = {"E": 325.95, "nu": 0.25, "a": 0.25, "R": 0.75, "L": 5.0, "beta0": 0.5, "betaL": 0.5}
 SEEN = {"observables": ["amplitude", "height", "index"], "outputs": ["beta"], "stations": 21}
-KEYS = {"reading": "force-first/tension/paper", "observables": ["turns", "wraps"], "outputs": ["beta", "z"]}
+KEYS = {"reading": "force-first/tension/paper", "observables": ["bends", "turns_around"], "outputs": ["beta", "z"]}
 TWO_RODS = small.axis("E", [325.95, 651.9])
 
 
@@ -36,9 +36,9 @@ def sample_study(size: int, seed: int = 3, more: str = "") -> Study:
 PLANE = "[base]\nL = 6.0\n" + small.axis("E", (5e3, 4e4, 5), spacing="geometric") + small.axis("R", (0.5, 1.5, 4))
 
 
-def refinement_study(points: int = 15, watch: str = "turns", **keys: int) -> Study:
+def refinement_study(points: int = 15, watch: str = "bends", **keys: int) -> Study:
     table = small.lines({"watch": [watch], "points": points, **keys})
-    return table_1(f"{PLANE}[refine]\n{table}" + small.law("turns", "E", "falls"))
+    return table_1(f"{PLANE}[refine]\n{table}" + small.law("bends", "E", "falls"))
 
 
 def between_ends(table: str, **keys: Any) -> Study:
@@ -49,7 +49,7 @@ def between_ends(table: str, **keys: Any) -> Study:
     )
 
 
-EXPRESSIONS = '[expressions]\nshare = "turns/wraps"\nroom = "1/(F1 - 5*N)"\n'  # which has no value in the middle
+EXPRESSIONS = '[expressions]\nshare = "bends/turns_around"\nroom = "1/(F1 - 5*N)"\n'  # which has no value in the middle
 STUDIES = {
     "grid": table_1(EXPRESSIONS + small.axis("E", (5e3, 4e4, 3)) + small.axis("F1", (1.0, 9.0, 13))),
     "samples": sample_study(40),

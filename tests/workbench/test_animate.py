@@ -27,7 +27,7 @@ AXIS = "[axes.E]\nvalues = [1e4, 2e4, 3e4]\n"
 
 @pytest.fixture(scope="module")
 def ds() -> xr.Dataset:
-    return in_memory.run(small.study(AXIS, 'observables = ["wraps", "height"]'))
+    return in_memory.run(small.study(AXIS, 'observables = ["turns_around", "height"]'))
 
 
 def shown() -> film.Film:
@@ -110,11 +110,11 @@ def test_a_film_that_cannot_be_drawn_leaves_nothing(tmp_path) -> None:
 def test_scene_makes_a_film(monkeypatch) -> None:
     asked = []
     monkeypatch.setattr(animate, "film_of", lambda *given, **more: asked.append((given, more)) or result_of_files([]))
-    film_options = ["--show", "turns", "--fps", "12", "--stored", "--frames", "9"]
+    film_options = ["--show", "bends", "--fps", "12", "--stored", "--frames", "9"]
     for way in ("--along", "--axis"):
         assert exit_status("scene", "a.h5", way, "E", "--out", "E.mp4", "--dpi", "90", *film_options) == 0
         given, more = asked.pop()
-        assert given == (Path("a.h5"), "E", None, "contact", "turns", [Path("E.mp4")], 12.0, True, 0.5, 90, False, 9)
+        assert given == (Path("a.h5"), "E", None, "contact", "bends", [Path("E.mp4")], 12.0, True, 0.5, 90, False, 9)
         assert more == {}
         assert exit_status("scene", "a.h5", way, "E", "--out", "E.png", *film_options) == 2, "it would be ignored"
     for other in (["--camera", "front"], ["--bare"], ["--axis", "E", "--along", "R"]):
@@ -126,7 +126,7 @@ def test_a_film_of_a_study_needs_no_file(tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(animate, "MOST", 6)  # frames
     base = small.SHORT | {"beta": 0.5, "dbeta": 0.5, "M3": 0.0}
-    Path("two.toml").write_text(small.text(base, small.axis("F3", [1.0, 2.0]), observables=["turns"]))
+    Path("two.toml").write_text(small.text(base, small.axis("F3", [1.0, 2.0]), observables=["bends"]))
     assert exit_status("scene", "two.toml", "-o", "two.gif", "--dpi", "30", "--pixel-error", "5") == 0
     assert Path("two.gif").stat().st_size > 0
 
@@ -141,7 +141,7 @@ def test_the_old_command_names_the_new_one(ds, tmp_path, monkeypatch, capsys) ->
 def test_the_curve_is_that_of_the_axiss_law_where_none_is_asked_for(ds) -> None:
     grid = small.six()
     assert film.observable_of(StoredStudy(grid), "R", None) == "kappa_max"  # of its law
-    assert film.observable_of(StoredStudy(grid), "E", None) in ("turns", "wraps", "kappa_max")
+    assert film.observable_of(StoredStudy(grid), "E", None) in ("bends", "turns_around", "kappa_max")
     assert film.observable_of(StoredStudy(ds), "E", "height") == "height"
 
 
@@ -216,9 +216,9 @@ def test_a_film_has_as_many_frames_as_its_change_needs(tmp_path, capsys) -> None
 
 
 def test_the_curve_is_one_that_changes_along_the_axis(ds) -> None:
-    stored = StoredStudy(ds.assign(wraps=("E", [1.0, 1.0, 1.0])))
+    stored = StoredStudy(ds.assign(turns_around=("E", [1.0, 1.0, 1.0])))
     assert film.observable_of(stored, "E") == "height"
-    assert film.observable_of(stored, "E", "wraps") == "wraps"  # which was asked for
+    assert film.observable_of(stored, "E", "turns_around") == "turns_around"  # which was asked for
 
 
 def test_a_frame_of_samples_names_the_fields_that_change() -> None:

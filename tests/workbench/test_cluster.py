@@ -21,7 +21,7 @@ from workbench.run.study_store import RunOptions, run_to_file
 
 distributed = pytest.importorskip("distributed")
 
-REFINED = '[axes.E]\nvalues = [5e3, 1e4, 4e4]\n[refine]\nwatch = ["turns"]\ntolerance = 1e-3\n'
+REFINED = '[axes.E]\nvalues = [5e3, 1e4, 4e4]\n[refine]\nwatch = ["bends"]\ntolerance = 1e-3\n'
 AXES = "".join(small.axis(name, values) for name, values in GRID.items())
 SAMPLES = "[sample]\nsize = 150\n[sample.E]\nfrom = 5e3\nto = 4e4\n[sample.F1]\nfrom = 1.0\nto = 9.0\n"
 

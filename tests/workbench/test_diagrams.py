@@ -203,13 +203,13 @@ def test_equal_peaks_of_push_are_drawn_equal_however_few_stations_are_stored() -
 def test_a_whole_number_is_drawn_where_a_case_has_it_and_brackets_hold_its_changes() -> None:
     coarse = small.study_dataset("fig7_1_modulus")
     axis = Axis.model_validate({"from": 5e3, "to": 4e4, "count": 400, "spacing": "geometric"})
-    lean = {"axes": {"E": axis}, "laws": [], "observables": ["turns"], "outputs": []}
+    lean = {"axes": {"E": axis}, "laws": [], "observables": ["bends"], "outputs": []}
     fine = in_memory.run(load("fig7_1_modulus").model_copy(update=lean))
-    E, turns = fine["E"].values, fine["turns"].values
+    E, turns = fine["E"].values, fine["bends"].values
     jumps = [(E[k], E[k + 1]) for k in np.flatnonzero(np.diff(turns))]
     assert len(jumps) == 3
     for ds, wide in ((coarse, True), (fine, False)):
-        ax = trends.trend(StoredStudy(ds), Figure(figsize=(5, 3)).subplots(), "turns", "E")
+        ax = trends.trend(StoredStudy(ds), Figure(figsize=(5, 3)).subplots(), "bends", "E")
         brackets = [line for line in ax.lines if line.get_label() == trends.BRACKET]
         assert len(brackets) == 3 * wide
         for (low, high), line in zip(jumps, brackets, strict=wide):

@@ -70,7 +70,7 @@ def test_a_rod_in_millimetres_has_the_equilibria_of_the_same_rod_in_centimetres(
     ours = json.loads(call("equilibria", "--json")[1])["equilibria"]
     assert len(told["equilibria"]) == len(ours) > 10
     for mm, cm in zip(told["equilibria"], ours, strict=True):
-        assert (mm["turns"], mm["index"]) == (cm["turns"], cm["index"])
+        assert (mm["bends"], mm["index"]) == (cm["bends"], cm["index"])
         assert mm["dbeta0"] == pytest.approx(cm["dbeta0"] / 10, rel=1e-6, abs=1e-9)
         assert mm["energy"] == pytest.approx(10 * cm["energy"], rel=1e-8)
     status, table, _ = call("equilibria", *words, "--out", tmp_path / "mm.h5", "--export", tmp_path / "cases")
@@ -97,7 +97,7 @@ def test_each_exported_case_solves_to_the_equilibrium_it_was_written_from(call, 
         np.testing.assert_allclose(ds["beta"], found[k].solution.beta, atol=1e-12)
     told = json.loads(call("solve", files[3], "--json")[1])
     assert told["observables"]["energy"] == pytest.approx(found[3].energy, rel=1e-9)
-    assert told["observables"]["turns"] == found[3].turns
+    assert told["observables"]["bends"] == found[3].bends
 
 
 def test_the_dataset_holds_what_is_listed_and_the_shapes(tmp_path) -> None:
@@ -144,7 +144,7 @@ def test_the_papers_claim_is_not_contradicted_on_its_own_branch_and_fails_on_oth
     known = to_fold(load(DEFAULT).case(), np.deg2rad(60))
     at = np.interp(0.0, known.values, known.dbeta0)
     own = int(swept["branch"].values[0, np.nanargmin(np.abs(swept["dbeta0"].values[0] - at))])
-    assert rows[own]["turns not-falling"] == "qualified: not contradicted"
+    assert rows[own]["bends not-falling"] == "qualified: not contradicted"
     assert rows[own]["kappa_mean rises"] == "holds"
     assert any(row["kappa_mean rises"] == "fails" for row in rows)
 

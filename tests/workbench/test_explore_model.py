@@ -90,7 +90,7 @@ def test_each_listed_equilibrium_is_a_point_of_a_branch_with_its_own_numbers() -
 def test_loads_and_every_observable_are_rows() -> None:
     rows = {row["name"]: row["value"] for row in page_model.numbers(shape())["rows"]}
     assert list(rows) == ["FZ", "MZ", "M3", *(name for name, row in OBSERVABLES.items() if not (row.holds or row.free))]
-    assert rows["turns"] == 6
+    assert rows["bends"] == 6
     assert rows["FZ"] == pytest.approx(10 * np.cos(np.pi / 6))
 
 

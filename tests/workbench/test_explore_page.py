@@ -131,7 +131,7 @@ def saved(tmp_path_factory) -> Path:
 
 def test_the_page_draws_a_rod_and_says_what_it_is(page, tmp_path) -> None:
     page.until(lambda: page("return document.getElementById('o-overlaps')"), "the observables of the server")
-    assert page("return document.getElementById('h-turns').innerText") == "6"
+    assert page("return document.getElementById('h-bends').innerText") == "6"
     assert "turns around the cylinder" in page("return document.getElementById('headline').innerText")
     chip = page("return document.getElementById('chip').innerText")
     assert chip == (
@@ -486,7 +486,7 @@ def test_the_saved_page_solves_every_rod_without_a_server(page, driver, saved) -
             assert page("return page.wrong.sentence") == ""
         assert not np.array_equal(page.points(), before)
         assert page(CUT) == []
-    page.until(lambda: page("return document.getElementById('o-turns')"), "its observables")
+    page.until(lambda: page("return document.getElementById('o-bends')"), "its observables")
     page.click("by-ends")
     assert page("return page.shape.one.kind") == "ends"
     page.slide("L", 501)

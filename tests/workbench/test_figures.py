@@ -68,8 +68,8 @@ def test_the_reasons_of_figure_7_are_those_of_its_numbers() -> None:
     radius, angle = small.study_dataset("fig7_2_radius"), small.study_dataset("fig7_4_end_angle")
     assert (np.diff(radius["amplitude"]) > 0).all()
     assert "amplitude rises instead at 8 of 8 steps" in law_verdicts.verdicts(radius)[0]["reason"]
-    assert angle["turns"].values.tolist() == [6] * 9
-    assert "turns stays at 6, where the sentence says that it rises" in law_verdicts.verdicts(angle)[0]["reason"]
+    assert angle["bends"].values.tolist() == [6] * 9
+    assert "bends stays at 6, where the sentence says that it rises" in law_verdicts.verdicts(angle)[0]["reason"]
 
 
 def test_each_law_of_the_paper_says_whether_its_rule_was_fixed_in_advance() -> None:
@@ -85,9 +85,9 @@ def test_fig_6_is_table_1_as_printed() -> None:
 
 def test_ranges_and_observables_are_those_fixed_beforehand() -> None:
     fixed = {
-        "fig7_1_modulus": ("E", 5e3, 4e4, {"turns"}),
+        "fig7_1_modulus": ("E", 5e3, 4e4, {"bends"}),
         "fig7_2_radius": ("R", 0.5, 1.5, {"kappa_max"}),
-        "fig7_3_start_angle": ("beta", np.deg2rad(15), np.deg2rad(60), {"turns", "kappa_mean"}),
+        "fig7_3_start_angle": ("beta", np.deg2rad(15), np.deg2rad(60), {"bends", "kappa_mean"}),
         "fig7_5_forces": ("F1", 2.5, 10.0, {"contact_size_mean"}),
     }
     for name, (axis, first, last, judged) in fixed.items():

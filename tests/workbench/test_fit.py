@@ -38,10 +38,10 @@ def points(tmp_path) -> Path:
 def test_an_ends_problem_keeps_the_equilibrium_in_the_fitted_study(tmp_path, call) -> None:
     file, out = tmp_path / "ends.toml", tmp_path / "fitted.toml"
     file.write_text(ENDS)
-    wanted = 0.02 + float(observe(solve(load(str(file)).case()), ["wraps"])["wraps"])
-    status, _, _ = call("fit", file, "--target", f"wraps={wanted}", "--vary", "FZ", "--starts", 0, "--out", out)
+    wanted = 0.02 + float(observe(solve(load(str(file)).case()), ["turns_around"])["turns_around"])
+    status, _, _ = call("fit", file, "--target", f"turns_around={wanted}", "--vary", "FZ", "--starts", 0, "--out", out)
     assert status == 0
-    assert json.loads(call("solve", out, "--json")[1])["observables"]["wraps"] == pytest.approx(wanted, abs=1e-7)
+    assert json.loads(call("solve", out, "--json")[1])["observables"]["turns_around"] == pytest.approx(wanted, abs=1e-7)
 
 
 def test_sigma_of_a_file_and_of_the_command_line_are_the_same(points, tmp_path, call) -> None:

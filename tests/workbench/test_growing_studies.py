@@ -36,7 +36,7 @@ def wider(E: Any, F1: Any = FORCES) -> Row:
 
 
 def formula(factor: int) -> Study:
-    return table_1(f'[expressions]\nx = "{factor}*turns"\n' + small.axis("R", [0.5, 0.75]))
+    return table_1(f'[expressions]\nx = "{factor}*bends"\n' + small.axis("R", [0.5, 0.75]))
 
 
 ROWS = {

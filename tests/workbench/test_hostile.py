@@ -30,7 +30,7 @@ from workbench.stored.stored_study import StoredStudy
 
 AXES = "[axes.E]\nvalues = {}\n[axes.R]\nvalues = [0.5, 0.75, 1.0]\n"
 LAW = small.law("kappa_max", "R", "falls", claim="(2)")
-HEAD = 'observables = ["turns", "attached"]\noutputs = ["beta", "alpha", "z", "contact"]'
+HEAD = 'observables = ["bends", "attached"]\noutputs = ["beta", "alpha", "z", "contact"]'
 
 
 def stored(path: Path, values: str = "[1e4, 2e4]") -> Path:
@@ -154,7 +154,7 @@ def test_a_dollar_in_a_name_is_drawn_as_it_is(whole: bytes, tmp_path: Path, text
     path = tmp_path / "dollar.h5"
     path.write_bytes(whole)
     with h5py.File(path, "a") as file:
-        for name in ("E", "R", "contact", "turns"):
+        for name in ("E", "R", "contact", "bends"):
             file[name].attrs["long_name"] = text
         file.attrs["title"] = text
     out = tmp_path / "out.png"
@@ -191,7 +191,7 @@ def test_an_axis_that_no_picture_can_hold_and_errors_of_fewer_cases_than_their_n
     assert huge == ": the axis 'E' holds values that are not finite, or beyond 1e+50"
     assert list(checks.layout(opened)) == []
     (other,) = checks.layout(opened.assign(turns_error=0.0))
-    assert other == ": 'turns_error' has other dimensions than 'turns'"
+    assert other == ": 'bends_error' has other dimensions than 'bends'"
 
 
 def test_a_word_of_the_command_line_does_not_reach_the_terminal_as_it_is(capsys) -> None:

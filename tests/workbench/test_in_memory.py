@@ -41,7 +41,7 @@ def test_a_case_that_fails_keeps_its_outcome_and_leaves_its_neighbours_alone(mon
     bad = ds.isel(E=0, R=2)
     assert bad["outcome"].item() == "failed: on purpose"
     assert np.isnan(bad["beta"]).all()
-    assert np.isnan(bad["turns"])
+    assert np.isnan(bad["bends"])
     assert StoredStudy(ds).unsolved == 1
     assert not np.isnan(ds["beta"]).where(ds["outcome"] == "solved").sum() > 0
     (row,) = law_verdicts.verdicts(ds)

@@ -209,13 +209,13 @@ def test_bars_of_influence_show_what_is_stored(stored: Path) -> None:
     found = sobol(xr.open_dataset(stored))
     exact = found.assign(first=abs(found["first"]), total=abs(found["first"]) + 0.1)
     tables = {names: local(solve(TABLE), observables=names.split()).assign_attrs(title="t", reading="") for names in
-              ("height", "height wraps")}  # fmt: skip
+              ("height", "height turns_around")}  # fmt: skip
     pictures = {
         "indices": lambda: bars.indices(StoredStudy(exact)),
         "negative indices": lambda: bars.indices(StoredStudy(exact.assign(first=-exact["first"]))),
         "totals below those of first order": lambda: bars.indices(StoredStudy(exact.assign(total=exact["first"] / 2))),
         "a tornado": lambda: bars.tornado(StoredStudy(tables["height"])),
-        "two, in a column": lambda: bars.tornado(StoredStudy(tables["height wraps"]), sheet=sheet("paper", 89)),
-        "two, on a page": lambda: bars.tornado(StoredStudy(tables["height wraps"]), sheet=sheet("paper", 183)),
+        "two, in a column": lambda: bars.tornado(StoredStudy(tables["height turns_around"]), sheet=sheet("paper", 89)),
+        "two, on a page": lambda: bars.tornado(StoredStudy(tables["height turns_around"]), sheet=sheet("paper", 183)),
     }
     stored_figures.check("pictures_influence", pictures)

@@ -74,7 +74,7 @@ def test_pint_reads_the_units_of_a_dataset(six) -> None:
     np.testing.assert_allclose(held["E"].pint.to("MPa").pint.magnitude, six["E"] / 100)
     np.testing.assert_allclose(held["kappa_max"].pint.to("1/m").pint.magnitude, six["kappa_max"] * 100)
     assert held["outcome"].pint.units is None
-    assert (held["turns"].where(held["solved"]).pint.magnitude == six["turns"]).all()
+    assert (held["bends"].where(held["solved"]).pint.magnitude == six["bends"]).all()
     xr.testing.assert_allclose(held.pint.dequantify("~P")["FZ"].drop_vars(["E", "R"]), six["FZ"].drop_vars(["E", "R"]))
 
 
@@ -85,7 +85,7 @@ def test_a_table_has_one_row_for_each_case_with_the_axes_as_its_index(six) -> No
     table = six.rod.to_pandas()
     assert table.shape[0] == 6
     assert table.index.names == ["E", "R"]
-    assert table.loc[(2e4, 0.75), "wraps"] == float(six["wraps"].sel(E=2e4, R=0.75))
+    assert table.loc[(2e4, 0.75), "turns_around"] == float(six["turns_around"].sel(E=2e4, R=0.75))
     assert (table["a"] == 0.25).all()  # that all cases share
     assert table["outcome"].eq("solved").all()
     assert table.attrs["units"]["E"] == "N/cm^2"

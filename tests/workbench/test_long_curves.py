@@ -14,7 +14,8 @@ from workbench.run import in_memory
 from workbench.stored.stored_study import StoredStudy
 
 PIPE = {"E": 2.06e8, "nu": 0.3, "a": 0.06, "R": 0.11, "side": "inside", "beta0": 0.0, "betaL": 0.0, "FZ": -2000}
-KEYS = {"units": "m kN", "observables": ["wraps"], "outputs": ["beta", "alpha", "z", "contact"], "stations": 4001}
+OUTPUTS = ["beta", "alpha", "z", "contact"]
+KEYS = {"units": "m kN", "observables": ["turns_around"], "outputs": OUTPUTS, "stations": 4001}
 ROOM = (8.0, 4.0)
 
 

@@ -46,18 +46,18 @@ def test_a_box_lies_inside_its_region_and_has_no_place_where_it_does_not_fit() -
 
 
 def test_the_regions_of_a_count_carry_their_counts(regimes) -> None:
-    ax = maps(map_figure.figure(StoredStudy(regimes), show=["turns"]))[0]
+    ax = maps(map_figure.figure(StoredStudy(regimes), show=["bends"]))[0]
     numbers = [text for text in ax.texts if text.get_text().isdigit()]
     assert {text.get_text() for text in numbers} == {str(n) for n in range(8)}
     for text in numbers:
         E, R = text.get_position()
-        assert regimes["turns"].sel(E=E, R=R, method="nearest") == int(text.get_text())
+        assert regimes["bends"].sel(E=E, R=R, method="nearest") == int(text.get_text())
 
 
 def test_the_two_regimes_of_the_page_are_those_of_the_potential() -> None:
     ds = in_memory.run(load("regimes").at_stations(401))
     highest = np.degrees(ds["beta"].max("u").values)
-    near, bent = highest < 30, ds["turns"].values > 0  # a rod that ends before its first bend has not turned yet
+    near, bent = highest < 30, ds["bends"].values > 0  # a rod that ends before its first bend has not turned yet
     assert highest[near & bent].max() < 28
     assert highest[~near & bent].min() > 50
     # beta'^2 + G(beta) = h: beta turns where G is again that of the start, near the helix or beyond its saddle

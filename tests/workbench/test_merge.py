@@ -16,7 +16,7 @@ from workbench.run import assembly, file_merge, in_memory, reading, study_store,
 from workbench.stored import law_verdicts
 
 RADII = axis("R", [0.5, 0.75, 1.0])
-LAW = law("turns", "E", "falls")
+LAW = law("bends", "E", "falls")
 # The values of E of some files, and of their union.
 SPLITS = {
     "one after the other": ([[1e4, 2e4], [3e4, 4e4]], [1e4, 2e4, 3e4, 4e4]),
@@ -34,7 +34,7 @@ AXES = {
 }
 
 
-HEAD = 'observables = ["turns"]\noutputs = ["beta", "position"]'
+HEAD = 'observables = ["bends"]\noutputs = ["beta", "position"]'
 
 
 def one_by_one(text: str) -> xr.Dataset:
@@ -139,7 +139,7 @@ def test_small_blocks_write_the_same_bits_as_large_ones(tmp_path, monkeypatch) -
             xr.testing.assert_identical(large.drop_attrs(deep=False), little.drop_attrs(deep=False))
 
 
-@pytest.mark.parametrize("names", [("outcome",), ("outcome", "turns")])
+@pytest.mark.parametrize("names", [("outcome",), ("outcome", "bends")])
 def test_results_that_another_program_stored_as_coordinates_are_joined_as_results(names, tmp_path) -> None:
     a, b = one_by_one(E1), one_by_one(E2)
     a["outcome"].attrs["units"] = "days since 2000-01-01"  # which xarray would read as times
@@ -153,7 +153,7 @@ def test_results_that_another_program_stored_as_coordinates_are_joined_as_result
 def test_a_law_is_judged_again_on_all_values(tmp_path) -> None:
     falling, rising = counted(axis("E", [1e4, 2e4]) + LAW), counted(axis("E", [3e4, 4e4]) + LAW)
     assert file_merge.merge(stored(tmp_path, falling, rising), tmp_path / "all.h5")["laws"][0]["verdict"] == "holds"
-    rising["turns"][:] = 99
+    rising["bends"][:] = 99
     done = file_merge.merge(stored(tmp_path, falling, rising), tmp_path / "all.h5")
     assert (done["laws"][0]["verdict"], status(done)) == ("fails", 1)
 

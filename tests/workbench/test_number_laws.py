@@ -39,7 +39,7 @@ AXES = "[axes.R]\nvalues = [0.5, 0.75, 1.0, 1.25]\n[axes.E]\nvalues = [1e4, 2e4]
 
 
 def study(laws: str = LAWS) -> Study:
-    return small.study(f"{SAID}{AXES}{laws}", 'outputs = []\nobservables = ["turns"]\n')
+    return small.study(f"{SAID}{AXES}{laws}", 'outputs = []\nobservables = ["bends"]\n')
 
 
 @pytest.fixture(scope="module")
@@ -141,7 +141,7 @@ def test_expressions_of_samples_pairs_and_tables_are_stored_judged_and_drawn(var
     said, shape = VARIED[varied]
     law = "[[laws]]\nclaim = 'a'\naxis = 'E'\nsource = 's'\nkind = 'equals'\nobservable = 'area'\nformula = 'pi*R**2'\n"
     path = tmp_path / "study.toml"
-    head = small.HEAD.replace("[units]", "outputs = []\nobservables = ['turns']\n[units]")
+    head = small.HEAD.replace("[units]", "outputs = []\nobservables = ['bends']\n[units]")
     path.write_text(f"{head}{SAID}{said}{law}relative = 1e-12\n", "utf-8")
     ds = in_memory.run(load(path))
     assert ds["area"].shape == shape

@@ -102,8 +102,8 @@ def test_a_rod_with_weight_has_the_fields_and_the_push_of_the_server() -> None:
     assert numbers["energy"] is None  # of a rod that slides with friction
 
 
-OBSERVED = ("turns", "bend_number", "amplitude", "wraps", "height", "kappa_mean", "kappa_max", "push_mean", "pull_mean",
-            "push_min", "push_max", "attached", "lift_off_at", "F3_size_max", "bending_moment_max",
+OBSERVED = ("bends", "bend_number", "amplitude", "turns_around", "height", "kappa_mean", "kappa_max", "push_mean",
+            "pull_mean", "push_min", "push_max", "attached", "lift_off_at", "F3_size_max", "bending_moment_max",
             "bending_stress_max", "energy", "bending_energy", "twist_energy")  # fmt: skip
 
 

@@ -96,7 +96,7 @@ PAGES = [
     ),
     Page("how-to/is-my-pipe-buckled", made=("pipe_states.png",)),
     Page("how-to/sample-a-study", "Refine a boundary", files=("", "critical.toml"), made=("critical.png",),
-         said=("29947 cases, 6.7 % of the uniform grid of 769 x 577", "113 cases, 0 unsolved", "turns E 3 ")),
+         said=("29947 cases, 6.7 % of the uniform grid of 769 x 577", "113 cases, 0 unsolved", "bends E 3 ")),
     Page("how-to/sample-a-study", files=("", "", "cases.csv", "measured.toml"),
          said=("256 cases, 0 unsolved", "256 samples of E, R, F1: scrambled Sobol' sequence", "3 samples of E,")),
     Page("how-to/use-other-programs", files=("moduli.toml",), said=("5000.0 8 4.542 7.563",),

@@ -32,7 +32,7 @@ from workbench.stored.stored_study import StoredStudy
 @pytest.fixture(scope="module")
 def ds() -> xr.Dataset:
     axes = "[axes.E]\nvalues = [1e4, 2e4]\n"
-    return in_memory.run(loads(small.HEAD.replace("[units]", 'observables = ["wraps"]\n[units]') + axes))
+    return in_memory.run(loads(small.HEAD.replace("[units]", 'observables = ["turns_around"]\n[units]') + axes))
 
 
 def equilibria(path: Path) -> None:
@@ -107,7 +107,7 @@ def test_the_table_of_a_figure_has_the_numbers_that_are_drawn(six, tmp_path, cap
     curve = [row for row in lines if row["series"] == "R = 0.5 cm"]
     assert len(curve) >= six.sizes["u"]
     turns = {(float(row["x"]), float(row["value"])) for row in cells if row["panel"].endswith("number of bends")}
-    assert {value for _, value in turns} == set(six["turns"].values.ravel().tolist())
+    assert {value for _, value in turns} == set(six["bends"].values.ravel().tolist())
     assert capsys.readouterr().out.splitlines()[-1] == str(tmp_path / "map.csv")
 
 
@@ -160,7 +160,7 @@ def test_a_text_is_broken_where_it_leaves_its_room_and_not_before() -> None:
 
 
 def test_the_panels_of_samples_are_wide_enough_to_read_on_a_column() -> None:
-    text = small.HEAD.replace("[units]", 'observables = ["wraps", "kappa_max"]\n[units]')
+    text = small.HEAD.replace("[units]", 'observables = ["turns_around", "kappa_max"]\n[units]')
     text += '[sample]\nsize = 32\nE = { from = 5e3, to = 4e4, distribution = "log-uniform" }\n'
     text += "".join(
         f"{name} = {{ from = {low}, to = {2 * low} }}\n" for name, low in (("R", 0.5), ("L", 10.0), ("F1", 3.0))

@@ -73,7 +73,7 @@ def test_a_fit_finds_the_end_angle_that_asks_for_a_moment() -> None:
 
 def pushed(axis: str, values: tuple[float, float, int], observable: str) -> Study:
     tables = small.axis(axis, values) + small.law(observable, axis, "rises", says="rises")
-    names = ["wraps", "M10", "FZ"]
+    names = ["turns_around", "M10", "FZ"]
     return loads(small.text(BASE, tables, observables=names, outputs=[], stations=21), "text", "pushed")
 
 

@@ -23,9 +23,9 @@ from workbench.stored.stored_study import StoredStudy
 
 LINE = small.axis("E", (5e3, 4e4, 4), spacing="geometric")
 PLANE = "[base]\nL = 6.0\n" + LINE.replace("count = 4", "count = 5") + small.axis("R", (0.5, 1.5, 4))
-REFINE = '[refine]\nwatch = ["turns"]\npoints = 15\n'
-LAW = small.law("turns", "E", "falls", at={"R": 0.75})
-HEAD = 'observables = ["turns", "wraps"]\noutputs = []'
+REFINE = '[refine]\nwatch = ["bends"]\npoints = 15\n'
+LAW = small.law("bends", "E", "falls", at={"R": 0.75})
+HEAD = 'observables = ["bends", "turns_around"]\noutputs = []'
 
 
 def study(axes: str = PLANE, refine: str = REFINE, head: str = HEAD) -> Study:
@@ -44,7 +44,7 @@ def stored(small_blocks, tmp_path_factory) -> Path:
 
 @pytest.fixture(scope="module")
 def line(small_blocks) -> xr.Dataset:
-    return in_memory.run(study(LINE, '[refine]\nwatch = ["turns"]\ntolerance = 1e-6\n', HEAD.replace("[]", '["beta"]')))
+    return in_memory.run(study(LINE, '[refine]\nwatch = ["bends"]\ntolerance = 1e-6\n', HEAD.replace("[]", '["beta"]')))
 
 
 # against the uniform grid
@@ -56,14 +56,14 @@ def uniform(ds: xr.Dataset, work: Study) -> tuple[np.ndarray, np.ndarray]:
     sizes = found.lattice.sizes
     places = np.indices(sizes).reshape(len(sizes), -1).T
     case = work.case_of(found.lattice.values(places))
-    turns = np.asarray(observe(solve(case, stations=2), ["turns"])["turns"]).reshape(sizes)
+    turns = np.asarray(observe(solve(case, stations=2), ["bends"])["bends"]).reshape(sizes)
     return turns, found.places
 
 
 def test_every_boundary_cell_of_the_uniform_grid_is_found_with_fewer_cases(stored: Path) -> None:
     with xr.open_dataset(stored) as ds:
         turns, places = uniform(ds, study())
-        np.testing.assert_array_equal(turns[tuple(places.T)], ds["turns"])
+        np.testing.assert_array_equal(turns[tuple(places.T)], ds["bends"])
         known = np.zeros(turns.shape, dtype=bool)
         known[tuple(places.T)] = True
         corners = np.stack([turns[:-1, :-1], turns[1:, :-1], turns[:-1, 1:], turns[1:, 1:]])
@@ -75,7 +75,7 @@ def test_every_boundary_cell_of_the_uniform_grid_is_found_with_fewer_cases(store
 def test_the_boundary_is_the_pairs_of_neighbours_that_differ_on_the_uniform_grid(stored: Path) -> None:
     with xr.open_dataset(stored) as ds:
         turns, _ = uniform(ds, study())
-        found, lattice = ds.rod.boundary("turns"), refined.describe(ds).lattice
+        found, lattice = ds.rod.boundary("bends"), refined.describe(ds).lattice
         assert found.sizes["pair"] == sum(int((np.diff(turns, axis=k) != 0).sum()) for k in (0, 1))
         for k, axis in enumerate(("E", "R")):
             along = found.isel(pair=np.flatnonzero(found[f"{axis}_half_width"] > 0))
@@ -97,7 +97,7 @@ def test_the_map_shows_at_every_place_the_number_of_the_uniform_grid(stored: Pat
     """The lattice is as fine as the raster here: what is not solved is what its neighbours show."""
     with xr.open_dataset(stored) as ds:
         turns, _ = uniform(ds, study())
-        shown = refined.raster(ds)["turns"].values
+        shown = refined.raster(ds)["bends"].values
         assert shown.shape == tuple(2 * (size - 1) for size in turns.shape)
         for i, j in ((0, 0), (0, 1), (1, 0), (1, 1)):  # the quarters of each cell
             corner = turns[i : turns.shape[0] - 1 + i, j : turns.shape[1] - 1 + j]
@@ -105,14 +105,14 @@ def test_the_map_shows_at_every_place_the_number_of_the_uniform_grid(stored: Pat
 
 
 def test_along_one_axis_each_jump_is_enclosed_to_the_tolerance(line: xr.Dataset) -> None:
-    found = StoredStudy(line).boundary("turns")
-    assert found.sizes["pair"] == int(line["turns"].max() - line["turns"].min()) > 1
+    found = StoredStudy(line).boundary("bends")
+    assert found.sizes["pair"] == int(line["bends"].max() - line["bends"].min()) > 1
     assert ((found["E_half_width"] / found["E"]) < 1e-6 * np.log(8) / 2 * 1.01).all()
     for k in range(found.sizes["pair"]):
         pair = found.isel(pair=k)
         for side, number in ((-1, pair["before"]), (1, pair["after"])):
             case = study(LINE).case_of({"E": float(pair["E"] + side * pair["E_half_width"])})
-            assert float(observe(solve(case), ["turns"])["turns"]) == float(number)
+            assert float(observe(solve(case), ["bends"])["bends"]) == float(number)
     assert line.sizes["sample"] < 130
     assert sorted(refined.line(line)["E"].values) == refined.line(line)["E"].values.tolist()
 
@@ -133,16 +133,16 @@ CHANGES = {5104.1: (2, 1), 5110.5: (1, 0), 5113.9: (0, 1), 7036.7: (1, 2), 17811
 
 @pytest.fixture(scope="module")
 def five() -> xr.Dataset:
-    axis = LINE.replace("count = 4", "count = 6") + small.law("turns", "E", "falls")
-    whole = '[refine]\nwatch = ["turns"]\ntolerance = 1e-6\n'
-    head = 'title = "small"\nobservables = ["turns"]\noutputs = []\nunits = {length = "cm", force = "N"}\n'
+    axis = LINE.replace("count = 4", "count = 6") + small.law("bends", "E", "falls")
+    whole = '[refine]\nwatch = ["bends"]\ntolerance = 1e-6\n'
+    head = 'title = "small"\nobservables = ["bends"]\noutputs = []\nunits = {length = "cm", force = "N"}\n'
     return in_memory.run(loads(head + FIVE + axis + whole))
 
 
 def test_a_number_that_changes_and_changes_back_between_two_values_is_located(five: xr.Dataset) -> None:
     """Between the first two values of the axis it goes from 2 to 0 and back to 2; the ends of the interval agree."""
-    found = StoredStudy(five).boundary("turns")
-    assert five["turns"].values[:2].tolist() == [2, 2]
+    found = StoredStudy(five).boundary("bends")
+    assert five["bends"].values[:2].tolist() == [2, 2]
     pairs = zip(found["before"].values, found["after"].values, strict=True)
     assert dict(zip(found["E"].values.round(1), pairs, strict=True)) == CHANGES
 
@@ -173,11 +173,13 @@ def test_a_refinement_says_what_it_cannot_have_seen(five: xr.Dataset, stored: Pa
 
 
 def test_a_real_number_is_refined_where_it_changes_by_more_than_its_step() -> None:
-    ds = in_memory.run(study(LINE, '[refine]\nwatch = ["wraps"]\nsteps = { wraps = 0.02 }\npoints = 2000\n'))
-    wraps = refined.line(ds)["wraps"].values
+    ds = in_memory.run(
+        study(LINE, '[refine]\nwatch = ["turns_around"]\nsteps = { turns_around = 0.02 }\npoints = 2000\n')
+    )
+    wraps = refined.line(ds)["turns_around"].values
     assert np.abs(np.diff(wraps)).max() <= 0.02
-    assert StoredStudy(ds).boundary("wraps").sizes["pair"] == 0
-    assert StoredStudy(ds).boundary("wraps", step=0.01).sizes["pair"] == (np.abs(np.diff(wraps)) > 0.01).sum()
+    assert StoredStudy(ds).boundary("turns_around").sizes["pair"] == 0
+    assert StoredStudy(ds).boundary("turns_around", step=0.01).sizes["pair"] == (np.abs(np.diff(wraps)) > 0.01).sum()
 
 
 FAILING = {"nu": 0.25, "a": 0.25, "L": 20.0, "R": 0.75, "dbeta": 0.5, "F1": 5.0, "beta": "30deg", "F3": 10.0}
@@ -245,7 +247,7 @@ def test_refined_studies_show_what_is_stored(stored: Path, line) -> None:
     ds = reading.read(stored)
     assert (kinds.kind_of(StoredStudy(ds)), kinds.kind_of(StoredStudy(line))) == ("map", "lines")
     pictures = {
-        "the plane": lambda: map_figure.figure(StoredStudy(ds), show=["turns", "level"]),
+        "the plane": lambda: map_figure.figure(StoredStudy(ds), show=["bends", "level"]),
         "an axis": lambda: study_figure.figure(StoredStudy(line)),
         "lines of the plane": lambda: study_figure.figure(StoredStudy(ds)),
     }
@@ -254,16 +256,16 @@ def test_refined_studies_show_what_is_stored(stored: Path, line) -> None:
 
 def test_a_grid_has_a_boundary_too() -> None:
     ds = in_memory.run(small.study(PLANE, HEAD))
-    found = StoredStudy(ds).boundary("turns")
-    assert found.sizes["pair"] == sum(int((np.diff(ds["turns"].values, axis=k) != 0).sum()) for k in (0, 1))
-    turned = StoredStudy(ds.isel(E=slice(None, None, -1))).boundary("turns")
+    found = StoredStudy(ds).boundary("bends")
+    assert found.sizes["pair"] == sum(int((np.diff(ds["bends"].values, axis=k) != 0).sum()) for k in (0, 1))
+    turned = StoredStudy(ds.isel(E=slice(None, None, -1))).boundary("bends")
     assert sorted(found["E"].values) == sorted(turned["E"].values)
 
 
 def test_a_refinement_grows_by_halvings_and_by_its_budget_alone() -> None:
-    before = {"watch": ["turns"], "halvings": 3, "budget": 90}
+    before = {"watch": ["bends"], "halvings": 3, "budget": 90}
     for change, grows in (({}, True), ({"budget": 91, "halvings": 4}, True), ({"budget": 89}, False),
-                          ({"halvings": 2, "budget": 91}, False), ({"watch": ["wraps"]}, False)):  # fmt: skip
+                          ({"halvings": 2, "budget": 91}, False), ({"watch": ["turns_around"]}, False)):  # fmt: skip
         assert plan._is_larger(before, before | change) == grows, change
 
 
@@ -304,10 +306,10 @@ def test_the_summary_lists_each_place_along_one_axis(line: xr.Dataset, tmp_path,
     writing.write(line, tmp_path / "line.h5")
     run(f"summary {tmp_path / 'line.h5'}")
     said = capsys.readouterr().out
-    found = StoredStudy(line).boundary("turns")
+    found = StoredStudy(line).boundary("bends")
     for pair in (found.isel(pair=k) for k in range(found.sizes["pair"])):
         (place,) = re.findall(
-            rf"turns: {int(pair['before'])} to {int(pair['after'])} at E = ([\d.]+) \+- ([\d.]+) ", said
+            rf"bends: {int(pair['before'])} to {int(pair['after'])} at E = ([\d.]+) \+- ([\d.]+) ", said
         )
         assert float(place[0]) == pytest.approx(float(pair["E"]), abs=float(pair["E_half_width"]))
         assert float(place[1]) == pytest.approx(float(pair["E_half_width"]), rel=0.05)

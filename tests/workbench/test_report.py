@@ -454,7 +454,7 @@ def test_beside_each_turntable_stand_the_observables_of_its_rod(text, results) -
     (one,) = [result for result in results if result.study.name == "fig7_1_modulus"]
     cases = figures["turn-fig7_1_modulus"]["cases"]
     told = [dict(case["facts"])["number of bends"] for case in cases]
-    assert told == [str(int(count)) for count in one.ds["turns"].values]
+    assert told == [str(int(count)) for count in one.ds["bends"].values]
 
 
 @pytest.mark.slow

@@ -142,7 +142,7 @@ def said_by(stored: xr.Dataset, kind: str) -> str:
 
 def test_an_unrolled_view_says_that_a_rod_off_the_wall_is_seen_along_the_radius(stored: xr.Dataset) -> None:
     radial = "Where a rod is off the wall, it is seen along the radius, at its azimuth times ρ."
-    held = in_memory.run(loads(STUDY.replace("let_go = true", "").replace('"gap_max", "contact_share"', '"turns"')))
+    held = in_memory.run(loads(STUDY.replace("let_go = true", "").replace('"gap_max", "contact_share"', '"bends"')))
     for kind in ("curves", "lines"):
         assert radial in said_by(stored, kind)
         assert radial not in said_by(held, kind)

@@ -20,7 +20,7 @@ from workbench.scene import scene_kinds
 from workbench.stored import solved_again
 from workbench.stored.stored_study import StoredStudy
 
-HEAD = 'observables = ["turns", "wraps", "kappa_max"]\noutputs = ["beta", "alpha", "z"]'
+HEAD = 'observables = ["bends", "turns_around", "kappa_max"]\noutputs = ["beta", "alpha", "z"]'
 SAMPLE = """
 [sample]
 size = {}
@@ -178,7 +178,7 @@ def test_a_scene_of_one_sample_solves_that_sample_alone(tmp_path) -> None:
 
 def test_samples_show_what_is_stored(stored: Path, crossed: xr.Dataset, monkeypatch) -> None:
     ds = reading.read(stored)
-    ds["wraps"][7] = np.nan
+    ds["turns_around"][7] = np.nan
 
     pictures = {
         "one is missing": lambda: study_figure.figure(StoredStudy(ds)),
@@ -191,7 +191,7 @@ def test_samples_show_what_is_stored(stored: Path, crossed: xr.Dataset, monkeypa
 
 def test_a_column_of_other_dimensions_is_no_row(stored: Path) -> None:
     ds = reading.read(stored)
-    assert StoredStudy(ds.assign(turns=ds["turns"][0])).observables == ["wraps", "kappa_max"]
+    assert StoredStudy(ds.assign(bends=ds["bends"][0])).observables == ["turns_around", "kappa_max"]
 
 
 def test_few_samples_or_one_value_have_no_rank_correlation() -> None:

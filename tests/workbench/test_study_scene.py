@@ -27,7 +27,7 @@ AXES = "[axes.E]\nvalues = [1e4, 2e4, 3e4]\n[axes.F1]\nvalues = [4.0, 5.0]\n"
 @pytest.fixture
 def file(tmp_path) -> Path:
     path = tmp_path / "mine.toml"
-    path.write_text(small.study(AXES, 'observables = ["wraps", "height"]').text)
+    path.write_text(small.study(AXES, 'observables = ["turns_around", "height"]').text)
     return path
 
 

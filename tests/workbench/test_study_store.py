@@ -153,10 +153,10 @@ def test_other_results_of_the_same_study_are_replaced_with_a_line_that_says_what
 def test_a_law_that_changed_is_told_as_words(tmp_path) -> None:
     axis, told = small.axis("E", [1e4, 2e4]), list[str]()
     for direction in ("falls", "not-rising"):
-        work = small.study(axis + small.law("turns", "E", direction), 'observables = ["turns"]')
+        work = small.study(axis + small.law("bends", "E", direction), 'observables = ["bends"]')
         run_to_file(work, tmp_path / "small.h5", RunOptions(workers=1), told.append)
     (line,) = [line for line in told if "replaces" in line]
-    assert "laws.1 was claim (1), observable turns, axis E, direction falls, source s, now claim (1), " in line
+    assert "laws.1 was claim (1), observable bends, axis E, direction falls, source s, now claim (1), " in line
 
 
 def test_a_finished_study_is_answered_without_xarray_and_pandas(whole) -> None:
@@ -334,10 +334,10 @@ def half(finished, tmp_path) -> Path:
 def test_a_file_with_a_changed_number_is_refused_before_it_grows(half, monkeypatch) -> None:
     output = half.with_suffix(".h5")
     with h5py.File(output, "a") as file:
-        file["turns"][0] = 99
+        file["bends"][0] = 99
     runs.study(half.parent, {"E": [5e3, 1e4, 3e4], "F1": FORCES})
     before, solved = output.read_bytes(), counted(monkeypatch)
-    with pytest.raises(InputError, match="turns has changed since it was stored"):
+    with pytest.raises(InputError, match="bends has changed since it was stored"):
         run_to_file(load(half), output)
     assert (output.read_bytes(), solved) == (before, [])
 
@@ -387,9 +387,9 @@ def test_a_count_stays_whole_where_all_is_solved_and_only_there(whole, tmp_path)
     path.write_text(path.read_text().replace("stations", "tol = 1e-15\nstations"))
     run_to_file(load(path), tmp_path / "many.h5")
     with xr.open_dataset(whole) as good, xr.open_dataset(tmp_path / "many.h5") as bad:
-        assert good["turns"].dtype == np.int64
-        assert bad["turns"].dtype == np.float64
-        assert np.isnan(bad["turns"]).all()
+        assert good["bends"].dtype == np.int64
+        assert bad["bends"].dtype == np.float64
+        assert np.isnan(bad["bends"]).all()
 
 
 def test_a_grown_study_that_was_stopped_goes_on(half, monkeypatch) -> None:

@@ -20,9 +20,9 @@ LAW = small.law("kappa_max", "R", "falls", claim="(2)")
 @pytest.fixture
 def file(tmp_path):
     """A file of six cases, one of them unsolved and one with a large error."""
-    ds = in_memory.run(small.study(AXES + LAW, 'observables = ["wraps"]\noutputs = ["beta", "z"]'))
+    ds = in_memory.run(small.study(AXES + LAW, 'observables = ["turns_around"]\noutputs = ["beta", "z"]'))
     ds = small.with_outcomes(ds, ["solved", "failed: on purpose", *["solved"] * 4])
-    for name in ("wraps", "kappa_max"):
+    for name in ("turns_around", "kappa_max"):
         ds[name][0, 1] = np.nan
     ds["error"][1, 2] = 0.5
     ds["error"][0, 1] = 1e289  # of the unsolved case

@@ -189,7 +189,7 @@ def beyond_the_fold():
     base = {**small.ROD, "stiffness": "paper", "beta0": "30deg", "FZ": FZ, "MZ": MZ, "M3": M3}
     which = "[equilibrium]\n" + small.lines({"dbeta0": float(own.dbeta[0]), "energy": energy})
     tables = small.axis("betaL", (28.0, 42.0, 15), unit="deg") + which + small.law("kappa_mean", "betaL", "rises")
-    text = small.text(base, tables, observables=["kappa_mean", "index", "turns"], outputs=["beta"])
+    text = small.text(base, tables, observables=["kappa_mean", "index", "bends"], outputs=["beta"])
     return loads(text, "text", "past"), branch
 
 

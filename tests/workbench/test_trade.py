@@ -155,8 +155,8 @@ def test_a_study_at_a_fidelity_has_its_tolerance_its_stations_and_what_it_comput
     }
     assert "F1_along" in found["standard"]
     assert "F1_along" not in found["draft"]
-    assert "wraps" in found["draft"]  # a law admits it
-    assert "turns" not in found["draft"]
+    assert "turns_around" in found["draft"]  # a law admits it
+    assert "bends" not in found["draft"]
     for name in ("fine", "exact"):
         along = set(CURVES) - set(OFF_WALL)
         assert along | {name for name, row in OBSERVABLES.items() if not row.free} <= set(found[name].data_vars)

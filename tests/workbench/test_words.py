@@ -21,7 +21,7 @@ LAW = small.law(
     "E",
     "not-falling",
     claim="a claim of many words",
-    also=["kappa_mean", "kappa_max", "wraps", "attached", "amplitude"],
+    also=["kappa_mean", "kappa_max", "turns_around", "attached", "amplitude"],
 )
 E_OF_NINE = small.axis("E", (123456.7, 134567.8, 9))
 E_OF_TWO, E_OF_THREE = small.axis("E", [1e4, 3.7e5]), small.axis("E", [1e4, 2e4, 4e4])
@@ -35,12 +35,12 @@ LONG = "A title that goes on for longer than a page of this width can hold, " * 
 
 def drawn_map(change: Callable[[xr.Dataset], xr.Dataset], **more: Any) -> Figure:
     """The map of the bends of a study over E and R of which something is changed."""
-    return map_figure.figure(StoredStudy(change(small.study_dataset("regimes"))), **{"show": ["turns"], **more})
+    return map_figure.figure(StoredStudy(change(small.study_dataset("regimes"))), **{"show": ["bends"], **more})
 
 
 def three(more: str = "") -> xr.Dataset:
     """Over three axes, with a law along one of them and with more laws."""
-    return in_memory.run(small.study(small.THREE + more, 'observables = ["turns", "wraps"]'))
+    return in_memory.run(small.study(small.THREE + more, 'observables = ["bends", "turns_around"]'))
 
 
 def set_to(name: str, values: Callable[[xr.DataArray], Any]) -> Callable[[xr.Dataset], xr.Dataset]:
@@ -69,10 +69,10 @@ def noise(error: float) -> Callable[[xr.Dataset], xr.Dataset]:
 
 def every_kind_of_cell(ds: xr.Dataset) -> xr.Dataset:
     """The dataset with cells that are not solved, that lift off, and that have no number of bends."""
-    texts, turns = np.full(ds["turns"].shape, "", dtype=object), ds["turns"].values.astype(float)
+    texts, turns = np.full(ds["bends"].shape, "", dtype=object), ds["bends"].values.astype(float)
     solved = np.ones(turns.shape, dtype=bool)
     solved[:3, :4], texts[10:, 5:9], turns[20:, 15:], turns[:3, :4] = False, "pulled", np.nan, np.nan
-    changed = {"solved": solved, "caution": texts, "turns": turns}
+    changed = {"solved": solved, "caution": texts, "bends": turns}
     return ds.drop_vars("beta").assign({name: ds[name].copy(data=values) for name, values in changed.items()})
 
 
@@ -96,7 +96,7 @@ def unsolved(rows: slice) -> Callable[[xr.Dataset], xr.Dataset]:
     def change(ds: xr.Dataset) -> xr.Dataset:
         ds = ds.copy(deep=True)
         ds["solved"][rows] = False
-        for name in set(ds.data_vars) & {"turns", "kappa_mean", "alpha", "z"}:
+        for name in set(ds.data_vars) & {"bends", "kappa_mean", "alpha", "z"}:
             ds[name] = ds[name].astype(float)
             ds[name][rows] = np.nan
         return ds
@@ -111,13 +111,13 @@ def without_number(ds: xr.Dataset) -> xr.Dataset:
     return ds
 
 
-FURTHER = small.law("turns", "F1", "falls", claim="(2)") + small.law("wraps", "F1", "falls", claim="(3)")
+FURTHER = small.law("bends", "F1", "falls", claim="(2)") + small.law("turns_around", "F1", "falls", claim="(3)")
 MAPS: dict[str, Callable[[], Figure]] = {
     "a third axis": lambda: map_figure.figure(StoredStudy(three())),
-    "a value of the third axis": lambda: map_figure.figure(StoredStudy(three()), show=["turns"], at={"F1": 9.0}),
+    "a value of the third axis": lambda: map_figure.figure(StoredStudy(three()), show=["bends"], at={"F1": 9.0}),
     "laws along a further axis": lambda: map_figure.figure(StoredStudy(three(FURTHER)), "R", "E", at={"F1": 5.0}),
-    "many counts": lambda: drawn_map(set_to("turns", in_classes)),
-    "large counts": lambda: drawn_map(set_to("turns", lambda turns: turns * 12345)),
+    "many counts": lambda: drawn_map(set_to("bends", in_classes)),
+    "large counts": lambda: drawn_map(set_to("bends", lambda turns: turns * 12345)),
     "constant": lambda: drawn_map(set_to("attached", nearly_constant), show=["attached"]),
     "all lift off": lambda: drawn_map(set_to("caution", cautions("pulled"))),
     "three not checked": lambda: drawn_map(set_to("caution", cautions("not checked: self-contact", 3))),
@@ -125,7 +125,7 @@ MAPS: dict[str, Callable[[], Figure]] = {
     "level but for the errors": lambda: drawn_map(noise(2e-12), show=["attached"]),
     "noise above the errors": lambda: drawn_map(noise(1e-14), show=["attached"]),
     "cells of every kind": lambda: drawn_map(every_kind_of_cell),
-    "a sample": lambda: kinds.figure(StoredStudy(samples_on_a_plane()), "map", show=["wraps"], at={"sample": 3}),
+    "a sample": lambda: kinds.figure(StoredStudy(samples_on_a_plane()), "map", show=["turns_around"], at={"sample": 3}),
     "half not solved": lambda: drawn_map(unsolved(slice(13, None)), shapes=map_panel.ShapeCounts(2, 1)),
     "nothing solved": lambda: drawn_map(unsolved(slice(None)), show=None),
     "shapes": lambda: drawn_map(lambda ds: ds, show=None, shapes=map_panel.ShapeCounts(3, 2)),
@@ -158,7 +158,7 @@ def level(wraps: xr.DataArray) -> np.ndarray:
 def two_laws_of_one_claim(panel: str) -> Figure:
     ds = small.six()
     (row, *_) = law_verdicts.verdicts(ds)
-    return study_figure.figure(StoredStudy(ds), [row, {**row, "observable": "turns"}], sheet(panel=panel))
+    return study_figure.figure(StoredStudy(ds), [row, {**row, "observable": "bends"}], sheet(panel=panel))
 
 
 def grid(**more: Any) -> Figure:
@@ -171,14 +171,14 @@ def of_fig6(side: str) -> xr.Dataset:
 
 def with_laws_of_angles(**more: Any) -> Figure:
     """Of a law with a formula in symbols, and of one that bounds an angle."""
-    head = 'observables = ["amplitude", "turns", "wraps"]'
+    head = 'observables = ["amplitude", "bends", "turns_around"]'
     return drawn_lines(E_OF_TWO + '[expressions]\nbowed = "kappa_max*rho"\n' + ANGLE_LAWS, head, **more)
 
 
 def with_counts_that_are_level() -> Figure:
     ds = small.six()
-    flag = (ds["turns"] * 0 + 1).assign_attrs(long_name="1 where the rod intersects itself, else 0")
-    return study_figure.figure(StoredStudy(ds.assign(turns=ds["turns"] * 0 + 3, overlaps=flag)), [])
+    flag = (ds["bends"] * 0 + 1).assign_attrs(long_name="1 where the rod intersects itself, else 0")
+    return study_figure.figure(StoredStudy(ds.assign(bends=ds["bends"] * 0 + 3, overlaps=flag)), [])
 
 
 def angles(**more: Any) -> Figure:
@@ -194,21 +194,23 @@ LINES: dict[str, Callable[[], Figure]] = {
     "flat": lambda: drawn_lines(E_OF_TWO, change=thinner(1 / 1000), stations=401),
     "an unsolved case": lambda: drawn_lines(E_OF_THREE, 'observables = ["kappa_mean"]', unsolved(slice(1, 2))),
     "a case without a number": lambda: drawn_lines(E_OF_THREE, 'observables = ["kappa_mean"]', without_number),
-    "level but for rounding": lambda: drawn_lines(E_OF_NINE, change=set_to("wraps", level), show=["wraps"]),
+    "level but for rounding": lambda: drawn_lines(
+        E_OF_NINE, change=set_to("turns_around", level), show=["turns_around"]
+    ),
     "panel of a law": lambda: grid(panel="(2)"),
     "panel of a curve": lambda: drawn_lines("", sheet=sheet(panel="curve")),
     "panel of an axis": lambda: grid(panel="R"),
     "without a title": lambda: grid(titled=False),
     "two laws of one claim": lambda: two_laws_of_one_claim("(2)"),
-    "one of two laws": lambda: two_laws_of_one_claim("(2) turns"),
-    "observables": lambda: angles(show=["wraps", "turns", "condition"]),
+    "one of two laws": lambda: two_laws_of_one_claim("(2) bends"),
+    "observables": lambda: angles(show=["turns_around", "bends", "condition"]),
     "a push outside": lambda: study_figure.figure(StoredStudy(of_fig6("outside"))),
     "a push inside": lambda: study_figure.figure(StoredStudy(of_fig6("inside"))),
     "stored stations": lambda: drawn_lines("", change=without_study, stations=401),
     "laws of angles": with_laws_of_angles,
     "panel of an angle": lambda: with_laws_of_angles(sheet=sheet(panel="b")),
     "counts that are level": with_counts_that_are_level,
-    "panel of an observable": lambda: angles(sheet=sheet(panel="wraps")),
+    "panel of an observable": lambda: angles(sheet=sheet(panel="turns_around")),
 }
 
 

@@ -190,7 +190,7 @@ def test_a_file_that_another_program_writes_is_not_called_damaged(six, tmp_path)
 
 
 ROD = {"E": 1e4, "nu": 0.25, "a": 0.05, "L": 20.0, "R": 0.75, "beta": 0.5, "dbeta": 0.5, "M3": 0.0, "F3": 10.0}
-LOGS = "[expressions]\n" + "".join(f'a_quantity_of_some_length_{k} = "log(turns - 100)"\n' for k in range(20))
+LOGS = "[expressions]\n" + "".join(f'a_quantity_of_some_length_{k} = "log(bends - 100)"\n' for k in range(20))
 
 
 def stored_study(base, tables, tmp_path, head="") -> xr.Dataset:

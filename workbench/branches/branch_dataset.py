@@ -16,6 +16,7 @@ from solver.follow import solutions_of
 from solver.observe.observables import OBSERVABLES, observe
 from solver.orbits.periodic_orbit import jacobi_zeros
 from solver.problem.errors import no_such, whole_number
+from solver.problem.quantities import current
 from solver.problem.reduced import held_of
 from studies import Study
 from studies.grammar.axes import quantity_of
@@ -137,12 +138,12 @@ def _rows(ds: xr.Dataset, name: str, laws: list[Law], seen: Traced) -> list[dict
     for piece in seen.pieces:
         k, i = np.nonzero(ds["branch"].values == piece.number)
         points = seen.curves[piece.curve].points[piece.first : piece.last + 1]
-        turns = ds["turns"].values[k, i].astype(int)
+        bends = ds["bends"].values[k, i].astype(int)
         ends = ds[name].values[k] if k.size else np.array(sorted(point.value for point in (points[0], points[-1])))
         row: dict[str, Any] = {
             "branch": piece.number, "from": float(ends[0] * scale), "to": float(ends[-1] * scale),
             "values": len(points) if name in PARTNER else int(k.size), "index": points[len(points) // 2].index,
-            "turns": _range(turns if k.size else np.unique([point.path.turns for point in points[1:-1]])),
+            "bends": _range(bends if k.size else np.unique([point.path.turns for point in points[1:-1]])),
         }  # fmt: skip
         for law in laws:
             key = f"{law.observable} {law.direction}"
@@ -160,21 +161,23 @@ def _rows(ds: xr.Dataset, name: str, laws: list[Law], seen: Traced) -> list[dict
     return rows
 
 
-def _range(turns: NDArray[np.int64]) -> str:
-    if not turns.size:
+def _range(counts: NDArray[np.int64]) -> str:
+    if not counts.size:
         return ""
-    return f"{turns[0]} to {turns[-1]}" if turns[0] != turns[-1] else str(turns[0])
+    return f"{counts[0]} to {counts[-1]}" if counts[0] != counts[-1] else str(counts[0])
 
 
 def default_observable(name: str) -> str:
     """What a diagram over a field shows: the displacement that goes with a load, or the load that holds it."""
-    return PARTNER.get(name, "wraps" if name in ("MZ", "M3") else "height")
+    return PARTNER.get(name, "turns_around" if name in ("MZ", "M3") else "height")
 
 
-def check_shown(name: str) -> None:
-    """Raise `InputError` unless a diagram can show it."""
+def check_shown(name: str) -> str:
+    """The name of what a diagram can show, a former one as that of today. Raises `InputError` for any other."""
+    name = current(name)
     if name not in NAMES:
         raise no_such("quantity to show", name, NAMES)
+    return name
 
 
 def special_points(seen: Traced, name: str, units: Mapping[str, str], shown: Sequence[str]) -> dict[str, Any]:
@@ -287,7 +290,7 @@ def _places(seen: Traced, piece: Piece, ends: tuple[float, float], known: NDArra
     return sorted({int(able[np.argmin(np.abs(values - goal))]) for goal in goals})
 
 
-POINT_NUMBERS = ("energy", "height", "wraps", "turns", "amplitude", "kappa_max", "push_min", "push_max")
+POINT_NUMBERS = ("energy", "height", "turns_around", "bends", "amplitude", "kappa_max", "push_min", "push_max")
 POINT = "point"
 
 

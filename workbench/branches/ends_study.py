@@ -85,7 +85,7 @@ def row(one: Equilibrium) -> dict[str, Any]:
         reactions = {name: float(value) for name, value in one.solution.reactions.items()}
         held = {"reactions": reactions, "dead_index": one.dead_index, "found_by": one.found_by}
     return {
-        "dbeta0": one.dbeta0, energy: one.energy, **elastic, "turns": one.turns,
+        "dbeta0": one.dbeta0, energy: one.energy, **elastic, "bends": one.bends,
         "index": one.index, "stray": one.stray, "attached": one.attached, **held,
         "outcome": str(one.solution.outcome), "error": float(one.solution.error),
     }  # fmt: skip
@@ -120,7 +120,7 @@ def write_cases(study: Study, case: Case, found: Sequence[Equilibrium], folder: 
     """
     texts = []
     for i, equilibrium in enumerate(found, 1):
-        title = f"Equilibrium {i} of {len(found)}: index {equilibrium.index}, {equilibrium.turns} bends"
+        title = f"Equilibrium {i} of {len(found)}: index {equilibrium.index}, {equilibrium.bends} bends"
         texts.append(
             f"{study_text(title, study.unit_system, field_values(case))}\n"
             f"[equilibrium] # selects one of the {len(found)}: the nearest to both values\n"

@@ -29,7 +29,7 @@ ALONG = ("beta", "alpha", "z", "contact")
 DEAD_INDEX = {"long_name": "Morse index under dead loads, between its own end angles", "units": "1"}
 COUNT = {"long_name": "number of equilibria", "units": "1"}
 PUSH = ("push_min", "push_max")
-EACH = ("dbeta0", "energy", "turns", "index", "attached")
+EACH = ("dbeta0", "energy", "bends", "index", "attached")
 DEAD_LOADS = "both end angles held, dead loads FZ, MZ and M3 at the far end, which is free to move"
 
 
@@ -152,7 +152,7 @@ def with_case(ds: xr.Dataset, case: Case, units: dict[str, str], skip: Collectio
 
 
 NUMBERS = {  # of each loop: units and long names of those that are no quantity of a case
-    "wraps": "wraps",
+    "turns_around": "turns_around",
     "folds": ("1", "folds", "periods of beta along the closed rod"),
     "about": ("rad", "about", "angle about which beta oscillates"),
     "lam": ("1", "λ", "axial moment, MZ rho/A"),
@@ -168,7 +168,8 @@ STABILITY = "closed rods, the section free to turn, all on the surface"
 
 def study_of_loop(one: Loop, units: Mapping[str, str] | None = None) -> Study:
     """A study whose one case is the start problem of a loop; units: default: cm and N."""
-    title = f"A closed rod of {one.wraps} wrap{'s' * (one.wraps > 1)} and {one.folds} fold{'s' * (one.folds > 1)}"
+    times = [f"{count} {word}{'s' * (count > 1)}" for count, word in ((one.turns_around, "turn"), (one.folds, "fold"))]
+    title = f"A closed rod of {' and '.join(times)}"
     text = study_text(title, {**TABLE_UNITS, **dict(units or {})}, field_values(one.solution.case))
     return loads(text, "loops")
 

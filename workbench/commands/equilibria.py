@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from studies import Study
 
 
-HEADS = {"turns": "bends", "stray": "overshoot"}  # of columns that are not named as in files
+HEADS = {"stray": "overshoot"}  # of columns that are not named as in files
 OWN = ("stray", "dead_index")  # columns that are no quantities
 
 
@@ -46,7 +46,7 @@ def equilibria(
     ] = None,
     show: Annotated[
         str | None,
-        option("NAME", "What the picture of --axis shows: an observable such as height, wraps, energy, or dbeta0."),
+        option("NAME", "What the picture of --axis shows: an observable such as height, bends, energy, or dbeta0."),
     ] = None,
     within: Annotated[
         list[str] | None,
@@ -105,7 +105,7 @@ def equilibria(
     if show is not None:
         from ..branches.branch_dataset import check_shown
 
-        check_shown(show)
+        show = check_shown(show)
     if axis is not None and export is not None:
         raise InputError("--export writes the equilibria of one case, so it excludes --axis")
     if export is not None and held:
@@ -185,7 +185,7 @@ def _print_table(study: "Study", rows: Sequence[dict[str, Any]], reactions: Sequ
     """The equilibria, a row each; reactions: of held ends, shown with the index under dead loads."""
     energy = "held_energy" if rows and "held_energy" in rows[0] else "energy"
     dead = ["dead_index"] if reactions else []
-    names = (*reactions, "dbeta0", energy, "bending_energy", "turns", "index", *dead, "stray", "attached")
+    names = (*reactions, "dbeta0", energy, "bending_energy", "bends", "index", *dead, "stray", "attached")
     units = {name: unit_shown(name, study.unit_system) for name in names if name not in OWN} | {"stray": "deg"}
     least = _base_energy([row[energy] for row in rows])
     heads = {name: HEADS.get(name, name).replace("_", " ") for name in names}

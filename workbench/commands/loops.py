@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from solver.problem.errors import InputError
+from solver.problem.quantities import current
 
 from . import console, tables
 from .case_options import ROD_FIELDS, GivenOptions
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
 
 MOST_FOLDS = 50
 OWN = {"folds": "", "about": "rad", "lam": ""}  # units of the columns that are no quantities
-COLUMNS = ("wraps", "folds", "about", "lam", "energy", "index", "push_min", "push_max", "attached")
+COLUMNS = ("turns_around", "folds", "about", "lam", "energy", "index", "push_min", "push_max", "attached")
 
 
 @presents(
@@ -31,7 +32,8 @@ def loops(
     file: Annotated[Path | None, argument("FILE", "TOML study of one rod; default: the rod of Table 1.")] = None,
     *,
     given: GivenOptions,
-    wraps: Annotated[int, option("COUNT", "Turns of the closed rod about the axis.")] = 1,
+    turns_around: Annotated[int, option("COUNT", "Turns of the closed rod around the axis.")] = 1,
+    wraps: Annotated[int | None, option("COUNT", "Former name of --turns-around.", hidden=True)] = None,
     folds: Annotated[
         str, option("COUNT[,COUNT...]", "Periods of the angle along the closed rod, one or several numbers.")
     ] = "1,2,3",
@@ -45,10 +47,10 @@ def loops(
     """List the shapes of a closed rod on the cylinder.
 
     A closed rod comes back to its start in position and direction, and carries no axial force and no twist. It goes
-    round the axis --wraps times, and on its way its angle oscillates --folds times about pi/2. It must be longer than
-    the ring: L > 2 pi rho wraps. The list gives the axial moment that it carries (lam = MZ rho/A), its bending energy,
-    the Morse index of the closed rod on the surface (0: stable), and the push: where it is negative, a rod that is free
-    to unbind lifts off.
+    around the axis --turns-around times, and on its way its angle oscillates --folds times about pi/2. It must be
+    longer than the ring: L > 2 pi rho times the number of turns. The list gives the axial moment that it carries (lam =
+    MZ rho/A), its bending energy, the Morse index of the closed rod on the surface (0: stable), and the push: where it
+    is negative, a rod that is free to unbind lifts off.
 
     Without --length-unit and --force-unit, omitted fields come from Table 1 (cm, N). Exit status 1 if a loop of the
     numbers given was not found.
@@ -57,11 +59,14 @@ def loops(
 
     from ..branches import ends_study, equilibria_dataset
 
+    if wraps is not None:
+        turns_around = wraps
+        current("wraps")
     rod, cylinder, units = _rod(file, given)
     counts = parse_folds(folds)
     listed, remarks = [], []
     for count in counts:
-        rods = closed_rods(rod, cylinder, wraps, count)
+        rods = closed_rods(rod, cylinder, turns_around, count)
         listed += [loop for loop in rods if all_of_them or loop.about > 0]
         sentences = [remark for remark in rods.remarks if all_of_them or "-pi/2" not in remark]
         remarks += [f"{count} folds: {sentence}" for sentence in sentences]

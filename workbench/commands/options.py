@@ -159,7 +159,7 @@ def names(texts: Sequence[str] | None) -> list[str]:
 
 
 def pairs(option: str, texts: Sequence[str] | None) -> dict[str, str]:
-    """``["height=10", "wraps=2"]`` by name. Raises `InputError` for another form or a name that is given twice."""
+    """``["height=10", "pitch=2"]`` by name. Raises `InputError` for another form or a name that is given twice."""
     values: dict[str, str] = {}
     for text in texts or ():
         name, equals, value = (part.strip() for part in text.partition("="))

@@ -237,12 +237,12 @@ def _indices(sol: "Solution") -> dict[str, int]:
 
 PROFILE = ("start", "middle", "largest", "at", "far")
 OFF_WALL = (
-    "wraps", "height", "kappa_max", "bending_moment_max", "F3_size_max", "push_max", "gap_max", "contact_share",
+    "turns_around", "height", "kappa_max", "bending_moment_max", "F3_size_max", "push_max", "gap_max", "contact_share",
     "contact_count", "point_force_max",
 )  # fmt: skip
 HEADLINES = (
-    "turns", "wraps", "height", "kappa_max", "bending_moment_max", "F3_size_max", "push_min", "push_max", "attached",
-    "index", "M30",
+    "bends", "turns_around", "height", "kappa_max", "bending_moment_max", "F3_size_max", "push_min", "push_max",
+    "attached", "index", "M30",
 )  # fmt: skip
 
 

@@ -14,6 +14,7 @@ from scipy.interpolate import Akima1DInterpolator, CubicSpline
 
 from solver.observe import observables
 from solver.problem.errors import no_such
+from solver.problem.quantities import current
 from studies.laws.line_verdicts import DIRECTIONS, FAILS, HOLDS, QUALIFIED
 
 from ..stored.stored_study import StoredStudy
@@ -55,6 +56,7 @@ def figure(stored: StoredStudy, sheet: Sheet = SCREEN, show: Sequence[str] = ())
     """
     known = [name.removeprefix("curve_") for name in stored.variables if stored[name].dims == ("curve_point",)]
     known = [name for name in known if name not in ("branch", "index", "dead_index", stored.attrs["axis"])]
+    show = [current(name) for name in show]
     for name in show:
         if name not in known:
             raise no_such("observable along the branches", name, known)

@@ -21,7 +21,7 @@ from .scales import Scale, scale_of
 from .shown_observables import MOST_ASKED, choose_observables
 
 MOST_COLUMNS = 5  # values of a third axis
-BENDS, STRAIGHT = "turns", np.radians(10)  # bends of a rod whose beta varies by less than that are not coloured
+BENDS, STRAIGHT = "bends", np.radians(10)  # bends of a rod whose beta varies by less than that are not coloured
 
 
 @dataclass(frozen=True, eq=False)

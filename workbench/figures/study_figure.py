@@ -238,7 +238,7 @@ def level_notes(stored: StoredStudy, names: Sequence[str]) -> list[str]:
 
 
 def _name(rows: Sequence[Mapping[str, Any]]) -> dict[str, Mapping[str, Any]]:
-    """The laws that share their claim by names of their own: ``(4) turns``, with the axis where that is not enough."""
+    """The laws that share their claim by names of their own: ``(4) bends``, with the axis where that is not enough."""
     claims = Counter(row["claim"] for row in rows)
     names = [f"{row['claim']} {row['observable']}" for row in rows]
     short = Counter(names)

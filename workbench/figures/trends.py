@@ -10,6 +10,7 @@ from matplotlib.colors import LogNorm
 from numpy.typing import NDArray
 
 from solver.problem.errors import no_such
+from solver.problem.quantities import current
 from studies.grammar.axes import SAMPLE
 
 from ..stored.stored_study import StoredStudy
@@ -35,6 +36,7 @@ def trend(stored: StoredStudy, ax: Axes, observable: str, axis: str, at: dict[st
 
     Raises `InputError` for an observable or axis that is not stored.
     """
+    observable = current(observable)
     if observable not in stored:
         raise no_such("observable", observable, stored.variables)
     order = stored.places(axis, at)

@@ -14,7 +14,7 @@ from solver import InputError, Rod, Solution, observe
 from solver.observe.observables import OBSERVABLES, is_count, observables_of
 from solver.problem.case_fields import fields_of, value_of
 from solver.problem.errors import no_such
-from solver.problem.quantities import quantity, unit_of
+from solver.problem.quantities import current, quantity, unit_of
 from studies.grammar.axes import FIELDS, WORDS
 
 from ..stored import quantity_variables
@@ -170,7 +170,9 @@ def _fields(solution: Solution, names: Iterable[str] | None) -> list[str]:
 
 def _observables(rod: Rod, names: Iterable[str] | None) -> list[str]:
     observables = (
-        [name for name in observables_of(rod) if name in REAL] if names is None else list(dict.fromkeys(names))
+        [name for name in observables_of(rod) if name in REAL]
+        if names is None
+        else list(dict.fromkeys(map(current, names)))
     )
     for name in observables:
         if name not in OBSERVABLES:

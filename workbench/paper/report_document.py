@@ -46,8 +46,8 @@ RODS = "rods"  # the text in the PNG of a row of rods that says where each stand
 WHITE, MARGIN = 0.995, 16  # from which a pixel counts as blank; pixels of margin that a picture keeps
 MOST_BYTES = 400_000  # of the stations of a panel
 SHOWN = (
-    "turns", "bend_number", "amplitude", "wraps", "height", "kappa_mean", "kappa_max", "contact_size_mean", "push_min",
-    "push_max", "attached", "overlaps", "energy", "index",
+    "bends", "bend_number", "amplitude", "turns_around", "height", "kappa_mean", "kappa_max", "contact_size_mean",
+    "push_min", "push_max", "attached", "overlaps", "energy", "index",
 )  # fmt: skip
 FIELDS = ("E", "R", "beta", "F1", "dgamma", "F3")  # those that the reading uses get a slider
 

@@ -73,7 +73,7 @@ def run(study: Study, tol: float | None = None, method: str | None = None) -> xr
     >>> from studies import load
     >>> from workbench.run import in_memory
     >>> ds = in_memory.run(load("fig7_1_modulus"))
-    >>> ds["turns"].values
+    >>> ds["bends"].values
     array([8, 7, 6, 6, 6, 5, 5, 5, 5])
     """
     if given := {name: value for name, value in (("tol", tol), ("method", method)) if value is not None}:

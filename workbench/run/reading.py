@@ -15,6 +15,7 @@ from xarray.core import indexing
 from solver.problem.errors import InputError
 
 from ..stored import file_kinds
+from ..stored.schema import dataset_in_current_names
 from . import checks, file_checks
 from .file_checks import Contents, FileArray, refusing
 
@@ -147,4 +148,4 @@ def _dataset_of(path: str | Path) -> tuple[xr.Dataset, Contents]:
             files.close()
             raise
     ds.attrs.pop(file_checks.SUMS, None)
-    return ds, held
+    return dataset_in_current_names(ds), held

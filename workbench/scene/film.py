@@ -19,6 +19,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from solver.problem.errors import InputError, choices, no_such
+from solver.problem.quantities import current
 from studies.grammar.axes import SAMPLE
 
 from ..figures import canvas, colours, fonts
@@ -89,6 +90,7 @@ def observable_of(
     if not known:
         raise InputError("the dataset stores no observable whose curve could be drawn: add some to the study")
     if name is not None:
+        name = current(name)
         if name not in known:
             raise no_such("observable", name, known)
         return name

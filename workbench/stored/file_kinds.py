@@ -24,7 +24,7 @@ class FileKind:
 
 
 STUDY = FileKind("the results of a study", "study", True)
-LOOPS = FileKind("a list of closed rods", "loops", True, ("equilibrium", "wraps", "about"))
+LOOPS = FileKind("a list of closed rods", "loops", True, ("equilibrium", "turns_around", "about"))
 KINDS = (
     LOOPS,
     FileKind("a list of equilibria", "equilibria", True, ("equilibrium", "index")),

@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 
 from solver.problem.errors import InputError, choices, near, no_such
+from solver.problem.quantities import current
 from studies import TABLE_1
 from studies.grammar.axes import FIELDS, SAMPLE
 from studies.laws.line_verdicts import NOISE
@@ -252,6 +253,7 @@ class StoredCases:
 
     def names_of(self, names: Sequence[str]) -> list[str]:
         """The names, each once. Raises `InputError` for one that is no number of each case, with the observables."""
+        names = [current(name) for name in names]
         for name in names:
             if not self._is_number_of_each_case(name):
                 known = self.observables

@@ -19,6 +19,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from solver.problem.errors import InputError, near, no_such
+from solver.problem.quantities import current
 
 from . import derived_arrays, law_verdicts, refined, schema
 from .derived_arrays import ARRAYS, StoredArrays
@@ -56,7 +57,7 @@ class StoredStudy(StoredCases):
     >>> from workbench.run import in_memory
     >>> (law,) = in_memory.run(load("fig7_1_modulus")).rod.verdicts
     >>> law["observable"], law["verdict"]
-    ('turns', 'holds')
+    ('bends', 'holds')
     """
 
     # what it holds
@@ -144,7 +145,7 @@ class StoredStudy(StoredCases):
         >>> from workbench.run import in_memory
         >>> ds = in_memory.run(load("fig7_1_modulus"))
         >>> one = ds.rod.sel(E="10905")
-        >>> int(one["turns"]), dict(one.sizes)
+        >>> int(one["bends"]), dict(one.sizes)
         (6, {'u': 201})
         """
         places = {}
@@ -206,7 +207,7 @@ class StoredStudy(StoredCases):
         """
         if any(law.claim == name for law in self.laws):
             return law_verdicts.boundary_of_law(self.ds, name)
-        return refined.boundary(self.ds, name, step, self.observables)
+        return refined.boundary(self.ds, current(name), step, self.observables)
 
     def to_pandas(self, *along: str) -> "pd.DataFrame":
         """A table: one row a case, or with names of arrays along the rod one row a station.

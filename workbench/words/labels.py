@@ -13,7 +13,7 @@ from studies.grammar.axes import SAMPLE, quantity_of
 
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 LETTERS = 5  # of a symbol; more are a name
-COUNTS = {"turns": "the number of bends", "loops": "the number of loops"}  # in a sentence; their symbols are plural
+COUNTS = {"bends": "the number of bends", "loops": "the number of loops"}  # in a sentence; their symbols are plural
 
 
 def number(value: float, digits: int = 4) -> str:

@@ -145,7 +145,7 @@ def _friction(sol: "Solution", force: str) -> list[str]:
 
 def _ripples(sol: "Solution") -> list[str]:
     """That some bends are much smaller than others, as the number of bends counts all of them."""
-    sizes = [math.degrees(size) for _, size in sol.bends]
+    sizes = [math.degrees(size) for _, size in sol.bends_at]
     if not sizes or all(state.word == STRAIGHT for state in sol.states) or min(sizes) > SLIGHT * max(sizes):
         return []
     ripples = sum(size <= SLIGHT * max(sizes) for size in sizes)

@@ -20,7 +20,7 @@ export function make(tag, properties = {}, ...content) {
   return box;
 }
 
-const HEADLINE = ["index", "turns", "wraps", "height", "push_max", "kappa_max"];
+const HEADLINE = ["index", "bends", "turns_around", "height", "push_max", "kappa_max"];
 const BARRED = /pass(es)? through itself|lift off|tighter than/, // sentences on what no real rod could do
   LIMIT = "The model's limit near the ends."; // before one on lift-off there alone
 

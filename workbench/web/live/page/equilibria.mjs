@@ -112,7 +112,7 @@ function showList(box, list, here, units, choose) {
     row.insertCell().append(smallRod(one));
     for (const text of [
       stability(one.index),
-      one.turns,
+      one.bends,
       number(one.energy, 5),
       number(one.dbeta0, 5),
       `${Math.round(100 * one.attached)} %`,

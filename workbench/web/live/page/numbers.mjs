@@ -20,7 +20,7 @@ export function observables(shape) {
   const noise = Math.max(ROUNDING, 10 * shape.error),
     steady = read.high - read.low < noise,
     bend_number = halfPeriod === undefined ? NaN : halfPeriod && !steady ? one.L / halfPeriod : 0;
-  return { FZ, MZ, M3, turns: bends(beta, noise), bend_number, ...others };
+  return { FZ, MZ, M3, bends: bends(beta, noise), bend_number, ...others };
 }
 
 /* What a real rod could not do, as sentences; found: the observables; units: of its numbers; crossed: where it passes

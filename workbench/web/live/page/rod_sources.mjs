@@ -78,7 +78,7 @@ export function solvedSource(data, core) {
     /* What takes longer than a move of a slider may. */
     facts(shape, crossed) {
       const found = observables(shape),
-        told = [`${found.turns} bends, largest push ${number(Math.max(found.push_max, 0))} ${data.push}.`];
+        told = [`${found.bends} bends, largest push ${number(Math.max(found.push_max, 0))} ${data.push}.`];
       return minus([...told, ...warnings(shape, found, data.state.units, crossed)].join(" "));
     },
     reset: () => Object.assign(base, JSON.parse(begun)),
