@@ -132,7 +132,7 @@ def figure_of(stored: StoredStudy) -> dict[str, Any] | None:
 
 def _solve(stored: StoredStudy) -> dict[str, Any] | None:
     """The data of the rod of Table 1, which the page solves itself; None for any other rod."""
-    reading, preset = str(stored.attrs.get("reading", "")), next(one for one in PRESETS if one.name == "table1")
+    reading, preset = str(stored.attrs.get("reading", "")), next(known for known in PRESETS if known.name == "table1")
     if not reading or any(abs(float(stored[name]) - TABLE_1[name]) > 1e-9 for name in ("E", "R", "a", "L")):
         return None
     read = Reading(*reading.split("/"))
