@@ -2,22 +2,22 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import fields, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ..nodes.loaded_rod import numbers_of, rate_of_change
 from ..numerics.arrays import Array
+from ..orbits.frames import outward, tangent
 from ..orbits.shape import ShapeArrays
 from ..problem.case import OFF_WALL, REACHED, Case, Ends
 from ..problem.reduced import flat
-from .discrete_rod import DiscreteRod
+from .discrete_rod import OUTSIDE, DiscreteRod
 from .free_problem import Curve
-from .free_shape import FreeShape
+from .free_shape import FreeShape, angles_at
 from .quaternions import directors, end_frame
 
 EACH, FEWEST, MOST = 16, 401, 20_001  # stations of a known rod: for each length on which its shape changes
-ENDS = np.array([0.0, 1.0])
 WIDEST = 2.405  # of a bow whose ends are at one height: just beyond the first zero of J0
 BILATERAL = "the bilateral shape"
 
@@ -63,30 +63,83 @@ def held_case(sol: ShapeArrays, curves: Sequence[Curve | None]) -> Case:
     return Case(case.rod, replace(case.cylinder, contact="unilateral"), held)
 
 
-def straight_curve(rod: DiscreteRod) -> Curve:
-    """A straight rod along the axis from where the start is, without loads.
+class Sheet(NamedTuple):
+    """A sheet along the axis, in which a string lies: a plane, or two that the cylinder joins, on which it bends.
 
-    Where its ends only have to come nearer to each other along it, which no small change of a straight rod allows, a
-    rod that is bowed round the axis, beta = size sin(2 pi s/L), to that height: the mean of cos(beta) is J0(size).
+    alpha: at whose normal the first plane stands. off: how far that is from the axis. sense: of the string round the
+    axis. before, around, length: across the axis, up to the cylinder, on it, and in all.
+    """
+
+    alpha: float
+    off: float
+    sense: float
+    before: float
+    around: float
+    length: float
+
+    def at(self, p: Array) -> tuple[Array, Array]:
+        """Places (n, 3) at z = 0, and the azimuths of the normals there, at distances p (n,) from the start."""
+        around = np.clip(p - self.before, 0, self.around)
+        alpha = self.alpha + self.sense * around
+        ahead = self.sense * (p - self.before - around)
+        return self.off * outward(alpha) + ahead[:, None] * tangent(alpha, np.full(p.size, np.pi / 2)), alpha
+
+
+def sheet_between(rod: DiscreteRod, alpha: Array) -> Sheet:
+    """The sheet between the ends of a rod, at azimuths (2,)."""
+    first, last = (rod.place(end, alpha[end]) for end in (0, 1))
+    if rod.side == OUTSIDE:
+        leaving = np.arccos(np.minimum(1 / rod.radius, 1))
+        if (around := float(np.abs(np.diff(alpha)).sum() - leaving.sum())) > 0:
+            legs, sense = np.sqrt(np.maximum(rod.radius**2 - 1, 0)), float(np.sign(alpha[1] - alpha[0]))
+            return Sheet(alpha[0] + sense * leaving[0], 1.0, sense, legs[0], around, legs.sum() + around)
+    x, y = last - first
+    length = float(np.hypot(x, y))
+    normal = np.arctan2(-x, y) if length > REACHED else alpha[0]
+    c, s = np.cos(normal), np.sin(normal)
+    return Sheet(normal, float(first @ [c, s]), 1.0, float(first @ [s, -c]), 0.0, length)
+
+
+def string_curve(rod: DiscreteRod) -> Curve | str:
+    """A rod along a string that is drawn from end to end, round the cylinder where that is in its way, without loads.
+
+    A longer rod is bowed in the sheet that stands on the string along the axis: its angle to the axis swings by
+    size sin(2 pi s/L), which shortens it by J0(size). A text says that the rod is too short.
     """
     from scipy.integrate import cumulative_simpson  # only a search loads SciPy
     from scipy.optimize import brentq
     from scipy.special import j0
 
-    angles = np.tile([rod.angles[0], 0.0, 0.0, rod.angles[3]], 2)
-    bound = np.where(rod.free, angles, rod.angles)
-    short = rod.height is not None and rod.height < rod.span * (1 - REACHED)
-    if not (short and np.array_equal(bound, angles) and rod.radius[0] == rod.radius[1]):
-        place = rod.place(0, angles[0])
-        x = np.array([[*place, 0.0], [*place, rod.span]])
-        return Curve("the straight rod", ENDS, x, ENDS, end_frame(angles.reshape(2, 4).T)[0], 0.0, angles, True)
-    size = brentq(lambda bow: j0(bow) - max(float(rod.height or 0.0) / rod.span, 0.0), 0.0, WIDEST)
+    azimuths = np.where(rod.free[[0, 4]], rod.angles[0], rod.angles[[0, 4]])
+    sheet = sheet_between(rod, azimuths)
+    up = np.sqrt(max(rod.span**2 - sheet.length**2, 0.0)) if rod.height is None else rod.height
+    taut = np.hypot(sheet.length, up) / rod.span
+    if taut > 1 + REACHED:
+        return f"a string from end to end is {taut:.6g} times as long as the rod"
+    size = brentq(lambda bow: j0(bow) - taut, 0.0, WIDEST) if taut < 1 - REACHED else 0.0
     u = np.linspace(0, 1, FEWEST)
-    turned = np.tile(angles[:4, None], u.size)
-    turned[1] = size * np.sin(2 * np.pi * u)
+    lean = np.arctan2(sheet.length, up) + size * np.sin(2 * np.pi * u)
+    p, z = (cumulative_simpson(part(lean), x=rod.span * u, initial=0.0) for part in (np.sin, np.cos))
+    x, alpha = sheet.at(p)
+    turned = np.stack([alpha, sheet.sense * lean, np.zeros(u.size), np.zeros(u.size)])
+    turned[3, 1:] = -np.cumsum(np.diff(alpha) * np.cos((lean[1:] + lean[:-1]) / 2))  # no twist
+    q, near, held = end_frame(turned)[0], turned[3, [0, -1]], ~rod.free[[1, 5]]
+    ends = angles_at(azimuths, directors(q[[0, -1]]))
+    ends[1, held] += _turns(rod.angles[[1, 5]] - ends[1])[held]
+    ends[3] -= _turns(ends[3] - near)
+    turned[3] += rod.angles[3] - ends[3, 0]
+    ends[3] += rod.angles[3] - ends[3, 0]
     q = end_frame(turned)[0]
-    along = cumulative_simpson(directors(q)[:, 2], x=rod.span * u, axis=0, initial=0.0)
-    return Curve("a bowed rod", u, along + np.append(rod.place(0, angles[0]), 0.0), u, q, 0.0, angles, True)
+    q *= np.sign(end_frame(ends[:, 0])[0] @ q[0])
+    name = "a bowed rod" if size else "the straight rod"
+    name += " round the cylinder" * (sheet.around > 0)
+    loaded = bool(np.any(rod.loads) or np.any(rod.weight) or rod.tension or rod.twist)
+    return Curve(name, u, x + np.outer(z, [0, 0, 1.0]), u, q, 0.0, ends.T.ravel(), loaded)
+
+
+def _turns(angles: Array) -> Array:
+    """The full turns next to angles."""
+    return np.asarray(2 * np.pi * np.round(angles / (2 * np.pi)))
 
 
 def curve_of(shape: FreeShape, name: str = "the seed") -> Curve:

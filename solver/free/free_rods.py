@@ -13,7 +13,7 @@ from ..problem.case import Case
 from ..problem.limits import OUT_OF_RANGE, units_held
 from ..problem.reduced import EndsProblem
 from ..problem.trajectory import SOLVED, Trajectory
-from .beginnings import curve_of, straight_curve
+from .beginnings import curve_of, string_curve
 from .discrete_rod import DiscreteRod
 from .free_problem import Beside, Curve, problems_of
 from .free_shape import Along, FreeShape
@@ -62,7 +62,12 @@ class FreeRods:
 
 def continue_from(beside: Beside, curves: Sequence[Curve], tol: float) -> Answer:
     """The shape that continues from a curve, of several the one of least energy; of none from the straight rod."""
-    rod, curves = beside.rod, curves or [straight_curve(beside.rod)]
+    rod = beside.rod
+    if not curves:
+        string = string_curve(rod)
+        if isinstance(string, str):
+            return Answer(why=string)
+        curves = [string]
     changes = max(beside.changes, *(curve.turning for curve in curves))
     edges = int(max(FEWEST, np.ceil(EACH * changes)))
     if not max(rod.span, 1 / rod.span, *np.abs([*rod.loads, *rod.weight, *rod.radius, rod.tension])) < LARGEST:

@@ -119,13 +119,7 @@ class FreeShape:
         off = np.hypot(x[:, 0], x[:, 1]) > ON_AXIS
         ends = np.where(self.rod.radius[:, None] > ON_AXIS, np.nan, self.angles[[0, 4]][:, None])
         alpha = np.where(off, alpha, np.where(2 * t < self.rod.span, *ends)) if not off.all() else alpha
-        e_x = outward(alpha)
-        e_y = np.column_stack([-e_x[:, 1], e_x[:, 0], np.zeros(t.size)])
-        around, up, out = (D[:, 2] * e_y).sum(axis=1), D[:, 2, 2], (D[:, 2] * e_x).sum(axis=1)
-        beta = np.arctan2(around, up)
-        side = -binormal(alpha, beta)  # D2 where the rotation is 0
-        gamma = np.arctan2((D[:, 0] * side).sum(axis=1), (D[:, 1] * side).sum(axis=1))
-        return np.stack([alpha, beta, np.arcsin(np.clip(out, -1, 1)), gamma])
+        return angles_at(alpha, D)
 
     def at(self, t: Array) -> Along:
         """The rod at stations t (n,)."""
@@ -147,6 +141,17 @@ class FreeShape:
         d1, force = -(c * D[:, 0] + s * D[:, 1]), between(t, self.nodes[:-1] + h / 2, edges)
         rate = np.interp(t, self.nodes, np.gradient(self._known_angles[1], h))
         return Along(x, radius, turned, rate, D[:, 2], d1, force, moment, push)
+
+
+def angles_at(alpha: Array, D: Array) -> Array:
+    """Azimuth, beta, tilt and rotation, (4, n), each but for full turns, of frames D (n, 3, 3) at azimuths (n,)."""
+    e_x = outward(alpha)
+    e_y = np.column_stack([-e_x[:, 1], e_x[:, 0], np.zeros(alpha.size)])
+    around, up, out = (D[:, 2] * e_y).sum(axis=1), D[:, 2, 2], (D[:, 2] * e_x).sum(axis=1)
+    beta = np.arctan2(around, up)
+    side = -binormal(alpha, beta)  # D2 where the rotation is 0
+    gamma = np.arctan2((D[:, 0] * side).sum(axis=1), (D[:, 1] * side).sum(axis=1))
+    return np.stack([alpha, beta, np.arcsin(np.clip(out, -1, 1)), gamma])
 
 
 def between(t: Array, places: Array, values: Array) -> Array:
