@@ -182,6 +182,20 @@ def test_a_clamped_rod_that_is_pressed_together_off_the_wall_bows_as_the_elastic
     assert bow == pytest.approx(np.sqrt(m) * L / ellipk(m), abs=2 * sol.error * L)
 
 
+@pytest.mark.parametrize("seed", slow_but(range(20), 0, 1))
+def test_a_rod_between_clamps_of_any_direction_off_the_wall_is_in_balance_in_space(seed: int) -> None:
+    """Clamps lean by up to a radian, at different distances; ends nearer than a straight rod's are no hindrance."""
+    rng = np.random.default_rng(seed)
+    L, radius = rng.uniform(5, 20), rng.uniform(25, 60)
+    height, apart, tilt0, tiltL = L * rng.uniform(0.2, 0.8), L * rng.uniform(-0.5, 0.5), *rng.uniform(-1, 1, 2)
+    ends = Ends(rng.uniform(-0.5, 0.5), rng.uniform(-0.5, 0.5), height=height, azimuth=rng.uniform(-2, 2) / radius, M3=0.0,
+                radius0=radius, radiusL=radius + apart, tilt0=tilt0, tiltL=tiltL)  # fmt: skip
+    sol = solve(Case(Rod(EI=1.0, GJ=0.8, a=0.1, L=L), Cylinder(R=0.9, contact="unilateral"), ends), tol=1e-3)
+    assert sol.solved, sol.outcome
+    forces = force_in_space(sol)
+    np.testing.assert_allclose(forces, forces[[0]].repeat(sol.s.size, axis=0), rtol=1e-6)
+
+
 def test_a_mirror_image_is_let_go_to_the_mirror_image(freed: tuple[Any, Any]) -> None:
     _, after = freed
     ends = Ends(beta0=-0.5, betaL=-0.8, FZ=-8.66, MZ=-1.3, M3=-6.1)
