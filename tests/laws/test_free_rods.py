@@ -188,8 +188,9 @@ def test_a_rod_between_clamps_of_any_direction_off_the_wall_is_in_balance_in_spa
     rng = np.random.default_rng(seed)
     L, radius = rng.uniform(5, 20), rng.uniform(25, 60)
     height, apart, tilt0, tiltL = L * rng.uniform(0.2, 0.8), L * rng.uniform(-0.5, 0.5), *rng.uniform(-1, 1, 2)
-    ends = Ends(rng.uniform(-0.5, 0.5), rng.uniform(-0.5, 0.5), height=height, azimuth=rng.uniform(-2, 2) / radius, M3=0.0,
-                radius0=radius, radiusL=radius + apart, tilt0=tilt0, tiltL=tiltL)  # fmt: skip
+    beta0, betaL, azimuth = *rng.uniform(-0.5, 0.5, 2), rng.uniform(-2, 2) / radius
+    ends = Ends(beta0, betaL, height=height, azimuth=azimuth, M3=0.0, radius0=radius,
+                radiusL=radius + apart, tilt0=tilt0, tiltL=tiltL)  # fmt: skip
     sol = solve(Case(Rod(EI=1.0, GJ=0.8, a=0.1, L=L), Cylinder(R=0.9, contact="unilateral"), ends), tol=1e-3)
     assert sol.solved, sol.outcome
     forces = force_in_space(sol)
