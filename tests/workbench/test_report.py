@@ -365,6 +365,16 @@ def test_in_a_browser_a_picture_is_enlarged_and_closed(shown) -> None:
 
 
 @pytest.mark.slow
+def test_a_link_opens_the_section_that_it_points_at_and_paper_shows_all(shown) -> None:
+    folded = "return [...document.querySelectorAll('section > details:not([open])')].map((one) => one.parentElement.id)"
+    before = shown.execute_script(folded)
+    shown.execute_script("document.querySelector('nav a[href=\"#errata\"]').click()")
+    assert {*before} - {*shown.execute_script(folded)} == {"errata"}
+    shown.execute_script("window.dispatchEvent(new Event('beforeprint'))")
+    assert shown.execute_script(folded) == []
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_axe_finds_nothing_that_bars_people_from_the_report(shown, tmp_path, scheme) -> None:
     browser.emulate(shown, prefers_color_scheme=scheme)
@@ -463,6 +473,8 @@ def test_on_a_phone_the_page_is_no_wider_than_the_screen(shown) -> None:
         "Emulation.setDeviceMetricsOverride", {"width": 390, "height": 844, "deviceScaleFactor": 1, "mobile": True}
     )
     assert shown.execute_script("return document.documentElement.scrollWidth") == 390
+    wide = shown.execute_script("return document.querySelector('section .drawing .enlarge').clientWidth")
+    assert 8 / 72 * wide / 9.6 > 9  # pixels of letters of 8 points on 9.6 inches
 
 
 @pytest.mark.slow

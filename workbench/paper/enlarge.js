@@ -9,3 +9,11 @@ for (const button of document.querySelectorAll("button.enlarge")) {
   });
 }
 document.getElementById("enlarged").addEventListener("click", (event) => event.currentTarget.close());
+
+// A link opens the folded section that it points at; on paper all are open.
+const unfold = (section) => section?.querySelectorAll(":scope > details").forEach((details) => (details.open = true));
+const pointed = () => unfold(location.hash.length > 1 ? document.querySelector(location.hash) : null);
+window.addEventListener("hashchange", pointed);
+document.addEventListener("click", ({ target }) => unfold(document.querySelector(target.closest?.('a[href^="#"]')?.getAttribute("href") || "#none")));
+window.addEventListener("beforeprint", () => document.querySelectorAll("section").forEach(unfold));
+pointed();

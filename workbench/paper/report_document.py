@@ -250,7 +250,8 @@ def _picture(file: Path | BytesIO, alt: str, how: dict[str, Any]) -> dict[str, A
         if how is DRAWING:
             trimmed = trimmed.point(lambda level: round(round(level / 255 * LEVELS) / LEVELS * 255))
         trimmed.save(packed, "webp", **how)
-    return {"src": f"data:image/webp;base64,{base64.b64encode(packed.getvalue()).decode('ascii')}", "alt": alt}
+    src = f"data:image/webp;base64,{base64.b64encode(packed.getvalue()).decode('ascii')}"
+    return {"src": src, "alt": alt, "kind": "drawing" if how is DRAWING else "scene"}
 
 
 def _ink_box(picture: Image.Image) -> tuple[int, int, int, int]:

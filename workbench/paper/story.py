@@ -38,9 +38,9 @@ WIDE = 5.35, ((0.05, 2.5, 1.75, 2.75), (1.9, 2.97, 5.25, 2.1), (0.5, 0.42, 1.95,
               (4.6, 2.7, 1.9, 0.08))  # fmt: skip
 NARROW = 4.72, ((0.0, 3.12, 1.3, 1.45), (0.02, 2.07, 3.46, 0.9), (1.85, 3.5, 1.6, 0.8), (1.5, 0.2, 1.95, 0.58),
                 (1.95, 1.88, 1.2, 0.05))  # fmt: skip
-# left and upper edge of the letters of the panels
-WIDE_LETTERS = (0.05, 5.3), (1.9, 5.3), (0.05, 2.2), (2.5, 2.2)
-NARROW_LETTERS = (0.03, 4.7), (0.03, 3.12), (1.35, 4.7), (0.03, 1.6)
+# the letters of the panels in one column or two, as one reads them, and their left and upper edges
+LETTERS = {False: ("abcd", ((0.05, 5.3), (1.9, 5.3), (0.05, 2.2), (2.5, 2.2))),
+           True: ("acbd", ((0.03, 4.7), (0.03, 3.12), (1.35, 4.7), (0.03, 1.6)))}  # fmt: skip
 MARKS: dict[str, dict[str, Any]] = {
     HOLDS: {"marker": "o"},
     TREND: {"marker": "o", "fillstyle": "bottom"},
@@ -97,7 +97,7 @@ def figure(datasets: Mapping[str, StoredStudy], page: Sheet) -> Figure:
         row(datasets[ALONG], axes[1], axes[4])
         law(datasets[ALONG], axes[2])
         claims(datasets[CLAIMS], axes[3])
-        for text, (x, y) in zip("abcd", NARROW_LETTERS if page.narrow else WIDE_LETTERS, strict=True):
+        for text, (x, y) in zip(*LETTERS[page.narrow], strict=True):
             fig.text(x * share / page.width, y / height, text, weight="bold", size=fonts.large(), va="top")
 
     return canvas.figure((page.width, height), draw, layout=None, sheet=page)
