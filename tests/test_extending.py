@@ -20,7 +20,7 @@ from studies.language.loader import loads
 from studies.laws import law_words
 from studies.laws.line_verdicts import DIRECTIONS, FAILS, HOLDS, Direction, Line, Verdict
 from tests.workbench import small
-from workbench.figures import study_figure
+from workbench.figures import canvas, study_figure
 from workbench.lab import work_precision
 from workbench.lab.trade_runs import ladders_of
 from workbench.run import in_memory
@@ -153,4 +153,4 @@ def test_a_kind_of_law_is_one_row_and_is_then_read_judged_worded_and_drawn(monke
     assert law_words.law_in_words(row) == "height stays level along E"
     fig = study_figure.figure(StoredStudy(ds))
     assert any(ax.get_title(loc="left") == "a: false" for ax in fig.axes)
-    assert "stays level with" in " ".join(fig.legends[0].get_title().get_text().split())
+    assert "stays level with" in " ".join(canvas.caption(fig))

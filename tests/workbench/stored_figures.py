@@ -41,7 +41,7 @@ def check(name: str, figures: Mapping[str, Callable[[], Figure]], **allowed: Any
         texts = words(fig)
         assert faults(fig, texts=texts, **allowed) == [], title
         said += [f"{title}: {line}" for line in _lines([" ".join(text.get_text().split()) for text in texts])]
-        said += [f"{title}: note: {note}" for note in canvas.notes_of(fig)]
+        said += [f"{title}: caption: {line}" for line in canvas.caption(fig)]
         drawn += [f"{title}: {line}" for line in marks(fig, texts)]
     if PINNED:
         off = transcripts.differences(f"{name}.words", said) + transcripts.differences(f"{name}.marks", drawn)

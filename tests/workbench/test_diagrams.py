@@ -67,7 +67,7 @@ def test_a_ridge_of_sixty_values_names_as_many_as_have_room() -> None:
     boxes = sorted((text.get_window_extent().y0, text.get_window_extent().y1) for text in texts)
     assert 15 < len(texts) <= 60
     assert all(low[1] <= high[0] for low, high in pairwise(boxes))
-    assert "60 of the 61 values of E are shown" in fig.legends[0].get_title().get_text()
+    assert "60 of the 61 values of E are shown" in " ".join(canvas.caption(fig))
 
 
 def test_the_colours_of_a_line_are_those_of_the_one_definition() -> None:

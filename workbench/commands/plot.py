@@ -118,7 +118,7 @@ def plot(
     if numbers:
         atomic.write_text(numbers, table)
     paths = [path, *([numbers] if numbers else [])]
-    return result_of_files(paths, [*canvas.notes_of(drawn), *map(str, paths)])
+    return result_of_files(paths, [*canvas.caption(drawn), *map(str, paths)])
 
 
 def _story(folder: Path, out: Path, width: float | None, force: bool, dpi: int) -> Result:

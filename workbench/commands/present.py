@@ -173,8 +173,8 @@ def present(
     dpi: int = 0,
     sheet: "Sheet | None" = None,
 ) -> None:
-    """Store and draw what is asked for, then print it; of a picture also what it leaves to its caption."""
-    notes: Sequence[str] = ()
+    """Store and draw what is asked for, then print it; of a picture also its caption."""
+    caption: Sequence[str] = ()
     dataset = None
     if result.dataset is not None and (plot or (out and result.write is None)):
         dataset = result.dataset()
@@ -191,12 +191,12 @@ def present(
         assert sheet is not None
         drawn = kinds.figure(StoredStudy(dataset), result.figure, sheet)
         canvas.save(drawn, plot, dpi)
-        notes = canvas.notes_of(drawn)
+        caption = canvas.caption(drawn)
     if as_json:
         console.print_json(result.data())
     else:
         result.show()
-        for line in (*notes, *(str(path) for path in (out, plot) if path and result.names_files)):
+        for line in (*caption, *(str(path) for path in (out, plot) if path and result.names_files)):
             console.say(line)
     if (out or plot) and result.dataset is None and result.write is None:
         console.warn("no file is written: there is no solved case to store or draw")

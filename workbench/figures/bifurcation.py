@@ -78,7 +78,7 @@ def figure(stored: StoredStudy, sheet: Sheet = SCREEN, show: Sequence[str] = ())
         how_many = f"; those of {count} of {stored.sizes['shape']} branches" if count < stored.sizes["shape"] else ""
         said = f", of the points with their numbers{how_many}"
         rows.append((views.height, [lambda ax: [*views.draw(ax, said), *_alike(stored, shown)]]))
-    return canvas.page(stored, sheet, rows, more=0.45 + 0.2 * len(laws) * sheet.titled)
+    return canvas.page(stored, sheet, rows, more=0.45)
 
 
 def panel(stored: StoredStudy, ax: Axes, key: str, inches: float = 4.0) -> Axes:

@@ -1,7 +1,8 @@
 """The canvas of every figure: a Matplotlib `Figure` without pyplot, its title, its legends, and the file it is put in.
 
 What a panel labels stands in the legend of its figure, each label once; the name of an artist in a table of what is
-drawn is its `gid`. The sentences that belong to a figure stand below it, or are kept for its caption.
+drawn is its `gid`. The sentences that belong to a figure are its caption, which is kept beside it and printed: a
+picture has its data, its legend, and at most one line of words below its title.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -21,7 +22,6 @@ from matplotlib.colorbar import Colorbar
 from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
 from matplotlib.layout_engine import ConstrainedLayoutEngine
-from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
@@ -48,14 +48,14 @@ MARGIN, AFTER, TITLE = 0.15, 0.1, 0.62  # inches around a title, below it, and o
 MOST_LETTERS = 12  # panels; more are a table of panels, which its rows and columns name
 # The best place covers no middle of a point; a wide pad in place of the distance to the axes keeps it off whole points
 PADDED = {"borderpad": 1.0, "borderaxespad": 0.0}
-ALONE: dict[str, Any] = {"fontsize": 1, "borderpad": 3.2}  # of a legend of notes: its empty entry takes no room
+ALONE: dict[str, Any] = {"fontsize": 1, "borderpad": 3.2}  # of a legend of lines: its empty entry takes no room
 HANDLE = 0.45  # inches of an entry beside its label
 RING = 1.2  # points, the line of a ring
 DIAGRAMS = (".png", ".pdf", ".svg")
-Said = Iterable[Any]  # below a figure: sentences, and labelled artists, the entries of its legend
+Said = Iterable[Any]  # of a figure: sentences of its caption, and labelled artists, the entries of its legend
 Panel = Callable[[Axes], Said | None]  # draws, and returns what is said of it
 Row = tuple[float, Sequence[Panel | None]]  # its height in inches, and its panels
-_KEPT: WeakKeyDictionary[Figure, list[str]] = WeakKeyDictionary()  # sentences that are not drawn
+_CAPTIONS: WeakKeyDictionary[Figure, list[str]] = WeakKeyDictionary()
 
 
 def figure(
@@ -103,10 +103,11 @@ def page(
         What it is drawn for.
     rows
         The height of each in inches, and what draws each panel; None leaves a place free. Rows of equal numbers share
-        their columns. A panel returns what is said below the figure: sentences, and entries of the legend beside what
-        it labels. A panel with a legend of its own adds nothing to that of the figure.
+        their columns. A panel returns what is said of it: sentences of the caption, and entries of the legend beside
+        what it labels. A panel with a legend of its own adds nothing to that of the figure.
     said
-        What is said after that of the panels.
+        What is said after that of the panels. How many of the shapes a real rod could keep is said before it, below
+        the title, once.
     more
         Inches of the figure beside the rows.
     ratios
@@ -115,8 +116,11 @@ def page(
         Inches; default: of the sheet.
     """
 
+    rest = stored.restable if stored is not None else ""
+    rest = rest[:1].upper() + rest[1:]
+
     def draw(fig: Figure) -> None:
-        below: list[Any] = []
+        below: list[Any] = [f"{rest}."] if rest and not sheet.titled else []
         groups = [list(group) for _, group in groupby(rows, lambda row: len(row[1]))]
         heights = [sum(high for high, _ in group) for group in groups]
         outer = GridSpec(len(groups), 1, fig, height_ratios=heights)
@@ -137,13 +141,10 @@ def page(
                 grid.set_height_ratios(inner)
                 heights[i] = sum(inner)
         outer.set_height_ratios(heights)
-        key = write_below(fig, [*below, *said], sheet)
-        if key is not None and sheet.narrow:  # as for a title: sentences in many lines would squeeze the panels
-            high = fonts.height_of(key.get_title().get_text(), fonts.small())
-            fig.set_figheight(fig.get_figheight() + max(high - more, 0.0))
+        write_below(fig, [*below, *said])
 
     return figure((width or sheet.width, sum(high for high, _ in rows) + more), draw, stored, sheet=sheet,
-                  **options)  # fmt: skip
+                  said=rest, **options)  # fmt: skip
 
 
 def in_rows(panels: Sequence[Panel], across: int, high: float) -> list[Row]:
@@ -245,14 +246,14 @@ def _set_title(fig: Figure, below: str, title: str) -> None:
     engine.set(rect=(0, 0, 1, 1 - used / fig.get_figheight()), w_pad=0.1, h_pad=0.08)
 
 
-def keep(fig: Figure, texts: Sequence[str]) -> None:
-    """Keep sentences for the caption of a figure."""
-    _KEPT[fig] = [*_KEPT.get(fig, []), *texts]
+def add_to_caption(fig: Figure, sentences: Sequence[str]) -> None:
+    """Add sentences to the caption of a figure."""
+    _CAPTIONS[fig] = [*_CAPTIONS.get(fig, []), *sentences]
 
 
-def notes_of(fig: Figure) -> list[str]:
-    """The sentences that a figure keeps, each once."""
-    return list(dict.fromkeys(" ".join(text.split()) for text in _KEPT.get(fig, [])))
+def caption(fig: Figure) -> list[str]:
+    """The sentences of the caption of a figure, each once."""
+    return list(dict.fromkeys(" ".join(text.split()) for text in _CAPTIONS.get(fig, [])))
 
 
 def say_left_out(names: Sequence[str], options: str) -> list[str]:
@@ -277,32 +278,28 @@ def legend_entries(ax: Axes) -> list[Any]:
     )
 
 
-def write_below(fig: Figure, said: Said, sheet: Sheet = SCREEN) -> Legend | None:
-    """One legend below all axes of a figure with a constrained layout: sentences, then entries in columns.
+def write_below(fig: Figure, said: Said, lines: Sequence[str] = ()) -> None:
+    """One legend below all axes of a figure with a constrained layout: lines of words, then entries in columns.
 
-    On a sheet without a title the sentences are kept for the caption.
+    said: those entries, and sentences for the caption.
     """
     said = list(said)
-    notes = [note for note in said if isinstance(note, str)]
     entries = {str(entry.get_label()): entry for entry in said if not isinstance(entry, str)}
-    if not sheet.titled:
-        keep(fig, notes)
-        notes = []
+    add_to_caption(fig, [sentence for sentence in said if isinstance(sentence, str)])
     width = fig.get_figwidth() - 0.3
     room = width - HANDLE
     once = {fonts.break_lines(label, room, fonts.small()): entry for label, entry in entries.items()}
-    notes = [fonts.break_lines(note, width, fonts.small()) for note in dict.fromkeys(notes)]
-    if not once and not notes:
-        return None
-    lines = [line for label in once for line in label.split("\n")]
-    widest = max((HANDLE + fonts.width_of(line, fonts.small()) for line in lines), default=1.0)
+    lines = [fonts.break_lines(line, width, fonts.small()) for line in dict.fromkeys(lines)]
+    if not once and not lines:
+        return
+    words = [line for label in once for line in label.split("\n")]
+    widest = max((HANDLE + fonts.width_of(line, fonts.small()) for line in words), default=1.0)
     columns = max(1, min(len(once), int((width + 0.1) / widest)))
     how: dict[str, Any] = {} if once else ALONE
     legend = fig.legend(list(once.values()) or [Patch(visible=False)], list(once) or [""], ncols=columns,
-                       loc="outside lower left", title="\n".join(notes), alignment="left", handlelength=1.8,
+                       loc="outside lower left", title="\n".join(lines), alignment="left", handlelength=1.8,
                        handleheight=1.2, title_fontsize=fonts.small(), **how)  # fmt: skip
     legend.get_title().set_color(SOFT)
-    return legend
 
 
 def ring_entry(label: str) -> Line2D:

@@ -30,7 +30,7 @@ def table(fig: Figure) -> str:
 
     Of a bar, `value` is where it begins; its series is the name at its foot.
 
-    Sentences that the figure keeps for its caption are rows of the kind `note`, as their series.
+    Sentences of the caption are rows of the kind `note`, as their series.
     """
     text = StringIO()
     writer = csv.writer(text, lineterminator="\n")
@@ -40,7 +40,7 @@ def table(fig: Figure) -> str:
         head = f"{number} {_one_line(str(title))}".strip()
         named = head, _one_line(ax.get_xlabel()), _one_line(ax.get_ylabel())
         writer.writerows((*named, *row) for row in rows(ax))
-    writer.writerows(("", "", "", "note", note, "", "", "") for note in canvas.notes_of(fig))
+    writer.writerows(("", "", "", "note", note, "", "", "") for note in canvas.caption(fig))
     return text.getvalue()
 
 

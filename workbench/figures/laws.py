@@ -10,20 +10,19 @@ from matplotlib.axes import Axes
 
 from studies.laws import law_words
 from studies.laws.law_words import PLAIN
-from studies.laws.line_verdicts import FAILS, MONOTONE, Show
+from studies.laws.line_verdicts import MONOTONE, Show
 from studies.laws.verdicts import Law
 
 from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import canvas, colours, fonts
-from .scales import is_logarithmic
-from .trends import draw_line, trend
+from .trends import trend
 
 
 def panel(stored: StoredStudy, ax: Axes, row: Mapping[str, Any]) -> str:
     """Draw a law, given as a row of `law_verdicts.verdicts`: its trend, and the verdict above it.
 
-    Returns the sentence for below the figure: the law, its verdict with what was measured, the other observables.
+    Returns a sentence of the caption: the law, its verdict with what was measured, the other observables.
     """
     trend(stored, ax, row["observable"], row["axis"], row["at"])
     colour, verdict = colours.VERDICTS[row["verdict"]], PLAIN[row["verdict"]]
@@ -36,29 +35,11 @@ def panel(stored: StoredStudy, ax: Axes, row: Mapping[str, Any]) -> str:
             ax.plot(ends, heights, color=colour, linewidth=3, alpha=0.6, zorder=3,
                     label="a case outside" if case else "a step the wrong way", **how)  # fmt: skip
     draw_curve(stored, ax, row)
-    _draw_alternative(stored, ax, row)
     ax.set_title(fonts.wrap(f"{row['claim']}: {verdict}", ax), loc="left", color=colour)
     canvas.add_legend(ax)
     others = law_words.others(row, lambda name: labels.symbol(stored[name]))
     said = "; ".join(text for text in (verdict, _measure(stored, row)) if text)
     return f"{row['claim']}: {sentence(stored, row)}; {said.rstrip('.')}. {others}".rstrip()
-
-
-def _draw_alternative(stored: StoredStudy, ax: Axes, row: Mapping[str, Any]) -> None:
-    """Draw the first alternative observable of which the law is false, on an axis at the right, on the same line."""
-    also = next((also for also in row["also"] if also["alternative"] and also["verdict"] == FAILS), None)
-    if also is None:
-        return
-    axis, array, places = row["axis"], stored[also["observable"]], stored.places(row["axis"], row["at"])
-    along = labels.in_label_unit(stored[axis], stored[axis].values[[place[axis] for place in places]])
-    values = np.asarray(labels.in_label_unit(array, [float(array.isel(place)) for place in places]))
-    right, colour = ax.twinx(), colours.PAIR[0]
-    draw_line(right, along, values, str(array.name) in stored.counts, is_logarithmic(stored[axis]), color=colour,
-              linewidth=1.0, linestyle=DASHED, label=str(array.name))  # fmt: skip
-    right.set_ylabel(f"{labels.label(array)}: {PLAIN[FAILS]}", color=colour)
-    right.tick_params(axis="y", colors=colour)
-    right.spines["right"].set(visible=True, color=colour)
-    right.margins(y=0.1)
 
 
 def _measure(stored: StoredStudy, row: Mapping[str, Any]) -> str:

@@ -171,7 +171,8 @@ class _Maps:
         column.colour(ax, _numbers(verdicts), **OF_VERDICTS)
         column.draw_borders(ax, _numbers(verdicts), colors="white", linewidths=1.0)
         self._label(ax, leaving=law.row["axis"])
-        ax.set_title(f"verdicts on {law.row['observable']} along {labels.axis_symbol(law.row['axis'])}", loc="left")
+        claim = f"law on the {labels.noun_of(law.row['observable'])} along {labels.axis_symbol(law.row['axis'])}"
+        ax.set_title(f"where the {claim} is true".replace("the the", "the"), loc="left")
         return [*_entries(verdicts), f"Law {law.sentence(self.stored)}; lines: {law.counts(self.places[0])}."]
 
     def draw_shapes(self, shapes: map_panel.ShapeCounts, ax: Axes) -> canvas.Said:

@@ -90,7 +90,7 @@ def draw(ax: Axes, cells: Cells, name: str, scale: Colours, inches: tuple[float,
 
 
 def entries(panels: list[Cells], shown: tuple[str, ...]) -> list[str | Artist]:
-    """What is said below of the cases and of cells without a number."""
+    """What is said of the cases and of cells without a number: entries of the legend, and sentences of the caption."""
     barred = np.concatenate([panel.samples()[2] for panel in panels])
     most = max(panel.samples()[2].size for panel in panels)
     few = f" (one of {-(-most // MOST_SAMPLES)} is shown)" if most > MOST_SAMPLES else ""
@@ -110,11 +110,8 @@ def entries(panels: list[Cells], shown: tuple[str, ...]) -> list[str | Artist]:
          {"facecolor": colours.UNKNOWN, **framed}),
     ):  # fmt: skip
         legend += [Patch(label=label, **look)] * bool(occurs)
-    notes = [f"Every rod {BARRED}."] if barred.size and barred.all() else []
     unchecked, cases = sum(panel.unchecked for panel in panels), sum(panel.solved.size for panel in panels)
-    if unchecked:
-        notes.append(f"{unchecked} of {cases} rods were not checked for all cautions.")
-    return [*legend, *notes]
+    return [*legend, *[f"{unchecked} of {cases} rods were not checked for all cautions."] * bool(unchecked)]
 
 
 def _number_regions(ax: Axes, cells: Cells, values: Values, scale: Colours, inches: tuple[float, float]) -> None:

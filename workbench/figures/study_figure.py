@@ -47,7 +47,7 @@ def figure(
     With axes: for each axis of several values the unrolled views, beside them each law in its panel (where there is
     no law, the first observables); of a refined study those of its coarse grid, along one axis with the observables of
     all cases. With samples: each observable against each sampled field. One case alone: its angle, its push and its
-    unrolled view. The figure keeps a note of the observables that it leaves out.
+    unrolled view. The caption names the observables that it leaves out.
 
     Parameters
     ----------
@@ -125,12 +125,9 @@ def figure(
         width = max(width, trends.LEAST_WIDTH * len(stored.sampled) + 0.8) if wide else width
         diagrams, sentence = trends.samples(stored, sampled, width, sheet.narrow)
         lines, said = lines + diagrams, [sentence]
-    rest = stored.restable
-    said += [*[f"{rest[:1].upper()}{rest[1:]}."] * bool(rest), *chosen.level]
+    said += [*chosen.level, *canvas.say_left_out(chosen.left_out, "--show or --panel")]
     ratios = (BESIDE, 1 - BESIDE) if beside else None
-    fig = canvas.page(stored, sheet, lines, said, 0.3 * bool(sampled), width=width, ratios=ratios)
-    canvas.keep(fig, canvas.say_left_out(chosen.left_out, "--show or --panel"))
-    return fig
+    return canvas.page(stored, sheet, lines, said, 0.3 * bool(sampled), width=width, ratios=ratios)
 
 
 def one_rod(stored: StoredStudy, sheet: Sheet = SCREEN) -> Figure:

@@ -152,7 +152,7 @@ class Page:
         self.ax = fig.add_axes((0.0, 0.0, 1.0, 1.0)) if self.bare else fig.add_subplot()
         self.ax.axis("off")
         if not self.bare:
-            canvas.write_below(fig, [*(_handle(*entry) for entry in self.legend), *self.notes])
+            canvas.write_below(fig, [_handle(*entry) for entry in self.legend], self.notes)
 
     def panel(self) -> tuple[float, float, float, float]:
         """Lay out the page; returns left, low, width and height of the panel in inches."""

@@ -129,7 +129,7 @@ class StoredCases:
 
     @cached_property
     def restable(self) -> str:
-        """How many of its solved rods could rest as they are computed, in words; empty where all could."""
+        """How many of the shapes of its solved rods a real rod could keep, in words; empty where it could keep all."""
         if "caution" not in self.ds:
             return ""
         texts = self.ds["caution"].values

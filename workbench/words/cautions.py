@@ -181,7 +181,7 @@ def _list(facts: list[str]) -> str:
 
 
 def restable(texts: Any, solved: Any) -> str:
-    """How many solved rods could rest as they are computed: the caution that a verdict on them carries.
+    """How many of the shapes of solved rods a real rod could keep; empty where it could keep all.
 
     texts: the caution of each case. solved: whether each is solved.
 
@@ -194,11 +194,11 @@ def restable(texts: Any, solved: Any) -> str:
     if not barred:
         return ""
     if cases == 1:
-        return "this rod could not rest as computed"
-    of = f"of the {_number_in_words(len(texts))}{' solved' * (len(texts) < cases)} rods"
+        return "no real rod could keep this shape"
     if barred == len(texts):
-        return f"none {of} could rest as computed"
-    return f"{'at most ' * unknown}{_number_in_words(len(texts) - barred)} {of} could rest as computed"
+        return "no real rod could keep these shapes"
+    count = f"{'at most ' * unknown}{_number_in_words(len(texts) - barred)} of the {_number_in_words(len(texts))}"
+    return f"real rods could keep {count}{' solved' * (len(texts) < cases)} shapes"
 
 
 def _number_in_words(number: int) -> str:
