@@ -102,7 +102,7 @@ def rechart(state: BranchState, step: float, keep: bool = False) -> BranchState:
     state = replace(state, curve=replace(state.curve, ahead=ahead))
     if state.at is None:
         return state
-    every = charts(*state.at)
+    every = charts(state.at[0].problem, state.at[1])
     if not keep and not alike(every[0], state.curve.chart):
         changed = _change(state, every[0])
         if changed is not None:
@@ -115,7 +115,7 @@ def rechart(state: BranchState, step: float, keep: bool = False) -> BranchState:
 
 def in_other_charts(state: BranchState) -> Iterator[BranchState]:
     """A state in each coordinate but its own."""
-    for chart in charts(*state.at) if state.at is not None else ():
+    for chart in charts(state.at[0].problem, state.at[1]) if state.at is not None else ():
         if not alike(chart, state.curve.chart):
             changed = _change(state, chart)
             if changed is not None:
@@ -144,7 +144,7 @@ def _change(state: BranchState, chart: Chart) -> BranchState | None:
         at = state.curve.at(beyond)
         if at is None:
             continue
-        for candidate in charts(*at):
+        for candidate in charts(at[0].problem, at[1]):
             if not alike(candidate, chart):
                 continue
             w, w_nearby = (

@@ -11,7 +11,8 @@ import numpy as np
 
 from ..core import branch_calls as core
 from ..core.library import numbers_of
-from ..orbits.boundary import Boundary, Path
+from ..orbits.boundary import Path
+from ..problem.reduced import EndsProblem
 
 _SAME = 1e-6  # in scales: coordinates of one equilibrium
 
@@ -30,12 +31,12 @@ class Chart:
     logarithmic: bool
 
 
-def charts(place: Boundary, path: Path) -> list[Chart]:
+def charts(problem: EndsProblem, path: Path) -> list[Chart]:
     """Coordinates in which the equilibrium can be followed, the best first.
 
     The others are needed where the best one ends and the branch does not, as where its saddle meets a centre.
     """
-    rows = core.charts(numbers_of(place.problem)[0], path)
+    rows = core.charts(numbers_of(problem)[0], path)
     return [Chart(kind, Path(*at), scale, logarithmic) for kind, at, scale, logarithmic in rows]
 
 
@@ -47,19 +48,19 @@ def coordinate(chart: Chart) -> float:
     return direction * float(np.exp(chart.at.y / 2))
 
 
-def path_at(place: Boundary, chart: Chart, x: float) -> Path | None:
+def path_at(problem: EndsProblem, chart: Chart, x: float) -> Path | None:
     """The path at x; None where its saddle no longer exists, or there is no such path."""
-    at = core.path_at(numbers_of(place.problem)[0], chart, x)
+    at = core.path_at(numbers_of(problem)[0], chart, x)
     return None if at is None else Path(*at)
 
 
-def same_equilibrium(place: Boundary, one: Path, other: Path) -> bool:
+def same_equilibrium(problem: EndsProblem, one: Path, other: Path) -> bool:
     """Whether two paths of one problem are the same orbit, from whichever angles their levels are measured."""
     if (one.leaving, one.turns, one.helix) != (other.leaving, other.turns, other.helix):
         return False
     if one.helix:
         return True
-    first, second = charts(place, one)[0], charts(place, other)[0]
+    first, second = charts(problem, one)[0], charts(problem, other)[0]
     if (first.kind, first.logarithmic, first.at.sign) != (second.kind, second.logarithmic, second.at.sign):
         return False
     near = abs(np.sin((first.at.pin - second.at.pin) / 2)) < _SAME

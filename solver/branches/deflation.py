@@ -10,7 +10,6 @@ import numpy as np
 
 from ..numerics.arrays import Array
 from ..numerics.roots import lead_away, solve
-from ..orbits.boundary import boundary_of
 from ..problem.reduced import EndsProblem
 from .charts import Chart, charts, coordinate
 from .given_numbers import (
@@ -68,7 +67,7 @@ def deflate(start: OrbitState, wanted: Given, known: list[Array]) -> OrbitState 
 
 def _next_state(wanted: Given, state: OrbitState, change: Array, factor: float) -> tuple[OrbitState, float] | None:
     """The state after a step, halved where no orbit is there; and the size of the step of Newton's rule itself."""
-    for chart in charts(boundary_of(state.problem), state.path)[:2]:
+    for chart in charts(state.problem, state.path)[:2]:
         x = coordinate(chart)
         dx = float(move(chart, x, change))
         size = size_of(state.problem, chart, dx, change)
@@ -135,7 +134,7 @@ def _beside(state: OrbitState, change: Array, share: float) -> OrbitState | None
     """The state after a share of a change of the `NUMBERS`."""
     new = {name: getattr(state.problem, name) + share * change[NUMBERS.index(name)] for name in FREE}
     problem = replace(state.problem, **new)
-    for chart in charts(boundary_of(state.problem), state.path)[:2]:
+    for chart in charts(state.problem, state.path)[:2]:
         x = coordinate(chart)
         beside = _state_at(problem, chart, x + share * float(move(chart, x, change)))
         if beside is not None:

@@ -48,7 +48,7 @@ class EquilibriumCurve:
         x, p = (w * self.scales)[:2].tolist()
         problem = None if self.family.is_dead else self._problem(w)
         place = self.family.place(p) if self.family.is_dead else None if problem is None else boundary_of(problem)
-        path = None if place is None else path_at(place, self.chart, x)
+        path = None if place is None else path_at(place.problem, self.chart, x)
         return None if place is None or path is None or path.turns < 0 else (place, path)
 
     def _problem(self, w: Array) -> EndsProblem | None:
@@ -149,7 +149,7 @@ class EquilibriumCurve:
 def curves_through(family: Family, path: Path, p: float) -> Iterator[tuple[EquilibriumCurve, Array]]:
     """The curve through an equilibrium at p in each of its coordinates, the best first, and its w."""
     place = family.place(p) if family.is_dead else boundary_of(family.begun)
-    for chart in () if place is None else charts(place, path):
+    for chart in () if place is None else charts(place.problem, path):
         if place is not None and np.isfinite(coordinate(chart)):
             curve = EquilibriumCurve(family, chart, 1 + float(load_size(place.problem)[0]))
             free = [float(getattr(place.problem, name)[0]) for name in curve.unknowns]

@@ -30,10 +30,9 @@ def leap(first: Given, last: Given, problem: EndsProblem, path: Path) -> Iterato
     """
     before = orbit_of(problem, path)
     index, shape = jacobi_zeros(before)[0], shape_of(before)
-    turns = int(index) if path.helix else path.turns
     for length in LEAPS:
         problem_there = problem_of(first.towards(last, length), {})
-        every, orbit = _neighbours(boundary_of(problem_there), turns)
+        every, orbit = _neighbours(boundary_of(problem_there), int(index))
         if orbit is None:
             continue
         same = np.flatnonzero(jacobi_zeros(orbit) == index)
@@ -46,12 +45,13 @@ def leap(first: Given, last: Given, problem: EndsProblem, path: Path) -> Iterato
         yield problem_there, every[int(same[order[0]])], length
 
 
-def _neighbours(place: Boundary, turns: int) -> tuple[list[Path], Orbit | None]:
-    """Every equilibrium whose path passes up to two turning points more or fewer."""
+def _neighbours(place: Boundary, index: int) -> tuple[list[Path], Orbit | None]:
+    """Every equilibrium that may have a Morse index: zeros of beta_t separate those of the change of beta that is 0 at
+    the start, so the rod has as many turning points as its index, or one more."""
     problem = place.problem
     boundary, grid = level_grid_of(place)
-    ways = boundary.paths(turns + 2)
-    ways = ways.take(ways.turns >= turns - 2)
+    ways = boundary.paths(index + 1)
+    ways = ways.take(ways.turns >= index)
     if not grid.place.size:
         return [], None
     roots = roots_on(boundary, grid, ways)

@@ -80,7 +80,7 @@ def settle(problem: EndsProblem, path: Path, given: Given | None = None) -> Orbi
     given: default: the dead loads of the problem.
     """
     given, reason = given or Given.dead(problem), ""
-    for chart in charts(boundary_of(problem), path):
+    for chart in charts(problem, path):
         settled = correct_equilibrium(problem, given, chart, coordinate(chart))
         if not isinstance(settled, str):
             return settled
@@ -92,7 +92,7 @@ def path_on(problem: EndsProblem, chart: Chart, x: float) -> Path | None:
     """The path of a problem at a coordinate; None where there is none."""
     if not np.isfinite([float(value[0]) for value in vars(problem).values()]).all():
         return None
-    path = path_at(boundary_of(problem), chart, x)
+    path = path_at(problem, chart, x)
     return None if path is None or path.turns < 0 else path
 
 

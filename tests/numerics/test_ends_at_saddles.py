@@ -350,5 +350,5 @@ def test_an_equilibrium_next_to_a_saddle_is_the_same_whatever_the_last_digits_of
             np.testing.assert_allclose(rates.length, L, rtol=1e-12)
             np.testing.assert_allclose(rates.values, true, rtol=1e-10, atol=1e-12)
             np.testing.assert_allclose(orbit_of(problem, moved).at(one.solution.t)[0][0], shape, atol=1e-9)
-            assert same_equilibrium(place, path, moved)
+            assert same_equilibrium(problem, path, moved)
             assert place.joins_at(moved) == place.joins_at(path)

@@ -6,6 +6,7 @@ those of one curve, however coarse the axis; and none is followed twice.
 """
 
 import time
+from collections import defaultdict
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -20,7 +21,7 @@ from solver.equilibrium_branch import HELIX, BranchPoint, SpecialPoint
 from solver.follow import MOST
 from solver.nodes.loaded_rod import BETA
 from solver.nodes.varying_shapes import Shape
-from solver.orbits.boundary import boundary_of, path_of
+from solver.orbits.boundary import path_of, wrap
 from solver.problem.case import PAIRS
 from solver.problem.case_fields import with_field
 from solver.problem.reduced import EndsProblem
@@ -126,16 +127,49 @@ def _follow_each(
             remarks.append(f"{name} = {value:.6g}: {error}")
             continue
         places[k] = len(curves), branch.start
-        for i, (other, equilibrium) in enumerate(starts):
-            at = _place_on(branch, other, equilibrium) if places[i] is None else None
-            places[i] = places[i] if at is None else (len(curves), at)
-        curves.append(branch)
-        remarks += [
-            f"{name} = {end.value:.6g}: {end.reason}"
-            for end in (branch.begin, branch.end)
-            if end.value not in (passed[0], passed[-1])
-        ]
+        for one in (branch, *_mirror_image(branch)):
+            claimed = _claim(one, starts, places, len(curves))
+            if one is branch or claimed:
+                curves.append(one)
+                remarks += [
+                    f"{name} = {end.value:.6g}: {end.reason}"
+                    for end in (one.begin, one.end)
+                    if end.value not in (passed[0], passed[-1])
+                ]
     return places, curves, remarks
+
+
+def _claim(branch: Branch, starts: list[tuple[float, Equilibrium]], places: list[Place | None], number: int) -> int:
+    """Say of each start without a place that lies on a branch where it lies; how many they are.
+
+    number: of the branch, in `places`, which are changed.
+    """
+    points_at = defaultdict[float, list[int]](list)
+    for at, value in enumerate(branch.values.tolist()):
+        points_at[value].append(at)
+    free = [i for i, place in enumerate(places) if place is None]
+    for i in free:
+        value, equilibrium = starts[i]
+        on = next((at for at in points_at[value] if _is_on(branch.points[at], equilibrium)), None)
+        places[i] = None if on is None else (number, on)
+    return sum(places[i] is not None for i in free)
+
+
+def _mirror_image(branch: Branch) -> list[Branch]:
+    """The branch of the mirror images (-beta) of all rods of a branch; none where they have other ends or loads.
+
+    A branch next to whose end a helix ceases to exist has none here either: the end says which helix that is.
+    """
+    if HELIX in (branch.begin.kind, branch.end.kind) or isinstance(branch.points[0].path, Shape):
+        return []
+    numbers = ("lam", "mu", "beta0", "betaL")
+    if any(getattr(point.problem, number)[0] for point in branch.points for number in numbers):
+        return []
+    points = [
+        point.with_path(replace(point.path, pin=wrap(-point.path.pin), leaving=-point.path.leaving), point.problem)
+        for point in branch.points
+    ]
+    return [replace(branch, points=tuple(points))]
 
 
 def _share_solves(curves: list[Branch], placed: Iterable[tuple[Place | None, tuple[float, Equilibrium]]]) -> None:
@@ -154,24 +188,15 @@ def _share_solves(curves: list[Branch], placed: Iterable[tuple[Place | None, tup
     curves[:] = [replace(curve, points=tuple(new)) for curve, new in zip(curves, points, strict=True)]
 
 
-def _place_on(branch: Branch, value: float, equilibrium: Equilibrium) -> int | None:
-    """The point of a branch that is this equilibrium under dead loads; None where it is not on it."""
-    problem = equilibrium.solution.problem
-    for at in np.flatnonzero(branch.values == value):
-        point = branch.points[at]
-        pairs = [(getattr(point.problem, load)[0], getattr(problem, load)[0]) for load in ("lam", "mu", "phi")]
-        near = all(abs(a - b) < _NEAR * (1 + abs(b)) for a, b in pairs)
-        if near and _is_on(point, equilibrium):
-            return int(at)
-    return None
-
-
 def _is_on(point: BranchPoint, equilibrium: Equilibrium) -> bool:
-    """Whether a point of a branch is an equilibrium under dead loads, which are those of the point."""
+    """Whether a point of a branch is an equilibrium under dead loads."""
+    solution, problem = equilibrium.solution, equilibrium.solution.problem
     if not isinstance(point.path, Shape):
-        return same_equilibrium(boundary_of(point.problem), path_of(equilibrium.path, 0), point.path)
-    solution = equilibrium.solution
-    return bool(np.abs(point.path.at(solution.t[0])[:, BETA] - solution.beta).max() < _NEAR)
+        same = same_equilibrium(point.problem, path_of(equilibrium.path, 0), point.path)
+    else:
+        same = bool(np.abs(point.path.at(solution.t[0])[:, BETA] - solution.beta).max() < _NEAR)
+    loads = ((getattr(point.problem, load)[0], getattr(problem, load)[0]) for load in ("lam", "mu", "phi"))
+    return same and all(abs(a - b) < _NEAR * (1 + abs(b)) for a, b in loads)
 
 
 def own_value(solution: Solution, name: str) -> float:
