@@ -77,6 +77,8 @@ class Law(BaseModel):
         Whether the rule (observable, kind, numbers, range, line) was fixed before its outcome was known.
     fixed_note : str, optional
         Which part was not, and why.
+    turned_back : bool
+        Whether values of rods that turn back against both their ends enter; default: they do not.
     direction, says : {"rises", "falls", "not-falling", "not-rising"}
         Of a monotone law; says is the direction in the sentence, if `direction` is weaker.
     alternatives, also : list of str
@@ -122,6 +124,7 @@ class Law(BaseModel):
     at: dict[str, float] = {}
     fixed: Literal["in advance", "after"] | None = None
     fixed_note: Line | None = None
+    turned_back: bool = False
 
     @field_validator("at", mode="before")
     @classmethod

@@ -17,17 +17,18 @@ from studies import load
 from tests.slow import slow_but
 from tests.workbench import stored_figures
 from tests.workbench.page_faults import share_of_red
-from workbench.branches import branch_dataset
+from workbench.branches import branch_dataset, tracing
 from workbench.branches.equilibria_dataset import dataset_of
 from workbench.figures import bifurcation, equilibria_figure, point_numbers, unrolled
 from workbench.figures.point_numbers import NumberedPoint
+from workbench.figures.sheet import Sheet
 from workbench.stored.stored_study import StoredStudy
 
 ROD, CYLINDER = Rod(E=325.95, nu=0.25, a=0.25, L=5.0), Cylinder(R=0.75)
 
 
 def swept(ends: Ends, name: str, values: np.ndarray) -> xr.Dataset:
-    return branch_dataset.sweep(load("fig6"), Case(ROD, CYLINDER, ends), name, values, lambda text: None)
+    return branch_dataset.sweep(load("fig6"), Case(ROD, CYLINDER, ends), name, values, lambda *_: None)
 
 
 @pytest.fixture(scope="module")
@@ -77,7 +78,7 @@ def test_diagrams_of_branches_and_of_equilibria_show_what_is_stored(dead, drawn)
     case, held = (Case(ROD, CYLINDER, Ends(beta0=0.5, betaL=betaL, FZ=FZ)) for betaL, FZ in ((0.5, -2.5), (0.4, -0.5)))
     listed = dataset_of(load("fig6"), case, all_equilibria(case))
     study, angles = load("fig7_4_end_angle"), np.linspace(0.2, 0.5, 3)
-    judged = branch_dataset.sweep(study, held, "betaL", angles, lambda text: None)
+    judged = branch_dataset.sweep(study, held, "betaL", angles, lambda *_: None)
     pictures = {
         "under dead loads": lambda: drawn["dead"],
         "with a held height": lambda: drawn["held"],
@@ -247,7 +248,7 @@ def random_axis(seed: int) -> tuple[Case, str, np.ndarray]:
 @pytest.mark.parametrize("seed", slow_but(range(50), 1, 9, 11))
 def test_curves_show_at_every_place_what_the_list_there_says(seed: int) -> None:
     case, name, values = random_axis(seed)
-    ds = branch_dataset.sweep(load("fig6"), case, name, values, lambda text: None)
+    ds = branch_dataset.sweep(load("fig6"), case, name, values, lambda *_: None)
     keys = ("energy", str(ds.attrs["shown"]))
     assert all(np.isfinite(ds[f"curve_{key}"].values).all() for key in keys)
     along, energies = ds[f"curve_{name}"].values, ds["curve_energy"].values
@@ -262,3 +263,40 @@ def test_curves_show_at_every_place_what_the_list_there_says(seed: int) -> None:
     for k in np.flatnonzero(along == between):
         drawn = np.array([ds[f"curve_{key}"].values[k] for key in keys])
         assert (np.abs(rows - drawn).max(axis=1) < 1e-8 * (1 + np.abs(drawn).max())).any()
+
+
+def test_the_branch_of_the_mirror_images_is_the_one_that_is_followed_from_them() -> None:
+    """A rod whose ends lie along the axis has its equilibria in pairs, of which one is followed."""
+    case = Case(Rod(E=325.95, nu=0.25, a=0.25, L=10.0), CYLINDER, Ends(beta0=0.0, betaL=0.0))
+    said: list[tuple[str, int, int]] = []
+    values = [-3.0, -2.8, -2.6]
+    seen = tracing.trace_branches(case, "FZ", values, 21, lambda *words: said.append(words))
+    assert said[0] == (
+        f"{len(seen.found[0])} equilibria at FZ = -3, {len(seen.found[-1])} equilibria at FZ = -2.6",
+        0,
+        3,
+    )
+    assert len(said) - 3 < len(seen.curves)  # one call for each value and each branch that is followed
+    assert min(map(min, seen.branch)) >= 0
+    for members, numbers in zip(seen.found, seen.branch, strict=True):
+        slopes = {number: member.dbeta0 for member, number in zip(members, numbers, strict=True)}
+        assert len(slopes) == len(members)
+        np.testing.assert_allclose(sorted(slopes.values()), sorted(-slope for slope in slopes.values()), atol=1e-9)
+    for curve in seen.curves:
+        for point in (curve.points[0], curve.points[len(curve) // 3]):
+            assert point.solution.solved
+            np.testing.assert_allclose(point.solution.beta[-1], 0.0, atol=1e-9)
+
+
+def test_a_diagram_without_rods_that_turn_back_has_the_range_of_the_others(dead) -> None:
+    own = dead.copy()
+    back = own["curve_branch"].values == 0
+    own["curve_turned_back"] = own["curve_turned_back"].copy(data=back)
+    left = StoredStudy(own).without("turned back")
+    assert np.isnan(left["curve_height"].values[back]).all()
+    np.testing.assert_array_equal(left["curve_height"].values[~back], dead["curve_height"].values[~back])
+    ax = bifurcation.panel(
+        left, Figure(figsize=(6, 4)).subplots(), "height", sheet=Sheet(ranges={"height": (1.0, 9.0)})
+    )
+    assert ax.get_ylim() == (1.0, 9.0)
+    assert all(np.isfinite(line.get_ydata()).all() for line in ax.lines if np.size(line.get_xdata()) > 1)

@@ -1,5 +1,6 @@
 """The kinds curves, ridge and portrait: the numbers of the dataset, the colours of the push, the level sets of G."""
 
+import json
 import sys
 from itertools import pairwise
 
@@ -12,8 +13,9 @@ from solver.orbits.potential import Loads, potential
 from solver.problem.errors import InputError
 from studies import load
 from studies.grammar.axes import Axis
+from studies.laws.line_verdicts import HOLDS, UNDECIDED
 from tests.workbench import small
-from tests.workbench.small import study
+from tests.workbench.small import six, study
 from workbench.figures import (
     along,
     canvas,
@@ -27,6 +29,7 @@ from workbench.figures import (
     unrolled,
     waves,
 )
+from workbench.figures.sheet import Sheet
 from workbench.run import in_memory
 from workbench.stored.stored_study import StoredStudy
 
@@ -233,3 +236,28 @@ def test_drawing_leaves_no_state_behind(tmp_path) -> None:
     canvas.save(study_figure.figure(StoredStudy(small.six())), tmp_path / "figure.png")
     assert dict(matplotlib.rcParams) == before
     assert "matplotlib.pyplot" not in sys.modules or not sys.modules["matplotlib.pyplot"].get_fignums()
+
+
+def test_rods_that_turn_back_enter_no_law_unless_it_says_so_and_a_diagram_can_leave_them_out() -> None:
+    ds = small.study_dataset("fig7_1_modulus")
+    texts = ds["caution"].values.astype(object)
+    texts[3] = "turned back"
+    ds["caution"] = ds["caution"].copy(data=texts)
+    stored = StoredStudy(ds)
+    (law,) = stored.verdicts
+    assert law["verdict"] == UNDECIDED
+    assert law["reason"].endswith("1 of 9 rods turns back and is left out")
+    own = ds.assign_attrs(laws=json.dumps([row | {"turned_back": True} for row in json.loads(ds.attrs["laws"])]))
+    assert StoredStudy(own).verdicts[0]["verdict"] == HOLDS
+    left = stored.without("turned back")
+    assert np.flatnonzero(np.isnan(left["bends"].values)).tolist() == [3]
+    np.testing.assert_array_equal(np.delete(left["bends"].values, 3), np.delete(ds["bends"].values, 3))
+    with pytest.raises(InputError, match="no caution 'far away'"):
+        stored.without("far away")
+
+
+def test_the_vertical_axis_of_an_observable_has_the_range_that_is_asked_for() -> None:
+    drawn = study_figure.figure(StoredStudy(six()), sheet=Sheet(ranges={"turns_around": (0.5, 2.0)}), show=["bends", "turns_around"])
+    ends = {ax.get_label(): ax.get_ylim() for ax in drawn.axes}
+    assert (0.5, 2.0) in ends.values()
+    assert len(set(ends.values())) > 1

@@ -37,7 +37,7 @@ def swept():
     """All equilibria of the default case while its far end turns by forty degrees, in steps of five."""
     study = load(DEFAULT)
     values = np.deg2rad(np.arange(0, 46, 5.0))
-    return branch_dataset.sweep(study, default(), "betaL", values, lambda text: None)
+    return branch_dataset.sweep(study, default(), "betaL", values, lambda *_: None)
 
 
 def test_the_default_is_table_1_held_at_its_own_far_end() -> None:

@@ -2,7 +2,7 @@
 one followed branch."""
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from solver import Branch, Case, Solution
 from solver.equilibria import MOST_LISTED, Equilibrium
 from solver.follow import solutions_of
+from solver.observe.cautions import turns_back
 from solver.observe.observables import OBSERVABLES, observe
 from solver.orbits.periodic_orbit import jacobi_zeros
 from solver.problem.errors import no_such, whole_number
@@ -36,22 +37,21 @@ from .equilibria_dataset import (
     of_solution,
     with_case,
 )
-from .tracing import PARTNER, Piece, Traced, trace_branches, trace_held
+from .tracing import PARTNER, Piece, Step, Traced, trace_branches, trace_held
 
 STATIONS = 101
 SHAPE_STATIONS = 161
 FEW_SHAPES = 8  # in a row: one or two branches have so many together
 OWN = ("dbeta0", "beta0", "betaL", *quantity_variables.LOADS)  # what a diagram may show beside observables
 NAMES = tuple(dict.fromkeys((*OWN, *OBSERVABLES)))
+BACK, IS_BACK = "turned_back", {"long_name": "whether the rod turns back against both its ends"}
 INDICES = {
     "index": {"units": "1", "long_name": "Morse index under the ends of the case"},
     "dead_index": {"units": "1", "long_name": "Morse index between the same end angles under dead loads"},
 }
 
 
-def sweep(
-    study: Study, case: Case, name: str, values: Any, step: Callable[[str], None], show: str | None = None
-) -> xr.Dataset:
+def sweep(study: Study, case: Case, name: str, values: Any, step: Step, show: str | None = None) -> xr.Dataset:
     """All equilibria of an ends problem at each value of one field, joined into branches.
 
     Parameters
@@ -63,7 +63,7 @@ def sweep(
     name, values
         The field that varies and its values, (n,), rising; angles in rad.
     step
-        Called with a text before each value is solved.
+        Called with words, how much is done, and of how much.
     show
         The observable, or dbeta0, that a diagram shows over the axis; default: `default_observable`.
 
@@ -79,7 +79,7 @@ def sweep(
     units = study.unit_system
     held = name in PARTNER
     trace = trace_held if held else trace_branches
-    seen = trace(case, name, [float(x) for x in values], STATIONS, lambda value: step(f"{name} = {value:.4g}"))
+    seen = trace(case, name, [float(x) for x in values], STATIONS, step)
     judged = [*dict.fromkeys(key for law in laws for key in law.observables if key not in EACH), *PUSH]
     rows = [
         [_numbers(member, judged) | {"branch": number} for member, number in zip(members, numbers, strict=True)]
@@ -188,13 +188,15 @@ def special_points(seen: Traced, name: str, units: Mapping[str, str], shown: Seq
         ("special", "where branches meet or end", [e for e in seen.special if e[1].kind != "fold"]),
     ):
         rows = [
-            _numbers_of(branch.points[point.position].solution, ("dbeta0", "energy", *shown)) | {name: point.value}
+            _numbers_of(branch.points[point.position].solution, ("dbeta0", "energy", *shown, BACK))
+            | {name: point.value}
             for branch, point, _ in group
         ]
         for key, label in _labels(name, ("dbeta0", "energy", *shown), units).items():
             label["long_name"] += f" {words}"
             values = np.array([float(row[key]) for row in rows])
             data[dim if key == name else f"{dim}_{key}"] = xr.Variable((dim,), values, label)
+        data[f"{dim}_{BACK}"] = xr.Variable((dim,), np.array([bool(row[BACK]) for row in rows], dtype=bool), IS_BACK)
         pairs = np.array([two for _, _, two in group], dtype=np.int64).reshape(-1, 2)
         data[f"{dim}_branches"] = xr.Variable((dim, "two"), pairs, {"long_name": "the two branches that meet"})
     kinds = [point.kind for _, point, _ in seen.special if point.kind != "fold"]
@@ -213,6 +215,7 @@ def _numbers_of(sol: Solution, keys: Sequence[str]) -> dict[str, Any]:
     """Observables, loads and values at the ends, one for each case."""
     ends = {"dbeta0": lambda: sol.dbeta[..., 0], "beta0": lambda: sol.beta[..., 0], "betaL": lambda: sol.beta[..., -1]}
     ends |= {name: partial(getattr, sol, name) for name in quantity_variables.LOADS}
+    ends |= {BACK: lambda: turns_back(sol, sol.z[..., -1] - sol.z[..., 0])}
     return observe(sol, [key for key in keys if key not in ends]) | {key: ends[key]() for key in keys if key in ends}
 
 
@@ -243,6 +246,7 @@ def follow_curves(
     solved = [solutions_of(curve, SHAPE_STATIONS) for curve in seen.curves]
     numbers = [
         _numbers_of_solved(sol, curve, shown)
+        | _numbers_of(sol, [BACK])
         | {"index": curve.index, "dead_index": _dead_indices(sol), name: curve.values}
         | {"rho": np.broadcast_to(sol.case.rho, sol.case.shape)}
         for sol, curve in zip(solved, seen.curves, strict=True)
@@ -252,6 +256,8 @@ def follow_curves(
     for key, label in (_labels(name, shown, units) | INDICES).items():
         values = np.concatenate([np.empty(0), *(numbers[piece.curve][key][at] for piece, at in parts)])
         data[f"curve_{key}"] = xr.Variable(("curve_point",), values, label)
+    values = np.concatenate([np.empty(0, bool), *(numbers[piece.curve][BACK][at] for piece, at in parts)])
+    data[f"curve_{BACK}"] = xr.Variable(("curve_point",), values, IS_BACK)
     which = np.concatenate([np.empty(0), *(np.full(at.size, piece.number) for piece, at in parts)])
     owner = {"long_name": "number of the branch"}
     data["curve_branch"] = xr.Variable(("curve_point",), which.astype(np.int64), owner)
@@ -265,7 +271,8 @@ def follow_curves(
     for key, label in _labels(name, ("rho", *shown), units).items():
         values = np.array([numbers[piece.curve][key][at] for piece, at in middles], dtype=float)
         data[f"shape_{key}"] = xr.Variable(("shape",), values, label)
-    return data
+    values = np.array([numbers[piece.curve][BACK][at] for piece, at in middles], dtype=bool)
+    return data | {f"shape_{BACK}": xr.Variable(("shape",), values, IS_BACK)}
 
 
 def _dead_indices(sol: Solution) -> NDArray[np.float64]:

@@ -21,7 +21,7 @@ from solver.equilibrium_branch import HELIX, BranchPoint, SpecialPoint
 from solver.follow import MOST
 from solver.nodes.loaded_rod import BETA
 from solver.nodes.varying_shapes import Shape
-from solver.orbits.boundary import path_of, wrap
+from solver.orbits.boundary import path_of
 from solver.problem.case import PAIRS
 from solver.problem.case_fields import with_field
 from solver.problem.reduced import EndsProblem
@@ -59,49 +59,59 @@ class Traced:
 
 
 Place = tuple[int, int]  # a branch and a point of it
+Step = Callable[[str, int, int], None]  # words, how much is done, of how much: of values, then of equilibria
 
 
 def trace_branches(
-    case: Case, name: str, values: list[float], stations: int, step: Callable[[float], None], until: float = np.inf
+    case: Case, name: str, values: list[float], stations: int, step: Step, until: float = np.inf
 ) -> Traced:
     """The equilibria at each value of one field, and the branches on which they lie.
 
-    step: called with each value before it is solved. until: by `time.monotonic`; no further branch is followed then.
+    step: called as the work goes on, first with how many equilibria both ends have. until: by `time.monotonic`; no
+    further branch is followed then.
     """
+
+    def list_at(value: float) -> list[Equilibrium]:
+        return list(equilibria(with_field(case, name, value), stations=stations))
+
+    known = {value: list_at(value) for value in (values[0], values[-1])}
+    nouns = {1: "equilibrium"}
+    counts = [
+        f"{len(members)} {nouns.get(len(members), 'equilibria')} at {name} = {value:.4g}"
+        for value, members in known.items()
+    ]
     listed = []
-    for value in values:
-        step(value)
-        listed.append(list(equilibria(with_field(case, name, value), stations=stations)))
+    for done, value in enumerate(values):
+        step(f"{name} = {value:.4g}" if done else ", ".join(counts), done, len(values))
+        listed.append(known[value] if value in known else list_at(value))
     # backwards at each value: those of few bends take longest
     starts = [(value, member) for value, members in zip(values, listed, strict=True) for member in reversed(members)]
     passed = np.union1d(values, np.linspace(min(values), max(values), FINE))
-    places, curves, remarks = _follow_each(name, starts, passed, lambda _, start: start.solution, until)
+    places, curves, remarks = _follow_each(name, starts, passed, lambda _, start: start.solution, step, until)
     _share_solves(curves, zip(places, starts, strict=True))
     flat = iter(places)
     owner = [[next(flat) for _ in members][::-1] for members in listed]
     return number_pieces(listed, owner, curves, remarks)
 
 
-def trace_held(case: Case, name: str, values: list[float], stations: int, step: Callable[[float], None]) -> Traced:
+def trace_held(case: Case, name: str, values: list[float], stations: int, step: Step) -> Traced:
     """The branches over a held field on which the equilibria of a case under dead loads lie.
 
     Each of these is also one with its own height held, so it is a start. Other branches, which no start lies on, are
     not found.
 
-    step: called with each value of the field before the branch from it is followed. Raises `InputError` for a value
-    that no rod of that length reaches.
+    step: called before each branch is followed. Raises `InputError` for a value that no rod of that length reaches.
     """
     for value in (values[0], values[-1]):
         with_fields(case, {name: value})
 
     def begin(value: float, start: Equilibrium) -> Solution:
-        step(value)
         return solve(with_fields(case, {name: value}), seed=start.solution, stations=stations)
 
     starts = [(own_value(start.solution, name), start) for start in equilibria(case, stations=stations)]
     begins = [value for value, _ in starts]
     passed = np.union1d([*values, *begins], np.linspace(values[0], values[-1], FINE))
-    _, curves, remarks = _follow_each(name, starts, passed, begin)
+    _, curves, remarks = _follow_each(name, starts, passed, begin, step)
     return number_pieces([[] for _ in values], [[] for _ in values], curves, remarks)
 
 
@@ -110,30 +120,32 @@ def _follow_each(
     starts: list[tuple[float, Equilibrium]],
     passed: NDArray[np.float64],
     begin: Callable[[float, Equilibrium], Solution],
+    step: Step,
     until: float = np.inf,
 ) -> tuple[list[Place | None], list[Branch], list[str]]:
     """Follow each start that lies on no branch yet: where each lies, the branches, the remarks.
 
     starts: the value of the field and the equilibrium. passed: the values over which branches are followed, rising.
-    begin: what is followed from a start.
+    begin: what is followed from a start. step: called before each branch.
     """
     places, curves, remarks = list[Place | None]([None] * len(starts)), list[Branch](), list[str]()
     for k, (value, start) in enumerate(starts):
         if places[k] is not None or time.monotonic() >= until:
             continue
+        step(f"{name} = {value:.4g}: branch {len(curves) + 1}", sum(at is not None for at in places), len(starts))
         try:
             branch = follow(begin(value, start), points=MOST, **{name: passed})
         except InputError as error:
             remarks.append(f"{name} = {value:.6g}: {error}")
             continue
         places[k] = len(curves), branch.start
-        for one in (branch, *_mirror_image(branch)):
-            claimed = _claim(one, starts, places, len(curves))
-            if one is branch or claimed:
-                curves.append(one)
+        for curve in (branch, *_mirror_image(branch)):
+            claimed = _claim(curve, starts, places, len(curves))
+            if curve is branch or claimed:
+                curves.append(curve)
                 remarks += [
                     f"{name} = {end.value:.6g}: {end.reason}"
-                    for end in (one.begin, one.end)
+                    for end in (curve.begin, curve.end)
                     if end.value not in (passed[0], passed[-1])
                 ]
     return places, curves, remarks
@@ -165,9 +177,9 @@ def _mirror_image(branch: Branch) -> list[Branch]:
     numbers = ("lam", "mu", "beta0", "betaL")
     if any(getattr(point.problem, number)[0] for point in branch.points for number in numbers):
         return []
+    # G is even: the pins of the two are of one height, so the level may be measured from the same
     points = [
-        point.with_path(replace(point.path, pin=wrap(-point.path.pin), leaving=-point.path.leaving), point.problem)
-        for point in branch.points
+        point.with_path(replace(point.path, leaving=-point.path.leaving), point.problem) for point in branch.points
     ]
     return [replace(branch, points=tuple(points))]
 

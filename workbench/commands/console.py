@@ -94,19 +94,22 @@ def _bar(words: str, total: int, done: int = 0) -> "Iterator[Callable[..., None]
 def progress(total: int, lines: bool = False) -> Iterator[Any]:
     """Show a progress bar on stderr; yields step(text), to be called when each of `total` pieces of work begins.
 
+    step(text, done, of) says itself how many of how many are done.
+
     Without a terminal nothing is shown, or with `lines` a line for a step: ``3 of 9: elliptic``; of steps that follow
     each other quickly, one every `EVERY` seconds.
     """
     begun, said = 0, -EVERY
     with _bar("{task.completed} of {task.total}: {task.description}", total) as update:
 
-        def step(text: str) -> None:
+        def step(text: str, done: int | None = None, of: int = total) -> None:
             nonlocal begun, said
-            update(description=text, completed=begun)
-            begun += 1
+            begun = begun if done is None else done
+            update(description=text, completed=begun, total=of)
+            begun += done is None
             if lines and not err().is_terminal and monotonic() - said >= EVERY:
                 said = monotonic()
-                print(f"{begun} of {total}: {text}", file=sys.stderr, flush=True)
+                print(f"{begun} of {of}: {text}", file=sys.stderr, flush=True)
 
         yield step
 

@@ -222,7 +222,7 @@ def _over_axis(study: "Study", case: "Case", name: str, values: "np.ndarray", sh
     from ..branches import branch_dataset
     from ..stored.stored_study import StoredStudy
 
-    with console.progress(values.size) as step:
+    with console.progress(values.size, lines=True) as step:
         stored = StoredStudy(branch_dataset.sweep(study, case, name, values, step, show))
     rows, folds, remarks = stored.data("branches"), branch_dataset.folds(stored), stored.data("remarks")
 

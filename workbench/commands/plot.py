@@ -1,15 +1,16 @@
 """The command plot: the figure of a stored study."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
-from solver.problem.errors import InputError
+from solver.problem.errors import InputError, no_such
 
 from ..figures import kinds
 from ..run import atomic
-from .options import At, Dpi, File, ForceOutput, NoTitle, Style, Width, axis_values, check_file, names, option
+from .options import At, Dpi, File, ForceOutput, NoTitle, Style, Width, axis_values, check_file, names, option, ranges
 from .present import Result, presents, result_of_files
 
 
@@ -48,6 +49,23 @@ def plot(
         ),
     ] = None,
     at: At = None,
+    range_: Annotated[
+        list[str] | None,
+        option(
+            "NAME=LOW:HIGH",
+            "Range of the vertical axis of an observable, in lines and diagrams of branches, in the units of the file; "
+            "repeatable.",
+            "--range",
+        ),
+    ] = None,
+    without: Annotated[
+        list[str] | None,
+        option(
+            "WORD",
+            "Leave out the numbers of rods with this caution, such as turned-back; laws are judged without them. Of "
+            "branches turned-back alone; repeatable.",
+        ),
+    ] = None,
     shapes: Annotated[
         str | None, option("NxM", "Draw N x M unrolled views over the first map, such as 5x5 (at most 12x12).")
     ] = None,
@@ -100,6 +118,9 @@ def plot(
         if alien := [name for name in named if name not in kinds.KINDS[of.figure].options]:
             raise InputError(f"{file} is {of.what}, which plot draws without --{alien[0]}")
         stored, kind = StoredStudy(reading.read(file, study=False)), of.figure
+    for word in without or ():
+        stored = stored.without(word.replace("-", " "))
+    page = replace(page, ranges=_ranges(stored, range_))
     readers: dict[str, Callable[[Any], Any]] = {
         "at": partial(axis_values, stored),
         "show": names,
@@ -119,6 +140,20 @@ def plot(
         atomic.write_text(numbers, table)
     paths = [path, *([numbers] if numbers else [])]
     return result_of_files(paths, [*canvas.caption(drawn), *map(str, paths)])
+
+
+def _ranges(stored: Any, texts: list[str] | None) -> dict[str, tuple[float, float]]:
+    """The ranges of vertical axes, in the units of labels. Raises `InputError` for what the file does not hold."""
+    from ..words import labels
+
+    read, known = ranges("--range", texts, stored.units, "height=4:9"), {}
+    for name, ends in read.items():
+        key = name if name in stored else f"curve_{name}"
+        if key not in stored:
+            raise no_such("observable of --range", name, stored.observables)
+        low, high = labels.in_label_unit(stored[key], ends)
+        known[name] = float(low), float(high)
+    return known
 
 
 def _story(folder: Path, out: Path, width: float | None, force: bool, dpi: int) -> Result:

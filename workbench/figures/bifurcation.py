@@ -21,8 +21,13 @@ from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import canvas, colours, fonts, point_numbers, unrolled
 from .equilibria_figure import one_shown
+<<<<<<< HEAD
 from .sheet import SCREEN, Sheet
 from .unrolled import UnrolledView
+=======
+from .sheet import SCREEN, Sheet, set_range
+from .unrolled import View
+>>>>>>> 5177eff8 (plot --range and --without; rods that turn back enter no law; equilibria --axis tells its cost first and shows progress without a terminal)
 
 HIGH, TALL = (
     (0.46, 0.62),
@@ -67,7 +72,7 @@ def figure(stored: StoredStudy, sheet: Sheet = SCREEN, show: Sequence[str] = ())
     laws = _laws(stored)
 
     def diagram(ax: Axes) -> canvas.Said:
-        canvas.add_legend(panel(stored, ax, shown, high), MOST_INSIDE)
+        canvas.add_legend(panel(stored, ax, shown, high, sheet), MOST_INSIDE)
         return laws
 
     rows: list[canvas.Row] = [(high, [diagram])]
@@ -81,7 +86,7 @@ def figure(stored: StoredStudy, sheet: Sheet = SCREEN, show: Sequence[str] = ())
     return canvas.page(stored, sheet, rows, more=0.45)
 
 
-def panel(stored: StoredStudy, ax: Axes, key: str, inches: float = 4.0) -> Axes:
+def panel(stored: StoredStudy, ax: Axes, key: str, inches: float = 4.0, sheet: Sheet = SCREEN) -> Axes:
     """One quantity of each equilibrium against the axis, a line a branch; inches: the height of the panel."""
     name = str(stored.attrs["axis"])
     along, height = labels.in_label_unit(stored[name], stored[f"curve_{name}"].values), _values(stored, f"curve_{key}")
@@ -114,6 +119,7 @@ def panel(stored: StoredStudy, ax: Axes, key: str, inches: float = 4.0) -> Axes:
     else:
         ax.set_xlim(*(ends + 0.06 * np.ptp(ends) * np.array([-1, 1])))
     ax.set_ylim(*ax.get_ylim())
+    set_range(sheet, ax, key)
     _number_points(stored, ax, key, (fonts.inches(ax)[0], inches))
     return ax
 
@@ -159,7 +165,9 @@ def _special(stored: StoredStudy, name: str, key: str, kind: str) -> tuple[Any, 
     if dim not in stored.sizes:
         return np.empty(0), np.empty(0)
     chosen = np.ones(stored.sizes[dim], dtype=bool) if dim == "fold" else stored["special_kind"].values == kind
-    return labels.in_label_unit(stored[name], stored[dim].values)[chosen], _values(stored, f"{dim}_{key}")[chosen]
+    x, y = labels.in_label_unit(stored[name], stored[dim].values), _values(stored, f"{dim}_{key}")
+    chosen &= np.isfinite(y)
+    return x[chosen], y[chosen]
 
 
 def _runs(stored: StoredStudy, ax: Axes, on: Any, points: Any) -> list[tuple[Any, dict[str, Any], str]]:

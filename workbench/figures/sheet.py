@@ -1,7 +1,7 @@
 """The sheet that a figure is drawn for: its width, the sizes of its letters, and whether the title stands on it."""
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 from solver.problem.errors import InputError, no_such
@@ -28,12 +28,16 @@ class Sheet:
         Whether the title of the study stands above the figure.
     panel : str, optional
         The one panel that is drawn; default: all.
+    ranges : dict
+        The lowest and the highest value of the vertical axis of observables, in the units of their labels; default:
+        all that is drawn.
     """
 
     width: float = 9.6
     style: str = "screen"
     titled: bool = True
     panel: str | None = None
+    ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     @property
     def small(self) -> float:
@@ -59,6 +63,12 @@ class Sheet:
 
 
 SCREEN = Sheet()
+
+
+def set_range(sheet: Sheet, ax: Any, name: str) -> None:
+    """Set the range of the vertical axis of an observable, where the sheet has one."""
+    if name in sheet.ranges:
+        ax.set_ylim(*sheet.ranges[name])
 
 
 def sheet(style: str = "screen", width: float | None = None, titled: bool = True, panel: str | None = None) -> Sheet:

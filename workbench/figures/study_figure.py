@@ -20,7 +20,7 @@ from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import along, canvas, colours, drawn_rods, push_scale, trends, unrolled
 from .laws import panel
-from .sheet import SCREEN, Sheet
+from .sheet import SCREEN, Sheet, set_range
 from .shown_observables import choose_observables
 
 LAW_HEIGHT, TALL_LAW, LEAST_LAW, LEAST_LINE = 3.2, 3.8, 2.4, 1.5  # inches; the second beside curves
@@ -102,8 +102,11 @@ def figure(
 
     def law_of(one: Any, ax: Axes) -> canvas.Said:
         if not isinstance(one, str):
-            return [panel(stored, ax, one)]
+            said = panel(stored, ax, one)
+            set_range(sheet, ax, one["observable"])
+            return [said]
         trends.trend(stored, ax, one, axis_of_trends).set_label(labels.long_name(stored[one]))
+        set_range(sheet, ax, one)
         canvas.add_legend(ax)
         return []
 

@@ -8,11 +8,12 @@ import numpy as np
 
 from solver.problem.errors import InputError, choices, no_such
 from studies.language.expressions import unit_names
+from studies.laws import law_words
 from studies.laws.line_verdicts import FAILS, HOLDS, TREND, UNDECIDED
 from studies.laws.verdicts import Law, by_line, decide, refusal, targets
 from studies.paper.readings import DROPPED
 
-from ..words import outcomes
+from ..words import cautions, outcomes
 from . import quantity_variables, refined, schema
 from .quantity_variables import dimension
 from .schema import SAMPLING, TEXTS, Columns, blocks
@@ -32,7 +33,8 @@ def verdicts(ds: "xr.Dataset", crossing: "Mapping[str, NDArray[np.bool_]] | None
 
     A study that is refined along one axis is judged on all its cases, one in a plane on its coarse grid.
 
-    A law along an axis that the reading of Table 1 drops is not tested: it is not decided.
+    A law along an axis that the reading of Table 1 drops is not tested: it is not decided. Values of rods that turn
+    back against both their ends are left out, unless the law has `turned_back`.
 
     Parameters
     ----------
@@ -51,11 +53,32 @@ def verdicts(ds: "xr.Dataset", crossing: "Mapping[str, NDArray[np.bool_]] | None
     if laws and schema.is_refined(ds):
         ds, added = refined.cases_for_laws(ds)
     for law in laws:
-        observed = {name: ds[name].values for name in law.observables if name in ds}
+        left_out = _left_out(ds, law)
+        observed = {name: _without(ds[name].values, left_out) for name in law.observables if name in ds}
         steps = crossings(ds, law.axis) if crossing is None else crossing.get(law.axis)
         row = decide(law, observed, *_grid(ds, law, steps), added)
+        if left_out.any():
+            row["reason"] = law_words.join([row["reason"], _reason_left_out(left_out)])
         rows.append(_row_of_untested(law, row) if _is_inert(ds, law) else row)
     return rows
+
+
+def _left_out(ds: "xr.Dataset", law: Law) -> "NDArray[np.bool_]":
+    """The cases whose values do not enter a law, (*cases) of bool: rods that turn back against both their ends."""
+    if law.turned_back or "caution" not in ds:
+        return np.zeros(ds["outcome"].shape, dtype=bool)
+    return cautions.holding(schema.over_cases(ds, ds["caution"]), cautions.TURNED)
+
+
+def _without(values: Any, left_out: "NDArray[np.bool_]") -> Any:
+    """The values of all cases, NaN of those that are left out; the array itself where none is."""
+    return np.where(left_out, np.nan, values) if left_out.any() else values
+
+
+def _reason_left_out(left_out: "NDArray[np.bool_]") -> str:
+    count = int(left_out.sum())
+    words = ("turn back and are", "turns back and is")[count == 1]
+    return f"{count} of {left_out.size} rods {words} left out"
 
 
 def _grid(ds: "xr.Dataset", law: Law, steps: "NDArray[np.bool_] | None") -> tuple[Any, Any, Any, Any]:
@@ -89,7 +112,7 @@ def verdicts_of_lines(ds: "xr.Dataset", law: Law) -> "xr.DataArray":
     if _is_inert(ds, law):
         values = np.full([ds.sizes[dim] for dim in others], UNDECIDED)
     else:
-        observed = ds[law.observable].transpose(*axes).values
+        observed = _without(ds[law.observable].transpose(*axes).values, _left_out(ds, law))
         values = by_line(law, observed, *_grid(ds, law, crossings(ds, law.axis)))
     return xr.DataArray(values, {dim: ds[dim] for dim in others}, others)
 

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from solver.problem.errors import InputError, near, no_such
 from solver.problem.quantities import current
 
-from . import derived_arrays, law_verdicts, refined, schema
+from . import derived_arrays, law_verdicts, left_out, refined, schema
 from .derived_arrays import ARRAYS, StoredArrays
 from .refined import Refined
 from .selection import indices
@@ -171,6 +171,21 @@ class StoredStudy(StoredCases):
 
     def _of(self, ds: xr.Dataset) -> "StoredStudy":
         return self if ds is self.ds else StoredStudy(ds)
+
+    def without(self, key: str) -> "StoredStudy":
+        """The same without the numbers of some rods: they are NaN, so that diagrams and laws do not show them.
+
+        Parameters
+        ----------
+        key : str
+            What these rods do, a word of their caution: "turned back", "overlaps", ... Of branches "turned back" alone.
+
+        Raises
+        ------
+        InputError
+            For another word, and for a file that does not tell of its rods.
+        """
+        return self._of(left_out.without(self.ds, key))
 
     # its numbers
 

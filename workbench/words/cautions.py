@@ -36,7 +36,9 @@ if TYPE_CHECKING:
 
 
 # those of `solver.observe.cautions` that others read here
-__all__ = ["ALL_ALONG", "AT_ENDS", "IN_PART", "JUDGED", "MEETS", "PULLED", "SLIGHT", "TIGHT", "UNCHECKED", "UNKNOWN"]
+__all__ = [
+    "ALL_ALONG", "AT_ENDS", "IN_PART", "JUDGED", "MEETS", "PULLED", "SLIGHT", "TIGHT", "TURNED", "UNCHECKED", "UNKNOWN",
+]  # fmt: skip
 
 # key -> words for one rod, and for several
 WORDS = {
