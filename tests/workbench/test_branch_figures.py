@@ -109,7 +109,7 @@ def test_dashed_lines_that_coincide_are_drawn_once(dead) -> None:
 def test_a_whole_number_along_a_branch_is_drawn_at_its_points_and_nowhere_in_between(held) -> None:
     """It has a gap where it changes; a smooth line would show numbers that no rod has."""
     numbers = (held["curve_FZ"].values > np.median(held["curve_FZ"].values)) * 1.0
-    counted = held.assign(curve_turns=("curve_point", numbers, {"long_name": "number of bends", "units": "1"}))
+    counted = held.assign(curve_bends=("curve_point", numbers, {"long_name": "number of bends", "units": "1"}))
     ax = bifurcation.panel(StoredStudy(counted), Figure().add_subplot(), "bends")
     lines = [line for line in ax.lines if line.get_linestyle() != "None"]
     assert len(lines) > 1

@@ -257,7 +257,9 @@ def test_rods_that_turn_back_enter_no_law_unless_it_says_so_and_a_diagram_can_le
 
 
 def test_the_vertical_axis_of_an_observable_has_the_range_that_is_asked_for() -> None:
-    drawn = study_figure.figure(StoredStudy(six()), sheet=Sheet(ranges={"turns_around": (0.5, 2.0)}), show=["bends", "turns_around"])
+    drawn = study_figure.figure(
+        StoredStudy(six()), sheet=Sheet(ranges={"turns_around": (0.5, 2.0)}), show=["bends", "turns_around"]
+    )
     ends = {ax.get_label(): ax.get_ylim() for ax in drawn.axes}
     assert (0.5, 2.0) in ends.values()
     assert len(set(ends.values())) > 1

@@ -21,13 +21,8 @@ from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import canvas, colours, fonts, point_numbers, unrolled
 from .equilibria_figure import one_shown
-<<<<<<< HEAD
-from .sheet import SCREEN, Sheet
-from .unrolled import UnrolledView
-=======
 from .sheet import SCREEN, Sheet, set_range
-from .unrolled import View
->>>>>>> 5177eff8 (plot --range and --without; rods that turn back enter no law; equilibria --axis tells its cost first and shows progress without a terminal)
+from .unrolled import UnrolledView
 
 HIGH, TALL = (
     (0.46, 0.62),
