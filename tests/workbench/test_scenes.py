@@ -384,6 +384,30 @@ def test_a_look_chooses_side_colours_size_and_what_is_left_out(fig6, tmp_path) -
     assert share_of_hue(seen[..., :3], to_hex(scene_kinds.PUSH_RAMP(1.0))) > 0.02
 
 
+@draws
+def test_a_dark_scene_has_light_words_and_a_rod_in_one_colour_has_the_one_that_is_asked_for(fig6, tmp_path) -> None:
+    file, back = writing.write(fig6, tmp_path / "fig6.h5"), colours.THEMES["dark"][0]
+    assert scene.scene(file, out=tmp_path / "dark.png", dpi=80, theme="dark", kind="plain", color="gold") == 0
+    seen = pixels(tmp_path / "dark.png")
+    np.testing.assert_allclose(seen[[0, 0, -1, -1], [0, -1, 0, -1]], [to_rgb(back)] * 4, atol=1 / 255)
+    title = seen[: seen.shape[0] // 8]
+    assert title.max() > 0.85
+    assert np.mean(np.abs(title - to_rgb(back)).max(axis=-1) < 0.02) > 0.5
+    assert share_of_hue(seen, "#ffd700", 0.2) > 0.05
+    assert scene.scene(file, out=tmp_path / "dark.html", background="#102030") == 0
+    said = (tmp_path / "dark.html").read_text()
+    assert "@media all" in said
+    assert "--paper: #102030" in said
+    for words, look in (
+        ("--color is for the kind plain", {"color": "gold"}),
+        ("--background takes a colour", {"background": "no colour"}),
+        ("no theme 'grey'", {"theme": "grey"}),
+        ("exclude each other", {"background": "navy", "transparent": True}),
+    ):
+        with pytest.raises(InputError, match=words):
+            scene.scene(file, out=tmp_path / "refused.png", dpi=50, **look)
+
+
 def test_the_places_of_self_intersection_are_where_two_stretches_are_less_than_two_radii_apart(fig6) -> None:
     rod = body(fig6)
     places = self_contact.middles(rod.line, rod.span)

@@ -23,6 +23,9 @@ Frames = Annotated[
     option("NUMBER", "Frames of a film, no more and no fewer; default: as many as let the rod move smoothly, with the "
            "first and the last for half a second more."),
 ]  # fmt: skip
+Theme = Annotated[str | None, option("THEME", "light or dark: background and words; default: as suits --background.")]
+Background = Annotated[str | None, option("COLOUR", "Colour of the background, such as '#14181e' or navy.")]
+Color = Annotated[str | None, option("COLOUR", "Colour of the rods, of the kind plain.")]
 Stored = Annotated[bool, flag("Film the stored cases alone, each for a third of a second.", "--stored")]
 
 
@@ -42,6 +45,9 @@ def film_of(
     dpi: Annotated[int, option("DPI", "Resolution [pixels/inch]; 160 gives 1280 x 720 pixels.")] = 160,
     force: ForceOutput = False,
     frames: Frames = None,
+    theme: Theme = None,
+    background: Background = None,
+    color: Color = None,
 ) -> Result:
     """Make a film of the cases along an axis.
 
@@ -51,6 +57,7 @@ def film_of(
     from ..run import in_memory
     from ..scene import film, opengl
     from ..scene.scene_kinds import kind_of
+    from ..scene.settings import check, look_of
     from ..stored.stored_study import StoredStudy
     from . import study_scene
 
@@ -68,7 +75,10 @@ def film_of(
     where = axis_values(rods, at)
     if axis in where:
         raise InputError(f"--at {axis}: the film runs along {axis}, so that axis takes no value")
-    shown = film.Film(axis, where, film.observable_of(rods, axis, show, where), kind, pixel_error, dpi)
+    look = look_of(theme, background, color)
+    check(look)
+    name = film.observable_of(rods, axis, show, where)
+    shown = film.Film(axis, where, name, kind, pixel_error, dpi, settings=look)
     default = file.with_name(f"{file.stem}_{axis}.mp4")
     paths = [check_file(path, film.SUFFIXES, force) for path in out or [default]]
     cases = film.cases_of(rods, shown)

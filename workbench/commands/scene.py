@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 from solver.problem.errors import InputError, choices
 
 from ..run import atomic
-from .animate import Fps, Frames, Show, Stored
+from .animate import Background, Color, Fps, Frames, Show, Stored, Theme
 from .options import At, ForceOutput, PixelError, argument, axis_values, check_file, flag, number_option, option
 from .present import Result, presents, result_of_files
 
@@ -72,6 +72,9 @@ def scene(
     ] = None,
     bare: Annotated[bool, flag("Draw the views alone: no words, no bars.", "--bare")] = False,
     transparent: Annotated[bool, flag("Leave the background transparent (.png).", "--transparent")] = False,
+    theme: Theme = None,
+    background: Background = None,
+    color: Color = None,
     show: Show = None,
     fps: Fps = None,
     frames: Frames = None,
@@ -96,7 +99,7 @@ def scene(
     file without a study has too few stations for --pixel-error.
     """
     from ..scene import film, opengl, scene_kinds
-    from ..scene.settings import Settings, check, check_name, color_range_of, size_of
+    from ..scene.settings import check, check_name, color_range_of, look_of, size_of
     from ..stored import selection
     from . import animate, study_scene
 
@@ -104,29 +107,30 @@ def scene(
     others = [low is not None, high is not None, camera, color_range, bare, transparent, size]
     if out is not None and suffix in film.SUFFIXES:
         if any(others) or len({*axes, along} - {None}) > 1:
-            raise InputError("a film takes --axis, --at, --kind, --show, --fps, --frames, --stored, --pixel-error and "
-                             f"--dpi alone, got {out.name!r}")  # fmt: skip
+            raise InputError("a film takes --axis, --at, --kind, --show, --fps, --frames, --stored, --pixel-error, "
+                             f"--dpi, --theme, --background and --color alone, got {out.name!r}")  # fmt: skip
         way = along or next(iter(axes), None)
         return animate.film_of(file, way, at, kind or "contact", show, [out], fps, stored, pixel_error,
-                               dpi or FILM_DPI, force, frames)  # fmt: skip
+                               dpi or FILM_DPI, force, frames, theme, background, color)  # fmt: skip
     if stored or (show, fps, frames) != (None, None, None):
         raise InputError(
             f"--show, --fps, --frames and --stored are for films: give --out NAME, with {choices(film.SUFFIXES)}"
         )
-    if suffix == PAGE and (kind not in (None, PAGE_KIND, "equilibria") or any([axes, along, *others])):
+    if suffix == PAGE and (kind not in (None, PAGE_KIND, "equilibria") or any([axes, along, color, *others])):
         raise InputError(
             f"an {PAGE} file shows the kind {PAGE_KIND} of all cases that --at leaves; --kind, --axis, --along, --from "
             "and --to are for pictures, .png and .jpg"
         )
-    settings = Settings(
-        pixel_error, dpi or DPI, camera=camera, color_range=color_range_of(color_range), bare=bare,
-        transparent=transparent, size=size_of(size),
+    settings = replace(
+        look_of(theme, background, color), pixel_error=pixel_error, dpi=dpi or DPI, camera=camera,
+        color_range=color_range_of(color_range), bare=bare, transparent=transparent, size=size_of(size),
     )  # fmt: skip
     check(settings)
     study, rods = study_scene.open_rods(file)
     where = axis_values(rods, at)
     if out is not None and suffix == PAGE:
-        return _page(study, rods, where, check_file(out, (PAGE,), force))
+        look = settings.look if theme or background else None
+        return _page(study, rods, where, check_file(out, (PAGE,), force), look)
     file = file if study is None else Path(f"{study.name}.h5")
     chosen = scene_kinds.kind_of(kind or scene_kinds.default_kind(rods))
     case = [f"{name}={selection.write(name, value)}" for name, value in where.items()]
@@ -198,8 +202,13 @@ def _frames(
     return _Frames(free[0], [(at, check_file(file, SUFFIXES, force)) for at, file in files])
 
 
-def _page(study: "Study | None", stored: "StoredStudy", where: "dict[str, float]", path: Path) -> Result:
-    """A scene as one offline HTML file: every case that --at leaves; of status 1 where the stations are too few."""
+def _page(
+    study: "Study | None", stored: "StoredStudy", where: "dict[str, float]", path: Path, look: dict[str, str] | None
+) -> Result:
+    """A scene as one offline HTML file: every case that --at leaves; of status 1 where the stations are too few.
+
+    look: of `Settings`; default: as the browser prefers.
+    """
     from ..scene.scene_kinds import kind_of
     from ..scene.settings import TooFewStations
     from ..web.turntable import turntable_page
@@ -214,7 +223,7 @@ def _page(study: "Study | None", stored: "StoredStudy", where: "dict[str, float]
         needed = _needed_stations(stored)
         if strict and needed > stored.sizes["u"]:
             raise TooFewStations("too few for a smooth rod", needed)
-        return turntable_page.html(stored, where), needed
+        return turntable_page.html(stored, where, look), needed
 
     (text, needed), stations = study_scene.at_needed_stations(stored, solve, draw)
     atomic.write_text(path, text)

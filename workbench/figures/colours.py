@@ -23,6 +23,8 @@ CROSSED = "#7d2ea0"  # rings where a rod passes through itself
 UNSOLVED, UNKNOWN = INK, "#ffffff"  # a cell without a solution, darker than every colour of a map; one without a number
 # each 4.5 : 1 on white, and distinct under each kind of colour blindness
 VERDICTS = {HOLDS: "#01834e", TREND: "#1b4cc8", QUALIFIED: "#946b00", UNDECIDED: "#6d727c", FAILS: "#8a050f"}
+# behind words and lines, words, words that stand back, lines that stand back
+THEMES = {"light": ("#ffffff", INK, SOFT, FAINT), "dark": ("#14181e", "#e9edf2", "#b0bac6", "#38414d")}
 STABLE: dict[str, Any] = {"color": INK, "linewidth": 1.7, "linestyle": "-"}
 UNSTABLE: dict[str, Any] = {"color": SOFT, "linewidth": 0.8, "linestyle": (0, (4, 1.6))}
 STATES = {"straight": "#8f949c", "sinusoidal": PAIR[1], "helical": PAIR[0]}  # of `solver.nodes.state`
@@ -130,6 +132,12 @@ def rgb(colour: str) -> tuple[int, int, int]:
     """``#2a7bb7`` as red, green and blue between 0 and 255."""
     red, green, blue = bytes.fromhex(colour[1:])
     return red, green, blue
+
+
+def theme_on(background: str) -> str:
+    """The theme whose words stand out more from a background."""
+    light = float(linear(background) @ [0.2126, 0.7152, 0.0722])
+    return "light" if light > 0.18 else "dark"  # of 1.05 and 0.05, with 0.05 added as of WCAG, 0.18 is the middle
 
 
 def linear(colour: str) -> Any:

@@ -58,7 +58,7 @@ def compose(scene: Scene) -> Page:
               for view, (x, down) in _middles(scene, arranged)]  # fmt: skip
     pixels, outlined = render(
         placed, camera, size, settings.pixel_error, settings.transparent,
-        max(LINE * dpi / fonts.DPI, 0.8), settings.samples,
+        max(LINE * dpi / fonts.DPI, 0.8), settings.samples, settings.look[page.WHITE],
     )  # fmt: skip
     rough = [f"drawn to within {error:.1f} pixels"] * (error > settings.pixel_error * (1 + 1e-9))
     kept = outlined or len(scene.context) > len(scene.bodies)
@@ -143,6 +143,12 @@ def colour_rods(scene: Scene) -> tuple[Scene, list[str]]:
     extremes = (min(low for low, _ in each), max(high for _, high in each)) if each else None
     units = scene.stored.units
     paint, notes = scene.kind.paint(units, extremes), list[str]()
+    if color := scene.settings.color:
+        if paint.ramp is not None or paint.stripe:
+            raise InputError(
+                f"the colours of a scene of kind {scene.kind.name} have a meaning; --color is for the kind plain"
+            )
+        paint = replace(paint, colour=color)
     if chosen := scene.settings.color_range:
         if scene.kind.value is None:
             raise InputError(f"a scene of kind {scene.kind.name} has no colour bar, so it takes no --color-range")

@@ -32,7 +32,7 @@ from . import body as rods
 from . import long_rod, page, scene_kinds
 from .page import Pixels
 from .scene_kinds import Cell
-from .settings import Settings
+from .settings import DEFAULT, Settings
 from .views import View, camera_before, ends_of, gravity
 
 SUFFIXES = (".mp4", ".webp", ".gif")
@@ -64,6 +64,8 @@ class Film:
         As of a scene.
     size
         Width and height of a frame.
+    settings
+        What else the pictures have, as of a scene: its look.
     count
         Frames, of so many stored cases at even steps from the first to the last; default: all of them.
     """
@@ -76,6 +78,7 @@ class Film:
     dpi: int = 160
     size: tuple[float, float] = SIZE
     count: int | None = None
+    settings: Settings = DEFAULT
 
 
 def observable_of(
@@ -151,11 +154,12 @@ def frames(stored: StoredStudy, film: Film, step: Callable[[str], None] = lambda
     bodies = [next(fitted) if body else None for body in each]
     camera, sides, lying = camera_before(context, None, down)
     turned, ends, (wide, high) = -np.radians(sides[0][0]), ends_of(context), _room(film, lying)
-    settings = Settings(film.pixel_error, film.dpi, bare=True, samples=SAMPLES,
-                        size=(round(wide * film.dpi), round(high * film.dpi)))  # fmt: skip
+    settings = replace(film.settings, pixel_error=film.pixel_error, dpi=film.dpi, bare=True, samples=SAMPLES,
+                       size=(round(wide * film.dpi), round(high * film.dpi)))  # fmt: skip
     first = View(context[:1], Cell(), turned, ends, context)
     scene = page.Scene(stored, kind, [[first]], context, "", camera, settings)
     fig = canvas.figure(film.size, lambda fig: _begin(fig, film, scene, lying), dpi=film.dpi, layout=None)
+    fig.set_facecolor(settings.look[page.WHITE])
     for where, body in zip(cases, bodies, strict=True):
         step(_value(stored, film.axis, where[film.axis], 4))
         view = replace(first, bodies=[body] if body else [])
@@ -163,6 +167,7 @@ def frames(stored: StoredStudy, film: Film, step: Callable[[str], None] = lambda
         with rc_context(fonts.RC):
             drawn = [*_draw_case(fig, film, stored, where[film.axis])]
             drawn += _draw_rod(fig, film, picture, (wide, high), stored, where)
+        page.recolour(fig, settings.look)
         yield _even(page.pixels_of(fig))
         for artist in drawn:
             artist.remove()
@@ -330,9 +335,9 @@ class _Pillow:
 
 
 def _even(frame: Pixels) -> Pixels:
-    """The frame with a white row or column more where its size is odd: MP4 takes even sizes only."""
+    """The frame with its last row or column twice where its size is odd: MP4 takes even sizes only."""
     high, wide = frame.shape[:2]
-    return np.pad(frame, ((0, high % 2), (0, wide % 2), (0, 0)), constant_values=255)
+    return np.pad(frame, ((0, high % 2), (0, wide % 2), (0, 0)), mode="edge")
 
 
 def _imageio() -> Any:

@@ -5,7 +5,8 @@ the axes it would be resampled.
 """
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -15,7 +16,7 @@ from matplotlib import rc_context
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Normalize
+from matplotlib.colors import Normalize, to_hex, to_rgba
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Patch
 from numpy.typing import NDArray
@@ -41,6 +42,7 @@ FOOT, APART = 0.6, 0.22  # the height of glyph and bars below the views, and the
 GLYPH, WEIGHT, SCALE, BAR = 0.62, 0.5, 1.0, 1.6  # widths: the glyph, the longest scale bar, the colour bar
 RING, OUTLINE = "ring", "outline"  # in place of a colour: an open circle, the outline of a hidden stretch
 QUALITY = 92  # of JPEG
+WHITE = colours.THEMES["light"][0]
 RUNS = 3  # the strategy of zlib that looks for runs alone: at level 1 the size of level 3 in two thirds of the time
 
 
@@ -147,6 +149,7 @@ class Page:
         self.left = size[1] if bare else canvas.resize(self.fig, size)
         if scene.settings.transparent:
             self.fig.patch.set_alpha(0.0)
+        self.fig.set_facecolor(scene.settings.look[WHITE])
 
     def _begin(self, fig: Figure) -> None:
         self.ax = fig.add_axes((0.0, 0.0, 1.0, 1.0)) if self.bare else fig.add_subplot()
@@ -192,6 +195,11 @@ class Page:
         self.boxes = arrangement.boxes + np.array([*start, 0.0, 0.0])
         if self.bare:
             return
+        self._write(start, high, rings)
+        recolour(self.fig, self.scene.settings.look)
+
+    def _write(self, start: tuple[float, float], high: float, rings: Sequence[tuple[float, float, float]]) -> None:
+        """Write all words beside the picture, whose corner is at `start` on a panel so high."""
         with rc_context(fonts.RC):
             for view, box in zip(self.scene.views, self.boxes.reshape(-1, 4), strict=True):
                 _draw_cell(self.ax, view.cell, box)
@@ -313,6 +321,21 @@ def draw_bar(ax: Axes, paint: Paint, corner: tuple[float, float], size: tuple[fl
     place.set_xlim(paint.low if paint.foot is None else paint.foot, paint.high)
     place.tick_params(labelcolor=colours.INK, pad=1)
     place.set_title(paint.label, size=fonts.SMALL, loc="left", pad=2)
+
+
+def recolour(fig: Figure, look: Mapping[str, str]) -> None:
+    """Give all words, lines and areas of a figure in the colours of the theme light those of another look."""
+    if all(colour == other for colour, other in look.items()):
+        return
+    for artist in (part for part in fig.findobj() if part is not fig.patch):
+        for name in ("color", "edgecolor", "facecolor", "markeredgecolor", "markerfacecolor"):
+            read, write = getattr(artist, f"get_{name}", None), getattr(artist, f"set_{name}", None)
+            if read is None or write is None:
+                continue
+            with suppress(ValueError, TypeError):  # none, or several colours
+                colour = to_rgba(np.squeeze(read()) if not isinstance(read(), str) else read())
+                if (other := look.get(to_hex(colour))) and colour[3] > 0:
+                    write((*to_rgba(other)[:3], colour[3]))
 
 
 def pixels_of(fig: Figure) -> Pixels:

@@ -65,6 +65,7 @@ def render(
     transparent: bool = False,
     line: float = 1.0,
     samples: int = FINER,
+    background: str = "#ffffff",
 ) -> tuple[NDArray[np.uint8], bool]:
     """Render all views into one picture.
 
@@ -78,6 +79,8 @@ def render(
         Width of lines in pixels.
     samples
         Along each side of a pixel.
+    background
+        ``#rrggbb``; that of a transparent picture is white.
 
     Returns
     -------
@@ -87,13 +90,13 @@ def render(
     """
     drawn = [cell for cell in placed if cell.view.bodies]
     if not drawn:
-        blank = np.full((size[1], size[0], 4), (255, 255, 255, 0), dtype=np.uint8)
+        blank = np.full((size[1], size[0], 4), (*colours.rgb(background), 0), dtype=np.uint8)
         return blank[..., : 4 if transparent else 3], False
     block = min(samples, 2 if size[0] * size[1] <= AT_ONCE else 1)
     plotter: Any = pv.Plotter(off_screen=True, window_size=[block * n for n in size], lighting="none")
     try:
         plotter.ren_win.SetMultiSamples(0)  # each pixel is a mean anyway
-        plotter.set_background("white")
+        plotter.set_background("white" if transparent else background)
         for azimuth, elevation, intensity in LIGHTS:
             light = pv.Light(light_type="camera light", intensity=intensity)
             around, above = np.radians([azimuth, elevation])

@@ -6,9 +6,9 @@ from math import inf
 from pathlib import Path
 from typing import TypeVar
 
-from solver.problem.errors import InputError
+from solver.problem.errors import InputError, no_such
 
-from ..figures import fonts
+from ..figures import colours, fonts
 from .views import views_of
 
 Number = TypeVar("Number", int, float)
@@ -52,6 +52,12 @@ class Settings:
         Width and height of the picture in pixels; default: as high as its content.
     samples
         Along each side of a pixel.
+    theme
+        A name of `colours.THEMES`, of the background and of words; default: as suits the background, else light.
+    background
+        ``#rrggbb``; default: that of the theme.
+    color
+        ``#rrggbb`` of the rods, of a kind in one colour.
     """
 
     pixel_error: float = 0.5
@@ -64,6 +70,17 @@ class Settings:
     transparent: bool = False
     size: tuple[int, int] | None = None
     samples: int = 4
+    theme: str | None = None
+    background: str | None = None
+    color: str | None = None
+
+    @property
+    def look(self) -> dict[str, str]:
+        """The colours in place of those of the theme light: of the background, of words and of lines."""
+        light = colours.THEMES["light"]
+        theme = self.theme or (colours.theme_on(self.background) if self.background else "light")
+        background, *others = colours.THEMES[theme]
+        return dict(zip(light, (self.background or background, *others), strict=True))
 
 
 DEFAULT = Settings()
@@ -76,6 +93,10 @@ def check(settings: Settings) -> None:
     if not DPIS[0] <= settings.dpi <= DPIS[1]:
         raise InputError(f"--dpi must be between {DPIS[0]} and {DPIS[1]}, got {settings.dpi}")
     views_of(settings.camera)
+    if settings.theme is not None and settings.theme not in colours.THEMES:
+        raise no_such("theme", settings.theme, colours.THEMES)
+    if settings.background is not None and settings.transparent:
+        raise InputError("--background and --transparent exclude each other")
     if settings.color_range and not -inf < settings.color_range[0] < settings.color_range[1] < inf:
         low, high = settings.color_range
         raise InputError(f"--color-range takes a lower and a higher finite number, got {low:g},{high:g}")
@@ -88,6 +109,20 @@ def check(settings: Settings) -> None:
             f"--size must have between {SIDES[0]} and {SIDES[1]} pixels on each side and at most {MOST_PIXELS} in all, "
             f"got {wide}x{high}"
         )
+
+
+def color_of(option: str, text: str | None) -> str | None:
+    """A colour as ``#rrggbb``, of that form or a name of CSS. Raises `InputError`."""
+    from matplotlib.colors import is_color_like, to_hex
+
+    if text is not None and not is_color_like(text):
+        raise InputError(f"{option} takes a colour, such as '#14181e' or navy, got {text!r}")
+    return None if text is None else to_hex(text)
+
+
+def look_of(theme: str | None, background: str | None, color: str | None) -> Settings:
+    """The settings of --theme, --background and --color. Raises `InputError`."""
+    return Settings(theme=theme, background=color_of("--background", background), color=color_of("--color", color))
 
 
 def check_name(path: Path, settings: Settings) -> None:

@@ -33,8 +33,10 @@ LEAST = 51  # stations
 SHARE = 1e-3  # of the height of a rod, by which its curve between stations may be off: a pixel of a large screen
 FIRST = "turntables"  # the module of the page with which the program begins
 
+PREFERS_DARK = "@media screen and (prefers-color-scheme: dark)"  # in `scheme.css`
 
-def html(stored: StoredStudy, at: Mapping[str, Any] | None = None) -> str:
+
+def html(stored: StoredStudy, at: Mapping[str, Any] | None = None, colours_of: Mapping[str, str] | None = None) -> str:
     """The file as text. It loads nothing from any address.
 
     Parameters
@@ -43,6 +45,8 @@ def html(stored: StoredStudy, at: Mapping[str, Any] | None = None) -> str:
         A stored study, or stored equilibria.
     at
         Values of axes, by name: these axes have no slider.
+    colours_of
+        As `look` of the settings of a scene; default: light or dark as the browser prefers.
 
     Raises
     ------
@@ -50,7 +54,7 @@ def html(stored: StoredStudy, at: Mapping[str, Any] | None = None) -> str:
         As of `stored`.
     """
     rods = turntable_of_dataset(stored, at)
-    style = look() + read("page.css")
+    style = _in_colours(look(), colours_of) + read("page.css")
     sliders = len(rods.data["axes"])
     return pages.page(
         read("page.html.j2"), style, {"program": program()}, data({"rod": rods.data}),
@@ -60,6 +64,15 @@ def html(stored: StoredStudy, at: Mapping[str, Any] | None = None) -> str:
         sliders=sliders,
         left_out=rods.left_out,
     )  # fmt: skip
+
+
+def _in_colours(style: str, colours_of: Mapping[str, str] | None) -> str:
+    """The style with the background and the scheme that are asked for, in place of those that the browser prefers."""
+    if colours_of is None:
+        return style
+    (background, ink, *_), dark = colours_of.values(), colours.THEMES["dark"]
+    which = "all" if ink == dark[1] else "not all"
+    return style.replace(PREFERS_DARK, f"@media {which}", 1) + f":root {{ --paper: {background}; }}\n"
 
 
 def figure(name: str, label: str, still: str = "", caption: str = "", reset: bool = True, row: bool = False) -> str:
