@@ -4,6 +4,8 @@ A frame is D1, D2, D3; D3 is the tangent, and D1 = -d1, D2 = -d2 of `mechanics.f
 rod along the axis, at azimuth 0 and not rotated, is the identity.
 """
 
+from functools import lru_cache
+
 import numpy as np
 
 from ..numerics.arrays import Array
@@ -40,6 +42,16 @@ def directors(q: Array) -> Array:
         [2 * (x * z + w * y), 2 * (y * z - w * x), w * w - x * x - y * y + z * z],
     ]
     return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+
+
+@lru_cache(maxsize=16)
+def held_frame(angles: tuple[float, ...]) -> tuple[Array, Array, Array]:
+    """The frame and its derivatives by four angles, as of `end_frame`, kept: the ends of a rod are asked for the frames
+    of a few angles thousands of times. The arrays are read-only."""
+    parts = end_frame(np.array(angles))
+    for part in parts:
+        part.flags.writeable = False
+    return parts
 
 
 def end_frame(angles: Array) -> tuple[Array, Array, Array]:

@@ -10,6 +10,7 @@ import pytest
 import xarray as xr
 
 from studies import Study, load
+from studies.grammar.axes import Axis
 from studies.language.loader import loads
 from workbench.run import in_memory
 
@@ -93,16 +94,33 @@ def study(axes: str = "", head: str = "", name: str = "small") -> Study:
 
 
 def study_dataset(name: str) -> xr.Dataset:
-    """A shipped study, a refined one on its coarse grid; what is changed in it is changed for this test alone."""
-    return _solve_shipped(name).copy(deep=True)
+    """A shipped study, a refined one on its coarse grid; what is changed in it is changed for this test alone.
+
+    Of a study whose rods leave the cylinder the first, the middle and the last rod: each costs a second.
+    """
+    return _solve_shipped(name, whole=False).copy(deep=True)
 
 
 @cache
-def _solve_shipped(name: str) -> xr.Dataset:
+def _solve_shipped(name: str, whole: bool) -> xr.Dataset:
     study = load(name)
     if study.leaves:
         pytest.importorskip("unopy", reason="the extra contact is not installed")
+        if not whole:
+            study = study.model_copy(update={"axes": {axis: _three(values) for axis, values in study.axes.items()}})
     return in_memory.run(study.coarse())
+
+
+def whole_study_dataset(name: str) -> xr.Dataset:
+    """A shipped study with all of its cases."""
+    return _solve_shipped(name, whole=True).copy(deep=True)
+
+
+def _three(axis: Axis) -> Axis:
+    """The first, the middle and the last value of an axis."""
+    if axis.values is None:
+        return axis.model_copy(update={"count": 3})
+    return axis.model_copy(update={"values": [axis.values[i] for i in (0, len(axis.values) // 2, -1)]})
 
 
 def with_outcomes(ds: xr.Dataset, words: Any) -> xr.Dataset:
