@@ -8,6 +8,7 @@ refined.
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 
@@ -109,14 +110,15 @@ def refinement(minimum: EnergyMinimum) -> EnergyMinimum | None:
 
 def _descents(land: DiscreteEnergy, shape: Array, pushes: int) -> Iterator[EnergyMinimum]:
     """The minima below a shape: one, or those on both sides of a saddle that the way meets."""
-    beta = land.meet(land.shape(shape), 2 * _MEETING)
+    beta, power = land.meet(land.shape(shape), 2 * _MEETING), 0
     for _ in range(_ROUNDS):
         if beta is None or (slopes := land.slopes(beta)) is None:
             return
         energy = land.energy(beta)
         if not (np.isfinite(energy) and np.isfinite(slopes.curved.band).all()):
             return
-        curved, is_valley = _upward_curvature(land, slopes.curved)
+        curved, power = _upward_curvature(land, slopes.curved, power)
+        is_valley = power < 0
         step = curved.solve(-slopes.slope)
         size = float(np.abs(step).max())
         if is_valley and size < _CLOSE:
@@ -140,14 +142,25 @@ def _lower(land: DiscreteEnergy, beta: Array, energy: float, step: Array) -> Arr
     return None
 
 
-def _upward_curvature(land: DiscreteEnergy, curved: Bordered) -> tuple[Bordered, bool]:
-    """The curvature of the energy with as much of the metric added as it needs to curve upwards, and whether it needs
-    none."""
-    shifted, shift = curved.plus(-_LEVEL * land.metric), _SHIFT
-    is_valley = shifted.negative == 0
-    while shifted.negative != 0:
-        shifted, shift = curved.plus(shift * land.metric), 4 * shift
-    return shifted, is_valley
+def _upward_curvature(land: DiscreteEnergy, curved: Bordered, power: int) -> tuple[Bordered, int]:
+    """The curvature of the energy with the least power of 4 of `_SHIFT` times the metric added with which it curves
+    upwards, and this power; -1 where it needs none.
+
+    power: from where it is sought, as the next shape of a descent needs about the same.
+    """
+
+    @cache
+    def curvature_with(power: int) -> Bordered:
+        return curved.plus((-_LEVEL if power < 0 else _SHIFT * 4.0**power) * land.metric)
+
+    if curvature_with(-1).negative == 0:
+        return curvature_with(-1), -1
+    power = max(power, 0)
+    while curvature_with(power).negative != 0:
+        power += 1
+    while power > 0 and curvature_with(power - 1).negative == 0:
+        power -= 1
+    return curvature_with(power), power
 
 
 def _downwards(land: DiscreteEnergy, shifted: Bordered) -> Array:

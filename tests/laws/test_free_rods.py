@@ -116,7 +116,7 @@ def test_the_forces_of_the_wall_and_of_both_ends_are_in_balance_in_space(freed: 
     assert forces[-1] - forces[0] == pytest.approx(-pushes(sol)[0], abs=2e-2)  # of 23.4 N, by trapezoids and edges
 
 
-@pytest.mark.parametrize("seed", slow_but(range(40), 0, 1, 2))
+@pytest.mark.parametrize("seed", slow_but(range(40), 0, 1))
 def test_energy_never_rises_by_letting_go(seed: int) -> None:
     rng = np.random.default_rng(seed)
     beta0, betaL = rng.uniform(-1, 1, 2)

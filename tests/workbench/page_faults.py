@@ -2,15 +2,15 @@
 them, red that is no failure."""
 
 import re
+from collections.abc import Iterator
 from io import BytesIO
-from itertools import combinations
 
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.image import imread
 from matplotlib.path import Path
 from matplotlib.text import Text
-from matplotlib.transforms import Affine2D
+from matplotlib.transforms import Affine2D, Bbox
 from numpy.typing import NDArray
 
 SLACK = 1.5  # pixels
@@ -58,13 +58,21 @@ def faults(fig: Figure, least: float = 7.0, texts: list[Text] | None = None) -> 
             found.append(f"letters of {text.get_fontsize():.1f} points: {said}")
         if UNREADABLE.search(said):
             found.append(f"as programs write it: {said}")
-    for (one, a), (other, b) in combinations(zip(texts, boxes, strict=True), 2):
-        wide, high = (min(a.x1, b.x1) - max(a.x0, b.x0)), (min(a.y1, b.y1) - max(a.y0, b.y0))
+    for one, other in _near_pairs(texts, boxes):
         room = one.get_text().endswith("\n") or other.get_text().endswith("\n")  # empty lines keep room for the other
-        near = not room and wide > SLACK and high > 0.25 * min(a.height, b.height)
-        if near and _outline(one).intersects_path(_outline(other)):
+        if not room and _outline(one).intersects_path(_outline(other)):
             found.append(f"over one another: {one.get_text()!r} and {other.get_text()!r}")
     return found
+
+
+def _near_pairs(texts: list[Text], boxes: list[Bbox]) -> Iterator[tuple[Text, Text]]:
+    """The pairs of texts whose boxes overlap."""
+    x0, y0, x1, y1 = np.array([box.extents for box in boxes]).reshape(-1, 4).T
+    i, j = np.triu_indices(len(texts), 1)
+    wide = np.minimum(x1[i], x1[j]) - np.maximum(x0[i], x0[j])
+    high = np.minimum(y1[i], y1[j]) - np.maximum(y0[i], y0[j])
+    near = (wide > SLACK) & (high > 0.25 * np.minimum((y1 - y0)[i], (y1 - y0)[j]))
+    yield from ((texts[a], texts[b]) for a, b in zip(i[near].tolist(), j[near].tolist(), strict=True))
 
 
 def _outline(text: Text) -> Path:

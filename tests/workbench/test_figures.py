@@ -43,7 +43,8 @@ PAPER = [name for name in names() if name.startswith("fig")]
 
 
 LEAVING = "belt", "let_go", "pipe_centred"
-DATASETS = [(name, small.study_dataset) for name in names() if name != "pipe_centred"]  # three of its rods decide no law
+# Three rods of pipe_centred decide no law.
+DATASETS = [(name, small.study_dataset) for name in names() if name != "pipe_centred"]
 
 
 @pytest.mark.parametrize(("name", "dataset"), [*DATASETS, slow("pipe_centred", small.whole_study_dataset)])
@@ -58,9 +59,7 @@ def test_the_pictures_of_a_shipped_study_can_be_read_and_show_what_is_stored(
     stored_figures.check(f"figure_{name}", pictures)
 
 
-@pytest.mark.parametrize(
-    ("name", "dataset"), [*DATASETS, *(slow(name, small.whole_study_dataset) for name in LEAVING)]
-)
+@pytest.mark.parametrize(("name", "dataset"), [*DATASETS, *(slow(name, small.whole_study_dataset) for name in LEAVING)])
 def test_no_law_of_a_shipped_study_fails_under_the_default_reading_and_those_that_hold_with_a_reserve_say_so(
     name: str, dataset: Callable[[str], xr.Dataset]
 ) -> None:

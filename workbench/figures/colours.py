@@ -5,6 +5,7 @@ orange to brown where it would pull. Stability is the weight of a line. Matplotl
 """
 
 from collections.abc import Mapping
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -100,6 +101,7 @@ def push_words(unit: str, low: float) -> str:
     return WORDS.format(unit=unit) + (PULL_WORDS if low < 0 else "")
 
 
+@cache
 def push_ramp() -> "Colormap":
     """The colours of a push, from the strongest pull to the strongest push; pale at 0."""
     from matplotlib.colors import LinearSegmentedColormap
@@ -117,7 +119,7 @@ def ramp() -> "Colormap":
 
 def ramp_colours(count: int, ends: tuple[float, float] = RAMP_ENDS) -> list[Any]:
     """That many colours along the ramp, between two places on it."""
-    return [ramp()(place) for place in np.linspace(*ends, count)]
+    return list(map(tuple, ramp()(np.linspace(*ends, count)).tolist()))
 
 
 def map_colours(count: int = 256) -> "ListedColormap":

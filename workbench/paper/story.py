@@ -282,9 +282,9 @@ def _faces(ax: Axes, eye: _Eye, faces: Values, normals: Values, shades: Values, 
     shaded = np.clip(shades * (SHADE + (1.08 - SHADE) * light) + 0.35 * light**24, 0, 1)
     first = np.argsort(corners[towards, :, 2].mean(axis=1))
     drawn = shaded[towards][first]
+    triangles: Any = corners[towards][first][..., :2] + [eye.shift, 0.0]  # of one array Matplotlib makes paths sooner
     ax.add_collection(PolyCollection(
-        list(corners[towards][first][..., :2] + [eye.shift, 0.0]), facecolors=drawn, edgecolors=drawn, linewidths=0.25,
-        zorder=order, rasterized=True))  # fmt: skip
+        triangles, facecolors=drawn, edgecolors=drawn, linewidths=0.25, zorder=order, rasterized=True))  # fmt: skip
 
 
 def _cylinder(ax: Axes, eye: _Eye, R: float, ends: tuple[float, float]) -> None:
