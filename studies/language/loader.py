@@ -217,8 +217,8 @@ def _study(given: dict[str, Any], text: str, default_name: str, context: Mapping
     data.setdefault("name", default_name)
     cases = context.get("cases")
     if cases is not None:
-        given = data.get("table")
-        data["table"] = {**(given if isinstance(given, dict) else {}), "file": str(cases.absolute())}
+        table = data.get("table")
+        data["table"] = {**(table if isinstance(table, dict) else {}), "file": str(cases.absolute())}
     try:
         study = Study.model_validate(data)
         study._samples = (

@@ -135,7 +135,7 @@ def test_a_bend_whose_middle_is_exactly_along_the_axis_is_a_bend() -> None:
     assert states(s, on_places, 0.01 * alpha)[0].word == STRAIGHT
 
 
-@pytest.mark.parametrize("bends", (0.3, 0.9, 1.5))
+@pytest.mark.parametrize("turns", (0.3, 0.9, 1.5))
 def test_a_part_of_a_hoop_is_helical_and_has_no_bend(turns: float) -> None:
     """The capstan is exact, so beta is 90 degrees but for rounding."""
     rod, drum = Rod(EI=1e-3, GJ=1e-3, a=0.01, L=2 * np.pi * turns), Cylinder(R=0.99, friction=0.3)

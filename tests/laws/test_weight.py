@@ -265,7 +265,7 @@ def cable(turns: float, size: float, sliding: str, lay: float = 90.0, **ends: fl
 
 
 @pytest.mark.parametrize(
-    ("bends", "size", "sliding"),
+    ("turns", "size", "sliding"),
     [(1, 3.6e5, "forward"), (2, 1e5, "forward"), (3, 1e4, "backward"), (3, 1e3, "backward"), (1, 1e7, "forward")],
 )
 def test_a_limp_cable_on_a_drum_has_the_tension_of_the_capstan(turns: float, size: float, sliding: str) -> None:

@@ -51,7 +51,7 @@ def test_the_jacobi_field_at_the_far_end_is_what_a_change_of_the_start_slope_mak
     np.testing.assert_allclose(told[swings], change[swings], rtol=1e-3, atol=1e-3)  # nudge^2 times the third change
 
 
-@pytest.mark.parametrize(("numbers", "pin", "y", "bends"), (
+@pytest.mark.parametrize(("numbers", "pin", "y", "turns"), (
     ((-4.742, 0.809, 0.311, 71.597, -1.034, -0.881), 0, -69.7, 2),
     ((0.0, 0.0, -3.64e-4, 4494.0, 0.0, 0.0), 2, -134.31, 1),  # a pipe: where terms of H cancel
 ))  # fmt: skip

@@ -64,10 +64,10 @@ def test_the_core_for_browsers_gives_the_numbers_of_this_machine(tmp_path: Path)
     out, swirl = np.empty((4, *t.shape)), np.empty(t.shape)
     known = march(numbers_of(problem), TOL, t, out, swirl)
     told = in_node(tmp_path, problem, t)
-    ends = [("marched", "bends", "goes round")[status] for status in known["status"][:, 0]]
+    ends = [("marched", "turns", "goes round")[status] for status in known["status"][:, 0]]
     ends[2] = "lost"  # a change of this straight rod grows to 1e97
     assert [one["end"] for one in told] == ends
-    assert set(ends) == {"lost", "marched", "bends", "goes round"}
+    assert set(ends) == {"lost", "marched", "turns", "goes round"}
     for i in np.flatnonzero(known["status"][:, 0] != LOST):
         size = np.maximum(1, problem.span[i])
         for name, values in zip(("beta", "rate", "alpha", "z", "swirl"), (*out[:, i], swirl[i]), strict=True):

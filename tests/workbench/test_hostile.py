@@ -190,7 +190,7 @@ def test_an_axis_that_no_picture_can_hold_and_errors_of_fewer_cases_than_their_n
     (huge,) = checks.axes(opened.assign_coords(E=[1e4, 1e300]))
     assert huge == ": the axis 'E' holds values that are not finite, or beyond 1e+50"
     assert list(checks.layout(opened)) == []
-    (other,) = checks.layout(opened.assign(turns_error=0.0))
+    (other,) = checks.layout(opened.assign(bends_error=0.0))
     assert other == ": 'bends_error' has other dimensions than 'bends'"
 
 
