@@ -38,13 +38,14 @@ def _plot(name: str, words: str, study: str, *options: str) -> Result:
 README = (
     _plot("pipe_buckles", "A drill pipe buckles as the load grows", "examples/pipe.toml", "--kind curves"),
     _of("dna", "DNA on a histone", "scene examples/dna.toml --kind contact -o dna.png"),
-    _of("branches_held", "Force over height of a rod that snaps through, with the rod at eight points",
-        "equilibria examples/snap.toml --axis height=-2.5:4.9:21 --plot branches_held.png"),
+    _of("let_go", "A rod that the cylinder holds on, and the same rod let go",
+        "scene examples/release.toml --kind let-go --dpi 110 -o let_go.png"),
 )  # fmt: skip
 RESULTS = (
     *README,
     _of("cable", "A cable on a drum", "scene examples/cable.toml --kind contact -o cable.png"),
-    _of("push", "Where the cylinder pushes, and where it would have to pull", "scene fig6 --kind contact -o push.png"),
+    _of("branches_held", "Force over height of a rod that snaps through, with the rod at eight points",
+        "equilibria examples/snap.toml --axis height=-2.5:4.9:21 --plot branches_held.png"),
     _of("curvature", "How tightly the rod is bent", "scene fig6 --kind curvature -o curvature.png"),
     _of("twist", "A stripe that turns with the material", "scene fig6 --kind twist -o twist.png"),
     _of("stiffer", "Nine rods from soft to stiff", "scene fig7_1_modulus --kind grid -o stiffer.png"),

@@ -111,10 +111,12 @@ def test_scene_makes_a_film(monkeypatch) -> None:
     asked = []
     monkeypatch.setattr(animate, "film_of", lambda *given, **more: asked.append((given, more)) or result_of_files([]))
     film_options = ["--show", "bends", "--fps", "12", "--stored", "--frames", "9"]
+    look = ["--theme", "dark", "--background", "navy", "--color", "gold"]
     for way in ("--along", "--axis"):
-        assert exit_status("scene", "a.h5", way, "E", "--out", "E.mp4", "--dpi", "90", *film_options) == 0
+        assert exit_status("scene", "a.h5", way, "E", "--out", "E.mp4", "--dpi", "90", *film_options, *look) == 0
         given, more = asked.pop()
-        assert given == (Path("a.h5"), "E", None, "contact", "bends", [Path("E.mp4")], 12.0, True, 0.5, 90, False, 9)
+        assert given[:8] == (Path("a.h5"), "E", None, "contact", "bends", [Path("E.mp4")], 12.0, True)
+        assert given[8:] == (0.5, 90, False, 9, "dark", "navy", "gold")
         assert more == {}
         assert exit_status("scene", "a.h5", way, "E", "--out", "E.png", *film_options) == 2, "it would be ignored"
     for other in (["--camera", "front"], ["--bare"], ["--axis", "E", "--along", "R"]):

@@ -10,15 +10,24 @@ import xarray as xr
 from solver import Case, Cylinder, Ends, InputError, Rod, solve
 from studies.language.loader import loads
 from tests.workbench.page_faults import words
+from tests.workbench.pictures import draws
 from workbench import accessor  # noqa: F401
+from workbench.commands import study_scene
 from workbench.export.stored_rod import export
-from workbench.figures import kinds, portrait, unrolled
+from workbench.figures import canvas, kinds, portrait, unrolled
 from workbench.geometry import stored_line
 from workbench.geometry.refinement import push_along
 from workbench.run import checks, in_memory, reading, writing
+from workbench.scene import opengl
+from workbench.scene.body import read
+from workbench.scene.scene_kinds import LET_GO, RELEASED, SIDES_OF_RELEASE, kind_of
+from workbench.scene.settings import Settings
 from workbench.stored.stored_study import StoredStudy
 from workbench.web.live.presets import own_preset
 from workbench.web.turntable import turntable_page
+
+if opengl.probe()[0]:  # without the libraries of OpenGL it cannot be imported
+    from workbench.scene import layout
 
 pytest.importorskip("unopy", reason="the extra contact is not installed")
 
@@ -136,8 +145,9 @@ def test_the_live_page_refuses_a_rod_that_it_would_draw_on_the_wall(text: str, t
 
 
 def said_by(stored: xr.Dataset, kind: str) -> str:
-    """All words of a figure of a study."""
-    return " ".join(" ".join(text.get_text() for text in words(kinds.figure(StoredStudy(stored), kind))).split())
+    """All words of a figure of a study, and of its caption."""
+    drawn = kinds.figure(StoredStudy(stored), kind)
+    return " ".join(" ".join([*(text.get_text() for text in words(drawn)), *canvas.caption(drawn)]).split())
 
 
 def test_an_unrolled_view_says_that_a_rod_off_the_wall_is_seen_along_the_radius(stored: xr.Dataset) -> None:
@@ -154,3 +164,27 @@ def test_stretches_that_cross_one_over_the_other_off_the_wall_have_no_ring() -> 
     alpha, z = np.sin(2 * np.pi * s), 0.5 * np.sin(4 * np.pi * s)
     assert unrolled.crossings(6 * s, 1.0, alpha, z, 0.05, 1.0)
     assert unrolled.crossings(6 * s, 1.0, alpha, z, 0.05, 1.0 + s) == []
+
+
+@draws
+def test_a_rod_is_drawn_held_on_and_let_go_with_its_gap_and_the_forces_at_the_edges(
+    stored: xr.Dataset,
+) -> None:
+    pair = study_scene.release_of(StoredStudy(stored), {})(101)
+    free = np.asarray(pair["radius"].values[1])
+    np.testing.assert_allclose(pair["radius"].values[0], float(pair["rho"][0]))
+    rods = [read(pair, {RELEASED: side}, kind_of(LET_GO)) for side in (0, 1)]
+    assert rods[0].widest_gap is None
+    assert not rods[0].pushes
+    wall, rod = rods[1].widest_gap
+    assert np.hypot(*wall[:2]) == pytest.approx(rods[1].R)
+    gap = np.linalg.norm(rod - wall)
+    assert gap == pytest.approx((free - float(pair["rho"][0])).max(), rel=1e-2)
+    page = layout.compose(pair, None, LET_GO, [RELEASED], settings=Settings(2.0, 60))
+    assert [view.cell.caption for row in page.scene.rows for view in row] == [*SIDES_OF_RELEASE]
+    (said,) = [text.get_text() for text in page.ax.texts if text.get_text().endswith(" cm")][-1:]
+    assert float(said.split()[0]) == pytest.approx(gap, rel=0.01)
+    assert len([text for text in page.ax.texts if getattr(text, "arrow_patch", None)]) == 1 + len(rods[1].pushes)
+    for at, away, force in rods[1].pushes:
+        assert force > 0
+        assert at[:2] @ away[:2] == pytest.approx(rods[1].R + 2 * rods[1].a, rel=1e-3)

@@ -39,8 +39,8 @@ def scene(
         str | None,
         option(
             "KIND",
-            "plain, contact, curvature, twist, ghosts, grid or equilibria; default: contact, or equilibria "
-            "for stored equilibria.",
+            "plain, contact, curvature, twist, ghosts, grid, equilibria, or let-go, a rod held on the cylinder and "
+            "let go; default: contact, or equilibria for stored equilibria.",
         ),
     ] = None,
     axis: Annotated[
@@ -163,7 +163,10 @@ def scene(
         case = [f"{name}={selection.write(name, float(rods[name].values[i]))}" for name, i in indices]
     shown = [*(axes or ([] if chosen.cells == "one" else rods.axes[:1])), *([along] if along else [])]
     solve = study_scene.solver_of(rods, chosen, where, shown)
-    if study is not None and solve is not None:
+    if chosen.name == scene_kinds.LET_GO:
+        solve = study_scene.release_of(rods, where)
+        rods, where, axes = solve(study_scene.FIRST), {}, [scene_kinds.RELEASED]
+    elif study is not None and solve is not None:
         rods = solve(study_scene.FIRST)
     picture, stations = study_scene.at_needed_stations(rods, solve, draw)
     solved = f", solved at {stations} stations" if study or stations != rods.sizes["u"] else ""

@@ -4,6 +4,7 @@ The rods are solved at a few stations, or read, and the camera is set up; where 
 are solved again at as many. The result is a dataset like any other, and is drawn like any other.
 """
 
+import json
 from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import partial
 from pathlib import Path
@@ -12,7 +13,8 @@ from typing import Any, TypeVar
 import numpy as np
 import xarray as xr
 
-from solver.problem.errors import InputError
+from solver.free.free_rods import FREE_TOLERANCE
+from solver.problem.errors import DEFAULT_TOLERANCE, InputError
 from studies import Study, load
 from studies.grammar.axes import Axis
 from studies.language.study import MAX_STATIONS, OUTPUTS
@@ -20,7 +22,8 @@ from studies.language.study import MAX_STATIONS, OUTPUTS
 from ..figures.scales import is_logarithmic, is_wide
 from ..run import in_memory, reading
 from ..run.stored_case import is_study
-from ..scene.scene_kinds import SceneKind
+from ..scene.body import POINT_FORCES
+from ..scene.scene_kinds import CASE, RELEASED, SceneKind, case_values
 from ..scene.settings import TooFewStations
 from ..stored import file_kinds, quantity_variables, schema
 from ..stored.stored_study import StoredStudy
@@ -31,6 +34,7 @@ MOST_CASES = 10_000
 TRIED, STEP, JUMP, LEAST = 49, 0.12, 1.0, 72  # of a film: first values, motion a frame in rho, at most; frames
 Solve = Callable[[int], StoredStudy]  # the cases of a scene at a number of stations
 Drawn = TypeVar("Drawn")
+RELEASED_ARRAYS = ("beta", "dbeta", "alpha", "z", "contact")  # of both rods of a release
 SHAPE = ("beta", "dbeta", "alpha", "z", "radius", "gamma", "contact")
 
 
@@ -64,6 +68,34 @@ def solver_of(stored: StoredStudy, kind: SceneKind, at: dict[str, float], shown:
 def _is_whole(stored: StoredStudy) -> bool:
     """Whether a study gives the cases of a dataset, on all axes that it has."""
     return bool(stored.attrs.get("study")) and stored.axes == schema.axes_left(stored.ds, stored.study)
+
+
+def release_of(stored: StoredStudy, at: Mapping[str, float]) -> Solve:
+    """What solves one case of a study twice, held on the cylinder and let go, at a number of stations.
+
+    The two stand along the dimension `scene_kinds.RELEASED`; the attribute `body.POINT_FORCES` has the point forces.
+    Raises `InputError` for a case that may leave the cylinder by itself, and one that no study gives.
+    """
+    if not _is_whole(stored) or (stored.leaves and not stored.study.let_go):
+        raise InputError("the kind let-go takes the study of a rod that the cylinder holds on, which is then let go")
+    lean = _held_where(stored.study, stored, stored.place(at), []).model_copy(update={"laws": [], "observables": []})
+    case = case_values(stored, stored.place(at))
+    plain = {"let_go": False, "method": "auto", "tol": DEFAULT_TOLERANCE, "outputs": [*RELEASED_ARRAYS]}
+    let_go = {"let_go": True, "method": "auto", "tol": FREE_TOLERANCE, "outputs": [*RELEASED_ARRAYS, "radius"]}
+
+    def solve(stations: int) -> StoredStudy:
+        held, free = (in_memory.run(lean.model_copy(update=how).at_stations(stations)) for how in (plain, let_go))
+        for ds in (held, free):
+            if not ds["solved"].all():
+                raise InputError(f"nothing to draw: {ds['outcome'].values.ravel()[0]}")
+        held = held.assign(radius=held["rho"].broadcast_like(held["z"]))
+        names = [name for name in free.variables if name in held.variables]
+        sides = [ds[names].squeeze(list(lean.axes) and [dim for dim in ds["outcome"].dims]) for ds in (held, free)]
+        pair = xr.concat(sides, xr.Variable((RELEASED,), [0, 1]), coords="minimal", compat="override")
+        forces = [[], [[float(s), float(force)] for s, force in StoredStudy(free.squeeze()).at().point_forces]]
+        return StoredStudy(pair.assign_attrs(free.attrs | {POINT_FORCES: json.dumps(forces), CASE: case}))
+
+    return solve
 
 
 def two_stations(file: Path) -> tuple[Study, StoredStudy]:

@@ -1,6 +1,6 @@
 """The rod of one stored case as a scene draws it: its curve, the part that is drawn, its colours. No OpenGL."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from solver.orbits import frames
 from solver.problem.errors import InputError
 
 from ..geometry import centreline, self_contact, stored_line
@@ -20,6 +21,8 @@ from ..stored.stored_study import StoredStudy
 from .scene_kinds import Paint, SceneKind
 
 STRIPE = 3  # one side in so many is painted
+POINT_FORCES = "point_forces"  # an attribute: of each case of the last axis, arc length and size
+SEEN = 0.05  # radii of the rod: a smaller gap is not seen
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +43,8 @@ class Body:
         By how much it is drawn farther from the axis than it is [length], to set rods apart.
     squeeze
         The factor of its heights in the drawing, less than 1 for a rod that is compressed along the axis.
+    point_forces
+        The arc length and the size of each point force of the wall.
     """
 
     line: Centreline
@@ -49,6 +54,7 @@ class Body:
     caution: str = ""
     lift: float = 0.0
     squeeze: float = 1.0
+    point_forces: Sequence[tuple[float, float]] = ()
     paint: Paint = field(default_factory=Paint)
 
     @property
@@ -125,6 +131,35 @@ class Body:
         """Where the rod passes through itself, (3,) each [length]; heights are from where the drawing begins."""
         return [self._place_on_page(place) for place in self_contact.middles(self.line, self.span)]
 
+    @cached_property
+    def widest_gap(self) -> Array | None:
+        """The shortest line from the wall to the rod where it is farthest off, its two ends, (2, 3); None on the wall.
+
+        Heights are from where the drawing begins.
+        """
+        if not isinstance(self.line, stored_line.FreeLine):
+            return None
+        s = np.linspace(*self.span, 4 * self.alpha.size)
+        place = self.line.frame(s)[0]
+        radius, sign = np.hypot(place[:, 0], place[:, 1]), -1.0 if self.side == "inside" else 1.0
+        gap = sign * (radius - self.line.rho)
+        k = int(np.argmax(gap))
+        if gap[k] < SEEN * self.a:
+            return None
+        ends = np.array([self.R, radius[k] - sign * self.a])[:, None] * np.append(place[k, :2] / radius[k], 0.0)
+        return self._place_on_page(ends + np.array([0.0, 0.0, place[k, 2]]))
+
+    @cached_property
+    def pushes(self) -> list[tuple[Array, Array, float]]:
+        """Point forces of the wall on the rod: where each acts on its surface, (3,), its direction, and its size."""
+        each = []
+        for s, force in self.point_forces:
+            if self.span[0] <= s <= self.span[1]:
+                place, radial = self.line.frame(np.array([s]))[0][0], frames.outward(self.line.at(np.array([s]))[0])[0]
+                away = radial if self.side == "outside" else -radial
+                each.append((self._place_on_page(place + self.a * away), away, force))
+        return each
+
     @property
     def _colour_step(self) -> float:
         """By how much what the colour shows may be off."""
@@ -174,7 +209,9 @@ def read(
     this = variables.select(dict(where))
     gamma = np.asarray(this["gamma"], dtype=float) if "gamma" in kind.reads else None
     caution = str(this["caution"].values) if "caution" in this else ""
-    return Body(line, span or (float(line.s[0]), float(line.s[-1])), kind.value, gamma, caution)
+    forces = stored.data(POINT_FORCES)[list(where.values())[-1]] if POINT_FORCES in stored.attrs else ()
+    drawn = span or (float(line.s[0]), float(line.s[-1]))
+    return Body(line, drawn, kind.value, gamma, caution, point_forces=[(s, force) for s, force in forces])
 
 
 def of_case(

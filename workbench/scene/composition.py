@@ -12,9 +12,9 @@ from ..figures import canvas, fonts
 from ..figures.arrangement import Arrangement
 from ..geometry.centreline import APART, Array
 from ..words import cautions, labels
-from . import long_rod, page
+from . import long_rod, page, scene_kinds
 from .body import Body
-from .page import Page, Scene
+from .page import Mark, Page, Scene
 from .rendering import Placed, render
 from .scene_kinds import Cell, set_range
 from .settings import DEFAULT, Settings, TooFewStations
@@ -25,6 +25,7 @@ NARROWEST = 7.0  # inches of a page, for the line below the views
 COARSEST = 10.0  # pixels that a surface may be off; beyond, it is no picture of that rod
 RING = (0.03, 0.065)  # inches: the least and the largest radius of a ring, else `IN_RODS` radii of its rod
 IN_RODS = 0.75
+LEAST_ARROW = 0.4  # radii of the cylinder: the length of the arrow of no force
 ITSELF = "the rod passes through itself"
 UNSEEN = " (no ring where the cylinder hides it)"
 BEHIND = "a stretch behind the cylinder"
@@ -71,7 +72,7 @@ def compose(scene: Scene) -> Page:
     final = Page(scene, legend, [*notes, *beyond, *rough], (wide, high))
     if not (settings.size or settings.bare):
         final.fit(size[1] / dpi)
-    final.put(pixels, arranged, _rings(scene, arranged))
+    final.put(pixels, arranged, _rings(scene, arranged), _marks_of_contact(scene, arranged))
     final.error, final.stations = error, stations
     return final
 
@@ -89,6 +90,12 @@ def words_of(scene: Scene) -> tuple[list[tuple[str, str]], list[str]]:
         legend.append((page.RING, ITSELF + UNSEEN * any(hidden for _, hidden in crossings)))
     if any(view.hides(body, scene.camera) for view in views for body in view.bodies):
         legend.append((page.OUTLINE, BEHIND))
+    bodies = scene.bodies
+    if any(body.widest_gap is not None for body in bodies):
+        legend.append((page.GAP, "the widest gap to the wall"))
+        legend += [(scene_kinds.OFF_WALL, "off the wall")] * (scene.kind.paint is scene_kinds.by_push)
+    if any(body.pushes for body in bodies):
+        legend.append((page.FORCE, "a point force of the wall"))
     warnings = _impossible_beside(scene.bodies, ringed) if scene.kind.cells != "together" else []
     if len(scene.context) > len(scene.bodies):  # the views of the pictures along an axis stand at one place
         most = max(len(_impossible_beside([body], ringed)) for body in scene.context)
@@ -192,6 +199,24 @@ def _rings(scene: Scene, arranged: Arrangement) -> list[tuple[float, float, floa
             x, y = middle + away * arranged.scale * [1, -1]
             circles.append((float(x), float(y), radius))
     return circles
+
+
+def _marks_of_contact(scene: Scene, arranged: Arrangement) -> list[Mark]:
+    """The widest gap of each rod as a line to the wall, and the point forces of the wall as arrows, in inches."""
+    marks = []
+    largest = max((force for body in scene.bodies for *_, force in body.pushes), default=1.0)
+    for view, middle in _middles(scene, arranged):
+        for body in view.bodies:
+            lines = []
+            if body.widest_gap is not None:
+                size = float(np.linalg.norm(np.diff(body.widest_gap, axis=0)))
+                lines.append((body.widest_gap, f"{labels.number(size, 3)} {scene.stored.units['length']}"))
+            for at, away, force in body.pushes:
+                lines.append((np.stack([at, at + (LEAST_ARROW + force / largest) * body.R * away]), ""))
+            for places, words in lines:
+                across = places @ view.turn.T @ scene.camera.page.T - sum(view.box(scene.camera)) / 2
+                marks.append(Mark(middle + across * arranged.scale * [1, -1], words))
+    return marks
 
 
 def _stations(bodies: Sequence[Body], tolerance: float) -> tuple[int, int]:

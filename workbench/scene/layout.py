@@ -260,7 +260,7 @@ def _row(
     moved = sum(where not in chosen for where in spread)
     rows, cameras = _cells(stored, kind, names, [chosen], settings)
     size = GRID if len(chosen) > IN_ROW else ROW
-    shown = [labels.axis_label(name, stored[name]) for name in names if name != "equilibrium"]
+    shown = [labels.axis_label(name, stored[name]) for name in names if name not in scene_kinds.UNNAMED]
     notes = [f"{len(chosen)} of {len(line)} values"] if len(chosen) < len(line) else []
     notes += [f"in place of {moved} unsolved case{'s' * (moved > 1)} the nearest solved"] if moved else []
     scene = _several(stored, kind, names, rows, cameras[0], settings, chosen[0], shown, notes, size)
@@ -314,6 +314,7 @@ def _cells(
     drawn = _in_view([body for row in each for body, _ in row if body], down, settings)
     flat = [front_camera([], elevation, lying) for lying in (False, True)]
     cameras = [camera_of(drawn, front_camera([], 0.0, True, down))] if down is not None else flat
+    profile = _profile(drawn) if kind.name == scene_kinds.LET_GO and not (settings.camera or down is not None) else None
     fitted, rows = iter(drawn), []
     for row, bodies_of_row in zip(cases, each, strict=True):
         views = []
@@ -321,10 +322,21 @@ def _cells(
             body = next(fitted) if body else None
             cell = replace(kind.cell(stored, names, where) if names else Cell(), why_empty=why)
             own_azimuth = azimuth_of([body]) if body and down is None else 0.0
+            own_azimuth = own_azimuth if profile is None else profile
             turned = -np.radians(azimuth) - own_azimuth
             views.append(View([body] if body else [], cell, turned))
         rows.append(views)
     return rows, cameras
+
+
+def _profile(bodies: Sequence[Body]) -> float | None:
+    """The azimuth [rad] from which the widest gap of rods is seen at its full length, upward of a lying cylinder; None
+    where they are all on the wall."""
+    gaps = [body.widest_gap for body in bodies if body.widest_gap is not None]
+    if not gaps:
+        return None
+    _, place = max(gaps, key=lambda ends: float(np.linalg.norm(np.subtract(*ends))))
+    return float(np.arctan2(place[1], place[0])) + np.pi / 2
 
 
 def _several(
@@ -334,7 +346,8 @@ def _several(
     """The scene of cases side by side."""
     bodies = [body for row in rows for view in row for body in view.bodies]
     held = {name: i for name, i in first.items() if name not in names}
-    case = ", ".join([*shown, *scene_kinds.values(stored, held)])
+    words = [*shown, *scene_kinds.values(stored, held), str(stored.attrs.get(scene_kinds.CASE, ""))]
+    case = ", ".join(word for word in words if word)
     notes = [*long_rod.notes_on(bodies, stored.units["length"]), *notes, *kind.notes]
     return Scene(stored, kind, rows, bodies, case, camera, settings, notes, size)
 

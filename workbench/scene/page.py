@@ -18,7 +18,9 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize, to_hex, to_rgba
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Patch
+from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
 from ..figures import canvas, colours, fonts
@@ -41,9 +43,18 @@ HEAD = 0.17  # the height of a line of headings
 FOOT, APART = 0.6, 0.22  # the height of glyph and bars below the views, and the gap after each
 GLYPH, WEIGHT, SCALE, BAR = 0.62, 0.5, 1.0, 1.6  # widths: the glyph, the longest scale bar, the colour bar
 RING, OUTLINE = "ring", "outline"  # in place of a colour: an open circle, the outline of a hidden stretch
+GAP, FORCE = "gap", "force"  # in place of a colour: a line between two marks, an arrow
 QUALITY = 92  # of JPEG
 WHITE = colours.THEMES["light"][0]
 RUNS = 3  # the strategy of zlib that looks for runs alone: at level 1 the size of level 3 in two thirds of the time
+
+
+@dataclass(frozen=True, eq=False)
+class Mark:
+    """A line between two places, (2, 2) in inches of the picture, with its words; an arrow where it has none."""
+
+    places: Array
+    words: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,10 +189,14 @@ class Page:
         wide, tall = map(float, self.fig.get_size_inches())
         canvas.resize(self.fig, (wide, tall + high - self.room()[1]))
 
-    def put(self, pixels: Pixels, arrangement: Arrangement, rings: Sequence[tuple[float, float, float]]) -> None:
+    def put(
+        self, pixels: Pixels, arrangement: Arrangement, rings: Sequence[tuple[float, float, float]],
+        marks: Sequence[Mark] = (),
+    ) -> None:  # fmt: skip
         """Put the picture in the middle of the room, pixel by pixel, and the words of its cells beside their boxes.
 
-        pixels: of all views, (height, width, 3 or 4). rings: x, y and radius of each in inches of the picture.
+        pixels: of all views, (height, width, 3 or 4). rings: x, y and radius of each in inches of the picture. marks:
+        of contact.
         """
         left, low, wide, high = self.place = self.panel()
         dpi, shape = self.fig.dpi, np.array(pixels.shape[1::-1]) / self.fig.dpi
@@ -196,6 +211,9 @@ class Page:
         if self.bare:
             return
         self._write(start, high, rings)
+        with rc_context(fonts.RC):
+            for mark in marks:
+                _draw_mark(self.ax, mark.places + start, mark.words)
         recolour(self.fig, self.scene.settings.look)
 
     def _write(self, start: tuple[float, float], high: float, rings: Sequence[tuple[float, float, float]]) -> None:
@@ -270,8 +288,22 @@ def _draw_cell(ax: Axes, cell: Cell, box: NDArray[np.float64]) -> None:
                 ha="center", va="center", size=fonts.SMALL)  # fmt: skip
 
 
+def _draw_mark(ax: Axes, places: NDArray[np.float64], words: str) -> None:
+    """A gap as a line with its size beside it, or a force as an arrow; places: (2, 2) in inches of the panel."""
+    style = "|-|, widthA=0.25, widthB=0.25" if words else "-|>"
+    look = {"arrowstyle": style, "color": colours.INK, "lw": 1.1, "shrinkA": 0, "shrinkB": 0}
+    ax.annotate("", tuple(places[1]), tuple(places[0]), arrowprops=look, zorder=6)
+    if words:
+        middle = places.mean(axis=0)
+        ax.text(middle[0] + 0.06, middle[1], words, va="center", size=fonts.SMALL, zorder=7,
+                path_effects=[withStroke(linewidth=2.2, foreground="white")])  # fmt: skip
+
+
 def _handle(colour: str, text: str) -> Artist:
     """What stands beside a text in the legend."""
+    if colour in (GAP, FORCE):
+        return Line2D([], [], color=colours.INK, linewidth=1.1, marker="|" if colour == GAP else ">", label=text,
+                      markevery=None if colour == GAP else [1], markersize=5)  # fmt: skip
     if colour == RING:
         return canvas.ring_entry(text)
     face, edge = (colours.SURFACE, colours.SOFT) if colour == OUTLINE else (colour, "none")

@@ -7,7 +7,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
-from matplotlib.colors import Colormap
+import numpy as np
+from matplotlib.colors import Colormap, to_hex
 
 from solver.problem.errors import InputError, no_such
 from studies.grammar.axes import SAMPLE
@@ -18,6 +19,8 @@ from ..stored.stored_study import StoredStudy
 from ..words import labels
 
 PUSH_RAMP = colours.push_ramp()
+# a rod without push, whose colour is between that of the least push and that of the least pull
+OFF_WALL = to_hex(np.mean([PUSH_RAMP(0.4999), PUSH_RAMP(0.5001)], axis=0))
 
 Extremes = tuple[float, float] | None  # the least and the largest value of all rods; None without rods
 
@@ -120,6 +123,17 @@ def equilibrium(stored: StoredStudy, names: list[str], where: dict[str, int]) ->
     return Cell(f"{words}\n{energy}", number=int(case["equilibrium"]), stable=index == 0)
 
 
+RELEASED = "let_go"  # the dimension of a rod that the cylinder holds on, and of the same rod let go
+CASE = "case_in_words"  # an attribute of the two
+LET_GO = "let-go"  # the kind of scene of the two
+SIDES_OF_RELEASE = ("held on the cylinder", "let go: the cylinder only pushes")
+
+
+def release(stored: StoredStudy, names: list[str], where: dict[str, int]) -> Cell:
+    """A cell that says whether the cylinder holds the rod on."""
+    return Cell(SIDES_OF_RELEASE[where[RELEASED]])
+
+
 def headings(stored: StoredStudy, name: str, cases: list[dict[str, int]]) -> list[str]:
     """The headings of a table: the quantity of an axis with its unit, and the value of each case without."""
     array = stored[name]
@@ -139,7 +153,7 @@ def values(stored: StoredStudy, where: Mapping[str, int], digits: int = 4) -> li
     """
     each = []
     for axis, i in where.items():
-        names = [] if axis == "equilibrium" else [axis]
+        names = [] if axis in UNNAMED else [axis]
         if axis == SAMPLE:
             names += stored.sampled
         each += [stored.equations({name: i}, digits) for name in names]
@@ -147,6 +161,7 @@ def values(stored: StoredStudy, where: Mapping[str, int], digits: int = 4) -> li
 
 
 CURVE = frozenset(NEEDED)
+UNNAMED = ("equilibrium", RELEASED)  # dimensions that are no field
 
 
 @dataclass(frozen=True)
@@ -202,6 +217,7 @@ TABLE = (
     SceneKind("grid", "every case of one axis or two, side by side at one scale", "each", **PUSH),
     SceneKind("equilibria", "every equilibrium between two ends", "each", CURVE | {"energy", "index"}, **PUSH,
          cell=equilibrium, of_equilibria=True, most=18, notes=("below each rod its energy",)),
+    SceneKind(LET_GO, "a rod that the cylinder holds on, and the same rod let go", "each", **PUSH, cell=release),
 )  # fmt: skip
 KINDS = {kind.name: kind for kind in TABLE}
 
