@@ -14,7 +14,7 @@ from tests.workbench.pictures import draws
 from workbench import accessor  # noqa: F401
 from workbench.commands import study_scene
 from workbench.export.stored_rod import export
-from workbench.figures import canvas, kinds, portrait, unrolled
+from workbench.figures import canvas, kinds, portrait, trends, unrolled
 from workbench.geometry import stored_line
 from workbench.geometry.refinement import push_along
 from workbench.run import checks, in_memory, reading, writing
@@ -188,3 +188,13 @@ def test_a_rod_is_drawn_held_on_and_let_go_with_its_gap_and_the_forces_at_the_ed
     for at, away, force in rods[1].pushes:
         assert force > 0
         assert at[:2] @ away[:2] == pytest.approx(rods[1].R + 2 * rods[1].a, rel=1e-3)
+
+
+def test_no_line_joins_rods_that_were_let_go_each_by_itself() -> None:
+    ds = in_memory.run(loads(STUDY.replace("E = 1.07e4, ", "") + "[axes.E]\nvalues = [1e4, 1.2e4, 1.4e4]\n"))
+    drawn = kinds.figure(StoredStudy(ds), "lines", show=["gap_max"])
+    (ax,) = [ax for ax in drawn.axes if "gap" in ax.get_ylabel()]
+    lines = [np.isfinite(np.asarray(line.get_ydata(), dtype=float)) for line in ax.lines if line.get_xdata().size > 1]
+    assert lines
+    assert not any((known[1:] & known[:-1]).any() for known in lines)
+    assert trends.ALONE in canvas.caption(drawn)

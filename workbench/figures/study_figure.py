@@ -128,6 +128,7 @@ def figure(
         width = max(width, trends.LEAST_WIDTH * len(stored.sampled) + 0.8) if wide else width
         diagrams, sentence = trends.samples(stored, sampled, width, sheet.narrow)
         lines, said = lines + diagrams, [sentence]
+    said += [trends.ALONE] * bool(panels and stored.stand_alone)
     said += [*chosen.level, *canvas.say_left_out(chosen.left_out, "--show or --panel")]
     ratios = (BESIDE, 1 - BESIDE) if beside else None
     return canvas.page(stored, sheet, lines, said, 0.3 * bool(sampled), width=width, ratios=ratios)

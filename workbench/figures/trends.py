@@ -22,6 +22,7 @@ MOST_DOTS = 50  # values of a line, beyond which it has no dots
 ROW_HEIGHT, LEAST_WIDTH, TALLEST = 2.1, 1.7, 6.7  # inches of a panel of samples; of all
 NARROW_ROW, LEAST_PANEL, BESIDE = 1.25, 0.85, 0.75  # on a narrow sheet; inches of a panel at least; of ticks and label
 FEW, MANY = 300, 4000  # samples up to which a dot is large, and beyond which the density is drawn
+ALONE = "Each rod was let go by itself: neighbours may be at different minima of the energy, and no line joins them."
 LEAST = 8  # samples of which a rank correlation says something
 BINS = (90, 60)  # of the density
 WITHOUT = "solved, without a number"  # in a legend
@@ -47,11 +48,13 @@ def trend(stored: StoredStudy, ax: Axes, observable: str, axis: str, at: dict[st
     others = {name: i for name, i in order[0].items() if name != axis}
     values = lines.isel(others).values.astype(float)
     is_count, logarithmic = observable in stored.counts, is_logarithmic(stored[axis])
-    for line in lines.values.reshape(-1, along.size) if lines.ndim > 1 else ():
+    for line in lines.values.reshape(-1, along.size) if lines.ndim > 1 and not stored.stand_alone else ():
         draw_line(ax, along, line, is_count, logarithmic, color=colours.FAINT, linewidth=1, zorder=1)
     broken = np.empty(0, dtype=int)  # a line has a gap wherever the branch changes
     if "branch" in stored and set(stored["branch"].dims) == set(order[0]):
         broken = np.flatnonzero(np.diff(stored["branch"].isel(others | on).values)) + 1
+    if stored.stand_alone:
+        broken = np.arange(1, along.size)
     changes = draw_line(ax, along, values, is_count, logarithmic, broken, color=colours.DATA, linewidth=1.2, zorder=2)
     for k in changes.tolist():
         ax.plot(along[[k - 1, k]], [values[[k - 1, k]].mean()] * 2, color=colours.SOFT, linewidth=0.8, marker="|",

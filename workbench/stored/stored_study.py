@@ -111,6 +111,11 @@ class StoredStudy(StoredCases):
         return study_of(self.ds)
 
     @cached_property
+    def stand_alone(self) -> bool:
+        """Whether each rod was let go by itself, so that neighbours may be at different minima of the energy."""
+        return self.leaves and bool(self.attrs.get("study")) and self.study.let_go
+
+    @cached_property
     def case(self) -> "Case":
         """The case of the dataset, of the shape of its remaining axes. Raises `InputError`."""
         from .solved_again import case_of
