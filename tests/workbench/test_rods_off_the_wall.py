@@ -22,6 +22,7 @@ from workbench.scene import opengl
 from workbench.scene.body import read
 from workbench.scene.scene_kinds import LET_GO, RELEASED, SIDES_OF_RELEASE, kind_of
 from workbench.scene.settings import Settings
+from workbench.stored import solved_again
 from workbench.stored.stored_study import StoredStudy
 from workbench.web.live.presets import own_preset
 from workbench.web.turntable import turntable_page
@@ -198,3 +199,19 @@ def test_no_line_joins_rods_that_were_let_go_each_by_itself() -> None:
     assert lines
     assert not any((known[1:] & known[:-1]).any() for known in lines)
     assert trends.ALONE in canvas.caption(drawn)
+
+
+def test_pictures_of_one_file_solve_its_rods_once_and_read_other_stations_from_the_same_shape(
+    stored: xr.Dataset, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    own, calls = StoredStudy(stored), []
+    solve_at = solved_again.solve_at
+    monkeypatch.setattr(solved_again, "solve_at", lambda *given: calls.append(given) or solve_at(*given))
+    for kind in ("curves", "ridge"):
+        kinds.figure(own, kind)
+    finer = own.solve(401, ["radius", "contact"])
+    assert len(calls) == 1
+    again = StoredStudy(stored).solve(401, ["radius", "contact"])
+    assert len(calls) == 2
+    for name in ("radius", "contact"):
+        np.testing.assert_array_equal(finer[name], again[name])

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from solver import Case, Solution, solve
 from solver.end_angle_branch import own_ends
+from solver.free.free_rods import trajectory_of
 from solver.orbits.joined_orbits import Rows
 from solver.orbits.statics import push_from
 from solver.problem.case_fields import values_of, with_field
@@ -80,7 +81,29 @@ def solve_at(ds: xr.Dataset, study: Study, values: Mapping[str, Any]) -> Solutio
     return solve(case, tol=tol, method=method, stations=stations, seed=_slope(ds, study, case))
 
 
-def solve_again(ds: xr.Dataset, stations: int, names: Iterable[str]) -> xr.Dataset:
+def solve_once(ds: xr.Dataset, study: Study, kept: dict[Any, Solution]) -> Solution:
+    """Solve the dataset's cases as `solve_at`, rods off the wall only once: at other stations their shape is read anew.
+
+    kept: these rods, by the values of their axes.
+    """
+    if not study.leaves or study.sweeps or study.follow is not None:
+        return solve_at(ds, study, {})
+    names = [quantity_variables.dimension(name) for name in study.varied]
+    key = tuple((name, np.asarray(ds[name].values).tobytes()) for name in names)
+    known = kept.get(key)
+    if known is None:
+        known = kept[key] = solve_at(ds, study, {})
+    n = _stations(ds, study, known.case)
+    t = known.t[:, -1:] * (np.linspace(0, 1, n) if isinstance(n, int) else np.atleast_1d(ds["u"].values))
+    if np.array_equal(t, known.t):
+        return known
+    answers = trajectory_of(known.case, known.trajectory.free.answers, t, known.tol)
+    return type(known)(known.case, *answers, t, known.method, known.tol)
+
+
+def solve_again(
+    ds: xr.Dataset, stations: int, names: Iterable[str], kept: dict[Any, Solution] | None = None
+) -> xr.Dataset:
     """The cases of a stored dataset at so many stations or a little more, as its study solves them.
 
     Parameters
@@ -90,6 +113,8 @@ def solve_again(ds: xr.Dataset, stations: int, names: Iterable[str]) -> xr.Datas
         The stored stations are among those of the result.
     names : iterable of str
         The arrays along the rod that it has.
+    kept : dict, optional
+        As of `solve_once`.
 
     Raises
     ------
@@ -105,7 +130,11 @@ def solve_again(ds: xr.Dataset, stations: int, names: Iterable[str]) -> xr.Datas
     u = xr.Variable(("u",), np.linspace(0, 1, more * n + 1), ds["u"].attrs if "u" in ds.coords else None)
     bare = (ds.drop_dims("u") if "u" in ds.dims else ds.drop_vars(["u", "s"], errors="ignore")).assign_coords(u=u)
     axes = schema.axes_left(ds, study)
-    sol, dims, solved = solve_at(bare, study, {}), (*axes, "u"), ds["solved"].transpose(*axes).values
+    sol, dims, solved = (
+        solve_once(bare, study, {} if kept is None else kept),
+        (*axes, "u"),
+        ds["solved"].transpose(*axes).values,
+    )
     shape = [bare.sizes[dim] for dim in dims]
 
     def array(values: Any) -> xr.Variable:

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Self
 
@@ -28,9 +28,13 @@ HELD_INDEX = "held_index"  # stored of held ends alone
 
 @dataclass(frozen=True, eq=False)
 class StoredCases:
-    """The cases of a dataset; each property is asked once."""
+    """The cases of a dataset; each property is asked once.
+
+    kept: rods off the wall that were solved again, for all selections of one dataset (`solved_again.solve_once`).
+    """
 
     ds: xr.Dataset
+    kept: dict[Any, Any] = field(default_factory=dict, repr=False)
 
     def __getitem__(self, name: str) -> xr.DataArray:
         """A stored variable. Raises `KeyError`."""
@@ -194,7 +198,7 @@ class StoredCases:
 
     def select(self, places: Mapping[str, Any]) -> Self:
         """The cases at these indices; an axis with one index is gone."""
-        return type(self)(self.ds.isel(places))
+        return type(self)(self.ds.isel(places), self.kept)
 
     def part(self, **values: str) -> Self:
         """What stands at these names on dimensions of names, as of methods or observables; such a dimension is gone."""
@@ -202,7 +206,7 @@ class StoredCases:
 
     def only(self, names: Iterable[str]) -> Self:
         """These cases with some of their variables alone, so that nothing else is read."""
-        return type(self)(self.ds[list(names)])
+        return type(self)(self.ds[list(names)], self.kept)
 
     def with_arrays(self, along: Mapping[str, Any]) -> Self:
         """This case with other arrays along the rod, (n,) each, in place of stored ones."""

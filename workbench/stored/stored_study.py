@@ -175,7 +175,7 @@ class StoredStudy(StoredCases):
         return StoredStudy(refined.raster(self.ds))
 
     def _of(self, ds: xr.Dataset) -> "StoredStudy":
-        return self if ds is self.ds else StoredStudy(ds)
+        return self if ds is self.ds else StoredStudy(ds, self.kept)
 
     def without(self, key: str) -> "StoredStudy":
         """The same without the numbers of some rods: they are NaN, so that diagrams and laws do not show them.
@@ -284,7 +284,9 @@ class StoredStudy(StoredCases):
 
     @cached_property
     def _solution(self) -> "Solution":
-        return self.at()
+        from .solved_again import solve_once
+
+        return solve_once(self.ds, self.study, self.kept)
 
     def at(self, **values: float) -> "Solution":
         """Solve the case at other values of fields of the study, with the study's tolerance and method.
@@ -339,7 +341,7 @@ class StoredStudy(StoredCases):
         """
         from .solved_again import solve_again
 
-        return StoredStudy(solve_again(self.ds, stations, names))
+        return StoredStudy(solve_again(self.ds, stations, names, self.kept), self.kept)
 
     # pictures
 
