@@ -152,11 +152,26 @@ def said_by(stored: xr.Dataset, kind: str) -> str:
 
 
 def test_an_unrolled_view_says_that_a_rod_off_the_wall_is_seen_along_the_radius(stored: xr.Dataset) -> None:
-    radial = "Where a rod is off the wall, it is seen along the radius, at its azimuth times ρ."
+    radial = f"Where a rod is off the wall, it is seen along the radius, at its azimuth times ρ; {unrolled.GAP_LINE}."
     held = in_memory.run(loads(STUDY.replace("let_go = true", "").replace('"gap_max", "contact_share"', '"bends"')))
     for kind in ("curves", "lines"):
         assert radial in said_by(stored, kind)
         assert radial not in said_by(held, kind)
+
+
+def test_a_line_above_an_unrolled_rod_is_as_far_above_it_as_the_rod_is_off_the_wall(stored: xr.Dataset) -> None:
+    drawn = kinds.figure(StoredStudy(stored), "curves")
+    (ax,) = [ax for ax in drawn.axes if ax.get_label() == unrolled.VIEWS]
+    lines = [line for line in ax.lines if str(line.get_gid()).endswith("gap")]
+    gap = StoredStudy(stored).along("gap").values
+    assert len(lines) == 2  # next to both ends
+    above = []
+    for line in lines:
+        x, y = (np.asarray(values, dtype=float) for values in line.get_data())
+        order = np.argsort(stored["z"].values)
+        around = float(stored["rho"]) * (stored["alpha"].values - float(stored["alpha"][0]))
+        above.append((np.interp(x, stored["z"].values[order], around[order]) - y).max())
+    assert max(above) == pytest.approx(gap.max(), rel=1e-2)  # places of a figure are finer than stored stations
 
 
 def test_stretches_that_cross_one_over_the_other_off_the_wall_have_no_ring() -> None:

@@ -82,7 +82,11 @@ def _equals(ax: Axes, stored: StoredStudy, along: Any, numbers: Any, law: Law, r
     values, array = numbers["formula"], stored[law.observable]
     half = labels.in_label_unit(array, law.absolute) if law.relative is None else law.relative * np.abs(values)
     near = _number(law.absolute or 0.0, array) if law.relative is None else f"{100 * law.relative:.4g}{NO_BREAK}%"
-    _line(ax, along, values, f"{formula(stored, law.formula, array)} ± {near}")
+    words = f"{formula(stored, law.formula, array)} ± {near}"
+    if stored.stand_alone:  # the numbers of each rod are its own
+        ax.plot(along, values, "_", color=colours.INK, markersize=9, zorder=1.5, label=words)
+        return
+    _line(ax, along, values, words)
     _allow(ax, along, values - half, values + half)
 
 

@@ -54,6 +54,8 @@ TALLEST_LINES = 0.5, 2.8  # height of all lines as a share of the width, and inc
 HEADS, FOOT = 0.7, 0.75  # inches before the lines, and below them for the key
 HAIR = 0.3  # inches: a rod less wide is a hair
 MOST_WIDE = 1.15  # of the width that the rod needs is that of a line
+SEEN = 0.05  # radii of the rod: a smaller gap is not seen
+GAP_LINE = "a thin line is as far above it as it is off the wall"
 DENSE = 4  # places for each station, so that a rod leaves a line at its edge
 
 Values = NDArray[np.float64]
@@ -384,14 +386,24 @@ def panel_of(rods: DrawnRods, room: tuple[float, float], letters: float, coloure
                                     passes, rod.radius)  # fmt: skip
         if is_too_long:
             notes.append(f"The rod {TOO_LONG}." if rods.axis is None else f"The rod of {rod.name} {TOO_LONG}.")
-        views.append(view)
+        views.append(replace(view, over=gap_lines(rod)))
     return UnrolledPanel(views, room, letters, unit, even=True, notes=[*off_wall(rods.solved), *notes])
 
 
 def off_wall(rods: Sequence[DrawnRod]) -> list[str]:
     """How the unrolled views of rods are read that leave the wall; nothing where none does."""
     leaves = any(np.any(np.abs(rod.radius - rod.rho) > STRAIGHT * rod.rho) for rod in rods)
-    return ["Where a rod is off the wall, it is seen along the radius, at its azimuth times ρ."] * leaves
+    return [f"Where a rod is off the wall, it is seen along the radius, at its azimuth times ρ; {GAP_LINE}."] * leaves
+
+
+def gap_lines(rod: DrawnRod) -> list[tuple[Any, Any, Mapping[str, Any], str]]:
+    """A line above each stretch of a rod that is off the wall, as far above it as the rod is off, as `over` of a
+    view."""
+    gap, (x, y) = np.abs(rod.radius - rod.rho), rod.plane_points()
+    off = np.broadcast_to(gap > SEEN * rod.a, x.shape)
+    pieces = np.split(np.arange(x.size), np.flatnonzero(np.diff(off)) + 1)
+    look = {"color": colours.SOFT, "linewidth": 0.7, "zorder": 2}
+    return [(x[on], (y - gap)[on], look, f"{rod.name}: gap") for on in pieces if off[on[0]] and on.size > 1]
 
 
 def crossings(s: Any, rho: float, alpha: Any, z: Any, a: float, radius: Any) -> list[tuple[Any, Any]] | None:
