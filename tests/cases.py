@@ -14,6 +14,7 @@ from scipy.special import ellipj, ellipkinc, ellipkm1, elliprf
 
 from solver import Case, Cylinder, Ends, Rod, Start
 
+NOWHERE = ("neutral_at", "reach", "arriving_max")  # observables that no rod without weight and friction has
 Shape = tuple[Any, Any, Any]  # beta [rad], alpha [rad], z [length] at given s
 
 

@@ -10,13 +10,14 @@ import numpy as np
 from ..numerics.arrays import Array
 from ..observe.observable_rates import check_observables
 from ..observe.observables import OBSERVABLES, is_count
-from ..problem.case import Case
+from ..problem.case import SLIDING, Case
 from ..problem.errors import InputError, choices, known_name, no_such, show
 from ..problem.quantities import current, quantity
 from .parameters import natural_unit
 
 COLUMNS = ("alpha", "z", "beta")  # what is measured at a point
 DISTANCE = "distance"  # of points without arc length
+MOTION = "@"  # between an observable and how the rod slides, in the name of a target
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,9 +48,9 @@ class MeasuredPoints:
 class Data:
     """All N data of a fit: first the targets, then each column of the points, or their distances.
 
-    targets: observable -> value. points: or None. known: whether the errors are standard deviations. measured: the
-    data, (N,), 0 for a distance. scales: the error of each that counts as 1, (N,); a distance is in units of those of
-    its point.
+    targets: observable -> value, of the rod that slides in another way as ``FZ0@axial-backward``. points: or None.
+    known: whether the errors are standard deviations. measured: the data, (N,), 0 for a distance. scales: the error of
+    each that counts as 1, (N,); a distance is in units of those of its point.
     """
 
     targets: dict[str, float]
@@ -82,7 +83,7 @@ class Data:
 def check_data(case: Case, targets: Any, points: Any, sigma: Any, wrapped: bool) -> Data:
     """The data. Raises `InputError` where they are invalid."""
     goals = {name: _number(f"the target {name}", value) for name, value in _numbers_by_name("targets", targets).items()}
-    _check_targets(goals)
+    _check_targets(case, goals)
     columns, s = _columns(points) if points is not None else ({}, None)
     if not goals and not columns:
         raise InputError("fit needs data: give targets, such as height = 10, or measured points")
@@ -114,7 +115,20 @@ def _numbers_by_name(name: str, value: Any) -> Mapping[str, Any]:
     return {current(key): number for key, number in (value or {}).items()}
 
 
-def _check_targets(names: Mapping[str, float]) -> None:
+def target_parts(name: str) -> tuple[str, str]:
+    """The observable of a target, and how the rod slides there; "" for as in the case."""
+    observable, _, sliding = str(name).partition(MOTION)
+    return observable, sliding
+
+
+def _check_targets(case: Case, targets: Mapping[str, float]) -> None:
+    for target in targets:
+        sliding = target_parts(target)[1]
+        if MOTION in str(target) and not known_name(sliding, SLIDING):
+            raise no_such("sliding", sliding, SLIDING)
+        if sliding and case.cylinder.friction is None:
+            raise InputError(f"the target {target} needs a rod with friction, and the case has none")
+    names = list(dict.fromkeys(target_parts(target)[0] for target in targets))
     for name in names:
         if not known_name(name, OBSERVABLES):
             raise no_such("observable", name, OBSERVABLES)
@@ -193,5 +207,6 @@ def _sigmas(
 
 def scale_of(case: Case, name: str, value: float) -> float:
     """The error of a target that counts as 1 where none is known: its size, or the natural unit of the case."""
-    quantity(name)
-    return abs(value) or natural_unit(case, name)
+    observable = target_parts(name)[0]
+    quantity(observable)
+    return abs(value) or natural_unit(case, observable)

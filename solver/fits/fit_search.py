@@ -50,7 +50,8 @@ def fit(
         Without bounds, starts are drawn from a quarter to four times the value of ``E``, ``a``, ``L`` and ``R``, and
         elsewhere from the value plus and minus its size or the natural unit of the case, whichever is larger.
     targets : mapping, optional
-        Observable -> wanted value, in its unit.
+        Observable -> wanted value, in its unit. ``FZ0@axial-backward`` is that of the same rod with friction that
+        slides in this other way: so one coefficient is fitted to the hook loads of slack-off and pick-up together.
     points : mapping, optional
         Measured points (n,): "alpha" [rad], "z" [length], "beta" [rad], and "s" [length] where known; z = 0 at s = 0.
         With s, each given column is compared at its arc length. Without s, the distance from the curve on the unrolled

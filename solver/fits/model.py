@@ -17,7 +17,7 @@ from ..problem.case_fields import with_fields
 from ..problem.errors import InputError
 from ..solution import Solution
 from ..solve import solve
-from .data import Data, MeasuredPoints
+from .data import Data, MeasuredPoints, target_parts
 from .parameters import Parameter, rates_at, values_at, values_in_words
 
 _COARSE, _FINEST = 201, 6401  # stations of the first search
@@ -51,7 +51,8 @@ class Feet:
 class Evaluation:
     """The residuals at x.
 
-    sol: at the stations of the points. computed, (N,): what the data measure. residuals, (N,): in units of their sizes.
+    sol: at the stations of the points. moved: the rod that slides in another way, by that way. computed, (N,): what
+    the data measure. residuals, (N,): in units of their sizes.
     """
 
     x: Array
@@ -59,6 +60,7 @@ class Evaluation:
     computed: Array
     residuals: Array
     feet: Feet | None
+    moved: dict[str, Solution]
 
     @property
     def place(self) -> Array:
@@ -128,19 +130,28 @@ class Model:
         if isinstance(self.case.given, Ends):
             self._branch = evaluation.sol  # x was accepted
         self.derivatives += 1
-        fields, targets = [parameter.name for parameter in self.parameters], list(self.data.targets)
-        known = evaluation.sol.sensitivity(fields, targets)
-        if not known.solved:
-            raise NoValueError(f"at {values_in_words(self.parameters, x)}: {known.outcome}")
-        for name in targets:
-            if known.remarks[name]:
-                raise NoValueError(f"at {values_in_words(self.parameters, x)}: {name} has {known.remarks[name]}")
-        rows = [known.observables[name] for name in targets]
+        known = {way: self._rates(sol, way, x) for way, sol in {"": evaluation.sol, **evaluation.moved}.items()}
+        rows = [known[way].observables[name] for name, way in map(target_parts, self.data.targets)]
         if self.data.points is not None:
-            rows += list(self._of_points(evaluation, known))
+            rows += list(self._of_points(evaluation, known[""]))
         rates = np.vstack(rows) / self.data.scales[:, None] * rates_at(self.parameters, x)
         self.accepted.append((evaluation, rates))
         return rates
+
+    def _rates(self, sol: Solution, sliding: str, x: Array) -> Any:
+        """The derivatives of a solution and of its targets at x. Raises `NoValueError` where one does not exist."""
+        known = sol.sensitivity([parameter.name for parameter in self.parameters], self._target_names(sliding))
+        place = f"at {values_in_words(self.parameters, x)}"
+        if not known.solved:
+            raise NoValueError(f"{place}: {known.outcome}")
+        for name, remark in known.remarks.items():
+            if remark:
+                raise NoValueError(f"{place}: {name} has {remark}")
+        return known
+
+    def _target_names(self, sliding: str) -> list[str]:
+        """The observables that are targets where the rod slides in a way."""
+        return [name for name, way in map(target_parts, self.data.targets) if way == sliding]
 
     def _of_points(self, evaluation: Evaluation, known: Any) -> list[Array]:
         """The derivatives of what is computed at the points, a block (P, F) for each column."""
@@ -176,14 +187,16 @@ class Model:
             if s is not None and s[-1] > float(case.rod.L):
                 raise NoValueError("the rod is shorter than the s of a point")
             sol = self._solve(case, 2 if s is None else s)
-        computed, residuals = self._compare(sol, nearest)
+        ways = dict.fromkeys(way for _, way in map(target_parts, self.data.targets) if way)
+        moved = {way: self._solve(with_fields(case, {"sliding": way}), 2) for way in ways}
+        computed, residuals = self._compare(sol, nearest, moved)
         if not np.isfinite(residuals @ residuals):
             raise NoValueError("the squares of the residuals are beyond the range of floats")
-        return Evaluation(x.copy(), sol, computed, residuals, nearest)
+        return Evaluation(x.copy(), sol, computed, residuals, nearest, moved)
 
     def _solve(self, case: Case, stations: Any) -> Solution:
         self.solves += 1
-        if self._branch is not None:
+        if self._branch is not None and case.cylinder.sliding == self.case.cylinder.sliding:
             sol = solve(case, self._tol, stations=stations, seed=self._branch)
         elif isinstance(case.given, Ends):
             sol = solve(case, self._tol, stations=stations, choose=self._choose)
@@ -193,14 +206,15 @@ class Model:
             raise NoValueError(str(sol.outcome))
         return sol
 
-    def _compare(self, sol: Solution, nearest: Feet | None) -> tuple[Array, Array]:
+    def _compare(self, sol: Solution, nearest: Feet | None, moved: dict[str, Solution]) -> tuple[Array, Array]:
         """What the data measure, and the residuals. Raises `NoValueError` where an observable does not exist."""
         data, points = self.data, self.data.points
-        seen = observe(sol, data.targets)
-        for name, value in seen.items():
+        seen = {way: observe(one, self._target_names(way)) for way, one in {"": sol, **moved}.items()}
+        targets = np.array([float(seen[way][name]) for name, way in map(target_parts, data.targets)])
+        for name, value in zip(data.targets, targets, strict=True):
             if not np.isfinite(value):
                 raise NoValueError(f"{name} does not exist")
-        columns = [np.array([float(seen[name]) for name in data.targets])]
+        columns = [targets]
         if points is not None:
             columns += [getattr(sol, name) for name in points.columns] if nearest is None else [nearest.distance]
         computed = np.concatenate(columns)

@@ -12,7 +12,8 @@ from .buckling import buckle, buckling_shares, lying_rod, straight_index, straig
 from .descent import index_at
 from .growth import FRICTION, GrowthWay, grow
 from .loaded_rod import SHORT, LoadedRod
-from .local_waves import PASSED, QUIET, leans_and_buckles, lock_up_share, sinusoid, wants_helix, wound_shape
+from .local_waves import QUIET, leans_and_buckles, sinusoid, wants_helix, wound_shape
+from .lock_up import PASSED, lock_up_share
 from .newton import is_same
 from .taut import taut_shape
 from .varying_shapes import Shape

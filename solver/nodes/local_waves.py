@@ -38,7 +38,6 @@ ROUNDS, SETTLED = 100, 1e-9  # of the compression under friction, and its last c
 MANY = 1000  # nodes of a rod with friction, of which one front is tried: each that fails takes seconds
 STEPS, NODES = 30, 50  # of Newton's method from it, and one more for so many nodes
 STEEPEST = 0.9  # sine of beta
-PASSED, SLIGHT = 0.01, 0.01  # of a change of the axial force: less is lock-up; of F, such a change
 TURNS = 2.0  # least, of a helix
 BLUR = 1.0  # of x: from where a helix becomes a sinusoid
 
@@ -163,15 +162,21 @@ def leans_and_buckles(rod: LoadedRod, beyond: float = 0.0) -> bool:
 def waves_at(rod: LoadedRod, over: Array, front: float) -> Waves:
     """The waves at F - 2. front: F - 2 above which the rod is a helix."""
     soft = positive_part(over)
-    k, size, third, stiff, push, itself, axis = np.polynomial.polynomial.polyval(np.minimum(soft, OVER[-1]), curves())
+    k, size, third, stiff, _, itself, axis = np.polynomial.polynomial.polyval(np.minimum(soft, OVER[-1]), curves())
     along_itself = rod.numbers[4] == ALONG_ITSELF
     pull = itself * soft if along_itself else axis * soft**2 * (not rod.turning)
     wound = over > front
     F = np.maximum(2 + over, 1.0)
     helix = np.sqrt(F / 2)
-    k, stiff, push = np.where(wound, [helix, 2 * F, F**2 / 4], [k, stiff * soft, push])
+    k, stiff = np.where(wound, [helix, 2 * F], [k, stiff * soft])
     pull = np.where(wound, helix * F**2 / 4 * along_itself, pull)
-    return Waves(k, size * np.sqrt(soft), third, stiff, push, pull, wound)
+    return Waves(k, size * np.sqrt(soft), third, stiff, mean_push(over, front), pull, wound)
+
+
+def mean_push(over: Array, front: float) -> Array:
+    """The mean push of the wall at F - 2, in units of the weight across. front: as in `waves_at`."""
+    sinusoid = np.polynomial.polynomial.polyval(np.minimum(positive_part(over), OVER[-1]), curves()[:, 4])
+    return np.asarray(np.where(over > front, np.maximum(2 + over, 1.0) ** 2 / 4, sinusoid))
 
 
 def compression(rod: LoadedRod, t: Array, front: float = np.inf) -> Array:
@@ -181,31 +186,16 @@ def compression(rod: LoadedRod, t: Array, front: float = np.inf) -> Array:
     over = before = -(given - rubbed * (rod.span - t)) / unit - 2
     for _ in range(ROUNDS if rubbed else 0):
         passed = integral(waves_at(rod, over, front).push, t)
-        over = np.minimum(-(given - rubbed * (passed[-1] - passed)) / unit - 2, largest(rod))
+        over = np.minimum(-(given - rubbed * (passed[-1] - passed)) / unit - 2, largest(rod.across))
         if np.abs(over - before).max() < SETTLED:
             break
         before = over
     return over
 
 
-def largest(rod: LoadedRod) -> float:
+def largest(across: float) -> float:
     """F - 2 beyond which there is no helix: -phi = 2 cos(beta) sin(beta)^2 has no root beta."""
-    return 4 / (3 * np.sqrt(3 * rod.across)) - 2
-
-
-def lock_up_share(rod: LoadedRod) -> float | None:
-    """The share of the length, from the far end, on which friction lets too little of a change of the force pass.
-
-    None where it lets enough pass, and where friction lowers the compression from the far end on.
-    """
-    if not (rod.numbers[3] > 0 and has_waves(rod)):
-        return None
-    t = places(rod, rod.nodes())
-    over = compression(rod, t, EQUAL)
-    above, below = (waves_at(rod, over + sign * SLIGHT, EQUAL).push for sign in (1, -1))
-    lost = integral(rod.numbers[3] * np.sqrt(rod.across) * (above - below) / (2 * SLIGHT), t)
-    locked = np.flatnonzero((lost[-1] - lost > -np.log(PASSED)) | (over >= largest(rod)))
-    return float(1 - t[locked[-1]] / rod.span) if locked.size else None
+    return 4 / (3 * np.sqrt(3 * across)) - 2
 
 
 def positive_part(over: Array) -> Array:
@@ -353,7 +343,7 @@ def wound_shape(rod: LoadedRod) -> Shape | None:
     fronts, unstable = FRONTS[:1] if rod.rubbed and rod.nodes().size > MANY else FRONTS, None
     for front in fronts:
         t, over = wave_nodes(rod, front)
-        if over.max() >= largest(rod):
+        if over.max() >= largest(rod.across):
             return None
         waves = waves_at(rod, over, front)
         if integral(waves.k * waves.wound, places(rod, t))[-1] * rod.across**0.25 < 2 * np.pi * TURNS:

@@ -168,6 +168,9 @@ NUMBERS: dict[str, Callable[[FreeReading], Any]] = {
     "MZ0": lambda read: np.cross(read.at(0.0).x[0], read.at(0.0).force[0])[2] + read.at(0.0).moment[0, 2],
     "M30": lambda read: read.shape.far_loads[1],
     "neutral_at": FreeReading.neutral_at,
+    "surface_torque": lambda read: -read.shape.far_loads[1],
+    "reach": lambda read: np.nan,
+    "arriving_max": lambda read: np.nan,
     "M10": lambda read: read.end_moment(0.0),
     "M1L": lambda read: read.end_moment(1.0),
 }

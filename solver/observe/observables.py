@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 
 from ..core.tuning import BARELY
-from ..nodes.loaded_rod import MU, PHI, Q
+from ..nodes.loaded_rod import MU, PHI, Q, numbers_of
+from ..nodes.lock_up import largest_arriving, lock_up_length
 from ..numerics.arrays import EPS, Array
 from ..numerics.complex_step import size_of
 from ..orbits.marched_orbit import MarchedOrbit
@@ -190,6 +191,50 @@ def neutral_at(read: MeasuredNumbers) -> Pair:
     return value, np.abs(value) * read.error
 
 
+def surface_torque(read: MeasuredNumbers) -> Pair:
+    """The torque at the upper end that turns the rod about its own axis towards larger gamma [force length].
+
+    The upper end is s = L of a rod with weight that climbs with s, else s = 0.
+    """
+    case = read.sol.case
+    theta = 0.0 if case.cylinder.inclination is None else case.cylinder.inclination
+    weight = 0.0 if case.rod.weight is None else case.rod.weight
+    climbs = flat(weight * np.sin(np.pi / 2 - np.asarray(theta)) > 0, case.shape)
+    start, error = _at_start(read, MU, read.unit_moment, read.loads[2])
+    return np.where(climbs, read.loads[2], 0.0 - start), np.where(climbs, 0.0, error)
+
+
+def _lock_up(read: MeasuredNumbers, number: Callable[[float, float, float, float, float], float]) -> Array:
+    """A number of each rod that friction holds back as it is pushed, (B,); NaN of other rods, and where it is infinite.
+
+    number: of along, across, friction, the compression that arrives and the length, as in `nodes.lock_up`, from
+    the end where the push arrives: s = L of a rod that slides towards larger s.
+    """
+    sol, case = read.sol, read.sol.case
+    values = np.full(sol.problem.size, np.nan)
+    if not case.varies or case.cylinder.friction is None or case.cylinder.turns_in_place:
+        return values
+    numbers = numbers_of(case)
+    start, _ = _at_start(read, PHI, np.ones(sol.problem.size), sol.problem.phi)
+    for i, (_, along, across, rubbed, _, _, outward) in enumerate(numbers):
+        phi = sol.problem.phi[i] if rubbed > 0 else start[i]
+        if rubbed and outward < 0 and np.isfinite(phi):
+            length = sol.problem.span[i]
+            values[i] = number(np.sign(rubbed) * along, across, abs(rubbed), -phi, length)
+    return np.where(np.isinf(values), np.nan, values)
+
+
+def reach(read: MeasuredNumbers) -> Pair:
+    """The length at which the compression at the end that the rod slides to locks it up [length]."""
+    return _lock_up(read, lambda along, across, f, F, _: lock_up_length(along, across, f, F)) * read.rho, np.nan
+
+
+def arriving_max(read: MeasuredNumbers) -> Pair:
+    """The largest compression that arrives at the end that the rod slides to before it locks up [force]."""
+    values = _lock_up(read, lambda along, across, f, _, span: largest_arriving(along, across, f, span))
+    return values * read.unit_force, np.nan
+
+
 def _end_moment(read: MeasuredNumbers, end: int) -> Pair:
     error = np.where(np.isfinite(read.error), read.error, 1.0) * read.steepness
     return read.end_rates[end] * read.A / read.rho, error * read.unit_moment
@@ -282,6 +327,7 @@ NO_FORCE = f"{SEVERAL}; or there is no force along the tangent"
 STRAIGHT = "the rod is straight, or has no such period, where the value is not smooth"
 NO_TURN = "the rod does not turn about the axis in its middle third"
 TOUCHES = "the push touches zero without a change of sign, where a change makes lift-off jump"
+NEVER_LOCKS = "friction locks up a rod inside that slides along the cylinder, unless its weight carries it"
 PLACES = "several places of the rod have the largest push, or the place may leave an end of the rod"
 
 
@@ -332,6 +378,9 @@ OBSERVABLES: dict[str, Observable] = {
     "MZ0": Observable(lambda read: _at_start(read, Q, read.unit_moment, read.loads[1]), holds=True),
     "M30": Observable(lambda read: _at_start(read, MU, read.unit_moment, read.loads[2]), holds=True),
     "neutral_at": Observable(neutral_at, undefined="the axial force is nowhere 0", holds=True),
+    "surface_torque": Observable(surface_torque, holds=True),
+    "reach": Observable(reach, undefined=NEVER_LOCKS, holds=True, least=0),
+    "arriving_max": Observable(arriving_max, undefined=NEVER_LOCKS, holds=True),
     "M10": Observable(lambda read: _end_moment(read, 0), holds=True),
     "M1L": Observable(lambda read: _end_moment(read, 1), holds=True),
 }
@@ -388,7 +437,8 @@ def observe(sol: ShapeArrays, names: Iterable[str], errors: bool = False) -> dic
         `solver.problem.quantities`.
     errors : bool
         Whether to add the estimated error of each, as ``<name>_error`` in the same unit, except for the whole numbers
-        `bends`, `loops`, `overlaps` and `index`, and for the loads `FZ`, `MZ` and `M3`.
+        `bends`, `loops`, `overlaps` and `index`, for the loads `FZ`, `MZ` and `M3`, and for `reach` and
+        `arriving_max`.
 
     Returns
     -------

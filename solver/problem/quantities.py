@@ -105,6 +105,9 @@ _ROWS = (
     _with_error("MZ0", "MZ(0)", _MOMENT, "axial moment at the start"),
     _with_error("M30", "M₃(0)", _MOMENT, "twisting moment at the start"),
     _with_error("neutral_at", "FZ = 0 at s", _LENGTH, "first s where the axial force is 0"),
+    _with_error("surface_torque", "T", _MOMENT, "torque at the upper end that turns the rod"),
+    Quantity("reach", "L lock-up", _LENGTH, "length at which friction locks up this rod under its load"),
+    Quantity("arriving_max", "max arriving F", _FORCE, "largest compression that arrives over this length"),
     Quantity("h", "h", (-2, 0), "first integral of the angle"),
     # observables
     Quantity("bends", "bends", _NUMBER, "number of bends (interior extrema of beta)", former="turns"),

@@ -13,7 +13,7 @@ from benchmarks.make_observable_references import FIELDS, NAMES
 from solver import Case, Cylinder, Ends, Rod, Start, observe, solve
 from solver.observe.observables import OBSERVABLES
 from solver.problem.case_fields import fields_of
-from tests.cases import EXACT, START, ends_in_units_of_rho, helix_moment, in_units_of_rho
+from tests.cases import EXACT, NOWHERE, START, ends_in_units_of_rho, helix_moment, in_units_of_rho
 from tests.numerics.test_sensitivity import ALONG, along, differences, moved
 from tests.slow import slow
 
@@ -137,7 +137,7 @@ def test_an_extreme_of_the_force_that_two_places_reach_unequally_has_a_remark() 
 def test_every_observable_has_a_derivative() -> None:
     found = solve(START["many equilibria"].case).sensitivity(["E", "R"], [*OBSERVABLES])
     assert set(found.observables) == set(OBSERVABLES)
-    assert not any(remark for name, remark in found.remarks.items() if name != "neutral_at")  # a constant force
+    assert not any(remark for name, remark in found.remarks.items() if name not in NOWHERE)  # a constant force
 
 
 @pytest.mark.parametrize(("count", "seed", "least"), [(12, 3, 3), slow(150, 4, 21)])

@@ -15,7 +15,7 @@ from solver.observe.observables import OBSERVABLES, is_count
 from solver.orbits.periodic_orbit import HELIX
 from solver.problem.case_fields import fields_of
 from solver.problem.reduced import NUMBERS, StartProblem, given_numbers
-from tests.cases import START, ends_in_units_of_rho, in_units_of_rho
+from tests.cases import NOWHERE, START, ends_in_units_of_rho, in_units_of_rho
 from tests.slow import slow_but
 
 FILE = json.loads((Path(__file__).parents[1] / "sensitivity_references.json").read_text(encoding="utf-8"))
@@ -135,12 +135,12 @@ def test_derivatives_by_every_field_agree_with_differences(given: Start, side: s
 @pytest.mark.parametrize("given", (TABLE.given, Start(0.7, -0.4, F2=2.0, F3=-20.0, dgamma=0.3)))
 def test_derivatives_of_observables_agree_with_differences(given: Start) -> None:
     case = Case(TABLE.rod, TABLE.cylinder, given)
-    names = ["kappa_mean", "kappa_max", "turns_around", "height", "push_mean", "pull_mean", "push_min", "push_max",
-             "attached", "push_max_at", "energy", "bending_energy", "twist_energy", "amplitude", "bend_number",
-             "contact_size_mean", "bending_moment_max", "pitch", "push_middle", "lift_off_at", "F3_size_max",
-             "bending_stress_max", "FZ", "MZ", "M3", "M10", "M1L", "FZ0", "MZ0", "M30"]  # fmt: skip
+    names = ["kappa_mean", "kappa_max", "turns_around", "height", "push_mean", "pull_mean", "push_min", "push_max", "attached",
+             "push_max_at", "energy", "bending_energy", "twist_energy", "amplitude", "bend_number", "contact_size_mean",
+             "bending_moment_max", "pitch", "push_middle", "lift_off_at", "F3_size_max",
+             "bending_stress_max", "FZ", "MZ", "M3", "M10", "M1L", "FZ0", "MZ0", "M30", "surface_torque"]  # fmt: skip
     found = solve(case).sensitivity(["E", "R", "beta0"], names)
-    assert {*names, "neutral_at"} == set(REAL)  # the axial force is constant: it is nowhere 0
+    assert {*names, *NOWHERE} == set(REAL)  # the axial force is constant: it is nowhere 0
     assert not any(found.remarks.values())
 
     def read(sol: Any) -> Any:
@@ -238,7 +238,7 @@ def test_the_derivatives_of_a_rod_do_not_depend_on_the_other_rods_of_the_call() 
         for stiff, angle, rate, force in zip(E, beta, dbeta, F3, strict=True)
     ]
     together = Case(Rod(E=E, nu=0.25, a=0.25, L=20.0), Cylinder(0.75), Start(beta, dbeta, F3=F3, M3=0.0))
-    names = [name for name in OBSERVABLES if name != "neutral_at"]
+    names = [name for name in OBSERVABLES if name not in NOWHERE]
     found = solve(together, stations=7).sensitivity(("R", "beta0", "F3"), names)
     assert found.solved.tolist() == [True, True, True, False]
     for i, case in enumerate(cases):

@@ -37,7 +37,11 @@ Study = Annotated[
 ]
 Target = Annotated[
     list[str] | None,
-    option("NAME=VALUE", "Wanted value of an observable, such as height=10, in the units of the case; repeatable."),
+    option(
+        "NAME=VALUE",
+        "Wanted value of an observable, such as height=10, in the units of the case; repeatable. FZ0@axial-backward is "
+        "that of the same rod with friction that slides in this other way.",
+    ),
 ]
 Points = Annotated[
     Path | None,
@@ -253,16 +257,18 @@ def _show_data(found: "Fit", asked: "CaseInput") -> None:
     """A row for each target and each third of the points: how well it is met, and its share in each field."""
     import numpy as np
 
+    from solver.inverse.data import target_parts
     from solver.observe.observables import OBSERVABLES
 
-    targets = set(found.groups) & set(OBSERVABLES)
+    targets = {group for group in found.groups if target_parts(group)[0] in OBSERVABLES}
     rows: list[list[Any]] = []
     for label, group, mine in _groups(found, asked, targets):
         shares = [f"{100 * row[mine].sum():.3g} %" if np.isfinite(row).all() else "" for row in found.shares.values()]
         pair: list[Any] = ["", "", ""] if targets else []
         if group in targets:
-            pair = [*(number_stated(group, float(v[mine][0]), asked.units) for v in (found.measured, found.computed)),
-                    unit_stated(group, asked.units)]  # fmt: skip
+            name = target_parts(group)[0]
+            pair = [*(number_stated(name, float(v[mine][0]), asked.units) for v in (found.measured, found.computed)),
+                    unit_stated(name, asked.units)]  # fmt: skip
         rows.append([label, *pair, f"{math.sqrt(float(np.mean(found.residuals[mine] ** 2))):.3g}", *shares])
     heads = ["datum", *(["wanted", "fitted", "unit"] if targets else []), "residual"]
     tables.print_table([*heads, *(f"share in {name}" for name in found.values)], rows)

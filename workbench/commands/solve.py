@@ -200,9 +200,11 @@ def _find(sol: "Solution", units: dict[str, str], level: "Level", whole: bool) -
     from solver.observe.observables import observe, why_unknown
     from studies.language.case_input import field_values, with_unit
 
-    turning = ["M30"] if sol.case.cylinder.turns_in_place else []  # with M3, the torque at both ends
+    wall = sol.case.cylinder
+    turning = ["M30", "surface_torque"] if wall.turns_in_place else []  # with M3, the torque at both ends
+    pushed = ["reach", "arriving_max"] if wall.friction and wall.side == "inside" and not turning else []
     leaves = sol.case.leaves
-    seen = observe(sol, [*level.observables(sol.case.rod, leaves), *turning])
+    seen = observe(sol, [*level.observables(sol.case.rod, leaves), *turning, *pushed])
     reasons = [reason for name in seen for reason in why_unknown(name, seen[name], leaves)]
     remarks = [words for words, affected in reasons if affected and sol.solved and whole and not leaves]
     listed = "energy" in seen and sol.held and sol.solved and not (sol.case.varies or leaves)  # of held ends
@@ -241,8 +243,8 @@ OFF_WALL = (
     "contact_count", "point_force_max",
 )  # fmt: skip
 HEADLINES = (
-    "bends", "turns_around", "height", "kappa_max", "bending_moment_max", "F3_size_max", "push_min", "push_max",
-    "attached", "index", "M30",
+    "bends", "turns_around", "height", "kappa_max", "bending_moment_max", "F3_size_max", "push_min", "push_max", "attached",
+    "index", "M30", "surface_torque", "reach", "arriving_max",
 )  # fmt: skip
 
 

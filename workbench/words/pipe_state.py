@@ -87,7 +87,7 @@ def sentences(sol: "Solution", units: dict[str, str]) -> list[str]:
     said += [way] if (way := way_of(str(sol.begun or ""))) else []
     if sol.case.cylinder.side == "inside" and min(axial_force(sol)) > 0:
         said.append(TENSION)
-    said += [*_friction(sol, force), *_buckling(sol, force), *_expectation(sol, force)]
+    said += [*_friction(sol, units), *_buckling(sol, force), *_expectation(sol, force)]
     return [*said, *[lower_end(sol)] * bool(sol.case.rod.weight)]
 
 
@@ -130,9 +130,9 @@ def _stability(sol: "Solution") -> str:
     return f"{outcomes.stability(int(index))}{' (index 0)' * (index == 0)}"
 
 
-def _friction(sol: "Solution", force: str) -> list[str]:
-    """The friction in all; nothing without any."""
-    wall = sol.case.cylinder
+def _friction(sol: "Solution", units: dict[str, str]) -> list[str]:
+    """The friction in all, the torque of a rod that turns, and how far one is pushed; nothing without any."""
+    wall, force = sol.case.cylinder, units["force"]
     if not wall.friction:
         return []
     scale = float(wall.friction) * float(sol.case.rod.L)
@@ -140,7 +140,20 @@ def _friction(sol: "Solution", force: str) -> list[str]:
     text = f"friction {plain(pushed)} {force} in all, of a rod that {WAYS[str(wall.sliding)]}"
     if pulled > 5e-4 * pushed:  # the model's friction turns round with the push
         text += f"; where the wall would pull, the model takes {plain(pulled)} {force} off again"
-    return [text]
+    return [text, *_reach(sol, units)]
+
+
+def _reach(sol: "Solution", units: dict[str, str]) -> list[str]:
+    """The torque of a rod that turns in place, or over which length a push arrives, in a sentence."""
+    length, force = units["length"], units["force"]
+    if sol.case.cylinder.turns_in_place:
+        return [f"torque {plain(number(sol, 'surface_torque'))} {force} {length} at its upper end turns it"]
+    reach, most = (number(sol, name) for name in ("reach", "arriving_max"))
+    if math.isnan(reach):
+        return []
+    name = "s = L" if sol.case.cylinder.sense[0] > 0 else "s = 0"
+    at_most = f"; over {plain(float(sol.case.rod.L))} {length} at most {plain(most)} {force} arrives" * (most > 0)
+    return [f"reach: with this load at {name} it locks up at {plain(reach)} {length}{at_most}"]
 
 
 def _ripples(sol: "Solution") -> list[str]:

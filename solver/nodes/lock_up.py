@@ -1,0 +1,65 @@
+"""Lock-up: how far a push arrives along a rod inside a cylinder, against friction, in units of A and rho.
+
+Away from the end where it arrives the compression F grows as  dF/dx = along + friction P(F),  with the mean push P of a
+straight rod, a sinusoid or a helix (`local_waves`). The right side does not depend on x, so of a small change of F at
+the other end, the share that arrives is the ratio of dF/dx at both ends. A helix without weight has P = F^2/4: then F
+has no bound at x = 4/(friction F), and a hundredth of a change arrives at nine tenths of that.
+"""
+
+import numpy as np
+
+from ..numerics.roots import halve
+from .loaded_rod import LoadedRod
+from .local_waves import EQUAL, LIGHTEST, SOFT, has_waves, largest, mean_push
+
+PASSED = 0.01  # of a change of the push: less is lock-up, as drillers have it
+WAVELESS = 1e-8  # of F^2: a weight across that is too small for a sinusoid, in place of none
+PANELS, GAUSS = 12, np.polynomial.legendre.leggauss(12)  # where the push is smooth; 1e-9 of the length
+FINE = 1e-10  # of the compression
+
+
+def lock_up_length(along: float, across: float, friction: float, arriving: float) -> float:
+    """The length from which on less than `PASSED` of a change of the push arrives; infinite where that is nowhere.
+
+    along: what phi grows by in a unit of length towards the end where the compression `arriving` arrives. across: the
+    weight across, or 0. friction: the coefficient.
+    """
+    across = max(across, WAVELESS * arriving**2 * (arriving > 0), LIGHTEST)
+    unit = np.sqrt(across)
+
+    def rate(F: np.ndarray) -> np.ndarray:
+        return along + friction * across * mean_push(F / unit - 2, EQUAL)
+
+    first = float(rate(np.array(arriving)))
+    if first <= 0:
+        return np.inf
+    front = unit * (2 + EQUAL)
+    wound = 2 * unit * np.sqrt(max(0.0, first / PASSED - along) / (friction * across))
+    last = max(arriving, min(max(front, wound), unit * (2 + largest(across))))
+    bends = unit * (2 + SOFT * np.linspace(-20, 20, PANELS + 1))
+    helix = np.geomspace(max(front, arriving, FINE * last), last, PANELS + 1) if last > front else ()
+    edges = np.unique(np.clip(np.concatenate([[arriving, last], bends, [front], helix]), arriving, last))
+    width, (x, w) = np.diff(edges)[:, None] / 2, GAUSS
+    return float(np.sum(width * w / rate(edges[:-1, None] + width * (1 + x))))
+
+
+def largest_arriving(along: float, across: float, friction: float, span: float) -> float:
+    """The largest compression that arrives over a length before it locks up; infinite where every one does."""
+    most = 4 / (3 * np.sqrt(3))  # of a helix
+    locks = [lock_up_length(along, across, friction, F) < span for F in (-most, most)]
+    if not locks[1]:
+        return np.inf
+    if locks[0]:
+        return np.nan
+    return halve(lambda F: lock_up_length(along, across, friction, F) < span, -most, most, FINE)[0]
+
+
+def lock_up_share(rod: LoadedRod) -> float | None:
+    """The share of the length, from the far end, on which friction lets too little of a change of the force pass.
+
+    None where it lets enough pass, and where friction lowers the compression from the far end on.
+    """
+    if not (rod.numbers[3] > 0 and has_waves(rod)) or rod.turning:
+        return None
+    share = lock_up_length(rod.along, rod.across, float(rod.numbers[3]), -rod.tension_known) / rod.span
+    return share if share < 1 else None

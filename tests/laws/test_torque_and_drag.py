@@ -1,0 +1,91 @@
+"""Torque and drag of pipes in a hole: hand formulas of soft strings, and how far a push arrives."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from solver import Case, Cylinder, Ends, Rod, fit, observe, solve
+
+PIPE: dict[str, Any] = {"EI": 1224.0, "GJ": 941.6, "a": 0.0635, "weight": 0.241}  # 5 inch, in kN and m
+RHO, FRICTION = 0.04445, 0.25
+LYING = 4 * PIPE["EI"] / (FRICTION * RHO)  # over a compression: the length on which a lying helix locks up
+
+
+def pipe(sliding: str, hole: float, L: float = 300.0, FZ: float = 0.0, friction: float = FRICTION) -> Case:
+    """A pipe in a hole of an inclination in degrees, which s runs down."""
+    wall = Cylinder(R=0.10795, side="inside", inclination=np.deg2rad(180 - hole), friction=friction, sliding=sliding)
+    return Case(Rod(L=L, **PIPE), wall, Ends(beta0=0.0, betaL=0.0, FZ=FZ))
+
+
+def seen(case: Case, *names: str) -> Any:
+    sol = solve(case)
+    assert sol.solved, sol.outcome
+    found = observe(sol, names)
+    return [float(found[name]) for name in names]
+
+
+@pytest.mark.parametrize("hole", (60.0, 90.0))
+def test_a_straight_pipe_that_turns_in_place_needs_the_torque_of_a_soft_string(hole: float) -> None:
+    """It climbs the wall until the push N and its friction f N balance the weight: N (1 + f^2)^(1/2) = w sin(hole)."""
+    across = 0.241 * np.sin(np.deg2rad(hole))
+    by_hand = FRICTION * 0.0635 * across * 300 / np.hypot(1, FRICTION)
+    torque, at_start = seen(pipe("rotating", hole), "surface_torque", "M30")
+    assert torque == pytest.approx(by_hand, rel=2e-3)  # some metres next to the clamps lean less
+    assert torque == -at_start
+
+
+def test_the_torque_is_that_of_the_upper_end() -> None:
+    down, up = pipe("rotating", 60.0), pipe("rotating", 120.0)  # s runs down, and up
+    assert seen(down, "surface_torque")[0] > 0.9
+    climbing = Case(up.rod, up.cylinder, Ends(beta0=0.0, betaL=0.0, M3=1.5, MZ=1.5))
+    assert seen(climbing, "surface_torque", "M30") == pytest.approx([1.5, 1.5 - 0.9648], abs=2e-3)
+
+
+def test_the_force_that_slides_a_straight_pipe_is_that_of_a_soft_string() -> None:
+    along, rubbed = 0.241 * 300 * np.cos(np.pi / 3), FRICTION * 0.241 * 300 * np.sin(np.pi / 3)
+    assert seen(pipe("axial-forward", 60.0), "FZ0")[0] == pytest.approx(along - rubbed, rel=1e-9)
+    assert seen(pipe("axial-backward", 60.0), "FZ0")[0] == pytest.approx(along + rubbed, rel=1e-9)
+
+
+def test_a_lying_helix_locks_up_at_nine_tenths_of_the_length_on_which_its_compression_has_no_bound() -> None:
+    """1/F falls by f rho/(4 EI) in a unit of length, and a change by the square of F: to 1/100 where F is tenfold."""
+    L, force = 900.0, 300.0
+    at_start, reach, most = seen(pipe("axial-forward", 90.0, L, -force), "FZ0", "reach", "arriving_max")
+    assert reach == pytest.approx(0.9 * LYING / force, rel=1e-9)
+    assert most == pytest.approx(0.9 * LYING / L, rel=1e-4)  # as far as it is halved
+    assert LYING * (1 / force + 1 / at_start) == pytest.approx(L, rel=0.01)  # a helix with two clamped ends
+    changed = seen(pipe("axial-forward", 90.0, L, -force - 0.5), "FZ0")[0]
+    passed = -0.5 / (changed - at_start)
+    assert passed == pytest.approx((force / at_start) ** 2, rel=0.1)  # two clamped ends
+
+
+def test_a_straight_pipe_reaches_further_by_the_soft_string() -> None:
+    """Each kN less at the bit is another 1/(f w) of lying pipe before the compression is as large."""
+    much, little = (seen(pipe("axial-forward", 90.0, 300.0, FZ), "reach")[0] for FZ in (-100.0, -50.0))
+    assert little - much == pytest.approx(50 / (FRICTION * 0.241), rel=1e-4)  # the sinusoid begins softly
+
+
+def test_the_largest_push_that_arrives_over_the_reach_of_a_load_is_that_load() -> None:
+    load = 400.0
+    reach = seen(pipe("axial-forward", 80.0, 100.0, -load), "reach")[0]
+    assert seen(pipe("axial-forward", 80.0, reach * 0.99, -load), "arriving_max")[0] == pytest.approx(load, rel=0.02)
+    assert "locked up" in str(solve(pipe("axial-forward", 80.0, reach * 1.01, -load)).outcome)
+
+
+def test_a_pipe_that_its_weight_carries_or_that_turns_never_locks_up() -> None:
+    for case in (pipe("axial-forward", 30.0), pipe("rotating", 90.0)):
+        assert np.isnan(seen(case, "reach")[0])
+
+
+def test_one_coefficient_is_fitted_to_slack_off_and_pick_up_together() -> None:
+    """Hook loads W cos(hole) -+ f W sin(hole): least squares of both."""
+    W, hole = 0.241 * 300, np.pi / 3
+    targets = {"FZ0": 22.0, "FZ0@axial-backward": 50.0}
+    sigma = dict.fromkeys(targets, 1.0)
+    found = fit(pipe("axial-forward", 60.0, friction=0.1), "friction", targets, sigma=sigma, starts=1)
+    assert found.solved, found.outcome
+    assert found.values["friction"] == pytest.approx((50 - 22) / (2 * W * np.sin(hole)), rel=1e-6)
+    assert found.share_of("FZ0@axial-backward")["friction"] == pytest.approx(0.5, rel=1e-6)
+    off = (22 + 50) / 2 - W * np.cos(hole)
+    assert found.residuals == pytest.approx([-off, -off], rel=1e-4)
