@@ -209,7 +209,7 @@ class Model:
     def _compare(self, sol: Solution, nearest: Feet | None, moved: dict[str, Solution]) -> tuple[Array, Array]:
         """What the data measure, and the residuals. Raises `NoValueError` where an observable does not exist."""
         data, points = self.data, self.data.points
-        seen = {way: observe(one, self._target_names(way)) for way, one in {"": sol, **moved}.items()}
+        seen = {way: observe(each, self._target_names(way)) for way, each in {"": sol, **moved}.items()}
         targets = np.array([float(seen[way][name]) for name, way in map(target_parts, data.targets)])
         for name, value in zip(data.targets, targets, strict=True):
             if not np.isfinite(value):
