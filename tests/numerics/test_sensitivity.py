@@ -135,9 +135,9 @@ def test_derivatives_by_every_field_agree_with_differences(given: Start, side: s
 @pytest.mark.parametrize("given", (TABLE.given, Start(0.7, -0.4, F2=2.0, F3=-20.0, dgamma=0.3)))
 def test_derivatives_of_observables_agree_with_differences(given: Start) -> None:
     case = Case(TABLE.rod, TABLE.cylinder, given)
-    names = ["kappa_mean", "kappa_max", "turns_around", "height", "push_mean", "pull_mean", "push_min", "push_max", "attached",
-             "push_max_at", "energy", "bending_energy", "twist_energy", "amplitude", "bend_number", "contact_size_mean",
-             "bending_moment_max", "pitch", "push_middle", "lift_off_at", "F3_size_max",
+    names = ["kappa_mean", "kappa_max", "turns_around", "height", "push_mean", "pull_mean", "push_min", "push_max",
+             "attached", "push_max_at", "energy", "bending_energy", "twist_energy", "amplitude", "bend_number",
+             "contact_size_mean", "bending_moment_max", "pitch", "push_middle", "lift_off_at", "F3_size_max",
              "bending_stress_max", "FZ", "MZ", "M3", "M10", "M1L", "FZ0", "MZ0", "M30", "surface_torque"]  # fmt: skip
     found = solve(case).sensitivity(["E", "R", "beta0"], names)
     assert {*names, *NOWHERE} == set(REAL)  # the axial force is constant: it is nowhere 0

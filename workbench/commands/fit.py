@@ -257,7 +257,7 @@ def _show_data(found: "Fit", asked: "CaseInput") -> None:
     """A row for each target and each third of the points: how well it is met, and its share in each field."""
     import numpy as np
 
-    from solver.inverse.data import target_parts
+    from solver.fits.data import target_parts
     from solver.observe.observables import OBSERVABLES
 
     targets = {group for group in found.groups if target_parts(group)[0] in OBSERVABLES}

@@ -243,8 +243,8 @@ OFF_WALL = (
     "contact_count", "point_force_max",
 )  # fmt: skip
 HEADLINES = (
-    "bends", "turns_around", "height", "kappa_max", "bending_moment_max", "F3_size_max", "push_min", "push_max", "attached",
-    "index", "M30", "surface_torque", "reach", "arriving_max",
+    "bends", "turns_around", "height", "kappa_max", "bending_moment_max", "F3_size_max", "push_min", "push_max",
+    "attached", "index", "M30", "surface_torque", "reach", "arriving_max",
 )  # fmt: skip
 
 
