@@ -11,10 +11,10 @@ from ..problem.case import ALONG_ITSELF
 from .buckling import buckle, buckling_shares, lying_rod, straight_index, straight_shape
 from .descent import index_at
 from .growth import FRICTION, GrowthWay, grow
-from .loaded_rod import SHORT, LoadedRod
+from .loaded_rod import ALPHA, SHORT, LoadedRod
 from .local_waves import QUIET, leans_and_buckles, sinusoid, wants_helix, wound_shape
 from .lock_up import PASSED, lock_up_share
-from .newton import is_same
+from .newton import correct, is_same
 from .taut import taut_shape
 from .varying_shapes import Shape
 
@@ -32,6 +32,7 @@ RESTLESS = (
 )
 NEIGHBOURS, NEARLY = (0.99, 1.01), 0.9  # shares of the loads; of the way
 TAUT, LIGHT = "the taut rod without weight", "the rod without weight"
+TAUT_AND_FREE = f"{TAUT}, whose far end is free to go round at first"
 PULLED = "the rod under more tension, which is taken off"
 NEIGHBOUR = "the rod under {:g} times these loads"
 NEEDS_TORQUE = "a straight rod needs MZ = M3, or an azimuth in place of MZ"
@@ -74,9 +75,22 @@ def helix_of(rod: LoadedRod) -> Shape | None:
 
 
 def from_taut_rod(rod: LoadedRod) -> GrowthWay:
-    """The shape of a rod that is taut without its weight, which then grows."""
-    taut = taut_shape(rod.with_weight(0.0)) if rod.along or rod.across else None
-    return replace(grow(rod.with_weight, taut), begun=TAUT) if isinstance(taut, Shape) else GrowthWay(None)
+    """The shape of a rod that is taut without its weight, which then grows.
+
+    A held azimuth is free until then, and moves at last to where it is held: as the rod is stable without that, it is
+    stable with it.
+    """
+    free = rod.with_azimuth(None) if "azimuth" in rod.held else rod
+    taut = taut_shape(free.with_weight(0.0)) if rod.along or rod.across else None
+    way = grow(free.with_weight, taut) if isinstance(taut, Shape) else GrowthWay(None)
+    if way.shape is None or free is rod:
+        return replace(way, begun=TAUT)
+    own, goal = float(way.shape.y[-1, ALPHA] - rod.near[1]), float(rod.far[1])
+    first = correct(replace(way.shape, rod=rod.with_azimuth(own)))
+    if first is None:
+        return GrowthWay(None)
+    turned = grow(lambda x: rod.with_azimuth(own + (goal - own) * x), first)
+    return replace(turned, jumped=way.jumped + turned.jumped, begun=TAUT_AND_FREE)
 
 
 def from_neighbours(rod: LoadedRod, path: GrowthWay) -> GrowthWay:

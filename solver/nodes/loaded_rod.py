@@ -127,6 +127,14 @@ class LoadedRod:
         far[2] = phi
         return replace(self, held=self.held - {"height"}, far=far)
 
+    def with_azimuth(self, gained: float | None) -> "LoadedRod":
+        """The rod with another azimuth held at the far end, over that of the start; None: with a free one, under the
+        moment with which a straight rod is an equilibrium."""
+        far = self.far.copy()
+        far[1] = self.twist_known if gained is None else gained
+        held = self.held - {"azimuth"} if gained is None else self.held | {"azimuth"}
+        return replace(self, held=held, far=far)
+
     def with_friction(self, part: float) -> "LoadedRod":
         """The rod with a share of its friction."""
         numbers = self.numbers.copy()

@@ -237,6 +237,16 @@ def test_a_general_rod_falls_far_or_is_held_by_more_tension_at_first(seed: int, 
         assert sol.held_index == 0
 
 
+@pytest.mark.parametrize("rest", ({"M1L": 0.0, "M3": -1.06, "azimuth": 2.14}, {"betaL": 0.0, "azimuth": 0.0}))
+def test_a_pushed_vertical_rod_whose_azimuth_is_held_is_reached_where_its_far_end_was_free(rest: Any) -> None:
+    """It buckles at a few hundredths of its loads, and the branch of the straight rod ends there."""
+    rod, cylinder = Rod(EI=1.0, GJ=0.7, a=0.1, L=117.5, weight=0.0757), Cylinder(0.9, inclination=0.0)
+    sol = solve(Case(rod, cylinder, Ends(beta0=0.0, FZ=-6.21, **rest)), stations=20_001)
+    assert (sol.outcome, sol.held_index) == ("solved", 0)
+    assert sol.alpha[-1] - sol.alpha[0] == pytest.approx(rest["azimuth"], abs=1e-8)
+    assert max(unbalanced(sol)) < 1e-6
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("seed", "most"), ((1, 4), (2, 4)))
 def test_few_of_a_hundred_general_rods_have_no_answer(seed: int, most: int) -> None:
