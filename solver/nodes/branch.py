@@ -85,11 +85,11 @@ def from_taut_rod(rod: LoadedRod) -> GrowthWay:
     way = grow(free.with_weight, taut) if isinstance(taut, Shape) else GrowthWay(None)
     if way.shape is None or free is rod:
         return replace(way, begun=TAUT)
-    own, goal = float(way.shape.y[-1, ALPHA] - rod.near[1]), float(rod.far[1])
-    first = correct(replace(way.shape, rod=rod.with_azimuth(own)))
+    gained, goal = float(way.shape.y[-1, ALPHA] - rod.near[1]), float(rod.far[1])
+    first = correct(replace(way.shape, rod=rod.with_azimuth(gained)))
     if first is None:
         return GrowthWay(None)
-    turned = grow(lambda x: rod.with_azimuth(own + (goal - own) * x), first)
+    turned = grow(lambda x: rod.with_azimuth(gained + (goal - gained) * x), first)
     return replace(turned, jumped=way.jumped + turned.jumped, begun=TAUT_AND_FREE)
 
 

@@ -31,6 +31,7 @@ NOT_CONTRADICTED, ON_PART, ON_OBSERVABLE = QUALIFICATIONS = (
     "depends on the observable",
 )
 
+BETWEEN = "cases that refinement added between the lines of the coarse grid go against it"
 MOST = 3  # reasons of different lines of a grid that are listed
 PLAIN = {  # verdict -> what a reader is told
     HOLDS: "true",

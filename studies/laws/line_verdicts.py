@@ -270,6 +270,18 @@ def cuts(crossing: ArrayLike | None, shape: tuple[int, ...], k: int = 0) -> NDAr
     return np.moveaxis(cut, k, -1)
 
 
+def branch_changes(branch: ArrayLike) -> NDArray[np.bool_]:
+    """The steps along the last axis between which the number of the branch, (..., n), changes, (..., n - 1).
+
+    An unsolved case has none, a negative number: the branch before it is held until the next.
+    """
+    numbers = np.asarray(branch)
+    known = numbers >= 0
+    last = np.maximum.accumulate(np.where(known, np.arange(numbers.shape[-1]), 0), axis=-1)
+    changes: NDArray[np.bool_] = np.diff(np.take_along_axis(numbers, last, axis=-1), axis=-1) != 0
+    return changes & np.logical_or.accumulate(known, axis=-1)[..., :-1]
+
+
 def _with_gaps(line: Line, pausing: bool, pairs: _Pairs, exceptions: list[tuple[int, int]]) -> Verdict:
     """The verdict on a line with unknown steps: it fails only if the known steps rule out even a trend."""
     row, cut, count = line.values, line.cut, line.even.size

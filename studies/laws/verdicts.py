@@ -9,8 +9,8 @@ numbers support only part of the sentence:
 *depends on the observable*: one of its `alternatives` fails.
 """
 
-from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -229,19 +229,61 @@ class Grid:
     """What laws are judged on: the axes of a grid of cases, and numbers of each case.
 
     axes: the values of each. crossing: over the grid, but one fewer along the axis of the law. counts: the expressions
-    that are whole numbers. known: the numbers that the formulas of the law use, by name. added: over the grid, the
-    cases that a refinement added.
+    that are whole numbers. known: the numbers that the formulas of the law use, by name. rows: the lines of cases that
+    are no grid, whose numbers are (cases,); axes then has those of the study.
     """
 
     axes: Mapping[str, ArrayLike]
     crossing: ArrayLike | None
     counts: Collection[str]
     known: Mapping[str, ArrayLike]
-    added: ArrayLike | None = None
+    rows: Sequence["Row"] | None = None
 
     @property
     def shape(self) -> tuple[int, ...]:
         return tuple(np.size(values) for values in self.axes.values())
+
+    def rows_along(self, axis: str) -> Sequence["Row"]:
+        """The lines of cases along an axis."""
+        if axis not in self.axes:
+            raise no_such("axis", axis, self.axes)
+        if self.rows is not None:
+            return self.rows
+        k = list(self.axes).index(axis)
+        order = np.argsort(np.asarray(self.axes[axis], dtype=float), kind="stable")
+        along, cut = np.asarray(self.axes[axis], dtype=float)[order], cuts(self.crossing, self.shape, k)
+        cases = np.moveaxis(np.arange(int(np.prod(self.shape))).reshape(self.shape), k, -1)[..., order]
+        others = {dim: np.asarray(values, dtype=float) for dim, values in self.axes.items() if dim != axis}
+        return [
+            Row({dim: float(at[i]) for (dim, at), i in zip(others.items(), where, strict=True)},
+                cases[where], along, cut[where]) for where in np.ndindex(cases.shape[:-1])
+        ]  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class Row:
+    """A line of cases along the axis of a law.
+
+    at: the values of the other axes. cases: (n,), the indices of the cases in the rising order of the axis, -1 where
+    none is stored. along: (n,), the values of the axis. cut: (n - 1,), the steps that cross to another branch. added:
+    (n,), the cases that a refinement added where a number changes; None for none.
+    """
+
+    at: Mapping[str, float]
+    cases: NDArray[np.int64]
+    along: NDArray[np.float64]
+    cut: NDArray[np.bool_]
+    added: NDArray[np.bool_] | None = None
+
+    @property
+    def stored(self) -> NDArray[np.bool_]:
+        """Which cases are stored, (n,)."""
+        return self.cases >= 0
+
+    def take(self, values: NDArray[Any]) -> NDArray[Any]:
+        """Its own of the values (cases,); NaN where no case is stored."""
+        taken = values[self.cases]
+        return taken if self.stored.all() else np.where(self.stored, taken, np.nan)
 
 
 def decide(
@@ -251,7 +293,7 @@ def decide(
     crossing: ArrayLike | None = None,
     counts: Collection[str] = (),
     known: Mapping[str, ArrayLike] | None = None,
-    added: ArrayLike | None = None,
+    rows: Sequence[Row] | None = None,
 ) -> dict[str, Any]:
     """The verdict on a law, and on each further observable that it names, as plain data.
 
@@ -269,9 +311,9 @@ def decide(
         The expressions among the observables that are whole numbers.
     known : mapping of arrays, optional
         The numbers that the formulas of the law use, by name; each broadcasts to the grid.
-    added : array of bool, optional
-        Over the grid: the cases that a refinement added where a number changes. They may go against the law; a trend is
-        that of the others.
+    rows : sequence of Row, optional
+        The lines of cases that are no grid, as a refinement leaves them; observed and known are then (cases,). A line
+        on which cases of the coarse grid are not stored counts where its other cases go against the law.
 
     Returns
     -------
@@ -293,11 +335,11 @@ def decide(
     missing = [name for name in law.observables if name not in observed]
     if missing:
         raise InputError(f"the law {law.claim} needs the observable {missing[0]!r}; available: {choices(observed)}")
-    grid = Grid(axes, crossing, counts, known or {}, added)
-    rows = [
+    grid = Grid(axes, crossing, counts, known or {}, rows)
+    verdicts = [
         {"observable": name, **_over_lines(law, name, np.asarray(observed[name]), grid)} for name in law.observables
     ]
-    row = _row(law, rows)
+    row = _row(law, verdicts)
     others = [also for also in row["also"] if also["alternative"] and also["verdict"] == FAILS]
     if others and as_good(row["verdict"], QUALIFIED):
         row["verdict"] = QUALIFIED
@@ -337,9 +379,9 @@ def by_line(
         If the axis is missing.
     """
     grid = Grid(axes, crossing, counts, known or {})
-    _, lines, judge = _lines(law, law.observable, np.asarray(observed), grid)
-    words = [judge(where).verdict for where in np.ndindex(lines.shape[:-1])]
-    return np.array(words).reshape(lines.shape[:-1])
+    judge = _judge(law, law.observable, np.asarray(observed), grid)
+    words = [judge(row).verdict for row in grid.rows_along(law.axis)]
+    return np.array(words).reshape([np.size(values) for dim, values in axes.items() if dim != law.axis])
 
 
 def refusal(law: Law, reason: str) -> dict[str, Any]:
@@ -376,60 +418,51 @@ def targets(law: Law, shape: tuple[int, ...], known: Mapping[str, ArrayLike]) ->
 
 
 def _over_lines(law: Law, name: str, values: NDArray[Any], grid: Grid) -> dict[str, Any]:
-    """The verdict over the lines of the grid along the axis of the law."""
-    along, lines, judge = _lines(law, name, values, grid)
-    others = {dim: np.asarray(at, dtype=float) for dim, at in grid.axes.items() if dim != law.axis}
-    at = {dim: float(_nearest(values, law.at[dim])) for dim, values in others.items() if dim in law.at}
-    every, deciding, exceptions, ends = [], [], [], []
-    for where in np.ndindex(lines.shape[:-1]):
-        line = lines[where]
-        verdict = judge(where)
+    """The verdict over the lines of cases along the axis of the law."""
+    rows, judge = grid.rows_along(law.axis), _judge(law, name, values, grid)
+    whole = [row.at for row in rows if row.stored.all()]
+    at = {dim: float(_nearest(np.array([place[dim] for place in whole]), value)) for dim, value in law.at.items()
+          if dim in grid.axes and dim != law.axis}  # fmt: skip
+    every, deciding, exceptions, ends, steps = [], [], [], list[NDArray[Any]](), 0
+    for row in rows:
+        line, verdict, is_whole = row.take(values.reshape(-1)), judge(row), row.stored.all()
+        if not (is_whole or verdict.exceptions or verdict.verdict == FAILS):
+            continue
         every.append(verdict.verdict)
-        place = {dim: float(values[i]) for (dim, values), i in zip(others.items(), where, strict=True)}
-        if any(place[dim] != value for dim, value in at.items()):
+        if any(row.at[dim] != value for dim, value in at.items()):
             continue
         deciding.append(verdict)
-        ends.append(line[[0, -1]])
+        ends += [line[[0, -1]]] * bool(is_whole)
+        steps += int(row.stored.sum()) - (law.counted == STEPS)
         exceptions += [
-            {"from": float(along[i]), "to": float(along[j]), "values": line[[i, j]].tolist(), "at": place}
+            {"from": float(row.along[i]), "to": float(row.along[j]), "values": line[[i, j]].tolist(), "at": row.at}
             for i, j in verdict.exceptions
         ]
     return _tell(law, name, every, deciding, at, ends) | {
         "counted": law.counted,
-        "across": list(others),
-        "steps": len(deciding) * (along.size - (law.counted == STEPS)),
+        "across": [dim for dim in grid.axes if dim != law.axis],
+        "steps": steps,
         "exceptions": exceptions,
     }
 
 
-def _lines(
-    law: Law, name: str, values: NDArray[Any], grid: Grid
-) -> tuple[NDArray[Any], NDArray[Any], Callable[[tuple[int, ...]], Verdict]]:
-    """The axis of the law in rising order, the observable with that axis last, the verdict on a line by its place."""
-    if law.axis not in grid.axes:
-        raise no_such("axis", law.axis, grid.axes)
-    if values.shape != grid.shape:
+def _judge(law: Law, name: str, values: NDArray[Any], grid: Grid) -> Callable[[Row], Verdict]:
+    """What says the verdict on a line of cases."""
+    if grid.rows is None and values.shape != grid.shape:
         raise InputError(f"{name} has shape {values.shape}, but its axes are {', '.join(grid.axes)}")
-    k = list(grid.axes).index(law.axis)
-    along = np.asarray(grid.axes[law.axis], dtype=float)
-    order = np.argsort(along, kind="stable")
+    compared = {key: (at.reshape(-1), why.reshape(-1))
+                for key, (at, why) in targets(law, values.shape, grid.known).items()}  # fmt: skip
+    count, rule, kind, flat = name in grid.counts or is_count(name), law.rule, KINDS[law.kind], values.reshape(-1)
 
-    def rise(array: NDArray[Any]) -> NDArray[Any]:
-        return np.moveaxis(array, k, -1)[..., order]
+    def judge(row: Row) -> Verdict:
+        mine = {key: row.take(at) for key, (at, _) in compared.items()}
+        texts = (text for _, texts in compared.values() for text in texts[row.cases[row.stored]].tolist() if text)
+        line = line_of(row.take(flat), count, row.cut, axis=law.axis, along=row.along, targets=mine,
+                       why="; ".join(dict.fromkeys(texts)), added=row.added)  # fmt: skip
+        verdict = kind.judge(line, rule)
+        return verdict if row.stored.all() else replace(verdict, reason=law_words.BETWEEN)
 
-    along, lines, cut = along[order], rise(values), cuts(grid.crossing, grid.shape, k)
-    compared = {key: (rise(at), rise(why)) for key, (at, why) in targets(law, grid.shape, grid.known).items()}
-    count, rule, kind = name in grid.counts or is_count(name), law.rule, KINDS[law.kind]
-    added = None if grid.added is None else rise(np.asarray(grid.added))
-
-    def judge(where: tuple[int, ...]) -> Verdict:
-        mine = {key: at[where] for key, (at, _) in compared.items()}
-        why = "; ".join(dict.fromkeys(text for _, texts in compared.values() for text in texts[where].tolist() if text))
-        line = line_of(lines[where], count, cut[where], axis=law.axis, along=along, targets=mine, why=why,
-                       added=None if added is None else added[where])  # fmt: skip
-        return kind.judge(line, rule)
-
-    return along, lines, judge
+    return judge
 
 
 def _tell(

@@ -12,6 +12,8 @@ import workbench.accessor  # noqa: F401  (ds.rod)
 from solver import observe, solve
 from studies import Study
 from studies.language.loader import loads
+from studies.laws.line_verdicts import TREND, as_good
+from studies.laws.verdicts import Law, decide
 from tests.workbench import runs, small, stored_figures
 from tests.workbench.command import run
 from workbench.figures import kinds, map_figure, study_figure
@@ -216,11 +218,34 @@ def test_where_cases_begin_to_fail_is_located_and_failed_cells_are_told(monkeypa
 # laws, pictures, commands
 
 
-def test_a_law_is_judged_on_the_coarse_grid(stored: Path) -> None:
+def test_in_a_plane_the_lines_of_the_coarse_grid_are_judged_with_all_their_cases(stored: Path) -> None:
     with xr.open_dataset(stored) as ds:
-        rows = law_verdicts.verdicts(ds)
-    assert rows == law_verdicts.verdicts(in_memory.run(study(PLANE + LAW).coarse()))
-    assert rows[0]["lines"] == 4
+        (row,), on_line = law_verdicts.verdicts(ds), int((ds["R"] == 0.5 + 1 / 3).sum())
+    (coarse,) = law_verdicts.verdicts(in_memory.run(study(PLANE + LAW).coarse()))
+    assert row["at"] == coarse["at"] == {"R": 0.5 + 1 / 3}
+    assert row["steps"] == on_line - 1 > coarse["steps"]
+
+
+@pytest.mark.parametrize(
+    ("rule", "sign"), [({"kind": "bounded", "most": 99.0}, 1), ({"direction": "not-falling"}, 1),
+                       ({"direction": "not-rising"}, -1)]
+)  # fmt: skip
+def test_a_case_between_the_lines_of_the_coarse_grid_can_refute_a_law(stored: Path, rule: dict, sign: int) -> None:
+    """Where it agrees, such a line does not count: most of its cases are not stored."""
+    with xr.open_dataset(stored) as ds:
+        ds = ds.load()
+    found, law = refined.describe(ds), Law(claim="(2)", observable="bends", axis="E", source="s", **rule)
+    rows = refined.rows_for_law(ds, "E")
+    between = next(row for row in rows if not row.stored.all() and row.stored[:2].any() and row.stored.sum() > 2)
+    odd = int(between.cases[between.stored][1])
+    numbers = np.ones(ds.sizes["sample"])
+    for wrong in (False, True):
+        numbers[odd] = 1 + 100 * sign * wrong
+        said = decide(law, {"bends": numbers}, dict(found.lattice.axes), rows=rows)
+        assert said["lines"] == 4 + wrong
+        assert as_good(said["verdict"], TREND) != wrong
+    assert {step["at"]["R"] for step in said["exceptions"]} == {between.at["R"]}
+    assert "between the lines of the coarse grid" in said["reason"]
 
 
 def test_a_law_changes_its_verdict_between_the_two_lines_that_its_boundary_names() -> None:

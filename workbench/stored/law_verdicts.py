@@ -9,7 +9,7 @@ import numpy as np
 from solver.problem.errors import InputError, choices, no_such
 from studies.language.expressions import unit_names
 from studies.laws import law_words
-from studies.laws.line_verdicts import FAILS, HOLDS, TREND, UNDECIDED
+from studies.laws.line_verdicts import FAILS, HOLDS, TREND, UNDECIDED, branch_changes
 from studies.laws.verdicts import Law, by_line, decide, refusal, targets
 from studies.paper.readings import DROPPED
 
@@ -31,7 +31,8 @@ BLOCK = 100_000  # cases that are read at a time
 def verdicts(ds: "xr.Dataset", crossing: "Mapping[str, NDArray[np.bool_]] | None" = None) -> list[dict[str, Any]]:
     """The verdicts on the laws of a dataset.
 
-    A study that is refined along one axis is judged on all its cases, one in a plane on its coarse grid.
+    A refined study is judged on all its cases: on the lines of its coarse grid, and in a plane also on those between
+    them where a case goes against the law.
 
     A law along an axis that the reading of Table 1 drops is not tested: it is not decided. Values of rods that turn
     back against both their ends are left out, unless the law has `turned_back`.
@@ -49,14 +50,16 @@ def verdicts(ds: "xr.Dataset", crossing: "Mapping[str, NDArray[np.bool_]] | None
         One row a law, in the study's order; see `studies.laws.verdicts.decide`.
     """
     laws = schema.laws_of(ds)
-    rows, added = [], None
-    if laws and schema.is_refined(ds):
-        ds, added = refined.cases_for_laws(ds)
+    rows, is_refined = [], bool(laws) and refined.has_all_cases(ds)
     for law in laws:
         left_out = _left_out(ds, law)
         observed = {name: _without(ds[name].values, left_out) for name in law.observables if name in ds}
-        steps = crossings(ds, law.axis) if crossing is None else crossing.get(law.axis)
-        row = decide(law, observed, *_grid(ds, law, steps), added)
+        if is_refined:
+            of_all = dict(refined.describe(ds).lattice.axes), None, *_grid(ds, law, None)[2:]
+            row = decide(law, observed, *of_all, refined.rows_for_law(ds, law.axis))
+        else:
+            steps = crossings(ds, law.axis) if crossing is None else crossing.get(law.axis)
+            row = decide(law, observed, *_grid(ds, law, steps))
         if left_out.any():
             row["reason"] = law_words.join([row["reason"], _reason_left_out(left_out)])
         rows.append(_row_of_untested(law, row) if _is_inert(ds, law) else row)
@@ -125,11 +128,7 @@ def crossings(ds: "xr.Dataset", axis: str) -> "NDArray[np.bool_] | None":
     order = np.argsort(ds[axis].values, kind="stable")
     dims = [*(dim for dim in ds["outcome"].dims if dim != axis), axis]
     branch = ds["branch"].transpose(*dims).isel({axis: order}).values
-    known = branch >= 0  # an unsolved case has none: the branch before it is held until the next
-    last = np.maximum.accumulate(np.where(known, np.arange(order.size), 0), axis=-1)
-    held = np.take_along_axis(branch, last, axis=-1)
-    changes = (np.diff(held, axis=-1) != 0) & np.logical_or.accumulate(known, axis=-1)[..., :-1]
-    return np.moveaxis(changes, -1, list(ds["outcome"].dims).index(axis))
+    return np.moveaxis(branch_changes(branch), -1, list(ds["outcome"].dims).index(axis))
 
 
 def status(unsolved: int, rows: Sequence[Mapping[str, Any]]) -> int:

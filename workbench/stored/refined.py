@@ -14,6 +14,8 @@ from solver.problem.errors import InputError, choices, near
 from studies.grammar.axes import SAMPLE, Values
 from studies.language import refine as tables
 from studies.language.refinement import BUDGET, OUTCOME, Lattice, Places, Refinement, product_of, refinement_of
+from studies.laws.line_verdicts import branch_changes
+from studies.laws.verdicts import Row
 
 from . import schema
 from .quantity_variables import OF_THE_CASE, dimension
@@ -53,8 +55,7 @@ def attributes(study: "Study", refinement: Refinement) -> dict[str, str]:
     data |= {"ended": refinement.ended, "rounds": refinement.rounds}
     changes = [_change(name, step) for name, step in watch.items()]
     changes += [f"the verdict on law {claim} changes" for claim in table.laws]
-    judged_on = "all cases" if len(lattice.axes) == 1 else "the coarse grid"
-    laws = f"; laws are judged on {judged_on}" if study.laws else ""
+    laws = "; laws are judged on all cases" if study.laws else ""
     return {schema.REFINED: json.dumps(data), SAMPLING[-1]: f"{_sentence(' or '.join(changes), refinement)}{laws}"}
 
 
@@ -94,7 +95,7 @@ def _change(name: str, step: float) -> str:
     return f"{name} changes by more than {step:g}" if step else f"{name} changes"
 
 
-def _has_all_cases(ds: "xr.Dataset") -> bool:
+def has_all_cases(ds: "xr.Dataset") -> bool:
     """Whether the dataset is of a refined study, and not one case of it."""
     return schema.is_refined(ds) and SAMPLE in ds["outcome"].dims
 
@@ -148,7 +149,7 @@ def describe(ds: "xr.Dataset") -> Refined:
 
 def coarse(ds: "xr.Dataset") -> "xr.Dataset":
     """The coarse grid of a refined study as a study over its axes; another dataset as it is. Raises `InputError`."""
-    if not _has_all_cases(ds):
+    if not has_all_cases(ds):
         return ds
     study = describe(ds)
     first = np.flatnonzero(ds[tables.LEVEL].values == 0)
@@ -158,7 +159,7 @@ def coarse(ds: "xr.Dataset") -> "xr.Dataset":
 
 def line(ds: "xr.Dataset") -> "xr.Dataset":
     """All cases of a study that is refined along one axis, in the order of that axis; else as `coarse`."""
-    if not _has_all_cases(ds) or len(axes_of(ds)) > 1:
+    if not has_all_cases(ds) or len(axes_of(ds)) > 1:
         return coarse(ds)
     study = describe(ds)
     (name,) = study.lattice.axes
@@ -166,18 +167,33 @@ def line(ds: "xr.Dataset") -> "xr.Dataset":
     return grid_of(ds, order, {name: ds[name].values[order]})
 
 
-def cases_for_laws(ds: "xr.Dataset") -> "tuple[xr.Dataset, NDArray[np.bool_] | None]":
-    """The cases on which the laws of a refined study are judged, and which of them were added where a number changes.
+def rows_for_law(ds: "xr.Dataset", axis: str) -> list[Row]:
+    """The lines of all stored cases along one axis of a refined study, in the rising order of the other one.
 
-    Along one axis all cases in its order; evenly lie those of the coarse grid and, where each of its intervals has one,
-    their middles. In the plane the coarse grid, as lines through other cases are not complete.
+    A line off the coarse grid has places of the coarse values, mostly without cases. Evenly lie the cases of the coarse
+    grid and, where each of its intervals has one, their middles; the others were added where a number changes.
     """
-    if not _has_all_cases(ds) or len(axes_of(ds)) > 1:
-        return coarse(ds), None
     study = describe(ds)
-    levels = study.lattice.levels(np.sort(study.places, axis=0))
-    has_middles = int((levels <= 1).sum()) == 2 * study.lattice.shape[0] - 1
-    return line(ds), levels > has_middles
+    lattice, k = study.lattice, list(study.lattice.axes).index(axis)
+    others = [name for name in lattice.axes if name != axis]
+    along, across = study.places[:, k], np.delete(study.places, k, axis=1)
+    order = np.lexsort((along, *across.T))
+    lines = np.split(order, np.flatnonzero((np.diff(across[order], axis=0) != 0).any(axis=1)) + 1)
+    coarse = np.arange(lattice.shape[k]) << lattice.depth
+    rows = []
+    for cases in lines:
+        lacking = np.setdiff1d(coarse, along[cases])
+        places = np.concatenate([along[cases], lacking])
+        rise = np.argsort(places)
+        every = np.concatenate([cases, np.full(lacking.size, -1)])[rise]
+        values = lattice.along(axis, places[rise])
+        values[every >= 0] = ds[axis].values[cases]
+        levels = Lattice({axis: lattice.axes[axis]}, frozenset(), lattice.depth).levels(places[rise][:, None])
+        has_middles = int((levels <= 1).sum()) == 2 * coarse.size - 1
+        at = {name: float(ds[name].values[cases[0]]) for name in others}
+        branch = np.where(every >= 0, ds["branch"].values[every], -1) if "branch" in ds else np.zeros(every.size)
+        rows.append(Row(at, every, values, branch_changes(branch), levels > has_middles))
+    return rows
 
 
 def raster(ds: "xr.Dataset") -> "xr.Dataset":
