@@ -1,7 +1,7 @@
-"""Cut stored runs of `workbench trade` and `workbench extremes` down to what the report draws, for shipping.
+"""Cut stored runs of `workbench trade`, with and without `--extremes`, down to what the report draws, for shipping.
 
     workbench trade --out RUN
-    workbench extremes --out RUN
+    workbench trade --extremes --out RUN
     python benchmarks/make_measured.py RUN
 
 Replaces workbench/lab/measured/trade.h5 and extremes.h5. Numbers keep three digits: a diagram shows no more.

@@ -25,7 +25,6 @@ WORKBENCH = STUDIES | {
     "OCP",  # optional: Open Cascade, imported where a STEP file is written
     "aiohttp",  # optional: the live page
     "pandas",  # xarray brings it
-    "cosseratbench",  # optional: it loads the plug-in
 }  # fmt: skip
 FLOORS = {"solver": SOLVER, "studies": STUDIES, "workbench": WORKBENCH}
 
@@ -39,7 +38,7 @@ LISTS = {
     "studies": ["tenants", "grammar", "laws", "language", "paper"],
     "workbench": [
         "words", "stored", "run", "geometry", "branches", "influence", "fitting", "figures", "scene", "export",
-        "web", "notebook", "commands", "lab", "paper", "accessor", "cli", "plugin",
+        "web", "notebook", "commands", "lab", "paper", "accessor", "cli",
     ],
 }  # fmt: skip
 

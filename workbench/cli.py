@@ -13,6 +13,7 @@ import warnings
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from functools import cache, partial, wraps
+from importlib.util import find_spec
 from typing import Annotated, Any
 
 try:
@@ -25,7 +26,6 @@ from solver.problem.errors import InputError, near
 
 from . import __version__
 from .commands import (
-    animate,
     docs,
     doctor,
     equilibria,
@@ -33,7 +33,6 @@ from .commands import (
     export,
     fit,
     folds,
-    gallery,
     loops,
     plot,
     run_study,
@@ -42,8 +41,6 @@ from .commands import (
     solve,
     summary,
 )
-from .lab import trade
-from .paper import reproduce
 from .words import escaping
 
 OF_SCENE = ("pyvista", "trimesh", "vtkmodules")  # packages of the extra scene
@@ -54,7 +51,6 @@ INTERRUPTED = 130  # 128 and the number of the signal that Ctrl-C sends
 
 # heading of --help -> its commands: name -> what runs it and returns the exit status, and examples
 GROUPS: dict[str, dict[str, tuple[Any, ...]]] = {
-    "The paper": {"reproduce": (reproduce.reproduce, "reproduce --out results")},
     "One rod": {
         "solve": (
             solve.solve,
@@ -64,27 +60,17 @@ GROUPS: dict[str, dict[str, tuple[Any, ...]]] = {
             "--beta0 0 --betaL 0 --FZ -200",
             "solve --length-unit mm --E 2e5 --nu 0.3 --a 1 --L 1500 --R 60 --tension 500 --lay 80deg",
         ),
+        "explore": (explore.explore, "explore", "explore fig7_1_modulus"),
         "fit": (
             fit.fit,
             "fit fig7_1_modulus --at E=10905 --target height=9 --vary F1 --bounds F1=1:9",
             "fit my_rod.toml --points points.csv --vary E,M3 --plot fit.png",
         ),
-        "explore": (explore.explore, "explore", "explore fig7_1_modulus"),
-    },
-    "Equilibria": {
-        "equilibria": (equilibria.equilibria, "equilibria --plot all.png", "equilibria --axis betaL=-90deg:60deg:41"),
-        "folds": (folds.folds, "folds --axis betaL=-60deg:90deg --axis FZ=4:12 --plot map.png"),
-        "loops": (
-            loops.loops,
-            "loops --a 0.05 --R 0.95 --L 12 --folds 1,2,3 -o loops.png",
-            "loops --length-unit nm --force-unit pN --EI 207 --GJ 310 --a 1 --L 40 --R 3 --out loops.h5",
-        ),
     },
     "Studies": {
-        "list": (summary.list_studies, "list"),
         "run": (run_study.run, "run fig7_1_modulus", "run study.toml --out study.h5 --tol 1e-10"),
+        "summary": (summary.summary, "summary", "summary fig7_1_modulus.h5"),
         "check": (run_study.check, "check fig7_1_modulus.h5"),
-        "summary": (summary.summary, "summary fig7_1_modulus.h5"),
         "merge": (run_study.merge, "merge first.h5 second.h5 --out both.h5"),
         "sensitivity": (
             sensitivity.sensitivity,
@@ -106,15 +92,26 @@ GROUPS: dict[str, dict[str, tuple[Any, ...]]] = {
             "export fig7_1_modulus.h5 --at E=5000 --out rod.glb",
         ),
     },
-    "Documentation": {"docs": (docs.docs, "docs", "docs --print")},
-    "Methods and machine": {
-        "trade": (trade.trade, "trade"),
-        "extremes": (trade.extremes, "extremes"),
-        "gallery": (gallery.gallery, "gallery --out pictures"),
-        "doctor": (doctor.doctor, "doctor"),
+    "Equilibria": {
+        "equilibria": (equilibria.equilibria, "equilibria --plot all.png", "equilibria --axis betaL=-90deg:60deg:41"),
+        "folds": (folds.folds, "folds --axis betaL=-60deg:90deg --axis FZ=4:12 --plot map.png"),
+        "loops": (
+            loops.loops,
+            "loops --a 0.05 --R 0.95 --L 12 --folds 1,2,3 -o loops.png",
+            "loops --length-unit nm --force-unit pN --EI 207 --GJ 310 --a 1 --L 40 --R 3 --out loops.h5",
+        ),
     },
-    "Kept for this release": {"animate": (animate.animate, "animate fig7_4_end_angle.h5 --out end.gif")},
+    "Help and machine": {"docs": (docs.docs, "docs", "docs --print"), "doctor": (doctor.doctor, "doctor")},
 }
+# The tenants: a package that is deleted takes its command with it, and nothing else.
+if find_spec("workbench.paper"):
+    from .paper import reproduce
+
+    GROUPS["The paper"] = {"reproduce": (reproduce.reproduce, "reproduce --out results")}
+if find_spec("workbench.lab"):
+    from .lab import trade
+
+    GROUPS["The methods"] = {"trade": (trade.trade, "trade", "trade --extremes")}
 COMMANDS = {name: entry for group in GROUPS.values() for name, entry in group.items()}
 
 
@@ -180,21 +177,13 @@ def start(
     """The shape of an elastic rod on a cylinder: solve, study, store, draw and check."""
 
 
-OLD = {  # name of a command that goes -> what does the same
-    "animate": "scene --out film.mp4",
-}
-
-
-def _with_exit_status(name: str, command: Callable[..., int]) -> Callable[..., None]:
+def _with_exit_status(command: Callable[..., int]) -> Callable[..., None]:
     """The command as the parser calls it: it exits with its status, and an interruption keeps its message."""
 
     @wraps(command)
     def run(*args: Any, **options: Any) -> None:
         try:
-            status = command(*args, **options)
-            if name in OLD:
-                print(f"workbench: {name} will go: use {OLD[name]}", file=sys.stderr)
-            raise typer.Exit(status)
+            raise typer.Exit(command(*args, **options))
         except KeyboardInterrupt as error:
             stopped = typer.TyperException(str(error) or "interrupted; the stored files are complete")
             stopped.exit_code = INTERRUPTED
@@ -204,7 +193,7 @@ def _with_exit_status(name: str, command: Callable[..., int]) -> Callable[..., N
 
 
 for _name, (_command, *_) in COMMANDS.items():
-    app.command(_name, cls=CommandHelp)(_with_exit_status(_name, _command))
+    app.command(_name, cls=CommandHelp)(_with_exit_status(_command))
 
 
 def main(args: list[str] | None = None) -> None:

@@ -45,7 +45,7 @@ def stored(tmp_path_factory) -> Path:
 def test_help_lists_the_commands_and_each_has_help_of_its_own() -> None:
     shown = new_process("--help")
     assert shown.returncode == 0
-    for command in ("reproduce", "list", "run", "check", "plot", "scene", "solve", "doctor"):
+    for command in ("reproduce", "summary", "run", "check", "plot", "scene", "solve", "doctor"):
         assert f"\n  {command} " in shown.stdout
     assert workbench().stdout == shown.stdout
 
@@ -70,7 +70,7 @@ def test_a_picture_of_one_case_is_named_for_it_and_stands_beside_the_others(stor
     monkeypatch.setitem(sys.modules, "workbench.scene.layout", scenes)
     monkeypatch.setattr("workbench.scene.layout", scenes, raising=False)
     for at in ([], ["E=1e4"], ["E=2e4", "R=0.75"]):
-        assert scene.scene(stored, at) == 0
+        assert scene.scene(stored, at=at) == 0
     assert [path.name for path in drawn] == [
         "small_scene.png", "small_scene_E=10000.png", "small_scene_E=20000_R=0.75.png",
     ]  # fmt: skip
@@ -103,7 +103,7 @@ def test_a_refusal_is_the_same_in_a_process_of_its_own(words, sentence, stored) 
     [
         ["plot"],
         slow(["plot", "--kind", "curves"]),
-        slow(["animate", "--axis", "E"]),
+        slow(["scene", "-o", "E.mp4", "--axis", "E"]),
     ],
     ids=" ".join,
 )
@@ -157,7 +157,7 @@ def test_a_list_of_choices_is_not_cut(capsys) -> None:
     "words",
     [
         ["--version"],
-        *(slow(words.split()) for words in ("--help", "list", "list --json", "solve --table1", "run small.toml")),
+        *(slow(words.split()) for words in ("--help", "summary", "summary --json", "solve --table1", "run small.toml")),
     ],
     ids=" ".join,
 )
@@ -176,12 +176,12 @@ def test_a_full_disk_behind_stdout_is_one_sentence_and_status_2(words, buffered,
 def test_a_full_disk_behind_stdout_and_stderr_leaves_the_status(tmp_path) -> None:
     env = {**os.environ, "PYTHONPATH": str(ROOT)}
     with open("/dev/full", "w") as full:
-        command = [sys.executable, "-m", "workbench.cli", "list"]
+        command = [sys.executable, "-m", "workbench.cli", "summary"]
         assert subprocess.run(command, stdout=full, stderr=full, cwd=tmp_path, env=env, check=False).returncode == 2
 
 
 def test_a_closed_stdout_is_said_in_one_sentence() -> None:
-    program = "from workbench.cli import main; main(['list'])"
+    program = "from workbench.cli import main; main(['summary'])"
     ended = subprocess.run(
         ["sh", "-c", '"$0" -c "$1" >&-', sys.executable, program], stderr=subprocess.PIPE, text=True, check=False
     )

@@ -74,7 +74,7 @@ def test_the_command_ends_with_status_1_where_a_method_calls_an_inaccurate_answe
 ) -> None:
     row = extremes()[0].name, dict.fromkeys(available(), Attempt(verdict, verdict, 1e-7, 1e-7, 1.0, 1.0, 1.0))
     monkeypatch.setattr(extreme_runs, "rows_of", lambda named, step: (row for _ in "1"))
-    assert exit_status("extremes", "--out", tmp_path) == (1 if verdict == INACCURATE else 0)
+    assert exit_status("trade", "--extremes", "--out", tmp_path) == (1 if verdict == INACCURATE else 0)
     stored = reading.read(tmp_path / "extremes.h5", study=False)
     assert set(stored["verdict"].values.flat) == {verdict}
 

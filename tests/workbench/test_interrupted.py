@@ -1,4 +1,4 @@
-"""`extremes` and `trade` show how far they are and, interrupted, keep what they finished; status 130."""
+"""`trade`, with and without `--extremes`, shows how far it is and, interrupted, keeps what it finished; status 130."""
 
 import re
 import signal
@@ -49,7 +49,7 @@ def test_trade_keeps_the_cases_it_finished(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_extremes_keep_what_is_finished_and_leave_no_process(tmp_path: Path) -> None:
-    status, said = stopped(SECOND, "extremes", "--out", str(tmp_path))
+    status, said = stopped(SECOND, "trade", "--extremes", "--out", str(tmp_path))
     assert status == 130, said
     assert "Traceback" not in said
     count = finished(said)

@@ -40,7 +40,7 @@ def bare(stored, tmp_path, monkeypatch) -> Path:
 
 @pytest.mark.parametrize(
     "words",
-    ["scene mine.h5 --at E=4e4", "scene mine.toml --kind ghosts", "animate mine.h5 -o mine.gif", "gallery --out shown"],
+    ["scene mine.h5 --at E=4e4", "scene mine.toml --kind ghosts", "scene mine.h5 -o mine.gif"],
 )
 def test_what_cannot_be_drawn_is_said_once_with_what_to_install(words: str, bare, capsys) -> None:
     before = {path for path in bare.iterdir() if path.is_file()}

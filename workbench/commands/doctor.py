@@ -145,7 +145,7 @@ def _film() -> None:
 EXTRAS = (
     Extra("Open Cascade", "cad", ("cadquery-ocp-novtk",), _cad, "STEP files"),
     Extra("live page", "explore", ("aiohttp",), "aiohttp", "workbench explore"),
-    Extra("films", "animate", ("imageio", "imageio-ffmpeg"), _film, "workbench animate"),
+    Extra("films", "animate", ("imageio", "imageio-ffmpeg"), _film, "workbench scene -o film.mp4"),
     Extra("Uno", "contact", ("unopy",), "unopy", "workbench solve --let-go"),
     Extra("heyoka", "taylor", ("heyoka",), "heyoka", "method for comparison"),
     Extra("Parquet", "parquet", ("pyarrow",), "pyarrow.parquet", "workbench run --cases TABLE.parquet"),

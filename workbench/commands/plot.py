@@ -1,7 +1,7 @@
 """The command plot: the figure of a stored study."""
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
@@ -13,14 +13,17 @@ from ..run import atomic
 from .options import At, Dpi, File, ForceOutput, NoTitle, Style, Width, axis_values, check_file, names, option, ranges
 from .present import Result, presents, result_of_files
 
+OF_FIGURES = ("x", "y", "show", "at", "shapes")  # options of a kind of figure
 
-@presents()
-def plot(
-    file: File,
+
+@dataclass(frozen=True)
+class PlotOptions:
+    """What `plot` is asked to draw, and how; the names of most are those of the options of a kind of figure."""
+
     out: Annotated[
         Path | None,
         option("FILE", "Picture, .png, .pdf or .svg; default: FILE with the ending .png.", "--out", "-o"),
-    ] = None,
+    ] = None
     kind: Annotated[
         str | None,
         option(
@@ -28,7 +31,7 @@ def plot(
             "; ".join(f"{name}: {row.shows}" for name, row in kinds.OF_STUDIES.items())
             + ". Default: map for a grid of two axes or more, else lines.",
         ),
-    ] = None,
+    ] = None
     x: Annotated[
         str | None,
         option(
@@ -36,8 +39,8 @@ def plot(
             "Axis to the right of a map or of lines, or that of the rods or bars; default: the study's first.",
             "--x",
         ),
-    ] = None,
-    y: Annotated[str | None, option("AXIS", "Axis of a map upward; default: the study's next.", "--y")] = None,
+    ] = None
+    y: Annotated[str | None, option("AXIS", "Axis of a map upward; default: the study's next.", "--y")] = None
     show: Annotated[
         list[str] | None,
         option(
@@ -47,8 +50,8 @@ def plot(
             "branches one, in their diagram; of a map of folds count, count_stable, or a number along its curves, "
             "such as dbeta0.",
         ),
-    ] = None,
-    at: At = None,
+    ] = None
+    at: At = None
     range_: Annotated[
         list[str] | None,
         option(
@@ -57,7 +60,7 @@ def plot(
             "repeatable.",
             "--range",
         ),
-    ] = None,
+    ] = None
     without: Annotated[
         list[str] | None,
         option(
@@ -65,12 +68,12 @@ def plot(
             "Leave out the numbers of rods with this caution, such as turned-back; laws are judged without them. Of "
             "branches turned-back alone; repeatable.",
         ),
-    ] = None,
+    ] = None
     shapes: Annotated[
         str | None, option("NxM", "Draw N x M unrolled views over the first map, such as 5x5 (at most 12x12).")
-    ] = None,
-    style: Style = "screen",
-    width: Width = None,
+    ] = None
+    style: Style = "screen"
+    width: Width = None
     panel: Annotated[
         str | None,
         option(
@@ -79,14 +82,22 @@ def plot(
             "its observable where several laws share it), or samples.",
             rich_help_panel="Print",
         ),
-    ] = None,
-    no_title: NoTitle = False,
-    data: Annotated[
-        Path | None, option("FILE", "CSV file of the numbers that are drawn.", rich_help_panel="Print")
-    ] = None,
-    dpi: Dpi = 200,
-    force: ForceOutput = False,
-) -> Result:
+    ] = None
+    no_title: NoTitle = False
+    data: Annotated[Path | None, option("FILE", "CSV file of the numbers that are drawn.", rich_help_panel="Print")] = (
+        None
+    )
+    dpi: Dpi = 200
+    force: ForceOutput = False
+
+    @property
+    def of_figure(self) -> dict[str, Any]:
+        """The options that figures take, of those that were given."""
+        return {name: value for name in OF_FIGURES if (value := getattr(self, name))}
+
+
+@presents()
+def plot(file: File, wanted: PlotOptions) -> Result:
     """Draw the observables of a stored study, as maps over two axes or along each axis.
 
     The FILE may be the folder that reproduce wrote: then the picture tells its story in four panels, as wide as one or
@@ -100,14 +111,13 @@ def plot(
     from ..stored import file_kinds
     from ..stored.stored_study import StoredStudy
 
-    every = {"x": x, "y": y, "show": show, "at": at, "shapes": shapes}
-    given: dict[str, Any] = {name: value for name, value in every.items() if value}
-    named = [*given, *(name for name, value in (("kind", kind), ("panel", panel)) if value)]
+    given, kind = wanted.of_figure, wanted.kind
+    named = [*given, *(name for name in ("kind", "panel") if getattr(wanted, name))]
     if file.is_dir():
-        if alien := [*named, *(["data"] if data else [])]:
+        if alien := [*named, *(["data"] if wanted.data else [])]:
             raise InputError(f"{file} is a folder, whose story plot draws without --{alien[0]}")
-        return _story(file, out or file / "story.png", width, force, dpi)
-    page, of = sheet(style, width, not no_title, panel), reading.kind_of_file(file)
+        return _story(file, wanted)
+    page, of = sheet(wanted.style, wanted.width, not wanted.no_title, wanted.panel), reading.kind_of_file(file)
     if of is file_kinds.STUDY:
         stored = StoredStudy(reading.read(file))
         stored.check_any_solved()
@@ -118,24 +128,24 @@ def plot(
         if alien := [name for name in named if name not in kinds.KINDS[of.figure].options]:
             raise InputError(f"{file} is {of.what}, which plot draws without --{alien[0]}")
         stored, kind = StoredStudy(reading.read(file, study=False)), of.figure
-    for word in without or ():
+    for word in wanted.without or ():
         stored = stored.without(word.replace("-", " "))
-    page = replace(page, ranges=_ranges(stored, range_))
+    page = replace(page, ranges=_ranges(stored, wanted.range_))
     readers: dict[str, Callable[[Any], Any]] = {
         "at": partial(axis_values, stored),
         "show": names,
         "shapes": map_panel.read_shapes,
     }
     given = {name: readers.get(name, str)(value) for name, value in given.items()}
-    if kind == "map" and panel:
-        given["show"] = [panel]
-    path = check_file(out or file.with_suffix(".png"), canvas.DIAGRAMS, force)
-    numbers = check_file(data, (".csv",), force) if data else None
+    if kind == "map" and wanted.panel:
+        given["show"] = [wanted.panel]
+    path = check_file(wanted.out or file.with_suffix(".png"), canvas.DIAGRAMS, wanted.force)
+    numbers = check_file(wanted.data, (".csv",), wanted.force) if wanted.data else None
     drawn = kinds.figure(stored, kind, page, **given)
     table = drawn_numbers.table(drawn) if numbers else ""
     if numbers and table.count("\n") < 2:
         raise InputError(f"--data writes lines, dots, bars and cells of maps, and the picture of {file} has none")
-    canvas.save(drawn, path, dpi)
+    canvas.save(drawn, path, wanted.dpi)
     if numbers:
         atomic.write_text(numbers, table)
     paths = [path, *([numbers] if numbers else [])]
@@ -156,7 +166,7 @@ def _ranges(stored: Any, texts: list[str] | None) -> dict[str, tuple[float, floa
     return known
 
 
-def _story(folder: Path, out: Path, width: float | None, force: bool, dpi: int) -> Result:
+def _story(folder: Path, wanted: PlotOptions) -> Result:
     """Draw the figure of the datasets that reproduce wrote into a folder."""
     from studies import tenants
 
@@ -166,8 +176,8 @@ def _story(folder: Path, out: Path, width: float | None, force: bool, dpi: int) 
     from ..stored.stored_study import StoredStudy
 
     story = tenants.module_of("workbench.paper.story")
-    path = check_file(out, canvas.DIAGRAMS, force)
+    path = check_file(wanted.out or folder / "story.png", canvas.DIAGRAMS, wanted.force)
     files = {name: reading.read(folder / f"{name}.h5", study=name != story.CLAIMS) for name in story.NEEDED}
     datasets = {name: StoredStudy(ds) for name, ds in files.items()}
-    canvas.save(story.figure(datasets, sheet("paper", width or 183, titled=False)), path, dpi)
+    canvas.save(story.figure(datasets, sheet("paper", wanted.width or 183, titled=False)), path, wanted.dpi)
     return result_of_files([path])

@@ -5,10 +5,10 @@ A command returns a `Result`; `presents` gives it the options of its case and of
 
 import inspect
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, is_dataclass
 from functools import wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 
 from solver.problem.errors import InputError
 
@@ -62,6 +62,8 @@ def presents(
 ) -> Callable[[Callable[..., Result]], Callable[..., int]]:
     """Decorate a command that returns a `Result`: it is presented, and the command returns its exit status.
 
+    In place of a parameter that is a dataclass stand its fields, each an option.
+
     Parameters
     ----------
     plot, out : str
@@ -81,6 +83,8 @@ def presents(
 
     def decorate(command: Callable[..., Result]) -> Callable[..., int]:
         signature = inspect.signature(command)
+        types = {name: each.annotation for name, each in signature.parameters.items() if name != "given"}
+        records: dict[str, Any] = {name: record for name, record in types.items() if is_dataclass(record)}
         takes_json = "json" in signature.parameters
         shared = written if takes_json else written | {"json": (Json, False)}
 
@@ -91,6 +95,9 @@ def presents(
             sheet = _check_files(**files, kind=kind, suffixes=suffixes) if written else None
             if case:
                 options["given"] = case_options.given_of(options, case)
+            for name, record in records.items():
+                named = [field.name for field in fields(record) if field.name in options]
+                options[name] = record(**{field: options.pop(field) for field in named})
             result = command(*args, **options)
             kept = {name: files[name] for name in ("plot", "out", "force", "dpi")} if written else {}
             present(result, as_json, **kept, sheet=sheet)
@@ -100,11 +107,20 @@ def presents(
 
         parameters: list[inspect.Parameter] = []
         for name, parameter in signature.parameters.items():
-            parameters += _parameters(given) if name == "given" else [parameter]
+            if name in records:
+                parameters += _parameters(_options_of(records[name]))
+            else:
+                parameters += _parameters(given) if name == "given" else [parameter]
         run.__signature__ = signature.replace(parameters=parameters + _parameters(shared))  # type: ignore[attr-defined]
         return run
 
     return decorate
+
+
+def _options_of(record: Any) -> dict[str, tuple[Any, Any]]:
+    """The type and the default of each field of a dataclass."""
+    types = get_type_hints(record, include_extras=True)
+    return {field.name: (types[field.name], field.default) for field in fields(record)}
 
 
 def _parameters(options: dict[str, tuple[Any, Any]]) -> list[inspect.Parameter]:

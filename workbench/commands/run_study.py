@@ -1,6 +1,6 @@
 """The commands run, check and merge: the cases of a study solved, judged or joined, and what they print of it."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from functools import partial
 from math import floor, log10
 from pathlib import Path
@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from solver.problem.errors import InputError
 
-from . import console, tables
+from . import console
 from .options import Fidelity, File, ForceStudy, Json, Method, Reading, Tol, argument, flag, option
 from .present import Result, presents
+from .stored_words import JUDGED, SAMPLING, print_sentences, print_verdicts
 
 if TYPE_CHECKING:
     from ..run.study_store import Ran
@@ -20,7 +21,7 @@ READ = (".toml", ".csv", ".parquet")  # the files of studies and tables
 
 @presents()
 def run(
-    study: Annotated[str, argument("STUDY", "Name of a shipped study (see list) or TOML file.")],
+    study: Annotated[str, argument("STUDY", "Name of a shipped study (see summary) or TOML file.")],
     out: Annotated[Path | None, option("FILE", "File of the stored study; default: STUDY.h5.", "--out", "-o")] = None,
     cases: Annotated[
         Path | None, option("FILE", "Solve the cases of this table, .csv or .parquet; default: [table] of the study.")
@@ -147,41 +148,6 @@ def merge(
         print_sentences(done, ["caution"])
 
     return Result(lambda: {**done, "status": status}, show, status)
-
-
-def print_verdicts(verdicts: Sequence[dict[str, Any]], title: str | None = None, alternatives: bool = False) -> None:
-    """Print how many laws are true, a table with the verdict on each, and below it the reasons.
-
-    alternatives: with the other observables of each law in the rows below it.
-    """
-    from studies.laws import law_words
-
-    console.say(law_words.tally_of(list(verdicts)))
-    rows, reasons = [], []
-    for row in verdicts:
-        law, measured = law_words.law_in_words(row), law_words.measure(row)
-        rows.append([law_words.plain(row), row["claim"], law, measured])
-        if detail := law_words.detail(row):
-            reasons.append(f"{row['claim']}, {row['observable']}: {detail}")
-        for also in row["also"] if alternatives else ():
-            role = f"  {law_words.role(also)}: {also['observable']}"
-            rows.append([f"  {law_words.plain(also)}", "", role, law_words.measure(also)])
-            if detail := law_words.detail(also):
-                reasons.append(f"{row['claim']}, {also['observable']}: {detail}")
-    tables.print_table(["verdict", "claim", "law", "measured"], rows, title=title)
-    for reason in reasons:
-        console.say(reason)
-
-
-SAMPLING = ("sampling", "refinement", "sampling_caution")  # where samples come from, and what ended a refinement
-JUDGED = ("equilibria", "branches", "caution")  # which equilibria the cases have, and what no real rod can do
-
-
-def print_sentences(found: Mapping[str, Any], names: Sequence[str]) -> None:
-    """Print those of these sentences on a study that it has."""
-    for name in names:
-        if found.get(name):
-            console.say(f"caution: {found[name]}" if name.endswith("caution") else found[name])
 
 
 def _print_outcomes(outcomes: Mapping[str, int], file: Path) -> None:

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Annotated
 from solver.problem.errors import InputError, choices
 
 from ..run import atomic
-from .animate import Background, Color, Fps, Frames, Show, Stored, Theme
 from .options import At, ForceOutput, PixelError, argument, axis_values, check_file, flag, number_option, option
 from .present import Result, presents, result_of_files
 
@@ -16,12 +15,104 @@ if TYPE_CHECKING:
 
     from ..scene.page import Page
     from ..scene.scene_kinds import SceneKind
+    from ..scene.settings import Settings
     from ..stored.stored_study import StoredStudy
 
 SUFFIXES = (".png", ".jpg")
-DPI, FILM_DPI = 200, 160
+DPI = 200
 PAGE, PAGE_KIND = ".html", "contact"  # the suffix of a page, and the kind of scene that it shows
 PAGE_FIRST = 201  # stations that are tried first for a page of a study
+
+
+@dataclass(frozen=True)
+class SceneOptions:
+    """What `scene` is asked to draw, and how."""
+
+    at: At = None
+    kind: Annotated[
+        str | None,
+        option(
+            "KIND",
+            "plain, contact, curvature, twist, ghosts, grid, equilibria, or let-go, a rod held on the cylinder and "
+            "let go; default: contact, or equilibria for stored equilibria.",
+        ),
+    ] = None
+    axis: Annotated[
+        list[str] | None, option("AXIS", "Axis shown by ghosts or grid; two axes of a grid: --axis E --axis R.")
+    ] = None
+    along: Annotated[
+        str | None, option("AXIS", "Axis along which the pictures of all cases have the same camera and colour scale.")
+    ] = None
+    low: Annotated[float | None, number_option("First arc length drawn [length]; default: 0.", "--from")] = None
+    high: Annotated[float | None, number_option("Last arc length drawn [length]; default: L.", "--to")] = None
+    pixel_error: PixelError = 0.5
+    dpi: Annotated[
+        int | None,
+        option("DPI", "Resolution [pixels/inch]; default: 200, 1600 pixels of width for one case; of a film 160."),
+    ] = None
+    camera: Annotated[
+        str | None,
+        option(
+            "CAMERA",
+            "oblique, front, side, AZIMUTH,ELEVATION in degrees, or sides, two views of one case; default: oblique for "
+            "one case, else 0,12.",
+        ),
+    ] = None
+    color_range: Annotated[
+        str | None, option("LOW,HIGH", "Values at the ends of the colour bar; default: the extremes of the rods.")
+    ] = None
+    size: Annotated[
+        str | None, option("WIDTHxHEIGHT", "Size of the picture in pixels; default: as high as what it shows.")
+    ] = None
+    bare: Annotated[bool, flag("Draw the views alone: no words, no bars.", "--bare")] = False
+    transparent: Annotated[bool, flag("Leave the background transparent (.png).", "--transparent")] = False
+    theme: Annotated[
+        str | None, option("THEME", "light or dark: background and words; default: as suits --background.")
+    ] = None
+    background: Annotated[str | None, option("COLOUR", "Colour of the background, such as '#14181e' or navy.")] = None
+    color: Annotated[str | None, option("COLOUR", "Colour of the rods, of the kind plain.")] = None
+    show: Annotated[
+        str | None, option("OBSERVABLE", "Observable drawn beside a film; default: that of the axis's first law.")
+    ] = None
+    fps: Annotated[float | None, number_option("Frames per second of a film; default: 24.")] = None
+    frames: Annotated[
+        int | None,
+        option(
+            "NUMBER",
+            "Frames of a film, no more and no fewer; default: as many as let the rod move smoothly, with "
+            "the first and the last for half a second more.",
+        ),
+    ] = None
+    stored: Annotated[bool, flag("Film the stored cases alone, each for a third of a second.", "--stored")] = False
+    out: Annotated[
+        Path | None,
+        option(
+            "FILE",
+            "Picture, .png or .jpg; frame_{:03d}.png: a picture for each value of --along or of the axis that --at "
+            "does not name; .html, an offline page with all cases that --at leaves, in which the rod turns; "
+            ".mp4, .webp or .gif, a film of the cases along the axis, or along --along; "
+            "default: FILE_scene.png or FILE_scene_E=10905.png.",
+            "--out",
+            "-o",
+        ),
+    ] = None
+    force: ForceOutput = False
+
+    @property
+    def axes(self) -> list[str]:
+        """The axes of ghosts or of a grid, or of a film."""
+        return self.axis or []
+
+    @property
+    def of_picture(self) -> tuple[object, ...]:
+        """The options for pictures alone; none of them is true where none was given."""
+        return (self.low is not None, self.high is not None, self.camera, self.color_range, self.bare,
+                self.transparent, self.size)  # fmt: skip
+
+    @property
+    def of_film(self) -> tuple[bool, ...]:
+        """Whether each option for films alone was given."""
+        return self.stored, self.show is not None, self.fps is not None, self.frames is not None
 
 
 @presents()
@@ -34,118 +125,75 @@ def scene(
             "stations that the picture needs.",
         ),
     ],
-    at: At = None,
-    kind: Annotated[
-        str | None,
-        option(
-            "KIND",
-            "plain, contact, curvature, twist, ghosts, grid, equilibria, or let-go, a rod held on the cylinder and "
-            "let go; default: contact, or equilibria for stored equilibria.",
-        ),
-    ] = None,
-    axis: Annotated[
-        list[str] | None, option("AXIS", "Axis shown by ghosts or grid; two axes of a grid: --axis E --axis R.")
-    ] = None,
-    along: Annotated[
-        str | None, option("AXIS", "Axis along which the pictures of all cases have the same camera and colour scale.")
-    ] = None,
-    low: Annotated[float | None, number_option("First arc length drawn [length]; default: 0.", "--from")] = None,
-    high: Annotated[float | None, number_option("Last arc length drawn [length]; default: L.", "--to")] = None,
-    pixel_error: PixelError = 0.5,
-    dpi: Annotated[
-        int | None,
-        option("DPI", "Resolution [pixels/inch]; default: 200, 1600 pixels of width for one case; of a film 160."),
-    ] = None,
-    camera: Annotated[
-        str | None,
-        option(
-            "CAMERA",
-            "oblique, front, side, AZIMUTH,ELEVATION in degrees, or sides, two views of one case; default: oblique for "
-            "one case, else 0,12.",
-        ),
-    ] = None,
-    color_range: Annotated[
-        str | None, option("LOW,HIGH", "Values at the ends of the colour bar; default: the extremes of the rods.")
-    ] = None,
-    size: Annotated[
-        str | None, option("WIDTHxHEIGHT", "Size of the picture in pixels; default: as high as what it shows.")
-    ] = None,
-    bare: Annotated[bool, flag("Draw the views alone: no words, no bars.", "--bare")] = False,
-    transparent: Annotated[bool, flag("Leave the background transparent (.png).", "--transparent")] = False,
-    theme: Theme = None,
-    background: Background = None,
-    color: Color = None,
-    show: Show = None,
-    fps: Fps = None,
-    frames: Frames = None,
-    stored: Stored = False,
-    out: Annotated[
-        Path | None,
-        option(
-            "FILE",
-            "Picture, .png or .jpg; frame_{:03d}.png: a picture for each value of --along or of the axis that --at "
-            "does not name; .html, an offline page with all cases that --at leaves, in which the rod turns; "
-            ".mp4, .webp or .gif, a film of the cases along the axis, or along --along; "
-            "default: FILE_scene.png or FILE_scene_E=10905.png.",
-            "--out",
-            "-o",
-        ),
-    ] = None,
-    force: ForceOutput = False,
+    wanted: SceneOptions,
 ) -> Result:
     """Draw the rod on its cylinder in three dimensions.
 
     A stored study with too few stations is solved again. Exit status 1 if OpenGL does not work on this machine, or if a
     file without a study has too few stations for --pixel-error.
     """
-    from ..scene import film, opengl, scene_kinds
-    from ..scene.settings import check, check_name, color_range_of, look_of, size_of
-    from ..stored import selection
-    from . import animate, study_scene
+    from ..scene import film
+    from ..scene.settings import check, color_range_of, look_of, size_of
+    from . import scene_film, study_scene
 
-    axes, suffix = axis or [], "" if out is None else out.suffix.lower()
-    others = [low is not None, high is not None, camera, color_range, bare, transparent, size]
+    out, suffix = wanted.out, "" if wanted.out is None else wanted.out.suffix.lower()
     if out is not None and suffix in film.SUFFIXES:
-        if any(others) or len({*axes, along} - {None}) > 1:
+        if any(wanted.of_picture) or len({*wanted.axes, wanted.along} - {None}) > 1:
             raise InputError("a film takes --axis, --at, --kind, --show, --fps, --frames, --stored, --pixel-error, "
                              f"--dpi, --theme, --background and --color alone, got {out.name!r}")  # fmt: skip
-        way = along or next(iter(axes), None)
-        return animate.film_of(file, way, at, kind or "contact", show, [out], fps, stored, pixel_error,
-                               dpi or FILM_DPI, force, frames, theme, background, color)  # fmt: skip
-    if stored or (show, fps, frames) != (None, None, None):
+        return scene_film.film_of(file, out, wanted)
+    if any(wanted.of_film):
         raise InputError(
             f"--show, --fps, --frames and --stored are for films: give --out NAME, with {choices(film.SUFFIXES)}"
         )
-    if suffix == PAGE and (kind not in (None, PAGE_KIND, "equilibria") or any([axes, along, color, *others])):
+    on_page = wanted.kind in (None, PAGE_KIND, "equilibria") and not any([*wanted.axes, wanted.along, wanted.color])
+    if suffix == PAGE and (not on_page or any(wanted.of_picture)):
         raise InputError(
             f"an {PAGE} file shows the kind {PAGE_KIND} of all cases that --at leaves; --kind, --axis, --along, --from "
             "and --to are for pictures, .png and .jpg"
         )
     settings = replace(
-        look_of(theme, background, color), pixel_error=pixel_error, dpi=dpi or DPI, camera=camera,
-        color_range=color_range_of(color_range), bare=bare, transparent=transparent, size=size_of(size),
+        look_of(wanted.theme, wanted.background, wanted.color), pixel_error=wanted.pixel_error, dpi=wanted.dpi or DPI,
+        camera=wanted.camera, color_range=color_range_of(wanted.color_range), bare=wanted.bare,
+        transparent=wanted.transparent, size=size_of(wanted.size),
     )  # fmt: skip
     check(settings)
     study, rods = study_scene.open_rods(file)
-    where = axis_values(rods, at)
+    where = axis_values(rods, wanted.at)
     if out is not None and suffix == PAGE:
-        look = settings.look if theme or background else None
-        return _page(study, rods, where, check_file(out, (PAGE,), force), look)
-    file = file if study is None else Path(f"{study.name}.h5")
-    chosen = scene_kinds.kind_of(kind or scene_kinds.default_kind(rods))
+        look = settings.look if wanted.theme or wanted.background else None
+        return _page(study, rods, where, check_file(out, (PAGE,), wanted.force), look)
+    return _pictures(file if study is None else Path(f"{study.name}.h5"), study, rods, where, settings, wanted)
+
+
+def _pictures(
+    file: Path, study: "Study | None", rods: "StoredStudy", where: "dict[str, float]", settings: "Settings",
+    wanted: SceneOptions,
+) -> Result:  # fmt: skip
+    """Draw one picture, or one for each case along an axis, at as many stations as it needs."""
+    from ..scene import opengl, scene_kinds
+    from ..scene.settings import check_name
+    from ..stored import selection
+    from . import study_scene
+
+    axes, along, out = wanted.axes, wanted.along, wanted.out
+    chosen = scene_kinds.kind_of(wanted.kind or scene_kinds.default_kind(rods))
     case = [f"{name}={selection.write(name, value)}" for name, value in where.items()]
     named = [] if chosen.name in ("contact", "equilibria") else [chosen.name, *axes]
     default = file.with_name("_".join([file.stem, "scene", *named, *case]) + ".png")
-    frames_of = _frames(rods, where, out, along, chosen, force) if out is not None and "{" in out.name else None
-    path = out if frames_of and out is not None else check_file(out or default, SUFFIXES, force)
+    frames_of = None
+    if out is not None and "{" in out.name:
+        frames_of = _frames(rods, where, out, along, chosen, wanted.force)
+    path = out if frames_of and out is not None else check_file(out or default, SUFFIXES, wanted.force)
     check_name(path, settings)
     able, advice = opengl.probe()
     if not able:
         return result_of_files([], warnings=[advice], status=1)
     from ..scene import layout
 
-    if others[0] or others[1]:
-        settings = replace(settings, span=(low or 0.0, float(rods["s"].max()) if high is None else high))
+    if wanted.low is not None or wanted.high is not None:
+        high = float(rods["s"].max()) if wanted.high is None else wanted.high
+        settings = replace(settings, span=(wanted.low or 0.0, high))
 
     def draw(rods: "StoredStudy", strict: bool) -> "Page":
         if frames_of:
@@ -171,9 +219,9 @@ def scene(
     picture, stations = study_scene.at_needed_stations(rods, solve, draw)
     solved = f", solved at {stations} stations" if study or stations != rods.sizes["u"] else ""
     said = [" at ".join([str(path), *([", ".join(case)] if case else [])]) + solved]
-    if picture.error <= pixel_error * (1 + 1e-9):
+    if picture.error <= wanted.pixel_error * (1 + 1e-9):
         return result_of_files(paths, said)
-    reached = f"{picture.error:.1f} pixels, not {pixel_error:g}: {stations} stations are too few for that"
+    reached = f"{picture.error:.1f} pixels, not {wanted.pixel_error:g}: {stations} stations are too few for that"
     warning = f"drawn to within {reached}, about {picture.stations} are needed"
     return result_of_files(paths, said, [warning], 1)
 

@@ -1,15 +1,16 @@
-"""The commands list and summary: what the shipped studies are, and what a stored study or another file holds."""
+"""The command summary: which studies are shipped, or what a stored study or another file holds."""
 
 from collections.abc import Mapping
 from math import degrees, floor, log10
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
 
 from solver.problem.quantities import unit_of
 
 from . import console, tables
-from .options import File
+from .options import argument
 from .present import Result, presents
-from .run_study import JUDGED, SAMPLING, print_sentences, print_verdicts
+from .stored_words import JUDGED, SAMPLING, print_sentences, print_verdicts
 
 if TYPE_CHECKING:
     from studies.grammar.axes import Axis
@@ -19,12 +20,19 @@ NUMBERS = ("from", "to", "min", "median", "max", "half_width", "at")  # of a row
 
 
 @presents()
-def summary(file: File) -> Result:
-    """Summarise a stored study, or another file that the workbench stored.
+def summary(
+    file: Annotated[
+        Path | None, argument("FILE", "Stored study, or another file that the workbench stored; default: none.")
+    ] = None,
+) -> Result:
+    """Summarise a stored file; without one, list the studies that come with the workbench.
 
     Prints its axes, observables, outcomes, laws and versions, and the cases of the largest error and condition number;
     of lists of equilibria, branches, fold maps and measurements their numbers.
     """
+    if file is None:
+        rows = _list()
+        return Result(lambda: rows, lambda: _print_studies(rows))
     from ..run import reading
     from ..run.file_summary import brief_law, contents
     from ..run.file_summary import summary as summarise
@@ -133,13 +141,6 @@ def in_degrees(row: Mapping[str, Any]) -> dict[str, Any]:
         return dict(row)
     shown = {key: degrees(row[key]) for key in NUMBERS if isinstance(row.get(key), float)}
     return {**row, **shown, "units": "deg"}
-
-
-@presents()
-def list_studies() -> Result:
-    """List the shipped studies with their axes and laws."""
-    rows = _list()
-    return Result(lambda: rows, lambda: _print_studies(rows))
 
 
 def _print_studies(rows: list[dict[str, Any]]) -> None:

@@ -1,4 +1,4 @@
-"""The commands trade and extremes: accuracy against cost of every method, and its result at every named extreme."""
+"""The command trade: accuracy against cost of every method, and its result at every named extreme."""
 
 from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import closing
@@ -6,8 +6,10 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+from solver.problem.errors import InputError
+
 from ..commands import console, tables
-from ..commands.options import names, option
+from ..commands.options import flag, names, option
 from ..commands.present import Result, presents
 
 if TYPE_CHECKING:
@@ -20,15 +22,33 @@ def trade(
     methods: Annotated[
         list[str] | None, option("NAMES", "Methods to measure, separated by commas; default: all.")
     ] = None,
-    out: Annotated[Path, option("FOLDER", "Folder for trade.h5 and its pictures.", "--out", "-o")] = Path("trade"),
+    extremes: Annotated[
+        bool, flag("Instead test every method at forty named extremes of the parameters.", "--extremes")
+    ] = False,
+    out: Annotated[
+        Path | None,
+        option("FOLDER", "Folder for the data and the pictures; default: trade or extremes.", "--out", "-o"),
+    ] = None,
 ) -> Result:
-    """Measure the accuracy and the cost of every method.
+    """Measure the accuracy and the cost of every method, or its robustness.
 
     Each method solves cases with a known solution, at several values of its own setting of accuracy (steps, nodes or
     a tolerance). The folder receives trade.h5, and trade_seconds.png and trade_evaluations.png with six cases at most.
 
-    When interrupted, the command stores and draws the finished cases as trade_interrupted; trade.h5 stays unchanged.
+    With --extremes each method solves one case at each extreme. The folder receives extremes.h5 and extremes.png, a map
+    of methods against extremes. Exit status 1 if a method calls an inaccurate answer solved.
+
+    When interrupted, the command stores and draws what is finished as trade_interrupted or extremes_interrupted; the
+    file of an earlier run stays unchanged.
     """
+    if extremes and (cases or methods):
+        raise InputError("--extremes tests every method at every extreme; it takes no --cases and no --methods")
+    if extremes:
+        return _extremes(out or Path("extremes"))
+    return _trade(cases or [], methods or [], out or Path("trade"))
+
+
+def _trade(cases: list[str], methods: list[str], out: Path) -> Result:
     from . import trade_runs as comparison
     from .work_precision import COSTS
 
@@ -74,18 +94,7 @@ def _advice(row: Mapping[str, Any]) -> str:
     return f"{goal} {row['method']} ({row['reached']} of {row['cases']} cases, median {1e3 * row['seconds']:.2g} ms)."
 
 
-@presents()
-def extremes(
-    out: Annotated[Path, option("FOLDER", "Folder for extremes.h5 and its map.", "--out", "-o")] = Path("extremes"),
-) -> Result:
-    """Test the robustness of every method at extreme parameters.
-
-    The folder receives extremes.h5 and extremes.png, a map of methods against extremes. Exit status 1 if a method
-    calls an inaccurate answer solved.
-
-    When interrupted, the command stores and draws the finished extremes as extremes_interrupted; extremes.h5 stays
-    unchanged.
-    """
+def _extremes(out: Path) -> Result:
     from . import extreme_runs
     from .extreme_runs import INACCURATE, VERDICTS, dataset_of, rows_of
 

@@ -9,7 +9,7 @@ from solver.problem.errors import InputError
 
 from ..commands import console, tables
 from ..commands.options import Reading, option
-from ..commands.run_study import print_verdicts
+from ..commands.stored_words import print_verdicts
 
 if TYPE_CHECKING:
     from studies import Study

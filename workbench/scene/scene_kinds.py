@@ -1,4 +1,4 @@
-"""The kinds of scene: one table, which `scene`, `gallery` and `animate` read; a new kind is a row of it.
+"""The kinds of scene: one table, which `scene` reads; a new kind is a row of it.
 
 Before it stand the colours and the words of its rows.
 """

@@ -6,11 +6,7 @@ it is a file that works offline.
 
 import base64
 import gzip
-import os
 import re
-import shutil
-import subprocess
-import tempfile
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -23,26 +19,15 @@ from solver.problem.quantities import QUANTITIES
 from studies.paper.readings import READINGS
 
 from ...figures import colours
-from ...run import atomic
 from ...words import labels
 from .. import pages
 from . import page_model
-from .presets import PRESETS, Preset
+from .presets import Preset
 
 PAGE = Path(__file__).parent / "page"
 FIRST = "page"
 _IMPORT = re.compile(r'^import (\{.*\}) from "\./(\w+)\.mjs";$', re.M)
 _EXPORT = re.compile(r"^export ((?:async )?(?:const|function|class) (\w+))", re.M)
-BROWSERS = ("chromium", "chromium-browser", "google-chrome-stable", "google-chrome", "chrome")
-SIZE = (540, 377)  # CSS pixels of the page
-RATIO = 2  # pixels of the picture per CSS pixel
-SETTLED = 8000  # ms of the page's own clock, after which it has drawn everything at rest
-PATIENCE = 120  # s
-FLAGS = (
-    "--headless", "--disable-gpu", "--enable-unsafe-swiftshader", "--hide-scrollbars", "--no-first-run",
-    "--disable-background-networking", "--disable-component-update", "--disable-sync",
-    f"--window-size={SIZE[0]},{SIZE[1]}", f"--force-device-scale-factor={RATIO}", f"--virtual-time-budget={SETTLED}",
-)  # fmt: skip
 
 
 def text(presets: Sequence[Preset], served: bool, style: str = "") -> str:
@@ -121,39 +106,3 @@ def _begin(preset: Preset) -> dict[str, Any]:
     if sol.problem.kind != "ends":
         return {}
     return {"shape": page_model.round_rows({"s": sol.s, "beta": sol.beta, "dbeta": sol.dbeta}, 9)}
-
-
-def browser() -> str | None:
-    """The path of a Chromium that PATH names; None without one."""
-    return next((path for name in BROWSERS if (path := shutil.which(name))), None)
-
-
-def take_picture(path: Path) -> str:
-    """Write a PNG of the live page with the rod of Table 1; returns why there is none, or nothing.
-
-    Raises `InputError` where the file cannot be written.
-    """
-    program = browser()
-    if program is None:
-        return f"no browser was found on PATH (looked for {', '.join(BROWSERS)})"
-    with (
-        atomic.refusing(path),
-        tempfile.TemporaryDirectory(prefix="still-", dir=path.parent, ignore_cleanup_errors=True) as name,
-    ):
-        folder = Path(name).resolve()
-        (folder / "page.html").write_text(text(PRESETS, False, read("still.css")), encoding="utf-8")
-        (folder / "frame.html").write_text(pages.fill(read("still.html"), wide=SIZE[0], high=SIZE[1]), encoding="utf-8")
-        shot, options = folder / "shot.png", [f"--user-data-dir={folder / 'profile'}"]
-        if hasattr(os, "geteuid") and os.geteuid() == 0:
-            options.append("--no-sandbox")  # Chromium refuses root otherwise
-        command = [program, *FLAGS, *options, f"--screenshot={shot}", (folder / "frame.html").as_uri()]
-        try:
-            subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, timeout=PATIENCE, check=False)
-        except subprocess.TimeoutExpired:
-            return f"{program} took no picture within {PATIENCE} s"
-        except OSError as error:
-            return f"{program} did not start: {error.strerror or error}"
-        if not shot.exists():
-            return f"{program} took no picture"
-        atomic.write(path, lambda aside: shutil.copyfile(shot, aside))
-    return ""

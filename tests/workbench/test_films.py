@@ -14,8 +14,9 @@ from studies.language.loader import loads
 from tests.workbench import small
 from tests.workbench.command import exit_status
 from tests.workbench.pictures import draws
-from workbench.commands import animate, console, study_scene
+from workbench.commands import console, scene_film, study_scene
 from workbench.commands.present import result_of_files
+from workbench.commands.scene import SceneOptions, scene
 from workbench.figures import canvas
 from workbench.run import in_memory, writing
 from workbench.scene import film, opengl, scene_kinds
@@ -109,15 +110,15 @@ def test_a_film_that_cannot_be_drawn_leaves_nothing(tmp_path) -> None:
 
 def test_scene_makes_a_film(monkeypatch) -> None:
     asked = []
-    monkeypatch.setattr(animate, "film_of", lambda *given, **more: asked.append((given, more)) or result_of_files([]))
+    monkeypatch.setattr(scene_film, "film_of", lambda *given: asked.append(given) or result_of_files([]))
     film_options = ["--show", "bends", "--fps", "12", "--stored", "--frames", "9"]
     look = ["--theme", "dark", "--background", "navy", "--color", "gold"]
     for way in ("--along", "--axis"):
         assert exit_status("scene", "a.h5", way, "E", "--out", "E.mp4", "--dpi", "90", *film_options, *look) == 0
-        given, more = asked.pop()
-        assert given[:8] == (Path("a.h5"), "E", None, "contact", "bends", [Path("E.mp4")], 12.0, True)
-        assert given[8:] == (0.5, 90, False, 9, "dark", "navy", "gold")
-        assert more == {}
+        axes = {way[2:]: "E" if way == "--along" else ["E"]}
+        film_of = {"show": "bends", "fps": 12.0, "stored": True, "frames": 9, "dpi": 90}
+        film_of |= {"theme": "dark", "background": "navy", "color": "gold"}
+        assert asked.pop() == (Path("a.h5"), out := Path("E.mp4"), SceneOptions(**axes, **film_of, out=out))
         assert exit_status("scene", "a.h5", way, "E", "--out", "E.png", *film_options) == 2, "it would be ignored"
     for other in (["--camera", "front"], ["--bare"], ["--axis", "E", "--along", "R"]):
         assert exit_status("scene", "a.h5", "--out", "E.mp4", *other) == 2, "it would be ignored"
@@ -126,18 +127,11 @@ def test_scene_makes_a_film(monkeypatch) -> None:
 @draws
 def test_a_film_of_a_study_needs_no_file(tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(animate, "MOST", 6)  # frames
+    monkeypatch.setattr(scene_film, "MOST", 6)  # frames
     base = small.SHORT | {"beta": 0.5, "dbeta": 0.5, "M3": 0.0}
     Path("two.toml").write_text(small.text(base, small.axis("F3", [1.0, 2.0]), observables=["bends"]))
     assert exit_status("scene", "two.toml", "-o", "two.gif", "--dpi", "30", "--pixel-error", "5") == 0
     assert Path("two.gif").stat().st_size > 0
-
-
-def test_the_old_command_names_the_new_one(ds, tmp_path, monkeypatch, capsys) -> None:
-    writing.write(ds, tmp_path / "one.h5")
-    monkeypatch.setattr(opengl, "probe", lambda: (False, "no OpenGL here"))
-    assert exit_status("animate", tmp_path / "one.h5", "-o", tmp_path / "E.mp4") == 1
-    assert capsys.readouterr().err.endswith("workbench: animate will go: use scene --out film.mp4\n")
 
 
 def test_the_curve_is_that_of_the_axiss_law_where_none_is_asked_for(ds) -> None:
@@ -151,7 +145,7 @@ def test_what_is_missing_is_said_before_anything_is_drawn(ds, tmp_path, monkeypa
     writing.write(ds, tmp_path / "one.h5")
 
     def made(name: str) -> int:
-        return animate.animate(tmp_path / "one.h5", out=[tmp_path / name], fps=3.0, dpi=DPI)
+        return scene(tmp_path / "one.h5", out=tmp_path / name, fps=3.0, dpi=DPI)
 
     monkeypatch.setattr(film, "find_spec", lambda name: None)
     with pytest.raises(InputError, match=r"imageio-ffmpeg, which is not installed.*\.gif and \.webp do not"):

@@ -1,4 +1,4 @@
-"""The command gallery, and the two pictures at the top of the README."""
+"""The script of the pictures of scenes, and the two pictures at the top of the README."""
 
 import re
 from pathlib import Path
@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from tests.workbench.command import exit_status
+from docs import scene_pictures
 from tests.workbench.pictures import draws, pixels, share_of_ink, shares_of_push
 from workbench.scene import film
 from workbench.stored.stored_study import StoredStudy
-from workbench.web.live import live_document
 from workbench.words import cautions
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -21,9 +20,7 @@ LARGEST = 2_000_000  # bytes of an animated picture in a README
 
 def hero() -> StoredStudy:
     """The cases of the animated picture."""
-    from workbench.commands import gallery
-
-    return gallery._datasets()["hero_sweep"]()
+    return scene_pictures._datasets()["hero_sweep"]()
 
 
 def is_animated_as_promised(path: Path) -> None:
@@ -42,49 +39,26 @@ def test_the_readme_opens_with_both_pictures_which_exist_and_are_told_in_words()
     is_animated_as_promised(animated)
     with Image.open(page) as picture:
         assert picture.size == (
-            live_document.RATIO * live_document.SIZE[0],
-            live_document.RATIO * live_document.SIZE[1],
+            scene_pictures.RATIO * scene_pictures.SIZE[0],
+            scene_pictures.RATIO * scene_pictures.SIZE[1],
         )
         assert picture.width / picture.height == pytest.approx(WIDE_HIGH[0] / WIDE_HIGH[1], rel=0.002)  # side by side
 
 
-def test_without_a_browser_the_page_is_left_out_in_one_sentence(tmp_path, monkeypatch, capsys) -> None:
-    monkeypatch.setenv("PATH", str(tmp_path))
-    assert exit_status("gallery", "--only", "hero_page", "--out", str(tmp_path / "shown")) == 0
-    told = capsys.readouterr().err
-    assert " ".join(told.split()).count("hero_page.png is left out: no browser was found on PATH") == 1
-    assert list((tmp_path / "shown").iterdir()) == []
-
-
-def test_a_browser_that_fails_leaves_no_file_and_is_named(tmp_path, monkeypatch) -> None:
-    false = tmp_path / "chromium"
-    false.write_text("#!/bin/sh\nexit 1\n", encoding="utf-8")
-    false.chmod(0o755)
-    monkeypatch.setenv("PATH", f"{tmp_path}:/bin:/usr/bin")
-    out = tmp_path / "shown"
-    out.mkdir()
-    assert live_document.take_picture(out / "page.png") == f"{false} took no picture"
-    assert list(out.iterdir()) == []
-
-
 def test_the_rod_of_the_readme_is_one_that_can_be_and_slows_down_where_its_loop_begins_again() -> None:
-    from workbench.commands import gallery
-
     ds = hero()
     assert ds["solved"].all()
     # pressed on everywhere, and nothing else is wrong: rubber may be strained by 30 %
     assert {*np.vectorize(lambda text: ", ".join(cautions.keys(text)))(ds["caution"].values)} == {"strained"}
     assert ds.sizes["F3"] == 61  # there and back without the two ends twice: 120 frames
-    steps = np.diff(gallery.FORCES)
+    steps = np.diff(scene_pictures.FORCES)
     np.testing.assert_allclose(steps, steps[::-1], rtol=1e-9)
     assert abs(steps[0]) < 0.1 * np.abs(steps).max()
 
 
 @draws
 def test_the_frames_have_one_camera_one_scale_and_a_value_that_changes() -> None:
-    from workbench.commands import gallery
-
-    shown = film.Film("F3", {}, dpi=100, size=gallery.HERO_SIZE)
+    shown = film.Film("F3", {}, dpi=100, size=scene_pictures.HERO_SIZE)
     first, last = (frame.astype(float) / 255 for frame in film.frames(hero().select({"F3": [0, -1]}), shown))
     top, foot = round(100 * film.TOP), round(100 * film.FOOT)
     np.testing.assert_array_equal(first[-foot:], last[-foot:])  # the scale of colours
@@ -100,14 +74,15 @@ def test_the_frames_have_one_camera_one_scale_and_a_value_that_changes() -> None
 
 @draws
 @pytest.mark.slow
-def test_the_gallery_makes_both_pictures_of_the_readme(tmp_path) -> None:
+def test_the_script_makes_both_pictures_of_the_readme(tmp_path) -> None:
     out = tmp_path / "shown"
-    assert exit_status("gallery", "--only", "hero_sweep", "--only", "hero_page", "--out", str(out)) == 0
+    scene_pictures.main(str(out), "hero_sweep")
     is_animated_as_promised(out / "hero_sweep.webp")
-    if live_document.browser() is None:
+    if scene_pictures.browser() is None:
         pytest.skip("there is no Chromium here: apt-get install chromium")
+    scene_pictures.main(str(out), "hero_page")
     shown = pixels(out / "hero_page.png")
-    wide, high = (live_document.RATIO * side for side in live_document.SIZE)
+    wide, high = (scene_pictures.RATIO * side for side in scene_pictures.SIZE)
     assert shown.shape[:2] == (high, wide)
     rod, diagrams = shown[:, : int(0.31 * wide)], shown[:, int(0.31 * wide) :]
     for half in (diagrams[: high // 2], diagrams[high // 2 :]):

@@ -1,0 +1,140 @@
+"""The pictures of the kinds of scene, and the two at the top of the README.
+
+`python -m docs.scene_pictures FOLDER NAMES`; without names all are drawn. rod.png shows one rod in the four kinds of
+scene that show one. hero_sweep.webp is animated: a rod in a tube that is pushed and released. hero_page.png shows the
+live page; a Chromium on PATH draws it.
+"""
+
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable
+from functools import partial
+from math import cos, pi
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+from solver import equilibria as every
+from studies import load
+from studies.grammar.axes import Axis
+from workbench.branches.ends_study import ends_problem
+from workbench.branches.equilibria_dataset import dataset_of
+from workbench.run import atomic, in_memory
+from workbench.scene import composition, film, layout, page, scene_kinds
+from workbench.stored.stored_study import StoredStudy
+from workbench.web import pages
+from workbench.web.live import live_document, presets
+
+DPI = 200  # of print
+SWEEP, PAGE = "hero_sweep", "hero_page"
+HERO_SIZE, HERO_DPI = (5.375, 3.75), 160  # inches of the animated picture: as wide to its height as the other
+# there and back: 120 frames; slow near both ends, so that nothing jumps where the loop begins again
+FORCES = [-10.0 - 25.0 * (1 - cos(pi * k / 60)) for k in range(61)]
+OWN = ("inside", "long")  # drawn as `contact`
+RODS = Path(__file__).with_name("scene_rods")  # the studies of the pictures that are of no shipped study
+ROD, VIEWS, VIEW_DPI = "rod", ("plain", "contact", "curvature", "twist"), 120  # four kinds of one rod, two by two
+BROWSERS = ("chromium", "chromium-browser", "google-chrome-stable", "google-chrome", "chrome")
+SIZE = (540, 377)  # CSS pixels of the page
+RATIO = 2  # pixels of the picture per CSS pixel
+SETTLED = 8000  # ms of the page's own clock, after which it has drawn everything at rest
+PATIENCE = 120  # s
+FLAGS = (
+    "--headless", "--disable-gpu", "--enable-unsafe-swiftshader", "--hide-scrollbars", "--no-first-run",
+    "--disable-background-networking", "--disable-component-update", "--disable-sync",
+    f"--window-size={SIZE[0]},{SIZE[1]}", f"--force-device-scale-factor={RATIO}", f"--virtual-time-budget={SETTLED}",
+)  # fmt: skip
+
+
+def main(folder: str = "pictures", *only: str) -> None:
+    """Draw the pictures of these names into a folder; default: all."""
+    several = [name for name in scene_kinds.KINDS if name not in VIEWS]
+    known = dict.fromkeys([ROD, *several, *OWN], ".png") | {SWEEP: ".webp", PAGE: ".png"}
+    if strange := [name for name in only if name not in known]:
+        sys.exit(f"no picture {strange[0]!r}; choose from {', '.join(known)}")
+    datasets, out = _datasets(), Path(folder)
+    out.mkdir(parents=True, exist_ok=True)
+    for name in only or known:
+        path = out / f"{name}{known[name]}"
+        if name == PAGE:
+            draw_page(path)
+        elif name == ROD:
+            _draw_four_views(datasets[name](), path)
+        else:
+            _draw_scene(datasets[name](), path)
+        print(path)
+
+
+def _draw_scene(rods: StoredStudy, path: Path) -> None:
+    """Draw one scene, or the rod along the axis of the film and back."""
+    if path.stem == SWEEP:
+        film.write([path], film.frames(rods, film.Film("F3", {}, dpi=HERO_DPI, size=HERO_SIZE)), back=True)
+        return
+    kind, axes = "contact" if path.stem in OWN else path.stem, ["F1", "F3"] if path.stem == "grid" else []
+    layout.render(rods, path, None, kind, axes, settings=composition.Settings(dpi=DPI), level=9)
+
+
+def _draw_four_views(rods: StoredStudy, path: Path) -> None:
+    """Draw a rod in four kinds of scene, two by two."""
+    views = []
+    for letter, kind in zip("abcd", VIEWS, strict=True):
+        titled = rods.with_title(f"{letter}  {scene_kinds.KINDS[kind].description}")
+        picture = layout.compose(titled, None, kind, settings=composition.Settings(dpi=VIEW_DPI))
+        views.append(page.pixels_of(picture.fig))
+    high = max(len(view) for view in views)
+    views = [np.pad(view, ((0, high - len(view)), (0, 0), (0, 0)), constant_values=255) for view in views]
+    image = Image.fromarray(np.block([[[views[0]], [views[1]]], [[views[2]], [views[3]]]]))
+    atomic.write(path, lambda aside: image.save(aside, compress_level=9))
+
+
+def _datasets() -> dict[str, Callable[[], StoredStudy]]:
+    """What solves the dataset of each picture."""
+
+    def equilibria() -> StoredStudy:
+        study = load("fig7_4_end_angle")
+        case = ends_problem(study)
+        return StoredStudy(dataset_of(study, case, every(case)))
+
+    def run(study: str | Path, **axes: list[float]) -> StoredStudy:
+        values = {name: Axis.model_validate({"values": each}) for name, each in axes.items()}
+        return StoredStudy(in_memory.run(load(study).model_copy(update={"axes": values}) if axes else load(study)))
+
+    shipped = {ROD: "fig6", "ghosts": "fig7_1_modulus", "grid": "fig7_5_forces"}
+    return {
+        **{name: partial(run, study) for name, study in shipped.items()},
+        "equilibria": equilibria,
+        **{name: partial(run, RODS / f"{name}.toml") for name in OWN},
+        SWEEP: partial(run, RODS / f"{SWEEP}.toml", F3=FORCES[::-1]),
+    }
+
+
+def browser() -> str | None:
+    """The path of a Chromium that PATH names; None without one."""
+    return next((path for name in BROWSERS if (path := shutil.which(name))), None)
+
+
+def draw_page(path: Path) -> None:
+    """Write a PNG of the live page with the rod of Table 1. Ends the script with one sentence where this fails."""
+    program = browser()
+    if program is None:
+        sys.exit(f"{path.name} is left out: no browser was found on PATH (looked for {', '.join(BROWSERS)})")
+    with tempfile.TemporaryDirectory(prefix="still-", dir=path.parent, ignore_cleanup_errors=True) as name:
+        folder = Path(name).resolve()
+        style, frame = (RODS.joinpath(f"still.{end}").read_text(encoding="utf-8") for end in ("css", "html"))
+        (folder / "page.html").write_text(live_document.text(presets.PRESETS, False, style), encoding="utf-8")
+        (folder / "frame.html").write_text(pages.fill(frame, wide=SIZE[0], high=SIZE[1]), encoding="utf-8")
+        shot, options = folder / "shot.png", [f"--user-data-dir={folder / 'profile'}"]
+        if hasattr(os, "geteuid") and os.geteuid() == 0:
+            options.append("--no-sandbox")  # Chromium refuses root otherwise
+        command = [program, *FLAGS, *options, f"--screenshot={shot}", (folder / "frame.html").as_uri()]
+        subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, timeout=PATIENCE, check=False)
+        if not shot.exists():
+            sys.exit(f"{path.name} is left out: {program} took no picture")
+        atomic.write(path, lambda aside: shutil.copyfile(shot, aside))
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
