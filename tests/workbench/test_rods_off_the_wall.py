@@ -201,7 +201,9 @@ def test_a_rod_is_drawn_held_on_and_let_go_with_its_gap_and_the_forces_at_the_ed
     (said,) = [text.get_text() for text in page.ax.texts if text.get_text().endswith(" cm")][-1:]
     assert float(said.split()[0]) == pytest.approx(gap, rel=0.01)
     assert len([text for text in page.ax.texts if getattr(text, "arrow_patch", None)]) == 1 + len(rods[1].pushes)
-    for at, away, force in rods[1].pushes:
+    again = read(StoredStudy(stored).solve(201, ["alpha", "beta", "z", "radius", "contact"]), {}, kind_of("contact"))
+    for (at, away, force), (_, _, same) in zip(rods[1].pushes, again.pushes, strict=True):
+        assert force == pytest.approx(same, rel=1e-6)
         assert force > 0
         assert at[:2] @ away[:2] == pytest.approx(rods[1].R + 2 * rods[1].a, rel=1e-3)
 

@@ -214,8 +214,8 @@ def _pictures(
     if chosen.name == scene_kinds.LET_GO:
         solve = study_scene.release_of(rods, where)
         rods, where, axes = solve(study_scene.FIRST), {}, [scene_kinds.RELEASED]
-    elif study is not None and solve is not None:
-        rods = solve(study_scene.FIRST)
+    elif solve is not None and (study is not None or rods.leaves):  # no file holds point forces
+        rods = solve(study_scene.FIRST if study is not None else rods.sizes["u"])
     picture, stations = study_scene.at_needed_stations(rods, solve, draw)
     solved = f", solved at {stations} stations" if study or stations != rods.sizes["u"] else ""
     said = [" at ".join([str(path), *([", ".join(case)] if case else [])]) + solved]

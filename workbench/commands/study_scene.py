@@ -4,7 +4,6 @@ The rods are solved at a few stations, or read, and the camera is set up; where 
 are solved again at as many. The result is a dataset like any other, and is drawn like any other.
 """
 
-import json
 from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import partial
 from pathlib import Path
@@ -22,10 +21,10 @@ from studies.language.study import MAX_STATIONS, OUTPUTS
 from ..figures.scales import is_logarithmic, is_wide
 from ..run import in_memory, reading
 from ..run.stored_case import is_study
-from ..scene.body import POINT_FORCES
 from ..scene.scene_kinds import CASE, RELEASED, SceneKind, case_values
 from ..scene.settings import TooFewStations
 from ..stored import file_kinds, quantity_variables, schema
+from ..stored.solved_again import point_forces_of
 from ..stored.stored_study import StoredStudy
 
 FIRST = 21  # stations that are tried first
@@ -73,8 +72,8 @@ def _is_whole(stored: StoredStudy) -> bool:
 def release_of(stored: StoredStudy, at: Mapping[str, float]) -> Solve:
     """What solves one case of a study twice, held on the cylinder and let go, at a number of stations.
 
-    The two stand along the dimension `scene_kinds.RELEASED`; the attribute `body.POINT_FORCES` has the point forces.
-    Raises `InputError` for a case that may leave the cylinder by itself, and one that no study gives.
+    The two stand along the dimension `scene_kinds.RELEASED`, with the point forces. Raises `InputError` for a case that
+    may leave the cylinder by itself, and one that no study gives.
     """
     if not _is_whole(stored) or (stored.leaves and not stored.study.let_go):
         raise InputError("the kind let-go takes the study of a rod that the cylinder holds on, which is then let go")
@@ -92,8 +91,10 @@ def release_of(stored: StoredStudy, at: Mapping[str, float]) -> Solve:
         names = [name for name in free.variables if name in held.variables]
         sides = [ds[names].squeeze(list(lean.axes) and [dim for dim in ds["outcome"].dims]) for ds in (held, free)]
         pair = xr.concat(sides, xr.Variable((RELEASED,), [0, 1]), coords="minimal", compat="override")
-        forces = [[], [[float(s), float(force)] for s, force in StoredStudy(free.squeeze()).at().point_forces]]
-        return StoredStudy(pair.assign_attrs(free.attrs | {POINT_FORCES: json.dumps(forces), CASE: case}))
+        forces = point_forces_of(StoredStudy(free.squeeze()).at(), ())
+        away = {name: array.expand_dims({RELEASED: 1}) for name, array in xr.Dataset(forces).items()}
+        pair = pair.merge(xr.Dataset(away).pad({RELEASED: (1, 0)}).assign_coords({RELEASED: [0, 1]}))
+        return StoredStudy(pair.assign_attrs(free.attrs | {CASE: case}))
 
     return solve
 

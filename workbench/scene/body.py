@@ -17,11 +17,11 @@ from ..geometry.lines import TALLEST
 from ..geometry.refinement import COLOUR_STEPS, MOST_TRIANGLES, Rings, rings, stations_for
 from ..stored import quantity_variables
 from ..stored.quantity_variables import SECTION
+from ..stored.solved_again import POINT_FORCES
 from ..stored.stored_study import StoredStudy
 from .scene_kinds import Paint, SceneKind
 
 STRIPE = 3  # one side in so many is painted
-POINT_FORCES = "point_forces"  # an attribute: of each case of the last axis, arc length and size
 SEEN = 0.05  # radii of the rod: a smaller gap is not seen
 
 
@@ -209,9 +209,12 @@ def read(
     this = variables.select(dict(where))
     gamma = np.asarray(this["gamma"], dtype=float) if "gamma" in kind.reads else None
     caution = str(this["caution"].values) if "caution" in this else ""
-    forces = stored.data(POINT_FORCES)[list(where.values())[-1]] if POINT_FORCES in stored.attrs else ()
+    forces = list[tuple[float, float]]()
+    if POINT_FORCES[0] in stored:
+        pairs = [stored[name].isel(dict(where)).values for name in POINT_FORCES]
+        forces = [(float(s), float(force)) for s, force in zip(*pairs, strict=True) if np.isfinite(s)]
     drawn = span or (float(line.s[0]), float(line.s[-1]))
-    return Body(line, drawn, kind.value, gamma, caution, point_forces=[(s, force) for s, force in forces])
+    return Body(line, drawn, kind.value, gamma, caution, point_forces=forces)
 
 
 def of_case(

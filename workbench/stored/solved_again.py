@@ -1,6 +1,6 @@
 """The study and the cases of a stored dataset, solved again or at other values."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -16,6 +16,7 @@ from solver.orbits.joined_orbits import Rows
 from solver.orbits.statics import push_from
 from solver.problem.case_fields import values_of, with_field
 from solver.problem.errors import InputError, no_such
+from solver.solution import FreeSolution
 from studies import Study
 from studies.grammar.axes import FIELDS, SAMPLE, WORDS, Dimension, quantity_of
 from studies.language.loader import loads
@@ -26,6 +27,7 @@ from .one_case import method_of, solve_one
 from .selection import SAME, real
 from .sweep import Sweep, between
 
+POINT, POINT_FORCES = "point", ("point_force_at", "point_force")  # a dimension and two variables of it
 AGREES = 1e-4  # rad, or a share of the length or of the largest value: by which a rod may differ that is solved again
 MOST_SOLVED = 10_000  # cases that are solved again: seconds
 
@@ -101,6 +103,19 @@ def solve_once(ds: xr.Dataset, study: Study, kept: dict[Any, Solution]) -> Solut
     return type(known)(known.case, *answers, t, known.method, known.tol)
 
 
+def point_forces_of(sol: Solution, dims: Sequence[str]) -> dict[str, xr.Variable]:
+    """The point forces of the wall on each case, over its dimensions and `POINT`: `POINT_FORCES`, where each acts
+    [length] and its size [force]; NaN beyond their number."""
+    assert isinstance(sol, FreeSolution)
+    each = np.empty(sol.case.size, dtype=object)
+    each[:] = [*sol.point_forces.ravel()] if sol.case.shape else [sol.point_forces]
+    rows = [[*pairs] if pairs is not None else [] for pairs in each]
+    most = max(map(len, rows), default=0)
+    padded = np.array([row + [(np.nan, np.nan)] * (most - len(row)) for row in rows], dtype=float)
+    padded = padded.reshape(*sol.case.shape, most, 2)
+    return {name: xr.Variable((*dims, POINT), padded[..., k]) for k, name in enumerate(POINT_FORCES)}
+
+
 def solve_again(
     ds: xr.Dataset, stations: int, names: Iterable[str], kept: dict[Any, Solution] | None = None
 ) -> xr.Dataset:
@@ -145,6 +160,8 @@ def solve_again(
 
     arrays = {quantity_variables.curve_name(name): array(along(name)) for name in names}
     denser = bare.assign_coords(s=array(sol.s)).assign(arrays)
+    if isinstance(sol, FreeSolution):
+        denser = denser.assign(point_forces_of(sol, axes))
     for name in (str(name) for name in denser.data_vars if "u" in denser[name].dims and name in ds):
         stored = ds[name].transpose(*dims).values[solved]
         size = {"beta": 1.0, "alpha": 1.0, "z": float(np.max(sol.s))}.get(name, float(np.abs(stored).max(initial=0.0)))
