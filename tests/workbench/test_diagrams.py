@@ -42,6 +42,19 @@ def ds() -> xr.Dataset:
     return in_memory.run(study(AXIS, OUTPUTS).at_stations(201))
 
 
+@pytest.mark.parametrize("way", [1, -1])
+def test_a_rod_that_winds_comes_back_on_the_unrolled_view_of_one_turn(way: int) -> None:
+    rho, alpha, z = 2.0, way * np.linspace(0.0, 5 * np.pi, 400), np.linspace(0.0, 100.0, 400)
+    view, _ = unrolled.view_of(z, rho, alpha, z, 0.1, "", {"color": "black"}, ringed=False)
+    turn = 2 * np.pi * rho
+    x, y = (np.concatenate([first, *(part[k] for part in view.over)]) for k, first in enumerate((view.x, view.y)))
+    np.testing.assert_allclose(x, z)
+    np.testing.assert_allclose(np.cos(y / rho), np.cos(alpha), atol=1e-9)
+    assert len(view.over) == 2
+    assert np.ptp(y) <= turn * (1 + 1e-9)
+    assert y[0] == 0
+
+
 def test_the_values_of_the_axis_stand_at_the_same_height_in_every_panel_of_a_ridge(ds) -> None:
     fig = along.figure(StoredStudy(ds))
     fig.draw_without_rendering()

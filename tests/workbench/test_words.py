@@ -228,6 +228,7 @@ RODS: dict[str, Callable[[], Figure]] = {
     "one rod alone": lambda: along.figure(StoredStudy(four()), at={"E": 1e4}, show=["beta", "push"]),
     "portraits": lambda: portrait.figure(StoredStudy(four()), at={"E": 1e4}),
     "pipe": lambda: along.pipe(StoredStudy(four())),
+    "pipes as a map": lambda: along.pipe(StoredStudy(small.study_dataset("pipe_horizontal"))),
     "states": lambda: along.states(StoredStudy(small.study_dataset("capstan"))),
     "bars": lambda: kinds.figure(StoredStudy(small.six()), "bars", x="R", show=["kappa_max"], at={"E": 2e4}),
 }

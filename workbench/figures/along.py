@@ -24,8 +24,8 @@ from ..stored import quantity_variables
 from ..stored.stored_study import StoredStudy
 from ..words import labels
 from ..words.cautions import SLIGHT
-from . import canvas, colours, drawn_rods, fonts, push_scale, regions, waves
-from .drawn_rods import DrawnRod, DrawnRods
+from . import canvas, colours, drawn_rods, fonts, pipe_map, push_scale, regions, waves
+from .drawn_rods import DrawnRods
 from .scales import RoomLocator, round_below
 from .sheet import SCREEN, Sheet
 
@@ -87,6 +87,9 @@ def figure(
     if STATES in names and not stored.loads_vary:
         raise InputError(f"{NO_STATES}, and the rods of this file have none; choose --kind ridge or pipe")
     rods = drawn_rods.choose(stored, list(dict.fromkeys(a for n in names for a in ARRAYS.get(n, (n,)))), x, at, MOST)
+    no_states = [f"No states: {NO_STATES}."] * (PIPE in names and not stored.loads_vary)
+    if names == [PIPE] and len(rods.rods) >= pipe_map.LEAST:
+        return pipe_map.figure(rods, sheet, [*rods.said(), *rods.notes, *no_states])
     longest = max(float(rod["s"][-1]) for rod in rods.solved)
     inches = max(sheet.width / (1 if sheet.narrow else len(names)) - fonts.BESIDE, 0.5) / longest
     curves = [_curves(rods, name, inches) for name in names]
@@ -105,9 +108,7 @@ def figure(
     panels = [partial(panel, i) for i in range(len(names))]
     rows: list[canvas.Row] = [(tall + 0.3, [single]) for single in panels] if sheet.narrow else [(tall + 0.75, panels)]
     faint = len(names) > 1 and any(not curve.foot for curve in curves)
-    said = ["Faint line: where the quantity of a rod is 0."] * faint + rods.said() + rods.notes
-    if PIPE in names and not stored.loads_vary:
-        said.append(f"No states: {NO_STATES}.")
+    said = ["Faint line: where the quantity of a rod is 0."] * faint + rods.said() + rods.notes + no_states
     return canvas.page(rods.source, sheet, rows, said, 0.75)
 
 
@@ -147,7 +148,8 @@ def _curves(rods: DrawnRods, name: str, inches: float) -> Curves:
     far = low > 2 * (high - low) or high < -2 * (high - low)  # 0 lies far from all curves
     foot = low if far and name != "push" and high - low > NOISE * max(abs(low), abs(high)) else 0.0
     size = max(max(most, foot) - min(least, foot) for _, least, most in drawn) or 1.0
-    step = max(_clear_step(rods, values, foot, name == "push" or (not foot and low >= 0), inches), 0.25 * size)
+    apart = name in ("push", PIPE) or (not foot and low >= 0)  # no curve crosses the line of another
+    step = max(_clear_step(rods, values, foot, apart, inches), 0.25 * size)
     ends = (min(0.0, *(k + (least - foot) / step for k, least, _ in drawn)),
             max(len(values) - 1.0, *(k + (most - foot) / step for k, _, most in drawn)))  # fmt: skip
     return Curves(name, title, unit, values, foot, step, size, ends, inches)
@@ -278,7 +280,7 @@ def _draw_curves(ax: Axes, rods: DrawnRods, curves: Curves) -> list[str]:
         heights, wide, below = (
             (values, 1.0, 0.0) if curves.name == STATES else (np.full(s.shape, foot), BAND * width, 0.01)
         )
-        for state in _states(rods, rod):
+        for state in pipe_map.states_of(rods, rod):
             part = (s >= state.begin) & (s <= state.end)
             look = {"color": colours.STATES[state.word], "linewidth": wide, "label": state.word,
                     "gid": f"{rod.name}, {state.word}"}  # fmt: skip
@@ -301,12 +303,6 @@ def _draw_line(
 
     label = str(look.get("label", ""))
     return waves.draw(ax, s, values, inches, line, look["color"], look["gid"], where, order, label)
-
-
-def _states(rods: DrawnRods, rod: DrawnRod) -> Sequence[Any]:
-    if not rods.source.loads_vary:
-        return ()
-    return rod.case.states(*(rod[name] for name in ("s", "beta", "alpha", "push")))
 
 
 def _name_curves(ax: Axes, rods: DrawnRods, curves: Curves, tall: float, labelled: bool) -> None:

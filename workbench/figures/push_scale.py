@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection
+from matplotlib.collections import LineCollection, QuadMesh
 from matplotlib.colorbar import Colorbar
 from matplotlib.colors import Normalize
 from numpy.typing import NDArray
@@ -59,8 +59,8 @@ def line(
 
 
 def bar(ax: Axes, unit: str, inches: float) -> None:
-    """The bar of the colours of the lines on axes, below these, which are so many inches wide; none without lines."""
-    lines = [collection for collection in ax.collections if isinstance(collection, LineCollection)]
+    """The bar of the colours of lines or rows on axes, below these, which are so many inches wide; none without any."""
+    lines = [collection for collection in ax.collections if isinstance(collection, (LineCollection, QuadMesh))]
     if not lines:
         return
     drawn = canvas.colour_bar([ax], lines[-1], location="bottom", anchor=(0.0, 1.0), panchor=False, fraction=0.05,

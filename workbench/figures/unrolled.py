@@ -46,6 +46,9 @@ RING = 3.5  # points across at least
 NEAR = 3.0  # radii of the rod on the unrolled cylinder: two places that are nearer have one ring between them
 ARROW = 0.55  # inches of the arrows of the key at most
 VIEWS = "unrolled views"  # the label of their axes
+AROUND = (
+    "A rod that winds more than once around the unrolled cylinder leaves it at one edge, and comes back at the other."
+)
 THROUGH = "the rod passes through itself at its true thickness"
 TOO_LONG = "is too long to search for the places where it passes through itself"
 # of a rod in lines
@@ -105,7 +108,18 @@ def view_of(
     those places have rings. radius: the distance from the axis, (n,); default: rho all along.
     """
     rings = crossings(s, rho, alpha, z, a, rho if radius is None else radius) if ringed else []
-    return UnrolledView(z, rho * (alpha - alpha[0]), text, look, rings or [], name), rings is None
+    y, turn = rho * (alpha - alpha[0]), 2 * np.pi * rho
+    if float(np.ptp(y)) <= turn or not all(_is_monotone(row) for row in (y, z)):  # no helix: its bends stay whole
+        return UnrolledView(z, y, text, look, rings or [], name), rings is None
+    low = 0.0 if y[-1] >= 0 else -turn * (1 - STRAIGHT)  # s = 0 is at the edge that the rod leaves from
+    (z, y, look, name), *over = on_one_turn(z, y, look, name or text.partition("\n")[0], low, turn)
+    placed = [((x, low + (across - low) % turn), apart) for (x, across), apart in rings or []]
+    return UnrolledView(z, y, text, look, placed, name, over), rings is None
+
+
+def _is_monotone(row: Values) -> bool:
+    steps = np.diff(row)
+    return bool((steps >= 0).all() or (steps <= 0).all())
 
 
 def plan(views: Sequence[UnrolledView], room: tuple[float, float], letters: float, even: bool = False) -> Arrangement:
@@ -349,19 +363,30 @@ def lines_of(
     for (start, stop), head in zip(spans, setting.heads(spans, unit), strict=True):
         places = np.concatenate([[start], dense[(dense > start) & (dense < stop)], [stop]])
         x, y = np.interp(places, s, z), np.interp(places, s, across)
-        turns = np.floor((y - low) / turn) if around else np.zeros(places.size)
-        parts: list[Any] = []
-        for on in np.split(np.arange(places.size), np.flatnonzero(np.diff(turns)) + 1):  # on one turn
-            of_part = {"push": np.interp(places[on], s, look["push"])} if "push" in look else {}
-            parts.append((x[on], y[on] - turns[on] * turn, look | of_part, rod.name))
-        (x, y, of_first, name), *over = parts
+        painted = look | ({"push": np.interp(places, s, look["push"])} if "push" in look else {})
+        (x, y, of_first, name), *over = on_one_turn(x, y, painted, rod.name, low, turn if around else np.inf)
         views.append(UnrolledView(x, y, head, of_first, (), name, over, (low, low + wide), start == s[0]))
-    notes = ["A line is the whole unrolled cylinder: the rod leaves it below and comes back above."] * around
+    notes = [AROUND] * around
     notes += off_wall([rod])
     if "overlaps" in cautions.keys(rod.caution):
         notes.append("The rod passes through itself; the places are not marked in lines.")
     said = f"; {setting.note(spans, unit)}, each {labels.number(wide)} {unit} wide"
     return UnrolledPanel(views, room, letters, unit, notes=notes, in_lines=said)
+
+
+def on_one_turn(
+    x: Values, y: Values, look: Mapping[str, Any], name: str, low: float, turn: float
+) -> list[tuple[Values, Values, Mapping[str, Any], str]]:
+    """The parts of a curve on the cylinder that is unrolled between two distances around, low and low + turn.
+
+    look, name: as of `UnrolledView`.
+    """
+    turns = np.floor((y - low) / turn)
+    parts: list[tuple[Values, Values, Mapping[str, Any], str]] = []
+    for on in np.split(np.arange(y.size), np.flatnonzero(np.diff(turns)) + 1):
+        of_part = {"push": np.asarray(look["push"])[on]} if "push" in look else {}
+        parts.append((x[on], y[on] - (turns[on] * turn if np.isfinite(turn) else 0.0), {**look, **of_part}, name))
+    return parts
 
 
 def panel_of(rods: DrawnRods, room: tuple[float, float], letters: float, coloured: bool = True) -> UnrolledPanel:
@@ -375,7 +400,7 @@ def panel_of(rods: DrawnRods, room: tuple[float, float], letters: float, coloure
         if in_lines := lines_of(rods.rods[0], inches, letters, unit, coloured):
             return in_lines
     norm = push_scale.scale([rod["push"] for rod in rods.solved]) if coloured else None
-    views, notes = [], list[str]()
+    views, notes, winds = [], list[str](), False
     for k, rod in enumerate(rods.rods):
         text = "" if rods.axis is None else rod.name if k == 0 else rod.value
         if rod.arrays is None:
@@ -386,8 +411,10 @@ def panel_of(rods: DrawnRods, room: tuple[float, float], letters: float, coloure
                                     passes, rod.radius)  # fmt: skip
         if is_too_long:
             notes.append(f"The rod {TOO_LONG}." if rods.axis is None else f"The rod of {rod.name} {TOO_LONG}.")
-        views.append(replace(view, over=gap_lines(rod)))
-    return UnrolledPanel(views, room, letters, unit, even=True, notes=[*off_wall(rods.solved), *notes])
+        winds = winds or bool(view.over)
+        views.append(replace(view, over=[*view.over, *gap_lines(rod)]))
+    notes = [*[AROUND] * winds, *off_wall(rods.solved), *notes]
+    return UnrolledPanel(views, room, letters, unit, even=True, notes=notes)
 
 
 def off_wall(rods: Sequence[DrawnRod]) -> list[str]:

@@ -30,13 +30,13 @@ export function diagrams(shape, units) {
   ];
 }
 
-/* Seen from outside with z to the right. A rod that reaches more than once around the cylinder leaves the view below and
-   comes back above. */
+/* Seen from outside with z to the right. A helix that reaches more than once around the cylinder leaves the view at one
+   edge and comes back at the other. */
 function unrolled({ one, z, alpha, push }, length) {
   const turn = 2 * Math.PI * one.rho,
     far = (v) => one.rho * (alpha[0] - v),
     [low, high] = range(alpha.map(far)),
-    winds = high - low > turn,
+    winds = high - low > turn && isMonotone(alpha) && isMonotone(z),
     around = winds ? (v) => far(v) - turn * Math.ceil(far(v) / turn) : far,
     y = alpha.map(around);
   return {
@@ -79,6 +79,8 @@ function well({ one, problem, beta }, length) {
     rising: true,
   };
 }
+
+const isMonotone = (row) => [1, -1].some((way) => row.every((v, i) => !i || way * (v - row[i - 1]) >= 0));
 
 /* Whether both axes can have one scale. */
 function areSimilar(x, y) {
