@@ -9,8 +9,10 @@ import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.colors import to_hex, to_rgb
+from matplotlib.figure import Figure
 from PIL import Image
 
+from solver import Case, Cylinder, Rod, Start, solve
 from solver.orbits import frames
 from solver.problem.errors import InputError
 from studies import load
@@ -26,11 +28,12 @@ from workbench.geometry.centreline import Centreline
 from workbench.geometry.lines import Lines
 from workbench.run import in_memory, writing
 from workbench.scene import body as rods
-from workbench.scene import long_rod, opengl, page, scene_kinds, surfaces, views
+from workbench.scene import long_rod, opengl, page, scene_kinds, surfaces, true_scale, views
 from workbench.scene.scene_kinds import KINDS, Cell, kind_of
 from workbench.scene.views import View
 from workbench.stored.quantity_variables import SECTION
 from workbench.stored.stored_study import StoredStudy
+from workbench.words.labels import number
 
 START = {"beta": 0.5, "dbeta": 0.1, "dgamma": 0.5}
 
@@ -199,6 +202,28 @@ def test_a_row_in_the_table_is_all_that_a_new_kind_needs(fig6, tmp_path, monkeyp
 
 
 @draws
+def test_beside_a_compressed_axis_stand_the_hole_and_a_part_at_true_scale() -> None:
+    case = Case(
+        Rod(EI=1.0, GJ=1.0, a=0.05, L=60.0),
+        Cylinder(R=0.1, side="inside"),
+        Start(beta=0.01, dbeta=0.0, F3=-1.0, M3=0.0),
+    )
+    stored = StoredStudy(solve(case, stations=401).to_dataset())
+    body, why = rods.of_case(stored, {}, KINDS["plain"])
+    assert why == ""
+    view, ax, wide = View(long_rod.compress([body]), Cell()), Figure().add_subplot(), 6.0
+    assert true_scale.is_needed([view])
+    true_scale.draw(ax, view, views.front_camera(view.bodies, lying=True), (0.0, 0.0), wide, "m")
+    x, y = next(line for line in ax.lines if line.get_gid() == "down the hole").get_data()
+    np.testing.assert_allclose(np.hypot(x - true_scale.HOLE, y - true_scale.HOLE), 0.5 * true_scale.HOLE, rtol=1e-6)
+    (band,) = [one for one in ax.collections if one.get_gid() == "at true scale"]
+    left = 2 * true_scale.HOLE + true_scale.APART
+    assert np.ptp(band.get_paths()[0].vertices[:, 0]) == pytest.approx(wide - left, rel=0.01)
+    shown = (wide - left) * 0.2 / true_scale.STRIP  # length of the part; the strip is as high as the hole is wide
+    words = f"at true scale: z = {number(30 - shown / 2)} to {number(30 + shown / 2)} m"
+    assert [text.get_text()[:23] for text in ax.texts] == ["down the hole", words[:23]]
+
+
 def test_fig_6_is_large_and_shows_rod_cylinder_and_lift_off(fig6, tmp_path) -> None:
     taken = layout.render(StoredStudy(fig6), tmp_path / "fig6.png")
     assert taken.error <= 0.5 * (1 + 1e-9)

@@ -30,6 +30,7 @@ from ..geometry.centreline import Array
 from ..run import atomic
 from ..stored.stored_study import StoredStudy
 from ..words import labels
+from . import true_scale
 from .body import Body
 from .scene_kinds import Cell, Paint, SceneKind
 from .settings import Settings
@@ -152,7 +153,9 @@ class Page:
     ) -> None:  # fmt: skip
         self.scene, self.legend, self.notes = scene, legend, notes
         bare, size = scene.settings.bare, size or scene.page_size
-        self.bare, self.head, self.foot = bare, (0.0, 0.0) if bare else scene.beside, 0.0 if bare else FOOT
+        self.compressed = not bare and true_scale.is_needed(scene.views)
+        self.bare, self.head = bare, (0.0, 0.0) if bare else scene.beside
+        self.foot = 0.0 if bare else FOOT + true_scale.HIGH * self.compressed
         inside = "inside the cylinder, cut open" if str(scene.stored.attrs["side"]) == "inside" else ""
         titled, layout = (None, None) if bare else (scene.stored, "constrained")
         said = " · ".join(fact for fact in (scene.case, inside) if fact)
@@ -257,6 +260,11 @@ class Page:
     def _draw_foot(self, y: float) -> None:
         """From where it is seen, where one view shows it, the weight, the scale bar and the colour bar."""
         scene, x = self.scene, 0.05
+        if self.compressed:
+            corner = x, y - true_scale.HIGH - 0.2
+            true_scale.draw(
+                self.ax, scene.views[0], scene.camera, corner, self.place[2] - 2 * x, scene.stored.units["length"]
+            )
         if scene.camera.seen_from is not None and len(scene.rows[0]) == 1:
             _draw_glyph(self.ax, x, y, scene.camera.seen_from)
             x += GLYPH + APART

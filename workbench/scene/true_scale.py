@@ -1,0 +1,72 @@
+"""What a picture with a compressed axis hides: a part of the rod at true scale, and the rod as one looks down the hole.
+
+Both stand below the view. Lengths on the page are in inches, to the right and down.
+"""
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.patches import Circle, Rectangle
+from numpy.typing import NDArray
+
+from ..figures import colours, fonts
+from ..words import labels
+from .body import Body
+from .long_rod import UPRIGHT
+from .views import Camera, View
+
+HIGH = 0.95  # inches of all of it
+STRIP = 0.24  # inches of the cylinder in the part at true scale
+HOLE = 0.3  # inches, the radius of the cylinder seen along its axis
+APART = 0.3  # inches between the two
+WORDS = 0.1  # inches from one of them to the words below it
+
+Values = NDArray[np.float64]
+
+
+def is_needed(views: list[View]) -> bool:
+    """Whether a picture shows one view, of one rod whose axis is compressed."""
+    bodies = [body for view in views for body in view.bodies]
+    return len(views) == len(bodies) == 1 and bodies[0].squeeze < 1
+
+
+def draw(ax: Axes, view: View, camera: Camera, corner: tuple[float, float], wide: float, unit: str) -> None:
+    """Draw both; corner: the upper left; wide: inches; unit: of length."""
+    (body,) = view.bodies
+    places = view.places(body) / [1, 1, body.squeeze]
+    up = camera.page[int(abs(camera.page[0, 2]) > abs(camera.page[1, 2])), :2]  # on a page along which the axis runs
+    up = up / np.linalg.norm(up)
+    low_side = np.zeros(2) if camera.down is None else (view.turn @ camera.down)[:2]
+    size = float(np.linalg.norm(low_side))
+    x, middle = corner[0] + HOLE, corner[1] + HOLE
+    _draw_hole(ax, body, places, -low_side / size if size > UPRIGHT else up, (x, middle))
+    words: dict[str, Any] = {"size": fonts.SMALL, "va": "top"}
+    ax.text(x, middle + HOLE + WORDS, "down the hole", ha="center", **words)
+    x += HOLE + APART
+    low, high = map(labels.number, _draw_part(ax, body, places, up, (x, middle), corner[0] + wide - x))
+    ax.text(x, middle + STRIP / 2 + WORDS, f"at true scale: z = {low} to {high} {unit}", **words)
+
+
+def _draw_hole(ax: Axes, body: Body, places: Values, up: Values, middle: tuple[float, float]) -> None:
+    """Draw the rod as one sees it who looks along z; up: a direction across the axis, (2,)."""
+    scale = HOLE / body.R
+    x = middle[0] + scale * places[:, :2] @ [-up[1], up[0]]
+    y = middle[1] - scale * places[:, :2] @ up
+    ax.add_patch(Circle(middle, HOLE, facecolor=colours.SURFACE, edgecolor=colours.SOFT, linewidth=0.8))
+    ax.plot(x, y, color=colours.NEUTRAL, linewidth=2 * body.a * scale * 72, solid_capstyle="round", gid="down the hole")
+    ax.plot(x, y, color=colours.INK, linewidth=0.8)
+
+
+def _draw_part(
+    ax: Axes, body: Body, places: Values, up: Values, left: tuple[float, float], wide: float
+) -> tuple[float, float]:
+    """Draw the middle part of the rod that has room; returns the heights between which it is [length]."""
+    scale, z = STRIP / (2 * body.R), places[:, 2]
+    middle, half = float(z.min() + z.max()) / 2, min(wide / scale, float(np.ptp(z))) / 2
+    inside = np.abs(z - middle) <= half
+    x, y = left[0] + scale * (z[inside] - middle + half), left[1] - scale * places[inside, :2] @ up
+    ax.add_patch(Rectangle((left[0], left[1] - STRIP / 2), 2 * half * scale, STRIP, facecolor=colours.SURFACE,
+                           edgecolor=colours.SOFT, linewidth=0.8))  # fmt: skip
+    ax.fill_between(x, y - body.a * scale, y + body.a * scale, color=colours.NEUTRAL, linewidth=0, gid="at true scale")
+    return middle - half, middle + half
