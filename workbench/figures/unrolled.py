@@ -109,7 +109,8 @@ def view_of(
     """
     rings = crossings(s, rho, alpha, z, a, rho if radius is None else radius) if ringed else []
     y, turn = rho * (alpha - alpha[0]), 2 * np.pi * rho
-    if float(np.ptp(y)) <= turn or not all(_is_monotone(row) for row in (y, z)):  # no helix: its bends stay whole
+    leaves = radius is not None and bool(np.any(np.abs(radius - rho) > STRAIGHT * rho))
+    if float(np.ptp(y)) <= turn or leaves or not all(_is_monotone(row) for row in (y, z)):  # its bends stay whole
         return UnrolledView(z, y, text, look, rings or [], name), rings is None
     low = 0.0 if y[-1] >= 0 else -turn * (1 - STRAIGHT)  # s = 0 is at the edge that the rod leaves from
     (z, y, look, name), *over = on_one_turn(z, y, look, name or text.partition("\n")[0], low, turn)
