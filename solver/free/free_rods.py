@@ -21,7 +21,7 @@ from .minimum import COLD, WARM, Minimum, minimise
 from .program import Sizes
 
 FREE_TOLERANCE = 1e-4  # of the place of a rod, over its length
-FEWEST, EACH = 24, 4.0  # edges of the coarsest mesh; for each length on which the shape changes, and for each radian
+FEWEST, EACH = 24, (2.0, 4.0)  # edges of the coarsest mesh: for each length on which the shape changes; for each radian
 MOST_EDGES = 16_384
 MESHES = 3  # at least, of which each has twice the edges of that before: they say which order the errors have
 FINEST = 4096  # edges, up to which a mesh is refined for the tolerance, if errors of order 2 would then be within it
@@ -68,12 +68,12 @@ def continue_from(beside: Beside, curves: Sequence[Curve], tol: float) -> Answer
         if isinstance(string, str):
             return Answer(why=string)
         curves = [string]
-    changes = max(beside.changes, *(curve.turning for curve in curves))
-    edges = int(max(FEWEST, np.ceil(EACH * changes)))
+    changes = beside.changes, max(curve.turning for curve in curves)
+    edges = int(max(FEWEST, np.ceil(np.multiply(EACH, changes)).max()))
     if not max(rod.span, 1 / rod.span, *np.abs([*rod.loads, *rod.weight, *rod.radius, rod.tension])) < LARGEST:
         return Answer(why=f"loads, radii or L/rho are beyond {LARGEST:g} in units of A and rho")
     if 2 ** (MESHES - 1) * edges > MOST_EDGES:
-        many = f"{changes:.3g} times along the rod, and at most {MOST_EDGES} edges are computed"
+        many = f"{max(changes):.3g} times along the rod, and at most {MOST_EDGES} edges are computed"
         return Answer(why=f"the shape may change {many}")
     ways = [reach(beside, curve, edges) for curve in curves]
     steps, best = sum(way.steps for way in ways), min(ways, key=lambda way: way.energy)
