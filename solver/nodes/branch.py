@@ -35,6 +35,7 @@ TAUT, LIGHT = "the taut rod without weight", "the rod without weight"
 TAUT_AND_FREE = f"{TAUT}, whose far end is free to go round at first"
 PULLED = "the rod under more tension, which is taken off"
 NEIGHBOUR = "the rod under {:g} times these loads"
+ENDED = "that from {} ends at {:.3g} of its way"
 NEEDS_TORQUE = "a straight rod needs MZ = M3, or an azimuth in place of MZ"
 FINE = 2.0**-8  # of the range of a load: how closely it is enclosed
 
@@ -42,8 +43,8 @@ FINE = 2.0**-8  # of the range of a load: how closely it is enclosed
 def find_shape(rod: LoadedRod) -> GrowthWay:
     """The equilibrium on the branch of the straight rod; where that branch ends, one that another way reaches.
 
-    A rod that only its torque keeps from lying straight may wind up without end at its end; friction leaves no index
-    that would tell, so that no other way is tried.
+    Where none does, its reason says where each ended. A rod that only its torque keeps from lying straight may wind up
+    without end at its end; friction leaves no index that would tell, so that no other way is tried.
     """
     path = branch_from_straight(rod)
     if path.shape is not None or path.barred:
@@ -51,10 +52,15 @@ def find_shape(rod: LoadedRod) -> GrowthWay:
     lying = rod.with_friction(0.0)  # what turns in place leans
     bent_by_torque = not lying.straight and lying.with_torque_through().straight
     ways = from_taut_rod, partial(from_neighbours, path=path), from_tension, from_no_weight
-    others = (way(rod) for way in (() if bent_by_torque and rod.rubbed else ways))
-    if bent_by_torque and NEEDS_TORQUE not in path.why:  # that without friction says it too
-        path = replace(path, why=f"{path.why}; {NEEDS_TORQUE}")
-    return next((other for other in others if other.shape is not None), path)
+    why = path.why
+    for way in () if bent_by_torque and rod.rubbed else ways:
+        other = way(rod)
+        if other.shape is not None:
+            return other
+        why += f"; {ENDED.format(other.begun, other.ended)}" if other.ended else ""
+    if bent_by_torque and NEEDS_TORQUE not in why:  # that without friction says it too
+        why += f"; {NEEDS_TORQUE}"
+    return replace(path, why=why)
 
 
 def helix_of(rod: LoadedRod) -> Shape | None:
@@ -119,14 +125,14 @@ def from_tension(rod: LoadedRod) -> GrowthWay:
     more = float(rod.rate(np.array([0.0, rod.span])).max()) ** 2 + max(0.0, rod.along * rod.span)
     pulled = branch_from_straight(rod.with_tension(rod.tension_known + more))
     if pulled.shape is None:
-        return pulled
+        return GrowthWay(None)
     return replace(grow(lambda x: rod.with_tension(rod.tension_known + more * (1 - x)), pulled.shape), begun=PULLED)
 
 
 def from_no_weight(rod: LoadedRod) -> GrowthWay:
     """The shape of a rod whose weight grows at last."""
     light = branch_from_straight(rod.with_weight(0.0)) if rod.along or rod.across else GrowthWay(None)
-    return light if light.shape is None else replace(grow(rod.with_weight, light.shape), begun=LIGHT)
+    return GrowthWay(None) if light.shape is None else replace(grow(rod.with_weight, light.shape), begun=LIGHT)
 
 
 def branch_from_straight(rod: LoadedRod) -> GrowthWay:

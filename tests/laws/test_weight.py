@@ -29,8 +29,10 @@ from solver.branches.fold_curves import fold_curve
 from solver.branches.parameter_plane import parameter_plane
 from solver.core.tuning import MOST_STEPS
 from solver.core.varying_loads import march
+from solver.nodes import branch
 from solver.nodes.buckling import buckling_shares, buckling_tension, straight_index, straight_shape
 from solver.nodes.descent import index_at
+from solver.nodes.growth import GrowthWay
 from solver.nodes.loaded_rod import PHI, LoadedRod, rods_of
 from solver.nodes.local_waves import OVER, compression, places, rows, sinusoid, wave_shape
 from solver.nodes.newton import open_at
@@ -245,6 +247,19 @@ def test_a_pushed_vertical_rod_whose_azimuth_is_held_is_reached_where_its_far_en
     assert (sol.outcome, sol.held_index) == ("solved", 0)
     assert sol.alpha[-1] - sol.alpha[0] == pytest.approx(rest["azimuth"], abs=1e-8)
     assert max(unbalanced(sol)) < 1e-6
+
+
+def test_a_rod_without_an_answer_says_where_each_way_to_it_ended(monkeypatch: pytest.MonkeyPatch) -> None:
+    rod, cylinder = Rod(EI=1.0, GJ=0.7, a=0.1, L=5.0, weight=0.1), Cylinder(0.9, inclination=1.0)
+    ways = {"branch_from_straight": ("", 0.25), "from_taut_rod": (branch.TAUT, 0.5), "from_neighbours": ("", 0.0),
+            "from_tension": (branch.PULLED, 0.75), "from_no_weight": ("", 0.0)}  # fmt: skip
+    for name, (begun, ended) in ways.items():
+        ending = GrowthWay(None, begun=begun, why="the branch ends at 0.25 of the way to these loads", ended=ended)
+        monkeypatch.setattr(branch, name, lambda *_, ending=ending, **__: ending)
+    assert solve(Case(rod, cylinder, Ends(0.1, 0.2, FZ=-1.0))).outcome == (
+        "failed: the branch ends at 0.25 of the way to these loads; that from the taut rod without weight ends at 0.5 "
+        "of its way; that from the rod under more tension, which is taken off ends at 0.75 of its way"
+    )
 
 
 @pytest.mark.slow
