@@ -1,6 +1,7 @@
 """Rods beside a cylinder that only pushes: the belt, balance in space, what stays and what leaves, and the refusals."""
 
 import sys
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,10 @@ from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Start, observe, solve
+from solver.free.beginnings import curves_of, held_case
+from solver.free.discrete_rod import HELD_ON
+from solver.free.free_problem import problems_of
+from solver.free.minimum import minimise
 from tests.slow import slow_but
 
 pytest.importorskip("unopy", reason="the extra contact is not installed")
@@ -73,6 +78,22 @@ def test_a_slack_belt_touches_the_drum_at_one_point() -> None:
     ((_, force),) = sol.point_forces
     around = force_in_space(sol)
     assert force == pytest.approx(np.linalg.norm(around[-1] - around[0]), rel=1e-3)
+
+
+def test_nodes_that_the_wall_holds_on_come_to_the_exact_bilateral_shape_with_order_two() -> None:
+    missed: list[float] = []
+    for edges in (50, 100, 200):
+        exact = solve(Case(ROD, Cylinder(R=0.75), ENDS), stations=edges + 1)
+        (curve,) = curves_of(exact, "the exact shape")
+        assert curve is not None
+        (beside,) = problems_of(held_case(exact, [curve]))
+        rod = replace(beside.rod_on(curve, 1.0, edges), side=HELD_ON)
+        minimum = minimise(rod, curve.on(rod), beside.sizes(curve))
+        assert minimum is not None
+        missed.append(float(np.abs(rod.parts(minimum.y)[1] - exact.position[1:] / float(exact.case.rho)).max()))
+    assert missed[-1] < 1e-3
+    assert np.log2(missed[0] / missed[1]) == pytest.approx(2, abs=0.2)  # higher orders are still felt
+    assert np.log2(missed[1] / missed[2]) == pytest.approx(2, abs=0.1)
 
 
 @pytest.fixture(scope="module")
