@@ -163,7 +163,8 @@ def release(study: Study, stored: StoredStudy) -> dict[str, Any]:
     share of its length on it, and its elastic energy before and after; a dash where it was not solved.
     """
     (axis,) = stored.axes
-    held = observe(solve(study.case(), stations=2), free_rods.ELASTIC)
+    case = study.case_of({axis: stored[axis].values})
+    held = observe(solve(case, stations=2), free_rods.ELASTIC)
     before, after = (np.sum([known[name] for name in free_rods.ELASTIC], axis=0) for known in (held, stored))
     unit = labels.unit(f"{stored.units['force']} {stored.units['length']}")
     length = labels.unit(stored.units["length"])
