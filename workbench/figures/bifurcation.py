@@ -55,7 +55,8 @@ def figure(stored: StoredStudy, sheet: Sheet = SCREEN, show: Sequence[str] = ())
     branches, and for several.
     """
     known = [name.removeprefix("curve_") for name in stored.variables if stored[name].dims == ("curve_point",)]
-    known = [name for name in known if name not in ("branch", "index", "dead_index", stored.attrs["axis"])]
+    none = ("branch", "index", "dead_index", "turned_back", stored.attrs["axis"])
+    known = [name for name in known if name not in none]
     show = [current(name) for name in show]
     for name in show:
         if name not in known:

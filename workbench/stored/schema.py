@@ -187,6 +187,8 @@ def laws_text(study: "Study") -> str:
     """The study's laws as JSON, in the names of the dataset."""
     rows = [law.model_dump() for law in study.laws]
     for row in rows:
+        if not row["turned_back"]:  # as version 0.2.0, which knows no such key, opens the file
+            del row["turned_back"]
         row |= {"axis": dimension(row["axis"]), "at": {dimension(name): value for name, value in row["at"].items()}}
     return json.dumps(rows, ensure_ascii=False)
 
