@@ -33,12 +33,13 @@ export function showRows(rows, sentences, quantities, units) {
   const row = ([name, value], id) => {
     const [symbol, long, dimension] = quantities[quantityOf(name)],
       isAnswer = name === "overlaps",
-      words = isAnswer ? "whether the rod passes through itself" : long,
+      isStability = id === "h" && name === "index",
+      words = isAnswer ? "whether the rod passes through itself" : isStability ? "under these loads" : long,
       isSaid = `${words} `.startsWith(`${symbol} `), // the words begin with the symbol
       letter = make("b", { className: isSaid ? "said" : "" }, symbol),
       amount = isAnswer
         ? value ? "yes" : "no"
-        : id === "h" && name === "index"
+        : isStability
           ? stability(value)
           : withUnit(number(dimension === "rad" ? value / DEGREE : value), unitText(dimension, units));
     return make("div", {}, make("dt", {}, letter, isSaid ? words.slice(symbol.length) : ` ${words}`),
