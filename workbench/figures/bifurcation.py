@@ -262,8 +262,10 @@ def _number_points(stored: StoredStudy, ax: Axes, key: str, inches: tuple[float,
     (left, right), (low, high) = sorted(ax.get_xlim()), sorted(ax.get_ylim())
     inside = [int(k) for k in np.flatnonzero((x >= left) & (x <= right) & (y >= low) & (y <= high))]
     for k in inside:
-        ax.plot(x[k], y[k], "o", color=_look_of_shape(stored, k)["color"], markersize=4.2, zorder=7,
-                markeredgecolor="white", markeredgewidth=0.7)  # fmt: skip
+        colour = _look_of_shape(stored, k)["color"]
+        order = 3.5 if colour == colours.UNSTABLE["color"] else 7  # the dot of an unstable shape covers nothing stable
+        ax.plot(x[k], y[k], "o", color=colour, markersize=4.2, zorder=order, markeredgecolor="white",
+                markeredgewidth=0.7)  # fmt: skip
     points = [point_numbers.NumberedPoint(x[k], y[k], names[k]) for k in inside]
     dots = [dot for kind in MARKS for dot in np.transpose(_special(stored, name, key, kind))]
     lines = [line.get_xydata() for line in ax.lines if np.size(line.get_xdata()) > 1]
