@@ -39,6 +39,8 @@ MAX_COUNT = 10_000_000  # values of an axis: 80 MB
 MAX_CASES = 1_000_000_000  # cases of a grid: more than a day at 0.1 ms each
 
 CLOSEST = 1e-15  # least relative difference of neighbours on an axis; closer values could round to the same float
+# The units of a case that states none.
+DEFAULT_UNITS = {"length": "cm", "force": "N"}
 
 
 class Misplaced(ValueError):

@@ -15,9 +15,9 @@ from solver.problem.limits import farthest
 from solver.problem.quantities import unit_of
 from solver.problem.units import FORCES, LENGTHS, base_unit, dimension_of, split
 
-from ..grammar.axes import WORDS, Which, case_from, number_with_unit, quantity_of
-from ..paper.readings import DEFAULT, TABLE_UNITS, parse
+from ..grammar.axes import DEFAULT_UNITS, WORDS, Which, case_from, number_with_unit, quantity_of
 from .loader import load
+from .printed import reading_of
 from .study import Study
 from .well_input import of_a_well
 
@@ -98,20 +98,20 @@ def read_case(
     if table1 or reading is not None or not (values or units):
         if units:
             raise InputError("Table 1 is in cm and N: omit the units")
-        read = DEFAULT if reading is None else parse(reading)
+        read = reading_of(reading)
         return CaseInput(
-            with_values(read.case(), in_units(values, TABLE_UNITS)),
-            dict(TABLE_UNITS),
+            with_values(read.case(), in_units(values, DEFAULT_UNITS)),
+            dict(DEFAULT_UNITS),
             f"Table 1, read {read.name}{changed}",
         )
     check_units(units)
     units = units_said(values, units) | dict(units)
-    numbers = of_a_well(in_units(values, {**TABLE_UNITS, **units}), {}, lambda given: from_values(given, Ends)[0])
+    numbers = of_a_well(in_units(values, {**DEFAULT_UNITS, **units}), {}, lambda given: from_values(given, Ends)[0])
     case, assumed = from_values(unwound(numbers))
-    assumed |= {f"unit of {kind}": unit for kind, unit in TABLE_UNITS.items() if kind not in units}
+    assumed |= {f"unit of {kind}": unit for kind, unit in DEFAULT_UNITS.items() if kind not in units}
     wound = bool(set(WOUND) & set(values))
     which = helix_of(case) if wound and not case.varies else None  # with them `solve` begins with the taut rod
-    return CaseInput(case, {**TABLE_UNITS, **units}, "the options", assumed, which=which, wound=wound)
+    return CaseInput(case, {**DEFAULT_UNITS, **units}, "the options", assumed, which=which, wound=wound)
 
 
 def in_units(values: Mapping[str, Any], units: Mapping[str, str]) -> dict[str, Any]:

@@ -40,8 +40,8 @@ from ..grammar.axes import (
     read_units,
 )
 from ..laws.verdicts import Law
-from ..paper.readings import TABLE_1, parse
 from .case_tables import Table
+from .printed import reading_of
 from .refinement import OUTCOME, Lattice, Refine
 from .samples import Sample
 
@@ -110,7 +110,7 @@ class Study(BaseModel):
     @field_validator("reading")
     @classmethod
     def _full_reading(cls, value: str | None) -> str | None:
-        return None if value is None else parse(value).name
+        return None if value is None else reading_of(value).name
 
     @field_validator("expressions", mode="before")
     @classmethod
@@ -193,7 +193,7 @@ class Study(BaseModel):
     def fields(self) -> tuple[str, ...]:
         """The names of the fields that base may hold."""
         if self.reading:
-            return (*TABLE_1, "side")
+            return (*reading_of(self.reading).printed, "side")
         return (*ROD, *CYLINDER, *(START if self.kind is Start else ENDS))
 
     @property
@@ -314,7 +314,7 @@ class Study(BaseModel):
 
     def meaning(self, field: str) -> str:
         """The meaning of a printed value under the reading of the study, in words; empty if it is the plain field."""
-        return parse(self.reading).meaning(field) if self.reading else ""
+        return reading_of(self.reading).meaning(field) if self.reading else ""
 
     @property
     def samples(self) -> Dimension | None:
@@ -365,7 +365,7 @@ class Study(BaseModel):
     @property
     def constants(self) -> dict[str, Any]:
         """The fields that are the same in all cases, as given: those of the base, of Table 1, or defaults."""
-        return {**(TABLE_1 if self.reading else _DEFAULTS), **self.base.given}
+        return {**(reading_of(self.reading).printed if self.reading else _DEFAULTS), **self.base.given}
 
     @property
     def constants_of_laws(self) -> dict[str, Any]:
@@ -379,7 +379,7 @@ class Study(BaseModel):
             return self
         if self.reading is None:
             raise InputError(f"{self.name} does not use Table 1: the reading {reading!r} does not apply")
-        return self.model_copy(update={"reading": parse(reading, parse(self.reading)).name})
+        return self.model_copy(update={"reading": reading_of(reading, reading_of(self.reading)).name})
 
     def coarse(self) -> "Study":
         """A copy of the study without its refinement: the grid of its axes."""
@@ -428,7 +428,7 @@ class Study(BaseModel):
         values = {**self.base.given, **values}
         if self.reading:
             side = values.pop("side", "outside")
-            return parse(self.reading).case(values, side)
+            return reading_of(self.reading).case(values, side)
         return case_from(self.kind, values)
 
 

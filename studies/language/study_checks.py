@@ -12,6 +12,7 @@ from solver.problem.quantities import unit_of
 
 from ..grammar.axes import (
     CYLINDER,
+    DEFAULT_UNITS,
     MAX_CASES,
     MAX_COUNT,
     ROD,
@@ -27,8 +28,8 @@ from ..grammar.axes import (
     quantity_of,
 )
 from ..laws.verdicts import Law
-from ..paper.readings import TABLE_1, TABLE_UNITS
 from . import case_tables, expressions, refine
+from .printed import reading_of
 from .refine import check_equilibrium
 from .samples import Distribution
 from .study import SOURCES, Study
@@ -128,11 +129,12 @@ def _check_unit(study: Study, given: Axis | Distribution, *where: str) -> None:
 def _check_units(study: Study) -> None:
     """Raise `Misplaced` for other units than those of Table 1 where a number with such a unit comes from it."""
     given = (*study.base.given, *study.varied)
-    rows = {name: quantity_of(name).name for name in TABLE_1 if study.reading and name not in given}
-    taken = [name for name, row in rows.items() if unit_of(row, study.unit_system) != unit_of(row, TABLE_UNITS)]
+    printed = reading_of(study.reading).printed if study.reading else {}
+    rows = {name: quantity_of(name).name for name in printed if name not in given}
+    taken = [name for name, row in rows.items() if unit_of(row, study.unit_system) != unit_of(row, DEFAULT_UNITS)]
     if taken:
         units = study.unit_system.items()
-        others = " and ".join(f"{kind} = {unit!r}" for kind, unit in units if unit != TABLE_UNITS[kind])
+        others = " and ".join(f"{kind} = {unit!r}" for kind, unit in units if unit != DEFAULT_UNITS[kind])
         why = f"the numbers of Table 1 are in cm and N: with {others} the study must give {', '.join(taken)} itself"
         raise Misplaced(why, "units")
 

@@ -31,8 +31,6 @@ TABLE_1: dict[str, float] = {
     "F3": 10.0,
 }
 
-TABLE_UNITS = {"length": "cm", "force": "N"}
-
 TWISTS = ("force-first", "twist-first", "shear")
 LOADS = ("tension", "compression")
 STIFFNESSES = ("paper", "solid")
@@ -80,6 +78,16 @@ class Reading:
         """``force-first/tension/paper``."""
         return f"{self.twist}/{self.load}/{self.stiffness}"
 
+    @property
+    def printed(self) -> dict[str, float]:
+        """The values that the table prints, in cm, N and rad."""
+        return TABLE_1
+
+    @property
+    def dropped(self) -> str | None:
+        """The printed value without an effect, or None."""
+        return DROPPED.get(self.twist)
+
     def meaning(self, field: str) -> str:
         """The meaning of a printed value, in words; empty if it is the field of its name."""
         return MEANING.get((self.twist, field)) or MEANING.get((self.load, field)) or ""
@@ -120,11 +128,13 @@ READINGS: dict[str, Reading] = {
 DEFAULT = Reading()
 
 
-def parse(text: str, default: Reading = DEFAULT) -> Reading:
-    """The reading of a text such as ``force-first/tension/paper``; a missing word is that of the default.
+def parse(text: str | None, default: Reading = DEFAULT) -> Reading:
+    """The reading of a text such as ``force-first/tension/paper``; None, or a missing word, is that of the default.
 
     Raises `InputError` for an unknown word, or two words for the same choice.
     """
+    if text is None:
+        return default
     parts = {"twist": default.twist, "load": default.load, "stiffness": default.stiffness}
     said: dict[str, str] = {}
     for word in text.split("/"):

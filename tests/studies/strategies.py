@@ -8,10 +8,9 @@ from hypothesis import strategies as st
 from solver.observe.observables import OBSERVABLES
 from solver.problem.units import FORCES, LENGTHS
 from studies import READINGS, TABLE_1
-from studies.grammar.axes import in_rad
+from studies.grammar.axes import DEFAULT_UNITS, in_rad
 from studies.language.study import OUTPUTS
 from studies.laws.line_verdicts import DIRECTIONS, KINDS, MONOTONE
-from studies.paper.readings import TABLE_UNITS
 
 # For each field a range in which the solver takes every value, whatever the others are.
 RANGES = {
@@ -125,7 +124,7 @@ def studies(draw: Any) -> dict[str, Any]:
         left = [name for name in fields if name not in varied and name not in said["base"]]
         _samples(draw, said, left)
     said["units"] = {"length": draw(st.sampled_from([*LENGTHS])), "force": draw(st.sampled_from([*FORCES]))}
-    if "reading" in said and said["units"] != TABLE_UNITS:  # then no number comes from Table 1
+    if "reading" in said and said["units"] != DEFAULT_UNITS:  # then no number comes from Table 1
         elsewhere = {*said["axes"], *said.get("sample", {}), *said.get("zip", {})}
         said["base"] |= {name: draw(number(name)) for name in TABLE_1 if name not in {*said["base"], *elsewhere}}
     _what_is_computed(draw, said)

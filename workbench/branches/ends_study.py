@@ -11,9 +11,9 @@ from solver.problem.errors import choices
 from solver.problem.reduced import held_of
 from solver.solve import ends_case
 from studies import Study, load
+from studies.grammar.axes import DEFAULT_UNITS
 from studies.language.case_input import check_alone, check_units, field_values, from_values, in_units, with_fields
 from studies.language.loader import loads
-from studies.paper.readings import TABLE_UNITS
 
 from ..run import writing
 
@@ -35,10 +35,10 @@ def study_and_case(
         case = with_fields(ends_problem(study, held=True), in_units(values, study.unit_system))
     else:
         check_units(units)
-        values = in_units(values, {**TABLE_UNITS, **units})
+        values = in_units(values, {**DEFAULT_UNITS, **units})
         case, defaults = from_values(values, Ends)
         given = {name: value for name, value in (defaults | dict(values)).items() if value is not None}
-        study = loads(study_text("a rod of the options", {**TABLE_UNITS, **units}, given), "equilibria")
+        study = loads(study_text("a rod of the options", {**DEFAULT_UNITS, **units}, given), "equilibria")
     if not held:
         refuse_held(case)
     return study, case

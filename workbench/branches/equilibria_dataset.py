@@ -16,9 +16,9 @@ from solver.problem.case import PAIRS
 from solver.problem.errors import InputError, choices, no_such, show
 from solver.problem.reduced import held_of
 from studies import Study
+from studies.grammar.axes import DEFAULT_UNITS
 from studies.language.case_input import field_values
 from studies.language.loader import loads
-from studies.paper.readings import TABLE_UNITS
 
 from ..stored import provenance, quantity_variables
 from ..words import cautions
@@ -170,7 +170,7 @@ def study_of_loop(one: Loop, units: Mapping[str, str] | None = None) -> Study:
     """A study whose one case is the start problem of a loop; units: default: cm and N."""
     times = [f"{count} {word}{'s' * (count > 1)}" for count, word in ((one.turns_around, "turn"), (one.folds, "fold"))]
     title = f"A closed rod of {' and '.join(times)}"
-    text = study_text(title, {**TABLE_UNITS, **dict(units or {})}, field_values(one.solution.case))
+    text = study_text(title, {**DEFAULT_UNITS, **dict(units or {})}, field_values(one.solution.case))
     return loads(text, "loops")
 
 

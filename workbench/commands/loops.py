@@ -96,12 +96,12 @@ def _rod(file: Path | None, given: GivenOptions) -> "tuple[Rod, Cylinder, dict[s
     from dataclasses import fields
 
     from solver import Cylinder, Rod
+    from studies.grammar.axes import DEFAULT_UNITS
     from studies.language.case_input import check_units, in_units, read_case
-    from studies.paper.readings import TABLE_UNITS
 
     if file is None and given.units:
         check_units(given.units)
-        units = {**TABLE_UNITS, **given.units}
+        units = {**DEFAULT_UNITS, **given.units}
         values = in_units(given.values, units)
         rod, cylinder = (
             {field.name: values[field.name] for field in fields(kind) if field.name in values}

@@ -9,7 +9,7 @@ import warnings
 from collections.abc import Callable, Generator, Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -19,10 +19,9 @@ from numpy.typing import NDArray
 
 from solver import Case, Ends, Solution, solve
 from solver.methods import OrbitQuadrature, available
-from studies.paper.readings import READINGS
 
 from ..stored import provenance
-from .trade_runs import in_units_of_rho
+from .trade_runs import in_units_of_rho, table_1
 
 SHARES = (0.25, 0.5, 0.75, 1.0)  # of the length: where answer and reference are compared
 FILE = Path(__file__).with_name("extremes.json")
@@ -68,18 +67,18 @@ def references() -> dict[str, Reference]:
 
 def extremes() -> list[Extreme]:
     """All extremes, in the order of the map."""
-    printed, twisted = (READINGS[f"{name}/tension/paper"].case for name in ("force-first", "twist-first"))
+    printed, twisted = (partial(table_1, twist, "tension") for twist in ("force-first", "twist-first"))
     below, above = float(np.nextafter(np.pi, 0)), float(np.nextafter(np.pi / 2, 4))
     near = -float(np.sqrt(1e4 * 2 - _potential(0.5, 1e4)))
     groups: dict[str, list[tuple[str, Case | tuple[float, ...]]]] = {
         "rod": [
-            ("Table 1 as printed", printed({})),
-            ("E = 1e-9 N/cm²", printed({"E": 1e-9})),
-            ("E = 1e15 N/cm²", printed({"E": 1e15})),
-            ("ν = 0.5", twisted({"nu": 0.5})),
-            ("ν one bit above −1", twisted({"nu": float(np.nextafter(-1, 0))})),
+            ("Table 1 as printed", printed()),
+            ("E = 1e-9 N/cm²", printed(E=1e-9)),
+            ("E = 1e15 N/cm²", printed(E=1e15)),
+            ("ν = 0.5", twisted(nu=0.5)),
+            ("ν one bit above −1", twisted(nu=float(np.nextafter(-1, 0)))),
         ],
-        "cylinder": [("R = 1e-9 a", printed({"R": 0.25e-9})), ("R = 1e9 a", printed({"R": 0.25e9}))],
+        "cylinder": [("R = 1e-9 a", printed(R=0.25e-9)), ("R = 1e9 a", printed(R=0.25e9))],
         "length": [(f"L/ρ = {_power(span)}", (0.2, 0.1, -0.5, span, 0.7, 0.3)) for span in (1e-6, 1e3, 1e6, 1e9)],
         "loads": [
             ("no loads", (0, 0, 0, 20.0, np.pi / 6, 0.0)),

@@ -7,20 +7,19 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from io import BytesIO
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from PIL import Image, ImageChops
 
 from solver.problem.errors import InputError
 from solver.problem.quantities import QUANTITIES
+from studies import tenants
 from studies.laws import law_words
-from studies.paper.readings import DROPPED, TABLE_1, Reading
+from studies.paper.readings import TABLE_1, Reading
 
 from ..commands.docs import PAPER
 from ..figures import colours
-from ..lab import measured_runs
-from ..lab.measured_runs import MeasuredRun
 from ..run import atomic
 from ..run.in_memory import StudyResult
 from ..stored.stored_study import StoredStudy
@@ -30,6 +29,9 @@ from ..web.turntable import turntable_page
 from ..words import cautions, labels
 from . import report_runs, sources
 from .law_cards import CLASSES, claims_of, in_degrees, law_of, mechanism, of_readings, sentence
+
+if TYPE_CHECKING:
+    from ..lab.measured_runs import MeasuredRun
 
 NAME = "report.html"
 TEMPLATE = "report.html.j2"
@@ -67,7 +69,10 @@ def write(
     why. equilibria: the dataset of `run_equilibria` and its pictures. story: the figure of the whole story.
     release: as of `report_runs.release`, or why there is none. Raises `InputError` where it cannot be written.
     """
-    text = html(results, readings, refusals, measured_runs.comparisons(Path(out)), equilibria, story, release)
+    measured = []
+    if tenants.is_there("workbench.lab"):
+        measured = tenants.module_of("workbench.lab.measured_runs").comparisons(Path(out))
+    text = html(results, readings, refusals, measured, equilibria, story, release)
     return atomic.write_text(Path(out) / NAME, text)
 
 
@@ -75,7 +80,7 @@ def html(
     results: Sequence[StudyResult],
     readings: StoredStudy | None = None,
     refusals: Sequence[str] = (),
-    measured: Sequence[MeasuredRun] = (),
+    measured: "Sequence[MeasuredRun]" = (),
     equilibria: tuple[StoredStudy, Mapping[str, Path]] | None = None,
     story: Path | None = None,
     release: Mapping[str, Any] | str = "",
@@ -136,7 +141,7 @@ def _solve(stored: StoredStudy) -> dict[str, Any] | None:
     if not reading or any(abs(float(stored[name]) - TABLE_1[name]) > 1e-9 for name in ("E", "R", "a", "L")):
         return None
     read = Reading(*reading.split("/"))
-    fields = [name for name in FIELDS if name != DROPPED.get(read.twist)]
+    fields = [name for name in FIELDS if name != read.dropped]
     state = _state(preset, reading)
     return {
         "state": state,
@@ -180,7 +185,7 @@ def column_of(story: Path) -> Path:
     return story.with_stem(f"{story.stem}_column")
 
 
-def _measure(run: MeasuredRun) -> dict[str, Any]:
+def _measure(run: "MeasuredRun") -> dict[str, Any]:
     picture = _picture(BytesIO(run.picture), f"{TITLES[run.name]}: {run.shows}", DRAWING)
     return {"name": run.name, "title": TITLES[run.name], "shows": run.shows, "source": run.source, "picture": picture}
 

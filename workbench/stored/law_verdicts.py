@@ -8,10 +8,10 @@ import numpy as np
 
 from solver.problem.errors import InputError, choices, no_such
 from studies.language.expressions import unit_names
+from studies.language.printed import reading_of
 from studies.laws import law_words
 from studies.laws.line_verdicts import FAILS, HOLDS, TREND, UNDECIDED, branch_changes
 from studies.laws.verdicts import Law, by_line, decide, refusal, targets
-from studies.paper.readings import DROPPED
 
 from ..words import cautions, outcomes
 from . import quantity_variables, refined, schema
@@ -93,7 +93,8 @@ def _grid(ds: "xr.Dataset", law: Law, steps: "NDArray[np.bool_] | None") -> tupl
 
 def _is_inert(ds: "xr.Dataset", law: Law) -> bool:
     """Whether the reading of Table 1 drops the axis of a law, so that no case depends on it."""
-    return DROPPED.get(str(ds.attrs.get("reading", "")).partition("/")[0]) == law.axis
+    reading = str(ds.attrs.get("reading", ""))
+    return bool(reading) and reading_of(reading).dropped == law.axis
 
 
 def _row_of_untested(law: Law, row: Mapping[str, Any]) -> dict[str, Any]:

@@ -16,7 +16,7 @@ from solver.core import build
 from solver.observe import observables
 from solver.problem.errors import InputError
 from solver.problem.quantities import QUANTITIES
-from studies.paper.readings import READINGS
+from studies import tenants
 
 from ...figures import colours
 from ...words import labels
@@ -81,10 +81,13 @@ def _module(name: str, source: str) -> str:
 
 
 def _data(presets: Sequence[Preset], served: bool) -> dict[str, Any]:
+    readings = ()
+    if tenants.is_there("studies.paper"):
+        readings = tenants.module_of("studies.paper.readings").READINGS
     return {
         "served": served,
         "presets": [asdict(preset) | ({} if served else _begin(preset)) for preset in presets],
-        "readings": list(READINGS),
+        "readings": list(readings),
         "quantities": {
             name: [row.symbol, labels.quantity_name(row.long_name), row.dimension] for name, row in QUANTITIES.items()
         },

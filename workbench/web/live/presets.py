@@ -8,9 +8,10 @@ from typing import Any
 from solver import Case, Ends, observe, solve
 from solver.problem.errors import DEFAULT_TOLERANCE, InputError, choices
 from solver.problem.reduced import held_of
+from studies import tenants
 from studies.grammar.axes import Which, quantity_of
 from studies.language.case_input import CaseInput, field_values, read_case
-from studies.paper.readings import TABLE_1
+from studies.language.printed import reading_of
 
 from ...run.stored_case import open_case
 from ...stored.one_case import solve_one
@@ -41,7 +42,8 @@ class Preset:
     sentence: str = "Move a slider, and the shape follows."
 
 
-PRESETS = tuple(Preset(**row) for row in tomllib.loads(pages.read(__package__, "presets.toml"))["preset"])
+_ROWS = tomllib.loads(pages.read(__package__, "presets.toml"))["preset"]
+PRESETS = tuple(Preset(**row) for row in _ROWS if "reading" not in row["state"] or tenants.is_there("studies.paper"))
 
 
 def own_preset(file: Path | None, options: dict[str, Any], units: dict[str, str]) -> Preset | None:
@@ -103,7 +105,7 @@ def _state(rod: CaseInput, title: str, as_printed: bool) -> dict[str, Any]:
     state: dict[str, Any] = {"title": title, "units": rod.units}
     study = rod.study
     if study is not None and study.reading is not None and as_printed:
-        printed = {**TABLE_1, "side": "outside", **study.base.given, **rod.place}
+        printed = {**reading_of(study.reading).printed, "side": "outside", **study.base.given, **rod.place}
         return state | {"reading": study.reading, "base": printed}
     if rod.which is not None:
         state["equilibrium"] = rod.which.model_dump(exclude_none=True)
