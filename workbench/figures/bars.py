@@ -13,12 +13,12 @@ from solver.problem.errors import InputError
 from solver.problem.quantities import quantity
 from studies.grammar.axes import SAMPLE
 
+from ..stored.shown_observables import choose_observables
 from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import canvas, colours, fonts
 from .scales import RoomLocator
 from .sheet import SCREEN, Sheet
-from .shown_observables import choose_observables
 
 COLUMN = 3.4  # inches: the width of a column of a journal
 BAR, FRAME, AROUND = 0.2, 0.6, 0.8  # inches of a bar, of title and ticks of a panel, and of the legend

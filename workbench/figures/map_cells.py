@@ -14,11 +14,11 @@ from studies.grammar.axes import FIELDS, SAMPLE, WORDS
 
 from ..stored import selection
 from ..stored.quantity_variables import dimension
+from ..stored.shown_observables import MOST_ASKED, choose_observables
 from ..stored.stored_study import StoredStudy
 from ..words import cautions, labels
 from . import regions
 from .scales import Scale, scale_of
-from .shown_observables import MOST_ASKED, choose_observables
 
 MOST_COLUMNS = 5  # values of a third axis
 BENDS, STRAIGHT = "bends", np.radians(10)  # bends of a rod whose beta varies by less than that are not coloured

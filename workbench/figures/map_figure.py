@@ -23,12 +23,12 @@ from studies.laws import law_words
 from studies.laws.law_words import PLAIN
 from studies.laws.line_verdicts import HOLDS, VERDICTS
 
+from ..stored.shown_observables import MOST_ASKED
 from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import canvas, colours, fonts, map_panel
 from .map_cells import Cells, Choice, cells, choose
 from .sheet import SCREEN, Sheet
-from .shown_observables import MOST_ASKED
 from .study_figure import level_notes
 from .trends import axis_label
 

@@ -16,12 +16,12 @@ from solver.problem.errors import InputError, no_such
 from studies.grammar.axes import SAMPLE
 
 from ..stored import selection
+from ..stored.shown_observables import choose_observables
 from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import along, canvas, colours, drawn_rods, push_scale, trends, unrolled
 from .laws import panel
 from .sheet import SCREEN, Sheet, set_range
-from .shown_observables import choose_observables
 
 LAW_HEIGHT, TALL_LAW, LEAST_LAW, LEAST_LINE = 3.2, 3.8, 2.4, 1.5  # inches; the second beside curves
 ONE_ROD = 0.55  # the share of the least height of a narrow panel of one rod

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from solver.problem.errors import InputError, choices
 
-from ..stored.stored_study import StoredStudy
+from .stored_study import StoredStudy
 
 MOST_ASKED = 12  # observables of one figure
 
