@@ -76,6 +76,12 @@ _ROWS = (
     Quantity("M20", "M₂(0)", _MOMENT, "bending moment in the surface at the start"),
     Quantity("M2L", "M₂(L)", _MOMENT, "bending moment in the surface at the far end"),
     Quantity("dgamma", "γ₀′", "rad/length", "rate of rotation of the section at the start"),
+    # in place of an inclination, of loads and of ends
+    Quantity("hole", "hole", "rad", "inclination of a hole that s runs down, 0: vertical, 90deg: horizontal"),
+    Quantity("wob", "WOB", _FORCE, "weight on bit, the push at the lower end"),
+    Quantity("tension", "T", _FORCE, "force along a rod that is wound as a uniform helix"),
+    Quantity("lay", "lay", "rad", "angle of this helix from the axis"),
+    Quantity("twist", "twist", "rad/length", "twist of the section of this helix per length, M3/GJ"),
     # along the rod
     Quantity("u", "s/L", _NUMBER, "share of the length"),
     Quantity("s", "s", _LENGTH, "arc length"),

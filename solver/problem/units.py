@@ -60,8 +60,6 @@ _KINDS: dict[Dimension, tuple[str, Iterable[str]]] = {  # what has such a dimens
     (-1, 0, 1): ("an angle per length", ("rad/m", "deg/m", "deg/30 m", "deg/100 ft")),
     (0, 0, 0): ("a plain number", ()),
 }
-# a field of a rod that is wound or in a hole -> such a quantity
-_LIKE = {"tension": "F3", "lay": "beta", "twist": "dgamma", "hole": "inclination", "wob": "FZ"}
 
 _NUMBER = r"(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 _MEASURED = re.compile(rf"([-+\N{{MINUS SIGN}}]?{_NUMBER})\s*(.*)", re.DOTALL)
@@ -183,7 +181,7 @@ def base_unit(kind: str, text: str) -> str:
 
 def dimension_of(name: str) -> Dimension:
     """The dimension of a quantity or of a field of a case, with the exponent of its angle."""
-    exponents = QUANTITIES[(AT_START | _LIKE).get(name, name)].dimension
+    exponents = QUANTITIES[AT_START.get(name, name)].dimension
     if isinstance(exponents, str):
         return {"rad": (0, 0, 1), "rad/length": (-1, 0, 1)}.get(exponents, (0, 0, 0))
     return exponents[0], exponents[1], 0

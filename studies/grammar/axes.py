@@ -31,6 +31,10 @@ CYLINDER = tuple(f.name for f in fields(Cylinder))
 START = tuple(f.name for f in fields(Start))
 ENDS = tuple(f.name for f in fields(Ends))
 FIELDS = frozenset((*ROD, *CYLINDER, *START, *ENDS))  # of a case
+WELL = ("hole", "wob", "FZ0")  # in place of the inclination and of FZ
+WOUND = ("tension", "lay", "twist")  # in place of the ends of a rod that is wound as a helix: `Ends.helix`
+REPLACED = (*WELL, *WOUND)  # words for fields of a case, which `language.field_words` replaces
+OF_ENDS_ALONE = {*ENDS, *REPLACED} - {*START, "hole"}  # what only an ends problem is given
 # of the fields that are text
 CHOICES: dict[str, Any] = {"stiffness": STIFFNESS, "side": SIDES, "sliding": SLIDING, "contact": CONTACTS}
 WORDS = tuple(CHOICES)
@@ -133,7 +137,7 @@ def _read(given: Any, units: Mapping[str, str], *where: str) -> Any:
         read = partial(number_with_unit, where[0], units=units)
         return [read(value) for value in given] if isinstance(given, list) else read(given)
     except ValueError as error:
-        raise Misplaced(str(error), *where) from None
+        raise Misplaced(f"{'.'.join(where)}: {error}", *where) from None
 
 
 def _in_own_unit(field: str, given: dict[str, Any], units: Mapping[str, str]) -> dict[str, Any]:
@@ -216,7 +220,9 @@ def _type_of(field: str) -> Any:
     return (Angle if is_angle(field) else float) | None
 
 
-_TYPES: dict[str, Any] = {name: (_type_of(name), None) for name in dict.fromkeys((*ROD, *CYLINDER, *START, *ENDS))}
+_TYPES: dict[str, Any] = {
+    name: (_type_of(name), None) for name in dict.fromkeys((*ROD, *CYLINDER, *START, *ENDS, *REPLACED))
+}
 _Fields: Any = create_model("_Fields", __config__=STRICT, **_TYPES)  # the fields of the solver, each may be left out
 
 

@@ -15,15 +15,13 @@ from solver.problem.limits import farthest
 from solver.problem.quantities import unit_of
 from solver.problem.units import FORCES, LENGTHS, base_unit, dimension_of, split
 
-from ..grammar.axes import DEFAULT_UNITS, WORDS, Which, case_from, number_with_unit, quantity_of
+from ..grammar.axes import DEFAULT_UNITS, WORDS, WOUND, Which, case_from, number_with_unit, quantity_of
+from .field_words import START_ONLY, of_a_well, unwound
 from .loader import load
 from .printed import reading_of
 from .study import Study
-from .well_input import of_a_well
 
-START_ONLY = {f.name for f in fields(Start)} - {f.name for f in fields(Ends)}
 ENDS_ONLY = {f.name for f in fields(Ends)} - {f.name for f in fields(Start)}
-WOUND = ("tension", "lay", "twist")  # in place of the ends of a rod that is wound as a helix: `Ends.helix`
 OF_MODULUS = (*ELASTIC, "inner_radius")  # the fields of a section of one material
 
 
@@ -209,25 +207,6 @@ def from_values(values: Mapping[str, Any], problem: type | None = None) -> tuple
         loads = {load: 0.0 for load, partner in PAIRS[2:] if load not in values and partner not in values}
         assumed = {f.name: {**assumed, **loads}[f.name] for f in known if f.name in {**assumed, **loads}}
     return case, assumed
-
-
-def unwound(values: Mapping[str, Any]) -> dict[str, Any]:
-    """The values with `WOUND` replaced by the angles and loads of that helix; others as they are.
-
-    Raises `InputError` for a field of `WOUND` beside one that it determines, or without the tension or the lay.
-    """
-    wound = {name: values[name] for name in WOUND if name in values}
-    rest = {name: value for name, value in values.items() if name not in WOUND}
-    if not wound:
-        return rest
-    if missing := [name for name in WOUND[:2] if name not in wound]:
-        raise InputError(f"a rod that is wound needs tension and lay, got no {missing[0]}")
-    surplus = [name for name in rest if name in START_ONLY or name in [end for pair in PAIRS for end in pair]]
-    if surplus:
-        raise InputError(f"tension and lay determine the angles and loads of both ends: omit {surplus[0]}")
-    case, _ = from_values({**rest, "beta0": 0.0, "betaL": 0.0})
-    ends = Ends.helix(case.rod, case.cylinder, **wound)
-    return rest | {name: float(getattr(ends, name)) for name in ("beta0", "betaL", "FZ", "MZ", "M3")}
 
 
 def helix_of(case: Case) -> Which:

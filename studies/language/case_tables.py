@@ -12,9 +12,9 @@ from pydantic import BaseModel
 
 from solver.problem.errors import InputError, choices, near
 
-from ..grammar.axes import CYLINDER, ENDS, MAX_COUNT, ROD, START, STRICT, WORDS, Line, Values, number_of
+from ..grammar.axes import CYLINDER, ENDS, MAX_COUNT, REPLACED, ROD, START, STRICT, WORDS, Line, Values, number_of
 
-NUMERIC = [name for name in dict.fromkeys((*ROD, *CYLINDER, *START, *ENDS)) if name not in WORDS]
+NUMERIC = [name for name in dict.fromkeys((*ROD, *CYLINDER, *START, *ENDS, *REPLACED)) if name not in WORDS]
 SUFFIXES = (".csv", ".parquet")
 MOST_BYTES = 4_000_000_000
 

@@ -23,11 +23,14 @@ from ..grammar import formulas
 from ..grammar.axes import (
     CYLINDER,
     ENDS,
+    OF_ENDS_ALONE,
+    REPLACED,
     ROD,
     SAMPLE,
     START,
     STRICT,
     WORDS,
+    WOUND,
     Axis,
     Base,
     Dimension,
@@ -41,6 +44,7 @@ from ..grammar.axes import (
 )
 from ..laws.verdicts import Law
 from .case_tables import Table
+from .field_words import of_a_well, unwound
 from .printed import reading_of
 from .refinement import OUTCOME, Lattice, Refine
 from .samples import Sample
@@ -175,7 +179,7 @@ class Study(BaseModel):
         """Start or Ends, from the names of the given fields."""
         sampled = self.sampled if self.refine is None else ()
         said = {*self.base.given, *sampled, *(name for name, axis in self.axes.items() if not axis.follow)}
-        return Ends if said & (set(ENDS) - set(START)) else Start
+        return Ends if said & OF_ENDS_ALONE else Start
 
     @property
     def held(self) -> tuple[str, ...]:
@@ -194,7 +198,7 @@ class Study(BaseModel):
         """The names of the fields that base may hold."""
         if self.reading:
             return (*reading_of(self.reading).printed, "side")
-        return (*ROD, *CYLINDER, *(START if self.kind is Start else ENDS))
+        return (*ROD, *CYLINDER, *((*START, "hole") if self.kind is Start else (*ENDS, *REPLACED)))
 
     @property
     def grid(self) -> dict[str, Axis]:
@@ -213,8 +217,9 @@ class Study(BaseModel):
 
     @property
     def has_branches(self) -> bool:
-        """Whether each case is labelled with its branch: ends problems over axes."""
-        return bool(self.grid) and self.kind is Ends and not self.leaves
+        """Whether each case is labelled with its branch: ends problems over axes, but for helices of their own ends."""
+        wound = set(WOUND) & {*self.base.given, *self.varied}
+        return bool(self.grid) and self.kind is Ends and not (self.leaves or wound)
 
     @property
     def sweeps(self) -> bool:
@@ -429,7 +434,7 @@ class Study(BaseModel):
         if self.reading:
             side = values.pop("side", "outside")
             return reading_of(self.reading).case(values, side)
-        return case_from(self.kind, values)
+        return case_from(self.kind, unwound(of_a_well(values, {}, None)))
 
 
 _DEFAULTS = {

@@ -4,17 +4,20 @@ import re
 from dataclasses import MISSING, fields
 from math import cos, pi
 
+import numpy as np
 import pytest
 from typer.main import get_command
 
 from solver import Cylinder, Ends, InputError, Rod, Start, observe, solve
 from solver.problem.case import CONTACTS, OFF_WALL, PAIRS, SIDES, SLIDING, STIFFNESS, TWISTS
 from solver.problem.quantities import unit_of
+from studies import loads
 from studies.grammar.axes import quantity_of
 from studies.language.case_input import read_case
 from tests.workbench.command import exit_status
 from workbench import cli
 from workbench.commands.case_options import ENDS_FIELDS, FIELDS, HELD, help_of
+from workbench.run import in_memory
 
 SECTION = ("E", "nu", "a", "L", "inner_radius", "EI", "GJ")  # of which a rod needs either pair, a and L
 ABSENT = ("weight", "inclination", "friction", "sliding", *OFF_WALL)  # without one there is none; ends lie on the wall
@@ -156,3 +159,56 @@ def test_the_units_in_which_every_number_is_typed_are_those_of_the_answer() -> N
     assert case.rod.L == 1000
     assert pytest.approx(12000) == other.rod.L
     assert pytest.approx(case.rod.E) == other.rod.E * 12**2 / 1000
+
+
+STUDY_OF_A_PIPE = """
+title = "A pipe in holes"
+observables = ["FZ0", "push_mean"]
+units = {{ length = "m", force = "kN" }}
+axes.hole.values = ["30deg", "90deg"]
+axes.{name}.values = {values}
+[base]
+E = 2.06e8
+nu = 0.3
+a = 0.0635
+L = 50.0
+weight = 0.241
+R = 0.10795
+side = "inside"
+beta0 = 0.0
+betaL = 0.0
+"""
+STUDY_OF_A_CABLE = """
+title = "A wire on a drum"
+units = { length = "mm", force = "N" }
+base = { E = 2e5, nu = 0.3, a = 1.0, L = 300.0, R = 60.0, twist = 0.0 }
+axes.tension.values = [500.0, "0.8 kN"]
+axes.lay.values = ["60deg", "80deg"]
+"""
+
+
+def test_a_study_takes_the_words_of_drillers_in_fields_and_axes() -> None:
+    """The far end's force is the weight on bit; at s = 0 less the weight along the hole."""
+    cosine = np.cos(np.deg2rad([[30], [90]]))
+    along = 0.241 * 50 * cosine
+    by_bit = loads(STUDY_OF_A_PIPE.format(name="wob", values='[20.0, "40 kN"]'))
+    ds = in_memory.run(by_bit).squeeze()
+    assert np.asarray(ds["FZ"]) == pytest.approx(np.array([[-20.0, -40.0]] * 2))
+    assert np.asarray(ds["FZ0"]) == pytest.approx(along - [[20.0, 40.0]], rel=1e-9)
+    assert np.asarray(ds["inclination"]).reshape(-1) == pytest.approx(np.deg2rad([150, 90]))
+
+
+def test_a_study_takes_tension_lay_and_twist_of_a_cable_in_fields_and_axes() -> None:
+    case = loads(STUDY_OF_A_CABLE).case()
+    wire, drum = case.rod, case.cylinder
+    for i, tension in enumerate((500.0, 800.0)):
+        for j, lay in enumerate(("60deg", "80deg")):
+            ends = Ends.helix(wire, drum, tension=tension, lay=lay, twist=0.0)
+            for name in ("beta0", "FZ", "MZ", "M3"):
+                assert np.broadcast_to(getattr(case.given, name), (2, 2))[i, j] == pytest.approx(getattr(ends, name))
+
+
+def test_a_study_does_not_solve_its_cases_to_know_their_loads() -> None:
+    text = STUDY_OF_A_PIPE.format(name="FZ0", values="[-20.0]").replace("R = 0", "friction = 0.2, R = 0")
+    with pytest.raises(InputError, match="FZ0 with friction"):
+        loads(text)

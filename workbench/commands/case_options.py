@@ -123,23 +123,19 @@ FIELDS: dict[str, CaseField] = {
 WINDING = {
     field.name: field
     for field in (
-        CaseField("tension", "force along a rod that is wound as a uniform helix", "force", "wound",
-                  "with lay it gives the angles and loads of both ends"),
-        CaseField("lay", "angle of this helix from the axis", "rad", "wound"),
-        CaseField("twist", "twist of its section per length, M3/GJ", "rad/length", "wound",
-                  "default: that with which F2 is 0"),
+        _of_quantity("tension", "", "wound", "with lay it gives the angles and loads of both ends"),
+        _of_quantity("lay", "", "wound"),
+        _of_quantity("twist", "", "wound", "default: that with which F2 is 0"),
     )
-}  # fmt: skip
+}
 WELL = {
     field.name: field
     for field in (
-        CaseField("hole", "inclination of a hole that s runs down, 0: vertical, 90deg: horizontal", "rad", "well",
-                  "in place of inclination"),
-        CaseField("wob", "weight on bit, the push at the lower end", "force", "well", "in place of FZ"),
-        CaseField("FZ0", "axial force at s = 0, tension positive; down a hole its upper end", "force", "well",
-                  "in place of FZ"),
+        _of_quantity("hole", "", "well", "in place of inclination"),
+        _of_quantity("wob", "", "well", "in place of FZ"),
+        _of_quantity("FZ0", ", tension positive; down a hole its upper end", "well", "in place of FZ"),
     )
-}  # fmt: skip
+}
 EVERY = (*FIELDS, *WINDING, *WELL)
 FREE = ("contact", "radius0", "radiusL", "tilt0", "tiltL", "M20", "M2L")  # of rods that may leave the cylinder
 HELD = ("height", "azimuth", "rotation", "M10", "M1L")  # what ends hold in place of dead loads and angles
