@@ -212,3 +212,13 @@ def test_a_study_does_not_solve_its_cases_to_know_their_loads() -> None:
     text = STUDY_OF_A_PIPE.format(name="FZ0", values="[-20.0]").replace("R = 0", "friction = 0.2\nR = 0")
     with pytest.raises(InputError, match="FZ0 with friction"):
         loads(text)
+
+
+def test_the_first_numbers_of_a_cable_are_its_pitch_and_stress(capsys: pytest.CaptureFixture[str]) -> None:
+    words = "solve --length-unit mm --E 2e5 --nu 0.3 --a 1 --L 1500 --R 60 --tension 500 --lay 80deg"
+    assert exit_status(*words.split()) == 0
+    found = capsys.readouterr().out
+    numbers = dict(re.findall(r"^(pitch|bending_stress_max) +([\d.]+)", found, re.MULTILINE))
+    pitch, stress = float(numbers["pitch"]), float(numbers["bending_stress_max"])
+    assert pitch == pytest.approx(2 * pi * 61 / np.tan(np.deg2rad(80)), rel=1e-5)  # as printed
+    assert stress == pytest.approx(2e5 * np.sin(np.deg2rad(80)) ** 2 / 61, rel=1e-5)

@@ -125,6 +125,7 @@ def solve(
     data = _find(sol, base.units, chosen, whole) | {
         "source": base.source,
         "assumed": base.assumed,
+        "wound": base.wound,
         "which": _which(before, listed, base),
         "selection": None if sol.selection is None else {**asdict(sol.selection), "rule": sol.selection.rule},
         "caution": cautions.said(cautions.of_cases(sol, units=base.units)),
@@ -246,6 +247,10 @@ HEADLINES = (
     "bends", "turns_around", "height", "kappa_max", "bending_moment_max", "F3_size_max", "push_min", "push_max",
     "attached", "index", "M30", "surface_torque", "reach", "arriving_max",
 )  # fmt: skip
+WOUND_HEADLINES = (
+    "turns_around", "pitch", "height", "kappa_max", "bending_stress_max", "F3_size_max", "push_min", "push_max",
+    "attached", "index",
+)  # fmt: skip
 
 
 def _show(found: dict[str, Any], every: bool, whole: bool) -> None:
@@ -309,7 +314,7 @@ def _print_tables(found: dict[str, Any], every: bool) -> None:
     tables.print_table(["given", "value", "unit", ""], rows)
     console.say("")
     if results := _results(found):
-        heads = OFF_WALL if found["case"].get("contact") else HEADLINES
+        heads = OFF_WALL if found["case"].get("contact") else WOUND_HEADLINES if found["wound"] else HEADLINES
         plain = set(found["observables"]) | set(found["case"]) - set(heads)  # a load that is given stands above
         shown = [name for name in results if every or name in heads or name not in plain]
         tables.print_table(
