@@ -37,10 +37,10 @@ source = "The less a rod is pushed, the fewer bends it has. F3 is negative: comp
 ds = in_memory.run(study)
 ds.rod.plot().save("own_study.png")
 (law,) = ds.rod.verdicts
-print(law["claim"], law["verdict"], ds["bends"].values)
+print(law.claim, law.verdict, law.measured)
 
 # %%
-# The law holds: the number of bends falls, or stays, from each force to the next weaker one, and falls on the whole.
+# The law is true: the number of bends falls, or stays, from each force to the next weaker one, and falls on the whole.
 
-assert law["verdict"] == "holds"
+assert law.verdict == "true"
 assert bool((ds["solved"] == 1).all())

@@ -1,9 +1,9 @@
 """The solution: a shape, and what can be asked of it."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -14,7 +14,8 @@ from .observe.cautions import of_cases
 from .observe.solution_derivatives import Sensitivity, sensitivity
 from .orbits import frames
 from .orbits.shape import ShapeArrays
-from .problem.errors import check_tolerance
+from .problem.case_fields import cases_at, place_along
+from .problem.errors import InputError, check_tolerance, show
 from .problem.shown import make, table_of
 
 SHOWN = "workbench.notebook"  # loaded by name when a solution is shown: the solver works without the workbench
@@ -79,6 +80,61 @@ class Solution(ShapeArrays):
             Alternative(away, Solution(self.case, problem, shape, self.t, self.method, self.tol))
             for away, problem, shape in find(self.t)
         )
+
+    def __getitem__(self, index: Any) -> Self:
+        """The solutions of some cases of a grid, as NumPy indexes an array of its shape; nothing is solved again.
+
+        Raises
+        ------
+        InputError
+            For a single case, an index that NumPy refuses, and cases that are repeated or not in their order.
+        """
+        if not self.case.shape:
+            raise InputError("a solution of one case has no others to select; its arrays are attributes, as solution.z")
+        try:
+            order = np.ravel(np.arange(self.case.size).reshape(self.case.shape)[index])
+        except IndexError as error:
+            raise InputError(f"cases of shape {self.case.shape} have no index {show(index)}: {error}") from None
+        if order.size == 0 or (np.diff(order) <= 0).any():
+            raise InputError("an index of a solution must select cases in their order, each once, and at least one")
+        parts = self.problem.take(order), self.trajectory.take(order), self.t[order]
+        return type(self)(cases_at(self.case, index), *parts, self.method, self.tol)
+
+    def __iter__(self) -> Iterator[Self]:
+        """The solutions along the first axis of the cases. Raises `InputError` for a single case."""
+        return (self[i] for i in range(self.case.shape[0] if self.case.shape else 1))
+
+    def sel(self, **values: Any) -> Self:
+        """The solutions of the cases at these values of fields that vary; nothing is solved again.
+
+        Parameters
+        ----------
+        **values : float, str or list
+            Of a field, to nine digits; an angle in rad or as text. An axis of which one value is selected is gone.
+
+        Returns
+        -------
+        Solution
+
+        Raises
+        ------
+        InputError
+            For a field that does not vary along one axis, and for a value that no case has, with those that are.
+
+        Examples
+        --------
+        >>> from solver import Case, Cylinder, Rod, Start, solve
+        >>> rod = Rod(E=[1e4, 2e4, 4e4], nu=0.25, a=0.25, L=20.0)
+        >>> rods = solve(Case(rod, Cylinder(R=0.75), Start(beta="30deg", dbeta=0.5, F1=5.0, F3=10.0)))
+        >>> one = rods.sel(E=2e4)
+        >>> one.case.rod.E, bool(one.z[-1] == rods.z[1, -1]), rods[1:].case.shape
+        (20000.0, True, (2,))
+        """
+        selected = self
+        for name, value in values.items():
+            axis, place = place_along(selected.case, name, value)
+            selected = selected[(*[slice(None)] * axis, place)]
+        return selected
 
     def let_go(self, tol: float | None = None) -> "FreeSolution":
         """What the rod becomes beside a cylinder that only pushes, while both ends stay as they are.

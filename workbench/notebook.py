@@ -130,18 +130,15 @@ class StudyRun:
     ds
         The dataset of its cases.
     verdicts
-        The law and its verdict, of each law.
+        The verdict on each law: `claim`, `law`, `verdict`, `measured`, `where`; `verdicts["(1)"]` is that of a claim.
     """
 
     def __init__(self, study: "Study") -> None:
-        from studies.laws import law_words
-
         from .run import in_memory
 
         self.ds = in_memory.run(study)
         self._stored = StoredStudy(self.ds)
-        self._rows = self._stored.verdicts
-        self.verdicts = [(law_words.law_in_words(row), str(row["verdict"])) for row in self._rows]
+        self.verdicts = self._stored.verdicts
 
     def plot(self, **at: Any) -> Plot:
         """The figure of the study, or of its case at these values of axes. Raises `InputError`."""
@@ -155,7 +152,7 @@ class StudyRun:
         from studies.laws import law_words
 
         title = f"{self.ds.attrs['title']}: {law_words.count_of(int(self.ds['solved'].size), 'case')}"
-        return _table(title, [(law_words.law_in_words(row), law_words.sentence(row)) for row in self._rows])
+        return _table(title, [(row.law, law_words.sentence(row)) for row in self.verdicts])
 
 
 def plot(stored: StoredStudy, at: Mapping[str, Any] | None = None) -> Plot:

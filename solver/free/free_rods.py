@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..numerics.arrays import Array
+from ..numerics.arrays import Array, Integers
 from ..problem.case import Case
 from ..problem.limits import OUT_OF_RANGE, units_held
 from ..problem.reduced import EndsProblem
@@ -53,6 +53,10 @@ class FreeRods:
 
     answers: Sequence[Answer]
     along: Along
+
+    def take(self, rows: Integers) -> "FreeRods":
+        """The rods of the problems `rows`, (b,)."""
+        return FreeRods([self.answers[i] for i in rows], Along(*(part[rows] for part in self.along)))
 
     @classmethod
     def unknown(cls, size: int, n: int) -> "FreeRods":

@@ -190,7 +190,7 @@ class VaryingShapes:
     where it does not or was not asked.
     """
 
-    shapes: Marched | Sequence[Shape | None]
+    shapes: "Marched | SelectedShapes | Sequence[Shape | None]"
     index: Array
     critical: Array
 
@@ -213,6 +213,10 @@ class VaryingShapes:
         shapes = [shape if fits else None for shape, fits in zip(self.each(fit.size), fit, strict=True)]
         return VaryingShapes(shapes, *(np.where(fit, values, np.nan) for values in (self.index, self.critical)))
 
+    def take(self, rows: Integers) -> "VaryingShapes":
+        """The rods of the problems `rows`, (b,); each is computed where it is asked for."""
+        return VaryingShapes(SelectedShapes(self, rows), self.index[rows], self.critical[rows])
+
     def ends(self) -> tuple[Array, Array]:
         """States at the start and at the far end, (B, 8) each; NaN for a rod without a shape."""
         none = np.full(SIZE, np.nan)
@@ -232,6 +236,17 @@ class VaryingShapes:
         """The number of interior extrema of beta of each rod, (B,); NaN for a rod without a shape."""
         shapes = [self.of(i) for i in range(self.index.size)]
         return np.array([np.nan if shape is None else len(shape.bends(1.0)) for shape in shapes])
+
+
+@dataclass(frozen=True, eq=False)
+class SelectedShapes:
+    """The rods at some rows, (b,), of those of more problems."""
+
+    whole: VaryingShapes
+    rows: Integers
+
+    def __getitem__(self, i: int) -> Shape | None:
+        return self.whole.of(int(self.rows[i]))
 
 
 def read_starts(y: Array, t: Array, alpha0: Array, twist: Array) -> dict[str, Any]:

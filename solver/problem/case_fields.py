@@ -5,9 +5,14 @@ from dataclasses import fields, replace
 from functools import cache
 from typing import Any
 
+import numpy as np
+
 from .case import Case, Cylinder, Rod
 from .errors import InputError, choices, known_name, names_of, near
+from .field_values import angle
 from .quantities import AT_START
+
+MOST_LISTED = 12  # values of a field that a message lists
 
 
 def fields_of(case: Case) -> tuple[str, ...]:
@@ -81,3 +86,38 @@ def values_of(case: Case, name: str) -> Any:
     """The value or the values of one numeric field, named as its quantity."""
     part, field = _place_of(case, name)
     return getattr(getattr(case, part), field)
+
+
+def cases_at(case: Case, index: Any) -> Case:
+    """The cases of a grid at an index as of NumPy; a field that is one number for all of them stays one."""
+    every = case._numeric
+    parts = {}
+    for name in ("rod", "cylinder", "given"):
+        part = getattr(case, name)
+        arrays = {field: value for of, field, value in every if of is part and np.ndim(value)}
+        picked = {field: np.broadcast_to(value, case.shape)[index] for field, value in arrays.items()}
+        parts[name] = _copy(part, {field: value if np.ndim(value) else float(value) for field, value in picked.items()})
+    return _copy(case, parts)
+
+
+def place_along(case: Case, name: str, value: Any) -> tuple[int, Any]:
+    """The axis of a grid of cases along which a field varies, and the place on it of a value, or of several.
+
+    Values are met to nine digits; an angle may be text. Raises `InputError` for a field that varies along none or
+    several axes, and for a value that no case has.
+    """
+    every = np.broadcast_to(values_of(case, name), case.shape)
+    along = [k for k in range(every.ndim) if (every != every.take([0], axis=k)).any()]
+    if len(along) != 1:
+        how = f"{len(along)} axes" if along else "no axis"
+        raise InputError(f"{name} varies along {how} of these cases, so no value of it selects some; use an index")
+    known = np.moveaxis(every, along[0], -1).reshape(-1, case.shape[along[0]])[0]
+    listed = choices(f"{number:.10g}" for number in known[:MOST_LISTED]) + ", ..." * (known.size > MOST_LISTED)
+    places = []
+    for text in np.ravel(np.asarray(value, dtype=object)):
+        number = angle(text) if isinstance(text, str) else float(text)
+        near_it = np.flatnonzero(np.isclose(known, number, rtol=1e-9, atol=0))
+        if not near_it.size:
+            raise InputError(f"no case has {name} = {number:.10g}; there are {listed}")
+        places.append(int(near_it[0]))
+    return along[0], places[0] if np.ndim(value) == 0 else places

@@ -66,6 +66,19 @@ class Trajectory:
     shapes: Any = None
     free: Any = None
 
+    def take(self, rows: NDArray[np.int64]) -> "Trajectory":
+        """The answers to the problems `rows`, (b,) rising."""
+        values = vars(self)
+        picked = {name: value[rows] for name, value in values.items() if isinstance(value, np.ndarray)}
+        picked |= {name: values[name].take(rows) for name in ("orbit", "shapes", "free") if values[name] is not None}
+        if self.loads is not None:
+            picked["loads"] = self.loads[:, rows]
+        return replace(self, **picked, swirl=partial(_rows_of, self.swirl, rows), alternatives=None)
+
+
+def _rows_of(compute: Callable[[], Array], rows: NDArray[np.int64]) -> Array:
+    return compute()[rows]
+
 
 @dataclass(frozen=True, eq=False)
 class Seed(Columns):

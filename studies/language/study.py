@@ -396,7 +396,8 @@ class Study(BaseModel):
         Returns
         -------
         workbench.notebook.StudyRun
-            ``ds``, the dataset; ``verdicts``, one for each law; ``plot()`` and ``scene()``. A notebook shows its laws.
+            ``ds``, the dataset; ``verdicts``, one for each law, by number or claim; ``plot()`` and ``scene()``. A
+            notebook shows its laws.
 
         Raises
         ------
@@ -407,8 +408,10 @@ class Study(BaseModel):
         --------
         >>> from studies import load
         >>> result = load("fig7_1_modulus").run()
-        >>> result.verdicts[0]
-        ('bends falls along E', 'holds')
+        >>> result.verdicts
+        (1) bends falls along E: true; measured 8 → 5
+        >>> result.verdicts["(1)"].verdict
+        'true'
         """
         return make("workbench.notebook", "StudyRun", self)
 

@@ -33,13 +33,7 @@ NOT_CONTRADICTED, ON_PART, ON_OBSERVABLE = QUALIFICATIONS = (
 
 BETWEEN = "cases that refinement added between the lines of the coarse grid go against it"
 MOST = 3  # reasons of different lines of a grid that are listed
-PLAIN = {  # verdict -> what a reader is told
-    HOLDS: "true",
-    TREND: "true as a trend",
-    QUALIFIED: "true in part",
-    UNDECIDED: "not decided",
-    FAILS: "false",
-}
+FORMER = {"holds": HOLDS, "holds as a trend": TREND, "qualified": QUALIFIED, "fails": FAILS}  # in files of 0.2.0
 MEANING = {  # verdict -> what it means
     HOLDS: "every step goes the right way (a count may stay the same between neighbours), or every case agrees",
     TREND: "Kendall's tau in the law's direction is at least 0.8, and the steps that go the wrong way are counted",
@@ -81,7 +75,7 @@ def role(also: Mapping[str, Any]) -> str:
 def _brief(row: Mapping[str, Any]) -> str:
     """The verdict, and how many steps go the wrong way."""
     wrong = len(row["exceptions"])
-    return f"{plain(row)} ({wrong} step{'s' * (wrong > 1)} wrong)" if wrong else plain(row)
+    return f"{row['verdict']} ({wrong} step{'s' * (wrong > 1)} wrong)" if wrong else str(row["verdict"])
 
 
 def together(
@@ -130,7 +124,7 @@ def of_others(row: Mapping[str, Any], meant: str, others: Sequence[Mapping[str, 
 
 def count(counts: Mapping[str, int]) -> str:
     """The number of each verdict, best first: ``6 true, 3 true as a trend``."""
-    return ", ".join(f"{counts[verdict]} {PLAIN[verdict]}" for verdict in VERDICTS if counts.get(verdict))
+    return ", ".join(f"{counts[verdict]} {verdict}" for verdict in VERDICTS if counts.get(verdict))
 
 
 def join(texts: Sequence[str]) -> str:
@@ -154,7 +148,7 @@ def _part(every: Sequence[str], verdict: str, at: Mapping[str, float]) -> str:
     """In how many rows of the grid the law is as good as where it was judged, how many are worse, and where that is."""
     place = ", ".join(f"{axis} = {value:.4g}" for axis, value in at.items())
     agree = sum(as_good(row, verdict) for row in every)
-    left = [f", {every.count(kind)} {PLAIN[kind]}" for kind in dict.fromkeys(every) if not as_good(kind, verdict)]
+    left = [f", {every.count(kind)} {kind}" for kind in dict.fromkeys(every) if not as_good(kind, verdict)]
     return f"{agree} of {len(every)} rows agree{''.join(left)} (judged at {place})"
 
 
@@ -204,18 +198,33 @@ def measure(row: Mapping[str, Any]) -> str:
 def sentence(row: Mapping[str, Any]) -> str:
     """The verdict and why: ``true in part: 6 of 9 rows agree (judged at R = 0.75)``."""
     notes = detail(row)
-    return f"{plain(row)}: {notes}" if notes else plain(row)
+    return f"{row['verdict']}: {notes}" if notes else str(row["verdict"])
 
 
-def plain(row: Mapping[str, Any]) -> str:
-    """The verdict in words that a reader understands at once: ``true in part``."""
-    return PLAIN[row["verdict"]]
+def where(row: Mapping[str, Any]) -> str:
+    """Where a law was judged, and where it is false: ``at R = 0.75; false from E = 10000 to 15000``."""
+    if not row["lines"]:
+        return "nowhere"
+    notes = [f"at {', '.join(f'{name} = {value:.4g}' for name, value in row['at'].items())}"] if row["at"] else []
+    notes += [_rows(row)] if row["lines"] > 1 else []
+    wrong = [_step(row["axis"], step, shown=not row["at"]) for step in row["exceptions"]]
+    more = f" and {len(wrong) - MOST} more" if len(wrong) > MOST else ""
+    notes += [f"false {', '.join(wrong[:MOST])}{more}"] if wrong else []
+    return "; ".join(notes) or "everywhere"
 
 
-def in_plain(text: str) -> str:
-    """``qualified: not contradicted`` as ``true in part: not contradicted``; other texts as they are."""
+def _step(axis: str, step: Mapping[str, Any], shown: bool) -> str:
+    """The place of a step the wrong way, or of a case that disagrees. shown: whether its other axes are told."""
+    begin, end = f"{axis} = {step['from']:.6g}", f"{step['to']:.6g}"
+    others = [f"{name} = {value:.4g}" for name, value in step["at"].items()] if shown else []
+    along = f"at {begin}" if step["from"] == step["to"] else f"from {begin} to {end}"
+    return ", ".join([along, *others])
+
+
+def in_words_of_today(text: str) -> str:
+    """A verdict that 0.2.0 stored, as ``qualified: not contradicted``, by its name of today; another as it is."""
     verdict, colon, more = text.partition(":")
-    return f"{PLAIN.get(verdict, verdict)}{colon}{more}"
+    return f"{FORMER.get(verdict, verdict)}{colon}{more}"
 
 
 def detail(row: Mapping[str, Any]) -> str:

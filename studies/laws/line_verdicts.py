@@ -1,17 +1,17 @@
 """Verdicts on one line of numbers: does it rise or fall along the axis, as a law requires; does it agree with numbers?
 
-*holds*: every step goes the right way; a count may stay level between neighbours but must change over the whole axis.
-*holds as a trend*: Kendall's tau in the direction is at least 0.8; the steps that go the wrong way are listed.
+*true*: every step goes the right way; a count may stay level between neighbours but must change over the whole axis.
+*true as a trend*: Kendall's tau in the direction is at least 0.8; the steps that go the wrong way are listed.
 *not decided*: cases have no value or steps cross to another branch of equilibria, and the other steps leave it open.
-*fails*: none of these.
+*false*: none of these.
 
-The verdict on a law, which may also be *qualified*, is made from the verdicts on its lines by `verdicts.decide`.
+The verdict on a law, which may also be *true in part*, is made from the verdicts on its lines by `verdicts.decide`.
 
 Tau is tau-b: (right pairs - wrong pairs) / sqrt(all pairs x pairs whose values differ).
 
 Laws of other `KINDS` than a direction compare the line with numbers: a formula, bounds, an exponent, the place of a
-boundary. *holds*: every case agrees. *not decided*: cases without a value, or too few or too wide steps, leave it open.
-*fails*: a case disagrees, whatever the missing ones are.
+boundary. *true*: every case agrees. *not decided*: cases without a value, or too few or too wide steps, leave it open.
+*false*: a case disagrees, whatever the missing ones are.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -26,7 +26,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from solver.problem.errors import InputError, no_such
 
-HOLDS, TREND, QUALIFIED, UNDECIDED, FAILS = "holds", "holds as a trend", "qualified", "not decided", "fails"
+HOLDS, TREND, QUALIFIED, UNDECIDED, FAILS = "true", "true as a trend", "true in part", "not decided", "false"
 VERDICTS = (HOLDS, TREND, QUALIFIED, UNDECIDED, FAILS)  # best first
 
 Array = NDArray[np.float64]
@@ -43,13 +43,13 @@ class Verdict:
     Attributes
     ----------
     verdict : str
-        "holds", "holds as a trend", "qualified", "not decided" or "fails".
+        "true", "true as a trend", "true in part", "not decided" or "false".
     tau : float or None
         Kendall's tau in the direction over the pairs that can be compared; None if all values are equal.
     exceptions : list of (int, int)
         The steps (i, i + 1) that go the wrong way, or the cases (i, i) that disagree.
     reason : str
-        Why it fails or is not decided, unless the trend alone decides; or that a level line holds because it does not
+        Why it is false or not decided, unless the trend alone decides; or that a level line is true because it does not
         change.
     found, numbers : str and dict
         What was measured, in words and by name.
@@ -61,7 +61,7 @@ class Verdict:
     >>> from studies import judge
     >>> verdict = judge([1.0, 2.0, 1.5, 3.0], "rises")
     >>> verdict.verdict, verdict.exceptions
-    ('fails', [(1, 2)])
+    ('false', [(1, 2)])
     """
 
     verdict: str
@@ -179,7 +179,7 @@ def judge(values: ArrayLike, direction: str, count: bool | None = None, crossing
     --------
     >>> from studies import judge
     >>> judge([8, 7, 6, 6, 5], "falls").verdict
-    'holds'
+    'true'
     """
     if direction not in DIRECTIONS:
         raise no_such("direction", direction, DIRECTIONS)
@@ -239,7 +239,7 @@ def judge_direction(line: Line, direction: str) -> Verdict:
 def keeps_direction(line: Line, rule: Mapping[str, Any]) -> Verdict:
     """The verdict on a line that must go in a direction.
 
-    Qualified if it holds only because it may stay level, while the sentence says that it rises or falls.
+    True in part if it is true only because it may stay level, while the sentence says that it rises or falls.
     """
     direction = rule["direction"]
     verdict, says = judge_direction(line, direction), rule.get("says", direction)
@@ -283,7 +283,7 @@ def branch_changes(branch: ArrayLike) -> NDArray[np.bool_]:
 
 
 def _with_gaps(line: Line, pausing: bool, pairs: _Pairs, exceptions: list[tuple[int, int]]) -> Verdict:
-    """The verdict on a line with unknown steps: it fails only if the known steps rule out even a trend."""
+    """The verdict on a line with unknown steps: it is false only if the known steps rule out even a trend."""
     row, cut, count = line.values, line.cut, line.even.size
     reasons = []
     if np.isnan(row).any():

@@ -1,7 +1,7 @@
 """A law of a study, and the verdict on it: does an observable do along an axis what a sentence claims?
 
 The `KINDS` of `line_verdicts` judge each line of the grid, by its direction or by numbers; `decide` makes the verdict
-on the law: that of the worst line, or of the line nearest to its `at`. A law that does not fail is *qualified* if the
+on the law: that of the worst line, or of the line nearest to its `at`. A law that is not false is *true in part* if the
 numbers support only part of the sentence:
 
 *not contradicted*: the observable stays level, which the law allows, but the sentence says that it rises or falls;
@@ -23,6 +23,7 @@ from solver.problem.errors import InputError, choices, no_such
 from ..grammar.axes import Line, Misplaced, in_rad, is_angle, one_of, read_units
 from ..grammar.formulas import Formula, evaluate, parse
 from . import law_words
+from .law_verdict import LawVerdict
 from .law_words import ON_OBSERVABLE
 from .line_verdicts import (
     DIRECTIONS,
@@ -82,8 +83,8 @@ class Law(BaseModel):
     direction, says : {"rises", "falls", "not-falling", "not-rising"}
         Of a monotone law; says is the direction in the sentence, if `direction` is weaker.
     alternatives, also : list of str
-        Of a monotone law: observables that the sentence may equally mean, so that the law is qualified if one fails;
-        and further observables, judged and shown, that decide nothing.
+        Of a monotone law: observables that the sentence may equally mean, so that the law is true in part if one is
+        false; and further observables, judged and shown, that decide nothing.
     formula, relative, absolute : float or str
         Of the kind equals: the formula, and the allowed difference.
     least, most : float or str
@@ -98,7 +99,7 @@ class Law(BaseModel):
     >>> from studies import Law
     >>> law = Law(claim="(1)", observable="bends", axis="E", direction="falls", source="Stiffer rods have fewer bends.")
     >>> law.judge("bends", [8, 7, 6, 6, 5]).verdict
-    'holds'
+    'true'
     """
 
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
@@ -294,7 +295,7 @@ def decide(
     counts: Collection[str] = (),
     known: Mapping[str, ArrayLike] | None = None,
     rows: Sequence[Row] | None = None,
-) -> dict[str, Any]:
+) -> LawVerdict:
     """The verdict on a law, and on each further observable that it names, as plain data.
 
     Parameters
@@ -317,9 +318,10 @@ def decide(
 
     Returns
     -------
-    dict
-        The fields `TOLD` of the law and, for the law and each entry of "also": verdict (of `VERDICTS`), qualifications
-        (of `QUALIFICATIONS`), reason (a sentence: why it is qualified, not decided or fails), tau (the smallest), at
+    LawVerdict
+        A mapping: law, measured and where (in words), the fields `TOLD` of the law and, for the law and each entry of
+        "also": verdict (of `VERDICTS`), qualifications
+        (of `QUALIFICATIONS`), reason (a sentence: why it is true in part, not decided or false), tau (the smallest), at
         (where it was decided, empty for the whole grid), lines, line_verdicts (verdict -> number of lines), lines_hold,
         lines_trend, steps (those that decide), exceptions (steps the wrong way: from, to, values of the axis; values;
         at: the other axes; for a case that disagrees, from and to are equal), first and last (the range of the
@@ -345,7 +347,7 @@ def decide(
         row["verdict"] = QUALIFIED
         row["qualifications"] = [*row["qualifications"], ON_OBSERVABLE]
         row["reason"] = law_words.join([row["reason"], law_words.of_others(row, law.meant, others)])
-    return row
+    return LawVerdict(row)
 
 
 def by_line(
@@ -384,7 +386,7 @@ def by_line(
     return np.array(words).reshape([np.size(values) for dim, values in axes.items() if dim != law.axis])
 
 
-def refusal(law: Law, reason: str) -> dict[str, Any]:
+def refusal(law: Law, reason: str) -> LawVerdict:
     """The row of a law that could not be tested, in the form of `decide`: not decided, with the reason."""
     counts = {"lines": 0, "line_verdicts": {}, "lines_hold": 0, "lines_trend": 0, "across": []}
     nothing = {"qualifications": [], "reason": reason, "tau": None, "at": {}, **counts, "steps": 0, "exceptions": []}
@@ -392,7 +394,7 @@ def refusal(law: Law, reason: str) -> dict[str, Any]:
     rows = [
         {"observable": name, "verdict": UNDECIDED, **nothing, "first": None, "last": None} for name in law.observables
     ]
-    return _row(law, rows)
+    return LawVerdict(_row(law, rows))
 
 
 def _row(law: Law, rows: list[dict[str, Any]]) -> dict[str, Any]:

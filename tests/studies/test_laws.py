@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from scipy.stats import kendalltau
 
+from solver import InputError
+from studies import load
 from studies.laws.line_verdicts import (
     DIRECTIONS,
     FAILS,
@@ -116,3 +118,27 @@ def test_the_verdicts_of_the_lines_are_those_that_the_law_counts() -> None:
     counts = decide(law, {"bends": grid}, axes)["line_verdicts"]
     assert {verdict: int((found == verdict).sum()) for verdict in counts} == counts
     assert len(counts) > 1
+
+
+def test_a_verdict_has_names_and_is_selected_by_words() -> None:
+    run = load("fig7_3_start_angle").run()
+    first = run.verdicts["bends"]
+    assert (first.claim, first.law, first.verdict) == ("(3)", "bends rises along beta0", "true")
+    assert (first.measured, first.where, first.reason) == ("4 → 7", "everywhere", "")
+    assert first is run.verdicts[0] is run.verdicts["(3) bends"] is run.verdicts["BENDS rises"]
+    assert (first["verdict"], first["measured"]) == (first.verdict, first.measured)
+    with pytest.raises(InputError, match=r"2 laws are '\(3\)'; choose one: \(3\) bends rises along beta0; \(3\) kappa"):
+        run.verdicts["(3)"]
+    with pytest.raises(InputError, match=r"no law is 'push'; there are: \(3\) bends"):
+        run.verdicts["push"]
+    with pytest.raises(AttributeError, match="no 'measure', did you mean 'measured'"):
+        first.measure  # noqa: B018
+
+
+def test_where_a_law_is_false_is_said() -> None:
+    law = Law(claim="(1)", observable="bends", axis="E", direction="falls", source="s", at={"R": 1.0})
+    wrong = np.array([[5, 6, 4], [5, 4, 3]]).T
+    row = decide(law, {"bends": wrong}, {"E": [1.0, 2.0, 3.0], "R": [1.0, 2.0]})
+    assert (row.verdict, row.where) == ("false", "at R = 1; true for 1 of 2 values of R; false from E = 1 to 2")
+    whole = decide(law.model_copy(update={"at": {}}), {"bends": wrong}, {"E": [1.0, 2.0, 3.0], "R": [1.0, 2.0]})
+    assert whole.where == "true for 1 of 2 values of R; false from E = 1 to 2, R = 1"

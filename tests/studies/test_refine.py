@@ -155,7 +155,7 @@ def test_along_one_axis_what_holds_the_middle_of_a_level_interval_is_found() -> 
 def with_law(along: int, budget: int = 10**6) -> Refinement:
     """Lines are judged by the largest of a made-up number on them."""
     axes = {"x": np.linspace(0, 1, 6), "y": np.linspace(0, 1, 4)}
-    lines = RefinedLines(along, 0, lambda values: np.where(values.max(axis=1) > 0.8, "fails", "holds"))
+    lines = RefinedLines(along, 0, lambda values: np.where(values.max(axis=1) > 0.8, "false", "true"))
     found = Refinement(Lattice(axes, frozenset(), 5), np.array([np.inf]), budget, (lines,))
     while found.wanted:
         x, y = found.lattice.values(found.places[-found.wanted :]).values()

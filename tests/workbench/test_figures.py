@@ -19,25 +19,25 @@ from workbench.stored.stored_study import StoredStudy
 
 VERDICTS = {  # of the laws of each figure under the default reading
     "fig6": [],
-    "fig7_1_modulus": [("holds", [])],
-    "fig7_2_radius": [("qualified", ["depends on the observable"])],
-    "fig7_3_start_angle": [("holds", []), ("qualified", ["depends on the observable"])],
-    "fig7_4_end_angle": [("qualified", ["not contradicted"]), ("holds", [])],
+    "fig7_1_modulus": [("true", [])],
+    "fig7_2_radius": [("true in part", ["depends on the observable"])],
+    "fig7_3_start_angle": [("true", []), ("true in part", ["depends on the observable"])],
+    "fig7_4_end_angle": [("true in part", ["not contradicted"]), ("true", [])],
     "fig7_5_forces": [
-        ("qualified", ["on part of the grid", "depends on the observable"]),
-        ("qualified", ["on part of the grid"]),
+        ("true in part", ["on part of the grid", "depends on the observable"]),
+        ("true in part", ["on part of the grid"]),
     ],
-    "regimes": [("qualified", ["on part of the grid"]), ("qualified", ["on part of the grid"])],
+    "regimes": [("true in part", ["on part of the grid"]), ("true in part", ["on part of the grid"])],
     "regimes_refined": [],
     "samples_pipe": [],
-    "pipe_lubinski": [("holds", [])] * 6,
-    "pipe_horizontal": [("holds", [])] * 4,
-    "pipe_vertical": [("holds", [])] * 4,
-    "pole_greenhill": [("holds", [])] * 2,
-    "capstan": [("holds", [])],
-    "belt": [("holds", [])] * 3,
-    "let_go": [("holds", [])] * 3,
-    "pipe_centred": [("holds", [])] * 3,
+    "pipe_lubinski": [("true", [])] * 6,
+    "pipe_horizontal": [("true", [])] * 4,
+    "pipe_vertical": [("true", [])] * 4,
+    "pole_greenhill": [("true", [])] * 2,
+    "capstan": [("true", [])],
+    "belt": [("true", [])] * 3,
+    "let_go": [("true", [])] * 3,
+    "pipe_centred": [("true", [])] * 3,
 }
 PAPER = [name for name in names() if name.startswith("fig")]
 
@@ -67,9 +67,9 @@ def test_no_law_of_a_shipped_study_fails_under_the_default_reading_and_those_tha
     assert StoredStudy(ds).unsolved == 0
     rows = law_verdicts.verdicts(ds)
     assert [(row["verdict"], row["qualifications"]) for row in rows] == VERDICTS[name]
-    assert all(row["reason"] for row in rows if row["verdict"] == "qualified")
+    assert all(row["reason"] for row in rows if row["verdict"] == "true in part")
     assert (law_verdicts.status(0, law_verdicts.verdicts(ds)) == 0) == all(
-        verdict == "holds" for verdict, _ in VERDICTS[name]
+        verdict == "true" for verdict, _ in VERDICTS[name]
     )
     assert not law_verdicts.is_refuted(0, rows)
 

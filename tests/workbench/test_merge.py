@@ -152,10 +152,10 @@ def test_results_that_another_program_stored_as_coordinates_are_joined_as_result
 @pytest.mark.slow
 def test_a_law_is_judged_again_on_all_values(tmp_path) -> None:
     falling, rising = counted(axis("E", [1e4, 2e4]) + LAW), counted(axis("E", [3e4, 4e4]) + LAW)
-    assert file_merge.merge(stored(tmp_path, falling, rising), tmp_path / "all.h5")["laws"][0]["verdict"] == "holds"
+    assert file_merge.merge(stored(tmp_path, falling, rising), tmp_path / "all.h5")["laws"][0]["verdict"] == "true"
     rising["bends"][:] = 99
     done = file_merge.merge(stored(tmp_path, falling, rising), tmp_path / "all.h5")
-    assert (done["laws"][0]["verdict"], status(done)) == ("fails", 1)
+    assert (done["laws"][0]["verdict"], status(done)) == ("false", 1)
 
 
 @pytest.mark.slow

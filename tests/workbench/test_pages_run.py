@@ -1,6 +1,8 @@
 """The pages of the documentation run as they stand: studies, tables, commands and Python, in the order of the page."""
 
 import re
+import subprocess
+import sys
 from dataclasses import dataclass, field
 from importlib.util import find_spec
 from pathlib import Path
@@ -105,6 +107,8 @@ PAGES = [
          said=("the rod lies on 57.6 % of its length on the wall, at s = 3.481 to 14.99 cm",
                "falls by 5.5 %, from 39.7416 to 37.5552 N cm", "9 cases, 0 unsolved", "lies on 81.1 % of its length")),
     Page("how-to/wind-a-cable", left=UNKNOWN, quick=True),
+    Page("how-to/write-your-own-in-python", made=("own.png", "family.png"),
+         said=("1 passed", "[5, 5, 4, 4]", "solved True [9.65, ")),
     Page("how-to/write-a-study", "Write a law", files=("pipe.toml",), status={"run pipe.toml": 1}),
     Page("tutorial/a-notebook", made=("rod.pdf", "rod.html")),
     Page("tutorial/reproduce-a-figure", files=("radius.toml",), left=UNKNOWN,
@@ -156,11 +160,15 @@ def test_a_page_runs_as_it_stands(page: Page, tmp_path: Path, monkeypatch, capsy
                 Path("stiff.toml").write_text(stiff, encoding="utf-8")
         elif language == "sh":
             for line in map(str.strip, body.replace(" && ", "\n").splitlines()):
+                if line.startswith("python "):
+                    printed += subprocess.check_output([sys.executable, *line.split()[1:]], text=True)
                 if line.startswith("workbench ") and not line.startswith(page.left or "-"):
                     drawn = re.search(r"^workbench plot | --plot ", line) and "--style" not in line
                     run(line + PAPER * bool(drawn), page.status.get(line.removeprefix("workbench "), 0))
         elif language.endswith("python") and page.python != "left" and imports_what_is_installed(body):
             printed += capsys.readouterr().out
+            if first := re.match(r"# (\w+\.py)\n", body):
+                Path(first[1]).write_text(body, encoding="utf-8")
             exec(compile(dedent(body), page.name, "exec"), names)
             out = capsys.readouterr().out
             if page.python == "checked":

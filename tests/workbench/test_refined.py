@@ -153,7 +153,7 @@ def test_a_law_along_one_refined_axis_is_judged_on_every_case(five: xr.Dataset) 
     """The six values of the axis alone agree with it."""
     (row,) = law_verdicts.verdicts(five)
     (coarse,) = law_verdicts.verdicts(refined.coarse(five))
-    assert (row["verdict"], coarse["verdict"]) == ("fails", "holds")
+    assert (row["verdict"], coarse["verdict"]) == ("false", "true")
     steps = [(step["from"], step["to"]) for step in row["exceptions"]]
     jumps = [at for at, (before, after) in CHANGES.items() if after > before]
     assert [low < at + 0.1 and at - 0.1 < high for (low, high), at in zip(steps, jumps, strict=True)] == [True, True]
@@ -256,7 +256,7 @@ def test_a_law_changes_its_verdict_between_the_two_lines_that_its_boundary_names
     alone = in_memory.run(study(PLANE.partition("[axes.R]")[0] + f"[axes.R]\nvalues = {lines}\n" + LAW, ""))
     (law,) = schema.laws_of(alone)
     verdicts = list(law_verdicts.verdicts_of_lines(alone, law).values)
-    assert verdicts == [found["before"].item(), found["after"].item()] == ["holds", "fails"]
+    assert verdicts == [found["before"].item(), found["after"].item()] == ["true", "false"]
 
 
 def test_the_coarse_grid_of_a_refined_study_is_the_study_without_refinement(stored: Path) -> None:

@@ -65,7 +65,7 @@ def test_a_law_is_judged_on_the_line_of_every_sample(crossed: xr.Dataset) -> Non
     from workbench.stored import law_verdicts
 
     (row,) = law_verdicts.verdicts(crossed)
-    assert (row["lines"], row["at"], row["verdict"]) == (5, {"sample": 2.0}, "holds")
+    assert (row["lines"], row["at"], row["verdict"]) == (5, {"sample": 2.0}, "true")
 
 
 # merge

@@ -365,7 +365,7 @@ def test_a_finished_study_whose_law_was_edited_is_judged_by_the_law_as_it_is_now
         ran = run_to_file(load(path), tmp_path / "many.h5")
         (row,) = ran.statistics["laws"]
         told.append((row["verdict"], ran.finished_before))
-    assert told == [("holds", False), ("fails", False), ("fails", True)]
+    assert told == [("true", False), ("false", False), ("false", True)]
 
 
 def test_what_is_packed_together_lies_together() -> None:

@@ -217,7 +217,6 @@ def _energy_in_words(rows: Sequence[dict[str, Any]], held: bool, heavy: bool, un
 
 def _over_axis(study: "Study", case: "Case", name: str, values: "np.ndarray", show: str | None) -> Result:
     """The branches of equilibria over an axis; status 1 if there is none."""
-    from studies.laws import law_words
 
     from ..branches import branch_dataset
     from ..stored.stored_study import StoredStudy
@@ -234,10 +233,7 @@ def _over_axis(study: "Study", case: "Case", name: str, values: "np.ndarray", sh
         unit = unit_shown(name, study.unit_system)
         keys = list(rows[0]) if rows else ["branch"]
         heads = {key: tables.heading(key, unit if key in ("from", "to") else "") for key in keys}
-        plain: list[dict[str, Any]] = [
-            {key: law_words.in_plain(v) if isinstance(v, str) else v for key, v in row.items()} for row in rows
-        ]
-        tables.print_rows([{**row, "branch": row["branch"] + 1} for row in plain], heads)
+        tables.print_rows([{**row, "branch": row["branch"] + 1} for row in rows], heads)
         counts = f"{len(rows)} branch{'es' * (len(rows) != 1)}, {len(folds)} fold{'s' * (len(folds) != 1)}"
         console.say(f"{counts} over {values.size} values of {name}")
         console.say_units(study.unit_system)

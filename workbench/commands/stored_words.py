@@ -20,12 +20,12 @@ def print_verdicts(verdicts: Sequence[dict[str, Any]], title: str | None = None,
     rows, reasons = [], []
     for row in verdicts:
         law, measured = law_words.law_in_words(row), law_words.measure(row)
-        rows.append([law_words.plain(row), row["claim"], law, measured])
+        rows.append([row["verdict"], row["claim"], law, measured])
         if detail := law_words.detail(row):
             reasons.append(f"{row['claim']}, {row['observable']}: {detail}")
         for also in row["also"] if alternatives else ():
             role = f"  {law_words.role(also)}: {also['observable']}"
-            rows.append([f"  {law_words.plain(also)}", "", role, law_words.measure(also)])
+            rows.append([f"  {also['verdict']}", "", role, law_words.measure(also)])
             if detail := law_words.detail(also):
                 reasons.append(f"{row['claim']}, {also['observable']}: {detail}")
     tables.print_table(["verdict", "claim", "law", "measured"], rows, title=title)

@@ -15,6 +15,7 @@ from scipy.interpolate import Akima1DInterpolator, CubicSpline
 from solver.observe import observables
 from solver.problem.errors import no_such
 from solver.problem.quantities import current
+from studies.laws.law_words import in_words_of_today
 from studies.laws.line_verdicts import DIRECTIONS, FAILS, HOLDS, QUALIFIED
 
 from ..stored.stored_study import StoredStudy
@@ -203,7 +204,7 @@ def _laws(stored: StoredStudy) -> list[str]:
 
 def _judge(row: dict[str, Any]) -> tuple[bool, str]:
     """Whether laws were judged on a branch and none fails, and what the legend says of that."""
-    verdicts = [str(verdict) for key, verdict in row.items() if " " in key]
+    verdicts = [in_words_of_today(str(verdict)) for key, verdict in row.items() if " " in key]
     if not verdicts:
         return False, ""
     if all(verdict.startswith((HOLDS, QUALIFIED)) for verdict in verdicts):

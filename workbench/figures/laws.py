@@ -9,7 +9,6 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from studies.laws import law_words
-from studies.laws.law_words import PLAIN
 from studies.laws.line_verdicts import MONOTONE, Show
 from studies.laws.verdicts import Law
 
@@ -25,7 +24,7 @@ def panel(stored: StoredStudy, ax: Axes, row: Mapping[str, Any]) -> str:
     Returns a sentence of the caption: the law, its verdict with what was measured, the other observables.
     """
     trend(stored, ax, row["observable"], row["axis"], row["at"])
-    colour, verdict = colours.VERDICTS[row["verdict"]], PLAIN[row["verdict"]]
+    colour, verdict = colours.VERDICTS[row["verdict"]], row["verdict"]
     for step in row["exceptions"]:
         if all(step["at"][name] == value for name, value in row["at"].items()):
             ends = [labels.in_label_unit(stored[row["axis"]], step[end]) for end in ("from", "to")]

@@ -20,7 +20,6 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from studies.laws import law_words
-from studies.laws.law_words import PLAIN
 from studies.laws.line_verdicts import HOLDS, VERDICTS
 
 from ..stored.shown_observables import MOST_ASKED
@@ -227,13 +226,13 @@ class _JudgedLaw:
         at = ", ".join(labels.equation(stored[name], value) for name, value in row["at"].items())
         at = at.replace(" ", "\N{NO-BREAK SPACE}")
         text = law_words.law_in_words(row, labels.noun_of(row["observable"]), labels.axis_symbol(row["axis"]))
-        said = f"{row['claim']}: {text}; {PLAIN[row['verdict']]}"
+        said = f"{row['claim']}: {text}; {row['verdict']}"
         if not at:
             return said
         place = {name: int(np.abs(self.lines[name].values - value).argmin())
                  for name, value in row["at"].items() if name in self.lines.dims}  # fmt: skip
         decided = str(self.lines.isel(place).values)
-        how = f": {PLAIN[decided]} at" if decided in VERDICTS and decided != row["verdict"] else "; judged at"
+        how = f": {decided} at" if decided in VERDICTS and decided != row["verdict"] else "; judged at"
         return f"{said}{how} {at}"
 
 
@@ -278,7 +277,7 @@ def _draw_laws(
 
 def _entries(verdicts: NDArray[np.str_], unless: str = "") -> list[Artist]:
     """The legend of the verdicts that occur, without that of one which is not drawn."""
-    return [Patch(facecolor=colours.VERDICTS[verdict], label=f"law {PLAIN[verdict]} on these lines")
+    return [Patch(facecolor=colours.VERDICTS[verdict], label=f"law {verdict} on these lines")
             for verdict in VERDICTS if verdict in verdicts and verdict != unless]  # fmt: skip
 
 
@@ -291,6 +290,6 @@ def _refinement(stored: StoredStudy, rows: Sequence[Mapping[str, Any]]) -> list[
     watched = stored.refinement.watch
     ended = stored.refinement_in_words
     ended = re.sub(r"\w+", lambda word: labels.noun_of(word[0]) if word[0] in watched else word[0], ended)
-    verdicts = [f"law {row['claim']}: {labels.law_text(row, law_words.law_in_words(row))}; {PLAIN[row['verdict']]}"
+    verdicts = [f"law {row['claim']}: {labels.law_text(row, law_words.law_in_words(row))}; {row['verdict']}"
                 for row in rows]  # fmt: skip
     return [f"{text[0].upper()}{text[1:]}." for text in (ended, *verdicts) if text]

@@ -52,7 +52,7 @@ def _verdict(row: Mapping[str, Any], array: xr.DataArray) -> dict[str, str]:
 
 def _in_plain(verdict: str) -> dict[str, str]:
     """A verdict, its class in the style of the report, and its words."""
-    return {"verdict": verdict, "class": CLASSES[verdict], "plain": law_words.PLAIN[verdict].capitalize()}
+    return {"verdict": verdict, "class": CLASSES[verdict], "plain": verdict.capitalize()}
 
 
 def _measure(row: Mapping[str, Any], array: xr.DataArray) -> str:
@@ -131,11 +131,7 @@ def in_degrees(text: str) -> str:
 def _short(verdict: str, laws: Sequence[Mapping[str, Any]]) -> str:
     """Why a claim was not tested, or why it is true in part only."""
     if untested := [row for row in laws if not row["lines"]]:
-        others = [
-            f"along {labels.axis_symbol(row['axis'])} it is {law_words.PLAIN[row['verdict']]}"
-            for row in laws
-            if row["lines"]
-        ]
+        others = [f"along {labels.axis_symbol(row['axis'])} it is {row['verdict']}" for row in laws if row["lines"]]
         first = labels.law_text(untested[0], untested[0]["reason"])
         return law_words.join([first, *others])
     kinds = dict.fromkeys(kind for row in laws for kind in row["qualifications"])

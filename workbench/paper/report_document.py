@@ -102,7 +102,7 @@ def html(
         reading=str(results[0].stored.attrs["reading"]),
         claims=claims,
         tally=law_words.tally_of(claims, "claim"),
-        meanings=[(law_words.PLAIN[key], labels.typeset(text)) for key, text in law_words.MEANING.items()],
+        meanings=[(key, labels.typeset(text)) for key, text in law_words.MEANING.items()],
         sections=sections,
         laws=laws,
         notes=list(dict.fromkeys(law["fixed_note"] for law in laws if law["fixed_note"])),

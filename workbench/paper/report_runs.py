@@ -82,7 +82,7 @@ def _dataset_of_rows(
 
     data = {
         "verdict": (dims, table("verdict"), {"long_name": "verdict of the law"}),
-        "reason": (dims, table("reason"), {"long_name": "why it is qualified, not decided or fails"}),
+        "reason": (dims, table("reason"), {"long_name": "why it is true in part, not decided or false"}),
         "tau": (dims, np.array(table("tau"), dtype=float), _number("Kendall's tau in the law's direction")),
         "lines": (dims, table("lines"), _number("lines of the grid along the law's axis")),
         "lines_hold": (dims, table("lines_hold"), _number("lines on which the law holds")),

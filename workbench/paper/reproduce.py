@@ -169,9 +169,9 @@ def _print(results: "list[StudyResult]", readings: "StoredStudy", out: Path, adv
 
 def _verdict_rows(readings: "StoredStudy") -> list[list[str]]:
     """One row for each reading: the verdict of each claim."""
-    from studies.laws.law_words import PLAIN
     from studies.laws.line_verdicts import TREND
 
     table = zip(readings["reading"].values, readings["claim_verdict"].values, strict=True)
-    words = {**PLAIN, TREND: "trend"}
-    return [[str(reading), *(words[str(verdict)] for verdict in line)] for reading, line in table]
+    return [
+        [str(reading), *("trend" if verdict == TREND else str(verdict) for verdict in line)] for reading, line in table
+    ]

@@ -16,7 +16,6 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from solver.orbits import frames
-from studies.laws.law_words import PLAIN
 from studies.laws.line_verdicts import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED
 
 from ..figures import canvas, colours, drawn_rods, fonts, push_scale
@@ -170,7 +169,7 @@ def law(stored: StoredStudy, ax: Axes) -> None:
     """The first law of a dataset: its observable along the axis, and its verdict."""
     (verdict, *_) = stored.verdicts
     trend(stored, ax, verdict["observable"], verdict["axis"], verdict["at"])
-    title = f"claim {verdict['claim']}: {PLAIN[verdict['verdict']]}"
+    title = f"claim {verdict['claim']}: {verdict['verdict']}"
     ax.set_title(title, loc="left", size=fonts.small(), color=colours.VERDICTS[verdict["verdict"]], pad=3)
     canvas.add_legend(ax, loc="upper right", borderpad=0.0, handlelength=1.3)
 
@@ -202,7 +201,7 @@ def claims(stored: StoredStudy, ax: Axes) -> None:
             )
     ax.tick_params(length=0, colors=colours.INK, pad=2)
     ax.spines[:].set_visible(False)
-    handles = [Line2D([], [], label=PLAIN[mark], **_mark(mark)) for mark in MARKS if mark in verdicts]
+    handles = [Line2D([], [], label=mark, **_mark(mark)) for mark in MARKS if mark in verdicts]
     ax.legend(handles=handles, loc="upper right", bbox_to_anchor=(1.02, 0.0), ncols=len(handles), borderaxespad=0,
               handletextpad=0.1, columnspacing=0.7, handlelength=1.2)  # fmt: skip
 

@@ -12,6 +12,7 @@ from solver import InputError, solve
 from solver.end_angle_branch import EndAngleBranch, to_fold
 from studies import Study
 from studies.grammar.axes import Dimensions, is_angle, quantity_of
+from studies.laws.law_verdict import LawVerdicts
 
 from ..stored import law_verdicts, quantity_variables
 from ..stored.schema import Columns
@@ -29,12 +30,12 @@ MOST_IN_MEMORY = 2_000_000_000
 class StudyResult:
     """A study that was run: its dataset, the verdicts on its laws, and its files.
 
-    verdicts: rows of `law_verdicts.verdicts`. path: the stored file. pictures: name -> file.
+    path: the stored file. pictures: name -> file.
     """
 
     study: Study
     ds: xr.Dataset
-    verdicts: list[dict[str, Any]]
+    verdicts: LawVerdicts
     path: Path | None = None
     pictures: dict[str, Path] = field(default_factory=dict)
 

@@ -10,6 +10,7 @@ from solver.problem.errors import InputError, choices, no_such
 from studies.language.expressions import unit_names
 from studies.language.printed import reading_of
 from studies.laws import law_words
+from studies.laws.law_verdict import LawVerdict, LawVerdicts
 from studies.laws.line_verdicts import FAILS, HOLDS, TREND, UNDECIDED, branch_changes
 from studies.laws.verdicts import Law, by_line, decide, refusal, targets
 
@@ -28,7 +29,7 @@ Tally = dict[str, Counter[Any]]
 BLOCK = 100_000  # cases that are read at a time
 
 
-def verdicts(ds: "xr.Dataset", crossing: "Mapping[str, NDArray[np.bool_]] | None" = None) -> list[dict[str, Any]]:
+def verdicts(ds: "xr.Dataset", crossing: "Mapping[str, NDArray[np.bool_]] | None" = None) -> LawVerdicts:
     """The verdicts on the laws of a dataset.
 
     A refined study is judged on all its cases: on the lines of its coarse grid, and in a plane also on those between
@@ -46,7 +47,7 @@ def verdicts(ds: "xr.Dataset", crossing: "Mapping[str, NDArray[np.bool_]] | None
 
     Returns
     -------
-    list of dict
+    LawVerdicts
         One row a law, in the study's order; see `studies.laws.verdicts.decide`.
     """
     laws = schema.laws_of(ds)
@@ -63,7 +64,7 @@ def verdicts(ds: "xr.Dataset", crossing: "Mapping[str, NDArray[np.bool_]] | None
         if left_out.any():
             row["reason"] = law_words.join([row["reason"], _reason_left_out(left_out)])
         rows.append(_row_of_untested(law, row) if _is_inert(ds, law) else row)
-    return rows
+    return LawVerdicts(rows)
 
 
 def _left_out(ds: "xr.Dataset", law: Law) -> "NDArray[np.bool_]":
@@ -97,14 +98,14 @@ def _is_inert(ds: "xr.Dataset", law: Law) -> bool:
     return bool(reading) and reading_of(reading).dropped == law.axis
 
 
-def _row_of_untested(law: Law, row: Mapping[str, Any]) -> dict[str, Any]:
+def _row_of_untested(law: Law, row: Mapping[str, Any]) -> LawVerdict:
     """The row of a law that is not tested, with the values that were measured."""
     untested = refusal(law, f"not tested along {law.axis}: {law.axis} has no effect under this reading")
     also = [
         {**new, "first": old["first"], "last": old["last"]}
         for new, old in zip(untested["also"], row["also"], strict=True)
     ]
-    return {**untested, "first": row["first"], "last": row["last"], "also": also}
+    return LawVerdict({**untested, "first": row["first"], "last": row["last"], "also": also})
 
 
 def verdicts_of_lines(ds: "xr.Dataset", law: Law) -> "xr.DataArray":
@@ -133,12 +134,12 @@ def crossings(ds: "xr.Dataset", axis: str) -> "NDArray[np.bool_] | None":
 
 
 def status(unsolved: int, rows: Sequence[Mapping[str, Any]]) -> int:
-    """The exit status: 0 where every case was solved and every law holds, at least as a trend; else 1."""
+    """The exit status: 0 where every case was solved and every law is true, at least as a trend; else 1."""
     return int(unsolved > 0 or any(row["verdict"] not in (HOLDS, TREND) for row in rows))
 
 
 def is_refuted(unsolved: int, rows: Sequence[Mapping[str, Any]]) -> bool:
-    """Whether a case is unsolved, or a law fails or is not decided; a qualified one is not refuted."""
+    """Whether a case is unsolved, or a law is false or not decided; one that is true in part is not refuted."""
     return unsolved > 0 or any(row["verdict"] in (UNDECIDED, FAILS) for row in rows)
 
 

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 
     from solver import Case, Solution
     from studies import Study
+    from studies.laws.law_verdict import LawVerdicts
     from studies.laws.verdicts import Law
 
 NOTEBOOK = "workbench.notebook"  # loaded by name: it draws what this module reads
@@ -56,8 +57,8 @@ class StoredStudy(StoredCases):
     >>> from studies import load
     >>> from workbench.run import in_memory
     >>> (law,) = in_memory.run(load("fig7_1_modulus")).rod.verdicts
-    >>> law["observable"], law["verdict"]
-    ('bends', 'holds')
+    >>> law.claim, law.verdict, law.measured
+    ('(1)', 'true', '8 → 5')
     """
 
     # what it holds
@@ -68,8 +69,8 @@ class StoredStudy(StoredCases):
         return schema.laws_of(self.ds)
 
     @cached_property
-    def verdicts(self) -> list[dict[str, Any]]:
-        """The verdicts on its laws, a row each, in the study's order; see `studies.laws.verdicts.decide`.
+    def verdicts(self) -> "LawVerdicts":
+        """The verdicts on its laws, in the study's order, each a `LawVerdict`; `verdicts["(1)"]` is that of a claim.
 
         A study that is refined along one axis is judged on all its cases, one in a plane on its coarse grid. A law
         along an axis that the reading of Table 1 drops is not decided. Raises `InputError`.
