@@ -76,7 +76,7 @@ def test_a_rod_in_millimetres_has_the_equilibria_of_the_same_rod_in_centimetres(
     status, table, _ = call("equilibria", *words, "--out", tmp_path / "mm.h5", "--export", tmp_path / "cases")
     assert status == 0
     assert "dbeta0 (rad/mm)" in table
-    assert "rod: the options\nunits: lengths in mm, forces in N, angles in rad" in table
+    assert "rod: the options\nLengths in mm, forces in N, angles in rad" in table
     assert reading.read(tmp_path / "mm.h5", study=False).attrs["length_unit"] == "mm"
     first = sorted((tmp_path / "cases").glob("*.toml"))[0]
     assert load(str(first)).unit_system == {"length": "mm", "force": "N"}

@@ -10,6 +10,7 @@ from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 from ..words import escaping
+from ..words.assumptions import assumption, units_sentence
 
 if TYPE_CHECKING:  # --help does not import rich
     from rich.console import Console
@@ -53,10 +54,9 @@ def say_units(units: Mapping[str, str], assumed: Mapping[str, Any] | None = None
     """Print in which units a command took its numbers, and what it assumed, "unit of length" perhaps among it."""
     assumed = assumed or {}
     chosen = [f"--{kind}-unit" for kind in ("length", "force") if f"unit of {kind}" in assumed]
-    hint = f"; {' and '.join(chosen)} would change that" if chosen else ""
-    say(f"units: lengths in {units['length']}, forces in {units['force']}, angles in rad{hint}")
-    if assumed:
-        say(f"assumed: {', '.join(f'{name} = {value}' for name, value in assumed.items())}")
+    say(units_sentence(units, ", angles in rad" + (f" ({', '.join(chosen)} to change that)" if chosen else "")))
+    if sentence := assumption(assumed):
+        say(sentence)
 
 
 def at_words(text: str, console: "Console") -> str:

@@ -113,16 +113,19 @@ def _rod(file: Path | None, given: GivenOptions) -> "tuple[Rod, Cylinder, dict[s
 
 
 def _print(found: "list[Loop]", remarks: list[str], units: dict[str, str]) -> None:
+    from studies.laws import law_words
+
     rows = [row(loop) for loop in found]
     shown = {name: OWN[name] if name in OWN else unit_shown(name, units) for name in COLUMNS}
     heads = {"": "", **dict.fromkeys(COLUMNS, ""), "self_intersection": "self-intersection"}
     tables.print_rows([{"": i, **r} for i, r in enumerate(rows, 1)], heads, shown)
     stable = sum(r["index"] == 0 for r in rows)
-    console.say(f"{len(rows)} loops, {stable} stable as closed rods on the surface, the section free to turn")
+    counted = law_words.count_of(len(rows), "loop")
+    console.say(f"{counted}, {stable} stable as closed rods on the surface, the section free to turn")
     pulled = [str(i) for i, r in enumerate(rows, 1) if r["lifts_off"]]
     if pulled:
         numbers = ", ".join(pulled)
-        console.say(f"number {numbers}: the push is negative somewhere; a rod that is free to unbind lifts off there")
+        console.say(f"loop {numbers}: the push is below 0 somewhere, where the rod would lift off")
     for remark in remarks:
         console.say(remark)
     console.say_units(units)

@@ -15,6 +15,7 @@ from studies.language.printed import reading_of
 
 from ...run.stored_case import open_case
 from ...stored.one_case import solve_one
+from ...words.assumptions import assumption, units_sentence
 from .. import pages
 from .page_model import BETWEEN
 
@@ -68,20 +69,8 @@ def own_preset(file: Path | None, options: dict[str, Any], units: dict[str, str]
     named = "A rod of the command line's options" if file is None else file.name
     title = named if rod.study is None else rod.study.title
     source = "Your rod" if rod.source == "the options" else f"From {rod.source}"
-    in_units = f"Lengths in {rod.units['length']}, forces in {rod.units['force']}"
-    return Preset(
-        OWN, title, f"{source}. {in_units}.{_assumption(rod)}", _state(rod, title, not options), _spans(rod.case)
-    )
-
-
-def _assumption(rod: CaseInput) -> str:
-    """What the page takes for fields that are not given, in a sentence; empty where all are given."""
-    hidden = (*HIDDEN, "unit of length", "unit of force")
-    values = {name: value for name, value in rod.assumed.items() if name not in hidden}
-    words = [value for value in values.values() if isinstance(value, str)]
-    zeros = [name for name, value in values.items() if value == 0]
-    said = ", ".join([*words, *([f"{' = '.join(zeros)} = 0"] if zeros else [])])
-    return f" Not given, so assumed: {said}." if said else ""
+    words = " ".join(filter(None, (f"{source}.", units_sentence(rod.units), assumption(rod.assumed, HIDDEN))))
+    return Preset(OWN, title, words, _state(rod, title, not options), _spans(rod.case))
 
 
 def _under_dead_loads(rod: CaseInput) -> CaseInput:
