@@ -1,6 +1,6 @@
 """The entry point of the command line: it registers the commands and turns errors into one sentence on stderr.
 
-Exit status: 0 done; 1 done, but for example a case is unsolved or a law fails; 2 invalid input; 130 interrupted.
+Exit status: 0 done; 1 done, but for example a case is unsolved or a law is false; 2 invalid input; 130 interrupted.
 The modules of the commands import heavy libraries inside their functions, so that --help answers at once.
 """
 

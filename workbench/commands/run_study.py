@@ -52,7 +52,7 @@ def run(
     If anything else in the study has changed, all cases are solved again, the results in the file are replaced, and a
     line says what differs.
 
-    Exit status 1 if a case is unsolved, or if a law fails, is not decided or is true in part only.
+    Exit status 1 if a case is unsolved, or if a law is false, not decided or is true in part only.
     """
     from studies import load
 
@@ -105,7 +105,7 @@ def _check_free(path: Path, name: str, force: bool) -> None:
 def check(file: File) -> Result:
     """Judge the laws of a stored study.
 
-    Exit status 1 if a case is unsolved, or if a law fails, is not decided or is true in part only.
+    Exit status 1 if a case is unsolved, or if a law is false, not decided or is true in part only.
     """
     from solver.problem.field_values import kind_of, warn
     from studies.language.loader import notices
@@ -132,7 +132,7 @@ def merge(
 ) -> Result:
     """Join stored studies that extend each other along one axis.
 
-    Exit status 1 if a case is unsolved, or if a law fails, is not decided or is true in part only.
+    Exit status 1 if a case is unsolved, or if a law is false, not decided or is true in part only.
     """
     from ..run.file_merge import merge as join
     from ..stored import law_verdicts
@@ -201,7 +201,7 @@ def _fewer_digits(count: int, file: Path) -> str:
 
 
 def result_of(found: dict[str, Any], ran: "Ran | None" = None) -> Result:
-    """What a stored study holds, and after a run what the run did; status 1 if a case is unsolved or a law fails."""
+    """What a stored study holds, and after a run what the run did; status 1 if a case is unsolved or a law is false."""
     from studies.laws import law_words
 
     from ..stored import law_verdicts

@@ -208,8 +208,8 @@ def _judge(row: dict[str, Any]) -> tuple[bool, str]:
     if not verdicts:
         return False, ""
     if all(verdict.startswith((HOLDS, QUALIFIED)) for verdict in verdicts):
-        return True, ", no law of the study fails"
-    return False, ", a law fails" if any(v.startswith(FAILS) for v in verdicts) else ", a law is not decided"
+        return True, ", no law of the study is false"
+    return False, ", a law is false" if any(v.startswith(FAILS) for v in verdicts) else ", a law is not decided"
 
 
 def _look(row: dict[str, Any]) -> tuple[dict[str, Any], str]:

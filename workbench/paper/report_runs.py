@@ -85,7 +85,7 @@ def _dataset_of_rows(
         "reason": (dims, table("reason"), {"long_name": "why it is true in part, not decided or false"}),
         "tau": (dims, np.array(table("tau"), dtype=float), _number("Kendall's tau in the law's direction")),
         "lines": (dims, table("lines"), _number("lines of the grid along the law's axis")),
-        "lines_hold": (dims, table("lines_hold"), _number("lines on which the law holds")),
+        "lines_hold": (dims, table("lines_hold"), _number("lines on which the law is true")),
         "exceptions": (dims, table("exceptions", len), _number("steps the wrong way")),
         "first": (dims, table("first", middle), {"long_name": "observable at the axis's start"}),
         "last": (dims, table("last", middle), {"long_name": "observable at the axis's end"}),

@@ -29,7 +29,7 @@ def reproduce(
     """Reproduce Figures 6 and 7 of the paper from Table 1.
 
     Solves, stores, draws and judges every panel and writes report.html. A panel that is already complete in the
-    folder is not solved again. Exit status 1 if a panel is omitted, a case is unsolved, or a law fails or is not
+    folder is not solved again. Exit status 1 if a panel is omitted, a case is unsolved, or a law is false or not
     decided; a law that is true in part gives 0, because under every reading of the paper some laws are.
     """
     from studies import READINGS, load, names
