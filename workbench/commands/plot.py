@@ -102,8 +102,8 @@ def plot(file: File, wanted: PlotOptions) -> Result:
 
     The FILE may be the folder that reproduce wrote: then the picture tells its story in four panels, as wide as one or
     two columns of a journal. A map shows where the rod would lift off or passes through itself, and on which lines a
-    law is true. A third axis has a map for each of some values; further axes have one value (--at). The unrolled view of
-    a rod is its centreline on the unrolled cylinder.
+    law is true. A third axis has a map for each of some values; further axes have one value (--at). The unrolled view
+    of a rod is its centreline on the unrolled cylinder.
     """
     from ..figures import canvas, drawn_numbers, map_panel
     from ..figures.sheet import sheet
