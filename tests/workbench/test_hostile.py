@@ -66,6 +66,14 @@ def told(commands: tuple[str, ...], folder: Path, tmp_path: Path) -> list[dict[s
     return [json.loads(line) for line in run.stdout.splitlines()]
 
 
+@pytest.mark.parametrize("value", (np.inf, -np.inf))
+def test_stations_that_are_all_infinite_are_refused_without_a_warning(opened: xr.Dataset, value: float) -> None:
+    ds = opened.load().copy(deep=True)
+    ds["u"] = ds["u"].copy(data=np.full(ds["u"].shape, value))
+    with pytest.raises(InputError, match="u must rise from 0 to 1"):
+        checks.check(ds, "small.h5", [checks.fields])
+
+
 BOMB = "[" * 1_000_000
 
 

@@ -260,7 +260,11 @@ def fields(ds: xr.Dataset) -> Iterator[str]:
     if side in SIDES:
         number["side"] = xr.Variable((), SIDES[side])
     for needed, wrong, holds in TOGETHER:
-        if {*needed} <= {*number} and not np.all(holds(*(number[name] for name in needed)).values):
+        if not {*needed} <= {*number}:
+            continue
+        with np.errstate(all="ignore"):  # of infinite numbers a rule has no value, and does not hold
+            is_right = np.all(holds(*(number[name] for name in needed)).values)
+        if not is_right:
             yield f": {wrong}"
     along = [name for name in CURVES if name in ds.data_vars and "u" in ds.variables[name].dims]
     if along and "u" in number and "s" not in number:
