@@ -2,16 +2,13 @@
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from solver.problem.errors import InputError, choices
 
 from . import console
 from .options import axis_values, check_file
 from .present import Result, result_of_files
-
-if TYPE_CHECKING:
-    from .scene import SceneOptions
+from .scene_options import SceneOptions
 
 DPI = 160  # gives frames of 1280 x 720 pixels
 RATES = (0.1, 60.0)  # frames a second
@@ -19,7 +16,7 @@ MOST = 480  # frames that are solved for a film
 STAYS = 1 / 3  # seconds for which a stored case stays where no others can be solved
 
 
-def film_of(file: Path, out: Path, wanted: "SceneOptions") -> Result:
+def film_of(file: Path, out: Path, wanted: SceneOptions) -> Result:
     """Make a film of the cases along an axis.
 
     Each frame shows the rod and the curve of an observable up to that case. Between the stored cases others are solved,
