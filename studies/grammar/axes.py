@@ -137,7 +137,8 @@ def _read(given: Any, units: Mapping[str, str], *where: str) -> Any:
         read = partial(number_with_unit, where[0], units=units)
         return [read(value) for value in given] if isinstance(given, list) else read(given)
     except ValueError as error:
-        raise Misplaced(f"{'.'.join(where)}: {error}", *where) from None
+        key = ".".join(where)
+        raise Misplaced(str(error) if str(error).startswith(f"{key} ") else f"{key}: {error}", *where) from None
 
 
 def _in_own_unit(field: str, given: dict[str, Any], units: Mapping[str, str]) -> dict[str, Any]:

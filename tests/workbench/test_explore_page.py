@@ -471,7 +471,7 @@ def test_picture_and_csv_are_downloaded(page, driver) -> None:
 def test_the_saved_page_solves_every_rod_without_a_server(page, driver, saved) -> None:
     driver.get(saved.as_uri())
     page.drawn()
-    page.until(lambda: page("return document.getElementById('h-turns')"), "the large numbers")
+    page.until(lambda: page("return document.getElementById('h-bends')"), "the large numbers")
     assert page(
         "return [...document.querySelectorAll('input')].filter((box) => box.checkVisibility()).map((box) => box.id)"
     ) == ["cursor", "n-FZ", "s-FZ"]

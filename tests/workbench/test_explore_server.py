@@ -27,7 +27,7 @@ from workbench.commands import explore
 from workbench.web.live import page_model, server
 
 ROOT = Path(__file__).parents[2]
-TABLE_1, DNA, PIPE, CABLE = STATES.values()
+TABLE_1, DNA, PIPE, CABLE = (STATES[name] for name in ("table1", "dna", "pipe", "cable"))
 
 
 HEAVY = {"weight": 0.242, "inclination": 1.4, "friction": 0.2, "sliding": "axial-backward"}
