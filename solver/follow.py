@@ -14,7 +14,8 @@ from .numerics.arrays import Array
 from .problem.case import ANGLES, PAIRS, Case, Ends, refuse_leaving
 from .problem.case_fields import fields_of, value_of, with_field
 from .problem.errors import InputError, check_type, choices, no_such, show, whole_number
-from .problem.field_values import doubt, given_by_a_program, in_rad, warn
+from .problem.field_values import doubt, in_rad
+from .problem.notices import given_by_a_program, warn
 from .problem.reduced import EndsProblem, held_of, size_of_field, span_of
 from .problem.trajectory import Trajectory
 from .solution import Solution

@@ -13,7 +13,7 @@ from ..orbits.shape import ShapeArrays
 from ..problem.case import OFF_WALL, REACHED, Case, Ends
 from ..problem.reduced import flat
 from .discrete_rod import OUTSIDE, DiscreteRod
-from .free_problem import Curve
+from .free_problem import BeginningCurve
 from .free_shape import FreeShape, angles_at
 from .quaternions import directors, end_frame
 
@@ -35,7 +35,7 @@ def bilateral_cases(case: Case) -> list[Case]:
     return [Case(case.rod, wall, Ends(**each)) for each in ends]
 
 
-def held_case(sol: ShapeArrays, curves: Sequence[Curve | None]) -> Case:
+def held_case(sol: ShapeArrays, curves: Sequence[BeginningCurve | None]) -> Case:
     """The rods of a solution, with these curves, beside a cylinder that only pushes: both ends are held as they are.
 
     A rod without a curve stands for none: its ends are those of a straight rod. Rods that are straight keep their axial
@@ -63,7 +63,7 @@ def held_case(sol: ShapeArrays, curves: Sequence[Curve | None]) -> Case:
     return Case(case.rod, replace(case.cylinder, contact="unilateral"), held)
 
 
-class Sheet(NamedTuple):
+class StartSheet(NamedTuple):
     """A sheet along the axis, in which a string lies: a plane, or two that the cylinder joins, on which it bends.
 
     alpha: at whose normal the first plane stands. off: how far that is from the axis. sense: of the string round the
@@ -85,22 +85,22 @@ class Sheet(NamedTuple):
         return self.off * outward(alpha) + ahead[:, None] * tangent(alpha, np.full(p.size, np.pi / 2)), alpha
 
 
-def sheet_between(rod: DiscreteRod, alpha: Array) -> Sheet:
+def sheet_between(rod: DiscreteRod, alpha: Array) -> StartSheet:
     """The sheet between the ends of a rod, at azimuths (2,)."""
     first, last = (rod.place(end, alpha[end]) for end in (0, 1))
     if rod.side == OUTSIDE:
         leaving = np.arccos(np.minimum(1 / rod.radius, 1))
         if (around := float(np.abs(np.diff(alpha)).sum() - leaving.sum())) > 0:
             legs, sense = np.sqrt(np.maximum(rod.radius**2 - 1, 0)), float(np.sign(alpha[1] - alpha[0]))
-            return Sheet(alpha[0] + sense * leaving[0], 1.0, sense, legs[0], around, legs.sum() + around)
+            return StartSheet(alpha[0] + sense * leaving[0], 1.0, sense, legs[0], around, legs.sum() + around)
     x, y = last - first
     length = float(np.hypot(x, y))
     normal = np.arctan2(-x, y) if length > REACHED else alpha[0]
     c, s = np.cos(normal), np.sin(normal)
-    return Sheet(normal, float(first @ [c, s]), 1.0, float(first @ [s, -c]), 0.0, length)
+    return StartSheet(normal, float(first @ [c, s]), 1.0, float(first @ [s, -c]), 0.0, length)
 
 
-def string_curve(rod: DiscreteRod) -> Curve | str:
+def string_curve(rod: DiscreteRod) -> BeginningCurve | str:
     """A rod along a string that is drawn from end to end, round the cylinder where that is in its way, without loads.
 
     A longer rod is bowed in the sheet that stands on the string along the axis: its angle to the axis swings by
@@ -134,7 +134,7 @@ def string_curve(rod: DiscreteRod) -> Curve | str:
     name = "a bowed rod" if size else "the straight rod"
     name += " round the cylinder" * (sheet.around > 0)
     loaded = bool(np.any(rod.loads) or np.any(rod.weight) or rod.tension or rod.twist)
-    return Curve(name, u, x + np.outer(z, [0, 0, 1.0]), u, q, 0.0, ends.T.ravel(), loaded)
+    return BeginningCurve(name, u, x + np.outer(z, [0, 0, 1.0]), u, q, 0.0, ends.T.ravel(), loaded)
 
 
 def _turns(angles: Array) -> Array:
@@ -142,14 +142,14 @@ def _turns(angles: Array) -> Array:
     return np.asarray(2 * np.pi * np.round(angles / (2 * np.pi)))
 
 
-def curve_of(shape: FreeShape, name: str = "the seed") -> Curve:
+def curve_of(shape: FreeShape, name: str = "the seed") -> BeginningCurve:
     """The curve of a rod beside its wall."""
     N, rod = shape.rod.edges, shape.rod
     middles = np.concatenate([[0.0], (np.arange(N) + 0.5) / N, [1.0]])
-    return Curve(name, np.arange(N + 1) / N, shape.x, middles, rod.chain(shape.y), rod.twist, shape.angles)
+    return BeginningCurve(name, np.arange(N + 1) / N, shape.x, middles, rod.chain(shape.y), rod.twist, shape.angles)
 
 
-def curves_of(sol: ShapeArrays, name: str) -> list[Curve | None]:
+def curves_of(sol: ShapeArrays, name: str) -> list[BeginningCurve | None]:
     """The curve of each rod of a solution; None where it is not solved."""
     solved = sol.trajectory.solved.tolist()
     if sol.trajectory.free is not None:
@@ -157,12 +157,12 @@ def curves_of(sol: ShapeArrays, name: str) -> list[Curve | None]:
         return [curve_of(answer.shapes[-1], name) if known else None for answer, known in answers]
     twist = flat(sol.loads[2] / sol.case.rod.torsional_stiffness * sol.case.rho, sol.case.shape)
     alpha0, gamma0 = (flat(value, sol.case.shape) for value in (sol.case.given.alpha, sol.case.given.gamma))
-    curves: list[Curve | None] = []
+    curves: list[BeginningCurve | None] = []
     for i, (known, (beta, alpha, z, swirl, u)) in enumerate(zip(solved, _along(sol), strict=True)):
         turned = np.stack([alpha0[i] + alpha, beta, np.zeros(u.size), gamma0[i] - swirl])
         x = np.column_stack([np.cos(turned[0]), np.sin(turned[0]), z])
         angles = turned[:, [0, -1]].T.ravel()
-        curves.append(Curve(name, u, x, u, end_frame(turned)[0], float(twist[i]), angles) if known else None)
+        curves.append(BeginningCurve(name, u, x, u, end_frame(turned)[0], float(twist[i]), angles) if known else None)
     return curves
 
 

@@ -19,7 +19,7 @@ TURN, SHORTENED, GROWTH = 0.5, 0.1, 8.0  # a step of the ends: rad, of the lengt
 
 
 @dataclass(frozen=True, eq=False)
-class Curve:
+class BeginningCurve:
     """The shape of a rod at n shares u of its length, in units of rho, as a guess.
 
     name: what it is, in words. x: (n, 3). q: frames without the uniform twist, at shares u_q. twist: that twist.
@@ -69,14 +69,14 @@ class Beside(NamedTuple):
     time: float
     changes: float
 
-    def sizes(self, curve: Curve) -> Sizes:
+    def sizes(self, curve: BeginningCurve) -> Sizes:
         """The sizes of a shape like that of a curve."""
         steep = np.hypot(*directors(curve.q)[:, 2, :2].T).max()
         turned = min(1.0, max(1 / self.time, steep))
         across = min(1.0, self.time)
         return Sizes(across, turned * across, turned, turned**2 / self.time)
 
-    def rod_on(self, curve: Curve, share: float, edges: int) -> DiscreteRod:
+    def rod_on(self, curve: BeginningCurve, share: float, edges: int) -> DiscreteRod:
         """The rod whose ends are this share of the way from those of a curve to its own."""
         rod, ends = self.rod, curve.angles
         twist = rod.twist
@@ -95,7 +95,7 @@ class Beside(NamedTuple):
             radius=(1 - share) * radius + share * rod.radius, tension=loads * rod.tension, weight=loads * rod.weight,
         )  # fmt: skip
 
-    def way(self, curve: Curve) -> float:
+    def way(self, curve: BeginningCurve) -> float:
         """How far the ends of a curve are from where those of the rod are held: 1 is a step of moderate size."""
         begin, end = (self.rod_on(curve, share, 1) for share in (0.0, 1.0))
         ways = [
@@ -107,11 +107,11 @@ class Beside(NamedTuple):
             ways.append((begin.height - end.height) / (SHORTENED * end.span))
         return max(float(np.abs(part).max()) for part in map(np.asarray, ways))
 
-    def meets(self, curve: Curve) -> bool:
+    def meets(self, curve: BeginningCurve) -> bool:
         """Whether the ends of a curve are already where those of the rod are held."""
         return self.way(curve) < SAME and not curve.grows
 
-    def first_step(self, curve: Curve) -> float:
+    def first_step(self, curve: BeginningCurve) -> float:
         """The share of the way from a curve that is gone first."""
         return 1 / max(GROWTH if curve.grows else 1.0, np.ceil(self.way(curve)))
 

@@ -15,7 +15,7 @@ from ..problem.reduced import EndsProblem
 from ..problem.trajectory import SOLVED, Trajectory
 from .beginnings import curve_of, string_curve
 from .discrete_rod import DiscreteRod
-from .free_problem import Beside, Curve, problems_of
+from .free_problem import BeginningCurve, Beside, problems_of
 from .free_shape import Along, FreeShape
 from .minimum import COLD, WARM, Minimum, minimise
 from .program import Sizes
@@ -64,7 +64,7 @@ class FreeRods:
         return cls([Answer()] * size, Along(*(np.stack([part] * size) for part in Along.unknown(n))))
 
 
-def continue_from(beside: Beside, curves: Sequence[Curve], tol: float) -> Answer:
+def continue_from(beside: Beside, curves: Sequence[BeginningCurve], tol: float) -> Answer:
     """The shape that continues from a curve, of several the one of least energy; of none from the straight rod."""
     rod = beside.rod
     if not curves:
@@ -103,7 +103,7 @@ def continue_from(beside: Beside, curves: Sequence[Curve], tol: float) -> Answer
 class Way(NamedTuple):
     """From a curve to a shape on the coarsest mesh. share: how much of it was gone, 1 to the end. steps: to there."""
 
-    curve: Curve
+    curve: BeginningCurve
     shape: FreeShape | None
     share: float
     steps: int
@@ -114,7 +114,7 @@ class Way(NamedTuple):
         return np.inf if self.shape is None or self.share < 1 else self.shape.rod.energy(self.shape.y)
 
 
-def reach(beside: Beside, curve: Curve, edges: int) -> Way:
+def reach(beside: Beside, curve: BeginningCurve, edges: int) -> Way:
     """The way from a curve to the shape of a rod."""
     sizes, steps = beside.sizes(curve), 0
     shape, share, step = None, 0.0, beside.first_step(curve)
@@ -168,7 +168,7 @@ def limit(numbers: Sequence[Array]) -> Array:
 
 
 def answers_beside(
-    case: Case, curves: Sequence[Sequence[Curve] | str], t: Array, tol: float
+    case: Case, curves: Sequence[Sequence[BeginningCurve] | str], t: Array, tol: float
 ) -> tuple[EndsProblem, Trajectory]:
     """The rods of a case, with the dead loads that hold them, at stations t (B, n).
 

@@ -7,8 +7,6 @@ three.
 
 import math
 import re
-import sys
-import warnings
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import MISSING, dataclass, fields
 from functools import wraps
@@ -18,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .errors import InputError, choices, near, show
+from .notices import given_by_a_program, warn
 from .units import size_in
 
 T = TypeVar("T")
@@ -201,16 +200,6 @@ def angle(text: str) -> float:
 # decimals, also an angle that was given in degrees and converted.
 _DOUBTED = ((math.pi, 1), (13.0, 4))  # a half turn; a little more than two turns
 _MOST = 1e6  # nobody writes as many degrees
-_OWN = ("solver", "studies", "workbench", "dataclasses")
-_MAKERS = ("solver.problem.field_values", "solver.problem.case", "solver.follow", "dataclasses")
-
-
-class UnitWarning(UserWarning):
-    """A number without a unit looks as if it is meant in another unit than that in which it is read."""
-
-
-class AngleWarning(UnitWarning):
-    """A number without a unit is read in rad, but looks like degrees."""
 
 
 def doubt(name: str, value: object) -> str:
@@ -280,32 +269,3 @@ def _looks_like_degrees(number: float) -> bool:
     return abs(number) < _MOST and any(
         abs(number) > size and round(number, decimals) == number for size, decimals in _DOUBTED
     )
-
-
-def kind_of(sentence: str) -> type[UnitWarning]:
-    """The warning that a notice is: of an angle, or of another quantity."""
-    return AngleWarning if " degrees; " in sentence else UnitWarning
-
-
-def warn(sentence: str, kind: type[Warning] = AngleWarning) -> None:
-    """Issue the notice as a warning at the line of the program that called this package."""
-    level = 1
-    for name in _callers():
-        if name.partition(".")[0] not in (*_OWN, "numpy", "xarray", "functools"):  # which call it between
-            break
-        level += 1
-    warnings.warn(sentence, kind, stacklevel=level + 1)
-
-
-def given_by_a_program() -> bool:
-    """Whether a program of the user calls what makes or varies a case, not this package."""
-    maker = next((name for name in _callers() if name not in _MAKERS), "")
-    return maker.partition(".")[0] not in _OWN
-
-
-def _callers() -> Iterator[str]:
-    """The names of the modules of the calling functions, from the one that called the function that asks."""
-    frame = sys._getframe(2)
-    while frame is not None:
-        yield str(frame.f_globals.get("__name__", ""))
-        frame = frame.f_back  # type: ignore[assignment]

@@ -10,6 +10,7 @@ from fractions import Fraction
 from typing import Any
 
 from .errors import InputError, no_such
+from .notices import RenamedWarning, warn
 
 
 @dataclass(frozen=True)
@@ -26,10 +27,6 @@ class Quantity:
     long_name: str
     estimated: bool = False
     former: str = ""
-
-
-class RenamedWarning(FutureWarning):
-    """A quantity is given by its former name."""
 
 
 _NUMBER = (0, 0)
@@ -189,8 +186,6 @@ def current(name: Any) -> Any:
     """
     if not isinstance(name, str) or name not in RENAMED:
         return name
-    from .field_values import warn  # needs NumPy, as this table does not
-
     old, new = (known.removesuffix("_error") for known in (name, RENAMED[name]))
     warn(f"{old!r} is now called {new!r}; the old name is read until 0.5.0", RenamedWarning)
     return RENAMED[name]

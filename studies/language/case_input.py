@@ -10,8 +10,9 @@ from typing import Any
 from solver import Case, Cylinder, Ends, InputError, Rod, Start
 from solver.problem.case import DIRECT, ELASTIC, PAIRS, TILTS, TWISTS, lacking
 from solver.problem.errors import choices, no_such
-from solver.problem.field_values import UnitWarning, doubt_modulus, warn
+from solver.problem.field_values import doubt_modulus
 from solver.problem.limits import farthest
+from solver.problem.notices import UnitWarning, warn
 from solver.problem.quantities import unit_of
 from solver.problem.units import FORCES, LENGTHS, base_unit, dimension_of, split
 

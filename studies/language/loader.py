@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ValidationError
 
 from solver.problem.errors import InputError, choices, near
-from solver.problem.field_values import doubt, doubt_modulus, kind_of, warn
+from solver.problem.field_values import doubt, doubt_modulus
+from solver.problem.notices import kind_of, warn
 
 from ..grammar.axes import NUMBERS, Axis, Base, Misplaced, Units, Values, Which, is_angle
 from ..grammar.formulas import tables_in_current_names

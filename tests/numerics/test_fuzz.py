@@ -17,8 +17,8 @@ from solver import Case, Cylinder, Ends, InputError, Rod, Solution, Start, equil
 from solver.core.tuning import MOST_PANELS
 from solver.methods import available
 from solver.problem.case import TWISTS
-from solver.problem.field_values import AngleWarning
 from solver.problem.limits import OUT_OF_RANGE
+from solver.problem.notices import AngleWarning
 from tests.cases import in_units_of_rho
 
 ALONG = (

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Start, follow, solve
-from solver.problem.field_values import AngleWarning, doubt
+from solver.problem.field_values import doubt
+from solver.problem.notices import AngleWarning
 from studies import load
 from studies.language.loader import loads, notices
 

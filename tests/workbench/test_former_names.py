@@ -11,7 +11,8 @@ import xarray as xr
 import workbench.accessor  # noqa: F401
 from solver import Case, Cylinder, Ends, Rod, Start, equilibria, fit, loops, observe, solve
 from solver.observe.observables import OBSERVABLES
-from solver.problem.quantities import RENAMED, RenamedWarning
+from solver.problem.notices import RenamedWarning
+from solver.problem.quantities import RENAMED
 from studies import loads
 from workbench.run import in_memory
 

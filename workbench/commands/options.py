@@ -46,7 +46,8 @@ def number_or_text_of(name: str) -> Callable[[str], float | str]:
 
 def read_angle(name: str, text: str) -> float:
     """The angle of an option of that name [rad], with a notice if it looks like degrees. Raises `ValueError`."""
-    from solver.problem.field_values import angle, doubt, warn
+    from solver.problem.field_values import angle, doubt
+    from solver.problem.notices import warn
 
     value = angle(text)
     if sentence := doubt(name, text):

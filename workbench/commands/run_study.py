@@ -107,7 +107,7 @@ def check(file: File) -> Result:
 
     Exit status 1 if a case is unsolved, or if a law is false, not decided or is true in part only.
     """
-    from solver.problem.field_values import kind_of, warn
+    from solver.problem.notices import kind_of, warn
     from studies.language.loader import notices
 
     from ..run import file_checks, reading

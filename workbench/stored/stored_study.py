@@ -179,7 +179,7 @@ class StoredStudy(StoredCases):
         return self if ds is self.ds else StoredStudy(ds, self.kept)
 
     def without(self, key: str) -> "StoredStudy":
-        """The same without the numbers of some rods: they are NaN, so that diagrams and laws do not show them.
+        """A copy without the numbers of some rods: they are NaN, so that diagrams and laws do not show them.
 
         Parameters
         ----------

@@ -19,7 +19,7 @@ ROUNDING = 1e-12  # relative
 GAUSS = 8  # places between two nodes, for a mean
 
 
-class Row(NamedTuple):
+class ProfileRow(NamedTuple):
     """A quantity along a rod: at s = 0, its mean over the middle third, its largest size and where, and at s = L.
 
     inside: its largest size at least a wave away from both ends.
@@ -40,7 +40,7 @@ def axial_force(sol: "Solution") -> Any:
     return np.asarray(sol.F2 * np.sin(sol.beta) + sol.F3 * np.cos(sol.beta))
 
 
-def profile(sol: "Solution", units: dict[str, str]) -> list[Row]:
+def profile(sol: "Solution", units: dict[str, str]) -> list[ProfileRow]:
     """Forces, curvature and stresses along a rod with weight or friction; none of another one, or where unsolved."""
     if not (sol.case.varies and sol.solved) or sol.case.leaves:
         return []
@@ -64,7 +64,7 @@ def profile(sol: "Solution", units: dict[str, str]) -> list[Row]:
     numbers = np.stack([start, _means(read, shape.t), peaks.diagonal(), at * rho, far, inside], axis=1)
     numbers[np.abs(numbers) < ROUNDING * np.maximum(largest, 1e-300)[:, None]] = 0.0
     heads = [(name, unit) for name, unit, _ in _along(sol, units, t[:1])]
-    return [Row(*head, *row) for head, row in zip(heads, numbers.tolist(), strict=True)]
+    return [ProfileRow(*head, *row) for head, row in zip(heads, numbers.tolist(), strict=True)]
 
 
 def _means(read: Any, nodes: Any) -> Any:

@@ -10,7 +10,7 @@ from solver.nodes.state import LEAVES, RUBS, STRAIGHT, in_words
 
 from . import cautions, habits, outcomes
 from .habits import plain
-from .pipe_profile import PUSH, ROUNDING, Row, axial_force, number, profile, weight_across
+from .pipe_profile import PUSH, ROUNDING, ProfileRow, axial_force, number, profile, weight_across
 
 if TYPE_CHECKING:
     from solver import Solution
@@ -168,7 +168,7 @@ def _ripples(sol: "Solution") -> list[str]:
     ]
 
 
-def warnings(sol: "Solution", units: dict[str, str], rows: list[Row]) -> list[str]:
+def warnings(sol: "Solution", units: dict[str, str], rows: list[ProfileRow]) -> list[str]:
     """What to mind about the shape and the rows of a rod with weight or friction: what a real rod does otherwise."""
     if not rows:
         return _wrong_units(sol, units) if sol.case.varies else []
@@ -211,7 +211,7 @@ def _lift_offs(sol: "Solution", length: str) -> list[str]:
     return [f"caution: the wall would have to pull on {share:.2g} % of the length, {', '.join(each)}{more}: {so}"]
 
 
-def _clamps(sol: "Solution", push: Row) -> list[str]:
+def _clamps(sol: "Solution", push: ProfileRow) -> list[str]:
     """That the push at a clamped end is not that of the pipe; nothing of a straight rod and of hinges."""
     ends = ("s = 0", "beta0"), ("s = L", "betaL")
     places = [place for place, angle in ends if getattr(sol.case.given, angle, None) is not None]
