@@ -41,11 +41,16 @@ def _is_drawn(text: Text) -> bool:
     return bool(text.get_visible() and (text.axes is None or text.axes.get_visible()))
 
 
-def faults(fig: Figure, least: float = 7.0, texts: list[Text] | None = None) -> list[str]:
-    """A sentence for each fault; least: points of the smallest letters. texts: its `words`, if it is drawn already."""
+def faults(fig: Figure, least: float = 7.0, texts: list[Text] | None = None, axes: float = 0.0) -> list[str]:
+    """A sentence for each fault; least: points of the smallest letters. texts: its `words`, if it is drawn already.
+    axes: millimetres that axes are high at least."""
     found, texts = [], words(fig) if texts is None else texts
     wide, tall = 25.4 * fig.get_size_inches()
     found += [f"{tall:.0f} mm tall"] if wide < COLUMN and tall > TALLEST else []
+    boxes = {ax: ax.get_window_extent() for ax in fig.axes if ax.axison and ax.get_label() != "<colorbar>"}
+    scales = [ax for ax in fig.axes if ax.axison and ax.get_label() != "<colorbar>"]
+    heights = [25.4 * ax.get_window_extent().height / fig.dpi for ax in scales]
+    found += [f"axes of {high:.1f} mm" for high in heights if high < axes]
     for line in (line for ax in fig.axes for line in ax.lines if line.get_linestyle() != "None"):
         marked = line.get_marker() not in ("None", "") and len(line.get_xdata()) > MOST_MARKERS
         found += [f"{len(line.get_xdata())} markers on a line"] if marked else []

@@ -23,6 +23,7 @@ from workbench.run import reading
 from workbench.stored.stored_study import StoredStudy
 
 SHEETS = {"screen": sheet(), "column": sheet("paper", 89, titled=False), "page": sheet("paper", 183, titled=False)}
+IN_PRINT = 25.0  # millimetres that axes are high at least
 
 
 @pytest.mark.parametrize("page", SHEETS)
@@ -30,7 +31,7 @@ SHEETS = {"screen": sheet(), "column": sheet("paper", 89, titled=False), "page":
 def test_every_kind_of_picture_can_be_read_at_every_width(six, kind: str, page: str) -> None:
     fig = kinds.figure(StoredStudy(small.study_dataset("capstan") if kind == "states" else six), kind, SHEETS[page])
     assert fig.get_figwidth() == pytest.approx(SHEETS[page].width)
-    assert faults(fig) == []
+    assert faults(fig, axes=0.0 if page == "screen" or kind == "bars" else IN_PRINT) == []
 
 
 @pytest.mark.parametrize("name", ["fig7_1_modulus", "fig7_2_radius"])
@@ -96,5 +97,5 @@ def test_the_pictures_of_every_study_can_be_read_at_every_width_and_are_not_empt
     ds = small.study_dataset(name)
     for kind in dict.fromkeys((kinds.kind_of(StoredStudy(ds)), "lines")):
         fig = kinds.figure(StoredStudy(ds), kind, SHEETS[page])
-        assert faults(fig) == []
+        assert faults(fig, axes=0.0 if page == "screen" else IN_PRINT) == []
         assert 0.02 < share_of_ink(picture(fig)) < 0.6

@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from studies import load
 from tests.workbench import small
-from workbench.figures import map_figure, regions
+from workbench.figures import map_cells, map_figure, regions
 from workbench.run import in_memory
 from workbench.stored.stored_study import StoredStudy
 
@@ -52,6 +52,16 @@ def test_the_regions_of_a_count_carry_their_counts(regimes) -> None:
     for text in numbers:
         E, R = text.get_position()
         assert regimes["bends"].sel(E=E, R=R, method="nearest") == int(text.get_text())
+
+
+def test_a_rod_is_nearly_straight_by_its_angle_along_it_and_by_its_stored_amplitude_alike(regimes) -> None:
+    stored = StoredStudy(regimes)
+    choice = map_cells.choose(stored)
+    along = map_cells.cells(stored, choice, {}).straight
+    swing = regimes["beta"].max("u") - regimes["beta"].min("u")
+    number = StoredStudy(regimes.drop_vars("beta").assign(amplitude=swing))
+    assert 0 < along.mean() < 1
+    np.testing.assert_array_equal(map_cells.cells(number, choice, {}).straight, along)
 
 
 def test_the_two_regimes_of_the_page_are_those_of_the_potential() -> None:

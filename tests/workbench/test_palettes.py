@@ -88,7 +88,7 @@ STAND_OUT = {
     "numbers on a map": ([colours.INK], [0.75 * np.ones(3) + 0.25 * colour for colour in MAP], TEXT),
     "borders and hatching of a map": ([colours.INK], MAP, LINE),
     "letters on the extremes": ([colours.INK], SHADES, TEXT),
-    "what is not solved, on a map": ([colours.UNSOLVED], colours.map_colours(12)(np.arange(12))[:, :3], 1.5),
+    "hatching of what is not solved, on a map": ([colours.SOFT], [colours.FAINT], LINE),
     # beside the shadow that the rod throws
     "a rod on the cylinder": ([*colours.SEVERAL, colours.STRIPE, colours.PUSHED], [colours.SURFACE], 2.5),
 }

@@ -227,7 +227,7 @@ def _panels(
     names = names[:most]
     columns = 1 if sheet.narrow else min(len(names), max(int(sheet.width / COLUMN), 1))
     rows = canvas.in_rows([partial(panel, name) for name in names], columns, _height(bars))
-    return canvas.page(stored, sheet, rows, said, AROUND)
+    return canvas.page(stored, sheet, rows, said, AROUND, high=False)
 
 
 def _effects(stored: StoredStudy, name: str) -> list[tuple[str, float]]:

@@ -6,6 +6,7 @@ picture has its data, its legend, and at most one line of words below its title.
 """
 
 from collections.abc import Callable, Iterable, Sequence
+from contextlib import suppress
 from io import BytesIO
 from itertools import groupby
 from pathlib import Path
@@ -40,8 +41,15 @@ from .fonts import DPI, RC
 from .scales import RoomLocator, Ticks
 from .sheet import MILLIMETRES, SCREEN, Sheet
 
-# inches of a figure of one column, and of two: room for a caption stays; the share of the height that is kept
-TALLEST, TALLEST_PAGE, LEAST = 120 / MILLIMETRES, 185 / MILLIMETRES, 0.62
+TALLEST, TALLEST_PAGE = (
+    120 / MILLIMETRES,
+    185 / MILLIMETRES,
+)  # inches of a figure of one column, of two
+LEAST_AXES, ROW = (
+    25 / MILLIMETRES,
+    1.55,
+)  # inches of axes in print at least; of their row, with labels and title
+TRIES = 4  # to give axes that height: what a figure gains is shared with its views
 # inches that a panel with axes gives up for views: at 0.35 the push of a rod keeps one number, at 0.15 views overlap
 LABELS = 0.25
 MARGIN, AFTER, TITLE = 0.15, 0.1, 0.62  # inches around a title, below it, and of all of it where its lines are short
@@ -74,8 +82,7 @@ def figure(
     """
     titled = stored is not None and sheet.titled
     if sheet.style == "paper":
-        most = (TALLEST if sheet.narrow else TALLEST_PAGE) - TITLE * titled
-        size = size[0], max(min(size[1], most), LEAST * size[1])
+        size = size[0], min(size[1], tallest(sheet) - TITLE * titled)
     with rc_context(RC | sheet.settings()):
         fig = Figure(figsize=size, dpi=dpi, layout=layout)
         FigureCanvasAgg(fig)
@@ -91,9 +98,12 @@ def figure(
 
 def page(
     stored: StoredStudy | None, sheet: Sheet, rows: Sequence[Row], said: Said = (), more: float = 0.5,
-    ratios: Sequence[float] | None = None, width: float | None = None, **options: Any,
+    ratios: Sequence[float] | None = None, width: float | None = None, high: bool = True, **options: Any,
 ) -> Figure:  # fmt: skip
     """A figure of panels in rows, with one legend below.
+
+    In print axes are `LEAST_AXES` high: the figure grows up to the height of a page. Raises `TooLow` where that is not
+    enough.
 
     Parameters
     ----------
@@ -114,6 +124,8 @@ def page(
         Of the widths of the panels of a row.
     width
         Inches; default: of the sheet.
+    high
+        Whether the axes have scales upward, for which that height is needed.
     """
 
     rest = stored.restable if stored is not None else ""
@@ -122,11 +134,11 @@ def page(
     def draw(fig: Figure) -> None:
         below: list[Any] = [f"{rest}."] if rest and not sheet.titled else []
         groups = [list(group) for _, group in groupby(rows, lambda row: len(row[1]))]
-        heights = [sum(high for high, _ in group) for group in groups]
+        heights = [sum(tall for tall, _ in group) for group in groups]
         outer = GridSpec(len(groups), 1, fig, height_ratios=heights)
         for i, group in enumerate(groups):
             across = len(group[0][1])
-            sizes: Any = {"height_ratios": [high for high, _ in group], "width_ratios": ratios if across > 1 else None}
+            sizes: Any = {"height_ratios": [tall for tall, _ in group], "width_ratios": ratios if across > 1 else None}
             alone = len(groups) == 1
             grid = (fig.add_gridspec if alone else outer[i, 0].subgridspec)(len(group), across, **sizes)
             plain = np.ones(len(group), dtype=bool)
@@ -137,14 +149,56 @@ def page(
                     below += [] if ax.get_legend() else legend_entries(ax)
                     plain[k[0]] &= not ax.axison
             if sheet.style == "paper":  # a layout shares what labels leave: views without any keep their height
-                inner = [high - LABELS * (not bare) for (high, _), bare in zip(group, plain, strict=True)]
+                inner = [tall - LABELS * (not bare) for (tall, _), bare in zip(group, plain, strict=True)]
                 grid.set_height_ratios(inner)
                 heights[i] = sum(inner)
         outer.set_height_ratios(heights)
         write_below(fig, [*below, *said])
 
-    return figure((width or sheet.width, sum(high for high, _ in rows) + more), draw, stored, sheet=sheet,
-                  said=rest, **options)  # fmt: skip
+    fig = figure((width or sheet.width, sum(tall for tall, _ in rows) + more), draw, stored, sheet=sheet,
+                 said=rest, **options)  # fmt: skip
+    if high and sheet.style == "paper":
+        _heighten_axes(fig, tallest(sheet))
+    return fig
+
+
+class TooLow(InputError):
+    """The axes of a picture would be lower than print needs."""
+
+
+def tallest(sheet: Sheet) -> float:
+    """Inches of a figure for print at most."""
+    return TALLEST if sheet.narrow else TALLEST_PAGE
+
+
+def with_room(draw: Callable[[int], Figure], most: int) -> Figure:
+    """The figure of most panels, at most so many, whose axes are high enough; draw: takes their number.
+
+    Raises `TooLow` where one panel is too many.
+    """
+    for count in range(most, 1, -1):
+        with suppress(TooLow):
+            return draw(count)
+    return draw(min(most, 1))
+
+
+def _heighten_axes(fig: Figure, most: float) -> None:
+    """Let a figure grow, to so many inches at most, until its axes are `LEAST_AXES` high. Raises `TooLow`."""
+    axes = [ax for ax in fig.axes if ax.axison and ax.get_label() != "<colorbar>" and ax.get_subplotspec() is not None]
+    for _ in range(TRIES if axes else 0):
+        fig.draw_without_rendering()
+        boxes = [ax.get_window_extent() for ax in axes]
+        lowest, rows = min(box.height for box in boxes) / fig.dpi, len({round(box.y0) for box in boxes})
+        wide, high = map(float, fig.get_size_inches())
+        if lowest >= LEAST_AXES:
+            return
+        if (grown := min(high + 1.02 * rows * (LEAST_AXES - lowest) + 0.01, most)) <= high:
+            at_least = f"{MILLIMETRES * LEAST_AXES:.0f} mm in print"
+            raise TooLow(
+                f"the axes would be {MILLIMETRES * lowest:.0f} mm high, and are at least {at_least}: choose fewer "
+                "panels with --show or --panel, or another --width"
+            )
+        resize(fig, (wide, grown))
 
 
 def in_rows(panels: Sequence[Panel], across: int, high: float) -> list[Row]:

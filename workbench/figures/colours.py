@@ -21,7 +21,9 @@ DATA = "#2f5f8f"  # numbers that are no push
 PAIR = ("#5b3f8c", "#2f9a82")  # two of a kind that is no push
 SEVERAL = ("#5b2a86", "#c2457f", "#259e73")  # several rods on one cylinder
 CROSSED = "#7d2ea0"  # rings where a rod passes through itself
-UNSOLVED, UNKNOWN = INK, "#ffffff"  # a cell without a solution, darker than every colour of a map; one without a number
+UNKNOWN = "#ffffff"  # a cell of a map without a number
+# a cell without a solution: grey, and hatched, because some colours of a map are as light
+UNSOLVED: dict[str, Any] = {"facecolor": FAINT, "edgecolor": SOFT, "hatch": "////", "linewidth": 0}
 # each 4.5 : 1 on white, and distinct under each kind of colour blindness
 VERDICTS = {HOLDS: "#01834e", TREND: "#1b4cc8", QUALIFIED: "#946b00", UNDECIDED: "#6d727c", FAILS: "#8a050f"}
 # behind words and lines, words, words that stand back, lines that stand back

@@ -9,7 +9,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from studies.laws import law_words
-from studies.laws.line_verdicts import MONOTONE, Show
+from studies.laws.line_verdicts import HOLDS, MONOTONE, NOISE, Show
 from studies.laws.verdicts import Law
 
 from ..stored.stored_study import StoredStudy
@@ -19,12 +19,12 @@ from .trends import trend
 
 
 def panel(stored: StoredStudy, ax: Axes, row: Mapping[str, Any]) -> str:
-    """Draw a law, given as a row of `law_verdicts.verdicts`: its trend, and the verdict above it.
+    """Draw a law, given as a row of `law_verdicts.verdicts`: its trend, and above it what it does, with the verdict.
 
-    Returns a sentence of the caption: the law, its verdict with what was measured, the other observables.
+    Returns its sentence of the caption.
     """
     trend(stored, ax, row["observable"], row["axis"], row["at"])
-    colour, verdict = colours.VERDICTS[row["verdict"]], row["verdict"]
+    colour = colours.VERDICTS[row["verdict"]]
     for step in row["exceptions"]:
         if all(step["at"][name] == value for name, value in row["at"].items()):
             ends = [labels.in_label_unit(stored[row["axis"]], step[end]) for end in ("from", "to")]
@@ -34,8 +34,52 @@ def panel(stored: StoredStudy, ax: Axes, row: Mapping[str, Any]) -> str:
             ax.plot(ends, heights, color=colour, linewidth=3, alpha=0.6, zorder=3,
                     label="a case outside" if case else "a step the wrong way", **how)  # fmt: skip
     draw_curve(stored, ax, row)
-    ax.set_title(fonts.wrap(f"{row['claim']}: {verdict}", ax), loc="left", color=colour)
+    title = f"{message(stored, row)} · {row['claim']}: {row['verdict']}"
+    ax.set_title(fonts.wrap(title, ax), loc="left", color=colour)
     canvas.add_legend(ax)
+    return caption_of(stored, row)
+
+
+def is_trivial(stored: StoredStudy, row: Mapping[str, Any]) -> bool:
+    """Whether a true law is of a number that is the same in all cases, or an identity but for rounding: a picture of it
+    shows nothing."""
+    exact = row["kind"] == "equals" and (row["rule"].get("relative") or 1.0) <= IDENTITY
+    return row["verdict"] == HOLDS and (exact or stored.is_level(row["observable"]))
+
+
+def message(stored: StoredStudy, row: Mapping[str, Any]) -> str:
+    """What the line of a law shows: ``Number of bends falls with E: 8 to 5``; of a law with numbers what was measured.
+
+    row: of `law_verdicts.verdicts`.
+    """
+    array = stored[row["observable"]]
+    full = labels.long_name(array)
+    noun = full if len(full) <= LONGEST_NOUN else labels.symbol(array)
+    noun = noun[:1].upper() + noun[1:] if noun[:1].isascii() else noun
+    if row["kind"] != MONOTONE:
+        found = labels.law_text(row, law_words.finding_of(row, _show(stored, row)))
+        return f"{noun} {found}" if found.startswith("passes") else f"{noun}: {found}"
+    solved = stored.of_solved(row["observable"])
+    values = np.array([float(solved.isel(place)) for place in stored.places(row["axis"], row["at"])])
+    values = values[np.isfinite(values)]
+    if not values.size:
+        return noun
+    first, last = (labels.value(end, array) for end in (values[0], values[-1]))
+    if np.ptp(values) <= NOISE * np.abs(values).max():
+        return f"{noun} stays at {first}"
+    steps = np.sign(np.diff(values)) * np.sign(values[-1] - values[0])
+    wrong, axis = int((steps < 0).sum()), labels.axis_symbol(row["axis"])
+    does = "rises" if values[-1] > values[0] else "falls"
+    if 2 * wrong >= steps.size or values[-1] == values[0]:
+        return f"{noun} rises and falls with {axis}"
+    but = f" but at {law_words.count_of(wrong, 'step')}" if wrong else ""
+    first = first if first.endswith("°") else first.partition(" ")[0]
+    return f"{noun} {does} with {axis}{but}: {first} to {last}"
+
+
+def caption_of(stored: StoredStudy, row: Mapping[str, Any]) -> str:
+    """The sentence of a caption on a law: the law, its verdict with what was measured, the other observables."""
+    verdict = row["verdict"]
     others = law_words.others(row, lambda name: labels.symbol(stored[name]))
     said = "; ".join(text for text in (verdict, _measure(stored, row)) if text)
     return f"{row['claim']}: {sentence(stored, row)}; {said.rstrip('.')}. {others}".rstrip()
@@ -61,6 +105,8 @@ def _show(stored: StoredStudy, row: Mapping[str, Any]) -> Show:
 
 DASHED, DOTTED = (0, (4, 2)), (0, (1, 1.5))  # of a curve and a lower bound; of an upper bound
 SEEN = 4.0  # points across, from which a band is seen beside a line
+LONGEST_NOUN = 24  # letters of an observable in a title, beyond which its symbol stands there
+IDENTITY = 1e-8  # a formula that agrees so well is an identity: its picture is a line on a line
 
 
 def draw_curve(stored: StoredStudy, ax: Axes, row: Mapping[str, Any]) -> None:

@@ -169,7 +169,9 @@ def cells(stored: StoredStudy, choice: Choice, where: Mapping[str, int], source:
     scales = scale_of(plane[choice.x]), scale_of(plane[choice.y])
     whole = plane if source is None else source
     straight = np.zeros(solved.shape, dtype=bool)
-    if "beta" in whole:
+    if "amplitude" in plane:
+        straight = plane["amplitude"].values < STRAIGHT
+    elif "beta" in whole:
         beta = whole["beta"].transpose(..., "u").values
         swings = beta.max(axis=-1) - beta.min(axis=-1)
         straight = (swings if source is None else swings[plane["case"].values]) < STRAIGHT

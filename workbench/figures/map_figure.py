@@ -80,10 +80,24 @@ def figure(
     InputError
         As of `map_cells.choose`; where shapes are not stored or more than the values of an axis; for invalid laws.
     """
+    most = MOST_NARROW if sheet.narrow and not show else MOST_ASKED
+    draw = partial(_figure_of, stored, x, y, show, at, shapes, sheet)
+    if show or sheet.style != "paper":
+        return draw(most)
+    return canvas.with_room(draw, min(most, max(len(stored.observables), 1)))
+
+
+def _figure_of(
+    stored: StoredStudy, x: str | None, y: str | None, show: Sequence[str], at: Mapping[str, float] | None,
+    shapes: map_panel.ShapeCounts | None, sheet: Sheet, most: int,
+) -> Figure:  # fmt: skip
+    """The maps of so many observables at most."""
     verdicts = stored.verdicts if "laws" in stored.attrs else []
     whole, stored = (stored, stored.raster()) if stored.is_refined else (None, stored)
-    most = MOST_NARROW if sheet.narrow and not show else MOST_ASKED
-    choice = choose(stored, x, y, show, at, max(int((sheet.width - 1.5) / LEAST_COLUMN), 1), most)
+    watched = (
+        [] if whole is None else list(whole.refinement.watch)
+    )  # what else a refinement stores is as coarse as ever
+    choice = choose(stored, x, y, show or watched, at, max(int((sheet.width - 1.5) / LEAST_COLUMN), 1), most)
     if shapes is not None:
         map_panel.check_shapes(stored if whole is None else whole, stored, choice, shapes)
     columns = [cells(stored, choice, where, whole) for where in choice.places()]
@@ -102,11 +116,15 @@ def figure(
         of = f"the {stored.sizes[choice.along]} values of {labels.axis_symbol(choice.along)}"
         said.append(f"The columns show {len(choice.columns)} of {of}.")
     said += level_notes(stored, stored.observables) if not show else []
-    said += canvas.say_left_out(choice.left_out, "--show")
+    left_out = [
+        *choice.left_out,
+        *(name for name in stored.observables if watched and not show and name not in watched),
+    ]
+    said += canvas.say_left_out(left_out, "--show")
     if choice.along and choice.held:
         said.append(f"All maps: {stored.equations(choice.held)}.")
     said += [f"Law {law.sentence(stored)}." for law in elsewhere if law not in mixed]
-    return canvas.page(stored, sheet, rows, said, 0.4)
+    return canvas.page(stored if whole is None else whole, sheet, rows, said, 0.4)
 
 
 class _Maps:

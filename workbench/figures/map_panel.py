@@ -77,9 +77,10 @@ def draw(ax: Axes, cells: Cells, name: str, scale: Colours, inches: tuple[float,
     values = cells.values(name)
     x, y = cells.x.edges, cells.y.edges
     mesh = cells.colour(ax, values, cmap=scale.cmap, norm=scale.norm, alpha=pale)
-    for mask, colour in ((cells.unbent(name), colours.BAND), (~cells.solved, colours.UNSOLVED)):
+    nearly_straight = {"facecolor": colours.BAND, "linewidth": 0}
+    for mask, look in ((cells.unbent(name), nearly_straight), (~cells.solved, colours.UNSOLVED)):
         if mask.any():
-            ax.add_patch(PathPatch(regions.path(mask, x, y), facecolor=colour, linewidth=0))
+            ax.add_patch(PathPatch(regions.path(mask, x, y), **look))
     if scale.count and not scale.constant and pale == 1:
         _number_regions(ax, cells, np.where(cells.unbent(name), -1.0, values), scale, inches)
     if pale == 1:
@@ -105,7 +106,7 @@ def entries(panels: list[Cells], shown: tuple[str, ...]) -> list[str | Artist]:
     for occurs, label, look in (
         (any(unbent.any() for _, unbent in numbers), f"β varies by less than {np.degrees(STRAIGHT):.0f}°",
          {"facecolor": colours.BAND, **framed}),
-        (not all(panel.solved.all() for panel in panels), "not solved", {"facecolor": colours.UNSOLVED}),
+        (not all(panel.solved.all() for panel in panels), "not solved", colours.UNSOLVED),
         (any((unknown & ~unbent).any() for unknown, unbent in numbers), "solved, number unknown",
          {"facecolor": colours.UNKNOWN, **framed}),
     ):  # fmt: skip

@@ -20,16 +20,17 @@ from ..stored.shown_observables import choose_observables
 from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import along, canvas, colours, drawn_rods, push_scale, trends, unrolled
-from .laws import panel
+from .laws import caption_of, is_trivial, panel
 from .sheet import SCREEN, Sheet, set_range
 
-LAW_HEIGHT, TALL_LAW, LEAST_LAW, LEAST_LINE = 3.2, 3.8, 2.4, 1.5  # inches; the second beside curves
+LAW_HEIGHT, TALL_LAW, LEAST_LAW = 3.2, 3.8, 2.4  # inches; the second beside curves
 ONE_ROD = 0.55  # the share of the least height of a narrow panel of one rod
-NARROW_LAW = 1.4, 2.2  # inches of a law on a narrow sheet
+NARROW_LAW, LEAST_STRIP = 2.2, 0.9  # inches of a law on a narrow sheet at most; of unrolled views in print at least
 SAMPLES = "samples"  # the panel of the scatter diagrams
 BESIDE = 0.58  # the share of the width that curves have beside a law
 MOST_CURVES, STRIPS = 9, (0.55, 0.42)  # curves along an axis; their height over a narrow and another width
 LABELS = 0.35  # inches below and above curves
+LEGEND = 1.0  # inches of the legend of one rod, and around its view
 AROUND = 1.0  # inches of title, labels and caption above and below curves beside a law
 MOST_PLAIN = 4  # observables shown where there is no law
 MOST_NARROW = 3  # panels of laws on one column of a page, one less with curves
@@ -77,35 +78,43 @@ def figure(
     is_sampled = SAMPLE in axes and bool(stored.observables)
     axes = [axis for axis in axes if not (is_sampled and axis == SAMPLE)]
     chosen = _choice(stored, rows, axes if unrolled.has_curve(curves) else [], is_sampled, sheet.panel, show)
-    if sheet.narrow and sheet.panel is None and not show:
-        chosen = _for_column(chosen)
-    panels, strips, sampled = chosen.panels, chosen.strips, chosen.sampled
-    if not (panels or strips or sampled):
-        raise InputError("nothing to draw: the dataset has neither observables nor the arrays alpha and z")
-    strips_high = STRIPS[not sheet.narrow] * sheet.width
     axis_of_trends = stored.axis(x) if x else next(iter(axes), "")
-    count, width = len(panels), sheet.width
-    across = 1 if sheet.narrow else 3 if count == 3 and not rows else 2
-    beside = 0 < count <= len(strips) and not sampled and not sheet.narrow
+    if sheet.panel is not None or show or sheet.style != "paper":
+        return _figure_of(stored, curves, chosen, sheet, axis_of_trends)
+    most = len(chosen.sampled or chosen.panels)
+    return canvas.with_room(
+        lambda count: _figure_of(stored, curves, _first_of(chosen, count, sheet.narrow), sheet, axis_of_trends),
+        min(most, MOST_NARROW) if sheet.narrow and not chosen.sampled else most,
+    )
+
+
+def _figure_of(stored: StoredStudy, curves: StoredStudy, chosen: "_Choice", sheet: Sheet, axis: str) -> Figure:
+    """The figure of what is chosen; curves: the coarse grid, whose rods have unrolled views. axis: of trends."""
+    sampled, count, width = chosen.sampled, len(chosen.panels), sheet.width
+    strips_high = STRIPS[not sheet.narrow] * width
+    if sheet.style == "paper" and chosen.strips:
+        rows_below = -(-count // (1 if sheet.narrow else 2))
+        left = canvas.tallest(sheet) - rows_below * canvas.ROW
+        strips_high = min(strips_high, max(left / len(chosen.strips) - LABELS, LEAST_STRIP))
+    rods = [drawn_rods.choose(curves, ("alpha", "z"), name, most=MOST_CURVES) for name in chosen.strips]
+    has_laws = any(not isinstance(drawn, str) for drawn in chosen.panels)
+    across = 1 if sheet.narrow else 3 if count == 3 and not has_laws else 2
+    beside = 0 < count <= len(rods) and not sampled and not sheet.narrow
     law_height = min(TALL_LAW if beside else LAW_HEIGHT, max(0.7 * width / across, LEAST_LAW))
-    if sheet.narrow:
-        room = canvas.TALLEST - bool(strips) * (strips_high + LABELS)
-        law_height = float(np.clip(room / max(count, 1), *NARROW_LAW))
-    tallest = law_height - LABELS if beside else strips_high
-    rods = [drawn_rods.choose(curves, ("alpha", "z"), axis, most=MOST_CURVES) for axis in strips]
-    box = width * (BESIDE if beside else 1) - unrolled.BESIDE, tallest
+    box = width * (BESIDE if beside else 1) - unrolled.BESIDE, law_height - LABELS if beside else strips_high
     views = [unrolled.panel_of(rod, box, sheet.small, coloured=False) for rod in rods]
-    below = 0.0 if beside else law_height * -(-count // across)
-    if sheet.style == "paper" and not sheet.narrow:
-        left = canvas.TALLEST_PAGE - 0.3 - sum(view.height + LABELS for view in views)
-        below = min(below, max(left, LEAST_LINE * -(-count // across)))
+    straight = [view.is_straight and sheet.panel is None and bool(count) for view in views]
+    if all(straight):
+        beside, across = False, 1 if sheet.narrow else min(across, count)
+    if sheet.narrow:
+        law_height = float(np.clip(canvas.TALLEST / max(count, 1), canvas.ROW, NARROW_LAW))
 
     def law_of(one: Any, ax: Axes) -> canvas.Said:
         if not isinstance(one, str):
             said = panel(stored, ax, one)
             set_range(sheet, ax, one["observable"])
             return [said]
-        trends.trend(stored, ax, one, axis_of_trends).set_label(labels.long_name(stored[one]))
+        trends.trend(stored, ax, one, axis).set_label(labels.long_name(stored[one]))
         set_range(sheet, ax, one)
         canvas.add_legend(ax)
         return []
@@ -114,22 +123,27 @@ def figure(
         ax.set_label(f"unrolled views along {one.axis}")
         return [*view.draw(ax), *one.said(), *one.notes]
 
-    strips_of = [partial(strip, *pair) for pair in zip(rods, views, strict=True)]
-    laws_of = [partial(law_of, drawn) for drawn in panels]
-    lines: list[canvas.Row] = [(view.height + LABELS, [drawn]) for drawn, view in zip(strips_of, views, strict=True)]
+    shown = [pair for pair, is_line in zip(zip(rods, views, strict=True), straight, strict=True) if not is_line]
+    strips_of, laws_of = [partial(strip, *pair) for pair in shown], [partial(law_of, drawn) for drawn in chosen.panels]
+    beside = beside and count <= len(shown)
+    lines: list[canvas.Row] = [
+        (view.height + LABELS, [drawn]) for drawn, (_, view) in zip(strips_of, shown, strict=True)
+    ]
     if beside:
         lines[:count] = [(max(law_height, view.height + AROUND), [drawn, law])
-                        for drawn, view, law in zip(strips_of, views, laws_of, strict=False)]  # fmt: skip
+                        for drawn, (_, view), law in zip(strips_of, shown, laws_of, strict=False)]  # fmt: skip
     else:
-        lines += canvas.in_rows(laws_of, min(across, count), below / max(-(-count // across), 1))
-    said = []
+        lines += canvas.in_rows(laws_of, min(across, count), law_height)
+    said = [f"Unrolled, the rods along {labels.axis_symbol(str(rod.axis))} are straight lines."
+            for rod, is_line in zip(rods, straight, strict=True) if is_line]  # fmt: skip
     if sampled:
         wide = sheet.style == SCREEN.style and not sheet.narrow
         width = max(width, trends.LEAST_WIDTH * len(stored.sampled) + 0.8) if wide else width
         diagrams, sentence = trends.samples(stored, sampled, width, sheet.narrow)
         lines, said = lines + diagrams, [sentence]
-    said += [trends.ALONE] * bool(panels and stored.stand_alone)
-    said += [*chosen.level, *canvas.say_left_out(chosen.left_out, "--show or --panel")]
+    said += [trends.ALONE] * bool(chosen.panels and stored.stand_alone)
+    said += [*(caption_of(stored, law) for law in chosen.in_words), *chosen.level]
+    said += canvas.say_left_out(chosen.left_out, "--show or --panel")
     ratios = (BESIDE, 1 - BESIDE) if beside else None
     return canvas.page(stored, sheet, lines, said, 0.3 * bool(sampled), width=width, ratios=ratios)
 
@@ -143,19 +157,32 @@ def one_rod(stored: StoredStudy, sheet: Sheet = SCREEN) -> Figure:
     coloured = "contact" in stored
     arrays = {"angle": ["beta"], "push": ["push"], "curve": ["alpha", "z"] + ["push"] * coloured}
     rods = drawn_rods.choose(stored, list(dict.fromkeys(name for panel in names for name in arrays[panel])))
-    room = sheet.width - unrolled.BESIDE, STRIPS[not sheet.narrow] * sheet.width
+    high, each = STRIPS[not sheet.narrow] * sheet.width, LEAST_LAW * max(min(sheet.width / SCREEN.width, 1.0), ONE_ROD)
+    if sheet.style == "paper":
+        each = max(each, canvas.ROW)
+        high = min(high, max(canvas.tallest(sheet) - each * (len(names) - 1) - LEGEND, LEAST_STRIP))
+    room = sheet.width - unrolled.BESIDE, high
     view = unrolled.panel_of(rods, room, sheet.small, coloured) if "curve" in names else None
-    each = LEAST_LAW * max(min(sheet.width / SCREEN.width, 1.0), ONE_ROD)
 
     def curve(ax: Axes) -> canvas.Said:
         assert view is not None
         pulled = coloured and "push" not in names and any(push_scale.pulls(rod["push"]) for rod in rods.solved)
         return [*[Line2D([], [], color=colours.PULLED, linewidth=2.2, label=push_scale.PULLS)] * pulled, *view.draw(ax)]
 
+    def over_s(name: str, ax: Axes) -> canvas.Said:
+        said = along.alone(ax, rods, arrays[name][0])
+        if sheet.narrow and (name, "push") == (
+            "angle",
+            names[min(1, len(names) - 1)],
+        ):  # the panel below has the same s
+            ax.set_xlabel("")
+            ax.tick_params(labelbottom=False)
+        return said
+
     rows: list[canvas.Row] = [
-        (view.height + LABELS, [curve]) if view and name == "curve"
-        else (each, [partial(along.alone, rods=rods, name=arrays[name][0])]) for name in names
-    ]  # fmt: skip
+        (view.height + LABELS, [curve]) if view and name == "curve" else (each, [partial(over_s, name)])
+        for name in names
+    ]
     return canvas.page(stored, sheet, rows, rods.notes)
 
 
@@ -164,13 +191,14 @@ class _Choice:
     """What a figure shows.
 
     panels: rows of `law_verdicts.verdicts`, and names of observables. strips: axes with unrolled views. sampled:
-    observables in scatter diagrams. level: sentences about observables that are the same in all cases. left_out: stored
-    observables that nothing of the figure shows.
+    observables in scatter diagrams. in_words: rows of laws that the caption says and no panel shows. level: sentences
+    about observables that are the same in all cases. left_out: stored observables that nothing of the figure shows.
     """
 
     panels: Sequence[Any]
     strips: Sequence[str] = ()
     sampled: Sequence[str] = ()
+    in_words: Sequence[Any] = ()
     level: Sequence[str] = ()
     left_out: Sequence[str] = ()
 
@@ -199,7 +227,11 @@ def _choice(
         shown = {*names, *(row["observable"] for row in rows), *(known if is_sampled else ())}
         level = level_notes(stored, [name for name in known if name not in shown])
         left_out = [name for name in without_room if name not in shown]
-        return _Choice(rows or names, strips, known if is_sampled else (), level, left_out)
+        trivial = [row for row in rows if is_trivial(stored, row)]
+        if len(trivial) == len(rows) and not (strips or is_sampled):
+            trivial = []
+        shown_laws = [row for row in rows if row not in trivial]
+        return _Choice(shown_laws if rows else names, strips, known if is_sampled else (), trivial, level, left_out)
     panels = [*strips, *(str(row["claim"]) for row in rows), *laws, *known, *([SAMPLES] if is_sampled else [])]
     if panel not in panels:
         raise no_such("panel", panel, dict.fromkeys(panels))
@@ -210,15 +242,20 @@ def _choice(
     return _Choice([laws[panel]] if panel in laws else [row for row in rows if row["claim"] == panel])
 
 
-def _for_column(chosen: _Choice) -> _Choice:
-    """What one column of a page has room for: the curves along one axis, and laws."""
-    most = MOST_NARROW - bool(chosen.strips)
-    if isinstance(first := (chosen.panels or [""])[0], str):
-        left = [str(name) for name in chosen.panels[most:]]
-    else:
-        left = [f"law {row['claim']} along {labels.axis_symbol(row['axis'])}" for row in chosen.panels[most:] if first]
-    left += [f"views along {labels.axis_symbol(axis)}" for axis in chosen.strips[1:]]
-    return replace(chosen, panels=chosen.panels[:most], strips=chosen.strips[:1], left_out=[*left, *chosen.left_out])
+def _first_of(chosen: _Choice, most: int, narrow: bool) -> _Choice:
+    """The first panels of what is chosen; narrow: with unrolled views along one axis, and a panel less beside them.
+
+    Laws without a panel are said in the caption.
+    """
+    if chosen.sampled:
+        left = [name for name in chosen.sampled[most:]]
+        return replace(chosen, sampled=chosen.sampled[:most], left_out=[*left, *chosen.left_out])
+    strips, most = (chosen.strips[:1], most - bool(chosen.strips and most > 2)) if narrow else (chosen.strips, most)
+    rest = chosen.panels[most:]
+    laws, names = [row for row in rest if not isinstance(row, str)], [name for name in rest if isinstance(name, str)]
+    views = [f"views along {labels.axis_symbol(axis)}" for axis in chosen.strips[len(strips) :]]
+    return replace(chosen, panels=chosen.panels[:most], strips=strips, in_words=[*laws, *chosen.in_words],
+                   left_out=[*names, *views, *chosen.left_out])  # fmt: skip
 
 
 def level_notes(stored: StoredStudy, names: Sequence[str]) -> list[str]:

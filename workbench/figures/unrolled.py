@@ -40,6 +40,7 @@ BESIDE, BELOW = 0.5, 0.75  # inches of a figure beside the views, and below them
 WORDS, ABOVE = 1.3 / 72, 0.06  # inches of a line of words per point of its size; from the words to their view
 LARGEST, SMALLEST = 8.0, 0.1  # inches of the largest view
 WORTH = 1.5  # a scale so many times larger is worth another row of a list
+HAIRLINE, TINY = 1.1 / 72, 1e-12  # inches of the width of a line; no length
 LEAST = 0.12  # inches of a view, below which one direction is drawn larger
 STRAIGHT = 1e-9  # of the other extent: less is rounding, which no scale shows
 RING = 3.5  # points across at least
@@ -290,6 +291,18 @@ class UnrolledPanel:
         room = room[0] - self.before, room[1]
         self.form = plan_lines(views, room) if in_lines else plan(views, room, letters, even)
         self.height = self.form.size[1]
+
+    @property
+    def is_straight(self) -> bool:
+        """Whether each view is a straight line as it is drawn, within its width: there is nothing to see."""
+        for view in self.views:
+            x, y = self.form.scale * view.x, self.form.scale * self.form.factor * view.y
+            if x.size:
+                along, across = x[-1] - x[0], y[-1] - y[0]
+                away = np.abs(along * (y - y[0]) - across * (x - x[0])) / max(float(np.hypot(along, across)), TINY)
+                if max(away.max(), 0.0) > HAIRLINE:
+                    return False
+        return True
 
     def draw(self, ax: Axes, more: str = "", bar: tuple[str, float] | None = None) -> list[str | Artist]:
         """Draw the views and the key; returns what is said of them.

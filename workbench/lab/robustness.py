@@ -46,7 +46,7 @@ def figure(stored: StoredStudy, sheet: Sheet = SCREEN) -> Figure:
 
     titled = stored.with_title(labels.powers_of_ten(str(stored.attrs["title"])))
     page = Sheet(max(_NAMES + _COLUMN * (columns + 2), LEAST_WIDTH), "paper", sheet.titled)
-    return canvas.page(titled, page, [(_ROW * rows, [draw])], more=1.9, dpi=DPI)
+    return canvas.page(titled, page, [(_ROW * rows, [draw])], more=1.9, high=False, dpi=DPI)
 
 
 def promise_kept(stored: StoredStudy) -> Any:
