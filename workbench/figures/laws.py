@@ -57,8 +57,8 @@ def message(stored: StoredStudy, row: Mapping[str, Any]) -> str:
     noun = full if len(full) <= LONGEST_NOUN else labels.symbol(array)
     noun = noun[:1].upper() + noun[1:] if noun[:1].isascii() else noun
     if row["kind"] != MONOTONE:
-        found = labels.law_text(row, law_words.finding_of(row, _show(stored, row)))
-        return f"{noun} {found}" if found.startswith("passes") else f"{noun}: {found}"
+        finding = labels.law_text(row, law_words.finding_of(row, _show(stored, row)))
+        return f"{noun} {finding}" if finding.startswith("passes") else f"{noun}: {finding}"
     solved = stored.of_solved(row["observable"])
     values = np.array([float(solved.isel(place)) for place in stored.places(row["axis"], row["at"])])
     values = values[np.isfinite(values)]

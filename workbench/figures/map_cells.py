@@ -148,6 +148,11 @@ def choose(
     """
     x, y = _two_axes(stored, x, y, dict(at or {}))
     shown, left_out = choose_observables(stored, show, most, most_level=1)
+    if not show:  # a map of a property of two values has nothing to read off, unless there is no other
+        flags = [name for name in shown if np.isin(stored[name].values[np.isfinite(stored[name].values)], (0, 1)).all()]
+        if properties := [name for name in flags if name in stored.counts and len(flags) < len(shown)]:
+            shown = [name for name in shown if name not in properties]
+            left_out = [*properties, *left_out]
     if not shown:
         raise InputError("the study stores no observable; a map shows one")
     held = {name: i for name, i in stored.place(at).items() if name not in (x, y)}

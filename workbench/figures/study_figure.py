@@ -107,7 +107,10 @@ def _figure_of(stored: StoredStudy, curves: StoredStudy, chosen: "_Choice", shee
     if all(straight):
         beside, across = False, 1 if sheet.narrow else min(across, count)
     if sheet.narrow:
-        law_height = float(np.clip(canvas.TALLEST / max(count, 1), canvas.ROW, NARROW_LAW))
+        left = canvas.TALLEST - sum(
+            view.height + LABELS for view, is_line in zip(views, straight, strict=True) if not is_line
+        )
+        law_height = float(np.clip(left / max(count, 1), canvas.ROW, NARROW_LAW))
 
     def law_of(one: Any, ax: Axes) -> canvas.Said:
         if not isinstance(one, str):
