@@ -149,7 +149,8 @@ def choose(
     x, y = _two_axes(stored, x, y, dict(at or {}))
     shown, left_out = choose_observables(stored, show, most, most_level=1)
     if not show:  # a map of a property of two values has nothing to read off, unless there is no other
-        flags = [name for name in shown if np.isin(stored[name].values[np.isfinite(stored[name].values)], (0, 1)).all()]
+        known = {name: stored[name].values[np.isfinite(stored[name].values)] for name in shown}
+        flags = [name for name, values in known.items() if values.size and np.isin(values, (0, 1)).all()]
         if properties := [name for name in flags if name in stored.counts and len(flags) < len(shown)]:
             shown = [name for name in shown if name not in properties]
             left_out = [*properties, *left_out]
