@@ -2,7 +2,7 @@
 
 import resource
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from itertools import product
 
 import numpy as np
@@ -154,7 +154,7 @@ def test_of_a_rod_too_long_for_the_page_stretches_are_set_and_the_rest_is_told()
 class Counted(StoredStudy):
     """A stored study that remembers which variables were opened."""
 
-    opened: set[str]
+    opened: set[str] = field(default_factory=set)
 
     def only(self, names: Iterable[str]) -> StoredStudy:
         self.opened.update(names)
@@ -169,7 +169,7 @@ def test_a_scene_reads_and_computes_what_its_kind_declares_and_nothing_else(kind
         real = getattr(line, name)
         monkeypatch.setattr(line, name, lambda self, s, n=name, real=real: (counted.append(n), real(self, s))[1])
     opened: set[str] = set()
-    rod = rods.read(Counted(fig6, opened), {}, KINDS[kind])
+    rod = rods.read(Counted(fig6, opened=opened), {}, KINDS[kind])
     shown = {"contact": {"contact"}, "grid": {"contact"}, "curvature": {"kappa"}}.get(kind, set())
     low_high = rod.extremes() if shown else (0.0, 1.0)
     ramp = colours.ramp() if shown else None
