@@ -104,6 +104,11 @@ def unsolved(rows: slice) -> Callable[[xr.Dataset], xr.Dataset]:
     return change
 
 
+def away_from_buckling() -> xr.Dataset:
+    """Pipes without the one at -164 kN, whose small wave begins where last digits decide."""
+    return small.study_dataset("pipe_horizontal").isel(FZ=slice(1, None, 2))
+
+
 def without_number(ds: xr.Dataset) -> xr.Dataset:
     """The dataset whose first case is unsolved, and whose second one is solved and has no mean curvature."""
     ds = unsolved(slice(0, 1))(ds)
@@ -228,7 +233,7 @@ RODS: dict[str, Callable[[], Figure]] = {
     "one rod alone": lambda: along.figure(StoredStudy(four()), at={"E": 1e4}, show=["beta", "push"]),
     "portraits": lambda: portrait.figure(StoredStudy(four()), at={"E": 1e4}),
     "pipe": lambda: along.pipe(StoredStudy(four())),
-    "pipes as a map": lambda: along.pipe(StoredStudy(small.study_dataset("pipe_horizontal"))),
+    "pipes as a map": lambda: along.pipe(StoredStudy(away_from_buckling())),
     "states": lambda: along.states(StoredStudy(small.study_dataset("capstan"))),
     "bars": lambda: kinds.figure(StoredStudy(small.six()), "bars", x="R", show=["kappa_max"], at={"E": 2e4}),
 }
