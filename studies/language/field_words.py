@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import fields
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,7 @@ from ..grammar.axes import WELL, WOUND, case_from
 START_ONLY = {f.name for f in fields(Start)} - {f.name for f in fields(Ends)}
 OTHERS = {"hole": ("inclination",), "wob": ("FZ", "FZ0", "height"), "FZ0": ("FZ", "wob", "height")}
 LEVEL = 1e-12  # a cosine of the inclination that is none
-MOST_STEPS, CLOSE = 12, 1e-8  # of a search for the force at s = L; relative to the loads
+MOST_STEPS, CLOSE = 12, 1e-8  # of a search for the force at s = L; its last step, relative to the loads
 
 
 def of_a_well(
@@ -74,24 +75,25 @@ def of_a_well(
 
 def _far_force(at_start: float, first: float, case_of: Callable[[float], Case]) -> float:
     """The force at s = L with which that at s = 0 has a value, by the secant method. Raises `InputError`."""
+    from scipy.optimize import root_scalar  # only rods with friction load SciPy's search
+
     none = f"no force at s = L was found with which FZ0 = {at_start:.4g}"
 
+    @cache
     def excess(force: float) -> float:
         sol = solve(case_of(force), stations=2)
         if not sol.solved:
             raise InputError(f"{none}: with FZ = {force:.4g} {sol.outcome}")
         return float(observe(sol, ["FZ0"])["FZ0"]) - at_start
 
-    force, off = first, excess(first)
-    size, slope = abs(at_start) + abs(first) + abs(off), 1.0
-    for _ in range(MOST_STEPS):
-        if abs(off) <= CLOSE * size:
-            return force
-        further = force - off / slope
-        last, off = off, excess(further)
-        slope = (off - last) / (further - force) or 1.0
-        force = further
-    raise InputError(f"{none}: the last one was FZ = {force:.4g}")
+    off = excess(first)
+    close = CLOSE * (abs(at_start) + abs(first) + abs(off))
+    if abs(off) <= close:
+        return first
+    found = root_scalar(excess, method="secant", x0=first, x1=first - off, xtol=close, maxiter=MOST_STEPS)
+    if not found.converged:
+        raise InputError(f"{none}: the last one was FZ = {found.root:.4g}")
+    return float(found.root)
 
 
 def unwound(values: Mapping[str, Any]) -> dict[str, Any]:
