@@ -47,11 +47,25 @@ def minimise(
     return None if rough is None else newton.equilibrium(rough[1], rough[0], rough[2])
 
 
+def complementarity(a: Array, b: Array) -> tuple[Array, Array, Array]:
+    """a + b - (a^2 + b^2)^(1/2), which is 0 where one of a and b is 0 and the other above it (Fischer and Burmeister),
+    with its derivatives by a and by b.
+
+    No large numbers are subtracted from each other: far off the wall a gap of 10^6 would leave a push of 10^-10.
+    """
+    size = np.hypot(a, b) + TINY
+
+    def rest(part: Array, other: Array) -> Array:
+        """1 - part/size."""
+        return np.where(part > 0, other**2 / (size * (size + np.abs(part))), 1 - part / size)
+
+    return np.where(a + b > 0, 2 * a * b / (size + np.abs(a + b)), a + b - size), rest(a, b), rest(b, a)
+
+
 class Newton:
     """The equations of a program: stationary energy, and conditions.
 
-    At each node push a and gap b obey a + b - (a^2 + b^2)^(1/2) = 0 (Fischer and Burmeister), whose derivatives tell by
-    themselves which of the two is 0.
+    At each node push and gap are complementary, by an equation whose derivatives tell by themselves which of them is 0.
     """
 
     def __init__(self, program: Program) -> None:
@@ -93,10 +107,10 @@ class Newton:
         for _ in range(MOST_STEPS):
             missed = program.conditions(z)
             push, gap = side * multipliers[self.wall], self.stiff * side * missed[self.wall]
-            size = np.hypot(push, gap) + TINY
-            by_push, by_gap = 1 - push / size, np.maximum(1 - gap / size, TINY) * self.stiff
+            equation, by_push, by_gap = complementarity(push, gap)
+            by_gap = np.maximum(by_gap, TINY) * self.stiff
             pull = np.bincount(columns, program.jacobian(z) * multipliers[rows], minlength=n) - program.gradient(z)
-            missed[self.wall] = side * (push + gap - size)
+            missed[self.wall] = side * equation
             left = max(np.abs(pull).max(), np.abs(missed).max())
             loose[self.wall] = by_push / by_gap
             missed[self.wall] /= by_gap
