@@ -90,10 +90,10 @@ def _far_force(at_start: float, first: float, case_of: Callable[[float], Case]) 
     close = CLOSE * (abs(at_start) + abs(first) + abs(off))
     if abs(off) <= close:
         return first
-    found = root_scalar(excess, method="secant", x0=first, x1=first - off, xtol=close, maxiter=MOST_STEPS)
-    if not found.converged:
-        raise InputError(f"{none}: the last one was FZ = {found.root:.4g}")
-    return float(found.root)
+    search = root_scalar(excess, method="secant", x0=first, x1=first - off, xtol=close, maxiter=MOST_STEPS)
+    if not search.converged:
+        raise InputError(f"{none}: the last one was FZ = {search.root:.4g}")
+    return float(search.root)
 
 
 def unwound(values: Mapping[str, Any]) -> dict[str, Any]:
