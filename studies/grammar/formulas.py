@@ -62,7 +62,7 @@ Dimension = tuple[Fraction, Fraction]  # exponents of length and force
 PLAIN: Dimension = (Fraction(0), Fraction(0))
 
 
-_OF_FORMULAS = ("expressions", "formula", "least", "most", "passes", "x")  # keys whose texts are formulas
+FORMULAS = ("formula", "least", "most", "passes", "x")  # keys of a law whose value may be a formula
 
 
 def tables_in_current_names(value: Any, key: str = "") -> Any:
@@ -75,7 +75,7 @@ def tables_in_current_names(value: Any, key: str = "") -> Any:
                 for name, item in value.items()}  # fmt: skip
     if isinstance(value, list):
         return [tables_in_current_names(item, key) for item in value]
-    if isinstance(value, str) and key in _OF_FORMULAS:
+    if isinstance(value, str) and key in ("expressions", *FORMULAS):
         return in_current_names(value)
     return value if key in ("claim", "laws", "source") else current(value)
 

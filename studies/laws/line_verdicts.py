@@ -538,4 +538,3 @@ KINDS: dict[str, LawKind] = {
     "scales": LawKind(_scales, scales, _exponent, ("exponent", "within")),
     "boundary": LawKind(_passes, boundary, _gap, ("passes", "x", "within")),
 }  # fmt: skip
-FORMULAS = ("formula", "least", "most", "passes", "x")  # keys whose value may be a formula

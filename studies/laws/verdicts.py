@@ -10,7 +10,7 @@ numbers support only part of the sentence:
 """
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -18,17 +18,17 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, field_validator, model_validator
 
 from solver.observe.observables import is_count
-from solver.problem.errors import InputError, choices, no_such
+from solver.problem.errors import InputError, choices
 
 from ..grammar.axes import Line, Misplaced, in_rad, is_angle, one_of, read_units
-from ..grammar.formulas import Formula, evaluate, parse
+from ..grammar.formulas import FORMULAS, Formula, evaluate, parse
 from . import law_words
+from .case_rows import CaseRow, Grid
 from .law_verdict import LawVerdict
 from .law_words import ON_OBSERVABLE
 from .line_verdicts import (
     DIRECTIONS,
     FAILS,
-    FORMULAS,
     HOLDS,
     KINDS,
     MONOTONE,
@@ -41,7 +41,6 @@ from .line_verdicts import (
     Verdict,
     as_given,
     as_good,
-    cuts,
     line_of,
 )
 
@@ -225,68 +224,6 @@ class Law(BaseModel):
 TOLD = ("claim", "kind", "axis", "direction", "says", "does", "rule", "source", "fixed", "fixed_note")
 
 
-@dataclass(frozen=True, eq=False)
-class Grid:
-    """What laws are judged on: the axes of a grid of cases, and numbers of each case.
-
-    axes: the values of each. crossing: over the grid, but one fewer along the axis of the law. counts: the expressions
-    that are whole numbers. known: the numbers that the formulas of the law use, by name. rows: the lines of cases that
-    are no grid, whose numbers are (cases,); axes then has those of the study.
-    """
-
-    axes: Mapping[str, ArrayLike]
-    crossing: ArrayLike | None
-    counts: Collection[str]
-    known: Mapping[str, ArrayLike]
-    rows: Sequence["Row"] | None = None
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        return tuple(np.size(values) for values in self.axes.values())
-
-    def rows_along(self, axis: str) -> Sequence["Row"]:
-        """The lines of cases along an axis."""
-        if axis not in self.axes:
-            raise no_such("axis", axis, self.axes)
-        if self.rows is not None:
-            return self.rows
-        k = list(self.axes).index(axis)
-        order = np.argsort(np.asarray(self.axes[axis], dtype=float), kind="stable")
-        along, cut = np.asarray(self.axes[axis], dtype=float)[order], cuts(self.crossing, self.shape, k)
-        cases = np.moveaxis(np.arange(int(np.prod(self.shape))).reshape(self.shape), k, -1)[..., order]
-        others = {dim: np.asarray(values, dtype=float) for dim, values in self.axes.items() if dim != axis}
-        return [
-            Row({dim: float(at[i]) for (dim, at), i in zip(others.items(), where, strict=True)},
-                cases[where], along, cut[where]) for where in np.ndindex(cases.shape[:-1])
-        ]  # fmt: skip
-
-
-@dataclass(frozen=True, eq=False)
-class Row:
-    """A line of cases along the axis of a law.
-
-    at: the values of the other axes. cases: (n,), the indices of the cases in the rising order of the axis, -1 where
-    none is stored. along: (n,), the values of the axis. cut: (n - 1,), the steps that cross to another branch. added:
-    (n,), the cases that a refinement added where a number changes; None for none.
-    """
-
-    at: Mapping[str, float]
-    cases: NDArray[np.int64]
-    along: NDArray[np.float64]
-    cut: NDArray[np.bool_]
-    added: NDArray[np.bool_] | None = None
-
-    @property
-    def stored(self) -> NDArray[np.bool_]:
-        """Which cases are stored, (n,)."""
-        return self.cases >= 0
-
-    def take(self, values: NDArray[Any]) -> NDArray[Any]:
-        """Its own of the values (cases,); NaN where no case is stored."""
-        taken = values[self.cases]
-        return taken if self.stored.all() else np.where(self.stored, taken, np.nan)
-
-
 def decide(
     law: Law,
     observed: Mapping[str, ArrayLike],
@@ -294,7 +231,7 @@ def decide(
     crossing: ArrayLike | None = None,
     counts: Collection[str] = (),
     known: Mapping[str, ArrayLike] | None = None,
-    rows: Sequence[Row] | None = None,
+    rows: Sequence[CaseRow] | None = None,
 ) -> LawVerdict:
     """The verdict on a law, and on each further observable that it names, as plain data.
 
@@ -312,7 +249,7 @@ def decide(
         The expressions among the observables that are whole numbers.
     known : mapping of arrays, optional
         The numbers that the formulas of the law use, by name; each broadcasts to the grid.
-    rows : sequence of Row, optional
+    rows : sequence of CaseRow, optional
         The lines of cases that are no grid, as a refinement leaves them; observed and known are then (cases,). A line
         on which cases of the coarse grid are not stored counts where its other cases go against the law.
 
@@ -320,14 +257,13 @@ def decide(
     -------
     LawVerdict
         A mapping: law, measured and where (in words), the fields `TOLD` of the law and, for the law and each entry of
-        "also": verdict (of `VERDICTS`), qualifications
-        (of `QUALIFICATIONS`), reason (a sentence: why it is true in part, not decided or false), tau (the smallest), at
-        (where it was decided, empty for the whole grid), lines, line_verdicts (verdict -> number of lines), lines_hold,
-        lines_trend, steps (those that decide), exceptions (steps the wrong way: from, to, values of the axis; values;
-        at: the other axes; for a case that disagrees, from and to are equal), first and last (the range of the
-        observable at the two ends of the axis), found and numbers (what was measured, in words and by name; empty for
-        a direction), counted (what the exceptions are), across (the other axes); in "also", alternative: whether it is
-        an alternative of the law.
+        "also": verdict (of `VERDICTS`), qualifications (of `QUALIFICATIONS`), reason (a sentence: why it is true in
+        part, not decided or false), tau (the smallest), at (where it was decided, empty for the whole grid), lines,
+        line_verdicts (verdict -> number of lines), lines_hold, lines_trend, steps (those that decide), exceptions
+        (steps the wrong way: from, to, values of the axis; values; at: the other axes; for a case that disagrees, from
+        and to are equal), first and last (the range of the observable at the two ends of the axis), found and numbers
+        (what was measured, in words and by name; empty for a direction), counted (what the exceptions are), across (the
+        other axes); in "also", alternative: whether it is an alternative of the law.
 
     Raises
     ------
@@ -422,12 +358,12 @@ def targets(law: Law, shape: tuple[int, ...], known: Mapping[str, ArrayLike]) ->
 def _over_lines(law: Law, name: str, values: NDArray[Any], grid: Grid) -> dict[str, Any]:
     """The verdict over the lines of cases along the axis of the law."""
     rows, judge = grid.rows_along(law.axis), _judge(law, name, values, grid)
-    whole = [row.at for row in rows if row.stored.all()]
+    whole = [row.at for row in rows if row.has_case.all()]
     at = {dim: float(_nearest(np.array([place[dim] for place in whole]), value)) for dim, value in law.at.items()
           if dim in grid.axes and dim != law.axis}  # fmt: skip
     every, deciding, exceptions, ends, steps = [], [], [], list[NDArray[Any]](), 0
     for row in rows:
-        line, verdict, is_whole = row.take(values.reshape(-1)), judge(row), row.stored.all()
+        line, verdict, is_whole = row.take(values.reshape(-1)), judge(row), row.has_case.all()
         if not (is_whole or verdict.exceptions or verdict.verdict == FAILS):
             continue
         every.append(verdict.verdict)
@@ -435,7 +371,7 @@ def _over_lines(law: Law, name: str, values: NDArray[Any], grid: Grid) -> dict[s
             continue
         deciding.append(verdict)
         ends += [line[[0, -1]]] * bool(is_whole)
-        steps += int(row.stored.sum()) - (law.counted == STEPS)
+        steps += int(row.has_case.sum()) - (law.counted == STEPS)
         exceptions += [
             {"from": float(row.along[i]), "to": float(row.along[j]), "values": line[[i, j]].tolist(), "at": row.at}
             for i, j in verdict.exceptions
@@ -448,7 +384,7 @@ def _over_lines(law: Law, name: str, values: NDArray[Any], grid: Grid) -> dict[s
     }
 
 
-def _judge(law: Law, name: str, values: NDArray[Any], grid: Grid) -> Callable[[Row], Verdict]:
+def _judge(law: Law, name: str, values: NDArray[Any], grid: Grid) -> Callable[[CaseRow], Verdict]:
     """What says the verdict on a line of cases."""
     if grid.rows is None and values.shape != grid.shape:
         raise InputError(f"{name} has shape {values.shape}, but its axes are {', '.join(grid.axes)}")
@@ -456,13 +392,13 @@ def _judge(law: Law, name: str, values: NDArray[Any], grid: Grid) -> Callable[[R
                 for key, (at, why) in targets(law, values.shape, grid.known).items()}  # fmt: skip
     count, rule, kind, flat = name in grid.counts or is_count(name), law.rule, KINDS[law.kind], values.reshape(-1)
 
-    def judge(row: Row) -> Verdict:
+    def judge(row: CaseRow) -> Verdict:
         mine = {key: row.take(at) for key, (at, _) in compared.items()}
-        texts = (text for _, texts in compared.values() for text in texts[row.cases[row.stored]].tolist() if text)
+        texts = (text for _, texts in compared.values() for text in texts[row.cases[row.has_case]].tolist() if text)
         line = line_of(row.take(flat), count, row.cut, axis=law.axis, along=row.along, targets=mine,
                        why="; ".join(dict.fromkeys(texts)), added=row.added)  # fmt: skip
         verdict = kind.judge(line, rule)
-        return verdict if row.stored.all() else replace(verdict, reason=law_words.BETWEEN)
+        return verdict if row.has_case.all() else replace(verdict, reason=law_words.BETWEEN)
 
     return judge
 

@@ -236,8 +236,8 @@ def test_a_case_between_the_lines_of_the_coarse_grid_can_refute_a_law(stored: Pa
         ds = ds.load()
     found, law = refined.describe(ds), Law(claim="(2)", observable="bends", axis="E", source="s", **rule)
     rows = refined.rows_for_law(ds, "E")
-    between = next(row for row in rows if not row.stored.all() and row.stored[:2].any() and row.stored.sum() > 2)
-    odd = int(between.cases[between.stored][1])
+    between = next(row for row in rows if not row.has_case.all() and row.has_case[:2].any() and row.has_case.sum() > 2)
+    odd = int(between.cases[between.has_case][1])
     numbers = np.ones(ds.sizes["sample"])
     for wrong in (False, True):
         numbers[odd] = 1 + 100 * sign * wrong

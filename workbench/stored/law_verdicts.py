@@ -50,14 +50,13 @@ def verdicts(ds: "xr.Dataset", crossing: "Mapping[str, NDArray[np.bool_]] | None
     LawVerdicts
         One row a law, in the study's order; see `studies.laws.verdicts.decide`.
     """
-    laws = schema.laws_of(ds)
-    rows, is_refined = [], bool(laws) and refined.has_all_cases(ds)
-    for law in laws:
+    rows = []
+    for law in schema.laws_of(ds):
         left_out = _left_out(ds, law)
         observed = {name: _without(ds[name].values, left_out) for name in law.observables if name in ds}
-        if is_refined:
-            of_all = dict(refined.describe(ds).lattice.axes), None, *_grid(ds, law, None)[2:]
-            row = decide(law, observed, *of_all, refined.rows_for_law(ds, law.axis))
+        if (of_all := refined.rows_for_law(ds, law.axis)) is not None:
+            axes = dict(refined.describe(ds).lattice.axes)
+            row = decide(law, observed, axes, None, *_grid(ds, law, None)[2:], of_all)
         else:
             steps = crossings(ds, law.axis) if crossing is None else crossing.get(law.axis)
             row = decide(law, observed, *_grid(ds, law, steps))

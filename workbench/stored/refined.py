@@ -14,8 +14,8 @@ from solver.problem.errors import InputError, choices, near
 from studies.grammar.axes import SAMPLE, Values
 from studies.language import refine as tables
 from studies.language.refinement import BUDGET, OUTCOME, Lattice, Places, Refinement, product_of, refinement_of
+from studies.laws.case_rows import CaseRow
 from studies.laws.line_verdicts import branch_changes
-from studies.laws.verdicts import Row
 
 from . import schema
 from .quantity_variables import OF_THE_CASE, dimension
@@ -95,7 +95,7 @@ def _change(name: str, step: float) -> str:
     return f"{name} changes by more than {step:g}" if step else f"{name} changes"
 
 
-def has_all_cases(ds: "xr.Dataset") -> bool:
+def _has_all_cases(ds: "xr.Dataset") -> bool:
     """Whether the dataset is of a refined study, and not one case of it."""
     return schema.is_refined(ds) and SAMPLE in ds["outcome"].dims
 
@@ -149,7 +149,7 @@ def describe(ds: "xr.Dataset") -> Refined:
 
 def coarse(ds: "xr.Dataset") -> "xr.Dataset":
     """The coarse grid of a refined study as a study over its axes; another dataset as it is. Raises `InputError`."""
-    if not has_all_cases(ds):
+    if not _has_all_cases(ds):
         return ds
     study = describe(ds)
     first = np.flatnonzero(ds[tables.LEVEL].values == 0)
@@ -159,7 +159,7 @@ def coarse(ds: "xr.Dataset") -> "xr.Dataset":
 
 def line(ds: "xr.Dataset") -> "xr.Dataset":
     """All cases of a study that is refined along one axis, in the order of that axis; else as `coarse`."""
-    if not has_all_cases(ds) or len(axes_of(ds)) > 1:
+    if not _has_all_cases(ds) or len(axes_of(ds)) > 1:
         return coarse(ds)
     study = describe(ds)
     (name,) = study.lattice.axes
@@ -167,12 +167,14 @@ def line(ds: "xr.Dataset") -> "xr.Dataset":
     return grid_of(ds, order, {name: ds[name].values[order]})
 
 
-def rows_for_law(ds: "xr.Dataset", axis: str) -> list[Row]:
-    """The lines of all stored cases along one axis of a refined study, in the rising order of the other one.
+def rows_for_law(ds: "xr.Dataset", axis: str) -> list[CaseRow] | None:
+    """The lines of all cases along one axis of a refined study, in the rising order of the other one; else None.
 
     A line off the coarse grid has places of the coarse values, mostly without cases. Evenly lie the cases of the coarse
     grid and, where each of its intervals has one, their middles; the others were added where a number changes.
     """
+    if not _has_all_cases(ds):
+        return None
     study = describe(ds)
     lattice, k = study.lattice, list(study.lattice.axes).index(axis)
     others = [name for name in lattice.axes if name != axis]
@@ -192,7 +194,7 @@ def rows_for_law(ds: "xr.Dataset", axis: str) -> list[Row]:
         has_middles = int((levels <= 1).sum()) == 2 * coarse.size - 1
         at = {name: float(ds[name].values[cases[0]]) for name in others}
         branch = np.where(every >= 0, ds["branch"].values[every], -1) if "branch" in ds else np.zeros(every.size)
-        rows.append(Row(at, every, values, branch_changes(branch), levels > has_middles))
+        rows.append(CaseRow(at, every, values, branch_changes(branch), levels > has_middles))
     return rows
 
 
