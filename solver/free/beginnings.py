@@ -41,16 +41,14 @@ def held_case(sol: ShapeArrays, curves: Sequence[BeginningCurve | None]) -> Case
     A rod without a curve stands for none: its ends are those of a straight rod. Rods that are straight keep their axial
     force in place of their height, which leaves a rod of that length no other shape and its force open.
     """
-    case, ends = sol.case, np.zeros((len(curves), 8))
+    case, ends = sol.case, np.zeros((len(curves), 7))
     ends[:, 0] = flat(sol.problem.span, (len(curves),))
     for row, curve, span in zip(ends, curves, sol.problem.span, strict=True):
         if curve is not None:
             first, last = curve.angles[:4], curve.angles[4:]
             turned = last[3] - first[3] + curve.twist * span
-            row[:] = curve.x[-1, 2], first[1], last[1], last[0] - first[0], turned, first[2], last[2], 0.0
-    height, beta0, betaL, azimuth, rotation, tilt0, tiltL = (
-        column.reshape(case.shape)[()] for column in ends.T[:7]
-    )  # fmt: skip
+            row[:] = curve.x[-1, 2], first[1], last[1], last[0] - first[0], turned, first[2], last[2]
+    height, beta0, betaL, azimuth, rotation, tilt0, tiltL = (column.reshape(case.shape)[()] for column in ends.T)
     rest: dict[str, Any] = {"height": height * case.rho}
     if np.all(rest["height"] >= (1 - REACHED) * case.rod.L):
         rest = {"FZ": sol.FZ}

@@ -12,11 +12,11 @@ from solver import Cylinder, Ends, InputError, Rod, Start, observe, solve
 from solver.problem.case import CONTACTS, OFF_WALL, PAIRS, SIDES, SLIDING, STIFFNESS, TWISTS
 from solver.problem.quantities import unit_of
 from studies import loads
-from studies.grammar.axes import quantity_of
+from studies.grammar.axes import WELL, WOUND, quantity_of
 from studies.language.case_input import read_case
 from tests.workbench.command import exit_status
 from workbench import cli
-from workbench.commands.case_options import ENDS_FIELDS, FIELDS, HELD, help_of
+from workbench.commands.case_options import ENDS_FIELDS, FIELDS, HELD, REPLACED, help_of
 from workbench.run import in_memory
 
 SECTION = ("E", "nu", "a", "L", "inner_radius", "EI", "GJ")  # of which a rod needs either pair, a and L
@@ -35,6 +35,9 @@ def declared() -> dict[str, set[type]]:
 
 def test_the_table_has_every_field_of_a_case_and_no_other() -> None:
     assert set(FIELDS) == set(declared())
+    assert {name: field.problem for name, field in REPLACED.items()} == dict.fromkeys(WOUND, "wound") | dict.fromkeys(
+        WELL, "well"
+    )
 
 
 @pytest.mark.parametrize("name", FIELDS)

@@ -25,6 +25,7 @@ from studies.laws.line_verdicts import QUALIFIED
 from studies.laws.verdicts import Law, decide
 
 from ..stored import quantity_variables
+from ..stored.left_out import BACK
 from ..stored.stored_study import StoredStudy
 from .equilibria_dataset import (
     ALONG,
@@ -44,7 +45,7 @@ SHAPE_STATIONS = 161
 FEW_SHAPES = 8  # in a row: one or two branches have so many together
 OWN = ("dbeta0", "beta0", "betaL", *quantity_variables.LOADS)  # what a diagram may show beside observables
 NAMES = tuple(dict.fromkeys((*OWN, *OBSERVABLES)))
-BACK, IS_BACK = "turned_back", {"long_name": "whether the rod turns back against both its ends"}
+IS_BACK = {"long_name": "whether the rod turns back against both its ends"}
 INDICES = {
     "index": {"units": "1", "long_name": "Morse index under the ends of the case"},
     "dead_index": {"units": "1", "long_name": "Morse index between the same end angles under dead loads"},

@@ -120,23 +120,18 @@ FIELDS: dict[str, CaseField] = {
         _of_quantity("gamma", default=0.0),
     )
 }  # fmt: skip
-WINDING = {
+REPLACED = {  # in place of fields: a rod that is wound as a helix, and a pipe in a hole
     field.name: field
     for field in (
         _of_quantity("tension", "", "wound", "with lay it gives the angles and loads of both ends"),
         _of_quantity("lay", "", "wound"),
         _of_quantity("twist", "", "wound", "default: that with which F2 is 0"),
-    )
-}
-WELL = {
-    field.name: field
-    for field in (
         _of_quantity("hole", "", "well", "in place of inclination"),
         _of_quantity("wob", "", "well", "in place of FZ"),
         _of_quantity("FZ0", ", tension positive; down a hole its upper end", "well", "in place of FZ"),
     )
 }
-EVERY = (*FIELDS, *WINDING, *WELL)
+EVERY = (*FIELDS, *REPLACED)
 FREE = ("contact", "radius0", "radiusL", "tilt0", "tiltL", "M20", "M2L")  # of rods that may leave the cylinder
 HELD = ("height", "azimuth", "rotation", "M10", "M1L")  # what ends hold in place of dead loads and angles
 ENDS_FIELDS = tuple(
@@ -160,7 +155,7 @@ def of_case(names: Sequence[str]) -> dict[str, Any]:
         ]
         for kind, unit in (("length", "cm"), ("force", "N"))
     }
-    return types | {name: _type({**FIELDS, **WINDING, **WELL}[name], whole) for name in names}
+    return types | {name: _type((FIELDS | REPLACED)[name], whole) for name in names}
 
 
 def given_of(options: dict[str, Any], names: Sequence[str]) -> GivenOptions:

@@ -41,14 +41,8 @@ from .fonts import DPI, RC
 from .scales import RoomLocator, Ticks
 from .sheet import MILLIMETRES, SCREEN, Sheet
 
-TALLEST, TALLEST_PAGE = (
-    120 / MILLIMETRES,
-    185 / MILLIMETRES,
-)  # inches of a figure of one column, of two
-LEAST_AXES, ROW = (
-    25 / MILLIMETRES,
-    1.55,
-)  # inches of axes in print at least; of their row, with labels and title
+TALLEST, TALLEST_PAGE = 120 / MILLIMETRES, 185 / MILLIMETRES  # inches of a figure of one column, of two
+LEAST_AXES, ROW = 25 / MILLIMETRES, 1.55  # inches of axes in print at least; of their row, with labels and title
 TRIES = 4  # to give axes that height: what a figure gains is shared with its views
 # inches that a panel with axes gives up for views: at 0.35 the push of a rod keeps one number, at 0.15 views overlap
 LABELS = 0.25

@@ -15,7 +15,7 @@ from solver.observe.observables import OBSERVABLES, is_count, observables_of
 from solver.problem.case_fields import fields_of, value_of
 from solver.problem.errors import no_such
 from solver.problem.quantities import current, quantity, unit_of
-from studies.grammar.axes import FIELDS, WORDS
+from studies.grammar.axes import DEFAULT_UNITS, FIELDS, WORDS
 
 from ..stored import quantity_variables
 
@@ -59,7 +59,7 @@ def local(
         For several cases, a case that is not solved, an unknown field or observable, or a whole number, whose
         derivative is 0.
     """
-    units = {"length": "cm", "force": "N"} if units is None else units
+    units = DEFAULT_UNITS if units is None else units
     if solution.case.shape:
         raise InputError(f"the influence is that of one case, got {solution.case.size} cases; select one")
     if not solution.solved:

@@ -11,8 +11,8 @@ from ..words import cautions
 if TYPE_CHECKING:
     import xarray as xr
 
-PARTS = ("curve", "fold", "special", "shape")  # of a dataset of branches; each may have `<part>_turned_back`
-OF_BRANCHES = "_turned_back"
+PARTS = ("curve", "fold", "special", "shape")  # of a dataset of branches; each may have `<part>_<BACK>`
+BACK = "turned_back"
 
 
 def without(ds: "xr.Dataset", key: str) -> "xr.Dataset":
@@ -24,11 +24,11 @@ def without(ds: "xr.Dataset", key: str) -> "xr.Dataset":
         raise no_such("caution", key, cautions.WORDS)
     if "caution" in ds and "outcome" in ds and ds["caution"].dims == ds["outcome"].dims:
         return _without_numbers(ds, ds["caution"].copy(data=cautions.holding(ds["caution"], key)), "")
-    parts = [part for part in PARTS if f"{part}{OF_BRANCHES}" in ds]
+    parts = [part for part in PARTS if f"{part}_{BACK}" in ds]
     if not parts or key != cautions.TURNED:
         raise InputError(f"this file does not tell which of its rods are {key!r}")
     for part in parts:
-        ds = _without_numbers(ds, ds[f"{part}{OF_BRANCHES}"], f"{part}_")
+        ds = _without_numbers(ds, ds[f"{part}_{BACK}"], f"{part}_")
     return ds
 
 

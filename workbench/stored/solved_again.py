@@ -145,11 +145,8 @@ def solve_again(
     u = xr.Variable(("u",), np.linspace(0, 1, more * n + 1), ds["u"].attrs if "u" in ds.coords else None)
     bare = (ds.drop_dims("u") if "u" in ds.dims else ds.drop_vars(["u", "s"], errors="ignore")).assign_coords(u=u)
     axes = schema.axes_left(ds, study)
-    sol, dims, solved = (
-        solve_once(bare, study, {} if kept is None else kept),
-        (*axes, "u"),
-        ds["solved"].transpose(*axes).values,
-    )
+    sol = solve_once(bare, study, {} if kept is None else kept)
+    dims, solved = (*axes, "u"), ds["solved"].transpose(*axes).values
     shape = [bare.sizes[dim] for dim in dims]
 
     def array(values: Any) -> xr.Variable:
