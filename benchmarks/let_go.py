@@ -18,7 +18,7 @@ from scipy.optimize import NonlinearConstraint, minimize
 from scipy.sparse import coo_array
 
 from solver import Case, Cylinder, Ends, Rod, solve
-from solver.free.beginnings import curves_of, held_case
+from solver.free.beginnings import case_of_held_ends, curves_of
 from solver.free.discrete_rod import DiscreteRod
 from solver.free.free_problem import problems_of
 from solver.free.minimum import minimise
@@ -32,17 +32,17 @@ CHUNK, LONGEST = 0.5, 12.0  # s
 SETTLED = 5e-5  # of the length, the error of our answer: from where PyElastica ends, when it is there
 
 
-def held_on(stations: int) -> Any:
+def readme_rod(stations: int) -> Any:
     """README's rod on the cylinder."""
     return solve(Case(ROD, Cylinder(R=0.75), ENDS), stations=stations)
 
 
 def same_rod() -> tuple[DiscreteRod, np.ndarray, Sizes]:
     """The discrete rod, the guess and the sizes with which the solver begins."""
-    before = held_on(401)
+    before = readme_rod(401)
     (curve,) = curves_of(before, "the rod that is let go")
     assert curve is not None
-    (beside,) = problems_of(held_case(before, [curve]))
+    (beside,) = problems_of(case_of_held_ends(before, [curve]))
     rod = beside.rod_on(curve, 1.0, EDGES)
     return rod, curve.on(rod), beside.sizes(curve)
 
@@ -85,7 +85,7 @@ def relax_elastica(elements: int) -> list[tuple[float, float]]:
             push = WALL * system.rest_lengths[0] * np.maximum(rho - radius, 0) / radius
             system.external_forces[:2] += push * system.position_collection[:2]
 
-    before = held_on(2 * elements + 1)
+    before = readme_rod(2 * elements + 1)
     fine = before.let_go(tol=3e-6)
     rho, L, E = float(before.case.rho), float(ROD.L), float(ROD.E)
     x, frames = before.position[::2].T, np.moveaxis(before.material_frame[1::2], 0, -1)
@@ -114,13 +114,13 @@ def relax_elastica(elements: int) -> list[tuple[float, float]]:
 
 def main() -> None:
     rod, guess, sizes = same_rod()
-    seconds, minimum = timed(lambda: minimise(rod, guess, sizes), 5)
-    theirs, result = timed(lambda: trust_constr(rod, guess, sizes), 1)
+    seconds, minimum = median_time(lambda: minimise(rod, guess, sizes), 5)
+    theirs, result = median_time(lambda: trust_constr(rod, guess, sizes), 1)
     print(f"{EDGES} edges: trust-constr {theirs:.3g} s, {result.nit} steps; ours {seconds:.3g} s; "
           f"ratio {theirs / seconds:.3g}")  # fmt: skip
     print(f"energy {result.fun * sizes.energy:.7g} and {rod.energy(minimum.y):.7g}")
-    before = held_on(201)
-    seconds, after = timed(before.let_go, 5)
+    before = readme_rod(201)
+    seconds, after = median_time(before.let_go, 5)
     print(f"let go: {seconds:.3g} s, error {float(after.error):.1e} of the length")
     if importlib.util.find_spec("elastica") is None:
         print("PyElastica is not installed")
@@ -134,7 +134,7 @@ def main() -> None:
         print(f"PyElastica, {elements} elements: {settled:.3g} s, error {last:.1e}; ratio {settled / seconds:.3g}")
 
 
-def timed(work: Callable[[], Any], rounds: int) -> tuple[float, Any]:
+def median_time(work: Callable[[], Any], rounds: int) -> tuple[float, Any]:
     """The median of the seconds, and the last answer."""
     seconds, answer = [], None
     for _ in range(rounds):

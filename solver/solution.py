@@ -7,7 +7,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from .free.beginnings import curves_of, held_case
+from .free.beginnings import case_of_held_ends, curves_of
 from .free.free_rods import FREE_TOLERANCE, answers_beside
 from .numerics.arrays import Array
 from .observe.cautions import of_cases
@@ -171,7 +171,7 @@ class Solution(ShapeArrays):
 
         tol = check_tolerance(FREE_TOLERANCE if tol is None else tol)
         curves = curves_of(self, "the shape that was let go")
-        case = held_case(self, curves)
+        case = case_of_held_ends(self, curves)
         ways = ["there is no shape to be let go" if curve is None else [curve] for curve in curves]
         answers = answers_beside(case, ways, self.t, tol)
         return FreeSolution(case, *answers, self.t, FREE, tol)

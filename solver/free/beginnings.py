@@ -35,7 +35,7 @@ def bilateral_cases(case: Case) -> list[Case]:
     return [Case(case.rod, wall, Ends(**each)) for each in ends]
 
 
-def held_case(sol: ShapeArrays, curves: Sequence[BeginningCurve | None]) -> Case:
+def case_of_held_ends(sol: ShapeArrays, curves: Sequence[BeginningCurve | None]) -> Case:
     """The rods of a solution, with these curves, beside a cylinder that only pushes: both ends are held as they are.
 
     A rod without a curve stands for none: its ends are those of a straight rod. Rods that are straight keep their axial

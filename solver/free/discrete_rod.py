@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..numerics.arrays import Array, Booleans
-from .quaternions import BILINEAR, QUADRATIC, held_frame
+from .quaternions import BILINEAR, QUADRATIC, recall_end_frame
 
 EDGE = 7  # unknowns of an edge: its quaternion, and the node behind it
 ENDS = 8  # the angles of both ends: azimuth, beta, tilt, rotation
@@ -125,7 +125,7 @@ class DiscreteRod:
 
     def _end_frames(self, y: Array) -> tuple[tuple[Array, ...], tuple[Array, ...]]:
         """The frames of both ends with their first and second derivatives by the angles there."""
-        near, far = (held_frame(tuple(angles)) for angles in y[-ENDS:].reshape(2, 4).tolist())
+        near, far = (recall_end_frame(tuple(angles)) for angles in y[-ENDS:].reshape(2, 4).tolist())
         return near, tuple(self.flip * part for part in far)
 
     def chain(self, y: Array) -> Array:

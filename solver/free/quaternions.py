@@ -45,7 +45,7 @@ def directors(q: Array) -> Array:
 
 
 @lru_cache(maxsize=16)
-def held_frame(angles: tuple[float, ...]) -> tuple[Array, Array, Array]:
+def recall_end_frame(angles: tuple[float, ...]) -> tuple[Array, Array, Array]:
     """The frame and its derivatives by four angles, as of `end_frame`, kept: the ends of a rod are asked for the frames
     of a few angles thousands of times. The arrays are read-only."""
     parts = end_frame(np.array(angles))

@@ -19,3 +19,8 @@ def reading_of(text: str | None, default: "Reading | None" = None) -> "Reading":
     readings = tenants.module_of("studies.paper.readings")
     reading: Reading = readings.parse(text, default or readings.DEFAULT)
     return reading
+
+
+def table_of(text: str | None) -> dict[str, float]:
+    """The values that a study with this reading has where it gives none, in cm, N and rad; none without a reading."""
+    return dict(reading_of(text).table) if text else {}

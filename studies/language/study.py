@@ -45,7 +45,7 @@ from ..grammar.axes import (
 from ..laws.verdicts import Law
 from .case_tables import Table
 from .field_words import of_a_well, unwound
-from .printed import reading_of
+from .printed import reading_of, table_of
 from .refinement import OUTCOME, Lattice, Refine
 from .samples import Sample
 
@@ -197,7 +197,7 @@ class Study(BaseModel):
     def fields(self) -> tuple[str, ...]:
         """The names of the fields that base may hold."""
         if self.reading:
-            return (*reading_of(self.reading).printed, "side")
+            return (*table_of(self.reading), "side")
         return (*ROD, *CYLINDER, *((*START, "hole") if self.kind is Start else (*ENDS, *REPLACED)))
 
     @property
@@ -370,7 +370,7 @@ class Study(BaseModel):
     @property
     def constants(self) -> dict[str, Any]:
         """The fields that are the same in all cases, as given: those of the base, of Table 1, or defaults."""
-        return {**(reading_of(self.reading).printed if self.reading else _DEFAULTS), **self.base.given}
+        return {**(table_of(self.reading) or _DEFAULTS), **self.base.given}
 
     @property
     def constants_of_laws(self) -> dict[str, Any]:

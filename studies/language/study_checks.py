@@ -29,7 +29,7 @@ from ..grammar.axes import (
 )
 from ..laws.verdicts import Law
 from . import case_tables, expressions, refine
-from .printed import reading_of
+from .printed import table_of
 from .refine import check_equilibrium
 from .samples import Distribution
 from .study import SOURCES, Study
@@ -129,8 +129,7 @@ def _check_unit(study: Study, given: Axis | Distribution, *where: str) -> None:
 def _check_units(study: Study) -> None:
     """Raise `Misplaced` for other units than those of Table 1 where a number with such a unit comes from it."""
     given = (*study.base.given, *study.varied)
-    printed = reading_of(study.reading).printed if study.reading else {}
-    rows = {name: quantity_of(name).name for name in printed if name not in given}
+    rows = {name: quantity_of(name).name for name in table_of(study.reading) if name not in given}
     taken = [name for name, row in rows.items() if unit_of(row, study.unit_system) != unit_of(row, DEFAULT_UNITS)]
     if taken:
         units = study.unit_system.items()

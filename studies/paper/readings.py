@@ -79,12 +79,12 @@ class Reading:
         return f"{self.twist}/{self.load}/{self.stiffness}"
 
     @property
-    def printed(self) -> dict[str, float]:
+    def table(self) -> dict[str, float]:
         """The values that the table prints, in cm, N and rad."""
         return TABLE_1
 
     @property
-    def dropped(self) -> str | None:
+    def inert_field(self) -> str | None:
         """The printed value without an effect, or None."""
         return DROPPED.get(self.twist)
 

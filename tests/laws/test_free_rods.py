@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Start, observe, solve
-from solver.free.beginnings import curves_of, held_case
+from solver.free.beginnings import case_of_held_ends, curves_of
 from solver.free.discrete_rod import HELD_ON
 from solver.free.free_problem import problems_of
 from solver.free.minimum import minimise
@@ -86,7 +86,7 @@ def test_nodes_that_the_wall_holds_on_come_to_the_exact_bilateral_shape_with_ord
         exact = solve(Case(ROD, Cylinder(R=0.75), ENDS), stations=edges + 1)
         (curve,) = curves_of(exact, "the exact shape")
         assert curve is not None
-        (beside,) = problems_of(held_case(exact, [curve]))
+        (beside,) = problems_of(case_of_held_ends(exact, [curve]))
         rod = replace(beside.rod_on(curve, 1.0, edges), side=HELD_ON)
         minimum = minimise(rod, curve.on(rod), beside.sizes(curve))
         assert minimum is not None

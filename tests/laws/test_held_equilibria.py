@@ -193,7 +193,7 @@ def test_only_images_with_the_given_numbers_are_taken() -> None:
 ROW = {"alpha": 2, "z": 3}  # of what an orbit returns
 
 
-def displaced(case: Case, number: str, load: float) -> tuple[FoundPaths, Array]:
+def equilibria_under(case: Case, number: str, load: float) -> tuple[FoundPaths, Array]:
     """All equilibria under a dead load in place of what is held, and what they have of it."""
     given = Given.of(reduce_held(case))
     known = dict(zip(given.names, given.values.tolist(), strict=True))
@@ -210,7 +210,7 @@ def crossings(case: Case, number: str, wanted: float, loads: Array) -> list[floa
     """
     found, before = [], dict[tuple[int, int], list[tuple[float, float]]]()
     for load in loads.tolist():
-        every, values = displaced(case, number, load)
+        every, values = equilibria_under(case, number, load)
         now: dict[tuple[int, int], list[tuple[float, float]]] = {}
         for i, off in enumerate((values - wanted).tolist()):
             path = path_of(every.path, i)
@@ -240,7 +240,7 @@ def test_the_list_has_all_that_a_sweep_of_1000_loads_shows(held: dict[str, float
     for one in crossings(case, number, wanted, loads):
         assert ((mine <= one) & (mine >= one - np.diff(loads)[0])).any(), one
     for one in mine.tolist():
-        assert np.abs(displaced(case, number, one)[1] - wanted).min() < 1e-9
+        assert np.abs(equilibria_under(case, number, one)[1] - wanted).min() < 1e-9
 
 
 PAIRED = (("beta0", "dbeta0"), ("betaL", "dbetaL"), ("phi", "z"), ("lam", "alpha"), ("mu", "turn"))

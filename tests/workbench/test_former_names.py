@@ -64,7 +64,7 @@ def test_no_observable_has_a_former_name() -> None:
     assert {*RENAMED.values()} <= {*OBSERVABLES, "turns_around_error"}
 
 
-def noticed(compute: Callable[[], Any], *notices: str) -> Any:
+def call_with_notices(compute: Callable[[], Any], *notices: str) -> Any:
     """What a call returns, which gives these notices at its line."""
     with pytest.warns(RenamedWarning) as said:
         result = compute()
@@ -75,20 +75,20 @@ def noticed(compute: Callable[[], Any], *notices: str) -> Any:
 
 def test_python_of_0_2_0_runs_with_a_notice_for_each_name() -> None:
     sol = solve(Case(ROD, CYLINDER, Start(0.5, 0.5, M3=0.1)))
-    seen = noticed(lambda: observe(sol, ["turns", "wraps"], errors=True), BENDS, AROUND)
+    seen = call_with_notices(lambda: observe(sol, ["turns", "wraps"], errors=True), BENDS, AROUND)
     assert list(seen) == ["bends", "turns_around", "turns_around_error"]
     for old, new in RENAMED.items():
-        assert noticed(lambda old=old: seen[old], BENDS if old == "turns" else AROUND) == seen[new]
+        assert call_with_notices(lambda old=old: seen[old], BENDS if old == "turns" else AROUND) == seen[new]
     with pytest.raises(KeyError):
         seen["turn"]
-    rates = noticed(lambda: sol.sensitivity(["E"], ["wraps"]), AROUND).observables
-    assert noticed(lambda: rates["wraps"], AROUND) is rates["turns_around"]
+    rates = call_with_notices(lambda: sol.sensitivity(["E"], ["wraps"]), AROUND).observables
+    assert call_with_notices(lambda: rates["wraps"], AROUND) is rates["turns_around"]
     wanted = seen["turns_around"]
-    assert noticed(lambda: fit(sol.case, ["dbeta"], targets={"wraps": wanted}, starts=0), AROUND).groups
+    assert call_with_notices(lambda: fit(sol.case, ["dbeta"], targets={"wraps": wanted}, starts=0), AROUND).groups
     (one, *_) = equilibria(Case(ROD, CYLINDER, Ends(0.5, 0.8)))
-    assert noticed(lambda: one.turns, BENDS) == one.bends
-    (loop, *_) = noticed(lambda: loops(ROD, CYLINDER, wraps=1, folds=1), AROUND)
-    assert noticed(lambda: loop.wraps, AROUND) == loop.turns_around == 1
+    assert call_with_notices(lambda: one.turns, BENDS) == one.bends
+    (loop, *_) = call_with_notices(lambda: loops(ROD, CYLINDER, wraps=1, folds=1), AROUND)
+    assert call_with_notices(lambda: loop.wraps, AROUND) == loop.turns_around == 1
 
 
 def test_a_study_with_former_names_is_the_one_with_names_of_today_and_its_prose_stays() -> None:
@@ -97,7 +97,7 @@ def test_a_study_with_former_names_is_the_one_with_names_of_today_and_its_prose_
         lines = (line.replace("turns", "bends").replace("wraps", "turns_around") if line.startswith(key) else line
                  for line in today.split("\n"))  # fmt: skip
         today = "\n".join(lines)
-    study = noticed(lambda: loads(OLD), BENDS, AROUND)
+    study = call_with_notices(lambda: loads(OLD), BENDS, AROUND)
     assert study.model_dump() == loads(today).model_dump()
     assert (study.title, study.laws[0].claim, study.laws[1].source) == ("turns and wraps", "turns", "turns")
     assert loads(study.text).laws == study.laws  # without a notice, which would be an error here
@@ -110,12 +110,12 @@ def test_a_file_of_0_2_0_has_the_names_of_today(old_file: Path, call: Any) -> No
     assert notices == f"workbench: notice: {BENDS}\nworkbench: notice: {AROUND}\n"
     assert call("plot", old_file, "--show", "turns,wraps", "--out", old_file.with_suffix(".png"))[0] == 0
     with xr.open_dataset(old_file) as ds:
-        stored = noticed(lambda: ds.rod, BENDS, AROUND)
+        stored = call_with_notices(lambda: ds.rod, BENDS, AROUND)
         assert stored.observables == ["bends", "turns_around", "share"]
         assert stored.verdicts[0]["observable"] == "bends"
         assert stored["share"].attrs["expression"] == "turns_around/bends"
-        assert noticed(lambda: stored.at(E=1e4), BENDS, AROUND).solved.all()
-        assert noticed(lambda: stored.boundary("turns"), BENDS).sizes["pair"] == 1
+        assert call_with_notices(lambda: stored.at(E=1e4), BENDS, AROUND).solved.all()
+        assert call_with_notices(lambda: stored.boundary("turns"), BENDS).sizes["pair"] == 1
 
 
 def test_the_command_line_takes_a_former_name_with_one_line(call: Any) -> None:

@@ -141,7 +141,7 @@ def _solve(stored: StoredStudy) -> dict[str, Any] | None:
     if not reading or any(abs(float(stored[name]) - TABLE_1[name]) > 1e-9 for name in ("E", "R", "a", "L")):
         return None
     read = Reading(*reading.split("/"))
-    fields = [name for name in FIELDS if name != read.dropped]
+    fields = [name for name in FIELDS if name != read.inert_field]
     state = _state(preset, reading)
     return {
         "state": state,

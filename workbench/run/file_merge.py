@@ -15,7 +15,7 @@ from solver.problem.errors import InputError, choices
 from studies import Study
 from studies.grammar.axes import SAMPLE, Dimension
 from studies.language.loader import axis_table, dumps
-from studies.language.printed import reading_of
+from studies.language.printed import table_of
 from studies.language.study import SOURCES
 
 from ..stored import quantity_variables, schema, solved_again
@@ -165,9 +165,7 @@ def _differences(a: xr.Dataset, of_a: Study, b: xr.Dataset, of_b: Study) -> dict
     pairs["the sampled fields"] = (list(of_a.sampled), list(of_b.sampled))
     pairs["the stations"] = (a.sizes.get("u", 0), b.sizes.get("u", 0))
     pairs["the places of the stations"] = (_stations(a), _stations(b))
-    base = [
-        {**(reading_of(study.reading).printed if study.reading else {}), **study.base.given} for study in (of_a, of_b)
-    ]
+    base = [{**table_of(study.reading), **study.base.given} for study in (of_a, of_b)]
     for name in dict.fromkeys([*base[0], *base[1]]):
         if name not in of_a.varied:
             pairs[f"base.{name}"] = (base[0].get(name), base[1].get(name))

@@ -94,7 +94,7 @@ def _grid(ds: "xr.Dataset", law: Law, steps: "NDArray[np.bool_] | None") -> tupl
 def _is_inert(ds: "xr.Dataset", law: Law) -> bool:
     """Whether the reading of Table 1 drops the axis of a law, so that no case depends on it."""
     reading = str(ds.attrs.get("reading", ""))
-    return bool(reading) and reading_of(reading).dropped == law.axis
+    return bool(reading) and reading_of(reading).inert_field == law.axis
 
 
 def _row_of_untested(law: Law, row: Mapping[str, Any]) -> LawVerdict:

@@ -12,7 +12,7 @@ import xarray as xr
 from solver.problem.errors import InputError, choices, near, no_such
 from solver.problem.quantities import current
 from studies.grammar.axes import FIELDS, SAMPLE
-from studies.language.printed import reading_of
+from studies.language.printed import table_of
 from studies.laws.line_verdicts import NOISE
 
 from ..words import cautions, labels, outcomes
@@ -183,8 +183,7 @@ class StoredCases:
         for row in self.data("laws") if "laws" in self.attrs else ():
             if name in row.get("at", {}):
                 return int(np.abs(values - row["at"][name]).argmin())
-        reading = self.attrs.get("reading")
-        printed = reading_of(reading).printed if reading else {}
+        printed = table_of(self.attrs.get("reading"))
         at_start = {quantity_variables.dimension(field): value for field, value in printed.items() if field in FIELDS}
         base = at_start.get(name)
         return values.size // 2 if base is None else int(np.abs(values - base).argmin())

@@ -11,7 +11,7 @@ from solver.problem.reduced import held_of
 from studies import tenants
 from studies.grammar.axes import Which, quantity_of
 from studies.language.case_input import CaseInput, field_values, read_case
-from studies.language.printed import reading_of
+from studies.language.printed import table_of
 
 from ...run.stored_case import open_case
 from ...stored.one_case import solve_one
@@ -94,7 +94,7 @@ def _state(rod: CaseInput, title: str, as_printed: bool) -> dict[str, Any]:
     state: dict[str, Any] = {"title": title, "units": rod.units}
     study = rod.study
     if study is not None and study.reading is not None and as_printed:
-        printed = {**reading_of(study.reading).printed, "side": "outside", **study.base.given, **rod.place}
+        printed = {**table_of(study.reading), "side": "outside", **study.base.given, **rod.place}
         return state | {"reading": study.reading, "base": printed}
     if rod.which is not None:
         state["equilibrium"] = rod.which.model_dump(exclude_none=True)
