@@ -17,8 +17,8 @@ from .beginnings import curve_of, string_curve
 from .discrete_rod import DiscreteRod
 from .free_problem import BeginningCurve, Beside, problems_of
 from .free_shape import Along, FreeShape
-from .minimum import COLD, WARM, Minimum, minimise
-from .program import Sizes
+from .minimum import Minimum, minimise
+from .program import COLD, WARM, Search, Sizes
 
 FREE_TOLERANCE = 1e-4  # of the place of a rod, over its length
 FEWEST, EACH = 24, (2.0, 4.0)  # edges of the coarsest mesh: for each length on which the shape changes; for each radian
@@ -93,7 +93,8 @@ def continue_from(beside: Beside, curves: Sequence[BeginningCurve], tol: float) 
         forces = shapes[-1].rod.finer_multipliers(shapes[-1].multipliers)
         minimum = stable_minimum(finer, known.on(finer), beside.sizes(known), WARM, forces)
         if minimum is None:
-            return Answer(steps=steps, begun=begun, why=f"no minimum of the energy was found on {finer.edges} edges")
+            within = f"on {finer.edges} edges within {WARM.most} steps"
+            return Answer(steps=steps, begun=begun, why=f"no minimum of the energy was found {within}")
         steps += minimum.steps
         shapes.append(FreeShape(finer, minimum.y, minimum.multipliers))
         error = estimate([distance(*pair) for pair in pairwise(shapes[-MESHES:])])[1]
@@ -133,16 +134,16 @@ def reach(beside: Beside, curve: BeginningCurve, edges: int) -> Way:
 
 
 def stable_minimum(
-    rod: DiscreteRod, guess: Array, sizes: Sizes, barrier: float, multipliers: Array | None = None
+    rod: DiscreteRod, guess: Array, sizes: Sizes, search: Search, multipliers: Array | None = None
 ) -> Minimum | None:
     """The minimum near a guess, as of `minimise`; where that ends at an equilibrium that is none, that beside it."""
-    minimum = minimise(rod, guess, sizes, barrier, multipliers)
+    minimum = minimise(rod, guess, sizes, search, multipliers)
     for seed in range(NUDGES):
         if minimum is None or not minimum.unstable:
             return minimum
         nudged = minimum.y.copy()
         rod.parts(nudged)[0][:] += NUDGE * sizes.turned * np.random.default_rng(seed).normal(size=(rod.edges, 4))
-        minimum = minimise(rod, nudged, sizes, barrier)
+        minimum = minimise(rod, nudged, sizes, search)
     return None if minimum is None or minimum.unstable else minimum
 
 

@@ -10,9 +10,8 @@ import numpy as np
 
 from ..numerics.arrays import Array, Integers
 from .discrete_rod import CONDITIONS, EDGE, HELD_ON, DiscreteRod
-from .program import Program, Sizes
+from .program import COLD, Program, Search, Sizes
 
-COLD, WARM = 1e-2, 1e-4  # first barrier: from another problem's shape, and from one of this problem on another mesh
 MOST_STEPS = 30  # of Newton's method; usual are 3 to 6
 SHARP = 1e-10  # of the last change of the unknowns
 EVEN = 1e-8  # of what equations leave where rounding, 1e-11 of them, moves a rod that is held with `FIRM`; squared
@@ -31,7 +30,7 @@ class Minimum(NamedTuple):
 
 
 def minimise(
-    rod: DiscreteRod, guess: Array, sizes: Sizes, barrier: float = COLD, multipliers: Array | None = None
+    rod: DiscreteRod, guess: Array, sizes: Sizes, search: Search = COLD, multipliers: Array | None = None
 ) -> Minimum | None:
     """The minimum near a guess (size,); None where none is found.
 
@@ -43,7 +42,7 @@ def minimise(
         sharp = newton.equilibrium(multipliers * newton.scale)
         if sharp is not None and sharp.unstable == 0:
             return sharp
-    rough = newton.program.minimise(barrier)
+    rough = newton.program.minimise(search)
     return None if rough is None else newton.equilibrium(rough[1], rough[0], rough[2])
 
 

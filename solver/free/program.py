@@ -21,10 +21,20 @@ OPTIONS = {
     "primal_tolerance": 1e-8,
     "dual_tolerance": 1e-8,
     "barrier_k_epsilon": 100.0,  # how closely each barrier problem is solved: with 10, the default, some steps more
-    "max_iterations": 300,  # usual are 10 to 60
 }
 STRATEGIES = "waechter_filter_method", "funnel_method"  # to accept steps; where the first one jams, the other often not
 ENOUGH = 1e-6  # of what Uno may leave of the equations
+
+
+class Search(NamedTuple):
+    """How Uno begins, by the parameter of its first barrier, and when it gives up, in steps of each strategy."""
+
+    barrier: float
+    most: int
+
+
+COLD = Search(1e-2, 300)  # from another problem's shape: usual are 10 to 200 steps
+WARM = Search(1e-4, 100)  # from a shape of this problem on another mesh: usual are 10 to 40
 
 
 class Sizes(NamedTuple):
@@ -99,7 +109,7 @@ class Program:
         values = self.rod.hessian_values(self.whole(z), share / self.sizes.energy, multipliers / self.unit_of)
         return np.asarray(values[inner] * bends)
 
-    def minimise(self, barrier: float) -> tuple[Array, Array, int] | None:
+    def minimise(self, search: Search) -> tuple[Array, Array, int] | None:
         """The minimum near the guess, its multipliers, and the steps; None where Uno finds none.
 
         Raises `InputError` where Uno is not installed.
@@ -127,8 +137,8 @@ class Program:
         for strategy in STRATEGIES:
             solver = unopy.UnoSolver()
             solver.set_preset("ipopt")
-            options = {**OPTIONS, "barrier_initial_parameter": barrier, "globalization_strategy": strategy}
-            for name, value in options.items():
+            begins = {"barrier_initial_parameter": search.barrier, "max_iterations": search.most}
+            for name, value in {**OPTIONS, **begins, "globalization_strategy": strategy}.items():
                 solver.set_option(name, value)
             result = solver.optimize(model)
             left = result.solution_primal_feasibility, result.solution_stationarity, result.solution_complementarity
