@@ -81,7 +81,8 @@ def test_a_wound_cable_is_cautioned_where_its_strain_is_beyond_what_its_material
     assert not cautions.is_barred(said)
     if said:
         share, linear = re.findall(r"[\d.]+(?= %)", said)
-        sentence = f"The rod is strained by {share} %, and materials of its modulus may be linear to {linear} % only."
+        beyond = f"materials of its modulus may be non-linear beyond {linear} %"
+        sentence = f"The rod is strained by {share} %, but {beyond}."
         assert cautions.said(said) == sentence
 
 

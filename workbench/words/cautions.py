@@ -52,7 +52,7 @@ WORDS = {
         "turn back against the direction of both their ends",
     ),
     STRAINED: ("is strained", "are strained"),
-    PULLED: ("would lift off where the cylinder has to pull", "would lift off where the cylinder has to pull"),
+    PULLED: ("would lift off the cylinder", "would lift off the cylinder"),
 }
 # least modulus in MPa -> strain up to which its materials are surely linear. Metals, glass and composites: steel of
 # grade E-75 yields at 0.25 %, strong wire at 1 %. Plastics are linear to about 1 %, rubber to about 10 %.
@@ -109,8 +109,8 @@ def phrase(part: str, several: bool = False) -> str:
     if part.startswith(AT_ENDS):
         return f"would lift off next to {whose} ends alone: {_extent(part)}"
     if part.startswith(STRAINED) and (strain := _STRAIN.search(part)):
-        only = f"materials of {whose} modulus may be linear to {strain[2]} % only"
-        return f"{_words_of(part)[several]} by {strain[1]} %, and {only}"
+        beyond = f"materials of {whose} modulus may be non-linear beyond {strain[2]} %"
+        return f"{_words_of(part)[several]} by {strain[1]} %, but {beyond}"
     if part.startswith(PULLED):
         return WORDS[PULLED][several] + (f", {extent}" if (extent := _extent(part)) else "")
     return _words_of(part)[several]

@@ -198,7 +198,7 @@ def _wrong_units(sol: "Solution", units: dict[str, str]) -> list[str]:
 
 
 def _lift_offs(sol: "Solution", length: str) -> list[str]:
-    """Where the wall would have to pull, in a sentence; none where it does nowhere."""
+    """Where a rod would lift off the wall, in a sentence; none where it does nowhere."""
     stretches = sol.lift_offs
     if not stretches:
         return []
@@ -208,7 +208,7 @@ def _lift_offs(sol: "Solution", length: str) -> list[str]:
     text = str(cautions.of_cases(sol))
     so = "a real rod takes another shape there" if cautions.IN_PART in text else "a real rod leaves the wall there"
     so = "no real rod has this shape" if cautions.ALL_ALONG in text else so
-    return [f"caution: the wall would have to pull on {share:.2g} % of the length, {', '.join(each)}{more}: {so}"]
+    return [f"caution: the push is below 0 on {share:.2g} % of the length, {', '.join(each)}{more}: {so}"]
 
 
 def _clamps(sol: "Solution", push: ProfileRow) -> list[str]:

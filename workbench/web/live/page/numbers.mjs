@@ -31,7 +31,7 @@ export function warnings(shape, found, units, crossed = crossings(shape)) {
   if (found.kappa_max * shape.one.a > 1) told.push("The rod is bent tighter than its own radius.");
   if (crossed.length) told.push("The rod passes through itself.");
   told.push(...strained(shape, found, units));
-  const where = isPressed(shape) ? AT_ENDS : "where the cylinder has to pull";
+  const where = isPressed(shape) ? AT_ENDS : "the cylinder";
   if (found.push_min < -1e-6 * size) told.push(`The rod would lift off ${where}.`);
   return told;
 }
@@ -50,7 +50,7 @@ function strained({ one, kappa, tension }, { kappa_max, M3 }, { length, force })
     megapascals = (one.E * FORCES[force]) / LENGTHS[length] ** 2 / 1e6,
     [, most] = LINEAR.find(([least]) => megapascals >= least);
   const [percent, linear] = [100 * strain, 100 * most].map((v) => (v < 9.95 ? number(v, 2) : number(Math.round(v), 5)));
-  const words = `and materials of its modulus may be linear to ${linear} % only`;
+  const words = `but materials of its modulus may be non-linear beyond ${linear} %`;
   return strain > most ? [`The rod is strained by ${percent} %, ${words}.`] : [];
 }
 
