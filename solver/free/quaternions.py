@@ -46,8 +46,10 @@ def directors(q: Array) -> Array:
 
 @lru_cache(maxsize=16)
 def recall_end_frame(angles: tuple[float, ...]) -> tuple[Array, Array, Array]:
-    """The frame and its derivatives by four angles, as of `end_frame`, kept: the ends of a rod are asked for the frames
-    of a few angles thousands of times. The arrays are read-only."""
+    """The frame and its derivatives by four angles, by `end_frame`; the last 16 results are kept.
+
+    The ends of a rod are asked for the frames of a few angles thousands of times. The arrays are read-only.
+    """
     parts = end_frame(np.array(angles))
     for part in parts:
         part.flags.writeable = False

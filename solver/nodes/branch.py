@@ -43,8 +43,8 @@ FINE = 2.0**-8  # of the range of a load: how closely it is enclosed
 def find_shape(rod: LoadedRod) -> GrowthWay:
     """The equilibrium on the branch of the straight rod; where that branch ends, one that another way reaches.
 
-    Where none does, its reason says where each ended. A rod that only its torque keeps from lying straight may wind up
-    without end at its end; friction leaves no index that would tell, so that no other way is tried.
+    Where none does, its reason says where each ended. A rod with friction that is bent by its torque alone is given no
+    other way: it may wind up at its end without limit, and with friction no index would show that.
     """
     path = branch_from_straight(rod)
     if path.shape is not None or path.barred:

@@ -225,12 +225,12 @@ def _lock_up(read: MeasuredNumbers, number: Callable[[float, float, float, float
 
 
 def reach(read: MeasuredNumbers) -> Pair:
-    """The length at which the compression at the end that the rod slides to locks it up [length]."""
+    """The length at which the rod locks up, under the compression at the end towards which it slides [length]."""
     return _lock_up(read, lambda along, across, f, F, _: lock_up_length(along, across, f, F)) * read.rho, np.nan
 
 
 def arriving_max(read: MeasuredNumbers) -> Pair:
-    """The largest compression that arrives at the end that the rod slides to before it locks up [force]."""
+    """The largest compression that arrives at the end towards which the rod slides, before it locks up [force]."""
     values = _lock_up(read, lambda along, across, f, _, span: largest_arriving(along, across, f, span))
     return values * read.unit_force, np.nan
 
