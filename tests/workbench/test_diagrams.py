@@ -15,6 +15,7 @@ from studies import load
 from studies.grammar.axes import Axis
 from studies.laws.line_verdicts import HOLDS, UNDECIDED
 from tests.workbench import small
+from tests.workbench.command import exit_status
 from tests.workbench.small import six, study
 from workbench.figures import (
     along,
@@ -30,7 +31,7 @@ from workbench.figures import (
     waves,
 )
 from workbench.figures.sheet import Sheet
-from workbench.run import in_memory
+from workbench.run import in_memory, writing
 from workbench.stored.stored_study import StoredStudy
 
 OUTPUTS = 'outputs = ["beta", "dbeta", "alpha", "z", "kappa", "contact"]\n'
@@ -276,3 +277,25 @@ def test_the_vertical_axis_of_an_observable_has_the_range_that_is_asked_for() ->
     ends = {ax.get_label(): ax.get_ylim() for ax in drawn.axes}
     assert (0.5, 2.0) in ends.values()
     assert len(set(ends.values())) > 1
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "bends=-inf:inf", "bends=0:inf", "bends=1:1", "bends=2:1", "bends=-1e308:1e308", "bends=nan:1",
+        "E=0:1", "bends=1:2 --kind curves",
+    ],
+)  # fmt: skip
+def test_a_range_that_no_axis_can_have_is_refused_and_nothing_is_drawn(words: str, ds, tmp_path, capsys) -> None:
+    file = writing.write(ds, tmp_path / "mine.h5")
+    assert exit_status("plot", str(file), "--range", *words.split()) == 2
+    assert "--range" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == [file]
+
+
+def test_a_range_without_an_axis_in_the_picture_is_said(ds, tmp_path, capsys) -> None:
+    file = writing.write(ds, tmp_path / "mine.h5")
+    assert exit_status("plot", str(file), "--show", "height", "--range", "bends=0:9", "--range", "height=-9:99") == 0
+    said = capsys.readouterr().err
+    assert "no vertical axis of bends" in said
+    assert "height" not in said

@@ -425,7 +425,9 @@ def test_a_dark_scene_has_light_words_and_a_rod_in_one_colour_has_the_one_that_i
     assert "--paper: #102030" in said
     for words, look in (
         ("--color is for the kind plain", {"color": "gold"}),
-        ("--background takes a colour", {"background": "no colour"}),
+        ("--background takes an opaque colour", {"background": "no colour"}),
+        ("--background takes an opaque colour.*'none'", {"background": "none"}),
+        ("--color takes an opaque colour.*'#ff000080'", {"color": "#ff000080", "kind": "plain"}),
         ("no theme 'grey'", {"theme": "grey"}),
         ("exclude each other", {"background": "navy", "transparent": True}),
     ):

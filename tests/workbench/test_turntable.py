@@ -134,7 +134,9 @@ def test_the_command_writes_one_file_without_opengl(tmp_path: Path, monkeypatch,
     assert exit_status("scene", "fig6", "-o", "x.html") == 2
     assert Path("x.html").read_text(encoding="utf-8") == before
     assert exit_status("scene", "fig6", "-o", "y.html", "--kind", "twist") == 2
-    assert "an .html file shows the kind contact" in capsys.readouterr().err
+    assert "without --kind twist, for pictures alone" in capsys.readouterr().err
+    assert exit_status("scene", "fig6", "-o", "y.html", "--bare", "--size", "900x900") == 2
+    assert "without --bare, --size, for pictures alone" in capsys.readouterr().err
     assert not Path("y.html").exists()
 
 

@@ -14,6 +14,8 @@ from .options import At, Dpi, File, ForceOutput, NoTitle, Style, Width, axis_val
 from .present import Result, presents, result_of_files
 
 OF_FIGURES = ("x", "y", "show", "at", "shapes")  # options of a kind of figure
+FARTHEST = 1e100  # an end of --range; Matplotlib's ticks overflow from 1e300 on
+LEAST_RANGE = 1e-9  # of the larger end; Matplotlib widens ranges below 1e-14 of it
 
 
 @dataclass(frozen=True)
@@ -112,7 +114,8 @@ def plot(file: File, wanted: PlotOptions) -> Result:
     from ..stored.stored_study import StoredStudy
 
     given, kind = wanted.of_figure, wanted.kind
-    named = [*given, *(name for name in ("kind", "panel") if getattr(wanted, name))]
+    of_kind = [*given, *(["range"] if wanted.range_ else [])]
+    named = [*of_kind, *(name for name in ("kind", "panel") if getattr(wanted, name))]
     if file.is_dir():
         if alien := [*named, *(["data"] if wanted.data else [])]:
             raise InputError(f"{file} is a folder, whose story plot draws without --{alien[0]}")
@@ -121,7 +124,7 @@ def plot(file: File, wanted: PlotOptions) -> Result:
     if of is file_kinds.STUDY:
         stored = StoredStudy(reading.read(file))
         stored.check_any_solved()
-        kind = kinds.kind_of(stored, kind, list(given))
+        kind = kinds.kind_of(stored, kind, of_kind)
     else:
         if not of.figure:
             raise file_kinds.other_kind(file, of, "plot has no figure of it")
@@ -145,11 +148,14 @@ def plot(file: File, wanted: PlotOptions) -> Result:
     table = drawn_numbers.table(drawn) if numbers else ""
     if numbers and table.count("\n") < 2:
         raise InputError(f"--data writes lines, dots, bars and cells of maps, and the picture of {file} has none")
+    ends = [ax.get_ylim() for ax in drawn.axes]
+    missing = [f"--range {name}: the picture has no vertical axis of {name}"
+               for name, range_ in page.ranges.items() if range_ not in ends]  # fmt: skip
     canvas.save(drawn, path, wanted.dpi)
     if numbers:
         atomic.write_text(numbers, table)
     paths = [path, *([numbers] if numbers else [])]
-    return result_of_files(paths, [*canvas.caption(drawn), *map(str, paths)])
+    return result_of_files(paths, [*canvas.caption(drawn), *map(str, paths)], missing)
 
 
 def _ranges(stored: Any, texts: list[str] | None) -> dict[str, tuple[float, float]]:
@@ -158,11 +164,16 @@ def _ranges(stored: Any, texts: list[str] | None) -> dict[str, tuple[float, floa
 
     read, known = ranges("--range", texts, stored.units, "height=4:9"), {}
     for name, ends in read.items():
-        key = name if name in stored else f"curve_{name}"
-        if key not in stored:
+        key = f"curve_{name}" if f"curve_{name}" in stored else name
+        if key == name and name not in stored.observables:
             raise no_such("observable of --range", name, stored.observables)
-        low, high = labels.in_label_unit(stored[key], ends)
-        known[name] = float(low), float(high)
+        low, high = (float(end) for end in labels.in_label_unit(stored[key], ends))
+        if not -FARTHEST <= low < high <= FARTHEST or high - low < max(LEAST_RANGE * max(-low, high), 1 / FARTHEST):
+            raise InputError(
+                f"--range takes NAME=LOW:HIGH with a lower and a higher number of at most {FARTHEST:g} that differ in "
+                f"their first nine digits, got {name}={ends[0]:g}:{ends[1]:g}"
+            )
+        known[name] = low, high
     return known
 
 

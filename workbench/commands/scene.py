@@ -48,19 +48,24 @@ def scene(
 
     out, suffix = wanted.out, "" if wanted.out is None else wanted.out.suffix.lower()
     if out is not None and suffix in film.SUFFIXES:
-        if any(wanted.of_picture) or len({*wanted.axes, wanted.along} - {None}) > 1:
-            raise InputError("a film takes --axis, --at, --kind, --show, --fps, --frames, --stored, --pixel-error, "
-                             f"--dpi, --theme, --background and --color alone, got {out.name!r}")  # fmt: skip
+        several = len({*wanted.axes, wanted.along} - {None}) > 1
+        if alien := [*wanted.of_picture, *(["several axes"] if several else [])]:
+            raise InputError("a film takes one --axis, --at, --kind, --show, --fps, --frames, --stored, --pixel-error, "
+                             f"--dpi, --theme, --background and --color alone, got {choices(alien)}")  # fmt: skip
         return scene_film.film_of(file, out, wanted)
     if any(wanted.of_film):
         raise InputError(
             f"--show, --fps, --frames and --stored are for films: give --out NAME, with {choices(film.SUFFIXES)}"
         )
-    on_page = wanted.kind in (None, PAGE_KIND, "equilibria") and not any([*wanted.axes, wanted.along, wanted.color])
-    if suffix == PAGE and (not on_page or any(wanted.of_picture)):
+    not_on_page = {
+        f"--kind {wanted.kind}": wanted.kind not in (None, PAGE_KIND, "equilibria"), "--axis": wanted.axes,
+        "--along": wanted.along, "--color": wanted.color,
+    }  # fmt: skip
+    alien = [*(name for name, given in not_on_page.items() if given), *wanted.of_picture]
+    if suffix == PAGE and alien:
         raise InputError(
-            f"an {PAGE} file shows the kind {PAGE_KIND} of all cases that --at leaves; --kind, --axis, --along, --from "
-            "and --to are for pictures, .png and .jpg"
+            f"an {PAGE} file shows the kind {PAGE_KIND} of all cases that --at leaves, without {choices(alien)}, "
+            "for pictures alone, .png and .jpg"
         )
     settings = replace(
         look_of(wanted.theme, wanted.background, wanted.color), pixel_error=wanted.pixel_error, dpi=wanted.dpi or DPI,
@@ -152,9 +157,9 @@ def _frames(
 
     free = [rods.axis(along)] if along else [name for name in rods.axes if name not in where]
     if kind.cells != "one" or len(free) != 1:
-        why = f"the kind {kind.name} shows several" if kind.cells != "one" else f"the axes {choices(free)} remain"
-        why = why if free else "no axis remains"
-        raise InputError(f"{out.name} has a picture for each case along one axis, and {why}: choose one with --along")
+        why = f"the axes {choices(free)} remain: choose one with --along" if free else "no axis remains"
+        why = f"the kind {kind.name} shows several at once" if kind.cells != "one" else why
+        raise InputError(f"{out.name} has a picture for each case along one axis, and {why}")
     cases = [(case, case[free[0]]) for case in rods.places(free[0], where)]
     files = [(float(rods[free[0]].values[i]), out.with_name(name_of_file(out.name, i)))
              for case, i in cases if rods["solved"].isel(case)]  # fmt: skip

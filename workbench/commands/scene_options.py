@@ -87,10 +87,14 @@ class SceneOptions:
         return self.axis or []
 
     @property
-    def of_picture(self) -> tuple[object, ...]:
-        """The options for pictures alone; none of them is true where none was given."""
-        return (self.low is not None, self.high is not None, self.camera, self.color_range, self.bare,
-                self.transparent, self.size)  # fmt: skip
+    def of_picture(self) -> list[str]:
+        """The options for pictures alone that were given."""
+        given = {
+            "--from": self.low is not None, "--to": self.high is not None, "--camera": self.camera is not None,
+            "--color-range": self.color_range is not None, "--bare": self.bare, "--transparent": self.transparent,
+            "--size": self.size is not None,
+        }  # fmt: skip
+        return [name for name, is_given in given.items() if is_given]
 
     @property
     def of_film(self) -> tuple[bool, ...]:

@@ -21,7 +21,8 @@ class FigureKind:
     """A kind of picture.
 
     path: the module in `workbench` and the function of its figure of a stored study and a sheet. options: its further
-    keywords. shows: what it shows of a study, for --help. of: the data that it draws.
+    keywords, and range where it draws the ranges of the sheet. shows: what it shows of a study, for --help. of: the
+    data that it draws.
     """
 
     path: str
@@ -40,8 +41,8 @@ class FigureKind:
 
 KINDS = {
     "map": FigureKind("figures.map_figure.figure", ("x", "y", "show", "at", "shapes"), "each observable over two axes"),
-    "lines": FigureKind("figures.study_figure.figure", ("x", "show"), "unrolled views, and observables along each axis "
-        "with their laws, or against the sampled fields"),
+    "lines": FigureKind("figures.study_figure.figure", ("x", "show", "range"), "unrolled views, and observables "
+        "along each axis with their laws, or against the sampled fields"),
     "curves": FigureKind("figures.unrolled.figure", ("x", "at"), "unrolled views in the colours of the push"),
     "ridge": FigureKind("figures.along.figure", ("x", "at", "show"), "β, κ, the push or other arrays along s"),
     "portrait": FigureKind("figures.portrait.figure", ("x", "at"), "(β, β′) beside the potential G"),
@@ -53,7 +54,7 @@ KINDS = {
         "observables along an axis of at most twelve values"),
     "equilibria": FigureKind("figures.equilibria_figure.figure", ("show",), of="equilibria"),
     "loops": FigureKind("figures.equilibria_figure.loops", of="loops"),
-    "branches": FigureKind("figures.bifurcation.figure", ("show",), of="branches"),
+    "branches": FigureKind("figures.bifurcation.figure", ("show", "range"), of="branches"),
     "folds": FigureKind("figures.region_map.figure", ("show",), of="folds"),
     "trade": FigureKind("lab.work_precision.figure", ("cost",), of="trade"),
     "extremes": FigureKind("lab.robustness.figure", of="extremes"),

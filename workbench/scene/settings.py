@@ -112,12 +112,14 @@ def check(settings: Settings) -> None:
 
 
 def color_of(option: str, text: str | None) -> str | None:
-    """A colour as ``#rrggbb``, of that form or a name of CSS. Raises `InputError`."""
-    from matplotlib.colors import is_color_like, to_hex
+    """A colour as ``#rrggbb``, of that form or a name of CSS. Raises `InputError`, also for one that is transparent."""
+    from matplotlib.colors import is_color_like, to_hex, to_rgba
 
-    if text is not None and not is_color_like(text):
-        raise InputError(f"{option} takes a colour, such as '#14181e' or navy, got {text!r}")
-    return None if text is None else to_hex(text)
+    if text is None:
+        return None
+    if not is_color_like(text) or to_rgba(text)[3] < 1:
+        raise InputError(f"{option} takes an opaque colour, such as '#14181e' or navy, got {text!r}")
+    return to_hex(text)
 
 
 def look_of(theme: str | None, background: str | None, color: str | None) -> Settings:
