@@ -93,7 +93,7 @@ class Solution(ShapeArrays):
             raise InputError("a solution of one case has no others to select; its arrays are attributes, as solution.z")
         try:
             order = np.ravel(np.arange(self.case.size).reshape(self.case.shape)[index])
-        except IndexError as error:
+        except (IndexError, ValueError) as error:  # a slice whose step is 0 is no value
             raise InputError(f"cases of shape {self.case.shape} have no index {show(index)}: {error}") from None
         if order.size == 0 or (np.diff(order) <= 0).any():
             raise InputError("an index of a solution must select cases in their order, each once, and at least one")

@@ -9,7 +9,7 @@ import numpy as np
 
 from .case import Case, Cylinder, Rod
 from .errors import InputError, choices, known_name, names_of, near
-from .field_values import angle
+from .field_values import numbers_of
 from .quantities import AT_START
 
 MOST_LISTED = 12  # values of a field that a message lists
@@ -104,7 +104,7 @@ def place_along(case: Case, name: str, value: Any) -> tuple[int, Any]:
     """The axis of a grid of cases along which a field varies, and the place on it of a value, or of several.
 
     Values are met to nine digits; an angle may be text. Raises `InputError` for a field that varies along none or
-    several axes, and for a value that no case has.
+    several axes, and for what is no finite number or no case has.
     """
     every = np.broadcast_to(values_of(case, name), case.shape)
     along = [k for k in range(every.ndim) if (every != every.take([0], axis=k)).any()]
@@ -113,11 +113,11 @@ def place_along(case: Case, name: str, value: Any) -> tuple[int, Any]:
         raise InputError(f"{name} varies along {how} of these cases, so no value of it selects some; use an index")
     known = np.moveaxis(every, along[0], -1).reshape(-1, case.shape[along[0]])[0]
     listed = choices(f"{number:.10g}" for number in known[:MOST_LISTED]) + ", ..." * (known.size > MOST_LISTED)
+    numbers = numbers_of("selected", name, value)
     places = []
-    for text in np.ravel(np.asarray(value, dtype=object)):
-        number = angle(text) if isinstance(text, str) else float(text)
+    for number in np.ravel(numbers):
         near_it = np.flatnonzero(np.isclose(known, number, rtol=1e-9, atol=0))
         if not near_it.size:
             raise InputError(f"no case has {name} = {number:.10g}; there are {listed}")
         places.append(int(near_it[0]))
-    return along[0], places[0] if np.ndim(value) == 0 else places
+    return along[0], places[0] if np.ndim(numbers) == 0 else places

@@ -74,11 +74,15 @@ def test_values_of_fields_select_and_a_loop_goes_over_the_first_axis() -> None:
 def test_a_selection_that_is_none_is_refused() -> None:
     rods = FAMILIES["without an orbit"]()
     indices = {"no index 9": 9, "no index 'a'": "a", "in their order": [2, 0], "at least one": slice(4, 4)}
+    indices |= {"step cannot be zero": slice(None, None, 0)}
     for words, index in indices.items():
         with pytest.raises(InputError, match=words):
             rods[index]
     for words, value in {"no case has E = 15000; there are 5000, ": {"E": 15e3}, "along no axis": {"R": 0.75}}.items():
         with pytest.raises(InputError, match=words):
             rods.sel(**value)
+    for value in ("x", None, slice(1e4, 2e4), np.nan, [], ["5e3"]):
+        with pytest.raises(InputError, match=r"selected\.E (must|is empty)"):
+            rods.sel(E=value)
     with pytest.raises(InputError, match="one case"):
         rods[0][0]
