@@ -114,6 +114,8 @@ def test_a_file_of_0_2_0_has_the_names_of_today(old_file: Path, call: Any) -> No
         assert stored.observables == ["bends", "turns_around", "share"]
         assert stored.verdicts[0]["observable"] == "bends"
         assert stored["share"].attrs["expression"] == "turns_around/bends"
+        for name in ("turns_around", "turns_around_error"):
+            assert "wraps" not in "".join(map(str, stored[name].attrs.values()))
         assert call_with_notices(lambda: stored.at(E=1e4), BENDS, AROUND).solved.all()
         assert call_with_notices(lambda: stored.boundary("turns"), BENDS).sizes["pair"] == 1
 

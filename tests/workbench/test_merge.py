@@ -114,6 +114,13 @@ def test_the_same_case_with_other_numbers_is_refused_and_nothing_is_left_behind(
     assert sorted(os.listdir(tmp_path)) == ["0.h5", "1.h5"]
 
 
+def test_a_reading_that_one_file_has_not_is_named_as_nothing(tmp_path) -> None:
+    a, b = one_by_one(E1), one_by_one(E2)
+    b.attrs["reading"] = ""
+    with pytest.raises(InputError, match="differ in the reading: force-first/tension/paper and nothing"):
+        file_merge.merge(stored(tmp_path, a, b), tmp_path / "all.h5")
+
+
 def test_stations_at_other_places_are_refused(tmp_path) -> None:
     a, b = one_by_one(E1), one_by_one(E2)
     files = stored(tmp_path, a, b.assign_coords(u=b["u"] ** 2, s=("u", b["s"].values * b["u"].values, b["s"].attrs)))

@@ -177,7 +177,7 @@ def _said(value: Any) -> str:
     """A value as a message shows it, at most 60 characters."""
     if isinstance(value, list) and all(isinstance(word, str) for word in value):
         return choices(value) or "none"
-    text = "nothing" if value is None else str(value)
+    text = "nothing" if value is None or value == "" else str(value)
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from solver.observe import observables
 from solver.observe.observables import OBSERVABLES
 from solver.problem.errors import InputError
-from solver.problem.quantities import RENAMED, current, in_current_names
+from solver.problem.quantities import RENAMED, current, in_current_names, quantity
 from studies.grammar.axes import LONGEST_LINE
 from studies.grammar.formulas import parse, tables_in_current_names
 from studies.language import expressions
@@ -85,6 +85,9 @@ def dataset_in_current_names(ds: "xr.Dataset") -> "xr.Dataset":
     for key, value in ds.attrs.items():
         with contextlib.suppress(ValueError, TypeError, RecursionError):  # of an attribute that is no JSON
             ds.attrs[key] = json.dumps(tables_in_current_names(json.loads(value), key), ensure_ascii=False)
+    for name in variables.values():
+        row = quantity(_OF_CURVES.sub(r"\2", name, count=1))
+        ds[name].attrs |= {"long_name": row.long_name, "symbol": row.symbol}
     ds.attrs |= {key: current(ds.attrs[key]) for key in ("shown",) if key in ds.attrs}
     for array in ds.variables.values():
         if isinstance(text := array.attrs.get("expression"), str):
