@@ -50,6 +50,9 @@ def of_a_well(
             raise InputError(f"{name} and {beside[0]} exclude each other: give one of them")
     rest = {name: value for name, value in values.items() if name not in WELL}
     if "hole" in values:
+        hole = np.asarray(values["hole"])
+        if wrong := [float(angle) for angle in hole.flat if not 0 <= angle <= math.pi]:
+            raise InputError(f"hole must be from 0 to pi rad (180 deg), got {wrong[0]:.4g} rad")
         rest["inclination"] = math.pi - values["hole"]
     if not {"wob", "FZ0"} & {*values}:
         return rest

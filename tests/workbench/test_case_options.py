@@ -225,3 +225,10 @@ def test_the_first_numbers_of_a_cable_are_its_pitch_and_stress(capsys: pytest.Ca
     pitch, stress = float(numbers["pitch"]), float(numbers["bending_stress_max"])
     assert pitch == pytest.approx(2 * pi * 61 / np.tan(np.deg2rad(80)), rel=1e-5)  # as printed
     assert stress == pytest.approx(2e5 * np.sin(np.deg2rad(80)) ** 2 / 61, rel=1e-5)
+
+
+@pytest.mark.parametrize("angle", ["-10deg", "200deg"])
+def test_a_hole_whose_inclination_is_none_is_refused_by_its_own_name(angle: str, capsys) -> None:
+    rod = "--EI 1e5 --GJ 8e4 --a 0.05 --L 30 --R 0.08 --side inside --weight 300 --beta0 0 --betaL 0 --MZ 0 --wob 1e4"
+    assert exit_status("solve", *rod.split(), f"--hole={angle}") == 2
+    assert "hole must be from 0 to pi rad" in capsys.readouterr().err
