@@ -26,7 +26,7 @@ from tests.workbench.waiting import until
 from workbench.commands import docs
 from workbench.figures import canvas
 from workbench.lab import measured_runs
-from workbench.paper import law_cards, report_document, report_runs
+from workbench.paper import law_cards, report_document, report_runs, reproduce
 from workbench.run import in_memory, reading, writing
 from workbench.run.in_memory import StudyResult
 from workbench.stored import law_verdicts
@@ -220,6 +220,13 @@ def test_a_study_that_a_reading_does_not_admit_is_named_with_its_reason(results,
     told = report_document.html(results, readings, refusals=["Fig. 7 (4): its own end angle lies beyond 60 degrees"])
     assert "Fig. 7 (4): its own end angle lies beyond 60 degrees" in Page(told).text
     assert "Left out." not in Page(report_document.html(results, readings)).text
+
+
+def test_below_a_diagram_stands_its_caption(results, tmp_path) -> None:
+    pictures, caption = reproduce._draw(results[1], tmp_path, able=False)
+    assert any("seen from outside" in sentence for sentence in caption)
+    text = Page(report_document.html([replace(results[1], pictures=pictures, caption=caption)])).text
+    assert " ".join(caption) in text
 
 
 def test_what_a_study_says_is_text_and_not_markup(results) -> None:

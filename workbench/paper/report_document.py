@@ -222,6 +222,7 @@ def _section(result: StudyResult, figures: Mapping[str, Any]) -> dict[str, Any]:
         "cases": int(stored["outcome"].size),
         "scenes": pictures,
         "others": diagrams,
+        "caption": " ".join(result.caption),
     }
 
 

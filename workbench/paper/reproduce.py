@@ -84,7 +84,8 @@ def _results(
             continue
         result = in_memory.result(study, reading.read(files[study.name]), files[study.name])
         step(f"drawing {study.name}")
-        results.append(replace(result, pictures=_draw(result, out, able)))
+        pictures, caption = _draw(result, out, able)
+        results.append(replace(result, pictures=pictures, caption=caption))
     return results, refusals
 
 
@@ -121,19 +122,20 @@ def _release(study: "Study", out: Path) -> dict[str, Any] | str:
     return report_runs.release(study, StoredStudy(reading.read(file)))
 
 
-def _draw(result: "StudyResult", out: Path, able: bool) -> dict[str, Path]:
-    """The pictures of one dataset, name -> file; scenes only if OpenGL works."""
+def _draw(result: "StudyResult", out: Path, able: bool) -> tuple[dict[str, Path], list[str]]:
+    """Draw one dataset: name -> file, scenes only if OpenGL works; and the sentences of the caption of the diagram."""
     from ..figures import canvas, kinds
 
     name = result.ds.attrs["study_name"]
     stored = result.stored.with_title("")  # the report gives the title, once
     pictures = {"figure": out / f"{name}.png"}
-    canvas.save(kinds.figure(stored, "lines", verdicts=result.verdicts), pictures["figure"])
+    fig = kinds.figure(stored, "lines", verdicts=result.verdicts)
+    canvas.save(fig, pictures["figure"])
     if able:
         from ..scene import layout
 
         pictures |= layout.draw(stored, out / f"{name}_scene.png")
-    return pictures
+    return pictures, canvas.caption(fig)
 
 
 def _draw_story(results: "list[StudyResult]", readings: "StoredStudy", path: Path) -> Path | None:

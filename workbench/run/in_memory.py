@@ -1,5 +1,6 @@
 """Run a study in memory."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -29,7 +30,7 @@ MOST_IN_MEMORY = 2_000_000_000
 class StudyResult:
     """A study that was run: its dataset, the verdicts on its laws, and its files.
 
-    path: the stored file. pictures: name -> file.
+    path: the stored file. pictures: name -> file. caption: the sentences of the diagram.
     """
 
     study: Study
@@ -37,6 +38,7 @@ class StudyResult:
     verdicts: LawVerdicts
     path: Path | None = None
     pictures: dict[str, Path] = field(default_factory=dict)
+    caption: Sequence[str] = ()
 
     @cached_property
     def stored(self) -> StoredStudy:
