@@ -2,17 +2,19 @@
 
 from collections.abc import Callable
 from functools import partial
+from io import BytesIO
 
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib import image
 
 from solver import Ends, solve
 from solver.end_angle_branch import to_fold
 from studies import TABLE_1, load, names
 from tests.slow import slow
 from tests.workbench import small, stored_figures
-from workbench.figures import kinds
+from workbench.figures import canvas, kinds
 from workbench.run import in_memory
 from workbench.stored import law_verdicts
 from workbench.stored.stored_study import StoredStudy
@@ -139,3 +141,18 @@ def test_where_a_law_decides_is_where_a_picture_is_taken() -> None:
     for row in law_verdicts.verdicts(forces):
         for name, value in row["at"].items():
             assert float(forces[name][StoredStudy(forces).place()[name]]) == pytest.approx(value)
+
+
+def test_a_ring_covers_no_more_than_its_line() -> None:
+    def draw(fig) -> None:
+        ax = fig.add_axes((0, 0, 1, 1))
+        ax.set_facecolor("black")
+        canvas.draw_rings(ax, [(0.5, 0.5)], [12.0], "ring")
+
+    fig = canvas.figure((1.0, 1.0), draw, layout=None)
+    page = BytesIO()
+    canvas.save(fig, page, 200)
+    page.seek(0)
+    middle = image.imread(page)[50:150, 50:150, :3]
+    assert middle.max() > 0.1
+    assert middle.min(axis=-1).max() < 0.5  # nothing white, beside the line or inside the ring

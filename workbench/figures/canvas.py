@@ -25,7 +25,6 @@ from matplotlib.gridspec import GridSpec
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from matplotlib.patheffects import withStroke
 from matplotlib.text import Text
 from matplotlib.ticker import AutoLocator, ScalarFormatter
 from matplotlib.transforms import ScaledTranslation
@@ -356,14 +355,13 @@ def ring_entry(label: str) -> Line2D:
 
 
 def draw_rings(ax: Axes, places: Any, sizes: Any, name: str) -> None:
-    """Ring the places (n, 2) where rods pass through themselves: open circles with a white edge, seen on every colour.
+    """Ring the places (n, 2) where rods pass through themselves: open circles, of which nothing covers what they mark.
 
     sizes: (n,), points across. name: theirs in a table.
     """
-    edge = [withStroke(linewidth=2 * RING, foreground="white")]
     x, y = np.transpose(places)
-    ax.scatter(x, y, s=np.square(sizes), facecolors="none", edgecolors=CROSSED, linewidths=RING,
-               path_effects=edge, gid=name, zorder=5, clip_on=False)  # fmt: skip
+    ax.scatter(x, y, s=np.square(sizes), facecolors="none", edgecolors=CROSSED, linewidths=RING, gid=name,
+               zorder=5, clip_on=False)  # fmt: skip
 
 
 def colour_bar(beside: Sequence[Axes], colours: ScalarMappable, label: str = "", **where: Any) -> Colorbar:
