@@ -199,6 +199,8 @@ def test_a_study_takes_the_words_of_drillers_in_fields_and_axes() -> None:
     assert np.asarray(ds["FZ"]) == pytest.approx(np.array([[-20.0, -40.0]] * 2))
     assert np.asarray(ds["FZ0"]) == pytest.approx(along - [[20.0, 40.0]], rel=1e-9)
     assert np.asarray(ds["inclination"]).reshape(-1) == pytest.approx(np.deg2rad([150, 90]))
+    by_start = loads(STUDY_OF_A_PIPE.format(name="FZ0", values="[-20.0, 10.0]")).case()
+    assert np.asarray(by_start.given.FZ) == pytest.approx([-20.0, 10.0] - along)
 
 
 def test_a_study_takes_tension_lay_and_twist_of_a_cable_in_fields_and_axes() -> None:

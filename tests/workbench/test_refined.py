@@ -236,6 +236,9 @@ def test_a_case_between_the_lines_of_the_coarse_grid_can_refute_a_law(stored: Pa
         ds = ds.load()
     found, law = refined.describe(ds), Law(claim="(2)", observable="bends", axis="E", source="s", **rule)
     rows = refined.rows_for_law(ds, "E")
+    for row in rows:
+        np.testing.assert_array_equal(row.along[row.has_case], ds["E"].values[row.cases[row.has_case]])
+        assert (np.diff(row.along) > 0).all()
     between = next(row for row in rows if not row.has_case.all() and row.has_case[:2].any() and row.has_case.sum() > 2)
     odd = int(between.cases[between.has_case][1])
     numbers = np.ones(ds.sizes["sample"])
