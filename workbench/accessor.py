@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 def rod(ds: xr.Dataset) -> "StoredStudy":
     """The stored study of a dataset."""
-    from .stored.schema import dataset_in_current_names
+    from .stored.former_names import dataset_in_current_names
     from .stored.stored_study import StoredStudy
 
     return StoredStudy(dataset_in_current_names(ds))

@@ -4,7 +4,7 @@ A command returns a `Result`; `presents` gives it the options of its case and of
 """
 
 import inspect
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass
 from functools import wraps
 from pathlib import Path
@@ -105,16 +105,21 @@ def presents(
                 result.afterwards()
             return result.status
 
-        parameters: list[inspect.Parameter] = []
-        for name, parameter in signature.parameters.items():
-            if name in records:
-                parameters += _parameters(_options_of(records[name]))
-            else:
-                parameters += _parameters(given) if name == "given" else [parameter]
-        run.__signature__ = signature.replace(parameters=parameters + _parameters(shared))  # type: ignore[attr-defined]
+        replaced = {name: _options_of(record) for name, record in records.items()} | {"given": given}
+        run.__signature__ = _signature_with(signature, replaced, shared)  # type: ignore[attr-defined]
         return run
 
     return decorate
+
+
+def _signature_with(
+    signature: inspect.Signature, options: Mapping[str, dict[str, Any]], shared: dict[str, Any]
+) -> inspect.Signature:
+    """The signature with options in place of the parameters of these names, and those that commands share behind."""
+    parameters: list[inspect.Parameter] = []
+    for name, parameter in signature.parameters.items():
+        parameters += _parameters(options[name]) if name in options else [parameter]
+    return signature.replace(parameters=parameters + _parameters(shared))
 
 
 def _options_of(record: Any) -> dict[str, tuple[Any, Any]]:

@@ -15,7 +15,7 @@ from xarray.core import indexing
 from solver.problem.errors import InputError
 
 from ..stored import file_kinds
-from ..stored.schema import dataset_in_current_names
+from ..stored.former_names import dataset_in_current_names
 from . import checks, file_checks
 from .file_checks import Contents, FileArray, refusing
 

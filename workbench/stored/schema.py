@@ -1,9 +1,7 @@
 """The schema of stored files: kinds, format, names, dimensions, labels, packing, attributes. Needs no xarray."""
 
-import contextlib
 import json
 import math
-import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,9 +12,8 @@ from numpy.typing import NDArray
 from solver.observe import observables
 from solver.observe.observables import OBSERVABLES
 from solver.problem.errors import InputError
-from solver.problem.quantities import RENAMED, current, in_current_names, quantity
 from studies.grammar.axes import LONGEST_LINE
-from studies.grammar.formulas import parse, tables_in_current_names
+from studies.grammar.formulas import parse
 from studies.language import expressions
 from studies.laws.verdicts import Law
 
@@ -70,29 +67,6 @@ def leaves(ds: "xr.Dataset") -> bool:
 def loads_vary(ds: "xr.Dataset") -> bool:
     """Whether loads vary along a rod of the dataset: one has weight or friction."""
     return any(bool(np.any(ds[name].values != 0)) for name in VARYING if name in ds.variables)
-
-
-_OF_CURVES = re.compile(r"((?:curve_|shape_|special_|fold_)?)(.*)")  # a name in a file of branches
-
-
-def dataset_in_current_names(ds: "xr.Dataset") -> "xr.Dataset":
-    """The dataset with the names of today in place of those that an earlier release stored, with a notice for each."""
-    parts = {name: _OF_CURVES.fullmatch(name) for name in map(str, ds.variables)}
-    variables = {name: part[1] + current(part[2]) for name, part in parts.items() if part and part[2] in RENAMED}
-    if not variables:
-        return ds
-    ds = ds.rename(variables)
-    for key, value in ds.attrs.items():
-        with contextlib.suppress(ValueError, TypeError, RecursionError):  # of an attribute that is no JSON
-            ds.attrs[key] = json.dumps(tables_in_current_names(json.loads(value), key), ensure_ascii=False)
-    for name in variables.values():
-        row = quantity(_OF_CURVES.sub(r"\2", name, count=1))
-        ds[name].attrs |= {"long_name": row.long_name, "symbol": row.symbol}
-    ds.attrs |= {key: current(ds.attrs[key]) for key in ("shown",) if key in ds.attrs}
-    for array in ds.variables.values():
-        if isinstance(text := array.attrs.get("expression"), str):
-            array.attrs["expression"] = in_current_names(text)
-    return ds
 
 
 def packing(ndim: int, dtype: "np.dtype[Any]") -> dict[str, Any]:
