@@ -28,7 +28,7 @@ from workbench.geometry.centreline import Centreline
 from workbench.geometry.lines import Lines
 from workbench.run import in_memory, writing
 from workbench.scene import body as rods
-from workbench.scene import long_rod, opengl, page, scene_kinds, surfaces, true_scale, views
+from workbench.scene import long_rod, opengl, page, scene_kinds, signs, surfaces, true_scale, views
 from workbench.scene.scene_kinds import KINDS, Cell, kind_of
 from workbench.scene.views import View
 from workbench.stored.quantity_variables import SECTION
@@ -457,7 +457,7 @@ def test_each_rod_of_a_row_that_passes_through_itself_is_ringed_in_its_cell(fig6
     through = ["overlaps" in str(caution) for caution in ds["caution"].values]
     assert sorted(set(through)) == [False, True]
     assert [bool(found) for found in inside] == through
-    assert page.RING in [colour for colour, _ in taken.legend]
+    assert signs.RING in [colour for colour, _ in taken.legend]
     assert sum(through) == 1
     assert "1 of 3 passes through itself" in taken.notes
     bare = layout.compose(StoredStudy(ds), None, "grid", ["F3"], settings=composition.Settings(2.0, 50, bare=True))
@@ -468,7 +468,7 @@ def test_each_rod_of_a_row_that_passes_through_itself_is_ringed_in_its_cell(fig6
 @pytest.mark.parametrize("camera, outlined", [("front", False), ("180,0", True)])
 def test_the_legend_says_what_outlines_are_where_there_are_some(fig6, camera, outlined) -> None:
     taken = layout.compose(StoredStudy(fig6), settings=composition.Settings(2.0, 50, camera=camera))
-    assert ((page.OUTLINE, "a stretch behind the cylinder") in taken.legend) == outlined
+    assert ((signs.OUTLINE, "a stretch behind the cylinder") in taken.legend) == outlined
 
 
 @draws

@@ -12,7 +12,7 @@ from ..figures import canvas, fonts
 from ..figures.arrangement import Arrangement
 from ..geometry.centreline import APART, Array
 from ..words import cautions, labels
-from . import long_rod, page, scene_kinds
+from . import long_rod, page, scene_kinds, signs
 from .body import Body
 from .page import Mark, Page, Scene
 from .rendering import Placed, render
@@ -68,7 +68,7 @@ def compose(scene: Scene) -> Page:
         wide, high = size[0] / dpi, size[1] / dpi
     elif not settings.size:
         wide = min(wide, max(NARROWEST, arranged.size[0] + scene.beside[0] + 2 * canvas.MARGIN))
-    legend = [entry for entry in legend if kept or entry[0] != page.OUTLINE]
+    legend = [entry for entry in legend if kept or entry[0] != signs.OUTLINE]
     final = Page(scene, legend, [*notes, *beyond, *rough], (wide, high))
     if not (settings.size or settings.bare):
         final.fit(size[1] / dpi)
@@ -87,15 +87,15 @@ def words_of(scene: Scene) -> tuple[list[tuple[str, str]], list[str]]:
     crossings = [view.crossings(scene.camera) for view in views if scene.ringed]
     ringed = any(seen for seen, _ in crossings)
     if ringed:
-        legend.append((page.RING, ITSELF + UNSEEN * any(hidden for _, hidden in crossings)))
+        legend.append((signs.RING, ITSELF + UNSEEN * any(hidden for _, hidden in crossings)))
     if any(view.hides(body, scene.camera) for view in views for body in view.bodies):
-        legend.append((page.OUTLINE, BEHIND))
+        legend.append((signs.OUTLINE, BEHIND))
     bodies = scene.bodies
     if any(body.widest_gap is not None for body in bodies):
-        legend.append((page.GAP, "the widest gap to the wall"))
+        legend.append((signs.GAP, "the widest gap to the wall"))
         legend += [(scene_kinds.OFF_WALL, "off the wall")] * (scene.kind.paint is scene_kinds.by_push)
     if any(body.pushes for body in bodies):
-        legend.append((page.FORCE, "a point force of the wall"))
+        legend.append((signs.FORCE, "a point force of the wall"))
     warnings = _impossible_beside(scene.bodies, ringed) if scene.kind.cells != "together" else []
     if len(scene.context) > len(scene.bodies):  # the views of the pictures along an axis stand at one place
         most = max(len(_impossible_beside([body], ringed)) for body in scene.context)

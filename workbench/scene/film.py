@@ -29,7 +29,7 @@ from ..run import atomic
 from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import body as rods
-from . import long_rod, page, scene_kinds
+from . import long_rod, page, scene_kinds, signs
 from .page import Pixels
 from .scene_kinds import Cell
 from .settings import DEFAULT, Settings
@@ -192,9 +192,9 @@ def _begin(fig: Figure, film: Film, scene: page.Scene, lying: bool) -> None:
     ax.plot([left, right], [left + 0.34] * 2, color=colours.FAINT, linewidth=2.0, solid_capstyle="round")
     weight, paint = scene.down, composition.colour_rods(scene)[0].paint
     if weight is not None:
-        page.draw_weight(ax, right - 0.85, tall - 0.27, weight)
+        signs.draw_weight(ax, right - 0.85, tall - 0.27, weight)
     if paint.label:
-        page.draw_bar(ax, paint, (2 * left, tall - 0.32), (1.6, 0.1))
+        signs.draw_bar(ax, paint, (2 * left, tall - 0.32), (1.6, 0.1))
     if str(stored.attrs["side"]) == "inside":
         room = across - (2.4 if weight is None else 3.5)
         words = fonts.break_lines(stored.left_out, room, fonts.SMALL)

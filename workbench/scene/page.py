@@ -13,24 +13,18 @@ from typing import Any
 
 import numpy as np
 from matplotlib import rc_context
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Normalize, to_hex, to_rgba
+from matplotlib.colors import to_hex, to_rgba
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.patches import Circle, Patch
-from matplotlib.patheffects import withStroke
+from matplotlib.patches import Circle
 from numpy.typing import NDArray
 
 from ..figures import canvas, colours, fonts
 from ..figures.arrangement import Arrangement
-from ..figures.scales import round_below
 from ..geometry.centreline import Array
 from ..run import atomic
 from ..stored.stored_study import StoredStudy
-from ..words import labels
-from . import true_scale
+from . import signs, true_scale
 from .body import Body
 from .scene_kinds import Cell, Paint, SceneKind
 from .settings import Settings
@@ -42,9 +36,7 @@ SIZE = (8.0, 6.0)  # width, and largest height, of the page of one case
 LEAST = 0.3  # the least height of the views
 HEAD = 0.17  # the height of a line of headings
 FOOT, APART = 0.6, 0.22  # the height of glyph and bars below the views, and the gap after each
-GLYPH, WEIGHT, SCALE, BAR = 0.62, 0.5, 1.0, 1.6  # widths: the glyph, the longest scale bar, the colour bar
-RING, OUTLINE = "ring", "outline"  # in place of a colour: an open circle, the outline of a hidden stretch
-GAP, FORCE = "gap", "force"  # in place of a colour: a line between two marks, an arrow
+WEIGHT, BAR = 0.5, 1.6  # widths: the arrow of the weight, the colour bar
 QUALITY = 92  # of JPEG
 WHITE = colours.THEMES["light"][0]
 RUNS = 3  # the strategy of zlib that looks for runs alone: at level 1 the size of level 3 in two thirds of the time
@@ -139,9 +131,9 @@ class Scene:
 class Page:
     """The page of a scene with its words, as high as its content where the height is not given.
 
-    legend: colours and their meaning; `RING` for a ring, `OUTLINE` for a hidden stretch. size: default: of the scene.
-    error: of the drawn surface in pixels, above what was asked where the stations are too few; stations: about how many
-    are needed for what was asked.
+    legend: colours, or those of `signs` in place of one, and their meaning. size: default: of the scene. error: of the
+    drawn surface in pixels, above what was asked where the stations are too few; stations: about how many are needed
+    for what was asked.
     """
 
     error: float
@@ -169,7 +161,7 @@ class Page:
         self.ax = fig.add_axes((0.0, 0.0, 1.0, 1.0)) if self.bare else fig.add_subplot()
         self.ax.axis("off")
         if not self.bare:
-            canvas.write_below(fig, [_handle(*entry) for entry in self.legend], self.notes)
+            canvas.write_below(fig, [signs.legend_sign(*entry) for entry in self.legend], self.notes)
 
     def panel(self) -> tuple[float, float, float, float]:
         """Lay out the page; returns left, low, width and height of the panel in inches."""
@@ -216,7 +208,7 @@ class Page:
         self._write(start, high, rings)
         with rc_context(fonts.RC):
             for mark in marks:
-                _draw_mark(self.ax, mark.places + start, mark.words)
+                signs.draw_mark(self.ax, mark.places + start, mark.words)
         recolour(self.fig, self.scene.settings.look)
 
     def _write(self, start: tuple[float, float], high: float, rings: Sequence[tuple[float, float, float]]) -> None:
@@ -266,15 +258,15 @@ class Page:
                 self.ax, scene.views[0], scene.camera, corner, self.place[2] - 2 * x, scene.stored.units["length"]
             )
         if scene.camera.seen_from is not None and len(scene.rows[0]) == 1:
-            _draw_glyph(self.ax, x, y, scene.camera.seen_from)
-            x += GLYPH + APART
+            signs.draw_glyph(self.ax, x, y, scene.camera.seen_from)
+            x += signs.GLYPH + APART
         if scene.down is not None:
-            draw_weight(self.ax, x, y, scene.down)
+            signs.draw_weight(self.ax, x, y, scene.down)
             x += WEIGHT + APART
         unit = scene.stored.units["length"]
-        _draw_scale(self.ax, x, y, self.arrangement.scale * scene.along, unit, scene.along)
+        signs.draw_scale(self.ax, x, y, self.arrangement.scale * scene.along, unit, scene.along)
         if scene.paint.label:
-            draw_bar(self.ax, scene.paint, (x + SCALE + APART, y - 0.04), (BAR, 0.1))
+            signs.draw_bar(self.ax, scene.paint, (x + signs.SCALE + APART, y - 0.04), (BAR, 0.1))
 
 
 def _draw_cell(ax: Axes, cell: Cell, box: NDArray[np.float64]) -> None:
@@ -294,73 +286,6 @@ def _draw_cell(ax: Axes, cell: Cell, box: NDArray[np.float64]) -> None:
     if cell.why_empty:
         ax.text(middle, y + high / 2, fonts.break_lines(cell.why_empty, wide, fonts.SMALL), color=colours.SOFT,
                 ha="center", va="center", size=fonts.SMALL)  # fmt: skip
-
-
-def _draw_mark(ax: Axes, places: NDArray[np.float64], words: str) -> None:
-    """A gap as a line with its size beside it, or a force as an arrow; places: (2, 2) in inches of the panel."""
-    style = "|-|, widthA=0.25, widthB=0.25" if words else "-|>"
-    look = {"arrowstyle": style, "color": colours.INK, "lw": 1.1, "shrinkA": 0, "shrinkB": 0}
-    ax.annotate("", tuple(places[1]), tuple(places[0]), arrowprops=look, zorder=6)
-    if words:
-        middle = places.mean(axis=0)
-        ax.text(middle[0] + 0.06, middle[1], words, va="center", size=fonts.SMALL, zorder=7,
-                path_effects=[withStroke(linewidth=2.2, foreground="white")])  # fmt: skip
-
-
-def _handle(colour: str, text: str) -> Artist:
-    """What stands beside a text in the legend."""
-    if colour in (GAP, FORCE):
-        return Line2D([], [], color=colours.INK, linewidth=1.1, marker="|" if colour == GAP else ">", label=text,
-                      markevery=None if colour == GAP else [1], markersize=5)  # fmt: skip
-    if colour == RING:
-        return canvas.ring_entry(text)
-    face, edge = (colours.SURFACE, colours.SOFT) if colour == OUTLINE else (colour, "none")
-    return Patch(facecolor=face, edgecolor=edge, label=text)
-
-
-def _draw_scale(ax: Axes, x: float, y: float, per_unit: float, unit: str, along: float) -> None:
-    """A bar of a round length; where the axis is seen at a slant, of a length along it. per_unit: inches."""
-    length = round_below(SCALE / per_unit)
-    wide = length * per_unit
-    ax.errorbar(x + wide / 2, y, xerr=wide / 2, color=colours.INK, linewidth=1.2, capsize=2.5, capthick=1.2)
-    ax.text(x + wide / 2, y - 0.06, f"{labels.number(length)} {unit}", ha="center", va="bottom", size=fonts.SMALL)
-    if along < 1 - 1e-9:
-        ax.text(x, y + 0.06, "along the axis", va="top", size=fonts.SMALL, color=colours.SOFT)
-
-
-def _draw_glyph(ax: Axes, x: float, y: float, toward: NDArray[np.float64]) -> None:
-    """The cylinder seen along its axis, where alpha = 0, and an eye where the viewer is."""
-    middle, radius = np.array([x + GLYPH / 2, y]), 0.13
-    ax.add_patch(Circle(tuple(middle), radius, facecolor=colours.SURFACE, edgecolor=colours.SOFT, linewidth=0.8))
-    ax.plot([middle[0], middle[0] + radius], [y, y], color=colours.SOFT, linewidth=0.8)
-    way = np.asarray(toward[:2]) * [1, -1] / max(float(np.hypot(*toward[:2])), 1e-9)
-    eye, across = middle + 1.75 * radius * way, np.array([-way[1], way[0]])
-    t = np.linspace(-1, 1, 31)[:, None]
-    lid = 0.022 * (1 - t**2) * way
-    for side in (1, -1):
-        ax.plot(*(eye + 0.06 * t * across + side * lid).T, color=colours.INK, linewidth=0.9)
-    ax.add_patch(Circle(tuple(eye), 0.014, facecolor=colours.INK, linewidth=0))
-    if way[0] < 0.8:
-        ax.text(middle[0] + radius + 0.03, y, "α = 0", size=0.75 * fonts.SMALL, color=colours.SOFT, va="center")
-
-
-def draw_weight(ax: Axes, x: float, y: float, down: NDArray[np.float64]) -> None:
-    """An arrow along the weight of the rods; down: its direction on a page whose heights go up, (2,)."""
-    way = 0.17 * np.asarray(down) * [1, -1] / max(float(np.hypot(*down)), 1e-9)
-    middle = np.array([x + 0.14, y])
-    look = {"arrowstyle": "-|>", "color": colours.INK, "lw": 1.0, "shrinkA": 0, "shrinkB": 0}
-    ax.annotate("", tuple(middle + way), tuple(middle - way), arrowprops=look)
-    ax.text(x + 0.3, y, "weight", size=0.75 * fonts.SMALL, color=colours.SOFT, va="center")
-
-
-def draw_bar(ax: Axes, paint: Paint, corner: tuple[float, float], size: tuple[float, float]) -> None:
-    """A colour bar with a few round values below and its quantity above; corner and size in inches of the panel."""
-    place = ax.inset_axes((*corner, *size), transform=ax.transData)
-    scale = ScalarMappable(Normalize(paint.low, paint.high), paint.ramp)
-    canvas.colour_bar([ax], scale, cax=place, orientation="horizontal")
-    place.set_xlim(paint.low if paint.foot is None else paint.foot, paint.high)
-    place.tick_params(labelcolor=colours.INK, pad=1)
-    place.set_title(paint.label, size=fonts.SMALL, loc="left", pad=2)
 
 
 def recolour(fig: Figure, look: Mapping[str, str]) -> None:

@@ -1,0 +1,90 @@
+"""The signs beside the pictures of a scene: bars, the cylinder from above, arrows, marks, and those of the legend.
+
+Lengths on the page are in inches, to the right and down.
+"""
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+from matplotlib.lines import Line2D
+from matplotlib.patches import Circle, Patch
+from matplotlib.patheffects import withStroke
+from numpy.typing import NDArray
+
+from ..figures import canvas, colours, fonts
+from ..figures.scales import round_below
+from ..words import labels
+from .scene_kinds import Paint
+
+GLYPH, SCALE = 0.62, 1.0  # widths: the cylinder from above, the longest scale bar
+RING, OUTLINE = "ring", "outline"  # in place of a colour: an open circle, the outline of a hidden stretch
+GAP, FORCE = "gap", "force"  # in place of a colour: a line between two marks, an arrow
+
+
+def draw_mark(ax: Axes, places: NDArray[np.float64], words: str) -> None:
+    """A gap as a line with its size beside it, or a force as an arrow; places: (2, 2) in inches of the panel."""
+    style = "|-|, widthA=0.25, widthB=0.25" if words else "-|>"
+    look = {"arrowstyle": style, "color": colours.INK, "lw": 1.1, "shrinkA": 0, "shrinkB": 0}
+    ax.annotate("", tuple(places[1]), tuple(places[0]), arrowprops=look, zorder=6)
+    if words:
+        middle = places.mean(axis=0)
+        ax.text(middle[0] + 0.06, middle[1], words, va="center", size=fonts.SMALL, zorder=7,
+                path_effects=[withStroke(linewidth=2.2, foreground="white")])  # fmt: skip
+
+
+def legend_sign(colour: str, text: str) -> Artist:
+    """What stands beside a text in the legend."""
+    if colour in (GAP, FORCE):
+        return Line2D([], [], color=colours.INK, linewidth=1.1, marker="|" if colour == GAP else ">", label=text,
+                      markevery=None if colour == GAP else [1], markersize=5)  # fmt: skip
+    if colour == RING:
+        return canvas.ring_entry(text)
+    face, edge = (colours.SURFACE, colours.SOFT) if colour == OUTLINE else (colour, "none")
+    return Patch(facecolor=face, edgecolor=edge, label=text)
+
+
+def draw_scale(ax: Axes, x: float, y: float, per_unit: float, unit: str, along: float) -> None:
+    """A bar of a round length; where the axis is seen at a slant, of a length along it. per_unit: inches."""
+    length = round_below(SCALE / per_unit)
+    wide = length * per_unit
+    ax.errorbar(x + wide / 2, y, xerr=wide / 2, color=colours.INK, linewidth=1.2, capsize=2.5, capthick=1.2)
+    ax.text(x + wide / 2, y - 0.06, f"{labels.number(length)} {unit}", ha="center", va="bottom", size=fonts.SMALL)
+    if along < 1 - 1e-9:
+        ax.text(x, y + 0.06, "along the axis", va="top", size=fonts.SMALL, color=colours.SOFT)
+
+
+def draw_glyph(ax: Axes, x: float, y: float, toward: NDArray[np.float64]) -> None:
+    """The cylinder seen along its axis, where alpha = 0, and an eye where the viewer is."""
+    middle, radius = np.array([x + GLYPH / 2, y]), 0.13
+    ax.add_patch(Circle(tuple(middle), radius, facecolor=colours.SURFACE, edgecolor=colours.SOFT, linewidth=0.8))
+    ax.plot([middle[0], middle[0] + radius], [y, y], color=colours.SOFT, linewidth=0.8)
+    way = np.asarray(toward[:2]) * [1, -1] / max(float(np.hypot(*toward[:2])), 1e-9)
+    eye, across = middle + 1.75 * radius * way, np.array([-way[1], way[0]])
+    t = np.linspace(-1, 1, 31)[:, None]
+    lid = 0.022 * (1 - t**2) * way
+    for side in (1, -1):
+        ax.plot(*(eye + 0.06 * t * across + side * lid).T, color=colours.INK, linewidth=0.9)
+    ax.add_patch(Circle(tuple(eye), 0.014, facecolor=colours.INK, linewidth=0))
+    if way[0] < 0.8:
+        ax.text(middle[0] + radius + 0.03, y, "α = 0", size=0.75 * fonts.SMALL, color=colours.SOFT, va="center")
+
+
+def draw_weight(ax: Axes, x: float, y: float, down: NDArray[np.float64]) -> None:
+    """An arrow along the weight of the rods; down: its direction on a page whose heights go up, (2,)."""
+    way = 0.17 * np.asarray(down) * [1, -1] / max(float(np.hypot(*down)), 1e-9)
+    middle = np.array([x + 0.14, y])
+    look = {"arrowstyle": "-|>", "color": colours.INK, "lw": 1.0, "shrinkA": 0, "shrinkB": 0}
+    ax.annotate("", tuple(middle + way), tuple(middle - way), arrowprops=look)
+    ax.text(x + 0.3, y, "weight", size=0.75 * fonts.SMALL, color=colours.SOFT, va="center")
+
+
+def draw_bar(ax: Axes, paint: Paint, corner: tuple[float, float], size: tuple[float, float]) -> None:
+    """A colour bar with a few round values below and its quantity above; corner and size in inches of the panel."""
+    place = ax.inset_axes((*corner, *size), transform=ax.transData)
+    scale = ScalarMappable(Normalize(paint.low, paint.high), paint.ramp)
+    canvas.colour_bar([ax], scale, cax=place, orientation="horizontal")
+    place.set_xlim(paint.low if paint.foot is None else paint.foot, paint.high)
+    place.tick_params(labelcolor=colours.INK, pad=1)
+    place.set_title(paint.label, size=fonts.SMALL, loc="left", pad=2)
