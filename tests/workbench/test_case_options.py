@@ -201,6 +201,9 @@ def test_a_study_takes_the_words_of_drillers_in_fields_and_axes() -> None:
     assert np.asarray(ds["inclination"]).reshape(-1) == pytest.approx(np.deg2rad([150, 90]))
     by_start = loads(STUDY_OF_A_PIPE.format(name="FZ0", values="[-20.0, 10.0]")).case()
     assert np.asarray(by_start.given.FZ) == pytest.approx([-20.0, 10.0] - along)
+    rising = STUDY_OF_A_PIPE.format(name="wob", values="[20.0]").replace('"30deg", "90deg"', '"120deg", "150deg"')
+    lifted = 0.241 * 50 * np.cos(np.deg2rad([[60], [30]]))  # s = 0 is the lower end
+    assert np.asarray(loads(rising).case().given.FZ) == pytest.approx(lifted - 20.0)
 
 
 def test_a_study_takes_tension_lay_and_twist_of_a_cable_in_fields_and_axes() -> None:
