@@ -135,8 +135,8 @@ def test_the_page_draws_a_rod_and_says_what_it_is(page, tmp_path) -> None:
     assert "turns around the cylinder" in page("return document.getElementById('headline').innerText")
     chip = page("return document.getElementById('chip').innerText")
     assert chip == (
-        "Not physically possible. The rod passes through itself. The rod would lift off where the cylinder has to "
-        "pull, no push on 77 % of the length. Lift-off from s = 0 cm."
+        "Not physically possible. The rod passes through itself. The rod would lift off the cylinder, no push on 77 % "
+        "of the length. Lift-off from s = 0 cm."
     )
     assert page("return page.view.camera.lying")  # along the view, as the unrolled view below it
     assert page("return document.querySelectorAll('#diagrams canvas, #unrolled canvas').length") == 4

@@ -298,14 +298,18 @@ def add_to_caption(fig: Figure, sentences: Sequence[str]) -> None:
     _CAPTIONS[fig] = [*_CAPTIONS.get(fig, []), *sentences]
 
 
-def caption(fig: Figure) -> list[str]:
-    """The sentences of the caption of a figure, each once."""
-    return list(dict.fromkeys(" ".join(text.split()) for text in _CAPTIONS.get(fig, [])))
+NOT_DRAWN = "Not drawn: "
+
+
+def caption(fig: Figure, advice: bool = True) -> list[str]:
+    """The sentences of the caption of a figure, each once; without advice: of what is drawn alone."""
+    sentences = dict.fromkeys(" ".join(text.split()) for text in _CAPTIONS.get(fig, []))
+    return [text for text in sentences if advice or not text.startswith(NOT_DRAWN)]
 
 
 def say_left_out(names: Sequence[str], options: str) -> list[str]:
     """The sentence that names what has no room; none where all has."""
-    return [f"Not drawn: {', '.join(names)}; choose with {options}."] if names else []
+    return [f"{NOT_DRAWN}{', '.join(names)}; choose with {options}."] if names else []
 
 
 def add_legend(ax: Axes, most: float = np.inf, **where: Any) -> None:

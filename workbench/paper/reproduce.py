@@ -135,7 +135,7 @@ def _draw(result: "StudyResult", out: Path, able: bool) -> tuple[dict[str, Path]
         from ..scene import layout
 
         pictures |= layout.draw(stored, out / f"{name}_scene.png")
-    return pictures, canvas.caption(fig)
+    return pictures, canvas.caption(fig, advice=False)
 
 
 def _draw_story(results: "list[StudyResult]", readings: "StoredStudy", path: Path) -> Path | None:
