@@ -71,7 +71,6 @@ def copy(root: Path, folder: Path) -> None:
         text = (root / name).read_text(encoding="utf-8").replace("](docs/", "](").replace('src="docs/', 'src="')
         for other in ROOT_PAGES:
             text = text.replace(f"]({other})", f"]({other.lower()})")
-        text = re.sub(r"^<(details|/details|summary>.*</summary)>\n", "", text, flags=re.MULTILINE)  # around headings
         _put(folder / name.lower(), text)
     for kind in ("figures", "scenes"):
         for picture in sorted((docs / kind).glob("*.*")):
