@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from .switch import switch
     from .traced_folds import trace_fold
 
-__version__ = "0.2.0"
+__version__ = "0.3.0"
 __all__ = [
     "Branch",
     "Case",

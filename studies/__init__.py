@@ -8,7 +8,7 @@ from .language.study import Study
 from .laws.line_verdicts import Verdict, judge
 from .laws.verdicts import Law
 
-__version__ = "0.2.0"
+__version__ = "0.3.0"
 __all__ = ["READINGS", "TABLE_1", "Law", "Reading", "Study", "Verdict", "judge", "load", "loads", "names"]
 
 

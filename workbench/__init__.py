@@ -3,4 +3,4 @@
 `import workbench.accessor` gives datasets their accessor `ds.rod`; this package itself imports nothing heavy.
 """
 
-__version__ = "0.2.0"
+__version__ = "0.3.0"
