@@ -22,10 +22,11 @@ import xarray as xr
 from studies.language.loader import loads
 from workbench.geometry.centreline import Array, Centreline
 from workbench.geometry.refinement import Rings, rings
-from workbench.run import in_memory, reading, writing
+from workbench.run import in_memory, writing
 from workbench.scene import opengl, surfaces
 from workbench.scene.body import Body, read
 from workbench.scene.scene_kinds import KINDS
+from workbench.stored import reading
 from workbench.stored.stored_study import StoredStudy
 
 WIDE = 1450  # pixels of the picture that the rod's length fills

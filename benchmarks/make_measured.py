@@ -14,7 +14,8 @@ import numpy as np
 import xarray as xr
 
 from workbench.lab.measured_runs import SHIPPED
-from workbench.run import reading, writing
+from workbench.run import writing
+from workbench.stored import reading
 
 KEPT = {
     "trade": ("seconds", "error", "outcome", "answered", "kind"),

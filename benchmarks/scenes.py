@@ -13,8 +13,9 @@ from pathlib import Path
 from time import perf_counter, process_time
 
 from studies import load
-from workbench.run import in_memory, reading, writing
+from workbench.run import in_memory, writing
 from workbench.scene import opengl
+from workbench.stored import reading
 from workbench.stored.stored_study import StoredStudy
 
 KINDS = ("plain", "contact", "curvature", "twist")

@@ -10,8 +10,8 @@ from solver.problem.errors import InputError
 from studies import load
 from tests.workbench import live, small
 from tests.workbench.command import exit_status
-from workbench.run import atomic, reading
-from workbench.stored import file_kinds
+from workbench.run import atomic
+from workbench.stored import file_kinds, reading
 
 
 @pytest.fixture

@@ -19,7 +19,8 @@ from workbench.branches import branch_dataset
 from workbench.branches.ends_study import DEFAULT, ends_problem, write_cases
 from workbench.branches.equilibria_dataset import dataset_of
 from workbench.commands.case_options import parse_axis
-from workbench.run import in_memory, reading, writing
+from workbench.run import in_memory, writing
+from workbench.stored import reading
 from workbench.stored.one_case import solve_one
 from workbench.stored.stored_study import StoredStudy
 

@@ -19,7 +19,7 @@ from workbench.figures.sheet import sheet
 from workbench.influence.derivatives import local
 from workbench.lab import measured_runs, robustness, work_precision
 from workbench.paper import report_runs, story
-from workbench.run import reading
+from workbench.stored import reading
 from workbench.stored.stored_study import StoredStudy
 
 SHEETS = {"screen": sheet(), "column": sheet("paper", 89, titled=False), "page": sheet("paper", 183, titled=False)}

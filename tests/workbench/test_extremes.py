@@ -21,7 +21,8 @@ from workbench.lab.extreme_runs import (
     extremes,
     references,
 )
-from workbench.run import reading, writing
+from workbench.run import writing
+from workbench.stored import reading
 from workbench.stored.stored_study import StoredStudy
 
 

@@ -16,7 +16,8 @@ from workbench.figures import kinds
 from workbench.figures import region_map as region_figure
 from workbench.figures.sheet import sheet
 from workbench.lab import measured_runs
-from workbench.run import reading, writing
+from workbench.run import writing
+from workbench.stored import reading
 from workbench.stored.stored_study import StoredStudy
 
 SHORT = ["--beta0", "0.5", "--betaL", "0.8", "--MZ", "0", "--M3", "0", "--axis", "FZ=-15:-5", "--axis", "L=1.5:3"]

@@ -22,10 +22,10 @@ from tests.slow import slow, slow_but
 from tests.workbench import forked, runs, small
 from tests.workbench.command import exit_status
 from workbench.figures import canvas, study_figure
-from workbench.run import checks, file_checks, in_memory, reading, recipe, writing
+from workbench.run import in_memory, recipe, writing
 from workbench.run.study_store import run_to_file
 from workbench.scene import opengl
-from workbench.stored import schema
+from workbench.stored import checks, file_checks, reading, schema
 from workbench.stored.stored_study import StoredStudy
 
 AXES = "[axes.E]\nvalues = {}\n[axes.R]\nvalues = [0.5, 0.75, 1.0]\n"

@@ -12,8 +12,8 @@ from solver.problem.trajectory import Trajectory
 from studies.language.loader import loads
 from tests.slow import slow
 from tests.workbench import small
-from workbench.run import assembly, in_memory
-from workbench.stored import law_verdicts
+from workbench.run import in_memory
+from workbench.stored import frame, law_verdicts
 from workbench.stored.stored_study import StoredStudy
 
 SLOW_EULER = slow("euler")  # three seconds
@@ -58,7 +58,7 @@ def test_it_is_told_whether_the_error_covers_the_observables(method: str) -> Non
     ends = "beta0 = 0.1\nbetaL = 0.2\n" if kind else ""
     study = loads(f'method = "{method}"\ntol = 0.1\n{text}{ends}')
     sol = solve(study.case(), method=method, tol=0.1)
-    resolved = in_memory.run(study).attrs["observed"] == assembly.RESOLVED
+    resolved = in_memory.run(study).attrs["observed"] == frame.RESOLVED
     assert resolved == (sol.trajectory.orbit is not None)
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from workbench.run import reading
+from workbench.stored import reading
 
 ROOT = Path(__file__).parents[2]
 SECOND = r"([2-9]|\d\d+) of "  # progress is not said for each case

@@ -12,8 +12,8 @@ from solver import InputError
 from tests.slow import slow, slow_but
 from tests.workbench import small
 from tests.workbench.small import axis, law
-from workbench.run import assembly, file_merge, in_memory, reading, study_store, writing
-from workbench.stored import law_verdicts
+from workbench.run import assembly, file_merge, in_memory, study_store, writing
+from workbench.stored import law_verdicts, reading
 
 RADII = axis("R", [0.5, 0.75, 1.0])
 LAW = law("bends", "E", "falls")

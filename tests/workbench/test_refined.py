@@ -17,10 +17,10 @@ from studies.laws.verdicts import Law, decide
 from tests.workbench import runs, small, stored_figures
 from tests.workbench.command import run
 from workbench.figures import kinds, map_figure, study_figure
-from workbench.run import block, in_memory, plan, reading, recipe, writing
-from workbench.run.file_summary import summary
+from workbench.run import block, in_memory, plan, recipe, writing
 from workbench.run.study_store import RunOptions, run_to_file
-from workbench.stored import law_verdicts, refined, schema
+from workbench.stored import law_verdicts, reading, refined, schema
+from workbench.stored.file_summary import summary
 from workbench.stored.stored_study import StoredStudy
 
 LINE = small.axis("E", (5e3, 4e4, 4), spacing="geometric")

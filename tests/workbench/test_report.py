@@ -27,9 +27,9 @@ from workbench.commands import docs
 from workbench.figures import canvas
 from workbench.lab import measured_runs
 from workbench.paper import law_cards, report_document, report_runs, reproduce
-from workbench.run import in_memory, reading, writing
+from workbench.run import in_memory, writing
 from workbench.run.in_memory import StudyResult
-from workbench.stored import law_verdicts
+from workbench.stored import law_verdicts, reading
 from workbench.stored.stored_study import StoredStudy
 
 PAPER = [name for name in names() if name.startswith("fig")]  # the studies of the report

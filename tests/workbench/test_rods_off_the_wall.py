@@ -17,12 +17,12 @@ from workbench.export.stored_rod import export
 from workbench.figures import canvas, kinds, portrait, trends, unrolled
 from workbench.geometry import stored_line
 from workbench.geometry.refinement import push_along
-from workbench.run import checks, in_memory, reading, writing
+from workbench.run import in_memory, writing
 from workbench.scene import opengl
 from workbench.scene.body import read
 from workbench.scene.scene_kinds import LET_GO, RELEASED, SIDES_OF_RELEASE, kind_of
 from workbench.scene.settings import Settings
-from workbench.stored import solved_again
+from workbench.stored import checks, reading, solved_again
 from workbench.stored.stored_study import StoredStudy
 from workbench.web.live.presets import own_preset
 from workbench.web.turntable import turntable_page

@@ -12,9 +12,9 @@ from solver import solve
 from tests.slow import slow_but
 from tests.workbench import runs, small
 from tests.workbench.study_kinds import QUICK, STUDIES, pipe_study
-from workbench.run import block, in_memory, plan, stored_case, worker_processes
+from workbench.run import block, in_memory, plan, worker_processes
 from workbench.run.study_store import RunOptions, run_to_file
-from workbench.stored import one_case, quantity_variables
+from workbench.stored import one_case, quantity_variables, stored_case
 from workbench.stored.stored_study import StoredStudy
 
 WAYS = {"cut": RunOptions(workers=1, chunk=1), "pool": RunOptions(workers=2, chunk=16)}
@@ -83,7 +83,7 @@ def test_a_case_is_the_same_in_its_study_solved_again_and_alone(whole, name: str
             one, at = ds.isel(here), {dim: float(ds[dim][i]) for dim, i in here.items()}
             fields = {field: float(one[quantity_variables.dimension(field)]) for field in study.varied}
             rule, case = one_case.rule_of(study.equilibrium), study.case_of(fields)
-            file_or_study = ds if study.refine else stored_case.outline(study)
+            file_or_study = ds if study.refine else in_memory.outline(study)
             for way in (
                 bare.rod.beta.isel(here),
                 bare.rod.sel(**at).rod.beta,

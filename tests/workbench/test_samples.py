@@ -13,11 +13,11 @@ from tests.workbench import runs, small, stored_figures
 from tests.workbench.command import run
 from workbench.commands import study_scene
 from workbench.figures import study_figure, trends
-from workbench.run import file_merge, in_memory, reading, writing
-from workbench.run.file_summary import summary
+from workbench.run import file_merge, in_memory, writing
 from workbench.run.study_store import RunOptions, run_to_file
 from workbench.scene import scene_kinds
-from workbench.stored import solved_again
+from workbench.stored import reading, solved_again
+from workbench.stored.file_summary import summary
 from workbench.stored.stored_study import StoredStudy
 
 HEAD = 'observables = ["bends", "turns_around", "kappa_max"]\noutputs = ["beta", "alpha", "z"]'

@@ -16,8 +16,8 @@ from solver import Case, Rod, Start, solve
 from studies.language.loader import dumps, loads
 from tests.workbench import doc_pages, small
 from workbench.geometry import stored_line
-from workbench.run import in_memory, reading, writing
-from workbench.stored import law_verdicts
+from workbench.run import in_memory, writing
+from workbench.stored import law_verdicts, reading
 from workbench.stored.stored_study import StoredStudy
 
 START = {"a": 0.0635, "L": 8.0, "R": 0.108, "beta": 0.3, "dbeta": 0.1, "dgamma": 0.2, "F3": 20.0}

@@ -13,8 +13,9 @@ from tests.workbench.command import exit_status
 from tests.workbench.pictures import draws
 from workbench.commands import scene, study_scene
 from workbench.export.stored_rod import export
-from workbench.run import in_memory, stored_case, writing
+from workbench.run import in_memory, writing
 from workbench.scene import opengl, scene_kinds
+from workbench.stored import stored_case
 from workbench.stored.stored_study import StoredStudy
 from workbench.web.turntable import turntable_page
 

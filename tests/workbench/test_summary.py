@@ -10,8 +10,8 @@ from studies.language.loader import loads
 from tests.slow import slow_but
 from tests.workbench import small
 from tests.workbench.command import exit_status
-from workbench.run import file_summary, in_memory, writing
-from workbench.stored import law_verdicts
+from workbench.run import in_memory, writing
+from workbench.stored import file_summary, law_verdicts
 
 AXES = small.axis("E", [1e4, 2e4]) + small.axis("R", [0.5, 0.75, 1.0])
 LAW = small.law("kappa_max", "R", "falls", claim="(2)")

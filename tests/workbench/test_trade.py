@@ -14,7 +14,8 @@ from tests.workbench import forked, small
 from workbench.commands.fidelity import FIDELITIES, OFF_WALL
 from workbench.lab import trade, work_precision
 from workbench.lab.trade_runs import CASES, advice, reference
-from workbench.run import in_memory, reading
+from workbench.run import in_memory
+from workbench.stored import reading
 from workbench.stored.quantity_variables import CURVES
 from workbench.stored.stored_study import StoredStudy
 

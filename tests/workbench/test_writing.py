@@ -19,8 +19,8 @@ from solver import InputError
 from studies.language.loader import loads
 from tests.slow import slow
 from tests.workbench import forked, runs, small
-from workbench.run import in_memory, reading, study_store, writing
-from workbench.stored import schema
+from workbench.run import in_memory, study_store, writing
+from workbench.stored import reading, schema
 
 
 def test_what_is_stored_is_what_is_read(six, tmp_path) -> None:
@@ -122,7 +122,7 @@ def test_a_full_disk_is_one_sentence_where_hdf5_would_end_the_process(six, tmp_p
     path = writing.write(six, tmp_path / "small.h5")
     limited = (
         "import resource, sys\nsys.dont_write_bytecode = True  # else that of a library is cut short\n"
-        "from workbench.run import reading, writing\nds = reading.read(sys.argv[1])\n"
+        "from workbench.run import writing\nfrom workbench.stored import reading\nds = reading.read(sys.argv[1])\n"
         "size = resource.RLIMIT_FSIZE\nhard = resource.getrlimit(size)[1]\n"
         f"resource.setrlimit(size, ({room}, hard))\n"
         "try:\n    writing.write(ds, sys.argv[2])\nexcept ValueError as error:\n    said = error\n"
@@ -158,7 +158,8 @@ def test_windows_flushes_files_that_are_open_for_writing_and_no_folder(
 KILLED = """
 import os, signal, sys
 from pathlib import Path
-from workbench.run import reading, writing
+from workbench.run import writing
+from workbench.stored import reading
 ds = reading.read(sys.argv[1])
 os.fsync = lambda handle: os.kill(os.getpid(), signal.SIGKILL)  # written, not renamed
 writing.write(ds, sys.argv[1])

@@ -59,7 +59,7 @@ def export(
     """
     from ..export import stored_rod
     from ..export.base import ExportOptions
-    from ..run import reading
+    from ..stored import reading
     from ..stored.stored_study import StoredStudy
 
     stored_rod.format_of(out)  # before a large file is read

@@ -133,7 +133,8 @@ def _case(
     from studies import load
     from studies.language.case_input import check_alone, read_case
 
-    from ..run.stored_case import case_at, outline
+    from ..run.in_memory import outline
+    from ..stored.stored_case import case_at
     from ..stored.stored_study import StoredStudy
 
     if file is None:

@@ -109,8 +109,7 @@ def plot(file: File, wanted: PlotOptions) -> Result:
     """
     from ..figures import canvas, drawn_numbers, map_panel
     from ..figures.sheet import sheet
-    from ..run import reading
-    from ..stored import file_kinds
+    from ..stored import file_kinds, reading
     from ..stored.stored_study import StoredStudy
 
     given, kind = wanted.of_figure, wanted.kind
@@ -183,7 +182,7 @@ def _story(folder: Path, wanted: PlotOptions) -> Result:
 
     from ..figures import canvas
     from ..figures.sheet import sheet
-    from ..run import reading
+    from ..stored import reading
     from ..stored.stored_study import StoredStudy
 
     story = tenants.module_of("workbench.paper.story")

@@ -110,7 +110,7 @@ def check(file: File) -> Result:
     from solver.problem.notices import kind_of, warn
     from studies.language.loader import notices
 
-    from ..run import file_checks, reading
+    from ..stored import file_checks, reading
     from ..stored.law_verdicts import statistics
 
     with reading.open_study(file, whole=True) as ds, file_checks.refusing(file):
@@ -186,7 +186,7 @@ def _fewer_digits(count: int, file: Path) -> str:
     from solver.problem.trajectory import BECAUSE
     from studies.laws import law_words
 
-    from ..run.file_summary import least_accurate
+    from ..stored.file_summary import least_accurate
 
     worst = least_accurate(file)
     digits = max(floor(-log10(worst["error"])), 0)

@@ -77,8 +77,8 @@ def _local(
     from studies import load
 
     from ..influence import derivatives
-    from ..run import reading, stored_case
-    from ..stored import quantity_variables
+    from ..run import in_memory
+    from ..stored import quantity_variables, reading, stored_case
     from ..stored.stored_study import StoredStudy
 
     real = None if show is None else [name for name in show if not is_count(name)]
@@ -87,7 +87,7 @@ def _local(
         real = show  # refused with the choices
     if stored_case.is_study(file):
         study = load(file)
-        stored = StoredStudy(stored_case.outline(study))
+        stored = StoredStudy(in_memory.outline(study))
     else:
         stored = StoredStudy(reading.read(file))
         study = stored.study
@@ -103,7 +103,7 @@ def _indices(
 ) -> "tuple[xr.Dataset, list[str]]":
     """The indices of a stored study, and the sentences on them."""
     from ..influence import indices
-    from ..run import reading, stored_case
+    from ..stored import reading, stored_case
     from ..stored.stored_study import StoredStudy
 
     if stored_case.is_study(file):

@@ -92,7 +92,8 @@ def solve(
     from studies.language.loader import dumps, loads
 
     from ..branches.ends_study import text_of_solution
-    from ..run import in_memory, stored_case, writing
+    from ..run import in_memory, writing
+    from ..stored import stored_case
     from ..stored.one_case import solve_one
     from ..words import cautions, free_rods, pipe_profile, pipe_state
     from .fidelity import fidelity

@@ -19,12 +19,12 @@ from studies.grammar.axes import Axis
 from studies.language.study import MAX_STATIONS, OUTPUTS
 
 from ..figures.scales import is_logarithmic, is_wide
-from ..run import in_memory, reading
-from ..run.stored_case import is_study
+from ..run import in_memory
 from ..scene.scene_kinds import CASE, RELEASED, SceneKind, case_values
 from ..scene.settings import TooFewStations
-from ..stored import file_kinds, quantity_variables, schema
+from ..stored import file_kinds, quantity_variables, reading, schema
 from ..stored.solved_again import point_forces_of
+from ..stored.stored_case import is_study
 from ..stored.stored_study import StoredStudy
 
 FIRST = 21  # stations that are tried first

@@ -33,10 +33,9 @@ def summary(
     if file is None:
         rows = _list()
         return Result(lambda: rows, lambda: _print_studies(rows))
-    from ..run import reading
-    from ..run.file_summary import brief_law, contents
-    from ..run.file_summary import summary as summarise
-    from ..stored import file_kinds
+    from ..stored import file_kinds, reading
+    from ..stored.file_summary import brief_law, contents
+    from ..stored.file_summary import summary as summarise
 
     if reading.kind_of_file(file) is file_kinds.STUDY:
         study = summarise(file)

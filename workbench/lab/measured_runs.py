@@ -11,7 +11,7 @@ from solver.methods import METHODS
 from solver.problem.errors import InputError
 
 from ..figures import canvas, kinds
-from ..run import reading
+from ..stored import reading
 from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import robustness, work_precision

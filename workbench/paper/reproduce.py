@@ -71,7 +71,8 @@ def _results(
     studies: "Sequence[Study]", files: dict[str, Path], out: Path, able: bool, step: Any
 ) -> "tuple[list[StudyResult], list[str]]":
     """Solve, store and draw each study; the results, and a sentence for each study that its reading does not admit."""
-    from ..run import in_memory, reading, study_store
+    from ..run import in_memory, study_store
+    from ..stored import reading
 
     results, refusals = [], []
     for study in studies:
@@ -110,7 +111,8 @@ def _equilibria(study: "Study", out: Path, able: bool) -> "tuple[StoredStudy, di
 
 def _release(study: "Study", out: Path) -> dict[str, Any] | str:
     """Store the rods of a study that are let go; what the report says of them, or why there are none."""
-    from ..run import reading, study_store
+    from ..run import study_store
+    from ..stored import reading
     from ..stored.stored_study import StoredStudy
     from . import report_runs
 

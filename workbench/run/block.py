@@ -21,12 +21,12 @@ from solver.observe.observables import OBSERVABLES, is_count, observe, why_unkno
 from studies import Study
 from studies.language import expressions
 
+from ..stored import bounds
 from ..stored.one_case import solve_one
 from ..stored.quantity_variables import LOADS, curve_name, inner_shape
 from ..stored.schema import JUDGED, TEXTS, Columns, shapes
 from ..words import cautions, pipe_state
 from ..words.outcomes import NO_BRANCH
-from . import bounds
 from .shards import encode, join
 
 SECONDS = 3.0  # of work, after which a worker gives what it has: what an interruption costs

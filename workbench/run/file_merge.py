@@ -18,10 +18,10 @@ from studies.language.loader import axis_table, dumps
 from studies.language.printed import table_of
 from studies.language.study import SOURCES
 
-from ..stored import quantity_variables, schema, solved_again
+from ..stored import quantity_variables, reading, schema, solved_again
 from ..stored.selection import SAME
 from ..words import cautions
-from . import assembly, atomic, reading, writing
+from . import assembly, atomic, writing
 from .recipe import Places, axis_line, unite
 
 # Attributes in which merged files may not differ, and their names in messages.

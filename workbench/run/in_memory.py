@@ -15,6 +15,7 @@ from studies.grammar.axes import Dimensions, is_angle, quantity_of
 from studies.laws.law_verdict import LawVerdicts
 
 from ..stored import law_verdicts, quantity_variables
+from ..stored.frame import without_results
 from ..stored.schema import Columns
 from ..stored.stored_study import StoredStudy
 from ..words import outcomes
@@ -97,6 +98,14 @@ def run(study: Study, tol: float | None = None, method: str | None = None) -> xr
     if study.sweeps:
         columns["branch"] = outcomes.number_branches(columns["branch"], columns["branch"])
     return assembly.make(so_far.study, so_far.dimensions, columns, remarks(so_far))
+
+
+def outline(study: Study) -> xr.Dataset:
+    """A dataset of the study without any result, in which a case is chosen and solved as in a stored one.
+
+    That of a study which follows an equilibrium is solved, as its values are found on the way.
+    """
+    return without_results(study) if study.follow is None else run(study)
 
 
 def result(study: Study, ds: xr.Dataset, path: Path | None = None) -> StudyResult:

@@ -22,10 +22,10 @@ from solver.problem.errors import InputError
 from studies import Law, Study
 from studies.grammar.axes import SAMPLE, Dimension, Dimensions
 
+from ..stored import file_checks
 from ..stored.provenance import version_of
 from ..stored.quantity_variables import dimension
 from ..stored.schema import FORMAT, Columns
-from . import file_checks
 
 Places = NDArray[np.int64]
 

@@ -12,8 +12,9 @@ from typing import Any
 from solver.problem.errors import InputError
 from studies import Study
 
+from ..stored import bounds
 from ..stored.law_verdicts import Tally, count, statistics, tally_of
-from . import atomic, bounds, cluster, shards, worker_processes
+from . import atomic, cluster, shards, worker_processes
 from .block import Chunk, solve_chunk, unsolved
 from .plan import Plan, compare, plan, room, rounds
 from .shards import Damaged, Shards, decode, encode
@@ -168,7 +169,8 @@ def run_to_file(
         return _follow(work, output)
     if options.scheduler is None and _count_workers(work, work.todo, options.workers) > 1:
         worker_processes.get_ready()  # while this process reads xarray
-    from . import reading, writing
+    from ..stored import reading
+    from . import writing
 
     writing.check_parent(output)
     folder = shards.folder_of(output)

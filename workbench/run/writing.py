@@ -14,8 +14,8 @@ from xarray.backends import H5NetCDFStore
 
 from solver.problem.errors import InputError
 
-from ..stored import schema
-from . import atomic, checks, file_checks
+from ..stored import checks, file_checks, schema
+from . import atomic
 
 
 class _Arrays(h5py.File):  # type: ignore[misc]

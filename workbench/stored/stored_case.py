@@ -13,11 +13,11 @@ from studies import Study, load
 from studies.grammar.axes import FIELDS, WORDS, Which, in_words
 from studies.language.case_input import CaseInput, from_values, in_units, with_values
 
-from ..stored import file_kinds, quantity_variables
-from ..stored.selection import Value
-from ..stored.solved_again import solve_at, study_of
-from ..stored.stored_study import StoredStudy
-from . import assembly, in_memory, reading
+from . import file_kinds, quantity_variables, reading
+from .frame import without_results
+from .selection import Value
+from .solved_again import solve_at, study_of
+from .stored_study import StoredStudy
 
 
 def is_study(file: Path) -> bool:
@@ -25,29 +25,15 @@ def is_study(file: Path) -> bool:
     return file.suffix.lower() == ".toml" or not (file.exists() or file.is_symlink() or file.suffix)
 
 
-def outline(study: Study) -> xr.Dataset:
-    """A dataset of the study without any result, in which a case is chosen and solved as in a stored one.
-
-    That of a study which follows an equilibrium is solved, as its values are found on the way.
-    """
-    if study.follow is not None:
-        return in_memory.run(study)
-    over = study.dimensions()
-    unknown = np.broadcast_to(np.array("", dtype=object), over.shape)
-    return assembly.frame_of(study, over).assign(
-        outcome=(tuple(map(quantity_variables.dimension, over.names)), unknown)
-    )
-
-
 def place_of(study: Study, at: Mapping[str, Value] | None = None) -> dict[str, float]:
     """The values of the fields that vary, of the case at these values; at: as of `StoredStudy.place`."""
-    cases = StoredStudy(outline(study))
+    cases = StoredStudy(without_results(study))
     place = cases.select(cases.place(at))
     return {field: float(place[quantity_variables.dimension(field)]) for field in study.dimensions().fields}
 
 
 def solve_case(stored: StoredStudy, at: Mapping[str, Value] | None = None, study: Study | None = None) -> Solution:
-    """A case of a stored study, or of an `outline`, solved as it is run; along a followed axis after those before.
+    """A case of a stored study, or of an outline, solved as it is run; along a followed axis after those before.
 
     at: as of `StoredStudy.place`. study: default: that of the file. Raises `InputError`.
     """

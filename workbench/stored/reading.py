@@ -14,10 +14,9 @@ from xarray.core import indexing
 
 from solver.problem.errors import InputError
 
-from ..stored import file_kinds
-from ..stored.former_names import dataset_in_current_names
-from . import checks, file_checks
+from . import checks, file_checks, file_kinds
 from .file_checks import Contents, FileArray, refusing
+from .former_names import dataset_in_current_names
 
 
 class _Array(BackendArray):

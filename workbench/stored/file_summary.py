@@ -15,14 +15,13 @@ from solver.problem.errors import InputError
 from studies.grammar.axes import SAMPLE
 from studies.laws import law_words
 
-from ..stored import file_kinds, quantity_variables, refined, schema
-from ..stored.derived_arrays import StoredArrays, states_of
-from ..stored.law_verdicts import statistics
-from ..stored.solved_again import solve_again, study_of
-from ..stored.stored_cases import HELD_INDEX
-from ..stored.stored_study import StoredStudy
 from ..words import cautions, labels
-from . import file_checks, reading
+from . import file_checks, file_kinds, quantity_variables, reading, refined, schema
+from .derived_arrays import StoredArrays, states_of
+from .law_verdicts import statistics
+from .solved_again import solve_again, study_of
+from .stored_cases import HELD_INDEX
+from .stored_study import StoredStudy
 
 MOST_PLACES = 12  # of a boundary along one axis that are listed
 MOST_STATES, DENSE = 50, 3  # rods whose states are listed; stations from one change of sign of beta to the next

@@ -16,9 +16,9 @@ from solver.problem.field_values import POSITIVE, RANGES
 from studies import Study
 from studies.grammar.axes import Dimensions
 
-from ..stored import quantity_variables
-from ..stored.quantity_variables import CURVES, LOADS
-from ..stored.schema import JUDGED, LABEL
+from . import quantity_variables
+from .quantity_variables import CURVES, LOADS
+from .schema import JUDGED, LABEL
 
 Mask = NDArray[np.bool_]
 

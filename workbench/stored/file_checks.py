@@ -24,7 +24,7 @@ import numpy as np
 
 from solver.problem.errors import InputError
 
-from ..stored.schema import blocks, show
+from .schema import blocks, show
 
 # What h5py, xarray and pydantic raise on files that are not HDF5, cut short or damaged.
 UNREADABLE = (

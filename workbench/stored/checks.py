@@ -23,11 +23,10 @@ from studies import names
 from studies.grammar.axes import FIELDS, SAMPLE
 from studies.grammar.formulas import parse
 
-from ..stored import file_kinds, quantity_variables, refined, schema
-from ..stored.quantity_variables import CURVES, INNER, LOADS, SECTION
-from ..stored.schema import FORMAT, JUDGED, LABEL, LINE, TEXTS, blocks, show
 from ..words import escaping
-from . import bounds
+from . import bounds, file_kinds, quantity_variables, refined, schema
+from .quantity_variables import CURVES, INNER, LOADS, SECTION
+from .schema import FORMAT, JUDGED, LABEL, LINE, TEXTS, blocks, show
 
 Check = Callable[[xr.Dataset], Iterator[str]]
 
