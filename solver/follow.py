@@ -1,15 +1,15 @@
 """Follow one equilibrium while one field of its case changes."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from .equilibrium_branch import BORDER, HELIX, Branch, BranchEnd, BranchPoint, SpecialPoint
-from .numerics.arclength import CLOSED, END
+from .numerics.arclength import CLOSED, END, FOLD
 from .numerics.arrays import Array
 from .problem.case import ANGLES, PAIRS, Case, Ends, refuse_leaving
 from .problem.case_fields import fields_of, value_of, with_field
@@ -19,7 +19,7 @@ from .problem.notices import given_by_a_program, warn
 from .problem.reduced import EndsProblem, held_of, size_of_field, span_of
 from .problem.trajectory import Trajectory
 from .solution import Solution
-from .solve import between_ends, ends_case, seed_of
+from .solve import between_ends, ends_case, seed_of, start_solution
 
 if TYPE_CHECKING:
     from .branches.branch_events import Bounds, Place, Stop
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 MOST, MOST_POINTS = 1000, 10_000_000  # points of a branch: by default, and at most
 WIDEST = 1e8  # of the size of a field: the range of a branch, of which a share of 4e-15 is taken for rounding
+_BEFORE = 1e-10  # of the way to the fold: at the fold the condition number is infinite, and half the digits are lost
 SolvePoint = Callable[[BranchPoint], Solution]
 
 
@@ -276,3 +277,77 @@ def _points(
         problem = place.problem if held else None
         points.append(BranchPoint(float(place.p), known, place.path, problem, case_at, solve_point))
     return tuple(points), tuple(special)
+
+
+@dataclass(frozen=True, eq=False)
+class EndAngleBranch:
+    """Equilibria over one field, the other fields of the ends problem held.
+
+    field: its name, for example betaL. values: (count,), from the start problem's own to the limit, or next to the
+    fold. dbeta0: (count,), beta'(0) [rad/length]. fold: the value at which the equilibrium ceases to exist;
+    fold_dbeta0: beta'(0) there; None where the limit comes before the fold. ends: the ends problems, one case for each
+    value.
+    """
+
+    field: str
+    values: Array
+    dbeta0: Array
+    fold: float | None
+    fold_dbeta0: float | None
+    ends: Case
+
+
+def to_fold(case: Case, limit: float, count: int = 9, field: str = "betaL") -> EndAngleBranch:
+    """Follow the equilibrium of a start problem while a field changes to a limit or to the fold before it.
+
+    At the fold d field/d beta'(0) = 0: two equilibria with one value of the field meet there and both end.
+
+    Parameters
+    ----------
+    case : Case
+        One start problem.
+    limit : float
+        The last value. To an angle beta(L) whole turns are added so that it lies on the rod's own turn of beta.
+    count : int
+        Number of values.
+    field : str
+        A numeric field of the rod, the cylinder or the ends problem.
+
+    Raises
+    ------
+    InputError
+        For an ends problem, a grid of cases, fewer than two values, a limit of beta(L) below the rod's own, a limit
+        that no case can have, or a branch that cannot be followed.
+    """
+    if count < 2:
+        raise InputError(f"count must be at least 2, got {count}")
+    solution = start_solution(case)
+    ends = ends_case(solution)
+    begin = value_of(ends, field)
+    if field == "betaL":
+        limit += 2 * np.pi * np.round(begin / (2 * np.pi))
+        if limit <= begin:
+            raise InputError(
+                f"the rod itself already ends at beta(L) = {begin:.6g} rad, beyond the limit of {limit:.6g} rad"
+            )
+    last: dict[str, Any] = {field: limit}
+    fold = _fold(follow(solution, **last), limit)
+    values = np.linspace(begin, limit if fold is None else fold - _BEFORE * (fold - begin), count)
+    every: dict[str, Any] = {field: [*values[1:].tolist(), limit]}
+    branch = follow(solution, **every)
+    places = [next(i for i, point in enumerate(branch.points) if point.value == value) for value in values.tolist()]
+    slopes = np.array([float(branch.points[i].solution.dbeta[0]) for i in places])
+    at_fold = None
+    if fold is not None:
+        place = next(point.position for point in branch.special if point.kind == FOLD)
+        at_fold = float(branch.points[place].solution.dbeta[0])
+    return EndAngleBranch(field, values, slopes, fold, at_fold, with_field(ends, field, values))
+
+
+def _fold(branch: Branch, limit: float) -> float | None:
+    """The first fold of a branch; None where it reaches the limit before. Raises `InputError` where it does neither."""
+    fold = next((point.value for point in branch.special if point.kind == FOLD), None)
+    if fold is None and branch.values[-1] != limit:
+        name = "beta(L)" if branch.field == "betaL" else branch.field
+        raise InputError(f"the branch stops at {name} = {branch.end.value:.6g}: {branch.end.reason}")
+    return fold

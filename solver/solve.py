@@ -10,7 +10,7 @@ from .free.beginnings import BILATERAL, bilateral_cases, curves_of
 from .free.free_rods import FREE_TOLERANCE, answers_beside
 from .held.selection import NEAREST, Choose, check
 from .numerics.arrays import Array
-from .problem.case import ON_WALL, Case, Ends, check_case
+from .problem.case import ON_WALL, Case, Ends, Start, check_case
 from .problem.errors import DEFAULT_TOLERANCE, InputError, check_tolerance, choices, show, whole_number
 from .problem.limits import OUT_OF_RANGE, TOO_LARGE_HELD, TOO_LONG, beyond, ordinary, refusals, representable
 from .problem.reduced import (
@@ -318,3 +318,23 @@ def between_ends(sol: Solution) -> EndsProblem:
         return problem
     far = trajectory.beta[:, -1] if trajectory.orbit is None else trajectory.orbit.at(problem.span[:, None])[0][:, 0]
     return problem.with_end(far)
+
+
+def own_ends(case: Case) -> Case:
+    """The ends problem that the solution of a start problem solves, its loads held.
+
+    Raises
+    ------
+    InputError
+        For an ends problem, a grid of cases, and a start problem that is not solved.
+    """
+    return ends_case(start_solution(case))
+
+
+def start_solution(case: Case) -> Solution:
+    if not isinstance(case.given, Start) or case.shape:
+        raise InputError("follow takes one start problem at a time")
+    solution = solve(case, tol=1e-12, stations=2)
+    if not solution.solved:
+        raise InputError(f"the start problem is not solved: {solution.outcome}")
+    return solution

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Start, observe, solve
-from solver.benchmark import available_ladders
 from solver.methods import AUTOMATIC, METHODS, StartMethod, Verlet, available
 from solver.methods.base import Ladder, knob
 from solver.numerics.complex_step import size_of
@@ -22,6 +21,7 @@ from studies.laws.line_verdicts import DIRECTIONS, FAILS, HOLDS, Direction, Line
 from tests.workbench import small
 from workbench.figures import canvas, study_figure
 from workbench.lab import work_precision
+from workbench.lab.benchmark import available_ladders
 from workbench.lab.trade_runs import ladders_of
 from workbench.run import in_memory
 from workbench.stored import law_verdicts

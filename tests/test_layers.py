@@ -33,7 +33,7 @@ LISTS = {
     "solver": [
         "numerics", "problem", "core", "orbits", "branches", "nodes", "held", "free", "methods", "observe",
         "solution", "each_case", "solve", "equilibrium_list", "equilibria", "equilibrium_branch", "follow", "switch",
-        "traced_folds", "end_angle_branch", "region_map", "loops", "fits", "benchmark",
+        "traced_folds", "region_map", "loops", "fits",
     ],
     "studies": ["tenants", "grammar", "laws", "language", "paper"],
     "workbench": [
@@ -180,8 +180,7 @@ def test_drawing_loads_no_method_of_the_solver() -> None:
 
 
 def test_the_solver_loads_its_methods_only_when_a_case_is_solved() -> None:
-    apart = ["solver.methods", "solver.benchmark"]
-    files = [file for file in files_of("solver/**/*.py") if not reaches({module_of(file)}, set(apart))]
+    files = [file for file in files_of("solver/**/*.py") if not reaches({module_of(file)}, {"solver.methods"})]
     assert methods_loaded_by(files) == []
 
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from solver import Case, Ends, equilibria, solve
-from solver.end_angle_branch import to_fold
 from solver.equilibria import Equilibrium
+from solver.follow import to_fold
 from solver.orbits.boundary import repeat
 from solver.orbits.level_search import search_levels
 from solver.orbits.morse_index import morse_index

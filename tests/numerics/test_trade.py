@@ -9,12 +9,13 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from solver import Case, InputError, Solution, benchmark, solve
-from solver.benchmark import BenchmarkRow, cheapest, drift, errors_against, measure
+from solver import Case, InputError, Solution, solve
 from solver.methods import METHODS, available
 from solver.methods.base import Ladder, tens
 from solver.problem.reduced import reduce
 from tests.cases import EXACT, elliptic, in_units_of_rho
+from workbench.lab import benchmark
+from workbench.lab.benchmark import BenchmarkRow, cheapest, drift, errors_against, measure
 from workbench.lab.trade_runs import CASES, FILE, ladders_of, reference
 
 DATA = json.loads((files("workbench.lab") / FILE).read_text(encoding="utf-8"))

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from solver import Case, InputError, equilibria, solve
-from solver.end_angle_branch import to_fold
 from solver.equilibria import nearest
+from solver.follow import to_fold
 from solver.observe.observables import observe
 from studies import load
 from studies.language.loader import loads

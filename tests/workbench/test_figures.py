@@ -10,7 +10,7 @@ import xarray as xr
 from matplotlib import image
 
 from solver import Ends, solve
-from solver.end_angle_branch import to_fold
+from solver.follow import to_fold
 from studies import TABLE_1, load, names
 from tests.slow import slow
 from tests.workbench import small, stored_figures

@@ -14,9 +14,9 @@ import pytest
 from matplotlib.colors import to_rgb
 
 import workbench
-from solver.benchmark import ladders
 from workbench.figures import bars, colours, push_scale
 from workbench.lab import robustness
+from workbench.lab.benchmark import ladders
 from workbench.paper import report_document
 from workbench.scene import scene_kinds
 

@@ -175,7 +175,7 @@ def test_a_picture_of_a_study_shows_the_branch_that_the_study_is_on(tmp_path) ->
 
 def beyond_the_fold():
     """Table 1 held at its own far end, which is turned past the fold of its own branch at 35.34 degrees."""
-    from solver.end_angle_branch import to_fold
+    from solver.follow import to_fold
     from solver.observe.observables import observe
     from tests.cases import table_1
 

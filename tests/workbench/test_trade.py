@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from solver.benchmark import available_ladders, measure
 from solver.observe.observables import OBSERVABLES
 from tests.workbench import forked, small
 from workbench.commands.fidelity import FIDELITIES, OFF_WALL
 from workbench.lab import trade, work_precision
+from workbench.lab.benchmark import available_ladders, measure
 from workbench.lab.trade_runs import CASES, advice, reference
 from workbench.run import in_memory
 from workbench.stored import reading

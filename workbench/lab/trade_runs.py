@@ -16,13 +16,13 @@ import numpy as np
 import xarray as xr
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Start
-from solver.benchmark import STATIONS, BenchmarkReference, BenchmarkRow, available_ladders, cheapest, measure
-from solver.benchmark import ladders as all_ladders
 from solver.methods import METHODS
 from solver.methods.base import Ladder
 from solver.problem.errors import choices, no_such
 
 from ..stored import provenance
+from .benchmark import STATIONS, BenchmarkReference, BenchmarkRow, available_ladders, cheapest, measure
+from .benchmark import ladders as all_ladders
 
 GAPS = (1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 TWISTS, LOADS = ("force-first", "twist-first", "shear"), ("tension", "compression")

@@ -155,7 +155,7 @@ def _size(look: "Ladder") -> float:
 
 def look_of(ladder: str) -> "Ladder":
     """The ladder of that name, which has a colour and a marker. Raises `InputError` for an unknown one."""
-    from solver.benchmark import ladders  # loads the methods: only where their diagram is drawn
+    from .benchmark import ladders  # loads the methods: only where their diagram is drawn
 
     known = ladders()
     if ladder not in known:

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from solver import InputError, solve
-from solver.end_angle_branch import EndAngleBranch, to_fold
+from solver.follow import EndAngleBranch, to_fold
 from studies import Study
 from studies.grammar.axes import Dimensions, is_angle, quantity_of
 from studies.laws.law_verdict import LawVerdicts

@@ -10,13 +10,13 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from solver import Case, Solution, solve
-from solver.end_angle_branch import own_ends
 from solver.free.free_rods import trajectory_of
 from solver.orbits.joined_orbits import Rows
 from solver.orbits.statics import push_from
 from solver.problem.case_fields import values_of, with_field
 from solver.problem.errors import InputError, no_such
 from solver.solution import FreeSolution
+from solver.solve import own_ends
 from studies import Study
 from studies.grammar.axes import FIELDS, SAMPLE, WORDS, Dimension, quantity_of
 from studies.language.loader import loads

@@ -11,12 +11,12 @@ from typing import Any
 
 import numpy as np
 
-from .methods import METHODS, OrbitQuadrature
-from .methods.base import Ladder
-from .numerics.arrays import Array
-from .problem.case import Case
-from .solution import Solution
-from .solve import solve
+from solver.methods import METHODS, OrbitQuadrature
+from solver.methods.base import Ladder
+from solver.numerics.arrays import Array
+from solver.problem.case import Case
+from solver.solution import Solution
+from solver.solve import solve
 
 STATIONS = 201
 REPEATS = 5
