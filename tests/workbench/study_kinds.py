@@ -1,10 +1,14 @@
 """A study of every kind, small enough to be solved in no time, and others that differ from it."""
 
+from functools import cache
 from typing import Any
+
+import xarray as xr
 
 from studies import Study
 from studies.language.loader import loads
 from tests.workbench import small
+from workbench.run import in_memory
 
 PIPE = {"E": 2.06e8, "inner_radius": 0.0543, "nu": 0.3, "a": 0.0635, "L": 20.0, "R": 0.108, "side": "inside"}
 SNAP = {"E": 325.95, "nu": 0.25, "a": 0.25, "R": 0.75, "L": 5.0, "beta0": 0.5, "betaL": 0.5}
@@ -20,6 +24,17 @@ def table_1(tables: str) -> Study:
 def pipe_study(axes: str) -> Study:
     """A pipe pushed down its hole."""
     return loads(small.text(PIPE | {"beta0": 0.0, "betaL": 0.0}, axes, "m kN", **SEEN), "text", "pushed")
+
+
+@cache
+def well(inclination: float = 120.0, load: str = "wob", friction: float | None = 0.25) -> xr.Dataset:
+    """A pipe that is pushed down a hole, under three loads at its lower end: wob, or FZ0 where s climbs."""
+    sign = -1 if load == "FZ0" else 1
+    loads_of = small.axis(load, [sign * size for size in (60.0, 150.0, 210.0)])
+    hole = {"weight": 0.241, "inclination": f"{inclination}deg", "beta0": 0.0, "betaL": 0.0, "L": 200.0}
+    rubbed = {"friction": friction, "sliding": "axial-forward"} if friction else {}
+    seen = {"observables": ["FZ0", "push_max", "kappa_max", "bending_stress_max", "arriving_max"]}
+    return in_memory.run(loads(small.text(PIPE | hole | rubbed, loads_of, "m kN", **seen)))
 
 
 def snapping(count: int, tables: str = "", follow: bool | None = True) -> Study:

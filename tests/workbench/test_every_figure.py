@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from solver import equilibria, solve
 from studies import load, names
-from tests.workbench import small, stored_figures
+from tests.workbench import small, stored_figures, study_kinds
 from tests.workbench.page_faults import faults, picture
 from tests.workbench.pictures import share_of_ink
 from workbench.branches.ends_study import ends_problem
@@ -29,7 +29,8 @@ IN_PRINT = 25.0  # millimetres that axes are high at least
 @pytest.mark.parametrize("page", SHEETS)
 @pytest.mark.parametrize("kind", kinds.OF_STUDIES)
 def test_every_kind_of_picture_can_be_read_at_every_width(six, kind: str, page: str) -> None:
-    fig = kinds.figure(StoredStudy(small.study_dataset("capstan") if kind == "states" else six), kind, SHEETS[page])
+    ds = small.study_dataset("capstan") if kind == "states" else study_kinds.well() if kind == "well" else six
+    fig = kinds.figure(StoredStudy(ds), kind, SHEETS[page])
     assert fig.get_figwidth() == pytest.approx(SHEETS[page].width)
     assert faults(fig, axes=0.0 if page == "screen" or kind == "bars" else IN_PRINT) == []
 

@@ -9,11 +9,11 @@ import pytest
 import xarray as xr
 from matplotlib.figure import Figure
 
-from solver import Case, Cylinder, Rod, Start, solve
+from solver import Case, Cylinder, InputError, Rod, Start, solve
 from studies import loads
-from tests.workbench import small, stored_figures
+from tests.workbench import small, stored_figures, study_kinds
 from workbench.export import stored_rod
-from workbench.figures import along
+from workbench.figures import along, canvas, drawn_numbers, well
 from workbench.figures.trends import trend
 from workbench.geometry import stored_line
 from workbench.run import in_memory
@@ -154,3 +154,45 @@ def test_pipes_and_their_states_show_what_is_stored(ds: xr.Dataset) -> None:
         "rods without weight": lambda: along.pipe(StoredStudy(small.six())),
     }
     stored_figures.check("pictures_pipes", pictures)
+
+
+def marks_of(ds: xr.Dataset, at: Mapping[str, float], name: str) -> np.ndarray:
+    """The points (n, 2) of a curve of the picture of a well, by its name: a number, and the depth or another one."""
+    fig = well.figure(StoredStudy(ds), at=at, yield_stress=5e5)
+    rows = (row for ax in fig.axes for row in drawn_numbers.rows(ax))
+    return np.array([(x, y) for _, series, x, y, _ in rows if series == name])
+
+
+def test_the_picture_of_a_well_shows_the_stored_numbers_with_the_depth_down() -> None:
+    ds = study_kinds.well()
+    one = ds.sel(wob=210.0)
+    force = marks_of(ds, {"wob": 210.0}, "axial force")
+    ends = force[[force[:, 1].argmin(), force[:, 1].argmax()]]
+    np.testing.assert_allclose(ends, [[float(one["FZ0"]), 0], [float(one["FZ"]), 200]], rtol=1e-9, atol=1e-9)
+    for name, stored in (("push of the wall", one["push_max"]), ("dogleg", one["kappa_max"] * 30 * 180 / np.pi)):
+        drawn = marks_of(ds, {"wob": 210.0}, name)[:, 0].max()
+        assert drawn == pytest.approx(float(stored), rel=1 / 256), name  # what a picture may be off by
+    area = np.pi * (0.0635**2 - 0.0543**2)
+    axial = marks_of(ds, {"wob": 210.0}, "axial stress, size")
+    assert axial[:, 0].max() == pytest.approx(210 / area / 1e3, rel=1e-2)  # F3 is FZ cos(beta), in MPa
+    slack = marks_of(ds, {"wob": 210.0}, "1")[:3]
+    np.testing.assert_allclose(slack, np.stack([0.241 * 200 / 2 - ds["FZ0"], ds["wob"]], axis=1), rtol=1e-9)
+    assert "locks up" in " ".join(canvas.caption(well.figure(StoredStudy(ds))))
+
+
+def test_a_well_looks_alike_whether_s_runs_down_its_hole_or_up() -> None:
+    down = marks_of(study_kinds.well(friction=None), {"wob": 150.0}, "axial force")
+    up = marks_of(study_kinds.well(60.0, "FZ0", None), {"FZ0": -150.0}, "axial force")
+    depths = np.linspace(0, 200, 41)
+    each = [np.interp(depths, *points[points[:, 1].argsort()][:, ::-1].T) for points in (down, up)]
+    np.testing.assert_allclose(*each, rtol=1e-3)  # drawn at other stations
+
+
+def test_what_is_above_the_yield_stress_alone_is_red() -> None:
+    stored, shown = StoredStudy(study_kinds.well()), []
+    for strength in (1e4, 5e5):  # kPa
+        fig = well.figure(stored, at={"wob": 150.0}, yield_stress=strength)
+        shown.append("above yield" in [text.get_text() for text in fig.legends[0].get_texts()])
+    assert shown == [True, False]
+    with pytest.raises(InputError, match="choose --kind ridge or curves"):
+        well.figure(StoredStudy(small.six()))

@@ -10,10 +10,24 @@ from solver.problem.errors import InputError, no_such
 
 from ..figures import kinds
 from ..run import atomic
-from .options import At, Dpi, File, ForceOutput, NoTitle, Style, Width, axis_values, check_file, names, option, ranges
+from .options import (
+    At,
+    Dpi,
+    File,
+    ForceOutput,
+    NoTitle,
+    Style,
+    Width,
+    axis_values,
+    check_file,
+    field_number,
+    names,
+    option,
+    ranges,
+)
 from .present import Result, presents, result_of_files
 
-OF_FIGURES = ("x", "y", "show", "at", "shapes")  # options of a kind of figure
+OF_FIGURES = ("x", "y", "show", "at", "shapes", "yield_stress")  # options of a kind of figure
 FARTHEST = 1e100  # an end of --range; Matplotlib's ticks overflow from 1e300 on
 LEAST_RANGE = 1e-9  # of the larger end; Matplotlib widens ranges below 1e-14 of it
 
@@ -73,6 +87,10 @@ class PlotOptions:
     ] = None
     shapes: Annotated[
         str | None, option("NxM", "Draw N x M unrolled views over the first map, such as 5x5 (at most 12x12).")
+    ] = None
+    yield_stress: Annotated[
+        str | None,
+        option("STRESS", 'Stress at which a pipe yields, for --kind well, such as "75 ksi".', "--yield-stress"),
     ] = None
     style: Style = "screen"
     width: Width = None
@@ -137,6 +155,7 @@ def plot(file: File, wanted: PlotOptions) -> Result:
         "at": partial(axis_values, stored),
         "show": names,
         "shapes": map_panel.read_shapes,
+        "yield_stress": partial(_positive_stress, units=stored.units),
     }
     given = {name: readers.get(name, str)(value) for name, value in given.items()}
     if kind == "map" and wanted.panel:
@@ -155,6 +174,14 @@ def plot(file: File, wanted: PlotOptions) -> Result:
         atomic.write_text(numbers, table)
     paths = [path, *([numbers] if numbers else [])]
     return result_of_files(paths, [*canvas.caption(drawn), *map(str, paths)], missing)
+
+
+def _positive_stress(text: str, units: dict[str, str]) -> float:
+    """The stress of --yield-stress in the unit of the file. Raises `InputError`."""
+    value = field_number("--yield-stress", "bending_stress_max", text, units)
+    if not 0 < value < FARTHEST:
+        raise InputError(f'--yield-stress must be a positive stress, such as "75 ksi", got {text!r}')
+    return value
 
 
 def _ranges(stored: Any, texts: list[str] | None) -> dict[str, tuple[float, float]]:

@@ -137,7 +137,7 @@ def solve(
         "point_forces": sol.point_forces,
         "released": energies,
         "pipe": pipe_state.sentences(sol, base.units),
-        "limits": [limit._asdict() for limit in pipe_state.limits(sol)],
+        "limits": [limit._asdict() for limit in pipe_state.limits(sol.case)],
         "profile": [row._asdict() for row in rows],
         "warnings": pipe_state.warnings(sol, base.units, rows),
         "lift_offs": sol.lift_offs,

@@ -12,6 +12,7 @@ from itertools import groupby
 from pathlib import Path
 from string import ascii_lowercase
 from typing import Any
+from warnings import catch_warnings, filterwarnings
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -179,9 +180,13 @@ def _heighten_axes(fig: Figure, most: float) -> None:
     """Let a figure grow, to so many inches at most, until its axes are `LEAST_AXES` high. Raises `TooLow`."""
     axes = [ax for ax in fig.axes if ax.axison and ax.get_label() != "<colorbar>" and ax.get_subplotspec() is not None]
     for _ in range(TRIES if axes else 0):
-        fig.draw_without_rendering()
+        with catch_warnings():
+            filterwarnings("ignore", "constrained_layout not applied")  # it is seen below, and the figure grows
+            fig.draw_without_rendering()
         boxes = [ax.get_window_extent() for ax in axes]
         lowest, rows = min(box.height for box in boxes) / fig.dpi, len({round(box.y0) for box in boxes})
+        if any(key.get_window_extent().y1 > min(box.y0 for box in boxes) for key in fig.legends):
+            lowest = 0.0  # the layout was given up: what stands around the axes leaves them no room
         wide, high = map(float, fig.get_size_inches())
         if lowest >= LEAST_AXES:
             return

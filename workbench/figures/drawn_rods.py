@@ -152,7 +152,8 @@ def choose(
         notes = [f"{len(cases)} of the {stored.sizes[axis]} {values} are shown, evenly chosen.", *notes]
     rods = [_rod(chosen.select({axis: i}) if axis else chosen, axis, arrays) for i, arrays in enumerate(arrays_of)]
     if not any(rod.arrays is not None for rod in rods):
-        raise InputError("nothing to draw: none of the chosen cases is solved")
+        others = "; choose others with --at" if chosen.cases < stored.cases else ""
+        raise InputError(f"nothing to draw: none of the chosen cases is solved{others}")
     return DrawnRods(stored, axis, held, rods, notes)
 
 

@@ -50,6 +50,8 @@ KINDS = {
         "where rods with weight are straight, sinusoidal or helical"),
     "pipe": FigureKind("figures.along.pipe", ("x", "at"), "the azimuth along s in the colours of the push, with "
         "these states"),
+    "well": FigureKind("figures.well.figure", ("x", "at", "yield_stress"), "force, push, dogleg and stress of one pipe "
+        "with the depth down, and weight on bit against slack-off"),
     "bars": FigureKind("figures.bars.of_cases", ("x", "at", "show"),
         "observables along an axis of at most twelve values"),
     "equilibria": FigureKind("figures.equilibria_figure.figure", ("show",), of="equilibria"),
@@ -94,7 +96,7 @@ def kind_of(stored: "StoredStudy", kind: str | None = None, given: Sequence[str]
     for name in given:
         if name not in KINDS[kind].options:
             takers = choices(other for other, row in OF_STUDIES.items() if name in row.options)
-            raise InputError(f"--{name} is no option of --kind {kind}; choose --kind from {takers}")
+            raise InputError(f"--{name.replace('_', '-')} is no option of --kind {kind}; choose --kind from {takers}")
     return kind
 
 

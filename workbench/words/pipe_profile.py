@@ -14,7 +14,9 @@ from . import habits
 if TYPE_CHECKING:
     from solver import Case, Solution
 
-PUSH = "push of the wall"  # the row of a profile
+# rows of a profile
+FORCE, PUSH, DOGLEG = "axial force FZ", "push of the wall", "dogleg of the pipe"
+STRESSES = ("axial stress", "bending stress", "both stresses together")
 ROUNDING = 1e-12  # relative
 GAUSS = 8  # places between two nodes, for a mean
 
@@ -35,9 +37,9 @@ class ProfileRow(NamedTuple):
     inside: float
 
 
-def axial_force(sol: "Solution") -> Any:
-    """FZ at the stations, (n,) [force]."""
-    return np.asarray(sol.F2 * np.sin(sol.beta) + sol.F3 * np.cos(sol.beta))
+def axial_force(along: Any) -> Any:
+    """FZ at the stations, (n,) [force], of a solution or of arrays along a rod, which have beta, F2 and F3."""
+    return np.asarray(along.F2 * np.sin(along.beta) + along.F3 * np.cos(along.beta))
 
 
 def profile(sol: "Solution", units: dict[str, str]) -> list[ProfileRow]:
@@ -47,7 +49,7 @@ def profile(sol: "Solution", units: dict[str, str]) -> list[ProfileRow]:
     shape, rho = sol.trajectory.shapes.of(0), float(sol.case.rho)
 
     def read(t: Any) -> Any:
-        return np.stack([values for *_, values in _along(sol, units, t)])
+        return np.stack([values for *_, values in quantities(sol.case, _at_times(sol, t), units)])
 
     def sizes(t: Any) -> Any:
         return np.abs(read(t))
@@ -63,7 +65,7 @@ def profile(sol: "Solution", units: dict[str, str]) -> list[ProfileRow]:
     start, far = read(t[[0, -1]]).T
     numbers = np.stack([start, _means(read, shape.t), peaks.diagonal(), at * rho, far, inside], axis=1)
     numbers[np.abs(numbers) < ROUNDING * np.maximum(largest, 1e-300)[:, None]] = 0.0
-    heads = [(name, unit) for name, unit, _ in _along(sol, units, t[:1])]
+    heads = [(name, unit) for name, unit, _ in quantities(sol.case, _at_times(sol, t[:1]), units)]
     return [ProfileRow(*head, *row) for head, row in zip(heads, numbers.tolist(), strict=True)]
 
 
@@ -77,29 +79,30 @@ def _means(read: Any, nodes: Any) -> Any:
     return read(places.reshape(-1)) @ (width * w).reshape(-1) / (high - low)
 
 
-def _along(sol: "Solution", units: dict[str, str], t: Any) -> list[tuple[str, str, Any]]:
-    """The quantities of a profile, their units and their values at rising times t, (n,) each."""
-    rod, wall, (length, force) = sol.case.rod, sol.case.cylinder, (units["length"], units["force"])
-    fine = _at_times(sol, t)
-    kappa = np.where(fine.kappa * sol.case.rho < ROUNDING, 0.0, fine.kappa)
+def quantities(case: "Case", along: Any, units: dict[str, str]) -> list[tuple[str, str, Any]]:
+    """The quantities of a profile, their units and their values (n,) each.
+
+    along: has the arrays beta, push, kappa, F2 and F3 of one rod, (n,) each, M3_along too where it turns in place.
+    """
+    rod, wall, (length, force) = case.rod, case.cylinder, (units["length"], units["force"])
+    kappa = np.where(along.kappa * case.rho < ROUNDING, 0.0, along.kappa)
     per_length, dogleg = habits.habitual_unit(habits.LINE_LOAD, units), habits.dogleg_unit(units)
-    push = fine.push * habits.size(per_length, habits.LINE_LOAD, units)
-    columns = [("axial force FZ", force, axial_force(fine)), (PUSH, per_length, push)]
+    push = along.push * habits.size(per_length, habits.LINE_LOAD, units)
+    columns = [(FORCE, force, axial_force(along)), (PUSH, per_length, push)]
     if wall.side == "outside":
-        columns.insert(1, ("tension F3", force, fine.F3))
+        columns.insert(1, ("tension F3", force, along.F3))
     if wall.friction:
         columns.append(("friction", per_length, wall.friction * push))
     if wall.turns_in_place:
-        columns.append(("torque M3", f"{force} {length}", fine.M3_along))
-    columns.append(("dogleg of the pipe", dogleg, kappa * habits.size(dogleg, habits.CURVATURE, units)))
+        columns.append(("torque M3", f"{force} {length}", along.M3_along))
+    columns.append((DOGLEG, dogleg, kappa * habits.size(dogleg, habits.CURVATURE, units)))
     if rod.E is not None:
         unit = habits.habitual_unit(habits.STRESS, units)
         size = habits.size(unit, habits.STRESS, units)
-        axial = fine.F3 / (math.pi * (rod.a**2 - (rod.inner_radius or 0) ** 2)) * size
+        axial = along.F3 / (math.pi * (rod.a**2 - (rod.inner_radius or 0) ** 2)) * size
         bending = rod.E * rod.a * kappa * size
         stresses = axial, bending, np.abs(axial) + bending
-        names = "axial stress", "bending stress", "both stresses together"
-        columns += [(name, unit, values) for name, values in zip(names, stresses, strict=True)]
+        columns += [(name, unit, values) for name, values in zip(STRESSES, stresses, strict=True)]
     return columns
 
 

@@ -13,13 +13,14 @@ from .habits import plain
 from .pipe_profile import PUSH, ROUNDING, ProfileRow, axial_force, number, profile, weight_across
 
 if TYPE_CHECKING:
-    from solver import Solution
+    from solver import Case, Solution
 
 SINUSOID, PRESSED = 2.0, 2.744687  # forces in sqrt(A w sin(theta)/rho), as of `studies/pipe_horizontal.toml`
+LIKELY = "less energy than the sinusoid"
 LIMITS = (  # what happens at each of these, and what the load is called
     ("sinusoid from", "Dawson-Paslay"),
     ("helix possible from", "pressed on the wall all along"),
-    ("helix likely from", "less energy than the sinusoid"),
+    ("helix likely from", LIKELY),
     ("sinusoid gone above", "lift-off"),
 )
 EXPECTED = (  # in a long pipe, by the number of the loads above that are reached
@@ -53,12 +54,17 @@ class Limit(NamedTuple):
     value: float
 
 
-def lower_end(sol: "Solution") -> str:
+def rise(case: "Case") -> float:
+    """How steeply s climbs, -1 to 1; 0 where neither end is lower."""
+    steep = math.cos(float(case.cylinder.inclination or 0)) * bool(case.rod.weight)
+    return steep if abs(steep) >= ROUNDING else 0.0
+
+
+def lower_end(case: "Case") -> str:
     """That ``s = 0`` or ``s = L`` is the lower end, in a sentence."""
-    rise = math.cos(float(sol.case.cylinder.inclination or 0)) * bool(sol.case.rod.weight)
-    if abs(rise) < ROUNDING:
+    if not (steep := rise(case)):
         return "neither end is lower"
-    low, high = ("s = 0", "s = L")[:: 1 if rise > 0 else -1]
+    low, high = ("s = 0", "s = L")[:: 1 if steep > 0 else -1]
     return f"{low} is the lower end, {high} the upper one"
 
 
@@ -70,7 +76,7 @@ def all_sentences(sol: "Solution", units: dict[str, str]) -> list[str]:
         f"{plain(row.middle)}; at most {plain(row.largest)}, at s = {plain(row.at)}"
         for row in rows
     ]
-    loads = [f"{row.load} {plain(row.value)} {units['force']} ({row.name})" for row in limits(sol)]
+    loads = [f"{row.load} {plain(row.value)} {units['force']} ({row.name})" for row in limits(sol.case)]
     said = f"local compression in a long pipe without torque or friction: {', '.join(loads)}"
     return [*sentences(sol, units), *[said] * bool(loads), *each, *warnings(sol, units, rows)]
 
@@ -88,7 +94,7 @@ def sentences(sol: "Solution", units: dict[str, str]) -> list[str]:
     if sol.case.cylinder.side == "inside" and min(axial_force(sol)) > 0:
         said.append(TENSION)
     said += [*_friction(sol, units), *_buckling(sol, force), *_expectation(sol, force)]
-    return [*said, *[lower_end(sol)] * bool(sol.case.rod.weight)]
+    return [*said, *[lower_end(sol.case)] * bool(sol.case.rod.weight)]
 
 
 def lay_sentence(sol: "Solution", force: str) -> str:
@@ -245,26 +251,26 @@ def _buckling(sol: "Solution", force: str) -> list[str]:
     return [f"{who} buckles with {_load(far, force)} at s = L{start}"]
 
 
-def limits(sol: "Solution") -> list[Limit]:
+def limits(case: "Case") -> list[Limit]:
     """The compressions at which a long pipe of this weight changes its state; none without weight across the axis."""
     from solver.nodes.local_waves import EQUAL, LIFTED
 
-    if not (size := _size_of_limits(sol)):
+    if not (size := _size_of_limits(case)):
         return []
     multiples = SINUSOID, PRESSED, 2 + EQUAL, 2 + LIFTED
     return [Limit(*words, x * size) for words, x in zip(LIMITS, multiples, strict=True)]
 
 
-def _size_of_limits(sol: "Solution") -> float:
+def _size_of_limits(case: "Case") -> float:
     """The unit of the compressions at which a long pipe changes its state, 0 where it does not."""
-    if not sol.case.varies or sol.case.cylinder.side == "outside":
+    if not case.varies or case.cylinder.side == "outside":
         return 0.0
-    return math.sqrt(float(sol.case.rod.bending_stiffness) * weight_across(sol.case) / float(sol.case.rho))
+    return math.sqrt(float(case.rod.bending_stiffness) * weight_across(case) / float(case.rho))
 
 
 def _expectation(sol: "Solution", force: str) -> list[str]:
     """What is expected of a long pipe at the largest compression; of a bent shape without torque and friction."""
-    reached = [limit.value for limit in limits(sol)]
+    reached = [limit.value for limit in limits(sol.case)]
     given = sol.case.given
     torque = any(float(getattr(given, load, None) or 0) for load in ("MZ", "M3"))
     straight = all(state.word == STRAIGHT for state in sol.states)

@@ -1,0 +1,288 @@
+"""A pipe in a hole for a report: tracks side by side with the measured depth down, and weight on bit against slack-off.
+
+The tracks are of one pipe. The last panel is of all the pipes of a study over the load.
+"""
+
+from collections.abc import Mapping
+from functools import partial
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from solver.nodes.state import in_words
+from solver.problem.errors import InputError
+from studies.laws.line_verdicts import FAILS
+
+from ..stored.stored_study import StoredStudy
+from ..words import habits, labels, pipe_profile, pipe_state
+from ..words.habits import plain
+from . import canvas, colours, drawn_rods, fonts, push_scale, trends, waves
+from .drawn_rods import DrawnRod
+from .sheet import SCREEN, Sheet
+
+if TYPE_CHECKING:
+    from solver import Case
+
+ARRAYS = ("alpha", "beta", "push", "kappa", "F2", "F3")
+FORCE, PUSH, DOGLEG, STRESS, SLACK_OFF = "force", "push", "dogleg", "stress", "slack-off"  # panels
+ROWS = {pipe_profile.FORCE: FORCE, pipe_profile.PUSH: PUSH, pipe_profile.DOGLEG: DOGLEG,
+        pipe_profile.STRESSES[2]: STRESS}  # fmt: skip
+LOADS = ("wob", "FZ0", "FZ")  # the axes with a weight on bit
+TALL, WIDE = 3.4, 1.9  # inches of the tracks, and of the last panel
+NARROW = 3.2  # of all rows on a narrow sheet
+NEXT = 1.3  # of the largest compression: up to there a limit that is not reached is shown
+MARGIN = 0.06  # of the range of a track
+STRIP = 0.07  # of the width of a track, for the states
+BANDS = (("sinusoid", colours.STATES["sinusoidal"], 0.22), ("or helix", "#7f9fa6", 0.3),
+         ("only helix", colours.STATES["helical"], 0.28))  # fmt: skip
+FAILING = colours.VERDICTS[FAILS]
+
+
+def figure(
+    stored: StoredStudy,
+    x: str | None = None,
+    at: Mapping[str, float] | None = None,
+    yield_stress: float | None = None,
+    sheet: Sheet = SCREEN,
+) -> Figure:
+    """Draw one pipe in tracks, and weight on bit against slack-off where the study varies the load.
+
+    Parameters
+    ----------
+    stored : StoredStudy
+    x : str, optional
+        The axis of the load, for the last panel; default: the first of wob, FZ0 and FZ that is an axis.
+    at : mapping, optional
+        The values of axes at which the pipe is drawn; an axis that is not named stays where the laws put it.
+    yield_stress : float, optional
+        The stress at which the pipe yields, in the unit of the file.
+    sheet : Sheet
+        What the figure is drawn for. Its panel is one of them.
+
+    Raises
+    ------
+    InputError
+        For a pipe without weight and friction or outside a cylinder, an axis that is no load, and as of
+        `drawn_rods.choose`.
+    """
+    stored = stored.coarse()
+    if not stored.loads_vary or stored.leaves or stored.attrs.get("side") != "inside":
+        raise InputError(
+            "--kind well draws a pipe with weight or friction inside a hole, which it does not leave, and the rods of "
+            "this file are none; choose --kind ridge or curves"
+        )
+    place = stored.place(at)
+    load = _load_axis(stored, x)
+    rods = drawn_rods.choose(stored.select(place), ARRAYS)
+    rod = rods.solved[0]
+    case, units = rod.case.case, stored.units
+    rows = pipe_profile.quantities(case, SimpleNamespace(**{name: rod[name] for name in ARRAYS}), units)
+    tracks = {ROWS[name]: (unit, values) for name, unit, values in rows if name in ROWS}
+    panels: dict[str, Any] = {name: partial(_draw_track, rod, case, name, *track) for name, track in tracks.items()}
+    panels[FORCE] = partial(_draw_force, rod, case, *tracks[FORCE])
+    stress = [values for name, _, values in rows if name in pipe_profile.STRESSES]
+    if stress:
+        unit = tracks[STRESS][0]
+        most = None if yield_stress is None else yield_stress * habits.size(unit, habits.STRESS, units)
+        panels[STRESS] = partial(_draw_stress, rod, case, unit, stress, most)
+    elif yield_stress is not None:
+        raise InputError("a stress needs E, and the pipes of this file have EI and GJ")
+    said = _sentences(rod, case, tracks, units["length"])
+    if load:
+        panels[SLACK_OFF] = partial(_draw_slack_off, stored, load, place)
+    names = sheet.choose(panels)
+
+    def draw(count: int) -> Figure:
+        drawn = names[:count]
+        beside = [panels[name] for name in drawn if name != SLACK_OFF]
+        lines = canvas.in_rows(beside, min(2 if sheet.narrow else 4, len(beside)), TALL)
+        lines += [(WIDE, [panels[SLACK_OFF]])] if SLACK_OFF in drawn else []
+        lines = [(NARROW / len(lines), row) for _, row in lines] if sheet.narrow else lines
+        left = canvas.say_left_out(names[count:], "--panel")
+        held = [f"The pipe at {stored.equations(place)}."] if place else []
+        return canvas.page(stored, sheet, lines, [*held, *said, *rods.notes, *left], 0.75)
+
+    return canvas.with_room(draw, len(names))
+
+
+def _load_axis(stored: StoredStudy, x: str | None) -> str | None:
+    """The axis of the load; None where the study varies none. Raises `InputError` for another axis."""
+    loads = [name for name in LOADS if stored.sizes.get(name, 1) > 1]
+    if x is not None and (x := stored.axis(x)) not in loads:
+        raise InputError(f"--x of --kind well is an axis of the load, {', '.join(LOADS)}; got {x}")
+    return x or next(iter(loads), None)
+
+
+def _sentences(rod: DrawnRod, case: "Case", tracks: Mapping[str, tuple[str, Any]], length: str) -> list[str]:
+    """The state of the pipe, its largest numbers and the limits of a long pipe."""
+    depth = _depth(rod, case)
+    said = [f"State: {in_words(_states(rod), length)}, along s."]
+    for name, (unit, values) in tracks.items():
+        k = int(np.abs(values).argmax())
+        said.append(f"Largest {WORDS[name]}: {plain(values[k])} {unit} at {plain(depth[k])} {length}.")
+    limits = [f"{limit.load} {plain(limit.value)} ({limit.name})" for limit in pipe_state.limits(case)]
+    if limits:
+        said.append(f"Compression of a long pipe without friction, {tracks[FORCE][0]}: {', '.join(limits)}.")
+    return said
+
+
+WORDS = {FORCE: "axial force", PUSH: "push of the wall", DOGLEG: "dogleg", STRESS: "stress, axial and bending together"}
+
+
+def _states(rod: DrawnRod) -> tuple[Any, ...]:
+    return tuple(rod.case.states(*(rod[name] for name in ("s", "beta", "alpha", "push"))))
+
+
+def _depth(rod: DrawnRod, case: "Case") -> Any:
+    """The measured depth of the stations: s, or where s climbs what is left of the length, (n,) [length]."""
+    s = rod["s"]
+    return s[-1] - s if pipe_state.rise(case) > 0 else s
+
+
+def _down(ax: Axes, rod: DrawnRod, unit: str, title: str, values: Any) -> None:
+    """The scales of a track."""
+    low, high = min(0.0, *(float(np.min(v)) for v in values)), max(0.0, *(float(np.max(v)) for v in values))
+    spare = MARGIN * ((high - low) or 1.0)
+    ax.set_xlim(low - spare * (low < 0), high + spare)
+    ax.set_ylim(float(rod["s"].max()), 0)
+    ax.set_xlabel(f"[{labels.unit(unit)}]")
+    ax.set_title(fonts.wrap(title, ax), loc="left")
+    place = ax.get_subplotspec()
+    if place is None or place.is_first_col():
+        ax.set_ylabel(f"measured depth [{labels.unit(rod.case.units['length'])}]")
+    else:
+        ax.tick_params(labelleft=False)
+
+
+def _curve(ax: Axes, rod: DrawnRod, case: "Case", values: Any, most: float = np.inf, **look: Any) -> list[str]:
+    """Draw a quantity along the depth, red beyond `most`; returns what is to be said of it."""
+    depth, said = _depth(rod, case), list[str]()
+    order = slice(None, None, -1 if depth[0] > depth[-1] else 1)
+    depth, values = depth[order], values[order]
+    for part in waves.stretches(depth, values, fonts.inches(ax)[1] / float(depth[-1])):
+        at, low, high = part.band or (depth[part.of], values[part.of], values[part.of])
+        ax.plot(low, at, **look | ({"linewidth": waves.EDGE} if part.band else {}))
+        if part.band:
+            said = [waves.SAID]
+            ax.plot(high, at, **look | {"linewidth": waves.EDGE})
+            ax.fill_betweenx(at, low, high, color=look["color"], linewidth=0, alpha=waves.PALE)
+        if (high > most).any():
+            least = np.maximum(low, most) if part.band else most
+            ax.fill_betweenx(at, least, high, where=high > most, color=FAILING, linewidth=0, zorder=3,
+                             interpolate=True, label="above yield")  # fmt: skip
+    return said
+
+
+def _draw_track(rod: DrawnRod, case: "Case", name: str, unit: str, values: Any, ax: Axes) -> list[str]:
+    """The push of the wall, or the dogleg."""
+    colour = colours.PUSHED if name == PUSH else colours.DATA
+    said = _curve(ax, rod, case, values, color=colour, linewidth=1.3, gid=WORDS[name])
+    ax.axvline(0, color=colours.SOFT, linewidth=0.8)
+    if name == PUSH and push_scale.pulls(rod["push"]):
+        ax.fill_betweenx(_depth(rod, case), 0, np.minimum(values, 0), color=colours.PULLED, linewidth=0,
+                         label="would lift off")  # fmt: skip
+    _down(ax, rod, unit, WORDS[name], [values])
+    return said
+
+
+def _draw_force(rod: DrawnRod, case: "Case", unit: str, values: Any, ax: Axes) -> list[str]:
+    """The axial force, the states of the pipe, and the limits at which a long one changes its state."""
+    limits = [limit for limit in pipe_state.limits(case) if limit.name != pipe_state.LIKELY]
+    most = -float(values.min())
+    upper = next((limit.value for limit in limits if limit.value > most), most)
+    said = _curve(ax, rod, case, values, color=colours.DATA, linewidth=1.3, gid=WORDS[FORCE])
+    ax.axvline(0, color=colours.SOFT, linewidth=0.8)
+    _down(ax, rod, unit, WORDS[FORCE], [values, np.array([-max(most, upper if upper <= NEXT * most else 0.0)])])
+    _draw_states(ax, rod, case)
+    _draw_limits(ax, limits)
+    return said
+
+
+def _draw_limits(ax: Axes, limits: list[pipe_state.Limit]) -> None:
+    """Bands of the compressions at which a long pipe changes its state."""
+    end = -ax.get_xlim()[0]
+    for k, (limit, (name, colour, alpha)) in enumerate(zip(limits, BANDS, strict=False)):
+        far = min([other.value for other in limits[k + 1 : k + 2]] + [end])
+        if limit.value < end:
+            ax.axvspan(-far, -limit.value, color=colour, alpha=alpha, linewidth=0, zorder=0,
+                       label=f"{name} > {plain(limit.value)}")  # fmt: skip
+
+
+def _draw_states(ax: Axes, rod: DrawnRod, case: "Case") -> None:
+    """A strip of the states beside the track."""
+    length = float(rod["s"][-1])
+    for part in _states(rod):
+        ends = (length - part.end, length - part.begin) if pipe_state.rise(case) > 0 else (part.begin, part.end)
+        ax.fill_betweenx(ends, 1 - STRIP, 1, color=colours.STATES[part.word], linewidth=0, zorder=4,
+                         transform=ax.get_yaxis_transform(), label=part.word)  # fmt: skip
+
+
+def _draw_stress(rod: DrawnRod, case: "Case", unit: str, stresses: Any, most: float | None, ax: Axes) -> list[str]:
+    """The axial stress, and that of the outermost fibre with the bending; what is above the yield stress is red."""
+    axial, _, whole = stresses
+    title, shown = "stress", [whole]
+    if most is not None:
+        share = 100 * float(whole.max()) / most
+        words = f"{plain(share, 2 if share < 100 else 3)} % of yield"
+        title = fonts.fit_label(lambda full: f"stress: {words}" if full else words, fonts.inches(ax)[0])
+        shown = [whole, np.array([most])]
+        ax.axvline(most, color=colours.INK, linewidth=1, linestyle=(0, (4, 3)), label=f"yields at {plain(most)}")
+    said = _curve(ax, rod, case, np.abs(axial), color=colours.SOFT, linewidth=0.9, gid="axial stress, size",
+                  label="axial stress")  # fmt: skip
+    said += _curve(ax, rod, case, whole, most or np.inf, color=colours.DATA, linewidth=1.3, gid=WORDS[STRESS],
+                   label="axial and bending")  # fmt: skip
+    _down(ax, rod, unit, title, shown)
+    return said
+
+
+def _draw_slack_off(stored: StoredStudy, load: str, place: Mapping[str, int], ax: Axes) -> list[str]:
+    """Weight on bit against slack-off, along the axis of the load; the drawn pipe has a ring."""
+    line = stored.select({name: i for name, i in place.items() if name != load})
+    case = line.case
+    order = np.argsort(line[load].values, kind="stable")
+    FZ0, arriving = _numbers(line, "FZ0", "arriving_max")
+    FZ = np.broadcast_to(line["FZ"].values, FZ0.shape)
+    climbs = pipe_state.rise(stored.select(place).case) > 0
+    near, far = (FZ, FZ0) if climbs else (FZ0, FZ)
+    weight = np.asarray(case.rod.weight or 0.0) * case.rod.L * np.abs(np.cos(case.cylinder.inclination or 0.0))
+    slack, bit = np.broadcast_to(weight - near, FZ0.shape), -far
+    broken = np.flatnonzero(np.diff(line["branch"].values[order])) + 1 if "branch" in line else ()
+    trends.draw_line(ax, slack[order], bit[order], False, False, broken, color=colours.DATA, linewidth=1.3)
+    if slack.size <= trends.MOST_DOTS:
+        ax.scatter(slack, bit, color=colours.DATA, s=15, zorder=4, edgecolors="white", linewidths=0.7)
+    k = place[load]
+    ax.plot(slack[k], bit[k], "o", fillstyle="none", markersize=8, color=colours.INK, label="the drawn pipe")
+    known = np.isfinite(slack) & np.isfinite(bit)
+    ends = np.array([min(0.0, bit[known].min()), bit[known].max()])
+    ax.plot(ends, ends, color=colours.SOFT, linewidth=0.8, linestyle=(0, (4, 3)), label="without friction")
+    force = labels.unit(stored.units["force"])
+    most = float(np.nanmin(arriving)) if np.isfinite(arriving).any() else np.inf
+    said = [
+        "Slack-off: the weight of the pipe along the hole less the force at its upper end; weight on bit: the push at "
+        "its lower end."
+    ]
+    if np.isfinite(most):
+        said.append(f"The pipe locks up: over this length at most {plain(most)} {force} arrives.")
+        if most <= 2 * ends[1]:
+            ax.axhline(
+                most, color=colours.INK, linewidth=1, linestyle=(0, (1, 1.5)), label=f"locks up at {plain(most)}"
+            )
+    if not known.all():
+        said.append(f"{int((~known).sum())} of {known.size} weights on bit are not solved.")
+    ax.set_xlabel(f"slack-off at the upper end [{force}]")
+    ax.set_ylabel(f"weight on bit [{force}]")
+    ax.set_title("weight on bit against slack-off", loc="left")
+    return said
+
+
+def _numbers(line: StoredStudy, *names: str) -> list[Any]:
+    """Numbers of each case as stored, else of the cases solved again."""
+    from solver import observe
+
+    missing = [name for name in names if name not in line]
+    fresh = observe(line.at(), missing) if missing else {}
+    shape = line["outcome"].shape
+    return [np.broadcast_to(fresh[name] if name in fresh else line[name].values, shape) for name in names]
