@@ -1,11 +1,14 @@
 """What is wrong with the page of a figure: words cut off, words over words, small letters, units as programs write
-them, red that is no failure."""
+them, legends over what is drawn, red that is no failure."""
 
 import re
 from collections.abc import Iterator
 from io import BytesIO
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection, PathCollection
+from matplotlib.container import BarContainer
 from matplotlib.figure import Figure
 from matplotlib.image import imread
 from matplotlib.path import Path
@@ -67,7 +70,34 @@ def faults(fig: Figure, least: float = 7.0, texts: list[Text] | None = None, axe
         room = one.get_text().endswith("\n") or other.get_text().endswith("\n")  # empty lines keep room for the other
         if not room and _outline(one).intersects_path(_outline(other)):
             found.append(f"over one another: {one.get_text()!r} and {other.get_text()!r}")
+    return found + _covered(fig)
+
+
+def _covered(fig: Figure) -> list[str]:
+    """A sentence for each legend with words or samples over lines, points or bars."""
+    inside = [legend for ax in fig.axes if (legend := ax.get_legend())]
+    found = []
+    for legend in (*fig.legends, *inside):
+        parts = [*legend.get_texts(), *legend.legend_handles]
+        box = Bbox.union([part.get_window_extent() for part in parts if part is not None]).padded(-SLACK)
+        for ax in fig.axes:
+            if ax.get_window_extent().overlaps(box) and any(path.intersects_bbox(box, False) for path in _drawn(ax)):
+                found.append(f"a legend over what is drawn: {legend.get_texts()[0].get_text()}")
     return found
+
+
+def _drawn(ax: Axes) -> Iterator[Path]:
+    """The lines, points and bars of axes, as paths in pixels."""
+    bars = [bar for of in ax.containers if isinstance(of, BarContainer) for bar in of]
+    strokes = [of for of in ax.collections if isinstance(of, LineCollection)]
+    lines = [of for of in ax.lines if of.get_linestyle() != "None"]
+    yield from (bar.get_transform().transform_path(bar.get_path()) for bar in bars)
+    yield from (of.get_transform().transform_path(of.get_path()) for of in lines)
+    yield from (of.get_transform().transform_path(path) for of in strokes for path in of.get_paths())
+    marked = [(of.get_transform(), of.get_xydata()) for of in ax.lines if of.get_marker() not in ("None", "")]
+    scattered = [of for of in ax.collections if isinstance(of, PathCollection)]
+    for transform, points in (*marked, *((of.get_offset_transform(), of.get_offsets()) for of in scattered)):
+        yield from (Path([place, place + SLACK]) for place in transform.transform(points))
 
 
 def _near_pairs(texts: list[Text], boxes: list[Bbox]) -> Iterator[tuple[Text, Text]]:

@@ -41,6 +41,13 @@ def test_sentences_below_a_narrow_picture_leave_its_panels_their_room(name: str)
     assert [fault for fault in faults(fig) if "over one another" in fault] == []
 
 
+@pytest.mark.parametrize("page", SHEETS)
+def test_a_legend_without_a_free_place_stands_below_its_panel(page: str) -> None:
+    """The line of the expected load passes through every corner of the panel that has room for three entries."""
+    fig = kinds.figure(StoredStudy(small.study_dataset("pipe_centred")), "lines", SHEETS[page])
+    assert [fault for fault in faults(fig) if "over" in fault] == []
+
+
 @cache
 def chosen() -> dict[str, StoredStudy]:
     """The files of the story."""

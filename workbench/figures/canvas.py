@@ -35,9 +35,10 @@ from solver.problem.errors import InputError
 from ..run import atomic
 from ..stored.stored_study import StoredStudy
 from ..words import labels
-from . import fonts
+from . import fonts, legend_room
 from .colours import CROSSED, INK, SOFT
 from .fonts import DPI, RC
+from .legend_room import HANDLE
 from .scales import RoomLocator, Ticks
 from .sheet import MILLIMETRES, SCREEN, Sheet
 
@@ -51,7 +52,6 @@ MOST_LETTERS = 12  # panels; more are a table of panels, which its rows and colu
 # The best place covers no middle of a point; a wide pad in place of the distance to the axes keeps it off whole points
 PADDED = {"borderpad": 1.0, "borderaxespad": 0.0}
 ALONE: dict[str, Any] = {"fontsize": 1, "borderpad": 3.2}  # of a legend of lines: its empty entry takes no room
-HANDLE = 0.45  # inches of an entry beside its label
 RING = 1.2  # points, the line of a ring
 DIAGRAMS = (".png", ".pdf", ".svg")
 Said = Iterable[Any]  # of a figure: sentences of its caption, and labelled artists, the entries of its legend
@@ -87,6 +87,9 @@ def figure(
             _set_title(fig, " · ".join(text for text in (stored.reading, said) if text), str(stored.attrs["title"]))
         _write_numbers(fig)
         set_in_mathematics(fig)
+        if layout is not None and (more := legend_room.clear(fig)):
+            high = fig.get_figheight() + more
+            resize(fig, (fig.get_figwidth(), min(high, tallest(sheet)) if sheet.style == "paper" else high))
     return fig
 
 
@@ -193,7 +196,7 @@ def _heighten_axes(fig: Figure, most: float) -> None:
         if (grown := min(high + 1.02 * rows * (LEAST_AXES - lowest) + 0.01, most)) <= high:
             at_least = f"{MILLIMETRES * LEAST_AXES:.0f} mm in print"
             raise TooLow(
-                f"the axes would be {MILLIMETRES * lowest:.0f} mm high, and are at least {at_least}: choose fewer "
+                f"the axes would be {MILLIMETRES * lowest:.1f} mm high, and are at least {at_least}: choose fewer "
                 "panels with --show or --panel, or another --width"
             )
         resize(fig, (wide, grown))
