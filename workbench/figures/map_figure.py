@@ -133,7 +133,7 @@ class _Maps:
     def __init__(
         self, stored: StoredStudy, choice: Choice, columns: list[Cells], laws: list["_JudgedLaw"], sheet: Sheet
     ) -> None:
-        self.across = 1 if sheet.narrow else 2
+        self.across = 1 if sheet.narrow else min(len(choice.shown), 2)
         alone, beside = sheet.width - (1.25 if sheet.narrow else 2.0), (sheet.width - 2.5) / 2
         large = alone, alone * 0.605  # inches of a map alone in its row
         self.small = large if sheet.narrow else (beside, beside * 0.775)  # of one of two
