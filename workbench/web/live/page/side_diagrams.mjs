@@ -7,26 +7,32 @@ import { frameOf, paintCursor, paintDiagram, paper, titleOf } from "./diagram.mj
 const HEIGHT = 165,
   PRINTED = 3; // pixels of a canvas for one of the page, at least, on paper
 
-/* The diagrams in `box`; the unrolled view, which has the axis of the rod above it, in `below`. */
+/* The diagrams in `box`, the last of them folded; the unrolled view, which has the axis of the rod above it, in
+   `below`. */
 export function makeDiagrams(box, below, code, theme, pointed) {
   let shown = [],
     shape = null,
     at = null,
     end = 0,
-    fine = 1;
+    fine = 1,
+    wasOpen = false;
+  const folded = make("details", {}, make("summary", { textContent: "One more diagram" }));
+  folded.addEventListener("toggle", paint);
 
   function build(specs) {
     for (const place of [box, below]) place.replaceChildren();
     shown = specs.map((spec) => {
       const title = make("figcaption"),
         canvas = make("canvas", { id: `d-${spec.key}`, role: "img" });
-      (spec.key === "developed" ? below : box).append(make("figure", { className: "diagram" }, title, canvas));
+      const place = { developed: below, well: folded }[spec.key] ?? box;
+      place.append(make("figure", { className: "diagram" }, title, canvas));
       const one = { canvas, title, spec, frame: null };
       for (const name of ["pointerdown", "pointermove"])
         canvas.addEventListener(name, (event) => pointed(nearest(one, event.offsetX, event.offsetY)));
       canvas.addEventListener("pointerleave", (event) => event.pointerType !== "touch" && pointed(null)); // a finger may leave
       return one;
     });
+    box.append(folded);
   }
 
   function show(next, units, scale) {
@@ -80,6 +86,8 @@ export function makeDiagrams(box, below, code, theme, pointed) {
     },
     onPaper: (on) => {
       fine = on ? PRINTED : 1;
+      if (on) wasOpen = folded.open;
+      folded.open = on || wasOpen; // paper cannot be unfolded
       paint();
     },
   };
