@@ -4,6 +4,7 @@ The writer asks before it solves (`check_study`) and before it stores (`unfit`, 
 (`checks`): so whatever is written is read. Needs no xarray.
 """
 
+import re
 from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
@@ -29,6 +30,7 @@ SAME = 1e-9  # relative, between a stored number and what it follows from
 STRAIGHT = 1e-6  # share of the arc by which its chord may exceed it: rounding and the error of the method
 COUNTED = ("held_index", "branch")  # whole numbers of each case that are no observables
 FIELDS = (*POSITIVE, "rho", *RANGES)  # that have a range
+CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\ud800-\udfff]")  # of a text of many lines; no UTF-8
 CUT = "; ..."  # ends a text that is longer than a file holds
 
 
@@ -104,12 +106,7 @@ def _outside(name: str, values: NDArray[Any], is_counted: bool, L: Any) -> Mask:
 
 def fit_lines(text: str) -> str:
     """A text of many lines as a file holds it: the control characters of its comments are blanks."""
-    return "".join(" " if is_control(letter) else letter for letter in text)
-
-
-def is_control(letter: str) -> bool:
-    """Whether a letter of a text of many lines is a control character."""
-    return (letter < " " and letter not in "\n\r\t") or "\x7f" <= letter <= "\x9f"
+    return CONTROL.sub(" ", text)
 
 
 def fit_text(text: str) -> str:

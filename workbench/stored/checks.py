@@ -3,7 +3,7 @@
 A check yields what is wrong with a dataset, each a sentence without its beginning, the name of the file; a dataset with
 which nothing is wrong is valid. Checks change nothing. Those of `STUDY` are asked for every study; they read no array
 along the rod. `curves` does, block by block: of a dataset that is read whole, for its summary and for its check. What
-texts and numbers can be stands in `ATTRIBUTES` and in `bounds`.
+numbers can be stands in `bounds`.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -14,14 +14,12 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from solver.observe import observables
 from solver.problem.case import CONTACTS, DIRECT, ELASTIC, GIVEN, SIDES, SLIDING
 from solver.problem.errors import InputError, choices
 from solver.problem.quantities import QUANTITIES, unit_of
 from solver.problem.units import FORCES, LENGTHS
 from studies import names
 from studies.grammar.axes import FIELDS, SAMPLE
-from studies.grammar.formulas import parse
 
 from ..words import escaping
 from . import bounds, file_kinds, quantity_variables, refined, schema
@@ -30,21 +28,17 @@ from .schema import FORMAT, JUDGED, LABEL, LINE, TEXTS, blocks, show
 
 Check = Callable[[xr.Dataset], Iterator[str]]
 
-NEEDED = ("title", "study_name", "laws")  # the attributes that mark a study's dataset
-OF_STUDY = (*NEEDED, "study", "reading", "side", "stiffness", "length_unit", "force_unit", "method", "versions")
+OF_STUDY = ("title", "study_name", "laws", "study", "reading", "side", "stiffness", "length_unit", "force_unit",
+            "method", "versions")  # attributes of every study; the first three mark its file  # fmt: skip
 LONG = ("study", "laws", "versions", "recipe", "statistics", "branches", "rows")  # of many lines, or JSON; not printed
-MOST_TEXT = 64_000_000  # characters of a text of many lines
-ATTRIBUTES: Mapping[str, Any] = {  # the words that one can be, or how many characters; of others it is `LINE`
-    **dict.fromkeys(LONG, MOST_TEXT),
+MOST_TEXT = 64_000_000  # characters of such a text
+WORDS: Mapping[str, Any] = {
     "side": SIDES, "sliding": SLIDING, "contact": CONTACTS,
     "stiffness": quantity_variables.SECTIONS, "length_unit": LENGTHS, "force_unit": FORCES,
 }  # fmt: skip
 LABELS = ("units", "long_name", "symbol", "reading")  # attributes of variables that are text
-
-EACH = ("solved", "caution", *JUDGED)  # of every case, beside the outcome
-# What the values of a variable are, and their kinds in NumPy.
+# What the values of a variable are, and their kinds in NumPy; of all others numbers.
 KINDS = {**dict.fromkeys((*TEXTS, "xyz"), ("text", "OUST")), "solved": ("booleans", "b")}
-NUMBERS = ("numbers", "iuf")  # of all others
 SCALED = ("scale_factor", "add_offset", "missing_value", "_Unsigned")  # attributes by which xarray changes numbers
 BLOCK = 100_000  # cases that are read at a time
 BLOCK_ALONG = 2**20  # stations of their curves
@@ -59,16 +53,15 @@ def check(ds: xr.Dataset, path: str | Path, checks: Sequence[Check]) -> None:
 
 def check_all(ds: xr.Dataset, path: str | Path) -> None:
     """Raise `InputError` where anything is wrong with a dataset, of whichever kind."""
-    if file_kinds.kind_of(ds) is file_kinds.STUDY:
-        check_kind(ds, path)
-        check(ds, path, [*STUDY, curves])
-    else:
-        check(ds, path, of_any(ds))
+    if file_kinds.kind_of(ds) is not file_kinds.STUDY:
+        return check(ds, path, of_any(ds))
+    check_kind(ds, path)
+    return check(ds, path, [*STUDY, curves])
 
 
 def of_any(ds: xr.Dataset) -> Sequence[Check]:
     """The checks of what datasets of all kinds have."""
-    return (texts, packing, fields, *((cases, curves) if "solved" in ds else ()))
+    return (texts, fields, *((cases, curves) if "solved" in ds else ()))
 
 
 def check_kind(ds: xr.Dataset, path: str | Path) -> None:
@@ -76,19 +69,17 @@ def check_kind(ds: xr.Dataset, path: str | Path) -> None:
     kind = file_kinds.kind_of(ds)
     if kind is not file_kinds.STUDY:
         raise file_kinds.other_kind(path, kind, f"this command reads {file_kinds.STUDY.what}")
-    missing = [name for name in NEEDED if name not in ds.attrs]
+    missing = [name for name in OF_STUDY[:3] if name not in ds.attrs]
     if missing or "outcome" not in ds:
         raise InputError(f"{path} is not a study's dataset: it has no {', '.join(missing) or 'outcome'}")
     version = np.asarray(ds.attrs.get("format", 1))
     if version.size != 1 or version.dtype.kind not in "iu":
         raise InputError(f"{path}: the attribute format must be a whole number, got {show(ds.attrs['format'])}")
-    other = f"{path} is of format {version.item()}, but this version reads format {FORMAT}"
-    if version.item() > FORMAT:
-        raise InputError(other)
-    if version.item() < FORMAT:
+    if version.item() != FORMAT:
         study = str(ds.attrs["study_name"])
-        study = study if study in names() else "STUDY"
-        raise InputError(f"{other}; make it again with: workbench run {study} --out {path}")
+        again = f"; make it again with: workbench run {study if study in names() else 'STUDY'} --out {path}"
+        other = f"{path} is of format {version.item()}, but this version reads format {FORMAT}"
+        raise InputError(other + (again if version.item() < FORMAT else ""))
 
 
 def is_nan(value: Any) -> bool:
@@ -98,36 +89,32 @@ def is_nan(value: Any) -> bool:
 
 
 def texts(ds: xr.Dataset) -> Iterator[str]:
-    """Whether every text is printable and every word is one of its choices."""
+    """Whether every text is printable, every word one of its choices, and no number is stored as another one."""
     for key, value in ds.attrs.items():
-        yield from _text(str(key), LABEL, "the name of an attribute")
-        most = ATTRIBUTES.get(str(key), LINE)
-        if not isinstance(most, int):
-            if value not in (*most,):
-                yield f": the attribute {key} is {show(value)}; it can be {choices(most)}"
-        elif isinstance(value, str):
-            yield from _text(value, most, f"the attribute {key}")
+        yield from _line(str(key), "the name of an attribute")
+        if key in WORDS and (not isinstance(value, str) or value not in WORDS[key]):
+            yield f": the attribute {key} is {show(value)}; it can be {choices(WORDS[key])}"
+        if key in LONG and isinstance(value, str) and (len(value) > MOST_TEXT or bounds.CONTROL.search(value)):
+            yield f": the attribute {key} holds control characters, or more than {MOST_TEXT} letters"
+        elif key not in LONG and isinstance(value, str):
+            yield from _line(value, f"the attribute {key}", LINE)
     for name, variable in ds.variables.items():
-        yield from _text(str(name), LABEL, "the name of a variable")
+        yield from _line(str(name), "the name of a variable")
         for key, value in variable.attrs.items():
-            what = f"the attribute {show(key)} of {show(name)}"
             if isinstance(value, str):
-                yield from _text(value, LABEL, what)
+                yield from _line(value, f"the attribute {show(key)} of {show(name)}")
             elif key in LABELS:
-                yield f": {what} is not text"
+                yield f": the attribute {show(key)} of {show(name)} is not text"
+        for key in SCALED:
+            if key in variable.encoding:
+                yield f": {show(name)} has the attribute {key}, which the format does not allow"
+        if not is_nan(variable.encoding.get("_FillValue", np.nan)):  # a number that is there would be lost
+            yield f": the attribute _FillValue of {show(name)} must be NaN"
 
 
-def _text(text: str, most: int, what: str) -> Iterator[str]:
-    """Whether it is UTF-8 of at most so many characters, and one line, but for a long text."""
-    try:
-        text.encode()
-    except UnicodeEncodeError:
-        yield f": {what} is not UTF-8 text: {show(text)}"
-    if most < MOST_TEXT:
-        if not escaping.is_line(text, most):
-            yield f": {what} must be one line of text, got {show(text)}"
-    elif len(text) > most or any(map(bounds.is_control, text)):
-        yield f": {what} holds control characters, or more than {most} letters"
+def _line(text: str, what: str, most: int = LABEL) -> Iterator[str]:
+    if not escaping.is_line(text, most):
+        yield f": {what} must be one line of text, got {show(text)}"
 
 
 def study_texts(ds: xr.Dataset) -> Iterator[str]:
@@ -151,50 +138,32 @@ def study_texts(ds: xr.Dataset) -> Iterator[str]:
 def kinds(ds: xr.Dataset) -> Iterator[str]:
     """Whether each variable holds the kind of values that it is known for."""
     for name, variable in ds.variables.items():
-        words, allowed = KINDS.get(str(name), NUMBERS)
+        words, allowed = KINDS.get(str(name), ("numbers", "iuf"))
         if variable.dtype.kind not in allowed:
             yield f": {show(name)} must hold {words}, got {variable.dtype}"
 
 
 def layout(ds: xr.Dataset) -> Iterator[str]:
-    """Whether the dimensions of each variable fit."""
-    axes = schema.axes_of(ds)
+    """Whether each variable has the dimensions and the unit that it is known for."""
+    axes, variables = schema.axes_of(ds), {str(name): variable for name, variable in ds.variables.items()}
     known = [*axes, "u", *dict.fromkeys(dim for dims in INNER.values() for dim in dims)]
-    for name, variable in ((str(key), variable) for key, variable in ds.variables.items()):
-        expected = [*axes, "u", *INNER.get(CURVES.get(name, name), ())]
-        dims = [str(dim) for dim in variable.dims]
+    expressions = {name for name, variable in variables.items() if "expression" in variable.attrs}
+    for name, variable in variables.items():
+        expected, dims = [*axes, "u", *INNER.get(CURVES.get(name, name), ())], list(map(str, variable.dims))
         fits = dims == [dim for dim in known if dim in dims] and (name not in CURVES or dims == expected)
         if not fits or (name in ("u", "s") and dims[-1:] != ["u"]):
             yield f": {show(name)} has the dimensions {show(dims)}, which do not fit the axes"
         measured = name.removesuffix("_error")
-        if measured != name and measured in ds.variables and variable.dims != ds.variables[measured].dims:
+        if measured in variables and variable.dims != variables[measured].dims:
             yield f": {show(name)} has other dimensions than {show(measured)}"
-    for name in EACH:
+        row, said = QUANTITIES.get(CURVES.get(name, name)), variable.attrs.get("units")
+        if row is None or row.dimension == "text" or said is None or measured in expressions:
+            continue
+        if said != (unit := unit_of(row.name, {kind: ds.attrs[f"{kind}_unit"] for kind in ("length", "force")})):
+            yield f": {name} is in {show(said)}, but in the units of the file it is in {unit}"
+    for name in ("solved", "caution", *JUDGED):
         if name not in ds or list(ds[name].dims) != axes:
             yield f" has no {name} for each of its cases"
-
-
-def units(ds: xr.Dataset) -> Iterator[str]:
-    """Whether each quantity is labelled with its unit in the units of the file."""
-    system = {kind: str(ds.attrs[f"{kind}_unit"]) for kind in ("length", "force") if f"{kind}_unit" in ds.attrs}
-    expressions = [name for name, variable in ds.variables.items() if "expression" in variable.attrs]
-    for name, variable in ds.variables.items() if len(system) == 2 else ():
-        row = QUANTITIES.get(CURVES.get(str(name), str(name)))
-        said = variable.attrs.get("units")
-        if row is None or row.dimension == "text" or said is None or str(name).removesuffix("_error") in expressions:
-            continue
-        if said != (unit := unit_of(row.name, system)):
-            yield f": {name} is in {show(said)}, but in the units of the file it is in {unit}"
-
-
-def packing(ds: xr.Dataset) -> Iterator[str]:
-    """Whether no attribute tells xarray to read other numbers than those that are stored."""
-    for name, variable in ds.variables.items():
-        for key in SCALED:
-            if key in variable.encoding:
-                yield f": {show(name)} has the attribute {key}, which the format does not allow"
-        if not is_nan(variable.encoding.get("_FillValue", np.nan)):  # a number that is there would be lost
-            yield f": the attribute _FillValue of {show(name)} must be NaN"
 
 
 def axes(ds: xr.Dataset) -> Iterator[str]:
@@ -213,11 +182,11 @@ def axes(ds: xr.Dataset) -> Iterator[str]:
             yield f": the sampled field {show(field)} has no values"
         if not np.isfinite(ds[name].values).all():
             yield f": the sampled field {show(field)} holds values that are not finite"
-    if schema.is_refined(ds):
-        try:
+    try:
+        if schema.is_refined(ds):
             refined.describe(ds)
-        except InputError as error:
-            yield f": {error}"
+    except InputError as error:
+        yield f": {error}"
 
 
 # What fields and stations must be together: the names, what is wrong otherwise, and the rule.
@@ -234,13 +203,14 @@ TOGETHER: Sequence[tuple[tuple[str, ...], str, Callable[..., Any]]] = (
         "u must rise from 0 to 1",
         lambda u: (u >= 0) & (u <= 1) & bool((np.diff(np.atleast_1d(u.values)) > 0).all()),
     ),
-    (("s", "u", "L"), "s must be u L", lambda s, u, L: (abs(s - u * L) <= bounds.SAME * L) & _fits(s, u * L)),
+    (
+        ("s", "u", "L"),
+        "s must be u L",  # an axis of one value is none of a field's
+        lambda s, u, L: (
+            (abs(s - u * L) <= bounds.SAME * L) & ({*(u * L).squeeze().dims} <= {*s.dims} <= {*(u * L).dims})
+        ),
+    ),
 )
-
-
-def _fits(s: xr.Variable, expected: xr.Variable) -> bool:
-    """Whether the arc length has the dimensions that it must have; an axis of one value is none of a field's."""
-    return {*expected.squeeze().dims} <= {*s.dims} <= {*expected.dims}
 
 
 def fields(ds: xr.Dataset) -> Iterator[str]:
@@ -253,18 +223,14 @@ def fields(ds: xr.Dataset) -> Iterator[str]:
             yield f": {name} {why}"
     word, side = ds.attrs.get("stiffness"), ds.attrs.get("side")
     allowed = DIRECT if word == GIVEN else (*ELASTIC, *(["inner_radius"] if word == "solid" else []))
-    for name in SECTION:
-        if name in number and name not in allowed:
-            yield f": the attribute stiffness is {show(word)}, which excludes {name}"
+    for name in {*SECTION} & {*number} - {*allowed}:
+        yield f": the attribute stiffness is {show(word)}, which excludes {name}"
     if side in SIDES:
         number["side"] = xr.Variable((), SIDES[side])
     for needed, wrong, holds in TOGETHER:
-        if not {*needed} <= {*number}:
-            continue
         with np.errstate(all="ignore"):  # of infinite numbers a rule has no value, and does not hold
-            is_right = np.all(holds(*(number[name] for name in needed)).values)
-        if not is_right:
-            yield f": {wrong}"
+            if {*needed} <= {*number} and not np.all(holds(*(number[name] for name in needed)).values):
+                yield f": {wrong}"
     along = [name for name in CURVES if name in ds.data_vars and "u" in ds.variables[name].dims]
     if along and "u" in number and "s" not in number:
         yield f": {along[0]} is an array along the rod, but s is missing"
@@ -278,7 +244,7 @@ def cases(ds: xr.Dataset) -> Iterator[str]:
     for block in _boxes(ds, [*TEXTS, *numbers, *schema.stiffness_fields(ds), "rho", "L"], BLOCK):
         for name in (name for name in TEXTS if name in block):
             for text in set(block[name].values.ravel().tolist()):
-                yield from _text(str(text), LABEL, f"one of {name}")
+                yield from _line(str(text), f"one of {name}")
         yield from _numbers(ds, block, numbers)
 
 
@@ -294,21 +260,25 @@ def curves(ds: xr.Dataset) -> Iterator[str]:
 def _chords(ds: xr.Dataset, block: Mapping[str, xr.Variable]) -> Iterator[str]:
     """Whether no solved rod moves farther than it is long; places of rods that may leave the cylinder have an error."""
     s, rho = block["s"], block["rho"]
-    moved: dict[str, xr.Variable] = {}
     with np.errstate(all="ignore"):
         arc = _steps(s) * (1 + bounds.STRAIGHT) + bounds.STRAIGHT * rho
-        if not schema.leaves(ds):
-            scales: dict[str, Any] = {"alpha": rho, "z": 1.0}
-            moved = {name: abs(_steps(block[name])) * scale for name, scale in scales.items() if name in block}
-        elif {"radius", "alpha", "z"} <= {*block}:
+        moved = {f"{name} of a solved case moves": abs(_steps(block[name])) * scale
+                 for name, scale in (("alpha", rho), ("z", 1.0)) if name in block}  # fmt: skip
+        if schema.leaves(ds):
+            if not {"radius", "alpha", "z"} <= {*block}:
+                return
             r, alpha, z = (block[name] for name in ("radius", "alpha", "z"))
             chord = (_steps(r * np.cos(alpha)) ** 2 + _steps(r * np.sin(alpha)) ** 2 + _steps(z) ** 2) ** 0.5
             arc = _steps(s) + float(ds.attrs["tolerance"]) * s.isel(u=-1)
-            moved = {"radius, alpha and z": chord}
-        for name, far in moved.items():
+            moved = {"radius, alpha and z of a solved case move": chord}
+        for words, far in moved.items():
             if ((far > arc) & block["solved"]).values.any():
-                move = "move" if "," in name else "moves"
-                yield f": {name} of a solved case {move} farther than the rod is long"
+                yield f": {words} farther than the rod is long"
+
+
+def _steps(along: xr.Variable) -> xr.Variable:
+    """Differences from one station to the next."""
+    return along.isel(u=slice(1, None)) - along.isel(u=slice(None, -1))
 
 
 def _boxes(ds: xr.Dataset, names: Sequence[str], most: int) -> Iterator[dict[str, xr.Variable]]:
@@ -317,10 +287,7 @@ def _boxes(ds: xr.Dataset, names: Sequence[str], most: int) -> Iterator[dict[str
     held = {name: ds.variables[name] for name in dict.fromkeys(["solved", *names]) if name in ds.variables}
     for where in blocks(solved.shape, most):
         box = dict(zip(solved.dims, where, strict=True))
-        yield {
-            name: xr.Variable(v.dims, v[tuple(box.get(dim, slice(None)) for dim in v.dims)].values)
-            for name, v in held.items()
-        }
+        yield {name: v.isel({dim: box[dim] for dim in v.dims if dim in box}).load() for name, v in held.items()}
 
 
 def _numbers(ds: xr.Dataset, block: Mapping[str, xr.Variable], names: Sequence[str]) -> Iterator[str]:
@@ -329,30 +296,18 @@ def _numbers(ds: xr.Dataset, block: Mapping[str, xr.Variable], names: Sequence[s
 
     def of_solved(variable: xr.Variable) -> NDArray[Any]:
         inner = {dim: size for dim, size in variable.sizes.items() if dim not in solved.dims}
-        return np.asarray(
-            variable.set_dims({**solved.sizes, **inner}).transpose(*solved.dims, ...).values[solved.values]
-        )
+        over_cases = variable.set_dims({**solved.sizes, **inner}).transpose(*solved.dims, ...)
+        return np.asarray(over_cases.values[solved.values])
 
     rod = {name: of_solved(block[name]) for name in ("L", "rho") if name in block}
     if {*schema.stiffness_fields(ds)} <= {*block}:
         rod["A"] = of_solved(quantity_variables.bending_stiffness(str(ds.attrs["stiffness"]), block))
     columns = {name: of_solved(block[name]) for name in names}
-    counted = [name for name in names if _is_counted(name, ds.variables[name].attrs)]
+    counted = [name for name in names if name in bounds.COUNTED or schema.is_count(ds[name])]
     for name, why, bad in bounds.unfit(columns, counted, rod):
         if bad.any():
             got = f", got {columns[name][bad][0]:g}" if columns[name].ndim == 1 else ""
             yield f": {name} of a solved case {why}{got}"
 
 
-def _is_counted(name: str, attrs: Mapping[str, Any]) -> bool:
-    """Whether a number of each case is whole. Raises `InputError` for an invalid expression."""
-    text = attrs.get("expression")
-    return name in bounds.COUNTED or (observables.is_count(name) if text is None else parse(str(text)).whole)
-
-
-def _steps(along: xr.Variable) -> xr.Variable:
-    """Differences from one station to the next."""
-    return along.isel(u=slice(1, None)) - along.isel(u=slice(None, -1))
-
-
-STUDY = (kinds, study_texts, axes, texts, units, packing, layout, fields, cases)
+STUDY = (kinds, study_texts, texts, layout, axes, fields, cases)
