@@ -26,6 +26,7 @@ Mask = NDArray[np.bool_]
 # Of fields in their own units, and of dimensionless loads and lengths: beyond, squares and fourth powers overflow.
 SMALLEST, LARGEST, MOST = 1e-50, 1e50, 1e30
 MOST_ANGLE = 1e12  # rad: beyond, a float cannot hold the direction to 1e-4
+MOST_DRAWN = 1e200  # of a number of a case: beyond, the ticks of a logarithmic axis overflow
 SAME = 1e-9  # relative, between a stored number and what it follows from
 STRAIGHT = 1e-6  # share of the arc by which its chord may exceed it: rounding and the error of the method
 COUNTED = ("held_index", "branch")  # whole numbers of each case that are no observables
@@ -80,16 +81,16 @@ def unfit(
     """
     L, rho, A = (rod.get(name) for name in ("L", "rho", "A"))
     for name, values in columns.items():
+        if name in LOADS and rho is not None and A is not None:
+            with np.errstate(all="ignore"):
+                fits = np.abs(values) * rho ** (2 if name == "FZ" else 1) / A < MOST
+            yield name, "is not finite, or far too large for its rod", ~np.asarray(fits)
         if name in CURVES:
             most = MOST_ANGLE if CURVES[name] in ("beta", "alpha", "gamma") else MOST
             inside = (np.abs(values) < most).all(axis=tuple(range(1, values.ndim)))
             yield name, f"is not finite, or beyond {most:g}", ~np.asarray(inside)
         elif values.dtype.kind in "iuf":
             yield name, "is out of its range", _outside(name, values, name in counted, np.inf if L is None else L)
-        if name in LOADS and rho is not None and A is not None:
-            with np.errstate(all="ignore"):
-                fits = np.abs(values) * rho ** (2 if name == "FZ" else 1) / A < MOST
-            yield name, "is not finite, or far too large for its rod", ~np.asarray(fits)
 
 
 def _outside(name: str, values: NDArray[Any], is_counted: bool, L: Any) -> Mask:
@@ -100,6 +101,7 @@ def _outside(name: str, values: NDArray[Any], is_counted: bool, L: Any) -> Mask:
     most = np.asarray(L) * (1 + STRAIGHT) if most == "L" else most
     with np.errstate(invalid="ignore"):
         bad: Mask = (values < least) | (np.abs(values) > most * (1 + SAME))
+        bad |= np.isfinite(values) & (np.abs(values) > MOST_DRAWN)
         bad |= is_counted & (values != np.round(values)) & ~np.isnan(values)
         return bad | (~(values >= 0) if name in JUDGED else False)
 

@@ -143,6 +143,9 @@ def _attributes(held: h5py.File | h5py.Dataset, what: str) -> dict[str, Any]:
     for key, value in attrs.items():
         if isinstance(value, h5py.Empty) or np.size(value) == 0:
             raise InputError(f"{what} the attribute {show(key)} is empty")
+        is_text = all(isinstance(text, str | bytes) for text in np.ravel(np.asarray(value, dtype=object)))
+        if not is_text and np.asarray(value).dtype.kind not in "iufb":  # a reference cannot be copied
+            raise InputError(f"{what} the attribute {show(key)} must hold numbers or text")
     return attrs
 
 
