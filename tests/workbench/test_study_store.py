@@ -20,7 +20,7 @@ from tests.slow import slow, slow_but
 from tests.workbench import runs, small
 from workbench.run import assembly, block, in_memory, recipe, shards, study_store
 from workbench.run.study_store import RunOptions, run_to_file
-from workbench.stored import one_case, quantity_variables, schema
+from workbench.stored import boxes, one_case, quantity_variables, schema
 
 GRID = runs.grid(3, 50)  # 150 cases: blocks of 64, the last one short
 
@@ -76,8 +76,8 @@ def test_a_file_gives_each_box_of_a_grid_the_cases_that_it_holds_in_any_order(si
     ds = xr.Dataset({"a": (dims, values), "b": ([*dims, "u"], np.stack([values, -values], axis=-1))})
     source = assembly.FileSource("file.h5", ds, ["a", "b"], places)
     met, most = list[int](), data.draw(st.integers(1, 50))
-    for where in schema.blocks(shape, most):
-        start, stop = schema.span(where, shape)
+    for where in boxes.blocks(shape, most):
+        start, stop = boxes.span(where, shape)
         assert stop - start <= most
         assert flat[where].ravel().tolist() == list(range(start, stop))
         piece = source.read(where)
@@ -369,9 +369,9 @@ def test_a_finished_study_whose_law_was_edited_is_judged_by_the_law_as_it_is_now
 
 
 def test_what_is_packed_together_lies_together() -> None:
-    assert schema.chunk_shape((7, 100, 3)) == (7, 100, 3)
-    assert schema.chunk_shape((1000, 1000)) == (65, 1000)
-    assert schema.chunk_shape((4, 50, 10**6)) == (1, 1, 2**16)
+    assert boxes.chunk_shape((7, 100, 3)) == (7, 100, 3)
+    assert boxes.chunk_shape((1000, 1000)) == (65, 1000)
+    assert boxes.chunk_shape((4, 50, 10**6)) == (1, 1, 2**16)
 
 
 def test_restart_solves_a_finished_study_again(tmp_path, monkeypatch) -> None:

@@ -20,7 +20,7 @@ from studies.language.loader import loads
 from tests.slow import slow
 from tests.workbench import forked, runs, small
 from workbench.run import in_memory, study_store, writing
-from workbench.stored import reading, schema
+from workbench.stored import bounds, reading
 
 
 def test_what_is_stored_is_what_is_read(six, tmp_path) -> None:
@@ -214,7 +214,7 @@ def stored_study(base, tables, tmp_path, head="") -> xr.Dataset:
 )
 def test_a_case_that_a_file_cannot_hold_says_so_and_the_file_is_read(base, tables, words, tmp_path) -> None:
     outcomes = stored_study(base, tables, tmp_path)["outcome"].values.tolist()
-    assert all(re.fullmatch(words, outcome) and len(outcome) <= schema.LABEL for outcome in outcomes)
+    assert all(re.fullmatch(words, outcome) and len(outcome) <= bounds.LABEL for outcome in outcomes)
 
 
 def test_the_control_characters_of_a_comment_are_blanks_in_the_file(tmp_path) -> None:

@@ -12,6 +12,7 @@ from studies.laws import law_words
 from studies.laws.line_verdicts import HOLDS, MONOTONE, NOISE, Show
 from studies.laws.verdicts import Law
 
+from ..stored import law_verdicts
 from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import canvas, colours, fonts
@@ -118,7 +119,7 @@ def draw_curve(stored: StoredStudy, ax: Axes, row: Mapping[str, Any]) -> None:
     along = labels.in_label_unit(stored[law.axis], stored[law.axis].values[[place[law.axis] for place in places]])
     numbers = {
         key: values if key == "x" else labels.in_label_unit(stored[law.observable], values)
-        for key, values in stored.numbers_of_line(law, places).items()
+        for key, values in law_verdicts.numbers_of_line(stored, law, places).items()
     }
     WITH_NUMBERS[law.kind](ax, stored, along, numbers, law, row)
 

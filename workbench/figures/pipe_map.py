@@ -11,6 +11,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from ..stored import derived_arrays
 from ..words import labels
 from . import canvas, colours, fonts, push_scale
 from .drawn_rods import DrawnRod, DrawnRods
@@ -26,7 +27,7 @@ def states_of(rods: DrawnRods, rod: DrawnRod) -> Sequence[Any]:
     """The stretches of a rod that are straight, sinusoidal or helical; none of a rod without weight."""
     if not rods.source.loads_vary:
         return ()
-    return rod.case.states(*(rod[name] for name in ("s", "beta", "alpha", "push")))
+    return derived_arrays.states_of(rod.case, *(rod[name] for name in ("s", "beta", "alpha", "push")))
 
 
 def figure(rods: DrawnRods, sheet: Sheet, said: Sequence[str]) -> Figure:

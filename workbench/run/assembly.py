@@ -22,10 +22,10 @@ from studies import Study
 from studies.grammar.axes import Dimensions
 
 from ..stored import file_checks, reading, schema
+from ..stored.boxes import Columns, Where, blocks, extent, span
 from ..stored.frame import frame_of
 from ..stored.law_verdicts import Tally
 from ..stored.law_verdicts import statistics as statistics_of
-from ..stored.schema import Columns, Where, blocks, extent, span
 from ..words import cautions, outcomes
 from . import atomic, writing
 from .plan import TEXT_BYTES, Plan, bytes_of_file, remarks
@@ -38,7 +38,7 @@ Piece = tuple[Places, Columns]  # places of cases in a box, rising, and their va
 
 
 def make(
-    study: Study, over: Dimensions, columns: schema.Columns, remarks: Mapping[str, str] | None = None,
+    study: Study, over: Dimensions, columns: Columns, remarks: Mapping[str, str] | None = None,
     case: Case | None = None,
 ) -> xr.Dataset:  # fmt: skip
     """The dataset of a study as it was run, from its columns (`store.block.columns`) in the order of the grid.

@@ -22,9 +22,10 @@ from studies import Study
 from studies.language import expressions
 
 from ..stored import bounds
+from ..stored.boxes import Columns
 from ..stored.one_case import solve_one
-from ..stored.quantity_variables import LOADS, curve_name, inner_shape
-from ..stored.schema import JUDGED, TEXTS, Columns, shapes
+from ..stored.quantity_variables import JUDGED, LOADS, curve_name, inner_shape
+from ..stored.schema import TEXTS, shapes
 from ..words import cautions, pipe_state
 from ..words.outcomes import NO_BRANCH
 from .shards import encode, join

@@ -15,8 +15,8 @@ from studies.grammar.axes import Dimensions, is_angle, quantity_of
 from studies.laws.law_verdict import LawVerdicts
 
 from ..stored import law_verdicts, quantity_variables
+from ..stored.boxes import Columns
 from ..stored.frame import without_results
-from ..stored.schema import Columns
 from ..stored.stored_study import StoredStudy
 from ..words import outcomes
 from . import assembly

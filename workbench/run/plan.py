@@ -19,8 +19,9 @@ from studies.language.refinement import OUTCOME, Refinement
 from studies.language.study import SOURCES
 
 from ..stored import refined
+from ..stored.boxes import Columns
 from ..stored.one_case import method_of
-from ..stored.schema import TEXTS, Columns, shapes
+from ..stored.schema import TEXTS, shapes
 from ..stored.sweep import Sweep, block_size
 from . import shards
 from .block import Chunk

@@ -23,9 +23,10 @@ from studies import Law, Study
 from studies.grammar.axes import SAMPLE, Dimension, Dimensions
 
 from ..stored import file_checks
+from ..stored.boxes import Columns
 from ..stored.provenance import version_of
 from ..stored.quantity_variables import dimension
-from ..stored.schema import FORMAT, Columns
+from ..stored.schema import FORMAT
 
 Places = NDArray[np.int64]
 

@@ -24,7 +24,7 @@ import numpy as np
 
 from solver.problem.errors import InputError
 
-from ..stored.schema import Columns
+from ..stored.boxes import Columns
 from . import atomic
 from .recipe import differences
 

@@ -15,6 +15,7 @@ from xarray.backends import H5NetCDFStore
 from solver.problem.errors import InputError
 
 from ..stored import checks, file_checks, schema
+from ..stored.boxes import Columns, Where, chunk_shape, extent
 from . import atomic
 
 
@@ -87,7 +88,7 @@ def write(ds: xr.Dataset, path: str | Path, force: bool = False) -> Path:
 
 def write_cases(
     frame: xr.Dataset, path: Path, size: int, variables: schema.CaseVariables,
-    windows: Iterable[tuple[schema.Where, schema.Columns]],
+    windows: Iterable[tuple[Where, Columns]],
 ) -> None:  # fmt: skip
     """Write a dataset to a new file, and into it the variables of each case, box by box.
 
@@ -106,7 +107,7 @@ def write_cases(
                         shape = (*(frame.sizes[dim] for dim in dims[: len(where)]), *values.shape[1:])
                         created[name] = _create(file, name, dims, attrs, shape, values.dtype)
                     values = values.astype({"U": object, "b": np.int8}.get(values.dtype.kind, values.dtype), copy=False)
-                    created[name][(*where, ...)] = values.reshape(schema.extent(where) + values.shape[1:])
+                    created[name][(*where, ...)] = values.reshape(extent(where) + values.shape[1:])
     except RuntimeError as error:  # HDF5 closing a file for which the disk has no room
         raise OSError(f"HDF5: {error}") from None
 
@@ -118,7 +119,7 @@ def _create(
     if dtype.kind == "f":
         kind["fillvalue"] = np.nan
     if shape:
-        kind |= {"chunks": schema.chunk_shape(shape), **schema.packing(len(shape), dtype)}
+        kind |= {"chunks": chunk_shape(shape), **schema.packing(len(shape), dtype)}
     variable = file.create_variable(name, dims, **kind)
     # netCDF has no booleans: as xarray stores them
     for key, text in {**attrs, **({"dtype": "bool"} if dtype.kind == "b" else {})}.items():

@@ -15,11 +15,10 @@ from solver.observe.observables import OBSERVABLES
 from solver.problem.errors import InputError
 from solver.problem.field_values import POSITIVE, RANGES
 from studies import Study
-from studies.grammar.axes import Dimensions
+from studies.grammar.axes import LONGEST_LINE, Dimensions
 
 from . import quantity_variables
-from .quantity_variables import CURVES, LOADS
-from .schema import JUDGED, LABEL
+from .quantity_variables import CURVES, JUDGED, LOADS
 
 Mask = NDArray[np.bool_]
 
@@ -32,6 +31,7 @@ STRAIGHT = 1e-6  # share of the arc by which its chord may exceed it: rounding a
 COUNTED = ("held_index", "branch")  # whole numbers of each case that are no observables
 FIELDS = (*POSITIVE, "rho", *RANGES)  # that have a range
 CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\ud800-\udfff]")  # of a text of many lines; no UTF-8
+LINE, LABEL = LONGEST_LINE, 1000  # characters of an attribute of a file, and of a variable or a text of a case
 CUT = "; ..."  # ends a text that is longer than a file holds
 
 

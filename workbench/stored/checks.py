@@ -22,9 +22,12 @@ from studies import names
 from studies.grammar.axes import FIELDS, SAMPLE
 
 from ..words import escaping
+from ..words.escaping import show
 from . import bounds, file_kinds, quantity_variables, refined, schema
-from .quantity_variables import CURVES, INNER, LOADS, SECTION
-from .schema import FORMAT, JUDGED, LABEL, LINE, TEXTS, blocks, show
+from .bounds import LABEL, LINE
+from .boxes import blocks
+from .quantity_variables import CURVES, INNER, JUDGED, LOADS, SECTION
+from .schema import FORMAT, TEXTS
 
 Check = Callable[[xr.Dataset], Iterator[str]]
 
@@ -183,7 +186,7 @@ def axes(ds: xr.Dataset) -> Iterator[str]:
         if not np.isfinite(ds[name].values).all():
             yield f": the sampled field {show(field)} holds values that are not finite"
     try:
-        if schema.is_refined(ds):
+        if refined.is_refined(ds):
             refined.describe(ds)
     except InputError as error:
         yield f": {error}"
@@ -303,7 +306,7 @@ def _numbers(ds: xr.Dataset, block: Mapping[str, xr.Variable], names: Sequence[s
     if {*schema.stiffness_fields(ds)} <= {*block}:
         rod["A"] = of_solved(quantity_variables.bending_stiffness(str(ds.attrs["stiffness"]), block))
     columns = {name: of_solved(block[name]) for name in names}
-    counted = [name for name in names if name in bounds.COUNTED or schema.is_count(ds[name])]
+    counted = [name for name in names if name in bounds.COUNTED or quantity_variables.is_count(ds[name])]
     for name, why, bad in bounds.unfit(columns, counted, rod):
         if bad.any():
             got = f", got {columns[name][bad][0]:g}" if columns[name].ndim == 1 else ""

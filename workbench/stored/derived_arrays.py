@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 
     from solver.nodes.state import StretchState
 
+    from .stored_cases import StoredCases
+
 
 _VECTOR, _FRAME = ("xyz",), ("director", "xyz")
 INNER = {"position": _VECTOR, "tangent": _VECTOR, "normal": _VECTOR, "material_frame": _FRAME}
@@ -211,13 +213,13 @@ RULES: dict[str, tuple[tuple[str, ...], Callable[..., Any]]] = {
 }
 
 
-def states_of(one: xr.Dataset, s: Any, beta: Any, alpha: Any, push: Any) -> "tuple[StretchState, ...]":
+def states_of(one: "StoredCases", s: Any, beta: Any, alpha: Any, push: Any) -> "tuple[StretchState, ...]":
     """The states along a stored rod with weight or friction, from arrays along it, (n,) each; `one`: its case."""
     from solver.nodes.state import axial_force_along, is_drawn, states  # it loads the methods
 
     given: dict[str, Any] = {name: float(one[name]) for name in ("R", "inclination", "friction") if name in one}
     wall = Cylinder(**given, **{name: one.attrs[name] for name in ("side", "sliding") if name in one.attrs})
-    weight = float(one["weight"]) if "weight" in one.variables else 0.0
+    weight = float(one["weight"]) if "weight" in one else 0.0
     axial = axial_force_along(wall, weight, float(one["FZ"]), s, beta, push)
     return states(s, beta, alpha, is_drawn(axial, push))
 

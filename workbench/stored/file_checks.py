@@ -24,7 +24,8 @@ import numpy as np
 
 from solver.problem.errors import InputError
 
-from .schema import blocks, show
+from ..words.escaping import show
+from .boxes import blocks
 
 # What h5py, xarray and pydantic raise on files that are not HDF5, cut short or damaged.
 UNREADABLE = (

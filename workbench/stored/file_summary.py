@@ -16,11 +16,11 @@ from studies.grammar.axes import SAMPLE
 from studies.laws import law_words
 
 from ..words import cautions, labels
-from . import file_checks, file_kinds, quantity_variables, reading, refined, schema
-from .derived_arrays import StoredArrays, states_of
+from . import file_checks, file_kinds, quantity_variables, reading, refined
+from .derived_arrays import states_of
 from .law_verdicts import statistics
-from .solved_again import solve_again, study_of
-from .stored_cases import HELD_INDEX
+from .solved_again import study_of
+from .stored_cases import HELD_INDEX, StoredCases
 from .stored_study import StoredStudy
 
 MOST_PLACES = 12  # of a boundary along one axis that are listed
@@ -37,39 +37,40 @@ def summary(path: Path) -> dict[str, Any]:
     with reading.open_study(path, whole=True) as ds, file_checks.reading(path):
         data: dict[str, Any] = {"file": str(path), "bytes": os.stat(path).st_size}
         data |= {key: str(ds.attrs[key]) for key in ("title", "study_name", "reading", "method")}
-        data |= {"tolerance": schema.number_of(ds, "tolerance"), "format": int(ds.attrs.get("format", schema.FORMAT))}
-        data |= {key: str(ds.attrs.get(key, "")) for key in ("created", "caution", *schema.SAMPLING)}
-        data["versions"] = schema.versions_of(ds, path)
-        data["axes"] = [_axis(ds[name]) for name in schema.axes_of(ds)]
-        data["sampled"] = [_axis(ds[quantity_variables.dimension(name)]) for name in schema.fields_of_samples(ds)]
+        data |= {"tolerance": float(ds.attrs["tolerance"]), "format": int(ds.attrs["format"])}
+        data |= {key: str(ds.attrs.get(key, "")) for key in ("created", "caution", *refined.SAMPLING)}
+        stored = StoredStudy(ds)
+        data["versions"] = stored.versions
+        data["axes"] = [_axis(ds[name]) for name in stored.axes]
+        data["sampled"] = [_axis(ds[name]) for name in stored.sampled]
         data["stations"] = ds.sizes.get("u", 0)
         data["along"] = [name for name in quantity_variables.CURVES if name in ds.data_vars]
-        data["boundaries"] = _boundaries(ds)
+        data["boundaries"] = _boundaries(stored)
         data["cases"] = ds["outcome"].size
         counted = statistics(ds)
         data |= {key: counted[key] for key in ("unsolved", "equilibria", "branches", "laws")}
         data["outcomes"] = dict(Counter(counted["outcomes"]).most_common())
         data["observables"] = [_spread(ds[name]) for name in _observables(ds)]
-        data["states"] = _states(ds)
-        data["worst"] = [_worst(ds, name) for name in ("error", "condition")]
+        data["states"] = _states(stored)
+        data["worst"] = [_worst(stored, name) for name in ("error", "condition")]
         data["verdicts"] = law_words.tally(data["laws"])
     return data
 
 
-def _states(ds: xr.Dataset) -> list[dict[str, Any]]:
+def _states(stored: StoredStudy) -> list[dict[str, Any]]:
     """The states along each rod with weight or friction, in words; none of more than `MOST_STATES` rods."""
-    loaded = {"weight", "friction"} & set(ds.variables) and {"beta", "alpha"} <= set(ds.data_vars)
-    if not loaded or ds["outcome"].size > MOST_STATES:
+    loaded = {"weight", "friction"} & set(stored.ds.variables) and {"beta", "alpha"} <= set(stored.variables)
+    if not loaded or stored.cases > MOST_STATES:
         return []
     rows = []
-    for place in np.ndindex(ds["outcome"].shape):
-        case = ds.isel(dict(zip(ds["outcome"].dims, place, strict=True)))
-        axes = {name: float(case[name]) for name in schema.axes_of(ds)}
-        rows.append({**axes, "state": _state(case, str(ds.attrs["length_unit"])) if case["solved"] else "not solved"})
+    for place in np.ndindex(stored["outcome"].shape):
+        case = stored.select(dict(zip(stored.axes, place, strict=True)))
+        axes = {name: float(case[name]) for name in stored.axes}
+        rows.append({**axes, "state": _state(case) if case["solved"] else "not solved"})
     return rows
 
 
-def _state(case: xr.Dataset, unit: str) -> str:
+def _state(case: StoredStudy) -> str:
     """The states along one rod; that the stations are too few where a wave has less than `DENSE` between its ends."""
     from solver.nodes.state import BENT, HELICAL, in_words, states  # it loads the methods
 
@@ -78,16 +79,16 @@ def _state(case: xr.Dataset, unit: str) -> str:
     waves = np.abs(np.diff(alpha[ends])) >= BENT
     if not (np.diff(ends)[waves] >= DENSE).all():
         return TOO_FEW
-    parts = states(s, beta, alpha)
+    parts, unit = states(s, beta, alpha), case.units["length"]
     if all(part.word != HELICAL for part in parts):
         return in_words(parts, unit)
     if "contact" not in case:  # whether the wall pushes decides
         try:
-            case = solve_again(case, s.size, ["beta", "alpha", "contact"])
+            case = case.solve(s.size, ["beta", "alpha", "contact"])
         except InputError:
             return NO_PUSH
         s, beta, alpha = (case[name].values for name in ("s", "beta", "alpha"))
-    return in_words(states_of(case, s, beta, alpha, StoredArrays(case).derive("push").values), unit)
+    return in_words(states_of(case, s, beta, alpha, case.arrays.derive("push").values), unit)
 
 
 def _observables(ds: xr.Dataset) -> list[str]:
@@ -99,16 +100,15 @@ def _observables(ds: xr.Dataset) -> list[str]:
         names, reactions = [], []
     holding = [name for name in OBSERVABLES if name in names and OBSERVABLES[name].holds and name not in reactions]
     known = [name for name in (*reactions, *holding, HELD_INDEX) if name in ds.data_vars]
-    return [*schema.observables_of(ds), *known]
+    return [*quantity_variables.observables_of(ds), *known]
 
 
-def _boundaries(ds: xr.Dataset) -> list[dict[str, Any]]:
+def _boundaries(stored: StoredStudy) -> list[dict[str, Any]]:
     """The located boundary of each watched observable of a refined study, along each axis that crosses it."""
     rows: list[dict[str, Any]] = []
-    if not schema.is_refined(ds):
+    if not stored.is_refined:
         return rows
-    study = refined.describe(ds)
-    stored = StoredStudy(ds)
+    study = stored.refinement
     each = [(name, stored.boundary(name)) for name in study.watch]
     each += [(f"law {claim}", stored.boundary(claim)) for claim in study.laws]
     for name, pairs in each:
@@ -120,7 +120,7 @@ def _boundaries(ds: xr.Dataset) -> list[dict[str, Any]]:
             if middle.size:
                 row |= {"from": float(middle.min()), "to": float(middle.max()), "half_width": float(half.max())}
             row["places"] = _places(pairs, axis) if len(pairs.coords) == 1 and middle.size <= MOST_PLACES else []
-            row |= {"units": str(ds[axis].attrs.get("units", "")), "unknown": pairs.attrs.get("unknown", 0)}
+            row |= {"units": str(stored[axis].attrs.get("units", "")), "unknown": pairs.attrs.get("unknown", 0)}
             rows.append(row)
     return rows
 
@@ -157,17 +157,16 @@ def _spread(variable: xr.DataArray) -> dict[str, Any]:
     }
 
 
-def _worst(ds: xr.Dataset, name: str) -> dict[str, Any]:
+def _worst(stored: StoredStudy, name: str) -> dict[str, Any]:
     """The largest value of one number of the solved cases, and the place of its case on the axes and among samples."""
-    variable = ds[name]
-    values = np.where(_numbers(ds["solved"]) > 0, _numbers(variable), np.nan)
+    variable = stored[name]
+    values = np.where(_numbers(stored["solved"]) > 0, _numbers(variable), np.nan)
     if not np.isfinite(values).any():
         return {"name": name, "value": None, "at": {}}
     i = int(np.nanargmax(np.where(np.isfinite(values), values, np.nan)))
     where = np.unravel_index(i, variable.shape)
     at = {str(dim): variable[dim][k].item() for dim, k in zip(variable.dims, where, strict=True)}
-    sampled = map(quantity_variables.dimension, schema.fields_of_samples(ds))
-    at |= {field: ds[field].sel({SAMPLE: at[SAMPLE]}).item() for field in sampled}
+    at |= {field: stored[field].sel({SAMPLE: at[SAMPLE]}).item() for field in stored.sampled}
     return {"name": name, "value": float(values[i]), "at": at}
 
 
@@ -177,7 +176,7 @@ def least_accurate(path: Path) -> dict[str, Any]:
     Raises `InputError`.
     """
     with reading.open_study(path) as ds, file_checks.reading(path):
-        worst = _worst(ds, "error")
+        worst = _worst(StoredStudy(ds), "error")
         at = [f"{name} = {labels.value(value, ds[name], 6)}" for name, value in worst["at"].items()]
         outcome = ds["outcome"].sel({str(dim): worst["at"][dim] for dim in ds["outcome"].dims})
         return {"error": worst["value"], "outcome": str(outcome.values), "at": ", ".join(at)}
@@ -221,5 +220,5 @@ def contents(path: Path) -> dict[str, Any]:
         "unsolved": int((~solved & (named != "")).sum()) if solved.shape == named.shape else 0,
         "caution": cautions.tell(texts),
         "said": {key: str(ds.attrs[key]) for key in SENTENCES if ds.attrs.get(key)},
-        "versions": schema.versions_of(ds, path) if "versions" in ds.attrs else {},
+        "versions": StoredCases(ds).versions if "versions" in ds.attrs else {},
     }

@@ -16,12 +16,15 @@ from studies.laws.verdicts import Law, by_line, decide, refusal, targets
 
 from ..words import cautions, outcomes
 from . import quantity_variables, refined, schema
+from .boxes import Columns, blocks
 from .quantity_variables import dimension
-from .schema import SAMPLING, TEXTS, Columns, blocks
+from .schema import TEXTS
 
 if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
+
+    from .stored_cases import StoredCases
 
 
 Tally = dict[str, Counter[Any]]
@@ -87,8 +90,8 @@ def _reason_left_out(left_out: "NDArray[np.bool_]") -> str:
 def _grid(ds: "xr.Dataset", law: Law, steps: "NDArray[np.bool_] | None") -> tuple[Any, Any, Any, Any]:
     """What a law is judged with beside its observables: axes, steps, counts and numbers, as of `decide`."""
     axes = {str(dim): ds[dim].values for dim in ds["outcome"].dims}
-    counts = [name for name in law.observables if name in ds and schema.is_count(ds[name])]
-    return axes, steps, counts, numbers_of_law(ds, law)
+    counts = [name for name in law.observables if name in ds and quantity_variables.is_count(ds[name])]
+    return axes, steps, counts, _numbers_of_law(ds, law)
 
 
 def _is_inert(ds: "xr.Dataset", law: Law) -> bool:
@@ -142,16 +145,18 @@ def is_refuted(unsolved: int, rows: Sequence[Mapping[str, Any]]) -> bool:
     return unsolved > 0 or any(row["verdict"] in (UNDECIDED, FAILS) for row in rows)
 
 
-def numbers_of_law(ds: "xr.Dataset", law: Law) -> "dict[str, NDArray[np.float64]]":
+def _numbers_of_law(ds: "xr.Dataset", law: Law) -> "dict[str, NDArray[np.float64]]":
     """The numbers that the formulas of a law use. Raises `InputError` for a name that is missing."""
     names = dict.fromkeys(name for formula in law.formulas.values() for name in formula.names)
     return {name: np.asarray(schema.over_cases(ds, _number_of(ds, name)), dtype=float) for name in names}
 
 
-def numbers_of_line(ds: "xr.Dataset", law: Law, places: "list[dict[str, int]]") -> "dict[str, NDArray[np.float64]]":
+def numbers_of_line(
+    stored: "StoredCases", law: Law, places: "list[dict[str, int]]"
+) -> "dict[str, NDArray[np.float64]]":
     """The numbers with which a law compares its observable, by key, at the places of one line of the grid."""
-    outcome = ds["outcome"]
-    numbers = targets(law, outcome.shape, numbers_of_law(ds, law))
+    outcome = stored["outcome"]
+    numbers = targets(law, outcome.shape, _numbers_of_law(stored.ds, law))
     index = tuple(np.array([place[str(dim)] for place in places]) for dim in outcome.dims)
     return {key: values[index] for key, (values, _) in numbers.items()}
 
@@ -258,7 +263,7 @@ def statistics(ds: "xr.Dataset", tally: Tally | None = None) -> dict[str, Any]:
         "equilibria": str(ds.attrs.get("equilibria", "")),
         "branches": _branches(ds, tally["branch"]),
         "branch_counts": dict(sorted(tally["branch"].items())),
-        **{name: str(ds.attrs[name]) for name in SAMPLING if name in ds.attrs},
+        **{name: str(ds.attrs[name]) for name in refined.SAMPLING if name in ds.attrs},
     }
 
 

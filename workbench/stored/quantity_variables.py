@@ -5,9 +5,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from solver.observe import observables
+from solver.observe.observables import OBSERVABLES
 from solver.problem.case import GIVEN, STIFFNESS, fourth_powers
 from solver.problem.quantities import quantity, unit_of
 from studies.grammar.axes import CYLINDER, SAMPLE, WORDS, quantity_of
+from studies.grammar.formulas import parse
 from studies.language.study import OUTPUTS
 
 if TYPE_CHECKING:
@@ -17,6 +20,7 @@ if TYPE_CHECKING:
     from studies import Study
 
 LOADS = ("FZ", "MZ", "M3")
+JUDGED = ("error", "condition")  # how exact the answer of a case is
 SECTION = ("E", "nu", "inner_radius", "EI", "GJ")  # the fields of a rod's section: a file stores those that it has
 VARYING = ("weight", "friction")  # fields with which loads vary along the rod
 OF_THE_CASE = ("R", "a", "L", "rho", *SECTION, *VARYING, "inclination")
@@ -103,3 +107,15 @@ def bending_stiffness(word: str, number: Any) -> Any:
 def torsional_stiffness(word: str, number: Any) -> Any:
     """C [force length^2]; parameters as of `bending_stiffness`."""
     return number["GJ"] if word == GIVEN else bending_stiffness(word, number) / (1 + number["nu"])
+
+
+def observables_of(ds: "xr.Dataset") -> list[str]:
+    """The observables and expressions that a dataset stores, in their order."""
+    stored = [name for name, row in OBSERVABLES.items() if name in ds.data_vars and not row.holds]
+    return [*stored, *(str(name) for name in ds.data_vars if "expression" in ds[name].attrs)]
+
+
+def is_count(array: "xr.DataArray") -> bool:
+    """Whether an observable or expression is a whole number. Raises `InputError` for an invalid expression."""
+    text = array.attrs.get("expression")
+    return observables.is_count(str(array.name)) if text is None else parse(str(text)).whole

@@ -18,14 +18,15 @@ from studies.laws.case_rows import CaseRow
 from studies.laws.line_verdicts import branch_changes
 
 from . import schema
-from .quantity_variables import OF_THE_CASE, dimension
-from .schema import SAMPLING
+from .quantity_variables import OF_THE_CASE, dimension, is_count
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from studies import Study
 
+SAMPLING = ("sampling", "sampling_caution", "refinement")  # sentences on the samples of a file
+REFINED = "refined"  # the attribute of a refined study, JSON
 MOST_DRAWN = 800  # cells of a raster along an axis, unless the coarse grid has more
 SPACINGS = ("linear", "geometric")
 MOST_HALVINGS = 31
@@ -56,7 +57,7 @@ def attributes(study: "Study", refinement: Refinement) -> dict[str, str]:
     changes = [_change(name, step) for name, step in watch.items()]
     changes += [f"the verdict on law {claim} changes" for claim in table.laws]
     laws = "; laws are judged on all cases" if study.laws else ""
-    return {schema.REFINED: json.dumps(data), SAMPLING[-1]: f"{_sentence(' or '.join(changes), refinement)}{laws}"}
+    return {REFINED: json.dumps(data), SAMPLING[-1]: f"{_sentence(' or '.join(changes), refinement)}{laws}"}
 
 
 def _sentence(changes: str, refinement: Refinement) -> str:
@@ -95,20 +96,25 @@ def _change(name: str, step: float) -> str:
     return f"{name} changes by more than {step:g}" if step else f"{name} changes"
 
 
+def is_refined(ds: "xr.Dataset") -> bool:
+    """Whether the dataset is of a refined study."""
+    return REFINED in ds.attrs
+
+
 def _has_all_cases(ds: "xr.Dataset") -> bool:
     """Whether the dataset is of a refined study, and not one case of it."""
-    return schema.is_refined(ds) and SAMPLE in ds["outcome"].dims
+    return is_refined(ds) and SAMPLE in ds["outcome"].dims
 
 
 def axes_of(ds: "xr.Dataset") -> list[str]:
     """The refined axes of a dataset, if it has any. Raises `InputError` for an invalid attribute."""
-    return list(_tell(ds)["axes"]) if schema.is_refined(ds) else []
+    return list(_tell(ds)["axes"]) if is_refined(ds) else []
 
 
 def _tell(ds: "xr.Dataset") -> dict[str, Any]:
     """The attribute of a refined study. Raises `InputError` where it is invalid."""
     try:
-        data: dict[str, Any] = json.loads(ds.attrs[schema.REFINED])
+        data: dict[str, Any] = json.loads(ds.attrs[REFINED])
         axes, halvings, watch = dict(data["axes"]), data["halvings"], dict(data["watch"])
         laws = list(map(str, data["laws"]))
         if (
@@ -121,12 +127,12 @@ def _tell(ds: "xr.Dataset") -> dict[str, Any]:
             return {"axes": axes, "halvings": halvings, "watch": watch, "laws": laws}
     except (KeyError, ValueError, TypeError, RecursionError):
         pass
-    raise InputError(f"the attribute {schema.REFINED} does not describe the refinement of the dataset")
+    raise InputError(f"the attribute {REFINED} does not describe the refinement of the dataset")
 
 
 def describe(ds: "xr.Dataset") -> Refined:
     """The refinement of a dataset. Raises `InputError` where cases of it are missing or have other values."""
-    if not schema.is_refined(ds):
+    if not is_refined(ds):
         return Refined(*_grid(ds), {}, [])
     data = _tell(ds)
     names = list(data["axes"])
@@ -140,7 +146,7 @@ def describe(ds: "xr.Dataset") -> Refined:
     geometric = frozenset(name for name, spacing in data["axes"].items() if spacing == "geometric")
     lattice = Lattice(coarse, geometric, data["halvings"])
     if max(lattice.sizes) > tables.MOST_PLACES:
-        raise InputError(f"the attribute {schema.REFINED} does not describe the refinement of the dataset")
+        raise InputError(f"the attribute {REFINED} does not describe the refinement of the dataset")
     places = lattice.places(fields)
     if (places < 0).any() or not np.array_equal(lattice.levels(places), level):
         raise InputError(lost)
@@ -253,7 +259,7 @@ def grid_of(ds: "xr.Dataset", index: NDArray[np.int64], values: Mapping[str, Val
     spacings = _tell(ds)["axes"]
     coords = {name: xr.Variable((name,), row, {**ds[name].attrs, "spacing": spacings[name]})
               for name, row in values.items()}  # fmt: skip
-    attrs = {key: value for key, value in ds.attrs.items() if key not in (schema.REFINED, "sampled", *SAMPLING)}
+    attrs = {key: value for key, value in ds.attrs.items() if key not in (REFINED, "sampled", *SAMPLING)}
     cases = grid.assign_coords(coords)
     cases.attrs = attrs
     return cases
@@ -326,7 +332,7 @@ def _numbers(
     known = [*observables, OUTCOME]
     if name not in ds.data_vars or ds[name].dims != ds["outcome"].dims or ds[name].dtype.kind not in "iuf":
         raise InputError(f"no observable {name!r}{near(name, known)}; the dataset has {choices(known)}")
-    if step is None and name not in watch and not schema.is_count(ds[name]):
+    if step is None and name not in watch and not is_count(ds[name]):
         raise InputError(f"{name} is a real number: give the change that counts, such as step=0.1")
     step = watch.get(name, 0.0) if step is None else step
     if not 0 <= step < np.inf:

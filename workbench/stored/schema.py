@@ -1,25 +1,20 @@
 """The schema of stored files: kinds, format, names, dimensions, labels, packing, attributes. Needs no xarray."""
 
 import json
-import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from solver.observe import observables
-from solver.observe.observables import OBSERVABLES
 from solver.problem.errors import InputError
-from studies.grammar.axes import LONGEST_LINE
-from studies.grammar.formulas import parse
 from studies.language import expressions
 from studies.laws.verdicts import Law
 
 from ..words import escaping
 from ..words.outcomes import LEFT
-from .quantity_variables import INNER, LOADS, VARYING, curve_name, dimension, inner_shape, labels, own_dimension
+from .bounds import LABEL, LINE
+from .quantity_variables import INNER, JUDGED, LOADS, VARYING, curve_name, dimension, inner_shape, labels, own_dimension
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -31,15 +26,9 @@ if TYPE_CHECKING:
 FORMAT = 2  # of the file; any other is refused
 CONVENTIONS = "CF-1.11"  # of units, names and missing values; every file says so
 
-Where = tuple[slice, ...]  # a box of cases
-Columns = dict[str, NDArray[Any]]  # name in the file -> (cases, ...)
 CaseVariables = Mapping[str, tuple[tuple[str, ...], Mapping[str, Any]]]  # over all axes: dimensions and attributes
 
 TEXTS = ("outcome", "caution")  # of each case
-JUDGED = ("error", "condition")  # of each case
-SAMPLING = ("sampling", "sampling_caution", "refinement")  # sentences on the samples of a file
-REFINED = "refined"  # the attribute of a refined study, JSON
-MOST_TOGETHER = 2**16  # values of an HDF5 chunk: 512 kB
 PACKED: Mapping[str, Any] = {"compression": "gzip", "compression_opts": 1, "shuffle": True, "fletcher32": True}
 
 
@@ -74,50 +63,9 @@ def packing(ndim: int, dtype: "np.dtype[Any]") -> dict[str, Any]:
     return dict(PACKED) if ndim and dtype.kind in "biuf" else {}
 
 
-# Grids of cases piece by piece: boxes that follow one another in the flat order, the last axis fastest.
-
-
-def blocks(shape: tuple[int, ...], most: int) -> Iterator[Where]:
-    """Slices that together cover an array in its order, each of at most so many numbers."""
-    if not shape:
-        yield ()
-        return
-    cut = next(k for k in range(len(shape)) if math.prod(shape[k + 1 :]) <= most or k == len(shape) - 1)
-    step = max(1, most // math.prod(shape[cut + 1 :]))
-    for outer in np.ndindex(*shape[:cut]):
-        for start in range(0, shape[cut], step):
-            stop = min(start + step, shape[cut])
-            yield (*(slice(i, i + 1) for i in outer), slice(start, stop), *(slice(0, n) for n in shape[cut + 1 :]))
-
-
-def span(where: Where, shape: tuple[int, ...]) -> tuple[int, int]:
-    """The first and the last + 1 of the cases of a box of `blocks`, in flat order."""
-    start = int(np.ravel_multi_index([part.start for part in where], shape)) if shape else 0
-    return start, start + math.prod(extent(where))
-
-
-def extent(where: Where) -> tuple[int, ...]:
-    """The shape of a box."""
-    return tuple(part.stop - part.start for part in where)
-
-
-def chunk_shape(shape: tuple[int, ...]) -> tuple[int, ...]:
-    """The shape of an HDF5 chunk: a stretch of the flat order."""
-    sizes, left = [], MOST_TOGETHER
-    for size in reversed(shape):
-        sizes.append(max(1, min(size, left)))
-        left //= size
-    return tuple(reversed(sizes))
-
-
 def axes_of(ds: "xr.Dataset") -> list[str]:
     """The names of the dataset's axes, in order, that of the samples among them."""
     return [str(dim) for dim in ds["outcome"].dims]
-
-
-def is_refined(ds: "xr.Dataset") -> bool:
-    """Whether the dataset is of a refined study."""
-    return REFINED in ds.attrs
 
 
 def over_cases(ds: "xr.Dataset", values: "xr.DataArray") -> "xr.DataArray":
@@ -148,18 +96,6 @@ def labels_in(study: "Study", name: str) -> dict[str, str]:
     return {"units": unit, "long_name": plain.replace("_", " "), "symbol": plain, "expression": text}
 
 
-def observables_of(ds: "xr.Dataset") -> list[str]:
-    """The observables and expressions that a dataset stores, in their order."""
-    stored = [name for name, row in OBSERVABLES.items() if name in ds.data_vars and not row.holds]
-    return [*stored, *(str(name) for name in ds.data_vars if "expression" in ds[name].attrs)]
-
-
-def is_count(array: "xr.DataArray") -> bool:
-    """Whether an observable or expression is a whole number. Raises `InputError` for an invalid expression."""
-    text = array.attrs.get("expression")
-    return observables.is_count(str(array.name)) if text is None else parse(str(text)).whole
-
-
 def laws_text(study: "Study") -> str:
     """The study's laws as JSON, in the names of the dataset."""
     rows = [law.model_dump() for law in study.laws]
@@ -177,15 +113,6 @@ def stiffness_fields(ds: "xr.Dataset") -> tuple[str, ...]:
     return ("E", "a", "inner_radius") if "inner_radius" in ds.variables else ("E", "a")
 
 
-LINE, LABEL = LONGEST_LINE, 1000  # characters of an attribute of a file, and of a variable
-
-
-def show(value: object) -> str:
-    """A value from a file as a message may show it: on one line, at most 60 characters."""
-    text = repr(value)
-    return text if len(text) <= 60 else f"{text[:57]}..."
-
-
 def text_of(ds: "xr.Dataset", name: str) -> str:
     """An attribute that is text, of a dataset that was not read from a file; `InputError` otherwise."""
     value = ds.attrs.get(name)
@@ -198,7 +125,7 @@ def number_of(ds: "xr.Dataset", name: str, path: str | Path = "the dataset") -> 
     """An attribute that is one number; `InputError` otherwise."""
     value = np.asarray(ds.attrs.get(name))
     if value.size != 1 or value.dtype.kind not in "iuf":
-        raise InputError(f"{path}: the attribute {name} must be a number, got {show(ds.attrs.get(name))}")
+        raise InputError(f"{path}: the attribute {name} must be a number, got {escaping.show(ds.attrs.get(name))}")
     return float(value.item())
 
 
@@ -211,7 +138,7 @@ def laws_of(ds: "xr.Dataset", path: str | Path = "the dataset") -> list[Law]:
     for law in laws:
         for name, said in law.model_dump().items():
             if isinstance(said, str) and not escaping.is_line(said, LINE):
-                raise InputError(f"{path}: {name} of a law must be one line of text, got {show(said)}")
+                raise InputError(f"{path}: {name} of a law must be one line of text, got {escaping.show(said)}")
     return laws
 
 

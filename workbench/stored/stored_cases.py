@@ -17,7 +17,7 @@ from studies.laws.line_verdicts import NOISE
 
 from ..words import cautions, labels, outcomes
 from . import file_kinds, quantity_variables, schema
-from .quantity_variables import COMPONENTS
+from .quantity_variables import COMPONENTS, is_count
 from .selection import Value, index
 
 NOT_OBSERVED = ("rho", "condition", "dbeta0", "level")  # numbers of each case, not observables
@@ -231,7 +231,7 @@ class StoredCases:
     def all_observables(self) -> list[str]:
         """The observables and expressions in their order, then what else of `observables` the file has of its cases:
         loads and end moments that the study names, and what is found of held ends."""
-        first = [name for name in schema.observables_of(self.ds) if self._is_number_of_each_case(name)]
+        first = [name for name in quantity_variables.observables_of(self.ds) if self._is_number_of_each_case(name)]
         return list(dict.fromkeys([*first, *self.observables]))
 
     def _varies(self, name: str) -> bool:
@@ -253,7 +253,7 @@ class StoredCases:
     @cached_property
     def counts(self) -> frozenset[str]:
         """The names of the numbers that are whole: counts, comparisons, and the number of a branch."""
-        whole = {name for name in self.variables if self.ds[name].dtype.kind in "iu" or schema.is_count(self.ds[name])}
+        whole = [name for name in self.variables if self.ds[name].dtype.kind in "iu" or is_count(self.ds[name])]
         return frozenset({*whole, HELD_INDEX})
 
     def names_of(self, names: Sequence[str]) -> list[str]:

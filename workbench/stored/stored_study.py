@@ -8,7 +8,7 @@
 Figures, scenes, pages and exports take one.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from importlib import import_module
@@ -85,7 +85,7 @@ class StoredStudy(StoredCases):
     @property
     def is_refined(self) -> bool:
         """Whether it is a refined study."""
-        return schema.is_refined(self.ds)
+        return refined.is_refined(self.ds)
 
     @cached_property
     def refinement(self) -> Refined:
@@ -95,7 +95,7 @@ class StoredStudy(StoredCases):
     @property
     def refinement_in_words(self) -> str:
         """What ended its refinement, in a sentence; empty where it has none."""
-        return str(self.attrs.get(schema.SAMPLING[-1], ""))
+        return str(self.attrs.get(refined.SAMPLING[-1], ""))
 
     @cached_property
     def samples(self) -> dict[str, NDArray[np.float64]]:
@@ -199,10 +199,6 @@ class StoredStudy(StoredCases):
         """The verdict on a law on each line of the grid along its axis, over the other axes."""
         return law_verdicts.verdicts_of_lines(self.ds, law)
 
-    def numbers_of_line(self, law: "Law", places: list[dict[str, int]]) -> dict[str, NDArray[np.float64]]:
-        """The numbers with which a law compares its observable, by key, at the places of one line of the grid."""
-        return law_verdicts.numbers_of_line(self.ds, law, places)
-
     def boundary(self, name: str, step: float | None = None) -> xr.Dataset:
         """The boundary of an observable: the pairs of neighbouring cases between which it changes.
 
@@ -265,10 +261,6 @@ class StoredStudy(StoredCases):
         """An array along the rod as stored or computed from stored ones; None where they do not suffice."""
         values: xr.DataArray | None = self.arrays.derive(name)
         return values
-
-    def states(self, s: Any, beta: Any, alpha: Any, push: Any) -> Sequence[Any]:
-        """The states along a rod with weight or friction, of one case, from arrays along it, (n,) each."""
-        return derived_arrays.states_of(self.ds, s, beta, alpha, push)
 
     def along(self, name: str) -> xr.DataArray:
         """The array along the rod of that name; the same as the attribute, ``ds.rod.contact``. Raises `InputError`."""

@@ -53,6 +53,12 @@ def is_line(text: str, longest: int) -> bool:
     return len(text) <= longest and text.isprintable()
 
 
+def show(value: object) -> str:
+    """A value from a file as a message may show it: on one line, at most 60 characters."""
+    text = repr(value)
+    return text if len(text) <= 60 else f"{text[:57]}..."
+
+
 def in_json(text: str) -> str:
     """JSON text in which unprintable characters are escaped; letters of every language stay."""
     return _COMMANDS.sub(lambda match: match[0] if match[0].isprintable() else json.dumps(match[0])[1:-1], text)
