@@ -73,7 +73,7 @@ static void flows_of(course *o)
         const double more = i == 0 ? 0 : entered(o, i != o->count[0] ? i - 1 : 0, i);
         one->shear[0] += *before + more;
         *before += one->gain + more;
-        product(o->n + 1, o->n, one->shear, o->points->values, one->a);
+        plain_product(o->n + 1, o->n, one->shear, o->points->values, one->a);
     }
     for (int arc = 0; arc < 2 && !o->librates; arc++)
         if (o->count[arc]) {
@@ -148,7 +148,7 @@ static void changes_at_end(const course *o, const change of[2], double out[2])
     double x, H[NODES];
     const int64_t panel = rod_place(o->all, o->orbit, o->problem->span, &where, &x);
     const flow *one = &o->flows[panel - o->at];
-    product(o->n, o->n, one->state.H, o->points->analyse, H);
+    plain_product(o->n, o->n, one->state.H, o->points->analyse, H);
     const double way = o->direction * (where.second ? -1 : 1) * (where.mirrored ? -1 : 1);
     const double v = way * at_place(series_of(o, panel - o->at, 1), o->n + 1, x);
     const double a = rod_unfolded(at_place(one->shear, o->n + 1, x), &where, o->total[0], o->total[1], o->librates);
@@ -296,7 +296,7 @@ void rod_orbits_action(int64_t n, const start_problem *problems, const read_orbi
             continue;
         const int64_t panel = rod_place(all, b, problems[b].span, &where, &x) - o.at;
         for (int64_t i = 0; i < o.count[0] + o.count[1]; i++) {
-            product(o.n + 1, o.n, series_of(&o, i, 1), at->values, v);
+            plain_product(o.n + 1, o.n, series_of(&o, i, 1), at->values, v);
             for (int k = 0; k < o.n; k++)
                 v[k] = v[k] * v[k] * (all->width[o.at + i] / 2);
             integrated(at, v, series);

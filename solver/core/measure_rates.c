@@ -60,7 +60,7 @@ static double along_e(const double *values, const double *parts)
     return total;
 }
 
-static void rate(int kind, const rod_loads *l, const states *at, rated *out)
+INLINE void rate(int kind, const rod_loads *l, const states *at, rated *out)
 {
     density_slopes by = {0};
     density_of(kind, &at->angles, l, &out->of, &by);
@@ -74,6 +74,8 @@ static void rate(int kind, const rod_loads *l, const states *at, rated *out)
             out->moved[k][i] = at->gamma[k][i] * across + at->shift[k][i] * by.beta[i] + (k ? own[k][i] : 0);
     }
 }
+
+IN_WIDTHS(rate, (int kind, const rod_loads *l, const states *at, rated *out), (kind, l, at, out))
 
 /* The states at up to AT times, and how far the changes move each along the orbit, a (count, F). */
 static void states_at(const rod *o, int count, const double *t, states *out, double *a)
@@ -102,11 +104,11 @@ static void read(const rod *o, int kind, int count, const double *t, rated *out,
 {
     states at;
     states_at(o, count, t, &at, a);
-    rate(kind, &o->w->steady, &at, out);
+    FOR_LANES(o->varied->lanes, rate)(kind, &o->w->steady, &at, out);
 }
 
 /* A density less that at rest at the base, to relative accuracy in x: Gauss' rule. */
-static void differences(int kind, const rod_loads *l, const states *at, double *out)
+INLINE void differences(int kind, const rod_loads *l, const states *at, double *out)
 {
     static const double nodes[GAUSS] = {-0.9061798459386640, -0.5384693101056831, 0, 0.5384693101056831,
                                         0.9061798459386640};
@@ -127,6 +129,8 @@ static void differences(int kind, const rod_loads *l, const states *at, double *
     }
 }
 
+IN_WIDTHS(differences, (int kind, const rod_loads *l, const states *at, double *out), (kind, l, at, out))
+
 /* A density at the places less `still`, what it is at rest at the critical point next to the orbit; near it by
    `differences`, where both agree. */
 static void above_rest(const rod *o, int kind, double still, const states *at, const rated *by, double *out)
@@ -136,7 +140,7 @@ static void above_rest(const rod *o, int kind, double still, const states *at, c
         near = smaller(near, fabs(at->x[i])), out[i] = by->of.values[i] - still;
     if (!(near < NEAR_REST))
         return;
-    differences(kind, &o->w->steady, at, exact);
+    FOR_LANES(o->varied->lanes, differences)(kind, &o->w->steady, at, exact);
     for (int i = 0; i < AT; i++)
         if (fabs(sin((at->base[i] - o->of->base[o->nearest]) / 2)) < ONE_POINT &&
             fabs(out[i] - exact[i]) <= rod_tuning.barely * (1 + fabs(still)))
@@ -155,7 +159,7 @@ static void columns_at(double value, double above, double still, double out[COLU
 }
 
 /* The states at the nodes of a part of a panel, moving away from the start, and the rates of the first row of M. */
-static void states_on(const rod *o, const stretch *p, states *out, double M[4][AT])
+INLINE void states_on(const rod *o, const stretch *p, states *out, double M[4][AT])
 {
     const read_orbits *of = o->of;
     const int backward = p->row - of->first[2 * o->b] >= of->count[2 * o->b], n = (int)o->at->n;
@@ -183,6 +187,8 @@ static void states_on(const rod *o, const stretch *p, states *out, double M[4][A
     }
     directions_of(&out->angles);
 }
+
+IN_WIDTHS(states_on, (const rod *o, const stretch *p, states *out, double (*M)[AT]), (o, p, out, M))
 
 /* What a part adds to the positive part of its density and to the length on which it is positive. */
 static void add_positive(const rod *o, double still, const stretch *p, const rated *by, const double *above,
@@ -216,8 +222,8 @@ static void add_part(const rod *o, int kind, double still, const stretch *p, dou
     double above[AT], M[4][AT], first[COLUMNS];
     states at;
     rated by;
-    states_on(o, p, &at, M);
-    rate(kind, &o->w->steady, &at, &by);
+    FOR_LANES(o->varied->lanes, states_on)(o, p, &at, M);
+    FOR_LANES(o->varied->lanes, rate)(kind, &o->w->steady, &at, &by);
     above_rest(o, kind, still, &at, &by, above);
     columns_at(by.of.values[0], above[0], still, first);
     for (int k = 0; k < 4; k++) {
@@ -244,13 +250,13 @@ static void integral_rates(rod *o, int kind, double (*out)[COLUMNS])
     rated by;
     phase where;
     directions_of(&at.angles);
-    rate(kind, &o->w->steady, &at, &by);
+    FOR_LANES(o->varied->lanes, rate)(kind, &o->w->steady, &at, &by);
     const double still = by.of.values[0];
     for (int64_t i = 0; i < o->w->count; i++)
         if (o->w->parts[i].row < o->of->panels) /* else nothing moves */
             add_part(o, kind, still, &o->w->parts[i], sum);
     states_at(o, 2, t, &at, NULL);
-    rate(kind, &o->w->steady, &at, &by);
+    FOR_LANES(o->varied->lanes, rate)(kind, &o->w->steady, &at, &by);
     above_rest(o, kind, still, &at, &by, above);
     for (int end = 0; end < 2; end++)
         columns_at(by.of.values[end], above[end], still, ends[end]);

@@ -141,10 +141,12 @@ typedef struct {
 #if defined(__x86_64__) && defined(__GNUC__)
 #define INLINE static inline __attribute__((always_inline))
 #define WIDE __attribute__((target("avx2")))
+#define WIDEST __attribute__((target("avx512f,avx512dq")))
 #define IN_WIDTHS(name, parameters, arguments)                                                                         \
     static void name##_narrow parameters { name arguments; }                                                           \
-    static WIDE void name##_wide parameters { name arguments; }
-#define FOR_LANES(lanes, name) ((lanes) >= 4 ? name##_wide : name##_narrow)
+    static WIDE void name##_wide parameters { name arguments; }                                                        \
+    static WIDEST void name##_widest parameters { name arguments; }
+#define FOR_LANES(lanes, name) ((lanes) >= 8 ? name##_widest : (lanes) >= 4 ? name##_wide : name##_narrow)
 #else
 #define INLINE static inline
 #define IN_WIDTHS(name, parameters, arguments)
@@ -227,13 +229,49 @@ INLINE void sin_cos_of(int n, const double *restrict x, double *restrict sine, d
 }
 
 /* out (m,) = values (n,) @ linear (n, m) */
-INLINE void product(int n, int m, const double *restrict values, const double *restrict linear, double *restrict out)
+INLINE void plain_product(int n, int m, const double *restrict values, const double *restrict linear, double *restrict out)
 {
     for (int j = 0; j < m; j++)
         out[j] = values[0] * linear[j];
     for (int i = 1; i < n; i++)
         for (int j = 0; j < m; j++)
             out[j] += values[i] * linear[i * m + j];
+}
+
+/* Neighbouring numbers of a row, in one register of the wide lanes. */
+#if defined(__x86_64__)
+enum { ABREAST = 4 };
+#else
+enum { ABREAST = 2 };
+#endif
+typedef double abreast __attribute__((vector_size(8 * ABREAST), aligned(8), may_alias));
+
+/* The same for functions IN_WIDTHS: the sums stay in registers; left to the compiler they do not. */
+INLINE void product(int n, int m, const double *restrict values, const double *restrict linear, double *restrict out)
+{
+    int j = 0;
+    for (; j + 4 * ABREAST <= m; j += 4 * ABREAST) {
+        const abreast *row = (const abreast *)(linear + j);
+        abreast a = values[0] * row[0], b = values[0] * row[1], c = values[0] * row[2], d = values[0] * row[3];
+        for (int i = 1; i < n; i++) {
+            row = (const abreast *)(linear + i * m + j);
+            a += values[i] * row[0], b += values[i] * row[1], c += values[i] * row[2], d += values[i] * row[3];
+        }
+        abreast *to = (abreast *)(out + j);
+        to[0] = a, to[1] = b, to[2] = c, to[3] = d;
+    }
+    for (; j + ABREAST <= m; j += ABREAST) {
+        abreast a = values[0] * *(const abreast *)(linear + j);
+        for (int i = 1; i < n; i++)
+            a += values[i] * *(const abreast *)(linear + i * m + j);
+        *(abreast *)(out + j) = a;
+    }
+    for (; j < m; j++) {
+        double a = values[0] * linear[j];
+        for (int i = 1; i < n; i++)
+            a += values[i] * linear[i * m + j];
+        out[j] = a;
+    }
 }
 
 /* Coefficients (n,) to those of the integral from -1, (n + 1,). */
@@ -263,7 +301,7 @@ INLINE double sum_of(int n, const double *values)
 INLINE void integrated(const points *at, const double *values, double *out)
 {
     double coefficients[NODES];
-    product((int)at->n, (int)at->n, values, at->analyse, coefficients);
+    plain_product((int)at->n, (int)at->n, values, at->analyse, coefficients);
     integral((int)at->n, coefficients, out);
 }
 

@@ -16,7 +16,7 @@ typedef struct {
     double *out;
 } shapes;
 
-static void derive_shape(const shapes *of, int64_t b)
+INLINE void derive_shape(const shapes *of, int64_t b)
 {
     const int64_t n = of->stations, F = of->F, each = of->size * F * n, table = of->size * F;
     const double lam = of->loads[3 * b], mu = of->loads[3 * b + 1], phi = of->loads[3 * b + 2];
@@ -47,11 +47,13 @@ static void derive_shape(const shapes *of, int64_t b)
     }
 }
 
+IN_WIDTHS(derive_shape, (const shapes *of, int64_t b), (of, b))
+
 /* The derivatives of shapes from the changes of their orbits. */
-void rod_shape_rates(const shapes *of)
+void rod_shape_rates(const shapes *of, int64_t lanes)
 {
     for (int64_t b = 0; b < of->size; b++)
-        derive_shape(of, b);
+        FOR_LANES(lanes, derive_shape)(of, b);
 }
 
 /* What is asked of B start problems. along: their shapes, whose `out` is filled. marks: (B, 5, F, MARKS), filled with the
@@ -60,7 +62,8 @@ void rod_shape_rates(const shapes *of)
    sign, error: (B,), as of `rods`. wanted: bits of rates; groups: of numbers along the whole rod, and partly: of those over
    its first and second third. lifts, peak: (B,), what is observed; NULL for what is measured. Filled: kind (B,), of the
    orbits, LOST where there is none; half_period (B, F); found (3, B), numbers along the rod, over its first third, and over
-   two; rates (B, F, RATES). Of helices only the kind is filled. Where nothing is measured marks, half_period, found and rates
+   two; rates (B, F, RATES). Of helices and where there is no orbit the kind alone is filled,
+   and the derivatives of the shape are NaN. Where nothing is measured marks, half_period, found and rates
    are NULL. */
 typedef struct {
     shapes along;
@@ -98,7 +101,7 @@ static void change_shape(worker *o, const shapes *of, int64_t b)
 {
     const int64_t at = b * of->F * of->stations, each = of->size * of->F * of->stations;
     rod_change_orbit(o->of, o->varied, 0, of->stations, of->F, of->t + b * of->stations, o->parts, each, of->out + at);
-    derive_shape(of, b);
+    FOR_LANES(o->varied->lanes, derive_shape)(of, b);
 }
 
 static void change_marks(worker *o, int64_t b)
@@ -209,6 +212,15 @@ static void part_start(worker *o, int64_t b)
         }
 }
 
+/* No number is a derivative of shape b. */
+static void leave_out(const shapes *of, int64_t b)
+{
+    const int64_t own = of->F * of->stations;
+    for (int64_t k = 0; k < 5; k++)
+        for (int64_t i = 0; i < own; i++)
+            of->out[(of->size * k + b) * own + i] = NAN;
+}
+
 static int derive_rod(worker *o, int64_t b)
 {
     const sensitivities *all = o->all;
@@ -216,8 +228,10 @@ static int derive_rod(worker *o, int64_t b)
     if (all->of)
         o->of = all->of, o->varied = all->varied, all->kind[b] = all->of->kind[0];
     const int failed = all->of ? DONE : vary_rod(o, b);
-    if (failed || all->kind[b] == LOST || all->kind[b] == HELIX)
+    if (failed || all->kind[b] == LOST || all->kind[b] == HELIX) {
+        leave_out(&all->along, b);
         return failed;
+    }
     rod_varied_place_at(o->of, o->varied, 0, 0, &o->start);
     if (all->parts)
         memcpy(o->parts, all->parts, sizeof(double) * (size_t)(PARTS * F));

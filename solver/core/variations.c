@@ -211,33 +211,40 @@ static void weights_of(const points *at, double *out)
 INLINE void keep_series(const varied_nodes *one, const points *at, double half, double *restrict series)
 {
     const int n = (int)at->n;
-    double values[NODES][VARIED] = {{0}}, rates[NODES + 2][VARIED] = {{0}};
-    memset(series, 0, sizeof(double) * (size_t)((n + 1) * VARIED));
+    enum { PADDED = (VARIED + ABREAST - 1) / ABREAST * ABREAST }; /* whole registers */
+    double values[NODES][PADDED], rates[NODES + 2][PADDED], row[NODES];
     for (int i = 0; i < n; i++) {
+        memset(values[i], 0, sizeof values[i]);
         values[i][0] = one->v[i], values[i][1] = one->H[i];
         for (int k = 0; k < 3; k++)
             values[i][6 + k] = one->gamma[k][i];
         for (int m = 0; m < SUMS; m++)
             values[i][9 + m] = one->M[m][i];
     }
-    for (int k = 0; k < n; k++)
+    for (int k = 0; k < n; k++) {
         for (int i = 0; i < n; i++)
-            for (int m = 0; m < VARIED; m++)
-                rates[k][m] += at->analyse[n * i + k] * values[i][m];
+            row[i] = at->analyse[n * i + k];
+        product(n, PADDED, row, values[0], rates[k]);
+    }
+    memset(rates[n], 0, 2 * sizeof rates[n]);
+    memset(series, 0, sizeof(double) * (size_t)((n + 1) * VARIED));
     for (int k = 0; k < n; k++)
         memcpy(series + VARIED * k, rates[k], sizeof(double) * 9);
     series[2] = one->c;
     memcpy(series + 3, one->shift, sizeof(double) * 3);
-    for (int m = 9; m < VARIED; m++)
+    double first[PADDED] = {0}, terms[PADDED];
+    for (int m = 0; m < PADDED; m++)
         rates[0][m] *= 2;
-    for (int k = 1; k <= n; k++) /* `integral` of all sums at once */
-        for (int m = 9; m < VARIED; m++) {
+    for (int k = 1; k <= n; k++) { /* `integral` of all sums at once */
+        for (int m = 0; m < PADDED; m++) {
             const double term = (rates[k - 1][m] - rates[k + 1][m]) / (2 * k);
-            series[VARIED * k + m] = term * half;
-            series[m] += k % 2 ? term : -term;
+            terms[m] = term * half;
+            first[m] += k % 2 ? term : -term;
         }
+        memcpy(series + VARIED * k + 9, terms + 9, sizeof(double) * SUMS);
+    }
     for (int m = 9; m < VARIED; m++)
-        series[m] *= half;
+        series[m] = first[m] * half;
 }
 
 /* The values of the series of a panel at x. */
@@ -326,25 +333,27 @@ int rod_variations(int64_t n, const double *loads, const read_orbits *of, const 
     return failed;
 }
 
-void rod_varied_unit(const varied_place *start, const varied_place *there, varied_unit *out)
-{
-    static const int place[4][4] = {{0, 1, 2, 3}, {1, 4, 5, 6}, {2, 5, 7, 8}, {3, 6, 8, 9}};
-    const double D = across_flow(there->v, there->H, there->c), D0 = across_flow(start->v, start->H, start->c);
-    for (int part = 0; part < PARTS; part++) {
-        const int k = part - 1; /* of e; the part before is a, along the flow */
-        const double a = part ? there->M[place[0][k]] - start->M[place[0][k]] : 1;
-        const double g = part ? there->gamma[k] : 0, g0 = part ? start->gamma[k] : 0, shift = part ? there->shift[k] : 0;
-        const double lift = g * (there->v / D), lift0 = g0 * (start->v / D0);
-        out->by[BETA][part] = shift + a * there->v + g * (there->c * there->H / D);
-        out->by[RATE][part] = -a * there->H + lift;
-        for (int q = 1; q < 4; q++) {
-            const double rise = part ? there->M[place[q][k]] - start->M[place[q][k]] : 0;
-            const double far = there->shift[q] * lift - a * (there->gamma[q] + there->shift[q] * there->H);
-            const double near = start->shift[q] * lift0 - (part ? 0 : start->gamma[q] + start->shift[q] * start->H);
-            out->by[LIFTS + q - 1][part] = rise + (far - near);
-        }
-    }
-}
+/* Places of an orbit, those of one panel after each other: in which of its panels, where in it, where on the orbit, and the
+   number of each. */
+enum { VISITS = 256, BUCKETS = 64, PAD = 8 };
+typedef struct {
+    int64_t panel[VISITS], place[VISITS];
+    double x[VISITS];
+    phase where[VISITS];
+} visits;
+
+/* The orbit whose changes are read; size: of the series. */
+typedef struct {
+    const double *series, *gain;
+    const varied_place *start;
+    double direction;
+    int size, librates;
+} changed_orbit;
+
+#define LANES "change_lanes.h"
+#include "widths.h"
+
+void rod_varied_unit(const varied_place *start, const varied_place *there, varied_unit *out) { unit_1(start, there, out); }
 
 void rod_varied_directions(const varied_place *start, double out[PARTS][PARTS])
 {
@@ -379,30 +388,61 @@ void rod_varied_place_at(const read_orbits *of, const varied_orbits *varied, int
         out->M[m] = rod_unfolded(out->M[m], &where, gain[m], gain[SUMS + m], of->kind[b] == LIBRATION);
 }
 
+/* The panels in which an orbit is at `many` times, sorted by them as far as BUCKETS allow. */
+static void visit(const read_orbits *of, int64_t b, const double *t, int many, visits *out)
+{
+    visits found;
+    int from[BUCKETS + 1] = {0};
+    for (int i = 0; i < many; i++) {
+        found.panel[i] = rod_place(of, b, t[i], &found.where[i], &found.x[i]);
+        from[found.panel[i] % BUCKETS + 1]++;
+    }
+    for (int k = 0; k < BUCKETS; k++)
+        from[k + 1] += from[k];
+    for (int i = 0; i < many; i++) {
+        const int to = from[found.panel[i] % BUCKETS]++;
+        out->panel[to] = found.panel[i], out->x[to] = found.x[i], out->where[to] = found.where[i], out->place[to] = i;
+    }
+}
+
+/* One of the changes at `many` places, from what units of its parts add there. */
+INLINE void add_parts(int many, const double *parts, const double (*units)[VISITS + PAD], double *restrict out)
+{
+    memset(out, 0, sizeof(double) * (size_t)many);
+    for (int part = 0; part < PARTS; part++) {
+        const double amount = parts[part], *restrict own = units[part];
+        for (int i = 0; amount != 0 && i < many; i++)
+            out[i] += own[i] * amount;
+    }
+}
+
+IN_WIDTHS(add_parts, (int many, const double *parts, const double (*units)[VISITS + PAD], double *out),
+          (many, parts, units, out))
+
 void rod_change_orbit(const read_orbits *of, const varied_orbits *varied, int64_t b, int64_t stations, int64_t F,
                       const double *t, const double *parts, int64_t each, double *out)
 {
-    double units[5 * PARTS][CHUNK];
-    varied_place start, there;
-    varied_unit unit;
+    const int lanes = (int)varied->lanes;
+    varied_place start;
+    visits sorted;
+    double units[5 * PARTS][VISITS + PAD], change[VISITS];
     rod_varied_place_at(of, varied, b, 0, &start);
-    for (int64_t begin = 0; begin < stations; begin += CHUNK) {
-        const int many = (int)(stations - begin < CHUNK ? stations - begin : CHUNK);
-        for (int i = 0; i < many; i++) {
-            rod_varied_place_at(of, varied, b, t[begin + i], &there);
-            rod_varied_unit(&start, &there, &unit);
-            for (int k = 0; k < 5 * PARTS; k++)
-                units[k][i] = unit.by[k / PARTS][k % PARTS];
+    const changed_orbit one = {varied->series, varied->gain + 2 * SUMS * b, &start, of->direction[b], (int)of->coefficients,
+                               of->kind[b] == LIBRATION};
+    for (int64_t begin = 0; begin < stations; begin += VISITS) {
+        const int many = (int)(stations - begin < VISITS ? stations - begin : VISITS);
+        visit(of, b, t + begin, many, &sorted);
+        for (int at = 0, next; at < many; at = next) {
+            for (next = at + 1; next < many && next < at + lanes && sorted.panel[next] == sorted.panel[at]; next++)
+                ;
+            FOR_WIDTH(lanes, units)(&one, &sorted, at, next - at, units);
         }
         for (int64_t f = 0; f < F; f++)
             for (int k = 0; k < 5; k++) {
                 double *to = out + each * k + stations * f + begin;
-                memset(to, 0, sizeof(double) * (size_t)many);
-                for (int part = 0; part < PARTS; part++) {
-                    const double amount = parts[PARTS * f + part], *own = units[PARTS * k + part];
-                    for (int i = 0; amount != 0 && i < many; i++)
-                        to[i] += own[i] * amount;
-                }
+                FOR_LANES(lanes, add_parts)(many, parts + PARTS * f, units + PARTS * k, change);
+                for (int i = 0; i < many; i++)
+                    to[sorted.place[i]] = change[i];
             }
     }
 }

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..branches.orbit_rates import rates_of_helices, rates_of_variations
 from ..branches.system import settle
-from ..core.library import AT, FLOAT, INT, cut, fine, numbers_of, on_grid, points, run, share_out, structure
+from ..core.library import AT, FLOAT, INT, cut, fine, numbers_of, on_grid, points, run, share_out, structure, widest
 from ..core.measures import GROUPS, NUMBERS, RATED
 from ..numerics.arrays import Array, Integers
 from ..orbits.boundary import Path, path_of
@@ -108,7 +108,7 @@ def shape_rates(out: Array, shape: Mapping[str, Array]) -> None:
         of the numbers of the case; later, (B, F), those of the length in t. Without by, ratio and rho all is in units
         of rho.
     """
-    run("rod_shape_rates", _shapes_of(out, shape))
+    run("rod_shape_rates", _shapes_of(out, shape), widest())
 
 
 def _shapes_of(out: Array, shape: Mapping[str, Array]) -> Any:
@@ -164,7 +164,7 @@ def start_sensitivities(
     changes, (1, 5, F).
     """
     numbers, (B, stations), F = numbers_of(problem), shape["t"].shape, shape["by"].shape[2]
-    out, kind = np.full((5, B, F, stations), np.nan), np.empty(B, dtype=np.int64)
+    out, kind = np.empty((5, B, F, stations)), np.empty(B, dtype=np.int64)
     along = _shapes_of(out, {**shape, "loads": numbers[:, :3], "span": numbers[:, 3]})
     rest: dict[str, Any] = {"along": along, "problems": numbers, "kind": kind}
     if motion is not None:

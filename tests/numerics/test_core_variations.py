@@ -3,9 +3,15 @@
 import numpy as np
 import pytest
 
+from solver import solve
+from solver.core.library import widest
+from solver.observe import motions
+from solver.observe.observables import OBSERVABLES, is_count
+from solver.orbits import variations as orbit_variations
 from solver.orbits.periodic_orbit import HELIX, TIGHT, solve_orbit
 from solver.orbits.variations import Variations, variations_on
 from solver.problem.reduced import StartProblem
+from tests.cases import in_units_of_rho
 from tests.equation import march_with_variations
 
 
@@ -33,3 +39,23 @@ def test_variations_are_those_of_a_march_of_the_variational_equation() -> None:
         marched = np.stack([beta, rate, alpha, -turn, z], axis=1)
         own = np.column_stack([change.beta[i, 0], change.rate[i, 0], change.integrals[i, 0]])
         assert own == pytest.approx(marched, rel=1e-8, abs=1e-8 * np.abs(marched).max())
+
+
+def test_derivatives_in_lanes_are_those_of_one_number_at_a_time_to_the_bit(monkeypatch) -> None:
+    """At more stations than are read together, and at so few that a group of them lies on one panel seldom."""
+    rng, B = np.random.default_rng(5), 12
+    numbers = *rng.normal(size=(3, B)), rng.uniform(1, 80, B), rng.uniform(-2, 2, B), rng.normal(size=B)
+    case, fields = in_units_of_rho(*numbers), ("R", "a", "beta0", "F3")
+    names = [name for name, row in OBSERVABLES.items() if not (is_count(name) or row.free)]
+
+    def bits(lanes: int) -> list[bytes]:
+        monkeypatch.setattr(motions, "HOW", motions.HOW._replace(lanes=lanes))
+        monkeypatch.setattr(orbit_variations, "widest", lambda: lanes)
+        found = [solve(case, stations=n).sensitivity(fields, wanted) for n, wanted in ((301, ()), (30, names))]
+        arrays = [getattr(one, name) for one in found for name in ("beta", "dbeta", "alpha", "z", "gamma")]
+        return [np.asarray(array).tobytes() for array in (*arrays, *found[1].observables.values())]
+
+    scalar = bits(1)
+    for lanes in (2, 4, 8):
+        if lanes <= widest():
+            assert bits(lanes) == scalar, lanes
