@@ -21,16 +21,21 @@ EDGE = 7  # unknowns of an edge: its quaternion, and the node behind it
 ENDS = 8  # the angles of both ends: azimuth, beta, tilt, rotation
 CONDITIONS = 4  # of an edge: where it leads, and the size of its quaternion
 HELD_ON, OUTSIDE, INSIDE = 0, 1, -1
+LOWER = np.tril_indices(8)  # of a joint's second derivatives
 
 
 class Joints(NamedTuple):
-    """Between neighbouring frames: v, (N + 1, 3); its derivatives by the frame before and after, (N + 1, 3, 4) each;
-    that of the energy by v, (N + 1, 3)."""
+    """Between neighbouring frames.
+
+    v: (N + 1, 3). slopes: its derivatives by what both frames depend on, (N + 1, 3, 8): the quaternions of edges, and
+    the angles of ends. pull: the derivative of the energy by v, (N + 1, 3). bends: of the energy's second derivatives,
+    (N + 1, 8, 8), those that are due to the second ones of v.
+    """
 
     v: Array
-    before: Array
-    after: Array
+    slopes: Array
     pull: Array
+    bends: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,7 +146,21 @@ class DiscreteRod:
         v = (before @ chain[:-1, :, None])[..., 0]
         pull = self._stiffness * v
         pull[:, 2] += 2 * self.ratio * self.twist
-        return Joints(v, before, after, pull)
+        slopes, mixed = np.concatenate([before, after], axis=2), np.einsum("ni,ikl->nkl", pull, BILINEAR)
+        bends = np.zeros((self.edges + 1, 8, 8))
+        (_, near, near2), (_, far, far2) = self._end_frames(y)
+        bends[0, :4, :4], bends[-1, 4:, 4:] = near2 @ (pull[0] @ before[0]), far2 @ (pull[-1] @ after[-1])
+        slopes[0, :, :4], slopes[-1, :, 4:] = before[0] @ near.T, after[-1] @ far.T
+        mixed[0], mixed[-1] = near @ mixed[0], mixed[-1] @ far.T
+        bends[:, :4, 4:], bends[:, 4:, :4] = mixed, np.swapaxes(mixed, 1, 2)
+        return Joints(v, slopes, pull, bends)
+
+    @cached_property
+    def _joint_places(self) -> Array:
+        """Which unknowns both frames of each joint depend on, (N + 1, 8)."""
+        n = EDGE * self.edges
+        first = np.concatenate([[n], np.arange(0, n, EDGE), [n + 4]])[:, None] + np.arange(4)
+        return np.concatenate([first[:-1], first[1:]], axis=1)
 
     def weight_energy(self, y: Array) -> float:
         """The energy of the weight, 0 at the axis and at z = 0."""
@@ -156,14 +175,13 @@ class DiscreteRod:
 
     def gradient(self, y: Array) -> Array:
         """The derivatives of the energy, (size,)."""
-        joints, gradient = self.joints(y), np.zeros(self.size)
-        by_q, by_x, by_angle = self.parts(gradient)
-        before, after = (np.einsum("ni,nik->nk", joints.pull, part) for part in (joints.before, joints.after))
-        by_q += before[1:] + after[:-1]
+        joints = self.joints(y)
+        pulls = (joints.pull[:, None] @ joints.slopes).ravel()
+        gradient = np.bincount(self._joint_places.ravel(), pulls, minlength=self.size)
+        _, by_x, by_angle = self.parts(gradient)
         by_x -= self._lumped
         by_x[-1, 2] -= self.tension
-        (_, near, _), (_, far, _) = self._end_frames(y)
-        by_angle[:] = np.append(near @ before[0], far @ after[-1]) - self.loads
+        by_angle -= self.loads
         return gradient
 
     # what the unknowns obey
@@ -224,44 +242,20 @@ class DiscreteRod:
     @cached_property
     def hessian_places(self) -> tuple[Array, Array]:
         """Rows and columns of the entries of `hessian_values`: the lower triangle, some entries in several parts."""
-        i, j = np.tril_indices(4)
-        k, n = EDGE * np.arange(self.edges)[:, None], EDGE * self.edges
-        block = k + i, k + j
-        cross = k[1:, :, None] + np.arange(4)[:, None], k[:-1, :, None] + np.arange(4)
-        walls = (k[:-1] + np.array([4, 5]),) * 2
-        near, far = n + np.arange(4), n + 4 + np.arange(4)
-        ends = (
-            (near[i], near[j]),
-            (far[i], far[j]),
-            (near[:, None], np.arange(4)),
-            (far[:, None], n - EDGE + np.arange(4)),
-        )
-        groups = [np.broadcast_arrays(*part) for part in (block, cross, walls, *ends)]
-        rows, columns = (np.concatenate([group[a].ravel() for group in groups]) for a in (0, 1))
-        return rows.astype(np.int64), columns.astype(np.int64)
+        i, j = LOWER
+        walls = (EDGE * np.arange(self.edges - 1)[:, None] + np.array([4, 5])).ravel()
+        one, other = self._joint_places[:, i].ravel(), self._joint_places[:, j].ravel()
+        return np.append(np.maximum(one, other), walls), np.append(np.minimum(one, other), walls)
 
     def hessian_values(self, y: Array, size: float, multipliers: Array) -> Array:
         """The second derivatives, at the places of `hessian_places`."""
-        angles = y[-ENDS:]
         of_edges = multipliers[: CONDITIONS * self.edges].reshape(-1, CONDITIONS)
         wall = multipliers[CONDITIONS * self.edges :][: self.edges - 1]
-        _, before, after, pull = self.joints(y)
-        weighted = self._stiffness[..., None] * before
-        first = np.swapaxes(before, 1, 2) @ weighted
-        second = np.swapaxes(after, 1, 2) @ (self._stiffness[..., None] * after)
-        mixed = np.swapaxes(weighted, 1, 2) @ after + np.einsum("ni,ikl->nkl", pull, BILINEAR)
-        block = size * (first[1:] + second[:-1])
-        block += 2 * self.h * np.einsum("ni,ikl->nkl", of_edges[:, :3], QUADRATIC) - 2 * of_edges[
-            :, 3, None, None
-        ] * np.eye(4)
-        i, j = np.tril_indices(4)
-        (_, near, near2), (_, far, far2) = self._end_frames(y)
-        at_start = size * (near @ first[0] @ near.T + near2 @ (pull[0] @ before[0]))
-        at_end = size * (far @ second[-1] @ far.T + far2 @ (pull[-1] @ after[-1]))
+        joints = self.joints(y)
+        stiff = self._stiffness[..., None] * joints.slopes
+        blocks = size * (np.swapaxes(joints.slopes, 1, 2) @ stiff + joints.bends)
+        blocks[:-1, 4:, 4:] += 2 * self.h * np.einsum("ni,ikl->nkl", of_edges[:, :3], QUADRATIC)
+        blocks[:-1, 4:, 4:] -= 2 * of_edges[:, 3, None, None] * np.eye(4)
         if self.swings:
-            at_end[0, 0] -= multipliers[-2:] @ self.place(1, angles[4])
-        parts = (
-            block[:, i, j], size * np.swapaxes(mixed[1:-1], 1, 2), np.repeat(-2 * wall, 2),
-            at_start[i, j], at_end[i, j], size * near @ mixed[0], size * far @ mixed[-1].T,
-        )  # fmt: skip
-        return np.concatenate([np.ravel(part) for part in parts])
+            blocks[-1, 4, 4] -= multipliers[-2:] @ self.place(1, self.parts(y)[2][4])
+        return np.append(blocks[:, *LOWER], np.repeat(-2 * wall, 2))

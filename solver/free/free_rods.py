@@ -14,11 +14,9 @@ from ..problem.limits import OUT_OF_RANGE, units_held
 from ..problem.reduced import EndsProblem
 from ..problem.trajectory import SOLVED, Trajectory
 from .beginnings import curve_of, string_curve
-from .discrete_rod import DiscreteRod
 from .free_problem import BeginningCurve, Beside, problems_of
 from .free_shape import Along, FreeShape
-from .minimum import Minimum, minimise
-from .program import COLD, WARM, Search, Sizes
+from .minimum import minimise
 
 FREE_TOLERANCE = 1e-4  # of the place of a rod, over its length
 FEWEST, EACH = 24, (2.0, 4.0)  # edges of the coarsest mesh: for each length on which the shape changes; for each radian
@@ -28,7 +26,6 @@ FINEST = 8192  # edges, up to which a mesh is refined for the tolerance, if erro
 LEAST_STEP = 1 / 64  # of the way of the ends from those of a curve to where they are held
 ORDER = (3.0, 5.5)  # of a change to the next one, on edges of half the length: the order 2 is seen
 LARGEST = 1e12  # of a number of a rod in units of A and rho
-NUDGE, NUDGES = 1e-2, 3  # of the size of angles: of what leads away from an equilibrium that is no minimum
 FOUND = "a stable equilibrium, found from {}; others may exist"
 
 
@@ -91,10 +88,9 @@ def continue_from(beside: Beside, curves: Sequence[BeginningCurve], tol: float) 
         known = curve_of(shapes[-1])
         finer = beside.rod_on(known, 1.0, 2 * shapes[-1].rod.edges)
         forces = shapes[-1].rod.finer_multipliers(shapes[-1].multipliers)
-        minimum = stable_minimum(finer, known.on(finer), beside.sizes(known), WARM, forces)
+        minimum = minimise(finer, known.on(finer), beside.sizes(known), forces)
         if minimum is None:
-            within = f"on {finer.edges} edges within {WARM.most} steps"
-            return Answer(steps=steps, begun=begun, why=f"no minimum of the energy was found {within}")
+            return Answer(steps=steps, begun=begun, why=f"no minimum of the energy was found on {finer.edges} edges")
         steps += minimum.steps
         shapes.append(FreeShape(finer, minimum.y, minimum.multipliers))
         error = estimate([distance(*pair) for pair in pairwise(shapes[-MESHES:])])[1]
@@ -122,7 +118,7 @@ def reach(beside: Beside, curve: BeginningCurve, edges: int) -> Way:
     while share < 1:
         ahead = min(1.0, share + step)
         rod = beside.rod_on(curve, ahead, edges)
-        minimum = stable_minimum(rod, curve.on(rod) if shape is None else shape.y, sizes, COLD)
+        minimum = minimise(rod, curve.on(rod) if shape is None else shape.y, sizes)
         if minimum is None:
             step /= 2
             if step < LEAST_STEP:
@@ -131,20 +127,6 @@ def reach(beside: Beside, curve: BeginningCurve, edges: int) -> Way:
         share, steps = ahead, steps + minimum.steps
         shape = FreeShape(rod, minimum.y, minimum.multipliers)
     return Way(curve, shape, share, steps)
-
-
-def stable_minimum(
-    rod: DiscreteRod, guess: Array, sizes: Sizes, search: Search, multipliers: Array | None = None
-) -> Minimum | None:
-    """The minimum near a guess, as of `minimise`; where that ends at an equilibrium that is none, that beside it."""
-    minimum = minimise(rod, guess, sizes, search, multipliers)
-    for seed in range(NUDGES):
-        if minimum is None or not minimum.unstable:
-            return minimum
-        nudged = minimum.y.copy()
-        rod.parts(nudged)[0][:] += NUDGE * sizes.turned * np.random.default_rng(seed).normal(size=(rod.edges, 4))
-        minimum = minimise(rod, nudged, sizes, search)
-    return None if minimum is None or minimum.unstable else minimum
 
 
 def distance(coarse: FreeShape, fine: FreeShape) -> float:

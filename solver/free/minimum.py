@@ -10,12 +10,13 @@ import numpy as np
 
 from ..numerics.arrays import Array, Integers
 from .discrete_rod import CONDITIONS, EDGE, HELD_ON, DiscreteRod
-from .program import COLD, Program, Search, Sizes
+from .program import Program, Sizes
 
 MOST_STEPS = 30  # of Newton's method; usual are 3 to 6
 SHARP = 1e-10  # of the last change of the unknowns
 EVEN = 1e-8  # of what equations leave where rounding, 1e-11 of them, moves a rod that is held with `FIRM`; squared
 FIRM = 1e-6  # of the order of the second derivatives: what holds a rod that may turn as a whole
+NUDGE, NUDGES = 1e-2, 3  # of the size of angles: of what leads away from an equilibrium that is no minimum
 STIFF, TINY = 1e-4, 1e-14  # of the force that bends an edge by the radius, what a gap counts as; least of a derivative
 
 
@@ -29,21 +30,24 @@ class Minimum(NamedTuple):
     steps: int
 
 
-def minimise(
-    rod: DiscreteRod, guess: Array, sizes: Sizes, search: Search = COLD, multipliers: Array | None = None
-) -> Minimum | None:
-    """The minimum near a guess (size,); None where none is found.
+def minimise(rod: DiscreteRod, guess: Array, sizes: Sizes, multipliers: Array | None = None) -> Minimum | None:
+    """The minimum near a guess (size,), or beside an equilibrium near it that is none; None where none is found.
 
     multipliers: a guess of those too, (M,), with which Newton's method alone is tried first. Raises `InputError` where
     Uno is not installed.
     """
-    newton = Newton(Program(rod, sizes, rod.with_known(guess)))
-    if multipliers is not None:
-        sharp = newton.equilibrium(multipliers * newton.scale)
-        if sharp is not None and sharp.unstable == 0:
-            return sharp
-    rough = newton.program.minimise(search)
-    return None if rough is None else newton.equilibrium(rough[1], rough[0], rough[2])
+    for seed in range(NUDGES + 1):
+        newton, minimum = Newton(Program(rod, sizes, rod.with_known(guess))), None
+        if multipliers is not None:
+            minimum, multipliers = newton.equilibrium(multipliers * newton.scale), None
+        if minimum is None or minimum.unstable != 0:
+            rough = newton.program.minimise()
+            minimum = None if rough is None else newton.equilibrium(rough[1], rough[0], rough[2])
+        if minimum is None or not minimum.unstable:
+            return minimum
+        guess = minimum.y.copy()
+        rod.parts(guess)[0][:] += NUDGE * sizes.turned * np.random.default_rng(seed).normal(size=(rod.edges, 4))
+    return None
 
 
 def complementarity(a: Array, b: Array) -> tuple[Array, Array, Array]:
@@ -88,7 +92,8 @@ class Newton:
         from scipy.sparse import csc_array  # only a search loads SciPy
 
         program, n = self.program, self.program.free.size
-        _, rows, columns, _, _, above, beside, _ = program.places
+        _, rows, columns, _ = program.slopes
+        _, above, beside, _ = program.bends
         slopes, bends, lower = -program.jacobian(z), program.hessian(z, 1.0, multipliers), above != beside
         diagonal = np.arange(n + loose.size)
         i = np.concatenate([above, beside[lower], columns, n + rows, diagonal])
@@ -102,7 +107,7 @@ class Newton:
 
         program, n, last, side = self.program, self.program.free.size, np.inf, self.program.rod.side
         z, loose = np.zeros(n) if z is None else z, np.zeros(multipliers.size)
-        _, rows, columns, *_ = program.places
+        _, rows, columns, _ = program.slopes
         for _ in range(MOST_STEPS):
             missed = program.conditions(z)
             push, gap = side * multipliers[self.wall], self.stiff * side * missed[self.wall]

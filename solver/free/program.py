@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..numerics.arrays import Array
+from ..numerics.arrays import Array, Booleans, Integers
 from ..problem.errors import InputError
 from .discrete_rod import CONDITIONS, DiscreteRod
 
@@ -20,21 +20,12 @@ OPTIONS = {
     "use_function_scaling": False,  # the sizes do that
     "primal_tolerance": 1e-8,
     "dual_tolerance": 1e-8,
+    "barrier_initial_parameter": 1e-2,
+    "max_iterations": 300,  # usual are 10 to 200
     "barrier_k_epsilon": 100.0,  # how closely each barrier problem is solved: with 10, the default, some steps more
 }
 STRATEGIES = "waechter_filter_method", "funnel_method"  # to accept steps; where the first one jams, the other often not
 ENOUGH = 1e-6  # of what Uno may leave of the equations
-
-
-class Search(NamedTuple):
-    """How Uno begins, by the parameter of its first barrier, and when it gives up, in steps of each strategy."""
-
-    barrier: float
-    most: int
-
-
-COLD = Search(1e-2, 300)  # from another problem's shape: usual are 10 to 200 steps
-WARM = Search(1e-4, 100)  # from a shape of this problem on another mesh: usual are 10 to 40
 
 
 class Sizes(NamedTuple):
@@ -44,6 +35,22 @@ class Sizes(NamedTuple):
     along: float
     turned: float
     energy: float
+
+
+class Entries(NamedTuple):
+    """Those entries of a sparse matrix of the rod that belong to free unknowns.
+
+    kept: which ones. rows, columns: where they are in the matrix of the program. factors: of those of the rod.
+    """
+
+    kept: Booleans
+    rows: Integers
+    columns: Integers
+    factors: Array
+
+    def of(self, values: Array) -> Array:
+        """The entries of the program, of those of the rod."""
+        return np.asarray(values[self.kept] * self.factors)
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,6 +66,11 @@ class Program:
         return np.flatnonzero(~self.rod.known)
 
     @cached_property
+    def _place(self) -> Integers:
+        """Where the unknowns (size,) are among the free ones, -1 for those that are given."""
+        return np.where(self.rod.known, -1, np.cumsum(~self.rod.known) - 1)
+
+    @cached_property
     def unit(self) -> Array:
         """The sizes of the unknowns, (size,)."""
         unit = np.full(self.rod.size, self.sizes.turned)
@@ -72,18 +84,22 @@ class Program:
         unit[: CONDITIONS * self.rod.edges].reshape(-1, CONDITIONS)[:, 2:] = self.sizes.along, self.sizes.turned
         return unit
 
-    @cached_property
-    def places(self) -> tuple[Any, ...]:
-        """Of Jacobian and Hessian: which entries are of free unknowns, their rows, columns and factors."""
-        known, place = self.rod.known, np.cumsum(~self.rod.known) - 1
-        rows, columns = self.rod.jacobian_places
-        kept = ~known[columns]
+    def _entries(self, places: tuple[Integers, Integers], at_row: Integers, unit: Array) -> Entries:
+        """The entries at places of the rod. at_row: the rows of the program, -1 for none; unit: of rows, the factor."""
+        rows, columns = places
+        kept = (at_row[rows] >= 0) & (self._place[columns] >= 0)
         rows, columns = rows[kept], columns[kept]
-        above, beside = self.rod.hessian_places
-        inner = ~(known[above] | known[beside])
-        above, beside = above[inner], beside[inner]
-        slopes, bends = self.unit[columns] / self.unit_of[rows], self.unit[above] * self.unit[beside]
-        return kept, rows, place[columns], slopes, inner, place[above], place[beside], bends
+        return Entries(kept, at_row[rows], self._place[columns], unit[rows] * self.unit[columns])
+
+    @cached_property
+    def slopes(self) -> Entries:
+        """Where the derivatives of the conditions are."""
+        return self._entries(self.rod.jacobian_places, np.arange(self.unit_of.size), 1 / self.unit_of)
+
+    @cached_property
+    def bends(self) -> Entries:
+        """Where the second derivatives are, of the lower triangle."""
+        return self._entries(self.rod.hessian_places, self._place, self.unit)
 
     def whole(self, z: Array) -> Array:
         """The unknowns (size,) of the rod."""
@@ -101,15 +117,13 @@ class Program:
         return self.rod.conditions(self.whole(z)) / self.unit_of
 
     def jacobian(self, z: Array) -> Array:
-        kept, *_, slopes = self.places[:4]
-        return np.asarray(self.rod.jacobian_values(self.whole(z))[kept] * slopes)
+        return self.slopes.of(self.rod.jacobian_values(self.whole(z)))
 
     def hessian(self, z: Array, share: float, multipliers: Array) -> Array:
-        inner, *_, bends = self.places[4:]
-        values = self.rod.hessian_values(self.whole(z), share / self.sizes.energy, multipliers / self.unit_of)
-        return np.asarray(values[inner] * bends)
+        whole, multipliers = self.whole(z), multipliers / self.unit_of
+        return self.bends.of(self.rod.hessian_values(whole, share / self.sizes.energy, multipliers))
 
-    def minimise(self, search: Search) -> tuple[Array, Array, int] | None:
+    def minimise(self) -> tuple[Array, Array, int] | None:
         """The minimum near the guess, its multipliers, and the steps; None where Uno finds none.
 
         Raises `InputError` where Uno is not installed.
@@ -127,8 +141,9 @@ class Program:
 
             return write
 
-        _, rows, columns, _, _, above, beside, _ = self.places
         low, high = (bound / self.unit_of for bound in self.rod.bounds)
+        _, rows, columns, _ = self.slopes
+        _, above, beside, _ = self.bends
         model = unopy.Model(unopy.PROBLEM_NONLINEAR, self.free.size, unopy.ZERO_BASED_INDEXING)
         model.set_objective(unopy.MINIMIZE, self.energy, into(self.gradient))
         model.set_constraints(low.size, into(self.conditions), low, high, rows.size, rows, columns, into(self.jacobian))
@@ -137,8 +152,7 @@ class Program:
         for strategy in STRATEGIES:
             solver = unopy.UnoSolver()
             solver.set_preset("ipopt")
-            begins = {"barrier_initial_parameter": search.barrier, "max_iterations": search.most}
-            for name, value in {**OPTIONS, **begins, "globalization_strategy": strategy}.items():
+            for name, value in {**OPTIONS, "globalization_strategy": strategy}.items():
                 solver.set_option(name, value)
             result = solver.optimize(model)
             left = result.solution_primal_feasibility, result.solution_stationarity, result.solution_complementarity
