@@ -50,7 +50,7 @@ def same_rod() -> tuple[DiscreteRod, np.ndarray, Sizes]:
 def trust_constr(rod: DiscreteRod, guess: np.ndarray, sizes: Sizes) -> Any:
     """The result of trust-constr, which is given all exact derivatives as sparse matrices."""
     program = Program(rod, sizes, rod.with_known(guess))
-    _, rows, columns, _, _, above, beside, _ = program.places
+    (_, rows, columns, _), (_, above, beside, _) = program.slopes, program.bends
     low, high = (bound / program.unit_of for bound in rod.bounds)
     n = program.free.size
 

@@ -8,7 +8,7 @@ import numpy as np
 from .each_case import Answer, Question, answer_each
 from .free.beginnings import BILATERAL, bilateral_cases, curves_of
 from .free.free_rods import FREE_TOLERANCE, answers_beside
-from .held.selection import NEAREST, Choose, check
+from .held.selection import LOWEST, NEAREST, RULES, Choose, check
 from .numerics.arrays import Array
 from .problem.case import ON_WALL, Case, Ends, Start, check_case
 from .problem.errors import DEFAULT_TOLERANCE, InputError, check_tolerance, choices, show, whole_number
@@ -69,7 +69,9 @@ def solve(
         lowest energy. A number K: among those of Morse index K the one whose beta goes least beyond them. For held
         ends, of those that are found in a bounded time, "nearest": the stable one of least held energy, that of a rod
         which a dead force turns round last; "lowest": the one of least held energy; K: that of Morse index K, among
-        those of `equilibria`, which takes seconds.
+        those of `equilibria`, which takes seconds. Of a rod that may leave the cylinder, "nearest": the minimum that
+        continues from the seed or its default; "lowest": the one of least energy among those that are found from there,
+        from the straight rod and beside them, which takes some seconds.
     **knobs
         The knobs of a method given by its name: ``solve(case, method="verlet", steps=400)``.
 
@@ -140,7 +142,7 @@ def _beside(
     from .methods import free_method
 
     name = free_method(method, knobs)
-    if choose != NEAREST:
+    if check(choose) not in RULES:
         raise InputError(f"choose = {choose!r} needs all equilibria, which are not known with contact='unilateral'")
     if seed is not None and not (isinstance(seed, Solution) and seed.case.shape in ((), case.shape)):
         raise InputError(f"seed of a rod that may leave the cylinder is a Solution, got {type(seed).__name__}")
@@ -153,7 +155,7 @@ def _beside(
             twins = [curves_of(solve(twin, stations=2), BILATERAL) for twin in bilateral_cases(rods)]
             off = flat(np.maximum(*rods.end_radii) > (1 + ON_WALL) * rods.rho, rods.shape)
             seed = [[] if away else [*filter(None, each)] for *each, away in zip(*twins, off, strict=True)]
-        return answers_beside(rods, seed, t, tol)
+        return answers_beside(rods, seed, t, tol, lowest=choose == LOWEST)
 
     return Question(column, _stations(case, span_of(case), stations), seed, name)
 

@@ -15,7 +15,7 @@ from ..problem.reduced import flat
 from .discrete_rod import OUTSIDE, DiscreteRod
 from .free_problem import BeginningCurve
 from .free_shape import FreeShape, angles_at
-from .quaternions import directors, end_frame
+from .quaternions import directors, end_frame, product
 
 EACH, FEWEST, MOST = 16, 401, 20_001  # stations of a known rod: for each length on which its shape changes
 WIDEST = 2.405  # of a bow whose ends are at one height: just beyond the first zero of J0
@@ -135,16 +135,21 @@ def string_curve(rod: DiscreteRod) -> BeginningCurve | str:
     return BeginningCurve(name, u, x + np.outer(z, [0, 0, 1.0]), u, q, 0.0, ends.T.ravel(), loaded)
 
 
-def _turns(angles: Array) -> Array:
+def _turns(angles: Array | float) -> Array:
     """The full turns next to angles."""
-    return np.asarray(2 * np.pi * np.round(angles / (2 * np.pi)))
+    return np.asarray(2 * np.pi * np.round(np.asarray(angles) / (2 * np.pi)))
 
 
 def curve_of(shape: FreeShape, name: str = "the seed") -> BeginningCurve:
-    """The curve of a rod beside its wall."""
+    """The curve of a rod beside its wall; whole turns of its frames about the tangent become uniform twist."""
     N, rod = shape.rod.edges, shape.rod
     middles = np.concatenate([[0.0], (np.arange(N) + 0.5) / N, [1.0]])
-    return BeginningCurve(name, np.arange(N + 1) / N, shape.x, middles, rod.chain(shape.y), rod.twist, shape.angles)
+    turned = float(_turns(2 * rod.joints(shape.y).v[:, 2].sum()))
+    back, angles = np.zeros((N + 2, 4)), shape.angles.copy()
+    back[:, 0], back[:, 3] = np.cos(turned * middles / 2), -np.sin(turned * middles / 2)
+    angles[7] -= turned
+    q, twist = product(rod.chain(shape.y), back), rod.twist + turned / rod.span
+    return BeginningCurve(name, np.arange(N + 1) / N, shape.x, middles, q, twist, angles)
 
 
 def curves_of(sol: ShapeArrays, name: str) -> list[BeginningCurve | None]:

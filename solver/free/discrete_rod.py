@@ -167,11 +167,13 @@ class DiscreteRod:
         return -float((self._lumped * self.parts(y)[1]).sum())
 
     def energy(self, y: Array) -> float:
-        """Bending and twist energy, less that of the uniform twist, and less the work of weight and loads."""
+        """Bending and twist energy, less the work of weight and loads."""
         _, x, angles = self.parts(y)
         joints = self.joints(y)
         strain = ((self._stiffness * joints.v / 2 + [0, 0, 2 * self.ratio * self.twist]) * joints.v).sum()
-        return float(strain + self.weight_energy(y) - self.loads @ angles - self.tension * (x[-1, 2] - self.span))
+        evenly = (self.ratio * self.twist / 2 - self.loads[7]) * self.twist * self.span
+        work = self.loads @ angles + self.tension * (x[-1, 2] - self.span)
+        return float(strain + evenly + self.weight_energy(y) - work)
 
     def gradient(self, y: Array) -> Array:
         """The derivatives of the energy, (size,)."""
@@ -244,8 +246,8 @@ class DiscreteRod:
         """Rows and columns of the entries of `hessian_values`: the lower triangle, some entries in several parts."""
         i, j = LOWER
         walls = (EDGE * np.arange(self.edges - 1)[:, None] + np.array([4, 5])).ravel()
-        one, other = self._joint_places[:, i].ravel(), self._joint_places[:, j].ravel()
-        return np.append(np.maximum(one, other), walls), np.append(np.minimum(one, other), walls)
+        first, second = self._joint_places[:, i].ravel(), self._joint_places[:, j].ravel()
+        return np.append(np.maximum(first, second), walls), np.append(np.minimum(first, second), walls)
 
     def hessian_values(self, y: Array, size: float, multipliers: Array) -> Array:
         """The second derivatives, at the places of `hessian_places`."""

@@ -1,7 +1,7 @@
 """The shapes of rods beside a wall that only pushes: from a curve to a minimum on fine enough edges, and its error."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise
 from typing import NamedTuple
@@ -16,7 +16,7 @@ from ..problem.trajectory import SOLVED, Trajectory
 from .beginnings import curve_of, string_curve
 from .free_problem import BeginningCurve, Beside, problems_of
 from .free_shape import Along, FreeShape
-from .minimum import minimise
+from .minimum import free_motion, minimise
 
 FREE_TOLERANCE = 1e-4  # of the place of a rod, over its length
 FEWEST, EACH = 24, (2.0, 4.0)  # edges of the coarsest mesh: for each length on which the shape changes; for each radian
@@ -26,7 +26,12 @@ FINEST = 8192  # edges, up to which a mesh is refined for the tolerance, if erro
 LEAST_STEP = 1 / 64  # of the way of the ends from those of a curve to where they are held
 ORDER = (3.0, 5.5)  # of a change to the next one, on edges of half the length: the order 2 is seen
 LARGEST = 1e12  # of a number of a rod in units of A and rho
-FOUND = "a stable equilibrium, found from {}; others may exist"
+FOUND = "a stable equilibrium, {}found from {}{}; others may exist"
+ON_A_LINE = "; one of a line of equal ones, as {}"
+LEAST_OF, MOVED = "the least of {} minima ", ", moved by some waves"
+SHAKES = (1.0, 0.3) * 6  # of the size of angles: how far a shape is moved from a minimum to find others
+WAVES = 6  # half waves of the shortest part of such a motion
+EQUAL = 1e-6  # of the energy: minima that differ less count as one, as mirror images do
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +39,8 @@ class Answer:
     """The shapes of one rod on meshes of twice as many edges each; none where it has none.
 
     error: of the last one, of a place over the length. steps: in all. begun: from where it was continued. why: why no
-    shape was found.
+    shape was found. line: what motion leads to others of its energy, "" where it is isolated. minima: among how many it
+    has the least energy; 0 where no others were looked for.
     """
 
     shapes: tuple[FreeShape, ...] = ()
@@ -42,6 +48,14 @@ class Answer:
     steps: int = 0
     begun: str = ""
     why: str = ""
+    line: str = ""
+    minima: int = 0
+
+    @property
+    def words(self) -> str:
+        """What the shape is."""
+        least, line = self.minima and LEAST_OF.format(self.minima), self.line and ON_A_LINE.format(self.line)
+        return FOUND.format(least or "", self.begun, line)
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,14 +75,35 @@ class FreeRods:
         return cls([Answer()] * size, Along(*(np.stack([part] * size) for part in Along.unknown(n))))
 
 
-def continue_from(beside: Beside, curves: Sequence[BeginningCurve], tol: float) -> Answer:
-    """The shape that continues from a curve, of several the one of least energy; of none from the straight rod."""
+class Way(NamedTuple):
+    """From a curve to a shape on the coarsest mesh; none where a part of the way has no minimum.
+
+    begun: from where. share: how much of the way was gone, 1 to the end. steps: to there.
+    """
+
+    begun: str
+    shape: FreeShape | None
+    share: float
+    steps: int
+
+    @property
+    def energy(self) -> float:
+        """The energy of the shape; infinite where the way has no end."""
+        return np.inf if self.shape is None else self.shape.rod.energy(self.shape.y)
+
+
+def continue_from(beside: Beside, curves: Sequence[BeginningCurve], tol: float, lowest: bool = False) -> Answer:
+    """The shape that continues from a curve, of several the one of least energy; of none from the straight rod.
+
+    lowest: whether others of less energy are looked for, from the straight rod too, and beside the minima.
+    """
     rod = beside.rod
-    if not curves:
+    if lowest or not curves:
         string = string_curve(rod)
-        if isinstance(string, str):
+        if isinstance(string, BeginningCurve):
+            curves = [*curves, string]
+        elif not curves:
             return Answer(why=string)
-        curves = [string]
     changes = beside.changes, max(curve.turning for curve in curves)
     edges = int(max(FEWEST, np.ceil(np.multiply(EACH, changes)).max()))
     if not max(rod.span, 1 / rod.span, *np.abs([*rod.loads, *rod.weight, *rod.radius, rod.tension])) < LARGEST:
@@ -77,42 +112,22 @@ def continue_from(beside: Beside, curves: Sequence[BeginningCurve], tol: float) 
         many = f"{max(changes):.3g} times along the rod, and at most {MOST_EDGES} edges are computed"
         return Answer(why=f"the shape may change {many}")
     ways = [reach(beside, curve, edges) for curve in curves]
-    steps, best = sum(way.steps for way in ways), min(ways, key=lambda way: way.energy)
-    moves = "" if beside.meets(best.curve) else ", whose ends move to where they are held"
-    begun = f"{best.curve.name}{moves}{' while its loads grow' * best.curve.grows}"
-    if best.share < 1 or best.shape is None:
-        return Answer(steps=steps, begun=begun, why=f"no minimum of the energy was found beyond {best.share:.3g} of "
-                      f"the way from {begun}")  # fmt: skip
-    shapes, error = [best.shape], np.inf
-    while len(shapes) < MESHES or tol < error <= tol * (FINEST // shapes[-1].rod.edges) ** 2:
-        known = curve_of(shapes[-1])
-        finer = beside.rod_on(known, 1.0, 2 * shapes[-1].rod.edges)
-        forces = shapes[-1].rod.finer_multipliers(shapes[-1].multipliers)
-        minimum = minimise(finer, known.on(finer), beside.sizes(known), forces)
-        if minimum is None:
-            return Answer(steps=steps, begun=begun, why=f"no minimum of the energy was found on {finer.edges} edges")
-        steps += minimum.steps
-        shapes.append(FreeShape(finer, minimum.y, minimum.multipliers))
-        error = estimate([distance(*pair) for pair in pairwise(shapes[-MESHES:])])[1]
-    return Answer(tuple(shapes), error, steps, begun)
-
-
-class Way(NamedTuple):
-    """From a curve to a shape on the coarsest mesh. share: how much of it was gone, 1 to the end. steps: to there."""
-
-    curve: BeginningCurve
-    shape: FreeShape | None
-    share: float
-    steps: int
-
-    @property
-    def energy(self) -> float:
-        """The energy of the shape; infinite where the way has no end."""
-        return np.inf if self.shape is None or self.share < 1 else self.shape.rod.energy(self.shape.y)
+    best = min(ways, key=lambda way: way.energy)
+    for seed, far in enumerate(SHAKES if lowest else ()):
+        ways += [way_beside(beside, best, far, seed)]
+        best = min(best, ways[-1], key=lambda way: way.energy)
+    begun, steps = best.begun, sum(way.steps for way in ways)
+    if best.shape is None:
+        why = f"no minimum of the energy was found beyond {best.share:.3g} of the way from {begun}"
+        return Answer(steps=steps, begun=begun, why=why)
+    answer = refine(beside, best.shape, tol)
+    return replace(answer, steps=steps + answer.steps, begun=begun, minima=count_of(ways) if lowest else 0)
 
 
 def reach(beside: Beside, curve: BeginningCurve, edges: int) -> Way:
     """The way from a curve to the shape of a rod."""
+    moves = "" if beside.meets(curve) else ", whose ends move to where they are held"
+    begun = f"{curve.name}{moves}{' while its loads grow' * curve.grows}"
     sizes, steps = beside.sizes(curve), 0
     shape, share, step = None, 0.0, beside.first_step(curve)
     while share < 1:
@@ -122,11 +137,49 @@ def reach(beside: Beside, curve: BeginningCurve, edges: int) -> Way:
         if minimum is None:
             step /= 2
             if step < LEAST_STEP:
-                break
+                return Way(begun, None, share, steps)
             continue
         share, steps = ahead, steps + minimum.steps
         shape = FreeShape(rod, minimum.y, minimum.multipliers)
-    return Way(curve, shape, share, steps)
+    return Way(begun, shape, share, steps)
+
+
+def way_beside(beside: Beside, known: Way, far: float, seed: int) -> Way:
+    """The way from the end of another one, moved by a few half waves, to a minimum of the same rod."""
+    if known.shape is None:
+        return known
+    rod, sizes, y = known.shape.rod, beside.sizes(curve_of(known.shape)), known.shape.y.copy()
+    middles, waves = (np.arange(rod.edges)[:, None] + 0.5) / rod.edges, np.arange(1, WAVES + 1)
+    parts = np.random.default_rng(seed).normal(size=(WAVES, 4)) / waves[:, None]
+    rod.parts(y)[0][:] += far * sizes.turned * np.sin(np.pi * middles * waves) @ parts
+    minimum, begun = minimise(rod, y, sizes), known.begun.removesuffix(MOVED) + MOVED
+    if minimum is None:
+        return Way(begun, None, 0.0, 0)
+    return Way(begun, FreeShape(rod, minimum.y, minimum.multipliers), 1.0, minimum.steps)
+
+
+def count_of(ways: Sequence[Way]) -> int:
+    """How many minima ways have led to, by their energies."""
+    energies = np.sort([way.energy for way in ways if way.shape is not None])
+    return 1 + int((np.diff(energies) > EQUAL * np.abs(energies).max()).sum())
+
+
+def refine(beside: Beside, shape: FreeShape, tol: float) -> Answer:
+    """The minima that continue from a shape on meshes of twice as many edges each, and the error."""
+    shapes, error, steps, line = [shape], np.inf, 0, ""
+    while len(shapes) < MESHES or tol < error <= tol * (FINEST // shapes[-1].rod.edges) ** 2:
+        known = curve_of(shapes[-1])
+        rod, sizes = beside.rod_on(known, 1.0, 2 * shapes[-1].rod.edges), beside.sizes(known)
+        forces = shapes[-1].rod.finer_multipliers(shapes[-1].multipliers)
+        minimum = minimise(rod, known.on(rod), sizes, forces)
+        if minimum is None:
+            return Answer(steps=steps, why=f"no minimum of the energy was found on {rod.edges} edges")
+        steps += minimum.steps
+        shapes.append(FreeShape(rod, minimum.y, minimum.multipliers))
+        error = estimate([distance(*pair) for pair in pairwise(shapes[-MESHES:])])[1]
+        if len(shapes) == MESHES and (motion := free_motion(rod, minimum.y, minimum.multipliers, sizes)) is not None:
+            line = shapes[-1].name_of(motion)
+    return Answer(tuple(shapes), error, steps, line=line)
 
 
 def distance(coarse: FreeShape, fine: FreeShape) -> float:
@@ -151,14 +204,15 @@ def limit(numbers: Sequence[Array]) -> Array:
 
 
 def answers_beside(
-    case: Case, curves: Sequence[Sequence[BeginningCurve] | str], t: Array, tol: float
+    case: Case, curves: Sequence[Sequence[BeginningCurve] | str], t: Array, tol: float, lowest: bool = False
 ) -> tuple[EndsProblem, Trajectory]:
     """The rods of a case, with the dead loads that hold them, at stations t (B, n).
 
     curves: those from which each may continue, none for a straight rod, or a text that says why there is no shape.
+    lowest: as of `continue_from`.
     """
     answers = [
-        Answer(why=each) if isinstance(each, str) else continue_from(beside, each, tol)
+        Answer(why=each) if isinstance(each, str) else continue_from(beside, each, tol, lowest)
         for beside, each in zip(problems_of(case), curves, strict=True)
     ]
     return trajectory_of(case, answers, t, tol)
@@ -177,7 +231,7 @@ def trajectory_of(case: Case, answers: Sequence[Answer], t: Array, tol: float) -
     alpha, beta, _, gamma = np.moveaxis(along.turned, 1, 0)
     short = (error > tol) & (why == "")
     words = [
-        f"failed: {reason}" if reason else f"{SOLVED}; {FOUND.format(answer.begun)}"
+        f"failed: {reason}" if reason else f"{SOLVED}; {answer.words}"
         for reason, answer in zip(why, answers, strict=True)
     ]
     for i in np.flatnonzero(short):

@@ -12,6 +12,7 @@ from .contacts import Contact, contacts_of
 from .discrete_rod import CONDITIONS, DiscreteRod
 from .quaternions import directors
 
+RIGID = 1e-3  # of a motion: what is left of one that is a turn of the whole rod
 ON_AXIS = 1e-9  # of rho: a station that is nearer has no azimuth of its own
 
 
@@ -87,6 +88,20 @@ class FreeShape:
     def twist_moment(self) -> float:
         """mu, which is constant along the rod; its mean."""
         return float(self.moments[:, 2] @ self.rod.lengths / self.rod.span)
+
+    def name_of(self, motion: Array) -> str:
+        """What a motion of the unknowns (size,) is, in words: it is known which turns of a whole rod need no force."""
+        arms, moved = self.x[1:] - self.x[0], self.rod.parts(motion)[1]
+        turns = np.cross(np.eye(3)[:, None], arms).reshape(3, -1).T
+        turn = np.linalg.lstsq(turns, moved.ravel(), rcond=None)[0]
+        if np.linalg.norm(turns @ turn - moved.ravel()) > RIGID * np.linalg.norm(moved):
+            return "a motion of the rod needs no force"
+        turn /= np.linalg.norm(turn)
+        if self.rod.radius[0] < ON_AXIS and np.hypot(*turn[:2]) < RIGID:
+            return "the rod may turn about the axis of the cylinder"
+        if np.linalg.norm(np.cross(turn, arms[-1])) < RIGID * np.linalg.norm(arms[-1]):
+            return "the rod may turn about the line through its ends"
+        return "the rod may turn as a whole about its start"
 
     @cached_property
     def wall_force(self) -> Array:

@@ -17,6 +17,7 @@ SHARP = 1e-10  # of the last change of the unknowns
 EVEN = 1e-8  # of what equations leave where rounding, 1e-11 of them, moves a rod that is held with `FIRM`; squared
 FIRM = 1e-6  # of the order of the second derivatives: what holds a rod that may turn as a whole
 NUDGE, NUDGES = 1e-2, 3  # of the size of angles: of what leads away from an equilibrium that is no minimum
+ROUNDS = 6  # of inverse iteration, of which each takes a hundredth of the rest
 STIFF, TINY = 1e-4, 1e-14  # of the force that bends an edge by the radius, what a gap counts as; least of a derivative
 
 
@@ -48,6 +49,29 @@ def minimise(rod: DiscreteRod, guess: Array, sizes: Sizes, multipliers: Array | 
         guess = minimum.y.copy()
         rod.parts(guess)[0][:] += NUDGE * sizes.turned * np.random.default_rng(seed).normal(size=(rod.edges, 4))
     return None
+
+
+def free_motion(rod: DiscreteRod, y: Array, multipliers: Array, sizes: Sizes) -> Array | None:
+    """How a minimum can move although no force moves it, (size,); None where it is isolated.
+
+    Of such motions the energy has no second derivative: it is below `FIRM`, by rounding; that of others is far above.
+    """
+    from scipy.sparse.linalg import splu  # only a search loads SciPy
+
+    newton = Newton(Program(rod, sizes, y))
+    free, multipliers = newton.program.free, multipliers * newton.scale
+    loose = np.zeros(multipliers.size)
+    loose[newton.wall] = (multipliers[newton.wall] == 0) / TINY
+    if not newton.unstable_ways(np.zeros(free.size), multipliers, loose, -FIRM):
+        return None
+    factors = splu(newton.matrix(np.zeros(free.size), multipliers, loose))
+    moved = np.random.default_rng(0).normal(size=free.size)
+    for _ in range(ROUNDS):
+        right = np.append(moved / np.linalg.norm(moved), np.zeros(multipliers.size))
+        moved = factors.solve(right[np.argsort(newton.order)])[newton.order][: free.size]
+    motion = np.zeros(rod.size)
+    motion[free] = moved * newton.program.unit[free]
+    return motion
 
 
 def complementarity(a: Array, b: Array) -> tuple[Array, Array, Array]:
@@ -87,8 +111,11 @@ class Newton:
         of_conditions = [np.repeat(edge, CONDITIONS), edge[:-1], np.full(2 * program.rod.swings, last)]
         return np.argsort(np.argsort(np.concatenate([of_unknowns, *of_conditions]), kind="stable"))
 
-    def matrix(self, z: Array, multipliers: Array, loose: Array) -> Any:
-        """The derivatives of the equations. loose: how much a condition gives way to its multiplier, (M,)."""
+    def matrix(self, z: Array, multipliers: Array, loose: Array, firm: float = FIRM) -> Any:
+        """The derivatives of the equations. loose: how much a condition gives way to its multiplier, (M,).
+
+        firm: what is added to the second derivatives of the energy by each unknown.
+        """
         from scipy.sparse import csc_array  # only a search loads SciPy
 
         program, n = self.program, self.program.free.size
@@ -98,7 +125,7 @@ class Newton:
         diagonal = np.arange(n + loose.size)
         i = np.concatenate([above, beside[lower], columns, n + rows, diagonal])
         j = np.concatenate([beside, above[lower], n + rows, columns, diagonal])
-        values = [bends, bends[lower], slopes, slopes, np.full(n, FIRM), -loose]
+        values = [bends, bends[lower], slopes, slopes, np.full(n, firm), -loose]
         return csc_array((np.concatenate(values), (self.order[i], self.order[j])))
 
     def equilibrium(self, multipliers: Array, z: Array | None = None, steps: int = 0) -> Minimum | None:
@@ -137,8 +164,8 @@ class Newton:
             last = far
         return None
 
-    def unstable_ways(self, z: Array, multipliers: Array, loose: Array) -> int | None:
-        """In how many ways an equilibrium is unstable while what holds holds; 0: it is a minimum.
+    def unstable_ways(self, z: Array, multipliers: Array, loose: Array, firm: float = FIRM) -> int | None:
+        """In how many ways an equilibrium is unstable while what holds holds; 0: it is a minimum. firm: of `matrix`.
 
         The matrix has a negative eigenvalue for each condition, and one for each such way: as many as pivots of an
         elimination without exchanges. None where that meets a zero. A way by which the energy falls less than a rod
@@ -149,7 +176,7 @@ class Newton:
         plain = {"SymmetricMode": True, "Equil": False}
         try:
             factors = splu(
-                self.matrix(z, multipliers, loose), permc_spec="NATURAL", diag_pivot_thresh=0.0, options=plain
+                self.matrix(z, multipliers, loose, firm), permc_spec="NATURAL", diag_pivot_thresh=0.0, options=plain
             )
         except RuntimeError:
             return None

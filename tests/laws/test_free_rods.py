@@ -7,13 +7,17 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy.optimize import brentq
+from scipy.sparse import coo_array
 from scipy.special import ellipe, ellipk
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Start, observe, solve
 from solver.free.beginnings import case_of_held_ends, curves_of
-from solver.free.discrete_rod import HELD_ON
+from solver.free.discrete_rod import HELD_ON, INSIDE, OUTSIDE, DiscreteRod
 from solver.free.free_problem import problems_of
 from solver.free.minimum import minimise
+from solver.free.quaternions import product
+from solver.problem.case_fields import with_field
+from tests.cases import table_1
 from tests.slow import slow_but
 
 pytest.importorskip("unopy", reason="the extra contact is not installed")
@@ -135,6 +139,76 @@ def test_the_forces_of_the_wall_and_of_both_ends_are_in_balance_in_space(freed: 
     _, sol = freed
     forces = force_in_space(sol)
     assert forces[-1] - forces[0] == pytest.approx(-pushes(sol)[0], abs=2e-2)  # of 23.4 N, by trapezoids and edges
+
+
+@pytest.mark.parametrize("side", (OUTSIDE, INSIDE))
+@pytest.mark.parametrize("held", (True, False))
+def test_the_derivatives_of_a_discrete_rod_are_those_of_differences(side: int, held: bool) -> None:
+    rng, step = np.random.default_rng(0), 1e-6
+    free = np.array([0, not held, not held, 0, not held, not held, not held, not held], dtype=bool)
+    rod = DiscreteRod(5, 3.0, 0.8, 0.4, side, rng.normal(size=3), rng.normal(size=8), free, -1.0, np.array([1.0, 1.5]),
+                      None, rng.normal(size=8), 0.4)  # fmt: skip
+    y, multipliers, n = rng.normal(size=rod.size), rng.normal(size=rod.bounds[0].size), rod.size
+
+    def jacobian(y: np.ndarray) -> np.ndarray:
+        return coo_array((rod.jacobian_values(y), rod.jacobian_places), shape=(multipliers.size, n)).toarray()
+
+    def differences(f: Any) -> np.ndarray:
+        return np.stack([(f(y + d) - f(y - d)) / (2 * step) for d in step * np.eye(n)], axis=-1)[..., ~rod.known]
+
+    lower = coo_array((rod.hessian_values(y, 0.7, multipliers), rod.hessian_places), shape=(n, n)).toarray()
+    hessian = lower + lower.T - np.diag(np.diag(lower))
+    of_lagrangian = differences(lambda y: 0.7 * rod.gradient(y) - multipliers @ jacobian(y))
+    near = {"rtol": 0, "atol": 1e-6}  # rounding, 1e-16 of numbers up to 100, over the step
+    np.testing.assert_allclose(rod.gradient(y)[~rod.known], differences(rod.energy), **near)
+    np.testing.assert_allclose(jacobian(y)[:, ~rod.known], differences(rod.conditions), **near)
+    np.testing.assert_allclose(hessian[:, ~rod.known], of_lagrangian, **near)
+
+
+def test_the_energy_does_not_depend_on_which_share_of_the_twist_is_even(freed: tuple[Any, Any]) -> None:
+    """Frames that turn back by a full turn more, on a rod that is twisted evenly by it: the error is of order 2."""
+    missed = []
+    for shape in freed[1].trajectory.free.answers[0].shapes[-3:]:
+        rod, turn = shape.rod, 2 * np.pi
+        y, half = shape.y.copy(), np.pi * (np.arange(rod.edges) + 0.5) / rod.edges
+        q, _, angles = rod.parts(y)
+        q[:] = product(q, np.stack([np.cos(half), 0 * half, 0 * half, -np.sin(half)], axis=1))
+        angles[7] -= turn
+        other = replace(rod, twist=rod.twist + turn / rod.span, angles=angles, flip=rod.flip)
+        missed.append(other.energy(y) - rod.energy(shape.y))
+    assert missed[0] / missed[1] == pytest.approx(4, rel=0.1)
+    assert missed[1] / missed[2] == pytest.approx(4, rel=0.1)
+
+
+def test_the_least_of_several_minima_is_never_above_the_one_that_it_starts_from() -> None:
+    freed = solve(with_field(table_1("force-first", "tension", "paper"), "E", 1.4142e4)).let_go(tol=1e-3)
+    least = solve(freed.case, tol=1e-3, seed=freed, choose="lowest")
+    assert elastic_energy(least) <= elastic_energy(freed) * (1 + 1e-3)  # the tolerance
+    assert "the least of" in str(least.outcome)
+
+
+CLAMPS = {"height": 9.0, "azimuth": 0.0, "M3": 0.0}
+CENTRED = {"FZ": -1.0, "radius0": 0.0, "radiusL": 0.0}
+
+
+@pytest.mark.parametrize(
+    ("cylinder", "ends", "line"),
+    [
+        (
+            Cylinder(0.9),
+            CLAMPS | {"radius0": 50.0, "radiusL": 50.0},
+            "the rod may turn about the line through its ends",
+        ),
+        (Cylinder(1.1, "inside"), CENTRED, "the rod may turn about the axis of the cylinder"),
+        (Cylinder(0.9), CLAMPS | {"azimuth": 0.1}, ""),
+    ],
+)
+def test_a_minimum_of_a_line_of_equal_ones_says_how_the_rod_may_turn(cylinder: Any, ends: Any, line: str) -> None:
+    wall = replace(cylinder, contact="unilateral")
+    sol = solve(Case(Rod(EI=1.0, GJ=0.8, a=0.1, L=10.0), wall, Ends(0.0, 0.0, **ends)))
+    assert sol.solved
+    assert sol.trajectory.free.answers[0].line == line
+    assert line in str(sol.outcome)
 
 
 @pytest.mark.parametrize("seed", slow_but(range(40), 0, 1))
