@@ -16,6 +16,7 @@ from solver.nodes.state import in_words
 from solver.problem.errors import InputError
 from studies.laws.line_verdicts import FAILS
 
+from ..stored import derived_arrays
 from ..stored.stored_study import StoredStudy
 from ..words import habits, labels, pipe_profile, pipe_state
 from ..words.habits import plain
@@ -133,7 +134,7 @@ WORDS = {FORCE: "axial force", PUSH: "push of the wall", DOGLEG: "dogleg", STRES
 
 
 def _states(rod: DrawnRod) -> tuple[Any, ...]:
-    return tuple(rod.case.states(*(rod[name] for name in ("s", "beta", "alpha", "push"))))
+    return tuple(derived_arrays.states_of(rod.case, *(rod[name] for name in ("s", "beta", "alpha", "push"))))
 
 
 def _depth(rod: DrawnRod, case: "Case") -> Any:
