@@ -19,7 +19,7 @@ from tests.workbench.command import run
 from workbench.figures import kinds, map_figure, study_figure
 from workbench.run import block, in_memory, plan, recipe, writing
 from workbench.run.study_store import RunOptions, run_to_file
-from workbench.stored import law_verdicts, reading, refined, schema
+from workbench.stored import law_verdicts, reading, refined
 from workbench.stored.file_summary import summary
 from workbench.stored.stored_study import StoredStudy
 
@@ -257,7 +257,7 @@ def test_a_law_changes_its_verdict_between_the_two_lines_that_its_boundary_names
     (found,) = (pair for _, pair in StoredStudy(ds).boundary("(1)").groupby("pair"))
     lines = [float((found["R"] + sign * found["R_half_width"]).item()) for sign in (-1, 1)]
     alone = in_memory.run(study(PLANE.partition("[axes.R]")[0] + f"[axes.R]\nvalues = {lines}\n" + LAW, ""))
-    (law,) = schema.laws_of(alone)
+    (law,) = law_verdicts.laws_of(alone)
     verdicts = list(law_verdicts.verdicts_of_lines(alone, law).values)
     assert verdicts == [found["before"].item(), found["after"].item()] == ["true", "false"]
 
@@ -318,7 +318,7 @@ def test_where_a_law_changes_its_verdict_is_the_place_on_the_uniform_lines(tmp_p
         lines = ", ".join(repr(float(R)) for R in lattice.along("R", np.arange(lattice.sizes[1])))
         fine = study(plane.partition("[axes.R]")[0] + f"[axes.R]\nvalues = [{lines}]\n" + LAW, "")
         grid = in_memory.run(fine)
-        (law,) = schema.laws_of(grid)
+        (law,) = law_verdicts.laws_of(grid)
         verdicts = law_verdicts.verdicts_of_lines(grid, law).values
         change = np.flatnonzero(verdicts[1:] != verdicts[:-1])
         assert change.size == found.sizes["pair"] == 3

@@ -23,7 +23,7 @@ from studies.grammar.axes import FIELDS, SAMPLE
 
 from ..words import escaping
 from ..words.escaping import show
-from . import bounds, file_kinds, quantity_variables, refined, schema
+from . import bounds, file_kinds, law_verdicts, quantity_variables, refined, schema
 from .bounds import LABEL, LINE
 from .boxes import blocks
 from .quantity_variables import CURVES, INNER, JUDGED, LOADS, SECTION
@@ -129,7 +129,7 @@ def study_texts(ds: xr.Dataset) -> Iterator[str]:
     try:
         if not 0 < schema.number_of(ds, "tolerance", "") < 1:
             yield ": the attribute tolerance is not between 0 and 1"
-        about = [[law.axis, *law.at] for law in schema.laws_of(ds, "")]
+        about = [[law.axis, *law.at] for law in law_verdicts.laws_of(ds, "")]
     except InputError as error:
         yield str(error)
         return

@@ -1,5 +1,6 @@
 """The verdicts on the laws of a stored dataset, the numbers that their formulas use, and the tally of its cases."""
 
+import json
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
@@ -14,8 +15,9 @@ from studies.laws.law_verdict import LawVerdict, LawVerdicts
 from studies.laws.line_verdicts import FAILS, HOLDS, TREND, UNDECIDED, branch_changes
 from studies.laws.verdicts import Law, by_line, decide, refusal, targets
 
-from ..words import cautions, outcomes
+from ..words import cautions, escaping, outcomes
 from . import quantity_variables, refined, schema
+from .bounds import LINE
 from .boxes import Columns, blocks
 from .quantity_variables import dimension
 from .schema import TEXTS
@@ -30,6 +32,19 @@ if TYPE_CHECKING:
 Tally = dict[str, Counter[Any]]
 
 BLOCK = 100_000  # cases that are read at a time
+
+
+def laws_of(ds: "xr.Dataset", path: str = "the dataset") -> list[Law]:
+    """The laws that the dataset's study states; `InputError` where the attribute is not a list of laws."""
+    try:
+        laws = [Law.model_validate(row) for row in json.loads(ds.attrs["laws"])]
+    except (KeyError, ValueError, TypeError, RecursionError):
+        raise InputError(f"{path}: the attribute laws is not a list of laws in JSON") from None
+    for law in laws:
+        for name, said in law.model_dump().items():
+            if isinstance(said, str) and not escaping.is_line(said, LINE):
+                raise InputError(f"{path}: {name} of a law must be one line of text, got {escaping.show(said)}")
+    return laws
 
 
 def verdicts(ds: "xr.Dataset", crossing: "Mapping[str, NDArray[np.bool_]] | None" = None) -> LawVerdicts:
@@ -54,7 +69,7 @@ def verdicts(ds: "xr.Dataset", crossing: "Mapping[str, NDArray[np.bool_]] | None
         One row a law, in the study's order; see `studies.laws.verdicts.decide`.
     """
     rows = []
-    for law in schema.laws_of(ds):
+    for law in laws_of(ds):
         left_out = _left_out(ds, law)
         observed = {name: _without(ds[name].values, left_out) for name in law.observables if name in ds}
         if (of_all := refined.rows_for_law(ds, law.axis)) is not None:
@@ -201,9 +216,9 @@ def boundary_of_law(ds: "xr.Dataset", claim: str) -> "xr.Dataset":
     InputError
         For an unknown claim, or a dataset that is not refined in the plane.
     """
-    law = next((stated for stated in schema.laws_of(ds) if stated.claim == claim), None)
+    law = next((stated for stated in laws_of(ds) if stated.claim == claim), None)
     if law is None:
-        raise no_such("law", claim, [stated.claim for stated in schema.laws_of(ds)])
+        raise no_such("law", claim, [stated.claim for stated in laws_of(ds)])
     if len(refined.axes_of(ds)) < 2:
         raise InputError("the boundary of a law needs a study that is refined in the plane of two axes")
     study = refined.describe(ds)

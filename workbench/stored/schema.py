@@ -9,11 +9,10 @@ import numpy as np
 
 from solver.problem.errors import InputError
 from studies.language import expressions
-from studies.laws.verdicts import Law
 
 from ..words import escaping
 from ..words.outcomes import LEFT
-from .bounds import LABEL, LINE
+from .bounds import LABEL
 from .quantity_variables import INNER, JUDGED, LOADS, VARYING, curve_name, dimension, inner_shape, labels, own_dimension
 
 if TYPE_CHECKING:
@@ -127,19 +126,6 @@ def number_of(ds: "xr.Dataset", name: str, path: str | Path = "the dataset") -> 
     if value.size != 1 or value.dtype.kind not in "iuf":
         raise InputError(f"{path}: the attribute {name} must be a number, got {escaping.show(ds.attrs.get(name))}")
     return float(value.item())
-
-
-def laws_of(ds: "xr.Dataset", path: str | Path = "the dataset") -> list[Law]:
-    """The laws that the dataset's study states; `InputError` where the attribute is not a list of laws."""
-    try:
-        laws = [Law.model_validate(row) for row in json.loads(ds.attrs["laws"])]
-    except (KeyError, ValueError, TypeError, RecursionError):
-        raise InputError(f"{path}: the attribute laws is not a list of laws in JSON") from None
-    for law in laws:
-        for name, said in law.model_dump().items():
-            if isinstance(said, str) and not escaping.is_line(said, LINE):
-                raise InputError(f"{path}: {name} of a law must be one line of text, got {escaping.show(said)}")
-    return laws
 
 
 def versions_of(ds: "xr.Dataset", path: str | Path = "the dataset") -> dict[str, str]:

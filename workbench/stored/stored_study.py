@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from solver.problem.errors import InputError, near, no_such
 from solver.problem.quantities import current
 
-from . import derived_arrays, law_verdicts, left_out, refined, schema
+from . import derived_arrays, law_verdicts, left_out, refined
 from .derived_arrays import ARRAYS, StoredArrays
 from .refined import Refined
 from .selection import indices
@@ -66,7 +66,7 @@ class StoredStudy(StoredCases):
     @cached_property
     def laws(self) -> "list[Law]":
         """The laws that its study states. Raises `InputError`."""
-        return schema.laws_of(self.ds)
+        return law_verdicts.laws_of(self.ds)
 
     @cached_property
     def verdicts(self) -> "LawVerdicts":
