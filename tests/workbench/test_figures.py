@@ -39,7 +39,7 @@ VERDICTS = {  # of the laws of each figure under the default reading
     "capstan": [("true", [])],
     "belt": [("true", [])] * 3,
     "let_go": [("true", [])] * 3,
-    "pipe_centred": [("true", [])] * 3,
+    "pipe_centred": [("true", [])] * 5,
 }
 PAPER = [name for name in names() if name.startswith("fig")]
 
