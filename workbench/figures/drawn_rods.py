@@ -168,6 +168,16 @@ def of_all_cases(stored: StoredStudy, names: Sequence[str]) -> list[DrawnRod]:
             for place, arrays in zip(places, _arrays(stored, names)[0], strict=True)]  # fmt: skip
 
 
+def numbers(stored: StoredStudy, *names: str) -> list[NDArray[np.float64]]:
+    """Observables of each case, of the shape of the cases: as stored, else of the cases solved again."""
+    from solver import observe
+
+    missing = [name for name in names if name not in stored]
+    fresh = observe(stored.at(), missing) if missing else {}
+    shape = stored["outcome"].shape
+    return [np.broadcast_to(fresh[name] if name in fresh else stored[name].values, shape) for name in names]
+
+
 def _rod(one: StoredStudy, axis: str | None, arrays: Mapping[str, Any] | None) -> DrawnRod:
     names = {name: float(getattr(one.arrays, name)) for name in ("rho", "lam", "mu", "phi")}
     caution = str(one["caution"].values) if "caution" in one else ""

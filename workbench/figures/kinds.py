@@ -52,6 +52,8 @@ KINDS = {
         "these states"),
     "well": FigureKind("figures.well.figure", ("x", "at", "yield_stress"), "force, push, dogleg and stress of one pipe "
         "with the depth down, and weight on bit against slack-off"),
+    "drawing": FigureKind("figures.drawing.figure", ("at",), "one rod on its cylinder from the side, at true scale, "
+        "with its dimensions"),
     "bars": FigureKind("figures.bars.of_cases", ("x", "at", "show"),
         "observables along an axis of at most twelve values"),
     "equilibria": FigureKind("figures.equilibria_figure.figure", ("show",), of="equilibria"),

@@ -244,7 +244,7 @@ def _draw_slack_off(stored: StoredStudy, load: str, place: Mapping[str, int], ax
     line = stored.select({name: i for name, i in place.items() if name != load})
     case = line.case
     order = np.argsort(line[load].values, kind="stable")
-    FZ0, arriving = _numbers(line, "FZ0", "arriving_max")
+    FZ0, arriving = drawn_rods.numbers(line, "FZ0", "arriving_max")
     FZ = np.broadcast_to(line["FZ"].values, FZ0.shape)
     climbs = pipe_state.rise(stored.select(place).case) > 0
     near, far = (FZ, FZ0) if climbs else (FZ0, FZ)
@@ -277,13 +277,3 @@ def _draw_slack_off(stored: StoredStudy, load: str, place: Mapping[str, int], ax
     ax.set_ylabel(f"weight on bit [{force}]")
     ax.set_title("weight on bit against slack-off", loc="left")
     return said
-
-
-def _numbers(line: StoredStudy, *names: str) -> list[Any]:
-    """Numbers of each case as stored, else of the cases solved again."""
-    from solver import observe
-
-    missing = [name for name in names if name not in line]
-    fresh = observe(line.at(), missing) if missing else {}
-    shape = line["outcome"].shape
-    return [np.broadcast_to(fresh[name] if name in fresh else line[name].values, shape) for name in names]

@@ -1,0 +1,62 @@
+"""The dimensioned drawing of a cable: true to scale, with the stored numbers, and dashed where the drum hides it."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from solver import InputError
+from studies.language.loader import loads
+from tests.workbench import small, study_kinds
+from workbench.figures import canvas, drawing
+from workbench.figures.sheet import MILLIMETRES, sheet
+from workbench.run import in_memory
+from workbench.stored.stored_study import StoredStudy
+
+WIRE = {"E": 2e5, "nu": 0.3, "a": 1.0, "L": 1500.0, "R": 60.0, "tension": 500.0}
+SEEN = {"observables": ["pitch", "height", "turns_around", "kappa_max"]}
+
+
+@pytest.fixture(scope="module")
+def cables() -> xr.Dataset:
+    return in_memory.run(loads(small.text(WIRE, small.axis("lay", ["-75deg", "80deg"]), "mm N", **SEEN)))
+
+
+@pytest.mark.parametrize("lay", [-75.0, 80.0])
+def test_a_drawing_of_a_cable_is_true_to_scale_and_has_the_stored_numbers(cables, lay: float) -> None:
+    one = cables.isel(lay=int(lay > 0))
+    fig = drawing.figure(StoredStudy(cables), at={"lay": np.radians(lay)}, sheet=sheet("paper"))
+    (ax,) = fig.axes
+    texts = [text.get_text() for text in ax.texts]
+    for text in ("Ø 120 mm", "Ø 2 mm", f"{float(one['pitch']):.4g} mm", f"{lay:g}°"):
+        assert text in texts
+    (line,) = [text for text in texts if "scale" in text]
+    height = f"{float(one['height']):.4g} mm"
+    assert height in texts or f"along the axis {height}" in line
+    assert f"wrap {float(one['turns_around']):.4g} turns" in line
+    assert f"bend radius, of the centreline: {1 / float(one['kappa_max']):.4g} mm" in " ".join(canvas.caption(fig))
+    scale = 1 / float(line.split("scale 1:")[1])
+    (x, y), (x1, y1) = ax.transData.transform([(0, -60), (float(one["height"]), 60)]) * MILLIMETRES / fig.dpi
+    np.testing.assert_allclose([x1 - x, y1 - y], [float(one["height"]) * scale, 120 * scale], rtol=1e-9)
+
+
+def test_a_drawing_dashes_what_the_drum_hides_and_nothing_else(cables) -> None:
+    stored = StoredStudy(cables)
+    place = np.moveaxis(stored.along("position").isel(lay=1).values, -1, 0)  # x up, y towards the eye, z to the right
+    (ax,) = drawing.figure(stored, at={"lay": np.radians(80)}).axes
+    names = "rod, before the plane of the axis", "rod, behind the plane of the axis", "hidden edge"
+    curves = [np.concatenate([line.get_xydata() for line in ax.lines if line.get_gid() == name]) for name in names]
+    before, behind, hidden = (points[np.isfinite(points).all(axis=1)] for points in curves)
+    for points, side in ((before, 1), (behind, -1)):
+        here = side * place[1] > 1.0
+        up = np.interp(place[2][here], *points[points[:, 0].argsort()].T)
+        np.testing.assert_allclose(up, place[0][here], atol=0.02)  # chords of 240 points a turn
+    assert (np.abs(hidden[:, 1]) < 60).all()
+    assert len(hidden) > 100
+
+
+def test_a_pipe_that_is_thinner_than_a_line_at_true_scale_is_refused_or_drawn_in_part() -> None:
+    fig = drawing.figure(StoredStudy(study_kinds.well()))
+    assert "A part of the rod is drawn, from s = 0." in canvas.caption(fig)
+    thin = in_memory.run(loads(small.text(WIRE | {"a": 0.02, "tension": 1.0, "lay": "80deg"}, "", "mm N", **SEEN)))
+    with pytest.raises(InputError, match="choose --kind curves"):
+        drawing.figure(StoredStudy(thin))
