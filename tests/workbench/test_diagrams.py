@@ -13,6 +13,7 @@ from solver.orbits.potential import Loads, potential
 from solver.problem.errors import InputError
 from studies import load
 from studies.grammar.axes import Axis
+from studies.language.loader import loads
 from studies.laws.line_verdicts import HOLDS, UNDECIDED
 from tests.workbench import small
 from tests.workbench.command import exit_status
@@ -25,12 +26,14 @@ from workbench.figures import (
     drawn_rods,
     portrait,
     push_scale,
+    section,
     study_figure,
     trends,
     unrolled,
     waves,
 )
 from workbench.figures.sheet import Sheet
+from workbench.geometry import stored_line
 from workbench.run import in_memory, writing
 from workbench.stored.stored_study import StoredStudy
 
@@ -116,6 +119,44 @@ def test_the_views_along_an_axis_have_equal_room_do_not_touch_and_are_as_large_a
         boxes = [(place[:2], place[:2] + form.scale * sizes.max(axis=0)) for place in form.places[:4]]
         for k, (low, high) in enumerate(boxes):
             assert not any((low < other[1]).all() and (high > other[0]).all() for other in boxes[:k])
+
+
+def wound(turns: float, side: str = "outside") -> StoredStudy:
+    """A helix of 80 degrees, with the forces that keep it: A sin^3/rho^2 across the axis."""
+    A, a, R, beta = 200.0, 1.0, 5.0, np.radians(80.0)
+    rho = R + a if side == "outside" else R - a
+    across = A * np.sin(beta) ** 3 / rho**2
+    rod = {
+        "EI": A,
+        "GJ": 2 * A,
+        "a": a,
+        "R": R,
+        "L": turns * 2 * np.pi * rho / np.sin(beta),
+        "beta": beta,
+        "dbeta": 0.0,
+    }
+    text = small.text(rod | {"F2": -across * np.cos(beta), "F3": across * np.sin(beta), "M3": 0.0, "side": side},
+                      outputs=["beta", "dbeta", "alpha", "z"], stations=101)  # fmt: skip
+    return StoredStudy(in_memory.run(loads(text)))
+
+
+@pytest.mark.parametrize(("side", "rho"), [("outside", 6.0), ("inside", 4.0)])
+def test_the_gaps_of_a_section_are_the_pitch_of_a_helix_less_its_thickness_along_the_axis(
+    side: str, rho: float
+) -> None:
+    stored, beta = wound(3.5, side), np.radians(80.0)
+    cut = section.section_of(stored_line.read(stored, {}))
+    assert cut.z.size == 4
+    np.testing.assert_allclose(cut.radius, rho)
+    # the helix of the march, not the formula's: tol 1e-8 of a rod of some 100 lengths
+    np.testing.assert_allclose(cut.gaps, 2 * np.pi * rho / np.tan(beta) - 2 / np.sin(beta), atol=1e-5)
+    said = " ".join(canvas.caption(section.figure(stored)))
+    assert f"4 turns of radius 1 cm, with gaps of {cut.gaps[0]:.4g} cm between them" in said
+
+
+def test_a_section_of_less_than_two_turns_is_refused() -> None:
+    with pytest.raises(InputError, match=r"makes 0\.9 turns around the cylinder; choose --kind lines or curves"):
+        section.figure(wound(0.9))
 
 
 def test_a_rod_lies_on_its_level_and_a_separatrix_passes_through_the_saddles(ds) -> None:

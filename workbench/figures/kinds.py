@@ -54,6 +54,8 @@ KINDS = {
         "with the depth down, and weight on bit against slack-off"),
     "drawing": FigureKind("figures.drawing.figure", ("at",), "one rod on its cylinder from the side, at true scale, "
         "with its dimensions"),
+    "section": FigureKind("figures.section.figure", ("at",), "the turns of a wound rod in a section through the axis, "
+        "with the gaps between them"),
     "bars": FigureKind("figures.bars.of_cases", ("x", "at", "show"),
         "observables along an axis of at most twelve values"),
     "equilibria": FigureKind("figures.equilibria_figure.figure", ("show",), of="equilibria"),
