@@ -51,11 +51,10 @@ FLAGS = (
 
 def main(folder: str = "pictures", *only: str) -> None:
     """Draw the pictures of these names into a folder; default: all."""
-    several = [name for name in scene_kinds.KINDS if name not in VIEWS]
-    known = dict.fromkeys([ROD, *several, *OWN], ".png") | {SWEEP: ".webp", PAGE: ".png"}
+    datasets, out = _datasets(), Path(folder)
+    known = dict.fromkeys(datasets, ".png") | {SWEEP: ".webp", PAGE: ".png"}
     if strange := [name for name in only if name not in known]:
         sys.exit(f"no picture {strange[0]!r}; choose from {', '.join(known)}")
-    datasets, out = _datasets(), Path(folder)
     out.mkdir(parents=True, exist_ok=True)
     for name in only or known:
         path = out / f"{name}{known[name]}"

@@ -4,6 +4,7 @@ import resource
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass, field, replace
 from itertools import product
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -28,13 +29,14 @@ from workbench.geometry.centreline import Centreline
 from workbench.geometry.lines import Lines
 from workbench.run import in_memory, writing
 from workbench.scene import body as rods
-from workbench.scene import long_rod, opengl, page, scene_kinds, signs, surfaces, true_scale, views
+from workbench.scene import long_rod, opengl, page, scene_kinds, signs, strands, surfaces, true_scale, views
 from workbench.scene.scene_kinds import KINDS, Cell, kind_of
 from workbench.scene.views import View
 from workbench.stored.quantity_variables import SECTION
 from workbench.stored.stored_study import StoredStudy
 from workbench.words.labels import number
 
+DNA = Path(__file__).parents[2] / "examples" / "dna.toml"
 START = {"beta": 0.5, "dbeta": 0.1, "dgamma": 0.5}
 
 if opengl.probe()[0]:  # without the libraries of OpenGL these cannot be imported
@@ -177,6 +179,26 @@ def test_a_scene_reads_and_computes_what_its_kind_declares_and_nothing_else(kind
     surfaces.tube_parts(rod, rod.rings(0.01, 0.0))
     assert opened <= KINDS[kind].reads | {"solved", "outcome", "caution", "dbeta", *SECTION}
     assert set(counted) == shown | {"kappa"}  # where it bends more, rings are nearer
+
+
+def test_strands_of_dna_turn_right_handed_with_the_material_and_have_a_base_pair_each_0_34_nm() -> None:
+    """The turns of a strand are those of the stored rotation of the material and those of DNA without strain."""
+    study = load(DNA)
+    ds = StoredStudy(in_memory.run(study.model_copy(update={"outputs": [*study.outputs, "gamma"]})))
+    kind = KINDS["double-helix"]
+    rod = replace(rods.read(ds, {}, kind), paint=kind.paint(ds.units, None))
+    assert strands.pairs_of(rod) == 147  # 49.98 nm, 0.34 nm apart
+    s = np.linspace(*rod.span, 4001)
+    place, along, out, _ = rod.line.frame(s)
+    for side in (0, 1):
+        away = strands._strand(rod, s, side) - place
+        np.testing.assert_allclose(np.linalg.norm(away, axis=1), (1 - strands.STRAND) * rod.a)
+        turned = np.unwrap(np.arctan2(np.sum(away * np.cross(along, out), axis=1), np.sum(away * out, axis=1)))
+        material = np.ptp(ds["gamma"].values)  # rises along this rod
+        assert turned[-1] - turned[0] == pytest.approx(2 * np.pi * 147 / 10.5 + material, rel=1e-6)
+    assert [words for _, words in strands.marks(rod)] == ["base pair 1", "dyad", "base pair 147"]
+    with pytest.raises(InputError, match="0 base pairs"):
+        strands.pairs_of(replace(rod, span=(0.0, 0.1)))
 
 
 def test_what_a_picture_says_of_its_case_asks_for_that_case_again() -> None:

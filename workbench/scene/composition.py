@@ -12,7 +12,7 @@ from ..figures import canvas, fonts
 from ..figures.arrangement import Arrangement
 from ..geometry.centreline import APART, Array
 from ..words import cautions, labels
-from . import long_rod, page, scene_kinds, signs
+from . import long_rod, page, scene_kinds, signs, strands
 from .body import Body
 from .page import Mark, Page, Scene
 from .rendering import Placed, render
@@ -202,7 +202,8 @@ def _rings(scene: Scene, arranged: Arrangement) -> list[tuple[float, float, floa
 
 
 def _marks_of_contact(scene: Scene, arranged: Arrangement) -> list[Mark]:
-    """The widest gap of each rod as a line to the wall, and the point forces of the wall as arrows, in inches."""
+    """The widest gap of each rod as a line to the wall, the point forces of the wall as arrows, and the marked base
+    pairs of DNA, in inches."""
     marks = []
     largest = max((force for body in scene.bodies for *_, force in body.pushes), default=1.0)
     for view, middle in _middles(scene, arranged):
@@ -213,9 +214,10 @@ def _marks_of_contact(scene: Scene, arranged: Arrangement) -> list[Mark]:
                 lines.append((body.widest_gap, f"{labels.number(size, 3)} {scene.stored.units['length']}"))
             for at, away, force in body.pushes:
                 lines.append((np.stack([at, at + (LEAST_ARROW + force / largest) * body.R * away]), ""))
-            for places, words in lines:
+            leaders = strands.marks(body) if body.paint.strands else []
+            for places, words in (*lines, *leaders):
                 across = places @ view.turn.T @ scene.camera.page.T - sum(view.box(scene.camera)) / 2
-                marks.append(Mark(middle + across * arranged.scale * [1, -1], words))
+                marks.append(Mark(middle + across * arranged.scale * [1, -1], words, bool(leaders)))
     return marks
 
 

@@ -44,10 +44,14 @@ RUNS = 3  # the strategy of zlib that looks for runs alone: at level 1 the size 
 
 @dataclass(frozen=True, eq=False)
 class Mark:
-    """A line between two places, (2, 2) in inches of the picture, with its words; an arrow where it has none."""
+    """A line between two places, (2, 2) in inches of the picture, with its words; an arrow where it has none.
+
+    leads: whether it leads from what it marks to its words.
+    """
 
     places: Array
     words: str
+    leads: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -208,7 +212,7 @@ class Page:
         self._write(start, high, rings)
         with rc_context(fonts.RC):
             for mark in marks:
-                signs.draw_mark(self.ax, mark.places + start, mark.words)
+                signs.draw_mark(self.ax, mark.places + start, mark.words, mark.leads)
         recolour(self.fig, self.scene.settings.look)
 
     def _write(self, start: tuple[float, float], high: float, rings: Sequence[tuple[float, float, float]]) -> None:

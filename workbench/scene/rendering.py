@@ -16,7 +16,7 @@ from scipy.ndimage import find_objects, grey_opening, maximum_filter, maximum_fi
 
 from ..figures import colours
 from ..geometry.refinement import MOST_TRIANGLES
-from . import surfaces
+from . import strands, surfaces
 from .views import Camera, View
 
 COLOUR_PIXELS = 2  # between rings; on shorter intervals colours need not be true
@@ -119,10 +119,11 @@ def render(
 
 
 def _draw(placed: Sequence[Placed], camera: Camera, depth: float, block: int, line: float) -> Drawn | None:
-    """How the hidden stretches are drawn; None where nothing is hidden, or too thin for an outline."""
+    """How the hidden stretches are drawn; None where nothing is hidden, too thin for an outline, or in strands."""
     bodies = [(cell.view, body) for cell in placed for body in cell.view.bodies]
     thick = max(2 * body.a for _, body in bodies) * camera.per_unit
-    if thick < THIN or not any(view.hides(body, camera) for view, body in bodies):
+    stranded = any(body.paint.strands for _, body in bodies)  # an outline of strands is a tangle
+    if thick < THIN or stranded or not any(view.hides(body, camera) for view, body in bodies):
         return None
     edge = 0.6 * min(body.a for _, body in bodies)
     return Drawn(edge / depth, 0.7 * edge * camera.per_unit * block, max(line * block, 1.0))
@@ -146,6 +147,9 @@ def _make(view: View, per_unit: float, pixel_error: float, most: int) -> tuple[l
     """
     tubes = []
     for body in view.bodies:
+        if body.paint.strands:
+            tubes += strands.parts(body)
+            continue
         tubes += surfaces.tube_parts(body, body.rings(pixel_error / per_unit, COLOUR_PIXELS / per_unit, most))
     return tubes, surfaces.wall(view.bodies, view.cylinder, per_unit)
 

@@ -30,7 +30,8 @@ class Paint:
     """The colour of a tube: one for all, or by a value along it between `low` and `high`.
 
     stripe: the colour of a stripe that turns with the material; default: none. label: what the bar of its colours is
-    called, the quantity with its unit; default: no bar. foot: where the bar begins; default: at `low`.
+    called, the quantity with its unit; default: no bar. foot: where the bar begins; default: at `low`. strands: the
+    colours of two strands and of base pairs, which are drawn in place of the tube.
     """
 
     colour: str = colours.NEUTRAL
@@ -40,6 +41,7 @@ class Paint:
     stripe: str = ""
     label: str = ""
     foot: float | None = None
+    strands: tuple[str, ...] = ()
 
 
 def one_colour(units: dict[str, str], extremes: Extremes) -> Paint:
@@ -50,6 +52,11 @@ def one_colour(units: dict[str, str], extremes: Extremes) -> Paint:
 def with_stripe(units: dict[str, str], extremes: Extremes) -> Paint:
     """A stripe on an unpainted rod."""
     return Paint(colours.UNPAINTED, stripe=colours.STRIPE)
+
+
+def as_strands(units: dict[str, str], extremes: Extremes) -> Paint:
+    """Two strands and base pairs in place of a tube."""
+    return Paint(strands=colours.STRANDS)
 
 
 def by_push(units: dict[str, str], extremes: Extremes) -> Paint:
@@ -189,6 +196,8 @@ class SceneKind:
         Cells of one axis that are shown.
     notes
         Sentences beside the legend.
+    numbers
+        What is said in numbers of the rod of a scene of one, from its curve and the units.
     """
 
     name: str
@@ -202,8 +211,23 @@ class SceneKind:
     of_equilibria: bool = False
     most: int = 9
     notes: tuple[str, ...] = ()
+    numbers: Callable[[Centreline, dict[str, str]], list[str]] = lambda line, units: []
 
 
+PAIRS, RISE = 10.5, 0.34  # base pairs of DNA in a turn of its strands; nm from one to the next
+
+
+def push_in_numbers(line: Centreline, units: dict[str, str]) -> list[str]:
+    """The least and the largest push of the cylinder, or the one that it has all along."""
+    push = line.push(np.linspace(line.s[0], line.s[-1], 4 * line.s.size))
+    unit = labels.unit(f"{units['force']}/{units['length']}")
+    low, high = (labels.minus_signs(labels.number(float(end), 3)) for end in (push.min(), push.max()))
+    return [f"push {low if low == high else f'{low} to {high}'} {unit}"]
+
+
+STRANDS = tuple(zip(colours.STRANDS, ("one strand", "the other strand", "base pairs"), strict=True))
+DRAWN = (f"computed: the centreline, its twist and the push; drawn: strands of {PAIRS} base pairs of {RISE} nm a turn, "
+         "which turn with the material")  # fmt: skip
 TURNS = (colours.STRIPE, "a stripe along the material: it turns as the rod is twisted and bent")
 PUSH: dict[str, Any] = {"value": lambda line, s: line.push(s), "paint": by_push}
 TABLE = (
@@ -213,6 +237,8 @@ TABLE = (
          paint=by_curvature),
     SceneKind("twist", "a stripe on the rod that turns with its material", "one", CURVE | {"gamma"},
          paint=with_stripe, legend=(TURNS,)),
+    SceneKind("double-helix", "the rod as DNA: two strands and base pairs about its centreline", "one",
+         CURVE | {"gamma"}, paint=as_strands, legend=STRANDS, notes=(DRAWN,), numbers=push_in_numbers),
     SceneKind("ghosts", "every case of an axis in one scene", "together", most=3),
     SceneKind("grid", "every case of one axis or two, side by side at one scale", "each", **PUSH),
     SceneKind("equilibria", "every equilibrium between two ends", "each", CURVE | {"energy", "index"}, **PUSH,

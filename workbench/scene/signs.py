@@ -23,14 +23,18 @@ RING, OUTLINE = "ring", "outline"  # in place of a colour: an open circle, the o
 GAP, FORCE = "gap", "force"  # in place of a colour: a line between two marks, an arrow
 
 
-def draw_mark(ax: Axes, places: NDArray[np.float64], words: str) -> None:
-    """A gap as a line with its size beside it, or a force as an arrow; places: (2, 2) in inches of the panel."""
-    style = "|-|, widthA=0.25, widthB=0.25" if words else "-|>"
+def draw_mark(ax: Axes, places: NDArray[np.float64], words: str, leads: bool = False) -> None:
+    """A gap as a line with its size beside it, or a force as an arrow; places: (2, 2) in inches of the panel.
+
+    leads: the line leads from what it marks to its words.
+    """
+    style = "-" if leads else "|-|, widthA=0.25, widthB=0.25" if words else "-|>"
     look = {"arrowstyle": style, "color": colours.INK, "lw": 1.1, "shrinkA": 0, "shrinkB": 0}
     ax.annotate("", tuple(places[1]), tuple(places[0]), arrowprops=look, zorder=6)
     if words:
-        middle = places.mean(axis=0)
-        ax.text(middle[0] + 0.06, middle[1], words, va="center", size=fonts.SMALL, zorder=7,
+        right = not leads or places[1, 0] >= places[0, 0]
+        x, y = (places[1] if leads else places.mean(axis=0)) + [0.06 if right else -0.06, 0.0]
+        ax.text(x, y, words, ha="left" if right else "right", va="center", size=fonts.SMALL, zorder=7,
                 path_effects=[withStroke(linewidth=2.2, foreground="white")])  # fmt: skip
 
 
