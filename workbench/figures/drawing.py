@@ -190,8 +190,8 @@ def _draw_body(ax: Axes, view: View, R: float, a: float, side: str) -> None:
     for of in _parts(view, front=False) if side == "outside" else ():
         for edge in (-a, a) if 2 * a * view.mm > 1 else (0.0,):
             right, up = _beside(view.x[of], view.y[of], edge)
-            ax.plot(np.where(np.abs(up) < R, right, np.nan), up, color=colours.SOFT, linewidth=FINE, linestyle=HIDDEN, zorder=2.3,
-                    gid="hidden edge")  # fmt: skip
+            style: Any = {"color": colours.SOFT, "linewidth": FINE, "linestyle": HIDDEN, "zorder": 2.3}
+            ax.plot(np.where(np.abs(up) < R, right, np.nan), up, gid="hidden edge", **style)
     for of in _parts(view, front=True):
         strand(of, 4, "rod, before the plane of the axis")
 
