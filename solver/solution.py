@@ -8,13 +8,14 @@ from typing import Any, Self
 import numpy as np
 
 from .free.beginnings import case_of_held_ends, curves_of
-from .free.free_rods import FREE_TOLERANCE, answers_beside
+from .free.free_rods import FREE_TOLERANCE, answers_beside, trajectory_of
+from .free.sinking import descent_of
 from .numerics.arrays import Array
 from .observe.cautions import of_cases
 from .observe.solution_derivatives import Sensitivity, sensitivity
 from .orbits import frames
 from .orbits.shape import ShapeArrays
-from .problem.case_fields import cases_at, place_along
+from .problem.case_fields import cases_at, place_along, with_field
 from .problem.errors import InputError, check_tolerance, show
 from .problem.shown import make, table_of
 
@@ -175,6 +176,46 @@ class Solution(ShapeArrays):
         ways = ["there is no shape to be let go" if curve is None else [curve] for curve in curves]
         answers = answers_beside(case, ways, self.t, tol)
         return FreeSolution(case, *answers, self.t, FREE, tol)
+
+    def descent(self, count: int, tol: float | None = None) -> "tuple[FreeSolution, Array]":
+        """How the rod of one case gets to rest where it is let go: as in a viscous medium, by a descent of the energy.
+
+        The medium drags on each length of the rod alike, and does not resist the rotation of its sections. This is no
+        dynamics: a real rod is faster, and may come to rest elsewhere.
+
+        Parameters
+        ----------
+        count : int
+            Number of shapes. Each moves about as far from the one before; the last is at rest.
+        tol : float, optional
+            As of `let_go`.
+
+        Returns
+        -------
+        FreeSolution
+            The shapes one after another, of shape (count,). The last one is that of `let_go`, unless its outcome says
+            that the rod comes to rest elsewhere.
+        array
+            The energy above that at rest, (count + 1,) [force length]: first that of this shape. It never rises.
+
+        Raises
+        ------
+        InputError
+            As of `let_go`, for several cases, and where the rod stays as it is or is not solved.
+        """
+        if self.case.shape:
+            raise InputError(f"the descent is that of one case, and these are {self.case.size}: select one with sel")
+        free = self.let_go(tol)
+        if not free.solved:
+            raise InputError(f"this rod is not let go: {free.outcome}")
+        (curve,) = curves_of(self, "the shape that was let go")
+        answer = free.trajectory.free.answers[0]
+        assert curve is not None
+        way = descent_of(free.case, curve, answer, count)
+        case = with_field(free.case, "R", np.full(count, self.case.cylinder.R))
+        problem, known = trajectory_of(case, way.answers, np.repeat(self.t, count, axis=0), free.tol)
+        energy = (way.energies - way.energies[-1]) * (self.case.rod.bending_stiffness / self.case.rho)
+        return FreeSolution(case, problem, known, np.repeat(self.t, count, axis=0), free.method, free.tol), energy
 
     def sensitivity(self, fields: Iterable[str], observables: Iterable[str] = ()) -> Sensitivity:
         """The derivatives with respect to fields of the case, along the rod and of observables.

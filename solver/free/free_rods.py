@@ -190,8 +190,10 @@ def distance(coarse: FreeShape, fine: FreeShape) -> float:
 def estimate(changes: Sequence[float]) -> tuple[float, float]:
     """What is left to the limit, and its error, from the changes of a number on meshes of twice as many edges each.
 
-    Loads are of order 1 where an edge of contact passes from node to node as the ends move.
+    Loads are of order 1 where an edge of contact passes from node to node as the ends move. One mesh tells nothing.
     """
+    if not changes:
+        return 0.0, np.inf
     if len(changes) > 1 and changes[-1] != 0 and ORDER[0] < changes[-2] / changes[-1] < ORDER[1]:
         return changes[-1] / 3, abs(changes[-1]) / 3
     return 0.0, max(abs(changes[-1]), max(map(abs, changes[:-1]), default=0.0) / 2)

@@ -16,6 +16,7 @@ from solver.free.discrete_rod import HELD_ON, INSIDE, OUTSIDE, DiscreteRod
 from solver.free.free_problem import problems_of
 from solver.free.minimum import minimise
 from solver.free.quaternions import product
+from solver.free.sinking import Sinking
 from solver.problem.case_fields import with_field
 from tests.cases import table_1
 from tests.slow import slow_but
@@ -209,6 +210,40 @@ def test_a_minimum_of_a_line_of_equal_ones_says_how_the_rod_may_turn(cylinder: A
     assert sol.solved
     assert sol.trajectory.free.answers[0].line == line
     assert line in str(sol.outcome)
+
+
+def test_a_rod_sinks_in_a_viscous_medium_by_even_steps_without_a_rise_of_its_energy(freed: tuple[Any, Any]) -> None:
+    held, free = freed
+    motion, energy = held.descent(12)
+    assert motion.beta.shape[0] == 12
+    assert np.diff(energy).max() < 0
+    lost = elastic_energy(held) - elastic_energy(free)
+    assert energy[0] == pytest.approx(lost, abs=1e-3 * elastic_energy(held))  # on 192 edges, each of 0.1 cm
+    np.testing.assert_array_equal(motion.position[-1], held.let_go().position)
+    moved = np.linalg.norm(np.diff(np.stack([held.position, *motion.position]), axis=0), axis=-1).max(axis=-1)
+    assert moved.max() < 2 * moved.min()
+    assert (motion.radius >= held.case.rho).all()
+    for end in (0, -1):
+        np.testing.assert_allclose(motion.position[:, end], [held.position[end]] * 12, atol=1e-9)
+        np.testing.assert_allclose(motion.tangent[:, end], [held.tangent[end]] * 12, atol=1e-9)
+
+
+def test_the_first_motion_of_a_rod_is_along_the_fall_of_its_energy(freed: tuple[Any, Any]) -> None:
+    """What drags balances the push and the change of the internal force at each place, as in dE + drag dx/dt = 0."""
+    held, _ = freed
+    (curve,) = curves_of(held, "held")
+    sinking = Sinking(problems_of(case_of_held_ends(held, [curve]))[0], curve, 96)
+    before = sinking.step(sinking.begun, 1e-6)
+    time = 1e-4
+    after = sinking.step(before, time)
+    rod, h = sinking.rod, sinking.rod.h
+    rows, columns = rod.jacobian_places
+    pull = np.zeros(rod.size)
+    np.add.at(pull, columns, rod.jacobian_values(after.y) * after.multipliers[rows])
+    free = np.zeros(rod.size, dtype=bool)
+    rod.parts(free)[1][:-1] = True
+    force = (pull - rod.gradient(after.y))[free].reshape(-1, 3)
+    np.testing.assert_allclose(h * (after.x - before.x)[1:-1] / time, force, atol=1e-6 * np.abs(force).max())
 
 
 @pytest.mark.parametrize("seed", slow_but(range(40), 0, 1))

@@ -135,6 +135,21 @@ def test_a_film_of_a_study_needs_no_file(tmp_path, monkeypatch) -> None:
     assert Path("two.gif").stat().st_size > 0
 
 
+@draws
+def test_a_film_runs_along_the_one_axis_that_has_no_value(tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    writing.write(small.six(), "grid.h5")
+    asked = []
+    monkeypatch.setattr(film, "write", lambda *given, **how: None)
+    monkeypatch.setattr(film, "frames", lambda stored, shown, step: asked.append(shown))
+    at = f"R={float(small.six()['R'][0])}"
+    assert exit_status("scene", "grid.h5", "-o", "E.gif", "--at", at, "--stored") == 0
+    assert asked[0].axis == "E"
+    assert exit_status("scene", "grid.h5", "-o", "E.gif", "--stored") == 2, "two axes"
+    both = ["--at", f"E={float(small.six()['E'][0])}"]
+    assert exit_status("scene", "grid.h5", "-o", "E.gif", "--at", at, *both, "--stored") == 2, "none"
+
+
 def test_the_curve_is_that_of_the_axiss_law_where_none_is_asked_for(ds) -> None:
     grid = small.six()
     assert film.observable_of(StoredStudy(grid), "R", None) == "kappa_max"  # of its law

@@ -6,9 +6,11 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
+from PIL import Image
 
 from solver import Case, Cylinder, Ends, InputError, Rod, solve
 from studies.language.loader import loads
+from tests.workbench.command import exit_status
 from tests.workbench.page_faults import words
 from tests.workbench.pictures import draws
 from workbench import accessor  # noqa: F401
@@ -20,7 +22,7 @@ from workbench.geometry.refinement import push_along
 from workbench.run import in_memory, writing
 from workbench.scene import opengl
 from workbench.scene.body import read
-from workbench.scene.scene_kinds import LET_GO, RELEASED, SIDES_OF_RELEASE, kind_of
+from workbench.scene.scene_kinds import LET_GO, NOTE, RELEASED, SIDES_OF_RELEASE, kind_of
 from workbench.scene.settings import Settings
 from workbench.stored import checks, reading, solved_again
 from workbench.stored.stored_study import StoredStudy
@@ -206,6 +208,30 @@ def test_a_rod_is_drawn_held_on_and_let_go_with_its_gap_and_the_forces_at_the_ed
         assert force == pytest.approx(same, rel=1e-6)
         assert force > 0
         assert at[:2] @ away[:2] == pytest.approx(rods[1].R + 2 * rods[1].a, rel=1e-3)
+
+
+def test_a_film_of_letting_go_begins_on_the_cylinder_ends_at_rest_and_says_how_it_moves(stored: xr.Dataset) -> None:
+    motion = study_scene.release_of(StoredStudy(stored), {}, 6)(101)
+    pair = study_scene.release_of(StoredStudy(stored), {})(101)
+    for frame, side in ((0, 0), (-1, 1)):
+        for name in ("radius", "alpha", "z", "contact"):
+            np.testing.assert_allclose(motion[name].values[frame], pair[name].values[side], atol=1e-9)
+    assert motion[RELEASED].values.tolist() == [0, 20, 40, 60, 80, 100]
+    assert (np.diff(motion[study_scene.ENERGY[0]].values) < 0).all()
+    assert motion.attrs[NOTE] == study_scene.MOTION
+    for k in range(1, 6):
+        assert (motion["radius"].values[k] >= float(motion["rho"][k])).all()
+
+
+@draws
+def test_a_film_of_letting_go_is_made_by_one_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("rod.toml").write_text(STUDY, encoding="utf-8")
+    look = ["--kind", "let-go", "--frames", "3", "--dpi", "30", "--pixel-error", "5"]
+    assert exit_status("scene", "rod.toml", "-o", "rod.gif", *look) == 0
+    with Image.open("rod.gif") as gif:
+        assert gif.n_frames == 3
+    assert exit_status("scene", "rod.toml", "-o", "other.gif", *look, "--show", "gap_max") == 2
 
 
 def test_no_line_joins_rods_that_were_let_go_each_by_itself() -> None:

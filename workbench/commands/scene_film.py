@@ -1,7 +1,9 @@
-"""A film of the cases along an axis, by the command scene."""
+"""A film of the cases along an axis, or of a rod that is let go, by the command scene."""
 
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from solver.problem.errors import InputError, choices
 
@@ -10,62 +12,111 @@ from .options import axis_values, check_file
 from .present import Result, result_of_files
 from .scene_options import SceneOptions
 
+if TYPE_CHECKING:
+    from ..scene.film import Film
+    from ..stored.stored_study import StoredStudy
+
 DPI = 160  # gives frames of 1280 x 720 pixels
 RATES = (0.1, 60.0)  # frames a second
 MOST = 480  # frames that are solved for a film
 STAYS = 1 / 3  # seconds for which a stored case stays where no others can be solved
+MOTION = 72  # frames of a rod that is let go
+MOTION_STATIONS = 401  # of its shapes
+
+Cases = tuple["StoredStudy", "Film", str, int]  # the rods of the frames, the film, what they are, frames of each
 
 
 def film_of(file: Path, out: Path, wanted: SceneOptions) -> Result:
-    """Make a film of the cases along an axis.
+    """Make a film of the cases along an axis, or of a rod that is let go.
 
-    Each frame shows the rod and the curve of an observable up to that case. Between the stored cases others are solved,
-    as many as let the rod move smoothly. The result has status 1 if OpenGL does not work on this machine. Raises
-    `InputError`.
+    Each frame shows the rod and the curve of a number up to that case. The result has status 1 if OpenGL does not work
+    on this machine. Raises `InputError`.
     """
     from ..run import in_memory
     from ..scene import film, opengl
-    from ..scene.scene_kinds import kind_of
+    from ..scene.scene_kinds import LET_GO
     from ..scene.settings import check, look_of
     from ..stored.stored_study import StoredStudy
     from . import study_scene
 
-    fps, frames = film.FPS if wanted.fps is None else wanted.fps, wanted.frames
+    fps, kind = film.FPS if wanted.fps is None else wanted.fps, wanted.kind or "contact"
     study, rods = study_scene.open_rods(file)
-    if study is not None:
+    if study is not None and kind != LET_GO:
         rods = StoredStudy(in_memory.run(study))
     rods.check_any_solved()
-    axes, axis = rods.axes, wanted.along or next(iter(wanted.axes), None)
-    if not axes:
-        raise InputError(f"{file} has one case and no axis, so nothing changes from frame to frame")
-    if axis is None and len(axes) > 1:
-        raise InputError(f"{file} has several axes: choose one with --axis from {choices(axes)}")
-    axis = axis or axes[0]
     where = axis_values(rods, wanted.at)
-    if axis in where:
-        raise InputError(f"--at {axis}: the film runs along {axis}, so that axis takes no value")
-    kind = wanted.kind or "contact"
     look = look_of(wanted.theme, wanted.background, wanted.color)
     check(look)
-    name = film.observable_of(rods, axis, wanted.show, where)
-    shown = film.Film(axis, where, name, kind, wanted.pixel_error, wanted.dpi or DPI, settings=look)
+    shown = film.Film("", where, None, kind, wanted.pixel_error, wanted.dpi or DPI, settings=look)
+    if kind == LET_GO:
+        cases = _of_motion(rods, shown, wanted)
+    else:
+        cases = _along_axis(file, rods, shown, wanted)
     path = check_file(out, film.SUFFIXES, wanted.force)
-    cases = film.cases_of(rods, shown)
     if not RATES[0] <= fps <= RATES[1]:
         raise InputError(f"--fps must be between {RATES[0]:g} and {RATES[1]:g}, got {fps:g}")
-    film.check_count(frames)
+    film.check_count(wanted.frames)
     film.check_writers([path])
     able, advice = opengl.probe()
     if not able:
         return result_of_files([], warnings=[advice], status=1)
-    solving = rods, axis, where, kind_of(kind), str(shown.observable), MOST, frames
-    more = None if wanted.stored else study_scene.film_cases(*solving)
-    if more is None and frames:
-        shown, cases = (less := replace(shown, count=frames)), film.cases_of(rods, less)
-    if more is not None:
-        rods, shown, cases = more, replace(shown, at={}), film.cases_of(more, replace(shown, at={}))
-    each = 1 if frames or more is not None else max(round(STAYS * fps), 1)
-    with console.progress(len(cases), lines=True) as step:
-        film.write([path], film.frames(rods, shown, step), fps, each, stay=0.0 if frames else film.HOLD)
-    solved = "stored cases" if more is None else "cases, solved for this film"
-    return result_of_files([path], [f"{path}: {len(cases)} {solved}, {fps:g} frames per second"])
+    rods, shown, said, each = cases(fps)
+    count = len(film.cases_of(rods, shown))
+    with console.progress(count, lines=True) as step:
+        film.write([path], film.frames(rods, shown, step), fps, each, stay=0.0 if wanted.frames else film.HOLD)
+    return result_of_files([path], [f"{path}: {count} {said}, {fps:g} frames per second"])
+
+
+def _of_motion(rods: "StoredStudy", shown: "Film", wanted: SceneOptions) -> Callable[[float], Cases]:
+    """The shapes of a rod that is let go, in a viscous medium, as frames. Raises `InputError` for alien options."""
+    from ..scene import scene_kinds
+    from . import study_scene
+
+    given = {"--axis": wanted.axis, "--along": wanted.along, "--show": wanted.show, "--stored": wanted.stored}
+    if alien := [name for name, value in given.items() if value]:
+        raise InputError(f"a film of the kind {scene_kinds.LET_GO} shows one case, and takes no {choices(alien)}")
+    solve = study_scene.release_of(rods, shown.at, wanted.frames or MOTION)
+
+    def cases(fps: float) -> Cases:
+        motion = solve(MOTION_STATIONS)
+        film = replace(shown, axis=scene_kinds.RELEASED, at={}, observable=study_scene.ENERGY[0], kind="contact")
+        return motion, film, f"shapes, {motion.attrs[scene_kinds.NOTE]}", 1
+
+    return cases
+
+
+def _along_axis(file: Path, rods: "StoredStudy", shown: "Film", wanted: SceneOptions) -> Callable[[float], Cases]:
+    """The cases along an axis as frames: between those of a study others are solved, as many as let the rod move
+    smoothly. Raises `InputError` where the axis is not known, and for a kind that makes no film."""
+    from ..scene import film, scene_kinds
+    from . import study_scene
+
+    axis = wanted.along or next(iter(wanted.axes), None) or _axis_left(file, rods, shown.at)
+    if axis in shown.at:
+        raise InputError(f"--at {axis}: the film runs along {axis}, so that axis takes no value")
+    name = film.observable_of(rods, axis, wanted.show, shown.at)
+    shown = replace(shown, axis=axis, observable=name)
+    film.cases_of(rods, shown)
+
+    def cases(fps: float) -> Cases:
+        solving = rods, axis, shown.at, scene_kinds.kind_of(shown.kind), name, MOST, wanted.frames
+        more = None if wanted.stored else study_scene.film_cases(*solving)
+        if more is not None:
+            return more, replace(shown, at={}), "cases, solved for this film", 1
+        each = 1 if wanted.frames else max(round(STAYS * fps), 1)
+        return rods, replace(shown, count=wanted.frames), "stored cases", each
+
+    return cases
+
+
+def _axis_left(file: Path, rods: "StoredStudy", at: Mapping[str, float]) -> str:
+    """The one axis that has no value yet. Raises `InputError` for none and for several."""
+    if not rods.axes:
+        raise InputError(f"{file} has one case and no axis, so nothing changes from frame to frame")
+    named = {rods.axis(name) for name in at}
+    left = [name for name in rods.axes if name not in named]
+    if not left:
+        raise InputError(f"--at names every axis of {file}, so nothing changes from frame to frame")
+    if len(left) > 1:
+        raise InputError(f"{file} has several axes: choose one with --axis from {choices(left)}")
+    return left[0]

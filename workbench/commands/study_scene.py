@@ -13,6 +13,7 @@ import numpy as np
 import xarray as xr
 
 from solver.free.free_rods import FREE_TOLERANCE
+from solver.free.sinking import ELSEWHERE
 from solver.problem.errors import DEFAULT_TOLERANCE, InputError
 from studies import Study, load
 from studies.grammar.axes import Axis
@@ -20,7 +21,7 @@ from studies.language.study import MAX_STATIONS, OUTPUTS
 
 from ..figures.scales import is_logarithmic, is_wide
 from ..run import in_memory
-from ..scene.scene_kinds import CASE, RELEASED, SceneKind, case_values
+from ..scene.scene_kinds import CASE, NOTE, RELEASED, SceneKind, case_values
 from ..scene.settings import TooFewStations
 from ..stored import file_kinds, quantity_variables, reading, schema
 from ..stored.solved_again import point_forces_of
@@ -34,6 +35,10 @@ TRIED, STEP, JUMP, LEAST = 49, 0.12, 1.0, 72  # of a film: first values, motion 
 Solve = Callable[[int], StoredStudy]  # the cases of a scene at a number of stations
 Drawn = TypeVar("Drawn")
 RELEASED_ARRAYS = ("beta", "dbeta", "alpha", "z", "contact")  # of both rods of a release
+WAY = {"long_name": "way to rest", "symbol": "way to rest", "units": "%"}
+ENERGY = "energy_above_rest", {"long_name": "energy above that at rest", "symbol": "energy"}
+MOTION = "a descent of the energy, as in a viscous medium"
+OTHER_REST = "it comes to rest in another minimum of the energy than workbench solve --let-go"
 SHAPE = ("beta", "dbeta", "alpha", "z", "radius", "gamma", "contact")
 
 
@@ -69,11 +74,12 @@ def _is_whole(stored: StoredStudy) -> bool:
     return bool(stored.attrs.get("study")) and stored.axes == schema.axes_left(stored.ds, stored.study)
 
 
-def release_of(stored: StoredStudy, at: Mapping[str, float]) -> Solve:
+def release_of(stored: StoredStudy, at: Mapping[str, float], count: int | None = None) -> Solve:
     """What solves one case of a study twice, held on the cylinder and let go, at a number of stations.
 
-    The two stand along the dimension `scene_kinds.RELEASED`, with the point forces. Raises `InputError` for a case that
-    may leave the cylinder by itself, and one that no study gives.
+    The two stand along the dimension `scene_kinds.RELEASED`, with the point forces. count: so many shapes of the motion
+    between stand there instead, from the rod that is held on to the rod at rest, with the energy above that at rest.
+    Raises `InputError` for a case that may leave the cylinder by itself, and one that no study gives.
     """
     if not _is_whole(stored) or (stored.leaves and not stored.study.let_go):
         raise InputError("the kind let-go takes the study of a rod that the cylinder holds on, which is then let go")
@@ -89,12 +95,25 @@ def release_of(stored: StoredStudy, at: Mapping[str, float]) -> Solve:
                 raise InputError(f"nothing to draw: {ds['outcome'].values.ravel()[0]}")
         held = held.assign(radius=held["rho"].broadcast_like(held["z"]))
         names = [name for name in free.variables if name in held.variables]
-        sides = [ds[names].squeeze(list(lean.axes) and [dim for dim in ds["outcome"].dims]) for ds in (held, free)]
-        pair = xr.concat(sides, xr.Variable((RELEASED,), [0, 1]), coords="minimal", compat="override")
-        forces = point_forces_of(StoredStudy(free.squeeze()).at(), ())
-        away = {name: array.expand_dims({RELEASED: 1}) for name, array in xr.Dataset(forces).items()}
-        pair = pair.merge(xr.Dataset(away).pad({RELEASED: (1, 0)}).assign_coords({RELEASED: [0, 1]}))
-        return StoredStudy(pair.assign_attrs(free.attrs | {CASE: case}))
+        held, free = (ds[names].squeeze([str(dim) for dim in ds["outcome"].dims]) for ds in (held, free))
+        shapes, more, said = [free], dict[str, xr.Variable](), {CASE: case}
+        if count is None:
+            forces = point_forces_of(StoredStudy(free).at(), ())
+            away = xr.Dataset(forces).expand_dims({RELEASED: 1})
+        else:
+            sol, energy = StoredStudy(held).at().descent(count - 1, FREE_TOLERANCE)
+            along = {name: getattr(sol, name) for name in (*RELEASED_ARRAYS, "radius")}
+            shapes = [free.assign({name: ("u", row[k]) for name, row in along.items()}) for k in range(count - 1)]
+            shapes[-1] = shapes[-1].assign(outcome=((), str(sol.outcome[-1])))
+            away = xr.Dataset(point_forces_of(sol, (RELEASED,)))
+            unit = free.attrs["force_unit"], free.attrs["length_unit"]
+            said |= {NOTE: MOTION + f"; {OTHER_REST}" * (sol.begun[-1] == ELSEWHERE)}
+            more = {ENERGY[0]: xr.Variable((RELEASED,), energy, ENERGY[1] | {"units": " ".join(unit)})}
+        places = np.linspace(0, 100, len(shapes) + 1)
+        pair = xr.concat([held, *shapes], xr.Variable((RELEASED,), places, WAY), coords="minimal", compat="override")
+        away = away.pad({RELEASED: (1, 0)}).assign_coords({RELEASED: pair[RELEASED]})
+        kept = {name: value for name, value in free.attrs.items() if count is None or name != "study"}
+        return StoredStudy(pair.merge(away).assign(more).assign_attrs(kept | said))
 
     return solve
 

@@ -106,7 +106,7 @@ def observable_of(
 
 def cases_of(stored: StoredStudy, film: Film) -> list[dict[str, int]]:
     """The indices of each frame's case. Raises `InputError` for a kind or an axis that makes no film."""
-    single = [kind.name for kind in scene_kinds.TABLE if kind.cells == "one"]
+    single = [*(kind.name for kind in scene_kinds.TABLE if kind.cells == "one"), scene_kinds.LET_GO]
     if scene_kinds.kind_of(film.kind).cells != "one":
         raise InputError(f"a frame shows one case, so --kind is one of {choices(single)}, not {film.kind!r}")
     cases = stored.places(film.axis, film.at)
@@ -195,11 +195,11 @@ def _begin(fig: Figure, film: Film, scene: page.Scene, lying: bool) -> None:
         signs.draw_weight(ax, right - 0.85, tall - 0.27, weight)
     if paint.label:
         signs.draw_bar(ax, paint, (2 * left, tall - 0.32), (1.6, 0.1))
-    if str(stored.attrs["side"]) == "inside":
-        room = across - (2.4 if weight is None else 3.5)
-        words = fonts.break_lines(stored.left_out, room, fonts.SMALL)
-        words = "\n".join([*[", ".join(long_rod.notes_on(scene.context, stored.units["length"]))], words]).strip()
-        ax.text(2.3, tall - 0.24, words, size=fonts.SMALL, color=colours.SOFT)
+    inside, note = str(stored.attrs["side"]) == "inside", str(stored.attrs.get(scene_kinds.NOTE, ""))
+    squeezed = ", ".join(long_rod.notes_on(scene.context, stored.units["length"])) if inside else ""
+    room = across - (2.4 if weight is None else 3.5)
+    said = [fonts.break_lines(text, room, fonts.SMALL) for text in (note[:1].upper() + note[1:], stored.left_out)]
+    ax.text(2.3, tall - 0.24, "\n".join(filter(None, [squeezed, *said])), size=fonts.SMALL, color=colours.SOFT)
     if film.observable:
         box = ((0.62, FOOT + 0.3, across - 0.9, DIAGRAM[1] - 0.5) if lying else
                (across - DIAGRAM[0] + 0.45, FOOT + 0.35, DIAGRAM[0] - 0.65, high - 0.55))  # fmt: skip

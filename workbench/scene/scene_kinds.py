@@ -131,7 +131,7 @@ def equilibrium(stored: StoredStudy, names: list[str], where: dict[str, int]) ->
 
 
 RELEASED = "let_go"  # the dimension of a rod that the cylinder holds on, and of the same rod let go
-CASE = "case_in_words"  # an attribute of the two
+CASE, NOTE = "case_in_words", "note"  # attributes of the two; of their motion
 LET_GO = "let-go"  # the kind of scene of the two
 SIDES_OF_RELEASE = ("held on the cylinder", "let go: the cylinder only pushes")
 

@@ -75,12 +75,12 @@ def axis_symbol(axis: str) -> str:
 
 def equation(array: xr.DataArray, number_: float, digits: int = 4) -> str:
     """A value of an axis with its letter: ``E = 10910 N/cm²``."""
-    return f"{axis_symbol(str(array.name))} = {value(number_, array, digits)}"
+    return f"{symbol(array)} = {value(number_, array, digits)}"
 
 
 def axis_label(name: str, array: xr.DataArray, long: bool = True) -> str:
     """``Young's modulus  E [N/cm²]``, or with `long=False` ``E [N/cm²]``; angles in degrees."""
-    symbol_ = axis_symbol(name)
+    symbol_ = symbol(array)
     text = f"{long_name(array)}  " if long and long_name(array) != symbol_ else ""
     return f"{text}{symbol_}{_bracket(array)}"
 

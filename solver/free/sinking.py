@@ -1,0 +1,161 @@
+"""How a rod that is let go sinks to a minimum in a viscous medium, which drags on each length alike.
+
+Steps are implicit: each ends at the minimum of  E + |x - x_before|^2 / (2 dt),  so the energy E never rises. The medium
+does not resist the rotation of the sections about the rod.
+"""
+
+from dataclasses import dataclass, fields
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ..numerics.arrays import Array
+from ..problem.case import Case
+from ..problem.errors import InputError
+from .discrete_rod import EDGE, DiscreteRod
+from .free_problem import BeginningCurve, Beside, problems_of
+from .free_rods import Answer
+from .free_shape import FreeShape
+from .minimum import Newton, minimise
+from .program import Program
+
+MOST_EDGES = 200  # of the rod while it moves: finer ones look alike
+SURVEY, MOST_STEPS = 24, 400  # steps of the distance to the goal, by which the whole way is measured; at most
+PACE = 1.6  # how far a step may go of what it should
+FASTER, SLOWER = 4.0, 0.2  # factors of the time of a step to the next one
+FIRST = 1e-6  # the time of the first step that is tried
+AT_REST, THERE = 0.02, 0.5  # of a step: a rod that moves less rests; places that are so near are the same
+LEAST = 1e-6  # of the length: a rod that moves less stays as it is
+MOVING = "the motion of a rod that is let go"
+ELSEWHERE = "the motion of a rod that is let go, which ends elsewhere than let_go"
+FINER = 40  # times that a step is halved
+
+
+@dataclass(frozen=True, eq=False)
+class DraggedRod(DiscreteRod):
+    """A discrete rod whose nodes are dragged back to places (N, 3). drag: per length, over the time of a step."""
+
+    places: Array
+    drag: float
+
+    @cached_property
+    def _drags(self) -> Array:
+        """The drag of nodes 1 to N, (N, 1)."""
+        drags = np.full((self.edges, 1), self.drag * self.h)
+        drags[-1] /= 2
+        return drags
+
+    def energy(self, y: Array) -> float:
+        return super().energy(y) + float((self._drags * (self.parts(y)[1] - self.places) ** 2).sum()) / 2
+
+    def gradient(self, y: Array) -> Array:
+        gradient = super().gradient(y)
+        self.parts(gradient)[1][:] += self._drags * (self.parts(y)[1] - self.places)
+        return gradient
+
+    @cached_property
+    def hessian_places(self) -> tuple[Array, Array]:
+        nodes = (EDGE * np.arange(self.edges)[:, None] + np.arange(4, EDGE)).ravel()
+        rows, columns = super().hessian_places
+        return np.append(rows, nodes), np.append(columns, nodes)
+
+    def hessian_values(self, y: Array, size: float, multipliers: Array) -> Array:
+        drags = np.repeat(size * self._drags, EDGE - 4)
+        return np.append(super().hessian_values(y, size, multipliers), drags)
+
+
+class Descent(NamedTuple):
+    """The way down of a rod.
+
+    answers: its shapes one after another, the last at rest. energies: of these in units of A and rho, and before them
+    that of the beginning, on one mesh.
+    """
+
+    answers: list[Answer]
+    energies: Array
+
+
+class Sinking:
+    """A rod on its way down from a curve, on so many edges."""
+
+    def __init__(self, beside: Beside, curve: BeginningCurve, edges: int) -> None:
+        self.rod = beside.rod_on(curve, 1.0, edges)
+        self.sizes = beside.sizes(curve)
+        y = self.rod.with_known(curve.on(self.rod))
+        self.begun = FreeShape(self.rod, y, np.zeros(self.rod.bounds[0].size))
+
+    def step(self, shape: FreeShape, time: float) -> FreeShape | None:
+        """The shape after a time; None where none is found, or the energy rises."""
+        given: dict[str, Any] = {field.name: getattr(self.rod, field.name) for field in fields(self.rod)}
+        dragged = DraggedRod(**given, places=shape.x[1:], drag=1 / time)
+        if shape is self.begun:
+            minimum = minimise(dragged, shape.y, self.sizes)
+            return None if minimum is None else FreeShape(self.rod, minimum.y, minimum.multipliers)
+        newton = Newton(Program(dragged, self.sizes, dragged.with_known(shape.y)))
+        minimum = newton.equilibrium(shape.multipliers * newton.scale)
+        if minimum is None or minimum.unstable or self.rod.energy(minimum.y) > self.rod.energy(shape.y):
+            return None
+        return FreeShape(self.rod, minimum.y, minimum.multipliers)
+
+    def survey(self, goal: FreeShape) -> tuple[Array, Array, FreeShape]:
+        """Times, (k,), and the ways gone until then and to the rest, (k + 1,), in even shares of the way to a goal;
+        and the shape at rest, which is the goal where it is near. Raises `InputError` where the rod does not rest."""
+        aim, time, shape = far(self.begun, goal) / SURVEY, FIRST, self.begun
+        times, ways = [0.0], [0.0]
+        for _ in range(MOST_STEPS):
+            ahead = self.step(shape, time)
+            gone = np.inf if ahead is None else far(shape, ahead)
+            if ahead is None or gone > PACE * aim:
+                time *= max(SLOWER, 0.8 * aim / gone)
+                continue
+            times.append(times[-1] + time)
+            ways.append(ways[-1] + gone)
+            shape = ahead
+            rest = goal if gone > AT_REST * aim else self.minimum_at(shape)
+            if rest is not None and far(shape, rest) < THERE * aim:
+                rest = goal if far(rest, goal) < THERE * aim else rest
+                return np.array(times), np.append(ways, ways[-1] + far(shape, rest)), rest
+            time *= min(FASTER, aim / max(gone, aim / FASTER))
+        raise InputError(f"let go, this rod does not come to rest within {MOST_STEPS} steps of {aim:.2g} radii")
+
+    def minimum_at(self, shape: FreeShape) -> FreeShape | None:
+        """The minimum next to a shape."""
+        minimum = minimise(self.rod, shape.y, self.sizes, shape.multipliers)
+        return None if minimum is None else FreeShape(self.rod, minimum.y, minimum.multipliers)
+
+    def after(self, shape: FreeShape, time: float) -> FreeShape:
+        """The shape after a time, in one step, or in more where that finds none."""
+        left, step = time, time
+        while left > 1e-9 * time and step > time / 2**FINER:
+            ahead = self.step(shape, min(step, left))
+            if ahead is None:
+                step /= 2
+                continue
+            shape, left = ahead, left - min(step, left)
+        return shape
+
+
+def far(shape: FreeShape, other: FreeShape) -> float:
+    """The largest distance of common nodes of shapes on as many edges."""
+    return float(np.linalg.norm(shape.x - other.x, axis=1).max())
+
+
+def descent_of(case: Case, curve: BeginningCurve, answer: Answer, count: int) -> Descent:
+    """So many shapes of the rod of one case that sinks from a curve, each about as far from the one before.
+
+    Raises `InputError` where it does not move.
+    """
+    goal = next((shape for shape in answer.shapes[::-1] if shape.rod.edges <= MOST_EDGES), answer.shapes[0])
+    sinking = Sinking(problems_of(case)[0], curve, goal.rod.edges)
+    if far(sinking.begun, goal) < LEAST * goal.rod.span:
+        raise InputError("let go, this rod stays as it is: there is no motion to show")
+    times, ways, rest = sinking.survey(goal)
+    ends = np.linspace(0, ways[-1], count + 1)[1:-1]
+    at = np.exp(np.interp(np.log(ends), np.log(ways[1:-1]), np.log(times[1:])))
+    shapes = [sinking.begun]
+    for time in np.diff(at, prepend=0.0):
+        shapes.append(sinking.after(shapes[-1], float(time)))
+    answers = [Answer((shape,), np.nan, begun=MOVING) for shape in shapes[1:]]
+    answers.append(answer if rest is goal else Answer((rest,), np.nan, begun=ELSEWHERE))
+    return Descent(answers, np.array([shape.rod.energy(shape.y) for shape in [*shapes, rest]]))
