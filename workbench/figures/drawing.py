@@ -77,24 +77,24 @@ def figure(stored: StoredStudy, at: Mapping[str, float] | None = None, sheet: Sh
         For a rod that is thinner than a line at true scale, and as of `drawn_rods.choose`.
     """
     stored = stored.coarse()
-    one = stored.select(stored.place(at))
-    rods = drawn_rods.choose(one, ("alpha", "beta", "z"))
+    case = stored.select(stored.place(at))
+    rods = drawn_rods.choose(case, ("alpha", "beta", "z"))
     rod = rods.solved[0]
     turns, height, pitch, kappa = (
-        float(value) for value in drawn_rods.numbers(one, "turns_around", "height", "pitch", "kappa_max")
+        float(value) for value in drawn_rods.numbers(case, "turns_around", "height", "pitch", "kappa_max")
     )
-    R = float(one["R"])
+    R = float(case["R"])
     radius = max(R, float(np.max(rod.radius)) + rod.a)
-    view = _view(rod, one.units["length"], radius, sheet)
-    unit = partial(_with_unit, units=one.units)
+    view = _view(rod, case.units["length"], radius, sheet)
+    unit = partial(_with_unit, units=case.units)
     even = float(np.ptp(view.beta)) < EVEN
     lay = f"{plain(round(math.degrees(float(view.beta.mean())), 6))}°"
     along = "" if view.whole else f"along the axis {unit('L', abs(height))}, "
-    line = (f"length {unit('L', float(one['L']))}, {along}wrap {plain(turns)} turns = {plain(360 * turns)}°, "
+    line = (f"length {unit('L', float(case['L']))}, {along}wrap {plain(turns)} turns = {plain(360 * turns)}°, "
             f"{f'lay {lay}, ' * even}scale {_scale_words(view.scale)}")  # fmt: skip
     said = [f"The rod: {line}.", f"Its least bend radius, of the centreline: {unit('L', 1 / kappa)}."] if kappa else []
     said += (
-        ["A side view, seen from α = 90°; dashed: behind the cylinder."] if str(one.attrs["side"]) == "outside" else []
+        ["A side view, seen from α = 90°; dashed: behind the cylinder."] if str(case.attrs["side"]) == "outside" else []
     )
     said += [] if view.whole else ["A part of the rod is drawn, from s = 0."]
 
@@ -107,7 +107,7 @@ def figure(stored: StoredStudy, at: Mapping[str, float] | None = None, sheet: Sh
         left = LEFT + SPARE + (wide * MILLIMETRES - LEFT - RIGHT - 2 * SPARE - drawn) / 2
         ax.set_xlim(first - left / view.mm, first + (wide * MILLIMETRES - left) / view.mm)
         ax.set_ylim(radius - ((high - title) * MILLIMETRES - ABOVE) / view.mm, radius + ABOVE / view.mm)
-        _draw_body(ax, view, R, rod.a, str(one.attrs["side"]))
+        _draw_body(ax, view, R, rod.a, str(case.attrs["side"]))
         _dimension(ax, view, (view.x.min() - SPARE / view.mm, -R), (view.x.min() - SPARE / view.mm, R),
                    f"Ø {unit('R', 2 * R)}", AWAY)  # fmt: skip
         _dimension_pitch(ax, view, radius, pitch, unit)
