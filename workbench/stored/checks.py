@@ -246,7 +246,7 @@ def cases(ds: xr.Dataset) -> Iterator[str]:
     numbers = [*dict.fromkeys([*each, *(name for name in LOADS if name in variables)])]
     for block in _boxes(ds, [*TEXTS, *numbers, *schema.stiffness_fields(ds), "rho", "L"], BLOCK):
         for name in (name for name in TEXTS if name in block):
-            for text in set(block[name].values.ravel().tolist()):
+            for text in dict.fromkeys(block[name].values.ravel().tolist()):
                 yield from _line(str(text), f"one of {name}")
         yield from _numbers(ds, block, numbers)
 
