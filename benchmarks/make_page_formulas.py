@@ -15,8 +15,8 @@ from solver import Cylinder, Rod, Start
 from solver.observe.measurement import MeasuredNumbers
 from solver.observe.observables import OBSERVABLES
 from solver.orbits.potential import Loads, potential
-from solver.problem.case import DIRECT, ELASTIC, GIVEN, PAIRS, SIDES, SLIDING, STIFFNESS, TWISTS, Case
-from solver.problem.field_values import ANGLES, RANGES
+from solver.problem.case import DIRECT, ELASTIC, GIVEN, SIDES, SLIDING, STIFFNESS, TWISTS, Case
+from solver.problem.declared_fields import ANGLES, PAIRS, RANGES
 from solver.problem.reduced import dimensionless_problem
 from solver.problem.units import FORCES, LENGTHS
 from workbench.web.live.live_document import PAGE

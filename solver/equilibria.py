@@ -20,8 +20,9 @@ from .held.selection import LOWEST, NEAREST, Choose, HeldSelection, Selection, s
 from .nodes.answers import answer_ends
 from .nodes.loaded_rod import rods_of
 from .numerics.arrays import Array
-from .problem.case import PAIRS, Case, Ends, check_case
+from .problem.case import Case, Ends, check_case
 from .problem.case_fields import value_of, with_field
+from .problem.declared_fields import PAIRS
 from .problem.errors import DEFAULT_TOLERANCE, InputError, check_tolerance, choices, no_such, whole_number
 from .problem.limits import OUT_OF_RANGE, beyond_limits, held_apart, reason_beyond, refusals, too_far, units_held
 from .problem.reduced import NUMBER_OF, EndsProblem, held_of, reduce, reduce_held, span_of, value_of_number

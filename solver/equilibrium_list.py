@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from .observe.observables import observe
-from .problem.case import PAIRS, Ends
+from .problem.case import Ends
+from .problem.declared_fields import PAIRS
 from .problem.quantities import former
 from .problem.shown import table_of
 from .solution import Solution

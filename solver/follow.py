@@ -11,8 +11,9 @@ from numpy.typing import ArrayLike
 from .equilibrium_branch import BORDER, HELIX, Branch, BranchEnd, BranchPoint, SpecialPoint
 from .numerics.arclength import CLOSED, END, FOLD
 from .numerics.arrays import Array
-from .problem.case import ANGLES, PAIRS, Case, Ends, refuse_leaving
+from .problem.case import Case, Ends, refuse_leaving
 from .problem.case_fields import fields_of, value_of, with_field
+from .problem.declared_fields import ANGLES, PAIRS
 from .problem.errors import InputError, check_type, choices, no_such, show, whole_number
 from .problem.field_values import doubt, in_rad
 from .problem.notices import given_by_a_program, warn

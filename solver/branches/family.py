@@ -10,8 +10,9 @@ import numpy as np
 from ..core import branch_calls as core
 from ..orbits.boundary import CUTTING, NODES, Boundary, Path, boundary_of
 from ..orbits.variations import POINTS
-from ..problem.case import PAIRS, Case
+from ..problem.case import Case
 from ..problem.case_fields import value_of, with_field
+from ..problem.declared_fields import PAIRS
 from ..problem.errors import InputError
 from ..problem.reduced import (
     NUMBER_OF,

@@ -7,8 +7,9 @@ from typing import Any, TypeVar
 import numpy as np
 
 from ..numerics.arrays import Array
-from ..problem.case import ANGLES, Case, Ends, refuse_leaving
+from ..problem.case import Case, Ends, refuse_leaving
 from ..problem.case_fields import check_fields, unchecked_with_fields, with_fields
+from ..problem.declared_fields import ANGLES
 from ..problem.errors import InputError, choices, show
 from ..problem.field_values import angle
 from ..problem.reduced import ACTING, EndsProblem, field_rates, held_of, reduce

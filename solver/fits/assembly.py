@@ -6,8 +6,8 @@ import numpy as np
 from scipy import special
 
 from ..numerics.arrays import Array
+from ..problem.declared_fields import POSITIVE
 from ..problem.errors import choices
-from ..problem.field_values import POSITIVE
 from ..problem.quantities import quantity
 from ..problem.trajectory import SOLVED
 from .data import scale_of

@@ -9,8 +9,9 @@ import numpy as np
 from ..numerics.arrays import Array
 from ..problem.case import Case
 from ..problem.case_fields import check_fields, value_of
+from ..problem.declared_fields import POSITIVE, RANGES
 from ..problem.errors import InputError, choices, known_name, names_of, show
-from ..problem.field_values import POSITIVE, RANGES, angle
+from ..problem.field_values import angle
 from ..problem.quantities import AT_START, quantity
 
 _SPREAD = 4.0  # starts of a positive field without bounds: from its value over this to its value times this

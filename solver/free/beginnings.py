@@ -10,7 +10,8 @@ from ..nodes.loaded_rod import numbers_of, rate_of_change
 from ..numerics.arrays import Array
 from ..orbits.frames import outward, tangent
 from ..orbits.shape import ShapeArrays
-from ..problem.case import OFF_WALL, REACHED, Case, Ends
+from ..problem.case import REACHED, Case, Ends
+from ..problem.declared_fields import OFF_WALL
 from ..problem.reduced import flat
 from .discrete_rod import OUTSIDE, DiscreteRod
 from .free_problem import BeginningCurve

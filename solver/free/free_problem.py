@@ -7,7 +7,8 @@ import numpy as np
 
 from ..nodes.loaded_rod import rods_of
 from ..numerics.arrays import Array
-from ..problem.case import TILTS, Case
+from ..problem.case import Case
+from ..problem.declared_fields import TILTS
 from ..problem.reduced import flat
 from .discrete_rod import INSIDE, OUTSIDE, DiscreteRod
 from .free_shape import between, through

@@ -8,7 +8,8 @@ from typing import Any, TypeVar
 import numpy as np
 
 from ..numerics.arrays import Array
-from ..problem.case import PAIRS, Case
+from ..problem.case import Case
+from ..problem.declared_fields import PAIRS
 from ..problem.reduced import EndsProblem, StartProblem, flat, held_of, loads_of
 from ..problem.trajectory import Trajectory
 from . import frames, statics

@@ -6,15 +6,28 @@ also be text: `Start(beta="30deg", ...)`, `Ends("pi/6", ["10deg", "20deg"])`.
 
 import math
 from collections.abc import Collection
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
-from .errors import InputError, choices, known_name, no_such, show
-from .field_values import ANGLES as ANGLES
-from .field_values import check_field_names, check_numbers, numbers_of, refuse, refuse_outside, write_fields
+from .declared_fields import (
+    ANGLES,
+    CHOICES,
+    FIELDS,
+    OFF_WALL,
+    PAIRS,
+    PARTS,
+    TILTS,
+    VARY_LOADS,
+    CylinderFields,
+    EndsFields,
+    RodFields,
+    StartFields,
+)  # fmt: skip
+from .errors import InputError, choices, show
+from .field_values import check_field_names, check_values, numbers_of, refuse, refuse_unmet, write_fields
 from .shown import table_of
 
 STIFFNESS = {"solid": np.pi / 4, "paper": np.pi / 16}  # A / (E (a^4 - inner_radius^4))
@@ -36,11 +49,6 @@ SLIDING = {
     "axial-forward": (1.0, ALONG_AXIS),
     "axial-backward": (-1.0, ALONG_AXIS),
 }
-CONTACTS = ("bilateral", "unilateral")  # whether the cylinder holds the rod on, or only pushes
-# fields of Ends: one of each pair is given, the other one is then unknown
-PAIRS = (("beta0", "M10"), ("betaL", "M1L"), ("FZ", "height"), ("MZ", "azimuth"), ("M3", "rotation"))
-TILTS = (("tilt0", "M20"), ("tiltL", "M2L"))  # the same of a rod that may leave the cylinder
-OFF_WALL = ("radius0", "radiusL", *TILTS[0], *TILTS[1])  # fields of Ends of such a rod alone
 
 
 def lacking(given: Collection[str]) -> list[str]:
@@ -59,7 +67,7 @@ def fourth_powers(a: Any, inner_radius: Any = None) -> Any:
 
 @check_field_names
 @dataclass(frozen=True, eq=False, repr=False)
-class Rod:
+class Rod(RodFields):
     """A naturally straight, inextensible rod of circular section: solid, a tube, or of given stiffnesses.
 
     Give E and nu, with inner_radius for a tube; or EI and GJ, for a section that is not of one isotropic material.
@@ -106,31 +114,16 @@ class Rod:
     Rod(a=1.0, L=43.5, EI=205.7, GJ=411.4)
     """
 
-    E: Any = None
-    nu: Any = None
-    a: Any = None
-    L: Any = None
-    stiffness: Literal["solid", "paper"] = "solid"
-    inner_radius: Any = None
-    EI: Any = None
-    GJ: Any = None
-    weight: Any = None
-
     def __post_init__(self) -> None:
-        check_numbers(self, skip=("stiffness",))
-        # before missing fields are named: a wrong value stays wrong
-        refuse_outside(self, "E", "EI", "GJ", "a", "L", "nu")
+        check_values(self)  # before missing fields are named: a wrong value stays wrong
         self._check_fields()
         if self.EI is not None:
             self._check_ratio()
         if self.inner_radius is not None:
             self._check_bore()
-        refuse_outside(self, "weight")
 
     def _check_fields(self) -> None:
         """Raise `InputError` unless the fields say one section, in one way."""
-        if not known_name(self.stiffness, STIFFNESS):
-            raise no_such("stiffness", self.stiffness, STIFFNESS)
         given = [name for name, _ in self.given()]
         elastic, direct = ([name for name in names if name in given] for names in ((*ELASTIC, "inner_radius"), DIRECT))
         if elastic and direct:
@@ -153,8 +146,7 @@ class Rod:
         return choices(f"{name}={getattr(self, name)}" for name in names)
 
     def _check_bore(self) -> None:
-        """Raise `InputError` unless 0 <= inner_radius < a."""
-        refuse_outside(self, "inner_radius")
+        """Raise `InputError` unless inner_radius < a."""
         bore = self.inner_radius
         full = np.greater_equal(bore, self.a)
         rule = f"less than Rod.a = {self.a!s}"
@@ -171,7 +163,7 @@ class Rod:
 
     def given(self) -> list[tuple[str, Any]]:
         """Name and value of each numeric field that is given, in order."""
-        values = ((field.name, getattr(self, field.name)) for field in fields(self) if field.name != "stiffness")
+        values = ((name, getattr(self, name)) for name in PARTS["rod"] if name not in CHOICES)
         return [(name, value) for name, value in values if value is not None]
 
     @property
@@ -204,7 +196,7 @@ class Rod:
 
 @check_field_names
 @dataclass(frozen=True, eq=False)
-class Cylinder:
+class Cylinder(CylinderFields):
     """The cylinder on which the rod lies, without friction unless a coefficient is given.
 
     Parameters
@@ -238,25 +230,9 @@ class Cylinder:
     Cylinder(R=0.75, side='inside')
     """
 
-    R: Any
-    side: Literal["outside", "inside"] = "outside"
-    inclination: Any = None
-    friction: Any = None
-    sliding: Literal["forward", "backward", "rotating", "axial-forward", "axial-backward"] | None = None
-    contact: Literal["bilateral", "unilateral"] = "bilateral"
-
     def __post_init__(self) -> None:
-        check_numbers(self, skip=("side", "sliding", "contact"))
-        refuse_outside(self, "R")
-        if not known_name(self.side, SIDES):
-            raise no_such("side", self.side, SIDES)
-        if self.sliding is not None and not known_name(self.sliding, SLIDING):
-            raise no_such("sliding", self.sliding, SLIDING)
-        if self.sliding is not None and self.friction is None:
-            raise InputError(f"sliding matters only with friction, got sliding={self.sliding!r} and no friction")
-        if not known_name(self.contact, CONTACTS):
-            raise no_such("contact", self.contact, CONTACTS)
-        refuse_outside(self, "inclination", "friction")
+        check_values(self)
+        refuse_unmet(vars(self))
         if self.contact == "unilateral" and self.friction is not None and np.any(self.friction):
             why = "with friction a rod has no energy, whose minimum the shape beside a cylinder that only pushes is"
             raise InputError(f"contact='unilateral' excludes friction, got friction={show(self.friction)}: {why}")
@@ -274,12 +250,12 @@ class Cylinder:
         return self.friction is not None and self.sense[1] == IN_PLACE
 
     def __repr__(self) -> str:
-        return write_fields(self, skip=("contact",) if self.contact == CONTACTS[0] else ())
+        return write_fields(self)
 
 
 @check_field_names
 @dataclass(frozen=True, eq=False)
-class Start:
+class Start(StartFields):
     """A start problem: every value is given at s = 0. An initial value problem with one solution.
 
     Exactly one of F1, dgamma and M3 is given; each determines the twisting moment. An angle may also be text: "30deg",
@@ -317,18 +293,8 @@ class Start:
     0.5236
     """
 
-    beta: Any
-    dbeta: Any
-    F1: Any = None
-    F2: Any = 0.0
-    F3: Any = 0.0
-    dgamma: Any = None
-    alpha: Any = 0.0
-    gamma: Any = 0.0
-    M3: Any = None
-
     def __post_init__(self) -> None:
-        check_numbers(self)
+        check_values(self)
         if sum(getattr(self, name) is not None for name in TWISTS) != 1:
             got = ", ".join(f"{name}={getattr(self, name)}" for name in TWISTS)
             raise InputError(f"Start needs exactly one of F1, dgamma and M3, got {got}")
@@ -341,7 +307,7 @@ class Start:
 
 @check_field_names
 @dataclass(frozen=True, eq=False)
-class Ends:
+class Ends(EndsFields):
     """An ends problem: how both ends are held. A boundary value problem with many solutions.
 
     One of each pair is given, and the other one is found: beta0 or M10, betaL or M1L, FZ or height, MZ or azimuth, M3
@@ -390,28 +356,8 @@ class Ends:
     0.0
     """
 
-    beta0: Any = None
-    betaL: Any = None
-    FZ: Any = None
-    MZ: Any = None
-    M3: Any = None
-    alpha: Any = 0.0
-    gamma: Any = 0.0
-    height: Any = None
-    azimuth: Any = None
-    rotation: Any = None
-    M10: Any = None
-    M1L: Any = None
-    radius0: Any = None
-    radiusL: Any = None
-    tilt0: Any = None
-    tiltL: Any = None
-    M20: Any = None
-    M2L: Any = None
-
     def __post_init__(self) -> None:
-        check_numbers(self)
-        refuse_outside(self, "radius0", "radiusL", "tilt0", "tiltL")
+        check_values(self)
         for field, partner in (*PAIRS, *TILTS):
             value, other = getattr(self, field), getattr(self, partner)
             if value is not None and other is not None:
@@ -419,7 +365,7 @@ class Ends:
             if value is None and other is None and field not in OFF_WALL:
                 if field in ANGLES:
                     raise InputError(f"Ends needs {field} or {partner}, got neither; {partner}=0 is a hinge")
-                object.__setattr__(self, field, 0.0)
+                object.__setattr__(self, field, PARTS["ends"][field].default)
 
     @classmethod
     def helix(cls, rod: Rod, cylinder: Cylinder, tension: Any, lay: Any, twist: Any = None) -> "Ends":
@@ -510,13 +456,9 @@ class Case:
             tight = np.less_equal(self.cylinder.R, self.rod.a)
             rule = f"larger than Rod.a = {self.rod.a!s} for a rod inside"
             refuse("Cylinder", "R", np.broadcast_to(self.cylinder.R, np.shape(tight)), tight, rule)
-        if self.cylinder.inclination is not None and self.rod.weight is None:
-            angle = show(self.cylinder.inclination)
-            raise InputError(f"inclination matters only for a rod with weight, got inclination={angle} and no weight")
+        refuse_unmet({name: value for part in self._parts for name, value in vars(part).items() if name in FIELDS})
         if self.leaves:
             self._check_free_ends()
-        elif off := [name for name in OFF_WALL if getattr(self.given, name, None) is not None]:
-            raise InputError(f"{off[0]} needs contact='unilateral': a rod that the cylinder holds on lies on its wall")
         else:
             self._check_reach()
 
@@ -582,9 +524,12 @@ class Case:
     @property
     def _numeric(self) -> list[tuple[Any, str, Any]]:
         """Part, name and value of each numeric field that is given."""
-        parts = (self.rod, self.cylinder, self.given)
-        values = ((part, name, getattr(part, name)) for part in parts for name in part.__match_args__)
+        values = ((part, name, getattr(part, name)) for part in self._parts for name in part.__match_args__)
         return [row for row in values if row[2] is not None and not isinstance(row[2], str)]
+
+    @property
+    def _parts(self) -> tuple[Rod, Cylinder, Start | Ends]:
+        return self.rod, self.cylinder, self.given
 
     @property
     def kind(self) -> str:
@@ -621,8 +566,7 @@ class Case:
     @cached_property
     def varies(self) -> bool:
         """Whether loads vary along a rod: it has weight, or slides with friction."""
-        given = (self.rod.weight, self.cylinder.friction)
-        return any(value is not None and bool(np.any(value)) for value in given)
+        return any(name in VARY_LOADS and bool(np.any(value)) for _, name, value in self._numeric)
 
     @property
     def hinged(self) -> bool:

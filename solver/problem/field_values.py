@@ -8,62 +8,55 @@ three.
 import math
 import re
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import MISSING, dataclass, fields
+from dataclasses import MISSING, fields
 from functools import wraps
 from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .errors import InputError, choices, near, show
+from .declared_fields import ANGLES, CHOICES, FIELDS, RANGES
+from .errors import InputError, choices, known_name, near, no_such, show
 from .notices import given_by_a_program, warn
 from .units import size_in
 
 T = TypeVar("T")
 
-# the fields that may be text, read by `angle`
-ANGLES = ("beta", "beta0", "betaL", "alpha", "gamma", "azimuth", "rotation", "inclination", "tilt0", "tiltL")
+
+def refuse_outside(part: Any) -> None:
+    """Raise `InputError` for the first field of a part of a case, of those that are given, outside its range."""
+    for name in part.__match_args__:
+        value, allowed = getattr(part, name), RANGES.get(name)
+        if value is not None and allowed is not None:
+            refuse(type(part).__name__, name, value, allowed.excludes(value), allowed.rule)
 
 
-@dataclass(frozen=True)
-class Range:
-    """Where the values of a field must be: above `low`, or from it on if it is `closed`, to `high`. rule: in words."""
-
-    low: float
-    rule: str
-    closed: bool = False
-    high: float = float("inf")
-
-    def excludes(self, value: ArrayLike) -> Any:
-        """Which values are outside."""
-        below = np.less(value, self.low) if self.closed else np.less_equal(value, self.low)
-        return below | np.greater(value, self.high)
+def refuse_strange_words(part: Any) -> None:
+    """Raise `InputError` for a field of a part of a case that is none of its words."""
+    for name in part.__match_args__:
+        if name in CHOICES and getattr(part, name) is not None and not known_name(getattr(part, name), CHOICES[name]):
+            raise no_such(name, getattr(part, name), CHOICES[name])
 
 
-POSITIVE = ("E", "EI", "GJ", "a", "L", "R")
-_NOT_NEGATIVE = Range(0, "at least 0", closed=True)
-RANGES = {
-    **dict.fromkeys(POSITIVE, Range(0, "positive and finite")),
-    "nu": Range(-1, "in (-1, 0.5]", high=0.5),
-    "inner_radius": Range(0, "at least 0 and less than Rod.a", closed=True),
-    "weight": _NOT_NEGATIVE,
-    "friction": _NOT_NEGATIVE,
-    "radius0": _NOT_NEGATIVE,
-    "radiusL": _NOT_NEGATIVE,
-    **dict.fromkeys(("tilt0", "tiltL"), Range(-np.pi / 2, "from -pi/2 to pi/2 rad (90 deg)", True, np.pi / 2)),
-    "inclination": Range(0, "from 0 to pi rad (180 deg)", closed=True, high=np.pi * (1 + 1e-15)),
-}
+def is_met(name: str, values: Mapping[str, Any]) -> bool:
+    """Whether a field has what it needs. values: the fields that are given; others may be None."""
+    word, _, needed = FIELDS[name].needs.rpartition(" ")
+    other = values.get(needed)
+    return not needed or (other is not None and word in ("", other))
 
 
-def refuse_outside(part: Any, *names: str) -> None:
-    """Raise `InputError` for the first of these fields, of those that are given, that is outside its `RANGES`."""
-    for name in names:
-        value = getattr(part, name)
-        if value is not None:
-            refuse(type(part).__name__, name, value, RANGES[name].excludes(value), RANGES[name].rule)
+def refuse_unmet(values: Mapping[str, Any]) -> None:
+    """Raise `InputError` for a given field without another one of the values, which it needs; None: not given."""
+    for name, value in values.items():
+        needs = FIELDS[name].needs
+        needed = needs.rpartition(" ")[2]
+        if value is None or value is FIELDS[name].omitted or needed not in values or is_met(name, values):
+            continue
+        got = f"no {needed}" if values[needed] is None else f"{needed}={values[needed]!r}"
+        raise InputError(f"{name} matters only with {needs}, got {name}={show(value)} and {got}")
 
 
-PARTS = {  # of a case, which are no numbers
+ARGUMENTS = {  # of a case, which are no numbers
     "rod": "Rod(...) as its first argument",
     "cylinder": "Cylinder(...) as its second argument",
     "given": "Start(...) or Ends(...) as its third argument",
@@ -85,8 +78,8 @@ def check_field_names(kind: type[T]) -> type[T]:
         if len(values) > len(known) or len(set(given)) < len(given):
             raise InputError(f"{kind.__name__} takes each of {choices(known)} once, got {choices(given)}")
         if missing := [name for name, needed in known.items() if needed and name not in given]:
-            if missing[0] in PARTS:
-                raise InputError(f"{kind.__name__} needs {PARTS[missing[0]]}")
+            if missing[0] in ARGUMENTS:
+                raise InputError(f"{kind.__name__} needs {ARGUMENTS[missing[0]]}")
             raise InputError(f"{kind.__name__} needs {choices(missing)}; got {choices(given) or 'nothing'}")
         make(self, *values, **named)
 
@@ -140,22 +133,32 @@ def refuse(owner: str, field: str, value: ArrayLike, bad: ArrayLike, rule: str) 
         raise InputError(f"{owner}.{field} must be {rule}, got {worst!s}{where}")
 
 
-def check_numbers(self: Any, skip: tuple[str, ...] = ()) -> None:
-    """Turn each numeric field of a frozen dataclass into floats or read-only arrays."""
+def check_values(self: Any) -> None:
+    """Turn each number of a part of a case into a float or a read-only array, and refuse what it cannot be.
+
+    Raises `InputError` for what is no number, is none of its words, or is outside its range.
+    """
     for field in fields(self):
         value = getattr(self, field.name)
         optional = field.default is None
-        if field.name not in skip and not (optional and value is None):
+        if field.name not in CHOICES and not (optional and value is None):
             read = numbers_of(type(self).__name__, field.name, value)
             object.__setattr__(self, field.name, read)
             if field.name in ANGLES:
                 _notice(field.name, value, read)
+    refuse_strange_words(self)
+    refuse_outside(self)
 
 
 def write_fields(self: Any, skip: tuple[str, ...] = ()) -> str:
     """A part of a case as it would be made: ``Cylinder(R=0.75, side='inside')``, without fields that are None."""
-    values = ((field.name, getattr(self, field.name)) for field in fields(self) if field.name not in skip)
-    return f"{type(self).__name__}({choices(f'{name}={value!r}' for name, value in values if value is not None)})"
+    values = ((name, getattr(self, name)) for name in self.__match_args__ if name not in skip)
+    return f"{type(self).__name__}({choices(f'{name}={value!r}' for name, value in values if is_said(name, value))})"
+
+
+def is_said(name: str, value: Any) -> bool:
+    """Whether a field is mentioned where those of a case are listed: it is given, and no default of a quiet one."""
+    return value is not None and not (FIELDS[name].is_quiet and value == FIELDS[name].default)
 
 
 def _notice(field: str, value: Any, read: NDArray[np.float64] | float) -> None:

@@ -1,6 +1,7 @@
-"""Every quantity of the workbench, one row each: all labels, units and former names come from this table.
+"""Every quantity of the workbench: all labels, units and former names come from this table.
 
-A dimension is a pair of exponents (length, force); the unit of an angle is ``rad``; a ``text`` or flag has none.
+The fields of a case are declared in `declared_fields`; each other quantity is a row here. A dimension is a pair of
+exponents (length, force); the unit of an angle is ``rad``; a ``text`` or flag has none.
 """
 
 import re
@@ -9,6 +10,8 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
+from .declared_fields import ALL_FIELDS, FORCE, LENGTH, LINE_LOAD, MOMENT, NUMBER, RIGIDITY, STRESS, Dimension
+from .declared_fields import AT_START as AT_START  # fields that are the value of a quantity at s = 0
 from .errors import InputError, no_such
 from .notices import RenamedWarning, warn
 
@@ -23,152 +26,108 @@ class Quantity:
 
     name: str
     symbol: str
-    dimension: tuple[int, int] | str
+    dimension: Dimension
     long_name: str
     estimated: bool = False
     former: str = ""
 
 
-_NUMBER = (0, 0)
-_LENGTH = (1, 0)
-_FORCE = (0, 1)
-_MOMENT = (1, 1)
 _PER_LENGTH = (-1, 0)
-_LINE_LOAD = (-1, 1)
 
 
-def _with_error(name: str, symbol: str, dimension: tuple[int, int] | str, long_name: str) -> Quantity:
+def _with_error(name: str, symbol: str, dimension: Dimension, long_name: str) -> Quantity:
     return Quantity(name, symbol, dimension, long_name, estimated=True)
 
 
 _ROWS = (
-    # the rod, the cylinder, the start and the ends
-    Quantity("E", "E", (-2, 1), "Young's modulus"),
-    Quantity("nu", "ν", _NUMBER, "Poisson ratio"),
-    Quantity("EI", "EI", (2, 1), "bending stiffness, given"),
-    Quantity("GJ", "GJ", (2, 1), "torsional stiffness, given"),
-    Quantity("a", "a", _LENGTH, "radius of the rod"),
-    Quantity("inner_radius", "aᵢ", _LENGTH, "inner radius of the rod"),
-    Quantity("L", "L", _LENGTH, "length of the rod"),
-    Quantity("weight", "w", _LINE_LOAD, "weight per length in the fluid"),
-    Quantity("R", "R", _LENGTH, "radius of the cylinder"),
-    Quantity("inclination", "θ", "rad", "angle of the axis to the upward vertical"),
-    Quantity("friction", "μ", _NUMBER, "coefficient of sliding friction"),
-    Quantity("rho", "ρ", _LENGTH, "distance of the centreline from the axis"),
-    Quantity("bending_stiffness", "A", (2, 1), "bending stiffness"),
-    Quantity("torsional_stiffness", "C", (2, 1), "torsional stiffness"),
-    Quantity("beta0", "β₀", "rad", "angle from the axis at the start"),
-    Quantity("dbeta0", "β₀′", "rad/length", "rate of the angle at the start"),
-    Quantity("alpha0", "α₀", "rad", "azimuth of the start"),
-    Quantity("gamma0", "γ₀", "rad", "rotation of the section at the start"),
-    Quantity("betaL", "β(L)", "rad", "angle from the axis at the far end"),
-    Quantity("azimuth", "Δα", "rad", "azimuth from the start to the far end"),
-    Quantity("rotation", "Δγ", "rad", "rotation of the section from the start to the far end"),
-    _with_error("M10", "M₁(0)", _MOMENT, "bending moment at the start"),
-    _with_error("M1L", "M₁(L)", _MOMENT, "bending moment at the far end"),
-    Quantity("radius0", "r(0)", _LENGTH, "distance of the start from the axis"),
-    Quantity("radiusL", "r(L)", _LENGTH, "distance of the far end from the axis"),
-    Quantity("tilt0", "τ(0)", "rad", "tilt of the tangent out of the wall at the start, outwards"),
-    Quantity("tiltL", "τ(L)", "rad", "tilt of the tangent out of the wall at the far end, outwards"),
-    Quantity("M20", "M₂(0)", _MOMENT, "bending moment in the surface at the start"),
-    Quantity("M2L", "M₂(L)", _MOMENT, "bending moment in the surface at the far end"),
-    Quantity("dgamma", "γ₀′", "rad/length", "rate of rotation of the section at the start"),
-    # in place of an inclination, of loads and of ends
-    Quantity("hole", "hole", "rad", "inclination of a hole that s runs down, 0: vertical, 90deg: horizontal"),
-    Quantity("wob", "WOB", _FORCE, "weight on bit, the push at the lower end"),
-    Quantity("tension", "T", _FORCE, "force along a rod that is wound as a uniform helix"),
-    Quantity("lay", "lay", "rad", "angle of this helix from the axis"),
-    Quantity("twist", "twist", "rad/length", "twist of the section of this helix per length, M3/GJ"),
+    # of rods and cylinders, beside the fields of a case
+    Quantity("rho", "ρ", LENGTH, "distance of the centreline from the axis"),
+    Quantity("bending_stiffness", "A", RIGIDITY, "bending stiffness"),
+    Quantity("torsional_stiffness", "C", RIGIDITY, "torsional stiffness"),
     # along the rod
-    Quantity("u", "s/L", _NUMBER, "share of the length"),
-    Quantity("s", "s", _LENGTH, "arc length"),
+    Quantity("u", "s/L", NUMBER, "share of the length"),
+    Quantity("s", "s", LENGTH, "arc length"),
     Quantity("beta", "β", "rad", "angle from the axis to the tangent"),
     Quantity("dbeta", "β′", "rad/length", "rate of the angle (geodesic curvature)"),
     Quantity("alpha", "α", "rad", "azimuth"),
-    Quantity("z", "z", _LENGTH, "distance along the axis"),
-    Quantity("radius", "r", _LENGTH, "distance of the centreline from the axis"),
-    Quantity("gap", "gap", _LENGTH, "distance of the rod from the wall"),
+    Quantity("z", "z", LENGTH, "distance along the axis"),
+    Quantity("radius", "r", LENGTH, "distance of the centreline from the axis"),
+    Quantity("gap", "gap", LENGTH, "distance of the rod from the wall"),
     Quantity("tilt", "τ", "rad", "angle of the tangent out of the wall, outwards"),
     Quantity("gamma", "γ", "rad", "rotation of the section"),
-    Quantity("position", "r", _LENGTH, "position of the centreline"),
+    Quantity("position", "r", LENGTH, "position of the centreline"),
     Quantity("kappa", "κ", _PER_LENGTH, "curvature"),
-    Quantity("F1", "F₁", _FORCE, "internal force along the inward normal"),
-    Quantity("F2", "F₂", _FORCE, "internal force in the surface, across the rod"),
-    Quantity("F3", "F₃", _FORCE, "internal force along the tangent, tension positive"),
-    Quantity("FY", "FY", _FORCE, "circumferential force"),
-    Quantity("contact", "f", _LINE_LOAD, "contact force per length, positive outward"),
-    Quantity("M1", "M₁", _MOMENT, "bending moment about the inward normal"),
-    Quantity("M2", "M₂", _MOMENT, "bending moment about the binormal in the surface"),
-    Quantity("M3_along", "M₃(s)", _MOMENT, "twisting moment along the rod"),
+    Quantity("FY", "FY", FORCE, "circumferential force"),
+    Quantity("contact", "f", LINE_LOAD, "contact force per length, positive outward"),
+    Quantity("M1", "M₁", MOMENT, "bending moment about the inward normal"),
+    Quantity("M2", "M₂", MOMENT, "bending moment about the binormal in the surface"),
+    Quantity("M3_along", "M₃(s)", MOMENT, "twisting moment along the rod"),
     # constants of the rod
-    Quantity("FZ", "FZ", _FORCE, "axial force"),
-    Quantity("MZ", "MZ", _MOMENT, "axial moment"),
-    Quantity("M3", "M₃", _MOMENT, "twisting moment"),
-    _with_error("FZ0", "FZ(0)", _FORCE, "axial force at the start"),
-    _with_error("MZ0", "MZ(0)", _MOMENT, "axial moment at the start"),
-    _with_error("M30", "M₃(0)", _MOMENT, "twisting moment at the start"),
-    _with_error("neutral_at", "FZ = 0 at s", _LENGTH, "first s where the axial force is 0"),
-    _with_error("surface_torque", "T", _MOMENT, "torque at the upper end that turns the rod"),
-    Quantity("reach", "L lock-up", _LENGTH, "length at which friction locks up this rod under its load"),
-    Quantity("arriving_max", "max arriving F", _FORCE, "largest compression that arrives over this length"),
+    _with_error("MZ0", "MZ(0)", MOMENT, "axial moment at the start"),
+    _with_error("M30", "M₃(0)", MOMENT, "twisting moment at the start"),
+    _with_error("neutral_at", "FZ = 0 at s", LENGTH, "first s where the axial force is 0"),
+    _with_error("surface_torque", "T", MOMENT, "torque at the upper end that turns the rod"),
+    Quantity("reach", "L lock-up", LENGTH, "length at which friction locks up this rod under its load"),
+    Quantity("arriving_max", "max arriving F", FORCE, "largest compression that arrives over this length"),
     Quantity("h", "h", (-2, 0), "first integral of the angle"),
     # observables
-    Quantity("bends", "bends", _NUMBER, "number of bends (interior extrema of beta)", former="turns"),
-    _with_error("bend_number", "half waves", _NUMBER, "number of half waves of beta along the rod"),
-    Quantity("loops", "full turns of β", _NUMBER, "full turns of beta"),
+    Quantity("bends", "bends", NUMBER, "number of bends (interior extrema of beta)", former="turns"),
+    _with_error("bend_number", "half waves", NUMBER, "number of half waves of beta along the rod"),
+    Quantity("loops", "full turns of β", NUMBER, "full turns of beta"),
     _with_error("amplitude", "amplitude of β", "rad", "largest beta minus smallest beta"),
     _with_error("kappa_mean", "mean κ", _PER_LENGTH, "mean curvature"),
     _with_error("kappa_max", "max κ", _PER_LENGTH, "largest curvature"),
-    replace(_with_error("turns_around", "turns around", _NUMBER, "turns around the cylinder"), former="wraps"),
-    _with_error("height", "z(L)", _LENGTH, "axial distance of the far end"),
-    _with_error("pitch", "pitch", _LENGTH, "height of one turn about the axis, in the middle third"),
+    replace(_with_error("turns_around", "turns around", NUMBER, "turns around the cylinder"), former="wraps"),
+    _with_error("pitch", "pitch", LENGTH, "height of one turn about the axis, in the middle third"),
     _with_error(
-        "contact_size_mean", "mean |f|", _LINE_LOAD, "mean size of the contact force per length (push and pull)"
+        "contact_size_mean", "mean |f|", LINE_LOAD, "mean size of the contact force per length (push and pull)"
     ),
-    _with_error("push_mean", "mean push", _LINE_LOAD, "mean push of the cylinder per length, pulls not counted"),
-    _with_error("pull_mean", "mean pull", _LINE_LOAD, "mean pull of the cylinder per length, pushes not counted"),
+    _with_error("push_mean", "mean push", LINE_LOAD, "mean push of the cylinder per length, pulls not counted"),
+    _with_error("pull_mean", "mean pull", LINE_LOAD, "mean pull of the cylinder per length, pushes not counted"),
+    _with_error("push_min", "min push", LINE_LOAD, "smallest push of the cylinder per length, negative where it pulls"),
+    _with_error("push_max", "max push", LINE_LOAD, "largest push of the cylinder per length"),
+    _with_error("push_max_at", "max push at s", LENGTH, "first s of the largest push"),
     _with_error(
-        "push_min", "min push", _LINE_LOAD, "smallest push of the cylinder per length, negative where it pulls"
+        "push_middle", "push in the middle", LINE_LOAD, "mean push per length in the middle third, pulls not counted"
     ),
-    _with_error("push_max", "max push", _LINE_LOAD, "largest push of the cylinder per length"),
-    _with_error("push_max_at", "max push at s", _LENGTH, "first s of the largest push"),
-    _with_error(
-        "push_middle", "push in the middle", _LINE_LOAD, "mean push per length in the middle third, pulls not counted"
-    ),
-    _with_error("attached", "attached share", _NUMBER, "share of the length where the cylinder pushes"),
-    _with_error("lift_off_at", "lift-off at s", _LENGTH, "first s where the cylinder pulls (L: nowhere)"),
-    _with_error("F3_size_max", "max |F₃|", _FORCE, "largest size of the internal force along the tangent"),
-    _with_error("bending_moment_max", "max M", _MOMENT, "largest bending moment"),
-    _with_error("bending_stress_max", "max σ", (-2, 1), "largest bending stress, E a kappa"),
-    Quantity("overlaps", "overlaps", _NUMBER, "1 where the rod intersects itself, else 0"),
-    _with_error("energy", "energy", _MOMENT, "bending and twist energy minus the work of FZ, MZ, M3 and the weight"),
-    Quantity("held_energy", "held energy", _MOMENT, "bending and twist energy minus the work of the given loads alone"),
-    _with_error("bending_energy", "bending energy", _MOMENT, "bending energy"),
-    _with_error("twist_energy", "twist energy", _MOMENT, "twist energy"),
-    Quantity("index", "index", _NUMBER, "Morse index (0: stable)"),
-    Quantity("held_index", "index", _NUMBER, "Morse index under held ends (0: stable)"),
-    _with_error("gap_max", "max gap", _LENGTH, "largest distance of the rod from the wall"),
-    _with_error("contact_share", "share on the wall", _NUMBER, "share of the length on the wall"),
-    Quantity("contact_count", "contacts", _NUMBER, "number of intervals and points of contact"),
-    _with_error("point_force_max", "max point force", _FORCE, "largest force at an edge or a single point of contact"),
-    Quantity("sample", "sample", _NUMBER, "sample"),
-    Quantity("branch", "branch", _NUMBER, "branch of equilibria (-1: not solved)"),
+    _with_error("attached", "attached share", NUMBER, "share of the length where the cylinder pushes"),
+    _with_error("lift_off_at", "lift-off at s", LENGTH, "first s where the cylinder pulls (L: nowhere)"),
+    _with_error("F3_size_max", "max |F₃|", FORCE, "largest size of the internal force along the tangent"),
+    _with_error("bending_moment_max", "max M", MOMENT, "largest bending moment"),
+    _with_error("bending_stress_max", "max σ", STRESS, "largest bending stress, E a kappa"),
+    Quantity("overlaps", "overlaps", NUMBER, "1 where the rod intersects itself, else 0"),
+    _with_error("energy", "energy", MOMENT, "bending and twist energy minus the work of FZ, MZ, M3 and the weight"),
+    Quantity("held_energy", "held energy", MOMENT, "bending and twist energy minus the work of the given loads alone"),
+    _with_error("bending_energy", "bending energy", MOMENT, "bending energy"),
+    _with_error("twist_energy", "twist energy", MOMENT, "twist energy"),
+    Quantity("index", "index", NUMBER, "Morse index (0: stable)"),
+    Quantity("held_index", "index", NUMBER, "Morse index under held ends (0: stable)"),
+    _with_error("gap_max", "max gap", LENGTH, "largest distance of the rod from the wall"),
+    _with_error("contact_share", "share on the wall", NUMBER, "share of the length on the wall"),
+    Quantity("contact_count", "contacts", NUMBER, "number of intervals and points of contact"),
+    _with_error("point_force_max", "max point force", FORCE, "largest force at an edge or a single point of contact"),
+    Quantity("sample", "sample", NUMBER, "sample"),
+    Quantity("branch", "branch", NUMBER, "branch of equilibria (-1: not solved)"),
     # how well it was solved
-    Quantity("error", "error", _NUMBER, "estimated error of beta, and of alpha and z/rho over max(1, L/rho)"),
-    Quantity("condition", "condition", _NUMBER, "growth of a change of the start along the rod"),
+    Quantity("error", "error", NUMBER, "estimated error of beta, and of alpha and z/rho over max(1, L/rho)"),
+    Quantity("condition", "condition", NUMBER, "growth of a change of the start along the rod"),
     Quantity("solved", "solved", "text", "whether the case is solved"),
     Quantity("outcome", "outcome", "text", "solved, or why not"),
     Quantity("caution", "caution", "text", "what a real rod could not do, or what was not checked; empty: none"),
 )
 
-# Fields of a case that are the value of a quantity at s = 0, which has another name.
-AT_START = {"beta": "beta0", "dbeta": "dbeta0", "alpha": "alpha0", "gamma": "gamma0"}
+_OF_FIELDS = (
+    Quantity(row.quantity, row.symbol, row.dimension, row.long_name, row.estimated)
+    for row in ALL_FIELDS.values()
+    if not row.choices
+)
+_EVERY = (*{row.name: row for row in _OF_FIELDS}.values(), *_ROWS)
 
-QUANTITIES: dict[str, Quantity] = {row.name: row for row in _ROWS} | {
+QUANTITIES: dict[str, Quantity] = {row.name: row for row in _EVERY} | {
     f"{row.name}_error": Quantity(
         f"{row.name}_error", f"δ({row.symbol})", row.dimension, f"estimated error of: {row.long_name}"
     )
-    for row in _ROWS
+    for row in _EVERY
     if row.estimated
 }
 

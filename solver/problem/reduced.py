@@ -23,10 +23,10 @@ from numpy.typing import NDArray
 
 from ..numerics.arrays import Array, Columns, Integers
 from ..numerics.complex_step import STEP
-from .case import PAIRS, Case, Ends
+from .case import Case, Ends
 from .case_fields import unchecked_with_fields, values_of
+from .declared_fields import PAIRS, POSITIVE, VARY_LOADS
 from .errors import InputError
-from .field_values import POSITIVE
 from .quantities import AT_START, quantity
 
 # The number (`equilibrium.orbit_rates`, and the rotation "turn") that each field of Ends fixes, in the order of PAIRS.
@@ -178,8 +178,8 @@ def span_of(case: Case) -> Array:
 def refuse_varying(case: Case) -> None:
     """Raise `InputError` for a case whose loads vary along the rod."""
     if case.varies:
-        given = (("weight", case.rod.weight), ("friction", case.cylinder.friction))
-        got = " and ".join(f"{name}={value}" for name, value in given if value is not None and np.any(value))
+        given = ((name, value) for _, name, value in case._numeric if name in VARY_LOADS)
+        got = " and ".join(f"{name}={value}" for name, value in given if np.any(value))
         raise InputError(
             f"this task needs loads that are constant along the rod, got {got}; of a rod with weight or friction "
             "solve, observe, follow, equilibria, sensitivity and fit are known"
@@ -295,7 +295,7 @@ def field_rates(case: Case, fields: Sequence[str]) -> FieldRates:
     moved = np.empty((F, F, *case.shape), dtype=complex)  # one row of cases for each field
     steps = np.empty((F, *case.shape))
     for k, field in enumerate(fields):
-        if field in ("weight", "friction"):
+        if field in VARY_LOADS:
             raise InputError(f"the derivative by {field} of a rod without {field} is not known; give it a little")
         moved[k] = steps[k] = values_of(case, field)
     has_size = steps != 0

@@ -6,7 +6,7 @@ every point of the grid of the axes. They are counted along the dimensions, the 
 
 from collections import Counter
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import partial
 from math import isfinite, log, prod
 from typing import Annotated, Any, Literal
@@ -15,29 +15,20 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, create_model, model_validator
 
-from solver import Case, Cylinder, Ends, InputError, Rod, Start
-from solver.problem.case import CONTACTS, SIDES, SLIDING, STIFFNESS
+from solver import Case, Cylinder, InputError, Rod
+from solver.problem.declared_fields import ALL_FIELDS, AT_START, CHOICES, PARTS, REPLACED
 from solver.problem.errors import no_such
 from solver.problem.field_values import angle
-from solver.problem.quantities import AT_START, QUANTITIES, Quantity, quantity
+from solver.problem.quantities import QUANTITIES, Quantity, quantity
 from solver.problem.units import FORCES, LENGTHS, number_in
 
 Values = NDArray[np.float64]
 
 STRICT = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
 
-ROD = tuple(f.name for f in fields(Rod))
-CYLINDER = tuple(f.name for f in fields(Cylinder))
-START = tuple(f.name for f in fields(Start))
-ENDS = tuple(f.name for f in fields(Ends))
-FIELDS = frozenset((*ROD, *CYLINDER, *START, *ENDS))  # of a case
-WELL = ("hole", "wob", "FZ0")  # in place of the inclination and of FZ
-WOUND = ("tension", "lay", "twist")  # in place of the ends of a rod that is wound as a helix: `Ends.helix`
-REPLACED = (*WELL, *WOUND)  # words for fields of a case, which `language.field_words` replaces
+ROD, CYLINDER, START, ENDS = (tuple(PARTS[part]) for part in ("rod", "cylinder", "start", "ends"))
 OF_ENDS_ALONE = {*ENDS, *REPLACED} - {*START, "hole"}  # what only an ends problem is given
-# of the fields that are text
-CHOICES: dict[str, Any] = {"stiffness": STIFFNESS, "side": SIDES, "sliding": SLIDING, "contact": CONTACTS}
-WORDS = tuple(CHOICES)
+WORDS = tuple(CHOICES)  # the fields that are text
 
 MAX_COUNT = 10_000_000  # values of an axis: 80 MB
 MAX_CASES = 1_000_000_000  # cases of a grid: more than a day at 0.1 ms each
@@ -217,13 +208,11 @@ class Units(BaseModel):
 def _type_of(field: str) -> Any:
     """The type of a field in a study file: a number, an angle, or one of its words."""
     if field in CHOICES:
-        return Literal[tuple(CHOICES[field])] | None
+        return Literal[CHOICES[field]] | None
     return (Angle if is_angle(field) else float) | None
 
 
-_TYPES: dict[str, Any] = {
-    name: (_type_of(name), None) for name in dict.fromkeys((*ROD, *CYLINDER, *START, *ENDS, *REPLACED))
-}
+_TYPES: dict[str, Any] = {name: (_type_of(name), None) for name in ALL_FIELDS}
 _Fields: Any = create_model("_Fields", __config__=STRICT, **_TYPES)  # the fields of the solver, each may be left out
 
 

@@ -3,26 +3,27 @@
 import math
 import re
 from collections.abc import Mapping
-from dataclasses import MISSING, Field, dataclass, field, fields
+from dataclasses import MISSING, dataclass, field
 from pathlib import Path
 from typing import Any
 
-from solver import Case, Cylinder, Ends, InputError, Rod, Start
-from solver.problem.case import DIRECT, ELASTIC, PAIRS, TILTS, TWISTS, lacking
+from solver import Case, Ends, InputError, Rod, Start
+from solver.problem.case import DIRECT, ELASTIC, TWISTS, lacking
+from solver.problem.declared_fields import PAIRS, PARTS, TILTS, WOUND, CaseField
 from solver.problem.errors import choices, no_such
-from solver.problem.field_values import doubt_modulus
+from solver.problem.field_values import doubt_modulus, is_met, is_said
 from solver.problem.limits import farthest
 from solver.problem.notices import UnitWarning, warn
 from solver.problem.quantities import unit_of
 from solver.problem.units import FORCES, LENGTHS, base_unit, dimension_of, split
 
-from ..grammar.axes import DEFAULT_UNITS, WORDS, WOUND, Which, case_from, number_with_unit, quantity_of
+from ..grammar.axes import DEFAULT_UNITS, WORDS, Which, case_from, number_with_unit, quantity_of
 from .field_words import START_ONLY, of_a_well, unwound
 from .loader import load
 from .printed import reading_of
 from .study import Study
 
-ENDS_ONLY = {f.name for f in fields(Ends)} - {f.name for f in fields(Start)}
+ENDS_ONLY = {*PARTS["ends"]} - {*PARTS["start"]}
 OF_MODULUS = (*ELASTIC, "inner_radius")  # the fields of a section of one material
 
 
@@ -193,20 +194,15 @@ def from_values(values: Mapping[str, Any], problem: type | None = None) -> tuple
     """
     advice = "; --table1 takes the rod of Table 1" if problem is None else ""
     problem = _problem(values) if problem is None else problem
-    known = [f for part in (Rod, Cylinder, problem) for f in fields(part)]
+    known = PARTS["rod"] | PARTS["cylinder"] | PARTS[problem.__name__.lower()]
     _check_complete(problem, known, values, advice)
-    case = case_from(problem, {f.name: values[f.name] for f in known if f.name in values})
-    assumed = {f.name: f.default for f in known if f.name not in values and f.default is not None}
-    if case.rod.EI is not None:
-        assumed.pop("stiffness", None)  # a factor of E, which this rod does not have
-    assumed.pop("contact", None)  # what every rod was held by before there was a choice
-    if case.cylinder.friction is not None and "sliding" not in values:
-        assumed["sliding"] = case.cylinder.sliding
-    if case.rod.weight is not None and "inclination" not in values:
-        assumed["inclination"] = 0.0
-    if problem is Ends:
-        loads = {load: 0.0 for load, partner in PAIRS[2:] if load not in values and partner not in values}
-        assumed = {f.name: {**assumed, **loads}[f.name] for f in known if f.name in {**assumed, **loads}}
+    case = case_from(problem, {name: values[name] for name in known if name in values})
+    taken = {row.in_place_of for name, row in known.items() if name in values}
+    assumed = {
+        name: row.default
+        for name, row in known.items()
+        if name not in values and name not in taken and is_said(name, row.default) and is_met(name, values)
+    }
     return case, assumed
 
 
@@ -236,7 +232,7 @@ def with_fields(case: Case, changes: Mapping[str, Any]) -> Case:
     values = _fields_of(case)
     for name in changes:
         if name not in values:
-            kind, names = _name(type(case.given)), choices(f.name for f in fields(case.given))
+            kind, names = _name(type(case.given)), choices(PARTS[case.kind])
             raise InputError(f"this case is {kind}, which has no {name}; choose from {names}")
     groups = (TWISTS,) if isinstance(case.given, Start) else (*PAIRS, *TILTS)
     replaced = {*_other_section(changes), *(name for group in groups if {*group} & {*changes} for name in group)}
@@ -247,16 +243,13 @@ def with_fields(case: Case, changes: Mapping[str, Any]) -> Case:
 def field_values(case: Case) -> dict[str, Any]:
     """The fields of a case by name, as plain numbers and words; without those that are None."""
     values = _fields_of(case)
-    if case.rod.EI is not None:
-        del values["stiffness"]
-    if not case.leaves:
-        del values["contact"]
-    return {name: v if isinstance(v, str) else float(v) for name, v in values.items() if v is not None}
+    said = {name: value for name, value in values.items() if is_said(name, value) and is_met(name, values)}
+    return {name: value if isinstance(value, str) else float(value) for name, value in said.items()}
 
 
 def _fields_of(case: Case) -> dict[str, Any]:
     """Every field of a case by name, None where it is not given."""
-    return {f.name: getattr(part, f.name) for part in (case.rod, case.cylinder, case.given) for f in fields(part)}
+    return {name: getattr(part, name) for part in (case.rod, case.cylinder, case.given) for name in part.__match_args__}
 
 
 def with_unit(sentence: str, case: Case, units: Mapping[str, str]) -> str:
@@ -287,12 +280,12 @@ def _problem(values: Mapping[str, Any]) -> type:
     return Ends if ends else Start
 
 
-def _check_complete(problem: type, known: list[Field[Any]], values: Mapping[str, Any], advice: str) -> None:
-    section = {f.name: values[f.name] for f in fields(Rod) if f.name in values}
+def _check_complete(problem: type, known: Mapping[str, CaseField], values: Mapping[str, Any], advice: str) -> None:
+    section = {name: values[name] for name in PARTS["rod"] if name in values}
     if set(OF_MODULUS) & set(section) and set(DIRECT) & set(section):
         Rod(**section)  # which refuses two sections
     missing = lacking(section)
-    missing += [f.name for f in known if f.default is MISSING and f.name not in values]
+    missing += [name for name, row in known.items() if row.omitted is MISSING and name not in values]
     if problem is Ends:
         missing += [f"{end} (or {other})" for end, other in PAIRS[:2] if end not in values and other not in values]
     if problem is Start and not any(name in values for name in TWISTS):

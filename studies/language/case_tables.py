@@ -10,11 +10,12 @@ from typing import Any
 import numpy as np
 from pydantic import BaseModel
 
+from solver.problem.declared_fields import ALL_FIELDS
 from solver.problem.errors import InputError, choices, near
 
-from ..grammar.axes import CYLINDER, ENDS, MAX_COUNT, REPLACED, ROD, START, STRICT, WORDS, Line, Values, number_of
+from ..grammar.axes import MAX_COUNT, STRICT, Line, Values, number_of
 
-NUMERIC = [name for name in dict.fromkeys((*ROD, *CYLINDER, *START, *ENDS, *REPLACED)) if name not in WORDS]
+NUMERIC = [name for name, row in ALL_FIELDS.items() if not row.choices]
 SUFFIXES = (".csv", ".parquet")
 MOST_BYTES = 4_000_000_000
 

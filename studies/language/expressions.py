@@ -11,10 +11,11 @@ from numpy.typing import NDArray
 
 from solver import InputError, Solution
 from solver.observe.observables import OBSERVABLES
+from solver.problem.declared_fields import FIELDS
 from solver.problem.quantities import QUANTITIES, RENAMED, unit_text
 from solver.problem.reduced import flat
 
-from ..grammar.axes import FIELDS, WORDS, Misplaced, quantity_of
+from ..grammar.axes import WORDS, Misplaced, quantity_of
 from ..grammar.formulas import (
     CONSTANTS,
     FUNCTIONS,

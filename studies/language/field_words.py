@@ -2,20 +2,18 @@
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import fields
 from functools import cache
 from typing import Any
 
 import numpy as np
 
-from solver import Case, Ends, InputError, Start, observe, solve
-from solver.problem.case import PAIRS
+from solver import Case, Ends, InputError, observe, solve
+from solver.problem.declared_fields import PAIRS, PARTS, WELL, WOUND, rivals
 from solver.problem.errors import choices
 
-from ..grammar.axes import WELL, WOUND, case_from
+from ..grammar.axes import case_from
 
-START_ONLY = {f.name for f in fields(Start)} - {f.name for f in fields(Ends)}
-OTHERS = {"hole": ("inclination",), "wob": ("FZ", "FZ0", "height"), "FZ0": ("FZ", "wob", "height")}
+START_ONLY = {*PARTS["start"]} - {*PARTS["ends"]}
 LEVEL = 1e-12  # a cosine of the inclination that is none
 MOST_STEPS, CLOSE = 12, 1e-8  # of a search for the force at s = L; its last step, relative to the loads
 
@@ -46,13 +44,14 @@ def of_a_well(
     """
     said = [name for name in WELL if name in values]
     for name in said:
-        if beside := [other for other in OTHERS[name] if other in values]:
+        if beside := [other for other in rivals(name) if other in values]:
             raise InputError(f"{name} and {beside[0]} exclude each other: give one of them")
     rest = {name: value for name, value in values.items() if name not in WELL}
     if "hole" in values:
         hole = np.asarray(values["hole"])
-        if wrong := [float(angle) for angle in hole.flat if not 0 <= angle <= math.pi]:
-            raise InputError(f"hole must be from 0 to pi rad (180 deg), got {wrong[0]:.4g} rad")
+        allowed = WELL["hole"].range
+        if allowed and (wrong := [float(angle) for angle in hole.flat if allowed.excludes(angle)]):
+            raise InputError(f"hole must be {allowed.rule}, got {wrong[0]:.4g} rad")
         rest["inclination"] = math.pi - values["hole"]
     if not {"wob", "FZ0"} & {*values}:
         return rest
@@ -109,9 +108,9 @@ def unwound(values: Mapping[str, Any]) -> dict[str, Any]:
     rest = {name: value for name, value in values.items() if name not in WOUND}
     if not wound:
         return rest
-    if missing := [name for name in WOUND[:2] if name not in wound]:
+    if missing := [name for name in ("tension", "lay") if name not in wound]:
         raise InputError(f"a rod that is wound needs tension and lay, got no {missing[0]}")
-    surplus = [name for name in rest if name in START_ONLY or name in [end for pair in PAIRS for end in pair]]
+    surplus = [name for name in rest if name in START_ONLY or name in (end for pair in PAIRS for end in pair)]
     if surplus:
         raise InputError(f"tension and lay determine the angles and loads of both ends: omit {surplus[0]}")
     case = case_from(Ends, {**rest, "beta0": 0.0, "betaL": 0.0})

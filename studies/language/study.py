@@ -4,7 +4,6 @@
 """
 
 from collections.abc import Mapping
-from dataclasses import fields
 from math import prod
 from typing import Annotated, Any, Self
 
@@ -12,10 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, Field, PrivateAttr, ValidationInfo, field_validator
 
-from solver import Case, Cylinder, Ends, InputError, Rod, Start
+from solver import Case, Ends, InputError, Start
 from solver.free.free_rods import FREE_TOLERANCE
 from solver.observe.observables import OBSERVABLES, error_name
-from solver.problem.case import DIRECT, PAIRS
+from solver.problem.case import DIRECT
+from solver.problem.declared_fields import FIELDS, PAIRS, REPLACED, VARY_LOADS, WOUND
 from solver.problem.errors import DEFAULT_TOLERANCE, choices
 from solver.problem.shown import make
 
@@ -24,13 +24,11 @@ from ..grammar.axes import (
     CYLINDER,
     ENDS,
     OF_ENDS_ALONE,
-    REPLACED,
     ROD,
     SAMPLE,
     START,
     STRICT,
     WORDS,
-    WOUND,
     Axis,
     Base,
     Dimension,
@@ -237,7 +235,7 @@ class Study(BaseModel):
     @property
     def varies(self) -> bool:
         """Whether loads vary along the rods: weight or friction is given or varied."""
-        return any(self.base.given.get(name) or name in self.varied for name in ("weight", "friction"))
+        return any(self.base.given.get(name) or name in self.varied for name in VARY_LOADS)
 
     @property
     def turns_in_place(self) -> bool:
@@ -440,12 +438,7 @@ class Study(BaseModel):
         return case_from(self.kind, unwound(of_a_well(values, {}, None)))
 
 
-_DEFAULTS = {
-    field.name: field.default
-    for kind in (Rod, Cylinder, Start, Ends)
-    for field in fields(kind)
-    if isinstance(field.default, float)
-}
+_DEFAULTS = {name: row.omitted for name, row in FIELDS.items() if isinstance(row.omitted, float)}
 
 
 def _units_of(info: ValidationInfo) -> dict[str, str] | None:

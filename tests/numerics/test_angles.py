@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from solver import Ends, InputError, Start
-from solver.problem.case import ANGLES
+from solver.problem.declared_fields import ANGLES
 from studies.grammar.axes import CYLINDER, ENDS, START, is_angle
 from studies.grammar.axes import Base as StudyBase
 

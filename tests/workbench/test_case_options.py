@@ -1,7 +1,7 @@
 """The options for the fields of a case: their table says what the solver says, and every command offers all of them."""
 
 import re
-from dataclasses import MISSING, fields
+from dataclasses import fields
 from math import cos, pi
 
 import numpy as np
@@ -9,19 +9,16 @@ import pytest
 from typer.main import get_command
 
 from solver import Cylinder, Ends, InputError, Rod, Start, observe, solve
-from solver.problem.case import CONTACTS, OFF_WALL, PAIRS, SIDES, SLIDING, STIFFNESS, TWISTS
-from solver.problem.quantities import unit_of
+from solver.problem.case import SIDES, SLIDING, STIFFNESS
+from solver.problem.declared_fields import FIELDS, PAIRS, PARTS
 from studies import loads
-from studies.grammar.axes import WELL, WOUND, quantity_of
 from studies.language.case_input import read_case
 from tests.workbench.command import exit_status
 from workbench import cli
-from workbench.commands.case_options import ENDS_FIELDS, FIELDS, HELD, REPLACED, help_of
+from workbench.commands.case_options import ENDS_FIELDS, HELD, help_of
 from workbench.run import in_memory
 
-SECTION = ("E", "nu", "a", "L", "inner_radius", "EI", "GJ")  # of which a rod needs either pair, a and L
-ABSENT = ("weight", "inclination", "friction", "sliding", *OFF_WALL)  # without one there is none; ends lie on the wall
-PARTS = {"": (Rod, Cylinder), "start": (Start,), "ends": (Ends,)}
+PARTS_OF = {"rod": {Rod}, "cylinder": {Cylinder}, "start": {Start}, "ends": {Ends}, "start or ends": {Start, Ends}}
 
 
 def declared() -> dict[str, set[type]]:
@@ -34,53 +31,26 @@ def declared() -> dict[str, set[type]]:
 
 
 def test_the_table_has_every_field_of_a_case_and_no_other() -> None:
-    assert set(FIELDS) == set(declared())
-    assert {name: field.problem for name, field in REPLACED.items()} == dict.fromkeys(WOUND, "wound") | dict.fromkeys(
-        WELL, "well"
-    )
+    assert {name: PARTS_OF[field.part] for name, field in FIELDS.items()} == declared()
 
 
 @pytest.mark.parametrize("name", FIELDS)
-def test_a_field_belongs_to_the_problem_that_the_table_names(name: str) -> None:
-    parts, problem = declared()[name], FIELDS[name].problem
-    if name in ("alpha", "gamma"):  # of both problems, with one meaning
-        assert (problem, parts) == ("", {Start, Ends})
-    elif problem == "start or ends":
-        assert parts == {Start, Ends}
-    else:
-        assert parts <= set(PARTS[problem])
+def test_a_field_that_is_declared_in_two_parts_is_one_quantity(name: str) -> None:
+    rows = [PARTS[part.__name__.lower()][name] for part in declared()[name]]
+    assert len({(row.symbol, row.dimension, row.long_name, row.range, row.quantity) for row in rows}) == 1
 
 
-@pytest.mark.parametrize("name", FIELDS)
-def test_unit_and_words_are_those_of_the_quantity(name: str) -> None:
+@pytest.mark.parametrize("name", [name for name, field in FIELDS.items() if field.default is not None])
+def test_an_omitted_field_has_its_declared_default(name: str) -> None:
+    """A default that is not that of the class is a rule: of a partner, or of what the field needs."""
     field = FIELDS[name]
-    if field.choices:
-        assert field.unit == ""
-        return
-    assert field.unit == unit_of(quantity_of(name).name, {"length": "length", "force": "force"})
-    assert field.words.startswith(quantity_of(name).long_name)
-
-
-@pytest.mark.parametrize("name", FIELDS)
-def test_the_default_is_that_of_the_solver(name: str) -> None:
-    defaults = {field.default for part in declared()[name] for field in fields(part) if field.name == name}
-    if name in TWISTS or name in SECTION:  # required in one way or another
-        assert FIELDS[name].default is None
-    elif name in ABSENT:
-        assert defaults == {None}
-        assert FIELDS[name].default is None
-    elif name in {field for pair in PAIRS for field in pair}:  # a load is 0 unless its displacement is held
-        assert defaults == {None}
-        assert FIELDS[name].default == (0.0 if name in ("FZ", "MZ") else None)
-    else:
-        assert defaults == {MISSING if FIELDS[name].default is None else FIELDS[name].default}
+    assert field.omitted == field.default or field.needs or name in {load for load, _ in PAIRS}
 
 
 def test_words_have_the_choices_of_the_solver() -> None:
     assert FIELDS["stiffness"].choices == tuple(STIFFNESS)
     assert FIELDS["side"].choices == tuple(SIDES)
     assert FIELDS["sliding"].choices == tuple(SLIDING)
-    assert FIELDS["contact"].choices == CONTACTS
 
 
 @pytest.mark.parametrize(

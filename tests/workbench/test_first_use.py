@@ -7,11 +7,12 @@ from pathlib import Path
 
 import pytest
 
+from solver.problem.declared_fields import FIELDS
 from solver.problem.errors import near
+from solver.problem.quantities import unit_of
 from studies.grammar.axes import Base, Units
 from studies.language.study import Study
 from tests.slow import slow
-from workbench.commands.case_options import FIELDS
 
 ROOT = Path(__file__).parents[2]
 
@@ -50,6 +51,7 @@ def test_the_help_of_each_number_names_its_unit(call) -> None:
         said = " ".join(call(command, "--help")[1].split())
         options = dict(re.findall(r"--(\w+) (?:NUMBER|ANGLE) (.{0,200})", said))
         for name in FIELDS.keys() & options.keys():
-            assert FIELDS[name].unit == "1" or f"[{FIELDS[name].unit}]" in options[name], (command, name)
+            unit = unit_of(FIELDS[name].quantity, {"length": "length", "force": "force"})
+            assert unit == "1" or f"[{unit}]" in options[name], (command, name)
         assert "default: cm" in said
         assert "default: N" in said

@@ -15,7 +15,7 @@ import xarray as xr
 
 import workbench.accessor  # noqa: F401  (ds.rod)
 from solver import InputError
-from solver.problem.field_values import RANGES
+from solver.problem.declared_fields import RANGES
 from studies import load
 from studies.language.loader import loads
 from tests.slow import slow, slow_but

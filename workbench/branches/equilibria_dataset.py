@@ -12,7 +12,7 @@ from solver.equilibria import Equilibrium
 from solver.equilibrium_list import HeldEquilibria
 from solver.loops import Loop
 from solver.observe.observables import observe
-from solver.problem.case import PAIRS
+from solver.problem.declared_fields import PAIRS
 from solver.problem.errors import InputError, choices, no_such, show
 from solver.problem.reduced import held_of
 from studies import Study

@@ -22,8 +22,8 @@ from solver.follow import MOST
 from solver.nodes.loaded_rod import BETA
 from solver.nodes.varying_shapes import Shape
 from solver.orbits.boundary import path_of
-from solver.problem.case import PAIRS
 from solver.problem.case_fields import with_field
+from solver.problem.declared_fields import PAIRS
 from solver.problem.reduced import EndsProblem
 from studies.language.case_input import with_fields
 

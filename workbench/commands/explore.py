@@ -6,11 +6,12 @@ import threading
 from pathlib import Path
 from typing import Annotated
 
+from solver.problem.declared_fields import ALL_FIELDS
 from solver.problem.errors import InputError
 
 from ..run import atomic
 from . import console
-from .case_options import EVERY, GivenOptions
+from .case_options import GivenOptions
 from .options import ForceOutput, argument, check_file, option
 from .present import Result, presents, result_of_files
 
@@ -19,7 +20,7 @@ THIS_MACHINE = ("127.0.0.1", "localhost", "::1")
 EVERYWHERE = ("0.0.0.0", "::", "")
 
 
-@presents(case=EVERY)
+@presents(case=tuple(ALL_FIELDS))
 def explore(
     file: Annotated[
         Path | None, argument("FILE|STUDY", "Study, by name or TOML file, or stored file; options replace its fields.")

@@ -4,10 +4,11 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+from solver.problem.declared_fields import ALL_FIELDS
 from solver.problem.errors import InputError
 
 from . import console, tables
-from .case_options import EVERY, GivenOptions
+from .case_options import GivenOptions
 from .options import (
     At,
     Choose,
@@ -69,7 +70,7 @@ Sigma = Annotated[
     "Picture, .png, .pdf or .svg: curve and points, region, which data decide.",
     "The fitted case as a .toml file for solve, or the fitted values as a .csv table.",
     suffixes=OUT,
-    case=EVERY,
+    case=tuple(ALL_FIELDS),
 )
 def fit(
     file: Study = None,

@@ -6,13 +6,14 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+from solver.problem.declared_fields import ALL_FIELDS
 from solver.problem.errors import DEFAULT_TOLERANCE
 from solver.problem.quantities import quantity
 
 from ..run import atomic
 from ..words.habits import plain, size_shown, unit_shown
 from . import console, tables
-from .case_options import EVERY, GivenOptions
+from .case_options import GivenOptions
 from .options import (
     AT,
     CaseFile,
@@ -46,7 +47,7 @@ LOADS = ("FZ", "MZ", "M3")
     plot="Picture of the rod, .png, .pdf or .svg.",
     out="The solved case as an .h5 file, which plot, scene, export and explore read, or as a .toml study of it.",
     suffixes=(".h5", ".toml"),
-    case=EVERY,
+    case=tuple(ALL_FIELDS),
 )
 def solve(
     file: CaseFile = None,

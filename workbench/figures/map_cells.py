@@ -9,8 +9,9 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, QuadMesh
 from numpy.typing import NDArray
 
+from solver.problem.declared_fields import FIELDS
 from solver.problem.errors import InputError, choices
-from studies.grammar.axes import FIELDS, SAMPLE, WORDS
+from studies.grammar.axes import SAMPLE, WORDS
 
 from ..stored import selection
 from ..stored.quantity_variables import dimension

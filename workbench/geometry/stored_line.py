@@ -13,6 +13,7 @@ from scipy.interpolate import CubicSpline
 from solver.orbits import frames
 from solver.orbits.potential import Loads, slope_rate
 from solver.problem.case import ALONG_AXIS, IN_PLACE, SLIDING
+from solver.problem.declared_fields import VARY_LOADS
 from solver.problem.errors import InputError
 
 from ..stored import quantity_variables
@@ -20,7 +21,7 @@ from ..stored.stored_study import StoredStudy
 from .centreline import EASED, NEEDED, Array, Centreline, cut, slopes, spline
 
 # what the curve of a rod with weight or friction needs beside, and of one that may leave the cylinder
-VARIES = ("contact", "radius", "inclination", *quantity_variables.VARYING)
+VARIES = ("contact", "radius", "inclination", *VARY_LOADS)
 FREE_ORDER = 3  # of the errors of a spline through places, in their distance: the shear jumps at edges of contact
 ANGLES = 361  # between the least and the largest one, at which rates are compared
 

@@ -13,9 +13,10 @@ import xarray as xr
 from solver import InputError, Rod, Solution, observe
 from solver.observe.observables import OBSERVABLES, is_count, observables_of
 from solver.problem.case_fields import fields_of, value_of
+from solver.problem.declared_fields import FIELDS
 from solver.problem.errors import no_such
 from solver.problem.quantities import current, quantity, unit_of
-from studies.grammar.axes import DEFAULT_UNITS, FIELDS, WORDS
+from studies.grammar.axes import DEFAULT_UNITS, WORDS
 
 from ..stored import quantity_variables
 

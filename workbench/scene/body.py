@@ -9,13 +9,13 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from solver.orbits import frames
+from solver.problem.declared_fields import VARY_LOADS
 from solver.problem.errors import InputError
 
 from ..geometry import centreline, self_contact, stored_line
 from ..geometry.centreline import Array, Centreline
 from ..geometry.lines import TALLEST
 from ..geometry.refinement import COLOUR_STEPS, MOST_TRIANGLES, Rings, rings, stations_for
-from ..stored import quantity_variables
 from ..stored.quantity_variables import SECTION
 from ..stored.solved_again import POINT_FORCES
 from ..stored.stored_study import StoredStudy
@@ -202,7 +202,7 @@ def read(
         if name not in stored:
             raise InputError(f"the dataset stores no {name}, which the kind {kind.name} needs: add it to outputs")
     also = {name for name in ("solved", "outcome", "caution", "dbeta", *SECTION) if name in stored}
-    if stored.leaves or any(name in stored for name in quantity_variables.VARYING):
+    if stored.leaves or any(name in stored for name in VARY_LOADS):
         also |= {name for name in stored_line.VARIES if name in stored}
     variables = stored.only(sorted(reads | also))
     line = stored_line.read(variables, where)

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver.observe.observables import OBSERVABLES
+from solver.problem.declared_fields import POSITIVE, RANGES
 from solver.problem.errors import InputError
-from solver.problem.field_values import POSITIVE, RANGES
 from studies import Study
 from studies.grammar.axes import LONGEST_LINE, Dimensions
 

@@ -14,12 +14,13 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from solver.problem.case import CONTACTS, DIRECT, ELASTIC, GIVEN, SIDES, SLIDING
+from solver.problem.case import DIRECT, ELASTIC, GIVEN, SIDES
+from solver.problem.declared_fields import CHOICES, FIELDS
 from solver.problem.errors import InputError, choices
 from solver.problem.quantities import QUANTITIES, unit_of
 from solver.problem.units import FORCES, LENGTHS
 from studies import names
-from studies.grammar.axes import FIELDS, SAMPLE
+from studies.grammar.axes import SAMPLE
 
 from ..words import escaping
 from ..words.escaping import show
@@ -36,8 +37,7 @@ OF_STUDY = ("title", "study_name", "laws", "study", "reading", "side", "stiffnes
 LONG = ("study", "laws", "versions", "recipe", "statistics", "branches", "rows")  # of many lines, or JSON; not printed
 MOST_TEXT = 64_000_000  # characters of such a text
 WORDS: Mapping[str, Any] = {
-    "side": SIDES, "sliding": SLIDING, "contact": CONTACTS,
-    "stiffness": quantity_variables.SECTIONS, "length_unit": LENGTHS, "force_unit": FORCES,
+    **CHOICES, "stiffness": quantity_variables.SECTIONS, "length_unit": LENGTHS, "force_unit": FORCES,
 }  # fmt: skip
 LABELS = ("units", "long_name", "symbol", "reading")  # attributes of variables that are text
 # What the values of a variable are, and their kinds in NumPy; of all others numbers.

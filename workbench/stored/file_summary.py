@@ -10,7 +10,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from solver.observe.observables import OBSERVABLES
-from solver.problem.case import PAIRS
+from solver.problem.declared_fields import PAIRS
 from solver.problem.errors import InputError
 from studies.grammar.axes import SAMPLE
 from studies.laws import law_words

@@ -8,8 +8,10 @@ import numpy as np
 from solver.observe import observables
 from solver.observe.observables import OBSERVABLES
 from solver.problem.case import GIVEN, STIFFNESS, fourth_powers
+from solver.problem.declared_fields import CHOICES, PARTS
+from solver.problem.field_values import is_said
 from solver.problem.quantities import quantity, unit_of
-from studies.grammar.axes import CYLINDER, SAMPLE, WORDS, quantity_of
+from studies.grammar.axes import SAMPLE, WORDS, quantity_of
 from studies.grammar.formulas import parse
 from studies.language.study import OUTPUTS
 
@@ -22,8 +24,7 @@ if TYPE_CHECKING:
 LOADS = ("FZ", "MZ", "M3")
 JUDGED = ("error", "condition")  # how exact the answer of a case is
 SECTION = ("E", "nu", "inner_radius", "EI", "GJ")  # the fields of a rod's section: a file stores those that it has
-VARYING = ("weight", "friction")  # fields with which loads vary along the rod
-OF_THE_CASE = ("R", "a", "L", "rho", *SECTION, *VARYING, "inclination")
+OF_THE_CASE = ("rho", *(name for name in (*PARTS["rod"], *PARTS["cylinder"]) if name not in CHOICES))
 COMPONENTS = {"xyz": ("x", "y", "z"), "director": ("d1", "d2", "d3")}
 INNER = {"position": ("xyz",)}  # dimensions after u, of an output that is not one number at each station
 # The name in the file -> the output. Forces along the rod never take the name of an axis: F1 is the force at the start.
@@ -82,7 +83,7 @@ def variables(
 
 def numbers_of_case(case: "Case") -> dict[str, Any]:
     """The fields of a case's rod and cylinder that are given, rho, and of rods whose loads vary the azimuth alpha0."""
-    owner = {"rho": case, **dict.fromkeys(CYLINDER, case.cylinder)}
+    owner = {"rho": case, **dict.fromkeys(PARTS["cylinder"], case.cylinder)}
     values = {name: getattr(owner.get(name, case.rod), name) for name in OF_THE_CASE}
     values |= {"alpha0": case.given.alpha} if case.varies else {}
     return {name: value for name, value in values.items() if value is not None}
@@ -90,11 +91,10 @@ def numbers_of_case(case: "Case") -> dict[str, Any]:
 
 def attributes_of_case(case: "Case", units: Mapping[str, str]) -> dict[str, str]:
     """The words of a case, and the units of its numbers."""
-    wall = case.cylinder
-    words = {"side": wall.side, "stiffness": case.rod.section, "sliding": wall.sliding}
-    words |= {"contact": wall.contact} if case.leaves else {}
+    words = {name: getattr(case.cylinder if name in PARTS["cylinder"] else case.rod, name) for name in CHOICES}
+    words["stiffness"] = case.rod.section
     units = {f"{kind}_unit": units[kind] for kind in ("length", "force")}
-    return {name: word for name, word in words.items() if word is not None} | units
+    return {name: word for name, word in words.items() if is_said(name, word)} | units
 
 
 def bending_stiffness(word: str, number: Any) -> Any:

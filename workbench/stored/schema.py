@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from solver.problem.declared_fields import VARY_LOADS
 from solver.problem.errors import InputError
 from studies.language import expressions
 
 from ..words import escaping
 from ..words.outcomes import LEFT
 from .bounds import LABEL
-from .quantity_variables import INNER, JUDGED, LOADS, VARYING, curve_name, dimension, inner_shape, labels, own_dimension
+from .quantity_variables import INNER, JUDGED, LOADS, curve_name, dimension, inner_shape, labels, own_dimension
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -54,7 +55,7 @@ def leaves(ds: "xr.Dataset") -> bool:
 
 def loads_vary(ds: "xr.Dataset") -> bool:
     """Whether loads vary along a rod of the dataset: one has weight or friction."""
-    return any(bool(np.any(ds[name].values != 0)) for name in VARYING if name in ds.variables)
+    return any(bool(np.any(ds[name].values != 0)) for name in VARY_LOADS if name in ds.variables)
 
 
 def packing(ndim: int, dtype: "np.dtype[Any]") -> dict[str, Any]:

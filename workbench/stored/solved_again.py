@@ -14,11 +14,12 @@ from solver.free.free_rods import trajectory_of
 from solver.orbits.joined_orbits import Rows
 from solver.orbits.statics import push_from
 from solver.problem.case_fields import values_of, with_field
+from solver.problem.declared_fields import FIELDS
 from solver.problem.errors import InputError, no_such
 from solver.solution import FreeSolution
 from solver.solve import own_ends
 from studies import Study
-from studies.grammar.axes import FIELDS, SAMPLE, WORDS, Dimension, quantity_of
+from studies.grammar.axes import SAMPLE, WORDS, Dimension, quantity_of
 from studies.language.loader import loads
 from studies.language.study import MAX_STATIONS
 

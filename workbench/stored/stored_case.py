@@ -8,9 +8,10 @@ import numpy as np
 import xarray as xr
 
 from solver import Ends, Solution
+from solver.problem.declared_fields import FIELDS
 from solver.problem.errors import choices
 from studies import Study, load
-from studies.grammar.axes import FIELDS, WORDS, Which, in_words
+from studies.grammar.axes import WORDS, Which, in_words
 from studies.language.case_input import CaseInput, from_values, in_units, with_values
 
 from . import file_kinds, quantity_variables, reading

@@ -9,9 +9,10 @@ from typing import Any, Self
 import numpy as np
 import xarray as xr
 
+from solver.problem.declared_fields import FIELDS, VARY_LOADS
 from solver.problem.errors import InputError, choices, near, no_such
 from solver.problem.quantities import current
-from studies.grammar.axes import FIELDS, SAMPLE
+from studies.grammar.axes import SAMPLE
 from studies.language.printed import table_of
 from studies.laws.line_verdicts import NOISE
 
@@ -144,7 +145,7 @@ class StoredCases:
         """What the model leaves out of rods inside a cylinder, in one sentence; empty outside."""
         if str(self.ds.attrs["side"]) != "inside":
             return ""
-        given = {name: self.ds[name].values for name in quantity_variables.VARYING if name in self.ds}
+        given = {name: self.ds[name].values for name in VARY_LOADS if name in self.ds}
         return cautions.model_leaves_out(given | {name: self.attrs.get(name) for name in ("sliding", "contact")})
 
     def check_any_solved(self) -> None:

@@ -7,7 +7,7 @@ export const DIRECT = ["EI", "GJ"];
 
 export const ELASTIC = ["E", "nu"];
 
-export const ANGLES = ["beta", "beta0", "betaL", "alpha", "gamma", "azimuth", "rotation", "inclination", "tilt0", "tiltL"];
+export const ANGLES = ["inclination", "beta", "alpha", "gamma", "beta0", "betaL", "azimuth", "rotation", "tilt0", "tiltL"];
 
 export const SLIDING = ["forward", "backward", "rotating", "axial-forward", "axial-backward"];
 
@@ -15,7 +15,7 @@ export const SIDES = {"outside": 1, "inside": -1};
 
 export const HELD = {"beta0": "M10", "betaL": "M1L", "FZ": "height", "MZ": "azimuth", "M3": "rotation"};
 
-export const RANGES = {"E": {"low": 0, "closed": false}, "EI": {"low": 0, "closed": false}, "GJ": {"low": 0, "closed": false}, "a": {"low": 0, "closed": false}, "L": {"low": 0, "closed": false}, "R": {"low": 0, "closed": false}, "nu": {"low": -1, "closed": false, "high": 0.5}, "inner_radius": {"low": 0, "closed": true}, "weight": {"low": 0, "closed": true}, "friction": {"low": 0, "closed": true}, "radius0": {"low": 0, "closed": true}, "radiusL": {"low": 0, "closed": true}, "tilt0": {"low": -1.5707963267948966, "closed": true, "high": 1.5707963267948966}, "tiltL": {"low": -1.5707963267948966, "closed": true, "high": 1.5707963267948966}, "inclination": {"low": 0, "closed": true, "high": 3.1415926535897967}};
+export const RANGES = {"E": {"low": 0, "closed": false}, "nu": {"low": -1, "closed": false, "high": 0.5}, "a": {"low": 0, "closed": false}, "L": {"low": 0, "closed": false}, "inner_radius": {"low": 0, "closed": true}, "EI": {"low": 0, "closed": false}, "GJ": {"low": 0, "closed": false}, "weight": {"low": 0, "closed": true}, "R": {"low": 0, "closed": false}, "inclination": {"low": 0, "closed": true, "high": 3.1415926535897967}, "friction": {"low": 0, "closed": true}, "radius0": {"low": 0, "closed": true}, "radiusL": {"low": 0, "closed": true}, "tilt0": {"low": -1.5707963267948966, "closed": true, "high": 1.5707963267948966}, "tiltL": {"low": -1.5707963267948966, "closed": true, "high": 1.5707963267948966}};
 
 export const LENGTHS = {"nm": 1e-09, "um": 1e-06, "mm": 0.001, "cm": 0.01, "dm": 0.1, "m": 1.0, "km": 1000.0, "in": 0.0254, "ft": 0.3048};
 

@@ -1,0 +1,369 @@
+"""Every field of a case, declared once: part, name, quantity, range, words, partner, what it needs, and its help.
+
+The classes here are the fields of `Rod`, `Cylinder`, `Start` and `Ends`, in their order; `WELL` and `WOUND` are names
+of drillers and of cable makers that stand in place of some of them. Checks, refusals, options of the command line, keys
+and schema of study files, labels and stored variables are read from these rows. Needs no NumPy.
+"""
+
+from dataclasses import dataclass, field, fields, replace
+from math import inf, pi
+from typing import Any, Literal, get_args, get_type_hints
+
+Dimension = tuple[int, int] | str  # exponents of length and force; "rad", "rad/length"; "text" of words
+NUMBER, LENGTH, FORCE, MOMENT, LINE_LOAD, STRESS, RIGIDITY = (0, 0), (1, 0), (0, 1), (1, 1), (-1, 1), (-2, 1), (2, 1)
+
+
+@dataclass(frozen=True)
+class Range:
+    """Where the values of a field must be: above `low`, or from it on if it is `closed`, to `high`. rule: in words."""
+
+    low: float
+    rule: str
+    closed: bool = False
+    high: float = inf
+
+    def excludes(self, value: Any) -> Any:
+        """Which numbers, one or an array, are outside."""
+        return (value < self.low if self.closed else value <= self.low) | (value > self.high)
+
+
+@dataclass(frozen=True)
+class CaseField:
+    """The declaration of a field of a case.
+
+    Attributes
+    ----------
+    symbol, dimension, long_name
+        Of its quantity, which has its name, or the name `quantity`. estimated: whether an answer has it with an error.
+    range
+        Where its numbers must be; None: any finite number.
+    default
+        The value of an omitted field, where what it needs is given and its partner is not; None: there is none.
+    in_place_of
+        The field that it replaces: one of the two is given.
+    needs
+        The field without which it means nothing, ``weight``; before it the word which that must be, ``unilateral
+        contact``.
+    varies
+        Whether loads vary along the rod with it.
+    is_quiet
+        Whether its default is not mentioned where the fields of a case are listed.
+    more, note
+        Words behind the long name in the help, and a rule for the field.
+    name, part, omitted, choices
+        Read from where it stands: "rod", "cylinder", "start", "ends", "start or ends", "well" or "wound"; its value in
+        a part that is made without it, `dataclasses.MISSING` if it must be given; its words, none for a number.
+    """
+
+    symbol: str
+    dimension: Dimension
+    long_name: str
+    range: Range | None = None
+    default: float | str | None = None
+    in_place_of: str = ""
+    needs: str = ""
+    varies: bool = False
+    is_quiet: bool = False
+    more: str = ""
+    note: str = ""
+    quantity: str = ""
+    estimated: bool = False
+    name: str = ""
+    part: str = ""
+    omitted: Any = None
+    choices: tuple[str, ...] = ()
+
+    @property
+    def is_angle(self) -> bool:
+        """Whether its values may be texts such as "30deg"."""
+        return self.dimension == "rad"
+
+    @property
+    def rules(self) -> str:
+        """What it needs and replaces, its note and its default: ``only with weight; default: 0``."""
+        shown = f"{self.default:g}" if isinstance(self.default, float) else self.default
+        parts = (
+            f"only with {self.needs}" if self.needs else "",
+            f"in place of {self.in_place_of}" if self.in_place_of else "",
+            self.note,
+            "" if shown is None else f"default: {shown}",
+        )
+        return "; ".join(part for part in parts if part)
+
+
+def _row(*values: Any, **more: Any) -> dict[str, CaseField]:
+    return {"row": CaseField(*values, **more)}
+
+
+def _words(long_name: str, **more: Any) -> dict[str, CaseField]:
+    return _row("", "text", long_name, **more)
+
+
+_POSITIVE = Range(0, "positive and finite")
+_NOT_NEGATIVE = Range(0, "at least 0", closed=True)
+_INCLINED = Range(0, "from 0 to pi rad (180 deg)", closed=True, high=pi * (1 + 1e-15))
+_TILTED = Range(-pi / 2, "from -pi/2 to pi/2 rad (90 deg)", closed=True, high=pi / 2)
+_SECTION = "give E and nu, or EI and GJ"
+_TWIST = "give one of F1, dgamma, M3"
+_FREE = "unilateral contact"
+_BETA = _row("β₀", "rad", "angle from the axis at the start", quantity="beta0")
+_ALPHA = _row("α₀", "rad", "azimuth of the start", default=0.0, quantity="alpha0")
+_GAMMA = _row("γ₀", "rad", "rotation of the section at the start", default=0.0, quantity="gamma0")
+_M3 = CaseField("M₃", MOMENT, "twisting moment", note="a start needs one of F1, dgamma, M3; default for ends: 0")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class RodFields:
+    """The fields of a rod."""
+
+    E: Any = field(default=None, metadata=_row("E", STRESS, "Young's modulus", _POSITIVE, note=_SECTION))
+    nu: Any = field(
+        default=None, metadata=_row("ν", NUMBER, "Poisson ratio", Range(-1, "in (-1, 0.5]", high=0.5), note=_SECTION)
+    )
+    a: Any = field(default=None, metadata=_row("a", LENGTH, "radius of the rod", _POSITIVE))
+    L: Any = field(default=None, metadata=_row("L", LENGTH, "length of the rod", _POSITIVE))
+    stiffness: Literal["solid", "paper"] = field(
+        default="solid",
+        metadata=_words(
+            "bending stiffness of a solid section (solid), or a quarter of it as printed in the paper (paper)",
+            default="solid", needs="E",
+        ),
+    )  # fmt: skip
+    inner_radius: Any = field(
+        default=None,
+        metadata=_row(
+            "aᵢ", LENGTH, "inner radius of the rod", Range(0, "at least 0 and less than Rod.a", closed=True),
+            more=", for a tube",
+        ),
+    )  # fmt: skip
+    EI: Any = field(default=None, metadata=_row("EI", RIGIDITY, "bending stiffness, given", _POSITIVE, note=_SECTION))
+    GJ: Any = field(default=None, metadata=_row("GJ", RIGIDITY, "torsional stiffness, given", _POSITIVE, note=_SECTION))
+    weight: Any = field(
+        default=None,
+        metadata=_row(
+            "w", LINE_LOAD, "weight per length in the fluid", _NOT_NEGATIVE, varies=True, note="default: no weight"
+        ),
+    )
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class CylinderFields:
+    """The fields of a cylinder."""
+
+    R: Any = field(metadata=_row("R", LENGTH, "radius of the cylinder", _POSITIVE))
+    side: Literal["outside", "inside"] = field(
+        default="outside", metadata=_words("side of the cylinder on which the rod lies", default="outside")
+    )
+    inclination: Any = field(
+        default=None,
+        metadata=_row(
+            "θ", "rad", "angle of the axis to the upward vertical", _INCLINED, default=0.0, needs="weight",
+            more=" (0: s climbs straight up; 90deg: horizontal; 180deg: s goes straight down)",
+        ),
+    )  # fmt: skip
+    friction: Any = field(
+        default=None,
+        metadata=_row(
+            "μ", NUMBER, "coefficient of sliding friction", _NOT_NEGATIVE, varies=True, note="default: no friction"
+        ),
+    )
+    sliding: Literal["forward", "backward", "rotating", "axial-forward", "axial-backward"] | None = field(
+        default=None,
+        metadata=_words(
+            "how a rod with friction moves: along itself, turning in place, or along the axis",
+            default="forward", needs="friction",
+        ),
+    )  # fmt: skip
+    contact: Literal["bilateral", "unilateral"] = field(
+        default="bilateral",
+        metadata=_words(
+            "whether the cylinder holds the rod on (bilateral) or only pushes (unilateral)",
+            default="bilateral", is_quiet=True,
+        ),
+    )  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class StartFields:
+    """The fields of the start."""
+
+    beta: Any = field(metadata=_BETA)
+    dbeta: Any = field(metadata=_row("β₀′", "rad/length", "rate of the angle at the start", quantity="dbeta0"))
+    F1: Any = field(default=None, metadata=_row("F₁", FORCE, "internal force along the inward normal", note=_TWIST))
+    F2: Any = field(
+        default=0.0, metadata=_row("F₂", FORCE, "internal force in the surface, across the rod", default=0.0)
+    )
+    F3: Any = field(
+        default=0.0, metadata=_row("F₃", FORCE, "internal force along the tangent, tension positive", default=0.0)
+    )
+    dgamma: Any = field(
+        default=None, metadata=_row("γ₀′", "rad/length", "rate of rotation of the section at the start", note=_TWIST)
+    )
+    alpha: Any = field(default=0.0, metadata=_ALPHA)
+    gamma: Any = field(default=0.0, metadata=_GAMMA)
+    M3: Any = field(default=None, metadata={"row": _M3})
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class EndsFields:
+    """The fields of both ends."""
+
+    beta0: Any = field(default=None, metadata=_BETA)
+    betaL: Any = field(
+        default=None, metadata=_row("β(L)", "rad", "angle from the axis at the far end", more=", full turns included")
+    )
+    FZ: Any = field(default=None, metadata=_row("FZ", FORCE, "axial force", more=", tension positive", default=0.0))
+    MZ: Any = field(default=None, metadata=_row("MZ", MOMENT, "axial moment", default=0.0))
+    M3: Any = field(default=None, metadata={"row": replace(_M3, default=0.0, note="")})
+    alpha: Any = field(default=0.0, metadata=_ALPHA)
+    gamma: Any = field(default=0.0, metadata=_GAMMA)
+    height: Any = field(
+        default=None,
+        metadata=_row("z(L)", LENGTH, "axial distance of the far end", in_place_of="FZ", more=", held", estimated=True),
+    )
+    azimuth: Any = field(
+        default=None,
+        metadata=_row("Δα", "rad", "azimuth from the start to the far end", in_place_of="MZ", more=", held"),
+    )
+    rotation: Any = field(
+        default=None,
+        metadata=_row(
+            "Δγ", "rad", "rotation of the section from the start to the far end", in_place_of="M3", more=", held"
+        ),
+    )
+    M10: Any = field(
+        default=None,
+        metadata=_row(
+            "M₁(0)", MOMENT, "bending moment at the start", in_place_of="beta0", more=", 0 for a hinge", estimated=True
+        ),
+    )
+    M1L: Any = field(
+        default=None,
+        metadata=_row(
+            "M₁(L)", MOMENT, "bending moment at the far end", in_place_of="betaL", more=", 0 for a hinge",
+            estimated=True,
+        ),
+    )  # fmt: skip
+    radius0: Any = field(
+        default=None,
+        metadata=_row(
+            "r(0)", LENGTH, "distance of the start from the axis", _NOT_NEGATIVE, needs=_FREE,
+            note="default: on the wall",
+        ),
+    )  # fmt: skip
+    radiusL: Any = field(
+        default=None,
+        metadata=_row(
+            "r(L)", LENGTH, "distance of the far end from the axis", _NOT_NEGATIVE, needs=_FREE,
+            note="default: on the wall",
+        ),
+    )  # fmt: skip
+    tilt0: Any = field(
+        default=None,
+        metadata=_row(
+            "τ(0)", "rad", "tilt of the tangent out of the wall at the start, outwards", _TILTED, needs=_FREE,
+            note="default: 0",
+        ),
+    )  # fmt: skip
+    tiltL: Any = field(
+        default=None,
+        metadata=_row(
+            "τ(L)", "rad", "tilt of the tangent out of the wall at the far end, outwards", _TILTED, needs=_FREE,
+            note="default: 0",
+        ),
+    )  # fmt: skip
+    M20: Any = field(
+        default=None,
+        metadata=_row(
+            "M₂(0)", MOMENT, "bending moment in the surface at the start", needs=_FREE, in_place_of="tilt0",
+            more=", 0 for a hinge",
+        ),
+    )  # fmt: skip
+    M2L: Any = field(
+        default=None,
+        metadata=_row(
+            "M₂(L)", MOMENT, "bending moment in the surface at the far end", needs=_FREE, in_place_of="tiltL",
+            more=", 0 for a hinge",
+        ),
+    )  # fmt: skip
+
+
+def _read(kind: type, part: str) -> dict[str, CaseField]:
+    """The rows of a class, with their names, parts and choices."""
+    hints = get_type_hints(kind)
+    return {
+        each.name: replace(
+            each.metadata["row"],
+            name=each.name,
+            part=part,
+            omitted=each.default,
+            quantity=each.metadata["row"].quantity or each.name,
+            choices=_choices(hints[each.name]),
+        )
+        for each in fields(kind)
+    }
+
+
+def _choices(hint: Any) -> tuple[str, ...]:
+    """The words of a type of literals; none of another type."""
+    return tuple(word for part in get_args(hint) for word in ((part,) if isinstance(part, str) else _choices(part)))
+
+
+def _in_place(part: str, **rows: CaseField) -> dict[str, CaseField]:
+    return {name: replace(row, name=name, part=part, quantity=name) for name, row in rows.items()}
+
+
+_KINDS = {"rod": RodFields, "cylinder": CylinderFields, "start": StartFields, "ends": EndsFields}
+PARTS = {part: _read(kind, part) for part, kind in _KINDS.items()}  # part -> its fields
+FIELDS: dict[str, CaseField] = {  # every field of a case, those of start and ends as they are of a start
+    **{name: row for rows in PARTS.values() for name, row in rows.items()},
+    **{
+        name: replace(row, part="start or ends") if name in PARTS["ends"] else row
+        for name, row in PARTS["start"].items()
+    },
+}
+WELL = _in_place(
+    "well",
+    hole=CaseField(
+        "hole", "rad", "inclination of a hole that s runs down, 0: vertical, 90deg: horizontal", _INCLINED,
+        in_place_of="inclination",
+    ),
+    wob=CaseField("WOB", FORCE, "weight on bit, the push at the lower end", in_place_of="FZ"),
+    FZ0=CaseField(
+        "FZ(0)", FORCE, "axial force at the start", in_place_of="FZ", estimated=True,
+        more=", tension positive; down a hole its upper end",
+    ),
+)  # fmt: skip
+WOUND = _in_place(
+    "wound",
+    tension=CaseField(
+        "T", FORCE, "force along a rod that is wound as a uniform helix",
+        note="with lay it gives the angles and loads of both ends",
+    ),
+    lay=CaseField("lay", "rad", "angle of this helix from the axis"),
+    twist=CaseField(
+        "twist", "rad/length", "twist of the section of this helix per length, M3/GJ",
+        note="default: that with which F2 is 0",
+    ),
+)  # fmt: skip
+REPLACED = {**WOUND, **WELL}  # in place of fields of a case, which `studies.language.field_words` makes of them
+ALL_FIELDS = {**FIELDS, **REPLACED}
+
+CHOICES = {name: row.choices for name, row in FIELDS.items() if row.choices}  # of the fields that are text
+ANGLES = tuple(name for name, row in FIELDS.items() if row.is_angle)  # fields that may be text, such as 30deg
+RANGES = {name: row.range for name, row in FIELDS.items() if row.range is not None}
+POSITIVE = tuple(name for name, allowed in RANGES.items() if allowed == _POSITIVE)
+VARY_LOADS = tuple(name for name, row in FIELDS.items() if row.varies)  # with which loads vary along the rod
+OFF_WALL = tuple(name for name, row in FIELDS.items() if row.needs == _FREE)  # of ends that may leave the cylinder
+_PARTNERS = {row.in_place_of: name for name, row in FIELDS.items() if row.in_place_of}
+# fields of Ends: one of each pair is given, the other one is then unknown
+PAIRS = tuple((name, _PARTNERS[name]) for name in PARTS["ends"] if name in _PARTNERS and name not in OFF_WALL)
+TILTS = tuple((name, _PARTNERS[name]) for name in OFF_WALL if name in _PARTNERS)  # of a rod that may leave the cylinder
+AT_START = {name: row.quantity for name, row in FIELDS.items() if row.quantity != name}  # values of others at s = 0
+
+
+def rivals(name: str) -> tuple[str, ...]:
+    """The fields beside which a field in place of another one is not given: that one, and others in its place."""
+    replaced = ALL_FIELDS[name].in_place_of
+    others = (other for other, row in ALL_FIELDS.items() if row.in_place_of == replaced and other != name)
+    return (replaced, *others) if replaced else ()
