@@ -23,12 +23,13 @@ FEWEST, EACH = 24, (2.0, 4.0)  # edges of the coarsest mesh: for each length on 
 MOST_EDGES = 16_384
 MESHES = 3  # at least, of which each has twice the edges of that before: they say which order the errors have
 FINEST = 8192  # edges, up to which a mesh is refined for the tolerance, if errors of order 2 would then be within it
+APART = 0.05  # of the length: a finer mesh that moves a rod so far leads to another minimum, and meshes count anew
 LEAST_STEP = 1 / 64  # of the way of the ends from those of a curve to where they are held
 ORDER = (3.0, 5.5)  # of a change to the next one, on edges of half the length: the order 2 is seen
 LARGEST = 1e12  # of a number of a rod in units of A and rho
 FOUND = "a stable equilibrium, {}found from {}{}; others may exist"
 ON_A_LINE = "; one of a line of equal ones, as {}"
-LEAST_OF, MOVED = "the least of {} minima ", ", moved by some waves"
+LEAST_OF, ONLY, MOVED = "the least of {} minima ", "the only minimum ", ", moved by some waves"
 SHAKES = (1.0, 0.3) * 6  # of the size of angles: how far a shape is moved from a minimum to find others
 WAVES = 6  # half waves of the shortest part of such a motion
 EQUAL = 1e-6  # of the energy: minima that differ less count as one, as mirror images do
@@ -54,8 +55,8 @@ class Answer:
     @property
     def words(self) -> str:
         """What the shape is."""
-        least, line = self.minima and LEAST_OF.format(self.minima), self.line and ON_A_LINE.format(self.line)
-        return FOUND.format(least or "", self.begun, line)
+        least = ("", ONLY, LEAST_OF.format(self.minima))[min(self.minima, 2)]
+        return FOUND.format(least, self.begun, self.line and ON_A_LINE.format(self.line))
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,7 +116,8 @@ def continue_from(beside: Beside, curves: Sequence[BeginningCurve], tol: float, 
     best = min(ways, key=lambda way: way.energy)
     for seed, far in enumerate(SHAKES if lowest else ()):
         ways += [way_beside(beside, best, far, seed)]
-        best = min(best, ways[-1], key=lambda way: way.energy)
+        if best.energy - ways[-1].energy > EQUAL * abs(best.energy):
+            best = ways[-1]
     begun, steps = best.begun, sum(way.steps for way in ways)
     if best.shape is None:
         why = f"no minimum of the energy was found beyond {best.share:.3g} of the way from {begun}"
@@ -166,7 +168,8 @@ def count_of(ways: Sequence[Way]) -> int:
 
 def refine(beside: Beside, shape: FreeShape, tol: float) -> Answer:
     """The minima that continue from a shape on meshes of twice as many edges each, and the error."""
-    shapes, error, steps, line = [shape], np.inf, 0, ""
+    shapes: tuple[FreeShape, ...] = (shape,)
+    error, steps, line = np.inf, 0, ""
     while len(shapes) < MESHES or tol < error <= tol * (FINEST // shapes[-1].rod.edges) ** 2:
         known = curve_of(shapes[-1])
         rod, sizes = beside.rod_on(known, 1.0, 2 * shapes[-1].rod.edges), beside.sizes(known)
@@ -175,11 +178,13 @@ def refine(beside: Beside, shape: FreeShape, tol: float) -> Answer:
         if minimum is None:
             return Answer(steps=steps, why=f"no minimum of the energy was found on {rod.edges} edges")
         steps += minimum.steps
-        shapes.append(FreeShape(rod, minimum.y, minimum.multipliers))
-        error = estimate([distance(*pair) for pair in pairwise(shapes[-MESHES:])])[1]
+        finer = FreeShape(rod, minimum.y, minimum.multipliers)
+        another = distance(shapes[-1], finer) > APART and rod.edges <= FINEST >> MESHES
+        shapes = (finer,) if another else (*shapes, finer)
+        error = estimate([distance(*pair) for pair in pairwise(shapes[-MESHES:])])[1] if shapes[1:] else np.inf
         if len(shapes) == MESHES and (motion := free_motion(rod, minimum.y, minimum.multipliers, sizes)) is not None:
             line = shapes[-1].name_of(motion)
-    return Answer(tuple(shapes), error, steps, line=line)
+    return Answer(shapes, error, steps, line=line)
 
 
 def distance(coarse: FreeShape, fine: FreeShape) -> float:

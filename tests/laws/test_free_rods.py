@@ -14,6 +14,7 @@ from solver import Case, Cylinder, Ends, InputError, Rod, Start, observe, solve
 from solver.free.beginnings import case_of_held_ends, curves_of
 from solver.free.discrete_rod import HELD_ON, INSIDE, OUTSIDE, DiscreteRod
 from solver.free.free_problem import problems_of
+from solver.free.free_rods import refine
 from solver.free.minimum import minimise
 from solver.free.quaternions import product
 from solver.free.sinking import Sinking
@@ -186,6 +187,17 @@ def test_the_least_of_several_minima_is_never_above_the_one_that_it_starts_from(
     least = solve(freed.case, tol=1e-3, seed=freed, choose="lowest")
     assert elastic_energy(least) <= elastic_energy(freed) * (1 + 1e-3)  # the tolerance
     assert "the least of" in str(least.outcome)
+
+
+def test_meshes_count_anew_where_a_finer_mesh_leads_to_another_minimum() -> None:
+    """Refined from the shape of a rod whose clamps are nearer to each other."""
+    near, far = (Case(Rod(EI=1.0, GJ=0.8, a=0.1, L=10.0), Cylinder(0.9, contact="unilateral"),
+                 Ends(0.0, 0.0, height=height, azimuth=0.0, M3=0.0, radius0=50.0, radiusL=50.0))
+                 for height in (5.0, 9.0))  # fmt: skip
+    (beside,) = problems_of(far)
+    answer = refine(beside, solve(near).trajectory.free.answers[0].shapes[0], 1e-4)
+    assert answer.error < 1e-4
+    assert [shape.rod.height for shape in answer.shapes] == pytest.approx([9.0] * len(answer.shapes))
 
 
 CLAMPS = {"height": 9.0, "azimuth": 0.0, "M3": 0.0}
