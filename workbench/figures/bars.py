@@ -21,7 +21,7 @@ from .scales import RoomLocator
 from .sheet import SCREEN, Sheet
 
 COLUMN = 3.4  # inches: the width of a column of a journal
-BAR, FRAME, AROUND = 0.2, 0.6, 0.8  # inches of a bar, of title and ticks of a panel, and of the legend
+BAR, FRAME, AROUND = 0.2, 0.78, 0.8  # inches of a bar, of title, ticks and label of a panel, and of the legend
 MOST, MOST_PANELS = 12, 4  # bars of a panel of a tornado or of cases; panels of cases where none is asked for
 ROOM = 0.34  # share of the width that is kept for the numbers on either side
 FIRST, TOTAL = colours.PAIR
@@ -107,10 +107,11 @@ def indices(stored: StoredStudy, sheet: Sheet = SCREEN) -> Figure:
         draw(ax, fields, [(row["first"].values[order], FIRST), (row["total"].values[order], TOTAL)], names=ORDERS,
              errors=[row[f"{key}_conf"].values[order] for key in ("first", "total")])  # fmt: skip
         ax.set_xlim(*limits)
+        ax.set_xlabel("share of the variance")
         if row["lost"] > 0:
             _remark(ax, f"{100 * float(row['lost']):.2g} % of the blocks left out")
 
-    notes = [f"Shares of the variance; lines: {100 * stored.attrs['confidence']:g} % intervals."]
+    notes = [f"Lines: {100 * stored.attrs['confidence']:g} % intervals."]
     surprises = {
         "an index can be below 0": bool((stored["first"] < 0).any() or (stored["total"] < 0).any()),
         "a total index can be below that of first order": bool((stored["total"] < stored["first"]).any()),
@@ -145,10 +146,9 @@ def tornado(stored: StoredStudy, sheet: Sheet = SCREEN) -> Figure:
              names=[[SIGNS[k] for k in rises]])  # fmt: skip
         value, unit = _in_unit(float(row["value"]), str(row["unit"].values)), str(row["effect_unit"].values)
         ax.set_title(f"{quantity(name).symbol} = {value}", loc="left", pad=4)
-        _remark(ax, f"change [{labels.unit(unit)}]" if unit != "1" else "change")
+        ax.set_xlabel(f"change [{labels.unit(unit)}]" if unit != "1" else "change")
         if rest:
-            more = f"{len(rest)} fields of less than {abs(shown[-1][1]):.1g}"
-            ax.set_xlabel(more, size=fonts.small(), color=colours.SOFT)
+            _remark(ax, f"{len(rest)} fields of less than {abs(shown[-1][1]):.1g}")
 
     note = "The change of each observable if a field rises by 1 %, or by the amount beside it."
     most = max(len(effects[name][:MOST]) for name in names)
