@@ -29,7 +29,7 @@ from workbench.geometry.centreline import Centreline
 from workbench.geometry.lines import Lines
 from workbench.run import in_memory, writing
 from workbench.scene import body as rods
-from workbench.scene import long_rod, opengl, page, scene_kinds, signs, strands, surfaces, true_scale, views
+from workbench.scene import film, long_rod, opengl, page, scene_kinds, signs, strands, surfaces, true_scale, views
 from workbench.scene.scene_kinds import KINDS, Cell, kind_of
 from workbench.scene.views import View
 from workbench.stored.quantity_variables import SECTION
@@ -366,6 +366,21 @@ def test_only_what_is_wide_enough_is_an_outline() -> None:
     assert line[10, 5:50].all()
     assert line[19, 5:50].all()
     assert not line[12:18, 8:47].any()
+
+
+@draws
+def test_the_outline_of_a_slanted_hidden_stretch_has_no_gaps() -> None:
+    i, j = np.indices((120, 160))
+    stretch = np.abs(i - 60 - 0.35 * (j - 80)) < 14
+    rods = np.where(stretch, 0.6, 1.0).astype(np.float32)
+    line, _ = rendering.hidden_lines(rods, np.full((120, 160), 0.3, dtype=np.float32), rendering.Drawn(0.1, 16.0, 1.0))
+    assert (line[:, 5:-5].sum(axis=0) >= 2).all()  # the upper and the lower edge
+
+
+def test_the_hole_of_a_long_pipe_is_an_eighth_as_high_as_long_in_a_film() -> None:
+    ds = in_memory.run(loads(small.text(PIPE | {"FZ": -1.0}, units="m kN", stations=201)))
+    (rod,) = long_rod.compress([body(ds, "plain")], film.FILMED)
+    assert 2 * rod.reach / np.ptp(rod.z) == pytest.approx(1 / 8, rel=0.01)  # straight: no bend limits it
 
 
 def test_the_shadow_of_contact_is_that_of_a_bar_on_a_plane() -> None:

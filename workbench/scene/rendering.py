@@ -12,7 +12,7 @@ import numpy as np
 import pyvista as pv
 from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
-from scipy.ndimage import find_objects, grey_opening, maximum_filter, maximum_filter1d
+from scipy.ndimage import distance_transform_edt, find_objects, maximum_filter, maximum_filter1d
 
 from ..figures import colours
 from ..geometry.refinement import MOST_TRIANGLES
@@ -207,15 +207,21 @@ def hidden_lines(
     """
     hidden = (rods < 1) & (everything < rods - 1e-4)
     line, behind = np.zeros_like(hidden), np.zeros_like(hidden)
-    size = 2 * int(drawn.sliver / 2) + 1
+    size = int(drawn.sliver) + 1
     for box in find_objects(hidden.astype(np.uint8)):  # one, or none where nothing is hidden
         part = tuple(slice(max(edge.start - size - 1, 0), edge.stop + size + 1) for edge in box)
         depth = rods[part]
-        behind[part] = grey_opening(hidden[part], (size, size)) & (depth < 1)
+        behind[part] = _opened(hidden[part], drawn.sliver / 2) & (depth < 1)
         deepest = np.maximum(*(maximum_filter1d(depth, 3, axis=axis) for axis in (0, 1)))
         edges = behind[part] & (deepest - depth > drawn.edge)  # a background, which has depth 1, is deeper too
         line[part] = maximum_filter(edges, max(round(drawn.line), 1)) & behind[part]
     return line, behind
+
+
+def _opened(mask: NDArray[np.bool_], radius: float) -> NDArray[np.bool_]:
+    """A mask without what is thinner than discs of a radius in samples; right angles stay as they are."""
+    middles = distance_transform_edt(np.pad(mask, 1))[1:-1, 1:-1] > radius
+    return mask & (distance_transform_edt(~middles) <= 1.5 * radius) if middles.any() else middles
 
 
 def _draw_hidden(pixels: NDArray[np.float32], line: NDArray[np.float32], behind: NDArray[np.float32]) -> None:
