@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from docs import notebook
+from solver import Cylinder, Ends, Rod, Start
 from solver.methods import METHODS
 from solver.observe.observables import OBSERVABLES, is_count
 from solver.problem.quantities import unit_of
@@ -115,6 +116,11 @@ def test_the_table_of_observables_is_that_of_the_code() -> None:
     for name, unit, sign, *_ in table:
         assert unit_of(name.strip("`"), {"length": "[L]", "force": "[F]"}) == unit, name
         assert ("whole" in sign or sign == "0 or 1") == is_count(name.strip("`")), name
+
+
+def test_the_table_of_fields_is_that_of_the_code() -> None:
+    table = {name for row in rows("quantities.md", "## Fields of a case") for name in re.findall(r"`(\w+)`", row[1])}
+    assert table == {field.name for part in (Rod, Cylinder, Start, Ends) for field in fields(part)}
 
 
 def test_the_table_of_methods_is_that_of_the_code() -> None:
