@@ -156,11 +156,7 @@ def _sampled(folder: Path, size: int, axes: tuple[int, int], rounds: int) -> dic
                 "--restart",
                 "--json",
             ]
-            began = os.times()
-            peak = _watched(command, folder)[1]
-            ended = os.times()
-            processor = ended.children_user + ended.children_system - began.children_user - began.children_system
-            measured.append((processor, peak))
+            measured.append(_watched(command, folder)[1:])
     found = {f"{name} [s]": statistics.median(seconds for seconds, _ in told) for name, told in spent.items()}
     found |= {f"{name}, peak [GB]": max(peak for _, peak in told) for name, told in spent.items()}
     return {**found, "samples / grid": found["samples [s]"] / found["grid [s]"]}
@@ -207,12 +203,13 @@ def with_curves(folder: Path, rounds: int) -> dict[str, float]:
 def _large(folder: Path, work: Study, rounds: int) -> dict[str, float]:
     (folder / "benchmark.toml").write_text(work.text)
     command = [sys.executable, "-m", "workbench.cli", "run", "benchmark.toml", "--workers", "2", "--json"]
-    seconds, peak = _watched(command, folder)
+    seconds, spent, peak = _watched(command, folder)
     size = (folder / "benchmark.h5").stat().st_size
     again = min(_watched(command, folder)[0] for _ in range(rounds))
     return {
         "cases": work.size,
         "run [s]": seconds,
+        "run, of the processor [s]": spent,
         "cases a second": work.size / seconds,
         "peak of the run and of each worker [GB]": peak,
         "file [GB]": size / 1e9,
@@ -220,26 +217,32 @@ def _large(folder: Path, work: Study, rounds: int) -> dict[str, float]:
     }
 
 
-def _watched(command: list[str], folder: Path) -> tuple[float, float]:
-    """Seconds of a command, and the largest memory that any process of it had at once [GB] (Linux)."""
+def _watched(command: list[str], folder: Path) -> tuple[float, float, float]:
+    """Seconds of a command, those of the processor, and the largest memory that any process of it had at once [GB]
+    (Linux)."""
     env = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[1])}
-    began, peak = time.perf_counter(), 0
+    began, used = time.perf_counter(), {}
     process = subprocess.Popen(command, cwd=folder, env=env, stdout=subprocess.DEVNULL, start_new_session=True)
     while process.poll() is None:
-        peak = max([peak, *_peaks(process.pid)])
+        used |= {pid: (ticks, peak) for pid, ticks, peak in _used(process.pid)}
         with contextlib.suppress(subprocess.TimeoutExpired):
-            process.wait(0.2)
+            process.wait(0.1)
     if process.returncode > 1:
         raise RuntimeError(f"{command} ended with status {process.returncode}")
-    return time.perf_counter() - began, peak * 1024 / 1e9
+    ticks, peaks = zip(*used.values(), strict=True)
+    return time.perf_counter() - began, sum(ticks) / os.sysconf("SC_CLK_TCK"), max(peaks) * 1024 / 1e9
 
 
-def _peaks(session: int) -> Iterator[int]:
-    """The most memory so far of each process of a session [kB]."""
-    for status in Path("/proc").glob("[0-9]*/status"):
+def _used(session: int) -> Iterator[tuple[int, int, int]]:
+    """The number of each process of a session, its ticks of the processor, and its most memory so far [kB]."""
+    for folder in Path("/proc").glob("[0-9]*"):
         with contextlib.suppress(OSError, StopIteration):
-            if os.getsid(int(status.parent.name)) == session:
-                yield int(next(line for line in status.read_text().splitlines() if line.startswith("VmHWM")).split()[1])
+            pid = int(folder.name)
+            if os.getsid(pid) == session:
+                user, system = (folder / "stat").read_text().rpartition(")")[2].split()[11:13]
+                lines = (folder / "status").read_text().splitlines()
+                peak = next(line for line in lines if line.startswith("VmHWM")).split()[1]
+                yield pid, int(user) + int(system), int(peak)
 
 
 def against_xyzpy(folder: Path, rounds: int) -> dict[str, float]:

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..core.measures import densities
 from ..nodes.loaded_rod import MU
-from ..numerics.arrays import Array, Booleans
+from ..numerics.arrays import Array, Booleans, Integers
 from ..orbits.shape import ShapeArrays
 from ..orbits.statics import circumferential_force, curvature, surface_forces
 from ..problem.reduced import EndsProblem, flat
@@ -25,16 +25,15 @@ ALLOWED = 1e-9  # of the length: a shorter stretch without push is rounding
 PLACES, FINER = 256, 64  # at which the push is computed in a quarter, and between two of these places
 
 
-def only_at_ends(sol: ShapeArrays) -> Booleans:
-    """Whether the cylinder pushes all along the middle half of each computed shape, (B,).
+def only_at_ends(sol: ShapeArrays, cases: Integers) -> Integers:
+    """Those of the computed cases (k,), rising, along whose whole middle half the cylinder pushes.
 
     The error of the shares is left out: it is as large as the tolerance of the solution lets it be, and would excuse
     stretches without push.
     """
     read = MeasuredNumbers(sol)
-    first, last = (read.over("share", until)[0] for until in (QUARTER, 1 - QUARTER))
-    pressed: Booleans = 1 - 2 * QUARTER - (last - first) / read.length <= ALLOWED
-    return pressed
+    first, last = (read.over("share", until, cases) for until in (QUARTER, 1 - QUARTER))
+    return np.asarray(cases[1 - 2 * QUARTER - (last - first) / read.length[cases] <= ALLOWED])
 
 
 def distance_from_ends(sol: ShapeArrays, cases: Array) -> Array:
@@ -190,9 +189,9 @@ def _bend_and_tension(sol: ShapeArrays) -> tuple[Array, Array]:
 
 
 def _strain_words(strains: Any, linear: Any) -> Any:
-    """How far each rod is strained, (*cases) of str objects."""
+    """How far each rod is strained that is strained too far, (*cases) of str objects."""
     pairs = zip(np.ravel(strains).tolist(), np.ravel(linear).tolist(), strict=True)
-    words = [f"{STRAINED} ({_round(100 * x)} %; linear to {_round(100 * most)} %)" for x, most in pairs]
+    words = [f"{STRAINED} ({_round(100 * x)} %; linear to {_round(100 * m)} %)" if x > m else "" for x, m in pairs]
     return np.array(words, dtype=object).reshape(np.shape(strains))
 
 
@@ -240,7 +239,7 @@ def _lift_off(sol: ShapeArrays, known: Mapping[str, Any], pulled: Any, unit: str
 
 def _lift_off_ends(sol: ShapeArrays, candidates: Booleans) -> dict[int, float]:
     """Case -> how far from an end the cylinder does not push, as a share of the length, of rods pressed in between."""
-    cases = np.flatnonzero(candidates & only_at_ends(sol)) if candidates.any() else np.array([], dtype=int)
+    cases = only_at_ends(sol, np.flatnonzero(candidates)) if candidates.any() else np.array([], dtype=int)
     if (shapes := sol.trajectory.shapes) is not None:
         return {i: float(shapes.of(i).lift_off_reach() / sol.problem.span[i]) for i in cases.tolist()}
     return dict(zip(cases.tolist(), distance_from_ends(sol, cases).tolist(), strict=True)) if cases.size else {}

@@ -14,7 +14,7 @@ import numpy as np
 
 from ..core.measures import measure
 from ..nodes.loaded_rod import ALPHA, SHORT, SPEED
-from ..numerics.arrays import EPS, Array
+from ..numerics.arrays import EPS, Array, Integers
 from ..orbits.marched_orbit import MarchedOrbit
 from ..orbits.periodic_orbit import TIGHT, solve_orbit
 from ..orbits.potential import steepest
@@ -61,15 +61,16 @@ class MeasuredNumbers:
                 self._middle[key] = high[key][0] - low[key][0], high[key][1] + low[key][1]
         return self._middle[name]
 
-    def over(self, name: str, until: float) -> Pair:
-        """A number measured over the first share `until` of the length, and its error, (B,) each."""
-        return self._measure({name}, until)[name]
+    def over(self, name: str, until: float, cases: Integers) -> Array:
+        """A number of some cases (k,) measured over the first share `until` of the length, (k,)."""
+        return np.asarray(self._measure({name}, until, cases)[name][0])
 
-    def _measure(self, wanted: set[str], until: float = 1.0) -> dict[str, Pair]:
-        """The numbers of the groups that contain these names, over the first share `until` of the length."""
+    def _measure(self, wanted: set[str], until: float = 1.0, cases: Integers | None = None) -> dict[str, Pair]:
+        """The numbers of the groups that contain these names, over the first share `until` of the length; of all cases,
+        or of those with these numbers, rising."""
         sol, sign, error, goal = self.sol, self.sign, self.doubt, self.goal
         measures: list[dict[str, Pair]] = []
-        for block in blocks(sol):
+        for block in blocks(np.arange(sol.problem.size) if cases is None else cases):
             pieces, given = pieces_of(sol, block, until), {"sign": sign[block], "error": error[block]}
             measured = measure(pieces, given, wanted, goal)
             if sol.trajectory.orbit is None and sol.trajectory.shapes is None:

@@ -68,16 +68,16 @@ def join_pieces(parts: Sequence[SolutionPieces], problem: Reduced) -> SolutionPi
     return SolutionPieces(problem, np.concatenate(padded), row=row, monotone=all(p.monotone for p in parts), **rest)
 
 
-def blocks(sol: ShapeArrays) -> Iterator[slice]:
-    """The cases of a solution in blocks."""
-    for start in range(0, sol.problem.size, _CASES):
-        yield slice(start, min(start + _CASES, sol.problem.size))
+def blocks(cases: Integers) -> Iterator[Integers]:
+    """Cases in blocks, the numbers of each."""
+    for start in range(0, cases.size, _CASES):
+        yield cases[start : start + _CASES]
 
 
-def pieces_of(sol: ShapeArrays, some: slice, until: float = 1.0, step: int = 1) -> SolutionPieces:
+def pieces_of(sol: ShapeArrays, some: Integers, until: float = 1.0, step: int = 1) -> SolutionPieces:
     """The pieces of some of the cases, numbered from 0, of the first share `until` of their length.
 
-    step: where no orbit is known, every `step`-th station is used.
+    some: numbers of cases, rising. step: where no orbit is known, every `step`-th station is used.
     """
     if sol.trajectory.shapes is not None:
         return of_nodes(sol, some, until)
@@ -86,10 +86,10 @@ def pieces_of(sol: ShapeArrays, some: slice, until: float = 1.0, step: int = 1) 
     return of_orbit(sol.trajectory.orbit, some, until)
 
 
-def of_nodes(sol: ShapeArrays, some: slice, until: float = 1.0) -> SolutionPieces:
+def of_nodes(sol: ShapeArrays, some: Integers, until: float = 1.0) -> SolutionPieces:
     """The pieces of rods whose loads vary along them: the stretches between their nodes."""
     x, parts, problem = basis(NODES), [], sol.problem.take(some)
-    for k, i in enumerate(range(some.start, some.stop)):
+    for k, i in enumerate(some.tolist()):
         shape = sol.trajectory.shapes.of(i)
         if shape is None:
             still = _still(problem, np.array([k]), until * problem.span[[k]])
@@ -109,35 +109,35 @@ def of_nodes(sol: ShapeArrays, some: slice, until: float = 1.0) -> SolutionPiece
     return join_pieces(parts, problem)
 
 
-def of_orbit(orbit: Any, some: slice, until: float = 1.0) -> SolutionPieces:
+def of_orbit(orbit: Any, some: Integers, until: float = 1.0) -> SolutionPieces:
     """The pieces of some of the problems of an `Orbit` or a `Swing`, of the first share `until` of their length."""
     if not isinstance(orbit, MarchedOrbit):
-        return _of_panels(orbit, np.arange(some.start, some.stop), np.arange(some.stop - some.start), some, until)
+        return _of_panels(orbit, some, np.arange(some.size), some, until)
     lost = orbit.lost[some]
     pieces = [_of_steps(orbit, some, np.flatnonzero(~lost), until)] if not lost.all() else []
     if lost.any() and orbit.rest is not None:
-        first = int(np.count_nonzero(orbit.lost[: some.start]))
-        rows = first + np.arange(int(lost.sum()))
-        pieces.append(_of_panels(orbit.rest, rows, np.flatnonzero(lost), some, until, orbit))
+        pieces.append(_of_panels(orbit.rest, orbit.in_rest[some[lost]], np.flatnonzero(lost), some, until, orbit))
     return join_pieces(pieces, orbit.problem.take(some))
 
 
-def _of_panels(orbit: Any, own: Array, case: Array, some: slice, until: float, whole: Any = None) -> SolutionPieces:
+def _of_panels(
+    orbit: Any, own: Integers, case: Integers, some: Integers, until: float, whole: Any = None
+) -> SolutionPieces:
     """The pieces of the problems `own` of an `Orbit`, which are the problems `case` of the block."""
     panels, problem = orbit.panels, orbit.problem.take(own)
-    arcs_of_case = slice(2 * int(own[0]), 2 * int(own[-1]) + 2)
+    arcs_of_case = (2 * own[:, None] + [0, 1]).reshape(-1)
     arcs = orbit.first[arcs_of_case], orbit.count[arcs_of_case], orbit.duration[arcs_of_case]
     covered = cover(problem.span * until, orbit.kind[own], *arcs, orbit.since, panels.duration)
     series = panels.series[:, :2].copy()
     series[:, 0, 0] += panels.base
     pieces = _cover(problem, series, covered, until)
     block = (orbit if whole is None else whole).problem.take(some)
-    return replace(pieces, problem=block, case=np.asarray(case)[pieces.case])
+    return replace(pieces, problem=block, case=case[pieces.case])
 
 
-def _of_steps(orbit: MarchedOrbit, some: slice, case: Array, until: float) -> SolutionPieces:
+def _of_steps(orbit: MarchedOrbit, some: Integers, case: Integers, until: float) -> SolutionPieces:
     """The pieces of the problems `case` of a block of a marched orbit: its steps, marched again."""
-    rows = some.start + case
+    rows = some[case]
     problem = orbit.problem.take(rows)
     steps, count = orbit.take(rows).steps, orbit.found["count"][rows].reshape(-1)
     width, taylor = steps.width, steps.series
@@ -172,7 +172,7 @@ def _still(problem: Reduced, case: Array, time: Array, speed: Array | float = 0.
     return SolutionPieces(problem, series, case, np.arange(case.size), -ones, ones, time, ones, 0 * ones, monotone=True)
 
 
-def of_stations(sol: ShapeArrays, some: slice, step: int = 1, until: float = 1.0) -> SolutionPieces:
+def of_stations(sol: ShapeArrays, some: Integers, step: int = 1, until: float = 1.0) -> SolutionPieces:
     """The pieces between neighbouring stations of some of the cases, or between every `step`-th of them, up to the
     share `until` of the length."""
     problem, n = sol.problem.take(some), sol.t.shape[1]
@@ -197,7 +197,7 @@ def of_stations(sol: ShapeArrays, some: slice, step: int = 1, until: float = 1.0
     return join_pieces([pieces, points], problem)
 
 
-def off_between(sol: ShapeArrays, some: slice) -> Array:
+def off_between(sol: ShapeArrays, some: Integers) -> Array:
     """How far beta between the stations may be off, (b,): as far as it is at every other station without that one."""
     n = sol.t.shape[1]
     t, beta = sol.t[some], sol.trajectory.beta[some]

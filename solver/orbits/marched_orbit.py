@@ -106,6 +106,11 @@ class MarchedOrbit(Periodic):
     rest: Orbit | None = None
 
     @cached_property
+    def in_rest(self) -> Integers:
+        """Of each lost orbit which one it is in `rest`, (B,)."""
+        return np.asarray(np.cumsum(self.lost) - 1)
+
+    @cached_property
     def kind(self) -> Integers:
         kind = np.where(self.found["status"][:, 0] == TURNS, LIBRATION, ROTATION)
         if self.rest is not None:
@@ -155,7 +160,7 @@ class MarchedOrbit(Periodic):
             return self
         lost, rest = self.lost[rows], None
         if self.rest is not None and lost.any():
-            rest = self.rest.take((np.cumsum(self.lost) - 1)[rows[lost]])
+            rest = self.rest.take(self.in_rest[rows[lost]])
         return MarchedOrbit(self.problem.take(rows), self.tol, self.found[rows], lost, rest)
 
     @cached_property

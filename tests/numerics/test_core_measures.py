@@ -44,7 +44,7 @@ def bits(found: dict[str, Any], rows: Any = ALL) -> list[bytes]:
 def test_neither_lanes_nor_neighbours_nor_threads_change_a_bit(monkeypatch) -> None:
     size, names = 700, measures.NUMBERS
     sol, numbers = solve(random_rods(size, 3), tol=1e-8, stations=2), given(size)
-    pieces = pieces_of(sol, slice(0, size))
+    pieces = pieces_of(sol, np.arange(size))
     monkeypatch.setenv("OMP_NUM_THREADS", "3")
     found = measures.measure(pieces, numbers, names, GOAL)
     monkeypatch.setenv("OMP_NUM_THREADS", "1")
@@ -53,11 +53,11 @@ def test_neither_lanes_nor_neighbours_nor_threads_change_a_bit(monkeypatch) -> N
             assert bits(measures.measure(pieces, numbers, names, GOAL, lanes)) == bits(found)
     few = slice(60, 75)
     own = {name: value[few] for name, value in numbers.items()}
-    assert bits(measures.measure(pieces_of(sol, few), own, names, GOAL)) == bits(found, few)
+    assert bits(measures.measure(pieces_of(sol, np.arange(60, 75)), own, names, GOAL)) == bits(found, few)
 
 
 def test_only_the_groups_that_are_asked_for_are_measured() -> None:
-    pieces, numbers = pieces_of(solve(random_rods(9, 3), stations=2), slice(0, 9)), given(9)
+    pieces, numbers = pieces_of(solve(random_rods(9, 3), stations=2), np.arange(9)), given(9)
     whole = measures.measure(pieces, numbers, measures.NUMBERS, GOAL)
     for group in measures.GROUPS:
         alone = measures.measure(pieces, numbers, group[:1], GOAL)
@@ -93,7 +93,7 @@ def test_odd_numbers_along_rods_end_in_numbers_or_nan(seed: int) -> None:
 
 def test_loads_that_do_not_vary_along_rods_give_the_bits_of_rods_whose_loads_may() -> None:
     size = 60
-    pieces, numbers = pieces_of(solve(random_rods(size, 5), tol=1e-8, stations=2), slice(0, size), 0.37), given(size)
+    pieces, numbers = pieces_of(solve(random_rods(size, 5), tol=1e-8, stations=2), np.arange(size), 0.37), given(size)
     loads = np.zeros((len(pieces.series), 5, pieces.series.shape[2]))
     of = np.zeros(len(loads), dtype=int)
     of[pieces.row] = pieces.case
@@ -105,7 +105,7 @@ def test_loads_that_do_not_vary_along_rods_give_the_bits_of_rods_whose_loads_may
 
 
 def test_a_series_too_long_for_the_core_is_refused() -> None:
-    pieces = pieces_of(solve(random_rods(3, 1), stations=2), slice(0, 3))
+    pieces = pieces_of(solve(random_rods(3, 1), stations=2), np.arange(3))
     longer = replace(pieces, series=np.pad(pieces.series, ((0, 0), (0, 0), (0, 64))))
     with pytest.raises(ValueError, match="coefficients is too long"):
         measures.measure(longer, given(3), measures.NUMBERS, GOAL)

@@ -92,7 +92,7 @@ def test_a_browser_measures_the_numbers_of_this_machine_between_the_same_station
     case = Case(Rod(1.07e4, 0.25, 0.25, 20.0), Cylinder(0.75), Start("30deg", 0.5, F1=5.0, F3=10.0))
     sol = solve(case, method="dop853", tol=1e-9, stations=401)
     p, error = sol.problem, float(sol.error)
-    known = measure(pieces_of(sol, slice(0, 1)), {"sign": np.ones(1), "error": np.array([error])}, NUMBERS, 1e-11)
+    known = measure(pieces_of(sol, np.arange(1)), {"sign": np.ones(1), "error": np.array([error])}, NUMBERS, 1e-11)
     problem = {name: float(getattr(p, name)[0]) for name in ("lam", "mu", "phi")}
     rows = {"t": sol.t[0], "beta": sol.trajectory.beta[0], "rate": sol.trajectory.dbeta[0]}
     rod = {name: row.tolist() for name, row in rows.items()}

@@ -24,7 +24,7 @@ from studies.grammar.axes import Dimensions
 from ..stored import file_checks, reading, schema
 from ..stored.boxes import Columns, Where, blocks, extent, span
 from ..stored.frame import frame_of
-from ..stored.law_verdicts import Tally
+from ..stored.law_verdicts import Tally, laws_of
 from ..stored.law_verdicts import statistics as statistics_of
 from ..words import cautions, outcomes
 from . import atomic, writing
@@ -245,7 +245,8 @@ def combine(
     size = sum(8 * count if name in types else TEXT_BYTES for name, count in numbers.items())  # of a case
     windows = _gather(sources, shape, max(1, WINDOW // size), types, name_of)
     writing.write_cases(frame, path, frame.nbytes + bytes_of_file(prod(shape), size), variables, windows)
-    with reading.raw(path) as ds:
+    unread = schema.TEXTS if tally is not None and not laws_of(frame) else ()
+    with reading.raw(path, unread) as ds:
         statistics = statistics_of(ds, tally)
     with h5py.File(path, "a") as file:
         file.attrs["caution"] = cautions.tell(statistics["cautions"])

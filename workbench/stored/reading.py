@@ -107,12 +107,13 @@ def kind_of_file(path: str | Path) -> file_kinds.FileKind:
         return file_kinds.kind_of(ds)
 
 
-def raw(path: str | Path) -> xr.Dataset:
+def raw(path: str | Path, without: Sequence[str] = ()) -> xr.Dataset:
     """The dataset of any file of plain arrays, opened lazily and not validated; to be closed after use.
 
-    No number is read as a time. Raises `InputError` where it is no such file.
+    No number is read as a time. without: names of variables to leave out; texts are read when a dataset is opened, and
+    take more memory than all else. Raises `InputError` where it is no such file.
     """
-    return _dataset_of(path)[0]
+    return _dataset_of(path, without)[0]
 
 
 def _open(path: str | Path, first: Callable[..., None] | None = None, asked: Sequence[checks.Check] = ()) -> xr.Dataset:
@@ -133,8 +134,9 @@ def _open(path: str | Path, first: Callable[..., None] | None = None, asked: Seq
     return ds
 
 
-def _dataset_of(path: str | Path) -> tuple[xr.Dataset, Contents]:
-    """The dataset of a file, without its checksums, as a selection that is stored has others; what the file holds."""
+def _dataset_of(path: str | Path, without: Sequence[str] = ()) -> tuple[xr.Dataset, Contents]:
+    """The dataset of a file, without these variables, and without its checksums, as a selection that is stored has
+    others; what the file holds."""
     file_checks.check_file(Path(path))
     files = CachingFileManager(h5py.File, str(path), mode="r")  # keeps at most 128 files open
     with refusing(path), warnings.catch_warnings():
@@ -142,7 +144,7 @@ def _dataset_of(path: str | Path) -> tuple[xr.Dataset, Contents]:
         try:
             with files.acquire_context(needs_lock=False) as file:
                 held = file_checks.contents(file, path)
-            ds = xr.open_dataset(_Store(files, held), cache=False, decode_times=False)
+            ds = xr.open_dataset(_Store(files, held), cache=False, decode_times=False, drop_variables=[*without])
         except BaseException:
             files.close()
             raise
