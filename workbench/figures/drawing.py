@@ -77,24 +77,26 @@ def figure(stored: StoredStudy, at: Mapping[str, float] | None = None, sheet: Sh
         For a rod that is thinner than a line at true scale, and as of `drawn_rods.choose`.
     """
     stored = stored.coarse()
-    case = stored.select(stored.place(at))
-    rods = drawn_rods.choose(case, ("alpha", "beta", "z"))
+    chosen = stored.select(stored.place(at))
+    rods = drawn_rods.choose(chosen, ("alpha", "beta", "z"))
     rod = rods.solved[0]
     turns, height, pitch, kappa = (
-        float(value) for value in drawn_rods.numbers(case, "turns_around", "height", "pitch", "kappa_max")
+        float(value) for value in drawn_rods.numbers(chosen, "turns_around", "height", "pitch", "kappa_max")
     )
-    R = float(case["R"])
+    R = float(chosen["R"])
     radius = max(R, float(np.max(rod.radius)) + rod.a)
-    view = _view(rod, case.units["length"], radius, sheet)
-    unit = partial(_with_unit, units=case.units)
+    view = _view(rod, chosen.units["length"], radius, sheet)
+    unit = partial(_with_unit, units=chosen.units)
     even = float(np.ptp(view.beta)) < EVEN
     lay = f"{plain(round(math.degrees(float(view.beta.mean())), 6))}°"
     along = "" if view.whole else f"along the axis {unit('L', abs(height))}, "
-    line = (f"length {unit('L', float(case['L']))}, {along}wrap {plain(turns)} turns = {plain(360 * turns)}°, "
+    line = (f"length {unit('L', float(chosen['L']))}, {along}wrap {plain(turns)} turns = {plain(360 * turns)}°, "
             f"{f'lay {lay}, ' * even}scale {_scale_words(view.scale)}")  # fmt: skip
     said = [f"The rod: {line}.", f"Its least bend radius, of the centreline: {unit('L', 1 / kappa)}."] if kappa else []
     said += (
-        ["A side view, seen from α = 90°; dashed: behind the cylinder."] if str(case.attrs["side"]) == "outside" else []
+        ["A side view, seen from α = 90°; dashed: behind the cylinder."]
+        if str(chosen.attrs["side"]) == "outside"
+        else []
     )
     said += [] if view.whole else ["A part of the rod is drawn, from s = 0."]
 
@@ -107,7 +109,7 @@ def figure(stored: StoredStudy, at: Mapping[str, float] | None = None, sheet: Sh
         left = LEFT + SPARE + (wide * MILLIMETRES - LEFT - RIGHT - 2 * SPARE - drawn) / 2
         ax.set_xlim(first - left / view.mm, first + (wide * MILLIMETRES - left) / view.mm)
         ax.set_ylim(radius - ((high - title) * MILLIMETRES - ABOVE) / view.mm, radius + ABOVE / view.mm)
-        _draw_body(ax, view, R, rod.a, str(case.attrs["side"]))
+        _draw_body(ax, view, R, rod.a, str(chosen.attrs["side"]))
         _dimension(ax, view, (view.x.min() - SPARE / view.mm, -R), (view.x.min() - SPARE / view.mm, R),
                    f"Ø {unit('R', 2 * R)}", AWAY)  # fmt: skip
         _dimension_pitch(ax, view, radius, pitch, unit)
@@ -190,8 +192,8 @@ def _draw_body(ax: Axes, view: View, R: float, a: float, side: str) -> None:
     for of in _parts(view, front=False) if side == "outside" else ():
         for edge in (-a, a) if 2 * a * view.mm > 1 else (0.0,):
             right, up = _beside(view.x[of], view.y[of], edge)
-            style: Any = {"color": colours.SOFT, "linewidth": FINE, "linestyle": HIDDEN, "zorder": 2.3}
-            ax.plot(np.where(np.abs(up) < R, right, np.nan), up, gid="hidden edge", **style)
+            ax.plot(np.where(np.abs(up) < R, right, np.nan), up, color=colours.SOFT, linewidth=FINE, linestyle=HIDDEN, zorder=2.3,
+                    gid="hidden edge")  # fmt: skip
     for of in _parts(view, front=True):
         strand(of, 4, "rod, before the plane of the axis")
 
