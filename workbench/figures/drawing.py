@@ -93,11 +93,8 @@ def figure(stored: StoredStudy, at: Mapping[str, float] | None = None, sheet: Sh
     line = (f"length {unit('L', float(chosen['L']))}, {along}wrap {plain(turns)} turns = {plain(360 * turns)}°, "
             f"{f'lay {lay}, ' * even}scale {_scale_words(view.scale)}")  # fmt: skip
     said = [f"The rod: {line}.", f"Its least bend radius, of the centreline: {unit('L', 1 / kappa)}."] if kappa else []
-    said += (
-        ["A side view, seen from α = 90°; dashed: behind the cylinder."]
-        if str(chosen.attrs["side"]) == "outside"
-        else []
-    )
+    hides = str(chosen.attrs["side"]) == "outside"
+    said.append(f"A side view, seen from α = 90°{'; dashed: behind the cylinder' * hides}.")
     said += [] if view.whole else ["A part of the rod is drawn, from s = 0."]
 
     def draw(fig: Figure) -> None:
@@ -192,7 +189,8 @@ def _draw_body(ax: Axes, view: View, R: float, a: float, side: str) -> None:
     for of in _parts(view, front=False) if side == "outside" else ():
         for edge in (-a, a) if 2 * a * view.mm > 1 else (0.0,):
             right, up = _beside(view.x[of], view.y[of], edge)
-            ax.plot(np.where(np.abs(up) < R, right, np.nan), up, color=colours.SOFT, linewidth=FINE, linestyle=HIDDEN, zorder=2.3,
+            seen = np.where(np.abs(up) < R, right, np.nan)
+            ax.plot(seen, up, color=colours.SOFT, linewidth=FINE, linestyle=HIDDEN, zorder=2.3,
                     gid="hidden edge")  # fmt: skip
     for of in _parts(view, front=True):
         strand(of, 4, "rod, before the plane of the axis")
