@@ -243,7 +243,8 @@ def _rule(sigma: bool, known: Uncertainty) -> str:
         return f"{percent} by the given sigma and the normal distribution"
     if known.freedom <= 0:
         return NO_INTERVALS
-    return f"{percent} by the variance of the residuals and Student's t with {known.freedom} degrees of freedom"
+    degrees = f"{known.freedom} degree{'s' * (known.freedom != 1)} of freedom"
+    return f"{percent} by the variance of the residuals and Student's t with {degrees}"
 
 
 def _remarks(

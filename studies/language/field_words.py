@@ -52,12 +52,14 @@ def of_a_well(
         allowed = WELL["hole"].range
         if allowed and (wrong := [float(angle) for angle in hole.flat if allowed.excludes(angle)]):
             raise InputError(f"hole must be {allowed.rule}, got {wrong[0]:.4g} rad")
+        if {**known, **rest}.get("weight") is None:
+            raise InputError("hole matters only for a rod with weight, in fluid: give weight")
         rest["inclination"] = math.pi - values["hole"]
     if not {"wob", "FZ0"} & {*values}:
         return rest
-    case = {**known, **rest}
+    case, force_given = {**known, **rest}, "wob" if "wob" in values else "FZ0"
     if case.get("L") is None:
-        raise InputError(f"{choices(said)} needs the length of the rod: give L")
+        raise InputError(f"{force_given} needs the length of the rod: give L")
     weight, length, theta, rubbed = (
         np.asarray(0.0 if case.get(name) is None else case[name]) for name in ("weight", "L", "inclination", "friction")
     )
@@ -71,7 +73,10 @@ def of_a_well(
     if not rubbed.any():
         return rest | {"FZ": force[()]}
     if make is None or force.ndim:
-        raise InputError(f"{choices(said)} with friction needs the case to be solved: give FZ, or wob down a hole")
+        raise InputError(
+            f"{force_given} is the force at s = 0 here, and with friction that at s = L is found by solving each rod, "
+            "which a study does not do: give it FZ, or wob down a hole; workbench solve takes FZ0 of one rod"
+        )
     return rest | {"FZ": _far_force(float(at_start), float(force), lambda force: make(rest | {"FZ": force}))}
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 from solver.problem.errors import InputError, no_such
+from solver.problem.quantities import current
 
 from ..figures import kinds
 from ..run import atomic
@@ -189,7 +190,7 @@ def _ranges(stored: Any, texts: list[str] | None) -> dict[str, tuple[float, floa
     from ..words import labels
 
     read, known = ranges("--range", texts, stored.units, "height=4:9"), {}
-    for name, ends in read.items():
+    for name, ends in ((current(name), ends) for name, ends in read.items()):
         key = f"curve_{name}" if f"curve_{name}" in stored else name
         if key == name and name not in stored.observables:
             raise no_such("observable of --range", name, stored.observables)

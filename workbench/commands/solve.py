@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from solver.problem.declared_fields import ALL_FIELDS
-from solver.problem.errors import DEFAULT_TOLERANCE
+from solver.problem.errors import DEFAULT_TOLERANCE, InputError
 from solver.problem.quantities import quantity
 
 from ..run import atomic
-from ..words.habits import plain, size_shown, unit_shown
+from ..words.habits import margin_words, plain, size_shown, unit_shown
 from . import console, tables
 from .case_options import GivenOptions
 from .options import (
@@ -24,6 +24,7 @@ from .options import (
     Reading,
     Table1,
     Tol,
+    field_number,
     flag,
     option,
     pairs,
@@ -63,9 +64,14 @@ def solve(
     let_go: Annotated[
         bool, flag("Let the rod go: hold both ends as they are, while the cylinder only pushes.", "--let-go")
     ] = False,
+    least_bend_radius: Annotated[
+        str | None,
+        option("LENGTH", "Radius to which the rod may be bent, of its centreline: compared with that of the answer; "
+               "exit status 1 if it is bent tighter.", "--least-bend-radius"),
+    ] = None,
     every: Annotated[bool, flag("Print every number that is found, not only ten.", "--all")] = False,
     json: Json = False,
-) -> Result:
+) -> Result:  # fmt: skip
     """Solve one case and print it.
 
     The case comes from a TOML file, from Table 1 (--table1, --reading, or no option at all), or from options alone.
@@ -88,7 +94,7 @@ def solve(
 
     Angles: a number in rad, or a form like 30deg or pi/6. Exit status 1 if the case is unsolved.
     """
-    from solver import equilibria
+    from solver import equilibria, observe
     from studies.language.case_input import check_alone, read_case
     from studies.language.loader import dumps, loads
 
@@ -105,6 +111,7 @@ def solve(
         base = stored_case.case_in(file, pairs("--at", at), given.values)
     else:
         base = read_case(file, given.values, given.units, table1, reading)
+    least = _least_radius(least_bend_radius, base.units)
     stations, which = 201, base.which
     let_go = let_go or (base.study is not None and base.study.let_go)
     leaves = let_go or base.case.leaves
@@ -143,6 +150,7 @@ def solve(
         "warnings": pipe_state.warnings(sol, base.units, rows),
         "lift_offs": sol.lift_offs,
     }
+    data["bend"] = _bend(float(observe(sol, ["kappa_max"])["kappa_max"]), least)
 
     def study(name: str = "rod") -> "Study":
         taken = which is not None or not (base.case.varies or base.case.leaves)  # else there is no list of equilibria
@@ -165,7 +173,7 @@ def solve(
     return Result(
         lambda: data,
         lambda: _show(data, every, whole),
-        0 if sol.solved else 1,
+        0 if sol.solved and data["bend"]["margin"] >= 0 else 1,
         (lambda: in_memory.run(study())) if sol.solved else None,  # another rule might solve it
         write if sol.solved else None,
     )
@@ -240,6 +248,20 @@ def _indices(sol: "Solution") -> dict[str, int]:
     return {loading: int(index) for loading, index in indices.items() if math.isfinite(index)}
 
 
+def _least_radius(text: str | None, units: dict[str, str]) -> float | None:
+    """The radius of --least-bend-radius in these units. Raises `InputError`."""
+    least = None if text is None else field_number("--least-bend-radius", "R", text, units)
+    if least is not None and not 0 < least < math.inf:
+        raise InputError(f"--least-bend-radius must be a positive length, got {text!r}")
+    return least
+
+
+def _bend(kappa: float, least: float | None) -> dict[str, float]:
+    """The least bend radius of the centreline and the one that is asked for, and by which share the first is larger."""
+    radius = 1 / kappa if kappa else math.inf
+    return {"radius": radius, "least": least or 0.0, "margin": radius / least - 1 if least else math.inf}
+
+
 PROFILE = ("start", "middle", "largest", "at", "far")
 OFF_WALL = (
     "turns_around", "height", "kappa_max", "bending_moment_max", "F3_size_max", "push_max", "gap_max", "contact_share",
@@ -249,8 +271,8 @@ HEADLINES = (
     "bends", "turns_around", "height", "kappa_max", "bending_moment_max", "F3_size_max", "push_min", "push_max",
     "attached", "index", "M30", "surface_torque", "reach", "arriving_max",
 )  # fmt: skip
-WOUND_HEADLINES = (
-    "turns_around", "pitch", "height", "kappa_max", "bending_stress_max", "F3_size_max", "push_min", "push_max",
+WOUND_HEADLINES = (  # with the bend radius
+    "turns_around", "pitch", "height", "bending_stress_max", "F3_size_max", "push_min", "push_max",
     "attached", "index",
 )  # fmt: skip
 
@@ -293,6 +315,12 @@ def _show(found: dict[str, Any], every: bool, whole: bool) -> None:
         console.say(f"held: {', '.join(found['held'])}; index {said}")
     for sentence in found["warnings"]:
         console.say(sentence)
+    if found["bend"]["margin"] < 0:
+        console.say(
+            f"caution: the rod is bent too tight: its bend radius is {margin_words(found['bend'], 'R', found['units'])}"
+        )
+    elif found["bend"]["least"] and found["profile"]:
+        console.say(f"bend radius: {margin_words(found['bend'], 'R', found['units'])}")
     if found["caution"] and not found["profile"]:
         console.say(f"caution: {found['caution']}")
     if found["left_out"]:
@@ -317,15 +345,19 @@ def _print_tables(found: dict[str, Any], every: bool) -> None:
     console.say("")
     if results := _results(found):
         heads = OFF_WALL if found["case"].get("contact") else WOUND_HEADLINES if found["wound"] else HEADLINES
-        plain = set(found["observables"]) | set(found["case"]) - set(heads)  # a load that is given stands above
-        shown = [name for name in results if every or name in heads or name not in plain]
-        tables.print_table(
-            ["found", "value", "unit", ""],
-            [
-                [name, _number(name, results[name], found["units"]), _unit(name, found), quantity(name).long_name]
-                for name in shown
-            ],
-        )
+        others = set(found["observables"]) | set(found["case"]) - set(heads)  # a load that is given stands above
+        shown = [name for name in results if every or name in heads or name not in others]
+        rows = [
+            [name, _number(name, results[name], found["units"]), _unit(name, found), quantity(name).long_name]
+            for name in shown
+        ]
+        if found["wound"] or found["bend"]["least"]:
+            radius = plain(found["bend"]["radius"] * size_shown("R", found["units"]), 6)
+            words = ", ".join(
+                filter(None, ("least bend radius of the centreline", margin_words(found["bend"], "R", found["units"])))
+            )
+            rows.append(["bend radius", radius, unit_shown("R", found["units"]), words])
+        tables.print_table(["found", "value", "unit", ""], rows)
         if more := len(results) - len(shown):
             console.say(f"{more} more numbers with --all")
 

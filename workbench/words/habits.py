@@ -62,6 +62,17 @@ def megapascals(units: Mapping[str, str]) -> float:
     return FORCES[units["force"]] / LENGTHS[units["length"]] ** 2 / 1e6
 
 
+def margin_words(bend: Mapping[str, float], name: str, units: Mapping[str, str]) -> str:
+    """By how much a quantity of that name is more than its least one; "" where none is asked for.
+
+    bend: has its least value, and the margin as a share of that.
+    """
+    if not bend["least"]:
+        return ""
+    least = f"{plain(bend['least'] * size_shown(name, units))} {unit_shown(name, units)}"
+    return f"{plain(100 * abs(bend['margin']), 3)} % {'less' if bend['margin'] < 0 else 'more'} than the least, {least}"
+
+
 def plain(value: float, digits: int = 4) -> str:
     """A number with so many digits, with five from 10000 on, and no exponent unless it is very large or small.
 
