@@ -9,7 +9,6 @@ import numpy as np
 
 from solver import Case, Ends, InputError, observe, solve
 from solver.problem.declared_fields import PAIRS, PARTS, WELL, WOUND, rivals
-from solver.problem.errors import choices
 
 from ..grammar.axes import case_from
 
