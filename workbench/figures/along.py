@@ -313,7 +313,7 @@ def _name_curves(ax: Axes, rods: DrawnRods, curves: Curves, tall: float, labelle
     ax.spines["left"].set_visible(False)
     ax.set_yticks([curves.foot + k * curves.step for k in shown], [rods.rods[k].value * labelled for k in shown])
     if rods.axis is not None:
-        ax.set_ylabel(fonts.fit_label(partial(labels.axis_label, rods.axis, rods.source[rods.axis]), 0.9 * tall))
+        ax.set_ylabel(fonts.fit_label(partial(labels.axis_label, rods.source[rods.axis]), 0.9 * tall))
     ax.yaxis.label.set_visible(labelled)
 
 

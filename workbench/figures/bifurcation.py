@@ -108,7 +108,7 @@ def panel(stored: StoredStudy, ax: Axes, key: str, inches: float = 4.0, sheet: S
         if x.size:
             ax.plot(x, y, mark, color=colours.INK, markersize=4.5, markerfacecolor="white", zorder=6, linestyle="none",
                     label=kind)  # fmt: skip
-    ax.set_xlabel(labels.axis_label(name, stored[name]))
+    ax.set_xlabel(labels.axis_label(stored[name]))
     ax.set_ylabel(fonts.fit_label(partial(labels.label, stored[f"curve_{key}"]), inches - 0.5))
     ends = labels.in_label_unit(stored[name], stored[name].values[[0, -1]])
     if "member" in stored.sizes:

@@ -104,7 +104,7 @@ class DrawnRods:
         """The axis with its unit, and the values at which the others are held."""
         if self.axis is None:
             return self.at()
-        return ", at ".join(text for text in (labels.axis_label(self.axis, self.source[self.axis]), self.at()) if text)
+        return ", at ".join(text for text in (labels.axis_label(self.source[self.axis]), self.at()) if text)
 
 
 def choose(

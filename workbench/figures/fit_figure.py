@@ -121,5 +121,6 @@ def shares(stored: StoredStudy, ax: Axes) -> None:
 
 def _label(stored: StoredStudy, k: int, long: bool = True) -> str:
     name, unit = str(stored["field"].values[k]), str(stored["unit"].values[k])
-    attrs = {"units": unit, "long_name": quantity_of(name).long_name}
-    return labels.axis_label(name, xr.DataArray(0.0, attrs=attrs), long)
+    row = quantity_of(name)
+    attrs = {"units": unit, "long_name": row.long_name, "symbol": row.symbol}
+    return labels.axis_label(xr.DataArray(0.0, attrs=attrs), long)

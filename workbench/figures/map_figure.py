@@ -214,7 +214,7 @@ class _Maps:
             text = axis_label(self.stored, choice.x, {**where, choice.x: 0}, long=not short)
             ax.set_xlabel(fonts.break_lines(text, max(self.inches[0], 1.0)))
         if leftmost:
-            label = partial(labels.axis_label, choice.y, self.stored[choice.y])
+            label = partial(labels.axis_label, self.stored[choice.y])
             ax.set_ylabel(label(False) if short else fonts.fit_label(label, 0.7 * self.inches[1]))
 
 

@@ -80,5 +80,5 @@ def _finish(ax: Axes, rods: DrawnRods, title: str) -> None:
     ax.set_ylim(min(edges), max(edges))
     ax.set_xlim(0, max(float(rod["s"][-1]) for rod in rods.solved))
     ax.set_xlabel(f"s [{labels.unit(rods.source.units['length'])}]")
-    ax.set_ylabel(labels.axis_label(rods.axis, axis))
+    ax.set_ylabel(labels.axis_label(axis))
     ax.set_title(title, loc="left")

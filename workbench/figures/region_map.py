@@ -111,7 +111,7 @@ def _panel(stored: StoredStudy, ax: Axes, inches: tuple[float, float], shown: st
         ax.plot(*line.T, zorder=3, solid_capstyle="round", gid=str(number), label=CURVES[curve], **_look(*curve))
     if "cusp" in stored.sizes:
         ax.plot(*(labels.in_label_unit(stored[name], stored[f"cusp_{name}"].values) for name in names), **CUSP)
-    ax.set(xlim=edges[0], ylim=edges[1], **{f"{axis}label": labels.axis_label(name, stored[name])
+    ax.set(xlim=edges[0], ylim=edges[1], **{f"{axis}label": labels.axis_label(stored[name])
                                             for axis, name in zip("xy", names, strict=True)})  # fmt: skip
     given = zip(names, stored.attrs.get("given", (np.nan, np.nan)), strict=True)  # older files have none
     point = np.array([float(labels.in_label_unit(stored[name], value)) for name, value in given])

@@ -124,7 +124,7 @@ def draw_line(
 def axis_label(stored: StoredStudy, axis: str, where: dict[str, int], long: bool = True) -> str:
     """The axis with its unit, and the values at which the other axes are held."""
     held = stored.equations({name: i for name, i in where.items() if name != axis})
-    return labels.axis_label(axis, stored[axis], long) + (f", at {held}" if held else "")
+    return labels.axis_label(stored[axis], long) + (f", at {held}" if held else "")
 
 
 def _mark_missing(ax: Axes, at: Values, known: Any, solved: Any, named: bool = False, **look: Any) -> None:
@@ -160,7 +160,7 @@ def samples(stored: StoredStudy, names: Sequence[str], width: float, narrow: boo
         _draw_samples(stored.select(held), ax, name, field, room)
         ax.tick_params(labelleft=field == fields[0], labelbottom=name == names[-1])
         if name == names[-1]:
-            ax.set_xlabel(fonts.fit_label(partial(labels.axis_label, field, stored[field]), room))
+            ax.set_xlabel(fonts.fit_label(partial(labels.axis_label, stored[field]), room))
         if field == fields[0]:
             words = [fonts.break_lines(labels.label(stored[name], long), 1.2) for long in (True, False)]
             ax.set_ylabel(words[words[0].count("\n") > 1])

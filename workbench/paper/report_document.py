@@ -243,9 +243,7 @@ def _rods(path: Path, part: str, turntable: Mapping[str, Any] | None) -> dict[st
 
 def _of(stored: StoredStudy, name: str) -> str:
     axis = name.removeprefix("scene").strip()
-    return (
-        f"the rod along {labels.axis_label(axis, stored[axis])}" if axis in stored.sizes else "the rod on its cylinder"
-    )
+    return f"the rod along {labels.axis_label(stored[axis])}" if axis in stored.sizes else "the rod on its cylinder"
 
 
 def _picture(file: Path | BytesIO, alt: str, how: dict[str, Any]) -> dict[str, Any]:

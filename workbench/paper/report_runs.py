@@ -172,7 +172,7 @@ def release(study: Study, stored: StoredStudy) -> dict[str, Any]:
         stored[axis].values, stored["gap_max"].values, stored["contact_share"].values, before, after, strict=True
     )
     return {
-        "head": [labels.axis_label(axis, stored[axis]), f"Off the wall, at most [{length}]", "On the wall",
+        "head": [labels.axis_label(stored[axis]), f"Off the wall, at most [{length}]", "On the wall",
                  f"Elastic energy held on [{unit}]", f"Let go [{unit}]"],
         "rows": [[labels.number(value), *(text if np.isfinite(number) else "–" for number, text in
                                     ((gap, f"{gap:.2f}"), (share, f"{share:.0%}"), (held_on, f"{held_on:.0f}"),

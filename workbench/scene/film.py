@@ -271,7 +271,7 @@ def _draw_diagram(ax: Axes, stored: StoredStudy, film: Film) -> None:
     """The whole curve of the observable, with its name above it."""
     assert film.observable is not None
     trend(stored, ax, film.observable, film.axis, film.at).set_label(DIAGRAM_LABEL)
-    ax.set(xlabel=labels.axis_label(film.axis, stored[film.axis]), ylabel="")
+    ax.set(xlabel=labels.axis_label(stored[film.axis]), ylabel="")
     name = labels.label(stored[film.observable], long=True)
     is_wide = fonts.inches(ax)[0] > DIAGRAM[0]
     side, place = ("right", (1.0, 1.0)) if is_wide else ("left", (0.0, 1.0))

@@ -231,7 +231,7 @@ def _together(
     held = {k: i for k, i in cases[0].items() if k != axis}
     down = gravity(stored, held)
     bodies = _in_view(thin, down, settings)
-    case = ", ".join([labels.axis_label(axis, stored[axis]), *scene_kinds.values(stored, held)])
+    case = ", ".join([labels.axis_label(stored[axis]), *scene_kinds.values(stored, held)])
     notes = [f"{len(cases)} of {len(line)} values"] if len(cases) < len(line) else []
     notes += [f"drawn at {GHOST:.2g} of the thickness, one upon the other"]
     notes += long_rod.notes_on(bodies, stored.units["length"])
@@ -260,7 +260,7 @@ def _row(
     moved = sum(where not in chosen for where in spread)
     rows, cameras = _cells(stored, kind, names, [chosen], settings)
     size = GRID if len(chosen) > IN_ROW else ROW
-    shown = [labels.axis_label(name, stored[name]) for name in names if name not in scene_kinds.UNNAMED]
+    shown = [labels.axis_label(stored[name]) for name in names if name not in scene_kinds.UNNAMED]
     notes = [f"{len(chosen)} of {len(line)} values"] if len(chosen) < len(line) else []
     notes += [f"in place of {moved} unsolved case{'s' * (moved > 1)} the nearest solved"] if moved else []
     scene = _several(stored, kind, names, rows, cameras[0], settings, chosen[0], shown, notes, size)

@@ -211,14 +211,14 @@ def hidden_lines(
     for box in find_objects(hidden.astype(np.uint8)):  # one, or none where nothing is hidden
         part = tuple(slice(max(edge.start - size - 1, 0), edge.stop + size + 1) for edge in box)
         depth = rods[part]
-        behind[part] = _opened(hidden[part], drawn.sliver / 2) & (depth < 1)
+        behind[part] = _without_slivers(hidden[part], drawn.sliver / 2) & (depth < 1)
         deepest = np.maximum(*(maximum_filter1d(depth, 3, axis=axis) for axis in (0, 1)))
         edges = behind[part] & (deepest - depth > drawn.edge)  # a background, which has depth 1, is deeper too
         line[part] = maximum_filter(edges, max(round(drawn.line), 1)) & behind[part]
     return line, behind
 
 
-def _opened(mask: NDArray[np.bool_], radius: float) -> NDArray[np.bool_]:
+def _without_slivers(mask: NDArray[np.bool_], radius: float) -> NDArray[np.bool_]:
     """A mask without what is thinner than discs of a radius in samples; right angles stay as they are."""
     middles = distance_transform_edt(np.pad(mask, 1))[1:-1, 1:-1] > radius
     return mask & (distance_transform_edt(~middles) <= 1.5 * radius) if middles.any() else middles

@@ -145,7 +145,7 @@ def headings(stored: StoredStudy, name: str, cases: list[dict[str, int]]) -> lis
     """The headings of a table: the quantity of an axis with its unit, and the value of each case without."""
     array = stored[name]
     each = labels.in_label_unit(array, array.values[[where[name] for where in cases]])
-    return [labels.axis_label(name, array), *(labels.minus_signs(labels.number(float(value))) for value in each)]
+    return [labels.axis_label(array), *(labels.minus_signs(labels.number(float(value))) for value in each)]
 
 
 def case_values(stored: StoredStudy, where: Mapping[str, int]) -> str:

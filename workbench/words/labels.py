@@ -78,7 +78,7 @@ def equation(array: xr.DataArray, number_: float, digits: int = 4) -> str:
     return f"{symbol(array)} = {value(number_, array, digits)}"
 
 
-def axis_label(name: str, array: xr.DataArray, long: bool = True) -> str:
+def axis_label(array: xr.DataArray, long: bool = True) -> str:
     """``Young's modulus  E [N/cm²]``, or with `long=False` ``E [N/cm²]``; angles in degrees."""
     symbol_ = symbol(array)
     text = f"{long_name(array)}  " if long and long_name(array) != symbol_ else ""
