@@ -1,6 +1,7 @@
 """A method, an observable of what is measured already and a direction of laws are rows: each is added here so."""
 
 import ast
+import subprocess
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -154,3 +155,10 @@ def test_a_kind_of_law_is_one_row_and_is_then_read_judged_worded_and_drawn(monke
     fig = study_figure.figure(StoredStudy(ds))
     assert any(ax.get_title(loc="left").endswith("a: false") for ax in fig.axes)
     assert "stays level with" in " ".join(canvas.caption(fig))
+
+
+def test_a_field_of_the_cylinder_is_one_row_and_is_then_read_checked_offered_stored_and_described(tmp_path) -> None:
+    run = subprocess.run(
+        [sys.executable, "-m", "tests.one_more_field", tmp_path], cwd=ROOT, capture_output=True, text=True, check=False
+    )
+    assert run.stdout == "as told\n", run.stderr[-2000:]

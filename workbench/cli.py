@@ -39,6 +39,7 @@ from .commands import (
     scene,
     sensitivity,
     solve,
+    study_schema,
     summary,
 )
 from .words import escaping
@@ -101,7 +102,11 @@ GROUPS: dict[str, dict[str, tuple[Any, ...]]] = {
             "loops --length-unit nm --force-unit pN --EI 207 --GJ 310 --a 1 --L 40 --R 3 --out loops.h5",
         ),
     },
-    "Help and machine": {"docs": (docs.docs, "docs", "docs --print"), "doctor": (doctor.doctor, "doctor")},
+    "Help and machine": {
+        "docs": (docs.docs, "docs", "docs --print"),
+        "schema": (study_schema.schema, "schema"),
+        "doctor": (doctor.doctor, "doctor"),
+    },
 }
 # The tenants: a package that is deleted takes its command with it, and nothing else.
 if find_spec("workbench.paper"):

@@ -171,6 +171,16 @@ def _on_one_line(text: str) -> str:
     return text
 
 
+@dataclass(frozen=True)
+class _OneOf(AfterValidator):
+    """A validator whose names stand in the schema."""
+
+    known: tuple[str, ...] = ()
+
+    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> dict[str, Any]:
+        return {**handler(schema), "enum": [*self.known]}
+
+
 def one_of(kind: str, known: Collection[str]) -> AfterValidator:
     """That a text is one of the known names; the error names the kind, the text and the choices."""
 
@@ -179,7 +189,7 @@ def one_of(kind: str, known: Collection[str]) -> AfterValidator:
             raise no_such(kind, value, known)
         return value
 
-    return AfterValidator(check)
+    return _OneOf(check, tuple(known))
 
 
 def check_names(kind: str, names: list[str], known: Collection[str]) -> list[str]:
