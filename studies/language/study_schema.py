@@ -75,20 +75,22 @@ def _each(names: Any, schema: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
 
 def _field(row: CaseField) -> dict[str, Any]:
     """The schema of a field: its words, or its range, and its help."""
-    if row.choices:
-        said, limits = row.long_name, {"enum": [*row.choices]}
-    else:
+    said, limits = row.long_name, _limits(row)
+    if not row.choices:
         unit = unit_of(row.quantity, {"length": "length", "force": "force"})
-        said, limits = f"{row.long_name}{row.more} [{unit}]", {"type": [*NUMBER], **_limits(row)}
+        said += f"{row.more} [{unit}]"
     return limits | {"description": "; ".join([said, *([row.rules] if row.rules else [])])}
 
 
-def _limits(row: CaseField) -> dict[str, float]:
-    """The bounds of a number alone; one with a unit is judged by `load`."""
-    if row.range is None:
-        return {}
-    limits = {"minimum" if row.range.closed else "exclusiveMinimum": row.range.low}
-    return limits | ({"maximum": row.range.high} if row.range.high < float("inf") else {})
+def _limits(row: CaseField) -> dict[str, Any]:
+    """The words of a field, or the type and bounds of a number; one with a unit is judged by `load`."""
+    if row.choices:
+        return {"enum": [*row.choices]}
+    limits: dict[str, Any] = {"type": [*NUMBER]}
+    if row.range is not None:
+        limits["minimum" if row.range.closed else "exclusiveMinimum"] = row.range.low
+        limits |= {"maximum": row.range.high} if row.range.high < float("inf") else {}
+    return limits
 
 
 def _take_units(schema: dict[str, Any]) -> None:

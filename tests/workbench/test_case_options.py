@@ -188,7 +188,7 @@ def test_a_study_takes_tension_lay_and_twist_of_a_cable_in_fields_and_axes() -> 
 
 def test_a_study_does_not_solve_its_cases_to_know_their_loads() -> None:
     text = STUDY_OF_A_PIPE.format(name="FZ0", values="[-20.0]").replace("R = 0", "friction = 0.2\nR = 0")
-    with pytest.raises(InputError, match="FZ0 with friction"):
+    with pytest.raises(InputError, match="FZ0 is the force at s = 0 here, and with friction"):
         loads(text)
 
 
