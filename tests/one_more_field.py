@@ -73,6 +73,11 @@ def look(folder: Path) -> None:
     assert said_by("run", str(study), "--out", str(file))[0] == 0
     with xr.open_dataset(file) as ds:
         assert (ds["taper"].dims, ds["taper"].attrs["symbol"]) == (("taper",), "ψ")
+    one = STUDY.replace('axes.taper.values = ["1deg", "2deg"]', "axes.E.values = [1e4, 2e4]")
+    study.write_text(one.replace("E = 1e4,", 'taper = "180deg",'))
+    assert said_by("run", str(study), "--out", str(folder / "one.h5"))[0] == 0
+    with xr.open_dataset(folder / "one.h5") as ds:
+        assert (ds["taper"].dims, float(ds["taper"])) == ((), 3.141592653589793)
     assert "Taper of the cylinder [rad]; a trial." in " ".join(said_by("solve", "--help")[1].split())
     status, shown = said_by(*CASE, "2deg")
     assert (status, json.loads(shown)["case"]["taper"]) == (0, 0.03490658503988659)
