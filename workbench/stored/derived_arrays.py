@@ -17,6 +17,7 @@ from solver import Case, Cylinder, Solution
 from solver.orbits import frames, statics
 from solver.orbits.potential import dimensional_slope, potential
 from solver.orbits.statics import contact_force, push_from
+from solver.problem.declared_fields import CHOICES, PARTS
 from solver.problem.errors import InputError
 from studies import Study
 from studies.language.study import OUTPUTS
@@ -217,7 +218,9 @@ def states_of(one: "StoredCases", s: Any, beta: Any, alpha: Any, push: Any) -> "
     """The states along a stored rod with weight or friction, from arrays along it, (n,) each; `one`: its case."""
     from solver.nodes.state import axial_force_along, is_drawn, states  # it loads the methods
 
-    given: dict[str, Any] = {name: float(one[name]) for name in ("R", "inclination", "friction") if name in one}
+    given: dict[str, Any] = {
+        name: float(one[name]) for name in PARTS["cylinder"] if name not in CHOICES and name in one
+    }
     wall = Cylinder(**given, **{name: one.attrs[name] for name in ("side", "sliding") if name in one.attrs})
     weight = float(one["weight"]) if "weight" in one else 0.0
     axial = axial_force_along(wall, weight, float(one["FZ"]), s, beta, push)

@@ -10,7 +10,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from solver.observe.observables import OBSERVABLES
-from solver.problem.declared_fields import PAIRS
+from solver.problem.declared_fields import PAIRS, VARY_LOADS
 from solver.problem.errors import InputError
 from studies.grammar.axes import SAMPLE
 from studies.laws import law_words
@@ -59,7 +59,7 @@ def summary(path: Path) -> dict[str, Any]:
 
 def _states(stored: StoredStudy) -> list[dict[str, Any]]:
     """The states along each rod with weight or friction, in words; none of more than `MOST_STATES` rods."""
-    loaded = {"weight", "friction"} & set(stored.ds.variables) and {"beta", "alpha"} <= set(stored.variables)
+    loaded = {*VARY_LOADS} & set(stored.ds.variables) and {"beta", "alpha"} <= set(stored.variables)
     if not loaded or stored.cases > MOST_STATES:
         return []
     rows = []
