@@ -11,7 +11,7 @@ from tests.slow import slow_but
 from tests.workbench import small
 from tests.workbench.command import exit_status
 from workbench.run import in_memory, writing
-from workbench.stored import file_summary, law_verdicts
+from workbench.stored import boxes, file_summary
 
 AXES = small.axis("E", [1e4, 2e4]) + small.axis("R", [0.5, 0.75, 1.0])
 LAW = small.law("kappa_max", "R", "falls", claim="(2)")
@@ -33,7 +33,7 @@ def file(tmp_path):
 def test_small_blocks_tell_the_same(file, most: int, monkeypatch) -> None:
     path, _ = file
     whole = file_summary.summary(path)
-    monkeypatch.setattr(law_verdicts, "BLOCK", most)
+    monkeypatch.setattr(boxes, "AT_ONCE", most)
     assert file_summary.summary(path) == whole
 
 

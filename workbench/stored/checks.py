@@ -26,7 +26,7 @@ from ..words import escaping
 from ..words.escaping import show
 from . import bounds, file_kinds, law_verdicts, quantity_variables, refined, schema
 from .bounds import LABEL, LINE
-from .boxes import blocks
+from .boxes import pieces
 from .quantity_variables import CURVES, INNER, JUDGED, LOADS, SECTION
 from .schema import FORMAT, TEXTS
 
@@ -43,8 +43,7 @@ LABELS = ("units", "long_name", "symbol", "reading")  # attributes of variables 
 # What the values of a variable are, and their kinds in NumPy; of all others numbers.
 KINDS = {**dict.fromkeys((*TEXTS, "xyz"), ("text", "OUST")), "solved": ("booleans", "b")}
 SCALED = ("scale_factor", "add_offset", "missing_value", "_Unsigned")  # attributes by which xarray changes numbers
-BLOCK = 100_000  # cases that are read at a time
-BLOCK_ALONG = 2**20  # stations of their curves
+BLOCK_ALONG = 2**20  # stations of curves that are read at a time
 
 
 def check(ds: xr.Dataset, path: str | Path, checks: Sequence[Check]) -> None:
@@ -244,7 +243,7 @@ def cases(ds: xr.Dataset) -> Iterator[str]:
     variables, dims = ds.variables, ds.variables["solved"].dims
     each = [str(name) for name in ds.data_vars if variables[name].dims == dims and variables[name].dtype.kind in "iuf"]
     numbers = [*dict.fromkeys([*each, *(name for name in LOADS if name in variables)])]
-    for block in _boxes(ds, [*TEXTS, *numbers, *schema.stiffness_fields(ds), "rho", "L"], BLOCK):
+    for block in pieces(variables, [*TEXTS, *numbers, *schema.stiffness_fields(ds), "rho", "L"]):
         for name in (name for name in TEXTS if name in block):
             for text in dict.fromkeys(block[name].values.ravel().tolist()):
                 yield from _line(str(text), f"one of {name}")
@@ -254,7 +253,7 @@ def cases(ds: xr.Dataset) -> Iterator[str]:
 def curves(ds: xr.Dataset) -> Iterator[str]:
     """Whether the curves of solved cases are finite, and no chord is longer than its arc."""
     keys = [key for key in CURVES if key in ds.data_vars and "u" in ds.variables[key].dims]
-    for block in _boxes(ds, [*keys, "s", "rho"], max(1, BLOCK_ALONG // ds.sizes.get("u", 1))):
+    for block in pieces(ds.variables, [*keys, "s", "rho"], max(1, BLOCK_ALONG // ds.sizes.get("u", 1))):
         yield from _numbers(ds, block, keys)
         if {"s", "rho", "u"} <= {*block, *ds.dims}:
             yield from _chords(ds, block)
@@ -282,15 +281,6 @@ def _chords(ds: xr.Dataset, block: Mapping[str, xr.Variable]) -> Iterator[str]:
 def _steps(along: xr.Variable) -> xr.Variable:
     """Differences from one station to the next."""
     return along.isel(u=slice(1, None)) - along.isel(u=slice(None, -1))
-
-
-def _boxes(ds: xr.Dataset, names: Sequence[str], most: int) -> Iterator[dict[str, xr.Variable]]:
-    """These variables and `solved`, in memory, for at most so many cases at a time."""
-    solved = ds.variables["solved"]
-    held = {name: ds.variables[name] for name in dict.fromkeys(["solved", *names]) if name in ds.variables}
-    for where in blocks(solved.shape, most):
-        box = dict(zip(solved.dims, where, strict=True))
-        yield {name: v.isel({dim: box[dim] for dim in v.dims if dim in box}).load() for name, v in held.items()}
 
 
 def _numbers(ds: xr.Dataset, block: Mapping[str, xr.Variable], names: Sequence[str]) -> Iterator[str]:

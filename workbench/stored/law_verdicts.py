@@ -2,7 +2,7 @@
 
 import json
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,7 +18,7 @@ from studies.laws.verdicts import Law, by_line, decide, refusal, targets
 from ..words import cautions, escaping, outcomes
 from . import quantity_variables, refined, schema
 from .bounds import LINE
-from .boxes import Columns, blocks
+from .boxes import Columns, pieces
 from .quantity_variables import dimension
 from .schema import TEXTS
 
@@ -30,8 +30,6 @@ if TYPE_CHECKING:
 
 
 Tally = dict[str, Counter[Any]]
-
-BLOCK = 100_000  # cases that are read at a time
 
 
 def laws_of(ds: "xr.Dataset", path: str = "the dataset") -> list[Law]:
@@ -269,7 +267,7 @@ def statistics(ds: "xr.Dataset", tally: Tally | None = None) -> dict[str, Any]:
     if tally is None:
         tally = tally_of()
         names = [name for name in ("solved", *TEXTS, "branch") if name in ds]
-        for piece in _pieces(ds, names, BLOCK):
+        for piece in pieces(ds.variables, names):
             count({name: piece[name].values for name in names}, tally)
     return {
         "unsolved": tally["solved"][False],
@@ -288,10 +286,3 @@ def _branches(ds: "xr.Dataset", counts: Mapping[int, int]) -> str:
         return ""
     several = sum(size > 1 for size in ds["branch"].shape) > 1
     return outcomes.branch_sentence(counts, ds["branch"].attrs.get("long_name") == outcomes.LEFT, several)
-
-
-def _pieces(ds: "xr.Dataset", names: Sequence[str], most: int) -> "Iterator[xr.Dataset]":
-    """These variables of a study's dataset, in memory, for at most so many cases at a time."""
-    dims = ds["solved"].dims
-    for where in blocks(ds["solved"].shape, most):
-        yield ds[list(names)].isel(dict(zip(dims, where, strict=True))).load()
