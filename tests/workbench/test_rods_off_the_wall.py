@@ -30,7 +30,7 @@ from workbench.web.live.presets import own_preset
 from workbench.web.turntable import turntable_page
 
 if opengl.probe()[0]:  # without the libraries of OpenGL it cannot be imported
-    from workbench.scene import layout
+    from workbench.scene import composition, layout
 
 pytest.importorskip("unopy", reason="the extra contact is not installed")
 
@@ -208,6 +208,25 @@ def test_a_rod_is_drawn_held_on_and_let_go_with_its_gap_and_the_forces_at_the_ed
         assert force == pytest.approx(same, rel=1e-6)
         assert force > 0
         assert at[:2] @ away[:2] == pytest.approx(rods[1].R + 2 * rods[1].a, rel=1e-3)
+
+
+@draws
+@pytest.mark.parametrize("azimuth", (0, 60, 180, 270))
+def test_arrows_and_gaps_are_drawn_as_far_as_the_cylinder_does_not_hide_them(stored: xr.Dataset, azimuth: int) -> None:
+    pair = study_scene.release_of(StoredStudy(stored), {})(101)
+    page = layout.compose(pair, {RELEASED: 100}, settings=Settings(4.0, 50, camera=f"{azimuth},10"))
+    (view,), camera = page.scene.views, page.scene.camera
+    seen, cut = 0, False
+    for places, _ in composition._lines_of_contact(page.scene, view):
+        rays = places[:, None] + np.linspace(1e-6, 5.0, 2001)[:, None] * camera.toward  # to the eye
+        (low, high), inside = view.cylinder, np.hypot(*np.moveaxis(rays, -1, 0)[:2]) < view.bodies[0].R - 1e-4
+        hidden = (inside & (rays[..., 2] > low) & (rays[..., 2] < high)).any(axis=1)
+        assert (hidden != view.covers(places, camera)).mean() <= 2 / len(places)
+        seen, cut = seen + (not hidden.all()), cut or bool(hidden.any())
+    drawn = [text for text in page.ax.texts if getattr(text, "arrow_patch", None)]
+    assert len(drawn) == seen
+    assert all(mark.get_annotation_clip() is False for mark in drawn)  # also where its end is beyond the panel
+    assert any(composition.CUT in text for _, text in page.legend) == cut
 
 
 def test_a_film_of_letting_go_begins_on_the_cylinder_ends_at_rest_and_says_how_it_moves(stored: xr.Dataset) -> None:

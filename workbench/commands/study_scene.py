@@ -96,24 +96,22 @@ def release_of(stored: StoredStudy, at: Mapping[str, float], count: int | None =
         held = held.assign(radius=held["rho"].broadcast_like(held["z"]))
         names = [name for name in free.variables if name in held.variables]
         held, free = (ds[names].squeeze([str(dim) for dim in ds["outcome"].dims]) for ds in (held, free))
-        shapes, more, said = [free], dict[str, xr.Variable](), {CASE: case}
+        shapes, said = [free], {CASE: case}
         if count is None:
-            forces = point_forces_of(StoredStudy(free).at(), ())
-            away = xr.Dataset(forces).expand_dims({RELEASED: 1})
+            forces = xr.Dataset(point_forces_of(StoredStudy(free).at(), ())).expand_dims({RELEASED: 1})
+            more = forces.pad({RELEASED: (1, 0)})
         else:
             sol, energy = StoredStudy(held).at().descent(count - 1, FREE_TOLERANCE)
             along = {name: getattr(sol, name) for name in (*RELEASED_ARRAYS, "radius")}
             shapes = [free.assign({name: ("u", row[k]) for name, row in along.items()}) for k in range(count - 1)]
             shapes[-1] = shapes[-1].assign(outcome=((), str(sol.outcome[-1])))
-            away = xr.Dataset(point_forces_of(sol, (RELEASED,)))
-            unit = free.attrs["force_unit"], free.attrs["length_unit"]
             said |= {NOTE: MOTION + f"; {OTHER_REST}" * (sol.begun[-1] == ELSEWHERE)}
-            more = {ENERGY[0]: xr.Variable((RELEASED,), energy, ENERGY[1] | {"units": " ".join(unit)})}
+            unit = {"units": f"{free.attrs['force_unit']} {free.attrs['length_unit']}"}
+            more = xr.Dataset({ENERGY[0]: ((RELEASED,), energy, ENERGY[1] | unit)})
         places = np.linspace(0, 100, len(shapes) + 1)
         pair = xr.concat([held, *shapes], xr.Variable((RELEASED,), places, WAY), coords="minimal", compat="override")
-        away = away.pad({RELEASED: (1, 0)}).assign_coords({RELEASED: pair[RELEASED]})
         kept = {name: value for name, value in free.attrs.items() if count is None or name != "study"}
-        return StoredStudy(pair.merge(away).assign(more).assign_attrs(kept | said))
+        return StoredStudy(pair.merge(more.assign_coords({RELEASED: pair[RELEASED]})).assign_attrs(kept | said))
 
     return solve
 

@@ -13,7 +13,7 @@ from ..figures.arrangement import Arrangement
 from ..geometry.centreline import APART, Array
 from ..words import cautions, labels
 from . import long_rod, page, scene_kinds, signs, strands
-from .body import Body
+from .body import ARROWS, Body
 from .page import Mark, Page, Scene
 from .rendering import Placed, render
 from .scene_kinds import Cell, set_range
@@ -25,9 +25,9 @@ NARROWEST = 7.0  # inches of a page, for the line below the views
 COARSEST = 10.0  # pixels that a surface may be off; beyond, it is no picture of that rod
 RING = (0.03, 0.065)  # inches: the least and the largest radius of a ring, else `IN_RODS` radii of its rod
 IN_RODS = 0.75
-LEAST_ARROW = 0.4  # radii of the cylinder: the length of the arrow of no force
 ITSELF = "the rod passes through itself"
 UNSEEN = " (no ring where the cylinder hides it)"
+CUT, ALONG = " (as far as the cylinder does not hide it)", 65  # places along a line at which that is asked
 BEHIND = "a stretch behind the cylinder"
 
 __all__ = ["DEFAULT", "Scene", "Settings", "TooFewStations", "compose"]
@@ -92,10 +92,10 @@ def words_of(scene: Scene) -> tuple[list[tuple[str, str]], list[str]]:
         legend.append((signs.OUTLINE, BEHIND))
     bodies = scene.bodies
     if any(body.widest_gap is not None for body in bodies):
-        legend.append((signs.GAP, "the widest gap to the wall"))
+        legend.append((signs.GAP, "the widest gap to the wall" + CUT * _hides_lines(scene, forces=False)))
         legend += [(scene_kinds.OFF_WALL, "off the wall")] * (scene.kind.paint is scene_kinds.by_push)
     if any(body.pushes for body in bodies):
-        legend.append((signs.FORCE, "a point force of the wall"))
+        legend.append((signs.FORCE, "a point force of the wall" + CUT * _hides_lines(scene, forces=True)))
     warnings = _impossible_beside(scene.bodies, ringed) if scene.kind.cells != "together" else []
     if len(scene.context) > len(scene.bodies):  # the views of the pictures along an axis stand at one place
         most = max(len(_impossible_beside([body], ringed)) for body in scene.context)
@@ -137,8 +137,10 @@ def _room_on(draft: Page) -> tuple[float, float]:
 
 
 def _bare(scene: Scene) -> Scene:
-    """The scene without words beside its views."""
-    rows = [[replace(view, cell=Cell()) for view in row] for row in scene.rows]
+    """The scene without words and marks beside its views."""
+    rows = [[replace(view, cell=Cell(), bodies=[replace(body, point_forces=()) for body in view.bodies],
+                     frame=[replace(body, point_forces=()) for body in view.frame]) for view in row]
+            for row in scene.rows]  # fmt: skip
     return replace(scene, rows=rows, columns=(), heads=(), names=(), ringed=False)
 
 
@@ -202,23 +204,41 @@ def _rings(scene: Scene, arranged: Arrangement) -> list[tuple[float, float, floa
 
 
 def _marks_of_contact(scene: Scene, arranged: Arrangement) -> list[Mark]:
-    """The widest gap of each rod as a line to the wall, the point forces of the wall as arrows, and the marked base
-    pairs of DNA, in inches."""
-    marks = []
-    largest = max((force for body in scene.bodies for *_, force in body.pushes), default=1.0)
+    """The widest gap of each rod as a line to the wall, and the point forces of the wall as arrows, as far as the
+    cylinder does not hide them; the marked base pairs of DNA; in inches."""
+    marks, camera = [], scene.camera
     for view, middle in _middles(scene, arranged):
-        for body in view.bodies:
-            lines = []
-            if body.widest_gap is not None:
-                size = float(np.linalg.norm(np.diff(body.widest_gap, axis=0)))
-                lines.append((body.widest_gap, f"{labels.number(size, 3)} {scene.stored.units['length']}"))
-            for at, away, force in body.pushes:
-                lines.append((np.stack([at, at + (LEAST_ARROW + force / largest) * body.R * away]), ""))
-            leaders = strands.marks(body) if body.paint.strands else []
-            for places, words in (*lines, *leaders):
-                across = places @ view.turn.T @ scene.camera.page.T - sum(view.box(scene.camera)) / 2
-                marks.append(Mark(middle + across * arranged.scale * [1, -1], words, bool(leaders)))
+        lines = [
+            (places[~view.covers(places, camera)], words, False) for places, words in _lines_of_contact(scene, view)
+        ]
+        lines += [(places @ view.turn.T, words, True) for body in view.bodies if body.paint.strands
+                  for places, words in strands.marks(body)]  # fmt: skip
+        for places, words, is_leader in lines:
+            if places.size:
+                across = places[[0, -1]] @ camera.page.T - sum(view.box(camera)) / 2
+                marks.append(Mark(middle + across * arranged.scale * [1, -1], words, is_leader))
     return marks
+
+
+def _lines_of_contact(scene: Scene, view: View) -> Iterator[tuple[Array, str]]:
+    """The widest gap of each rod of a view, with its size in words, and its point forces, as places along each line,
+    (n, 3) as they are turned."""
+    largest = max((force for body in scene.bodies for *_, force in body.pushes), default=1.0)
+    share = np.linspace(0, 1, ALONG)[:, None]
+    for body in view.bodies:
+        if body.widest_gap is not None:
+            wall, rod = body.widest_gap
+            size = labels.number(float(np.linalg.norm(rod - wall)), 3)
+            yield (wall + share * (rod - wall)) @ view.turn.T, f"{size} {scene.stored.units['length']}"
+        for at, away, force in body.pushes:
+            long = body.R * np.interp(force / largest, (0, 1), ARROWS)
+            yield (at + share * long * away) @ view.turn.T, ""
+
+
+def _hides_lines(scene: Scene, forces: bool) -> bool:
+    """Whether the cylinder hides a part of a point force, or else of a gap."""
+    lines = ((view, line) for view in scene.views if view.bodies for line in _lines_of_contact(scene, view))
+    return any(view.covers(places, scene.camera).any() for view, (places, words) in lines if forces == (not words))
 
 
 def _stations(bodies: Sequence[Body], tolerance: float) -> tuple[int, int]:

@@ -30,7 +30,7 @@ def draw_mark(ax: Axes, places: NDArray[np.float64], words: str, leads: bool = F
     """
     style = "-" if leads else "|-|, widthA=0.25, widthB=0.25" if words else "-|>"
     look = {"arrowstyle": style, "color": colours.INK, "lw": 1.1, "shrinkA": 0, "shrinkB": 0}
-    ax.annotate("", tuple(places[1]), tuple(places[0]), arrowprops=look, zorder=6)
+    ax.annotate("", tuple(places[1]), tuple(places[0]), arrowprops=look, zorder=6, annotation_clip=False)
     if words:
         right = not leads or places[1, 0] >= places[0, 0]
         x, y = (places[1] if leads else places.mean(axis=0)) + [0.06 if right else -0.06, 0.0]

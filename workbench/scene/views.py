@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from solver.numerics.arrays import Booleans
 from solver.orbits import frames
 from solver.problem.errors import InputError, no_such
 
@@ -15,7 +16,7 @@ from ..figures import arrangement, fonts
 from ..figures.arrangement import Arrangement
 from ..geometry.centreline import Array
 from ..stored.stored_study import StoredStudy
-from .body import Body
+from .body import ARROWS, Body
 from .scene_kinds import Cell
 
 # name -> its views, each with the angle about the axis from the side where the rod is and the angle above the plane
@@ -174,6 +175,9 @@ class View:
         for body in self.frame or self.bodies:
             seen = self.places(body) @ camera.page.T
             low, high = np.minimum(low, seen.min(axis=0) - body.a), np.maximum(high, seen.max(axis=0) + body.a)
+            for at, away, _ in body.pushes:
+                tip = camera.page @ (self.turn @ (at + ARROWS[1] * body.R * away))
+                low, high = np.minimum(low, tip), np.maximum(high, tip)
         if abs(camera.page[0, 2]) < 1e-9:
             wide = max(-low[0], high[0])
             low, high = np.array([-wide, low[1]]), np.array([wide, high[1]])
@@ -200,16 +204,28 @@ class View:
 
     def crossings(self, camera: Camera) -> tuple[list[Array], int]:
         """The places, (3,) each [length], where rods pass through themselves in sight; how many the cylinder hides."""
-        across = np.cross(camera.toward, [0.0, 0.0, 1.0])
         seen, hidden = [], 0
         for body in self.bodies:
             for at in (self.turn @ place for place in body.crossings):
-                behind = at[:2] @ camera.toward[:2] < 0 and abs(across @ at) < body.R
-                if behind and body.side != "inside":
+                if self.covers(at[None], camera)[0]:
                     hidden += 1
                 else:
                     seen.append(at)
         return seen, hidden
+
+    def covers(self, places: Array, camera: Camera) -> Booleans:
+        """Whether the cylinder stands before places outside it, (n, 3) as they are turned; an open one never. (n,)"""
+        body, way = self.bodies[0], camera.toward
+        if body.side == "inside":
+            return np.zeros(len(places), dtype=bool)
+        steep = max(float(way[:2] @ way[:2]), 1e-12)
+        nearer = -places[:, :2] @ way[:2] / steep  # how far before a place its line of sight is nearest the axis
+        miss = ((places[:, :2] + nearer[:, None] * way[:2]) ** 2).sum(axis=1)
+        half = np.sqrt(np.maximum(body.R**2 - miss, 0.0) / steep)
+        into, out = (places[:, 2] + (nearer + side * half) * way[2] for side in (-1, 1))
+        low, high = self.cylinder
+        between = (np.maximum(into, out) > low) & (np.minimum(into, out) < high)
+        return np.asarray((nearer > 0) & (miss < body.R**2) & between)
 
     @property
     def cylinder(self) -> tuple[float, float]:
