@@ -253,6 +253,14 @@ def test_a_film_of_letting_go_is_made_by_one_command(tmp_path: Path, monkeypatch
     assert exit_status("scene", "rod.toml", "-o", "other.gif", *look, "--show", "gap_max") == 2
 
 
+def test_a_scene_of_letting_go_shows_one_case_and_takes_no_axis(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("rods.toml").write_text(STUDY.replace("E = 1.07e4, ", "") + "[axes.E]\nvalues = [1e4, 1.2e4]\n")
+    assert exit_status("scene", "rods.toml", "--kind", "let-go", "--axis", "E", "-o", "rods.png") == 2
+
+
 def test_no_line_joins_rods_that_were_let_go_each_by_itself() -> None:
     ds = in_memory.run(loads(STUDY.replace("E = 1.07e4, ", "") + "[axes.E]\nvalues = [1e4, 1.2e4, 1.4e4]\n"))
     drawn = kinds.figure(StoredStudy(ds), "lines", show=["gap_max"])

@@ -93,6 +93,10 @@ def _pictures(
 
     axes, along, out = wanted.axes, wanted.along, wanted.out
     chosen = scene_kinds.kind_of(wanted.kind or scene_kinds.default_kind(rods))
+    if chosen.name == scene_kinds.LET_GO and axes:
+        raise InputError(
+            f"a scene of kind {chosen.name} shows one case before and after, so it takes no --axis: use --at"
+        )
     case = [f"{name}={selection.write(name, value)}" for name, value in where.items()]
     named = [] if chosen.name in ("contact", "equilibria") else [chosen.name, *axes]
     default = file.with_name("_".join([file.stem, "scene", *named, *case]) + ".png")
@@ -121,7 +125,7 @@ def _pictures(
     if frames_of:
         paths = [file for _, file in frames_of.files]
         case, along = [f"{len(frames_of.files)} values of {frames_of.axis}"], frames_of.axis
-    elif chosen.cells == "one":  # the case is named also where --at was not given
+    elif chosen.cells == "one" or chosen.name == scene_kinds.LET_GO:  # the case is named also where --at was not given
         indices = rods.place(where).items()
         case = [f"{name}={selection.write(name, float(rods[name].values[i]))}" for name, i in indices]
     shown = [*(axes or ([] if chosen.cells == "one" else rods.axes[:1])), *([along] if along else [])]
