@@ -314,6 +314,18 @@ def test_gltf_has_the_scenes_two_colours_where_the_cylinder_pushes_and_where_not
     assert away.max() == pytest.approx(0.0125, rel=1e-3)  # rho + a
 
 
+def test_a_rod_of_a_chosen_colour_has_no_other_where_the_format_has_colours(ds, tmp_path) -> None:
+    export(StoredStudy(ds), tmp_path / "rod.glb", ExportOptions(SOUND, color="#ff0000"))
+    colours = np.unique(pv.read(tmp_path / "rod.glb").combine().point_data["COLOR_0"], axis=0)
+    np.testing.assert_allclose(colours[:, :3], [[1, 0, 0]], atol=1e-6)
+    export(StoredStudy(ds), tmp_path / "rod.usda", ExportOptions(SOUND, color="#ff0000"))
+    shades = re.search(r"displayColor = \[(.*)\]", (tmp_path / "rod.usda").read_text())
+    assert shades is not None
+    assert set(re.findall(r"\(.*?\)", shades[1])) == {"(1, 0, 0)"}
+    with pytest.raises(InputError, match="has no colours"):
+        export(StoredStudy(ds), tmp_path / "rod.stl", ExportOptions(SOUND, color="#ff0000"))
+
+
 @pytest.mark.parametrize("kind", [".glb", ".gltf", ".stl", ".obj"])
 def test_the_same_rod_is_the_same_file(ds, tmp_path, kind) -> None:
     files = [tmp_path / f"{name}{kind}" for name in ("one", "other")]

@@ -50,6 +50,11 @@ def export(
     overlap: Annotated[
         bool, flag("Write a solid to STEP even if the rod intersects itself.", "--overlap")
     ] = False,
+    color: Annotated[
+        str | None,
+        option("COLOUR", "Colour of the rod in .glb, .gltf and .usda, such as '#14181e' or navy; default: two colours, "
+               "of push and of lift-off."),
+    ] = None,
     force: ForceOutput = False,
 ) -> Result:  # fmt: skip
     """Export one stored rod to CAD, mesh, curve or table formats; the rods along an axis to .pvd, or to one file each.
@@ -59,12 +64,14 @@ def export(
     """
     from ..export import stored_rod
     from ..export.base import ExportOptions
+    from ..scene.settings import color_of
     from ..stored import reading
     from ..stored.stored_study import StoredStudy
 
     stored_rod.format_of(out)  # before a large file is read
     stored = StoredStudy(reading.read(file))
-    options = ExportOptions(axis_values(stored, at), tolerance, centreline, overlap, triangles)
+    shade = color_of("--color", color)
+    options = ExportOptions(axis_values(stored, at), tolerance, centreline, overlap, triangles, shade)
     done = stored_rod.export(stored, out, options, force, console.warn)
     status = 1 if done.warnings else 0
 

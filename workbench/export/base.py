@@ -5,10 +5,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
+import numpy as np
+
 from solver.problem.errors import no_such
 from solver.problem.units import LENGTHS
 
-from ..geometry.centreline import Centreline
+from ..figures.colours import PULLED, PUSHED, linear
+from ..geometry.centreline import Array, Centreline
 from ..stored.stored_study import StoredStudy
 
 
@@ -35,6 +38,8 @@ class ExportOptions:
         The solid also of a rod that passes through itself.
     triangles
         The most triangles of a mesh; default: as many as the tolerance takes.
+    color
+        Of the rod, ``#rrggbb``, in place of the two colours of a push and of lift-off.
     """
 
     at: Mapping[str, float] = field(default_factory=dict)
@@ -42,6 +47,7 @@ class ExportOptions:
     centreline: bool = False
     overlap: bool = False
     triangles: int | None = None
+    color: str | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,6 +65,12 @@ class ExportedRod:
     def unit(self) -> str:
         """The unit of length of the dataset."""
         return self.stored.units["length"]
+
+    def shades(self, push: Array) -> Array:
+        """The colour at each of these pushes, (n, 3), as the light it stands for: the one chosen, else of its sign."""
+        if self.options.color is not None:
+            return np.tile(linear(self.options.color), (push.size, 1))
+        return np.where(push[:, None] < 0, linear(PULLED), linear(PUSHED))
 
 
 @dataclass(frozen=True)

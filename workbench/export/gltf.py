@@ -1,11 +1,10 @@
-"""glTF 2.0: the rod in metres, in the two colours of a push and of lift-off. Written by trimesh."""
+"""glTF 2.0: the rod in metres, in the two colours of a push and of lift-off, or in one. Written by trimesh."""
 
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ..figures.colours import PULLED, PUSHED, linear
 from .base import ExportedRod, Format, metres
 from .surface_files import near, tube
 
@@ -20,9 +19,7 @@ def write(path: Path, rod: ExportedRod) -> dict[str, Any]:
     import trimesh
 
     mesh, s = tube(rod)
-    lifted = rod.line.push(s)[:, None] < 0
-    shades = np.where(lifted, linear(PULLED), linear(PUSHED))
-    rgba = np.round(255 * np.append(shades, np.ones_like(lifted, dtype=float), axis=1)).astype(np.uint8)
+    rgba = np.round(255 * np.append(rod.shades(rod.line.push(s)), np.ones((s.size, 1)), axis=1)).astype(np.uint8)
     surface = trimesh.Trimesh(
         mesh.points[:, [1, 2, 0]], mesh.triangles, vertex_normals=mesh.normals[:, [1, 2, 0]], vertex_colors=rgba,
         process=False, validate=False,

@@ -116,6 +116,9 @@ def export(
     if options.centreline and not format.has_centreline:
         able = [suffix for suffix in FORMATS if _format(suffix).has_centreline]
         raise InputError(f"--centreline is for {choices(able)}, got {path.name!r}")
+    if options.color is not None and not format.coloured:
+        able = [suffix for suffix in FORMATS if _format(suffix).coloured]
+        raise InputError(f"--color is for {choices(able)}: {path.suffix} has no colours")
     if options.tolerance is not None and format.tolerance is None:
         able = [suffix for suffix in FORMATS if _format(suffix).tolerance is not None]
         raise InputError(f"--tolerance is for {choices(able)}; {path.suffix} holds the stations as they are stored")

@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from ..figures.colours import PULLED, PUSHED, linear
 from ..geometry.centreline import Array
 from ..geometry.refinement import push_along
 from .base import ExportedRod, Format, metres
@@ -41,13 +40,12 @@ def write(path: Path, rod: ExportedRod) -> dict[str, Any]:
     line = rod.line.cut(push_along(rod.line).parts)
     points = np.concatenate([np.swapaxes(line.cubic.c[:3], 0, 1).reshape(-1, 3), line.cubic.c[3, -1:]])
     push = line.push(line.s)
-    shades = np.where(push[:, None] < 0, linear(PULLED), linear(PUSHED))
     low, high = points.min(axis=0) - line.a, points.max(axis=0) + line.a
     rows = {
         "float3[] extent": _vectors(np.stack([low, high])),
         "point3f[] points": _vectors(points),
         "float[] widths": f"[{2 * line.a:.9g}] (\n            interpolation = \"constant\"\n        )",
-        "color3f[] primvars:displayColor": _varying(_vectors(shades)),
+        "color3f[] primvars:displayColor": _varying(_vectors(rod.shades(push))),
         "float[] primvars:push": _varying(_numbers(push)),
         "float[] primvars:beta": _varying(_numbers(line.beta)),
         "float[] primvars:s": _varying(_numbers(line.s)),

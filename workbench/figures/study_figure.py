@@ -148,8 +148,8 @@ def _figure_of(stored: StoredStudy, curves: StoredStudy, chosen: "_Choice", shee
     said += [*(caption_of(stored, law) for law in chosen.in_words), *chosen.level]
     said += canvas.say_left_out(chosen.left_out, "--show or --panel")
     if not lines:
-        why = " ".join(said) or "the dataset has neither observables nor the arrays alpha and z"
-        raise InputError(f"nothing to draw: {why}")
+        why = " ".join(said) or "the dataset has neither observables nor the arrays alpha and z."
+        raise InputError(f"nothing to draw: {why} workbench summary prints the numbers, workbench scene draws the rods")
     ratios = (BESIDE, 1 - BESIDE) if beside else None
     return canvas.page(stored, sheet, lines, said, 0.3 * bool(sampled), width=width, ratios=ratios)
 
