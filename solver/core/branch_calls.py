@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..numerics.arrays import Array
-from .library import AT, FLOAT, INT, Cutting, cut, fine, on_grid, points, run, structure
+from .library import FLOAT, INT, Cutting, cut, fine, on_grid, points, run, structure
 
 LEFT_TO_CALLER, AT_END, IS_CLOSED, ENOUGH = range(4)  # why the steps end
 KINDS = ("saddle", "start", "end")
@@ -26,17 +26,17 @@ _UNKNOWNS, _EQUATIONS = PARTS + 2, PARTS + 1
 Numbers = Callable[[float], Sequence[float] | None]
 
 
-_Question = structure("question", (FLOAT, "p"), (FLOAT * (PARTS + 2), "numbers"))  # branch_points.h
+_Question = structure("question", "branch_points.h", numbers=FLOAT * (PARTS + 2))
 _PROBLEM = ctypes.CFUNCTYPE(ctypes.c_int, ctypes.POINTER(_Question))
-Level = structure("path", (FLOAT, "pin sign y"), (INT, "leaving turns"))  # branches.h
-Chart = structure("chart", (ctypes.c_int, "kind logarithmic"), (FLOAT, "own scale"), (Level, "at"))  # branches.h
-Point = structure(  # branch_points.h
-    "point", (FLOAT * _UNKNOWNS, "w"), (FLOAT * (_EQUATIONS * _UNKNOWNS), "jacobian"), (FLOAT * _UNKNOWNS, "tangent"),
-    (FLOAT, "sign bend ahead"), (Chart, "chart"),
-)  # fmt: skip
-_Range = structure("range", (FLOAT, "scale low high rounding"), (INT, "count"), (AT, "halts"))  # branch_points.h
-_Held = structure("held_ends", (INT * PARTS, "given"), (FLOAT, "loads"))  # branch_points.h
-_Curve = structure("curve", (_PROBLEM, "problem"), (AT, "over held by nodes times orbits"))  # branch_steps.c
+Level = structure("path", "branches.h")
+Chart = structure("chart", "branches.h", at=Level)
+_ROW = FLOAT * _UNKNOWNS
+Point = structure(
+    "point", "branch_points.h", w=_ROW, jacobian=FLOAT * (_EQUATIONS * _UNKNOWNS), tangent=_ROW, chart=Chart
+)
+_Range = structure("range", "branch_points.h")
+_Held = structure("held_ends", "branch_points.h", given=INT * PARTS)
+_Curve = structure("curve", "branch_steps.c", problem=_PROBLEM)
 
 
 def orbit_rates(numbers: Array, path: Any, n: int, how: tuple[Cutting, Cutting]) -> tuple[Array, Array, Array, Array]:

@@ -76,7 +76,8 @@ INLINE void angles_at(int n, const double *restrict series, const double *restri
     directions_of(a);
 }
 
-INLINE void angle(const node_angles *restrict a, density *restrict out, density_slopes *restrict by)
+INLINE void angle_density(const node_angles *restrict a, const rod_loads *l, density *restrict out,
+                          density_slopes *restrict by)
 {
     for (int i = 0; i < AT; i++) {
         out->values[i] = a->beta[i], out->size[i] = fabs(a->beta[i]), out->spread[i] = 1;
@@ -94,8 +95,20 @@ INLINE void direction(const double *restrict values, const double *restrict othe
     }
 }
 
+INLINE void across_density(const node_angles *restrict a, const rod_loads *l, density *restrict out,
+                           density_slopes *restrict by)
+{
+    direction(a->s, a->c, 1, out, by);
+}
+
+INLINE void along_density(const node_angles *restrict a, const rod_loads *l, density *restrict out,
+                          density_slopes *restrict by)
+{
+    direction(a->c, a->s, -1, out, by);
+}
+
 /* No derivative where the rod is straight. */
-INLINE void curvature(const node_angles *restrict a, const rod_loads *l, density *restrict out,
+INLINE void curvature_density(const node_angles *restrict a, const rod_loads *l, density *restrict out,
                       density_slopes *restrict by)
 {
     double most = 0, least = INFINITY;
@@ -116,7 +129,7 @@ INLINE void curvature(const node_angles *restrict a, const rod_loads *l, density
     }
 }
 
-INLINE void bending(const node_angles *restrict a, const rod_loads *l, density *restrict out,
+INLINE void bending_density(const node_angles *restrict a, const rod_loads *l, density *restrict out,
                     density_slopes *restrict by)
 {
     for (int i = 0; i < AT; i++) {
@@ -129,7 +142,7 @@ INLINE void bending(const node_angles *restrict a, const rod_loads *l, density *
 }
 
 /* With weight, the work of FZ at the far end less that of the weight along the axis is that of the local FZ. */
-INLINE void energy(const node_angles *restrict a, const rod_loads *l, density *restrict out, density_slopes *restrict by)
+INLINE void potential_density(const node_angles *restrict a, const rod_loads *l, density *restrict out, density_slopes *restrict by)
 {
     const double lam = l->far_lam, mu = l->far_mu;
     for (int i = 0; i < AT; i++) {
@@ -144,7 +157,7 @@ INLINE void energy(const node_angles *restrict a, const rod_loads *l, density *r
 }
 
 /* The push: the contact force, positive where the cylinder pushes; eq. (34), corrected. */
-INLINE void outward(const node_angles *restrict a, const rod_loads *l, density *restrict out, density_slopes *restrict by)
+INLINE void outward_density(const node_angles *restrict a, const rod_loads *l, density *restrict out, density_slopes *restrict by)
 {
     for (int i = 0; i < AT; i++) {
         const double lam = l->lam[i], mu = l->mu[i], phi = l->phi[i], weight = l->weight[i];
@@ -167,7 +180,7 @@ INLINE void outward(const node_angles *restrict a, const rod_loads *l, density *
 }
 
 /* The internal force along the tangent. */
-INLINE void tension(const node_angles *restrict a, const rod_loads *l, density *restrict out, density_slopes *restrict by)
+INLINE void tension_density(const node_angles *restrict a, const rod_loads *l, density *restrict out, density_slopes *restrict by)
 {
     for (int i = 0; i < AT; i++) {
         const double lam = l->lam[i], mu = l->mu[i], phi = l->phi[i];
@@ -184,14 +197,9 @@ INLINE void tension(const node_angles *restrict a, const rod_loads *l, density *
 INLINE void density_of(int kind, const node_angles *a, const rod_loads *l, density *out, density_slopes *by)
 {
     switch (kind) {
-    case ANGLE: angle(a, out, by); break;
-    case CURVATURE: curvature(a, l, out, by); break;
-    case BENDING: bending(a, l, out, by); break;
-    case POTENTIAL: energy(a, l, out, by); break;
-    case OUTWARD: outward(a, l, out, by); break;
-    case TENSION: tension(a, l, out, by); break;
-    case ACROSS: direction(a->s, a->c, 1, out, by); break;
-    default: direction(a->c, a->s, -1, out, by);
+#define DENSITY_CASE(id, name)                                                                                         \
+    case id: name##_density(a, l, out, by); break;
+        DENSITY_ROWS(DENSITY_CASE)
     }
 }
 

@@ -2,6 +2,7 @@
 
 import ctypes
 import os
+import re
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -16,7 +17,7 @@ from .build import HERE, OTHER, digest, library_name
 
 HOW = "install rod-workbench again, or in a checkout run python -m solver.core"
 INT, FLOAT, AT = ctypes.c_int64, ctypes.c_double, ctypes.c_void_p
-KIND_OF = {"double": FLOAT, "int64_t": INT}
+_KINDS = {"double": FLOAT, "int64_t": INT, "int": ctypes.c_int}
 _BYTE, _WHOLE = ctypes.c_char, (int, np.integer, np.bool_)
 _SHARE = 256  # problems that a thread takes at a time
 
@@ -61,14 +62,20 @@ def begin_of(array: Any) -> int:
 
 
 class Structure(ctypes.Structure):
-    """A struct of the core, from numbers, arrays and other structs, which it keeps alive; a field without one is 0."""
+    """A struct of the core, from numbers, arrays and other structs, which it keeps alive; a field without one is 0.
 
+    Raises `MissingCore` for a field that the struct does not have.
+    """
+
+    _file: ClassVar[str]
     _names: ClassVar[list[str]]
     _pointers: ClassVar[set[str]]
 
     def __init__(self, *values: Any, **named: Any) -> None:
         self.kept = values, named
         for name, value in (*zip(self._names, values, strict=False), *named.items()):
+            if name not in self._names:
+                raise MissingCore(f"the struct {type(self).__name__} in {self._file} has no field {name}; {HOW}")
             setattr(self, name, _place_of(value) if name in self._pointers else value)
 
 
@@ -79,11 +86,30 @@ def _place_of(value: Any) -> Any:
     return ctypes.addressof(value) if isinstance(value, Structure) else value
 
 
-def structure(name: str, *rows: tuple[Any, str]) -> Any:
-    """The class of a struct of the core: types, and the names of the fields that have them."""
-    fields = [(field, kind) for kind, names in rows for field in names.split()]
-    pointers = {field for field, kind in fields if kind is AT}
-    return type(name, (Structure,), {"_fields_": fields, "_names": [f for f, _ in fields], "_pointers": pointers})
+def structure(name: str, file: str, **kinds: Any) -> Any:
+    """The class of a struct of the core, as a C file declares it.
+
+    kinds: those of fields that are structs, arrays or functions; numbers and pointers are read. Raises `MissingCore`
+    where the file has no such struct, or declares a field of another kind.
+    """
+    declared = re.search(rf"typedef struct \{{([^{{}}]*)\}} {name};", _text_of(file))
+    if declared is None:
+        raise MissingCore(f"{file} has no struct {name}; {HOW}")
+    fields: list[tuple[str, Any]] = []
+    for kind, names in re.findall(r"(?:const )?(\w+) ([^;]+);", re.sub(r"/\*.*?\*/", "", declared[1], flags=re.DOTALL)):
+        for text in names.split(","):
+            star, field, array = re.fullmatch(r"(\*?)(\w+)(\[.*\])?", text.strip()).groups()  # type: ignore[union-attr]
+            known = kinds.get(field, AT if star else None if array else _KINDS.get(kind))
+            if known is None:
+                raise MissingCore(f"the field {field} of struct {name} in {file} is not what Python knows; {HOW}")
+            fields.append((field, known))
+    table = {"_fields_": fields, "_file": file, "_names": [field for field, _ in fields]}
+    return type(name, (Structure,), table | {"_pointers": {field for field, kind in fields if kind is AT}})
+
+
+@cache
+def _text_of(file: str) -> str:
+    return (HERE / file).read_text(encoding="utf-8")
 
 
 def run(name: str, *arguments: Any, result: Any = ctypes.c_int) -> Any:
@@ -122,10 +148,8 @@ def share_out(part: Callable[[int, int], object], size: int) -> None:
         list(pool.map(lambda a: part(a, min(a + _SHARE, size)), range(0, size, _SHARE)))
 
 
-Tuning = structure("tuning", *((KIND_OF[kind], names.replace(",", "")) for kind, names in tuning.ROWS))  # tuning.h
-_Points = structure("points", (INT, "n"), (AT, "nodes analyse values differentiate"))  # orbit_parts.h
-_Cutting = structure("cutting", (FLOAT, "length goal stretch"), (ctypes.c_int, "times_only lanes"))
-_Grid = structure("grid", (INT, "m"), (AT, "angles table"))
+Tuning = structure("tuning", "tuning.h")
+_Points, _Cutting, _Grid = (structure(name, "orbit_parts.h") for name in ("points", "cutting", "grid"))
 
 
 class Cutting(NamedTuple):

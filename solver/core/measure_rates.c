@@ -441,12 +441,14 @@ static void lift_off_of(rod *o, const places *lowest, double seen, double *out)
 
 /* The rates of a density that is on the parts of the workspace: of its integral, or of what `largest` and `smallest` say of its
    extremes. */
+#define INTEGRAL_OF(group, id, name, rated, density) {density, id, 0, 0},
 static const struct {
     int kind, rate, largest, smallest;
 } rows[] = {
+    INTEGRAL_ROWS(INTEGRAL_OF) /* those without rates are never wanted */
     {ANGLE, LOW, 0, 1},      {ANGLE, HIGH, 1, 0},      {CURVATURE, CURVED, 0, 0}, {CURVATURE, TIGHTEST, 1, 0},
-    {BENDING, BENT, 0, 0},   {POTENTIAL, STORED, 0, 0}, {OUTWARD, PUSHED, 0, 0},   {OUTWARD, LEAST, 0, 1},
-    {OUTWARD, GREATEST, 1, 0}, {OUTWARD, PEAK, 1, 0},  {OUTWARD, FIRST_LIFT, 0, 1}, {TENSION, LARGEST_TENSION, 1, 1},
+    {OUTWARD, PUSHED, 0, 0}, {OUTWARD, LEAST, 0, 1},   {OUTWARD, GREATEST, 1, 0}, {OUTWARD, PEAK, 1, 0},
+    {OUTWARD, FIRST_LIFT, 0, 1}, {TENSION, LARGEST_TENSION, 1, 1},
 };
 
 static void write_integral(rod *o, int kind, int rate_of, double *out)

@@ -139,17 +139,17 @@ static void range_of_angles(const workspace *w, int64_t pieces, numbers *out)
     out->value[LOW] = low, out->value[HIGH] = high;
 }
 
-/* Integrals, of all groups asked for that need no extremes. */
+/* The integrals of measured.h, of all groups asked for. */
 static int integrals_of(workspace *w, int64_t b, double error, numbers *out)
 {
-    static const int kinds[4] = {BENDING, POTENTIAL, ACROSS, ALONG}, names[4] = {BENT, STORED, TURNED, RISEN};
-    static const int groups[4] = {BENDINGS, POTENTIALS, DIRECTIONS, DIRECTIONS};
-    for (int i = 0; i < 4; i++) {
-        if (!(w->all->groups >> groups[i] & 1))
+#define INTEGRAL_OF(group, id, name, rated, density) {group, id, density},
+    static const struct { int group, name, kind; } rows[] = {INTEGRAL_ROWS(INTEGRAL_OF)};
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        if (!(w->all->groups >> rows[i].group & 1))
             continue;
-        if (rod_resolved(w, b, kinds[i], INTEGRAL, w->all->goal))
+        if (rod_resolved(w, b, rows[i].kind, INTEGRAL, w->all->goal))
             return NO_MEMORY;
-        whole_of(w, error, &out->value[names[i]], &out->error[names[i]]);
+        whole_of(w, error, &out->value[rows[i].name], &out->error[rows[i].name]);
     }
     return DONE;
 }
@@ -246,5 +246,5 @@ void rod_densities(int kind, int64_t rods, int64_t n, const double *loads, const
 /* The table of measured.h as text: the names of the densities, and of each number its group, its name and whether it has
    rates, with a bar before each. */
 #define DENSITY_TEXT(id, name) #name " "
-#define NUMBER_TEXT(group, id, name, rated) "|" #group " " #name " " #rated
+#define NUMBER_TEXT(group, id, name, rated, ...) "|" #group " " #name " " #rated
 const char *rod_measured(void) { return DENSITY_ROWS(DENSITY_TEXT) NUMBER_ROWS(NUMBER_TEXT); }

@@ -9,25 +9,20 @@ import numpy as np
 
 from ..numerics.arrays import Array, Integers
 from .build import HERE
-from .library import AT, FLOAT, INT, fine, run, share_out, structure, widest
+from .library import INT, fine, run, share_out, structure, widest
 
 NODES = 24  # of each piece, at which densities are computed
 
 # the table of measured.h, which needs no library: densities; group, name and rates of the numbers
 _HEADER = (HERE / "measured.h").read_text(encoding="utf-8")
 DENSITIES = tuple(re.findall(r"ROW\(\w+, (\w+)\)", _HEADER))
-_ROWS = re.findall(r"ROW\((\w+), \w+, (\w+), ([01])\)", _HEADER)
+_ROWS = re.findall(r"ROW\((\w+), \w+, (\w+), ([01])[,)]", _HEADER)
 NUMBERS = tuple(name for _, name, _ in _ROWS)
 RATED = {name: k for k, (_, name, rated) in enumerate(_ROWS) if rated == "1"} | {"middle push": len(_ROWS)}
 GROUPS = [tuple(name for kind, name, _ in _ROWS if kind == group) for group in dict.fromkeys(row[0] for row in _ROWS)]
-_COUNTS, _PIECES = "coefficients kinds monotone groups", ("low", "high", "time", "count", "begin")
+_PIECES = ("low", "high", "time", "count", "begin")
 _GIVEN = ("lam", "mu", "phi", "span", "beta0")
-_Rods = structure(  # stretches.h
-    "rods",
-    (INT, _COUNTS),
-    (FLOAT, "goal"),
-    (AT, " ".join(("series", "first", "row", *_PIECES, *_GIVEN, "sign", "error"))),
-)
+_Rods = structure("rods", "stretches.h")
 
 
 def groups_with(names: Iterable[str]) -> list[tuple[str, ...]]:

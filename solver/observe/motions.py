@@ -10,7 +10,7 @@ import numpy as np
 
 from ..branches.orbit_rates import rates_of_helices, rates_of_variations
 from ..branches.system import settle
-from ..core.library import AT, FLOAT, INT, cut, fine, numbers_of, on_grid, points, run, share_out, structure, widest
+from ..core.library import cut, fine, numbers_of, on_grid, points, run, share_out, structure, widest
 from ..core.measures import GROUPS, NUMBERS, RATED
 from ..numerics.arrays import Array, Integers
 from ..orbits.boundary import Path, path_of
@@ -87,12 +87,8 @@ def _path(sol: ShapeArrays, one: EndsProblem, i: int) -> Path | None:
 
 
 LOST, PARTLY = -1, ("push", "turned", "risen")  # measured over the middle third
-_SHAPES = "t beta rate z loads span by later ratio rho"
-_Shapes = structure("shapes", (INT, "size stations F"), (AT, f"{_SHAPES} out"))
-_Sensitivities = structure(
-    "sensitivities", (_Shapes, "along"), (AT, "marks of varied parts problems sign error lifts peak"),
-    (INT, "wanted groups partly"), (FLOAT, "goal rates_goal"), (AT, "kind half_period rates found"),
-)  # fmt: skip
+_Shapes = structure("shapes", "sensitivities.c")
+_Sensitivities = structure("sensitivities", "sensitivities.c", along=_Shapes)
 
 
 def shape_rates(out: Array, shape: Mapping[str, Array]) -> None:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import scipy
 
-from ..core.library import AT, INT, fine, run, share_out, structure, widest
+from ..core.library import fine, run, share_out, structure, widest
 from ..core.measures import crossings
 from ..numerics.arrays import Array
 from ..orbits.marched_orbit import MarchedOrbit
@@ -26,10 +26,7 @@ _PERIODS = 10_000_000  # largest number of periods compared with the first
 _COARSE, _DENSE, _MOST = 0.5, 0.125, 200_000
 _BLOCK = 128  # rods compared together
 _STEPS, _NUMBERS = ("first", "since", "width", "series"), ("period", "length", "a", "apart")
-_ComparedRods = structure(  # strand_pairs.c
-    "rods", (AT, " ".join(("orbits", "panels", *_STEPS, *_NUMBERS, "periods"))),
-    (INT, "rounds most_pairs together lanes"),
-)  # fmt: skip
+_ComparedRods = structure("rods", "strand_pairs.c")
 
 
 def overlaps(sol: ShapeArrays, kappa_max: Any, low: Any, high: Any, **limits: int) -> Any:

@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from ..core.library import AT, FLOAT, INT, Cutting, cut, fine, on_grid, points, run, structure
+from ..core.library import FLOAT, Cutting, cut, fine, on_grid, points, run, structure
 from ..core.tuning import AT_REST, LOWEST, MOVED, ON
 from ..numerics.arrays import Array, Booleans, Columns, Integers
 from ..problem.reduced import EndsProblem
@@ -30,9 +30,7 @@ UP, DOWN = 1, -1
 _CRITICAL = 16  # most critical points of a problem
 STRETCH = 4.0  # factor of the panels along saddles, where time is almost linear in u
 NODES, CUTTING = 22, Cutting(0.7, 1e-15, STRETCH)
-_Boundary = structure(  # orbit_parts.h
-    "boundary", (FLOAT, "lam mu phi span low high deepest"), (INT, "whole_turns passed pins"), (AT, "pin falls")
-)
+_Boundary = structure("boundary", "orbit_parts.h")
 
 
 @dataclass(frozen=True, eq=False)

@@ -29,13 +29,10 @@ TIGHT = 1e-13  # tolerance of orbits that are as exact as floats allow
 Pin = tuple[Array, Array, Array]
 FUNCTIONS = 5  # series of a panel
 
-_ReadOrbits = structure(  # orbit_parts.h
-    "read_orbits", (INT, "coefficients panels"),
-    (AT, "kind first count beta0 direction duration gain since width base origin series"),
-)  # fmt: skip
-_PanelArrays = structure("panel_arrays", (INT, "panels"), (AT, "arc columns series"))  # orbit_parts.h
-_Covered = structure("covered", (AT, "of row low high time count begin"))  # orbit_parts.h
-_PanelErrors = structure("panel_errors", (AT, "fastest error time_error time_rounding"))  # conditioning.c
+_ReadOrbits = structure("read_orbits", "orbit_parts.h")
+_PanelArrays = structure("panel_arrays", "orbit_parts.h")
+_Covered = structure("covered", "orbit_parts.h")
+_PanelErrors = structure("panel_errors", "conditioning.c")
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from ..core.library import AT, INT, Cutting, fine, points, run, structure, widest
+from ..core.library import Cutting, fine, points, run, structure, widest
 from ..numerics.arrays import Array
 from ..problem.reduced import Reduced
 from .periodic_orbit import Orbit, reading
@@ -33,7 +33,7 @@ POINTS, HOW = 22, Cutting(0.45, 5e-15, 1.0)  # nodes of a panel, and how panels 
 _SUMMED = 1.0  # below this |H'| t^2 the waves along a helix are summed
 PAIRS = 10  # elements of M that are kept
 KEPT = ("least", "M", "jump", "closing", "series", "gain")
-_VariedOrbits = structure("varied_orbits", (AT, " ".join(KEPT)), (INT, "lanes"))  # variations.h
+_VariedOrbits = structure("varied_orbits", "variations.h")
 
 
 @dataclass(frozen=True, eq=False)
