@@ -71,7 +71,7 @@ def test_the_page_of_sections_runs_and_prints_what_it_says(capsys: pytest.Captur
     exec(compile(code, "quantities.md", "exec"), names)
     assert capsys.readouterr().out.splitlines() == re.findall(r"print\(.*\)  # (.*)", code)
     rods = {name: value for name, value in names.items() if isinstance(value, Rod)}
-    assert set(rods) == {"drill_pipe", "free", "stuck", "dna", "microtubule"}
+    assert set(rods) == {"drill_pipe", "free", "stuck", "dna"}
     # the second moment of seven wires by Steiner's theorem, and of the solid bar about them
     d = 5.0
     places = [0.0, *(d * np.sin(np.arange(6) * np.pi / 3))]
