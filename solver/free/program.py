@@ -38,7 +38,7 @@ class Sizes(NamedTuple):
 
 
 class Entries(NamedTuple):
-    """Those entries of a sparse matrix of the rod that belong to free unknowns.
+    """The entries of a sparse matrix of the rod that belong to free unknowns.
 
     kept: which ones. rows, columns: where they are in the matrix of the program. factors: of those of the rod.
     """

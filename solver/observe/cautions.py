@@ -26,7 +26,7 @@ PLACES, FINER = 256, 64  # at which the push is computed in a quarter, and betwe
 
 
 def only_at_ends(sol: ShapeArrays, cases: Integers) -> Integers:
-    """Those of the computed cases (k,), rising, along whose whole middle half the cylinder pushes.
+    """The computed cases, (k,), rising, that the cylinder pushes along their whole middle half.
 
     The error of the shares is left out: it is as large as the tolerance of the solution lets it be, and would excuse
     stretches without push.

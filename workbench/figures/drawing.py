@@ -45,7 +45,7 @@ Values = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class View:
+class SideView:
     """The rod in the view: to the right, upwards and towards the eye, (n,) each [length]; its angle, (n,).
 
     scale: millimetres on paper of a millimetre. mm: of paper in a unit of length. whole: whether all of it is drawn.
@@ -134,7 +134,7 @@ def _scale_words(scale: float) -> str:
     return f"1:{1 / scale:g}" if scale < 1 else f"{scale:g}:1"
 
 
-def _view(rod: drawn_rods.DrawnRod, unit: str, radius: float, sheet: Sheet) -> View:
+def _view(rod: drawn_rods.DrawnRod, unit: str, radius: float, sheet: Sheet) -> SideView:
     """The side view of a rod, at the largest round scale with which it fits. Raises `InputError`."""
     alpha, z = rod["alpha"], rod["z"]
     count = int(max(PER_TURN * np.abs(np.diff(alpha)).sum() / (2 * np.pi), alpha.size, 400))
@@ -154,10 +154,10 @@ def _view(rod: drawn_rods.DrawnRod, unit: str, radius: float, sheet: Sheet) -> V
         )
     k = s.size if whole else int(np.argmax(np.append(np.abs(z - z[0]) * mm * scale > room, True)))
     whole = whole or k == s.size
-    return View(z[:k], (r * np.cos(alpha))[:k], (r * np.sin(alpha))[:k], beta[:k], scale, mm * scale, whole)
+    return SideView(z[:k], (r * np.cos(alpha))[:k], (r * np.sin(alpha))[:k], beta[:k], scale, mm * scale, whole)
 
 
-def _parts(view: View, front: bool) -> Iterator[slice]:
+def _parts(view: SideView, front: bool) -> Iterator[slice]:
     """The parts of the rod before the plane of the axis, or behind it; neighbours share a point."""
     is_front = view.near >= 0
     cuts = [0, *(np.flatnonzero(np.diff(is_front)) + 1).tolist(), view.x.size]
@@ -166,7 +166,7 @@ def _parts(view: View, front: bool) -> Iterator[slice]:
             yield slice(max(begin - 1, 0), min(end + 1, view.x.size))
 
 
-def _draw_body(ax: Axes, view: View, R: float, a: float, side: str) -> None:
+def _draw_body(ax: Axes, view: SideView, R: float, a: float, side: str) -> None:
     """The cylinder with its axis, and the rod: solid where it is seen, dashed where the cylinder hides it."""
     spare = SPARE / view.mm
     low, high = float(view.x.min()) - spare, float(view.x.max()) + spare
@@ -203,7 +203,7 @@ def _beside(x: Values, y: Values, distance: float) -> tuple[Values, Values]:
     return x - distance * dy / length, y + distance * dx / length
 
 
-def _dimension(ax: Axes, view: View, first: Any, last: Any, text: str, away: float) -> None:
+def _dimension(ax: Axes, view: SideView, first: Any, last: Any, text: str, away: float) -> None:
     """A dimension line with its extension lines, so many millimetres to the left of what it measures, or above it."""
     upright = first[0] == last[0]
     shift = np.array([-away, 0.0] if upright else [0.0, away]) / view.mm
@@ -218,7 +218,7 @@ def _dimension(ax: Axes, view: View, first: Any, last: Any, text: str, away: flo
             va="center" if upright else "bottom")  # fmt: skip
 
 
-def _dimension_pitch(ax: Axes, view: View, top: float, pitch: float, unit: Any) -> None:
+def _dimension_pitch(ax: Axes, view: SideView, top: float, pitch: float, unit: Any) -> None:
     """The pitch between two neighbouring turns at the top; nothing where they are not a pitch apart."""
     k = np.flatnonzero((np.diff(np.sign(view.near)) != 0) & (view.y[1:] > 0))
     at = view.x[k] - view.near[k] * (view.x[k + 1] - view.x[k]) / (view.near[k + 1] - view.near[k])
@@ -228,7 +228,7 @@ def _dimension_pitch(ax: Axes, view: View, top: float, pitch: float, unit: Any) 
             return
 
 
-def _dimension_rod(ax: Axes, view: View, a: float, unit: Any) -> None:
+def _dimension_rod(ax: Axes, view: SideView, a: float, unit: Any) -> None:
     """The diameter of the rod, at a leader to where it is first seen."""
     k = int(np.argmax(view.near >= 0))
     place, away = (float(view.x[k]), float(view.y[k])), 9.0 if view.y[k] >= 0 else -9.0
@@ -237,7 +237,7 @@ def _dimension_rod(ax: Axes, view: View, a: float, unit: Any) -> None:
                 arrowprops=ARROW | {"arrowstyle": "-|>"})  # fmt: skip
 
 
-def _dimension_lay(ax: Axes, view: View, text: str) -> None:
+def _dimension_lay(ax: Axes, view: SideView, text: str) -> None:
     """The lay, between the axis and the rod where it crosses the axis before it; nothing where it crosses nowhere."""
     crossings = np.flatnonzero((np.diff(np.sign(view.y)) != 0) & (view.near[1:] > 0))
     if not crossings.size:
