@@ -16,9 +16,9 @@ class SceneOptions:
         str | None,
         option(
             "KIND",
-            "plain: in one colour; contact, curvature: in its colours; twist: with a stripe; ghosts: rods of an axis "
-            "on one cylinder; grid: each in its own view; equilibria; let-go: a rod on the cylinder and let go; "
-            "default: contact, or equilibria for stored equilibria.",
+            "plain: in one colour; contact, curvature: in its colours; twist: with a stripe; double-helix: as DNA; "
+            "ghosts: rods of an axis on one cylinder; grid: each in its own view; equilibria; let-go: a rod on the "
+            "cylinder and let go; default: contact, or equilibria for stored equilibria.",
         ),
     ] = None
     axis: Annotated[
