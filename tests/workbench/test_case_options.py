@@ -176,6 +176,14 @@ def test_a_study_takes_the_words_of_drillers_in_fields_and_axes() -> None:
     assert np.asarray(loads(rising).case().given.FZ) == pytest.approx(lifted - 20.0)
 
 
+def test_a_force_at_the_start_that_friction_changes_is_refused_by_a_study_with_what_to_give() -> None:
+    rubbed = STUDY_OF_A_PIPE.format(name="FZ0", values="[-20.0]") + "friction = 0.2\n"
+    with pytest.raises(InputError, match=r"FZ0 is the force at s = 0 here, .* give it FZ, or wob down a hole"):
+        loads(rubbed)
+    with pytest.raises(InputError, match="hole matters only for a rod with weight"):
+        loads(STUDY_OF_A_PIPE.format(name="wob", values="[20.0]").replace("weight = 0.241\n", ""))
+
+
 def test_a_study_takes_tension_lay_and_twist_of_a_cable_in_fields_and_axes() -> None:
     case = loads(STUDY_OF_A_CABLE).case()
     wire, drum = case.rod, case.cylinder
