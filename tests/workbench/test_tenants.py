@@ -36,6 +36,6 @@ def test_a_copy_without_a_tenant_lacks_its_command_and_runs_a_study(command: str
     ran = subprocess.run([sys.executable, "-c", PROGRAM], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert ran.returncode == 0, ran.stderr
     commands = ran.stdout.splitlines()[0].split()
-    assert len(commands) == 17
+    assert len(commands) == 18
     assert command not in commands
     assert (tmp_path / "pole.h5").is_file()
