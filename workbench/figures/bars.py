@@ -146,7 +146,7 @@ def tornado(stored: StoredStudy, sheet: Sheet = SCREEN) -> Figure:
              names=[[SIGNS[k] for k in rises]])  # fmt: skip
         value, unit = _in_unit(float(row["value"]), str(row["unit"].values)), str(row["effect_unit"].values)
         ax.set_title(f"{quantity(name).symbol} = {value}", loc="left", pad=4)
-        ax.set_xlabel(f"change [{labels.unit(unit)}]" if unit != "1" else "change")
+        ax.set_xlabel(f"change [{'°' if unit == 'deg' else labels.unit(unit)}]" if unit != "1" else "change")
         if rest:
             _remark(ax, f"{len(rest)} fields of less than {abs(shown[-1][1]):.1g}")
 

@@ -52,7 +52,7 @@ MOST_LETTERS = 12  # panels; more are a table of panels, which its rows and colu
 # The best place covers no middle of a point; a wide pad in place of the distance to the axes keeps it off whole points
 PADDED = {"borderpad": 1.0, "borderaxespad": 0.0}
 ALONE: dict[str, Any] = {"fontsize": 1, "borderpad": 3.2}  # of a legend of lines: its empty entry takes no room
-RING = 1.2  # points, the line of a ring
+RING, CROWDED = 1.2, 0.8  # points, the line of a ring; between the middles of two rings, in the size of one
 DIAGRAMS = (".png", ".pdf", ".svg")
 Said = Iterable[Any]  # of a figure: sentences of its caption, and labelled artists, the entries of its legend
 Panel = Callable[[Axes], Said | None]  # draws, and returns what is said of it
@@ -369,10 +369,16 @@ def ring_entry(label: str) -> Line2D:
 def draw_rings(ax: Axes, places: Any, sizes: Any, name: str) -> None:
     """Ring the places (n, 2) where rods pass through themselves: open circles, of which nothing covers what they mark.
 
-    sizes: (n,), points across. name: theirs in a table.
+    Of places that are nearer than `CROWDED` of a ring one has a ring. The units of the axes are inches. sizes: (n,),
+    points across. name: theirs in a table.
     """
-    x, y = np.transpose(places)
-    ax.scatter(x, y, s=np.square(sizes), facecolors="none", edgecolors=CROSSED, linewidths=RING, gid=name,
+    places, sizes = np.asarray(places, dtype=float), np.asarray(sizes, dtype=float)
+    kept: list[int] = []
+    for k, place in enumerate(places):
+        if all(np.hypot(*(place - places[i])) >= CROWDED * (sizes[k] + sizes[i]) / 2 / 72 for i in kept):
+            kept.append(k)
+    x, y = places[kept].T
+    ax.scatter(x, y, s=np.square(sizes[kept]), facecolors="none", edgecolors=CROSSED, linewidths=RING, gid=name,
                zorder=5, clip_on=False)  # fmt: skip
 
 
