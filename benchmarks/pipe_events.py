@@ -78,7 +78,7 @@ def wave_number(sol: Solution) -> float:
 
 def buckling() -> float:
     """The least compression at which a straight half wave of any length buckles."""
-    from solver.nodes.buckling import buckling_tension
+    from solver.nodes.buckling import tension_of_buckling
     from solver.nodes.loaded_rod import rods_of
 
     def load(k: float) -> float:
@@ -86,7 +86,7 @@ def buckling() -> float:
             Rod(EI=1.0, GJ=1.0, a=0.1, L=np.pi / k * LENGTH, weight=WEIGHT),
             Cylinder(R=1.1, side="inside", inclination="90deg"), Ends(M10=0.0, M1L=0.0, FZ=0.0, azimuth=0.0),
         )  # fmt: skip
-        tension = buckling_tension(rods_of(straight)[0])
+        tension = tension_of_buckling(rods_of(straight)[0])
         assert tension is not None
         return -tension / FORCE
 

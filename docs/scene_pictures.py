@@ -22,7 +22,7 @@ from solver import equilibria as every
 from studies import load
 from studies.grammar.axes import Axis
 from workbench.branches.ends_study import ends_problem
-from workbench.branches.equilibria_dataset import dataset_of
+from workbench.branches.equilibria_dataset import as_dataset
 from workbench.run import atomic, in_memory
 from workbench.scene import composition, film, layout, page, scene_kinds
 from workbench.stored.stored_study import StoredStudy
@@ -95,7 +95,7 @@ def _datasets() -> dict[str, Callable[[], StoredStudy]]:
     def equilibria() -> StoredStudy:
         study = load("fig7_4_end_angle")
         case = ends_problem(study)
-        return StoredStudy(dataset_of(study, case, every(case)))
+        return StoredStudy(as_dataset(study, case, every(case)))
 
     def run(study: str | Path, **axes: list[float]) -> StoredStudy:
         values = {name: Axis.model_validate({"values": each}) for name, each in axes.items()}

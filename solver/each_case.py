@@ -15,7 +15,7 @@ from .free.free_rods import FreeRods
 from .nodes.varying_shapes import VaryingShapes
 from .numerics.arrays import Array
 from .problem.case import Case
-from .problem.case_fields import unchecked_with_fields, values_of
+from .problem.case_fields import values_of, with_fields_unchecked
 from .problem.errors import attempt
 from .problem.reduced import EndsProblem, StartProblem, flat, span_of
 from .problem.trajectory import PLAIN, Seed, Trajectory, blank
@@ -67,7 +67,7 @@ def answer_each(question: Question, case: Case) -> Answer:
 def _rows_of(case: Case, rows: Any) -> Case:
     """The cases at flat places of a grid, in a row; rows: (k,) of whole numbers."""
     names = [name for _, name, value in case._numeric if np.ndim(value)]
-    return unchecked_with_fields(case, {name: flat(values_of(case, name), case.shape)[rows] for name in names})
+    return with_fields_unchecked(case, {name: flat(values_of(case, name), case.shape)[rows] for name in names})
 
 
 def _blank_answer(case: Case, t: Array, why: Array) -> Answer:
@@ -83,7 +83,7 @@ def _blank_answer(case: Case, t: Array, why: Array) -> Answer:
     if case.kind == "ends":
         answer = replace(answer, begun=np.full(B, "", dtype=object))
     if case.leaves:
-        return problem, replace(answer, free=FreeRods.unknown(*t.shape))
+        return problem, replace(answer, free=FreeRods.blank(*t.shape))
     if case.on_nodes:
         answer = replace(answer, shapes=VaryingShapes([None] * B, each, each))
     if case.varies:

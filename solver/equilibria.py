@@ -12,8 +12,8 @@ from .branches.given_numbers import Given
 from .branches.parameter_plane import read_range
 from .equilibrium_list import Equilibria, Equilibrium, HeldEquilibria, HeldSearch, equilibrium_of, in_order
 from .held.energy_minima import is_turned_round
-from .held.held_equilibrium import held_trajectory, hinged_path
-from .held.held_search import MOST_PERIODS, TRIES, held_search
+from .held.held_equilibrium import trajectory_between, way_between_hinges
+from .held.held_search import MOST_PERIODS, TRIES, search_with_numbers
 from .held.held_selection import Reached
 from .held.held_sweep import ranges_of
 from .held.selection import LOWEST, NEAREST, Choose, HeldSelection, Selection, select
@@ -24,8 +24,8 @@ from .problem.case import Case, Ends, check_case
 from .problem.case_fields import value_of, with_field
 from .problem.declared_fields import PAIRS
 from .problem.errors import DEFAULT_TOLERANCE, InputError, check_tolerance, choices, no_such, whole_number
-from .problem.limits import OUT_OF_RANGE, beyond_limits, held_apart, reason_beyond, refusals, too_far, units_held
-from .problem.reduced import NUMBER_OF, EndsProblem, held_of, reduce, reduce_held, span_of, value_of_number
+from .problem.limits import OUT_OF_RANGE, beyond_limits, lone_problem, reason_beyond, refusals, too_far, units_held
+from .problem.reduced import NUMBER_OF, EndsProblem, fields_held, reduce, reduce_held, span_of, value_of_number
 from .problem.trajectory import Trajectory
 from .solution import Solution
 
@@ -108,8 +108,8 @@ def equilibria(
     if case.varies:
         if within:
             raise InputError("with weight equilibria searches over ranges of its own; leave within out")
-        return varying_equilibria(case, tol, stations)
-    if held_of(case):
+        return equilibria_on_nodes(case, tol, stations)
+    if fields_held(case):
         swings = MOST_PERIODS if most_swings is None else most_swings
         return _with_held_ends(case, tol, stations, swings, within or {}, tries, values)
     if within:
@@ -170,21 +170,21 @@ def _with_held_ends(
     ranges = {name: read_range(name, ends) for name, ends in within.items()}
     problem = reduce_held(case)
     why = beyond_limits(problem)[0] if units_held(case).all() else OUT_OF_RANGE
-    said = reason_beyond(why, case) if why else too_far(*held_apart(problem))
+    said = reason_beyond(why, case) if why else too_far(*lone_problem(problem))
     if said:
         return HeldEquilibria([], HeldSearch({}, most_swings, 0, 0, 0, 0, 0, said))
     size = _sizes_of(case)
     bounds = {(k := number_of[name]): (low / size[k], high / size[k]) for name, (low, high) in ranges.items()}
-    result = held_search(Given.of(problem), bounds, most_swings, tries, values)
+    result = search_with_numbers(Given.of(problem), bounds, most_swings, tries, values)
     t = problem.span[:, None] * np.linspace(0, 1, stations)
     listed = []
     for state, how in zip(result.states, result.how, strict=True):
         path: Any = state.path.level_path
-        if case.hinged:
-            path = hinged_path(state, rods_of(case)[0])
+        if case.has_hinge:
+            path = way_between_hinges(state, rods_of(case)[0])
             answer = answer_ends(case, t, tol, [path])
         else:
-            answer = state.problem, held_trajectory(Reached(state, how), result.given, t, tol)
+            answer = state.problem, trajectory_between(Reached(state, how), result.given, t, tol)
         solution = Solution(case, *answer, t, "shooting", tol)
         indices = float(solution.held_index), float(solution.dead_index)
         index, dead = (int(i) if np.isfinite(i) else -1 for i in indices)
@@ -205,7 +205,7 @@ def _with_held_ends(
 
 def _reactions_of(case: Case) -> dict[str, str]:
     """The reactions of a case, and the dimensionless number of each."""
-    return {name: NUMBER_OF[name] for held in held_of(case) for name, other in PAIRS if other == held}
+    return {name: NUMBER_OF[name] for held in fields_held(case) for name, other in PAIRS if other == held}
 
 
 def _sizes_of(case: Case) -> dict[str, float]:
@@ -296,7 +296,7 @@ def without_weight(case: Case) -> Case:
     )
 
 
-def varying_equilibria(case: Case, tol: float, stations: int) -> Equilibria:
+def equilibria_on_nodes(case: Case, tol: float, stations: int) -> Equilibria:
     """The equilibria of a rod with weight that a search finds. Raises `InputError` for what it does not search."""
     from .nodes.answers import why_unsolved
     from .nodes.loaded_rod import rods_of
@@ -304,7 +304,7 @@ def varying_equilibria(case: Case, tol: float, stations: int) -> Equilibria:
     from .nodes.vertical_scan import has_one_unknown
 
     (rod,) = rods_of(case)
-    if rod.rubbed:
+    if rod.has_friction:
         raise InputError("equilibria of a rod with friction are not searched for; solve gives one of them")
     if rod.held & {"height", "rotation"}:
         raise InputError(
@@ -315,7 +315,7 @@ def varying_equilibria(case: Case, tol: float, stations: int) -> Equilibria:
     scan, is_all = scan_one_unknown(rod) if has_one_unknown(rod) else (None, False)
     if scan is not None and is_all:
         return Equilibria(_list_of(case, scan, tol, stations))
-    follows = not held_of(case) and rod.nodes().size <= MOST_NODES
+    follows = not fields_held(case) and rod.nodes().size <= MOST_NODES
     light = equilibria(without_weight(case), tol, FINE) if follows else []
     result = search_shapes(rod, [equilibrium.solution for equilibrium in light], scan)
     ways = ["from the straight rod"]

@@ -16,11 +16,11 @@ from .problem.case_fields import fields_of, value_of, with_field
 from .problem.declared_fields import ANGLES, PAIRS
 from .problem.errors import InputError, check_type, choices, no_such, show, whole_number
 from .problem.field_values import doubt, in_rad
-from .problem.notices import given_by_a_program, warn
-from .problem.reduced import EndsProblem, held_of, size_of_field, span_of
+from .problem.notices import is_called_by_a_program, warn
+from .problem.reduced import EndsProblem, fields_held, size_of_field, span_of
 from .problem.trajectory import Trajectory
 from .solution import Solution
-from .solve import between_ends, ends_case, seed_of, start_solution
+from .solve import as_seed, between_ends, ends_case, start_solution
 
 if TYPE_CHECKING:
     from .branches.branch_events import Bounds, Place, Stop
@@ -148,7 +148,7 @@ def _path(solution: Solution) -> "Path":
     """The path of a solution under its own dead loads, between its own end angles."""
     from .held.selection import path_of_seed
 
-    path = path_of_seed(seed_of(ends_case(solution), between_ends(solution), solution))
+    path = path_of_seed(as_seed(ends_case(solution), between_ends(solution), solution))
     if path is None:
         raise InputError("the solution is not an equilibrium of its own ends problem to 1e-6 rad")
     return path
@@ -179,7 +179,7 @@ def _field_and_values(case: Case, field: dict[str, ArrayLike]) -> tuple[str, Arr
         raise InputError(f"{name} must be a number or an array of numbers, got {show(values)}") from None
     if not numbers.size or not np.isfinite(numbers).all():
         raise InputError(f"{name} must be one or several finite numbers, got {show(values)}")
-    if name in ANGLES and given_by_a_program() and (sentence := doubt(name, values)):
+    if name in ANGLES and is_called_by_a_program() and (sentence := doubt(name, values)):
         warn(sentence)
     return name, numbers
 
@@ -213,7 +213,7 @@ def _shape(point: BranchPoint, u: Array, tol: float) -> tuple[EndsProblem, Array
     problem, path = point.problem, point.path
     t = problem.span[:, None] * u
     shape = equilibrium_trajectory(problem, orbit_of(problem, path), t, tol)
-    if held_of(point.case):
+    if fields_held(point.case):
         shape = replace(shape, held_index=np.array([point.index if point.index >= 0 else np.nan]))
     return problem, t, shape
 
@@ -266,7 +266,7 @@ def _points(
     places: "list[Place]", case: Case, name: str, solve_point: SolvePoint
 ) -> tuple[tuple[BranchPoint, ...], tuple[SpecialPoint, ...]]:
     """The points of a branch and the special ones among them."""
-    points, special, held = list[BranchPoint](), list[SpecialPoint](), bool(held_of(case))
+    points, special, held = list[BranchPoint](), list[SpecialPoint](), bool(fields_held(case))
     case_at = partial(with_field, case, name)
     for i, place in enumerate(places):
         index = place.index

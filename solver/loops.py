@@ -100,7 +100,7 @@ class Loops(list[Loop]):
         **units : str
             ``length`` and ``force``, the units of the rod; default: cm and N.
         """
-        return make(SHOWN, "dataset_of_loops", self, units)
+        return make(SHOWN, "loops_as_dataset", self, units)
 
 
 def loops(

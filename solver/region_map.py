@@ -14,7 +14,7 @@ from .equilibria import MOST_LISTED, Equilibria, equilibria
 from .numerics.arrays import Array, Booleans, Integers
 from .problem.case import Case, check_case
 from .problem.errors import LARGEST_SEED, whole_number
-from .problem.reduced import held_of
+from .problem.reduced import fields_held
 from .traced_folds import search_from_middle
 
 PIXELS = 240  # of the raster along each field
@@ -94,7 +94,7 @@ class RegionMap:
 
 def points_of_lattice(case: Case) -> int:
     """The points of the lattice along each field, by default."""
-    return THREE if case.varies or held_of(case) else NINE
+    return THREE if case.varies or fields_held(case) else NINE
 
 
 def fold_curves(case: Case, *, lattice: int | None = None, **ranges: Any) -> FoldCurves:
@@ -142,7 +142,7 @@ def fold_curves(case: Case, *, lattice: int | None = None, **ranges: Any) -> Fol
     plane = parameter_plane(check_case("fold_curves", case), ranges)
     lattice = points_of_lattice(case) if lattice is None else lattice
     lattice = whole_number("lattice", lattice, 2, MOST)
-    if plane.varies or held_of(case):
+    if plane.varies or fields_held(case):
         return search_from_middle(plane, lattice)
     return curves_of(search_curves(plane, lattice))
 

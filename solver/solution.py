@@ -287,7 +287,7 @@ class Solution(ShapeArrays):
         >>> dict(ds.beta.sizes), ds.z.units
         ({'E': 2, 'u': 201}, 'cm')
         """
-        return make(SHOWN, "dataset_of", self, units)
+        return make(SHOWN, "as_dataset", self, units)
 
     def plot(self, **units: str) -> Any:
         """Draw the solution; a notebook shows it inline.

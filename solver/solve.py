@@ -18,8 +18,8 @@ from .problem.reduced import (
     HeldProblem,
     Reduced,
     StartProblem,
+    fields_held,
     flat,
-    held_of,
     reduce,
     reduce_held,
     span_of,
@@ -101,9 +101,9 @@ def solve(
         question = _beside(case, tol, method, knobs, stations, seed, choose)
         return FreeSolution(case, *answer_each(question, case), question.t, question.name, tol)
     if case.varies:
-        question = _varying(case, tol, method, knobs, stations, seed, choose)
-    elif held_of(case):
-        question = _held(case, tol, method, knobs, stations, seed, choose)
+        question = _question_on_nodes(case, tol, method, knobs, stations, seed, choose)
+    elif fields_held(case):
+        question = _question_of_ends(case, tol, method, knobs, stations, seed, choose)
     else:
         question = _constant(case, tol, method, knobs, stations, seed, choose)
     return Solution(case, *answer_each(question, case), question.t, question.name, tol)
@@ -122,7 +122,7 @@ def _constant(
     if isinstance(whole, EndsProblem):
         if seed is not None and choose != NEAREST:
             raise InputError(TWO_WAYS.format(choose))
-        seed = None if seed is None else seed_of(case, whole, seed)
+        seed = None if seed is None else as_seed(case, whole, seed)
     elif seed is not None or choose != NEAREST:
         word = f"choose = {choose!r}" if seed is None else "a seed"
         raise InputError(f"{word} selects an equilibrium of an ends problem; a start problem has only one solution")
@@ -160,14 +160,14 @@ def _beside(
     return Question(column, _stations(case, span_of(case), stations), seed, name)
 
 
-def _varying(
+def _question_on_nodes(
     case: Case, tol: float, method: Any, knobs: dict[str, Any], stations: Any, seed: Any, choose: Choose
 ) -> Question:
     """What is asked where loads vary along the rod: by Taylor series; between ends by multiple shooting."""
-    from .methods import varying_method
+    from .methods import method_on_nodes
     from .nodes.answers import answer_ends, answer_starts
 
-    name = varying_method(case.kind, method, knobs)
+    name = method_on_nodes(case.kind, method, knobs)
     if check(choose) != NEAREST:
         raise InputError(f"choose = {choose!r} needs all equilibria, which are not known with weight or friction")
     straight = isinstance(seed, str) and seed == "straight"
@@ -187,14 +187,14 @@ def _varying(
     return Question(lambda rods, t, seed: answer_ends(rods, t, tol, seed), t, begin, name)
 
 
-def _held(
+def _question_of_ends(
     case: Case, tol: float, method: Any, knobs: dict[str, Any], stations: Any, seed: Any, choose: Choose
 ) -> Question:
     """What is asked of a case with held ends, whose dead loads are found."""
     from .held.held_equilibrium import each_held, each_hinged
     from .methods import choose_method
 
-    method, names = choose_method("ends", method, knobs), choices(held_of(case))
+    method, names = choose_method("ends", method, knobs), choices(fields_held(case))
     choose = check(choose)
     if method.name != "shooting":
         raise InputError(f"method {method.name!r} needs dead loads and end angles, got {names}; choose shooting")
@@ -205,14 +205,14 @@ def _held(
             f"seed of a case with {names} must be a Solution, got {seed!r}: beta'(0) leaves its loads open"
         )
     whole = reduce_held(case)
-    start = None if seed is None else seed_of(case, whole, seed)
+    start = None if seed is None else as_seed(case, whole, seed)
 
     @np.errstate(all="ignore")
     def column(rods: Case, t: Array, seed: Seed | None) -> Answer:
         problem = whole if rods is case else reduce_held(rods)
         fit = np.asarray(np.isfinite(t)).all(axis=1, keepdims=True)
         t = np.where(fit, t, np.linspace(0, 1, t.shape[1]))
-        if rods.hinged:
+        if rods.has_hinge:
             dead_problem, answer = each_hinged(rods, problem, t, tol, seed, choose)
         else:
             dead_problem, answer = each_held(problem, t, tol, seed, choose)
@@ -278,7 +278,7 @@ def _equal_steps(stations: int) -> Array:
     return steps
 
 
-def seed_of(case: Case, problem: Reduced | HeldProblem, seed: Any) -> Seed:
+def as_seed(case: Case, problem: Reduced | HeldProblem, seed: Any) -> Seed:
     """A seed in units of rho, from beta'(0) [rad/length] or from a solution."""
     if isinstance(seed, Solution):
         if seed.case.shape not in ((), case.shape):

@@ -11,7 +11,7 @@ from .numerics.arclength import FOLD
 from .numerics.arrays import Array
 from .problem.case_fields import with_field
 from .problem.errors import InputError, check_type, choices
-from .problem.reduced import held_of
+from .problem.reduced import fields_held
 from .solution import Solution
 
 _BESIDE = (1e-3, 1e-4, 1e-2)  # of the range of the branch: distances from the special point, tried in this order
@@ -62,7 +62,7 @@ def switch(branch: Branch, special: SpecialPoint) -> tuple[Solution, ...]:
         solutions = [
             solution
             for side in (-1, 1)
-            for solution in _crossing(branch, special, special.value + side * share * reach, reach)
+            for solution in _equilibria_across(branch, special, special.value + side * share * reach, reach)
         ]
         if solutions:
             return tuple(solutions)
@@ -79,11 +79,11 @@ def _check(branch: Branch, special: SpecialPoint) -> None:
     case = branch.points[0].case
     if case.varies or branch.points[-1].case.varies:
         raise InputError("switch takes a branch without weight and friction, where all equilibria are known")
-    if held := held_of(case):
+    if held := fields_held(case):
         raise InputError(f"switch takes a branch under dead loads, where all equilibria are known, got {choices(held)}")
 
 
-def _crossing(branch: Branch, special: SpecialPoint, value: float, reach: float) -> list[Solution]:
+def _equilibria_across(branch: Branch, special: SpecialPoint, value: float, reach: float) -> list[Solution]:
     """The equilibria at a value next to the special point that are on the branch that crosses there."""
     point = branch.points[special.position]
     stations = point.solution.t.shape[-1]

@@ -13,7 +13,7 @@ from .branches.family import Family, scale_of
 from .branches.fold_curves import FoldCurve, FoldCurves, fold_curve
 from .branches.fold_search import curve_through
 from .branches.linked_search import IsKnown, Meeting, lattice_ticks, place_on, search_linked
-from .branches.orbit_folds import GivenAt, given_on, guess_at, mark_of
+from .branches.orbit_folds import GivenAt, guess_at, mark_of, numbers_on
 from .branches.orbit_rates import NUMBERS
 from .branches.parameter_plane import ParameterPlane, read_range, reflect
 from .branches.special_line import point_on_line
@@ -192,9 +192,9 @@ class OrbitsOnPlane:
     plane: ParameterPlane
 
     @cached_property
-    def given_at(self) -> GivenAt:
+    def numbers_at(self) -> GivenAt:
         """The given numbers at z."""
-        return given_on(self.plane)
+        return numbers_on(self.plane)
 
     def place_of(self, equilibrium: Equilibrium) -> Place:
         """An equilibrium somewhere in the plane."""
@@ -211,10 +211,10 @@ class OrbitsOnPlane:
 
     def branch(self, z: Array, axis: int, place: Place, wanted: Array) -> tuple[list[Place], int, Stop, Stop] | str:
         def numbers(x: float) -> list[float]:
-            given = self.given_at(place_on(z, axis, x))
+            given = self.numbers_at(place_on(z, axis, x))
             return [*given.values.tolist(), given.span, given.ratio]
 
-        x, names = float(z[axis]), self.given_at(z).names
+        x, names = float(z[axis]), self.numbers_at(z).names
         family = Family(numbers, place.problem, scale_of(numbers, names, x, 1.0), names)
         return branch_through(family, place.path, x, Bounds(0.0, 1.0, tuple(wanted.tolist()), MOST))
 
@@ -229,7 +229,7 @@ class OrbitsOnPlane:
     def fold_of(self, z: Array, axis: int, place: Place) -> WholeCurve:
         """The curve of the fold at z of a branch along number `axis`; the point alone where it has no equation."""
         numbers = dict(zip(NUMBERS, self.numbers(place).tolist(), strict=False))
-        fold = point_on_line(guess_at(FOLD, self.given_at, z, numbers), axis)
+        fold = point_on_line(guess_at(FOLD, self.numbers_at, z, numbers), axis)
         if fold is None:
             return point_alone(FOLD, z, numbers["dbeta0"], self.signature(place))
         return curve_through(fold)

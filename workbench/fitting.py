@@ -26,7 +26,7 @@ STATIONS = 801
 UNDETERMINED = "undetermined"  # in place of an unbounded interval
 
 
-def dataset_of(found: Fit, units: dict[str, str], points: dict[str, Any] | None, wrapped: bool = False) -> xr.Dataset:
+def as_dataset(found: Fit, units: dict[str, str], points: dict[str, Any] | None, wrapped: bool = False) -> xr.Dataset:
     """The dataset of a fit that has a solution.
 
     Dimensions: `field`, of the fitted fields, twice for matrices; `datum`, of the data; `u`, of the fitted curve;

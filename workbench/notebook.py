@@ -25,7 +25,7 @@ from solver.problem.quantities import quantity, unit_of
 from solver.problem.units import FORCES, LENGTHS
 
 from .branches.equilibria_dataset import all_units, of_solution
-from .branches.equilibria_dataset import dataset_of_loops as dataset_of_loops  # `Loops.to_dataset` looks it up here
+from .branches.equilibria_dataset import loops_as_dataset as loops_as_dataset  # `Loops.to_dataset` looks it up here
 from .run import atomic
 from .stored import provenance, quantity_variables
 from .stored.stored_study import StoredStudy
@@ -178,12 +178,12 @@ def scene(stored: StoredStudy, at: Mapping[str, Any] | None = None) -> NotebookS
 
 def plot_solution(sol: Solution, units: Mapping[str, str] | None = None) -> Plot:
     """The figure of a solution: of one case with peaks to the pixel, of several their unrolled views."""
-    return plot(StoredStudy(dataset_of(_fine(sol) if not sol.case.shape else sol, units)))
+    return plot(StoredStudy(as_dataset(_fine(sol) if not sol.case.shape else sol, units)))
 
 
 def scene_solution(sol: Solution, units: Mapping[str, str] | None = None) -> NotebookScene:
     """The rods of a solution on their cylinder."""
-    return scene(StoredStudy(dataset_of(sol, units)))
+    return scene(StoredStudy(as_dataset(sol, units)))
 
 
 def export_solution(
@@ -204,7 +204,7 @@ def export_solution(
     except (TypeError, ValueError, OverflowError):
         raise InputError(f"tolerance must be a number, got {show(tolerance)}") from None
     with python_words():
-        stored = StoredStudy(dataset_of(sol, units))
+        stored = StoredStudy(as_dataset(sol, units))
         check_holds_all(stored, path)
         done = export(stored, path, ExportOptions(tolerance=tolerance), yes_or_no("replace", replace))
     unsolved = done.facts.get("unsolved", 0)
@@ -214,7 +214,7 @@ def export_solution(
     return done.path
 
 
-def dataset_of(sol: Solution, units: Mapping[str, str] | None = None) -> xr.Dataset:
+def as_dataset(sol: Solution, units: Mapping[str, str] | None = None) -> xr.Dataset:
     """A solution as a dataset that figures, scenes and exports read.
 
     Parameters

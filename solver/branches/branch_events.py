@@ -23,16 +23,16 @@ class Bounds:
 
     def inside(self, p: float, q: float) -> list[float]:
         """The values at which to halt strictly between two, from p to q."""
-        low, high = min(p, q) + self.rounding, max(p, q) - self.rounding
+        low, high = min(p, q) + self.round_off, max(p, q) - self.round_off
         every = sorted(v for v in {*self.wanted, self.low, self.high} if low < v < high)
         return every if p < q else every[::-1]
 
     def snap(self, p: float) -> float:
         """The value at which to halt that is p but for rounding, else p."""
-        return next((v for v in (*self.wanted, self.low, self.high) if abs(v - p) <= self.rounding), p)
+        return next((v for v in (*self.wanted, self.low, self.high) if abs(v - p) <= self.round_off), p)
 
     @property
-    def rounding(self) -> float:
+    def round_off(self) -> float:
         """Below which two parameters are one."""
         return 4e-15 * max(abs(self.low), abs(self.high))
 
@@ -43,11 +43,11 @@ class Bounds:
 
     def is_end(self, p: float, rises: float) -> bool:
         """Whether p is at an end of the range and moves out of it."""
-        return p >= self.high - self.rounding if rises > 0 else p <= self.low + self.rounding
+        return p >= self.high - self.round_off if rises > 0 else p <= self.low + self.round_off
 
     def next(self, p: float, rises: bool) -> float:
         """The next value beyond p at which to halt: a wanted one or the end of the range."""
-        gap = self.rounding
+        gap = self.round_off
         if rises:
             return min((v for v in (*self.wanted, self.high) if v > p + gap), default=self.high)
         return max((v for v in (*self.wanted, self.low) if v < p - gap), default=self.low)
@@ -148,7 +148,7 @@ def arrive(
     p = before.p
     for place in passed:
         place = replace(place, p=bounds.snap(place.p))
-        rises = place.p - p if abs(place.p - p) > bounds.rounding else after.rises
+        rises = place.p - p if abs(place.p - p) > bounds.round_off else after.rises
         places, p = [*places, place], place.p
         if why := ends(place):
             return Stride(places, after, step, why)

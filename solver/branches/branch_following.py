@@ -239,7 +239,7 @@ def _is_same(first: Place, place: Place) -> bool:
 def creeps(state: BranchState, there: BranchState, bounds: Bounds, leap: bool) -> bool:
     """Whether p changes by rounding; or, in a leap beside a helix, by little of the way to the next halt."""
     far, ahead = abs(there.p - state.p), abs(bounds.next(state.p, state.rises > 0) - state.p)
-    if far < (_LITTLE_NATURAL if state.curve.family.natural else 100 * bounds.rounding):
+    if far < (_LITTLE_NATURAL if state.curve.family.natural else 100 * bounds.round_off):
         return True
     return leap and far < _LITTLE * ahead and bool(np.ptp(_shape(there)) < _SLIGHT)
 

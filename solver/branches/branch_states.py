@@ -177,7 +177,7 @@ def steps_in_core(
         begin[name] = getattr(first.path, name)
     halts = np.array(sorted({*bounds.wanted, bounds.low, bounds.high}))
     points, rates, step, kept, why = curve.family.steps.run(
-        at, step, kept, begin, most, halts, bounds.rounding, curve.loads
+        at, step, kept, begin, most, halts, bounds.round_off, curve.loads
     )
     if not points.size:
         return [], state, step, kept, why

@@ -17,8 +17,8 @@ from ..problem.errors import InputError
 from ..problem.reduced import (
     NUMBER_OF,
     EndsProblem,
-    given_numbers,
-    held_of,
+    end_number_names,
+    fields_held,
     numbers_over,
     value_of_number,
 )
@@ -70,7 +70,7 @@ class Family:
     def given(self, p: float) -> Given | None:
         """The given numbers at p."""
         numbers = self.numbers(p)
-        return None if numbers is None else given_of(self.names, numbers)
+        return None if numbers is None else as_given(self.names, numbers)
 
     def place(self, p: float) -> Boundary | None:
         """The problem under dead loads at p with its critical points."""
@@ -100,7 +100,7 @@ def family_of(case: Case, name: str, begun: EndsProblem, bounds: Bounds) -> Fami
 
     begun: one equilibrium, as a problem under dead loads.
     """
-    at_case, reach, (names, inside) = value_of(case, name), bounds.high - bounds.low, given_over(case, name)
+    at_case, reach, (names, inside) = value_of(case, name), bounds.high - bounds.low, numbers_with_names(case, name)
 
     def numbers(value: float) -> Sequence[float] | None:
         if bounds.low <= value <= bounds.high:  # where the fields are known to be valid
@@ -111,18 +111,18 @@ def family_of(case: Case, name: str, begun: EndsProblem, bounds: Bounds) -> Fami
         if abs(value - at_case) > 2 * reach:
             return None
         try:
-            return given_over(with_field(case, name, value))[1]()
+            return numbers_with_names(with_field(case, name, value))[1]()
         except InputError:
             return None
 
     return Family(numbers, begun, scale_of(numbers, names, at_case, reach), names)
 
 
-def given_over(case: Case, *fields: str) -> tuple[tuple[str, ...], Callable[..., Sequence[float]]]:
+def numbers_with_names(case: Case, *fields: str) -> tuple[tuple[str, ...], Callable[..., Sequence[float]]]:
     """The names of the five given numbers, and over some fields these, L/rho and A/C, for valid values."""
     numbers = numbers_over(case, *fields)
-    if held_of(case):
-        return given_numbers(case), numbers
+    if fields_held(case):
+        return end_number_names(case), numbers
 
     def dead(*values: float) -> Sequence[float]:
         beta0, betaL, phi, lam, mu, span, ratio = numbers(*values)
@@ -131,7 +131,7 @@ def given_over(case: Case, *fields: str) -> tuple[tuple[str, ...], Callable[...,
     return FREE, dead
 
 
-def given_of(names: tuple[str, ...], numbers: Sequence[float]) -> Given:
+def as_given(names: tuple[str, ...], numbers: Sequence[float]) -> Given:
     """Given numbers by their names, from those of `given_over`."""
     return Given(names, np.array(numbers[:5], dtype=float), float(numbers[5]), float(numbers[6]))
 

@@ -22,10 +22,10 @@ from .orbit_folds import (
     SHALLOW,
     GivenAt,
     OrbitPoint,
-    given_on,
     guess_at,
     in_log_gap,
     in_other_form,
+    numbers_on,
     sides_between,
 )
 from .parameter_plane import ParameterPlane
@@ -125,7 +125,7 @@ class Searched:
 def search_curves(plane: ParameterPlane, lattice: int) -> Searched:
     """The curves that cross the lines of a lattice of so many points along each field."""
     searched, ticks = Searched(plane), _ticks(lattice)
-    seeds, edges = Seeds(searched, given_on(plane)), lattice_edges(*ticks)
+    seeds, edges = Seeds(searched, numbers_on(plane)), lattice_edges(*ticks)
     edges.sort(key=lambda edge: bool(np.abs(edge[0] + edge[1] - 1).max() < 1 - 3 * _INSIDE))  # the border first
     for line in [*edges, *_probes(ticks)]:
         seeds.search_line(*line)
@@ -169,7 +169,7 @@ class Seeds:
         """
         while change := self.searched.change_beyond(start, end):
             length = np.abs(end - start).max()
-            seed = self._seed_on(change, start, end) if length <= _FIRST else None
+            seed = self._point_of_both(change, start, end) if length <= _FIRST else None
             if seed is not None:
                 return seed
             if length <= _LAST:
@@ -178,7 +178,7 @@ class Seeds:
             start, end = (start, middle) if self.searched.change_beyond(start, middle) else (middle, end)
         return None
 
-    def _seed_on(self, change: Counter[int], start: Array, end: Array) -> OrbitPoint | None:
+    def _point_of_both(self, change: Counter[int], start: Array, end: Array) -> OrbitPoint | None:
         """The point of the line at which two equilibria meet."""
         rich, poor = (end, start) if sum(change.values()) > 0 else (start, end)
         equilibria, axis = self.searched.at(rich), int(np.argmax(np.abs(end - start)))

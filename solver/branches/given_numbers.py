@@ -45,7 +45,7 @@ class Given:
     ratio: float
 
     @property
-    def hinged(self) -> bool:
+    def has_hinge(self) -> bool:
         """Whether an end moment is given."""
         return bool({"dbeta0", "dbetaL"} & {*self.names})
 

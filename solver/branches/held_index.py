@@ -32,12 +32,12 @@ def held_index(rates: OrbitRates, ratio: Array, names: tuple[str, ...], leaving:
 
     names: the five given numbers (`problem.reduced.HeldProblem.numbers`). leaving, turns: (B,), of their paths.
     """
-    ends, compliance = _held_compliance(rates, ratio, names)
+    ends, compliance = _compliance_of(rates, ratio, names)
     index = dead_index(rates, leaving, turns, ends) - negative(compliance)
     return np.where(index < 0, np.nan, index)  # a rod next to a saddle for so long has no digit of its compliance
 
 
-def _held_compliance(rates: OrbitRates, ratio: Array, names: tuple[str, ...]) -> tuple[tuple[str, ...], Array]:
+def _compliance_of(rates: OrbitRates, ratio: Array, names: tuple[str, ...]) -> tuple[tuple[str, ...], Array]:
     """The two given numbers of the ends, and the block of the compliance of the k held displacements, (B, k, k)."""
     ends = tuple(name for name in names if name.endswith(_ANGLES))
     held = [k for k, name in enumerate(_DISPLACEMENTS) if name in names]
@@ -118,7 +118,7 @@ def index_of(state: OrbitState, wanted: Given) -> float:
     if not path.helix:
         each = np.array([path.leaving]), np.array([path.turns])
         return float(held_index(state.rates, ratio, wanted.names, *each)[0])
-    ends, compliance = _held_compliance(state.rates, ratio, wanted.names)
+    ends, compliance = _compliance_of(state.rates, ratio, wanted.names)
     return _helix_index(state, ends) - float(negative(compliance)[0])
 
 
@@ -146,7 +146,7 @@ def lower_index(state: OrbitState, wanted: Given) -> int:
     Under dead loads the phase meets the condition at the far end there. With held displacements an eigenvalue of the
     compliance passes through zero, and so one direction more is excluded on one side.
     """
-    ends, compliance = _held_compliance(state.rates, np.array([wanted.ratio]), wanted.names)
+    ends, compliance = _compliance_of(state.rates, np.array([wanted.ratio]), wanted.names)
     passed = float(half_turns(state.rates, np.array([state.path.leaving]), np.array([state.path.turns]), ends)[0])
     if not (np.isfinite(passed) and np.isfinite(compliance).all()):
         return 0

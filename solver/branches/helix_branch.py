@@ -60,14 +60,14 @@ def helix_place(family: Family, p: float, near: EndsProblem) -> Place | None:
         if place is None or place.helix is None:
             return None
         return Place(p, place.helix, place.problem, int(helix_index(helix_half_waves(place.problem))[0]))
-    given, helix = family.given(p), _held_helix(family, p, near)
+    given, helix = family.given(p), _helix_with(family, p, near)
     if given is None or helix is None:
         return None
     index = index_of(helix, given)
     return Place(p, helix.path, helix.problem, int(index) if np.isfinite(index) else None)
 
 
-def _held_helix(family: Family, p: float, near: EndsProblem) -> OrbitState | None:
+def _helix_with(family: Family, p: float, near: EndsProblem) -> OrbitState | None:
     """The helix with the given numbers at p, that with the nearest angle."""
     given, beta = family.given(p), float(near.beta0[0])
     helices = [] if given is None else helices_of(given)[0]
@@ -111,7 +111,7 @@ def _where_index_changes(family: Family, before: Place, after: Place) -> list[Pl
             return [place for part in parts for place in _where_index_changes(family, *part)]
 
     def determinant(p: float) -> float:
-        given, helix = family.given(p), _held_helix(family, p, before.problem)
+        given, helix = family.given(p), _helix_with(family, p, before.problem)
         assert given is not None
         assert helix is not None
         return float(np.linalg.det(helix.rates.rows_of(given.names, given.ratio)[0][0]))

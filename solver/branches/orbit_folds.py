@@ -31,7 +31,7 @@ from ..orbits.boundary import boundary_of
 from ..orbits.periodic_orbit import TIGHT, Pin, helix_half_waves, solve_orbit
 from ..orbits.potential import TAU, load_size, slope
 from ..problem.reduced import StartProblem
-from .family import given_of, given_over
+from .family import as_given, numbers_with_names
 from .given_numbers import FREE, Given, values_of
 from .held_index import lower_index
 from .orbit_rates import NUMBERS, OrbitRates, rates_of_helices, start_rates
@@ -57,12 +57,12 @@ _CROSSING, _MIRRORED = 0.02, 1e-9  # of beta_t(0), in its size: where a fold cur
 _SAME = 0.02  # largest distance between a point and itself in another form
 
 
-def given_on(plane: ParameterPlane) -> GivenAt:
+def numbers_on(plane: ParameterPlane) -> GivenAt:
     """The given numbers at z in the unit square, a little beyond its border too."""
-    names, numbers = given_over(plane.case, *plane.names)
+    names, numbers = numbers_with_names(plane.case, *plane.names)
 
     def at(z: Array) -> Given:
-        return given_of(names, numbers(*plane.values(z).tolist()))
+        return as_given(names, numbers(*plane.values(z).tolist()))
 
     return partial(reflect, at, names=("values", "ratio"))
 

@@ -8,11 +8,11 @@ import numpy as np
 
 from ..numerics.arrays import Array
 from ..problem.case import Case, Ends, refuse_leaving
-from ..problem.case_fields import check_fields, unchecked_with_fields, with_fields
+from ..problem.case_fields import check_fields, with_fields, with_fields_unchecked
 from ..problem.declared_fields import ANGLES
 from ..problem.errors import InputError, choices, show
 from ..problem.field_values import angle
-from ..problem.reduced import ACTING, EndsProblem, field_rates, held_of, reduce
+from ..problem.reduced import ACTING, EndsProblem, field_rates, fields_held, reduce
 
 Numbers = TypeVar("Numbers")  # a dataclass
 MARGIN = 1e-3  # of a range: how far beyond it equilibria may be computed
@@ -46,9 +46,9 @@ class ParameterPlane:
         """The case at one point (2,), or the cases at several (N, 2)."""
         return with_fields(self.case, self._fields(shares))
 
-    def unchecked_case_at(self, shares: Array) -> Case:
+    def case_at_unchecked(self, shares: Array) -> Case:
         """The case at one point (2,) of the rectangle, whose values are known to be valid; several times as fast."""
-        return unchecked_with_fields(self.case, self._fields(shares))
+        return with_fields_unchecked(self.case, self._fields(shares))
 
     def _fields(self, shares: Array) -> dict[str, Any]:
         """The two fields by their names, at one point (2,) or at several (N, 2)."""
@@ -62,7 +62,7 @@ class ParameterPlane:
     @property
     def on_nodes(self) -> bool:
         """Whether its equilibria are shapes on nodes somewhere in the plane, and no orbits."""
-        return self.varies or self.case.hinged
+        return self.varies or self.case.has_hinge
 
     def problems(self, shares: Array) -> EndsProblem:
         """The problems at shares (N, 2), as one of size N."""
@@ -127,9 +127,9 @@ def parameter_plane(case: Case, ranges: dict[str, Any]) -> ParameterPlane:
     except InputError as refusal:
         raise InputError(f"no fold curves over {first} and {second}: {refusal}") from None
     moved = rates.table[: len(ACTING)]
-    if held_of(case):
+    if fields_held(case):
         assert rates.given is not None
-        turned = rates.of("ratio") * ("rotation" in held_of(case))
+        turned = rates.of("ratio") * ("rotation" in fields_held(case))
         moved = np.concatenate([np.moveaxis(rates.given, 1, 0), np.stack([rates.of("span"), turned])])
     for k, name in enumerate((first, second)):
         if not moved[:, :, k].any():

@@ -34,7 +34,7 @@ _ROUNDING = 1e-9  # of the scale of a parameter: a smaller value is 0
 def result(model: Model, minima: Sequence[FitMinimum]) -> Fit:
     """The result; minima: what a search found, the best one first, or none where there was no value at all."""
     if not minima:
-        return _nothing(model)
+        return _empty_fit(model)
     best, data, parameters = minima[0], model.data, model.parameters
     known = uncertainty(parameters, best.x, best.jacobian, best.found.residuals, data.known, best.free)
     names = [parameter.name for parameter in parameters]
@@ -75,7 +75,7 @@ def result(model: Model, minima: Sequence[FitMinimum]) -> Fit:
     )
 
 
-def _nothing(model: Model) -> Fit:
+def _empty_fit(model: Model) -> Fit:
     """The result where the data cannot be computed at any of the values tried."""
     F, N = len(model.parameters), model.data.size
     empty, nothing = np.full((F, F), np.nan), np.full(N, np.nan)

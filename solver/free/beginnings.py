@@ -99,7 +99,7 @@ def sheet_between(rod: DiscreteRod, alpha: Array) -> StartSheet:
     return StartSheet(normal, float(first @ [c, s]), 1.0, float(first @ [s, -c]), 0.0, length)
 
 
-def string_curve(rod: DiscreteRod) -> BeginningCurve | str:
+def curve_of_string(rod: DiscreteRod) -> BeginningCurve | str:
     """A rod along a string that is drawn from end to end, round the cylinder where that is in its way, without loads.
 
     A longer rod is bowed in the sheet that stands on the string along the axis: its angle to the axis swings by

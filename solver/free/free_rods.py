@@ -13,7 +13,7 @@ from ..problem.case import Case
 from ..problem.limits import OUT_OF_RANGE, units_held
 from ..problem.reduced import EndsProblem
 from ..problem.trajectory import SOLVED, Trajectory
-from .beginnings import curve_of, string_curve
+from .beginnings import curve_of, curve_of_string
 from .free_problem import BeginningCurve, Beside, problems_of
 from .free_shape import Along, FreeShape
 from .minimum import free_motion, minimise
@@ -71,9 +71,9 @@ class FreeRods:
         return FreeRods([self.answers[i] for i in rows], Along(*(part[rows] for part in self.along)))
 
     @classmethod
-    def unknown(cls, size: int, n: int) -> "FreeRods":
+    def blank(cls, size: int, n: int) -> "FreeRods":
         """So many rods without a shape, at n stations."""
-        return cls([Answer()] * size, Along(*(np.stack([part] * size) for part in Along.unknown(n))))
+        return cls([Answer()] * size, Along(*(np.stack([part] * size) for part in Along.blank(n))))
 
 
 class Way(NamedTuple):
@@ -100,12 +100,12 @@ def continue_from(beside: Beside, curves: Sequence[BeginningCurve], tol: float, 
     """
     rod = beside.rod
     if lowest or not curves:
-        string = string_curve(rod)
+        string = curve_of_string(rod)
         if isinstance(string, BeginningCurve):
             curves = [*curves, string]
         elif not curves:
             return Answer(why=string)
-    changes = beside.changes, max(curve.turning for curve in curves)
+    changes = beside.changes, max(curve.turns_end for curve in curves)
     edges = int(max(FEWEST, np.ceil(np.multiply(EACH, changes)).max()))
     if not max(rod.span, 1 / rod.span, *np.abs([*rod.loads, *rod.weight, *rod.radius, rod.tension])) < LARGEST:
         return Answer(why=f"loads, radii or L/rho are beyond {LARGEST:g} in units of A and rho")
@@ -229,7 +229,7 @@ def trajectory_of(case: Case, answers: Sequence[Answer], t: Array, tol: float) -
     """The dead loads of the answers, and the answers at stations t (B, n)."""
     alongs, loads = [], []
     for answer, times in zip(answers, t, strict=True):
-        alongs.append(answer.shapes[-1].at(times) if answer.shapes else Along.unknown(times.size))
+        alongs.append(answer.shapes[-1].at(times) if answer.shapes else Along.blank(times.size))
         loads.append(limit([shape.far_loads for shape in answer.shapes[-MESHES:]]) if answer.shapes else [np.nan] * 6)
     along = Along(*(np.stack(parts) for parts in zip(*alongs, strict=True)))
     lam, mu, phi, span, first, last = np.array(loads).T

@@ -35,7 +35,7 @@ class Along(NamedTuple):
     push: Array
 
     @classmethod
-    def unknown(cls, n: int) -> "Along":
+    def blank(cls, n: int) -> "Along":
         """The arrays of a rod without a shape: NaN everywhere."""
         line, vectors = np.full(n, np.nan), np.full((n, 3), np.nan)
         return cls(vectors, line, np.full((4, n), np.nan), line, vectors, vectors, vectors, vectors, line)

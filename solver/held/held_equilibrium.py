@@ -18,18 +18,18 @@ from ..numerics.arrays import Array
 from ..orbits.path_orbits import orbit_of, together, trajectory_on, variations_of
 from ..orbits.periodic_orbit import Orbit
 from ..problem.case import Case
-from ..problem.limits import beyond_limits, held_apart, unreachable
+from ..problem.limits import beyond_limits, lone_problem, unreachable
 from ..problem.reduced import EndsProblem, HeldProblem, reduce_held
 from ..problem.trajectory import PLAIN, Seed, Trajectory, stood_in
 from .held_alternatives import alternatives_of, away
-from .held_moves import seed_state
+from .held_moves import state_of_seed
 from .held_selection import Reached, by_rule, by_seed
 from .selection import Choose, path_of_seed
 
 ALTERNATIVE = "another equilibrium with the same ends"
 
 
-def held_trajectory(reached: Reached, wanted: Given, t: Array, tol: float) -> Trajectory:
+def trajectory_between(reached: Reached, wanted: Given, t: Array, tol: float) -> Trajectory:
     """The orbit of one equilibrium under held ends at stations t (1, n); its error is that of the given numbers."""
     state = reached.state
     orbit = orbit_of(state.problem, state.path)
@@ -50,7 +50,7 @@ def _alternatives(seed: OrbitState, found: OrbitState, wanted: Given, tol: float
     """Of each other equilibrium near that of the seed: its distance from the seed, problem and shape."""
     others = alternatives_of(seed, found, wanted)
     rows = [
-        (away(seed, other), other.problem, held_trajectory(Reached(other, ALTERNATIVE), wanted, t, tol))
+        (away(seed, other), other.problem, trajectory_between(Reached(other, ALTERNATIVE), wanted, t, tol))
         for other in others
     ]
     return sorted(rows, key=lambda row: row[0])
@@ -93,7 +93,7 @@ def each_held(
         if isinstance(reached, str):
             answers.append(reached)
             continue
-        answers.append(held_trajectory(reached, Given.of(single), t[i : i + 1], tol))
+        answers.append(trajectory_between(reached, Given.of(single), t[i : i + 1], tol))
         for name, value in vars(solved).items():
             value[i] = getattr(reached.state.problem, name)[0]
     return solved, together(answers, t)
@@ -109,7 +109,9 @@ def each_hinged(
         why = why_unsolved(rod, seeded=True)  # whether the ends are within reach is said below
         reached.append(f"failed: {why}" if why else _reach(problem.take(row), seed and seed.take(row), choose))
     paths = [
-        GrowthWay(None, why=end.removeprefix("failed: ")) if isinstance(end, str) else hinged_path(end.state, rod)
+        GrowthWay(None, why=end.removeprefix("failed: "))
+        if isinstance(end, str)
+        else way_between_hinges(end.state, rod)
         for end, rod in zip(reached, rods, strict=True)
     ]
     solved, answer = answer_ends(case, t, tol, paths)
@@ -119,26 +121,26 @@ def each_hinged(
     )
     find, first = None, reached[0]
     if not isinstance(first, str) and first.seed is not None:  # of a single problem, as the trajectory says
-        find = partial(_hinged_alternatives, first.seed, first.state, case, tol)
+        find = partial(_alternatives_between_hinges, first.seed, first.state, case, tol)
     fit = np.array([path.shape is not None for path in paths])
     return stood_in(solved, fit), replace(answer, begun=begun, selection=how, alternatives=find)
 
 
-def hinged_path(state: OrbitState, rod: LoadedRod) -> GrowthWay:
+def way_between_hinges(state: OrbitState, rod: LoadedRod) -> GrowthWay:
     """The shape of an equilibrium of a rod with a given end moment, as an answer."""
     guess = shape_of(state, rod)
     shape = correct(guess) or guess  # a shape that is not determined is as good as it is
     return shape_path(shape, index_at(shape))
 
 
-def _hinged_alternatives(
+def _alternatives_between_hinges(
     seed: OrbitState, found: OrbitState, case: Case, tol: float, t: Array
 ) -> list[tuple[Any, ...]]:
     """What `_alternatives` gives, of a rod with a given end moment."""
     (rod,) = rods_of(case)
     rows = []
     for other in alternatives_of(seed, found, Given.of(reduce_held(case))):
-        problem, answer = answer_ends(case, t, tol, [hinged_path(other, rod)])
+        problem, answer = answer_ends(case, t, tol, [way_between_hinges(other, rod)])
         rows.append((away(seed, other), problem, replace(answer, begun=np.array([ALTERNATIVE], dtype=object))))
     return sorted(rows, key=lambda row: row[0])
 
@@ -147,11 +149,11 @@ def _reach(problem: HeldProblem, seed: Seed | None, choose: Choose) -> Reached |
     if why := beyond_limits(problem)[0]:
         return str(why)
     given = Given.of(problem)
-    if why := unreachable(*held_apart(problem), seed is not None and not given.hinged):
+    if why := unreachable(*lone_problem(problem), seed is not None and not given.has_hinge):
         return f"failed: {why}"
     if seed is None:
         return by_rule(given, choose)
     assert seed.problem is not None
     shape = None if seed.shapes is None else seed.shapes[0]
-    path = None if given.hinged and shape is not None else path_of_seed(seed)
-    return by_seed(given, seed_state(seed.problem, path, shape, given))
+    path = None if given.has_hinge and shape is not None else path_of_seed(seed)
+    return by_seed(given, state_of_seed(seed.problem, path, shape, given))

@@ -30,12 +30,12 @@ SHARES = np.linspace(0, 1, 257)
 
 def carry(state: OrbitState, wanted: Given, most: int = MOST) -> OrbitState | Stopped:
     """The equilibrium with the wanted numbers on the branch of a state; all numbers change in proportion."""
-    return (hinged_states.carry_hinged if wanted.hinged else continuation.carry)(state, wanted, most)
+    return (hinged_states.carry_hinged if wanted.has_hinge else continuation.carry)(state, wanted, most)
 
 
 def settle(guess: OrbitState, wanted: Given) -> OrbitState | str:
     """The equilibrium with the wanted numbers next to a guess, or why there is none."""
-    if wanted.hinged:
+    if wanted.has_hinge:
         return hinged_states.settle_hinged(guess, wanted)
     return system.settle(guess.problem, guess.path, wanted)
 
@@ -45,17 +45,17 @@ def deflate(start: OrbitState, wanted: Given, known: Sequence[Array]) -> OrbitSt
 
     known: the `numbers_of` each.
     """
-    return (hinged_states.deflate_hinged if wanted.hinged else deflation.deflate)(start, wanted, list(known))
+    return (hinged_states.deflate_hinged if wanted.has_hinge else deflation.deflate)(start, wanted, list(known))
 
 
 def across_fold(state: OrbitState, wanted: Given) -> list[OrbitState]:
     """Guesses of the equilibrium that meets this one at the nearest fold, on either side of it, the likelier first."""
-    return (hinged_states.across_fold_hinged if wanted.hinged else deflation.across_fold)(state, wanted)
+    return (hinged_states.across_fold_hinged if wanted.has_hinge else deflation.across_fold)(state, wanted)
 
 
 def is_nearer_across_fold(seed: OrbitState, found: OrbitState, wanted: Given) -> bool:
     """Whether the equilibrium that meets one at its nearest fold is nearer to it than a seed is."""
-    if wanted.hinged:
+    if wanted.has_hinge:
         return hinged_states.is_nearer_across_fold(seed, found, wanted)
     beside = deflation.fold_beside(found, wanted)
     return beside is not None and bool(abs(beside[1]) < np.linalg.norm(numbers_of(found) - numbers_of(seed)))
@@ -63,8 +63,8 @@ def is_nearer_across_fold(seed: OrbitState, found: OrbitState, wanted: Given) ->
 
 def meetings(seed: OrbitState, found: OrbitState, wanted: Given, bounds: Bounds) -> list[OrbitState]:
     """Where the branch of an equilibrium meets the wanted numbers again, on the line from those of a seed."""
-    if wanted.hinged:
-        return hinged_states.hinged_meetings(seed, found, wanted, bounds)
+    if wanted.has_hinge:
+        return hinged_states.meetings_of(seed, found, wanted, bounds)
     if found.path.helix:
         return []
     line = line_between(found.problem, wanted.at(seed), wanted)
@@ -72,13 +72,13 @@ def meetings(seed: OrbitState, found: OrbitState, wanted: Given, bounds: Bounds)
     return [system.state_of(place.problem, place.path) for place in places if place.p == 1]
 
 
-def seed_state(problem: EndsProblem, path: Path | None, shape: Shape | None, wanted: Given) -> OrbitState | None:
+def state_of_seed(problem: EndsProblem, path: Path | None, shape: Shape | None, wanted: Given) -> OrbitState | None:
     """The state of a seed that is carried to the wanted numbers; None of one that is no equilibrium.
 
     path: of the seed under the dead loads of `problem`. shape: on nodes, which counts where an end moment is given.
     """
     state = None if path is None else system.state_of(problem, path)
-    if not wanted.hinged:
+    if not wanted.has_hinge:
         return state
     if shape is None and state is not None:
         shape = hinged_states.shape_of(state, hinged_states.rod_of(wanted))
@@ -98,6 +98,6 @@ def within_a_turn(state: OrbitState) -> OrbitState:
     if not turns:
         return state
     if isinstance(state, HingedState):
-        return hinged_states.hinged_state(newton.within_a_turn(state.shape))
+        return hinged_states.state_of(newton.within_a_turn(state.shape))
     problem = replace(state.problem, **{name: getattr(state.problem, name) - TAU * turns for name in FREE[:2]})
     return replace(state, problem=problem, rates=orbit_rates(problem, [state.path]))

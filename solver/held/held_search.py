@@ -26,7 +26,7 @@ from ..orbits.potential import TAU
 from ..problem.reduced import EndsProblem
 from .held_moves import across_fold, angles_along, carry, deflate, settle, within_a_turn
 from .held_sweep import Ranges, SweepPoint, ranges_of, starts_of, swept
-from .hinge_scan import hinged_states
+from .hinge_scan import states_between_hinges
 
 MOST_PERIODS, TRIES = 8, 10  # of the rods from which the search begins; deflations without a new equilibrium
 _LEVEL = 1e-6  # rad by which beta of a rod varies that rounding alone tells from a straight rod or a helix
@@ -117,7 +117,7 @@ class HeldFound:
             self.cross_folds(before)
 
 
-def held_search(
+def search_with_numbers(
     given: Given,
     own: dict[str, tuple[float, float]] | None = None,
     most_periods: int = MOST_PERIODS,
@@ -130,7 +130,7 @@ def held_search(
     a new equilibrium after which the search ends.
     """
     result = HeldFound(given, ranges_of(given, own or {}, values))
-    scanned = hinged_states(given)
+    scanned = states_between_hinges(given)
     points = [] if scanned else swept(given, result.ranges, most_periods)
     result.problems, result.equilibria = len(points), sum(len(point.states) for point in points)
     helices, result.any_load = helices_of(given)

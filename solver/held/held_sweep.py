@@ -83,11 +83,11 @@ def _default(name: str, known: dict[str, float], given: Given) -> tuple[float, f
         return low, high
     dead = sum(abs(known.get(load, 0.0)) for load in ("phi", "lam", "mu"))
     waves = (HALF_WAVES * np.pi / span) ** 2
-    most = float(min(waves + _SURFACE + dead + _straightening(name, known, span), _HARDEST))
+    most = float(min(waves + _SURFACE + dead + _load_of_straight(name, known, span), _HARDEST))
     return -most, most
 
 
-def _straightening(load: str, known: dict[str, float], span: float) -> float:
+def _load_of_straight(load: str, known: dict[str, float], span: float) -> float:
     """The load that pulls a clamped rod to its held height or azimuth.
 
     Each end falls 2 (1 - cos(b/2))/sqrt(load) short, b being its angle from the pull.

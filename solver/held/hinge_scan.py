@@ -25,9 +25,9 @@ _STILL = 1e-9  # |beta_tt| of a helix between two hinges, in units of load, whic
 _LOADS = ("lam", "mu", "phi")
 
 
-def hinged_states(given: Given) -> list[OrbitState]:
+def states_between_hinges(given: Given) -> list[OrbitState]:
     """The equilibria; none where a load is not given, or no end has a given beta_t."""
-    if not {*_LOADS} <= {*given.names} or not given.hinged:
+    if not {*_LOADS} <= {*given.names} or not given.has_hinge:
         return []
     backward = "dbeta0" not in given.names  # the equation is the same from the far end, with -beta_t
     sign, near, far = (-1.0, "betaL", "beta0") if backward else (1.0, "beta0", "betaL")

@@ -24,7 +24,7 @@ FREE = "uno"  # of rods that may leave the cylinder
 __all__ = [
     "AUTOMATIC", "DOP853", "FREE", "LSODA", "METHODS", "RK4", "VARYING", "Collocation", "Difference", "EndsMethod",
     "Euler", "Heyoka", "Method", "OrbitQuadrature", "Shooting", "StartMethod", "SwingTaylor", "Verlet", "available",
-    "choose_method", "free_method", "varying_method",
+    "choose_method", "free_method", "method_on_nodes",
 ]  # fmt: skip
 
 
@@ -33,7 +33,7 @@ def available() -> dict[str, type[StartMethod] | type[EndsMethod]]:
     return {name: method for name, method in METHODS.items() if method.is_installed()}
 
 
-def varying_method(kind: str, method: str | Method, knobs: dict[str, Any] | None = None) -> str:
+def method_on_nodes(kind: str, method: str | Method, knobs: dict[str, Any] | None = None) -> str:
     """The name of the method for rods with weight or friction. Raises `InputError` where another one is asked for."""
     name = VARYING[kind]
     choice = name if isinstance(method, str) and method == name else _name_of(method)

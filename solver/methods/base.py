@@ -176,7 +176,7 @@ def trajectory_of(
 ) -> Trajectory:
     """The answer of a method that knows no orbit; columns: (5, B, n), as of `Answer`."""
     beta, dbeta, alpha, z, swirl = columns
-    rest = *verdicts(beta, error, condition, tol).failed(why), error, condition, work, None, selection
+    rest = *verdicts(beta, error, condition, tol).with_failures(why), error, condition, work, None, selection
     return Trajectory(beta, dbeta, alpha, z, partial(np.asarray, swirl), *rest)
 
 

@@ -54,13 +54,13 @@ class Collocation(SeededMethod):
                     return _columns(answer, t), work, ""
             return np.full((5, t.size), np.nan), work, f"failed: solve_bvp: {answer.message.rstrip('.').lower()}"
 
-        def rounding(_: int) -> float:
+        def round_off(_: int) -> float:
             nonlocal condition
             even = np.linspace(0, span, max(answer.x.size, 1025))
             condition = float(response(problem, even[1:2], answer.sol(even)[:1])[0])
             return 1e-15 * condition
 
-        columns, error, work, why = tighten(attempt, rounding, span, tol, self.rtol, TIGHTEST)
+        columns, error, work, why = tighten(attempt, round_off, span, tol, self.rtol, TIGHTEST)
         return columns, error, np.inf if why else condition, work, why
 
 

@@ -47,7 +47,7 @@ def _integrate(problem: StartProblem, t: Array, tol: float) -> Trajectory:
     growth, error = judge(orbit)
     spent = np.bincount(orbit.panels.arc // 2, minlength=problem.size) > MOST_PANELS
     why = np.where(spent & (error > tol * growth), SPENT, "")
-    verdict = verdicts(beta, error, growth, tol).failed(why)
+    verdict = verdicts(beta, error, growth, tol).with_failures(why)
     rest = *verdict, error, growth, orbit.evaluations, orbit
     return Trajectory(beta, dbeta, alpha, z, partial(orbit.swirl, t), *rest)
 

@@ -129,7 +129,7 @@ def answer_ends(case: Case, t: Array, tol: float, seeds: Sequence[Any] | None = 
     alpha0 = flat(case.given.alpha, case.shape)
     paths = [branch_of(rod) for rod in rods] if seeds is None else list(map(path_to, rods, seeds))
     estimates = [(np.inf, np.inf) if path.shape is None else estimate(path.shape) for path in paths]
-    index = np.array([np.nan if path.shape is None or path.shape.rod.rubbed else path.index for path in paths])
+    index = np.array([np.nan if path.shape is None or path.shape.rod.has_friction else path.index for path in paths])
     critical = np.array([np.nan if path.buckled is None else path.buckled for path in paths])
     shapes = VaryingShapes([path.shape for path in paths], index, critical)
     begin, end = shapes.ends()
@@ -142,7 +142,7 @@ def answer_ends(case: Case, t: Array, tol: float, seeds: Sequence[Any] | None = 
     why = np.array(
         ["" if path.shape is not None else failure(path, *numbers) for path, *numbers in reasons], dtype=object
     )
-    solved, outcome = verdicts(read["beta"], error, condition, tol).failed(why)
+    solved, outcome = verdicts(read["beta"], error, condition, tol).with_failures(why)
     spans = np.array([rod.span for rod in rods])
     problem = EndsProblem(end[:, Q] + end[:, MU], end[:, MU], end[:, PHI], spans, begin[:, BETA], end[:, BETA])
     work = np.array([0 if path.shape is None else path.shape.t.size * path.shape.steps for path in paths])
@@ -191,7 +191,7 @@ def why_unsolved(rod: LoadedRod, seeded: bool = False) -> str:
     height, azimuth = (float(rod.far[k]) if name in rod.held else 0.0 for k, name in ((2, "height"), (1, "azimuth")))
     if why := unreachable(height, azimuth, rod.span, seeded):
         return why
-    rubbed = 0.0 if rod.turning else abs(rod.numbers[3]) * rod.across * rod.span  # of a straight rod, at most
+    rubbed = 0.0 if rod.rotates else abs(rod.numbers[3]) * rod.across * rod.span  # of a straight rod, at most
     changes = float(rod.changes(rubbed)[1][-1])
     return TOO_FINE.format(changes, MOST_CHANGES) if changes > MOST_CHANGES else ""
 

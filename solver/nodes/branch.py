@@ -8,7 +8,7 @@ import numpy as np
 
 from ..numerics.roots import halve
 from ..problem.case import ALONG_ITSELF
-from .buckling import buckle, buckling_shares, lying_rod, straight_index, straight_shape
+from .buckling import buckle, rod_without_friction, shares_of_buckling, straight_index, straight_shape
 from .descent import index_at
 from .growth import FRICTION, GrowthWay, grow
 from .loaded_rod import ALPHA, SHORT, LoadedRod
@@ -53,7 +53,7 @@ def find_shape(rod: LoadedRod) -> GrowthWay:
     bent_by_torque = not lying.straight and lying.with_torque_through().straight
     ways = from_taut_rod, partial(from_neighbours, path=path), from_tension, from_no_weight
     why = path.why
-    for way in () if bent_by_torque and rod.rubbed else ways:
+    for way in () if bent_by_torque and rod.has_friction else ways:
         other = way(rod)
         if other.shape is not None:
             return other
@@ -143,7 +143,7 @@ def branch_from_straight(rod: LoadedRod) -> GrowthWay:
     stable shape below it. Friction grows at last, on the shape without it. A long rod whose sinusoid would lift off the
     wall takes the helix.
     """
-    if rod.rubbed:
+    if rod.has_friction:
         return branch_with_friction(rod)
     wound = helix_of(rod)
     if wound is not None:
@@ -156,7 +156,7 @@ def branch_from_straight(rod: LoadedRod) -> GrowthWay:
     shape = straight_shape(rod, t)
     if index_at(shape) == 0:
         return GrowthWay(shape)
-    critical = next(buckling_shares(rod, t))[0]
+    critical = next(shares_of_buckling(rod, t))[0]
     buckled = buckle(rod, t, critical)
     if buckled is None:
         why = f"no stable equilibrium was found near {critical:.6g} of the loads, where the straight rod buckles"
@@ -192,7 +192,7 @@ def branch_with_friction(rod: LoadedRod) -> GrowthWay:
     alone = rod.straight and not straight_index(plain)
     if (bent := sinusoid(rod)) is not None:
         return GrowthWay(bent, rubbed=alone)
-    if rod.turning and (bent := sinusoid(rod.with_torque(0.0))) is not None:
+    if rod.rotates and (bent := sinusoid(rod.with_torque(0.0))) is not None:
         path = grow(rod.with_torque, bent)
         if path.shape is not None:
             return path
@@ -201,12 +201,12 @@ def branch_with_friction(rod: LoadedRod) -> GrowthWay:
         return path
     if not (rod.straight or leans_and_buckles(rod)):
         return path
-    hints = [HINGES] * bool({"beta0", "betaL"} & rod.held and not rod.turning) + [AS_A_WHOLE] * bool(
+    hints = [HINGES] * bool({"beta0", "betaL"} & rod.held and not rod.rotates) + [AS_A_WHOLE] * bool(
         rod.numbers[4] == ALONG_ITSELF
     )
-    why = RESTLESS.format("leaning" if rod.turning else "straight")
+    why = RESTLESS.format("leaning" if rod.rotates else "straight")
     why = f"{why}; {' or '.join(hints)} may have an answer" if hints else why
-    is_at_fault = partial(leans_and_buckles, beyond=QUIET) if rod.turning else straight_index
+    is_at_fault = partial(leans_and_buckles, beyond=QUIET) if rod.rotates else straight_index
     return GrowthWay(None, why=why, barred=True, limit=least_tension(rod, is_at_fault), share=path.share or 0.0)
 
 
@@ -220,7 +220,7 @@ def grow_friction(rod: LoadedRod, plain: GrowthWay) -> GrowthWay:
 
 def least_tension(rod: LoadedRod, is_at_fault: Callable[[LoadedRod], object]) -> float:
     """The far end's phi, a little above the least one, at which a rod has a fault no more that it has under its own."""
-    low, high = float(rod.far[2]), max(0.0, lying_rod(rod).along * rod.span)
+    low, high = float(rod.far[2]), max(0.0, rod_without_friction(rod).along * rod.span)
     return halve(lambda phi: not is_at_fault(rod.with_tension(phi)), low, high, (high - low) * FINE)[1]
 
 

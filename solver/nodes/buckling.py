@@ -21,28 +21,28 @@ AHEAD = 0.01  # of the loads: how far beyond its end the stable shape is sought 
 
 def straight_shape(rod: LoadedRod, t: Array) -> Shape:
     """The straight rod along the axis."""
-    return Shape(rod, t, rod.lying(t))
+    return Shape(rod, t, rod.straight_states(t))
 
 
-def lying_rod(rod: LoadedRod) -> LoadedRod:
+def rod_without_friction(rod: LoadedRod) -> LoadedRod:
     """The rod without friction whose straight shape is under the same axial force.
 
     What friction adds to that force varies along a straight rod as the weight does. A straight rod that moves along
     itself feels a force across as well, of the size of f rho times the rate of the azimuth, which is left out.
     """
     even = rod.with_friction(0.0)
-    if not rod.turning:
+    if not rod.rotates:
         even.numbers[1] -= rod.numbers[3] * rod.numbers[6] * rod.across * np.cos(rod.near[1])
     return even
 
 
 def straight_index(rod: LoadedRod) -> int:
     """The Morse index of the straight rod under its axial force, with what friction adds to it."""
-    even = lying_rod(rod)
+    even = rod_without_friction(rod)
     return index_at(straight_shape(even, even.nodes()))
 
 
-def buckling_shares(rod: LoadedRod, t: Array) -> Iterator[tuple[float, int]]:
+def shares_of_buckling(rod: LoadedRod, t: Array) -> Iterator[tuple[float, int]]:
     """The shares of the loads just above which the index of the straight rod rises, the lowest first, and by how much.
 
     It rises by more than one where modes buckle at one load to rounding, and at 0 where the rod is unstable without
@@ -66,7 +66,7 @@ def buckling_shares(rod: LoadedRod, t: Array) -> Iterator[tuple[float, int]]:
         parts += [(middle, now, high, above), (low, below, middle, now)]
 
 
-def buckling_tension(rod: LoadedRod) -> float | None:
+def tension_of_buckling(rod: LoadedRod) -> float | None:
     """The far end's phi below which the straight rod under its whole weight is unstable, without friction.
 
     None where the straight rod is no equilibrium, or is unstable though all of it is in tension.

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..numerics.arrays import Array
-from .descent import change_rates, fine_nodes, held_indices
+from .descent import change_rates, fine_nodes, indices_with_springs
 from .loaded_rod import ALPHA, BETA, MU, PHI, ROUND, SHORT, SPEED, LoadedRod, Q, scales
 from .varying_shapes import Shape
 
@@ -93,5 +93,5 @@ def dead_indices(shapes: Sequence[Shape | None]) -> Array:
 def _dead_index(shape: Shape) -> float:
     """The Morse index of one shape: as many negative directions with springs that hardly push it away or hold it."""
     alone = replace(shape, rod=replace(shape.rod, held=frozenset({"beta0", "betaL"})).in_scales(shape.rod.scale))
-    _, *nearby = held_indices(alone, (-FAINT, FAINT))
+    _, *nearby = indices_with_springs(alone, (-FAINT, FAINT))
     return float(nearby[0]) if nearby[0] == nearby[1] else np.nan

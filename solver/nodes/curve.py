@@ -20,8 +20,8 @@ from .newton import (
     ENDING,
     SAME,
     correct,
+    gaps_after,
     is_same,
-    left_open,
     linear_at,
     open_at,
     share_within,
@@ -63,7 +63,7 @@ class CurvePoint:
 
     def record(self, kind: str = "") -> Place:
         """Its equilibrium, without an index where it has friction."""
-        return Place(self.p, self.shape, None, None if self.shape.rod.rubbed else self.index, kind)
+        return Place(self.p, self.shape, None, None if self.shape.rod.has_friction else self.index, kind)
 
 
 def inner(u: Array, v: Array) -> float:
@@ -111,7 +111,7 @@ class NodeCurve:
         sides = [self.shape(shape, shape.y, x + sign * h) for sign in (1, -1)]
         (numbers, span), (others, length) = ((side.rod.numbers, side.rod.span) for side in sides)
         alone = span == length and (numbers == others).all()  # only the ends answer x: the stretches are not marched
-        above, below = (left_open(side, side.y[1:]) if alone else open_at(side) for side in sides)
+        above, below = (gaps_after(side, side.y[1:]) if alone else open_at(side) for side in sides)
         return np.asarray((above - below) / (2 * DIFFERENCE))
 
     def correct(self, guess: Shape, x: float, across: Array, most: int = 12) -> CurvePoint | None:
@@ -193,7 +193,7 @@ def special_between(
     if before.rises * after.rises < 0:
         flat = FLAT * max(abs(before.rises), abs(after.rises))  # these are small where x has a far wider range
         turn = locate(way, ends, lambda point: point.rises, flat)
-        is_fold = before.index != after.index or after.shape.rod.rubbed
+        is_fold = before.index != after.index or after.shape.rod.has_friction
         return None if turn is None else [(turn, FOLD if is_fold else PITCHFORK)]
     if before.index == after.index:
         return []

@@ -42,10 +42,10 @@ ROUNDS, LEAST, WORK = 600, 50, 80_000  # steps of a fall; of a long rod; nodes t
 
 def index_at(shape: Shape) -> int:
     """The Morse index of a shape."""
-    return held_indices(shape, ())[0]
+    return indices_with_springs(shape, ())[0]
 
 
-def held_indices(shape: Shape, strengths: Sequence[float]) -> list[int]:
+def indices_with_springs(shape: Shape, strengths: Sequence[float]) -> list[int]:
     """The Morse index of a shape alone, and where springs of each strength hold it."""
     shape = fine_shape(shape)
     springs = [None, *(springs_of(shape, strength) for strength in strengths)]
@@ -91,7 +91,7 @@ def shape_like(rod: LoadedRod, known: Shape, t: Array) -> Shape:
 
 def index_of_any(shape: Shape) -> int:
     """The Morse index of a shape; 0 with friction, which has none."""
-    return 0 if shape.rod.rubbed else index_at(shape)
+    return 0 if shape.rod.has_friction else index_at(shape)
 
 
 def is_near(shape: Shape, other: Shape) -> bool:
@@ -113,7 +113,7 @@ def descend(shape: Shape, change: Array | None = None) -> Shape | None:
     stable, so that each step lowers the energy. At a shape that does not move and is not stable the rod is pushed along
     its weakest mode. A rod with friction has no energy, and none is sought.
     """
-    if shape.rod.rubbed:
+    if shape.rod.has_friction:
         return None
     strength, tried, eased = FIRST, FIRST, False
     y = shape.y + (KICK * weakest_modes(shape)[0] if change is None else change)
@@ -121,7 +121,7 @@ def descend(shape: Shape, change: Array | None = None) -> Shape | None:
         now = replace(shape, y=y)
         ahead = correct(now, y, springs_of(now, strength), most=6, enough=FLUID)
         moved = np.inf if ahead is None else largest_turn((ahead.y - y) / shape.rod.scale)
-        index, held = (1, 1) if ahead is None or moved > FAR else held_indices(ahead, (strength,))
+        index, held = (1, 1) if ahead is None or moved > FAR else indices_with_springs(ahead, (strength,))
         if ahead is None or held > 0:
             strength, eased = strength * FACTOR, False
             if strength > FIRMEST:

@@ -56,7 +56,7 @@ def grow(rod_at: Callable[[float], LoadedRod], shape: Shape, share: float = 0.0,
     rod_at: the rod at each share. target: what is whole at 1.
     """
     whole, jumped = rod_at(1.0), list[float]()
-    lengths = replace(LENGTHS, least=LEAST_RUBBED) if whole.rubbed else LENGTHS
+    lengths = replace(LENGTHS, least=LEAST_RUBBED) if whole.has_friction else LENGTHS
     curve = NodeCurve(rod_at, 1.0, whole.scale, lengths)
     while share < 1:
         begun = CurvePoint(shape, share, np.append(np.zeros(shape.y.size), 1.0))
@@ -84,7 +84,7 @@ def stable_shape_ahead(rod_at: Callable[[float], LoadedRod], shape: Shape, share
 
     With its own share; None where the rod reaches none.
     """
-    for rest in () if rod_at(1.0).rubbed else SHARES_AHEAD:  # that of a rod with friction was tried before
+    for rest in () if rod_at(1.0).has_friction else SHARES_AHEAD:  # that of a rod with friction was tried before
         ahead = 1.0 if rest == 1 else share + rest * (1 - share)
         wave = sinusoid(rod_at(ahead))
         if wave is not None and index_of_any(wave) == 0:

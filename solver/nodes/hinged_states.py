@@ -76,7 +76,7 @@ def of_rod(shape: Shape, rod: LoadedRod) -> Shape:
     return replace(shape, rod=rod.in_scales(shape.rod.scale), y=y)
 
 
-def hinged_state(shape: Shape) -> HingedState:
+def state_of(shape: Shape) -> HingedState:
     """The state of a shape."""
     number, span, ratio = end_numbers(shape), float(shape.t[-1]), float(shape.rod.numbers[0])
     number |= {"swirl": ratio * number["mu"] * span - number["turn"], "y": np.nan}
@@ -105,7 +105,7 @@ def energy_of(shape: Shape) -> float:
 def with_ends_of(shape: Shape, wanted: Given) -> HingedState:
     """The state of a shape whose ends hold what those of the wanted numbers hold, as the shape has it."""
     shape = of_rod(shape, rod_of(wanted))
-    return hinged_state(replace(shape, rod=with_own_ends(shape).in_scales(shape.rod.scale)))
+    return state_of(replace(shape, rod=with_own_ends(shape).in_scales(shape.rod.scale)))
 
 
 def carry_hinged(state: OrbitState, wanted: Given, most: int = MOST) -> HingedState | Stopped:
@@ -116,7 +116,7 @@ def carry_hinged(state: OrbitState, wanted: Given, most: int = MOST) -> HingedSt
         return Stopped(0.0, UNSOLVED)
     places, stop = trace_shapes(curve, begun, True, Bounds(0.0, 1.0, (), most), lengths=CARRIED, to_fold=True)
     if stop.reason == arclength.END:
-        return hinged_state(places[-1].path)
+        return state_of(places[-1].path)
     return Stopped(stop.p, FOLD if stop.reason == arclength.FOLD else stop.reason)
 
 
@@ -151,7 +151,7 @@ def settle_hinged(guess: OrbitState, wanted: Given) -> HingedState | str:
     corrected = correct(shape_like(shape.rod, shape, shape.t * (wanted.span / shape.t[-1])))
     if corrected is None or np.abs(corrected.y[:, BETA] - shape.y[:, BETA]).max() > REACH:
         return DIVERGED
-    return hinged_state(corrected)
+    return state_of(corrected)
 
 
 def deflate_hinged(start: OrbitState, wanted: Given, known: Sequence[Array]) -> HingedState | None:
@@ -175,7 +175,7 @@ def deflate_hinged(start: OrbitState, wanted: Given, known: Sequence[Array]) -> 
     corrected = None if near is None else correct(near, most=15)
     if corrected is None or any(are_same(end_vector(corrected), ends) for ends in known):
         return None
-    return hinged_state(corrected)
+    return state_of(corrected)
 
 
 def end_vector(shape: Shape) -> Array:
@@ -265,10 +265,10 @@ def _apart(curve: NodeCurve, one: Shape, other: Shape) -> float:
     return float(np.sqrt(inner(change, change)))
 
 
-def hinged_meetings(seed: OrbitState, found: OrbitState, wanted: Given, bounds: Bounds) -> list[OrbitState]:
+def meetings_of(seed: OrbitState, found: OrbitState, wanted: Given, bounds: Bounds) -> list[OrbitState]:
     """Where the branch of an equilibrium meets the wanted numbers, on the line from those of a seed."""
     assert isinstance(found, HingedState)
     curve, _ = line_from(seed, wanted)
     begun = curve.begin(found.shape, 1.0)
     ways = () if begun is None else (trace_shapes(curve, begun, rises, bounds)[0] for rises in (True, False))
-    return [hinged_state(place.path) for places in ways for place in places if place.p == 1]
+    return [state_of(place.path) for places in ways for place in places if place.p == 1]

@@ -10,8 +10,8 @@ import numpy as np
 from ..core.varying_loads import SIZE
 from ..numerics.arrays import Array
 from ..problem.case import IN_PLACE, Case
-from ..problem.case_fields import unchecked_with_fields
-from ..problem.reduced import StartProblem, dimensionless_problem, flat, given_fields, given_values, held_problem
+from ..problem.case_fields import with_fields_unchecked
+from ..problem.reduced import StartProblem, dimensionless_problem, end_fields, end_values, flat, problem_at_ends
 
 BETA, SPEED, ALPHA, Q, PHI, MU, SHORT, ROUND = range(SIZE)
 VARYING = "numbers", "near", "far"  # the numbers of a rod that vary over fields of its case, beside its span
@@ -44,7 +44,7 @@ class LoadedRod:
         return float(self.numbers[2])
 
     @property
-    def rubbed(self) -> bool:
+    def has_friction(self) -> bool:
         """Whether friction acts: then there is no energy and no index."""
         return bool(self.numbers[3] != 0)
 
@@ -171,12 +171,12 @@ class LoadedRod:
         if "height" in self.held and self.far[2] != self.span:
             return False
         level = self.across * np.sin(self.near[1])
-        return not any(rest) and abs(level) <= 1e-15 * abs(self.across) and not self.turning
+        return not any(rest) and abs(level) <= 1e-15 * abs(self.across) and not self.rotates
 
     @property
-    def turning(self) -> bool:
+    def rotates(self) -> bool:
         """Whether the rod turns in place against friction."""
-        return bool(self.numbers[4] == IN_PLACE and self.rubbed)
+        return bool(self.numbers[4] == IN_PLACE and self.has_friction)
 
     def nodes(self, rubbed: Array | float = 0.0) -> Array:
         """Nodes from 0 to the span, about one on each length on which the shape changes.
@@ -193,13 +193,13 @@ class LoadedRod:
         rate = self.rate(t, np.interp(t, np.linspace(0, self.span, np.size(rubbed)), np.ravel(rubbed)))
         return t, np.concatenate([[0], np.cumsum((rate[1:] + rate[:-1]) / 2 * np.diff(t))])
 
-    def lying(self, nodes: Array) -> Array:
+    def straight_states(self, nodes: Array) -> Array:
         """The state of the straight rod at the nodes, (N, 8); friction on it included."""
         y = np.zeros((nodes.size, SIZE))
         y[:, ALPHA] = self.near[1]
         outward, k = self.numbers[6], self.numbers[3]
         push = -outward * self.across * np.cos(self.near[1])
-        rate = self.along + (0.0 if self.turning else k * push)
+        rate = self.along + (0.0 if self.rotates else k * push)
         y[:, PHI] = self.tension_known - rate * (self.span - nodes)
         y[:, MU] = self.twist_known
         y[:, ROUND] = self.numbers[0] * y[:, MU] * nodes
@@ -256,7 +256,7 @@ def starts_of(case: Case) -> tuple[StartProblem, Array, Array, Array]:
 
 def rods_of(case: Case) -> list[LoadedRod]:
     """The ends problems of a case, one by one."""
-    problem, numbers = held_problem(case), numbers_of(case)
+    problem, numbers = problem_at_ends(case), numbers_of(case)
     alpha0 = flat(case.given.alpha, case.shape)
     return [
         _rod_of(problem.given, numbers[i], problem.values[i].tolist(), float(problem.span[i]), float(alpha0[i]))
@@ -266,12 +266,12 @@ def rods_of(case: Case) -> list[LoadedRod]:
 
 def rod_over(case: Case, *names: str) -> Callable[..., LoadedRod]:
     """The ends problem of one case over some fields: that of `rods_of`, for valid values, many times as fast."""
-    fields = given_fields(case)
+    fields = end_fields(case)
 
     def rod_at(*values: float) -> LoadedRod:
-        other = unchecked_with_fields(case, dict(zip(names, values, strict=True)))
+        other = with_fields_unchecked(case, dict(zip(names, values, strict=True)))
         with np.errstate(all="ignore"):
-            *five, span, _ = given_values(other, fields)
+            *five, span, _ = end_values(other, fields)
             return _rod_of(fields, np.array(_number_columns(other)), five, float(span), float(other.given.alpha))
 
     return rod_at

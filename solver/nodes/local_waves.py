@@ -137,7 +137,7 @@ class Lean(NamedTuple):
 def lean(rod: LoadedRod, over: Array) -> Lean:
     """How a rod leans at F - 2; on the low side, but for one that turns in place."""
     angle, weight, local = np.zeros_like(over), np.ones_like(over), over
-    if not rod.turning:
+    if not rod.rotates:
         return Lean(angle, weight, local)
     f, before = rod.numbers[3], local
     with np.errstate(invalid="ignore"):
@@ -154,7 +154,7 @@ def lean(rod: LoadedRod, over: Array) -> Lean:
 
 def leans_and_buckles(rod: LoadedRod, beyond: float = 0.0) -> bool:
     """Whether a long rod that turns in place buckles about its lean, or cannot lean. beyond: F - 2 from which."""
-    if not (rod.turning and has_waves(rod)):
+    if not (rod.rotates and has_waves(rod)):
         return False
     return not lean(rod, compression(rod, rod.nodes())).over.max() <= beyond
 
@@ -164,7 +164,7 @@ def waves_at(rod: LoadedRod, over: Array, front: float) -> Waves:
     soft = positive_part(over)
     k, size, third, stiff, _, itself, axis = np.polynomial.polynomial.polyval(np.minimum(soft, OVER[-1]), curves())
     along_itself = rod.numbers[4] == ALONG_ITSELF
-    pull = itself * soft if along_itself else axis * soft**2 * (not rod.turning)
+    pull = itself * soft if along_itself else axis * soft**2 * (not rod.rotates)
     wound = over > front
     F = np.maximum(2 + over, 1.0)
     helix = np.sqrt(F / 2)
@@ -181,7 +181,7 @@ def mean_push(over: Array, front: float) -> Array:
 
 def compression(rod: LoadedRod, t: Array, front: float = np.inf) -> Array:
     """F - 2 at t (n,), with what friction adds; `largest` where the rod locks."""
-    rubbed, unit = 0.0 if rod.turning else rod.numbers[3] * rod.across, np.sqrt(rod.across)
+    rubbed, unit = 0.0 if rod.rotates else rod.numbers[3] * rod.across, np.sqrt(rod.across)
     given, passed = rod.tension_known - rod.along * (rod.span - t), t
     over = before = -(given - rubbed * (rod.span - t)) / unit - 2
     for _ in range(ROUNDS if rubbed else 0):
@@ -301,7 +301,7 @@ def shape_of(rod: LoadedRod, nodes: Array, t: Array, alpha: Array, over: Array) 
     beta = np.arcsin(np.clip(rate(alpha), -STEEPEST, STEEPEST))
     speed, phi = rate(beta), -(over + 2) * np.sqrt(rod.across)
     moment = ((phi + 2 * np.cos(beta) * np.sin(beta) ** 2) * np.sin(beta) - rate(speed)) / np.cos(beta)
-    y = rod.lying(nodes)
+    y = rod.straight_states(nodes)
     short = integral(1 - np.cos(beta), t)
     for column, values in ((BETA, beta), (SPEED, speed), (ALPHA, alpha), (Q, moment), (PHI, phi), (SHORT, short)):
         y[:, column] = np.interp(nodes, t, values)
@@ -312,7 +312,7 @@ def wave_nodes(rod: LoadedRod, front: float = np.inf) -> tuple[Array, Array]:
     """Nodes, dense where friction adds to the compression, and the compression at their `places`."""
     t = rod.nodes()
     over = compression(rod, places(rod, t), front)
-    if rod.rubbed:
+    if rod.has_friction:
         rubbed = compression(rod.with_friction(0.0), places(rod, t), front) - over
         t = rod.nodes(rubbed * np.sqrt(rod.across))
         over = compression(rod, places(rod, t), front)
@@ -332,7 +332,7 @@ def sinusoid(rod: LoadedRod) -> Shape | None:
 
 def wants_helix(rod: LoadedRod) -> bool:
     """Whether the sinusoid of a rod would lift off the wall."""
-    return bool(not rod.turning and has_waves(rod) and compression(rod, places(rod, rod.nodes())).max() > LIFTED)
+    return bool(not rod.rotates and has_waves(rod) and compression(rod, places(rod, rod.nodes())).max() > LIFTED)
 
 
 def wound_shape(rod: LoadedRod) -> Shape | None:
@@ -340,7 +340,7 @@ def wound_shape(rod: LoadedRod) -> Shape | None:
 
     With friction, which leaves no index, any such equilibrium.
     """
-    fronts, unstable = FRONTS[:1] if rod.rubbed and rod.nodes().size > MANY else FRONTS, None
+    fronts, unstable = FRONTS[:1] if rod.has_friction and rod.nodes().size > MANY else FRONTS, None
     for front in fronts:
         t, over = wave_nodes(rod, front)
         if over.max() >= largest(rod.across):

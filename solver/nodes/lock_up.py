@@ -59,7 +59,7 @@ def lock_up_share(rod: LoadedRod) -> float | None:
 
     None where it lets enough pass, and where friction lowers the compression from the far end on.
     """
-    if not (rod.numbers[3] > 0 and has_waves(rod)) or rod.turning:
+    if not (rod.numbers[3] > 0 and has_waves(rod)) or rod.rotates:
         return None
     share = lock_up_length(rod.along, rod.across, float(rod.numbers[3]), -rod.tension_known) / rod.span
     return share if share < 1 else None

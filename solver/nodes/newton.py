@@ -81,10 +81,10 @@ def linear_at(
     if stiffness is not None and anchor is not None:
         for k, (angle, moment) in enumerate(((BETA, SPEED), (ALPHA, Q))):
             pulled[:-1, moment] += stiffness[1:-1, k] * (shape.y[1:-1, angle] - anchor[1:-1, angle])
-    return Linear(shape.rod, left_open(shape, pulled), transfer, stiffness)
+    return Linear(shape.rod, gaps_after(shape, pulled), transfer, stiffness)
 
 
-def left_open(shape: Shape, after: Array) -> Array:
+def gaps_after(shape: Shape, after: Array) -> Array:
     """What is open, (8 N,), where the stretches end in the states `after` (N - 1, 8)."""
     start, near, end, far = shape.rod.conditions()
     gap = (shape.y[1:] - after) / shape.rod.scale
@@ -93,7 +93,7 @@ def left_open(shape: Shape, after: Array) -> Array:
 
 def open_at(shape: Shape) -> Array:
     """What is left open in the equations of a shape, scaled, as of `Linear`."""
-    return left_open(shape, march(shape.rod.numbers, shape.rod.scale, shape.y[:-1], np.diff(shape.t)).end)
+    return gaps_after(shape, march(shape.rod.numbers, shape.rod.scale, shape.y[:-1], np.diff(shape.t)).end)
 
 
 def with_known_loads(rod: LoadedRod, t: Array, y: Array) -> Array:
@@ -102,9 +102,9 @@ def with_known_loads(rod: LoadedRod, t: Array, y: Array) -> Array:
     y = y.copy()
     y[0, BETA if "beta0" in rod.held else SPEED] = rod.near[0]
     y[-1, BETA if "betaL" in rod.held else SPEED] = rod.far[0]
-    if not rod.rubbed and "rotation" not in rod.held:
+    if not rod.has_friction and "rotation" not in rod.held:
         y[:, MU] = rod.far[3]
-    if not rod.rubbed and "height" not in rod.held:
+    if not rod.has_friction and "height" not in rod.held:
         y[:, PHI] = rod.far[2] - rod.along * (rod.span - t)
     return y
 

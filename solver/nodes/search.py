@@ -12,7 +12,7 @@ from ..core.varying_loads import march
 from ..numerics.arrays import Array, Booleans
 from ..numerics.roots import lead_away
 from .branch import branch_from_straight
-from .buckling import buckling_shares, straight_shape
+from .buckling import shares_of_buckling, straight_shape
 from .curve import MOST_POINTS, SPLIT, NodeCurve, trace_shapes
 from .descent import index_at, on_nodes
 from .loaded_rod import ALPHA, BETA, SHORT, SPEED, LoadedRod, Q
@@ -95,7 +95,7 @@ def search_shapes(rod: LoadedRod, light: Sequence[Any] = (), known: FoundShapes 
     begun = branch_from_straight(rod)
     if begun.shape is not None:
         result.add(on_nodes(begun.shape, t), STRAIGHT)
-    for shape in buckling_shapes(rod, t):
+    for shape in shapes_of_buckling(rod, t):
         result.add(shape, BUCKLED)
     for shape in shapes_from_no_weight(rod, t, light):
         result.add(shape, WEIGHT)
@@ -122,7 +122,7 @@ def shapes_from_no_weight(rod: LoadedRod, t: Array, light: Sequence[Any]) -> Ite
 
 def light_shape(rod: LoadedRod, t: Array, solution: Any) -> Shape:
     """A solution of the rod without weight, at nodes t."""
-    y, rho, at = rod.with_weight(0.0).lying(t), solution.case.rho, solution.s / solution.case.rho
+    y, rho, at = rod.with_weight(0.0).straight_states(t), solution.case.rho, solution.s / solution.case.rho
     y[:, Q] = rod.far[1] - rod.far[3]
     for column, values in ((BETA, solution.beta), (SPEED, solution.dbeta * rho), (ALPHA, solution.alpha)):
         y[:, column] = np.interp(t, at, values)
@@ -131,13 +131,13 @@ def light_shape(rod: LoadedRod, t: Array, solution: Any) -> Shape:
     return Shape(rod.with_weight(0.0), t, y)
 
 
-def buckling_shapes(rod: LoadedRod, t: Array) -> Iterator[Shape]:
+def shapes_of_buckling(rod: LoadedRod, t: Array) -> Iterator[Shape]:
     """The shapes on the branches that leave the straight rod at its lowest buckling loads, and their mirror images."""
     if not rod.straight:
         return
     straight = straight_shape(rod, t)
     curve = NodeCurve(rod.share, 1.0, rod.scale)
-    for share, count in islice(buckling_shares(rod, t), MOST_MODES):
+    for share, count in islice(shares_of_buckling(rod, t), MOST_MODES):
         at_load = straight_shape(rod.share(share), t)
         for mode in weakest_modes(at_load, count):
             for point in curve.split_off(at_load, mode, (SPLIT,), share):
@@ -220,7 +220,7 @@ def further_shapes(rod: LoadedRod, t: Array, known: list[Shape], tries: int) -> 
     wave = np.pi * np.outer(t / rod.span, np.arange(1, WAVES + 1))
     while fruitless < tries:
         from_known = known and rng.random() < FROM_KNOWN
-        y = known[rng.integers(len(known))].y.copy() if from_known else rod.lying(t)
+        y = known[rng.integers(len(known))].y.copy() if from_known else rod.straight_states(t)
         size = 10 ** rng.uniform(*AMPLITUDES)
         turned, moved = rng.normal(size=(2, WAVES)) / np.arange(1, WAVES + 1)
         y[:, BETA] += size * rod.scale[BETA] * (np.sin(wave + rng.uniform(0, np.pi, WAVES)) @ turned)

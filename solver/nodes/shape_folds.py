@@ -135,19 +135,19 @@ class PitchforkPoint(ShapePoint):
         """The lower Morse index of the equilibria that meet."""
         return self.index
 
-    def held_at(self, z: Array) -> Held | None:
+    def shape_at(self, z: Array) -> Held | None:
         """The equilibrium that the symmetry keeps, at z, as it is held along the mode."""
         return hold(self.line(z, np.zeros(2)).shape(self.shape, self.shape.y, 0.0), self.mode)
 
     def value(self, w: Array) -> Array | None:
         """The stiffness against a push along the mode at z = w, (1,)."""
-        held = self.held_at(w)
+        held = self.shape_at(w)
         return None if held is None else np.array([held.stiffness])
 
     def after(self, node: Node) -> "Ahead[PitchforkPoint] | None":
         """The point a step ahead (`LinePoint.after`), with its index and its mode."""
         across = node.jacobian[0] / np.linalg.norm(node.jacobian[0])
-        sides = [self.held_at(node.w + sign * NEAR_IT * across) for sign in (-1, 1)]
+        sides = [self.shape_at(node.w + sign * NEAR_IT * across) for sign in (-1, 1)]
         shapes = [side.shape for side in sides if side is not None]
         if len(shapes) < 2:
             return None
@@ -183,7 +183,7 @@ def pitchforks_through(
         return None
     if np.isnan(first.more).any():  # where the sides differ, branches exchange their indices, and no number changes
         return []
-    how = Tracing(STEPS, crossing_between, is_known=lambda point: is_known(point.z, point.mark))
+    how = Tracing(STEPS, pitchforks_between, is_known=lambda point: is_known(point.z, point.mark))
     line = special_line(first, how)
     points, last = line.points, len(line.points) - 1
     cuts = [0, *(i + 1 for i, (point, other) in enumerate(pairwise(points)) if point.lower != other.lower), last]
@@ -194,7 +194,7 @@ def pitchforks_through(
     return curves
 
 
-def crossing_between(
+def pitchforks_between(
     point: PitchforkPoint, node: Node, step: float, taken: Ahead[PitchforkPoint]
 ) -> list[PitchforkPoint]:
     """Pitchforks within a step (`Between`): on either side of where another curve crosses, and close to it."""

@@ -84,7 +84,7 @@ def rates(rod: LoadedRod, y: Array) -> tuple[Array, Array, Array]:
     rubbed, sin, cos = friction * Shape(rod, y[:, 0], y).pushes(y), np.sin(y[:, BETA]), np.cos(y[:, BETA])
     along = {ALONG_ITSELF: cos, ALONG_AXIS: np.ones_like(cos)}.get(way, outward * sin)
     across = {ALONG_ITSELF: sin, ALONG_AXIS: np.zeros_like(sin)}.get(way, (a - outward) * cos)
-    twist = rubbed * a * rod.turning
+    twist = rubbed * a * rod.rotates
     return rubbed * across - twist, rubbed * along, twist
 
 

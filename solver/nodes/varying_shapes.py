@@ -140,13 +140,13 @@ class Shape:
         first, share = moving[k], speed[k] / (speed[k] - speed[k + 1])
         after = share * (t[moving[k + 1]] - t[first])  # beta_t is linear between the two
         beta = np.concatenate([y[:1, BETA], y[first, BETA] + speed[k] * after / 2, y[-1:, BETA]])
-        kept = np.array(turning_points(beta, FAINT * np.abs(y[:, BETA]).max()))
+        kept = np.array(places_of_extremes(beta, FAINT * np.abs(y[:, BETA]).max()))
         change = np.abs(np.diff(beta[kept]))
         places = (t[first] + after)[kept[1:-1] - 1] * rho
         return tuple(zip(places.tolist(), np.minimum(change[1:], change[:-1]).tolist(), strict=True))
 
 
-def turning_points(values: Array, least: float) -> list[int]:
+def places_of_extremes(values: Array, least: float) -> list[int]:
     """The places of the first and the last of values (n,), and between them of the extremes that differ from the ones
     next to them by more than `least`."""
     kept, far, way = [0], 0, 0.0

@@ -22,7 +22,7 @@ BISECTIONS = 60
 
 def has_one_unknown(rod: LoadedRod) -> bool:
     """Whether only one number of the start is not given."""
-    return rod.across == 0 and not rod.rubbed and not rod.held & {"azimuth", "height", "rotation"}
+    return rod.across == 0 and not rod.has_friction and not rod.held & {"azimuth", "height", "rotation"}
 
 
 def start_range(rod: LoadedRod) -> tuple[float, float]:

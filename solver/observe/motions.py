@@ -17,7 +17,7 @@ from ..orbits.boundary import Path, path_of
 from ..orbits.path_orbits import path_from_start, variations_of
 from ..orbits.shape import ShapeArrays
 from ..orbits.variations import HOW, POINTS, HelixVariations, Variations
-from ..problem.reduced import EndsProblem, Reduced, StartProblem, flat, given_numbers
+from ..problem.reduced import EndsProblem, Reduced, StartProblem, end_number_names, flat
 from .measurement import FINEST, MIDDLE
 
 NO_PATH = "failed: no orbit with beta(0) and beta'(0) of this solution ends at beta(L), so it has no derivatives"
@@ -67,7 +67,7 @@ def marks_of(problem: Reduced) -> Array:
 
 
 def _of_equilibrium(sol: ShapeArrays, one: EndsProblem, path: Path, i: int) -> Motion:
-    names, ratio = given_numbers(sol.case), float(flat(sol.case.rod.stiffness_ratio, sol.case.shape)[i])
+    names, ratio = end_number_names(sol.case), float(flat(sol.case.rod.stiffness_ratio, sol.case.shape)[i])
     problem = one.with_start(sol.trajectory.dbeta[i : i + 1, 0])
     varied = variations_of(one, path)
     rates = rates_of_helices(one) if isinstance(varied, HelixVariations) else rates_of_variations(one, varied)

@@ -76,7 +76,7 @@ def loops(read: MeasuredNumbers) -> Any:
         return np.where(orbit.kind == ROTATION, np.floor(orbit.problem.span / orbit.ahead), 0)
 
 
-def overlapping(read: MeasuredNumbers, **limits: int) -> Any:
+def self_intersection(read: MeasuredNumbers, **limits: int) -> Any:
     """Self-intersection: 1 where the rod would intersect itself, else 0, (B,); NaN where that was not decided.
 
     limits: options of `self_contact.overlaps`.
@@ -362,7 +362,7 @@ OBSERVABLES: dict[str, Observable] = {
     "F3_size_max": _in_unit("tension", lambda read: read.unit_force, not_smooth=NO_FORCE, least=0),
     "bending_moment_max": _in_unit("tightest", lambda read: read.unit_moment, least=0),
     "bending_stress_max": _in_unit("tightest", lambda read: read.E * read.a / read.rho, needs="E", least=0),
-    "overlaps": Observable(overlapping, ("tightest", "low", "high"), most=1),
+    "overlaps": Observable(self_intersection, ("tightest", "low", "high"), most=1),
     "energy": Observable(energy, ("potential",), undefined="a rod that slides with friction has no energy to minimise"),
     "bending_energy": _in_unit("bending", lambda read: read.unit_moment, least=0),
     "twist_energy": Observable(twist_energy, least=0),

@@ -16,7 +16,7 @@ from ..core.library import fine, run, share_out, structure, widest
 from ..core.measures import crossings
 from ..numerics.arrays import Array
 from ..orbits.marched_orbit import MarchedOrbit
-from ..orbits.periodic_orbit import reading
+from ..orbits.periodic_orbit import as_core_orbits
 from ..orbits.shape import ShapeArrays
 from ..problem.reduced import flat
 
@@ -104,7 +104,7 @@ def compare_strands(
     if isinstance(orbit, MarchedOrbit):
         arrays |= {name: np.ascontiguousarray(getattr(orbit.steps, name)) for name in _STEPS} | {"orbits": orbit.found}
     else:
-        arrays["panels"] = reading(orbit)
+        arrays["panels"] = as_core_orbits(orbit)
     periods = np.minimum(length // period, _PERIODS).astype(np.int64)
     limits = {"rounds": _PERIODS, "most_pairs": most_pairs, "together": together, "lanes": widest()}
     rods, answers = _ComparedRods(**arrays, **limits, periods=periods), np.empty(periods.size)

@@ -17,18 +17,18 @@ from ..orbits.variations import HelixVariations
 from ..problem.case import refuse_leaving
 from ..problem.case_fields import check_fields
 from ..problem.quantities import ByName
-from ..problem.reduced import EndsProblem, FieldRates, field_rates, flat, given_numbers
+from ..problem.reduced import EndsProblem, FieldRates, end_number_names, field_rates, flat
 from ..problem.trajectory import SHAPELESS, SOLVED, decade
 from .motions import Motion, of_equilibria, of_helices, shape_rates, start_sensitivities
 from .observable_rates import Moving, check_observables, derivatives_of, measure_of, why_missing
-from .varying_rates import STEP, varying_rates
+from .varying_rates import STEP, rates_on_nodes
 
 
 def ends_field_rates(sol: ShapeArrays, fields: Sequence[str]) -> FieldRates:
     """The derivatives of the numbers of an ends problem by fields of its case, but those of loads that are found."""
     rates = field_rates(sol.case, fields)
     assert rates.given is not None
-    turn = np.array(given_numbers(sol.case)) == "turn"  # ratio mu span less the swirl: the ratio changes it at once
+    turn = np.array(end_number_names(sol.case)) == "turn"  # ratio mu span less the swirl: the ratio changes it at once
     by_ratio = (sol.problem.mu * sol.problem.span)[:, None] * rates.of("ratio")
     return replace(rates, given=rates.given - turn[:, None] * by_ratio[:, None])
 
@@ -59,7 +59,7 @@ def _of_helices(sol: ShapeArrays, motion: Motion, unit: Array, rates: FieldRates
     return out
 
 
-def _unknown(sol: ShapeArrays, rates: FieldRates) -> Array:
+def _blank_rates(sol: ShapeArrays, rates: FieldRates) -> Array:
     """NaN in place of all derivatives along the rods, (5, B, F, n)."""
     return np.full((len(_ALONG), sol.problem.size, len(rates.fields), sol.t.shape[1]), np.nan)
 
@@ -74,7 +74,7 @@ def _of_starts(sol: ShapeArrays, rates: FieldRates, read: Moving | None) -> tupl
     answer = start_sensitivities(problem, shape, None if read is None else read.measurement(rows))
     if read is not None:
         read.take(rows, answer)
-    out = answer.along if every else _unknown(sol, rates)
+    out = answer.along if every else _blank_rates(sol, rates)
     if not every:
         out[:, solved] = answer.along
     return out, solved[answer.kind == HELIX]
@@ -139,7 +139,7 @@ def sensitivity(sol: ShapeArrays, fields: Iterable[str], observables: Iterable[s
     if sol.trajectory.shapes is not None:
         known = np.where(sol.trajectory.solved, SOLVED, sol.trajectory.outcome).astype(object)
         with np.errstate(all="ignore"):
-            curves, numbers = varying_rates(sol, names, _ALONG, observed)
+            curves, numbers = rates_on_nodes(sol, names, _ALONG, observed)
             table = np.array([*numbers.values()]).reshape(len(observed), known.size, len(names))
             return _judge(sol, names, np.stack([*curves.values()]), observed, table, known, error / STEP)
     rates = ends_field_rates(sol, names) if ends else field_rates(sol.case, names)
@@ -147,7 +147,7 @@ def sensitivity(sol: ShapeArrays, fields: Iterable[str], observables: Iterable[s
     read = Moving(sol, rates, (key for name in observed for key in measure_of(name))) if observed else None
     with np.errstate(all="ignore"):  # what leaves the finite numbers is told by the outcome
         if ends:
-            out, moving = _unknown(sol, rates), of_equilibria(sol, outcome)
+            out, moving = _blank_rates(sol, rates), of_equilibria(sol, outcome)
         else:
             out, still = _of_starts(sol, rates, read)
             moving = of_helices(sol, still)

@@ -20,7 +20,7 @@ from ..nodes.varying_shapes import Shape as Nodal
 from ..numerics.arrays import Array
 from ..orbits.shape import ShapeArrays
 from ..problem.case import Case, Start
-from ..problem.case_fields import unchecked_with_fields, values_of
+from ..problem.case_fields import values_of, with_fields_unchecked
 from ..problem.reduced import flat, size_of_field, span_of
 from .observables import observe
 
@@ -40,7 +40,7 @@ class FieldAnswers:
     answers: list[Array | None]
 
 
-def varying_rates(
+def rates_on_nodes(
     sol: ShapeArrays, fields: Sequence[str], along: Sequence[str], observables: Sequence[str]
 ) -> tuple[dict[str, Array], dict[str, Array]]:
     """The derivatives of arrays along B rods, (B, F, n), and of observables, (B, F), by name; NaN where there is none.
@@ -103,7 +103,7 @@ def _line(sol: ShapeArrays, name: str) -> FieldAnswers:
 def _case_at(case: Case, name: str, change: Array) -> Case:
     """The case with a field changed by (B,)."""
     value: Any = (flat(values_of(case, name), case.shape) + change).reshape(case.shape)[()]
-    return unchecked_with_fields(case, {name: value})
+    return with_fields_unchecked(case, {name: value})
 
 
 def _at_step(sol: ShapeArrays, line: FieldAnswers, count: int) -> ShapeArrays:

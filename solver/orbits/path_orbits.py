@@ -156,7 +156,7 @@ def together(answers: Sequence[Trajectory | str], t: Array) -> Trajectory:
     """The answers to B problems at t (B, n) as one; a problem without an answer is given by its outcome."""
     if len(answers) == 1 and not isinstance(answers[0], str):
         return answers[0]
-    each = [_missing(t[i : i + 1], a) if isinstance(a, str) else a for i, a in enumerate(answers)]
+    each = [_blank_trajectory(t[i : i + 1], a) if isinstance(a, str) else a for i, a in enumerate(answers)]
     orbits = alike([a.orbit for a in each])
     known = [name for name in _UNKNOWN if any(getattr(answer, name) is not None for answer in each)]
     return join_answers((_row(answer, orbit, known) for answer, orbit in zip(each, orbits, strict=True)), t, len(each))
@@ -172,7 +172,7 @@ _UNKNOWN = {name: np.array([None]) for name in ("selection", "begun")}
 _UNKNOWN |= {name: np.array([np.nan]) for name in ("held_index", "dead_index")}
 
 
-def _missing(t: Array, why: str) -> Trajectory:
+def _blank_trajectory(t: Array, why: str) -> Trajectory:
     """An answer that stands for none: a plain rod, blank."""
     plain = {name: np.array([value]) for name, value in PLAIN.items()}
     slope, betaL = plain.pop("dbeta0"), plain.pop("betaL")

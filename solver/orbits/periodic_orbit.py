@@ -160,7 +160,7 @@ class Orbit(Periodic):
     def _read(self, t: Array) -> Array:
         """beta, beta_t, alpha, z and the swirl at t (B, n), (5, B, n)."""
         out = np.empty((FUNCTIONS, *t.shape))
-        run("rod_orbits_read", reading(self), *t.shape, np.ascontiguousarray(t), out)
+        run("rod_orbits_read", as_core_orbits(self), *t.shape, np.ascontiguousarray(t), out)
         return out
 
     def take(self, rows: Integers | slice) -> "Orbit":
@@ -260,7 +260,7 @@ def orbits_of(problem: StartProblem, pinned: Array | None, n: int, cutting: Cutt
     return Orbit(problem, kind, direction, panels, *sums)
 
 
-def reading(orbit: Orbit) -> Any:
+def as_core_orbits(orbit: Orbit) -> Any:
     """The orbits as the core reads them."""
     panels = orbit.panels
     arrays = (
@@ -320,7 +320,7 @@ def _judge(orbit: Orbit, held: bool) -> tuple[Array, Array]:
 def _problems(orbit: Orbit) -> tuple[Any, ...]:
     """The problems and their orbits as the first arguments of functions of conditioning.c."""
     numbers = numbers_of(orbit.problem)
-    return len(numbers), numbers, reading(orbit), points(orbit.panels.series.shape[2] - 1)
+    return len(numbers), numbers, as_core_orbits(orbit), points(orbit.panels.series.shape[2] - 1)
 
 
 def action(orbit: Orbit) -> Array:

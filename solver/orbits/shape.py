@@ -10,7 +10,7 @@ import numpy as np
 from ..numerics.arrays import Array
 from ..problem.case import Case
 from ..problem.declared_fields import PAIRS
-from ..problem.reduced import EndsProblem, StartProblem, flat, held_of, loads_of
+from ..problem.reduced import EndsProblem, StartProblem, fields_held, flat, loads_of
 from ..problem.trajectory import Trajectory
 from . import frames, statics
 from .potential import Loads, dimensional_slope, potential
@@ -67,7 +67,7 @@ class ShapeArrays:
 
         Where loads vary along the rod, those of its far end.
         """
-        held = held_of(self.case)
+        held = fields_held(self.case)
         if not held and (self.case.kind == "ends" or not self.case.varies):
             return self.case.loads
         A, rho, given = self.case.rod.bending_stiffness, self.case.rho, self.case.given
@@ -80,7 +80,7 @@ class ShapeArrays:
     @property
     def held(self) -> tuple[str, ...]:
         """The names of what the ends of the case hold in place of loads and angles; empty under dead loads."""
-        return held_of(self.case)
+        return fields_held(self.case)
 
     @cached_property
     def reactions(self) -> dict[str, Any]:

@@ -26,7 +26,7 @@ import numpy as np
 from ..core.library import Cutting, fine, points, run, structure, widest
 from ..numerics.arrays import Array
 from ..problem.reduced import Reduced
-from .periodic_orbit import Orbit, reading
+from .periodic_orbit import Orbit, as_core_orbits
 from .potential import slope_rate, slopes_by_loads
 
 POINTS, HOW = 22, Cutting(0.45, 5e-15, 1.0)  # nodes of a panel, and how panels are cut
@@ -81,7 +81,7 @@ class Variations:
     @cached_property
     def arguments(self) -> tuple[Any, Any]:
         """The orbits and their variations as the core reads them."""
-        return reading(self.orbit), _VariedOrbits(**self.kept, lanes=widest())
+        return as_core_orbits(self.orbit), _VariedOrbits(**self.kept, lanes=widest())
 
     @cached_property
     def directions(self) -> Array:

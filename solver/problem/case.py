@@ -51,7 +51,7 @@ SLIDING = {
 }
 
 
-def lacking(given: Collection[str]) -> list[str]:
+def fields_to_add(given: Collection[str]) -> list[str]:
     """The fields that a rod with the given fields still needs, in order."""
     pair = DIRECT if set(DIRECT) & set(given) else ELASTIC
     return [name for name in (*pair, "a", "L") if name not in given]
@@ -128,7 +128,7 @@ class Rod(RodFields):
         elastic, direct = ([name for name in names if name in given] for names in ((*ELASTIC, "inner_radius"), DIRECT))
         if elastic and direct:
             raise InputError(f"Rod has one section: {_WAYS}; got {self._write(*elastic, *direct)}")
-        if missing := lacking(given):
+        if missing := fields_to_add(given):
             other = "" if elastic or direct else f": {_WAYS}"
             raise InputError(f"Rod needs {choices(missing)}{other}; got {choices(given) or 'nothing'}")
         solid = [name for name in ("inner_radius", "EI") if name in given]
@@ -569,14 +569,14 @@ class Case:
         return any(name in VARY_LOADS and bool(np.any(value)) for _, name, value in self._numeric)
 
     @property
-    def hinged(self) -> bool:
+    def has_hinge(self) -> bool:
         """Whether a bending moment is given at an end in place of its angle."""
         return isinstance(self.given, Ends) and (self.given.M10 is not None or self.given.M1L is not None)
 
     @property
     def on_nodes(self) -> bool:
         """Whether its equilibria are shapes on nodes, and no orbits: loads vary along the rod, or it is hinged."""
-        return self.varies or self.hinged
+        return self.varies or self.has_hinge
 
     @cached_property
     def rho(self) -> Any:

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .declared_fields import ANGLES, CHOICES, FIELDS, RANGES
 from .errors import InputError, choices, known_name, near, no_such, show
-from .notices import given_by_a_program, warn
+from .notices import is_called_by_a_program, warn
 from .units import size_in
 
 T = TypeVar("T")
@@ -164,7 +164,7 @@ def is_said(name: str, value: Any) -> bool:
 def _notice(field: str, value: Any, read: NDArray[np.float64] | float) -> None:
     """Warn of an angle that a program gives without a unit if it may be meant in degrees."""
     large = np.abs(read) > np.pi
-    if np.any(large) and given_by_a_program():
+    if np.any(large) and is_called_by_a_program():
         numbers = value[large] if isinstance(value, np.ndarray) and value.dtype.kind in "if" else value
         if sentence := doubt(field, numbers):
             warn(sentence)

@@ -110,7 +110,7 @@ def too_far(height: float, azimuth: float, span: float) -> str:
     return TOO_FAR.format(apart) if apart > 1 + _ROUNDING else ""
 
 
-def held_apart(problem: HeldProblem) -> tuple[float, float, float]:
+def lone_problem(problem: HeldProblem) -> tuple[float, float, float]:
     """What these take of one problem."""
     held = (problem.known(number) for number in ("z", "alpha"))
     height, azimuth = (0.0 if values is None else float(values[0]) for values in held)

@@ -41,7 +41,7 @@ def warn(sentence: str, kind: type[Warning] = AngleWarning) -> None:
     warnings.warn(sentence, kind, stacklevel=level + 1)
 
 
-def given_by_a_program() -> bool:
+def is_called_by_a_program() -> bool:
     """Whether a program of the user calls what makes or varies a case, not this package."""
     maker = next((name for name in _callers() if name not in _MAKERS), "")
     return maker.partition(".")[0] not in _OWN

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from ..numerics.arrays import Array, Columns, Integers
 from ..numerics.complex_step import STEP
 from .case import Case, Ends
-from .case_fields import unchecked_with_fields, values_of
+from .case_fields import values_of, with_fields_unchecked
 from .declared_fields import PAIRS, POSITIVE, VARY_LOADS
 from .errors import InputError
 from .quantities import AT_START, quantity
@@ -125,21 +125,21 @@ class HeldProblem(Columns):
         return self.values[:, self.numbers.index(number)] if number in self.numbers else None
 
 
-def held_of(case: Case) -> tuple[str, ...]:
+def fields_held(case: Case) -> tuple[str, ...]:
     """The fields of a case that replace a dead load or an end angle; empty for dead loads and for a start problem."""
     if not isinstance(case.given, Ends):
         return ()
     return tuple(partner for _, partner in PAIRS if getattr(case.given, partner) is not None)
 
 
-def given_fields(case: Case) -> tuple[str, ...]:
+def end_fields(case: Case) -> tuple[str, ...]:
     """The five fields of `Ends` that a case gives, one of each of `PAIRS`."""
     return tuple(field if getattr(case.given, field) is not None else partner for field, partner in PAIRS)
 
 
-def given_numbers(case: Case) -> tuple[str, ...]:
+def end_number_names(case: Case) -> tuple[str, ...]:
     """The names of the five numbers that the ends of a case give."""
-    return tuple(NUMBER_OF[name] for name in given_fields(case))
+    return tuple(NUMBER_OF[name] for name in end_fields(case))
 
 
 def reduce(case: Case) -> StartProblem | EndsProblem:
@@ -211,18 +211,18 @@ def size_of_field(case: Case, name: str, unit: Any = None) -> Array:
 def reduce_held(case: Case) -> HeldProblem:
     """The five given numbers of a case with Ends. Raises `InputError` where loads vary along the rod."""
     refuse_varying(case)
-    return held_problem(case)
+    return problem_at_ends(case)
 
 
-def held_problem(case: Case) -> HeldProblem:
+def problem_at_ends(case: Case) -> HeldProblem:
     """The five given numbers of any case with Ends; of varying loads those of the far end."""
-    fields = given_fields(case)
+    fields = end_fields(case)
     with np.errstate(all="ignore"):  # overflow is reported in the outcome
-        *five, span, ratio = (flat(number, case.shape) for number in given_values(case, fields))
+        *five, span, ratio = (flat(number, case.shape) for number in end_values(case, fields))
     return HeldProblem(fields, np.stack(five, axis=1), span, ratio)
 
 
-def given_values(case: Case, fields: Sequence[str], new: Mapping[str, Any] | None = None) -> tuple[Any, ...]:
+def end_values(case: Case, fields: Sequence[str], new: Mapping[str, Any] | None = None) -> tuple[Any, ...]:
     """The five given numbers, L/rho and A/C of an ends problem; new: values in place of those of its ends."""
     A, rho, new = case.rod.bending_stiffness, case.rho, new or {}
     five = [number_of(name, new[name] if name in new else getattr(case.given, name), A, rho) for name in fields]
@@ -232,11 +232,11 @@ def given_values(case: Case, fields: Sequence[str], new: Mapping[str, Any] | Non
 def numbers_over(case: Case, *names: str) -> Callable[..., tuple[float, ...]]:
     """The five given numbers, L/rho and A/C of one ends problem over some fields: those of `held_problem`, for valid
     values, many times as fast."""
-    fields, alters_rod = given_fields(case), any(not hasattr(case.given, name) for name in names)
+    fields, alters_rod = end_fields(case), any(not hasattr(case.given, name) for name in names)
 
     def numbers(*values: float) -> tuple[float, ...]:
         new = dict(zip(names, values, strict=True))
-        return given_values(unchecked_with_fields(case, new) if alters_rod else case, fields, new)
+        return end_values(with_fields_unchecked(case, new) if alters_rod else case, fields, new)
 
     return numbers
 
@@ -302,7 +302,7 @@ def field_rates(case: Case, fields: Sequence[str]) -> FieldRates:
     steps = STEP * np.where(has_size, np.abs(steps), 1.0)
     moved.imag[range(F), range(F)] = steps
     with np.errstate(all="ignore"):  # a case whose numbers overflow has an outcome that says so
-        other = unchecked_with_fields(case, dict(zip(fields, moved, strict=True)))
+        other = with_fields_unchecked(case, dict(zip(fields, moved, strict=True)))
         vars(other)["shape"] = moved.shape[1:]
         numbers, given = _numbers(other)
         numbers[:3].imag[has_size & _is_rounding(numbers[:3])] = 0.0
@@ -329,7 +329,7 @@ def _numbers(case: Case) -> tuple[Array, Array | None]:
     if not isinstance(given, Ends):
         numbers[: len(ACTING)] = dimensionless_numbers(case, complex)
         return numbers, None
-    held = held_problem(case)
+    held = problem_at_ends(case)
     for name, values in {"span": held.span, **dict(zip(held.numbers, held.values.T, strict=True))}.items():
         if name in _FROM_ENDS or name == "span":
             numbers[NUMBERS.index(_FROM_ENDS.get(name, name))] = values.reshape(case.shape)

@@ -111,7 +111,7 @@ class Verdicts(NamedTuple):
     solved: NDArray[np.bool_]
     outcome: NDArray[np.object_]
 
-    def failed(self, why: Any) -> "Verdicts":
+    def with_failures(self, why: Any) -> "Verdicts":
         """The verdicts with the failures `why`, (B,) sentences, empty for a problem that did not fail."""
         fails = np.asarray(why, dtype=object) != ""
         return Verdicts(self.solved & ~fails, np.where(fails, why, self.outcome))

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from solver import Case, Ends, InputError, Rod, Start
-from solver.problem.case import DIRECT, ELASTIC, TWISTS, lacking
+from solver.problem.case import DIRECT, ELASTIC, TWISTS, fields_to_add
 from solver.problem.declared_fields import PAIRS, PARTS, TILTS, WOUND, CaseField
 from solver.problem.errors import choices, no_such
 from solver.problem.field_values import doubt_modulus, is_met, is_said
@@ -20,7 +20,7 @@ from solver.problem.units import FORCES, LENGTHS, base_unit, dimension_of, split
 from ..grammar.axes import DEFAULT_UNITS, WORDS, Which, case_from, number_with_unit, quantity_of
 from .field_words import START_ONLY, of_a_well, unwound
 from .loader import load
-from .printed import reading_of
+from .printed import as_reading
 from .study import Study
 
 ENDS_ONLY = {*PARTS["ends"]} - {*PARTS["start"]}
@@ -98,7 +98,7 @@ def read_case(
     if table1 or reading is not None or not (values or units):
         if units:
             raise InputError("Table 1 is in cm and N: omit the units")
-        read = reading_of(reading)
+        read = as_reading(reading)
         return CaseInput(
             with_values(read.case(), in_units(values, DEFAULT_UNITS)),
             dict(DEFAULT_UNITS),
@@ -284,7 +284,7 @@ def _check_complete(problem: type, known: Mapping[str, CaseField], values: Mappi
     section = {name: values[name] for name in PARTS["rod"] if name in values}
     if set(OF_MODULUS) & set(section) and set(DIRECT) & set(section):
         Rod(**section)  # which refuses two sections
-    missing = lacking(section)
+    missing = fields_to_add(section)
     missing += [name for name, row in known.items() if row.omitted is MISSING and name not in values]
     if problem is Ends:
         missing += [f"{end} (or {other})" for end, other in PAIRS[:2] if end not in values and other not in values]

@@ -60,7 +60,7 @@ def names(study: Study) -> dict[str, Dimension]:
     The fields of the case are those that `[base]`, `[axes]`, Table 1 of a reading, or a default give.
     """
     known = unit_names(study.unit_system)
-    for name in (*given_fields(study), *OF_CASE, *OBSERVABLES):
+    for name in (*fields_with_values(study), *OF_CASE, *OBSERVABLES):
         known[name] = dimension_of(name)
     for name, text in study.expressions.items():
         known[name] = own_dimension(text, known, study.unit_system)
@@ -199,7 +199,7 @@ def _number(study: Study, sol: Solution, name: str, given: Mapping[str, Any]) ->
     return float(study.constants[name])
 
 
-def given_fields(study: Study) -> list[str]:
+def fields_with_values(study: Study) -> list[str]:
     """The numeric fields of the case that have a value in every case: given, on an axis, or by default."""
     fixed = study.constants
     varied = [name for name in study.varied if name not in study.fields]

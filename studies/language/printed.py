@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from ..paper.readings import Reading
 
 
-def reading_of(text: str | None, default: "Reading | None" = None) -> "Reading":
+def as_reading(text: str | None, default: "Reading | None" = None) -> "Reading":
     """The reading of a text such as ``force-first/tension/paper``; None, or a missing word: that of the default.
 
     Raises `InputError` for an unknown word, and where the package of the paper was deleted.
@@ -23,4 +23,4 @@ def reading_of(text: str | None, default: "Reading | None" = None) -> "Reading":
 
 def table_of(text: str | None) -> dict[str, float]:
     """The values that a study with this reading has where it gives none, in cm, N and rad; none without a reading."""
-    return dict(reading_of(text).table) if text else {}
+    return dict(as_reading(text).table) if text else {}

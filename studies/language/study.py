@@ -43,7 +43,7 @@ from ..grammar.axes import (
 from ..laws.verdicts import Law
 from .case_tables import Table
 from .field_words import of_a_well, unwound
-from .printed import reading_of, table_of
+from .printed import as_reading, table_of
 from .refinement import OUTCOME, Lattice, Refine
 from .samples import Sample
 
@@ -112,7 +112,7 @@ class Study(BaseModel):
     @field_validator("reading")
     @classmethod
     def _full_reading(cls, value: str | None) -> str | None:
-        return None if value is None else reading_of(value).name
+        return None if value is None else as_reading(value).name
 
     @field_validator("expressions", mode="before")
     @classmethod
@@ -317,7 +317,7 @@ class Study(BaseModel):
 
     def meaning(self, field: str) -> str:
         """The meaning of a printed value under the reading of the study, in words; empty if it is the plain field."""
-        return reading_of(self.reading).meaning(field) if self.reading else ""
+        return as_reading(self.reading).meaning(field) if self.reading else ""
 
     @property
     def samples(self) -> Dimension | None:
@@ -382,7 +382,7 @@ class Study(BaseModel):
             return self
         if self.reading is None:
             raise InputError(f"{self.name} does not use Table 1: the reading {reading!r} does not apply")
-        return self.model_copy(update={"reading": reading_of(reading, reading_of(self.reading)).name})
+        return self.model_copy(update={"reading": as_reading(reading, as_reading(self.reading)).name})
 
     def coarse(self) -> "Study":
         """A copy of the study without its refinement: the grid of its axes."""
@@ -434,7 +434,7 @@ class Study(BaseModel):
         values = {**self.base.given, **values}
         if self.reading:
             side = values.pop("side", "outside")
-            return reading_of(self.reading).case(values, side)
+            return as_reading(self.reading).case(values, side)
         return case_from(self.kind, unwound(of_a_well(values, {}, None)))
 
 

@@ -46,7 +46,7 @@ MEANING = {  # verdict -> what it means
 }
 
 
-def finding_of(row: Mapping[str, Any], show: Show) -> str:
+def measurement(row: Mapping[str, Any], show: Show) -> str:
     """What was measured, of a row of a verdict; as it is stored where its numbers do not say it all."""
     several = row["found"].count("between") > 1
     if not row["numbers"] or None in row["numbers"].values() or several:
@@ -95,7 +95,7 @@ def together(
     kinds: list[str] = []
     if verdict == QUALIFIED:
         kinds.append(NOT_CONTRADICTED)
-        reasons = [_standing(name, meant, deciding, first)]
+        reasons = [_level(name, meant, deciding, first)]
     else:
         reasons = list(dict.fromkeys(line.reason for line in deciding if line.reason))
         reasons = [*reasons[:MOST], *(["and so on"] if len(reasons) > MOST else [])]
@@ -132,7 +132,7 @@ def join(texts: Sequence[str]) -> str:
     return "; ".join(text for text in texts if text)
 
 
-def _standing(name: str, meant: str, deciding: Sequence[Verdict], first: list[float] | None) -> str:
+def _level(name: str, meant: str, deciding: Sequence[Verdict], first: list[float] | None) -> str:
     """How the observable stays level on the lines that decide."""
     if len(deciding) > 1:
         standing = sum(line.verdict == QUALIFIED for line in deciding)

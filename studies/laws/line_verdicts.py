@@ -121,7 +121,7 @@ class Line:
         """The largest step that counts as level."""
         return NOISE * float(np.nanmax(np.abs(self.values), initial=0.0))
 
-    def missing(self) -> str:
+    def gap_words(self) -> str:
         """How many cases have no value, in words; "" for none."""
         lost = ~np.isfinite(self.values)
         none = np.logical_or.reduce([~np.isfinite(target) for target in self.targets.values()], axis=0)
@@ -413,7 +413,7 @@ def scales(line: Line, rule: Mapping[str, Any]) -> Verdict:
     known = np.isfinite(line.values)
     x, y = line.along[known], line.values[known]
     if np.unique(x).size < 3:
-        return Verdict(UNDECIDED, reason=line.missing() or "an exponent needs three cases", found="no exponent")
+        return Verdict(UNDECIDED, reason=line.gap_words() or "an exponent needs three cases", found="no exponent")
     if not (_one_sign(x) and _one_sign(y)):
         which = "axis" if not _one_sign(x) else "observable"
         return Verdict(FAILS, reason=f"the {which} is 0 or changes its sign, so it is no power", found="no exponent")
@@ -423,7 +423,7 @@ def scales(line: Line, rule: Mapping[str, Any]) -> Verdict:
     words = _exponent(numbers, rule, line.axis, as_given)
     if off - half > within:
         return Verdict(FAILS, found=words, numbers=numbers, far=off)
-    reason = line.missing() or _branch_changes(line)
+    reason = line.gap_words() or _branch_changes(line)
     if off + half > within:
         reason = "; ".join(filter(None, [reason, f"the interval of the exponent reaches beyond ± {within:g}"]))
     return Verdict(UNDECIDED if reason else HOLDS, reason=reason, found=words, numbers=numbers, far=off)
@@ -447,7 +447,7 @@ def boundary(line: Line, rule: Mapping[str, Any]) -> Verdict:
     place = line.along - line.targets["x"]
     steps = passes(level, line.cut)
     if not steps:
-        reason = line.missing() or _branch_changes(line)
+        reason = line.gap_words() or _branch_changes(line)
         return Verdict(UNDECIDED if reason else FAILS, reason=reason, found="it does not pass", far=np.inf)
     gaps = [f"between {line.along[i]:.4g} and {line.along[j]:.4g}" for i, j in steps]
     words = f"passes {' and '.join(gaps[:3])}{' and elsewhere' if len(gaps) > 3 else ''}"
@@ -465,7 +465,7 @@ def boundary(line: Line, rule: Mapping[str, Any]) -> Verdict:
         return Verdict(FAILS, reason=f"it passes {len(steps)} times", **told_of)
     if low > within or high < -within:
         return Verdict(FAILS, **told_of)
-    reason = line.missing() or _branch_changes(line)
+    reason = line.gap_words() or _branch_changes(line)
     if far > within:
         reason = "; ".join(filter(None, [reason, f"the step is wider than ± {rule['within']:g} about the value of x"]))
     return Verdict(UNDECIDED if reason else HOLDS, reason=reason, **told_of)
@@ -486,7 +486,7 @@ def _of_cases(
     """The verdict on cases that each agree or not. numbers: that were measured; empty where no case has a value."""
     words = finding(numbers, rule, line.axis, as_given) if numbers else "no case has a value"
     exceptions = [(int(i), int(i)) for i in np.flatnonzero(wrong)]
-    reason, far = line.missing(), numbers.get("off", float(len(exceptions)))
+    reason, far = line.gap_words(), numbers.get("off", float(len(exceptions)))
     verdict = FAILS if exceptions else UNDECIDED if reason else HOLDS
     return Verdict(verdict, None, exceptions, reason, words, numbers, far)
 

@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 from solver import Case, Cylinder, Rod, Start, solve
 from solver.methods import available
 from solver.observe.measurement import MeasuredNumbers
-from solver.observe.observables import observe, overlapping
+from solver.observe.observables import observe, self_intersection
 from tests.cases import cylinder_of, helix_moment, in_units_of_rho, rod_of_unit_stiffness, start_of, table_1
 
 
@@ -152,10 +152,10 @@ def test_a_rod_that_lies_along_itself_is_given_up_and_its_neighbours_are_not() -
     case = Case(rod, cylinder_of(1.0, a, "outside"), start_of(rod, 1.0, lam, 0.9, -0.4, 1.4, 0.0))
     sol = solve(case, tol=1e-7, stations=2)
     assert observe(sol, ["overlaps"])["overlaps"].tolist() == [0, 0, 0, 1]
-    np.testing.assert_array_equal(overlapping(MeasuredNumbers(sol), most_pairs=1500), [0, np.nan, 0, 1])
+    np.testing.assert_array_equal(self_intersection(MeasuredNumbers(sol), most_pairs=1500), [0, np.nan, 0, 1])
 
 
 def test_how_many_periods_are_compared_together_does_not_matter() -> None:
     sol = solve(many(200, seed=2), tol=1e-7, stations=2)
     found = observe(sol, ["overlaps"])["overlaps"]
-    np.testing.assert_array_equal(overlapping(MeasuredNumbers(sol), together=1), found)
+    np.testing.assert_array_equal(self_intersection(MeasuredNumbers(sol), together=1), found)

@@ -30,13 +30,13 @@ from solver.branches.parameter_plane import parameter_plane
 from solver.core.tuning import MOST_STEPS
 from solver.core.varying_loads import march
 from solver.nodes import branch
-from solver.nodes.buckling import buckling_shares, buckling_tension, straight_index, straight_shape
+from solver.nodes.buckling import shares_of_buckling, straight_index, straight_shape, tension_of_buckling
 from solver.nodes.descent import index_at
 from solver.nodes.growth import GrowthWay
 from solver.nodes.loaded_rod import PHI, LoadedRod, rods_of
 from solver.nodes.local_waves import OVER, compression, places, rows, sinusoid, wave_shape
 from solver.nodes.newton import open_at
-from solver.nodes.search import buckling_shapes, further_shapes
+from solver.nodes.search import further_shapes, shapes_of_buckling
 from solver.nodes.shape_folds import pitchforks_through
 from solver.nodes.state import in_words
 from solver.numerics.arclength import END, Lengths
@@ -637,9 +637,9 @@ def test_branches_from_no_weight_find_equilibria_that_a_scan_misses() -> None:
 def test_the_branches_of_the_straight_rod_begin_at_each_buckling_load() -> None:
     case = lying_pipe(1.2)
     (rod,) = rods_of(case)
-    shapes = list(buckling_shapes(rod, rod.nodes()))
+    shapes = list(shapes_of_buckling(rod, rod.nodes()))
     below = int((buckling_loads(case) < 1.2 * BUCKLES).sum())
-    assert len(list(buckling_shares(rod, rod.nodes()))) == below
+    assert len(list(shares_of_buckling(rod, rod.nodes()))) == below
     assert sorted(index_at(one) for one in shapes) == [0, 0, 0, 0, 1, 1]
     assert max(np.abs(open_at(one)).max() for one in shapes) < 1e-12
 
@@ -669,7 +669,7 @@ def test_deflation_finds_the_shapes_between_stable_ones() -> None:
     """The straight pipe has index 2, four shapes are stable: as many of index 1 are passes between them."""
     (rod,) = rods_of(with_field(SHORT, "weight", 1.06))
     t = rod.nodes()
-    known = [straight_shape(rod, t), *buckling_shapes(rod, t)]
+    known = [straight_shape(rod, t), *shapes_of_buckling(rod, t)]
     assert sorted(map(index_at, known)) == [0, 0, 0, 0, 2]
     for shape in further_shapes(rod, t, known, 10):
         assert np.abs(open_at(shape)).max() < 1e-11
@@ -839,10 +839,10 @@ def test_a_vertical_string_buckles_at_the_weight_on_its_foot(held: str, length: 
 
 def test_the_buckling_load_of_an_inclined_pipe_counts_its_whole_weight() -> None:
     """Between hinges the foot of a long vertical string carries 1.7110 in units of (A w^2)^(1/3) when it buckles."""
-    found = buckling_tension(straight(0.0, 20.0, 3.0, 0.0, along=1.0))
+    found = tension_of_buckling(straight(0.0, 20.0, 3.0, 0.0, along=1.0))
     assert found is not None
     assert 20 - found == pytest.approx(1.7110, rel=3e-5)
-    lying = buckling_tension(straight(0.01, 12.0, 0.0, 0.0))
+    lying = tension_of_buckling(straight(0.01, 12.0, 0.0, 0.0))
     modes = (np.pi * np.arange(1, 20) / 12) ** 2
     assert lying == pytest.approx(-(modes + 0.01 / modes).min(), rel=1e-5)
 

@@ -66,7 +66,7 @@ def test_a_minimum_has_the_loads_and_the_energy_of_a_stable_equilibrium(ends: En
     best = min(stable, key=lambda one: one.energy)
     assert lowest is not None
     assert lowest.energy == pytest.approx(best.energy, rel=1e-8)
-    if not case.hinged:  # else it is a shape on nodes
+    if not case.has_hinge:  # else it is a shape on nodes
         state = state_of(best.solution.problem, path_of(best.path, 0))
         assert held_energy(state, given) == pytest.approx(best.energy, rel=1e-10)
     numbers = {name: float(getattr(best.solution.problem, name)[0]) for name in lowest.numbers}

@@ -14,7 +14,7 @@ from solver.observe.motions import of_equilibria, of_helices, start_sensitivitie
 from solver.observe.observables import OBSERVABLES, is_count
 from solver.orbits.periodic_orbit import HELIX
 from solver.problem.case_fields import fields_of
-from solver.problem.reduced import NUMBERS, StartProblem, given_numbers
+from solver.problem.reduced import NUMBERS, StartProblem, end_number_names
 from tests.cases import NOWHERE, START, ends_in_units_of_rho, in_units_of_rho
 from tests.slow import slow_but
 
@@ -72,7 +72,7 @@ def jacobian(solution: Any) -> Any:
     found = np.stack([along.beta[0], along.rate[0], alpha, z, -minus_swirl], axis=1)
     if isinstance(solution.problem, StartProblem):
         return found
-    return found[..., [given_numbers(solution.case).index(name) for name in ("beta0", "betaL", "lam", "mu", "phi")]]
+    return found[..., [end_number_names(solution.case).index(name) for name in ("beta0", "betaL", "lam", "mu", "phi")]]
 
 
 def off(found: Any, exact: Any) -> float:

@@ -18,7 +18,7 @@ from tests.slow import slow_but
 from tests.workbench import stored_figures
 from tests.workbench.page_faults import share_of_red
 from workbench.branches import branch_dataset, tracing
-from workbench.branches.equilibria_dataset import dataset_of
+from workbench.branches.equilibria_dataset import as_dataset
 from workbench.figures import bifurcation, equilibria_figure, point_numbers, unrolled
 from workbench.figures.point_numbers import NumberedPoint
 from workbench.figures.sheet import Sheet
@@ -69,14 +69,14 @@ def test_a_shape_has_the_look_of_its_line_whose_weight_says_whether_it_is_stable
 
 def test_red_is_for_what_fails_alone(drawn) -> None:
     case = Case(ROD, CYLINDER, Ends(beta0=0.5, betaL=0.5, FZ=-2.0))
-    listed = equilibria_figure.figure(StoredStudy(dataset_of(load("fig6"), case, all_equilibria(case))))
+    listed = equilibria_figure.figure(StoredStudy(as_dataset(load("fig6"), case, all_equilibria(case))))
     for fig in (*drawn.values(), listed):
         assert share_of_red(fig) == 0.0
 
 
 def test_diagrams_of_branches_and_of_equilibria_show_what_is_stored(dead, drawn) -> None:
     case, held = (Case(ROD, CYLINDER, Ends(beta0=0.5, betaL=betaL, FZ=FZ)) for betaL, FZ in ((0.5, -2.5), (0.4, -0.5)))
-    listed = dataset_of(load("fig6"), case, all_equilibria(case))
+    listed = as_dataset(load("fig6"), case, all_equilibria(case))
     study, angles = load("fig7_4_end_angle"), np.linspace(0.2, 0.5, 3)
     judged = branch_dataset.sweep(study, held, "betaL", angles, lambda *_: None)
     pictures = {
@@ -206,7 +206,7 @@ def test_shapes_in_rows_have_one_scale_and_neither_meet_nor_leave_the_page(sizes
 
 def test_a_small_view_contains_its_curve_in_its_middle() -> None:
     ax = Figure().add_subplot()
-    unrolled.inset(ax, (0, 0, 1, 1), np.array([1.0, 3.0]), np.array([-1.0, 0.0]), (4.0, 2.0), 1.0)
+    unrolled.draw_inset(ax, (0, 0, 1, 1), np.array([1.0, 3.0]), np.array([-1.0, 0.0]), (4.0, 2.0), 1.0)
     (view,) = ax.child_axes
     assert (view.get_xlim(), view.get_ylim()) == ((0.0, 4.0), (0.5, -1.5))
 

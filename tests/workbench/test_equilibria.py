@@ -17,7 +17,7 @@ from tests.cases import ends_in_units_of_rho
 from tests.workbench import small
 from workbench.branches import branch_dataset
 from workbench.branches.ends_study import DEFAULT, ends_problem, write_cases
-from workbench.branches.equilibria_dataset import dataset_of
+from workbench.branches.equilibria_dataset import as_dataset
 from workbench.commands.case_options import parse_axis
 from workbench.run import in_memory, writing
 from workbench.stored import reading
@@ -104,7 +104,7 @@ def test_each_exported_case_solves_to_the_equilibrium_it_was_written_from(call, 
 def test_the_dataset_holds_what_is_listed_and_the_shapes(tmp_path) -> None:
     study, case = load(DEFAULT), default()
     found = equilibria(case)
-    path = writing.write(dataset_of(study, case, found), tmp_path / "all.h5")
+    path = writing.write(as_dataset(study, case, found), tmp_path / "all.h5")
     ds = reading.read(path, study=False)
     assert ds["beta"].dims == ("equilibrium", "u")
     np.testing.assert_array_equal(ds["index"], [one.index for one in found])

@@ -13,7 +13,7 @@ from tests.workbench import small, stored_figures, study_kinds
 from tests.workbench.page_faults import faults, picture
 from tests.workbench.pictures import share_of_ink
 from workbench.branches.ends_study import ends_problem
-from workbench.branches.equilibria_dataset import dataset_of
+from workbench.branches.equilibria_dataset import as_dataset
 from workbench.figures import bars, equilibria_figure, kinds
 from workbench.figures.sheet import sheet
 from workbench.influence.derivatives import local
@@ -65,7 +65,7 @@ def effects() -> xr.Dataset:
 @cache
 def equilibria_of_fig6() -> xr.Dataset:
     case = ends_problem(load("fig6"))
-    return dataset_of(load("fig6"), case, equilibria(case))
+    return as_dataset(load("fig6"), case, equilibria(case))
 
 
 def shipped_measurements(name: str) -> xr.Dataset:

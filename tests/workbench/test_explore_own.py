@@ -111,7 +111,7 @@ def test_of_a_list_of_equilibria_the_lowest_is_shown_and_named(tmp_path) -> None
     study = load("fig7_4_end_angle")
     case = with_fields(ends_problem(study), {"L": 8.0})
     found = equilibria(case)
-    stored = writing.write(equilibria_dataset.dataset_of(study, case, found), tmp_path / "all.h5")
+    stored = writing.write(equilibria_dataset.as_dataset(study, case, found), tmp_path / "all.h5")
     own = presets.own_preset(stored, {}, {})
     assert own is not None
     assert f"the equilibrium of the lowest energy, one of {len(found)}" in own.source

@@ -16,8 +16,8 @@ from workbench.lab.extreme_runs import (
     REFUSED,
     VERDICTS,
     Attempt,
+    as_dataset,
     attempts_at,
-    dataset_of,
     extremes,
     references,
 )
@@ -49,7 +49,7 @@ def test_orbit_is_right_to_its_promise_at_every_extreme_that_a_march_of_25_digit
 @pytest.mark.slow
 def test_a_stored_map_holds_all_that_the_drawing_needs(tmp_path: Path) -> None:
     named = [one for one in extremes() if one.name in ("L/ρ = 1e-6", "R = 1e9 a")]
-    ds = dataset_of({one.name: attempts_at(one, references()[one.name]) for one in named})
+    ds = as_dataset({one.name: attempts_at(one, references()[one.name]) for one in named})
     writing.write(ds, tmp_path / "extremes.h5")
     again = reading.read(tmp_path / "extremes.h5", study=False)
     assert list(again["method"].values) == list(available())

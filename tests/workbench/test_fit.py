@@ -62,7 +62,7 @@ def drawn(case: Case, vary, page=SCREEN):
     sol = solve(case, stations=s)
     points = {"s": s, "alpha": sol.alpha + 0.01 * rng.standard_normal(s.size), "z": sol.z}
     found = fit(case, vary, points=points, starts=0)
-    figure = fit_figure.figure(StoredStudy(fitting.dataset_of(found, {"length": "cm", "force": "N"}, points)), page)
+    figure = fit_figure.figure(StoredStudy(fitting.as_dataset(found, {"length": "cm", "force": "N"}, points)), page)
     return figure
 
 

@@ -11,7 +11,7 @@ import xarray as xr
 from solver import Case, Cylinder, Ends, Rod, region_map
 from studies import load
 from tests.workbench import stored_figures
-from workbench.branches.region_dataset import dataset_of
+from workbench.branches.region_dataset import as_dataset
 from workbench.figures import kinds
 from workbench.figures import region_map as region_figure
 from workbench.figures.sheet import sheet
@@ -26,7 +26,7 @@ SHORT = ["--beta0", "0.5", "--betaL", "0.8", "--MZ", "0", "--M3", "0", "--axis",
 @cache
 def made() -> xr.Dataset:
     case = Case(Rod(1.07e4, 0.25, 0.25, 3.0), Cylinder(0.75), Ends(0.5, 0.8, M3=5.0))
-    return dataset_of(load("fig7_4_end_angle"), region_map(case, FZ=(-60, -20), L=(1.5, 3), lattice=3), (5, 0))
+    return as_dataset(load("fig7_4_end_angle"), region_map(case, FZ=(-60, -20), L=(1.5, 3), lattice=3), (5, 0))
 
 
 def test_it_prints_curves_and_regions_as_data_and_stores_them(call, tmp_path, monkeypatch) -> None:

@@ -21,7 +21,7 @@ from tests.workbench.command import exit_status, run
 from tests.workbench.page_faults import faults
 from tests.workbench.pictures import draws
 from workbench.branches.ends_study import ends_problem
-from workbench.branches.equilibria_dataset import dataset_of
+from workbench.branches.equilibria_dataset import as_dataset
 from workbench.figures import canvas, equilibria_figure, fonts, map_figure, scales, study_figure
 from workbench.figures.sheet import sheet
 from workbench.run import in_memory, writing
@@ -40,7 +40,7 @@ def equilibria(path: Path) -> None:
     case = ends_problem(study)
     from solver import equilibria as every
 
-    canvas.save(equilibria_figure.figure(StoredStudy(dataset_of(study, case, every(case)[:2]))), path)
+    canvas.save(equilibria_figure.figure(StoredStudy(as_dataset(study, case, every(case)[:2]))), path)
 
 
 @pytest.mark.parametrize("name", ["plot", slow("equilibria")])

@@ -121,7 +121,9 @@ def test_the_stated_error_and_the_push_are_true_however_few_the_stations(stored:
             line = stored_line.read(StoredStudy(few if stored else few.drop_vars("dbeta")), {})
             off = np.linalg.norm(line.frame(ds["s"].values)[0] - places, axis=1).max()
             assert off <= line.error + 1e-9
-            if stored or (line.swing > centreline.APART and line.error < line.a):  # else no picture shows that push
+            if stored or (
+                line.phase_step > centreline.APART and line.error < line.a
+            ):  # else no picture shows that push
                 assert np.abs(line.push(line.s) - push[::step]).max() < 0.02 * np.abs(push).max()
 
 

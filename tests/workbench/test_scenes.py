@@ -512,11 +512,11 @@ def test_the_legend_says_what_outlines_are_where_there_are_some(fig6, camera, ou
 def test_the_cylinder_of_all_equilibria_has_one_size() -> None:
     from solver import equilibria
     from workbench.branches.ends_study import ends_problem
-    from workbench.branches.equilibria_dataset import dataset_of
+    from workbench.branches.equilibria_dataset import as_dataset
 
     study = load("fig7_4_end_angle")
     case = ends_problem(study)
-    few = dataset_of(study, case, equilibria(case)).isel(equilibrium=[1, 8, 12])
+    few = as_dataset(study, case, equilibria(case)).isel(equilibrium=[1, 8, 12])
     taken = layout.compose(StoredStudy(few), kind="equilibria", settings=composition.Settings(2.0, dpi=100))
     assert [view.cell.number for view in taken.scene.views][:3] == [2, 9, 13], "their ranks among all"
     assert faults(taken.fig, least=6.0) == []

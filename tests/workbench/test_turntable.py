@@ -189,14 +189,14 @@ def test_a_case_and_its_equilibria_are_tables_in_a_notebook() -> None:
 def test_the_axes_of_a_solution_are_those_of_its_fields(one: Solution) -> None:
     E, F3 = np.array([5e3, 1e4, 2e4])[:, None], np.array([5.0, 10.0])
     rod = Rod(E=E, nu=0.25, a=0.25, L=20.0, stiffness="paper")
-    ds = notebook.dataset_of(solve(Case(rod, Cylinder(R=0.75), Start(beta="30deg", dbeta=0.5, F1=5.0, F3=F3))))
+    ds = notebook.as_dataset(solve(Case(rod, Cylinder(R=0.75), Start(beta="30deg", dbeta=0.5, F1=5.0, F3=F3))))
     assert dict(ds.sizes) == {"E": 3, "F3": 2, "u": 201}
     np.testing.assert_array_equal(ds["E"], E[:, 0])
     both = Case(Rod(E=E[:, 0], nu=0.25, a=0.25, L=20.0), Cylinder(R=np.array([0.7, 0.8, 0.9])), START)
-    assert dict(notebook.dataset_of(solve(both)).sizes) == {"case1": 3, "u": 201}
+    assert dict(notebook.as_dataset(solve(both)).sizes) == {"case1": 3, "u": 201}
     ends = solve(Case(ROD, Cylinder(R=0.75), Ends(beta0=0.5, betaL=0.8, FZ=-8.66, MZ=1.3, M3=6.1)))
-    np.testing.assert_allclose(notebook.dataset_of(ends)["z"], ends.z)
-    line = stored_line.read(StoredStudy(notebook.dataset_of(one)), {})
+    np.testing.assert_allclose(notebook.as_dataset(ends)["z"], ends.z)
+    line = stored_line.read(StoredStudy(notebook.as_dataset(one)), {})
     np.testing.assert_array_equal(line.push(one.s).argmax(), one.push.argmax())
 
 

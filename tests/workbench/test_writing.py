@@ -37,7 +37,7 @@ def test_a_text_that_grew_since_it_was_read_is_stored_whole(six, tmp_path) -> No
 
 
 def test_a_file_is_written_and_opened_as_xarray_alone_does(six, tmp_path) -> None:
-    six.to_netcdf(tmp_path / "theirs.h5", engine="h5netcdf", encoding=writing.encoding(six))
+    six.to_netcdf(tmp_path / "theirs.h5", engine="h5netcdf", encoding=writing.encodings(six))
     writing.write_new(six, tmp_path / "ours.h5")
     assert runs.contents(tmp_path / "ours.h5") == runs.contents(tmp_path / "theirs.h5")
     with (

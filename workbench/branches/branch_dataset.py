@@ -18,7 +18,7 @@ from solver.observe.observables import OBSERVABLES, observe
 from solver.orbits.periodic_orbit import jacobi_zeros
 from solver.problem.errors import no_such, whole_number
 from solver.problem.quantities import current
-from solver.problem.reduced import held_of
+from solver.problem.reduced import fields_held
 from studies import Study
 from studies.grammar.axes import quantity_of
 from studies.laws.line_verdicts import QUALIFIED
@@ -302,7 +302,7 @@ POINT_NUMBERS = ("energy", "height", "turns_around", "bends", "amplitude", "kapp
 POINT = "point"
 
 
-def dataset_of(branch: Branch, stations: int, units: Mapping[str, str]) -> xr.Dataset:
+def as_dataset(branch: Branch, stations: int, units: Mapping[str, str]) -> xr.Dataset:
     """The branch over (point) and (point, u); see `Branch.to_dataset`."""
     stations = whole_number("stations", stations, 2, MOST_LISTED)
     units, sol, name = all_units(units), solutions_of(branch, stations), branch.field
@@ -321,7 +321,7 @@ def dataset_of(branch: Branch, stations: int, units: Mapping[str, str]) -> xr.Da
 
 def stability(case: Case) -> str:
     """Under which ends the Morse index is meant."""
-    held = held_of(case)
+    held = fields_held(case)
     if not held:
         return DEAD_LOADS
     return f"{', '.join(held)} held; what is not held is given: the other end angles, and dead loads"

@@ -8,7 +8,7 @@ from solver import Case, Ends, InputError, Solution, observe, solve
 from solver.equilibria import Equilibrium
 from solver.held.selection import NEAREST
 from solver.problem.errors import choices
-from solver.problem.reduced import held_of
+from solver.problem.reduced import fields_held
 from solver.solve import ends_case
 from studies import Study, load
 from studies.grammar.axes import DEFAULT_UNITS
@@ -69,7 +69,7 @@ def ends_problem(study: Study, held: bool = False) -> Case:
 
 def refuse_held(case: Case) -> None:
     """Raise `InputError` for a case with held ends."""
-    if held := held_of(case):
+    if held := fields_held(case):
         raise InputError(
             f"branches begin from equilibria under dead loads and between two angles, got {choices(held)}: "
             "workbench equilibria without --axis lists those of held ends"

@@ -14,7 +14,7 @@ from solver.loops import Loop
 from solver.observe.observables import observe
 from solver.problem.declared_fields import PAIRS
 from solver.problem.errors import InputError, choices, no_such, show
-from solver.problem.reduced import held_of
+from solver.problem.reduced import fields_held
 from studies import Study
 from studies.grammar.axes import DEFAULT_UNITS
 from studies.language.case_input import field_values
@@ -33,7 +33,7 @@ EACH = ("dbeta0", "energy", "bends", "index", "attached")
 DEAD_LOADS = "both end angles held, dead loads FZ, MZ and M3 at the far end, which is free to move"
 
 
-def dataset_of(study: Study, case: Case, found: Sequence[Equilibrium]) -> xr.Dataset:
+def as_dataset(study: Study, case: Case, found: Sequence[Equilibrium]) -> xr.Dataset:
     """The equilibria of a case as a dataset over `equilibrium`, lowest energy first.
 
     Parameters
@@ -50,7 +50,7 @@ def dataset_of(study: Study, case: Case, found: Sequence[Equilibrium]) -> xr.Dat
     The arrays of `ALONG` over (equilibrium, u), u = s/L, the numbers of `EACH`, `ELASTIC` and `PUSH` over
     (equilibrium), `count`; under held ends the reactions and the index under dead loads as well.
     """
-    units, held = study.unit_system, held_of(case)
+    units, held = study.unit_system, fields_held(case)
     solutions = [equilibrium.solution for equilibrium in found]
     seen = [observe(sol, (*ELASTIC, *PUSH)) | sol.reactions for sol in solutions]
     names = (*ELASTIC, *PUSH, *(solutions[0].reactions if solutions else ()))
@@ -174,7 +174,7 @@ def study_of_loop(one: Loop, units: Mapping[str, str] | None = None) -> Study:
     return loads(text, "loops")
 
 
-def dataset_of_loops(found: Sequence[Loop], units: Mapping[str, str] | None = None) -> xr.Dataset:
+def loops_as_dataset(found: Sequence[Loop], units: Mapping[str, str] | None = None) -> xr.Dataset:
     """Closed rods of one rod and cylinder as a dataset over `equilibrium`, in the order given.
 
     Returns

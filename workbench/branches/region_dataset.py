@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from solver.problem.case_fields import value_of
-from solver.problem.reduced import held_of
+from solver.problem.reduced import fields_held
 from solver.region_map import Region, RegionMap
 from studies import Study
 
@@ -16,7 +16,7 @@ from ..stored import quantity_variables
 from .equilibria_dataset import ALONG, attributes, with_case
 
 
-def dataset_of(study: Study, found: RegionMap, checked: tuple[int, int] | None = None) -> xr.Dataset:
+def as_dataset(study: Study, found: RegionMap, checked: tuple[int, int] | None = None) -> xr.Dataset:
     """The dataset of a region map.
 
     Parameters
@@ -43,7 +43,9 @@ def dataset_of(study: Study, found: RegionMap, checked: tuple[int, int] | None =
     stations = data["stable_alpha"].sizes["u"]
     coords["u"] = xr.Variable("u", np.linspace(0, 1, stations), quantity_variables.labels("u", units))
     symbols = " and ".join(label["symbol"] for label in labels.values())
-    number = "The number of equilibria" + " found" * (folds.case.rod.weight is not None or bool(held_of(folds.case)))
+    number = "The number of equilibria" + " found" * (
+        folds.case.rod.weight is not None or bool(fields_held(folds.case))
+    )
     ds = xr.Dataset(data, coords, attributes(study, folds.case, f"{number} over {symbols}"))
     ds.attrs |= {"study_name": "folds", "fields": json.dumps(names), "remark": found.remark}
     ds.attrs |= {"low": folds.low.tolist(), "high": folds.high.tolist()}

@@ -51,7 +51,7 @@ def of_case(names: Sequence[str]) -> dict[str, Any]:
     return types | {name: _type(ALL_FIELDS[name], whole) for name in names}
 
 
-def given_of(options: dict[str, Any], names: Sequence[str]) -> GivenOptions:
+def case_given_by(options: dict[str, Any], names: Sequence[str]) -> GivenOptions:
     """What the options of `of_case` give; they are taken out of `options`."""
     values = {name: options.pop(name) for name in names}
     units = {kind: options.pop(f"{kind}_unit") for kind in ("length", "force")}
@@ -60,7 +60,7 @@ def given_of(options: dict[str, Any], names: Sequence[str]) -> GivenOptions:
 
 def _type(field: CaseField, whole: bool) -> Any:
     help = help_of(field, whole)
-    flag, group = f"--{field.name}", {"rich_help_panel": _heading(field, whole)}
+    flag, group = f"--{field.name}", {"rich_help_panel": _help_title(field, whole)}
     also = [f"--{field.name.replace('_', '-')}"] if "_" in field.name else []
     if field.choices:
         return Annotated[str | None, option("|".join(field.choices), help, flag, **group)]
@@ -75,7 +75,7 @@ HEADINGS = {
 }  # fmt: skip
 
 
-def _heading(field: CaseField, whole: bool) -> str:
+def _help_title(field: CaseField, whole: bool) -> str:
     """The heading of a field in the help; whole: of both problems."""
     return HEADINGS.get(field.part) or f"{field.part.capitalize() if whole else 'Ends'} problem"
 

@@ -54,7 +54,7 @@ def examine(extras: "Sequence[Extra] | None" = None, opengl: bool = True) -> lis
     return [_core(), _hdf5(), *drawn, _font(), *map(_extra, EXTRAS if extras is None else extras), _chromium()]
 
 
-def _finding(what: str, works: bool, said: str, installed: bool = True) -> dict[str, Any]:
+def _row(what: str, works: bool, said: str, installed: bool = True) -> dict[str, Any]:
     return {"what": what, "works": works, "installed": installed, "said": said}
 
 
@@ -63,9 +63,9 @@ def _core() -> dict[str, Any]:
     from solver.core.library import MissingCore, widest
 
     try:
-        return _finding("compiled core", True, f"start problems are solved by swing, {widest()} rods at a time")
+        return _row("compiled core", True, f"start problems are solved by swing, {widest()} rods at a time")
     except MissingCore as error:
-        return _finding("compiled core", False, str(error), False)
+        return _row("compiled core", False, str(error), False)
 
 
 def _hdf5() -> dict[str, Any]:
@@ -85,15 +85,15 @@ def _hdf5() -> dict[str, Any]:
             writing.write_new(ds, path)
             works = xr.load_dataset(path, engine="h5netcdf").identical(ds)
     except (OSError, ValueError) as error:
-        return _finding("HDF5", False, f"storing failed: {error}")
-    return _finding("HDF5", works, f"HDF5 {h5py.version.hdf5_version}, stored and read a dataset")
+        return _row("HDF5", False, f"storing failed: {error}")
+    return _row("HDF5", works, f"HDF5 {h5py.version.hdf5_version}, stored and read a dataset")
 
 
 def _opengl() -> dict[str, Any]:
     from ..scene import opengl
 
     able, advice = opengl.probe()
-    return _finding("OpenGL", able, advice or "drew a scene off-screen", installed=advice != opengl.MISSING)
+    return _row("OpenGL", able, advice or "drew a scene off-screen", installed=advice != opengl.MISSING)
 
 
 def _font() -> dict[str, Any]:
@@ -103,7 +103,7 @@ def _font() -> dict[str, Any]:
     path = findfont(FontProperties())
     missing = [letter for letter in "βκρ₀→" if ord(letter) not in get_font(path).get_charmap()]
     said = f"lacks {' '.join(missing)}" if missing else "has the Greek letters of the labels"
-    return _finding("fonts", not missing, f"{Path(path).name} {said}")
+    return _row("fonts", not missing, f"{Path(path).name} {said}")
 
 
 def _extra(part: Extra) -> dict[str, Any]:
@@ -115,12 +115,12 @@ def _extra(part: Extra) -> dict[str, Any]:
         versions = ", ".join(f"{name} {metadata.version(name)}" for name in part.packages)
     except ImportError as error:
         advice = f"pip install 'rod-workbench[{part.extra}]' ({error.name} is missing)"
-        return _finding(what, False, f"{part.use}: {advice}", installed=False)
+        return _row(what, False, f"{part.use}: {advice}", installed=False)
     try:
         import_module(part.trial) if isinstance(part.trial, str) else part.trial()
     except (ImportError, InputError, OSError) as error:
-        return _finding(what, False, str(error).partition("\n")[0])
-    return _finding(what, True, f"{part.use}: {versions}")
+        return _row(what, False, str(error).partition("\n")[0])
+    return _row(what, True, f"{part.use}: {versions}")
 
 
 def _cad() -> None:
@@ -161,9 +161,9 @@ def _chromium() -> dict[str, Any]:
 
     what, missing = "Chromium", [name for name in ("chromium", "chromedriver") if shutil.which(name) is None]
     if missing:
-        return _finding(what, False, "tests of the pages: apt-get install chromium chromium-driver", False)
+        return _row(what, False, "tests of the pages: apt-get install chromium chromium-driver", False)
     try:
         answer = subprocess.run(["chromium", "--version"], capture_output=True, text=True, timeout=60, check=True)
     except (OSError, subprocess.SubprocessError) as error:
-        return _finding(what, False, f"chromium --version: {error}")
-    return _finding(what, True, f"tests of the pages: {answer.stdout.strip()}")
+        return _row(what, False, f"chromium --version: {error}")
+    return _row(what, True, f"tests of the pages: {answer.stdout.strip()}")

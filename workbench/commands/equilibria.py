@@ -87,13 +87,13 @@ def equilibria(
     Angles: a number in rad, or a form like 30deg or pi/6.
     """
     from solver import equilibria as all_equilibria
-    from solver.problem.reduced import held_of
+    from solver.problem.reduced import fields_held
 
     from ..branches.ends_study import study_and_case, write_cases
     from ..run import writing
 
     study, case = study_and_case(file, given.values, given.units, held=axis is None)
-    held = held_of(case)
+    held = fields_held(case)
     loads = ranges("--within", within, study.unit_system, "FZ=-50:10")
     every = {"within": loads or None, "values": values, "tries": tries}
     search: dict[str, Any] = {name: value for name, value in every.items() if value is not None}
@@ -134,11 +134,11 @@ def _list(
     """The equilibria and which of them the rule selects, as they are handed over."""
     from solver.equilibria import choice
     from solver.equilibrium_list import HeldEquilibria
-    from solver.problem.reduced import held_of
+    from solver.problem.reduced import fields_held
     from studies.language.case_input import field_values, with_unit
 
     from ..branches.ends_study import row
-    from ..branches.equilibria_dataset import dataset_of
+    from ..branches.equilibria_dataset import as_dataset
     from ..stored.one_case import rule_of
     from ..words import cautions
 
@@ -149,7 +149,7 @@ def _list(
     rows = [{**row(equilibrium), "taken": equilibrium is taken} for equilibrium in found]
     remark = with_unit(found.remark, case, study.unit_system)
     search = {} if searched is None else {"search": asdict(searched)}
-    held = held_of(case)
+    held = fields_held(case)
 
     def show() -> None:
         _print_table(study, rows, list(searched.within) if searched else [])
@@ -166,7 +166,7 @@ def _list(
             console.say(f"* {how.rule}" if taken else f"none has index {rule}")
         console.say(f"rod: {source}")
         console.say_units(study.unit_system)
-        if left_out := cautions.left_out_of(case):
+        if left_out := cautions.sentence_inside(case):
             console.say(left_out)
         if export:
             console.say(f"{len(found)} cases in {export}")
@@ -178,7 +178,7 @@ def _list(
         }  # fmt: skip
 
     status = 0 if found and (found.complete or held) else 1
-    return Result(data, show, status, (lambda: dataset_of(study, case, found)) if found else None)
+    return Result(data, show, status, (lambda: as_dataset(study, case, found)) if found else None)
 
 
 def _print_table(study: "Study", rows: Sequence[dict[str, Any]], reactions: Sequence[str]) -> None:
@@ -232,7 +232,7 @@ def _over_axis(study: "Study", case: "Case", name: str, values: "np.ndarray", sh
     def tell() -> None:
         unit = unit_shown(name, study.unit_system)
         keys = list(rows[0]) if rows else ["branch"]
-        heads = {key: tables.heading(key, unit if key in ("from", "to") else "") for key in keys}
+        heads = {key: tables.column_title(key, unit if key in ("from", "to") else "") for key in keys}
         tables.print_rows([{**row, "branch": row["branch"] + 1} for row in rows], heads)
         counts = f"{len(rows)} branch{'es' * (len(rows) != 1)}, {len(folds)} fold{'s' * (len(folds) != 1)}"
         console.say(f"{counts} over {values.size} values of {name}")

@@ -121,7 +121,7 @@ def fit(
         lambda: _as_data(result, base),
         lambda: _show(result, base),
         0 if result.solved else 1,
-        (lambda: fitting.dataset_of(result, base.units, read, wrapped)) if drawn else None,
+        (lambda: fitting.as_dataset(result, base.units, read, wrapped)) if drawn else None,
         (lambda path: fitting.write(result, base, path)) if drawn else None,
         "fit",
     )
@@ -324,7 +324,7 @@ def _show_minima(found: "Fit", asked: "CaseInput") -> None:
         ]
         for minimum in found.minima
     ]
-    heads = [tables.heading(name, unit_stated(name, asked.units)) for name in found.values]
+    heads = [tables.column_title(name, unit_stated(name, asked.units)) for name in found.values]
     goal = "data" if found.feet is not None else "target" if len(found.groups) == 1 else "targets"
     judged = f"reaches the {goal}" if found.exact else "excluded by the data"
     console.say("")

@@ -58,7 +58,7 @@ def folds(
     from solver.region_map import points_of_lattice, region_map
 
     from ..branches.ends_study import study_and_case
-    from ..branches.region_dataset import dataset_of
+    from ..branches.region_dataset import as_dataset
 
     study, case = study_and_case(file, given.values, given.units, held=True)
     read = [read_range("--axis", text, study.unit_system, AXES) for text in axis or []]
@@ -71,8 +71,8 @@ def folds(
     regions = region_map(case, lattice=lattice, **ranges)
     wrong = regions.check(points) if points else []
 
-    def dataset() -> "xr.Dataset":
-        ds = dataset_of(study, regions, (points, len(wrong)) if points else None)
+    def contents() -> "xr.Dataset":
+        ds = as_dataset(study, regions, (points, len(wrong)) if points else None)
         return ds.assign_attrs(reading="") if given.values else ds  # it would not be that of Table 1
 
     def show() -> None:
@@ -80,7 +80,7 @@ def folds(
         console.say_units(study.unit_system)
 
     status = 1 if regions.remark or wrong else 0
-    return Result(lambda: _as_data(regions, points, wrong), show, status, dataset)
+    return Result(lambda: _as_data(regions, points, wrong), show, status, contents)
 
 
 def _curves(found: "RegionMap") -> list[dict[str, Any]]:

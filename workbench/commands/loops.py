@@ -79,7 +79,7 @@ def loops(
         rows = [row(loop) for loop in listed]
         return {"units": units, "loops": rows, "complete": complete, "remarks": remarks}
 
-    dataset = (lambda: equilibria_dataset.dataset_of_loops(listed, units)) if listed else None
+    dataset = (lambda: equilibria_dataset.loops_as_dataset(listed, units)) if listed else None
     return Result(data, lambda: _print(listed, remarks, units), 0 if complete else 1, dataset)
 
 

@@ -94,7 +94,7 @@ def presents(
             as_json = options.get("json", False) if takes_json else options.pop("json", False)
             sheet = _check_files(**files, kind=kind, suffixes=suffixes) if written else None
             if case:
-                options["given"] = case_options.given_of(options, case)
+                options["given"] = case_options.case_given_by(options, case)
             for name, record in records.items():
                 named = [field.name for field in fields(record) if field.name in options]
                 options[name] = record(**{field: options.pop(field) for field in named})

@@ -190,7 +190,7 @@ def _page(
         stored = solve(PAGE_FIRST)
 
     def draw(stored: "StoredStudy", strict: bool) -> "tuple[str, int]":
-        needed = _needed_stations(stored)
+        needed = _station_count(stored)
         if strict and needed > stored.sizes["u"]:
             raise TooFewStations("too few for a smooth rod", needed)
         return turntable_page.html(stored, where, look), needed
@@ -204,7 +204,7 @@ def _page(
     return result_of_files([path], said, [warning], 1)
 
 
-def _needed_stations(stored: "StoredStudy") -> int:
+def _station_count(stored: "StoredStudy") -> int:
     """About how many stations the rods need for a curve without corners; as many as there are where these suffice."""
     from ..geometry.stored_line import lines_of_solved
     from ..web.turntable.turntable_page import stations_for

@@ -130,7 +130,7 @@ def _print_local(table: "xr.Dataset") -> None:
     rows = [[name, float(table["at"][i]), str(table["field_unit"].values[i])] for i, name in enumerate(names)]
     tables.print_table(["field", "value", "unit"], [[a, b, "" if c == "1" else c] for a, b, c in rows])
     names = [name for name in names if name not in derivatives.without_effect(table)]
-    heads = [tables.heading(name, str(table["amount"].sel(field=name).values)) for name in names]
+    heads = [tables.column_title(name, str(table["amount"].sel(field=name).values)) for name in names]
     console.say("")
     cells = [_effects(table, i, names) for i in range(table.sizes["observable"])]
     tables.print_table(["observable", "value", "unit", "in", *heads], cells)

@@ -138,7 +138,7 @@ def solve(
         "which": _which(before, listed, base),
         "selection": None if sol.selection is None else {**asdict(sol.selection), "rule": sol.selection.rule},
         "caution": cautions.said(cautions.of_cases(sol, units=base.units)),
-        "left_out": cautions.left_out_of(sol.case),
+        "left_out": cautions.sentence_inside(sol.case),
         "free": free_rods.sentences(sol, base.units)
         + ([free_rods.release_sentence(energies, base.units)] if energies else []),
         "contacts": sol.contacts,

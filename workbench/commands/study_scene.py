@@ -83,7 +83,7 @@ def release_of(stored: StoredStudy, at: Mapping[str, float], count: int | None =
     """
     if not _is_whole(stored) or (stored.leaves and not stored.study.let_go):
         raise InputError("the kind let-go takes the study of a rod that the cylinder holds on, which is then let go")
-    lean = _held_where(stored.study, stored, stored.place(at), []).model_copy(update={"laws": [], "observables": []})
+    lean = _study_at(stored.study, stored, stored.place(at), []).model_copy(update={"laws": [], "observables": []})
     case = case_values(stored, stored.place(at))
     plain = {"let_go": False, "method": "auto", "tol": DEFAULT_TOLERANCE, "outputs": [*RELEASED_ARRAYS]}
     let_go = {"let_go": True, "method": "auto", "tol": FREE_TOLERANCE, "outputs": [*RELEASED_ARRAYS, "radius"]}
@@ -131,7 +131,7 @@ def two_stations(file: Path) -> tuple[Study, StoredStudy]:
     return study, StoredStudy(stored.assign_attrs(laws=schema.laws_text(study)))  # they fix where an axis is held
 
 
-def _held_where(study: Study, stored: StoredStudy, where: Mapping[str, int], free: Collection[str]) -> Study:
+def _study_at(study: Study, stored: StoredStudy, where: Mapping[str, int], free: Collection[str]) -> Study:
     """The study with one value on each axis but the free ones: that of the dataset at an index."""
     axes = dict(study.axes)
     for name in axes.keys() - {*free}:
@@ -156,7 +156,7 @@ def film_cases(
     if field not in study.axes or study.follow is not None or study.sampled:
         return None
     lean = _with_outputs(study, kind.reads | {"dbeta"}).model_copy(update={"observables": [observable]})
-    lean = _held_where(lean, stored, stored.place(at), [field])
+    lean = _study_at(lean, stored, stored.place(at), [field])
 
     def solve(values: Any) -> xr.Dataset:
         axes = {**lean.axes, field: Axis.model_validate({"values": list(values)})}

@@ -47,10 +47,10 @@ def print_rows(
     heads = columns or (dict.fromkeys(every[0]) if every else {})
     cells = [[degrees(row[key]) if units.get(key) == "deg" else row[key] for key in heads] for row in every]
     if heads:
-        print_table([heading(text or key, units.get(key, "")) for key, text in heads.items()], cells)
+        print_table([column_title(text or key, units.get(key, "")) for key, text in heads.items()], cells)
 
 
-def heading(name: str, unit: str) -> str:
+def column_title(name: str, unit: str) -> str:
     """The heading of a column with its unit, which stays on one line."""
     return f"{name} ({unit.replace(' ', chr(0xA0))})" if unit else name
 

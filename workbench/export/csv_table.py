@@ -35,8 +35,8 @@ def columns(rod: ExportedRod) -> list[Column]:
     Raises `InputError` where beta' is not stored and the stations are too far apart for it.
     """
     stored, line = rod.stored, rod.line
-    if line.swing > APART and not line.stored_slopes:
-        more = int(np.ceil(2 * line.s.size * line.swing / APART))
+    if line.phase_step > APART and not line.stored_slopes:
+        more = int(np.ceil(2 * line.s.size * line.phase_step / APART))
         raise InputError(
             f"{line.s.size} stations are too far apart to tell the rate of beta: {advice_to_store(more)}, or store "
             "dbeta (in outputs)"

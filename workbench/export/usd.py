@@ -45,10 +45,10 @@ def write(path: Path, rod: ExportedRod) -> dict[str, Any]:
         "float3[] extent": _vectors(np.stack([low, high])),
         "point3f[] points": _vectors(points),
         "float[] widths": f"[{2 * line.a:.9g}] (\n            interpolation = \"constant\"\n        )",
-        "color3f[] primvars:displayColor": _varying(_vectors(rod.shades(push))),
-        "float[] primvars:push": _varying(_numbers(push)),
-        "float[] primvars:beta": _varying(_numbers(line.beta)),
-        "float[] primvars:s": _varying(_numbers(line.s)),
+        "color3f[] primvars:displayColor": _primvar(_vectors(rod.shades(push))),
+        "float[] primvars:push": _primvar(_numbers(push)),
+        "float[] primvars:beta": _primvar(_numbers(line.beta)),
+        "float[] primvars:s": _primvar(_numbers(line.s)),
     }  # fmt: skip
     title = '"' + rod.title.replace("\\", "\\\\").replace('"', '\\"') + '"'
     head = HEAD.format(title=title, metres=metres(rod.unit), count=len(points))
@@ -65,7 +65,7 @@ def _vectors(values: Array) -> str:
     return "[" + ", ".join(f"({x:.9g}, {y:.9g}, {z:.9g})" for x, y, z in values) + "]"
 
 
-def _varying(text: str) -> str:
+def _primvar(text: str) -> str:
     return f'{text} (\n            interpolation = "varying"\n        )'
 
 

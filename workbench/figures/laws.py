@@ -58,7 +58,7 @@ def message(stored: StoredStudy, row: Mapping[str, Any]) -> str:
     noun = full if len(full) <= LONGEST_NOUN else labels.symbol(array)
     noun = noun[:1].upper() + noun[1:] if noun[:1].isascii() else noun
     if row["kind"] != MONOTONE:
-        finding = labels.law_text(row, law_words.finding_of(row, _show(stored, row)))
+        finding = labels.law_text(row, law_words.measurement(row, _show(stored, row)))
         return f"{noun} {finding}" if finding.startswith("passes") else f"{noun}: {finding}"
     solved = stored.of_solved(row["observable"])
     values = np.array([float(solved.isel(place)) for place in stored.places(row["axis"], row["at"])])
@@ -88,7 +88,7 @@ def caption_of(stored: StoredStudy, row: Mapping[str, Any]) -> str:
 
 def _measure(stored: StoredStudy, row: Mapping[str, Any]) -> str:
     """What was measured, its numbers with their units, and the reason of the verdict."""
-    said = law_words.finding_of(row, _show(stored, row))
+    said = law_words.measurement(row, _show(stored, row))
     return labels.law_text(row, "; ".join(text for text in (said, law_words.detail(row)) if text))
 
 

@@ -30,7 +30,7 @@ def clear(fig: Figure) -> float:
     needed = dict[int, float]()  # by the lower edge of a row
     for ax, legend in [(ax, legend) for ax, legend in legends if _covers(ax, legend)]:
         row = round(ax.bbox.y0)
-        needed[row] = max(needed.get(row, 0.0), BELOW + _put_below(fig, ax, legend))
+        needed[row] = max(needed.get(row, 0.0), BELOW + _move_below(fig, ax, legend))
     return sum(needed.values())
 
 
@@ -51,7 +51,7 @@ def _paths(ax: Axes) -> Iterator[Path]:
         yield from (Path([place - POINT, place + POINT]) for place in transform.transform(points))
 
 
-def _put_below(fig: Figure, ax: Axes, legend: Legend) -> float:
+def _move_below(fig: Figure, ax: Axes, legend: Legend) -> float:
     """Draw a legend anew below the words of its horizontal axis, in columns; returns its height in inches."""
     entries = [(handle, text.get_text()) for handle, text in zip(legend.legend_handles, legend.get_texts(), strict=True)
                if isinstance(handle, Line2D | Patch)]  # fmt: skip

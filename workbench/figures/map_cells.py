@@ -172,7 +172,7 @@ def cells(stored: StoredStudy, choice: Choice, where: Mapping[str, int], source:
     solved = plane["solved"].values.astype(bool)
     unchecked = np.zeros(solved.shape, dtype=bool)
     for key in cautions.UNCHECKED if "caution" in plane else ():
-        unchecked |= cautions.holding(plane["caution"].values, key)
+        unchecked |= cautions.has_key(plane["caution"].values, key)
     scales = scale_of(plane[choice.x]), scale_of(plane[choice.y])
     whole = plane if source is None else source
     straight = np.zeros(solved.shape, dtype=bool)

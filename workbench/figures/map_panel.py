@@ -188,7 +188,7 @@ def draw_shapes(ax: Axes, cells: Cells, shapes: ShapeCounts, inches: tuple[float
         left, low = (float(np.clip(scale.share(float(scale.values[k])) - room / 2, 0, 1 - room))
                      for scale, k, room in ((cells.x, i, across), (cells.y, j, up)))  # fmt: skip
         if rod in known:
-            unrolled.inset(ax, (left, low, across, up), *rod.plane_points(), (wide, tall), factor)
+            unrolled.draw_inset(ax, (left, low, across, up), *rod.plane_points(), (wide, tall), factor)
         else:
             ax.text(left + across / 2, low + up / 2, "not solved", transform=ax.transAxes, ha="center", va="center",
                     size=fonts.small(), path_effects=[HALO], zorder=20)  # fmt: skip

@@ -204,7 +204,7 @@ def _draw_shapes(
     size = 1.08 * max((float(np.nanmax(extent)) for extent in extents if np.isfinite(extent).any()), default=1.0)
     for i in range(count):
         box = middle[0] + (i - count / 2) * side[0], middle[1] - side[1] / 2, *side
-        unrolled.inset(ax, box, z[k, i], rho[k] * (alpha[k, i] - alpha[k, i, 0]), (size, size))
+        unrolled.draw_inset(ax, box, z[k, i], rho[k] * (alpha[k, i] - alpha[k, i, 0]), (size, size))
 
 
 def _rho(stored: StoredStudy) -> Any:

@@ -464,7 +464,7 @@ def crossings(s: Any, rho: float, alpha: Any, z: Any, a: float, radius: Any) -> 
     return rings
 
 
-def inset(
+def draw_inset(
     ax: Axes, box: Sequence[float], x: Any, y: Any, extent: tuple[float, float], factor: float = 1.0, **look: Any
 ) -> None:
     """Draw one view in the middle of a box inside axes, with a white edge.

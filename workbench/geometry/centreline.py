@@ -99,14 +99,14 @@ class Centreline:
         return through(self.s, known)
 
     @cached_property
-    def swing(self) -> float:
+    def phase_step(self) -> float:
         """The radians of a swing of beta between stations, at most: the step times the largest frequency."""
-        return _swing(self.s, self.beta, self.rho, self.l, self.m, self.p)
+        return _phase_step(self.s, self.beta, self.rho, self.l, self.m, self.p)
 
     @cached_property
     def smooth(self) -> bool:
         """Whether the curve is the smooth one through the stations; else alpha and z rise evenly between them."""
-        return self.swing <= APART and self._smooth_error <= self.chord_error
+        return self.phase_step <= APART and self._smooth_error <= self.chord_error
 
     def at(self, s: Array) -> tuple[Array, Array, Array]:
         """alpha, beta [rad] and z [length] at s, (k,) each."""
@@ -217,7 +217,7 @@ class Centreline:
         n, allowed = self.s.size - 1, tolerance / 2 if cubic else tolerance
         more = n * max(self.error / allowed, 1.0) ** (1 / ORDER)
         if self.error > allowed:
-            more = max(more, n * 2 * self.swing / APART)
+            more = max(more, n * 2 * self.phase_step / APART)
         if cubic:
             s = np.interp(np.arange(PARTS * n + 1) / PARTS, np.arange(n + 1), self.s)
             place, tangent, _, _ = self.frame(s)
@@ -302,7 +302,7 @@ def slopes(s: Array, beta: Array, rho: float, l: float, m: float, p: float) -> A
     common station of neighbouring intervals are averaged. Where the stations are too far apart for that, the size of
     beta' follows from beta'^2 + G(beta) = max G over the stations, to which the turning points come near.
     """
-    if _swing(s, beta, rho, l, m, p) > APART:
+    if _phase_step(s, beta, rho, l, m, p) > APART:
         G = potential(Loads(l * rho, m * rho, p * rho**2), beta) / rho**2
         return np.sqrt(G.max() - G)
     h = np.diff(s)
@@ -318,7 +318,7 @@ def slopes(s: Array, beta: Array, rho: float, l: float, m: float, p: float) -> A
     return dbeta
 
 
-def _swing(s: Array, beta: Array, rho: float, l: float, m: float, p: float) -> float:
+def _phase_step(s: Array, beta: Array, rho: float, l: float, m: float, p: float) -> float:
     """The largest step of s times the largest frequency sqrt|H'| at the angles between the least and the largest."""
     angle = np.linspace(beta.min(), beta.max() + 1e-3, 361)
     rate = np.gradient(dimensional_slope(l, m, p, rho, angle), angle)

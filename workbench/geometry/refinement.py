@@ -141,8 +141,8 @@ def stations_for(line: Centreline, tolerance: float, value: Value | None = None,
     missed = line.value_error(value)
     if missed > allowed:
         more = max(more, int(np.ceil(MARGIN * n * (missed / allowed) ** (1 / VALUE_ORDER))), n + 1)
-    if line.swing > APART:
-        more = max(more, int(np.ceil(MARGIN * n * line.swing / APART)))
+    if line.phase_step > APART:
+        more = max(more, int(np.ceil(MARGIN * n * line.phase_step / APART)))
     return more
 
 
@@ -181,7 +181,7 @@ class DrawnCurve:
         They are never more than the fastest swing needs, as what is finer is rounding.
         """
         bent = float(np.abs(np.diff(self.values, 2)).max(initial=0.0)) / 8
-        finest = np.inf if self.line is None else np.ceil(self.line.swing * FINEST)
+        finest = np.inf if self.line is None else np.ceil(self.line.phase_step * FINEST)
         return int(max(min(np.ceil(MARGIN * np.sqrt(bent / self.allowed)), finest), 1))
 
     def stations(self) -> int:
@@ -191,9 +191,9 @@ class DrawnCurve:
         swing needs.
         """
         n, more = self.s.size, list[float]()
-        most = np.inf if self.line is None else n * self.line.swing * FINEST
-        if self.line is not None and self.line.swing > APART:
-            more = [n * self.line.swing / APART]
+        most = np.inf if self.line is None else n * self.line.phase_step * FINEST
+        if self.line is not None and self.line.phase_step > APART:
+            more = [n * self.line.phase_step / APART]
         if n < most and (missed := self.missed) > self.allowed:
             more.append(min(n * (missed / self.allowed) ** (1 / VALUE_ORDER), most))
         return max([n, *(int(MARGIN * each) + 1 for each in more)])

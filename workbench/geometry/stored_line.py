@@ -125,7 +125,7 @@ class VaryingLine(Centreline):
         return np.asarray(self._spline(self.s, 2))
 
     @cached_property
-    def swing(self) -> float:
+    def phase_step(self) -> float:
         """The radians of a swing of beta between stations, at most: the step times the largest rate."""
         return float(np.diff(self.s).max() * self.rate)
 
@@ -168,7 +168,7 @@ class FreeLine(Centreline):
         return _unit(self._path(self.s, 1))
 
     @cached_property
-    def swing(self) -> float:
+    def phase_step(self) -> float:
         """The radians by which the tangent turns between stations, at most."""
         return float((np.diff(self.s) * np.linalg.norm(self._path(self.s[:-1], 2), axis=1)).max())
 

@@ -208,7 +208,7 @@ def _attempt(case: Case, method: str, known: Any, seed: Solution | None = None) 
     return Attempt(verdict, str(sol.outcome), error, *numbers)
 
 
-def dataset_of(found: Mapping[str, Mapping[str, Attempt]]) -> xr.Dataset:
+def as_dataset(found: Mapping[str, Mapping[str, Attempt]]) -> xr.Dataset:
     """The attempts over (extreme, method), extremes in the order of the map; found: extreme -> method -> attempt."""
     named, known = [extreme for extreme in extremes() if extreme.name in found], references()
     methods = list(dict.fromkeys(method for rows in found.values() for method in rows))

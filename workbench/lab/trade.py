@@ -55,12 +55,12 @@ def _trade(cases: list[str], methods: list[str], out: Path) -> Result:
     named, ladders = comparison.choose(names(cases)), comparison.ladders_of(names(methods))
     comparison.check_kinds(named, ladders)
 
-    def dataset(pieces: "Sequence[Any]") -> "xr.Dataset":
-        return comparison.dataset_of([row for rows in pieces for row in rows], ladders)
+    def to_dataset(pieces: "Sequence[Any]") -> "xr.Dataset":
+        return comparison.as_dataset([row for rows in pieces for row in rows], ladders)
 
     pictures = {f"_{cost}": {"kind": "trade", "cost": cost} for cost in COSTS}
     measure = partial(comparison.rows_of, named, ladders)
-    ds, files = _measure(measure, len(named), "cases", dataset, out / "trade.h5", pictures)
+    ds, files = _measure(measure, len(named), "cases", to_dataset, out / "trade.h5", pictures)
     summary = comparison.summary_of(ds)
     stored = {"file": str(files[0]), "pictures": [str(picture) for picture in files[1:]]}
     return Result(lambda: summary | stored, lambda: _print(summary, files))
@@ -96,14 +96,14 @@ def _advice(row: Mapping[str, Any]) -> str:
 
 def _extremes(out: Path) -> Result:
     from . import extreme_runs
-    from .extreme_runs import INACCURATE, VERDICTS, dataset_of, rows_of
+    from .extreme_runs import INACCURATE, VERDICTS, as_dataset, rows_of
 
     named = extreme_runs.extremes()
 
-    def dataset(pieces: "Sequence[Any]") -> "xr.Dataset":
-        return dataset_of(dict(pieces))
+    def to_dataset(pieces: "Sequence[Any]") -> "xr.Dataset":
+        return as_dataset(dict(pieces))
 
-    ds, files = _measure(partial(rows_of, named), len(named), "extremes", dataset, out / "extremes.h5", {"": {}})
+    ds, files = _measure(partial(rows_of, named), len(named), "extremes", to_dataset, out / "extremes.h5", {"": {}})
     counts = {
         str(method): {verdict: int((ds["verdict"].sel({"method": method}) == verdict).sum()) for verdict in VERDICTS}
         for method in ds["method"].values

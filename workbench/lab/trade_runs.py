@@ -186,7 +186,7 @@ def ladders_of(names: Sequence[str]) -> dict[str, Ladder]:
     return picked
 
 
-def dataset_of(rows: Sequence[BenchmarkRow], ladders: Mapping[str, Ladder]) -> xr.Dataset:
+def as_dataset(rows: Sequence[BenchmarkRow], ladders: Mapping[str, Ladder]) -> xr.Dataset:
     """The measurements, at least one, over (case, ladder, rung); NaN: not tried.
 
     `knob` (ladder) names the knob of each ladder and `value` (ladder, rung) holds its values.

@@ -59,10 +59,10 @@ def run_readings(
             missing.append(stored.unsolved)
         rows.append(of_reading)
         unsolved.append(missing)
-    return _dataset_of_rows(studies, readings, rows, unsolved)
+    return _rows_as_dataset(studies, readings, rows, unsolved)
 
 
-def _dataset_of_rows(
+def _rows_as_dataset(
     studies: Sequence[Study],
     readings: Sequence[str],
     rows: list[list[dict[str, Any]]],
@@ -127,7 +127,7 @@ def run_equilibria(study: Study) -> xr.Dataset:
     ranks = {OWN: _rank(slopes, float(solution.dbeta[0])), STABLE: 0}
     if any(equilibrium.index == 0 for equilibrium in every):
         ranks[STABLE] = _rank(slopes, float(default.dbeta[0]))
-    return equilibria_dataset.dataset_of(study, case, every).assign_attrs(ranks)
+    return equilibria_dataset.as_dataset(study, case, every).assign_attrs(ranks)
 
 
 def _rank(slopes: "np.ndarray[Any, Any]", slope: float) -> int:

@@ -154,7 +154,7 @@ def _as_a_file_holds(study: Study, case: Case, row: Columns) -> Columns:
     for name, why, where in bounds.unfit({name: values[solved] for name, values in row.items()}, counted, rod):
         bad[[k for k in solved[where] if not bad[k]]] = f"failed: solved, but no file can hold it: {name} {why}"
     if (fails := bad != "").any():
-        none = unsolved(study, case.size, "") | {"outcome": bad.astype(str)}
+        none = blank_columns(study, case.size, "") | {"outcome": bad.astype(str)}
         row = {
             name: np.where(fails.reshape(-1, *(1,) * (values.ndim - 1)), none.get(name, values), values)
             for name, values in row.items()
@@ -175,7 +175,7 @@ def _with_remarks(outcomes: NDArray[Any], remarks: NDArray[Any]) -> NDArray[Any]
     return np.array([f"{a}; {b}" if b else a for a, b in zip(outcomes.tolist(), remarks.tolist(), strict=True)])
 
 
-def unsolved(study: Study, cases: int, outcome: str) -> Columns:
+def blank_columns(study: Study, cases: int, outcome: str) -> Columns:
     """The columns of cases that were not solved, with that outcome."""
     known = {"solved": False, "outcome": outcome, "caution": "", "branch": NO_BRANCH, **dict.fromkeys(JUDGED, np.inf)}
     return {name: np.full((cases, *shape), known.get(name, np.nan)) for name, shape in shapes(study).items()}

@@ -14,10 +14,10 @@ import scipy.spatial  # noqa: F401
 from solver import Case, Cylinder, Rod, Start, solve
 from solver.observe.observables import observe
 from studies import tenants
-from studies.language.printed import reading_of
+from studies.language.printed import as_reading
 
 from . import block  # noqa: F401
 
 observe(solve(Case(Rod(2e4, 0.3, 0.25, 20.0), Cylinder(1.0), Start(math.pi / 3, 2.0, M3=0.5)), stations=101), ["bends"])
 if tenants.is_there("studies.paper"):
-    reading_of(None)
+    as_reading(None)

@@ -239,7 +239,7 @@ def is_empty(folder: Path) -> bool:
     return not _shards(folder)
 
 
-def missing_ranges(stored: list[tuple[int, int]], start: int, stop: int) -> list[tuple[int, int]]:
+def gaps_between(stored: list[tuple[int, int]], start: int, stop: int) -> list[tuple[int, int]]:
     """The ranges of the cases `start` to `stop` between those that have shards."""
     ends = [start, *(max(start, after) for _, after in stored)]
     starts = [*(min(first, stop) for first, _ in stored), stop]

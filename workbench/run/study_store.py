@@ -15,7 +15,7 @@ from studies import Study
 from ..stored import bounds
 from ..stored.law_verdicts import Tally, count, statistics, tally_of
 from . import atomic, cluster, shards, worker_processes
-from .block import Chunk, solve_chunk, unsolved
+from .block import Chunk, blank_columns, solve_chunk
 from .plan import Plan, compare, plan, room, rounds
 from .shards import Damaged, Shards, decode, encode
 from .worker_processes import Results
@@ -64,7 +64,7 @@ Progress = Callable[[int, int], AbstractContextManager[Meter]]  # takes total an
 
 
 @contextmanager
-def unshown(total: int, done: int) -> Iterator[Meter]:
+def silent_meter(total: int, done: int) -> Iterator[Meter]:
     """A meter that nobody sees."""
     yield Meter(total, done)
 
@@ -115,7 +115,7 @@ def run_to_file(
     output: Path,
     options: RunOptions = DEFAULT,
     say: Callable[[str], None] = lambda text: None,
-    progress: Progress = unshown,
+    progress: Progress = silent_meter,
 ) -> Ran:
     """Solve a study into a file.
 
@@ -254,11 +254,11 @@ def _count_kept(work: Plan, parts: Shards, tally: Tally) -> int:
 
 def _solve(work: Plan, parts: Shards, options: RunOptions, meter: Meter, tally: Tally, start: int, stop: int) -> None:
     """Solve those of the cases `start` to `stop` that have no shard, and store theirs."""
-    missing = shards.missing_ranges(shards.shard_ranges(parts.folder, work.todo), start, stop)
+    missing = shards.gaps_between(shards.shard_ranges(parts.folder, work.todo), start, stop)
     try:
         for chunk, results in _results(work, missing, options):
             if isinstance(results, str):
-                results = encode(unsolved(work.study, chunk.cases, results))
+                results = encode(blank_columns(work.study, chunk.cases, results))
             parts.store(chunk.start, chunk.stop, results)
             meter.add(chunk.cases, count(decode(results), tally))
     except KeyboardInterrupt:
@@ -267,7 +267,7 @@ def _solve(work: Plan, parts: Shards, options: RunOptions, meter: Meter, tally: 
 
 def _keep(work: Plan, folder: Path) -> str:
     """How to continue; counted from the shards, as the interruption may come between a shard and the meter."""
-    missing = shards.missing_ranges(shards.shard_ranges(folder, work.todo), 0, work.todo)
+    missing = shards.gaps_between(shards.shard_ranges(folder, work.todo), 0, work.todo)
     done = work.size - sum(stop - start for start, stop in missing)
     kept = f"{done} of {work.size} cases are kept in {folder}; run the same command again to continue"
     return f"interrupted; {kept if done else 'no case was finished yet'}"

@@ -112,11 +112,11 @@ def hand_out(
     waiting, rests, suspects, under_way = iter(chunks), deque[Chunk](), deque[Chunk](), 0
     done: tuple[Chunk, bytes | str] | None = None
 
-    def following() -> Chunk | None:
+    def next_chunk() -> Chunk | None:
         return rests.popleft() if rests else next(waiting, None)
 
     while True:
-        for chunk in itertools.islice(iter(following, None), max(0, room())):
+        for chunk in itertools.islice(iter(next_chunk, None), max(0, room())):
             give(chunk)
             under_way += 1
         if suspects and not under_way:

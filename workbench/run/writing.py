@@ -63,7 +63,7 @@ def write_new(ds: xr.Dataset, path: str | Path | BytesIO) -> None:
     How a file was packed that it was read from does not count: a longer text would be cut to the length of that file.
     """
     with _open(path, "w") as target:
-        ds.drop_encoding().dump_to_store(H5NetCDFStore(target, mode="w"), encoding=encoding(ds))
+        ds.drop_encoding().dump_to_store(H5NetCDFStore(target, mode="w"), encoding=encodings(ds))
 
 
 def write(ds: xr.Dataset, path: str | Path, force: bool = False) -> Path:
@@ -119,7 +119,7 @@ def _create(
     if dtype.kind == "f":
         kind["fillvalue"] = np.nan
     if shape:
-        kind |= {"chunks": chunk_shape(shape), **schema.packing(len(shape), dtype)}
+        kind |= {"chunks": chunk_shape(shape), **schema.compression(len(shape), dtype)}
     variable = file.create_variable(name, dims, **kind)
     # netCDF has no booleans: as xarray stores them
     for key, text in {**attrs, **({"dtype": "bool"} if dtype.kind == "b" else {})}.items():
@@ -181,9 +181,9 @@ def check_folder(folder: str | Path) -> Path:
     return folder
 
 
-def encoding(ds: xr.Dataset) -> dict[str, dict[str, Any]]:
+def encodings(ds: xr.Dataset) -> dict[str, dict[str, Any]]:
     """How each variable is packed. An axis has no number for missing values: the CF conventions forbid it."""
-    packed = {str(name): schema.packing(v.ndim, v.dtype) for name, v in ds.variables.items()}
+    packed = {str(name): schema.compression(v.ndim, v.dtype) for name, v in ds.variables.items()}
     for name in ds.coords:
         if ds[name].dtype.kind == "f":
             packed[str(name)]["_FillValue"] = None

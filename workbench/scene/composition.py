@@ -50,7 +50,7 @@ def compose(scene: Scene) -> Page:
         raise TooFewStations(f"{n} stations are too few, about {stations} are needed", stations)
     missed = max((body.line.error for body in scene.bodies), default=0.0) * camera.per_unit
     error = max(settings.pixel_error, missed + settings.pixel_error / 2)
-    blind = any(body.line.swing > APART for body in scene.bodies)
+    blind = any(body.line.phase_step > APART for body in scene.bodies)
     coarse = error > (settings.pixel_error * (1 + 1e-9) if blind else COARSEST)
     if coarse or not all(body.has_true_colours for body in scene.bodies):
         raise TooFewStations(_too_few(n, stations, error, settings), stations)
@@ -72,7 +72,7 @@ def compose(scene: Scene) -> Page:
     final = Page(scene, legend, [*notes, *beyond, *rough], (wide, high))
     if not (settings.size or settings.bare):
         final.fit(size[1] / dpi)
-    final.put(pixels, arranged, _rings(scene, arranged), _marks_of_contact(scene, arranged))
+    final.paste(pixels, arranged, _rings(scene, arranged), _marks_of_contact(scene, arranged))
     final.error, final.stations = error, stations
     return final
 

@@ -188,7 +188,7 @@ class Page:
         wide, tall = map(float, self.fig.get_size_inches())
         canvas.resize(self.fig, (wide, tall + high - self.room()[1]))
 
-    def put(
+    def paste(
         self, pixels: Pixels, arrangement: Arrangement, rings: Sequence[tuple[float, float, float]],
         marks: Sequence[Mark] = (),
     ) -> None:  # fmt: skip

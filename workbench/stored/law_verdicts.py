@@ -9,7 +9,7 @@ import numpy as np
 
 from solver.problem.errors import InputError, choices, no_such
 from studies.language.expressions import unit_names
-from studies.language.printed import reading_of
+from studies.language.printed import as_reading
 from studies.laws import law_words
 from studies.laws.law_verdict import LawVerdict, LawVerdicts
 from studies.laws.line_verdicts import FAILS, HOLDS, TREND, UNDECIDED, branch_changes
@@ -68,7 +68,7 @@ def verdicts(ds: "xr.Dataset", crossing: "Mapping[str, NDArray[np.bool_]] | None
     """
     rows = []
     for law in laws_of(ds):
-        left_out = _left_out(ds, law)
+        left_out = _outside_the_law(ds, law)
         observed = {name: _without(ds[name].values, left_out) for name in law.observables if name in ds}
         if (of_all := refined.rows_for_law(ds, law.axis)) is not None:
             axes = dict(refined.describe(ds).lattice.axes)
@@ -82,11 +82,11 @@ def verdicts(ds: "xr.Dataset", crossing: "Mapping[str, NDArray[np.bool_]] | None
     return LawVerdicts(rows)
 
 
-def _left_out(ds: "xr.Dataset", law: Law) -> "NDArray[np.bool_]":
+def _outside_the_law(ds: "xr.Dataset", law: Law) -> "NDArray[np.bool_]":
     """The cases whose values do not enter a law, (*cases) of bool: rods that turn back against both their ends."""
     if law.turned_back or "caution" not in ds:
         return np.zeros(ds["outcome"].shape, dtype=bool)
-    return cautions.holding(schema.over_cases(ds, ds["caution"]), cautions.TURNED)
+    return cautions.has_key(schema.over_cases(ds, ds["caution"]), cautions.TURNED)
 
 
 def _without(values: Any, left_out: "NDArray[np.bool_]") -> Any:
@@ -110,7 +110,7 @@ def _grid(ds: "xr.Dataset", law: Law, steps: "NDArray[np.bool_] | None") -> tupl
 def _is_inert(ds: "xr.Dataset", law: Law) -> bool:
     """Whether the reading of Table 1 drops the axis of a law, so that no case depends on it."""
     reading = str(ds.attrs.get("reading", ""))
-    return bool(reading) and reading_of(reading).inert_field == law.axis
+    return bool(reading) and as_reading(reading).inert_field == law.axis
 
 
 def _row_of_untested(law: Law, row: Mapping[str, Any]) -> LawVerdict:
@@ -132,7 +132,7 @@ def verdicts_of_lines(ds: "xr.Dataset", law: Law) -> "xr.DataArray":
     if _is_inert(ds, law):
         values = np.full([ds.sizes[dim] for dim in others], UNDECIDED)
     else:
-        observed = _without(ds[law.observable].transpose(*axes).values, _left_out(ds, law))
+        observed = _without(ds[law.observable].transpose(*axes).values, _outside_the_law(ds, law))
         values = by_line(law, observed, *_grid(ds, law, crossings(ds, law.axis)))
     return xr.DataArray(values, {dim: ds[dim] for dim in others}, others)
 

@@ -23,7 +23,7 @@ def without(ds: "xr.Dataset", key: str) -> "xr.Dataset":
     if key not in cautions.WORDS:
         raise no_such("caution", key, cautions.WORDS)
     if "caution" in ds and "outcome" in ds and ds["caution"].dims == ds["outcome"].dims:
-        return _without_numbers(ds, ds["caution"].copy(data=cautions.holding(ds["caution"], key)), "")
+        return _without_numbers(ds, ds["caution"].copy(data=cautions.has_key(ds["caution"], key)), "")
     parts = [part for part in PARTS if f"{part}_{BACK}" in ds]
     if not parts or key != cautions.TURNED:
         raise InputError(f"this file does not tell which of its rods are {key!r}")

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 def method_of(study: "Study", over: "Dimensions") -> str:
     """The name of the method that solves a study over these axes. Raises `InputError` as `solve` does."""
-    from solver.methods import choose_method, free_method, varying_method
+    from solver.methods import choose_method, free_method, method_on_nodes
 
     first = study.case_of({name: values[0] for name, values in over.fields.items()})
     if study.follow is not None:  # the equilibrium is followed by its ends, also where the study gives its start
@@ -23,7 +23,7 @@ def method_of(study: "Study", over: "Dimensions") -> str:
     if study.leaves:
         name = free_method(study.method)
     elif study.varies:
-        name = varying_method(first.kind, study.method)
+        name = method_on_nodes(first.kind, study.method)
     else:
         name = choose_method(first.kind, study.method).name
     if study.held and name not in ("shooting", "uno"):

@@ -113,7 +113,7 @@ def raw(path: str | Path, without: Sequence[str] = ()) -> xr.Dataset:
     No number is read as a time. without: names of variables to leave out; texts are read when a dataset is opened, and
     take more memory than all else. Raises `InputError` where it is no such file.
     """
-    return _dataset_of(path, without)[0]
+    return _as_dataset(path, without)[0]
 
 
 def _open(path: str | Path, first: Callable[..., None] | None = None, asked: Sequence[checks.Check] = ()) -> xr.Dataset:
@@ -121,7 +121,7 @@ def _open(path: str | Path, first: Callable[..., None] | None = None, asked: Seq
 
     first: what raises `InputError` for another kind or format.
     """
-    ds, held = _dataset_of(path)
+    ds, held = _as_dataset(path)
     try:
         with refusing(path):
             if first is not None:
@@ -134,7 +134,7 @@ def _open(path: str | Path, first: Callable[..., None] | None = None, asked: Seq
     return ds
 
 
-def _dataset_of(path: str | Path, without: Sequence[str] = ()) -> tuple[xr.Dataset, Contents]:
+def _as_dataset(path: str | Path, without: Sequence[str] = ()) -> tuple[xr.Dataset, Contents]:
     """The dataset of a file, without these variables, and without its checksums, as a selection that is stored has
     others; what the file holds."""
     file_checks.check_file(Path(path))

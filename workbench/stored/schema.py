@@ -58,7 +58,7 @@ def loads_vary(ds: "xr.Dataset") -> bool:
     return any(bool(np.any(ds[name].values != 0)) for name in VARY_LOADS if name in ds.variables)
 
 
-def packing(ndim: int, dtype: "np.dtype[Any]") -> dict[str, Any]:
+def compression(ndim: int, dtype: "np.dtype[Any]") -> dict[str, Any]:
     """How an array is compressed in the file; scalars and text are not."""
     return dict(PACKED) if ndim and dtype.kind in "biuf" else {}
 

@@ -102,7 +102,7 @@ def follow_to(before: Solution, case: Case, field: str, neighbour: str) -> Solut
     if not before.solved:
         said = str(before.outcome)
         first = f"failed: no equilibrium at {neighbour}, from which the axis is followed"
-        return _nothing(before, case, said if said.startswith(BEYOND) else first)
+        return _blank(before, case, said if said.startswith(BEYOND) else first)
     name = quantity_of(field).name
     value = value_of(case, name)
     target: dict[str, Any] = {name: value}
@@ -111,11 +111,11 @@ def follow_to(before: Solution, case: Case, field: str, neighbour: str) -> Solut
     except InputError as error:
         branch = str(error)
     if isinstance(branch, str):
-        return _nothing(before, case, f"{BEYOND} stops at {neighbour}: {branch.removeprefix('failed: ')}")
+        return _blank(before, case, f"{BEYOND} stops at {neighbour}: {branch.removeprefix('failed: ')}")
     if (why := _end(branch, value)) is not None:
-        return _nothing(before, case, why)
+        return _blank(before, case, why)
     reached = solve(case, tol=before.tol, stations=2, seed=branch.points[-1].solution)
-    return reached if reached.solved else _nothing(before, case, f"{BEYOND} stops before this case: {reached.outcome}")
+    return reached if reached.solved else _blank(before, case, f"{BEYOND} stops before this case: {reached.outcome}")
 
 
 def _end(branch: Branch, value: float) -> str | None:
@@ -191,7 +191,7 @@ def read(sol: Solution, stations: Any) -> Solution:
     return _with_shape(sol, t, orbit.at(t), partial(orbit.swirl, t))
 
 
-def _nothing(before: Solution, case: Case, outcome: str) -> Solution:
+def _blank(before: Solution, case: Case, outcome: str) -> Solution:
     """A case without a solution, in the form of that of the case before it."""
     held = None if before.trajectory.held_index is None else np.array([np.nan])
     judged = {"solved": np.array([False]), "outcome": np.array([outcome], dtype=object), "held_index": held}

@@ -93,7 +93,7 @@ def is_barred(text: str) -> bool:
     return any(not part.startswith((UNKNOWN, *_POSSIBLE)) for part in parts(text))
 
 
-def holding(texts: Any, key: str) -> Any:
+def has_key(texts: Any, key: str) -> Any:
     """Whether a key is among those of each caution, (*cases) of bool."""
     texts = np.asarray(texts)
     each = texts.astype(str).ravel().tolist()
@@ -133,7 +133,7 @@ def tell(texts: Mapping[str, int]) -> str:
     grave = {part: count for part, count in known.items() if not part.startswith(_POSSIBLE)}
     slight = {part: count for part, count in known.items() if part not in grave}
     unknown = {part.removeprefix(UNKNOWN): counts[part] for part in UNCHECKED if part in counts}
-    return " ".join(words(cases, of) for words, of in ((_grave, grave), (_slight, slight), (_unknown, unknown)) if of)
+    return " ".join(words(cases, of) for words, of in ((_grave, grave), (_slight, slight), (_doubts, unknown)) if of)
 
 
 def _parts(texts: Mapping[str, int]) -> dict[str, int]:
@@ -163,7 +163,7 @@ def _slight(cases: int, counts: Mapping[str, int]) -> str:
     return " ".join(f"{count} of {cases} rods {phrase(part, count > 1)}." for part, count in counts.items())
 
 
-def _unknown(cases: int, counts: Mapping[str, int]) -> str:
+def _doubts(cases: int, counts: Mapping[str, int]) -> str:
     if cases == 1:
         return f"The rod was not checked for {_list(list(counts))}."
     return f"Not checked: {_list([f'{count} of {cases} for {what}' for what, count in counts.items()])}."
@@ -225,7 +225,7 @@ def model_leaves_out(given: Mapping[str, Any], *more: str) -> str:
 LEFT_OUT = model_leaves_out({})
 
 
-def left_out_of(case: "Case") -> str:
+def sentence_inside(case: "Case") -> str:
     """The sentence that belongs to a rod inside a cylinder; "" for one outside."""
     if case.cylinder.side != "inside":
         return ""

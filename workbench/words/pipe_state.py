@@ -87,13 +87,13 @@ def sentences(sol: "Solution", units: dict[str, str]) -> list[str]:
         return []
     length, force = units["length"], units["force"]
     if not sol.solved:
-        return _buckling(sol, force)
+        return _buckling_load(sol, force)
     said = [f"state: {in_words(sol.states, length)}{_doubt(sol)}; {_stability(sol)}"]
     said += _ripples(sol)
     said += [way] if (way := way_of(str(sol.begun or ""))) else []
     if sol.case.cylinder.side == "inside" and min(axial_force(sol)) > 0:
         said.append(TENSION)
-    said += [*_friction(sol, units), *_buckling(sol, force), *_expectation(sol, force)]
+    said += [*_friction(sol, units), *_buckling_load(sol, force), *_expectation(sol, force)]
     return [*said, *[lower_end(sol.case)] * bool(sol.case.rod.weight)]
 
 
@@ -233,17 +233,17 @@ def _load(tension: float, force: str) -> str:
     return f"{words} {plain(abs(tension))} {force}"
 
 
-def _buckling(sol: "Solution", force: str) -> list[str]:
+def _buckling_load(sol: "Solution", force: str) -> list[str]:
     """The load at which the straight rod buckles under its whole weight; none where it is no equilibrium."""
-    from solver.nodes.buckling import buckling_tension
+    from solver.nodes.buckling import tension_of_buckling
 
     if sol.case.kind != "ends" or sol.case.cylinder.side == "outside":
         return []
     rod = rods_of(sol.case)[0]
     if not rod.straight:
         return []
-    phi, unit = buckling_tension(rod), float(sol.case.rod.bending_stiffness) / float(sol.case.rho) ** 2
-    who = f"the straight rod{' without friction' * rod.rubbed}"
+    phi, unit = tension_of_buckling(rod), float(sol.case.rod.bending_stiffness) / float(sol.case.rho) ** 2
+    who = f"the straight rod{' without friction' * rod.has_friction}"
     if phi is None:
         return [f"{who} is unstable even in tension, by its torque"]
     near, far = ((phi - part) * unit for part in (rod.along * rod.span, 0.0))

@@ -23,7 +23,7 @@ from solver.nodes.loaded_rod import rods_of
 from solver.observe.observables import observables_of, observe
 from solver.problem.case_fields import value_of, with_field
 from solver.problem.errors import DEFAULT_TOLERANCE, InputError, choices, no_such
-from solver.problem.reduced import held_of, reduce
+from solver.problem.reduced import fields_held, reduce
 from studies import Study
 from studies.grammar.axes import WORDS, Dimensions, Which
 from studies.language.loader import loads
@@ -116,7 +116,7 @@ def is_searched(study: Study) -> bool:
     Raises `InputError` for ends that the page does not show.
     """
     case = study.case()
-    if not case.varies and (held := held_of(case)):
+    if not case.varies and (held := fields_held(case)):
         raise InputError(f"the live page shows ends under dead loads, got {choices(held)}: use workbench solve")
     return isinstance(case.given, Ends)
 
@@ -288,7 +288,7 @@ def round_rows(rows: Mapping[str, Any], digits: int) -> dict[str, list[float]]:
     return {name: [float(f"{value:.{digits}g}") for value in row] for name, row in rows.items()}
 
 
-def dataset_of_rod(one: LiveRod) -> Any:
+def rod_as_dataset(one: LiveRod) -> Any:
     """The dataset of a solved rod, as `workbench run` stores it. Raises `InputError` for a part of a rod."""
     if not one.whole:
         raise InputError("only a part of this rod is shown: run it as a study to export it")
@@ -300,7 +300,7 @@ def dataset_of_rod(one: LiveRod) -> Any:
 
 def file(one: LiveRod, kind: str) -> bytes:
     """The bytes of an exported file with that suffix. Raises `InputError` as `stored_rod.export` does."""
-    stored = StoredStudy(dataset_of_rod(one))
+    stored = StoredStudy(rod_as_dataset(one))
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / f"rod.{kind}"
         try:

@@ -7,7 +7,7 @@ from typing import Any
 
 from solver import Case, Ends, observe, solve
 from solver.problem.errors import DEFAULT_TOLERANCE, InputError, choices
-from solver.problem.reduced import held_of
+from solver.problem.reduced import fields_held
 from studies import tenants
 from studies.grammar.axes import Which, quantity_of
 from studies.language.case_input import CaseInput, field_values, read_case
@@ -75,7 +75,7 @@ def own_preset(file: Path | None, options: dict[str, Any], units: dict[str, str]
 
 def _under_dead_loads(rod: CaseInput) -> CaseInput:
     """The rod under the loads and end angles that hold it where its ends are held otherwise. Raises `InputError`."""
-    held = () if rod.case.varies else held_of(rod.case)
+    held = () if rod.case.varies else fields_held(rod.case)
     if not held:
         return rod
     sol = solve_one(rod.case, rod.which, DEFAULT_TOLERANCE, "auto", BETWEEN)

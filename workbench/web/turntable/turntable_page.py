@@ -187,7 +187,8 @@ def turntable_of_dataset(
         "push": labels.unit(f"{stored.units['force']}/{stored.units['length']}"),
     }
     return StoredTurntable(
-        data, [_left_out(stored, name, rows) for name, rows in chosen.items() if len(rows) < stored.sizes[name]]
+        data,
+        [_omissions(stored, name, rows) for name, rows in chosen.items() if len(rows) < stored.sizes[name]],
     )
 
 
@@ -200,7 +201,7 @@ def stations_for(line: Centreline) -> int:
 
 def _is_blind(line: Centreline) -> bool:
     """Whether a rod may swing between its stations where a picture would show it."""
-    return line.swing > APART and line.error > NEAR * line.a
+    return line.phase_step > APART and line.error > NEAR * line.a
 
 
 def _choose(sizes: dict[str, int], base: Mapping[str, int], most: int) -> dict[str, list[int]]:
@@ -297,6 +298,6 @@ def _pack(lines: Sequence[Centreline | None], step: int, n: int) -> str:
     return base64.b64encode(np.stack(rows).astype("<f4").tobytes()).decode("ascii")
 
 
-def _left_out(stored: StoredStudy, name: str, rows: Sequence[int]) -> str:
+def _omissions(stored: StoredStudy, name: str, rows: Sequence[int]) -> str:
     values = f"{stored.sizes[name]} values of {labels.symbol(stored[name])}"
     return f"{len(rows)} of the {values}, evenly chosen, are in this file."
