@@ -43,10 +43,18 @@ RATIO = 2  # pixels of the picture per CSS pixel
 SETTLED = 8000  # ms of the page's own clock, after which it has drawn everything at rest
 PATIENCE = 120  # s
 FLAGS = (
-    "--headless", "--disable-gpu", "--enable-unsafe-swiftshader", "--hide-scrollbars", "--no-first-run",
-    "--disable-background-networking", "--disable-component-update", "--disable-sync",
-    f"--window-size={SIZE[0]},{SIZE[1]}", f"--force-device-scale-factor={RATIO}", f"--virtual-time-budget={SETTLED}",
-)  # fmt: skip
+    "--headless",
+    "--disable-gpu",
+    "--enable-unsafe-swiftshader",
+    "--hide-scrollbars",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    f"--window-size={SIZE[0]},{SIZE[1]}",
+    f"--force-device-scale-factor={RATIO}",
+    f"--virtual-time-budget={SETTLED}",
+)
 
 
 def main(folder: str = "pictures", *only: str) -> None:

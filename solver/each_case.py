@@ -77,9 +77,17 @@ def _blank_answer(case: Case, t: Array, why: Array) -> Answer:
     problem = kind(**numbers | {"span": span_of(case)})
     nothing, each = np.full(t.shape, np.nan), np.full(B, np.nan)
     answer = Trajectory(
-        nothing, nothing, nothing, nothing, partial(np.asarray, nothing), np.zeros(B, dtype=bool), why,
-        each + np.inf, each + np.inf, np.zeros(B, dtype=np.int64),
-    )  # fmt: skip
+        nothing,
+        nothing,
+        nothing,
+        nothing,
+        partial(np.asarray, nothing),
+        np.zeros(B, dtype=bool),
+        why,
+        each + np.inf,
+        each + np.inf,
+        np.zeros(B, dtype=np.int64),
+    )
     if case.kind == "ends":
         answer = replace(answer, begun=np.full(B, "", dtype=object))
     if case.leaves:

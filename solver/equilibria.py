@@ -43,10 +43,14 @@ NONE_FOUND = "incomplete: no equilibrium was found, and by degree there is alway
 
 
 def equilibria(
-    case: Case, tol: float = DEFAULT_TOLERANCE, stations: int = 201, most_swings: int | None = None,
-    within: Mapping[str, Sequence[float]] | None = None, tries: int = TRIES,
+    case: Case,
+    tol: float = DEFAULT_TOLERANCE,
+    stations: int = 201,
+    most_swings: int | None = None,
+    within: Mapping[str, Sequence[float]] | None = None,
+    tries: int = TRIES,
     values: int | None = None,
-) -> Equilibria:  # fmt: skip
+) -> Equilibria:
     """All equilibria of one ends problem; of one with held ends or weight those that a search finds.
 
     Parameters

@@ -88,8 +88,11 @@ def _work_of_reactions(solution: Solution) -> float:
     ends = solution.case.given
     assert isinstance(ends, Ends)
     along = zip(PAIRS[2:], (solution.z, solution.alpha, solution.gamma), strict=True)
-    work = sum(float(getattr(solution, load) * (values[-1] - values[0])) for (load, held), values in along
-               if held in solution.held)  # fmt: skip
+    work = sum(
+        float(getattr(solution, load) * (values[-1] - values[0]))
+        for (load, held), values in along
+        if held in solution.held
+    )
     for name, sign, beta in (("M10", -1, solution.problem.beta0), ("M1L", 1, solution.problem.betaL)):  # type: ignore[union-attr]
         if name in solution.held:
             work -= sign * float(getattr(ends, name)) * float(beta[0])

@@ -171,8 +171,9 @@ def _question_on_nodes(
     if check(choose) != NEAREST:
         raise InputError(f"choose = {choose!r} needs all equilibria, which are not known with weight or friction")
     straight = isinstance(seed, str) and seed == "straight"
-    is_seed = straight or (isinstance(seed, Solution) and seed.trajectory.shapes is not None
-                           and seed.case.shape in ((), case.shape))  # fmt: skip
+    is_seed = straight or (
+        isinstance(seed, Solution) and seed.trajectory.shapes is not None and seed.case.shape in ((), case.shape)
+    )
     if seed is not None and (case.kind == "start" or not is_seed):
         raise InputError(
             "seed of a rod with weight or friction is 'straight', or a Solution between ends of such a rod, got "

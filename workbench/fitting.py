@@ -45,10 +45,14 @@ def as_dataset(found: Fit, units: dict[str, str], points: dict[str, Any] | None,
         },
         coords={"field": names, "unit": ("field", [quantity_variables.labels(name, units)["units"] for name in names])},
         attrs={
-            "title": f"Fit: {_said(found, units)}", "rule": found.rule, "freedom": found.freedom,
-            "outcome": found.outcome, "length_unit": units["length"], "exact": found.exact,
+            "title": f"Fit: {_said(found, units)}",
+            "rule": found.rule,
+            "freedom": found.freedom,
+            "outcome": found.outcome,
+            "length_unit": units["length"],
+            "exact": found.exact,
         },
-    )  # fmt: skip
+    )
     curve = solve(found.case, stations=STATIONS, **_branch(found))
     ds["alpha"], ds["z"], ds["s"] = (("u", np.asarray(getattr(curve, name))) for name in ("alpha", "z", "s"))
     ds["rho"] = float(found.case.rho)

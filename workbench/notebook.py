@@ -287,11 +287,15 @@ def _attributes(sol: Solution, units: Mapping[str, str]) -> dict[str, Any]:
     case = sol.case
     return {
         "title": "An elastic rod on a cylinder" if not case.shape else f"{case.size} elastic rods on cylinders",
-        "study_name": "solution", "study": "", "reading": "",
+        "study_name": "solution",
+        "study": "",
+        "reading": "",
         **quantity_variables.attributes_of_case(case, units),
-        "laws": json.dumps([]), "versions": json.dumps(provenance.versions()),
-        "method": sol.method, "tolerance": sol.tol,
-    }  # fmt: skip
+        "laws": json.dumps([]),
+        "versions": json.dumps(provenance.versions()),
+        "method": sol.method,
+        "tolerance": sol.tol,
+    }
 
 
 def _fine(sol: Solution) -> Solution:

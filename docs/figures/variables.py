@@ -129,9 +129,16 @@ def draw() -> Figure:
     ax.set_axis_off()
     ax.set_xlim(-1.9, 2.5)
     ax.set_ylim(-1.0, 5.2)
-    ax.text(0.99, 0.0, "N: towards the axis\nB = T × N: in the surface, across the rod\n"
-            "T: tangent, at β from the axis\npale: the rod behind the cylinder",
-            transform=ax.transAxes, ha="right", color=SOFT, size=9)  # fmt: skip
+    ax.text(
+        0.99,
+        0.0,
+        "N: towards the axis\nB = T × N: in the surface, across the rod\n"
+        "T: tangent, at β from the axis\npale: the rod behind the cylinder",
+        transform=ax.transAxes,
+        ha="right",
+        color=SOFT,
+        size=9,
+    )
     return fig
 
 

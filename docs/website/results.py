@@ -38,14 +38,20 @@ def _plot(name: str, words: str, study: str, *options: str) -> Result:
 README = (
     _plot("pipe_buckles", "A drill pipe buckles as the load grows", "examples/pipe.toml", "--kind curves"),
     _of("dna", "DNA on a histone", "scene examples/dna.toml --kind double-helix -o dna.png"),
-    _of("let_go", "A rod that the cylinder holds on, and the same rod let go",
-        "scene examples/release.toml --kind let-go --dpi 110 -o let_go.png"),
-)  # fmt: skip
+    _of(
+        "let_go",
+        "A rod that the cylinder holds on, and the same rod let go",
+        "scene examples/release.toml --kind let-go --dpi 110 -o let_go.png",
+    ),
+)
 RESULTS = (
     *README,
     _of("cable", "A cable on a drum", "scene examples/cable.toml --kind contact -o cable.png"),
-    _of("branches_held", "Force over height of a rod that snaps through, with the rod at eight points",
-        "equilibria examples/snap.toml --axis height=-2.5:4.9:21 --plot branches_held.png"),
+    _of(
+        "branches_held",
+        "Force over height of a rod that snaps through, with the rod at eight points",
+        "equilibria examples/snap.toml --axis height=-2.5:4.9:21 --plot branches_held.png",
+    ),
     _of("curvature", "How tightly the rod is bent", "scene fig6 --kind curvature -o curvature.png"),
     _of("twist", "A stripe that turns with the material", "scene fig6 --kind twist -o twist.png"),
     _of("stiffer", "Nine rods from soft to stiff", "scene fig7_1_modulus --kind grid -o stiffer.png"),
@@ -59,10 +65,9 @@ RESULTS = (
     _plot("samples", "What matters among 256 samples", "samples_pipe"),
     _plot("pole", "A pole that buckles under its own weight", "pole_greenhill", "--panel kappa_max"),
     _of("equilibria", "All equilibria between two ends", "equilibria --plot equilibria.png"),
-    _of("atlas", "Where equilibria appear",
-        "folds --axis betaL=-60deg:90deg --axis FZ=4:12 --plot atlas.png"),
+    _of("atlas", "Where equilibria appear", "folds --axis betaL=-60deg:90deg --axis FZ=4:12 --plot atlas.png"),
     _of("loops", "Closed rods of one turn", "loops --a 0.05 --R 0.95 --L 12 --folds 1,2,3 -o loops.png"),
-)  # fmt: skip
+)
 
 
 def draw(result: Result, folder: Path) -> Path:

@@ -21,10 +21,16 @@ TABLES = {
     "Law": "[[laws]]",
 }
 LIMITS = {
-    "minimum": "≥ {}", "exclusiveMinimum": "> {}", "maximum": "≤ {}", "exclusiveMaximum": "< {}",
-    "minLength": "at least {} characters", "maxLength": "at most {} characters", "pattern": "matches `{}`",
-    "minItems": "at least {} values", "maxItems": "at most {} values",
-}  # fmt: skip
+    "minimum": "≥ {}",
+    "exclusiveMinimum": "> {}",
+    "maximum": "≤ {}",
+    "exclusiveMaximum": "< {}",
+    "minLength": "at least {} characters",
+    "maxLength": "at most {} characters",
+    "pattern": "matches `{}`",
+    "minItems": "at least {} values",
+    "maxItems": "at most {} values",
+}
 WORDS = {"number": "number", "integer": "whole number", "string": "text", "boolean": "true or false", "null": "nothing"}
 
 

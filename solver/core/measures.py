@@ -118,10 +118,14 @@ def _rods_of(pieces: Any, given: Mapping[str, Array], goal: float, groups: int) 
     arrays |= {name: getattr(pieces.problem, name) for name in _GIVEN}
     _, kinds, coefficients = pieces.series.shape
     return _Rods(
-        coefficients, kinds, int(pieces.monotone), groups, goal,
+        coefficients,
+        kinds,
+        int(pieces.monotone),
+        groups,
+        goal,
         **{name: np.ascontiguousarray(array, dtype=np.int64) for name, array in whole.items()},
         **{name: np.ascontiguousarray(array, dtype=float) for name, array in arrays.items()},
-    )  # fmt: skip
+    )
 
 
 _MOST_CROSSINGS = 64  # for which there is room at once

@@ -111,11 +111,13 @@ def _others(model: Model, minima: Sequence[FitMinimum], known: Uncertainty) -> l
             places.append(minimum)
     return [
         OtherMinimum(
-            values_at(model.parameters, minimum.x), minimum.cost, _as_good(model, minimum, minima[0], known),
+            values_at(model.parameters, minimum.x),
+            minimum.cost,
+            _as_good(model, minimum, minima[0], known),
             tuple(part.name for part, free in zip(model.parameters, minimum.free, strict=True) if not free),
         )
         for minimum in places[1:]
-    ]  # fmt: skip
+    ]
 
 
 def _as_good(model: Model, minimum: FitMinimum, best: FitMinimum, known: Uncertainty) -> bool:

@@ -56,9 +56,14 @@ def case_of_held_ends(sol: ShapeArrays, curves: Sequence[BeginningCurve | None])
     if case.leaves:
         rest |= dict(zip(OFF_WALL[:2], case.end_radii, strict=True)) | {"tilt0": tilt0, "tiltL": tiltL}
     held = Ends(
-        beta0=beta0, betaL=betaL, azimuth=azimuth, rotation=rotation,
-        alpha=case.given.alpha, gamma=case.given.gamma, **rest,
-    )  # fmt: skip
+        beta0=beta0,
+        betaL=betaL,
+        azimuth=azimuth,
+        rotation=rotation,
+        alpha=case.given.alpha,
+        gamma=case.given.gamma,
+        **rest,
+    )
     return Case(case.rod, replace(case.cylinder, contact="unilateral"), held)
 
 

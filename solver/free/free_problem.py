@@ -91,10 +91,17 @@ class Beside(NamedTuple):
         radius, loads = np.hypot(*curve.x[[0, -1], :2].T), share if curve.grows else 1.0
         height = None if rod.height is None else (1 - share) * curve.x[-1, 2] + share * rod.height
         return replace(
-            rod, edges=edges, twist=twist * (loads if self.rotation is None else 1.0), flip=float(flip), height=height,
-            angles=np.where(rod.free, ends, (1 - share) * ends + share * goal), loads=loads * rod.loads,
-            radius=(1 - share) * radius + share * rod.radius, tension=loads * rod.tension, weight=loads * rod.weight,
-        )  # fmt: skip
+            rod,
+            edges=edges,
+            twist=twist * (loads if self.rotation is None else 1.0),
+            flip=float(flip),
+            height=height,
+            angles=np.where(rod.free, ends, (1 - share) * ends + share * goal),
+            loads=loads * rod.loads,
+            radius=(1 - share) * radius + share * rod.radius,
+            tension=loads * rod.tension,
+            weight=loads * rod.weight,
+        )
 
     def way(self, curve: BeginningCurve) -> float:
         """How far the ends of a curve are from where those of the rod are held: 1 is a step of moderate size."""

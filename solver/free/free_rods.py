@@ -248,10 +248,17 @@ def trajectory_of(case: Case, answers: Sequence[Answer], t: Array, tol: float) -
     ratio = np.reshape(np.broadcast_to(case.rod.stiffness_ratio, case.shape), -1)
     solved = (why == "") & ~short & units_held(case)
     return EndsProblem(lam, mu, phi, span, first, last), Trajectory(
-        beta=beta, dbeta=along.rate, alpha=alpha - alpha[:, :1], z=along.x[..., 2],
+        beta=beta,
+        dbeta=along.rate,
+        alpha=alpha - alpha[:, :1],
+        z=along.x[..., 2],
         swirl=partial(np.asarray, (ratio * mu)[:, None] * t - (gamma - gamma[:, :1])),
-        solved=solved, outcome=outcome, error=error, condition=np.ones(error.size),
+        solved=solved,
+        outcome=outcome,
+        error=error,
+        condition=np.ones(error.size),
         evaluations=np.array([answer.steps for answer in answers]),
         begun=np.array([answer.begun for answer in answers], dtype=object),
-        held_index=np.where(solved, 0.0, np.nan), free=FreeRods(answers, along),
-    )  # fmt: skip
+        held_index=np.where(solved, 0.0, np.nan),
+        free=FreeRods(answers, along),
+    )

@@ -11,17 +11,23 @@ import numpy as np
 from ..numerics.arrays import Array
 
 # the imaginary parts of conj(a) b are a @ BILINEAR[i] @ b
-BILINEAR = np.array([
-    [[0, 1, 0, 0], [-1, 0, 0, 0], [0, 0, 0, -1], [0, 0, 1, 0]],
-    [[0, 0, 1, 0], [0, 0, 0, 1], [-1, 0, 0, 0], [0, -1, 0, 0]],
-    [[0, 0, 0, 1], [0, 0, -1, 0], [0, 1, 0, 0], [-1, 0, 0, 0]],
-], dtype=float)  # fmt: skip
+BILINEAR = np.array(
+    [
+        [[0, 1, 0, 0], [-1, 0, 0, 0], [0, 0, 0, -1], [0, 0, 1, 0]],
+        [[0, 0, 1, 0], [0, 0, 0, 1], [-1, 0, 0, 0], [0, -1, 0, 0]],
+        [[0, 0, 0, 1], [0, 0, -1, 0], [0, 1, 0, 0], [-1, 0, 0, 0]],
+    ],
+    dtype=float,
+)
 # the components of D3 are q @ QUADRATIC[i] @ q
-QUADRATIC = np.array([
-    [[0, 0, 1, 0], [0, 0, 0, 1], [1, 0, 0, 0], [0, 1, 0, 0]],
-    [[0, -1, 0, 0], [-1, 0, 0, 0], [0, 0, 0, 1], [0, 0, 1, 0]],
-    [[1, 0, 0, 0], [0, -1, 0, 0], [0, 0, -1, 0], [0, 0, 0, 1]],
-], dtype=float)  # fmt: skip
+QUADRATIC = np.array(
+    [
+        [[0, 0, 1, 0], [0, 0, 0, 1], [1, 0, 0, 0], [0, 1, 0, 0]],
+        [[0, -1, 0, 0], [-1, 0, 0, 0], [0, 0, 0, 1], [0, 0, 1, 0]],
+        [[1, 0, 0, 0], [0, -1, 0, 0], [0, 0, -1, 0], [0, 0, 0, 1]],
+    ],
+    dtype=float,
+)
 _CONJUGATE = np.array([1.0, -1.0, -1.0, -1.0])
 _PRODUCT = np.concatenate([np.diag(_CONJUGATE)[None], BILINEAR * _CONJUGATE[:, None]])  # of which a @ each @ b is a b
 _TURNS = ((3, 1.0), (1, -1.0), (2, 1.0), (3, 1.0))  # axis and sense of the azimuth, beta, the tilt, the rotation

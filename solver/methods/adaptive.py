@@ -25,7 +25,7 @@ from .base import (
     one_by_one,
     tens,
     tighten,
-)  # fmt: skip
+)
 from .half_period import condition_numbers
 
 _MOST_CALLS = 400_000  # of one integration: one or two seconds; stiffer cases are for `orbit`
@@ -62,8 +62,11 @@ class Adaptive(StartMethod):
             columns, error, calls, why = tighten(
                 lambda rtol: self.integrate(single, t[i], rtol),
                 lambda calls: self.rounding * (1 + calls**0.5) * growth,
-                t[i, -1], tol, self.rtol, self.tightest,
-            )  # fmt: skip
+                t[i, -1],
+                tol,
+                self.rtol,
+                self.tightest,
+            )
             return columns, error, growth, calls, why
 
         return one_by_one(answer, t, tol)

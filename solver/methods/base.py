@@ -187,9 +187,14 @@ def largest(off: Array, reach: Any) -> Array:
 
 
 def tighten(
-    attempt: Callable[[float], tuple[Array, int, str]], rounding: Callable[[int], float], reach: float, tol: float,
-    rtol: float | None, tightest: float, loosest: float = 1e-2,
-) -> tuple[Array, float, int, str]:  # fmt: skip
+    attempt: Callable[[float], tuple[Array, int, str]],
+    rounding: Callable[[int], float],
+    reach: float,
+    tol: float,
+    rtol: float | None,
+    tightest: float,
+    loosest: float = 1e-2,
+) -> tuple[Array, float, int, str]:
     """The columns of one case by a method whose tolerance is one of a step; their error, evaluations, and why there are
     none or an empty text.
 

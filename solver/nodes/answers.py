@@ -80,9 +80,16 @@ def answer_starts(case: Case, t: Array, tol: float) -> tuple[StartProblem, Traje
     def march_with_errors(rows: Any, truncation: Array | float) -> tuple[March, Array, Array]:
         first, stations = n * np.arange(span[rows].size + 1), t[rows].reshape(-1)
         marched = march(
-            numbers[rows], scale[rows], begin[rows], span[rows], BY_ANGLE, first, stations, judge=True,
+            numbers[rows],
+            scale[rows],
+            begin[rows],
+            span[rows],
+            BY_ANGLE,
+            first,
+            stations,
+            judge=True,
             truncation=truncation,
-        )  # fmt: skip
+        )
         with np.errstate(invalid="ignore"):
             condition = np.maximum(1, np.maximum(marched.growth[:, BETA], weight[rows] * marched.growth[:, SPEED]))
             off = np.maximum(marched.errors[:, 0], marched.errors[:, 1] / np.maximum(1, span[rows]))
@@ -151,9 +158,16 @@ def answer_ends(case: Case, t: Array, tol: float, seeds: Sequence[Any] | None = 
     if not case.varies:
         read |= {"loads": None, "dead_index": dead_indices(shapes.each(len(rods)))}
     return problem, Trajectory(
-        **read, solved=solved, outcome=outcome, error=error, condition=condition, evaluations=work, begun=begun,
-        held_index=index, shapes=shapes,
-    )  # fmt: skip
+        **read,
+        solved=solved,
+        outcome=outcome,
+        error=error,
+        condition=condition,
+        evaluations=work,
+        begun=begun,
+        held_index=index,
+        shapes=shapes,
+    )
 
 
 def curve_over(case: Case, known: Shape, name: str, low: float, high: float) -> tuple[NodeCurve, Shape]:

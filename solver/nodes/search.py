@@ -179,9 +179,13 @@ def _states_at(rod: LoadedRod, t: Array, begin: Array) -> list[Array]:
     """The states at the nodes t of rods that begin with these, (N, 8); those that stay finite."""
     rods, count = len(begin), t.size
     read = march(
-        rod.numbers, rod.scale, begin, np.full(rods, rod.span),
-        first=count * np.arange(rods + 1), stations=np.tile(t, rods),
-    )  # fmt: skip
+        rod.numbers,
+        rod.scale,
+        begin,
+        np.full(rods, rod.span),
+        first=count * np.arange(rods + 1),
+        stations=np.tile(t, rods),
+    )
     return [y for y in read.out.reshape(rods, count, -1) if np.isfinite(y).all()]
 
 

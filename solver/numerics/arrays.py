@@ -18,8 +18,10 @@ class Columns:
 
     def take(self, index: Any) -> Self:
         """The rows that an index array, a mask or a slice selects."""
-        rows = {k: v[index] if isinstance(v, np.ndarray) else v.take(index) if isinstance(v, Columns) else v
-                for k, v in vars(self).items()}  # fmt: skip
+        rows = {
+            k: v[index] if isinstance(v, np.ndarray) else v.take(index) if isinstance(v, Columns) else v
+            for k, v in vars(self).items()
+        }
         return type(self)(**rows)
 
     @classmethod

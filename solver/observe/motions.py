@@ -110,9 +110,12 @@ def shape_rates(out: Array, shape: Mapping[str, Array]) -> None:
 def _shapes_of(out: Array, shape: Mapping[str, Array]) -> Any:
     _, B, F, n = out.shape
     return _Shapes(
-        size=B, stations=n, F=F, out=out,
+        size=B,
+        stations=n,
+        F=F,
+        out=out,
         **{name: np.ascontiguousarray(array, dtype=float) for name, array in shape.items()},
-    )  # fmt: skip
+    )
 
 
 class RatedNumbers(NamedTuple):
@@ -151,9 +154,11 @@ class StartRates(NamedTuple):
 
 
 def start_sensitivities(
-    problem: Reduced, shape: Mapping[str, Array], measured: RatedNumbers | None = None,
+    problem: Reduced,
+    shape: Mapping[str, Array],
+    measured: RatedNumbers | None = None,
     motion: tuple[Variations, Array] | None = None,
-) -> StartRates:  # fmt: skip
+) -> StartRates:
     """The derivatives of B start problems.
 
     shape: as of `shape_rates`. motion: of one problem whose orbit is known, its variations and the parts of its
@@ -188,11 +193,14 @@ def start_sensitivities(
     places = [(name, NUMBERS.index(name)) for name in _members(plain)]
     (whole, less, more), thirds = seen, {name: NUMBERS.index(name) for name in _members(middle)}
     return StartRates(
-        kind, out, marks, half,
+        kind,
+        out,
+        marks,
+        half,
         {name: rates[..., RATED[name]] for name in names},
         {name: (whole[:, 0, k], whole[:, 1, k]) for name, k in places},
         {name: (more[:, 0, k] - less[:, 0, k], more[:, 1, k] + less[:, 1, k]) for name, k in thirds.items()},
-    )  # fmt: skip
+    )
 
 
 def _groups_of(names: Collection[str]) -> int:

@@ -27,9 +27,13 @@ from .motions import LOST, MARKS, PARTLY, Motion, RatedNumbers, StartRates, mark
 from .observables import OBSERVABLES, SEVERAL, STRAIGHT, check_names, is_count
 
 EXTREMES = {  # the density, and whether the size counts
-    "low": ("angle", False), "high": ("angle", False), "tightest": ("curvature", False), "least": ("outward", False),
-    "most": ("outward", False), "tension": ("tension", True),
-}  # fmt: skip
+    "low": ("angle", False),
+    "high": ("angle", False),
+    "tightest": ("curvature", False),
+    "least": ("outward", False),
+    "most": ("outward", False),
+    "tension": ("tension", True),
+}
 PUSHES = {"pushed", "pulled", "share", "middle push", "lifts"}
 
 _STEADY = 1e-10  # relative: a change that is the same all along a helix
@@ -93,9 +97,10 @@ class Moving(MeasuredNumbers):
             self.plain.know(found.values, found.middle)
             return
         self.plain.measure(found.values)
-        others = ({name: self.plain.get(name) for name in found.values}, found.values), (
-            {name: self.plain.middle(name) for name in found.middle}, found.middle
-        )  # fmt: skip
+        others = (
+            ({name: self.plain.get(name) for name in found.values}, found.values),
+            ({name: self.plain.middle(name) for name in found.middle}, found.middle),
+        )
         self.plain.know(*({name: _merge(old[name], cases, new[name], moves) for name in new} for old, new in others))
 
     def add_helices(self, motion: Motion, unit: Array, rates: FieldRates) -> None:
@@ -156,9 +161,15 @@ def _at_marks(marks: Array) -> dict[str, Array]:
     """The derivatives of `_OWN_SLOPES`, (b, F) each: of beta and beta_t at the ends, of what alpha and z/rho gain."""
     beta, rate, turned, risen = marks.transpose(1, 3, 0, 2)[:4]
     return {
-        "alpha": turned[3], "z": risen[3], "beta0": beta[0], "betaL": beta[3], "dbeta0": rate[0], "dbetaL": rate[3],
-        "middle turned": turned[2] - turned[1], "middle risen": risen[2] - risen[1],
-    }  # fmt: skip
+        "alpha": turned[3],
+        "z": risen[3],
+        "beta0": beta[0],
+        "betaL": beta[3],
+        "dbeta0": rate[0],
+        "dbetaL": rate[3],
+        "middle turned": turned[2] - turned[1],
+        "middle risen": risen[2] - risen[1],
+    }
 
 
 def derivatives_of(names: Sequence[str], read: Moving) -> Array:

@@ -102,10 +102,17 @@ def of_nodes(sol: ShapeArrays, some: Integers, until: float = 1.0) -> SolutionPi
         series = through(values.reshape(-1, NODES), x.analyse).reshape(values.shape)
         parts.append(
             SolutionPieces(
-                problem, series, np.full(row.size, k), row, -ones, 2 * share - 1, share * np.diff(shape.t)[row], ones,
+                problem,
+                series,
+                np.full(row.size, k),
+                row,
+                -ones,
+                2 * share - 1,
+                share * np.diff(shape.t)[row],
+                ones,
                 shape.t[row],
             )
-        )  # fmt: skip
+        )
     return join_pieces(parts, problem)
 
 

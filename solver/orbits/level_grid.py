@@ -58,11 +58,11 @@ def level_grid_of(blank: Boundary, step: float = 0.25) -> tuple[Boundary, LevelG
             groups.append(int(i))
     pins = np.array([floor, *saddles[groups]])
     height = np.array([0.0, *over[groups]])
-    falls = np.array([[fall(problem, p, b, k > 0 or not at_end) for b in (blank.low, blank.high)]
-                      for k, p in enumerate(pins)])  # fmt: skip
+    falls = np.array(
+        [[fall(problem, p, b, k > 0 or not at_end) for b in (blank.low, blank.high)] for k, p in enumerate(pins)]
+    )
     falls = np.maximum(falls, height[:, None])
-    features = [_features(problem, p, angles, (blank.low, blank.high), k > 0 or not at_end)
-                for k, p in enumerate(pins)]  # fmt: skip
+    features = [_features(problem, p, angles, (blank.low, blank.high), k > 0 or not at_end) for k, p in enumerate(pins)]
     angle, size = _shelves(problem)
     gaps = [np.array([-fall(problem, p, b, k > 0 or not at_end) for b in angle]) for k, p in enumerate(pins)]
     width = np.diff(height)

@@ -25,7 +25,7 @@ from .declared_fields import (
     EndsFields,
     RodFields,
     StartFields,
-)  # fmt: skip
+)
 from .errors import InputError, choices, show
 from .field_values import check_field_names, check_values, numbers_of, refuse, refuse_unmet, write_fields
 from .shown import table_of

@@ -126,16 +126,20 @@ class RodFields:
         default="solid",
         metadata=_words(
             "bending stiffness of a solid section (solid), or a quarter of it as printed in the paper (paper)",
-            default="solid", needs="E",
+            default="solid",
+            needs="E",
         ),
-    )  # fmt: skip
+    )
     inner_radius: Any = field(
         default=None,
         metadata=_row(
-            "aᵢ", LENGTH, "inner radius of the rod", Range(0, "at least 0 and less than Rod.a", closed=True),
+            "aᵢ",
+            LENGTH,
+            "inner radius of the rod",
+            Range(0, "at least 0 and less than Rod.a", closed=True),
             more=", for a tube",
         ),
-    )  # fmt: skip
+    )
     EI: Any = field(default=None, metadata=_row("EI", RIGIDITY, "bending stiffness, given", _POSITIVE, note=_SECTION))
     GJ: Any = field(default=None, metadata=_row("GJ", RIGIDITY, "torsional stiffness, given", _POSITIVE, note=_SECTION))
     weight: Any = field(
@@ -157,10 +161,15 @@ class CylinderFields:
     inclination: Any = field(
         default=None,
         metadata=_row(
-            "θ", "rad", "angle of the axis to the upward vertical", _INCLINED, default=0.0, needs="weight",
+            "θ",
+            "rad",
+            "angle of the axis to the upward vertical",
+            _INCLINED,
+            default=0.0,
+            needs="weight",
             more=" (0: s climbs straight up; 90deg: horizontal; 180deg: s goes straight down)",
         ),
-    )  # fmt: skip
+    )
     friction: Any = field(
         default=None,
         metadata=_row(
@@ -171,16 +180,18 @@ class CylinderFields:
         default=None,
         metadata=_words(
             "how a rod with friction moves: along itself, turning in place, or along the axis",
-            default="forward", needs="friction",
+            default="forward",
+            needs="friction",
         ),
-    )  # fmt: skip
+    )
     contact: Literal["bilateral", "unilateral"] = field(
         default="bilateral",
         metadata=_words(
             "whether the cylinder holds the rod on (bilateral) or only pushes (unilateral)",
-            default="bilateral", is_quiet=True,
+            default="bilateral",
+            is_quiet=True,
         ),
-    )  # fmt: skip
+    )
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -240,52 +251,80 @@ class EndsFields:
     M1L: Any = field(
         default=None,
         metadata=_row(
-            "M₁(L)", MOMENT, "bending moment at the far end", in_place_of="betaL", more=", 0 for a hinge",
+            "M₁(L)",
+            MOMENT,
+            "bending moment at the far end",
+            in_place_of="betaL",
+            more=", 0 for a hinge",
             estimated=True,
         ),
-    )  # fmt: skip
+    )
     radius0: Any = field(
         default=None,
         metadata=_row(
-            "r(0)", LENGTH, "distance of the start from the axis", _NOT_NEGATIVE, needs=_FREE,
+            "r(0)",
+            LENGTH,
+            "distance of the start from the axis",
+            _NOT_NEGATIVE,
+            needs=_FREE,
             note="default: on the wall",
         ),
-    )  # fmt: skip
+    )
     radiusL: Any = field(
         default=None,
         metadata=_row(
-            "r(L)", LENGTH, "distance of the far end from the axis", _NOT_NEGATIVE, needs=_FREE,
+            "r(L)",
+            LENGTH,
+            "distance of the far end from the axis",
+            _NOT_NEGATIVE,
+            needs=_FREE,
             note="default: on the wall",
         ),
-    )  # fmt: skip
+    )
     tilt0: Any = field(
         default=None,
         metadata=_row(
-            "τ(0)", "rad", "tilt of the tangent out of the wall at the start, outwards", _TILTED, needs=_FREE,
+            "τ(0)",
+            "rad",
+            "tilt of the tangent out of the wall at the start, outwards",
+            _TILTED,
+            needs=_FREE,
             note="default: 0",
         ),
-    )  # fmt: skip
+    )
     tiltL: Any = field(
         default=None,
         metadata=_row(
-            "τ(L)", "rad", "tilt of the tangent out of the wall at the far end, outwards", _TILTED, needs=_FREE,
+            "τ(L)",
+            "rad",
+            "tilt of the tangent out of the wall at the far end, outwards",
+            _TILTED,
+            needs=_FREE,
             note="default: 0",
         ),
-    )  # fmt: skip
+    )
     M20: Any = field(
         default=None,
         metadata=_row(
-            "M₂(0)", MOMENT, "bending moment in the surface at the start", needs=_FREE, in_place_of="tilt0",
+            "M₂(0)",
+            MOMENT,
+            "bending moment in the surface at the start",
+            needs=_FREE,
+            in_place_of="tilt0",
             more=", 0 for a hinge",
         ),
-    )  # fmt: skip
+    )
     M2L: Any = field(
         default=None,
         metadata=_row(
-            "M₂(L)", MOMENT, "bending moment in the surface at the far end", needs=_FREE, in_place_of="tiltL",
+            "M₂(L)",
+            MOMENT,
+            "bending moment in the surface at the far end",
+            needs=_FREE,
+            in_place_of="tiltL",
             more=", 0 for a hinge",
         ),
-    )  # fmt: skip
+    )
 
 
 def _read(kind: type, part: str) -> dict[str, CaseField]:
@@ -325,27 +364,38 @@ FIELDS: dict[str, CaseField] = {  # every field of a case, those of start and en
 WELL = _in_place(
     "well",
     hole=CaseField(
-        "hole", "rad", "inclination of a hole that s runs down, 0: vertical, 90deg: horizontal", _INCLINED,
+        "hole",
+        "rad",
+        "inclination of a hole that s runs down, 0: vertical, 90deg: horizontal",
+        _INCLINED,
         in_place_of="inclination",
     ),
     wob=CaseField("WOB", FORCE, "weight on bit, the push at the lower end", in_place_of="FZ"),
     FZ0=CaseField(
-        "FZ(0)", FORCE, "axial force at the start", in_place_of="FZ", estimated=True,
+        "FZ(0)",
+        FORCE,
+        "axial force at the start",
+        in_place_of="FZ",
+        estimated=True,
         more=", tension positive; down a hole its upper end",
     ),
-)  # fmt: skip
+)
 WOUND = _in_place(
     "wound",
     tension=CaseField(
-        "T", FORCE, "force along a rod that is wound as a uniform helix",
+        "T",
+        FORCE,
+        "force along a rod that is wound as a uniform helix",
         note="with lay it gives the angles and loads of both ends",
     ),
     lay=CaseField("lay", "rad", "angle of this helix from the axis"),
     twist=CaseField(
-        "twist", "rad/length", "twist of the section of this helix per length, M3/GJ",
+        "twist",
+        "rad/length",
+        "twist of the section of this helix per length, M3/GJ",
         note="default: that with which F2 is 0",
     ),
-)  # fmt: skip
+)
 REPLACED = {**WOUND, **WELL}  # in place of fields of a case, which `studies.language.field_words` makes of them
 ALL_FIELDS = {**FIELDS, **REPLACED}
 

@@ -31,9 +31,17 @@ from .quantities import AT_START, quantity
 
 # The number (`equilibrium.orbit_rates`, and the rotation "turn") that each field of Ends fixes, in the order of PAIRS.
 NUMBER_OF = {
-    "beta0": "beta0", "M10": "dbeta0", "betaL": "betaL", "M1L": "dbetaL",
-    "FZ": "phi", "height": "z", "MZ": "lam", "azimuth": "alpha", "M3": "mu", "rotation": "turn",
-}  # fmt: skip
+    "beta0": "beta0",
+    "M10": "dbeta0",
+    "betaL": "betaL",
+    "M1L": "dbetaL",
+    "FZ": "phi",
+    "height": "z",
+    "MZ": "lam",
+    "azimuth": "alpha",
+    "M3": "mu",
+    "rotation": "turn",
+}
 
 
 def number_of(field: str, value: Any, A: Any, rho: Any) -> Any:

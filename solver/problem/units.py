@@ -23,9 +23,15 @@ FORCES = {  # in newtons
     "gf": 9.80665e-3, "kgf": 9.80665, "lbf": _POUND, "klbf": 1e3 * _POUND, "kip": 1e3 * _POUND,
 }  # fmt: skip
 STRESSES = {  # in newtons per square metre
-    "Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "bar": 1e5,
-    "psi": _POUND / 0.0254**2, "ksi": 1e3 * _POUND / 0.0254**2, "Mpsi": 1e6 * _POUND / 0.0254**2,
-}  # fmt: skip
+    "Pa": 1.0,
+    "kPa": 1e3,
+    "MPa": 1e6,
+    "GPa": 1e9,
+    "bar": 1e5,
+    "psi": _POUND / 0.0254**2,
+    "ksi": 1e3 * _POUND / 0.0254**2,
+    "Mpsi": 1e6 * _POUND / 0.0254**2,
+}
 ENERGIES = {"J": 1.0, "kJ": 1e3}  # in newton metres
 WEIGHTS = {"ppg": _POUND / (231 * 0.0254**3)}  # of a volume, in newtons per cubic metre: a gallon has 231 cubic inches
 ANGLES = {"deg": math.pi / 180, "rad": 1.0, "turn": 2 * math.pi}

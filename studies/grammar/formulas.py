@@ -71,8 +71,10 @@ def tables_in_current_names(value: Any, key: str = "") -> Any:
     A name is a key, or a whole text, but for claims and their sources; formulas have several. Each gives a notice.
     """
     if isinstance(value, dict):
-        return {current(name): tables_in_current_names(item, name if key != "expressions" else key)
-                for name, item in value.items()}  # fmt: skip
+        return {
+            current(name): tables_in_current_names(item, name if key != "expressions" else key)
+            for name, item in value.items()
+        }
     if isinstance(value, list):
         return [tables_in_current_names(item, key) for item in value]
     if isinstance(value, str) and key in ("expressions", *FORMULAS):

@@ -40,9 +40,15 @@ MOST_KEYS = 1000  # of a table, and tables of a list
 MOST_PARTS = 20  # of a dotted key
 MOST_SAID = 800  # characters of an error message
 _MODELS: dict[str, type[BaseModel]] = {
-    "units": Units, "base": Base, "axes": Axis, "sample": Distribution, "table": Table, "laws": Law,
-    "equilibrium": Which, "refine": Refine,
-}  # fmt: skip
+    "units": Units,
+    "base": Base,
+    "axes": Axis,
+    "sample": Distribution,
+    "table": Table,
+    "laws": Law,
+    "equilibrium": Which,
+    "refine": Refine,
+}
 _HEADER = re.compile(r"^\s*(\[\[?)([^\[\]]+)\]")
 _QUANTITY = re.compile(r"\s*[-+]?\.?\d")
 _PART = re.compile(r"""[\w-]+|"[^"]*"|'[^']*'""")

@@ -274,8 +274,10 @@ class Refinement:
         parts: list[Places] = []
         for axis in range(offsets.shape[1]):
             low = np.flatnonzero(offsets[:, axis] == 0)
-            high = [int(np.flatnonzero((offsets == offsets[k] + np.eye(offsets.shape[1], dtype=int)[axis]).all(1))[0])
-                    for k in low]  # fmt: skip
+            high = [
+                int(np.flatnonzero((offsets == offsets[k] + np.eye(offsets.shape[1], dtype=int)[axis]).all(1))[0])
+                for k in low
+            ]
             for level in range(self.lattice.depth + 1):
                 pairs = self.corners(level)[:, np.stack([low, high], axis=1)].reshape(-1, 2)
                 if level < self.lattice.depth:  # a case between the two is a nearer neighbour of both

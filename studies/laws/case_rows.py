@@ -69,6 +69,11 @@ class Grid:
         cases = np.moveaxis(np.arange(int(np.prod(self.shape))).reshape(self.shape), k, -1)[..., order]
         others = {dim: np.asarray(values, dtype=float) for dim, values in self.axes.items() if dim != axis}
         return [
-            CaseRow({dim: float(at[i]) for (dim, at), i in zip(others.items(), where, strict=True)},
-                cases[where], along, cut[where]) for where in np.ndindex(cases.shape[:-1])
-        ]  # fmt: skip
+            CaseRow(
+                {dim: float(at[i]) for (dim, at), i in zip(others.items(), where, strict=True)},
+                cases[where],
+                along,
+                cut[where],
+            )
+            for where in np.ndindex(cases.shape[:-1])
+        ]

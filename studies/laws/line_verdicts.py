@@ -530,11 +530,14 @@ class LawKind:
 
 KINDS: dict[str, LawKind] = {
     MONOTONE: LawKind(
-        lambda rule, show: DIRECTIONS[rule["direction"]].does, keeps_direction,
-        needs=("direction",), keys=("says", "alternatives", "also"), exceptions=STEPS,
+        lambda rule, show: DIRECTIONS[rule["direction"]].does,
+        keeps_direction,
+        needs=("direction",),
+        keys=("says", "alternatives", "also"),
+        exceptions=STEPS,
     ),
     "equals": LawKind(_equals, equals, _off, ("formula",), ("relative", "absolute"), exclusive=True),
     "bounded": LawKind(_bounds, bound, _range, one_of=("least", "most")),
     "scales": LawKind(_scales, scales, _exponent, ("exponent", "within")),
     "boundary": LawKind(_passes, boundary, _gap, ("passes", "x", "within")),
-}  # fmt: skip
+}

@@ -359,8 +359,11 @@ def _over_lines(law: Law, name: str, values: NDArray[Any], grid: Grid) -> dict[s
     """The verdict over the lines of cases along the axis of the law."""
     rows, judge = grid.rows_along(law.axis), _judge(law, name, values, grid)
     whole = [row.at for row in rows if row.has_case.all()]
-    at = {dim: float(_nearest(np.array([place[dim] for place in whole]), value)) for dim, value in law.at.items()
-          if dim in grid.axes and dim != law.axis}  # fmt: skip
+    at = {
+        dim: float(_nearest(np.array([place[dim] for place in whole]), value))
+        for dim, value in law.at.items()
+        if dim in grid.axes and dim != law.axis
+    }
     every, deciding, exceptions, ends, steps = [], [], [], list[NDArray[Any]](), 0
     for row in rows:
         line, verdict, is_whole = row.take(values.reshape(-1)), judge(row), row.has_case.all()
@@ -388,15 +391,24 @@ def _judge(law: Law, name: str, values: NDArray[Any], grid: Grid) -> Callable[[C
     """What says the verdict on a line of cases."""
     if grid.rows is None and values.shape != grid.shape:
         raise InputError(f"{name} has shape {values.shape}, but its axes are {', '.join(grid.axes)}")
-    compared = {key: (at.reshape(-1), why.reshape(-1))
-                for key, (at, why) in targets(law, values.shape, grid.known).items()}  # fmt: skip
+    compared = {
+        key: (at.reshape(-1), why.reshape(-1)) for key, (at, why) in targets(law, values.shape, grid.known).items()
+    }
     count, rule, kind, flat = name in grid.counts or is_count(name), law.rule, KINDS[law.kind], values.reshape(-1)
 
     def judge(row: CaseRow) -> Verdict:
         mine = {key: row.take(at) for key, (at, _) in compared.items()}
         texts = (text for _, texts in compared.values() for text in texts[row.cases[row.has_case]].tolist() if text)
-        line = line_of(row.take(flat), count, row.cut, axis=law.axis, along=row.along, targets=mine,
-                       why="; ".join(dict.fromkeys(texts)), added=row.added)  # fmt: skip
+        line = line_of(
+            row.take(flat),
+            count,
+            row.cut,
+            axis=law.axis,
+            along=row.along,
+            targets=mine,
+            why="; ".join(dict.fromkeys(texts)),
+            added=row.added,
+        )
         verdict = kind.judge(line, rule)
         return verdict if row.has_case.all() else replace(verdict, reason=law_words.BETWEEN)
 

@@ -142,10 +142,13 @@ def _rows(ds: xr.Dataset, name: str, laws: list[Law], seen: Traced) -> list[dict
         bends = ds["bends"].values[k, i].astype(int)
         ends = ds[name].values[k] if k.size else np.array(sorted(point.value for point in (points[0], points[-1])))
         row: dict[str, Any] = {
-            "branch": piece.number, "from": float(ends[0] * scale), "to": float(ends[-1] * scale),
-            "values": len(points) if name in PARTNER else int(k.size), "index": points[len(points) // 2].index,
+            "branch": piece.number,
+            "from": float(ends[0] * scale),
+            "to": float(ends[-1] * scale),
+            "values": len(points) if name in PARTNER else int(k.size),
+            "index": points[len(points) // 2].index,
             "bends": _range(bends if k.size else np.unique([point.path.turns for point in points[1:-1]])),
-        }  # fmt: skip
+        }
         for law in laws:
             key = f"{law.observable} {law.direction}"
             if k.size <= 2:
@@ -331,10 +334,13 @@ def _attributes(branch: Branch) -> dict[str, Any]:
     keys = ("kind", "value", "before", "after", "position")
     special = [{key: getattr(point, key) for key in keys} for point in branch.special]
     return {
-        "title": f"A branch of equilibria over {quantity_of(branch.field).symbol}", "field": branch.field,
+        "title": f"A branch of equilibria over {quantity_of(branch.field).symbol}",
+        "field": branch.field,
         "begin": f"{branch.begin.reason} at {branch.field} = {branch.begin.value:.10g}",
         "end": f"{branch.end.reason} at {branch.field} = {branch.end.value:.10g}",
-        "begin_kind": branch.begin.kind, "end_kind": branch.end.kind,
-        "special_points": json.dumps(special), "start": branch.start,
+        "begin_kind": branch.begin.kind,
+        "end_kind": branch.end.kind,
+        "special_points": json.dumps(special),
+        "start": branch.start,
         "stability": stability(branch.points[0].case),
-    }  # fmt: skip
+    }

@@ -85,10 +85,17 @@ def row(one: Equilibrium) -> dict[str, Any]:
         reactions = {name: float(value) for name, value in one.solution.reactions.items()}
         held = {"reactions": reactions, "dead_index": one.dead_index, "found_by": one.found_by}
     return {
-        "dbeta0": one.dbeta0, energy: one.energy, **elastic, "bends": one.bends,
-        "index": one.index, "stray": one.stray, "attached": one.attached, **held,
-        "outcome": str(one.solution.outcome), "error": float(one.solution.error),
-    }  # fmt: skip
+        "dbeta0": one.dbeta0,
+        energy: one.energy,
+        **elastic,
+        "bends": one.bends,
+        "index": one.index,
+        "stray": one.stray,
+        "attached": one.attached,
+        **held,
+        "outcome": str(one.solution.outcome),
+        "error": float(one.solution.error),
+    }
 
 
 def study_text(title: str, units: Mapping[str, str], values: Mapping[str, Any]) -> str:

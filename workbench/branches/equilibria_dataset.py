@@ -133,11 +133,15 @@ def of_solutions(
 def attributes(study: Study, case: Case, title: str) -> dict[str, Any]:
     """The attributes that every dataset of equilibria has."""
     return {
-        "title": title, "study_name": "equilibria", "study": study.text, "reading": study.reading or "",
-        **quantity_variables.attributes_of_case(case, study.unit_system), "laws": json.dumps([]),
+        "title": title,
+        "study_name": "equilibria",
+        "study": study.text,
+        "reading": study.reading or "",
+        **quantity_variables.attributes_of_case(case, study.unit_system),
+        "laws": json.dumps([]),
         "versions": json.dumps(provenance.versions()),
         "stability": DEAD_LOADS,
-    }  # fmt: skip
+    }
 
 
 def with_case(ds: xr.Dataset, case: Case, units: dict[str, str], skip: Collection[str] = ()) -> xr.Dataset:

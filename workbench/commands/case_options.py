@@ -70,9 +70,11 @@ def _type(field: CaseField, whole: bool) -> Any:
 
 
 HEADINGS = {
-    "rod": "Rod and cylinder", "cylinder": "Rod and cylinder",
-    "wound": "Wound as a helix", "well": "In a hole, in the words of drillers",
-}  # fmt: skip
+    "rod": "Rod and cylinder",
+    "cylinder": "Rod and cylinder",
+    "wound": "Wound as a helix",
+    "well": "In a hole, in the words of drillers",
+}
 
 
 def _help_title(field: CaseField, whole: bool) -> str:

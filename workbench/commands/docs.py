@@ -69,9 +69,15 @@ def _bibtex() -> str:
     author = PAPER["authors"].partition(",")[0]
     journal, volume = PAPER["journal"].rsplit(" ", 1)
     return BIBTEX.format(
-        version=__version__, year=YEAR, author=author, title=PAPER["title"], journal=journal, volume=volume,
-        published=PAPER["year"], doi=PAPER["doi"],
-    )  # fmt: skip
+        version=__version__,
+        year=YEAR,
+        author=author,
+        title=PAPER["title"],
+        journal=journal,
+        volume=volume,
+        published=PAPER["year"],
+        doi=PAPER["doi"],
+    )
 
 
 def site(places: Sequence[Path]) -> Path:

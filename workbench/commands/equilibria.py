@@ -173,9 +173,14 @@ def _list(
 
     def data() -> dict[str, Any]:
         return {
-            "case": field_values(case), "units": study.unit_system, "selection": {**asdict(how), "rule": how.rule},
-            "equilibria": rows, "complete": found.complete, "remark": remark, **search,
-        }  # fmt: skip
+            "case": field_values(case),
+            "units": study.unit_system,
+            "selection": {**asdict(how), "rule": how.rule},
+            "equilibria": rows,
+            "complete": found.complete,
+            "remark": remark,
+            **search,
+        }
 
     status = 0 if found and (found.complete or held) else 1
     return Result(data, show, status, (lambda: as_dataset(study, case, found)) if found else None)

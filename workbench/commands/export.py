@@ -28,35 +28,41 @@ def export(
     ],
     at: Annotated[
         list[str] | None,
-        option("AXIS=VALUE", AT + " Default: the value at which the laws of the study are decided, else that nearest "
-               "to Table 1 if the study has a reading, else the middle of the axis; .pvd and names with a number in "
-               "braces take all values of the axis that is not named."),
+        option(
+            "AXIS=VALUE",
+            AT + " Default: the value at which the laws of the study are decided, else that nearest "
+            "to Table 1 if the study has a reading, else the middle of the axis; .pvd and names with a number in "
+            "braces take all values of the axis that is not named.",
+        ),
     ] = None,
     tolerance: Annotated[
         float | None,
-        number_option("Largest distance between the shape in the file and the stored rod [length], whose own error, "
-                      "which --tol of run and solve bounds, comes on top; default for .step: 1e-6 of the distance from "
-                      "the axis of the cylinder to the centreline; for meshes and .usda: 1e-3 of the rod's radius. The "
-                      "formats .vtp, .pvd and .csv hold the stored stations and take no tolerance."),
+        number_option(
+            "Largest distance between the shape in the file and the stored rod [length], whose own error, "
+            "which --tol of run and solve bounds, comes on top; default for .step: 1e-6 of the distance from "
+            "the axis of the cylinder to the centreline; for meshes and .usda: 1e-3 of the rod's radius. The "
+            "formats .vtp, .pvd and .csv hold the stored stations and take no tolerance."
+        ),
     ] = None,
     triangles: Annotated[
         int | None,
-        option("NUMBER", "Most triangles of a mesh; its tolerance is then the default one, or the least larger one "
-               "that they allow."),
+        option(
+            "NUMBER",
+            "Most triangles of a mesh; its tolerance is then the default one, or the least larger one that they allow.",
+        ),
     ] = None,
-    centreline: Annotated[
-        bool, flag("Write the centreline to STEP, without a solid.", "--centreline")
-    ] = False,
-    overlap: Annotated[
-        bool, flag("Write a solid to STEP even if the rod intersects itself.", "--overlap")
-    ] = False,
+    centreline: Annotated[bool, flag("Write the centreline to STEP, without a solid.", "--centreline")] = False,
+    overlap: Annotated[bool, flag("Write a solid to STEP even if the rod intersects itself.", "--overlap")] = False,
     color: Annotated[
         str | None,
-        option("COLOUR", "Colour of the rod in .glb, .gltf and .usda, such as '#14181e' or navy; default: two colours, "
-               "of push and of lift-off."),
+        option(
+            "COLOUR",
+            "Colour of the rod in .glb, .gltf and .usda, such as '#14181e' or navy; default: two colours, "
+            "of push and of lift-off.",
+        ),
     ] = None,
     force: ForceOutput = False,
-) -> Result:  # fmt: skip
+) -> Result:
     """Export one stored rod to CAD, mesh, curve or table formats; the rods along an axis to .pvd, or to one file each.
 
     A name with a number in braces, such as frame_{:03d}.stl, writes each rod along the axis that --at does not name.

@@ -203,24 +203,34 @@ def _as_data(found: "Fit", asked: "CaseInput") -> dict[str, Any]:
 
     columns = ("measured", "computed", "residuals")
     data = [
-        {"group": group, **{name.removesuffix("s"): float(getattr(found, name)[i]) for name in columns},
-         "shares": {name: float(row[i]) for name, row in found.shares.items()}}
+        {
+            "group": group,
+            **{name.removesuffix("s"): float(getattr(found, name)[i]) for name in columns},
+            "shares": {name: float(row[i]) for name, row in found.shares.items()},
+        }
         for i, group in enumerate(found.groups)
-    ]  # fmt: skip
+    ]
     same = ("outcome", "values", "rule", "condition", "directions", "cost", "freedom", "probability", "solves",
             "derivatives")  # fmt: skip
     return {
-        "source": asked.source, "at": asked.place, "assumed": asked.assumed, "units": asked.units,
+        "source": asked.source,
+        "at": asked.place,
+        "assumed": asked.assumed,
+        "units": asked.units,
         **{name: getattr(found, name) for name in same},
         "intervals": {name: list(ends) for name, ends in found.intervals.items()},
-        "covariance": found.covariance.tolist(), "correlation": found.correlation.tolist(),
+        "covariance": found.covariance.tolist(),
+        "correlation": found.correlation.tolist(),
         "shares": {group: found.share_of(group) for group in dict.fromkeys(found.groups)},
         "data": data,
-        "minima": [{"values": m.values, "cost": m.cost, "as_good": m.as_good, "at_bound": list(m.at_bound)}
-                   for m in found.minima],
-        "remarks": list(found.remarks), "caution": " ".join(_cautions(found, asked)),
+        "minima": [
+            {"values": m.values, "cost": m.cost, "as_good": m.as_good, "at_bound": list(m.at_bound)}
+            for m in found.minima
+        ],
+        "remarks": list(found.remarks),
+        "caution": " ".join(_cautions(found, asked)),
         "case": field_values(found.case),
-    }  # fmt: skip
+    }
 
 
 def _cautions(found: "Fit", asked: "CaseInput") -> list[str]:
@@ -269,8 +279,10 @@ def _show_data(found: "Fit", asked: "CaseInput") -> None:
         pair: list[Any] = ["", "", ""] if targets else []
         if group in targets:
             name = target_parts(group)[0]
-            pair = [*(number_stated(name, float(v[mine][0]), asked.units) for v in (found.measured, found.computed)),
-                    unit_stated(name, asked.units)]  # fmt: skip
+            pair = [
+                *(number_stated(name, float(v[mine][0]), asked.units) for v in (found.measured, found.computed)),
+                unit_stated(name, asked.units),
+            ]
         rows.append([label, *pair, f"{math.sqrt(float(np.mean(found.residuals[mine] ** 2))):.3g}", *shares])
     heads = ["datum", *(["wanted", "fitted", "unit"] if targets else []), "residual"]
     tables.print_table([*heads, *(f"share in {name}" for name in found.values)], rows)

@@ -85,18 +85,27 @@ def folds(
 
 def _curves(found: "RegionMap") -> list[dict[str, Any]]:
     return [
-        {"curve": i, "kind": curve.kind, "index": f"{curve.lower}, {curve.lower + 1}", "cusps": curve.cusps.shape[0],
-         "ends": ", ".join(dict.fromkeys(curve.ends))}
+        {
+            "curve": i,
+            "kind": curve.kind,
+            "index": f"{curve.lower}, {curve.lower + 1}",
+            "cusps": curve.cusps.shape[0],
+            "ends": ", ".join(dict.fromkeys(curve.ends)),
+        }
         for i, curve in enumerate(found.folds.curves)
-    ]  # fmt: skip
+    ]
 
 
 def _regions(found: "RegionMap") -> list[dict[str, Any]]:
     return [
-        {**dict(zip(found.folds.names, map(float, region.values), strict=True)), "area": region.area,
-         "equilibria": region.count, "stable": region.stable}
+        {
+            **dict(zip(found.folds.names, map(float, region.values), strict=True)),
+            "area": region.area,
+            "equilibria": region.count,
+            "stable": region.stable,
+        }
         for region in found.regions
-    ]  # fmt: skip
+    ]
 
 
 def _as_data(found: "RegionMap", points: int, wrong: list[str]) -> dict[str, Any]:
@@ -104,9 +113,13 @@ def _as_data(found: "RegionMap", points: int, wrong: list[str]) -> dict[str, Any
     folds = found.folds
     cusps = [dict(zip(folds.names, map(float, cusp), strict=True)) for curve in folds.curves for cusp in curve.cusps]
     return {
-        "fields": list(folds.names), "curves": _curves(found), "cusps": cusps, "regions": _regions(found),
-        "check": {"points": points, "failed": wrong}, "remark": found.remark,
-    }  # fmt: skip
+        "fields": list(folds.names),
+        "curves": _curves(found),
+        "cusps": cusps,
+        "regions": _regions(found),
+        "check": {"points": points, "failed": wrong},
+        "remark": found.remark,
+    }
 
 
 def _print(found: "RegionMap", points: int, wrong: list[str], lattice: int) -> None:

@@ -139,8 +139,12 @@ def row(one: "Loop") -> dict[str, Any]:
     keys = cautions.keys(equilibria_dataset.caution_of_loop(one))
     decided = one.overlaps is not None
     return {name: getattr(one, name) for name in COLUMNS} | {
-        "MZ": float(one.solution.MZ), "dbeta0": float(one.solution.dbeta[0]), "beta0": float(one.solution.beta[0]),
+        "MZ": float(one.solution.MZ),
+        "dbeta0": float(one.solution.dbeta[0]),
+        "beta0": float(one.solution.beta[0]),
         "lifts_off": "pulled" in keys,
         "self_intersection": ("yes" if one.overlaps else "no") if decided else "not decided",
-        "closure": one.closure, "outcome": str(one.solution.outcome), "error": float(one.solution.error),
-    }  # fmt: skip
+        "closure": one.closure,
+        "outcome": str(one.solution.outcome),
+        "error": float(one.solution.error),
+    }

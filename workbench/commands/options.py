@@ -176,8 +176,10 @@ def numbers(option: str, texts: Sequence[str] | None, units: Mapping[str, str]) 
     """The pairs with their values as numbers in these units, angles in rad. Raises `InputError`."""
     from studies.grammar.axes import is_angle
 
-    values = {name: (field_number(f"{option} {name}", name.partition("@")[0], text, units), text)
-              for name, text in pairs(option, texts).items()}  # fmt: skip
+    values = {
+        name: (field_number(f"{option} {name}", name.partition("@")[0], text, units), text)
+        for name, text in pairs(option, texts).items()
+    }
     for name, (value, text) in values.items():
         if not isfinite(value):
             forms = "a number in rad, or a form like 30deg" if is_angle(name) else "a finite number"

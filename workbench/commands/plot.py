@@ -168,8 +168,11 @@ def plot(file: File, wanted: PlotOptions) -> Result:
     if numbers and table.count("\n") < 2:
         raise InputError(f"--data writes lines, dots, bars and cells of maps, and the picture of {file} has none")
     ends = [ax.get_ylim() for ax in drawn.axes]
-    missing = [f"--range {name}: the picture has no vertical axis of {name}"
-               for name, range_ in page.ranges.items() if range_ not in ends]  # fmt: skip
+    missing = [
+        f"--range {name}: the picture has no vertical axis of {name}"
+        for name, range_ in page.ranges.items()
+        if range_ not in ends
+    ]
     canvas.save(drawn, path, wanted.dpi)
     if numbers:
         atomic.write_text(numbers, table)

@@ -50,17 +50,21 @@ def scene(
     if out is not None and suffix in film.SUFFIXES:
         several = len({*wanted.axes, wanted.along} - {None}) > 1
         if alien := [*wanted.of_picture, *(["several axes"] if several else [])]:
-            raise InputError("a film takes one --axis, --at, --kind, --show, --fps, --frames, --stored, --pixel-error, "
-                             f"--dpi, --theme, --background and --color alone, got {choices(alien)}")  # fmt: skip
+            raise InputError(
+                "a film takes one --axis, --at, --kind, --show, --fps, --frames, --stored, --pixel-error, "
+                f"--dpi, --theme, --background and --color alone, got {choices(alien)}"
+            )
         return scene_film.film_of(file, out, wanted)
     if any(wanted.of_film):
         raise InputError(
             f"--show, --fps, --frames and --stored are for films: give --out NAME, with {choices(film.SUFFIXES)}"
         )
     not_on_page = {
-        f"--kind {wanted.kind}": wanted.kind not in (None, PAGE_KIND, "equilibria"), "--axis": wanted.axes,
-        "--along": wanted.along, "--color": wanted.color,
-    }  # fmt: skip
+        f"--kind {wanted.kind}": wanted.kind not in (None, PAGE_KIND, "equilibria"),
+        "--axis": wanted.axes,
+        "--along": wanted.along,
+        "--color": wanted.color,
+    }
     alien = [*(name for name, given in not_on_page.items() if given), *wanted.of_picture]
     if suffix == PAGE and alien:
         raise InputError(
@@ -68,10 +72,15 @@ def scene(
             "for pictures alone, .png and .jpg"
         )
     settings = replace(
-        look_of(wanted.theme, wanted.background, wanted.color), pixel_error=wanted.pixel_error, dpi=wanted.dpi or DPI,
-        camera=wanted.camera, color_range=color_range_of(wanted.color_range), bare=wanted.bare,
-        transparent=wanted.transparent, size=size_of(wanted.size),
-    )  # fmt: skip
+        look_of(wanted.theme, wanted.background, wanted.color),
+        pixel_error=wanted.pixel_error,
+        dpi=wanted.dpi or DPI,
+        camera=wanted.camera,
+        color_range=color_range_of(wanted.color_range),
+        bare=wanted.bare,
+        transparent=wanted.transparent,
+        size=size_of(wanted.size),
+    )
     check(settings)
     study, rods = study_scene.open_rods(file)
     where = axis_values(rods, wanted.at)
@@ -82,9 +91,13 @@ def scene(
 
 
 def _pictures(
-    file: Path, study: "Study | None", rods: "StoredStudy", where: "dict[str, float]", settings: "Settings",
+    file: Path,
+    study: "Study | None",
+    rods: "StoredStudy",
+    where: "dict[str, float]",
+    settings: "Settings",
     wanted: SceneOptions,
-) -> Result:  # fmt: skip
+) -> Result:
     """Draw one picture, or one for each case along an axis, at as many stations as it needs."""
     from ..scene import opengl, scene_kinds
     from ..scene.settings import check_name
@@ -165,8 +178,11 @@ def _frames(
         why = f"the kind {kind.name} shows several at once" if kind.cells != "one" else why
         raise InputError(f"{out.name} has a picture for each case along one axis, and {why}")
     cases = [(case, case[free[0]]) for case in rods.places(free[0], where)]
-    files = [(float(rods[free[0]].values[i]), out.with_name(name_of_file(out.name, i)))
-             for case, i in cases if rods["solved"].isel(case)]  # fmt: skip
+    files = [
+        (float(rods[free[0]].values[i]), out.with_name(name_of_file(out.name, i)))
+        for case, i in cases
+        if rods["solved"].isel(case)
+    ]
     if not files:
         raise InputError(f"no case along {free[0]} is solved: there is nothing to draw")
     return _Frames(free[0], [(at, check_file(file, SUFFIXES, force)) for at, file in files])

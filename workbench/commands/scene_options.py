@@ -91,10 +91,14 @@ class SceneOptions:
     def of_picture(self) -> list[str]:
         """The options for pictures alone that were given."""
         given = {
-            "--from": self.low is not None, "--to": self.high is not None, "--camera": self.camera is not None,
-            "--color-range": self.color_range is not None, "--bare": self.bare, "--transparent": self.transparent,
+            "--from": self.low is not None,
+            "--to": self.high is not None,
+            "--camera": self.camera is not None,
+            "--color-range": self.color_range is not None,
+            "--bare": self.bare,
+            "--transparent": self.transparent,
             "--size": self.size is not None,
-        }  # fmt: skip
+        }
         return [name for name, is_given in given.items() if is_given]
 
     @property

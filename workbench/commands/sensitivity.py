@@ -35,8 +35,11 @@ def sensitivity(
     ] = None,
     show: Annotated[
         list[str] | None,
-        option("NAMES", "Observables, separated by commas; default: all that are no whole numbers; with --global all "
-                        "that are stored."),
+        option(
+            "NAMES",
+            "Observables, separated by commas; default: all that are no whole numbers; with --global all "
+            "that are stored.",
+        ),
     ] = None,
     whole: Annotated[
         bool, flag("Sobol' indices over the ranges of a stored study of Saltelli's design (extra global).", "--global")
@@ -44,7 +47,7 @@ def sensitivity(
     confidence: Annotated[
         float | None, option("SHARE", "Confidence of the intervals of --global; default: 0.95.", parser=number)
     ] = None,
-) -> Result:  # fmt: skip
+) -> Result:
     """Tell what matters: how the observables answer the fields.
 
     Of one case: the exact derivatives, as elasticities, the change in percent for 1 % of a field. --at chooses the case

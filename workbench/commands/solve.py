@@ -66,12 +66,16 @@ def solve(
     ] = False,
     least_bend_radius: Annotated[
         str | None,
-        option("LENGTH", "Radius to which the rod may be bent, of its centreline: compared with that of the answer; "
-               "exit status 1 if it is bent tighter.", "--least-bend-radius"),
+        option(
+            "LENGTH",
+            "Radius to which the rod may be bent, of its centreline: compared with that of the answer; "
+            "exit status 1 if it is bent tighter.",
+            "--least-bend-radius",
+        ),
     ] = None,
     every: Annotated[bool, flag("Print every number that is found, not only ten.", "--all")] = False,
     json: Json = False,
-) -> Result:  # fmt: skip
+) -> Result:
     """Solve one case and print it.
 
     The case comes from a TOML file, from Table 1 (--table1, --reading, or no option at all), or from options alone.
@@ -264,17 +268,32 @@ def _bend(kappa: float, least: float | None) -> dict[str, float]:
 
 PROFILE = ("start", "middle", "largest", "at", "far")
 OFF_WALL = (
-    "turns_around", "height", "kappa_max", "bending_moment_max", "F3_size_max", "push_max", "gap_max", "contact_share",
-    "contact_count", "point_force_max",
-)  # fmt: skip
+    "turns_around",
+    "height",
+    "kappa_max",
+    "bending_moment_max",
+    "F3_size_max",
+    "push_max",
+    "gap_max",
+    "contact_share",
+    "contact_count",
+    "point_force_max",
+)
 HEADLINES = (
     "bends", "turns_around", "height", "kappa_max", "bending_moment_max", "F3_size_max", "push_min", "push_max",
     "attached", "index", "M30", "surface_torque", "reach", "arriving_max",
 )  # fmt: skip
 WOUND_HEADLINES = (  # with the bend radius
-    "turns_around", "pitch", "height", "bending_stress_max", "F3_size_max", "push_min", "push_max",
-    "attached", "index",
-)  # fmt: skip
+    "turns_around",
+    "pitch",
+    "height",
+    "bending_stress_max",
+    "F3_size_max",
+    "push_min",
+    "push_max",
+    "attached",
+    "index",
+)
 
 
 def _show(found: dict[str, Any], every: bool, whole: bool) -> None:

@@ -141,9 +141,14 @@ def _study_at(study: Study, stored: StoredStudy, where: Mapping[str, int], free:
 
 
 def film_cases(
-    stored: StoredStudy, axis: str, at: dict[str, float], kind: SceneKind, observable: str, most: int,
+    stored: StoredStudy,
+    axis: str,
+    at: dict[str, float],
+    kind: SceneKind,
+    observable: str,
+    most: int,
     count: int | None = None,
-) -> StoredStudy | None:  # fmt: skip
+) -> StoredStudy | None:
     """The cases of a film along an axis, at most so many: as many as let no rod move far from one to the next.
 
     count: so many cases, at an even pace of the rod.

@@ -116,8 +116,10 @@ def _print(found: dict[str, Any]) -> None:
 
 def _print_boundaries(rows: list[dict[str, Any]]) -> None:
     """Print where each watched observable changes; nothing for a study that is not refined."""
-    rows = [in_degrees(row) | {"places": [in_degrees({**place, "units": row["units"]}) for place in row["places"]]}
-            for row in rows]  # fmt: skip
+    rows = [
+        in_degrees(row) | {"places": [in_degrees({**place, "units": row["units"]}) for place in row["places"]]}
+        for row in rows
+    ]
     if not rows:
         return
     console.say("")

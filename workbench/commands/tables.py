@@ -12,8 +12,12 @@ from ..words import escaping, habits
 from . import console
 
 COLOURS = {  # verdict -> colour
-    "true": "green", "true as a trend": "cyan", "true in part": "yellow", "not decided": "magenta", "false": "red",
-}  # fmt: skip
+    "true": "green",
+    "true as a trend": "cyan",
+    "true in part": "yellow",
+    "not decided": "magenta",
+    "false": "red",
+}
 GAP = 2  # characters between the columns
 
 
@@ -107,8 +111,9 @@ def _widths(low: Sequence[int], high: Sequence[int], width: int) -> list[int]:
 def _print_block(columns: Sequence[str], cells: Sequence[Any], widths: Sequence[int], title: str | None) -> None:
     from rich.table import Table
 
-    table = Table(title=title, title_justify="left", box=None, padding=(0, GAP, 0, 0), pad_edge=False,
-                  header_style="bold")  # fmt: skip
+    table = Table(
+        title=title, title_justify="left", box=None, padding=(0, GAP, 0, 0), pad_edge=False, header_style="bold"
+    )
     for i, (column, width) in enumerate(zip(columns, widths, strict=True)):
         texts = [row[i].plain for row in cells]
         right = any(texts) and all(map(_is_number, texts))

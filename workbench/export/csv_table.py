@@ -55,10 +55,14 @@ def columns(rod: ExportedRod) -> list[Column]:
     known |= {"x": x, "y": y}
     words = {"x": "position across the axis, where alpha = 0", "y": "position across the axis, where alpha = 90 deg"}
     return [
-        Column(name, known[name], units["length"] if name in words else unit_of(name, units),
-               words.get(name) or QUANTITIES[name].long_name)
+        Column(
+            name,
+            known[name],
+            units["length"] if name in words else unit_of(name, units),
+            words.get(name) or QUANTITIES[name].long_name,
+        )
         for name in order
-    ]  # fmt: skip
+    ]
 
 
 def write(path: Path, rod: ExportedRod) -> dict[str, Any]:

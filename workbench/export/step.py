@@ -80,8 +80,9 @@ def kernel() -> Any:
         modules = [import_module(f"OCP.{name}") for name in MODULES]
     except ImportError as error:
         raise InputError(MISSING.format(why=str(error).partition("\n")[0])) from None
-    return SimpleNamespace(**{name: value for module in modules for name, value in vars(module).items()
-                              if not name.startswith("__")})  # fmt: skip
+    return SimpleNamespace(
+        **{name: value for module in modules for name, value in vars(module).items() if not name.startswith("__")}
+    )
 
 
 def fit(line: Centreline, tolerance: float) -> tuple[BSpline, float]:

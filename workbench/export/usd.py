@@ -44,12 +44,12 @@ def write(path: Path, rod: ExportedRod) -> dict[str, Any]:
     rows = {
         "float3[] extent": _vectors(np.stack([low, high])),
         "point3f[] points": _vectors(points),
-        "float[] widths": f"[{2 * line.a:.9g}] (\n            interpolation = \"constant\"\n        )",
+        "float[] widths": f'[{2 * line.a:.9g}] (\n            interpolation = "constant"\n        )',
         "color3f[] primvars:displayColor": _primvar(_vectors(rod.shades(push))),
         "float[] primvars:push": _primvar(_numbers(push)),
         "float[] primvars:beta": _primvar(_numbers(line.beta)),
         "float[] primvars:s": _primvar(_numbers(line.s)),
-    }  # fmt: skip
+    }
     title = '"' + rod.title.replace("\\", "\\\\").replace('"', '\\"') + '"'
     head = HEAD.format(title=title, metres=metres(rod.unit), count=len(points))
     body = "".join(f"        {name} = {value}\n" for name, value in rows.items())

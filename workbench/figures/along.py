@@ -35,8 +35,14 @@ ARRAYS = {STATES: ("beta", "alpha", "push"), PIPE: ("alpha", "beta", "push")}  #
 TITLES = {"beta": "angle β to the axis", "kappa": "curvature κ"}
 NO_STATES = "a state (straight, sinusoidal, helical) is that of a rod with weight"
 # a mark where the cylinder would have to pull
-PULLS: dict[str, Any] = {"color": colours.PULLED, "marker": "o", "markersize": 3.5, "markeredgecolor": "white",
-                         "markeredgewidth": 0.5, "linestyle": "none"}  # fmt: skip
+PULLS: dict[str, Any] = {
+    "color": colours.PULLED,
+    "marker": "o",
+    "markersize": 3.5,
+    "markeredgecolor": "white",
+    "markeredgewidth": 0.5,
+    "linestyle": "none",
+}
 MOST, MOST_PANELS = 60, 6
 CLEAR = 1.25  # the step from one curve to the next over the least at which no curve reaches the next
 # inches: of one curve; of a panel, least and most; of all panels on a narrow sheet
@@ -150,8 +156,10 @@ def _curves(rods: DrawnRods, name: str, inches: float) -> Curves:
     size = max(max(most, foot) - min(least, foot) for _, least, most in drawn) or 1.0
     apart = name in ("push", PIPE) or (not foot and low >= 0)  # no curve crosses the line of another
     step = max(_clear_step(rods, values, foot, apart, inches), 0.25 * size)
-    ends = (min(0.0, *(k + (least - foot) / step for k, least, _ in drawn)),
-            max(len(values) - 1.0, *(k + (most - foot) / step for k, _, most in drawn)))  # fmt: skip
+    ends = (
+        min(0.0, *(k + (least - foot) / step for k, least, _ in drawn)),
+        max(len(values) - 1.0, *(k + (most - foot) / step for k, _, most in drawn)),
+    )
     return Curves(name, title, unit, values, foot, step, size, ends, inches)
 
 
@@ -160,8 +168,11 @@ def _clear_step(rods: DrawnRods, values: Sequence[Any], foot: float, filled: boo
 
     inches: of a unit of s.
     """
-    rows = [waves.outline(rod["s"], heights - foot, inches)
-            for rod, heights in zip(rods.rods, values, strict=True) if heights is not None]  # fmt: skip
+    rows = [
+        waves.outline(rod["s"], heights - foot, inches)
+        for rod, heights in zip(rods.rods, values, strict=True)
+        if heights is not None
+    ]
     most = 0.0
     for (s, _, low), (s_next, high, _) in pairwise(rows):
         above = np.interp(s, s_next, high, right=np.inf)
@@ -244,8 +255,7 @@ def _shade_pulls(ax: Axes, s: Any, push: Any) -> None:
         return
     ax.fill_between(s, 0, 1, where=pulled, transform=ax.get_xaxis_transform(), color=colours.PULLED, alpha=0.28,
                     linewidth=0, label=push_scale.PULLS)  # fmt: skip
-    ax.fill_between(s, 0, push, where=~pulled, color=colours.PUSHED, alpha=0.25, linewidth=0,
-                    label=push_scale.PUSHES)  # fmt: skip
+    ax.fill_between(s, 0, push, where=~pulled, color=colours.PUSHED, alpha=0.25, linewidth=0, label=push_scale.PUSHES)
 
 
 def _draw_curves(ax: Axes, rods: DrawnRods, curves: Curves) -> list[str]:
@@ -259,8 +269,16 @@ def _draw_curves(ax: Axes, rods: DrawnRods, curves: Curves) -> list[str]:
         order = 3 + 0.9 * (count - k) / count  # the lower curve stands before the upper one
         where = Affine2D().translate(0, k * step) + ax.transData
         if values is None:
-            ax.text(0.5, k * step + foot, rod.why, transform=ax.get_yaxis_transform(), ha="center", va="bottom",
-                    color=colours.SOFT, size=fonts.small())  # fmt: skip
+            ax.text(
+                0.5,
+                k * step + foot,
+                rod.why,
+                transform=ax.get_yaxis_transform(),
+                ha="center",
+                va="bottom",
+                color=colours.SOFT,
+                size=fonts.small(),
+            )
             continue
         s, push = rod["s"], rod["push"] if curves.name in ("push", *ARRAYS) else values
         if curves.name == "push":
@@ -268,8 +286,9 @@ def _draw_curves(ax: Axes, rods: DrawnRods, curves: Curves) -> list[str]:
                 (np.maximum(values, 0), colours.PUSHED, push_scale.PUSHES),
                 (np.minimum(values, 0), colours.PULLED, push_scale.PULLS * push_scale.pulls(push)),
             ):
-                ax.fill_between(s, 0, side, color=colour, alpha=0.25, linewidth=0, transform=where, zorder=order,
-                                label=words)  # fmt: skip
+                ax.fill_between(
+                    s, 0, side, color=colour, alpha=0.25, linewidth=0, transform=where, zorder=order, label=words
+                )
         if curves.name in ("push", PIPE):
             said += push_scale.line(ax, s, values, push, norm, width, rod.name, where, order, inches)
         elif curves.name != STATES:
@@ -282,13 +301,24 @@ def _draw_curves(ax: Axes, rods: DrawnRods, curves: Curves) -> list[str]:
         )
         for state in pipe_map.states_of(rods, rod):
             part = (s >= state.begin) & (s <= state.end)
-            look = {"color": colours.STATES[state.word], "linewidth": wide, "label": state.word,
-                    "gid": f"{rod.name}, {state.word}"}  # fmt: skip
+            look = {
+                "color": colours.STATES[state.word],
+                "linewidth": wide,
+                "label": state.word,
+                "gid": f"{rod.name}, {state.word}",
+            }
             said += _draw_line(ax, s[part], heights[part], inches, look, where, order - below)
         _, first, after = regions.runs((push < -SLIGHT * np.abs(push).max())[None])
         middle = (s[first] + s[after - 1]) / 2  # of each stretch where the cylinder would have to pull
-        ax.plot(middle, np.interp(middle, s, values), **PULLS, transform=where, zorder=order + 0.01,
-                label="would lift off" * bool(middle.size), gid=f"{rod.name}, would lift off")  # fmt: skip
+        ax.plot(
+            middle,
+            np.interp(middle, s, values),
+            **PULLS,
+            transform=where,
+            zorder=order + 0.01,
+            label="would lift off" * bool(middle.size),
+            gid=f"{rod.name}, would lift off",
+        )
     return said
 
 
@@ -323,8 +353,15 @@ def _bar(ax: Axes, curves: Curves) -> None:
     length = turns[-1] if curves.unit == "°" and turns else round_below(curves.size)
     top = ax.get_ylim()[1]
     where = ax.get_yaxis_transform("grid")
-    ax.plot([1.01, 1.01], [top - length, top], color=colours.INK, linewidth=1.6, solid_capstyle="butt", clip_on=False,
-            transform=where)  # fmt: skip
+    ax.plot(
+        [1.01, 1.01],
+        [top - length, top],
+        color=colours.INK,
+        linewidth=1.6,
+        solid_capstyle="butt",
+        clip_on=False,
+        transform=where,
+    )
     ax.annotate(f"{labels.number(length)}{curves.unit.replace(' 1/', '/')}", (1.01, top - length / 2), (3, 0), where,
                 "offset points", va="center", rotation=90, size=fonts.small(), annotation_clip=False)  # fmt: skip
     foot = f"; line: {labels.number(curves.foot)}{curves.unit}" if curves.foot else ""

@@ -37,9 +37,14 @@ class Arrangement:
 
 
 def arrange(
-    sizes: Values, words: Values, room: tuple[float, float], edge: Any = 0.0, pitch: float = 0.0, least: float = 0.0,
+    sizes: Values,
+    words: Values,
+    room: tuple[float, float],
+    edge: Any = 0.0,
+    pitch: float = 0.0,
+    least: float = 0.0,
     most: float = np.inf,
-) -> Arrangement:  # fmt: skip
+) -> Arrangement:
     """The largest arrangement in a room of width and height.
 
     A column is as wide as its widest box or words, a row as high as its highest box.

@@ -77,8 +77,10 @@ def of_cases(
         values = stored.of_solved(name)
         sizes = np.array([float(labels.in_label_unit(values, values.isel(case).values)) for case in cases])
         none = ["no number" if bool(stored["solved"].isel(case)) else "unsolved" for case in cases]
-        texts = [labels.minus_signs(labels.number(size)) if np.isfinite(size) else why
-                 for size, why in zip(sizes, none, strict=True)]  # fmt: skip
+        texts = [
+            labels.minus_signs(labels.number(size)) if np.isfinite(size) else why
+            for size, why in zip(sizes, none, strict=True)
+        ]
         draw(ax, rows, [(np.nan_to_num(sizes), colours.DATA)], texts, integer=name in stored.counts)
         ax.set_title(fonts.wrap(labels.label(stored[name], long=True), ax), loc="left", pad=4)
 
@@ -104,8 +106,13 @@ def indices(stored: StoredStudy, sheet: Sheet = SCREEN) -> Figure:
             return
         order = _order_of_size(row["total"].values.tolist())
         fields = [str(stored["field_symbol"].values[i]) for i in order]
-        draw(ax, fields, [(row["first"].values[order], FIRST), (row["total"].values[order], TOTAL)], names=ORDERS,
-             errors=[row[f"{key}_conf"].values[order] for key in ("first", "total")])  # fmt: skip
+        draw(
+            ax,
+            fields,
+            [(row["first"].values[order], FIRST), (row["total"].values[order], TOTAL)],
+            names=ORDERS,
+            errors=[row[f"{key}_conf"].values[order] for key in ("first", "total")],
+        )
         ax.set_xlim(*limits)
         ax.set_xlabel("share of the variance")
         if row["lost"] > 0:
@@ -142,8 +149,13 @@ def tornado(stored: StoredStudy, sheet: Sheet = SCREEN) -> Figure:
         sizes = np.array([effect for _, effect in shown])
         texts = [f"{'+' if size > 0 else '−'}{labels.number(abs(size), 2)}" for size in sizes]
         rises = [int(size > 0) for size in sizes]
-        draw(ax, [_tick(stored, field) for field, _ in shown], [(sizes, [colours.PAIR[k] for k in rises])], texts,
-             names=[[SIGNS[k] for k in rises]])  # fmt: skip
+        draw(
+            ax,
+            [_tick(stored, field) for field, _ in shown],
+            [(sizes, [colours.PAIR[k] for k in rises])],
+            texts,
+            names=[[SIGNS[k] for k in rises]],
+        )
         value, unit = _in_unit(float(row["value"]), str(row["unit"].values)), str(row["effect_unit"].values)
         ax.set_title(f"{quantity(name).symbol} = {value}", loc="left", pad=4)
         ax.set_xlabel(f"change [{'°' if unit == 'deg' else labels.unit(unit)}]" if unit != "1" else "change")
@@ -156,9 +168,14 @@ def tornado(stored: StoredStudy, sheet: Sheet = SCREEN) -> Figure:
 
 
 def draw(
-    ax: Axes, rows: Sequence[str], series: Sequence[tuple[Any, Any]], texts: Sequence[str] = (),
-    errors: Sequence[Any] = (), integer: bool = False, names: Sequence[Any] = (),
-) -> None:  # fmt: skip
+    ax: Axes,
+    rows: Sequence[str],
+    series: Sequence[tuple[Any, Any]],
+    texts: Sequence[str] = (),
+    errors: Sequence[Any] = (),
+    integer: bool = False,
+    names: Sequence[Any] = (),
+) -> None:
     """Draw bars in rows, the first on top.
 
     Parameters
@@ -215,9 +232,14 @@ def _height(bars: int) -> float:
 
 
 def _panels(
-    stored: StoredStudy, names: Sequence[str], bars: int, panel: Callable[[str, Axes], None], said: Sequence[str],
-    sheet: Sheet, option: str = "",
-) -> Figure:  # fmt: skip
+    stored: StoredStudy,
+    names: Sequence[str],
+    bars: int,
+    panel: Callable[[str, Axes], None],
+    said: Sequence[str],
+    sheet: Sheet,
+    option: str = "",
+) -> Figure:
     """A panel of so many bars for each of the names, and one legend below.
 
     option: that which chooses among names; where it is given, those without room are named and not drawn.

@@ -135,8 +135,12 @@ def _alike(stored: StoredStudy, key: str) -> list[str]:
     points = np.stack([stored[f"curve_{name}"].values for name in (str(stored.attrs["axis"]), key)], axis=1)
     shares = points / np.array([np.ptp(values) or 1.0 for values in points.T])
     lines = [shares[stored["curve_branch"].values == row["branch"]] for row in stored.data("branches")]
-    pairs = [f"{i + 1} and {k + 1}" for k, line in enumerate(lines) for i, other in enumerate(lines[:k])
-             if _lies_on(line, other) and _lies_on(other, line)]  # fmt: skip
+    pairs = [
+        f"{i + 1} and {k + 1}"
+        for k, line in enumerate(lines)
+        for i, other in enumerate(lines[:k])
+        if _lies_on(line, other) and _lies_on(other, line)
+    ]
     more = f"; {len(pairs) - MOST_PAIRS} more pairs" if len(pairs) > MOST_PAIRS else ""
     return [f"One line shows both of two branches: {', '.join(pairs[:MOST_PAIRS])}{more}."] if pairs else []
 
@@ -181,8 +185,16 @@ def _runs(stored: StoredStudy, ax: Axes, on: Any, points: Any) -> list[tuple[Any
         middle = (points[at - 1] + points[at]) / 2
         points, kind = np.insert(points, at, middle, axis=0), np.insert(kind, at, 2)
         if at.size:
-            ax.plot(*middle.T, "^", color=colours.INK, markersize=5.5, markerfacecolor="white", zorder=6,
-                    linestyle="none", label="fold: snaps through under a dead load")  # fmt: skip
+            ax.plot(
+                *middle.T,
+                "^",
+                color=colours.INK,
+                markersize=5.5,
+                markerfacecolor="white",
+                zorder=6,
+                linestyle="none",
+                label="fold: snaps through under a dead load",
+            )
     cuts = [0, *(np.flatnonzero(np.diff(kind)) + 1), kind.size]
     runs = []
     for a, b in pairwise(cuts):  # a fold has the smaller index of its two sides: the other side reaches to it
@@ -265,8 +277,9 @@ def _number_points(stored: StoredStudy, ax: Axes, key: str, inches: tuple[float,
     for k in inside:
         colour = _look_of_shape(stored, k)["color"]
         order = 3.5 if colour == colours.UNSTABLE["color"] else 7  # the dot of an unstable shape covers nothing stable
-        ax.plot(x[k], y[k], "o", color=colour, markersize=4.2, zorder=order, markeredgecolor="white",
-                markeredgewidth=0.7)  # fmt: skip
+        ax.plot(
+            x[k], y[k], "o", color=colour, markersize=4.2, zorder=order, markeredgecolor="white", markeredgewidth=0.7
+        )
     points = [point_numbers.NumberedPoint(x[k], y[k], names[k]) for k in inside]
     dots = [dot for kind in MARKS for dot in np.transpose(_special(stored, name, key, kind))]
     lines = [line.get_xydata() for line in ax.lines if np.size(line.get_xdata()) > 1]

@@ -94,9 +94,16 @@ def figure(
 
 
 def page(
-    stored: StoredStudy | None, sheet: Sheet, rows: Sequence[Row], said: Said = (), more: float = 0.5,
-    ratios: Sequence[float] | None = None, width: float | None = None, high: bool = True, **options: Any,
-) -> Figure:  # fmt: skip
+    stored: StoredStudy | None,
+    sheet: Sheet,
+    rows: Sequence[Row],
+    said: Said = (),
+    more: float = 0.5,
+    ratios: Sequence[float] | None = None,
+    width: float | None = None,
+    high: bool = True,
+    **options: Any,
+) -> Figure:
     """A figure of panels in rows, with one legend below.
 
     In print axes are `LEAST_AXES` high: the figure grows up to the height of a page. Raises `TooLow` where that is not
@@ -152,8 +159,9 @@ def page(
         outer.set_height_ratios(heights)
         write_below(fig, [*below, *said])
 
-    fig = figure((width or sheet.width, sum(tall for tall, _ in rows) + more), draw, stored, sheet=sheet,
-                 said=rest, **options)  # fmt: skip
+    fig = figure(
+        (width or sheet.width, sum(tall for tall, _ in rows) + more), draw, stored, sheet=sheet, said=rest, **options
+    )
     if high and sheet.style == "paper":
         _heighten_axes(fig, tallest(sheet))
     return fig
@@ -242,8 +250,16 @@ def _letter_panels(fig: Figure) -> None:
         return
     for letter, ax in zip(ascii_lowercase, panels, strict=False):
         down = 4 if str(ax.get_label()).startswith("unrolled views along") else 0  # beside the names of its strips
-        ax.annotate(letter, (0, 1), (-6, 5 - down), xycoords="axes fraction", textcoords="offset points", ha="right",
-                    weight="bold", size=fonts.normal())  # fmt: skip
+        ax.annotate(
+            letter,
+            (0, 1),
+            (-6, 5 - down),
+            xycoords="axes fraction",
+            textcoords="offset points",
+            ha="right",
+            weight="bold",
+            size=fonts.normal(),
+        )
 
 
 def check_name(path: str | Path, suffixes: tuple[str, ...] = DIAGRAMS) -> Path:

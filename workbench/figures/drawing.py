@@ -33,8 +33,13 @@ THICK, HAIR = 0.8, 0.3  # of the rod: thinner, the drawing shows a part of it; i
 SPARE = 4.0  # of cylinder beyond both ends of the rod
 EDGE, FINE = 0.9, 0.5  # points: of an outline, and of a dimension line
 AWAY, ARC = 7.0, 9.0  # of a dimension line from what it measures; radius of the arc of an angle
-ARROW: dict[str, Any] = {"arrowstyle": "<|-|>,head_length=0.35,head_width=0.13", "shrinkA": 0, "shrinkB": 0,
-                         "linewidth": FINE, "color": colours.INK}  # fmt: skip
+ARROW: dict[str, Any] = {
+    "arrowstyle": "<|-|>,head_length=0.35,head_width=0.13",
+    "shrinkA": 0,
+    "shrinkB": 0,
+    "linewidth": FINE,
+    "color": colours.INK,
+}
 HIDDEN = (0, (4, 2.5))
 AXIS = (0, (12, 2.5, 2, 2.5))
 EVEN = math.radians(0.05)  # by which a lay varies that is one angle
@@ -90,8 +95,10 @@ def figure(stored: StoredStudy, at: Mapping[str, float] | None = None, sheet: Sh
     even = float(np.ptp(view.beta)) < EVEN
     lay = f"{plain(round(math.degrees(float(view.beta.mean())), 6))}°"
     along = "" if view.whole else f"along the axis {unit('L', abs(height))}, "
-    line = (f"length {unit('L', float(chosen['L']))}, {along}wrap {plain(turns)} turns = {plain(360 * turns)}°, "
-            f"{f'lay {lay}, ' * even}scale {_scale_words(view.scale)}")  # fmt: skip
+    line = (
+        f"length {unit('L', float(chosen['L']))}, {along}wrap {plain(turns)} turns = {plain(360 * turns)}°, "
+        f"{f'lay {lay}, ' * even}scale {_scale_words(view.scale)}"
+    )
     said = [f"The rod: {line}.", f"Its least bend radius, of the centreline: {unit('L', 1 / kappa)}."] if kappa else []
     hides = str(chosen.attrs["side"]) == "outside"
     said.append(f"A side view, seen from α = 90°{'; dashed: behind the cylinder' * hides}.")
@@ -107,18 +114,29 @@ def figure(stored: StoredStudy, at: Mapping[str, float] | None = None, sheet: Sh
         ax.set_xlim(first - left / view.mm, first + (wide * MILLIMETRES - left) / view.mm)
         ax.set_ylim(radius - ((high - title) * MILLIMETRES - ABOVE) / view.mm, radius + ABOVE / view.mm)
         _draw_body(ax, view, R, rod.a, str(chosen.attrs["side"]))
-        _dimension(ax, view, (view.x.min() - SPARE / view.mm, -R), (view.x.min() - SPARE / view.mm, R),
-                   f"Ø {unit('R', 2 * R)}", AWAY)  # fmt: skip
+        _dimension(
+            ax,
+            view,
+            (view.x.min() - SPARE / view.mm, -R),
+            (view.x.min() - SPARE / view.mm, R),
+            f"Ø {unit('R', 2 * R)}",
+            AWAY,
+        )
         _dimension_pitch(ax, view, radius, pitch, unit)
         if view.whole:
-            _dimension(ax, view, (view.x[0], -radius), (view.x[-1], -radius),
-                       unit("L", abs(height)), -AWAY)  # fmt: skip
+            _dimension(ax, view, (view.x[0], -radius), (view.x[-1], -radius), unit("L", abs(height)), -AWAY)
         _dimension_rod(ax, view, rod.a, unit)
         if even:
             _dimension_lay(ax, view, lay)
         room = wide - 8 / MILLIMETRES
-        ax.text(4 / MILLIMETRES / wide, 3 / MILLIMETRES / (high - title), fonts.break_lines(line, room),
-                transform=ax.transAxes, va="bottom", color=colours.INK)  # fmt: skip
+        ax.text(
+            4 / MILLIMETRES / wide,
+            3 / MILLIMETRES / (high - title),
+            fonts.break_lines(line, room),
+            transform=ax.transAxes,
+            va="bottom",
+            color=colours.INK,
+        )
         canvas.add_to_caption(fig, [*said, *rods.notes])
 
     size = sheet.width, (2 * radius * view.mm + ABOVE + BELOW) / MILLIMETRES + canvas.TITLE * sheet.titled
@@ -174,8 +192,16 @@ def _draw_body(ax: Axes, view: SideView, R: float, a: float, side: str) -> None:
 
     def strand(of: slice, order: float, name: str) -> None:
         for colour, width in ((colours.INK, thick), ("white", max(thick - 2 * EDGE, 0.3 * thick))):
-            ax.plot(view.x[of], view.y[of], color=colour, linewidth=width, solid_capstyle="butt",
-                    solid_joinstyle="round", zorder=order, gid=name)  # fmt: skip
+            ax.plot(
+                view.x[of],
+                view.y[of],
+                color=colour,
+                linewidth=width,
+                solid_capstyle="butt",
+                solid_joinstyle="round",
+                zorder=order,
+                gid=name,
+            )
 
     for of in _parts(view, front=False):
         strand(of, 1 if side == "outside" else 3, "rod, behind the plane of the axis")
@@ -184,14 +210,20 @@ def _draw_body(ax: Axes, view: SideView, R: float, a: float, side: str) -> None:
         ax.plot([low, high], [y, y], color=colours.INK, linewidth=EDGE, zorder=2.1, gid="cylinder")
     for end in (low, high):
         ax.plot([end, end], [-R, R], color=colours.INK, linewidth=FINE, zorder=2.1, gid="end of the drawn cylinder")
-    ax.plot([low - spare / 2, high + spare / 2], [0, 0], color=colours.SOFT, linewidth=FINE, linestyle=AXIS,
-            zorder=2.2, gid="axis")  # fmt: skip
+    ax.plot(
+        [low - spare / 2, high + spare / 2],
+        [0, 0],
+        color=colours.SOFT,
+        linewidth=FINE,
+        linestyle=AXIS,
+        zorder=2.2,
+        gid="axis",
+    )
     for of in _parts(view, front=False) if side == "outside" else ():
         for edge in (-a, a) if 2 * a * view.mm > 1 else (0.0,):
             right, up = _beside(view.x[of], view.y[of], edge)
             seen = np.where(np.abs(up) < R, right, np.nan)
-            ax.plot(seen, up, color=colours.SOFT, linewidth=FINE, linestyle=HIDDEN, zorder=2.3,
-                    gid="hidden edge")  # fmt: skip
+            ax.plot(seen, up, color=colours.SOFT, linewidth=FINE, linestyle=HIDDEN, zorder=2.3, gid="hidden edge")
     for of in _parts(view, front=True):
         strand(of, 4, "rod, before the plane of the axis")
 
@@ -213,9 +245,16 @@ def _dimension(ax: Axes, view: SideView, first: Any, last: Any, text: str, away:
     p, q = np.array(first) + shift, np.array(last) + shift
     ax.annotate("", tuple(p), tuple(q), arrowprops=ARROW, zorder=5)
     x, y = (p + q) / 2 + shift / abs(away) * 0.8 * np.sign(away)
-    ax.text(x, y, text, size=fonts.small(), zorder=6,
-            rotation=90 if upright else 0, ha="right" if upright else "center",
-            va="center" if upright else "bottom")  # fmt: skip
+    ax.text(
+        x,
+        y,
+        text,
+        size=fonts.small(),
+        zorder=6,
+        rotation=90 if upright else 0,
+        ha="right" if upright else "center",
+        va="center" if upright else "bottom",
+    )
 
 
 def _dimension_pitch(ax: Axes, view: SideView, top: float, pitch: float, unit: Any) -> None:
@@ -232,9 +271,16 @@ def _dimension_rod(ax: Axes, view: SideView, a: float, unit: Any) -> None:
     """The diameter of the rod, at a leader to where it is first seen."""
     k = int(np.argmax(view.near >= 0))
     place, away = (float(view.x[k]), float(view.y[k])), 9.0 if view.y[k] >= 0 else -9.0
-    ax.annotate(f"Ø {unit('a', 2 * a)}", place, (place[0] - 5 / view.mm, place[1] + away / view.mm), size=fonts.small(),
-                ha="right", va="center", zorder=6,
-                arrowprops=ARROW | {"arrowstyle": "-|>"})  # fmt: skip
+    ax.annotate(
+        f"Ø {unit('a', 2 * a)}",
+        place,
+        (place[0] - 5 / view.mm, place[1] + away / view.mm),
+        size=fonts.small(),
+        ha="right",
+        va="center",
+        zorder=6,
+        arrowprops=ARROW | {"arrowstyle": "-|>"},
+    )
 
 
 def _dimension_lay(ax: Axes, view: SideView, text: str) -> None:
@@ -251,5 +297,13 @@ def _dimension_lay(ax: Axes, view: SideView, text: str) -> None:
     half = math.radians(turned / 2)
     ax.plot([x, x + 1.3 * ARC / view.mm], [0, 0], color=colours.INK, linewidth=FINE, zorder=5, label="_samples")
     place = np.array([math.cos(half), math.sin(half)]) * (ARC + 1.0) / view.mm
-    ax.text(x + place[0], place[1], text, size=fonts.small(), ha="left", va="center", zorder=6,
-            bbox={"facecolor": "white", "edgecolor": "none", "pad": 1})  # fmt: skip
+    ax.text(
+        x + place[0],
+        place[1],
+        text,
+        size=fonts.small(),
+        ha="left",
+        va="center",
+        zorder=6,
+        bbox={"facecolor": "white", "edgecolor": "none", "pad": 1},
+    )

@@ -164,8 +164,10 @@ def of_all_cases(stored: StoredStudy, names: Sequence[str]) -> list[DrawnRod]:
     """
     places = np.ndindex(*stored["outcome"].shape)
     axes = stored.axes
-    return [_rod(stored.select(dict(zip(axes, place, strict=True))), None, arrays)
-            for place, arrays in zip(places, _arrays(stored, names)[0], strict=True)]  # fmt: skip
+    return [
+        _rod(stored.select(dict(zip(axes, place, strict=True))), None, arrays)
+        for place, arrays in zip(places, _arrays(stored, names)[0], strict=True)
+    ]
 
 
 def numbers(stored: StoredStudy, *names: str) -> list[NDArray[np.float64]]:
@@ -197,8 +199,7 @@ def _arrays(some: StoredStudy, names: Sequence[str]) -> tuple[list[dict[str, Any
     count = int(some["outcome"].size)
     stations = int(np.clip(POINTS // count, 200, STATIONS if count > 1 else 4 * STATIONS)) + 1
     finer, reason, drawn, n = some, "", dict[int, list[DrawnCurve]](), 0
-    also = ("beta", "alpha", "z", "dbeta", *["contact"] * (some.loads_vary or some.leaves),
-            *["radius"] * some.leaves)  # fmt: skip
+    also = ("beta", "alpha", "z", "dbeta", *["contact"] * (some.loads_vary or some.leaves), *["radius"] * some.leaves)
     for _ in range(ROUNDS):
         try:
             finer = some.solve(stations, dict.fromkeys((*names, *also)))
@@ -227,8 +228,10 @@ def _curves_of(stored: StoredStudy, names: Sequence[str]) -> dict[int, list[Draw
     lines = dict[int, Centreline]()
     with suppress(InputError):  # what is stored may give no curve
         lines = {k: stored_line.read(stored, dict(zip(stored.axes, places[k], strict=True))) for k in known}
-    return {k: [DrawnCurve(name, row["s"], row[name], allowed[name], lines.get(k)) for name in names]
-            for k, row in known.items()}  # fmt: skip
+    return {
+        k: [DrawnCurve(name, row["s"], row[name], allowed[name], lines.get(k)) for name in names]
+        for k, row in known.items()
+    }
 
 
 def _cut(rod: Sequence[DrawnCurve]) -> dict[str, Any]:

@@ -69,8 +69,15 @@ def against_index(stored: StoredStudy, ax: Axes, name: str, high: float) -> list
     """
     values = labels.in_label_unit(stored[name], stored[name].values)
     index = stored["index"].values
-    ax.scatter(stored["index"], values, c=["white" if value else colours.INK for value in index], s=20,
-               edgecolors=colours.INK, linewidths=0.9, zorder=3)  # fmt: skip
+    ax.scatter(
+        stored["index"],
+        values,
+        c=["white" if value else colours.INK for value in index],
+        s=20,
+        edgecolors=colours.INK,
+        linewidths=0.9,
+        zorder=3,
+    )
     ax.set_xlabel(fonts.wrap("Morse index: unstable directions", ax))
     ax.set_ylabel(fonts.fit_label(partial(labels.label, stored[name]), high - 0.3))
     ax.yaxis.set_major_locator(RoomLocator("counts" if name in stored.counts else "numbers"))
@@ -78,8 +85,10 @@ def against_index(stored: StoredStudy, ax: Axes, name: str, high: float) -> list
     ax.margins(0.04, 0.08)
     if index.size and index.min() == index.max():
         ax.set_xlim(index.min() - 0.5, index.max() + 0.5)
-    points = [point_numbers.NumberedPoint(float(x), float(y), f"{k + 1}")
-              for k, (x, y) in enumerate(zip(index, values, strict=True))]  # fmt: skip
+    points = [
+        point_numbers.NumberedPoint(float(x), float(y), f"{k + 1}")
+        for k, (x, y) in enumerate(zip(index, values, strict=True))
+    ]
     ax.set_xlim(*ax.get_xlim()), ax.set_ylim(*ax.get_ylim())
     point_numbers.write(ax, points, [], [], (fonts.inches(ax)[0], high - 0.5))
     noun, stability = (
@@ -123,8 +132,16 @@ def _shape(stored: StoredStudy, k: int, text: str, how: dict[str, Any]) -> Unrol
     """The unrolled view of an equilibrium, with rings where its caution says that it passes through itself."""
     case = stored.select({"equilibrium": k})
     crossed = "overlaps" in cautions.keys(str(case["caution"].values)) if "caution" in case else False
-    return unrolled.view_of(case["s"].values, float(case["rho"]), case["alpha"].values, case["z"].values,
-                            float(case["a"]), text, how, ringed=crossed)[0]  # fmt: skip
+    return unrolled.view_of(
+        case["s"].values,
+        float(case["rho"]),
+        case["alpha"].values,
+        case["z"].values,
+        float(case["a"]),
+        text,
+        how,
+        ringed=crossed,
+    )[0]
 
 
 def _entries(indices: Any) -> list[Any]:

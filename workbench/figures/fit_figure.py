@@ -22,9 +22,16 @@ LEVEL = 0.95
 CROSSES = {False: "; crosses: other minima that the data do not exclude", True: "; crosses: others that reach the data"}
 FITTED: dict[str, Any] = {"color": colours.PAIR[1], "linewidth": 1.2, "label": "fitted rod"}
 JOINED: dict[str, Any] = {"color": colours.INK, "linewidth": 0.9, "zorder": 1}
-MEASURED: dict[str, Any] = {"marker": "o", "markersize": 3.5, "color": "white", "markeredgecolor": colours.INK,
-                            "markeredgewidth": 0.9, "linestyle": "none", "zorder": 5,
-                            "label": "measured points"}  # fmt: skip
+MEASURED: dict[str, Any] = {
+    "marker": "o",
+    "markersize": 3.5,
+    "color": "white",
+    "markeredgecolor": colours.INK,
+    "markeredgewidth": 0.9,
+    "linestyle": "none",
+    "zorder": 5,
+    "label": "measured points",
+}
 MARKS = ("o", "s", "^", "D", "v", "P")
 
 
@@ -100,15 +107,26 @@ def shares(stored: StoredStudy, ax: Axes) -> None:
         for name, row, colour, mark in zip(
             names, stored["point_share"].values, shades, MARKS * len(names), strict=False
         ):
-            ax.plot(s[order], 100 * row[order], color=colour, marker=mark, markersize=3, linewidth=0.9,
-                    label=name if name in known else None)  # fmt: skip
+            ax.plot(
+                s[order],
+                100 * row[order],
+                color=colour,
+                marker=mark,
+                markersize=3,
+                linewidth=0.9,
+                label=name if name in known else None,
+            )
         ax.set_xlabel(f"s of the point [{unit}]")
         ax.set_ylabel("share [%]")
     else:
         groups = list(dict.fromkeys(map(str, stored["group"].values)))
         sums = np.array([[row[stored["group"].values == g].sum() for g in groups] for row in stored["share"].values])
-        bars.draw(ax, groups, list(zip(100 * sums, shades, strict=False)),
-                  names=[name if name in known else None for name in names])  # fmt: skip
+        bars.draw(
+            ax,
+            groups,
+            list(zip(100 * sums, shades, strict=False)),
+            names=[name if name in known else None for name in names],
+        )
         ax.set_xlabel("share [%]")
     each = "each point" if "point_share" in stored else "each target"
     title = f"share of {each} in what is known"

@@ -32,8 +32,16 @@ def panel(stored: StoredStudy, ax: Axes, row: Mapping[str, Any]) -> str:
             case = step["from"] == step["to"]
             how: dict[str, Any] = {"marker": "o", "markersize": 9, "markerfacecolor": "none"} if case else {}
             heights = labels.in_label_unit(stored[row["observable"]], step["values"])
-            ax.plot(ends, heights, color=colour, linewidth=3, alpha=0.6, zorder=3,
-                    label="a case outside" if case else "a step the wrong way", **how)  # fmt: skip
+            ax.plot(
+                ends,
+                heights,
+                color=colour,
+                linewidth=3,
+                alpha=0.6,
+                zorder=3,
+                label="a case outside" if case else "a step the wrong way",
+                **how,
+            )
     draw_curve(stored, ax, row)
     title = f"{message(stored, row)} · {row['claim']}: {row['verdict']}"
     ax.set_title(fonts.wrap(title, ax), loc="left", color=colour)
@@ -139,8 +147,9 @@ def _equals(ax: Axes, stored: StoredStudy, along: Any, numbers: Any, law: Law, r
 def _allow(ax: Axes, along: Any, low: Any, high: Any) -> None:
     """Shade what a law allows, and name it where the line does not hide it."""
     seen = np.median(high - low) * fonts.inches(ax)[1] * 72 >= SEEN * np.ptp(ax.get_ylim())
-    ax.fill_between(along, low, high, color=colours.INK, alpha=0.12, linewidth=0, zorder=0,
-                    label="allowed" if seen else "")  # fmt: skip
+    ax.fill_between(
+        along, low, high, color=colours.INK, alpha=0.12, linewidth=0, zorder=0, label="allowed" if seen else ""
+    )
 
 
 def _bound(ax: Axes, stored: StoredStudy, along: Any, numbers: Any, law: Law, row: Any) -> None:
@@ -170,12 +179,25 @@ def _boundary(ax: Axes, stored: StoredStudy, along: Any, numbers: Any, law: Law,
     _line(ax, along, numbers["passes"], f"{labels.symbol(stored[law.observable])} = {passed}")
     if places.size == 1 and np.isfinite(places[0]):
         ax.axvspan(places[0] - half, places[0] + half, color=colours.INK, alpha=0.12, linewidth=0, zorder=0)
-        ax.axvline(places[0], color=colours.SOFT, linewidth=1, zorder=1,
-                   label=f"expected: {_number(expected, axis)} ± {_number(law.within or 0.0, axis)}")  # fmt: skip
+        ax.axvline(
+            places[0],
+            color=colours.SOFT,
+            linewidth=1,
+            zorder=1,
+            label=f"expected: {_number(expected, axis)} ± {_number(law.within or 0.0, axis)}",
+        )
         if row["numbers"]:
             at = row["numbers"]["at"]
-            ax.plot(labels.in_label_unit(axis, at), numbers["passes"][0], "D", color="white", markersize=6, zorder=5,
-                    markeredgecolor=colours.INK, label=f"computed: {_number(at, axis)}")  # fmt: skip
+            ax.plot(
+                labels.in_label_unit(axis, at),
+                numbers["passes"][0],
+                "D",
+                color="white",
+                markersize=6,
+                zorder=5,
+                markeredgecolor=colours.INK,
+                label=f"computed: {_number(at, axis)}",
+            )
 
 
 def _line(ax: Axes, along: Any, values: Any, label: str, look: Any = DASHED) -> None:

@@ -53,8 +53,11 @@ def _paths(ax: Axes) -> Iterator[Path]:
 
 def _move_below(fig: Figure, ax: Axes, legend: Legend) -> float:
     """Draw a legend anew below the words of its horizontal axis, in columns; returns its height in inches."""
-    entries = [(handle, text.get_text()) for handle, text in zip(legend.legend_handles, legend.get_texts(), strict=True)
-               if isinstance(handle, Line2D | Patch)]  # fmt: skip
+    entries = [
+        (handle, text.get_text())
+        for handle, text in zip(legend.legend_handles, legend.get_texts(), strict=True)
+        if isinstance(handle, Line2D | Patch)
+    ]
     labels, shown = [label for _, label in entries], fig.canvas
     assert isinstance(shown, FigureCanvasAgg)
     words = ax.xaxis.get_tightbbox(shown.get_renderer())
@@ -62,6 +65,14 @@ def _move_below(fig: Figure, ax: Axes, legend: Legend) -> float:
     widest = HANDLE + GAP + max(fonts.width_of(label, fonts.small()) for label in labels)
     columns = max(int(ax.bbox.width / fig.dpi / widest), 1)
     below = ax.transAxes + ScaledTranslation(0, -drop, fig.dpi_scale_trans)
-    ax.legend([handle for handle, _ in entries], labels, loc="upper left", borderpad=0.0, borderaxespad=0.0,
-              bbox_to_anchor=(0, 0), bbox_transform=below, ncols=columns)  # fmt: skip
+    ax.legend(
+        [handle for handle, _ in entries],
+        labels,
+        loc="upper left",
+        borderpad=0.0,
+        borderaxespad=0.0,
+        bbox_to_anchor=(0, 0),
+        bbox_transform=below,
+        ncols=columns,
+    )
     return -(-len(labels) // columns) * 1.6 * fonts.small() / 72

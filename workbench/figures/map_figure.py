@@ -35,8 +35,12 @@ COLUMN = 2.0  # inches, the height of maps in columns
 LEAST_COLUMN = 1.45  # inches, their least width with a gap
 MOST_NARROW = 2  # observables on one column of a page, where none is asked for
 THICK, GAP = 0.06, 0.04  # inches of a strip of verdicts, and between strips
-DECIDES: dict[str, Any] = {"color": colours.INK, "linewidth": 1.3, "linestyle": (0, (5, 2)),
-                           "label": "the law is judged on this line"}  # fmt: skip
+DECIDES: dict[str, Any] = {
+    "color": colours.INK,
+    "linewidth": 1.3,
+    "linestyle": (0, (5, 2)),
+    "label": "the law is judged on this line",
+}
 OF_VERDICTS: dict[str, Any] = {
     "cmap": ListedColormap([colours.VERDICTS[verdict] for verdict in VERDICTS]),
     "vmin": -0.5,
@@ -88,9 +92,15 @@ def figure(
 
 
 def _figure_of(
-    stored: StoredStudy, x: str | None, y: str | None, show: Sequence[str], at: Mapping[str, float] | None,
-    shapes: map_panel.ShapeCounts | None, sheet: Sheet, most: int,
-) -> Figure:  # fmt: skip
+    stored: StoredStudy,
+    x: str | None,
+    y: str | None,
+    show: Sequence[str],
+    at: Mapping[str, float] | None,
+    shapes: map_panel.ShapeCounts | None,
+    sheet: Sheet,
+    most: int,
+) -> Figure:
     """The maps of so many observables at most."""
     verdicts = stored.verdicts if "laws" in stored.attrs else []
     whole, stored = (stored, stored.raster()) if stored.is_refined else (None, stored)
@@ -153,8 +163,9 @@ class _Maps:
         shown, high = self.choice.shown, self.inches[1] + (0.6 if self.choice.along else 0.85)
         if not self.choice.along:
             return canvas.in_rows([partial(self.draw, name, 0, True) for name in shown], self.across, high)
-        return [(high, [partial(self.draw, name, k, name == shown[-1]) for k in range(len(self.columns))])
-                for name in shown]  # fmt: skip
+        return [
+            (high, [partial(self.draw, name, k, name == shown[-1]) for k in range(len(self.columns))]) for name in shown
+        ]
 
     def draw(self, name: str, k: int, lowest: bool, ax: Axes) -> canvas.Said:
         """Draw the map of an observable in a column, with its bar of colours; along a third axis they share one.
@@ -247,8 +258,11 @@ class _JudgedLaw:
         said = f"{row['claim']}: {text}; {row['verdict']}"
         if not at:
             return said
-        place = {name: int(np.abs(self.lines[name].values - value).argmin())
-                 for name, value in row["at"].items() if name in self.lines.dims}  # fmt: skip
+        place = {
+            name: int(np.abs(self.lines[name].values - value).argmin())
+            for name, value in row["at"].items()
+            if name in self.lines.dims
+        }
         decided = str(self.lines.isel(place).values)
         how = f": {decided} at" if decided in VERDICTS and decided != row["verdict"] else "; judged at"
         return f"{said}{how} {at}"
@@ -256,14 +270,21 @@ class _JudgedLaw:
 
 def _judge(stored: StoredStudy, choice: Choice, rows: Sequence[Mapping[str, Any]]) -> list[_JudgedLaw]:
     """The laws on the observables shown; rows: of `law_verdicts.verdicts`, in the same order."""
-    return [_JudgedLaw(row, stored.verdicts_of_lines(law))
-            for law, row in zip(stored.laws, rows, strict=True) if law.observable in choice.shown]  # fmt: skip
+    return [
+        _JudgedLaw(row, stored.verdicts_of_lines(law))
+        for law, row in zip(stored.laws, rows, strict=True)
+        if law.observable in choice.shown
+    ]
 
 
 def _draw_laws(
-    ax: Axes, laws: Sequence[_JudgedLaw], cells: Cells, choice: Choice, where: Mapping[str, int],
+    ax: Axes,
+    laws: Sequence[_JudgedLaw],
+    cells: Cells,
+    choice: Choice,
+    where: Mapping[str, int],
     inches: tuple[float, float],
-) -> list[Artist]:  # fmt: skip
+) -> list[Artist]:
     """Draw the laws along its axes on a map of that width and height in inches; returns the entries of the legend.
 
     The lines on which a law does not hold are a strip of colours beside the map, or above it. where: the indices on
@@ -295,8 +316,11 @@ def _draw_laws(
 
 def _entries(verdicts: NDArray[np.str_], unless: str = "") -> list[Artist]:
     """The legend of the verdicts that occur, without that of one which is not drawn."""
-    return [Patch(facecolor=colours.VERDICTS[verdict], label=f"law {verdict} on these lines")
-            for verdict in VERDICTS if verdict in verdicts and verdict != unless]  # fmt: skip
+    return [
+        Patch(facecolor=colours.VERDICTS[verdict], label=f"law {verdict} on these lines")
+        for verdict in VERDICTS
+        if verdict in verdicts and verdict != unless
+    ]
 
 
 def _numbers(verdicts: NDArray[np.str_]) -> NDArray[np.float64]:
@@ -308,6 +332,7 @@ def _refinement(stored: StoredStudy, rows: Sequence[Mapping[str, Any]]) -> list[
     watched = stored.refinement.watch
     ended = stored.refinement_in_words
     ended = re.sub(r"\w+", lambda word: labels.noun_of(word[0]) if word[0] in watched else word[0], ended)
-    verdicts = [f"law {row['claim']}: {labels.law_text(row, law_words.law_in_words(row))}; {row['verdict']}"
-                for row in rows]  # fmt: skip
+    verdicts = [
+        f"law {row['claim']}: {labels.law_text(row, law_words.law_in_words(row))}; {row['verdict']}" for row in rows
+    ]
     return [f"{text[0].upper()}{text[1:]}." for text in (ended, *verdicts) if text]

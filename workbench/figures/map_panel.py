@@ -100,16 +100,21 @@ def entries(panels: list[Cells], shown: tuple[str, ...]) -> list[str | Artist]:
         for mark, label in ((".", f"a case{few}"), ("x", f"a case: {BARRED}"))
         if barred.any() and not barred.all()
     ]
-    numbers = [(np.isnan(panel.values(name)) & panel.solved, panel.unbent(name)) for panel in panels
-               for name in shown]  # fmt: skip
+    numbers = [(np.isnan(panel.values(name)) & panel.solved, panel.unbent(name)) for panel in panels for name in shown]
     framed: Any = {"edgecolor": colours.SOFT, "linewidth": 0.6}
     for occurs, label, look in (
-        (any(unbent.any() for _, unbent in numbers), f"β varies by less than {np.degrees(STRAIGHT):.0f}°",
-         {"facecolor": colours.BAND, **framed}),
+        (
+            any(unbent.any() for _, unbent in numbers),
+            f"β varies by less than {np.degrees(STRAIGHT):.0f}°",
+            {"facecolor": colours.BAND, **framed},
+        ),
         (not all(panel.solved.all() for panel in panels), "not solved", colours.UNSOLVED),
-        (any((unknown & ~unbent).any() for unknown, unbent in numbers), "solved, number unknown",
-         {"facecolor": colours.UNKNOWN, **framed}),
-    ):  # fmt: skip
+        (
+            any((unknown & ~unbent).any() for unknown, unbent in numbers),
+            "solved, number unknown",
+            {"facecolor": colours.UNKNOWN, **framed},
+        ),
+    ):
         legend += [Patch(label=label, **look)] * bool(occurs)
     unchecked, cases = sum(panel.unchecked for panel in panels), sum(panel.solved.size for panel in panels)
     return [*legend, *[f"{unchecked} of {cases} rods were not checked for all cautions."] * bool(unchecked)]
@@ -141,8 +146,16 @@ def _show_samples(ax: Axes, cells: Cells) -> None:
     size = float(np.clip(40 / shown.size**0.5, 0.7, 2.0))
     for marker, rows in ((".", shown[~barred[shown]]), ("x", shown[barred[shown]])):
         if rows.size:
-            ax.plot(x[rows], y[rows], marker=marker, markersize=1.6 * size, clip_on=False, zorder=4, label="_samples",
-                    **SAMPLES)  # fmt: skip
+            ax.plot(
+                x[rows],
+                y[rows],
+                marker=marker,
+                markersize=1.6 * size,
+                clip_on=False,
+                zorder=4,
+                label="_samples",
+                **SAMPLES,
+            )
 
 
 @dataclass(frozen=True)
@@ -185,8 +198,10 @@ def draw_shapes(ax: Axes, cells: Cells, shapes: ShapeCounts, inches: tuple[float
     wide, tall = (max(float(np.ptp(rod.plane_points()[k])) for rod in known) for k in (0, 1))
     factor = unrolled.stretch(wide, tall, (across * inches[0], up * inches[1]))
     for (j, i), rod in rods.items():
-        left, low = (float(np.clip(scale.share(float(scale.values[k])) - room / 2, 0, 1 - room))
-                     for scale, k, room in ((cells.x, i, across), (cells.y, j, up)))  # fmt: skip
+        left, low = (
+            float(np.clip(scale.share(float(scale.values[k])) - room / 2, 0, 1 - room))
+            for scale, k, room in ((cells.x, i, across), (cells.y, j, up))
+        )
         if rod in known:
             unrolled.draw_inset(ax, (left, low, across, up), *rod.plane_points(), (wide, tall), factor)
         else:

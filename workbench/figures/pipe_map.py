@@ -55,8 +55,14 @@ def _rows(rods: DrawnRods) -> Iterator[tuple[DrawnRod, float, float]]:
 def _draw_states(rods: DrawnRods, ax: Axes) -> None:
     for rod, low, high in _rows(rods):
         for state in states_of(rods, rod):
-            ax.broken_barh([(state.begin, state.end - state.begin)], (low, high - low), linewidth=0, label=state.word,
-                           facecolors=colours.STATES[state.word], gid=f"{rod.name}, {state.word}")  # fmt: skip
+            ax.broken_barh(
+                [(state.begin, state.end - state.begin)],
+                (low, high - low),
+                linewidth=0,
+                label=state.word,
+                facecolors=colours.STATES[state.word],
+                gid=f"{rod.name}, {state.word}",
+            )
     _finish(ax, rods, "state")
 
 
@@ -65,8 +71,9 @@ def _draw_push(rods: DrawnRods, ax: Axes) -> None:
     for rod, low, high in _rows(rods):
         s = rod["s"]
         edges = np.concatenate([s[:1], (s[1:] + s[:-1]) / 2, s[-1:]])
-        ax.pcolormesh(edges, [low, high], rod["push"][None], cmap=colours.push_ramp(), norm=norm, rasterized=True,
-                      gid=rod.name)  # fmt: skip
+        ax.pcolormesh(
+            edges, [low, high], rod["push"][None], cmap=colours.push_ramp(), norm=norm, rasterized=True, gid=rod.name
+        )
     _finish(ax, rods, "push of the cylinder per length")
     push_scale.bar(ax, push_scale.unit(rods.source), fonts.inches(ax)[0])
 

@@ -34,8 +34,14 @@ ROUNDING = 1e-12
 BISECTIONS = 60  # of angles where a level is met
 SPARE = 0.06  # of the window, to the left and right of what must be seen
 LEAST = np.radians(0.5)  # of a window
-SEPARATRIX: dict[str, Any] = {"color": colours.INK, "linewidth": 0.9, "linestyle": (0, (4, 2)), "zorder": 3,
-                              "gid": "separatrix", "label": "the separatrix, through a saddle (×)"}  # fmt: skip
+SEPARATRIX: dict[str, Any] = {
+    "color": colours.INK,
+    "linewidth": 0.9,
+    "linestyle": (0, (4, 2)),
+    "zorder": 3,
+    "gid": "separatrix",
+    "label": "the separatrix, through a saddle (×)",
+}
 
 
 def figure(
@@ -103,8 +109,12 @@ def figure(
     rows = canvas.in_rows([partial(panel, 0, name) for name in names], across, high)
     if not alone:
         groups = [range(first, min(first + across, len(orbits))) for first in range(0, len(orbits), across)]
-        rows = [row for band in groups for name in names
-                for row in canvas.in_rows([partial(panel, i, name) for i in band], across, high)]  # fmt: skip
+        rows = [
+            row
+            for band in groups
+            for name in names
+            for row in canvas.in_rows([partial(panel, i, name) for i in band], across, high)
+        ]
     said = chosen.said() if source is chosen.source or not sheet.titled else []  # the title says it
     return canvas.page(source, sheet, rows, [*said, *chosen.notes], 0.9)
 

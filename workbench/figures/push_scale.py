@@ -28,9 +28,17 @@ def scale(pushes: Sequence[Any]) -> Normalize:
 
 
 def line(
-    ax: Axes, x: Any, y: Any, push: Any, norm: Normalize, width: float = 2.0, name: str = "", where: Any = None,
-    order: float = 2.0, inches: float = np.inf,
-) -> list[str]:  # fmt: skip
+    ax: Axes,
+    x: Any,
+    y: Any,
+    push: Any,
+    norm: Normalize,
+    width: float = 2.0,
+    name: str = "",
+    where: Any = None,
+    order: float = 2.0,
+    inches: float = np.inf,
+) -> list[str]:
     """Draw a line whose colour at each point is that of the push there; returns what is to be said of its bands.
 
     name: its own in a table. where: its transform; order: of drawing. inches: of a unit of x. A band of the push itself
@@ -44,11 +52,27 @@ def line(
     segments, shades = np.stack([before, points, after], axis=1), np.asarray(push, dtype=float)
 
     def paint(of: slice) -> None:
-        ax.plot(x[of], y[of], color=colours.SOFT, linewidth=casing, solid_capstyle="round", label=CASING, zorder=order,
-                transform=where)  # fmt: skip
-        drawn = LineCollection(list(segments[of]), cmap=colours.push_ramp(), norm=norm, linewidths=width,
-                               capstyle="round", joinstyle="round", gid=name, zorder=order,
-                               transform=where)  # fmt: skip
+        ax.plot(
+            x[of],
+            y[of],
+            color=colours.SOFT,
+            linewidth=casing,
+            solid_capstyle="round",
+            label=CASING,
+            zorder=order,
+            transform=where,
+        )
+        drawn = LineCollection(
+            list(segments[of]),
+            cmap=colours.push_ramp(),
+            norm=norm,
+            linewidths=width,
+            capstyle="round",
+            joinstyle="round",
+            gid=name,
+            zorder=order,
+            transform=where,
+        )
         drawn.set_array(shades[of])
         ax.add_collection(drawn)
 

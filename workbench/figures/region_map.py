@@ -32,10 +32,23 @@ CURVES = {  # as of `_curves`
     ("pitchfork", True): "pitchfork of a stable equilibrium",
     ("pitchfork", False): "pitchfork of an unstable equilibrium",
 }
-CUSP: dict[str, Any] = {"marker": "D", "color": "white", "markeredgecolor": colours.INK, "markersize": 4,
-                        "linestyle": "none", "zorder": 5, "label": "cusp"}  # fmt: skip
-MARK: dict[str, Any] = {"marker": "P", "color": colours.INK, "markeredgecolor": "white", "markersize": 8,
-                        "linestyle": "none", "zorder": 7}  # fmt: skip
+CUSP: dict[str, Any] = {
+    "marker": "D",
+    "color": "white",
+    "markeredgecolor": colours.INK,
+    "markersize": 4,
+    "linestyle": "none",
+    "zorder": 5,
+    "label": "cusp",
+}
+MARK: dict[str, Any] = {
+    "marker": "P",
+    "color": colours.INK,
+    "markeredgecolor": "white",
+    "markersize": 8,
+    "linestyle": "none",
+    "zorder": 7,
+}
 COUNT, STABLE = "count", "count_stable"  # of the equilibria of a region
 
 
@@ -92,8 +105,9 @@ def _colour_curves(stored: StoredStudy, ax: Axes, name: str) -> None:
     pairs = [np.stack([line[:-1], line[1:]], axis=1) for line in _lines(stored)]
     segments, middles = np.concatenate(pairs), ((values[:, 1:] + values[:, :-1]) / 2).ravel()
     known = np.isfinite(segments).all(axis=(1, 2)) & np.isfinite(middles)
-    drawn = LineCollection(list(segments[known]), cmap=colours.map_colours(), linewidths=6.0, zorder=2,
-                           array=middles[known], gid=name)  # fmt: skip
+    drawn = LineCollection(
+        list(segments[known]), cmap=colours.map_colours(), linewidths=6.0, zorder=2, array=middles[known], gid=name
+    )
     ax.add_collection(drawn, autolim=False)
     canvas.colour_bar([ax], drawn, labels.label(array), pad=0.015, aspect=30, fraction=0.05)
 
@@ -104,15 +118,22 @@ def _panel(stored: StoredStudy, ax: Axes, inches: tuple[float, float], shown: st
     Returns what is said of it: notes, and the colours that no number explains.
     """
     names = stored.data("fields")
-    edges = np.array([labels.in_label_unit(stored[name], np.array([stored.attrs[end][k] for end in ("low", "high")]))
-                      for k, name in enumerate(names)])  # fmt: skip
+    edges = np.array(
+        [
+            labels.in_label_unit(stored[name], np.array([stored.attrs[end][k] for end in ("low", "high")]))
+            for k, name in enumerate(names)
+        ]
+    )
     lines = _lines(stored)
     for number, (line, curve) in enumerate(zip(lines, _curves(stored), strict=True), 1):
         ax.plot(*line.T, zorder=3, solid_capstyle="round", gid=str(number), label=CURVES[curve], **_look(*curve))
     if "cusp" in stored.sizes:
         ax.plot(*(labels.in_label_unit(stored[name], stored[f"cusp_{name}"].values) for name in names), **CUSP)
-    ax.set(xlim=edges[0], ylim=edges[1], **{f"{axis}label": labels.axis_label(stored[name])
-                                            for axis, name in zip("xy", names, strict=True)})  # fmt: skip
+    ax.set(
+        xlim=edges[0],
+        ylim=edges[1],
+        **{f"{axis}label": labels.axis_label(stored[name]) for axis, name in zip("xy", names, strict=True)},
+    )
     given = zip(names, stored.attrs.get("given", (np.nan, np.nan)), strict=True)  # older files have none
     point = np.array([float(labels.in_label_unit(stored[name], value)) for name, value in given])
     if ((edges[:, 0] <= point) & (point <= edges[:, 1])).all():
@@ -131,8 +152,16 @@ def _panel(stored: StoredStudy, ax: Axes, inches: tuple[float, float], shown: st
     said = {int(count) for k, count in enumerate(stored[shown].values) if k not in left_out}
     unsaid = sorted({int(stored[shown].values[k]) for k in left_out} - said)
     noun = "stable equilibri" if shown == STABLE else "equilibri"
-    return [*notes, *(Patch(color=(*ramp(int(np.searchsorted(known, count)))[:3], 0.8),
-                            label=f"{count} {noun}{'um' if count == 1 else 'a'}") for count in unsaid)]  # fmt: skip
+    return [
+        *notes,
+        *(
+            Patch(
+                color=(*ramp(int(np.searchsorted(known, count)))[:3], 0.8),
+                label=f"{count} {noun}{'um' if count == 1 else 'a'}",
+            )
+            for count in unsaid
+        ),
+    ]
 
 
 def _curves(stored: StoredStudy) -> list[tuple[str, bool]]:

@@ -56,8 +56,10 @@ class RoomLocator(Locator):
             inside = [float(value) for value in locator.tick_values(low, high) if low <= value <= high]
             texts = Ticks().format_ticks(inside)
             sizes = [self.letters / 72 if upward else fonts.width_of(text, self.letters) for text in texts]
-            gaps = [per_unit * (change(b) - change(a)) - (left + right) / 2
-                    for (a, left), (b, right) in pairwise(zip(inside, sizes, strict=True))]  # fmt: skip
+            gaps = [
+                per_unit * (change(b) - change(a)) - (left + right) / 2
+                for (a, left), (b, right) in pairwise(zip(inside, sizes, strict=True))
+            ]
             if min(gaps, default=GAP) >= GAP:
                 if len(inside) >= (FEW if isinstance(locator, LogLocator) else 2):
                     return inside

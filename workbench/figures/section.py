@@ -126,8 +126,16 @@ def _draw(stored: StoredStudy, line: Centreline, section: Section, ax: Axes) -> 
     across, away = _window(line, section)
     inside = line.side == "inside"
     foot = (line.R, away[1]) if inside else (away[0], line.R)
-    ax.add_patch(Rectangle((across[0], foot[0]), np.ptp(across), foot[1] - foot[0], facecolor=colours.SURFACE,
-                           edgecolor="none", zorder=1))  # fmt: skip
+    ax.add_patch(
+        Rectangle(
+            (across[0], foot[0]),
+            np.ptp(across),
+            foot[1] - foot[0],
+            facecolor=colours.SURFACE,
+            edgecolor="none",
+            zorder=1,
+        )
+    )
     ax.axhline(line.R, color=colours.SOFT, linewidth=0.8, zorder=2)
     for z, radius, half in zip(section.z, section.radius, section.half, strict=True):
         ax.add_patch(Ellipse((z, radius), 2 * half, 2 * line.a, facecolor=colours.NEUTRAL, edgecolor=colours.INK,
@@ -153,8 +161,13 @@ def _write_gaps(stored: StoredStudy, line: Centreline, section: Section, ax: Axe
     for k in shown:
         middle = (section.z[k] + section.half[k] + section.z[k + 1] - section.half[k + 1]) / 2
         top = section.radius[k] + sign * 1.2 * line.a
-        ax.annotate(texts[k], (middle, section.radius[k]), (middle, top + sign * 0.3 * line.a), ha="center",
-                    va="bottom" if sign > 0 else "top", size=fonts.small(),
-                    color=colours.VERDICTS[FAILS] if section.gaps[k] < 0 else colours.INK,
-                    arrowprops={"arrowstyle": "-", "color": colours.SOFT, "linewidth": 0.6, "shrinkA": 1,
-                                "shrinkB": 0})  # fmt: skip
+        ax.annotate(
+            texts[k],
+            (middle, section.radius[k]),
+            (middle, top + sign * 0.3 * line.a),
+            ha="center",
+            va="bottom" if sign > 0 else "top",
+            size=fonts.small(),
+            color=colours.VERDICTS[FAILS] if section.gaps[k] < 0 else colours.INK,
+            arrowprops={"arrowstyle": "-", "color": colours.SOFT, "linewidth": 0.6, "shrinkA": 1, "shrinkB": 0},
+        )

@@ -133,12 +133,17 @@ def _figure_of(stored: StoredStudy, curves: StoredStudy, chosen: "_Choice", shee
         (view.height + LABELS, [drawn]) for drawn, (_, view) in zip(strips_of, shown, strict=True)
     ]
     if beside:
-        lines[:count] = [(max(law_height, view.height + AROUND), [drawn, law])
-                        for drawn, (_, view), law in zip(strips_of, shown, laws_of, strict=False)]  # fmt: skip
+        lines[:count] = [
+            (max(law_height, view.height + AROUND), [drawn, law])
+            for drawn, (_, view), law in zip(strips_of, shown, laws_of, strict=False)
+        ]
     else:
         lines += canvas.in_rows(laws_of, min(across, count), law_height)
-    said = [f"Unrolled, the rods along {labels.axis_symbol(str(rod.axis))} are straight lines."
-            for rod, is_line in zip(rods, straight, strict=True) if is_line]  # fmt: skip
+    said = [
+        f"Unrolled, the rods along {labels.axis_symbol(str(rod.axis))} are straight lines."
+        for rod, is_line in zip(rods, straight, strict=True)
+        if is_line
+    ]
     if sampled:
         wide = sheet.style == SCREEN.style and not sheet.narrow
         width = max(width, trends.LEAST_WIDTH * len(stored.sampled) + 0.8) if wide else width
@@ -260,8 +265,13 @@ def _first_of(chosen: _Choice, most: int, narrow: bool) -> _Choice:
     rest = chosen.panels[most:]
     laws, names = [row for row in rest if not isinstance(row, str)], [name for name in rest if isinstance(name, str)]
     views = [f"views along {labels.axis_symbol(axis)}" for axis in chosen.strips[len(strips) :]]
-    return replace(chosen, panels=chosen.panels[:most], strips=strips, in_words=[*laws, *chosen.in_words],
-                   left_out=[*names, *views, *chosen.left_out])  # fmt: skip
+    return replace(
+        chosen,
+        panels=chosen.panels[:most],
+        strips=strips,
+        in_words=[*laws, *chosen.in_words],
+        left_out=[*names, *views, *chosen.left_out],
+    )
 
 
 def level_notes(stored: StoredStudy, names: Sequence[str]) -> list[str]:
@@ -286,5 +296,8 @@ def _name(rows: Sequence[Mapping[str, Any]]) -> dict[str, Mapping[str, Any]]:
     claims = Counter(row["claim"] for row in rows)
     names = [f"{row['claim']} {row['observable']}" for row in rows]
     short = Counter(names)
-    return {name if short[name] == 1 else f"{name} {row['axis']}": row
-            for name, row in zip(names, rows, strict=True) if claims[row["claim"]] > 1}  # fmt: skip
+    return {
+        name if short[name] == 1 else f"{name} {row['axis']}": row
+        for name, row in zip(names, rows, strict=True)
+        if claims[row["claim"]] > 1
+    }

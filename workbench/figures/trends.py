@@ -111,8 +111,9 @@ def draw_line(
     joined = known[1:] & known[:-1] & ~np.isin(np.arange(1, values.size), gaps)
     alone = np.flatnonzero(known & ~np.append(joined, False) & ~np.insert(joined, 0, False))
     dots = {"marker": ".", "markersize": 3, "markevery": (alone + np.searchsorted(gaps, alone, "right")).tolist()}
-    ax.plot(*(np.insert(row.astype(float), gaps, np.nan) for row in (along, values)), **(dots if alone.size else {}),
-            **look)  # fmt: skip
+    ax.plot(
+        *(np.insert(row.astype(float), gaps, np.nan) for row in (along, values)), **(dots if alone.size else {}), **look
+    )
     if (near := changes[is_near]).size:
         (left, right), (first, last) = ((row[near - 1], row[near]) for row in (along, values))
         middle, gap = (left + right) / 2, np.full(near.size, np.nan)
@@ -167,10 +168,12 @@ def samples(stored: StoredStudy, names: Sequence[str], width: float, narrow: boo
 
     rows = [
         row
-        for fields in blocks for name in names
-        for row in canvas.in_rows([partial(draw, name, field, fields) for field in fields], across,
-                                  whole / len(names) / len(blocks))
-    ]  # fmt: skip
+        for fields in blocks
+        for name in names
+        for row in canvas.in_rows(
+            [partial(draw, name, field, fields) for field in fields], across, whole / len(names) / len(blocks)
+        )
+    ]
     count, at = stored.sizes[SAMPLE], stored.equations(held)
     dense = "; the darker, the more samples" if count > MANY else ""
     return rows, f"{count} sample{'s' * (count != 1)}{f', at {at}' if at else ''}; r: rank correlation{dense}."

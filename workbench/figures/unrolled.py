@@ -100,9 +100,17 @@ class UnrolledView:
 
 
 def view_of(
-    s: Values, rho: float, alpha: Values, z: Values, a: float, text: str, look: Mapping[str, Any], name: str = "",
-    ringed: bool = True, radius: Any = None,
-) -> tuple[UnrolledView, bool]:  # fmt: skip
+    s: Values,
+    rho: float,
+    alpha: Values,
+    z: Values,
+    a: float,
+    text: str,
+    look: Mapping[str, Any],
+    name: str = "",
+    ringed: bool = True,
+    radius: Any = None,
+) -> tuple[UnrolledView, bool]:
     """The unrolled view of a rod, and whether it is too long to search for the places where it passes through itself.
 
     s, rho, alpha, z, a: of the rod, (n,) or a number [length]. text, look, name: as of `UnrolledView`. ringed: whether
@@ -196,8 +204,14 @@ def _draw_key(ax: Axes, form: Arrangement, place: Any, unit: str) -> None:
     left, top = place[0], place[1] + WORDS * fonts.small()
     scales = form.scale, form.scale * form.factor
     lengths = [round_below(ARROW / scale) for scale in scales]
-    look: Any = {"arrowstyle": "-|>", "color": colours.SOFT, "linewidth": 0.8, "shrinkA": 0, "shrinkB": 0,
-                 "mutation_scale": 6}  # fmt: skip
+    look: Any = {
+        "arrowstyle": "-|>",
+        "color": colours.SOFT,
+        "linewidth": 0.8,
+        "shrinkA": 0,
+        "shrinkB": 0,
+        "mutation_scale": 6,
+    }
     right, down = (length * scale for length, scale in zip(lengths, scales, strict=True))
     words = [f"{name}: {labels.number(length)} {unit}" for name, length in zip(("z", "around"), lengths, strict=True)]
     for tip, text, at, offset, vertical in (
@@ -205,8 +219,16 @@ def _draw_key(ax: Axes, form: Arrangement, place: Any, unit: str) -> None:
         ((left, top + down), words[1], (left, top + down / 2), (4, 0), "center"),
     ):
         ax.annotate("", tip, (left, top), arrowprops=look, annotation_clip=False)
-        ax.annotate(text, at, offset, textcoords="offset points", size=fonts.small(), color=colours.SOFT, va=vertical,
-                    annotation_clip=False)  # fmt: skip
+        ax.annotate(
+            text,
+            at,
+            offset,
+            textcoords="offset points",
+            size=fonts.small(),
+            color=colours.SOFT,
+            va=vertical,
+            annotation_clip=False,
+        )
 
 
 def stretch(wide: float, tall: float, room: tuple[float, float]) -> float:
@@ -283,9 +305,15 @@ class UnrolledPanel:
     """
 
     def __init__(
-        self, views: Sequence[UnrolledView], room: tuple[float, float], letters: float, unit: str, even: bool = False,
-        notes: Sequence[str] = (), in_lines: str = "",
-    ) -> None:  # fmt: skip
+        self,
+        views: Sequence[UnrolledView],
+        room: tuple[float, float],
+        letters: float,
+        unit: str,
+        even: bool = False,
+        notes: Sequence[str] = (),
+        in_lines: str = "",
+    ) -> None:
         self.views, self.unit, self.notes, self.in_lines = views, unit, list(dict.fromkeys(notes)), in_lines
         self.before = max(words_size(view.text, letters)[0] for view in views) + ABOVE if in_lines else 0.0
         room = room[0] - self.before, room[1]
@@ -333,8 +361,9 @@ class UnrolledPanel:
             name = view.name or view.text.partition("\n")[0]
             said += _draw_line(ax, view.x, view.y, view.look, name, where, form.scale)
             if view.begins:
-                ax.plot(view.x[0], view.y[0], "o", color=colours.INK, markersize=2.8, zorder=4, transform=where,
-                        gid="s = 0")  # fmt: skip
+                ax.plot(
+                    view.x[0], view.y[0], "o", color=colours.INK, markersize=2.8, zorder=4, transform=where, gid="s = 0"
+                )
             for x, y, look, name in view.over:
                 said += _draw_line(ax, x, y, look, name, where, form.scale)
             rings += [(to_page.transform(place), form.scale * apart * [1, form.factor]) for place, apart in view.rings]
@@ -421,8 +450,9 @@ def panel_of(rods: DrawnRods, room: tuple[float, float], letters: float, coloure
             views.append(UnrolledView(np.zeros(0), np.zeros(0), text, {}, name=rod.why))
             continue
         passes = coloured and "overlaps" in cautions.keys(rod.caution)
-        view, is_too_long = view_of(rod["s"], rod.rho, rod["alpha"], rod["z"], rod.a, text, _look(rod, norm), rod.name,
-                                    passes, rod.radius)  # fmt: skip
+        view, is_too_long = view_of(
+            rod["s"], rod.rho, rod["alpha"], rod["z"], rod.a, text, _look(rod, norm), rod.name, passes, rod.radius
+        )
         if is_too_long:
             notes.append(f"The rod {TOO_LONG}." if rods.axis is None else f"The rod of {rod.name} {TOO_LONG}.")
         winds = winds or bool(view.over)

@@ -84,9 +84,17 @@ def outline(x: Values, y: Values, inches: float) -> tuple[Values, Values, Values
 
 
 def draw(
-    ax: Axes, x: Values, y: Values, inches: float, line: Callable[[slice], Any], colour: Any, name: str = "",
-    where: Transform | None = None, order: float = 2.0, label: str = "",
-) -> list[str]:  # fmt: skip
+    ax: Axes,
+    x: Values,
+    y: Values,
+    inches: float,
+    line: Callable[[slice], Any],
+    colour: Any,
+    name: str = "",
+    where: Transform | None = None,
+    order: float = 2.0,
+    label: str = "",
+) -> list[str]:
     """Draw a curve: its lines by `line`, which takes their points, and the bands; returns what is to be said of these.
 
     colour: of bands, or the colour of a height. name: of their edges in a table; label: in a legend. where: the
@@ -116,8 +124,14 @@ def _colour_heights(
     """Fill a band so that each height has its colour."""
     least, most = float(low.min()), float(high.max())
     shades = [[colour(height)] for height in np.linspace(least, most, SHADES)]
-    image = ax.imshow(shades, extent=(float(x[0]), float(x[-1]), least, most), origin="lower", aspect="auto",
-                      transform=where, zorder=order)  # fmt: skip
+    image = ax.imshow(
+        shades,
+        extent=(float(x[0]), float(x[-1]), least, most),
+        origin="lower",
+        aspect="auto",
+        transform=where,
+        zorder=order,
+    )
     outline = np.column_stack([np.concatenate([x, x[::-1]]), np.concatenate([low, high[::-1]])])
     image.set_clip_path(Path(outline), where)
     image.sticky_edges.y.clear()  # the panel keeps its margin

@@ -29,16 +29,23 @@ if TYPE_CHECKING:
 
 ARRAYS = ("alpha", "beta", "push", "kappa", "F2", "F3")
 FORCE, PUSH, DOGLEG, STRESS, SLACK_OFF = "force", "push", "dogleg", "stress", "slack-off"  # panels
-ROWS = {pipe_profile.FORCE: FORCE, pipe_profile.PUSH: PUSH, pipe_profile.DOGLEG: DOGLEG,
-        pipe_profile.STRESSES[2]: STRESS}  # fmt: skip
+ROWS = {
+    pipe_profile.FORCE: FORCE,
+    pipe_profile.PUSH: PUSH,
+    pipe_profile.DOGLEG: DOGLEG,
+    pipe_profile.STRESSES[2]: STRESS,
+}
 LOADS = ("wob", "FZ0", "FZ")  # the axes with a weight on bit
 TALL, WIDE = 3.4, 1.9  # inches of the tracks, and of the last panel
 NARROW = 3.2  # of all rows on a narrow sheet
 NEXT = 1.3  # of the largest compression: up to there a limit that is not reached is shown
 MARGIN = 0.06  # of the range of a track
 STRIP = 0.07  # of the width of a track, for the states
-BANDS = (("sinusoid", colours.STATES["sinusoidal"], 0.22), ("or helix", "#7f9fa6", 0.3),
-         ("only helix", colours.STATES["helical"], 0.28))  # fmt: skip
+BANDS = (
+    ("sinusoid", colours.STATES["sinusoidal"], 0.22),
+    ("or helix", "#7f9fa6", 0.3),
+    ("only helix", colours.STATES["helical"], 0.28),
+)
 FAILING = colours.VERDICTS[FAILS]
 
 
@@ -183,8 +190,9 @@ def _draw_track(rod: DrawnRod, case: "Case", name: str, unit: str, values: Any, 
     said = _curve(ax, rod, case, values, color=colour, linewidth=1.3, gid=WORDS[name])
     ax.axvline(0, color=colours.SOFT, linewidth=0.8)
     if name == PUSH and push_scale.pulls(rod["push"]):
-        ax.fill_betweenx(_depth(rod, case), 0, np.minimum(values, 0), color=colours.PULLED, linewidth=0,
-                         label="would lift off")  # fmt: skip
+        ax.fill_betweenx(
+            _depth(rod, case), 0, np.minimum(values, 0), color=colours.PULLED, linewidth=0, label="would lift off"
+        )
     _down(ax, rod, unit, WORDS[name], [values])
     return said
 
@@ -208,8 +216,15 @@ def _draw_limits(ax: Axes, limits: list[pipe_state.Limit]) -> None:
     for k, (limit, (name, colour, alpha)) in enumerate(zip(limits, BANDS, strict=False)):
         far = min([other.value for other in limits[k + 1 : k + 2]] + [end])
         if limit.value < end:
-            ax.axvspan(-far, -limit.value, color=colour, alpha=alpha, linewidth=0, zorder=0,
-                       label=f"{name} > {plain(limit.value)}")  # fmt: skip
+            ax.axvspan(
+                -far,
+                -limit.value,
+                color=colour,
+                alpha=alpha,
+                linewidth=0,
+                zorder=0,
+                label=f"{name} > {plain(limit.value)}",
+            )
 
 
 def _draw_states(ax: Axes, rod: DrawnRod, case: "Case") -> None:
@@ -217,8 +232,16 @@ def _draw_states(ax: Axes, rod: DrawnRod, case: "Case") -> None:
     length = float(rod["s"][-1])
     for part in _states(rod):
         ends = (length - part.end, length - part.begin) if pipe_state.rise(case) > 0 else (part.begin, part.end)
-        ax.fill_betweenx(ends, 1 - STRIP, 1, color=colours.STATES[part.word], linewidth=0, zorder=4,
-                         transform=ax.get_yaxis_transform(), label=part.word)  # fmt: skip
+        ax.fill_betweenx(
+            ends,
+            1 - STRIP,
+            1,
+            color=colours.STATES[part.word],
+            linewidth=0,
+            zorder=4,
+            transform=ax.get_yaxis_transform(),
+            label=part.word,
+        )
 
 
 def _draw_stress(rod: DrawnRod, case: "Case", unit: str, stresses: Any, most: float | None, ax: Axes) -> list[str]:
@@ -231,8 +254,9 @@ def _draw_stress(rod: DrawnRod, case: "Case", unit: str, stresses: Any, most: fl
         title = fonts.fit_label(lambda full: f"stress: {words}" if full else words, fonts.inches(ax)[0])
         shown = [whole, np.array([most])]
         ax.axvline(most, color=colours.INK, linewidth=1, linestyle=(0, (4, 3)), label=f"yields at {plain(most)}")
-    said = _curve(ax, rod, case, np.abs(axial), color=colours.SOFT, linewidth=0.9, gid="axial stress, size",
-                  label="axial stress")  # fmt: skip
+    said = _curve(
+        ax, rod, case, np.abs(axial), color=colours.SOFT, linewidth=0.9, gid="axial stress, size", label="axial stress"
+    )
     said += _curve(ax, rod, case, whole, most or np.inf, color=colours.DATA, linewidth=1.3, gid=WORDS[STRESS],
                    label="axial and bending")  # fmt: skip
     _down(ax, rod, unit, title, shown)

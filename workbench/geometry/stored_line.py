@@ -216,8 +216,16 @@ class FreeLine(Centreline):
         alpha, beta, _ = self.at(s)
         turned = np.arctan2(y, x)
         turned += 2 * np.pi * np.round((alpha - turned) / (2 * np.pi))
-        return replace(self, s=s, alpha=turned, beta=beta, dbeta=self._even(self.dbeta, s), z=z,
-                       radius=np.hypot(x, y), stored_contact=self.contact(s))  # fmt: skip
+        return replace(
+            self,
+            s=s,
+            alpha=turned,
+            beta=beta,
+            dbeta=self._even(self.dbeta, s),
+            z=z,
+            radius=np.hypot(x, y),
+            stored_contact=self.contact(s),
+        )
 
 
 def _unit(vectors: Array) -> Array:

@@ -244,9 +244,7 @@ def _indices(design: Design, blocks: Values, confidence: float, seed: int) -> di
     problem = {"num_vars": design.fields, "names": [str(i) for i in range(design.fields)]}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # where a resample has one value: its index is 0
-        answer = analyze(
-            problem, blocks.reshape(-1), design.second, _resamples(len(blocks)), confidence, seed=seed
-        )  # fmt: skip
+        answer = analyze(problem, blocks.reshape(-1), design.second, _resamples(len(blocks)), confidence, seed=seed)
     names = {"first": "S1", "first_conf": "S1_conf", "total": "ST", "total_conf": "ST_conf"}
     names |= {"second": "S2", "second_conf": "S2_conf"} if design.second else {}
     return {name: np.asarray(answer[key], dtype=float) for name, key in names.items()}

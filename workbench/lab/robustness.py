@@ -41,8 +41,16 @@ def figure(stored: StoredStudy, sheet: Sheet = SCREEN) -> Figure:
     def draw(ax: Axes) -> None:
         scale = ScalarMappable(Normalize(LEAST, MOST), SOLVED)
         said = "solved: log₁₀ of the error over tol max(1, condition); the number in a cell is the error in radians"
-        canvas.colour_bar([panel(stored, ax)], scale, said, orientation="horizontal", shrink=0.5, aspect=40, pad=0.035,
-                          ticks=range(-8, 2))  # fmt: skip
+        canvas.colour_bar(
+            [panel(stored, ax)],
+            scale,
+            said,
+            orientation="horizontal",
+            shrink=0.5,
+            aspect=40,
+            pad=0.035,
+            ticks=range(-8, 2),
+        )
 
     titled = stored.with_title(labels.powers_of_ten(str(stored.attrs["title"])))
     page = Sheet(max(_NAMES + _COLUMN * (columns + 2), LEAST_WIDTH), "paper", sheet.titled)
@@ -80,8 +88,13 @@ def panel(stored: StoredStudy, ax: Axes) -> Axes:
     _groups(ax, [str(v) for v in stored["group"].values], len(methods) + 2)
     ax.set(xlim=(0, len(methods) + 2), ylim=(len(names), 0))
     ax.set_yticks(np.arange(len(names)) + 0.5, [labels.minus_signs(labels.powers_of_ten(name)) for name in names])
-    ax.set_xticks(np.arange(len(methods) + 2) + 0.5, [*methods, "condition", "L/ρ"], rotation=35, ha="left",
-                  rotation_mode="anchor")  # fmt: skip
+    ax.set_xticks(
+        np.arange(len(methods) + 2) + 0.5,
+        [*methods, "condition", "L/ρ"],
+        rotation=35,
+        ha="left",
+        rotation_mode="anchor",
+    )
     ax.tick_params(length=0, pad=2, labelsize=fonts.small() - 0.5, colors=colours.INK)
     ax.tick_params(top=True, labeltop=True, bottom=False, labelbottom=False)
     ax.spines[:].set_visible(False)

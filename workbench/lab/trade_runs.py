@@ -94,21 +94,29 @@ def _cases() -> dict[str, Named]:
     FZ, MZ, M3 = pressed().loads
     held = Case(pressed().rod, pressed().cylinder, Ends(b, quarter, FZ, MZ, M3))
     rows: list[tuple[Any, ...]] = [
-        *((f"{twist}/{load}", table_1(twist, load), "Table 1, the paper's stiffness")
-          for twist, load in product(TWISTS, LOADS)),
+        *(
+            (f"{twist}/{load}", table_1(twist, load), "Table 1, the paper's stiffness")
+            for twist, load in product(TWISTS, LOADS)
+        ),
         ("elliptic", in_units_of_rho(0, 0, 0, 20.0, b, 0.0), "no load, beta'(0) = 0: exact"),
         ("catenary", in_units_of_rho(0, 0, 0, 20.0, b, float(np.sin(b) ** 2)), "no load, beta is monotonic: exact"),
-        *((f"gap {gap:.0e}", in_units_of_rho(0, 0, 1.0, 60.0, gap, 0.0), "beta'(0) = 0, that near to a saddle")
-          for gap in GAPS),
+        *(
+            (f"gap {gap:.0e}", in_units_of_rho(0, 0, 1.0, 60.0, gap, 0.0), "beta'(0) = 0, that near to a saddle")
+            for gap in GAPS
+        ),
         ("long", pulled(L=400.0), "force-first/tension, L = 400 cm"),
         ("stiff", pressed(E=1.07e7), "twist-first/compression, E a thousand times Table 1's"),
         ("soft", pressed(E=107.0), "twist-first/compression, E a hundredth of Table 1's"),
-        ("ends elliptic", ends_in_units_of_rho(0, 0, 0, 20.0, b, 0.524317117841891221),
-         "the elliptic rod by its two ends", 0.0),
+        (
+            "ends elliptic",
+            ends_in_units_of_rho(0, 0, 0, 20.0, b, 0.524317117841891221),
+            "the elliptic rod by its two ends",
+            0.0,
+        ),
         ("ends table 1", held, "twist-first/compression, 45 degrees at the end", 0.5),
         ("ends stable 1", near_saddle, "stays near a saddle and is stable: beta'(0) = -1.538", -1.53804),
         ("ends stable 2", near_saddle, "stays near a saddle and is stable: beta'(0) = 2.002", 2.00163),
-    ]  # fmt: skip
+    ]
     return {name: Named(*row) for name, *row in rows}
 
 
@@ -245,14 +253,23 @@ def advice(ds: xr.Dataset) -> list[dict[str, Any]]:
         for level in ds["level"].values:
             seconds = good.where(of_kind["error"] <= level).min("rung").transpose("case", "ladder").values
             reached = np.isfinite(seconds).sum(axis=0)
-            row = {"kind": str(kind), "level": float(level), "method": None, "reached": 0, "cases": seconds.shape[0],
-                   "seconds": None}  # fmt: skip
+            row = {
+                "kind": str(kind),
+                "level": float(level),
+                "method": None,
+                "reached": 0,
+                "cases": seconds.shape[0],
+                "seconds": None,
+            }
             if reached.max(initial=0):
                 best = np.flatnonzero(reached == reached.max())
                 fastest = np.fmin.reduce(seconds[:, best], axis=1, keepdims=True)
                 column = best[np.argmin(np.nanmedian(seconds[:, best] / fastest, axis=0))]
-                row |= {"method": str(ds["ladder"].values[column]), "reached": int(reached[column]),
-                        "seconds": float(np.nanmedian(seconds[:, column]))}  # fmt: skip
+                row |= {
+                    "method": str(ds["ladder"].values[column]),
+                    "reached": int(reached[column]),
+                    "seconds": float(np.nanmedian(seconds[:, column])),
+                }
             rows.append(row)
     return rows
 
@@ -260,12 +277,20 @@ def advice(ds: xr.Dataset) -> list[dict[str, Any]]:
 def summary_of(ds: xr.Dataset) -> dict[str, Any]:
     """The table of the cheapest methods and the counts of the outcomes of a stored comparison, as plain data."""
     table = [
-        {"case": str(case), "about": str(ds["about"].sel(case=case).item()), "cheapest": [
-            {"level": float(level), "method": str(ds["cheapest"].sel(case=case, level=level).item()) or None,
-             "seconds": float(ds["cheapest_seconds"].sel(case=case, level=level).item())}
-            for level in ds["level"].values]}
+        {
+            "case": str(case),
+            "about": str(ds["about"].sel(case=case).item()),
+            "cheapest": [
+                {
+                    "level": float(level),
+                    "method": str(ds["cheapest"].sel(case=case, level=level).item()) or None,
+                    "seconds": float(ds["cheapest_seconds"].sel(case=case, level=level).item()),
+                }
+                for level in ds["level"].values
+            ],
+        }
         for case in ds["case"].values
-    ]  # fmt: skip
+    ]
     outcomes = ds["outcome"].values.astype(str)
     return {
         "title": str(ds.attrs["title"]),

@@ -90,15 +90,31 @@ def panel(stored: StoredStudy, ax: Axes, case: str, cost: str = "seconds") -> Ax
         colour = look.colour
         for stretch, handed in _stretches(climb, good, look.method):
             fill: dict[str, Any] = {"markerfacecolor": "white", "markeredgewidth": 0.8} if handed else {}
-            ax.plot(spent[stretch], np.maximum(error[stretch], FLOOR), color=colour, marker=look.marker,
-                    markersize=_size(look), linestyle=look.line, linewidth=1.8 if look.bold else 1.1,
-                    zorder=4 if look.bold else 3, **{"markeredgewidth": 0, **fill})  # fmt: skip
+            ax.plot(
+                spent[stretch],
+                np.maximum(error[stretch], FLOOR),
+                color=colour,
+                marker=look.marker,
+                markersize=_size(look),
+                linestyle=look.line,
+                linewidth=1.8 if look.bold else 1.1,
+                zorder=4 if look.bold else 3,
+                **{"markeredgewidth": 0, **fill},
+            )
         bad = tried & ~good
         ax.plot(spent[bad], np.full(bad.sum(), TOP / 2), "x", color=colour, markersize=4, markeredgewidth=1.1, zorder=3)
         if np.char.startswith(outcome, "not run").any() and good.any():
             last = np.flatnonzero(good)[-1]
-            ax.plot(spent[last], max(error[last], FLOOR), ">", color=colour, markersize=7, markerfacecolor="none",
-                    markeredgewidth=0.9, zorder=5)  # fmt: skip
+            ax.plot(
+                spent[last],
+                max(error[last], FLOOR),
+                ">",
+                color=colour,
+                markersize=7,
+                markerfacecolor="none",
+                markeredgewidth=0.9,
+                zorder=5,
+            )
     ax.axhline(LOST, color=colours.FAINT, linewidth=1, zorder=1)
     ax.set(xscale="log", yscale="log", ylim=(FLOOR / 2, TOP))
     ax.set_yticks([10.0**k for k in range(-15, 1, 3)])
@@ -126,15 +142,26 @@ def _entries(stored: StoredStudy) -> list[Artist]:
     """The legend: the methods that were tried, and what the marks are."""
     tried = [str(m) for m in stored["ladder"].values if np.isfinite(stored["seconds"].sel(ladder=m)).any()]
     looks: list[dict[str, Any]] = [
-        {"color": look.colour, "marker": look.marker, "markersize": _size(look) + 0.4, "linestyle": look.line,
-         "linewidth": 1.4, "label": look.name}
+        {
+            "color": look.colour,
+            "marker": look.marker,
+            "markersize": _size(look) + 0.4,
+            "linestyle": look.line,
+            "linewidth": 1.4,
+            "label": look.name,
+        }
         for look in map(look_of, tried)
-    ]  # fmt: skip
+    ]
     looks += [
         {"marker": "x", "markersize": 4, "linestyle": "", "label": "failed, or no correct digit"},
-        {"marker": ">", "markersize": 7, "markerfacecolor": "none", "linestyle": "",
-         "label": "its next finer setting takes too long"},
-    ]  # fmt: skip
+        {
+            "marker": ">",
+            "markersize": 7,
+            "markerfacecolor": "none",
+            "linestyle": "",
+            "label": "its next finer setting takes too long",
+        },
+    ]
     if "answered" in stored and any(_is_handed_over(stored, str(name)) for name in stored["ladder"].values):
         looks += [
             {"marker": "h", "markersize": 4, "markerfacecolor": "white", "label": "handed over to another method"}

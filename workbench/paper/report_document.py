@@ -98,7 +98,11 @@ def html(
     program = f"{turntable_page.program()}\n{_text('enlarge.js')}"
     claims = claims_of(sections)
     return pages.page(
-        _text(TEMPLATE), style, {"program": program}, turntable_page.data(figures), finalize=with_hard_spaces,
+        _text(TEMPLATE),
+        style,
+        {"program": program},
+        turntable_page.data(figures),
+        finalize=with_hard_spaces,
         reading=str(results[0].stored.attrs["reading"]),
         claims=claims,
         tally=law_words.tally_of(claims, "claim"),
@@ -122,7 +126,7 @@ def html(
         left_out=cautions.LEFT_OUT,
         equilibria=_equilibria(*equilibria) if equilibria else None,
         release=release,
-    )  # fmt: skip
+    )
 
 
 def figure_of(stored: StoredStudy) -> dict[str, Any] | None:

@@ -58,8 +58,9 @@ def reproduce(
         equilibria = _equilibria(load(RODS).under(reading), out, able)
         story = _draw_story(results, readings, out / STORY)
         release = _release(load(report_runs.LET_GO).under(reading), out)
-        report_document.write(results, out, readings=readings, refusals=refusals, equilibria=equilibria, story=story,
-                              release=release)  # fmt: skip
+        report_document.write(
+            results, out, readings=readings, refusals=refusals, equilibria=equilibria, story=story, release=release
+        )
     _print(results, readings, out, advice)
     for refusal in refusals:
         console.say(f"Omitted: {refusal}")

@@ -33,13 +33,23 @@ SHOWN = 0.42  # of its length, where the angle is drawn
 HEADS = 56, 72  # points from the table to the heads of its columns
 # the height of the figure, and left, low, width and height of the panels a to d and of the bar of colours, in inches
 ONE, TWO = 3.5, 7.2
-WIDE = 5.35, ((0.05, 2.5, 1.75, 2.75), (1.9, 2.97, 5.25, 2.1), (0.5, 0.42, 1.95, 1.4), (4.3, 0.3, 2.85, 0.92),
-              (4.6, 2.7, 1.9, 0.08))  # fmt: skip
+WIDE = (
+    5.35,
+    (
+        (0.05, 2.5, 1.75, 2.75),
+        (1.9, 2.97, 5.25, 2.1),
+        (0.5, 0.42, 1.95, 1.4),
+        (4.3, 0.3, 2.85, 0.92),
+        (4.6, 2.7, 1.9, 0.08),
+    ),
+)
 NARROW = 4.72, ((0.0, 3.12, 1.3, 1.45), (0.02, 2.07, 3.46, 0.9), (1.85, 3.5, 1.6, 0.8), (1.5, 0.2, 1.95, 0.58),
                 (1.95, 1.88, 1.2, 0.05))  # fmt: skip
 # the letters of the panels in one column or two, as one reads them, and their left and upper edges
-LETTERS = {False: ("abcd", ((0.05, 5.3), (1.9, 5.3), (0.05, 2.2), (2.5, 2.2))),
-           True: ("acbd", ((0.03, 4.7), (0.03, 3.12), (1.35, 4.7), (0.03, 1.6)))}  # fmt: skip
+LETTERS = {
+    False: ("abcd", ((0.05, 5.3), (1.9, 5.3), (0.05, 2.2), (2.5, 2.2))),
+    True: ("acbd", ((0.03, 4.7), (0.03, 3.12), (1.35, 4.7), (0.03, 1.6))),
+}
 MARKS: dict[str, dict[str, Any]] = {
     HOLDS: {"marker": "o"},
     TREND: {"marker": "o", "fillstyle": "bottom"},
@@ -90,8 +100,10 @@ def figure(datasets: Mapping[str, StoredStudy], page: Sheet) -> Figure:
     share = page.width / (ONE if page.narrow else TWO)
 
     def draw(fig: Figure) -> None:
-        axes = [fig.add_axes((x / page.width * share, y / height, wide / page.width * share, high / height))
-                for x, y, wide, high in boxes]  # fmt: skip
+        axes = [
+            fig.add_axes((x / page.width * share, y / height, wide / page.width * share, high / height))
+            for x, y, wide, high in boxes
+        ]
         letters(datasets[ROD], axes[0])
         row(datasets[ALONG], axes[1], axes[4])
         law(datasets[ALONG], axes[2])
@@ -207,8 +219,14 @@ def claims(stored: StoredStudy, ax: Axes) -> None:
 
 
 def _mark(verdict: str) -> dict[str, Any]:
-    return {"color": colours.VERDICTS[verdict], "markersize": 4.8, "linestyle": "none", "markeredgewidth": 0.8,
-            "markerfacecoloralt": "white", **MARKS[verdict]}  # fmt: skip
+    return {
+        "color": colours.VERDICTS[verdict],
+        "markersize": 4.8,
+        "linestyle": "none",
+        "markeredgewidth": 0.8,
+        "markerfacecoloralt": "white",
+        **MARKS[verdict],
+    }
 
 
 def _claim(stored: StoredStudy, name: str) -> str:
@@ -282,8 +300,9 @@ def _faces(ax: Axes, eye: _Eye, faces: Values, normals: Values, shades: Values, 
     first = np.argsort(corners[towards, :, 2].mean(axis=1))
     drawn = shaded[towards][first]
     triangles: Any = corners[towards][first][..., :2] + [eye.shift, 0.0]  # of one array Matplotlib makes paths sooner
-    ax.add_collection(PolyCollection(
-        triangles, facecolors=drawn, edgecolors=drawn, linewidths=0.25, zorder=order, rasterized=True))  # fmt: skip
+    ax.add_collection(
+        PolyCollection(triangles, facecolors=drawn, edgecolors=drawn, linewidths=0.25, zorder=order, rasterized=True)
+    )
 
 
 def _cylinder(ax: Axes, eye: _Eye, R: float, ends: tuple[float, float]) -> None:

@@ -38,9 +38,12 @@ Piece = tuple[Places, Columns]  # places of cases in a box, rising, and their va
 
 
 def make(
-    study: Study, over: Dimensions, columns: Columns, remarks: Mapping[str, str] | None = None,
+    study: Study,
+    over: Dimensions,
+    columns: Columns,
+    remarks: Mapping[str, str] | None = None,
     case: Case | None = None,
-) -> xr.Dataset:  # fmt: skip
+) -> xr.Dataset:
     """The dataset of a study as it was run, from its columns (`store.block.columns`) in the order of the grid.
 
     over: its samples and axes. remarks: attributes on how it was run (`plan.remarks`). case: the grid as one case,
@@ -142,9 +145,12 @@ def _number_types(columns: Mapping[str, Any]) -> dict[str, np.dtype[Any]]:
 
 
 def _gather(
-    sources: Sequence[Source], shape: tuple[int, ...], most: int, types: Mapping[str, np.dtype[Any]],
+    sources: Sequence[Source],
+    shape: tuple[int, ...],
+    most: int,
+    types: Mapping[str, np.dtype[Any]],
     name_of: Callable[[int], str],
-) -> Iterator[tuple[Where, Columns]]:  # fmt: skip
+) -> Iterator[tuple[Where, Columns]]:
     """The columns of each box of at most so many cases, in flat order, each case from the first source that holds it.
 
     Raises `InputError` where two sources differ in a case.
@@ -212,9 +218,14 @@ def assemble(plan: Plan, parts: Shards, output: Path, tally: Tally) -> dict[str,
 
 
 def combine(
-    sources: Sequence[Source], frame: xr.Dataset, variables: schema.CaseVariables, path: Path,
-    recipe: Mapping[str, Any] | None, tally: Tally | None = None, name_of: Callable[[int], str] = str,
-) -> dict[str, Any]:  # fmt: skip
+    sources: Sequence[Source],
+    frame: xr.Dataset,
+    variables: schema.CaseVariables,
+    path: Path,
+    recipe: Mapping[str, Any] | None,
+    tally: Tally | None = None,
+    name_of: Callable[[int], str] = str,
+) -> dict[str, Any]:
     """Write a study whose cases are those of several sources to a new file, and judge it; its statistics.
 
     Parameters

@@ -26,9 +26,14 @@ from .recipe import Places, axis_line, unite
 
 # Attributes in which merged files may not differ, and their names in messages.
 ALIKE = {
-    "reading": "the reading", "side": "the side", "stiffness": "the stiffness", "tolerance": "the tolerance",
-    "method": "the method", "length_unit": "the unit of length", "force_unit": "the unit of force",
-}  # fmt: skip
+    "reading": "the reading",
+    "side": "the side",
+    "stiffness": "the stiffness",
+    "tolerance": "the tolerance",
+    "method": "the method",
+    "length_unit": "the unit of length",
+    "force_unit": "the unit of force",
+}
 MOST_LISTED = 1_000_000  # numbers of samples in the text of a merged study; the text of more would be too long to load
 MOST_SOURCES = 5  # files of which a merged file says how their samples were drawn
 # Fields of a study that are compared in the dataset, or that do not change a number.
@@ -89,17 +94,28 @@ def _dimension(ds: xr.Dataset, study: Study, axis: str) -> Dimension:
 
 
 def _frame(
-    files: Sequence[xr.Dataset], names: Sequence[str], cases: Sequence[str], axis: str, union: Dimension,
+    files: Sequence[xr.Dataset],
+    names: Sequence[str],
+    cases: Sequence[str],
+    axis: str,
+    union: Dimension,
     places: Sequence[Places],
-) -> xr.Dataset:  # fmt: skip
+) -> xr.Dataset:
     """The dataset of all that is not stored of each case.
 
     A field of the case is stored without an axis of one value; it gets that axis if the files differ in it. Raises
     `InputError` where two files differ at the same values.
     """
     parts = [ds.drop_vars(cases) for ds in files]
-    every = xr.concat(parts, axis, data_vars="different", coords="different", compat="equals", join="override",
-                      combine_attrs="override")  # fmt: skip
+    every = xr.concat(
+        parts,
+        axis,
+        data_vars="different",
+        coords="different",
+        compat="equals",
+        join="override",
+        combine_attrs="override",
+    )
     begins = np.cumsum([0, *(ds.sizes[axis] for ds in files[:-1])])
     rows = [np.where(place < 0, -1, place + begin) for place, begin in zip(places, begins, strict=True)]
     first = np.stack(rows)[np.argmax(np.stack(rows) >= 0, axis=0), np.arange(union.size)]

@@ -100,9 +100,12 @@ class Worker:
 
 
 def hand_out(
-    work: Plan, chunks: Iterable[Chunk], room: Callable[[], int], give: Callable[[Chunk], None],
+    work: Plan,
+    chunks: Iterable[Chunk],
+    room: Callable[[], int],
+    give: Callable[[Chunk], None],
     take: Callable[[], tuple[Chunk, Answer]],
-) -> Results:  # fmt: skip
+) -> Results:
     """Give chunks to workers as far as there is room, and yield the results.
 
     What a worker leaves of a chunk (`solve_chunk`) is given to the next that has room. A chunk at which a worker died

@@ -87,9 +87,12 @@ def write(ds: xr.Dataset, path: str | Path, force: bool = False) -> Path:
 
 
 def write_cases(
-    frame: xr.Dataset, path: Path, size: int, variables: schema.CaseVariables,
+    frame: xr.Dataset,
+    path: Path,
+    size: int,
+    variables: schema.CaseVariables,
     windows: Iterable[tuple[Where, Columns]],
-) -> None:  # fmt: skip
+) -> None:
     """Write a dataset to a new file, and into it the variables of each case, box by box.
 
     size: bytes of the whole file at most, which are reserved: HDF5 does not survive a full disk. Raises `OSError`.

@@ -55,12 +55,19 @@ def compose(scene: Scene) -> Page:
     if coarse or not all(body.has_true_colours for body in scene.bodies):
         raise TooFewStations(_too_few(n, stations, error, settings), stations)
     size = int(np.ceil(arranged.size[0] * dpi)), int(np.ceil(arranged.size[1] * dpi))
-    placed = [Placed(view, (float(x * dpi), float(size[1] - down * dpi)))
-              for view, (x, down) in _middles(scene, arranged)]  # fmt: skip
+    placed = [
+        Placed(view, (float(x * dpi), float(size[1] - down * dpi))) for view, (x, down) in _middles(scene, arranged)
+    ]
     pixels, outlined = render(
-        placed, camera, size, settings.pixel_error, settings.transparent,
-        max(LINE * dpi / fonts.DPI, 0.8), settings.samples, settings.look[page.WHITE],
-    )  # fmt: skip
+        placed,
+        camera,
+        size,
+        settings.pixel_error,
+        settings.transparent,
+        max(LINE * dpi / fonts.DPI, 0.8),
+        settings.samples,
+        settings.look[page.WHITE],
+    )
     rough = [f"drawn to within {error:.1f} pixels"] * (error > settings.pixel_error * (1 + 1e-9))
     kept = outlined or len(scene.context) > len(scene.bodies)
     wide, high = scene.page_size
@@ -166,8 +173,10 @@ def colour_rods(scene: Scene) -> tuple[Scene, list[str]]:
             beyond = [f"up to {labels.number(extremes[1])}"] if extremes[1] > paint.high else []
             beyond += [f"down to {labels.number(extremes[0])}"] if extremes[0] < paint.low else []
             notes = [f"{paint.label}: {', '.join(beyond)}"] if beyond else []
-    rows = [[replace(view, bodies=[replace(body, paint=paint) for body in view.bodies]) for view in row]
-            for row in scene.rows]  # fmt: skip
+    rows = [
+        [replace(view, bodies=[replace(body, paint=paint) for body in view.bodies]) for view in row]
+        for row in scene.rows
+    ]
     return replace(scene, rows=rows, paint=paint), notes
 
 
@@ -211,8 +220,12 @@ def _marks_of_contact(scene: Scene, arranged: Arrangement) -> list[Mark]:
         lines = [
             (places[~view.covers(places, camera)], words, False) for places, words in _lines_of_contact(scene, view)
         ]
-        lines += [(places @ view.turn.T, words, True) for body in view.bodies if body.paint.strands
-                  for places, words in strands.marks(body)]  # fmt: skip
+        lines += [
+            (places @ view.turn.T, words, True)
+            for body in view.bodies
+            if body.paint.strands
+            for places, words in strands.marks(body)
+        ]
         for places, words, is_leader in lines:
             if places.size:
                 across = places[[0, -1]] @ camera.page.T - sum(view.box(camera)) / 2

@@ -155,8 +155,14 @@ def frames(stored: StoredStudy, film: Film, step: Callable[[str], None] = lambda
     bodies = [next(fitted) if body else None for body in each]
     camera, sides, lying = camera_before(context, None, down)
     turned, ends, (wide, high) = -np.radians(sides[0][0]), ends_of(context), _room(film, lying)
-    settings = replace(film.settings, pixel_error=film.pixel_error, dpi=film.dpi, bare=True, samples=SAMPLES,
-                       size=(round(wide * film.dpi), round(high * film.dpi)))  # fmt: skip
+    settings = replace(
+        film.settings,
+        pixel_error=film.pixel_error,
+        dpi=film.dpi,
+        bare=True,
+        samples=SAMPLES,
+        size=(round(wide * film.dpi), round(high * film.dpi)),
+    )
     first = View(context[:1], Cell(), turned, ends, context)
     scene = page.Scene(stored, kind, [[first]], context, "", camera, settings)
     fig = canvas.figure(film.size, lambda fig: _begin(fig, film, scene, lying), dpi=film.dpi, layout=None)
@@ -202,8 +208,11 @@ def _begin(fig: Figure, film: Film, scene: page.Scene, lying: bool) -> None:
     said = [fonts.break_lines(text, room, fonts.SMALL) for text in (note[:1].upper() + note[1:], stored.left_out)]
     ax.text(2.3, tall - 0.24, "\n".join(filter(None, [squeezed, *said])), size=fonts.SMALL, color=colours.SOFT)
     if film.observable:
-        box = ((0.62, FOOT + 0.3, across - 0.9, DIAGRAM[1] - 0.5) if lying else
-               (across - DIAGRAM[0] + 0.45, FOOT + 0.35, DIAGRAM[0] - 0.65, high - 0.55))  # fmt: skip
+        box = (
+            (0.62, FOOT + 0.3, across - 0.9, DIAGRAM[1] - 0.5)
+            if lying
+            else (across - DIAGRAM[0] + 0.45, FOOT + 0.35, DIAGRAM[0] - 0.65, high - 0.55)
+        )
         place = box[0] / across, box[1] / tall, box[2] / across, box[3] / tall
         _draw_diagram(fig.add_axes(place), stored, film)
 
@@ -354,5 +363,6 @@ def _writer(path: Path, fps: float) -> Any:
     """The writer of one film."""
     if path.suffix.lower() != ".mp4":
         return _Pillow(path, fps)
-    return _imageio().get_writer(path, fps=fps, codec="libx264", quality=8, macro_block_size=2,
-                                  ffmpeg_log_level="error")  # fmt: skip
+    return _imageio().get_writer(
+        path, fps=fps, codec="libx264", quality=8, macro_block_size=2, ffmpeg_log_level="error"
+    )

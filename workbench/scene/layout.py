@@ -38,7 +38,7 @@ from .views import (
     gravity,
     in_rows,
     one_view_of,
-)  # fmt: skip
+)
 
 SUFFIXES = (".png", ".jpg")
 HEADS = ("", "s = 0 cm")  # the room before the lines of a long rod
@@ -193,9 +193,15 @@ def _side(azimuth: float, elevation: float) -> str:
 
 
 def _in_lines(
-    stored: StoredStudy, kind: SceneKind, body: Body, context: Sequence[Body], case: str, settings: Settings,
-    notes: list[str], down: Array | None,
-) -> Page:  # fmt: skip
+    stored: StoredStudy,
+    kind: SceneKind,
+    body: Body,
+    context: Sequence[Body],
+    case: str,
+    settings: Settings,
+    notes: list[str],
+    down: Array | None,
+) -> Page:
     """All of a rod that would be too thin to see in one view."""
     azimuth, elevation = one_view_of(settings.camera or "front", "a rod this long, which is set in lines,")
     if elevation:
@@ -204,8 +210,9 @@ def _in_lines(
             f"elevation of {elevation:g} degrees; draw a part of the rod with --from and --to"
         )
     camera, turned = front_camera(context, lying=True, down=down), -np.radians(azimuth)
-    scene = Scene(stored, kind, [[View([body], Cell())]], context, case, camera, settings, notes, heads=HEADS,
-                  ringed=False)  # fmt: skip
+    scene = Scene(
+        stored, kind, [[View([body], Cell())]], context, case, camera, settings, notes, heads=HEADS, ringed=False
+    )
     wide, high = (side * settings.dpi for side in room_of(scene))
     lines, ends = long_rod.lines_for(context, (int(wide - 2 * EDGE * settings.dpi), int(high)))
     spans, unit = lines.cut(*body.span), stored.units["length"]
@@ -277,9 +284,11 @@ def _table(
     across = selection.spread(line, kind.most)
     cases = [[{**case, names[1]: row[names[1]]} for case in across] for row in selection.spread(down, MOST_ROWS)]
     rows, cameras = _cells(stored, kind, [], cases, settings)
-    notes = [f"{count} of {of} values of {labels.axis_symbol(name)}"
-             for name, count, of in zip(names, (len(across), len(cases)), (len(line), len(down)), strict=True)
-             if count < of]  # fmt: skip
+    notes = [
+        f"{count} of {of} values of {labels.axis_symbol(name)}"
+        for name, count, of in zip(names, (len(across), len(cases)), (len(line), len(down)), strict=True)
+        if count < of
+    ]
     scene = _several(stored, kind, names, rows, cameras[0], settings, cases[0][0], [], notes, GRID)
     heads = (
         scene_kinds.headings(stored, names[0], cases[0]),

@@ -144,9 +144,12 @@ class Page:
     stations: int
 
     def __init__(
-        self, scene: Scene, legend: Sequence[tuple[str, str]], notes: Sequence[str],
+        self,
+        scene: Scene,
+        legend: Sequence[tuple[str, str]],
+        notes: Sequence[str],
         size: tuple[float, float] | None = None,
-    ) -> None:  # fmt: skip
+    ) -> None:
         self.scene, self.legend, self.notes = scene, legend, notes
         bare, size = scene.settings.bare, size or scene.page_size
         self.compressed = not bare and true_scale.is_needed(scene.views)
@@ -189,9 +192,12 @@ class Page:
         canvas.resize(self.fig, (wide, tall + high - self.room()[1]))
 
     def paste(
-        self, pixels: Pixels, arrangement: Arrangement, rings: Sequence[tuple[float, float, float]],
+        self,
+        pixels: Pixels,
+        arrangement: Arrangement,
+        rings: Sequence[tuple[float, float, float]],
         marks: Sequence[Mark] = (),
-    ) -> None:  # fmt: skip
+    ) -> None:
         """Put the picture in the middle of the room, pixel by pixel, and the words of its cells beside their boxes.
 
         pixels: of all views, (height, width, 3 or 4). rings: x, y and radius of each in inches of the picture. marks:
@@ -250,8 +256,14 @@ class Page:
         for left, y, value in zip(lefts, rows, heads[1:], strict=False):
             self.ax.text(left - 0.08, y, value, ha="right", va="center", size=size)
         if heads and heads[0]:
-            self.ax.text(lefts[0] - self.head[0] + HEAD / 2, (rows[0] + rows[-1]) / 2, heads[0], ha="center",
-                         va="center", rotation=90)  # fmt: skip
+            self.ax.text(
+                lefts[0] - self.head[0] + HEAD / 2,
+                (rows[0] + rows[-1]) / 2,
+                heads[0],
+                ha="center",
+                va="center",
+                rotation=90,
+            )
 
     def _draw_foot(self, y: float) -> None:
         """From where it is seen, where one view shows it, the weight, the scale bar and the colour bar."""
@@ -283,13 +295,34 @@ def _draw_cell(ax: Axes, cell: Cell, box: NDArray[np.float64]) -> None:
     if cell.number is not None:
         at = middle + dot - fonts.width_of(cell.caption.split("\n")[0], fonts.NORMAL) / 2 - DOT / 2
         down, size = foot + fonts.NORMAL / 72 / 2, fonts.SMALL * (0.9 if cell.number < 10 else 0.75)
-        ax.add_patch(Circle((at, down), 0.075, edgecolor=colours.INK, linewidth=0.9,
-                            facecolor=colours.INK if cell.stable else "white"))  # fmt: skip
-        ax.text(at, down, str(cell.number), ha="center", va="center_baseline", size=size,
-                color="white" if cell.stable else colours.INK)  # fmt: skip
+        ax.add_patch(
+            Circle(
+                (at, down),
+                0.075,
+                edgecolor=colours.INK,
+                linewidth=0.9,
+                facecolor=colours.INK if cell.stable else "white",
+            )
+        )
+        ax.text(
+            at,
+            down,
+            str(cell.number),
+            ha="center",
+            va="center_baseline",
+            size=size,
+            color="white" if cell.stable else colours.INK,
+        )
     if cell.why_empty:
-        ax.text(middle, y + high / 2, fonts.break_lines(cell.why_empty, wide, fonts.SMALL), color=colours.SOFT,
-                ha="center", va="center", size=fonts.SMALL)  # fmt: skip
+        ax.text(
+            middle,
+            y + high / 2,
+            fonts.break_lines(cell.why_empty, wide, fonts.SMALL),
+            color=colours.SOFT,
+            ha="center",
+            va="center",
+            size=fonts.SMALL,
+        )
 
 
 def recolour(fig: Figure, look: Mapping[str, str]) -> None:

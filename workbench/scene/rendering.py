@@ -155,9 +155,14 @@ def _make(view: View, per_unit: float, pixel_error: float, most: int) -> tuple[l
 
 
 def _place(
-    plotter: Any, placed: Placed, tubes: list[surfaces.Part], wall: surfaces.Part, camera: Camera,
-    size: tuple[int, int], line: float,
-) -> list[Any]:  # fmt: skip
+    plotter: Any,
+    placed: Placed,
+    tubes: list[surfaces.Part],
+    wall: surfaces.Part,
+    camera: Camera,
+    size: tuple[int, int],
+    line: float,
+) -> list[Any]:
     """Add the rods and their cylinder, turned about the axis and then moved; returns what hides stretches of them."""
     view = placed.view
     ends, first = view.cylinder, view.bodies[0]
@@ -175,8 +180,9 @@ def _place(
     def rim(z: float) -> Any:
         beyond = 0.5 / camera.per_unit * (1 if z == ends[1] else -1)  # before the edge of the wall
         circle = surfaces.rim(first.R, z + beyond) @ turn.T + where
-        return plotter.add_mesh(pv.lines_from_points(circle), color=colours.SOFT, line_width=line, lighting=False,
-                                render=False)  # fmt: skip
+        return plotter.add_mesh(
+            pv.lines_from_points(circle), color=colours.SOFT, line_width=line, lighting=False, render=False
+        )
 
     for part in tubes:
         add(part, culling="back", specular=0.22, specular_power=30)

@@ -226,8 +226,10 @@ def push_in_numbers(line: Centreline, units: dict[str, str]) -> list[str]:
 
 
 STRANDS = tuple(zip(colours.STRANDS, ("one strand", "the other strand", "base pairs"), strict=True))
-DRAWN = (f"computed: the centreline, its twist and the push; drawn: strands of {PAIRS} base pairs of {RISE} nm a turn, "
-         "which turn with the material")  # fmt: skip
+DRAWN = (
+    f"computed: the centreline, its twist and the push; drawn: strands of {PAIRS} base pairs of {RISE} nm a turn, "
+    "which turn with the material"
+)
 TURNS = (colours.STRIPE, "a stripe along the material: it turns as the rod is twisted and bent")
 PUSH: dict[str, Any] = {"value": lambda line, s: line.push(s), "paint": by_push}
 TABLE = (

@@ -262,16 +262,20 @@ def camera_before(
 
 
 def arrange(
-    rows: Sequence[Sequence[View]], camera: Camera, room: tuple[float, float], pitch: float = 0.0,
+    rows: Sequence[Sequence[View]],
+    camera: Camera,
+    room: tuple[float, float],
+    pitch: float = 0.0,
     columns: Sequence[str] = (),
-) -> Arrangement:  # fmt: skip
+) -> Arrangement:
     """The largest arrangement of views, each above its caption, in a room of width and height in inches.
 
     pitch: from row to row in heights of a row, where rows have no captions; default: the captions decide. columns: the
     headings of columns, the first of all.
     """
-    size = np.array([[np.subtract(*view.box(camera)[::-1]) if view.bodies else (0.0, 0.0) for view in row]
-                     for row in rows])  # fmt: skip
+    size = np.array(
+        [[np.subtract(*view.box(camera)[::-1]) if view.bodies else (0.0, 0.0) for view in row] for row in rows]
+    )
     words = np.array([[_caption_size(view.cell) for view in row] for row in rows])
     for k, head in enumerate(columns[1:]):
         words[:, k, 0] = np.maximum(words[:, k, 0], fonts.width_of(head, fonts.NORMAL))

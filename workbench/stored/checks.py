@@ -37,8 +37,11 @@ OF_STUDY = ("title", "study_name", "laws", "study", "reading", "side", "stiffnes
 LONG = ("study", "laws", "versions", "recipe", "statistics", "branches", "rows")  # of many lines, or JSON; not printed
 MOST_TEXT = 64_000_000  # characters of such a text
 WORDS: Mapping[str, Any] = {
-    **CHOICES, "stiffness": quantity_variables.SECTIONS, "length_unit": LENGTHS, "force_unit": FORCES,
-}  # fmt: skip
+    **CHOICES,
+    "stiffness": quantity_variables.SECTIONS,
+    "length_unit": LENGTHS,
+    "force_unit": FORCES,
+}
 LABELS = ("units", "long_name", "symbol", "reading")  # attributes of variables that are text
 # What the values of a variable are, and their kinds in NumPy; of all others numbers.
 KINDS = {**dict.fromkeys((*TEXTS, "xyz"), ("text", "OUST")), "solved": ("booleans", "b")}
@@ -264,8 +267,11 @@ def _chords(ds: xr.Dataset, block: Mapping[str, xr.Variable]) -> Iterator[str]:
     s, rho = block["s"], block["rho"]
     with np.errstate(all="ignore"):
         arc = _steps(s) * (1 + bounds.STRAIGHT) + bounds.STRAIGHT * rho
-        moved = {f"{name} of a solved case moves": abs(_steps(block[name])) * scale
-                 for name, scale in (("alpha", rho), ("z", 1.0)) if name in block}  # fmt: skip
+        moved = {
+            f"{name} of a solved case moves": abs(_steps(block[name])) * scale
+            for name, scale in (("alpha", rho), ("z", 1.0))
+            if name in block
+        }
         if schema.leaves(ds):
             if not {"radius", "alpha", "z"} <= {*block}:
                 return

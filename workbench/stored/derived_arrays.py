@@ -181,8 +181,14 @@ def _vectors(function: Callable[..., Any], name: str, *arrays: Any) -> Any:
     """A function of arrays to vectors in the last axes, block by block where they are lazy."""
     inner = INNER[name]
     sizes = {"output_sizes": dict.fromkeys(inner, 3)}
-    return xr.apply_ufunc(function, *arrays, output_core_dims=[list(inner)], dask="parallelized",
-                          output_dtypes=[float], dask_gufunc_kwargs=sizes)  # fmt: skip
+    return xr.apply_ufunc(
+        function,
+        *arrays,
+        output_core_dims=[list(inner)],
+        dask="parallelized",
+        output_dtypes=[float],
+        dask_gufunc_kwargs=sizes,
+    )
 
 
 ANYWHERE = ("push", "gap", "position", "normal")  # rules that hold off the wall too

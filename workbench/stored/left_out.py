@@ -37,9 +37,11 @@ def _without_numbers(ds: "xr.Dataset", where: "xr.DataArray", prefix: str) -> "x
     names = [
         name
         for name, array in ds.data_vars.items()
-        if array.dims == where.dims and str(name).startswith(prefix) and array.dtype.kind in "iuf"
+        if array.dims == where.dims
+        and str(name).startswith(prefix)
+        and array.dtype.kind in "iuf"
         and "branch" not in str(name)
-    ]  # fmt: skip
+    ]
     return ds.assign(
         {name: ds[name].astype(float).where(~where, np.nan).assign_attrs(ds[name].attrs) for name in names}
     )

@@ -229,8 +229,10 @@ def raster(ds: "xr.Dataset") -> "xr.Dataset":
             index[at[0], at[1]] = corner[:, None]
             levels[at[0], at[1]] = level
     scale = 2.0 ** (lattice.depth - depth - 1)
-    values = {name: lattice.along(name, (np.arange(size) + 0.5) * scale)
-              for name, size in zip(lattice.axes, index.shape, strict=True)}  # fmt: skip
+    values = {
+        name: lattice.along(name, (np.arange(size) + 0.5) * scale)
+        for name, size in zip(lattice.axes, index.shape, strict=True)
+    }
     each = [str(name) for name in ds.data_vars if ds[name].dims == (SAMPLE,)]
     label = {"units": "1", "long_name": "level of the drawn cell", "symbol": tables.LEVEL}
     grid = grid_of(ds[each].assign(case=(SAMPLE, np.arange(ds.sizes[SAMPLE]))), index, values)
@@ -257,8 +259,9 @@ def grid_of(ds: "xr.Dataset", index: NDArray[np.int64], values: Mapping[str, Val
     for name in (name for name in OF_THE_CASE if name in grid.data_vars):
         grid[name] = _own_axes(grid[name])
     spacings = _tell(ds)["axes"]
-    coords = {name: xr.Variable((name,), row, {**ds[name].attrs, "spacing": spacings[name]})
-              for name, row in values.items()}  # fmt: skip
+    coords = {
+        name: xr.Variable((name,), row, {**ds[name].attrs, "spacing": spacings[name]}) for name, row in values.items()
+    }
     attrs = {key: value for key, value in ds.attrs.items() if key not in (REFINED, "sampled", *SAMPLING)}
     cases = grid.assign_coords(coords)
     cases.attrs = attrs

@@ -28,9 +28,14 @@ def fill(template: str, finalize: Callable[[Any], Any] | None = None, **values: 
 
 
 def page(
-    template: str, style: str, scripts: Mapping[str, str], data: Any, served: bool = False,
-    finalize: Callable[[Any], Any] | None = None, **values: Any,
-) -> str:  # fmt: skip
+    template: str,
+    style: str,
+    scripts: Mapping[str, str],
+    data: Any,
+    served: bool = False,
+    finalize: Callable[[Any], Any] | None = None,
+    **values: Any,
+) -> str:
     """A page, whose policy lets the browser run these scripts alone.
 
     scripts: name in the template -> text. served: whether the page may ask its own server. data: plain data, as JSON

@@ -237,10 +237,14 @@ def facts(one: LiveRod) -> dict[str, Any]:
         )
     notes += [f"{said[0].upper()}{said[1:]}." for said in pipe_state.all_sentences(sol, units)]
     return {
-        "outcome": str(sol.outcome), "error": float(sol.error), "condition": float(sol.condition),
-        "method": sol.method, "stations": sol.s.size, "notes": notes,
+        "outcome": str(sol.outcome),
+        "error": float(sol.error),
+        "condition": float(sol.condition),
+        "method": sol.method,
+        "stations": sol.s.size,
+        "notes": notes,
         "numbers": _observations(sol) if sol.case.varies else None,
-    }  # fmt: skip
+    }
 
 
 def _observations(sol: Solution) -> dict[str, float]:

@@ -30,9 +30,13 @@ from ...words.escaping import finite
 from . import live_document, page_model
 from .presets import PRESETS, Preset
 
-HEADERS = {"Content-Security-Policy": "default-src 'none'; frame-ancestors 'none'",
-           "X-Content-Type-Options": "nosniff", "Cache-Control": "no-store", "Referrer-Policy": "no-referrer",
-           "X-Frame-Options": "DENY"}  # fmt: skip
+HEADERS = {
+    "Content-Security-Policy": "default-src 'none'; frame-ancestors 'none'",
+    "X-Content-Type-Options": "nosniff",
+    "Cache-Control": "no-store",
+    "Referrer-Policy": "no-referrer",
+    "X-Frame-Options": "DENY",
+}
 POLICY = re.compile(r'http-equiv="Content-Security-Policy" content="([^"]*)"')  # of the page, as a header too
 LARGEST = 64 * 1024  # bytes of a request
 DOWNLOADS = {"csv": "text/csv", "step": "model/step", "stl": "model/stl", "glb": "model/gltf-binary"}
@@ -173,8 +177,13 @@ def application(names: set[str], presets: Sequence[Preset] = PRESETS, report: Re
 
     app = web.Application(middlewares=[guard], client_max_size=LARGEST)
     app.router.add_get("/", _page(live_document.text(presets, served=True)))
-    for path, work in (("/shape", _shape), ("/numbers", _numbers), ("/equilibria", _equilibria),
-                       ("/branches", _branches), ("/download", _download)):  # fmt: skip
+    for path, work in (
+        ("/shape", _shape),
+        ("/numbers", _numbers),
+        ("/equilibria", _equilibria),
+        ("/branches", _branches),
+        ("/download", _download),
+    ):
         app.router.add_post(path, _handler_of(work, context, report))
     return app
 

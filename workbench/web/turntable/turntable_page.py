@@ -57,13 +57,16 @@ def html(stored: StoredStudy, at: Mapping[str, Any] | None = None, colours_of: M
     style = _in_colours(look(), colours_of) + read("page.css")
     sliders = len(rods.data["axes"])
     return pages.page(
-        read("page.html.j2"), style, {"program": program()}, data({"rod": rods.data}),
+        read("page.html.j2"),
+        style,
+        {"program": program()},
+        data({"rod": rods.data}),
         title=str(stored.attrs["title"]),
         lead=". ".join(part for part in (stored.reading, _axis_values(stored, at or {})) if part),
         figure=figure("rod", "The rod on its cylinder", reset=bool(sliders)),
         sliders=sliders,
         left_out=rods.left_out,
-    )  # fmt: skip
+    )
 
 
 def _in_colours(style: str, colours_of: Mapping[str, str] | None) -> str:
