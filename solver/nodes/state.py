@@ -123,13 +123,18 @@ def _join(found: list[StretchState]) -> list[StretchState]:
     return kept
 
 
+def _place(s: float) -> str:
+    """An arc length with four digits, and no exponent: ``10560``, ``8.498``."""
+    return f"{s:.4g}" if s < 9999.5 else f"{s:.0f}"
+
+
 def in_words(parts: tuple[StretchState, ...], unit: str = "") -> str:
     """``straight from 0 to 12 m, sinusoidal to 288 m, straight to 300 m``."""
     unit = unit and f" {unit}"
-    parts = tuple(part for part in parts if f"{part.begin:.4g}" != f"{part.end:.4g}")
+    parts = tuple(part for part in parts if _place(part.begin) != _place(part.end))
     if len(parts) == 1:
         return f"{parts[0].word} all along"
     words = [part.word for part in parts]
     words = [f"{b} the other way" if a == b == HELICAL else b for a, b in pairwise(["", *words])]
-    ends = [f"{'from 0 ' if i == 0 else ''}to {part.end:.4g}{unit}" for i, part in enumerate(parts)]
+    ends = [f"{'from 0 ' if i == 0 else ''}to {_place(part.end)}{unit}" for i, part in enumerate(parts)]
     return ", ".join(f"{word} {end}" for word, end in zip(words, ends, strict=True))

@@ -110,7 +110,9 @@ def read_case(
     case, assumed = from_values(unwound(numbers))
     assumed |= {f"unit of {kind}": unit for kind, unit in DEFAULT_UNITS.items() if kind not in units}
     wound = bool(set(WOUND) & set(values))
-    which = helix_of(case) if wound and not case.varies else None  # with them `solve` begins with the taut rod
+    which = None  # with weight or friction `solve` begins with the taut rod, off the wall with the bilateral shape
+    if wound and not (case.varies or case.leaves):
+        which = helix_of(case)
     return CaseInput(case, {**DEFAULT_UNITS, **units}, "the options", assumed, which=which, wound=wound)
 
 

@@ -56,6 +56,12 @@ def finer() -> Any:
     return solve(case, stations=801).let_go()
 
 
+def test_a_cable_of_tension_and_lay_may_leave_its_drum(capsys) -> None:
+    cable = "--length-unit mm --E 2e5 --nu 0.3 --a 6 --L 1300 --R 200 --tension 5000 --lay 80deg --contact unilateral"
+    assert exit_status("solve", *cable.split()) == 0
+    assert "found from the bilateral shape" in capsys.readouterr().out
+
+
 def test_a_study_lets_its_rods_go_and_stores_where_they_are(stored: xr.Dataset, finer: Any) -> None:
     assert stored.attrs["contact"] == "unilateral"
     np.testing.assert_allclose(stored.rod.position.values, finer.position[::4], atol=1e-6)

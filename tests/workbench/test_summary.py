@@ -1,5 +1,6 @@
 """`workbench summary`: what the file holds, told from its numbers, however it is cut into blocks."""
 
+import json
 import re
 
 import numpy as np
@@ -64,6 +65,22 @@ def test_the_states_of_pipes_are_a_table_unless_their_stations_are_too_few(stati
     lines = [line.split() for line in capsys.readouterr().out.splitlines()]
     assert ["FZ", "(kN)", *"state along the rod".split()] in lines  # noqa: SIM905
     assert ["-200", *buckled.split()] in lines
+
+
+def test_a_pipe_alone_in_its_file_is_solved_again_where_its_stations_are_too_few(tmp_path) -> None:
+    text = small.text(PIPE | {"FZ": -200.0}, "", "m kN", outputs=["beta", "alpha", "z"], stations=21)
+    path = writing.write(in_memory.run(loads(text)), tmp_path / "pipe.h5")
+    assert file_summary.summary(path)["states"] == [{"state": "sinusoidal all along"}]
+
+
+def test_a_summary_states_a_stress_in_the_unit_of_solve(tmp_path, capsys) -> None:
+    rod = "--length-unit ft --force-unit klbf --E 4320000 --nu 0.3 --a 0.2 --L 10 --R 0.5 --beta0 0.1 --betaL 0.2"
+    assert exit_status("solve", *rod.split(), "--json", "--out", tmp_path / "rod.h5") == 0
+    in_file = json.loads(capsys.readouterr().out)["observables"]["bending_stress_max"]
+    assert exit_status("summary", tmp_path / "rod.h5") == 0
+    (row,) = [line.split() for line in capsys.readouterr().out.splitlines() if line.startswith("bending_stress_max")]
+    assert row[-1] == "ksi"
+    assert float(row[1]) == pytest.approx(in_file / 144, rel=1e-4)
 
 
 @pytest.mark.parametrize("outputs", [["beta", "alpha", "contact"], ["beta", "alpha"]])

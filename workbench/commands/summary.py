@@ -97,7 +97,8 @@ def _print(found: dict[str, Any]) -> None:
     _print_boundaries(found["boundaries"])
     console.say("")
     if found["observables"]:
-        tables.print_rows(map(in_degrees, found["observables"]), {"name": "observable", **SPREAD})
+        stated = [_in_units_of_engineers(row, found["unit_system"]) for row in found["observables"]]
+        tables.print_rows(stated, {"name": "observable", **SPREAD})
         console.say("")
     if found["states"]:
         units = {axis["name"]: "deg" if axis["units"] == "rad" else axis["units"] for axis in found["axes"]}
@@ -142,6 +143,17 @@ def in_degrees(row: Mapping[str, Any]) -> dict[str, Any]:
         return dict(row)
     shown = {key: degrees(row[key]) for key in NUMBERS if isinstance(row.get(key), float)}
     return {**row, **shown, "units": "deg"}
+
+
+def _in_units_of_engineers(row: Mapping[str, Any], units: Mapping[str, str]) -> dict[str, Any]:
+    """A row of an observable in the unit in which engineers state it, as `solve` does: stresses in ksi or MPa."""
+    from solver.problem.quantities import QUANTITIES
+
+    name = row["name"]
+    if row["units"] in ("1", "rad") or name not in QUANTITIES:
+        return in_degrees(row)
+    shown = {key: tables.number_stated(name, row[key], units) for key in NUMBERS if isinstance(row.get(key), float)}
+    return {**row, **shown, "units": tables.unit_stated(name, units)}
 
 
 def _print_studies(rows: list[dict[str, Any]]) -> None:

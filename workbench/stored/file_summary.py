@@ -25,7 +25,8 @@ from .stored_study import StoredStudy
 
 MOST_PLACES = 12  # of a boundary along one axis that are listed
 MOST_STATES, DENSE = 50, 3  # rods whose states are listed; stations from one change of sign of beta to the next
-TOO_FEW = "too few stations along the rod are stored"
+FINE = 1601  # stations at which a rod that is alone in its file is solved again where the stored ones are too few
+TOO_FEW = "too few stations along the rod are stored; a study with more, such as stations = 1601, says it"
 NO_PUSH = "helical, or drawn by tension: the push along the rod is not stored"
 
 
@@ -41,6 +42,7 @@ def summary(path: Path) -> dict[str, Any]:
         data |= {key: str(ds.attrs.get(key, "")) for key in ("created", "caution", *refined.SAMPLING)}
         stored = StoredStudy(ds)
         data["versions"] = stored.versions
+        data["unit_system"] = stored.units
         data["axes"] = [_axis(ds[name]) for name in stored.axes]
         data["sampled"] = [_axis(ds[name]) for name in stored.sampled]
         data["stations"] = ds.sizes.get("u", 0)
@@ -66,19 +68,32 @@ def _states(stored: StoredStudy) -> list[dict[str, Any]]:
     for place in np.ndindex(stored["outcome"].shape):
         case = stored.select(dict(zip(stored.axes, place, strict=True)))
         axes = {name: float(case[name]) for name in stored.axes}
-        rows.append({**axes, "state": _state(case) if case["solved"] else "not solved"})
+        rows.append({**axes, "state": _state(case, stored.cases == 1) if case["solved"] else "not solved"})
     return rows
 
 
-def _state(case: StoredStudy) -> str:
-    """The states along one rod; that the stations are too few where a wave has less than `DENSE` between its ends."""
-    from solver.nodes.state import BENT, HELICAL, in_words, states  # it loads the methods
+def _is_dense(case: StoredStudy) -> bool:
+    """Whether each wave of one rod has at least `DENSE` stations between its ends."""
+    from solver.nodes.state import BENT
 
+    sign = np.sign(case["beta"].values)
+    ends = np.flatnonzero(sign[1:] * sign[:-1] < 0)
+    waves = np.abs(np.diff(case["alpha"].values[ends])) >= BENT
+    return bool((np.diff(ends)[waves] >= DENSE).all())
+
+
+def _state(case: StoredStudy, alone: bool) -> str:
+    """The states along one rod; `TOO_FEW` where the stations are too few, also after it is solved again if `alone`."""
+    from solver.nodes.state import HELICAL, in_words, states  # it loads the methods
+
+    if not _is_dense(case):
+        try:
+            case = case.solve(max(FINE, case["s"].size), ["beta", "alpha", "contact"]) if alone else case
+        except InputError:
+            return TOO_FEW
+        if not _is_dense(case):
+            return TOO_FEW
     s, beta, alpha = (case[name].values for name in ("s", "beta", "alpha"))
-    ends = np.flatnonzero(np.sign(beta[1:]) * np.sign(beta[:-1]) < 0)
-    waves = np.abs(np.diff(alpha[ends])) >= BENT
-    if not (np.diff(ends)[waves] >= DENSE).all():
-        return TOO_FEW
     parts, unit = states(s, beta, alpha), case.units["length"]
     if all(part.word != HELICAL for part in parts):
         return in_words(parts, unit)
