@@ -10,6 +10,7 @@ from ..run import atomic
 from . import console, tables
 from .options import At, argument, axis_values, flag, names, number, option
 from .present import Result, presents
+from .summary import in_degrees
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -130,13 +131,15 @@ def _print_local(table: "xr.Dataset") -> None:
     from ..influence import derivatives
 
     names = [str(name) for name in table["field"].values]
-    rows = [[name, float(table["at"][i]), str(table["field_unit"].values[i])] for i, name in enumerate(names)]
-    tables.print_table(["field", "value", "unit"], [[a, b, "" if c == "1" else c] for a, b, c in rows])
+    units = table["field_unit"].values.astype(str)
+    rows = (in_degrees({"field": name, "at": float(table["at"][i]), "units": units[i]}) for i, name in enumerate(names))
+    cells = [[row["field"], row["at"], "" if row["units"] == "1" else row["units"]] for row in rows]
+    tables.print_table(["field", "value", "unit"], cells)
     names = [name for name in names if name not in derivatives.without_effect(table)]
     heads = [tables.column_title(name, str(table["amount"].sel(field=name).values)) for name in names]
     console.say("")
-    cells = [_effects(table, i, names) for i in range(table.sizes["observable"])]
-    tables.print_table(["observable", "value", "unit", "in", *heads], cells)
+    effects = [_effects(table, i, names) for i in range(table.sizes["observable"])]
+    tables.print_table(["observable", "value", "unit", "in", *heads], effects)
 
 
 def _effects(table: "xr.Dataset", i: int, fields: list[str]) -> list[str]:
