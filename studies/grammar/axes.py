@@ -275,9 +275,9 @@ class Axis(BaseModel):
     """The values of one axis: a list, or from, to and count.
 
     follow: whether each case continues the equilibrium of the one before it. Over a start problem the axis begins at
-    the value of the base case and has no from (`study_checks._check_followed`).
-    unit: "deg" for an angle in degrees; default: the unit of the study. Values are used and stored in rad. (`Study`
-    also accepts angles as text.)
+    the value of the base case and has no from.
+    unit: that of the values, such as "deg" or "ksi"; default: the unit of the study, rad for an angle. A value may also
+    be text with its unit. Values are used and stored in the units of the study, angles in rad.
     """
 
     model_config = STRICT

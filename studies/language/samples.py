@@ -181,7 +181,7 @@ class Distribution(BaseModel):
 class Sample(BaseModel):
     """The samples of a study: a method, a size, a seed, and a distribution for each field, by its name.
 
-    method: one of `METHODS`. seed: of the random numbers; one seed always gives the same samples.
+    method: the design by which they are drawn. seed: of the random numbers; one seed always gives the same samples.
     """
 
     model_config = ConfigDict(extra="allow", strict=True, frozen=True, allow_inf_nan=False)
