@@ -12,11 +12,12 @@ from matplotlib.figure import Figure
 from solver import Case, Cylinder, InputError, Rod, Start, solve
 from studies import loads
 from tests.workbench import small, stored_figures, study_kinds
+from tests.workbench.command import exit_status
 from workbench.export import stored_rod
 from workbench.figures import along, canvas, drawn_numbers, well
 from workbench.figures.trends import trend
 from workbench.geometry import stored_line
-from workbench.run import in_memory
+from workbench.run import in_memory, writing
 from workbench.scene import body as body_of
 from workbench.scene import layout, long_rod, scene_kinds, views
 from workbench.scene.settings import Settings
@@ -186,6 +187,12 @@ def test_a_well_looks_alike_whether_s_runs_down_its_hole_or_up() -> None:
     depths = np.linspace(0, 200, 41)
     each = [np.interp(depths, *points[points[:, 1].argsort()][:, ::-1].T) for points in (down, up)]
     np.testing.assert_allclose(*each, rtol=1e-3)  # drawn at other stations
+
+
+def test_a_yield_stress_without_its_unit_is_refused(tmp_path, capsys) -> None:
+    path = writing.write(study_kinds.well(), tmp_path / "well.h5")
+    assert exit_status("plot", path, "--kind", "well", "--yield-stress", "75", "--out", tmp_path / "well.png") == 2
+    assert "--yield-stress needs its unit" in capsys.readouterr().err
 
 
 def test_what_is_above_the_yield_stress_alone_is_red() -> None:

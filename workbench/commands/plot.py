@@ -181,8 +181,12 @@ def plot(file: File, wanted: PlotOptions) -> Result:
 
 
 def _positive_stress(text: str, units: dict[str, str]) -> float:
-    """The stress of --yield-stress in the unit of the file. Raises `InputError`."""
+    """The stress of --yield-stress in the unit of the file. Raises `InputError`, also for a number without a unit."""
+    from solver.problem.units import split
+
     value = field_number("--yield-stress", "bending_stress_max", text, units)
+    if 0 < value < FARTHEST and not split(text)[1]:
+        raise InputError(f'--yield-stress needs its unit, such as "75 ksi" or 517MPa, got {text!r}')
     if not 0 < value < FARTHEST:
         raise InputError(f'--yield-stress must be a positive stress, such as "75 ksi", got {text!r}')
     return value
