@@ -33,9 +33,10 @@ def refuse_outside(part: Any) -> None:
 
 def refuse_strange_words(part: Any) -> None:
     """Raise `InputError` for a field of a part of a case that is none of its words."""
-    for name in part.__match_args__:
-        if name in CHOICES and getattr(part, name) is not None and not known_name(getattr(part, name), CHOICES[name]):
-            raise no_such(name, getattr(part, name), CHOICES[name])
+    for name in (name for name in part.__match_args__ if name in CHOICES):
+        value = getattr(part, name)
+        if not (value is None and FIELDS[name].omitted is None) and not known_name(value, CHOICES[name]):
+            raise no_such(name, value, CHOICES[name])
 
 
 def is_met(name: str, values: Mapping[str, Any]) -> bool:
@@ -50,7 +51,8 @@ def refuse_unmet(values: Mapping[str, Any]) -> None:
     for name, value in values.items():
         needs = FIELDS[name].needs
         needed = needs.rpartition(" ")[2]
-        if value is None or value is FIELDS[name].omitted or needed not in values or is_met(name, values):
+        is_omitted = value is None or (name in CHOICES and value == FIELDS[name].omitted)
+        if is_omitted or needed not in values or is_met(name, values):
             continue
         got = f"no {needed}" if values[needed] is None else f"{needed}={values[needed]!r}"
         raise InputError(f"{name} matters only with {needs}, got {name}={show(value)} and {got}")

@@ -47,6 +47,12 @@ def test_a_case_keeps_its_values() -> None:
         rod.E = 3.0
 
 
+def test_a_default_that_is_given_is_as_one_that_is_omitted_whatever_object_it_is() -> None:
+    stiffness = str(np.array("solid"))  # as of a file: equal to the word of the declaration, and another object
+    assert stiffness is not Rod(**ROD).stiffness
+    assert repr(Case(Rod(**EI, L=6.0, stiffness=stiffness), ROUND, CASE.given)) == repr(CASE)
+
+
 def test_a_unit_system_names_both_units() -> None:
     assert unit_of("E", {"length": "cm", "force": "N"}) == "N/cm^2"
     assert unit_of("M1", {"length": "m", "force": "kN"}) == "kN m"
