@@ -73,6 +73,14 @@ def test_stations_that_are_all_infinite_are_refused_without_a_warning(opened: xr
         checks.check(ds, "small.h5", [checks.fields])
 
 
+@pytest.mark.parametrize("precision", ("f2", "f4"))
+def test_curves_in_a_lower_precision_are_judged_without_a_warning(opened: xr.Dataset, precision: str) -> None:
+    ds = opened.load().copy(deep=True)
+    for name in ("beta", "alpha", "z"):
+        ds[name] = (0 * ds[name]).astype(precision)
+    checks.check(ds, "small.h5", [checks.curves])
+
+
 BOMB = "[" * 1_000_000
 
 

@@ -87,7 +87,8 @@ def unfit(
             yield name, "is not finite, or far too large for its rod", ~np.asarray(fits)
         if name in CURVES:
             most = MOST_ANGLE if CURVES[name] in ("beta", "alpha", "gamma") else MOST
-            inside = (np.abs(values) < most).all(axis=tuple(range(1, values.ndim)))
+            with np.errstate(all="ignore"):  # of numbers that are stored in half precision
+                inside = (np.abs(values) < most).all(axis=tuple(range(1, values.ndim)))
             yield name, f"is not finite, or beyond {most:g}", ~np.asarray(inside)
         elif values.dtype.kind in "iuf":
             yield name, "is out of its range", _outside(name, values, name in counted, np.inf if L is None else L)

@@ -131,6 +131,7 @@ def study_texts(ds: xr.Dataset) -> Iterator[str]:
     try:
         if not 0 < schema.number_of(ds, "tolerance", "") < 1:
             yield ": the attribute tolerance is not between 0 and 1"
+        schema.versions_of(ds, "")
         about = [[law.axis, *law.at] for law in law_verdicts.laws_of(ds, "")]
     except InputError as error:
         yield str(error)
