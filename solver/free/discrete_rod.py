@@ -25,7 +25,7 @@ LOWER = np.tril_indices(8)  # of a joint's second derivatives
 
 
 class Joints(NamedTuple):
-    """Between neighbouring frames.
+    """The strains between neighbouring frames, with derivatives.
 
     v: (N + 1, 3). slopes: its derivatives by what both frames depend on, (N + 1, 3, 8): the quaternions of edges, and
     the angles of ends. pull: the derivative of the energy by v, (N + 1, 3). bends: of the energy's second derivatives,

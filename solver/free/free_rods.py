@@ -12,7 +12,7 @@ from ..numerics.arrays import Array, Integers
 from ..problem.case import Case
 from ..problem.limits import OUT_OF_RANGE, units_held
 from ..problem.reduced import EndsProblem
-from ..problem.trajectory import SOLVED, Trajectory
+from ..problem.trajectory import SOLVED, Trajectory, fewer_digits
 from .beginnings import curve_of, curve_of_string
 from .free_problem import BeginningCurve, Beside, problems_of
 from .free_shape import Along, FreeShape
@@ -39,9 +39,9 @@ EQUAL = 1e-6  # of the energy: minima that differ less count as one, as mirror i
 class Answer:
     """The shapes of one rod on meshes of twice as many edges each; none where it has none.
 
-    error: of the last one, of a place over the length. steps: in all. begun: from where it was continued. why: why no
-    shape was found. line: what motion leads to others of its energy, "" where it is isolated. minima: among how many it
-    has the least energy; 0 where no others were looked for.
+    error: of the last one, of a place over the length. steps: in all. begun: from where it was continued. why: why it
+    has no shape, or no more accurate one. line: what motion leads to others of its energy, "" where it is isolated.
+    minima: among how many it has the least energy; 0 where no others were looked for.
     """
 
     shapes: tuple[FreeShape, ...] = ()
@@ -52,11 +52,19 @@ class Answer:
     line: str = ""
     minima: int = 0
 
-    @property
-    def words(self) -> str:
-        """What the shape is."""
+    def within(self, tol: float) -> bool:
+        """Whether there is a shape, and its error is within the tolerance, or leaves at least a shape."""
+        return bool(self.shapes) and self.error <= max(tol, APART)
+
+    def outcome(self, tol: float) -> str:
+        """Whether the rod is solved, to fewer digits than asked for or not, and what its shape is; or why it is not."""
+        if not self.within(tol):
+            leaves = f"error {self.error:.1e} of the length leaves no shape, as " if self.shapes else ""
+            return f"failed: {leaves}{self.why}"
         least = ("", ONLY, LEAST_OF.format(self.minima))[min(self.minima, 2)]
-        return FOUND.format(least, self.begun, self.line and ON_A_LINE.format(self.line))
+        shape = FOUND.format(least, self.begun, self.line and ON_A_LINE.format(self.line))
+        digits = SOLVED if self.error <= tol else fewer_digits(tol, f"{self.error:.1e} of the length", self.why)
+        return f"{digits}; {shape}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +85,7 @@ class FreeRods:
 
 
 class Way(NamedTuple):
-    """From a curve to a shape on the coarsest mesh; none where a part of the way has no minimum.
+    """The way from a curve to a shape on the coarsest mesh; no shape where a part of the way has no minimum.
 
     begun: from where. share: how much of the way was gone, 1 to the end. steps: to there.
     """
@@ -167,24 +175,32 @@ def count_of(ways: Sequence[Way]) -> int:
 
 
 def refine(beside: Beside, shape: FreeShape, tol: float) -> Answer:
-    """The minima that continue from a shape on meshes of twice as many edges each, and the error."""
+    """The minima that continue from a shape on meshes of twice as many edges each, and the error.
+
+    A tolerance that is out of reach leads to the default one. Where a finer mesh has no minimum, the others remain.
+    """
     shapes: tuple[FreeShape, ...] = (shape,)
-    error, steps, line = np.inf, 0, ""
-    while len(shapes) < MESHES or tol < error <= tol * (FINEST // shapes[-1].rod.edges) ** 2:
+    error, steps, line, why = np.inf, 0, "", f"meshes of up to {FINEST} edges would not reach it"
+    aims = np.array([tol, max(tol, FREE_TOLERANCE)])
+    while len(shapes) < MESHES or ((aims < error) & (error <= aims * (FINEST // shapes[-1].rod.edges) ** 2)).any():
         known = curve_of(shapes[-1])
         rod, sizes = beside.rod_on(known, 1.0, 2 * shapes[-1].rod.edges), beside.sizes(known)
         forces = shapes[-1].rod.finer_multipliers(shapes[-1].multipliers)
+        anew = rod.edges <= FINEST >> MESHES  # so that finer meshes can tell the error of another minimum
         minimum = minimise(rod, known.on(rod), sizes, forces)
+        if minimum is None and anew:
+            minimum = minimise(rod, known.on(rod), sizes)
         if minimum is None:
-            return Answer(steps=steps, why=f"no minimum of the energy was found on {rod.edges} edges")
+            why = f"no minimum of the energy was found on {rod.edges} edges"
+            break
         steps += minimum.steps
         finer = FreeShape(rod, minimum.y, minimum.multipliers)
-        another = distance(shapes[-1], finer) > APART and rod.edges <= FINEST >> MESHES
+        another = anew and distance(shapes[-1], finer) > APART
         shapes = (finer,) if another else (*shapes, finer)
         error = estimate([distance(*pair) for pair in pairwise(shapes[-MESHES:])])[1] if shapes[1:] else np.inf
         if len(shapes) == MESHES and (motion := free_motion(rod, minimum.y, minimum.multipliers, sizes)) is not None:
             line = shapes[-1].name_of(motion)
-    return Answer(shapes, error, steps, line=line)
+    return Answer(shapes if np.isfinite(error) else (), error, steps, why=why, line=line)
 
 
 def distance(coarse: FreeShape, fine: FreeShape) -> float:
@@ -234,19 +250,11 @@ def trajectory_of(case: Case, answers: Sequence[Answer], t: Array, tol: float) -
     along = Along(*(np.stack(parts) for parts in zip(*alongs, strict=True)))
     lam, mu, phi, span, first, last = np.array(loads).T
     error = np.array([answer.error for answer in answers])
-    why = np.array([answer.why for answer in answers], dtype=object)
     alpha, beta, _, gamma = np.moveaxis(along.turned, 1, 0)
-    short = (error > tol) & (why == "")
-    words = [
-        f"failed: {reason}" if reason else f"{SOLVED}; {answer.words}"
-        for reason, answer in zip(why, answers, strict=True)
-    ]
-    for i in np.flatnonzero(short):
-        most = answers[int(i)].shapes[-1].rod.edges
-        words[i] = f"failed: error {error[i]:.1e} of the length above the tolerance {tol:.1e} on {most} edges, the most"
-    outcome = np.where(units_held(case), np.array(words, dtype=object), OUT_OF_RANGE)
+    outcome = np.array([answer.outcome(tol) for answer in answers], dtype=object)
+    outcome = np.where(units_held(case), outcome, OUT_OF_RANGE)
     ratio = np.reshape(np.broadcast_to(case.rod.stiffness_ratio, case.shape), -1)
-    solved = (why == "") & ~short & units_held(case)
+    solved = np.array([answer.within(tol) for answer in answers], dtype=bool) & units_held(case)
     return EndsProblem(lam, mu, phi, span, first, last), Trajectory(
         beta=beta,
         dbeta=along.rate,

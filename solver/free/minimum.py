@@ -10,10 +10,11 @@ import numpy as np
 
 from ..numerics.arrays import Array, Integers
 from .discrete_rod import CONDITIONS, EDGE, HELD_ON, DiscreteRod
-from .program import Program, Sizes
+from .program import FAR, NEAR, Program, Sizes
 
 MOST_STEPS = 30  # of Newton's method; usual are 3 to 6
 SHARP = 1e-10  # of the last change of the unknowns
+FARTHEST = 1.0  # of their sizes, by which a step may change the unknowns: beyond, Newton's method diverges
 EVEN = 1e-8  # of what equations leave where rounding, 1e-11 of them, moves a rod that is held with `FIRM`; squared
 FIRM = 1e-6  # of the order of the second derivatives: what holds a rod that may turn as a whole
 NUDGE, NUDGES = 1e-2, 3  # of the size of angles: of what leads away from an equilibrium that is no minimum
@@ -22,8 +23,11 @@ STIFF, TINY = 1e-4, 1e-14  # of the force that bends an edge by the radius, what
 
 
 class Minimum(NamedTuple):
-    """y: the unknowns (size,). multipliers: of the conditions (M,), 0 off the wall. unstable: in how many ways it is,
-    so 0 at a minimum; None where that is not decided. steps: of both methods."""
+    """An equilibrium of a discrete rod, and whether it is a minimum of the energy.
+
+    y: the unknowns (size,). multipliers: of the conditions (M,), 0 off the wall. unstable: in how many ways it is, so 0
+    at a minimum; None where that is not decided. steps: of both methods.
+    """
 
     y: Array
     multipliers: Array
@@ -34,15 +38,16 @@ class Minimum(NamedTuple):
 def minimise(rod: DiscreteRod, guess: Array, sizes: Sizes, multipliers: Array | None = None) -> Minimum | None:
     """The minimum near a guess (size,), or beside an equilibrium near it that is none; None where none is found.
 
-    multipliers: a guess of those too, (M,), with which Newton's method alone is tried first. Raises `InputError` where
-    Uno is not installed.
+    multipliers: those of a minimum on a coarser mesh, (M,), with which Newton's method alone is tried first; Uno then
+    searches near the guess. Raises `InputError` where Uno is not installed.
     """
+    search = FAR if multipliers is None else NEAR
     for seed in range(NUDGES + 1):
         newton, minimum = Newton(Program(rod, sizes, rod.with_known(guess))), None
         if multipliers is not None:
             minimum, multipliers = newton.equilibrium(multipliers * newton.scale), None
         if minimum is None or minimum.unstable != 0:
-            rough = newton.program.minimise()
+            rough = newton.program.minimise(search)
             minimum = None if rough is None else newton.equilibrium(rough[1], rough[0], rough[2])
         if minimum is None or not minimum.unstable:
             return minimum
@@ -151,7 +156,7 @@ class Newton:
                 )[self.order]
             except RuntimeError:  # a singular matrix
                 return None
-            if not np.isfinite(change).all():
+            if not np.isfinite(change).all() or np.abs(change[:n]).max() > FARTHEST:
                 return None
             z, multipliers, steps, far = z + change[:n], multipliers + change[n:], steps + 1, np.abs(change[:n]).max()
             if far < SHARP or (left < EVEN and far > last / 2):  # rounding ends the progress
@@ -168,8 +173,8 @@ class Newton:
         """In how many ways an equilibrium is unstable while what holds holds; 0: it is a minimum. firm: of `matrix`.
 
         The matrix has a negative eigenvalue for each condition, and one for each such way: as many as pivots of an
-        elimination without exchanges. None where that meets a zero. A way by which the energy falls less than a rod
-        that may turn as a whole is held counts as none.
+        elimination without exchanges. None where that meets a zero, or finds fewer than conditions by rounding. A way
+        by which the energy falls less than a rod that may turn as a whole is held counts as none.
         """
         from scipy.sparse.linalg import splu
 
@@ -181,4 +186,5 @@ class Newton:
         except RuntimeError:
             return None
         exchanged = (factors.perm_r != factors.perm_c).any()
-        return None if exchanged else int((factors.U.diagonal() < 0).sum()) - multipliers.size
+        ways = int((factors.U.diagonal() < 0).sum()) - multipliers.size
+        return None if exchanged or ways < 0 else ways

@@ -1,7 +1,7 @@
-"""A discrete rod as a program of order 1, which Uno minimises by its interior-point method.
+"""A discrete rod as a program in numbers of order 1, which Uno minimises by its interior-point method.
 
-Without such unknowns, conditions and energy a pipe of 100 m, whose azimuth swings by a radian where its angle to the
-axis swings by a hundredth, does not converge.
+Unknowns, conditions and energy are divided by their sizes. Without that Uno does not converge for a pipe of 100 m whose
+azimuth swings by a radian where its angle to the axis swings by a hundredth.
 """
 
 from dataclasses import dataclass
@@ -20,12 +20,21 @@ OPTIONS = {
     "use_function_scaling": False,  # the sizes do that
     "primal_tolerance": 1e-8,
     "dual_tolerance": 1e-8,
-    "barrier_initial_parameter": 1e-2,
-    "max_iterations": 300,  # usual are 10 to 200
     "barrier_k_epsilon": 100.0,  # how closely each barrier problem is solved: with 10, the default, some steps more
 }
 STRATEGIES = "waechter_filter_method", "funnel_method"  # to accept steps; where the first one jams, the other often not
 ENOUGH = 1e-6  # of what Uno may leave of the equations
+
+
+class Search(NamedTuple):
+    """How Uno begins, by the parameter of its first barrier, and when it gives up, in steps of each strategy."""
+
+    barrier: float
+    most: int
+
+
+FAR = Search(1e-2, 300)  # from a shape of another problem: usual are 10 to 200 steps
+NEAR = Search(1e-4, 100)  # from a minimum on a coarser mesh, which a wider barrier would lose: usual are 10 to 40
 
 
 class Sizes(NamedTuple):
@@ -55,7 +64,7 @@ class Entries(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Program:
-    """A discrete rod as a problem of order 1 in its free unknowns z, which are 0 at a guess."""
+    """A discrete rod as a program in numbers of order 1: in its free unknowns z, which are 0 at a guess."""
 
     rod: DiscreteRod
     sizes: Sizes
@@ -123,7 +132,7 @@ class Program:
         whole, multipliers = self.whole(z), multipliers / self.unit_of
         return self.bends.of(self.rod.hessian_values(whole, share / self.sizes.energy, multipliers))
 
-    def minimise(self) -> tuple[Array, Array, int] | None:
+    def minimise(self, search: Search) -> tuple[Array, Array, int] | None:
         """The minimum near the guess, its multipliers, and the steps; None where Uno finds none.
 
         Raises `InputError` where Uno is not installed.
@@ -152,7 +161,8 @@ class Program:
         for strategy in STRATEGIES:
             solver = unopy.UnoSolver()
             solver.set_preset("ipopt")
-            for name, value in {**OPTIONS, "globalization_strategy": strategy}.items():
+            begins = {"barrier_initial_parameter": search.barrier, "max_iterations": search.most}
+            for name, value in {**OPTIONS, **begins, "globalization_strategy": strategy}.items():
                 solver.set_option(name, value)
             result = solver.optimize(model)
             left = result.solution_primal_feasibility, result.solution_stationarity, result.solution_complementarity

@@ -40,7 +40,7 @@ def product(a: Array, b: Array) -> Array:
 
 
 def directors(q: Array) -> Array:
-    """D1, D2, D3 as rows, (..., 3, 3)."""
+    """The directors D1, D2, D3 of frames as rows, (..., 3, 3)."""
     w, x, y, z = np.moveaxis(q, -1, 0)
     rows = [
         [w * w + x * x - y * y - z * z, 2 * (x * y + w * z), 2 * (x * z - w * y)],

@@ -147,8 +147,13 @@ def verdicts(beta: Array, error: Array, condition: Array, tol: float, rounding: 
                 if grown[i]
                 else "rounding may change the far angle by so much after so many bends or turns"
             )
-            outcome[i] = f"{SOLVED}; {FEWER} than the tolerance {tol:.1e} asks for: error {error[i]:.1e}{BECAUSE}{why}"
+            outcome[i] = fewer_digits(tol, f"{error[i]:.1e}", why)
     return Verdicts(finite & kept & (error <= max(tol, SHAPELESS)), outcome)
+
+
+def fewer_digits(tol: float, error: str, why: str) -> str:
+    """The outcome of a case that is solved to an error above the tolerance, and why."""
+    return f"{SOLVED}; {FEWER} than the tolerance {tol:.1e} asks for: error {error}{BECAUSE}{why}"
 
 
 def decade(number: float) -> str:
