@@ -37,10 +37,10 @@ def join_answers(parts: Iterable[Trajectory], t: Array, share: float) -> Traject
 
 
 def alike(orbits: Sequence[Orbit]) -> list[Orbit]:
-    """Orbits without paths, each with what all of them have of what is known of equilibria alone."""
-    names = ("lengthens", "response", "passed")
+    """Orbits, each with what all of them have of what is known of equilibria alone."""
+    names = ("path", "lengthens", "response", "passed")
     unknown: dict[str, Any] = {name: None for name in names if any(getattr(o, name) is None for o in orbits)}
-    return [replace(orbit, path=None, **unknown) for orbit in orbits]
+    return [replace(orbit, **unknown) for orbit in orbits]
 
 
 def _move(orbit: Orbit, cases: int, panels: int) -> Orbit:

@@ -256,3 +256,18 @@ def test_extremes_of_a_ring_answer_what_leaves_it_a_ring() -> None:
     rates = solve(case).sensitivity(fields, ["kappa_max", "push_max"])
     np.testing.assert_allclose(rates.observables["kappa_max"], [0, -1, 0, 0, 0, 0], atol=1e-12)
     np.testing.assert_allclose(rates.observables["push_max"], [0, -1, 1, 0, 0, 0], atol=1e-12)
+
+
+def test_a_batch_has_the_derivatives_of_each_of_its_rods() -> None:
+    """The first rod stays near a saddle: beta'(0) alone does not say where its orbit ends."""
+    cylinder, rod = Cylinder(R=0.8), {"EI": 0.58, "GJ": 0.45, "a": 0.05}
+    ends = [(-0.66, -1.02, 0.68, 0.29, 0.18), (0.2, 0.5, 0.1, 0.0, 0.0)]
+    names = ("beta0", "betaL", "FZ", "MZ", "M3")
+    given = Ends(**dict(zip(names, np.transpose(ends), strict=True)))
+    batch = solve(Case(Rod(**rod, L=21.0), cylinder, given)).sensitivity(["L", "M3"])
+    for i, numbers in enumerate(ends):
+        alone = solve(Case(Rod(**rod, L=21.0), cylinder, Ends(**dict(zip(names, numbers, strict=True)))))
+        found = alone.sensitivity(["L", "M3"])
+        assert found.solved
+        np.testing.assert_array_equal(batch.beta[i], found.beta)
+        np.testing.assert_array_equal(batch.z[i], found.z)
