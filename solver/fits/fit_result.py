@@ -75,7 +75,7 @@ class Fit:
     probability : float
         With sigma, the probability of a larger sum of squares; else NaN.
     minima : tuple of OtherMinimum
-        Other minima, lowest first.
+        Other minima, lowest first; of equal ones that nearest to the values of the case.
     remarks : tuple of str
         Sentences on what limits the result.
     case, solution : Case, Solution

@@ -1,6 +1,6 @@
 """The search of a fit: a local search from the values of the case, then from the best of a Sobol' set."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from itertools import pairwise
 from typing import Any
 
@@ -110,7 +110,7 @@ def fit(
         if minimum is not None:
             minima.append(minimum)
     moved = [minimum for minimum in minima if minimum.jacobian.any()]  # the others may be maxima
-    return result(model, _distinct(moved or minima, data.size))
+    return result(model, _distinct(moved or minima, first, origin, data.size))
 
 
 def _idle(model: Model, first: FitMinimum | None, starts: list[Array]) -> Array:
@@ -166,16 +166,33 @@ def _crossings(model: Model, x: Array, residuals: Array) -> list[Array]:
     return [np.array([zero]) for zero in zeros]
 
 
-def _distinct(minima: list[FitMinimum], size: int) -> list[FitMinimum]:
-    """The different minima, lowest first; that of the first search before others that are as low."""
+def _distinct(minima: list[FitMinimum], first: FitMinimum | None, origin: Array, size: int) -> list[FitMinimum]:
+    """The different minima, lowest first; of equal ones, that of the first search and then the nearest to its origin.
+
+    No rounding decides: of two that are as near, as mirrored ones are, that with the larger x comes first.
+    """
+    costs = np.array([minimum.cost for minimum in minima])
+    x = np.array([minimum.x for minimum in minima]).reshape(-1, origin.size)
+    keys = [
+        np.array([bool(minimum.stop) for minimum in minima]),
+        _ranks(costs, lambda low: low * EQUAL + size * ZERO),
+        np.array([minimum is not first for minimum in minima]),
+        *(_ranks(values, lambda low: _SAME) for values in (np.linalg.norm(x - origin, axis=1), *-x.T)),
+    ]
     different: list[FitMinimum] = []
-    for minimum in sorted(minima, key=lambda minimum: (bool(minimum.stop), minimum.cost)):
-        if not any(_close(minimum.x, other.x) for other in different):
-            different.append(minimum)
-    first, lowest = minima[:1], different[0].cost if different else 0.0
-    if first and not first[0].stop and first[0].cost <= lowest * (1 + EQUAL) + size * ZERO:
-        different = first + [minimum for minimum in different if not _close(minimum.x, first[0].x)]
+    for i in np.lexsort(keys[::-1]):
+        if not any(_close(x[i], other.x) for other in different):
+            different.append(minima[i])
     return different
+
+
+def _ranks(values: Array, gap: Callable[[Array], Array | float]) -> Array:
+    """The rank of each of n values, 0 for the lowest; one that is at most gap(lower) above a lower one has its rank."""
+    order = np.argsort(values)
+    lower, higher = values[order[:-1]], values[order[1:]]
+    ranks = np.zeros(values.size, dtype=int)
+    ranks[order[1:]] = np.cumsum(higher > lower + gap(lower))
+    return ranks
 
 
 def _close(x: Array, y: Array) -> bool:

@@ -124,6 +124,23 @@ def test_every_value_that_reaches_a_target_is_found() -> None:
     assert any("not unique" in remark for remark in found.remarks)
 
 
+@pytest.mark.parametrize("highest", (8.0, 9.0))  # at which the first search ends; which it reaches
+def test_rounding_of_a_target_leaves_the_order_of_the_values_that_reach_it(highest) -> None:
+    targets = [9.0 + ulps * np.spacing(9.0) for ulps in range(-2, 3)]
+    for target in targets:
+        found = fit(rod(M3=None, F1=5.0), {"F1": (1.0, highest)}, {"height": target})
+        reached = [found.values["F1"], *(one.values["F1"] for one in found.minima if one.as_good)]
+        nearest_first = [3.022233, 2.728621]
+        assert reached == pytest.approx(([8.880371] if highest == 9.0 else []) + nearest_first, rel=1e-6)
+
+
+def test_of_mirrored_values_that_are_as_good_the_positive_one_is_first() -> None:
+    case = Case(Rod(1e4, 0.25, 0.25, 20.0), Cylinder(0.75), Start(0.0, 0.0, F3=-1.0, M3=0.0))
+    found = fit(case, "beta0", {"height": 15.0})
+    assert found.values["beta0"] > 0
+    assert found.minima[0].values["beta0"] == pytest.approx(-found.values["beta0"])
+
+
 def test_the_order_of_points_and_whole_turns_do_not_matter() -> None:
     points, other = points_of(rod(), noise=0.03), np.random.default_rng(1).permutation(S.size)
     turns = np.random.default_rng(2).integers(6, 13, S.size)  # beyond all that the rod goes round
