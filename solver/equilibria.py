@@ -13,7 +13,7 @@ from .branches.parameter_plane import read_range
 from .equilibrium_list import Equilibria, Equilibrium, HeldEquilibria, HeldSearch, equilibrium_of, in_order
 from .held.energy_minima import is_turned_round
 from .held.held_equilibrium import trajectory_between, way_between_hinges
-from .held.held_search import MOST_PERIODS, TRIES, search_with_numbers
+from .held.held_search import MOST_PERIODS, TRIES, search_equilibria
 from .held.held_selection import Reached
 from .held.held_sweep import ranges_of
 from .held.selection import LOWEST, NEAREST, Choose, HeldSelection, Selection, select
@@ -24,7 +24,7 @@ from .problem.case import Case, Ends, check_case
 from .problem.case_fields import value_of, with_field
 from .problem.declared_fields import PAIRS
 from .problem.errors import DEFAULT_TOLERANCE, InputError, check_tolerance, choices, no_such, whole_number
-from .problem.limits import OUT_OF_RANGE, beyond_limits, lone_problem, reason_beyond, refusals, too_far, units_held
+from .problem.limits import OUT_OF_RANGE, beyond_limits, ends_and_span, reason_beyond, refusals, too_far, units_held
 from .problem.reduced import NUMBER_OF, EndsProblem, fields_held, reduce, reduce_held, span_of, value_of_number
 from .problem.trajectory import Trajectory
 from .solution import Solution
@@ -174,12 +174,12 @@ def _with_held_ends(
     ranges = {name: read_range(name, ends) for name, ends in within.items()}
     problem = reduce_held(case)
     why = beyond_limits(problem)[0] if units_held(case).all() else OUT_OF_RANGE
-    said = reason_beyond(why, case) if why else too_far(*lone_problem(problem))
+    said = reason_beyond(why, case) if why else too_far(*ends_and_span(problem))
     if said:
         return HeldEquilibria([], HeldSearch({}, most_swings, 0, 0, 0, 0, 0, said))
     size = _sizes_of(case)
     bounds = {(k := number_of[name]): (low / size[k], high / size[k]) for name, (low, high) in ranges.items()}
-    result = search_with_numbers(Given.of(problem), bounds, most_swings, tries, values)
+    result = search_equilibria(Given.of(problem), bounds, most_swings, tries, values)
     t = problem.span[:, None] * np.linspace(0, 1, stations)
     listed = []
     for state, how in zip(result.states, result.how, strict=True):

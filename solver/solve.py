@@ -103,7 +103,7 @@ def solve(
     if case.varies:
         question = _question_on_nodes(case, tol, method, knobs, stations, seed, choose)
     elif fields_held(case):
-        question = _question_of_ends(case, tol, method, knobs, stations, seed, choose)
+        question = _question_of_held_ends(case, tol, method, knobs, stations, seed, choose)
     else:
         question = _constant(case, tol, method, knobs, stations, seed, choose)
     return Solution(case, *answer_each(question, case), question.t, question.name, tol)
@@ -188,7 +188,7 @@ def _question_on_nodes(
     return Question(lambda rods, t, seed: answer_ends(rods, t, tol, seed), t, begin, name)
 
 
-def _question_of_ends(
+def _question_of_held_ends(
     case: Case, tol: float, method: Any, knobs: dict[str, Any], stations: Any, seed: Any, choose: Choose
 ) -> Question:
     """What is asked of a case with held ends, whose dead loads are found."""

@@ -132,7 +132,7 @@ def numbers_with_names(case: Case, *fields: str) -> tuple[tuple[str, ...], Calla
 
 
 def as_given(names: tuple[str, ...], numbers: Sequence[float]) -> Given:
-    """Given numbers by their names, from those of `given_over`."""
+    """Given numbers by their names, from those of `numbers_with_names`."""
     return Given(names, np.array(numbers[:5], dtype=float), float(numbers[5]), float(numbers[6]))
 
 

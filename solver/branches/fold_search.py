@@ -148,7 +148,7 @@ class Seeds:
     """The search for points of curves."""
 
     searched: Searched
-    given_at: GivenAt
+    numbers_at: GivenAt
 
     def search_line(self, start: Array, end: Array) -> None:
         """Add curves that cross a line until they explain its change of numbers."""
@@ -205,7 +205,7 @@ class Seeds:
         saddle, sign = equilibria.saddle[pair], equilibria.sign[pair]
         is_beside = bool(saddle[0] == saddle[1] and sign[0] == sign[1])
         for kind in (FOLD, PITCHFORK):
-            plain = guess_at(kind, self.given_at, middle, {"dbeta0": slope})
+            plain = guess_at(kind, self.numbers_at, middle, {"dbeta0": slope})
             beside = in_log_gap(plain, SHALLOW, (float(saddle[0]), float(sign[0]), y)) if is_beside else None
             for guess in (beside, plain):
                 point = None if guess is None else point_on_line(guess, axis)

@@ -123,7 +123,7 @@ class OrbitPoint(LinePoint):
     w: the unknown numbers of the start over `scales`, next to a saddle log gap over `UNIT`, and z.
     """
 
-    given_at: GivenAt
+    numbers_at: GivenAt
     scales: Array
     saddle: Saddle | None = None
     nudge = _STEP
@@ -149,7 +149,7 @@ class OrbitPoint(LinePoint):
     def at(self, w: Array) -> StartedOrbit | None:
         """The orbit at w; None where its saddle no longer exists."""
         numbers, rest = np.split(w, [w.size - (2 if self.saddle is None else 3)])
-        given, unknown = self.given_at(w[-2:]), iter((numbers * self.scales).tolist())
+        given, unknown = self.numbers_at(w[-2:]), iter((numbers * self.scales).tolist())
         start = {name: given.number(name, 0.0) if name in given.names else next(unknown, 0.0) for name in START}
         problem = StartProblem(span=np.array([given.span]), **{name: np.array([v]) for name, v in start.items()})
         if self.saddle is not None:
@@ -278,18 +278,18 @@ class OrbitPitchfork(OrbitPoint):
         return int(np.round(half_waves[0])) - 1
 
 
-def guess_at(kind: str, given_at: GivenAt, z: Array, numbers: Mapping[str, float]) -> "OrbitFold | OrbitPitchfork":
+def guess_at(kind: str, numbers_at: GivenAt, z: Array, numbers: Mapping[str, float]) -> "OrbitFold | OrbitPitchfork":
     """A guess of a fold or pitchfork at z; numbers: of the start of an equilibrium nearby, those that are not given."""
-    given = given_at(z)
+    given = numbers_at(z)
     start = {name: given.number(name, numbers.get(name, 0.0)) for name in START}
     loads = sum(abs(start[name]) for name in START[2:])
     sizes = dict(zip(START, (1.0, np.sqrt(1 + loads), *[1 + loads] * 3), strict=True))
     if kind == PITCHFORK:
-        return OrbitPitchfork(given_at=given_at, scales=np.ones(1), w=z)
+        return OrbitPitchfork(numbers_at=numbers_at, scales=np.ones(1), w=z)
     free = [name for name in START if name not in given.names]
     scales = np.array([sizes[name] for name in free])
     w = np.append([start[name] / sizes[name] for name in free], z)
-    return OrbitFold(given_at=given_at, scales=scales, w=w)
+    return OrbitFold(numbers_at=numbers_at, scales=scales, w=w)
 
 
 def in_log_gap(point: OrbitPoints, largest: float, level: Level | None = None) -> OrbitPoints | None:

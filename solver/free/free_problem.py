@@ -39,7 +39,7 @@ class BeginningCurve:
     grows: bool = False
 
     @property
-    def turns_end(self) -> float:
+    def total_turn(self) -> float:
         """By how much the frames turn along the rod, in all [rad]."""
         q = self.q / np.linalg.norm(self.q, axis=1, keepdims=True)
         return float(2 * np.arccos(np.clip(np.abs((q[1:] * q[:-1]).sum(axis=1)), 0, 1)).sum())

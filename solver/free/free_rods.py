@@ -114,7 +114,7 @@ def continue_from(beside: Beside, curves: Sequence[BeginningCurve], tol: float, 
             curves = [*curves, string]
         elif not curves:
             return Answer(why=string)
-    changes = beside.changes, max(curve.turns_end for curve in curves)
+    changes = beside.changes, max(curve.total_turn for curve in curves)
     edges = int(max(FEWEST, np.ceil(np.multiply(EACH, changes)).max()))
     if not max(rod.span, 1 / rod.span, *np.abs([*rod.loads, *rod.weight, *rod.radius, rod.tension])) < LARGEST:
         return Answer(why=f"loads, radii or L/rho are beyond {LARGEST:g} in units of A and rho")

@@ -18,7 +18,7 @@ from ..numerics.arrays import Array
 from ..orbits.path_orbits import orbit_of, together, trajectory_on, variations_of
 from ..orbits.periodic_orbit import Orbit
 from ..problem.case import Case
-from ..problem.limits import beyond_limits, lone_problem, unreachable
+from ..problem.limits import beyond_limits, ends_and_span, unreachable
 from ..problem.reduced import EndsProblem, HeldProblem, reduce_held
 from ..problem.trajectory import PLAIN, Seed, Trajectory, stood_in
 from .held_alternatives import alternatives_of, away
@@ -149,7 +149,7 @@ def _reach(problem: HeldProblem, seed: Seed | None, choose: Choose) -> Reached |
     if why := beyond_limits(problem)[0]:
         return str(why)
     given = Given.of(problem)
-    if why := unreachable(*lone_problem(problem), seed is not None and not given.has_hinge):
+    if why := unreachable(*ends_and_span(problem), seed is not None and not given.has_hinge):
         return f"failed: {why}"
     if seed is None:
         return by_rule(given, choose)

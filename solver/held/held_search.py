@@ -117,7 +117,7 @@ class HeldFound:
             self.cross_folds(before)
 
 
-def search_with_numbers(
+def search_equilibria(
     given: Given,
     own: dict[str, tuple[float, float]] | None = None,
     most_periods: int = MOST_PERIODS,

@@ -17,7 +17,7 @@ from ..branches.helices import helices_of
 from .energy_minima import energy_minima, is_turned_round, refinement
 from .held_alternatives import said_of_seed
 from .held_moves import angles_along, carry, settle
-from .held_search import image_of, mirrors_of, search_with_numbers
+from .held_search import image_of, mirrors_of, search_equilibria
 from .held_starts import equilibrium_beside, outcome_of, states_from_dead_loads
 from .selection import LOWEST, Choose, HeldSelection, none_of_index, select
 
@@ -55,7 +55,7 @@ def by_seed(wanted: Given, seed: OrbitState | None) -> Reached | str:
 def by_rule(wanted: Given, choose: Choose) -> Reached | str:
     """The equilibrium that the rule takes; or the outcome that says why there is none."""
     if isinstance(choose, int) and choose > 0:
-        return _choice(wanted, search_with_numbers(wanted).states, choose)
+        return _choice(wanted, search_equilibria(wanted).states, choose)
     helices = sorted(helices_of(wanted)[0], key=lambda helix: held_energy(helix, wanted))
     lowest = _lowest(wanted, helices, choose)
     if lowest is not None:

@@ -1,9 +1,9 @@
 """`orbit` and `swing`: half a period of the orbit of beta, the rest by symmetry.
 
-`orbit` integrates by quadrature (`orbit.periodic_orbit`), `swing` marches by Taylor's method in the compiled core
-(`orbit.marched_orbit`). Next to a saddle a march loses the digits that decide where the orbit goes; there `swing` hands
-the rod to `orbit`. Its error is measured: the covariance of the truncation and rounding of its steps is carried along
-with them.
+`orbit` integrates by quadrature (`orbits.periodic_orbit`), `swing` marches by Taylor's method in the compiled core
+(`orbits.marched_orbit`). Next to a saddle a march loses the digits that decide where the orbit goes; there `swing`
+hands the rod to `orbit`. Its error is measured: the covariance of the truncation and rounding of its steps is carried
+along with them.
 """
 
 from dataclasses import dataclass, replace

@@ -110,8 +110,8 @@ def too_far(height: float, azimuth: float, span: float) -> str:
     return TOO_FAR.format(apart) if apart > 1 + _ROUNDING else ""
 
 
-def lone_problem(problem: HeldProblem) -> tuple[float, float, float]:
-    """What these take of one problem."""
+def ends_and_span(problem: HeldProblem) -> tuple[float, float, float]:
+    """What `unreachable` and `too_far` take of one problem: height and azimuth over rho, 0 where not held, and span."""
     held = (problem.known(number) for number in ("z", "alpha"))
     height, azimuth = (0.0 if values is None else float(values[0]) for values in held)
     return height, azimuth, float(problem.span[0])

@@ -238,8 +238,8 @@ def end_values(case: Case, fields: Sequence[str], new: Mapping[str, Any] | None 
 
 
 def numbers_over(case: Case, *names: str) -> Callable[..., tuple[float, ...]]:
-    """The five given numbers, L/rho and A/C of one ends problem over some fields: those of `held_problem`, for valid
-    values, many times as fast."""
+    """The five given numbers, L/rho and A/C of one ends problem over some fields: those of `problem_at_ends`, for
+    valid values, many times as fast."""
     fields, alters_rod = end_fields(case), any(not hasattr(case.given, name) for name in names)
 
     def numbers(*values: float) -> tuple[float, ...]:

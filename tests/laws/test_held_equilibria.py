@@ -11,7 +11,7 @@ from solver.branches.deflation import is_known
 from solver.branches.given_numbers import Given, OrbitState
 from solver.branches.orbit_rates import NUMBERS, orbit_rates
 from solver.equilibrium_list import HeldEquilibria
-from solver.held.held_search import Mirror, image_of, mirrors_of, search_with_numbers
+from solver.held.held_search import Mirror, image_of, mirrors_of, search_equilibria
 from solver.numerics.arrays import Array
 from solver.observe.observables import observe
 from solver.orbits.boundary import path_of
@@ -261,7 +261,7 @@ def finds_a_known_one(seed: int, count: int) -> bool:
     which = rng.permutation(5)[:count]
     names = tuple(pair[k in which] for k, pair in enumerate(PAIRED))
     given = Given(names, np.array([values[name] for name in names]), numbers["span"], 1.25)
-    return is_known(state, search_with_numbers(given, {}, 8, 10).known)
+    return is_known(state, search_equilibria(given, {}, 8, 10).known)
 
 
 @pytest.mark.slow

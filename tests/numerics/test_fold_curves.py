@@ -158,7 +158,7 @@ def near_the_saddle(point: type[OrbitPoint], plane: ParameterPlane, sign: float,
     """The point of a curve of long rods at MZ = -0.2. w: beta_t(0) of a fold, and log gap."""
     guess = np.array([*w[:-1], w[-1] / UNIT, 0.18, 0.0])
     saddle = Saddle(2.65, sign, even)
-    found = point_on_line(point(given_at=numbers_on(plane), scales=np.ones(1), saddle=saddle, w=guess), 0)
+    found = point_on_line(point(numbers_at=numbers_on(plane), scales=np.ones(1), saddle=saddle, w=guess), 0)
     assert found is not None
     return found
 

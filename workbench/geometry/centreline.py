@@ -41,7 +41,7 @@ class Centreline:
 
     s, alpha, beta, dbeta, z: at the stations, (n,). A: bending stiffness; l, m, p: MZ/A, M3/A, FZ/A. bore: inner radius
     of a tube, 0 of a solid section. unit: that of length, for messages. stored_slopes: dbeta is stored; else it follows
-    from beta, and where `swing` is above `APART` only its size does.
+    from beta, and where `phase_step` is above `APART` only its size does.
     """
 
     s: Array
