@@ -38,11 +38,11 @@ EQUAL = 1e-6  # of the energy: minima that differ less count as one, as mirror i
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """The shapes of one rod on meshes of twice as many edges each; none where it has none.
+    """The shapes of one rod on meshes, each of twice as many edges as the one before; empty where none was found.
 
-    error: of the last one, of a place over the length. steps: in all. begun: from where it was continued. why: why it
-    has no shape, or no more accurate one. line: what motion leads to others of its energy, "" where it is isolated.
-    minima: among how many it has the least energy; 0 where no others were looked for.
+    error: of a place on the last shape, over the length. steps: of the search, in all. begun: from which curve the rod
+    was continued. why: why there is no shape, or no more accurate one. line: the motion that leads to other rods of
+    the same energy, "" where there is none. minima: how many were compared; 0 where no others were looked for.
     """
 
     shapes: tuple[FreeShape, ...] = ()
@@ -54,11 +54,11 @@ class Answer:
     minima: int = 0
 
     def within(self, tol: float) -> bool:
-        """Whether there is a shape, and its error is within the tolerance, or leaves at least a shape."""
+        """Whether there is a shape, with an error within the tolerance, or at least so small that it leaves a shape."""
         return bool(self.shapes) and self.error <= max(tol, APART)
 
     def outcome(self, tol: float) -> str:
-        """Whether the rod is solved, to fewer digits than asked for or not, and what its shape is; or why it is not."""
+        """Whether the rod is solved, to how many digits, and what its shape is; or why it is not solved."""
         if not self.within(tol):
             leaves = f"error {self.error:.1e} of the length leaves no shape, as " if self.shapes else ""
             return f"failed: {leaves}{self.why}"
@@ -103,7 +103,7 @@ class Way(NamedTuple):
 
 
 def continue_from(beside: Beside, curves: Sequence[BeginningCurve], tol: float, lowest: bool = False) -> Answer:
-    """The shape that continues from a curve, of several the one of least energy; of none from the straight rod.
+    """The shape that continues from a curve, of several the one of least energy; without a curve from the straight rod.
 
     lowest: whether others of less energy are looked for, from the straight rod too, and beside the minima.
     """
@@ -156,7 +156,7 @@ def reach(beside: Beside, curve: BeginningCurve, edges: int) -> Way:
 
 
 def way_beside(beside: Beside, known: Way, far: float, seed: int) -> Way:
-    """The way from the end of another one, moved by a few half waves, to a minimum of the same rod."""
+    """The way to a minimum of the same rod from the end of another way, which is moved by a few half waves."""
     if known.shape is None:
         return known
     rod, sizes, y = known.shape.rod, beside.sizes(curve_of(known.shape)), known.shape.y.copy()
@@ -170,7 +170,7 @@ def way_beside(beside: Beside, known: Way, far: float, seed: int) -> Way:
 
 
 def count_of(ways: Sequence[Way]) -> int:
-    """How many minima ways have led to, by their energies."""
+    """The number of minima to which ways have led; those of different energy are different."""
     energies = np.sort([way.energy for way in ways if way.shape is not None])
     return 1 + int((np.diff(energies) > EQUAL * np.abs(energies).max()).sum())
 
@@ -182,7 +182,7 @@ def refine(beside: Beside, shape: FreeShape, tol: float) -> Answer:
     others remain.
     """
     shapes: tuple[FreeShape, ...] = (shape,)
-    error, steps, line, why = np.inf, 0, "", f"meshes of up to {FINEST} edges would not reach it"
+    error, steps, line, why = np.inf, 0, "", f"the tolerance needs a mesh of more than {FINEST} edges"
     aims = np.array([tol, max(tol, FREE_TOLERANCE)])
     while len(shapes) < MESHES or ((aims < error) & (error <= aims * (FINEST // shapes[-1].rod.edges) ** 2)).any():
         known = curve_of(shapes[-1])

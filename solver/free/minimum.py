@@ -36,7 +36,7 @@ class Minimum(NamedTuple):
 
 
 def minimise(rod: DiscreteRod, guess: Array, sizes: Sizes, multipliers: Array | None = None) -> Minimum | None:
-    """The minimum near a guess (size,), or beside an equilibrium near it that is none; None where none is found.
+    """The minimum near a guess (size,), or beside an equilibrium near it that is no minimum; None where none is found.
 
     multipliers: those of a minimum on a coarser mesh, (M,), with which Newton's method alone is tried first; Uno then
     searches near the guess. Raises `InputError` where Uno is not installed.
@@ -170,11 +170,12 @@ class Newton:
         return None
 
     def unstable_ways(self, z: Array, multipliers: Array, loose: Array, firm: float = FIRM) -> int | None:
-        """In how many ways an equilibrium is unstable while what holds holds; 0: it is a minimum. firm: of `matrix`.
+        """In how many ways an equilibrium is unstable while active conditions stay active. firm: of `matrix`.
 
-        The matrix has a negative eigenvalue for each condition, and one for each such way: as many as pivots of an
-        elimination without exchanges. None where that meets a zero, or finds fewer than conditions by rounding. A way
-        by which the energy falls less than a rod that may turn as a whole is held counts as none.
+        Without such a way it is a minimum. The matrix has a negative eigenvalue for each condition, and one for each
+        such way: as many as pivots of an elimination without exchanges. None where that meets a zero, or finds fewer
+        than conditions by rounding. A way by which the energy falls less than a rod that may turn as a whole is held
+        counts as none.
         """
         from scipy.sparse.linalg import splu
 

@@ -189,7 +189,7 @@ def _bend_and_tension(sol: ShapeArrays) -> tuple[Array, Array]:
 
 
 def _strain_words(strains: Any, linear: Any) -> Any:
-    """How far each rod is strained that is strained too far, (*cases) of str objects."""
+    """The strain of each rod that is strained too far, in words; "" of the others. (*cases) of str objects."""
     pairs = zip(np.ravel(strains).tolist(), np.ravel(linear).tolist(), strict=True)
     words = [f"{STRAINED} ({_round(100 * x)} %; linear to {_round(100 * m)} %)" if x > m else "" for x, m in pairs]
     return np.array(words, dtype=object).reshape(np.shape(strains))

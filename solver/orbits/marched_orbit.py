@@ -107,7 +107,7 @@ class MarchedOrbit(Periodic):
 
     @cached_property
     def in_rest(self) -> Integers:
-        """Of each lost orbit which one it is in `rest`, (B,)."""
+        """The place of each lost orbit in `rest`, (B,)."""
         return np.asarray(np.cumsum(self.lost) - 1)
 
     @cached_property

@@ -15,7 +15,7 @@ NUMBER, LENGTH, FORCE, MOMENT, LINE_LOAD, STRESS, RIGIDITY = (0, 0), (1, 0), (0,
 
 @dataclass(frozen=True)
 class Range:
-    """Where the values of a field must be: above `low`, or from it on if it is `closed`, to `high`. rule: in words."""
+    """Where the values of a field must be: above `low` (if `closed` from it on), and at most `high`. rule: in words."""
 
     low: float
     rule: str
@@ -34,16 +34,21 @@ class CaseField:
     Attributes
     ----------
     symbol, dimension, long_name
-        Of its quantity, which has its name, or the name `quantity`. estimated: whether an answer has it with an error.
+        Of its quantity.
+    quantity
+        The name of this quantity; "": that of the field.
+    estimated
+        Whether an answer states it with an error.
     range
         Where its numbers must be; None: any finite number.
     default
-        The value of an omitted field, where what it needs is given and its partner is not; None: there is none.
+        The value of a field that is omitted, if the field that it needs is given and the one that it replaces is not;
+        None: it has no default.
     in_place_of
-        The field that it replaces: one of the two is given.
+        The field that it replaces; a case has one of the two.
     needs
-        The field without which it means nothing, ``weight``; before it the word which that must be, ``unilateral
-        contact``.
+        The field without which it has no meaning, ``weight``; if that field must be a certain word, the word stands
+        before it, ``unilateral contact``.
     varies
         Whether loads vary along the rod with it.
     is_quiet
@@ -51,8 +56,9 @@ class CaseField:
     more, note
         Words behind the long name in the help, and a rule for the field.
     name, part, omitted, choices
-        Read from where it stands: "rod", "cylinder", "start", "ends", "start or ends", "well" or "wound"; its value in
-        a part that is made without it, `dataclasses.MISSING` if it must be given; its words, none for a number.
+        Read from the class of its part: its name; "rod", "cylinder", "start", "ends", "start or ends", "well" or
+        "wound"; its value in a part that is made without it, `dataclasses.MISSING` if it must be given; the words that
+        it may be, none for a number.
     """
 
     symbol: str

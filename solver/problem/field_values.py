@@ -32,7 +32,7 @@ def refuse_outside(part: Any) -> None:
 
 
 def refuse_strange_words(part: Any) -> None:
-    """Raise `InputError` for a field of a part of a case that is none of its words."""
+    """Raise `InputError` for a field of a part of a case whose value is none of its words."""
     for name in (name for name in part.__match_args__ if name in CHOICES):
         value = getattr(part, name)
         if not (value is None and FIELDS[name].omitted is None) and not known_name(value, CHOICES[name]):
@@ -47,7 +47,7 @@ def is_met(name: str, values: Mapping[str, Any]) -> bool:
 
 
 def refuse_unmet(values: Mapping[str, Any]) -> None:
-    """Raise `InputError` for a given field without another one of the values, which it needs; None: not given."""
+    """Raise `InputError` for a field that is given without the field that it needs; a value None: not given."""
     for name, value in values.items():
         needs = FIELDS[name].needs
         needed = needs.rpartition(" ")[2]
@@ -136,7 +136,7 @@ def refuse(owner: str, field: str, value: ArrayLike, bad: ArrayLike, rule: str) 
 
 
 def check_values(self: Any) -> None:
-    """Turn each number of a part of a case into a float or a read-only array, and refuse what it cannot be.
+    """Turn each number of a part of a case into a float or a read-only array, and refuse values that it cannot take.
 
     Raises `InputError` for what is no number, is none of its words, or is outside its range.
     """
@@ -159,7 +159,7 @@ def write_fields(self: Any, skip: tuple[str, ...] = ()) -> str:
 
 
 def is_said(name: str, value: Any) -> bool:
-    """Whether a field is mentioned where those of a case are listed: it is given, and no default of a quiet one."""
+    """Whether a list of the fields of a case mentions this one: it is given, and is no default of a quiet field."""
     return value is not None and not (FIELDS[name].is_quiet and value == FIELDS[name].default)
 
 

@@ -33,7 +33,7 @@ class CaseRow:
         return self.cases >= 0
 
     def take(self, values: NDArray[Any]) -> NDArray[Any]:
-        """Its own of the values (cases,); NaN where no case is stored."""
+        """The values of this line, of those of all cases (cases,); NaN where no case is stored."""
         taken = values[self.cases]
         return taken if self.has_case.all() else np.where(self.has_case, taken, np.nan)
 

@@ -115,7 +115,7 @@ def presents(
 def _signature_with(
     signature: inspect.Signature, options: Mapping[str, dict[str, Any]], shared: dict[str, Any]
 ) -> inspect.Signature:
-    """The signature with options in place of the parameters of these names, and those that commands share behind."""
+    """The signature with options in place of the parameters of these names, and the shared options behind them."""
     parameters: list[inspect.Parameter] = []
     for name, parameter in signature.parameters.items():
         parameters += _parameters(options[name]) if name in options else [parameter]

@@ -67,7 +67,7 @@ class ExportedRod:
         return self.stored.units["length"]
 
     def shades(self, push: Array) -> Array:
-        """The colour at each of these pushes, (n, 3), as the light it stands for: the one chosen, else of its sign."""
+        """The colour at each push, (n, 3), as the light it stands for: the chosen one, else that of the sign."""
         if self.options.color is not None:
             return np.tile(linear(self.options.color), (push.size, 1))
         return np.where(push[:, None] < 0, linear(PULLED), linear(PUSHED))

@@ -383,7 +383,7 @@ def ring_entry(label: str) -> Line2D:
 
 
 def draw_rings(ax: Axes, places: Any, sizes: Any, name: str) -> None:
-    """Ring the places (n, 2) where rods pass through themselves: open circles, of which nothing covers what they mark.
+    """Ring the places (n, 2) where rods pass through themselves: open circles, which do not cover what they mark.
 
     Of places that are nearer than `CROWDED` of a ring one has a ring. The units of the axes are inches. sizes: (n,),
     points across. name: theirs in a table.

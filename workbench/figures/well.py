@@ -290,7 +290,7 @@ def _draw_slack_off(stored: StoredStudy, load: str, place: Mapping[str, int], ax
         "its lower end."
     ]
     if np.isfinite(most):
-        said.append(f"The pipe locks up: over this length at most {plain(most)} {force} arrives.")
+        said.append(f"However hard it is pushed, the pipe locks up: at most {plain(most)} {force} arrives.")
         if most <= 2 * ends[1]:
             ax.axhline(
                 most, color=colours.INK, linewidth=1, linestyle=(0, (1, 1.5)), label=f"locks up at {plain(most)}"
