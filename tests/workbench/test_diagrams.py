@@ -17,6 +17,7 @@ from studies.language.loader import loads
 from studies.laws.line_verdicts import HOLDS, UNDECIDED
 from tests.workbench import small
 from tests.workbench.command import exit_status
+from tests.workbench.page_faults import faults
 from tests.workbench.small import six, study
 from workbench.figures import (
     along,
@@ -121,9 +122,9 @@ def test_the_views_along_an_axis_have_equal_room_do_not_touch_and_are_as_large_a
             assert not any((low < other[1]).all() and (high > other[0]).all() for other in boxes[:k])
 
 
-def wound(turns: float, side: str = "outside") -> StoredStudy:
-    """A helix of 80 degrees, with the forces that keep it: A sin^3/rho^2 across the axis."""
-    A, a, R, beta = 200.0, 1.0, 5.0, np.radians(80.0)
+def wound(turns: float, side: str = "outside", a: float = 1.0, beta: float = np.radians(80.0)) -> StoredStudy:
+    """A helix, with the forces that keep it: A sin^3/rho^2 across the axis."""
+    A, R = 200.0, 5.0
     rho = R + a if side == "outside" else R - a
     across = A * np.sin(beta) ** 3 / rho**2
     rod = {
@@ -152,6 +153,20 @@ def test_the_gaps_of_a_section_are_the_pitch_of_a_helix_less_its_thickness_along
     np.testing.assert_allclose(cut.gaps, 2 * np.pi * rho / np.tan(beta) - 2 / np.sin(beta), atol=1e-5)
     said = " ".join(canvas.caption(section.figure(stored)))
     assert f"4 turns of radius 1 cm, with gaps of {cut.gaps[0]:.4g} cm between them" in said
+
+
+@pytest.mark.parametrize("side", ["outside", "inside"])
+@pytest.mark.parametrize(("a", "beta"), [(0.1, 80.0), (1.0, 88.0)], ids=["wide gaps", "turns through each other"])
+def test_the_gaps_of_a_section_are_written_beside_its_turns_and_clear_of_each_other(
+    side: str, a: float, beta: float
+) -> None:
+    fig = section.figure(wound(3.5, side, a, np.radians(beta)))
+    assert faults(fig) == []
+    (ax,) = fig.axes
+    for text in ax.texts:
+        box = text.get_window_extent()
+        assert ax.bbox.y0 < box.y0
+        assert box.y1 < ax.bbox.y1
 
 
 def test_a_section_of_less_than_two_turns_is_refused() -> None:

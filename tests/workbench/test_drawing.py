@@ -7,6 +7,7 @@ import xarray as xr
 from solver import InputError
 from studies.language.loader import loads
 from tests.workbench import small, study_kinds
+from tests.workbench.page_faults import faults
 from workbench.figures import canvas, drawing
 from workbench.figures.sheet import MILLIMETRES, sheet
 from workbench.run import in_memory
@@ -52,6 +53,28 @@ def test_a_drawing_dashes_what_the_drum_hides_and_nothing_else(cables) -> None:
         np.testing.assert_allclose(up, place[0][here], atol=0.02)  # chords of 240 points a turn
     assert (np.abs(hidden[:, 1]) < 60).all()
     assert len(hidden) > 100
+
+
+def test_a_pipe_lies_on_the_low_side_of_the_hole_that_is_drawn() -> None:
+    ds = study_kinds.well()
+    fig = drawing.figure(StoredStudy(ds), at={"wob": 60.0})  # straight, on the low side
+    y = np.concatenate([line.get_ydata() for line in fig.axes[0].lines if "rod" in str(line.get_gid())])
+    np.testing.assert_allclose(y, float(ds["a"] - ds["R"]), rtol=1e-9)
+    assert "A side view, seen from α = −90°, with the low side down." in canvas.caption(fig)
+
+
+@pytest.mark.parametrize("lay", [-75.0, 88.0, 89.5])
+def test_no_word_of_a_drawing_stands_on_a_word_or_on_an_extension_line(lay: float) -> None:
+    ds = in_memory.run(loads(small.text(WIRE | {"lay": f"{lay}deg"}, "", "mm N", **SEEN)))
+    fig = drawing.figure(StoredStudy(ds))
+    assert faults(fig) == []
+    (ax,) = fig.axes
+    boxes = {text.get_text(): text.get_window_extent() for text in ax.texts if text.get_text()}
+    for line in (line for line in ax.lines if line.get_label() == "_samples"):
+        path = line.get_transform().transform_path(line.get_path())
+        assert [
+            text for text, box in boxes.items() if path.intersects_bbox(box, filled=False) and "°" not in text
+        ] == []
 
 
 def test_a_pipe_that_is_thinner_than_a_line_at_true_scale_is_refused_or_drawn_in_part() -> None:

@@ -1,7 +1,7 @@
 """A dimensioned drawing of one rod on its cylinder: a side view at true scale, as a workshop draws it.
 
-The axis lies to the right, alpha = 0 is up, and the eye looks from alpha = 90 degrees. What the cylinder hides is
-dashed.
+The axis lies to the right, alpha = 0 is up, and the eye looks from alpha = 90 degrees. In a hole with a low side, which
+is at alpha = 0, this side is down, and the eye looks from alpha = -90 degrees. What the cylinder hides is dashed.
 """
 
 import math
@@ -27,12 +27,14 @@ from . import canvas, colours, drawn_rods, fonts
 from .sheet import MILLIMETRES, SCREEN, Sheet
 
 SCALES = [step * 10.0**power for power in range(9, -10, -1) for step in (5.0, 2.0, 1.0)]  # of a drawing, falling
-LEFT, RIGHT, ABOVE, BELOW = 24.0, 12.0, 15.0, 22.0  # millimetres on paper around the cylinder
+LEFT, RIGHT, ABOVE, BELOW = 24.0, 12.0, 15.0, 24.0  # millimetres on paper around the cylinder
 HIGH = (75.0, 50.0)  # of the cylinder with its rod at most, on a wide and on a narrow sheet
 THICK, HAIR = 0.8, 0.3  # of the rod: thinner, the drawing shows a part of it; is refused
 SPARE = 4.0  # of cylinder beyond both ends of the rod
 EDGE, FINE = 0.9, 0.5  # points: of an outline, and of a dimension line
 AWAY, ARC = 7.0, 9.0  # of a dimension line from what it measures; radius of the arc of an angle
+BEYOND = 1.0  # of extension lines beyond their dimension line; its words stand past them
+LEADER = (5.0, 6.0)  # to the left of the rod and away from it: below the words of the pitch
 ARROW: dict[str, Any] = {
     "arrowstyle": "<|-|>,head_length=0.35,head_width=0.13",
     "shrinkA": 0,
@@ -43,6 +45,7 @@ ARROW: dict[str, Any] = {
 HIDDEN = (0, (4, 2.5))
 AXIS = (0, (12, 2.5, 2, 2.5))
 EVEN = math.radians(0.05)  # by which a lay varies that is one angle
+LEVEL = 1e-9  # sine of the inclination of a hole that stands, and has no low side
 CLOSE = 1e-3  # relative: of the distance of two turns to the pitch
 PER_TURN = 240  # points of a turn
 
@@ -54,6 +57,7 @@ class SideView:
     """The rod in the view: to the right, upwards and towards the eye, (n,) each [length]; its angle, (n,).
 
     scale: millimetres on paper of a millimetre. mm: of paper in a unit of length. whole: whether all of it is drawn.
+    low_side: whether alpha = 0 is the low side of the cylinder, and down.
     """
 
     x: Values
@@ -63,6 +67,7 @@ class SideView:
     scale: float
     mm: float
     whole: bool
+    low_side: bool
 
 
 def figure(stored: StoredStudy, at: Mapping[str, float] | None = None, sheet: Sheet = SCREEN) -> Figure:
@@ -101,7 +106,8 @@ def figure(stored: StoredStudy, at: Mapping[str, float] | None = None, sheet: Sh
     )
     said = [f"The rod: {line}.", f"Its least bend radius, of the centreline: {unit('L', 1 / kappa)}."] if kappa else []
     hides = str(chosen.attrs["side"]) == "outside"
-    said.append(f"A side view, seen from α = 90°{'; dashed: behind the cylinder' * hides}.")
+    eye = "−90°, with the low side down" if view.low_side else "90°"
+    said.append(f"A side view, seen from α = {eye}{'; dashed: behind the cylinder' * hides}.")
     said += [] if view.whole else ["A part of the rod is drawn, from s = 0."]
 
     def draw(fig: Figure) -> None:
@@ -172,7 +178,10 @@ def _view(rod: drawn_rods.DrawnRod, unit: str, radius: float, sheet: Sheet) -> S
         )
     k = s.size if whole else int(np.argmax(np.append(np.abs(z - z[0]) * mm * scale > room, True)))
     whole = whole or k == s.size
-    return SideView(z[:k], (r * np.cos(alpha))[:k], (r * np.sin(alpha))[:k], beta[:k], scale, mm * scale, whole)
+    case = rod.case.case
+    low_side = bool(np.any(case.rod.weight or 0.0)) and abs(math.sin(case.cylinder.inclination or 0.0)) > LEVEL
+    up, near = (-1 if low_side else 1) * r * np.array([np.cos(alpha), np.sin(alpha)])
+    return SideView(z[:k], up[:k], near[:k], beta[:k], scale, mm * scale, whole, low_side)
 
 
 def _parts(view: SideView, front: bool) -> Iterator[slice]:
@@ -199,6 +208,7 @@ def _draw_body(ax: Axes, view: SideView, R: float, a: float, side: str) -> None:
                 linewidth=width,
                 solid_capstyle="butt",
                 solid_joinstyle="round",
+                snap=False,
                 zorder=order,
                 gid=name,
             )
@@ -240,11 +250,11 @@ def _dimension(ax: Axes, view: SideView, first: Any, last: Any, text: str, away:
     upright = first[0] == last[0]
     shift = np.array([-away, 0.0] if upright else [0.0, away]) / view.mm
     for end in (first, last):
-        beyond = np.array(end) + shift * (1 + 1.2 / abs(away))
+        beyond = np.array(end) + shift * (1 + BEYOND / abs(away))
         ax.plot(*np.transpose([end, beyond]), color=colours.INK, linewidth=FINE, zorder=5, label="_samples")
     p, q = np.array(first) + shift, np.array(last) + shift
     ax.annotate("", tuple(p), tuple(q), arrowprops=ARROW, zorder=5)
-    x, y = (p + q) / 2 + shift / abs(away) * 0.8 * np.sign(away)
+    x, y = (p + q) / 2 + shift / abs(away) * BEYOND
     ax.text(
         x,
         y,
@@ -253,7 +263,7 @@ def _dimension(ax: Axes, view: SideView, first: Any, last: Any, text: str, away:
         zorder=6,
         rotation=90 if upright else 0,
         ha="right" if upright else "center",
-        va="center" if upright else "bottom",
+        va="center" if upright else "bottom" if away > 0 else "top",
     )
 
 
@@ -268,13 +278,14 @@ def _dimension_pitch(ax: Axes, view: SideView, top: float, pitch: float, unit: A
 
 
 def _dimension_rod(ax: Axes, view: SideView, a: float, unit: Any) -> None:
-    """The diameter of the rod, at a leader to where it is first seen."""
+    """The diameter of the rod, at a leader to its outer edge where it is first seen."""
     k = int(np.argmax(view.near >= 0))
-    place, away = (float(view.x[k]), float(view.y[k])), 9.0 if view.y[k] >= 0 else -9.0
+    away = 1.0 if view.y[k] >= 0 else -1.0
+    place = float(view.x[k]), float(view.y[k]) + away * a
     ax.annotate(
         f"Ø {unit('a', 2 * a)}",
         place,
-        (place[0] - 5 / view.mm, place[1] + away / view.mm),
+        (place[0] - LEADER[0] / view.mm, place[1] + away * LEADER[1] / view.mm),
         size=fonts.small(),
         ha="right",
         va="center",

@@ -23,9 +23,12 @@ from . import canvas, colours, fonts
 from .sheet import SCREEN, Sheet
 
 DENSE = 32  # places for each station at which a crossing is looked for
-SEEN, ABOVE = 2.5, 2.8  # radii of the rod: of the cylinder that is drawn, and of the room beyond the rod for words
+SEEN, ABOVE = 2.5, 2.8  # radii of the rod: of the cylinder that is drawn, and of the room beyond the rod at least
+WORDS, LINE = 1.5, 1.5  # from the middle of the rod to the size of a gap, in its radii; room for it, in its letters
 LEAST_PART = 0.05  # of a turn: nearer to its ends a rod is not cut
 HIGH = 2.4  # inches of the panel at most
+
+Window = tuple[tuple[float, float], tuple[float, float]]  # along the axis, and away from it [length]
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +90,7 @@ def figure(stored: StoredStudy, at: Mapping[str, float] | None = None, sheet: Sh
     section, unit = section_of(line), stored.units["length"]
     gaps = section.gaps
     wide = sheet.width - 0.9
-    across, upward = _window(line, section)
+    across, upward = window = _window(line, section, wide)
     high = min(wide * np.ptp(upward) / np.ptp(across), HIGH)
     case = stored.equations(where)
     held = [f"The rod: {case}."] if case else []
@@ -101,7 +104,7 @@ def figure(stored: StoredStudy, at: Mapping[str, float] | None = None, sheet: Sh
     ]
     if (gaps < 0).any():
         said.append("Below 0 neighbouring turns pass through each other.")
-    draw = partial(_draw, stored, line, section)
+    draw = partial(_draw, stored, line, section, window)
     return canvas.page(stored, sheet, [(max(high + canvas.LABELS, 1.2), [draw])], said, high=False)
 
 
@@ -109,21 +112,19 @@ def _length(stored: StoredStudy, number: float) -> xr.DataArray:
     return xr.DataArray(number, attrs={"units": stored.units["length"]})
 
 
-def _window(line: Centreline, section: Section) -> tuple[tuple[float, float], tuple[float, float]]:
-    """What of the half plane is drawn: along the axis, and away from it [length]."""
-    away = (line.R - SEEN * line.a, float(section.radius.max()) + ABOVE * line.a)
-    if line.side == "inside":
-        away = (float(section.radius.min()) - ABOVE * line.a, line.R + SEEN * line.a)
+def _window(line: Centreline, section: Section, inches: float) -> Window:
+    """What of the half plane is drawn, so many inches wide, with room for words beyond the rod."""
     beyond = 1.5 * line.a
-    return (section.z[0] - section.half[0] - beyond, section.z[-1] + section.half[-1] + beyond), (
-        max(away[0], 0),
-        away[1],
-    )
+    across = section.z[0] - section.half[0] - beyond, section.z[-1] + section.half[-1] + beyond
+    room = max(ABOVE * line.a, WORDS * line.a + LINE * fonts.small() / 72 * np.ptp(across) / inches)
+    if line.side == "inside":
+        return across, (max(float(section.radius.min()) - room, 0), line.R + SEEN * line.a)
+    return across, (max(line.R - SEEN * line.a, 0), float(section.radius.max()) + room)
 
 
-def _draw(stored: StoredStudy, line: Centreline, section: Section, ax: Axes) -> canvas.Said:
+def _draw(stored: StoredStudy, line: Centreline, section: Section, window: Window, ax: Axes) -> canvas.Said:
     """The cylinder below, or around, the turns; each gap has its size where there is room, else the least has."""
-    across, away = _window(line, section)
+    across, away = window
     inside = line.side == "inside"
     foot = (line.R, away[1]) if inside else (away[0], line.R)
     ax.add_patch(
@@ -152,7 +153,7 @@ def _draw(stored: StoredStudy, line: Centreline, section: Section, ax: Axes) -> 
 
 def _write_gaps(stored: StoredStudy, line: Centreline, section: Section, ax: Axes) -> None:
     """The size of each gap beside it, or of the least alone."""
-    inches = fonts.inches(ax)[0] / float(np.ptp(ax.get_xlim()))
+    inches = min(np.divide(fonts.inches(ax), np.ptp([ax.get_xlim(), ax.get_ylim()], axis=1)))  # of a unit, both ways
     texts = [labels.value(float(gap), _length(stored, gap)) for gap in section.gaps]
     room = min(np.diff(section.z)) * inches
     has_room = max(fonts.width_of(text, fonts.small()) for text in texts) + 0.06 < room
@@ -160,11 +161,10 @@ def _write_gaps(stored: StoredStudy, line: Centreline, section: Section, ax: Axe
     sign = -1 if line.side == "inside" else 1
     for k in shown:
         middle = (section.z[k] + section.half[k] + section.z[k + 1] - section.half[k + 1]) / 2
-        top = section.radius[k] + sign * 1.2 * line.a
         ax.annotate(
             texts[k],
             (middle, section.radius[k]),
-            (middle, top + sign * 0.3 * line.a),
+            (middle, section.radius[k] + sign * WORDS * line.a),
             ha="center",
             va="bottom" if sign > 0 else "top",
             size=fonts.small(),

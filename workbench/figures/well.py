@@ -279,7 +279,8 @@ def _draw_slack_off(stored: StoredStudy, load: str, place: Mapping[str, int], ax
     if slack.size <= trends.MOST_DOTS:
         ax.scatter(slack, bit, color=colours.DATA, s=15, zorder=4, edgecolors="white", linewidths=0.7)
     k = place[load]
-    ax.plot(slack[k], bit[k], "o", fillstyle="none", markersize=8, color=colours.INK, label="the drawn pipe")
+    ax.plot(slack[k], bit[k], "o", fillstyle="none", markersize=8, color=colours.INK, label="the drawn pipe",
+            clip_on=False)  # fmt: skip
     known = np.isfinite(slack) & np.isfinite(bit)
     ends = np.array([min(0.0, bit[known].min()), bit[known].max()])
     ax.plot(ends, ends, color=colours.SOFT, linewidth=0.8, linestyle=(0, (4, 3)), label="without friction")
