@@ -160,10 +160,13 @@ def test_the_gaps_of_a_section_are_the_pitch_of_a_helix_less_its_thickness_along
 def test_the_gaps_of_a_section_are_written_beside_its_turns_and_clear_of_each_other(
     side: str, a: float, beta: float
 ) -> None:
-    fig = section.figure(wound(3.5, side, a, np.radians(beta)))
+    stored = wound(3.5, side, a, np.radians(beta))
+    fig = section.figure(stored)
     assert faults(fig) == []
     (ax,) = fig.axes
+    z = section.section_of(stored_line.read(stored, {})).z
     for text in ax.texts:
+        assert np.abs((z[1:] + z[:-1]) / 2 - text.xy[0]).min() < 1e-3 * a  # between turns of one size
         box = text.get_window_extent()
         assert ax.bbox.y0 < box.y0
         assert box.y1 < ax.bbox.y1

@@ -181,6 +181,16 @@ def test_the_picture_of_a_well_shows_the_stored_numbers_with_the_depth_down() ->
     assert "locks up" in " ".join(canvas.caption(well.figure(StoredStudy(ds))))
 
 
+def test_the_bands_of_a_well_lie_between_the_limits_of_a_long_pipe() -> None:
+    track = well.figure(StoredStudy(study_kinds.well()), at={"wob": 210.0}).axes[0]
+    bands = {str(band.get_label()): band.get_bbox() for band in track.patches}
+    limits = [float(label.split("> ")[1]) for label in bands]
+    assert [label.split(" >")[0] for label in bands] == ["sinusoid", "or helix", "only helix"]
+    ends = np.array([(-box.x1, -box.x0) for box in bands.values()])
+    np.testing.assert_allclose(ends[:, 0], limits, rtol=5e-4)  # labels have four digits
+    np.testing.assert_allclose(ends[:-1, 1], ends[1:, 0])
+
+
 def test_a_well_looks_alike_whether_s_runs_down_its_hole_or_up() -> None:
     down = marks_of(study_kinds.well(friction=None), {"wob": 150.0}, "axial force")
     up = marks_of(study_kinds.well(60.0, "FZ0", None), {"FZ0": -150.0}, "axial force")
