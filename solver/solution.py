@@ -9,14 +9,14 @@ import numpy as np
 
 from .free.beginnings import case_of_held_ends, curves_of
 from .free.free_rods import FREE_TOLERANCE, answers_beside, trajectory_of
-from .free.sinking import descent_of
+from .free.sinking import MOST_SHAPES, descent_of
 from .numerics.arrays import Array
 from .observe.cautions import of_cases
 from .observe.solution_derivatives import Sensitivity, sensitivity
 from .orbits import frames
 from .orbits.shape import ShapeArrays
 from .problem.case_fields import cases_at, place_along, with_field
-from .problem.errors import InputError, check_tolerance, show
+from .problem.errors import InputError, check_tolerance, show, whole_number
 from .problem.shown import make, table_of
 
 SHOWN = "workbench.notebook"  # loaded by name when a solution is shown: the solver works without the workbench
@@ -186,7 +186,7 @@ class Solution(ShapeArrays):
         Parameters
         ----------
         count : int
-            Number of shapes. Each moves about as far from the one before; the last is at rest.
+            Number of shapes, from 1. Each moves about as far from the one before; the last is at rest.
         tol : float, optional
             As of `let_go`.
 
@@ -201,8 +201,10 @@ class Solution(ShapeArrays):
         Raises
         ------
         InputError
-            As of `let_go`, for several cases, and where the rod stays as it is or is not solved.
+            As of `let_go`, for a count that is none, for several cases, and where the rod stays as it is or is not
+            solved.
         """
+        count = whole_number("count", count, 1, MOST_SHAPES)
         if self.case.shape:
             raise InputError(f"the descent is that of one case, and these are {self.case.size}: select one with sel")
         free = self.let_go(tol)

@@ -30,6 +30,7 @@ LEAST = 1e-6  # of the length: a rod that moves less stays as it is
 MOVING = "the motion of a rod that is let go"
 ELSEWHERE = "the motion of a rod that is let go, which ends elsewhere than let_go"
 FINER = 40  # times that a step is halved
+MOST_SHAPES = 10_000  # that are asked for
 
 
 @dataclass(frozen=True, eq=False)

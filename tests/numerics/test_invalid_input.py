@@ -98,6 +98,7 @@ def calls() -> Iterator[tuple[Any, dict[str, Any]]]:
     yield loops, {"rod": Rod(**EI, L=20.0), "cylinder": ROUND, "turns_around": 1, "folds": 2, "stations": 41}
     yield observe, {"sol": solution, "names": ["height"], "errors": True}
     yield solution.sensitivity, {"fields": ["EI"], "observables": ["height"]}
+    yield solution.descent, {"count": 3, "tol": 1e-3}
     yield solution.to_dataset, {"length": "furlong", "force": "N"}
     yield weight_in_fluid, {"a": 0.1, "inner_radius": 0.05, "density": 1.0, "fluid": 0.0, "gravity": 9.8}
 
