@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from solver import Case, Cylinder, Rod, Solution, Start, observe, solve
+from solver import Case, Cylinder, Ends, Rod, Solution, Start, observe, solve
 from solver.methods import available, base
 
 MOST = 1.5  # of what is returned, while it is made
@@ -137,3 +137,15 @@ def test_a_process_that_solves_forty_thousand_cases_stays_small() -> None:
     most, returned, solved = json.loads(run.stdout)
     assert solved == 40_000
     assert most <= MOST * returned
+
+
+def test_the_parts_of_joined_orbits_are_numbered_as_the_orbits_of_the_batch() -> None:
+    """Also where one of three rods, whose ends are farther apart than it is long, has no orbit."""
+    ends = Ends(0.1, 0.2, height=5.0, azimuth=[0.1, 5.0, 0.3], M3=0.0)
+    batch = solve(Case(Rod(EI=1.0, GJ=0.8, a=0.1, L=6.0), Cylinder(R=0.9), ends))
+    assert batch.solved.tolist() == [True, False, True]
+    orbit = batch.trajectory.orbit
+    arcs = np.flatnonzero(orbit.count)
+    assert {0, 4} <= set(arcs.tolist())
+    np.testing.assert_array_equal(orbit.panels.arc[orbit.first[arcs]], arcs)
+    assert orbit.path is None or orbit.path.y.size == 3
