@@ -14,7 +14,7 @@ from solver import Case, Cylinder, Ends, InputError, Rod, Start, observe, solve
 from solver.free.beginnings import case_of_held_ends, curves_of
 from solver.free.discrete_rod import HELD_ON, INSIDE, OUTSIDE, DiscreteRod
 from solver.free.free_problem import problems_of
-from solver.free.free_rods import SHAKES, distance, estimate, refine
+from solver.free.free_rods import SHAKES, distance, estimate, limit, refine
 from solver.free.minimum import minimise
 from solver.free.quaternions import product
 from solver.free.sinking import Sinking
@@ -266,6 +266,11 @@ def test_the_error_of_an_order_that_is_seen_covers_what_is_left_by_a_quarter(ord
     changes = 2.0 ** (-order * np.arange(2))
     left, error = changes[-1] / (2 ** min(order, 2.0) - 1), estimate(changes.tolist())[1]
     assert error == pytest.approx(1.25 * left)  # of an order above 2 that of order 2
+
+
+def test_of_numbers_with_errors_of_order_two_the_limit_is_exact() -> None:
+    numbers = [np.array([3.0 + 0.1 * h**2, -1.0 - 7.0 * h**2]) for h in (1.0, 0.5, 0.25)]
+    np.testing.assert_allclose(limit(numbers), [3.0, -1.0], rtol=1e-13)
 
 
 @pytest.mark.parametrize("before", (-4.0, 0.5, 1.5, 8.0, 20.0))
