@@ -35,24 +35,20 @@ MOST_SHAPES = 10_000  # that are asked for
 
 @dataclass(frozen=True, eq=False)
 class DraggedRod(DiscreteRod):
-    """A discrete rod whose nodes are dragged back to places (N, 3). drag: per length, over the time of a step."""
+    """A discrete rod whose nodes are dragged back to places (N, 3). drag: per length, over the time of a step.
+
+    Both ends are held, so the drag of the last node does not matter.
+    """
 
     places: Array
     drag: float
 
-    @cached_property
-    def _drags(self) -> Array:
-        """The drag of nodes 1 to N, (N, 1)."""
-        drags = np.full((self.edges, 1), self.drag * self.h)
-        drags[-1] /= 2
-        return drags
-
     def energy(self, y: Array) -> float:
-        return super().energy(y) + float((self._drags * (self.parts(y)[1] - self.places) ** 2).sum()) / 2
+        return super().energy(y) + self.drag * self.h * float(((self.parts(y)[1] - self.places) ** 2).sum()) / 2
 
     def gradient(self, y: Array) -> Array:
         gradient = super().gradient(y)
-        self.parts(gradient)[1][:] += self._drags * (self.parts(y)[1] - self.places)
+        self.parts(gradient)[1][:] += self.drag * self.h * (self.parts(y)[1] - self.places)
         return gradient
 
     @cached_property
@@ -62,7 +58,7 @@ class DraggedRod(DiscreteRod):
         return np.append(rows, nodes), np.append(columns, nodes)
 
     def hessian_values(self, y: Array, size: float, multipliers: Array) -> Array:
-        drags = np.repeat(size * self._drags, EDGE - 4)
+        drags = np.full((EDGE - 4) * self.edges, size * self.drag * self.h)
         return np.append(super().hessian_values(y, size, multipliers), drags)
 
 
