@@ -21,7 +21,7 @@ from ..orbits.morse_index import index_at_stations
 from ..orbits.periodic_orbit import LIBRATION, ROTATION, TIGHT, jacobi_zeros, solve_orbit
 from ..orbits.potential import load_size
 from ..orbits.shape import ShapeArrays
-from ..problem.case import Rod
+from ..problem.case import Case, Rod
 from ..problem.errors import check_type, known_name, names_of, no_such, yes_or_no
 from ..problem.quantities import ByName, current, quantity
 from ..problem.reduced import flat
@@ -475,10 +475,18 @@ def observe(sol: ShapeArrays, names: Iterable[str], errors: bool = False) -> dic
             observed[name] = read.each(_whole(np.where(shapeless, np.nan, computed)))
             continue
         values, error = computed
+        if off:
+            values = _within_range(OBSERVABLES[name], values, sol.case)
         observed[name] = read.each(np.where(shapeless, np.nan, values))
         if errors and quantity(name).estimated:
             observed[f"{name}_error"] = read.each(np.where(shapeless, np.nan, error))
     return observed
+
+
+def _within_range(row: Observable, values: Array, case: Case) -> Array:
+    """The nearest values (B,) that the observable can have: what is left to the limit of meshes may lead beyond."""
+    most = flat(case.rod.L, case.shape) if row.most == "L" else row.most
+    return np.clip(values, row.least, most)
 
 
 def _whole(values: Array) -> Array:

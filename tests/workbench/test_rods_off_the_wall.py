@@ -291,3 +291,22 @@ def test_pictures_of_one_file_solve_its_rods_once_and_read_other_stations_from_t
     assert len(calls) == 2
     for name in ("radius", "contact"):
         np.testing.assert_array_equal(finer[name], again[name])
+
+
+CABLE = "--E 30GPa --nu 0.3 --a 1cm --L 200cm --R 10cm --tension 100 --lay 30deg --let-go"
+
+
+def test_the_numbers_of_a_rod_that_hardly_leaves_are_in_their_ranges_and_a_file_holds_them(tmp_path: Path) -> None:
+    """What was left to the limit of meshes made a push and a gap negative, and the file held an unsolved case."""
+    assert exit_status("solve", *CABLE.split(), "--out", tmp_path / "cable.h5") == 0
+    ds = reading.read(tmp_path / "cable.h5")
+    assert ds["solved"].all()
+    assert min(float(ds[name]) for name in ("gap_max", "push_mean", "point_force_max")) >= 0
+
+
+def test_a_solved_case_that_no_file_can_hold_is_refused_and_not_stored(tmp_path, capsys, monkeypatch) -> None:
+    run = in_memory.run
+    monkeypatch.setattr(in_memory, "run", lambda study: run(study).assign(solved=False).assign(outcome="failed: why"))
+    assert exit_status("solve", "--table1", "--out", tmp_path / "rod.h5") == 2
+    assert "rod.h5: failed: why" in capsys.readouterr().err
+    assert not (tmp_path / "rod.h5").exists()

@@ -172,7 +172,10 @@ def solve(
         if path.suffix.lower() == ".toml":
             atomic.write_text(path, dumps(named))
         else:
-            writing.write(in_memory.run(named), path, force=True)
+            stored = in_memory.run(named)
+            if not stored["solved"].all():
+                raise InputError(f"cannot write {path}: {stored['outcome'].item()}")
+            writing.write(stored, path, force=True)
 
     return Result(
         lambda: data,
