@@ -225,23 +225,26 @@ def check_unit(name: str, text: str) -> float:
     return value
 
 
-def size_of_unit(name: str, unit: str) -> float:
-    """The size of a unit of a quantity or field, in metres, newtons and rad. Raises `InputError` if it does not fit."""
-    field_dimension = dimension_of(name)
+def size_of_unit(name: str, unit: str, called: str = "") -> float:
+    """The size of a unit of a quantity or field, in metres, newtons and rad. Raises `InputError` if it does not fit.
+
+    called: what the message calls it; default: name.
+    """
+    called, field_dimension = called or name, dimension_of(name)
     kind, units = _KINDS.get(field_dimension, ("a quantity of another unit", ()))
     ending = f"choose from {choices(units)}" if units else "write it without a unit"
     try:
         size, dimension = unit_size(unit)
     except UnknownUnit as error:
-        raise InputError(f"{name} is {kind}, and there is {error.reason}: {ending}") from None
+        raise InputError(f"{called} is {kind}, and there is {error.reason}: {ending}") from None
     curvatures = (-1, 0, 0), (-1, 0, 1)  # deg/30 m is a unit of both, as 1/m is
     if dimension != field_dimension and not (dimension in curvatures and field_dimension in curvatures):
         other = _KINDS.get(dimension, ("of another quantity",))[0].partition(" ")[2]
-        raise InputError(f"{name} is {kind}, and {unit} is a unit of {other}: {ending}")
+        raise InputError(f"{called} is {kind}, and {unit} is a unit of {other}: {ending}")
     return size
 
 
-def number_in(name: str, text: str, units: Mapping[str, str]) -> float:
+def number_in(name: str, text: str, units: Mapping[str, str], called: str = "") -> float:
     """The number of a text for a quantity or a field, in a system of units; a number alone is in these already.
 
     Parameters
@@ -250,6 +253,8 @@ def number_in(name: str, text: str, units: Mapping[str, str]) -> float:
         The quantity or field, and a text such as ``30e6 psi``.
     units : dict
         The units of "length" and "force" of the study. Angles are in rad.
+    called : str
+        As of `size_of_unit`.
 
     Raises
     ------
@@ -262,7 +267,7 @@ def number_in(name: str, text: str, units: Mapping[str, str]) -> float:
     value, unit = split(text)
     if not unit:
         return value
-    given, in_study = size_of_unit(name, unit), size_in(dimension_of(name), units)
+    given, in_study = size_of_unit(name, unit, called), size_in(dimension_of(name), units)
     more, less = given / in_study, in_study / given
     return value / _whole(less) if less > more else value * _whole(more)
 

@@ -215,3 +215,9 @@ def test_a_hole_whose_inclination_is_none_is_refused_by_its_own_name(angle: str,
     rod = "--EI 1e5 --GJ 8e4 --a 0.05 --L 30 --R 0.08 --side inside --weight 300 --beta0 0 --betaL 0 --MZ 0 --wob 1e4"
     assert exit_status("solve", *rod.split(), f"--hole={angle}") == 2
     assert "hole must be from 0 to pi rad" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("text", ["20ksi", "5furlong"])
+def test_a_unit_that_does_not_fit_is_refused_by_the_name_of_the_option(text: str, capsys) -> None:
+    assert exit_status("solve", "--table1", "--least-bend-radius", text) == 2
+    assert "--least-bend-radius is a length, and " in capsys.readouterr().err

@@ -204,10 +204,7 @@ def field_number(option: str, name: str, text: str, units: Mapping[str, str]) ->
         return float("nan")
     if not unit:
         return number_of(name, text)
-    try:
-        return number_in(name, text, units)
-    except InputError as error:
-        raise InputError(f"{option}: {error}") from None
+    return number_in(name, text, units, option)
 
 
 def axis_values(stored: "StoredStudy", at: Sequence[str] | None) -> dict[str, float]:
