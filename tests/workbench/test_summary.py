@@ -94,3 +94,11 @@ def test_a_stored_pipe_is_helical_where_the_solved_one_is_also_above_its_neutral
     assert words == [state.word for state in solved.states]
     assert [float(place) for place in places] == pytest.approx([state.end for state in solved.states], abs=1.0)
     assert 600 - 80 / 0.241 - 30 < solved.states[0].end < 600 - 80 / 0.241
+
+
+def test_sensitivity_states_moduli_and_stresses_in_the_units_of_solve(capsys) -> None:
+    assert exit_status("sensitivity", "pipe_lubinski", "--fields", "E,a", "--show", "bending_stress_max") == 0
+    lines = [line.split() for line in capsys.readouterr().out.splitlines()]
+    assert ["E", "206000", "MPa"] in lines
+    (row,) = [line for line in lines if line[:1] == ["bending_stress_max"]]
+    assert row[2:4] == ["MPa", "%"]

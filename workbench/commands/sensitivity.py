@@ -1,6 +1,6 @@
 """The command sensitivity: what the observables of a case, or of a sampled study, depend on."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -10,7 +10,7 @@ from ..run import atomic
 from . import console, tables
 from .options import At, argument, axis_values, flag, names, number, option
 from .present import Result, presents
-from .summary import in_degrees
+from .summary import in_units_of_engineers
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -59,13 +59,14 @@ def sensitivity(
     if confidence is not None and not whole:
         raise InputError("--confidence is an option of --global: derivatives are exact and have no interval")
     if whole:
+        units: dict[str, str] = {}  # indices have none
         table, said = _indices(study, at, names(show), confidence)
     else:
-        table, said = _local(study, at, names(fields) or None, names(show) or None)
+        table, said, units = _local(study, at, names(fields) or None, names(show) or None)
     pairs = {"pairs": table_pairs(table)} if "second" in table else {}
     return Result(
         lambda: {**table.attrs, "rows": table_rows(table), **pairs, "notes": said},
-        lambda: _print(table, said),
+        lambda: _print(table, said, units),
         dataset=lambda: table,
         write=lambda path: _write(table, path),
         figure="indices" if whole else "tornado",
@@ -75,8 +76,8 @@ def sensitivity(
 
 def _local(
     file: Path, at: list[str] | None, fields: list[str] | None, show: list[str] | None
-) -> "tuple[xr.Dataset, list[str]]":
-    """The table of one case with its title, and the sentences on it."""
+) -> "tuple[xr.Dataset, list[str], dict[str, str]]":
+    """The table of one case with its title, the sentences on it, and the units of "length" and "force"."""
     from solver.observe.observables import is_count
     from studies import load
 
@@ -99,7 +100,7 @@ def _local(
     table = derivatives.local(solution, fields, real, study.unit_system)
     varied = " ".join(quantity_variables.dimension(name) for name in study.varied)
     table = table.assign_attrs(title=study.title, reading=study.reading or "", varied=varied)
-    return table, [*derivatives.sentences(table), *([left_out] if left_out else [])]
+    return table, [*derivatives.sentences(table), *([left_out] if left_out else [])], study.unit_system
 
 
 def _indices(
@@ -118,41 +119,50 @@ def _indices(
     return table, indices.sentences(table)
 
 
-def _print(table: "xr.Dataset", said: list[str]) -> None:
+def _print(table: "xr.Dataset", said: list[str], units: Mapping[str, str]) -> None:
     console.say(table.attrs["title"])
-    (_print_local if "derivative" in table else _print_indices)(table)
+    if "derivative" in table:
+        _print_local(table, units)
+    else:
+        _print_indices(table)
     console.say("")
     for sentence in said:
         console.say(sentence)
 
 
-def _print_local(table: "xr.Dataset") -> None:
+def _print_local(table: "xr.Dataset", units: Mapping[str, str]) -> None:
     """The case, and the effects: a row an observable, a column a field."""
     from ..influence import derivatives
 
     names = [str(name) for name in table["field"].values]
-    units = table["field_unit"].values.astype(str)
-    rows = (in_degrees({"field": name, "at": float(table["at"][i]), "units": units[i]}) for i, name in enumerate(names))
-    cells = [[row["field"], row["at"], "" if row["units"] == "1" else row["units"]] for row in rows]
+    rows = [_statement(table.isel(field=i), "field", "at", units) for i in range(len(names))]
+    cells = [[row["name"], row["at"], row["units"]] for row in rows]
     tables.print_table(["field", "value", "unit"], cells)
     names = [name for name in names if name not in derivatives.without_effect(table)]
     heads = [tables.column_title(name, str(table["amount"].sel(field=name).values)) for name in names]
     console.say("")
-    effects = [_effects(table, i, names) for i in range(table.sizes["observable"])]
+    effects = [_effects(table, i, names, units) for i in range(table.sizes["observable"])]
     tables.print_table(["observable", "value", "unit", "in", *heads], effects)
 
 
-def _effects(table: "xr.Dataset", i: int, fields: list[str]) -> list[str]:
+def _statement(row: "xr.Dataset", what: str, number: str, units: Mapping[str, str]) -> dict[str, Any]:
+    """The name, number and units, as engineers state them, of one field or observable of the table."""
+    unit = str(row[{"field": "field_unit", "observable": "unit"}[what]].values)
+    stated = in_units_of_engineers({"name": str(row[what].values), "at": float(row[number]), "units": unit}, units)
+    return stated | {"units": "" if unit == "1" else stated["units"]}
+
+
+def _effects(table: "xr.Dataset", i: int, fields: list[str], units: Mapping[str, str]) -> list[str]:
     """The cells of an observable; a dash where there is no derivative."""
     row = table.isel(observable=i)
-    unit, effect_unit = (str(row[name].values) for name in ("unit", "effect_unit"))
+    stated = _statement(row, "observable", "value", units)
     values = (float(row["effect"].sel(field=name)) for name in fields)
     cells = ["-" if value != value else f"{value:+.3g}" if value else "0" for value in values]
     return [
-        str(row["observable"].values),
-        f"{float(row['value']):.5g}",
-        "" if unit == "1" else unit,
-        effect_unit,
+        stated["name"],
+        f"{stated['at']:.5g}",
+        stated["units"],
+        str(row["effect_unit"].values),
         *cells,
     ]
 

@@ -97,7 +97,7 @@ def _print(found: dict[str, Any]) -> None:
     _print_boundaries(found["boundaries"])
     console.say("")
     if found["observables"]:
-        stated = [_in_units_of_engineers(row, found["unit_system"]) for row in found["observables"]]
+        stated = [in_units_of_engineers(row, found["unit_system"]) for row in found["observables"]]
         tables.print_rows(stated, {"name": "observable", **SPREAD})
         console.say("")
     if found["states"]:
@@ -145,7 +145,7 @@ def in_degrees(row: Mapping[str, Any]) -> dict[str, Any]:
     return {**row, **shown, "units": "deg"}
 
 
-def _in_units_of_engineers(row: Mapping[str, Any], units: Mapping[str, str]) -> dict[str, Any]:
+def in_units_of_engineers(row: Mapping[str, Any], units: Mapping[str, str]) -> dict[str, Any]:
     """A row of an observable in the unit in which engineers state it, as `solve` does: stresses in ksi or MPa."""
     from solver.problem.quantities import QUANTITIES
 
