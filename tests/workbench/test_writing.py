@@ -8,7 +8,8 @@ import stat
 import subprocess
 import sys
 import warnings
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
+from pathlib import Path
 
 import h5py
 import numpy as np
@@ -241,3 +242,16 @@ def test_a_study_that_no_file_can_hold_is_refused_before_it_is_solved(
     with pytest.raises(InputError, match="cannot write"):
         writing.write(in_memory.run(study), tmp_path / "study.h5")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_new_folder_in_which_nothing_was_written_goes_and_any_other_stays(tmp_path: Path) -> None:
+    def interrupt(folder: Path, name: str = "") -> bool:
+        with suppress(KeyboardInterrupt), writing.folder_of_results(folder):
+            (folder / name).touch()
+            raise KeyboardInterrupt
+        return folder.exists()
+
+    assert not interrupt(tmp_path / "new")
+    assert interrupt(tmp_path / "kept", "a.h5")
+    (tmp_path / "old").mkdir()
+    assert interrupt(tmp_path / "old")

@@ -43,9 +43,11 @@ def trade(
     """
     if extremes and (cases or methods):
         raise InputError("--extremes tests every method at every extreme; it takes no --cases and no --methods")
-    if extremes:
-        return _extremes(out or Path("extremes"))
-    return _trade(cases or [], methods or [], out or Path("trade"))
+    from ..run import writing
+
+    folder = out or Path("extremes" if extremes else "trade")
+    with writing.folder_of_results(folder):
+        return _extremes(folder) if extremes else _trade(cases or [], methods or [], folder)
 
 
 def _trade(cases: list[str], methods: list[str], out: Path) -> Result:
@@ -145,7 +147,6 @@ def _measure(
     from ..run import writing
     from ..stored.stored_study import StoredStudy
 
-    writing.check_folder(path.parent)
     writing.check_free(path, path.stem)
     pieces: list[Any] = []
 

@@ -40,32 +40,32 @@ def reproduce(
     from . import report_runs
 
     studies = [load(name).under(reading) for name in names() if name.startswith(FIGURES)]
-    writing.check_folder(out)
-    files = {study.name: out / f"{study.name}.h5" for study in studies}
-    for name, path in {**files, **{name: out / f"{name}.h5" for name in report_runs.NAMES}}.items():
-        writing.check_free(path, name)
-    from ..scene import opengl
-    from . import report_document  # drawing libraries are imported once all input is checked
+    with writing.folder_of_results(out):
+        files = {study.name: out / f"{study.name}.h5" for study in studies}
+        for name, path in {**files, **{name: out / f"{name}.h5" for name in report_runs.NAMES}}.items():
+            writing.check_free(path, name)
+        from ..scene import opengl
+        from . import report_document  # drawing libraries are imported once all input is checked
 
-    able, advice = opengl.probe()
-    advice = "" if able else advice
-    panels = report_runs.panels()
-    with console.progress(len(studies) * 2 + len(panels) * len(READINGS) + 1) as step:
-        results, refusals = _results(studies, files, out, able, step)
-        readings = StoredStudy(report_runs.run_readings(panels, step=step))
-        writing.write(readings.ds, out / f"{report_runs.READINGS_TABLE}.h5")
-        step("writing the report")
-        equilibria = _equilibria(load(RODS).under(reading), out, able)
-        story = _draw_story(results, readings, out / STORY)
-        release = _release(load(report_runs.LET_GO).under(reading), out)
-        report_document.write(
-            results, out, readings=readings, refusals=refusals, equilibria=equilibria, story=story, release=release
-        )
-    _print(results, readings, out, advice)
-    for refusal in refusals:
-        console.say(f"Omitted: {refusal}")
-    refuted = any(law_verdicts.is_refuted(result.stored.unsolved, result.verdicts) for result in results)
-    return 1 if refusals or refuted else 0
+        able, advice = opengl.probe()
+        advice = "" if able else advice
+        panels = report_runs.panels()
+        with console.progress(len(studies) * 2 + len(panels) * len(READINGS) + 1) as step:
+            results, refusals = _results(studies, files, out, able, step)
+            readings = StoredStudy(report_runs.run_readings(panels, step=step))
+            writing.write(readings.ds, out / f"{report_runs.READINGS_TABLE}.h5")
+            step("writing the report")
+            equilibria = _equilibria(load(RODS).under(reading), out, able)
+            story = _draw_story(results, readings, out / STORY)
+            release = _release(load(report_runs.LET_GO).under(reading), out)
+            report_document.write(
+                results, out, readings=readings, refusals=refusals, equilibria=equilibria, story=story, release=release
+            )
+        _print(results, readings, out, advice)
+        for refusal in refusals:
+            console.say(f"Omitted: {refusal}")
+        refuted = any(law_verdicts.is_refuted(result.stored.unsolved, result.verdicts) for result in results)
+        return 1 if refusals or refuted else 0
 
 
 def _results(

@@ -1,7 +1,8 @@
 """Datasets written in HDF5 (netCDF4-compatible), by an atomic replacement."""
 
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -182,6 +183,20 @@ def check_folder(folder: str | Path) -> Path:
     except OSError as error:
         raise InputError(f"cannot write into the folder {folder}: {error.strerror or error}") from None
     return folder
+
+
+@contextmanager
+def folder_of_results(folder: Path) -> Iterator[None]:
+    """A folder as of `check_folder`; one that is new, and still empty where the body raises, is removed again."""
+    is_new = not folder.exists()
+    check_folder(folder)
+    try:
+        yield
+    except BaseException:
+        if is_new:
+            with suppress(OSError):  # it is not empty
+                folder.rmdir()
+        raise
 
 
 def encodings(ds: xr.Dataset) -> dict[str, dict[str, Any]]:
