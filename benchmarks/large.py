@@ -156,7 +156,7 @@ def _sampled(folder: Path, size: int, axes: tuple[int, int], rounds: int) -> dic
                 "--restart",
                 "--json",
             ]
-            measured.append(_watched(command, folder)[1:])
+            measured.append(_watch(command, folder)[1:])
     found = {f"{name} [s]": statistics.median(seconds for seconds, _ in told) for name, told in spent.items()}
     found |= {f"{name}, peak [GB]": max(peak for _, peak in told) for name, told in spent.items()}
     return {**found, "samples / grid": found["samples [s]"] / found["grid [s]"]}
@@ -203,9 +203,9 @@ def with_curves(folder: Path, rounds: int) -> dict[str, float]:
 def _large(folder: Path, work: Study, rounds: int) -> dict[str, float]:
     (folder / "benchmark.toml").write_text(work.text)
     command = [sys.executable, "-m", "workbench.cli", "run", "benchmark.toml", "--workers", "2", "--json"]
-    seconds, spent, peak = _watched(command, folder)
+    seconds, spent, peak = _watch(command, folder)
     size = (folder / "benchmark.h5").stat().st_size
-    again = min(_watched(command, folder)[0] for _ in range(rounds))
+    again = min(_watch(command, folder)[0] for _ in range(rounds))
     return {
         "cases": work.size,
         "run [s]": seconds,
@@ -217,14 +217,14 @@ def _large(folder: Path, work: Study, rounds: int) -> dict[str, float]:
     }
 
 
-def _watched(command: list[str], folder: Path) -> tuple[float, float, float]:
+def _watch(command: list[str], folder: Path) -> tuple[float, float, float]:
     """Seconds of a command, those of the processor, and the largest memory that any process of it had at once [GB]
     (Linux)."""
     env = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[1])}
     began, used = time.perf_counter(), {}
     process = subprocess.Popen(command, cwd=folder, env=env, stdout=subprocess.DEVNULL, start_new_session=True)
     while process.poll() is None:
-        used |= {pid: (ticks, peak) for pid, ticks, peak in _used(process.pid)}
+        used |= {pid: (ticks, peak) for pid, ticks, peak in _usage(process.pid)}
         with contextlib.suppress(subprocess.TimeoutExpired):
             process.wait(0.1)
     if process.returncode > 1:
@@ -233,7 +233,7 @@ def _watched(command: list[str], folder: Path) -> tuple[float, float, float]:
     return time.perf_counter() - began, sum(ticks) / os.sysconf("SC_CLK_TCK"), max(peaks) * 1024 / 1e9
 
 
-def _used(session: int) -> Iterator[tuple[int, int, int]]:
+def _usage(session: int) -> Iterator[tuple[int, int, int]]:
     """The number of each process of a session, its ticks of the processor, and its most memory so far [kB]."""
     for folder in Path("/proc").glob("[0-9]*"):
         with contextlib.suppress(OSError, StopIteration):

@@ -42,7 +42,7 @@ def test_every_struct_lies_in_memory_as_the_compiler_lays_it_out(tmp_path: Path)
 
 
 @pytest.fixture
-def altered(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Any:
+def alter(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Any:
     """Writes a header with other words, from which structs are then read."""
 
     def alter(old: str, new: str) -> None:
@@ -56,15 +56,15 @@ def altered(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Any:
     library._text_of.cache_clear()
 
 
-def test_a_field_that_the_header_no_longer_has_is_refused_in_a_sentence(altered: Any) -> None:
-    altered("*series, *gain;", "*rows, *gain;")
+def test_a_field_that_the_header_no_longer_has_is_refused_in_a_sentence(alter: Any) -> None:
+    alter("*series, *gain;", "*rows, *gain;")
     renamed = structure("varied_orbits", "altered.h")
     with pytest.raises(MissingCore, match=r"the struct varied_orbits in altered.h has no field series; install"):
         renamed(series=np.ones(3), lanes=1)
 
 
-def test_a_struct_or_a_kind_that_python_does_not_know_is_refused_in_a_sentence(altered: Any) -> None:
-    altered("int64_t lanes;", "unsigned lanes;")
+def test_a_struct_or_a_kind_that_python_does_not_know_is_refused_in_a_sentence(alter: Any) -> None:
+    alter("int64_t lanes;", "unsigned lanes;")
     with pytest.raises(MissingCore, match=r"the field lanes of struct varied_orbits in altered.h is not what Python"):
         structure("varied_orbits", "altered.h")
     with pytest.raises(MissingCore, match=r"altered.h has no struct moved_orbits"):

@@ -36,7 +36,7 @@ def commands(path: Path, good: Path, out: Path) -> dict[str, list[str]]:
     return {name: [str(path) if word == "FILE" else word for word in words] for name, words in asked.items()}
 
 
-def ended(words: list[str], out: Path) -> tuple[Any, list[str]]:
+def end_of(words: list[str], out: Path) -> tuple[Any, list[str]]:
     """The status of a command and what is wrong with how it ended; `out` is where it may write, empty before.
 
     Right is: status 0 or 1 and no word of Python's on stderr; or 2, one sentence there and nothing written. Never a
@@ -99,7 +99,7 @@ def forked(asked: list[list[str]], out: Path) -> list[tuple[Any, list[str]]]:
         resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
         resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
         with os.fdopen(write, "wb") as pipe:
-            pipe.write(json.dumps([ended(words, out) for words in asked]).encode())
+            pipe.write(json.dumps([end_of(words, out) for words in asked]).encode())
         os._exit(0)
     os.close(write)
     with os.fdopen(read, "rb") as pipe:

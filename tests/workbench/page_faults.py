@@ -50,7 +50,6 @@ def faults(fig: Figure, least: float = 7.0, texts: list[Text] | None = None, axe
     found, texts = [], words(fig) if texts is None else texts
     wide, tall = 25.4 * fig.get_size_inches()
     found += [f"{tall:.0f} mm tall"] if wide < COLUMN and tall > TALLEST else []
-    boxes = {ax: ax.get_window_extent() for ax in fig.axes if ax.axison and ax.get_label() != "<colorbar>"}
     scales = [ax for ax in fig.axes if ax.axison and ax.get_label() != "<colorbar>"]
     heights = [25.4 * ax.get_window_extent().height / fig.dpi for ax in scales]
     found += [f"axes of {high:.1f} mm" for high in heights if high < axes]
@@ -70,10 +69,10 @@ def faults(fig: Figure, least: float = 7.0, texts: list[Text] | None = None, axe
         room = one.get_text().endswith("\n") or other.get_text().endswith("\n")  # empty lines keep room for the other
         if not room and _outline(one).intersects_path(_outline(other)):
             found.append(f"over one another: {one.get_text()!r} and {other.get_text()!r}")
-    return found + _covered(fig)
+    return found + _covering_legends(fig)
 
 
-def _covered(fig: Figure) -> list[str]:
+def _covering_legends(fig: Figure) -> list[str]:
     """A sentence for each legend with words or samples over lines, points or bars."""
     inside = [legend for ax in fig.axes if (legend := ax.get_legend())]
     found = []
@@ -81,12 +80,12 @@ def _covered(fig: Figure) -> list[str]:
         parts = [*legend.get_texts(), *legend.legend_handles]
         box = Bbox.union([part.get_window_extent() for part in parts if part is not None]).padded(-SLACK)
         for ax in fig.axes:
-            if ax.get_window_extent().overlaps(box) and any(path.intersects_bbox(box, False) for path in _drawn(ax)):
+            if ax.get_window_extent().overlaps(box) and any(path.intersects_bbox(box, False) for path in _outlines(ax)):
                 found.append(f"a legend over what is drawn: {legend.get_texts()[0].get_text()}")
     return found
 
 
-def _drawn(ax: Axes) -> Iterator[Path]:
+def _outlines(ax: Axes) -> Iterator[Path]:
     """The lines, points and bars of axes, as paths in pixels."""
     bars = [bar for of in ax.containers if isinstance(of, BarContainer) for bar in of]
     strokes = [of for of in ax.collections if isinstance(of, LineCollection)]
