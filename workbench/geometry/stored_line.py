@@ -37,9 +37,8 @@ def read(stored: StoredStudy, where: Mapping[str, int]) -> Centreline:
     needed = (*NEEDED, *stored.stiffness_fields, *["contact"] * varies, *["radius"] * leaves)
     missing = [name for name in needed if name not in stored]
     if missing:
-        raise InputError(
-            f"the dataset stores no {', '.join(missing)}, which the curve of the rod needs: add what is missing to outputs"
-        )
+        lacks = f"the dataset stores no {', '.join(missing)}, which the curve of the rod needs"
+        raise InputError(f"{lacks}: add what is missing to outputs")
     case = stored.select(dict(where))
     outcome = str(case["outcome"].values)
     along = {name: np.asarray(case[name], dtype=float) for name in ("alpha", "beta", "z")}
