@@ -94,3 +94,12 @@ def test_every_key_is_explained_and_every_field_has_its_help() -> None:
     assert {*NOTES} == {*Study.model_fields} == {*SCHEMA["properties"]}
     assert [*SCHEMA["$defs"]["Base"]["properties"]] == [*ALL_FIELDS]
     assert all(row["description"] for row in SCHEMA["$defs"]["Base"]["properties"].values())
+
+
+def test_the_schema_has_the_range_of_every_field_that_has_one() -> None:
+    limits = SCHEMA["$defs"]["Base"]["properties"]
+    for name, row in ALL_FIELDS.items():
+        if row.range is not None and not row.choices:
+            ends = row.range.low, row.range.high
+            schema = limits[name]
+            assert (schema.get("minimum", schema.get("exclusiveMinimum")), schema.get("maximum", float("inf"))) == ends

@@ -1,5 +1,6 @@
 """The options for the fields of a case: their table says what the solver says, and every command offers all of them."""
 
+import json
 import re
 from dataclasses import fields
 from math import cos, pi
@@ -221,3 +222,11 @@ def test_a_hole_whose_inclination_is_none_is_refused_by_its_own_name(angle: str,
 def test_a_unit_that_does_not_fit_is_refused_by_the_name_of_the_option(text: str, capsys) -> None:
     assert exit_status("solve", "--table1", "--least-bend-radius", text) == 2
     assert "--least-bend-radius is a length, and " in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("share", "status"), [(0.9, 0), (1.1, 1)])
+def test_a_rod_that_is_bent_tighter_than_its_least_radius_has_status_1(share: float, status: int, capsys) -> None:
+    assert exit_status("solve", "--table1", "--json") == 0
+    radius = 1 / json.loads(capsys.readouterr().out)["observables"]["kappa_max"]
+    assert exit_status("solve", "--table1", "--least-bend-radius", f"{share * radius}cm") == status
+    assert f"% {'less' if status else 'more'} than the least" in " ".join(capsys.readouterr().out.split())

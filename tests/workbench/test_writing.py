@@ -21,7 +21,7 @@ from studies.language.loader import loads
 from tests.slow import slow
 from tests.workbench import forked, runs, small
 from workbench.run import in_memory, study_store, writing
-from workbench.stored import bounds, reading
+from workbench.stored import bounds, boxes, reading
 
 
 def test_what_is_stored_is_what_is_read(six, tmp_path) -> None:
@@ -255,3 +255,15 @@ def test_a_new_folder_in_which_nothing_was_written_goes_and_any_other_stays(tmp_
     assert interrupt(tmp_path / "kept", "a.h5")
     (tmp_path / "old").mkdir()
     assert interrupt(tmp_path / "old")
+
+
+@pytest.mark.parametrize(
+    ("shape", "chunk"), [((5, 7), (5, 7)), ((9, 2**15), (2, 2**15)), ((3, 4, 2**17), (1, 1, 2**16))]
+)
+def test_a_chunk_is_a_stretch_of_the_flat_order_of_at_most_512_kB(shape, chunk) -> None:
+    assert boxes.chunk_shape(shape) == chunk
+
+
+def test_a_number_below_the_least_of_its_observable_is_unfit() -> None:
+    ((name, why, bad),) = bounds.unfit({"gap_max": np.array([-1.0, 0.0, np.nan])}, (), {})
+    assert (name, why, bad.tolist()) == ("gap_max", "is out of its range", [True, False, False])
