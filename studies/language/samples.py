@@ -14,7 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from solver.problem.errors import choices, near
 
-from ..grammar.axes import MAX_COUNT, STRICT, Misplaced, Values, one_of
+from ..grammar.axes import MAX_COUNT, STRICT, Misplaced, Values, is_angle, one_of
 
 Cube = NDArray[np.float64]  # points in the unit cube, (size, fields)
 
@@ -164,8 +164,11 @@ class Distribution(BaseModel):
         return float(np.deg2rad(value)) if self.unit == "deg" else value
 
     def words(self, field: str) -> str:
-        """``E uniform from 5000 to 40000``."""
-        said = {name: f"{v:g}{' deg' if self.unit == 'deg' else ''}" for name, v in self._numbers.items()}
+        """``E uniform from 5000 to 40000``; angles in degrees."""
+        angle = is_angle(field)
+        said = {
+            name: f"{np.rad2deg(self._in_rad(v)):g} deg" if angle else f"{v:g}" for name, v in self._numbers.items()
+        }
         ends = " ".join(f"{name} {said[name]}" for name in ("from", "to") if name in said)
         if self.distribution != "normal":
             return f"{field} {self.distribution} {ends}"
