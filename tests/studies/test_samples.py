@@ -139,4 +139,5 @@ def test_a_parquet_file_without_pyarrow_is_told_what_to_install(tmp_path, monkey
 @pytest.mark.parametrize("text", ['from = "30deg"\nto = "90 deg"', 'from = 30\nto = 90\nunit = "deg"'])
 def test_the_sentence_of_a_sampled_angle_is_in_degrees_however_it_is_given(text: str) -> None:
     study = loads(f"{HEAD}[sample]\nsize = 4\n[sample.beta]\n{text}")
-    assert study.sample is not None and study.sample.sentence.endswith("beta uniform from 30 deg to 90 deg")
+    assert study.sample is not None
+    assert study.sample.sentence.endswith("beta uniform from 30 deg to 90 deg")
