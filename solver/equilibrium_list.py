@@ -34,7 +34,7 @@ class Equilibrium:
         Share of the length where the cylinder pushes.
     stray : float
         The most that beta goes beyond its end angles, above the larger or below the smaller one [rad].
-    path : LevelPaths, or that of `shooting.growth`
+    path : `orbits.boundary.LevelPaths`, or `nodes.growth.GrowthWay`
         Its level and its path, which identify it among the equilibria of the case.
     dead_index : int
         Morse index under dead loads, between its own end angles; -1: not known.

@@ -23,6 +23,16 @@ def syntax_trees() -> dict[Path, ast.Module]:
     return {file.relative_to(ROOT): ast.parse(file.read_text(encoding="utf-8")) for file in files}
 
 
+def python_files() -> Iterator[Path]:
+    """Those of the product and of its tests."""
+    return (file for part in ("solver", "studies", "workbench", "tests") for file in (ROOT / part).rglob("*.py"))
+
+
+def is_record(owner: ast.ClassDef) -> bool:
+    above = [ast.unparse(node) for node in (*owner.decorator_list, *owner.bases)]
+    return any(word in name for name in above for word in ("dataclass", "NamedTuple"))
+
+
 def is_data(function: ast.FunctionDef | ast.AsyncFunctionDef) -> bool:
     decorators = map(ast.unparse, function.decorator_list)
     return any(word in decorator for decorator in decorators for word in ("property", "setter", "overload"))
@@ -68,6 +78,20 @@ def test_no_function_is_named_by_a_participle() -> None:
 def test_variables_and_functions_say_what_they_are() -> None:
     places = [f"{file}:{line} {name}" for file, tree in syntax_trees().items() for line, name in vague_names(tree)]
     assert places == []
+
+
+def test_a_record_that_one_module_alone_names_is_private_to_it() -> None:
+    """Methods are public; so are the modules directly in the solver, with their results."""
+    named = {file: set(re.findall(r"\b[A-Z]\w+", file.read_text(encoding="utf-8"))) for file in python_files()}
+    records = [
+        (file, node.name)
+        for file, tree in syntax_trees().items()
+        if file.parts[0] == "solver" and len(file.parts) > 2 and file.parts[1] != "methods"
+        for node in tree.body
+        if isinstance(node, ast.ClassDef) and not node.name.startswith("_") and is_record(node)
+    ]
+    alone = [f"{file} {name}" for file, name in records if not any(name in named[o] for o in named if o != ROOT / file)]
+    assert records and alone == []
 
 
 def test_no_two_modules_of_the_solver_share_a_name() -> None:

@@ -57,8 +57,8 @@ class Bounds:
 class Place:
     """An equilibrium of a branch.
 
-    p: the parameter. path: a `levels.boundary.Path`, of its orbit; with weight or friction its
-    `shooting.varying_shapes.Shape`. problem: which the orbit solves under dead loads, an `EndsProblem`; None with
+    p: the parameter. path: a `orbits.boundary.Path`, of its orbit; with weight or friction its
+    `nodes.varying_shapes.Shape`. problem: which the orbit solves under dead loads, an `EndsProblem`; None with
     weight or friction. index: Morse index, None where it is not known. kind: of special point.
     """
 

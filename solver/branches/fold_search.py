@@ -125,7 +125,7 @@ class Searched:
 def search_curves(plane: ParameterPlane, lattice: int) -> Searched:
     """The curves that cross the lines of a lattice of so many points along each field."""
     searched, ticks = Searched(plane), _ticks(lattice)
-    seeds, edges = Seeds(searched, numbers_on(plane)), lattice_edges(*ticks)
+    seeds, edges = _LineSearch(searched, numbers_on(plane)), lattice_edges(*ticks)
     edges.sort(key=lambda edge: bool(np.abs(edge[0] + edge[1] - 1).max() < 1 - 3 * _INSIDE))  # the border first
     for line in [*edges, *_probes(ticks)]:
         seeds.search_line(*line)
@@ -144,7 +144,7 @@ def curve_through(point: OrbitPoint) -> WholeCurve:
 
 
 @dataclass(frozen=True, eq=False)
-class Seeds:
+class _LineSearch:
     """The search for points of curves."""
 
     searched: Searched

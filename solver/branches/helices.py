@@ -21,7 +21,7 @@ _SCAN = 721  # angles between which those of helices are bracketed
 
 
 @dataclass(frozen=True)
-class Helix:
+class _Helix:
     """A helix by its angle and loads; None for a load that can have any value."""
 
     beta: float
@@ -74,7 +74,7 @@ def _twist(beta: float, known: dict[str, float], given: Given) -> float:
     return (known["turn"] / given.span + float(np.sin(beta) * np.cos(beta))) / given.ratio
 
 
-def _helix(beta: float, known: dict[str, float], given: Given) -> Helix | None:
+def _helix(beta: float, known: dict[str, float], given: Given) -> _Helix | None:
     """The helix of an angle with the loads that it needs, None where it has other displacements than the held ones."""
     s, c = float(np.sin(beta)), float(np.cos(beta))
     for name, value in (("z", c), ("alpha", s)):
@@ -85,15 +85,15 @@ def _helix(beta: float, known: dict[str, float], given: Given) -> Helix | None:
     rest = float(slope(Loads(lam or 0.0, mu, phi or 0.0), beta))  # H is this plus lam c less phi s of the unknown ones
     small = _EQUAL * (1 + abs(lam or 0.0) + abs(mu) + abs(phi or 0.0))
     if lam is None and phi is not None and abs(c) > _EQUAL:
-        return Helix(beta, -rest / c, mu, phi)
+        return _Helix(beta, -rest / c, mu, phi)
     if phi is None and lam is not None and abs(s) > _EQUAL:
-        return Helix(beta, lam, mu, rest / s)
+        return _Helix(beta, lam, mu, rest / s)
     if lam is None and phi is None:
-        return Helix(beta, None, mu, None)
-    return Helix(beta, lam, mu, phi) if abs(rest) <= small else None
+        return _Helix(beta, None, mu, None)
+    return _Helix(beta, lam, mu, phi) if abs(rest) <= small else None
 
 
-def _state(helix: Helix, given: Given) -> OrbitState | None:
+def _state(helix: _Helix, given: Given) -> OrbitState | None:
     loads = {name: load for name in FREE[2:] if (load := getattr(helix, name)) is not None}
     problem = problem_of(given, {**loads, "beta0": helix.beta, "betaL": helix.beta})
     if not np.isfinite(load_size(problem)[0]):

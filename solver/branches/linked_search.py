@@ -65,7 +65,7 @@ class PlaneSystem(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class Branches:
+class _Branches:
     """What is met: different equilibria at the points of the lattice, and special points.
 
     known: with their signatures. count, stopped: branches that were followed, and those of them that could not be
@@ -102,7 +102,7 @@ def search_linked(plane: ParameterPlane, system: PlaneSystem, ticks: Array, begi
     return curves_of(searched, remark_of(searched, branches, failed, ticks))
 
 
-def branches_on(system: PlaneSystem, ticks: Array, begin: Known) -> Branches:
+def branches_on(system: PlaneSystem, ticks: Array, begin: Known) -> _Branches:
     """The branches along the lines z = ticks of a lattice from 0 to 1 that hang together with known equilibria."""
     known: dict[Node, list[tuple[Array, Place]]] = {(i, j): [] for i in range(ticks.size) for j in range(ticks.size)}
     at_tick = {float(tick): i for i, tick in enumerate(ticks)}
@@ -147,7 +147,7 @@ def branches_on(system: PlaneSystem, ticks: Array, begin: Known) -> Branches:
         for i in steep_places(places, marks) if on_lattice else ():
             steep = place_on(z, axis, places[i].p)
             waiting.append((steep, 1 - axis, replace(places[i], p=float(steep[1 - axis])), marks[i]))
-    return Branches(known, meetings, count, stopped, not waiting)
+    return _Branches(known, meetings, count, stopped, not waiting)
 
 
 def steep_places(places: Sequence[Place], marks: Sequence[Array]) -> list[int]:
@@ -171,7 +171,7 @@ def place_on(z: Array, axis: int, x: float) -> Array:
     return place
 
 
-def remark_of(searched: Searched, branches: Branches, failed: int, ticks: Array) -> str:
+def remark_of(searched: Searched, branches: _Branches, failed: int, ticks: Array) -> str:
     """What is known of the search, which nothing proves complete."""
     said = [f"not proved complete: {branches.count} branches along {2 * ticks.size} lines were followed"]
     if branches.stopped:

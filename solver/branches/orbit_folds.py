@@ -86,7 +86,7 @@ class Saddle(NamedTuple):
     even: bool
 
 
-class StartedOrbit(NamedTuple):
+class _StartedOrbit(NamedTuple):
     """An orbit from its start on. pin: the level, where its saddle counts. over: by how much beta_t(0)^2 is too large
     for that level."""
 
@@ -140,13 +140,13 @@ class OrbitPoint(LinePoint):
         return mark_of(rates.values[0, :-1], float(load_size(rates.problem)[0]), float(rates.problem.span[0]))
 
     @cached_property
-    def own(self) -> StartedOrbit:
+    def own(self) -> _StartedOrbit:
         """The orbit."""
         orbit = self.at(self.w)
         assert orbit is not None
         return orbit
 
-    def at(self, w: Array) -> StartedOrbit | None:
+    def at(self, w: Array) -> _StartedOrbit | None:
         """The orbit at w; None where its saddle no longer exists."""
         numbers, rest = np.split(w, [w.size - (2 if self.saddle is None else 3)])
         given, unknown = self.numbers_at(w[-2:]), iter((numbers * self.scales).tolist())
@@ -155,8 +155,8 @@ class OrbitPoint(LinePoint):
         if self.saddle is not None:
             return _orbit_beside(self.saddle, problem, float(rest[0]) * UNIT, given)
         if start["dbeta0"] == 0 and float(slope(problem, problem.beta0)[0]) == 0:
-            return StartedOrbit(given, rates_of_helices(problem.with_end(problem.beta0)))
-        return StartedOrbit(given, start_rates(problem))
+            return _StartedOrbit(given, rates_of_helices(problem.with_end(problem.beta0)))
+        return _StartedOrbit(given, start_rates(problem))
 
     def equations(self, w: Array) -> Array:
         """The numbers to be met at the far end less the given ones; next to a saddle the square of beta_t(0) less that
@@ -190,7 +190,7 @@ class OrbitPoint(LinePoint):
         return replace(point, saddle=self.saddle._replace(angle=float(pin[0][0]))), node
 
 
-def _orbit_beside(saddle: Saddle, problem: StartProblem, y: float, given: Given) -> StartedOrbit | None:
+def _orbit_beside(saddle: Saddle, problem: StartProblem, y: float, given: Given) -> _StartedOrbit | None:
     """The orbit whose level is exp(y) above or below the saddle; None where this no longer exists."""
     place = boundary_of(problem.with_end(problem.beta0))
     apart = np.abs((place.saddles - saddle.angle + TAU / 2) % TAU - TAU / 2)
@@ -200,7 +200,7 @@ def _orbit_beside(saddle: Saddle, problem: StartProblem, y: float, given: Given)
     gap = saddle.sign * float(np.exp(max(y, deepest)))
     pin = np.array([angle]), np.array([gap]), np.array([max(deepest - y, 0.0)])
     over = float(problem.dbeta0[0]) ** 2 - gap - place.fall(angle, place.start)
-    return StartedOrbit(given, start_rates(problem, pin), pin, over)
+    return _StartedOrbit(given, start_rates(problem, pin), pin, over)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -305,7 +305,7 @@ def in_log_gap(point: OrbitPoints, largest: float, level: Level | None = None) -
     return replace(point, saddle=Saddle(angle, sign, even), w=np.insert(point.w, point.w.size - 2, y / UNIT))
 
 
-def is_even(orbit: StartedOrbit) -> bool:
+def is_even(orbit: _StartedOrbit) -> bool:
     """Whether the rod next to a saddle equals its own reversal: at equal end angles, and under dead loads at rest."""
     given, (v, vL) = orbit.given, orbit.rates.values[0, 2:4]
     equal = given.number("beta0", np.nan) == given.number("betaL", np.nan)

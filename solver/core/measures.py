@@ -77,7 +77,7 @@ def station_series(loads: Array, t: Array, beta: Array, rate: Array) -> Array:
     return out
 
 
-class Density(NamedTuple):
+class _Density(NamedTuple):
     """A density at points (Q, m), in units of A and rho, and its derivatives by beta, |beta_t|, lam, mu and phi.
 
     size: the sum of the sizes of the terms of a value, whose rounding is that many eps.
@@ -92,7 +92,7 @@ class Density(NamedTuple):
     phi: Array
 
 
-def densities(kind: str, loads: Array, beta: Array, rate: Array) -> Density:
+def densities(kind: str, loads: Array, beta: Array, rate: Array) -> _Density:
     """One of the `DENSITIES` and its derivatives; of the curvature there are none where a rod is straight.
 
     Parameters
@@ -104,9 +104,9 @@ def densities(kind: str, loads: Array, beta: Array, rate: Array) -> Density:
         beta, and beta_t, whose sign does not matter.
     """
     given = [np.ascontiguousarray(array, dtype=float) for array in (loads, beta, rate)]
-    out = np.empty((len(Density._fields), *beta.shape))
+    out = np.empty((len(_Density._fields), *beta.shape))
     run("rod_densities", DENSITIES.index(kind), *beta.shape, *given, out)
-    return Density(*out)
+    return _Density(*out)
 
 
 def _rods_of(pieces: Any, given: Mapping[str, Array], goal: float, groups: int) -> Any:

@@ -33,7 +33,7 @@ class NoValueError(Exception):
 
 
 @dataclass(frozen=True, eq=False)
-class Feet:
+class _Feet:
     """The feet of P points. sol: at the feet, which rise. order: the place in `sol` of the foot of each point.
 
     distance: signed, in units of the sizes of the points, (P,). by_alpha, by_z: its derivatives with respect to alpha
@@ -48,7 +48,7 @@ class Feet:
 
 
 @dataclass(frozen=True, eq=False)
-class Evaluation:
+class _Evaluation:
     """The residuals at x.
 
     sol: at the stations of the points. moved: the rod that slides in another way, by that way. computed, (N,): what
@@ -59,7 +59,7 @@ class Evaluation:
     sol: Solution
     computed: Array
     residuals: Array
-    feet: Feet | None
+    feet: _Feet | None
     moved: dict[str, Solution]
 
     @property
@@ -75,7 +75,7 @@ class FitMinimum:
     free: (F,), False at a bound. stop: why it ended early, or "".
     """
 
-    found: Evaluation
+    found: _Evaluation
     jacobian: Array
     free: Array
     stop: str = ""
@@ -100,8 +100,8 @@ class Model:
         self.refused: Counter[str] = Counter()
         self._choose, self._tol = choose, tol
         self._branch: Solution | None = None
-        self._last: Evaluation | None = None
-        self.accepted: list[tuple[Evaluation, Array]] = []  # places of a search, and the derivatives there
+        self._last: _Evaluation | None = None
+        self.accepted: list[tuple[_Evaluation, Array]] = []  # places of a search, and the derivatives there
 
     def begin(self) -> None:
         """Begin a search: the equilibrium of an ends problem is selected anew."""
@@ -116,7 +116,7 @@ class Model:
             self.refused[str(error)] += 1
             return np.full(self.data.size, np.nan)
 
-    def evaluation(self, x: Array) -> Evaluation:
+    def evaluation(self, x: Array) -> _Evaluation:
         """The residuals at x. Raises `NoValueError` where there are none."""
         if self._last is None or not np.array_equal(self._last.x, x):
             self._last = self._evaluate(x)
@@ -153,7 +153,7 @@ class Model:
         """The observables that are targets where the rod slides in a way."""
         return [name for name, way in map(target_parts, self.data.targets) if way == sliding]
 
-    def _of_points(self, evaluation: Evaluation, known: Any) -> list[Array]:
+    def _of_points(self, evaluation: _Evaluation, known: Any) -> list[Array]:
         """The derivatives of what is computed at the points, a block (P, F) for each column."""
         points, sol = self.data.points, evaluation.sol
         assert points is not None
@@ -173,7 +173,7 @@ class Model:
         return blocks
 
     @np.errstate(over="ignore", invalid="ignore")  # such values are refused at the end
-    def _evaluate(self, x: Array) -> Evaluation:
+    def _evaluate(self, x: Array) -> _Evaluation:
         try:
             case = with_fields(self.case, values_at(self.parameters, x))
         except InputError as error:
@@ -192,7 +192,7 @@ class Model:
         computed, residuals = self._compare(sol, nearest, moved)
         if not np.isfinite(residuals @ residuals):
             raise NoValueError("the squares of the residuals are beyond the range of floats")
-        return Evaluation(x.copy(), sol, computed, residuals, nearest, moved)
+        return _Evaluation(x.copy(), sol, computed, residuals, nearest, moved)
 
     def _solve(self, case: Case, stations: Any) -> Solution:
         self.solves += 1
@@ -206,7 +206,7 @@ class Model:
             raise NoValueError(str(sol.outcome))
         return sol
 
-    def _compare(self, sol: Solution, nearest: Feet | None, moved: dict[str, Solution]) -> tuple[Array, Array]:
+    def _compare(self, sol: Solution, nearest: _Feet | None, moved: dict[str, Solution]) -> tuple[Array, Array]:
         """What the data measure, and the residuals. Raises `NoValueError` where an observable does not exist."""
         data, points = self.data, self.data.points
         seen = {way: observe(each, self._target_names(way)) for way, each in {"": sol, **moved}.items()}
@@ -225,7 +225,7 @@ class Model:
         return computed, off / data.scales
 
 
-def feet(curve: AtStations, points: MeasuredPoints) -> Feet:
+def feet(curve: AtStations, points: MeasuredPoints) -> _Feet:
     """The feet of points on a curve; curve: its solution at given stations.
 
     At a foot within the rod the distance is normal to the curve, so moving along the curve does not change it; its
@@ -254,7 +254,7 @@ def feet(curve: AtStations, points: MeasuredPoints) -> Feet:
         to_end = np.where(distance == 0, 0.0, da / distance), np.where(distance == 0, 0.0, dz / distance)
     by_alpha = np.where(inside, -up / length, to_end[0]) / wide
     by_z = np.where(inside, across / length, to_end[1]) / tall
-    return Feet(at, place, np.where(inside, normal / length, distance), by_alpha, by_z)
+    return _Feet(at, place, np.where(inside, normal / length, distance), by_alpha, by_z)
 
 
 def _at(curve: AtStations, s: Array) -> tuple[Array, Solution]:

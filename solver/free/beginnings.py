@@ -67,7 +67,7 @@ def case_of_held_ends(sol: ShapeArrays, curves: Sequence[BeginningCurve | None])
     return Case(case.rod, replace(case.cylinder, contact="unilateral"), held)
 
 
-class StartSheet(NamedTuple):
+class _StartSheet(NamedTuple):
     """A sheet along the axis, in which a string lies: a plane, or two that the cylinder joins, on which it bends.
 
     alpha: at whose normal the first plane stands. off: how far that is from the axis. sense: of the string round the
@@ -89,19 +89,19 @@ class StartSheet(NamedTuple):
         return self.off * outward(alpha) + ahead[:, None] * tangent(alpha, np.full(p.size, np.pi / 2)), alpha
 
 
-def sheet_between(rod: DiscreteRod, alpha: Array) -> StartSheet:
+def sheet_between(rod: DiscreteRod, alpha: Array) -> _StartSheet:
     """The sheet between the ends of a rod, at azimuths (2,)."""
     first, last = (rod.place(end, alpha[end]) for end in (0, 1))
     if rod.side == OUTSIDE:
         leaving = np.arccos(np.minimum(1 / rod.radius, 1))
         if (around := float(np.abs(np.diff(alpha)).sum() - leaving.sum())) > 0:
             legs, sense = np.sqrt(np.maximum(rod.radius**2 - 1, 0)), float(np.sign(alpha[1] - alpha[0]))
-            return StartSheet(alpha[0] + sense * leaving[0], 1.0, sense, legs[0], around, legs.sum() + around)
+            return _StartSheet(alpha[0] + sense * leaving[0], 1.0, sense, legs[0], around, legs.sum() + around)
     x, y = last - first
     length = float(np.hypot(x, y))
     normal = np.arctan2(-x, y) if length > REACHED else alpha[0]
     c, s = np.cos(normal), np.sin(normal)
-    return StartSheet(normal, float(first @ [c, s]), 1.0, float(first @ [s, -c]), 0.0, length)
+    return _StartSheet(normal, float(first @ [c, s]), 1.0, float(first @ [s, -c]), 0.0, length)
 
 
 def curve_of_string(rod: DiscreteRod) -> BeginningCurve | str:

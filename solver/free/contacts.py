@@ -37,7 +37,7 @@ class Contact(NamedTuple):
         return float(self.places[-1])
 
 
-class Edge(NamedTuple):
+class _Edge(NamedTuple):
     """An edge of a contact, on its far side.
 
     place: in edges of the rod. force: at that point. push: per length, next to it. inner: the last node of which the
@@ -70,8 +70,8 @@ def _contact(force: Array, h: float, first: int, last: int, grounded: tuple[bool
         place = float(force[nodes] @ nodes) / total * h
         return Contact(np.array([place]), np.zeros(1), ((place, total),))
     few = max(1, min(NEAR, (count - 1) // 2))
-    near = Edge(float(end), 0.0, force[1], end - 1) if from_start else edge_of(force[::-1], end - first, few)
-    far = Edge(float(end), 0.0, force[-2], end - 1) if to_end else edge_of(force, last, few)
+    near = _Edge(float(end), 0.0, force[1], end - 1) if from_start else edge_of(force[::-1], end - first, few)
+    far = _Edge(float(end), 0.0, force[-2], end - 1) if to_end else edge_of(force, last, few)
     inner = np.arange(end - near.inner, far.inner + 1)
     places = np.concatenate([[end - near.place], inner, [far.place]]) * h
     push = np.concatenate([[near.push], force[inner], [far.push]]) / h
@@ -79,7 +79,7 @@ def _contact(force: Array, h: float, first: int, last: int, grounded: tuple[bool
     return Contact(places, push, tuple((place, point) for place, point in points if point > 0))
 
 
-def edge_of(force: Array, last: int, few: int) -> Edge:
+def edge_of(force: Array, last: int, few: int) -> _Edge:
     """The edge of a contact whose last node is given, which only so few nodes feel.
 
     Before the first of them on, the push is f + g x, with x in edges; a point force at x = d is added.
@@ -96,4 +96,4 @@ def edge_of(force: Array, last: int, few: int) -> Edge:
     for _ in range(STEPS):  # moment = total d - f d^2/2 - g d^3/6, whose slope is the point force
         slope = max(total - f * d - g * d**2 / 2, FAINT * nodes.sum())
         d = float(np.clip(d - (d * total - f * d**2 / 2 - g * d**3 / 6 - moment) / slope, 0, nodes.size))
-    return Edge(begin + d, max(float(total - f * d - g * d**2 / 2), 0.0), max(float(f + g * d), 0.0), begin - 1)
+    return _Edge(begin + d, max(float(total - f * d - g * d**2 / 2), 0.0), max(float(f + g * d), 0.0), begin - 1)

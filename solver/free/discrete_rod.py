@@ -24,7 +24,7 @@ HELD_ON, OUTSIDE, INSIDE = 0, 1, -1
 LOWER = np.tril_indices(8)  # of a joint's second derivatives
 
 
-class Joints(NamedTuple):
+class _Joints(NamedTuple):
     """The strains between neighbouring frames, with derivatives.
 
     v: (N + 1, 3). slopes: its derivatives by what both frames depend on, (N + 1, 3, 8): the quaternions of edges, and
@@ -138,7 +138,7 @@ class DiscreteRod:
         (first, *_), (last, *_) = self._end_frames(y)
         return np.concatenate([first[None], self.parts(y)[0], last[None]])
 
-    def joints(self, y: Array) -> Joints:
+    def joints(self, y: Array) -> _Joints:
         """The strains between neighbouring frames."""
         chain = self.chain(y)
         before = np.einsum("ikl,nl->nik", BILINEAR, chain[1:])
@@ -153,7 +153,7 @@ class DiscreteRod:
         slopes[0, :, :4], slopes[-1, :, 4:] = before[0] @ near.T, after[-1] @ far.T
         mixed[0], mixed[-1] = near @ mixed[0], mixed[-1] @ far.T
         bends[:, :4, 4:], bends[:, 4:, :4] = mixed, np.swapaxes(mixed, 1, 2)
-        return Joints(v, slopes, pull, bends)
+        return _Joints(v, slopes, pull, bends)
 
     @cached_property
     def _joint_places(self) -> Array:

@@ -85,7 +85,7 @@ class FreeRods:
         return cls([Answer()] * size, Along(*(np.stack([part] * size) for part in Along.blank(n))))
 
 
-class Way(NamedTuple):
+class _Way(NamedTuple):
     """The way from a curve to a shape on the coarsest mesh; no shape where a part of the way has no minimum.
 
     begun: from where. share: how much of the way was gone, 1 to the end. steps: to there.
@@ -135,7 +135,7 @@ def continue_from(beside: Beside, curves: Sequence[BeginningCurve], tol: float, 
     return replace(answer, steps=steps + answer.steps, begun=begun, minima=count_of(ways) if lowest else 0)
 
 
-def reach(beside: Beside, curve: BeginningCurve, edges: int) -> Way:
+def reach(beside: Beside, curve: BeginningCurve, edges: int) -> _Way:
     """The way from a curve to the shape of a rod."""
     moves = "" if beside.meets(curve) else ", whose ends move to where they are held"
     begun = f"{curve.name}{moves}{' while its loads grow' * curve.grows}"
@@ -148,14 +148,14 @@ def reach(beside: Beside, curve: BeginningCurve, edges: int) -> Way:
         if minimum is None:
             step /= 2
             if step < LEAST_STEP:
-                return Way(begun, None, share, steps)
+                return _Way(begun, None, share, steps)
             continue
         share, steps = ahead, steps + minimum.steps
         shape = FreeShape(rod, minimum.y, minimum.multipliers)
-    return Way(begun, shape, share, steps)
+    return _Way(begun, shape, share, steps)
 
 
-def way_beside(beside: Beside, known: Way, far: float, seed: int) -> Way:
+def way_beside(beside: Beside, known: _Way, far: float, seed: int) -> _Way:
     """The way to a minimum of the same rod from the end of another way, which is moved by a few half waves."""
     if known.shape is None:
         return known
@@ -165,11 +165,11 @@ def way_beside(beside: Beside, known: Way, far: float, seed: int) -> Way:
     rod.parts(y)[0][:] += far * sizes.turned * np.sin(np.pi * middles * waves) @ parts
     minimum, begun = minimise(rod, y, sizes), known.begun.removesuffix(MOVED) + MOVED
     if minimum is None:
-        return Way(begun, None, 0.0, 0)
-    return Way(begun, FreeShape(rod, minimum.y, minimum.multipliers), 1.0, minimum.steps)
+        return _Way(begun, None, 0.0, 0)
+    return _Way(begun, FreeShape(rod, minimum.y, minimum.multipliers), 1.0, minimum.steps)
 
 
-def count_of(ways: Sequence[Way]) -> int:
+def count_of(ways: Sequence[_Way]) -> int:
     """The number of minima to which ways have led; those of different energy are different."""
     energies = np.sort([way.energy for way in ways if way.shape is not None])
     return 1 + int((np.diff(energies) > EQUAL * np.abs(energies).max()).sum())

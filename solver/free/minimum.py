@@ -22,7 +22,7 @@ ROUNDS = 6  # of inverse iteration, of which each takes a hundredth of the rest
 STIFF, TINY = 1e-4, 1e-14  # of the force that bends an edge by the radius, what a gap counts as; least of a derivative
 
 
-class Minimum(NamedTuple):
+class _Minimum(NamedTuple):
     """An equilibrium of a discrete rod, and whether it is a minimum of the energy.
 
     y: the unknowns (size,). multipliers: of the conditions (M,), 0 off the wall. unstable: in how many ways it is, so 0
@@ -35,7 +35,7 @@ class Minimum(NamedTuple):
     steps: int
 
 
-def minimise(rod: DiscreteRod, guess: Array, sizes: Sizes, multipliers: Array | None = None) -> Minimum | None:
+def minimise(rod: DiscreteRod, guess: Array, sizes: Sizes, multipliers: Array | None = None) -> _Minimum | None:
     """The minimum near a guess (size,), or beside an equilibrium near it that is no minimum; None where none is found.
 
     multipliers: those of a minimum on a coarser mesh, (M,), with which Newton's method alone is tried first; Uno then
@@ -133,7 +133,7 @@ class Newton:
         values = [bends, bends[lower], slopes, slopes, np.full(n, firm), -loose]
         return csc_array((np.concatenate(values), (self.order[i], self.order[j])))
 
-    def equilibrium(self, multipliers: Array, z: Array | None = None, steps: int = 0) -> Minimum | None:
+    def equilibrium(self, multipliers: Array, z: Array | None = None, steps: int = 0) -> _Minimum | None:
         """The equilibrium near a guess; None where the steps do not converge."""
         from scipy.sparse.linalg import splu
 
@@ -163,7 +163,7 @@ class Newton:
                 off = side * multipliers[self.wall] <= self.stiff * side * program.conditions(z)[self.wall]
                 multipliers[self.wall][off] = 0.0
                 loose[self.wall] = off / TINY
-                return Minimum(
+                return _Minimum(
                     program.whole(z), multipliers / self.scale, self.unstable_ways(z, multipliers, loose), steps
                 )
             last = far

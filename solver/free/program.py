@@ -26,15 +26,15 @@ STRATEGIES = "waechter_filter_method", "funnel_method"  # to accept steps; where
 ENOUGH = 1e-6  # of what Uno may leave of the equations
 
 
-class Search(NamedTuple):
+class _Search(NamedTuple):
     """How Uno begins, by the parameter of its first barrier, and when it gives up, in steps of each strategy."""
 
     barrier: float
     most: int
 
 
-FAR = Search(1e-2, 300)  # from a shape of another problem: usual are 10 to 200 steps
-NEAR = Search(1e-4, 100)  # from a minimum on a coarser mesh, which a wider barrier would lose: usual are 10 to 40
+FAR = _Search(1e-2, 300)  # from a shape of another problem: usual are 10 to 200 steps
+NEAR = _Search(1e-4, 100)  # from a minimum on a coarser mesh, which a wider barrier would lose: usual are 10 to 40
 
 
 class Sizes(NamedTuple):
@@ -46,7 +46,7 @@ class Sizes(NamedTuple):
     energy: float
 
 
-class Entries(NamedTuple):
+class _Entries(NamedTuple):
     """The entries of a sparse matrix of the rod that belong to free unknowns.
 
     kept: which ones. rows, columns: where they are in the matrix of the program. factors: of those of the rod.
@@ -93,20 +93,20 @@ class Program:
         unit[: CONDITIONS * self.rod.edges].reshape(-1, CONDITIONS)[:, 2:] = self.sizes.along, self.sizes.turned
         return unit
 
-    def _entries(self, places: tuple[Integers, Integers], at_row: Integers, unit: Array) -> Entries:
+    def _entries(self, places: tuple[Integers, Integers], at_row: Integers, unit: Array) -> _Entries:
         """The entries at places of the rod. at_row: the rows of the program, -1 for none; unit: of rows, the factor."""
         rows, columns = places
         kept = (at_row[rows] >= 0) & (self._place[columns] >= 0)
         rows, columns = rows[kept], columns[kept]
-        return Entries(kept, at_row[rows], self._place[columns], unit[rows] * self.unit[columns])
+        return _Entries(kept, at_row[rows], self._place[columns], unit[rows] * self.unit[columns])
 
     @cached_property
-    def slopes(self) -> Entries:
+    def slopes(self) -> _Entries:
         """Where the derivatives of the conditions are."""
         return self._entries(self.rod.jacobian_places, np.arange(self.unit_of.size), 1 / self.unit_of)
 
     @cached_property
-    def bends(self) -> Entries:
+    def bends(self) -> _Entries:
         """Where the second derivatives are, of the lower triangle."""
         return self._entries(self.rod.hessian_places, self._place, self.unit)
 
@@ -132,7 +132,7 @@ class Program:
         whole, multipliers = self.whole(z), multipliers / self.unit_of
         return self.bends.of(self.rod.hessian_values(whole, share / self.sizes.energy, multipliers))
 
-    def minimise(self, search: Search) -> tuple[Array, Array, int] | None:
+    def minimise(self, search: _Search) -> tuple[Array, Array, int] | None:
         """The minimum near the guess, its multipliers, and the steps; None where Uno finds none.
 
         Raises `InputError` where Uno is not installed.

@@ -34,7 +34,7 @@ MOST_SHAPES = 10_000  # that are asked for
 
 
 @dataclass(frozen=True, eq=False)
-class DraggedRod(DiscreteRod):
+class _DraggedRod(DiscreteRod):
     """A discrete rod whose nodes are dragged back to places (N, 3). drag: per length, over the time of a step.
 
     Both ends are held, so the drag of the last node does not matter.
@@ -62,7 +62,7 @@ class DraggedRod(DiscreteRod):
         return np.append(super().hessian_values(y, size, multipliers), drags)
 
 
-class Descent(NamedTuple):
+class _Descent(NamedTuple):
     """The way down of a rod.
 
     answers: its shapes one after another, the last at rest. energies: of these in units of A and rho, and before them
@@ -85,7 +85,7 @@ class Sinking:
     def step(self, shape: FreeShape, time: float) -> FreeShape | None:
         """The shape after a time; None where none is found, or the energy rises."""
         given: dict[str, Any] = {field.name: getattr(self.rod, field.name) for field in fields(self.rod)}
-        dragged = DraggedRod(**given, places=shape.x[1:], drag=1 / time)
+        dragged = _DraggedRod(**given, places=shape.x[1:], drag=1 / time)
         if shape is self.begun:
             minimum = minimise(dragged, shape.y, self.sizes)
             return None if minimum is None else FreeShape(self.rod, minimum.y, minimum.multipliers)
@@ -138,7 +138,7 @@ def far(shape: FreeShape, other: FreeShape) -> float:
     return float(np.linalg.norm(shape.x - other.x, axis=1).max())
 
 
-def descent_of(case: Case, curve: BeginningCurve, answer: Answer, count: int) -> Descent:
+def descent_of(case: Case, curve: BeginningCurve, answer: Answer, count: int) -> _Descent:
     """So many shapes of the rod of one case that sinks from a curve, each about as far from the one before.
 
     Raises `InputError` where it does not move.
@@ -155,4 +155,4 @@ def descent_of(case: Case, curve: BeginningCurve, answer: Answer, count: int) ->
         shapes.append(sinking.after(shapes[-1], float(time)))
     answers = [Answer((shape,), np.nan, begun=MOVING) for shape in shapes[1:]]
     answers.append(answer if rest is goal else Answer((rest,), np.nan, begun=ELSEWHERE))
-    return Descent(answers, np.array([shape.rod.energy(shape.y) for shape in [*shapes, rest]]))
+    return _Descent(answers, np.array([shape.rod.energy(shape.y) for shape in [*shapes, rest]]))

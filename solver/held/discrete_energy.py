@@ -27,7 +27,7 @@ _LOAD_OF = {"z": "phi", "alpha": "lam"}
 
 
 @dataclass(frozen=True, eq=False)
-class EnergyPanel:
+class _EnergyPanel:
     """The panel [0, 1].
 
     points, weights: of integrals, (q,). values, slopes: from its nodes to beta and its slope there, (q, d). products:
@@ -42,7 +42,7 @@ class EnergyPanel:
 
 
 @cache
-def panel() -> EnergyPanel:
+def panel() -> _EnergyPanel:
     """The panel of all meshes."""
     chebyshev, unit = np.polynomial.chebyshev, np.eye(_DEGREE + 1)
     x, weights = np.polynomial.legendre.leggauss(_GAUSS)
@@ -50,7 +50,7 @@ def panel() -> EnergyPanel:
     values = chebyshev.chebvander(x, _DEGREE) @ series
     slopes = 2 * np.stack([chebyshev.chebval(x, chebyshev.chebder(row)) for row in unit], axis=1) @ series
     products = (values[:, :, None] * values[:, None]).reshape(_GAUSS, -1)
-    return EnergyPanel((x + 1) / 2, weights / 2, values, slopes, products)
+    return _EnergyPanel((x + 1) / 2, weights / 2, values, slopes, products)
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,7 +125,7 @@ class EnergyMesh:
 
 
 @dataclass(frozen=True, eq=False)
-class Slopes:
+class _Slopes:
     """The energy beside a shape that meets the m constraints, by changes of the k free angles.
 
     slope: (k,), without what the constraints resist. curved: its borders are the constraints, and where the rotation is
@@ -268,7 +268,7 @@ class DiscreteEnergy:
             beta = self.move(beta, step * min(1.0, _RAD / float(np.abs(step).max())))
         return None if self.held else beta
 
-    def slopes(self, beta: Array) -> Slopes | None:
+    def slopes(self, beta: Array) -> _Slopes | None:
         """The derivatives at a shape that meets the constraints; None of a straight rod that is held."""
         given, weights, b = self.given, self._weights, self.angles(beta)
         s, c, c2 = np.sin(b), np.cos(b), np.cos(2 * b)
@@ -285,4 +285,4 @@ class DiscreteEnergy:
         if "turn" in given.names:  # its energy curves by the square of this row, divided by the negative corner
             borders, corner = np.vstack([rows, self._row(weights * c2)]), np.append(corner, -given.ratio * given.span)
         curved = Bordered(self._form(weights * bend), borders, corner)
-        return Slopes(slope[self._free] - reactions @ rows, curved, reactions)
+        return _Slopes(slope[self._free] - reactions @ rows, curved, reactions)

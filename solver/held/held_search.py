@@ -40,7 +40,7 @@ _EQUAL = 1e-12
 
 
 @dataclass(eq=False)
-class HeldFound:
+class _HeldFound:
     """Equilibria with held ends, and how they were searched for.
 
     states, how: each equilibrium and by what it was found. ranges: of the unknowns. problems, equilibria: those under
@@ -123,13 +123,13 @@ def search_equilibria(
     most_periods: int = MOST_PERIODS,
     tries: int = TRIES,
     values: int | None = None,
-) -> HeldFound:
+) -> _HeldFound:
     """The equilibria with the given numbers.
 
     own: ranges of unknown numbers in place of the default ones; values: how many of each. tries: the deflations without
     a new equilibrium after which the search ends.
     """
-    result = HeldFound(given, ranges_of(given, own or {}, values))
+    result = _HeldFound(given, ranges_of(given, own or {}, values))
     scanned = states_between_hinges(given)
     points = [] if scanned else swept(given, result.ranges, most_periods)
     result.problems, result.equilibria = len(points), sum(len(point.states) for point in points)

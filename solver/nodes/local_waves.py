@@ -42,7 +42,7 @@ TURNS = 2.0  # least, of a helix
 BLUR = 1.0  # of x: from where a helix becomes a sinusoid
 
 
-class WaveRow(NamedTuple):
+class _WaveRow(NamedTuple):
     """Of the sinusoid at F: its wave number, what its energy and its push say, as smooth functions of F.
 
     size, third: a/(F - 2)^(1/2) and a3/a^3 of the first and third harmonics a, a3. stiffness: d2e/dk2/(F - 2). push:
@@ -59,7 +59,7 @@ class WaveRow(NamedTuple):
     axis: float
 
 
-def row(over: float, sizes: Array, k: float) -> tuple[WaveRow, Array]:
+def row(over: float, sizes: Array, k: float) -> tuple[_WaveRow, Array]:
     """The sinusoid at F - 2, and the sizes (3,) of its harmonics, from those and a wave number near it."""
     F, n = 2 + over, HARMONICS
     waves = np.stack([np.sin(n * PHASES), n * np.cos(n * PHASES), -n * n * np.sin(n * PHASES)])
@@ -82,10 +82,10 @@ def row(over: float, sizes: Array, k: float) -> tuple[WaveRow, Array]:
     P += F * square
     by_square, by_means = np.mean(P * square) / (2 * k), np.mean(P) * np.mean(square) / (2 * k)
     scaled = sizes[0] / np.sqrt(over), sizes[1] / sizes[0] ** 3, stiffness / over
-    return WaveRow(k, *scaled, P.mean(), (by_square + by_means) / over, (by_means - by_square) / over**2), sizes
+    return _WaveRow(k, *scaled, P.mean(), (by_square + by_means) / over, (by_means - by_square) / over**2), sizes
 
 
-def rows() -> list[WaveRow]:
+def rows() -> list[_WaveRow]:
     """The rows of the table of sinusoids."""
     k, sizes, table, last = 1.0, np.sqrt([8 / 11, 0.0, 0.0]), [], 1.0
     for over in OVER:
@@ -101,7 +101,7 @@ def curves() -> Array:
     return np.asarray(np.polynomial.polynomial.polyfit(OVER, np.array(rows()), 7))
 
 
-class Waves(NamedTuple):
+class _Waves(NamedTuple):
     """The local waves at places of a rod, (n,) each.
 
     k: wave number. size, third: of the first harmonic and a3/a^3 of the third. stiffness: d2e/dk2. push:
@@ -123,7 +123,7 @@ def has_waves(rod: LoadedRod) -> bool:
     return bool(inside and not np.any(rod.near))
 
 
-class Lean(NamedTuple):
+class _Lean(NamedTuple):
     """How a rod leans on the wall, at places (n,): m, the weight that a wave about it feels, and F - 2 in that weight.
 
     NaN where friction turns the rod all the way round.
@@ -134,11 +134,11 @@ class Lean(NamedTuple):
     over: Array
 
 
-def lean(rod: LoadedRod, over: Array) -> Lean:
+def lean(rod: LoadedRod, over: Array) -> _Lean:
     """How a rod leans at F - 2; on the low side, but for one that turns in place."""
     angle, weight, local = np.zeros_like(over), np.ones_like(over), over
     if not rod.rotates:
-        return Lean(angle, weight, local)
+        return _Lean(angle, weight, local)
     f, before = rod.numbers[3], local
     with np.errstate(invalid="ignore"):
         for _ in range(ROUNDS):
@@ -149,7 +149,7 @@ def lean(rod: LoadedRod, over: Array) -> Lean:
             weight = np.cos(angle) - f * np.sin(angle)
             before, local = local, (2 + over) / np.sqrt(weight) - 2
         settled = (np.abs(local - before) < LEANT) & (weight > 0)
-    return Lean(*(np.where(settled, values, np.nan) for values in (angle, weight, local)))
+    return _Lean(*(np.where(settled, values, np.nan) for values in (angle, weight, local)))
 
 
 def leans_and_buckles(rod: LoadedRod, beyond: float = 0.0) -> bool:
@@ -159,7 +159,7 @@ def leans_and_buckles(rod: LoadedRod, beyond: float = 0.0) -> bool:
     return not lean(rod, compression(rod, rod.nodes())).over.max() <= beyond
 
 
-def waves_at(rod: LoadedRod, over: Array, front: float) -> Waves:
+def waves_at(rod: LoadedRod, over: Array, front: float) -> _Waves:
     """The waves at F - 2. front: F - 2 above which the rod is a helix."""
     soft = positive_part(over)
     k, size, third, stiff, _, itself, axis = np.polynomial.polynomial.polyval(np.minimum(soft, OVER[-1]), curves())
@@ -170,7 +170,7 @@ def waves_at(rod: LoadedRod, over: Array, front: float) -> Waves:
     helix = np.sqrt(F / 2)
     k, stiff = np.where(wound, [helix, 2 * F], [k, stiff * soft])
     pull = np.where(wound, helix * F**2 / 4 * along_itself, pull)
-    return Waves(k, size * np.sqrt(soft), third, stiff, mean_push(over, front), pull, wound)
+    return _Waves(k, size * np.sqrt(soft), third, stiff, mean_push(over, front), pull, wound)
 
 
 def mean_push(over: Array, front: float) -> Array:
@@ -256,7 +256,7 @@ def smooth_at(x: Array, alpha: Array, edge: int) -> Array:
     return np.asarray(alpha + near * (smooth - alpha))
 
 
-def helix(rod: LoadedRod, waves: Waves, x: Array, phase: Array, over: Array) -> tuple[Array, float, int]:
+def helix(rod: LoadedRod, waves: _Waves, x: Array, phase: Array, over: Array) -> tuple[Array, float, int]:
     """The azimuth (n,) of a rod on a stretch where it is a helix, constant beyond; its sense and place where it ends.
 
     A helix turns back where the azimuth of the far end wants it: as a kink of u'' = 2 u^3 - F u with u = alpha'. A

@@ -46,7 +46,7 @@ NEAR = 3  # weakest modes: where another such curve crosses, that of this one is
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class ShapePoint(LinePoint):
+class _ShapePoint(LinePoint):
     """A fold or pitchfork. shape: the equilibrium there."""
 
     rod_at: RodAt
@@ -69,7 +69,7 @@ class ShapePoint(LinePoint):
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class FoldPoint(ShapePoint):
+class _FoldPoint(_ShapePoint):
     """A fold. w: a, and z over their sizes.
 
     across: (2,), the unit vector of n. tangent: that of the branch over n at the shape, where a and n are 0.
@@ -89,7 +89,7 @@ class FoldPoint(ShapePoint):
         point = self.at(w)
         return None if point is None else np.array([point.p, point.rises])
 
-    def after(self, node: Node) -> "Ahead[FoldPoint] | None":
+    def after(self, node: Node) -> "Ahead[_FoldPoint] | None":
         """The point a step ahead (`LinePoint.after`); a is counted from there on."""
         point = self.at(node.w)
         if point is None:
@@ -112,14 +112,14 @@ def fold_through(rod_at: RodAt, z: Array, axis: int, shapes: list[Shape]) -> Who
     (before, shape, after), (across, way) = shapes, np.eye(2)[[axis, 1 - axis]]
     tangent = unit(NodeCurve(lambda n: shape.rod, 1.0, shape.rod.scale).in_sizes(after.y - before.y, 0.0))
     w = np.append(0.0, z)
-    guess = FoldPoint(w=w, way=way, rod_at=rod_at, across=across, shape=shape, tangent=tangent)
+    guess = _FoldPoint(w=w, way=way, rod_at=rod_at, across=across, shape=shape, tangent=tangent)
     first = point_at(guess, w, np.append(0.0, way)) or guess
-    how: Tracing[FoldPoint] = Tracing(STEPS, cusps_between)
+    how: Tracing[_FoldPoint] = Tracing(STEPS, cusps_between)
     return whole_curve(special_line(first, how))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class PitchforkPoint(ShapePoint):
+class _PitchforkPoint(_ShapePoint):
     """A pitchfork. w: z over their sizes. more: NaN where the two others lie on different sides.
 
     shape: that which the symmetry keeps. mode: (N, 8), along which others split off. index: the lower one beside the
@@ -144,7 +144,7 @@ class PitchforkPoint(ShapePoint):
         held = self.shape_at(w)
         return None if held is None else np.array([held.stiffness])
 
-    def after(self, node: Node) -> "Ahead[PitchforkPoint] | None":
+    def after(self, node: Node) -> "Ahead[_PitchforkPoint] | None":
         """The point a step ahead (`LinePoint.after`), with its index and its mode."""
         across = node.jacobian[0] / np.linalg.norm(node.jacobian[0])
         sides = [self.shape_at(node.w + sign * NEAR_IT * across) for sign in (-1, 1)]
@@ -177,7 +177,7 @@ def pitchforks_through(
     The index changes where another such curve crosses. shape: an equilibrium near it that its symmetry keeps.
     is_known: whether a z and a mark there lie on a known curve; where the shape becomes that of one, this one ends.
     """
-    guess = PitchforkPoint(w=z, rod_at=rod_at, shape=shape, mode=weakest_modes(shape)[0])
+    guess = _PitchforkPoint(w=z, rod_at=rod_at, shape=shape, mode=weakest_modes(shape)[0])
     first = point_on_line(guess, axis)
     if first is None:
         return None
@@ -195,8 +195,8 @@ def pitchforks_through(
 
 
 def pitchforks_between(
-    point: PitchforkPoint, node: Node, step: float, taken: Ahead[PitchforkPoint]
-) -> list[PitchforkPoint]:
+    point: _PitchforkPoint, node: Node, step: float, taken: Ahead[_PitchforkPoint]
+) -> list[_PitchforkPoint]:
     """Pitchforks within a step (`Between`): on either side of where another curve crosses, and close to it."""
     sides = change_within(point, node, step, taken, lambda ahead: ahead[0].lower, CROSSED)
     return [side for side in sides if side is not point and side is not taken[0]]

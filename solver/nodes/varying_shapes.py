@@ -190,7 +190,7 @@ class VaryingShapes:
     where it does not or was not asked.
     """
 
-    shapes: "Marched | SelectedShapes | Sequence[Shape | None]"
+    shapes: "Marched | _SelectedShapes | Sequence[Shape | None]"
     index: Array
     critical: Array
 
@@ -215,7 +215,7 @@ class VaryingShapes:
 
     def take(self, rows: Integers) -> "VaryingShapes":
         """The rods of the problems `rows`, (b,); each is computed where it is asked for."""
-        return VaryingShapes(SelectedShapes(self, rows), self.index[rows], self.critical[rows])
+        return VaryingShapes(_SelectedShapes(self, rows), self.index[rows], self.critical[rows])
 
     def ends(self) -> tuple[Array, Array]:
         """States at the start and at the far end, (B, 8) each; NaN for a rod without a shape."""
@@ -239,7 +239,7 @@ class VaryingShapes:
 
 
 @dataclass(frozen=True, eq=False)
-class SelectedShapes:
+class _SelectedShapes:
     """The rods at some rows, (b,), of those of more problems."""
 
     whole: VaryingShapes

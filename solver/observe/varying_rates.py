@@ -31,7 +31,7 @@ FAINT, SMOOTH = 1e-9, 3.0  # second differences: of rounding, as a share; at two
 
 
 @dataclass(frozen=True, eq=False)
-class FieldAnswers:
+class _FieldAnswers:
     """How B rods answer a field. size: (B,), of the field. step: (B,), over its size. answers: of the states (N, 8)."""
 
     name: str
@@ -71,13 +71,13 @@ def rates_on_nodes(
     return curves, numbers
 
 
-def _line(sol: ShapeArrays, name: str) -> FieldAnswers:
+def _line(sol: ShapeArrays, name: str) -> _FieldAnswers:
     """How the rods of a solution answer one field."""
     case = sol.case
     name = {"beta0": "beta", "dbeta0": "dbeta"}.get(name, name) if isinstance(case.given, Start) else name
     size = size_of_field(case, name)
     if isinstance(case.given, Start):
-        return FieldAnswers(name, size, STEP / np.asarray(sol.trajectory.condition), [])
+        return _FieldAnswers(name, size, STEP / np.asarray(sol.trajectory.condition), [])
     near = {sign > 0: rods_of(_case_at(case, name, sign * DIFFERENCE * size)) for sign in (1, -1)}
     shapes: Any = sol.trajectory.shapes
     steps: list[float] = []
@@ -97,7 +97,7 @@ def _line(sol: ShapeArrays, name: str) -> FieldAnswers:
         change = answer.reshape(nodes.y.shape)
         steps.append(STEP / max(1.0, largest_turn(change)))
         answers.append(change * rod.scale)
-    return FieldAnswers(name, size, np.array(steps), answers)
+    return _FieldAnswers(name, size, np.array(steps), answers)
 
 
 def _case_at(case: Case, name: str, change: Array) -> Case:
@@ -106,7 +106,7 @@ def _case_at(case: Case, name: str, change: Array) -> Case:
     return with_fields_unchecked(case, {name: value})
 
 
-def _at_step(sol: ShapeArrays, line: FieldAnswers, count: int) -> ShapeArrays:
+def _at_step(sol: ShapeArrays, line: _FieldAnswers, count: int) -> ShapeArrays:
     """The rods after so many steps along their lines, at the same s/L."""
     case = _case_at(sol.case, line.name, count * line.step * line.size)
     t = span_of(case)[:, None] * (sol.t / sol.t[:, -1:])

@@ -34,7 +34,7 @@ _Boundary = structure("boundary", "orbit_parts.h")
 
 
 @dataclass(frozen=True, eq=False)
-class CriticalPoints:
+class _CriticalPoints:
     """The critical points of G in [-pi, pi) of B problems, rising; padded to (B, K) with NaN.
 
     beta: (B, K). centre: (B, K), whether each is a minimum of G; they alternate. count: (B,), even, at least 2.
@@ -46,7 +46,7 @@ class CriticalPoints:
     count: Integers
 
 
-def critical_points(problem: HasLoads) -> CriticalPoints:
+def critical_points(problem: HasLoads) -> _CriticalPoints:
     """All critical points of G, which are the helices of the loads: the roots of H, found as sign changes on a grid and
     refined inside their brackets. None, a count of 0, where a load is not finite."""
     loads = np.stack([problem.lam, problem.mu, problem.phi], axis=1)
@@ -59,7 +59,7 @@ def critical_points(problem: HasLoads) -> CriticalPoints:
     return every
 
 
-def _critical_points(loads: Array) -> CriticalPoints | None:
+def _critical_points(loads: Array) -> _CriticalPoints | None:
     """The critical points of loads (B, 3); None where one is not finite, or points could not be told apart."""
     B = loads.shape[0]
     beta, centre = np.full((B, _CRITICAL), np.nan), np.zeros((B, _CRITICAL), np.bool_)
@@ -67,7 +67,7 @@ def _critical_points(loads: Array) -> CriticalPoints | None:
     if not fine(run("rod_critical_points", B, loads, on_grid(), beta, centre, count)):
         return None
     most = int(count.max(initial=0))
-    return CriticalPoints(beta[:, :most], centre[:, :most], count)
+    return _CriticalPoints(beta[:, :most], centre[:, :most], count)
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,7 +162,7 @@ class Boundary:
     """
 
     problem: EndsProblem
-    found: CriticalPoints
+    found: _CriticalPoints
     low: float
     high: float
     helix_angle: float | None

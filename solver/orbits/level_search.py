@@ -70,7 +70,7 @@ class FoundPaths:
 
 
 @dataclass(frozen=True, eq=False)
-class Roots:
+class _Roots:
     """K levels at which the length of a path is that of the rod; lengthens: (K,), whether it grows with the level.
 
     total: their number, with those on paths of more turning points than were asked for. signed: the same, each counted
@@ -87,7 +87,7 @@ class Roots:
 
 
 @dataclass(frozen=True, eq=False)
-class Brackets(Columns):
+class _Brackets(Columns):
     """K pairs of levels between which the length of a path passes that of the rod, (K,) each.
 
     pin, sign: of both levels. first, second: their y, equal where the root is known already. path: number of the path.
@@ -119,7 +119,7 @@ def search_levels(
 
     Returns
     -------
-    Found or None
+    FoundPaths or None
         None where no equilibrium was found.
     """
     result = None
@@ -183,7 +183,7 @@ def _remark(index: Array, energy: Array, signed: int, lost: int) -> str:
     return ""
 
 
-def level_roots(boundary: Boundary, grid: LevelGrid, most_periods: int, most_turns: int | None) -> tuple[Roots, str]:
+def level_roots(boundary: Boundary, grid: LevelGrid, most_periods: int, most_turns: int | None) -> tuple[_Roots, str]:
     """Every level at which a path has the length of the rod, and what `most_periods` or `BUDGET` leaves out."""
     size, seen = grid.levels.y.size, transit_times(boundary, grid.levels)
     needed = _most_needed(boundary, grid, seen)
@@ -194,7 +194,7 @@ def level_roots(boundary: Boundary, grid: LevelGrid, most_periods: int, most_tur
         brackets_on_grid(boundary, grid, seen, every.take(slice(k, k + _PATHS)), k)
         for k in range(0, every.turns.size if size else 1, _PATHS)
     ]
-    brackets, calls = Brackets.join([p for p, _ in parts]), seen.calls + sum(more for _, more in parts)
+    brackets, calls = _Brackets.join([p for p, _ in parts]), seen.calls + sum(more for _, more in parts)
     turns = every.turns[brackets.path]
     kept = np.ones(turns.size, dtype=bool) if most_turns is None else turns <= most_turns
     afford = int(BUDGET / (_EACH * max(1.0, seen.calls / max(size, 1))))
@@ -209,7 +209,7 @@ def level_roots(boundary: Boundary, grid: LevelGrid, most_periods: int, most_tur
     return _roots_in(boundary, brackets.take(kept), every, turns.size, signed, calls), reason
 
 
-def _roots_in(boundary: Boundary, brackets: Brackets, paths: Paths, total: int, signed: int, calls: int) -> Roots:
+def _roots_in(boundary: Boundary, brackets: _Brackets, paths: Paths, total: int, signed: int, calls: int) -> _Roots:
     """The roots in some brackets of paths, and the numbers that are known of all."""
     y, apart = brackets.second.copy(), brackets.first != brackets.second
     if apart.any():
@@ -219,7 +219,7 @@ def _roots_in(boundary: Boundary, brackets: Brackets, paths: Paths, total: int, 
     known = ~np.isnan(y)
     brackets, lost = brackets.take(known), int(np.count_nonzero(~known))
     levels = Levels(brackets.pin, brackets.sign, y[known])
-    return Roots(levels, paths.take(brackets.path), brackets.rises, total, signed, lost, calls)
+    return _Roots(levels, paths.take(brackets.path), brackets.rises, total, signed, lost, calls)
 
 
 def _most_needed(boundary: Boundary, grid: LevelGrid, seen: TransitTimes) -> int:
@@ -250,13 +250,13 @@ def near_misses(problem: EndsProblem, most_periods: int) -> tuple[int, Counter[t
     return count, Counter((*ways[n], above) for above, side in sides for n in np.nonzero(side)[0])
 
 
-def roots_on(boundary: Boundary, grid: LevelGrid, some: Paths) -> Roots:
+def roots_on(boundary: Boundary, grid: LevelGrid, some: Paths) -> _Roots:
     """Every level at which one of these paths has the length of the rod."""
     brackets, calls = brackets_on_grid(boundary, grid, transit_times(boundary, grid.levels), some, 0)
     return _roots_in(boundary, brackets, some, brackets.path.size, 0, calls)
 
 
-def level_paths_of(boundary: Boundary, roots: Roots, helix: float | None) -> tuple[LevelPaths, Array]:
+def level_paths_of(boundary: Boundary, roots: _Roots, helix: float | None) -> tuple[LevelPaths, Array]:
     """Level and path of each root, and whether its length grows with the level; last, with NaN, that helix."""
     levels, paths = roots.levels, roots.paths
     columns: list[Any] = [boundary.pins[levels.pin], levels.sign, levels.y]
@@ -291,12 +291,12 @@ def _range(orbit: Orbit, problem: EndsProblem) -> tuple[Array, Array]:
 
 def brackets_on_grid(
     boundary: Boundary, grid: LevelGrid, seen: TransitTimes, some: Paths, before: int
-) -> tuple[Brackets, int]:
+) -> tuple[_Brackets, int]:
     """The brackets of N paths, of which the first has the number `before`; and the evaluations of G."""
     levels, counts = grid.levels, some.counts(boundary.rising)
     if not levels.y.size:  # no level joins the ends but a helix's own
         none = np.empty(0)
-        return Brackets(none.astype(int), none, none, none, none.astype(int), none.astype(bool)), 0
+        return _Brackets(none.astype(int), none, none, none, none.astype(int), none.astype(bool)), 0
     off = seen.lengths(counts) - boundary.problem.span[0]
     rate = seen.rates(counts)
     for saddle in np.flatnonzero(grid.place):  # at a saddle's own height the length is infinite, or continuous
@@ -317,9 +317,9 @@ def brackets_on_grid(
     y = np.where(beside, deep, np.where(rests, at_rest, np.nan))
     first = np.where(np.isnan(y), levels.y[k], y)
     second = np.where(np.isnan(y), place.y, y)
-    direct = Brackets(place.pin, place.sign, first, second, n + before, above[n, k + 1])
+    direct = _Brackets(place.pin, place.sign, first, second, n + before, above[n, k + 1])
     dips, calls = _dips(boundary, grid, some, off)
-    return Brackets.join([direct, replace(dips, path=dips.path + before)]), calls
+    return _Brackets.join([direct, replace(dips, path=dips.path + before)]), calls
 
 
 def _above(off: Array, span: float) -> tuple[Booleans, Booleans]:
@@ -337,7 +337,7 @@ def _above(off: Array, span: float) -> tuple[Booleans, Booleans]:
     return known, np.take_along_axis(above, last, axis=1)
 
 
-def _dips(boundary: Boundary, grid: LevelGrid, some: Paths, off: Array) -> tuple[Brackets, int]:
+def _dips(boundary: Boundary, grid: LevelGrid, some: Paths, off: Array) -> tuple[_Brackets, int]:
     """Brackets of the two roots between grid points where the length comes near the rod's, passes it and returns."""
     counts, size = some.counts(boundary.rising), np.abs(off)
     with np.errstate(invalid="ignore"):
@@ -359,7 +359,7 @@ def _dips(boundary: Boundary, grid: LevelGrid, some: Paths, off: Array) -> tuple
         calls += more
     columns = zip(*out, strict=True) if out else iter([()] * 6)
     kinds = (int, float, float, float, int, bool)
-    return Brackets(*(np.array(c, dtype=kind) for c, kind in zip(columns, kinds, strict=True))), calls
+    return _Brackets(*(np.array(c, dtype=kind) for c, kind in zip(columns, kinds, strict=True))), calls
 
 
 def _dip(boundary: Boundary, cells: Any, counts: Array, above: bool) -> tuple[list[Any], int]:

@@ -36,7 +36,7 @@ _PanelErrors = structure("panel_errors", "conditioning.c")
 
 
 @dataclass(frozen=True, eq=False)
-class Panels(Columns):
+class _Panels(Columns):
     """P panels, in order of arc and of time away from the start.
 
     arc: (P,), 2 b for the forward arc of problem b, 2 b + 1 for the backward one. duration: (P,). base: (P,), the angle
@@ -117,13 +117,13 @@ class Orbit(Periodic):
     The rest is known of equilibria, and None for other orbits. lengthens: (B,), 1 where the length of the orbit between
     the two end angles grows with its level, 0 where it shrinks, NaN where that is unknown; the Morse index needs it.
     response: (B,), largest |d beta(t)/d beta(L)| along the rod. passed: (B,), turning points passed. path: the level
-    and the path of each, `levels.boundary.LevelPaths`.
+    and the path of each, `boundary.LevelPaths`.
     """
 
     problem: StartProblem
     kind: Integers
     direction: Array
-    panels: Panels
+    panels: _Panels
     since: Array
     first: Integers
     count: Integers
@@ -256,7 +256,7 @@ def orbits_of(problem: StartProblem, pinned: Array | None, n: int, cutting: Cutt
     run("rod_orbits_fetch", handle, _PanelArrays(P, arc, columns, series), *sums)
     duration, base, origin, fastest, error, time_error, time_rounding = columns
     calls = np.where(fastest == 0, 0, 2 * n)  # a panel at rest costs nothing
-    panels = Panels(arc, duration, base, origin, series, fastest, error, time_error, time_rounding, calls)
+    panels = _Panels(arc, duration, base, origin, series, fastest, error, time_error, time_rounding, calls)
     return Orbit(problem, kind, direction, panels, *sums)
 
 

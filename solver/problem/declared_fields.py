@@ -14,7 +14,7 @@ NUMBER, LENGTH, FORCE, MOMENT, LINE_LOAD, STRESS, RIGIDITY = (0, 0), (1, 0), (0,
 
 
 @dataclass(frozen=True)
-class Range:
+class _Range:
     """Where the values of a field must be: above `low` (if `closed` from it on), and at most `high`. rule: in words."""
 
     low: float
@@ -64,7 +64,7 @@ class CaseField:
     symbol: str
     dimension: Dimension
     long_name: str
-    range: Range | None = None
+    range: _Range | None = None
     default: float | str | None = None
     in_place_of: str = ""
     needs: str = ""
@@ -105,10 +105,10 @@ def _words(long_name: str, **more: Any) -> dict[str, CaseField]:
     return _row("", "text", long_name, **more)
 
 
-_POSITIVE = Range(0, "positive and finite")
-_NOT_NEGATIVE = Range(0, "at least 0", closed=True)
-_INCLINED = Range(0, "from 0 to pi rad (180 deg)", closed=True, high=pi * (1 + 1e-15))
-_TILTED = Range(-pi / 2, "from -pi/2 to pi/2 rad (90 deg)", closed=True, high=pi / 2)
+_POSITIVE = _Range(0, "positive and finite")
+_NOT_NEGATIVE = _Range(0, "at least 0", closed=True)
+_INCLINED = _Range(0, "from 0 to pi rad (180 deg)", closed=True, high=pi * (1 + 1e-15))
+_TILTED = _Range(-pi / 2, "from -pi/2 to pi/2 rad (90 deg)", closed=True, high=pi / 2)
 _SECTION = "give E and nu, or EI and GJ"
 _TWIST = "give one of F1, dgamma, M3"
 _FREE = "unilateral contact"
@@ -124,7 +124,7 @@ class RodFields:
 
     E: Any = field(default=None, metadata=_row("E", STRESS, "Young's modulus", _POSITIVE, note=_SECTION))
     nu: Any = field(
-        default=None, metadata=_row("ν", NUMBER, "Poisson ratio", Range(-1, "in (-1, 0.5]", high=0.5), note=_SECTION)
+        default=None, metadata=_row("ν", NUMBER, "Poisson ratio", _Range(-1, "in (-1, 0.5]", high=0.5), note=_SECTION)
     )
     a: Any = field(default=None, metadata=_row("a", LENGTH, "radius of the rod", _POSITIVE))
     L: Any = field(default=None, metadata=_row("L", LENGTH, "length of the rod", _POSITIVE))
@@ -142,7 +142,7 @@ class RodFields:
             "aᵢ",
             LENGTH,
             "inner radius of the rod",
-            Range(0, "at least 0 and less than Rod.a", closed=True),
+            _Range(0, "at least 0 and less than Rod.a", closed=True),
             more=", for a tube",
         ),
     )

@@ -33,17 +33,17 @@ class Trajectory:
     beta, dbeta (d/dt), alpha (from 0), z (from 0): (B, n). swirl: a function that returns the integral of sin(beta)
     cos(beta), (B, n); it can be pickled. solved: (B,) of bool. outcome: (B,) sentences, "solved" or the reason of a
     failure. error, condition, evaluations: (B,).
-    orbit: the periodic orbit if the method knows it (`orbit.periodic_orbit`), else None.
-    selection: (B,) of `selection.Selection`, how each equilibrium was selected; None for a seed, for a
+    orbit: the periodic orbit if the method knows it (`orbits.periodic_orbit`), else None.
+    selection: (B,) of `held.selection.Selection`, how each equilibrium was selected; None for a seed, for a
     start problem, and where floats cannot hold the problem.
     begun: (B,) phrases, how each rod with held ends, weight or friction was found; None where the selection says it.
     held_index, dead_index: (B,) of floats, the Morse index under held ends, and without weight or friction that of the
     shape under dead loads between its own end angles; None for other problems.
     alternatives: a function of the stations (1, n) that finds other equilibria with the held ends of a single problem,
     near its seed: distance from the seed, problem and trajectory of each; None for other problems.
-    loads: lam, mu and phi at the stations, (3, B, n), and shapes: `shooting.varying_shapes.VaryingShapes`, where loads
+    loads: lam, mu and phi at the stations, (3, B, n), and shapes: `nodes.varying_shapes.VaryingShapes`, where loads
     vary along the rod; else None.
-    free: `free.answers.FreeRods` of rods that may leave the cylinder; else None.
+    free: `free.free_rods.FreeRods` of rods that may leave the cylinder; else None.
     """
 
     beta: Array
