@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .equilibrium_branch import BORDER, HELIX, Branch, BranchEnd, BranchPoint, SpecialPoint
-from .numerics.arclength import CLOSED, END, FOLD
+from .numerics.arclength import CLOSED, END, FOLD, POINTS
 from .numerics.arrays import Array
 from .problem.case import Case, Ends, refuse_leaving
 from .problem.case_fields import fields_of, value_of, with_field
@@ -26,13 +26,13 @@ if TYPE_CHECKING:
     from .branches.branch_events import Bounds, Place, Stop
     from .orbits.boundary import Path
 
-MOST, MOST_POINTS = 1000, 10_000_000  # points of a branch: by default, and at most
+MOST_POINTS = 10_000_000  # of a branch
 WIDEST = 1e8  # of the size of a field: the range of a branch, of which a share of 4e-15 is taken for rounding
 _BEFORE = 1e-10  # of the way to the fold: at the fold the condition number is infinite, and half the digits are lost
 SolvePoint = Callable[[BranchPoint], Solution]
 
 
-def follow(solution: Solution, *, points: int = MOST, **field: ArrayLike) -> Branch:
+def follow(solution: Solution, *, points: int = POINTS, **field: ArrayLike) -> Branch:
     """Follow an equilibrium while one field changes, through folds.
 
     The branch is followed by pseudo-arclength continuation, so it goes on where the field turns back. It ends where it

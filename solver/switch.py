@@ -7,7 +7,7 @@ import numpy as np
 from .equilibria import equilibria
 from .equilibrium_branch import Branch, SpecialPoint
 from .follow import follow
-from .numerics.arclength import FOLD
+from .numerics.arclength import FEW_POINTS, FOLD
 from .numerics.arrays import Array
 from .problem.case_fields import with_field
 from .problem.errors import InputError, check_type, choices
@@ -18,7 +18,6 @@ _BESIDE = (1e-3, 1e-4, 1e-2)  # of the range of the branch: distances from the s
 _MEETS = 1e-6  # of the same: two special points are one
 _WAY = 0.1  # of the same: how far beyond the point a branch is followed that may lead through it
 _OWN = 1e-6  # rad: two shapes are one
-_POINTS = 100  # of such a branch
 _MOST = 4  # equilibria that are tried, those with the nearest shape
 
 
@@ -125,7 +124,7 @@ def _leads_through(solution: Solution, field: str, at: float, value: float, reac
     beyond = at + np.sign(at - value) * _WAY * reach
     try:
         last: dict[str, Any] = {field: beyond if _is_valid(solution, field, beyond) else 2 * at - value}
-        way = follow(solution, points=_POINTS, **last)
+        way = follow(solution, points=FEW_POINTS, **last)
     except InputError:
         return False
     return any(point.kind != FOLD and abs(point.value - at) <= _MEETS * reach for point in way.special)

@@ -23,22 +23,20 @@ from .equilibria import default_ranges, equilibria
 from .equilibrium_branch import Branch
 from .equilibrium_list import Equilibrium, ranges_in_words
 from .nodes.constant_loads import shape_of_solution
-from .nodes.curve import MOST_POINTS, SPLIT, NodeCurve, shapes_through
+from .nodes.curve import SPLIT, NodeCurve, shapes_through
 from .nodes.descent import index_at, on_nodes
 from .nodes.loaded_rod import VARYING, densest_nodes, rod_over
 from .nodes.newton import marks_of
 from .nodes.shape_folds import RodAt, fold_through, pitchforks_through
 from .nodes.varying_shapes import Shape
 from .nodes.weak_modes import weakest_modes
-from .numerics.arclength import FOLD
+from .numerics.arclength import FEW_POINTS, FOLD, POINTS
 from .numerics.arrays import Array
 from .orbits.boundary import path_of
 from .orbits.potential import load_size
 from .problem.case_fields import value_of
 from .problem.errors import InputError, check_type, choices, whole_number
 from .solve import between_ends
-
-MOST = 1000  # points of a branch of orbits in each sense
 
 
 def trace_fold(branch: Branch, number: int = 0, **ranges: Any) -> FoldCurve:
@@ -170,7 +168,7 @@ class ShapesOnPlane:
         return NodeCurve(lambda x: self.rod_at(place_on(z, axis, x)), 1.0, self.scale)
 
     def branch(self, z: Array, axis: int, place: Place, wanted: Array) -> tuple[list[Place], int, Stop, Stop] | str:
-        bounds = Bounds(0.0, 1.0, tuple(wanted.tolist()), MOST_POINTS)
+        bounds = Bounds(0.0, 1.0, tuple(wanted.tolist()), FEW_POINTS)
         return shapes_through(self.line(z, axis), place.path, float(z[axis]), bounds)
 
     def splits(self, z: Array, axis: int, place: Place) -> list[Place]:
@@ -216,7 +214,7 @@ class OrbitsOnPlane:
 
         x, names = float(z[axis]), self.numbers_at(z).names
         family = Family(numbers, place.problem, scale_of(numbers, names, x, 1.0), names)
-        return branch_through(family, place.path, x, Bounds(0.0, 1.0, tuple(wanted.tolist()), MOST))
+        return branch_through(family, place.path, x, Bounds(0.0, 1.0, tuple(wanted.tolist()), POINTS))
 
     def splits(self, z: Array, axis: int, place: Place) -> list[Place]:
         """None: branches of mirror images, which meet where the rod is at rest at both ends, are not entered."""

@@ -12,6 +12,7 @@ import numpy as np
 
 from ..core.library import cut, fine, on_grid, points, run
 from ..numerics import arclength
+from ..numerics.arclength import POINTS
 from ..orbits.boundary import CUTTING, NODES, Path, boundary_of
 from ..orbits.path_orbits import orbit_of
 from ..orbits.periodic_orbit import jacobi_zeros
@@ -23,7 +24,6 @@ from .given_numbers import Given, OrbitState, problem_of
 from .leaps import LEAPS, NEAR, shape_of
 from .system import settle, state_of
 
-_MOST = 1000  # points
 _SAME = 1e-12  # largest change of a number that leaves a helix as it is
 _BESIDE = 1e-6  # share of the line from whose last point its end is tried where the steps became too small
 FOLD = "a fold"
@@ -37,7 +37,7 @@ class Stopped:
     reason: str
 
 
-def carry(state: OrbitState, wanted: Given, most: int = _MOST) -> OrbitState | Stopped:
+def carry(state: OrbitState, wanted: Given, most: int = POINTS) -> OrbitState | Stopped:
     """The equilibrium with the wanted numbers on the branch of a state; all numbers change in proportion.
 
     most: points on the way.

@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 
 from ..numerics.arrays import Array
-from ..numerics.roots import lead_away, solve
+from ..numerics.roots import REACH, Ending, lead_away, solve
 from ..problem.reduced import EndsProblem
 from .charts import Chart, charts, coordinate
 from .given_numbers import (
@@ -25,9 +25,7 @@ from .given_numbers import (
 from .orbit_rates import NUMBERS, orbit_rates
 from .system import path_on, settle
 
-_ROUNDS = 20
-_REACH = 0.5  # largest size of a step
-_NEAR = 0.03  # size of a step of Newton's rule from which it converges by itself
+_ENDING = Ending(rounds=20, goal=0.03)
 _HALVED = 4  # times that a step is halved where no orbit is found
 _SAME = 1e-5  # of the numbers: an equilibrium as near to a known one is that one
 _BESIDE = 1e-3  # of the numbers, over which the curvature of the equations is read
@@ -60,7 +58,7 @@ def deflate(start: OrbitState, wanted: Given, known: list[Array]) -> OrbitState 
         change = answer(state.rates, wanted, off[:, None], np.array([wanted.span - length]))[:, 0]
         return (numbers_of(state), change[:-1], change) if np.isfinite(change[:-1]).all() else None
 
-    state = lead_away(start, newton_step, partial(_next_state, wanted), known, _ROUNDS, _NEAR)
+    state = lead_away(start, newton_step, partial(_next_state, wanted), known, _ENDING)
     settled = "" if state is None else settle(state.problem, state.path, wanted)
     return None if isinstance(settled, str) or is_known(settled, known) else settled
 
@@ -73,7 +71,7 @@ def _next_state(wanted: Given, state: OrbitState, change: Array, factor: float) 
         size = size_of(state.problem, chart, dx, change)
         if not np.isfinite(size) or size == 0:
             continue
-        share = float(np.clip(factor, -_REACH / size, _REACH / size))
+        share = float(np.clip(factor, -REACH / size, REACH / size))
         for _ in range(_HALVED):
             ahead = _state_at(problem_after(state.problem, wanted, change, share), chart, x + share * dx)
             if ahead is not None:

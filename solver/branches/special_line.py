@@ -8,6 +8,7 @@ from typing import ClassVar, Generic, TypeVar
 
 import numpy as np
 
+from ..core.tuning import NARROW
 from ..numerics.arclength import (
     FOLD,
     LEFT,
@@ -22,17 +23,15 @@ from ..numerics.arclength import (
     trace,
 )
 from ..numerics.arrays import Array
-from ..numerics.roots import enclose, locate, root
+from ..numerics.roots import REACH, enclose, locate, root
 from .parameter_plane import MARGIN
 
-NARROW = 1e-3  # a step, below which other coordinates are tried
 CLOSE = 1e-9  # to the border
 BORDER, CLOSED, CROSSING, STOPPED = ENDS = "border", "closed", "crossing", "stopped"  # how a line ends
 TURNS = "the sense of the line turns, as it does where its equation is lost in rounding"
 SENSE, ASIDE = 0.8, 0.2  # cosine to the first step, and distance over that of a step, of one that closes the line
 MOST = 4000  # points of a line in each sense
 ALONE = 3  # points after the first before a line can close
-LONGEST = 0.5  # change of an unknown in a step of Newton's rule
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -196,7 +195,7 @@ def point_on_line(guess: Point, axis: int) -> Point | None:
             return None
         return np.append(value, across @ (w - guess.w)), np.vstack([rates, across])
 
-    w = root(equations, guess.w, LONGEST)
+    w = root(equations, guess.w, REACH)
     point = None if w is None else point_at(guess, w, across)
     return point if point is not None and point.is_true else None
 

@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..numerics.arrays import EPS
-from ..numerics.roots import DIVERGED, Ending, newton
+from ..numerics.roots import DIVERGED, REACH, Ending, newton
 from ..orbits.boundary import DOWN, UP, Path, boundary_of
 from ..orbits.periodic_orbit import TIGHT, Pin, solve_orbit
 from ..orbits.potential import load_size, slope, steepest
@@ -20,7 +20,6 @@ from .given_numbers import Given, OrbitState, answer, move, problem_after, size_
 from .orbit_rates import NUMBERS, OrbitRates, orbit_rates
 
 LEFT = "no orbit of its path joins the two ends there"
-_REACH = 0.5  # largest size of all corrections together
 _LEAST = 9 * EPS  # share by which rounding may change an angle, or a load
 _MET = 1e-3  # of the length: by how much the length of an equilibrium may be off
 _ROUNDED = 256 * EPS  # what the sums along an orbit leave of the numbers of an equilibrium, in their sizes
@@ -51,7 +50,7 @@ def correct_equilibrium(problem: EndsProblem, given: Given, chart: Chart, x: flo
         dx = float(move(chart, at, change))
         size = size_of(problem, chart, dx, change)
         last, corrected_by = OrbitState(problem, path, rates), corrected_by + size
-        if not corrected_by <= _REACH:
+        if not corrected_by <= REACH:
             return DIVERGED
         left = np.append(off, given.span - length) / (1 + np.abs(np.append(given.values, given.span)))
         if size > _ENDING.small and np.abs(left).max() < _ROUNDED:  # a taut rod: rounding of its ends moves its loads

@@ -22,7 +22,7 @@ _LAYER = 3.0  # by how much panels beside an end grow
 _SMOOTH = 1e-5  # rad: the last coefficients of beta on a panel that is fine enough
 _MET = 1e-11  # of the length: miss of a constraint that counts as met
 _STRAIGHT = 1e-12  # share of its square by which the constraints of a straight rod depend on each other, to rounding
-_RAD = 0.6  # the largest change of beta in a step
+LONGEST = 0.6  # rad: the largest change of beta in a step
 _LOAD_OF = {"z": "phi", "alpha": "lam"}
 
 
@@ -265,7 +265,7 @@ class DiscreteEnergy:
             if across is None:
                 return None
             step = -across @ miss
-            beta = self.move(beta, step * min(1.0, _RAD / float(np.abs(step).max())))
+            beta = self.move(beta, step * min(1.0, LONGEST / float(np.abs(step).max())))
         return None if self.held else beta
 
     def slopes(self, beta: Array) -> _Slopes | None:

@@ -16,16 +16,16 @@ from ..branches.given_numbers import FREE, Given
 from ..numerics.arrays import Array
 from ..orbits.potential import TAU
 from .bordered_bands import Bordered, times
-from .discrete_energy import DiscreteEnergy, EnergyMesh
+from .discrete_energy import LONGEST, DiscreteEnergy, EnergyMesh
 
 _PANELS, _LAYER = 6, 3.0  # panels at first; width of the first one beside an end, in that over which a layer decays
 _HALVINGS, _MOST_PANELS = 9, 64
 _ROUNDS, _CUTS, _MEETING = 80, 14, 6  # steps of a descent; cuts of a step; rounds to meet the constraints after one
-_LONGEST = 0.6  # rad: the largest change of beta in a step
 _CLOSE = 1e-7  # rad: a step that ends a descent
 _SADDLE, _PUSH, _PUSHES = 0.03, 0.3, 3  # rad: a step beside a saddle; the push off it; saddles on a way
 _SHIFT, _ITERATIONS = 1e-3, 8  # of the metric, first and then four times as much; to the direction that curves down
-_NEAR, _EQUAL = 1e-3, 1e-6  # rad, and of the energy: minima as near to each other are one
+EQUAL = 1e-6  # of the energy: minima that differ less count as one, as mirror images do
+_NEAR = 1e-3  # rad: the same
 _ROUNDED, _LEVEL = 1e-12, 1e-9  # of the energy: a rise that counts as none; curvature that counts as none
 _STEEPEST = 1e4  # pace of layers that still scales steps
 _WIDEST = 2.2  # rad: of a wave
@@ -55,7 +55,7 @@ class EnergyMinimum:
     def is_same(self, other: "EnergyMinimum") -> bool:
         """Whether another minimum on the mesh is this one."""
         apart = abs(self.energy - other.energy)
-        return apart < _EQUAL * (1 + abs(self.energy)) and float(np.abs(self.beta - other.beta).max()) < _NEAR
+        return apart < EQUAL * (1 + abs(self.energy)) and float(np.abs(self.beta - other.beta).max()) < _NEAR
 
 
 def is_turned_round(given: Given, beta: Array) -> bool:
@@ -129,7 +129,7 @@ def _descents(land: DiscreteEnergy, shape: Array, pushes: int) -> Iterator[Energ
             for way in (push, -push) if pushes else ():
                 yield from _descents(land, land.move(beta, step + way), pushes - 1)
             return
-        beta = _lower(land, beta, energy, step * min(1.0, _LONGEST / size))
+        beta = _lower(land, beta, energy, step * min(1.0, LONGEST / size))
 
 
 def _lower(land: DiscreteEnergy, beta: Array, energy: float, step: Array) -> Array | None:

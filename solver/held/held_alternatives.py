@@ -11,10 +11,10 @@ from ..branches.branch_events import Bounds
 from ..branches.deflation import is_known, numbers_of
 from ..branches.given_numbers import Given, OrbitState
 from ..branches.held_index import index_of
+from ..numerics.arclength import FEW_POINTS
 from .held_moves import across_fold, angles_along, deflate, is_nearer_across_fold, meetings
 
 NEARER = "another equilibrium with these ends is nearer to this one than the seed is: see alternatives"
-_MOST = 150  # points of a branch in each direction
 _REACH = (-1.0, 3.0)  # shares of the way from the seed, 0, to the held ends, 1, over which its branch is followed
 _ITSELF = 1e-9  # rad
 
@@ -31,7 +31,7 @@ def alternatives_of(seed: OrbitState, found: OrbitState, wanted: Given) -> list[
 
     for guess in (*across_fold(found, wanted), seed):
         add(deflate(guess, wanted, known))
-    for state in meetings(seed, found, wanted, Bounds(*_REACH, (1.0,), _MOST)):
+    for state in meetings(seed, found, wanted, Bounds(*_REACH, (1.0,), FEW_POINTS)):
         add(state)
     for other in tuple(others):
         for guess in across_fold(other, wanted)[:1]:

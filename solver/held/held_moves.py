@@ -18,17 +18,17 @@ from ..nodes.hinged_states import HingedState
 from ..nodes.loaded_rod import BETA
 from ..nodes.newton import whole_turns
 from ..nodes.varying_shapes import Shape
+from ..numerics.arclength import POINTS
 from ..numerics.arrays import Array
 from ..orbits.boundary import Path
 from ..orbits.path_orbits import orbit_of
 from ..orbits.potential import TAU
 from ..problem.reduced import EndsProblem
 
-MOST = 1000  # points of a branch
 SHARES = np.linspace(0, 1, 257)
 
 
-def carry(state: OrbitState, wanted: Given, most: int = MOST) -> OrbitState | Stopped:
+def carry(state: OrbitState, wanted: Given, most: int = POINTS) -> OrbitState | Stopped:
     """The equilibrium with the wanted numbers on the branch of a state; all numbers change in proportion."""
     return (hinged_states.carry_hinged if wanted.has_hinge else continuation.carry)(state, wanted, most)
 

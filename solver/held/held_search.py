@@ -19,7 +19,8 @@ from ..branches.deflation import is_known, numbers_of
 from ..branches.given_numbers import FREE, Given, OrbitState
 from ..branches.helices import helices_of
 from ..branches.orbit_rates import orbit_rates
-from ..nodes.hinged_states import HingedState, half_period_later, mirror_image
+from ..nodes.hinged_states import LEVEL, HingedState, half_period_later, mirror_image
+from ..numerics.arclength import FEW_POINTS
 from ..numerics.arrays import Array
 from ..orbits.boundary import Boundary, Path, boundary_of, wrap
 from ..orbits.potential import TAU
@@ -29,8 +30,6 @@ from .held_sweep import Ranges, SweepPoint, ranges_of, starts_of, swept
 from .hinge_scan import states_between_hinges
 
 MOST_PERIODS, TRIES = 8, 10  # of the rods from which the search begins; deflations without a new equilibrium
-_LEVEL = 1e-6  # rad by which beta of a rod varies that rounding alone tells from a straight rod or a helix
-_POINTS = 150  # of each continuation
 _SEED = 14  # of the random choice of where deflation begins
 CONTINUED, MIRRORED, FOLDED, DEFLATED, HELIX = "continuation", "mirror image", "across a fold", "deflation", "helix"
 SCANNED = "scan"
@@ -69,7 +68,7 @@ class _HeldFound:
             state = within_a_turn(state)
         if state is None or not np.isfinite(numbers_of(state)).all() or is_known(state, self.known):
             return False
-        if self.any_load and not state.path.helix and np.ptp(angles_along(state)) < _LEVEL:
+        if self.any_load and not state.path.helix and np.ptp(angles_along(state)) < LEVEL:
             return False
         self.known.append(numbers_of(state))
         values = {name: float(getattr(state.problem, name)[0]) for name in FREE}
@@ -93,7 +92,7 @@ class _HeldFound:
         """Add what the first of the starts that leads to the given numbers leads to."""
         self.starts += 1
         for start in starts:
-            state = carry(start, self.given, _POINTS)
+            state = carry(start, self.given, FEW_POINTS)
             if not isinstance(state, Stopped):
                 self.add(state, CONTINUED)
                 return

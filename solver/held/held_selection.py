@@ -19,9 +19,7 @@ from .held_alternatives import said_of_seed
 from .held_moves import angles_along, carry, settle
 from .held_search import image_of, mirrors_of, search_equilibria
 from .held_starts import equilibrium_beside, outcome_of, states_from_dead_loads
-from .selection import LOWEST, Choose, HeldSelection, none_of_index, select
-
-_RISES = 1e-9  # by which beta_t(0) of a mirror image must be the larger one
+from .selection import EQUAL, LOWEST, Choose, HeldSelection, none_of_index, select
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,7 +88,7 @@ def _image_rising_most(state: OrbitState, wanted: Given) -> OrbitState:
     for mirror in mirrors_of(wanted):
         image = image_of(state, mirror, wanted)
         settled = image if image.path.helix else settle(image, wanted)
-        if not isinstance(settled, str) and _start(settled) > _start(best) + _RISES * (1 + abs(_start(best))):
+        if not isinstance(settled, str) and _start(settled) > _start(best) + EQUAL * (1 + abs(_start(best))):
             best = settled
     return best
 

@@ -15,6 +15,7 @@ from ..branches.continuation import FOLD, Stopped
 from ..branches.deflation import is_known, numbers_of
 from ..branches.given_numbers import FREE, Given, OrbitState, problem_of
 from ..branches.held_index import index_of
+from ..numerics.arclength import FEW_POINTS
 from ..numerics.arrays import Array
 from ..orbits.boundary import critical_points
 from ..orbits.path_orbits import orbit_of
@@ -30,7 +31,6 @@ _LAYERS = 8.0  # least k L/rho of a taut rod: the angle decays before the other 
 _SHORT = 1e-3  # share of the way to a helix by which an end angle stays away from it
 _STABLE_TURNS = 6  # the most of a stable rod: one more than the displacements that are held, and one at each hinge
 _BESIDE, _WAVES = 0.05, 1e-3  # rad: from a minimum to its equilibrium; swings of a minimum that may be a helix
-_POINTS = 100  # of a continuation from a minimum, which is short
 
 
 def outcome_of(found: Stopped) -> str:
@@ -60,7 +60,7 @@ def equilibrium_beside(minimum: EnergyMinimum, helices: list[OrbitState]) -> Orb
     for i in np.argsort(away)[:2]:
         if away[i] < _BESIDE:
             state = settle(states[i], given)
-            carried = carry(states[i], given, _POINTS) if isinstance(state, str) else state
+            carried = carry(states[i], given, FEW_POINTS) if isinstance(state, str) else state
             if not isinstance(carried, Stopped):
                 return carried
     return None

@@ -11,7 +11,7 @@ from ..branches.given_numbers import Given, OrbitState
 from ..branches.orbit_rates import start_rates
 from ..branches.system import state_from_start
 from ..numerics.arrays import Array
-from ..numerics.roots import bisect, roots_between
+from ..numerics.roots import BISECTIONS, bisect, roots_between
 from ..orbits.boundary import boundary_of
 from ..orbits.periodic_orbit import solve_orbit
 from ..orbits.potential import TAU, potential, slope
@@ -20,7 +20,6 @@ from ..problem.reduced import EndsProblem, StartProblem
 _ANGLES = 1440  # of a turn, evenly
 _CLOSER = np.logspace(-13, -2, 89)  # distances [rad] from the angles whose orbits reach a saddle
 _TOL = 1e-12  # of the march
-_BISECTIONS = 60
 _STILL = 1e-9  # |beta_tt| of a helix between two hinges, in units of load, which is found as a helix
 _LOADS = ("lam", "mu", "phi")
 
@@ -49,7 +48,7 @@ def states_between_hinges(given: Given) -> list[OrbitState]:
         return np.sin((beta - given.number(far, 0.0)) / 2)  # 0 at each whole turn from the given angle
 
     problem = EndsProblem(beta0=np.zeros(1), betaL=np.zeros(1), span=np.array([given.span]), **loads)
-    roots = roots_between(off, _angles(problem, rate), _BISECTIONS)[0]  # straight rods and helices are known
+    roots = roots_between(off, _angles(problem, rate), BISECTIONS)[0]  # straight rods and helices are known
     beta, speed = ends(roots)
     states = []
     for x, b, v in zip(roots, beta, speed, strict=True):
@@ -74,6 +73,6 @@ def _angles(problem: EndsProblem, rate: float) -> Array:
             return np.asarray(rate**2 + potential(problem, angle) - height)
 
         change = np.flatnonzero(above(even[1:]) * above(even[:-1]) < 0)
-        special.append(bisect(above, even[change], even[change + 1], _BISECTIONS))
+        special.append(bisect(above, even[change], even[change + 1], BISECTIONS))
     near = np.concatenate(special)[:, None] + np.concatenate([-_CLOSER, _CLOSER])
     return np.unique(np.concatenate([even, (near.ravel() + np.pi) % TAU - np.pi]))

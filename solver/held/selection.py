@@ -27,7 +27,7 @@ Choose = str | int  # "nearest", "lowest", or a Morse index
 
 INCOMPLETE = "selected from a list of equilibria that may be incomplete"  # the remark on a solved case
 
-_EQUAL = 1e-9  # relative difference below which two strays or energies count as equal: mirror images differ by rounding
+EQUAL = 1e-9  # relative difference below which two strays or energies count as equal: mirror images differ by rounding
 _FINEST = 1e-12  # rad: the same for strays next to zero
 
 
@@ -121,9 +121,9 @@ def select(choose: Choose, index: Array, energy: Array, strays: Array, slope: Ar
         return None
     if choose != LOWEST:
         least = strays[among].min()
-        among = among[strays[among] <= least + _EQUAL * least + _FINEST]
+        among = among[strays[among] <= least + EQUAL * least + _FINEST]
     lowest = energy[among].min()
-    among = among[energy[among] <= lowest + _EQUAL * np.abs(energy[among]).max()]
+    among = among[energy[among] <= lowest + EQUAL * np.abs(energy[among]).max()]
     positive = among[slope[among] > 0]
     among = positive if positive.size else among
     return int(among[np.argmax(slope[among])])

@@ -11,6 +11,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from ..core.tuning import MOST_STEPS
 from ..numerics.arrays import Array
 from ..problem.reduced import StartProblem
 from ..problem.trajectory import NOT_FINITE, Trajectory
@@ -140,9 +141,6 @@ def _integrate(integrator: str, problem: StartProblem, t: Array, rtol: float) ->
     return answer.y, answer.nfev, ""
 
 
-_MOST_STEPS = 200_000  # of one integration
-
-
 @dataclass(frozen=True)
 class Heyoka(Adaptive):
     """Taylor series, compiled to machine code; the strongest general integrator to compare with. Its order follows the
@@ -170,7 +168,7 @@ class Heyoka(Adaptive):
         grid, back = np.unique(np.append(0.0, t), return_inverse=True)
         if grid.size == 1:
             return np.repeat(march.state[:, None].copy(), t.size, axis=1), 0, ""
-        _, _, _, steps, _, states = march.propagate_grid(grid=grid, max_steps=_MOST_STEPS)
+        _, _, _, steps, _, states = march.propagate_grid(grid=grid, max_steps=MOST_STEPS)
         calls = int(steps) * (int(march.order) + 1)  # each step evaluates that many derivatives of the equation
         if states.shape[0] < grid.size:
             return np.full((5, t.size), np.nan), calls, ""

@@ -11,6 +11,7 @@ from functools import cached_property, partial
 import numpy as np
 
 from ..branches.branch_events import Bounds, Place, Stop, arrive, both_ways, events_between
+from ..core.tuning import NUDGE
 from ..numerics.arclength import BRANCH_POINT, CLOSED, COSINE, FOLD, OFF, PITCHFORK, Lengths, Stride, trace
 from ..numerics.arrays import Array
 from ..numerics.roots import DIVERGED, enclose, locate, newton
@@ -31,12 +32,10 @@ from .newton import (
 from .varying_shapes import Shape
 from .weak_modes import Held, hold, weakest_modes
 
-DIFFERENCE = 1e-5  # of x over its size: for derivatives by x
 SPLIT = 0.05  # of the angles, in their scales: how far from a branch those that split off it are entered
 UNSOLVED = "Newton's method did not converge from it"
 LOST = "Newton's method did not converge on the way"
 LENGTHS = Lengths(first=0.02, longest=0.1, least=1e-5)  # of steps, in the sizes of the angles and of x
-MOST_POINTS = 150  # in each sense, of a branch that a search follows
 SHORT = 1e-3  # step, within which several branch points are one
 FLAT = 1e-7  # of dx along the curve next to a fold: its square is lost of x
 BALANCED = 1e-9  # of the scales: the force that holds a shape which its symmetry holds
@@ -107,12 +106,12 @@ class NodeCurve:
 
     def rate(self, shape: Shape, x: float) -> Array:
         """The derivative of what is open by x over its size, (8 N,)."""
-        h = DIFFERENCE * self.size
+        h = NUDGE * self.size
         sides = [self.shape(shape, shape.y, x + sign * h) for sign in (1, -1)]
         (numbers, span), (others, length) = ((side.rod.numbers, side.rod.span) for side in sides)
         alone = span == length and (numbers == others).all()  # only the ends answer x: the stretches are not marched
         above, below = (gaps_after(side, side.y[1:]) if alone else open_at(side) for side in sides)
-        return np.asarray((above - below) / (2 * DIFFERENCE))
+        return np.asarray((above - below) / (2 * NUDGE))
 
     def correct(self, guess: Shape, x: float, across: Array, most: int = 12) -> CurvePoint | None:
         """The point of the curve in the plane through a guess with the normal `across` (8 N + 1,); None without one."""

@@ -7,6 +7,7 @@ import numpy as np
 
 from ..core.varying_loads import HALF, count_negatives
 from ..numerics.arrays import Array
+from ..numerics.roots import REACH
 from .loaded_rod import ALPHA, BETA, MU, PHI, ROUND, SHORT, SPEED, LoadedRod, Q
 from .newton import correct, largest_turn, march_of
 from .varying_shapes import Shape
@@ -35,7 +36,7 @@ def index_of(rod: LoadedRod, transfer: Array, scale: Array, stiffness: Array | N
 
 LOOSE, FLUID = 1e-4, 1e-2  # of the scales: a correction that is enough on the way, and in a fall
 WEAKEST, FIRST, FIRMEST, FACTOR = 1e-7, 1e-2, 1e6, 3.0  # springs: weakest, at first, strongest, change
-KICK, FAR, REST = 0.1, 0.5, 1e-3  # of the angles, in their scales: a push, the longest move, what counts as none
+KICK, REST = 0.1, 1e-3  # of the angles, in their scales: a push, and a move that counts as none
 EASY, QUICK = 5.0, 4  # how much weaker the springs are when a shape without them is tried; steps of an easy correction
 ROUNDS, LEAST, WORK = 600, 50, 80_000  # steps of a fall; of a long rod; nodes times steps: about three seconds
 
@@ -121,7 +122,7 @@ def descend(shape: Shape, change: Array | None = None) -> Shape | None:
         now = replace(shape, y=y)
         ahead = correct(now, y, springs_of(now, strength), most=6, enough=FLUID)
         moved = np.inf if ahead is None else largest_turn((ahead.y - y) / shape.rod.scale)
-        index, held = (1, 1) if ahead is None or moved > FAR else indices_with_springs(ahead, (strength,))
+        index, held = (1, 1) if ahead is None or moved > REACH else indices_with_springs(ahead, (strength,))
         if ahead is None or held > 0:
             strength, eased = strength * FACTOR, False
             if strength > FIRMEST:

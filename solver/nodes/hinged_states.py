@@ -16,9 +16,9 @@ from ..branches.given_numbers import Given, OrbitState
 from ..branches.orbit_rates import NUMBERS, rates_of_helices, start_rates
 from ..branches.system import state_from_start
 from ..numerics import arclength
-from ..numerics.arclength import Lengths
+from ..numerics.arclength import POINTS, Lengths
 from ..numerics.arrays import Array
-from ..numerics.roots import DIVERGED, lead_away
+from ..numerics.roots import DIVERGED, REACH, lead_away
 from ..orbits.boundary import Path, wrap
 from ..orbits.path_orbits import orbit_of
 from ..orbits.potential import TAU, Loads, potential
@@ -27,15 +27,12 @@ from .constant_loads import NUMBER_OF_HELD, end_numbers, shape_of_orbit
 from .curve import UNSOLVED, NodeCurve, inner, trace_shapes
 from .descent import index_at, shape_like
 from .loaded_rod import ALPHA, BETA, MU, PHI, ROUND, SHORT, SPEED, LoadedRod, Q
-from .newton import DEEP, correct, largest_turn, linear_at, open_at, size_of
+from .newton import DEEP, DEFLATED, correct, largest_turn, linear_at, open_at, size_of
 from .varying_shapes import Shape
 from .weak_modes import weakest_modes
 
 CARRIED = Lengths(first=1.0, longest=1.0, least=1e-5)  # of steps, in the sizes of the angles and of the way
-MOST = 1000  # points on the way
-REACH = 0.5  # rad: the farthest that Newton's method may lead from a guess
 LEVEL = 1e-6  # rad by which beta of a helix varies by rounding
-ROUNDS, NEAR = 30, 0.1  # of a deflation; size of a step of Newton's method from which it converges by itself
 BEHIND = 0.02  # of the sizes of the angles and of the way: from a point to one before it, which tells its bend
 MAY_BE, FEW = 4.0, 20  # times the estimated way to an equilibrium across a fold; points on the way to it
 PLACES = 8  # on each stretch, at which an energy is read
@@ -108,7 +105,7 @@ def with_ends_of(shape: Shape, wanted: Given) -> HingedState:
     return state_of(replace(shape, rod=with_own_ends(shape).in_scales(shape.rod.scale)))
 
 
-def carry_hinged(state: OrbitState, wanted: Given, most: int = MOST) -> HingedState | Stopped:
+def carry_hinged(state: OrbitState, wanted: Given, most: int = POINTS) -> HingedState | Stopped:
     """The equilibrium with the wanted numbers on the branch of a state, as of `continuation.carry`."""
     curve, shape = line_from(state, wanted)
     begun = curve.begin(shape, 0.0)
@@ -171,7 +168,7 @@ def deflate_hinged(start: OrbitState, wanted: Given, known: Sequence[Array]) -> 
 
     shape = shape_of(start, rod_of(wanted))
     shape = shape_like(shape.rod, shape, shape.t * (wanted.span / shape.t[-1]))
-    near = lead_away(shape, newton_step, move, known, ROUNDS, NEAR)
+    near = lead_away(shape, newton_step, move, known, DEFLATED)
     corrected = None if near is None else correct(near, most=15)
     if corrected is None or any(are_same(end_vector(corrected), ends) for ends in known):
         return None

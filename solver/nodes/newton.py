@@ -6,7 +6,7 @@ import numpy as np
 
 from ..core.varying_loads import BY_STATE, ORDER, SIZE, march, solve_chain
 from ..numerics.arrays import Array
-from ..numerics.roots import DIVERGED, Ending, newton
+from ..numerics.roots import DIVERGED, REACH, Ending, newton
 from ..orbits.potential import TAU
 from .loaded_rod import ALPHA, BETA, MU, PHI, ROUND, SHORT, SPEED, LoadedRod, Q
 from .varying_shapes import Shape
@@ -14,10 +14,10 @@ from .varying_shapes import Shape
 DEEP = 13  # the order of the series of the derivatives by which Newton's method goes
 SAME = 1e-6  # of the angles in their scales: one shape
 ON_EDGE = 1e-9  # of a turn: an angle as near to -pi, as of a rod that points back, is pi, whatever its last digits
-REACH = 0.5  # the longest step of the angles, in their scales
 WILD = 1e6  # of the scales: no equilibrium is sought from larger numbers
 ROUNDING = 1e-12  # of the scales: a correction below this is rounding
 SOFT = 1e-14  # springs that hardly change the equations, in the scales
+DEFLATED = Ending(rounds=30, goal=0.1)  # of steps away from known shapes
 ENDING = Ending(rounds=40, goal=ROUNDING, small=1e-7, stall=0.25)
 
 

@@ -9,15 +9,17 @@ import numpy as np
 
 from ..branches.branch_events import Bounds
 from ..core.varying_loads import march
+from ..numerics.arclength import FEW_POINTS
 from ..numerics.arrays import Array, Booleans
 from ..numerics.roots import lead_away
 from .branch import branch_from_straight
 from .buckling import shares_of_buckling, straight_shape
-from .curve import MOST_POINTS, SPLIT, NodeCurve, trace_shapes
+from .curve import SPLIT, NodeCurve, trace_shapes
 from .descent import index_at, on_nodes
 from .loaded_rod import ALPHA, BETA, SHORT, SPEED, LoadedRod, Q
 from .newton import (
     DEEP,
+    DEFLATED,
     change_of_marks,
     correct,
     is_same,
@@ -38,9 +40,7 @@ WIDE = 5  # times the largest load: the range of a reaction
 HEAVIEST = 2.0  # times the weight: how far a branch is followed from no weight, as some turn back on the way
 MOST_NODES = 100  # of a rod that is followed from no weight
 MOST_MODES = 8  # of the straight rod, whose branches are followed
-ROUNDS = 30  # steps of a deflation
 REACH = 1.0  # the longest step of the angles in a deflation, in their scales
-NEAR = 0.1  # size of a step of Newton's method from which it converges by itself
 AMPLITUDES = -1.0, 0.9  # of the waves of a start: the powers of ten between which it lies
 WAVES, FROM_KNOWN, AROUND = 4, 0.7, 0.3  # in a start; share of starts from known shapes; azimuths over angles
 STRAIGHT, DEFLATION, SCAN = "the branch of the straight rod", "deflation", "scan of the start"
@@ -115,7 +115,7 @@ def shapes_from_no_weight(rod: LoadedRod, t: Array, light: Sequence[Any]) -> Ite
         first = curve.begin(light_shape(rod, t, solution), 0.0)
         if first is None or any(is_same(first.shape, known) for known in seen):
             continue
-        places, _ = trace_shapes(curve, first, True, Bounds(0.0, HEAVIEST, (1.0,), MOST_POINTS))
+        places, _ = trace_shapes(curve, first, True, Bounds(0.0, HEAVIEST, (1.0,), FEW_POINTS))
         seen += [place.path for place in places if place.p == 0]
         yield from (replace(place.path, rod=rod) for place in places if place.p == 1)
 
@@ -142,7 +142,7 @@ def shapes_of_buckling(rod: LoadedRod, t: Array) -> Iterator[Shape]:
         for mode in weakest_modes(at_load, count):
             for point in curve.split_off(at_load, mode, (SPLIT,), share):
                 rises = point.rises >= 0
-                places, _ = trace_shapes(curve, point, rises, Bounds(0.0, 1.0, (), MOST_POINTS))
+                places, _ = trace_shapes(curve, point, rises, Bounds(0.0, 1.0, (), FEW_POINTS))
                 for shape in (replace(place.path, rod=rod) for place in places if place.p == 1):
                     yield shape
                     mirror = correct(replace(shape, y=2 * straight.y - shape.y), most=15)
@@ -210,7 +210,7 @@ def deflate(start: Shape, known: list[Shape]) -> Shape | None:
         share = np.clip(factor, -REACH / turn, REACH / turn) if turn else 0.0
         return replace(shape, y=shape.y + share * change * shape.rod.scale), size_of(change)
 
-    near = lead_away(start, newton_step, move, [marks_of(other) for other in known], ROUNDS, NEAR)
+    near = lead_away(start, newton_step, move, [marks_of(other) for other in known], DEFLATED)
     shape = None if near is None else correct(near, most=15)
     return None if shape is None or any(is_same(shape, other) for other in known) else shape
 

@@ -6,12 +6,12 @@ from typing import NamedTuple
 import numpy as np
 
 from ..numerics.arrays import Array, Booleans
+from ..orbits.potential import TAU
 from ..problem.case import ALONG_AXIS, ALONG_ITSELF, SIDES, Cylinder
 
 STRAIGHT, SINUSOIDAL, HELICAL = "straight", "sinusoidal", "helical"
 BENT = 0.1  # rad of azimuth from one bend to the next: less is straight
 DYING = 0.7  # of the azimuth of the bend before: so bends die away in a straight rod below 0.97 of its buckling load
-TURN = 2 * np.pi  # of azimuth in one sense: as much is a helix
 SLIGHT = 1e-6  # of the largest push along the rod: a smaller one is none
 LEAVES, RUBS = "leaves its branch", "buckles where friction"  # what a rod does on its way from the straight one
 
@@ -65,7 +65,7 @@ def states(s: Array, beta: Array, alpha: Array, drawn: Booleans | None = None) -
     for (first, last, turned), *around in zip(pieces, bent, bent[2:], strict=False):
         way, size = np.abs(alpha[first : last + 1] - alpha[first]), np.abs(beta[first : last + 1])
         wound = (size[[0, -1]] > size.max() / 2) & ~np.isin([first, last], crossings)
-        if turned < BENT or (turned < TURN and not wound.all()):
+        if turned < BENT or (turned < TAU and not wound.all()):
             parts.append(StretchState(STRAIGHT if turned < BENT else SINUSOIDAL, s[first], s[last], turned))
             continue
         leaves = s[first if around[0] or wound[0] else first + int(np.searchsorted(way, BENT))]
@@ -85,7 +85,7 @@ def _without_drawn(first: int, last: int, alpha: Array, drawn: Booleans | None) 
     One that goes once round or more is cut where it is `drawn`, and goes no azimuth there.
     """
     whole = float(abs(alpha[last] - alpha[first]))
-    if whole < TURN or drawn is None or not drawn[first : last + 1].any():
+    if whole < TAU or drawn is None or not drawn[first : last + 1].any():
         return [(first, last, whole)]
     inner = drawn[first : last + 1]
     cuts = [first, *(first + np.flatnonzero(inner[1:] != inner[:-1]) + 1), last]

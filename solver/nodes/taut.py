@@ -10,6 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from ..numerics.arrays import Array
+from ..numerics.roots import REACH
 from ..orbits.potential import Loads, slope, slope_rate
 from ..problem.case import ALONG_AXIS, ALONG_ITSELF
 from .loaded_rod import ALPHA, BETA, MU, PHI, ROUND, SHORT, SPEED, LoadedRod, Q, rate_of_change
@@ -19,7 +20,6 @@ from .varying_shapes import Shape
 
 PLACES, PARTS = 4000, 50  # on which the loads are summed, and the parts of the rod in which they are
 ROUNDS, SETTLED = 60, 1e-9  # of the loads of a part, and their last change, relative: Newton's method does the rest
-LONGEST = 0.5  # step of an angle [rad]
 STEEP = 4.0  # the most by which a change may grow between two nodes, as a power of e: at 8 Newton's method is lost
 MOST = 100_000  # nodes: a few seconds
 TOO_FINE = "the shape of this taut rod may change {:.3g} times along it, and at most {:,} changes are computed"
@@ -69,7 +69,7 @@ def balance_part(rod: LoadedRod, t: Array, last: Array) -> Array | None:
         stiffness = -slope_rate(loads, y[:, BETA])
         if not (stiffness > 0).all():
             return None
-        y[:, BETA] += np.clip(slope(loads, y[:, BETA]) / stiffness, -LONGEST, LONGEST)
+        y[:, BETA] += np.clip(slope(loads, y[:, BETA]) / stiffness, -REACH, REACH)
         for column, rate in zip((Q, PHI, MU), rates(rod, y), strict=True):
             grown = integral(rate, t)
             y[:, column] = last[column] - (grown[-1] - grown)

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..core.varying_loads import READ, SIZE, march
 from ..numerics.arrays import Array, Booleans, Integers
-from ..numerics.roots import bisect, largest_between
+from ..numerics.roots import BISECTIONS, bisect, largest_between
 from ..orbits.potential import Loads, slope
 from ..orbits.statics import circumferential_force, contact_force, curvature, surface_forces
 from ..problem.case import IN_PLACE
@@ -19,7 +19,6 @@ from .state import StretchState, is_drawn, states
 DENSE = 17  # places on a stretch, at which the states along a rod are judged
 GAUSS = 12  # places on a stretch, for integrals of products of states
 FAINT = 1e-12  # of the largest beta: a smaller change is rounding
-BISECTIONS = 40  # of a place at which the rod lifts off
 FINE = 2  # nodes of a start problem, for each step of its march
 
 
@@ -127,7 +126,7 @@ class Shape:
         if not where.size:
             return np.nan
         low, high = self.t[where[:1]], self.t[where[:1] + 1]
-        return float(bisect(lambda t: self.at(t)[:, PHI], low, high, 60)[0])
+        return float(bisect(lambda t: self.at(t)[:, PHI], low, high, BISECTIONS)[0])
 
     def bends(self, rho: float) -> tuple[tuple[float, float], ...]:
         """The interior extrema of beta: s in the unit of rho, and the size [rad], the smaller one of the changes of

@@ -11,13 +11,12 @@ import numpy as np
 
 from ..core.varying_loads import march
 from ..numerics.arrays import Array
-from ..numerics.roots import roots_between
+from ..numerics.roots import BISECTIONS, roots_between
 from ..orbits.potential import TAU, Loads, load_size
 from .loaded_rod import ALPHA, BETA, MU, PHI, SPEED, LoadedRod, Q
 
 FIRST, MOST = 1001, 200_000  # starts of the scan
 STEP, BENT, LEAST, NEAR = 0.5, 0.05, 1e-3, 0.1  # of the far end, between starts: see `_rough`
-BISECTIONS = 60
 
 
 def has_one_unknown(rod: LoadedRod) -> bool:

@@ -15,6 +15,7 @@ from .arrays import Array
 from .roots import Ending, newton, null_vector
 
 ENDING = Ending(rounds=10, goal=1e-12, small=1e-9, growth=0.5, stall=0.5)
+POINTS, FEW_POINTS = 1000, 150  # the most on a branch: that is asked for; in each sense, that a search follows
 OFF, COSINE = 0.25, 0.92  # most of the distance from the predictor over a step; least of the turn of the tangent
 
 LEFT = "the curve ends"

@@ -11,6 +11,7 @@ Integers = NDArray[np.int64]
 Booleans = NDArray[np.bool_]
 
 EPS = 2.0**-52
+ROUNDED = 4 * EPS  # relative: what a few operations round off, as those that make a case dimensionless
 
 
 class Columns:

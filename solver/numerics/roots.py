@@ -15,6 +15,8 @@ Step = TypeVar("Step")
 DIVERGED = "Newton's rule does not converge"
 EXACT = 1e-14  # how closely the place of a root is enclosed
 CLOSE = 1e-7  # a step of Newton's rule this short is the last: the next would be of the size of its square
+REACH = 0.5  # rad, or in the scale of the angles: the longest step that Newton's rule is followed
+BISECTIONS = 60  # of a bracket, which is then as narrow as rounding
 _SLIGHT = 0.5  # of the rate of the product along a step, below which the known zeros hardly matter
 
 
@@ -116,8 +118,7 @@ def lead_away(
     newton_step: Callable[[State], tuple[Array, Array, Step] | None],
     move: Callable[[State, Step, float], tuple[State, float] | None],
     known: Sequence[Array],
-    rounds: int,
-    near: float,
+    ending: Ending,
 ) -> State | None:
     """A state from which Newton's rule converges by itself, away from the known zeros; None where the steps reach none.
 
@@ -137,12 +138,10 @@ def lead_away(
         size of the step itself; None where there is no such state.
     known : sequence of arrays
         The numbers of the known zeros.
-    rounds : int
-        Of steps.
-    near : float
-        Size of a step from which Newton's rule converges.
+    ending : Ending
+        Its rounds, and as its goal the size of a step from which Newton's rule converges by itself.
     """
-    for _ in range(rounds):
+    for _ in range(ending.rounds):
         step = newton_step(state)
         if step is None:
             return None
@@ -156,7 +155,7 @@ def lead_away(
         if moved is None:
             return None
         state, size = moved
-        if size < near and abs(rate) < _SLIGHT:
+        if size < ending.goal and abs(rate) < _SLIGHT:
             return state
     return None
 

@@ -13,6 +13,7 @@ import numpy as np
 
 from ..core.measures import densities
 from ..nodes.loaded_rod import MU
+from ..nodes.state import SLIGHT
 from ..numerics.arrays import Array, Booleans, Integers
 from ..orbits.shape import ShapeArrays
 from ..orbits.statics import circumferential_force, curvature, surface_forces
@@ -92,7 +93,7 @@ TIGHT, MEETS, TURNED, STRAINED, PULLED = "too tight", "overlaps", "turned back",
 AT_ENDS, IN_PART, ALL_ALONG = f"{PULLED} at the ends", f"{PULLED} in part", f"{PULLED} nearly everywhere"
 UNKNOWN = "not checked: "
 UNCHECKED = (f"{UNKNOWN}curvature", f"{UNKNOWN}self-contact", f"{UNKNOWN}lift-off")
-SLIGHT, ROUNDING = 1e-6, 1e-13  # of the largest push along the rod, and of A/rho^3: a smaller pull is none
+ROUNDING = 1e-13  # of A/rho^3: a smaller pull is none
 _QUARTER, _LEAST = np.pi / 2 + 1e-9, 1e-9  # rad; rad and share of the length: less is rounding
 NEARLY_ALL = 0.95  # of the length without push
 LINEAR = 0.01  # strain up to which most materials are linear, where the unit of Young's modulus is not known

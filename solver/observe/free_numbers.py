@@ -11,14 +11,14 @@ from ..free.free_rods import MESHES, estimate
 from ..free.free_shape import Along, FreeShape
 from ..numerics.arrays import Array
 from ..orbits.frames import outward
+from ..orbits.loop_orbits import MOST_PLACES
 from ..orbits.shape import ShapeArrays
 from ..problem.quantities import quantity
 from ..problem.reduced import flat
+from .measurement import MIDDLE
 
-THIRD = 1 / 3  # of the length: where its middle third begins
 WAVE = 1e-3  # rad: a smaller change of beta between two bends is no bend of a rod that is solved to 1e-4 of its length
 NEAREST = np.pi  # radii of the rod: stretches that are closer along it do not meet unless it is bent tighter than that
-MOST_PLACES = 200_000  # at which a rod is looked at for self-contact
 NO_PERIOD = "a rod that may leave the wall has no period"
 NO_PULL = "a cylinder that only pushes never pulls; contacts says where it does not push"
 COUNTS = ("bends", "loops", "overlaps", "index", "contact_count")
@@ -83,13 +83,13 @@ class FreeReading:
     def middle_push(self) -> float:
         """The push over the middle third, point forces included, per length."""
         nodes, half = self.shape.nodes, self.rod.h / 2
-        low, high = THIRD * self.rod.span, 2 * THIRD * self.rod.span
+        low, high = MIDDLE[0] * self.rod.span, MIDDLE[1] * self.rod.span
         inside = np.clip(np.minimum(nodes + half, high) - np.maximum(nodes - half, low), 0, None) / self.rod.h
         return float(inside @ self.shape.wall_force) / (high - low)
 
     def pitch(self) -> float:
         """The height of a turn about the axis in the middle third; NaN where it does not turn there."""
-        low, high = self.at(THIRD), self.at(2 * THIRD)
+        low, high = self.at(MIDDLE[0]), self.at(MIDDLE[1])
         turned = abs(float(high.turned[0, 0] - low.turned[0, 0]))
         return float(high.x[0, 2] - low.x[0, 2]) * 2 * np.pi / turned if turned > WAVE else np.nan
 

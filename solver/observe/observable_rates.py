@@ -15,7 +15,7 @@ import numpy as np
 
 from ..core.measures import DENSITIES, RATED, densities
 from ..core.tuning import BARELY
-from ..numerics.arrays import EPS, Array, Booleans, Integers
+from ..numerics.arrays import ROUNDED, Array, Booleans, Integers
 from ..numerics.complex_step import slopes_of, with_slopes
 from ..orbits.periodic_orbit import HELIX
 from ..orbits.potential import slopes_by_loads
@@ -37,7 +37,6 @@ EXTREMES = {  # the density, and whether the size counts
 PUSHES = {"pushed", "pulled", "share", "middle push", "lifts"}
 
 _STEADY = 1e-10  # relative: a change that is the same all along a helix
-_ROUNDED = 4 * EPS  # of the terms of a density, for a change of 1
 _DIFFERENTIABLE = {*RATED, "middle turned", "middle risen"}
 NO_ORBIT = "the method knows no orbit, so it has no period"
 
@@ -273,7 +272,7 @@ class _Helices:
 
         Also what rounding makes of changes that cancel: those of the fields by which `unit` moves the helix.
         """
-        return _STEADY * size + _ROUNDED * rates.size[:, None] * np.abs(self.unit).sum(axis=1)
+        return _STEADY * size + ROUNDED * rates.size[:, None] * np.abs(self.unit).sum(axis=1)
 
     def extreme(self, density: str, size_counts: bool = False) -> Array:
         rates = self.rates(density)

@@ -14,7 +14,7 @@ import numpy as np
 from ..core.tuning import BARELY
 from ..nodes.loaded_rod import MU, PHI, Q, numbers_of
 from ..nodes.lock_up import largest_arriving, lock_up_length
-from ..numerics.arrays import EPS, Array
+from ..numerics.arrays import EPS, ROUNDED, Array
 from ..numerics.complex_step import size_of
 from ..orbits.marched_orbit import MarchedOrbit
 from ..orbits.morse_index import index_at_stations
@@ -31,7 +31,6 @@ from .self_contact import overlaps
 from .solution_pieces import is_resolved
 
 _LONG = 12.0  # over the root of the size of H: half a period that is longer is next to a separatrix
-_NUDGE = 4 * EPS  # of the size of a number of the case: what the reduction of a case rounds off
 
 
 def bends(read: MeasuredNumbers) -> Any:
@@ -140,7 +139,7 @@ def _by_rounding(orbit: Any, count: Array, moves: Array) -> Array:
         return change
     nearest = problem.take(near)
     for name, size in (("dbeta0", rate), ("lam", rate**2), ("phi", rate**2)):
-        for nudge in (-_NUDGE * size[near], _NUDGE * size[near]):
+        for nudge in (-ROUNDED * size[near], ROUNDED * size[near]):
             other = solve_orbit(replace(nearest, **{name: getattr(nearest, name) + nudge}), TIGHT)
             counted = np.where(other.kind == LIBRATION, nearest.span / (other.ahead + other.back), 0.0)
             change[near] = np.fmax(change[near], np.abs(counted - count[near]))

@@ -15,6 +15,7 @@ import scipy
 from ..core.library import fine, run, share_out, structure, widest
 from ..core.measures import crossings
 from ..numerics.arrays import Array
+from ..orbits.loop_orbits import MOST_PLACES
 from ..orbits.marched_orbit import MarchedOrbit
 from ..orbits.periodic_orbit import as_core_orbits
 from ..orbits.shape import ShapeArrays
@@ -22,8 +23,7 @@ from ..problem.reduced import flat
 
 PAIRS, TOGETHER = 300_000, 8  # largest number of pairs of stretches compared for a rod; periods compared together
 _PERIODS = 10_000_000  # largest number of periods compared with the first
-# of the radius: distance of stations, and of points between them; and the largest number of points
-_COARSE, _DENSE, _MOST = 0.5, 0.125, 200_000
+_COARSE, _DENSE = 0.5, 0.125  # of the radius: distance of stations, and of points between them
 _BLOCK = 128  # rods compared together
 _STEPS, _NUMBERS = ("first", "since", "width", "series"), ("period", "length", "a", "apart")
 _ComparedRods = structure("rods", "strand_pairs.c")
@@ -137,10 +137,10 @@ def _at_stations(sol: ShapeArrays, i: int, a: float) -> float:
         s, c = np.sin(beta), np.cos(beta)
         tangent = np.stack([-s * np.sin(alpha), s * np.cos(alpha), c], axis=-1)
         kept = np.append(True, np.diff(t) > 0)
-        count = int(min((t[-1] - t[0]) / (_DENSE * a), _MOST)) + 2
+        count = int(min((t[-1] - t[0]) / (_DENSE * a), MOST_PLACES)) + 2
         even = np.linspace(t[0], t[-1], count)
         t, points = even, scipy.interpolate.CubicHermiteSpline(t[kept], points[kept], tangent[kept])(even)
-    if t.size > _MOST:
+    if t.size > MOST_PLACES:
         return np.nan
     met = len(crossings(t, points, 2 * a, np.pi * a)) > 0
     whole = t[0] == 0 and t[-1] >= sol.problem.span[i] * (1 - 1e-12)

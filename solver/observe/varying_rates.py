@@ -12,8 +12,9 @@ from typing import Any
 
 import numpy as np
 
+from ..core.tuning import NUDGE
 from ..nodes.answers import answer_ends, answer_starts, shape_path
-from ..nodes.curve import DIFFERENCE, NodeCurve
+from ..nodes.curve import NodeCurve
 from ..nodes.loaded_rod import rods_of
 from ..nodes.newton import largest_turn, linear_at
 from ..nodes.varying_shapes import Shape as Nodal
@@ -78,7 +79,7 @@ def _line(sol: ShapeArrays, name: str) -> _FieldAnswers:
     size = size_of_field(case, name)
     if isinstance(case.given, Start):
         return _FieldAnswers(name, size, STEP / np.asarray(sol.trajectory.condition), [])
-    near = {sign > 0: rods_of(_case_at(case, name, sign * DIFFERENCE * size)) for sign in (1, -1)}
+    near = {sign > 0: rods_of(_case_at(case, name, sign * NUDGE * size)) for sign in (1, -1)}
     shapes: Any = sol.trajectory.shapes
     steps: list[float] = []
     answers: list[Array | None] = []

@@ -164,7 +164,8 @@ def _measure(lowest: Array, y: Array) -> tuple[Array, Array]:
     return orbit.period, 2 * orbit.gain[:, 0].reshape(-1, 2).sum(axis=1)
 
 
-_DENSE, _MOST = 4.0, 200_000  # points for each radius of the rod, and the largest number of points
+_DENSE = 4.0  # points for each radius of the rod
+MOST_PLACES = 200_000  # at which a rod is looked at for self-contact
 
 
 def meets_itself(orbit: Orbit, a: float, tightest: float) -> bool | None:
@@ -177,7 +178,7 @@ def meets_itself(orbit: Orbit, a: float, tightest: float) -> bool | None:
         return True
     span = float(orbit.problem.span[0])
     count = int(np.ceil(_DENSE * span / a))
-    if count > _MOST:
+    if count > MOST_PLACES:
         return None
     t = np.arange(count) * (span / count)
     _, _, alpha, z = orbit.at(t[None])

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..core.tuning import LOWEST
-from ..numerics.arrays import Array, Integers
+from ..numerics.arrays import EPS, Array, Integers
 from ..problem.reduced import EndsProblem, StartProblem
 from ..problem.trajectory import PLAIN, Trajectory, blank, verdicts
 from .boundary import (
@@ -36,7 +36,7 @@ from .variations import HelixVariations, Variations, variations_on
 NO_EQUILIBRIUM = "failed: the search found no equilibrium, though at least one exists"
 MISSED = 1e-6  # rad: an orbit that ends farther than this from beta(L) is not that of an equilibrium
 # Relative: the largest estimate (2 * miss) of 7,000 random orbits that sweep 1 to 1e9 rad was 18 eps
-ROUNDING = 20 * float(np.finfo(float).eps)
+ROUNDING = 20 * EPS
 _DEEPER = 40.0  # in log gap: the root of the gap, the error of a rod at rest on a saddle, is then below rounding
 
 

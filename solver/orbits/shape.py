@@ -3,20 +3,20 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
 from ..numerics.arrays import Array
 from ..problem.case import Case
 from ..problem.declared_fields import PAIRS
+from ..problem.errors import T
 from ..problem.reduced import EndsProblem, StartProblem, fields_held, flat, loads_of
 from ..problem.trajectory import Trajectory
 from . import frames, statics
 from .potential import Loads, dimensional_slope, potential
 from .statics import contact_force, push_from, with_weight
 
-T = TypeVar("T")
 _quiet = np.errstate(all="ignore")  # the numbers of an unsolved case may overflow
 
 

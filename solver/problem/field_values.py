@@ -10,17 +10,15 @@ import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import MISSING, fields
 from functools import wraps
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .declared_fields import ANGLES, CHOICES, FIELDS, RANGES
-from .errors import InputError, choices, known_name, near, no_such, show
+from .errors import InputError, T, choices, known_name, near, no_such, show
 from .notices import is_called_by_a_program, warn
-from .units import size_in
-
-T = TypeVar("T")
+from .units import NUMBER, size_in
 
 
 def refuse_outside(part: Any) -> None:
@@ -174,9 +172,8 @@ def _notice(field: str, value: Any, read: NDArray[np.float64] | float) -> None:
 
 FORMS = "a number in rad, or a form like 30deg, pi/6 or 2pi/3"
 
-_NUMBER = r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
-_DEGREES = re.compile(rf"([+-]?{_NUMBER})\s*(?:deg|°)")
-_PI = re.compile(rf"([+-]?)\s*({_NUMBER})?\s*\*?\s*(?:pi|π)(?:\s*/\s*({_NUMBER}))?")
+_DEGREES = re.compile(rf"([+-]?{NUMBER})\s*(?:deg|°)")
+_PI = re.compile(rf"([+-]?)\s*({NUMBER})?\s*\*?\s*(?:pi|π)(?:\s*/\s*({NUMBER}))?")
 
 
 def angle(text: str) -> float:

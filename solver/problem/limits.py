@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..numerics.arrays import ROUNDED
 from .case import Case, Start
 from .reduced import HeldProblem, Reduced, StartProblem, flat
 
@@ -27,7 +28,6 @@ TWIST_LOST = (
     "failed: M3 is lost in rounding, as GJ is so much larger than EI that the last digit of dgamma decides: give M3"
 )
 _MOST_LOST = 1e-8  # of the loads in units of A and rho: what the last digits of the rate of twist may change
-_ROUNDING = 2.0**-50  # of L/rho: ends so near to it are held at it
 _ORDINARY = 1e30  # with it the largest sum of decades in `representable` is 62 + 7 * 30 = 272
 _DECADES = 290.0  # a float has 308; the margin is for factors and sums
 
@@ -100,14 +100,14 @@ def unreachable(height: float, azimuth: float, span: float, seeded: bool = False
     height, azimuth: over rho, 0 where not held. seeded: whether there is a seed, which may be a taut helix itself.
     """
     apart = np.hypot(height, azimuth)
-    taut = abs(apart - span) <= _ROUNDING * span and not (seeded and azimuth)
+    taut = abs(apart - span) <= ROUNDED * span and not (seeded and azimuth)
     return TAUT if taut else too_far(height, azimuth, span)
 
 
 def too_far(height: float, azimuth: float, span: float) -> str:
     """That no rod of a span reaches from end to end, in words."""
     apart = float(np.hypot(height, azimuth)) / span
-    return TOO_FAR.format(apart) if apart > 1 + _ROUNDING else ""
+    return TOO_FAR.format(apart) if apart > 1 + ROUNDED else ""
 
 
 def ends_and_span(problem: HeldProblem) -> tuple[float, float, float]:

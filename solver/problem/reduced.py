@@ -21,7 +21,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..numerics.arrays import Array, Columns, Integers
+from ..numerics.arrays import ROUNDED, Array, Columns, Integers
 from ..numerics.complex_step import STEP
 from .case import Case, Ends
 from .case_fields import values_of, with_fields_unchecked
@@ -260,7 +260,6 @@ def loads_of(problem: Reduced, A: Any, rho: Any, shape: tuple[int, ...]) -> tupl
         )
 
 
-_ROUNDED = 2.0**-50  # of the loads: what a field changes less, as a whole, has no effect on them
 ACTING = ("lam", "mu", "phi", "span", "beta0", "end")  # the numbers on which a shape depends
 NUMBERS = (*ACTING, "A", "rho", "ratio", "alpha", "gamma")
 _FROM_ENDS = {"lam": "lam", "mu": "mu", "phi": "phi", "beta0": "beta0", "betaL": "end"}
@@ -324,7 +323,7 @@ def field_rates(case: Case, fields: Sequence[str]) -> FieldRates:
 def _is_rounding(loads: Array) -> NDArray[np.bool_]:
     """Which changes of lam, mu and phi by `STEP` of each field, (3, F, *cases), are rounding of terms that cancel."""
     size = STEP * (1 + np.abs(loads.real).sum(axis=0))
-    return np.asarray(np.abs(loads.imag) < _ROUNDED * size)
+    return np.asarray(np.abs(loads.imag) < ROUNDED * size)
 
 
 def _numbers(case: Case) -> tuple[Array, Array | None]:

@@ -67,10 +67,10 @@ _KINDS: dict[Dimension, tuple[str, Iterable[str]]] = {  # what has such a dimens
     (0, 0, 0): ("a plain number", ()),
 }
 
-_NUMBER = r"(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
-_MEASURED = re.compile(rf"([-+\N{{MINUS SIGN}}]?{_NUMBER})\s*(.*)", re.DOTALL)
+NUMBER = r"(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
+_MEASURED = re.compile(rf"([-+\N{{MINUS SIGN}}]?{NUMBER})\s*(.*)", re.DOTALL)
 _LETTER, _SIGN = r"[A-Za-z\N{MICRO SIGN}\N{DEGREE SIGN}]", r"\*\*|[-*/^().\N{MIDDLE DOT}]"
-_TOKEN = re.compile(rf"\s*(?:(?P<number>{_NUMBER})|(?P<name>{_LETTER}+)|(?P<sign>{_SIGN}))")
+_TOKEN = re.compile(rf"\s*(?:(?P<number>{NUMBER})|(?P<name>{_LETTER}+)|(?P<sign>{_SIGN}))")
 MOST_TEXT, MOST_POWER = 60, 12
 
 

@@ -18,9 +18,9 @@ from solver import Branch, Case, InputError, Solution, equilibria, follow, solve
 from solver.branches.charts import same_equilibrium
 from solver.equilibria import Equilibrium
 from solver.equilibrium_branch import HELIX, BranchPoint, SpecialPoint
-from solver.follow import MOST
 from solver.nodes.loaded_rod import BETA
 from solver.nodes.varying_shapes import Shape
+from solver.numerics.arclength import POINTS
 from solver.orbits.boundary import path_of
 from solver.problem.case_fields import with_field
 from solver.problem.declared_fields import PAIRS
@@ -134,7 +134,7 @@ def _follow_each(
             continue
         step(f"{name} = {value:.4g}: branch {len(curves) + 1}", sum(at is not None for at in places), len(starts))
         try:
-            branch = follow(begin(value, start), points=MOST, **{name: passed})
+            branch = follow(begin(value, start), points=POINTS, **{name: passed})
         except InputError as error:
             remarks.append(f"{name} = {value:.6g}: {error}")
             continue

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from solver.nodes.state import SLIGHT
 from solver.observe.cautions import (
     ALL_ALONG,
     AT_ENDS,
@@ -18,7 +19,6 @@ from solver.observe.cautions import (
     JUDGED,
     MEETS,
     PULLED,
-    SLIGHT,
     STRAINED,
     TIGHT,
     TURNED,
