@@ -8,7 +8,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..held.energy_minima import EQUAL
 from ..numerics.arrays import Array, Integers
 from ..problem.case import Case
 from ..problem.limits import OUT_OF_RANGE, units_held
@@ -34,6 +33,7 @@ ON_A_LINE = "; one of a line of equal ones, as {}"
 LEAST_OF, ONLY, MOVED = "the least of {} minima ", "the only minimum ", ", moved by some waves"
 SHAKES = (1.0, 0.3) * 6  # of the size of angles: how far a shape is moved from a minimum to find others
 WAVES = 6  # half waves of the shortest part of such a motion
+EQUAL = 1e-6  # of the energy: minima that differ less count as one, as mirror images do
 
 
 @dataclass(frozen=True, eq=False)
