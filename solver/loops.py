@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 
 TOL = 1e-11
 MOST_TURNS = 1_000_000  # around the axis, and folds
-NOT_FOUND = "the loop about {} was not found: it lies nearer to a separatrix than numbers of 64 bits resolve"
-NOT_CLOSED = "the loop about {} closes only to {:.1e}: it lies so near to a separatrix that rounding shows"
 _ULPS = 8  # units in the last place by which the forces at the start are moved
 MEASURED = ("bending_energy", "push_min", "push_max", "attached", "kappa_max")
 
@@ -163,8 +161,14 @@ def loops(
         closed = [orbit for orbit in orbits if orbit.error < CLOSE]
         family = [_loop(rod, cylinder, turns_around, folds, orbit, about, stations) for orbit in closed]
         worst = max((loop.closure for loop in family), default=0.0)
-        remarks += [] if family else [NOT_FOUND.format(word)]
-        remarks += [NOT_CLOSED.format(word, worst)] if worst > CLOSE * span else []
+        if not family:
+            remarks.append(
+                f"the loop about {word} was not found: it lies nearer to a separatrix than numbers of 64 bits resolve"
+            )
+        if worst > CLOSE * span:
+            remarks.append(
+                f"the loop about {word} closes only to {worst:.1e}: it lies so near to a separatrix that rounding shows"
+            )
         shapes += family
     return Loops(sorted(shapes, key=lambda loop: loop.energy), tuple(remarks))
 

@@ -28,7 +28,6 @@ from .parameter_plane import MARGIN
 
 CLOSE = 1e-9  # to the border
 BORDER, CLOSED, CROSSING, STOPPED = ENDS = "border", "closed", "crossing", "stopped"  # how a line ends
-TURNS = "the sense of the line turns, as it does where its equation is lost in rounding"
 SENSE, ASIDE = 0.8, 0.2  # cosine to the first step, and distance over that of a step, of one that closes the line
 MOST = 4000  # points of a line in each sense
 ALONE = 3  # points after the first before a line can close
@@ -157,7 +156,7 @@ def line_from(first: Point, direction: Array, how: Tracing[Point]) -> tuple[list
         if _is_beyond(taken[0].z):
             return BORDER
         if taken[1].sign != node.sign:
-            return TURNS
+            return "the sense of the line turns, as it does where its equation is lost in rounding"
         end = CROSSING if how.is_known(taken[0]) else ""
         passed = [] if end else how.between(point, node, step, taken)
         if passed is None:

@@ -28,9 +28,7 @@ LEAST_STEP = 1 / 64  # of the way of the ends from those of a curve to where the
 ORDER = (2.0, 4.5)  # of a change to the next one, on edges of half the length: the orders from 1 to 2 are seen
 SAFETY = 1.25  # of an error of the order that is seen: of a hundred rods let go, one in twenty is off by more
 LARGEST = 1e12  # of a number of a rod in units of A and rho
-FOUND = "a stable equilibrium, {}found from {}{}; others may exist"
-ON_A_LINE = "; one of a line of equal ones, as {}"
-LEAST_OF, ONLY, MOVED = "the least of {} minima ", "the only minimum ", ", moved by some waves"
+MOVED = ", moved by some waves"
 SHAKES = (1.0, 0.3) * 6  # of the size of angles: how far a shape is moved from a minimum to find others
 WAVES = 6  # half waves of the shortest part of such a motion
 EQUAL = 1e-6  # of the energy: minima that differ less count as one, as mirror images do
@@ -62,8 +60,9 @@ class Answer:
         if not self.within(tol):
             leaves = f"error {self.error:.1e} of the length leaves no shape, as " if self.shapes else ""
             return f"failed: {leaves}{self.why}"
-        least = ("", ONLY, LEAST_OF.format(self.minima))[min(self.minima, 2)]
-        shape = FOUND.format(least, self.begun, self.line and ON_A_LINE.format(self.line))
+        least = ("", "the only minimum ", f"the least of {self.minima} minima ")[min(self.minima, 2)]
+        line = self.line and f"; one of a line of equal ones, as {self.line}"
+        shape = f"a stable equilibrium, {least}found from {self.begun}{line}; others may exist"
         digits = SOLVED if self.error <= tol else fewer_digits(tol, f"{self.error:.1e} of the length", self.why)
         return f"{digits}; {shape}"
 

@@ -14,7 +14,6 @@ from ..numerics.arrays import Array, Booleans, Integers
 from ..problem.errors import InputError
 from .discrete_rod import CONDITIONS, DiscreteRod
 
-MISSING = "contact='unilateral' needs the package unopy: pip install 'rod-workbench[contact]'"
 OPTIONS = {
     "logger": "SILENT",
     "use_function_scaling": False,  # the sizes do that
@@ -140,7 +139,9 @@ class Program:
         try:
             import unopy
         except ImportError:
-            raise InputError(MISSING) from None
+            raise InputError(
+                "contact='unilateral' needs the package unopy: pip install 'rod-workbench[contact]'"
+            ) from None
 
         def into(compute: Any) -> Any:
             """A function that writes its last argument."""

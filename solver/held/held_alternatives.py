@@ -14,7 +14,6 @@ from ..branches.held_index import index_of
 from ..numerics.arclength import FEW_POINTS
 from .held_moves import across_fold, angles_along, deflate, is_nearer_across_fold, meetings
 
-NEARER = "another equilibrium with these ends is nearer to this one than the seed is: see alternatives"
 _REACH = (-1.0, 3.0)  # shares of the way from the seed, 0, to the held ends, 1, over which its branch is followed
 _ITSELF = 1e-9  # rad
 
@@ -52,5 +51,5 @@ def said_of_seed(seed: OrbitState, found: OrbitState, wanted: Given) -> str:
     if np.isfinite(indices).all() and indices[0] != indices[1]:
         words += f"; the seed has index {indices[0]:.0f} and this equilibrium index {indices[1]:.0f}"
     if is_nearer_across_fold(seed, found, wanted):
-        words += f"; {NEARER}"
+        words += "; another equilibrium with these ends is nearer to this one than the seed is: see alternatives"
     return words

@@ -31,8 +31,8 @@ from .hinge_scan import states_between_hinges
 
 MOST_PERIODS, TRIES = 8, 10  # of the rods from which the search begins; deflations without a new equilibrium
 _SEED = 14  # of the random choice of where deflation begins
-CONTINUED, MIRRORED, FOLDED, DEFLATED, HELIX = "continuation", "mirror image", "across a fold", "deflation", "helix"
-SCANNED = "scan"
+CONTINUED, MIRRORED, FOLDED = "continuation", "mirror image", "across a fold"  # how an equilibrium is found
+DEFLATED, HELIX, SCANNED = "deflation", "helix", "scan"
 _ODD = ({"alpha", "turn", "lam", "mu"}, {"z", "turn", "phi", "mu"})  # what beta -> -beta and beta -> pi - beta negate
 _REVERSED = {"beta0": "betaL", "betaL": "beta0", "dbeta0": "dbetaL", "dbetaL": "dbeta0"}
 _EQUAL = 1e-12

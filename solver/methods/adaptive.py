@@ -36,9 +36,6 @@ class _TooLong(Exception):
     """The integration needs more calls than allowed."""
 
 
-_SPENT = f"failed: the integration needs more than {_MOST_CALLS} evaluations"
-
-
 @dataclass(frozen=True)
 class Adaptive(StartMethod):
     """A method whose tolerance is one of a step, so that a second run measures the error.
@@ -134,7 +131,8 @@ def _integrate(integrator: str, problem: StartProblem, t: Array, rtol: float) ->
     try:
         answer = scipy.integrate.solve_ivp(rates, (0.0, t[-1]), start, integrator, t_eval=t, rtol=rtol, atol=rtol)
     except (_TooLong, ValueError) as stopped:  # math.sin refuses an infinite angle by a ValueError
-        return nothing, calls, _SPENT if isinstance(stopped, _TooLong) else NOT_FINITE
+        spent = f"failed: the integration needs more than {_MOST_CALLS} evaluations"
+        return nothing, calls, spent if isinstance(stopped, _TooLong) else NOT_FINITE
     if answer.status != 0:
         said = answer.message.rstrip(".").lower()
         return nothing, answer.nfev, f"failed: {integrator} of scipy gave up: {said}"

@@ -19,7 +19,6 @@ _FIRST, _LARGEST_FIRST, _MOST = 129, 2**13 + 1, 2**17 + 1  # nodes
 _FEWEST = 17  # nodes of the coarsest mesh that may measure the error of another
 _FINE = 0.1  # of `_waves`: on finer meshes each halving reduces the error as order 4 says
 _NEWTON = 60
-_MISSED = "failed: Newton's rule found no solution of the difference equation near the seed"
 _NODES = tuple(n + 1 for n in twos(9, 64))
 
 
@@ -82,7 +81,8 @@ def _solve_one(
         if not (mesh.met and finer.met):
             if halved:
                 return _solve_one(problem, t, tol, nodes, extrapolate, seed, halves=False)
-            return np.full((5, t.size), np.nan), np.inf, np.inf, work, _MISSED
+            why = "failed: Newton's rule found no solution of the difference equation near the seed"
+            return np.full((5, t.size), np.nan), np.inf, np.inf, work, why
         answers.append((4 * finer.columns[:, ::2] - mesh.columns) / 3 if extrapolate else mesh.columns)
         if len(answers) > 1:
             before, apart = apart, float(largest(np.abs(answers[-2] - answers[-1][:, ::2]), span))

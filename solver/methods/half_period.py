@@ -21,7 +21,6 @@ from ..problem.reduced import StartProblem
 from ..problem.trajectory import Trajectory, Verdicts, all_solved, blank, stood_in, verdicts
 from .base import TOLERANCES, Ladder, StartMethod
 
-SPENT = f"failed: the orbit needs more than {MOST_PANELS} panels"
 _DIGITS = 100  # times the tolerance: an error beyond it is handed over, also where the condition number excuses it
 
 
@@ -46,7 +45,7 @@ def _integrate(problem: StartProblem, t: Array, tol: float) -> Trajectory:
     beta, dbeta, alpha, z = orbit.at(t)
     growth, error = judge(orbit)
     spent = np.bincount(orbit.panels.arc // 2, minlength=problem.size) > MOST_PANELS
-    why = np.where(spent & (error > tol * growth), SPENT, "")
+    why = np.where(spent & (error > tol * growth), f"failed: the orbit needs more than {MOST_PANELS} panels", "")
     verdict = verdicts(beta, error, growth, tol).with_failures(why)
     rest = *verdict, error, growth, orbit.evaluations, orbit
     return Trajectory(beta, dbeta, alpha, z, partial(orbit.swirl, t), *rest)

@@ -49,18 +49,9 @@ ROUNDING = 2e-16
 LINEAR = 1e-8  # rad: an error above this may be less than the equations say, which are linear
 FAINT = 1e-12  # of the forces at both ends: less is rounding
 LOST = 1e8  # condition number: beyond, a start problem has lost half its digits
-TOO_LONG = f"failed: the march did not end within {MOST_STEPS} steps"
 LARGEST, SHORTEST = 1e30, 1e-15  # of a number of a rod in units of A and rho; of L/rho between two ends
-TOO_LARGE = (
-    "loads, ends or L/rho of a rod with weight, friction or a hinge are beyond 1e30 in units of A and rho, or L/rho "
-    "below 1e-15"
-)
 ROUGHEST = 10.0  # coefficient of friction: rubber on rubber has 1 to 4, and the time to lose a march grows with it
-TOO_ROUGH = "the coefficient of friction is {:g}, and at most {:g} is computed: in a radian a force grows by exp({:g})"
 MOST_CHANGES = 20_000  # of an ends problem: as many as of 30 km of pipe
-TOO_FINE = "the shape of this rod may change {:.3g} times along it, and at most {:,} changes are computed"
-USE_ENDS = "; a long rod with {} is an ends problem: give Ends in place of Start"
-UNDELIVERED = "the push at s = {} does not arrive at s = {}, where a tension must pull the rod ({} = {:.4g})"
 
 
 @np.errstate(over="ignore", divide="ignore", invalid="ignore")  # what is out of range is said in the outcome
@@ -109,7 +100,8 @@ def answer_starts(case: Case, t: Array, tol: float) -> tuple[StartProblem, Traje
     for i in np.flatnonzero(~(condition < LOST)):
         endless = marched.steps[i] > MOST_STEPS
         load = "weight" if np.any(numbers[i, 1:3]) else "friction"
-        outcome[i] = f"{TOO_LONG if endless else outcome[i]}{USE_ENDS.format(load)}"
+        why = f"failed: the march did not end within {MOST_STEPS} steps" if endless else outcome[i]
+        outcome[i] = f"{why}; a long rod with {load} is an ends problem: give Ends in place of Start"
     shapes = VaryingShapes(Marched(numbers, scale, begin, span, marched.steps), *np.full((2, B), np.nan))
     far = StartProblem(end[:, Q] + end[:, MU], end[:, MU], end[:, PHI], span, problem.beta0, problem.dbeta0)
     answer = Trajectory(
@@ -193,13 +185,22 @@ def shape_path(shape: Shape, index: int) -> GrowthWay:
 
 def why_too_rough(friction: float) -> str:
     """Why no shape is computed with a friction of either sign, or nothing."""
-    return TOO_ROUGH.format(abs(friction), ROUGHEST, abs(friction)) if abs(friction) > ROUGHEST else ""
+    rough = abs(friction)
+    if not rough > ROUGHEST:
+        return ""
+    return (
+        f"the coefficient of friction is {rough:g}, and at most {ROUGHEST:g} is computed: in a radian a force grows by "
+        f"exp({rough:g})"
+    )
 
 
 def why_unsolved(rod: LoadedRod, seeded: bool = False) -> str:
     """Why no shape of a rod is computed, or nothing; seeded: whether it has a seed."""
     if not SHORTEST < rod.span < LARGEST or not all((abs(v) < LARGEST).all() for v in (rod.numbers, rod.near, rod.far)):
-        return TOO_LARGE
+        return (
+            "loads, ends or L/rho of a rod with weight, friction or a hinge are beyond 1e30 in units of A and rho, or "
+            "L/rho below 1e-15"
+        )
     if why := why_too_rough(rod.numbers[3]):
         return why
     height, azimuth = (float(rod.far[k]) if name in rod.held else 0.0 for k, name in ((2, "height"), (1, "azimuth")))
@@ -207,7 +208,10 @@ def why_unsolved(rod: LoadedRod, seeded: bool = False) -> str:
         return why
     rubbed = 0.0 if rod.rotates else abs(rod.numbers[3]) * rod.across * rod.span  # of a straight rod, at most
     changes = float(rod.changes(rubbed)[1][-1])
-    return TOO_FINE.format(changes, MOST_CHANGES) if changes > MOST_CHANGES else ""
+    if not changes > MOST_CHANGES:
+        return ""
+    may = f"the shape of this rod may change {changes:.3g} times along it"
+    return f"{may}, and at most {MOST_CHANGES:,} changes are computed"
 
 
 def branch_of(rod: LoadedRod) -> GrowthWay:
@@ -275,8 +279,12 @@ def with_undelivered(outcome: Any, solved: Any, case: Case, numbers: Array, begi
     pushed, pulled = behind < -FAINT * sizes, ahead > FAINT * sizes  # an axial force of a hoop is rounding
     words, size = np.array(outcome, dtype=object), unit_force(case)
     for i in np.flatnonzero(solved & slides & pushed & pulled).tolist():
-        ends = ("0", "L") if forward[i] else ("L", "0")
-        words[i] = f"{words[i]}; {UNDELIVERED.format(*ends, 'FZ' if whole[i] else 'F3', ahead[i] * size[i])}"
+        first, last = ("0", "L") if forward[i] else ("L", "0")
+        load = f"{'FZ' if whole[i] else 'F3'} = {ahead[i] * size[i]:.4g}"
+        words[i] = (
+            f"{words[i]}; the push at s = {first} does not arrive at s = {last}, where a tension must pull the "
+            f"rod ({load})"
+        )
     return words
 
 

@@ -20,22 +20,8 @@ from .varying_shapes import Shape
 
 MOST_FORCES, MOST_FAILED = 20, 2  # that are tried for a held height; of which as many fail
 LEAST_BENT = 1e-3  # how much they shorten the rod, of the wanted
-HINGES = "hinged ends (M10 and M1L in place of beta0 and betaL)"
-AS_A_WHOLE = "a rod that moves as a whole (sliding 'axial-forward' or 'axial-backward')"
-LOCKED = (
-    "locked up. A push at s = 0 no longer reaches s = L: less than {1:.0%} of it passes {0:.3g} of the length, next to "
-    "s = L"
-)
-RESTLESS = (
-    "the {} rod buckles under its compression with friction, and no sinusoid or helix at rest was found: friction may "
-    "drive waves along the rod or wind up its helix"
-)
 NEIGHBOURS, NEARLY = (0.99, 1.01), 0.9  # shares of the loads; of the way
-TAUT, LIGHT = "the taut rod without weight", "the rod without weight"
-TAUT_AND_FREE = f"{TAUT}, whose far end is free to go round at first"
-PULLED = "the rod under more tension, which is taken off"
-NEIGHBOUR = "the rod under {:g} times these loads"
-ENDED = "that from {} ends at {:.3g} of its way"
+TAUT = "the taut rod without weight"
 NEEDS_TORQUE = "a straight rod needs MZ = M3, or an azimuth in place of MZ"
 FINE = 2.0**-8  # of the range of a load: how closely it is enclosed
 
@@ -57,7 +43,7 @@ def find_shape(rod: LoadedRod) -> GrowthWay:
         other = way(rod)
         if other.shape is not None:
             return other
-        why += f"; {ENDED.format(other.begun, other.ended)}" if other.ended else ""
+        why += f"; that from {other.begun} ends at {other.ended:.3g} of its way" if other.ended else ""
     if bent_by_torque and NEEDS_TORQUE not in why:  # that without friction says it too
         why += f"; {NEEDS_TORQUE}"
     return replace(path, why=why)
@@ -96,7 +82,9 @@ def from_taut_rod(rod: LoadedRod) -> GrowthWay:
     if first is None:
         return GrowthWay(None)
     turned = grow(lambda x: rod.with_azimuth(gained + (goal - gained) * x), first)
-    return replace(turned, jumped=way.jumped + turned.jumped, begun=TAUT_AND_FREE)
+    return replace(
+        turned, jumped=way.jumped + turned.jumped, begun=f"{TAUT}, whose far end is free to go round at first"
+    )
 
 
 def from_neighbours(rod: LoadedRod, path: GrowthWay) -> GrowthWay:
@@ -109,7 +97,7 @@ def from_neighbours(rod: LoadedRod, path: GrowthWay) -> GrowthWay:
         if near.shape is not None:
             back = grow(partial(between_shares, rod, share), near.shape)
             if back.shape is not None:
-                return replace(back, begun=NEIGHBOUR.format(share))
+                return replace(back, begun=f"the rod under {share:g} times these loads")
     return GrowthWay(None)
 
 
@@ -126,13 +114,20 @@ def from_tension(rod: LoadedRod) -> GrowthWay:
     pulled = branch_from_straight(rod.with_tension(rod.tension_known + more))
     if pulled.shape is None:
         return GrowthWay(None)
-    return replace(grow(lambda x: rod.with_tension(rod.tension_known + more * (1 - x)), pulled.shape), begun=PULLED)
+    return replace(
+        grow(lambda x: rod.with_tension(rod.tension_known + more * (1 - x)), pulled.shape),
+        begun="the rod under more tension, which is taken off",
+    )
 
 
 def from_no_weight(rod: LoadedRod) -> GrowthWay:
     """The shape of a rod whose weight grows at last."""
     light = branch_from_straight(rod.with_weight(0.0)) if rod.along or rod.across else GrowthWay(None)
-    return GrowthWay(None) if light.shape is None else replace(grow(rod.with_weight, light.shape), begun=LIGHT)
+    return (
+        GrowthWay(None)
+        if light.shape is None
+        else replace(grow(rod.with_weight, light.shape), begun="the rod without weight")
+    )
 
 
 def branch_from_straight(rod: LoadedRod) -> GrowthWay:
@@ -181,7 +176,11 @@ def branch_with_friction(rod: LoadedRod) -> GrowthWay:
     locked = lock_up_share(rod)
     if locked is not None:
         limit = least_tension(rod, lambda pulled: lock_up_share(pulled) is not None)
-        return GrowthWay(None, why=LOCKED.format(locked, PASSED), barred=True, limit=limit)
+        why = (
+            f"locked up. A push at s = 0 no longer reaches s = L: less than {PASSED:.0%} of it passes {locked:.3g} of "
+            "the length, next to s = L"
+        )
+        return GrowthWay(None, why=why, barred=True, limit=limit)
     if rod.straight and not straight_index(rod):
         return GrowthWay(straight_shape(rod, rod.nodes()))
     if not rod.straight and (taut := taut_shape(rod)) is not None:
@@ -201,10 +200,15 @@ def branch_with_friction(rod: LoadedRod) -> GrowthWay:
         return path
     if not (rod.straight or leans_and_buckles(rod)):
         return path
-    hints = [HINGES] * bool({"beta0", "betaL"} & rod.held and not rod.rotates) + [AS_A_WHOLE] * bool(
-        rod.numbers[4] == ALONG_ITSELF
+    hints = []
+    if {"beta0", "betaL"} & rod.held and not rod.rotates:
+        hints.append("hinged ends (M10 and M1L in place of beta0 and betaL)")
+    if rod.numbers[4] == ALONG_ITSELF:
+        hints.append("a rod that moves as a whole (sliding 'axial-forward' or 'axial-backward')")
+    why = (
+        f"the {'leaning' if rod.rotates else 'straight'} rod buckles under its compression with friction, and no "
+        "sinusoid or helix at rest was found: friction may drive waves along the rod or wind up its helix"
     )
-    why = RESTLESS.format("leaning" if rod.rotates else "straight")
     why = f"{why}; {' or '.join(hints)} may have an answer" if hints else why
     is_at_fault = partial(leans_and_buckles, beyond=QUIET) if rod.rotates else straight_index
     return GrowthWay(None, why=why, barred=True, limit=least_tension(rod, is_at_fault), share=path.share or 0.0)

@@ -22,7 +22,6 @@ PLACES, PARTS = 4000, 50  # on which the loads are summed, and the parts of the 
 ROUNDS, SETTLED = 60, 1e-9  # of the loads of a part, and their last change, relative: Newton's method does the rest
 STEEP = 4.0  # the most by which a change may grow between two nodes, as a power of e: at 8 Newton's method is lost
 MOST = 100_000  # nodes: a few seconds
-TOO_FINE = "the shape of this taut rod may change {:.3g} times along it, and at most {:,} changes are computed"
 
 
 def taut_shape(rod: LoadedRod) -> Shape | str | None:
@@ -98,7 +97,8 @@ def with_layers(rod: LoadedRod, t: Array, y: Array) -> Shape | str:
     rate = rate_of_change(y[:, PHI], 0.0, 0.0, y[:, MU], y[:, Q], rod.span)
     passed = integral(np.maximum(rate, np.sqrt(stiffness) / STEEP), t)
     if not passed[-1] < MOST:
-        return TOO_FINE.format(passed[-1], MOST)
+        may = f"the shape of this taut rod may change {passed[-1]:.3g} times along it"
+        return f"{may}, and at most {MOST:,} changes are computed"
     nodes = np.interp(np.linspace(0, passed[-1], max(4, int(np.ceil(passed[-1]))) + 1), passed, t)
     states = np.stack([np.interp(nodes, t, column) for column in y.T], axis=1)
     for name, angle, end, away in (("beta0", rod.near[0], 0, nodes), ("betaL", rod.far[0], -1, rod.span - nodes)):

@@ -19,10 +19,11 @@ from .measurement import MIDDLE
 
 WAVE = 1e-3  # rad: a smaller change of beta between two bends is no bend of a rod that is solved to 1e-4 of its length
 NEAREST = np.pi  # radii of the rod: stretches that are closer along it do not meet unless it is bent tighter than that
-NO_PERIOD = "a rod that may leave the wall has no period"
-NO_PULL = "a cylinder that only pushes never pulls; contacts says where it does not push"
 COUNTS = ("bends", "loops", "overlaps", "index", "contact_count")
-UNDEFINED = {"bend_number": NO_PERIOD, "lift_off_at": NO_PULL}
+UNDEFINED = {
+    "bend_number": "a rod that may leave the wall has no period",
+    "lift_off_at": "a cylinder that only pushes never pulls; contacts says where it does not push",
+}
 
 
 class FreeReading:

@@ -20,7 +20,6 @@ from ..orbits.variations import HOW, POINTS, HelixVariations, Variations
 from ..problem.reduced import EndsProblem, Reduced, StartProblem, end_number_names, flat
 from .measurement import FINEST, MIDDLE
 
-NO_PATH = "failed: no orbit with beta(0) and beta'(0) of this solution ends at beta(L), so it has no derivatives"
 _BLOCK = 256  # cases at once
 MARKS = np.array([0.0, *MIDDLE, 1.0])  # shares of the length that observables need
 
@@ -47,7 +46,9 @@ def of_equilibria(sol: ShapeArrays, outcome: Array) -> Iterator[Motion]:
         assert isinstance(problem, EndsProblem)
         path = _path(sol, problem, int(i))
         if path is None:
-            outcome[i] = NO_PATH
+            outcome[i] = (
+                "failed: no orbit with beta(0) and beta'(0) of this solution ends at beta(L), so it has no derivatives"
+            )
         else:
             yield _of_equilibrium(sol, problem, path, int(i))
 

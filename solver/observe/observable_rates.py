@@ -38,7 +38,6 @@ PUSHES = {"pushed", "pulled", "share", "middle push", "lifts"}
 
 _STEADY = 1e-10  # relative: a change that is the same all along a helix
 _DIFFERENTIABLE = {*RATED, "middle turned", "middle risen"}
-NO_ORBIT = "the method knows no orbit, so it has no period"
 
 
 def check_observables(names: Any) -> tuple[str, ...]:
@@ -193,7 +192,7 @@ def why_missing(name: str, sol: ShapeArrays) -> str:
     if sol.trajectory.shapes is not None and row.undefined:
         return f"no derivative where {row.undefined}"
     if name == "bend_number" and sol.trajectory.orbit is None:
-        return f"no derivative: {NO_ORBIT}"
+        return "no derivative: the method knows no orbit, so it has no period"
     several = SEVERAL if set(measure_of(name)) & set(EXTREMES) else STRAIGHT
     return f"no derivative: {row.not_smooth or several}"
 

@@ -23,7 +23,6 @@ TAUT = (
     "the ends are held as far apart, along the cylinder, as the rod is long; it can only be straight or a helix then, "
     "and the force that holds it so is not determined"
 )
-TOO_FAR = "the ends are held apart, along the cylinder, by {:.6g} times the length of the rod"
 TWIST_LOST = (
     "failed: M3 is lost in rounding, as GJ is so much larger than EI that the last digit of dgamma decides: give M3"
 )
@@ -107,7 +106,9 @@ def unreachable(height: float, azimuth: float, span: float, seeded: bool = False
 def too_far(height: float, azimuth: float, span: float) -> str:
     """That no rod of a span reaches from end to end, in words."""
     apart = float(np.hypot(height, azimuth)) / span
-    return TOO_FAR.format(apart) if apart > 1 + ROUNDED else ""
+    if not apart > 1 + ROUNDED:
+        return ""
+    return f"the ends are held apart, along the cylinder, by {apart:.6g} times the length of the rod"
 
 
 def ends_and_span(problem: HeldProblem) -> tuple[float, float, float]:
