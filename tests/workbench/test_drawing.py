@@ -1,14 +1,17 @@
 """The dimensioned drawing of a cable: true to scale, with the stored numbers, and dashed where the drum hides it."""
 
+import re
+
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.text import Text
 
 from solver import InputError
 from studies.language.loader import loads
 from tests.workbench import small, study_kinds
 from tests.workbench.page_faults import faults
-from workbench.figures import canvas, drawing
+from workbench.figures import canvas, drawing, section
 from workbench.figures.sheet import MILLIMETRES, sheet
 from workbench.run import in_memory
 from workbench.stored.stored_study import StoredStudy
@@ -28,12 +31,12 @@ def test_a_drawing_of_a_cable_is_true_to_scale_and_has_the_stored_numbers(cables
     fig = drawing.figure(StoredStudy(cables), at={"lay": np.radians(lay)}, sheet=sheet("paper"))
     (ax,) = fig.axes
     texts = [text.get_text() for text in ax.texts]
-    for text in ("Ø 120 mm", "Ø 2 mm", f"{float(one['pitch']):.4g} mm", f"{lay:g}°"):
+    for text in ("Ø 120 mm", "Ø 2 mm", f"{float(one['pitch']):.4g} mm", f"{lay:g}°".replace("-", "−")):
         assert text in texts
     (line,) = [text for text in texts if "scale" in text]
     height = f"{float(one['height']):.4g} mm"
     assert height in texts or f"along the axis {height}" in line
-    assert f"wrap {float(one['turns_around']):.4g} turns" in line
+    assert f"wrap {float(one['turns_around']):.4g} turns".replace("-", "−") in line
     assert f"bend radius, of the centreline: {1 / float(one['kappa_max']):.4g} mm" in " ".join(canvas.caption(fig))
     scale = 1 / float(line.split("scale 1:")[1])
     (x, y), (x1, y1) = ax.transData.transform([(0, -60), (float(one["height"]), 60)]) * MILLIMETRES / fig.dpi
@@ -75,6 +78,14 @@ def test_no_word_of_a_drawing_stands_on_a_word_or_on_an_extension_line(lay: floa
         assert [
             text for text, box in boxes.items() if path.intersects_bbox(box, filled=False) and "°" not in text
         ] == []
+
+
+@pytest.mark.parametrize("picture", [drawing.figure, section.figure], ids=["drawing", "section"])
+def test_every_number_below_0_of_a_picture_and_its_caption_has_a_minus_sign(picture, cables) -> None:
+    fig = picture(StoredStudy(cables), at={"lay": np.radians(-75)})
+    words = " ".join([*canvas.caption(fig), *(text.get_text() for text in fig.findobj(Text))])
+    assert "−75" in words or picture is section.figure
+    assert re.findall(r"(?<![\w.])-[\d.]+", words) == []
 
 
 def test_a_pipe_that_is_thinner_than_a_line_at_true_scale_is_refused_or_drawn_in_part() -> None:

@@ -199,6 +199,18 @@ def test_a_well_looks_alike_whether_s_runs_down_its_hole_or_up() -> None:
     np.testing.assert_allclose(*each, rtol=1e-3)  # drawn at other stations
 
 
+def test_a_quantity_of_a_well_that_is_0_all_along_is_seen_beside_the_scale_of_the_depth() -> None:
+    fig = well.figure(StoredStudy(study_kinds.well()), at={"wob": 60.0})  # straight
+    (track,) = [ax for ax in fig.axes if ax.get_title(loc="left") == "dogleg"]
+    (curve,) = [line for line in track.lines if line.get_gid() == "dogleg"]
+    assert np.abs(curve.get_xdata()).max() < 1e-6
+    others = [line for line in track.lines if line is not curve]
+    assert all(line.get_zorder() < curve.get_zorder() for line in others)
+    fig.draw_without_rendering()
+    away = track.transData.transform((0.0, 0.0))[0] - track.bbox.x0
+    assert away > 2 * curve.get_linewidth()  # pixels at 100 an inch
+
+
 def test_a_yield_stress_without_its_unit_is_refused(tmp_path, capsys) -> None:
     path = writing.write(study_kinds.well(), tmp_path / "well.h5")
     assert exit_status("plot", path, "--kind", "well", "--yield-stress", "75", "--out", tmp_path / "well.png") == 2

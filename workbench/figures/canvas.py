@@ -227,12 +227,18 @@ def _write_numbers(fig: Figure) -> None:
 
 
 def set_in_mathematics(fig: Figure) -> None:
-    """Set the index of ``FZ``, ``MZ`` and ``FY`` low and powers such as ``^0.5`` high: Unicode has no such letters."""
+    """Set the index of ``FZ``, ``MZ`` and ``FY`` low and powers such as ``^0.5`` high: Unicode has no such letters.
+
+    Every number below 0 has a minus sign in place of its hyphen.
+    """
     for text in fig.findobj(Text):
         plain = text.get_text()
-        in_mathematics = labels.mathematical(plain)
-        if in_mathematics != plain and "$" not in plain:
+        signed = plain if "$" in plain else labels.minus_signs(plain)
+        in_mathematics = labels.mathematical(signed)
+        if in_mathematics != signed and "$" not in plain:
             text.set(text=in_mathematics, parse_math=True)
+        elif signed != plain:
+            text.set_text(signed)
 
 
 def _letter_panels(fig: Figure) -> None:
@@ -327,7 +333,7 @@ NOT_DRAWN = "Not drawn: "
 
 def caption(fig: Figure, advice: bool = True) -> list[str]:
     """The sentences of the caption of a figure, each once; without advice: of what is drawn alone."""
-    sentences = dict.fromkeys(" ".join(text.split()) for text in _CAPTIONS.get(fig, []))
+    sentences = dict.fromkeys(labels.minus_signs(" ".join(text.split())) for text in _CAPTIONS.get(fig, []))
     return [text for text in sentences if advice or not text.startswith(NOT_DRAWN)]
 
 

@@ -154,7 +154,7 @@ def _down(ax: Axes, rod: DrawnRod, unit: str, title: str, values: Any) -> None:
     """The scales of a track."""
     low, high = min(0.0, *(float(np.min(v)) for v in values)), max(0.0, *(float(np.max(v)) for v in values))
     spare = MARGIN * ((high - low) or 1.0)
-    ax.set_xlim(low - spare * (low < 0), high + spare)
+    ax.set_xlim(low - spare, high + spare)  # a quantity that is 0 stands off the scale of the depth
     ax.set_ylim(float(rod["s"].max()), 0)
     ax.set_xlabel(f"[{labels.unit(unit)}]")
     ax.set_title(fonts.wrap(title, ax), loc="left")
@@ -188,7 +188,7 @@ def _draw_track(rod: DrawnRod, case: "Case", name: str, unit: str, values: Any, 
     """The push of the wall, or the dogleg."""
     colour = colours.PUSHED if name == PUSH else colours.DATA
     said = _curve(ax, rod, case, values, color=colour, linewidth=1.3, gid=WORDS[name])
-    ax.axvline(0, color=colours.SOFT, linewidth=0.8)
+    ax.axvline(0, color=colours.SOFT, linewidth=0.8, zorder=1)  # below the curve, which may be 0
     if name == PUSH and push_scale.pulls(rod["push"]):
         ax.fill_betweenx(
             _depth(rod, case), 0, np.minimum(values, 0), color=colours.PULLED, linewidth=0, label="would lift off"
@@ -203,7 +203,7 @@ def _draw_force(rod: DrawnRod, case: "Case", unit: str, values: Any, ax: Axes) -
     most = -float(values.min())
     upper = next((limit.value for limit in limits if limit.value > most), most)
     said = _curve(ax, rod, case, values, color=colours.DATA, linewidth=1.3, gid=WORDS[FORCE])
-    ax.axvline(0, color=colours.SOFT, linewidth=0.8)
+    ax.axvline(0, color=colours.SOFT, linewidth=0.8, zorder=1)
     _down(ax, rod, unit, WORDS[FORCE], [values, np.array([-max(most, upper if upper <= NEXT * most else 0.0)])])
     _draw_states(ax, rod, case)
     _draw_limits(ax, limits)

@@ -222,7 +222,7 @@ def _draw_case(fig: Figure, film: Film, stored: StoredStudy, i: int) -> Iterator
     ax, array = fig.axes[0], stored[film.axis]
     left, right = canvas.MARGIN, film.size[0] - canvas.MARGIN
     words, name = _value(stored, film.axis, i, 3), labels.long_name(array)
-    name = f"Sample {i + 1} of {array.size}" if film.axis == SAMPLE else name[:1].upper() + name[1:]
+    name = labels.equation(array, array.values[i]) if film.axis == SAMPLE else name[:1].upper() + name[1:]
     yield ax.text(right, left + 0.02, name, color=colours.SOFT, va="top", ha="right")
     room = right - left - fonts.width_of(name, fonts.NORMAL) - 0.1
     size = next((size for size in TITLES if fonts.width_of(words, size) < room), TITLES[-1])
