@@ -92,7 +92,8 @@ def test_diagrams_of_branches_and_of_equilibria_show_what_is_stored(dead, drawn)
 
 def test_dashed_lines_that_coincide_are_drawn_once(dead) -> None:
     """Two dashed lines one above the other look solid. Mirror images have one height and one energy."""
-    ax = bifurcation.panel(StoredStudy(dead), Figure().add_subplot(), "energy")
+    ax = Figure().add_subplot()
+    bifurcation.panel(StoredStudy(dead), ax, "energy")
     dashed = [line.get_xydata() for line in ax.lines if line.get_linestyle() == "--"]
     unstable = [row["branch"] for row in StoredStudy(dead).data("branches") if row["index"]]
     names = ("curve_FZ", "curve_energy")
@@ -110,7 +111,8 @@ def test_a_whole_number_along_a_branch_is_drawn_at_its_points_and_nowhere_in_bet
     """It has a gap where it changes; a smooth line would show numbers that no rod has."""
     numbers = (held["curve_FZ"].values > np.median(held["curve_FZ"].values)) * 1.0
     counted = held.assign(curve_bends=("curve_point", numbers, {"long_name": "number of bends", "units": "1"}))
-    ax = bifurcation.panel(StoredStudy(counted), Figure().add_subplot(), "bends")
+    ax = Figure().add_subplot()
+    bifurcation.panel(StoredStudy(counted), ax, "bends")
     lines = [line for line in ax.lines if line.get_linestyle() != "None"]
     assert len(lines) > 1
     assert {tuple(np.unique(line.get_ydata())) for line in lines} == {(0.0,), (1.0,)}
@@ -265,6 +267,15 @@ def test_curves_show_at_every_place_what_the_list_there_says(seed: int) -> None:
         assert (np.abs(rows - drawn).max(axis=1) < 1e-8 * (1 + np.abs(drawn).max())).any()
 
 
+def test_a_branch_is_followed_once_also_where_a_value_of_the_axis_is_another_one_of_its_points_but_for_rounding(
+    dead,
+) -> None:
+    even = np.linspace(-3.0, -2.3, tracing.FINE)
+    values = np.array([-3.0, np.nextafter(even[tracing.FINE // 2], 0.0), -2.3])
+    ds = swept(Ends(beta0=0.5, betaL=0.5, FZ=-2.5), "FZ", values)
+    assert len(StoredStudy(ds).data("branches")) == len(StoredStudy(dead).data("branches"))
+
+
 def test_the_branch_of_the_mirror_images_is_the_one_that_is_followed_from_them() -> None:
     """A rod whose ends lie along the axis has its equilibria in pairs, of which one is followed."""
     case = Case(Rod(E=325.95, nu=0.25, a=0.25, L=10.0), CYLINDER, Ends(beta0=0.0, betaL=0.0))
@@ -295,8 +306,7 @@ def test_a_diagram_without_rods_that_turn_back_has_the_range_of_the_others(dead)
     left = StoredStudy(own).without("turned back")
     assert np.isnan(left["curve_height"].values[back]).all()
     np.testing.assert_array_equal(left["curve_height"].values[~back], dead["curve_height"].values[~back])
-    ax = bifurcation.panel(
-        left, Figure(figsize=(6, 4)).subplots(), "height", sheet=Sheet(ranges={"height": (1.0, 9.0)})
-    )
+    ax = Figure(figsize=(6, 4)).subplots()
+    bifurcation.panel(left, ax, "height", sheet=Sheet(ranges={"height": (1.0, 9.0)}))
     assert ax.get_ylim() == (1.0, 9.0)
     assert all(np.isfinite(line.get_ydata()).all() for line in ax.lines if np.size(line.get_xdata()) > 1)

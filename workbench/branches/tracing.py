@@ -7,7 +7,7 @@ those of one curve, however coarse the axis; and none is followed twice.
 
 import time
 from collections import defaultdict
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -86,7 +86,7 @@ def trace_branches(
         listed.append(known[value] if value in known else list_at(value))
     # backwards at each value: those of few bends take longest
     starts = [(value, member) for value, members in zip(values, listed, strict=True) for member in reversed(members)]
-    passed = np.union1d(values, np.linspace(min(values), max(values), FINE))
+    passed = _values_passed(values, min(values), max(values))
     places, curves, remarks = _follow_each(name, starts, passed, lambda _, start: start.solution, step, until)
     _share_solves(curves, zip(places, starts, strict=True))
     flat = iter(places)
@@ -110,9 +110,17 @@ def trace_held(case: Case, name: str, values: list[float], stations: int, step: 
 
     starts = [(own_value(start.solution, name), start) for start in equilibria(case, stations=stations)]
     begins = [value for value, _ in starts]
-    passed = np.union1d([*values, *begins], np.linspace(values[0], values[-1], FINE))
+    passed = _values_passed([*values, *begins], values[0], values[-1])
     _, curves, remarks = _follow_each(name, starts, passed, begin, step)
     return number_pieces([[] for _ in values], [[] for _ in values], curves, remarks)
+
+
+def _values_passed(values: Sequence[float], low: float, high: float) -> NDArray[np.float64]:
+    """The values, rising, and between two others those of an even axis that rounding alone does not set apart from one
+    of them: a branch would pass one of the two, and not be that of the equilibria at the other."""
+    even = np.linspace(low, high, FINE)
+    apart = np.abs(even[:, None] - np.asarray(values)).min(axis=1) > _NEAR * (high - low)
+    return np.union1d(values, even[apart])
 
 
 def _follow_each(
