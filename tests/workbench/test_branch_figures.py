@@ -1,5 +1,6 @@
 """Diagrams of branches: a shape and its point have one number and one colour, and lines that coincide are one line."""
 
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -19,9 +20,9 @@ from tests.workbench import stored_figures
 from tests.workbench.page_faults import share_of_red
 from workbench.branches import branch_dataset, tracing
 from workbench.branches.equilibria_dataset import as_dataset
-from workbench.figures import bifurcation, equilibria_figure, point_numbers, unrolled
+from workbench.figures import bifurcation, canvas, colours, equilibria_figure, point_numbers, unrolled
 from workbench.figures.point_numbers import NumberedPoint
-from workbench.figures.sheet import Sheet
+from workbench.figures.sheet import Sheet, sheet
 from workbench.stored.stored_study import StoredStudy
 
 ROD, CYLINDER = Rod(E=325.95, nu=0.25, a=0.25, L=5.0), Cylinder(R=0.75)
@@ -62,8 +63,8 @@ def shapes(fig: Figure) -> list:
 def test_a_shape_has_the_look_of_its_line_whose_weight_says_whether_it_is_stable(which, drawn) -> None:
     """Under held ends it changes along one branch."""
     fig = drawn[which]
-    colours = [to_hex(line.get_color()) for line in shapes(fig)]
-    assert colours == [to_hex(dot.get_color()) for dot in points_of(fig.axes[0])]
+    seen = [to_hex(line.get_color()) for line in shapes(fig)]
+    assert seen == [to_hex(dot.get_color()) for dot in points_of(fig.axes[0])]
     assert len({line.get_linewidth() for line in shapes(fig)}) > 1
 
 
@@ -187,6 +188,95 @@ def test_a_number_is_nearest_to_its_own_point_or_has_a_line_to_it(name) -> None:
 @pytest.mark.parametrize("which", ["dead", "held"])
 def test_no_number_of_a_diagram_of_branches_is_nearer_to_another_point(which, drawn) -> None:
     assert unclear(drawn[which].axes[0]) == []
+
+
+@pytest.fixture(scope="module")
+def many() -> StoredStudy:
+    """More branches than have room for their numbers, two of them stable."""
+    case = Case(replace(ROD, L=32.0), CYLINDER, Ends(beta0=0.5, betaL=0.4, FZ=-2.5))
+    ds = branch_dataset.sweep(load("fig6"), case, "FZ", np.linspace(-2.6, -2.5, 3), lambda *_: None)
+    stored = StoredStudy(ds)
+    assert len(stored.data("branches")) > bifurcation.MANY + 2
+    return stored
+
+
+SHEETS = {"screen": sheet(), "page": sheet("paper", 183), "column": sheet("paper", 89)}
+
+
+@pytest.fixture(scope="module")
+def drawn_many(many) -> dict[str, Figure]:
+    figures = {name: bifurcation.figure(many, on) for name, on in SHEETS.items()}
+    for fig in figures.values():
+        fig.draw_without_rendering()
+    return figures
+
+
+def numbers_in(text: str) -> set[str]:
+    """The numbers of a text such as ``1, 4–6``."""
+    ends = [part.split("–") for part in text.split(", ") if part[:1].isdigit()]
+    return {str(k) for part in ends for k in range(int(part[0]), int(part[-1]) + 1)}
+
+
+@pytest.mark.parametrize("name", SHEETS)
+def test_of_many_branches_each_stable_one_has_its_number_and_its_rod_and_no_number_cuts_an_unstable_line(
+    many, drawn_many, name
+) -> None:
+    fig = drawn_many[name]
+    ax = fig.axes[0]
+    numbers = set().union(*(numbers_in(text.get_text()) for text in ax.texts))
+    stable = {str(row["branch"] + 1) for row in many.data("branches") if row["index"] == 0}
+    assert stable <= numbers
+    assert {str(line.get_gid()) for line in shapes(fig)} == numbers
+    assert len(points_of(ax)) == len(numbers)
+    curves = [line for line in ax.lines if len(line.get_xdata()) > 2 and line.get_linestyle() != "None"]
+    thin = [line for line in curves if line.get_linewidth() < 1]
+    for text in (text for text in ax.texts if numbers_in(text.get_text()) and not stable & numbers_in(text.get_text())):
+        assert text.arrow_patch is None
+        box = Text.get_window_extent(text)
+        paths = [line.get_transform().transform_path(line.get_path()) for line in thin]
+        assert not any(path.intersects_bbox(box, filled=False) for path in paths), text.get_text()
+
+
+def test_nothing_of_an_unstable_branch_is_drawn_over_a_stable_one(many, drawn_many, dead, drawn) -> None:
+    for stored, fig in (*((many, fig) for fig in drawn_many.values()), (StoredStudy(dead), drawn["dead"])):
+        ax = fig.axes[0]
+        lines = [line for line in ax.lines if line.get_linewidth() > 1 and line.get_label() == "stable"]
+        over = min(line.get_zorder() for line in lines)
+        dots = [dot for dot in points_of(ax) if to_hex(dot.get_color()) == colours.UNSTABLE["color"]]
+        assert dots
+        assert all(dot.get_zorder() < over for dot in dots)
+        steady = [row["branch"] for row in stored.data("branches") if row["index"] == 0]
+        ends = stored["fold"].values[~np.isin(stored["fold_branches"].values, steady).any(axis=1)]
+        marks = [line for line in ax.lines if line.get_label() == "fold" and set(line.get_xdata()) <= {*ends}]
+        assert all(mark.get_zorder() < over for mark in marks)
+        assert len(marks) == bool(ends.size)
+
+
+@pytest.mark.parametrize("name", SHEETS)
+def test_a_rod_of_a_diagram_of_branches_is_stable_or_large_enough_to_be_seen(drawn_many, name) -> None:
+    fig = drawn_many[name]
+    for line in (line for line in shapes(fig) if line.get_linewidth() < 1):
+        places = line.get_transform().transform(line.get_xydata())
+        assert np.ptp(places, axis=0).max() / fig.dpi > 0.8 * bifurcation.SMALLEST  # a layout makes views smaller
+
+
+def test_lines_of_many_unstable_branches_are_whole_and_thin_as_dashes_side_by_side_make_a_pattern(
+    drawn_many, drawn
+) -> None:
+    looks = []
+    for fig in (drawn_many["screen"], drawn["dead"]):
+        (line, *_) = [line for line in fig.axes[0].lines if line.get_label() == "unstable"]
+        looks.append((line.get_linestyle(), line.get_linewidth()))
+    assert looks == [("-", 0.5), ("--", colours.UNSTABLE["linewidth"])]
+
+
+def test_a_column_leaves_rods_out_where_they_leave_the_diagram_too_little_height(many, monkeypatch) -> None:
+    def counted(inches: float) -> int:
+        monkeypatch.setattr(canvas, "LEAST_AXES", inches)
+        fig = bifurcation.figure(many, SHEETS["column"])
+        return sum(len(shapes(fig)) for ax in fig.axes if ax.get_label() == unrolled.VIEWS)
+
+    assert counted(1.0) > counted(2.6) == 0
 
 
 @pytest.mark.parametrize("sizes", [[(10.0, 3.0)] * 3, [(0.2, 7.0), (7.0, 0.2)], [(5.0, 0.0)] * 9])

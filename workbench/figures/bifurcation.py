@@ -7,6 +7,7 @@ from string import ascii_lowercase
 from typing import Any
 
 import numpy as np
+from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
@@ -23,19 +24,25 @@ from ..words import labels
 from . import canvas, colours, fonts, point_numbers, unrolled
 from .equilibria_figure import one_shown
 from .sheet import SCREEN, Sheet, set_range
-from .unrolled import UnrolledView
 
 HIGH, TALL = (
     (0.46, 0.62),
     (0.62, 0.42),
 )  # of the width: the diagram on a page and a column; the views, otherwise round
 MOST = 16, 8  # shapes; those on one column of a page
+MANY = 20  # branches: of more the unstable ones stand back, whole, because dashes side by side make a pattern
+BACK = {"linewidth": 0.5, "linestyle": "-", "alpha": 0.75}
+ROUNDS, NEAR = 3, 0.05  # until the numbers stand on a diagram as high as what the layout gives it, nearly
+BESIDE = 0.2  # inches above and below all lines, for a number
+SMALLEST = 0.35  # inches of the view of an unstable rod: in a smaller one nothing is told apart
+RINGED = 0.5  # of that length its rings cover at most
 MOST_PAIRS = 8  # of branches on one line that are named
 MOST_INSIDE = 4  # entries of a legend that find a free place in the diagram
 MARKS = {"fold": "o", "pitchfork": "D", "branch point": "s", "helix ceases": "X"}
 HIDDEN = 0.03  # of a panel: marks would cover a shorter stable piece
 BETWEEN = 8  # places on a smooth line between two points
 SAME = 0.008  # of a panel: lines that are nearer are drawn once, as two dashed ones would look solid
+MORE = 0.45  # inches of the figure beside the diagram and the views
 Values = NDArray[np.float64]
 # an unstable branch of held ends, and stable ones
 _HELD: dict[int, tuple[dict[str, Any], str]] = {
@@ -48,9 +55,10 @@ _HELD: dict[int, tuple[dict[str, Any], str]] = {
 def figure(stored: StoredStudy, sheet: Sheet = SCREEN, show: Sequence[str] = ()) -> Figure:
     """An observable against the axis, and the unrolled views of the branches.
 
-    Stable branches are thick, unstable ones thin and dashed; a shape of each has a number, and its point has the same.
-    Folds and other special points are marked. Where laws were judged, the branches on which none fails have a colour,
-    and a note says the laws.
+    Stable branches are thick, unstable ones thin and dashed, and thinner where they are many. A shape of each stable
+    branch has a number, and its point has the same; one of an unstable branch where its number covers nothing. Folds
+    and other special points are marked. Where laws were judged, the branches on which none fails have a colour, and a
+    note says the laws.
 
     show: the observable; default: as the dataset says. Raises `InputError` for one that is not stored along the
     branches, and for several.
@@ -63,34 +71,58 @@ def figure(stored: StoredStudy, sheet: Sheet = SCREEN, show: Sequence[str] = ())
         if name not in known:
             raise no_such("observable along the branches", name, known)
     (shown,) = one_shown(show) or (str(stored.attrs["shown"]),)
-    count = min(stored.sizes.get("shape", 0), MOST[sheet.narrow])
-    shapes, high = _shapes(stored, count), HIGH[sheet.narrow] * sheet.width
-    room = sheet.width - unrolled.BESIDE, TALL[not sheet.narrow] * sheet.width
-    laws = _laws(stored)
+    high, laws, alike = HIGH[sheet.narrow] * sheet.width, _laws(stored), _alike(stored, shown)
+    inches = high
 
-    def diagram(ax: Axes) -> canvas.Said:
-        canvas.add_legend(panel(stored, ax, shown, high, sheet), MOST_INSIDE)
-        return laws
+    def draw(most: int) -> Figure:
+        kept = sorted(chosen[: most - 1])
 
-    rows: list[canvas.Row] = [(high, [diagram])]
-    if shapes:
-        views = unrolled.UnrolledPanel(
-            shapes, room, sheet.small, labels.unit(str(stored["shape_z"].attrs.get("units", "1")))
-        )
-        how_many = f"; those of {count} of {stored.sizes['shape']} branches" if count < stored.sizes["shape"] else ""
-        said = f", of the points with their numbers{how_many}"
-        rows.append((views.height, [lambda ax: [*views.draw(ax, said), *_alike(stored, shown)]]))
-    return canvas.page(stored, sheet, rows, more=0.45)
+        def diagram(ax: Axes) -> canvas.Said:
+            panel(stored, ax, shown, inches, sheet, kept)
+            canvas.add_legend(ax, MOST_INSIDE)
+            return laws
+
+        rows: list[canvas.Row] = [(high, [diagram])]
+        if kept:
+            views = _views(stored, kept, sheet)
+            count = f"; {len(kept)} of {stored.sizes['shape']}" if len(kept) < stored.sizes["shape"] else ""
+            said = f", of the points with their numbers{count}"
+            rows.append((views.height, [lambda ax: [*views.draw(ax, said), *alike]]))
+        return canvas.page(stored, sheet, rows, [] if kept else alike, MORE)
+
+    for _ in range(ROUNDS):
+        with rc_context(fonts.RC | sheet.settings()):  # which shapes have room for their numbers
+            ax = Figure((sheet.width, high + MORE)).add_subplot()
+            chosen = panel(stored, ax, shown, inches, sheet, _in_order(stored))[: MOST[sheet.narrow]]
+        chosen = _large_enough(stored, chosen, sheet)
+        fig = canvas.with_room(draw, len(chosen) + 1)
+        fig.draw_without_rendering()
+        seen = fig.axes[0].bbox.height / fig.dpi
+        if abs(seen - inches) < NEAR * inches:
+            break
+        inches = seen
+    return fig
 
 
-def panel(stored: StoredStudy, ax: Axes, key: str, inches: float = 4.0, sheet: Sheet = SCREEN) -> Axes:
-    """One quantity of each equilibrium against the axis, a line a branch; inches: the height of the panel."""
+def panel(
+    stored: StoredStudy,
+    ax: Axes,
+    key: str,
+    inches: float = 4.0,
+    sheet: Sheet = SCREEN,
+    chosen: Sequence[int] = (),
+) -> list[int]:
+    """One quantity of each equilibrium against the axis, a line a branch; inches: the height of the panel.
+
+    Returns those of the chosen shapes whose points are on the panel with their numbers, in the order given.
+    """
     name = str(stored.attrs["axis"])
     along, height = labels.in_label_unit(stored[name], stored[f"curve_{name}"].values), _values(stored, f"curve_{key}")
     drawn: list[tuple[str, Any]] = []
     sizes = np.array([np.ptp(values[np.isfinite(values)]) or 1.0 for values in (along, height)])
-    count = observables.is_count(key)
-    for row in stored.data("branches"):
+    count, rows = observables.is_count(key), stored.data("branches")
+    many = len(rows) > MANY
+    for row in rows:
         on = np.flatnonzero(stored["curve_branch"].values == row["branch"])
         points = np.stack([along[on], height[on]], axis=1)
         runs = [(points, *_look(row))] if "member" in stored.sizes else _runs(stored, ax, on, points)
@@ -102,12 +134,14 @@ def panel(stored: StoredStudy, ax: Axes, key: str, inches: float = 4.0, sheet: S
             line = smooth_line(run[:, 0], run[:, 1], share)
             if look["linestyle"] == "-" and np.ptp(share, axis=0).max() < HIDDEN:
                 look = look | {"zorder": 6.5}  # above the marks at its two ends
+            look = look | (BACK if many and look["linestyle"] != "-" else {})
             ax.plot(*line, label=label, marker="." if len(run if count else on) == 1 else "", **look)
     for kind, mark in MARKS.items():
-        x, y = _special(stored, name, key, kind)
-        if x.size:
-            ax.plot(x, y, mark, color=colours.INK, markersize=4.5, markerfacecolor="white", zorder=6, linestyle="none",
-                    label=kind)  # fmt: skip
+        x, y, stable = _special(stored, name, key, kind)
+        for of, order in ((stable, 6), (~stable, 3.6)):  # what unstable branches share covers no stable one
+            if of.any():
+                ax.plot(x[of], y[of], mark, color=colours.INK, markersize=4.5, markerfacecolor="white", zorder=order,
+                        linestyle="none", label=kind)  # fmt: skip
     ax.set_xlabel(labels.axis_label(stored[name]))
     ax.set_ylabel(fonts.fit_label(partial(labels.label, stored[f"curve_{key}"]), inches - 0.5))
     ends = labels.in_label_unit(stored[name], stored[name].values[[0, -1]])
@@ -115,10 +149,10 @@ def panel(stored: StoredStudy, ax: Axes, key: str, inches: float = 4.0, sheet: S
         ax.margins(x=0.06)
     else:
         ax.set_xlim(*(ends + 0.06 * np.ptp(ends) * np.array([-1, 1])))
+    ax.margins(y=max(BESIDE / inches, 0.05))
     ax.set_ylim(*ax.get_ylim())
     set_range(sheet, ax, key)
-    _number_points(stored, ax, key, (fonts.inches(ax)[0], inches))
-    return ax
+    return _number_points(stored, ax, key, (fonts.inches(ax)[0], inches), chosen)
 
 
 def _parts(points: Any, count: bool) -> list[Any]:
@@ -147,7 +181,9 @@ def _alike(stored: StoredStudy, key: str) -> list[str]:
 
 def _lies_on(line: Any, other: Any) -> bool:
     """Whether each point of a line (n, 2), in shares of the panel, is nearer than `SAME` to another line."""
-    if len(line) < 2 or len(other) < 2:
+    if len(line) < 2 or len(other) < 2 or (line.min(axis=0) < other.min(axis=0) - SAME).any():
+        return False
+    if (line.max(axis=0) > other.max(axis=0) + SAME).any():
         return False
     first, along = other[:-1], np.diff(other, axis=0)
     length2 = np.maximum((along**2).sum(axis=1), 1e-300)
@@ -160,15 +196,17 @@ def _values(stored: StoredStudy, name: str) -> Any:
     return labels.in_label_unit(stored[name], stored[name].values)
 
 
-def _special(stored: StoredStudy, name: str, key: str, kind: str) -> tuple[Any, Any]:
-    """Axis values and shown values of the special points of one kind."""
+def _special(stored: StoredStudy, name: str, key: str, kind: str) -> tuple[Any, Any, Any]:
+    """Axis values and shown values of the special points of one kind, and whether each is the end of a stable branch
+    or held ends decide that along each branch."""
     dim = "fold" if kind == "fold" else "special"
     if dim not in stored.sizes:
-        return np.empty(0), np.empty(0)
+        return np.empty(0), np.empty(0), np.empty(0, dtype=bool)
     chosen = np.ones(stored.sizes[dim], dtype=bool) if dim == "fold" else stored["special_kind"].values == kind
     x, y = labels.in_label_unit(stored[name], stored[dim].values), _values(stored, f"{dim}_{key}")
     chosen &= np.isfinite(y)
-    return x[chosen], y[chosen]
+    steady = [row["branch"] for row in stored.data("branches") if row["index"] == 0 or "member" not in stored.sizes]
+    return x[chosen], y[chosen], np.isin(stored[f"{dim}_branches"].values, steady).any(axis=1)[chosen]
 
 
 def _runs(stored: StoredStudy, ax: Axes, on: Any, points: Any) -> list[tuple[Any, dict[str, Any], str]]:
@@ -243,15 +281,40 @@ def _look_of_shape(stored: StoredStudy, k: int) -> dict[str, Any]:
     return colours.of_line(_HELD[0 if index > 0 else 1 if dead > 0 else 2][0])
 
 
-def _shapes(stored: StoredStudy, count: int) -> list[UnrolledView]:
-    """The unrolled views at the first numbered points, each with its number."""
-    views = []
-    for k, number in enumerate(_names(stored)[:count]):
+def _in_order(stored: StoredStudy) -> list[int]:
+    """The shapes, those of stable equilibria first."""
+    count = stored.sizes.get("shape", 0)
+    return sorted(range(count), key=lambda k: not _is_stable(stored, k))
+
+
+def _is_stable(stored: StoredStudy, k: int) -> bool:
+    return bool(_look_of_shape(stored, k)["linewidth"] > colours.UNSTABLE["linewidth"])
+
+
+def _large_enough(stored: StoredStudy, chosen: Sequence[int], sheet: Sheet) -> list[int]:
+    """The shapes without the unstable ones of which too little would be seen."""
+    if not chosen:
+        return []
+    panel = _views(stored, chosen, sheet)
+    kept = []
+    for k, view in zip(chosen, panel.views, strict=True):
+        size = float(max(view.size * [1, panel.form.factor])) * panel.form.scale
+        rings = len(view.rings) * unrolled.RING / 72
+        if _is_stable(stored, k) or (size >= SMALLEST and rings <= RINGED * size):
+            kept.append(k)
+    return kept
+
+
+def _views(stored: StoredStudy, chosen: Sequence[int], sheet: Sheet) -> unrolled.UnrolledPanel:
+    """The unrolled views at the points of these shapes, each with its number."""
+    views, names = [], _names(stored)
+    for k in chosen:
         rho, alpha, z = (stored[f"shape_{key}"].values[k] for key in ("rho", "alpha", "z"))
         a, L = (float(stored[key]) if not stored[key].dims else float(stored[f"shape_{key}"][k]) for key in ("a", "L"))
         s = np.linspace(0, L, z.size)
-        views.append(unrolled.view_of(s, float(rho), alpha, z, a, number, _look_of_shape(stored, k))[0])
-    return views
+        views.append(unrolled.view_of(s, float(rho), alpha, z, a, names[k], _look_of_shape(stored, k))[0])
+    room = sheet.width - unrolled.BESIDE, TALL[not sheet.narrow] * sheet.width
+    return unrolled.UnrolledPanel(views, room, sheet.small, labels.unit(str(stored["shape_z"].attrs.get("units", "1"))))
 
 
 def _shape_branches(stored: StoredStudy) -> Any:
@@ -266,24 +329,28 @@ def _names(stored: StoredStudy) -> list[str]:
     return [f"{branch + 1}{letter}" for branch, letter in zip(of, letters, strict=True)]
 
 
-def _number_points(stored: StoredStudy, ax: Axes, key: str, inches: tuple[float, float]) -> None:
-    """A dot with its number at the point of each shape that is drawn, where the axis reaches it."""
-    if f"shape_{key}" not in stored:
-        return
+def _number_points(
+    stored: StoredStudy, ax: Axes, key: str, inches: tuple[float, float], chosen: Sequence[int]
+) -> list[int]:
+    """A dot with its number at the points of these shapes, where the axis reaches them, and the number of an unstable
+    one covers nothing; returns which."""
+    if not chosen or f"shape_{key}" not in stored:
+        return []
     name, names = str(stored.attrs["axis"]), _names(stored)
-    x, y = (_values(stored, f"shape_{quantity}")[: MOST[0]] for quantity in (name, key))
+    x, y = (_values(stored, f"shape_{quantity}") for quantity in (name, key))
     (left, right), (low, high) = sorted(ax.get_xlim()), sorted(ax.get_ylim())
-    inside = [int(k) for k in np.flatnonzero((x >= left) & (x <= right) & (y >= low) & (y <= high))]
-    for k in inside:
+    inside = [k for k in chosen if left <= x[k] <= right and low <= y[k] <= high]
+    points = [point_numbers.NumberedPoint(x[k], y[k], names[k], _is_stable(stored, k)) for k in inside]
+    dots = [dot for kind in MARKS for dot in np.transpose(_special(stored, name, key, kind)[:2])]
+    lines = [line.get_xydata() for line in ax.lines if np.size(line.get_xdata()) > 1 and line.get_linestyle() != "None"]
+    written = [inside[i] for i in sorted(point_numbers.write(ax, points, lines, dots, inches))]
+    for k in written:
         colour = _look_of_shape(stored, k)["color"]
-        order = 3.5 if colour == colours.UNSTABLE["color"] else 7  # the dot of an unstable shape covers nothing stable
+        order = 7 if _is_stable(stored, k) else 3.5  # the dot of an unstable shape covers nothing stable
         ax.plot(
             x[k], y[k], "o", color=colour, markersize=4.2, zorder=order, markeredgecolor="white", markeredgewidth=0.7
         )
-    points = [point_numbers.NumberedPoint(x[k], y[k], names[k]) for k in inside]
-    dots = [dot for kind in MARKS for dot in np.transpose(_special(stored, name, key, kind))]
-    lines = [line.get_xydata() for line in ax.lines if np.size(line.get_xdata()) > 1]
-    point_numbers.write(ax, points, lines, dots, inches)
+    return written
 
 
 def smooth_line(x: Any, y: Any, shares: Any) -> tuple[Values, Values]:

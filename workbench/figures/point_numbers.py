@@ -1,8 +1,8 @@
 """Numbers beside points of a diagram: each is placed where it covers no other number, no point and few lines.
 
-A number is nearer to its own point than to any other, or a thin line leads from it to its point. What stands in a
-diagram is one list of places, each with what it costs to cover it: so lines, points, numbers and leading lines are
-avoided by one rule. Lengths are in inches.
+A number is nearer to its own point than to any other, or a thin line leads from it to its point. One that is not
+needed is written only where it covers nothing. What stands in a diagram is one list of places, each with what it costs
+to cover it: so lines, points, numbers and leading lines are avoided by one rule. Lengths are in inches.
 """
 
 from collections.abc import Sequence
@@ -31,17 +31,23 @@ Values = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class NumberedPoint:
-    """A point of a diagram in the units of its axes, and what it is called: a number, perhaps with a letter."""
+    """A point of a diagram in the units of its axes, and what it is called: a number, perhaps with a letter.
+
+    needed: whether the number is written also where it covers a line or has a line to its point.
+    """
 
     x: float
     y: float
     name: str
+    needed: bool = True
 
 
 def write(
     ax: Axes, points: Sequence[NumberedPoint], lines: Sequence[Any], marks: Sequence[Any], inches: tuple[float, float]
-) -> None:
-    """Write the numbers of points beside them; points at one place share a text, ``3, 4``.
+) -> list[int]:
+    """Write the numbers of points beside them; points at one place share a text, ``3, 4``, the needed ones if any is.
+
+    Returns the places of the points in their list whose numbers are written.
 
     Parameters
     ----------
@@ -61,11 +67,16 @@ def write(
     places = (np.array([[point.x, point.y] for point in points]).reshape(-1, 2) - low) * per
     dots = np.concatenate([places, *((np.asarray(mark, dtype=float)[None] - low) * per for mark in marks)])
     taken = np.concatenate([_at_cost(dots, POINT), *(_at_cost(_along((line - low) * per), LINE) for line in lines)])
-    for group in _groups(places):
+    written = list[int]()
+    groups = [[i for i in group if points[i].needed] or group for group in _groups(places)]
+    for group in sorted(groups, key=lambda group: not points[group[0]].needed):
         text, place = join([points[i].name for i in group]), places[group[0]]
         size = np.array([fonts.width_of(text, fonts.small()) + STEP, fonts.small() * 1.15 / 72])
         others = dots[np.linalg.norm(dots - place, axis=1) >= SAME]
-        middle, led = _best(place, size, taken, others, np.array(inches))
+        middle, led, clean = _best(place, size, taken, others, np.array(inches))
+        if not (clean or points[group[0]].needed):
+            continue
+        written += group
         shares = np.stack(np.meshgrid(*(np.linspace(-0.5, 0.5, 2 + int(side / STEP)) for side in size)), axis=-1)
         taken = np.concatenate([taken, _at_cost(middle + shares.reshape(-1, 2) * size, POINT)])
         if led:
@@ -75,6 +86,7 @@ def write(
                     path_effects=[withStroke(linewidth=2.0, foreground="white", alpha=0.9)],
                     arrowprops={"arrowstyle": "-", "color": colours.INK, "linewidth": 0.5, "shrinkA": 0,
                                 "shrinkB": 1} if led else None)  # fmt: skip
+    return written
 
 
 def join(names: Sequence[str]) -> str:
@@ -99,12 +111,13 @@ def _groups(places: Values) -> list[list[int]]:
     return groups
 
 
-def _best(place: Values, size: Values, taken: Values, others: Values, inches: Values) -> tuple[Values, bool]:
-    """The middle of a text of that size where it covers least, nearly the nearest, and whether a line leads to it.
+def _best(place: Values, size: Values, taken: Values, others: Values, inches: Values) -> tuple[Values, bool, bool]:
+    """The middle of a text of that size where it covers least, nearly the nearest, whether a line leads to it, and
+    whether it stands inside, beside its point and on nothing.
 
     others: the other points. taken: what stands in the diagram, with its costs, (n, 3).
     """
-    best, least = (place, False), np.inf
+    best, least = (place, False, False), np.inf
     taken = taken[np.abs(taken[:, :2] - place).max(axis=1) < AWAY[-1] + 1.5 * size.max()]
     for away, way in product(AWAY, WAYS):
         middle = place + (away + np.array([size[0] / 2 - 0.05, 0]) * abs(np.cos(way))) * [np.cos(way), np.sin(way)]
@@ -112,14 +125,15 @@ def _best(place: Values, size: Values, taken: Values, others: Values, inches: Va
         gap = float(_gaps(box, place[None])[0])
         share = min(gap / max(float(_gaps(box, others).min(initial=np.inf)), 1e-9), 2.0)
         led = gap > FAR or share > CLEAR
-        cost = 6 * away + taken[_gaps(box, taken[:, :2]) < STEP, 2].sum() + 10 * max(share - 0.3, 0)
-        cost += POINT * bool((box[0] < 0).any() or (box[1] > inches).any())
+        covers = taken[_gaps(box, taken[:, :2]) < STEP, 2].sum()
+        covers += POINT * bool((box[0] < 0).any() or (box[1] > inches).any())
+        cost = 6 * away + covers + 10 * max(share - 0.3, 0)
         if led:
             line = _along(np.stack([place, middle]))[1:]
             near = np.linalg.norm(taken[:, None, :2] - line, axis=2).min(axis=1) < STEP
             cost += LED + POINT / 2 * (gap < SEEN) + taken[near & (taken[:, 2] > LINE), 2].sum() / 2
         if cost < least:
-            best, least = (middle, led), float(cost)
+            best, least = (middle, led, covers == 0 and not led), float(cost)
     return best
 
 
