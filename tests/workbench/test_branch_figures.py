@@ -20,7 +20,7 @@ from tests.workbench import stored_figures
 from tests.workbench.page_faults import share_of_red
 from workbench.branches import branch_dataset, tracing
 from workbench.branches.equilibria_dataset import as_dataset
-from workbench.figures import bifurcation, canvas, colours, equilibria_figure, point_numbers, unrolled
+from workbench.figures import bifurcation, branch_lines, canvas, colours, equilibria_figure, point_numbers, unrolled
 from workbench.figures.point_numbers import NumberedPoint
 from workbench.figures.sheet import Sheet, sheet
 from workbench.stored.stored_study import StoredStudy
@@ -306,7 +306,7 @@ def test_a_small_view_contains_its_curve_in_its_middle() -> None:
 def test_a_smooth_line_passes_through_its_points_and_follows_a_circle() -> None:
     angle = np.linspace(0, np.pi, 14) + np.random.default_rng(1).uniform(-0.04, 0.04, 14)
     x, y = np.cos(angle), np.sin(angle)
-    found = np.stack(bifurcation.smooth_line(x, y, np.stack([x, y], axis=1)))
+    found = np.stack(branch_lines.smooth(x, y, np.stack([x, y], axis=1)))
     for point in zip(x, y, strict=True):
         assert np.linalg.norm(found.T - point, axis=1).min() < 1e-12
     straight = max(1 - np.cos(np.diff(angle) / 2))  # how far the polygon is off

@@ -10,8 +10,6 @@ import numpy as np
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
-from scipy.interpolate import Akima1DInterpolator, CubicSpline
 
 from solver.observe import observables
 from solver.problem.errors import no_such
@@ -21,7 +19,7 @@ from studies.laws.line_verdicts import DIRECTIONS, FAILS, HOLDS, QUALIFIED
 
 from ..stored.stored_study import StoredStudy
 from ..words import labels
-from . import canvas, colours, fonts, point_numbers, unrolled
+from . import branch_lines, canvas, colours, fonts, point_numbers, unrolled
 from .equilibria_figure import one_shown
 from .sheet import SCREEN, Sheet, set_range
 
@@ -32,7 +30,7 @@ HIGH, TALL = (
 MOST = 16, 8  # shapes; those on one column of a page
 MANY = 20  # branches: of more the unstable ones stand back, whole, because dashes side by side make a pattern
 BACK = {"linewidth": 0.5, "linestyle": "-", "alpha": 0.75}
-ROUNDS, NEAR = 3, 0.05  # until the numbers stand on a diagram as high as what the layout gives it, nearly
+ROUNDS, NEAR = 2, 0.05  # until the numbers stand on a diagram as high as what the layout gives it, nearly
 BESIDE = 0.2  # inches above and below all lines, for a number
 SMALLEST = 0.35  # inches of the view of an unstable rod: in a smaller one nothing is told apart
 RINGED = 0.5  # of that length its rings cover at most
@@ -40,10 +38,7 @@ MOST_PAIRS = 8  # of branches on one line that are named
 MOST_INSIDE = 4  # entries of a legend that find a free place in the diagram
 MARKS = {"fold": "o", "pitchfork": "D", "branch point": "s", "helix ceases": "X"}
 HIDDEN = 0.03  # of a panel: marks would cover a shorter stable piece
-BETWEEN = 8  # places on a smooth line between two points
-SAME = 0.008  # of a panel: lines that are nearer are drawn once, as two dashed ones would look solid
 MORE = 0.45  # inches of the figure beside the diagram and the views
-Values = NDArray[np.float64]
 # an unstable branch of held ends, and stable ones
 _HELD: dict[int, tuple[dict[str, Any], str]] = {
     0: (colours.UNSTABLE | {"zorder": 2}, "unstable"),
@@ -71,8 +66,25 @@ def figure(stored: StoredStudy, sheet: Sheet = SCREEN, show: Sequence[str] = ())
         if name not in known:
             raise no_such("observable along the branches", name, known)
     (shown,) = one_shown(show) or (str(stored.attrs["shown"]),)
+    inches = HIGH[sheet.narrow] * sheet.width
+    fig = _drawn(stored, shown, sheet, inches)
+    for _ in range(ROUNDS):
+        fig.draw_without_rendering()
+        seen = fig.axes[0].bbox.height / fig.dpi
+        if abs(seen - inches) < NEAR * inches:
+            break
+        inches = seen
+        fig = _drawn(stored, shown, sheet, inches)
+    return fig
+
+
+def _drawn(stored: StoredStudy, shown: str, sheet: Sheet, inches: float) -> Figure:
+    """The figure, whose numbers have room on a diagram so many inches high."""
     high, laws, alike = HIGH[sheet.narrow] * sheet.width, _laws(stored), _alike(stored, shown)
-    inches = high
+    with rc_context(fonts.RC | sheet.settings()):  # which shapes have room for their numbers
+        ax = Figure((sheet.width, high + MORE)).add_subplot()
+        numbered = panel(stored, ax, shown, inches, sheet, _in_order(stored))
+    chosen = _large_enough(stored, numbered[: MOST[sheet.narrow]], sheet)
 
     def draw(most: int) -> Figure:
         kept = sorted(chosen[: most - 1])
@@ -90,18 +102,7 @@ def figure(stored: StoredStudy, sheet: Sheet = SCREEN, show: Sequence[str] = ())
             rows.append((views.height, [lambda ax: [*views.draw(ax, said), *alike]]))
         return canvas.page(stored, sheet, rows, [] if kept else alike, MORE)
 
-    for _ in range(ROUNDS):
-        with rc_context(fonts.RC | sheet.settings()):  # which shapes have room for their numbers
-            ax = Figure((sheet.width, high + MORE)).add_subplot()
-            chosen = panel(stored, ax, shown, inches, sheet, _in_order(stored))[: MOST[sheet.narrow]]
-        chosen = _large_enough(stored, chosen, sheet)
-        fig = canvas.with_room(draw, len(chosen) + 1)
-        fig.draw_without_rendering()
-        seen = fig.axes[0].bbox.height / fig.dpi
-        if abs(seen - inches) < NEAR * inches:
-            break
-        inches = seen
-    return fig
+    return canvas.with_room(draw, len(chosen) + 1)
 
 
 def panel(
@@ -126,12 +127,12 @@ def panel(
         on = np.flatnonzero(stored["curve_branch"].values == row["branch"])
         points = np.stack([along[on], height[on]], axis=1)
         runs = [(points, *_look(row))] if "member" in stored.sizes else _runs(stored, ax, on, points)
-        for run, look, label in ((part, *how) for points, *how in runs for part in _parts(points, count)):
+        for run, look, label in ((part, *how) for points, *how in runs for part in branch_lines.parts(points, count)):
             share = run / sizes
-            if any(label == same and _lies_on(share, other) for same, other in drawn):
+            if any(label == same and branch_lines.lies_on(share, other) for same, other in drawn):
                 continue
             drawn.append((label, share))
-            line = smooth_line(run[:, 0], run[:, 1], share)
+            line = branch_lines.smooth(run[:, 0], run[:, 1], share)
             if look["linestyle"] == "-" and np.ptp(share, axis=0).max() < HIDDEN:
                 look = look | {"zorder": 6.5}  # above the marks at its two ends
             look = look | (BACK if many and look["linestyle"] != "-" else {})
@@ -155,15 +156,6 @@ def panel(
     return _number_points(stored, ax, key, (fonts.inches(ax)[0], inches), chosen)
 
 
-def _parts(points: Any, count: bool) -> list[Any]:
-    """The stretches of points (n, 2) that have numbers, one after the other; of a count those of one number each, as
-    nobody knows where between two points it changes."""
-    known = np.isfinite(points).all(axis=1)
-    ends = np.diff(known) | (count & (np.abs(np.diff(points[:, 1])) > 0))
-    stretches = np.split(np.arange(len(points)), np.flatnonzero(ends) + 1)
-    return [points[stretch] for stretch in stretches if stretch.size and known[stretch[0]]]
-
-
 def _alike(stored: StoredStudy, key: str) -> list[str]:
     """The sentence that names branches of which one line shows two; none where each has its own."""
     points = np.stack([stored[f"curve_{name}"].values for name in (str(stored.attrs["axis"]), key)], axis=1)
@@ -173,23 +165,10 @@ def _alike(stored: StoredStudy, key: str) -> list[str]:
         f"{i + 1} and {k + 1}"
         for k, line in enumerate(lines)
         for i, other in enumerate(lines[:k])
-        if _lies_on(line, other) and _lies_on(other, line)
+        if branch_lines.lies_on(line, other) and branch_lines.lies_on(other, line)
     ]
     more = f"; {len(pairs) - MOST_PAIRS} more pairs" if len(pairs) > MOST_PAIRS else ""
     return [f"One line shows both of two branches: {', '.join(pairs[:MOST_PAIRS])}{more}."] if pairs else []
-
-
-def _lies_on(line: Any, other: Any) -> bool:
-    """Whether each point of a line (n, 2), in shares of the panel, is nearer than `SAME` to another line."""
-    if len(line) < 2 or len(other) < 2 or (line.min(axis=0) < other.min(axis=0) - SAME).any():
-        return False
-    if (line.max(axis=0) > other.max(axis=0) + SAME).any():
-        return False
-    first, along = other[:-1], np.diff(other, axis=0)
-    length2 = np.maximum((along**2).sum(axis=1), 1e-300)
-    share = np.clip(((line[:, None] - first) * along).sum(axis=2) / length2, 0, 1)
-    apart = np.linalg.norm(line[:, None] - first - share[:, :, None] * along, axis=2)
-    return bool((apart.min(axis=1) < SAME).all())
 
 
 def _values(stored: StoredStudy, name: str) -> Any:
@@ -206,7 +185,8 @@ def _special(stored: StoredStudy, name: str, key: str, kind: str) -> tuple[Any, 
     x, y = labels.in_label_unit(stored[name], stored[dim].values), _values(stored, f"{dim}_{key}")
     chosen &= np.isfinite(y)
     steady = [row["branch"] for row in stored.data("branches") if row["index"] == 0 or "member" not in stored.sizes]
-    return x[chosen], y[chosen], np.isin(stored[f"{dim}_branches"].values, steady).any(axis=1)[chosen]
+    stable = np.array([bool({*pair} & {*steady}) for pair in stored[f"{dim}_branches"].values.tolist()], dtype=bool)
+    return x[chosen], y[chosen], stable[chosen]
 
 
 def _runs(stored: StoredStudy, ax: Axes, on: Any, points: Any) -> list[tuple[Any, dict[str, Any], str]]:
@@ -351,30 +331,3 @@ def _number_points(
             x[k], y[k], "o", color=colour, markersize=4.2, zorder=order, markeredgecolor="white", markeredgewidth=0.7
         )
     return written
-
-
-def smooth_line(x: Any, y: Any, shares: Any) -> tuple[Values, Values]:
-    """Places on a smooth curve through points, all the points among them.
-
-    Parameters
-    ----------
-    x, y
-        The points in their order, (n,) each.
-    shares
-        The same points, (n, 2), in units in which both directions are drawn equally large.
-
-    Returns
-    -------
-    Two arrays, x and y; the points themselves where they are fewer than three.
-    """
-    kept = np.append(True, np.linalg.norm(np.diff(shares, axis=0), axis=1) > 1e-9)
-    x, y, shares = x[kept], y[kept], shares[kept]
-    if x.size < 3:
-        return x, y
-    along = np.append(0.0, np.cumsum(np.linalg.norm(np.diff(shares, axis=0), axis=1)))
-    points = np.stack([x, y], axis=1)
-    curve = Akima1DInterpolator(along, points, method="makima") if x.size > 4 else CubicSpline(along, points)
-    parts = np.linspace(0.0, 1.0, BETWEEN + 1)[:-1]
-    places = np.append((along[:-1, None] + parts * np.diff(along)[:, None]).ravel(), along[-1])
-    line = curve(places)
-    return line[:, 0], line[:, 1]
