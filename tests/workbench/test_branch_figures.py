@@ -271,12 +271,12 @@ def test_lines_of_many_unstable_branches_are_whole_and_thin_as_dashes_side_by_si
 
 
 def test_a_column_leaves_rods_out_where_they_leave_the_diagram_too_little_height(many, monkeypatch) -> None:
-    def counted(inches: float) -> int:
+    def count_rods(inches: float) -> int:
         monkeypatch.setattr(canvas, "LEAST_AXES", inches)
         fig = bifurcation.figure(many, SHEETS["column"])
         return sum(len(shapes(fig)) for ax in fig.axes if ax.get_label() == unrolled.VIEWS)
 
-    assert counted(1.0) > counted(2.6) == 0
+    assert count_rods(1.0) > count_rods(2.6) == 0
 
 
 @pytest.mark.parametrize("sizes", [[(10.0, 3.0)] * 3, [(0.2, 7.0), (7.0, 0.2)], [(5.0, 0.0)] * 9])

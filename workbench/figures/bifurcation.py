@@ -67,18 +67,18 @@ def figure(stored: StoredStudy, sheet: Sheet = SCREEN, show: Sequence[str] = ())
             raise no_such("observable along the branches", name, known)
     (shown,) = one_shown(show) or (str(stored.attrs["shown"]),)
     inches = HIGH[sheet.narrow] * sheet.width
-    fig = _drawn(stored, shown, sheet, inches)
+    fig = _page_with_numbers(stored, shown, sheet, inches)
     for _ in range(ROUNDS):
         fig.draw_without_rendering()
         seen = fig.axes[0].bbox.height / fig.dpi
         if abs(seen - inches) < NEAR * inches:
             break
         inches = seen
-        fig = _drawn(stored, shown, sheet, inches)
+        fig = _page_with_numbers(stored, shown, sheet, inches)
     return fig
 
 
-def _drawn(stored: StoredStudy, shown: str, sheet: Sheet, inches: float) -> Figure:
+def _page_with_numbers(stored: StoredStudy, shown: str, sheet: Sheet, inches: float) -> Figure:
     """The figure, whose numbers have room on a diagram so many inches high."""
     high, laws, alike = HIGH[sheet.narrow] * sheet.width, _laws(stored), _alike(stored, shown)
     with rc_context(fonts.RC | sheet.settings()):  # which shapes have room for their numbers
