@@ -137,7 +137,7 @@ class Solution(ShapeArrays):
             selected = selected[(*[slice(None)] * axis, place)]
         return selected
 
-    def let_go(self, tol: float | None = None) -> "FreeSolution":
+    def let_go(self, tol: float | None = None, seed: "Solution | None" = None) -> "FreeSolution":
         """What the rod becomes beside a cylinder that only pushes, while both ends stay as they are.
 
         Position, direction and rotation of both ends are held. The shape is a minimum of the energy, which continues
@@ -147,6 +147,8 @@ class Solution(ShapeArrays):
         ----------
         tol : float, optional
             Tolerance of the places of the rod, as a share of its length; default: 1e-4.
+        seed : Solution, optional
+            From which shape of as many rods the search begins; default: this shape.
 
         Returns
         -------
@@ -173,6 +175,8 @@ class Solution(ShapeArrays):
         tol = check_tolerance(FREE_TOLERANCE if tol is None else tol)
         curves = curves_of(self, "the shape that was let go")
         case = case_of_held_ends(self, curves)
+        if seed is not None:
+            curves = curves_of(seed, "the seed")
         ways = ["there is no shape to be let go" if curve is None else [curve] for curve in curves]
         answers = answers_beside(case, ways, self.t, tol)
         return FreeSolution(case, *answers, self.t, FREE, tol)

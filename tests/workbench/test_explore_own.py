@@ -11,6 +11,7 @@ import pytest
 pytest.importorskip("workbench.web.live.server", reason="the extra explore is not installed", exc_type=ImportError)
 
 from solver import equilibria
+from solver.problem.errors import InputError
 from studies import load
 from studies.language.case_input import with_fields
 from tests.workbench import small
@@ -20,7 +21,7 @@ from tests.workbench.node import needs_node, run
 from workbench.branches import equilibria_dataset
 from workbench.branches.ends_study import ends_problem
 from workbench.run import writing
-from workbench.web.live import page_model, presets
+from workbench.web.live import live_document, page_model, presets
 from workbench.web.live.presets import PRESETS, Preset
 
 PIPE = small.text(
@@ -71,6 +72,19 @@ def test_the_equilibrium_that_a_file_names_is_the_one_that_is_drawn(tmp_path) ->
     named = f"{text}[equilibrium]\ndbeta0 = {wanted['dbeta0']!r}\nenergy = {wanted['energy']!r}\n"
     drawn = page_model.shape(page_model.study_of(begun(tmp_path, named).state))
     assert float(drawn.sol.dbeta[0]) == pytest.approx(wanted["dbeta0"], rel=1e-6)
+
+
+def test_a_file_of_a_rod_that_may_leave_the_cylinder_opens_as_such(tmp_path) -> None:
+    unilateral = PIPE.replace("[base]", '[base]\ncontact = "unilateral"\nradius0 = 0.0')
+    let_go = begun(tmp_path, START.replace("units =", "let_go = true\nunits =")).state
+    centred = begun(tmp_path, unilateral).state
+    for state, own in ((let_go, {}), (centred, {"contact": "unilateral", "radius0": 0.0})):
+        study = page_model.study_of(state)
+        assert study.leaves
+        assert own.items() <= state["base"].items()
+    assert let_go["let_go"] is True
+    with pytest.raises(InputError, match="a cylinder that holds them on"):
+        live_document.text((begun(tmp_path, unilateral),), served=False)
 
 
 def test_a_rod_of_options_is_in_their_units_and_says_what_was_assumed() -> None:

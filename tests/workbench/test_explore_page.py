@@ -155,6 +155,28 @@ def test_a_slider_moves_the_shape(page) -> None:
     assert float(page("return document.getElementById('n-E').value")) == pytest.approx(E)
 
 
+def test_beside_a_cylinder_that_only_pushes_the_rod_leaves_it_and_follows_a_slider(page) -> None:
+    def press(kind: str) -> None:
+        page("const c = document.getElementById('contact'); c.value = arguments[0];"
+             "c.dispatchEvent(new Event('change'))", kind)  # fmt: skip
+
+    far = "const { shape } = page; return Math.max(...shape.x.map((v, i) => Math.hypot(v, shape.y[i]) - shape.one.rho))"
+    press("unilateral")
+    page.until(lambda: page("return page.shape.one.leaves") and page.drawn(), "the rod let go")
+    assert page(far) == pytest.approx(6.98, abs=0.05)  # cm: its error is 0.3 % of 20 cm
+    assert page("return document.getElementById('contact-note').innerText").startswith("Both ends stay as they are")
+    assert page("return document.getElementById('contacts').innerText") == "pale: off the wall · line: the widest gap"
+    before, gap = page.drawn(), page(far)
+    page.slide("R", 520)
+    page.until(lambda: page.drawn() != before, "another rod let go")
+    assert "found from the seed" in page("return page.head.outcome")
+    assert page(far) != pytest.approx(gap, rel=1e-3)
+    press("bilateral")
+    page.until(lambda: not page("return page.shape.one.leaves"), "the rod on the cylinder")
+    assert page("return page.head.method") == "in this page"
+    assert abs(page(far)) < 1e-9
+
+
 @pytest.mark.slow
 def test_a_slider_between_two_ends_asks_no_server_and_the_list_names_the_rod_that_is_shown(page) -> None:
     page("page.begin('cable')")
@@ -476,6 +498,7 @@ def test_the_saved_page_solves_every_rod_without_a_server(page, driver, saved) -
         "return [...document.querySelectorAll('input')].filter((box) => box.checkVisibility()).map((box) => box.id)"
     ) == ["cursor", "n-FZ", "s-FZ"]
     assert page("return document.getElementById('chip').hidden")  # a rod that can exist
+    assert page("return document.getElementById('contact').hidden")  # which needs a server
     page("document.getElementById('more').open = true")
     for name in ("dna", "pipe", "cable", "table1"):
         page("page.begin(arguments[0])", name)

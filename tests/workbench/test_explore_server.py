@@ -105,6 +105,49 @@ def test_a_pipe_with_weight_and_friction_is_solved_by_the_server(port) -> None:
         assert (answer.status, sentence in json.loads(answer.data)["refused"]) == (200, True)
 
 
+def test_a_rod_that_may_leave_the_cylinder_continues_from_the_one_before_and_its_numbers_are_those_shown(port) -> None:
+    """The second shape is not sought anew; another page begins afresh, and finds the shape of the solver."""
+    mine, other = ({"X-Page": name} for name in ("mine", "other"))
+
+    def shown(headers: dict[str, str], **asked_for: object) -> tuple[dict, dict]:
+        return unpacked(asked(port, "POST", "/shape", asked_for, headers).data)
+
+    let_go, moved = (state(E=E) | {"let_go": True} for E in (1.07e4, 1.1e4))
+    head, arrays = shown(mine, state=let_go, lost=False)
+    assert "found from the shape that was let go" in head["outcome"]
+    assert arrays["gap"].max() > 5.0  # cm: the rod of Table 1 springs off
+    assert np.allclose(np.hypot(arrays["x"], arrays["y"]) - 1.0, arrays["gap"], atol=1e-9)
+    head, arrays = shown(mine, state=moved, lost=True)
+    assert "found from the seed" in head["outcome"]
+    rows = json.loads(asked(port, "POST", "/numbers", {"state": moved}, mine).data)["rows"]
+    numbers = {row["name"]: row["value"] for row in rows}
+    assert numbers["gap_max"] == pytest.approx(head["numbers"]["gap_max"], rel=1e-12)
+    assert asked(port, "POST", "/download", {"state": moved, "kind": "glb"}, mine).data.startswith(b"glTF")
+    anew, _ = shown(other, state=moved, lost=True)
+    assert "found from the shape that was let go" in anew["outcome"]
+
+
+@pytest.mark.slow
+def test_a_step_file_of_a_rod_off_the_wall_is_as_exact_as_its_places_are_known(port) -> None:
+    let_go = state() | {"let_go": True}
+    assert asked(port, "POST", "/download", {"state": let_go, "kind": "step"}).data.startswith(b"ISO-10303-21")
+
+
+def test_beside_a_cylinder_that_only_pushes_the_loads_of_the_ends_stay(port) -> None:
+    pipe = state("pipe", L=30.0, contact="unilateral")
+    head, arrays = unpacked(asked(port, "POST", "/shape", {"state": pipe}).data)
+    sol = solve(page_model.study_of(pipe).case(), page_model.OFF_WALL_TOL, stations=arrays["s"])
+    np.testing.assert_allclose(arrays["push"], sol.push, atol=1e-9 * sol.push.max())
+    np.testing.assert_allclose(head["contacts"], sol.contacts, rtol=1e-9)
+    assert head["notes"][0].startswith("The rod lies on ")
+    for changes, sentence in (
+        ({"L": 3e4}, "lengths, and the page computes at most 1500"),
+        ({"friction": 0.2}, "friction"),
+    ):
+        told = json.loads(asked(port, "POST", "/shape", {"state": state("pipe", **changes, contact="unilateral")}).data)
+        assert sentence in told["refused"]
+
+
 def test_what_cannot_be_is_answered_with_a_sentence_and_the_field(port) -> None:
     answer = asked(port, "POST", "/shape", {"state": state(E=-1)})
     assert answer.status == 200  # a browser writes any other status in its console

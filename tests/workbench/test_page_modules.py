@@ -291,6 +291,39 @@ def test_a_rod_of_many_bends_gets_more_stations_and_a_very_long_one_is_shown_in_
     assert part[0][-1] == pytest.approx(2e4 * part[2])
 
 
+@pytest.mark.parametrize(
+    "made",
+    [
+        state() | {"let_go": True},
+        state("pipe", L=20.0, weight=0.242, inclination=1.4, contact="unilateral", radius0=0.0, radiusL=0.02),
+    ],
+)
+def test_off_the_wall_the_tube_is_about_the_places_of_the_solver_also_from_the_axis(made) -> None:
+    """Each corner is a radius from them, and no line along the tube crosses it where its azimuth turns at once."""
+    rod = page_model.shape(page_model.study_of(made))
+    arrays, facts = page_model.stations(rod), finite(page_model.facts(rod))
+    script = """
+    const rows = Object.entries(given.arrays).map(([name, row]) => [name, Float64Array.from(row)]),
+      arrays = Object.fromEntries(rows),
+      facts = { ...given.facts, pointForces: given.facts.point_forces };
+    const one = rod_case.caseOf(given.state, {}), shape = rod_shape.interpolated(core, one, arrays, facts);
+    const all = Array.from(shape.s, (_, i) => i), marks = push_marks.contactMarks(shape, 1);
+    answer([tube.tube(shape, all, 8, 1, 1), marks.corners, shape.gap]);"""
+    given = {"state": made, "arrays": {name: row.tolist() for name, row in arrays.items()}, "facts": facts}
+    corners, marks, gap = run(script, given, (*MODULES, "tube", "push_marks"))
+    a, n = float(rod.sol.case.rod.a), arrays["s"].size
+    rings = np.array(corners).reshape(-1, 7)[: 8 * n, :3].reshape(n, 8, 3)
+    places, radius = rod.sol.position[::5], rod.sol.radius[::5]  # of which one of five is sent
+    np.testing.assert_allclose(rings.mean(axis=1), places, atol=1e-6 * a)  # single precision
+    np.testing.assert_allclose(np.linalg.norm(rings - places[:, None], axis=-1), a, rtol=1e-5)
+    step = np.linalg.norm(np.diff(rings, axis=0), axis=-1)
+    along = np.linalg.norm(np.diff(places, axis=0), axis=-1, keepdims=True)
+    assert (step < along + 0.5 * a).all()  # a tube that is twisted between two rings has steps up to 2 a
+    np.testing.assert_allclose(gap, rod.sol.gap[::5], atol=1e-12 * rod.sol.case.rho)
+    surface = np.hypot(*np.array(marks).reshape(-1, 7)[-8:-4, :2].T).mean(), float(radius[np.argmax(gap)])
+    assert surface[0] == pytest.approx(surface[1] - float(rod.sol.case.outward) * a, abs=0.1 * a)  # the line ends there
+
+
 @pytest.mark.parametrize("name", ["table1", "dna"])
 def test_the_tube_is_closed_touches_the_cylinder_and_is_as_near_as_it_says(name) -> None:
     tolerance = 0.003 * case_of(STATES[name]).rho

@@ -103,9 +103,13 @@ def _data(presets: Sequence[Preset], served: bool) -> dict[str, Any]:
 
 def _begin(preset: Preset) -> dict[str, Any]:
     """The solved shape of a rod between two ends, from which a page without a server follows. Raises `InputError`."""
-    sol = page_model.shape(page_model.study_of(preset.state)).sol
-    if sol.case.varies:
-        raise InputError("a page without a server shows rods without weight and friction: use workbench explore")
+    study = page_model.study_of(preset.state)
+    if study.leaves or study.case().varies:
+        raise InputError(
+            "a page without a server shows rods without weight and friction, on a cylinder that holds them on: "
+            "use workbench explore"
+        )
+    sol = page_model.shape(study).sol
     if sol.problem.kind != "ends":
         return {}
     return {"shape": page_model.round_rows({"s": sol.s, "beta": sol.beta, "dbeta": sol.dbeta}, 9)}

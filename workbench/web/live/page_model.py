@@ -1,8 +1,9 @@
 """What the live page shows of a state (a study of one case as plain data): its rod, observables, equilibria, files.
 
 The rod is solved fast enough for a page. Between two ends it is the equilibrium that the study names, or that the rule
-of `solve` selects; as a slider moves, the page itself follows it. A search that would take minutes is refused.
-Nothing is kept between calls; an invalid state raises `InputError`.
+of `solve` selects; as a slider moves, the page itself follows it. A rod that may leave the cylinder continues from that
+of the state before. A search that would take minutes is refused. Nothing is kept between calls; an invalid state raises
+`InputError`.
 """
 
 import re
@@ -16,7 +17,7 @@ from typing import Any
 import numpy as np
 import tomli_w
 
-from solver import Case, Ends, Solution, equilibria, solve
+from solver import Case, Ends, Solution, Start, equilibria, solve
 from solver.equilibria import Equilibrium
 from solver.follow import solutions_of
 from solver.nodes.loaded_rod import rods_of
@@ -30,18 +31,21 @@ from studies.language.loader import loads
 
 from ...branches.ends_study import row as equilibrium_row
 from ...branches.tracing import Piece, Traced, trace_branches
+from ...export.base import ExportOptions
 from ...export.stored_rod import export
 from ...run import assembly
 from ...run.block import columns
 from ...stored.one_case import rule_of, solve_one
 from ...stored.stored_study import StoredStudy
-from ...words import cautions, labels, pipe_profile, pipe_state
+from ...words import cautions, free_rods, labels, pipe_profile, pipe_state
 
 SMALL = 240  # points of a small picture
-KEYS = ("title", "units", "reading", "base", "equilibrium")
+KEYS = ("title", "units", "reading", "base", "equilibrium", "let_go")
 SLOW = ("overlaps", "index")  # observables that are told later, with all others
 TOL = DEFAULT_TOLERANCE
 STATIONS, BETWEEN, MOST = 201, 401, 4001  # of a start problem, an ends problem, and a rod with many bends or weight
+OFF_WALL_TOL, SENT = 3e-3, 801  # of a rod that may leave the cylinder: some pixels of a view; stations that are sent
+LEAST_ERROR = 1e-5  # of its length, which an exported curve may be off
 MOST_LISTED = 100  # half periods of a rod between two ends whose equilibria are all found, in some tenths of a second
 MOST_NODES = 1500  # of a rod with weight or friction: a pipe of some 3 km, which takes seconds
 SAME = 1e-3  # relative difference that beta'(0) may have from the one that is named
@@ -96,10 +100,14 @@ def field_of(message: str) -> str:
 
 @dataclass(frozen=True, eq=False)
 class LiveRod:
-    """A solved rod: its study and solution. Of a rod with very many bends only the beginning is solved and shown."""
+    """A solved rod: its study and solution. Of a rod with very many bends only the beginning is solved and shown.
+
+    held: of a rod that was let go the solution before, on a cylinder that holds it on; else None.
+    """
 
     study: Study
     sol: Solution
+    held: Solution | None = None
 
     @property
     def shown(self) -> float:
@@ -116,18 +124,23 @@ def is_searched(study: Study) -> bool:
     Raises `InputError` for ends that the page does not show.
     """
     case = study.case()
+    if study.leaves:
+        return True
     if not case.varies and (held := fields_held(case)):
         raise InputError(f"the live page shows ends under dead loads, got {choices(held)}: use workbench solve")
     return isinstance(case.given, Ends)
 
 
-def shape(study: Study, lost: bool = False) -> LiveRod:
+def shape(study: Study, lost: bool = False, before: LiveRod | None = None) -> LiveRod:
     """The rod of a state; between two ends the one that the study names, or that `solve` selects.
 
-    lost: the study names the equilibrium of an earlier state, which could not be followed. Raises `InputError` for an
-    unsolved rod, and for ends that the page does not show.
+    lost: the study names the equilibrium of an earlier state, which could not be followed. before: the rod from which
+    one that may leave the cylinder continues. Raises `InputError` for an unsolved rod, and for ends that the page does
+    not show.
     """
     case = study.case()
+    if study.leaves:
+        return _beside(study, case, lost, before)
     if not is_searched(study):
         return _resolve(study, case, solve(case, TOL, stations=STATIONS))
     sol = _with_weight(case) if case.varies else _between(study, case, lost)
@@ -135,15 +148,49 @@ def shape(study: Study, lost: bool = False) -> LiveRod:
     return LiveRod(study, sol)
 
 
+def _beside(study: Study, case: Case, lost: bool, before: LiveRod | None) -> LiveRod:
+    """The rod that may leave the cylinder: near that of the state before where there is one, else as `solve` has it."""
+    held = None
+    if study.let_go:
+        plain, known = study.model_copy(update={"let_go": False}), None if before is None else before.held
+        if known is not None and is_searched(plain) and not case.varies:
+            held = solve(case, TOL, stations=MOST, seed=known)
+        if held is None or not held.solved:
+            rod = shape(plain, lost)
+            held = rod.sol
+            if not rod.whole:
+                raise InputError("only a part of this rod is shown, so it cannot be let go: make it shorter")
+            if isinstance(case.given, Start) and held.s.size < MOST:
+                held = solve(case, TOL, stations=MOST)
+    else:
+        _refuse_long(case)
+
+    def near(seed: Solution | None) -> Solution:
+        if held is None:
+            return solve(case, OFF_WALL_TOL, stations=MOST, seed=seed)
+        return held.let_go(OFF_WALL_TOL, seed)
+
+    sol = near(None if before is None else before.sol)
+    if before is not None and not sol.solved:
+        sol = near(None)
+    _check(sol)
+    return LiveRod(study, sol, held)
+
+
 def _with_weight(case: Case) -> Solution:
     """The rod that `solve` selects. Raises `InputError` for one so long that the page would wait."""
+    _refuse_long(case)
+    return solve(case, TOL, stations=MOST)
+
+
+def _refuse_long(case: Case) -> None:
+    """Raise `InputError` for a rod between ends that is so long that the page would wait."""
     nodes = rods_of(case)[0].nodes().size
     if nodes > MOST_NODES:
         raise InputError(
             f"the shape of this rod may change on {nodes} lengths, and the page computes at most {MOST_NODES}: "
             "use workbench solve"
         )
-    return solve(case, TOL, stations=MOST)
 
 
 def _resolve(study: Study, case: Case, sol: Solution) -> LiveRod:
@@ -209,16 +256,27 @@ def _check(sol: Solution) -> None:
 def stations(one: LiveRod) -> dict[str, Any]:
     """The rod at its stations, arrays by name, in the units of the study and rad: s, beta, dbeta, alpha, z.
 
-    Of a rod whose loads vary also what the page cannot compute: push, kappa, tension (F3) and the axial force `axial`.
+    Of a rod that the page cannot compute also push, kappa and tension (F3), and the axial force `axial`; of one that
+    may leave the cylinder its place x, y, its tilt, and the gap.
     """
-    sol = one.sol
+    sol, leaves = one.sol, one.sol.case.leaves
     names = {name: name for name in ("s", "beta", "dbeta", "alpha", "z")}
-    if sol.case.varies:
+    if is_served(one):
         names |= {"push": "push", "kappa": "kappa", "tension": "F3"}
+    if leaves:
+        names |= {"tilt": "tilt", "gap": "gap"}
     arrays = {name: np.asarray(getattr(sol, of), dtype=float) for name, of in names.items()}
-    if sol.case.varies:
+    if leaves:
+        arrays["x"], arrays["y"] = sol.position[:, 0], sol.position[:, 1]
+    elif sol.case.varies:
         arrays["axial"] = pipe_profile.axial_force(sol)
-    return arrays
+    kept = np.unique(np.linspace(0, sol.s.size - 1, min(sol.s.size, SENT)).round().astype(int))
+    return {name: row[kept] for name, row in arrays.items()} if leaves else arrays
+
+
+def is_served(one: LiveRod) -> bool:
+    """Whether the page cannot compute the numbers of a rod itself."""
+    return bool(one.sol.case.varies or one.sol.case.leaves)
 
 
 def answer(one: LiveRod) -> dict[str, Any]:
@@ -227,7 +285,11 @@ def answer(one: LiveRod) -> dict[str, Any]:
 
 
 def facts(one: LiveRod) -> dict[str, Any]:
-    """Outcome, error, condition number and notes of a solved rod, as plain data; observables where its loads vary."""
+    """Outcome, error, condition number and notes of a solved rod, as plain data; what the page cannot compute of it.
+
+    That are observables; intervals of contact and point forces of a rod that may leave the cylinder, and which
+    equilibrium was let go.
+    """
     sol, study = one.sol, one.study
     units = study.unit_system
     notes = []
@@ -235,7 +297,10 @@ def facts(one: LiveRod) -> dict[str, Any]:
         notes.append(
             f"Only the first {labels.number(one.shown)} {units['length']} are shown: the rod bends too often for more."
         )
-    notes += [f"{said[0].upper()}{said[1:]}." for said in pipe_state.all_sentences(sol, units)]
+    notes += [
+        f"{said[0].upper()}{said[1:]}."
+        for said in [*free_rods.sentences(sol, units), *pipe_state.all_sentences(sol, units)]
+    ]
     return {
         "outcome": str(sol.outcome),
         "error": float(sol.error),
@@ -243,13 +308,20 @@ def facts(one: LiveRod) -> dict[str, Any]:
         "method": sol.method,
         "stations": sol.s.size,
         "notes": notes,
-        "numbers": _observations(sol) if sol.case.varies else None,
+        "numbers": _observations(sol) if is_served(one) else None,
+        **({"contacts": sol.contacts, "point_forces": sol.point_forces} if sol.case.leaves else {}),
+        **({} if one.held is None or isinstance(study.case().given, Start) else {"equilibrium": _names_of(one.held)}),
     }
 
 
+def _names_of(held: Solution) -> dict[str, float]:
+    """How a state names an equilibrium."""
+    return {"dbeta0": float(held.dbeta[0]), "energy": float(observe(held, ["energy"])["energy"])}
+
+
 def _observations(sol: Solution) -> dict[str, float]:
-    """What the page observes itself of other rods, of one whose loads vary."""
-    names = [name for name in observables_of(sol.case.rod) if name not in SLOW]
+    """What the page observes itself of other rods, of one that the server solves."""
+    names = [name for name in observables_of(sol.case.rod, sol.case.leaves) if name not in SLOW]
     return {name: float(value) for name, value in observe(sol, names).items()}
 
 
@@ -257,7 +329,7 @@ def numbers(one: LiveRod) -> dict[str, Any]:
     """Loads and every observable as a row, in the units of the study and rad, and what a real rod could not do."""
     sol = one.sol
     observed = {name: float(getattr(sol, name)) for name in ("FZ", "MZ", "M3")}
-    observed |= observe(sol, observables_of(sol.case.rod))
+    observed |= observe(sol, observables_of(sol.case.rod, sol.case.leaves))
     caution = str(cautions.of_cases(sol, units=one.study.unit_system))
     return {
         "rows": [{"name": name, "value": np.asarray(value).item()} for name, value in observed.items()],
@@ -297,18 +369,24 @@ def rod_as_dataset(one: LiveRod) -> Any:
     if not one.whole:
         raise InputError("only a part of this rod is shown: run it as a study to export it")
     study = one.study.model_copy(
-        update={"stations": one.sol.s.size, "outputs": ["beta", "dbeta", "alpha", "z", "contact"]}
+        update={
+            "stations": one.sol.s.size,
+            "outputs": ["beta", "dbeta", "alpha", "z", "contact", *["radius"] * one.sol.case.leaves],
+        }
+        | ({"tol": one.sol.tol} if one.sol.case.leaves else {})
     )
     return assembly.make(study, Dimensions(), columns(study, one.sol))
 
 
 def file(one: LiveRod, kind: str) -> bytes:
     """The bytes of an exported file with that suffix. Raises `InputError` as `stored_rod.export` does."""
-    stored = StoredStudy(rod_as_dataset(one))
+    stored, sol, options = StoredStudy(rod_as_dataset(one)), one.sol, ExportOptions()
+    if sol.case.leaves and kind == "step":  # whose default is finer than the places are known
+        options = ExportOptions(tolerance=max(float(sol.error), LEAST_ERROR) * float(sol.case.rod.L))
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / f"rod.{kind}"
         try:
-            export(stored, path)
+            export(stored, path, options)
         except InputError as error:
             raise InputError(
                 str(error).partition("; --")[0]

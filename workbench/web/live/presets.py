@@ -22,7 +22,8 @@ from .page_model import BETWEEN
 OWN = "own"
 DEAD_LOADS = ("FZ", "MZ", "M3")
 HIDDEN = ("alpha", "gamma")  # they turn the whole rod; a value of 0 is left out
-WITH_WEIGHT = {"inclination": 0.0, "friction": 0.0, "sliding": "forward"}  # have a slider where there is weight
+WITH_WEIGHT = {"inclination": 0.0}  # has a slider where there is weight
+ON_WALL = {"friction": 0.0, "sliding": "forward"}  # have one where the cylinder also holds the rod on
 
 
 @dataclass(frozen=True)
@@ -60,22 +61,18 @@ def own_preset(file: Path | None, options: dict[str, Any], units: dict[str, str]
         rod = read_case(file, options, units)
     else:
         rod = open_case(file, options)
-    if rod.case.leaves or (rod.study is not None and rod.study.let_go):
-        raise InputError(
-            f"the live page shows rods that lie on the cylinder, and {rod.source} may leave it; "
-            "workbench solve and workbench scene show it"
-        )
+    let_go = {"let_go": True} if rod.study is not None and rod.study.let_go else {}
     rod = _under_dead_loads(rod)
     named = "A rod of the command line's options" if file is None else file.name
     title = named if rod.study is None else rod.study.title
     source = "Your rod" if rod.source == "the options" else f"From {rod.source}"
     words = " ".join(filter(None, (f"{source}.", units_sentence(rod.units), assumption(rod.assumed, HIDDEN))))
-    return Preset(OWN, title, words, _state(rod, title, not options), _spans(rod.case))
+    return Preset(OWN, title, words, _state(rod, title, not options) | let_go, _spans(rod.case))
 
 
 def _under_dead_loads(rod: CaseInput) -> CaseInput:
     """The rod under the loads and end angles that hold it where its ends are held otherwise. Raises `InputError`."""
-    held = () if rod.case.varies else fields_held(rod.case)
+    held = () if rod.case.varies or rod.case.leaves else fields_held(rod.case)
     if not held:
         return rod
     sol = solve_one(rod.case, rod.which, DEFAULT_TOLERANCE, "auto", BETWEEN)
@@ -104,16 +101,21 @@ def _state(rod: CaseInput, title: str, as_printed: bool) -> dict[str, Any]:
 def _fields(case: Case) -> dict[str, Any]:
     """The fields of a case by name, without those that are None or turn the whole rod by 0."""
     fields = {name: value for name, value in field_values(case).items() if not (name in HIDDEN and value == 0)}
-    return (WITH_WEIGHT if case.rod.weight is not None else {}) | fields
+    if case.rod.weight is None:
+        return fields
+    if case.leaves:
+        return WITH_WEIGHT | {name: value for name, value in fields.items() if name not in ON_WALL}
+    return WITH_WEIGHT | ON_WALL | fields
 
 
 def _spans(case: Case) -> dict[str, float | tuple[float, float]]:
     """The greatest size on the slider of a quantity that is 0, from rho, L and the bending stiffness A.
 
-    A force to A/(rho L), a moment to A/sqrt(rho L), a rate to 1/sqrt(rho L): the same rod in other units has the same.
+    A length to rho, a force to A/(rho L), a moment to A/sqrt(rho L), a rate to 1/sqrt(rho L): the same rod in other
+    units has the same.
     """
     rho, L, A = (float(value) for value in (case.rho, case.rod.L, case.rod.bending_stiffness))
     length = (rho * L) ** 0.5
-    size = {(0, 1): A / length**2, (1, 1): A / length, "rad/length": 1 / length}
+    size = {(1, 0): rho, (0, 1): A / length**2, (1, 1): A / length, "rad/length": 1 / length}
     zero = {name: quantity_of(name).dimension for name, value in _fields(case).items() if value == 0}
     return {name: size[dimension] for name, dimension in zero.items() if dimension in size}

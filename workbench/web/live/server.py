@@ -135,18 +135,21 @@ def _bound() -> None:
 
 
 class LiveRods:
-    """The last solved rods, each by what was asked; a rod that is not kept is solved again."""
+    """The last solved rods; a rod that is not kept is solved again.
+
+    Each is kept by what was asked; one that may leave the cylinder by its client, as it continues from that before.
+    """
 
     def __init__(self) -> None:
         self._kept: OrderedDict[str, page_model.LiveRod] = OrderedDict()
 
-    def keep(self, asked: str, one: page_model.LiveRod) -> None:
-        self._kept[asked] = one
+    def keep(self, by: str, one: page_model.LiveRod) -> None:
+        self._kept[by] = one
         while len(self._kept) > REMEMBERED:
             self._kept.popitem(last=False)
 
-    def find(self, asked: str) -> page_model.LiveRod | None:
-        return self._kept.get(asked)
+    def find(self, by: str) -> page_model.LiveRod | None:
+        return self._kept.get(by)
 
 
 Report = Callable[[str], None]
@@ -229,15 +232,18 @@ class Context:
         return await self.tasks.run(self.client, work, *args)
 
     async def shape(self, asked: dict[str, Any]) -> page_model.LiveRod:
-        """The rod of the state that a request has."""
+        """The rod of the state that a request has; if it tells whether it is lost, a new one."""
         state, lost = asked.get("state"), bool(asked.get("lost"))
         key = json.dumps([state, lost], sort_keys=True)
         shape = self.shapes.find(key)
         if shape is None:
             study = await self.in_thread(page_model.study_of, state)
+            before = self.shapes.find(self.client)
+            if before is not None and "lost" not in asked and before.study == study:
+                return before
             solve = self.search if await self.in_thread(page_model.is_searched, study) else self.in_thread
-            shape = await solve(page_model.shape, study, lost)
-            self.shapes.keep(key, shape)
+            shape = await solve(page_model.shape, study, lost, before if lost and study.leaves else None)
+            self.shapes.keep(self.client if study.leaves else key, shape)
         return shape
 
 

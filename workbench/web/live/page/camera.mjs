@@ -101,5 +101,5 @@ export function facing({ alpha, z, one }, wide) {
   }
   const lying = wide && range(z)[1] - range(z)[0] > LONG * one.R,
     middle = Math.hypot(x, y) > 0.05 * alpha.length ? Math.atan2(y, x) : alpha[alpha.length >> 1];
-  return { azimuth: lying && one.varies ? LOW_SIDE_DOWN : middle, elevation: ABOVE, lying };
+  return { azimuth: lying && one.weight > 0 ? LOW_SIDE_DOWN : middle, elevation: ABOVE, lying };
 }

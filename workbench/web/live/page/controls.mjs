@@ -2,6 +2,7 @@
 
 import { DEGREE, fieldNames, isDegrees, isUnused, kindOf, meaning, quantityOf } from "./rod_case.mjs";
 import { make, set } from "./details.mjs";
+import { RANGES } from "./formulas.mjs";
 import { minus, number, unitText, withUnit } from "./text.mjs";
 
 const RATIO = [-0.95, 0.5]; // of nu
@@ -18,10 +19,11 @@ export function spanOf(name, centre, span) {
   if (kind === "ratio") return RATIO;
   if (kind === "tilt") return [0, Math.PI];
   if (kind === "share") return [0, 1];
-  if (kind === "bore") return [0, BORE * centre || 1];
+  if (kind === "bore") return [0, BORE * centre || span || 1];
   if (kind === "positive") return [centre / WIDER, centre * WIDER];
   if (Array.isArray(span)) return span;
-  const far = span || (kind === "angle" ? (name === "betaL" ? 2 : 1) * Math.PI : 4 * Math.abs(centre || 0) || 1);
+  const most = RANGES[name]?.high ?? (name === "betaL" ? 2 : 1) * Math.PI,
+    far = span || (kind === "angle" ? most : 4 * Math.abs(centre || 0) || 1);
   return [-far, far];
 }
 
@@ -133,6 +135,7 @@ export function hereText(at, units) {
       `s = ${unit(number(at.s), length)}`,
       `β = ${number(at.beta / DEGREE)}°`,
       `${at.push < 0 ? "pull" : "push"} ${unit(number(Math.abs(at.push)), `${force}/${length}`)}`,
+      ...(at.gap === undefined ? [] : [`gap ${unit(number(at.gap), length)}`]),
       `κ = ${unit(number(at.kappa), `1/${length}`)}`,
       `F₃ = ${unit(number(at.tension), force)}`,
     ]

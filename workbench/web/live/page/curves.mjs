@@ -10,7 +10,7 @@ const ANGLES = 721; // points of the potential
 const FLAT = 6; // how many times longer than wide a developed curve is drawn with equal scales
 
 export function diagrams(shape, units) {
-  const { one, beta, push, axial } = shape,
+  const { one, beta, push, axial, gap } = shape,
     { length, force } = units;
   const over = (key, title, y, ylabel, of, look) => ({
     ...{ key, title, x: shape.s, y, xlabel: `s [${length}]`, ylabel, rising: true },
@@ -19,14 +19,18 @@ export function diagrams(shape, units) {
   });
   const title = "Angle β from the axis to the tangent",
     degrees = beta.map((v) => v * DEGREE),
-    pushed = { zero: true, shaded: true, push };
+    pushed = { zero: true, shaded: true, push },
+    off = { zero: true, least: 1e-6 * one.L };
+  const angle = (key) => over(key, title, degrees, "β [°]", (at) => at.beta * DEGREE, { least: 0.2 });
   return [
     unrolled(shape, length),
-    over("beta", title, degrees, "β [°]", (at) => at.beta * DEGREE, { least: 0.2 }),
+    one.leaves ? over("beta", "Gap between rod and wall", gap, `gap [${length}]`, (at) => at.gap, off) : angle("beta"),
     over("push", "Push of the cylinder per length", push, `push [${force}/${length}]`, (at) => at.push, pushed),
-    one.varies
-      ? over("well", "Axial force along the cylinder", axial, `FZ [${force}]`, (at) => at.axial)
-      : well(shape, length),
+    one.leaves
+      ? angle("well")
+      : one.varies
+        ? over("well", "Axial force along the cylinder", axial, `FZ [${force}]`, (at) => at.axial)
+        : well(shape, length),
   ];
 }
 
@@ -36,7 +40,7 @@ function unrolled({ one, z, alpha, push }, length) {
   const turn = 2 * Math.PI * one.rho,
     far = (v) => one.rho * (alpha[0] - v),
     [low, high] = range(alpha.map(far)),
-    winds = high - low > turn && isMonotone(alpha) && isMonotone(z),
+    winds = !one.leaves && high - low > turn && isMonotone(alpha) && isMonotone(z),
     around = winds ? (v) => far(v) - turn * Math.ceil(far(v) / turn) : far,
     y = alpha.map(around);
   return {
@@ -90,6 +94,6 @@ function areSimilar(x, y) {
 
 /* The values of a shape at s, by straight lines between its stations. */
 export function valuesAt(shape, s) {
-  const names = ["beta", "push", "kappa", "tension", "alpha", "z", ...(shape.axial ? ["axial"] : [])];
+  const names = ["beta", "push", "kappa", "tension", "alpha", "x", "y", "z", "axial", "gap"].filter((name) => shape[name]);
   return { s, ...Object.fromEntries(names.map((name) => [name, onLines(shape.s, shape[name], [s])[0]])) };
 }

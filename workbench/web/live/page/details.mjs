@@ -20,7 +20,7 @@ export function make(tag, properties = {}, ...content) {
   return box;
 }
 
-const HEADLINE = ["index", "bends", "turns_around", "height", "push_max", "kappa_max"];
+const HEADLINE = ["index", "bends", "turns_around", "height", "push_max", "kappa_max", "gap_max", "contact_share"];
 const BARRED = /pass(es)? through itself|lift off|tighter than/, // sentences on what no real rod could do
   LIMIT = "The model's limit near the ends."; // before one on lift-off there alone
 
@@ -61,10 +61,10 @@ export function showRows(rows, sentences, quantities, units) {
 }
 
 /* How the shape was solved, in one line. */
-export function solvedText({ outcome, method }, { error, condition, s }) {
+export function solvedText({ outcome, method }, { one, error, condition, s }) {
   const told = [
     outcome || "solved",
-    error > 0 ? `estimated error ${powers(number(error, 2))}` : "",
+    error > 0 ? `estimated error ${powers(number(error, 2))}${one.leaves ? " of the length" : ""}` : "",
     Number.isFinite(condition) ? `condition number ${powers(number(condition, 3))}` : "",
     `${s.length} stations`,
   ];

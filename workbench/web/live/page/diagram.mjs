@@ -67,7 +67,7 @@ const padded = (low, high, share) => [low - share * (high - low), high + share *
 export function extent(values, more = [], least = 0) {
   const [low, high] = range([...values, ...more].filter(Number.isFinite));
   if (!(low <= high)) return [0, 1];
-  const size = Math.max(Math.abs(low), Math.abs(high), 1e-300);
+  const size = Math.max(Math.abs(low), Math.abs(high)) || 1;
   if (high - low < least) return [(low + high - least) / 2, (low + high + least) / 2]; // less is rounding
   if (high - low < 1e-6 * size) return [low - 0.05 * size, high + 0.05 * size]; // a constant is drawn as level
   return [low, high];

@@ -58,9 +58,7 @@ export function showStudy(state) {
 }
 
 /* The shape as a table of text (CSV). */
-function csvText({ one, s, alpha, beta, dbeta, z, push, kappa, tension }, { length, force }) {
-  const x = alpha.map((v) => one.rho * Math.cos(v)),
-    y = alpha.map((v) => one.rho * Math.sin(v));
+function csvText({ s, x, y, z, alpha, beta, dbeta, push, kappa, tension }, { length, force }) {
   const columns = {
     [`s [${length}]`]: s,
     [`x [${length}]`]: x,

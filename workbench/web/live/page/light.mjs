@@ -1,8 +1,8 @@
 // How much of the light from all around reaches the wall beside the rod that touches it, over the unrolled wall, and the
 // rod beside other stretches of it. The laws are those of workbench/scene/surfaces.py.
 
-import { onLines, pointOf } from "./rod_shape.mjs";
-import { frameAt } from "./tube.mjs";
+import { onLines } from "./rod_shape.mjs";
+import { framesAt } from "./tube.mjs";
 
 const BUDGET = 2e6,
   ROUGH = 2e5; // visits of texels, at rest and while a slider moves
@@ -11,8 +11,9 @@ const LEAST = 2,
   LARGEST = 2048; // texels around or along
 
 /* Bytes, 255 where all light arrives; u runs around from azimuth 0, v along from the lower end. wall: its ends. */
-export function wallLight({ one, alpha, z }, squeeze, { low, high }, { depth, reach }, rough) {
+export function wallLight({ one, x, y, z, alpha }, squeeze, { low, high }, { depth, reach }, rough) {
   const { R, rho, a } = one,
+    radii = one.leaves ? x.map((v, i) => Math.hypot(v, y[i])) : x.map(() => rho),
     steps = Array.from(z, (_, i) => (i ? Math.hypot(rho * (alpha[i] - alpha[i - 1]), squeeze * (z[i] - z[i - 1])) : 0)),
     length = steps.reduce((sum, step) => sum + step, 0);
   const fine = Math.cbrt(((rough ? ROUGH : BUDGET) * a) / (4 * reach ** 2 * Math.max(length, a))),
@@ -27,10 +28,12 @@ export function wallLight({ one, alpha, z }, squeeze, { low, high }, { depth, re
     wide = Math.min(Math.ceil(Math.acos(Math.max(1 - far / (2 * R * rho), -1)) / turn), width >> 1),
     tall = Math.ceil(Math.sqrt(far) / rise),
     across = new Float32Array(2 * wide + 1);
-  const put = (azimuth, place) => {
+  const put = (azimuth, place, r) => {
+    const off = one.leaves ? (R - r) ** 2 - a ** 2 : 0; // more than of a rod on the wall
+    if (off >= far) return;
     const middle = Math.round(azimuth / turn - 0.5),
       row = Math.round((place - low) / rise - 0.5);
-    for (let i = -wide; i <= wide; i++) across[i + wide] = 2 * R * rho * (1 - Math.cos((middle + i + 0.5) * turn - azimuth));
+    for (let i = -wide; i <= wide; i++) across[i + wide] = off + 2 * R * r * (1 - Math.cos((middle + i + 0.5) * turn - azimuth));
     for (let j = Math.max(row - tall, 0); j <= Math.min(row + tall, height - 1); j++) {
       const along = (low + (j + 0.5) * rise - place) ** 2;
       for (let i = -wide; i <= wide; i++) {
@@ -43,10 +46,11 @@ export function wallLight({ one, alpha, z }, squeeze, { low, high }, { depth, re
     const parts = Math.ceil(steps[i] / texel);
     for (let k = 0; k < parts; k++) {
       const u = k / parts;
-      put(alpha[i - 1] + u * (alpha[i] - alpha[i - 1]), squeeze * (z[i - 1] + u * (z[i] - z[i - 1])));
+      const [azimuth, place, r] = [alpha, z, radii].map((row) => row[i - 1] + u * (row[i] - row[i - 1]));
+      put(azimuth, squeeze * place, r);
     }
   }
-  put(alpha[z.length - 1], squeeze * z[z.length - 1]);
+  put(alpha[z.length - 1], squeeze * z[z.length - 1], radii[z.length - 1]);
   const all = far / (far + a ** 2),
     bytes = Uint8Array.from(nearest, (v) => 255 * (1 - depth * (1 - v / (v + a ** 2) / all)));
   return { width, height, bytes };
@@ -71,9 +75,9 @@ export function coveredTube(shape, chosen, sides, squeeze) {
     if (cells.has(key)) cells.get(key).push(n);
     else cells.set(key, [n]);
   });
-  chosen.forEach((i, ring) => {
-    const frame = frameAt(shape, i, squeeze, 0),
-      near = [];
+  framesAt(shape, chosen, squeeze, 0).forEach((frame, ring) => {
+    const near = [],
+      i = chosen[ring];
     const [ci, cj, ck] = [frame.x, frame.y, frame.z].map(cellOf);
     for (let u = -1; u <= 1; u++)
       for (let v = -1; v <= 1; v++)
@@ -92,10 +96,10 @@ export function coveredTube(shape, chosen, sides, squeeze) {
 }
 
 /* Of a point of a section; near: of each sphere its place from the centre, and its weight. */
-function coveredAt({ ox, oy, bx, by, bz }, c, d, near, a) {
+function coveredAt({ ox, oy, oz, bx, by, bz }, c, d, near, a) {
   const nx = c * ox + d * bx,
     ny = c * oy + d * by,
-    nz = d * bz;
+    nz = c * oz + d * bz;
   let sum = 0;
   for (let k = 0; k < near.length; k += 4) {
     const u = near[k] - a * nx,
@@ -109,11 +113,11 @@ function coveredAt({ ox, oy, bx, by, bz }, c, d, near, a) {
 }
 
 /* Spheres at every radius along the rod; two stand for a stretch as long as they are wide. */
-function spheresOf({ one, s, alpha, z }, squeeze) {
+function spheresOf({ one, s, x, y, z }, squeeze) {
   const length = s[s.length - 1],
     count = Math.min(Math.max(Math.floor(length / one.a), 2), SPHERES),
     places = Array.from({ length: count + 1 }, (_, k) => Math.min((k * length) / count, length)),
-    [azimuths, heights] = [alpha, z].map((row) => onLines(s, row, places)),
+    [across, aside, heights] = [x, y, z].map((row) => onLines(s, row, places)),
     weight = length / count / (2 * one.a);
-  return places.map((at, k) => ({ s: at, place: pointOf(one, azimuths[k], heights[k], squeeze), weight }));
+  return places.map((at, k) => ({ s: at, place: [across[k], aside[k], squeeze * heights[k]], weight }));
 }

@@ -2,7 +2,7 @@
 
 import { aside, axesOf, dot } from "./camera.mjs";
 import { make } from "./details.mjs";
-import { pointOf } from "./rod_shape.mjs";
+import { pointAt } from "./rod_shape.mjs";
 
 const RING = 1.1,
   RINGS = [10, 26], // diameter of a ring in radii of the rod; its ends in pixels
@@ -47,7 +47,7 @@ export function makeOverlay(canvas, mark, me, scene) {
     }
     mark.hidden = !me.at || !me.shape || !scene;
     if (mark.hidden) return;
-    const { x, y, behind } = onScreen(pointOf(me.shape.one, me.at.alpha, me.at.z, me.drawn.squeeze));
+    const { x, y, behind } = onScreen([me.at.x, me.at.y, me.drawn.squeeze * me.at.z]);
     mark.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`;
     mark.classList.toggle("behind", behind);
   }
@@ -69,12 +69,12 @@ export function makeOverlay(canvas, mark, me, scene) {
   /* The s of the rod under the pointer, or null. */
   function sAt(px, py) {
     if (!me.shape) return null;
-    const { one, s, alpha, z } = me.shape,
+    const { one, s } = me.shape,
       near = (one.a * canvas.clientHeight) / (2 * me.camera.half) + 6;
     let best = null,
       nearest = -Infinity;
     for (let i = 0; i < s.length; i++) {
-      const spot = onScreen(pointOf(one, alpha[i], z[i], me.drawn.squeeze)),
+      const spot = onScreen(pointAt(me.shape, i, me.drawn.squeeze)),
         off = Math.hypot(spot.x - px, spot.y - py);
       if (off > near || spot.behind) continue;
       const score = spot.depth - (off / near) * one.a * 3;

@@ -8,7 +8,7 @@ import { observables } from "./numbers.mjs";
 import { coreOf } from "./packed_core.mjs";
 import { makePrint } from "./print.mjs";
 import { SLIDING } from "./formulas.mjs";
-import { Refused, caseOf, heldState, isEnds } from "./rod_case.mjs";
+import { Refused, caseOf, heldState, isEnds, setContact } from "./rod_case.mjs";
 import { interpolated, marched, moved } from "./rod_shape.mjs";
 import { makeShown } from "./shown.mjs";
 import { makeDiagrams } from "./side_diagrams.mjs";
@@ -16,6 +16,7 @@ import { makeAsker, post } from "./server.mjs";
 import { makeStage } from "./stage.mjs";
 import { makeAddress } from "./study_text.mjs";
 
+const SERVER = "A rod with weight or friction, or beside a cylinder that only pushes, needs the server of workbench explore.";
 const PATIENCE = { numbers: 90, more: 250, list: 500 }; // ms of rest before what is slower
 const data = JSON.parse(element("data").textContent),
   served = data.served;
@@ -98,7 +99,7 @@ function update(how = {}) {
   try {
     const one = caseOf(me.state, letters),
       near = how.seed ? { ...how.seed, one } : served && (how.fresh || how.chosen) ? null : me.shape;
-    if (one.varies && !served) throw new Refused("A rod with weight or friction needs the server of workbench explore.");
+    if (one.varies && !served) throw new Refused(SERVER);
     const shape = one.varies ? null : one.kind === "start" ? marched(core, one) : neighbour(one, near);
     if (!shape && served) return askShape(one, how, since);
     again = null;
@@ -125,9 +126,11 @@ async function askShape(one, how, since) {
     const lost = !how.fresh && !how.chosen, // the state names the equilibrium of an earlier one
       head = await post("/shape", { state: me.state, lost });
     if (isOld()) return;
-    const { outcome, error, condition, method, notes, numbers } = head,
+    const { outcome, error, condition, method, notes, numbers, contacts, point_forces, equilibrium } = head,
       arrays = Object.fromEntries(Object.entries(head.arrays).map(([name, row]) => [name, Float64Array.from(row)])),
       facts = { error: error ?? NaN, condition: condition ?? NaN, sound: true, shown: 1, numbers };
+    if (one.leaves) Object.assign(facts, { contacts, pointForces: point_forces });
+    if (equilibrium) me.state.equilibrium = equilibrium; // that was let go
     took(interpolated(core, one, arrays, facts), { outcome, method, notes }, how, since);
   } catch (error) {
     if (!isOld()) refuse(error);
@@ -142,7 +145,7 @@ async function askShape(one, how, since) {
 function took(shape, head, how, since) {
   const solved = performance.now(),
     isOther = (name) => me.shape?.one[name] !== shape.one[name],
-    refit = how.refit || how.chosen || isOther("side") || isOther("kind");
+    refit = how.refit || how.chosen || isOther("side") || isOther("kind") || isOther("leaves");
   Object.assign(me, { shape, head, wrong: { sentence: "", field: "" } });
   const locked = element("lock").checked && view.drawn && !how.fresh ? view.drawn.scale : null;
   view.show(shape, { fresh: how.fresh, refit: refit && locked === null, scale: locked });
@@ -224,6 +227,7 @@ function prepare() {
     preset: begin,
     reading: (reading) => (Object.assign(me.state, { reading }), update()),
     sliding: (sliding) => (Object.assign(me.state.base, { sliding }), update({ refit: true })),
+    contact: (kind) => (setContact(me.state, kind === "unilateral"), update({ refit: true, chosen: true })),
     side: (side) => (Object.assign(me.state.base, { side }), update({ refit: true })),
     push: view.showPush,
   };

@@ -9,7 +9,8 @@ const START = ["beta", "dbeta", "F1", "F2", "F3", "dgamma", "M3"],
   ENDS = Object.keys(HELD); // or what is held in place of each
 const OUTSIDE = ["weight", "inclination", "friction"]; // what makes the loads vary along the rod
 const POSITIVE = [...Object.keys(RANGES).filter((name) => RANGES[name].low === 0 && !RANGES[name].closed), "weight"],
-  OPTIONAL = ["F2", "F3", ...ENDS.filter((name) => !ANGLES.includes(name))];
+  OPTIONAL = ["F2", "F3", ...ENDS.filter((name) => !ANGLES.includes(name))],
+  OFF_WALL = ["radius0", "radiusL", "tilt0", "M20", "tiltL", "M2L"]; // of the ends of a rod that may leave the cylinder
 const AT_START = { beta: "beta0", dbeta: "dbeta0" }; // fields that are the value of another quantity at s = 0
 
 /* An invalid value: a sentence for the one who typed it, and the field ("" if it is about none). */
@@ -22,13 +23,24 @@ export class Refused extends Error {
 }
 
 export const quantityOf = (name) => AT_START[name] || name;
-const KINDS = { nu: "ratio", inner_radius: "bore", inclination: "tilt", friction: "share" };
+const KINDS = { nu: "ratio", inner_radius: "bore", radius0: "bore", radiusL: "bore", inclination: "tilt", friction: "share" };
 export const isDegrees = (name) => ["angle", "tilt"].includes(kindOf(name));
 export const kindOf = (name) =>
   POSITIVE.includes(name) ? "positive" : KINDS[name] || (ANGLES.includes(name) ? "angle" : "signed");
 export const isEnds = (state) => state.reading === undefined && ("betaL" in state.base || "M1L" in state.base);
-/* Whether the loads vary along the rod: then the server solves it. */
-export const varies = ({ base }) => OUTSIDE.some((name) => base[name] !== undefined);
+/* Whether the cylinder only pushes, so that the rod may leave it. */
+export const leaves = ({ base, let_go }) => Boolean(let_go) || base.contact === "unilateral";
+/* Whether the loads vary along the rod, or it may leave the cylinder: then the server solves it. */
+export const varies = (state) => leaves(state) || OUTSIDE.some((name) => state.base[name] !== undefined);
+
+/* Let the cylinder of a state only push, or hold the rod on. Between two ends their loads stay; of a start problem both
+   ends stay as they are. */
+export function setContact(state, pushes) {
+  delete state.let_go;
+  for (const name of ["contact", ...OFF_WALL]) delete state.base[name];
+  if (pushes) Object.assign(...(isEnds(state) ? [state.base, { contact: "unilateral" }] : [state, { let_go: true }]));
+  if (pushes && isEnds(state)) delete state.equilibrium;
+}
 
 /* Whether data of a link is a state at all; its numbers are checked by `caseOf`. */
 export function isState({ base, units, reading, equilibrium, title = "" }, readings) {
@@ -46,7 +58,7 @@ export function fieldNames(state) {
     given = isEnds(state)
       ? ENDS.map((name) => (HELD[name] in base ? HELD[name] : name))
       : START.filter((name) => !TWISTS.includes(name) || name in base);
-  return [...rodNames(base), "R", ...OUTSIDE.filter((name) => name in base), ...given];
+  return [...rodNames(base), "R", ...[...OUTSIDE, ...OFF_WALL].filter((name) => name in base), ...given];
 }
 
 /* The numbers of the rod of a state: EI and GJ, or E and nu, and the inner radius of a tube. */
@@ -94,7 +106,7 @@ export function caseOf(state, symbols) {
   one.A = BENDING[section](one);
   one.C = TORSION[section](one);
   one.kind = isEnds(state) ? "ends" : "start";
-  if (varies(state)) return { ...one, varies: true, FZ: one.FZ ?? 0, MZ: one.MZ ?? 0, M3: one.M3 ?? 0 };
+  if (varies(state)) return { ...one, varies: true, leaves: leaves(state), FZ: one.FZ ?? 0, MZ: one.MZ ?? 0, M3: one.M3 ?? 0 };
   return {
     ...one,
     ...(one.kind === "ends" ? { FZ: one.FZ, MZ: one.MZ, M3: one.M3 } : startLoads(one, given(one, reading))),
@@ -107,7 +119,7 @@ function checked(name, value, symbols) {
   const { low = -Infinity, closed, high = Infinity } = POSITIVE.includes(name) ? { low: 0 } : RANGES[name] || {};
   if ((closed ? value >= low : value > low) && value <= high) return value;
   const written = (bound) => `${isDegrees(name) ? `${Math.round(bound / DEGREE)}°` : bound}`.replace("-", "−");
-  if (closed && high < Infinity) throw new Refused(`${letter} must be from ${low} to ${written(high)}.`, name);
+  if (closed && high < Infinity) throw new Refused(`${letter} must be from ${written(low)} to ${written(high)}.`, name);
   const most = high < Infinity ? ` and at most ${written(high)}` : "";
   throw new Refused(`${letter} must be ${closed ? "at least" : "greater than"} ${written(low)}${most}.`, name);
 }

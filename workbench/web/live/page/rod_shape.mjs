@@ -9,7 +9,9 @@ const A_HALF_PERIOD = 40; // stations that each half period of beta has at least
 const TURN = 0.09; // rad by which beta or the azimuth may change between two stations
 const THINNED = 3; // stations of which one is enough to find landmarks between them
 const ROUGHER = 2.7; // times these distances, where MOST stations are too few; a still longer rod is shown in part
-const SERVED = ["beta", "dbeta", "alpha", "z", "push", "kappa", "tension", "axial"]; // of a rod whose loads vary
+const SERVED = ["beta", "dbeta", "alpha", "z", "push", "kappa", "tension"], // of a rod that the server solves
+  VARYING = ["axial"],
+  OFF_WALL = ["x", "y", "tilt", "gap"]; // and of one that may leave the cylinder
 const LARGEST = 1e12; // a number of the dimensionless problem
 const SAME = 0.7; // rad: a shape farther from the one before is another equilibrium
 const UNFIT = "These numbers are too large or too small to compute with.";
@@ -41,17 +43,18 @@ function fitting(problem) {
   return problem;
 }
 
-/* The shape at stations that are known: s, beta, dbeta, alpha, z. Between them it is marched; where loads vary, it has
-   straight lines, also of the other rows of the server. */
+/* The shape at stations that are known: s, beta, dbeta, alpha, z. Between them it is marched; of a rod that the server
+   solves it has straight lines, also of its other rows. */
 export function interpolated(core, one, stations, facts) {
   const { s, beta, alpha } = stations,
     length = s[s.length - 1],
     problem = reduced(one, stations.dbeta[0]);
-  const lines = (where) => Object.fromEntries(SERVED.map((name) => [name, onLines(s, stations[name], where)]));
+  const names = [...SERVED, ...(one.leaves ? OFF_WALL : VARYING)],
+    lines = (where) => Object.fromEntries(names.map((name) => [name, onLines(s, stations[name], where)]));
   const at = one.varies
-    ? (where) => ({ s: where, ...lines(where) })
+    ? (where) => placed(one, { s: where, ...lines(where) })
     : along(core, one, problem, core.through(problem, timed(one, stations)));
-  const { n } = stationsFor(length / one.rho, { beta, alpha });
+  const n = one.leaves ? 0 : stationsFor(length / one.rho, { beta, alpha }).n;
   return made(core, one, at, evenly(length, Math.max(n, s.length)), { ...facts, problem });
 }
 
@@ -137,7 +140,7 @@ function along(core, one, problem, orbit) {
   return (s) => {
     const { beta, rate, alpha, z } = orbit(s.map((v) => v / rho)),
       { push, curvature, tension } = core.forces(problem, one.sign, beta, rate);
-    return {
+    return placed(one, {
       s,
       beta,
       dbeta: times(rate, 1 / rho),
@@ -146,9 +149,18 @@ function along(core, one, problem, orbit) {
       push: times(push, A / rho ** 3),
       kappa: times(curvature, 1 / rho),
       tension: times(tension, A / rho ** 2),
-    };
+    });
   };
 }
+
+/* The rows of a rod with its places x, y and the tilt of its tangent out of the tangent plane: those of a rod on the wall
+   unless the rows have them. */
+const placed = ({ rho }, rows) => ({
+  x: rows.alpha.map((v) => rho * Math.cos(v)),
+  y: rows.alpha.map((v) => rho * Math.sin(v)),
+  tilt: new Float64Array(rows.s.length),
+  ...rows,
+});
 
 /* The arrays over s, with the extremes of beta, push and curvature and the zeros of the push as further stations. */
 function made(core, one, at, s, facts) {
@@ -163,8 +175,8 @@ function landmarksOf(core, one, even, problem) {
   return core.landmarks(problem, one.sign, few, 2 * even.s.length).map((t) => t * one.rho).sort();
 }
 
-/* The point of a centreline with this azimuth and height; squeeze: the factor by which a scene is compressed. */
-export const pointOf = ({ rho }, alpha, z, squeeze = 1) => [rho * Math.cos(alpha), rho * Math.sin(alpha), squeeze * z];
+/* The point of a centreline at a station; squeeze: the factor by which a scene is compressed. */
+export const pointAt = ({ x, y, z }, i, squeeze = 1) => [x[i], y[i], squeeze * z[i]];
 
 /* Every so many of the stations and the last, dimensionless. */
 export function every(even, step, { rho }) {

@@ -6,9 +6,9 @@ import { make } from "./details.mjs";
 import { hands } from "./hands.mjs";
 import { coveredTube, wallLight } from "./light.mjs";
 import { makeOverlay } from "./overlay.mjs";
-import { pushMarks, tallest } from "./push_marks.mjs";
+import { contactMarks, pushMarks, tallest } from "./push_marks.mjs";
 import { range } from "./range.mjs";
-import { pointOf } from "./rod_shape.mjs";
+import { pointAt } from "./rod_shape.mjs";
 import { makeScene } from "./scene.mjs";
 import { circle, cylinder, rings, sidesFor, squeezeOf, tube } from "./tube.mjs";
 
@@ -68,7 +68,7 @@ export function makeView(canvas, mark, code, calm) {
   function filled() {
     const { wall } = me.drawn,
       { one } = me.shape,
-      reach = Math.max(one.R, one.rho + reachOf(one));
+      reach = Math.max(one.R, range(me.shape.x.map((v, i) => Math.hypot(v, me.shape.y[i])))[1] + reachOf(one));
     scene.setWall(wall, one.sign < 0, 2 * (reach + Math.max(Math.abs(wall.low), Math.abs(wall.high))));
     mesh(COARSE * me.ratio, true);
     paint(false);
@@ -79,7 +79,7 @@ export function makeView(canvas, mark, code, calm) {
     const { shape, drawn } = me,
       tolerance = (pixels * 2 * me.target.half) / Math.max(canvas.clientHeight * pixelRatio(), 1),
       chosen = setRod(scene, shape, drawn, tolerance, moves);
-    scene.setMarks(pushMarks(me.push, shape, chosen, drawn.squeeze, drawn.scale.end));
+    scene.setMarks(pushMarks(me.push, shape, chosen, drawn.squeeze, drawn.scale.end), contactMarks(shape, drawn.squeeze));
     scene.setLight(wallLight(shape, drawn.squeeze, drawn.wall, code, moves), shape.one.a);
     me.rings = chosen.length;
   }
@@ -140,7 +140,8 @@ export function makeView(canvas, mark, code, calm) {
     later();
   };
   /* How far what is drawn reaches from the centreline. */
-  const reachOf = (one) => one.a + (me.push !== "colours" && one.sign > 0 ? tallest(one) : 0);
+  const reachOf = (one) =>
+    one.a + ((me.push !== "colours" || me.shape.pointForces?.length) && one.sign > 0 ? tallest(one) : 0);
   const boundsFrom = (camera) => seen(camera, me.drawn.points, reachOf(me.shape.one));
 
   /* All of the rod, from the same side. */
@@ -239,10 +240,11 @@ function picture(me, scene, width, height) {
 }
 
 /* The points that a view must contain: the rod's centreline and the ends of the wall. */
-function pointsOf({ one, alpha, z }, squeeze, { low, high }) {
-  const n = alpha.length,
+function pointsOf(shape, squeeze, { low, high }) {
+  const { one } = shape,
+    n = shape.s.length,
     found = new Float32Array(3 * (n + 2 * AROUND.length));
-  for (let i = 0; i < n; i++) found.set(pointOf(one, alpha[i], z[i], squeeze), 3 * i);
+  for (let i = 0; i < n; i++) found.set(pointAt(shape, i, squeeze), 3 * i);
   const inner = one.sign > 0 ? one.R - one.a : one.R;
   [low, high].forEach((height, k) =>
     AROUND.forEach(([c, s], i) => found.set([inner * c, inner * s, height], 3 * (n + k * AROUND.length + i))),

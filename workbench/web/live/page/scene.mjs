@@ -14,7 +14,8 @@ out vec3 way, spot, outward; out float value, shaded;
 void main() { shaded = cover; gl_Position = view * vec4(place, 1.0); way = turn * normal; spot = place; outward = normal; value = push; }`;
 const ROD = 0,
   WALL = 1,
-  HIDDEN = 2; // what a fragment belongs to; HIDDEN: a stretch behind the wall, in outline
+  HIDDEN = 2, // what a fragment belongs to; HIDDEN: a stretch behind the wall, in outline
+  INK = 3; // marks that say nothing of the push
 const UNIFORMS = ["view", "turn", "wall", "part", "ramp", "light", "line", "hidden", "ends", "depth", "covered"];
 const FRAGMENT = `#version 300 es
 precision highp float;
@@ -23,6 +24,7 @@ uniform sampler2D ramp, light; uniform vec3 wall, line; uniform vec3 hidden; uni
 uniform float depth, covered;
 out vec4 colour;
 void main() {
+  if (part == INK) { colour = vec4(0.55 * line, 1.0); return; }
   vec3 n = normalize(way);
   if (!gl_FrontFacing) n = -n;
   bool isRod = part == ROD;
@@ -42,7 +44,7 @@ void main() {
   float shine = max(dot(n, vec3(-0.215, 0.296, 0.931)), 0.0);
   shine *= shine; shine *= shine; shine *= shine; shine *= shine; shine *= shine; // to the power 32
   colour = vec4(base * bright * edge + (isRod ? 0.18 * shine : 0.0), 1.0);
-}`.replace(/\b(ROD|WALL|HIDDEN)\b/g, (name) => ({ ROD, WALL, HIDDEN })[name]);
+}`.replace(/\b(ROD|WALL|HIDDEN|INK)\b/g, (name) => ({ ROD, WALL, HIDDEN, INK })[name]);
 
 /* Draws in a canvas; null without WebGL 2. onContext(lost): called when the browser takes the drawing context away (true)
    and when it has given it back (false): then all buffers are new and empty. */
@@ -79,10 +81,12 @@ export function makeScene(canvas, code, onContext) {
     fill(gl, surfaces.ends, corners.subarray(STRIDE * first), endTriangles(0, sides));
   }
 
-  /* What stands off the rod to show the push; null for nothing. */
-  function setMarks(marks) {
-    surfaces.marks.size = 0;
-    if (marks) fill(gl, surfaces.marks, marks.corners, marks.triangles);
+  /* What stands off the rod to show the push, and what marks its contacts; null for nothing. */
+  function setMarks(marks, inks) {
+    for (const [to, from] of [[surfaces.marks, marks], [surfaces.inks, inks]]) {
+      to.size = 0;
+      if (from) fill(gl, to, from.corners, from.triangles);
+    }
   }
 
   function setWall({ corners, triangles, low, high }, open, depth) {
@@ -131,6 +135,8 @@ export function makeScene(canvas, code, onContext) {
     for (const part of [surfaces.rod, surfaces.ends]) shown(gl, part);
     gl.disable(gl.CULL_FACE);
     shown(gl, surfaces.marks);
+    gl.uniform1i(where.part, INK);
+    shown(gl, surfaces.inks);
   }
 
   /* Draw at so many pixels for one pixel of the page; smooth: with four samples a pixel. */
@@ -196,7 +202,7 @@ function resources(gl, code) {
   gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
   return {
     where,
-    surfaces: { rod: covering(gl, surface(gl)), ends: surface(gl), wall: surface(gl), marks: surface(gl) },
+    surfaces: { rod: covering(gl, surface(gl)), ends: surface(gl), wall: surface(gl), marks: surface(gl), inks: surface(gl) },
     state: { open: false, depth: 1, a: 1, smooth: null, walls: {} },
   };
 }

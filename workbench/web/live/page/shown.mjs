@@ -4,12 +4,16 @@ import { hereText } from "./controls.mjs";
 import { valuesAt } from "./curves.mjs";
 import { element, set, showRows, solvedText } from "./details.mjs";
 import { observables, warnings } from "./numbers.mjs";
-import { isEnds, varies } from "./rod_case.mjs";
+import { isEnds, leaves, varies } from "./rod_case.mjs";
+import { wordsOfMarks } from "./push_marks.mjs";
 import { number } from "./text.mjs";
 
 const OFFLINE =
   "This file works without a server, so it does not list all equilibria and follows only the one it began with. " +
   "The command workbench explore starts the page with a server.";
+
+const LET_GO = "Both ends stay as they are where the cylinder holds the rod on.",
+  LOADS = "The loads on its ends stay.";
 
 /* me: the page's state and shape; the others are parts of the page. */
 export function makeShown(me, data, { stage, diagrams, controls, context, equilibria, ask }) {
@@ -21,6 +25,10 @@ export function makeShown(me, data, { stage, diagrams, controls, context, equili
     set(element("problem"), shown && shape ? `${shown} The last shape is shown.` : shown);
     element("problem").hidden = !shown;
     element("side").value = state.base.side || "outside";
+    element("contact").value = leaves(state) ? "unilateral" : "bilateral";
+    const free = leaves(state) && data.served;
+    element("contact-note").hidden = !free;
+    set(element("contact-note"), free ? (state.let_go ? LET_GO : LOADS) : "");
     element("reading-line").hidden = state.reading === undefined;
     if (state.reading !== undefined) element("reading").value = state.reading;
     element("sliding-line").hidden = state.base.friction === undefined;
@@ -29,6 +37,9 @@ export function makeShown(me, data, { stage, diagrams, controls, context, equili
     element("equilibria").hidden = !isEnds(state) || varies(state);
     if (!shape) return;
     stage.showLegend(`${units.force}/${units.length}`);
+    const words = wordsOfMarks(shape);
+    set(element("contacts"), words);
+    element("contacts").hidden = !words;
     if (me.cursor !== null) setCursor(me.cursor);
     if (!data.served) set(element("unlisted"), OFFLINE);
   }

@@ -15,6 +15,7 @@ function decimal(v) {
 export function studyText(state) {
   const rows = [`title = ${text(state.title || "From the live page")}`];
   if (state.reading !== undefined) rows.push(`reading = ${text(state.reading)}`);
+  if (state.let_go) rows.push("let_go = true");
   for (const name of ["units", "base", "equilibrium"]) {
     if (!state[name]) continue;
     rows.push("", `[${name}]`);

@@ -61,11 +61,11 @@ export function tube(shape, chosen, sides, squeeze, largest) {
     for (const v of numbers) corners[at++] = v;
   };
   const ring = (frame, flat) => {
-    const { x, y, z, ox, oy, bx, by, bz, value } = frame;
+    const { x, y, z, ox, oy, oz, bx, by, bz, value } = frame;
     for (const [c, d] of around) {
       const nx = c * ox + d * bx,
         ny = c * oy + d * by,
-        nz = d * bz;
+        nz = c * oz + d * bz;
       corners[at] = x + one.a * nx;
       corners[at + 1] = y + one.a * ny;
       corners[at + 2] = z + one.a * nz;
@@ -76,13 +76,13 @@ export function tube(shape, chosen, sides, squeeze, largest) {
       at += STRIDE;
     }
   };
-  for (const i of chosen) ring(frameAt(shape, i, squeeze, largest));
-  for (const [i, way] of [
-    [chosen[0], -1],
-    [chosen[count - 1], 1],
+  const frames = framesAt(shape, chosen, squeeze, largest);
+  for (const frame of frames) ring(frame);
+  for (const [frame, way] of [
+    [frames[0], -1],
+    [frames[count - 1], 1],
   ]) {
-    const frame = frameAt(shape, i, squeeze, largest),
-      flat = frame.along.map((v) => way * v);
+    const flat = frame.along.map((v) => way * v);
     ring(frame, flat);
     put(frame.x, frame.y, frame.z, ...flat, frame.value);
   }
@@ -90,24 +90,44 @@ export function tube(shape, chosen, sides, squeeze, largest) {
 }
 
 /* Place, outward normal, binormal and tangent of the drawn curve at a station, and the push there as a share. */
-export function frameAt({ one, alpha, beta, z, push }, i, squeeze, largest) {
-  const b = squeeze < 1 ? Math.atan2(Math.sin(beta[i]), squeeze * Math.cos(beta[i])) : beta[i];
-  const ca = Math.cos(alpha[i]),
-    sa = Math.sin(alpha[i]),
-    cb = Math.cos(b),
-    sb = Math.sin(b);
+export function frameAt({ x, y, z, alpha, beta, tilt, push }, i, squeeze, largest) {
+  const [u, v] = [Math.sin(beta[i]), squeeze * Math.cos(beta[i])],
+    b = squeeze < 1 ? Math.atan2(u, v) : beta[i],
+    lean = squeeze < 1 ? Math.atan2(Math.sin(tilt[i]), Math.cos(tilt[i]) * Math.hypot(u, v)) : tilt[i];
+  const [ca, sa, cb, sb, ct, st] = [alpha[i], b, lean].flatMap((angle) => [Math.cos(angle), Math.sin(angle)]),
+    [ax, ay, az] = [-sb * sa, sb * ca, cb]; // the tangent without the tilt
   return {
-    x: one.rho * ca,
-    y: one.rho * sa,
+    x: x[i],
+    y: y[i],
     z: squeeze * z[i],
-    ox: ca,
-    oy: sa,
+    ox: ct * ca - st * ax,
+    oy: ct * sa - st * ay,
+    oz: -st * az,
     bx: cb * sa,
     by: -cb * ca,
     bz: sb,
-    along: [-sb * sa, sb * ca, cb],
+    along: [ct * ax + st * ca, ct * ay + st * sa, ct * az],
     value: largest > 0 ? push[i] / largest : 0,
   };
+}
+
+/* The frames of rings. Off the wall each is turned about the tangent as little as it can be from the one before: the
+   azimuth of a rod near the axis says nothing of its section. */
+export function framesAt(shape, chosen, squeeze, largest) {
+  const frames = chosen.map((i) => frameAt(shape, i, squeeze, largest));
+  if (shape.one.leaves) frames.forEach((frame, k) => k && unturn(frame, frames[k - 1]));
+  return frames;
+}
+
+function unturn(frame, { ox, oy, oz }) {
+  const u = ox * frame.ox + oy * frame.oy + oz * frame.oz,
+    v = ox * frame.bx + oy * frame.by + oz * frame.bz,
+    size = Math.hypot(u, v) || 1;
+  for (const k of ["x", "y", "z"]) {
+    const [o, b] = [frame[`o${k}`], frame[`b${k}`]];
+    frame[`o${k}`] = (u * o + v * b) / size;
+    frame[`b${k}`] = (u * b - v * o) / size;
+  }
 }
 
 /* The triangles of a tube's wall between rings, in order, so that the first belong to a tube of fewer rings. */
