@@ -91,7 +91,7 @@ static TARGET void NAME(units)(const changed_orbit *of, const visits *p, int at,
     for (int k = 0; k < 3; k++)
         here.shift[k + 1] = ZERO + rows[3 + k], here.gamma[k + 1] = value[2 + k];
     for (int m = 0; m < PAIRS; m++) { /* as `rod_unfolded` */
-        const double gained = of->gain[m], later = of->gain[SUMS + m], whole = of->librates ? 2 * (gained + later) : gained;
+        const double gained = of->gain[m], later = of->gain[PAIRS + m], whole = of->librates ? 2 * (gained + later) : gained;
         const vec there = ZERO + gained, after = ZERO + later, limit = PICK(is_second, after, there);
         const vec folded = PICK(is_mirrored, 2 * limit - value[5 + m], value[5 + m]);
         here.M[m] = folded + PICK(is_second, 2 * there, zero) + periods * whole;

@@ -208,6 +208,24 @@ static inline double wrapped(double angle)
     return angle >= PI ? angle - TAU : angle;
 }
 
+/* The largest and the smallest of the sizes of n numbers, NaN where one of them is; eight at a time, which changes no bit. */
+#define OF_SIZES(name, better, worst)                                                                                  \
+    INLINE double name(int n, const double *values)                                                                    \
+    {                                                                                                                  \
+        double best[8] = {worst, worst, worst, worst, worst, worst, worst, worst};                                     \
+        int i = 0;                                                                                                     \
+        for (; i + 8 <= n; i += 8)                                                                                     \
+            for (int k = 0; k < 8; k++)                                                                                \
+                best[k] = better(best[k], fabs(values[i + k]));                                                        \
+        for (; i < n; i++)                                                                                             \
+            best[0] = better(best[0], fabs(values[i]));                                                                \
+        for (int k = 1; k < 8; k++)                                                                                    \
+            best[0] = better(best[0], best[k]);                                                                        \
+        return best[0];                                                                                                \
+    }
+OF_SIZES(largest_size, larger, 0)
+OF_SIZES(smallest_size, smaller, INFINITY)
+
 /* sin and cos to about one unit in the last place, |x| < FAR */
 INLINE void near_sin_cos(int n, const double *restrict x, double *restrict sine, double *restrict cosine)
 {
@@ -218,10 +236,7 @@ INLINE void near_sin_cos(int n, const double *restrict x, double *restrict sine,
 /* The same of any angles: where one is far, by libm. */
 INLINE void sin_cos_of(int n, const double *restrict x, double *restrict sine, double *restrict cosine)
 {
-    double far = 0;
-    for (int i = 0; i < n; i++)
-        far = larger(far, fabs(x[i]));
-    if (far < FAR)
+    if (largest_size(n, x) < FAR)
         near_sin_cos(n, x, sine, cosine);
     else
         for (int i = 0; i < n; i++)
@@ -245,32 +260,28 @@ enum { ABREAST = 4 };
 enum { ABREAST = 2 };
 #endif
 typedef double abreast __attribute__((vector_size(8 * ABREAST), aligned(8), may_alias));
+#define ABREAST_AT(at) (*(abreast *)(at))
 
-/* The same for functions IN_WIDTHS: the sums stay in registers; left to the compiler they do not. */
+/* The same for functions IN_WIDTHS: the sums stay in registers; left to the compiler they do not. The last registers of a
+   row overlap, so that no number is left over. */
 INLINE void product(int n, int m, const double *restrict values, const double *restrict linear, double *restrict out)
 {
-    int j = 0;
-    for (; j + 4 * ABREAST <= m; j += 4 * ABREAST) {
-        const abreast *row = (const abreast *)(linear + j);
-        abreast a = values[0] * row[0], b = values[0] * row[1], c = values[0] * row[2], d = values[0] * row[3];
-        for (int i = 1; i < n; i++) {
-            row = (const abreast *)(linear + i * m + j);
-            a += values[i] * row[0], b += values[i] * row[1], c += values[i] * row[2], d += values[i] * row[3];
+    const int last = m - ABREAST;
+    if (last < 0)
+        plain_product(n, m, values, linear, out);
+    for (int j = 0; last >= 0 && j < m; j += 6 * ABREAST) {
+        int at[6];
+        for (int k = 0; k < 6; k++)
+            at[k] = j + k * ABREAST < last ? j + k * ABREAST : last;
+        abreast a = {0}, b = a, c = a, d = a, e = a, f = a;
+        for (int i = 0; i < n; i++) {
+            double *row = (double *)linear + i * m;
+            const double x = values[i];
+            a += x * ABREAST_AT(row + at[0]), b += x * ABREAST_AT(row + at[1]), c += x * ABREAST_AT(row + at[2]);
+            d += x * ABREAST_AT(row + at[3]), e += x * ABREAST_AT(row + at[4]), f += x * ABREAST_AT(row + at[5]);
         }
-        abreast *to = (abreast *)(out + j);
-        to[0] = a, to[1] = b, to[2] = c, to[3] = d;
-    }
-    for (; j + ABREAST <= m; j += ABREAST) {
-        abreast a = values[0] * *(const abreast *)(linear + j);
-        for (int i = 1; i < n; i++)
-            a += values[i] * *(const abreast *)(linear + i * m + j);
-        *(abreast *)(out + j) = a;
-    }
-    for (; j < m; j++) {
-        double a = values[0] * linear[j];
-        for (int i = 1; i < n; i++)
-            a += values[i] * linear[i * m + j];
-        out[j] = a;
+        ABREAST_AT(out + at[0]) = a, ABREAST_AT(out + at[1]) = b, ABREAST_AT(out + at[2]) = c;
+        ABREAST_AT(out + at[3]) = d, ABREAST_AT(out + at[4]) = e, ABREAST_AT(out + at[5]) = f;
     }
 }
 

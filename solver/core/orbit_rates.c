@@ -53,7 +53,12 @@ static void numbers_of(lone_orbit *o, const ends_problem *p, const points *by, c
     rod_varied_place_at(&o->of, &o->varied, 0, 0, &start), rod_varied_place_at(&o->of, &o->varied, 0, length, &far);
     const double turns = o->kind == LIBRATION ? 0 : o->direction * where.periods;
     const double end = o->of.base[last] + at_place(o->of.series + FUNCTIONS * (n + 1) * last, (int)n + 1, x) + TAU * turns;
-    const double betaL = level ? p->betaL : end, *sums = far.M + PAIRS;
+    const double betaL = level ? p->betaL : end;
+    double sums[3];
+    for (int k = 0; k < 3; k++) {
+        const double inside = at_place(o->of.series + (FUNCTIONS * last + 2 + k) * (n + 1), (int)n + 1, x);
+        sums[k] = rod_unfolded(inside, &where, o->integrals[k], o->integrals[3 + k], o->kind == LIBRATION);
+    }
     const double found[NUMBERS] = {p->beta0, betaL, start.v, far.v, sums[0], sums[2], sums[1], p->lam, p->mu, p->phi,
                                    level ? level->y : 0};
     memcpy(values, found, sizeof found);

@@ -90,9 +90,7 @@ INLINE void slope_over_root(const piece *p, int n, const double *restrict x, con
 INLINE void pace_of(const piece *p, int n, const double *u, double *x, double *pace, double *speed)
 {
     double form[NODES], rate[NODES], half[NODES], sh[NODES], ch[NODES], root[NODES];
-    double far = 0;
-    for (int i = 0; i < n; i++)
-        far = larger(far, fabs(u[i]));
+    const double far = largest_size(n, u);
     if (p->kind == CENTRE)
         sin_cos_of(n, u, form, rate);
     else if (far < 700)
@@ -111,14 +109,6 @@ INLINE void pace_of(const piece *p, int n, const double *u, double *x, double *p
         slope_over_root(p, n, x, sh, ch, root);
     for (int i = 0; i < n; i++)
         pace[i] = 1 / root[i], speed[i] = fabs(p->scale * rate[i]) * root[i];
-}
-
-INLINE double most(int n, const double *values)
-{
-    double best = fabs(values[0]);
-    for (int i = 1; i < n; i++)
-        best = larger(best, fabs(values[i]));
-    return best;
 }
 
 /* Where in [-1, 1] the clock shows the nodes' shares of the duration; whether Newton converged. */
@@ -184,7 +174,7 @@ INLINE void series_of(const piece *p, const points *at, panel *out, double *seri
     double u[NODES], x[NODES], pace[NODES], speed[NODES], values[5][NODES], rate[NODES], clock[NODES + 1];
     double place[NODES], cut[5][NODES], angle[NODES];
     clocked(p, at, out, u, x, pace, rate, clock);
-    const double quickest = most(n, pace), late = most(3, clock + n - 2);
+    const double quickest = largest_size(n, pace), late = largest_size(3, clock + n - 2);
     const int converged = inverted(at, clock, rate, out->duration, place);
     for (int i = 0; i < n; i++)
         u[i] = middle + half * place[i];
@@ -206,20 +196,20 @@ INLINE void series_of(const piece *p, const points *at, panel *out, double *seri
         for (int i = 0; i <= n; i++)
             row[i] *= out->duration / 2;
     }
-    out->fastest = most(n, speed);
-    out->error = larger(larger(most(2, cut[0] + n - 2), most(2, cut[2] + n - 2)), most(2, cut[3] + n - 2));
+    out->fastest = largest_size(n, speed);
+    out->error = larger(larger(largest_size(2, cut[0] + n - 2), largest_size(2, cut[2] + n - 2)), largest_size(2, cut[3] + n - 2));
     out->error = larger(out->error, late * out->fastest);
     out->time_error = late / out->duration;
     if (!converged) /* all that is known of beta is that it lies within the panel */
         out->error = fabs(x[n - 1] - x[0]);
-    out->time_rounding = EPS / 2 * rod_weight(&p->local, most(n, x)) * square(quickest);
+    out->time_rounding = EPS / 2 * rod_weight(&p->local, largest_size(n, x)) * square(quickest);
 }
 
 INLINE void times_of(const piece *p, const points *at, panel *out)
 {
     double u[NODES], x[NODES], pace[NODES], rate[NODES], clock[NODES + 1];
     clocked(p, at, out, u, x, pace, rate, clock);
-    out->time_error = most(3, clock + at->n - 2) / out->duration;
+    out->time_error = largest_size(3, clock + at->n - 2) / out->duration;
     out->error = out->fastest = out->time_rounding = 0;
 }
 

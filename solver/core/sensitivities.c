@@ -244,7 +244,7 @@ static int derive_rod(worker *o, int64_t b)
         double *later = &all->half_period[b * F + f];
         *later = 0;
         for (int k = 0; k < 4; k++)
-            *later -= (o->varied->gain[k] + o->varied->gain[SUMS + k]) * o->parts[PARTS * f + 1 + k];
+            *later -= (o->varied->gain[k] + o->varied->gain[PAIRS + k]) * o->parts[PARTS * f + 1 + k];
     }
     change_marks(o, b);
     return all->wanted || all->groups || all->partly ? measure_rod(o, b) : DONE;

@@ -15,12 +15,8 @@ INLINE void slopes_by_loads(double s, double c, double *out)
 /* c of a panel, from |beta_t|, H and H' at its nodes. */
 INLINE double scale_across(int n, const double *v, const double *H, const double *rate, double half)
 {
-    double fastest = 0, slowest = INFINITY, steepest = 0, flattest = INFINITY, most = 1e-200;
-    for (int i = 0; i < n; i++) {
-        fastest = larger(fastest, v[i]), slowest = smaller(slowest, v[i]);
-        steepest = larger(steepest, fabs(H[i])), flattest = smaller(flattest, fabs(H[i]));
-        most = larger(most, fabs(rate[i]));
-    }
+    const double fastest = largest_size(n, v), slowest = smallest_size(n, v), most = larger(largest_size(n, rate), 1e-200);
+    const double steepest = largest_size(n, H), flattest = smallest_size(n, H);
     const int slows = slowest < fastest / 2, levels = flattest < steepest / 2;
     const double ratio = square(fastest / steepest);
     double c = 1 / most;
@@ -86,29 +82,29 @@ INLINE void vary_state(const double *loads, const read_orbits *of, int64_t i, co
     const double lam = loads[0], mu = loads[1], phi = loads[2], s = sin(origin), c = cos(origin);
     const double s2 = 2 * s * c, c2 = (c - s) * (c + s), s4 = 2 * s2 * c2, c4 = (c2 - s2) * (c2 + s2);
     const double steep = slope_rate_by(lam, mu, phi, s, c), turn = 4 * (mu * s2 - c2 / 2), even = lam * c - phi * s;
-    double far = 0, bent = 0, rest[NODES], angle[NODES];
+    double rest[NODES], angle[NODES], passed[NODES];
     distances d;
     distances_of(n, x, &d);
     for (int i = 0; i < n; i++) {
         const double q = d.q[i], sx = d.sx[i], sx2 = sx * sx, w = -2 * q - 2 * sx2 + 4 * q * sx2;
         rest[i] = -turn * q * sx + c4 * sx * w - 2 * q * even + sx2 * (2 * mu * c2 + s2) -
                   s4 * d.s2x[i] * d.s2x[i] / 2;
-        far = larger(far, fabs(x[i])), bent = larger(bent, fabs(rest[i]));
         out->v[i] = v[i] > 0 ? v[i] : 0;
         out->H[i] = steep * sx + rest[i];
         angle[i] = origin + x[i];
     }
     /* farther from a point that is about to vanish, its large shift would cancel; nearer, an orbit in a gap far below
        floats has no digits without it */
+    const double far = largest_size(n, x), bent = largest_size(n, rest);
     if (by_loads)
         vary_level(loads, s, c, steep, n, &d, rest, far < NEAR && steep != 0 && bent <= fabs(steep) * far, out);
     sin_cos_of(n, angle, out->sine, out->cosine);
     for (int i = 0; i < n; i++)
         out->rate[i] = slope_rate_by(lam, mu, phi, out->sine[i], out->cosine[i]);
     out->c = scale_across(n, out->v, out->H, out->rate, of->width[i] / 2);
-    out->origin = origin, out->least = INFINITY;
     for (int i = 0; i < n; i++)
-        out->least = smaller(out->least, square(out->v[i]) + out->c * square(out->H[i]));
+        passed[i] = square(out->v[i]) + out->c * square(out->H[i]);
+    out->origin = origin, out->least = smallest_size(n, passed);
 }
 
 IN_WIDTHS(vary_state,
@@ -154,7 +150,6 @@ INLINE void vary_rates(double nearest, int n, varied_nodes *out)
             out->M[m][i] = g[a] * g[b] * sigma + lever * (g[a] * h[b] + g[b] * h[a]) +
                            (k[a] * p[b] + k[b] * p[a] + k[a] * rate[i] * k[b]);
         }
-        out->M[PAIRS][i] = s[i], out->M[PAIRS + 1][i] = c[i], out->M[PAIRS + 2][i] = s[i] * c[i];
     }
 }
 
@@ -207,44 +202,46 @@ static void weights_of(const points *at, double *out)
     }
 }
 
-/* The series of a panel but for the constants of its sums, one coefficient of all after the other, (n + 1, VARIED). */
+/* The series of a panel but for the constants of its sums, one coefficient of all after the other, (n + 1, VARIED). The nodes
+   lie evenly about 0, where polynomials of even and of odd order are even and odd, so half of them give each coefficient. */
 INLINE void keep_series(const varied_nodes *one, const points *at, double half, double *restrict series)
 {
-    const int n = (int)at->n;
-    enum { PADDED = (VARIED + ABREAST - 1) / ABREAST * ABREAST }; /* whole registers */
-    double values[NODES][PADDED], rates[NODES + 2][PADDED], row[NODES];
-    for (int i = 0; i < n; i++) {
-        memset(values[i], 0, sizeof values[i]);
-        values[i][0] = one->v[i], values[i][1] = one->H[i];
-        for (int k = 0; k < 3; k++)
-            values[i][6 + k] = one->gamma[k][i];
-        for (int m = 0; m < SUMS; m++)
-            values[i][9 + m] = one->M[m][i];
-    }
+    enum { KEPT = 5 + PAIRS, PADDED = (KEPT + ABREAST - 1) / ABREAST * ABREAST }; /* whole registers */
+    const int n = (int)at->n, some = (n + 1) / 2;
+    const double *values[KEPT] = {one->v, one->H, one->gamma[0], one->gamma[1], one->gamma[2]};
+    double parts[2][(NODES + 1) / 2][PADDED] = {{{0}}}, rates[NODES + 2][PADDED], row[NODES];
+    for (int m = 0; m < PAIRS; m++)
+        values[5 + m] = one->M[m];
+    for (int m = 0; m < KEPT; m++)
+        for (int i = 0; i < some; i++) {
+            const double near = values[m][i], far = i == n - 1 - i ? 0 : values[m][n - 1 - i];
+            parts[0][i][m] = near + far, parts[1][i][m] = near - far;
+        }
     for (int k = 0; k < n; k++) {
-        for (int i = 0; i < n; i++)
+        for (int i = 0; i < some; i++)
             row[i] = at->analyse[n * i + k];
-        product(n, PADDED, row, values[0], rates[k]);
+        product(some, PADDED, row, parts[k % 2][0], rates[k]);
     }
     memset(rates[n], 0, 2 * sizeof rates[n]);
     memset(series, 0, sizeof(double) * (size_t)((n + 1) * VARIED));
-    for (int k = 0; k < n; k++)
-        memcpy(series + VARIED * k, rates[k], sizeof(double) * 9);
+    for (int k = 0; k < n; k++) {
+        memcpy(series + VARIED * k, rates[k], sizeof(double) * 2);
+        memcpy(series + VARIED * k + 6, rates[k] + 2, sizeof(double) * 3);
+    }
     series[2] = one->c;
     memcpy(series + 3, one->shift, sizeof(double) * 3);
     double first[PADDED] = {0}, terms[PADDED];
     for (int m = 0; m < PADDED; m++)
         rates[0][m] *= 2;
     for (int k = 1; k <= n; k++) { /* `integral` of all sums at once */
+        const double share = half / (2 * k), sign = k % 2 ? 1 : -1;
         for (int m = 0; m < PADDED; m++) {
-            const double term = (rates[k - 1][m] - rates[k + 1][m]) / (2 * k);
-            terms[m] = term * half;
-            first[m] += k % 2 ? term : -term;
+            terms[m] = (rates[k - 1][m] - rates[k + 1][m]) * share;
+            first[m] += sign * terms[m];
         }
-        memcpy(series + VARIED * k + 9, terms + 9, sizeof(double) * SUMS);
+        memcpy(series + VARIED * k + 9, terms + 5, sizeof(double) * PAIRS);
     }
-    for (int m = 9; m < VARIED; m++)
-        series[m] = first[m] * half;
+    memcpy(series + 9, first + 5, sizeof(double) * PAIRS);
 }
 
 /* The values of the series of a panel at x. */
@@ -271,7 +268,7 @@ int64_t rod_vary(const double *loads, const read_orbits *of, int64_t b, const po
     const int64_t first = of->first[2 * b], P = of->count[2 * b] + of->count[2 * b + 1];
     const int64_t width = n + 1, *count = of->count + 2 * b;
     int64_t nearest = 0;
-    double total[2][SUMS] = {{0}}, weights[NODES];
+    double total[2][PAIRS] = {{0}}, weights[NODES];
     weights_of(at, weights);
     for (int64_t i = 0; i < P; i++) {
         rod_vary_state(loads, of, first + i, at, 1, out->lanes, &nodes[i]);
@@ -287,14 +284,14 @@ int64_t rod_vary(const double *loads, const read_orbits *of, int64_t b, const po
         vary_entry(nodes, count, i, of->direction[b], jump);
         if (wanted)
             FOR_LANES(out->lanes, keep_series)(&nodes[i], at, half, series);
-        for (int m = 0; m < SUMS; m++) {
+        for (int m = 0; m < PAIRS; m++) {
             double gained = 0;
             for (int k = 0; k < n; k++)
                 gained += nodes[i].M[m][k] * weights[k];
-            total[backward][m] += m < PAIRS ? jump[m] : 0;
+            total[backward][m] += jump[m];
             if (wanted)
                 series[9 + m] += total[backward][m];
-            if (out->M && m < PAIRS)
+            if (out->M)
                 memcpy(out->M + (PAIRS * (first + i) + m) * n, nodes[i].M[m], sizeof(double) * (size_t)n);
             total[backward][m] += gained * half;
         }
@@ -302,8 +299,8 @@ int64_t rod_vary(const double *loads, const read_orbits *of, int64_t b, const po
     for (int arc = 0; arc < 2; arc++) {
         double *closing = out->closing + PAIRS * (2 * b + arc);
         vary_closing(nodes, count, arc, of->kind[b], of->direction[b], closing);
-        for (int m = 0; m < SUMS; m++)
-            out->gain[SUMS * (2 * b + arc) + m] = total[arc][m] + (m < PAIRS ? closing[m] : 0);
+        for (int m = 0; m < PAIRS; m++)
+            out->gain[PAIRS * (2 * b + arc) + m] = total[arc][m] + closing[m];
     }
     return nearest;
 }
@@ -378,14 +375,14 @@ void rod_varied_place_on(const varied_orbits *varied, int size, int64_t panel, d
 /* The state of orbit b at t. */
 void rod_varied_place_at(const read_orbits *of, const varied_orbits *varied, int64_t b, double t, varied_place *out)
 {
-    const double *gain = varied->gain + 2 * SUMS * b;
+    const double *gain = varied->gain + 2 * PAIRS * b;
     double x;
     phase where;
     const int64_t panel = rod_place(of, b, t, &where, &x);
     rod_varied_place_on(varied, (int)of->coefficients, panel, x, out);
     out->v *= of->direction[b] * (where.second ? -1 : 1) * (where.mirrored ? -1 : 1);
-    for (int m = 0; m < SUMS; m++)
-        out->M[m] = rod_unfolded(out->M[m], &where, gain[m], gain[SUMS + m], of->kind[b] == LIBRATION);
+    for (int m = 0; m < PAIRS; m++)
+        out->M[m] = rod_unfolded(out->M[m], &where, gain[m], gain[PAIRS + m], of->kind[b] == LIBRATION);
 }
 
 /* The panels in which an orbit is at `many` times, sorted by them as far as BUCKETS allow. */
@@ -427,7 +424,7 @@ void rod_change_orbit(const read_orbits *of, const varied_orbits *varied, int64_
     visits sorted;
     double units[5 * PARTS][VISITS + PAD], change[VISITS];
     rod_varied_place_at(of, varied, b, 0, &start);
-    const changed_orbit one = {varied->series, varied->gain + 2 * SUMS * b, &start, of->direction[b], (int)of->coefficients,
+    const changed_orbit one = {varied->series, varied->gain + 2 * PAIRS * b, &start, of->direction[b], (int)of->coefficients,
                                of->kind[b] == LIBRATION};
     for (int64_t begin = 0; begin < stations; begin += VISITS) {
         const int many = (int)(stations - begin < VISITS ? stations - begin : VISITS);

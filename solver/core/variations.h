@@ -6,23 +6,21 @@
 #include "orbit_parts.h"
 
 enum { PAIRS = 10, PARTS = 5 }; /* the elements of the symmetric matrix M; parts of a change: a0, g0 and three loads */
-enum { SUMS = PAIRS + 3 };       /* what is summed along an orbit: M, and sin, cos and sin cos of beta */
 enum { BETA, RATE, LIFTS };      /* what changes: beta, beta_t and, by each load q, the integral of H_q d beta */
 
 /* The state at the nodes of one panel, by a unit of the level and of the three loads. sine, cosine: of beta. rate:
-   H'. H_q: H_q + shift_q H'. M: the rates of what is summed. */
+   H'. H_q: H_q + shift_q H'. M: its rates. */
 typedef struct {
     double v[NODES], H[NODES], sine[NODES], cosine[NODES], rate[NODES], c, origin, least;
-    double shift[3], gamma[3][NODES], H_q[3][NODES], M[SUMS][NODES];
+    double shift[3], gamma[3][NODES], H_q[3][NODES], M[PAIRS][NODES];
 } varied_nodes;
 
-/* The state at one place of an orbit. v: with its sign. M: from the start, as the integrals of sin, cos
-   and sin cos of beta. */
+/* The state at one place of an orbit. v: with its sign. M: from the start. */
 typedef struct {
-    double v, H, c, shift[4], gamma[4], M[SUMS];
+    double v, H, c, shift[4], gamma[4], M[PAIRS];
 } varied_place;
 
-enum { VARIED = 9 + SUMS }; /* series of a panel: |beta_t|, H, c, shifts, gammas and the sums */
+enum { VARIED = 9 + PAIRS }; /* series of a panel: |beta_t|, H, c, shifts, gammas and M */
 
 /* What the variations of orbits are kept in, P panels and n nodes: `variations.Variations`. */
 typedef struct {
@@ -74,7 +72,7 @@ enum { LOST = -1 };
 typedef struct {
     int64_t count[2], first[2], kind;
     int64_t *rows;
-    double direction, duration[2], integrals[6], closing[2 * PAIRS], gain[2 * SUMS];
+    double direction, duration[2], integrals[6], closing[2 * PAIRS], gain[2 * PAIRS];
     double *room;
     varied_nodes *nodes;
     read_orbits of;

@@ -208,7 +208,7 @@ def solve_orbit(problem: StartProblem, tol: float, pin: Pin | None = None, stret
     stretch : float
         A factor of the panels along saddles.
     """
-    n, length = (16, 0.6) if tol >= 1e-6 else (22, 0.45)
+    n, length = (16, 0.6) if tol >= 1e-6 else (24, 0.45)
     cutting = Cutting(length, 0.05 * tol, stretch)
     pinned = None if pin is None else np.stack(pin, axis=1)
     orbit = orbits_of(problem, pinned, n, cutting)

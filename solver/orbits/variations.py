@@ -29,7 +29,7 @@ from ..problem.reduced import Reduced
 from .periodic_orbit import Orbit, as_core_orbits
 from .potential import slope_rate, slopes_by_loads
 
-POINTS, HOW = 22, Cutting(0.45, 5e-15, 1.0)  # nodes of a panel, and how panels are cut
+POINTS, HOW = 24, Cutting(0.45, 5e-15, 1.0)  # nodes of a panel, and how panels are cut
 _SUMMED = 1.0  # below this |H'| t^2 the waves along a helix are summed
 PAIRS = 10  # elements of M that are kept
 KEPT = ("least", "M", "jump", "closing", "series", "gain")
@@ -61,9 +61,8 @@ class Variations:
 
     kept: arrays by name (`KEPT`). least: (P,), the least beta_t^2 + c H^2 of each panel. M: (P, 10, n), the
     rates of its elements at the nodes. jump: (P, 10), closing: (2 B, 10), what M gains on entering each panel, and
-    where the rotation of an arc closes. series: (P, n + 1, 22), of |beta_t|, H, c, the shifts (3), gamma_q (3), the ten
-    elements of M and the integrals of sin, cos and sin cos of beta. gain: (B, 2, 13), what these sums gain over the
-    forward and the backward arc.
+    where the rotation of an arc closes. series: (P, n + 1, 19), of |beta_t|, H, c, the shifts (3), gamma_q (3), the ten
+    elements of M. gain: (B, 2, 10), what M gains over the forward and the backward arc.
     """
 
     orbit: Orbit
@@ -97,8 +96,7 @@ def variations_on(orbit: Orbit) -> Variations:
     problem, n = orbit.problem, orbit.panels.series.shape[2] - 1
     P, B = orbit.panels.arc.size, problem.size
     loads = np.stack([problem.lam, problem.mu, problem.phi], axis=1)
-    sums = PAIRS + 3  # with the integrals of sin, cos and sin cos of beta
-    shapes = (P,), (P, PAIRS, n), (P, PAIRS), (2 * B, PAIRS), (P, n + 1, 9 + sums), (B, 2, sums)
+    shapes = (P,), (P, PAIRS, n), (P, PAIRS), (2 * B, PAIRS), (P, n + 1, 9 + PAIRS), (B, 2, PAIRS)
     varied = Variations(orbit, dict(zip(KEPT, map(np.empty, shapes), strict=True)))
     fine(run("rod_variations", B, loads, varied.arguments[0], points(n), varied.arguments[1]))
     return varied
