@@ -207,10 +207,10 @@ def _large(folder: Path, work: Study, rounds: int) -> dict[str, float]:
     size = (folder / "benchmark.h5").stat().st_size
     again = min(_watch(command, folder)[0] for _ in range(rounds))
     return {
-        "cases": work.size,
+        "cases": work.variation.size,
         "run [s]": seconds,
         "run, of the processor [s]": spent,
-        "cases a second": work.size / seconds,
+        "cases a second": work.variation.size / seconds,
         "peak of the run and of each worker [GB]": peak,
         "file [GB]": size / 1e9,
         "once finished [s]": again,
@@ -256,7 +256,7 @@ def against_xyzpy(folder: Path, rounds: int) -> dict[str, float]:
         return (sol.beta, *observe(sol, work.wanted).values())
 
     runner = xyzpy.Runner(one, ("beta", *work.wanted), var_dims={"beta": "u"})
-    axes = {name: values.tolist() for name, values in work.coordinates().items()}
+    axes = {name: values.tolist() for name, values in work.variation.dimensions.fields.items()}
 
     def theirs() -> None:
         ds = runner.run_combos(axes, parallel=True, num_workers=2, verbosity=0)

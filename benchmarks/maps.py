@@ -36,11 +36,8 @@ def regimes(count: int, observables: list[str]) -> Study:
 
 def bare(work: Study, size: int = 512) -> Callable[[], None]:
     """Solve and observe in blocks of the size of a run; nothing is stored and no caution is judged."""
-    values = {
-        name: array.ravel()
-        for name, array in zip(work.axes, np.meshgrid(*work.coordinates().values(), indexing="ij"), strict=True)
-    }
-    cases = [work.case_of({k: v[i : i + size] for k, v in values.items()}) for i in range(0, work.size, size)]
+    over = work.variation.dimensions
+    cases = [work.case_of(over.at(part)) for part in np.split(np.arange(over.size), range(size, over.size, size))]
 
     def run() -> None:
         for case in cases:

@@ -348,8 +348,8 @@ class Axis(BaseModel):
         return np.deg2rad(values) if self.unit == "deg" else values
 
     @property
-    def is_open(self) -> bool:
-        """Whether the axis has no first value: it begins at that of the base case."""
+    def from_base(self) -> bool:
+        """Whether the axis has no first value: it begins at that of the base case, a start problem."""
         return self.values is None and self.from_ is None
 
     @property

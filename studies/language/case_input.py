@@ -170,8 +170,8 @@ def _study(file: Path) -> Study:
     if file.suffix.lower() != ".toml":
         raise InputError(f"a case is read from a .toml file, got {str(file)!r}")
     study = load(file)
-    if study.varied:
-        raise InputError(f"{file.name} has {study.variation}: use workbench run to solve it")
+    if study.variation.fields:
+        raise InputError(f"{file.name} has {study.variation.words}: use workbench run to solve it")
     return study
 
 

@@ -190,7 +190,7 @@ def _number(study: Study, sol: Solution, name: str, given: Mapping[str, Any]) ->
         return np.reshape(getattr(sol, name), -1).astype(float)
     if name in OF_CASE:
         return flat(getattr(case if name == "rho" else case.rod, name), case.shape)
-    if not study.reading or name == study.followed:
+    if not study.reading or name == study.variation.followed:
         for part in (case.rod, case.cylinder, case.given):
             if getattr(part, name, None) is not None:
                 return flat(getattr(part, name), case.shape)
@@ -202,7 +202,7 @@ def _number(study: Study, sol: Solution, name: str, given: Mapping[str, Any]) ->
 def fields_with_values(study: Study) -> list[str]:
     """The numeric fields of the case that have a value in every case: given, on an axis, or by default."""
     fixed = study.constants
-    varied = [name for name in study.varied if name not in study.fields]
-    known = [name for name in study.fields if name in fixed or name in study.varied]
-    excluded = ("dbeta",) if study.follow else ()  # a followed equilibrium has its own
+    varied = [name for name in study.variation.fields if name not in study.fields]
+    known = [name for name in study.fields if name in fixed or name in study.variation.fields]
+    excluded = ("dbeta",) if study.variation.from_base else ()  # a followed equilibrium has its own
     return [name for name in (*known, *varied) if name not in (*WORDS, *excluded)]

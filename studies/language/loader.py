@@ -27,8 +27,9 @@ from . import study_checks
 from .case_tables import Table
 from .refinement import Refine
 from .samples import Distribution
-from .study import SOURCES, Study
+from .study import Study
 from .study_checks import key_of
+from .variation import SOURCES
 
 SHIPPED = Path(__file__).parents[1]
 
@@ -113,7 +114,7 @@ def load(study: str | Path, cases: Path | None = None, draw: bool = True) -> Stu
     --------
     >>> from studies import load
     >>> study = load("fig7_1_modulus")
-    >>> study.title, study.size, list(study.axes)
+    >>> study.title, study.variation.size, list(study.axes)
     ('Fig. 7 (1): the elastic modulus', 9, ['E'])
     """
     text = str(study)
@@ -178,7 +179,7 @@ def loads(
     ... units = { length = "cm", force = "N" }
     ... base = { E = 1e4, nu = 0.25, a = 0.25, L = 20.0, R = 0.75, beta = "30deg", dbeta = 0.5, M3 = 0.0 }
     ... ''')
-    >>> study.size, study.case().rod.L
+    >>> study.variation.size, study.case().rod.L
     (1, 20.0)
     """
     text = text.removeprefix("\N{ZERO WIDTH NO-BREAK SPACE}")  # the byte order mark that some editors write
@@ -188,8 +189,8 @@ def loads(
     except Refused as error:
         where = line_of(lines_of(text), error.where) if error.where else ""
         raise InputError(one_line(f"{label}{where}{':' if error.of_a_key else ''} {error}")) from None
-    cases = study.samples.fields if study.table and study.samples else None
-    for sentence in _notices(data, text, label, cases):
+    samples = study.variation.samples if study.table else None
+    for sentence in _notices(data, text, label, samples.fields if samples else None):
         warn(sentence, kind_of(sentence))
     return study
 
@@ -228,11 +229,8 @@ def _study(given: dict[str, Any], text: str, default_name: str, context: Mapping
         data["table"] = {**(table if isinstance(table, dict) else {}), "file": str(cases.absolute())}
     try:
         study = Study.model_validate(data)
-        study._samples = (
-            context["samples"]
-            if "samples" in context
-            else study_checks.read_samples(study, context.get("folder", Path()))
-        )
+        is_known, folder = "samples" in context, context.get("folder", Path())
+        study = study.with_samples(context["samples"] if is_known else study_checks.read_samples(study, folder))
         study_checks.check(study)
     except ValidationError as error:
         where, sentence = sentence_of(error)
@@ -254,7 +252,7 @@ def _check_ends(study: Study) -> None:
     """Raise `InputError` unless each sampled field is valid at both ends of its distribution, whatever was drawn."""
     if study.sample is None:
         return
-    first = {name: values[0] for name, values in study.coordinates().items()}
+    first = {name: values[0] for name, values in study.variation.dimensions.fields.items()}
     for name, distribution in study.sample.fields.items():
         for end in distribution.support:
             try:
@@ -270,7 +268,7 @@ def _blame(message: str, study: Study) -> Where:
     field = _field(message)
     if field in study.axes:
         return ("axes", field)
-    return key_of(study, field) if field in study.sampled else ("base", field)
+    return key_of(study, field) if field in study.variation.sampled else ("base", field)
 
 
 def _field(message: str) -> str:

@@ -26,7 +26,7 @@ def check(study: Study) -> None:
     if not 1 <= len(study.axes) <= 2:
         has = f"{len(study.axes)}: {choices(study.axes)}" if study.axes else "none"
         raise Misplaced(f"refine works along one axis or in the plane of two axes, and the study has {has}", "refine")
-    if study.followed is not None:
+    if study.variation.followed is not None:
         raise Misplaced("a followed axis excludes refine: its cases continue from one another", "refine")
     for name, axis in study.axes.items():
         if axis.size < 2:
@@ -78,7 +78,7 @@ def _check_finest(study: Study) -> None:
     table = study.refine
     assert table is not None
     key = "points" if table.tolerance is None else "tolerance"
-    grid = study.lattice
+    grid = table.lattice(study.axes)
     for (name, values), places in zip(grid.axes.items(), grid.sizes, strict=True):
         step = np.diff(values).min() / 2.0**grid.depth
         if not (places < MOST_PLACES and step > APART * np.abs(values).max()):
@@ -92,7 +92,7 @@ def refinement(study: Study) -> Refinement:
     assert table is not None
     steps = [*table.changes.values(), *(np.inf for _ in table.laws)]
     lines = [_lines(study, law, i) for i, law in enumerate(laws_to_watch(study), len(table.watch))]
-    return Refinement(study.lattice, np.array(steps, dtype=float), table.budget, tuple(lines))
+    return Refinement(table.lattice(study.axes), np.array(steps, dtype=float), table.budget, tuple(lines))
 
 
 def laws_to_watch(study: Study) -> list[Law]:

@@ -5,7 +5,7 @@ of the study; the inverse of a field's distribution function turns its coordinat
 """
 
 from collections.abc import Callable
-from functools import partial
+from functools import cached_property, partial
 from typing import Annotated, Any
 
 import numpy as np
@@ -232,8 +232,9 @@ class Sample(BaseModel):
         """The sampled fields and their distributions, in order."""
         return self.__pydantic_extra__
 
+    @cached_property
     def points(self) -> dict[str, Values]:
-        """The values of each field, (size,), angles in rad."""
+        """The values of each field, (size,), angles in rad, drawn when they are first needed."""
         cube = METHODS[self.method][0](self.size, len(self.fields), self.seed)
         return {name: distribution.values(cube[:, i]) for i, (name, distribution) in enumerate(self.fields.items())}
 

@@ -4,11 +4,8 @@
 """
 
 from collections.abc import Mapping
-from math import prod
 from typing import Annotated, Any, Self
 
-import numpy as np
-from numpy.typing import NDArray
 from pydantic import BaseModel, Field, PrivateAttr, ValidationInfo, field_validator
 
 from solver import Case, Ends, InputError, Start
@@ -25,14 +22,12 @@ from ..grammar.axes import (
     ENDS,
     OF_ENDS_ALONE,
     ROD,
-    SAMPLE,
     START,
     STRICT,
     WORDS,
     Axis,
     Base,
     Dimension,
-    Dimensions,
     Line,
     Units,
     Which,
@@ -44,8 +39,9 @@ from ..laws.verdicts import Law
 from .case_tables import Table
 from .field_words import of_a_well, unwound
 from .printed import as_reading, table_of
-from .refinement import OUTCOME, Lattice, Refine
+from .refinement import OUTCOME, Refine
 from .samples import Sample
+from .variation import Variation
 
 # The quantities that can be stored along the rod: names of `Solution`.
 OUTPUTS = (
@@ -58,8 +54,6 @@ DRAWN = ["beta", "alpha", "z", "contact"]
 
 # The default observables of a study.
 OBSERVED = ["bends", "turns_around", "height", "kappa_max", "contact_size_mean", "attached"]
-
-SOURCES = ("sample", "zip", "table")  # the tables of a study that give fields that vary together
 
 MAX_STATIONS = 100_001
 
@@ -107,7 +101,7 @@ class Study(BaseModel):
     method: str = "auto"
     laws: list[Law] = []
     _text: str = PrivateAttr("")
-    _samples: Dimension | None = PrivateAttr(None)
+    _samples: Dimension | None = PrivateAttr(None)  # in place of those that `sample` draws
 
     @field_validator("reading")
     @classmethod
@@ -163,6 +157,11 @@ class Study(BaseModel):
         return dict(sorted(read.items(), key=lambda item: isinstance(item[1], dict) and item[1].get("follow") is True))
 
     @property
+    def variation(self) -> Variation:
+        """What varies, and how: the axes, the samples, the refinement; the number of cases and their dimensions."""
+        return Variation(self.axes, self._samples or self.sample, self.refine)
+
+    @property
     def text(self) -> str:
         """The TOML text of the study, or an empty text."""
         return self._text
@@ -175,14 +174,13 @@ class Study(BaseModel):
     @property
     def kind(self) -> type:
         """Start or Ends, from the names of the given fields."""
-        sampled = self.sampled if self.refine is None else ()
-        said = {*self.base.given, *sampled, *(name for name, axis in self.axes.items() if not axis.follow)}
+        said = {*self.base.given, *(name for name in self.variation.fields if name != self.variation.followed)}
         return Ends if said & OF_ENDS_ALONE else Start
 
     @property
     def held(self) -> tuple[str, ...]:
         """The given fields of Ends that replace a dead load or an end angle."""
-        said = {*self.base.given, *self.varied}
+        said = {*self.base.given, *self.variation.fields}
         return tuple(partner for _, partner in PAIRS if partner in said)
 
     @property
@@ -199,25 +197,10 @@ class Study(BaseModel):
         return (*ROD, *CYLINDER, *((*START, "hole") if self.kind is Start else (*ENDS, *REPLACED)))
 
     @property
-    def grid(self) -> dict[str, Axis]:
-        """The axes that are dimensions: all, but those of a refined study, whose cases are samples."""
-        return self.axes if self.refine is None else {}
-
-    @property
-    def follow(self) -> Axis | None:
-        """The axis along which the equilibrium of a start problem is followed, or None."""
-        return next((axis for axis in self.axes.values() if axis.follow and axis.is_open), None)
-
-    @property
-    def followed(self) -> str | None:
-        """The name of the axis along which equilibria are followed, or None."""
-        return next((name for name, axis in self.axes.items() if axis.follow), None)
-
-    @property
     def has_branches(self) -> bool:
         """Whether each case is labelled with its branch: ends problems over axes, but for helices of their own ends."""
-        wound = set(WOUND) & {*self.base.given, *self.varied}
-        return bool(self.grid) and self.kind is Ends and not (self.leaves or wound)
+        wound = set(WOUND) & {*self.base.given, *self.variation.fields}
+        return bool(self.variation.grid) and self.kind is Ends and not (self.leaves or wound)
 
     @property
     def sweeps(self) -> bool:
@@ -235,7 +218,7 @@ class Study(BaseModel):
     @property
     def varies(self) -> bool:
         """Whether loads vary along the rods: weight or friction is given or varied."""
-        return any(self.base.given.get(name) or name in self.varied for name in VARY_LOADS)
+        return any(self.base.given.get(name) or name in self.variation.fields for name in VARY_LOADS)
 
     @property
     def turns_in_place(self) -> bool:
@@ -243,59 +226,10 @@ class Study(BaseModel):
         return self.varies and self.base.given.get("sliding") == "rotating"
 
     @property
-    def size(self) -> int:
-        """Number of cases."""
-        return max(self.samples_count, 1) * prod(axis.size for axis in self.grid.values())
-
-    @property
-    def samples_count(self) -> int:
-        """Number of samples; 0 where nothing is sampled."""
-        if self._samples is None and self.refine is not None:
-            return prod(axis.size for axis in self.axes.values())
-        known = self._samples or self.sample
-        return 0 if known is None else known.size
-
-    @property
-    def sampled(self) -> tuple[str, ...]:
-        """The fields of the samples, those of [sample], [zip] or [table], or the refined axes."""
-        if self.refine is not None:
-            return tuple(self.axes)
-        known = self._samples or self.sample
-        return () if known is None else tuple(known.fields)
-
-    @property
-    def varied(self) -> tuple[str, ...]:
-        """The fields that vary: those of the samples, then the axes."""
-        return (*self.sampled, *self.grid)
-
-    @property
-    def source(self) -> str:
-        """The table of the study that gives the samples."""
-        return next((name for name in SOURCES if getattr(self, name) is not None), SAMPLE)
-
-    @property
-    def samples_sentence(self) -> str:
-        """Where the samples of a study come from, in one sentence; empty where there are none."""
-        if not self.sampled or self.refine is not None:
-            return ""
-        count = f"{self.samples_count} sample{'s' * (self.samples_count != 1)} of {choices(self.sampled)}"
-        if self.sample is not None:
-            return f"{count}: {self.sample.sentence}"
-        return f"{count}, from {self.table.file if self.table is not None else 'the lists of zip'}"
-
-    @property
     def known_observables(self) -> tuple[str, ...]:
         """The observables that the rods of the study have: with EI and GJ in place of E there is no stress."""
-        given = {*self.base.given, *self.varied}
+        given = {*self.base.given, *self.variation.fields}
         return tuple(name for name, row in OBSERVABLES.items() if row.needs != "E" or not given & {*DIRECT})
-
-    @property
-    def variation(self) -> str:
-        """What varies, in words: ``the axes E, R``, ``samples of E, R``."""
-        if self.refine is not None:
-            return f"the refined axes {choices(self.axes)}"
-        sampled = [f"samples of {choices(self.sampled)}"] if self.sampled else []
-        return " and ".join([*sampled, *([f"the axes {choices(self.axes)}"] if self.axes else [])])
 
     def at_stations(self, stations: int) -> Self:
         """A copy of the study with another number of stations. Raises `InputError`."""
@@ -320,24 +254,6 @@ class Study(BaseModel):
         return as_reading(self.reading).meaning(field) if self.reading else ""
 
     @property
-    def samples(self) -> Dimension | None:
-        """The samples; None if there are none.
-
-        Those of [sample] are drawn when they are first needed; of a refined study they begin as the coarse grid.
-        """
-        if self._samples is None and self.refine is not None:
-            self._samples = Dimension(SAMPLE, self.lattice.values(self.lattice.coarse()))
-        if self._samples is None and self.sample is not None:
-            self._samples = Dimension(SAMPLE, self.sample.points())
-        return self._samples
-
-    @property
-    def lattice(self) -> Lattice:
-        """The lattice of a refined study."""
-        assert self.refine is not None
-        return self.refine.lattice(self.axes)
-
-    @property
     def wanted(self) -> list[str]:
         """The observables and expressions to store: those of the study, its laws and its refinement."""
         judged = [name for law in self.laws for name in law.observables]
@@ -346,7 +262,8 @@ class Study(BaseModel):
         watched = [name for name in self.refine.watch if name != OUTCOME] if self.refine else []
         torque = ["M30"] if self.turns_in_place else []  # with the load M3 those at both ends
         every = dict.fromkeys([*self.observables, *self.expressions, *judged, *stored, *watched, *torque])
-        return [name for name in every if name not in (*self.held, *self.varied)]  # a height that is held is a field
+        fields = (*self.held, *self.variation.fields)  # a height that is held is a field
+        return [name for name in every if name not in fields]
 
     @property
     def observed(self) -> list[str]:
@@ -413,21 +330,12 @@ class Study(BaseModel):
         """
         return make("workbench.notebook", "StudyRun", self)
 
-    def dimensions(self) -> Dimensions:
-        """The samples, and each axis that is not followed from a start problem."""
-        axes = {name: axis.numbers() for name, axis in self.grid.items() if axis is not self.follow}
-        return Dimensions.of(axes, self.samples)
-
-    def coordinates(self) -> dict[str, NDArray[np.float64]]:
-        """The values of each field that varies and is not followed from a start problem, angles in rad."""
-        return self.dimensions().fields
-
     def case(self) -> Case:
         """The whole grid as one case, of shape (size of each axis, in order); of a followed study the base case.
 
         Raises `InputError` for a value that the solver refuses.
         """
-        return self.case_of(self.dimensions().open())
+        return self.case_of(self.variation.dimensions.open())
 
     def case_of(self, values: Mapping[str, Any]) -> Case:
         """The base case with other values of some fields: numbers, or arrays that broadcast. Raises `InputError`."""

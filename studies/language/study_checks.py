@@ -32,7 +32,8 @@ from . import case_tables, expressions, refine
 from .printed import table_of
 from .refine import check_equilibrium
 from .samples import Distribution
-from .study import SOURCES, Study
+from .study import Study
+from .variation import SOURCES
 
 
 def check(study: Study) -> None:
@@ -86,9 +87,14 @@ def _pair(lists: Mapping[str, list[float]]) -> dict[str, Values]:
     return {name: np.array(values) for name, values in lists.items()}
 
 
+def _source(study: Study) -> str:
+    """The table of the study that gives the samples."""
+    return next((name for name in SOURCES if getattr(study, name) is not None), SAMPLE)
+
+
 def key_of(study: Study, field: str) -> tuple[str, str]:
     """The key of a sampled field in the study's file."""
-    table = study.source
+    table = _source(study)
     return (table, "file") if table == "table" else (table, field)
 
 
@@ -106,15 +112,15 @@ def _check_axes(study: Study) -> None:
     numeric = [name for name in study.fields if name not in WORDS]
     _check_followed(study)
     for name, axis in study.axes.items():
-        if name in study.base.given and axis is not study.follow:
+        if name in study.base.given and not axis.from_base:
             raise Misplaced(f"{name} is given in base and as an axis: remove one of them", "axes", name)
-        if name not in numeric and axis is not study.follow:
+        if name not in numeric and not axis.from_base:
             raise no_key("axis", name, numeric, "axes", name)
         _check_unit(study, axis, "axes", name)
         if axis.size > MAX_COUNT:
             raise Misplaced(f"{axis.size} values, more than the limit of {MAX_COUNT}", "axes", name)
-    if study.size > MAX_CASES:
-        raise Misplaced(f"the grid has {study.size} cases, more than the limit of {MAX_CASES}", "axes")
+    if study.variation.size > MAX_CASES:
+        raise Misplaced(f"the grid has {study.variation.size} cases, more than the limit of {MAX_CASES}", "axes")
 
 
 def _check_unit(study: Study, given: Axis | Distribution, *where: str) -> None:
@@ -128,7 +134,7 @@ def _check_unit(study: Study, given: Axis | Distribution, *where: str) -> None:
 
 def _check_units(study: Study) -> None:
     """Raise `Misplaced` for other units than those of Table 1 where a number with such a unit comes from it."""
-    given = (*study.base.given, *study.varied)
+    given = (*study.base.given, *study.variation.fields)
     rows = {name: quantity_of(name).name for name in table_of(study.reading) if name not in given}
     taken = [name for name, row in rows.items() if unit_of(row, study.unit_system) != unit_of(row, DEFAULT_UNITS)]
     if taken:
@@ -152,7 +158,7 @@ def _check_equilibrium(study: Study) -> None:
 
 def _check_law(study: Study, number: int, law: Law) -> None:
     """Raise `Misplaced` unless axes and observables of a law are those of the study."""
-    sampled = study.sampled if study.refine is None else ()  # a refined study has its axes
+    sampled = study.variation.sampled if study.refine is None else ()  # a refined study has its axes
     lines = [*study.axes, *([SAMPLE] if sampled else [])]
     if law.axis in (*sampled, *lines[len(study.axes) :]):
         is_drawn = "" if law.axis == SAMPLE else f"{law.axis} is sampled, and "
@@ -176,8 +182,8 @@ def _check_law(study: Study, number: int, law: Law) -> None:
 
 def _check_samples(study: Study) -> None:
     """Raise `Misplaced` unless every sampled field is a number of the case, given once, and what else is given fits."""
-    table, numeric = study.source, [name for name in study.fields if name not in WORDS]
-    for name in study.sampled:
+    table, numeric = _source(study), [name for name in study.fields if name not in WORDS]
+    for name in study.variation.sampled:
         where = key_of(study, name)
         for other, names in (("base", study.base.given), ("axes", study.axes)):
             if name in names:
@@ -186,15 +192,16 @@ def _check_samples(study: Study) -> None:
             what = "column" if table == "table" else "field"
             more = "; [table] columns names those to be read" if table == "table" else ""
             raise Misplaced(f"no {what} {name!r}{near(name, numeric)}; choose from {choices(numeric)}{more}", *where)
-    if not study.sampled:
+    given = study.variation.given
+    if given is None:
         return
-    if study.followed is not None:
+    if study.variation.followed is not None:
         why = f"a followed axis excludes {table}: it is solved for one base case"
-        raise Misplaced(why, "axes", study.followed, "follow")
+        raise Misplaced(why, "axes", study.variation.followed, "follow")
     if study.axes and study.kind is Ends:
         why = f"the cases of an ends problem are compared along an axis, and those of {table} have no order"
         raise Misplaced(f"{why}: give {choices(study.axes)} in {table} too, or remove {table}", "axes")
-    check_equilibrium(study, f"{table} gives {study.samples_count}")
+    check_equilibrium(study, f"{table} gives {given.size}")
 
 
 OF_ENDS = ("betaL", "FZ", "MZ", "M3")  # of the ends problem that a start problem solves
@@ -220,7 +227,7 @@ def _check_followed(study: Study) -> None:
 
 
 def _check_of_ends(name: str, axis: Axis) -> None:
-    if axis.is_open:
+    if axis.from_base:
         give = f"give {name} from, to and count, or values"
         raise Misplaced(f"a followed axis over an ends problem begins at its first value: {give}", "axes", name)
     if axis.size < 2:
@@ -239,6 +246,6 @@ def _check_of_a_start(study: Study, name: str, axis: Axis) -> None:
     if name not in known or len(study.axes) > 1:
         why = f"over a start problem, follow needs one axis, of {choices(known)}, got {choices(study.axes)}"
         raise Misplaced(f"{why}; give the base by its ends for others", "axes", name, "follow")
-    if not axis.is_open:
+    if not axis.from_base:
         key = "values" if axis.values is not None else "from"
         raise Misplaced(f"a followed axis starts at the value of the base case: leave out {key}", "axes", name, key)

@@ -41,7 +41,7 @@ def test_the_pipe_in_the_borehole_buckles_as_lubinski_says_and_not_into_a_knot()
 
 def test_the_example_of_following_is_a_study_with_a_head() -> None:
     (part,) = set(EXAMPLES) - set(WHOLE)
-    assert loads(WHOLE[0] + part).follow is not None
+    assert loads(WHOLE[0] + part).variation.from_base
 
 
 def test_every_output_that_can_be_asked_for_is_listed() -> None:
@@ -56,4 +56,4 @@ def test_every_unit_is_listed() -> None:
 
 def test_the_million_rods_of_the_docs_are_a_study_that_stores_no_curves() -> None:
     study = load(DOCS / "million.toml")
-    assert (study.size, study.stations, study.outputs) == (1_000_000, 101, [])
+    assert (study.variation.size, study.stations, study.outputs) == (1_000_000, 101, [])

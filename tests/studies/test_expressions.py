@@ -46,7 +46,7 @@ def seen(said: str, head: str = HEAD + AXES) -> Mapping[str, Any]:
     """The values of the expressions of a study over its grid."""
     one = study(said, head)
     case = one.case()
-    given = {name: np.broadcast_to(v, case.shape) for name, v in zip(one.axes, np.ix_(*one.coordinates().values()))}  # noqa: B905
+    given = {name: np.broadcast_to(v, case.shape) for name, v in one.variation.dimensions.open().items()}
     found, missing = values_of(one, solve(case, stations=11), given)
     assert missing == []
     return {name: values.reshape(case.shape) for name, values in found.items()}
@@ -64,7 +64,7 @@ def test_an_expression_is_computed_from_fields_quantities_observables_and_expres
 def test_the_loads_are_those_of_the_case_and_start_fields_have_their_defaults() -> None:
     one = study('pulled = "FZ/lbf"\ntwo = "F2 + F3"\nbent = "tan(beta)*inch"', OWN)
     sol = solve(one.case(), stations=11)
-    found, _ = values_of(one, sol, one.coordinates())
+    found, _ = values_of(one, sol, one.variation.dimensions.fields)
     np.testing.assert_array_equal(found["pulled"], sol.FZ)
     np.testing.assert_array_equal(found["two"], [0, 0])
     np.testing.assert_allclose(found["bent"], np.tan(np.deg2rad([20, 40])))

@@ -20,11 +20,11 @@ def study(axes: str = E + R, table: str = TABLE, head: str = ""):
 
 def test_a_refined_study_begins_as_its_coarse_grid_and_watches_what_it_stores() -> None:
     work = study(E + R, TABLE.replace('["bends"]', '["loops", "outcome"]'))
-    assert (work.size, work.sampled, work.varied) == (20, ("E", "R"), ("E", "R"))
+    assert (work.variation.size, work.variation.sampled, work.variation.fields) == (20, ("E", "R"), ("E", "R"))
     assert "loops" in work.wanted
-    assert work.coarse().dimensions().shape == (5, 4)
-    grid = work.coarse().dimensions()
-    np.testing.assert_array_equal(work.coordinates()["E"].reshape(5, 4)[:, 0], grid.fields["E"])
+    assert work.coarse().variation.dimensions.shape == (5, 4)
+    grid = work.coarse().variation.dimensions
+    np.testing.assert_array_equal(work.variation.dimensions.fields["E"].reshape(5, 4)[:, 0], grid.fields["E"])
     assert loads(dumps(work)).model_dump() == work.model_dump()
 
 
@@ -32,7 +32,7 @@ def test_a_refined_study_begins_as_its_coarse_grid_and_watches_what_it_stores() 
 
 
 def test_halvings_make_equal_ratios_or_equal_differences_as_the_axis_does() -> None:
-    found = study(table=TABLE.replace("tolerance = 0.01", "points = 13")).lattice
+    found = refinement(study(table=TABLE.replace("tolerance = 0.01", "points = 13"))).lattice
     assert (found.depth, found.sizes) == (2, (17, 13))
     places = np.indices(found.sizes).reshape(2, -1).T
     values = found.values(places)

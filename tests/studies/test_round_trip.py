@@ -29,8 +29,8 @@ def goes_through_toml_and_back(said: dict[str, Any]) -> None:
     assert again.model_dump() == study.model_dump()
     assert again.model_fields_set == study.model_fields_set | {"name"}
     assert dumps(again) == text
-    for name, values in study.coordinates().items():
-        np.testing.assert_array_equal(again.coordinates()[name], values)
+    for name, values in study.variation.dimensions.fields.items():
+        np.testing.assert_array_equal(again.variation.dimensions.fields[name], values)
 
 
 @pytest.mark.parametrize("examples", COUNTS)
@@ -43,7 +43,7 @@ def a_study_or_a_sentence(read: Callable[[], Study]) -> None:
     said = ""
     try:
         study = read()
-        assert study.coordinates() is not None
+        assert study.variation.dimensions.fields is not None
         dumps(study)
     except InputError as refusal:
         said = str(refusal)

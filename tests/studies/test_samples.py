@@ -32,7 +32,7 @@ std = 0.1
 
 
 def sampled(text: str, head: str = HEAD) -> dict[str, np.ndarray]:
-    return loads(head + text).coordinates()
+    return loads(head + text).variation.dimensions.fields
 
 
 def one(field: str, keys: str, method: str = "sobol", size: int = 4096) -> np.ndarray:
@@ -106,7 +106,7 @@ def test_more_samples_begin_with_those_of_fewer(method: str, size: int) -> None:
 def tabled(folder: Path, table: str, more: str = "", name: str = "cases.csv") -> dict[str, np.ndarray]:
     (folder / name).write_text(table, encoding="utf-8")
     (folder / "s.toml").write_text(HEAD + f"[table]\nfile = '{name}'\n{more}")
-    return load(folder / "s.toml").coordinates()
+    return load(folder / "s.toml").variation.dimensions.fields
 
 
 def test_a_table_may_be_parquet(tmp_path) -> None:
@@ -116,7 +116,7 @@ def test_a_table_may_be_parquet(tmp_path) -> None:
     def read(columns: dict[str, list[object]]) -> dict[str, np.ndarray]:
         parquet.write_table(pyarrow.table(columns), tmp_path / "c.parquet")
         (tmp_path / "s.toml").write_text(HEAD + "[table]\nfile = 'c.parquet'\n")
-        return load(tmp_path / "s.toml").coordinates()
+        return load(tmp_path / "s.toml").variation.dimensions.fields
 
     assert {name: row.tolist() for name, row in read({"E": [1e4, 2e4], "R": [1, 2]}).items()} == {
         "E": [1e4, 2e4], "R": [1.0, 2.0],

@@ -136,5 +136,5 @@ def test_an_unsolved_case_gives_no_caution() -> None:
     sol = solve(study.case(), stations=21)
     outcome, solved = np.array(["solved", "failed: on purpose"], dtype=object), np.array([True, False])
     sol = replace(sol, trajectory=replace(sol.trajectory, outcome=outcome, solved=solved))
-    ds = assembly.make(study, study.dimensions(), columns(study, sol))
+    ds = assembly.make(study, study.variation.dimensions, columns(study, sol))
     assert [", ".join(cautions.keys(text)) for text in ds["caution"].values] == ["overlaps, strained, pulled", ""]

@@ -104,12 +104,12 @@ def test_ranges_and_observables_are_those_fixed_beforehand() -> None:
     }
     for name, (axis, first, last, judged) in fixed.items():
         study = load(name)
-        values = study.coordinates()[axis]
+        values = study.variation.dimensions.fields[axis]
         assert (values.size, values[0], values[-1]) == (9, pytest.approx(first), pytest.approx(last))
         assert {law.observable for law in study.laws} == judged
-    steps = np.diff(np.log(load("fig7_1_modulus").coordinates()["E"]))
+    steps = np.diff(np.log(load("fig7_1_modulus").variation.dimensions.fields["E"]))
     np.testing.assert_allclose(steps, steps[0], rtol=1e-12)  # rounding of the logarithms
-    assert load("fig7_5_forces").coordinates()["F3"][[0, -1]].tolist() == [5.0, 20.0]
+    assert load("fig7_5_forces").variation.dimensions.fields["F3"][[0, -1]].tolist() == [5.0, 20.0]
 
 
 def test_the_end_angle_is_followed_from_the_base_rod_to_its_fold() -> None:
@@ -128,7 +128,7 @@ def test_the_end_angle_is_followed_from_the_base_rod_to_its_fold() -> None:
 
 def test_beyond_the_fold_the_followed_equilibrium_is_gone() -> None:
     study = load("fig7_4_end_angle")
-    branch = to_fold(study.case(), study.follow.limit, 9)
+    branch = to_fold(study.case(), study.axes[study.variation.followed].limit, 9)
     ends = branch.ends.given
     beyond = Ends(ends.beta0, branch.fold + 1e-3, ends.FZ, ends.MZ, ends.M3)
     case = type(branch.ends)(branch.ends.rod, branch.ends.cylinder, beyond)

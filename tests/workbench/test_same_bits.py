@@ -81,7 +81,7 @@ def test_a_case_is_the_same_in_its_study_solved_again_and_alone(whole, name: str
         for place in solved[[0, len(solved) // 2, -1]]:
             here = dict(zip(ds["outcome"].dims, map(int, place), strict=True))
             one, at = ds.isel(here), {dim: float(ds[dim][i]) for dim, i in here.items()}
-            fields = {field: float(one[quantity_variables.dimension(field)]) for field in study.varied}
+            fields = {field: float(one[quantity_variables.dimension(field)]) for field in study.variation.fields}
             rule, case = one_case.rule_of(study.equilibrium), study.case_of(fields)
             file_or_study = ds if study.refine else in_memory.outline(study)
             for way in (

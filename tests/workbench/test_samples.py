@@ -83,7 +83,7 @@ def test_merged_samples_are_those_of_all_files_each_once(stored: Path, tmp_path)
             np.testing.assert_array_equal(ds[name], np.concatenate([a[name], b[name]]))
         assert ds["sample"].values.tolist() == list(range(58))
         assert ds.attrs["sampling"].startswith("58 samples of E, R, beta, merged from: 40 samples of E, R, beta: scr")
-        assert solved_again.study_of(ds).samples_count == 58
+        assert solved_again.study_of(ds).variation.given.size == 58
         again = in_memory.run(loads(ds.attrs["study"]))
         np.testing.assert_array_equal(again["kappa_max"], ds["kappa_max"])
 
@@ -104,8 +104,8 @@ def test_a_merged_study_of_too_many_samples_names_a_table_and_keeps_them_as_arra
     with xr.open_dataset(tmp_path / "d.h5") as ds:
         assert 'file = "d.csv"' in ds.attrs["study"]
         assert "[zip]" not in ds.attrs["study"]
-        assert solved_again.study_of(ds).coordinates()["E"].tolist() == [1e4, 2e4, 3e4, 4e4, 5e4]
-        assert ds.rod.sel(sample=4).rod.study.coordinates()["E"].tolist() == [5e4]
+        assert solved_again.study_of(ds).variation.dimensions.fields["E"].tolist() == [1e4, 2e4, 3e4, 4e4, 5e4]
+        assert ds.rod.sel(sample=4).rod.study.variation.dimensions.fields["E"].tolist() == [5e4]
     writing.write(in_memory.run(small.study("[zip]\nE = [6e4]\nR = [0.5]\n", HEAD)), paths[0])
     assert file_merge.merge([tmp_path / "d.h5", paths[0]], tmp_path / "e.h5")["cases"] == 6
 
@@ -140,7 +140,7 @@ def test_a_stored_study_reads_no_table_again(tmp_path) -> None:
     run(f"run {tmp_path / 's.toml'} --out {tmp_path / 's.h5'}")
     (tmp_path / "cases.csv").unlink()
     with xr.open_dataset(tmp_path / "s.h5") as ds:
-        assert ds.rod.study.coordinates()["E"].tolist() == [1e4, 2e4]
+        assert ds.rod.study.variation.dimensions.fields["E"].tolist() == [1e4, 2e4]
         assert ds.rod.kappa.shape == (2, 21)
 
 
@@ -164,7 +164,7 @@ def test_a_scene_of_one_sample_solves_that_sample_alone(tmp_path) -> None:
     assert solve is not None
     part = solve(study_scene.FIRST)
     assert part["sample"].values.tolist() == [17]
-    assert part["E"].values[0] == whole.coordinates()["E"][17]
+    assert part["E"].values[0] == whole.variation.dimensions.fields["E"][17]
     row = study_scene.solver_of(rods, scene_kinds.KINDS["ghosts"], {}, ["sample"])
     assert row is not None
     assert row(study_scene.FIRST).sizes["sample"] == 40

@@ -54,8 +54,8 @@ def ends_problem(study: Study, held: bool = False) -> Case:
     InputError
         For a study with axes, one of held ends unless `held`, or a start problem that is not solved.
     """
-    if study.dimensions().each:
-        raise InputError(f"{study.name} has {study.variation}: equilibria takes one case")
+    if study.variation.dimensions.each:
+        raise InputError(f"{study.name} has {study.variation.words}: equilibria takes one case")
     case = study.case()
     if not held:
         refuse_held(case)

@@ -144,9 +144,9 @@ def _case(
         return read_case(None, given.values, given.units, table1, reading)
     check_alone(file, given.units, table1)
     study = load(str(file)).under(reading)
-    if study.follow is not None:
+    if study.variation.from_base:
         raise InputError(
-            f"{study.name} follows one equilibrium along {study.followed}: fit takes a study of single cases"
+            f"{study.name} follows one equilibrium along {study.variation.followed}: fit takes a study of single cases"
         )
     return case_at(study, axis_values(StoredStudy(outline(study)), at), given.values)
 

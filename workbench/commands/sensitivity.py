@@ -98,7 +98,7 @@ def _local(
         study = stored.study
     solution = stored_case.solve_case(stored, axis_values(stored, at), study)
     table = derivatives.local(solution, fields, real, study.unit_system)
-    varied = " ".join(quantity_variables.dimension(name) for name in study.varied)
+    varied = " ".join(quantity_variables.dimension(name) for name in study.variation.fields)
     table = table.assign_attrs(title=study.title, reading=study.reading or "", varied=varied)
     return table, [*derivatives.sentences(table), *([left_out] if left_out else [])], study.unit_system
 

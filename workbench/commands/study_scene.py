@@ -122,10 +122,10 @@ def two_stations(file: Path) -> tuple[Study, StoredStudy]:
     Raises `InputError`, also for more cases than are solved for one picture.
     """
     study = load(file).coarse()
-    if study.size > MOST_CASES:
+    if study.variation.size > MOST_CASES:
         raise InputError(
-            f"{study.name} has {study.size} cases, and at most {MOST_CASES} are solved for a picture: store it with "
-            "workbench run, and draw the file"
+            f"{study.name} has {study.variation.size} cases, and at most {MOST_CASES} are solved for a picture: store "
+            "it with workbench run, and draw the file"
         )
     stored = in_memory.run(_with_outputs(study, ()).at_stations(2))
     return study, StoredStudy(stored.assign_attrs(laws=schema.laws_text(study)))  # they fix where an axis is held
@@ -158,7 +158,7 @@ def film_cases(
         return None
     study = stored.study
     field = quantity_variables.field_of(study, axis)
-    if field not in study.axes or study.follow is not None or study.sampled:
+    if field not in study.axes or study.variation.from_base or study.variation.sampled:
         return None
     lean = _with_outputs(study, kind.reads | {"dbeta"}).model_copy(update={"observables": [observable]})
     lean = _study_at(lean, stored, stored.place(at), [field])

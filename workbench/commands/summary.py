@@ -185,8 +185,9 @@ def _list() -> list[dict[str, Any]]:
             {key: getattr(law, key) for key in ("claim", "kind", "observable", "direction", "does", "axis")}
             for law in study.laws
         ]
-        drawn = study.coarse()
-        sampled = {"samples": drawn.samples_count, "sampled": list(drawn.sampled), "refined": study.refine is not None}
+        given = study.variation.given
+        size, fields = (given.size, list(given.fields)) if given else (0, [])
+        sampled = {"samples": size, "sampled": fields, "refined": study.refine is not None}
         rows.append({"study": name, "title": study.title, **sampled, "axes": axes, "laws": laws})
     return rows
 

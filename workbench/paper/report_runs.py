@@ -53,7 +53,7 @@ def run_readings(
                 stored = StoredStudy(in_memory.run(study.under(reading)))
             except InputError as error:  # for example where the base rod already ends beyond a followed axis's limit
                 of_reading += [refusal(law, str(error)) for law in study.laws]
-                missing.append(study.size)
+                missing.append(study.variation.size)
                 continue
             of_reading += stored.verdicts
             missing.append(stored.unsolved)

@@ -135,7 +135,7 @@ def columns(study: Study, sol: Solution, given: Mapping[str, Any] | None = None)
             row["branch"] = np.where(mine, [pipe_state.count_left(str(text)) for text in begun], NO_BRANCH)
     caution = cautions.of_cases(sol, observed, study.unit_system)
     row["caution"] = np.asarray(caution).reshape(-1)
-    for name in (*JUDGED, *(name for name in LOADS if name not in study.varied)):
+    for name in (*JUDGED, *(name for name in LOADS if name not in study.variation.fields)):
         row[name] = np.asarray(getattr(sol, name), dtype=float).reshape(-1)
     for name in study.reactions:
         row[name] = np.asarray(sol.held_index if name == "held_index" else sol.reactions[name], float).reshape(-1)

@@ -16,7 +16,7 @@ from studies import Study
 from studies.grammar.axes import SAMPLE, Dimension
 from studies.language.loader import axis_table, dumps
 from studies.language.printed import table_of
-from studies.language.study import SOURCES
+from studies.language.variation import SOURCES
 
 from ..stored import quantity_variables, reading, schema, solved_again
 from ..stored.selection import SAME
@@ -141,7 +141,7 @@ def _axis(files: Sequence[xr.Dataset], studies: Sequence[Study], names: Sequence
                 raise InputError(
                     f"the files differ in what is stored: {this} has {choices(more)}, which {that} has not"
                 )
-    if studies[0].follow is not None:
+    if studies[0].variation.from_base:
         raise InputError(f"{names[0]} follows an equilibrium up to its fold, which cannot be merged")
     if studies[0].refine is not None:
         raise InputError(f"{names[0]} is a refined study, whose cases belong together; run it with a finer tolerance")
@@ -178,12 +178,12 @@ def _differences(a: xr.Dataset, of_a: Study, b: xr.Dataset, of_b: Study) -> dict
     """What must be equal in two files: its name in messages -> the two values."""
     pairs: dict[str, tuple[Any, Any]] = {"the axes": (schema.axes_of(a), schema.axes_of(b))}
     pairs |= {what: (a.attrs.get(key), b.attrs.get(key)) for key, what in ALIKE.items()}
-    pairs["the sampled fields"] = (list(of_a.sampled), list(of_b.sampled))
+    pairs["the sampled fields"] = (list(of_a.variation.sampled), list(of_b.variation.sampled))
     pairs["the stations"] = (a.sizes.get("u", 0), b.sizes.get("u", 0))
     pairs["the places of the stations"] = (_stations(a), _stations(b))
     base = [{**table_of(study.reading), **study.base.given} for study in (of_a, of_b)]
     for name in dict.fromkeys([*base[0], *base[1]]):
-        if name not in of_a.varied:
+        if name not in of_a.variation.fields:
             pairs[f"base.{name}"] = (base[0].get(name), base[1].get(name))
     said = [study.model_dump(exclude=APART) for study in (of_a, of_b)]
     return pairs | {key: (said[0][key], said[1][key]) for key in said[0]}

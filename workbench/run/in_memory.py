@@ -81,7 +81,7 @@ def run(study: Study, tol: float | None = None, method: str | None = None) -> xr
     """
     if given := {name: value for name, value in (("tol", tol), ("method", method)) if value is not None}:
         study = study.with_values(**given)
-    if study.follow is not None:
+    if study.variation.from_base:
         return run_followed(study)
     work = plan(study)
     if (needed := work.size * bytes_a_case(study)) > MOST_IN_MEMORY:
@@ -105,7 +105,7 @@ def outline(study: Study) -> xr.Dataset:
 
     That of a study which follows an equilibrium is solved, as its values are found on the way.
     """
-    return without_results(study) if study.follow is None else run(study)
+    return without_results(study) if not study.variation.from_base else run(study)
 
 
 def result(study: Study, ds: xr.Dataset, path: Path | None = None) -> StudyResult:
@@ -120,10 +120,9 @@ def run_followed(study: Study) -> xr.Dataset:
     ceases to exist, NaN where the limit comes first; attribute `fold_note`, the same in words. Raises
     `InputError`.
     """
-    axis, field = study.follow, study.followed
-    assert axis is not None
+    field = study.variation.followed
     assert field is not None
-    name = quantity_of(field).name
+    axis, name = study.axes[field], quantity_of(field).name
     branch = to_fold(study.case(), axis.limit, axis.size, name)
     sol = solve(branch.ends, tol=study.tol, method=study.method, stations=study.stations, seed=branch.dbeta0)
     as_run = study.model_copy(update={"method": sol.method})

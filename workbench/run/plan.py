@@ -16,7 +16,7 @@ from studies import Study
 from studies.grammar.axes import SAMPLE, Axis, Dimension, Dimensions, Values, in_words
 from studies.language import refine as tables
 from studies.language.refinement import OUTCOME, Refinement
-from studies.language.study import SOURCES
+from studies.language.variation import SOURCES
 
 from ..stored import refined
 from ..stored.boxes import Columns
@@ -125,12 +125,10 @@ class Plan:
             if each.name == SAMPLE:
                 samples = Dimension(SAMPLE, first)
             else:
-                follow = each.name == self.study.followed
+                follow = each.name == self.study.variation.followed
                 axes[each.name] = Axis.model_validate({"values": first[each.name].tolist(), "follow": follow})
         update = {"axes": axes, **dict.fromkeys(SOURCES), "refine": None, "laws": [], "observables": self.study.wanted}
-        light = self.study.model_copy(update=update).with_samples(samples)
-        light._text = ""
-        return light
+        return self.study.with_values(**update).with_samples(samples)
 
     def chunk(self, start: int, stop: int) -> Chunk:
         """The chunk of the cases `start` to `stop` of those to be solved."""
@@ -160,7 +158,7 @@ class Plan:
 
 def plan(study: Study) -> Plan:
     """The plan of a study; "auto" becomes the automatic method. Raises `InputError` as `solve` does."""
-    dimensions = study.dimensions()
+    dimensions = study.variation.dimensions
     method = method_of(study, dimensions)
     return Plan(study.model_copy(update={"tol": check_tolerance(study.tol), "method": method}), dimensions)
 
@@ -179,7 +177,7 @@ def _first_of(plan: Plan) -> str:
     row = zip(sweep.coordinates.items(), cell, strict=True)
     at = ", ".join(in_words(name, float(values[i])) for (name, values), i in row)
     which = plan.study.equilibrium
-    name = MIDDLE if plan.study.followed is None else FOLLOWED
+    name = MIDDLE if plan.study.variation.followed is None else FOLLOWED
     if first.begun:
         return f"{name}, {at}: its search began at {first.begun}"
     slope = None if which is None else which.dbeta0
@@ -216,7 +214,7 @@ def room(work: Plan, folder: Path, kept: int) -> str:
     going = f", {kept} kept from an earlier run" if kept else ""
     if work.study.refine is not None:
         stored = f"; {work.size} cases are stored already" if new else ""
-        grid = f"{work.study.coarse().size} cases of the coarse grid"
+        grid = f"{work.study.coarse().variation.size} cases of the coarse grid"
         return f"{grid}, at most {work.study.refine.budget} in all{stored}{going}"
     large = f"; the file needs at most {_bytes(final)}, and the run another {_bytes(parts)} until it ends"
     return f"{work.size} case{'s' * (work.size != 1)}{new}{going}{large if final + parts > TOLD else ''}"

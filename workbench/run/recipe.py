@@ -110,15 +110,16 @@ def axis_line(values: NDArray[np.float64]) -> str:
 
 def _follow_line(study: Study) -> dict[str, Any]:
     """The followed axis; of a start problem its limit and size, as the run finds its values."""
-    if study.follow is not None:
-        return {"follow": {"axis": study.followed, "to": study.follow.limit, "count": study.follow.size}}
-    return {} if study.followed is None else {"follow": study.followed}
+    name = study.variation.followed
+    if name is None or not study.variation.from_base:
+        return {} if name is None else {"follow": name}
+    return {"follow": {"axis": name, "to": study.axes[name].limit, "count": study.axes[name].size}}
 
 
 def _refine_lines(study: Study) -> dict[str, Any]:
     """The refinement: its keys, the coarse grid, and how often that is halved."""
     assert study.refine is not None
-    grid = study.lattice
+    grid = study.refine.lattice(study.axes)
     lines = {name: axis_line(values) for name, values in grid.axes.items()}
     return {
         **lines,

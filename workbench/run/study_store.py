@@ -163,7 +163,7 @@ def run_to_file(
     if work.is_finished:
         _tidy(work, output)
         return _already(work)
-    if study.follow is not None:
+    if study.variation.from_base:
         if work.replaced:
             say(work.replaced)
         return _follow(work, output)

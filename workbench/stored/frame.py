@@ -11,6 +11,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from solver import Case
+from solver.problem.errors import choices
 from studies import Study
 from studies.grammar.axes import SAMPLE, Dimensions, quantity_of
 from studies.language.loader import dumps
@@ -64,7 +65,7 @@ def _coordinates(study: Study, over: Dimensions) -> dict[str, Any]:
         for field, values in each.fields.items():
             coords[quantity_variables.dimension(field)] = xr.Variable((dim,), values, _axis_labels(study, field))
     if study.refine is not None:
-        lattice = study.lattice
+        lattice = study.refine.lattice(study.axes)
         levels = lattice.levels(lattice.places(over.fields))
         labels_ = {"units": "1", "long_name": "level of refinement", "symbol": "level"}
         coords[LEVEL] = xr.Variable((SAMPLE,), levels, labels_)
@@ -89,9 +90,10 @@ def _own_dims(value: Any, axes: tuple[str, ...]) -> tuple[tuple[str, ...], NDArr
 
 
 def _attributes(study: Study, case: Case) -> dict[str, Any]:
+    followed = study.variation.followed
     sampling = {
-        "sampled": " ".join(study.sampled),
-        "sampling": study.samples_sentence,
+        "sampled": " ".join(study.variation.sampled),
+        "sampling": _origin_of_samples(study),
         "sampling_caution": study.sample.caution if study.sample is not None else "",
     }
     return {
@@ -109,8 +111,19 @@ def _attributes(study: Study, case: Case) -> dict[str, Any]:
         "laws": schema.laws_text(study),
         **provenance.provenance(),
         **{name: sentence for name, sentence in sampling.items() if sentence},
-        **({} if study.followed is None else {"followed": quantity_variables.dimension(study.followed)}),
+        **({} if followed is None else {"followed": quantity_variables.dimension(followed)}),
     }
+
+
+def _origin_of_samples(study: Study) -> str:
+    """Where the samples come from, in one sentence; empty where there are none."""
+    given = study.variation.given
+    if given is None or study.refine is not None:
+        return ""
+    count = f"{given.size} sample{'s' * (given.size != 1)} of {choices(given.fields)}"
+    if study.sample is not None:
+        return f"{count}: {study.sample.sentence}"
+    return f"{count}, from {study.table.file if study.table is not None else 'the lists of zip'}"
 
 
 def _knows_orbit(method: str) -> bool:
@@ -121,6 +134,6 @@ def _knows_orbit(method: str) -> bool:
 
 def without_results(study: Study) -> xr.Dataset:
     """A dataset of a study that follows no equilibrium, without results: a case is chosen in it as in a stored one."""
-    over = study.dimensions()
+    over = study.variation.dimensions
     unknown = np.broadcast_to(np.array("", dtype=object), over.shape)
     return frame_of(study, over).assign(outcome=(tuple(map(quantity_variables.dimension, over.names)), unknown))

@@ -18,7 +18,7 @@ def method_of(study: "Study", over: "Dimensions") -> str:
     from solver.methods import choose_method, free_method, method_on_nodes
 
     first = study.case_of({name: values[0] for name, values in over.fields.items()})
-    if study.follow is not None:  # the equilibrium is followed by its ends, also where the study gives its start
+    if study.variation.from_base:  # the equilibrium is followed by its ends, also where the study gives its start
         first = Case(first.rod, first.cylinder, Ends(0.0, 0.0))
     if study.leaves:
         name = free_method(study.method)

@@ -49,7 +49,7 @@ def inner_shape(output: str) -> tuple[int, ...]:
 
 def own_dimension(study: "Study", field: str) -> str:
     """The dimension along which a field of the study varies: its own, or that of the samples."""
-    return SAMPLE if field in study.sampled else dimension(field)
+    return SAMPLE if field in study.variation.sampled else dimension(field)
 
 
 def field_of(study: "Study", name: str) -> str:

@@ -44,7 +44,7 @@ def shapes(study: "Study") -> dict[str, tuple[int, ...]]:
     """The variables that are stored of each case, in order, and the shape that each has for one case."""
     along = {curve_name(name): (study.stations, *inner_shape(name)) for name in study.outputs}
     branch = ["branch"] if study.has_branches else []
-    loads = [load for load in LOADS if load not in (*study.varied, *study.recorded)]
+    loads = [load for load in LOADS if load not in (*study.variation.fields, *study.recorded)]
     return along | dict.fromkeys([*study.recorded, "solved", *TEXTS, *branch, *JUDGED, *loads, *study.reactions], ())
 
 
@@ -80,7 +80,8 @@ def fields_of_samples(ds: "xr.Dataset") -> list[str]:
 
 def axes_left(ds: "xr.Dataset", study: "Study") -> list[str]:
     """The study's dimensions that the dataset still has; one on which a value was selected is gone."""
-    return [dim for dim in dict.fromkeys(own_dimension(study, name) for name in study.varied) if dim in ds.dims]
+    every = dict.fromkeys(own_dimension(study, name) for name in study.variation.fields)
+    return [dim for dim in every if dim in ds.dims]
 
 
 def labels_in(study: "Study", name: str) -> dict[str, str]:

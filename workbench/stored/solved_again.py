@@ -49,13 +49,13 @@ def case_of(ds: xr.Dataset, study: Study, values: Mapping[str, float] | None = N
     An axis whose value is given has no dimension. Raises `InputError`.
     """
     values = dict(values or {})
-    for name in study.varied:
+    for name in study.variation.fields:
         if name not in values and quantity_variables.dimension(name) not in ds.coords:
             raise InputError(f"the dataset has lost its axis {quantity_variables.dimension(name)!r}")
     placed: dict[str, Any] = {**_places(ds, study, values), **values}
-    if study.follow is None:
+    if not study.variation.from_base:
         return study.case_of(placed)
-    (field,) = study.varied
+    (field,) = study.variation.fields
     return with_field(own_ends(study.case()), quantity_of(field).name, placed[field])
 
 
@@ -64,7 +64,8 @@ def solve_at(ds: xr.Dataset, study: Study, values: Mapping[str, Any]) -> Solutio
 
     Raises `InputError` for a field that the study has not, or for more than `MOST_SOLVED` cases.
     """
-    fields = [*study.varied] if study.follow else [name for name in study.fields if name not in WORDS]
+    varies = study.variation
+    fields = [*varies.fields] if varies.from_base else [name for name in study.fields if name not in WORDS]
     values = {quantity_variables.field_of(study, name): value for name, value in values.items()}
     for name in values:
         if name not in fields:
@@ -79,7 +80,7 @@ def solve_at(ds: xr.Dataset, study: Study, values: Mapping[str, Any]) -> Solutio
     if study.sweeps:
         as_run = study.model_copy(update={"tol": tol, "method": method})
         return _swept(as_run, case, stations, {**_places(ds, study, values), **values})
-    if study.follow is None:
+    if not study.variation.from_base:
         return solve_one(case, study.equilibrium, tol, method, stations, study.let_go)
     return solve(case, tol=tol, method=method, stations=stations, seed=_slope(ds, study, case))
 
@@ -89,9 +90,9 @@ def solve_once(ds: xr.Dataset, study: Study, kept: dict[Any, Solution]) -> Solut
 
     kept: these rods, by the values of their axes.
     """
-    if not study.leaves or study.sweeps or study.follow is not None:
+    if not study.leaves or study.sweeps or study.variation.from_base:
         return solve_at(ds, study, {})
-    names = [quantity_variables.dimension(name) for name in study.varied]
+    names = [quantity_variables.dimension(name) for name in study.variation.fields]
     key = tuple((name, np.asarray(ds[name].values).tobytes()) for name in names)
     known = kept.get(key)
     if known is None:
@@ -171,10 +172,10 @@ def solve_again(
 
 def _places(ds: xr.Dataset, study: Study, values: Mapping[str, Any]) -> dict[str, Any]:
     """The values of the study's varied fields: one where given or selected, else along their own dimension."""
-    left = [name for name in study.varied if name not in values]
+    left = [name for name in study.variation.fields if name not in values]
     dims = {name: quantity_variables.own_dimension(study, name) for name in left}
     open_axes = [dim for dim in schema.axes_left(ds, study) if dim in dims.values()]
-    placed: dict[str, Any] = {name: real(name, values[name]) for name in study.varied if name in values}
+    placed: dict[str, Any] = {name: real(name, values[name]) for name in study.variation.fields if name in values}
     for name in left:
         shape = [-1 if dims[name] == other else 1 for other in open_axes if dims[name] in open_axes]
         placed[name] = ds[quantity_variables.dimension(name)].values.reshape(shape)
@@ -192,7 +193,7 @@ def samples_of(ds: xr.Dataset) -> dict[str, NDArray[np.float64]]:
 
 def _swept(study: Study, case: Case, stations: Any, places: Mapping[str, Any]) -> Solution:
     """Cases at or between those of a sweep. places: field -> its values, of all that the cases do not share."""
-    over = study.dimensions()
+    over = study.variation.dimensions
     study = study.model_copy(update={"method": method_of(study, over)})
     sweep = Sweep(study, over.fields, 1, keeps_all=True)
     rows = {name: np.broadcast_to(value, case.shape).ravel() for name, value in places.items()}
@@ -228,7 +229,7 @@ def _stations(ds: xr.Dataset, study: Study, case: Case) -> Any:
 
 def _slope(ds: xr.Dataset, study: Study, case: Case) -> Any:
     """beta'(0) near that of the followed equilibrium, of the shape of the case. Raises `InputError` past the fold."""
-    (name,) = map(quantity_variables.dimension, study.varied)
+    (name,) = map(quantity_variables.dimension, study.variation.fields)
     targets, fold = np.broadcast_to(values_of(case, name), case.shape), float(ds["fold"])
     values, slopes = np.atleast_1d(*np.broadcast_arrays(ds[name].values, ds["dbeta0"].values))
     rises = 1 if fold >= values.max() else -1  # the fold is the last value

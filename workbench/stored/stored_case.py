@@ -30,7 +30,7 @@ def place_of(study: Study, at: Mapping[str, Value] | None = None) -> dict[str, f
     """The values of the fields that vary, of the case at these values; at: as of `StoredStudy.place`."""
     cases = StoredStudy(without_results(study))
     place = cases.select(cases.place(at))
-    return {field: float(place[quantity_variables.dimension(field)]) for field in study.dimensions().fields}
+    return {field: float(place[quantity_variables.dimension(field)]) for field in study.variation.dimensions.fields}
 
 
 def solve_case(stored: StoredStudy, at: Mapping[str, Value] | None = None, study: Study | None = None) -> Solution:
@@ -61,9 +61,9 @@ def case_at(study: Study, at: Mapping[str, Any], values: Mapping[str, Any], name
     InputError
         For a value that is not on its axis, and for an unknown or invalid field.
     """
-    place = {} if study.follow is not None else place_of(study, at)
+    place = {} if study.variation.from_base else place_of(study, at)
     changed = f", except {choices(values)}" if values else ""
-    case = study.case() if study.follow is not None else study.case_of(place)
+    case = study.case() if study.variation.from_base else study.case_of(place)
     source = f"{named or study.title}{changed}"
     which = study.equilibrium
     taken = with_values(case, in_units(values, study.unit_system))
@@ -101,10 +101,10 @@ def case_in(file: Path, at: Mapping[str, Value], values: Mapping[str, Any]) -> C
 
 def _part(name: str, study: Study) -> str:
     """What of a study is taken: ``fig7_1_modulus, the case at E = 10910, one of 9``."""
-    if study.follow is not None:
-        return f"{name}, the case from which {study.followed} is followed"
+    if study.variation.from_base:
+        return f"{name}, the case from which {study.variation.followed} is followed"
     place = ", ".join(in_words(field, value) for field, value in place_of(study).items())
-    return f"{name}, the case at {place}, one of {study.size}" if place else name
+    return f"{name}, the case at {place}, one of {study.variation.size}" if place else name
 
 
 def _equilibrium_of(ds: xr.Dataset, name: str, values: Mapping[str, Any]) -> CaseInput:

@@ -71,7 +71,7 @@ def step(study: Study, case: Case, before: SweepState, place: int, name: str, ne
     name: the axis between the two. neighbour: its value there.
     """
     at = in_words(name, neighbour)
-    if name == study.followed:
+    if name == study.variation.followed:
         return state_of(follow_to(before.solution, case, name, at), before.branch, before.stable)
     taken = select(study, case)
     if not before.solved:
@@ -174,7 +174,7 @@ def between(study: Study, case: Case, near: Callable[[], SweepState], stations: 
 
     near: makes the state of the nearest case of the sweep.
     """
-    if study.followed is None:
+    if study.variation.followed is None:
         return show(study, state_of(select(study, case), 0), stations)
     state = near()
     if state.solved:
@@ -286,7 +286,8 @@ class Sweep:
 
     @cached_property
     def grid(self) -> SweepGrid:
-        return SweepGrid(tuple(values.size for values in self.coordinates.values()), self.study.followed is not None)
+        shape = tuple(values.size for values in self.coordinates.values())
+        return SweepGrid(shape, self.study.variation.followed is not None)
 
     def first(self) -> SweepState:
         """The state of the first case."""
