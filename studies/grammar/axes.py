@@ -431,11 +431,6 @@ class Dimensions:
         """Every field that varies, with its values along its own dimension."""
         return {name: values for dimension in self.each for name, values in dimension.fields.items()}
 
-    @property
-    def sampled(self) -> tuple[str, ...]:
-        """The fields of the samples."""
-        return tuple(name for dimension in self.each if dimension.name == SAMPLE for name in dimension.fields)
-
     def at(self, flat: NDArray[np.int64]) -> dict[str, Values]:
         """The fields of the cases of these flat indices, (cases,) each."""
         if not self.each:

@@ -99,7 +99,7 @@ def test_the_map_shows_at_every_place_the_number_of_the_uniform_grid(stored: Pat
     """The lattice is as fine as the raster here: what is not solved is what its neighbours show."""
     with xr.open_dataset(stored) as ds:
         turns, _ = uniform(ds, study())
-        shown = refined.raster(ds)["bends"].values
+        shown = StoredStudy(ds).raster()["bends"].values
         assert shown.shape == tuple(2 * (size - 1) for size in turns.shape)
         for i, j in ((0, 0), (0, 1), (1, 0), (1, 1)):  # the quarters of each cell
             corner = turns[i : turns.shape[0] - 1 + i, j : turns.shape[1] - 1 + j]
@@ -116,7 +116,7 @@ def test_along_one_axis_each_jump_is_enclosed_to_the_tolerance(line: xr.Dataset)
             case = study(LINE).case_of({"E": float(pair["E"] + side * pair["E_half_width"])})
             assert float(observe(solve(case), ["bends"])["bends"]) == float(number)
     assert line.sizes["sample"] < 130
-    assert sorted(refined.line(line)["E"].values) == refined.line(line)["E"].values.tolist()
+    assert sorted(StoredStudy(line).line()["E"].values) == StoredStudy(line).line()["E"].values.tolist()
 
 
 FIVE = """[base]
@@ -152,7 +152,7 @@ def test_a_number_that_changes_and_changes_back_between_two_values_is_located(fi
 def test_a_law_along_one_refined_axis_is_judged_on_every_case(five: xr.Dataset) -> None:
     """The six values of the axis alone agree with it."""
     (row,) = law_verdicts.verdicts(five)
-    (coarse,) = law_verdicts.verdicts(refined.coarse(five))
+    (coarse,) = StoredStudy(five).coarse().verdicts
     assert (row["verdict"], coarse["verdict"]) == ("false", "true")
     steps = [(step["from"], step["to"]) for step in row["exceptions"]]
     jumps = [at for at, (before, after) in CHANGES.items() if after > before]
@@ -178,7 +178,7 @@ def test_a_real_number_is_refined_where_it_changes_by_more_than_its_step() -> No
     ds = in_memory.run(
         study(LINE, '[refine]\nwatch = ["turns_around"]\nsteps = { turns_around = 0.02 }\npoints = 2000\n')
     )
-    wraps = refined.line(ds)["turns_around"].values
+    wraps = StoredStudy(ds).line()["turns_around"].values
     assert np.abs(np.diff(wraps)).max() <= 0.02
     assert StoredStudy(ds).boundary("turns_around").sizes["pair"] == 0
     assert StoredStudy(ds).boundary("turns_around", step=0.01).sizes["pair"] == (np.abs(np.diff(wraps)) > 0.01).sum()
@@ -235,7 +235,7 @@ def test_a_case_between_the_lines_of_the_coarse_grid_can_refute_a_law(stored: Pa
     with xr.open_dataset(stored) as ds:
         ds = ds.load()
     found, law = refined.describe(ds), Law(claim="(2)", observable="bends", axis="E", source="s", **rule)
-    rows = refined.rows_for_law(ds, "E")
+    rows = found.rows("E", {name: ds[name].values for name in ("E", "R")}, None)
     for row in rows:
         np.testing.assert_array_equal(row.along[row.has_case], ds["E"].values[row.cases[row.has_case]])
         assert (np.diff(row.along) > 0).all()
@@ -258,13 +258,13 @@ def test_a_law_changes_its_verdict_between_the_two_lines_that_its_boundary_names
     lines = [float((found["R"] + sign * found["R_half_width"]).item()) for sign in (-1, 1)]
     alone = in_memory.run(study(PLANE.partition("[axes.R]")[0] + f"[axes.R]\nvalues = {lines}\n" + LAW, ""))
     (law,) = law_verdicts.laws_of(alone)
-    verdicts = list(law_verdicts.verdicts_of_lines(alone, law).values)
+    verdicts = list(law_verdicts.verdicts_of_lines(StoredStudy(alone), law).values)
     assert verdicts == [found["before"].item(), found["after"].item()] == ["true", "false"]
 
 
 def test_the_coarse_grid_of_a_refined_study_is_the_study_without_refinement(stored: Path) -> None:
     with xr.open_dataset(stored) as ds:
-        found, plain = refined.coarse(ds.load()), in_memory.run(study(PLANE + LAW).coarse())
+        found, plain = StoredStudy(ds.load()).coarse().ds, in_memory.run(study(PLANE + LAW).coarse())
         for name in plain.variables:
             if plain[name].dtype.kind == "f":
                 np.testing.assert_allclose(found[name], plain[name], rtol=1e-9)  # other neighbours in a block
@@ -319,7 +319,7 @@ def test_where_a_law_changes_its_verdict_is_the_place_on_the_uniform_lines(tmp_p
         fine = study(plane.partition("[axes.R]")[0] + f"[axes.R]\nvalues = [{lines}]\n" + LAW, "")
         grid = in_memory.run(fine)
         (law,) = law_verdicts.laws_of(grid)
-        verdicts = law_verdicts.verdicts_of_lines(grid, law).values
+        verdicts = law_verdicts.verdicts_of_lines(StoredStudy(grid), law).values
         change = np.flatnonzero(verdicts[1:] != verdicts[:-1])
         assert change.size == found.sizes["pair"] == 3
         np.testing.assert_allclose(found["R"], (grid["R"].values[change] + grid["R"].values[change + 1]) / 2)

@@ -156,7 +156,7 @@ def test_the_card_of_a_claim_and_the_table_of_readings_have_one_verdict(readings
     assert "1 claim: 1 not decided" in told
     assert "not tested along F₁: F₁ has no effect under this reading" in told
     assert "F1 has no effect" not in told
-    assert set(law_verdicts.verdicts_of_lines(result.ds, study.laws[0]).values.ravel()) == {"not decided"}
+    assert set(law_verdicts.verdicts_of_lines(result.stored, study.laws[0]).values.ravel()) == {"not decided"}
     assert law_verdicts.is_refuted(0, result.verdicts)
 
 

@@ -25,7 +25,7 @@ from studies.laws.line_verdicts import QUALIFIED
 from studies.laws.verdicts import Law, decide
 
 from ..stored import quantity_variables
-from ..stored.left_out import BACK
+from ..stored.stored_cases import BACK
 from ..stored.stored_study import StoredStudy
 from .equilibria_dataset import (
     ALONG,

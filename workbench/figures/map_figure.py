@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from studies.laws import law_words
 from studies.laws.line_verdicts import HOLDS, VERDICTS
 
+from ..stored import law_verdicts
 from ..stored.shown_observables import MOST_ASKED
 from ..stored.stored_study import StoredStudy
 from ..words import labels
@@ -271,7 +272,7 @@ class _JudgedLaw:
 def _judge(stored: StoredStudy, choice: Choice, rows: Sequence[Mapping[str, Any]]) -> list[_JudgedLaw]:
     """The laws on the observables shown; rows: of `law_verdicts.verdicts`, in the same order."""
     return [
-        _JudgedLaw(row, stored.verdicts_of_lines(law))
+        _JudgedLaw(row, law_verdicts.verdicts_of_lines(stored, law))
         for law, row in zip(stored.laws, rows, strict=True)
         if law.observable in choice.shown
     ]

@@ -189,7 +189,7 @@ def axes(ds: xr.Dataset) -> Iterator[str]:
         if not np.isfinite(ds[name].values).all():
             yield f": the sampled field {show(field)} holds values that are not finite"
     try:
-        if refined.is_refined(ds):
+        if refined.REFINED in ds.attrs:
             refined.describe(ds)
     except InputError as error:
         yield f": {error}"

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from solver.problem.errors import InputError, choices, no_such
+from solver.problem.errors import InputError, choices
 from studies.language.expressions import unit_names
 from studies.language.printed import as_reading
 from studies.laws import law_words
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from .stored_cases import StoredCases
+    from .stored_study import StoredStudy
 
 
 Tally = dict[str, Counter[Any]]
@@ -66,13 +67,15 @@ def verdicts(ds: "xr.Dataset", crossing: "Mapping[str, NDArray[np.bool_]] | None
     LawVerdicts
         One row a law, in the study's order; see `studies.laws.verdicts.decide`.
     """
-    rows = []
-    for law in laws_of(ds):
+    rows, laws = [], laws_of(ds)
+    study = refined.describe(ds) if laws and refined.has_all_cases(ds) else None
+    for law in laws:
         left_out = _outside_the_law(ds, law)
         observed = {name: _without(ds[name].values, left_out) for name in law.observables if name in ds}
-        if (of_all := refined.rows_for_law(ds, law.axis)) is not None:
-            axes = dict(refined.describe(ds).lattice.axes)
-            row = decide(law, observed, axes, None, *_grid(ds, law, None)[2:], of_all)
+        if study is not None:
+            values, branch = {name: ds[name].values for name in study.lattice.axes}, ds.get("branch")
+            of_all = study.rows(law.axis, values, None if branch is None else branch.values)
+            row = decide(law, observed, dict(study.lattice.axes), None, *_grid(ds, law, None)[2:], of_all)
         else:
             steps = crossings(ds, law.axis) if crossing is None else crossing.get(law.axis)
             row = decide(law, observed, *_grid(ds, law, steps))
@@ -123,11 +126,11 @@ def _row_of_untested(law: Law, row: Mapping[str, Any]) -> LawVerdict:
     return LawVerdict({**untested, "first": row["first"], "last": row["last"], "also": also})
 
 
-def verdicts_of_lines(ds: "xr.Dataset", law: Law) -> "xr.DataArray":
+def verdicts_of_lines(stored: "StoredCases", law: Law) -> "xr.DataArray":
     """The verdict on a law on each line of the grid along its axis, over the other axes; see `verdicts.by_line`."""
     import xarray as xr
 
-    axes = schema.axes_of(ds)
+    ds, axes = stored.ds, stored.axes
     others = [dim for dim in axes if dim != law.axis]
     if _is_inert(ds, law):
         values = np.full([ds.sizes[dim] for dim in others], UNDECIDED)
@@ -194,47 +197,20 @@ def _number_of(ds: "xr.Dataset", name: str) -> Any:
     return ds[key]
 
 
-def boundary_of_law(ds: "xr.Dataset", claim: str) -> "xr.Dataset":
-    """The pairs of neighbouring lines of a study that is refined in the plane, between which a law changes its verdict.
+def boundary_of_law(stored: "StoredStudy", law: Law) -> "xr.Dataset":
+    """The boundary of a law, as `StoredStudy.boundary` gives it: pairs of neighbouring lines with other verdicts.
 
-    Parameters
-    ----------
-    ds : xr.Dataset
-    claim : str
-        The claim of a law, such as "(1)".
-
-    Returns
-    -------
-    xr.Dataset
-        Of the dimension `pair`. The axis across the lines: the middle between the two lines; ``<axis>_half_width``:
-        half their distance; `before` and `after`: their verdicts.
-
-    Raises
-    ------
-    InputError
-        For an unknown claim, or a dataset that is not refined in the plane.
+    Raises `InputError` for a dataset that is not refined in the plane.
     """
-    law = next((stated for stated in laws_of(ds) if stated.claim == claim), None)
-    if law is None:
-        raise no_such("law", claim, [stated.claim for stated in laws_of(ds)])
-    if len(refined.axes_of(ds)) < 2:
+    if len(refined.axes_of(stored.ds)) < 2:
         raise InputError("the boundary of a law needs a study that is refined in the plane of two axes")
-    study = refined.describe(ds)
-    names, coarse = list(study.lattice.axes), study.lattice.axes[law.axis]
-    along = names.index(law.axis)
-    cases = np.flatnonzero(study.places[:, along] % (1 << study.lattice.depth) == 0)
-    at, counts = np.unique(study.places[cases, 1 - along], return_counts=True)
-    cases = cases[np.isin(study.places[cases, 1 - along], at[counts == coarse.size])]  # of complete lines
-    index = cases[np.lexsort(study.places[cases].T[::-1])]
-    across = names[1 - along]
-    values = {law.axis: coarse, across: study.lattice.along(across, at[counts == coarse.size])}
-    values = {name: values[name] for name in names}
-    grid = refined.grid_of(ds, index.reshape([row.size for row in values.values()]), values)
-    each = verdicts_of_lines(grid, law).values
+    index, values = stored.refinement.lines(law.axis)
+    (across,) = (name for name in values if name != law.axis)
+    each = verdicts_of_lines(type(stored)(refined.grid_of(stored.ds, index, values)), law).values
     change = np.flatnonzero(each[1:] != each[:-1])
     sides = [("pair", each[change + side].astype(str)) for side in (0, 1)]
     places = {across: (values[across][change], values[across][change + 1])}
-    return refined.pairs(ds, places, sides, "lines").assign_attrs(law=claim)
+    return refined.pairs(stored.ds, places, sides, "lines").assign_attrs(law=law.claim)
 
 
 def tally_of(statistics: Mapping[str, Any] | None = None) -> Tally:

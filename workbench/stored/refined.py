@@ -17,7 +17,6 @@ from studies.language.refinement import BUDGET, OUTCOME, Lattice, Places, Refine
 from studies.laws.case_rows import CaseRow
 from studies.laws.line_verdicts import branch_changes
 
-from . import schema
 from .quantity_variables import OF_THE_CASE, dimension, is_count
 
 if TYPE_CHECKING:
@@ -44,6 +43,54 @@ class Refined:
     places: Places
     watch: Mapping[str, float]
     laws: list[str]
+
+    def coarse(self) -> "tuple[NDArray[np.int64], Mapping[str, Values]]":
+        """The cases of the coarse grid: their indices, of its shape, and the values of its axes."""
+        cases = np.flatnonzero((self.places % (1 << self.lattice.depth) == 0).all(axis=1))
+        return self._in_order(cases, self.lattice.axes)
+
+    def lines(self, axis: str) -> "tuple[NDArray[np.int64], Mapping[str, Values]]":
+        """The cases of all lines along an axis that have a case at each of its coarse values, as of `coarse`."""
+        names, coarse = list(self.lattice.axes), self.lattice.axes[axis]
+        along, across = self.places[:, names.index(axis)], self.places[:, 1 - names.index(axis)]
+        cases = np.flatnonzero(along % (1 << self.lattice.depth) == 0)
+        at, counts = np.unique(across[cases], return_counts=True)
+        complete = at[counts == coarse.size]
+        values = {name: coarse if name == axis else self.lattice.along(name, complete) for name in names}
+        return self._in_order(cases[np.isin(across[cases], complete)], values)
+
+    def _in_order(
+        self, cases: NDArray[np.int64], values: Mapping[str, Values]
+    ) -> "tuple[NDArray[np.int64], Mapping[str, Values]]":
+        order = cases[np.lexsort(self.places[cases].T[::-1])]
+        return order.reshape([row.size for row in values.values()]), values
+
+    def rows(self, axis: str, stored: Mapping[str, Values], branch: "NDArray[np.int64] | None") -> list[CaseRow]:
+        """The lines of all cases along an axis, in the rising order of the other one.
+
+        A line off the coarse grid has places of the coarse values, mostly without cases. Evenly lie the cases of the
+        coarse grid and, where each of its intervals has one, their middles; the others were added where a number
+        changes. stored: of each axis the values of the cases. branch: their branches, (cases,).
+        """
+        lattice, k = self.lattice, list(self.lattice.axes).index(axis)
+        along, across = self.places[:, k], np.delete(self.places, k, axis=1)
+        order = np.lexsort((along, *across.T))
+        lines = np.split(order, np.flatnonzero((np.diff(across[order], axis=0) != 0).any(axis=1)) + 1)
+        coarse = np.arange(lattice.shape[k]) << lattice.depth
+        rows = []
+        for cases in lines:
+            lacking = np.setdiff1d(coarse, along[cases])
+            places = np.concatenate([along[cases], lacking])
+            rise = np.argsort(places)
+            every = np.concatenate([cases, np.full(lacking.size, -1)])[rise]
+            values = lattice.along(axis, places[rise])
+            values[every >= 0] = stored[axis][cases]
+            levels = Lattice({axis: lattice.axes[axis]}, frozenset(), lattice.depth).levels(places[rise][:, None])
+            has_middles = int((levels <= 1).sum()) == 2 * coarse.size - 1
+            at = {name: float(stored[name][cases[0]]) for name in lattice.axes if name != axis}
+            branches = np.zeros(every.size) if branch is None else np.where(every >= 0, branch[every], -1)
+            rows.append(CaseRow(at, every, values, branch_changes(branches), levels > has_middles))
+        return rows
 
 
 def attributes(study: "Study", refinement: Refinement) -> dict[str, str]:
@@ -96,19 +143,14 @@ def _change(name: str, step: float) -> str:
     return f"{name} changes by more than {step:g}" if step else f"{name} changes"
 
 
-def is_refined(ds: "xr.Dataset") -> bool:
-    """Whether the dataset is of a refined study."""
-    return REFINED in ds.attrs
-
-
-def _has_all_cases(ds: "xr.Dataset") -> bool:
+def has_all_cases(ds: "xr.Dataset") -> bool:
     """Whether the dataset is of a refined study, and not one case of it."""
-    return is_refined(ds) and SAMPLE in ds["outcome"].dims
+    return REFINED in ds.attrs and SAMPLE in ds["outcome"].dims
 
 
 def axes_of(ds: "xr.Dataset") -> list[str]:
     """The refined axes of a dataset, if it has any. Raises `InputError` for an invalid attribute."""
-    return list(_tell(ds)["axes"]) if is_refined(ds) else []
+    return list(_tell(ds)["axes"]) if REFINED in ds.attrs else []
 
 
 def _tell(ds: "xr.Dataset") -> dict[str, Any]:
@@ -131,9 +173,7 @@ def _tell(ds: "xr.Dataset") -> dict[str, Any]:
 
 
 def describe(ds: "xr.Dataset") -> Refined:
-    """The refinement of a dataset. Raises `InputError` where cases of it are missing or have other values."""
-    if not is_refined(ds):
-        return Refined(*_grid(ds), {}, [])
+    """The refinement of a refined dataset. Raises `InputError` where cases of it are missing or have other values."""
     data = _tell(ds)
     names = list(data["axes"])
     fields = {name: np.atleast_1d(ds[name].values).astype(float) for name in names}
@@ -153,64 +193,23 @@ def describe(ds: "xr.Dataset") -> Refined:
     return Refined(lattice, places, data["watch"], data["laws"])
 
 
-def coarse(ds: "xr.Dataset") -> "xr.Dataset":
-    """The coarse grid of a refined study as a study over its axes; another dataset as it is. Raises `InputError`."""
-    if not _has_all_cases(ds):
-        return ds
-    study = describe(ds)
-    first = np.flatnonzero(ds[tables.LEVEL].values == 0)
-    order = first[np.lexsort(study.places[first].T[::-1])]
-    return grid_of(ds, order.reshape(study.lattice.shape), study.lattice.axes)
+def grid(values: Mapping[str, Values]) -> Refined:
+    """A grid of one axis or two, axis -> values, as a refinement without halvings. Raises `InputError`."""
+    if not 1 <= len(values) <= 2 or SAMPLE in values:
+        has = choices(values) or "none"
+        raise InputError(f"a boundary needs a refined study, or a grid of one axis or two; the axes are {has}")
+    if small := [axis for axis, row in values.items() if row.size < 2]:
+        raise InputError(f"a boundary needs at least two values of each axis; {small[0]} has one")
+    lattice = Lattice({axis: np.sort(row) for axis, row in values.items()}, frozenset(), 0)
+    return Refined(lattice, product_of([np.argsort(np.argsort(row)) for row in values.values()]), {}, [])
 
 
-def line(ds: "xr.Dataset") -> "xr.Dataset":
-    """All cases of a study that is refined along one axis, in the order of that axis; else as `coarse`."""
-    if not _has_all_cases(ds) or len(axes_of(ds)) > 1:
-        return coarse(ds)
-    study = describe(ds)
-    (name,) = study.lattice.axes
-    order = np.argsort(study.places[:, 0])
-    return grid_of(ds, order, {name: ds[name].values[order]})
-
-
-def rows_for_law(ds: "xr.Dataset", axis: str) -> list[CaseRow] | None:
-    """The lines of all cases along one axis of a refined study, in the rising order of the other one; else None.
-
-    A line off the coarse grid has places of the coarse values, mostly without cases. Evenly lie the cases of the coarse
-    grid and, where each of its intervals has one, their middles; the others were added where a number changes.
-    """
-    if not _has_all_cases(ds):
-        return None
-    study = describe(ds)
-    lattice, k = study.lattice, list(study.lattice.axes).index(axis)
-    others = [name for name in lattice.axes if name != axis]
-    along, across = study.places[:, k], np.delete(study.places, k, axis=1)
-    order = np.lexsort((along, *across.T))
-    lines = np.split(order, np.flatnonzero((np.diff(across[order], axis=0) != 0).any(axis=1)) + 1)
-    coarse = np.arange(lattice.shape[k]) << lattice.depth
-    rows = []
-    for cases in lines:
-        lacking = np.setdiff1d(coarse, along[cases])
-        places = np.concatenate([along[cases], lacking])
-        rise = np.argsort(places)
-        every = np.concatenate([cases, np.full(lacking.size, -1)])[rise]
-        values = lattice.along(axis, places[rise])
-        values[every >= 0] = ds[axis].values[cases]
-        levels = Lattice({axis: lattice.axes[axis]}, frozenset(), lattice.depth).levels(places[rise][:, None])
-        has_middles = int((levels <= 1).sum()) == 2 * coarse.size - 1
-        at = {name: float(ds[name].values[cases[0]]) for name in others}
-        branch = np.where(every >= 0, ds["branch"].values[every], -1) if "branch" in ds else np.zeros(every.size)
-        rows.append(CaseRow(at, every, values, branch_changes(branch), levels > has_middles))
-    return rows
-
-
-def raster(ds: "xr.Dataset") -> "xr.Dataset":
+def raster(ds: "xr.Dataset", study: Refined) -> "xr.Dataset":
     """The plane of a refined study as a fine grid, each point with the numbers of the case around which it lies.
 
     Each cell of the refinement has four quarters, and a quarter has the numbers of the case at its corner. Arrays along
-    the rod are left out; `case` is the index of the case, and `level` a variable. Raises `InputError`.
+    the rod are left out; `case` is the index of the case, and `level` a variable.
     """
-    study = describe(ds)
     lattice = study.lattice
     depth = lattice.depth
     while depth and max((size - 1) << (depth + 1) for size in lattice.shape) > MOST_DRAWN:
@@ -268,34 +267,14 @@ def grid_of(ds: "xr.Dataset", index: NDArray[np.int64], values: Mapping[str, Val
     return cases
 
 
-def boundary(ds: "xr.Dataset", name: str, step: float | None, observables: Sequence[str]) -> "xr.Dataset":
-    """The pairs of neighbouring cases between which an observable changes.
+def boundary(
+    ds: "xr.Dataset", study: Refined, name: str, step: float | None, observables: Sequence[str]
+) -> "xr.Dataset":
+    """The boundary of a number of each case, as `StoredStudy.boundary` gives it.
 
-    Parameters
-    ----------
-    ds : xr.Dataset
-        A refined study, or a grid of one axis or two.
-    name : str
-        An observable, an expression, or "outcome" (whether a case is solved).
-    step : float, optional
-        The change that counts, in the unit of the observable; None: that of `[refine.steps]`, and 0 for a count.
-    observables : sequence of str
-        The observables of the dataset, for a message.
-
-    Returns
-    -------
-    xr.Dataset
-        Of the dimension `pair`. Each axis: the middle between the two cases, in the unit of the axis, angles in rad.
-        ``<axis>_half_width``: half their distance along it, so that the boundary lies within; 0 along the other axis.
-        `before` and `after`: the number of the case of the lower and of the higher value of the axis. The attribute
-        `unknown` counts the pairs of which one case has no number: they are not compared.
-
-    Raises
-    ------
-    InputError
-        For an unknown observable, a real one without a step, a dataset of more than two axes, or lost cases.
+    The attribute `unknown` counts the pairs of which one case has no number: they are not compared. observables: of the
+    dataset, for a message. Raises `InputError` for an unknown observable, and for a real one without a step.
     """
-    study = describe(ds)
     numbers, step = _numbers(ds, name, study.watch, step, observables)
     cells = refinement_of(study.lattice, study.places, numbers.reshape(-1, 1), np.zeros(1), study.lattice.depth)
     edges, along = cells.edges()
@@ -341,16 +320,3 @@ def _numbers(
     if not 0 <= step < np.inf:
         raise InputError(f"step must be a number that is not negative, got {step}")
     return ds[name].values.astype(float), float(step)
-
-
-def _grid(ds: "xr.Dataset") -> "tuple[Lattice, Places]":
-    """A grid of one axis or two as a lattice without halvings, and the places of its cases in their order."""
-    axes = schema.axes_of(ds)
-    if not 1 <= len(axes) <= 2 or SAMPLE in axes:
-        has = choices(axes) or "none"
-        raise InputError(f"a boundary needs a refined study, or a grid of one axis or two; the axes are {has}")
-    if small := [axis for axis in axes if ds.sizes[axis] < 2]:
-        raise InputError(f"a boundary needs at least two values of each axis; {small[0]} has one")
-    values = {axis: ds[axis].values.astype(float) for axis in axes}
-    lattice = Lattice({axis: np.sort(row) for axis, row in values.items()}, frozenset(), 0)
-    return lattice, product_of([np.argsort(np.argsort(row)) for row in values.values()])

@@ -119,26 +119,28 @@ def point_forces_of(sol: Solution, dims: Sequence[str]) -> dict[str, xr.Variable
 
 
 def solve_again(
-    ds: xr.Dataset, stations: int, names: Iterable[str], kept: dict[Any, Solution] | None = None
+    ds: xr.Dataset, study: Study, stations: int, names: Iterable[str], kept: dict[Any, Solution]
 ) -> xr.Dataset:
     """The cases of a stored dataset at so many stations or a little more, as its study solves them.
 
     Parameters
     ----------
     ds : xr.Dataset
+    study : Study
+        That of the dataset.
     stations : int
         The stored stations are among those of the result.
     names : iterable of str
         The arrays along the rod that it has.
-    kept : dict, optional
+    kept : dict
         As of `solve_once`.
 
     Raises
     ------
     InputError
-        As of `study_of` and `solve_at`; for too many stations; where the shapes are not the stored ones.
+        As of `solve_at`; for too many stations; where the shapes are not the stored ones.
     """
-    study, n = study_of(ds), max(ds.sizes.get("u", 2) - 1, 1)
+    n = max(ds.sizes.get("u", 2) - 1, 1)
     if study.refine is not None:  # its cases stand in no grid of the study
         raise InputError("they are of the coarse grid of a refined study")
     more = -(-(stations - 1) // n)
@@ -147,7 +149,7 @@ def solve_again(
     u = xr.Variable(("u",), np.linspace(0, 1, more * n + 1), ds["u"].attrs if "u" in ds.coords else None)
     bare = (ds.drop_dims("u") if "u" in ds.dims else ds.drop_vars(["u", "s"], errors="ignore")).assign_coords(u=u)
     axes = schema.axes_left(ds, study)
-    sol = solve_once(bare, study, {} if kept is None else kept)
+    sol = solve_once(bare, study, kept)
     dims, solved = (*axes, "u"), ds["solved"].transpose(*axes).values
     shape = [bare.sizes[dim] for dim in dims]
 

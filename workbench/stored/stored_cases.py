@@ -24,6 +24,8 @@ from .selection import Value, index
 NOT_OBSERVED = ("rho", "condition", "dbeta0", "level")  # numbers of each case, not observables
 FOUND = ("FZ", "MZ", "M3", "beta0", "betaL")  # observables where they are found of held ends
 _ROUNDING = 1e-9  # of the largest: a load that is 0 by symmetry differs by less
+PARTS = ("curve", "fold", "special", "shape")  # of a dataset of branches; each may have `<part>_<BACK>`
+BACK = "turned_back"
 HELD_INDEX = "held_index"  # stored of held ends alone
 
 
@@ -218,6 +220,33 @@ class StoredCases:
         """The cases over two axes, (y, x) with rising values of both; where: the indices along the others."""
         return type(self)(self.ds.isel(where).sortby([x, y]).transpose(y, x, ...))
 
+    def without(self, key: str) -> Self:
+        """A copy without the numbers of some rods: they are NaN, so that diagrams and laws do not show them.
+
+        Parameters
+        ----------
+        key : str
+            What these rods do, a word of their caution: "turned back", "overlaps", ... Of branches "turned back" alone.
+
+        Raises
+        ------
+        InputError
+            For another word, and for a file that does not tell of its rods.
+        """
+        if key not in cautions.WORDS:
+            raise no_such("caution", key, cautions.WORDS)
+        ds = self.ds
+        if "caution" in ds and "outcome" in ds and ds["caution"].dims == ds["outcome"].dims:
+            return type(self)(
+                _without_numbers(ds, ds["caution"].copy(data=cautions.has_key(ds["caution"], key)), ""), self.kept
+            )
+        parts = [part for part in PARTS if f"{part}_{BACK}" in ds]
+        if not parts or key != cautions.TURNED:
+            raise InputError(f"this file does not tell which of its rods are {key!r}")
+        for part in parts:
+            ds = _without_numbers(ds, ds[f"{part}_{BACK}"], f"{part}_")
+        return type(self)(ds, self.kept)
+
     # its numbers
 
     @cached_property
@@ -295,3 +324,18 @@ class StoredCases:
         """The values at indices along axes: ``R = 0.75 cm, F₃ = 10 N``; nothing where there are none."""
         numbers = [(self.ds[axis], float(self.ds[axis].values[i])) for axis, i in where.items()]
         return ", ".join(labels.equation(array, number, digits) for array, number in numbers)
+
+
+def _without_numbers(ds: "xr.Dataset", where: "xr.DataArray", prefix: str) -> "xr.Dataset":
+    """The dataset with NaN in the numbers of a name with the prefix where an array says so."""
+    names = [
+        name
+        for name, array in ds.data_vars.items()
+        if array.dims == where.dims
+        and str(name).startswith(prefix)
+        and array.dtype.kind in "iuf"
+        and "branch" not in str(name)
+    ]
+    return ds.assign(
+        {name: ds[name].astype(float).where(~where, np.nan).assign_attrs(ds[name].attrs) for name in names}
+    )

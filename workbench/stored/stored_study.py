@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from solver.problem.errors import InputError, near, no_such
 from solver.problem.quantities import current
 
-from . import derived_arrays, law_verdicts, left_out, refined
+from . import derived_arrays, law_verdicts, refined
 from .derived_arrays import ARRAYS, StoredArrays
 from .refined import Refined
 from .selection import indices
@@ -85,12 +85,14 @@ class StoredStudy(StoredCases):
     @property
     def is_refined(self) -> bool:
         """Whether it is a refined study."""
-        return refined.is_refined(self.ds)
+        return refined.REFINED in self.attrs
 
     @cached_property
     def refinement(self) -> Refined:
         """Its refinement; of a grid of one axis or two one without halvings. Raises `InputError`."""
-        return refined.describe(self.ds)
+        if self.is_refined:
+            return refined.describe(self.ds)
+        return refined.grid({axis: self.ds[axis].values.astype(float) for axis in self.axes})
 
     @property
     def refinement_in_words(self) -> str:
@@ -165,39 +167,23 @@ class StoredStudy(StoredCases):
 
     def coarse(self) -> "StoredStudy":
         """The coarse grid of a refined study as a study over its axes; any other study as it is."""
-        return self._of(refined.coarse(self.ds))
+        if not refined.has_all_cases(self.ds):
+            return self
+        return StoredStudy(refined.grid_of(self.ds, *self.refinement.coarse()), self.kept)
 
     def line(self) -> "StoredStudy":
         """All cases of a study that is refined along one axis, in the order of that axis; else as `coarse`."""
-        return self._of(refined.line(self.ds))
+        if not refined.has_all_cases(self.ds) or len(self.refinement.lattice.axes) > 1:
+            return self.coarse()
+        (name,) = self.refinement.lattice.axes
+        order = np.argsort(self.refinement.places[:, 0])
+        return StoredStudy(refined.grid_of(self.ds, order, {name: self.ds[name].values[order]}), self.kept)
 
     def raster(self) -> "StoredStudy":
         """The plane of a refined study as a fine grid, each point with the numbers of the case around which it lies."""
-        return StoredStudy(refined.raster(self.ds))
-
-    def _of(self, ds: xr.Dataset) -> "StoredStudy":
-        return self if ds is self.ds else StoredStudy(ds, self.kept)
-
-    def without(self, key: str) -> "StoredStudy":
-        """A copy without the numbers of some rods: they are NaN, so that diagrams and laws do not show them.
-
-        Parameters
-        ----------
-        key : str
-            What these rods do, a word of their caution: "turned back", "overlaps", ... Of branches "turned back" alone.
-
-        Raises
-        ------
-        InputError
-            For another word, and for a file that does not tell of its rods.
-        """
-        return self._of(left_out.without(self.ds, key))
+        return StoredStudy(refined.raster(self.ds, self.refinement))
 
     # its numbers
-
-    def verdicts_of_lines(self, law: "Law") -> xr.DataArray:
-        """The verdict on a law on each line of the grid along its axis, over the other axes."""
-        return law_verdicts.verdicts_of_lines(self.ds, law)
 
     def boundary(self, name: str, step: float | None = None) -> xr.Dataset:
         """The boundary of an observable: the pairs of neighbouring cases between which it changes.
@@ -222,9 +208,9 @@ class StoredStudy(StoredCases):
         InputError
             For an unknown observable, a real one without a step, or a grid of more than two axes.
         """
-        if any(law.claim == name for law in self.laws):
-            return law_verdicts.boundary_of_law(self.ds, name)
-        return refined.boundary(self.ds, current(name), step, self.observables)
+        if law := next((law for law in self.laws if law.claim == name), None):
+            return law_verdicts.boundary_of_law(self, law)
+        return refined.boundary(self.ds, self.refinement, current(name), step, self.observables)
 
     def to_pandas(self, *along: str) -> "pd.DataFrame":
         """A table: one row a case, or with names of arrays along the rod one row a station.
@@ -334,7 +320,7 @@ class StoredStudy(StoredCases):
         """
         from .solved_again import solve_again
 
-        return StoredStudy(solve_again(self.ds, stations, names, self.kept), self.kept)
+        return StoredStudy(solve_again(self.ds, self.study, stations, names, self.kept), self.kept)
 
     # pictures
 
