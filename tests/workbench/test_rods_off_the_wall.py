@@ -283,8 +283,8 @@ def test_pictures_of_one_file_solve_its_rods_once_and_read_other_stations_from_t
     stored: xr.Dataset, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     own, calls = StoredStudy(stored), []
-    solve_at = solved_again.solve_at
-    monkeypatch.setattr(solved_again, "solve_at", lambda *given: calls.append(given) or solve_at(*given))
+    solve = solved_again._solve
+    monkeypatch.setattr(solved_again, "_solve", lambda *given: calls.append(given) or solve(*given))
     for kind in ("curves", "ridge"):
         kinds.figure(own, kind)
     finer = own.solve(401, ["radius", "contact"])

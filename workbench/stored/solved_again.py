@@ -71,7 +71,11 @@ def solve_at(ds: xr.Dataset, study: Study, values: Mapping[str, Any]) -> Solutio
         if name not in fields:
             raise no_such("field", name, fields)
     values = {name: real(name, value) for name, value in values.items()}
-    case = case_of(ds, study, values)
+    return _solve(ds, study, case_of(ds, study, values), values)
+
+
+def _solve(ds: xr.Dataset, study: Study, case: Case, values: Mapping[str, Any] = {}) -> Solution:
+    """Solve the case of the dataset at other values of some fields, none by default, as `solve_at`."""
     if case.size > MOST_SOLVED:
         many = f"{case.size} cases would have to be solved again, more than {MOST_SOLVED}"
         raise InputError(f"{many}; select some first, as ds.rod.sel({schema.axes_left(ds, study)[0]}=...).rod")
@@ -85,18 +89,18 @@ def solve_at(ds: xr.Dataset, study: Study, values: Mapping[str, Any]) -> Solutio
     return solve(case, tol=tol, method=method, stations=stations, seed=_slope(ds, study, case))
 
 
-def solve_once(ds: xr.Dataset, study: Study, kept: dict[Any, Solution]) -> Solution:
-    """Solve the dataset's cases as `solve_at`, rods off the wall only once: at other stations their shape is read anew.
+def solve_once(ds: xr.Dataset, study: Study, case: Case, kept: dict[Any, Solution]) -> Solution:
+    """Solve the dataset's own case, rods off the wall only once: at other stations their shape is read anew.
 
     kept: these rods, by the values of their axes.
     """
     if not study.leaves or study.sweeps or study.variation.from_base:
-        return solve_at(ds, study, {})
+        return _solve(ds, study, case)
     names = [quantity_variables.dimension(name) for name in study.variation.fields]
     key = tuple((name, np.asarray(ds[name].values).tobytes()) for name in names)
     known = kept.get(key)
     if known is None:
-        known = kept[key] = solve_at(ds, study, {})
+        known = kept[key] = _solve(ds, study, case)
     n = _stations(ds, study, known.case)
     t = known.t[:, -1:] * (np.linspace(0, 1, n) if isinstance(n, int) else np.atleast_1d(ds["u"].values))
     if np.array_equal(t, known.t):
@@ -119,37 +123,17 @@ def point_forces_of(sol: Solution, dims: Sequence[str]) -> dict[str, xr.Variable
 
 
 def solve_again(
-    ds: xr.Dataset, study: Study, stations: int, names: Iterable[str], kept: dict[Any, Solution]
+    ds: xr.Dataset, study: Study, case: Case, stations: int, names: Iterable[str], kept: dict[Any, Solution]
 ) -> xr.Dataset:
-    """The cases of a stored dataset at so many stations or a little more, as its study solves them.
-
-    Parameters
-    ----------
-    ds : xr.Dataset
-    study : Study
-        That of the dataset.
-    stations : int
-        The stored stations are among those of the result.
-    names : iterable of str
-        The arrays along the rod that it has.
-    kept : dict
-        As of `solve_once`.
-
-    Raises
-    ------
-    InputError
-        As of `solve_at`; for too many stations; where the shapes are not the stored ones.
-    """
+    """The case of a dataset at other stations, as `StoredStudy.solve` gives it; kept: as of `solve_once`."""
     n = max(ds.sizes.get("u", 2) - 1, 1)
-    if study.refine is not None:  # its cases stand in no grid of the study
-        raise InputError("they are of the coarse grid of a refined study")
     more = -(-(stations - 1) // n)
     if more * n >= MAX_STATIONS:
         raise InputError(f"about {stations} stations are needed, and at most {MAX_STATIONS} are solved")
     u = xr.Variable(("u",), np.linspace(0, 1, more * n + 1), ds["u"].attrs if "u" in ds.coords else None)
     bare = (ds.drop_dims("u") if "u" in ds.dims else ds.drop_vars(["u", "s"], errors="ignore")).assign_coords(u=u)
     axes = schema.axes_left(ds, study)
-    sol = solve_once(bare, study, kept)
+    sol = solve_once(bare, study, case, kept)
     dims, solved = (*axes, "u"), ds["solved"].transpose(*axes).values
     shape = [bare.sizes[dim] for dim in dims]
 

@@ -265,7 +265,7 @@ class StoredStudy(StoredCases):
     def _solution(self) -> "Solution":
         from .solved_again import solve_once
 
-        return solve_once(self.ds, self.study, self.kept)
+        return solve_once(self.ds, self.study, self.case, self.kept)
 
     def at(self, **values: float) -> "Solution":
         """Solve the case at other values of fields of the study, with the study's tolerance and method.
@@ -320,7 +320,9 @@ class StoredStudy(StoredCases):
         """
         from .solved_again import solve_again
 
-        return StoredStudy(solve_again(self.ds, self.study, stations, names, self.kept), self.kept)
+        if self.study.refine is not None:  # its cases stand in no grid of the study
+            raise InputError("they are of the coarse grid of a refined study")
+        return StoredStudy(solve_again(self.ds, self.study, self.case, stations, names, self.kept), self.kept)
 
     # pictures
 
