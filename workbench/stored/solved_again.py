@@ -157,11 +157,11 @@ def solve_again(
 
 
 def _places(ds: xr.Dataset, study: Study, values: Mapping[str, Any]) -> dict[str, Any]:
-    """The values of the study's varied fields: one where given or selected, else along their own dimension."""
+    """The values of the study's varied fields that are not given: one where selected, else along their dimension."""
     left = [name for name in study.variation.fields if name not in values]
     dims = {name: quantity_variables.own_dimension(study, name) for name in left}
     open_axes = [dim for dim in schema.axes_left(ds, study) if dim in dims.values()]
-    placed: dict[str, Any] = {name: real(name, values[name]) for name in study.variation.fields if name in values}
+    placed: dict[str, Any] = {}
     for name in left:
         shape = [-1 if dims[name] == other else 1 for other in open_axes if dims[name] in open_axes]
         placed[name] = ds[quantity_variables.dimension(name)].values.reshape(shape)
