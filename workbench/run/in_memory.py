@@ -14,7 +14,7 @@ from studies import Study
 from studies.grammar.axes import Dimensions, is_angle, quantity_of
 from studies.laws.law_verdict import LawVerdicts
 
-from ..stored import law_verdicts, quantity_variables
+from ..stored import quantity_variables
 from ..stored.boxes import Columns
 from ..stored.frame import without_results
 from ..stored.stored_study import StoredStudy
@@ -110,7 +110,7 @@ def outline(study: Study) -> xr.Dataset:
 
 def result(study: Study, ds: xr.Dataset, path: Path | None = None) -> StudyResult:
     """A dataset with the verdicts of its laws."""
-    return StudyResult(study, ds, law_verdicts.verdicts(ds), path)
+    return StudyResult(study, ds, StoredStudy(ds).verdicts, path)
 
 
 def run_followed(study: Study) -> xr.Dataset:

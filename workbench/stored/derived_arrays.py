@@ -236,33 +236,25 @@ def states_of(one: "StoredCases", s: Any, beta: Any, alpha: Any, push: Any) -> "
 MOST = 500_000_000  # numbers of a table: 4 GB
 
 
-def cases_table(ds: xr.Dataset) -> "pd.DataFrame":
-    """One row a case: everything that is stored of it, and what all cases share. The axes are the index."""
-    axes = _study_axes(ds)
-    return _table({str(name): ds[name] for name in ds.variables if set(ds[name].dims) <= {*axes}}, ds, axes)
+def table(ds: xr.Dataset, arrays: Sequence[xr.DataArray]) -> "pd.DataFrame":
+    """One row a case, with everything that is stored of it and what all cases share; with arrays along the rod one row
+    a station, with s and them. The axes are the index, and u.
 
-
-def stations_table(ds: xr.Dataset, arrays: Sequence[xr.DataArray]) -> "pd.DataFrame":
-    """One row a station: s and the arrays along the rod. The axes and u are the index.
-
-    A component is a column of its own: ``position_x``.
+    A component is a column of its own: ``position_x``. Raises `InputError` for a dataset that is not a stored study.
     """
+    if "outcome" not in ds:
+        raise InputError("the dataset is not a stored study: it has no outcome")
+    axes = schema.axes_of(ds)
+    if not arrays:
+        return _table({str(name): ds[name] for name in ds.variables if set(ds[name].dims) <= {*axes}}, ds, axes)
     columns = {"s": ds["s"]} if "s" in ds.coords else {}
     for array in arrays:
         inner = [str(dim) for dim in array.dims if dim in quantity_variables.COMPONENTS]
         for which in product(*(range(array.sizes[dim]) for dim in inner)):
             words = [quantity_variables.COMPONENTS[dim][i] for dim, i in zip(inner, which, strict=True)]
             columns["_".join([str(array.name), *words])] = array.isel(dict(zip(inner, which, strict=True)), drop=True)
-    axes = _study_axes(ds)
     fields = {str(name): ds[name] for name in ds.coords if ds[name].dims and set(ds[name].dims) <= {*axes}}
     return _table({**fields, **columns}, ds, [*axes, *(["u"] if "u" in ds.dims else [])])
-
-
-def _study_axes(ds: xr.Dataset) -> list[str]:
-    """The axes of a stored study. Raises `InputError` where it is none."""
-    if "outcome" not in ds:
-        raise InputError("the dataset is not a stored study: it has no outcome")
-    return schema.axes_of(ds)
 
 
 def _table(columns: Mapping[str, xr.DataArray], ds: xr.Dataset, dims: Sequence[str]) -> "pd.DataFrame":

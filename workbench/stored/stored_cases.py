@@ -316,10 +316,6 @@ class StoredCases:
         errors = np.maximum(np.nan_to_num(errors), NOISE / 2 * np.abs(values[known]).max())[known]
         return float((values[known] - errors).max()), float((values[known] + errors).min())
 
-    def label(self, name: str, long: bool = False) -> str:
-        """``mean κ [1/cm]``: symbol and unit of a stored variable; angles in degrees. long: with its name in words."""
-        return labels.label(self.ds[name], long)
-
     def equations(self, where: Mapping[str, int], digits: int = 4) -> str:
         """The values at indices along axes: ``R = 0.75 cm, F₃ = 10 N``; nothing where there are none."""
         numbers = [(self.ds[axis], float(self.ds[axis].values[i])) for axis, i in where.items()]

@@ -232,9 +232,7 @@ class StoredStudy(StoredCases):
         InputError
             For an unknown array, a dataset that is not a stored study, and a table of more than 5e8 numbers.
         """
-        if not along:
-            return derived_arrays.cases_table(self.ds)
-        return derived_arrays.stations_table(self.ds, [self.along(name).rename(name) for name in along])
+        return derived_arrays.table(self.ds, [self.along(name).rename(name) for name in along])
 
     # its arrays along the rod, and cases that are solved
 
