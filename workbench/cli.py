@@ -9,11 +9,13 @@ import io
 import os
 import re
 import sys
+import traceback
 import warnings
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from functools import cache, partial, wraps
 from importlib.util import find_spec
+from pathlib import Path
 from typing import Annotated, Any
 
 try:
@@ -256,7 +258,7 @@ def _run(words: list[str]) -> None:
         if error.errno == errno.ENAMETOOLONG:
             fail(f"cannot open {error.filename!r}: {error.strerror}", 2)
         if error.errno not in NO_ROOM:
-            raise
+            fail(_fault(words, error), 2)
         fail(f"cannot write {error.filename or 'the output'}: {error.strerror}", 2)
     except ImportError as error:
         from solver.core.library import MissingCore
@@ -268,10 +270,29 @@ def _run(words: list[str]) -> None:
         if (error.name or "").partition(".")[0] not in OF_SCENE:
             raise
         fail(f"{MISSING} ({error.name} is missing)", 2)
-    except ValueError as error:
-        if not isinstance(error, InputError):
-            raise
+    except InputError as error:
         fail(str(error), 2)
+    except Exception as error:
+        fail(_fault(words, error), 2)
+
+
+def _fault(words: list[str], error: Exception) -> str:
+    """What is said of an error that nothing foresaw in a command on a stored file, which may be altered or foreign.
+
+    Raises the error itself where no file is named, and in Python's development mode (``python -X dev``).
+    """
+    import h5py
+
+    from .stored import file_checks
+
+    path = next((word for word in words if h5py.is_hdf5(word)), None)
+    if path is None or sys.flags.dev_mode:
+        raise error
+    place = traceback.extract_tb(error.__traceback__)[-1]
+    said = f"{type(error).__name__}: {error} ({Path(place.filename).name}, line {place.lineno})"
+    if file_checks.is_as_stored(path):
+        return f"a fault of the workbench, please report it, as {path} is as it was stored: {said}"
+    return f"{path} cannot be used, as it is altered or not of the workbench: {said}"
 
 
 def _sentence(error: typer.TyperException) -> str:

@@ -16,28 +16,19 @@ from typing import Any
 
 SECONDS = 60  # of processor time; a file that takes them has hung the command
 MEMORY = 8_000_000_000  # bytes of address space; a file of some kilobytes that asks for more is a bomb
+COMMANDS = {
+    "check": "check FILE",
+    "summary": "summary FILE --json",
+    "plot": "plot FILE --dpi 50 --out plot.png",
+    "scene": "scene FILE --dpi 50 --out scene.png",
+    "merge": "merge FILE GOOD --out merged.h5",
+    "sensitivity": "sensitivity FILE",
+    **{f"export {form}": f"export FILE --out rod.{form}" for form in ("csv", "vtp", "stl", "glb")},
+}
 
 
-def commands(path: Path, good: Path, out: Path) -> dict[str, list[str]]:
-    """What is asked of every altered file; good: another dataset of the same study, to be merged with it."""
-    coarse = ["--dpi", "50"]
-    asked = {
-        "check": ["check", "FILE"],
-        "check --json": ["check", "FILE", "--json"],
-        "summary": ["summary", "FILE"],
-        "summary --json": ["summary", "FILE", "--json"],
-        "plot": ["plot", "FILE", "--out", str(out / "plot.png"), *coarse],
-        "scene": ["scene", "FILE", "--out", str(out / "scene.png"), *coarse],
-        "merge": ["merge", "FILE", str(good), "--out", str(out / "merged.h5")],
-    }
-    for kind in ("csv", "vtp", "stl", "glb"):
-        asked[f"export {kind}"] = ["export", "FILE", "--out", str(out / f"rod.{kind}")]
-    asked["export step"] = ["export", "FILE", "--out", str(out / "rod.step"), "--tolerance", "0.01", "--centreline"]
-    return {name: [str(path) if word == "FILE" else word for word in words] for name, words in asked.items()}
-
-
-def end_of(words: list[str], out: Path) -> tuple[Any, list[str]]:
-    """The status of a command and what is wrong with how it ended; `out` is where it may write, empty before.
+def end_of(words: list[str]) -> tuple[Any, list[str]]:
+    """The status of a command and what is wrong with how it ended; it writes into the folder of this process, empty.
 
     Right is: status 0 or 1 and no word of Python's on stderr; or 2, one sentence there and nothing written. Never a
     character that a terminal would obey.
@@ -45,12 +36,12 @@ def end_of(words: list[str], out: Path) -> tuple[Any, list[str]]:
     from workbench import cli
     from workbench.commands import console
 
-    told, said = io.StringIO(), io.StringIO()
-    before = console.out().file, console.err().file
-    console.out().file, console.err().file = told, said
-    status: Any = "no end"
+    consoles, streams, status = (console.out(), console.err()), (io.StringIO(), io.StringIO()), None
+    before = [each.file for each in consoles]
     try:
-        with contextlib.redirect_stdout(told), contextlib.redirect_stderr(said), warnings.catch_warnings():
+        for each, stream in zip(consoles, streams, strict=True):
+            each.file = stream
+        with contextlib.redirect_stdout(streams[0]), contextlib.redirect_stderr(streams[1]), warnings.catch_warnings():
             warnings.simplefilter("always")
             cli.main(words)
     except SystemExit as end:
@@ -58,40 +49,37 @@ def end_of(words: list[str], out: Path) -> tuple[Any, list[str]]:
     except BaseException as error:
         return None, [f"ended in {error!r:.300}"]
     finally:
-        console.out().file, console.err().file = before
-    lines = said.getvalue().splitlines(keepends=True)
-    found, sentence = [], "".join(line for line in lines if not line.startswith("workbench: notice: "))
-    obeyed = {one for one in told.getvalue() + sentence if not one.isprintable() and one not in "\n\t"}
-    if obeyed:
-        found.append(f"printed {obeyed}")
-    if status not in (0, 1, 2):
-        found.append(f"status {status}")
-    if status == 2 and not (sentence.startswith("workbench: ") and sentence.count("\n") == 1 and len(sentence) < 1500):
-        found.append(f"said {sentence[-300:]!r}")
-    if status != 2 and ("Warning" in sentence or "Traceback" in sentence):
-        found.append(f"warned {sentence[-300:]!r}")
-    left = [path.name for path in out.iterdir()]
-    if status == 2 and left:
-        found.append(f"left {left}")
-    for path in out.iterdir():
+        for each, file in zip(consoles, before, strict=True):
+            each.file = file
+    told, said = (stream.getvalue() for stream in streams)
+    said = "".join(line for line in said.splitlines(keepends=True) if not line.startswith("workbench: notice: "))
+    is_sentence = said.startswith("workbench: ") and said.count("\n") == 1 and len(said) < 1500
+    wrong = {
+        "printed a command": any(not letter.isprintable() and letter not in "\n\t" for letter in told + said),
+        f"ended with status {status}": status not in (0, 1, 2),
+        f"said {said[-300:]!r}": not is_sentence if status == 2 else "Warning" in said or "Traceback" in said,
+        "left a file": status == 2 and any(Path().iterdir()),
+    }
+    for path in Path().iterdir():
         path.unlink()
-    return status, found
+    return status, [fault for fault, holds in wrong.items() if holds]
 
 
-def main(folder: Path, good: Path, out: Path, *names: str) -> None:
-    """Give these commands, or with "all" every one, each file of the folder."""
-    from workbench.commands import summary  # noqa: F401  (imported once, before the processes)
+def main(folder: Path, good: Path, *names: str) -> None:
+    """Give these commands each file of the folder; first the good file, which imports what they need."""
     from workbench.scene import opengl
 
-    if names != ("all",):
-        opengl.probe = lambda: (False, "not drawn")  # a file that is let in is read by scene, and not drawn
-    for path in sorted(folder.iterdir()):
-        asked = [words for name, words in commands(path, good, out).items() if names == ("all",) or name in names]
-        for status, faults in forked(asked, out):
-            print(json.dumps({"file": path.name, "status": status, "faults": faults}), flush=True)
+    opengl.probe = lambda: (False, "not drawn")  # a file that is let in is read by scene, and not drawn
+    for path in (good, *sorted(folder.iterdir())):
+        asked = [
+            [{"FILE": str(path), "GOOD": str(good)}.get(word, word) for word in COMMANDS[name].split()]
+            for name in names
+        ]
+        for end, faults in map(end_of, asked) if path == good else forked(asked):
+            print(json.dumps({"file": path.name, "status": end, "faults": faults}), flush=True)
 
 
-def forked(asked: list[list[str]], out: Path) -> list[tuple[Any, list[str]]]:
+def forked(asked: list[list[str]]) -> list[tuple[Any, list[str]]]:
     """What came of each command, all in one process; if that was killed, they all were."""
     read, write = os.pipe()
     child = os.fork()
@@ -99,7 +87,7 @@ def forked(asked: list[list[str]], out: Path) -> list[tuple[Any, list[str]]]:
         resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
         resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
         with os.fdopen(write, "wb") as pipe:
-            pipe.write(json.dumps([end_of(words, out) for words in asked]).encode())
+            pipe.write(json.dumps([end_of(words) for words in asked]).encode())
         os._exit(0)
     os.close(write)
     with os.fdopen(read, "rb") as pipe:
@@ -111,4 +99,4 @@ def forked(asked: list[list[str]], out: Path) -> list[tuple[Any, list[str]]]:
 
 
 if __name__ == "__main__":
-    main(*map(Path, sys.argv[1:4]), *sys.argv[4:])
+    main(*map(Path, sys.argv[1:3]), *sys.argv[3:])

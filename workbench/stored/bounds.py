@@ -113,10 +113,10 @@ def fit_lines(text: str) -> str:
     return CONTROL.sub(" ", text)
 
 
-def fit_text(text: str) -> str:
-    """A text of a case as a file holds it: at most `LABEL` printable characters, cut behind one of its parts."""
+def fit_text(text: str, most: int = LABEL) -> str:
+    """A text of one line as a file holds it: at most so many printable characters, cut behind one of its parts."""
     text = text if text.isprintable() else "".join(letter if letter.isprintable() else " " for letter in text)
-    if len(text) <= LABEL:
+    if len(text) <= most:
         return text
-    kept = text[: LABEL - len(CUT)]
+    kept = text[: most - len(CUT)]
     return (kept.rpartition("; ")[0] or kept) + CUT

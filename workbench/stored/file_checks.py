@@ -24,13 +24,9 @@ import numpy as np
 
 from solver.problem.errors import InputError
 
-from ..words.escaping import show
+from ..words.escaping import is_line, show
+from .bounds import LABEL
 from .boxes import blocks
-
-# What h5py, xarray and pydantic raise on files that are not HDF5, cut short or damaged.
-UNREADABLE = (
-    OSError, ValueError, LookupError, ArithmeticError, RuntimeError, TypeError, AttributeError, EOFError, MemoryError,
-)  # fmt: skip
 
 FILTERS = {h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_FLETCHER32}  # HDF5's own, no plug-ins
 DEFLATED = 1032  # the best ratio of deflate; an array that claims a better one is not all stored
@@ -42,7 +38,8 @@ SUMS = "checksums"
 # Attributes by which HDF5 and netCDF keep dimensions, and those that change when another program stores the same.
 HIDDEN = {"DIMENSION_LIST", "REFERENCE_LIST", "CLASS", "NAME", "_Netcdf4Dimid", "_Netcdf4Coordinates",
           "_NCProperties", "_nc3_strict"}  # fmt: skip
-UNSUMMED = {SUMS, "_FillValue", "coordinates"}
+UNSUMMED = {SUMS, "coordinates"}
+SCALED = {"scale_factor", "add_offset", "missing_value", "_Unsigned"}
 NO_VALUES = b"This is a netCDF dimension but not a netCDF variable"
 _SIZE = 4  # bytes of a digest
 _READ = 2**16  # texts at a time
@@ -87,21 +84,12 @@ def refusing(path: str | Path) -> Iterator[None]:
         raise
     except PermissionError:
         raise InputError(f"cannot read {path}: permission denied") from None
-    except UNREADABLE as error:
+    except Exception as error:
         said = str(error)  # a lock, or the mark of a writer
         if isinstance(error, BlockingIOError) or "unable to lock file" in said or "already open for" in said:
             raise InputError(f"cannot read {path}: another program holds it open; close it there") from None
         why = "it is damaged, cut short, or another kind of file"
-        raise InputError(f"{path} cannot be read as HDF5: {why}") from None
-
-
-@contextmanager
-def reading(path: str | Path) -> Iterator[None]:
-    """As `refusing`, for numbers read after the file was opened: only what HDF5 itself raises."""
-    try:
-        yield
-    except (OSError, RuntimeError, UnicodeDecodeError):
-        raise InputError(f"{path} cannot be read to its end: it is damaged or cut short") from None
+        raise InputError(f"{path} cannot be read as HDF5: {why}") from error
 
 
 def check_file(path: Path) -> None:
@@ -130,50 +118,53 @@ def contents(file: h5py.File, path: object) -> Contents:
     attrs, arrays = _attributes(file, f"{path}:"), {}
     for name in file:
         what = f"{path}: {show(name)}"
+        if not is_line(name, LABEL):
+            raise InputError(f"{what} is no name of one line")
         if not isinstance(file.get(name, getlink=True), h5py.HardLink):
             raise InputError(f"{what} is a link to another place; links are not followed")
         if not isinstance(array := file[name], h5py.Dataset):
             raise InputError(f"{what} is not an array; a study's dataset holds only arrays")
-        if (stored := _contents_of(array, name, what)) is not None:
-            arrays[name] = stored
+        if bytes(np.asarray(array.attrs.get("NAME", b""))[()]).startswith(NO_VALUES):
+            continue
+        if wrong := _wrong_array(array):
+            raise InputError(f"{what} {wrong}")
+        dims = (name,) if h5py.h5ds.is_scale(array.id) and array.ndim == 1 else _dimensions(array, name)
+        values = array[()] if array.size <= AT_ONCE else array
+        arrays[name] = FileArray(dims, _attributes(array, what), values, array.dtype, array.compression is not None)
     return Contents(attrs, arrays)
 
 
 def _attributes(held: h5py.File | h5py.Dataset, what: str) -> dict[str, Any]:
     attrs = {key: held.attrs[key] for key in held.attrs if key not in HIDDEN}
     for key, value in attrs.items():
-        if isinstance(value, h5py.Empty) or np.size(value) == 0:
-            raise InputError(f"{what} the attribute {show(key)} is empty")
-        is_text = all(isinstance(text, str | bytes) for text in np.ravel(np.asarray(value, dtype=object)))
-        if not is_text and np.asarray(value).dtype.kind not in "iufb":  # a reference cannot be copied
+        is_text = all(isinstance(part, str | bytes) for part in np.ravel(np.asarray(value, dtype=object)))
+        is_number = np.asarray(value).dtype.kind in "iufb"  # a reference, say, cannot be copied
+        if not (is_text or is_number) or np.size(value) == 0 or not is_line(key, LABEL):
             raise InputError(f"{what} the attribute {show(key)} must hold numbers or text")
+        if key in SCALED and isinstance(held, h5py.Dataset):
+            raise InputError(f"{what} has the attribute {key}, by which other programs mean other numbers")
+    fill = np.asarray(attrs.pop("_FillValue", np.nan))
+    if fill.dtype.kind != "f" or not np.isnan(fill).all():
+        raise InputError(f"{what} has an attribute _FillValue that is not NaN: numbers that are there would be lost")
     return attrs
 
 
-def _contents_of(array: h5py.Dataset, name: str, what: str) -> FileArray | None:
-    """What an array holds; None for a dimension without values."""
+def _wrong_array(array: h5py.Dataset) -> str:
+    """Why an array is not read; "" where it is. A small file cannot ask for much memory."""
+    dtype, shape, plist = array.dtype, array.shape, array.id.get_create_plist()
     if array.is_virtual or array.external:
-        raise InputError(f"{what} is stored in another file; links are not followed")
-    dtype, shape = array.dtype, array.shape
+        return "is stored in another file; links are not followed"
     if h5py.check_string_dtype(dtype) is None and dtype.kind not in "iufS":
-        raise InputError(f"{what} must hold numbers or text, got {dtype}")
+        return f"must hold numbers or text, got {dtype}"
     if shape is None or 0 in shape:
-        raise InputError(f"{what} is empty: its shape is {shape}")
-    layout = array.id.get_create_plist()
-    filters = {layout.get_filter(i)[0] for i in range(layout.get_nfilters())}
-    if unknown := filters - FILTERS:
-        raise InputError(f"{what} is compressed with filter {min(unknown)}; only gzip, shuffle and fletcher32 are read")
-    is_scale = h5py.h5ds.is_scale(array.id)
-    if is_scale and bytes(np.asarray(array.attrs.get("NAME"))[()] or b"").startswith(NO_VALUES):
-        return None
+        return f"is empty: its shape is {shape}"
+    if unknown := {plist.get_filter(i)[0] for i in range(plist.get_nfilters())} - FILTERS:
+        return f"is compressed with filter {min(unknown)}; only gzip, shuffle and fletcher32 are read"
     stored, claimed = array.id.get_storage_size(), prod(shape) * dtype.itemsize
     if claimed > DEFLATED * stored:
-        raise InputError(f"{what} claims {claimed} bytes, but only {stored} compressed bytes are stored")
-    if prod(array.chunks or ()) * dtype.itemsize > MOST_CHUNK:
-        raise InputError(f"{what} has chunks of {array.chunks}, which take more than {MOST_CHUNK} bytes")
-    dims = (name,) if is_scale and len(shape) == 1 else _dimensions(array, name)
-    values = array[()] if prod(shape) <= AT_ONCE else array
-    return FileArray(dims, _attributes(array, what), values, dtype, bool(filters))
+        return f"claims {claimed} bytes, but only {stored} compressed bytes are stored"
+    large = prod(array.chunks or ()) * dtype.itemsize > MOST_CHUNK
+    return f"has chunks of {array.chunks}, which take more than {MOST_CHUNK} bytes" if large else ""
 
 
 def _dimensions(array: h5py.Dataset, name: str) -> tuple[str, ...]:
@@ -207,6 +198,16 @@ def check_sums(held: Contents, path: object, arrays: bool = True) -> None:
             raise InputError(
                 f"{path}: {what} has changed since it was stored; delete the attribute {SUMS} to read it as it is"
             )
+
+
+def is_as_stored(path: str | Path) -> bool:
+    """Whether everything in a file is as its checksums say."""
+    try:
+        with open_valid(path) as (_, held):
+            stored = json.loads(held.attrs[SUMS])
+            return {place: _sum(value) for place, value in _places(held)} == stored
+    except InputError:
+        return False
 
 
 def _places(held: Contents) -> Iterator[tuple[str, Any]]:

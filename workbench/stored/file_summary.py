@@ -16,7 +16,7 @@ from studies.grammar.axes import SAMPLE
 from studies.laws import law_words
 
 from ..words import cautions, labels
-from . import file_checks, file_kinds, quantity_variables, reading, refined
+from . import file_kinds, quantity_variables, reading, refined
 from .derived_arrays import states_of
 from .law_verdicts import statistics
 from .solved_again import study_of
@@ -35,7 +35,7 @@ def summary(path: Path) -> dict[str, Any]:
 
     Memory: one number a case, for one observable at a time.
     """
-    with reading.open_study(path, whole=True) as ds, file_checks.reading(path):
+    with reading.open_study(path, whole=True) as ds:
         data: dict[str, Any] = {"file": str(path), "bytes": os.stat(path).st_size}
         data |= {key: str(ds.attrs[key]) for key in ("title", "study_name", "reading", "method")}
         data |= {"tolerance": float(ds.attrs["tolerance"]), "format": int(ds.attrs["format"])}
@@ -190,7 +190,7 @@ def least_accurate(path: Path) -> dict[str, Any]:
 
     Raises `InputError`.
     """
-    with reading.open_study(path) as ds, file_checks.reading(path):
+    with reading.open_study(path) as ds:
         worst = _worst(StoredStudy(ds), "error")
         at = [f"{name} = {labels.value(value, ds[name], 6)}" for name, value in worst["at"].items()]
         outcome = ds["outcome"].sel({str(dim): worst["at"][dim] for dim in ds["outcome"].dims})

@@ -9,30 +9,35 @@ from typing import Any
 import h5py
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 from xarray.backends import AbstractDataStore, BackendArray, CachingFileManager
 from xarray.core import indexing
 
 from solver.problem.errors import InputError
 
-from . import checks, file_checks, file_kinds
+from . import bounds, checks, file_checks, file_kinds
 from .file_checks import Contents, FileArray, refusing
 from .former_names import dataset_in_current_names
+
+# Attributes of many lines, or JSON.
+LONG = ("study", "laws", "versions", "recipe", "statistics", "merged", "refined", "sampled", "rows", "branches",
+        "remarks", "special_points", "fields")  # fmt: skip
 
 
 class _Array(BackendArray):
     """An array that is read from its file when its numbers are asked for."""
 
     def __init__(self, files: CachingFileManager[h5py.File], name: str, stored: FileArray) -> None:
-        self.files, self.name, self.shape = files, name, stored.values.shape
+        self.files, self.name, self.shape, self.path = files, name, stored.values.shape, stored.values.file.filename
         self.dtype = np.dtype(object) if _is_text(stored) else stored.dtype
 
     def __getitem__(self, key: indexing.ExplicitIndexer) -> Any:
         return indexing.explicit_indexing_adapter(key, self.shape, indexing.IndexingSupport.OUTER_1VECTOR, self._read)
 
     def _read(self, key: Any) -> Any:
-        with self.files.acquire_context() as file:
-            array = file[self.name]
-            return (array.asstr() if self.dtype.kind == "O" else array)[key]
+        with refusing(self.path), self.files.acquire_context() as file:
+            values = file[self.name][key]
+        return _texts(values) if self.dtype.kind == "O" else values
 
 
 class _Store(AbstractDataStore):
@@ -42,7 +47,7 @@ class _Store(AbstractDataStore):
         self.files, self.held = files, held
 
     def get_attrs(self) -> dict[str, Any]:
-        return {key: _attribute(value) for key, value in self.held.attrs.items()}
+        return {key: _attribute(key, value) for key, value in self.held.attrs.items()}
 
     def get_variables(self) -> dict[str, xr.Variable]:
         return {name: self._variable(name, stored) for name, stored in self.held.arrays.items()}
@@ -52,16 +57,12 @@ class _Store(AbstractDataStore):
 
     def _variable(self, name: str, stored: FileArray) -> xr.Variable:
         values = stored.values
-        encoding: dict[str, Any] = {"dtype": str if _is_text(stored) else stored.dtype}
-        attrs = {key: _attribute(value) for key, value in stored.attrs.items()}
         if isinstance(values, h5py.Dataset):
             values = indexing.LazilyIndexedArray(_Array(self.files, name, stored))
         elif _is_text(stored):
-            texts = [text.decode() for text in np.ravel(values).tolist()]
-            values = np.array(texts, dtype=object).reshape(np.shape(values))
-        if stored.dtype.kind == "f" and checks.is_nan(attrs.get("_FillValue")):
-            encoding["_FillValue"] = attrs.pop("_FillValue")  # xarray would replace each NaN by NaN
-        return xr.Variable(stored.dims, values, attrs, encoding)
+            values = _texts(values)
+        attrs = {key: _attribute(key, value) for key, value in stored.attrs.items()}
+        return xr.Variable(stored.dims, values, attrs, {"dtype": str if _is_text(stored) else stored.dtype})
 
 
 def _is_text(stored: FileArray) -> bool:
@@ -70,11 +71,22 @@ def _is_text(stored: FileArray) -> bool:
     return kind is not None and kind.length is None
 
 
-def _attribute(value: Any) -> Any:
-    """The value of an attribute; of a list of one value that value."""
+def _texts(values: Any) -> NDArray[Any]:
+    """The texts of cases or labels, each made printable."""
+    texts = [bounds.fit_text(text.decode(errors="replace")) for text in np.ravel(values).tolist()]
+    return np.array(texts, dtype=object).reshape(np.shape(values))
+
+
+def _attribute(key: str, value: Any) -> Any:
+    """The value of an attribute, a text made printable; of a list of one value that value."""
     if isinstance(value, np.ndarray) and value.size == 1:
         value = value.flat[0]
-    return value.decode(errors="surrogateescape") if isinstance(value, bytes) else value
+    if isinstance(value, str):  # h5py keeps bytes that are no UTF-8 in it
+        value = value.encode(errors="surrogateescape")
+    if not isinstance(value, bytes):
+        return value
+    text = value.decode(errors="replace")
+    return bounds.fit_lines(text) if key in LONG else bounds.fit_text(text, bounds.LINE)
 
 
 def open_study(path: str | Path, whole: bool = False) -> xr.Dataset:
@@ -95,9 +107,8 @@ def read(path: str | Path, study: bool = True) -> xr.Dataset:
         if ds.nbytes > memory:
             held = f"{path} holds {ds.nbytes / 1e9:.3g} GB, more than this machine's memory of {memory / 1e9:.3g} GB"
             raise InputError(f"{held}; open it with xarray.open_dataset and select from it")
-        with refusing(path):
-            ds.load()
-            checks.check(ds, path, [checks.curves] if study else checks.of_any(ds))  # a study's others have been asked
+        ds.load()
+        checks.check(ds, path, [checks.curves] if study else checks.of_any(ds))  # a study's others have been asked
         return ds
 
 
@@ -123,12 +134,12 @@ def _open(path: str | Path, first: Callable[..., None] | None = None, asked: Seq
     """
     ds, held = _as_dataset(path)
     try:
+        if first is not None:
+            first(ds, path)
         with refusing(path):
-            if first is not None:
-                first(ds, path)
             file_checks.check_sums(held, path)
-            checks.check(ds, path, asked)
-    except InputError:
+        checks.check(ds, path, asked)
+    except BaseException:
         ds.close()
         raise
     return ds
@@ -144,7 +155,9 @@ def _as_dataset(path: str | Path, without: Sequence[str] = ()) -> tuple[xr.Datas
         try:
             with files.acquire_context(needs_lock=False) as file:
                 held = file_checks.contents(file, path)
-            ds = xr.open_dataset(_Store(files, held), cache=False, decode_times=False, drop_variables=[*without])
+            ds = xr.open_dataset(
+                _Store(files, held), cache=False, decode_times=False, mask_and_scale=False, drop_variables=[*without]
+            )
         except BaseException:
             files.close()
             raise
