@@ -1,101 +1,74 @@
-"""Files of results with one thing altered: by hand, as somebody may think of, and by rule, everything in every way.
+"""Changes of a stored file: by hand, as somebody may think of, and by rule, everything in every way; cuts and flips.
 
-A change takes an HDF5 file that is open for writing, of any kind.
+A change is a place and a value. ``E`` is an array, ``*`` the largest one, ``E@units`` an attribute of it, ``@laws`` one
+of the file, ``E[3]`` the number at station 3 of the first case, "" the file. The value None removes, a function makes
+another value of the one that is there.
 """
 
 import json
-from collections.abc import Callable, Iterator
+import re
+from collections.abc import Iterator
+from random import Random
 from typing import Any
 
 import h5py
 import numpy as np
 
-Change = Callable[[h5py.File], object]
+Change = tuple[str, Any]
 
 BOMB, COMMANDS = "[" * 1_000_000, "\x1b[2J\x1b]0;title\x07 \x9b31m \u202eabc\u2028"
 FORMS = "one\ntwo $\\mathrm{ $\\frac{$ [red]x[/red] {0.__class__}{{7*7}}%s%n __import__('os').abort()"
-TEXTS = {"empty": "", "long": "x" * 50_000, "commands of a terminal": COMMANDS, "forms": FORMS}
-VALUES = {**TEXTS, "a number": 3.5, "NaN": np.nan, "a list": [1.0, 2.0], "a NUL": np.bytes_(b"a\x00b"),
-          "no UTF-8": np.array(b"\xc8\xcf", dtype=h5py.string_dtype()), "nothing": h5py.Empty("f"), "missing": None,
-          "a bomb": BOMB}  # fmt: skip
+TEXTS = ("", "x" * 50_000, COMMANDS, FORMS)
+OF_BYTES = (np.bytes_(b"a\x00b"), np.array(b"\xc8\xcf", dtype=h5py.string_dtype()))
+ATTRIBUTES = (*TEXTS, *OF_BYTES, 3.5, np.nan, [1.0, 2.0], h5py.Empty("f"), None, BOMB)
 DECODED = {"scale_factor": 1e300, "add_offset": "x", "missing_value": 0.0, "_FillValue": "$", "dtype": "bool",
            "coordinates": "outcome", "units": "days since 2000-01-01"}  # fmt: skip
 NUMBERS = (np.nan, np.inf, -np.inf, 0.0, -1.0, 1e300, 5e-324)
-OTHERS: dict[str, Callable[[Any], Any]] = {
-    "an axis more": lambda v: np.stack([v, v]),
-    "other sizes": lambda v: np.zeros(7),
-    "text": lambda v: np.full(v.shape, b"x"),
-    "bytes": lambda v: np.zeros(v.shape, "i1"),
-    "half precision": lambda v: np.zeros(v.shape, "f2"),
-    "turned": lambda v: v.T,
-    "one number": lambda v: v.flat[0],
-    "complex numbers": lambda v: np.zeros(v.shape, complex),
-}
+OTHERS = (
+    lambda v: np.stack([v, v]),
+    lambda v: np.zeros(7),
+    lambda v: np.full(v.shape, b"x"),
+    lambda v: np.zeros(v.shape, "i1"),
+    lambda v: np.zeros(v.shape, "f2"),
+    lambda v: np.zeros(v.shape, complex),
+    lambda v: v.T,
+    lambda v: v.flat[0],
+)
 HDF5S_OWN = {"DIMENSION_LIST", "REFERENCE_LIST", "CLASS", "NAME", "_Netcdf4Dimid", "_Netcdf4Coordinates"}
 
 
-def largest(file: h5py.File) -> str:
-    """The name of the largest array of numbers."""
-    return max(file, key=lambda name: file[name].size if file[name].dtype.kind == "f" else 0)
-
-
-def put(value: Any, name: str = "") -> Change:
-    """Another array, link or nothing in place of an array, by default the largest."""
-
-    def change(file: h5py.File) -> None:
-        place = name or largest(file)
-        del file[place]
-        if value is not None:
-            file[place] = value
-
-    return change
-
-
-def label(key: str, value: Any, name: str = "") -> Change:
-    """Another attribute, or none, of an array, by default the largest; of the file itself with the name /."""
-
-    def change(file: h5py.File) -> None:
-        attrs = file[name or largest(file)].attrs
+def make(file: h5py.File, place: str, value: Any) -> None:
+    """Make one change in a file that is open for writing."""
+    largest = max(file, key=lambda name: file[name].size if file[name].dtype.kind == "f" else 0)
+    name, at, key = re.fullmatch(r"([^@[]*)(?:\[(\d+)\]|@(.*))?", place.replace("*", largest), re.DOTALL).groups()
+    if key is not None:
+        attrs = file[name or "/"].attrs
         attrs.pop(key, None)
         if value is not None:
             attrs[key] = value
-
-    return change
-
-
-def number(name: str, value: float, at: int = 0) -> Change:
-    """Another number in the first case: the one at a station."""
-
-    def change(file: h5py.File) -> None:
-        values = file[name][...].astype(float)
-        values[(*[0] * (values.ndim - 1), at)[: values.ndim]] = value
+    elif not name:
+        value(file)
+    elif at is not None:
+        values = file[name][...]
+        values[(*[0] * (values.ndim - 1), int(at))[: values.ndim]] = (
+            np.nan_to_num(value) if values.dtype.kind in "iu" else value
+        )
         file[name][...] = values
-
-    return change
-
-
-def array(name: str, values: Any = None, **settings: Any) -> Change:
-    """One more array."""
-    return lambda file: file.create_dataset(name, data=values, **settings)
+    else:
+        attrs, values = dict(file[name].attrs), value(file[name][...]) if callable(value) else value
+        same = values is not None and np.shape(values) == file[name].shape
+        del file[name]
+        if value is not None:
+            file[name] = values
+        for key in attrs if callable(value) else ():
+            if same or key not in HDF5S_OWN:
+                file[name].attrs[key] = attrs[key]
 
 
 def _virtual(file: h5py.File) -> None:
     source = h5py.VirtualLayout(shape=(2,), dtype=float)
     source[:] = h5py.VirtualSource("/etc/passwd", "x", shape=(2,))
     file.create_virtual_dataset("virtual", source)
-
-
-def _claim(size: int, chunk: int, stored: bool = False) -> Change:
-    """The largest array with so many numbers along its last axis, of which hardly any is stored."""
-
-    def change(file: h5py.File) -> None:
-        ones, name = (1,) * (file[largest(file)].ndim - 1), largest(file)
-        del file[name]
-        new = file.create_dataset(name, (*ones, size), float, chunks=(*ones, chunk), compression="gzip")
-        if stored:
-            new[(0,) * new.ndim] = 1.0
-
-    return change
 
 
 def _plug_in(file: h5py.File) -> None:
@@ -105,94 +78,65 @@ def _plug_in(file: h5py.File) -> None:
     h5py.h5d.create(file.id, b"packed", h5py.h5t.IEEE_F64LE, h5py.h5s.create_simple((4,)), plist)
 
 
+def _chunk(file: h5py.File) -> None:
+    file.create_dataset("chunk", (40_000_000,), float, chunks=(40_000_000,), compression="gzip")[0] = 1.0
+
+
 # Of a file of any kind: each is refused.
-STRUCTURES: dict[str, Change] = {
-    "a link to another file": put(h5py.ExternalLink("../whole.h5", "/beta")),
-    "a link to itself": lambda file: put(h5py.SoftLink(f"/{largest(file)}"))(file),
-    "a group in itself": lambda file: file.create_group("group").__setitem__("group", file["group"]),
-    "another file's bytes": array("external", shape=(16,), dtype="i1", external=[("/etc/passwd", 0, 16)]),
-    "another file's array": _virtual,
-    "a filter that needs a plug-in": _plug_in,
-    "references": lambda file: file.create_dataset("objects", data=[file.ref], dtype=h5py.ref_dtype),
-    "compound numbers": array("compound", np.zeros(3, dtype=[("a", float), ("b", int)])),
-    "a terabyte": _claim(21 * 10**10, 10**6),
-    "a chunk of 320 MB": _claim(4 * 10**7, 4 * 10**7, stored=True),
-    "no values": array("more", shape=(0, 3), dtype=float),
-    "a name of commands": array("v\x1b[2J", 1.0),
-    "an attribute that is a reference": lambda file: file.attrs.update(place=file.ref),
-    "an attribute of compound numbers": label("method", np.zeros(2, dtype=[("a", float)]), "/"),
-    "an empty attribute": label("method", h5py.Empty("f"), "/"),
-    "checksums that are none": label("checksums", BOMB, "/"),
-    "scaled numbers": label("add_offset", "x"),
-    "numbers for missing ones": label("_FillValue", 1.0),
-}
+STRUCTURES: tuple[Change, ...] = (
+    ("*", h5py.ExternalLink("../whole.h5", "/beta")),
+    ("*", h5py.SoftLink("/u")),
+    ("", lambda file: file.create_group("group").__setitem__("group", file["group"])),
+    ("", lambda file: file.create_dataset("external", (16,), "i1", external=[("/etc/passwd", 0, 16)])),
+    ("", _virtual),
+    ("", _plug_in),
+    ("", lambda file: file.create_dataset("objects", data=[file.ref], dtype=h5py.ref_dtype)),
+    ("", lambda file: file.create_dataset("compound", data=np.zeros(3, dtype=[("a", float), ("b", int)]))),
+    ("", lambda file: file.create_dataset("claim", (21 * 10**10,), float, chunks=(10**6,), compression="gzip")),
+    ("", _chunk),
+    ("", lambda file: file.create_dataset("more", (0, 3), float)),
+    ("", lambda file: file.create_dataset("v\x1b[2J", data=1.0)),
+    ("", lambda file: file.attrs.update(place=file.ref)),
+    ("@method", np.zeros(2, dtype=[("a", float)])),
+    ("@method", h5py.Empty("f")),
+    ("@checksums", BOMB),
+    ("*@add_offset", "x"),
+    ("*@_FillValue", 1.0),
+)
 LAW = {"claim": "c", "observable": "bends", "axis": "x", "direction": "falls", "source": "s"}
 # Of a study over E and R: each is refused.
-OF_STUDY: dict[str, Change] = {
-    **{f"no {name}": put(None, name) for name in ("outcome", "error", "R")},
-    "outcomes that are numbers": put(np.zeros((2, 3)), "outcome"),
-    "an axis of words": put([b"soft", b"stiff"], "E"),
-    "an axis of two dimensions": put(np.zeros((2, 2)), "E"),
-    "an axis with NaN": number("E", np.nan),
-    "an axis with a value twice": number("E", 2e4),
-    "curves of other sizes": put(np.zeros((7, 7)), "beta"),
-    "curves of texts": put(np.full((2, 3, 21), b"x"), "beta"),
-    "another unit": label("units", "Pa", "E"),
-    **{f"no @{key}": label(key, None, "/") for key in ("laws", "study", "tolerance")},
-    "laws that are code": label("laws", "__import__('os').abort()", "/"),
-    "laws without end": label("laws", BOMB, "/"),
-    "a law about no axis": label("laws", json.dumps([LAW]), "/"),
-    "a list for a text": label("length_unit", ["cm", "N"], "/"),
-    "a tolerance of NaN": label("tolerance", np.nan, "/"),
-    "a newer format": label("format", 99, "/"),
-    "an older format": label("format", 1, "/"),
-    "a format in words": label("format", "new", "/"),
-    **{f"{name} {value:g}": number(name, value, at) for name, value, at in (
-        ("z", np.nan, 10), ("z", 1000.0, 10), ("beta", 1e200, 3), ("bends", -1, 0), ("attached", 7, 0), ("rho", 0.0, 0),
-        ("rho", 17.0, 0), ("FZ", np.nan, 0), ("M3", 1e300, 0), ("s", -1.0, 0), ("u", 0.5, 0), ("error", np.nan, 0),
-        ("kappa_max", 1e300, 0))},
-}  # fmt: skip
+OF_STUDY: tuple[Change, ...] = (
+    *((place, None) for place in ("outcome", "error", "R", "@laws", "@study", "@tolerance")),
+    ("outcome", np.zeros((2, 3))), ("E", [b"soft", b"stiff"]), ("E", np.zeros((2, 2))), ("beta", np.zeros((7, 7))),
+    ("beta", np.full((2, 3, 21), b"x")), ("E@units", "Pa"), ("@laws", "__import__('os').abort()"), ("@laws", BOMB),
+    ("@laws", json.dumps([LAW])), ("@length_unit", ["cm", "N"]), ("@tolerance", np.nan), ("@format", 99),
+    ("@format", "new"), ("E[0]", np.nan), ("E[0]", 2e4), ("z[10]", np.nan), ("z[10]", 1000.0), ("beta[3]", 1e200),
+    ("bends[0]", -1), ("attached[0]", 7), ("rho[0]", 0.0), ("rho[0]", 17.0), ("FZ[0]", np.nan), ("M3[0]", 1e300),
+    ("s[0]", -1.0), ("u[0]", 0.5), ("error[0]", np.nan), ("kappa_max[0]", 1e300), ("@format", 1),
+)  # fmt: skip
 
 
-def by_rule(file: h5py.File) -> Iterator[tuple[str, Change]]:
-    """The name and the change of every altered file that is made of this one."""
+def by_rule(file: h5py.File) -> Iterator[Change]:
+    """Every change of this file: all its numbers, texts, arrays and attributes."""
     for name in file:
         if file[name].dtype.kind in "iuf":
-            yield from ((f"{name} all {value:g}", _fill(name, value)) for value in NUMBERS)
-            yield from ((f"{name} first {value:g}", number(name, value)) for value in NUMBERS)
-            yield from ((f"{name} {what}", _alter(name, other)) for what, other in OTHERS.items())
+            yield from ((f"{name}[0]", value) for value in NUMBERS)
+            yield from ((name, lambda v, value=value: np.full(v.shape, value)) for value in NUMBERS)
+            yield from ((name, other) for other in OTHERS)
         else:
-            yield from ((f"{name} all {what}", _fill(name, text)) for what, text in TEXTS.items())
-        yield f"{name} missing", put(None, name)
-    for name in ("/", *file):
-        for key in [key for key in file[name].attrs if key not in HDF5S_OWN]:
-            yield from ((f"{name} @{key} {what}", label(key, value, name)) for what, value in VALUES.items())
-        yield from (
-            (f"{name} @{key} {value}", label(key, value, name)) for key, value in DECODED.items() if name != "/"
-        )
+            yield from ((name, lambda v, text=text: np.full(v.shape, text, dtype=object)) for text in TEXTS)
+        yield name, None
+    for name in ("", *file):
+        for key in (key for key in file[name or "/"].attrs if key not in HDF5S_OWN):
+            yield from ((f"{name}@{key}", value) for value in ATTRIBUTES)
+        yield from ((f"{name}@{key}", value) for key, value in DECODED.items() if name)
 
 
-def _fill(name: str, value: Any) -> Change:
-    def change(file: h5py.File) -> None:
-        kind = file[name].dtype.kind
-        file[name][...] = (
-            np.nan_to_num(value, posinf=2**31, neginf=-(2**31)).clip(-100, 2**62) if kind in "iu" else value
-        )
-
-    return change
-
-
-def _alter(name: str, other: Callable[[Any], Any]) -> Change:
-    """Another array under the same labels, which bears no dimensions where it has others."""
-
-    def change(file: h5py.File) -> None:
-        attrs, values = dict(file[name].attrs), other(file[name][...])
-        keep = {
-            key: value for key, value in attrs.items() if key not in HDF5S_OWN or np.ndim(values) == file[name].ndim
-        }
-        del file[name]
-        file[name] = values
-        for key, value in keep.items():
-            file[name].attrs[key] = value
-
-    return change
+def damaged(whole: bytes, random: Random) -> bytes:
+    """A file that is cut short, or has some bytes changed, a few or a stretch of them."""
+    content, at = bytearray(whole), random.randrange(len(whole))
+    if random.random() < 0.2:
+        return whole[:at]
+    for k in range(random.choice([1, 1, 8, 512])):
+        content[(at + k) % len(whole)] = random.randrange(256)
+    return bytes(content)
