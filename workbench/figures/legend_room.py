@@ -1,6 +1,7 @@
 """Legends that cover lines or points of their axes are put below them."""
 
 from collections.abc import Iterator
+from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -25,13 +26,20 @@ def clear(fig: Figure) -> float:
     Returns the inches that the rows of these axes need for it.
     """
     legends = [(ax, legend) for ax in fig.axes if (legend := ax.get_legend()) is not None]
-    if legends:
-        fig.draw_without_rendering()
+    if legends and (engine := fig.get_layout_engine()) is not None:
+        engine.execute(fig)
+    for _, legend in legends:
+        legend.draw(_renderer(fig))  # which places its entries
     needed = dict[int, float]()  # by the lower edge of a row
     for ax, legend in [(ax, legend) for ax, legend in legends if _covers(ax, legend)]:
         row = round(ax.bbox.y0)
         needed[row] = max(needed.get(row, 0.0), BELOW + _move_below(fig, ax, legend))
     return sum(needed.values())
+
+
+def _renderer(fig: Figure) -> Any:
+    assert isinstance(fig.canvas, FigureCanvasAgg)
+    return fig.canvas.get_renderer()
 
 
 def _covers(ax: Axes, legend: Legend) -> bool:
@@ -58,9 +66,8 @@ def _move_below(fig: Figure, ax: Axes, legend: Legend) -> float:
         for handle, text in zip(legend.legend_handles, legend.get_texts(), strict=True)
         if isinstance(handle, Line2D | Patch)
     ]
-    labels, shown = [label for _, label in entries], fig.canvas
-    assert isinstance(shown, FigureCanvasAgg)
-    words = ax.xaxis.get_tightbbox(shown.get_renderer())
+    labels = [label for _, label in entries]
+    words = ax.xaxis.get_tightbbox(_renderer(fig))
     drop = BELOW + ((ax.bbox.y0 - words.y0) / fig.dpi if words is not None else 0.0)
     widest = HANDLE + GAP + max(fonts.width_of(label, fonts.small()) for label in labels)
     columns = max(int(ax.bbox.width / fig.dpi / widest), 1)
