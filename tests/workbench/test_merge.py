@@ -12,7 +12,7 @@ from solver import InputError
 from tests.slow import slow, slow_but
 from tests.workbench import small
 from tests.workbench.small import axis, law
-from workbench.run import assembly, file_merge, in_memory, study_store, writing
+from workbench.run import file_merge, in_memory, study_store, writing
 from workbench.stored import law_verdicts, reading
 
 RADII = axis("R", [0.5, 0.75, 1.0])
@@ -132,18 +132,6 @@ def test_a_file_may_be_joined_into_itself(tmp_path) -> None:
     files = stored(tmp_path, one_by_one(E1), one_by_one(E2))
     file_merge.merge(files, files[0])
     assert reading.read(files[0])["E"].values.tolist() == [1e4, 2e4, 3e4]
-
-
-@pytest.mark.slow
-def test_small_blocks_write_the_same_bits_as_large_ones(tmp_path, monkeypatch) -> None:
-    parts = one_by_one(axis("E", [1e4, 3e4]) + RADII), one_by_one(axis("E", [2e4, 3e4, 4e4]) + RADII)
-    files = stored(tmp_path, *parts)
-    file_merge.merge(files, tmp_path / "large.h5")
-    for most in (7, 50):
-        monkeypatch.setattr(assembly, "WINDOW", 80 * most)
-        file_merge.merge(files, tmp_path / "small.h5")
-        with xr.open_dataset(tmp_path / "large.h5") as large, xr.open_dataset(tmp_path / "small.h5") as little:
-            xr.testing.assert_identical(large.drop_attrs(deep=False), little.drop_attrs(deep=False))
 
 
 @pytest.mark.parametrize("names", [("outcome",), ("outcome", "bends")])

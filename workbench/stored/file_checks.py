@@ -39,7 +39,7 @@ SUMS = "checksums"
 HIDDEN = {"DIMENSION_LIST", "REFERENCE_LIST", "CLASS", "NAME", "_Netcdf4Dimid", "_Netcdf4Coordinates",
           "_NCProperties", "_nc3_strict"}  # fmt: skip
 UNSUMMED = {SUMS, "coordinates"}
-SCALED = {"scale_factor", "add_offset", "missing_value", "_Unsigned"}
+SCALED = {"scale_factor", "add_offset", "missing_value", "_Unsigned", "_Encoding"}
 NO_VALUES = b"This is a netCDF dimension but not a netCDF variable"
 _SIZE = 4  # bytes of a digest
 _READ = 2**16  # texts at a time

@@ -107,7 +107,8 @@ def read(path: str | Path, study: bool = True) -> xr.Dataset:
         if ds.nbytes > memory:
             held = f"{path} holds {ds.nbytes / 1e9:.3g} GB, more than this machine's memory of {memory / 1e9:.3g} GB"
             raise InputError(f"{held}; open it with xarray.open_dataset and select from it")
-        ds.load()
+        with refusing(path):
+            ds.load()
         checks.check(ds, path, [checks.curves] if study else checks.of_any(ds))  # a study's others have been asked
         return ds
 
