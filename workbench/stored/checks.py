@@ -67,7 +67,7 @@ def check_all(ds: xr.Dataset, path: str | Path) -> None:
 
 def of_any(ds: xr.Dataset) -> Sequence[Check]:
     """The checks of what datasets of all kinds have."""
-    return (fields, cases, curves) if "solved" in ds else (fields,)
+    return (fields, cases, curves) if "solved" in ds else (fields, drawable)
 
 
 def check_kind(ds: xr.Dataset, path: str | Path) -> None:
@@ -178,6 +178,14 @@ def fields(ds: xr.Dataset) -> Iterator[str]:
         with np.errstate(all="ignore"):  # of infinite numbers a rule has no value, and does not hold
             if {*needed} <= {*number} and not np.all(holds(*(number[name] for name in needed)).values):
                 yield f": {wrong}"
+
+
+def drawable(ds: xr.Dataset) -> Iterator[str]:
+    """Whether no number is so large that the ticks of an axis overflow."""
+    for name, variable in ds.variables.items():
+        values = variable.values
+        if variable.dtype.kind == "f" and (np.isfinite(values) & (np.abs(values) > bounds.MOST_DRAWN)).any():
+            yield f": {show(name)} holds numbers beyond {bounds.MOST_DRAWN:g}"
 
 
 def cases(ds: xr.Dataset) -> Iterator[str]:
