@@ -130,26 +130,26 @@ def _under_dead_loads(case: Case, tol: float, stations: int, most_swings: int) -
     assert isinstance(problem, EndsProblem)
     if why := refusals(case, problem)[0]:
         return Equilibria([], reason_beyond(why, case))
-    all_of_them = search_levels(problem, most_swings)
-    if all_of_them is None:
+    equilibria = search_levels(problem, most_swings)
+    if equilibria is None:
         return Equilibria([], "incomplete: no equilibrium was found, and by degree there is always one")
-    slopes, orbit, K = all_of_them.slope, all_of_them.orbit, all_of_them.slope.size
-    wide, index, stray = repeat(problem, K), all_of_them.index, all_of_them.stray
+    dbeta0, orbit, K = equilibria.dbeta0, equilibria.orbit, equilibria.dbeta0.size
+    wide, index, stray = repeat(problem, K), equilibria.index, equilibria.stray
     t = wide.span[:, None] * np.linspace(0, 1, stations)
     together = equilibrium_trajectory(wide, orbit, t, tol)
     copies = with_field(case, "beta0", np.full(K, value_of(case, "beta0")))
     read = MeasuredNumbers(Solution(copies, wide, together, t, "shooting", tol))
-    for name, angle in (("low", all_of_them.lowest), ("high", all_of_them.highest)):
+    for name, angle in (("low", equilibria.lowest), ("high", equilibria.highest)):
         read.know({name: (angle, read.error)})
     bends, attached = OBSERVABLES["bends"].compute(read), OBSERVABLES["attached"].compute(read)[0]
-    energy = read.unit_moment * all_of_them.energy - OBSERVABLES["twist_energy"].compute(read)[0]
+    energy = read.unit_moment * equilibria.energy - OBSERVABLES["twist_energy"].compute(read)[0]
     listed = []
     for i in range(K):
         solution = Solution(case, problem, _row_of(together, t, i), t[i : i + 1], "shooting", tol)
-        numbers = float(energy[i]), float(slopes[i] / case.rho), int(bends[i])
-        more = float(attached[i]), float(stray[i]), all_of_them.path.take(slice(i, i + 1))
+        numbers = float(energy[i]), float(dbeta0[i] / case.rho), int(bends[i])
+        more = float(attached[i]), float(stray[i]), orbit.path.take(slice(i, i + 1))
         listed.append(Equilibrium(solution, int(index[i]), *numbers, *more, int(index[i])))
-    return Equilibria(in_order(listed), all_of_them.remark)
+    return Equilibria(in_order(listed), equilibria.remark)
 
 
 def _row_of(together: Trajectory, t: Array, i: int) -> Trajectory:
@@ -180,10 +180,10 @@ def _with_held_ends(
     t = problem.span[:, None] * np.linspace(0, 1, stations)
     listed = []
     for state, how in zip(result.states, result.how, strict=True):
-        path: Any = state.path.level_path
+        path: Any = state.path.alone
         if case.has_hinge:
-            path = way_between_hinges(state, rods_of(case)[0])
-            answer = answer_ends(case, t, tol, [path])
+            way = way_between_hinges(state, rods_of(case)[0])
+            path, answer = way.shape, answer_ends(case, t, tol, [way])
         else:
             answer = state.problem, trajectory_between(Reached(state, how), result.given, t, tol)
         solution = Solution(case, *answer, t, "shooting", tol)
@@ -261,13 +261,13 @@ def nearest(found: list[Equilibrium], dbeta0: float, energy: float) -> Equilibri
 
 def meant(found: list[Equilibrium], choose: Choose = NEAREST) -> Equilibrium | None:
     """The equilibrium of a list that the rule `choose` of `solve` takes; None if no equilibrium fits the rule."""
-    index, energy, stray, slope = (
+    index, energy, stray, dbeta0 = (
         np.array([getattr(equilibrium, name) for equilibrium in found], dtype=float)
         for name in ("index", "energy", "stray", "dbeta0")
     )
     if isinstance(found, HeldEquilibria):
         stray = _are_turned(found).astype(float)
-    i = select(choose, index, energy, stray, slope)
+    i = select(choose, index, energy, stray, dbeta0)
     return None if i is None else found[i]
 
 
@@ -346,12 +346,11 @@ def equilibria_on_nodes(case: Case, tol: float, stations: int) -> Equilibria:
 
 def _list_of(case: Case, result: Any, tol: float, stations: int) -> list[Equilibrium]:
     """The equilibria of the shapes that a search found, lowest energy first."""
-    from .nodes.answers import answer_ends, shape_path
+    from .nodes.answers import answer_ends, way_of
 
     t = span_of(case)[:, None] * np.linspace(0, 1, stations)
     listed = []
     for shape, index, how in zip(result.shapes, result.index, result.how, strict=True):
-        path = shape_path(shape, index)
-        solution = Solution(case, *answer_ends(case, t, tol, [path]), t, "shooting", tol)
-        listed.append(equilibrium_of(solution, index, path, -1, how))
+        solution = Solution(case, *answer_ends(case, t, tol, [way_of(shape, index)]), t, "shooting", tol)
+        listed.append(equilibrium_of(solution, index, shape, -1, how))
     return in_order(listed)

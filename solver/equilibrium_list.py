@@ -34,8 +34,9 @@ class Equilibrium:
         Share of the length where the cylinder pushes.
     stray : float
         The most that beta goes beyond its end angles, above the larger or below the smaller one [rad].
-    path : `orbits.boundary.LevelPaths`, or `nodes.growth.GrowthWay`
-        Its level and its path, which identify it among the equilibria of the case.
+    path : Paths or Shape
+        Its level and its path, which identify it among the equilibria of the case; with weight, friction or a hinge its
+        shape on nodes.
     dead_index : int
         Morse index under dead loads, between its own end angles; -1: not known.
     found_by : str
@@ -238,5 +239,5 @@ def in_order(equilibria: list[Equilibrium]) -> list[Equilibrium]:
     equilibria = sorted(equilibria, key=lambda e: e.energy)
     energy = np.array([e.energy for e in equilibria])
     new = np.diff(energy, prepend=-np.inf) > 1e-9 * (1 + np.abs(energy))
-    slope = np.array([e.dbeta0 for e in equilibria])
-    return [equilibria[i] for i in np.lexsort((slope, np.cumsum(new)))]
+    dbeta0 = np.array([e.dbeta0 for e in equilibria])
+    return [equilibria[i] for i in np.lexsort((dbeta0, np.cumsum(new)))]

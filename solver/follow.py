@@ -194,11 +194,11 @@ def _solutions_at(points: Sequence[BranchPoint], case: Case, tol: float, u: Arra
     from .nodes.varying_shapes import Shape
 
     if isinstance(points[0].path, Shape):
-        from .nodes.answers import answer_ends, shape_path
+        from .nodes.answers import answer_ends, way_of
 
         t = span_of(case)[:, None] * u
-        paths = [shape_path(point.path, point.index) for point in points]
-        return Solution(case, *answer_ends(case, t, tol, paths), t, "shooting", tol)
+        ways = [way_of(point.path, point.index) for point in points]
+        return Solution(case, *answer_ends(case, t, tol, ways), t, "shooting", tol)
     from .orbits.path_orbits import together
 
     problems, stations, shapes = zip(*(_shape(point, u, tol) for point in points), strict=True)

@@ -147,8 +147,8 @@ def _beside(
     if seed is not None and not (isinstance(seed, Solution) and seed.case.shape in ((), case.shape)):
         raise InputError(f"seed of a rod that may leave the cylinder is a Solution, got {type(seed).__name__}")
     if seed is not None:
-        ways = ["the seed is not solved" if curve is None else [curve] for curve in curves_of(seed, "the seed")]
-        seed = ways * (case.size // len(ways))
+        curves = ["the seed is not solved" if curve is None else [curve] for curve in curves_of(seed, "the seed")]
+        seed = curves * (case.size // len(curves))
 
     def column(rods: Case, t: Array, seed: Any) -> Answer:
         if seed is None:
@@ -182,10 +182,9 @@ def _question_on_nodes(
     t = _stations(case, span_of(case), stations)
     if case.kind == "start":
         return Question(lambda rods, t, _: answer_starts(rods, t, tol), t, None, name)
-    begin: list[Any] | None = None
     if seed is not None:
-        begin = case.size * ["straight"] if straight else seed.trajectory.shapes.each(case.size)
-    return Question(lambda rods, t, seed: answer_ends(rods, t, tol, seed), t, begin, name)
+        seed = case.size * ["straight"] if straight else seed.trajectory.shapes.each(case.size)
+    return Question(lambda rods, t, seed: answer_ends(rods, t, tol, seed), t, seed, name)
 
 
 def _question_of_held_ends(
@@ -206,7 +205,7 @@ def _question_of_held_ends(
             f"seed of a case with {names} must be a Solution, got {seed!r}: beta'(0) leaves its loads open"
         )
     whole = reduce_held(case)
-    start = None if seed is None else as_seed(case, whole, seed)
+    seed = None if seed is None else as_seed(case, whole, seed)
 
     @np.errstate(all="ignore")
     def column(rods: Case, t: Array, seed: Seed | None) -> Answer:
@@ -221,7 +220,7 @@ def _question_of_held_ends(
         why = np.where(representable(rods, dead_problem), limits, OUT_OF_RANGE)
         return dead_problem, _refuse(answer, rods, why)
 
-    return Question(column, _stations(case, whole.span, stations), start, method.name)
+    return Question(column, _stations(case, whole.span, stations), seed, method.name)
 
 
 def _run(
@@ -238,8 +237,8 @@ def _run(
         answer = method.run_in_blocks(stood_in(problem, fit), t, tol)
     else:
         answer = method.run(stood_in(problem, fit), t, tol, **which)
-        slope = np.where(np.isfinite(answer.dbeta[:, 0]), answer.dbeta[:, 0], 0.0)  # beta'(0) is known only now
-        why = np.where(fit & ~representable(case, problem.with_start(slope)), OUT_OF_RANGE, why)
+        dbeta0 = np.where(np.isfinite(answer.dbeta[:, 0]), answer.dbeta[:, 0], 0.0)  # beta'(0) is known only now
+        why = np.where(fit & ~representable(case, problem.with_start(dbeta0)), OUT_OF_RANGE, why)
     return _refuse(answer, case, why)
 
 
@@ -293,16 +292,16 @@ def as_seed(case: Case, problem: Reduced | HeldProblem, seed: Any) -> Seed:
         return Seed(trajectory.dbeta[row, 0], u[row], trajectory.beta[row], ends, trajectory.orbit, row, shapes)
     try:
         with np.errstate(over="ignore"):
-            slope = flat(np.asarray(seed, dtype=float) * case.rho, case.shape)
+            dbeta0 = flat(np.asarray(seed, dtype=float) * case.rho, case.shape)
     except (TypeError, ValueError, OverflowError):
         raise InputError(f"seed must be beta'(0) or a Solution, got {show(seed)}") from None
     from .methods import OrbitQuadrature
 
     assert not isinstance(problem, HeldProblem)
-    start = problem.with_start(slope)
+    start = problem.with_start(dbeta0)
     u = np.linspace(0, 1, 2001)
     beta = OrbitQuadrature().run(start, start.span[:, None] * u, 1e-8).beta
-    return Seed(slope, np.tile(u, (problem.size, 1)), beta)
+    return Seed(dbeta0, np.tile(u, (problem.size, 1)), beta)
 
 
 def ends_case(sol: Solution) -> Case:

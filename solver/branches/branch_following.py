@@ -39,7 +39,7 @@ from .given_numbers import FREE
 from .held_index import index_of
 from .helices import off_helix
 from .helix_branch import end_of_helix, helix_places
-from .leaps import Guess, leap, shape_of
+from .leaps import Guess, angles_on, leap
 from .orbit_rates import orbit_rates
 from .system import AT_REST, LEFT, state_of
 
@@ -69,7 +69,7 @@ def trace_branch(family: Family, path: Path, p: float, rises: bool, bounds: Boun
     if not places or not family.is_dead or stop.reason in (END, CLOSED):
         return places, stop
     orbit = orbit_of(places[-1].problem, places[-1].path)
-    return places, replace(stop, helix=end_of_helix(family, stop.p, shape_of(orbit)[0]))
+    return places, replace(stop, helix=end_of_helix(family, stop.p, angles_on(orbit)[0]))
 
 
 def branch_through(family: Family, path: Path, p: float, bounds: Bounds) -> tuple[list[Place], int, Stop, Stop] | str:
@@ -176,13 +176,13 @@ class _Walk:
         return arclength.Stride(places, state, half, stuck)
 
     def _arrive(
-        self, places: list[Place], state: BranchState, there: BranchState, passed: list[Place], step: float, leap: bool
+        self, places: list[Place], before: BranchState, after: BranchState, passed: list[Place], step: float, leap: bool
     ) -> arclength.Stride[Place, BranchState]:
         """The places of a stride from a state, at the last of which the branch may end; leap: whether it is a leap."""
-        self.creeps = self.creeps + 1 if creeps(state, there, self.bounds, leap) else 0
+        self.creeps = self.creeps + 1 if creeps(before, after, self.bounds, leap) else 0
         if self.creeps > (_FEW if self.natural else _CREEPS):
-            return arclength.Stride(places, state, step, _CREEPING_NATURAL if self.natural else _CREEPING)
-        return arrive(places, passed, state, there, step, self.bounds, self._end)
+            return arclength.Stride(places, before, step, _CREEPING_NATURAL if self.natural else _CREEPING)
+        return arrive(places, passed, before, after, step, self.bounds, self._end)
 
     def _end(self, place: Place) -> str:
         """Why the branch ends at a place, if it does."""
@@ -199,33 +199,33 @@ def _step(state: BranchState, step: float, bounds: Bounds) -> BranchState | str:
     return state.ahead(step, across)
 
 
-def _pass(state: BranchState, there: BranchState | str, bounds: Bounds) -> tuple[BranchState | str, list[Place]]:
+def _pass(before: BranchState, after: BranchState | str, bounds: Bounds) -> tuple[BranchState | str, list[Place]]:
     """The state after a step, or why it is refused; the special points and wanted values on the way, and its end."""
-    if isinstance(there, str):
-        return there, []
-    special = _special(state, there)
-    places = None if special is None else events_between(state, there, special, bounds, partial(_place_at, state))
-    return (there, places) if places is not None else ("what is met on the way could not be located", [])
+    if isinstance(after, str):
+        return after, []
+    special = _special(before, after)
+    places = None if special is None else events_between(before, after, special, bounds, partial(_place_at, before))
+    return (after, places) if places is not None else ("what is met on the way could not be located", [])
 
 
-def _place_at(state: BranchState, one: BranchState, other: BranchState, value: float) -> Place | None:
+def _place_at(state: BranchState, before: BranchState, after: BranchState, value: float) -> Place | None:
     """The equilibrium at a value of p, between two points of the step that leads from a state."""
-    ends = {float(state.node.tangent @ (at.node.w - state.node.w)): at for at in (one, other)}
+    ends = {float(state.node.tangent @ (at.node.w - state.node.w)): at for at in (before, after)}
     state_at = locate(state.ahead, ends, lambda at: at.p - value)
     return None if state_at is None else state_at.record()
 
 
-def _special(state: BranchState, there: BranchState) -> list[tuple[BranchState, str]] | None:
+def _special(before: BranchState, after: BranchState) -> list[tuple[BranchState, str]] | None:
     """Where beta_t passes through 0 at both ends together, or where p has an extremum; None: not located."""
-    chart, at, kind = state.curve.chart, None, FOLD
-    reach = float(state.node.tangent @ (there.node.w - state.node.w))
-    if not chart.logarithmic and state.x * there.x < 0:
-        at = state.at
+    chart, at, kind = before.curve.chart, None, FOLD
+    reach = float(before.node.tangent @ (after.node.w - before.node.w))
+    if not chart.logarithmic and before.x * after.x < 0:
+        at = before.at
     if at is not None and at[0].is_tied:
-        kind = BRANCH_POINT if at[0].start in at[0].angles and state.rises * there.rises > 0 else PITCHFORK
-    elif state.rises * there.rises >= 0:
+        kind = BRANCH_POINT if at[0].start in at[0].angles and before.rises * after.rises > 0 else PITCHFORK
+    elif before.rises * after.rises >= 0:
         return []
-    point = locate(state.ahead, {0.0: state, reach: there}, lambda at: at.rises if kind == FOLD else at.x)
+    point = locate(before.ahead, {0.0: before, reach: after}, lambda at: at.rises if kind == FOLD else at.x)
     return None if point is None else [(point, kind)]
 
 
@@ -236,17 +236,17 @@ def _is_same(first: Place, place: Place) -> bool:
     return same and abs(place.p - first.p) < BACK and abs(path.pin - other.pin) < BACK and abs(path.y - other.y) < BACK
 
 
-def creeps(state: BranchState, there: BranchState, bounds: Bounds, leap: bool) -> bool:
+def creeps(before: BranchState, after: BranchState, bounds: Bounds, leap: bool) -> bool:
     """Whether p changes by rounding; or, in a leap beside a helix, by little of the way to the next halt."""
-    far, ahead = abs(there.p - state.p), abs(bounds.next(state.p, state.rises > 0) - state.p)
-    if far < (_LITTLE_NATURAL if state.curve.family.natural else 100 * bounds.round_off):
+    far, ahead = abs(after.p - before.p), abs(bounds.next(before.p, before.rises > 0) - before.p)
+    if far < (_LITTLE_NATURAL if before.curve.family.natural else 100 * bounds.round_off):
         return True
-    return leap and far < _LITTLE * ahead and bool(np.ptp(_shape(there)) < _SLIGHT)
+    return leap and far < _LITTLE * ahead and bool(np.ptp(_angles(after)) < _SLIGHT)
 
 
-def _shape(state: BranchState) -> Array:
+def _angles(state: BranchState) -> Array:
     """beta along the rod."""
-    return np.empty(0) if state.at is None else shape_of(orbit_of(state.at[0].problem, state.at[1]))[0]
+    return np.empty(0) if state.at is None else angles_on(orbit_of(state.at[0].problem, state.at[1]))[0]
 
 
 def is_near_helix(state: BranchState) -> bool:
@@ -261,18 +261,18 @@ def is_near_helix(state: BranchState) -> bool:
     pull = np.abs([slope(problem, end)[0] for end in (problem.beta0, problem.betaL)])
     if not 0 < pull.max() < near * height_scale(problem):
         return False
-    return family.is_dead or bool(np.ptp(_shape(state)) < _SLIGHT)  # ends of a long rod rest next to saddles too
+    return family.is_dead or bool(np.ptp(_angles(state)) < _SLIGHT)  # ends of a long rod rest next to saddles too
 
 
 def leap_on(state: BranchState, bounds: Bounds) -> BranchState | None:
     """The equilibrium a little farther on; under held ends none but past a helix."""
     if state.at is None:
         return None
-    family, (place, path) = state.curve.family, state.at
+    family, (boundary, path) = state.curve.family, state.at
     if not family.is_dead:
         return past_helix(state, bounds) if family.natural or is_near_helix(state) else None
     rises = family.natural or state.rises > 0  # next to a saddle rounding may turn it
-    beyond = leap_from(family, place.problem, path, state.p, rises, bounds)
+    beyond = leap_from(family, boundary.problem, path, state.p, rises, bounds)
     return None if isinstance(beyond, str) else beyond
 
 
@@ -304,9 +304,9 @@ def past_helix(state: BranchState, bounds: Bounds) -> BranchState | None:
     family, behind = state.curve.family, state.curve.at(state.node.w - _BACKWARD * state.node.tangent)
     if state.at is None or behind is None or not state.rises:
         return None
-    (place, path), (place_behind, path_behind) = state.at, behind
+    (boundary, path), (boundary_behind, path_behind) = state.at, behind
     speeds, speeds_behind = (
-        orbit_rates(at.problem, [way]).values[0, 2:4] for at, way in ((place, path), (place_behind, path_behind))
+        orbit_rates(at.problem, [way]).values[0, 2:4] for at, way in ((boundary, path), (boundary_behind, path_behind))
     )
     rate = (speeds - speeds_behind) / _BACKWARD
     if not (rate * speeds < 0).all():
@@ -316,12 +316,12 @@ def past_helix(state: BranchState, bounds: Bounds) -> BranchState | None:
     way = min(2 * zero, room)
     if not zero < room or way * abs(state.rises) > _FAR:
         return None
-    numbers = {name: getattr(place.problem, name) for name in (*FREE, "span")}
-    change = {name: (value - getattr(place_behind.problem, name)) / _BACKWARD for name, value in numbers.items()}
+    numbers = {name: getattr(boundary.problem, name) for name in (*FREE, "span")}
+    change = {name: (value - getattr(boundary_behind.problem, name)) / _BACKWARD for name, value in numbers.items()}
     problem = EndsProblem(**{name: value + way * change[name] for name, value in numbers.items()})
     p = bounds.snap(state.p + way * family.scale * state.rises)
     ends = boundary_of(problem)
-    starts = sorted(zip(np.abs(speeds + way * rate), (ends.start, ends.end), strict=True), key=lambda one: one[0])
+    starts = sorted(zip(np.abs(speeds + way * rate), (ends.start, ends.end), strict=True), key=lambda pair: pair[0])
     logs = [(max(2 * float(np.log(max(speed, 1e-300))), AT_REST), angle) for speed, angle in starts]
     guesses = [(problem, Path(angle, 1.0, y, -path.leaving, path.turns), p) for y, angle in logs]
     return first_equilibrium(family, guesses, state.rises > 0)

@@ -58,9 +58,9 @@ class BranchState:
 
     def record(self, kind: str = "") -> Place:
         assert self.at is not None
-        place, path = self.at
+        boundary, path = self.at
         index = None if self.curve.family.natural else self.curve.index(self.node.w, path, self.node.jacobian)
-        return Place(self.p, path, place.problem, index, kind)
+        return Place(self.p, path, boundary.problem, index, kind)
 
 
 def begin_at(family: Family, path: Path, p: float, rises: bool) -> BranchState | str:
@@ -122,10 +122,10 @@ def in_other_charts(state: BranchState) -> Iterator[BranchState]:
                 yield changed
 
 
-def alike(one: Chart, other: Chart) -> bool:
+def alike(chart: Chart, other: Chart) -> bool:
     """Whether two charts have one coordinate."""
-    same = one.kind == other.kind and one.logarithmic == other.logarithmic and one.at.sign == other.at.sign
-    return same and (one.kind != "saddle" or abs(np.sin((one.at.pin - other.at.pin) / 2)) < SAME_SADDLE)
+    same = chart.kind == other.kind and chart.logarithmic == other.logarithmic and chart.at.sign == other.at.sign
+    return same and (chart.kind != "saddle" or abs(np.sin((chart.at.pin - other.at.pin) / 2)) < SAME_SADDLE)
 
 
 def _rescale(state: BranchState, chart: Chart) -> BranchState:
@@ -188,23 +188,23 @@ def steps_in_core(
     return _places(points, index), _state_of(at, curve), step, kept, why
 
 
-def _places(found: Array, index: list[int | None]) -> list[Place]:
-    paths = zip(*(found[name].tolist() for name in _PATH), strict=True)
-    numbers = np.ascontiguousarray(found["numbers"].T)[:, :, None]
-    each = enumerate(zip(found["p"].tolist(), paths, index, strict=True))
+def _places(records: Array, index: list[int | None]) -> list[Place]:
+    paths = zip(*(records[name].tolist() for name in _PATH), strict=True)
+    numbers = np.ascontiguousarray(records["numbers"].T)[:, :, None]
+    each = enumerate(zip(records["p"].tolist(), paths, index, strict=True))
     return [Place(p, Path(*path), EndsProblem(*numbers[:, i]), known) for i, (p, path, known) in each]
 
 
-def _indices_of(family: Family, found: Array, rates: Array) -> list[int | None]:
+def _indices_of(family: Family, records: Array, rates: Array) -> list[int | None]:
     """The Morse indices under the ends that are meant; None where an eigenvalue is zero to rounding."""
     if family.natural:
-        return [None] * len(found)
+        return [None] * len(records)
     values, rows, by_span, length = core.split(rates)
-    problem = replace(EndsProblem(*found["numbers"].T), span=length)
+    problem = replace(EndsProblem(*records["numbers"].T), span=length)
     every = OrbitRates(problem, values, rows, by_span)
-    given = [family.numbers(p) for p in found["p"].tolist()]
+    given = [family.numbers(p) for p in records["p"].tolist()]
     ratio = np.array([np.nan if rates is None else rates[-1] for rates in given])
-    index = held_index(every, ratio, family.names, found["leaving"], found["turns"])
+    index = held_index(every, ratio, family.names, records["leaving"], records["turns"])
     return [int(number) if np.isfinite(number) else None for number in index]
 
 

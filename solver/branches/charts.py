@@ -54,13 +54,13 @@ def path_at(problem: EndsProblem, chart: Chart, x: float) -> Path | None:
     return None if at is None else Path(*at)
 
 
-def same_equilibrium(problem: EndsProblem, one: Path, other: Path) -> bool:
+def same_equilibrium(problem: EndsProblem, path: Path, other: Path) -> bool:
     """Whether two paths of one problem are the same orbit, from whichever angles their levels are measured."""
-    if (one.leaving, one.turns, one.helix) != (other.leaving, other.turns, other.helix):
+    if (path.leaving, path.turns, path.helix) != (other.leaving, other.turns, other.helix):
         return False
-    if one.helix:
+    if path.helix:
         return True
-    first, second = charts(problem, one)[0], charts(problem, other)[0]
+    first, second = charts(problem, path)[0], charts(problem, other)[0]
     if (first.kind, first.logarithmic, first.at.sign) != (second.kind, second.logarithmic, second.at.sign):
         return False
     near = abs(np.sin((first.at.pin - second.at.pin) / 2)) < _SAME

@@ -6,41 +6,30 @@ before it.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from ..core.library import cut, fine, on_grid, points, run
-from ..numerics import arclength
-from ..numerics.arclength import POINTS
+from ..numerics.arclength import END, FOLD, POINTS
 from ..orbits.boundary import CUTTING, NODES, Path, boundary_of
 from ..orbits.path_orbits import orbit_of
 from ..orbits.periodic_orbit import jacobi_zeros
 from ..problem.reduced import EndsProblem
-from .branch_events import Bounds
+from .branch_events import Bounds, Stop
 from .branch_following import follow_branch
 from .family import Family, scale_of
 from .given_numbers import Given, OrbitState, problem_of
-from .leaps import LEAPS, NEAR, shape_of
+from .leaps import LEAPS, NEAR, angles_on
 from .system import settle, state_of
 
 _SAME = 1e-12  # largest change of a number that leaves a helix as it is
 _BESIDE = 1e-6  # share of the line from whose last point its end is tried where the steps became too small
-FOLD = "a fold"
 
 
-@dataclass(frozen=True)
-class Stopped:
-    """Why a branch could not be followed, and the share of the line that was covered."""
-
-    share: float
-    reason: str
-
-
-def carry(state: OrbitState, wanted: Given, most: int = POINTS) -> OrbitState | Stopped:
+def carry(state: OrbitState, wanted: Given, most: int = POINTS) -> OrbitState | Stop:
     """The equilibrium with the wanted numbers on the branch of a state; all numbers change in proportion.
 
-    most: points on the way.
+    most: points on the way. A stop says which share of the line was covered.
     """
     first = wanted.at(state)
     if state.path.helix:
@@ -49,20 +38,20 @@ def carry(state: OrbitState, wanted: Given, most: int = POINTS) -> OrbitState | 
             return state
     if not np.isfinite(first.values).all():  # an end of the rod rests, so that only its own neighbourhood is known
         settled = settle(state.problem, state.path, wanted)
-        return Stopped(0.0, settled) if isinstance(settled, str) else settled
+        return Stop(settled, 0.0) if isinstance(settled, str) else settled
     line = line_between(state.problem, first, wanted, natural=True)
     places, stop = follow_branch(line, state.path, 0.0, True, Bounds(0.0, 1.0, (), most))
     share, last = (places[-1].p, places[-1]) if places else (0.0, None)
-    ended = stop.reason == arclength.END
+    ended = stop.reason == END
     if last is not None and last.path.helix and ended:
         return state_of(last.problem, last.path)
-    if last is not None and (ended or (stop.reason != arclength.FOLD and 1 - share < _BESIDE)):
+    if last is not None and (ended or (stop.reason != FOLD and 1 - share < _BESIDE)):
         settled = settle(last.problem, last.path, wanted)
         if not isinstance(settled, str):
             return settled
         if ended:
-            return Stopped(share, settled)
-    return Stopped(share, FOLD if stop.reason == arclength.FOLD else stop.reason)
+            return Stop(settled, share)
+    return Stop(stop.reason, share)
 
 
 def line_between(begun: EndsProblem, first: Given, last: Given, natural: bool = False) -> Family:
@@ -77,7 +66,7 @@ def line_between(begun: EndsProblem, first: Given, last: Given, natural: bool = 
     return Family(numbers, begun, scale_of(numbers, last.names, 0.0, 1.0), last.names, natural)
 
 
-def resume(first: EndsProblem, path: Path, last: EndsProblem) -> Path | Stopped:
+def resume(first: EndsProblem, path: Path, last: EndsProblem) -> Path | Stop:
     """The equilibrium of the problem `last` under dead loads on the branch of an equilibrium of `first`.
 
     All numbers of the two problems change together, in proportion.
@@ -91,8 +80,8 @@ def resume(first: EndsProblem, path: Path, last: EndsProblem) -> Path | Stopped:
 
     Returns
     -------
-    Path or Stopped
-        `Stopped` where the branch ends between the two; no other equilibrium is returned in its place.
+    Path or Stop
+        `Stop` where the branch ends between the two; no other equilibrium is returned in its place.
     """
     if not path.helix:
         begin, end = (np.concatenate(list(vars(problem).values())) for problem in (first, last))
@@ -102,7 +91,7 @@ def resume(first: EndsProblem, path: Path, last: EndsProblem) -> Path | Stopped:
     return _resume_by_leaps(first, path, last)
 
 
-def _resume_by_leaps(first: EndsProblem, path: Path, last: EndsProblem) -> Path | Stopped:
+def _resume_by_leaps(first: EndsProblem, path: Path, last: EndsProblem) -> Path | Stop:
     """What the core leaves: a branch that needs a leap, passes a helix, or ends."""
     target = boundary_of(last).helix
     if path.helix and target is not None and first.beta0[0] == last.beta0[0]:
@@ -111,16 +100,16 @@ def _resume_by_leaps(first: EndsProblem, path: Path, last: EndsProblem) -> Path 
         return _follow(first, path, last)
     before = problem_of(Given.dead(first).towards(Given.dead(last), 1 - LEAPS[0]), {})
     near = _follow(first, path, before)
-    if isinstance(near, Stopped):
+    if isinstance(near, Stop):
         return near
     orbits = orbit_of(before, near), orbit_of(last, target)
-    shapes, index = [shape_of(orbit) for orbit in orbits], [jacobi_zeros(orbit)[0] for orbit in orbits]
-    if np.abs(shapes[0] - shapes[1]).max() < NEAR and index[0] == index[1]:
+    angles, index = [angles_on(orbit) for orbit in orbits], [jacobi_zeros(orbit)[0] for orbit in orbits]
+    if np.abs(angles[0] - angles[1]).max() < NEAR and index[0] == index[1]:
         return target
     return _follow(before, near, last)
 
 
-def _follow(first: EndsProblem, path: Path, last: EndsProblem) -> Path | Stopped:
+def _follow(first: EndsProblem, path: Path, last: EndsProblem) -> Path | Stop:
     """The path followed along the line."""
     carried = carry(state_of(first, path), Given.dead(last))
-    return carried if isinstance(carried, Stopped) else carried.path
+    return carried if isinstance(carried, Stop) else carried.path

@@ -31,35 +31,35 @@ _SAME = 1e-5  # of the numbers: an equilibrium as near to a known one is that on
 _BESIDE = 1e-3  # of the numbers, over which the curvature of the equations is read
 
 
-def numbers_of(state: OrbitState) -> Array:
+def end_vector(state: OrbitState) -> Array:
     """The numbers in which distances are taken, (10,): all but the level."""
     return np.asarray(state.rates.values[0, :-1])
 
 
 def is_known(state: OrbitState, known: list[Array]) -> bool:
-    """Whether a state is one of the known equilibria, given by their `numbers_of`."""
-    return any(are_same(numbers_of(state), numbers) for numbers in known)
+    """Whether a state is one of the known equilibria, given by their `end_vector`."""
+    return any(are_same(end_vector(state), numbers) for numbers in known)
 
 
-def are_same(one: Array, other: Array) -> bool:
-    """Whether two equilibria with the same given numbers are one, from their `numbers_of`."""
-    return bool((np.abs(one - other) < _SAME * (1 + np.abs(other))).all())
+def are_same(numbers: Array, other: Array) -> bool:
+    """Whether two equilibria with the same given numbers are one, from their `end_vector`."""
+    return bool((np.abs(numbers - other) < _SAME * (1 + np.abs(other))).all())
 
 
-def deflate(start: OrbitState, wanted: Given, known: list[Array]) -> OrbitState | None:
+def deflate(state: OrbitState, wanted: Given, known: list[Array]) -> OrbitState | None:
     """An equilibrium with the wanted numbers that is none of the known ones; None where the rounds lead to none.
 
-    known: the `numbers_of` each.
+    known: the `end_vector` each.
     """
 
     def newton_step(state: OrbitState) -> tuple[Array, Array, Array] | None:
         values, length = state.rates.values[0], float(state.rates.length[0])
         off = wanted.values - values_of(values, length, wanted)
         change = answer(state.rates, wanted, off[:, None], np.array([wanted.span - length]))[:, 0]
-        return (numbers_of(state), change[:-1], change) if np.isfinite(change[:-1]).all() else None
+        return (end_vector(state), change[:-1], change) if np.isfinite(change[:-1]).all() else None
 
-    state = lead_away(start, newton_step, partial(_next_state, wanted), known, _ENDING)
-    settled = "" if state is None else settle(state.problem, state.path, wanted)
+    near = lead_away(state, newton_step, partial(_next_state, wanted), known, _ENDING)
+    settled = "" if near is None else settle(near.problem, near.path, wanted)
     return None if isinstance(settled, str) or is_known(settled, known) else settled
 
 

@@ -47,9 +47,9 @@ class EquilibriumCurve:
         """The problem under dead loads and the path at w."""
         x, p = (w * self.scales)[:2].tolist()
         problem = None if self.family.is_dead else self._problem(w)
-        place = self.family.place(p) if self.family.is_dead else None if problem is None else boundary_of(problem)
-        path = None if place is None else path_at(place.problem, self.chart, x)
-        return None if place is None or path is None or path.turns < 0 else (place, path)
+        boundary = self.family.boundary(p) if self.family.is_dead else None if problem is None else boundary_of(problem)
+        path = None if boundary is None else path_at(boundary.problem, self.chart, x)
+        return None if boundary is None or path is None or path.turns < 0 else (boundary, path)
 
     def _problem(self, w: Array) -> EndsProblem | None:
         """The problem under dead loads at w, with held ends."""
@@ -148,11 +148,11 @@ class EquilibriumCurve:
 
 def curves_through(family: Family, path: Path, p: float) -> Iterator[tuple[EquilibriumCurve, Array]]:
     """The curve through an equilibrium at p in each of its coordinates, the best first, and its w."""
-    place = family.place(p) if family.is_dead else boundary_of(family.begun)
-    for chart in () if place is None else charts(place.problem, path):
-        if place is not None and np.isfinite(coordinate(chart)):
-            curve = EquilibriumCurve(family, chart, 1 + float(load_size(place.problem)[0]))
-            free = [float(getattr(place.problem, name)[0]) for name in curve.unknowns]
+    boundary = family.boundary(p) if family.is_dead else boundary_of(family.begun)
+    for chart in () if boundary is None else charts(boundary.problem, path):
+        if boundary is not None and np.isfinite(coordinate(chart)):
+            curve = EquilibriumCurve(family, chart, 1 + float(load_size(boundary.problem)[0]))
+            free = [float(getattr(boundary.problem, name)[0]) for name in curve.unknowns]
             yield curve, np.array([coordinate(chart), p, *free]) / curve.scales
 
 

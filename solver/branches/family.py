@@ -72,7 +72,7 @@ class Family:
         numbers = self.numbers(p)
         return None if numbers is None else as_given(self.names, numbers)
 
-    def place(self, p: float) -> Boundary | None:
+    def boundary(self, p: float) -> Boundary | None:
         """The problem under dead loads at p with its critical points."""
         if p not in self._known:
             given = self.given(p)

@@ -185,7 +185,7 @@ class _LineSearch:
         index = equilibria.index.tolist()
         lost = [i for i in range(equilibria.count) if change[index[i]]]
         pairs = [(i, j) for i, j in combinations(lost, 2) if abs(index[i] - index[j]) == 1]
-        marks = np.stack([equilibria.slope, _depths(equilibria)], axis=1)
+        marks = np.stack([equilibria.dbeta0, _depths(equilibria)], axis=1)
         pairs.sort(key=lambda pair: float(np.abs(marks[pair[0]] - marks[pair[1]]).sum()))
         for i, j in pairs[:_PAIRS]:
             for point in self._points(equilibria, [i, j], rich, poor):
@@ -201,11 +201,11 @@ class _LineSearch:
         meet. Next to a saddle their log gaps, too, lie on both sides of that of the fold, about as far from it.
         """
         axis, middle = int(np.argmax(np.abs(rich - poor))), (rich + poor) / 2
-        slope, y = (float(numbers[pair].mean()) for numbers in (equilibria.slope, equilibria.y))
+        dbeta0, y = (float(numbers[pair].mean()) for numbers in (equilibria.dbeta0, equilibria.y))
         saddle, sign = equilibria.saddle[pair], equilibria.sign[pair]
         is_beside = bool(saddle[0] == saddle[1] and sign[0] == sign[1])
         for kind in (FOLD, PITCHFORK):
-            plain = guess_at(kind, self.numbers_at, middle, {"dbeta0": slope})
+            plain = guess_at(kind, self.numbers_at, middle, {"dbeta0": dbeta0})
             beside = in_log_gap(plain, SHALLOW, (float(saddle[0]), float(sign[0]), y)) if is_beside else None
             for guess in (beside, plain):
                 point = None if guess is None else point_on_line(guess, axis)

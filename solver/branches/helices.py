@@ -124,38 +124,38 @@ def off_helix(state: OrbitState, wanted: Given) -> Iterator[Guess]:
     for size in _SIZES:
         share = min(1.0, size / largest)
         problem = problem_after(state.problem, first.towards(wanted, share), change, share)
-        place = boundary_of(problem)
-        path = _bent(place, share * speeds)
+        boundary = boundary_of(problem)
+        path = _bent(boundary, share * speeds)
         if on_saddle:
-            yield problem, _from_saddle(place, path, share * float(speeds[0]), share * float(speeds[-1])), share
+            yield problem, _from_saddle(boundary, path, share * float(speeds[0]), share * float(speeds[-1])), share
         yield problem, path, share
 
 
-def _bent(place: Boundary, speeds: Array) -> Path:
+def _bent(boundary: Boundary, speeds: Array) -> Path:
     """The path of a rod that bends a little about a helix; speeds: beta_t along it."""
     signs = np.sign(speeds[1:-1])
     turns = int(np.count_nonzero(np.diff(signs[signs != 0])))
-    v_0, v_L = float(speeds[0]), float(speeds[-1])
-    if abs(v_0) >= abs(v_L):
-        path = Path(place.start, 1.0, 2 * float(np.log(abs(v_0))), UP if v_0 > 0 else DOWN, turns)
+    dbeta0, dbetaL = float(speeds[0]), float(speeds[-1])
+    if abs(dbeta0) >= abs(dbetaL):
+        path = Path(boundary.start, 1.0, 2 * float(np.log(abs(dbeta0))), UP if dbeta0 > 0 else DOWN, turns)
     else:
-        arriving = UP if v_L > 0 else DOWN
-        path = Path(place.end, 1.0, 2 * float(np.log(abs(v_L))), arriving if turns % 2 == 0 else -arriving, turns)
+        arriving = UP if dbetaL > 0 else DOWN
+        path = Path(boundary.end, 1.0, 2 * float(np.log(abs(dbetaL))), arriving if turns % 2 == 0 else -arriving, turns)
     return path
 
 
-def _from_saddle(place: Boundary, path: Path, v_0: float, v_L: float) -> Path:
+def _from_saddle(boundary: Boundary, path: Path, dbeta0: float, dbetaL: float) -> Path:
     """The path with its level measured from the saddle that a helix lies on.
 
     With beta_t = k (a exp(k t) - b exp(-k t)) the gap is -4 k^2 a b.
     """
-    if not place.saddles.size:
+    if not boundary.saddles.size:
         return path
-    saddle = place.saddles[np.abs(np.sin((place.saddles - place.start) / 2)).argmin()]
-    rate = -float(slope_rate(place.problem, np.array([saddle]))[0])
+    saddle = boundary.saddles[np.abs(np.sin((boundary.saddles - boundary.start) / 2)).argmin()]
+    rate = -float(slope_rate(boundary.problem, np.array([saddle]))[0])
     if rate <= 0:
         return path
-    fall = float(np.exp(-np.sqrt(rate) * place.problem.span[0]))
-    a = fall * (v_L - v_0 * fall) / (1 - fall * fall)
-    gap = -4 * a * (a - v_0)
+    fall = float(np.exp(-np.sqrt(rate) * boundary.problem.span[0]))
+    a = fall * (dbetaL - dbeta0 * fall) / (1 - fall * fall)
+    gap = -4 * a * (a - dbeta0)
     return Path(float(saddle), float(np.sign(gap)), float(np.log(abs(gap))), path.leaving, path.turns) if gap else path

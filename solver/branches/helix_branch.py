@@ -56,10 +56,10 @@ def helix_places(
 def helix_place(family: Family, p: float, near: EndsProblem) -> Place | None:
     """The helix at p, under held ends that near the helix of another problem; None where the rod is none."""
     if family.is_dead:
-        place = family.place(p)
-        if place is None or place.helix is None:
+        boundary = family.boundary(p)
+        if boundary is None or boundary.helix is None:
             return None
-        return Place(p, place.helix, place.problem, int(helix_index(helix_half_waves(place.problem))[0]))
+        return Place(p, boundary.helix, boundary.problem, int(helix_index(helix_half_waves(boundary.problem))[0]))
     given, helix = family.given(p), _helix_with(family, p, near)
     if given is None or helix is None:
         return None
@@ -88,9 +88,9 @@ def _where_waves_fit(family: Family, before: Place, after: Place) -> list[Place]
     half waves branch off where r L = n pi."""
 
     def waves(p: float) -> float:
-        place = family.place(p)
-        assert place is not None
-        return float(helix_half_waves(place.problem)[0])
+        boundary = family.boundary(p)
+        assert boundary is not None
+        return float(helix_half_waves(boundary.problem)[0])
 
     ends = before.p, after.p
     low, high = sorted(map(waves, ends))
@@ -143,13 +143,13 @@ def end_of_helix(family: Family, p: float, beta: Array) -> tuple[float, float] |
 
     beta: along the rod at p, at equal steps (n,).
     """
-    place = family.place(p)
-    if place is None:
+    boundary = family.boundary(p)
+    if boundary is None:
         return None
 
     def equations(x: Array) -> Array | None:
         """H and H' at an angle and a parameter over its scale."""
-        at = family.place(x[1] * family.scale)
+        at = family.boundary(x[1] * family.scale)
         return None if at is None else np.concatenate([slope(at.problem, x[:1]), slope_rate(at.problem, x[:1])])
 
     def double_root(x: Array) -> tuple[Array, Array] | None:
@@ -157,7 +157,7 @@ def end_of_helix(family: Family, p: float, beta: Array) -> tuple[float, float] |
         return None if off is None or rates is None else (off, rates)
 
     angles = np.linspace(beta.min() - _ALONG, beta.max() + _ALONG, 2001)
-    rates = slope_rate(place.problem, angles)
+    rates = slope_rate(boundary.problem, angles)
     for i in np.flatnonzero(rates[1:] * rates[:-1] < 0):
         if np.mean(np.abs(beta - angles[i]) < _ALONG) < _SHARE:
             continue

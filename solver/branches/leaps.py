@@ -11,7 +11,7 @@ import numpy as np
 from ..numerics.arrays import Array
 from ..orbits.boundary import Boundary, Path, boundary_of, path_of
 from ..orbits.level_grid import level_grid_of
-from ..orbits.level_search import level_paths_of, roots_on
+from ..orbits.level_search import paths_of, roots_on
 from ..orbits.path_orbits import orbit_of, solve_orbits
 from ..orbits.periodic_orbit import Orbit, jacobi_zeros
 from ..problem.reduced import EndsProblem
@@ -29,14 +29,14 @@ def leap(first: Given, last: Given, problem: EndsProblem, path: Path) -> Iterato
     there is none beyond, or more than one.
     """
     before = orbit_of(problem, path)
-    index, shape = jacobi_zeros(before)[0], shape_of(before)
+    index, angles = jacobi_zeros(before)[0], angles_on(before)
     for length in LEAPS:
         problem_there = problem_of(first.towards(last, length), {})
         every, orbit = _neighbours(boundary_of(problem_there), int(index))
         if orbit is None:
             continue
         same = np.flatnonzero(jacobi_zeros(orbit) == index)
-        apart = np.abs(shape_of(orbit)[same] - shape).max(axis=1)
+        apart = np.abs(angles_on(orbit)[same] - angles).max(axis=1)
         order = np.argsort(apart)
         if not order.size or apart[order[0]] > NEAR:
             continue
@@ -45,23 +45,22 @@ def leap(first: Given, last: Given, problem: EndsProblem, path: Path) -> Iterato
         yield problem_there, every[int(same[order[0]])], length
 
 
-def _neighbours(place: Boundary, index: int) -> tuple[list[Path], Orbit | None]:
+def _neighbours(boundary: Boundary, index: int) -> tuple[list[Path], Orbit | None]:
     """Every equilibrium that may have a Morse index: zeros of beta_t separate those of the change of beta that is 0 at
     the start, so the rod has as many turning points as its index, or one more."""
-    problem = place.problem
-    boundary, grid = level_grid_of(place)
-    ways = boundary.paths(index + 1)
+    boundary, grid = level_grid_of(boundary)
+    ways = boundary.ways(index + 1)
     ways = ways.take(ways.turns >= index)
-    if not grid.place.size:
+    if not grid.at_saddle.size:
         return [], None
     roots = roots_on(boundary, grid, ways)
     if not roots.lengthens.size:
         return [], None
-    paths, lengthens = level_paths_of(boundary, roots, None)
-    orbit, _ = solve_orbits(problem, boundary, paths, lengthens)
+    paths, lengthens = paths_of(boundary, roots, None)
+    orbit, _ = solve_orbits(boundary.problem, boundary, paths, lengthens)
     return [path_of(paths, i) for i in range(paths.y.size)], orbit
 
 
-def shape_of(orbit: Orbit) -> Array:
+def angles_on(orbit: Orbit) -> Array:
     """beta at equal shares of the rod, (K, 257)."""
     return orbit.at(orbit.problem.span[:, None] * np.linspace(0, 1, 257))[0]

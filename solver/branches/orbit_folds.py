@@ -96,15 +96,15 @@ class _StartedOrbit(NamedTuple):
     over: float = 0.0
 
     @property
-    def slope(self) -> float:
+    def dbeta0(self) -> float:
         """beta_t(0)."""
         return float(self.rates.values[0, NUMBERS.index("dbeta0")])
 
     @property
     def level(self) -> Level:
         """As beta_t(0) tells it."""
-        place = boundary_of(self.rates.problem)
-        gaps = {float(s): self.slope**2 - place.fall(float(s), place.start) for s in place.saddles}
+        boundary = boundary_of(self.rates.problem)
+        gaps = {float(s): self.dbeta0**2 - boundary.fall(float(s), boundary.start) for s in boundary.saddles}
         angle, gap = min(gaps.items(), key=lambda item: self.depth(*item))
         return angle, 1.0 if gap > 0 else -1.0, float(np.log(max(abs(gap), _LEAST)))
 
@@ -129,9 +129,9 @@ class OrbitPoint(LinePoint):
     nudge = _STEP
 
     @property
-    def slope(self) -> float:
+    def dbeta0(self) -> float:
         """beta_t(0)."""
-        return self.own.slope
+        return self.own.dbeta0
 
     @property
     def mark(self) -> Array:
@@ -192,14 +192,14 @@ class OrbitPoint(LinePoint):
 
 def _orbit_beside(saddle: Saddle, problem: StartProblem, y: float, given: Given) -> _StartedOrbit | None:
     """The orbit whose level is exp(y) above or below the saddle; None where this no longer exists."""
-    place = boundary_of(problem.with_end(problem.beta0))
-    apart = np.abs((place.saddles - saddle.angle + TAU / 2) % TAU - TAU / 2)
+    boundary = boundary_of(problem.with_end(problem.beta0))
+    apart = np.abs((boundary.saddles - saddle.angle + TAU / 2) % TAU - TAU / 2)
     if not apart.size or apart.min() > _FAR:
         return None
-    angle, deepest = float(place.saddles[np.argmin(apart)]), place.deepest
+    angle, deepest = float(boundary.saddles[np.argmin(apart)]), boundary.deepest
     gap = saddle.sign * float(np.exp(max(y, deepest)))
     pin = np.array([angle]), np.array([gap]), np.array([max(deepest - y, 0.0)])
-    over = float(problem.dbeta0[0]) ** 2 - gap - place.fall(angle, place.start)
+    over = float(problem.dbeta0[0]) ** 2 - gap - boundary.fall(angle, boundary.start)
     return _StartedOrbit(given, start_rates(problem, pin), pin, over)
 
 
@@ -227,8 +227,8 @@ class OrbitFold(OrbitPoint):
         """
         given, rates, pin, _ = self.own
         if given.names != FREE:
-            return lower_index(state_from_start(rates, self.slope, pin), given)
-        orbit = solve_orbit(rates.problem.with_start(np.array([self.slope])), TIGHT, pin)
+            return lower_index(state_from_start(rates, self.dbeta0, pin), given)
+        orbit = solve_orbit(rates.problem.with_start(np.array([self.dbeta0])), TIGHT, pin)
         if pin is None:
             return int(orbit.turns[0]) - 1
         apart, span = float(orbit.period[0]) / 2, given.span
@@ -359,8 +359,8 @@ def sides_between(point: Point, node: Node, step: float, taken: Ahead[Point]) ->
     """Pitchforks within a step (`special_line.Between`): where a fold curve ends on the line, and the side of two more
     equilibria changes."""
 
-    def is_left(there: Ahead[Point]) -> bool:
-        way, more = there[1].tangent[-2:], there[0].more
+    def is_left(ahead: Ahead[Point]) -> bool:
+        way, more = ahead[1].tangent[-2:], ahead[0].more
         return bool(way[0] * more[1] > way[1] * more[0])
 
     return [with_no_side(side) for side in change_within(point, node, step, taken, is_left, _SIDES * step)[:1]]

@@ -55,7 +55,7 @@ class LinePoint(ABC):
 
     @property
     @abstractmethod
-    def slope(self) -> float:
+    def dbeta0(self) -> float:
         """beta_t(0) of the equilibrium."""
 
     @property
@@ -139,12 +139,12 @@ def special_line(first: Point, how: Tracing[Point]) -> SpecialLine[Point]:
 def line_from(first: Point, direction: Array, how: Tracing[Point]) -> tuple[list[Point], str]:
     """The points of a line after the first, and how it ends; direction: of travel, (n + 1,)."""
 
-    def stride(here: Ahead[Point], step: float, before: list[Point]) -> Stride[Point, Ahead[Point]] | str:
-        point, node = next(how.others(*here, False), here)
+    def stride(before: Ahead[Point], step: float, points: list[Point]) -> Stride[Point, Ahead[Point]] | str:
+        point, node = next(how.others(*before, False), before)
         if _is_beyond(point.z + step * node.tangent[-2:]):
             last = border_point(point, node)
             if last is not None:
-                return Stride([last] * bool(np.abs(last.z - point.z).max() > CLOSE), here, step, BORDER)
+                return Stride([last] * bool(np.abs(last.z - point.z).max() > CLOSE), before, step, BORDER)
         taken = step_from(point, node, step)
         for other in how.others(point, node, True) if isinstance(taken, str) and step < NARROW else ():
             again = step_from(*other, step)
@@ -161,7 +161,7 @@ def line_from(first: Point, direction: Array, how: Tracing[Point]) -> tuple[list
         passed = [] if end else how.between(point, node, step, taken)
         if passed is None:
             return "a point on the way could not be located"
-        if len(before) > ALONE and _passes(first, before[0], point, taken[0]):
+        if len(points) > ALONE and _passes(first, points[0], point, taken[0]):
             return Stride(passed, taken, step, CLOSED)
         return Stride([*passed, taken[0]], taken, step * (1.0 if passed else 1.5), end)
 
@@ -230,7 +230,7 @@ def cusps_between(point: Point, node: Node, step: float, taken: Ahead[Point]) ->
     cusp = locate(
         partial(step_from, point, node),
         {0.0: (point, node), step: taken},
-        lambda there: float(before @ there[1].tangent[-2:]),
+        lambda ahead: float(before @ ahead[1].tangent[-2:]),
     )
     return None if cusp is None else [with_no_side(cusp[0])]
 
@@ -254,11 +254,11 @@ def border_point(point: Point, node: Node) -> Point | None:
     return None
 
 
-def _passes(first: LinePoint, second: LinePoint, here: LinePoint, there: LinePoint) -> bool:
+def _passes(first: LinePoint, second: LinePoint, before: LinePoint, after: LinePoint) -> bool:
     """Whether the step from here to there passes the first point in the sense in which the line left it."""
-    if not first.mark.size == second.mark.size == here.mark.size == there.mark.size:
+    if not first.mark.size == second.mark.size == before.mark.size == after.mark.size:
         return False
-    begin, beyond, a, b = (np.append(point.z, point.mark) for point in (first, second, here, there))
+    begin, beyond, a, b = (np.append(point.z, point.mark) for point in (first, second, before, after))
     chord, way = b - a, beyond - begin
     share = float((begin - a) @ chord / (chord @ chord))
     if not 0 <= share <= 1 or chord @ way < SENSE * np.linalg.norm(chord) * np.linalg.norm(way):

@@ -95,30 +95,30 @@ def path_on(problem: EndsProblem, chart: Chart, x: float) -> Path | None:
     return None if path is None or path.turns < 0 else path
 
 
-def state_from_start(rates: OrbitRates, v: float, pin: Pin | None = None) -> OrbitState:
+def state_from_start(rates: OrbitRates, dbeta0: float, pin: Pin | None = None) -> OrbitState:
     """The orbit that starts with beta_t = v, as a state; rates, pin: of `start_rates`.
 
     A turning point at the start is not counted as passed, nor one at the far end.
     """
     problem, speed = rates.problem, float(rates.values[0, NUMBERS.index("dbetaL")])
-    turns = int(solve_orbit(problem.with_start(np.array([v])), TIGHT, pin).turns[0])
+    turns = int(solve_orbit(problem.with_start(np.array([dbeta0])), TIGHT, pin).turns[0])
     pace = float(np.sqrt(1 + load_size(problem)[0]))
-    leaving = UP if v > 0 or (v == 0 and float(slope(problem, problem.beta0)[0]) < 0) else DOWN
+    leaving = UP if dbeta0 > 0 or (dbeta0 == 0 and float(slope(problem, problem.beta0)[0]) < 0) else DOWN
     arriving = leaving if turns % 2 == 0 else -leaving
     if arriving * speed < 0 or abs(speed) < _STILL * pace:  # the last turning point is at the far end, to rounding
         toward = DOWN if float(slope(problem, problem.betaL)[0]) < 0 else UP  # before it
         turns -= int(arriving != toward and turns > 0)
-    y = max(2 * float(np.log(max(abs(v), 1e-300))), AT_REST)
+    y = max(2 * float(np.log(max(abs(dbeta0), 1e-300))), AT_REST)
     return OrbitState(problem, Path(boundary_of(problem).start, 1.0, y, leaving, turns), rates)
 
 
 def _with_ends_reached(problem: EndsProblem, path: Path) -> EndsProblem:
     """The problem with the angle of each end that rests moved so far that the orbit reaches it."""
-    place, new = boundary_of(problem), {}
-    pin, gap = place.own_pin(path.pin), path.sign * float(np.exp(max(path.y, place.deepest)))
-    ends = {"beta0": place.start, "betaL": place.end}
+    boundary, new = boundary_of(problem), {}
+    pin, gap = boundary.own_pin(path.pin), path.sign * float(np.exp(max(path.y, boundary.deepest)))
+    ends = {"beta0": boundary.start, "betaL": boundary.end}
     least = _LEAST * (1 + float(load_size(problem)[0]))
-    rest = [name for name, angle in ends.items() if gap + place.fall(pin, angle) < least]
+    rest = [name for name, angle in ends.items() if gap + boundary.fall(pin, angle) < least]
     for name in rest:
         first = ends[name]
         if pin == first:
@@ -126,7 +126,7 @@ def _with_ends_reached(problem: EndsProblem, path: Path) -> EndsProblem:
         square = least if len(rest) == 2 else _least_square(problem, first)
 
         def step(beta: float, square: float = square) -> tuple[float, float] | str:
-            over, rate = gap + place.fall(pin, beta) - square, 2 * float(slope(problem, np.array([beta]))[0])
+            over, rate = gap + boundary.fall(pin, beta) - square, 2 * float(slope(problem, np.array([beta]))[0])
             return (beta + over / rate, abs(over / rate)) if abs(over) < _NEAR * abs(rate) else DIVERGED
 
         beta = newton(first, step, _ANGLE_ENDING)

@@ -19,7 +19,7 @@ class WholeCurve:
     """N points of a curve in order.
 
     kind: FOLD or PITCHFORK. z: (N, 2), in the unit square. ways: (N, 2), unit tangents in the order of the points, zero
-    at a cusp. more: (N, 2), towards the side of two more equilibria, zero where it changes. slopes: (N,), beta_t(0).
+    at a cusp. more: (N, 2), towards the side of two more equilibria, zero where it changes. dbeta0: (N,), beta_t(0).
     marks: (N, m), numbers that tell the equilibria from others. ends: how it ends at either side. lower: the lower
     Morse index of the two equilibria that meet.
     """
@@ -28,7 +28,7 @@ class WholeCurve:
     z: Array
     ways: Array
     more: Array
-    slopes: Array
+    dbeta0: Array
     marks: Array
     ends: tuple[str, str]
     lower: int
@@ -71,14 +71,14 @@ def whole_curve(line: SpecialLine[Point]) -> WholeCurve:
     ways = np.array([point.way * np.sign(point.way @ along) for point, along in zip(points, chord, strict=True)])
     if kind == FOLD:
         ways[~more.any(axis=1)] = 0.0
-    slopes = np.array([point.slope for point in points])
-    return WholeCurve(kind, z, ways, more, slopes, np.array([point.mark for point in points]), line.ends, lower)
+    dbeta0 = np.array([point.dbeta0 for point in points])
+    return WholeCurve(kind, z, ways, more, dbeta0, np.array([point.mark for point in points]), line.ends, lower)
 
 
-def point_alone(kind: str, z: Array, slope: float, mark: Array) -> WholeCurve:
+def point_alone(kind: str, z: Array, dbeta0: float, mark: Array) -> WholeCurve:
     """A curve of which nothing but one point is known."""
     none = np.zeros((1, 2))
-    return WholeCurve(kind, z[None], none, none, np.array([slope]), mark[None], (STOPPED, STOPPED), 0)
+    return WholeCurve(kind, z[None], none, none, np.array([dbeta0]), mark[None], (STOPPED, STOPPED), 0)
 
 
 def lies_on(points: Array, x: Array) -> bool:

@@ -180,18 +180,19 @@ def _along(sol: ShapeArrays) -> Iterable[tuple[Array, ...]]:
 
     At stations that are dense enough for its loads, where the shape is known there; else at those of the solution.
     """
-    known, problem, numbers = sol.trajectory, sol.problem, numbers_of(sol.case)
-    if known.orbit is None and known.shapes is None:
-        return zip(known.beta, known.alpha, known.z, known.swirl(), sol.t / problem.span[:, None], strict=True)
+    trajectory, problem, numbers = sol.trajectory, sol.problem, numbers_of(sol.case)
+    if trajectory.orbit is None and trajectory.shapes is None:
+        read = trajectory.beta, trajectory.alpha, trajectory.z, trajectory.swirl()
+        return zip(*read, sol.t / problem.span[:, None], strict=True)
     with np.errstate(all="ignore"):
         phi = np.abs(problem.phi) + np.abs(numbers[:, 1]) * problem.span
         rate = rate_of_change(phi, numbers[:, 1], numbers[:, 2], problem.mu, problem.lam - problem.mu, problem.span)
-        changes = np.nanmax(np.where(known.solved, rate * problem.span, 0.0))
+        changes = np.nanmax(np.where(trajectory.solved, rate * problem.span, 0.0))
     u = np.linspace(0, 1, int(np.clip(EACH * changes, FEWEST, MOST)))
     t = problem.span[:, None] * u
-    if known.orbit is None:
-        read = known.shapes.read(t, flat(sol.case.given.alpha, sol.case.shape))
+    if trajectory.orbit is None:
+        read = trajectory.shapes.read(t, flat(sol.case.given.alpha, sol.case.shape))
         beta, alpha, z, swirl = read["beta"], read["alpha"], read["z"], read["swirl"]()
     else:
-        (beta, _, alpha, z), swirl = known.orbit.at(t), known.orbit.swirl(t)
+        (beta, _, alpha, z), swirl = trajectory.orbit.at(t), trajectory.orbit.swirl(t)
     return zip(beta, alpha, z, swirl, [u] * t.shape[0], strict=True)

@@ -35,7 +35,7 @@ EQUAL = 1e-6  # of the energy: minima that differ less count as one, as mirror i
 
 
 @dataclass(frozen=True, eq=False)
-class Answer:
+class FreeAnswer:
     """The shapes of one rod on meshes, each of twice as many edges as the one before; empty where none was found.
 
     error: of a place on the last shape, over the length. steps: of the search, in all. begun: from which curve the rod
@@ -71,7 +71,7 @@ class Answer:
 class FreeRods:
     """The rods of B problems. answers: of each. along: at the stations, (B, n) each, vectors (B, n, 3)."""
 
-    answers: Sequence[Answer]
+    answers: Sequence[FreeAnswer]
     along: Along
 
     def take(self, rows: Integers) -> "FreeRods":
@@ -81,7 +81,7 @@ class FreeRods:
     @classmethod
     def blank(cls, size: int, n: int) -> "FreeRods":
         """So many rods without a shape, at n stations."""
-        return cls([Answer()] * size, Along(*(np.stack([part] * size) for part in Along.blank(n))))
+        return cls([FreeAnswer()] * size, Along(*(np.stack([part] * size) for part in Along.blank(n))))
 
 
 class _Way(NamedTuple):
@@ -101,7 +101,7 @@ class _Way(NamedTuple):
         return np.inf if self.shape is None else self.shape.rod.energy(self.shape.y)
 
 
-def continue_from(beside: Beside, curves: Sequence[BeginningCurve], tol: float, lowest: bool = False) -> Answer:
+def continue_from(beside: Beside, curves: Sequence[BeginningCurve], tol: float, lowest: bool = False) -> FreeAnswer:
     """The shape that continues from a curve, of several the one of least energy; without a curve from the straight rod.
 
     lowest: whether others of less energy are looked for, from the straight rod too, and beside the minima.
@@ -112,14 +112,14 @@ def continue_from(beside: Beside, curves: Sequence[BeginningCurve], tol: float, 
         if isinstance(string, BeginningCurve):
             curves = [*curves, string]
         elif not curves:
-            return Answer(why=string)
+            return FreeAnswer(why=string)
     changes = beside.changes, max(curve.total_turn for curve in curves)
     edges = int(max(FEWEST, np.ceil(np.multiply(EACH, changes)).max()))
     if not max(rod.span, 1 / rod.span, *np.abs([*rod.loads, *rod.weight, *rod.radius, rod.tension])) < LARGEST:
-        return Answer(why=f"loads, radii or L/rho are beyond {LARGEST:g} in units of A and rho")
+        return FreeAnswer(why=f"loads, radii or L/rho are beyond {LARGEST:g} in units of A and rho")
     if 2 ** (MESHES - 1) * edges > MOST_EDGES:
         many = f"{max(changes):.3g} times along the rod, and at most {MOST_EDGES} edges are computed"
-        return Answer(why=f"the shape may change {many}")
+        return FreeAnswer(why=f"the shape may change {many}")
     ways = [reach(beside, curve, edges) for curve in curves]
     best = min(ways, key=lambda way: way.energy)
     for seed, far in enumerate(SHAKES if lowest else ()):
@@ -129,7 +129,7 @@ def continue_from(beside: Beside, curves: Sequence[BeginningCurve], tol: float, 
     begun, steps = best.begun, sum(way.steps for way in ways)
     if best.shape is None:
         why = f"no minimum of the energy was found beyond {best.share:.3g} of the way from {begun}"
-        return Answer(steps=steps, begun=begun, why=why)
+        return FreeAnswer(steps=steps, begun=begun, why=why)
     answer = refine(beside, best.shape, tol)
     return replace(answer, steps=steps + answer.steps, begun=begun, minima=count_of(ways) if lowest else 0)
 
@@ -174,7 +174,7 @@ def count_of(ways: Sequence[_Way]) -> int:
     return 1 + int((np.diff(energies) > EQUAL * np.abs(energies).max()).sum())
 
 
-def refine(beside: Beside, shape: FreeShape, tol: float) -> Answer:
+def refine(beside: Beside, shape: FreeShape, tol: float) -> FreeAnswer:
     """The minima that continue from a shape on meshes of twice as many edges each, and the error.
 
     A tolerance that is out of reach leads to the default one. Where a finer mesh has no minimum, or another one, the
@@ -204,7 +204,7 @@ def refine(beside: Beside, shape: FreeShape, tol: float) -> Answer:
         error = estimate([distance(*pair) for pair in pairwise(shapes[-MESHES:])])[1] if shapes[1:] else np.inf
         if len(shapes) == MESHES and (motion := free_motion(rod, minimum.y, minimum.multipliers, sizes)) is not None:
             line = shapes[-1].name_of(motion)
-    return Answer(shapes if np.isfinite(error) else (), error, steps, why=why, line=line)
+    return FreeAnswer(shapes if np.isfinite(error) else (), error, steps, why=why, line=line)
 
 
 def distance(coarse: FreeShape, fine: FreeShape) -> float:
@@ -243,13 +243,13 @@ def answers_beside(
     lowest: as of `continue_from`.
     """
     answers = [
-        Answer(why=each) if isinstance(each, str) else continue_from(beside, each, tol, lowest)
+        FreeAnswer(why=each) if isinstance(each, str) else continue_from(beside, each, tol, lowest)
         for beside, each in zip(problems_of(case), curves, strict=True)
     ]
     return trajectory_of(case, answers, t, tol)
 
 
-def trajectory_of(case: Case, answers: Sequence[Answer], t: Array, tol: float) -> tuple[EndsProblem, Trajectory]:
+def trajectory_of(case: Case, answers: Sequence[FreeAnswer], t: Array, tol: float) -> tuple[EndsProblem, Trajectory]:
     """The dead loads of the answers, and the answers at stations t (B, n)."""
     alongs, loads = [], []
     for answer, times in zip(answers, t, strict=True):

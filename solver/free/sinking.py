@@ -15,7 +15,7 @@ from ..problem.case import Case
 from ..problem.errors import InputError
 from .discrete_rod import EDGE, DiscreteRod
 from .free_problem import BeginningCurve, Beside, problems_of
-from .free_rods import Answer
+from .free_rods import FreeAnswer
 from .free_shape import FreeShape
 from .minimum import Newton, minimise
 from .program import Program
@@ -69,7 +69,7 @@ class _Descent(NamedTuple):
     that of the beginning, on one mesh.
     """
 
-    answers: list[Answer]
+    answers: list[FreeAnswer]
     energies: Array
 
 
@@ -138,7 +138,7 @@ def far(shape: FreeShape, other: FreeShape) -> float:
     return float(np.linalg.norm(shape.x - other.x, axis=1).max())
 
 
-def descent_of(case: Case, curve: BeginningCurve, answer: Answer, count: int) -> _Descent:
+def descent_of(case: Case, curve: BeginningCurve, answer: FreeAnswer, count: int) -> _Descent:
     """So many shapes of the rod of one case that sinks from a curve, each about as far from the one before.
 
     Raises `InputError` where it does not move.
@@ -153,6 +153,6 @@ def descent_of(case: Case, curve: BeginningCurve, answer: Answer, count: int) ->
     shapes = [sinking.begun]
     for time in np.diff(at, prepend=0.0):
         shapes.append(sinking.after(shapes[-1], float(time)))
-    answers = [Answer((shape,), np.nan, begun=MOVING) for shape in shapes[1:]]
-    answers.append(answer if rest is goal else Answer((rest,), np.nan, begun=ELSEWHERE))
+    answers = [FreeAnswer((shape,), np.nan, begun=MOVING) for shape in shapes[1:]]
+    answers.append(answer if rest is goal else FreeAnswer((rest,), np.nan, begun=ELSEWHERE))
     return _Descent(answers, np.array([shape.rod.energy(shape.y) for shape in [*shapes, rest]]))

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..branches.given_numbers import FREE, Given, OrbitState, parts_of, values_of
 from ..branches.held_index import dead_index_of
-from ..nodes.answers import answer_ends, shape_path, why_unsolved
+from ..nodes.answers import answer_ends, way_of, why_unsolved
 from ..nodes.descent import index_at
 from ..nodes.growth import GrowthWay
 from ..nodes.hinged_states import shape_of
@@ -46,9 +46,9 @@ def trajectory_between(reached: Reached, wanted: Given, t: Array, tol: float) ->
     return replace(shape, begun=begun, selection=how, held_index=held, dead_index=dead, alternatives=find)
 
 
-def _alternatives(seed: OrbitState, found: OrbitState, wanted: Given, tol: float, t: Array) -> list[tuple[Any, ...]]:
+def _alternatives(seed: OrbitState, state: OrbitState, wanted: Given, tol: float, t: Array) -> list[tuple[Any, ...]]:
     """Of each other equilibrium near that of the seed: its distance from the seed, problem and shape."""
-    others = alternatives_of(seed, found, wanted)
+    others = alternatives_of(seed, state, wanted)
     rows = [
         (away(seed, other), other.problem, trajectory_between(Reached(other, ALTERNATIVE), wanted, t, tol))
         for other in others
@@ -108,13 +108,13 @@ def each_hinged(
         row = slice(i, i + 1)
         why = why_unsolved(rod, seeded=True)  # whether the ends are within reach is said below
         reached.append(f"failed: {why}" if why else _reach(problem.take(row), seed and seed.take(row), choose))
-    paths = [
+    ways = [
         GrowthWay(None, why=end.removeprefix("failed: "))
         if isinstance(end, str)
         else way_between_hinges(end.state, rod)
         for end, rod in zip(reached, rods, strict=True)
     ]
-    solved, answer = answer_ends(case, t, tol, paths)
+    solved, answer = answer_ends(case, t, tol, ways)
     begun, how = (
         np.array([None if isinstance(end, str) else getattr(end, name) for end in reached], dtype=object)
         for name in ("begun", "selection")
@@ -122,7 +122,7 @@ def each_hinged(
     find, first = None, reached[0]
     if not isinstance(first, str) and first.seed is not None:  # of a single problem, as the trajectory says
         find = partial(_alternatives_between_hinges, first.seed, first.state, case, tol)
-    fit = np.array([path.shape is not None for path in paths])
+    fit = np.array([way.shape is not None for way in ways])
     return stood_in(solved, fit), replace(answer, begun=begun, selection=how, alternatives=find)
 
 
@@ -130,16 +130,16 @@ def way_between_hinges(state: OrbitState, rod: LoadedRod) -> GrowthWay:
     """The shape of an equilibrium of a rod with a given end moment, as an answer."""
     guess = shape_of(state, rod)
     shape = correct(guess) or guess  # a shape that is not determined is as good as it is
-    return shape_path(shape, index_at(shape))
+    return way_of(shape, index_at(shape))
 
 
 def _alternatives_between_hinges(
-    seed: OrbitState, found: OrbitState, case: Case, tol: float, t: Array
+    seed: OrbitState, state: OrbitState, case: Case, tol: float, t: Array
 ) -> list[tuple[Any, ...]]:
     """What `_alternatives` gives, of a rod with a given end moment."""
     (rod,) = rods_of(case)
     rows = []
-    for other in alternatives_of(seed, found, Given.of(reduce_held(case))):
+    for other in alternatives_of(seed, state, Given.of(reduce_held(case))):
         problem, answer = answer_ends(case, t, tol, [way_between_hinges(other, rod)])
         rows.append((away(seed, other), problem, replace(answer, begun=np.array([ALTERNATIVE], dtype=object))))
     return sorted(rows, key=lambda row: row[0])

@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 
 from ..branches import continuation, deflation, system
-from ..branches.branch_events import Bounds
+from ..branches.branch_events import Bounds, Stop
 from ..branches.branch_following import trace_branch
-from ..branches.continuation import Stopped, line_between
-from ..branches.deflation import numbers_of
+from ..branches.continuation import line_between
+from ..branches.deflation import end_vector
 from ..branches.given_numbers import FREE, Given, OrbitState
-from ..branches.leaps import shape_of
+from ..branches.leaps import angles_on
 from ..branches.orbit_rates import orbit_rates
 from ..nodes import hinged_states, newton
 from ..nodes.hinged_states import HingedState
@@ -28,7 +28,7 @@ from ..problem.reduced import EndsProblem
 SHARES = np.linspace(0, 1, 257)
 
 
-def carry(state: OrbitState, wanted: Given, most: int = POINTS) -> OrbitState | Stopped:
+def carry(state: OrbitState, wanted: Given, most: int = POINTS) -> OrbitState | Stop:
     """The equilibrium with the wanted numbers on the branch of a state; all numbers change in proportion."""
     return (hinged_states.carry_hinged if wanted.has_hinge else continuation.carry)(state, wanted, most)
 
@@ -40,12 +40,12 @@ def settle(guess: OrbitState, wanted: Given) -> OrbitState | str:
     return system.settle(guess.problem, guess.path, wanted)
 
 
-def deflate(start: OrbitState, wanted: Given, known: Sequence[Array]) -> OrbitState | None:
+def deflate(state: OrbitState, wanted: Given, known: Sequence[Array]) -> OrbitState | None:
     """An equilibrium with the wanted numbers that is none of the known ones; None where the steps lead to none.
 
-    known: the `numbers_of` each.
+    known: the `end_vector` each.
     """
-    return (hinged_states.deflate_hinged if wanted.has_hinge else deflation.deflate)(start, wanted, list(known))
+    return (hinged_states.deflate_hinged if wanted.has_hinge else deflation.deflate)(state, wanted, list(known))
 
 
 def across_fold(state: OrbitState, wanted: Given) -> list[OrbitState]:
@@ -53,22 +53,22 @@ def across_fold(state: OrbitState, wanted: Given) -> list[OrbitState]:
     return (hinged_states.across_fold_hinged if wanted.has_hinge else deflation.across_fold)(state, wanted)
 
 
-def is_nearer_across_fold(seed: OrbitState, found: OrbitState, wanted: Given) -> bool:
+def is_nearer_across_fold(seed: OrbitState, state: OrbitState, wanted: Given) -> bool:
     """Whether the equilibrium that meets one at its nearest fold is nearer to it than a seed is."""
     if wanted.has_hinge:
-        return hinged_states.is_nearer_across_fold(seed, found, wanted)
-    beside = deflation.fold_beside(found, wanted)
-    return beside is not None and bool(abs(beside[1]) < np.linalg.norm(numbers_of(found) - numbers_of(seed)))
+        return hinged_states.is_nearer_across_fold(seed, state, wanted)
+    beside = deflation.fold_beside(state, wanted)
+    return beside is not None and bool(abs(beside[1]) < np.linalg.norm(end_vector(state) - end_vector(seed)))
 
 
-def meetings(seed: OrbitState, found: OrbitState, wanted: Given, bounds: Bounds) -> list[OrbitState]:
+def meetings(seed: OrbitState, state: OrbitState, wanted: Given, bounds: Bounds) -> list[OrbitState]:
     """Where the branch of an equilibrium meets the wanted numbers again, on the line from those of a seed."""
     if wanted.has_hinge:
-        return hinged_states.meetings_of(seed, found, wanted, bounds)
-    if found.path.helix:
+        return hinged_states.meetings_of(seed, state, wanted, bounds)
+    if state.path.helix:
         return []
-    line = line_between(found.problem, wanted.at(seed), wanted)
-    places = [place for rises in (True, False) for place in trace_branch(line, found.path, 1.0, rises, bounds)[0]]
+    line = line_between(state.problem, wanted.at(seed), wanted)
+    places = [place for rises in (True, False) for place in trace_branch(line, state.path, 1.0, rises, bounds)[0]]
     return [system.state_of(place.problem, place.path) for place in places if place.p == 1]
 
 
@@ -89,7 +89,7 @@ def angles_along(state: OrbitState) -> Array:
     """beta at equal shares of the rod, (257,)."""
     if isinstance(state, HingedState):
         return np.asarray(state.shape.at(SHARES * state.shape.t[-1])[:, BETA])
-    return shape_of(orbit_of(state.problem, state.path))[0]
+    return angles_on(orbit_of(state.problem, state.path))[0]
 
 
 def within_a_turn(state: OrbitState) -> OrbitState:

@@ -14,8 +14,8 @@ from itertools import product
 
 import numpy as np
 
-from ..branches.continuation import Stopped
-from ..branches.deflation import is_known, numbers_of
+from ..branches.branch_events import Stop
+from ..branches.deflation import end_vector, is_known
 from ..branches.given_numbers import FREE, Given, OrbitState
 from ..branches.helices import helices_of
 from ..branches.orbit_rates import orbit_rates
@@ -45,7 +45,7 @@ class _HeldFound:
     states, how: each equilibrium and by what it was found. ranges: of the unknowns. problems, equilibria: those under
     dead loads that were solved. starts, failed: continuations, and those of them that led to no equilibrium. tries: of
     deflation, the last `fruitless` of them without a new equilibrium. outside: the unknowns of each equilibrium outside
-    the ranges, which is not kept. any_load: whether a helix is an equilibrium under any load. known: the `numbers_of`
+    the ranges, which is not kept. any_load: whether a helix is an equilibrium under any load. known: the `end_vector`
     all equilibria, those outside the ranges too.
     """
 
@@ -66,11 +66,11 @@ class _HeldFound:
         """Add an equilibrium and its mirror images; whether it was new. A state without numbers is none."""
         if state is not None and not {"beta0", "betaL"} & {*self.given.names}:
             state = within_a_turn(state)
-        if state is None or not np.isfinite(numbers_of(state)).all() or is_known(state, self.known):
+        if state is None or not np.isfinite(end_vector(state)).all() or is_known(state, self.known):
             return False
         if self.any_load and not state.path.helix and np.ptp(angles_along(state)) < LEVEL:
             return False
-        self.known.append(numbers_of(state))
+        self.known.append(end_vector(state))
         values = {name: float(getattr(state.problem, name)[0]) for name in FREE}
         if self.ranges.holds(values):
             self.states.append(state)
@@ -93,7 +93,7 @@ class _HeldFound:
         self.starts += 1
         for start in starts:
             state = carry(start, self.given, FEW_POINTS)
-            if not isinstance(state, Stopped):
+            if not isinstance(state, Stop):
                 self.add(state, CONTINUED)
                 return
         self.failed += 1
@@ -118,17 +118,17 @@ class _HeldFound:
 
 def search_equilibria(
     given: Given,
-    own: dict[str, tuple[float, float]] | None = None,
+    within: dict[str, tuple[float, float]] | None = None,
     most_periods: int = MOST_PERIODS,
     tries: int = TRIES,
     values: int | None = None,
 ) -> _HeldFound:
     """The equilibria with the given numbers.
 
-    own: ranges of unknown numbers in place of the default ones; values: how many of each. tries: the deflations without
-    a new equilibrium after which the search ends.
+    within: ranges of unknown numbers in place of the default ones; values: how many of each. tries: the deflations
+    without a new equilibrium after which the search ends.
     """
-    result = _HeldFound(given, ranges_of(given, own or {}, values))
+    result = _HeldFound(given, ranges_of(given, within or {}, values))
     scanned = states_between_hinges(given)
     points = [] if scanned else swept(given, result.ranges, most_periods)
     result.problems, result.equilibria = len(points), sum(len(point.states) for point in points)

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..branches.continuation import Stopped
+from ..branches.branch_events import Stop
 from ..branches.given_numbers import Given, OrbitState
 from ..branches.held_index import held_energy, index_of
 from ..branches.helices import helices_of
@@ -47,7 +47,7 @@ def by_seed(wanted: Given, seed: OrbitState | None) -> Reached | str:
     if seed is None:
         return "failed: the seed is not a solution of its own ends problem"
     state = carry(seed, wanted)
-    return outcome_of(state) if isinstance(state, Stopped) else Reached(state, said_of_seed(seed, state, wanted), seed)
+    return outcome_of(state) if isinstance(state, Stop) else Reached(state, said_of_seed(seed, state, wanted), seed)
 
 
 def by_rule(wanted: Given, choose: Choose) -> Reached | str:
@@ -88,12 +88,12 @@ def _image_rising_most(state: OrbitState, wanted: Given) -> OrbitState:
     for mirror in mirrors_of(wanted):
         image = image_of(state, mirror, wanted)
         settled = image if image.path.helix else settle(image, wanted)
-        if not isinstance(settled, str) and _start(settled) > _start(best) + EQUAL * (1 + abs(_start(best))):
+        if not isinstance(settled, str) and _dbeta0(settled) > _dbeta0(best) + EQUAL * (1 + abs(_dbeta0(best))):
             best = settled
     return best
 
 
-def _start(state: OrbitState) -> float:
+def _dbeta0(state: OrbitState) -> float:
     """beta_t(0)."""
     return float(state.rates.value("dbeta0")[0])
 
@@ -103,7 +103,7 @@ def _choice(wanted: Given, states: list[OrbitState], choose: Choose) -> Reached 
     index = np.array([index_of(state, wanted) for state in states])
     turned = np.array([is_turned_round(wanted, angles_along(state)) for state in states])
     energy = np.array([held_energy(state, wanted) for state in states])
-    i = select(choose, index, energy, turned.astype(float), np.array([_start(state) for state in states]))
+    i = select(choose, index, energy, turned.astype(float), np.array([_dbeta0(state) for state in states]))
     if i is None:
         return none_of_index(choose, len(states), index)
     stable = int(np.count_nonzero(index == 0))

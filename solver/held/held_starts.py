@@ -11,11 +11,11 @@ from itertools import product
 
 import numpy as np
 
-from ..branches.continuation import FOLD, Stopped
-from ..branches.deflation import is_known, numbers_of
+from ..branches.branch_events import Stop
+from ..branches.deflation import end_vector, is_known
 from ..branches.given_numbers import FREE, Given, OrbitState, problem_of
 from ..branches.held_index import index_of
-from ..numerics.arclength import FEW_POINTS
+from ..numerics.arclength import FEW_POINTS, FOLD
 from ..numerics.arrays import Array
 from ..orbits.boundary import critical_points
 from ..orbits.path_orbits import orbit_of
@@ -33,12 +33,12 @@ _STABLE_TURNS = 6  # the most of a stable rod: one more than the displacements t
 _BESIDE, _WAVES = 0.05, 1e-3  # rad: from a minimum to its equilibrium; swings of a minimum that may be a helix
 
 
-def outcome_of(found: Stopped) -> str:
+def outcome_of(stop: Stop) -> str:
     """The outcome of a continuation that stopped."""
-    why = f"{FOLD} of the problem with held ends" if found.reason == FOLD else found.reason
+    why = f"a {FOLD} of the problem with held ends" if stop.reason == FOLD else stop.reason
     return (
         f"failed: the branch of the start could not be followed to the held ends: {why} "
-        f"after {abs(found.share):.2%} of the way"
+        f"after {abs(stop.p):.2%} of the way"
     )
 
 
@@ -61,7 +61,7 @@ def equilibrium_beside(minimum: EnergyMinimum, helices: list[OrbitState]) -> Orb
         if away[i] < _BESIDE:
             state = settle(states[i], given)
             carried = carry(states[i], given, FEW_POINTS) if isinstance(state, str) else state
-            if not isinstance(carried, Stopped):
+            if not isinstance(carried, Stop):
                 return carried
     return None
 
@@ -91,13 +91,13 @@ def _reach(wanted: Given, starts: list[OrbitState], helices: list[OrbitState]) -
     why, taut = "", _taut_loads(wanted)
     for tried, start in enumerate(starts[:_TRIED], 1):
         state = carry(start, wanted)
-        if isinstance(state, Stopped):
+        if isinstance(state, Stop):
             why = why or outcome_of(state)
             near = settle(start, wanted) if taut else ""  # where steps are lost in rounding
             if isinstance(near, str):
                 continue
             state = near
-        state = next((helix for helix in helices if is_known(state, [numbers_of(helix)])), state)
+        state = next((helix for helix in helices if is_known(state, [end_vector(helix)])), state)
         reached.append(state)
         if index_of(state, wanted) == 0 or len(reached) == _REACHED:
             return reached, tried, why

@@ -65,11 +65,11 @@ class Ranges:
         return [dict(zip(axes, values, strict=True)) for values in product(*(axis.tolist() for axis in axes.values()))]
 
 
-def ranges_of(given: Given, own: dict[str, tuple[float, float]], count: int | None) -> Ranges:
-    """The ranges of the unknown numbers of a problem, those of `own` as they are there, with `count` values of each."""
+def ranges_of(given: Given, within: dict[str, tuple[float, float]], count: int | None) -> Ranges:
+    """The ranges of the unknown numbers of a problem, those of `within` as they are, with `count` values of each."""
     known = dict(zip(given.names, given.values.tolist(), strict=True))
-    bounds = {name: own.get(name) or _default(name, known, given) for name in FREE if name not in known}
-    turns = {*FREE[:2]} <= bounds.keys() and not {*FREE[:2]} & own.keys()
+    bounds = {name: within.get(name) or _default(name, known, given) for name in FREE if name not in known}
+    turns = {*FREE[:2]} <= bounds.keys() and not {*FREE[:2]} & within.keys()
     return Ranges(bounds, VALUES[len(bounds)] if count is None else count, HALF_WAVES * np.pi / given.span, turns)
 
 
@@ -134,8 +134,8 @@ def dead_states(
 
     most_periods, most_turns: as of `search_levels`.
     """
-    every = search_levels(problem, most_periods, most_turns)
-    paths = [] if every is None else [path_of(every.path, i) for i in range(every.slope.size)]
+    equilibria = search_levels(problem, most_periods, most_turns)
+    paths = [] if equilibria is None else [path_of(equilibria.orbit.path, i) for i in range(equilibria.dbeta0.size)]
     paths = [path for path in paths if not path.helix]
     if not paths:
         return None

@@ -49,17 +49,16 @@ def states_between_hinges(given: Given) -> list[OrbitState]:
 
     problem = EndsProblem(beta0=np.zeros(1), betaL=np.zeros(1), span=np.array([given.span]), **loads)
     roots = roots_between(off, _angles(problem, rate), BISECTIONS)[0]  # straight rods and helices are known
-    beta, speed = ends(roots)
     states = []
-    for x, b, v in zip(roots, beta, speed, strict=True):
-        if rate == 0 and abs(float(slope(problem, np.array([x]))[0])) < _STILL:
+    for angle, beta, speed in zip(roots, *ends(roots), strict=True):
+        if rate == 0 and abs(float(slope(problem, np.array([angle]))[0])) < _STILL:
             continue
-        first, v0 = (b, -v) if backward else (x, rate)
-        turns = given.number(far, b) - b  # whole turns
-        start = StartProblem(beta0=np.array([first + turns]), dbeta0=np.array([v0]), span=problem.span, **loads)
+        beta0, dbeta0 = (beta, -speed) if backward else (angle, rate)
+        turns = given.number(far, beta) - beta  # whole turns
+        start = StartProblem(beta0=np.array([beta0 + turns]), dbeta0=np.array([dbeta0]), span=problem.span, **loads)
         rates = start_rates(start)
         if np.isfinite(rates.values).all():
-            states.append(state_from_start(rates, float(v0)))
+            states.append(state_from_start(rates, float(dbeta0)))
     return states
 
 

@@ -105,11 +105,11 @@ def check(choose: Any) -> Choose:
     raise InputError(f"choose must be 'nearest', 'lowest' or a Morse index (0, 1, 2, ...), got {choose!r}")
 
 
-def select(choose: Choose, index: Array, energy: Array, strays: Array, slope: Array) -> int | None:
+def select(choose: Choose, index: Array, energy: Array, strays: Array, dbeta0: Array) -> int | None:
     """Which of K equilibria the rule takes; None where no equilibrium has the index asked for, or K is 0.
 
     index: Morse indices. energy: in any unit, of held ends held energy. strays: how far beta goes beyond its two end
-    angles; of held ends whether the rod turns round. slope: beta'(0), in any unit. (K,) each.
+    angles; of held ends whether the rod turns round. dbeta0: beta'(0), in any unit. (K,) each.
     """
     if choose == LOWEST:
         among: Integers = np.arange(index.size)
@@ -124,9 +124,9 @@ def select(choose: Choose, index: Array, energy: Array, strays: Array, slope: Ar
         among = among[strays[among] <= least + EQUAL * least + _FINEST]
     lowest = energy[among].min()
     among = among[energy[among] <= lowest + EQUAL * np.abs(energy[among]).max()]
-    positive = among[slope[among] > 0]
+    positive = among[dbeta0[among] > 0]
     among = positive if positive.size else among
-    return int(among[np.argmax(slope[among])])
+    return int(among[np.argmax(dbeta0[among])])
 
 
 def selection(choose: Choose, index: Array, total: int, complete: bool) -> Selection:
@@ -135,25 +135,25 @@ def selection(choose: Choose, index: Array, total: int, complete: bool) -> Selec
 
 
 def selection_of(
-    problem: EndsProblem, t: Array, tol: float, slope: float | None, choose: Choose = NEAREST
+    problem: EndsProblem, t: Array, tol: float, dbeta0: float | None, choose: Choose = NEAREST
 ) -> Trajectory | str:
-    """The equilibrium of one ends problem with beta_t(0) nearest `slope`, or without `slope` the one of the rule.
+    """The equilibrium of one ends problem with beta_t(0) nearest `dbeta0`, or without `dbeta0` the one of the rule.
 
     Returns the outcome, a sentence, where there is none.
     """
-    known = _search(problem, slope, choose)
-    if known is None:
+    equilibria = _search(problem, dbeta0, choose)
+    if equilibria is None:
         return NO_EQUILIBRIUM
-    if slope is not None:
-        nearest = np.argmin(np.abs(known.slope - slope), keepdims=True)
-        return equilibrium_trajectory(problem, known.orbit.take(nearest), t, tol)
-    i = select(choose, known.index, known.energy, known.stray, known.slope)
+    if dbeta0 is not None:
+        nearest = np.argmin(np.abs(equilibria.dbeta0 - dbeta0), keepdims=True)
+        return equilibrium_trajectory(problem, equilibria.orbit.take(nearest), t, tol)
+    i = select(choose, equilibria.index, equilibria.energy, equilibria.stray, equilibria.dbeta0)
     if i is None:
-        return none_of_index(choose, known.total, known.index)
-    if not isinstance(choose, int) and known.index[i] != 0 and known.remark:  # by degree there is a stable equilibrium
-        return f"failed: {known.remark}"
-    how = np.array([selection(choose, known.index, known.total, not known.remark)], dtype=object)
-    return replace(equilibrium_trajectory(problem, known.orbit.take(slice(i, i + 1)), t, tol), selection=how)
+        return none_of_index(choose, equilibria.total, equilibria.index)
+    if not isinstance(choose, int) and equilibria.index[i] != 0 and equilibria.remark:  # by degree one is stable
+        return f"failed: {equilibria.remark}"
+    how = np.array([selection(choose, equilibria.index, equilibria.total, not equilibria.remark)], dtype=object)
+    return replace(equilibrium_trajectory(problem, equilibria.orbit.take(slice(i, i + 1)), t, tol), selection=how)
 
 
 def none_of_index(choose: Choose, total: int, index: Array) -> str:
@@ -163,12 +163,12 @@ def none_of_index(choose: Choose, total: int, index: Array) -> str:
     return f"failed: none of the {total} equilibria found has index {choose}; their indices: {shown}"
 
 
-def _search(problem: EndsProblem, slope: float | None, choose: Choose) -> FoundPaths | None:
+def _search(problem: EndsProblem, dbeta0: float | None, choose: Choose) -> FoundPaths | None:
     """The equilibria that the rule needs.
 
     A stable one has one turning point at most, one of index K at most K + 1, and that of lowest energy is stable.
     """
-    if slope is not None:
+    if dbeta0 is not None:
         return search_levels(problem)
     equilibria = search_levels(problem, most_turns=choose + 1 if isinstance(choose, int) else 1)
     needs_stable = equilibria is None or not (equilibria.index == 0).any()
@@ -185,16 +185,16 @@ def select_seed(
     """
     u = np.linspace(0, 1, points)
     taken, why = np.full(problem.size, None, dtype=object), [""] * problem.size
-    slopes, shapes = np.full(problem.size, np.nan), np.full((problem.size, points), np.nan)
+    dbeta0, shapes = np.full(problem.size, np.nan), np.full((problem.size, points), np.nan)
     for i in range(problem.size):
         single = problem.take(slice(i, i + 1))
         answer = selection_of(single, single.span[:, None] * u, 1e-8, None, choose)
         if isinstance(answer, str):
             why[i] = answer
             continue
-        slopes[i], shapes[i] = answer.dbeta[0, 0], answer.beta[0]
+        dbeta0[i], shapes[i] = answer.dbeta[0, 0], answer.beta[0]
         taken[i] = None if answer.selection is None else answer.selection[0]
-    return Seed(slopes, np.tile(u, (problem.size, 1)), shapes), taken, why
+    return Seed(dbeta0, np.tile(u, (problem.size, 1)), shapes), taken, why
 
 
 def path_of_seed(seed: Seed) -> Path | None:
@@ -204,13 +204,13 @@ def path_of_seed(seed: Seed) -> Path | None:
         return None
     if seed.orbit is not None and getattr(seed.orbit, "path", None) is not None:
         return path_of(seed.orbit.path, int(seed.row[0]))
-    path = path_from_start(seed.problem, float(seed.slope[0]))
+    path = path_from_start(seed.problem, float(seed.dbeta0[0]))
     if path is not None:
         return path
     equilibria = search_levels(seed.problem)
     if equilibria is None:
         return None
     u = seed.problem.span[:, None] * seed.u[:1]
-    apart = np.abs(equilibria.orbit.at(np.repeat(u, equilibria.slope.size, axis=0))[0] - seed.beta[:1]).max(axis=1)
+    apart = np.abs(equilibria.orbit.at(np.repeat(u, equilibria.dbeta0.size, axis=0))[0] - seed.beta[:1]).max(axis=1)
     best = int(np.argmin(apart))
-    return path_of(equilibria.path, best) if apart[best] < 0.01 else None
+    return path_of(equilibria.orbit.path, best) if apart[best] < 0.01 else None

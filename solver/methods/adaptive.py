@@ -19,8 +19,8 @@ from .base import (
     MOST_CALLED,
     MOST_COMPILED,
     TIGHTEST,
-    Answer,
     Ladder,
+    SingleAnswer,
     StartMethod,
     knob,
     one_by_one,
@@ -55,7 +55,7 @@ class Adaptive(StartMethod):
     def run(self, problem: StartProblem, t: Array, tol: float) -> Trajectory:
         condition = condition_numbers(problem, t)
 
-        def answer(i: int) -> Answer:
+        def answer(i: int) -> SingleAnswer:
             single, growth = problem.take(slice(i, i + 1)), float(condition[i])
             columns, error, calls, why = tighten(
                 lambda rtol: self.integrate(single, t[i], rtol),

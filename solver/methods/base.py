@@ -157,11 +157,11 @@ class Method(ABC):
 
 # beta, beta_t, alpha, z and swirl of one case at n stations, (5, n); error, condition number, evaluations, and why it
 # failed or an empty text
-Answer = tuple[Array, float, float, int, str]
+SingleAnswer = tuple[Array, float, float, int, str]
 
 
 def one_by_one(
-    answer: Callable[[int], Answer], t: Array, tol: float, selection: NDArray[np.object_] | None = None
+    answer: Callable[[int], SingleAnswer], t: Array, tol: float, selection: NDArray[np.object_] | None = None
 ) -> Trajectory:
     """The answers to B problems at t (B, n), one after the other."""
     columns, numbers = np.empty((5, *t.shape)), np.empty((2, t.shape[0]))
@@ -174,7 +174,7 @@ def one_by_one(
 def trajectory_of(
     columns: Array, error: Array, condition: Array, work: Any, tol: float, why: Any = "", selection: Any = None
 ) -> Trajectory:
-    """The answer of a method that knows no orbit; columns: (5, B, n), as of `Answer`."""
+    """The answer of a method that knows no orbit; columns: (5, B, n), as of `SingleAnswer`."""
     beta, dbeta, alpha, z, swirl = columns
     rest = *verdicts(beta, error, condition, tol).with_failures(why), error, condition, work, None, selection
     return Trajectory(beta, dbeta, alpha, z, partial(np.asarray, swirl), *rest)
@@ -258,7 +258,7 @@ class SeededMethod(EndsMethod):
     """
 
     @abstractmethod
-    def solve_one(self, problem: EndsProblem, t: Array, tol: float, seed: Seed) -> Answer:
+    def solve_one(self, problem: EndsProblem, t: Array, tol: float, seed: Seed) -> SingleAnswer:
         """The answer to one case at t (n,)."""
 
     def run(
@@ -266,7 +266,7 @@ class SeededMethod(EndsMethod):
     ) -> Trajectory:
         begin, taken, why = (seed, None, [""] * problem.size) if seed is not None else select_seed(problem, choose)
 
-        def answer(i: int) -> Answer:
+        def answer(i: int) -> SingleAnswer:
             near = begin.take(slice(i, i + 1))
             if np.isfinite(near.beta).all():
                 return self.solve_one(problem.take(slice(i, i + 1)), t[i], tol, near)

@@ -17,7 +17,7 @@ from ..orbits.morse_index import response
 from ..orbits.potential import slope, slope_rate
 from ..problem.reduced import EndsProblem
 from ..problem.trajectory import Seed
-from .base import MOST_COMPILED, TIGHTEST, TOLERANCES, Answer, Ladder, SeededMethod, knob, tighten
+from .base import MOST_COMPILED, TIGHTEST, TOLERANCES, Ladder, SeededMethod, SingleAnswer, knob, tighten
 
 # nodes: of the first mesh, and of the next if that is too coarse for the seed; of any mesh
 _FIRST, _MOST = (257, 2049), 10_000
@@ -40,7 +40,7 @@ class Collocation(SeededMethod):
     rtol: float | None = knob(float)
     nodes: int | None = knob(int, least=5)
 
-    def solve_one(self, problem: EndsProblem, t: Array, tol: float, seed: Seed) -> Answer:
+    def solve_one(self, problem: EndsProblem, t: Array, tol: float, seed: Seed) -> SingleAnswer:
         span, condition = float(problem.span[0]), np.inf
         answer: Any = None
 

@@ -13,7 +13,7 @@ from ..orbits.morse_index import response
 from ..orbits.potential import Loads, slope, slope_rate
 from ..problem.reduced import EndsProblem
 from ..problem.trajectory import Seed
-from .base import MOST_COMPILED, Answer, Ladder, SeededMethod, knob, largest, twos
+from .base import MOST_COMPILED, Ladder, SeededMethod, SingleAnswer, knob, largest, twos
 
 _FIRST, _LARGEST_FIRST, _MOST = 129, 2**13 + 1, 2**17 + 1  # nodes
 _FEWEST = 17  # nodes of the coarsest mesh that may measure the error of another
@@ -44,7 +44,7 @@ class Difference(SeededMethod):
     nodes: int | None = knob(int, least=5)
     extrapolate: bool = knob(bool, default=True)
 
-    def solve_one(self, problem: EndsProblem, t: Array, tol: float, seed: Seed) -> Answer:
+    def solve_one(self, problem: EndsProblem, t: Array, tol: float, seed: Seed) -> SingleAnswer:
         return _solve_one(problem, t, tol, self.nodes, self.extrapolate, seed)
 
 
@@ -64,7 +64,7 @@ class _Mesh:
 
 def _solve_one(
     problem: EndsProblem, t: Array, tol: float, nodes: int | None, extrapolate: bool, seed: Seed, halves: bool = True
-) -> Answer:
+) -> SingleAnswer:
     """Columns (5, n), error, condition, work, and that Newton's rule did not converge, or an empty text.
 
     halves: whether a coarser mesh may be used.

@@ -9,8 +9,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..branches.continuation import FOLD, Stopped, resume
+from ..branches.branch_events import Stop
+from ..branches.continuation import resume
 from ..held.selection import NEAREST, Choose, path_of_seed, selection_of
+from ..numerics.arclength import FOLD
 from ..numerics.arrays import Array
 from ..orbits.path_orbits import equilibrium_trajectory, orbit_of, together
 from ..orbits.periodic_orbit import TIGHT, solve_orbit
@@ -35,20 +37,20 @@ class Shooting(EndsMethod):
         if seed is not None and seed.problem is not None:
             rows = [slice(i, i + 1) for i in range(problem.size)]
             return together([_carry(problem.take(row), t[row], tol, seed.take(row)) for row in rows], t)
-        slopes = np.full(problem.size, np.nan) if seed is None else _next_to(problem, seed.slope)
-        near = np.isfinite(slopes)
+        starts = np.full(problem.size, np.nan) if seed is None else _next_to(problem, seed.dbeta0)
+        near = np.isfinite(starts)
         if near.all():
-            return equilibrium_trajectory(problem, solve_orbit(problem.with_start(slopes), TIGHT), t, tol)
+            return equilibrium_trajectory(problem, solve_orbit(problem.with_start(starts), TIGHT), t, tol)
         answers: list[Trajectory | str] = []
         for i in range(problem.size):
             row = slice(i, i + 1)
             single = problem.take(row)
             if near[i]:
-                orbit = solve_orbit(single.with_start(slopes[row]), TIGHT)
+                orbit = solve_orbit(single.with_start(starts[row]), TIGHT)
                 answers.append(equilibrium_trajectory(single, orbit, t[row], tol))
             else:
-                slope = None if seed is None else float(seed.slope[i])
-                answers.append(selection_of(single, t[row], tol, slope, choose))
+                dbeta0 = None if seed is None else float(seed.dbeta0[i])
+                answers.append(selection_of(single, t[row], tol, dbeta0, choose))
         return together(answers, t)
 
 
@@ -58,20 +60,20 @@ def _carry(problem: EndsProblem, t: Array, tol: float, seed: Seed) -> Trajectory
     path = path_of_seed(seed)
     if path is None:
         return "failed: the seed is not a solution of its own ends problem"
-    result = resume(seed.problem, path, problem)
-    if isinstance(result, Stopped):
-        way = f"{result.share:.2%} of the way from the seed to this case"
-        if result.reason == FOLD:
+    resumed = resume(seed.problem, path, problem)
+    if isinstance(resumed, Stop):
+        way = f"{resumed.p:.2%} of the way from the seed to this case"
+        if resumed.reason == FOLD:
             return f"failed: the branch of the seed ends, at a fold or where it meets another branch, after {way}"
-        return f"failed: the branch of the seed could not be followed beyond {way}: {result.reason}"
-    return equilibrium_trajectory(problem, orbit_of(problem, result), t, tol)
+        return f"failed: the branch of the seed could not be followed beyond {way}: {resumed.reason}"
+    return equilibrium_trajectory(problem, orbit_of(problem, resumed), t, tol)
 
 
-def _next_to(problem: EndsProblem, slope: Array) -> Array:
+def _next_to(problem: EndsProblem, dbeta0: Array) -> Array:
     """beta_t(0) of the solution near a guess, (B,); NaN if Newton's rule does not converge."""
     B = problem.size
     twice = problem.take(np.tile(np.arange(B), 2))
-    at = np.where(np.isfinite(slope), slope, 0.0)
+    at = np.where(np.isfinite(dbeta0), dbeta0, 0.0)
     off = np.full(B, np.inf)
     for _ in range(40):
         nudge = 1e-7 * np.maximum(1, np.abs(at))
@@ -84,5 +86,5 @@ def _next_to(problem: EndsProblem, slope: Array) -> Array:
         if (np.abs(off) <= 2e-13 * np.maximum(1, np.abs(problem.betaL))).all():
             break
         at = np.where(np.abs(off) <= 2e-13 * np.maximum(1, np.abs(problem.betaL)), at, at + step)
-    met = (np.abs(off) <= 1e-10) & np.isfinite(slope) & (np.abs(at - slope) <= 0.1 * (1 + np.abs(slope)))
+    met = (np.abs(off) <= 1e-10) & np.isfinite(dbeta0) & (np.abs(at - dbeta0) <= 0.1 * (1 + np.abs(dbeta0)))
     return np.where(met, at, np.nan)

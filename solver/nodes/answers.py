@@ -122,30 +122,28 @@ def answer_starts(case: Case, t: Array, tol: float) -> tuple[StartProblem, Traje
 def answer_ends(case: Case, t: Array, tol: float, seeds: Sequence[Any] | None = None) -> tuple[EndsProblem, Trajectory]:
     """The ends problems at stations t (B, n), each from a seed.
 
-    seeds: of each rod "straight", a shape or None where its seed has none, or the path that is its answer.
+    seeds: of each rod "straight", a shape or None where its seed has none, or the way that is its answer.
     """
     rods = rods_of(case)
     alpha0 = flat(case.given.alpha, case.shape)
-    paths = [branch_of(rod) for rod in rods] if seeds is None else list(map(path_to, rods, seeds))
-    estimates = [(np.inf, np.inf) if path.shape is None else estimate(path.shape) for path in paths]
-    index = np.array([np.nan if path.shape is None or path.shape.rod.has_friction else path.index for path in paths])
-    critical = np.array([np.nan if path.buckled is None else path.buckled for path in paths])
-    shapes = VaryingShapes([path.shape for path in paths], index, critical)
+    ways = [branch_of(rod) for rod in rods] if seeds is None else list(map(way_to, rods, seeds))
+    estimates = [(np.inf, np.inf) if way.shape is None else estimate(way.shape) for way in ways]
+    index = np.array([np.nan if way.shape is None or way.shape.rod.has_friction else way.index for way in ways])
+    critical = np.array([np.nan if way.buckled is None else way.buckled for way in ways])
+    shapes = VaryingShapes([way.shape for way in ways], index, critical)
     begin, end = shapes.ends()
     error, condition = np.array(estimates).T
     read = shapes.read(t, alpha0)
     size = unit_force(case)
     rubbed = case.cylinder.friction
     friction = flat(0.0 if rubbed is None else rubbed, case.shape)
-    reasons = zip(paths, size, friction, strict=True)
-    why = np.array(
-        ["" if path.shape is not None else failure(path, *numbers) for path, *numbers in reasons], dtype=object
-    )
+    reasons = zip(ways, size, friction, strict=True)
+    why = np.array(["" if way.shape is not None else failure(way, *numbers) for way, *numbers in reasons], dtype=object)
     solved, outcome = verdicts(read["beta"], error, condition, tol).with_failures(why)
     spans = np.array([rod.span for rod in rods])
     problem = EndsProblem(end[:, Q] + end[:, MU], end[:, MU], end[:, PHI], spans, begin[:, BETA], end[:, BETA])
-    work = np.array([0 if path.shape is None else path.shape.t.size * path.shape.steps for path in paths])
-    begun = np.array([words_of(path) for path in paths], dtype=object)
+    work = np.array([0 if way.shape is None else way.shape.t.size * way.shape.steps for way in ways])
+    begun = np.array([words_of(way) for way in ways], dtype=object)
     outcome = with_undelivered(outcome, solved, case, np.array([rod.numbers for rod in rods]), begin, end)
     if not case.varies:
         read |= {"loads": None, "dead_index": dead_indices(shapes.each(len(rods)))}
@@ -162,7 +160,7 @@ def answer_ends(case: Case, t: Array, tol: float, seeds: Sequence[Any] | None = 
     )
 
 
-def curve_over(case: Case, known: Shape, name: str, low: float, high: float) -> tuple[NodeCurve, Shape]:
+def curve_over(case: Case, shape: Shape, name: str, low: float, high: float) -> tuple[NodeCurve, Shape]:
     """The curve of equilibria of a case over one field, from low to high, and a shape of it.
 
     Raises `InputError` where no rod is computed at an end of the range.
@@ -174,11 +172,11 @@ def curve_over(case: Case, known: Shape, name: str, low: float, high: float) -> 
     rod = rods_of(case)[0]
     u, scale = densest_nodes((rod_at(low), rod, rod_at(high))), rod.scale
     if not case.varies:  # the loads alone do not say how the shape changes
-        u, scale = max(u, known.t / known.t[-1], key=len), known.rod.scale
-    return NodeCurve(rod_at, high - low, scale), shape_like(rod, known, u * rod.span)
+        u, scale = max(u, shape.t / shape.t[-1], key=len), shape.rod.scale
+    return NodeCurve(rod_at, high - low, scale), shape_like(rod, shape, u * rod.span)
 
 
-def shape_path(shape: Shape, index: int) -> GrowthWay:
+def way_of(shape: Shape, index: int) -> GrowthWay:
     """A shape that is known, as a seed of `answer_ends`."""
     return GrowthWay(shape, index, why="seed")
 
@@ -220,7 +218,7 @@ def branch_of(rod: LoadedRod) -> GrowthWay:
     return GrowthWay(None, why=why) if why else find_shape(rod)
 
 
-def path_to(rod: LoadedRod, seed: Any) -> GrowthWay:
+def way_to(rod: LoadedRod, seed: Any) -> GrowthWay:
     """The shape of a rod that a seed, as of `answer_ends`, means."""
     if isinstance(seed, GrowthWay):
         return seed
@@ -239,15 +237,15 @@ def path_to(rod: LoadedRod, seed: Any) -> GrowthWay:
     return GrowthWay(corrected, index_of_any(corrected), why="seed")
 
 
-def failure(path: GrowthWay, size: float, friction: float) -> str:
+def failure(way: GrowthWay, size: float, friction: float) -> str:
     """Why a rod has no shape, and with which load or friction it has one. size: of forces."""
-    said = f"failed: {path.why}"
-    less = f"with friction {path.share * friction:.3g}, the most that the way from none reaches" if path.share else ""
-    if path.limit is None:
+    said = f"failed: {way.why}"
+    less = f"with friction {way.share * friction:.3g}, the most that the way from none reaches" if way.share else ""
+    if way.limit is None:
         return f"{said}; this rod has an answer {less}" if less else said
-    load = round_up(path.limit * size)
+    load = round_up(way.limit * size)
     straight = f"with a {'tension' if load > 0 else 'compression'} of {abs(load):.4g} at s = L (FZ = {load:.4g})"
-    if path.share is None:  # locked up
+    if way.share is None:  # locked up
         size_of_load = f"a tension of at least {load:.4g}" if load > 0 else f"at most {-load:.4g}"
         return f"{said}. It still does with {size_of_load} at s = L (FZ = {load:.4g})"
     return f"{said}; this rod has an answer {less and f'{less}, and, '}straight, {straight}"
@@ -294,21 +292,21 @@ def _tangential_force(y: Array) -> Array:
     return surface_forces(circumferential_force(1.0, y[:, Q] + mu, mu, 1.0, beta), y[:, PHI], beta)[1]
 
 
-def words_of(path: GrowthWay) -> str:
+def words_of(way: GrowthWay) -> str:
     """How a shape was reached, in words."""
-    if path.shape is None:
+    if way.shape is None:
         return ""
-    if path.why == "seed":
+    if way.why == "seed":
         return "the seed"
-    said, of = [path.begun], "times them" if path.begun == STRAIGHT else "of the way"
-    if path.wound:
+    said, of = [way.begun], "times them" if way.begun == STRAIGHT else "of the way"
+    if way.wound:
         said.append(f"{LEAVES} where its sinusoid would lift off the wall, for a helix")
-    if path.buckled is not None:
-        said.append(f"which buckles at {path.buckled:.6g} times these loads")
-    said += [f"{LEAVES} at {share:.3g} {of} for another stable shape" for share in path.jumped]
-    if path.rubbed:
+    if way.buckled is not None:
+        said.append(f"which buckles at {way.buckled:.6g} times these loads")
+    said += [f"{LEAVES} at {share:.3g} {of} for another stable shape" for share in way.jumped]
+    if way.rubbed:
         said.append(f"{RUBS} raises its compression")
-    return ", ".join([*said, *([path.why] * bool(path.why))])
+    return ", ".join([*said, *([way.why] * bool(way.why))])
 
 
 def estimate(shape: Shape) -> tuple[float, float]:

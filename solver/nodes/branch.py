@@ -32,21 +32,21 @@ def find_shape(rod: LoadedRod) -> GrowthWay:
     Where none does, its reason says where each ended. A rod with friction that is bent by its torque alone is given no
     other way: it may wind up at its end without limit, and with friction no index would show that.
     """
-    path = branch_from_straight(rod)
-    if path.shape is not None or path.barred:
-        return path
+    from_straight = branch_from_straight(rod)
+    if from_straight.shape is not None or from_straight.barred:
+        return from_straight
     lying = rod.with_friction(0.0)  # what turns in place leans
     bent_by_torque = not lying.straight and lying.with_torque_through().straight
-    ways = from_taut_rod, partial(from_neighbours, path=path), from_tension, from_no_weight
-    why = path.why
-    for way in () if bent_by_torque and rod.has_friction else ways:
-        other = way(rod)
+    others = from_taut_rod, partial(from_neighbours, way=from_straight), from_tension, from_no_weight
+    why = from_straight.why
+    for way_by in () if bent_by_torque and rod.has_friction else others:
+        other = way_by(rod)
         if other.shape is not None:
             return other
         why += f"; that from {other.begun} ends at {other.ended:.3g} of its way" if other.ended else ""
     if bent_by_torque and NEEDS_TORQUE not in why:  # that without friction says it too
         why += f"; {NEEDS_TORQUE}"
-    return replace(path, why=why)
+    return replace(from_straight, why=why)
 
 
 def helix_of(rod: LoadedRod) -> Shape | None:
@@ -87,12 +87,12 @@ def from_taut_rod(rod: LoadedRod) -> GrowthWay:
     )
 
 
-def from_neighbours(rod: LoadedRod, path: GrowthWay) -> GrowthWay:
-    """The shape of the rod under a little less or more of its loads, carried back; path: that of the rod itself.
+def from_neighbours(rod: LoadedRod, way: GrowthWay) -> GrowthWay:
+    """The shape of the rod under a little less or more of its loads, carried back; way: that of the rod itself.
 
     Where the branch of the rod ends far from its loads those of its neighbours do too, and are not followed.
     """
-    for share in NEIGHBOURS if path.ended > NEARLY else ():
+    for share in NEIGHBOURS if way.ended > NEARLY else ():
         near = branch_from_straight(rod.share(share))
         if near.shape is not None:
             back = grow(partial(between_shares, rod, share), near.shape)
@@ -134,7 +134,7 @@ def branch_from_straight(rod: LoadedRod) -> GrowthWay:
     """The equilibrium on the branch of the straight rod.
 
     A straight rod that is stable is the answer. Elsewhere the loads grow from 0, but for the weight across, which is
-    whole from the beginning; where the straight rod buckles the path takes the buckled shape, and where it ends, the
+    whole from the beginning; where the straight rod buckles it takes the buckled shape, and where it ends, the
     stable shape below it. Friction grows at last, on the shape without it. A long rod whose sinusoid would lift off the
     wall takes the helix.
     """
@@ -162,8 +162,8 @@ def branch_from_straight(rod: LoadedRod) -> GrowthWay:
         return 1 - (1 - x * x) * (1 - critical)
 
     begin = np.sqrt((share - critical) / (1 - critical)) if share < 1 else 1.0
-    path = grow(lambda x: rod.share(share_at(x)), first, begin)
-    return replace(path, buckled=critical, jumped=tuple(map(share_at, path.jumped)))
+    way = grow(lambda x: rod.share(share_at(x)), first, begin)
+    return replace(way, buckled=critical, jumped=tuple(map(share_at, way.jumped)))
 
 
 def branch_with_friction(rod: LoadedRod) -> GrowthWay:
@@ -192,14 +192,14 @@ def branch_with_friction(rod: LoadedRod) -> GrowthWay:
     if (bent := sinusoid(rod)) is not None:
         return GrowthWay(bent, rubbed=alone)
     if rod.rotates and (bent := sinusoid(rod.with_torque(0.0))) is not None:
-        path = grow(rod.with_torque, bent)
-        if path.shape is not None:
-            return path
-    path = GrowthWay(None) if alone else grow_friction(rod, find_shape(plain))
-    if path.shape is not None and not (rod.straight and is_same(path.shape, straight_shape(rod, path.shape.t))):
-        return path
+        way = grow(rod.with_torque, bent)
+        if way.shape is not None:
+            return way
+    way = GrowthWay(None) if alone else grow_friction(rod, find_shape(plain))
+    if way.shape is not None and not (rod.straight and is_same(way.shape, straight_shape(rod, way.shape.t))):
+        return way
     if not (rod.straight or leans_and_buckles(rod)):
-        return path
+        return way
     hints = []
     if {"beta0", "betaL"} & rod.held and not rod.rotates:
         hints.append("hinged ends (M10 and M1L in place of beta0 and betaL)")
@@ -211,15 +211,15 @@ def branch_with_friction(rod: LoadedRod) -> GrowthWay:
     )
     why = f"{why}; {' or '.join(hints)} may have an answer" if hints else why
     is_at_fault = partial(leans_and_buckles, beyond=QUIET) if rod.rotates else straight_index
-    return GrowthWay(None, why=why, barred=True, limit=least_tension(rod, is_at_fault), share=path.share or 0.0)
+    return GrowthWay(None, why=why, barred=True, limit=least_tension(rod, is_at_fault), share=way.share or 0.0)
 
 
 def grow_friction(rod: LoadedRod, plain: GrowthWay) -> GrowthWay:
     """What the shape without friction becomes while friction grows."""
     if plain.shape is None:
         return plain
-    path = grow(rod.with_friction, plain.shape, target=FRICTION)
-    return replace(path, buckled=plain.buckled, jumped=plain.jumped, wound=plain.wound, begun=plain.begun)
+    way = grow(rod.with_friction, plain.shape, target=FRICTION)
+    return replace(way, buckled=plain.buckled, jumped=plain.jumped, wound=plain.wound, begun=plain.begun)
 
 
 def least_tension(rod: LoadedRod, is_at_fault: Callable[[LoadedRod], object]) -> float:
@@ -235,14 +235,14 @@ def branch_to_height(rod: LoadedRod) -> GrowthWay:
     """
     size, why, failed = 0.0, "no axial force was found that bends the rod", 0
     for _ in range(MOST_FORCES):
-        path = (branch_from_straight if failed else find_shape)(rod.with_tension(-size))
+        way = (branch_from_straight if failed else find_shape)(rod.with_tension(-size))
         size = 2 * size or float(rod.rate(np.array([rod.span]))[0] ** 2) / 4
-        if path.shape is None:
-            why, failed = f"no axial force was found that bends the rod: {path.why}", failed + 1
+        if way.shape is None:
+            why, failed = f"no axial force was found that bends the rod: {way.why}", failed + 1
             if failed == MOST_FAILED:
                 break
             continue
-        height = float(rod.span - path.shape.y[-1, SHORT])
+        height = float(rod.span - way.shape.y[-1, SHORT])
         if rod.span - height < LEAST_BENT * (rod.span - rod.far[2]):
             continue
 
@@ -251,6 +251,6 @@ def branch_to_height(rod: LoadedRod) -> GrowthWay:
             held[2] += (1 - share) * (height - held[2])
             return replace(rod, far=held)
 
-        grown = grow(at, Shape(at(0.0), path.shape.t, path.shape.y))
-        return replace(grown, buckled=path.buckled, jumped=path.jumped + grown.jumped, begun=path.begun)
+        grown = grow(at, Shape(at(0.0), way.shape.t, way.shape.y))
+        return replace(grown, buckled=way.buckled, jumped=way.jumped + grown.jumped, begun=way.begun)
     return GrowthWay(None, why=why)

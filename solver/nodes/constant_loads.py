@@ -22,8 +22,8 @@ def shape_of_solution(rod: LoadedRod, trajectory: Any, problem: Any, t: Array) -
     rod: says what its ends are given, and its azimuth at the start.
     """
     if trajectory.shapes is not None:
-        known: Shape = trajectory.shapes.of(0)
-        return replace(known, rod=rod.in_scales(known.rod.scale))
+        shape: Shape = trajectory.shapes.of(0)
+        return replace(shape, rod=rod.in_scales(shape.rod.scale))
     orbit = trajectory.orbit
     if orbit is not None:
         return shape_of_orbit(rod, orbit, problem)

@@ -1,7 +1,7 @@
-"""Curves of equilibria of a rod that depends on one number x, and the way along them through folds.
+"""Curves of equilibria of a rod that depends on one number p, and the way along them through folds.
 
-A point is found by Newton's method with x unknown and one more condition. The unknowns are the states at the nodes, in
-fixed scales, and x over its size. The nodes keep their shares of the span.
+A point is found by Newton's method with p unknown and one more condition. The unknowns are the states at the nodes, in
+fixed scales, and p over its size. The nodes keep their shares of the span.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -35,9 +35,9 @@ from .weak_modes import Held, hold, weakest_modes
 SPLIT = 0.05  # of the angles, in their scales: how far from a branch those that split off it are entered
 UNSOLVED = "Newton's method did not converge from it"
 LOST = "Newton's method did not converge on the way"
-LENGTHS = Lengths(first=0.02, longest=0.1, least=1e-5)  # of steps, in the sizes of the angles and of x
+LENGTHS = Lengths(first=0.02, longest=0.1, least=1e-5)  # of steps, in the sizes of the angles and of p
 SHORT = 1e-3  # step, within which several branch points are one
-FLAT = 1e-7  # of dx along the curve next to a fold: its square is lost of x
+FLAT = 1e-7  # of dp along the curve next to a fold: its square is lost of p
 BALANCED = 1e-9  # of the scales: the force that holds a shape which its symmetry holds
 NARROW = 0.01  # of a step: how closely a branch point is enclosed, before it is solved for
 
@@ -52,7 +52,7 @@ class CurvePoint:
 
     @property
     def rises(self) -> float:
-        """dx along the curve."""
+        """dp along the curve."""
         return float(self.tangent[-1])
 
     @cached_property
@@ -66,7 +66,7 @@ class CurvePoint:
 
 
 def inner(u: Array, v: Array) -> float:
-    """The product of two directions (8 N + 1,): the mean over the nodes of that of the angles, and that of x."""
+    """The product of two directions (8 N + 1,): the mean over the nodes of that of the angles, and that of p."""
     a, b = (w[:-1].reshape(-1, 8)[:, [BETA, ALPHA]] for w in (u, v))
     return float((a * b).sum() / len(a) + u[-1] * v[-1])
 
@@ -78,10 +78,10 @@ def unit(direction: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class NodeCurve:
-    """rod_at: the rod at each x. size: the size of x. scale: (8,), that of the states.
+    """rod_at: the rod at each p. size: the size of p. scale: (8,), that of the states.
 
-    natural: of steps where x must rise, and all that is wanted is the equilibrium at its last value: points on the way
-    are rough, and the branch ends where their index would rise. None where x may fall.
+    natural: of steps where p must rise, and all that is wanted is the equilibrium at its last value: points on the way
+    are rough, and the branch ends where their index would rise. None where p may fall.
     """
 
     rod_at: Callable[[float], LoadedRod]
@@ -89,31 +89,31 @@ class NodeCurve:
     scale: Array
     natural: Lengths | None = None
 
-    def shape(self, like: Shape, y: Array, x: float) -> Shape:
-        """The rod at x with the states y, on the nodes of another shape."""
-        rod = self.rod_at(x).in_scales(self.scale)
+    def shape(self, like: Shape, y: Array, p: float) -> Shape:
+        """The rod at p with the states y, on the nodes of another shape."""
+        rod = self.rod_at(p).in_scales(self.scale)
         return Shape(rod, like.t * (rod.span / like.t[-1]), y)
 
-    def in_sizes(self, change: Array, x: float) -> Array:
-        """A change (N, 8) of the states and of x in their sizes, (8 N + 1,)."""
-        return np.append((change / self.scale).reshape(-1), x / self.size)
+    def in_sizes(self, change: Array, p: float) -> Array:
+        """A change (N, 8) of the states and of p in their sizes, (8 N + 1,)."""
+        return np.append((change / self.scale).reshape(-1), p / self.size)
 
-    def split_off(self, shape: Shape, mode: Array, sizes: Sequence[float], x: float) -> Iterator[CurvePoint]:
-        """The equilibria near x that differ from a shape by so much of a mode (N, 8): x is what follows."""
+    def split_off(self, shape: Shape, mode: Array, sizes: Sequence[float], p: float) -> Iterator[CurvePoint]:
+        """The equilibria near p that differ from a shape by so much of a mode (N, 8): p is what follows."""
         across = unit(self.in_sizes(mode, 0.0))
-        points = (self.correct(replace(shape, y=shape.y + size * mode), x, across) for size in sizes)
+        points = (self.correct(replace(shape, y=shape.y + size * mode), p, across) for size in sizes)
         return (point for point in points if point is not None)
 
-    def rate(self, shape: Shape, x: float) -> Array:
-        """The derivative of what is open by x over its size, (8 N,)."""
+    def rate(self, shape: Shape, p: float) -> Array:
+        """The derivative of what is open by p over its size, (8 N,)."""
         h = NUDGE * self.size
-        sides = [self.shape(shape, shape.y, x + sign * h) for sign in (1, -1)]
+        sides = [self.shape(shape, shape.y, p + sign * h) for sign in (1, -1)]
         (numbers, span), (others, length) = ((side.rod.numbers, side.rod.span) for side in sides)
-        alone = span == length and (numbers == others).all()  # only the ends answer x: the stretches are not marched
+        alone = span == length and (numbers == others).all()  # only the ends answer p: the stretches are not marched
         above, below = (gaps_after(side, side.y[1:]) if alone else open_at(side) for side in sides)
         return np.asarray((above - below) / (2 * NUDGE))
 
-    def correct(self, guess: Shape, x: float, across: Array, most: int = 12) -> CurvePoint | None:
+    def correct(self, guess: Shape, p: float, across: Array, most: int = 12) -> CurvePoint | None:
         """The point of the curve in the plane through a guess with the normal `across` (8 N + 1,); None without one."""
 
         def step(now: CurvePoint) -> tuple[CurvePoint, float] | str:
@@ -124,7 +124,7 @@ class NodeCurve:
             if columns is None:
                 return DIVERGED
             whole, by_x = np.append(columns[:, 0], 0.0), np.append(-columns[:, 1], 1.0)
-            passed = self.in_sizes(shape.y - guess.y, now.p - x)
+            passed = self.in_sizes(shape.y - guess.y, now.p - p)
             along = inner(across, by_x)
             if not along:
                 return DIVERGED
@@ -137,60 +137,60 @@ class NodeCurve:
                 size_of(change), abs(whole[-1])
             )
 
-        corrected = newton(CurvePoint(self.shape(guess, guess.y, x), x, across), step, replace(ENDING, rounds=most))
+        corrected = newton(CurvePoint(self.shape(guess, guess.y, p), p, across), step, replace(ENDING, rounds=most))
         if isinstance(corrected, str):
             return None
         solved, tangent = corrected.shape, unit(corrected.tangent)
         solved = replace(solved, y=with_known_loads(solved.rod, solved.t, solved.y))
         return CurvePoint(solved, corrected.p, tangent if inner(tangent, across) >= 0 else -tangent)
 
-    def begin(self, shape: Shape, x: float) -> CurvePoint | None:
-        """The equilibrium at x near a shape; None where Newton's method reaches none."""
+    def begin(self, shape: Shape, p: float) -> CurvePoint | None:
+        """The equilibrium at p near a shape; None where Newton's method reaches none."""
         level = np.zeros(shape.y.size + 1)
         level[-1] = 1
-        return self.correct(shape, x, level)
+        return self.correct(shape, p, level)
 
     def ahead(self, before: CurvePoint, step: float) -> CurvePoint | None:
         """The point after a step; None where the step is too long."""
         shape, change = before.shape, step * before.tangent
         guess = replace(shape, y=shape.y + change[:-1].reshape(shape.y.shape) * self.scale)
-        x = before.p + change[-1] * self.size
+        p = before.p + change[-1] * self.size
         if self.natural:
-            return self.rough_point(before, guess, x)
-        point = self.correct(guess, x, before.tangent, most=8)
+            return self.rough_point(before, guess, p)
+        point = self.correct(guess, p, before.tangent, most=8)
         if point is None or inner(point.tangent, before.tangent) < COSINE:
             return None
-        off = self.in_sizes(point.shape.y - guess.y, point.p - x)
+        off = self.in_sizes(point.shape.y - guess.y, point.p - p)
         return None if inner(off, off) > (OFF * step) ** 2 else point
 
-    def rough_point(self, before: CurvePoint, guess: Shape, x: float) -> CurvePoint | None:
-        """The point near a guess at x, in the direction from the one before, with dx = 1; None where it may be on
+    def rough_point(self, before: CurvePoint, guess: Shape, p: float) -> CurvePoint | None:
+        """The point near a guess at p, in the direction from the one before, with dp = 1; None where it may be on
         another branch."""
-        shape = correct(replace(guess, rod=self.rod_at(x)), most=10, enough=LOOSE)
+        shape = correct(replace(guess, rod=self.rod_at(p)), most=10, enough=LOOSE)
         if shape is None or not is_near(before.shape, shape):
             return None
-        change = self.in_sizes(shape.y - before.shape.y, x - before.p)
-        point = CurvePoint(shape, x, change / change[-1])
+        change = self.in_sizes(shape.y - before.shape.y, p - before.p)
+        point = CurvePoint(shape, p, change / change[-1])
         return None if point.index > before.index else point
 
-    def between(self, one: CurvePoint, other: CurvePoint, x: float) -> Place | None:
-        """The equilibrium at x between two neighbours."""
-        share = (x - one.p) / (other.p - one.p)
-        point = self.begin(replace(one.shape, y=one.shape.y + share * (other.shape.y - one.shape.y)), x)
+    def between(self, before: CurvePoint, after: CurvePoint, p: float) -> Place | None:
+        """The equilibrium at p between two neighbours."""
+        share = (p - before.p) / (after.p - before.p)
+        point = self.begin(replace(before.shape, y=before.shape.y + share * (after.shape.y - before.shape.y)), p)
         return None if point is None else point.record()
 
 
 def special_between(
     curve: NodeCurve, before: CurvePoint, after: CurvePoint, step: float
 ) -> list[tuple[CurvePoint, str]] | None:
-    """The special point within a step after which the index or the sense of x differs, and its kind; None where it is
+    """The special point within a step after which the index or the sense of p differs, and its kind; None where it is
     not enclosed.
 
     A change of branch has no place at which the points on both sides meet, so it is not enclosed.
     """
     way, ends = partial(curve.ahead, before), {0.0: before, step: after}
     if before.rises * after.rises < 0:
-        flat = FLAT * max(abs(before.rises), abs(after.rises))  # these are small where x has a far wider range
+        flat = FLAT * max(abs(before.rises), abs(after.rises))  # these are small where p has a far wider range
         turn = locate(way, ends, lambda point: point.rises, flat)
         is_fold = before.index != after.index or after.shape.rod.has_friction
         return None if turn is None else [(turn, FOLD if is_fold else PITCHFORK)]
@@ -209,9 +209,9 @@ def branch_point_between(curve: NodeCurve, low: CurvePoint, high: CurvePoint) ->
     mode, apart = weakest_modes(low.shape)[0], high.shape.y - low.shape.y
 
     def at(share: float) -> tuple[float, Held] | None:
-        x = low.p + share * (high.p - low.p)
-        held = hold(curve.shape(low.shape, low.shape.y + share * apart, x), mode)
-        return None if held is None else (x, held)
+        p = low.p + share * (high.p - low.p)
+        held = hold(curve.shape(low.shape, low.shape.y + share * apart, p), mode)
+        return None if held is None else (p, held)
 
     first, last = at(0.0), at(1.0)
     if first is None or last is None:
@@ -219,9 +219,9 @@ def branch_point_between(curve: NodeCurve, low: CurvePoint, high: CurvePoint) ->
     crossing = locate(at, {0.0: first, 1.0: last}, lambda place: place[1].stiffness)
     if crossing is None:
         return None
-    x, held = crossing
+    p, held = crossing
     flat = FLAT * abs(last[1].stiffness - first[1].stiffness)  # its sign changes where it is infinite, too
-    return CurvePoint(held.shape, x, low.tangent) if abs(held.stiffness) < flat and abs(held.force) < BALANCED else None
+    return CurvePoint(held.shape, p, low.tangent) if abs(held.stiffness) < flat and abs(held.force) < BALANCED else None
 
 
 def trace_shapes(
@@ -232,7 +232,7 @@ def trace_shapes(
     lengths: Lengths = LENGTHS,
     to_fold: bool = False,
 ) -> tuple[list[Place], Stop]:
-    """The equilibria after the first one where x rises, or falls, from it, and why there are no more.
+    """The equilibria after the first one where p rises, or falls, from it, and why there are no more.
 
     lengths: of the steps of a curve that is not natural.
     to_fold: whether the branch ends at a fold.
@@ -264,12 +264,12 @@ def trace_shapes(
 
 
 def shapes_through(
-    curve: NodeCurve, shape: Shape, x: float, bounds: Bounds
+    curve: NodeCurve, shape: Shape, p: float, bounds: Bounds
 ) -> tuple[list[Place], int, Stop, Stop] | str:
-    """The equilibria of the branch of a shape at x, the place of its own, and why there are no more at either end; or
+    """The equilibria of the branch of a shape at p, the place of its own, and why there are no more at either end; or
     why it cannot be followed."""
-    first = curve.begin(shape, x)
+    first = curve.begin(shape, p)
     if first is None:
         return UNSOLVED
-    middle = replace(first.record(), p=x)
+    middle = replace(first.record(), p=p)
     return both_ways(middle, bounds, lambda rises: trace_shapes(curve, first, rises, bounds))

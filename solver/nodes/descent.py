@@ -14,7 +14,7 @@ from .varying_shapes import Shape
 from .weak_modes import weakest_modes
 
 
-def index_of(rod: LoadedRod, transfer: Array, scale: Array, stiffness: Array | None = None) -> int:
+def _index_by_inertia(rod: LoadedRod, transfer: Array, scale: Array, stiffness: Array | None = None) -> int:
     """The negative eigenvalues of the Hessian of the action, from the transfer matrices (N, 8, 8) of the stretches.
 
     The action over nodes is the sum of p' q' - W(q, p') over the stretches, where W generates the map of a stretch from
@@ -51,7 +51,7 @@ def indices_with_springs(shape: Shape, strengths: Sequence[float]) -> list[int]:
     shape = fine_shape(shape)
     springs = [None, *(springs_of(shape, strength) for strength in strengths)]
     transfer = march_of(shape)[1]
-    return [index_of(shape.rod, transfer, shape.rod.scale, spring) for spring in springs]
+    return [_index_by_inertia(shape.rod, transfer, shape.rod.scale, spring) for spring in springs]
 
 
 def fine_shape(shape: Shape) -> Shape:
@@ -85,9 +85,9 @@ def on_nodes(shape: Shape, t: Array) -> Shape:
     return shape_like(shape.rod, shape, t)
 
 
-def shape_like(rod: LoadedRod, known: Shape, t: Array) -> Shape:
+def shape_like(rod: LoadedRod, shape: Shape, t: Array) -> Shape:
     """A shape of one rod as a guess of that of another rod on nodes t, at equal shares of their spans."""
-    return Shape(rod, t, known.at(t * (known.t[-1] / rod.span)))
+    return Shape(rod, t, shape.at(t * (shape.t[-1] / rod.span)))
 
 
 def index_of_any(shape: Shape) -> int:

@@ -9,14 +9,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..branches.branch_events import Bounds
-from ..branches.continuation import FOLD, Stopped
+from ..branches.branch_events import Bounds, Stop
 from ..branches.deflation import are_same
 from ..branches.given_numbers import Given, OrbitState
 from ..branches.orbit_rates import NUMBERS, rates_of_helices, start_rates
 from ..branches.system import state_from_start
-from ..numerics import arclength
-from ..numerics.arclength import POINTS, Lengths
+from ..numerics.arclength import END, POINTS, Lengths
 from ..numerics.arrays import Array
 from ..numerics.roots import DIVERGED, REACH, lead_away
 from ..orbits.boundary import Path, wrap
@@ -105,16 +103,14 @@ def with_ends_of(shape: Shape, wanted: Given) -> HingedState:
     return state_of(replace(shape, rod=with_own_ends(shape).in_scales(shape.rod.scale)))
 
 
-def carry_hinged(state: OrbitState, wanted: Given, most: int = POINTS) -> HingedState | Stopped:
+def carry_hinged(state: OrbitState, wanted: Given, most: int = POINTS) -> HingedState | Stop:
     """The equilibrium with the wanted numbers on the branch of a state, as of `continuation.carry`."""
     curve, shape = line_from(state, wanted)
     begun = curve.begin(shape, 0.0)
     if begun is None:
-        return Stopped(0.0, UNSOLVED)
+        return Stop(UNSOLVED, 0.0)
     places, stop = trace_shapes(curve, begun, True, Bounds(0.0, 1.0, (), most), lengths=CARRIED, to_fold=True)
-    if stop.reason == arclength.END:
-        return state_of(places[-1].path)
-    return Stopped(stop.p, FOLD if stop.reason == arclength.FOLD else stop.reason)
+    return state_of(places[-1].path) if stop.reason == END else stop
 
 
 def line_from(state: OrbitState, wanted: Given) -> tuple[NodeCurve, Shape]:
@@ -151,7 +147,7 @@ def settle_hinged(guess: OrbitState, wanted: Given) -> HingedState | str:
     return state_of(corrected)
 
 
-def deflate_hinged(start: OrbitState, wanted: Given, known: Sequence[Array]) -> HingedState | None:
+def deflate_hinged(state: OrbitState, wanted: Given, known: Sequence[Array]) -> HingedState | None:
     """An equilibrium with the wanted numbers that is none of the known ones, as of `deflation.deflate`."""
 
     def newton_step(shape: Shape) -> tuple[Array, Array, Array] | None:
@@ -166,7 +162,7 @@ def deflate_hinged(start: OrbitState, wanted: Given, known: Sequence[Array]) -> 
         share = np.clip(factor, -REACH / turn, REACH / turn) if turn else 0.0
         return replace(shape, y=shape.y + share * change * shape.rod.scale), size_of(change)
 
-    shape = shape_of(start, rod_of(wanted))
+    shape = shape_of(state, rod_of(wanted))
     shape = shape_like(shape.rod, shape, shape.t * (wanted.span / shape.t[-1]))
     near = lead_away(shape, newton_step, move, known, DEFLATED)
     corrected = None if near is None else correct(near, most=15)
@@ -238,14 +234,14 @@ def half_period_later(shape: Shape) -> Shape | None:
     return replace(shape, y=y)
 
 
-def is_nearer_across_fold(seed: OrbitState, found: OrbitState, wanted: Given) -> bool:
+def is_nearer_across_fold(seed: OrbitState, state: OrbitState, wanted: Given) -> bool:
     """Whether another equilibrium with the wanted numbers, across a fold of the branch from a seed, is nearer than it.
 
     The branch is followed to it only where its bend says that a fold may be near.
     """
-    assert isinstance(found, HingedState)
+    assert isinstance(state, HingedState)
     curve, begin = line_from(seed, wanted)
-    point = curve.begin(shape_like(found.shape.rod, found.shape, begin.t * (wanted.span / begin.t[-1])), 1.0)
+    point = curve.begin(shape_like(state.shape.rod, state.shape, begin.t * (wanted.span / begin.t[-1])), 1.0)
     behind = None if point is None else curve.ahead(point, -BEHIND)
     if point is None or behind is None:
         return False
@@ -256,16 +252,16 @@ def is_nearer_across_fold(seed: OrbitState, found: OrbitState, wanted: Given) ->
     return any(place.p == 1 and _apart(curve, place.path, point.shape) < far for place in places)
 
 
-def _apart(curve: NodeCurve, one: Shape, other: Shape) -> float:
+def _apart(curve: NodeCurve, shape: Shape, other: Shape) -> float:
     """The mean difference of the angles of two shapes, in their sizes."""
-    change = curve.in_sizes(one.y - other.y, 0.0)
+    change = curve.in_sizes(shape.y - other.y, 0.0)
     return float(np.sqrt(inner(change, change)))
 
 
-def meetings_of(seed: OrbitState, found: OrbitState, wanted: Given, bounds: Bounds) -> list[OrbitState]:
+def meetings_of(seed: OrbitState, state: OrbitState, wanted: Given, bounds: Bounds) -> list[OrbitState]:
     """Where the branch of an equilibrium meets the wanted numbers, on the line from those of a seed."""
-    assert isinstance(found, HingedState)
+    assert isinstance(state, HingedState)
     curve, _ = line_from(seed, wanted)
-    begun = curve.begin(found.shape, 1.0)
+    begun = curve.begin(state.shape, 1.0)
     ways = () if begun is None else (trace_shapes(curve, begun, rises, bounds)[0] for rises in (True, False))
     return [state_of(place.path) for places in ways for place in places if place.p == 1]

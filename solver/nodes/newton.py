@@ -109,12 +109,12 @@ def with_known_loads(rod: LoadedRod, t: Array, y: Array) -> Array:
     return y
 
 
-def is_same(one: Shape, other: Shape) -> bool:
+def is_same(shape: Shape, other: Shape) -> bool:
     """Whether two shapes of a rod are one, whose beta may differ by whole turns where no end angle is given."""
-    change = one.y - other.y
-    if one.rod.turns_freely:
+    change = shape.y - other.y
+    if shape.rod.turns_freely:
         change[:, BETA] -= TAU * np.round(change[0, BETA] / TAU)
-    return bool((np.abs(change) / one.rod.scale)[:, [BETA, SPEED, ALPHA]].max() < SAME)
+    return bool((np.abs(change) / shape.rod.scale)[:, [BETA, SPEED, ALPHA]].max() < SAME)
 
 
 def whole_turns(beta: float) -> int:

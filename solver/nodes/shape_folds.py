@@ -58,7 +58,7 @@ class _ShapePoint(LinePoint):
         return NodeCurve(lambda n: self.rod_at(z + n * across), 1.0, self.shape.rod.scale)
 
     @property
-    def slope(self) -> float:
+    def dbeta0(self) -> float:
         """beta_t(0)."""
         return float(self.shape.y[0, SPEED])
 
@@ -154,7 +154,7 @@ class _PitchforkPoint(_ShapePoint):
         low, high = shapes
         curve = self.line(node.w, across)
         shape = curve.shape(high, (low.y + high.y) / 2, 0.0)
-        mode = max(weakest_modes(high, NEAR), key=lambda one: abs(likeness(one, self.mode)))
+        mode = max(weakest_modes(high, NEAR), key=lambda near: abs(likeness(near, self.mode)))
         turns = {float(np.sign(point.p)) for point in curve.split_off(shape, mode, (SPLIT, -SPLIT), 0.0)}
         more = across * turns.pop() if len(turns) == 1 else np.full(2, np.nan)
         index = min(index_at(low), index_at(high))
@@ -163,9 +163,9 @@ class _PitchforkPoint(_ShapePoint):
         return None if isinstance(node_there, str) else (following, node_there)
 
 
-def likeness(one: Array, other: Array) -> float:
+def likeness(mode: Array, other: Array) -> float:
     """The cosine of the angle between the azimuths of two modes (N, 8)."""
-    a, b = one[:, ALPHA], other[:, ALPHA]
+    a, b = mode[:, ALPHA], other[:, ALPHA]
     return float(a @ b / np.sqrt((a @ a) * (b @ b)))
 
 

@@ -92,27 +92,27 @@ def _without_drawn(first: int, last: int, alpha: Array, drawn: Booleans | None) 
     return [(a, b, 0.0 if drawn[a] else float(abs(alpha[b] - alpha[a]))) for a, b in pairwise(cuts) if b > a]
 
 
-def _without_end_turns(found: list[StretchState]) -> list[StretchState]:
+def _without_end_turns(stretches: list[StretchState]) -> list[StretchState]:
     """The stretches, whose first bends are straight if they die away and straight ones follow.
 
     A straight stretch at the end itself that is shorter than the bend after it is a part of the turn.
     """
-    words = [part.word for part in found]
-    lengths = [part.end - part.begin for part in found]
+    words = [part.word for part in stretches]
+    lengths = [part.end - part.begin for part in stretches]
     first = int(words[:2] == [STRAIGHT, SINUSOIDAL] and lengths[0] < lengths[1])
     bends = words.index(STRAIGHT, first) if STRAIGHT in words[first:] else 0
-    die = all(later.turned <= DYING * part.turned for part, later in pairwise(found[first:bends]))
+    die = all(later.turned <= DYING * part.turned for part, later in pairwise(stretches[first:bends]))
     if set(words[first:bends]) != {SINUSOIDAL} or not die:
-        return found
-    return [part._replace(word=STRAIGHT) for part in found[:bends]] + found[bends:]
+        return stretches
+    return [part._replace(word=STRAIGHT) for part in stretches[:bends]] + stretches[bends:]
 
 
-def _join(found: list[StretchState]) -> list[StretchState]:
+def _join(stretches: list[StretchState]) -> list[StretchState]:
     """Neighbours of the same state as one, but for helices; a short straight piece next to bends joins them."""
     kept: list[StretchState] = []
-    longest = max((part.end - part.begin for part in found if part.word == SINUSOIDAL), default=0.0)
-    for i, part in enumerate(found):
-        word, around = part.word, [other.word for other in found[max(0, i - 1) : i + 2] if other is not part]
+    longest = max((part.end - part.begin for part in stretches if part.word == SINUSOIDAL), default=0.0)
+    for i, part in enumerate(stretches):
+        word, around = part.word, [other.word for other in stretches[max(0, i - 1) : i + 2] if other is not part]
         if word == STRAIGHT and STRAIGHT not in around:
             room = longest if len(around) == 2 else longest / 4 * (around == [SINUSOIDAL])
             word = around[0] if part.end - part.begin < room else word

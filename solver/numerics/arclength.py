@@ -66,7 +66,7 @@ class Stride(Generic[Place, State]):
     """What a step leads to: points in order, from where to go on, the next step, and why the curve ends, if it does."""
 
     points: list[Place]
-    here: State
+    state: State
     step: float
     end: str = ""
 
@@ -102,7 +102,7 @@ def trace(
         points += move.points
         if move.end:
             return points, move.end
-        state, step = move.here, min(lengths.longest, move.step)
+        state, step = move.state, min(lengths.longest, move.step)
     return points, ""
 
 

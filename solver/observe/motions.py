@@ -67,23 +67,23 @@ def marks_of(problem: Reduced) -> Array:
     return np.asarray(problem.span[:, None] * MARKS)
 
 
-def _of_equilibrium(sol: ShapeArrays, one: EndsProblem, path: Path, i: int) -> Motion:
+def _of_equilibrium(sol: ShapeArrays, problem: EndsProblem, path: Path, i: int) -> Motion:
     names, ratio = end_number_names(sol.case), float(flat(sol.case.rod.stiffness_ratio, sol.case.shape)[i])
-    problem = one.with_start(sol.trajectory.dbeta[i : i + 1, 0])
-    varied = variations_of(one, path)
-    rates = rates_of_helices(one) if isinstance(varied, HelixVariations) else rates_of_variations(one, varied)
-    return Motion(np.array([i]), problem, varied, rates.parts(names, ratio))
+    start = problem.with_start(sol.trajectory.dbeta[i : i + 1, 0])
+    varied = variations_of(problem, path)
+    rates = rates_of_helices(problem) if isinstance(varied, HelixVariations) else rates_of_variations(problem, varied)
+    return Motion(np.array([i]), start, varied, rates.parts(names, ratio))
 
 
-def _path(sol: ShapeArrays, one: EndsProblem, i: int) -> Path | None:
+def _path(sol: ShapeArrays, problem: EndsProblem, i: int) -> Path | None:
     """The level and the path of the equilibrium of case i; None where no orbit is found that joins the ends."""
     orbit = sol.trajectory.orbit
     if orbit is not None and getattr(orbit, "path", None) is not None:
         return path_of(orbit.path, i)
-    path = path_from_start(one, float(sol.trajectory.dbeta[i, 0]))
+    path = path_from_start(problem, float(sol.trajectory.dbeta[i, 0]))
     if path is None or path.helix:
         return path
-    settled = settle(one, path)  # the slope is as exact as the method
+    settled = settle(problem, path)  # the slope is as exact as the method
     return path if isinstance(settled, str) else settled.path
 
 

@@ -82,22 +82,22 @@ class Moving(MeasuredNumbers):
         seen = {name: plain.value(name)[rows] for name in observed}
         return RatedNumbers(plain.sign[rows], plain.doubt[rows], names, values, middle, plain.goal, seen)
 
-    def take(self, rows: Any, found: StartRates) -> None:
+    def take(self, rows: Any, at_start: StartRates) -> None:
         """Take the derivatives of some cases; where the method knows the orbits, what was measured on them too."""
-        slopes = {**found.rates, "half_period": found.half_period, **_at_marks(found.marks)}
+        slopes = {**at_start.rates, "half_period": at_start.half_period, **_at_marks(at_start.marks)}
         for name, value in slopes.items():
             self._slopes[name][rows] = value
         if self.sol.trajectory.orbit is None:
             return
-        moves = (found.kind != LOST) & (found.kind != HELIX)
+        moves = (at_start.kind != LOST) & (at_start.kind != HELIX)
         cases = np.arange(self.sol.problem.size)[rows][moves]
         if cases.size == self.sol.problem.size:
-            self.plain.know(found.values, found.middle)
+            self.plain.know(at_start.values, at_start.middle)
             return
-        self.plain.measure(found.values)
+        self.plain.measure(at_start.values)
         others = (
-            ({name: self.plain.get(name) for name in found.values}, found.values),
-            ({name: self.plain.middle(name) for name in found.middle}, found.middle),
+            ({name: self.plain.get(name) for name in at_start.values}, at_start.values),
+            ({name: self.plain.middle(name) for name in at_start.middle}, at_start.middle),
         )
         self.plain.know(*({name: _merge(old[name], cases, new[name], moves) for name in new} for old, new in others))
 

@@ -74,22 +74,22 @@ def blocks(cases: Integers) -> Iterator[Integers]:
         yield cases[start : start + _CASES]
 
 
-def pieces_of(sol: ShapeArrays, some: Integers, until: float = 1.0, step: int = 1) -> SolutionPieces:
+def pieces_of(sol: ShapeArrays, cases: Integers, until: float = 1.0, step: int = 1) -> SolutionPieces:
     """The pieces of some of the cases, numbered from 0, of the first share `until` of their length.
 
-    some: numbers of cases, rising. step: where no orbit is known, every `step`-th station is used.
+    cases: numbers of cases, rising. step: where no orbit is known, every `step`-th station is used.
     """
     if sol.trajectory.shapes is not None:
-        return of_nodes(sol, some, until)
+        return of_nodes(sol, cases, until)
     if sol.trajectory.orbit is None:
-        return of_stations(sol, some, step, until)
-    return of_orbit(sol.trajectory.orbit, some, until)
+        return of_stations(sol, cases, step, until)
+    return of_orbit(sol.trajectory.orbit, cases, until)
 
 
-def of_nodes(sol: ShapeArrays, some: Integers, until: float = 1.0) -> SolutionPieces:
+def of_nodes(sol: ShapeArrays, cases: Integers, until: float = 1.0) -> SolutionPieces:
     """The pieces of rods whose loads vary along them: the stretches between their nodes."""
-    x, parts, problem = basis(NODES), [], sol.problem.take(some)
-    for k, i in enumerate(some.tolist()):
+    x, parts, problem = basis(NODES), [], sol.problem.take(cases)
+    for k, i in enumerate(cases.tolist()):
         shape = sol.trajectory.shapes.of(i)
         if shape is None:
             still = _still(problem, np.array([k]), until * problem.span[[k]])
@@ -116,35 +116,35 @@ def of_nodes(sol: ShapeArrays, some: Integers, until: float = 1.0) -> SolutionPi
     return join_pieces(parts, problem)
 
 
-def of_orbit(orbit: Any, some: Integers, until: float = 1.0) -> SolutionPieces:
+def of_orbit(orbit: Any, cases: Integers, until: float = 1.0) -> SolutionPieces:
     """The pieces of some of the problems of an `Orbit` or a `Swing`, of the first share `until` of their length."""
     if not isinstance(orbit, MarchedOrbit):
-        return _of_panels(orbit, some, np.arange(some.size), some, until)
-    lost = orbit.lost[some]
-    pieces = [_of_steps(orbit, some, np.flatnonzero(~lost), until)] if not lost.all() else []
+        return _of_panels(orbit, cases, np.arange(cases.size), cases, until)
+    lost = orbit.lost[cases]
+    pieces = [_of_steps(orbit, cases, np.flatnonzero(~lost), until)] if not lost.all() else []
     if lost.any() and orbit.rest is not None:
-        pieces.append(_of_panels(orbit.rest, orbit.in_rest[some[lost]], np.flatnonzero(lost), some, until, orbit))
-    return join_pieces(pieces, orbit.problem.take(some))
+        pieces.append(_of_panels(orbit.rest, orbit.in_rest[cases[lost]], np.flatnonzero(lost), cases, until, orbit))
+    return join_pieces(pieces, orbit.problem.take(cases))
 
 
 def _of_panels(
-    orbit: Any, own: Integers, case: Integers, some: Integers, until: float, whole: Any = None
+    orbit: Any, rows: Integers, case: Integers, cases: Integers, until: float, whole: Any = None
 ) -> SolutionPieces:
-    """The pieces of the problems `own` of an `Orbit`, which are the problems `case` of the block."""
-    panels, problem = orbit.panels, orbit.problem.take(own)
-    arcs_of_case = (2 * own[:, None] + [0, 1]).reshape(-1)
+    """The pieces of the problems `rows` of an `Orbit`, which are the problems `case` of the block."""
+    panels, problem = orbit.panels, orbit.problem.take(rows)
+    arcs_of_case = (2 * rows[:, None] + [0, 1]).reshape(-1)
     arcs = orbit.first[arcs_of_case], orbit.count[arcs_of_case], orbit.duration[arcs_of_case]
-    covered = cover(problem.span * until, orbit.kind[own], *arcs, orbit.since, panels.duration)
+    covered = cover(problem.span * until, orbit.kind[rows], *arcs, orbit.since, panels.duration)
     series = panels.series[:, :2].copy()
     series[:, 0, 0] += panels.base
     pieces = _cover(problem, series, covered, until)
-    block = (orbit if whole is None else whole).problem.take(some)
+    block = (orbit if whole is None else whole).problem.take(cases)
     return replace(pieces, problem=block, case=case[pieces.case])
 
 
-def _of_steps(orbit: MarchedOrbit, some: Integers, case: Integers, until: float) -> SolutionPieces:
+def _of_steps(orbit: MarchedOrbit, cases: Integers, case: Integers, until: float) -> SolutionPieces:
     """The pieces of the problems `case` of a block of a marched orbit: its steps, marched again."""
-    rows = some[case]
+    rows = cases[case]
     problem = orbit.problem.take(rows)
     steps, count = orbit.take(rows).steps, orbit.found["count"][rows].reshape(-1)
     width, taylor = steps.width, steps.series
@@ -159,7 +159,7 @@ def _of_steps(orbit: MarchedOrbit, some: Integers, case: Integers, until: float)
     arcs = np.cumsum(count) - count, count, np.stack([orbit.ahead[rows], orbit.back[rows]], axis=1)
     covered = cover(problem.span * until, orbit.kind[rows], *arcs, steps.since, width)
     pieces = _cover(problem, series, covered, until)
-    return replace(pieces, problem=orbit.problem.take(some), case=case[pieces.case])
+    return replace(pieces, problem=orbit.problem.take(cases), case=case[pieces.case])
 
 
 def _cover(problem: Reduced, series: Array, covered: tuple[Array, ...], until: float) -> SolutionPieces:
@@ -179,12 +179,12 @@ def _still(problem: Reduced, case: Array, time: Array, speed: Array | float = 0.
     return SolutionPieces(problem, series, case, np.arange(case.size), -ones, ones, time, ones, 0 * ones, monotone=True)
 
 
-def of_stations(sol: ShapeArrays, some: Integers, step: int = 1, until: float = 1.0) -> SolutionPieces:
+def of_stations(sol: ShapeArrays, cases: Integers, step: int = 1, until: float = 1.0) -> SolutionPieces:
     """The pieces between neighbouring stations of some of the cases, or between every `step`-th of them, up to the
     share `until` of the length."""
-    problem, n = sol.problem.take(some), sol.t.shape[1]
+    problem, n = sol.problem.take(cases), sol.t.shape[1]
     kept = np.unique([*range(0, n, step), n - 1])
-    t, beta, rate = (v[some][:, kept] for v in (sol.t, sol.trajectory.beta, sol.trajectory.dbeta))
+    t, beta, rate = (v[cases][:, kept] for v in (sol.t, sol.trajectory.beta, sol.trajectory.dbeta))
     B, case = t.shape[0], np.repeat(np.arange(t.shape[0]), max(t.shape[1] - 1, 0))
     time = np.diff(t, axis=1).reshape(-1)
     series = station_series(np.stack([problem.lam, problem.mu, problem.phi], axis=1), t, beta, rate)
@@ -204,14 +204,14 @@ def of_stations(sol: ShapeArrays, some: Integers, step: int = 1, until: float = 
     return join_pieces([pieces, points], problem)
 
 
-def off_between(sol: ShapeArrays, some: Integers) -> Array:
+def off_between(sol: ShapeArrays, cases: Integers) -> Array:
     """How far beta between the stations may be off, (b,): as far as it is at every other station without that one."""
     n = sol.t.shape[1]
-    t, beta = sol.t[some], sol.trajectory.beta[some]
+    t, beta = sol.t[cases], sol.trajectory.beta[cases]
     off = np.zeros(t.shape[0])
     if n < 3:
         return off
-    fewer, many = of_stations(sol, some, 2), n // 2  # intervals of a case
+    fewer, many = of_stations(sol, cases, 2), n // 2  # intervals of a case
     fewer = fewer.take((fewer.row < t.shape[0] * many) & (2 * (fewer.row % many) + 1 < n - 1))
     left_out = fewer.case, 2 * (fewer.row % many) + 1
     x = 2 * (t[left_out] - fewer.begin) / fewer.time - 1

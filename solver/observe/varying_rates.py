@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..core.tuning import NUDGE
-from ..nodes.answers import answer_ends, answer_starts, shape_path
+from ..nodes.answers import answer_ends, answer_starts, way_of
 from ..nodes.curve import NodeCurve
 from ..nodes.loaded_rod import rods_of
 from ..nodes.newton import largest_turn, linear_at
@@ -116,14 +116,14 @@ def _at_step(sol: ShapeArrays, line: _FieldAnswers, count: int) -> ShapeArrays:
     if isinstance(case.given, Start):
         problem, trajectory = answer_starts(case, t, sol.tol)
     else:
-        paths = []
+        ways = []
         for i, rod in enumerate(rods_of(case)):
             nodes, answer, index = known.shapes.of(i), line.answers[i], known.held_index[i]
             y = np.full((2, 8), np.nan) if answer is None else nodes.y + count * line.step[i] * answer
             times = np.array([0.0, rod.span]) if answer is None else nodes.t * (rod.span / nodes.t[-1])
             times[1:-1] *= 1 - EARLY
-            paths.append(shape_path(Nodal(rod, times, y), index))
-        problem, trajectory = answer_ends(case, t, sol.tol, paths)
+            ways.append(way_of(Nodal(rod, times, y), index))
+        problem, trajectory = answer_ends(case, t, sol.tol, ways)
     # on the line the equations are open by the square of the step
     trajectory = replace(trajectory, solved=known.solved, error=known.error, condition=known.condition)
     return ShapeArrays(case, problem, trajectory, t, sol.method, sol.tol)

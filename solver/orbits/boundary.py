@@ -1,7 +1,7 @@
 """One ends problem with the critical points of its potential; the levels and paths of the orbits that join its ends,
 and the time that an orbit takes between them.
 
-A level is given by a pin p (a saddle of G, or one of the ends), a sign and y: eta = G(p) + sign exp(y). A path is the
+A level is given by a pin p (a saddle of G, or one of the ends), a sign and y: eta = G(p) + sign exp(y). A way is the
 direction in which the orbit leaves the start and reaches the far end, and how many whole periods lie between. An ends
 problem reduces to the time as a function of the level. Let low and high be the two end angles in order. At the level
 eta three times determine the length of every path: `crossing`, from low to high; `above`, from high to the upper
@@ -80,14 +80,14 @@ class Levels(Columns):
 
 
 @dataclass(frozen=True, eq=False)
-class Paths(Columns):
-    """N paths from one end to the other, (N,) each: direction at beta(0), UP or DOWN, and turning points passed."""
+class Ways(Columns):
+    """N ways from one end to the other, (N,) each: direction at beta(0), UP or DOWN, and turning points passed."""
 
     leaving: Integers
     turns: Integers
 
     def counts(self, rising: bool) -> Integers:
-        """How many times crossing, above and below (`transit_times`) each path contains, (N, 3)."""
+        """How many times crossing, above and below (`transit_times`) each way contains, (N, 3)."""
         turns, half = self.turns, (self.turns + 1) // 2
         up = self.leaving == UP
         inward = up == rising
@@ -96,8 +96,8 @@ class Paths(Columns):
 
 
 @dataclass(frozen=True, eq=False)
-class LevelPaths(Columns):
-    """The level and the path of K solutions, (K,) each: eta = G(pin) + sign exp(y); see `Paths`."""
+class Paths(Columns):
+    """K equilibria of one ends problem, a `Path` each: its fields, (K,) each."""
 
     pin: Array
     sign: Array
@@ -129,12 +129,12 @@ class Path:
         return self.leaving if self.turns % 2 == 0 else -self.leaving
 
     @property
-    def level_path(self) -> LevelPaths:
-        """This path as `LevelPaths` of one."""
-        return LevelPaths(*(np.array([number]) for number in vars(self).values()))
+    def alone(self) -> Paths:
+        """This path as `Paths` of one."""
+        return Paths(*(np.array([number]) for number in vars(self).values()))
 
 
-def path_of(paths: LevelPaths, i: int) -> Path:
+def path_of(paths: Paths, i: int) -> Path:
     """Equilibrium i of a search."""
     return Path(*(column[i].item() for column in vars(paths).values()))
 
@@ -144,25 +144,25 @@ def repeat(problem: EndsProblem, count: int) -> EndsProblem:
     return problem.take(np.zeros(count, dtype=np.int64))
 
 
-def wrap(angle: float) -> float:
+def wrap(beta: float) -> float:
     """The angle in [-pi, pi), as the core wraps it."""
-    angle = float(angle - TAU * np.round(angle / TAU))
-    return angle - TAU if angle >= np.pi else angle
+    beta = float(beta - TAU * np.round(beta / TAU))
+    return beta - TAU if beta >= np.pi else beta
 
 
 @dataclass(frozen=True, eq=False)
 class Boundary:
     """One ends problem (of size 1) and the critical points of its G.
 
-    found: the critical points. low, high: the end angles in order, in [-pi, pi). helix_angle: that of a rod that is a
-    helix from end to end; None where the ends are those of no helix, to rounding. whole_turns: of beta between the
+    critical: its points. low, high: the end angles in order, in [-pi, pi). helix_angle: that of a rod that is a helix
+    from end to end; None where the ends are those of no helix, to rounding. whole_turns: of beta between the
     ends. passed: critical points between low and high, without those of the whole turns. rising: whether beta(0) is the
     lower one. pins: (P,), angles in [-pi, pi) from whose heights levels are measured. falls: (P, 2), G(pin) less G at
     low and high. deepest: log gap below which times are linear in it.
     """
 
     problem: EndsProblem
-    found: _CriticalPoints
+    critical: _CriticalPoints
     low: float
     high: float
     helix_angle: float | None
@@ -176,13 +176,13 @@ class Boundary:
     @cached_property
     def angles(self) -> Array:
         """The critical points of G in [-pi, pi), rising."""
-        beta: Array = self.found.beta[0, : self.found.count[0]]
+        beta: Array = self.critical.beta[0, : self.critical.count[0]]
         return beta
 
     @cached_property
     def saddles(self) -> Array:
         """The maxima of G among them."""
-        return self.angles[~self.found.centre[0, : self.angles.size]]
+        return self.angles[~self.critical.centre[0, : self.angles.size]]
 
     @property
     def start(self) -> float:
@@ -236,9 +236,9 @@ class Boundary:
                 best, extremum = float(s), True
         return best, not extremum
 
-    def _holds(self, angle: Array) -> Any:
+    def _holds(self, beta: Array) -> Any:
         """Whether angles in [-pi, pi) lie from low up to high."""
-        above, below = angle >= self.low, angle <= self.high
+        above, below = beta >= self.low, beta <= self.high
         return above & below if self.high >= self.low else above | below
 
     def joins_at(self, path: "Path") -> bool:
@@ -247,20 +247,20 @@ class Boundary:
         pin, gap = self.own_pin(path.pin), path.sign * float(np.exp(max(path.y, self.deepest)))
         return (pin == highest and path.sign > 0) or gap + self.fall(pin, highest) >= 0
 
-    def lengths(self, some: "list[Path]") -> Array:
+    def lengths(self, paths: "list[Path]") -> Array:
         """Lengths of paths whose levels have one pin, (M,)."""
-        boundary = self.with_pin(some[0].pin)
-        y, sign = np.array([path.y for path in some]), np.full(len(some), some[0].sign)
-        columns = np.array([(path.leaving, path.turns) for path in some])
+        boundary = self.with_pin(paths[0].pin)
+        y, sign = np.array([path.y for path in paths]), np.full(len(paths), paths[0].sign)
+        columns = np.array([(path.leaving, path.turns) for path in paths])
         seen = transit_times(boundary, Levels(np.zeros(y.size, dtype=np.int64), sign, y))
-        return seen.lengths_along(Paths(*columns.T).counts(boundary.rising))
+        return seen.lengths_along(Ways(*columns.T).counts(boundary.rising))
 
     def start_speed2(self, pin: Any, gap: Array) -> Array:
         """beta_t(0)^2 at levels G(pins[pin]) + gap."""
         return gap + self.falls[pin, 0 if self.rising else 1]
 
-    def paths(self, most_turns: int) -> Paths:
-        """Every path of at most so many turning points, but for that of no length."""
+    def ways(self, most_turns: int) -> Ways:
+        """Every way of at most so many turning points, but for that of no length."""
         turns = np.arange(most_turns + 1)
         leaving = np.repeat([UP, DOWN], turns.size)
         turns = np.tile(turns, 2)
@@ -268,7 +268,7 @@ class Boundary:
         plain = (leaving == (UP if self.rising else DOWN)) & separate
         kept = (turns > 0) | plain
         leaving, turns = leaving[kept], turns[kept]
-        return Paths(leaving, turns)
+        return Ways(leaving, turns)
 
 
 def boundary_of(problem: EndsProblem) -> Boundary:
@@ -279,16 +279,16 @@ def boundary_of(problem: EndsProblem) -> Boundary:
     critical = critical_points(problem)
     angles = critical.beta[0, : critical.count[0]]
     helix = _helix_angle(problem, angles)
-    first, last = float(problem.beta0[0]), float(problem.betaL[0])
-    rising = first <= last
-    around = [wrap(b) for b in sorted((first, last))]
-    for i, b in enumerate(around):
-        near = angles[np.abs(_apart(np.full(angles.size, b), angles)) < ON]
-        around[i] = float(near[0]) if near.size else b
+    beta0, betaL = float(problem.beta0[0]), float(problem.betaL[0])
+    rising = beta0 <= betaL
+    around = [wrap(beta) for beta in sorted((beta0, betaL))]
+    for i, beta in enumerate(around):
+        near = angles[np.abs(_apart(np.full(angles.size, beta), angles)) < ON]
+        around[i] = float(near[0]) if near.size else beta
     low, high = around if helix is None else (helix, helix)
     rest = high - low + (TAU if high < low else 0.0)
-    whole_turns = round((abs(last - first) - rest) / TAU)
-    behind = [int(np.count_nonzero(angles <= b)) - 1 for b in (low, high)]
+    whole_turns = round((abs(betaL - beta0) - rest) / TAU)
+    behind = [int(np.count_nonzero(angles <= beta)) - 1 for beta in (low, high)]
     passed = behind[1] - behind[0] + (angles.size if high < low else 0)
     ends = low, high, helix, whole_turns, passed, rising
     return Boundary(problem, critical, *ends, np.empty(0), np.empty((0, 2)), LOWEST)
@@ -296,8 +296,8 @@ def boundary_of(problem: EndsProblem) -> Boundary:
 
 def _apart(a: Array, b: Array) -> Array:
     """a - b moved into [-pi, pi), of angles in [-pi, pi); exact where they are neighbours across the cut at pi."""
-    x = a - b
-    return np.where(x >= np.pi, (a - TAU) - b, np.where(x < -np.pi, (a + TAU) - b, x))
+    apart = a - b
+    return np.where(apart >= np.pi, (a - TAU) - b, np.where(apart < -np.pi, (a + TAU) - b, apart))
 
 
 def _helix_angle(problem: EndsProblem, angles: Array) -> float | None:
@@ -305,11 +305,11 @@ def _helix_angle(problem: EndsProblem, angles: Array) -> float | None:
 
     angles: critical points. None where the ends are those of no helix, to rounding.
     """
-    beta = problem.beta0
-    if problem.betaL[0] != beta[0] or np.abs(slope(problem, beta))[0] > AT_REST * height_scale(problem):
+    beta0 = problem.beta0
+    if problem.betaL[0] != beta0[0] or np.abs(slope(problem, beta0))[0] > AT_REST * height_scale(problem):
         return None
-    turns = np.round((beta[0] - angles) / TAU)
-    return float(angles[int(np.argmin(np.abs(angles + TAU * turns - beta[0])))])
+    turns = np.round((beta0[0] - angles) / TAU)
+    return float(angles[int(np.argmin(np.abs(angles + TAU * turns - beta0[0])))])
 
 
 def height_scale(problem: EndsProblem) -> float:
@@ -357,7 +357,7 @@ def transit_times(boundary: Boundary, levels: Levels, deep: bool = True) -> Tran
     """The times at M levels. deep: continue them below `boundary.deepest`, else take those at `deepest`."""
     M, calls = levels.y.size, np.zeros(1, np.int64)
     seen = np.empty((3, M)), np.empty((3, M)), np.empty(M, np.bool_)
-    if fine(run("rod_transit_times", *_search(boundary), M, *_columns(levels), deep, *seen, calls)):
+    if fine(run("rod_transit_times", *_in_core(boundary), M, *_columns(levels), deep, *seen, calls)):
         return TransitTimes(*seen, int(calls[0]))
     nothing = np.full((3, M), np.nan)  # the loads are not finite
     return TransitTimes(nothing, nothing, np.zeros(M, dtype=bool), 0)
@@ -366,12 +366,12 @@ def transit_times(boundary: Boundary, levels: Levels, deep: bool = True) -> Tran
 def length_roots(boundary: Boundary, levels: Levels, counts: Integers, other: Array) -> tuple[Array, int]:
     """The y at which the length of K paths is the rod's, between those of K levels and others, (K,); evaluations of G.
 
-    counts: (K, 3), of `Paths.counts`. NaN where no root was found.
+    counts: (K, 3), of `Ways.counts`. NaN where no root was found.
     """
     calls, roots = np.zeros(1, np.int64), np.empty(other.size)
     pin, sign, y = _columns(levels)
     paths, ends = np.ascontiguousarray(counts, np.int64), (np.minimum(y, other), np.maximum(y, other))
-    status = run("rod_level_roots", *_search(boundary), y.size, pin, sign, paths, *ends, roots, calls)
+    status = run("rod_level_roots", *_in_core(boundary), y.size, pin, sign, paths, *ends, roots, calls)
     return (roots, int(calls[0])) if fine(status) else (np.full(other.size, np.nan), 0)  # the loads are not finite
 
 
@@ -381,13 +381,12 @@ def _columns(levels: Levels) -> tuple[Integers, Array, Array]:
     return np.ascontiguousarray(pin, np.int64), np.ascontiguousarray(sign, float), np.ascontiguousarray(y, float)
 
 
-def _search(boundary: Boundary) -> tuple[Any, ...]:
+def _in_core(boundary: Boundary) -> tuple[Any, ...]:
     """One ends problem as the core reads it, and how its panels are cut."""
-    problem, points_of_G = boundary.problem, boundary.found
+    problem, critical = boundary.problem, boundary.critical
     loads = (float(v[0]) for v in (problem.lam, problem.mu, problem.phi, problem.span))
     pins, falls = np.ascontiguousarray(boundary.pins), np.ascontiguousarray(boundary.falls)
     ends = boundary.low, boundary.high, boundary.deepest
     of = _Boundary(*loads, *ends, boundary.whole_turns, boundary.passed, pins.size, pins, falls)
-    m = int(points_of_G.count[0])
-    critical = points_of_G.beta[0, :m].copy(), points_of_G.centre[0, :m].astype(np.int64)
-    return of, m, *critical, points(NODES), cut(CUTTING, True)
+    m, how = int(critical.count[0]), (points(NODES), cut(CUTTING, True))
+    return of, m, critical.beta[0, :m].copy(), critical.centre[0, :m].astype(np.int64), *how

@@ -28,26 +28,26 @@ _SCAN = np.linspace(-np.pi, np.pi, 181)  # H' is a sum of harmonics up to the fo
 class LevelGrid:
     """M levels in rising order.
 
-    place: (M,), whether the point stands for the height of a saddle itself, of gap zero; its pin and sign are those of
-    the next point (of the one before, for the last).
+    at_saddle: (M,), whether the point stands for the height of a saddle itself, of gap zero; its pin and sign are those
+    of the next point (of the one before, for the last).
     """
 
     levels: Levels
-    place: Booleans
+    at_saddle: Booleans
     at_end: bool  # whether the lowest level is measured from an end of the rod, where beta_t is 0
 
     def cell(self, k: int) -> tuple[int, float, float, float] | None:
         """Pin, sign and the two y of the levels between point k and the next; None beside a saddle's own height."""
-        if self.place[k] or self.place[k + 1]:
+        if self.at_saddle[k] or self.at_saddle[k + 1]:
             return None
         levels, y = self.levels, self.levels.y
         return int(levels.pin[k + 1]), float(levels.sign[k + 1]), float(y[k]), float(y[k + 1])
 
 
-def level_grid_of(blank: Boundary, step: float = 0.25) -> tuple[Boundary, LevelGrid]:
+def level_grid_of(boundary: Boundary, step: float = 0.25) -> tuple[Boundary, LevelGrid]:
     """The boundary with its pins, and the grid of its levels, in steps of `step` in log gap where it is dense."""
-    problem, angles, saddles = blank.problem, blank.angles, blank.saddles
-    floor, at_end = blank.floor()
+    problem, angles, saddles, ends = boundary.problem, boundary.angles, boundary.saddles, (boundary.low, boundary.high)
+    floor, at_end = boundary.floor()
     over = np.array([fall(problem, s, floor, True) for s in saddles])
     above = np.argsort(over)
     above = above[over[above] > 0]
@@ -58,21 +58,19 @@ def level_grid_of(blank: Boundary, step: float = 0.25) -> tuple[Boundary, LevelG
             groups.append(int(i))
     pins = np.array([floor, *saddles[groups]])
     height = np.array([0.0, *over[groups]])
-    falls = np.array(
-        [[fall(problem, p, b, k > 0 or not at_end) for b in (blank.low, blank.high)] for k, p in enumerate(pins)]
-    )
+    falls = np.array([[fall(problem, p, beta, k > 0 or not at_end) for beta in ends] for k, p in enumerate(pins)])
     falls = np.maximum(falls, height[:, None])
-    features = [_features(problem, p, angles, (blank.low, blank.high), k > 0 or not at_end) for k, p in enumerate(pins)]
+    features = [_features(problem, p, angles, ends, k > 0 or not at_end) for k, p in enumerate(pins)]
     angle, size = _shelves(problem)
-    gaps = [np.array([-fall(problem, p, b, k > 0 or not at_end) for b in angle]) for k, p in enumerate(pins)]
+    gaps = [np.array([-fall(problem, p, beta, k > 0 or not at_end) for beta in angle]) for k, p in enumerate(pins)]
     width = np.diff(height)
     tops = [np.log(w / 2) for w in width]
-    if blank.whole_turns > 0 or blank.high != blank.low:
+    if boundary.whole_turns > 0 or boundary.high != boundary.low:
         reach = abs(float(problem.betaL[0] - problem.beta0[0])) / float(problem.span[0])
         tops.append(np.log((2 * reach) ** 2 + 1e-3 * height_scale(problem)))
     lowest = min([*tops, *(f for feature in features for f in feature)])
     deepest = max(LOWEST, lowest - (80 if at_end else 40))
-    boundary = replace(blank, pins=pins, falls=falls, deepest=deepest)
+    boundary = replace(boundary, pins=pins, falls=falls, deepest=deepest)
     shelves = [[_beside(sign * gap, size, step) for sign in (1, -1)] for gap in gaps]
     return boundary, _levels_between(tops, features, shelves, deepest, step, len(groups), at_end)
 
@@ -83,8 +81,8 @@ def _levels_between(
     """The levels from the lowest, past the heights of the saddles, to the highest."""
     rows: list[tuple[Any, ...]] = []
 
-    def add(pin: int, sign: float, y: Array, place: bool = False) -> None:
-        rows.append((np.full(y.size, pin), np.full(y.size, sign), y, np.full(y.size, place)))
+    def add(pin: int, sign: float, y: Array, at_saddle: bool = False) -> None:
+        rows.append((np.full(y.size, pin), np.full(y.size, sign), y, np.full(y.size, at_saddle)))
 
     height = np.array([deepest])
     for k, top in enumerate(tops):
@@ -101,8 +99,8 @@ def _levels_between(
     if not rows:  # no level joins the ends but a helix's own
         empty = np.empty(0)
         return LevelGrid(Levels(empty.astype(int), empty, empty), empty.astype(bool), at_end)
-    pin, sign, y, place = (np.concatenate(column) for column in zip(*rows, strict=True))
-    return LevelGrid(Levels(pin, sign, y), place, at_end)
+    pin, sign, y, at_saddle = (np.concatenate(column) for column in zip(*rows, strict=True))
+    return LevelGrid(Levels(pin, sign, y), at_saddle, at_end)
 
 
 def grid_levels(top: float, features: Array, shelves: Array, deepest: float, step: float) -> Array:
@@ -155,7 +153,7 @@ def _features(problem: EndsProblem, pin: float, angles: Array, ends: tuple[float
     They are the heights of the other critical points and of the ends above the pin, and where G stops being a parabola.
     """
     apart = [abs(fall(problem, a, pin, True)) for a in angles]
-    apart += [abs(fall(problem, pin, b, extremum)) for b in ends]
+    apart += [abs(fall(problem, pin, beta, extremum)) for beta in ends]
     if extremum:
         at = np.array([pin])
         bend = abs(float(slope_rate(problem, at)[0]))

@@ -17,10 +17,10 @@ from ..problem.limits import LARGEST
 from ..problem.reduced import EndsProblem
 from .boundary import (
     Boundary,
-    LevelPaths,
     Levels,
     Paths,
     TransitTimes,
+    Ways,
     boundary_of,
     length_roots,
     transit_times,
@@ -43,16 +43,15 @@ _ROUNDING = 1e-14  # of the rod's length: bound of the rounding of a sum of time
 class FoundPaths:
     """K equilibria of one ends problem and their orbits.
 
-    slope: (K,), beta_t(0). orbit: of all. path: their levels and paths. index: (K,), Morse index. energy: (K,), in
+    dbeta0: (K,), beta_t(0). orbit: of all, with their paths. index: (K,), Morse index. energy: (K,), in
     units of A/rho. lowest, highest: (K,), smallest and largest beta along the rod [rad]. total: how many equilibria
     were found, also those that were not solved. remark: why the list is incomplete; empty where it is complete.
     evaluations: of G.
     """
 
     problem: EndsProblem
-    slope: Array
+    dbeta0: Array
     orbit: Orbit
-    path: LevelPaths
     index: Array
     energy: Array
     lowest: Array
@@ -73,12 +72,12 @@ class FoundPaths:
 class _Roots:
     """K levels at which the length of a path is that of the rod; lengthens: (K,), whether it grows with the level.
 
-    total: their number, with those on paths of more turning points than were asked for. signed: the same, each counted
+    total: their number, with those on ways of more turning points than were asked for. signed: the same, each counted
     with (-1)^index. lost: brackets in which no root was found. calls: evaluations of G.
     """
 
     levels: Levels
-    paths: Paths
+    ways: Ways
     lengthens: Booleans
     total: int
     signed: int
@@ -90,7 +89,7 @@ class _Roots:
 class _Brackets(Columns):
     """K pairs of levels between which the length of a path passes that of the rod, (K,) each.
 
-    pin, sign: of both levels. first, second: their y, equal where the root is known already. path: number of the path.
+    pin, sign: of both levels. first, second: their y, equal where the root is known already. way: number of the way.
     rises: whether the length grows with the level.
     """
 
@@ -98,7 +97,7 @@ class _Brackets(Columns):
     sign: Array
     first: Array
     second: Array
-    path: Integers
+    way: Integers
     rises: Booleans
 
 
@@ -122,14 +121,14 @@ def search_levels(
     FoundPaths or None
         None where no equilibrium was found.
     """
-    result = None
+    equilibria = None
     if not _fits(problem):
         return None
     for step in (0.25, 0.0625):
-        result = _search(problem, most_periods, most_turns, step)
-        if result is not None and not result.remark.startswith(_COUNT):
+        equilibria = _search(problem, most_periods, most_turns, step)
+        if equilibria is not None and not equilibria.remark.startswith(_COUNT):
             break
-    return result
+    return equilibria
 
 
 _COUNT = "incomplete"
@@ -147,7 +146,7 @@ def _search(problem: EndsProblem, most_periods: int, most_turns: int | None, ste
     """One search, on a level grid of steps of `step` in log gap."""
     boundary, grid = level_grid_of(boundary_of(problem), step)
     roots, reason = level_roots(boundary, grid, most_periods, most_turns)
-    path, lengthens = level_paths_of(boundary, roots, boundary.helix_angle)
+    path, lengthens = paths_of(boundary, roots, boundary.helix_angle)
     if not lengthens.size:
         return None
     orbit, level = solve_orbits(problem, boundary, path, lengthens)
@@ -165,7 +164,7 @@ def _search(problem: EndsProblem, most_periods: int, most_turns: int | None, ste
     signed = roots.signed + int(np.where(helices % 2 == 0, 1, -1).sum())
     remark = reason or _remark(index, energy, signed, lost)
     total, calls = roots.total + helices.size, roots.calls + int(orbit.panels.calls.sum())
-    return FoundPaths(problem, orbit.problem.dbeta0, orbit, path, index, energy, lowest, highest, total, remark, calls)
+    return FoundPaths(problem, orbit.problem.dbeta0, orbit, index, energy, lowest, highest, total, remark, calls)
 
 
 def _remark(index: Array, energy: Array, signed: int, lost: int) -> str:
@@ -189,13 +188,13 @@ def level_roots(boundary: Boundary, grid: LevelGrid, most_periods: int, most_tur
     needed = _most_needed(boundary, grid, seen)
     reason = f"only equilibria of at most {most_periods} whole periods of beta were searched for"
     reason = reason if needed - 1 > most_periods else ""
-    every = boundary.paths(2 * min(needed, most_periods) + 1)
+    ways = boundary.ways(2 * min(needed, most_periods) + 1)
     parts = [
-        brackets_on_grid(boundary, grid, seen, every.take(slice(k, k + _PATHS)), k)
-        for k in range(0, every.turns.size if size else 1, _PATHS)
+        brackets_on_grid(boundary, grid, seen, ways.take(slice(k, k + _PATHS)), k)
+        for k in range(0, ways.turns.size if size else 1, _PATHS)
     ]
     brackets, calls = _Brackets.join([p for p, _ in parts]), seen.calls + sum(more for _, more in parts)
-    turns = every.turns[brackets.path]
+    turns = ways.turns[brackets.way]
     kept = np.ones(turns.size, dtype=bool) if most_turns is None else turns <= most_turns
     afford = int(BUDGET / (_EACH * max(1.0, seen.calls / max(size, 1))))
     if np.count_nonzero(kept) > afford:
@@ -206,67 +205,67 @@ def level_roots(boundary: Boundary, grid: LevelGrid, most_periods: int, most_tur
         )
     odd = (turns - brackets.rises) % 2 == 1
     signed = int(np.where(odd, -1, 1).sum())
-    return _roots_in(boundary, brackets.take(kept), every, turns.size, signed, calls), reason
+    return _roots_in(boundary, brackets.take(kept), ways, turns.size, signed, calls), reason
 
 
-def _roots_in(boundary: Boundary, brackets: _Brackets, paths: Paths, total: int, signed: int, calls: int) -> _Roots:
-    """The roots in some brackets of paths, and the numbers that are known of all."""
+def _roots_in(boundary: Boundary, brackets: _Brackets, ways: Ways, total: int, signed: int, calls: int) -> _Roots:
+    """The roots in brackets of ways, and the numbers that are known of all."""
     y, apart = brackets.second.copy(), brackets.first != brackets.second
     if apart.any():
-        cells, counts = brackets.take(apart), paths.counts(boundary.rising)[brackets.path[apart]]
+        cells, counts = brackets.take(apart), ways.counts(boundary.rising)[brackets.way[apart]]
         y[apart], more = length_roots(boundary, Levels(cells.pin, cells.sign, cells.first), counts, cells.second)
         calls += more
     known = ~np.isnan(y)
     brackets, lost = brackets.take(known), int(np.count_nonzero(~known))
     levels = Levels(brackets.pin, brackets.sign, y[known])
-    return _Roots(levels, paths.take(brackets.path), brackets.rises, total, signed, lost, calls)
+    return _Roots(levels, ways.take(brackets.way), brackets.rises, total, signed, lost, calls)
 
 
 def _most_needed(boundary: Boundary, grid: LevelGrid, seen: TransitTimes) -> int:
     """The most whole periods of beta that a rod of this length may have."""
-    period = 2 * seen.time.sum(axis=0)[~seen.rotates & ~grid.place]
+    period = 2 * seen.time.sum(axis=0)[~seen.rotates & ~grid.at_saddle]
     shortest = float(np.nanmin(period, initial=np.inf))
     return int(min(float(boundary.problem.span[0]) / shortest, 1e9)) + 1 if np.isfinite(shortest) else 0
 
 
 def near_misses(problem: EndsProblem, most_periods: int) -> tuple[int, Counter[tuple[int, int, bool]]]:
     """The number of equilibria that are no helix, as seen on a coarse grid of levels; and how often the length of each
-    path (leaving, turns) has a least value above that of the rod (True), or a largest below it (False):
+    way (leaving, turns) has a least value above that of the rod (True), or a largest below it (False):
     there two equilibria appear if the two meet."""
     boundary, grid = level_grid_of(boundary_of(problem), _COARSE)
     seen = transit_times(boundary, grid.levels)
-    every = boundary.paths(2 * min(_most_needed(boundary, grid, seen), most_periods) + 1)
-    if grid.levels.y.size < 3 or not every.turns.size:
+    ways = boundary.ways(2 * min(_most_needed(boundary, grid, seen), most_periods) + 1)
+    if grid.levels.y.size < 3 or not ways.turns.size:
         return 0, Counter()
-    count = brackets_on_grid(boundary, grid, seen, every, 0)[0].path.size
-    off = seen.lengths(every.counts(boundary.rising)) - problem.span[0]
-    off[:, grid.place] = np.nan
+    count = brackets_on_grid(boundary, grid, seen, ways, 0)[0].way.size
+    off = seen.lengths(ways.counts(boundary.rising)) - problem.span[0]
+    off[:, grid.at_saddle] = np.nan
     before, middle, after = off[:, :-2], off[:, 1:-1], off[:, 2:]
     with np.errstate(invalid="ignore"):
         least = (middle > 0) & (middle < before) & (middle <= after)
         largest = (middle < 0) & (middle > before) & (middle >= after)
-    ways = list(zip(every.leaving.tolist(), every.turns.tolist(), strict=True))
+    pairs = list(zip(ways.leaving.tolist(), ways.turns.tolist(), strict=True))
     sides = ((True, least), (False, largest))
-    return count, Counter((*ways[n], above) for above, side in sides for n in np.nonzero(side)[0])
+    return count, Counter((*pairs[n], above) for above, side in sides for n in np.nonzero(side)[0])
 
 
-def roots_on(boundary: Boundary, grid: LevelGrid, some: Paths) -> _Roots:
-    """Every level at which one of these paths has the length of the rod."""
-    brackets, calls = brackets_on_grid(boundary, grid, transit_times(boundary, grid.levels), some, 0)
-    return _roots_in(boundary, brackets, some, brackets.path.size, 0, calls)
+def roots_on(boundary: Boundary, grid: LevelGrid, ways: Ways) -> _Roots:
+    """Every level at which one of these ways has the length of the rod."""
+    brackets, calls = brackets_on_grid(boundary, grid, transit_times(boundary, grid.levels), ways, 0)
+    return _roots_in(boundary, brackets, ways, brackets.way.size, 0, calls)
 
 
-def level_paths_of(boundary: Boundary, roots: _Roots, helix: float | None) -> tuple[LevelPaths, Array]:
-    """Level and path of each root, and whether its length grows with the level; last, with NaN, that helix."""
-    levels, paths = roots.levels, roots.paths
+def paths_of(boundary: Boundary, roots: _Roots, helix: float | None) -> tuple[Paths, Array]:
+    """The path of each root, and whether its length grows with the level; last, with NaN, that helix."""
+    levels, ways = roots.levels, roots.ways
     columns: list[Any] = [boundary.pins[levels.pin], levels.sign, levels.y]
-    columns += [paths.leaving, paths.turns, np.zeros(levels.y.size, dtype=bool)]
+    columns += [ways.leaving, ways.turns, np.zeros(levels.y.size, dtype=bool)]
     lengthens = roots.lengthens.astype(float)
     if helix is not None:
         mark = (helix, 1.0, -np.inf, 0, 0, True)
         columns = [np.append(c, np.asarray(v, dtype=c.dtype)) for c, v in zip(columns, mark, strict=True)]
         lengthens = np.append(lengthens, np.nan)
-    return LevelPaths(*columns), lengthens
+    return Paths(*columns), lengthens
 
 
 def _end_rounding(orbit: Orbit) -> Array:
@@ -290,36 +289,36 @@ def _range(orbit: Orbit, problem: EndsProblem) -> tuple[Array, Array]:
 
 
 def brackets_on_grid(
-    boundary: Boundary, grid: LevelGrid, seen: TransitTimes, some: Paths, before: int
+    boundary: Boundary, grid: LevelGrid, seen: TransitTimes, ways: Ways, before: int
 ) -> tuple[_Brackets, int]:
-    """The brackets of N paths, of which the first has the number `before`; and the evaluations of G."""
-    levels, counts = grid.levels, some.counts(boundary.rising)
+    """The brackets of N ways, of which the first has the number `before`; and the evaluations of G."""
+    levels, counts = grid.levels, ways.counts(boundary.rising)
     if not levels.y.size:  # no level joins the ends but a helix's own
         none = np.empty(0)
         return _Brackets(none.astype(int), none, none, none, none.astype(int), none.astype(bool)), 0
     off = seen.lengths(counts) - boundary.problem.span[0]
     rate = seen.rates(counts)
-    for saddle in np.flatnonzero(grid.place):  # at a saddle's own height the length is infinite, or continuous
+    for saddle in np.flatnonzero(grid.at_saddle):  # at a saddle's own height the length is infinite, or continuous
         sides = [rate[:, j] for j in (saddle - 1, saddle + 1) if 0 <= j < levels.y.size]
         steep = np.fmax.reduce(sides) > 0
         off[:, saddle] = np.where(steep, np.inf, off[:, saddle] if saddle else np.nan)
     known, above = _above(off, boundary.problem.span[0])
     n, k = np.nonzero(known[:, :-1] & known[:, 1:] & (above[:, :-1] != above[:, 1:]))
-    beside = grid.place[k] | grid.place[k + 1]
-    real = np.where(grid.place[k], k + 1, k)  # the real one, beside a saddle's own height
-    place = levels.take(np.where(beside, real, k + 1))
+    beside = grid.at_saddle[k] | grid.at_saddle[k + 1]
+    real = np.where(grid.at_saddle[k], k + 1, k)  # the real one, beside a saddle's own height
+    at = levels.take(np.where(beside, real, k + 1))
     with np.errstate(divide="ignore", invalid="ignore"):
-        deep = place.y + np.where(rate[n, real] > 0, off[n, real] / rate[n, real], 0.0)
+        deep = at.y + np.where(rate[n, real] > 0, off[n, real] / rate[n, real], 0.0)
         # next to the level at which the rod begins or ends at rest the length is linear in beta_t there
         share = -off[n, k] / (off[n, k + 1] - off[n, k])
         rests = grid.at_end & (k == 1) & (rate[n, k] == 0)
         at_rest = np.maximum(levels.y[min(2, levels.y.size - 1)] + 2 * np.log(share), boundary.deepest)
     y = np.where(beside, deep, np.where(rests, at_rest, np.nan))
     first = np.where(np.isnan(y), levels.y[k], y)
-    second = np.where(np.isnan(y), place.y, y)
-    direct = _Brackets(place.pin, place.sign, first, second, n + before, above[n, k + 1])
-    dips, calls = _dips(boundary, grid, some, off)
-    return _Brackets.join([direct, replace(dips, path=dips.path + before)]), calls
+    second = np.where(np.isnan(y), at.y, y)
+    direct = _Brackets(at.pin, at.sign, first, second, n + before, above[n, k + 1])
+    dips, calls = _dips(boundary, grid, ways, off)
+    return _Brackets.join([direct, replace(dips, way=dips.way + before)]), calls
 
 
 def _above(off: Array, span: float) -> tuple[Booleans, Booleans]:
@@ -337,9 +336,9 @@ def _above(off: Array, span: float) -> tuple[Booleans, Booleans]:
     return known, np.take_along_axis(above, last, axis=1)
 
 
-def _dips(boundary: Boundary, grid: LevelGrid, some: Paths, off: Array) -> tuple[_Brackets, int]:
+def _dips(boundary: Boundary, grid: LevelGrid, ways: Ways, off: Array) -> tuple[_Brackets, int]:
     """Brackets of the two roots between grid points where the length comes near the rod's, passes it and returns."""
-    counts, size = some.counts(boundary.rising), np.abs(off)
+    counts, size = ways.counts(boundary.rising), np.abs(off)
     with np.errstate(invalid="ignore"):
         same = (off[:, 1:-1] * off[:, :-2] > 0) & (off[:, 1:-1] * off[:, 2:] > 0)
         least = same & (size[:, 1:-1] < size[:, :-2]) & (size[:, 1:-1] <= size[:, 2:])
@@ -347,10 +346,10 @@ def _dips(boundary: Boundary, grid: LevelGrid, some: Paths, off: Array) -> tuple
         # 1/8 at even steps, and by 4/5 where one step is four times the other
         rise = np.fmax(size[:, :-2] - size[:, 1:-1], size[:, 2:] - size[:, 1:-1])
         near = least & (size[:, 1:-1] < rise) & np.isfinite(rise)
-    path, least_at = np.nonzero(near)
+    way, least_at = np.nonzero(near)
     out: list[tuple[int, float, float, float, int, bool]] = []
     calls = 0
-    for n, k in zip(path, least_at + 1, strict=True):
+    for n, k in zip(way, least_at + 1, strict=True):
         cells = grid.cell(int(k) - 1), grid.cell(int(k))
         if None in cells:
             continue
@@ -400,7 +399,7 @@ class Census:
     helix. complete: whether, counted with (-1)^index, they add up to 1, as they must by degree.
     """
 
-    slope: Array
+    dbeta0: Array
     index: Integers
     saddle: Array
     sign: Array
@@ -409,7 +408,7 @@ class Census:
 
     @property
     def count(self) -> int:
-        return self.slope.size
+        return self.dbeta0.size
 
     @property
     def stable(self) -> int:
@@ -430,19 +429,19 @@ def census(problem: EndsProblem) -> Census:
 def _count(problem: EndsProblem, step: float) -> Census:
     boundary, grid = level_grid_of(boundary_of(problem), step)
     roots, reason = level_roots(boundary, grid, MOST_PERIODS, None)
-    turns, levels = roots.paths.turns, roots.levels
+    turns, levels = roots.ways.turns, roots.levels
     speed2 = boundary.start_speed2(levels.pin, levels.sign * np.exp(np.maximum(levels.y, boundary.deepest)))
-    slope = roots.paths.leaving * np.sqrt(np.maximum(speed2, 0.0))
+    dbeta0 = roots.ways.leaving * np.sqrt(np.maximum(speed2, 0.0))
     rotates = transit_times(boundary, levels).rotates if levels.y.size else False
     index = np.where(rotates, 0, np.maximum(turns - roots.lengthens, 0))
     saddle, sign, y = _above_saddles(boundary, levels, grid.at_end)
     if boundary.helix_angle is not None:
         index = np.append(index, helix_index(helix_half_waves(problem)))
-        slope = np.append(slope, 0.0)
+        dbeta0 = np.append(dbeta0, 0.0)
         saddle, sign, y = (np.append(numbers, np.nan) for numbers in (saddle, sign, y))
     index = index.astype(np.int64)
     signed = int(np.where(index % 2 == 0, 1, -1).sum())
-    return Census(slope, index, saddle, sign, y, signed == 1 and not roots.lost and not reason)
+    return Census(dbeta0, index, saddle, sign, y, signed == 1 and not roots.lost and not reason)
 
 
 def _above_saddles(boundary: Boundary, levels: Levels, at_end: bool) -> tuple[Array, Array, Array]:

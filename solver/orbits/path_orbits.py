@@ -19,18 +19,17 @@ from .boundary import (
     STRETCH,
     UP,
     Boundary,
-    LevelPaths,
     Levels,
     Path,
     Paths,
+    Ways,
     boundary_of,
     repeat,
     transit_times,
 )
 from .joined_orbits import alike, join_answers
 from .periodic_orbit import HELIX, TIGHT, Orbit, action, response, solve_orbit
-from .potential import potential
-from .potential import slope as pull_at
+from .potential import potential, slope
 from .variations import HelixVariations, Variations, variations_on
 
 NO_EQUILIBRIUM = "failed: the search found no equilibrium, though at least one exists"
@@ -40,7 +39,7 @@ ROUNDING = 20 * EPS
 _DEEPER = 40.0  # in log gap: the root of the gap, the error of a rod at rest on a saddle, is then below rounding
 
 
-def solve_orbits(problem: EndsProblem, boundary: Boundary, path: LevelPaths, lengthens: Array) -> tuple[Orbit, Array]:
+def solve_orbits(problem: EndsProblem, boundary: Boundary, path: Paths, lengthens: Array) -> tuple[Orbit, Array]:
     """The orbits and their levels eta, (K,)."""
     K = path.y.size
     boundary = replace(boundary, deepest=max(LOWEST, boundary.deepest - _DEEPER))
@@ -56,27 +55,25 @@ def solve_orbits(problem: EndsProblem, boundary: Boundary, path: LevelPaths, len
         orbit = solve_orbit(start, TIGHT, (measured, gap, excess), STRETCH)
     base = orbit.panels.base + (problem.beta0[0] - start.beta0[0])  # whole turns
     start = replace(start, beta0=np.full(K, problem.beta0[0]), span=np.full(K, problem.span[0]))
-    passed = np.where(path.helix, 0.0, path.turns)
-    known = {"lengthens": lengthens, "response": growth, "passed": passed, "path": path}
+    known = {"lengthens": lengthens, "response": growth, "path": path}
     return replace(orbit, problem=start, panels=replace(orbit.panels, base=base), **known), level
 
 
-def _starts(problem: EndsProblem, boundary: Boundary, path: LevelPaths) -> tuple[StartProblem, Array, Array, Integers]:
+def _starts(problem: EndsProblem, boundary: Boundary, path: Paths) -> tuple[StartProblem, Array, Array, Integers]:
     """The start problems of K levels, without the time that a gap in floating point cannot express at a saddle; the
     gaps and the log by which they are too large, (K,) each; and the numbers of the pins of those that are no helices.
     """
     K, moves = path.y.size, ~path.helix
     pin = np.array([int(np.argmin(np.abs(boundary.pins - p))) for p in path.pin[moves]], dtype=int)
-    gap, slope, excess = np.zeros(K), np.zeros(K), np.zeros(K)
+    gap, dbeta0, excess = np.zeros(K), np.zeros(K), np.zeros(K)
     gap[moves] = path.sign[moves] * np.exp(np.maximum(path.y[moves], boundary.deepest))
-    slope[moves] = path.leaving[moves] * np.sqrt(np.maximum(boundary.start_speed2(pin, gap[moves]), 0))
+    dbeta0[moves] = path.leaving[moves] * np.sqrt(np.maximum(boundary.start_speed2(pin, gap[moves]), 0))
     excess[moves] = np.maximum(boundary.deepest - path.y[moves], 0)
-    first = boundary.low if boundary.rising else boundary.high
-    start = replace(repeat(problem, K).with_start(slope), beta0=np.full(K, first))
+    start = replace(repeat(problem, K).with_start(dbeta0), beta0=np.full(K, boundary.start))
     deep = excess > 0
     if not deep.any():
         return start, gap, excess, pin
-    moving = Paths(path.leaving[moves], path.turns[moves])
+    moving = Ways(path.leaving[moves], path.turns[moves])
     seen = transit_times(boundary, Levels(pin, path.sign[moves], path.y[moves]), deep=False)
     span = start.span.copy()
     span[moves] = np.where(deep[moves], seen.lengths_along(moving.counts(boundary.rising)), span[moves])
@@ -87,19 +84,19 @@ def variations_of(problem: EndsProblem, path: Path) -> Variations | HelixVariati
     """The variations of one equilibrium."""
     if path.helix:
         return HelixVariations(problem, held=True)
-    place = boundary_of(problem).with_pin(path.pin)
-    start, gap, excess, _ = _starts(problem, place, path.level_path)
-    orbit = solve_orbit(start, TIGHT, (place.pins, gap, excess), STRETCH)
+    boundary = boundary_of(problem).with_pin(path.pin)
+    start, gap, excess, _ = _starts(problem, boundary, path.alone)
+    orbit = solve_orbit(start, TIGHT, (boundary.pins, gap, excess), STRETCH)
     return variations_on(replace(orbit, problem=replace(start, span=problem.span)))
 
 
 def orbit_of(problem: EndsProblem, path: Path) -> Orbit:
     """The orbit of one equilibrium, with the fields that its Morse index and its condition number need."""
-    place, lengthens = boundary_of(problem), np.array([np.nan])
+    boundary, lengthens = boundary_of(problem), np.array([np.nan])
     if not path.helix:
-        length = place.lengths([replace(path, y=path.y - 1e-4), replace(path, y=path.y + 1e-4)])
+        length = boundary.lengths([replace(path, y=path.y - 1e-4), replace(path, y=path.y + 1e-4)])
         lengthens = np.array([float(path.sign * (length[1] - length[0]) > 0)])
-    return solve_orbits(problem, place.with_pin(path.pin), path.level_path, lengthens)[0]
+    return solve_orbits(problem, boundary.with_pin(path.pin), path.alone, lengthens)[0]
 
 
 def energies(orbit: Orbit, level: Array) -> Array:
@@ -111,20 +108,20 @@ def energies(orbit: Orbit, level: Array) -> Array:
     return action(orbit) - level * orbit.problem.span / 2
 
 
-def path_from_start(problem: EndsProblem, slope: float) -> Path | None:
-    """The equilibrium of one ends problem that starts with beta_t(0) = slope.
+def path_from_start(problem: EndsProblem, dbeta0: float) -> Path | None:
+    """The equilibrium of one ends problem that starts with beta_t(0) = dbeta0.
 
     None where that orbit does not end at beta(L).
     """
-    orbit = solve_orbit(problem.with_start(np.array([slope])), TIGHT)
+    orbit = solve_orbit(problem.with_start(np.array([dbeta0])), TIGHT)
     if abs(float(orbit.at(problem.span[:, None])[0][0, 0] - problem.betaL[0])) > MISSED:
         return None
-    place = boundary_of(problem)
+    boundary = boundary_of(problem)
     if orbit.kind[0] == HELIX:
-        return place.helix
-    y = 2 * float(np.log(max(abs(slope), 1e-150)))
-    pull = slope or -float(pull_at(problem, problem.beta0)[0])  # of a start at rest, from which beta_tt leads
-    return Path(place.start, 1.0, y, UP if pull > 0 else DOWN, int(orbit.turns[0]))
+        return boundary.helix
+    y = 2 * float(np.log(max(abs(dbeta0), 1e-150)))
+    pull = dbeta0 or -float(slope(problem, problem.beta0)[0])  # of a start at rest, from which beta_tt leads
+    return Path(boundary.start, 1.0, y, UP if pull > 0 else DOWN, int(orbit.turns[0]))
 
 
 def equilibrium_trajectory(problem: EndsProblem, orbit: Orbit, t: Array, tol: float) -> Trajectory:
@@ -175,7 +172,7 @@ _UNKNOWN |= {name: np.array([np.nan]) for name in ("held_index", "dead_index")}
 def _blank_trajectory(t: Array, why: str) -> Trajectory:
     """An answer that stands for none: a plain rod, blank."""
     plain = {name: np.array([value]) for name, value in PLAIN.items()}
-    slope, betaL = plain.pop("dbeta0"), plain.pop("betaL")
-    orbit = solve_orbit(StartProblem(**plain, dbeta0=slope), TIGHT)  # the tolerance of the others: the same series
+    dbeta0, betaL = plain.pop("dbeta0"), plain.pop("betaL")
+    orbit = solve_orbit(StartProblem(**plain, dbeta0=dbeta0), TIGHT)  # the tolerance of the others: the same series
     answer = equilibrium_trajectory(EndsProblem(**plain, betaL=betaL), orbit, t, 1.0)
     return blank(answer, np.array([False]), np.array([why], dtype=object))

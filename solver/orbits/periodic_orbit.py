@@ -116,8 +116,7 @@ class Orbit(Periodic):
 
     The rest is known of equilibria, and None for other orbits. lengthens: (B,), 1 where the length of the orbit between
     the two end angles grows with its level, 0 where it shrinks, NaN where that is unknown; the Morse index needs it.
-    response: (B,), largest |d beta(t)/d beta(L)| along the rod. passed: (B,), turning points passed. path: the level
-    and the path of each, `boundary.LevelPaths`.
+    response: (B,), largest |d beta(t)/d beta(L)| along the rod. path: `boundary.Paths`.
     """
 
     problem: StartProblem
@@ -131,7 +130,6 @@ class Orbit(Periodic):
     gain: Array
     lengthens: Array | None = None
     response: Array | None = None
-    passed: Array | None = None
     path: Any = None
 
     @property
@@ -144,7 +142,7 @@ class Orbit(Periodic):
 
     @cached_property
     def turns(self) -> Array:
-        return self.far_end[0] if self.passed is None else self.passed
+        return self.far_end[0] if self.path is None else np.asarray(self.path.turns, float)
 
     @property
     def evaluations(self) -> Integers:
@@ -176,7 +174,7 @@ class Orbit(Periodic):
             begin, count = self.first[arc_rows], self.count[arc_rows]
             panel_rows = np.repeat(begin - np.cumsum(count) + count, count) + np.arange(count.sum())
         panels = replace(self.panels.take(panel_rows), arc=np.repeat(np.arange(count.size), count))
-        known = [None if v is None else v[rows] for v in (self.lengthens, self.response, self.passed)]
+        known = [None if v is None else v[rows] for v in (self.lengthens, self.response)]
         known.append(None if self.path is None else self.path.take(rows))
         arcs = self.kind[rows], self.direction[rows]
         parts = self.problem.take(rows), *arcs, panels, self.since[panel_rows], np.cumsum(count) - count, count

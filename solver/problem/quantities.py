@@ -152,7 +152,7 @@ def current(name: Any) -> Any:
 
 def in_current_names(formula: str) -> str:
     """A formula with the names of today in place of former ones, as of `current`."""
-    return _FORMER.sub(lambda found: str(current(found[0])), formula)
+    return _FORMER.sub(lambda match: str(current(match[0])), formula)
 
 
 class ByName(dict[str, Any]):

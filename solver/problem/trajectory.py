@@ -84,12 +84,12 @@ def _rows_of(compute: Callable[[], Array], rows: NDArray[np.int64]) -> Array:
 class Seed(Columns):
     """Selects one of many solutions: the one near the seed.
 
-    slope: beta_t(0), (B,). beta: at s/L = u, (B, n). If the seeds are solutions, problem: the ends problems that they
+    dbeta0: beta_t(0), (B,). beta: at s/L = u, (B, n). If the seeds are solutions, problem: the ends problems that they
     solve; orbit: their orbits if the method knows them; row: the row of each seed in `orbit`, (B,); shapes: those on
     nodes, (B,), None where there is none.
     """
 
-    slope: Array
+    dbeta0: Array
     u: Array
     beta: Array
     problem: EndsProblem | None = None

@@ -34,7 +34,7 @@ def state_of(problem: EndsProblem, i: int) -> OrbitState:
     """Equilibrium i of a dead-load problem."""
     every = search_levels(problem)
     assert every is not None
-    path = path_of(every.path, i)
+    path = path_of(every.orbit.path, i)
     return OrbitState(problem, path, orbit_rates(problem, [path]))
 
 
@@ -213,8 +213,8 @@ def crossings(case: Case, number: str, wanted: float, loads: Array) -> list[floa
         every, values = equilibria_under(case, number, load)
         now: dict[tuple[int, int], list[tuple[float, float]]] = {}
         for i, off in enumerate((values - wanted).tolist()):
-            path = path_of(every.path, i)
-            now.setdefault((path.leaving, path.turns), []).append((float(every.slope[i] ** 2), off))
+            path = path_of(every.orbit.path, i)
+            now.setdefault((path.leaving, path.turns), []).append((float(every.dbeta0[i] ** 2), off))
         for kind, some in now.items():
             past = sorted(before.get(kind, []))
             if len(past) == len(some):
@@ -255,7 +255,7 @@ def finds_a_known_one(seed: int, count: int) -> bool:
     problem = dead(numbers)
     every = search_levels(problem)
     assert every is not None
-    state = state_of(problem, int(rng.integers(every.slope.size)))
+    state = state_of(problem, int(rng.integers(every.dbeta0.size)))
     values = dict(zip(NUMBERS, state.rates.values[0].tolist(), strict=True))
     values["turn"] = 1.25 * values["mu"] * numbers["span"] - values["swirl"]
     which = rng.permutation(5)[:count]

@@ -164,11 +164,11 @@ def test_energies_are_those_of_the_very_shapes_and_stand_in_order(L: float, lowe
 def test_times_next_to_a_saddle_go_on_by_the_law_of_the_log_gap(numbers) -> None:
     """Continued by the law from its rung on, and computed 200 further down."""
     boundary, chain = level_grid_of(boundary_of(reduce(ends_in_units_of_rho(*numbers))))
-    first = int(np.argmax(~chain.place & (chain.levels.pin == chain.levels.pin.max())))
+    first = int(np.argmax(~chain.at_saddle & (chain.levels.pin == chain.levels.pin.max())))
     pin, sign = chain.levels.pin[first], chain.levels.sign[first]
     y = boundary.deepest - np.array([1.0, 60.0, 200.0])
     levels = Levels(np.full(3, pin), np.full(3, sign), y)
-    counts = boundary.paths(4).counts(boundary.rising)
+    counts = boundary.ways(4).counts(boundary.rising)
     law = transit_times(boundary, levels).lengths(counts)
     direct = transit_times(replace(boundary, deepest=-570.0), levels).lengths(counts)
     np.testing.assert_allclose(law, direct, rtol=1e-12)
@@ -180,8 +180,8 @@ def test_stable_ones_turn_once_at_most_so_they_are_found_without_the_others() ->
     every, few = search_levels(problem), search_levels(problem, most_turns=1)
     assert every is not None
     assert few is not None
-    np.testing.assert_allclose(np.sort(every.slope[every.index == 0]), np.sort(few.slope[few.index == 0]), rtol=1e-12)
-    assert few.total == every.total == every.slope.size == 31
+    np.testing.assert_allclose(np.sort(every.dbeta0[every.index == 0]), np.sort(few.dbeta0[few.index == 0]), rtol=1e-12)
+    assert few.total == every.total == every.dbeta0.size == 31
 
 
 @pytest.mark.parametrize("L", (20.0, 60.0))

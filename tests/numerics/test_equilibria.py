@@ -47,7 +47,7 @@ def test_zeros_of_the_jacobi_field_are_the_negative_pivots(name: str) -> None:
     problem = reduce(ends_in_units_of_rho(*PROBLEMS[name]))
     all_of_them = search_levels(problem)
     assert all_of_them is not None
-    wide = repeat(problem, all_of_them.slope.size)
+    wide = repeat(problem, all_of_them.dbeta0.size)
     span = PROBLEMS[name][3]
     beta = all_of_them.orbit.at(np.tile(np.linspace(0, span, 8001), (wide.size, 1)))[0]
     zeros = jacobi_zeros(all_of_them.orbit)

@@ -12,7 +12,7 @@ from scipy.spatial.distance import pdist
 
 from solver import Branch, Case, Cylinder, Ends, Rod, equilibria, fold_curves, follow, region_map, solve, trace_fold
 from solver.branches import linked_search
-from solver.branches.deflation import across_fold, numbers_of
+from solver.branches.deflation import across_fold, end_vector
 from solver.branches.fold_curves import FoldCurve
 from solver.branches.given_numbers import Given
 from solver.branches.parameter_plane import parameter_plane
@@ -45,10 +45,10 @@ def test_the_guess_across_a_fold_is_the_equilibrium_on_its_other_side_but_for_th
     for beside in (4e-3, 1e-3):
         met = follow(first, azimuth=[-2.0, fold - beside, 3.0]).at(fold - beside)
         one, other = (state_of(point.problem, point.path) for point in met[:2])
-        guess, back = (numbers_of(state) for state in across_fold(one, Given.of(reduce_held(met[0].case))))
-        apart = numbers_of(other) - numbers_of(one)
-        missed.append(np.linalg.norm(guess - numbers_of(other)) / np.linalg.norm(apart))
-        assert (back - numbers_of(one)) @ apart < 0  # the less likely one is on the near side
+        guess, back = (end_vector(state) for state in across_fold(one, Given.of(reduce_held(met[0].case))))
+        apart = end_vector(other) - end_vector(one)
+        missed.append(np.linalg.norm(guess - end_vector(other)) / np.linalg.norm(apart))
+        assert (back - end_vector(one)) @ apart < 0  # the less likely one is on the near side
     assert missed[0] < 0.2
     assert missed[1] == pytest.approx(missed[0] / 2, rel=0.2)  # they are apart as the root of the distance to the fold
 

@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from solver.branches.continuation import Stopped, resume
+from solver.branches.branch_events import Stop
+from solver.branches.continuation import resume
 from solver.branches.orbit_rates import NUMBERS, OrbitRates, orbit_rates
 from solver.orbits.boundary import Path, boundary_of, path_of, repeat
 from solver.orbits.level_search import search_levels
@@ -22,15 +23,15 @@ def ends_problem(lam: float, mu: float, phi: float, span: float, beta0: float, b
 def every_equilibrium(problem: EndsProblem, most_turns: int | None = None) -> tuple[EndsProblem, list[Path]]:
     found = search_levels(problem, most_turns=most_turns)
     assert found is not None
-    K = found.slope.size
-    return repeat(problem, K), [path_of(found.path, i) for i in range(K)]
+    K = found.dbeta0.size
+    return repeat(problem, K), [path_of(found.orbit.path, i) for i in range(K)]
 
 
 def numbers_at(problem: EndsProblem, path: Path, name: str, step: float) -> Any:
     """The numbers of the equilibrium that continues from `path` when one number of the problem changes."""
     there = replace(problem, **{name: getattr(problem, name) + step})
     found = resume(problem, path, there)
-    assert not isinstance(found, Stopped), found
+    assert not isinstance(found, Stop), found
     return orbit_rates(there, [found]).values[0]
 
 
@@ -117,7 +118,7 @@ def _nearest_to_rest(problem: EndsProblem) -> Path:
     found = search_levels(problem, most_turns=8)
     assert found is not None
     i = int(np.argmin(found.highest - found.lowest))
-    return path_of(found.path, i)
+    return path_of(found.orbit.path, i)
 
 
 def test_helices_and_orbits_of_one_batch_keep_their_places() -> None:
