@@ -31,7 +31,7 @@ def scene(
         Path,
         argument(
             "FILE|STUDY",
-            "Stored study or stored equilibria; or the TOML file or name of a study, which is then solved with the "
+            "Stored study, equilibria or branches; or the TOML file or name of a study, which is then solved with the "
             "stations that the picture needs.",
         ),
     ],
@@ -44,8 +44,14 @@ def scene(
     """
     from ..scene import film
     from ..scene.settings import check, color_range_of, look_of, size_of
-    from . import scene_film, study_scene
+    from ..stored import reading
+    from ..stored.stored_case import is_study
+    from ..stored.stored_study import StoredStudy
+    from . import scene_branches, scene_film, study_scene
 
+    is_stored = file.is_file() and not is_study(file)
+    if is_stored and reading.kind_of_file(file).figure == scene_branches.RODS:
+        return scene_branches.scene_of(file, StoredStudy(reading.read(file, study=False)), wanted)
     out, suffix = wanted.out, "" if wanted.out is None else wanted.out.suffix.lower()
     if out is not None and suffix in film.SUFFIXES:
         several = len({*wanted.axes, wanted.along} - {None}) > 1

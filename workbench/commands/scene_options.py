@@ -18,7 +18,8 @@ class SceneOptions:
             "KIND",
             "plain: in one colour; contact, curvature: in its colours; twist: with a stripe; double-helix: as DNA; "
             "ghosts: rods of an axis on one cylinder; grid: each in its own view; equilibria; let-go: a rod on the "
-            "cylinder and let go; default: contact, or equilibria for stored equilibria.",
+            "cylinder and let go; of branches: branches, the stable rods below their diagram, or snap, a film of a "
+            "rod whose load changes until it snaps; default: contact, or as suits the file.",
         ),
     ] = None
     axis: Annotated[

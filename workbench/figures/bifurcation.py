@@ -69,7 +69,8 @@ def figure(stored: StoredStudy, sheet: Sheet = SCREEN, show: Sequence[str] = ())
     inches = HIGH[sheet.narrow] * sheet.width
     fig = _page_with_numbers(stored, shown, sheet, inches)
     for _ in range(ROUNDS):
-        fig.draw_without_rendering()
+        with rc_context(fonts.RC):
+            fig.draw_without_rendering()
         seen = fig.axes[0].bbox.height / fig.dpi
         if abs(seen - inches) < NEAR * inches:
             break
@@ -267,6 +268,11 @@ def _in_order(stored: StoredStudy) -> list[int]:
     return sorted(range(count), key=lambda k: not _is_stable(stored, k))
 
 
+def stable_shapes(stored: StoredStudy) -> list[int]:
+    """The shapes of stable equilibria that the file keeps."""
+    return [k for k in range(stored.sizes.get("shape", 0)) if _is_stable(stored, k)]
+
+
 def _is_stable(stored: StoredStudy, k: int) -> bool:
     return bool(_look_of_shape(stored, k)["linewidth"] > colours.UNSTABLE["linewidth"])
 
@@ -287,7 +293,7 @@ def _large_enough(stored: StoredStudy, chosen: Sequence[int], sheet: Sheet) -> l
 
 def _views(stored: StoredStudy, chosen: Sequence[int], sheet: Sheet) -> unrolled.UnrolledPanel:
     """The unrolled views at the points of these shapes, each with its number."""
-    views, names = [], _names(stored)
+    views, names = [], names_of_shapes(stored)
     for k in chosen:
         rho, alpha, z = (stored[f"shape_{key}"].values[k] for key in ("rho", "alpha", "z"))
         a, L = (float(stored[key]) if not stored[key].dims else float(stored[f"shape_{key}"][k]) for key in ("a", "L"))
@@ -302,7 +308,7 @@ def _shape_branches(stored: StoredStudy) -> Any:
     return stored["shape_branch"].values if "shape_branch" in stored else np.arange(stored.sizes.get("shape", 0))
 
 
-def _names(stored: StoredStudy) -> list[str]:
+def names_of_shapes(stored: StoredStudy) -> list[str]:
     """What the shapes are called: by the number of their branch, from 1, with a letter where a branch has several."""
     of = [int(branch) for branch in _shape_branches(stored)]
     letters = [ascii_lowercase[of[:k].count(branch)] if of.count(branch) > 1 else "" for k, branch in enumerate(of)]
@@ -316,7 +322,7 @@ def _number_points(
     one covers nothing; returns which."""
     if not chosen or f"shape_{key}" not in stored:
         return []
-    name, names = str(stored.attrs["axis"]), _names(stored)
+    name, names = str(stored.attrs["axis"]), names_of_shapes(stored)
     x, y = (_values(stored, f"shape_{quantity}") for quantity in (name, key))
     (left, right), (low, high) = sorted(ax.get_xlim()), sorted(ax.get_ylim())
     inside = [k for k in chosen if left <= x[k] <= right and low <= y[k] <= high]

@@ -1,7 +1,8 @@
 """A film of the rods along an axis: one camera, one scale of colours, and the growing curve of an observable.
 
-One frame a case of the dataset; nothing is solved. MP4 and GIF are written by imageio, the extra `animate`, and WebP by
-Pillow. Frames need OpenGL. Lengths are in inches.
+Of a rod that snaps a dot moves in the diagram of its branches in place of the curve. One frame a case of the dataset;
+nothing is solved. MP4 and GIF are written by imageio, the extra `animate`, and WebP by Pillow. Frames need OpenGL.
+Lengths are in inches.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -22,7 +23,7 @@ from solver.problem.errors import InputError, choices, no_such
 from solver.problem.quantities import current
 from studies.grammar.axes import SAMPLE
 
-from ..figures import canvas, colours, fonts
+from ..figures import bifurcation, canvas, colours, fonts
 from ..figures.scales import is_logarithmic
 from ..figures.trends import BRACKET, trend
 from ..run import atomic
@@ -67,6 +68,8 @@ class Film:
         Width and height of a frame.
     settings
         What else the pictures have, as of a scene: its look.
+    branches
+        A file of branches, in whose diagram a dot moves; default: the curve of the observable grows.
     count
         Frames, of so many stored cases at even steps from the first to the last; default: all of them.
     """
@@ -80,6 +83,7 @@ class Film:
     size: tuple[float, float] = SIZE
     count: int | None = None
     settings: Settings = DEFAULT
+    branches: StoredStudy | None = None
 
 
 def observable_of(
@@ -111,6 +115,8 @@ def cases_of(stored: StoredStudy, film: Film) -> list[dict[str, int]]:
     if scene_kinds.kind_of(film.kind).cells != "one":
         raise InputError(f"a frame shows one case, so --kind is one of {choices(single)}, not {film.kind!r}")
     cases = stored.places(film.axis, film.at)
+    if film.branches is not None:  # the load falls and rises as the rod goes its way
+        cases.sort(key=lambda where: where[film.axis])
     if not LEAST <= len(cases) <= MOST:
         raise InputError(f"a film has {LEAST} to {MOST} frames, and the axis {film.axis} {len(cases)} values")
     if film.count is None:
@@ -228,12 +234,15 @@ def _draw_case(fig: Figure, film: Film, stored: StoredStudy, i: int) -> Iterator
     size = next((size for size in TITLES if fonts.width_of(words, size) < room), TITLES[-1])
     yield ax.text(left, left, words, size=size, va="top", weight="bold")
     ends = array.values[[0, i, -1]]
+    if film.branches is not None:  # as in the diagram
+        ends[[0, -1]] = array.values.min(), array.values.max()
     first, at, last = np.log(ends) if is_logarithmic(array) else ends
     place = left + (at - first) / (last - first) * (right - left)
     yield from ax.plot([left, place], [left + 0.34] * 2, color=colours.SOFT, linewidth=2.0, solid_capstyle="round")
     yield from ax.plot(place, left + 0.34, "o", color=colours.INK, markersize=6)
     for diagram in (ax for ax in fig.axes if ax.get_label() == DIAGRAM_LABEL):
-        yield from _grow(diagram, float(labels.in_label_unit(array, array.values[i])))
+        at = float(labels.in_label_unit(array, array.values[i]))
+        yield from _grow(diagram, at) if film.branches is None else _place_dot(diagram, film, stored, i, at)
 
 
 def _value(stored: StoredStudy, axis: str, i: int, digits: int) -> str:
@@ -254,6 +263,13 @@ def _grow(ax: Axes, at: float) -> Iterator[Artist]:
     curve = max(ax.lines, key=Artist.get_zorder)
     values = np.asarray(curve.get_ydata())[np.asarray(curve.get_xdata()) == at]
     yield from ax.plot([at] * values.size, values, "o", color=colours.INK, markersize=5, zorder=5)
+
+
+def _place_dot(ax: Axes, film: Film, stored: StoredStudy, i: int, at: float) -> Iterator[Artist]:
+    """A dot in a diagram of branches, at the i-th case."""
+    assert film.observable is not None
+    height = float(labels.in_label_unit(stored[film.observable], stored[film.observable].values[i]))
+    yield from ax.plot(at, height, "o", color=colours.DATA, markersize=8, zorder=10, markeredgecolor="white")
 
 
 def _draw_rod(
@@ -279,12 +295,19 @@ def _draw_rod(
 def _draw_diagram(ax: Axes, stored: StoredStudy, film: Film) -> None:
     """The whole curve of the observable, with its name above it."""
     assert film.observable is not None
-    trend(stored, ax, film.observable, film.axis, film.at).set_label(DIAGRAM_LABEL)
+    if film.branches is None:
+        trend(stored, ax, film.observable, film.axis, film.at)
+    else:
+        bifurcation.panel(film.branches, ax, film.observable, fonts.inches(ax)[1])
+    ax.set_label(DIAGRAM_LABEL)
     ax.set(xlabel=labels.axis_label(stored[film.axis]), ylabel="")
     name = labels.label(stored[film.observable], long=True)
     is_wide = fonts.inches(ax)[0] > DIAGRAM[0]
     side, place = ("right", (1.0, 1.0)) if is_wide else ("left", (0.0, 1.0))
-    canvas.add_legend(ax, loc=f"lower {side}", bbox_to_anchor=place, borderpad=0.2, fontsize=fonts.SMALL)
+    columns = {} if film.branches is None else {"ncols": len(canvas.legend_entries(ax)), "handlelength": 1.3}
+    canvas.add_legend(
+        ax, loc=f"lower {side}", bbox_to_anchor=place, borderpad=0.2, fontsize=fonts.SMALL, columnspacing=1.0, **columns
+    )
     has_line = not is_wide and ax.get_legend() is not None  # of its own, below the name
     ax.set_title(name[:1].upper() + name[1:], loc="left", size=fonts.SMALL, pad=18 if has_line else 6)
 

@@ -273,7 +273,7 @@ def _row(
     scene = _several(stored, kind, names, rows, cameras[0], settings, chosen[0], shown, notes, size)
     room = room_of(scene)
     scenes = [replace(scene, rows=in_rows(rows[0], camera, room), camera=camera) for camera in cameras]
-    return _compose_larger(scenes, room)
+    return compose_larger(scenes, room)
 
 
 def _table(
@@ -295,10 +295,10 @@ def _table(
         scene_kinds.headings(stored, names[1], [row[0] for row in cases]),
     )
     scene = replace(scene, columns=heads[0], heads=heads[1])
-    return _compose_larger([replace(scene, camera=camera) for camera in cameras], room_of(scene))
+    return compose_larger([replace(scene, camera=camera) for camera in cameras], room_of(scene))
 
 
-def _compose_larger(scenes: Sequence[Scene], room: tuple[float, float]) -> Page:
+def compose_larger(scenes: Sequence[Scene], room: tuple[float, float]) -> Page:
     """The picture of cases side by side, upright or lying, whose rods take the larger share of their page."""
 
     def share(scene: Scene) -> float:

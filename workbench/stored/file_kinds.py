@@ -28,7 +28,7 @@ LOOPS = FileKind("a list of closed rods", "loops", True, ("equilibrium", "turns_
 KINDS = (
     LOOPS,
     FileKind("a list of equilibria", "equilibria", True, ("equilibrium", "index")),
-    FileKind("all equilibria over an axis", "branches", False, ("curve_point", "curve_branch")),
+    FileKind("all equilibria over an axis", "branches", True, ("curve_point", "curve_branch")),
     FileKind("a fold map", "folds", False, ("region_at",)),
     FileKind("a branch of equilibria", "", False, ("point", "special", "dbeta0")),
     FileKind("a trade of methods", "trade", False, ("ladder", "rung")),

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from solver import Ends, Solution
+from solver import Case, Ends, Solution
 from solver.problem.declared_fields import FIELDS
 from solver.problem.errors import choices
 from studies import Study, load
@@ -107,14 +107,19 @@ def _part(name: str, study: Study) -> str:
     return f"{name}, the case at {place}, one of {study.variation.size}" if place else name
 
 
+def case_of_numbers(ds: xr.Dataset, numbers: Mapping[str, float]) -> Case:
+    """The ends problem of these fields and of the words of a dataset. Raises `InputError`."""
+    given = [field for field in WORDS if field in ds.attrs and not (field == "stiffness" and "EI" in numbers)]
+    return from_values({**numbers, **{field: str(ds.attrs[field]) for field in given}}, Ends)[0]
+
+
 def _equilibrium_of(ds: xr.Dataset, name: str, values: Mapping[str, Any]) -> CaseInput:
     """The first equilibrium of a list, or of those in the middle of branches or of a map, with its own case."""
     fields = [field for field in FIELDS if field in ds.variables and ds[field].dims in ((), (field,))]
     middle = {field: ds.sizes[field] // 2 for field in fields if ds[field].dims}
     rods = ds.isel(middle)
     numbers = {field: float(rods[field]) for field in fields}
-    given = [field for field in WORDS if field in ds.attrs and not (field == "stiffness" and "EI" in numbers)]
-    case, _ = from_values(numbers | {field: str(ds.attrs[field]) for field in given}, Ends)
+    case = case_of_numbers(ds, numbers)
     places = [in_words(field, numbers[field]) for field in sorted(middle)]
     place = f", in the middle: {', '.join(places)}" if places else ""
     which = None

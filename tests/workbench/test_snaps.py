@@ -1,0 +1,114 @@
+"""A rod whose load is changed until it snaps, and the stable rods of a file of branches in three dimensions."""
+
+import numpy as np
+import pytest
+
+from solver import Case, Cylinder, Ends, InputError, Rod, equilibria
+from solver.orbits.potential import dimensional_slope
+from studies import load
+from tests.workbench.pictures import draws
+from workbench.branches import branch_dataset, snap
+from workbench.figures import bifurcation
+from workbench.scene import branch_rods, film, scene_kinds
+from workbench.scene.settings import Settings
+from workbench.stored.stored_study import StoredStudy
+
+ROD, CYLINDER = Rod(E=325.95, nu=0.25, a=0.25, L=5.0), Cylinder(R=0.75)
+
+
+def swept(low: float, high: float, count: int, name: str = "FZ") -> StoredStudy:
+    case = Case(ROD, CYLINDER, Ends(beta0=0.5, betaL=0.5, FZ=-0.5))
+    return StoredStudy(branch_dataset.sweep(load("fig6"), case, name, np.linspace(low, high, count), lambda *_: None))
+
+
+@pytest.fixture(scope="module")
+def stored() -> StoredStudy:
+    """The stable branch from above ends in a fold at -0.967."""
+    return swept(-1.4, 0.2, 5)
+
+
+@pytest.fixture(scope="module")
+def way(stored) -> list[snap.Shape]:
+    return snap.way_of(stored)
+
+
+def energy(case: Case, beta: np.ndarray) -> float:
+    """The integral of beta'^2 / 2 less that of H from 0 to beta, by the trapezoidal rule on a fine grid."""
+    A, h = float(case.rod.bending_stiffness), float(case.rod.L) / (beta.size - 1)
+    angle = np.linspace(beta.min() - 0.1, beta.max() + 0.1, 4001)
+    l, m, p = (float(getattr(case.given, name)) / A for name in ("MZ", "M3", "FZ"))
+    H = dimensional_slope(l, m, p, float(case.rho), angle)
+    G = np.append(0.0, np.cumsum((H[1:] + H[:-1]) / 2 * np.diff(angle)))
+    return float(np.sum(np.diff(beta) ** 2) / (2 * h) - h * np.sum(np.interp(beta[1:-1], angle, G)))
+
+
+def test_a_rod_that_snaps_falls_in_energy_until_it_rests_in_a_listed_stable_equilibrium(stored, way) -> None:
+    fall = [shape for shape in way if not shape.rests]
+    first = way.index(fall[0])
+    assert way[first - 1].load == pytest.approx(stored["fold"].values[np.abs(stored["fold"].values + 0.967).argmin()])
+    case = snap.case_at(stored, fall[0].load)
+    energies = [energy(case, shape.beta) for shape in (way[first - 1], *fall)]
+    assert (np.diff(energies) < 1e-9 * abs(energies[0])).all()
+    listed = [one for one in equilibria(case, stations=snap.STATIONS) if one.index == 0]
+    off = [np.abs(one.solution.beta - fall[-1].beta).max() for one in listed]
+    assert min(off) < 1e-3  # of the grid of 401 stations
+    np.testing.assert_allclose([shape.beta[[0, -1]] for shape in way], 0.5, atol=1e-9)  # the tolerance of the solves
+
+
+def test_the_load_goes_one_way_and_each_shape_at_rest_is_listed_as_stable(way, stored) -> None:
+    assert (np.diff([shape.load for shape in way]) <= 0).all()
+    assert [way[0].load, way[-1].load] == pytest.approx([0.2, -1.4])
+    for shape in (way[0], way[-1], next(shape for shape in way if shape.load < 0)):
+        listed = equilibria(snap.case_at(stored, shape.load), stations=snap.STATIONS)
+        nearest = min(listed, key=lambda one: np.abs(one.solution.beta - shape.beta).max())
+        assert nearest.index == 0
+        np.testing.assert_allclose(nearest.solution.beta, shape.beta, atol=1e-6)
+
+
+def test_the_frames_of_a_snap_are_in_the_order_of_the_way_and_the_rod_moves_evenly(stored, way) -> None:
+    ds = snap.evenly(snap.as_dataset(stored, way), 40)
+    assert ds.sizes["FZ"] == 40
+    rods, shown = StoredStudy(ds), film.Film("FZ", {}, "height", "plain", branches=stored)
+    assert [where["FZ"] for where in film.cases_of(rods, shown)] == list(range(40))
+    s = np.linspace(0, 5.0, snap.STATIONS)
+    heights = [np.trapezoid(np.cos(shape.beta), s) for shape in (way[0], way[-1])]
+    np.testing.assert_allclose(ds["height"][[0, -1]], heights, atol=1e-3)  # the trapezoidal rule at 401 stations
+    place = np.stack([ds["rho"] * np.cos(ds["alpha"]), ds["rho"] * np.sin(ds["alpha"]), ds["z"]], axis=-1)
+    far = np.linalg.norm(np.diff(place, axis=0), axis=-1).max(axis=-1)
+    assert far.max() < 3 * far.mean()
+
+
+def test_where_no_stable_branch_ends_in_a_fold_nothing_snaps() -> None:
+    with pytest.raises(InputError, match="no rod snaps"):
+        snap.way_of(swept(0.0, 0.2, 2))
+    with pytest.raises(InputError, match="under dead loads"):
+        snap.case_at(swept(4.0, 4.5, 2, "height"), 4.0)
+
+
+def test_each_stable_shape_of_the_file_is_found_again(stored) -> None:
+    for k in bifurcation.stable_shapes(stored):
+        rod = snap.rod_of_shape(stored, k, stored.sizes["u"])
+        np.testing.assert_allclose(rod.z, stored["shape_z"].values[k], atol=1e-7)
+        np.testing.assert_allclose(rod.alpha, stored["shape_alpha"].values[k], atol=1e-7)
+
+
+@draws
+def test_a_dot_moves_in_the_diagram_of_the_branches_and_the_rod_beside_it(stored, way) -> None:
+    ds = snap.evenly(snap.as_dataset(stored, way), 3).assign_attrs({scene_kinds.NOTE: snap.MOTION})
+    frames = list(film.frames(StoredStudy(ds), film.Film("FZ", {}, "height", "plain", 1.0, 50, branches=stored)))
+    assert len({frame.shape for frame in frames}) == 1
+    blue = [np.argwhere((frame[..., 2] > 100) & (frame[..., 0] < 80) & (frame[..., 1] < 120)) for frame in frames]
+    middles = np.array([places.mean(axis=0) for places in blue])
+    assert (np.diff(middles[:, 1]) < 0).all()  # the load falls
+    assert (np.diff(middles[:, 0]) > 0).all()  # and the far end too
+
+
+@draws
+def test_every_stable_rod_stands_below_the_diagram_with_the_number_of_its_point(stored) -> None:
+    fig, left = branch_rods.figure(stored, Settings(dpi=50, pixel_error=2.0))
+    stable = bifurcation.stable_shapes(stored)
+    names = [bifurcation.names_of_shapes(stored)[k] for k in stable]
+    diagram, words = fig.axes
+    assert sorted(text.get_text() for text in diagram.texts) == sorted(names)
+    assert [text.get_text().split(":")[0] for text in words.texts if ":" in text.get_text()] == names
+    assert left == 0

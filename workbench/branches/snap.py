@@ -1,0 +1,233 @@
+"""A rod whose load is changed until it snaps: along its stable branch to a fold, and then down in energy.
+
+At a fold an equilibrium ceases to exist. Between two end angles and under dead loads the energy of a rod on its
+cylinder is that of beta alone, and falls fastest by beta_t = beta'' + H(beta), whose rests are the equilibria. So the
+rod moves as in a viscous medium that drags on the turning of its sections. This is no dynamics: a real rod is faster,
+and may come to rest elsewhere.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+from scipy.integrate import cumulative_simpson
+from scipy.interpolate import CubicSpline
+from scipy.linalg import solve_banded
+
+from solver import Case, Solution, equilibria, follow, solve
+from solver.equilibria import nearest
+from solver.follow import solutions_of
+from solver.orbits.potential import dimensional_slope
+from solver.problem.declared_fields import FIELDS
+from solver.problem.errors import InputError
+
+from ..stored import quantity_variables
+from ..stored.stored_case import case_of_numbers
+from ..stored.stored_study import StoredStudy
+
+STATIONS = 401  # of each shape
+VALUES = 121  # of the load along a stable branch
+BEYOND = 2e-3  # of the axis: how far the load goes on beyond a fold, so that the rod begins to move
+TURN, TURNS = 0.03, 4000  # rad by which a section turns in a step at most; steps
+AT_REST = 1e-7  # of the steepness of the energy, times the length squared
+AGREES = 0.02  # rad: between a shape at rest on a grid and the equilibrium there
+MOST = 6  # snaps of one film
+SLOWEST = 4.0  # radii of the wall as which a change of the load over all of the axis counts: a rod at rest is seen too
+MOTION = "where the rod snaps: a descent of the energy, as in a viscous medium"
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """A shape of a rod on its way: the load, beta at the stations (n,), and whether it is at rest."""
+
+    load: float
+    beta: Array
+    rests: bool
+
+
+def rod_on(stored: StoredStudy, branch: int, at: int, stations: int = STATIONS) -> Solution:
+    """The rod of a branch at the value of the axis with an index, solved again. Raises `InputError`."""
+    name = str(stored.attrs["axis"])
+    (k,) = np.flatnonzero(stored["branch"].values[at] == branch)[:1]
+    slope, energy = (float(stored[key].values[at, k]) for key in ("dbeta0", "energy"))
+    return nearest(
+        equilibria(case_at(stored, float(stored[name].values[at])), stations=stations), slope, energy
+    ).solution
+
+
+def rod_of_shape(stored: StoredStudy, k: int, stations: int) -> Solution:
+    """The rod of the k-th shape that a file of branches keeps, solved again. Raises `InputError`, also for another."""
+    name, number = str(stored.attrs["axis"]), float(stored[f"shape_{stored.attrs['axis']}"].values[k])
+    case, rho = case_at(stored, number), float(stored["shape_rho"].values[k])
+    alpha, z = (stored[f"shape_{key}"].values[k] for key in ("alpha", "z"))
+    s = np.linspace(0, float(np.asarray(case.rod.L)), alpha.size)
+    beta = np.unwrap(np.arctan2(rho * CubicSpline(s, alpha)(s, 1), CubicSpline(s, z)(s, 1)))
+    slope, energy = float(CubicSpline(s, beta)(0.0, 1)), float(stored["shape_energy"].values[k])
+    rod = nearest(equilibria(case, stations=stations), slope, energy).solution
+    if abs(rod.z[-1] - rod.z[0] - (z[-1] - z[0])) > AGREES * rho:
+        raise InputError(f"the rod at {name} = {number:.6g} is not found again")
+    return rod
+
+
+def case_at(stored: StoredStudy, value: float) -> Case:
+    """The case of a file of branches at a value of its axis. Raises `InputError` for held ends and for weight."""
+    name = str(stored.attrs["axis"])
+    if "member" not in stored.sizes or stored.loads_vary:
+        raise InputError("the rods of these branches are solved again under dead loads and without weight alone")
+    numbers = {field: float(stored[field]) for field in FIELDS if field in stored and not stored[field].dims}
+    return case_of_numbers(stored.ds, numbers | {name: value})
+
+
+def way_of(stored: StoredStudy) -> list[Shape]:
+    """The shapes of a rod on its way along the axis of a file of branches, from a stable branch that ends in a fold.
+
+    Raises `InputError` for a file without such a branch, and as `case_at`.
+    """
+    at, branch, goal = _first_branch(stored)
+    name, values = str(stored.attrs["axis"]), stored[str(stored.attrs["axis"])].values
+    step = np.copysign(BEYOND * np.ptp(values), goal - values[at])
+    rod, load, way = rod_on(stored, branch, at), float(values[at]), list[Shape]()
+    for _ in range(MOST):
+        values_passed: dict[str, Any] = {name: np.linspace(load, goal, VALUES)}
+        followed = follow(rod, **values_passed)
+        ends = [point.position for point in followed.special]
+        stop = ends[0] if ends else len(followed) - 1
+        shapes = solutions_of(followed, STATIONS)
+        way += [Shape(float(followed.values[k]), shapes.beta[k], True) for k in range(stop + 1)]
+        if not ends or followed.special[0].kind != "fold":
+            return way
+        load = float(followed.values[stop]) + step
+        case = case_at(stored, load)
+        fall = [Shape(load, beta, False) for beta in descent(case, way[-1].beta)]
+        rod = solve(case, seed=_slope_at_start(fall[-1].beta, float(case.rod.L)), tol=1e-10, stations=STATIONS)
+        if not rod.solved or np.abs(rod.beta - fall[-1].beta).max() > AGREES:
+            raise InputError(f"beyond the fold at {name} = {load:.6g} the rod comes to rest at no equilibrium")
+        way += fall
+        if (load - goal) * step >= 0:
+            return way
+    return way
+
+
+def _first_branch(stored: StoredStudy) -> tuple[int, int, float]:
+    """The index of a value of the axis, the stable branch there, and the end of the axis towards which it has a fold:
+    of several the branch with the longest way to it."""
+    if "fold" not in stored.sizes or "member" not in stored.sizes:
+        raise InputError("no stable branch of this file ends in a fold, so no rod snaps")
+    values, ways = stored[str(stored.attrs["axis"])].values, list[tuple[float, int, int, float]]()
+    for row in stored.data("branches"):
+        on = np.flatnonzero((stored["branch"].values == row["branch"]).any(axis=1))
+        folds = stored["fold"].values[(stored["fold_branches"].values == row["branch"]).any(axis=1)]
+        if row["index"] == 0 and on.size:
+            for fold in folds.tolist():
+                up = bool(fold >= values[on].max())
+                at = int(on.min() if up else on.max())
+                ways.append((abs(fold - values[at]), at, row["branch"], float(values[-1] if up else values[0])))
+    if not ways:
+        raise InputError("no stable branch of this file ends in a fold, so no rod snaps")
+    return max(ways)[1:]
+
+
+def _slope_at_start(beta: Array, length: float) -> float:
+    h = length / (beta.size - 1)
+    return float(-25 * beta[0] + 48 * beta[1] - 36 * beta[2] + 16 * beta[3] - 3 * beta[4]) / (12 * h)
+
+
+def descent(case: Case, beta: Array) -> Iterator[Array]:
+    """The shapes of a rod between its end angles as its energy falls, from beta at even stations, (n,), to rest.
+
+    Each step is one of the implicit Euler method, small enough that no section turns by more than `TURN`. Raises
+    `InputError` where the rod does not come to rest.
+    """
+    beta = np.asarray(beta, dtype=float)
+    A, rho, length = (float(np.asarray(value)) for value in (case.rod.bending_stiffness, case.rho, case.rod.L))
+    l, m, p = (float(np.asarray(getattr(case.given, name))) / A for name in ("MZ", "M3", "FZ"))
+    slope = partial(dimensional_slope, l, m, p, rho)
+    h = length / (beta.size - 1)
+
+    def steepness(beta: Array) -> Array:
+        return np.diff(beta, 2) / h**2 + slope(beta[1:-1])
+
+    time, begun = TURN / max(float(np.abs(steepness(beta)).max()), 1e-12), beta
+    for _ in range(TURNS):
+        new = _step(beta, time, h, slope)
+        if new is None or np.abs(new - beta).max() > TURN:
+            time /= 2
+            continue
+        beta, time = new, 1.3 * time
+        yield beta
+        if np.abs(beta - begun).max() > 2 * TURN and np.abs(steepness(beta)).max() * length**2 < AT_REST:
+            return
+    raise InputError("beyond the fold the rod does not come to rest")
+
+
+def _step(beta: Array, time: float, h: float, slope: Callable[[Array], Array]) -> Array | None:
+    """beta after a time, by Newton's method; None where that does not converge."""
+    new, eps, change = beta.copy(), 1e-6, np.full(1, np.inf)
+    for _ in range(12):
+        inner = new[1:-1]
+        pull = np.diff(new, 2) / h**2 + slope(inner)
+        rate = (slope(inner + eps) - slope(inner - eps)) / (2 * eps)
+        rows = np.full((3, inner.size), -1 / h**2)
+        rows[1] = 1 / time + 2 / h**2 - rate
+        change = solve_banded((1, 1), rows, (beta[1:-1] - inner) / time + pull)
+        new[1:-1] += change
+        if not np.abs(change).max() < 1.0:
+            return None
+        if np.abs(change).max() < 1e-12:
+            return new
+    return new if np.abs(change).max() < 1e-9 else None
+
+
+def as_dataset(stored: StoredStudy, way: list[Shape]) -> xr.Dataset:
+    """The shapes of the way of a rod over its load and the stations, as a scene reads them, with what the diagram
+    shows of each. Raises `InputError` for a diagram of a number that a shape on its way down does not have."""
+    name, shown = str(stored.attrs["axis"]), str(stored.attrs["shown"])
+    if shown not in ("height", "turns_around"):
+        raise InputError(f"a film of a snap shows height or turns_around over the load, and this file has {shown}")
+    rows, units = way, stored.units
+    beta = np.array([row.beta for row in rows])
+    numbers = [numbers_of(case_at(stored, row.load)) for row in rows]
+    lengths, rho = np.array([n["L"] for n in numbers])[:, None], np.array([n["rho"] for n in numbers])[:, None]
+    u = np.linspace(0, 1, beta.shape[1])
+    along = {
+        "beta": beta,
+        "alpha": cumulative_simpson(np.sin(beta), x=u, initial=0.0) * lengths / rho,
+        "z": cumulative_simpson(np.cos(beta), x=u, initial=0.0) * lengths,
+    }
+    along |= {"radius": np.broadcast_to(rho, beta.shape), "contact": np.zeros_like(beta)}
+    data: dict[str, Any] = quantity_variables.variables(along, (name, "u"), units)
+    seen = {"height": along["z"][:, -1], "turns_around": along["alpha"][:, -1] / (2 * np.pi)}
+    data |= quantity_variables.variables({shown: seen[shown]}, (name,), units)
+    each = {key: np.array([n[key] for n in numbers]) for key in numbers[0] if key != name}
+    data |= quantity_variables.variables(each, (name,), units)
+    data |= {"solved": ((name,), np.ones(len(rows), dtype=bool)), "outcome": ((name,), np.full(len(rows), ""))}
+    loads = quantity_variables.variables({name: [row.load for row in rows]}, (name,), units)
+    coords = {name: loads[name], "u": ("u", u)} | quantity_variables.variables({"s": u * lengths}, (name, "u"), units)
+    ds = xr.Dataset(data, coords)
+    kept = ("reading", "stiffness", "side", "length_unit", "force_unit", "versions")
+    attrs = {key: stored.attrs[key] for key in kept if key in stored.attrs}
+    return ds.assign_attrs(attrs | {"title": stored.attrs["title"], "contact": "unilateral", "laws": "[]"})
+
+
+def evenly(ds: xr.Dataset, count: int) -> xr.Dataset:
+    """So many of the shapes, the first and the last among them, between which the rod moves about as far."""
+    place = np.stack([ds["rho"] * np.cos(ds["alpha"]), ds["rho"] * np.sin(ds["alpha"]), ds["z"]], axis=-1)
+    far = np.linalg.norm(np.diff(place, axis=0), axis=-1).max(axis=-1) / float(ds["rho"].max())
+    load = ds[ds["z"].dims[0]].values
+    share = np.abs(np.diff(load)) / max(float(np.ptp(load)), 1e-300)
+    way = np.append(0.0, np.cumsum(far + SLOWEST * share))
+    return ds.isel({ds["z"].dims[0]: np.searchsorted(way, np.linspace(0, way[-1], count) - 1e-9 * way[-1])})
+
+
+def numbers_of(case: Case) -> dict[str, float]:
+    """The numbers of the rod and the cylinder of a case, and its loads."""
+    loads = {name: getattr(case.given, name) for name in ("FZ", "MZ", "M3")}
+    return {
+        name: float(np.asarray(value)) for name, value in (quantity_variables.numbers_of_case(case) | loads).items()
+    }

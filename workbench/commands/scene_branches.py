@@ -1,0 +1,83 @@
+"""A file of branches in three dimensions, by the command scene: the stable rods beside their diagram, or a snap."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from solver.problem.errors import InputError, choices, no_such
+
+from . import console
+from .options import check_file
+from .present import Result, result_of_files
+from .scene_options import SceneOptions
+
+if TYPE_CHECKING:
+    from ..scene.settings import Settings
+    from ..stored.stored_study import StoredStudy
+
+RODS, SNAP = "branches", "snap"  # kinds of scene of such a file
+FRAMES = 144  # of a film of a snap
+DPI, FILM_DPI = 200, 160
+SUFFIXES = (".png",)
+
+
+def scene_of(file: Path, stored: "StoredStudy", wanted: SceneOptions) -> Result:
+    """Draw a file of branches, or film the snap of one of its rods. Raises `InputError`."""
+    from ..scene import film
+    from ..scene.settings import look_of
+
+    out = wanted.out
+    is_film = out is not None and out.suffix.lower() in film.SUFFIXES
+    kind = wanted.kind or (SNAP if is_film else RODS)
+    if kind not in (RODS, SNAP):
+        raise no_such("kind of scene of branches", kind, (RODS, SNAP))
+    if (kind == SNAP) != is_film:
+        raise InputError(f"of branches {choices(film.SUFFIXES)} are films of the kind {SNAP}, other files of {RODS}")
+    given = {"--axis": wanted.axis, "--along": wanted.along, "--at": wanted.at, "--show": wanted.show}
+    if alien := [*(name for name, value in given.items() if value), *wanted.of_picture]:
+        raise InputError(f"a scene of branches takes no {choices(alien)}")
+    look = look_of(wanted.theme, wanted.background, wanted.color)
+    if out is not None and is_film:
+        return _film(file, stored, out, wanted, look)
+    return _picture(file, stored, wanted, look)
+
+
+def _picture(file: Path, stored: "StoredStudy", wanted: SceneOptions, look: "Settings") -> Result:
+    """Draw the stable rods of branches below their diagram."""
+    from ..figures import canvas
+    from ..scene import branch_rods, opengl
+    from ..scene.settings import check
+
+    settings = replace(look, pixel_error=wanted.pixel_error, dpi=wanted.dpi or DPI)
+    check(settings)
+    path = check_file(wanted.out or file.with_name(f"{file.stem}_scene.png"), SUFFIXES, wanted.force)
+    able, advice = opengl.probe()
+    if not able:
+        return result_of_files([], warnings=[advice], status=1)
+    fig, left = branch_rods.figure(stored, settings)
+    canvas.save(fig, path, settings.dpi)
+    more = f", {branch_rods.MOST} of {branch_rods.MOST + left} stable rods" if left else ""
+    return result_of_files([path], [f"{path}{more}"])
+
+
+def _film(file: Path, stored: "StoredStudy", out: Path, wanted: SceneOptions, look: "Settings") -> Result:
+    """Film a rod whose load is changed until it snaps, beside the diagram of its branches."""
+    from ..branches import snap
+    from ..scene import film, opengl, scene_kinds
+    from ..stored.stored_study import StoredStudy
+
+    fps = film.FPS if wanted.fps is None else wanted.fps
+    path = check_file(out, film.SUFFIXES, wanted.force)
+    film.check_count(wanted.frames)
+    film.check_writers([path])
+    way = snap.way_of(stored)
+    shapes = snap.evenly(snap.as_dataset(stored, way), wanted.frames or FRAMES)
+    rods = StoredStudy(shapes.assign_attrs({scene_kinds.NOTE: snap.MOTION}))
+    able, advice = opengl.probe()
+    if not able:
+        return result_of_files([], warnings=[advice], status=1)
+    axis, shown = str(stored.attrs["axis"]), str(stored.attrs["shown"])
+    of = film.Film(axis, {}, shown, "plain", wanted.pixel_error, wanted.dpi or FILM_DPI, settings=look, branches=stored)
+    with console.progress(rods.sizes[axis], lines=True) as step:
+        film.write([path], film.frames(rods, of, step), fps)
+    return result_of_files([path], [f"{path}: {rods.sizes[axis]} shapes, {snap.MOTION}, {fps:g} frames per second"])

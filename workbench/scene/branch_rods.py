@@ -1,0 +1,120 @@
+"""The stable rods of a file of branches in three dimensions, below the diagram of the branches. Needs OpenGL.
+
+Each rod has the number of its point in the diagram. Lengths are in inches.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from solver import Solution
+from solver.problem.errors import InputError
+
+from ..branches import equilibria_dataset, snap
+from ..figures import bifurcation, canvas, fonts
+from ..figures.sheet import Sheet
+from ..stored import quantity_variables
+from ..stored.stored_study import StoredStudy
+from ..words import labels
+from . import body as rods
+from . import composition, layout, page, signs
+from .page import Page, Scene
+from .scene_kinds import Cell, kind_of
+from .settings import Settings, TooFewStations
+from .views import View, azimuth_of, front_camera, in_rows
+
+WIDE, DIAGRAM, RODS = 9.6, 3.6, 3.2  # the page; heights of the diagram and of the room of the rods
+LEFT, BELOW, FOOT = 0.75, 1.0, 0.55  # beside and below the diagram, and below the rods for scale and colours
+WORDS = 0.2  # above the rods, for their numbers
+PITCH = 1.15  # heights of a row from one to the next: room for the numbers
+MOST = 9  # rods
+STATIONS, MOST_STATIONS = 201, 20_001
+
+
+def figure(stored: StoredStudy, settings: Settings) -> tuple[Figure, int]:
+    """The figure, and how many stable rods have no room. Raises `InputError` for a file without a stable one."""
+    every = bifurcation.stable_shapes(stored)
+    if not every:
+        raise InputError("no branch of this file is stable, so there is no rod to show")
+    shown = every[:MOST]
+    scene, picture = _at_needed_stations(stored, shown, settings, STATIONS)
+    high = picture.pixels.shape[0] / settings.dpi
+    fig = canvas.figure(
+        (WIDE, canvas.TITLE + DIAGRAM + BELOW + WORDS + high + FOOT),
+        lambda fig: _draw(fig, stored, shown, scene, picture),
+        dpi=settings.dpi,
+        layout=None,
+    )
+    fig.set_facecolor(settings.look[page.WHITE])
+    x, y = round((WIDE - picture.pixels.shape[1] / settings.dpi) / 2 * settings.dpi), round(FOOT * settings.dpi)
+    fig.figimage(picture.pixels, x, y, origin="upper", zorder=-1)
+    page.recolour(fig, settings.look)
+    return fig, len(every) - len(shown)
+
+
+def _at_needed_stations(
+    stored: StoredStudy, shown: Sequence[int], settings: Settings, stations: int
+) -> tuple[Scene, Page]:
+    """The scene of these shapes and its picture, at as many stations as it needs. Raises `TooFewStations`."""
+    solved = [snap.rod_of_shape(stored, k, stations) for k in shown]
+    try:
+        return _compose(StoredStudy(_dataset(stored, solved)), settings)
+    except TooFewStations as error:
+        if stations >= MOST_STATIONS:
+            raise
+        more = min(max(error.stations, stations + 1), MOST_STATIONS)
+    return _at_needed_stations(stored, shown, settings, more)
+
+
+def _dataset(stored: StoredStudy, solved: Sequence[Solution]) -> xr.Dataset:
+    """These rods as a list of equilibria."""
+    name, units = str(stored.attrs["axis"]), stored.units
+    numbers = [snap.numbers_of(rod.case) for rod in solved]
+    columns = {key: [number[key] for number in numbers] for key in numbers[0]}
+    data = quantity_variables.variables(columns, equilibria_dataset.EQUILIBRIUM, units)
+    texts = [str(rod.caution) for rod in solved]
+    ds = equilibria_dataset.of_solutions(solved, data, texts, float(np.asarray(solved[0].case.rod.L)), units)
+    kept = ("title", "stiffness", "side", "length_unit", "force_unit", "versions")
+    return ds.assign_attrs({key: stored.attrs[key] for key in kept if key in stored.attrs} | {"laws": "[]", "of": name})
+
+
+def _compose(stored: StoredStudy, settings: Settings) -> tuple[Scene, Page]:
+    """The rods side by side, each of which faces the viewer, upright or lying as they are larger."""
+    kind, count = kind_of("contact"), stored.sizes["equilibrium"]
+    each = [rods.read(stored, {"equilibrium": k}, kind) for k in range(count)]
+    room = WIDE - 2 * canvas.MARGIN, RODS
+    size = round(room[0] * settings.dpi), round(room[1] * settings.dpi)
+    bare = replace(settings, bare=True, size=size, strict=True)
+    views = [View([body], Cell(), -azimuth_of([body])) for body in each]
+    cameras = [front_camera([], layout.LEVEL, lying) for lying in (False, True)]
+    scenes = [
+        Scene(stored, kind, in_rows(views, camera, room), each, "", camera, bare, pitch=PITCH) for camera in cameras
+    ]
+    return scenes[0], layout.compose_larger(scenes, room)
+
+
+def _draw(fig: Figure, stored: StoredStudy, shown: Sequence[int], scene: Scene, picture: Page) -> None:
+    """The diagram, the numbers of the rods, the scale of lengths and the colours of the push."""
+    wide, high = map(float, fig.get_size_inches())
+    canvas.write_title(fig, str(stored.attrs["title"]), stored.reading)
+    top = canvas.TITLE / high
+    ax = fig.add_axes((LEFT / wide, 1 - top - DIAGRAM / high, 1 - (LEFT + 0.2) / wide, DIAGRAM / high))
+    bifurcation.panel(stored, ax, str(stored.attrs["shown"]), DIAGRAM, Sheet(WIDE - LEFT), shown)
+    canvas.add_legend(ax, loc="upper left", bbox_to_anchor=(0, -0.5 / DIAGRAM), ncols=3, borderpad=0)
+    words = fig.add_axes((0.0, 0.0, 1.0, 1.0))
+    words.set(xlim=(0, wide), ylim=(high, 0))
+    words.axis("off")
+    name, names = str(stored.attrs["axis"]), bifurcation.names_of_shapes(stored)
+    left, down = (wide - picture.pixels.shape[1] / fig.dpi) / 2, high - FOOT - picture.pixels.shape[0] / fig.dpi
+    boxes = picture.arrangement.boxes.reshape(-1, 4)
+    for k, (x, y, across, _) in zip(shown, boxes, strict=False):
+        value = labels.equation(stored[name], float(stored[f"shape_{name}"].values[k]), 3)
+        at = left + x + across / 2, down + y - 0.04
+        words.text(*at, f"{names[k]}:  {value}", ha="center", va="bottom", size=fonts.SMALL)
+    paint = composition.colour_rods(scene)[0].paint
+    signs.draw_scale(words, LEFT, high - 0.25, picture.arrangement.scale, stored.units["length"], 1.0)
+    if paint.label:
+        signs.draw_bar(words, paint, (LEFT + signs.SCALE + 0.4, high - 0.3), (page.BAR, 0.1))
