@@ -28,7 +28,7 @@ def stored() -> StoredStudy:
 
 
 @pytest.fixture(scope="module")
-def way(stored) -> list[snap.Shape]:
+def way(stored) -> list[snap.Moment]:
     return snap.way_of(stored)
 
 

@@ -43,8 +43,8 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Shape:
-    """A shape of a rod on its way: the load, beta at the stations (n,), and whether it is at rest."""
+class Moment:
+    """A rod at one moment of its way: the load, beta at the stations (n,), and whether it is at rest."""
 
     load: float
     beta: Array
@@ -84,7 +84,7 @@ def case_at(stored: StoredStudy, value: float) -> Case:
     return case_of_numbers(stored.ds, numbers | {name: value})
 
 
-def way_of(stored: StoredStudy) -> list[Shape]:
+def way_of(stored: StoredStudy) -> list[Moment]:
     """The shapes of a rod on its way along the axis of a file of branches, from a stable branch that ends in a fold.
 
     Raises `InputError` for a file without such a branch, and as `case_at`.
@@ -92,19 +92,19 @@ def way_of(stored: StoredStudy) -> list[Shape]:
     at, branch, goal = _first_branch(stored)
     name, values = str(stored.attrs["axis"]), stored[str(stored.attrs["axis"])].values
     step = np.copysign(BEYOND * np.ptp(values), goal - values[at])
-    rod, load, way = rod_on(stored, branch, at), float(values[at]), list[Shape]()
+    rod, load, way = rod_on(stored, branch, at), float(values[at]), list[Moment]()
     for _ in range(MOST):
         values_passed: dict[str, Any] = {name: np.linspace(load, goal, VALUES)}
         followed = follow(rod, **values_passed)
         ends = [point.position for point in followed.special]
         stop = ends[0] if ends else len(followed) - 1
         shapes = solutions_of(followed, STATIONS)
-        way += [Shape(float(followed.values[k]), shapes.beta[k], True) for k in range(stop + 1)]
+        way += [Moment(float(followed.values[k]), shapes.beta[k], True) for k in range(stop + 1)]
         if not ends or followed.special[0].kind != "fold":
             return way
         load = float(followed.values[stop]) + step
         case = case_at(stored, load)
-        fall = [Shape(load, beta, False) for beta in descent(case, way[-1].beta)]
+        fall = [Moment(load, beta, False) for beta in descent(case, way[-1].beta)]
         rod = solve(case, seed=_slope_at_start(fall[-1].beta, float(case.rod.L)), tol=1e-10, stations=STATIONS)
         if not rod.solved or np.abs(rod.beta - fall[-1].beta).max() > AGREES:
             raise InputError(f"beyond the fold at {name} = {load:.6g} the rod comes to rest at no equilibrium")
@@ -184,7 +184,7 @@ def _step(beta: Array, time: float, h: float, slope: Callable[[Array], Array]) -
     return new if np.abs(change).max() < 1e-9 else None
 
 
-def as_dataset(stored: StoredStudy, way: list[Shape]) -> xr.Dataset:
+def as_dataset(stored: StoredStudy, way: list[Moment]) -> xr.Dataset:
     """The shapes of the way of a rod over its load and the stations, as a scene reads them, with what the diagram
     shows of each. Raises `InputError` for a diagram of a number that a shape on its way down does not have."""
     name, shown = str(stored.attrs["axis"]), str(stored.attrs["shown"])

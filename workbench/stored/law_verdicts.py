@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from .stored_cases import StoredCases
-    from .stored_study import StoredStudy
 
 
 Tally = dict[str, Counter[Any]]
@@ -197,14 +196,14 @@ def _number_of(ds: "xr.Dataset", name: str) -> Any:
     return ds[key]
 
 
-def boundary_of_law(stored: "StoredStudy", law: Law) -> "xr.Dataset":
+def boundary_of_law(stored: "StoredCases", refinement: "refined.Refined", law: Law) -> "xr.Dataset":
     """The boundary of a law, as `StoredStudy.boundary` gives it: pairs of neighbouring lines with other verdicts.
 
     Raises `InputError` for a dataset that is not refined in the plane.
     """
     if len(refined.axes_of(stored.ds)) < 2:
         raise InputError("the boundary of a law needs a study that is refined in the plane of two axes")
-    index, values = stored.refinement.lines(law.axis)
+    index, values = refinement.lines(law.axis)
     (across,) = (name for name in values if name != law.axis)
     each = verdicts_of_lines(type(stored)(refined.grid_of(stored.ds, index, values)), law).values
     change = np.flatnonzero(each[1:] != each[:-1])

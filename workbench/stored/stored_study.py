@@ -209,7 +209,7 @@ class StoredStudy(StoredCases):
             For an unknown observable, a real one without a step, or a grid of more than two axes.
         """
         if law := next((law for law in self.laws if law.claim == name), None):
-            return law_verdicts.boundary_of_law(self, law)
+            return law_verdicts.boundary_of_law(self, self.refinement, law)
         return refined.boundary(self.ds, self.refinement, current(name), step, self.observables)
 
     def to_pandas(self, *along: str) -> "pd.DataFrame":
