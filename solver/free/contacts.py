@@ -9,24 +9,28 @@ how large the point force: both to second order in h.
 from typing import NamedTuple
 
 import numpy as np
+from numpy.polynomial import polynomial
 
-from ..numerics.arrays import Array
+from ..numerics.arrays import Array, Booleans
 
 NEAR = 3  # nodes: those of an edge, and the widest gap that is none
 FEWEST = 5  # nodes of an interval; fewer are a point
-STEPS = 4  # of Newton's method for the place of an edge
+STEPS = 8  # of Newton's method for the place of an edge
 FAINT = 1e-9  # of the largest force, or of those next to an edge: less is rounding
 
 
 class Contact(NamedTuple):
     """An interval of contact, from the first of the places to the last one, in units of rho; a point, if there is one.
 
-    places, push: (n,), and the push per length there. points: places of point forces, and these.
+    places, push: (n,), and the push per length there. points: places of point forces, and these. readings: what a point
+    of a few nodes may be as well, where these are too few to tell: a short interval, or no contact but a part of what
+    holds the end beside it.
     """
 
     places: Array
     push: Array
     points: tuple[tuple[float, float], ...]
+    readings: tuple["Contact", ...] = ()
 
     @property
     def begin(self) -> float:
@@ -50,7 +54,7 @@ class _Edge(NamedTuple):
     inner: int
 
 
-def contacts_of(force: Array, h: float, grounded: tuple[bool, bool]) -> list[Contact]:
+def contacts_of(force: Array, h: float, grounded: Booleans) -> list[Contact]:
     """The contacts of a rod, in order.
 
     force: of the wall on the nodes, (N + 1,). grounded: whether the ends of the rod are on the wall.
@@ -60,18 +64,23 @@ def contacts_of(force: Array, h: float, grounded: tuple[bool, bool]) -> list[Con
     return [_contact(force, h, int(run[0]), int(run[-1]), grounded) for run in runs]
 
 
-def _contact(force: Array, h: float, first: int, last: int, grounded: tuple[bool, bool]) -> Contact:
+def _contact(force: Array, h: float, first: int, last: int, grounded: Booleans) -> Contact:
     """The contact of the nodes from first to last."""
     end, count = force.size - 1, last - first + 1
     from_start, to_end = grounded[0] and first == 1, grounded[1] and last == end - 1
-    if count < FEWEST and not (from_start or to_end):
+    if count < FEWEST:
         nodes = np.arange(first - 1, last + 2)  # a point between nodes has a small negative share of the next one
         total = float(force[nodes].sum())
         place = float(force[nodes] @ nodes) / total * h
-        return Contact(np.array([place]), np.zeros(1), ((place, total),))
+        point = Contact(np.array([place]), np.zeros(1), ((place, total),))
+        at_end = bool((grounded & [first <= NEAR, last >= end - NEAR]).any())
+        spread = Contact(place + count * h * np.array([-0.5, 0.5]), np.full(2, total / (count * h)), ())
+        return point._replace(readings=(spread, *[Contact(*point[:2], ())] * at_end)) if at_end or count > 2 else point
     few = max(1, min(NEAR, (count - 1) // 2))
-    near = _Edge(float(end), 0.0, force[1], end - 1) if from_start else edge_of(force[::-1], end - first, few)
-    far = _Edge(float(end), 0.0, force[-2], end - 1) if to_end else edge_of(force, last, few)
+    feel = 1 if from_start else few, 1 if to_end else few  # so many nodes at each edge
+    known = min(count - sum(feel), NEAR + 1)
+    near = edge_of(force[::-1], end - first, feel[0], known, from_start)
+    far = edge_of(force, last, feel[1], known, to_end)
     inner = np.arange(end - near.inner, far.inner + 1)
     places = np.concatenate([[end - near.place], inner, [far.place]]) * h
     push = np.concatenate([[near.push], force[inner], [far.push]]) / h
@@ -79,21 +88,19 @@ def _contact(force: Array, h: float, first: int, last: int, grounded: tuple[bool
     return Contact(places, push, tuple((place, point) for place, point in points if point > 0))
 
 
-def edge_of(force: Array, last: int, few: int) -> _Edge:
+def edge_of(force: Array, last: int, few: int, known: int, at_end: bool) -> _Edge:
     """The edge of a contact whose last node is given, which only so few nodes feel.
 
-    Before the first of them on, the push is f + g x, with x in edges; a point force at x = d is added.
+    From the first of them on the push goes on as a parabola, x in edges, through the known nodes before it. To that
+    comes a point force at the edge; but where the contact goes on to the end of the rod, the rest belongs to that end.
     """
     begin = last - few + 1
-    inside = force[max(begin - NEAR - 1, 0) : begin]
-    inside = inside[inside > 0]
-    f, g = (float(inside.mean()) if inside.size else 0.0), 0.0
-    if inside.size > 2:
-        g, f = map(float, np.polyfit(np.arange(-inside.size, 0), inside, 1))
-    nodes = force[begin : last + 1]
-    total, moment = float(nodes.sum()) - f / 2 + g / 6, float(nodes @ np.arange(nodes.size))
-    d = 2 * moment / max(total + np.sqrt(max(total**2 - 2 * f * moment, 0.0)), FAINT * nodes.sum())
-    for _ in range(STEPS):  # moment = total d - f d^2/2 - g d^3/6, whose slope is the point force
-        slope = max(total - f * d - g * d**2 / 2, FAINT * nodes.sum())
-        d = float(np.clip(d - (d * total - f * d**2 / 2 - g * d**3 / 6 - moment) / slope, 0, nodes.size))
-    return _Edge(begin + d, max(float(total - f * d - g * d**2 / 2), 0.0), max(float(f + g * d), 0.0), begin - 1)
+    push = polynomial.polyfit(np.arange(-known, 0), force[begin - known : begin], min(2, known - 1, (known + 1) // 2))
+    once, twice = polynomial.polyint(push), polynomial.polyint(push, 2)
+    nodes, half = force[begin : last + 1], float(polynomial.polyval(-1.0, twice))  # of the push before `begin`
+    total, moment, d = float(nodes.sum()) - half, float(nodes @ np.arange(nodes.size)), float(at_end)
+    for _ in range(0 if at_end else STEPS):  # moment = total d - twice(d), whose slope is the point force
+        point = max(total - float(polynomial.polyval(d, once)), FAINT * nodes.sum())
+        d = float(np.clip(d - (d * total - polynomial.polyval(d, twice) - moment) / point, 0, nodes.size))
+    point = 0.0 if at_end else max(total - float(polynomial.polyval(d, once)), 0.0)
+    return _Edge(begin + d, point, max(float(polynomial.polyval(d, push)), 0.0), begin - 1)

@@ -6,6 +6,11 @@ between the frame of an end and its edge), the strain is u = 2 v/d with v the im
 energy there d/2 (u1^2 + u2^2 + c (u3 + tau)^2), with c = C/A. Frames turn with the uniform twist tau, which is
 therefore no strain of theirs: however often a rod is twisted, neighbouring frames are close to one another. At the
 nodes between the ends the wall asks for  side (x^2 + y^2 - 1) >= 0, or for equality where it holds the rod on.
+
+The joint at an end has the moment of the end, not of the middle of its half edge, and an edge is a chord. So the frame
+of an end meets its edge turned on by a lead, which the caller gives: h^2/8 of what the moment and h^2/24 of what the
+curvature changes by per length. Without it an end tilts by order h^2, and on a wall that is a force of order 1 at node
+1, or a gap on a length of order h^(2/3).
 """
 
 from dataclasses import dataclass
@@ -46,7 +51,7 @@ class DiscreteRod:
     length. angles: (8,), azimuth, beta, tilt and rotation of both ends, anything where `free` (8,) says that they are
     unknown; never the azimuth and the rotation of the start. flip: sign of the quaternion of the far end. radius: (2,),
     distance of both ends from the axis. height: z of node N; None if unknown. loads: (8,), what does work with the
-    angles. tension: what does work with the height.
+    angles. tension: what does work with the height. lead: (2, 3), of the frames of both ends, in these [rad].
     """
 
     edges: int
@@ -62,6 +67,7 @@ class DiscreteRod:
     height: float | None
     loads: Array
     tension: float
+    lead: Array
 
     @property
     def h(self) -> float:
@@ -128,19 +134,20 @@ class DiscreteRod:
         weight[-1] /= 2
         return weight
 
-    def _end_frames(self, y: Array) -> tuple[tuple[Array, ...], tuple[Array, ...]]:
+    def _end_frames(self, y: Array, lead: Array) -> tuple[tuple[Array, ...], tuple[Array, ...]]:
         """The frames of both ends with their first and second derivatives by the angles there."""
-        near, far = (recall_end_frame(tuple(angles)) for angles in y[-ENDS:].reshape(2, 4).tolist())
+        ends = zip(y[-ENDS:].reshape(2, 4).tolist(), lead.tolist(), strict=True)
+        near, far = (recall_end_frame(tuple(angles), tuple(ahead)) for angles, ahead in ends)
         return near, tuple(self.flip * part for part in far)
 
-    def chain(self, y: Array) -> Array:
-        """The frames of the start, of the edges and of the far end, (N + 2, 4)."""
-        (first, *_), (last, *_) = self._end_frames(y)
+    def chain(self, y: Array, lead: Array | float = 0.0) -> Array:
+        """The frames of the start, of the edges and of the far end, (N + 2, 4), at the ends with a lead."""
+        (first, *_), (last, *_) = self._end_frames(y, np.broadcast_to(lead, (2, 3)))
         return np.concatenate([first[None], self.parts(y)[0], last[None]])
 
     def joints(self, y: Array) -> _Joints:
         """The strains between neighbouring frames."""
-        chain = self.chain(y)
+        chain = self.chain(y, self.lead)
         before = np.einsum("ikl,nl->nik", BILINEAR, chain[1:])
         after = np.einsum("nk,ikl->nil", chain[:-1], BILINEAR)
         v = (before @ chain[:-1, :, None])[..., 0]
@@ -148,7 +155,7 @@ class DiscreteRod:
         pull[:, 2] += 2 * self.ratio * self.twist
         slopes, mixed = np.concatenate([before, after], axis=2), np.einsum("ni,ikl->nkl", pull, BILINEAR)
         bends = np.zeros((self.edges + 1, 8, 8))
-        (_, near, near2), (_, far, far2) = self._end_frames(y)
+        (_, near, near2), (_, far, far2) = self._end_frames(y, self.lead)
         bends[0, :4, :4], bends[-1, 4:, 4:] = near2 @ (pull[0] @ before[0]), far2 @ (pull[-1] @ after[-1])
         slopes[0, :, :4], slopes[-1, :, 4:] = before[0] @ near.T, after[-1] @ far.T
         mixed[0], mixed[-1] = near @ mixed[0], mixed[-1] @ far.T

@@ -25,7 +25,7 @@ class BeginningCurve:
 
     name: what it is, in words. x: (n, 3). q: frames without the uniform twist, at shares u_q. twist: that twist.
     angles: azimuth, beta, tilt and rotation of both ends, (8,), that of the far end without the twist. grows: whether
-    it has no loads yet.
+    it has no loads yet. lead: of the frames of both ends, over h^2, (2, 3), where it is known.
     """
 
     name: str
@@ -37,6 +37,7 @@ class BeginningCurve:
     twist: float
     angles: Array
     grows: bool = False
+    lead: Array | float = 0.0
 
     @property
     def total_turn(self) -> float:
@@ -101,6 +102,7 @@ class Beside(NamedTuple):
             radius=(1 - share) * radius + share * rod.radius,
             tension=loads * rod.tension,
             weight=loads * rod.weight,
+            lead=np.broadcast_to(curve.lead * (rod.span / edges) ** 2, (2, 3)),
         )
 
     def way(self, curve: BeginningCurve) -> float:
@@ -156,7 +158,7 @@ def problems_of(case: Case) -> list[Beside]:
             1, loaded.span, float(ratio[i]), float(far[3] / ratio[i]) if free[7] else 0.0,
             OUTSIDE if case.outward > 0 else INSIDE, np.array([loaded.across, 0.0, -loaded.along]), angles, free, 1.0,
             np.array([radii[0][i], radii[1][i]]), float(far[2]) if "height" in held else None, loads,
-            0.0 if "height" in held else float(far[2]),
+            0.0 if "height" in held else float(far[2]), np.zeros((2, 3)),
         )  # fmt: skip
         changes = float(loaded.changes()[1][-1])
         turns = "azimuth" not in held and not free[4]

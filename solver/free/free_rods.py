@@ -21,6 +21,7 @@ from .minimum import free_motion, minimise
 FREE_TOLERANCE = 1e-4  # of the place of a rod, over its length
 FEWEST, EACH = 24, (2.0, 4.0)  # edges of the coarsest mesh: for each length on which the shape changes; for each radian
 MOST_EDGES = 16_384
+SETTLED = 2  # times that the lead of the ends is found anew on the coarsest mesh, each to half its error
 MESHES = 3  # at least, of which each has twice the edges of that before: they say which order the errors have
 FINEST = 8192  # edges, up to which a mesh is refined for the tolerance, if errors of order 2 would then be within it
 APART = 0.05  # of the length: a finer mesh that moves a rod so far leads to another minimum, and meshes count anew
@@ -180,6 +181,11 @@ def refine(beside: Beside, shape: FreeShape, tol: float) -> FreeAnswer:
     A tolerance that is out of reach leads to the default one. Where a finer mesh has no minimum, or another one, the
     others remain.
     """
+    for _ in range(SETTLED):  # on the coarsest mesh the lead of the ends is not known before
+        known = curve_of(shape)
+        rod = beside.rod_on(known, 1.0, shape.rod.edges)
+        minimum = minimise(rod, known.on(rod), beside.sizes(known), shape.multipliers)
+        shape = shape if minimum is None else FreeShape(rod, minimum.y, minimum.multipliers)
     shapes: tuple[FreeShape, ...] = (shape,)
     error, steps, line, why = np.inf, 0, "", f"the tolerance needs a mesh of more than {FINEST} edges"
     aims = np.array([tol, max(tol, FREE_TOLERANCE)])

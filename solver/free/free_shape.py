@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..numerics.arrays import Array
+from ..numerics.arrays import Array, Booleans
 from ..orbits.frames import binormal, outward
 from .contacts import Contact, contacts_of
 from .discrete_rod import CONDITIONS, DiscreteRod
@@ -60,6 +60,11 @@ class FreeShape:
         return np.linspace(0, self.rod.span, self.rod.edges + 1)
 
     @cached_property
+    def middles(self) -> Array:
+        """Where the start, the middles of the edges and the far end are along the rod, (N + 2,)."""
+        return np.concatenate([[0.0], self.nodes[:-1] + self.rod.h / 2, [self.rod.span]])
+
+    @cached_property
     def x(self) -> Array:
         """The nodes, (N + 1, 3)."""
         return np.concatenate([[[*self.rod.place(0, self.angles[0]), 0.0]], self.rod.parts(self.y)[1]])
@@ -74,8 +79,40 @@ class FreeShape:
         joints = self.rod.joints(self.y)
         moments = joints.pull / 2
         for end, sense in ((0, 1.0), (-1, -1.0)):
-            moments[end] += sense * np.cross(joints.v[end], moments[end])
+            moments[end] += np.cross(sense * joints.v[end] + self.rod.lead[end], moments[end])
         return moments
+
+    @cached_property
+    def forces(self) -> Array:
+        """The internal force at the start, on the edges, and at the far end, (N + 2, 3).
+
+        It changes by the push as it is read: next to an end on the wall the force of a node is partly that of the end.
+        """
+        edges = -self.multipliers[: CONDITIONS * self.rod.edges].reshape(-1, CONDITIONS)[:, :3]
+        forces = np.concatenate([edges[:1], edges, edges[-1:]])
+        out, push = self.rod.side * self.x * [1, 1, 0], self.rod.h * self.push_at(self.nodes[[0, 1, -1, -2]])
+        for way in (1, -1):
+            force, away, (at, by) = forces[::way], out[::way], push.reshape(2, 2)[::way][0]
+            if at > 0:
+                force[1] = force[2] + way * by * away[1]
+                force[0] = force[1] + way * (3 * at + by) / 8 * away[0]
+        return forces
+
+    @cached_property
+    def lead(self) -> Array:
+        """By how much the frames of both ends should stand ahead where they meet the edges, over h^2, (2, 3).
+
+        The moment M changes by F x D3 per length, the curvature k by as much and M3 D3 x k. Ends off the wall have no
+        lead: a rod that may turn about the line through them would be turned by it.
+        """
+        moment, D = self.moments[[0, -1]], self._directors(self.nodes[[0, -1]])
+        shear = np.einsum("nij,nj->ni", D, np.cross(self.forces[[0, -1]], D[:, 2]))
+        return self.grounded[:, None] * (shear / 6 + moment[:, 2:] * np.cross([0, 0, 1.0], moment) / 24)
+
+    @property
+    def grounded(self) -> Booleans:
+        """Which ends are on the wall, (2,)."""
+        return np.abs(self.rod.radius - 1) < ON_AXIS
 
     @property
     def far_loads(self) -> Array:
@@ -112,8 +149,12 @@ class FreeShape:
     @cached_property
     def contacts(self) -> list[Contact]:
         """The intervals of contact, in order."""
-        start, far = np.abs(self.rod.radius - 1) < ON_AXIS
-        return contacts_of(self.wall_force, self.rod.h, (bool(start), bool(far)))
+        return contacts_of(self.wall_force, self.rod.h, self.grounded)
+
+    def push_at(self, t: Array) -> Array:
+        """The push of the wall per length at stations (n,), point forces not included."""
+        pushes = [np.interp(t, on.places, on.push, left=0.0, right=0.0) for on in self.contacts]
+        return np.sum([np.zeros(t.size), *pushes], axis=0)
 
     @cached_property
     def _known_angles(self) -> Array:
@@ -124,8 +165,7 @@ class FreeShape:
 
     def _directors(self, t: Array) -> Array:
         """D1, D2, D3 at stations (n, 3, 3), without the uniform twist."""
-        middles = np.concatenate([[0.0], self.nodes[:-1] + self.rod.h / 2, [self.rod.span]])
-        q = between(t, middles, self.rod.chain(self.y))
+        q = between(t, self.middles, self.rod.chain(self.y))
         return directors(q / np.linalg.norm(q, axis=1, keepdims=True))
 
     def _angles(self, t: Array, x: Array, D: Array) -> Array:
@@ -138,24 +178,21 @@ class FreeShape:
 
     def at(self, t: Array) -> Along:
         """The rod at stations t (n,)."""
-        h, D = self.rod.h, self._directors(t)
+        D = self._directors(t)
         x = through(t, self.nodes, self.x, self._directors(self.nodes)[:, 2])
         turned = self._angles(t, x, D)
         known = np.stack([np.interp(t, self.nodes, row) for row in self._known_angles])
         turned += 2 * np.pi * np.round((known - turned) / (2 * np.pi))
         turned[3] += self.rod.twist * t
-        radius, push = np.hypot(x[:, 0], x[:, 1]), np.zeros(t.size)
+        radius = np.hypot(x[:, 0], x[:, 1])
         radius = np.fmax(radius, 1.0) if self.rod.side > 0 else np.fmin(radius, 1.0)
         for contact in self.contacts:
-            touching = (t >= contact.begin) & (t <= contact.end)
-            radius[touching] = 1.0
-            push[touching] = np.interp(t[touching], contact.places, contact.push)
-        edges = -self.multipliers[: CONDITIONS * self.rod.edges].reshape(-1, CONDITIONS)[:, :3]
+            radius[(t >= contact.begin) & (t <= contact.end)] = 1.0
         moment = np.einsum("ni,nij->nj", between(t, self.nodes, self.moments), D)
         c, s = np.cos(self.rod.twist * t)[:, None], np.sin(self.rod.twist * t)[:, None]
-        d1, force = -(c * D[:, 0] + s * D[:, 1]), between(t, self.nodes[:-1] + h / 2, edges)
-        rate = np.interp(t, self.nodes, np.gradient(self._known_angles[1], h))
-        return Along(x, radius, turned, rate, D[:, 2], d1, force, moment, push)
+        d1, force = -(c * D[:, 0] + s * D[:, 1]), between(t, self.middles, self.forces)
+        rate = np.interp(t, self.nodes, np.gradient(self._known_angles[1], self.rod.h))
+        return Along(x, radius, turned, rate, D[:, 2], d1, force, moment, self.push_at(t))
 
 
 def angles_at(alpha: Array, D: Array) -> Array:

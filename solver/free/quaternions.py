@@ -51,12 +51,12 @@ def directors(q: Array) -> Array:
 
 
 @lru_cache(maxsize=16)
-def recall_end_frame(angles: tuple[float, ...]) -> tuple[Array, Array, Array]:
-    """The frame and its derivatives by four angles, by `end_frame`; the last 16 results are kept.
+def recall_end_frame(angles: tuple[float, ...], lead: tuple[float, ...]) -> tuple[Array, ...]:
+    """The frame of `end_frame`, turned on by a small rotation [rad], and its derivatives; the last 16 are kept.
 
     The ends of a rod are asked for the frames of a few angles thousands of times. The arrays are read-only.
     """
-    parts = end_frame(np.array(angles))
+    parts = tuple(product(part, np.array([1.0, *np.divide(lead, 2)])) for part in end_frame(np.array(angles)))
     for part in parts:
         part.flags.writeable = False
     return parts

@@ -4,7 +4,7 @@ Steps are implicit: each ends at the minimum of  E + |x - x_before|^2 / (2 dt), 
 does not resist the rotation of the sections about the rod.
 """
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -74,10 +74,10 @@ class _Descent(NamedTuple):
 
 
 class Sinking:
-    """A rod on its way down from a curve, on so many edges."""
+    """A rod on its way down from a curve, as a discrete rod like that of its goal."""
 
-    def __init__(self, beside: Beside, curve: BeginningCurve, edges: int) -> None:
-        self.rod = beside.rod_on(curve, 1.0, edges)
+    def __init__(self, beside: Beside, curve: BeginningCurve, goal: DiscreteRod) -> None:
+        self.rod = replace(beside.rod_on(curve, 1.0, goal.edges), lead=goal.lead)
         self.sizes = beside.sizes(curve)
         y = self.rod.with_known(curve.on(self.rod))
         self.begun = FreeShape(self.rod, y, np.zeros(self.rod.bounds[0].size))
@@ -144,7 +144,7 @@ def descent_of(case: Case, curve: BeginningCurve, answer: FreeAnswer, count: int
     Raises `InputError` where it does not move.
     """
     goal = next((shape for shape in answer.shapes[::-1] if shape.rod.edges <= MOST_EDGES), answer.shapes[0])
-    sinking = Sinking(problems_of(case)[0], curve, goal.rod.edges)
+    sinking = Sinking(problems_of(case)[0], curve, goal.rod)
     if far(sinking.begun, goal) < LEAST * goal.rod.span:
         raise InputError("let go, this rod stays as it is: there is no motion to show")
     times, ways, rest = sinking.survey(goal)

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ..free.contacts import Contact
 from ..free.free_rods import MESHES, estimate
 from ..free.free_shape import Along, FreeShape
 from ..numerics.arrays import Array
@@ -20,6 +21,8 @@ from .measurement import MIDDLE
 WAVE = 1e-3  # rad: a smaller change of beta between two bends is no bend of a rod that is solved to 1e-4 of its length
 NEAREST = np.pi  # radii of the rod: stretches that are closer along it do not meet unless it is bent tighter than that
 COUNTS = ("bends", "loops", "overlaps", "index", "contact_count")
+OF_CONTACTS = ("contact_size_mean", "push_mean", "push_max", "push_max_at", "attached", "contact_share",
+               "point_force_max")  # fmt: skip
 UNDEFINED = {
     "bend_number": "a rod that may leave the wall has no period",
     "lift_off_at": "a cylinder that only pushes never pulls; contacts says where it does not push",
@@ -29,8 +32,13 @@ UNDEFINED = {
 class FreeReading:
     """One mesh of a rod, in units of A and rho. a: the radius of the rod."""
 
-    def __init__(self, shape: FreeShape, a: float) -> None:
-        self.shape, self.rod, self.a = shape, shape.rod, a
+    def __init__(self, shape: FreeShape, a: float, reading: int = -1) -> None:
+        self.shape, self.rod, self.a, self.reading = shape, shape.rod, a, reading
+
+    @cached_property
+    def contacts(self) -> list[Contact]:
+        """The contacts, or what else those of a few nodes may be."""
+        return [(on, *on.readings, *[on] * 2)[self.reading + 1] for on in self.shape.contacts]
 
     @cached_property
     def along(self) -> Along:
@@ -53,12 +61,17 @@ class FreeReading:
     @property
     def pushes(self) -> Array:
         """Where the wall pushes inside contacts, and how hard, (2, n)."""
-        return np.concatenate([np.zeros((2, 0)), *(np.stack(on[:2]) for on in self.shape.contacts)], axis=1)
+        return np.concatenate([np.zeros((2, 0)), *(np.stack(on[:2]) for on in self.contacts)], axis=1)
+
+    @property
+    def push(self) -> float:
+        """The force of the wall on the rod, the sum of its sizes."""
+        return sum(float(np.trapezoid(on.push, on.places)) + sum(f for _, f in on.points) for on in self.contacts)
 
     @property
     def share(self) -> float:
         """The share of the length on the wall."""
-        return sum(on.end - on.begin for on in self.shape.contacts) / self.rod.span
+        return sum(on.end - on.begin for on in self.contacts) / self.rod.span
 
     @cached_property
     def bending(self) -> float:
@@ -141,8 +154,8 @@ NUMBERS: dict[str, Callable[[FreeReading], Any]] = {
     "turns_around": lambda read: (read.along.turned[0, -1] - read.along.turned[0, 0]) / (2 * np.pi),
     "height": lambda read: read.shape.x[-1, 2],
     "pitch": FreeReading.pitch,
-    "contact_size_mean": lambda read: read.shape.wall_force.sum() / read.rod.span,
-    "push_mean": lambda read: read.shape.wall_force.sum() / read.rod.span,
+    "contact_size_mean": lambda read: read.push / read.rod.span,
+    "push_mean": lambda read: read.push / read.rod.span,
     "pull_mean": lambda read: 0.0,
     "push_min": lambda read: read.pushes[1].min() if read.share > 1 - 1e-9 else 0.0,
     "push_max": lambda read: _largest(read)[1],
@@ -161,7 +174,7 @@ NUMBERS: dict[str, Callable[[FreeReading], Any]] = {
     "gap_max": lambda read: np.abs(read.along.radius - 1).max(),
     "contact_share": lambda read: read.share,
     "contact_count": lambda read: len(read.shape.contacts),
-    "point_force_max": lambda read: max((force for on in read.shape.contacts for _, force in on.points), default=0.0),
+    "point_force_max": lambda read: max((force for on in read.contacts for _, force in on.points), default=0.0),
     "FZ": lambda read: read.shape.far_loads[2],
     "MZ": lambda read: read.shape.far_loads[0],
     "M3": lambda read: read.shape.far_loads[1],
@@ -207,4 +220,9 @@ def _limit(name: str, reads: list[FreeReading]) -> tuple[float, float]:
     if name in COUNTS:
         return values[-1], 0.0
     rest, error = estimate([after - before for before, after in pairwise(values)])
+    if name in OF_CONTACTS:
+        others = [FreeReading(reads[-1].shape, reads[-1].a, k) for k in (0, 1)]
+        error = max(error, *(abs(float(NUMBERS[name](other)) - values[-1]) for other in others))
+    if name == "push_max_at":  # one of the nodes, or an edge
+        error = max(error, reads[-1].rod.h)
     return values[-1] + rest, error

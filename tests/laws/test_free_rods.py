@@ -14,7 +14,7 @@ from solver import Case, Cylinder, Ends, InputError, Rod, Start, observe, solve
 from solver.free.beginnings import case_of_held_ends, curves_of
 from solver.free.discrete_rod import HELD_ON, INSIDE, OUTSIDE, DiscreteRod
 from solver.free.free_problem import problems_of
-from solver.free.free_rods import SHAKES, distance, estimate, limit, refine
+from solver.free.free_rods import FREE_TOLERANCE, SHAKES, distance, estimate, limit, refine
 from solver.free.minimum import minimise
 from solver.free.quaternions import product
 from solver.free.sinking import Sinking
@@ -33,12 +33,17 @@ def elastic_energy(sol: Any) -> float:
     return sum(float(value) for value in observe(sol, ELASTIC).values())
 
 
-def pushes(sol: Any) -> tuple[np.ndarray, float]:
-    """The force of the wall on the rod, (3,), and the sum of its sizes: push per length, and point forces."""
+def pushes(sol: Any, arms: bool = False) -> tuple[np.ndarray, float]:
+    """The force of the wall on the rod, (3,), and the sum of its sizes: push per length, and point forces.
+
+    arms: the moment about the origin instead of the force.
+    """
     outward, s = -sol.normal, sol.s
     size = np.concatenate([0.5 * (sol.push[1:] + sol.push[:-1]) * np.diff(s), [f for _, f in sol.point_forces]])
     at = np.concatenate([(s[1:] + s[:-1]) / 2, [place for place, _ in sol.point_forces]])
     ways = np.stack([np.interp(at, s, outward[:, k]) for k in range(3)], axis=1)
+    if arms:
+        ways = np.cross(np.stack([np.interp(at, s, sol.position[:, k]) for k in range(3)], axis=1), ways)
     return sol.case.outward * (size[:, None] * ways).sum(axis=0), float(size.sum())
 
 
@@ -143,13 +148,47 @@ def test_the_forces_of_the_wall_and_of_both_ends_are_in_balance_in_space(freed: 
     assert forces[-1] - forces[0] == pytest.approx(-pushes(sol)[0], abs=2e-2)  # of 23.4 N, by trapezoids and edges
 
 
+def random_rod(seed: int) -> Case:
+    """A rod between held ends on a cylinder, on each side by turns of fate; every third one has weight."""
+    rng = np.random.default_rng(1000 + seed)
+    beta0, betaL = rng.uniform(-1, 1, 2)
+    weight = rng.uniform(0, 0.3) if seed % 3 == 2 else 0.0
+    rod = Rod(EI=1.0, GJ=rng.uniform(0.7, 1), a=0.1, L=rng.uniform(3, 15), **({"weight": weight} if weight else {}))
+    side = str(rng.choice(["outside", "inside"]))
+    ends = Ends(beta0, betaL, FZ=rng.uniform(-1.5, 1), MZ=rng.uniform(-0.5, 0.5), M3=rng.uniform(-0.5, 0.5))
+    wall: dict[str, Any] = {"R": 0.9 if side == "outside" else 1.1, "side": side}
+    return Case(rod, Cylinder(**wall, **({"inclination": "60deg"} if weight else {})), ends)
+
+
+@pytest.mark.parametrize("seed", (3, 12, 13))
+def test_wall_and_ends_are_in_balance_where_contact_begins_at_an_end_or_is_short(seed: int) -> None:
+    """Forces and moments in space. Rod 3 has contact from its end on, 12 and 13 on a hundredth of their length."""
+    sol = solve(random_rod(seed), stations=4001).let_go()
+    (force, total), x, F = pushes(sol), sol.position[[0, -1]], force_in_space(sol)[[0, -1]]
+    M = sol.M1[:, None] * sol.normal + sol.M2[:, None] * np.cross(sol.tangent, sol.normal)
+    M = M[[0, -1]] + float(sol.M3) * sol.tangent[[0, -1]] + np.cross(x, F)
+    # by trapezoids, and edges of contact between two stations
+    assert F[1] - F[0] == pytest.approx(-force, abs=3e-3 * total)
+    assert M[1] - M[0] == pytest.approx(-pushes(sol, arms=True)[0], abs=2e-3 * total * float(sol.case.rod.L))
+
+
+@pytest.mark.parametrize("seed", slow_but((10, 14, 27, 31, 35, 46, 49), 14, 35))
+def test_numbers_of_contacts_are_off_by_no_more_than_the_stated_errors(seed: int) -> None:
+    """Contact goes on to an end, or is short. Both errors count, of a mesh and of one of some eight times its edges."""
+    names = ("contact_share", "push_mean", "push_max", "point_force_max", "gap_max", "energy")
+    before = solve(random_rod(seed))
+    rough, fine = (observe(before.let_go(tol=tol), names, errors=True) for tol in (FREE_TOLERANCE, 2e-6))
+    for name in names:
+        assert abs(rough[name] - fine[name]) <= rough[f"{name}_error"] + fine[f"{name}_error"], name
+
+
 @pytest.mark.parametrize("side", (OUTSIDE, INSIDE))
 @pytest.mark.parametrize("held", (True, False))
 def test_the_derivatives_of_a_discrete_rod_are_those_of_differences(side: int, held: bool) -> None:
     rng, step = np.random.default_rng(0), 1e-6
     free = np.array([0, not held, not held, 0, not held, not held, not held, not held], dtype=bool)
     rod = DiscreteRod(5, 3.0, 0.8, 0.4, side, rng.normal(size=3), rng.normal(size=8), free, -1.0, np.array([1.0, 1.5]),
-                      None, rng.normal(size=8), 0.4)  # fmt: skip
+                      None, rng.normal(size=8), 0.4, 0.3 * rng.normal(size=(2, 3)))  # fmt: skip
     y, multipliers, n = rng.normal(size=rod.size), rng.normal(size=rod.bounds[0].size), rod.size
 
     def jacobian(y: np.ndarray) -> np.ndarray:
@@ -323,7 +362,11 @@ def test_the_first_motion_of_a_rod_is_along_the_fall_of_its_energy(freed: tuple[
     """What drags balances the push and the change of the internal force at each place, as in dE + drag dx/dt = 0."""
     held, _ = freed
     (curve,) = curves_of(held, "held")
-    sinking = Sinking(problems_of(case_of_held_ends(held, [curve]))[0], curve, 96)
+    sinking = Sinking(
+        problems_of(case_of_held_ends(held, [curve]))[0],
+        curve,
+        replace(problems_of(case_of_held_ends(held, [curve]))[0].rod, edges=96),
+    )
     before = sinking.step(sinking.begun, 1e-6)
     time = 1e-4
     after = sinking.step(before, time)

@@ -218,6 +218,16 @@ def test_a_rod_is_drawn_held_on_and_let_go_with_its_gap_and_the_forces_at_the_ed
         assert at[:2] @ away[:2] == pytest.approx(rods[1].R + 2 * rods[1].a, rel=1e-3)
 
 
+def test_the_colour_of_a_push_begins_at_the_arrow_of_the_point_force(stored: xr.Dataset) -> None:
+    pair = study_scene.release_of(StoredStudy(stored), {})(101)
+    rod = read(pair, {RELEASED: 1}, kind_of(LET_GO))
+    assert len(rod.point_forces) == 2
+    for (at, _), sense in zip(rod.point_forces, (1, -1), strict=True):
+        off, on = rod.line.contact(at + sense * 1e-9 * rod.line.L * np.array([-1, 1]))
+        assert off == 0 < on
+        assert on == pytest.approx(rod.line.contact(np.array([at + sense * np.diff(rod.line.s)[0]]))[0], rel=0.1)
+
+
 @draws
 @pytest.mark.parametrize("azimuth", (0, 60, 180, 270))
 def test_arrows_and_gaps_are_drawn_as_far_as_the_cylinder_does_not_hide_them(stored: xr.Dataset, azimuth: int) -> None:

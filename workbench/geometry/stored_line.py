@@ -139,11 +139,13 @@ class VaryingLine(Centreline):
 class FreeLine(Centreline):
     """The centreline of a rod that may leave the cylinder: a cubic spline through its places in space.
 
-    radius: its distance from the axis at the stations, (n,) [length]. stored_contact: as of `VaryingLine`.
+    radius: its distance from the axis at the stations, (n,) [length]. stored_contact: as of `VaryingLine`. edges: where
+    the push jumps, in order, (k,) [length], as far as that is known.
     """
 
     stored_contact: Array = field(default_factory=lambda: np.empty(0))
     radius: Array = field(default_factory=lambda: np.empty(0))
+    edges: Array = field(default_factory=lambda: np.empty(0))
 
     @property
     def _arrays(self) -> tuple[str, ...]:
@@ -207,8 +209,17 @@ class FreeLine(Centreline):
         return np.asarray(np.linalg.norm(self._path(s, 2), axis=-1))
 
     def contact(self, s: Array) -> Array:
-        """The cylinder's push per length at s, (k,) [force/length], positive outward; point forces are not in it."""
-        return self._even(self.stored_contact, s)
+        """The cylinder's push per length at s, (k,) [force/length], positive outward; point forces are not in it.
+
+        It is even between stations; from one off the wall to one on it, it jumps at a known edge.
+        """
+        behind = np.clip(np.searchsorted(self.s, self.edges), 1, self.s.size - 1)
+        pair = self.stored_contact[np.stack([behind - 1, behind], axis=1)]
+        jumps = (pair == 0).sum(axis=1) == 1
+        pair = np.where(pair == 0, 0.0, pair.sum(axis=1, keepdims=True))[jumps].ravel()
+        at = np.repeat(behind[jumps], 2)
+        places = np.insert(self.s, at, np.repeat(self.edges[jumps], 2))
+        return np.interp(s, places, np.insert(self.stored_contact, at, pair))
 
     def cut(self, parts: int) -> Self:
         """This curve through so many times as many stations."""

@@ -214,6 +214,8 @@ def read(
     if POINT_FORCES[0] in stored:
         pairs = [stored[name].isel(dict(where)).values for name in POINT_FORCES]
         forces = [(float(s), float(force)) for s, force in zip(*pairs, strict=True) if np.isfinite(s)]
+    if isinstance(line, stored_line.FreeLine):
+        line = replace(line, edges=np.array([s for s, _ in forces]))
     drawn = span or (float(line.s[0]), float(line.s[-1]))
     return Body(line, drawn, kind.value, gamma, caution, point_forces=forces)
 
