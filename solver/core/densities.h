@@ -111,13 +111,12 @@ INLINE void along_density(const node_angles *restrict a, const rod_loads *l, den
 INLINE void curvature_density(const node_angles *restrict a, const rod_loads *l, density *restrict out,
                       density_slopes *restrict by)
 {
-    double most = 0, least = INFINITY;
+    double more[AT];
     for (int i = 0; i < AT; i++) {
-        const double v = fabs(a->speed[i]), s2 = a->s[i] * a->s[i], more = larger(v, s2);
-        out->values[i] = sqrt(v * v + s2 * s2);
-        most = larger(most, more), least = smaller(least, more);
+        const double v = fabs(a->speed[i]), s2 = a->s[i] * a->s[i];
+        out->values[i] = sqrt(v * v + s2 * s2), more[i] = larger(v, s2);
     }
-    if (!(most < 1e150 && least > 1e-140))
+    if (!(largest_size(AT, more) < 1e150 && smallest_size(AT, more) > 1e-140))
         for (int i = 0; i < AT; i++)
             out->values[i] = hypot(a->speed[i], a->s[i] * a->s[i]);
     for (int i = 0; i < AT; i++) {

@@ -109,17 +109,9 @@ typedef struct {
     double goal, total, top, beta0;
 } wanted;
 
-static double absolute_top(const stretch *p)
-{
-    double best = fabs(p->of.values[0]);
-    for (int i = 1; i < AT; i++)
-        best = larger(best, fabs(p->of.values[i]));
-    return best;
-}
-
 static int insufficient(const wanted *goal, const stretch *p)
 {
-    const double top = absolute_top(p), length = p->time * p->count;
+    const double top = largest_size(AT, p->of.values), length = p->time * p->count;
     int bad = p->tail * length > goal->goal * goal->total / 8;
     if (goal->precision == SIGNS)
         bad |= p->tail > goal->goal * top;

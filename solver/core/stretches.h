@@ -69,10 +69,14 @@ typedef struct {
 
 INLINE double highest(const double *values)
 {
-    double best = values[0];
-    for (int i = 1; i < AT; i++)
-        best = larger(best, values[i]);
-    return best;
+    double best[8]; /* AT is a multiple of it */
+    memcpy(best, values, sizeof best);
+    for (int i = 8; i < AT; i += 8)
+        for (int k = 0; k < 8; k++)
+            best[k] = larger(best[k], values[i + k]);
+    for (int k = 1; k < 8; k++)
+        best[0] = larger(best[0], best[k]);
+    return best[0];
 }
 
 INLINE double total_of(const double *values, const double *weight)

@@ -191,8 +191,10 @@ def _bend_and_tension(sol: ShapeArrays) -> tuple[Array, Array]:
 
 def _strain_words(strains: Any, linear: Any) -> Any:
     """The strain of each rod that is strained too far, in words; "" of the others. (*cases) of str objects."""
-    pairs = zip(np.ravel(strains).tolist(), np.ravel(linear).tolist(), strict=True)
-    words = [f"{STRAINED} ({_round(100 * x)} %; linear to {_round(100 * m)} %)" if x > m else "" for x, m in pairs]
+    limits, each = np.unique(linear, return_inverse=True)
+    ends = [f" %; linear to {_round(100 * limit)} %)" for limit in limits.tolist()]
+    rows = zip(np.ravel(strains).tolist(), np.ravel(strains > linear).tolist(), each.ravel().tolist(), strict=True)
+    words = [f"{STRAINED} ({_round(100 * strain)}{ends[k]}" if far else "" for strain, far, k in rows]
     return np.array(words, dtype=object).reshape(np.shape(strains))
 
 

@@ -1,8 +1,8 @@
 """Periodic orbits by Taylor's method, compiled (`rod.c`): half a period is marched, the rest follows by symmetry."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 LOST, TURNS, GOES_ROUND = 0, 1, 2  # how a leg ends
 ORDER = 20  # of the series
+_KEPT = 1024  # orbits whose steps are marched once for all who read some of them: 8 MB; others march their own again
 
 _LEG = ("time", "alpha", "z", "swirl", "error", "late", "fastest", "steps", "amplitude", "e11", "e12", "e21", "e22")
 # What the core knows of an orbit: `orbit` in rod.c. A leg goes from the start to the turning point ahead, or behind, or
@@ -39,6 +40,15 @@ class Steps:
     since: Array
     width: Array
     series: Array
+
+    def take(self, rows: Integers, count: Integers) -> "Steps":
+        """Those of the orbits `rows`, (b,). count: (B,), steps of each orbit."""
+        many = count[rows]
+        first = np.cumsum(many) - many
+        index: Any = np.arange(many.sum()) + np.repeat(self.first[rows] - first, many)
+        if rows.size and rows[-1] - rows[0] < rows.size:  # neighbours need no copy
+            index = slice(int(index[0]), int(index[-1]) + 1) if index.size else slice(0)
+        return Steps(first, self.since[index], self.width[index], self.series[index])
 
 
 def room_for(orbits: Array) -> Steps:
@@ -97,6 +107,7 @@ class MarchedOrbit(Periodic):
 
     found: (B,), records of the compiled core (`ORBIT`); those of `lost` orbits have what `rest` knows.
     lost: (B,), where the march fails or is too inaccurate; these orbits are in `rest`, in order, by quadrature.
+    part: the orbits of which these are some, and which of them, where their steps are kept for all.
     """
 
     problem: StartProblem
@@ -104,6 +115,7 @@ class MarchedOrbit(Periodic):
     found: Array
     lost: Booleans
     rest: Orbit | None = None
+    part: "tuple[MarchedOrbit, Integers] | None" = field(default=None, repr=False)
 
     @cached_property
     def in_rest(self) -> Integers:
@@ -161,11 +173,15 @@ class MarchedOrbit(Periodic):
         lost, rest = self.lost[rows], None
         if self.rest is not None and lost.any():
             rest = self.rest.take(self.in_rest[rows[lost]])
-        return MarchedOrbit(self.problem.take(rows), self.tol, self.found[rows], lost, rest)
+        part = (self, rows) if self.problem.size <= _KEPT else None
+        return MarchedOrbit(self.problem.take(rows), self.tol, self.found[rows], lost, rest, part)
 
     @cached_property
     def steps(self) -> Steps:
         """The series of all steps, marched again: an answer that is only read at its stations does not store them."""
+        if self.part is not None:
+            whole, rows = self.part
+            return whole.steps.take(rows, whole.found["count"].sum(axis=1))
         steps, mine = room_for(self.found), np.flatnonzero(~self.lost)
         # a lost orbit has no room: the march of one that was too inaccurate would write beyond the arrays
         selected = replace(steps, first=steps.first[mine])

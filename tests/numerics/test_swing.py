@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -131,6 +132,15 @@ def test_steps_of_rods_that_go_to_the_quadrature_overwrite_no_others() -> None:
     first = orbit.steps.first[~orbit.lost]
     np.testing.assert_array_equal(orbit.steps.series[first, 0, 0], orbit.problem.beta0[~orbit.lost])
     np.testing.assert_array_equal(orbit.steps.since[first], 0)
+
+
+def test_steps_of_some_orbits_are_those_of_a_march_of_these_alone() -> None:
+    """Also of neighbours, which are not copied, and of orbits that went to the quadrature, which have none."""
+    orbit = solve(draw(150, 0), tol=1e-6, stations=3).trajectory.orbit
+    for rows in (np.arange(40, 90), np.arange(3, 150, 7), np.flatnonzero(orbit.lost), np.array([5]), np.arange(0)):
+        steps, alone = orbit.take(rows).steps, replace(orbit.take(rows), part=None).steps
+        for name, array in vars(alone).items():
+            np.testing.assert_array_equal(getattr(steps, name), array)
 
 
 @pytest.mark.parametrize("name", ["force-first/tension", "catenary", "long"])

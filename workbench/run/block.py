@@ -159,7 +159,8 @@ def _as_a_file_holds(study: Study, case: Case, row: Columns) -> Columns:
             name: np.where(fails.reshape(-1, *(1,) * (values.ndim - 1)), none.get(name, values), values)
             for name, values in row.items()
         }
-    return row | {name: np.array([bounds.fit_text(text) for text in row[name].tolist()]) for name in TEXTS}
+    fit = {text: bounds.fit_text(text) for name in TEXTS for text in {*row[name].tolist()}}
+    return row | {name: np.array([fit[text] for text in row[name].tolist()]) for name in TEXTS}
 
 
 def _incomplete(sol: Solution) -> NDArray[Any]:

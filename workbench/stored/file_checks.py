@@ -233,7 +233,9 @@ def _sum(value: Any) -> str:
     for where in blocks(np.shape(value), _READ):
         part = value[where] if where else value[()] if isinstance(value, h5py.Dataset) else value
         if np.ndim(part) and part.dtype.kind in "OS":
-            part = b"".join(_bytes(text) + b"\0" for text in part.ravel().tolist())
+            texts = part.ravel().tolist()
+            parts = texts if all(isinstance(text, bytes) for text in texts) else map(_bytes, texts)
+            part = b"\0".join([*parts, b""])
         summed.update(_bytes(part))
     return f"{_shape(value)}:{summed.hexdigest()}"
 
