@@ -14,7 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from solver.problem.errors import choices, near
 
-from ..grammar.axes import MAX_COUNT, STRICT, Misplaced, Values, is_angle, one_of
+from ..grammar.axes import MAX_COUNT, SAMPLE, STRICT, Dimension, Misplaced, Values, is_angle, one_of
 
 Cube = NDArray[np.float64]  # points in the unit cube, (size, fields)
 
@@ -233,10 +233,11 @@ class Sample(BaseModel):
         return self.__pydantic_extra__
 
     @cached_property
-    def points(self) -> dict[str, Values]:
-        """The values of each field, (size,), angles in rad, drawn when they are first needed."""
+    def points(self) -> Dimension:
+        """The samples, angles in rad, drawn when they are first needed."""
         cube = METHODS[self.method][0](self.size, len(self.fields), self.seed)
-        return {name: distribution.values(cube[:, i]) for i, (name, distribution) in enumerate(self.fields.items())}
+        every = enumerate(self.fields.items())
+        return Dimension(SAMPLE, {name: distribution.values(cube[:, i]) for i, (name, distribution) in every})
 
     @property
     def sentence(self) -> str:

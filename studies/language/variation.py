@@ -62,7 +62,7 @@ class Variation:
     def samples(self) -> Dimension | None:
         """The samples; None if there are none."""
         if isinstance(self.given, Sample):
-            return Dimension(SAMPLE, self.given.points)
+            return self.given.points
         if self.given is None and self.refine is not None:
             lattice = self.refine.lattice(self.axes)
             return Dimension(SAMPLE, lattice.values(lattice.coarse()))

@@ -141,3 +141,10 @@ def test_the_sentence_of_a_sampled_angle_is_in_degrees_however_it_is_given(text:
     study = loads(f"{HEAD}[sample]\nsize = 4\n[sample.beta]\n{text}")
     assert study.sample is not None
     assert study.sample.sentence.endswith("beta uniform from 30 deg to 90 deg")
+
+
+def test_studies_of_one_text_are_equal_before_and_after_their_samples_are_drawn() -> None:
+    first, second = (loads(f"{HEAD}[sample]\nsize = 4\n[sample.beta]\nfrom = 0.5\nto = 1.0\n") for _ in range(2))
+    assert first == second
+    assert first.variation.samples == second.variation.samples
+    assert first == second
