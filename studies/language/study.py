@@ -262,7 +262,8 @@ class Study(BaseModel):
         watched = [name for name in self.refine.watch if name != OUTCOME] if self.refine else []
         torque = ["M30"] if self.turns_in_place else []  # with the load M3 those at both ends
         every = dict.fromkeys([*self.observables, *self.expressions, *judged, *stored, *watched, *torque])
-        return [name for name in every if name not in (*self.held, *self.variation.fields)]  # a held height is a field
+        fields = {*self.held, *self.variation.fields}  # a height that is held is a field
+        return [name for name in every if name not in fields]
 
     @property
     def observed(self) -> list[str]:

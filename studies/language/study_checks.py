@@ -50,8 +50,9 @@ def check(study: Study) -> None:
     _check_equilibrium(study)
     if study.expressions:
         expressions.check(study)
+    known = study.known_observables
     for name in study.wanted:
-        if name in OBSERVABLES and name not in study.known_observables:
+        if name in OBSERVABLES and name not in known:
             raise Misplaced(f"{name} needs E, which a rod with EI and GJ does not have: remove it", "observables")
     for number, law in enumerate(study.laws):
         _check_law(study, number, law)
