@@ -20,7 +20,7 @@ from workbench.figures import canvas, kinds, portrait, trends, unrolled
 from workbench.geometry import stored_line
 from workbench.geometry.refinement import push_along
 from workbench.run import in_memory, writing
-from workbench.scene import opengl
+from workbench.scene import opengl, signs
 from workbench.scene.body import read
 from workbench.scene.scene_kinds import LET_GO, NOTE, RELEASED, SIDES_OF_RELEASE, kind_of
 from workbench.scene.settings import Settings
@@ -169,6 +169,26 @@ def test_an_unrolled_view_says_that_a_rod_off_the_wall_is_seen_along_the_radius(
         assert radial not in said_by(held, kind)
 
 
+def test_ticks_across_an_unrolled_rod_are_where_its_contact_begins_and_ends(stored: xr.Dataset, finer: Any) -> None:
+    drawn = kinds.figure(StoredStudy(stored), "curves")
+    (ax,) = [ax for ax in drawn.axes if ax.get_label() == unrolled.VIEWS]
+    (dot,) = [line for line in ax.lines if line.get_gid() == "s = 0"]
+    drawn.canvas.draw()  # only now both directions have one scale
+    ticks = [ax.transData.transform(line.get_xydata()) for line in ax.lines if line.get_gid() == "contact"]
+    edges = np.array(finer.contacts[0])
+    rows = finer.z, float(finer.case.rho) * (finer.alpha - finer.alpha[0])
+    before, at, after = (
+        dot.get_transform().transform(np.transpose([np.interp(edges + off, finer.s, row) for row in rows]))
+        for off in (-0.1, 0.0, 0.1)  # cm: a station
+    )
+    assert len(ticks) == 2
+    for tick, place, way in zip(ticks, at, after - before, strict=True):
+        assert np.linalg.norm(tick.mean(axis=0) - place) < np.linalg.norm(way) / 2
+        across = tick[1] - tick[0]
+        assert abs(across @ way) < 0.05 * np.linalg.norm(across) * np.linalg.norm(way)
+    assert unrolled.EDGES in said_by(stored, "curves")
+
+
 def test_a_line_above_an_unrolled_rod_is_as_far_above_it_as_the_rod_is_off_the_wall(stored: xr.Dataset) -> None:
     drawn = kinds.figure(StoredStudy(stored), "curves")
     (ax,) = [ax for ax in drawn.axes if ax.get_label() == unrolled.VIEWS]
@@ -202,6 +222,7 @@ def test_a_rod_is_drawn_held_on_and_let_go_with_its_gap_and_the_forces_at_the_ed
     rods = [read(pair, {RELEASED: side}, kind_of(LET_GO)) for side in (0, 1)]
     assert rods[0].widest_gap is None
     assert not rods[0].pushes
+    assert not rods[0].contact_edges
     wall, rod = rods[1].widest_gap
     assert np.hypot(*wall[:2]) == pytest.approx(rods[1].R)
     gap = np.linalg.norm(rod - wall)
@@ -211,6 +232,14 @@ def test_a_rod_is_drawn_held_on_and_let_go_with_its_gap_and_the_forces_at_the_ed
     (said,) = [text.get_text() for text in page.ax.texts if text.get_text().endswith(" cm")][-1:]
     assert float(said.split()[0]) == pytest.approx(gap, rel=0.01)
     assert len([text for text in page.ax.texts if getattr(text, "arrow_patch", None)]) == 1 + len(rods[1].pushes)
+    ticks = [line.get_xydata() for line in page.ax.lines if line.get_gid() == signs.EDGE]
+    assert len(ticks) == len(rods[1].pushes) == 2
+    arrows = [text.xyann for text in page.ax.texts if getattr(text, "arrow_patch", None) and not text.get_text()]
+    for (
+        tick
+    ) in ticks:  # each begins on its contact's edge, where the point force acts, but for a station and the radius
+        near = min(np.linalg.norm(np.subtract(tick.mean(axis=0), foot)) for foot in arrows)
+        assert near < 2 * np.linalg.norm(tick[1] - tick[0])
     again = read(StoredStudy(stored).solve(201, ["alpha", "beta", "z", "radius", "contact"]), {}, kind_of("contact"))
     for (at, away, force), (_, _, same) in zip(rods[1].pushes, again.pushes, strict=True):
         assert force == pytest.approx(same, rel=1e-6)

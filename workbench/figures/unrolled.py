@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from solver.orbits import frames
 
-from ..geometry import lines, self_contact
+from ..geometry import lines, self_contact, stored_line
 from ..stored.stored_study import StoredStudy
 from ..words import cautions, labels
 from . import arrangement, canvas, colours, drawn_rods, fonts, push_scale, waves
@@ -60,6 +60,7 @@ HAIR = 0.3  # inches: a rod less wide is a hair
 MOST_WIDE = 1.15  # of the width that the rod needs is that of a line
 SEEN = 0.05  # radii of the rod: a smaller gap is not seen
 GAP_LINE = "a thin line is as far above it as it is off the wall"
+EDGES, TICK = "A tick marks where a contact begins or ends.", 0.05  # inches of half a tick
 DENSE = 4  # places for each station, so that a rod leaves a line at its edge
 
 Values = NDArray[np.float64]
@@ -73,7 +74,7 @@ class UnrolledView:
     so. text: above it. look: of its line; or its push and the scale of its colours. rings: as of `crossings`. name: of
     its line in a table; default: the first line of the text. over: x, y, look and name of further lines on the same
     cylinder. band: the distances around between which that is drawn, where the rod is in lines. begins: whether the rod
-    begins here.
+    begins here. edges: places where contacts begin and end, and directions of the rod there, (2,) each [length].
     """
 
     x: Values
@@ -85,6 +86,7 @@ class UnrolledView:
     over: Sequence[tuple[Any, Any, Mapping[str, Any], str]] = ()
     band: tuple[float, float] | None = None
     begins: bool = True
+    edges: Sequence[tuple[Values, Values]] = ()
 
     @property
     def box(self) -> Values:
@@ -190,6 +192,15 @@ def _draw_line(
         line(slice(None))
         return []
     return waves.draw(ax, x, y, inches, line, look["color"], name, where, 3.0)
+
+
+def _draw_edges(ax: Axes, edges: Sequence[tuple[Values, Values]], to_page: Affine2D) -> None:
+    """Draw a tick across the line of a rod at each place, by its direction there; `to_page` leads to inches."""
+    for at, way in edges:
+        place, ahead = to_page.transform(np.stack([at, at + way]))
+        x, y = (ahead - place) * TICK / max(float(np.linalg.norm(ahead - place)), TINY)
+        ends = place[:, None] + np.array([[-y, y], [x, -x]])
+        ax.plot(*ends, color=colours.INK, linewidth=1.1, zorder=4, gid="contact")
 
 
 def _look(rod: DrawnRod, norm: Normalize | None) -> dict[str, Any]:
@@ -366,6 +377,7 @@ class UnrolledPanel:
                 )
             for x, y, look, name in view.over:
                 said += _draw_line(ax, x, y, look, name, where, form.scale)
+            _draw_edges(ax, view.edges, to_page)
             rings += [(to_page.transform(place), form.scale * apart * [1, form.factor]) for place, apart in view.rings]
         if rings:
             sizes = [max(72 * float(np.linalg.norm(apart)) + RING / 2, RING) for _, apart in rings]
@@ -456,8 +468,8 @@ def panel_of(rods: DrawnRods, room: tuple[float, float], letters: float, coloure
         if is_too_long:
             notes.append(f"The rod {TOO_LONG}." if rods.axis is None else f"The rod of {rod.name} {TOO_LONG}.")
         winds = winds or bool(view.over)
-        views.append(replace(view, over=[*view.over, *gap_lines(rod)]))
-    notes = [*[AROUND] * winds, *off_wall(rods.solved), *notes]
+        views.append(replace(view, over=[*view.over, *gap_lines(rod)], edges=edges_of(rod)))
+    notes = [*[AROUND] * winds, *off_wall(rods.solved), *[EDGES] * any(view.edges for view in views), *notes]
     return UnrolledPanel(views, room, letters, unit, even=True, notes=notes)
 
 
@@ -475,6 +487,16 @@ def gap_lines(rod: DrawnRod) -> list[tuple[Any, Any, Mapping[str, Any], str]]:
     pieces = np.split(np.arange(x.size), np.flatnonzero(np.diff(off)) + 1)
     look = {"color": colours.SOFT, "linewidth": 0.7, "zorder": 2}
     return [(x[on], (y - gap)[on], look, f"{rod.name}: gap") for on in pieces if off[on[0]] and on.size > 1]
+
+
+def edges_of(rod: DrawnRod) -> list[tuple[Values, Values]]:
+    """Where the contacts of a rod that may leave the wall begin and end, as `edges` of a view; none without a push."""
+    if rod.arrays is None or not {"radius", "push"} <= set(rod.arrays):
+        return []
+    s, points = rod["s"], np.stack(rod.plane_points(), axis=-1)
+    places = stored_line.contact_edges(s, rod["push"])
+    before, after = (np.searchsorted(s, places) + k for k in (-1, 0))
+    return [*zip((points[before] + points[after]) / 2, points[after] - points[before], strict=True)]
 
 
 def crossings(s: Any, rho: float, alpha: Any, z: Any, a: float, radius: Any) -> list[tuple[Any, Any]] | None:

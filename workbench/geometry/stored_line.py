@@ -23,6 +23,7 @@ from .centreline import EASED, NEEDED, Array, Centreline, cut, slopes, spline
 # what the curve of a rod with weight or friction needs beside, and of one that may leave the cylinder
 VARIES = ("contact", "radius", "inclination", *VARY_LOADS)
 FREE_ORDER = 3  # of the errors of a spline through places, in their distance: the shear jumps at edges of contact
+MOST_EDGES = 24  # of contacts of a rod, beyond which marks of them would hide it
 ANGLES = 361  # between the least and the largest one, at which rates are compared
 
 
@@ -242,3 +243,12 @@ class FreeLine(Centreline):
 
 def _unit(vectors: Array) -> Array:
     return np.asarray(vectors / np.linalg.norm(vectors, axis=-1, keepdims=True))
+
+
+def contact_edges(s: Array, push: Array) -> Array:
+    """Where contacts with a cylinder that only pushes begin or end, (k,) [length], of stations s and push (n,).
+
+    Each is in the middle between two stations. None of a rod that is pulled, so held on, or has more than `MOST_EDGES`.
+    """
+    last = np.flatnonzero(np.diff(push > 0))
+    return (s[last] + s[last + 1]) / 2 if last.size <= MOST_EDGES and not (push < 0).any() else s[:0]

@@ -161,6 +161,20 @@ class Body:
                 each.append((self._place_on_page(place + self.a * away), away, force))
         return each
 
+    @cached_property
+    def contact_edges(self) -> list[tuple[Array, Array]]:
+        """Where contacts begin and end: the place on the centreline, and the direction of that as it is drawn, (3,).
+
+        A point force between the two stations says exactly where.
+        """
+        if not isinstance(self.line, stored_line.FreeLine):
+            return []
+        s = stored_line.contact_edges(self.line.s, self.line.push(self.line.s))
+        for at, _ in self.point_forces:
+            s = np.where(np.abs(s - at) <= self.line.L / (self.line.s.size - 1), at, s)
+        s = s[(s > self.span[0]) & (s < self.span[1])]
+        return [*zip(self.places(s), self.line.frame(s)[1] * [1, 1, self.squeeze], strict=True)]
+
     @property
     def _colour_step(self) -> float:
         """By how much what the colour shows may be off."""

@@ -25,6 +25,10 @@ NARROWEST = 7.0  # inches of a page, for the line below the views
 COARSEST = 10.0  # pixels that a surface may be off; beyond, it is no picture of that rod
 RING = (0.03, 0.065)  # inches: the least and the largest radius of a ring, else `IN_RODS` radii of its rod
 IN_RODS = 0.75
+TICK = (
+    0.05,
+    1.3,
+)  # of a tick where a contact begins or ends: its least half length in inches, else in radii of its rod
 ITSELF = "the rod passes through itself"
 UNSEEN = " (no ring where the cylinder hides it)"
 CUT, ALONG = " (as far as the cylinder does not hide it)", 65  # places along a line at which that is asked
@@ -101,6 +105,8 @@ def words_of(scene: Scene) -> tuple[list[tuple[str, str]], list[str]]:
     if any(body.widest_gap is not None for body in bodies):
         legend.append((signs.GAP, "the widest gap to the wall" + CUT * _hides_lines(scene, forces=False)))
         legend += [(scene_kinds.OFF_WALL, "off the wall")] * (scene.kind.paint is scene_kinds.by_push)
+    if any(body.contact_edges for body in bodies):
+        legend.append((signs.EDGE, "a contact begins or ends"))
     if any(body.pushes for body in bodies):
         legend.append((signs.FORCE, "a point force of the wall" + CUT * _hides_lines(scene, forces=True)))
     warnings = _impossible_beside(scene.bodies, ringed) if scene.kind.cells != "together" else []
@@ -214,7 +220,7 @@ def _rings(scene: Scene, arranged: Arrangement) -> list[tuple[float, float, floa
 
 def _marks_of_contact(scene: Scene, arranged: Arrangement) -> list[Mark]:
     """The widest gap of each rod as a line to the wall, and the point forces of the wall as arrows, as far as the
-    cylinder does not hide them; the marked base pairs of DNA; in inches."""
+    cylinder does not hide them; ticks where contacts begin and end; the marked base pairs of DNA; in inches."""
     marks, camera = [], scene.camera
     for view, middle in _middles(scene, arranged):
         lines = [
@@ -230,6 +236,15 @@ def _marks_of_contact(scene: Scene, arranged: Arrangement) -> list[Mark]:
             if places.size:
                 across = places[[0, -1]] @ camera.page.T - sum(view.box(camera)) / 2
                 marks.append(Mark(middle + across * arranged.scale * [1, -1], words, is_leader))
+        for body in view.bodies:
+            half = max(TICK[0], TICK[1] * body.a * arranged.scale)
+            for at, along in body.contact_edges:
+                x, y = camera.page @ view.turn @ along
+                size = np.hypot(x, y)
+                if size > 0 and not view.covers((view.turn @ at)[None], camera)[0]:
+                    away = camera.page @ view.turn @ at - sum(view.box(camera)) / 2
+                    tick = half / size * np.array([[y, x], [-y, -x]])
+                    marks.append(Mark(middle + away * arranged.scale * [1, -1] + tick, None))
     return marks
 
 

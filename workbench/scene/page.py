@@ -44,13 +44,14 @@ RUNS = 3  # the strategy of zlib that looks for runs alone: at level 1 the size 
 
 @dataclass(frozen=True, eq=False)
 class Mark:
-    """A line between two places, (2, 2) in inches of the picture, with its words; an arrow where it has none.
+    """A line between two places, (2, 2) in inches of the picture, with its words.
 
+    words: empty for an arrow, None for a tick.
     leads: whether it leads from what it marks to its words.
     """
 
     places: Array
-    words: str
+    words: str | None
     leads: bool = False
 
 

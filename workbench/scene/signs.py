@@ -20,14 +20,17 @@ from .scene_kinds import Paint
 
 GLYPH, SCALE = 0.62, 1.0  # widths: the cylinder from above, the longest scale bar
 RING, OUTLINE = "ring", "outline"  # in place of a colour: an open circle, the outline of a hidden stretch
-GAP, FORCE = "gap", "force"  # in place of a colour: a line between two marks, an arrow
+GAP, FORCE, EDGE = "gap", "force", "edge"  # in place of a colour: a line between two marks, an arrow, a tick
 
 
-def draw_mark(ax: Axes, places: NDArray[np.float64], words: str, leads: bool = False) -> None:
-    """A gap as a line with its size beside it, or a force as an arrow; places: (2, 2) in inches of the panel.
+def draw_mark(ax: Axes, places: NDArray[np.float64], words: str | None, leads: bool = False) -> None:
+    """A gap as a line with its size beside it, a force as an arrow, or a tick; places: (2, 2) in inches of the panel.
 
-    leads: the line leads from what it marks to its words.
+    words: empty for a force, None for a tick. leads: the line leads from what it marks to its words.
     """
+    if words is None:
+        ax.plot(*places.T, color=colours.INK, linewidth=1.4, zorder=6, clip_on=False, gid=EDGE)
+        return
     style = "-" if leads else "|-|, widthA=0.25, widthB=0.25" if words else "-|>"
     look = {"arrowstyle": style, "color": colours.INK, "lw": 1.1, "shrinkA": 0, "shrinkB": 0}
     ax.annotate("", tuple(places[1]), tuple(places[0]), arrowprops=look, zorder=6, annotation_clip=False)
@@ -40,6 +43,10 @@ def draw_mark(ax: Axes, places: NDArray[np.float64], words: str, leads: bool = F
 
 def legend_sign(colour: str, text: str) -> Artist:
     """What stands beside a text in the legend."""
+    if colour == EDGE:
+        return Line2D(
+            [], [], color=colours.INK, linestyle="none", marker="|", markersize=7, markeredgewidth=1.4, label=text
+        )
     if colour in (GAP, FORCE):
         return Line2D([], [], color=colours.INK, linewidth=1.1, marker="|" if colour == GAP else ">", label=text,
                       markevery=None if colour == GAP else [1], markersize=5)  # fmt: skip
