@@ -79,5 +79,5 @@ def _film(file: Path, stored: "StoredStudy", out: Path, wanted: SceneOptions, lo
     axis, shown = str(stored.attrs["axis"]), str(stored.attrs["shown"])
     of = film.Film(axis, {}, shown, "plain", wanted.pixel_error, wanted.dpi or FILM_DPI, settings=look, branches=stored)
     with console.progress(rods.sizes[axis], lines=True) as step:
-        film.write([path], film.frames(rods, of, step), fps)
+        film.write([path], film.frames(rods, of, step), fps, stay=0.0 if wanted.frames else film.HOLD)
     return result_of_files([path], [f"{path}: {rods.sizes[axis]} shapes, {snap.MOTION}, {fps:g} frames per second"])

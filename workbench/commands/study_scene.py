@@ -51,7 +51,7 @@ def open_rods(file: Path) -> tuple[Study | None, StoredStudy]:
         return two_stations(file)
     kind = reading.kind_of_file(file)
     if kind is not file_kinds.STUDY and not kind.scene:
-        raise file_kinds.other_kind(file, kind, "scene draws studies and equilibria")
+        raise file_kinds.other_kind(file, kind, "scene draws studies, equilibria and branches")
     return None, StoredStudy(reading.read(file, study=kind is file_kinds.STUDY))
 
 
