@@ -50,9 +50,8 @@ def make(file: h5py.File, place: str, value: Any) -> None:
         value(file)
     elif at is not None:
         values = file[name][...]
-        values[(*[0] * (values.ndim - 1), int(at))[: values.ndim]] = (
-            np.nan_to_num(value) if values.dtype.kind in "iu" else value
-        )
+        fit = np.nan_to_num(value).clip(-100, 2**31) if values.dtype.kind in "iu" else value
+        values[(*[0] * (values.ndim - 1), int(at))[: values.ndim]] = fit
         file[name][...] = values
     else:
         attrs, values = dict(file[name].attrs), value(file[name][...]) if callable(value) else value

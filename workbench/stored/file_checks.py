@@ -31,6 +31,7 @@ from .boxes import blocks
 FILTERS = {h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_FLETCHER32}  # HDF5's own, no plug-ins
 DEFLATED = 1032  # the best ratio of deflate; an array that claims a better one is not all stored
 MOST_VARIABLES = 1000
+MOST_DIMENSIONS = 32  # of an array of HDF5
 MOST_CHUNK = 2**28  # bytes: HDF5 unpacks a chunk as a whole
 AT_ONCE = 2**13  # values of an array that are read when the file is opened
 
@@ -141,6 +142,8 @@ def _attributes(held: h5py.File | h5py.Dataset, what: str) -> dict[str, Any]:
         is_number = np.asarray(value).dtype.kind in "iufb"  # a reference, say, cannot be copied
         if not (is_text or is_number) or np.size(value) == 0 or not is_line(key, LABEL):
             raise InputError(f"{what} the attribute {show(key)} must hold numbers or text")
+        if isinstance(held, h5py.Dataset) and is_text and np.size(value) == 1 and len(np.ravel(value)[0]) > LABEL:
+            raise InputError(f"{what} the attribute {show(key)} must be one line of text, got {show(value)}")
         if key in SCALED and isinstance(held, h5py.Dataset):
             raise InputError(f"{what} has the attribute {key}, by which other programs mean other numbers")
     fill = np.asarray(attrs.pop("_FillValue", np.nan))
@@ -211,14 +214,15 @@ def is_as_stored(path: str | Path) -> bool:
 
 
 def _places(held: Contents) -> Iterator[tuple[str, Any]]:
-    """``@title`` of the file, ``E@units`` and ``outcome`` of arrays, and what is there.
+    """``@title`` of the file, ``E@units``, ``E@`` (its dimensions) and ``outcome`` of arrays, and what is there.
 
-    Arrays along the rod are left to HDF5.
+    Arrays along the rod are left to HDF5, which would not notice a chunk that it takes for one that is not packed.
     """
-    most = len(held.arrays["outcome"].dims) if "outcome" in held.arrays else 0
+    most = len(held.arrays["outcome"].dims) if "outcome" in held.arrays else MOST_DIMENSIONS
     yield from ((f"@{key}", value) for key, value in held.attrs.items() if key not in UNSUMMED)
     for name, array in held.arrays.items():
         yield from ((f"{name}@{key}", value) for key, value in array.attrs.items() if key not in UNSUMMED)
+        yield f"{name}@", np.array(array.dims, dtype=object)
         if len(array.dims) <= most or not array.is_guarded:
             yield name, array.values
 
