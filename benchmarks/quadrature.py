@@ -44,7 +44,7 @@ def works() -> Work:
     pipe = Case(steel, Cylinder(0.108, "inside"), Ends(0.0, 0.0, FZ=-300.0))
     seed = solve(case)
     assert seed.trajectory.orbit is not None
-    first, last, path = reduce(case), reduce(near), path_of(seed.trajectory.orbit.path, 0)
+    first, last, path = reduce(case), reduce(near), path_of(seed.trajectory.orbit.paths, 0)
     return {
         "rod at a saddle, gap 1e-4": (at_saddle(1e-4), 30),
         "rod at a saddle, gap 1e-12": (at_saddle(1e-12), 30),

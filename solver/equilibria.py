@@ -147,7 +147,7 @@ def _under_dead_loads(case: Case, tol: float, stations: int, most_swings: int) -
     for i in range(K):
         solution = Solution(case, problem, _row_of(together, t, i), t[i : i + 1], "shooting", tol)
         numbers = float(energy[i]), float(dbeta0[i] / case.rho), int(bends[i])
-        more = float(attached[i]), float(stray[i]), orbit.path.take(slice(i, i + 1))
+        more = float(attached[i]), float(stray[i]), orbit.paths.take(slice(i, i + 1))
         listed.append(Equilibrium(solution, int(index[i]), *numbers, *more, int(index[i])))
     return Equilibria(in_order(listed), equilibria.remark)
 

@@ -283,13 +283,14 @@ def as_seed(case: Case, problem: Reduced | HeldProblem, seed: Any) -> Seed:
     if isinstance(seed, Solution):
         if seed.case.shape not in ((), case.shape):
             raise InputError(f"the cases of the seed have shape {seed.case.shape}, those to solve {case.shape or '()'}")
-        trajectory = seed.trajectory
+        trajectory, paths = seed.trajectory, getattr(seed.trajectory.orbit, "paths", None)
         row = np.arange(problem.size) if seed.case.shape else np.zeros(problem.size, dtype=np.int64)
         ends = between_ends(seed).take(row)
         u = seed.t / seed.problem.span[:, None]
         shapes = np.full(problem.size, None, dtype=object)
         shapes[:] = [None] * problem.size if trajectory.shapes is None else trajectory.shapes.each(problem.size)
-        return Seed(trajectory.dbeta[row, 0], u[row], trajectory.beta[row], ends, trajectory.orbit, row, shapes)
+        paths = None if paths is None else paths.take(row)
+        return Seed(trajectory.dbeta[row, 0], u[row], trajectory.beta[row], ends, paths, shapes)
     try:
         with np.errstate(over="ignore"):
             dbeta0 = flat(np.asarray(seed, dtype=float) * case.rho, case.shape)

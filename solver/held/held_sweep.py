@@ -135,7 +135,7 @@ def dead_states(
     most_periods, most_turns: as of `search_levels`.
     """
     equilibria = search_levels(problem, most_periods, most_turns)
-    paths = [] if equilibria is None else [path_of(equilibria.orbit.path, i) for i in range(equilibria.dbeta0.size)]
+    paths = [] if equilibria is None else [path_of(equilibria.orbit.paths, i) for i in range(equilibria.dbeta0.size)]
     paths = [path for path in paths if not path.helix]
     if not paths:
         return None

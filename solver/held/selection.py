@@ -202,8 +202,8 @@ def path_of_seed(seed: Seed) -> Path | None:
     assert seed.problem is not None
     if not np.isfinite(seed.beta[0]).all():
         return None
-    if seed.orbit is not None and getattr(seed.orbit, "path", None) is not None:
-        return path_of(seed.orbit.path, int(seed.row[0]))
+    if seed.paths is not None:
+        return path_of(seed.paths, 0)
     path = path_from_start(seed.problem, float(seed.dbeta0[0]))
     if path is not None:
         return path
@@ -213,4 +213,4 @@ def path_of_seed(seed: Seed) -> Path | None:
     u = seed.problem.span[:, None] * seed.u[:1]
     apart = np.abs(equilibria.orbit.at(np.repeat(u, equilibria.dbeta0.size, axis=0))[0] - seed.beta[:1]).max(axis=1)
     best = int(np.argmin(apart))
-    return path_of(equilibria.orbit.path, best) if apart[best] < 0.01 else None
+    return path_of(equilibria.orbit.paths, best) if apart[best] < 0.01 else None

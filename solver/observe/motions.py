@@ -77,9 +77,8 @@ def _of_equilibrium(sol: ShapeArrays, problem: EndsProblem, path: Path, i: int) 
 
 def _path(sol: ShapeArrays, problem: EndsProblem, i: int) -> Path | None:
     """The level and the path of the equilibrium of case i; None where no orbit is found that joins the ends."""
-    orbit = sol.trajectory.orbit
-    if orbit is not None and getattr(orbit, "path", None) is not None:
-        return path_of(orbit.path, i)
+    if (paths := getattr(sol.trajectory.orbit, "paths", None)) is not None:
+        return path_of(paths, i)
     path = path_from_start(problem, float(sol.trajectory.dbeta[i, 0]))
     if path is None or path.helix:
         return path

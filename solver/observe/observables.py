@@ -131,7 +131,7 @@ def _by_rounding(orbit: Any, count: Array, moves: Array) -> Array:
     """What rounding of the start and the loads adds to the number of half periods `count`, (B,): next to a separatrix
     half a period has few digits, also where the rod is much shorter and its shape has all of them. moves: (B,)."""
     change, problem = np.zeros(count.shape), orbit.problem
-    if getattr(orbit, "path", None) is not None:  # the level of a path is known by the logarithm of its gap
+    if getattr(orbit, "paths", None) is not None:  # the level of a path is known by the logarithm of its gap
         return change
     rate = np.sqrt(1 + load_size(problem))
     near = np.flatnonzero(moves & ((orbit.ahead + orbit.back) * rate > _LONG))

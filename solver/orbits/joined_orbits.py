@@ -38,7 +38,7 @@ def join_answers(parts: Iterable[Trajectory], t: Array, share: float) -> Traject
 
 def alike(orbits: Sequence[Orbit]) -> list[Orbit]:
     """Orbits without those of the fields known of equilibria alone that one of them lacks."""
-    names = ("path", "lengthens", "response")
+    names = ("paths", "lengthens", "response")
     unknown: dict[str, Any] = {name: None for name in names if any(getattr(o, name) is None for o in orbits)}
     return [replace(orbit, **unknown) for orbit in orbits]
 

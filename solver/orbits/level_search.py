@@ -146,21 +146,21 @@ def _search(problem: EndsProblem, most_periods: int, most_turns: int | None, ste
     """One search, on a level grid of steps of `step` in log gap."""
     boundary, grid = level_grid_of(boundary_of(problem), step)
     roots, reason = level_roots(boundary, grid, most_periods, most_turns)
-    path, lengthens = paths_of(boundary, roots, boundary.helix_angle)
+    paths, lengthens = paths_of(boundary, roots, boundary.helix_angle)
     if not lengthens.size:
         return None
-    orbit, level = solve_orbits(problem, boundary, path, lengthens)
+    orbit, level = solve_orbits(problem, boundary, paths, lengthens)
     far = orbit.at(orbit.problem.span[:, None])[0][:, 0]
     good = np.abs(far - problem.betaL[0]) < np.maximum(MISSED, np.minimum(_end_rounding(orbit), 0.1))
     lost = roots.lost + int(np.count_nonzero(~good))
     if not good.any():
         return None
     if not good.all():
-        path, lengthens = path.take(good), lengthens[good]
-        orbit, level = solve_orbits(problem, boundary, path, lengthens)
+        paths, lengthens = paths.take(good), lengthens[good]
+        orbit, level = solve_orbits(problem, boundary, paths, lengthens)
     index, energy = jacobi_zeros(orbit), energies(orbit, level)
     lowest, highest = _range(orbit, problem)
-    helices = index[path.helix]
+    helices = index[paths.helix]
     signed = roots.signed + int(np.where(helices % 2 == 0, 1, -1).sum())
     remark = reason or _remark(index, energy, signed, lost)
     total, calls = roots.total + helices.size, roots.calls + int(orbit.panels.calls.sum())

@@ -39,13 +39,13 @@ ROUNDING = 20 * EPS
 _DEEPER = 40.0  # in log gap: the root of the gap, the error of a rod at rest on a saddle, is then below rounding
 
 
-def solve_orbits(problem: EndsProblem, boundary: Boundary, path: Paths, lengthens: Array) -> tuple[Orbit, Array]:
+def solve_orbits(problem: EndsProblem, boundary: Boundary, paths: Paths, lengthens: Array) -> tuple[Orbit, Array]:
     """The orbits and their levels eta, (K,)."""
-    K = path.y.size
+    K = paths.y.size
     boundary = replace(boundary, deepest=max(LOWEST, boundary.deepest - _DEEPER))
-    start, gap, excess, pin = _starts(problem, boundary, path)
-    moves = ~path.helix
-    measured, falls = path.pin.copy(), np.ones((K, 2))  # the pins, and falls of the two ends from them
+    start, gap, excess, pin = _starts(problem, boundary, paths)
+    moves = ~paths.helix
+    measured, falls = paths.pin.copy(), np.ones((K, 2))  # the pins, and falls of the two ends from them
     measured[moves], falls[moves] = boundary.pins[pin], boundary.falls[pin]
     level = potential(start, measured) + gap
     orbit = solve_orbit(start, TIGHT, (measured, gap, 0 * gap), STRETCH)
@@ -55,26 +55,26 @@ def solve_orbits(problem: EndsProblem, boundary: Boundary, path: Paths, lengthen
         orbit = solve_orbit(start, TIGHT, (measured, gap, excess), STRETCH)
     base = orbit.panels.base + (problem.beta0[0] - start.beta0[0])  # whole turns
     start = replace(start, beta0=np.full(K, problem.beta0[0]), span=np.full(K, problem.span[0]))
-    known = {"lengthens": lengthens, "response": growth, "path": path}
+    known = {"lengthens": lengthens, "response": growth, "paths": paths}
     return replace(orbit, problem=start, panels=replace(orbit.panels, base=base), **known), level
 
 
-def _starts(problem: EndsProblem, boundary: Boundary, path: Paths) -> tuple[StartProblem, Array, Array, Integers]:
+def _starts(problem: EndsProblem, boundary: Boundary, paths: Paths) -> tuple[StartProblem, Array, Array, Integers]:
     """The start problems of K levels, without the time that a gap in floating point cannot express at a saddle; the
     gaps and the log by which they are too large, (K,) each; and the numbers of the pins of those that are no helices.
     """
-    K, moves = path.y.size, ~path.helix
-    pin = np.array([int(np.argmin(np.abs(boundary.pins - p))) for p in path.pin[moves]], dtype=int)
+    K, moves = paths.y.size, ~paths.helix
+    pin = np.array([int(np.argmin(np.abs(boundary.pins - p))) for p in paths.pin[moves]], dtype=int)
     gap, dbeta0, excess = np.zeros(K), np.zeros(K), np.zeros(K)
-    gap[moves] = path.sign[moves] * np.exp(np.maximum(path.y[moves], boundary.deepest))
-    dbeta0[moves] = path.leaving[moves] * np.sqrt(np.maximum(boundary.start_speed2(pin, gap[moves]), 0))
-    excess[moves] = np.maximum(boundary.deepest - path.y[moves], 0)
+    gap[moves] = paths.sign[moves] * np.exp(np.maximum(paths.y[moves], boundary.deepest))
+    dbeta0[moves] = paths.leaving[moves] * np.sqrt(np.maximum(boundary.start_speed2(pin, gap[moves]), 0))
+    excess[moves] = np.maximum(boundary.deepest - paths.y[moves], 0)
     start = replace(repeat(problem, K).with_start(dbeta0), beta0=np.full(K, boundary.start))
     deep = excess > 0
     if not deep.any():
         return start, gap, excess, pin
-    moving = Ways(path.leaving[moves], path.turns[moves])
-    seen = transit_times(boundary, Levels(pin, path.sign[moves], path.y[moves]), deep=False)
+    moving = Ways(paths.leaving[moves], paths.turns[moves])
+    seen = transit_times(boundary, Levels(pin, paths.sign[moves], paths.y[moves]), deep=False)
     span = start.span.copy()
     span[moves] = np.where(deep[moves], seen.lengths_along(moving.counts(boundary.rising)), span[moves])
     return replace(start, span=span), gap, excess, pin

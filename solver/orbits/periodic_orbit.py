@@ -116,7 +116,7 @@ class Orbit(Periodic):
 
     The rest is known of equilibria, and None for other orbits. lengthens: (B,), 1 where the length of the orbit between
     the two end angles grows with its level, 0 where it shrinks, NaN where that is unknown; the Morse index needs it.
-    response: (B,), largest |d beta(t)/d beta(L)| along the rod. path: `boundary.Paths`.
+    response: (B,), largest |d beta(t)/d beta(L)| along the rod. paths: `boundary.Paths`.
     """
 
     problem: StartProblem
@@ -130,7 +130,7 @@ class Orbit(Periodic):
     gain: Array
     lengthens: Array | None = None
     response: Array | None = None
-    path: Any = None
+    paths: Any = None
 
     @property
     def ahead(self) -> Array:
@@ -142,7 +142,7 @@ class Orbit(Periodic):
 
     @cached_property
     def turns(self) -> Array:
-        return self.far_end[0] if self.path is None else np.asarray(self.path.turns, float)
+        return self.far_end[0] if self.paths is None else np.asarray(self.paths.turns, float)
 
     @property
     def evaluations(self) -> Integers:
@@ -175,7 +175,7 @@ class Orbit(Periodic):
             panel_rows = np.repeat(begin - np.cumsum(count) + count, count) + np.arange(count.sum())
         panels = replace(self.panels.take(panel_rows), arc=np.repeat(np.arange(count.size), count))
         known = [None if v is None else v[rows] for v in (self.lengthens, self.response)]
-        known.append(None if self.path is None else self.path.take(rows))
+        known.append(None if self.paths is None else self.paths.take(rows))
         arcs = self.kind[rows], self.direction[rows]
         parts = self.problem.take(rows), *arcs, panels, self.since[panel_rows], np.cumsum(count) - count, count
         return Orbit(*parts, self.duration[arc_rows], self.gain[arc_rows], *known)

@@ -85,16 +85,14 @@ class Seed(Columns):
     """Selects one of many solutions: the one near the seed.
 
     dbeta0: beta_t(0), (B,). beta: at s/L = u, (B, n). If the seeds are solutions, problem: the ends problems that they
-    solve; orbit: their orbits if the method knows them; row: the row of each seed in `orbit`, (B,); shapes: those on
-    nodes, (B,), None where there is none.
+    solve; paths: `orbits.boundary.Paths` if the method knows them; shapes: on nodes, (B,), None where there is none.
     """
 
     dbeta0: Array
     u: Array
     beta: Array
     problem: EndsProblem | None = None
-    orbit: Any = None
-    row: Any = None
+    paths: Any = None
     shapes: Any = None
 
     def on(self, problem: EndsProblem, nodes: int) -> Array:

@@ -34,7 +34,7 @@ def state_of(problem: EndsProblem, i: int) -> OrbitState:
     """Equilibrium i of a dead-load problem."""
     every = search_levels(problem)
     assert every is not None
-    path = path_of(every.orbit.path, i)
+    path = path_of(every.orbit.paths, i)
     return OrbitState(problem, path, orbit_rates(problem, [path]))
 
 
@@ -213,7 +213,7 @@ def crossings(case: Case, number: str, wanted: float, loads: Array) -> list[floa
         every, values = equilibria_under(case, number, load)
         now: dict[tuple[int, int], list[tuple[float, float]]] = {}
         for i, off in enumerate((values - wanted).tolist()):
-            path = path_of(every.orbit.path, i)
+            path = path_of(every.orbit.paths, i)
             now.setdefault((path.leaving, path.turns), []).append((float(every.dbeta0[i] ** 2), off))
         for kind, some in now.items():
             past = sorted(before.get(kind, []))

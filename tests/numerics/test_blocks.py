@@ -148,4 +148,4 @@ def test_the_parts_of_joined_orbits_are_numbered_as_the_orbits_of_the_batch() ->
     arcs = np.flatnonzero(orbit.count)
     assert {0, 4} <= set(arcs.tolist())
     np.testing.assert_array_equal(orbit.panels.arc[orbit.first[arcs]], arcs)
-    assert orbit.path is None or orbit.path.y.size == 3
+    assert orbit.paths is None or orbit.paths.y.size == 3

@@ -24,7 +24,7 @@ def every_equilibrium(problem: EndsProblem, most_turns: int | None = None) -> tu
     found = search_levels(problem, most_turns=most_turns)
     assert found is not None
     K = found.dbeta0.size
-    return repeat(problem, K), [path_of(found.orbit.path, i) for i in range(K)]
+    return repeat(problem, K), [path_of(found.orbit.paths, i) for i in range(K)]
 
 
 def numbers_at(problem: EndsProblem, path: Path, name: str, step: float) -> Any:
@@ -118,7 +118,7 @@ def _nearest_to_rest(problem: EndsProblem) -> Path:
     found = search_levels(problem, most_turns=8)
     assert found is not None
     i = int(np.argmin(found.highest - found.lowest))
-    return path_of(found.orbit.path, i)
+    return path_of(found.orbit.paths, i)
 
 
 def test_helices_and_orbits_of_one_batch_keep_their_places() -> None:
