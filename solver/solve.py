@@ -9,8 +9,8 @@ from .each_case import Answer, Question, answer_each
 from .free.beginnings import BILATERAL, bilateral_cases, curves_of
 from .free.free_rods import FREE_TOLERANCE, answers_beside
 from .held.selection import LOWEST, NEAREST, RULES, Choose, check
-from .numerics.arrays import Array
-from .problem.case import ON_WALL, Case, Ends, Start, check_case
+from .numerics.arrays import NEGLIGIBLE, Array
+from .problem.case import Case, Ends, Start, check_case
 from .problem.errors import DEFAULT_TOLERANCE, InputError, check_tolerance, choices, show, whole_number
 from .problem.limits import OUT_OF_RANGE, TOO_LARGE_HELD, TOO_LONG, beyond, ordinary, refusals, representable
 from .problem.reduced import (
@@ -153,7 +153,7 @@ def _beside(
     def column(rods: Case, t: Array, seed: Any) -> Answer:
         if seed is None:
             twins = [curves_of(solve(twin, stations=2), BILATERAL) for twin in bilateral_cases(rods)]
-            off = flat(np.maximum(*rods.end_radii) > (1 + ON_WALL) * rods.rho, rods.shape)
+            off = flat(np.maximum(*rods.end_radii) > (1 + NEGLIGIBLE) * rods.rho, rods.shape)
             seed = [[] if away else [*filter(None, each)] for *each, away in zip(*twins, off, strict=True)]
         return answers_beside(rods, seed, t, tol, lowest=choose == LOWEST)
 

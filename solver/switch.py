@@ -8,16 +8,14 @@ from .equilibria import equilibria
 from .equilibrium_branch import Branch, SpecialPoint
 from .follow import follow
 from .numerics.arclength import FEW_POINTS, FOLD
-from .numerics.arrays import Array
+from .numerics.arrays import ALIKE, Array
 from .problem.case_fields import with_field
 from .problem.errors import InputError, check_type, choices
 from .problem.reduced import fields_held
 from .solution import Solution
 
 _BESIDE = (1e-3, 1e-4, 1e-2)  # of the range of the branch: distances from the special point, tried in this order
-_MEETS = 1e-6  # of the same: two special points are one
 _WAY = 0.1  # of the same: how far beyond the point a branch is followed that may lead through it
-_OWN = 1e-6  # rad: two shapes are one
 _MOST = 4  # equilibria that are tried, those with the nearest shape
 
 
@@ -94,7 +92,7 @@ def _equilibria_across(branch: Branch, special: SpecialPoint, value: float, reac
     others = [
         equilibrium.solution
         for equilibrium in every
-        if all(np.abs(equilibrium.solution.beta - beta).max() > _OWN for beta in shapes)
+        if all(np.abs(equilibrium.solution.beta - beta).max() > ALIKE for beta in shapes)  # rad: two shapes are one
     ]
     others.sort(key=lambda solution: float(np.abs(solution.beta - point.solution.beta).max()))
     solutions = [other for other in others[:_MOST] if _leads_through(other, branch.field, special.value, value, reach)]
@@ -127,7 +125,7 @@ def _leads_through(solution: Solution, field: str, at: float, value: float, reac
         way = follow(solution, points=FEW_POINTS, **last)
     except InputError:
         return False
-    return any(point.kind != FOLD and abs(point.value - at) <= _MEETS * reach for point in way.special)
+    return any(point.kind != FOLD and abs(point.value - at) <= ALIKE * reach for point in way.special)
 
 
 def _is_valid(solution: Solution, field: str, value: float) -> bool:

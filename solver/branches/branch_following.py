@@ -26,7 +26,7 @@ from ..core.tuning import (
 )
 from ..numerics import arclength
 from ..numerics.arclength import BRANCH_POINT, CLOSED, END, FOLD, PITCHFORK
-from ..numerics.arrays import Array
+from ..numerics.arrays import ALIKE, ASIDE, Array
 from ..numerics.roots import locate
 from ..orbits.boundary import Path, boundary_of, height_scale
 from ..orbits.path_orbits import orbit_of
@@ -55,11 +55,9 @@ _CREEPING_NATURAL = "the steps became too small"
 _NONE_BESIDE = "the rod is no helix beyond, and no equilibrium next to the helix was found"
 STILL = "the start is a helix, and the change does not bend its ends; give a bent seed"
 _FAR = 0.1  # of p's scale, the longest way past a helix
-_BACKWARD = 1e-3  # in scales, from a point to one before it: they tell how beta_t falls towards a helix
 _BESIDE = 0.01  # rad between the ends of a held rod there
 _FEW = 5  # steps, after which a rod that is carried may be next to a helix
 _LITTLE = 0.01  # the share of the way to the next halt that a leap must pass
-_LITTLE_NATURAL = 1e-6  # of p where it must rise from 0 to 1: a point that goes less far does not advance
 _SLIGHT = 0.1  # rad: the range of beta of a rod beside a helix
 
 
@@ -239,7 +237,8 @@ def _is_same(first: Place, place: Place) -> bool:
 def creeps(before: BranchState, after: BranchState, bounds: Bounds, leap: bool) -> bool:
     """Whether p changes by rounding; or, in a leap beside a helix, by little of the way to the next halt."""
     far, ahead = abs(after.p - before.p), abs(bounds.next(before.p, before.rises > 0) - before.p)
-    if far < (_LITTLE_NATURAL if before.curve.family.natural else 100 * bounds.round_off):
+    # ALIKE of p where it must rise from 0 to 1: a point that goes less far does not advance
+    if far < (ALIKE if before.curve.family.natural else 100 * bounds.round_off):
         return True
     return leap and far < _LITTLE * ahead and bool(np.ptp(_angles(after)) < _SLIGHT)
 
@@ -301,14 +300,15 @@ def past_helix(state: BranchState, bounds: Bounds) -> BranchState | None:
 
     On a helix no path has a level: beta_t falls to zero along the whole rod and grows again with the other sign.
     """
-    family, behind = state.curve.family, state.curve.at(state.node.w - _BACKWARD * state.node.tangent)
+    # ASIDE, in scales, from a point to one before it: they tell how beta_t falls towards a helix
+    family, behind = state.curve.family, state.curve.at(state.node.w - ASIDE * state.node.tangent)
     if state.at is None or behind is None or not state.rises:
         return None
     (boundary, path), (boundary_behind, path_behind) = state.at, behind
     speeds, speeds_behind = (
         orbit_rates(at.problem, [way]).values[0, 2:4] for at, way in ((boundary, path), (boundary_behind, path_behind))
     )
-    rate = (speeds - speeds_behind) / _BACKWARD
+    rate = (speeds - speeds_behind) / ASIDE
     if not (rate * speeds < 0).all():
         return None
     zero = float((-speeds / rate).max())
@@ -317,7 +317,7 @@ def past_helix(state: BranchState, bounds: Bounds) -> BranchState | None:
     if not zero < room or way * abs(state.rises) > _FAR:
         return None
     numbers = {name: getattr(boundary.problem, name) for name in (*FREE, "span")}
-    change = {name: (value - getattr(boundary_behind.problem, name)) / _BACKWARD for name, value in numbers.items()}
+    change = {name: (value - getattr(boundary_behind.problem, name)) / ASIDE for name, value in numbers.items()}
     problem = EndsProblem(**{name: value + way * change[name] for name, value in numbers.items()})
     p = bounds.snap(state.p + way * family.scale * state.rises)
     ends = boundary_of(problem)

@@ -11,10 +11,9 @@ import numpy as np
 
 from ..core import branch_calls as core
 from ..core.library import numbers_of
+from ..numerics.arrays import ALIKE
 from ..orbits.boundary import Path
 from ..problem.reduced import EndsProblem
-
-_SAME = 1e-6  # in scales: coordinates of one equilibrium
 
 
 @dataclass(frozen=True)
@@ -63,5 +62,5 @@ def same_equilibrium(problem: EndsProblem, path: Path, other: Path) -> bool:
     first, second = charts(problem, path)[0], charts(problem, other)[0]
     if (first.kind, first.logarithmic, first.at.sign) != (second.kind, second.logarithmic, second.at.sign):
         return False
-    near = abs(np.sin((first.at.pin - second.at.pin) / 2)) < _SAME
-    return near and abs(coordinate(first) - coordinate(second)) < _SAME * first.scale
+    near = abs(np.sin((first.at.pin - second.at.pin) / 2)) < ALIKE  # in scales: coordinates of one equilibrium
+    return near and abs(coordinate(first) - coordinate(second)) < ALIKE * first.scale

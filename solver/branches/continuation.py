@@ -11,6 +11,7 @@ import numpy as np
 
 from ..core.library import cut, fine, on_grid, points, run
 from ..numerics.arclength import END, FOLD, POINTS
+from ..numerics.arrays import ALIKE, FAINT
 from ..orbits.boundary import CUTTING, NODES, Path, boundary_of
 from ..orbits.path_orbits import orbit_of
 from ..orbits.periodic_orbit import jacobi_zeros
@@ -22,9 +23,6 @@ from .given_numbers import Given, OrbitState, problem_of
 from .leaps import LEAPS, NEAR, angles_on
 from .system import settle, state_of
 
-_SAME = 1e-12  # largest change of a number that leaves a helix as it is
-_BESIDE = 1e-6  # share of the line from whose last point its end is tried where the steps became too small
-
 
 def carry(state: OrbitState, wanted: Given, most: int = POINTS) -> OrbitState | Stop:
     """The equilibrium with the wanted numbers on the branch of a state; all numbers change in proportion.
@@ -34,7 +32,8 @@ def carry(state: OrbitState, wanted: Given, most: int = POINTS) -> OrbitState | 
     first = wanted.at(state)
     if state.path.helix:
         begin, end = (np.append(given.values, given.span) for given in (first, wanted))
-        if (np.abs(end - begin) <= _SAME * (1 + np.abs(end))).all():
+        # a smaller change of a number leaves a helix as it is
+        if (np.abs(end - begin) <= FAINT * (1 + np.abs(end))).all():
             return state
     if not np.isfinite(first.values).all():  # an end of the rod rests, so that only its own neighbourhood is known
         settled = settle(state.problem, state.path, wanted)
@@ -45,7 +44,8 @@ def carry(state: OrbitState, wanted: Given, most: int = POINTS) -> OrbitState | 
     ended = stop.reason == END
     if last is not None and last.path.helix and ended:
         return state_of(last.problem, last.path)
-    if last is not None and (ended or (stop.reason != FOLD and 1 - share < _BESIDE)):
+    # ALIKE: the share of the line from whose last point its end is tried where the steps became too small
+    if last is not None and (ended or (stop.reason != FOLD and 1 - share < ALIKE)):
         settled = settle(last.problem, last.path, wanted)
         if not isinstance(settled, str):
             return settled

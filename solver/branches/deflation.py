@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from ..numerics.arrays import Array
+from ..numerics.arrays import ASIDE, Array
 from ..numerics.roots import REACH, Ending, lead_away, solve
 from ..problem.reduced import EndsProblem
 from .charts import Chart, charts, coordinate
@@ -28,7 +28,6 @@ from .system import path_on, settle
 _ENDING = Ending(rounds=20, goal=0.03)
 _HALVED = 4  # times that a step is halved where no orbit is found
 _SAME = 1e-5  # of the numbers: an equilibrium as near to a known one is that one
-_BESIDE = 1e-3  # of the numbers, over which the curvature of the equations is read
 
 
 def end_vector(state: OrbitState) -> Array:
@@ -108,13 +107,13 @@ def fold_beside(state: OrbitState, wanted: Given) -> tuple[Array, float] | None:
     left, slopes, right = np.linalg.svd(rows @ unit)
     change = np.asarray(every @ (unit @ right[-1]))
     off = []
-    for share in (0.0, _BESIDE, -_BESIDE):
+    for share in (0.0, ASIDE, -ASIDE):  # of the numbers, over which the curvature of the equations is read
         beside = _beside(state, change, share)
         if beside is None:
             return None
         numbers, length = beside.rates.values[0], float(beside.rates.length[0])
         off.append(float(left[:, -1] @ (values_of(numbers, length, wanted) + by_span * (wanted.span - length))))
-    bend = (off[1] + off[2] - 2 * off[0]) / (2 * _BESIDE**2)
+    bend = (off[1] + off[2] - 2 * off[0]) / (2 * ASIDE**2)
     return (change, float(-slopes[-1] / bend)) if np.isfinite(bend) and bend != 0 else None
 
 

@@ -13,7 +13,7 @@ displacements.
 
 import numpy as np
 
-from ..numerics.arrays import Array
+from ..numerics.arrays import NEGLIGIBLE, Array
 from ..orbits.path_orbits import energies, orbit_of
 from ..orbits.periodic_orbit import helix_half_waves
 from ..orbits.potential import load_size, potential, slope_rate
@@ -24,7 +24,6 @@ _DISPLACEMENTS = ("z", "alpha", "turn")  # in the order of `OrbitRates.complianc
 _ANGLES = ("beta0", "betaL")
 _DOUBT = 1e-11  # of the largest eigenvalue: a smaller one has no sign
 _RESTS = 1e-7  # beta_t at both ends of a rod that rests at both, in units of the loads
-_FLAT = 1e-9  # of half a turn of the phase: nearer to the condition at the far end, the index is not decided
 
 
 def held_index(rates: OrbitRates, ratio: Array, names: tuple[str, ...], leaving: Array, turns: Array) -> Array:
@@ -51,7 +50,8 @@ def dead_index(rates: OrbitRates, leaving: Array, turns: Array, ends: tuple[str,
     passed = half_turns(rates, leaving, turns, ends)
     index = np.maximum(np.ceil(passed), 0.0)
     with np.errstate(invalid="ignore"):
-        return np.where(np.abs(passed - np.round(passed)) > _FLAT, index, np.nan)
+        # nearer to the condition at the far end, of half a turn of the phase, the index is not decided
+        return np.where(np.abs(passed - np.round(passed)) > NEGLIGIBLE, index, np.nan)
 
 
 def half_turns(rates: OrbitRates, leaving: Array, turns: Array, ends: tuple[str, ...]) -> Array:
@@ -164,7 +164,7 @@ def _helix_index(state: OrbitState, ends: tuple[str, ...]) -> float:
     if rate <= 0:
         return 0.0 if rate < 0 or hinges < 2 else np.nan
     waves = float(helix_half_waves(state.problem)[0]) + hinges / 2 - 1
-    return np.nan if abs(waves - np.round(waves)) < _FLAT else max(float(np.ceil(waves)), 0.0)
+    return np.nan if abs(waves - np.round(waves)) < NEGLIGIBLE else max(float(np.ceil(waves)), 0.0)
 
 
 def dead_index_of(state: OrbitState) -> float:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy  # its parts are imported when used
 
-from ..numerics.arrays import Array
+from ..numerics.arrays import NEGLIGIBLE, Array
 from ..orbits.boundary import DOWN, UP, Boundary, Path, boundary_of, wrap
 from ..orbits.potential import Loads, load_size, slope, slope_rate
 from ..orbits.variations import HelixVariations
@@ -103,7 +103,6 @@ def _state(helix: _Helix, given: Given) -> OrbitState | None:
 
 
 _SIZES = (2e-2, 2e-3, 2e-4)  # of the first step, tried in this order: beta_t at an end, changes of angles and loads
-_STILL = 1e-9  # of the largest change: a beta_t that the helix does not get
 _STATIONS = 4001  # at which the turning points are counted
 
 
@@ -116,7 +115,8 @@ def off_helix(state: OrbitState, wanted: Given) -> Iterator[Guess]:
     parts = parts_of(state.rates, first, values[:, None], span)[:, 0]
     moves = np.abs(change[[NUMBERS.index(name) for name in (*FREE, "dbeta0", "dbetaL")]])
     largest = float(moves.max())
-    if not np.isfinite(largest) or not moves[-2:].max() > _STILL * largest:
+    # a beta_t that is smaller, of the largest change, the helix does not get
+    if not np.isfinite(largest) or not moves[-2:].max() > NEGLIGIBLE * largest:
         return
     t = np.linspace(0, float(state.problem.span[0]), _STATIONS)
     speeds = HelixVariations(state.problem, held=True).units(t[None]).rate[0] @ parts

@@ -11,7 +11,7 @@ import numpy as np
 import scipy  # its parts are imported when used
 
 from ..numerics.arclength import BRANCH_POINT, PITCHFORK, difference_rates
-from ..numerics.arrays import Array
+from ..numerics.arrays import ALIKE, NEGLIGIBLE, Array
 from ..numerics.roots import halve, root
 from ..orbits.periodic_orbit import helix_half_waves, helix_index
 from ..orbits.potential import slope, slope_higher_rates, slope_rate
@@ -24,8 +24,6 @@ from .helices import helices_of
 
 _STEP = 0.25  # of the parameter's scale
 _NEAR = 0.5  # rad: the largest change of the angle in a step
-_SYMMETRIC = 1e-9  # H'' of a helix about which G is symmetric
-_EVEN = 1e-6  # of a half wave, from an even number of them
 _EXACT = 1e-15  # relative, of the parameter of a special point
 _CEASES = 1e-2  # of the parameter's scale: how near a helix ceases that ends a branch
 _ALONG, _SHARE = 0.15, 0.2  # rad about a helix, and the share of the rod that lies there
@@ -123,7 +121,7 @@ def _where_index_changes(family: Family, before: Place, after: Place) -> list[Pl
     ends, width = (before.p, after.p), _EXACT * abs(after.p - before.p)
     if determinant(before.p) * determinant(after.p) < 0:
         return [_special(family, float(scipy.optimize.brentq(determinant, *ends, xtol=width, rtol=_EXACT)), before)]
-    share = halve(lambda share: is_after(before.p + share * (after.p - before.p)), 0.0, 1.0, _EVEN)[1]
+    share = halve(lambda share: is_after(before.p + share * (after.p - before.p)), 0.0, 1.0, ALIKE)[1]
     return [_special(family, before.p + share * (after.p - before.p), before)]
 
 
@@ -133,8 +131,10 @@ def _special(family: Family, p: float, near: Place) -> Place:
     place = helix_place(family, p, near.problem)
     assert place is not None
     waves = float(helix_half_waves(place.problem)[0])
-    even = abs(waves - 2 * np.round(waves / 2)) < _EVEN
-    even = even or abs(float(slope_higher_rates(place.problem, place.problem.beta0)[0][0])) < _SYMMETRIC
+    # ALIKE of a half wave, from an even number of them
+    even = abs(waves - 2 * np.round(waves / 2)) < ALIKE
+    # H'' is 0 at a helix about which G is symmetric
+    even = even or abs(float(slope_higher_rates(place.problem, place.problem.beta0)[0][0])) < NEGLIGIBLE
     return Place(p, place.path, place.problem, place.index, PITCHFORK if even else BRANCH_POINT)
 
 

@@ -24,7 +24,7 @@ from .whole_curve import WholeCurve, lies_on
 
 ASKEW = 0.013  # lines of the lattice stay off lines of symmetry
 MOST_BRANCHES = 150  # that are followed
-ALIKE = 1e-5  # least distance of the signatures of two equilibria at one z
+DISTINCT = 1e-5  # least distance of the signatures of two equilibria at one z
 STEEP, MOST_STEEP = 3.0, 2  # times the median of a branch; places of a branch from which it is followed across
 Node = tuple[int, int]
 Known = dict[Node, list[Place]]  # equilibria at points of the lattice
@@ -113,7 +113,7 @@ def branches_on(system: PlaneSystem, ticks: Array, begin: Known) -> _Branches:
 
     def take(z: Array, place: Place, mark: Array) -> None:
         node = at_tick[float(z[0])], at_tick[float(z[1])]
-        if all(np.linalg.norm(other - mark) > ALIKE for other, _ in known[node]):
+        if all(np.linalg.norm(other - mark) > DISTINCT for other, _ in known[node]):
             known[node].append((mark, place))
             waiting.extend((z, axis, replace(place, p=float(z[axis])), mark) for axis in (0, 1))
 

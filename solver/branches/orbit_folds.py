@@ -26,7 +26,7 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from ..numerics.arclength import PITCHFORK, Lengths, Node, node_at
-from ..numerics.arrays import Array
+from ..numerics.arrays import ALIKE, NEGLIGIBLE, Array
 from ..orbits.boundary import boundary_of
 from ..orbits.periodic_orbit import TIGHT, Pin, helix_half_waves, solve_orbit
 from ..orbits.potential import TAU, load_size, slope
@@ -51,9 +51,8 @@ _AT_END = 1e-3  # of the radius: next to a saddle, how near to an end a turning 
 _STEP = 1e-7  # of derivatives of the determinant, in the sizes of the unknowns and of z
 _BEND = 2e-4  # of beta_t(0), in its size: of the second derivative of the Jacobi field by it
 _SIDES = 2.0**-25  # of a step: how closely a change of side is enclosed
-_MOVES = 1e-6  # least change of the equations of a fold by z
 _UNFOLDED, _STRAY = 1e-8, 1e-3  # rad: the largest miss of beta(L) at a pitchfork; how far along its curve too
-_CROSSING, _MIRRORED = 0.02, 1e-9  # of beta_t(0), in its size: where a fold curve may meet pitchforks; of an image
+_CROSSING = 0.02  # of beta_t(0), in its size: where a fold curve may meet pitchforks
 _SAME = 0.02  # largest distance between a point and itself in another form
 
 
@@ -215,7 +214,7 @@ class OrbitFold(OrbitPoint):
     @property
     def is_true(self) -> bool:
         """Whether it moves with z."""
-        return bool(np.abs(self.more).max() > _MOVES)
+        return bool(np.abs(self.more).max() > ALIKE)  # least change of the equations of a fold by z
 
     @cached_property
     def lower(self) -> int:
@@ -333,7 +332,7 @@ def meets_pitchforks(fold: OrbitFold, node: Node) -> bool:
         return False
     of_miss, of_field = np.abs(node.jacobian[:, 1:]).max(axis=1)
     image = fold.value(mirror_image(fold).w) if of_miss < 2 * abs(v) * of_field else None
-    return image is not None and bool(np.abs(image).max() < _MIRRORED * of_field)
+    return image is not None and bool(np.abs(image).max() < NEGLIGIBLE * of_field)
 
 
 def in_other_form(point: OrbitPoint, node: Node, stuck: bool) -> Iterator[Ahead[OrbitPoint]]:

@@ -6,7 +6,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from ..numerics.arrays import Array
+from ..numerics.arrays import ASIDE, Array
 from ..problem.case import Case, Ends, refuse_leaving
 from ..problem.case_fields import check_fields, with_fields, with_fields_unchecked
 from ..problem.declared_fields import ANGLES
@@ -15,7 +15,6 @@ from ..problem.field_values import angle
 from ..problem.reduced import ACTING, EndsProblem, field_rates, fields_held, reduce
 
 Numbers = TypeVar("Numbers")  # a dataclass
-MARGIN = 1e-3  # of a range: how far beyond it equilibria may be computed
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,7 +109,8 @@ def parameter_plane(case: Case, ranges: dict[str, Any]) -> ParameterPlane:
     first, second = check_fields(case, ranges)
     ends = np.array([read_range(name, ranges[name]) for name in (first, second)])
     plane = ParameterPlane(case, (first, second), ends[:, 0], ends[:, 1])
-    corners = np.array([[u, w] for u in (-MARGIN, 0.5, 1 + MARGIN) for w in (-MARGIN, 0.5, 1 + MARGIN)])
+    # ASIDE of a range: how far beyond it equilibria may be computed
+    corners = np.array([[u, w] for u in (-ASIDE, 0.5, 1 + ASIDE) for w in (-ASIDE, 0.5, 1 + ASIDE)])
     try:
         plane.case_at(corners)
     except InputError:

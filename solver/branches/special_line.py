@@ -22,13 +22,11 @@ from ..numerics.arclength import (
     node_at,
     trace,
 )
-from ..numerics.arrays import Array
+from ..numerics.arrays import ASIDE, NEGLIGIBLE, Array
 from ..numerics.roots import REACH, enclose, locate, root
-from .parameter_plane import MARGIN
 
-CLOSE = 1e-9  # to the border
 BORDER, CLOSED, CROSSING, STOPPED = ENDS = "border", "closed", "crossing", "stopped"  # how a line ends
-SENSE, ASIDE = 0.8, 0.2  # cosine to the first step, and distance over that of a step, of one that closes the line
+SENSE, BESIDE = 0.8, 0.2  # cosine to the first step, and distance over that of a step, of one that closes the line
 MOST = 4000  # points of a line in each sense
 ALONE = 3  # points after the first before a line can close
 
@@ -144,7 +142,7 @@ def line_from(first: Point, direction: Array, how: Tracing[Point]) -> tuple[list
         if _is_beyond(point.z + step * node.tangent[-2:]):
             last = border_point(point, node)
             if last is not None:
-                return Stride([last] * bool(np.abs(last.z - point.z).max() > CLOSE), before, step, BORDER)
+                return Stride([last] * bool(np.abs(last.z - point.z).max() > NEGLIGIBLE), before, step, BORDER)
         taken = step_from(point, node, step)
         for other in how.others(point, node, True) if isinstance(taken, str) and step < NARROW else ():
             again = step_from(*other, step)
@@ -188,7 +186,7 @@ def point_on_line(guess: Point, axis: int) -> Point | None:
     across = np.eye(guess.w.size)[-1 - axis]
 
     def equations(w: Array) -> tuple[Array, Array] | None:
-        within = np.abs(w[-2:] - 0.5).max() <= 0.5 + MARGIN
+        within = np.abs(w[-2:] - 0.5).max() <= 0.5 + ASIDE
         value, rates = (f(w) if within else None for f in (guess.value, guess.jacobian))
         if value is None or rates is None:
             return None
@@ -247,7 +245,7 @@ def border_point(point: Point, node: Node) -> Point | None:
     for k in np.argsort(ways):
         across = np.eye(node.w.size)[k - 2]
         w = correct_point(point, node.w + ways[k] * node.tangent, across, node.jacobian) if ways[k] < 1 else LEFT
-        if isinstance(w, str) or np.abs(w[-2:] - 0.5).max() > 0.5 + CLOSE:
+        if isinstance(w, str) or np.abs(w[-2:] - 0.5).max() > 0.5 + NEGLIGIBLE:
             continue
         w[k - 2] = float(rate[k] > 0)
         return point_at(point, w, node.tangent)
@@ -263,7 +261,7 @@ def _passes(first: LinePoint, second: LinePoint, before: LinePoint, after: LineP
     share = float((begin - a) @ chord / (chord @ chord))
     if not 0 <= share <= 1 or chord @ way < SENSE * np.linalg.norm(chord) * np.linalg.norm(way):
         return False
-    return bool(np.linalg.norm(a + share * chord - begin) < ASIDE * np.linalg.norm(chord))
+    return bool(np.linalg.norm(a + share * chord - begin) < BESIDE * np.linalg.norm(chord))
 
 
 def _is_beyond(z: Array) -> bool:

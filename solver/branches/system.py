@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..numerics.arrays import EPS
+from ..numerics.arrays import EPS, ROUGHLY
 from ..numerics.roots import DIVERGED, REACH, Ending, newton
 from ..orbits.boundary import DOWN, UP, Path, boundary_of
 from ..orbits.periodic_orbit import TIGHT, Pin, solve_orbit
@@ -21,7 +21,6 @@ from .orbit_rates import NUMBERS, OrbitRates, orbit_rates
 
 LEFT = "no orbit of its path joins the two ends there"
 _LEAST = 9 * EPS  # share by which rounding may change an angle, or a load
-_MET = 1e-3  # of the length: by how much the length of an equilibrium may be off
 _ROUNDED = 256 * EPS  # what the sums along an orbit leave of the numbers of an equilibrium, in their sizes
 _STILL = 1e-11  # beta_t below which an end is at rest, in units of the loads
 _NEAR = 0.1  # rad: the farthest that an end is moved
@@ -61,7 +60,8 @@ def correct_equilibrium(problem: EndsProblem, given: Given, chart: Chart, x: flo
     if isinstance(corrected, str):
         return corrected
     assert last is not None
-    if not abs(given.span - float(last.rates.length[0])) < _MET * given.span:
+    # of the length: by how much the length of an equilibrium may be off
+    if not abs(given.span - float(last.rates.length[0])) < ROUGHLY * given.span:
         return DIVERGED  # swings that fell to rounding have no length
     return last if boundary_of(last.problem).joins_at(last.path) else LEFT
 

@@ -7,11 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..numerics.arclength import FOLD
-from ..numerics.arrays import Array, Booleans, Integers
+from ..numerics.arrays import ROUGHLY, Array, Booleans, Integers
 from .special_line import STOPPED, Point, SpecialLine
 
 PIECES = 8  # of the polyline between two points
-_SAME = 1e-3  # distance at which a point lies on a known curve
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +86,8 @@ def lies_on(points: Array, x: Array) -> bool:
     chord = last - first
     share = np.clip(((x - first) * chord).sum(axis=1) / np.maximum((chord * chord).sum(axis=1), 1e-300), 0, 1)
     far = np.linalg.norm(first + share[:, None] * chord - x, axis=1)
-    return bool((far < _SAME + 0.1 * np.linalg.norm(chord, axis=1)).any())
+    # a point this near to a known curve lies on it
+    return bool((far < ROUGHLY + 0.1 * np.linalg.norm(chord, axis=1)).any())
 
 
 @dataclass(frozen=True, eq=False)

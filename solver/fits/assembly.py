@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from scipy import special
 
-from ..numerics.arrays import Array
+from ..numerics.arrays import ALIKE, NEGLIGIBLE, Array
 from ..problem.declared_fields import POSITIVE
 from ..problem.errors import choices
 from ..problem.quantities import quantity
@@ -16,11 +16,9 @@ from .model import FitMinimum, Model
 from .parameters import Parameter, values_at, values_in_words
 from .uncertainty import LEVEL, Uncertainty, uncertainty
 
-EQUAL = 1e-6  # relative: of two sums of squares that differ by less, none is lower
 ZERO = 1e-16  # a sum of squares of N data is 0 where it is smaller than N times this
 
 
-_REACHED = 1e-6  # relative, and of a residual: a datum that is missed by more is not reached
 UNLIKELY = 0.01  # probability of a larger sum of squares that is told
 MISFIT = "misfit: "  # how such an outcome begins
 IMPOSSIBLE = 1e-6  # below it, the minimum is no answer: it may be another one than that of the rod
@@ -28,7 +26,6 @@ _ALIKE = 0.99  # correlation of two parameters that is told
 # Distance of the points in rho that is told: 0.5 rad or 29 degrees of azimuth. Errors of measurement are smaller, and
 # the intervals are those of errors so small that the shape changes in proportion to them.
 FAR = 0.5
-_ROUNDING = 1e-9  # of the scale of a parameter: a smaller value is 0
 
 
 def result(model: Model, minima: Sequence[FitMinimum]) -> Fit:
@@ -105,7 +102,8 @@ def _others(model: Model, minima: Sequence[FitMinimum], known: Uncertainty) -> l
     """The other minima. Where the data do not determine all parameters, equal ones are places of one valley."""
     places: list[FitMinimum] = [minima[0]]
     for minimum in minima[1:]:
-        levels = [other.cost * (1 + EQUAL) + model.data.size * ZERO for other in places]
+        # of two sums of squares that differ by less than ALIKE, none is lower
+        levels = [other.cost * (1 + ALIKE) + model.data.size * ZERO for other in places]
         low = any(minimum.cost <= level for level in levels) if known.directions else False
         if not minimum.stop and not low:
             places.append(minimum)
@@ -126,7 +124,8 @@ def _as_good(model: Model, minimum: FitMinimum, best: FitMinimum, known: Uncerta
     if model.data.known:
         return bool(more <= special.chdtri(F, 1 - LEVEL))
     if known.freedom <= 0:
-        return bool(np.abs(minimum.found.residuals).max() <= _REACHED)
+        # ALIKE, of a residual: a datum that is missed by more is not reached
+        return bool(np.abs(minimum.found.residuals).max() <= ALIKE)
     variance = 2 * best.cost / known.freedom
     return bool(more <= F * variance * special.fdtri(F, known.freedom, LEVEL))
 
@@ -160,7 +159,7 @@ def _miss_of(model: Model, best: FitMinimum) -> str:
         return ""
     target, reached = np.array(list(data.targets.values())), best.found.computed
     sizes = np.array([scale_of(model.case, name, value) for name, value in data.targets.items()])
-    if (np.abs(reached - target) <= _REACHED * np.maximum(sizes, np.abs(reached))).all():
+    if (np.abs(reached - target) <= ALIKE * np.maximum(sizes, np.abs(reached))).all():
         return ""
     goals = choices(f"{name} = {value:g}" for name, value in data.targets.items())
     nearest = choices(f"{name} = {value:.6g}" for name, value in zip(data.targets, reached, strict=True))
@@ -228,7 +227,8 @@ def _rate(parameter: Parameter, value: float) -> float:
     if parameter.name in POSITIVE:
         return 1.0
     angular = quantity(parameter.name).dimension == "rad"
-    return 0.0 if angular or abs(value) < _ROUNDING * parameter.scale else 1 / value
+    # a smaller value, of the scale of its parameter, is 0
+    return 0.0 if angular or abs(value) < NEGLIGIBLE * parameter.scale else 1 / value
 
 
 def _change(change: float, rate: float, name: str) -> str:

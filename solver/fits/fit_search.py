@@ -8,17 +8,16 @@ import numpy as np
 from scipy.optimize import brentq
 
 from ..held.selection import NEAREST, Choose, check
-from ..numerics.arrays import Array
+from ..numerics.arrays import ALIKE, ROUGHLY, Array
 from ..problem.case import Case, check_case
 from ..problem.errors import LARGEST_SEED, check_tolerance, whole_number, yes_or_no
-from .assembly import EQUAL, ZERO, result
+from .assembly import ZERO, result
 from .data import check_data
 from .fit_result import Fit
 from .local_search import STEP, search
 from .model import FitMinimum, Model, NoValueError
 from .parameters import check_parameters
 
-_SAME = 1e-3  # of x: two minima that are nearer are one
 MOST_STARTS = 100_000
 
 
@@ -175,9 +174,9 @@ def _distinct(minima: list[FitMinimum], first: FitMinimum | None, origin: Array,
     x = np.array([minimum.x for minimum in minima]).reshape(-1, origin.size)
     keys = [
         np.array([bool(minimum.stop) for minimum in minima]),
-        _ranks(costs, lambda low: low * EQUAL + size * ZERO),
+        _ranks(costs, lambda low: low * ALIKE + size * ZERO),
         np.array([minimum is not first for minimum in minima]),
-        *(_ranks(values, lambda low: _SAME) for values in (np.linalg.norm(x - origin, axis=1), *-x.T)),
+        *(_ranks(values, lambda low: ROUGHLY) for values in (np.linalg.norm(x - origin, axis=1), *-x.T)),
     ]
     different: list[FitMinimum] = []
     for i in np.lexsort(keys[::-1]):
@@ -196,4 +195,5 @@ def _ranks(values: Array, gap: Callable[[Array], Array | float]) -> Array:
 
 
 def _close(x: Array, y: Array) -> bool:
-    return bool(np.abs(x - y).max() <= _SAME * max(1.0, float(np.abs(y).max())))
+    # two minima that are nearer, in x, are one
+    return bool(np.abs(x - y).max() <= ROUGHLY * max(1.0, float(np.abs(y).max())))

@@ -8,12 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import special
 
-from ..numerics.arrays import Array
+from ..numerics.arrays import ALIKE, Array
 from .parameters import Parameter, rates_at, values_at
 
 SINGULAR = 1e-8  # of the largest singular value of normalised derivatives: a smaller one is that of rounding
 _NONE = 1e-11  # of the largest derivative: a parameter with smaller ones has no effect
-_PART = 1e-6  # of a direction: a parameter with a smaller part does not belong to it
 LEVEL = 0.95
 
 
@@ -117,7 +116,8 @@ def _reduce(rows: Array) -> list[Array]:
         rows[k] /= rows[k, pivot]
         others = np.arange(rows.shape[0]) != k
         rows[others] -= rows[others, pivot][:, None] * rows[k]
-    return [np.where(np.abs(row) > _PART * np.abs(row).max(), row, 0.0) for row in rows]
+    # a parameter whose part of a direction is smaller does not belong to it
+    return [np.where(np.abs(row) > ALIKE * np.abs(row).max(), row, 0.0) for row in rows]
 
 
 def _whole(part: Array, active: Array) -> Array:

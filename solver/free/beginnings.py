@@ -7,10 +7,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..nodes.loaded_rod import numbers_of, rate_of_change
-from ..numerics.arrays import Array
+from ..numerics.arrays import NEGLIGIBLE, Array
 from ..orbits.frames import outward, tangent
 from ..orbits.shape import ShapeArrays
-from ..problem.case import REACHED, Case, Ends
+from ..problem.case import Case, Ends
 from ..problem.declared_fields import OFF_WALL
 from ..problem.reduced import flat
 from .discrete_rod import OUTSIDE, DiscreteRod
@@ -51,7 +51,7 @@ def case_of_held_ends(sol: ShapeArrays, curves: Sequence[BeginningCurve | None])
             row[:] = curve.x[-1, 2], first[1], last[1], last[0] - first[0], turned, first[2], last[2]
     height, beta0, betaL, azimuth, rotation, tilt0, tiltL = (column.reshape(case.shape)[()] for column in ends.T)
     rest: dict[str, Any] = {"height": height * case.rho}
-    if np.all(rest["height"] >= (1 - REACHED) * case.rod.L):
+    if np.all(rest["height"] >= (1 - NEGLIGIBLE) * case.rod.L):
         rest = {"FZ": sol.FZ}
     if case.leaves:
         rest |= dict(zip(OFF_WALL[:2], case.end_radii, strict=True)) | {"tilt0": tilt0, "tiltL": tiltL}
@@ -99,7 +99,7 @@ def sheet_between(rod: DiscreteRod, alpha: Array) -> _StartSheet:
             return _StartSheet(alpha[0] + sense * leaving[0], 1.0, sense, legs[0], around, legs.sum() + around)
     x, y = last - first
     length = float(np.hypot(x, y))
-    normal = np.arctan2(-x, y) if length > REACHED else alpha[0]
+    normal = np.arctan2(-x, y) if length > NEGLIGIBLE else alpha[0]
     c, s = np.cos(normal), np.sin(normal)
     return _StartSheet(normal, float(first @ [c, s]), 1.0, float(first @ [s, -c]), 0.0, length)
 
@@ -118,9 +118,9 @@ def curve_of_string(rod: DiscreteRod) -> BeginningCurve | str:
     sheet = sheet_between(rod, azimuths)
     up = np.sqrt(max(rod.span**2 - sheet.length**2, 0.0)) if rod.height is None else rod.height
     taut = np.hypot(sheet.length, up) / rod.span
-    if taut > 1 + REACHED:
+    if taut > 1 + NEGLIGIBLE:
         return f"a string from end to end is {taut:.6g} times as long as the rod"
-    size = brentq(lambda bow: j0(bow) - taut, 0.0, WIDEST) if taut < 1 - REACHED else 0.0
+    size = brentq(lambda bow: j0(bow) - taut, 0.0, WIDEST) if taut < 1 - NEGLIGIBLE else 0.0
     u = np.linspace(0, 1, FEWEST)
     lean = np.arctan2(sheet.length, up) + size * np.sin(2 * np.pi * u)
     p, z = (cumulative_simpson(part(lean), x=rod.span * u, initial=0.0) for part in (np.sin, np.cos))

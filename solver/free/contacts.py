@@ -11,12 +11,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.polynomial import polynomial
 
-from ..numerics.arrays import Array, Booleans
+from ..numerics.arrays import NEGLIGIBLE, Array, Booleans
 
 NEAR = 3  # nodes: those of an edge, and the widest gap that is none
 FEWEST = 5  # nodes of an interval; fewer are a point
 STEPS = 8  # of Newton's method for the place of an edge
-FAINT = 1e-9  # of the largest force, or of those next to an edge: less is rounding
 
 
 class Contact(NamedTuple):
@@ -59,7 +58,8 @@ def contacts_of(force: Array, h: float, grounded: Booleans) -> list[Contact]:
 
     force: of the wall on the nodes, (N + 1,). grounded: whether the ends of the rod are on the wall.
     """
-    touching = np.flatnonzero(force > FAINT * force.max())
+    # of the largest force: less is rounding
+    touching = np.flatnonzero(force > NEGLIGIBLE * force.max())
     runs = np.split(touching, np.flatnonzero(np.diff(touching) > NEAR) + 1) if touching.size else []
     return [_contact(force, h, int(run[0]), int(run[-1]), grounded) for run in runs]
 
@@ -100,7 +100,7 @@ def edge_of(force: Array, last: int, few: int, known: int, at_end: bool) -> _Edg
     nodes, half = force[begin : last + 1], float(polynomial.polyval(-1.0, twice))  # of the push before `begin`
     total, moment, d = float(nodes.sum()) - half, float(nodes @ np.arange(nodes.size)), float(at_end)
     for _ in range(0 if at_end else STEPS):  # moment = total d - twice(d), whose slope is the point force
-        point = max(total - float(polynomial.polyval(d, once)), FAINT * nodes.sum())
+        point = max(total - float(polynomial.polyval(d, once)), NEGLIGIBLE * nodes.sum())
         d = float(np.clip(d - (d * total - polynomial.polyval(d, twice) - moment) / point, 0, nodes.size))
     point = 0.0 if at_end else max(total - float(polynomial.polyval(d, once)), 0.0)
     return _Edge(begin + d, point, max(float(polynomial.polyval(d, push)), 0.0), begin - 1)

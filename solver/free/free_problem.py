@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..nodes.loaded_rod import rods_of
-from ..numerics.arrays import Array
+from ..numerics.arrays import ALIKE, Array
 from ..problem.case import Case
 from ..problem.declared_fields import TILTS
 from ..problem.reduced import flat
@@ -15,7 +15,6 @@ from .free_shape import between, through
 from .program import Sizes
 from .quaternions import directors, end_frame
 
-SAME = 1e-6  # of a step: ends that differ less are the same
 TURN, SHORTENED, GROWTH = 0.5, 0.1, 8.0  # a step of the ends: rad, of the length; steps in which loads grow
 
 
@@ -119,7 +118,7 @@ class Beside(NamedTuple):
 
     def meets(self, curve: BeginningCurve) -> bool:
         """Whether the ends of a curve are already where those of the rod are held."""
-        return self.way(curve) < SAME and not curve.grows
+        return self.way(curve) < ALIKE and not curve.grows  # of a step: ends that differ less are the same
 
     def first_step(self, curve: BeginningCurve) -> float:
         """The share of the way from a curve that is gone first."""

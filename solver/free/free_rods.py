@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..numerics.arrays import Array, Integers
+from ..numerics.arrays import ALIKE, Array, Integers
 from ..problem.case import Case
 from ..problem.limits import OUT_OF_RANGE, units_held
 from ..problem.reduced import EndsProblem
@@ -32,7 +32,6 @@ LARGEST = 1e12  # of a number of a rod in units of A and rho
 MOVED = ", moved by some waves"
 SHAKES = (1.0, 0.3) * 6  # of the size of angles: how far a shape is moved from a minimum to find others
 WAVES = 6  # half waves of the shortest part of such a motion
-EQUAL = 1e-6  # of the energy: minima that differ less count as one, as mirror images do
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,7 +124,7 @@ def continue_from(beside: Beside, curves: Sequence[BeginningCurve], tol: float, 
     best = min(ways, key=lambda way: way.energy)
     for seed, far in enumerate(SHAKES if lowest else ()):
         ways += [way_beside(beside, best, far, seed)]
-        if best.energy - ways[-1].energy > EQUAL * abs(best.energy):
+        if best.energy - ways[-1].energy > ALIKE * abs(best.energy):
             best = ways[-1]
     begun, steps = best.begun, sum(way.steps for way in ways)
     if best.shape is None:
@@ -172,7 +171,8 @@ def way_beside(beside: Beside, known: _Way, far: float, seed: int) -> _Way:
 def count_of(ways: Sequence[_Way]) -> int:
     """The number of minima to which ways have led; those of different energy are different."""
     energies = np.sort([way.energy for way in ways if way.shape is not None])
-    return 1 + int((np.diff(energies) > EQUAL * np.abs(energies).max()).sum())
+    # minima whose energies differ by less count as one, as mirror images do
+    return 1 + int((np.diff(energies) > ALIKE * np.abs(energies).max()).sum())
 
 
 def refine(beside: Beside, shape: FreeShape, tol: float) -> FreeAnswer:

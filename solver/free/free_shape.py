@@ -6,14 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..numerics.arrays import Array, Booleans
+from ..numerics.arrays import NEGLIGIBLE, ROUGHLY, Array, Booleans
 from ..orbits.frames import binormal, outward
 from .contacts import Contact, contacts_of
 from .discrete_rod import CONDITIONS, DiscreteRod
 from .quaternions import directors
-
-RIGID = 1e-3  # of a motion: what is left of one that is a turn of the whole rod
-ON_AXIS = 1e-9  # of rho: a station that is nearer has no azimuth of its own
 
 
 class Along(NamedTuple):
@@ -112,7 +109,7 @@ class FreeShape:
     @property
     def grounded(self) -> Booleans:
         """Which ends are on the wall, (2,)."""
-        return np.abs(self.rod.radius - 1) < ON_AXIS
+        return np.abs(self.rod.radius - 1) < NEGLIGIBLE
 
     @property
     def far_loads(self) -> Array:
@@ -131,12 +128,13 @@ class FreeShape:
         arms, moved = self.x[1:] - self.x[0], self.rod.parts(motion)[1]
         turns = np.cross(np.eye(3)[:, None], arms).reshape(3, -1).T
         turn = np.linalg.lstsq(turns, moved.ravel(), rcond=None)[0]
-        if np.linalg.norm(turns @ turn - moved.ravel()) > RIGID * np.linalg.norm(moved):
+        # what is left of a motion that is a turn of the whole rod
+        if np.linalg.norm(turns @ turn - moved.ravel()) > ROUGHLY * np.linalg.norm(moved):
             return "a motion of the rod needs no force"
         turn /= np.linalg.norm(turn)
-        if self.rod.radius[0] < ON_AXIS and np.hypot(*turn[:2]) < RIGID:
+        if self.rod.radius[0] < NEGLIGIBLE and np.hypot(*turn[:2]) < ROUGHLY:
             return "the rod may turn about the axis of the cylinder"
-        if np.linalg.norm(np.cross(turn, arms[-1])) < RIGID * np.linalg.norm(arms[-1]):
+        if np.linalg.norm(np.cross(turn, arms[-1])) < ROUGHLY * np.linalg.norm(arms[-1]):
             return "the rod may turn about the line through its ends"
         return "the rod may turn as a whole about its start"
 
@@ -171,8 +169,9 @@ class FreeShape:
     def _angles(self, t: Array, x: Array, D: Array) -> Array:
         """Azimuth, beta, tilt and rotation at stations, (4, n), each but for full turns."""
         alpha = np.arctan2(x[:, 1], x[:, 0])
-        off = np.hypot(x[:, 0], x[:, 1]) > ON_AXIS
-        ends = np.where(self.rod.radius[:, None] > ON_AXIS, np.nan, self.angles[[0, 4]][:, None])
+        # a station that is nearer to the axis, in rho, has no azimuth of its own
+        off = np.hypot(x[:, 0], x[:, 1]) > NEGLIGIBLE
+        ends = np.where(self.rod.radius[:, None] > NEGLIGIBLE, np.nan, self.angles[[0, 4]][:, None])
         alpha = np.where(off, alpha, np.where(2 * t < self.rod.span, *ends)) if not off.all() else alpha
         return angles_at(alpha, D)
 

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..numerics.arrays import Array
+from ..numerics.arrays import ALIKE, Array
 from ..problem.case import Case
 from ..problem.errors import InputError
 from .discrete_rod import EDGE, DiscreteRod
@@ -26,7 +26,6 @@ PACE = 1.6  # how far a step may go of what it should
 FASTER, SLOWER = 4.0, 0.2  # factors of the time of a step to the next one
 FIRST = 1e-6  # the time of the first step that is tried
 AT_REST, THERE = 0.02, 0.5  # of a step: a rod that moves less rests; places that are so near are the same
-LEAST = 1e-6  # of the length: a rod that moves less stays as it is
 MOVING = "the motion of a rod that is let go"
 ELSEWHERE = "the motion of a rod that is let go, which ends elsewhere than let_go"
 FINER = 40  # times that a step is halved
@@ -145,7 +144,7 @@ def descent_of(case: Case, curve: BeginningCurve, answer: FreeAnswer, count: int
     """
     goal = next((shape for shape in answer.shapes[::-1] if shape.rod.edges <= MOST_EDGES), answer.shapes[0])
     sinking = Sinking(problems_of(case)[0], curve, goal.rod)
-    if far(sinking.begun, goal) < LEAST * goal.rod.span:
+    if far(sinking.begun, goal) < ALIKE * goal.rod.span:
         raise InputError("let go, this rod stays as it is: there is no motion to show")
     times, ways, rest = sinking.survey(goal)
     ends = np.linspace(0, ways[-1], count + 1)[1:-1]

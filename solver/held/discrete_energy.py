@@ -13,7 +13,7 @@ import numpy as np
 import scipy  # its parts are imported when used
 
 from ..branches.given_numbers import Given
-from ..numerics.arrays import Array, Integers
+from ..numerics.arrays import FAINT, Array, Integers
 from ..numerics.chebyshev import basis
 from .bordered_bands import Bordered
 
@@ -21,7 +21,6 @@ _DEGREE, _GAUSS = 8, 12  # of beta on a panel; points of its integrals
 _LAYER = 3.0  # by how much panels beside an end grow
 _SMOOTH = 1e-5  # rad: the last coefficients of beta on a panel that is fine enough
 _MET = 1e-11  # of the length: miss of a constraint that counts as met
-_STRAIGHT = 1e-12  # share of its square by which the constraints of a straight rod depend on each other, to rounding
 LONGEST = 0.6  # rad: the largest change of beta in a step
 _LOAD_OF = {"z": "phi", "alpha": "lam"}
 
@@ -251,7 +250,8 @@ class DiscreteEnergy:
         steepest = scipy.linalg.lapack.dpbtrs(self._factor, rows.T, lower=1)[0]
         square = rows @ steepest
         size = float(np.trace(square)) ** square.shape[0]
-        if not float(np.linalg.det(square)) > _STRAIGHT * size > 0:
+        # the constraints of a straight rod depend on each other, to rounding
+        if not float(np.linalg.det(square)) > FAINT * size > 0:
             return None
         return steepest @ np.linalg.inv(square)
 

@@ -13,7 +13,7 @@ from functools import cache
 import numpy as np
 
 from ..branches.given_numbers import FREE, Given
-from ..numerics.arrays import Array
+from ..numerics.arrays import ALIKE, FAINT, NEGLIGIBLE, ROUGHLY, Array
 from ..orbits.potential import TAU
 from .bordered_bands import Bordered, times
 from .discrete_energy import LONGEST, DiscreteEnergy, EnergyMesh
@@ -24,9 +24,6 @@ _ROUNDS, _CUTS, _MEETING = 80, 14, 6  # steps of a descent; cuts of a step; roun
 _CLOSE = 1e-7  # rad: a step that ends a descent
 _SADDLE, _PUSH, _PUSHES = 0.03, 0.3, 3  # rad: a step beside a saddle; the push off it; saddles on a way
 _SHIFT, _ITERATIONS = 1e-3, 8  # of the metric, first and then four times as much; to the direction that curves down
-EQUAL = 1e-6  # of the energy: minima that differ less count as one, as mirror images do
-_NEAR = 1e-3  # rad: the same
-_ROUNDED, _LEVEL = 1e-12, 1e-9  # of the energy: a rise that counts as none; curvature that counts as none
 _STEEPEST = 1e4  # pace of layers that still scales steps
 _WIDEST = 2.2  # rad: of a wave
 _WILDEST = 1e50  # pace: the fourth power of a larger one is soon beyond the range of floats
@@ -55,7 +52,8 @@ class EnergyMinimum:
     def is_same(self, other: "EnergyMinimum") -> bool:
         """Whether another minimum on the mesh is this one."""
         apart = abs(self.energy - other.energy)
-        return apart < EQUAL * (1 + abs(self.energy)) and float(np.abs(self.beta - other.beta).max()) < _NEAR
+        # minima whose energies differ by less, as of mirror images, and whose angles differ by less [rad], are one
+        return apart < ALIKE * (1 + abs(self.energy)) and float(np.abs(self.beta - other.beta).max()) < ROUGHLY
 
 
 def is_turned_round(given: Given, beta: Array) -> bool:
@@ -136,7 +134,7 @@ def _lower(land: DiscreteEnergy, beta: Array, energy: float, step: Array) -> Arr
     """The shape after a step, or after a part of it, that has no more energy; None where there is none."""
     for _ in range(_CUTS):
         new = land.meet(land.move(beta, step), _MEETING)
-        if new is not None and land.energy(new) <= energy + _ROUNDED * (1 + abs(energy)):
+        if new is not None and land.energy(new) <= energy + FAINT * (1 + abs(energy)):
             return new
         step = step / 3
     return None
@@ -151,7 +149,7 @@ def _upward_curvature(land: DiscreteEnergy, curved: Bordered, power: int) -> tup
 
     @cache
     def curvature_with(power: int) -> Bordered:
-        return curved.plus((-_LEVEL if power < 0 else _SHIFT * 4.0**power) * land.metric)
+        return curved.plus((-NEGLIGIBLE if power < 0 else _SHIFT * 4.0**power) * land.metric)
 
     if curvature_with(-1).negative == 0:
         return curvature_with(-1), -1

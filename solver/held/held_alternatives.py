@@ -12,10 +12,10 @@ from ..branches.deflation import end_vector, is_known
 from ..branches.given_numbers import Given, OrbitState
 from ..branches.held_index import index_of
 from ..numerics.arclength import FEW_POINTS
+from ..numerics.arrays import NEGLIGIBLE
 from .held_moves import across_fold, angles_along, deflate, is_nearer_across_fold, meetings
 
 _REACH = (-1.0, 3.0)  # shares of the way from the seed, 0, to the held ends, 1, over which its branch is followed
-_ITSELF = 1e-9  # rad
 
 
 def alternatives_of(seed: OrbitState, state: OrbitState, wanted: Given) -> list[OrbitState]:
@@ -46,7 +46,7 @@ def away(state: OrbitState, other: OrbitState) -> float:
 def said_of_seed(seed: OrbitState, state: OrbitState, wanted: Given) -> str:
     """How far the seed is, what differs there, and whether another equilibrium is nearer than the seed."""
     far = away(seed, state)
-    words = f"the seed, {far:.3g} rad away" if far > _ITSELF else "the seed itself"
+    words = f"the seed, {far:.3g} rad away" if far > NEGLIGIBLE else "the seed itself"
     indices = index_of(seed, wanted.at(seed)), index_of(state, wanted)
     if np.isfinite(indices).all() and indices[0] != indices[1]:
         words += f"; the seed has index {indices[0]:.0f} and this equilibrium index {indices[1]:.0f}"

@@ -19,9 +19,9 @@ from ..branches.deflation import end_vector, is_known
 from ..branches.given_numbers import FREE, Given, OrbitState
 from ..branches.helices import helices_of
 from ..branches.orbit_rates import orbit_rates
-from ..nodes.hinged_states import LEVEL, HingedState, half_period_later, mirror_image
+from ..nodes.hinged_states import HingedState, half_period_later, mirror_image
 from ..numerics.arclength import FEW_POINTS
-from ..numerics.arrays import Array
+from ..numerics.arrays import ALIKE, FAINT, Array
 from ..orbits.boundary import Boundary, Path, boundary_of, wrap
 from ..orbits.potential import TAU
 from ..problem.reduced import EndsProblem
@@ -35,7 +35,6 @@ CONTINUED, MIRRORED, FOLDED = "continuation", "mirror image", "across a fold"  #
 DEFLATED, HELIX, SCANNED = "deflation", "helix", "scan"
 _ODD = ({"alpha", "turn", "lam", "mu"}, {"z", "turn", "phi", "mu"})  # what beta -> -beta and beta -> pi - beta negate
 _REVERSED = {"beta0": "betaL", "betaL": "beta0", "dbeta0": "dbetaL", "dbetaL": "dbeta0"}
-_EQUAL = 1e-12
 
 
 @dataclass(eq=False)
@@ -68,7 +67,7 @@ class _HeldFound:
             state = within_a_turn(state)
         if state is None or not np.isfinite(end_vector(state)).all() or is_known(state, self.known):
             return False
-        if self.any_load and not state.path.helix and np.ptp(angles_along(state)) < LEVEL:
+        if self.any_load and not state.path.helix and np.ptp(angles_along(state)) < ALIKE:
             return False
         self.known.append(end_vector(state))
         values = {name: float(getattr(state.problem, name)[0]) for name in FREE}
@@ -189,7 +188,7 @@ def mirrors_of(given: Given) -> list[Mirror]:
         turns = [round((known[name] - image[name]) / TAU) for name in FREE[:2] if name in known]
         mirror = replace(plain, whole_turns=turns[0]) if turns else plain
         image = dict(mirror.number(name, value) for name, value in known.items())
-        if all(abs(image[name] - value) <= _EQUAL * (1 + abs(value)) for name, value in known.items()):
+        if all(abs(image[name] - value) <= FAINT * (1 + abs(value)) for name, value in known.items()):
             mirrors.append(mirror)
     return mirrors
 

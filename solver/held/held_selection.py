@@ -14,12 +14,13 @@ from ..branches.branch_events import Stop
 from ..branches.given_numbers import Given, OrbitState
 from ..branches.held_index import held_energy, index_of
 from ..branches.helices import helices_of
+from ..numerics.arrays import NEGLIGIBLE
 from .energy_minima import energy_minima, is_turned_round, refinement
 from .held_alternatives import said_of_seed
 from .held_moves import angles_along, carry, settle
 from .held_search import image_of, mirrors_of, search_equilibria
 from .held_starts import equilibrium_beside, outcome_of, states_from_dead_loads
-from .selection import EQUAL, LOWEST, Choose, HeldSelection, none_of_index, select
+from .selection import LOWEST, Choose, HeldSelection, none_of_index, select
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +89,7 @@ def _image_rising_most(state: OrbitState, wanted: Given) -> OrbitState:
     for mirror in mirrors_of(wanted):
         image = image_of(state, mirror, wanted)
         settled = image if image.path.helix else settle(image, wanted)
-        if not isinstance(settled, str) and _dbeta0(settled) > _dbeta0(best) + EQUAL * (1 + abs(_dbeta0(best))):
+        if not isinstance(settled, str) and _dbeta0(settled) > _dbeta0(best) + NEGLIGIBLE * (1 + abs(_dbeta0(best))):
             best = settled
     return best
 

@@ -16,7 +16,7 @@ from ..branches.deflation import end_vector, is_known
 from ..branches.given_numbers import FREE, Given, OrbitState, problem_of
 from ..branches.held_index import index_of
 from ..numerics.arclength import FEW_POINTS, FOLD
-from ..numerics.arrays import Array
+from ..numerics.arrays import ASIDE, ROUGHLY, Array
 from ..orbits.boundary import critical_points
 from ..orbits.path_orbits import orbit_of
 from ..orbits.potential import TAU
@@ -28,9 +28,8 @@ _TRIED, _REACHED = 8, 3  # starts from which continuation is tried; equilibria a
 _UNSTABLE = 0.3  # what a negative direction of a start adds to its distance
 _MOST_TURNS = 2  # of the starts
 _LAYERS = 8.0  # least k L/rho of a taut rod: the angle decays before the other end
-_SHORT = 1e-3  # share of the way to a helix by which an end angle stays away from it
 _STABLE_TURNS = 6  # the most of a stable rod: one more than the displacements that are held, and one at each hinge
-_BESIDE, _WAVES = 0.05, 1e-3  # rad: from a minimum to its equilibrium; swings of a minimum that may be a helix
+_BESIDE = 0.05  # rad: from a minimum to its equilibrium
 
 
 def outcome_of(stop: Stop) -> str:
@@ -49,10 +48,11 @@ def equilibrium_beside(minimum: EnergyMinimum, helices: list[OrbitState]) -> Orb
     """
     given, u = minimum.land.given, minimum.land.mesh.points.ravel()
     beta = minimum.land.angles(minimum.beta).ravel()
-    if np.ptp(beta) < _WAVES:
+    # swings of a minimum that may be a helix
+    if np.ptp(beta) < ROUGHLY:
         turn = TAU if not {"beta0", "betaL"} & {*given.names} else np.inf
         for helix in helices:
-            if abs(np.remainder(helix.problem.beta0[0] - beta[0] + _BESIDE, turn) - _BESIDE) < _WAVES:
+            if abs(np.remainder(helix.problem.beta0[0] - beta[0] + _BESIDE, turn) - _BESIDE) < ROUGHLY:
                 return helix
     dead = dead_states(problem_of(given, minimum.numbers), most_turns=_STABLE_TURNS)
     states = [] if dead is None else dead[0]
@@ -184,7 +184,8 @@ def _next_to_helices(wanted: Given, guesses: list[dict[str, float]]) -> list[dic
         for angle in points.beta[~points.centre & np.isfinite(points.beta)]:
             way = float(np.remainder(angle - other + np.pi, TAU) - np.pi)
             if way and abs(way) < np.pi / 2:
-                beside.append(guess | {name: other + (1 - _SHORT) * way})
+                # an end angle stays away from that of a helix by the share ASIDE of the way to it
+                beside.append(guess | {name: other + (1 - ASIDE) * way})
     return list({tuple(guess.values()): guess for guess in beside}.values())
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from ..branches.given_numbers import Given, OrbitState
 from ..branches.orbit_rates import start_rates
 from ..branches.system import state_from_start
-from ..numerics.arrays import Array
+from ..numerics.arrays import NEGLIGIBLE, Array
 from ..numerics.roots import BISECTIONS, bisect, roots_between
 from ..orbits.boundary import boundary_of
 from ..orbits.periodic_orbit import solve_orbit
@@ -20,7 +20,6 @@ from ..problem.reduced import EndsProblem, StartProblem
 _ANGLES = 1440  # of a turn, evenly
 _CLOSER = np.logspace(-13, -2, 89)  # distances [rad] from the angles whose orbits reach a saddle
 _TOL = 1e-12  # of the march
-_STILL = 1e-9  # |beta_tt| of a helix between two hinges, in units of load, which is found as a helix
 _LOADS = ("lam", "mu", "phi")
 
 
@@ -51,7 +50,8 @@ def states_between_hinges(given: Given) -> list[OrbitState]:
     roots = roots_between(off, _angles(problem, rate), BISECTIONS)[0]  # straight rods and helices are known
     states = []
     for angle, beta, speed in zip(roots, *ends(roots), strict=True):
-        if rate == 0 and abs(float(slope(problem, np.array([angle]))[0])) < _STILL:
+        # |beta_tt| is 0 of a helix between two hinges, which is found as a helix
+        if rate == 0 and abs(float(slope(problem, np.array([angle]))[0])) < NEGLIGIBLE:
             continue
         beta0, dbeta0 = (beta, -speed) if backward else (angle, rate)
         turns = given.number(far, beta) - beta  # whole turns

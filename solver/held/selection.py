@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..numerics.arrays import Array, Integers
+from ..numerics.arrays import FAINT, NEGLIGIBLE, Array, Integers
 from ..orbits.boundary import Path, path_of
 from ..orbits.level_search import FoundPaths, search_levels
 from ..orbits.path_orbits import NO_EQUILIBRIUM, equilibrium_trajectory, path_from_start
@@ -26,9 +26,6 @@ RULES = (NEAREST, LOWEST)
 Choose = str | int  # "nearest", "lowest", or a Morse index
 
 INCOMPLETE = "selected from a list of equilibria that may be incomplete"  # the remark on a solved case
-
-EQUAL = 1e-9  # relative difference below which two strays or energies count as equal: mirror images differ by rounding
-_FINEST = 1e-12  # rad: the same for strays next to zero
 
 
 @dataclass(frozen=True)
@@ -121,9 +118,10 @@ def select(choose: Choose, index: Array, energy: Array, strays: Array, dbeta0: A
         return None
     if choose != LOWEST:
         least = strays[among].min()
-        among = among[strays[among] <= least + EQUAL * least + _FINEST]
+        # strays and energies of mirror images differ by rounding
+        among = among[strays[among] <= least + NEGLIGIBLE * least + FAINT]  # rad: the same for strays next to zero
     lowest = energy[among].min()
-    among = among[energy[among] <= lowest + EQUAL * np.abs(energy[among]).max()]
+    among = among[energy[among] <= lowest + NEGLIGIBLE * np.abs(energy[among]).max()]
     positive = among[dbeta0[among] > 0]
     among = positive if positive.size else among
     return int(among[np.argmax(dbeta0[among])])

@@ -9,7 +9,7 @@ import numpy as np
 from ..branches.parameter_plane import reflect
 from ..core.tuning import MOST_STEPS, SAFETY
 from ..core.varying_loads import BY_ANGLE, HALF, SIZE, TRUNCATION, March, march
-from ..numerics.arrays import Array
+from ..numerics.arrays import FAINT, Array
 from ..orbits.statics import circumferential_force, surface_forces
 from ..problem.case import ALONG_AXIS, IN_PLACE, Case
 from ..problem.errors import InputError
@@ -47,7 +47,6 @@ SHARE, COARSEST = 0.01, 1e-12  # of start problems: what all steps leave out of 
 # most that one does, of the scales
 ROUNDING = 2e-16
 LINEAR = 1e-8  # rad: an error above this may be less than the equations say, which are linear
-FAINT = 1e-12  # of the forces at both ends: less is rounding
 LOST = 1e8  # condition number: beyond, a start problem has lost half its digits
 LARGEST, SHORTEST = 1e30, 1e-15  # of a number of a rod in units of A and rho; of L/rho between two ends
 ROUGHEST = 10.0  # coefficient of friction: rubber on rubber has 1 to 4, and the time to lose a march grows with it

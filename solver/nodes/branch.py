@@ -6,6 +6,7 @@ from functools import partial
 
 import numpy as np
 
+from ..numerics.arrays import ROUGHLY
 from ..numerics.roots import halve
 from ..problem.case import ALONG_ITSELF
 from .buckling import buckle, rod_without_friction, shares_of_buckling, straight_index, straight_shape
@@ -19,7 +20,6 @@ from .taut import taut_shape
 from .varying_shapes import Shape
 
 MOST_FORCES, MOST_FAILED = 20, 2  # that are tried for a held height; of which as many fail
-LEAST_BENT = 1e-3  # how much they shorten the rod, of the wanted
 NEIGHBOURS, NEARLY = (0.99, 1.01), 0.9  # shares of the loads; of the way
 TAUT = "the taut rod without weight"
 NEEDS_TORQUE = "a straight rod needs MZ = M3, or an azimuth in place of MZ"
@@ -243,7 +243,7 @@ def branch_to_height(rod: LoadedRod) -> GrowthWay:
                 break
             continue
         height = float(rod.span - way.shape.y[-1, SHORT])
-        if rod.span - height < LEAST_BENT * (rod.span - rod.far[2]):
+        if rod.span - height < ROUGHLY * (rod.span - rod.far[2]):
             continue
 
         def at(share: float, height: float = height) -> LoadedRod:

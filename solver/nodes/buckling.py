@@ -5,7 +5,7 @@ from itertools import product
 
 import numpy as np
 
-from ..numerics.arrays import Array
+from ..numerics.arrays import ALIKE, FAINT, NEGLIGIBLE, Array
 from ..numerics.roots import halve
 from .curve import SPLIT, NodeCurve
 from .descent import descend, index_at
@@ -13,8 +13,6 @@ from .loaded_rod import LoadedRod
 from .varying_shapes import Shape
 from .weak_modes import weakest_modes
 
-CLOSE, ALIKE = 1e-6, 1e-12  # relative: of the load at which the straight rod buckles; of two that are one
-LIGHTEST = 1e-9  # of the loads: a rod that buckles under less, as between hinges on a cylinder, buckles under any load
 AMPLITUDES = SPLIT * 4.0 ** -np.arange(6)  # with which a buckled shape is sought
 AHEAD = 0.01  # of the loads: how far beyond its end the stable shape is sought to which a rod jumps
 
@@ -46,7 +44,7 @@ def shares_of_buckling(rod: LoadedRod, t: Array) -> Iterator[tuple[float, int]]:
     """The shares of the loads just above which the index of the straight rod rises, the lowest first, and by how much.
 
     It rises by more than one where modes buckle at one load to rounding, and at 0 where the rod is unstable without
-    loads. Below `LIGHTEST` the index is that of rounding, and no share is given.
+    loads. Below `NEGLIGIBLE` the index is that of rounding, and no share is given.
     """
 
     def index(share: float) -> int:
@@ -58,7 +56,8 @@ def shares_of_buckling(rod: LoadedRod, t: Array) -> Iterator[tuple[float, int]]:
         low, below, high, above = parts.pop()
         if above <= below:
             continue
-        if high - low <= (CLOSE if above == below + 1 else ALIKE) * high or 0 < high <= LIGHTEST:
+        # a rod that buckles under less than NEGLIGIBLE, as between hinges on a cylinder, buckles under any load
+        if high - low <= (ALIKE if above == below + 1 else FAINT) * high or 0 < high <= NEGLIGIBLE:
             yield high, above - below
             continue
         middle = (low + high) / 2
@@ -83,7 +82,7 @@ def tension_of_buckling(rod: LoadedRod) -> float | None:
     low = high - 1 / rod.span**2
     while is_stable(low):
         low = high + 4 * (low - high)
-    return sum(halve(is_stable, low, high, CLOSE * max(abs(high), abs(low)) / 4)) / 2
+    return sum(halve(is_stable, low, high, ALIKE * max(abs(high), abs(low)) / 4)) / 2
 
 
 def buckle(rod: LoadedRod, t: Array, critical: float) -> tuple[Shape, float] | None:

@@ -6,13 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from ..numerics.arrays import Array
+from ..numerics.arrays import NEGLIGIBLE, Array
 from .descent import change_rates, fine_nodes, indices_with_springs
 from .loaded_rod import ALPHA, BETA, MU, PHI, ROUND, SHORT, SPEED, LoadedRod, Q, scales
 from .varying_shapes import Shape
 
 NUMBER_OF_HELD = {"beta0": "beta0", "betaL": "betaL", "azimuth": "alpha", "height": "z", "rotation": "turn"}
-FAINT = 1e-9  # springs that tell whether a direction is stiff at all, as of `springs_of`
 Read = Callable[[Array], tuple[Array, ...]]  # beta, beta_t, alpha and z from 0, and the swirl, at times (n,)
 
 
@@ -93,5 +92,6 @@ def dead_indices(shapes: Sequence[Shape | None]) -> Array:
 def _dead_index(shape: Shape) -> float:
     """The Morse index of one shape: as many negative directions with springs that hardly push it away or hold it."""
     alone = replace(shape, rod=replace(shape.rod, held=frozenset({"beta0", "betaL"})).in_scales(shape.rod.scale))
-    _, *nearby = indices_with_springs(alone, (-FAINT, FAINT))
+    # such weak springs tell whether a direction is stiff at all, as of `springs_of`
+    _, *nearby = indices_with_springs(alone, (-NEGLIGIBLE, NEGLIGIBLE))
     return float(nearby[0]) if nearby[0] == nearby[1] else np.nan

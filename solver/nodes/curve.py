@@ -13,13 +13,12 @@ import numpy as np
 from ..branches.branch_events import Bounds, Place, Stop, arrive, both_ways, events_between
 from ..core.tuning import NUDGE
 from ..numerics.arclength import BRANCH_POINT, CLOSED, COSINE, FOLD, OFF, PITCHFORK, Lengths, Stride, trace
-from ..numerics.arrays import Array
+from ..numerics.arrays import ALIKE, NEGLIGIBLE, ROUGHLY, Array
 from ..numerics.roots import DIVERGED, enclose, locate, newton
 from .descent import LOOSE, index_of_any, is_near
 from .loaded_rod import ALPHA, BETA, LoadedRod
 from .newton import (
     ENDING,
-    SAME,
     correct,
     gaps_after,
     is_same,
@@ -36,9 +35,7 @@ SPLIT = 0.05  # of the angles, in their scales: how far from a branch those that
 UNSOLVED = "Newton's method did not converge from it"
 LOST = "Newton's method did not converge on the way"
 LENGTHS = Lengths(first=0.02, longest=0.1, least=1e-5)  # of steps, in the sizes of the angles and of p
-SHORT = 1e-3  # step, within which several branch points are one
 FLAT = 1e-7  # of dp along the curve next to a fold: its square is lost of p
-BALANCED = 1e-9  # of the scales: the force that holds a shape which its symmetry holds
 NARROW = 0.01  # of a step: how closely a branch point is enclosed, before it is solved for
 
 
@@ -198,7 +195,7 @@ def special_between(
         return []
     (near, low), (far, high) = enclose(way, ends, lambda point: point.index != before.index, NARROW * step)
     change = curve.in_sizes(high.shape.y - low.shape.y, high.p - low.p)
-    if far - near > 2 * NARROW * step or inner(change, change) > (2 * (far - near) + SAME) ** 2:
+    if far - near > 2 * NARROW * step or inner(change, change) > (2 * (far - near) + ALIKE) ** 2:
         return None
     return [(branch_point_between(curve, low, high) or high, BRANCH_POINT)]
 
@@ -221,7 +218,8 @@ def branch_point_between(curve: NodeCurve, low: CurvePoint, high: CurvePoint) ->
         return None
     p, held = crossing
     flat = FLAT * abs(last[1].stiffness - first[1].stiffness)  # its sign changes where it is infinite, too
-    return CurvePoint(held.shape, p, low.tangent) if abs(held.stiffness) < flat and abs(held.force) < BALANCED else None
+    is_one = abs(held.stiffness) < flat and abs(held.force) < NEGLIGIBLE
+    return CurvePoint(held.shape, p, low.tangent) if is_one else None
 
 
 def trace_shapes(
@@ -247,7 +245,7 @@ def trace_shapes(
     def stride(before: CurvePoint, step: float, _: list[Place]) -> Stride[Place, CurvePoint] | str:
         step = min(step, (bounds.high - before.p) / curve.size) if curve.natural else step
         after = curve.ahead(before, step)
-        if after is None or (abs(after.index - before.index) > 1 and step > SHORT):  # several branch points
+        if after is None or (abs(after.index - before.index) > 1 and step > ROUGHLY):  # several branch points
             return LOST
         special = [] if curve.natural else special_between(curve, before, after, step)
         if special is None:

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..core.varying_loads import HALF, count_negatives
-from ..numerics.arrays import Array
+from ..numerics.arrays import ROUGHLY, Array
 from ..numerics.roots import REACH
 from .loaded_rod import ALPHA, BETA, MU, PHI, ROUND, SHORT, SPEED, LoadedRod, Q
 from .newton import correct, largest_turn, march_of
@@ -36,7 +36,7 @@ def _index_by_inertia(rod: LoadedRod, transfer: Array, scale: Array, stiffness: 
 
 LOOSE, FLUID = 1e-4, 1e-2  # of the scales: a correction that is enough on the way, and in a fall
 WEAKEST, FIRST, FIRMEST, FACTOR = 1e-7, 1e-2, 1e6, 3.0  # springs: weakest, at first, strongest, change
-KICK, REST = 0.1, 1e-3  # of the angles, in their scales: a push, and a move that counts as none
+KICK = 0.1  # of the angles, in their scales: a push
 EASY, QUICK = 5.0, 4  # how much weaker the springs are when a shape without them is tried; steps of an easy correction
 ROUNDS, LEAST, WORK = 600, 50, 80_000  # steps of a fall; of a long rod; nodes times steps: about three seconds
 
@@ -139,6 +139,6 @@ def descend(shape: Shape, change: Array | None = None) -> Shape | None:
         if eased and ahead.steps <= QUICK:
             strength = max(WEAKEST, strength / FACTOR)
         eased = True
-        if moved < REST and index > 0:
+        if moved < ROUGHLY and index > 0:
             y = y + KICK * weakest_modes(ahead)[0]
     return None

@@ -15,7 +15,7 @@ from ..branches.given_numbers import Given, OrbitState
 from ..branches.orbit_rates import NUMBERS, rates_of_helices, start_rates
 from ..branches.system import state_from_start
 from ..numerics.arclength import END, POINTS, Lengths
-from ..numerics.arrays import Array
+from ..numerics.arrays import ALIKE, Array
 from ..numerics.roots import DIVERGED, REACH, lead_away
 from ..orbits.boundary import Path, wrap
 from ..orbits.path_orbits import orbit_of
@@ -30,7 +30,6 @@ from .varying_shapes import Shape
 from .weak_modes import weakest_modes
 
 CARRIED = Lengths(first=1.0, longest=1.0, least=1e-5)  # of steps, in the sizes of the angles and of the way
-LEVEL = 1e-6  # rad by which beta of a helix varies by rounding
 BEHIND = 0.02  # of the sizes of the angles and of the way: from a point to one before it, which tells its bend
 MAY_BE, FEW = 4.0, 20  # times the estimated way to an equilibrium across a fold; points on the way to it
 PLACES = 8  # on each stretch, at which an energy is read
@@ -78,7 +77,7 @@ def state_of(shape: Shape) -> HingedState:
     problem = EndsProblem(
         **{name: np.array([number[name]]) for name in ("lam", "mu", "phi", "beta0", "betaL")}, span=np.array([span])
     )
-    if np.ptp(shape.y[:, BETA]) < LEVEL:
+    if np.ptp(shape.y[:, BETA]) < ALIKE:  # rad by which beta of a helix varies by rounding
         path, rates = Path(wrap(number["beta0"]), 1.0, -np.inf, 0, 0, True), rates_of_helices(problem)
     else:
         rates = start_rates(problem.with_start(np.array([number["dbeta0"]])))
@@ -222,7 +221,7 @@ def half_period_later(shape: Shape) -> Shape | None:
     shape: of a rod that rests at both ends.
     """
     span, halves = float(shape.t[-1]), len(shape.bends(1.0)) + 1
-    if halves % 2 or np.ptp(shape.y[:, BETA]) < LEVEL:
+    if halves % 2 or np.ptp(shape.y[:, BETA]) < ALIKE:
         return None
     at = shape.t + span / halves
     late = at > span

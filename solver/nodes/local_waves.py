@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..numerics.arrays import Array, Booleans
+from ..numerics.arrays import NEGLIGIBLE, Array, Booleans
 from ..numerics.roots import root
 from ..problem.case import ALONG_ITSELF
 from .descent import descend, index_of_any
@@ -34,7 +34,7 @@ LIGHTEST = 1e-30  # weight across, in units of A and rho, that makes waves
 SOFT = 0.03  # of F: how softly the amplitude comes to 0
 FINE, LEAST = 12, 0.1  # places for a node; of the square of the amplitude
 LEANT, QUIET = 0.1, -0.06  # of F - 2: the last change of that in which a rod leans; below, a turn at an end dies away
-ROUNDS, SETTLED = 100, 1e-9  # of the compression under friction, and its last change
+ROUNDS = 100  # of the compression under friction
 MANY = 1000  # nodes of a rod with friction, of which one front is tried: each that fails takes seconds
 STEPS, NODES = 30, 50  # of Newton's method from it, and one more for so many nodes
 STEEPEST = 0.9  # sine of beta
@@ -187,7 +187,7 @@ def compression(rod: LoadedRod, t: Array, front: float = np.inf) -> Array:
     for _ in range(ROUNDS if rubbed else 0):
         passed = integral(waves_at(rod, over, front).push, t)
         over = np.minimum(-(given - rubbed * (passed[-1] - passed)) / unit - 2, largest(rod.across))
-        if np.abs(over - before).max() < SETTLED:
+        if np.abs(over - before).max() < NEGLIGIBLE:
             break
         before = over
     return over

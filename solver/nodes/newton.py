@@ -5,20 +5,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..core.varying_loads import BY_STATE, ORDER, SIZE, march, solve_chain
-from ..numerics.arrays import Array
+from ..numerics.arrays import ALIKE, FAINT, NEGLIGIBLE, Array
 from ..numerics.roots import DIVERGED, REACH, Ending, newton
 from ..orbits.potential import TAU
 from .loaded_rod import ALPHA, BETA, MU, PHI, ROUND, SHORT, SPEED, LoadedRod, Q
 from .varying_shapes import Shape
 
 DEEP = 13  # the order of the series of the derivatives by which Newton's method goes
-SAME = 1e-6  # of the angles in their scales: one shape
-ON_EDGE = 1e-9  # of a turn: an angle as near to -pi, as of a rod that points back, is pi, whatever its last digits
 WILD = 1e6  # of the scales: no equilibrium is sought from larger numbers
-ROUNDING = 1e-12  # of the scales: a correction below this is rounding
 SOFT = 1e-14  # springs that hardly change the equations, in the scales
 DEFLATED = Ending(rounds=30, goal=0.1)  # of steps away from known shapes
-ENDING = Ending(rounds=40, goal=ROUNDING, small=1e-7, stall=0.25)
+ENDING = Ending(rounds=40, goal=FAINT, small=1e-7, stall=0.25)  # of the scales: a correction below this is rounding
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,12 +111,13 @@ def is_same(shape: Shape, other: Shape) -> bool:
     change = shape.y - other.y
     if shape.rod.turns_freely:
         change[:, BETA] -= TAU * np.round(change[0, BETA] / TAU)
-    return bool((np.abs(change) / shape.rod.scale)[:, [BETA, SPEED, ALPHA]].max() < SAME)
+    return bool((np.abs(change) / shape.rod.scale)[:, [BETA, SPEED, ALPHA]].max() < ALIKE)
 
 
 def whole_turns(beta: float) -> int:
     """The whole turns by which an angle lies above the one in (-pi, pi], to rounding."""
-    return int(np.ceil((beta - np.pi) / TAU - ON_EDGE))
+    # an angle as near to -pi, as of a rod that points back, is pi, whatever its last digits
+    return int(np.ceil((beta - np.pi) / TAU - NEGLIGIBLE))
 
 
 def within_a_turn(shape: Shape) -> Shape:
@@ -163,7 +161,7 @@ def correct(
     anchor: Array | None = None,
     stiffness: Array | None = None,
     most: int = ENDING.rounds,
-    enough: float = ROUNDING,
+    enough: float = FAINT,
 ) -> Shape | None:
     """The equilibrium that Newton's method reaches from a shape; None where it reaches none.
 

@@ -28,7 +28,7 @@ from ..branches.special_line import (
 )
 from ..branches.whole_curve import WholeCurve, whole_curve
 from ..numerics.arclength import PITCHFORK, Lengths, Node, node_at
-from ..numerics.arrays import Array
+from ..numerics.arrays import ASIDE, Array
 from .curve import SPLIT, CurvePoint, NodeCurve, unit
 from .descent import index_at
 from .loaded_rod import ALPHA, SPEED, LoadedRod
@@ -40,7 +40,6 @@ RodAt = Callable[[Array], LoadedRod]
 STEPS = Lengths(first=0.02, longest=0.1, least=1e-4)  # in the sizes of the equilibrium and of z
 STEP = 1e-4  # of derivatives by a and z
 BESIDE = 0.02  # how far beside a fold its two indices are read, in the sizes of the unknowns
-NEAR_IT = 1e-3  # how far beside a pitchfork its two indices are read
 CROSSED = 3e-3  # how closely the place is enclosed where another curve crosses
 NEAR = 3  # weakest modes: where another such curve crosses, that of this one is not the weakest
 
@@ -147,7 +146,8 @@ class _PitchforkPoint(_ShapePoint):
     def after(self, node: Node) -> "Ahead[_PitchforkPoint] | None":
         """The point a step ahead (`LinePoint.after`), with its index and its mode."""
         across = node.jacobian[0] / np.linalg.norm(node.jacobian[0])
-        sides = [self.shape_at(node.w + sign * NEAR_IT * across) for sign in (-1, 1)]
+        # ASIDE: how far beside a pitchfork its two indices are read
+        sides = [self.shape_at(node.w + sign * ASIDE * across) for sign in (-1, 1)]
         shapes = [side.shape for side in sides if side is not None]
         if len(shapes) < 2:
             return None

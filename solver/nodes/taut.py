@@ -9,7 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ..numerics.arrays import Array
+from ..numerics.arrays import NEGLIGIBLE, Array
 from ..numerics.roots import REACH
 from ..orbits.potential import Loads, slope, slope_rate
 from ..problem.case import ALONG_AXIS, ALONG_ITSELF
@@ -19,7 +19,7 @@ from .newton import correct
 from .varying_shapes import Shape
 
 PLACES, PARTS = 4000, 50  # on which the loads are summed, and the parts of the rod in which they are
-ROUNDS, SETTLED = 60, 1e-9  # of the loads of a part, and their last change, relative: Newton's method does the rest
+ROUNDS = 60  # of the loads of a part
 STEEP = 4.0  # the most by which a change may grow between two nodes, as a power of e: at 8 Newton's method is lost
 MOST = 100_000  # nodes: a few seconds
 
@@ -72,7 +72,7 @@ def balance_part(rod: LoadedRod, t: Array, last: Array) -> Array | None:
         for column, rate in zip((Q, PHI, MU), rates(rod, y), strict=True):
             grown = integral(rate, t)
             y[:, column] = last[column] - (grown[-1] - grown)
-        if np.abs(y - before).max() <= SETTLED * (1 + np.abs(y[:, [Q, PHI]]).max()):
+        if np.abs(y - before).max() <= NEGLIGIBLE * (1 + np.abs(y[:, [Q, PHI]]).max()):
             return y
     return None
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..core.varying_loads import READ, SIZE, march
-from ..numerics.arrays import Array, Booleans, Integers
+from ..numerics.arrays import FAINT, Array, Booleans, Integers
 from ..numerics.roots import BISECTIONS, bisect, largest_between
 from ..orbits.potential import Loads, slope
 from ..orbits.statics import circumferential_force, contact_force, curvature, surface_forces
@@ -18,7 +18,6 @@ from .state import StretchState, is_drawn, states
 
 DENSE = 17  # places on a stretch, at which the states along a rod are judged
 GAUSS = 12  # places on a stretch, for integrals of products of states
-FAINT = 1e-12  # of the largest beta: a smaller change is rounding
 FINE = 2  # nodes of a start problem, for each step of its march
 
 
@@ -139,6 +138,7 @@ class Shape:
         first, share = moving[k], speed[k] / (speed[k] - speed[k + 1])
         after = share * (t[moving[k + 1]] - t[first])  # beta_t is linear between the two
         beta = np.concatenate([y[:1, BETA], y[first, BETA] + speed[k] * after / 2, y[-1:, BETA]])
+        # a change of beta that is smaller, of the largest, is rounding
         kept = np.array(places_of_extremes(beta, FAINT * np.abs(y[:, BETA]).max()))
         change = np.abs(np.diff(beta[kept]))
         places = (t[first] + after)[kept[1:-1] - 1] * rho

@@ -14,7 +14,7 @@ import numpy as np
 from ..core.measures import densities
 from ..nodes.loaded_rod import MU
 from ..nodes.state import SLIGHT
-from ..numerics.arrays import Array, Booleans, Integers
+from ..numerics.arrays import NEGLIGIBLE, Array, Booleans, Integers
 from ..orbits.shape import ShapeArrays
 from ..orbits.statics import circumferential_force, curvature, surface_forces
 from ..problem.reduced import EndsProblem, flat
@@ -22,7 +22,6 @@ from .measurement import MeasuredNumbers
 from .observables import error_name, observe
 
 QUARTER = 0.25  # of the length at each end: a rod without push only there lifts off at its ends
-ALLOWED = 1e-9  # of the length: a shorter stretch without push is rounding
 PLACES, FINER = 256, 64  # at which the push is computed in a quarter, and between two of these places
 
 
@@ -34,7 +33,8 @@ def only_at_ends(sol: ShapeArrays, cases: Integers) -> Integers:
     """
     read = MeasuredNumbers(sol)
     first, last = (read.over("share", until, cases) for until in (QUARTER, 1 - QUARTER))
-    return np.asarray(cases[1 - 2 * QUARTER - (last - first) / read.length[cases] <= ALLOWED])
+    # a stretch without push that is shorter, of the length, is rounding
+    return np.asarray(cases[1 - 2 * QUARTER - (last - first) / read.length[cases] <= NEGLIGIBLE])
 
 
 def distance_from_ends(sol: ShapeArrays, cases: Array) -> Array:
@@ -94,7 +94,7 @@ AT_ENDS, IN_PART, ALL_ALONG = f"{PULLED} at the ends", f"{PULLED} in part", f"{P
 UNKNOWN = "not checked: "
 UNCHECKED = (f"{UNKNOWN}curvature", f"{UNKNOWN}self-contact", f"{UNKNOWN}lift-off")
 ROUNDING = 1e-13  # of A/rho^3: a smaller pull is none
-_QUARTER, _LEAST = np.pi / 2 + 1e-9, 1e-9  # rad; rad and share of the length: less is rounding
+_QUARTER = np.pi / 2 + NEGLIGIBLE  # rad
 NEARLY_ALL = 0.95  # of the length without push
 LINEAR = 0.01  # strain up to which most materials are linear, where the unit of Young's modulus is not known
 JUDGED = ("kappa_max", MEETS, "push_min", "push_max", "attached", "height")  # the observables that a caution is made of
@@ -149,8 +149,8 @@ def turns_back(sol: ShapeArrays, height: Any) -> Any:
     low, high, first, last = (np.reshape(number, sol.case.shape) for number in numbers)
     with np.errstate(invalid="ignore"):
         far = (high > np.maximum(first, last) + _QUARTER) | (low < np.minimum(first, last) - _QUARTER)
-        behind = np.asarray(height) * np.cos(first) < -_LEAST * np.asarray(sol.case.rod.L)
-        return far | (behind & (np.abs(first - last) < _LEAST))
+        behind = np.asarray(height) * np.cos(first) < -NEGLIGIBLE * np.asarray(sol.case.rod.L)
+        return far | (behind & (np.abs(first - last) < NEGLIGIBLE))
 
 
 def largest_strain(sol: ShapeArrays, kappa_max: Any) -> Any:

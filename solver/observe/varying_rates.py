@@ -18,7 +18,7 @@ from ..nodes.curve import NodeCurve
 from ..nodes.loaded_rod import rods_of
 from ..nodes.newton import largest_turn, linear_at
 from ..nodes.varying_shapes import Shape as Nodal
-from ..numerics.arrays import Array
+from ..numerics.arrays import NEGLIGIBLE, Array
 from ..orbits.shape import ShapeArrays
 from ..problem.case import Case, Start
 from ..problem.case_fields import values_of, with_fields_unchecked
@@ -28,7 +28,7 @@ from .observables import observe
 STEP = 1e-4  # of the angles, in their scales, and of a field, in its size
 WEIGHTS = {1: 2 / 3, 2: -1 / 12}  # of the differences at so many steps
 EARLY = 1e-14  # of the places of nodes: so a station at one is read from it at each step, and not from the one before
-FAINT, SMOOTH = 1e-9, 3.0  # second differences: of rounding, as a share; at two steps over one, 4 of a smooth function
+SMOOTH = 3.0  # second differences at two steps over those at one: of a smooth function 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +68,7 @@ def rates_on_nodes(
                 bends[name].append(np.abs(high + low - 2 * plain[name]))
                 sizes[name] = np.maximum(sizes[name], np.abs(high - low))
         for name, (near, far) in bends.items():
-            numbers[name][(near > FAINT * sizes[name]) & (far < SMOOTH * near), k] = np.nan
+            numbers[name][(near > NEGLIGIBLE * sizes[name]) & (far < SMOOTH * near), k] = np.nan
     return curves, numbers
 
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..core.tuning import LOWEST
-from ..numerics.arrays import EPS, Array, Booleans, Columns, Integers
+from ..numerics.arrays import ALIKE, EPS, Array, Booleans, Columns, Integers
 from ..problem.limits import LARGEST
 from ..problem.reduced import EndsProblem
 from .boundary import (
@@ -26,7 +26,7 @@ from .boundary import (
     transit_times,
 )
 from .level_grid import LevelGrid, level_grid_of
-from .path_orbits import MISSED, energies, solve_orbits
+from .path_orbits import energies, solve_orbits
 from .periodic_orbit import Orbit, helix_half_waves, helix_index, jacobi_zeros
 
 MOST_PERIODS = 200  # of an orbit along a rod, unless asked for more
@@ -151,7 +151,7 @@ def _search(problem: EndsProblem, most_periods: int, most_turns: int | None, ste
         return None
     orbit, level = solve_orbits(problem, boundary, paths, lengthens)
     far = orbit.at(orbit.problem.span[:, None])[0][:, 0]
-    good = np.abs(far - problem.betaL[0]) < np.maximum(MISSED, np.minimum(_end_rounding(orbit), 0.1))
+    good = np.abs(far - problem.betaL[0]) < np.maximum(ALIKE, np.minimum(_end_rounding(orbit), 0.1))
     lost = roots.lost + int(np.count_nonzero(~good))
     if not good.any():
         return None

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from ..core.measures import crossings
-from ..numerics.arrays import Array
+from ..numerics.arrays import NEGLIGIBLE, Array
 from ..numerics.roots import root
 from ..problem.reduced import StartProblem
 from .frames import position
@@ -34,7 +34,6 @@ _SHORT = 100.0  # at gap = (_SHORT/T)^2 the period is below T; it is below 2 pi 
 _FAR = 60.0  # bound of the log of a period
 _ROUGH, _NARROW = 1e-3, 1e-6  # of the search of lam, by the log of the period; Newton's method follows
 _STEPS = 12  # of Newton's method
-CLOSE = 1e-9  # the largest error of an orbit that was found
 
 
 @dataclass(frozen=True)
@@ -69,7 +68,7 @@ def _crossings(lowest: Array, y: Array, mean: Array, period: float, azimuth: flo
         at, guess = (float(v[k] + (v[k + 1] - v[k]) * excess[k] / (excess[k] - excess[k + 1])) for v in (lowest, y))
         orbit = _polish(at, guess, period, azimuth)
         inside = lowest[k + 1] <= orbit.lowest <= lowest[k]
-        orbits.append(orbit if orbit.error < CLOSE and inside else _refine(lowest[cell], period, azimuth))
+        orbits.append(orbit if orbit.error < NEGLIGIBLE and inside else _refine(lowest[cell], period, azimuth))
     return orbits
 
 

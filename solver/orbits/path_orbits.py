@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..core.tuning import LOWEST
-from ..numerics.arrays import EPS, Array, Integers
+from ..numerics.arrays import ALIKE, EPS, Array, Integers
 from ..problem.reduced import EndsProblem, StartProblem
 from ..problem.trajectory import PLAIN, Trajectory, blank, verdicts
 from .boundary import (
@@ -33,7 +33,6 @@ from .potential import potential, slope
 from .variations import HelixVariations, Variations, variations_on
 
 NO_EQUILIBRIUM = "failed: the search found no equilibrium, though at least one exists"
-MISSED = 1e-6  # rad: an orbit that ends farther than this from beta(L) is not that of an equilibrium
 # Relative: the largest estimate (2 * miss) of 7,000 random orbits that sweep 1 to 1e9 rad was 18 eps
 ROUNDING = 20 * EPS
 _DEEPER = 40.0  # in log gap: the root of the gap, the error of a rod at rest on a saddle, is then below rounding
@@ -114,7 +113,8 @@ def path_from_start(problem: EndsProblem, dbeta0: float) -> Path | None:
     None where that orbit does not end at beta(L).
     """
     orbit = solve_orbit(problem.with_start(np.array([dbeta0])), TIGHT)
-    if abs(float(orbit.at(problem.span[:, None])[0][0, 0] - problem.betaL[0])) > MISSED:
+    # an orbit that ends farther from beta(L) [rad] is not that of an equilibrium
+    if abs(float(orbit.at(problem.span[:, None])[0][0, 0] - problem.betaL[0])) > ALIKE:
         return None
     boundary = boundary_of(problem)
     if orbit.kind[0] == HELIX:

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from ..numerics.arrays import NEGLIGIBLE
 from .declared_fields import (
     ANGLES,
     CHOICES,
@@ -38,8 +39,6 @@ DIRECT = ("EI", "GJ")
 _WAYS = "give E and nu (and inner_radius for a tube), or EI and GJ"
 SIDES = {"outside": 1.0, "inside": -1.0}  # the sign of rho - R, and of the contact force where the cylinder pushes
 TWISTS = ("F1", "dgamma", "M3")  # fields of Start: each alone determines the twisting moment
-REACHED = 1e-9  # of the length: a rod that is shorter by less is taut
-ON_WALL = 1e-9  # of rho: an end that is nearer to the wall lies on it
 ALONG_ITSELF, IN_PLACE, ALONG_AXIS = 0, 1, -1  # ways to move against the wall
 # the sign of sliding towards larger s, and the way
 SLIDING = {
@@ -477,7 +476,7 @@ class Case:
         radii = [rho if radius is None else radius for radius in (given.radius0, given.radiusL)]
         for name, radius in zip(("radius0", "radiusL"), radii, strict=True):
             value, wall = np.broadcast_arrays(radius, rho)
-            bad = apart * (value - wall) < -ON_WALL * wall
+            bad = apart * (value - wall) < -NEGLIGIBLE * wall  # of rho: an end that is nearer to the wall lies on it
             refuse(
                 "Ends",
                 name,
@@ -501,7 +500,7 @@ class Case:
         )
         far = np.broadcast_to(np.hypot(across, 0.0 if given.height is None else given.height), shape)
         length = np.broadcast_to(self.rod.L, shape)
-        if (bad := np.atleast_1d(far > length * (1 + REACHED))).any():
+        if (bad := np.atleast_1d(far > length * (1 + NEGLIGIBLE))).any():
             i = np.flatnonzero(bad)[0]
             raise InputError(
                 f"the ends are {far.flat[i]:.10g} apart, and the rod is only L = {length.flat[i]:.10g} long"
