@@ -10,7 +10,7 @@ import numpy as np
 from ..branches.given_numbers import Given, OrbitState
 from ..branches.orbit_rates import start_rates
 from ..branches.system import state_from_start
-from ..numerics.arrays import NEGLIGIBLE, Array
+from ..numerics.arrays import FAINT, NEGLIGIBLE, Array
 from ..numerics.roots import BISECTIONS, bisect, roots_between
 from ..orbits.boundary import boundary_of
 from ..orbits.periodic_orbit import solve_orbit
@@ -19,7 +19,6 @@ from ..problem.reduced import EndsProblem, StartProblem
 
 _ANGLES = 1440  # of a turn, evenly
 _CLOSER = np.logspace(-13, -2, 89)  # distances [rad] from the angles whose orbits reach a saddle
-_TOL = 1e-12  # of the march
 _LOADS = ("lam", "mu", "phi")
 
 
@@ -36,7 +35,7 @@ def states_between_hinges(given: Given) -> list[OrbitState]:
         row = np.zeros(angle.size, dtype=int)
         same = {name: value[row] for name, value in loads.items()}
         span = np.full(angle.size, given.span)
-        orbit = solve_orbit(StartProblem(beta0=angle, dbeta0=np.full(angle.size, rate), span=span, **same), _TOL)
+        orbit = solve_orbit(StartProblem(beta0=angle, dbeta0=np.full(angle.size, rate), span=span, **same), FAINT)
         beta, speed, _, _ = orbit.at(span[:, None])
         return beta[:, 0], speed[:, 0]
 

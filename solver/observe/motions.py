@@ -19,8 +19,8 @@ from ..orbits.shape import ShapeArrays
 from ..orbits.variations import HOW, POINTS, HelixVariations, Variations
 from ..problem.reduced import EndsProblem, Reduced, StartProblem, end_number_names, flat
 from .measurement import FINEST, MIDDLE
+from .solution_pieces import CASES
 
-_BLOCK = 256  # cases at once
 MARKS = np.array([0.0, *MIDDLE, 1.0])  # shares of the length that observables need
 
 
@@ -55,7 +55,7 @@ def of_equilibria(sol: ShapeArrays, outcome: Array) -> Iterator[Motion]:
 
 def of_helices(sol: ShapeArrays, rows: Integers) -> Iterator[Motion]:
     """The motions of start problems whose orbits are helices, some at a time."""
-    for block in (rows[k : k + _BLOCK] for k in range(0, rows.size, _BLOCK)):
+    for block in (rows[k : k + CASES] for k in range(0, rows.size, CASES)):
         problem = sol.problem.take(block)
         assert isinstance(problem, StartProblem)
         parts = np.broadcast_to(np.eye(5), (block.size, 5, 5))

@@ -20,11 +20,11 @@ from ..orbits.marched_orbit import MarchedOrbit
 from ..orbits.periodic_orbit import as_core_orbits
 from ..orbits.shape import ShapeArrays
 from ..problem.reduced import flat
+from .solution_pieces import CASES
 
 PAIRS, TOGETHER = 300_000, 8  # largest number of pairs of stretches compared for a rod; periods compared together
 _PERIODS = 10_000_000  # largest number of periods compared with the first
 _COARSE, _DENSE = 0.5, 0.125  # of the radius: distance of stations, and of points between them
-_BLOCK = 128  # rods compared together
 _STEPS, _NUMBERS = ("first", "since", "width", "series"), ("period", "length", "a", "apart")
 _ComparedRods = structure("rods", "strand_pairs.c")
 
@@ -68,7 +68,7 @@ def overlaps(sol: ShapeArrays, kappa_max: Any, low: Any, high: Any, **limits: in
         free |= _goes_round_once(*range_, a, apart, sol.problem.span)
     verdict[known & thick], verdict[known & ~thick & free] = 1, 0
     left = np.flatnonzero(known & ~thick & ~free)
-    for rows in (left[k : k + _BLOCK] for k in range(0, left.size, _BLOCK)):
+    for rows in (left[k : k + CASES] for k in range(0, left.size, CASES)):
         if orbit is None:
             verdict[rows] = [_at_stations(sol, int(i), a[i]) for i in rows]
         else:

@@ -22,7 +22,7 @@ from ..orbits.potential import Loads, slope_rate
 from ..orbits.shape import ShapeArrays
 from ..problem.reduced import Reduced
 
-_CASES = 192  # of a block, so that arrays stay in the cache; with 48 `swing` takes 1.3 times as long, `orbit` 1.5 times
+CASES = 192  # of a block, so that arrays stay in the cache; with 48 `swing` takes 1.3 times as long, `orbit` 1.5 times
 _RESOLVED = 1.0  # largest distance of stations, in units of 1/sqrt(|H'|), that resolves every bend
 _WILDEST = 100.0  # rad between two stations: they show no shape, and the bends of such a polynomial take seconds
 COLUMNS = ("case", "row", "low", "high", "time", "count", "begin")  # fields of each piece
@@ -70,8 +70,8 @@ def join_pieces(parts: Sequence[SolutionPieces], problem: Reduced) -> SolutionPi
 
 def blocks(cases: Integers) -> Iterator[Integers]:
     """Cases in blocks, the numbers of each."""
-    for start in range(0, cases.size, _CASES):
-        yield cases[start : start + _CASES]
+    for start in range(0, cases.size, CASES):
+        yield cases[start : start + CASES]
 
 
 def pieces_of(sol: ShapeArrays, cases: Integers, until: float = 1.0, step: int = 1) -> SolutionPieces:

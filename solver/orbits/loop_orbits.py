@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from ..core.measures import crossings
-from ..numerics.arrays import NEGLIGIBLE, Array
+from ..numerics.arrays import FAINT, NEGLIGIBLE, Array
 from ..numerics.roots import root
 from ..problem.reduced import StartProblem
 from .frames import position
@@ -28,7 +28,6 @@ from .periodic_orbit import TIGHT, Orbit, solve_orbit
 from .variations import Variations, variations_on
 
 AMPLITUDES = 32  # of the curve of one period, at which the azimuth is compared with the wanted one
-_TOL = 1e-12  # of the orbits that are searched
 _FINEST = -30.0  # of log(gap): lam holds no smaller gap
 _SHORT = 100.0  # at gap = (_SHORT/T)^2 the period is below T; it is below 2 pi (1 + log(1/(b1 + pi/2)))/sqrt(gap)
 _FAR = 60.0  # bound of the log of a period
@@ -159,7 +158,7 @@ def _mean(lowest: Array, y: Array) -> Array:
 
 def _measure(lowest: Array, y: Array) -> tuple[Array, Array]:
     """The periods of the orbits, and what alpha gains in one, (n,) each."""
-    orbit = solve_orbit(start(lowest, _load(lowest, y)), _TOL)
+    orbit = solve_orbit(start(lowest, _load(lowest, y)), FAINT)
     return orbit.period, 2 * orbit.gain[:, 0].reshape(-1, 2).sum(axis=1)
 
 

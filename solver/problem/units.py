@@ -32,19 +32,15 @@ STRESSES = {  # in newtons per square metre
     "ksi": 1e3 * _POUND / 0.0254**2,
     "Mpsi": 1e6 * _POUND / 0.0254**2,
 }
-ENERGIES = {"J": 1.0, "kJ": 1e3}  # in newton metres
-WEIGHTS = {"ppg": _POUND / (231 * 0.0254**3)}  # of a volume, in newtons per cubic metre: a gallon has 231 cubic inches
-ANGLES = {"deg": math.pi / 180, "rad": 1.0, "turn": 2 * math.pi}
-NUMBERS = {"percent": 0.01}
 
 _TABLES: tuple[tuple[Mapping[str, float], Dimension], ...] = (
     (LENGTHS, (1, 0, 0)),
     (FORCES, (0, 1, 0)),
     (STRESSES, (-2, 1, 0)),
-    (ENERGIES, (1, 1, 0)),
-    (WEIGHTS, (-3, 1, 0)),
-    (ANGLES, (0, 0, 1)),
-    (NUMBERS, (0, 0, 0)),
+    ({"J": 1.0, "kJ": 1e3}, (1, 1, 0)),
+    ({"ppg": _POUND / (231 * 0.0254**3)}, (-3, 1, 0)),  # a gallon has 231 cubic inches
+    ({"deg": math.pi / 180, "rad": 1.0, "turn": 2 * math.pi}, (0, 0, 1)),
+    ({"percent": 0.01}, (0, 0, 0)),
 )
 UNITS: dict[str, tuple[float, Dimension]] = {
     name: (size, dimension) for table, dimension in _TABLES for name, size in table.items()
@@ -57,12 +53,12 @@ _KINDS: dict[Dimension, tuple[str, Iterable[str]]] = {  # what has such a dimens
     (1, 0, 0): ("a length", LENGTHS),
     (0, 1, 0): ("a force", FORCES),
     (-2, 1, 0): ("a stress", STRESSES),
-    (1, 1, 0): ("a moment", ("N m", "kN m", "lbf ft", "lbf in", *ENERGIES)),
+    (1, 1, 0): ("a moment", ("N m", "kN m", "lbf ft", "lbf in", "J", "kJ")),
     (-1, 1, 0): ("a force per length", ("N/m", "kN/m", "N/mm", "lb/ft", "lb/in", "klbf/ft")),
     (2, 1, 0): ("a stiffness", ("N m^2", "N mm^2", "lbf ft^2", "lbf in^2")),
-    (-3, 1, 0): ("a weight per volume", ("N/m^3", *WEIGHTS)),
+    (-3, 1, 0): ("a weight per volume", ("N/m^3", "ppg")),
     (-1, 0, 0): ("a curvature", ("1/m", "1/ft")),
-    (0, 0, 1): ("an angle", ANGLES),
+    (0, 0, 1): ("an angle", ("deg", "rad", "turn")),
     (-1, 0, 1): ("an angle per length", ("rad/m", "deg/m", "deg/30 m", "deg/100 ft")),
     (0, 0, 0): ("a plain number", ()),
 }
