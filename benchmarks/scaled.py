@@ -1,0 +1,248 @@
+"""What breaks where a tuned constant of the solver is ten times larger. Run from the checkout (some minutes a room):
+
+    python -m benchmarks.scaled branches held   # rooms, or modules such as nodes/newton
+    python -m benchmarks.scaled --by 0.1 nodes
+
+Each number in the head of a module is changed in a process of its own, and some problems that run a function with it
+are solved again: the stored ones of tests/golden.json, and others with weight, friction and held ends. A line says of
+how many problems the answer stays, differs in its digits, or is another one (an outcome, a count, an end of a branch),
+and the time over that before. Numbers that C reads too (core/tuning.py) are not changed in C.
+"""
+
+import argparse
+import ast
+import importlib
+import inspect
+import json
+import math
+import os
+import pkgutil
+import resource
+import sys
+import warnings
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterator
+from dataclasses import fields, is_dataclass, replace
+from functools import partial
+from importlib.util import resolve_name
+from pathlib import Path
+from time import process_time
+from types import FrameType
+from typing import Any
+
+import numpy as np
+
+import solver
+from tests.golden import Row, answer, differences, rows
+
+HERE = Path(solver.__file__).parent
+EACH, LONG = 0.5, 1.2  # seconds of the problems of a constant; of a problem that is left out
+PIPE = {"EI": 1.228e6, "GJ": 9.45e5, "a": 0.0635, "weight": 242.0}  # 5 inch, in N and m
+HOLE = {"R": 0.10795, "side": "inside", "inclination": "90deg"}
+BUCKLES = 2 * math.sqrt(1.228e6 * 242 / (0.10795 - 0.0635))
+Known = list[tuple[Row, float, set[tuple[str, str]]]]  # problems, seconds, the functions (file, name) that they run
+SMALL = {"EI": 1.0, "GJ": 0.8, "a": 0.1}
+
+
+def further() -> Iterator[Row]:
+    """Problems beside the stored ones: pipes, rods with weight or friction, held ends, lists."""
+
+    def row(kind: str, name: str, rod: Row, cylinder: Row, ends: Row, **more: Any) -> Row:
+        return {"kind": kind, "name": name, "rod": rod, "cylinder": cylinder, "ends": ends, **more}
+
+    clamped = {"beta0": 0.0, "betaL": 0.0, "azimuth": 0.0}
+    for L, load in ((60, 0.8), (120, 1.1), (300, 1.6), (1000, 1.3), (2000, 1.05)):
+        yield row("shape", f"pipe {L} {load}", {"L": L, **PIPE}, HOLE, {**clamped, "FZ": -load * BUCKLES})
+    for way in ("forward", "axial-forward", "rotating"):
+        rubbed = {**HOLE, "friction": 0.3, "sliding": way}
+        yield row("shape", f"pipe {way}", {"L": 500.0, **PIPE}, rubbed, {**clamped, "FZ": -1.3 * BUCKLES})
+    rng = np.random.default_rng(5)
+    for i in range(14):
+        ends = dict(zip(("beta0", "betaL", "FZ", "M3", "alpha"), rng.normal(0, 0.8, 5).tolist(), strict=True))
+        wall = {"R": 0.8, "inclination": float(rng.uniform(0, 3)), "side": ("outside", "inside")[i % 2]}
+        wall |= {"friction": 0.2} if i % 3 == 0 else {}
+        rod = {**SMALL, "L": float(rng.uniform(2, 12)), "weight": float(10 ** rng.uniform(-2, 0))}
+        ends |= {"azimuth": 0.3} if i % 4 == 2 else {}
+        yield row("shape", f"general {i}", rod, wall, ends, observe=i % 2 == 0)
+    for L in (3, 5):
+        wall, ends = {"R": 0.8, "inclination": "70deg"}, {"beta0": 0.3, "betaL": -0.2, "FZ": -2.5, "alpha": 0.4}
+        yield row("equilibria", f"list with weight, L = {L:g}", {**SMALL, "L": L, "weight": 0.5}, wall, ends)
+    for name, ends in (
+        ("height", {"beta0": 0.3, "betaL": 0.2, "height": 4.2}),
+        ("both", {"beta0": 0.3, "betaL": 0.2, "height": 4.0, "azimuth": 1.0}),
+        ("hinge", {"M10": 0.0, "betaL": 0.2, "height": 4.4}),
+    ):
+        yield row("equilibria", f"list, held {name}", {**SMALL, "L": 5.0}, {"R": 0.9}, ends)
+    rod, wall = {"E": 1.07e4, "nu": 0.25, "a": 0.25, "L": 6.0, "weight": 0.1}, {"R": 0.75, "inclination": "60deg"}
+    for name, values in (("FZ", [-20.0, -8.66, 0.0]), ("L", [3.0, 6.0, 8.0]), ("weight", [0.0, 0.1, 0.5])):
+        ends = {"beta0": 0.5, "betaL": 0.8, "FZ": -8.66}
+        yield row("follow", f"follow {name} with weight", rod, wall, ends, over={name: values})
+
+
+def result(row: Row) -> Row:
+    """The answer of a problem, or how it fails, as JSON reads it."""
+    try:
+        now: Row = json.loads(json.dumps(answer(row)))
+    except Exception as error:
+        return {"crash": f"{type(error).__name__}: {error}"}
+    return now
+
+
+def solved_rows() -> Known:
+    """Each problem with its answer of now, its seconds, and the functions of the solver that run for it."""
+    out = []
+    for row in [*rows()[::2], *further()]:
+        ran: set[tuple[str, str]] = set()
+
+        def note(frame: FrameType, event: str, _: Any, ran: set[tuple[str, str]] = ran) -> None:
+            if event == "call" and frame.f_code.co_filename.startswith(str(HERE)):
+                ran.add((frame.f_code.co_filename, frame.f_code.co_name))
+
+        begun = process_time()
+        sys.setprofile(note)
+        now = result(row)
+        sys.setprofile(None)
+        out.append(({**row, "answer": now}, process_time() - begun, ran))
+    return out
+
+
+class Modules:
+    """The modules of the solver: their trees, and which names each imports from which."""
+
+    def __init__(self) -> None:
+        found = [m.name for m in pkgutil.walk_packages(solver.__path__, "solver.")]
+        for name in found:
+            if not name.endswith(("__main__", ".rod")):
+                importlib.import_module(name)
+        self.of = {n: m for n, m in sys.modules.items() if n.startswith("solver.") and str(m.__file__).endswith(".py")}
+        self.trees = {n: ast.parse(Path(str(m.__file__)).read_text(encoding="utf-8")) for n, m in self.of.items()}
+        self.users: dict[tuple[str, str], list[tuple[str, str]]] = defaultdict(list)
+        for name, tree in self.trees.items():
+            for node in ast.walk(tree):
+                if isinstance(node, ast.ImportFrom):
+                    package = str(self.of[name].__package__)
+                    source = resolve_name("." * node.level + (node.module or ""), package)
+                    for alias in node.names:
+                        self.users[source, alias.name].append((name, alias.asname or alias.name))
+
+    def holders(self, module: str, name: str) -> list[tuple[str, str]]:
+        """The modules that have a name, and what each calls it."""
+        out = [(module, name)]
+        for holder in out:
+            out += [user for user in self.users[holder] if user not in out]
+        return [(other, local) for other, local in out if other in self.of]
+
+    def functions(self, module: str, name: str) -> set[tuple[str, str]]:
+        """The functions that read a name, as (file, function)."""
+        return {
+            (str(self.of[other].__file__), node.name)
+            for other, local in self.holders(module, name)
+            for node in ast.walk(self.trees[other])
+            if isinstance(node, ast.FunctionDef)
+            and any(isinstance(part, ast.Name) and part.id == local for part in ast.walk(node))
+        }
+
+    def change(self, module: str, name: str, new: Any) -> None:
+        """Gives a constant another value, also where it is the default of a parameter."""
+        old = getattr(self.of[module], name)
+        for other, local in self.holders(module, name):
+            setattr(self.of[other], local, new)
+            for function in vars(self.of[other]).values():
+                if inspect.isfunction(function) and function.__defaults__ and isinstance(old, float):
+                    function.__defaults__ = tuple(new if value is old else value for value in function.__defaults__)
+
+    def constants(self, rooms: list[str]) -> Iterator[tuple[str, str]]:
+        """Module and name of each constant in the heads of the modules of some rooms."""
+        for module, tree in self.trees.items():
+            if any(module.startswith("solver." + room.replace("/", ".")) for room in rooms):
+                for node in tree.body:
+                    if isinstance(node, ast.Assign) and not is_enumeration(node.value):
+                        parts = [part for part in ast.walk(node.targets[0]) if isinstance(part, ast.Name)]
+                        yield from ((module, part.id) for part in parts if part.id.isupper())
+
+
+def is_enumeration(value: ast.expr) -> bool:
+    """Whether constants are only told apart: range(3), or -1, 0 and 1 in some order."""
+    text = ast.unparse(value).strip("()")
+    return text.startswith("range") or ("," in text and set(text.split(", ")) <= {"-1", "0", "1", "2"})
+
+
+def scaled(value: Any, by: float) -> Iterator[tuple[str, Any]]:
+    """The value times a factor, or each number of a record so, with its name."""
+    if isinstance(value, float) or (isinstance(value, int) and not isinstance(value, bool)):
+        yield "", type(value)(max(value * by, 1) if isinstance(value, int) else value * by)
+    elif isinstance(value, tuple) and value and all(type(part) is float for part in value):
+        yield "", tuple(part * by for part in value)
+    elif is_dataclass(value) and not isinstance(value, type):
+        for field in fields(value):
+            for _, new in scaled(getattr(value, field.name), by):
+                yield f".{field.name}", replace(value, **{field.name: new})
+
+
+def apart(change: Callable[[], None], chosen: list[Row], limit: float) -> list[tuple[str, float, str]]:
+    """Of each problem after a change, in a process of its own: what differs, the seconds, and the first difference."""
+    read, write = os.pipe()
+    if os.fork() == 0:
+        resource.setrlimit(resource.RLIMIT_CPU, (int(limit), int(limit) + 1))
+        change()
+        with os.fdopen(write, "w") as out:
+            for row in chosen:
+                begun, now = process_time(), result(row)
+                off = differences(row, now)
+                kind = "same" if not off else "digits" if words(now) == words(row["answer"]) else "other"
+                first = f"{row['name']}: {off[:1]}"[:150]
+                print(json.dumps([kind, process_time() - begun, first]), file=out, flush=True)
+        os._exit(0)
+    os.close(write)
+    with os.fdopen(read) as lines:
+        out_of_it = [json.loads(line) for line in lines]
+    os.wait()
+    return out_of_it
+
+
+def words(value: Any) -> Any:
+    """An answer without its numbers that are not whole."""
+    if isinstance(value, dict):
+        return {name: words(part) for name, part in value.items()}
+    return [words(part) for part in value] if isinstance(value, list) else "#" if isinstance(value, float) else value
+
+
+def some_of(known: Known, readers: set[tuple[str, str]]) -> tuple[list[Row], float]:
+    """Short problems of each kind that run one of some functions, and their seconds."""
+    by_kind: dict[str, list[tuple[float, Row]]] = defaultdict(list)
+    for row, seconds, ran in sorted(known, key=lambda entry: entry[1]):
+        if ran & readers and seconds < LONG:
+            by_kind[f"{row['kind']} {'weight' in row['rod']}"].append((seconds, row))
+    chosen: list[tuple[float, Row]] = []
+    while any(by_kind.values()) and sum(seconds for seconds, _ in chosen) < EACH:
+        chosen += [group.pop(0) for group in by_kind.values() if group]
+    return [row for _, row in chosen], sum(seconds for seconds, _ in chosen)
+
+
+def report(modules: Modules, known: Known, module: str, name: str, by: float) -> None:
+    """Prints what a constant that is so much larger changes."""
+    chosen, before = some_of(known, modules.functions(module, name))
+    for part, new in scaled(getattr(modules.of[module], name), by):
+        after = apart(partial(modules.change, module, name, new), chosen, 6 * before + 8)
+        count = Counter(kind for kind, _, _ in after)
+        said = f"{len(chosen)} problems: {count['same']} same, {count['digits']} digits, {count['other']} other"
+        lost = f", {len(chosen) - len(after)} too slow" if len(after) < len(chosen) else ""
+        time = sum(seconds for _, seconds, _ in after) / max(before, 1e-9)
+        first = [text for wanted in ("other", "digits") for kind, _, text in after if kind == wanted][:1]
+        print(f"{module[7:].replace('.', '/')} {name}{part}: {said}{lost}; time {time:.1f}", *first, flush=True)
+
+
+def main() -> None:
+    asked = argparse.ArgumentParser(description=(__doc__ or "").partition(". Run")[0])
+    asked.add_argument("rooms", nargs="+")
+    asked.add_argument("--by", type=float, default=10.0)
+    options, modules = asked.parse_args(), Modules()
+    known = solved_rows()
+    for module, name in modules.constants(options.rooms):
+        report(modules, known, module, name, options.by)
+
+
+if __name__ == "__main__":
+    warnings.simplefilter("ignore")
+    np.seterr(all="ignore")
+    main()
