@@ -6,7 +6,7 @@
 Each number in the head of a module is changed in a process of its own, and some problems that run a function with it
 are solved again: the stored ones of tests/golden.json, and others with weight, friction and held ends. A line says of
 how many problems the answer stays, differs in its digits, or is another one (an outcome, a count, an end of a branch),
-and the time over that before. Numbers that C reads too (core/tuning.py) are not changed in C.
+and the time over that before.
 """
 
 import argparse
@@ -33,6 +33,7 @@ from typing import Any
 import numpy as np
 
 import solver
+from solver.core.library import library
 from tests.golden import Row, answer, differences, rows
 
 HERE = Path(solver.__file__).parent
@@ -143,13 +144,15 @@ class Modules:
         }
 
     def change(self, module: str, name: str, new: Any) -> None:
-        """Gives a constant another value, also where it is the default of a parameter."""
+        """Gives a constant another value, also where it is the default of a parameter, and in the core."""
         old = getattr(self.of[module], name)
         for other, local in self.holders(module, name):
             setattr(self.of[other], local, new)
             for function in vars(self.of[other]).values():
                 if inspect.isfunction(function) and function.__defaults__ and isinstance(old, float):
                     function.__defaults__ = tuple(new if value is old else value for value in function.__defaults__)
+        library.cache_clear()
+        library()  # gives the core the constants that C reads too
 
     def constants(self, rooms: list[str]) -> Iterator[tuple[str, str]]:
         """Module and name of each constant in the heads of the modules of some rooms."""

@@ -15,6 +15,7 @@ import numpy as np
 
 from ..numerics.arclength import FOLD, PITCHFORK
 from ..numerics.arrays import Array
+from ..numerics.roots import CLOSE
 from ..orbits.level_search import MOST_PERIODS, Census, census, near_misses
 from .orbit_folds import (
     DEEP,
@@ -36,7 +37,7 @@ _INSIDE = 1e-4  # shares of the ranges: how far the lattice stays away from the 
 _ASKEW = np.array([0.13, -0.17])  # of a gap: lines of the lattice stay off lines of symmetry, on which cusps lie
 _PROBES = 30  # random points that are looked at beside the lattice
 _EACH = 6  # curves at most that are searched for on one line
-_FIRST, _LAST = 0.02, 1e-7  # lengths of a line, in shares: from where Newton's rule is tried, and where it ends
+_FIRST = 0.02  # length of a line, in shares, from where Newton's rule is tried
 _PAIRS = 6  # of equilibria that are tried as those that meet
 _FINER = 24  # parts of a range into which lines are cut whose ends differ in the levels that nearly meet
 _NARROW = 1e-4  # shares: a strip between two curves that is narrower is not looked for
@@ -172,7 +173,7 @@ class _LineSearch:
             seed = self._point_of_both(change, start, end) if length <= _FIRST else None
             if seed is not None:
                 return seed
-            if length <= _LAST:
+            if length <= CLOSE:
                 return start, end
             middle = (start + end) / 2
             start, end = (start, middle) if self.searched.change_beyond(start, middle) else (middle, end)

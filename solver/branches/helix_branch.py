@@ -25,7 +25,8 @@ from .helices import helices_of
 _STEP = 0.25  # of the parameter's scale
 _NEAR = 0.5  # rad: the largest change of the angle in a step
 _EXACT = 1e-15  # relative, of the parameter of a special point
-_CEASES = 1e-2  # of the parameter's scale: how near a helix ceases that ends a branch
+# of the parameter's scale: how near a helix ceases that ends a branch; with 0.1 a stored branch ends so that does not
+_CEASES = 1e-2
 _ALONG, _SHARE = 0.15, 0.2  # rad about a helix, and the share of the rod that lies there
 _ROUNDS, _NUDGE = 20, 1e-6  # of Newton's rule; rad and of the parameter's scale, for differences
 

@@ -14,14 +14,16 @@ import numpy as np
 
 from ..branches.given_numbers import FREE, Given
 from ..numerics.arrays import ALIKE, FAINT, NEGLIGIBLE, ROUGHLY, Array
+from ..numerics.roots import CLOSE
 from ..orbits.potential import TAU
 from .bordered_bands import Bordered, times
 from .discrete_energy import LONGEST, DiscreteEnergy, EnergyMesh
 
-_PANELS, _LAYER = 6, 3.0  # panels at first; width of the first one beside an end, in that over which a layer decays
+# panels at first: 60 find the minima of 6 in four times the time; width of the first one beside an end, in that over
+# which a layer decays
+_PANELS, _LAYER = 6, 3.0
 _HALVINGS, _MOST_PANELS = 9, 64
 _ROUNDS, _CUTS, _MEETING = 80, 14, 6  # steps of a descent; cuts of a step; rounds to meet the constraints after one
-_CLOSE = 1e-7  # rad: a step that ends a descent
 _SADDLE, _PUSH, _PUSHES = 0.03, 0.3, 3  # rad: a step beside a saddle; the push off it; saddles on a way
 _SHIFT, _ITERATIONS = 1e-3, 8  # of the metric, first and then four times as much; to the direction that curves down
 _STEEPEST = 1e4  # pace of layers that still scales steps
@@ -119,7 +121,7 @@ def _descents(land: DiscreteEnergy, shape: Array, pushes: int) -> Iterator[Energ
         is_valley = power < 0
         step = curved.solve(-slopes.slope)
         size = float(np.abs(step).max())
-        if is_valley and size < _CLOSE:
+        if is_valley and size < CLOSE:
             yield EnergyMinimum(land, energy, beta, slopes.reactions)
             return
         if not is_valley and size < _SADDLE:

@@ -11,7 +11,7 @@ from ..orbits.potential import TAU
 from .loaded_rod import ALPHA, BETA, MU, PHI, ROUND, SHORT, SPEED, LoadedRod, Q
 from .varying_shapes import Shape
 
-DEEP = 13  # the order of the series of the derivatives by which Newton's method goes
+DEEP = 13  # the order of the series of the derivatives by which Newton's method goes; 130 leaves the range of floats
 WILD = 1e6  # of the scales: no equilibrium is sought from larger numbers
 SOFT = 1e-14  # springs that hardly change the equations, in the scales
 DEFLATED = Ending(rounds=30, goal=0.1)  # of steps away from known shapes
