@@ -22,7 +22,7 @@ from tests.workbench.page_faults import faults
 from tests.workbench.pictures import draws
 from workbench.branches.ends_study import ends_problem
 from workbench.branches.equilibria_dataset import as_dataset
-from workbench.figures import canvas, equilibria_figure, fonts, map_figure, scales, study_figure
+from workbench.figures import canvas, drawn_rods, equilibria_figure, fonts, map_figure, scales, study_figure
 from workbench.figures.sheet import sheet
 from workbench.run import in_memory, writing
 from workbench.stored import law_verdicts
@@ -144,6 +144,23 @@ def test_no_two_numbers_of_an_axis_meet(low: float, high: float, inches: float) 
         ax.tick_params(labelsize=fonts.SMALL)
         scales.set_scale(ax.xaxis, (low, high), logarithmic)
         assert faults(fig) == []
+
+
+def test_rods_are_solved_once_for_a_page_however_many_panels_are_tried(monkeypatch: pytest.MonkeyPatch) -> None:
+    page, choose = canvas.page, drawn_rods.choose
+    pages, chosen = list[object](), list[object]()
+
+    def page_that_is_too_low_once(*given, **more) -> Figure:
+        pages.append(given)
+        if len(pages) == 1:
+            raise canvas.TooLow("too low")
+        return page(*given, **more)
+
+    monkeypatch.setattr(canvas, "page", page_that_is_too_low_once)
+    monkeypatch.setattr(drawn_rods, "choose", lambda *given, **more: (chosen.append(given), choose(*given, **more))[1])
+    study_figure.figure(StoredStudy(small.study_dataset("pipe_horizontal")), sheet=sheet("paper", 89))
+    assert len(pages) > 1
+    assert len(chosen) == 1
 
 
 def test_a_text_is_broken_where_it_leaves_its_room_and_not_before() -> None:

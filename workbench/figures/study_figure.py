@@ -79,24 +79,29 @@ def figure(
     axes = [axis for axis in axes if not (is_sampled and axis == SAMPLE)]
     chosen = _choice(stored, rows, axes if unrolled.has_curve(curves) else [], is_sampled, sheet.panel, show)
     axis_of_trends = stored.axis(x) if x else next(iter(axes), "")
-    if sheet.panel is not None or show or sheet.style != "paper":
-        return _figure_of(stored, curves, chosen, sheet, axis_of_trends)
     most = len(chosen.sampled or chosen.panels)
+    is_whole = sheet.panel is not None or bool(show) or sheet.style != "paper"
+    strips = (chosen if is_whole else _first_of(chosen, most, sheet.narrow)).strips
+    rods = {name: drawn_rods.choose(curves, ("alpha", "z"), name, most=MOST_CURVES) for name in strips}
+    if is_whole:
+        return _figure_of(stored, rods, chosen, sheet, axis_of_trends)
     return canvas.with_room(
-        lambda count: _figure_of(stored, curves, _first_of(chosen, count, sheet.narrow), sheet, axis_of_trends),
+        lambda count: _figure_of(stored, rods, _first_of(chosen, count, sheet.narrow), sheet, axis_of_trends),
         min(most, MOST_NARROW) if sheet.narrow and not chosen.sampled else most,
     )
 
 
-def _figure_of(stored: StoredStudy, curves: StoredStudy, chosen: "_Choice", sheet: Sheet, axis: str) -> Figure:
-    """The figure of what is chosen; curves: the coarse grid, whose rods have unrolled views. axis: of trends."""
+def _figure_of(
+    stored: StoredStudy, rods_along: Mapping[str, drawn_rods.DrawnRods], chosen: "_Choice", sheet: Sheet, axis: str
+) -> Figure:
+    """The figure of what is chosen; rods_along: axis -> the rods of its unrolled views. axis: of trends."""
     sampled, count, width = chosen.sampled, len(chosen.panels), sheet.width
     strips_high = STRIPS[not sheet.narrow] * width
     if sheet.style == "paper" and chosen.strips:
         rows_below = -(-count // (1 if sheet.narrow else 2))
         left = canvas.tallest(sheet) - rows_below * canvas.ROW
         strips_high = min(strips_high, max(left / len(chosen.strips) - LABELS, LEAST_STRIP))
-    rods = [drawn_rods.choose(curves, ("alpha", "z"), name, most=MOST_CURVES) for name in chosen.strips]
+    rods = [rods_along[name] for name in chosen.strips]
     has_laws = any(not isinstance(drawn, str) for drawn in chosen.panels)
     across = 1 if sheet.narrow else 3 if count == 3 and not has_laws else 2
     beside = 0 < count <= len(rods) and not sampled and not sheet.narrow
