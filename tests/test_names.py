@@ -24,7 +24,7 @@ def syntax_trees() -> dict[Path, ast.Module]:
 
 
 def python_files() -> Iterator[Path]:
-    """Those of the product and of its tests."""
+    """The Python files of the product and of its tests."""
     return (file for part in ("solver", "studies", "workbench", "tests") for file in (ROOT / part).rglob("*.py"))
 
 

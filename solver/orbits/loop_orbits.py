@@ -27,6 +27,7 @@ from .frames import position
 from .periodic_orbit import TIGHT, Orbit, solve_orbit
 from .variations import Variations, variations_on
 
+CLOSE = NEGLIGIBLE  # of the period: an orbit of a smaller error is closed
 AMPLITUDES = 32  # of the curve of one period, at which the azimuth is compared with the wanted one
 _FINEST = -30.0  # of log(gap): lam holds no smaller gap
 _SHORT = 100.0  # at gap = (_SHORT/T)^2 the period is below T; it is below 2 pi (1 + log(1/(b1 + pi/2)))/sqrt(gap)
@@ -67,7 +68,7 @@ def _crossings(lowest: Array, y: Array, mean: Array, period: float, azimuth: flo
         at, guess = (float(v[k] + (v[k + 1] - v[k]) * excess[k] / (excess[k] - excess[k + 1])) for v in (lowest, y))
         orbit = _polish(at, guess, period, azimuth)
         inside = lowest[k + 1] <= orbit.lowest <= lowest[k]
-        orbits.append(orbit if orbit.error < NEGLIGIBLE and inside else _refine(lowest[cell], period, azimuth))
+        orbits.append(orbit if orbit.error < CLOSE and inside else _refine(lowest[cell], period, azimuth))
     return orbits
 
 

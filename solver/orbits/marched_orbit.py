@@ -42,7 +42,7 @@ class Steps:
     series: Array
 
     def take(self, rows: Integers, count: Integers) -> "Steps":
-        """Those of the orbits `rows`, (b,). count: (B,), steps of each orbit."""
+        """The steps of the orbits `rows`, (b,). count: (B,), steps of each orbit."""
         many = count[rows]
         first = np.cumsum(many) - many
         index: Any = np.arange(many.sum()) + np.repeat(self.first[rows] - first, many)

@@ -113,12 +113,6 @@ def case_of_numbers(ds: xr.Dataset, numbers: Mapping[str, float]) -> Case:
     return from_values({**numbers, **{field: str(ds.attrs[field]) for field in given}}, Ends)[0]
 
 
-def case_of_numbers(ds: xr.Dataset, numbers: Mapping[str, float]) -> Case:
-    """The ends problem of these fields and of the words of a dataset. Raises `InputError`."""
-    given = [field for field in WORDS if field in ds.attrs and not (field == "stiffness" and "EI" in numbers)]
-    return from_values({**numbers, **{field: str(ds.attrs[field]) for field in given}}, Ends)[0]
-
-
 def _equilibrium_of(ds: xr.Dataset, name: str, values: Mapping[str, Any]) -> CaseInput:
     """The first equilibrium of a list, or of those in the middle of branches or of a map, with its own case."""
     fields = [field for field in FIELDS if field in ds.variables and ds[field].dims in ((), (field,))]
