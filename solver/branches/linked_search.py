@@ -26,8 +26,8 @@ ASKEW = 0.013  # lines of the lattice stay off lines of symmetry
 MOST_BRANCHES = 150  # that are followed
 DISTINCT = 1e-5  # least distance of the signatures of two equilibria at one z
 STEEP, MOST_STEEP = 3.0, 2  # times the median of a branch; places of a branch from which it is followed across
-Node = tuple[int, int]
-Known = dict[Node, list[Place]]  # equilibria at points of the lattice
+LatticePoint = tuple[int, int]
+Known = dict[LatticePoint, list[Place]]  # equilibria at points of the lattice
 IsKnown = Callable[[Array, Array], bool]  # of a z and the signature of an equilibrium there
 
 
@@ -72,7 +72,7 @@ class _Branches:
     followed to the border. whole: whether every equilibrium was followed.
     """
 
-    known: dict[Node, list[tuple[Array, Place]]]
+    known: dict[LatticePoint, list[tuple[Array, Place]]]
     meetings: list[Meeting]
     count: int
     stopped: int
@@ -104,7 +104,9 @@ def search_linked(plane: ParameterPlane, system: PlaneSystem, ticks: Array, begi
 
 def branches_on(system: PlaneSystem, ticks: Array, begin: Known) -> _Branches:
     """The branches along the lines z = ticks of a lattice from 0 to 1 that hang together with known equilibria."""
-    known: dict[Node, list[tuple[Array, Place]]] = {(i, j): [] for i in range(ticks.size) for j in range(ticks.size)}
+    known: dict[LatticePoint, list[tuple[Array, Place]]] = {
+        (i, j): [] for i in range(ticks.size) for j in range(ticks.size)
+    }
     at_tick = {float(tick): i for i, tick in enumerate(ticks)}
     waiting: list[tuple[Array, int, Place, Array]] = []
     on_lines: dict[tuple[int, float], list[Array]] = {}

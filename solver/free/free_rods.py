@@ -154,15 +154,15 @@ def reach(beside: Beside, curve: BeginningCurve, edges: int) -> _Way:
     return _Way(begun, shape, share, steps)
 
 
-def way_beside(beside: Beside, known: _Way, far: float, seed: int) -> _Way:
+def way_beside(beside: Beside, way: _Way, far: float, seed: int) -> _Way:
     """The way to a minimum of the same rod from the end of another way, which is moved by a few half waves."""
-    if known.shape is None:
-        return known
-    rod, sizes, y = known.shape.rod, beside.sizes(curve_of(known.shape)), known.shape.y.copy()
+    if way.shape is None:
+        return way
+    rod, sizes, y = way.shape.rod, beside.sizes(curve_of(way.shape)), way.shape.y.copy()
     middles, waves = (np.arange(rod.edges)[:, None] + 0.5) / rod.edges, np.arange(1, WAVES + 1)
     parts = np.random.default_rng(seed).normal(size=(WAVES, 4)) / waves[:, None]
     rod.parts(y)[0][:] += far * sizes.turned * np.sin(np.pi * middles * waves) @ parts
-    minimum, begun = minimise(rod, y, sizes), known.begun.removesuffix(MOVED) + MOVED
+    minimum, begun = minimise(rod, y, sizes), way.begun.removesuffix(MOVED) + MOVED
     if minimum is None:
         return _Way(begun, None, 0.0, 0)
     return _Way(begun, FreeShape(rod, minimum.y, minimum.multipliers), 1.0, minimum.steps)
@@ -190,13 +190,13 @@ def refine(beside: Beside, shape: FreeShape, tol: float) -> FreeAnswer:
     error, steps, line, why = np.inf, 0, "", f"the tolerance needs a mesh of more than {FINEST} edges"
     aims = np.array([tol, max(tol, FREE_TOLERANCE)])
     while len(shapes) < MESHES or ((aims < error) & (error <= aims * (FINEST // shapes[-1].rod.edges) ** 2)).any():
-        known = curve_of(shapes[-1])
-        rod, sizes = beside.rod_on(known, 1.0, 2 * shapes[-1].rod.edges), beside.sizes(known)
+        curve = curve_of(shapes[-1])
+        rod, sizes = beside.rod_on(curve, 1.0, 2 * shapes[-1].rod.edges), beside.sizes(curve)
         forces = shapes[-1].rod.finer_multipliers(shapes[-1].multipliers)
         anew = rod.edges <= FINEST >> MESHES  # so that finer meshes can tell the error of another minimum
-        minimum = minimise(rod, known.on(rod), sizes, forces)
+        minimum = minimise(rod, curve.on(rod), sizes, forces)
         if minimum is None and anew:
-            minimum = minimise(rod, known.on(rod), sizes)
+            minimum = minimise(rod, curve.on(rod), sizes)
         if minimum is None:
             why = f"no minimum of the energy was found on {rod.edges} edges"
             break

@@ -183,16 +183,16 @@ def select_seed(
     """
     u = np.linspace(0, 1, points)
     taken, why = np.full(problem.size, None, dtype=object), [""] * problem.size
-    dbeta0, shapes = np.full(problem.size, np.nan), np.full((problem.size, points), np.nan)
+    dbeta0, beta = np.full(problem.size, np.nan), np.full((problem.size, points), np.nan)
     for i in range(problem.size):
         single = problem.take(slice(i, i + 1))
         answer = selection_of(single, single.span[:, None] * u, 1e-8, None, choose)
         if isinstance(answer, str):
             why[i] = answer
             continue
-        dbeta0[i], shapes[i] = answer.dbeta[0, 0], answer.beta[0]
+        dbeta0[i], beta[i] = answer.dbeta[0, 0], answer.beta[0]
         taken[i] = None if answer.selection is None else answer.selection[0]
-    return Seed(dbeta0, np.tile(u, (problem.size, 1)), shapes), taken, why
+    return Seed(dbeta0, np.tile(u, (problem.size, 1)), beta), taken, why
 
 
 def path_of_seed(seed: Seed) -> Path | None:

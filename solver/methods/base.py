@@ -264,10 +264,10 @@ class SeededMethod(EndsMethod):
     def run(
         self, problem: EndsProblem, t: Array, tol: float, seed: Seed | None = None, choose: Choose = NEAREST
     ) -> Trajectory:
-        begin, taken, why = (seed, None, [""] * problem.size) if seed is not None else select_seed(problem, choose)
+        seeds, taken, why = (seed, None, [""] * problem.size) if seed is not None else select_seed(problem, choose)
 
         def answer(i: int) -> SingleAnswer:
-            near = begin.take(slice(i, i + 1))
+            near = seeds.take(slice(i, i + 1))
             if np.isfinite(near.beta).all():
                 return self.solve_one(problem.take(slice(i, i + 1)), t[i], tol, near)
             return np.full((5, t.shape[1]), np.nan), np.inf, np.inf, 0, why[i] or "failed: the seed has no shape"
