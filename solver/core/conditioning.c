@@ -14,7 +14,7 @@ typedef struct {
     const start_problem *problem;
     const read_orbits *all;
     const points *points;
-    int64_t orbit, at, count[2];
+    int64_t orbit, at, count[2], lanes;
     int n, librates;
     double ahead, back, period, direction, total[2];
     flow *flows;
@@ -45,7 +45,7 @@ static void flow_of(const course *o, int64_t i, flow *out)
     const double half = o->all->width[o->at + i] / 2;
     double pace[NODES];
     varied_nodes *s = &out->state;
-    rod_vary_state(&o->problem->lam, o->all, o->at + i, o->points, 0, 1, s);
+    rod_vary_state(&o->problem->lam, o->all, o->at + i, o->points, 0, o->lanes, s);
     for (int k = 0; k < n; k++)
         pace[k] = shear_rate(s->v[k], s->H[k], s->rate[k], s->c) * half;
     integrated(o->points, pace, out->shear);
@@ -266,15 +266,16 @@ static void response_of(course *o, double *largest, double *end)
 }
 
 /* The condition number and the estimated error of n start problems from their orbits, (n,) each; or, with `held`, the
-   answers of those whose beta(0) is held to a change of their far angle: `orbits.response`. */
+   answers of those whose beta(0) is held to a change of their far angle: `orbits.response`. lanes: as of `cutting`. */
 int rod_orbits_judge(int64_t n, const start_problem *problems, const read_orbits *all, const points *at,
-                     const panel_errors *of, int64_t held, double *first, double *second)
+                     const panel_errors *of, int64_t held, int64_t lanes, double *first, double *second)
 {
     flow *room = malloc(sizeof(flow) * (size_t)rod_most_panels(all, n));
     if (!room)
         return NO_MEMORY;
     for (int64_t b = 0; b < n; b++) {
         course o = course_of(&problems[b], all, at, b, room);
+        o.lanes = lanes;
         if (held)
             response_of(&o, &first[b], &second[b]);
         else

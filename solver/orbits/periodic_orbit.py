@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from ..core.library import AT, INT, Cutting, cut, fine, numbers_of, on_grid, points, run, structure
+from ..core.library import AT, INT, Cutting, cut, fine, numbers_of, on_grid, points, run, structure, widest
 from ..numerics.arrays import Array, Columns, Integers
 from ..problem.reduced import StartProblem
 from ..problem.trajectory import PLAIN, stood_in
@@ -311,7 +311,7 @@ def _judge(orbit: Orbit, held: bool) -> tuple[Array, Array]:
     panels = orbit.panels
     errors = map(np.ascontiguousarray, (panels.fastest, panels.error, panels.time_error, panels.time_rounding))
     first, second = np.empty((2, orbit.problem.size))
-    fine(run("rod_orbits_judge", *_problems(orbit), _PanelErrors(*errors), held, first, second))
+    fine(run("rod_orbits_judge", *_problems(orbit), _PanelErrors(*errors), held, widest(), first, second))
     return first, second
 
 
