@@ -52,6 +52,7 @@ class DiscreteRod:
     unknown; never the azimuth and the rotation of the start. flip: sign of the quaternion of the far end. radius: (2,),
     distance of both ends from the axis. height: z of node N; None if unknown. loads: (8,), what does work with the
     angles. tension: what does work with the height. lead: (2, 3), of the frames of both ends, in these [rad].
+    drag: of a medium in which nodes 1 to N have moved from places (N, 3), per length, over the time of that motion.
     """
 
     edges: int
@@ -68,6 +69,8 @@ class DiscreteRod:
     loads: Array
     tension: float
     lead: Array
+    drag: float = 0.0
+    places: Array | float = 0.0
 
     @property
     def h(self) -> float:
@@ -78,11 +81,6 @@ class DiscreteRod:
     def size(self) -> int:
         """The number of unknowns, those included that are given."""
         return EDGE * self.edges + ENDS
-
-    @property
-    def swings(self) -> bool:
-        """Whether the far end moves round the axis."""
-        return bool(self.free[4] and self.radius[1] > 0)
 
     def parts(self, y: Array) -> tuple[Array, Array, Array]:
         """Quaternions (N, 4), nodes 1 to N (N, 3), and the angles of both ends (8,), as views of the unknowns."""
@@ -98,7 +96,6 @@ class DiscreteRod:
         """Which unknowns are given, (size,)."""
         known = np.zeros(self.size, dtype=bool)
         known[-ENDS:] = ~self.free
-        known[-ENDS - 3 : -ENDS - 1] = not self.swings
         known[-ENDS - 1] = self.height is not None
         return known
 
@@ -107,8 +104,7 @@ class DiscreteRod:
         y = y.copy()
         _, x, angles = self.parts(y)
         angles[~self.free] = self.angles[~self.free]
-        if not self.swings:
-            x[-1, :2] = self.place(1, angles[4])
+        x[-1, :2] = self.place(1, angles[4])
         if self.height is not None:
             x[-1, 2] = self.height
         return y
@@ -180,7 +176,8 @@ class DiscreteRod:
         strain = ((self._stiffness * joints.v / 2 + [0, 0, 2 * self.ratio * self.twist]) * joints.v).sum()
         evenly = (self.ratio * self.twist / 2 - self.loads[7]) * self.twist * self.span
         work = self.loads @ angles + self.tension * (x[-1, 2] - self.span)
-        return float(strain + evenly + self.weight_energy(y) - work)
+        moved = self.drag * self.h * float(((x - self.places) ** 2).sum()) / 2
+        return float(strain + evenly + self.weight_energy(y) - work) + moved
 
     def gradient(self, y: Array) -> Array:
         """The derivatives of the energy, (size,)."""
@@ -188,7 +185,7 @@ class DiscreteRod:
         pulls = (joints.pull[:, None] @ joints.slopes).ravel()
         gradient = np.bincount(self._joint_places.ravel(), pulls, minlength=self.size)
         _, by_x, by_angle = self.parts(gradient)
-        by_x -= self._lumped
+        by_x += self.drag * self.h * (self.parts(y)[1] - self.places) - self._lumped
         by_x[-1, 2] -= self.tension
         by_angle -= self.loads
         return gradient
@@ -198,7 +195,7 @@ class DiscreteRod:
     @cached_property
     def bounds(self) -> tuple[Array, Array]:
         """The least and the largest values of the conditions, (M,) each."""
-        low = np.zeros(CONDITIONS * self.edges + (self.edges - 1) + 2 * self.swings)
+        low = np.zeros(CONDITIONS * self.edges + self.edges + 1)
         high = low.copy()
         wall = slice(CONDITIONS * self.edges, CONDITIONS * self.edges + self.edges - 1)
         if self.side != HELD_ON:
@@ -207,13 +204,13 @@ class DiscreteRod:
 
     def conditions(self, y: Array) -> Array:
         """How far an edge leads beside its node, and |q|^2 - 1, of each edge; x^2 + y^2 - 1 at nodes 1 to N - 1; how
-        far a far end that swings is from its place. (M,)"""
+        far the far end is across the axis from its place. (M,)"""
         q, x, angles = self.parts(y)
         start = np.append(self.place(0, angles[0]), 0.0)
         led = np.diff(x, axis=0, prepend=start[None]) - self.h * np.einsum("nk,ikl,nl->ni", q, QUADRATIC, q)
         of_edges = np.column_stack([led, (q * q).sum(axis=1) - 1])
         wall = (x[:-1, :2] ** 2).sum(axis=1) - 1
-        return np.concatenate([of_edges.ravel(), wall, *([x[-1, :2] - self.place(1, angles[4])] * self.swings)])
+        return np.concatenate([of_edges.ravel(), wall, x[-1, :2] - self.place(1, angles[4])])
 
     @cached_property
     def jacobian_places(self) -> tuple[Array, Array]:
@@ -224,8 +221,8 @@ class DiscreteRod:
         back = ahead[0][1:], ahead[1][:-1]
         walls = CONDITIONS * self.edges + k[:-1, 0] + np.zeros(2, int), EDGE * k[:-1, 0] + np.array([4, 5])
         last, n = CONDITIONS * self.edges + self.edges - 1, EDGE * self.edges
-        swing = ([last, last + 1] * 2, [n - 3, n - 2, n + 4, n + 4]) if self.swings else ([], [])
-        groups = [np.broadcast_arrays(*part) for part in (by_q, ahead, back, walls, swing)]
+        far = [last, last + 1] * 2, [n - 3, n - 2, n + 4, n + 4]
+        groups = [np.broadcast_arrays(*part) for part in (by_q, ahead, back, walls, far)]
         rows, columns = (np.concatenate([np.ravel(group[i]) for group in groups]) for i in (0, 1))
         return rows.astype(np.int64), columns.astype(np.int64)
 
@@ -233,18 +230,15 @@ class DiscreteRod:
         """The derivatives of the conditions, at the places of `jacobian_places`."""
         q, x, angles = self.parts(y)
         by_q = np.concatenate([-2 * self.h * np.einsum("ikl,nl->nik", QUADRATIC, q), 2 * q[:, None]], axis=1)
-        swing = [1.0, 1.0, *(self.place(1, angles[4])[::-1] * [1, -1])] if self.swings else []
+        far = [1.0, 1.0, *(self.place(1, angles[4])[::-1] * [1, -1])]
         ones = np.ones(3 * self.edges)
-        return np.concatenate([by_q.ravel(), ones, -ones[3:], 2 * x[:-1, :2].ravel(), swing])
+        return np.concatenate([by_q.ravel(), ones, -ones[3:], 2 * x[:-1, :2].ravel(), far])
 
     def finer_multipliers(self, multipliers: Array) -> Array:
         """Multipliers of the conditions of this rod as a guess of those of the rod on twice as many edges."""
-        of_edges, (wall, swing) = (
-            multipliers[: CONDITIONS * self.edges],
-            np.split(multipliers[CONDITIONS * self.edges :], [self.edges - 1]),
-        )
+        of_edges, wall, far = np.split(multipliers, [CONDITIONS * self.edges, -2])
         nodes = np.interp(np.arange(1, 2 * self.edges) / 2, np.arange(self.edges + 1), np.pad(wall, 1)) / 2
-        return np.concatenate([np.repeat(of_edges.reshape(-1, CONDITIONS), 2, axis=0).ravel(), nodes, swing])
+        return np.concatenate([np.repeat(of_edges.reshape(-1, CONDITIONS), 2, axis=0).ravel(), nodes, far])
 
     # the second derivatives of the Lagrangian  size E - multipliers . conditions
 
@@ -252,9 +246,9 @@ class DiscreteRod:
     def hessian_places(self) -> tuple[Array, Array]:
         """Rows and columns of the entries of `hessian_values`: the lower triangle, some entries in several parts."""
         i, j = LOWER
-        walls = (EDGE * np.arange(self.edges - 1)[:, None] + np.array([4, 5])).ravel()
+        nodes = (EDGE * np.arange(self.edges)[:, None] + np.arange(4, EDGE)).ravel()
         first, second = self._joint_places[:, i].ravel(), self._joint_places[:, j].ravel()
-        return np.append(np.maximum(first, second), walls), np.append(np.minimum(first, second), walls)
+        return np.append(np.maximum(first, second), nodes), np.append(np.minimum(first, second), nodes)
 
     def hessian_values(self, y: Array, size: float, multipliers: Array) -> Array:
         """The second derivatives, at the places of `hessian_places`."""
@@ -265,6 +259,7 @@ class DiscreteRod:
         blocks = size * (np.swapaxes(joints.slopes, 1, 2) @ stiff + joints.bends)
         blocks[:-1, 4:, 4:] += 2 * self.h * np.einsum("ni,ikl->nkl", of_edges[:, :3], QUADRATIC)
         blocks[:-1, 4:, 4:] -= 2 * of_edges[:, 3, None, None] * np.eye(4)
-        if self.swings:
-            blocks[-1, 4, 4] -= multipliers[-2:] @ self.place(1, self.parts(y)[2][4])
-        return np.append(blocks[:, *LOWER], np.repeat(-2 * wall, 2))
+        blocks[-1, 4, 4] -= multipliers[-2:] @ self.place(1, self.parts(y)[2][4])
+        nodes = np.full((self.edges, 3), size * self.drag * self.h)
+        nodes[:-1, :2] -= 2 * wall[:, None]
+        return np.append(blocks[:, *LOWER], nodes)

@@ -11,7 +11,7 @@ from ..problem.case import Case
 from ..problem.declared_fields import TILTS
 from ..problem.reduced import flat
 from .discrete_rod import INSIDE, OUTSIDE, DiscreteRod
-from .free_shape import between, through
+from .free_shape import between
 from .program import Sizes
 from .quaternions import directors, end_frame
 
@@ -46,12 +46,14 @@ class BeginningCurve:
 
     def on(self, rod: DiscreteRod) -> Array:
         """The unknowns of a rod with this shape."""
+        from scipy.interpolate import CubicHermiteSpline  # only a search loads SciPy
+
         y, edge = np.zeros(rod.size), np.arange(1, rod.edges + 1) / rod.edges
         q, x, angles = rod.parts(y)
         q[:] = between(edge - 0.5 / rod.edges, self.u_q, self.q)
         q /= np.linalg.norm(q, axis=1, keepdims=True)
         tangents = directors(between(self.u, self.u_q, self.q))[:, 2]
-        x[:] = through(edge * rod.span, self.u * rod.span, self.x, tangents)
+        x[:] = CubicHermiteSpline(self.u * rod.span, self.x, tangents)(edge * rod.span)
         angles[:] = self.angles
         return y
 

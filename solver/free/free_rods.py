@@ -143,14 +143,13 @@ def reach(beside: Beside, curve: BeginningCurve, edges: int) -> _Way:
     while share < 1:
         ahead = min(1.0, share + step)
         rod = beside.rod_on(curve, ahead, edges)
-        minimum = minimise(rod, curve.on(rod) if shape is None else shape.y, sizes)
-        if minimum is None:
+        further = minimise(rod, curve.on(rod) if shape is None else shape.y, sizes)
+        if further is None:
             step /= 2
             if step < LEAST_STEP:
                 return _Way(begun, None, share, steps)
             continue
-        share, steps = ahead, steps + minimum.steps
-        shape = FreeShape(rod, minimum.y, minimum.multipliers)
+        share, steps, shape = ahead, steps + further.steps, further
     return _Way(begun, shape, share, steps)
 
 
@@ -162,10 +161,8 @@ def way_beside(beside: Beside, way: _Way, far: float, seed: int) -> _Way:
     middles, waves = (np.arange(rod.edges)[:, None] + 0.5) / rod.edges, np.arange(1, WAVES + 1)
     parts = np.random.default_rng(seed).normal(size=(WAVES, 4)) / waves[:, None]
     rod.parts(y)[0][:] += far * sizes.turned * np.sin(np.pi * middles * waves) @ parts
-    minimum, begun = minimise(rod, y, sizes), way.begun.removesuffix(MOVED) + MOVED
-    if minimum is None:
-        return _Way(begun, None, 0.0, 0)
-    return _Way(begun, FreeShape(rod, minimum.y, minimum.multipliers), 1.0, minimum.steps)
+    shape, begun = minimise(rod, y, sizes), way.begun.removesuffix(MOVED) + MOVED
+    return _Way(begun, shape, 0.0, 0) if shape is None else _Way(begun, shape, 1.0, shape.steps)
 
 
 def count_of(ways: Sequence[_Way]) -> int:
@@ -184,8 +181,7 @@ def refine(beside: Beside, shape: FreeShape, tol: float) -> FreeAnswer:
     for _ in range(SETTLED):  # on the coarsest mesh the lead of the ends is not known before
         known = curve_of(shape)
         rod = beside.rod_on(known, 1.0, shape.rod.edges)
-        minimum = minimise(rod, known.on(rod), beside.sizes(known), shape.multipliers)
-        shape = shape if minimum is None else FreeShape(rod, minimum.y, minimum.multipliers)
+        shape = minimise(rod, known.on(rod), beside.sizes(known), shape.multipliers) or shape
     shapes: tuple[FreeShape, ...] = (shape,)
     error, steps, line, why = np.inf, 0, "", f"the tolerance needs a mesh of more than {FINEST} edges"
     aims = np.array([tol, max(tol, FREE_TOLERANCE)])
@@ -194,21 +190,20 @@ def refine(beside: Beside, shape: FreeShape, tol: float) -> FreeAnswer:
         rod, sizes = beside.rod_on(curve, 1.0, 2 * shapes[-1].rod.edges), beside.sizes(curve)
         forces = shapes[-1].rod.finer_multipliers(shapes[-1].multipliers)
         anew = rod.edges <= FINEST >> MESHES  # so that finer meshes can tell the error of another minimum
-        minimum = minimise(rod, curve.on(rod), sizes, forces)
-        if minimum is None and anew:
-            minimum = minimise(rod, curve.on(rod), sizes)
-        if minimum is None:
+        finer = minimise(rod, curve.on(rod), sizes, forces)
+        if finer is None and anew:
+            finer = minimise(rod, curve.on(rod), sizes)
+        if finer is None:
             why = f"no minimum of the energy was found on {rod.edges} edges"
             break
-        steps += minimum.steps
-        finer = FreeShape(rod, minimum.y, minimum.multipliers)
+        steps += finer.steps
         another = distance(shapes[-1], finer) > APART
         if another and not anew and shapes[1:]:
             why = f"{rod.edges} edges lead to another minimum"
             break
         shapes = (finer,) if another and anew else (*shapes, finer)
         error = estimate([distance(*pair) for pair in pairwise(shapes[-MESHES:])])[1] if shapes[1:] else np.inf
-        if len(shapes) == MESHES and (motion := free_motion(rod, minimum.y, minimum.multipliers, sizes)) is not None:
+        if len(shapes) == MESHES and (motion := free_motion(finer, sizes)) is not None:
             line = shapes[-1].name_of(motion)
     return FreeAnswer(shapes if np.isfinite(error) else (), error, steps, why=why, line=line)
 

@@ -40,11 +40,17 @@ class Along(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class FreeShape:
-    """A minimum. rod: the discrete rod. y: its unknowns (size,). multipliers: of its conditions (M,)."""
+    """An equilibrium of a discrete rod, and whether it is a minimum of the energy.
+
+    y: the unknowns of the rod (size,). multipliers: of its conditions (M,), 0 off the wall. unstable: in how many ways
+    it is, so 0 at a minimum; None where that is not decided. steps: with which it was found.
+    """
 
     rod: DiscreteRod
     y: Array
     multipliers: Array
+    unstable: int | None = 0
+    steps: int = 0
 
     @property
     def angles(self) -> Array:
@@ -177,8 +183,10 @@ class FreeShape:
 
     def at(self, t: Array) -> Along:
         """The rod at stations t (n,)."""
+        from scipy.interpolate import CubicHermiteSpline  # only a search loads SciPy
+
         D = self._directors(t)
-        x = through(t, self.nodes, self.x, self._directors(self.nodes)[:, 2])
+        x = CubicHermiteSpline(self.nodes, self.x, self._directors(self.nodes)[:, 2])(t)
         turned = self._angles(t, x, D)
         known = np.stack([np.interp(t, self.nodes, row) for row in self._known_angles])
         turned += 2 * np.pi * np.round((known - turned) / (2 * np.pi))
@@ -210,13 +218,3 @@ def between(t: Array, places: Array, values: Array) -> Array:
     k = np.clip(np.searchsorted(places, t) - 1, 0, places.size - 2)
     share = ((t - places[k]) / (places[k + 1] - places[k]))[:, None]
     return np.asarray((1 - share) * values[k] + share * values[k + 1])
-
-
-def through(t: Array, places: Array, x: Array, rate: Array) -> Array:
-    """The cubics through points x (m, k) with given rates, at places (m,), read at t (n, k)."""
-    k = np.clip(np.searchsorted(places, t) - 1, 0, places.size - 2)
-    width = (places[k + 1] - places[k])[:, None]
-    u = (t - places[k])[:, None] / width
-    rise, v = x[k + 1] - x[k], 1 - u
-    bent = u * v * (v * (width * rate[k] - rise) - u * (width * rate[k + 1] - rise))
-    return np.asarray(x[k] + u * rise + bent)

@@ -4,12 +4,13 @@ Push and gap are then complementary to rounding, so the push, which is a fourth 
 """
 
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from ..numerics.arrays import Array, Integers
 from .discrete_rod import CONDITIONS, EDGE, HELD_ON, DiscreteRod
+from .free_shape import FreeShape
 from .program import FAR, NEAR, Program, Sizes
 
 MOST_STEPS = 30  # of Newton's method; usual are 3 to 6
@@ -22,20 +23,7 @@ ROUNDS = 6  # of inverse iteration, of which each takes a hundredth of the rest
 STIFF, TINY = 1e-4, 1e-14  # of the force that bends an edge by the radius, what a gap counts as; least of a derivative
 
 
-class _Minimum(NamedTuple):
-    """An equilibrium of a discrete rod, and whether it is a minimum of the energy.
-
-    y: the unknowns (size,). multipliers: of the conditions (M,), 0 off the wall. unstable: in how many ways it is, so 0
-    at a minimum; None where that is not decided. steps: of both methods.
-    """
-
-    y: Array
-    multipliers: Array
-    unstable: int | None
-    steps: int
-
-
-def minimise(rod: DiscreteRod, guess: Array, sizes: Sizes, multipliers: Array | None = None) -> _Minimum | None:
+def minimise(rod: DiscreteRod, guess: Array, sizes: Sizes, multipliers: Array | None = None) -> FreeShape | None:
     """The minimum near a guess (size,), or beside an equilibrium near it that is no minimum; None where none is found.
 
     multipliers: those of a minimum on a coarser mesh, (M,), with which Newton's method alone is tried first; Uno then
@@ -43,11 +31,11 @@ def minimise(rod: DiscreteRod, guess: Array, sizes: Sizes, multipliers: Array | 
     """
     search = FAR if multipliers is None else NEAR
     for seed in range(NUDGES + 1):
-        newton, minimum = Newton(Program(rod, sizes, rod.with_known(guess))), None
+        newton, minimum = Newton(rod, sizes, rod.with_known(guess)), None
         if multipliers is not None:
             minimum, multipliers = newton.equilibrium(multipliers * newton.scale), None
         if minimum is None or minimum.unstable != 0:
-            rough = newton.program.minimise(search)
+            rough = newton.minimise(search)
             minimum = None if rough is None else newton.equilibrium(rough[1], rough[0], rough[2])
         if minimum is None or not minimum.unstable:
             return minimum
@@ -56,15 +44,15 @@ def minimise(rod: DiscreteRod, guess: Array, sizes: Sizes, multipliers: Array | 
     return None
 
 
-def free_motion(rod: DiscreteRod, y: Array, multipliers: Array, sizes: Sizes) -> Array | None:
+def free_motion(shape: FreeShape, sizes: Sizes) -> Array | None:
     """How a minimum can move although no force moves it, (size,); None where it is isolated.
 
     Of such motions the energy has no second derivative: it is below `FIRM`, by rounding; that of others is far above.
     """
     from scipy.sparse.linalg import splu  # only a search loads SciPy
 
-    newton = Newton(Program(rod, sizes, y))
-    free, multipliers = newton.program.free, multipliers * newton.scale
+    newton = Newton(shape.rod, sizes, shape.y)
+    free, multipliers = newton.free, shape.multipliers * newton.scale
     loose = np.zeros(multipliers.size)
     loose[newton.wall] = (multipliers[newton.wall] == 0) / TINY
     if not newton.unstable_ways(np.zeros(free.size), multipliers, loose, -FIRM):
@@ -74,8 +62,8 @@ def free_motion(rod: DiscreteRod, y: Array, multipliers: Array, sizes: Sizes) ->
     for _ in range(ROUNDS):
         right = np.append(moved / np.linalg.norm(moved), np.zeros(multipliers.size))
         moved = factors.solve(right[np.argsort(newton.order)])[newton.order][: free.size]
-    motion = np.zeros(rod.size)
-    motion[free] = moved * newton.program.unit[free]
+    motion = np.zeros(shape.rod.size)
+    motion[free] = moved * newton.unit[free]
     return motion
 
 
@@ -94,26 +82,34 @@ def complementarity(a: Array, b: Array) -> tuple[Array, Array, Array]:
     return np.where(a + b > 0, 2 * a * b / (size + np.abs(a + b)), a + b - size), rest(a, b), rest(b, a)
 
 
-class Newton:
+class Newton(Program):
     """The equations of a program: stationary energy, and conditions.
 
     At each node push and gap are complementary, by an equation whose derivatives tell by themselves which of them is 0.
     """
 
-    def __init__(self, program: Program) -> None:
-        self.program, rod = program, program.rod
-        self.scale = program.unit_of / program.sizes.energy  # of multipliers of the program
-        first = CONDITIONS * rod.edges
-        self.wall = slice(first, first + (rod.edges - 1) * (rod.side != HELD_ON))
-        self.stiff = STIFF * program.sizes.across**2 / (program.sizes.energy * rod.h**3)
+    @cached_property
+    def scale(self) -> Array:
+        """Of multipliers of the program, over those of the rod, (M,)."""
+        return self.unit_of / self.sizes.energy
+
+    @cached_property
+    def wall(self) -> slice:
+        """Where the conditions of the wall are, if it only pushes."""
+        first = CONDITIONS * self.rod.edges
+        return slice(first, first + (self.rod.edges - 1) * (self.rod.side != HELD_ON))
+
+    @cached_property
+    def stiff(self) -> float:
+        """What a gap counts as, of a push."""
+        return STIFF * self.sizes.across**2 / (self.sizes.energy * self.rod.h**3)
 
     @cached_property
     def order(self) -> Integers:
         """Where unknowns and conditions stand in the order of the edges, in which the matrix is a narrow band."""
-        program, edge = self.program, np.arange(self.program.rod.edges)
-        last = edge.size - 1
-        of_unknowns = np.concatenate([np.repeat(edge, EDGE), np.zeros(4, int), np.full(4, last)])[program.free]
-        of_conditions = [np.repeat(edge, CONDITIONS), edge[:-1], np.full(2 * program.rod.swings, last)]
+        edge, last = np.arange(self.rod.edges), self.rod.edges - 1
+        of_unknowns = np.concatenate([np.repeat(edge, EDGE), np.zeros(4, int), np.full(4, last)])[self.free]
+        of_conditions = [np.repeat(edge, CONDITIONS), edge[:-1], np.full(2, last)]
         return np.argsort(np.argsort(np.concatenate([of_unknowns, *of_conditions]), kind="stable"))
 
     def matrix(self, z: Array, multipliers: Array, loose: Array, firm: float = FIRM) -> Any:
@@ -123,29 +119,27 @@ class Newton:
         """
         from scipy.sparse import csc_array  # only a search loads SciPy
 
-        program, n = self.program, self.program.free.size
-        _, rows, columns, _ = program.slopes
-        _, above, beside, _ = program.bends
-        slopes, bends, lower = -program.jacobian(z), program.hessian(z, 1.0, multipliers), above != beside
+        n, (_, rows, columns, _), (_, above, beside, _) = self.free.size, self.slopes, self.bends
+        slopes, bends, lower = -self.jacobian(z), self.hessian(z, 1.0, multipliers), above != beside
         diagonal = np.arange(n + loose.size)
         i = np.concatenate([above, beside[lower], columns, n + rows, diagonal])
         j = np.concatenate([beside, above[lower], n + rows, columns, diagonal])
         values = [bends, bends[lower], slopes, slopes, np.full(n, firm), -loose]
         return csc_array((np.concatenate(values), (self.order[i], self.order[j])))
 
-    def equilibrium(self, multipliers: Array, z: Array | None = None, steps: int = 0) -> _Minimum | None:
+    def equilibrium(self, multipliers: Array, z: Array | None = None, steps: int = 0) -> FreeShape | None:
         """The equilibrium near a guess; None where the steps do not converge."""
         from scipy.sparse.linalg import splu
 
-        program, n, last, side = self.program, self.program.free.size, np.inf, self.program.rod.side
+        n, last, side = self.free.size, np.inf, self.rod.side
         z, loose = np.zeros(n) if z is None else z, np.zeros(multipliers.size)
-        _, rows, columns, _ = program.slopes
+        _, rows, columns, _ = self.slopes
         for _ in range(MOST_STEPS):
-            missed = program.conditions(z)
+            missed = self.conditions(z)
             push, gap = side * multipliers[self.wall], self.stiff * side * missed[self.wall]
             equation, by_push, by_gap = complementarity(push, gap)
             by_gap = np.maximum(by_gap, TINY) * self.stiff
-            pull = np.bincount(columns, program.jacobian(z) * multipliers[rows], minlength=n) - program.gradient(z)
+            pull = np.bincount(columns, self.jacobian(z) * multipliers[rows], minlength=n) - self.gradient(z)
             missed[self.wall] = side * equation
             left = max(np.abs(pull).max(), np.abs(missed).max())
             loose[self.wall] = by_push / by_gap
@@ -160,12 +154,11 @@ class Newton:
                 return None
             z, multipliers, steps, far = z + change[:n], multipliers + change[n:], steps + 1, np.abs(change[:n]).max()
             if far < SHARP or (left < EVEN and far > last / 2):  # rounding ends the progress
-                off = side * multipliers[self.wall] <= self.stiff * side * program.conditions(z)[self.wall]
+                off = side * multipliers[self.wall] <= self.stiff * side * self.conditions(z)[self.wall]
                 multipliers[self.wall][off] = 0.0
                 loose[self.wall] = off / TINY
-                return _Minimum(
-                    program.whole(z), multipliers / self.scale, self.unstable_ways(z, multipliers, loose), steps
-                )
+                unstable = self.unstable_ways(z, multipliers, loose)
+                return FreeShape(self.rod, self.whole(z), multipliers / self.scale, unstable, steps)
             last = far
         return None
 

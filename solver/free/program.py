@@ -145,11 +145,7 @@ class Program:
 
         def into(compute: Any) -> Any:
             """A function that writes its last argument."""
-
-            def write(*arguments: Any) -> None:
-                arguments[-1][:] = compute(*arguments[:-1])
-
-            return write
+            return lambda *arguments: np.copyto(arguments[-1], compute(*arguments[:-1]))
 
         low, high = (bound / self.unit_of for bound in self.rod.bounds)
         _, rows, columns, _ = self.slopes

@@ -4,21 +4,19 @@ Steps are implicit: each ends at the minimum of  E + |x - x_before|^2 / (2 dt), 
 does not resist the rotation of the sections about the rod.
 """
 
-from dataclasses import dataclass, fields, replace
-from functools import cached_property
-from typing import Any, NamedTuple
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
 from ..numerics.arrays import ALIKE, Array
 from ..problem.case import Case
 from ..problem.errors import InputError
-from .discrete_rod import EDGE, DiscreteRod
+from .discrete_rod import DiscreteRod
 from .free_problem import BeginningCurve, Beside, problems_of
 from .free_rods import FreeAnswer
 from .free_shape import FreeShape
 from .minimum import Newton, minimise
-from .program import Program
 
 MOST_EDGES = 200  # of the rod while it moves: finer ones look alike
 SURVEY, MOST_STEPS = 24, 400  # steps of the distance to the goal, by which the whole way is measured; at most
@@ -30,35 +28,6 @@ MOVING = "the motion of a rod that is let go"
 ELSEWHERE = "the motion of a rod that is let go, which ends elsewhere than let_go"
 FINER = 40  # times that a step is halved
 MOST_SHAPES = 10_000  # that are asked for
-
-
-@dataclass(frozen=True, eq=False)
-class _DraggedRod(DiscreteRod):
-    """A discrete rod whose nodes are dragged back to places (N, 3). drag: per length, over the time of a step.
-
-    Both ends are held, so the drag of the last node does not matter.
-    """
-
-    places: Array
-    drag: float
-
-    def energy(self, y: Array) -> float:
-        return super().energy(y) + self.drag * self.h * float(((self.parts(y)[1] - self.places) ** 2).sum()) / 2
-
-    def gradient(self, y: Array) -> Array:
-        gradient = super().gradient(y)
-        self.parts(gradient)[1][:] += self.drag * self.h * (self.parts(y)[1] - self.places)
-        return gradient
-
-    @cached_property
-    def hessian_places(self) -> tuple[Array, Array]:
-        nodes = (EDGE * np.arange(self.edges)[:, None] + np.arange(4, EDGE)).ravel()
-        rows, columns = super().hessian_places
-        return np.append(rows, nodes), np.append(columns, nodes)
-
-    def hessian_values(self, y: Array, size: float, multipliers: Array) -> Array:
-        drags = np.full((EDGE - 4) * self.edges, size * self.drag * self.h)
-        return np.append(super().hessian_values(y, size, multipliers), drags)
 
 
 class _Descent(NamedTuple):
@@ -83,16 +52,15 @@ class Sinking:
 
     def step(self, shape: FreeShape, time: float) -> FreeShape | None:
         """The shape after a time; None where none is found, or the energy rises."""
-        given: dict[str, Any] = {field.name: getattr(self.rod, field.name) for field in fields(self.rod)}
-        dragged = _DraggedRod(**given, places=shape.x[1:], drag=1 / time)
+        dragged = replace(self.rod, places=shape.x[1:], drag=1 / time)
         if shape is self.begun:
-            minimum = minimise(dragged, shape.y, self.sizes)
-            return None if minimum is None else FreeShape(self.rod, minimum.y, minimum.multipliers)
-        newton = Newton(Program(dragged, self.sizes, dragged.with_known(shape.y)))
-        minimum = newton.equilibrium(shape.multipliers * newton.scale)
-        if minimum is None or minimum.unstable or self.rod.energy(minimum.y) > self.rod.energy(shape.y):
-            return None
-        return FreeShape(self.rod, minimum.y, minimum.multipliers)
+            ahead = minimise(dragged, shape.y, self.sizes)
+        else:
+            newton = Newton(dragged, self.sizes, dragged.with_known(shape.y))
+            ahead = newton.equilibrium(shape.multipliers * newton.scale)
+            if ahead is not None and (ahead.unstable or self.rod.energy(ahead.y) > self.rod.energy(shape.y)):
+                return None
+        return ahead and replace(ahead, rod=self.rod)
 
     def survey(self, goal: FreeShape) -> tuple[Array, Array, FreeShape]:
         """Times, (k,), and the ways gone until then and to the rest, (k + 1,), in even shares of the way to a goal;
@@ -108,17 +76,12 @@ class Sinking:
             times.append(times[-1] + time)
             ways.append(ways[-1] + gone)
             shape = ahead
-            rest = goal if gone > AT_REST * aim else self.minimum_at(shape)
+            rest = goal if gone > AT_REST * aim else minimise(self.rod, shape.y, self.sizes, shape.multipliers)
             if rest is not None and far(shape, rest) < THERE * aim:
                 rest = goal if far(rest, goal) < THERE * aim else rest
                 return np.array(times), np.append(ways, ways[-1] + far(shape, rest)), rest
             time *= min(FASTER, aim / max(gone, aim / FASTER))
         raise InputError(f"let go, this rod does not come to rest within {MOST_STEPS} steps of {aim:.2g} radii")
-
-    def minimum_at(self, shape: FreeShape) -> FreeShape | None:
-        """The minimum next to a shape."""
-        minimum = minimise(self.rod, shape.y, self.sizes, shape.multipliers)
-        return None if minimum is None else FreeShape(self.rod, minimum.y, minimum.multipliers)
 
     def after(self, shape: FreeShape, time: float) -> FreeShape:
         """The shape after a time, in one step, or in more where that finds none."""
