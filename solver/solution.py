@@ -397,8 +397,8 @@ class FreeSolution(Solution):
     >>> hole = Cylinder(R=0.108, side="inside", inclination="90deg", contact="unilateral")
     >>> solution = solve(Case(pipe, hole, Ends(beta0=0.0, betaL=0.0, FZ=-150.0, radius0=0.0, radiusL=0.0)))
     >>> begin, end = solution.contacts[0]
-    >>> print(f"on the wall from s = {begin:.1f} to {end:.1f}")
-    on the wall from s = 9.9 to 90.1
+    >>> print(f"on the wall from s = {begin:.0f} to {end:.0f}")
+    on the wall from s = 10 to 90
     """
 
     def _along_free(self, name: str) -> Array:
