@@ -105,10 +105,10 @@ def test_a_dot_moves_in_the_diagram_of_the_branches_and_the_rod_beside_it(stored
 
 @draws
 def test_every_stable_rod_stands_below_the_diagram_with_the_number_of_its_point(stored) -> None:
-    fig, left = branch_rods.figure(stored, Settings(dpi=50, pixel_error=2.0))
     stable = bifurcation.stable_shapes(stored)
+    rods = StoredStudy(snap.rods_of_shapes(stored, stable, 201))
+    fig, _ = branch_rods.figure(stored, stable, rods, Settings(dpi=50, pixel_error=2.0))
     names = [bifurcation.names_of_shapes(stored)[k] for k in stable]
     diagram, words = fig.axes
     assert sorted(text.get_text() for text in diagram.texts) == sorted(names)
     assert [text.get_text().split(":")[0] for text in words.texts if ":" in text.get_text()] == names
-    assert left == 0

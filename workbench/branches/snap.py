@@ -6,7 +6,7 @@ rod moves as in a viscous medium that drags on the turning of its sections. This
 and may come to rest elsewhere.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -28,6 +28,7 @@ from solver.problem.errors import InputError
 from ..stored import quantity_variables
 from ..stored.stored_case import case_of_numbers
 from ..stored.stored_study import StoredStudy
+from .equilibria_dataset import EQUILIBRIUM, of_solutions
 
 STATIONS = 401  # of each shape
 VALUES = 121  # of the load along a stable branch
@@ -37,6 +38,7 @@ AT_REST = 1e-7  # of the steepness of the energy, times the length squared
 AGREES = 0.02  # rad: between a shape at rest on a grid and the equilibrium there
 MOST = 6  # snaps of one film
 SLOWEST = 4.0  # radii of the wall as which a change of the load over all of the axis counts: a rod at rest is seen too
+KEPT = ("title", "reading", "stiffness", "side", "length_unit", "force_unit", "versions")  # attributes
 MOTION = "where the rod snaps: a descent of the energy, as in a viscous medium"
 
 Array = NDArray[np.float64]
@@ -73,6 +75,16 @@ def rod_of_shape(stored: StoredStudy, k: int, stations: int) -> Solution:
     if abs(rod.z[-1] - rod.z[0] - (z[-1] - z[0])) > AGREES * rho:
         raise InputError(f"the rod at {name} = {number:.6g} is not found again")
     return rod
+
+
+def rods_of_shapes(stored: StoredStudy, shapes: Sequence[int], stations: int) -> xr.Dataset:
+    """The rods of shapes that a file of branches keeps, solved again, as a list of equilibria. Raises `InputError`."""
+    solved, units = [rod_of_shape(stored, k, stations) for k in shapes], stored.units
+    numbers = [numbers_of(rod.case) for rod in solved]
+    columns = {key: [number[key] for number in numbers] for key in numbers[0]}
+    data = quantity_variables.variables(columns, EQUILIBRIUM, units)
+    ds = of_solutions(solved, data, [str(rod.caution) for rod in solved], numbers[0]["L"], units)
+    return ds.assign_attrs({key: stored.attrs[key] for key in KEPT if key in stored.attrs} | {"laws": "[]"})
 
 
 def case_at(stored: StoredStudy, value: float) -> Case:
@@ -210,9 +222,8 @@ def as_dataset(stored: StoredStudy, way: list[Moment]) -> xr.Dataset:
     loads = quantity_variables.variables({name: [row.load for row in rows]}, (name,), units)
     coords = {name: loads[name], "u": ("u", u)} | quantity_variables.variables({"s": u * lengths}, (name, "u"), units)
     ds = xr.Dataset(data, coords)
-    kept = ("reading", "stiffness", "side", "length_unit", "force_unit", "versions")
-    attrs = {key: stored.attrs[key] for key in kept if key in stored.attrs}
-    return ds.assign_attrs(attrs | {"title": stored.attrs["title"], "contact": "unilateral", "laws": "[]"})
+    attrs = {key: stored.attrs[key] for key in KEPT if key in stored.attrs}
+    return ds.assign_attrs(attrs | {"contact": "unilateral", "laws": "[]"})
 
 
 def evenly(ds: xr.Dataset, count: int) -> xr.Dataset:

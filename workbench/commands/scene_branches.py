@@ -12,11 +12,15 @@ from .present import Result, result_of_files
 from .scene_options import SceneOptions
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from ..scene.page import Page
     from ..scene.settings import Settings
     from ..stored.stored_study import StoredStudy
 
 RODS, SNAP = "branches", "snap"  # kinds of scene of such a file
 FRAMES = 144  # of a film of a snap
+MOST = 9  # rods of a picture
 DPI, FILM_DPI = 200, 160
 SUFFIXES = (".png",)
 
@@ -44,9 +48,12 @@ def scene_of(file: Path, stored: "StoredStudy", wanted: SceneOptions) -> Result:
 
 def _picture(file: Path, stored: "StoredStudy", wanted: SceneOptions, look: "Settings") -> Result:
     """Draw the stable rods of branches below their diagram."""
-    from ..figures import canvas
+    from ..branches import snap
+    from ..figures import bifurcation, canvas
     from ..scene import branch_rods, opengl
     from ..scene.settings import check
+    from ..stored.stored_study import StoredStudy
+    from . import study_scene
 
     settings = replace(look, pixel_error=wanted.pixel_error, dpi=wanted.dpi or DPI)
     check(settings)
@@ -54,10 +61,21 @@ def _picture(file: Path, stored: "StoredStudy", wanted: SceneOptions, look: "Set
     able, advice = opengl.probe()
     if not able:
         return result_of_files([], warnings=[advice], status=1)
-    fig, left = branch_rods.figure(stored, settings)
+    stable = bifurcation.stable_shapes(stored)
+    if not stable:
+        raise InputError("no branch of this file is stable, so there is no rod to show")
+    shapes = stable[:MOST]
+
+    def solve(stations: int) -> StoredStudy:
+        return StoredStudy(snap.rods_of_shapes(stored, shapes, stations))
+
+    def draw(rods: StoredStudy, strict: bool) -> "tuple[Figure, Page]":
+        return branch_rods.figure(stored, shapes, rods, replace(settings, strict=strict))
+
+    (fig, _), stations = study_scene.at_needed_stations(solve(study_scene.FIRST), solve, draw)
     canvas.save(fig, path, settings.dpi)
-    more = f", {branch_rods.MOST} of {branch_rods.MOST + left} stable rods" if left else ""
-    return result_of_files([path], [f"{path}{more}"])
+    count = f", {MOST} of {len(stable)} stable rods" if len(stable) > MOST else ""
+    return result_of_files([path], [f"{path}, solved at {stations} stations{count}"])
 
 
 def _film(file: Path, stored: "StoredStudy", out: Path, wanted: SceneOptions, look: "Settings") -> Result:

@@ -6,45 +6,35 @@ Each rod has the number of its point in the diagram. Lengths are in inches.
 from collections.abc import Sequence
 from dataclasses import replace
 
-import numpy as np
-import xarray as xr
 from matplotlib.figure import Figure
 
-from solver import Solution
-from solver.problem.errors import InputError
-
-from ..branches import equilibria_dataset, snap
 from ..figures import bifurcation, canvas, fonts
 from ..figures.sheet import Sheet
-from ..stored import quantity_variables
 from ..stored.stored_study import StoredStudy
 from ..words import labels
-from . import body as rods
-from . import composition, layout, page, signs
+from . import body, composition, layout, page, signs
 from .page import Page, Scene
 from .scene_kinds import Cell, kind_of
-from .settings import Settings, TooFewStations
+from .settings import Settings
 from .views import View, azimuth_of, front_camera, in_rows
 
 WIDE, DIAGRAM, RODS = 9.6, 3.6, 3.2  # the page; heights of the diagram and of the room of the rods
 LEFT, BELOW, FOOT = 0.75, 1.0, 0.55  # beside and below the diagram, and below the rods for scale and colours
 WORDS = 0.2  # above the rods, for their numbers
 PITCH = 1.15  # heights of a row from one to the next: room for the numbers
-MOST = 9  # rods
-STATIONS, MOST_STATIONS = 201, 20_001
 
 
-def figure(stored: StoredStudy, settings: Settings) -> tuple[Figure, int]:
-    """The figure, and how many stable rods have no room. Raises `InputError` for a file without a stable one."""
-    every = bifurcation.stable_shapes(stored)
-    if not every:
-        raise InputError("no branch of this file is stable, so there is no rod to show")
-    shown = every[:MOST]
-    scene, picture = _at_needed_stations(stored, shown, settings, STATIONS)
+def figure(stored: StoredStudy, shapes: Sequence[int], rods: StoredStudy, settings: Settings) -> tuple[Figure, Page]:
+    """The figure, and the picture of its rods.
+
+    shapes: of the file of branches. rods: they, solved again, over the dimension `equilibrium`. Raises
+    `TooFewStations`.
+    """
+    scene, picture = _compose(rods, settings)
     high = picture.pixels.shape[0] / settings.dpi
     fig = canvas.figure(
         (WIDE, canvas.TITLE + DIAGRAM + BELOW + WORDS + high + FOOT),
-        lambda fig: _draw(fig, stored, shown, scene, picture),
+        lambda fig: _draw(fig, stored, shapes, scene, picture),
         dpi=settings.dpi,
         layout=None,
     )
@@ -52,43 +42,17 @@ def figure(stored: StoredStudy, settings: Settings) -> tuple[Figure, int]:
     x, y = round((WIDE - picture.pixels.shape[1] / settings.dpi) / 2 * settings.dpi), round(FOOT * settings.dpi)
     fig.figimage(picture.pixels, x, y, origin="upper", zorder=-1)
     page.recolour(fig, settings.look)
-    return fig, len(every) - len(shown)
-
-
-def _at_needed_stations(
-    stored: StoredStudy, shown: Sequence[int], settings: Settings, stations: int
-) -> tuple[Scene, Page]:
-    """The scene of these shapes and its picture, at as many stations as it needs. Raises `TooFewStations`."""
-    solved = [snap.rod_of_shape(stored, k, stations) for k in shown]
-    try:
-        return _compose(StoredStudy(_dataset(stored, solved)), settings)
-    except TooFewStations as error:
-        if stations >= MOST_STATIONS:
-            raise
-        more = min(max(error.stations, stations + 1), MOST_STATIONS)
-    return _at_needed_stations(stored, shown, settings, more)
-
-
-def _dataset(stored: StoredStudy, solved: Sequence[Solution]) -> xr.Dataset:
-    """These rods as a list of equilibria."""
-    name, units = str(stored.attrs["axis"]), stored.units
-    numbers = [snap.numbers_of(rod.case) for rod in solved]
-    columns = {key: [number[key] for number in numbers] for key in numbers[0]}
-    data = quantity_variables.variables(columns, equilibria_dataset.EQUILIBRIUM, units)
-    texts = [str(rod.caution) for rod in solved]
-    ds = equilibria_dataset.of_solutions(solved, data, texts, float(np.asarray(solved[0].case.rod.L)), units)
-    kept = ("title", "stiffness", "side", "length_unit", "force_unit", "versions")
-    return ds.assign_attrs({key: stored.attrs[key] for key in kept if key in stored.attrs} | {"laws": "[]", "of": name})
+    return fig, picture
 
 
 def _compose(stored: StoredStudy, settings: Settings) -> tuple[Scene, Page]:
     """The rods side by side, each of which faces the viewer, upright or lying as they are larger."""
     kind, count = kind_of("contact"), stored.sizes["equilibrium"]
-    each = [rods.read(stored, {"equilibrium": k}, kind) for k in range(count)]
+    each = [body.read(stored, {"equilibrium": k}, kind) for k in range(count)]
     room = WIDE - 2 * canvas.MARGIN, RODS
     size = round(room[0] * settings.dpi), round(room[1] * settings.dpi)
-    bare = replace(settings, bare=True, size=size, strict=True)
-    views = [View([body], Cell(), -azimuth_of([body])) for body in each]
+    bare = replace(settings, bare=True, size=size)
+    views = [View([rod], Cell(), -azimuth_of([rod])) for rod in each]
     cameras = [front_camera([], layout.LEVEL, lying) for lying in (False, True)]
     scenes = [
         Scene(stored, kind, in_rows(views, camera, room), each, "", camera, bare, pitch=PITCH) for camera in cameras
