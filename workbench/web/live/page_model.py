@@ -102,7 +102,7 @@ def field_of(message: str) -> str:
 class LiveRod:
     """A solved rod: its study and solution. Of a rod with very many bends only the beginning is solved and shown.
 
-    held: of a rod that was let go the solution before, on a cylinder that holds it on; else None.
+    held: of a rod between two ends that was let go the solution before, on a cylinder that holds it on; else None.
     """
 
     study: Study
@@ -174,7 +174,7 @@ def _beside(study: Study, case: Case, lost: bool, before: LiveRod | None) -> Liv
     if before is not None and not sol.solved:
         sol = near(None)
     _check(sol)
-    return LiveRod(study, sol, held)
+    return LiveRod(study, sol, held if isinstance(case.given, Ends) else None)
 
 
 def _with_weight(case: Case) -> Solution:
@@ -310,7 +310,7 @@ def facts(one: LiveRod) -> dict[str, Any]:
         "notes": notes,
         "numbers": _observations(sol) if is_served(one) else None,
         **({"contacts": sol.contacts, "point_forces": sol.point_forces} if sol.case.leaves else {}),
-        **({} if one.held is None or isinstance(study.case().given, Start) else {"equilibrium": _names_of(one.held)}),
+        **({} if one.held is None else {"equilibrium": _names_of(one.held)}),
     }
 
 
