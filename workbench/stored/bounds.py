@@ -103,7 +103,7 @@ def _outside(name: str, values: NDArray[Any], is_counted: bool, L: Any) -> Mask:
     drawn = np.inf if name in JUDGED or name.endswith("_error") else MOST_DRAWN
     with np.errstate(all="ignore"):  # of NaN, and of numbers that are stored in single precision
         bad: Mask = (values < least) | (np.abs(values) > most * (1 + SAME))
-        bad |= np.isfinite(values) & (np.abs(values) > drawn)
+        bad |= np.abs(values) > drawn
         bad |= is_counted & (values != np.round(values)) & ~np.isnan(values)
         return bad | (~(values >= 0) if name in JUDGED else False)
 
