@@ -65,6 +65,13 @@ def test_the_load_goes_one_way_and_each_shape_at_rest_is_listed_as_stable(way, s
         np.testing.assert_allclose(nearest.solution.beta, shape.beta, atol=1e-6)
 
 
+def test_over_an_end_angle_the_rod_has_that_angle_also_while_it_snaps() -> None:
+    way = snap.way_of(swept(-1.0, 1.5, 5, "betaL"))
+    assert not all(shape.rests for shape in way)
+    ends = np.array([shape.beta[-1] for shape in way])
+    np.testing.assert_allclose(ends, [shape.load for shape in way], atol=1e-9)  # the tolerance of the solves
+
+
 def test_the_frames_of_a_snap_are_in_the_order_of_the_way_and_the_rod_moves_evenly(stored, way) -> None:
     ds = snap.evenly(snap.as_dataset(stored, way), 40)
     assert ds.sizes["FZ"] == 40
@@ -111,4 +118,4 @@ def test_every_stable_rod_stands_below_the_diagram_with_the_number_of_its_point(
     names = [bifurcation.names_of_shapes(stored)[k] for k in stable]
     diagram, words = fig.axes
     assert sorted(text.get_text() for text in diagram.texts) == sorted(names)
-    assert [text.get_text().split(":")[0] for text in words.texts if ":" in text.get_text()] == names
+    assert [text.get_text().split("\n")[0] for text in words.texts if "\n" in text.get_text()] == names

@@ -156,7 +156,8 @@ def descent(case: Case, beta: Array) -> Iterator[Array]:
     Each step is one of the implicit Euler method, small enough that no section turns by more than `TURN`. Raises
     `InputError` where the rod does not come to rest.
     """
-    beta = np.asarray(beta, dtype=float)
+    beta = np.array(beta, dtype=float)
+    beta[[0, -1]] = [float(np.asarray(getattr(case.given, name))) for name in ("beta0", "betaL")]  # one may change
     A, rho, length = (float(np.asarray(value)) for value in (case.rod.bending_stiffness, case.rho, case.rod.L))
     l, m, p = (float(np.asarray(getattr(case.given, name))) / A for name in ("MZ", "M3", "FZ"))
     slope = partial(dimensional_slope, l, m, p, rho)

@@ -20,8 +20,8 @@ from .views import View, azimuth_of, front_camera, in_rows
 
 WIDE, DIAGRAM, RODS = 9.6, 3.6, 3.2  # the page; heights of the diagram and of the room of the rods
 LEFT, BELOW, FOOT = 0.75, 1.0, 0.55  # beside and below the diagram, and below the rods for scale and colours
-WORDS = 0.2  # above the rods, for their numbers
-PITCH = 1.15  # heights of a row from one to the next: room for the numbers
+WORDS = 0.36  # above the rods, for their numbers
+PITCH = 1.28  # heights of a row from one to the next: room for the numbers
 
 
 def figure(stored: StoredStudy, shapes: Sequence[int], rods: StoredStudy, settings: Settings) -> tuple[Figure, Page]:
@@ -75,9 +75,9 @@ def _draw(fig: Figure, stored: StoredStudy, shown: Sequence[int], scene: Scene, 
     left, down = (wide - picture.pixels.shape[1] / fig.dpi) / 2, high - FOOT - picture.pixels.shape[0] / fig.dpi
     boxes = picture.arrangement.boxes.reshape(-1, 4)
     for k, (x, y, across, _) in zip(shown, boxes, strict=False):
-        value = labels.equation(stored[name], float(stored[f"shape_{name}"].values[k]), 3)
+        value = labels.value(float(stored[f"shape_{name}"].values[k]), stored[name], 3)
         at = left + x + across / 2, down + y - 0.04
-        words.text(*at, f"{names[k]}:  {value}", ha="center", va="bottom", size=fonts.SMALL)
+        words.text(*at, f"{names[k]}\n{value}", ha="center", va="bottom", size=fonts.SMALL)
     paint = composition.colour_rods(scene)[0].paint
     signs.draw_scale(words, LEFT, high - 0.25, picture.arrangement.scale, stored.units["length"], 1.0)
     if paint.label:
