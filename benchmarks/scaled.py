@@ -6,7 +6,7 @@
 Each number in the head of a module is changed in a process of its own, and some problems that run a function with it
 are solved again: the stored ones of tests/golden.json, and others with weight, friction and held ends. A line says of
 how many problems the answer stays, differs in its digits, or is another one (an outcome, a count, an end of a branch),
-and the time over that before.
+and the time over that before. `scaled.txt` sums up what it said of all rooms.
 """
 
 import argparse

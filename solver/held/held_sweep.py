@@ -23,8 +23,10 @@ from ..orbits.level_search import MOST_PERIODS, search_levels
 from ..orbits.potential import potential
 from ..problem.reduced import EndsProblem
 
-HALF_WAVES = 4  # of a straight rod: pushed as hard as it needs to buckle into so many, or pulled as hard
-_SURFACE = 2.0  # bound of what the cylinder's curvature adds to a load
+# of a straight rod: pushed as hard as it needs to buckle into so many, or pulled as hard; 40 make a list of 8 one of
+# 42, of more waves
+HALF_WAVES = 4
+_SURFACE = 2.0  # bound of what the cylinder's curvature adds to a load; with 20 the list has 14
 _SAFE = 4.0  # times the load that holds a nearly straight rod
 _HARDEST = 1e6
 VALUES = {1: 61, 2: 13, 3: 6, 4: 4, 5: 3}  # of each of so many unknowns

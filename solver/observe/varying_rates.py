@@ -28,7 +28,8 @@ from .observables import observe
 STEP = 1e-4  # of the angles, in their scales, and of a field, in its size
 WEIGHTS = {1: 2 / 3, 2: -1 / 12}  # of the differences at so many steps
 EARLY = 1e-14  # of the places of nodes: so a station at one is read from it at each step, and not from the one before
-SMOOTH = 3.0  # second differences at two steps over those at one: of a smooth function 4
+# second differences at two steps over those at one: 4 of a smooth function, so above that nothing has a derivative
+SMOOTH = 3.0
 
 
 @dataclass(frozen=True, eq=False)

@@ -28,7 +28,8 @@ from .periodic_orbit import TIGHT, Orbit, solve_orbit
 from .variations import Variations, variations_on
 
 CLOSE = NEGLIGIBLE  # of the period: an orbit of a smaller error is closed
-AMPLITUDES = 32  # of the curve of one period, at which the azimuth is compared with the wanted one
+# of the curve of one period, at which the azimuth is compared with the wanted one; 320 find the same loops
+AMPLITUDES = 32
 _FINEST = -30.0  # of log(gap): lam holds no smaller gap
 _SHORT = 100.0  # at gap = (_SHORT/T)^2 the period is below T; it is below 2 pi (1 + log(1/(b1 + pi/2)))/sqrt(gap)
 _FAR = 60.0  # bound of the log of a period

@@ -20,7 +20,8 @@ UNDETERMINED = (
 )
 # a rod that every method solves
 PLAIN = {"lam": 0.0, "mu": 0.0, "phi": 0.0, "span": 1.0, "beta0": 0.5, "dbeta0": 0.0, "betaL": 0.5}
-SHAPELESS = 0.1  # rad: with a larger error the shape is another one, whatever the condition number allows
+# rad: with a larger error the shape is another one, whatever the condition number allows; with 1 it would be answered
+SHAPELESS = 0.1
 
 
 P = TypeVar("P", bound=Reduced)
