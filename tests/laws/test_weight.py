@@ -252,7 +252,8 @@ def test_a_pushed_vertical_rod_whose_azimuth_is_held_is_reached_where_its_far_en
 def test_a_rod_without_an_answer_says_where_each_way_to_it_ended(monkeypatch: pytest.MonkeyPatch) -> None:
     rod, cylinder = Rod(EI=1.0, GJ=0.7, a=0.1, L=5.0, weight=0.1), Cylinder(0.9, inclination=1.0)
     ways = {"branch_from_straight": ("", 0.25), "from_taut_rod": (branch.TAUT, 0.5), "from_neighbours": ("", 0.0),
-            "from_tension": (branch.PULLED, 0.75), "from_no_weight": ("", 0.0)}  # fmt: skip
+            "from_tension": ("the rod under more tension, which is taken off", 0.75),
+            "from_no_weight": ("", 0.0)}  # fmt: skip
     for name, (begun, ended) in ways.items():
         ending = GrowthWay(None, begun=begun, why="the branch ends at 0.25 of the way to these loads", ended=ended)
         monkeypatch.setattr(branch, name, lambda *_, ending=ending, **__: ending)
