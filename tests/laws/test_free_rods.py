@@ -391,7 +391,8 @@ def test_energy_never_rises_by_letting_go(seed: int) -> None:
         before = solve(Case(rod, Cylinder(0.9), ends), stations=401)
     after = before.let_go()
     if after.solved:
-        assert elastic_energy(after) <= elastic_energy(before) * (1 + 1e-6) + 1e-6
+        error = sum(float(value) for value in observe(after, ELASTIC, errors=True).values()) - elastic_energy(after)
+        assert elastic_energy(after) <= elastic_energy(before) + error
     else:
         assert str(after.outcome).startswith("failed: ")
 
