@@ -181,10 +181,14 @@ def fields(ds: xr.Dataset) -> Iterator[str]:
 
 
 def drawable(ds: xr.Dataset) -> Iterator[str]:
-    """Whether no number is so large that the ticks of an axis overflow."""
+    """Whether no number but an error or a condition number is so large that the ticks of an axis overflow."""
     for name, variable in ds.variables.items():
         values = variable.values
-        if variable.dtype.kind == "f" and (np.isfinite(values) & (np.abs(values) > bounds.MOST_DRAWN)).any():
+        if (
+            name not in JUDGED
+            and variable.dtype.kind == "f"
+            and (np.isfinite(values) & (np.abs(values) > bounds.MOST_DRAWN)).any()
+        ):
             yield f": {show(name)} holds numbers beyond {bounds.MOST_DRAWN:g}"
 
 
