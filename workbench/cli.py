@@ -285,14 +285,14 @@ def _fault(words: list[str], error: Exception) -> str:
 
     from .stored import file_checks
 
-    path = next((word for word in words if h5py.is_hdf5(word)), None)
-    if path is None or sys.flags.dev_mode:
+    paths = [word for word in words if h5py.is_hdf5(word)]
+    if not paths or sys.flags.dev_mode:
         raise error
     place = traceback.extract_tb(error.__traceback__)[-1]
     said = f"{type(error).__name__}: {error} ({Path(place.filename).name}, line {place.lineno})"
-    if file_checks.is_as_stored(path):
-        return f"a fault of the workbench, please report it, as {path} is as it was stored: {said}"
-    return f"{path} cannot be used, as it is altered or not of the workbench: {said}"
+    if altered := [path for path in paths if not file_checks.is_as_stored(path)]:
+        return f"{altered[0]} cannot be used, as it is altered or not of the workbench: {said}"
+    return f"a fault of the workbench, please report it, as {paths[0]} is as it was stored: {said}"
 
 
 def _sentence(error: typer.TyperException) -> str:

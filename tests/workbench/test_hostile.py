@@ -137,8 +137,9 @@ def test_a_fault_of_ours_is_told_as_such_with_a_sound_file_alone(tmp_path: Path,
 
     monkeypatch.setattr(cli, "_parser", lambda: fail)
     bare = alter("grid", UNCHANGED, tmp_path / "bare.h5")
-    for path, said in ((sound("grid"), "a fault of the workbench"), (bare, f"{bare} cannot be used")):
-        assert exit_status("summary", path) == 2
+    ours, blamed = "a fault of the workbench", f"{bare} cannot be used"
+    for words, said in (((sound("grid"),), ours), ((bare,), blamed), ((sound("grid"), bare), blamed)):
+        assert exit_status("merge", *words) == 2
         assert capsys.readouterr().err.startswith(f"workbench: {said}")
     with pytest.raises(KeyError):
         exit_status("summary", "fig6")
