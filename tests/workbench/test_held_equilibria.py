@@ -6,10 +6,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.legend import Legend
 
 from studies.language.loader import loads
 from tests.workbench import small
+from workbench.figures import bifurcation
 from workbench.run import in_memory
+from workbench.stored import reading
+from workbench.stored.stored_study import StoredStudy
 
 ROD = "--length-unit cm --force-unit N --E 1.07e4 --nu 0.25 --a 0.25 --L 5 --R 0.75 --beta0 0 --betaL 0 --height 4"
 QUICK = "--within FZ=-90:-30 --values 3 --tries 0"
@@ -79,3 +83,16 @@ def test_solve_and_the_list_say_the_same_index_under_dead_loads(call) -> None:
     listed = json.loads(call("equilibria", *rod, "--values", "21", "--tries", "0", "--json")[1])["equilibria"][0]
     assert "held: height; index 0 under held ends, 1 under dead loads" in said
     assert (listed["index"], listed["dead_index"], listed["taken"]) == (0, 1, True)
+
+
+@pytest.mark.parametrize(("axis", "look"), [("FZ=2:1:3", "stable"), ("height=4.95:4.9:3", "stable as held")])
+def test_branches_of_a_rod_with_weight_are_stored_and_drawn(axis, look, tmp_path, call) -> None:
+    """Whether they would be stable without it is not known, and nothing says so."""
+    path = tmp_path / "heavy.h5"
+    rod = "--length-unit cm --force-unit N --E 326 --nu 0.25 --a 0.25 --R 0.75 --L 5 --beta0 0.5 --betaL 0.5"
+    status, said, wrong = call("equilibria", *rod.split(), "--weight", "0.1", "--axis", axis, "--out", path)
+    assert (status, "1 branch, 0 folds" in said) == (0, True), wrong
+    stored = StoredStudy(reading.read(path, study=False))
+    assert np.isnan(stored["curve_dead_index"]).all()
+    assert [row["bends"] for row in stored.data("branches")] == ["1"]
+    assert {text.get_text() for text in bifurcation.figure(stored).findobj(Legend)[0].get_texts()} == {look}

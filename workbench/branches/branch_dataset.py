@@ -132,6 +132,13 @@ def _is_of_observables(law: Law) -> bool:
     return law.direction is not None and set(law.observables) <= set(OBSERVABLES)
 
 
+def _bends(seen: Traced, piece: Piece) -> NDArray[np.int64]:
+    """Numbers of bends of the solved points of a piece between its ends."""
+    bends = observe(solutions_of(seen.curves[piece.curve], SHAPE_STATIONS), ["bends"])["bends"]
+    inner = bends[piece.first + 1 : piece.last]
+    return inner[np.isfinite(inner)].astype(np.int64)
+
+
 def _rows(ds: xr.Dataset, name: str, laws: list[Law], seen: Traced) -> list[dict[str, Any]]:
     """A row for each branch: its first and last value of the axis, index, number of bends, and each law's verdict."""
     rows = []
@@ -147,7 +154,7 @@ def _rows(ds: xr.Dataset, name: str, laws: list[Law], seen: Traced) -> list[dict
             "to": float(ends[-1] * scale),
             "values": len(points) if name in PARTNER else int(k.size),
             "index": points[len(points) // 2].index,
-            "bends": _range(bends if k.size else np.unique([point.path.turns for point in points[1:-1]])),
+            "bends": _range(bends if k.size else _bends(seen, piece)),
         }
         for law in laws:
             key = f"{law.observable} {law.direction}"
@@ -280,9 +287,14 @@ def follow_curves(
 
 
 def _dead_indices(sol: Solution) -> NDArray[np.float64]:
-    """The Morse index of each point under dead loads, between its own end angles; NaN where it is not decided."""
-    known = sol.trajectory.dead_index
-    return jacobi_zeros(sol.trajectory.orbit.exact) if known is None else known
+    """The Morse index of each point under dead loads, between its own end angles.
+
+    NaN where it is not decided, and with weight or friction.
+    """
+    known, orbit = sol.trajectory.dead_index, sol.trajectory.orbit
+    if known is None:
+        return np.full(sol.case.size, np.nan) if orbit is None else jacobi_zeros(orbit.exact)
+    return known
 
 
 def _places(seen: Traced, piece: Piece, ends: tuple[float, float], known: NDArray[np.bool_]) -> list[int]:

@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from solver.observe import observables
 from solver.problem.errors import no_such
@@ -44,6 +45,7 @@ _HELD: dict[int, tuple[dict[str, Any], str]] = {
     0: (colours.UNSTABLE | {"zorder": 2}, "unstable"),
     1: (colours.STABLE | {"linewidth": 1.1, "zorder": 4}, "stable as held, unstable under a dead load"),
     2: (colours.STABLE | {"linewidth": 2.2, "zorder": 4}, "stable, also under a dead load"),
+    3: (colours.STABLE | {"linewidth": 2.2, "zorder": 4}, "stable as held"),
 }
 
 
@@ -190,6 +192,11 @@ def _special(stored: StoredStudy, name: str, key: str, kind: str) -> tuple[Any, 
     return x[chosen], y[chosen], stable[chosen]
 
 
+def _held_kind(index: Any, dead: Any) -> NDArray[np.int_]:
+    """The kind of `_HELD` of each Morse index under held ends; dead: that under dead loads, NaN where it is unknown."""
+    return np.select([index > 0, dead > 0, dead == 0], [0, 1, 2], 3)
+
+
 def _runs(stored: StoredStudy, ax: Axes, on: Any, points: Any) -> list[tuple[Any, dict[str, Any], str]]:
     """The parts of a branch under held ends of one look: their points (n, 2), look and entry in the legend.
 
@@ -197,7 +204,7 @@ def _runs(stored: StoredStudy, ax: Axes, on: Any, points: Any) -> list[tuple[Any
     a mark says that a rod would snap through under dead loads.
     """
     index, dead = stored["curve_index"].values[on], stored["curve_dead_index"].values[on]
-    kind = np.where(index > 0, 0, np.where(dead > 0, 1, 2))
+    kind = _held_kind(index, dead)
     if kind.size > 2:
         kind[[0, -1]] = kind[[1, -2]]
         at = 1 + np.flatnonzero(np.diff(dead > 0) & (index[1:] == 0) & (index[:-1] == 0))
@@ -258,8 +265,8 @@ def _look_of_shape(stored: StoredStudy, k: int) -> dict[str, Any]:
         return colours.of_line(_look(next(row for row in stored.data("branches") if row["branch"] == number))[0])
     on = np.flatnonzero(stored["curve_branch"].values == number)
     at = on[int(np.argmin(np.abs(stored[f"curve_{name}"].values[on] - float(stored[f"shape_{name}"].values[k]))))]
-    index, dead = int(stored["curve_index"].values[at]), int(stored["curve_dead_index"].values[at])
-    return colours.of_line(_HELD[0 if index > 0 else 1 if dead > 0 else 2][0])
+    index, dead = stored["curve_index"].values[at], stored["curve_dead_index"].values[at]
+    return colours.of_line(_HELD[int(_held_kind(index, dead))][0])
 
 
 def _in_order(stored: StoredStudy) -> list[int]:
