@@ -10,7 +10,7 @@ import numpy as np
 from ..free.contacts import Contact
 from ..free.free_rods import MESHES, estimate
 from ..free.free_shape import Along, FreeShape
-from ..numerics.arrays import Array
+from ..numerics.arrays import FAINT, Array
 from ..orbits.frames import outward
 from ..orbits.loop_orbits import MOST_PLACES
 from ..orbits.shape import ShapeArrays
@@ -23,6 +23,7 @@ NEAREST = np.pi  # radii of the rod: stretches that are closer along it do not m
 COUNTS = ("bends", "loops", "overlaps", "index", "contact_count")
 OF_CONTACTS = ("contact_size_mean", "push_mean", "push_max", "push_max_at", "attached", "contact_share",
                "point_force_max")  # fmt: skip
+CANCELLING = ("turns_around", "amplitude", "MZ", "MZ0", "M3", "M30", "surface_torque")  # rounding is left where none is
 UNDEFINED = {
     "bend_number": "a rod that may leave the wall has no period",
     "lift_off_at": "a cylinder that only pushes never pulls; contacts says where it does not push",
@@ -79,7 +80,8 @@ class FreeReading:
 
     @cached_property
     def twisting(self) -> float:
-        return self.mean(self.shape.moments[:, 2] ** 2) * self.rod.span / (2 * self.rod.ratio)
+        about = self.shape.moments[:, 2]
+        return self.mean(np.where(np.abs(about) < FAINT, 0.0, about) ** 2) * self.rod.span / (2 * self.rod.ratio)
 
     @property
     def energy(self) -> float:
@@ -225,4 +227,5 @@ def _limit(name: str, reads: list[FreeReading]) -> tuple[float, float]:
         error = max(error, *(abs(float(NUMBERS[name](other)) - values[-1]) for other in others))
     if name == "push_max_at":  # one of the nodes, or an edge
         error = max(error, reads[-1].rod.h)
-    return values[-1] + rest, error
+    value = values[-1] + rest
+    return (0.0, max(error, abs(value))) if name in CANCELLING and abs(value) < FAINT else (value, error)

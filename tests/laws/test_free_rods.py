@@ -2,6 +2,7 @@
 
 import sys
 from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ from solver.free.free_rods import FREE_TOLERANCE, SHAKES, distance, estimate, li
 from solver.free.minimum import minimise
 from solver.free.quaternions import product
 from solver.free.sinking import Sinking
+from solver.observe.free_numbers import _limit
 from solver.problem.case_fields import with_field
 from tests.cases import table_1
 from tests.slow import slow_but
@@ -421,8 +423,18 @@ def test_a_pipe_with_centred_ends_buckles_at_the_load_of_dawson_and_paslay() -> 
         middle = (sol.s > 25) & (sol.s < 75)
         ranges[FZ] = np.ptp(sol.alpha[middle])
         assert 0.7 < float(observe(sol, ["contact_share"])["contact_share"]) < 0.9
+        untwisted = observe(sol, ["MZ", "MZ0", "M3", "M30", "surface_torque", "twist_energy"])
+        assert {str(value) for value in untwisted.values()} == {"0.0"}  # no rounding
     assert ranges[-150.0] < 1e-3
     assert 0.2 < ranges[-170.0] < 0.4
+
+
+@pytest.mark.parametrize(("end", "turns"), [(-2e-19, 0.0), (2e-6, 1e-6 / np.pi)])
+def test_what_rounding_leaves_of_the_turns_of_a_rod_is_none(end: float, turns: float) -> None:
+    meshes: Any = [SimpleNamespace(along=SimpleNamespace(turned=np.array([[0.0, k * end]]))) for k in (3, 2, 1)]
+    value, error = _limit("turns_around", meshes)
+    assert value == pytest.approx(turns, rel=1e-12, abs=0)
+    assert abs(end) / (2 * np.pi) <= error
 
 
 def test_a_rod_that_never_touches_bends_as_a_beam_under_its_end_moments() -> None:
