@@ -109,6 +109,8 @@ class Sensitivity:
     error : float or array, (*cases)
         Estimated error of the derivatives along the rod, relative to the largest of each: rounding, grown, and the
         error of the solution, which its tolerance allows.
+        Digits that cancel are not counted: a derivative that is a small difference of large terms, as those by R often
+        are, has lost that many more.
     observables : dict
         Name of an observable -> its derivatives, (*cases, F).
     remarks : dict
