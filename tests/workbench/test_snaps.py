@@ -9,6 +9,7 @@ from studies import load
 from tests.workbench.pictures import draws
 from workbench.branches import branch_dataset, snap
 from workbench.figures import bifurcation
+from workbench.run import writing
 from workbench.scene import branch_rods, film, scene_kinds
 from workbench.scene.settings import Settings
 from workbench.stored.stored_study import StoredStudy
@@ -119,3 +120,22 @@ def test_every_stable_rod_stands_below_the_diagram_with_the_number_of_its_point(
     diagram, words = fig.axes
     assert sorted(text.get_text() for text in diagram.texts) == sorted(names)
     assert [text.get_text().split("\n")[0] for text in words.texts if "\n" in text.get_text()] == names
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ("--out x.png --frames 3", "are for films"),
+        ("--frames 3", "are for films"),
+        ("--out x.mp4 --fps 1000", "--fps must be between 0.1 and 60, got 1000"),
+        ("--out x.mp4 --stored", "a scene of branches takes no --stored"),
+        ("--out frame_{:03d}.png", "a scene of branches takes no {} in --out"),
+        ("--out x.html", "choose a name that ends in .png, .mp4, .webp, .gif"),
+    ],
+)
+def test_no_option_is_ignored_by_a_scene_of_branches(options, said, stored, tmp_path, monkeypatch, call) -> None:
+    monkeypatch.chdir(tmp_path)
+    writing.write(stored.ds, tmp_path / "branches.h5")
+    status, _, wrong = call("scene", "branches.h5", *options.split())
+    assert (status, said in wrong) == (2, True), wrong
+    assert [path.name for path in tmp_path.iterdir()] == ["branches.h5"]

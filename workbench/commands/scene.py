@@ -49,10 +49,14 @@ def scene(
     from ..stored.stored_study import StoredStudy
     from . import scene_branches, scene_film, study_scene
 
+    out, suffix = wanted.out, "" if wanted.out is None else wanted.out.suffix.lower()
+    if any(wanted.of_film) and suffix not in film.SUFFIXES:
+        raise InputError(
+            f"--show, --fps, --frames and --stored are for films: give --out NAME, with {choices(film.SUFFIXES)}"
+        )
     is_stored = file.is_file() and not is_study(file)
     if is_stored and reading.kind_of_file(file).figure == scene_branches.RODS:
         return scene_branches.scene_of(file, StoredStudy(reading.read(file, study=False)), wanted)
-    out, suffix = wanted.out, "" if wanted.out is None else wanted.out.suffix.lower()
     if out is not None and suffix in film.SUFFIXES:
         several = len({*wanted.axes, wanted.along} - {None}) > 1
         if alien := [*wanted.of_picture, *(["several axes"] if several else [])]:
@@ -61,10 +65,6 @@ def scene(
                 f"--dpi, --theme, --background and --color alone, got {choices(alien)}"
             )
         return scene_film.film_of(file, out, wanted)
-    if any(wanted.of_film):
-        raise InputError(
-            f"--show, --fps, --frames and --stored are for films: give --out NAME, with {choices(film.SUFFIXES)}"
-        )
     not_on_page = {
         f"--kind {wanted.kind}": wanted.kind not in (None, PAGE_KIND, "equilibria"),
         "--axis": wanted.axes,

@@ -37,7 +37,14 @@ def scene_of(file: Path, stored: "StoredStudy", wanted: SceneOptions) -> Result:
         raise no_such("kind of scene of branches", kind, (RODS, SNAP))
     if (kind == SNAP) != is_film:
         raise InputError(f"of branches {choices(film.SUFFIXES)} are films of the kind {SNAP}, other files of {RODS}")
-    given = {"--axis": wanted.axis, "--along": wanted.along, "--at": wanted.at, "--show": wanted.show}
+    given = {
+        "--axis": wanted.axis,
+        "--along": wanted.along,
+        "--at": wanted.at,
+        "--show": wanted.show,
+        "--stored": wanted.stored,
+        "{} in --out": out is not None and "{" in out.name,
+    }
     if alien := [*(name for name, value in given.items() if value), *wanted.of_picture]:
         raise InputError(f"a scene of branches takes no {choices(alien)}")
     look = look_of(wanted.theme, wanted.background, wanted.color)
@@ -50,14 +57,15 @@ def _picture(file: Path, stored: "StoredStudy", wanted: SceneOptions, look: "Set
     """Draw the stable rods of branches below their diagram."""
     from ..branches import snap
     from ..figures import bifurcation, canvas
-    from ..scene import branch_rods, opengl
+    from ..scene import branch_rods, film, opengl
     from ..scene.settings import check
     from ..stored.stored_study import StoredStudy
     from . import study_scene
 
     settings = replace(look, pixel_error=wanted.pixel_error, dpi=wanted.dpi or DPI)
     check(settings)
-    path = check_file(wanted.out or file.with_name(f"{file.stem}_scene.png"), SUFFIXES, wanted.force)
+    suffixes = (*SUFFIXES, *film.SUFFIXES)
+    path = check_file(wanted.out or file.with_name(f"{file.stem}_scene.png"), suffixes, wanted.force)
     able, advice = opengl.probe()
     if not able:
         return result_of_files([], warnings=[advice], status=1)
@@ -86,7 +94,7 @@ def _film(file: Path, stored: "StoredStudy", out: Path, wanted: SceneOptions, lo
 
     fps = film.FPS if wanted.fps is None else wanted.fps
     path = check_file(out, film.SUFFIXES, wanted.force)
-    film.check_count(wanted.frames)
+    film.check_counts(wanted.frames, fps)
     film.check_writers([path])
     way = snap.way_of(stored)
     shapes = snap.evenly(snap.as_dataset(stored, way), wanted.frames or FRAMES)

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from ..stored.stored_study import StoredStudy
 
 DPI = 160  # gives frames of 1280 x 720 pixels
-RATES = (0.1, 60.0)  # frames a second
 MOST = 480  # frames that are solved for a film
 STAYS = 1 / 3  # seconds for which a stored case stays where no others can be solved
 MOTION = 72  # frames of a rod that is let go
@@ -53,9 +52,7 @@ def film_of(file: Path, out: Path, wanted: SceneOptions) -> Result:
     else:
         cases = _along_axis(file, rods, shown, wanted)
     path = check_file(out, film.SUFFIXES, wanted.force)
-    if not RATES[0] <= fps <= RATES[1]:
-        raise InputError(f"--fps must be between {RATES[0]:g} and {RATES[1]:g}, got {fps:g}")
-    film.check_count(wanted.frames)
+    film.check_counts(wanted.frames, fps)
     film.check_writers([path])
     able, advice = opengl.probe()
     if not able:

@@ -47,6 +47,7 @@ FPS, HOLD = 24.0, 0.5  # frames a second; seconds for which the first and the la
 QUALITY = 80  # of WebP
 TITLES = (fonts.LARGE, fonts.NORMAL, fonts.SMALL)  # sizes of the value of a frame: the first that has room
 LEAST, MOST = 2, 2000  # frames
+RATES = (0.1, 60.0)  # frames a second
 INSTALL = "pip install 'rod-workbench[animate]'"
 
 
@@ -128,8 +129,10 @@ def cases_of(stored: StoredStudy, film: Film) -> list[dict[str, int]]:
     return [cases[round(i)] for i in np.linspace(0, len(cases) - 1, film.count)]
 
 
-def check_count(count: int | None) -> None:
-    """Raise `InputError` for a number of frames that no film has."""
+def check_counts(count: int | None, fps: float) -> None:
+    """Raise `InputError` for a number of frames, or of frames per second, that no film has."""
+    if not RATES[0] <= fps <= RATES[1]:
+        raise InputError(f"--fps must be between {RATES[0]:g} and {RATES[1]:g}, got {fps:g}")
     if count is not None and not LEAST <= count <= MOST:
         raise InputError(f"--frames must be between {LEAST} and {MOST}, got {count}")
 
