@@ -158,7 +158,7 @@ class Solution(ShapeArrays):
         Raises
         ------
         InputError
-            With friction, for an invalid tolerance, and where the package unopy is not installed.
+            With friction, for an invalid tolerance or seed, and where the package unopy is not installed.
 
         Examples
         --------
@@ -173,11 +173,15 @@ class Solution(ShapeArrays):
         from .methods import FREE
 
         tol = check_tolerance(FREE_TOLERANCE if tol is None else tol)
-        curves = curves_of(self, "the shape that was let go")
-        case = case_of_held_ends(self, curves)
-        if seed is not None:
-            curves = curves_of(seed, "the seed")
-        ways = ["there is no shape to be let go" if curve is None else [curve] for curve in curves]
+        shapes = curves_of(self, "the shape that was let go")
+        case = case_of_held_ends(self, shapes)
+        begun: object = self if seed is None else seed
+        if not (isinstance(begun, Solution) and begun.case.size == case.size):
+            raise InputError(f"a seed of let_go is a Solution of as many rods, {case.size}; got {show(seed)}")
+        curves = shapes if seed is None else curves_of(begun, "the seed")
+        unsolved = "there is no shape to be let go", "the seed is not solved"
+        pairs = zip(shapes, curves, strict=True)
+        ways = [unsolved[shape is not None] if shape is None or curve is None else [curve] for shape, curve in pairs]
         answers = answers_beside(case, ways, self.t, tol)
         return FreeSolution(case, *answers, self.t, FREE, tol)
 

@@ -536,3 +536,15 @@ def test_without_uno_one_sentence_names_its_package_and_the_extra(
     monkeypatch.setitem(sys.modules, "unopy", None)
     with pytest.raises(InputError, match=r"needs the package unopy: pip install 'rod-workbench\[contact\]'"):
         freed[0].let_go()
+
+
+def test_a_seed_that_a_rod_cannot_be_let_go_from_is_refused_or_named_in_the_outcome() -> None:
+    rod, cylinder = Rod(E=1.07e4, nu=0.25, a=0.25, L=6.0), Cylinder(R=0.75)
+    held = solve(Case(rod, cylinder, Ends(beta0=0.2, betaL=0.3, FZ=-20.0)), stations=21)
+    two = solve(Case(rod, cylinder, Ends(beta0=0.2, betaL=0.3, FZ=[-20.0, -19.0])), stations=21)
+    for seed in (3.0, "straight", [held], held.case, two):
+        with pytest.raises(InputError, match=r"^a seed of let_go is a Solution of as many rods, 1; got"):
+            held.let_go(seed=seed)
+    unsolved = replace(held, trajectory=replace(held.trajectory, solved=np.array([False])))
+    assert held.let_go(seed=unsolved).outcome == "failed: the seed is not solved"
+    assert unsolved.let_go(seed=held).outcome == "failed: there is no shape to be let go"
