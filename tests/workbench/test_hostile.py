@@ -158,6 +158,13 @@ def test_curves_in_a_lower_precision_are_judged_without_a_warning(precision: str
     assert list(checks.curves(ds)) == []
 
 
+@pytest.mark.parametrize("value", (1e300, 0.0, -1.0, np.nan))
+def test_the_radius_of_each_shape_of_branches_is_in_its_range(value: float, tmp_path: Path) -> None:
+    path = alter("branches", ("shape_rho[0]", value), tmp_path / "altered.h5")
+    with pytest.raises(InputError, match=f"^{path}: shape_rho must be"):
+        reading.read(path, study=False)
+
+
 @pytest.mark.parametrize(
     ("field", "value"),
     (("inclination", np.pi * (1 + 1e-15)), ("nu", 0.5), ("nu", np.nextafter(-1, 0)), ("weight", 0.0)),
