@@ -17,6 +17,7 @@ from .charts import Chart
 from .orbit_rates import NUMBERS, OrbitRates
 
 FREE = ("beta0", "betaL", "lam", "mu", "phi")  # what a state consists of, beside its path
+LOADS = FREE[2:]  # each is one of the five parts itself
 _AT = {name: k for k, name in enumerate(NUMBERS)}
 
 
@@ -93,9 +94,17 @@ def answer(rates: OrbitRates, given: Given, values: Array, span: Array) -> Array
 
 
 def parts_of(rates: OrbitRates, given: Given, values: Array, span: Array) -> Array:
-    """The five parts of the changes of the orbit by the same changes, (5, k)."""
+    """The five parts of the changes of the orbit by the same changes, (5, k).
+
+    The part of a load that is given is its change, exactly: along a rod that is long and rests near a helix, what a
+    solve rounds off grows beyond all bounds.
+    """
     rows, by_span = rates.rows_of(given.names, given.ratio)
-    return solve(rows, values - by_span[..., None] * span)[0]
+    parts: Array = solve(rows, values - by_span[..., None] * span)[0]
+    for name, change in zip(given.names, values, strict=True):
+        if name in LOADS:
+            parts[FREE.index(name)] = change
+    return parts
 
 
 def move(chart: Chart, x: float, change: Array) -> Array:

@@ -29,7 +29,7 @@ from ..problem.reduced import Reduced
 from .periodic_orbit import Orbit, as_core_orbits
 from .potential import slope_rate, slopes_by_loads
 
-POINTS, HOW = 24, Cutting(0.36, 5e-15, 1.0)  # nodes of a panel, and how panels are cut
+POINTS, HOW = 24, Cutting(0.45, 5e-15, 1.0)  # nodes of a panel, and how panels are cut
 _SUMMED = 1.0  # below this |H'| t^2 the waves along a helix are summed
 PAIRS = 10  # elements of M that are kept
 KEPT = ("least", "M", "jump", "closing", "series", "gain")
