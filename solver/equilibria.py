@@ -3,7 +3,7 @@
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,7 @@ from .branches.parameter_plane import read_range
 from .equilibrium_list import Equilibria, Equilibrium, HeldEquilibria, HeldSearch, equilibrium_of, in_order
 from .held.energy_minima import is_turned_round
 from .held.held_equilibrium import trajectory_between, way_between_hinges
-from .held.held_search import MOST_PERIODS, TRIES, search_equilibria
+from .held.held_search import MOST_PERIODS, TRIES, FoundStates, search_equilibria
 from .held.held_selection import Reached
 from .held.held_sweep import ranges_of
 from .held.selection import LOWEST, NEAREST, Choose, HeldSelection, Selection, select
@@ -28,6 +28,9 @@ from .problem.limits import OUT_OF_RANGE, beyond_limits, ends_and_span, reason_b
 from .problem.reduced import NUMBER_OF, EndsProblem, fields_held, reduce, reduce_held, span_of, value_of_number
 from .problem.trajectory import Trajectory
 from .solution import Solution
+
+if TYPE_CHECKING:
+    from .nodes.search import FoundShapes
 
 __all__ = ["Equilibria", "Equilibrium", "equilibria", "meant", "nearest"]
 
@@ -177,19 +180,7 @@ def _with_held_ends(
     size = _sizes_of(case)
     bounds = {(k := number_of[name]): (low / size[k], high / size[k]) for name, (low, high) in ranges.items()}
     result = search_equilibria(Given.of(problem), bounds, most_swings, tries, values)
-    t = problem.span[:, None] * np.linspace(0, 1, stations)
-    listed = []
-    for state, how in zip(result.states, result.how, strict=True):
-        path: Any = state.path.alone
-        if case.has_hinge:
-            way = way_between_hinges(state, rods_of(case)[0])
-            path, answer = way.shape, answer_ends(case, t, tol, [way])
-        else:
-            answer = state.problem, trajectory_between(Reached(state, how), result.given, t, tol)
-        solution = Solution(case, *answer, t, "shooting", tol)
-        indices = float(solution.held_index), float(solution.dead_index)
-        index, dead = (int(i) if np.isfinite(i) else -1 for i in indices)
-        listed.append(equilibrium_of(solution, index, path, dead, how))
+    listed = _list_of_states(case, result, problem.span[:, None] * np.linspace(0, 1, stations), tol)
 
     def in_units(number: str, some: Collection[float]) -> tuple[float, float]:
         return min(some) * size[number], max(some) * size[number]
@@ -202,6 +193,23 @@ def _with_held_ends(
     note = ANY_LOAD if result.any_load else _count_between_hinges(listed) if whole else ""
     narrower = _narrower(listed, {name: ends for name, ends in searched.items() if name not in ranges})
     return HeldEquilibria(in_order(listed), HeldSearch(searched, most_swings, *counts, note, outside, narrower))
+
+
+def _list_of_states(case: Case, result: FoundStates, t: Array, tol: float) -> list[Equilibrium]:
+    """The equilibria with held ends that a search found, as it found them, at stations t (1, n)."""
+    listed = []
+    for state, how in zip(result.states, result.how, strict=True):
+        path: Any = state.path.alone
+        if case.has_hinge:
+            way = way_between_hinges(state, rods_of(case)[0])
+            path, answer = way.shape, answer_ends(case, t, tol, [way])
+        else:
+            answer = state.problem, trajectory_between(Reached(state, how), result.given, t, tol)
+        solution = Solution(case, *answer, t, "shooting", tol)
+        indices = float(solution.held_index), float(solution.dead_index)
+        index, dead = (int(i) if np.isfinite(i) else -1 for i in indices)
+        listed.append(equilibrium_of(solution, index, path, dead, how))
+    return listed
 
 
 def _reactions_of(case: Case) -> dict[str, str]:
@@ -315,7 +323,7 @@ def equilibria_on_nodes(case: Case, tol: float, stations: int) -> Equilibria:
         return Equilibria([], why)
     scan, is_all = scan_one_unknown(rod) if has_one_unknown(rod) else (None, False)
     if scan is not None and is_all:
-        return Equilibria(_list_of(case, scan, tol, stations))
+        return Equilibria(_list_of_shapes(case, scan, tol, stations))
     follows = not fields_held(case) and rod.nodes().size <= MOST_NODES
     light = equilibria(without_weight(case), tol, FINE) if follows else []
     result = search_shapes(rod, [equilibrium.solution for equilibrium in light], scan)
@@ -341,10 +349,10 @@ def equilibria_on_nodes(case: Case, tol: float, stations: int) -> Equilibria:
     if ends and "azimuth" not in rod.held:
         wrong = "" if count == 1 else ", so some are missing"
         said.append(f"counted with (-1)^index they add up to {count}, by degree to 1{wrong}")
-    return Equilibria(_list_of(case, result, tol, stations), "; ".join(said))
+    return Equilibria(_list_of_shapes(case, result, tol, stations), "; ".join(said))
 
 
-def _list_of(case: Case, result: Any, tol: float, stations: int) -> list[Equilibrium]:
+def _list_of_shapes(case: Case, result: "FoundShapes", tol: float, stations: int) -> list[Equilibrium]:
     """The equilibria of the shapes that a search found, lowest energy first."""
     from .nodes.answers import answer_ends, way_of
 

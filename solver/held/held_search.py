@@ -38,14 +38,14 @@ _REVERSED = {"beta0": "betaL", "betaL": "beta0", "dbeta0": "dbetaL", "dbetaL": "
 
 
 @dataclass(eq=False)
-class _HeldFound:
+class FoundStates:
     """Equilibria with held ends, and how they were searched for.
 
     states, how: each equilibrium and by what it was found. ranges: of the unknowns. problems, equilibria: those under
     dead loads that were solved. starts, failed: continuations, and those of them that led to no equilibrium. tries: of
     deflation, the last `fruitless` of them without a new equilibrium. outside: the unknowns of each equilibrium outside
-    the ranges, which is not kept. any_load: whether a helix is an equilibrium under any load. known: the `end_vector`
-    all equilibria, those outside the ranges too.
+    the ranges, which is not kept. any_load: whether a helix is an equilibrium under any load. known: the
+    `end_vector` of each equilibrium, also of those outside the ranges.
     """
 
     given: Given
@@ -67,6 +67,7 @@ class _HeldFound:
             state = within_a_turn(state)
         if state is None or not np.isfinite(end_vector(state)).all() or is_known(state, self.known):
             return False
+        # a rod whose beta varies less [rad] is a straight rod or a helix, but for rounding
         if self.any_load and not state.path.helix and np.ptp(angles_along(state)) < ALIKE:
             return False
         self.known.append(end_vector(state))
@@ -121,13 +122,13 @@ def search_equilibria(
     most_periods: int = MOST_PERIODS,
     tries: int = TRIES,
     values: int | None = None,
-) -> _HeldFound:
+) -> FoundStates:
     """The equilibria with the given numbers.
 
     within: ranges of unknown numbers in place of the default ones; values: how many of each. tries: the deflations
     without a new equilibrium after which the search ends.
     """
-    result = _HeldFound(given, ranges_of(given, within or {}, values))
+    result = FoundStates(given, ranges_of(given, within or {}, values))
     scanned = states_between_hinges(given)
     points = [] if scanned else swept(given, result.ranges, most_periods)
     result.problems, result.equilibria = len(points), sum(len(point.states) for point in points)

@@ -50,7 +50,7 @@ WEIGHT, BUCKLED = "growth of the weight", "a buckling load of the straight rod"
 
 
 @dataclass(frozen=True, eq=False)
-class _FoundShapes:
+class FoundShapes:
     """shapes: different ones. index, how: of each. scanned: ranges of the scan in units of rho, None without one."""
 
     shapes: list[Shape]
@@ -67,14 +67,14 @@ class _FoundShapes:
         self.how.append(how)
 
 
-def scan_one_unknown(rod: LoadedRod) -> tuple[_FoundShapes, bool]:
+def scan_one_unknown(rod: LoadedRod) -> tuple[FoundShapes, bool]:
     """The equilibria of a vertical rod by a scan of the one number of its start, and whether they are all.
 
     They are where the scan resolves the far end, each of its starts leads to another shape, and (-1)^index adds up to
     1, or between two hinges, where the starts lie on a circle, to 0.
     """
     t = rod.nodes()
-    result = _FoundShapes([], [], [], None)
+    result = FoundShapes([], [], [], None)
     if rod.straight:
         result.add(straight_shape(rod, t), STRAIGHT)
     begin, resolved = every_start(rod)
@@ -84,14 +84,14 @@ def scan_one_unknown(rod: LoadedRod) -> tuple[_FoundShapes, bool]:
     return result, resolved and len(result.shapes) == len(begin) and degree == (0 if rod.turns_freely else 1)
 
 
-def search_shapes(rod: LoadedRod, light: Sequence[Any] = (), known: _FoundShapes | None = None) -> _FoundShapes:
+def search_shapes(rod: LoadedRod, light: Sequence[Any] = (), known: FoundShapes | None = None) -> FoundShapes:
     """The equilibria found from the straight rod, from those without weight, by a scan and by deflation.
 
     light: solutions of the rod without weight. known: what is found already. A long rod is not scanned.
     """
     t = rod.nodes()
     scanned = ranges(rod) if rod.span <= LONGEST and known is None else None
-    result = _FoundShapes([], [], [], scanned) if known is None else known
+    result = FoundShapes([], [], [], scanned) if known is None else known
     if rod.straight:
         result.add(straight_shape(rod, t), STRAIGHT)
     begun = branch_from_straight(rod)
