@@ -21,9 +21,9 @@ STEPS = 8  # of Newton's method for the place of an edge
 class Contact(NamedTuple):
     """An interval of contact, from the first of the places to the last one, in units of rho; a point, if there is one.
 
-    places, push: (n,), and the push per length there. points: places of point forces, and these. readings: what a point
-    of a few nodes may be as well, where these are too few to tell: a short interval, or no contact but a part of what
-    holds the end beside it.
+    places, push: (n,), and the push per length there. points: places of point forces, and these. readings: what else a
+    point of a few nodes may be, where these are too few to tell: a short interval, and next to an end no contact but a
+    part of what holds that end.
     """
 
     places: Array
@@ -58,7 +58,7 @@ def contacts_of(force: Array, h: float, grounded: Booleans) -> list[Contact]:
 
     force: of the wall on the nodes, (N + 1,). grounded: whether the ends of the rod are on the wall.
     """
-    # of the largest force: less is rounding
+    # a force below this share of the largest one is rounding
     touching = np.flatnonzero(force > NEGLIGIBLE * force.max())
     runs = np.split(touching, np.flatnonzero(np.diff(touching) > NEAR) + 1) if touching.size else []
     return [_contact(force, h, int(run[0]), int(run[-1]), grounded) for run in runs]

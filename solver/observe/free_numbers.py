@@ -31,15 +31,20 @@ UNDEFINED = {
 
 
 class FreeReading:
-    """One mesh of a rod, in units of A and rho. a: the radius of the rod."""
+    """One mesh of a rod, in units of A and rho.
 
-    def __init__(self, shape: FreeShape, a: float, reading: int = -1) -> None:
+    a: the radius of the rod. reading: which of its other readings a contact of a few nodes has; None for the contacts
+    as they are.
+    """
+
+    def __init__(self, shape: FreeShape, a: float, reading: int | None = None) -> None:
         self.shape, self.rod, self.a, self.reading = shape, shape.rod, a, reading
 
     @cached_property
     def contacts(self) -> list[Contact]:
-        """The contacts, or what else those of a few nodes may be."""
-        return [(on, *on.readings, *[on] * 2)[self.reading + 1] for on in self.shape.contacts]
+        """The contacts in this reading; those without it as they are."""
+        k = self.reading
+        return [on if k is None or k >= len(on.readings) else on.readings[k] for on in self.shape.contacts]
 
     @cached_property
     def along(self) -> Along:

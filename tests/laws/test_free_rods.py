@@ -364,11 +364,8 @@ def test_the_first_motion_of_a_rod_is_along_the_fall_of_its_energy(freed: tuple[
     """What drags balances the push and the change of the internal force at each place, as in dE + drag dx/dt = 0."""
     held, _ = freed
     (curve,) = curves_of(held, "held")
-    sinking = Sinking(
-        problems_of(case_of_held_ends(held, [curve]))[0],
-        curve,
-        replace(problems_of(case_of_held_ends(held, [curve]))[0].rod, edges=96),
-    )
+    (beside,) = problems_of(case_of_held_ends(held, [curve]))
+    sinking = Sinking(beside, curve, replace(beside.rod, edges=96))
     before = sinking.step(sinking.begun, 1e-6)
     time = 1e-4
     after = sinking.step(before, time)
