@@ -92,7 +92,7 @@ def _equilibria_across(branch: Branch, special: SpecialPoint, value: float, reac
     others = [
         equilibrium.solution
         for equilibrium in every
-        if all(np.abs(equilibrium.solution.beta - beta).max() > ALIKE for beta in shapes)  # rad: two shapes are one
+        if all(np.abs(equilibrium.solution.beta - beta).max() > ALIKE for beta in shapes)  # rad: they are different
     ]
     others.sort(key=lambda solution: float(np.abs(solution.beta - point.solution.beta).max()))
     solutions = [other for other in others[:_MOST] if _leads_through(other, branch.field, special.value, value, reach)]

@@ -57,7 +57,7 @@ class Bounds:
 class Place:
     """An equilibrium of a branch.
 
-    p: the parameter. path: a `orbits.boundary.Path`, of its orbit; with weight or friction its
+    p: the parameter. path: an `orbits.boundary.Path`, of its orbit; with weight or friction its
     `nodes.varying_shapes.Shape`. problem: which the orbit solves under dead loads, an `EndsProblem`; None with
     weight or friction. index: Morse index, None where it is not known. kind: of special point.
     """

@@ -237,7 +237,7 @@ def _is_same(first: Place, place: Place) -> bool:
 def creeps(before: BranchState, after: BranchState, bounds: Bounds, leap: bool) -> bool:
     """Whether p changes by rounding; or, in a leap beside a helix, by little of the way to the next halt."""
     far, ahead = abs(after.p - before.p), abs(bounds.next(before.p, before.rises > 0) - before.p)
-    # ALIKE of p where it must rise from 0 to 1: a point that goes less far does not advance
+    # where p must rise from 0 to 1, a point that goes less far than ALIKE does not advance
     if far < (ALIKE if before.curve.family.natural else 100 * bounds.round_off):
         return True
     return leap and far < _LITTLE * ahead and bool(np.ptp(_angles(after)) < _SLIGHT)
@@ -300,7 +300,7 @@ def past_helix(state: BranchState, bounds: Bounds) -> BranchState | None:
 
     On a helix no path has a level: beta_t falls to zero along the whole rod and grows again with the other sign.
     """
-    # ASIDE, in scales, from a point to one before it: they tell how beta_t falls towards a helix
+    # the point and one ASIDE before it, in scales, tell how beta_t falls towards a helix
     family, behind = state.curve.family, state.curve.at(state.node.w - ASIDE * state.node.tangent)
     if state.at is None or behind is None or not state.rises:
         return None

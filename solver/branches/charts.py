@@ -62,5 +62,5 @@ def same_equilibrium(problem: EndsProblem, path: Path, other: Path) -> bool:
     first, second = charts(problem, path)[0], charts(problem, other)[0]
     if (first.kind, first.logarithmic, first.at.sign) != (second.kind, second.logarithmic, second.at.sign):
         return False
-    near = abs(np.sin((first.at.pin - second.at.pin) / 2)) < ALIKE  # in scales: coordinates of one equilibrium
+    near = abs(np.sin((first.at.pin - second.at.pin) / 2)) < ALIKE  # in scales: one equilibrium
     return near and abs(coordinate(first) - coordinate(second)) < ALIKE * first.scale

@@ -44,7 +44,7 @@ def carry(state: OrbitState, wanted: Given, most: int = POINTS) -> OrbitState | 
     ended = stop.reason == END
     if last is not None and last.path.helix and ended:
         return state_of(last.problem, last.path)
-    # ALIKE: the share of the line from whose last point its end is tried where the steps became too small
+    # where the steps became too small within the last share ALIKE of the line, its end is tried from there
     if last is not None and (ended or (stop.reason != FOLD and 1 - share < ALIKE)):
         settled = settle(last.problem, last.path, wanted)
         if not isinstance(settled, str):

@@ -107,7 +107,7 @@ def fold_beside(state: OrbitState, wanted: Given) -> tuple[Array, float] | None:
     left, slopes, right = np.linalg.svd(rows @ unit)
     change = np.asarray(every @ (unit @ right[-1]))
     off = []
-    for share in (0.0, ASIDE, -ASIDE):  # of the numbers, over which the curvature of the equations is read
+    for share in (0.0, ASIDE, -ASIDE):  # of the change, over which the curvature of the equations is read
         beside = _beside(state, change, share)
         if beside is None:
             return None

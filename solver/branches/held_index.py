@@ -50,7 +50,7 @@ def dead_index(rates: OrbitRates, leaving: Array, turns: Array, ends: tuple[str,
     passed = half_turns(rates, leaving, turns, ends)
     index = np.maximum(np.ceil(passed), 0.0)
     with np.errstate(invalid="ignore"):
-        # nearer to the condition at the far end, of half a turn of the phase, the index is not decided
+        # where the phase is nearer to the condition at the far end, in half turns, the index is not decided
         return np.where(np.abs(passed - np.round(passed)) > NEGLIGIBLE, index, np.nan)
 
 

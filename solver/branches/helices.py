@@ -115,7 +115,7 @@ def off_helix(state: OrbitState, wanted: Given) -> Iterator[Guess]:
     parts = parts_of(state.rates, first, values[:, None], span)[:, 0]
     moves = np.abs(change[[NUMBERS.index(name) for name in (*FREE, "dbeta0", "dbetaL")]])
     largest = float(moves.max())
-    # a beta_t that is smaller, of the largest change, the helix does not get
+    # where beta_t at both ends changes by a smaller share of the largest change, the rod stays a helix
     if not np.isfinite(largest) or not moves[-2:].max() > NEGLIGIBLE * largest:
         return
     t = np.linspace(0, float(state.problem.span[0]), _STATIONS)

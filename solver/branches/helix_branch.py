@@ -25,7 +25,7 @@ from .helices import helices_of
 _STEP = 0.25  # of the parameter's scale
 _NEAR = 0.5  # rad: the largest change of the angle in a step
 _EXACT = 1e-15  # relative, of the parameter of a special point
-# of the parameter's scale: how near a helix ceases that ends a branch; with 0.1 a stored branch ends so that does not
+# of the parameter's scale: how near a helix must cease for a branch to end there; at 0.1 a stored one would, wrongly
 _CEASES = 1e-2
 _ALONG, _SHARE = 0.15, 0.2  # rad about a helix, and the share of the rod that lies there
 _ROUNDS, _NUDGE = 20, 1e-6  # of Newton's rule; rad and of the parameter's scale, for differences
@@ -132,7 +132,7 @@ def _special(family: Family, p: float, near: Place) -> Place:
     place = helix_place(family, p, near.problem)
     assert place is not None
     waves = float(helix_half_waves(place.problem)[0])
-    # ALIKE of a half wave, from an even number of them
+    # a number of half waves that differs less from an even number is even
     even = abs(waves - 2 * np.round(waves / 2)) < ALIKE
     # H'' is 0 at a helix about which G is symmetric
     even = even or abs(float(slope_higher_rates(place.problem, place.problem.beta0)[0][0])) < NEGLIGIBLE

@@ -214,7 +214,7 @@ class OrbitFold(OrbitPoint):
     @property
     def is_true(self) -> bool:
         """Whether it moves with z."""
-        return bool(np.abs(self.more).max() > ALIKE)  # least change of the equations of a fold by z
+        return bool(np.abs(self.more).max() > ALIKE)  # where z changes its equations less, it stays
 
     @cached_property
     def lower(self) -> int:

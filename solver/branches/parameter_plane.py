@@ -109,7 +109,7 @@ def parameter_plane(case: Case, ranges: dict[str, Any]) -> ParameterPlane:
     first, second = check_fields(case, ranges)
     ends = np.array([read_range(name, ranges[name]) for name in (first, second)])
     plane = ParameterPlane(case, (first, second), ends[:, 0], ends[:, 1])
-    # ASIDE of a range: how far beyond it equilibria may be computed
+    # equilibria may be computed as far beyond a range as the share ASIDE of it
     corners = np.array([[u, w] for u in (-ASIDE, 0.5, 1 + ASIDE) for w in (-ASIDE, 0.5, 1 + ASIDE)])
     try:
         plane.case_at(corners)

@@ -253,7 +253,7 @@ def border_point(point: Point, node: Node) -> Point | None:
 
 
 def _passes(first: LinePoint, second: LinePoint, before: LinePoint, after: LinePoint) -> bool:
-    """Whether the step from here to there passes the first point in the sense in which the line left it."""
+    """Whether the step from a point to the next one passes the first point in the sense in which the line left it."""
     if not first.mark.size == second.mark.size == before.mark.size == after.mark.size:
         return False
     begin, beyond, a, b = (np.append(point.z, point.mark) for point in (first, second, before, after))

@@ -60,7 +60,7 @@ def correct_equilibrium(problem: EndsProblem, given: Given, chart: Chart, x: flo
     if isinstance(corrected, str):
         return corrected
     assert last is not None
-    # of the length: by how much the length of an equilibrium may be off
+    # an orbit that is off by a larger share of the length is no equilibrium
     if not abs(given.span - float(last.rates.length[0])) < ROUGHLY * given.span:
         return DIVERGED  # swings that fell to rounding have no length
     return last if boundary_of(last.problem).joins_at(last.path) else LEFT
@@ -96,7 +96,7 @@ def path_on(problem: EndsProblem, chart: Chart, x: float) -> Path | None:
 
 
 def state_from_start(rates: OrbitRates, dbeta0: float, pin: Pin | None = None) -> OrbitState:
-    """The orbit that starts with beta_t = v, as a state; rates, pin: of `start_rates`.
+    """The orbit that starts with beta_t = dbeta0, as a state; rates, pin: of `start_rates`.
 
     A turning point at the start is not counted as passed, nor one at the far end.
     """

@@ -227,7 +227,7 @@ def _rate(parameter: Parameter, value: float) -> float:
     if parameter.name in POSITIVE:
         return 1.0
     angular = quantity(parameter.name).dimension == "rad"
-    # a smaller value, of the scale of its parameter, is 0
+    # a value below this share of the scale of its parameter is 0
     return 0.0 if angular or abs(value) < NEGLIGIBLE * parameter.scale else 1 / value
 
 

@@ -120,7 +120,7 @@ class Beside(NamedTuple):
 
     def meets(self, curve: BeginningCurve) -> bool:
         """Whether the ends of a curve are already where those of the rod are held."""
-        return self.way(curve) < ALIKE and not curve.grows  # of a step: ends that differ less are the same
+        return self.way(curve) < ALIKE and not curve.grows  # of a step: the ends are there
 
     def first_step(self, curve: BeginningCurve) -> float:
         """The share of the way from a curve that is gone first."""

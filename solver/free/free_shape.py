@@ -134,7 +134,7 @@ class FreeShape:
         arms, moved = self.x[1:] - self.x[0], self.rod.parts(motion)[1]
         turns = np.cross(np.eye(3)[:, None], arms).reshape(3, -1).T
         turn = np.linalg.lstsq(turns, moved.ravel(), rcond=None)[0]
-        # what is left of a motion that is a turn of the whole rod
+        # a motion is a turn of the whole rod if a turn leaves less than this share of it
         if np.linalg.norm(turns @ turn - moved.ravel()) > ROUGHLY * np.linalg.norm(moved):
             return "a motion of the rod needs no force"
         turn /= np.linalg.norm(turn)

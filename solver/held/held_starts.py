@@ -48,7 +48,7 @@ def equilibrium_beside(minimum: EnergyMinimum, helices: list[OrbitState]) -> Orb
     """
     given, u = minimum.land.given, minimum.land.mesh.points.ravel()
     beta = minimum.land.angles(minimum.beta).ravel()
-    # swings of a minimum that may be a helix
+    # a minimum whose beta varies less [rad] may be a helix
     if np.ptp(beta) < ROUGHLY:
         turn = TAU if not {"beta0", "betaL"} & {*given.names} else np.inf
         for helix in helices:

@@ -49,7 +49,7 @@ def states_between_hinges(given: Given) -> list[OrbitState]:
     roots = roots_between(off, _angles(problem, rate), BISECTIONS)[0]  # straight rods and helices are known
     states = []
     for angle, beta, speed in zip(roots, *ends(roots), strict=True):
-        # |beta_tt| is 0 of a helix between two hinges, which is found as a helix
+        # where beta_tt is 0 as well, the rod is a helix, and helices are found as such
         if rate == 0 and abs(float(slope(problem, np.array([angle]))[0])) < NEGLIGIBLE:
             continue
         beta0, dbeta0 = (beta, -speed) if backward else (angle, rate)

@@ -118,8 +118,8 @@ def select(choose: Choose, index: Array, energy: Array, strays: Array, dbeta0: A
         return None
     if choose != LOWEST:
         least = strays[among].min()
-        # strays and energies of mirror images differ by rounding
-        among = among[strays[among] <= least + NEGLIGIBLE * least + FAINT]  # rad: the same for strays next to zero
+        # strays and energies of mirror images differ by rounding; FAINT [rad] is for strays next to zero
+        among = among[strays[among] <= least + NEGLIGIBLE * least + FAINT]
     lowest = energy[among].min()
     among = among[energy[among] <= lowest + NEGLIGIBLE * np.abs(energy[among]).max()]
     positive = among[dbeta0[among] > 0]

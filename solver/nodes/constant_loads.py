@@ -92,6 +92,6 @@ def dead_indices(shapes: Sequence[Shape | None]) -> Array:
 def _dead_index(shape: Shape) -> float:
     """The Morse index of one shape: as many negative directions with springs that hardly push it away or hold it."""
     alone = replace(shape, rod=replace(shape.rod, held=frozenset({"beta0", "betaL"})).in_scales(shape.rod.scale))
-    # such weak springs tell whether a direction is stiff at all, as of `springs_of`
+    # springs of `springs_of` as weak as this tell whether a direction is stiff at all
     _, *nearby = indices_with_springs(alone, (-NEGLIGIBLE, NEGLIGIBLE))
     return float(nearby[0]) if nearby[0] == nearby[1] else np.nan
