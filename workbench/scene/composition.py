@@ -18,7 +18,7 @@ from .page import Mark, Page, Scene
 from .rendering import Placed, render
 from .scene_kinds import Cell, set_range
 from .settings import DEFAULT, Settings, TooFewStations
-from .views import EDGE, Camera, View, arrange
+from .views import Camera, View, arrange
 
 LINE = 1.5  # width of lines in pixels at `fonts.DPI`
 NARROWEST = 7.0  # inches of a page, for the line below the views
@@ -43,7 +43,7 @@ def compose(scene: Scene) -> Page:
     scene, beyond = colour_rods(_bare(scene) if settings.bare else scene)
     legend, notes = words_of(scene)
     room = _room_on(Page(scene, legend, notes))
-    arranged = arrange(scene.rows, scene.camera, room, scene.pitch, scene.columns)
+    arranged = arrange(scene.rows, scene.camera, room, scene.pitch, scene.columns, scene.edge)
     if scene.heads and fonts.width_of(scene.heads[0], fonts.NORMAL) > arranged.size[1]:  # no room beside the rows
         case = ", ".join(text for text in (scene.case, f"rows: {scene.heads[0]}") if text)
         return compose(replace(scene, heads=["", *scene.heads[1:]], case=case))
@@ -202,7 +202,7 @@ def _middles(scene: Scene, arranged: Arrangement) -> Iterator[tuple[View, Array]
     for view, (x, y, wide, high) in zip(scene.views, arranged.places, strict=True):
         if view.bodies:
             low, top = view.box(scene.camera)
-            foot = y + high - (0.0 if scene.pitch else EDGE)
+            foot = y + high - scene.edge
             yield view, np.array([x + wide / 2, foot - (top - low)[1] / 2 * arranged.scale])
 
 

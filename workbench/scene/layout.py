@@ -218,7 +218,8 @@ def _in_lines(
     spans, unit = lines.cut(*body.span), stored.units["length"]
     rows = [[View([piece], Cell(), turned, ends)] for piece in long_rod.cut(lines, body)]
     notes, heads = [lines.note(spans, unit), *notes], ["", *lines.heads(spans, unit)]
-    return composition.compose(replace(scene, rows=rows, heads=heads, notes=notes, pitch=long_rod.PITCH))
+    scene = replace(scene, rows=rows, heads=heads, notes=notes)
+    return composition.compose(replace(scene, pitch=long_rod.PITCH, edge=0.0))  # thin lines have no room for edges
 
 
 def _together(

@@ -28,7 +28,7 @@ from . import signs, true_scale
 from .body import Body
 from .scene_kinds import Cell, Paint, SceneKind
 from .settings import Settings
-from .views import BELOW, DOT, Camera, View
+from .views import BELOW, DOT, EDGE, Camera, View
 
 Pixels = NDArray[np.uint8]
 
@@ -73,7 +73,7 @@ class Scene:
         Width and largest height of the page.
     columns, heads
         Headings of columns and of rows: the quantity, then the values; the quantity may be empty. Default: none.
-    pitch
+    pitch, edge
         As of `views.arrange`.
     ringed
         Whether self-intersections are ringed.
@@ -95,6 +95,7 @@ class Scene:
     columns: Sequence[str] = ()
     heads: Sequence[str] = ()
     pitch: float = 0.0
+    edge: float = EDGE
     ringed: bool = True
     names: Sequence[str] = ()
     paint: Paint = field(default_factory=Paint)

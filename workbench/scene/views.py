@@ -30,7 +30,7 @@ CAMERAS: dict[str, tuple[tuple[float, float], ...]] = {
 LOW_SIDE_DOWN = np.radians(-120.0)  # azimuth of a viewer of a lying cylinder who looks down on its low side
 STEEPEST = 60.0  # degrees; beyond, lengths along the axis are hardly seen
 BELOW = 0.05  # inches from a view to its caption
-EDGE = 0.015  # around what is drawn, for its lines; above and below not where rows have a pitch
+EDGE = 0.015  # around what is drawn, for its lines
 EMPTY = 0.75  # least width of a column with a cell without a rod, for its reason
 DOT = 0.21  # the width of the dot of an equilibrium and the gap after it
 ROWS = 6  # rows that are tried
@@ -267,11 +267,12 @@ def arrange(
     room: tuple[float, float],
     pitch: float = 0.0,
     columns: Sequence[str] = (),
+    edge: float = EDGE,
 ) -> Arrangement:
     """The largest arrangement of views, each above its caption, in a room of width and height in inches.
 
     pitch: from row to row in heights of a row, where rows have no captions; default: the captions decide. columns: the
-    headings of columns, the first of all.
+    headings of columns, the first of all. edge: above and below what is drawn.
     """
     size = np.array(
         [[np.subtract(*view.box(camera)[::-1]) if view.bodies else (0.0, 0.0) for view in row] for row in rows]
@@ -279,8 +280,7 @@ def arrange(
     words = np.array([[_caption_size(view.cell) for view in row] for row in rows])
     for k, head in enumerate(columns[1:]):
         words[:, k, 0] = np.maximum(words[:, k, 0], fonts.width_of(head, fonts.NORMAL))
-    size, edges = size if size.any() else np.ones_like(size), (EDGE, 0.0 if pitch else EDGE)
-    return arrangement.arrange(size, words, room, edges, pitch)
+    return arrangement.arrange(size if size.any() else np.ones_like(size), words, room, (EDGE, edge), pitch)
 
 
 def in_rows(views: Sequence[View], camera: Camera, room: tuple[float, float]) -> list[list[View]]:
