@@ -8,9 +8,10 @@ from solver.orbits.potential import dimensional_slope
 from studies import load
 from tests.workbench.pictures import draws
 from workbench.branches import branch_dataset, snap
+from workbench.commands import study_scene
 from workbench.figures import bifurcation
 from workbench.run import writing
-from workbench.scene import branch_rods, film, scene_kinds
+from workbench.scene import branch_rods, film, opengl, scene_kinds
 from workbench.scene.settings import Settings
 from workbench.stored.stored_study import StoredStudy
 
@@ -102,7 +103,7 @@ def test_each_stable_shape_of_the_file_is_found_again(stored) -> None:
 
 @draws
 def test_a_dot_moves_in_the_diagram_of_the_branches_and_the_rod_beside_it(stored, way) -> None:
-    ds = snap.evenly(snap.as_dataset(stored, way), 3).assign_attrs({scene_kinds.NOTE: snap.MOTION})
+    ds = snap.evenly(snap.as_dataset(stored, way), 3).assign_attrs({scene_kinds.NOTE: study_scene.MOTION})
     frames = list(film.frames(StoredStudy(ds), film.Film("FZ", {}, "height", "plain", 1.0, 50, branches=stored)))
     assert len({frame.shape for frame in frames}) == 1
     blue = [np.argwhere((frame[..., 2] > 100) & (frame[..., 0] < 80) & (frame[..., 1] < 120)) for frame in frames]
@@ -115,7 +116,8 @@ def test_a_dot_moves_in_the_diagram_of_the_branches_and_the_rod_beside_it(stored
 def test_every_stable_rod_stands_below_the_diagram_with_the_number_of_its_point(stored) -> None:
     stable = bifurcation.stable_shapes(stored)
     rods = StoredStudy(snap.rods_of_shapes(stored, stable, 201))
-    fig, _ = branch_rods.figure(stored, stable, rods, Settings(dpi=50, pixel_error=2.0))
+    fig, picture = branch_rods.figure(stored, stable, rods, Settings(dpi=200, pixel_error=2.0))
+    assert (picture.pixels[0] == 255).all()  # no rim is cut at the top
     names = [bifurcation.names_of_shapes(stored)[k] for k in stable]
     diagram, words = fig.axes
     assert sorted(text.get_text() for text in diagram.texts) == sorted(names)
@@ -138,4 +140,15 @@ def test_no_option_is_ignored_by_a_scene_of_branches(options, said, stored, tmp_
     writing.write(stored.ds, tmp_path / "branches.h5")
     status, _, wrong = call("scene", "branches.h5", *options.split())
     assert (status, said in wrong) == (2, True), wrong
+    assert [path.name for path in tmp_path.iterdir()] == ["branches.h5"]
+
+
+@pytest.mark.parametrize("name", ["x.png", "x.gif"])
+def test_without_opengl_a_scene_of_branches_says_so_before_it_solves(name, stored, tmp_path, monkeypatch, call) -> None:
+    solved = []
+    monkeypatch.setattr(opengl, "probe", lambda: (False, "OpenGL does not work here"))
+    monkeypatch.setattr(snap, "equilibria", lambda *_, **__: solved.append("solved"))
+    writing.write(stored.ds, tmp_path / "branches.h5")
+    status, _, wrong = call("scene", str(tmp_path / "branches.h5"), "--out", str(tmp_path / name))
+    assert (status, "OpenGL does not work here" in wrong, solved) == (1, True, []), wrong
     assert [path.name for path in tmp_path.iterdir()] == ["branches.h5"]

@@ -21,6 +21,7 @@ from scipy.linalg import solve_banded
 from solver import Case, Solution, equilibria, follow, solve
 from solver.equilibria import nearest
 from solver.follow import solutions_of
+from solver.numerics.roots import Ending, newton
 from solver.orbits.potential import dimensional_slope
 from solver.problem.declared_fields import FIELDS
 from solver.problem.errors import InputError
@@ -36,10 +37,10 @@ BEYOND = 2e-3  # of the axis: how far the load goes on beyond a fold, so that th
 TURN, TURNS = 0.03, 4000  # rad by which a section turns in a step at most; steps
 AT_REST = 1e-7  # of the steepness of the energy, times the length squared
 AGREES = 0.02  # rad: between a shape at rest on a grid and the equilibrium there
+ENDING = Ending(rounds=12, goal=1e-12, small=1e-9, longest=1.0)  # of Newton's rule in a step, in rad
 MOST = 6  # snaps of one film
 SLOWEST = 4.0  # radii of the wall as which a change of the load over all of the axis counts: a rod at rest is seen too
 KEPT = ("title", "reading", "stiffness", "side", "length_unit", "force_unit", "versions")  # attributes
-MOTION = "where the rod snaps: a descent of the energy, as in a viscous medium"
 
 Array = NDArray[np.float64]
 
@@ -180,21 +181,20 @@ def descent(case: Case, beta: Array) -> Iterator[Array]:
 
 
 def _step(beta: Array, time: float, h: float, slope: Callable[[Array], Array]) -> Array | None:
-    """beta after a time, by Newton's method; None where that does not converge."""
-    new, eps, change = beta.copy(), 1e-6, np.full(1, np.inf)
-    for _ in range(12):
+    """beta after a time, by Newton's rule; None where that does not converge."""
+    eps = 1e-6
+
+    def correct(new: Array) -> tuple[Array, float]:
         inner = new[1:-1]
         pull = np.diff(new, 2) / h**2 + slope(inner)
         rate = (slope(inner + eps) - slope(inner - eps)) / (2 * eps)
         rows = np.full((3, inner.size), -1 / h**2)
         rows[1] = 1 / time + 2 / h**2 - rate
         change = solve_banded((1, 1), rows, (beta[1:-1] - inner) / time + pull)
-        new[1:-1] += change
-        if not np.abs(change).max() < 1.0:
-            return None
-        if np.abs(change).max() < 1e-12:
-            return new
-    return new if np.abs(change).max() < 1e-9 else None
+        return np.concatenate([new[:1], inner + change, new[-1:]]), float(np.abs(change).max())
+
+    new = newton(beta, correct, ENDING)
+    return None if isinstance(new, str) else new
 
 
 def as_dataset(stored: StoredStudy, way: list[Moment]) -> xr.Dataset:

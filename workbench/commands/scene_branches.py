@@ -91,19 +91,20 @@ def _film(file: Path, stored: "StoredStudy", out: Path, wanted: SceneOptions, lo
     from ..branches import snap
     from ..scene import film, opengl, scene_kinds
     from ..stored.stored_study import StoredStudy
+    from . import study_scene
 
     fps = film.FPS if wanted.fps is None else wanted.fps
     path = check_file(out, film.SUFFIXES, wanted.force)
     film.check_counts(wanted.frames, fps)
     film.check_writers([path])
-    way = snap.way_of(stored)
-    shapes = snap.evenly(snap.as_dataset(stored, way), wanted.frames or FRAMES)
-    rods = StoredStudy(shapes.assign_attrs({scene_kinds.NOTE: snap.MOTION}))
     able, advice = opengl.probe()
     if not able:
         return result_of_files([], warnings=[advice], status=1)
+    shapes = snap.evenly(snap.as_dataset(stored, snap.way_of(stored)), wanted.frames or FRAMES)
+    said = f"where the rod snaps: {study_scene.MOTION}"
+    rods = StoredStudy(shapes.assign_attrs({scene_kinds.NOTE: said}))
     axis, shown = str(stored.attrs["axis"]), str(stored.attrs["shown"])
     of = film.Film(axis, {}, shown, "plain", wanted.pixel_error, wanted.dpi or FILM_DPI, settings=look, branches=stored)
     with console.progress(rods.sizes[axis], lines=True) as step:
         film.write([path], film.frames(rods, of, step), fps, stay=0.0 if wanted.frames else film.HOLD)
-    return result_of_files([path], [f"{path}: {rods.sizes[axis]} shapes, {snap.MOTION}, {fps:g} frames per second"])
+    return result_of_files([path], [f"{path}: {rods.sizes[axis]} shapes, {said}, {fps:g} frames per second"])
