@@ -31,13 +31,13 @@ std = 0.1
 """
 
 
-def sampled(text: str, head: str = HEAD) -> dict[str, np.ndarray]:
+def samples_of(text: str, head: str = HEAD) -> dict[str, np.ndarray]:
     return loads(head + text).variation.dimensions.fields
 
 
 def one(field: str, keys: str, method: str = "sobol", size: int = 4096) -> np.ndarray:
     """The values of one sampled field."""
-    return sampled(f'[sample]\nmethod = "{method}"\nsize = {size}\nseed = 1\n[sample.{field}]\n{keys}')[field]
+    return samples_of(f'[sample]\nmethod = "{method}"\nsize = {size}\nseed = 1\n[sample.{field}]\n{keys}')[field]
 
 
 DISTRIBUTIONS = {
@@ -77,7 +77,7 @@ def test_degrees_are_stored_in_rad() -> None:
 
 def test_a_latin_hypercube_has_one_value_in_each_share_of_every_field() -> None:
     text = SOBOL.replace("size = 64", 'size = 50\nmethod = "latin-hypercube"')
-    values = sampled(text)
+    values = samples_of(text)
     shares = stats.uniform(0.5, 1.0).cdf(values["R"]), stats.loguniform(5e3, 4e4).cdf(values["E"])
     for share in shares:
         assert sorted(np.floor(50 * share).astype(int)) == list(range(50))
@@ -86,7 +86,7 @@ def test_a_latin_hypercube_has_one_value_in_each_share_of_every_field() -> None:
 @pytest.mark.parametrize("method", ["sobol", "latin-hypercube", "random"])
 def test_a_seed_always_gives_the_same_samples_and_another_seed_others(method: str) -> None:
     text = SOBOL.replace("size = 64", f'size = 64\nmethod = "{method}"')
-    first, again, other = (sampled(t)["E"] for t in (text, text, text.replace("seed = 3", "seed = 4")))
+    first, again, other = (samples_of(t)["E"] for t in (text, text, text.replace("seed = 3", "seed = 4")))
     np.testing.assert_array_equal(first, again)
     assert not np.isin(other, first).any()
 
@@ -95,7 +95,7 @@ def test_a_seed_always_gives_the_same_samples_and_another_seed_others(method: st
 @pytest.mark.parametrize("size", [65, 100, 128])
 def test_more_samples_begin_with_those_of_fewer(method: str, size: int) -> None:
     text = SOBOL.replace("size = 64", f'size = 64\nmethod = "{method}"')
-    few, many = sampled(text), sampled(text.replace("size = 64", f"size = {size}"))
+    few, many = samples_of(text), samples_of(text.replace("size = 64", f"size = {size}"))
     for name, values in few.items():
         np.testing.assert_array_equal(many[name][:64], values)
 

@@ -132,7 +132,7 @@ def by_rule(file: h5py.File) -> Iterator[Change]:
         yield from ((f"{name}@{key}", value) for key, value in DECODED.items() if name)
 
 
-def damaged(whole: bytes, random: Random) -> bytes:
+def damage(whole: bytes, random: Random) -> bytes:
     """A file that is cut short, or has some bytes changed, a few or a stretch of them."""
     content, at = bytearray(whole), random.randrange(len(whole))
     if random.random() < 0.2:

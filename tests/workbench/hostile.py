@@ -75,11 +75,11 @@ def main(folder: Path, good: Path, *names: str) -> None:
             [{"FILE": str(path), "GOOD": str(good)}.get(word, word) for word in COMMANDS[name].split()]
             for name in names
         ]
-        for end, faults in map(end_of, asked) if path == good else forked(asked):
+        for end, faults in map(end_of, asked) if path == good else ends_in_child(asked):
             print(json.dumps({"file": path.name, "status": end, "faults": faults}), flush=True)
 
 
-def forked(asked: list[list[str]]) -> list[tuple[Any, list[str]]]:
+def ends_in_child(asked: list[list[str]]) -> list[tuple[Any, list[str]]]:
     """What came of each command, all in one process; if that was killed, they all were."""
     read, write = os.pipe()
     child = os.fork()

@@ -204,7 +204,7 @@ SHEETS = {"screen": sheet(), "page": sheet("paper", 183), "column": sheet("paper
 
 
 @pytest.fixture(scope="module")
-def drawn_many(many) -> dict[str, Figure]:
+def figures_of_many(many) -> dict[str, Figure]:
     figures = {name: bifurcation.figure(many, on) for name, on in SHEETS.items()}
     for fig in figures.values():
         fig.draw_without_rendering()
@@ -219,9 +219,9 @@ def numbers_in(text: str) -> set[str]:
 
 @pytest.mark.parametrize("name", SHEETS)
 def test_of_many_branches_each_stable_one_has_its_number_and_its_rod_and_no_number_cuts_an_unstable_line(
-    many, drawn_many, name
+    many, figures_of_many, name
 ) -> None:
-    fig = drawn_many[name]
+    fig = figures_of_many[name]
     ax = fig.axes[0]
     numbers = set().union(*(numbers_in(text.get_text()) for text in ax.texts))
     stable = {str(row["branch"] + 1) for row in many.data("branches") if row["index"] == 0}
@@ -237,8 +237,8 @@ def test_of_many_branches_each_stable_one_has_its_number_and_its_rod_and_no_numb
         assert not any(path.intersects_bbox(box, filled=False) for path in paths), text.get_text()
 
 
-def test_nothing_of_an_unstable_branch_is_drawn_over_a_stable_one(many, drawn_many, dead, drawn) -> None:
-    for stored, fig in (*((many, fig) for fig in drawn_many.values()), (StoredStudy(dead), drawn["dead"])):
+def test_nothing_of_an_unstable_branch_is_drawn_over_a_stable_one(many, figures_of_many, dead, drawn) -> None:
+    for stored, fig in (*((many, fig) for fig in figures_of_many.values()), (StoredStudy(dead), drawn["dead"])):
         ax = fig.axes[0]
         lines = [line for line in ax.lines if line.get_linewidth() > 1 and line.get_label() == "stable"]
         over = min(line.get_zorder() for line in lines)
@@ -253,18 +253,18 @@ def test_nothing_of_an_unstable_branch_is_drawn_over_a_stable_one(many, drawn_ma
 
 
 @pytest.mark.parametrize("name", SHEETS)
-def test_a_rod_of_a_diagram_of_branches_is_stable_or_large_enough_to_be_seen(drawn_many, name) -> None:
-    fig = drawn_many[name]
+def test_a_rod_of_a_diagram_of_branches_is_stable_or_large_enough_to_be_seen(figures_of_many, name) -> None:
+    fig = figures_of_many[name]
     for line in (line for line in shapes(fig) if line.get_linewidth() < 1):
         places = line.get_transform().transform(line.get_xydata())
         assert np.ptp(places, axis=0).max() / fig.dpi > 0.8 * bifurcation.SMALLEST  # a layout makes views smaller
 
 
 def test_lines_of_many_unstable_branches_are_whole_and_thin_as_dashes_side_by_side_make_a_pattern(
-    drawn_many, drawn
+    figures_of_many, drawn
 ) -> None:
     looks = []
-    for fig in (drawn_many["screen"], drawn["dead"]):
+    for fig in (figures_of_many["screen"], drawn["dead"]):
         (line, *_) = [line for line in fig.axes[0].lines if line.get_label() == "unstable"]
         looks.append((line.get_linestyle(), line.get_linewidth()))
     assert looks == [("-", 0.5), ("--", colours.UNSTABLE["linewidth"])]

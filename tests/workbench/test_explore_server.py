@@ -109,21 +109,21 @@ def test_a_rod_that_may_leave_the_cylinder_continues_from_the_one_before_and_its
     """The second shape is not sought anew; another page begins afresh, and finds the shape of the solver."""
     mine, other = ({"X-Page": name} for name in ("mine", "other"))
 
-    def shown(headers: dict[str, str], **asked_for: object) -> tuple[dict, dict]:
+    def shape_of(headers: dict[str, str], **asked_for: object) -> tuple[dict, dict]:
         return unpacked(asked(port, "POST", "/shape", asked_for, headers).data)
 
     let_go, moved = (state(E=E) | {"let_go": True} for E in (1.07e4, 1.1e4))
-    head, arrays = shown(mine, state=let_go, lost=False)
+    head, arrays = shape_of(mine, state=let_go, lost=False)
     assert "found from the shape that was let go" in head["outcome"]
     assert arrays["gap"].max() > 5.0  # cm: the rod of Table 1 springs off
     assert np.allclose(np.hypot(arrays["x"], arrays["y"]) - 1.0, arrays["gap"], atol=1e-9)
-    head, arrays = shown(mine, state=moved, lost=True)
+    head, arrays = shape_of(mine, state=moved, lost=True)
     assert "found from the seed" in head["outcome"]
     rows = json.loads(asked(port, "POST", "/numbers", {"state": moved}, mine).data)["rows"]
     numbers = {row["name"]: row["value"] for row in rows}
     assert numbers["gap_max"] == pytest.approx(head["numbers"]["gap_max"], rel=1e-12)
     assert asked(port, "POST", "/download", {"state": moved, "kind": "glb"}, mine).data.startswith(b"glTF")
-    anew, _ = shown(other, state=moved, lost=True)
+    anew, _ = shape_of(other, state=moved, lost=True)
     assert "found from the shape that was let go" in anew["outcome"]
 
 

@@ -32,13 +32,13 @@ def ds() -> xr.Dataset:
     return in_memory.run(small.study(AXIS, 'observables = ["turns_around", "height"]'))
 
 
-def shown() -> film.Film:
+def plain_film() -> film.Film:
     return film.Film("E", {}, "height", "plain", 1.0, DPI)
 
 
 @pytest.fixture(scope="module")
 def made(ds) -> list[np.ndarray]:
-    return list(film.frames(StoredStudy(ds), shown()))
+    return list(film.frames(StoredStudy(ds), plain_film()))
 
 
 @draws
@@ -60,7 +60,7 @@ def test_the_cylinder_stands_still_the_rod_moves_and_the_curve_grows_to_the_righ
 @draws
 def test_a_case_without_a_shape_is_a_frame_that_says_so(ds, made) -> None:
     lost = small.with_outcomes(ds, ["solved", "no solution", "solved"]).assign(height=("E", [1.0, np.nan, 2.0]))
-    frames = list(film.frames(StoredStudy(lost), shown()))
+    frames = list(film.frames(StoredStudy(lost), plain_film()))
     assert {frame.shape for frame in frames} == {made[0].shape}
     top, foot = round((film.SIZE[1] - film.TOP - 0.3) * DPI), round((film.FOOT + film.DIAGRAM[1] + 0.2) * DPI)
     assert (frames[1][-top:-foot].max(axis=-1) < 250).mean() < 0.02  # a few letters

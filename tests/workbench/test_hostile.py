@@ -112,7 +112,7 @@ def test_an_altered_or_damaged_file_is_read_or_refused_in_a_sentence(
         with suppress(InputError):  # no checksums of a file that cannot be read
             alter(kind, change, folder / f"{k} altered", is_summed=k % 3 == 0)
         if k % 2:
-            (folder / f"{k} damaged").write_bytes(altered.damaged(bare.read_bytes(), random))
+            (folder / f"{k} damaged").write_bytes(altered.damage(bare.read_bytes(), random))
     ends(kind, folder, commands)
 
 

@@ -192,7 +192,7 @@ def _special(stored: StoredStudy, name: str, key: str, kind: str) -> tuple[Any, 
     return x[chosen], y[chosen], stable[chosen]
 
 
-def _held_kind(index: Any, dead: Any) -> NDArray[np.int_]:
+def _kind_under_held_ends(index: Any, dead: Any) -> NDArray[np.int_]:
     """The kind of `_HELD` of each Morse index under held ends; dead: that under dead loads, NaN where it is unknown."""
     return np.select([index > 0, dead > 0, dead == 0], [0, 1, 2], 3)
 
@@ -204,7 +204,7 @@ def _runs(stored: StoredStudy, ax: Axes, on: Any, points: Any) -> list[tuple[Any
     a mark says that a rod would snap through under dead loads.
     """
     index, dead = stored["curve_index"].values[on], stored["curve_dead_index"].values[on]
-    kind = _held_kind(index, dead)
+    kind = _kind_under_held_ends(index, dead)
     if kind.size > 2:
         kind[[0, -1]] = kind[[1, -2]]
         at = 1 + np.flatnonzero(np.diff(dead > 0) & (index[1:] == 0) & (index[:-1] == 0))
@@ -266,7 +266,7 @@ def _look_of_shape(stored: StoredStudy, k: int) -> dict[str, Any]:
     on = np.flatnonzero(stored["curve_branch"].values == number)
     at = on[int(np.argmin(np.abs(stored[f"curve_{name}"].values[on] - float(stored[f"shape_{name}"].values[k]))))]
     index, dead = stored["curve_index"].values[at], stored["curve_dead_index"].values[at]
-    return colours.of_line(_HELD[int(_held_kind(index, dead))][0])
+    return colours.of_line(_HELD[int(_kind_under_held_ends(index, dead))][0])
 
 
 def _in_order(stored: StoredStudy) -> list[int]:

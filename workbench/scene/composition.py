@@ -25,10 +25,8 @@ NARROWEST = 7.0  # inches of a page, for the line below the views
 COARSEST = 10.0  # pixels that a surface may be off; beyond, it is no picture of that rod
 RING = (0.03, 0.065)  # inches: the least and the largest radius of a ring, else `IN_RODS` radii of its rod
 IN_RODS = 0.75
-TICK = (
-    0.05,
-    1.3,
-)  # of a tick where a contact begins or ends: its least half length in inches, else in radii of its rod
+# of a tick where a contact begins or ends: its least half length in inches, else in radii of its rod
+TICK = 0.05, 1.3
 ITSELF = "the rod passes through itself"
 UNSEEN = " (no ring where the cylinder hides it)"
 CUT, ALONG = " (as far as the cylinder does not hide it)", 65  # places along a line at which that is asked
