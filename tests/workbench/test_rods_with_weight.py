@@ -211,6 +211,15 @@ def test_a_quantity_of_a_well_that_is_0_all_along_is_seen_beside_the_scale_of_th
     assert away > 2 * curve.get_linewidth()  # pixels at 100 an inch
 
 
+def test_the_title_of_a_well_says_which_pipe_of_a_study_is_drawn() -> None:
+    ds = study_kinds.well()
+    for at, value in (({}, float(ds["wob"][ds.sizes["wob"] // 2])), ({"wob": 60.0}, 60.0)):
+        title = well.figure(StoredStudy(ds), at=at).texts[0].get_text()
+        assert title.endswith(f", WOB = {value:g} kN")
+    one = StoredStudy(ds.isel(wob=0))
+    assert well.figure(one).texts[0].get_text() == one.attrs["title"]
+
+
 def test_a_yield_stress_without_its_unit_is_refused(tmp_path, capsys) -> None:
     path = writing.write(study_kinds.well(), tmp_path / "well.h5")
     assert exit_status("plot", path, "--kind", "well", "--yield-stress", "75", "--out", tmp_path / "well.png") == 2

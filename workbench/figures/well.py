@@ -101,7 +101,8 @@ def figure(
     said = _sentences(rod, case, tracks, units["length"])
     if load:
         panels[SLACK_OFF] = partial(_draw_slack_off, stored, load, place)
-    names = sheet.choose(panels)
+    names, at_case = sheet.choose(panels), stored.equations(place)
+    titled = stored.with_title(f"{stored.attrs['title']}, {at_case}") if place else stored
 
     def draw(count: int) -> Figure:
         drawn = names[:count]
@@ -110,8 +111,8 @@ def figure(
         lines += [(WIDE, [panels[SLACK_OFF]])] if SLACK_OFF in drawn else []
         lines = [(NARROW / len(lines), row) for _, row in lines] if sheet.narrow else lines
         left = canvas.say_left_out(names[count:], "--panel")
-        held = [f"The pipe at {stored.equations(place)}."] if place else []
-        return canvas.page(stored, sheet, lines, [*held, *said, *rods.notes, *left], 0.75)
+        held = [f"The pipe at {at_case}."] if place else []
+        return canvas.page(titled, sheet, lines, [*held, *said, *rods.notes, *left], 0.75)
 
     return canvas.with_room(draw, len(names))
 
