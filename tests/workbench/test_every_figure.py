@@ -49,6 +49,21 @@ def test_a_legend_without_a_free_place_stands_below_its_panel(page: str) -> None
     assert [fault for fault in faults(fig) if "over" in fault] == []
 
 
+def test_a_legend_keeps_off_the_lines_of_axes_that_became_lower_in_print() -> None:
+    fig = kinds.figure(StoredStudy(small.study_dataset("pipe_lubinski")), "lines", sheet("paper", 183))
+    assert [fault for fault in faults(fig) if "over" in fault] == []
+
+
+def test_a_long_formula_below_a_narrow_panel_is_typeset_in_lines_that_fit() -> None:
+    stored = StoredStudy(small.study_dataset("pipe_centred"))
+    fig = kinds.figure(stored, "lines", sheet("paper", 89), show=["all_push"])
+    assert [fault for fault in faults(fig) if "cut off" in fault] == []
+    texts = [text for ax in fig.axes if (legend := ax.get_legend()) for text in legend.get_texts()]
+    formulas = [text for text in texts if "$" in text.get_text()]
+    assert formulas
+    assert all(text.get_parse_math() for text in formulas)
+
+
 @cache
 def chosen() -> dict[str, StoredStudy]:
     """The files of the story."""

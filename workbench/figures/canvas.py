@@ -87,9 +87,8 @@ def figure(
             _set_title(fig, " · ".join(text for text in (stored.reading, said) if text), str(stored.attrs["title"]))
         _write_numbers(fig)
         set_in_mathematics(fig)
-        if layout is not None and (more := legend_room.clear(fig)):
-            high = fig.get_figheight() + more
-            resize(fig, (fig.get_figwidth(), min(high, tallest(sheet)) if sheet.style == "paper" else high))
+        if layout is not None:
+            _clear_legends(fig, sheet)
     return fig
 
 
@@ -164,6 +163,8 @@ def page(
     )
     if high and sheet.style == "paper":
         _heighten_axes(fig, tallest(sheet))
+        if _clear_legends(fig, sheet):  # in axes of another height the best place is another
+            _heighten_axes(fig, tallest(sheet))
     return fig
 
 
@@ -185,6 +186,16 @@ def with_room(draw: Callable[[int], Figure], most: int) -> Figure:
         with suppress(TooLow):
             return draw(count)
     return draw(min(most, 1))
+
+
+def _clear_legends(fig: Figure, sheet: Sheet) -> bool:
+    """Put legends that cover a line or a point below their axes, for which the figure grows; whether there are any."""
+    with rc_context(RC | sheet.settings()):
+        if not (more := legend_room.clear(fig)):
+            return False
+        high = fig.get_figheight() + more
+        resize(fig, (fig.get_figwidth(), min(high, tallest(sheet)) if sheet.style == "paper" else high))
+    return True
 
 
 def _heighten_axes(fig: Figure, most: float) -> None:

@@ -66,13 +66,14 @@ def _move_below(fig: Figure, ax: Axes, legend: Legend) -> float:
         for handle, text in zip(legend.legend_handles, legend.get_texts(), strict=True)
         if isinstance(handle, Line2D | Patch)
     ]
-    labels = [label for _, label in entries]
+    room = ax.bbox.width / fig.dpi
+    labels = [fonts.break_lines(label, room - HANDLE - GAP, fonts.small()) for _, label in entries]
     words = ax.xaxis.get_tightbbox(_renderer(fig))
     drop = BELOW + ((ax.bbox.y0 - words.y0) / fig.dpi if words is not None else 0.0)
-    widest = HANDLE + GAP + max(fonts.width_of(label, fonts.small()) for label in labels)
-    columns = max(int(ax.bbox.width / fig.dpi / widest), 1)
+    widest = HANDLE + GAP + max(fonts.width_of(line, fonts.small()) for label in labels for line in label.split("\n"))
+    columns = max(int(room / widest), 1)
     below = ax.transAxes + ScaledTranslation(0, -drop, fig.dpi_scale_trans)
-    ax.legend(
+    moved = ax.legend(
         [handle for handle, _ in entries],
         labels,
         loc="upper left",
@@ -82,4 +83,7 @@ def _move_below(fig: Figure, ax: Axes, legend: Legend) -> float:
         bbox_transform=below,
         ncols=columns,
     )
-    return -(-len(labels) // columns) * 1.6 * fonts.small() / 72
+    for text, before in zip(moved.get_texts(), legend.get_texts(), strict=True):
+        text.set_parse_math(before.get_parse_math())
+    lines = max(label.count("\n") + 1 for label in labels)
+    return -(-len(labels) // columns) * lines * 1.6 * fonts.small() / 72
