@@ -138,3 +138,13 @@ def test_an_unsolved_case_gives_no_caution() -> None:
     sol = replace(sol, trajectory=replace(sol.trajectory, outcome=outcome, solved=solved))
     ds = assembly.make(study, study.variation.dimensions, columns(study, sol))
     assert [", ".join(cautions.keys(text)) for text in ds["caution"].values] == ["overlaps, strained, pulled", ""]
+
+
+def test_a_but_stands_in_a_sentence_of_its_own_of_one_rod_as_of_several() -> None:
+    parts = "turned back", "strained (30 %; linear to 0.25 %)", "pulled at the ends (no push on 3 % of the length)"
+    said = (
+        "The rod turns back against the direction of both its ends. The rod is strained by 30 %, but materials of its "
+        "modulus may be non-linear beyond 0.25 %. The rod would lift off next to its ends alone: no push on 3 % of the "
+        "length."
+    )
+    assert cautions.said(", ".join(parts)) == said

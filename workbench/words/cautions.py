@@ -122,12 +122,12 @@ def _words_of(part: str) -> tuple[str, str]:
 
 
 def said(texts: Any) -> str:
-    """One sentence on the cautions of `of_cases`; empty where there is nothing to say."""
+    """The cautions of `of_cases` in sentences; empty where there is nothing to say."""
     return tell(Counter(np.atleast_1d(texts).astype(str).ravel().tolist()))
 
 
 def tell(texts: Mapping[str, int]) -> str:
-    """One sentence on how often each caution stands; empty where there is nothing to say."""
+    """How often each caution stands, in sentences; empty where there is nothing to say."""
     cases, counts = sum(texts.values()), _parts(texts)
     known = {part: count for part, count in counts.items() if not part.startswith(UNKNOWN)}
     grave = {part: count for part, count in known.items() if not part.startswith(_POSSIBLE)}
@@ -158,9 +158,11 @@ def _grave(cases: int, counts: Mapping[str, int]) -> str:
 
 
 def _slight(cases: int, counts: Mapping[str, int]) -> str:
-    if cases == 1:
-        return f"The rod {_list([phrase(part) for part in counts])}."
-    return " ".join(f"{count} of {cases} rods {phrase(part, count > 1)}." for part, count in counts.items())
+    """A sentence for each part: that on strain has a clause with "but"."""
+    return " ".join(
+        f"{'The rod' if cases == 1 else f'{count} of {cases} rods'} {phrase(part, count > 1)}."
+        for part, count in counts.items()
+    )
 
 
 def _doubts(cases: int, counts: Mapping[str, int]) -> str:
