@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..numerics.arrays import ALIKE, Array, Integers
+from ..numerics.arrays import ALIKE, FAINT, Array, Integers
 from ..problem.case import Case
 from ..problem.limits import OUT_OF_RANGE, units_held
 from ..problem.reduced import EndsProblem
@@ -257,7 +257,8 @@ def trajectory_of(case: Case, answers: Sequence[FreeAnswer], t: Array, tol: floa
         alongs.append(answer.shapes[-1].at(times) if answer.shapes else Along.blank(times.size))
         loads.append(limit([shape.far_loads for shape in answer.shapes[-MESHES:]]) if answer.shapes else [np.nan] * 6)
     along = Along(*(np.stack(parts) for parts in zip(*alongs, strict=True)))
-    lam, mu, phi, span, first, last = np.array(loads).T
+    numbers = np.array(loads)
+    lam, mu, phi, span, first, last = np.where(np.abs(numbers) < FAINT, 0.0, numbers).T  # rounding is no load
     error = np.array([answer.error for answer in answers])
     alpha, beta, _, gamma = np.moveaxis(along.turned, 1, 0)
     outcome = np.array([answer.outcome(tol) for answer in answers], dtype=object)

@@ -23,7 +23,8 @@ NEAREST = np.pi  # radii of the rod: stretches that are closer along it do not m
 COUNTS = ("bends", "loops", "overlaps", "index", "contact_count")
 OF_CONTACTS = ("contact_size_mean", "push_mean", "push_max", "push_max_at", "attached", "contact_share",
                "point_force_max")  # fmt: skip
-CANCELLING = ("turns_around", "amplitude", "MZ", "MZ0", "M3", "M30", "surface_torque")  # rounding is left where none is
+# of which rounding is left where there is none
+CANCELLING = ("turns_around", "amplitude", "FZ", "FZ0", "MZ", "MZ0", "M3", "M30", "surface_torque")
 UNDEFINED = {
     "bend_number": "a rod that may leave the wall has no period",
     "lift_off_at": "a cylinder that only pushes never pulls; contacts says where it does not push",

@@ -180,6 +180,12 @@ def _at_start(read: MeasuredNumbers, number: int, unit: Array, constant: Any) ->
     return value * unit, read.error * read.steepness**2 * unit
 
 
+def twist_at_start(read: MeasuredNumbers) -> Pair:
+    """The twisting moment at s = 0 [force length]: M3, unless the rod turns in place against friction."""
+    value, error = _at_start(read, MU, read.unit_moment, read.loads[2])
+    return value if read.sol.case.cylinder.turns_in_place else read.loads[2], error
+
+
 def neutral_at(read: MeasuredNumbers) -> Pair:
     """The first s at which the axial force FZ is 0 [length]; NaN where it is nowhere 0."""
     shapes = read.sol.trajectory.shapes
@@ -199,7 +205,7 @@ def surface_torque(read: MeasuredNumbers) -> Pair:
     theta = 0.0 if case.cylinder.inclination is None else case.cylinder.inclination
     weight = 0.0 if case.rod.weight is None else case.rod.weight
     climbs = flat(weight * np.sin(np.pi / 2 - np.asarray(theta)) > 0, case.shape)
-    start, error = _at_start(read, MU, read.unit_moment, read.loads[2])
+    start, error = twist_at_start(read)
     return np.where(climbs, read.loads[2], 0.0 - start), np.where(climbs, 0.0, error)
 
 
@@ -375,7 +381,7 @@ OBSERVABLES: dict[str, Observable] = {
     "M3": Observable(lambda read: (read.loads[2], 0.0), holds=True),
     "FZ0": Observable(lambda read: _at_start(read, PHI, read.unit_force, read.loads[0]), holds=True),
     "MZ0": Observable(lambda read: _at_start(read, Q, read.unit_moment, read.loads[1]), holds=True),
-    "M30": Observable(lambda read: _at_start(read, MU, read.unit_moment, read.loads[2]), holds=True),
+    "M30": Observable(twist_at_start, holds=True),
     "neutral_at": Observable(neutral_at, undefined="the axial force is nowhere 0", holds=True),
     "surface_torque": Observable(surface_torque, holds=True),
     "reach": Observable(reach, undefined=NEVER_LOCKS, holds=True, least=0),

@@ -434,6 +434,13 @@ def test_what_rounding_leaves_of_the_turns_of_a_rod_is_none(end: float, turns: f
     assert abs(end) / (2 * np.pi) <= error
 
 
+def test_a_rod_off_the_wall_without_an_axial_force_has_none_at_either_end() -> None:
+    wall = Cylinder(1.0, contact="unilateral")
+    sol = solve(Case(Rod(EI=1.0, GJ=0.8, a=0.1, L=6.0), wall, Ends(0.8, 0.3, FZ=0.0, radius0=1.1, radiusL=1.3)))
+    assert sol.solved
+    assert {str(value) for value in observe(sol, ["FZ", "FZ0"]).values()} == {"0.0"}  # no rounding
+
+
 def test_a_rod_that_never_touches_bends_as_a_beam_under_its_end_moments() -> None:
     """Small angles: with both ends turned by b in a plane far from the cylinder the moment is 2 A b/L all along."""
     L, b = 10.0, 0.02

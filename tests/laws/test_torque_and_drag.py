@@ -42,6 +42,14 @@ def test_the_torque_is_that_of_the_upper_end() -> None:
     assert seen(climbing, "surface_torque", "M30") == pytest.approx([1.5, 1.5 - 0.9648], abs=2e-3)
 
 
+@pytest.mark.parametrize("sliding", ("forward", "axial-backward"))
+@pytest.mark.parametrize("M3", (0.0, 0.3))
+def test_the_twisting_moment_of_a_pipe_that_slides_is_that_of_its_far_end(sliding: str, M3: float) -> None:
+    up = pipe(sliding, 120.0, FZ=-150.0)
+    case = Case(up.rod, up.cylinder, Ends(beta0=0.1, betaL=0.0, FZ=-150.0, M3=M3))
+    assert seen(case, "M30", "surface_torque") == [M3, M3]  # s runs up
+
+
 def test_the_force_that_slides_a_straight_pipe_is_that_of_a_soft_string() -> None:
     along, rubbed = 0.241 * 300 * np.cos(np.pi / 3), FRICTION * 0.241 * 300 * np.sin(np.pi / 3)
     assert seen(pipe("axial-forward", 60.0), "FZ0")[0] == pytest.approx(along - rubbed, rel=1e-9)
