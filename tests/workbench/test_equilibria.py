@@ -1,6 +1,7 @@
 """The command equilibria: what it lists, stores, draws and writes, and its diagram over an axis."""
 
 import json
+import re
 from dataclasses import replace
 from functools import partial
 
@@ -15,7 +16,7 @@ from studies import load
 from studies.language.loader import loads
 from tests.cases import ends_in_units_of_rho
 from tests.workbench import small
-from workbench.branches import branch_dataset
+from workbench.branches import branch_dataset, tracing
 from workbench.branches.ends_study import DEFAULT, ends_problem, write_cases
 from workbench.branches.equilibria_dataset import as_dataset
 from workbench.commands.case_options import parse_axis
@@ -137,6 +138,18 @@ def test_a_fold_is_where_the_branch_of_table_1_is_known_to_end(swept) -> None:
     rows = StoredStudy(swept).data("branches")
     assert abs(rows[first]["index"] - rows[second]["index"]) == 1
     assert rows[first]["to"] == rows[second]["to"] == pytest.approx(35)
+
+
+def test_branches_that_stop_for_one_reason_are_counted_in_one_line(call, monkeypatch) -> None:
+    def refuse(start, **_):
+        raise InputError(f"no step from L = {float(start.case.rod.L):g}")
+
+    monkeypatch.setattr(tracing, "follow", refuse)
+    status, text, _ = call("equilibria", "--axis", "betaL=0.1:0.3:3")
+    said = [line for line in text.splitlines() if "stop" in line]
+    assert status == 1
+    assert len(said) == 1
+    assert re.match(r"branches stop \d\d times, at betaL = 0.1 to 0.3: no step from L = 20$", said[0])
 
 
 def test_the_papers_claim_is_not_contradicted_on_its_own_branch_and_fails_on_others(swept) -> None:

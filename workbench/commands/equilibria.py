@@ -1,5 +1,6 @@
 """The command equilibria: list, draw, store and export all equilibria between two ends, or follow them over an axis."""
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -225,6 +226,7 @@ def _over_axis(study: "Study", case: "Case", name: str, values: "np.ndarray", sh
 
     from ..branches import branch_dataset
     from ..stored.stored_study import StoredStudy
+    from ..words import outcomes
 
     with console.progress(values.size, lines=True) as step:
         stored = StoredStudy(branch_dataset.sweep(study, case, name, values, step, show))
@@ -242,7 +244,7 @@ def _over_axis(study: "Study", case: "Case", name: str, values: "np.ndarray", sh
         counts = f"{len(rows)} branch{'es' * (len(rows) != 1)}, {len(folds)} fold{'s' * (len(folds) != 1)}"
         console.say(f"{counts} over {values.size} values of {name}")
         console.say_units(study.unit_system)
-        for remark in remarks:
-            console.say(f"a branch stops at {remark}")
+        for remark, count in outcomes.group(Counter(remarks)).items():
+            console.say(f"{'a branch stops' if count == 1 else f'branches stop {count} times,'} at {remark}")
 
     return Result(data, tell, 0 if rows else 1, lambda: stored.ds)
