@@ -2,8 +2,8 @@
 
 At a fold an equilibrium ceases to exist. Between two end angles and under dead loads the energy of a rod on its
 cylinder is that of beta alone, and falls fastest by beta_t = beta'' + H(beta), whose rests are the equilibria. So the
-rod moves as in a viscous medium that drags on the turning of its sections. This is no dynamics: a real rod is faster,
-and may come to rest elsewhere.
+rod moves as in a viscous medium that drags on the turning of its sections. It stays on its cylinder; one that is let go
+sinks in space (`solver.free.sinking`). This is no dynamics: a real rod is faster, and may come to rest elsewhere.
 """
 
 from collections.abc import Callable, Iterator, Sequence
