@@ -6,7 +6,8 @@
 Each number in the head of a module is changed in a process of its own, and some problems that run a function with it
 are solved again: the stored ones of tests/golden.json, and others with weight, friction and held ends. A line says of
 how many problems the answer stays, differs in its digits, or is another one (an outcome, a count, an end of a branch),
-and the time over that before. `scaled.txt` sums up what it said of all rooms.
+and the time over that before. Constants that are computed from one where it stands keep their values. `scaled.txt` sums
+up what it said of all rooms.
 """
 
 import argparse
@@ -41,11 +42,11 @@ EACH, LONG = 0.5, 1.2  # seconds of the problems of a constant; of a problem tha
 PIPE = {"EI": 1.228e6, "GJ": 9.45e5, "a": 0.0635, "weight": 242.0}  # 5 inch, in N and m
 HOLE = {"R": 0.10795, "side": "inside", "inclination": "90deg"}
 BUCKLES = 2 * math.sqrt(1.228e6 * 242 / (0.10795 - 0.0635))
-Known = list[tuple[Row, float, set[tuple[str, str]]]]  # problems, seconds, the functions (file, name) that they run
+Profiles = list[tuple[Row, float, set[tuple[str, str]]]]  # problems, seconds, the functions (file, name) that they run
 SMALL = {"EI": 1.0, "GJ": 0.8, "a": 0.1}
 
 
-def further() -> Iterator[Row]:
+def further_rows() -> Iterator[Row]:
     """Problems beside the stored ones: pipes, rods with weight or friction, held ends, lists."""
 
     def row(kind: str, name: str, rod: Row, cylinder: Row, ends: Row, **more: Any) -> Row:
@@ -83,16 +84,15 @@ def further() -> Iterator[Row]:
 def result(row: Row) -> Row:
     """The answer of a problem, or how it fails, as JSON reads it."""
     try:
-        now: Row = json.loads(json.dumps(answer(row)))
+        return json.loads(json.dumps(answer(row)))
     except Exception as error:
         return {"crash": f"{type(error).__name__}: {error}"}
-    return now
 
 
-def solved_rows() -> Known:
+def profiles() -> Profiles:
     """Each problem with its answer of now, its seconds, and the functions of the solver that run for it."""
     out = []
-    for row in [*rows()[::2], *further()]:
+    for row in [*rows()[::2], *further_rows()]:
         ran: set[tuple[str, str]] = set()
 
         def note(frame: FrameType, event: str, _: Any, ran: set[tuple[str, str]] = ran) -> None:
@@ -111,18 +111,14 @@ class Modules:
     """The modules of the solver: their trees, and which names each imports from which."""
 
     def __init__(self) -> None:
-        found = [m.name for m in pkgutil.walk_packages(solver.__path__, "solver.")]
-        for name in found:
-            if not name.endswith(("__main__", ".rod")):
-                importlib.import_module(name)
-        self.of = {n: m for n, m in sys.modules.items() if n.startswith("solver.") and str(m.__file__).endswith(".py")}
-        self.trees = {n: ast.parse(Path(str(m.__file__)).read_text(encoding="utf-8")) for n, m in self.of.items()}
+        names = [module.name for module in pkgutil.walk_packages(solver.__path__, "solver.")]
+        self.of = {n: importlib.import_module(n) for n in names if not n.endswith(("__main__", ".rod"))}
+        self.trees = {n: ast.parse(inspect.getsource(module)) for n, module in self.of.items()}
         self.users: dict[tuple[str, str], list[tuple[str, str]]] = defaultdict(list)
         for name, tree in self.trees.items():
             for node in ast.walk(tree):
                 if isinstance(node, ast.ImportFrom):
-                    package = str(self.of[name].__package__)
-                    source = resolve_name("." * node.level + (node.module or ""), package)
+                    source = resolve_name("." * node.level + (node.module or ""), str(self.of[name].__package__))
                     for alias in node.names:
                         self.users[source, alias.name].append((name, alias.asname or alias.name))
 
@@ -131,9 +127,9 @@ class Modules:
         out = [(module, name)]
         for holder in out:
             out += [user for user in self.users[holder] if user not in out]
-        return [(other, local) for other, local in out if other in self.of]
+        return out
 
-    def functions(self, module: str, name: str) -> set[tuple[str, str]]:
+    def readers(self, module: str, name: str) -> set[tuple[str, str]]:
         """The functions that read a name, as (file, function)."""
         return {
             (str(self.of[other].__file__), node.name)
@@ -144,14 +140,16 @@ class Modules:
         }
 
     def change(self, module: str, name: str, new: Any) -> None:
-        """Gives a constant another value, also where it is the default of a parameter, and in the core."""
+        """Give a constant another value, also as the default of a parameter, in the core and in what is cached."""
         old = getattr(self.of[module], name)
         for other, local in self.holders(module, name):
             setattr(self.of[other], local, new)
             for function in vars(self.of[other]).values():
                 if inspect.isfunction(function) and function.__defaults__ and isinstance(old, float):
                     function.__defaults__ = tuple(new if value is old else value for value in function.__defaults__)
-        library.cache_clear()
+        for kept in [value for other in self.of.values() for value in vars(other).values()]:
+            if hasattr(kept, "cache_clear"):
+                kept.cache_clear()
         library()  # gives the core the constants that C reads too
 
     def constants(self, rooms: list[str]) -> Iterator[tuple[str, str]]:
@@ -170,7 +168,7 @@ def is_enumeration(value: ast.expr) -> bool:
     return text.startswith("range") or ("," in text and set(text.split(", ")) <= {"-1", "0", "1", "2"})
 
 
-def scaled(value: Any, by: float) -> Iterator[tuple[str, Any]]:
+def scalings(value: Any, by: float) -> Iterator[tuple[str, Any]]:
     """The value times a factor, or each number of a record so, with its name."""
     if isinstance(value, float) or (isinstance(value, int) and not isinstance(value, bool)):
         yield "", type(value)(max(value * by, 1) if isinstance(value, int) else value * by)
@@ -178,12 +176,12 @@ def scaled(value: Any, by: float) -> Iterator[tuple[str, Any]]:
         yield "", tuple(part * by for part in value)
     elif is_dataclass(value) and not isinstance(value, type):
         for field in fields(value):
-            for _, new in scaled(getattr(value, field.name), by):
+            for _, new in scalings(getattr(value, field.name), by):
                 yield f".{field.name}", replace(value, **{field.name: new})
 
 
-def apart(change: Callable[[], None], chosen: list[Row], limit: float) -> list[tuple[str, float, str]]:
-    """Of each problem after a change, in a process of its own: what differs, the seconds, and the first difference."""
+def compare(change: Callable[[], None], chosen: list[Row], limit: float) -> list[tuple[str, float, str]]:
+    """Solve problems after a change, in a process of its own: of each what differs, its seconds, a first difference."""
     read, write = os.pipe()
     if os.fork() == 0:
         resource.setrlimit(resource.RLIMIT_CPU, (int(limit), int(limit) + 1))
@@ -192,25 +190,25 @@ def apart(change: Callable[[], None], chosen: list[Row], limit: float) -> list[t
             for row in chosen:
                 begun, now = process_time(), result(row)
                 off = differences(row, now)
-                kind = "same" if not off else "digits" if words(now) == words(row["answer"]) else "other"
+                kind = "same" if not off else "digits" if frame(now) == frame(row["answer"]) else "other"
                 first = f"{row['name']}: {off[:1]}"[:150]
                 print(json.dumps([kind, process_time() - begun, first]), file=out, flush=True)
         os._exit(0)
     os.close(write)
     with os.fdopen(read) as lines:
-        out_of_it = [json.loads(line) for line in lines]
+        compared = [json.loads(line) for line in lines]
     os.wait()
-    return out_of_it
+    return compared
 
 
-def words(value: Any) -> Any:
+def frame(value: Any) -> Any:
     """An answer without its numbers that are not whole."""
     if isinstance(value, dict):
-        return {name: words(part) for name, part in value.items()}
-    return [words(part) for part in value] if isinstance(value, list) else "#" if isinstance(value, float) else value
+        return {name: frame(part) for name, part in value.items()}
+    return [frame(part) for part in value] if isinstance(value, list) else "#" if isinstance(value, float) else value
 
 
-def some_of(known: Known, readers: set[tuple[str, str]]) -> tuple[list[Row], float]:
+def choose(known: Profiles, readers: set[tuple[str, str]]) -> tuple[list[Row], float]:
     """Short problems of each kind that run one of some functions, and their seconds."""
     by_kind: dict[str, list[tuple[float, Row]]] = defaultdict(list)
     for row, seconds, ran in sorted(known, key=lambda entry: entry[1]):
@@ -222,25 +220,24 @@ def some_of(known: Known, readers: set[tuple[str, str]]) -> tuple[list[Row], flo
     return [row for _, row in chosen], sum(seconds for seconds, _ in chosen)
 
 
-def report(modules: Modules, known: Known, module: str, name: str, by: float) -> None:
-    """Prints what a constant that is so much larger changes."""
-    chosen, before = some_of(known, modules.functions(module, name))
-    for part, new in scaled(getattr(modules.of[module], name), by):
-        after = apart(partial(modules.change, module, name, new), chosen, 6 * before + 8)
+def report(modules: Modules, known: Profiles, module: str, name: str, by: float) -> None:
+    """Print what a constant that is so many times larger changes."""
+    chosen, before = choose(known, modules.readers(module, name))
+    for part, new in scalings(getattr(modules.of[module], name), by):
+        after = compare(partial(modules.change, module, name, new), chosen, 6 * before + 8)
         count = Counter(kind for kind, _, _ in after)
-        said = f"{len(chosen)} problems: {count['same']} same, {count['digits']} digits, {count['other']} other"
+        words = f"{len(chosen)} problems: {count['same']} same, {count['digits']} digits, {count['other']} other"
         lost = f", {len(chosen) - len(after)} too slow" if len(after) < len(chosen) else ""
         time = sum(seconds for _, seconds, _ in after) / max(before, 1e-9)
         first = [text for wanted in ("other", "digits") for kind, _, text in after if kind == wanted][:1]
-        print(f"{module[7:].replace('.', '/')} {name}{part}: {said}{lost}; time {time:.1f}", *first, flush=True)
+        print(f"{module[7:].replace('.', '/')} {name}{part}: {words}{lost}; time {time:.1f}", *first, flush=True)
 
 
 def main() -> None:
-    asked = argparse.ArgumentParser(description=(__doc__ or "").partition(". Run")[0])
-    asked.add_argument("rooms", nargs="+")
-    asked.add_argument("--by", type=float, default=10.0)
-    options, modules = asked.parse_args(), Modules()
-    known = solved_rows()
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition(". Run")[0])
+    parser.add_argument("rooms", nargs="+")
+    parser.add_argument("--by", type=float, default=10.0)
+    options, modules, known = parser.parse_args(), Modules(), profiles()
     for module, name in modules.constants(options.rooms):
         report(modules, known, module, name, options.by)
 
