@@ -9,7 +9,7 @@ from typing import Any
 
 from solver import Case, Ends, InputError, Rod, Start
 from solver.problem.case import DIRECT, ELASTIC, TWISTS, fields_to_add
-from solver.problem.declared_fields import PAIRS, PARTS, TILTS, WOUND, CaseField
+from solver.problem.declared_fields import PAIRS, PARTS, REPLACED, TILTS, WOUND, CaseField
 from solver.problem.errors import choices, no_such
 from solver.problem.field_values import doubt_modulus, is_met, is_said
 from solver.problem.limits import farthest
@@ -45,6 +45,9 @@ class CaseInput:
         Whether its ends are those of a rod that is wound as a helix.
     place
         Field -> value, where on the axes of the study the case was taken.
+    stand_ins
+        Field -> number, of what was given in place of fields of the case, as `hole` in place of `inclination`; none of
+        a file whose fields are changed, which they may no longer describe.
     """
 
     case: Case
@@ -55,6 +58,7 @@ class CaseInput:
     which: Which | None = None
     wound: bool = False
     place: dict[str, float] = field(default_factory=dict)
+    stand_ins: dict[str, float] = field(default_factory=dict)
 
 
 def read_case(
@@ -94,6 +98,7 @@ def read_case(
             f"{file.name}{changed}",
             study=study,
             which=study.equilibrium,
+            stand_ins=_stand_ins(values or study.base.given, study.unit_system),
         )
     if table1 or reading is not None or not (values or units):
         if units:
@@ -113,7 +118,14 @@ def read_case(
     which = None  # with weight or friction `solve` begins with the taut rod, off the wall with the bilateral shape
     if wound and not (case.varies or case.leaves):
         which = helix_of(case)
-    return CaseInput(case, {**DEFAULT_UNITS, **units}, "the options", assumed, which=which, wound=wound)
+    units = {**DEFAULT_UNITS, **units}
+    stand_ins = _stand_ins(values, units)
+    return CaseInput(case, units, "the options", assumed, which=which, wound=wound, stand_ins=stand_ins)
+
+
+def _stand_ins(values: Mapping[str, Any], units: Mapping[str, str]) -> dict[str, float]:
+    """The fields among values that stand in place of others, as numbers."""
+    return in_units({name: values[name] for name in REPLACED if name in values}, units)
 
 
 def in_units(values: Mapping[str, Any], units: Mapping[str, str]) -> dict[str, Any]:

@@ -139,6 +139,7 @@ def solve(
         "source": base.source,
         "assumed": base.assumed,
         "wound": base.wound,
+        "stand_ins": base.stand_ins,
         "which": _which(before, listed, base),
         "selection": None if sol.selection is None else {**asdict(sol.selection), "rule": sol.selection.rule},
         "caution": cautions.said(cautions.of_cases(sol, units=base.units)),
@@ -305,10 +306,10 @@ def _show(found: dict[str, Any], every: bool, whole: bool) -> None:
         _print_tables(found, every)
     else:
         console.say_units(found["units"])
-        given = {name: value for name, value in found["case"].items() if name not in found["assumed"]}
+        known = {name: value for name, value in found["case"].items() if name not in found["assumed"]}
         words = (
             f"{name} {value}" if isinstance(value, str) else _in_words(name, value, found["units"])
-            for name, value in given.items()
+            for name, value in {**known, **found["stand_ins"]}.items()
         )
         console.say(", ".join(words))
     accuracy = f": error {found['error']:.1e}, condition {found['condition']:.3g}"
@@ -356,7 +357,7 @@ def _print_tables(found: dict[str, Any], every: bool) -> None:
     console.say_units(found["units"], found["assumed"])
     console.say("")
     rows = []
-    for name, value in found["case"].items():
+    for name, value in {**found["case"], **found["stand_ins"]}.items():
         row = None if isinstance(value, str) else quantity_of(name)
         unit = _unit(row.name, found) if row else ""
         turned = math.degrees(value) if unit == "rad" else 0.0
