@@ -320,7 +320,7 @@ def _names_of(held: Solution) -> dict[str, float]:
 
 
 def _observations(sol: Solution) -> dict[str, float]:
-    """What the page observes itself of other rods, of one that the server solves."""
+    """The observables of a rod that the server solves; of other rods the page computes them itself."""
     names = [name for name in observables_of(sol.case.rod, sol.case.leaves) if name not in SLOW]
     return {name: float(value) for name, value in observe(sol, names).items()}
 

@@ -232,7 +232,11 @@ class Context:
         return await self.tasks.run(self.client, work, *args)
 
     async def shape(self, asked: dict[str, Any]) -> page_model.LiveRod:
-        """The rod of the state that a request has; if it tells whether it is lost, a new one."""
+        """The rod of the state that a request has.
+
+        Only `/shape` sends `lost`, as of `page_model.shape`, and asks for a new rod; other requests mean the one that
+        the client sees, which is kept by its client if it may leave the cylinder.
+        """
         state, lost = asked.get("state"), bool(asked.get("lost"))
         key = json.dumps([state, lost], sort_keys=True)
         shape = self.shapes.find(key)
