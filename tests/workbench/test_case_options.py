@@ -230,3 +230,16 @@ def test_a_rod_that_is_bent_tighter_than_its_least_radius_has_status_1(share: fl
     radius = 1 / json.loads(capsys.readouterr().out)["observables"]["kappa_max"]
     assert exit_status("solve", "--table1", "--least-bend-radius", f"{share * radius}cm") == status
     assert f"% {'less' if status else 'more'} than the least" in " ".join(capsys.readouterr().out.split())
+
+
+def test_what_stands_in_place_of_a_field_is_given_of_options_and_of_a_file_that_none_changes(tmp_path) -> None:
+    words = {"hole": pi / 3, "wob": 200.0}
+    options = read_case(None, {**PIPE, "hole": "60deg", "wob": "200 kN"}, UNITS)
+    assert options.stand_ins == pytest.approx(words)
+    base = "\n".join(f"{name} = {json.dumps(value)}" for name, value in {**PIPE, **words}.items())
+    units = 'length = "m"\nforce = "kN"'
+    (tmp_path / "pipe.toml").write_text(f'title = "A pipe"\n[units]\n{units}\n[base]\n{base}\n')
+    assert read_case(tmp_path / "pipe.toml", {}, {}).stand_ins == pytest.approx(words)
+    changed = read_case(tmp_path / "pipe.toml", {"inclination": "90deg"}, {})
+    assert changed.case.cylinder.inclination == pytest.approx(pi / 2)
+    assert changed.stand_ins == {}
