@@ -37,7 +37,7 @@ LISTS = {
     ],
     "studies": ["tenants", "grammar", "laws", "language", "paper"],
     "workbench": [
-        "words", "stored", "run", "geometry", "branches", "influence", "fitting", "figures", "scene", "export",
+        "words", "geometry", "stored", "run", "branches", "influence", "fitting", "figures", "scene", "export",
         "web", "notebook", "commands", "lab", "paper", "accessor", "cli",
     ],
 }  # fmt: skip

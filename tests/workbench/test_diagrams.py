@@ -34,7 +34,6 @@ from workbench.figures import (
     waves,
 )
 from workbench.figures.sheet import Sheet
-from workbench.geometry import stored_line
 from workbench.run import in_memory, writing
 from workbench.stored.stored_study import StoredStudy
 
@@ -146,7 +145,7 @@ def test_the_gaps_of_a_section_are_the_pitch_of_a_helix_less_its_thickness_along
     side: str, rho: float
 ) -> None:
     stored, beta = wound(3.5, side), np.radians(80.0)
-    cut = section.section_of(stored_line.read(stored, {}))
+    cut = section.section_of(stored.centreline)
     assert cut.z.size == 4
     np.testing.assert_allclose(cut.radius, rho)
     # the helix of the march, not the formula's: tol 1e-8 of a rod of some 100 lengths
@@ -164,7 +163,7 @@ def test_the_gaps_of_a_section_are_written_beside_its_turns_and_clear_of_each_ot
     fig = section.figure(stored)
     assert faults(fig) == []
     (ax,) = fig.axes
-    z = section.section_of(stored_line.read(stored, {})).z
+    z = section.section_of(stored.centreline).z
     for text in ax.texts:
         assert np.abs((z[1:] + z[:-1]) / 2 - text.xy[0]).min() < 1e-3 * a  # between turns of one size
         box = text.get_window_extent()

@@ -25,7 +25,7 @@ from workbench.commands.options import axis_values
 from workbench.export import step, stored_rod
 from workbench.export.base import ExportOptions
 from workbench.export.stored_rod import export
-from workbench.geometry import centreline, self_contact, stored_line
+from workbench.geometry import centreline, self_contact
 from workbench.run import in_memory, writing
 from workbench.stored.stored_study import StoredStudy
 
@@ -56,7 +56,7 @@ def ds() -> xr.Dataset:
 
 
 def line(ds: xr.Dataset, i: int = 2, every: int = 1) -> centreline.Centreline:
-    return stored_line.read(StoredStudy(ds.isel(u=slice(None, None, every))), {"E": i})
+    return StoredStudy(ds.isel(u=slice(None, None, every))).select({"E": i}).centreline
 
 
 @pytest.mark.parametrize("every", [1, 2, 4, 8])

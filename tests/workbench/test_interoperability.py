@@ -18,7 +18,6 @@ from solver.problem.units import FORCES, LENGTHS
 from tests.workbench import small
 from workbench.export.base import ExportOptions
 from workbench.export.stored_rod import export
-from workbench.geometry import stored_line
 from workbench.run import in_memory, writing
 from workbench.stored.stored_study import StoredStudy
 
@@ -201,7 +200,7 @@ def test_a_usd_curve_between_the_stations_is_the_solvers(tmp_path) -> None:
 @pytest.mark.parametrize("stations", [15, 21, 41, 201])
 def test_the_cubics_of_usd_leave_the_solvers_rod_by_no_more_than_they_say(stations) -> None:
     ds = in_memory.run(small.study("[axes.E]\nvalues = [2e4]\n").at_stations(stations))
-    line = stored_line.read(StoredStudy(ds), {"E": 0})
+    line = StoredStudy(ds).select({"E": 0}).centreline
     s = np.linspace(0, 20, 1001)
     start = Start(beta=np.pi / 6, F1=5.0, F3=10.0, dbeta=0.5)
     solution = solve(Case(Rod(2e4, 0.25, 0.25, 20.0, "paper"), Cylinder(0.75), start), tol=1e-12, stations=s)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from solver import Cylinder, InputError, Rod, loops
-from workbench.geometry import self_contact, stored_line
+from workbench.geometry import self_contact
 from workbench.stored.stored_study import StoredStudy
 
 
@@ -21,6 +21,6 @@ def test_the_ends_of_a_closed_rod_are_no_place_where_it_passes_through_itself() 
     found = loops(Rod(E=1.07e4, nu=0.25, a=0.05, L=12.0), Cylinder(R=1.05, side="inside"), folds=2)
     ds = found.to_dataset(length="cm", force="N")
     for k in range(ds.sizes["equilibrium"]):
-        line = stored_line.read(StoredStudy(ds), {"equilibrium": k})
+        line = StoredStudy(ds).select({"equilibrium": k}).centreline
         end = line.frame(line.s[:1])[0]
         assert all(np.linalg.norm(place - end) > line.a for place in self_contact.middles(line, (0.0, line.L)))

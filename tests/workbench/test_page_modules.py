@@ -18,7 +18,7 @@ from tests.workbench import small
 from tests.workbench.live import STATES, state
 from tests.workbench.node import needs_node, run
 from workbench.figures import along, colours, drawn_rods, push_scale
-from workbench.geometry import self_contact, stored_line
+from workbench.geometry import self_contact
 from workbench.scene import scene_kinds, surfaces
 from workbench.stored.stored_study import StoredStudy
 from workbench.web.live import page_model
@@ -184,7 +184,7 @@ def test_which_rods_pass_through_themselves() -> None:
 def test_a_rod_is_ringed_where_the_stills_ring_it() -> None:
     script = SHAPE + "answer(self_contact.crossings(shape));"
     found = np.array(run(script, state(), (*MODULES, "self_contact")))
-    line = stored_line.read(StoredStudy(solve(case_of(state()), stations=2001).to_dataset()), {})
+    line = StoredStudy(solve(case_of(state()), stations=2001).to_dataset()).centreline
     wanted = np.array(self_contact.middles(line, (0.0, line.L)))
     away = np.linalg.norm(found[:, None] - wanted, axis=-1)
     assert len(wanted) == len(found) == 5

@@ -17,7 +17,7 @@ from tests.workbench.pictures import draws, pixels, shares_of_push
 from workbench.commands import scene
 from workbench.export.base import ExportOptions
 from workbench.export.stored_rod import export
-from workbench.geometry import centreline, stored_line
+from workbench.geometry import centreline
 from workbench.geometry.refinement import COLOUR_STEPS, push_along, rings, stations_for
 from workbench.run import in_memory
 from workbench.scene.body import Body, read
@@ -115,10 +115,10 @@ def test_the_stated_error_and_the_push_are_true_however_few_the_stations(stored:
     for _ in range(4):
         sol = near_a_helix(random.uniform(0.3, 1.4), 10 ** random.uniform(-3, 0), 10 ** random.uniform(1.5, 3), 10081)
         ds = sol.to_dataset(length="cm", force="N")
-        places, push = stored_line.read(StoredStudy(ds), {}).frame(ds["s"].values)[0], sol.push
+        places, push = StoredStudy(ds).centreline.frame(ds["s"].values)[0], sol.push
         for step in (5, 40, 105, 504):
             few = ds.isel(u=slice(None, None, step))
-            line = stored_line.read(StoredStudy(few if stored else few.drop_vars("dbeta")), {})
+            line = StoredStudy(few if stored else few.drop_vars("dbeta")).centreline
             off = np.linalg.norm(line.frame(ds["s"].values)[0] - places, axis=1).max()
             assert off <= line.error + 1e-9
             if stored or (
@@ -128,7 +128,7 @@ def test_the_stated_error_and_the_push_are_true_however_few_the_stations(stored:
 
 
 def test_a_helix_that_goes_around_twice_between_stations_is_drawn_as_it_is() -> None:
-    line = stored_line.read(StoredStudy(near_a_helix(1.2, 0.0, 2000.0, 201).to_dataset(length="cm", force="N")), {})
+    line = StoredStudy(near_a_helix(1.2, 0.0, 2000.0, 201).to_dataset(length="cm", force="N")).centreline
     assert np.ptp(line.alpha) / 200 > 2 * np.pi
     drawn = rings(line, (0.0, 2000.0), 0.05)
     middles = line.frame((drawn.s[1:] + drawn.s[:-1]) / 2)[0]
@@ -158,24 +158,20 @@ def pipe(stations: int) -> xr.Dataset:
 
 
 def test_where_stations_are_enough_the_push_between_them_is_within_a_step_of_its_colours() -> None:
-    dense = stored_line.read(StoredStudy(pipe(9601)), {})
+    dense = StoredStudy(pipe(9601)).centreline
     push = dense.push(dense.s)
     step, enough = np.ptp(push) / COLOUR_STEPS, []
     for n in (51, 161, 241, 401, 601, 1201):  # of 51 each stands where the push is the same
-        line = stored_line.read(StoredStudy(pipe(n)), {})
+        line = StoredStudy(pipe(n)).centreline
         assert stations_for(line, 0.05) == n or n < 161  # of the shape, to a pixel of a picture
         enough.append(push_along(line).stations() <= n)
         assert not enough[-1] or np.abs(line.push(dense.s) - push).max() < step
     assert enough[:2] == [False, False]
     assert enough[-1]
     for beta in (0.4, 1.3):
-        true = stored_line.read(
-            StoredStudy(near_a_helix(beta, 0.3, 100.0, 8001).to_dataset(length="cm", force="N")), {}
-        )
+        true = StoredStudy(near_a_helix(beta, 0.3, 100.0, 8001).to_dataset(length="cm", force="N")).centreline
         for n in (26, 51, 101, 201, 401):
-            line = stored_line.read(
-                StoredStudy(near_a_helix(beta, 0.3, 100.0, n).to_dataset(length="cm", force="N")), {}
-            )
+            line = StoredStudy(near_a_helix(beta, 0.3, 100.0, n).to_dataset(length="cm", force="N")).centreline
             off = np.abs(line.push(true.s) - true.push(true.s)).max()
             assert push_along(line).stations() > n or off < np.ptp(true.push(true.s)) / COLOUR_STEPS
 

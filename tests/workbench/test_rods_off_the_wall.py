@@ -17,7 +17,6 @@ from workbench import accessor  # noqa: F401
 from workbench.commands import study_scene
 from workbench.export.stored_rod import export
 from workbench.figures import canvas, kinds, portrait, trends, unrolled
-from workbench.geometry import stored_line
 from workbench.geometry.refinement import push_along
 from workbench.run import in_memory, writing
 from workbench.scene import opengl, signs
@@ -70,7 +69,7 @@ def test_a_study_lets_its_rods_go_and_stores_where_they_are(stored: xr.Dataset, 
 
 
 def test_between_stations_a_rod_is_drawn_where_it_is(stored: xr.Dataset, finer: Any) -> None:
-    line = stored_line.read(StoredStudy(stored), {})
+    line = StoredStudy(stored).centreline
     place, tangent, out, across = line.frame(finer.s)
     assert np.linalg.norm(place - finer.position, axis=1).max() <= line.error + finer.error * line.L
     assert line.error < 1e-3
@@ -80,16 +79,16 @@ def test_between_stations_a_rod_is_drawn_where_it_is(stored: xr.Dataset, finer: 
 
 
 def test_cut_stations_lie_on_the_curve(stored: xr.Dataset) -> None:
-    line = stored_line.read(StoredStudy(stored), {})
+    line = StoredStudy(stored).centreline
     cut = line.cut(3)
     np.testing.assert_allclose(cut.place, line.frame(cut.s)[0], atol=1e-12)
     np.testing.assert_allclose(cut.place[::3], line.place, atol=1e-12)
 
 
 def test_the_edge_of_a_contact_asks_for_no_more_stations_and_a_rod_without_push_for_none(stored: xr.Dataset) -> None:
-    line = stored_line.read(StoredStudy(stored), {})
+    line = StoredStudy(stored).centreline
     assert push_along(line).stations() == line.s.size
-    off = stored_line.read(StoredStudy(stored.assign(contact=0 * stored["contact"])), {})
+    off = StoredStudy(stored.assign(contact=0 * stored["contact"])).centreline
     assert push_along(off).stations() == off.s.size
     assert push_along(off).parts == 1
 

@@ -16,7 +16,6 @@ from tests.workbench.command import exit_status
 from workbench.export import stored_rod
 from workbench.figures import along, canvas, drawn_numbers, well
 from workbench.figures.trends import trend
-from workbench.geometry import stored_line
 from workbench.run import in_memory, writing
 from workbench.scene import body as body_of
 from workbench.scene import layout, long_rod, scene_kinds, views
@@ -60,7 +59,7 @@ LYING: Mapping[str, int] = {"inclination": 1}
 
 
 def test_the_curve_of_a_stored_rod_with_weight_is_that_of_more_stations(ds: xr.Dataset) -> None:
-    line, fine = stored_line.read(StoredStudy(ds), LYING), stored_line.read(StoredStudy(pipes(961)), LYING)
+    line, fine = StoredStudy(ds).select(LYING).centreline, StoredStudy(pipes(961)).select(LYING).centreline
     place, exact = line.frame(fine.s)[0], fine.frame(fine.s)[0]
     assert np.abs(place - exact).max() < 1e-5 * line.rho
     assert line.error < 1e-5 * line.rho

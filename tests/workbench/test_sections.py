@@ -15,7 +15,6 @@ import workbench.accessor  # noqa: F401  (registers ds.rod)
 from solver import Case, Rod, Start, solve
 from studies.language.loader import dumps, loads
 from tests.workbench import doc_pages, small
-from workbench.geometry import stored_line
 from workbench.run import in_memory, writing
 from workbench.stored import law_verdicts, reading
 from workbench.stored.stored_study import StoredStudy
@@ -57,7 +56,7 @@ def test_what_reads_a_file_uses_the_stiffness_of_its_section(stored: xr.Dataset)
     case = loads(TUBE if axis == "inner_radius" else DIRECT).case()
     A = case.rod.bending_stiffness
     for k in range(3):
-        assert np.broadcast_to(A, case.shape)[k] == stored_line.read(StoredStudy(stored), {axis: k}).A
+        assert np.broadcast_to(A, case.shape)[k] == StoredStudy(stored).select({axis: k}).centreline.A
     np.testing.assert_array_equal(stored.rod.M2, A[:, None] * np.sin(stored["beta"]) ** 2 / stored["rho"])
     if axis == "EI":
         (verdict,) = law_verdicts.verdicts(stored)

@@ -21,7 +21,6 @@ from tests.workbench import browser, node, small
 from tests.workbench.command import exit_status
 from tests.workbench.waiting import until
 from workbench import notebook
-from workbench.geometry import stored_line
 from workbench.run import in_memory
 from workbench.stored.stored_study import StoredStudy
 from workbench.web.turntable import turntable_page
@@ -91,7 +90,7 @@ def test_the_page_draws_the_stored_rods(ds: xr.Dataset) -> None:
     script = """given.arrays = rod_sources.numbersOf(given.arrays);
 const { s, alpha, z, push } = rod_sources.storedShape(core, given, given.k); answer({ s, alpha, z, push });"""
     found = node.run(script, data, ("rod_sources",))
-    line = stored_line.read(StoredStudy(ds), {"E": 7})
+    line = StoredStudy(ds).select({"E": 7}).centreline
     s = np.array(found["s"])
     alpha, _, z = line.at(s)
     np.testing.assert_allclose(found["alpha"], alpha, atol=2e-3)  # half a hundredth of the rod's radius
@@ -196,7 +195,7 @@ def test_the_axes_of_a_solution_are_those_of_its_fields(one: Solution) -> None:
     assert dict(notebook.as_dataset(solve(both)).sizes) == {"case1": 3, "u": 201}
     ends = solve(Case(ROD, Cylinder(R=0.75), Ends(beta0=0.5, betaL=0.8, FZ=-8.66, MZ=1.3, M3=6.1)))
     np.testing.assert_allclose(notebook.as_dataset(ends)["z"], ends.z)
-    line = stored_line.read(StoredStudy(notebook.as_dataset(one)), {})
+    line = StoredStudy(notebook.as_dataset(one)).centreline
     np.testing.assert_array_equal(line.push(one.s).argmax(), one.push.argmax())
 
 

@@ -228,7 +228,6 @@ def _page(
 
 def _station_count(stored: "StoredStudy") -> int:
     """About how many stations the rods need for a curve without corners; as many as there are where these suffice."""
-    from ..geometry.stored_line import lines_of_solved
     from ..web.turntable.turntable_page import stations_for
 
-    return max(int(stored.sizes["u"]), *map(stations_for, lines_of_solved(stored)), 0)
+    return max(int(stored.sizes["u"]), *(stations_for(case.centreline) for case in stored.each() if case["solved"]), 0)

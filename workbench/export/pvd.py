@@ -9,7 +9,6 @@ from xml.sax.saxutils import quoteattr
 
 from solver.problem.errors import InputError, choices
 
-from ..geometry import stored_line
 from ..stored.stored_study import StoredStudy
 from . import vtp
 from .base import ExportedRod, ExportOptions, Format
@@ -52,7 +51,7 @@ def along(stored: StoredStudy, name: str, options: ExportOptions) -> Series:
     for case in cases:
         if stored["solved"].isel(case):
             title = f"{stored.attrs['study_name']} {axis}={float(stored[axis][case[axis]]):.6g}"
-            rods.append(ExportedRod(stored, case, stored_line.read(stored, case), title, options))
+            rods.append(ExportedRod(stored, case, stored.select(case).centreline, title, options))
     if not rods:
         raise InputError(f"no case along {axis} is solved: there is nothing to export")
     values = [float(stored[axis][rod.where[axis]]) for rod in rods]

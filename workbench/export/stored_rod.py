@@ -11,7 +11,7 @@ import numpy as np
 
 from solver.problem.errors import InputError, choices
 
-from ..geometry import self_contact, stored_line
+from ..geometry import self_contact
 from ..geometry.centreline import Centreline, advice_to_store
 from ..geometry.refinement import push_along
 from ..run import atomic, writing
@@ -134,7 +134,7 @@ def export(
     where = stored.place(options.at)
     at = {name: float(stored[name].values[i]) for name, i in where.items()}
     title = " ".join([str(stored.attrs["study_name"]), *(f"{name}={value:.6g}" for name, value in at.items())])
-    rod = ExportedRod(stored, where, stored_line.read(stored, where), title, options)
+    rod = ExportedRod(stored, where, stored.select(where).centreline, title, options)
     _tell_size(path, [rod], format, tell)
     facts, warnings = _write(path, rod, format, force)
     return Exported(path, at, facts, warnings)

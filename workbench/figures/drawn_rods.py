@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from solver.problem.errors import InputError, choices
 from studies.grammar.axes import SAMPLE
 
-from ..geometry import stored_line
 from ..geometry.centreline import Centreline, advice_to_store, cut
 from ..geometry.refinement import ROUNDING, DrawnCurve
 from ..stored import selection
@@ -162,12 +161,7 @@ def of_all_cases(stored: StoredStudy, names: Sequence[str]) -> list[DrawnRod]:
 
     names: arrays along the rod. Raises `InputError` as `choose` does.
     """
-    places = np.ndindex(*stored["outcome"].shape)
-    axes = stored.axes
-    return [
-        _rod(stored.select(dict(zip(axes, place, strict=True))), None, arrays)
-        for place, arrays in zip(places, _arrays(stored, names)[0], strict=True)
-    ]
+    return [_rod(case, None, arrays) for case, arrays in zip(stored.each(), _arrays(stored, names)[0], strict=True)]
 
 
 def numbers(stored: StoredStudy, *names: str) -> list[NDArray[np.float64]]:
@@ -224,10 +218,9 @@ def _curves_of(stored: StoredStudy, names: Sequence[str]) -> dict[int, list[Draw
     solved = np.asarray(stored["solved"].values, dtype=bool).ravel()
     known = {k: row for k, row in enumerate(_as_stored(stored, names)) if row is not None and solved[k]}
     allowed = {name: _error_limit(name, [row[name] for row in known.values()], stored) for name in names if known}
-    places = list(np.ndindex(*stored["outcome"].shape))
     lines = dict[int, Centreline]()
     with suppress(InputError):  # what is stored may give no curve
-        lines = {k: stored_line.read(stored, dict(zip(stored.axes, places[k], strict=True))) for k in known}
+        lines = {k: case.centreline for k, case in enumerate(stored.each()) if k in known}
     return {
         k: [DrawnCurve(name, row["s"], row[name], allowed[name], lines.get(k)) for name in names]
         for k, row in known.items()

@@ -15,7 +15,6 @@ from scipy.optimize import brentq
 from solver.problem.errors import InputError
 from studies.laws.line_verdicts import FAILS
 
-from ..geometry import stored_line
 from ..geometry.centreline import Centreline
 from ..stored.stored_study import StoredStudy
 from ..words import labels
@@ -86,7 +85,7 @@ def figure(stored: StoredStudy, at: Mapping[str, float] | None = None, sheet: Sh
     """
     stored = stored.coarse()
     where = stored.place(at)
-    line = stored_line.read(stored, where)
+    line = stored.select(where).centreline
     section, unit = section_of(line), stored.units["length"]
     gaps = section.gaps
     wide = sheet.width - 0.9

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from solver.orbits import frames
 
-from ..geometry import lines, self_contact, stored_line
+from ..geometry import lines, self_contact, varying_lines
 from ..stored.stored_study import StoredStudy
 from ..words import cautions, labels
 from . import arrangement, canvas, colours, drawn_rods, fonts, push_scale, waves
@@ -494,7 +494,7 @@ def edges_of(rod: DrawnRod) -> list[tuple[Values, Values]]:
     if rod.arrays is None or not {"radius", "push"} <= set(rod.arrays):
         return []
     s, points = rod["s"], np.stack(rod.plane_points(), axis=-1)
-    places = stored_line.contact_edges(s, rod["push"])
+    places = varying_lines.contact_edges(s, rod["push"])
     before, after = (np.searchsorted(s, places) + k for k in (-1, 0))
     return [*zip((points[before] + points[after]) / 2, points[after] - points[before], strict=True)]
 

@@ -12,10 +12,11 @@ from solver.orbits import frames
 from solver.problem.declared_fields import VARY_LOADS
 from solver.problem.errors import InputError
 
-from ..geometry import centreline, self_contact, stored_line
+from ..geometry import centreline, self_contact, varying_lines
 from ..geometry.centreline import Array, Centreline
 from ..geometry.lines import TALLEST
 from ..geometry.refinement import COLOUR_STEPS, MOST_TRIANGLES, Rings, rings, stations_for
+from ..stored.centrelines import VARIES
 from ..stored.quantity_variables import SECTION
 from ..stored.solved_again import POINT_FORCES
 from ..stored.stored_study import StoredStudy
@@ -138,7 +139,7 @@ class Body:
 
         Heights are from where the drawing begins.
         """
-        if not isinstance(self.line, stored_line.FreeLine):
+        if not isinstance(self.line, varying_lines.FreeLine):
             return None
         s = np.linspace(*self.span, 4 * self.alpha.size)
         place = self.line.frame(s)[0]
@@ -167,9 +168,9 @@ class Body:
 
         A point force between the two stations says exactly where.
         """
-        if not isinstance(self.line, stored_line.FreeLine):
+        if not isinstance(self.line, varying_lines.FreeLine):
             return []
-        s = stored_line.contact_edges(self.line.s, self.line.push(self.line.s))
+        s = varying_lines.contact_edges(self.line.s, self.line.push(self.line.s))
         for at, _ in self.point_forces:
             s = np.where(np.abs(s - at) <= self.line.L / (self.line.s.size - 1), at, s)
         s = s[(s > self.span[0]) & (s < self.span[1])]
@@ -218,17 +219,17 @@ def read(
             raise InputError(f"the dataset stores no {name}, which the kind {kind.name} needs: add it to outputs")
     also = {name for name in ("solved", "outcome", "caution", "dbeta", *SECTION) if name in stored}
     if stored.leaves or any(name in stored for name in VARY_LOADS):
-        also |= {name for name in stored_line.VARIES if name in stored}
+        also |= {name for name in VARIES if name in stored}
     variables = stored.only(sorted(reads | also))
-    line = stored_line.read(variables, where)
     this = variables.select(dict(where))
+    line = this.centreline
     gamma = np.asarray(this["gamma"], dtype=float) if "gamma" in kind.reads else None
     caution = str(this["caution"].values) if "caution" in this else ""
     forces = list[tuple[float, float]]()
     if POINT_FORCES[0] in stored:
         pairs = [stored[name].isel(dict(where)).values for name in POINT_FORCES]
         forces = [(float(s), float(force)) for s, force in zip(*pairs, strict=True) if np.isfinite(s)]
-    if isinstance(line, stored_line.FreeLine):
+    if isinstance(line, varying_lines.FreeLine):
         line = replace(line, edges=np.array([s for s, _ in forces]))
     drawn = span or (float(line.s[0]), float(line.s[-1]))
     return Body(line, drawn, kind.value, gamma, caution, point_forces=forces)

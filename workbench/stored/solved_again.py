@@ -122,38 +122,44 @@ def point_forces_of(sol: Solution, dims: Sequence[str]) -> dict[str, xr.Variable
     return {name: xr.Variable((*dims, POINT), padded[..., k]) for k, name in enumerate(POINT_FORCES)}
 
 
-def solve_again(
-    ds: xr.Dataset, study: Study, case: Case, stations: int, names: Iterable[str], kept: dict[Any, Solution]
-) -> xr.Dataset:
-    """The case of a dataset at other stations, as `StoredStudy.solve` gives it; kept: as of `solve_once`."""
+def at_stations(ds: xr.Dataset, stations: int) -> xr.Dataset:
+    """A dataset without its arrays along the rod and with so many stations or a little more, the stored ones among
+    them. Raises `InputError` for too many."""
     n = max(ds.sizes.get("u", 2) - 1, 1)
     more = -(-(stations - 1) // n)
     if more * n >= MAX_STATIONS:
         raise InputError(f"about {stations} stations are needed, and at most {MAX_STATIONS} are solved")
     u = xr.Variable(("u",), np.linspace(0, 1, more * n + 1), ds["u"].attrs if "u" in ds.coords else None)
-    bare = (ds.drop_dims("u") if "u" in ds.dims else ds.drop_vars(["u", "s"], errors="ignore")).assign_coords(u=u)
-    axes = schema.axes_left(ds, study)
-    sol = solve_once(bare, study, case, kept)
-    dims, solved = (*axes, "u"), ds["solved"].transpose(*axes).values
+    return (ds.drop_dims("u") if "u" in ds.dims else ds.drop_vars(["u", "s"], errors="ignore")).assign_coords(u=u)
+
+
+def with_arrays(bare: xr.Dataset, axes: Sequence[str], sol: Solution, names: Iterable[str]) -> xr.Dataset:
+    """A dataset of `at_stations` with arrays along the rod of the solution of its cases, over these axes."""
+    dims = (*axes, "u")
     shape = [bare.sizes[dim] for dim in dims]
 
     def array(values: Any) -> xr.Variable:
         return xr.Variable(dims, np.broadcast_to(np.asarray(values), shape))
 
     def along(name: str) -> Any:
-        return push_from(sol.contact, schema.text_of(ds, "side")) if name == "push" else getattr(sol, name)
+        return push_from(sol.contact, schema.text_of(bare, "side")) if name == "push" else getattr(sol, name)
 
     arrays = {quantity_variables.curve_name(name): array(along(name)) for name in names}
     denser = bare.assign_coords(s=array(sol.s)).assign(arrays)
-    if isinstance(sol, FreeSolution):
-        denser = denser.assign(point_forces_of(sol, axes))
+    return denser.assign(point_forces_of(sol, axes)) if isinstance(sol, FreeSolution) else denser
+
+
+def check_shapes(ds: xr.Dataset, denser: xr.Dataset) -> None:
+    """Raise `InputError` where the cases of a dataset, solved again at more stations, have other shapes than stored."""
     for name in (str(name) for name in denser.data_vars if "u" in denser[name].dims and name in ds):
+        dims = denser[name].dims
+        solved = ds["solved"].transpose(*dims[:-1]).values
         stored = ds[name].transpose(*dims).values[solved]
-        size = {"beta": 1.0, "alpha": 1.0, "z": float(np.max(sol.s))}.get(name, float(np.abs(stored).max(initial=0.0)))
-        far = np.abs(denser[name].values[..., ::more][solved] - stored)
-        if not far.max(initial=0.0) <= AGREES * size:
+        size = {"beta": 1.0, "alpha": 1.0, "z": float(np.max(denser["s"].values))}.get(name)
+        size = np.abs(stored).max(initial=0.0) if size is None else size
+        again = denser[name].values[..., :: (denser.sizes["u"] - 1) // max(ds.sizes["u"] - 1, 1)][solved]
+        if not np.abs(again - stored).max(initial=0.0) <= AGREES * size:
             raise InputError(f"solved again, the cases have other shapes than the file: {name} differs")
-    return denser
 
 
 def _places(ds: xr.Dataset, study: Study, values: Mapping[str, Any]) -> dict[str, Any]:

@@ -1,7 +1,7 @@
 """What a dataset holds of its cases: axes, units, numbers, and which case a user means. `StoredStudy` adds the rest."""
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Self
@@ -203,6 +203,12 @@ class StoredCases:
     def select(self, places: Mapping[str, Any]) -> Self:
         """The cases at these indices; an axis with one index is gone."""
         return type(self)(self.ds.isel(places), self.kept)
+
+    def each(self) -> Iterator[Self]:
+        """Its cases one by one, in their order."""
+        return (
+            self.select(dict(zip(self.axes, place, strict=True))) for place in np.ndindex(*self.ds["outcome"].shape)
+        )
 
     def part(self, **values: str) -> Self:
         """What stands at these names on dimensions of names, as of methods or observables; such a dimension is gone."""

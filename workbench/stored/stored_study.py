@@ -24,6 +24,7 @@ from solver.problem.quantities import current
 from . import derived_arrays, law_verdicts, refined
 from .derived_arrays import ARRAYS, StoredArrays
 from .refined import Refined
+from .schema import axes_left
 from .selection import indices
 from .stored_cases import StoredCases
 
@@ -34,6 +35,8 @@ if TYPE_CHECKING:
     from studies import Study
     from studies.laws.law_verdict import LawVerdicts
     from studies.laws.verdicts import Law
+
+    from ..geometry.centreline import Centreline
 
 NOTEBOOK = "workbench.notebook"  # loaded by name: it draws what this module reads
 
@@ -124,6 +127,17 @@ class StoredStudy(StoredCases):
         from .solved_again import case_of
 
         return case_of(self.ds, self.study)
+
+    @cached_property
+    def centreline(self) -> "Centreline":
+        """The curve of its one case.
+
+        Where loads vary along the rod it needs the contact force in place of the loads, and the radius where the rod
+        may leave the cylinder. Raises `InputError` where the dataset lacks what it needs, or the case is not solved.
+        """
+        from .centrelines import centreline_of
+
+        return centreline_of(self)
 
     # which cases
 
@@ -250,7 +264,7 @@ class StoredStudy(StoredCases):
         """The array along the rod of that name; the same as the attribute, ``ds.rod.contact``. Raises `InputError`."""
         if name not in ARRAYS:
             raise no_such("array along the rod", name, ARRAYS)
-        return derived_arrays.StoredRod(self.ds, self.study, lambda: self.case, lambda: self._solution).array(name)
+        return derived_arrays.StoredRod(self.ds, self.study, lambda: self.case, lambda: self.solution).array(name)
 
     if not TYPE_CHECKING:  # a misspelt name is an error of types
 
@@ -260,7 +274,11 @@ class StoredStudy(StoredCases):
             return self.along(name)
 
     @cached_property
-    def _solution(self) -> "Solution":
+    def solution(self) -> "Solution":
+        """Its cases solved again at its stations, as its study solves them; rods off the wall once for all selections.
+
+        Raises `InputError` for too many cases.
+        """
         from .solved_again import solve_once
 
         return solve_once(self.ds, self.study, self.case, self.kept)
@@ -316,11 +334,14 @@ class StoredStudy(StoredCases):
             Where the dataset has no study, for too many cases or stations, and where the shapes are not the stored
             ones.
         """
-        from .solved_again import solve_again
+        from .solved_again import at_stations, check_shapes, with_arrays
 
         if self.study.refine is not None:  # its cases stand in no grid of the study
             raise InputError("they are of the coarse grid of a refined study")
-        return StoredStudy(solve_again(self.ds, self.study, self.case, stations, names, self.kept), self.kept)
+        bare = StoredStudy(at_stations(self.ds, stations), self.kept)
+        denser = with_arrays(bare.ds, axes_left(self.ds, self.study), bare.solution, names)
+        check_shapes(self.ds, denser)
+        return StoredStudy(denser, self.kept)
 
     # pictures
 

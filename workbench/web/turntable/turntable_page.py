@@ -18,7 +18,7 @@ from solver.problem.errors import InputError
 from studies.grammar.axes import SAMPLE
 
 from ...figures import colours
-from ...geometry import refinement, stored_line
+from ...geometry import refinement
 from ...geometry.centreline import APART, Array, Centreline
 from ...stored.stored_study import StoredStudy
 from ...words import cautions, labels
@@ -232,7 +232,7 @@ def _choose(sizes: dict[str, int], base: Mapping[str, int], most: int) -> dict[s
 
 def _line(stored: StoredStudy, where: Mapping[str, int]) -> Centreline | None:
     """The centreline of a case; None where it is not solved."""
-    return stored_line.read(stored, where) if bool(stored["solved"].isel(dict(where))) else None
+    return stored.select(where).centreline if bool(stored["solved"].isel(dict(where))) else None
 
 
 def _stride(lines: Sequence[Centreline]) -> int:

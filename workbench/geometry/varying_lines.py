@@ -1,101 +1,20 @@
-"""The centreline of a case, read from its dataset; with weight or friction from its angles and its push, and of a rod
-that may leave the cylinder from its places."""
+"""The centrelines of rods with weight or friction, from their angles and their push, and of rods that may leave the
+cylinder, from their places."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Self
 
 import numpy as np
-from scipy.integrate import cumulative_trapezoid
 from scipy.interpolate import CubicSpline
 
 from solver.orbits import frames
-from solver.orbits.potential import Loads, slope_rate
-from solver.problem.case import ALONG_AXIS, IN_PLACE, SLIDING
-from solver.problem.declared_fields import VARY_LOADS
-from solver.problem.errors import InputError
 
-from ..stored import quantity_variables
-from ..stored.stored_study import StoredStudy
-from .centreline import EASED, NEEDED, Array, Centreline, cut, slopes, spline
+from .centreline import EASED, Array, Centreline, cut, spline
 
-# what the curve of a rod with weight or friction needs beside, and of one that may leave the cylinder
-VARIES = ("contact", "radius", "inclination", *VARY_LOADS)
 FREE_ORDER = 3  # of the errors of a spline through places, in their distance: the shear jumps at edges of contact
 MOST_EDGES = 24  # of contacts of a rod, beyond which marks of them would hide it
-ANGLES = 361  # between the least and the largest one, at which rates are compared
-
-
-def read(stored: StoredStudy, where: Mapping[str, int]) -> Centreline:
-    """The centreline of one case, by its indices along the axes.
-
-    Raises `InputError` where the dataset lacks one of `NEEDED`, or the case is not solved. Where loads vary along the
-    rod the curve needs the contact force in place of the loads, and the radius where the rod may leave the cylinder.
-    """
-    leaves = stored.leaves
-    varies = leaves or stored.loads_vary
-    needed = (*NEEDED, *stored.stiffness_fields, *["contact"] * varies, *["radius"] * leaves)
-    missing = [name for name in needed if name not in stored]
-    if missing:
-        lacks = f"the dataset stores no {', '.join(missing)}, which the curve of the rod needs"
-        raise InputError(f"{lacks}: add what is missing to outputs")
-    case = stored.select(dict(where))
-    outcome = str(case["outcome"].values)
-    along = {name: np.asarray(case[name], dtype=float) for name in ("alpha", "beta", "z")}
-    if not case["solved"] or not np.isfinite(list(along.values())).all():
-        raise InputError(f"this case has no shape: {outcome}")
-    number = {name: float(case[name]) for name in needed[3:] if name not in ("contact", "radius")}
-    A = float(quantity_variables.bending_stiffness(str(stored.attrs["stiffness"]), number))
-    loads = [number[name] / A for name in ("MZ", "M3", "FZ")]
-    s = np.asarray(case["s"].values, dtype=float)
-    is_stored = "dbeta" in stored
-    R, a, rho = (number[name] for name in ("R", "a", "rho"))
-    if is_stored:
-        dbeta = np.asarray(case["dbeta"], dtype=float)
-    elif varies:
-        dbeta = np.asarray(spline(s, along["beta"])(s, 1))
-    else:
-        dbeta = slopes(s, along["beta"], rho, *loads)
-    l, m, p = (np.nan, loads[1], np.nan) if varies else loads
-    side, unit = str(stored.attrs["side"]), stored.units["length"]
-    bore = number.get("inner_radius", 0.0)
-    known = (s, along["alpha"], along["beta"], dbeta, along["z"], R, a, rho, A, l, m, p, side, bore, unit, is_stored)
-    if varies:
-        contact = np.asarray(case["contact"], dtype=float)
-        if leaves:
-            return FreeLine(*known, stored_contact=contact, radius=np.asarray(case["radius"], dtype=float))
-        rate = _fastest(case, s, along["alpha"], along["beta"], contact, A)
-        return VaryingLine(*known, stored_contact=contact, rate=rate)
-    return Centreline(*known)
-
-
-def _fastest(case: StoredStudy, s: Array, alpha: Array, beta: Array, contact: Array, A: float) -> float:
-    """The largest rate at which beta of a rod with weight or friction can swing or die away [rad/length].
-
-    The rate is that of beta'' = -H(beta) under the local loads, which follow from those of the far end by statics, and
-    of the weight that pulls the rod to the low side.
-    """
-    number = {name: float(case[name]) if name in case else 0.0 for name in ("weight", "inclination", "friction")}
-    FZ, MZ, M3, rho = (float(case[name]) for name in ("FZ", "MZ", "M3", "rho"))
-    sense, way = SLIDING[str(case.attrs.get("sliding", next(iter(SLIDING))))]
-    rubbed = 0.0 if way == IN_PLACE else sense * number["friction"] * np.abs(contact)
-    along, across = number["weight"] * np.cos(number["inclination"]), number["weight"] * np.sin(number["inclination"])
-    pulled = along + rubbed * (1.0 if way == ALONG_AXIS else np.cos(beta))
-    turned = rho * (across * np.sin(alpha) + (0.0 if way == ALONG_AXIS else rubbed * np.sin(beta)))
-    rows = [cumulative_trapezoid(np.broadcast_to(each, s.shape), s, initial=0.0) for each in (pulled, turned)]
-    p, l = (load / A + (row - row[-1]) / A for load, row in zip((FZ, MZ), rows, strict=True))
-    angle = np.linspace(beta.min(), beta.max(), ANGLES)
-    lam, phi = np.array([l.min(), l.max()]) * rho, np.array([p.min(), p.max()]) * rho**2
-    rates = slope_rate(Loads(lam[:, None, None], M3 / A * rho, phi[:, None]), angle) / rho**2
-    return float(np.sqrt(np.abs(rates).max() + np.sqrt(abs(across) / (rho * A)) + np.cbrt((along / A) ** 2)))
-
-
-def lines_of_solved(stored: StoredStudy) -> Iterator[Centreline]:
-    """The centreline of every solved case of a dataset. Raises `InputError` as `read` does."""
-    solved = stored["solved"]
-    for place in np.argwhere(np.asarray(solved.values, dtype=bool)):
-        yield read(stored, dict(zip(map(str, solved.dims), map(int, place), strict=True)))
 
 
 @dataclass(frozen=True, eq=False)
