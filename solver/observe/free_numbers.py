@@ -6,12 +6,13 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from numpy.polynomial import polynomial
 
 from ..free.contacts import Contact
 from ..free.free_rods import MESHES, estimate
 from ..free.free_shape import Along, FreeShape
 from ..numerics.arrays import FAINT, Array
-from ..orbits.frames import outward
+from ..orbits.frames import binormal, outward
 from ..orbits.loop_orbits import MOST_PLACES
 from ..orbits.shape import ShapeArrays
 from ..problem.quantities import quantity
@@ -21,11 +22,12 @@ from .measurement import MIDDLE
 WAVE = 1e-3  # rad: a smaller change of beta between two bends is no bend of a rod that is solved to 1e-4 of its length
 NEAREST = np.pi  # radii of the rod: stretches that are closer along it do not meet unless it is bent tighter than that
 COUNTS = ("bends", "loops", "overlaps", "index", "contact_count")
-OF_CONTACTS = ("contact_size_mean", "push_mean", "push_max", "push_max_at", "attached", "contact_share",
-               "point_force_max")  # fmt: skip
+OF_CONTACTS = ("contact_size_mean", "push_mean", "push_max", "push_max_at", "attached", "contact_share", "contact_at",
+               "contact_alpha", "contact_M2", "point_force_max")  # fmt: skip
 # of which rounding is left where there is none
 CANCELLING = ("turns_around", "amplitude", "FZ", "FZ0", "MZ", "MZ0", "M3", "M30", "surface_torque")
 UNDEFINED = {
+    **dict.fromkeys(("contact_at", "contact_alpha", "contact_M2"), "the rod touches the wall nowhere"),
     "bend_number": "a rod that may leave the wall has no period",
     "lift_off_at": "a cylinder that only pushes never pulls; contacts says where it does not push",
 }
@@ -101,6 +103,20 @@ class FreeReading:
         """The bending moment about the inward normal at an end."""
         end = self.at(share)
         return float(-end.moment[0] @ outward(end.turned[0])[0])
+
+    @property
+    def first(self) -> float:
+        """Where the rod first touches the wall; NaN where it does nowhere."""
+        return self.contacts[0].begin if self.contacts else np.nan
+
+    def first_bending(self) -> float:
+        """The bending moment M2 at the first contact, from the side of the start: its slope jumps by a point force."""
+        if not self.contacts:
+            return np.nan
+        k = max(2, int(self.first / self.rod.h))  # a node of which the next one may already feel the wall
+        before = self.shape.at(self.shape.nodes[k - 2 : k + 1])
+        M2 = (before.moment * binormal(*before.turned[:2])).sum(axis=1)
+        return float(polynomial.polyval(self.first / self.rod.h - k, polynomial.polyfit([-2, -1, 0], M2, 2)))
 
     def middle_push(self) -> float:
         """The push over the middle third, point forces included, per length."""
@@ -182,6 +198,9 @@ NUMBERS: dict[str, Callable[[FreeReading], Any]] = {
     "gap_max": lambda read: np.abs(read.along.radius - 1).max(),
     "contact_share": lambda read: read.share,
     "contact_count": lambda read: len(read.shape.contacts),
+    "contact_at": lambda read: read.first,
+    "contact_alpha": lambda read: read.at(read.first / read.rod.span).turned[0, 0] if read.contacts else np.nan,
+    "contact_M2": FreeReading.first_bending,
     "point_force_max": lambda read: max((force for on in read.contacts for _, force in on.points), default=0.0),
     "FZ": lambda read: read.shape.far_loads[2],
     "MZ": lambda read: read.shape.far_loads[0],

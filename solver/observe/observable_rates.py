@@ -51,7 +51,9 @@ def check_observables(names: Any) -> tuple[str, ...]:
 
 
 def _has_derivative(name: str) -> bool:
-    return set(OBSERVABLES[name].measured) <= _DIFFERENTIABLE or is_count(name)
+    """Whether it may change along with a rod on the wall; its derivative is known, or 0 of a whole number."""
+    row = OBSERVABLES[name]
+    return not row.free and (set(row.measured) <= _DIFFERENTIABLE or is_count(name))
 
 
 _OWN_SLOPES = ("alpha", "z", "middle turned", "middle risen", "beta0", "betaL", "dbeta0", "dbetaL")

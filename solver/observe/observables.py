@@ -302,6 +302,17 @@ def energy(read: MeasuredNumbers) -> Pair:
     return value - twist, error + rounding
 
 
+def first_azimuth(read: MeasuredNumbers) -> Pair:
+    """The azimuth at s = 0 [rad], where a rod that lies on the wall touches it first."""
+    return flat(read.sol.case.given.alpha, read.sol.case.shape), 0 * read.rho
+
+
+def first_bending(read: MeasuredNumbers) -> Pair:
+    """The bending moment M2 = A sin^2(beta)/rho at s = 0 [force length]."""
+    beta = read.sol.trajectory.beta[:, 0]
+    return read.unit_moment * np.sin(beta) ** 2, read.unit_moment * np.abs(np.sin(2 * beta)) * read.error
+
+
 @dataclass(frozen=True)
 class Observable:
     """One number a case.
@@ -375,6 +386,9 @@ OBSERVABLES: dict[str, Observable] = {
     "gap_max": Observable(lambda read: (0 * read.rho, 0 * read.rho), free=True, least=0),
     "contact_share": Observable(lambda read: (1 + 0 * read.rho, 0 * read.rho), free=True, least=0, most=1),
     "contact_count": Observable(lambda read: np.ones(read.sol.problem.size, dtype=np.int64), free=True),
+    "contact_at": Observable(lambda read: (0 * read.rho, 0 * read.rho), free=True, least=0, most="L"),
+    "contact_alpha": Observable(first_azimuth, free=True),
+    "contact_M2": Observable(first_bending, free=True),
     "point_force_max": Observable(lambda read: (0 * read.rho, 0 * read.rho), free=True, least=0),
     "FZ": Observable(lambda read: (read.loads[0], 0.0), holds=True),
     "MZ": Observable(lambda read: (read.loads[1], 0.0), holds=True),

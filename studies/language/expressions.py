@@ -120,8 +120,12 @@ def check(study: Study) -> None:
 
 
 def check_law(study: Study, number: int, law: Law) -> None:
-    """Raise `Misplaced` unless the formulas of a law use known names and have the unit of what they stand for."""
+    """Raise `Misplaced` unless the formulas of a law use known names and have the unit of what they stand for.
+
+    Beside the names of `names` they may use the estimated errors of what the study stores.
+    """
     known, units = names(study), study.unit_system
+    known |= {f"{name}_error": known[name] for name in study.wanted if f"{name}_error" in study.recorded}
     for key, formula in law.formulas.items():
         owner = law.axis if key == "x" else law.observable
         try:

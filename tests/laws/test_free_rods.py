@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq, fsolve
 from scipy.sparse import coo_array
 from scipy.special import ellipe, ellipk
 
@@ -424,6 +425,47 @@ def test_a_pipe_with_centred_ends_buckles_at_the_load_of_dawson_and_paslay() -> 
         assert {str(value) for value in untwisted.values()} == {"0.0"}  # no rounding
     assert ranges[-150.0] < 1e-3
     assert 0.2 < ranges[-170.0] < 0.4
+
+
+def length_of_arc(FZ: float, alpha: float, beta: float, M2: float, near: float) -> float:
+    """How far `PIPE`, marched in space from the axis and along it, is free until it meets the wall like this [m]."""
+    P, rho, w, A = -FZ, HOLE["R"] - PIPE.a, PIPE.weight, PIPE.bending_stiffness
+    out, around = np.array([np.cos(alpha), np.sin(alpha), 0]), np.array([-np.sin(alpha), np.cos(alpha), 0])
+
+    def slopes(_: float, y: np.ndarray) -> np.ndarray:
+        t, m, force = y[3:6], y[6:9], np.array([*y[9:], -P])
+        return np.concatenate([t, np.cross(m, t) / A, np.cross(force, t), [-w, 0.0]])
+
+    def missed(v: np.ndarray) -> list[float]:
+        y = solve_ivp(slopes, (0, v[4]), [0, 0, 0, 0, 0, 1, v[0], v[1], 0, *v[2:4]], rtol=1e-10, atol=1e-13).y[:, -1]
+        x, t, m = y[:3], y[3:6], y[6:9]
+        leans = t @ out, np.arctan2(t @ around, t[2]) - beta
+        return [x @ out - rho, x @ around, *(near * np.array(leans)), (m @ np.cross(out, t) - M2) / P]
+
+    k, sag, turned = np.sqrt(P / A), w / P, np.exp(1j * alpha)  # the arc of small angles is near
+    c, s = np.cos(k * near), np.sin(k * near)
+    u = rho * turned - sag * near**2 / 2, 1j * beta * turned / k - sag * near / k
+    bend, shear = np.linalg.solve(np.array([[1 - c, k * near - s], [s, 1 - c]], dtype=complex), u)
+    moment, force = P * bend + A * sag, -P * k * shear
+    v, _, found, _ = fsolve(missed, [-moment.imag, moment.real, force.real, force.imag, near], full_output=True)
+    assert found == 1
+    return float(v[4])
+
+
+@pytest.mark.parametrize("FZ", slow_but((-160.0, -200.0, -400.0), -160.0, -200.0))
+def test_a_pipe_is_off_the_wall_next_to_a_centred_end_as_long_as_a_rod_in_space(FZ: float) -> None:
+    hole = Cylinder(**HOLE, contact="unilateral")
+    sol = solve(Case(PIPE, hole, Ends(0.0, 0.0, FZ=FZ, radius0=0.0, radiusL=0.0)), stations=2001, tol=2e-7)
+    at, alpha, M2 = (observe(sol, [f"contact_{name}"], errors=True).values() for name in ("at", "alpha", "M2"))
+    (at, at_error), (alpha, _), (M2, M2_error) = at, alpha, M2
+    size = -FZ * (HOLE["R"] - PIPE.a)
+    length = length_of_arc(FZ, alpha, np.interp(at, sol.s, sol.beta), M2, at)
+    # by the law of small angles an error of M2/(P rho) is twice one of the length
+    assert abs(length - at) < at_error + 2 * length * M2_error / size
+    x = length * np.sqrt(-FZ / PIPE.bending_stiffness)
+    V = 1 - x / (2 * np.tan(x / 2))
+    weight = PIPE.weight * PIPE.bending_stiffness * np.cos(alpha) / (-FZ * size)
+    assert 2 * V * M2 / size + 2 * V**2 * weight == pytest.approx(1, abs=(2 * size / FZ / length) ** 2)
 
 
 @pytest.mark.parametrize(("end", "turns"), [(-2e-19, 0.0), (2e-6, 1e-6 / np.pi)])

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import linregress, t
 
+from solver import InputError
 from studies.language.loader import loads
 from studies.laws.line_verdicts import fit_power
 
@@ -31,3 +32,11 @@ def test_the_place_of_a_boundary_on_an_axis_of_angles_may_be_text() -> None:
     said = "kind = 'boundary'\npasses = 1\nx = '30deg'\nwithin = 0.1\n"
     study = loads(f"{HEAD}{AXES}[[laws]]\nclaim = 'a'\nobservable = 'bends'\naxis = 'beta'\nsource = 's'\n{said}")
     assert study.laws[0].x == pytest.approx(np.pi / 6)
+
+
+def test_a_law_may_be_held_to_the_estimated_error_of_what_its_study_stores() -> None:
+    said = "kind = 'bounded'\nmost = 'height + {}_error'\n"
+    law = f"{HEAD}{AXES}[[laws]]\nclaim = 'a'\nobservable = 'height'\naxis = 'E'\nsource = 's'\n{said}"
+    loads(law.format("height"))
+    with pytest.raises(InputError, match="no name 'pitch_error' in a formula"):
+        loads(law.format("pitch"))

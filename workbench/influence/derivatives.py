@@ -20,7 +20,7 @@ from studies.grammar.axes import DEFAULT_UNITS, WORDS
 
 from ..stored import quantity_variables
 
-REAL = tuple(name for name in OBSERVABLES if not is_count(name))
+REAL = tuple(name for name, row in OBSERVABLES.items() if not (row.free or is_count(name)))
 PERCENT = "%"
 
 
