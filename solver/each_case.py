@@ -1,7 +1,7 @@
 """Each case of a grid apart: what a column of the solver raises becomes the outcome of the case that raises it.
 
 This is the one place for all columns: start problems, dead loads, held ends, weight and friction. `InputError` passes,
-as the question is invalid; so does what is a matter of the machine (`problem.errors.PASSING`).
+as the question is invalid; so does what is a matter of the machine (`problem.errors.attempt`).
 """
 
 from collections.abc import Callable

@@ -34,11 +34,9 @@ if TYPE_CHECKING:
 
 __all__ = ["Equilibria", "Equilibrium", "equilibria", "meant", "nearest"]
 
-MOST_SWINGS = 200
-LARGEST_SWINGS, MOST_TRIES, MOST_VALUES, MOST_LISTED = 10_000, 10_000, 1_000, 100_001  # of one call
+MOST_LISTED = 100_001  # stations of one of them
 _FAR_WIDER = 2.5  # times the range around the equilibria that were found
 FINE = 801  # stations of an equilibrium without weight, whose shape weight changes
-ANY_LOAD = "a straight rod or a helix is an equilibrium under any load and is not listed"
 SHORT = 10.0  # radii: up to it a list with weight has nearly all that a finer scan finds
 
 
@@ -98,11 +96,11 @@ def equilibria(
     """
     case, tol = check_case("equilibria", case), check_tolerance(tol)
     stations = whole_number("stations", stations, 2, MOST_LISTED)
-    tries = whole_number("tries", tries, 0, MOST_TRIES)
+    tries = whole_number("tries", tries, 0, 10_000)
     if most_swings is not None:
-        most_swings = whole_number("most_swings", most_swings, 0, LARGEST_SWINGS)
+        most_swings = whole_number("most_swings", most_swings, 0, 10_000)
     if values is not None:
-        values = whole_number("values", values, 2, MOST_VALUES)
+        values = whole_number("values", values, 2, 1_000)
     if within is not None and not isinstance(within, Mapping):
         raise InputError(f"within must be a mapping of a reaction to its lowest and highest value, got {within!r}")
     if not isinstance(case.given, Ends):
@@ -118,10 +116,10 @@ def equilibria(
         return _with_held_ends(case, tol, stations, swings, within or {}, tries, values)
     if within:
         raise InputError(f"within takes reactions of held ends, and the case holds none; got {choices(within)}")
-    return _under_dead_loads(case, tol, stations, MOST_SWINGS if most_swings is None else most_swings)
+    return _under_dead_loads(case, tol, stations, most_swings)
 
 
-def _under_dead_loads(case: Case, tol: float, stations: int, most_swings: int) -> Equilibria:
+def _under_dead_loads(case: Case, tol: float, stations: int, most_swings: int | None) -> Equilibria:
     """All equilibria of one case under dead loads."""
     from .observe.measurement import MeasuredNumbers
     from .observe.observables import OBSERVABLES
@@ -133,7 +131,7 @@ def _under_dead_loads(case: Case, tol: float, stations: int, most_swings: int) -
     assert isinstance(problem, EndsProblem)
     if why := refusals(case, problem)[0]:
         return Equilibria([], reason_beyond(why, case))
-    equilibria = search_levels(problem, most_swings)
+    equilibria = search_levels(problem) if most_swings is None else search_levels(problem, most_swings)
     if equilibria is None:
         return Equilibria([], "incomplete: no equilibrium was found, and by degree there is always one")
     dbeta0, orbit, K = equilibria.dbeta0, equilibria.orbit, equilibria.dbeta0.size
@@ -190,7 +188,9 @@ def _with_held_ends(
     outside = {name_of[k]: in_units(k, [unknowns[k] for unknowns in result.outside]) for k in name_of if result.outside}
     counts = result.problems, result.starts, result.failed, result.tries, len(result.outside)
     whole = result.ranges.turns and len(result.ranges.bounds) == 2 and not result.any_load
-    note = ANY_LOAD if result.any_load else _count_between_hinges(listed) if whole else ""
+    note = _count_between_hinges(listed) if whole else ""
+    if result.any_load:
+        note = "a straight rod or a helix is an equilibrium under any load and is not listed"
     narrower = _narrower(listed, {name: ends for name, ends in searched.items() if name not in ranges})
     return HeldEquilibria(in_order(listed), HeldSearch(searched, most_swings, *counts, note, outside, narrower))
 

@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from .branches.branch_events import Bounds, Place, Stop
     from .orbits.boundary import Path
 
-MOST_POINTS = 10_000_000  # of a branch
 WIDEST = 1e8  # of the size of a field: the range of a branch, of which a share of 4e-15 is taken for rounding
 _BEFORE = 1e-10  # of the way to the fold: at the fold the condition number is infinite, and half the digits are lost
 SolvePoint = Callable[[BranchPoint], Solution]
@@ -81,7 +80,7 @@ def follow(solution: Solution, *, points: int = POINTS, **field: ArrayLike) -> B
         if case.varies:
             raise InputError(f"with weight or friction follow takes a field that the case gives, got {name}")
         case = exchange(case, _numbers(solution), name)
-    bounds = Bounds(*_range(case, name, goals), whole_number("points", points, 1, MOST_POINTS))
+    bounds = Bounds(*_range(case, name, goals), whole_number("points", points, 1, 10_000_000))
     followed = (_follow_shape if case.on_nodes else _follow_orbit)(solution, case, name, bounds)
     if isinstance(followed, str):
         raise InputError(f"the equilibrium cannot be followed: {followed}")

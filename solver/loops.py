@@ -10,17 +10,15 @@ from .problem.errors import InputError, check_type, whole_number
 from .problem.limits import OUT_OF_RANGE, reason_beyond, units_held
 from .problem.quantities import current, former
 from .problem.reduced import reduce
-from .problem.shown import make
-from .solution import SHOWN, Solution
+from .problem.shown import NOTEBOOK, make
+from .solution import Solution
 from .solve import solve
 
 if TYPE_CHECKING:
     from .orbits.loop_orbits import ClosedOrbit
 
 TOL = 1e-11
-MOST_TURNS = 1_000_000  # around the axis, and folds
 _ULPS = 8  # units in the last place by which the forces at the start are moved
-MEASURED = ("bending_energy", "push_min", "push_max", "attached", "kappa_max")
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +96,7 @@ class Loops(list[Loop]):
         **units : str
             ``length`` and ``force``, the units of the rod; default: cm and N.
         """
-        return make(SHOWN, "loops_as_dataset", self, units)
+        return make(NOTEBOOK, "loops_as_dataset", self, units)
 
 
 def loops(
@@ -177,7 +175,7 @@ def _check(rod: Rod, cylinder: Cylinder, turns_around: int, folds: int) -> float
     """L/rho of a rod that can form the loop."""
     counts: dict[str, Any] = {"turns_around": turns_around, "folds": folds}
     for name, value in counts.items():
-        whole_number(name, value, 1, MOST_TURNS)
+        whole_number(name, value, 1, 1_000_000)
     refuse_leaving(check_type("loops", cylinder, Cylinder), "loops")
     case = Case(rod, cylinder, Start(0.0, 0.0, M3=0.0))
     if case.shape:
@@ -203,7 +201,8 @@ def _loop(
 
     case = Case(rod, cylinder, _start(rod, cylinder, about * orbit.lowest, about * orbit.lam))
     sol = solve(case, tol=TOL, stations=stations)
-    seen = {name: float(value) for name, value in observe(sol, MEASURED).items()}
+    measured = observe(sol, ("bending_energy", "push_min", "push_max", "attached", "kappa_max"))
+    seen = {name: float(value) for name, value in measured.items()}
     kept = sol.trajectory
     ends = kept.beta[0, -1] - kept.beta[0, 0], kept.alpha[0, -1] - 2 * np.pi * turns_around, kept.z[0, -1]
     closure = float(np.abs([*ends, kept.dbeta[0, -1]]).max())

@@ -18,9 +18,6 @@ from .problem.reduced import fields_held
 from .traced_folds import search_from_middle
 
 PIXELS = 240  # of the raster along each field
-MOST_POINTS = 100_000
-MOST = 101  # points of the lattice along a field
-NINE, THREE = 9, 3  # by default, under dead loads, and with held ends or weight
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +76,7 @@ class RegionMap:
 
         Raises `InputError` unless points is a whole number from 1 to 100000 and seed one from 0 on.
         """
-        points, seed = whole_number("points", points, 1, MOST_POINTS), whole_number("seed", seed, 0, LARGEST_SEED)
+        points, seed = whole_number("points", points, 1, 100_000), whole_number("seed", seed, 0, LARGEST_SEED)
         folds, wrong = self.folds, []
         for values in np.random.default_rng(seed).uniform(folds.low, folds.high, (points, 2)):
             listed = equilibria(folds.case_at(values), stations=2, within=folds.within)
@@ -94,7 +91,7 @@ class RegionMap:
 
 def points_of_lattice(case: Case) -> int:
     """The points of the lattice along each field, by default."""
-    return THREE if case.varies or fields_held(case) else NINE
+    return 3 if case.varies or fields_held(case) else 9
 
 
 def fold_curves(case: Case, *, lattice: int | None = None, **ranges: Any) -> FoldCurves:
@@ -141,7 +138,7 @@ def fold_curves(case: Case, *, lattice: int | None = None, **ranges: Any) -> Fol
     """
     plane = parameter_plane(check_case("fold_curves", case), ranges)
     lattice = points_of_lattice(case) if lattice is None else lattice
-    lattice = whole_number("lattice", lattice, 2, MOST)
+    lattice = whole_number("lattice", lattice, 2, 101)
     if plane.varies or fields_held(case):
         return search_from_middle(plane, lattice)
     return curves_of(search_curves(plane, lattice))

@@ -9,7 +9,7 @@ import numpy as np
 
 from .free.beginnings import case_of_held_ends, curves_of
 from .free.free_rods import FREE_TOLERANCE, answers_beside, trajectory_of
-from .free.sinking import MOST_SHAPES, descent_of
+from .free.sinking import descent_of
 from .numerics.arrays import Array
 from .observe.cautions import of_cases
 from .observe.solution_derivatives import Sensitivity, sensitivity
@@ -17,9 +17,7 @@ from .orbits import frames
 from .orbits.shape import ShapeArrays
 from .problem.case_fields import cases_at, place_along, with_field
 from .problem.errors import InputError, check_tolerance, show, whole_number
-from .problem.shown import make, table_of
-
-SHOWN = "workbench.notebook"  # loaded by name when a solution is shown: the solver works without the workbench
+from .problem.shown import NOTEBOOK, make, table_of
 
 
 class Solution(ShapeArrays):
@@ -212,7 +210,7 @@ class Solution(ShapeArrays):
             As of `let_go`, for a count that is none, for several cases, and where the rod stays as it is or is not
             solved.
         """
-        count = whole_number("count", count, 1, MOST_SHAPES)
+        count = whole_number("count", count, 1, 10_000)
         if self.case.shape:
             raise InputError(f"the descent is that of one case, and these are {self.case.size}: select one with sel")
         free = self.let_go(tol)
@@ -297,7 +295,7 @@ class Solution(ShapeArrays):
         >>> dict(ds.beta.sizes), ds.z.units
         ({'E': 2, 'u': 201}, 'cm')
         """
-        return make(SHOWN, "as_dataset", self, units)
+        return make(NOTEBOOK, "as_dataset", self, units)
 
     def plot(self, **units: str) -> Any:
         """Draw the solution; a notebook shows it inline.
@@ -313,7 +311,7 @@ class Solution(ShapeArrays):
             One case: its angle, push and developed curve; several cases: their developed curves. ``save("rod.pdf")``
             writes it, ``figure`` is the Matplotlib figure.
         """
-        return make(SHOWN, "plot_solution", self, units)
+        return make(NOTEBOOK, "plot_solution", self, units)
 
     def scene(self, **units: str) -> Any:
         """The rod on its cylinder; a notebook shows it inline, and a reader turns it.
@@ -333,7 +331,7 @@ class Solution(ShapeArrays):
         InputError
             Where no case has a shape.
         """
-        return make(SHOWN, "scene_solution", self, units)
+        return make(NOTEBOOK, "scene_solution", self, units)
 
     def export(self, path: Any, *, tolerance: float | None = None, replace: bool = False, **units: str) -> Any:
         """Write the rod to a file of another program; the suffix chooses the format.
@@ -365,7 +363,7 @@ class Solution(ShapeArrays):
         UserWarning
             Of rods that are left out, and of what a real rod could not do.
         """
-        return make(SHOWN, "export_solution", self, path, tolerance, replace, units)
+        return make(NOTEBOOK, "export_solution", self, path, tolerance, replace, units)
 
     def __repr__(self) -> str:
         """The outcome and three numbers; of several cases how many are solved, and their ranges."""

@@ -113,7 +113,7 @@ def test_a_floor_imports_only_what_lies_below_it(floor: str) -> None:
 
 def test_the_solver_names_the_workbench_only_where_a_solution_is_shown() -> None:
     named = {module_of(file) for file in files_of("solver/**/*.py") if '"workbench' in file.read_text(encoding="utf-8")}
-    shows = {"solver.solution", "solver.problem.shown", "solver.equilibrium_branch"}  # load it by name
+    shows = {"solver.problem.shown", "solver.equilibrium_branch"}  # load it by name
     assert named == shows | {"solver.problem.notices"}  # tells the workbench's own calls from those of a user
     code = "import sys; from solver import *; print([n for n in sys.modules if n.partition('.')[0] == 'workbench'])"
     run = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)

@@ -12,6 +12,7 @@ from functools import partial
 
 import numpy as np
 
+from ..core.branch_calls import AT_END, IS_CLOSED
 from ..core.tuning import (
     BACK,
     BESIDE_HELD_HELIX,
@@ -33,7 +34,7 @@ from ..orbits.path_orbits import orbit_of
 from ..orbits.potential import slope
 from ..problem.reduced import EndsProblem
 from .branch_events import Bounds, Place, Stop, arrive, both_ways, events_between
-from .branch_states import AT_END, IS_CLOSED, BranchState, begin_at, in_other_charts, rechart, steps_in_core
+from .branch_states import BranchState, begin_at, in_other_charts, rechart, steps_in_core
 from .family import Family
 from .given_numbers import FREE
 from .held_index import index_of
@@ -47,13 +48,6 @@ _LENGTHS = arclength.Lengths(first=0.02, longest=LONGEST, least=1e-7)  # of step
 _NATURAL = replace(_LENGTHS, first=0.1, least=1e-4)  # the same where the parameter must rise all the way
 _LEAP = 1.0  # of the parameter's scale: the line whose shares `leaps.LEAPS` are leapt
 _CREEPS = 60  # points in a row that do not advance p
-_CREEPING = (
-    "the rod is next to a helix, as beside a pitchfork, and the range ends so near that the steps became too small; "
-    "choose a range that ends farther on"
-)
-_CREEPING_NATURAL = "the steps became too small"
-_NONE_BESIDE = "the rod is no helix beyond, and no equilibrium next to the helix was found"
-STILL = "the start is a helix, and the change does not bend its ends; give a bent seed"
 _FAR = 0.1  # of p's scale, the longest way past a helix
 _BESIDE = 0.01  # rad between the ends of a held rod there
 _FEW = 5  # steps, after which a rod that is carried may be next to a helix
@@ -179,7 +173,13 @@ class _Walk:
         """The places of a stride from a state, at the last of which the branch may end; leap: whether it is a leap."""
         self.creeps = self.creeps + 1 if creeps(before, after, self.bounds, leap) else 0
         if self.creeps > (_FEW if self.natural else _CREEPS):
-            return arclength.Stride(places, before, step, _CREEPING_NATURAL if self.natural else _CREEPING)
+            why = "the steps became too small"
+            if not self.natural:
+                why = (
+                    f"the rod is next to a helix, as beside a pitchfork, and the range ends so near that {why}; "
+                    "choose a range that ends farther on"
+                )
+            return arclength.Stride(places, before, step, why)
         return arrive(places, passed, before, after, step, self.bounds, self._end)
 
     def _end(self, place: Place) -> str:
@@ -286,7 +286,11 @@ def leap_from(
         return LEFT
     guesses = leap(first, last, problem, path) if family.is_dead else off_helix(state_of(problem, path), last)
     places = ((guess, way, p + share * (far - p)) for guess, way, share in guesses)
-    return first_equilibrium(family, places, rises) or (_NONE_BESIDE if family.is_dead else STILL)
+    if beyond := first_equilibrium(family, places, rises):
+        return beyond
+    if family.is_dead:
+        return "the rod is no helix beyond, and no equilibrium next to the helix was found"
+    return "the start is a helix, and the change does not bend its ends; give a bent seed"
 
 
 def first_equilibrium(family: Family, guesses: Iterable[Guess], rises: bool) -> BranchState | None:

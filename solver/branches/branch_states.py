@@ -19,7 +19,6 @@ from .family import Family
 from .held_index import held_index
 from .orbit_rates import OrbitRates
 
-AT_END, IS_CLOSED = core.AT_END, core.IS_CLOSED
 _PATH = ("pin", "sign", "y", "leaving", "turns")  # of a record of the core
 _PARALLEL = 0.7  # smallest cosine between a tangent and the direction to the neighbouring point
 _ROUGH = 1e-9  # in scales: the last correction of a point that is only passed

@@ -20,7 +20,6 @@ from ..orbits.potential import load_size, potential, slope_rate
 from .given_numbers import Given, OrbitState
 from .orbit_rates import NUMBERS, OrbitRates
 
-_DISPLACEMENTS = ("z", "alpha", "turn")  # in the order of `OrbitRates.compliance`
 _ANGLES = ("beta0", "betaL")
 _DOUBT = 1e-11  # of the largest eigenvalue: a smaller one has no sign
 _RESTS = 1e-7  # beta_t at both ends of a rod that rests at both, in units of the loads
@@ -39,7 +38,7 @@ def held_index(rates: OrbitRates, ratio: Array, names: tuple[str, ...], leaving:
 def _compliance_of(rates: OrbitRates, ratio: Array, names: tuple[str, ...]) -> tuple[tuple[str, ...], Array]:
     """The two given numbers of the ends, and the block of the compliance of the k held displacements, (B, k, k)."""
     ends = tuple(name for name in names if name.endswith(_ANGLES))
-    held = [k for k, name in enumerate(_DISPLACEMENTS) if name in names]
+    held = [k for k, name in enumerate(("z", "alpha", "turn")) if name in names]  # in the order of `compliance`
     if not held:
         return ends, np.empty((len(rates.values), 0, 0))
     return ends, rates.compliance(ratio, ends)[:, held][:, :, held]

@@ -11,7 +11,7 @@ from ..numerics.arrays import NEGLIGIBLE, Array
 from ..orbits.boundary import DOWN, UP, Boundary, Path, boundary_of, wrap
 from ..orbits.potential import Loads, load_size, slope, slope_rate
 from ..orbits.variations import HelixVariations
-from .given_numbers import FREE, Given, OrbitState, answer, parts_of, problem_after, problem_of
+from .given_numbers import FREE, LOADS, Given, OrbitState, answer, parts_of, problem_after, problem_of
 from .leaps import Guess
 from .orbit_rates import NUMBERS, orbit_rates
 
@@ -94,7 +94,7 @@ def _helix(beta: float, known: dict[str, float], given: Given) -> _Helix | None:
 
 
 def _state(helix: _Helix, given: Given) -> OrbitState | None:
-    loads = {name: load for name in FREE[2:] if (load := getattr(helix, name)) is not None}
+    loads = {name: load for name in LOADS if (load := getattr(helix, name)) is not None}
     problem = problem_of(given, {**loads, "beta0": helix.beta, "betaL": helix.beta})
     if not np.isfinite(load_size(problem)[0]):
         return None

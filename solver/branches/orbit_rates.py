@@ -27,7 +27,6 @@ from ..orbits.variations import POINTS, Change, HelixVariations, Variations
 from ..problem.reduced import EndsProblem, Reduced, StartProblem
 
 NUMBERS = ("beta0", "betaL", "dbeta0", "dbetaL", "alpha", "swirl", "z", "lam", "mu", "phi", "y")
-_Y = 10
 _REST = 1e-15  # beta_t at a start at rest
 HOW = CUTTING, VARIED._replace(stretch=STRETCH)
 
@@ -129,7 +128,7 @@ def start_rates(problem: StartProblem, pin: Pin | None = None) -> OrbitRates:
         (np.full(11, np.nan), np.full((11, 5), np.nan), np.full(11, np.nan)) if answer is None else answer[:3]
     )
     values[NUMBERS.index("dbeta0")] = problem.dbeta0[0]  # not as it is read from the orbit
-    rows[_Y] = by_span[_Y] = np.nan
+    rows[NUMBERS.index("y")] = by_span[NUMBERS.index("y")] = np.nan
     return OrbitRates(problem.with_end(values[[NUMBERS.index("betaL")]]), values[None], rows[None], by_span[None])
 
 
@@ -152,7 +151,8 @@ def rates_of_helices(problem: EndsProblem) -> OrbitRates:
     with np.errstate(all="ignore"):  # beside a critical point and for long rods some terms overflow and are not taken
         ends = HelixVariations(problem, held=True).units(ends_of(problem))
     rates = _assemble(problem, ends, none, none, np.stack([s, s * c, c]) * problem.span)
-    rates.values[:, _Y], rates.rows[:, _Y] = -np.inf, np.nan
+    y = NUMBERS.index("y")
+    rates.values[:, y], rates.rows[:, y] = -np.inf, np.nan
     return rates
 
 

@@ -18,7 +18,6 @@ from .build import HERE, OTHER, digest, library_name
 HOW = "install rod-workbench again, or in a checkout run python -m solver.core"
 INT, FLOAT, AT = ctypes.c_int64, ctypes.c_double, ctypes.c_void_p
 _KINDS = {"double": FLOAT, "int64_t": INT, "int": ctypes.c_int}
-_BYTE, _WHOLE = ctypes.c_char, (int, np.integer, np.bool_)
 _SHARE = 256  # problems that a thread takes at a time
 
 
@@ -55,7 +54,7 @@ def widest() -> int:
 def begin_of(array: Any) -> int:
     """Where the numbers of a contiguous array begin."""
     try:
-        return ctypes.addressof(_BYTE.from_buffer(array))  # three times as fast as what NumPy offers
+        return ctypes.addressof(ctypes.c_char.from_buffer(array))  # three times as fast as what NumPy offers
     except (TypeError, ValueError):  # an array that is empty or cannot be written
         begin: int = array.__array_interface__["data"][0]
         return begin
@@ -126,7 +125,7 @@ def run(name: str, *arguments: Any, result: Any = ctypes.c_int) -> Any:
 def _argument(value: Any) -> Any:
     if isinstance(value, float):
         return FLOAT(value)
-    return INT(int(value)) if isinstance(value, _WHOLE) else AT(_place_of(value))
+    return INT(int(value)) if isinstance(value, (int, np.integer, np.bool_)) else AT(_place_of(value))
 
 
 def threads() -> int:

@@ -20,8 +20,6 @@ _ROWS = re.findall(r"ROW\((\w+), \w+, (\w+), ([01])[,)]", _HEADER)
 NUMBERS = tuple(name for _, name, _ in _ROWS)
 RATED = {name: k for k, (_, name, rated) in enumerate(_ROWS) if rated == "1"} | {"middle push": len(_ROWS)}
 GROUPS = [tuple(name for kind, name, _ in _ROWS if kind == group) for group in dict.fromkeys(row[0] for row in _ROWS)]
-_PIECES = ("low", "high", "time", "count", "begin")
-_GIVEN = ("lam", "mu", "phi", "span", "beta0")
 _Rods = structure("rods", "stretches.h")
 
 
@@ -114,8 +112,9 @@ def _rods_of(pieces: Any, given: Mapping[str, Array], goal: float, groups: int) 
     order = np.argsort(pieces.case, kind="stable")
     first = np.searchsorted(pieces.case[order], np.arange(pieces.problem.size + 1))
     whole = {"first": first, "row": pieces.row[order]}
-    arrays = {name: getattr(pieces, name)[order] for name in _PIECES} | {"series": pieces.series, **given}
-    arrays |= {name: getattr(pieces.problem, name) for name in _GIVEN}
+    arrays = {name: getattr(pieces, name)[order] for name in ("low", "high", "time", "count", "begin")}
+    arrays |= {name: getattr(pieces.problem, name) for name in ("lam", "mu", "phi", "span", "beta0")}
+    arrays |= {"series": pieces.series, **given}
     _, kinds, coefficients = pieces.series.shape
     return _Rods(
         coefficients,

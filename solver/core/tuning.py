@@ -41,8 +41,9 @@ MOST_STEPS = 200_000  # of a stretch: a longer march, of a second or two, is los
 SAFETY = 3.0  # of a standard deviation, or of an estimated error
 BARELY = 64 * EPS  # of the size of its terms: a push, or a difference of numbers, below this is rounding
 
-_TEXT = (Path(__file__).with_name("tuning.h")).read_text(encoding="utf-8")
-ROWS = re.findall(r"^    (double|int64_t) ([\w, ]+);", _TEXT, re.MULTILINE)  # types, and the names that have them
+ROWS = re.findall(  # types, and the names that have them
+    r"^    (double|int64_t) ([\w, ]+);", Path(__file__).with_name("tuning.h").read_text(encoding="utf-8"), re.MULTILINE
+)
 NAMES = [name for _, names in ROWS for name in names.split(", ")]
 
 

@@ -18,8 +18,6 @@ from .local_search import STEP, search
 from .model import FitMinimum, Model, NoValueError
 from .parameters import check_parameters
 
-MOST_STARTS = 100_000
-
 
 def fit(
     case: Case,
@@ -94,7 +92,7 @@ def fit(
     """
     parameters = check_parameters(check_case("fit", case), vary)
     data = check_data(case, targets, points, sigma, yes_or_no("wrapped", wrapped))
-    starts, seed = whole_number("starts", starts, 0, MOST_STARTS), whole_number("seed", seed, 0, LARGEST_SEED)
+    starts, seed = whole_number("starts", starts, 0, 100_000), whole_number("seed", seed, 0, LARGEST_SEED)
     model = Model(case, parameters, data, check(choose), check_tolerance(tol))
     model.starts = starts
     origin = np.array([parameter.start for parameter in parameters])

@@ -30,7 +30,6 @@ QUADRATIC = np.array(
 )
 _CONJUGATE = np.array([1.0, -1.0, -1.0, -1.0])
 _PRODUCT = np.concatenate([np.diag(_CONJUGATE)[None], BILINEAR * _CONJUGATE[:, None]])  # of which a @ each @ b is a b
-_TURNS = ((3, 1.0), (1, -1.0), (2, 1.0), (3, 1.0))  # axis and sense of the azimuth, beta, the tilt, the rotation
 _ORDERS = np.eye(4, dtype=int)
 
 
@@ -69,7 +68,8 @@ def end_frame(angles: Array) -> tuple[Array, Array, Array]:
     """
     angles = np.asarray(angles)
     factors = np.zeros((4, 3, *angles.shape[1:], 4))  # by angle and by order of the derivative
-    for factor, angle, (axis, sense) in zip(factors, angles, _TURNS, strict=True):
+    turns = (3, 1.0), (1, -1.0), (2, 1.0), (3, 1.0)  # axis and sense of the azimuth, beta, the tilt, the rotation
+    for factor, angle, (axis, sense) in zip(factors, angles, turns, strict=True):
         c, s = np.cos(angle / 2), sense * np.sin(angle / 2)
         factor[..., 0] = c, -s * sense / 2, -c / 4
         factor[..., axis] = s, c * sense / 2, -s / 4

@@ -24,10 +24,8 @@ PACE = 1.6  # how far a step may go of what it should
 FASTER, SLOWER = 4.0, 0.2  # factors of the time of a step to the next one
 FIRST = 1e-6  # the time of the first step that is tried
 AT_REST, THERE = 0.02, 0.5  # of a step: a rod that moves less rests; places that are so near are the same
-MOVING = "the motion of a rod that is let go"
 ELSEWHERE = "the motion of a rod that is let go, which ends elsewhere than let_go"
 FINER = 40  # times that a step is halved
-MOST_SHAPES = 10_000  # that are asked for
 
 
 class _Descent(NamedTuple):
@@ -115,6 +113,6 @@ def descent_of(case: Case, curve: BeginningCurve, answer: FreeAnswer, count: int
     shapes = [sinking.begun]
     for time in np.diff(at, prepend=0.0):
         shapes.append(sinking.after(shapes[-1], float(time)))
-    answers = [FreeAnswer((shape,), np.nan, begun=MOVING) for shape in shapes[1:]]
+    answers = [FreeAnswer((shape,), np.nan, begun="the motion of a rod that is let go") for shape in shapes[1:]]
     answers.append(answer if rest is goal else FreeAnswer((rest,), np.nan, begun=ELSEWHERE))
     return _Descent(answers, np.array([shape.rod.energy(shape.y) for shape in [*shapes, rest]]))

@@ -31,8 +31,6 @@ from .hinge_scan import states_between_hinges
 
 MOST_PERIODS, TRIES = 8, 10  # of the rods from which the search begins; deflations without a new equilibrium
 _SEED = 14  # of the random choice of where deflation begins
-CONTINUED, MIRRORED, FOLDED = "continuation", "mirror image", "across a fold"  # how an equilibrium is found
-DEFLATED, HELIX, SCANNED = "deflation", "helix", "scan"
 _ODD = ({"alpha", "turn", "lam", "mu"}, {"z", "turn", "phi", "mu"})  # what beta -> -beta and beta -> pi - beta negate
 _REVERSED = {"beta0": "betaL", "betaL": "beta0", "dbeta0": "dbetaL", "dbetaL": "dbeta0"}
 
@@ -80,7 +78,7 @@ class FoundStates:
         images = [image_of(state, mirror, self.given) for mirror in mirrors_of(self.given)]
         later = image_half_period_later(state, self.given)
         for image in [*images, *([] if later is None else [later])]:
-            self.add(image if image.path.helix else self.equilibrium_near(image), MIRRORED)
+            self.add(image if image.path.helix else self.equilibrium_near(image), "mirror image")
         return True
 
     def equilibrium_near(self, guess: OrbitState) -> OrbitState | None:
@@ -94,7 +92,7 @@ class FoundStates:
         for start in starts:
             state = carry(start, self.given, FEW_POINTS)
             if not isinstance(state, Stop):
-                self.add(state, CONTINUED)
+                self.add(state, "continuation")
                 return
         self.failed += 1
 
@@ -102,7 +100,7 @@ class FoundStates:
         """Add the partners across the nearest folds of the equilibria from the first on, and of these partners."""
         while first < len(self.states):
             for guess in across_fold(self.states[first], self.given)[:1]:
-                self.add(deflate(guess, self.given, self.known), FOLDED)
+                self.add(deflate(guess, self.given, self.known), "across a fold")
             first += 1
 
     def deflate(self, points: list[SweepPoint], most: int) -> None:
@@ -111,7 +109,7 @@ class FoundStates:
         while seeds and fruitless < most:
             self.tries += 1
             before = len(self.states)
-            self.add(deflate(seeds[int(rng.integers(len(seeds)))], self.given, self.known), DEFLATED)
+            self.add(deflate(seeds[int(rng.integers(len(seeds)))], self.given, self.known), "deflation")
             fruitless = 0 if len(self.states) > before else fruitless + 1
             self.cross_folds(before)
 
@@ -134,9 +132,9 @@ def search_equilibria(
     result.problems, result.equilibria = len(points), sum(len(point.states) for point in points)
     helices, result.any_load = helices_of(given)
     for state in helices:
-        result.add(state, HELIX)  # first: an orbit whose swings fall to rounding is the helix
+        result.add(state, "helix")  # first: an orbit whose swings fall to rounding is the helix
     for state in scanned:
-        result.add(result.equilibrium_near(state), SCANNED)
+        result.add(result.equilibrium_near(state), "scan")
     if scanned:
         return result
     for starts in starts_of(points, result.ranges):

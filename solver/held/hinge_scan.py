@@ -7,7 +7,7 @@ the orbit passes next to a saddle, because there the far end moves fast.
 
 import numpy as np
 
-from ..branches.given_numbers import Given, OrbitState
+from ..branches.given_numbers import LOADS, Given, OrbitState
 from ..branches.orbit_rates import start_rates
 from ..branches.system import state_from_start
 from ..numerics.arrays import FAINT, NEGLIGIBLE, Array
@@ -19,17 +19,16 @@ from ..problem.reduced import EndsProblem, StartProblem
 
 _ANGLES = 1440  # of a turn, evenly
 _CLOSER = np.logspace(-13, -2, 89)  # distances [rad] from the angles whose orbits reach a saddle
-_LOADS = ("lam", "mu", "phi")
 
 
 def states_between_hinges(given: Given) -> list[OrbitState]:
     """The equilibria; none where a load is not given, or no end has a given beta_t."""
-    if not {*_LOADS} <= {*given.names} or not given.has_hinge:
+    if not {*LOADS} <= {*given.names} or not given.has_hinge:
         return []
     backward = "dbeta0" not in given.names  # the equation is the same from the far end, with -beta_t
     sign, near, far = (-1.0, "betaL", "beta0") if backward else (1.0, "beta0", "betaL")
     rate = sign * given.number(f"d{near}", 0.0)
-    loads = {name: np.array([given.number(name, 0.0)]) for name in _LOADS}
+    loads = {name: np.array([given.number(name, 0.0)]) for name in LOADS}
 
     def ends(angle: Array) -> tuple[Array, Array]:
         row = np.zeros(angle.size, dtype=int)

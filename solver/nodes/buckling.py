@@ -13,7 +13,6 @@ from .loaded_rod import LoadedRod
 from .varying_shapes import Shape
 from .weak_modes import weakest_modes
 
-AMPLITUDES = SPLIT * 4.0 ** -np.arange(6)  # with which a buckled shape is sought
 AHEAD = 0.01  # of the loads: how far beyond its end the stable shape is sought to which a rod jumps
 
 
@@ -94,7 +93,7 @@ def buckle(rod: LoadedRod, t: Array, critical: float) -> tuple[Shape, float] | N
     begin = straight_shape(rod.share(critical), t)
     modes = weakest_modes(begin, 2)
     curve = NodeCurve(rod.share, 1.0, begin.rod.scale)
-    for amplitude, mode in product(AMPLITUDES, modes):
+    for amplitude, mode in product(SPLIT * 4.0 ** -np.arange(6), modes):
         point = next(curve.split_off(begin, mode, (amplitude,), critical), None)
         if point is None or point.p > 1:
             continue

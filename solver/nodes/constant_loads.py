@@ -11,7 +11,6 @@ from .descent import change_rates, fine_nodes, indices_with_springs
 from .loaded_rod import ALPHA, BETA, MU, PHI, ROUND, SHORT, SPEED, LoadedRod, Q, scales
 from .varying_shapes import Shape
 
-NUMBER_OF_HELD = {"beta0": "beta0", "betaL": "betaL", "azimuth": "alpha", "height": "z", "rotation": "turn"}
 Read = Callable[[Array], tuple[Array, ...]]  # beta, beta_t, alpha and z from 0, and the swirl, at times (n,)
 
 

@@ -21,10 +21,10 @@ from ..orbits.boundary import Path, wrap
 from ..orbits.path_orbits import orbit_of
 from ..orbits.potential import TAU, Loads, potential
 from ..problem.reduced import EndsProblem
-from .constant_loads import NUMBER_OF_HELD, end_numbers, shape_of_orbit
+from .constant_loads import end_numbers, shape_of_orbit
 from .curve import UNSOLVED, NodeCurve, inner, trace_shapes
 from .descent import index_at, shape_like
-from .loaded_rod import ALPHA, BETA, MU, PHI, ROUND, SHORT, SPEED, LoadedRod, Q
+from .loaded_rod import ALPHA, BETA, HELD, MU, PHI, ROUND, SHORT, SPEED, LoadedRod, Q
 from .newton import DEEP, DEFLATED, correct, largest_turn, linear_at, open_at, size_of
 from .varying_shapes import Shape
 from .weak_modes import weakest_modes
@@ -50,7 +50,7 @@ def rod_of(given: Given) -> LoadedRod:
         next(number[name] for name in pair if name in number)
         for pair in (("beta0", "dbeta0"), ("betaL", "dbetaL"), ("lam", "alpha"), ("phi", "z"), ("mu", "turn"))
     )
-    held = frozenset(field for field, name in NUMBER_OF_HELD.items() if name in number)
+    held = frozenset(field for field, name in HELD.items() if name in number)
     numbers = np.array([given.ratio, *5 * [0.0], 1.0])
     return LoadedRod(numbers, given.span, held, np.array([near, 0.0]), np.array(far))
 
@@ -132,7 +132,7 @@ def with_own_ends(shape: Shape) -> LoadedRod:
     """The rod of a shape, whose ends are given what the shape has there."""
     rod, number = shape.rod, end_numbers(shape)
     pairs = ("betaL", "dbetaL"), ("azimuth", "lam"), ("height", "phi"), ("rotation", "mu")
-    far = [number[NUMBER_OF_HELD[field] if field in rod.held else load] for field, load in pairs]
+    far = [number[HELD[field] if field in rod.held else load] for field, load in pairs]
     near = np.array([number["beta0" if "beta0" in rod.held else "dbeta0"], rod.near[1]])
     return replace(rod, near=near, far=np.array(far))
 

@@ -14,8 +14,8 @@ from ..problem.case_fields import with_fields_unchecked
 from ..problem.reduced import StartProblem, dimensionless_problem, end_fields, end_values, flat, problem_at_ends
 
 BETA, SPEED, ALPHA, Q, PHI, MU, SHORT, ROUND = range(SIZE)
+HELD = {"beta0": "beta0", "betaL": "betaL", "azimuth": "alpha", "height": "z", "rotation": "turn"}  # what ends can hold
 VARYING = "numbers", "near", "far"  # the numbers of a rod that vary over fields of its case, beside its span
-HELD = frozenset({"beta0", "betaL", "azimuth", "height", "rotation"})  # what the ends can hold
 
 
 @dataclass(frozen=True, eq=False)
@@ -280,5 +280,5 @@ def rod_over(case: Case, *names: str) -> Callable[..., LoadedRod]:
 def _rod_of(fields: Sequence[str], numbers: Array, values: Sequence[float], span: float, alpha0: float) -> LoadedRod:
     """The ends problem of one rod. values: of the five given fields, one of each of `problem.case.PAIRS`."""
     beta0, betaL, axial, turned, twist = values
-    held = frozenset(fields) & HELD
+    held = frozenset(fields).intersection(HELD)
     return LoadedRod(numbers, span, held, np.array([beta0, alpha0]), np.array([betaL, turned, axial, twist]))

@@ -25,7 +25,6 @@ from .newton import correct
 from .varying_shapes import Shape
 
 OVER = (1e-3, 0.4, 0.8, 1.2, 1.6, 2.0, 2.4, 2.8, 3.2)  # F - 2, of the rows of a table of sinusoids
-HARMONICS = np.array([[1.0], [3.0], [5.0]])
 PHASES = np.linspace(0, 2 * np.pi, 64, endpoint=False)
 EQUAL, LIFTED, LAST = 0.901122, 1.541672, 3.2613  # F - 2: from which a helix has less energy than the sinusoid, from
 # which the sinusoid lifts off the wall, and of its fold
@@ -61,7 +60,7 @@ class _WaveRow(NamedTuple):
 
 def row(over: float, sizes: Array, k: float) -> tuple[_WaveRow, Array]:
     """The sinusoid at F - 2, and the sizes (3,) of its harmonics, from those and a wave number near it."""
-    F, n = 2 + over, HARMONICS
+    F, n = 2 + over, np.array([[1.0], [3.0], [5.0]])  # harmonics
     waves = np.stack([np.sin(n * PHASES), n * np.cos(n * PHASES), -n * n * np.sin(n * PHASES)])
 
     def slopes(x: Array) -> Array:

@@ -46,7 +46,6 @@ REACH = 1.0  # the longest step of the angles in a deflation, in their scales
 AMPLITUDES = -1.0, 0.9  # of the waves of a start: the powers of ten between which it lies
 WAVES, FROM_KNOWN, AROUND = 4, 0.7, 0.3  # in a start; share of starts from known shapes; azimuths over angles
 STRAIGHT, DEFLATION, SCAN = "the branch of the straight rod", "deflation", "scan of the start"
-WEIGHT, BUCKLED = "growth of the weight", "a buckling load of the straight rod"
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,9 +97,9 @@ def search_shapes(rod: LoadedRod, light: Sequence[Any] = (), known: FoundShapes 
     if begun.shape is not None:
         result.add(on_nodes(begun.shape, t), STRAIGHT)
     for shape in shapes_of_buckling(rod, t):
-        result.add(shape, BUCKLED)
+        result.add(shape, "a buckling load of the straight rod")
     for shape in shapes_from_no_weight(rod, t, light):
-        result.add(shape, WEIGHT)
+        result.add(shape, "growth of the weight")
     if scanned is not None:
         for y in starts(rod, t, *scanned):
             result.add(correct(Shape(rod, t, y), most=15), SCAN)

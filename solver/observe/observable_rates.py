@@ -34,10 +34,8 @@ EXTREMES = {  # the density, and whether the size counts
     "most": ("outward", False),
     "tension": ("tension", True),
 }
-PUSHES = {"pushed", "pulled", "share", "middle push", "lifts"}
 
 _STEADY = 1e-10  # relative: a change that is the same all along a helix
-_DIFFERENTIABLE = {*RATED, "middle turned", "middle risen"}
 
 
 def check_observables(names: Any) -> tuple[str, ...]:
@@ -53,7 +51,7 @@ def check_observables(names: Any) -> tuple[str, ...]:
 def _has_derivative(name: str) -> bool:
     """Whether it may change along with a rod on the wall; its derivative is known, or 0 of a whole number."""
     row = OBSERVABLES[name]
-    return not row.free and (set(row.measured) <= _DIFFERENTIABLE or is_count(name))
+    return not row.free and (set(row.measured) <= {*RATED, "middle turned", "middle risen"} or is_count(name))
 
 
 _OWN_SLOPES = ("alpha", "z", "middle turned", "middle risen", "beta0", "betaL", "dbeta0", "dbetaL")
@@ -215,7 +213,7 @@ def of_helices(motion: Motion, unit: Array, later: Array, sign: Array, wanted: s
             measures[name] = rods.integral(name)[:, 3]
     if "peak" in wanted:  # it stays at the start of a rod that remains a helix
         measures["peak"] = 0 * rods.extreme("outward")
-    if wanted & PUSHES:
+    if wanted & {"pushed", "pulled", "share", "middle push", "lifts"}:
         measures |= {name: value for name, value in rods.pushes().items() if name in wanted}
     return measures
 

@@ -339,12 +339,9 @@ class Observable:
 
 
 SEVERAL = "several places of the rod reach the extreme, and a change moves them apart"
-NO_FORCE = f"{SEVERAL}; or there is no force along the tangent"
 STRAIGHT = "the rod is straight, or has no such period, where the value is not smooth"
 NO_TURN = "the rod does not turn about the axis in its middle third"
-TOUCHES = "the push touches zero without a change of sign, where a change makes lift-off jump"
 NEVER_LOCKS = "friction locks up a rod inside that slides along the cylinder, unless its weight carries it"
-PLACES = "several places of the rod have the largest push, or the place may leave an end of the rod"
 
 
 def _in_unit(name: str, unit: Callable[[MeasuredNumbers], Any], **rest: Any) -> Observable:
@@ -369,13 +366,30 @@ OBSERVABLES: dict[str, Observable] = {
     "push_min": _in_unit("least", lambda read: read.unit_push),
     "push_max": _in_unit("most", lambda read: read.unit_push),
     # its error: the distance to the farthest s at which the push may be larger, by the error of `push_max`
-    "push_max_at": _in_unit("peak", lambda read: read.rho, not_smooth=PLACES, least=0, most="L"),
+    "push_max_at": _in_unit(
+        "peak",
+        lambda read: read.rho,
+        not_smooth="several places of the rod have the largest push, or the place may leave an end of the rod",
+        least=0,
+        most="L",
+    ),
     "push_middle": Observable(push_middle, ("middle push",), least=0),
     # push counts where it exceeds rounding, 64 eps times the sizes of its terms; so a rod that lies along the cylinder
     # without any contact force is not attached
     "attached": _in_unit("share", lambda read: 1 / read.length, least=0, most=1),
-    "lift_off_at": _in_unit("lifts", lambda read: read.rho, not_smooth=TOUCHES, least=0, most="L"),
-    "F3_size_max": _in_unit("tension", lambda read: read.unit_force, not_smooth=NO_FORCE, least=0),
+    "lift_off_at": _in_unit(
+        "lifts",
+        lambda read: read.rho,
+        not_smooth="the push touches zero without a change of sign, where a change makes lift-off jump",
+        least=0,
+        most="L",
+    ),
+    "F3_size_max": _in_unit(
+        "tension",
+        lambda read: read.unit_force,
+        not_smooth=f"{SEVERAL}; or there is no force along the tangent",
+        least=0,
+    ),
     "bending_moment_max": _in_unit("tightest", lambda read: read.unit_moment, least=0),
     "bending_stress_max": _in_unit("tightest", lambda read: read.E * read.a / read.rho, needs="E", least=0),
     "overlaps": Observable(self_intersection, ("tightest", "low", "high"), most=1),

@@ -25,7 +25,6 @@ from .solution_pieces import CASES
 PAIRS, TOGETHER = 300_000, 8  # largest number of pairs of stretches compared for a rod; periods compared together
 _PERIODS = 10_000_000  # largest number of periods compared with the first
 _COARSE, _DENSE = 0.5, 0.125  # of the radius: distance of stations, and of points between them
-_STEPS, _NUMBERS = ("first", "since", "width", "series"), ("period", "length", "a", "apart")
 _ComparedRods = structure("rods", "strand_pairs.c")
 
 
@@ -99,10 +98,11 @@ def compare_strands(
         return verdict
     with np.errstate(divide="ignore"):  # a helix repeats after any length
         period = np.where(np.isfinite(orbit.period), orbit.period, 1 / tightest)
-    numbers = zip(_NUMBERS, (period, length, a, _apart(a, tightest)), strict=True)
-    arrays: dict[str, Any] = {name: np.ascontiguousarray(values, dtype=float) for name, values in numbers}
+    numbers = {"period": period, "length": length, "a": a, "apart": _apart(a, tightest)}
+    arrays: dict[str, Any] = {name: np.ascontiguousarray(values, dtype=float) for name, values in numbers.items()}
     if isinstance(orbit, MarchedOrbit):
-        arrays |= {name: np.ascontiguousarray(getattr(orbit.steps, name)) for name in _STEPS} | {"orbits": orbit.found}
+        steps = ("first", "since", "width", "series")
+        arrays |= {name: np.ascontiguousarray(getattr(orbit.steps, name)) for name in steps} | {"orbits": orbit.found}
     else:
         arrays["panels"] = as_core_orbits(orbit)
     periods = np.minimum(length // period, _PERIODS).astype(np.int64)

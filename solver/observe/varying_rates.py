@@ -26,7 +26,6 @@ from ..problem.reduced import flat, size_of_field, span_of
 from .observables import observe
 
 STEP = 1e-4  # of the angles, in their scales, and of a field, in its size
-WEIGHTS = {1: 2 / 3, 2: -1 / 12}  # of the differences at so many steps
 EARLY = 1e-14  # of the places of nodes: so a station at one is read from it at each step, and not from the one before
 # second differences at two steps over those at one: 4 of a smooth function, so above that nothing has a derivative
 SMOOTH = 3.0
@@ -56,7 +55,7 @@ def rates_on_nodes(
         line = _line(sol, field)
         bends: dict[str, list[Array]] = {name: [] for name in observables}
         sizes = {name: np.abs(value) for name, value in plain.items()}
-        for count, weight in WEIGHTS.items():
+        for count, weight in ((1, 2 / 3), (2, -1 / 12)):  # central differences of order 4
             above, below = (_at_step(sol, line, sign * count) for sign in (1, -1))
             amount = line.step * line.size
             for name in along:

@@ -19,13 +19,21 @@ LOST, TURNS, GOES_ROUND = 0, 1, 2  # how a leg ends
 ORDER = 20  # of the series
 _KEPT = 1024  # orbits whose steps are marched once for all who read some of them: 8 MB; others march their own again
 
-_LEG = ("time", "alpha", "z", "swirl", "error", "late", "fastest", "steps", "amplitude", "e11", "e12", "e21", "e22")
 # What the core knows of an orbit: `orbit` in rod.c. A leg goes from the start to the turning point ahead, or behind, or
 # once round; status: how it ends. count: its steps. sound: whether the error is within the tolerance and far below a
 # radian, and the condition number finite.
-_FLAGS = ("sound", "i8"), ("evaluations", "i8")
-_LEGS = ("legs", [(name, "f8") for name in _LEG], 2)
-ORBIT = np.dtype([("error", "f8"), ("condition", "f8"), _LEGS, ("status", "i8", 2), ("count", "i8", 2), *_FLAGS])
+_LEG = "time alpha z swirl error late fastest steps amplitude e11 e12 e21 e22"
+ORBIT = np.dtype(
+    [
+        ("error", "f8"),
+        ("condition", "f8"),
+        ("legs", [(name, "f8") for name in _LEG.split()], 2),
+        ("status", "i8", 2),
+        ("count", "i8", 2),
+        ("sound", "i8"),
+        ("evaluations", "i8"),
+    ]
+)
 
 
 @dataclass(frozen=True, eq=False)

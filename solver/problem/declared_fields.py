@@ -358,8 +358,10 @@ def _in_place(part: str, **rows: CaseField) -> dict[str, CaseField]:
     return {name: replace(row, name=name, part=part, quantity=name) for name, row in rows.items()}
 
 
-_KINDS = {"rod": RodFields, "cylinder": CylinderFields, "start": StartFields, "ends": EndsFields}
-PARTS = {part: _read(kind, part) for part, kind in _KINDS.items()}  # part -> its fields
+PARTS = {  # part -> its fields
+    part: _read(kind, part)
+    for part, kind in {"rod": RodFields, "cylinder": CylinderFields, "start": StartFields, "ends": EndsFields}.items()
+}
 FIELDS: dict[str, CaseField] = {  # every field of a case, those of start and ends as they are of a start
     **{name: row for rows in PARTS.values() for name, row in rows.items()},
     **{

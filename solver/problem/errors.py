@@ -152,25 +152,23 @@ def whole_number(name: str, value: Any, least: int, most: int) -> int:
     return number
 
 
-# What says nothing of a case: an invalid question; a machine that lacks memory, a package or a file, and may have it
-# the next time; a warning that its user wants as an error. An interruption is no `Exception`.
-PASSING = (InputError, MemoryError, ImportError, OSError, Warning)
 FAULT = "this is a fault of the solver, not of the case: please report it"
-_SOLVER = str(Path(__file__).parents[1])
 
 
 def attempt(compute: Callable[[], T]) -> T | str:
     """What a computation returns; where it raises, the outcome "failed: ..." that says so.
 
-    Raises `InputError`, and whatever else is no matter of the case (`PASSING`).
+    Raises what says nothing of a case: `InputError`; that a machine lacks memory, a package or a file, and may have it
+    the next time; a warning that its user wants as an error. An interruption is no `Exception`.
     """
     try:
         return compute()
-    except PASSING:
+    except (InputError, MemoryError, ImportError, OSError, Warning):
         raise
     except Exception as error:
         calls = traceback.extract_tb(error.__traceback__)
-        frames = [call for call in calls if call.filename.startswith(_SOLVER) and not call.name.startswith("<")]
+        solver = str(Path(__file__).parents[1])
+        frames = [call for call in calls if call.filename.startswith(solver) and not call.name.startswith("<")]
         words = " ".join(str(error).split())[:200]
         said = f"{type(error).__name__}{words and f' ({words})'} in {Path(frames[-1].filename).stem}.{frames[-1].name}"
         return f"failed: the solver raised {said}; {FAULT}"

@@ -172,9 +172,6 @@ def _notice(field: str, value: Any, read: NDArray[np.float64] | float) -> None:
 
 FORMS = "a number in rad, or a form like 30deg, pi/6 or 2pi/3"
 
-_DEGREES = re.compile(rf"([+-]?{NUMBER})\s*(?:deg|°)")
-_PI = re.compile(rf"([+-]?)\s*({NUMBER})?\s*\*?\s*(?:pi|π)(?:\s*/\s*({NUMBER}))?")
-
 
 def angle(text: str) -> float:
     """The angle that a text denotes [rad].
@@ -185,9 +182,9 @@ def angle(text: str) -> float:
     True
     """
     said = text.strip()
-    if match := _DEGREES.fullmatch(said):
+    if match := re.fullmatch(rf"([+-]?{NUMBER})\s*(?:deg|°)", said):
         return math.radians(float(match[1]))
-    if match := _PI.fullmatch(said):
+    if match := re.fullmatch(rf"([+-]?)\s*({NUMBER})?\s*\*?\s*(?:pi|π)(?:\s*/\s*({NUMBER}))?", said):
         below = float(match[3] or 1)
         if below:
             size = float(match[2] or 1) * math.pi / below
@@ -196,12 +193,6 @@ def angle(text: str) -> float:
         return float(said.removesuffix("rad"))
     except ValueError:
         raise ValueError(f"{text!r} is not an angle: give {FORMS}") from None
-
-
-# A number of rad above this size with at most so many decimals may be meant in degrees. Computed angles have more
-# decimals, also an angle that was given in degrees and converted.
-_DOUBTED = ((math.pi, 1), (13.0, 4))  # a half turn; a little more than two turns
-_MOST = 1e6  # nobody writes as many degrees
 
 
 def doubt(name: str, value: object) -> str:
@@ -225,7 +216,6 @@ def doubt(name: str, value: object) -> str:
     )
 
 
-_METALS = (40e9, 450e9)  # N/m2: the moduli of metals, from magnesium to tungsten
 _INCHES = {"lbf": "psi", "klbf": "ksi", "kip": "ksi"}  # force -> the unit of a stress of these on square inches
 
 
@@ -241,7 +231,7 @@ def doubt_modulus(value: object, units: Mapping[str, str]) -> str:
     """
     if units["length"] != "ft" or units["force"] not in _INCHES:
         return ""
-    size, (low, high) = size_in((-2, 1), units), _METALS
+    size, (low, high) = size_in((-2, 1), units), (40e9, 450e9)  # N/m2: of metals, from magnesium to tungsten
     doubtful = [number for number in _plain_numbers(value) if low <= 144 * number * size <= high]
     if not doubtful:
         return ""
@@ -268,6 +258,8 @@ def _plain_numbers(value: object) -> Iterator[float]:
 
 
 def _looks_like_degrees(number: float) -> bool:
-    return abs(number) < _MOST and any(
-        abs(number) > size and round(number, decimals) == number for size, decimals in _DOUBTED
+    """Whether a number of rad may be meant in degrees: above some sizes, a half turn and a little more than two turns,
+    it has at most so many decimals. Computed angles have more, also one that was given in degrees and converted."""
+    return abs(number) < 1e6 and any(  # nobody writes as many degrees
+        abs(number) > size and round(number, decimals) == number for size, decimals in ((math.pi, 1), (13.0, 4))
     )

@@ -23,9 +23,6 @@ TAUT = (
     "the ends are held as far apart, along the cylinder, as the rod is long; it can only be straight or a helix then, "
     "and the force that holds it so is not determined"
 )
-TWIST_LOST = (
-    "failed: M3 is lost in rounding, as GJ is so much larger than EI that the last digit of dgamma decides: give M3"
-)
 _MOST_LOST = 1e-8  # of the loads in units of A and rho: what the last digits of the rate of twist may change
 _ORDINARY = 1e30  # with it the largest sum of decades in `representable` is 62 + 7 * 30 = 272
 _DECADES = 290.0  # a float has 308; the margin is for factors and sums
@@ -51,7 +48,10 @@ def refusals(case: Case, problem: Reduced) -> NDArray[np.str_]:
     """
     limits = beyond_limits(problem)
     first = [~units_held(case), limits == TOO_LARGE, ~representable(case, problem), twist_lost(case, problem)]
-    return np.select(first, [OUT_OF_RANGE, TOO_LARGE, OUT_OF_RANGE, TWIST_LOST], limits)
+    lost = (
+        "failed: M3 is lost in rounding, as GJ is so much larger than EI that the last digit of dgamma decides: give M3"
+    )
+    return np.select(first, [OUT_OF_RANGE, TOO_LARGE, OUT_OF_RANGE, lost], limits)
 
 
 def farthest(case: Case) -> tuple[NDArray[np.str_], NDArray[np.float64]]:

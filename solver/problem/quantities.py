@@ -119,18 +119,17 @@ _ROWS = (
     Quantity("caution", "caution", "text", "what a real rod could not do, or what was not checked; empty: none"),
 )
 
-_OF_FIELDS = (
-    Quantity(row.quantity, row.symbol, row.dimension, row.long_name, row.estimated)
+_EVERY = {
+    row.quantity: Quantity(row.quantity, row.symbol, row.dimension, row.long_name, row.estimated)
     for row in ALL_FIELDS.values()
     if not row.choices
-)
-_EVERY = (*{row.name: row for row in _OF_FIELDS}.values(), *_ROWS)
+} | {row.name: row for row in _ROWS}
 
-QUANTITIES: dict[str, Quantity] = {row.name: row for row in _EVERY} | {
+QUANTITIES: dict[str, Quantity] = {row.name: row for row in _EVERY.values()} | {
     f"{row.name}_error": Quantity(
         f"{row.name}_error", f"δ({row.symbol})", row.dimension, f"estimated error of: {row.long_name}"
     )
-    for row in _EVERY
+    for row in _EVERY.values()
     if row.estimated
 }
 

@@ -3,13 +3,13 @@
 from importlib import import_module
 from typing import Any
 
-TABLES = "workbench.notebook"  # loaded by name: the solver works without the workbench
+NOTEBOOK = "workbench.notebook"  # loaded by name: the solver works without the workbench
 
 
 def table_of(kind: str, value: Any) -> str | None:
     """HTML of a "case", a "solution" or "equilibria"; None, which shows the `repr`, without the workbench."""
     try:
-        tables = import_module(TABLES)
+        tables = import_module(NOTEBOOK)
     except ImportError:
         return None
     return str(getattr(tables, f"table_of_{kind}")(value))

@@ -15,9 +15,6 @@ SOLVED = "solved"
 FEWER = "fewer digits"  # the remark on a case whose error is above the tolerance, for a reason that follows BECAUSE
 BECAUSE = ", as "
 NOT_FINITE = "failed: the computation left the finite numbers"
-UNDETERMINED = (
-    "failed: the shape is not determined: however small a change of what is given, it may change by any amount"
-)
 # a rod that every method solves
 PLAIN = {"lam": 0.0, "mu": 0.0, "phi": 0.0, "span": 1.0, "beta0": 0.5, "dbeta0": 0.0, "betaL": 0.5}
 # rad: with a larger error the shape is another one, whatever the condition number allows; with 1 it would be answered
@@ -132,7 +129,10 @@ def verdicts(beta: Array, error: Array, condition: Array, tol: float, rounding: 
     grown = error <= tol * np.maximum(1, condition)
     kept = grown | (error <= rounding)
     for i in np.flatnonzero(~finite):
-        outcome[i] = UNDETERMINED if np.isfinite(beta[i]).all() and np.isinf(condition[i]) else NOT_FINITE
+        outcome[i] = NOT_FINITE
+        if np.isfinite(beta[i]).all() and np.isinf(condition[i]):
+            said = "however small a change of what is given, it may change by any amount"
+            outcome[i] = f"failed: the shape is not determined: {said}"
     for i in np.flatnonzero(finite & ~kept):
         outcome[i] = f"failed: error {error[i]:.1e} above the tolerance {tol:.1e} at condition {condition[i]:.1e}"
     for i in np.flatnonzero(finite & kept & (error > tol)):

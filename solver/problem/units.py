@@ -64,9 +64,10 @@ _KINDS: dict[Dimension, tuple[str, Iterable[str]]] = {  # what has such a dimens
 }
 
 NUMBER = r"(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
-_MEASURED = re.compile(rf"([-+\N{{MINUS SIGN}}]?{NUMBER})\s*(.*)", re.DOTALL)
-_LETTER, _SIGN = r"[A-Za-z\N{MICRO SIGN}\N{DEGREE SIGN}]", r"\*\*|[-*/^().\N{MIDDLE DOT}]"
-_TOKEN = re.compile(rf"\s*(?:(?P<number>{NUMBER})|(?P<name>{_LETTER}+)|(?P<sign>{_SIGN}))")
+_TOKEN = re.compile(
+    rf"\s*(?:(?P<number>{NUMBER})|(?P<name>[A-Za-z\N{{MICRO SIGN}}\N{{DEGREE SIGN}}]+)"
+    r"|(?P<sign>\*\*|[-*/^().\N{MIDDLE DOT}]))"
+)
 MOST_TEXT, MOST_POWER = 60, 12
 
 
@@ -203,7 +204,7 @@ def split(text: str) -> tuple[float, str]:
     try:
         return float(said), ""
     except ValueError:
-        match = _MEASURED.fullmatch(said)
+        match = re.fullmatch(rf"([-+\N{{MINUS SIGN}}]?{NUMBER})\s*(.*)", said, re.DOTALL)
     if match is not None:
         return float(match[1].replace("\N{MINUS SIGN}", "-")), match[2]
     try:
