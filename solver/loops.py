@@ -147,7 +147,7 @@ def loops(
     >>> [one.index for one in found], found[0].push_min < 0
     ([2, 3], True)
     """
-    from .orbits.loop_orbits import CLOSE, orbits_of_gain
+    from .orbits.loop_orbits import orbits_of_gain
 
     if wraps is not None:
         current("wraps")
@@ -156,14 +156,14 @@ def loops(
     shapes, remarks = [], []
     families = orbits_of_gain(span / folds, 2 * np.pi * turns_around / folds)
     for about, word, orbits in zip((1, -1), ("pi/2", "-pi/2"), families, strict=True):
-        closed = [orbit for orbit in orbits if orbit.error < CLOSE]
+        closed = [orbit for orbit in orbits if orbit.is_closed]
         family = [_loop(rod, cylinder, turns_around, folds, orbit, about, stations) for orbit in closed]
         worst = max((loop.closure for loop in family), default=0.0)
         if not family:
             remarks.append(
                 f"the loop about {word} was not found: it lies nearer to a separatrix than numbers of 64 bits resolve"
             )
-        if worst > CLOSE * span:
+        if worst > 100 * TOL * span:
             remarks.append(
                 f"the loop about {word} closes only to {worst:.1e}: it lies so near to a separatrix that rounding shows"
             )

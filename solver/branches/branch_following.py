@@ -45,7 +45,6 @@ from .orbit_rates import orbit_rates
 from .system import AT_REST, LEFT, state_of
 
 _LENGTHS = arclength.Lengths(first=0.02, longest=LONGEST, least=1e-7)  # of steps, in scales
-_NATURAL = replace(_LENGTHS, first=0.1, least=1e-4)  # the same where the parameter must rise all the way
 _LEAP = 1.0  # of the parameter's scale: the line whose shares `leaps.LEAPS` are leapt
 _CREEPS = 60  # points in a row that do not advance p
 _FAR = 0.1  # of p's scale, the longest way past a helix
@@ -132,7 +131,7 @@ class _Walk:
     @property
     def lengths(self) -> arclength.Lengths:
         """Of the steps."""
-        return _NATURAL if self.natural else _LENGTHS
+        return arclength.RISING if self.natural else _LENGTHS
 
     def stride(self, state: BranchState, step: float, before: list[Place]) -> arclength.Stride[Place, BranchState]:
         """The ordinary steps after a state, and one on which something happens."""

@@ -9,7 +9,7 @@ import numpy as np
 from ..core import branch_calls as core
 from ..core.tuning import AHEAD, LEAST, SAME_SADDLE, SHARE
 from ..numerics.arclength import LEFT, Node, advance, correct_point, node_at
-from ..numerics.arrays import Array
+from ..numerics.arrays import NEGLIGIBLE, Array
 from ..orbits.boundary import Boundary, Path
 from ..problem.reduced import EndsProblem
 from .branch_events import Bounds, Place
@@ -21,7 +21,6 @@ from .orbit_rates import OrbitRates
 
 _PATH = ("pin", "sign", "y", "leaving", "turns")  # of a record of the core
 _PARALLEL = 0.7  # smallest cosine between a tangent and the direction to the neighbouring point
-_ROUGH = 1e-9  # in scales: the last correction of a point that is only passed
 _NUDGE = 1e-4  # in scales, between the two points that give the direction of travel in another chart
 
 
@@ -47,7 +46,7 @@ class BranchState:
 
     def ahead(self, step: float, across: Array | None = None) -> "BranchState | str":
         """The state after a step, as of `arclength.advance`."""
-        node = advance(self.curve, self.node, step, across, _ROUGH if self.curve.family.natural else 0.0)
+        node = advance(self.curve, self.node, step, across, NEGLIGIBLE if self.curve.family.natural else 0.0)
         return node if isinstance(node, str) else BranchState(self.curve, node)
 
     @cached_property

@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from ..numerics.arrays import ASIDE, Array
+from ..numerics.arrays import ALIKE, ASIDE, Array
 from ..numerics.roots import REACH, Ending, lead_away, solve
 from ..problem.reduced import EndsProblem
 from .charts import Chart, charts, coordinate
@@ -27,7 +27,6 @@ from .system import path_on, settle
 
 _ENDING = Ending(rounds=20, goal=0.03)
 _HALVED = 4  # times that a step is halved where no orbit is found
-_SAME = 1e-5  # of the numbers: an equilibrium as near to a known one is that one
 
 
 def end_vector(state: OrbitState) -> Array:
@@ -42,7 +41,7 @@ def is_known(state: OrbitState, known: list[Array]) -> bool:
 
 def are_same(numbers: Array, other: Array) -> bool:
     """Whether two equilibria with the same given numbers are one, from their `end_vector`."""
-    return bool((np.abs(numbers - other) < _SAME * (1 + np.abs(other))).all())
+    return bool((np.abs(numbers - other) < ALIKE * (1 + np.abs(other))).all())
 
 
 def deflate(state: OrbitState, wanted: Given, known: list[Array]) -> OrbitState | None:

@@ -33,14 +33,15 @@ from .parameter_plane import ParameterPlane
 from .special_line import Tracing, cusps_between, point_on_line, special_line
 from .whole_curve import CurvePieces, WholeCurve, change_along, pieces_of, whole_curve, without_zeros
 
-_INSIDE = 1e-4  # shares of the ranges: how far the lattice stays away from the border, where the curves end
+# shares of the ranges: how far the lattice stays away from the border, where the curves end, and a narrower strip
+# between two curves is not looked for
+_INSIDE = 1e-4
 _ASKEW = np.array([0.13, -0.17])  # of a gap: lines of the lattice stay off lines of symmetry, on which cusps lie
 _PROBES = 30  # random points that are looked at beside the lattice
 _EACH = 6  # curves at most that are searched for on one line
 _FIRST = 0.02  # length of a line, in shares, from where Newton's rule is tried
 _PAIRS = 6  # of equilibria that are tried as those that meet
 _FINER = 24  # parts of a range into which lines are cut whose ends differ in the levels that nearly meet
-_NARROW = 1e-4  # shares: a strip between two curves that is narrower is not looked for
 
 
 @dataclass(eq=False)
@@ -93,7 +94,7 @@ class Searched:
         """A point between two others, of numbers that the known curves explain, where they do not explain the numbers.
 
         On some path two levels have met before and two others part beyond, so that two curves lie between the points
-        and undo each other's change. None where no path shows it, or where the strip is narrower than `_NARROW`.
+        and undo each other's change. None where no path shows it, or where the strip is narrower than `_INSIDE`.
         """
         differ = self.near_misses(start) != self.near_misses(end)
         parts = int(np.ceil(_FINER * np.abs(end - start).max())) if differ else 1
@@ -105,7 +106,7 @@ class Searched:
         """As `strip_between`, by halves."""
         if self.change_beyond(start, end):
             return end
-        while np.abs(end - start).max() > _NARROW:
+        while np.abs(end - start).max() > _INSIDE:
             middle = np.asarray((start + end) / 2)
             if self.change_beyond(start, middle):
                 return middle

@@ -13,7 +13,7 @@ displacements.
 
 import numpy as np
 
-from ..numerics.arrays import NEGLIGIBLE, Array
+from ..numerics.arrays import DOUBTFUL, NEGLIGIBLE, Array
 from ..orbits.path_orbits import energies, orbit_of
 from ..orbits.periodic_orbit import helix_half_waves
 from ..orbits.potential import load_size, potential, slope_rate
@@ -21,7 +21,6 @@ from .given_numbers import Given, OrbitState
 from .orbit_rates import NUMBERS, OrbitRates
 
 _ANGLES = ("beta0", "betaL")
-_DOUBT = 1e-11  # of the largest eigenvalue: a smaller one has no sign
 _RESTS = 1e-7  # beta_t at both ends of a rod that rests at both, in units of the loads
 
 
@@ -97,7 +96,7 @@ def negative(matrix: Array) -> Array:
     out = np.full(matrix.shape[0], np.nan)
     for b in np.flatnonzero(np.isfinite(matrix).all(axis=(1, 2))):
         values = _eigenvalues_in_scale(matrix[b])
-        if np.abs(values).min(initial=np.inf) > _DOUBT * np.abs(values).max(initial=0):
+        if np.abs(values).min(initial=np.inf) > DOUBTFUL * np.abs(values).max(initial=0):
             out[b] = np.count_nonzero(values < 0)
     return out
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy  # its parts are imported when used
 
-from ..numerics.arrays import NEGLIGIBLE, Array
+from ..numerics.arrays import DOUBTFUL, NEGLIGIBLE, Array
 from ..orbits.boundary import DOWN, UP, Boundary, Path, boundary_of, wrap
 from ..orbits.potential import Loads, load_size, slope, slope_rate
 from ..orbits.variations import HelixVariations
@@ -15,7 +15,6 @@ from .given_numbers import FREE, LOADS, Given, OrbitState, answer, parts_of, pro
 from .leaps import Guess
 from .orbit_rates import NUMBERS, orbit_rates
 
-_EQUAL = 1e-11  # relative, of what a helix has and what is given
 _MULTIPLE = 1e-4  # rad: how far from a triple root of H bisection may end
 _SCAN = 721  # angles between which those of helices are bracketed
 
@@ -78,15 +77,15 @@ def _helix(beta: float, known: dict[str, float], given: Given) -> _Helix | None:
     """The helix of an angle with the loads that it needs, None where it has other displacements than the held ones."""
     s, c = float(np.sin(beta)), float(np.cos(beta))
     for name, value in (("z", c), ("alpha", s)):
-        if name in known and abs(known[name] - given.span * value) > _EQUAL * given.span:
+        if name in known and abs(known[name] - given.span * value) > DOUBTFUL * given.span:
             return None
     mu = _twist(beta, known, given)
     lam, phi = known.get("lam"), known.get("phi")
     rest = float(slope(Loads(lam or 0.0, mu, phi or 0.0), beta))  # H is this plus lam c less phi s of the unknown ones
-    small = _EQUAL * (1 + abs(lam or 0.0) + abs(mu) + abs(phi or 0.0))
-    if lam is None and phi is not None and abs(c) > _EQUAL:
+    small = DOUBTFUL * (1 + abs(lam or 0.0) + abs(mu) + abs(phi or 0.0))
+    if lam is None and phi is not None and abs(c) > DOUBTFUL:
         return _Helix(beta, -rest / c, mu, phi)
-    if phi is None and lam is not None and abs(s) > _EQUAL:
+    if phi is None and lam is not None and abs(s) > DOUBTFUL:
         return _Helix(beta, lam, mu, rest / s)
     if lam is None and phi is None:
         return _Helix(beta, None, mu, None)

@@ -10,9 +10,10 @@ from itertools import pairwise
 import numpy as np
 import scipy  # its parts are imported when used
 
+from ..core.tuning import NUDGE
 from ..numerics.arclength import BRANCH_POINT, PITCHFORK, difference_rates
 from ..numerics.arrays import ALIKE, NEGLIGIBLE, Array
-from ..numerics.roots import halve, root
+from ..numerics.roots import REACH, halve, root
 from ..orbits.periodic_orbit import helix_half_waves, helix_index
 from ..orbits.potential import slope, slope_higher_rates, slope_rate
 from ..problem.reduced import EndsProblem
@@ -23,12 +24,10 @@ from .held_index import index_of
 from .helices import helices_of
 
 _STEP = 0.25  # of the parameter's scale
-_NEAR = 0.5  # rad: the largest change of the angle in a step
 _EXACT = 1e-15  # relative, of the parameter of a special point
 # of the parameter's scale: how near a helix must cease for a branch to end there; at 0.1 a stored one would, wrongly
 _CEASES = 1e-2
 _ALONG, _SHARE = 0.15, 0.2  # rad about a helix, and the share of the rod that lies there
-_ROUNDS, _NUDGE = 20, 1e-6  # of Newton's rule; rad and of the parameter's scale, for differences
 
 
 def helix_places(
@@ -71,7 +70,7 @@ def _helix_with(family: Family, p: float, near: EndsProblem) -> OrbitState | Non
     given, beta = family.given(p), float(near.beta0[0])
     helices = [] if given is None else helices_of(given)[0]
     apart = [abs(float(helix.problem.beta0[0]) - beta) for helix in helices]
-    return helices[int(np.argmin(apart))] if apart and min(apart) < _NEAR else None
+    return helices[int(np.argmin(apart))] if apart and min(apart) < REACH else None
 
 
 def _special_places(family: Family, before: Place, after: Place) -> list[Place]:
@@ -154,7 +153,7 @@ def end_of_helix(family: Family, p: float, beta: Array) -> tuple[float, float] |
         return None if at is None else np.concatenate([slope(at.problem, x[:1]), slope_rate(at.problem, x[:1])])
 
     def double_root(x: Array) -> tuple[Array, Array] | None:
-        off, rates = equations(x), difference_rates(equations, x, _NUDGE)
+        off, rates = equations(x), difference_rates(equations, x, NUDGE)
         return None if off is None or rates is None else (off, rates)
 
     angles = np.linspace(beta.min() - _ALONG, beta.max() + _ALONG, 2001)
@@ -162,7 +161,7 @@ def end_of_helix(family: Family, p: float, beta: Array) -> tuple[float, float] |
     for i in np.flatnonzero(rates[1:] * rates[:-1] < 0):
         if np.mean(np.abs(beta - angles[i]) < _ALONG) < _SHARE:
             continue
-        end = root(double_root, np.array([angles[i], p / family.scale]), np.inf, _ROUNDS)
+        end = root(double_root, np.array([angles[i], p / family.scale]), np.inf)
         if end is None:
             continue
         angle, at = float(end[0]), float(end[1]) * family.scale

@@ -14,7 +14,7 @@ from typing import Protocol
 import numpy as np
 
 from ..numerics.arclength import CLOSED, END, FOLD, PITCHFORK
-from ..numerics.arrays import Array
+from ..numerics.arrays import ALIKE, Array
 from ..orbits.level_search import Census
 from .branch_events import Place, Stop
 from .fold_curves import FoldCurves, curves_of, said_of_stopped
@@ -24,7 +24,6 @@ from .whole_curve import WholeCurve, lies_on
 
 ASKEW = 0.013  # lines of the lattice stay off lines of symmetry
 MOST_BRANCHES = 150  # that are followed
-DISTINCT = 1e-5  # least distance of the signatures of two equilibria at one z
 STEEP, MOST_STEEP = 3.0, 2  # times the median of a branch; places of a branch from which it is followed across
 LatticePoint = tuple[int, int]
 Known = dict[LatticePoint, list[Place]]  # equilibria at points of the lattice
@@ -115,7 +114,7 @@ def branches_on(system: PlaneSystem, ticks: Array, begin: Known) -> _Branches:
 
     def take(z: Array, place: Place, mark: Array) -> None:
         node = at_tick[float(z[0])], at_tick[float(z[1])]
-        if all(np.linalg.norm(other - mark) > DISTINCT for other, _ in known[node]):
+        if all(np.linalg.norm(other - mark) > ALIKE for other, _ in known[node]):
             known[node].append((mark, place))
             waiting.extend((z, axis, replace(place, p=float(z[axis])), mark) for axis in (0, 1))
 

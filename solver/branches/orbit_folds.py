@@ -26,7 +26,8 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from ..numerics.arclength import PITCHFORK, Lengths, Node, node_at
-from ..numerics.arrays import ALIKE, NEGLIGIBLE, Array
+from ..numerics.arrays import ALIKE, ASIDE, NEGLIGIBLE, ROUGHLY, SQUARE_LOST, Array
+from ..numerics.roots import REACH
 from ..orbits.boundary import boundary_of
 from ..orbits.periodic_orbit import TIGHT, Pin, helix_half_waves, solve_orbit
 from ..orbits.potential import TAU, load_size, slope
@@ -45,13 +46,9 @@ LENGTHS = Lengths(first=0.01, longest=0.05, least=2e-6)  # of steps, in the size
 START = ("beta0", "dbeta0", "lam", "mu", "phi")  # the numbers with which an orbit starts
 UNIT = 20.0  # of log gap in the metric of a curve
 DEEP, SHALLOW = 1e-3, 4e-3  # gaps to a saddle below which log gap is unknown, and above which it no longer is
-_FAR = 0.5  # rad: farthest saddle that may be the same at another z
 _LEAST = 1e-100  # gap of a guess, and distance of an end from a saddle
-_AT_END = 1e-3  # of the radius: next to a saddle, how near to an end a turning point may be to lie at it
-_STEP = 1e-7  # of derivatives of the determinant, in the sizes of the unknowns and of z
 _BEND = 2e-4  # of beta_t(0), in its size: of the second derivative of the Jacobi field by it
 _SIDES = 2.0**-25  # of a step: how closely a change of side is enclosed
-_UNFOLDED, _STRAY = 1e-8, 1e-3  # rad: the largest miss of beta(L) at a pitchfork; how far along its curve too
 _CROSSING = 0.02  # of beta_t(0), in its size: where a fold curve may meet pitchforks
 _SAME = 0.02  # largest distance between a point and itself in another form
 
@@ -125,7 +122,7 @@ class OrbitPoint(LinePoint):
     numbers_at: GivenAt
     scales: Array
     saddle: Saddle | None = None
-    nudge = _STEP
+    nudge = 1e-7  # of derivatives of the determinant
 
     @property
     def dbeta0(self) -> float:
@@ -193,7 +190,7 @@ def _orbit_beside(saddle: Saddle, problem: StartProblem, y: float, given: Given)
     """The orbit whose level is exp(y) above or below the saddle; None where this no longer exists."""
     boundary = boundary_of(problem.with_end(problem.beta0))
     apart = np.abs((boundary.saddles - saddle.angle + TAU / 2) % TAU - TAU / 2)
-    if not apart.size or apart.min() > _FAR:
+    if not apart.size or apart.min() > REACH:
         return None
     angle, deepest = float(boundary.saddles[np.argmin(apart)]), boundary.deepest
     gap = saddle.sign * float(np.exp(max(y, deepest)))
@@ -232,7 +229,7 @@ class OrbitFold(OrbitPoint):
             return int(orbit.turns[0]) - 1
         apart, span = float(orbit.period[0]) / 2, given.span
         times = float(orbit.ahead[0]) + apart * np.arange(-1, span // apart + 2)
-        at_ends = np.minimum(np.abs(times), np.abs(times - span)) < _AT_END
+        at_ends = np.minimum(np.abs(times), np.abs(times - span)) < ROUGHLY  # next to a saddle
         inside = (times > 0) & (times < span) & ~at_ends
         return int(inside.sum() + at_ends.sum() * (pin[1][0] > 0)) - 1
 
@@ -266,7 +263,7 @@ class OrbitPitchfork(OrbitPoint):
         in a cusp there."""
         if self.saddle is not None:
             return True
-        return all(abs(float(self.equations(z)[0])) < _UNFOLDED for z in (self.w, self.w + _STRAY * self.way))
+        return all(abs(float(self.equations(z)[0])) < SQUARE_LOST for z in (self.w, self.w + ASIDE * self.way))
 
     @cached_property
     def lower(self) -> int:

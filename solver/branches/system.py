@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..numerics.arrays import EPS, ROUGHLY
+from ..numerics.arrays import DOUBTFUL, EPS, ROUGHLY
 from ..numerics.roots import DIVERGED, REACH, Ending, newton
 from ..orbits.boundary import DOWN, UP, Path, boundary_of
 from ..orbits.periodic_orbit import TIGHT, Pin, solve_orbit
@@ -22,7 +22,6 @@ from .orbit_rates import NUMBERS, OrbitRates, orbit_rates
 LEFT = "no orbit of its path joins the two ends there"
 _LEAST = 9 * EPS  # share by which rounding may change an angle, or a load
 _ROUNDED = 256 * EPS  # what the sums along an orbit leave of the numbers of an equilibrium, in their sizes
-_STILL = 1e-11  # beta_t below which an end is at rest, in units of the loads
 _NEAR = 0.1  # rad: the farthest that an end is moved
 AT_REST = -300.0  # log of the square of beta_t at a start at rest
 _ANGLE_ENDING = Ending(rounds=8, goal=0.0, small=_NEAR, stall=np.inf)
@@ -105,7 +104,7 @@ def state_from_start(rates: OrbitRates, dbeta0: float, pin: Pin | None = None) -
     pace = float(np.sqrt(1 + load_size(problem)[0]))
     leaving = UP if dbeta0 > 0 or (dbeta0 == 0 and float(slope(problem, problem.beta0)[0]) < 0) else DOWN
     arriving = leaving if turns % 2 == 0 else -leaving
-    if arriving * speed < 0 or abs(speed) < _STILL * pace:  # the last turning point is at the far end, to rounding
+    if arriving * speed < 0 or abs(speed) < DOUBTFUL * pace:  # the last turning point is at the far end, to rounding
         toward = DOWN if float(slope(problem, problem.betaL)[0]) < 0 else UP  # before it
         turns -= int(arriving != toward and turns > 0)
     y = max(2 * float(np.log(max(abs(dbeta0), 1e-300))), AT_REST)

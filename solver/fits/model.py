@@ -10,7 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from ..numerics.arrays import Array
+from ..numerics.arrays import SQUARE_LOST, Array
+from ..numerics.roots import ROUNDS
 from ..observe.observables import observe
 from ..problem.case import Case, Ends
 from ..problem.case_fields import with_fields
@@ -22,8 +23,6 @@ from .parameters import Parameter, rates_at, values_at, values_in_words
 
 _COARSE, _FINEST = 201, 6401  # stations of the first search
 _TURN = 0.2  # rad between neighbouring stations of it, at most
-_STEPS = 30
-_NEAR = 1e-8  # of the length: a foot is found; the distance is then known to its square
 
 AtStations = Callable[[Array | int], Solution]
 
@@ -235,14 +234,14 @@ def feet(curve: AtStations, points: MeasuredPoints) -> _Feet:
     alpha, z = points.columns["alpha"] + 2 * np.pi * turns, points.columns["z"]
     wide, tall = points.sizes["alpha"], points.sizes["z"]
     L = float(sol.case.rod.L)
-    for _ in range(_STEPS):
+    for _ in range(ROUNDS):
         place, at = _at(curve, s)
         across, up, da, dz, along = _local(at, place, alpha, z, wide, tall)
         speed, bent = across**2 + up**2, along[0] * da + along[1] * dz
         rate = np.where(speed + bent > 0.3 * speed, speed + bent, speed)
         new = np.clip(s - (across * da + up * dz) / rate, low, high)
         step, s = np.abs(new - s).max(), new
-        if step <= _NEAR * L:
+        if step <= SQUARE_LOST * L:  # a foot is found: the distance is known to the square of it
             break
     place, at = _at(curve, s)
     across, up, da, dz, _ = _local(at, place, alpha, z, wide, tall)

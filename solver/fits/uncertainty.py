@@ -8,11 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import special
 
-from ..numerics.arrays import ALIKE, Array
+from ..numerics.arrays import ALIKE, DOUBTFUL, SQUARE_LOST, Array
 from .parameters import Parameter, rates_at, values_at
 
-SINGULAR = 1e-8  # of the largest singular value of normalised derivatives: a smaller one is that of rounding
-_NONE = 1e-11  # of the largest derivative: a parameter with smaller ones has no effect
 LEVEL = 0.95
 
 
@@ -35,9 +33,9 @@ class Decomposition(NamedTuple):
 def decomposition(jacobian: Array, free: NDArray[np.bool_]) -> Decomposition:
     """What the derivatives (N, F) determine of the parameters that are free, (F,)."""
     norms = np.linalg.norm(jacobian, axis=0)
-    active = free & (norms > _NONE * max(norms.max(initial=0.0), 1e-300))
+    active = free & (norms > DOUBTFUL * max(norms.max(initial=0.0), 1e-300))
     left, sizes, right = np.linalg.svd(jacobian[:, active] / norms[active], full_matrices=True)
-    return Decomposition(norms, active, left, sizes, right, int((sizes > SINGULAR * sizes.max(initial=0.0)).sum()))
+    return Decomposition(norms, active, left, sizes, right, int((sizes > SQUARE_LOST * sizes.max(initial=0.0)).sum()))
 
 
 @dataclass(frozen=True, eq=False)

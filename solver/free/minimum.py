@@ -9,17 +9,16 @@ from typing import Any
 import numpy as np
 
 from ..numerics.arrays import Array, Integers
+from ..numerics.roots import ROUNDS
 from .discrete_rod import CONDITIONS, EDGE, HELD_ON, DiscreteRod
 from .free_shape import FreeShape
 from .program import FAR, NEAR, Program, Sizes
 
-MOST_STEPS = 30  # of Newton's method; usual are 3 to 6
 SHARP = 1e-10  # of the last change of the unknowns
 FARTHEST = 1.0  # of their sizes, by which a step may change the unknowns: beyond, Newton's method diverges
 EVEN = 1e-8  # of what equations leave where rounding, 1e-11 of them, moves a rod that is held with `FIRM`; squared
 FIRM = 1e-6  # of the order of the second derivatives: what holds a rod that may turn as a whole
 NUDGE, NUDGES = 1e-2, 3  # of the size of angles: of what leads away from an equilibrium that is no minimum
-ROUNDS = 6  # of inverse iteration, of which each takes a hundredth of the rest
 STIFF, TINY = 1e-4, 1e-14  # of the force that bends an edge by the radius, what a gap counts as; least of a derivative
 
 
@@ -59,7 +58,7 @@ def free_motion(shape: FreeShape, sizes: Sizes) -> Array | None:
         return None
     factors = splu(newton.matrix(np.zeros(free.size), multipliers, loose))
     moved = np.random.default_rng(0).normal(size=free.size)
-    for _ in range(ROUNDS):
+    for _ in range(6):  # inverse iteration, of which each takes a hundredth of the rest
         right = np.append(moved / np.linalg.norm(moved), np.zeros(multipliers.size))
         moved = factors.solve(right[np.argsort(newton.order)])[newton.order][: free.size]
     motion = np.zeros(shape.rod.size)
@@ -134,7 +133,7 @@ class Newton(Program):
         n, last, side = self.free.size, np.inf, self.rod.side
         z, loose = np.zeros(n) if z is None else z, np.zeros(multipliers.size)
         _, rows, columns, _ = self.slopes
-        for _ in range(MOST_STEPS):
+        for _ in range(ROUNDS):
             missed = self.conditions(z)
             push, gap = side * multipliers[self.wall], self.stiff * side * missed[self.wall]
             equation, by_push, by_gap = complementarity(push, gap)

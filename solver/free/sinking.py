@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..numerics.arrays import ALIKE, Array
+from ..numerics.arrays import ALIKE, FAINT, NEGLIGIBLE, Array
 from ..problem.case import Case
 from ..problem.errors import InputError
 from .discrete_rod import DiscreteRod
@@ -25,7 +25,6 @@ FASTER, SLOWER = 4.0, 0.2  # factors of the time of a step to the next one
 FIRST = 1e-6  # the time of the first step that is tried
 AT_REST, THERE = 0.02, 0.5  # of a step: a rod that moves less rests; places that are so near are the same
 ELSEWHERE = "the motion of a rod that is let go, which ends elsewhere than let_go"
-FINER = 40  # times that a step is halved
 
 
 class _Descent(NamedTuple):
@@ -84,7 +83,7 @@ class Sinking:
     def after(self, shape: FreeShape, time: float) -> FreeShape:
         """The shape after a time, in one step, or in more where that finds none."""
         left, step = time, time
-        while left > 1e-9 * time and step > time / 2**FINER:
+        while left > NEGLIGIBLE * time and step > FAINT * time:
             ahead = self.step(shape, min(step, left))
             if ahead is None:
                 step /= 2

@@ -13,14 +13,13 @@ import numpy as np
 import scipy  # its parts are imported when used
 
 from ..branches.given_numbers import Given
-from ..numerics.arrays import FAINT, Array, Integers
-from ..numerics.chebyshev import basis
+from ..numerics.arrays import DOUBTFUL, FAINT, Array, Integers
+from ..numerics.chebyshev import GAUSS, basis
 from .bordered_bands import Bordered
 
-_DEGREE, _GAUSS = 8, 12  # of beta on a panel; points of its integrals
+_DEGREE = 8  # of beta on a panel
 _LAYER = 3.0  # by how much panels beside an end grow
 _SMOOTH = 1e-5  # rad: the last coefficients of beta on a panel that is fine enough
-_MET = 1e-11  # of the length: miss of a constraint that counts as met
 LONGEST = 0.6  # rad: the largest change of beta in a step
 _LOAD_OF = {"z": "phi", "alpha": "lam"}
 
@@ -44,11 +43,11 @@ class _EnergyPanel:
 def panel() -> _EnergyPanel:
     """The panel of all meshes."""
     chebyshev, unit = np.polynomial.chebyshev, np.eye(_DEGREE + 1)
-    x, weights = np.polynomial.legendre.leggauss(_GAUSS)
+    x, weights = GAUSS
     series = basis(_DEGREE + 1).analyse.T
     values = chebyshev.chebvander(x, _DEGREE) @ series
     slopes = 2 * np.stack([chebyshev.chebval(x, chebyshev.chebder(row)) for row in unit], axis=1) @ series
-    products = (values[:, :, None] * values[:, None]).reshape(_GAUSS, -1)
+    products = (values[:, :, None] * values[:, None]).reshape(x.size, -1)
     return _EnergyPanel((x + 1) / 2, weights / 2, values, slopes, products)
 
 
@@ -259,7 +258,7 @@ class DiscreteEnergy:
         """The shape next to one that meets the constraints; None where the rounds lead to none."""
         for _ in range(rounds if self.held else 0):
             miss, rows = self._constraints(beta)
-            if np.abs(miss).max() < _MET * self.given.span:
+            if np.abs(miss).max() < DOUBTFUL * self.given.span:
                 return beta
             across = self._across(rows)
             if across is None:

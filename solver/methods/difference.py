@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..numerics.arrays import EPS, Array
+from ..numerics.roots import ROUNDS
 from ..orbits.morse_index import response
 from ..orbits.potential import Loads, slope, slope_rate
 from ..problem.reduced import EndsProblem
@@ -18,7 +19,6 @@ from .base import MOST_COMPILED, Ladder, SeededMethod, SingleAnswer, knob, large
 _FIRST, _LARGEST_FIRST, _MOST = 129, 2**13 + 1, 2**17 + 1  # nodes
 _FEWEST = 17  # nodes of the coarsest mesh that may measure the error of another
 _FINE = 0.1  # of `_waves`: on finer meshes each halving reduces the error as order 4 says
-_NEWTON = 60
 _NODES = tuple(n + 1 for n in twos(9, 64))
 
 
@@ -133,7 +133,7 @@ def _newton(problem: EndsProblem, beta: Array, bend: float = np.inf, goal: float
     beta[0], beta[-1] = problem.beta0[0], problem.betaL[0]
     floor = 16 * EPS * np.abs(beta).max() + 1e-300  # rounding of the residual, which has a factor h^2
     (off, rate), met, iteration, last = _residual(loads, beta, h), False, 0, np.inf
-    while iteration < _NEWTON and not met:
+    while iteration < ROUNDS and not met:
         iteration += 1
         step = _step(rate, off, h)
         if step is None:

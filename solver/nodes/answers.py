@@ -9,7 +9,7 @@ import numpy as np
 from ..branches.parameter_plane import reflect
 from ..core.tuning import MOST_STEPS, SAFETY
 from ..core.varying_loads import BY_ANGLE, HALF, SIZE, TRUNCATION, March, march
-from ..numerics.arrays import FAINT, Array
+from ..numerics.arrays import FAINT, SQUARE_LOST, Array
 from ..orbits.statics import circumferential_force, surface_forces
 from ..problem.case import ALONG_AXIS, IN_PLACE, Case
 from ..problem.errors import InputError
@@ -46,8 +46,6 @@ SHORTER = 0.7  # steps of the second march, whose difference from the first esti
 SHARE, COARSEST = 0.01, 1e-12  # of start problems: what all steps leave out of beta, as a share of the tolerance; the
 # most that one does, of the scales
 ROUNDING = 2e-16
-LINEAR = 1e-8  # rad: an error above this may be less than the equations say, which are linear
-LOST = 1e8  # condition number: beyond, a start problem has lost half its digits
 LARGEST, SHORTEST = 1e30, 1e-15  # of a number of a rod in units of A and rho; of L/rho between two ends
 ROUGHEST = 10.0  # coefficient of friction: rubber on rubber has 1 to 4, and the time to lose a march grows with it
 MOST_CHANGES = 20_000  # of an ends problem: as many as of 30 km of pipe
@@ -96,7 +94,7 @@ def answer_starts(case: Case, t: Array, tol: float) -> tuple[StartProblem, Traje
         y[:, rows], end[rows], marched.steps[rows] = finer.out.reshape(SIZE, -1, n), finer.end, finer.steps
     read = read_starts(y, t, alpha0, numbers[:, 0] * end[:, MU])
     solved, outcome = verdicts(read["beta"], error, condition, tol)
-    for i in np.flatnonzero(~(condition < LOST)):
+    for i in np.flatnonzero(~(condition < 1 / SQUARE_LOST)):
         endless = marched.steps[i] > MOST_STEPS
         load = "weight" if np.any(numbers[i, 1:3]) else "friction"
         why = f"failed: the march did not end within {MOST_STEPS} steps" if endless else outcome[i]
@@ -327,4 +325,5 @@ def estimate(shape: Shape) -> tuple[float, float]:
     off = moved[:, :, 0].max(axis=0)
     condition = max(1.0, float(moved[:, BETA, 1:].max() / scale[BETA]))
     error = float(SAFETY * max(off[BETA], off[ALPHA] / span, off[SHORT] / span) + ROUNDING * condition)
-    return largest_move(shape, error) if LINEAR < error < np.inf else error, condition
+    # a larger error may be less than the equations say, which are linear
+    return largest_move(shape, error) if SQUARE_LOST < error < np.inf else error, condition

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..branches.branch_events import Bounds
-from ..numerics.arclength import END, POINTS, Lengths
+from ..numerics.arclength import END, POINTS, RISING
 from .buckling import AHEAD
 from .curve import CurvePoint, NodeCurve, trace_shapes
 from .descent import descend, index_of_any, is_near
@@ -15,8 +15,7 @@ from .local_waves import sinusoid
 from .newton import correct
 from .varying_shapes import Shape
 
-LENGTHS = Lengths(first=0.1, longest=0.25, least=1e-4)  # of steps
-LEAST_RUBBED = 1e-2  # the same of a rod with friction, whose branch ends where its waves run
+LEAST_RUBBED = 1e-2  # the least step of a rod with friction, whose branch ends where its waves run
 SHARES_AHEAD = 1.0, 0.9, 0.7, 0.4  # of the rest of the way: where a sinusoid is tried when a branch ends
 LOADS, FRICTION = "these loads", "this friction"
 STRAIGHT = "the straight rod"
@@ -55,7 +54,7 @@ def grow(rod_at: Callable[[float], LoadedRod], shape: Shape, share: float = 0.0,
     rod_at: the rod at each share. target: what is whole at 1.
     """
     whole, jumped = rod_at(1.0), list[float]()
-    lengths = replace(LENGTHS, least=LEAST_RUBBED) if whole.has_friction else LENGTHS
+    lengths = replace(RISING, least=LEAST_RUBBED) if whole.has_friction else RISING
     curve = NodeCurve(rod_at, 1.0, whole.scale, lengths)
     while share < 1:
         begun = CurvePoint(shape, share, np.append(np.zeros(shape.y.size), 1.0))

@@ -16,6 +16,7 @@ from ..branches.orbit_rates import NUMBERS, rates_of_helices, start_rates
 from ..branches.system import state_from_start
 from ..numerics.arclength import END, POINTS, Lengths
 from ..numerics.arrays import ALIKE, Array
+from ..numerics.chebyshev import GAUSS
 from ..numerics.roots import DIVERGED, REACH, lead_away
 from ..orbits.boundary import Path, wrap
 from ..orbits.path_orbits import orbit_of
@@ -32,7 +33,6 @@ from .weak_modes import weakest_modes
 CARRIED = Lengths(first=1.0, longest=1.0, least=1e-5)  # of steps, in the sizes of the angles and of the way
 BEHIND = 0.02  # of the sizes of the angles and of the way: from a point to one before it, which tells its bend
 MAY_BE, FEW = 4.0, 20  # times the estimated way to an equilibrium across a fold; points on the way to it
-PLACES = 8  # on each stretch, at which an energy is read
 KICK = 0.3  # rad: the push towards the equilibrium beyond a fold
 
 
@@ -90,7 +90,7 @@ def state_of(shape: Shape) -> HingedState:
 
 def energy_of(shape: Shape) -> float:
     """The bending energy less the work of the loads, the twist eliminated, in units of A/rho."""
-    places, weights = np.polynomial.legendre.leggauss(PLACES)
+    places, weights = GAUSS
     y = shape.between(places)
     density = y[:, :, SPEED] ** 2 - potential(Loads(y[:, :, Q] + y[:, :, MU], y[:, :, MU], y[:, :, PHI]), y[:, :, BETA])
     return float((density @ weights) @ np.diff(shape.t) / 4)

@@ -8,13 +8,14 @@ has no bound at x = 4/(friction F), and a hundredth of a change arrives at nine 
 
 import numpy as np
 
+from ..numerics.chebyshev import GAUSS
 from ..numerics.roots import halve
 from .loaded_rod import LoadedRod
 from .local_waves import EQUAL, LIGHTEST, SOFT, has_waves, largest, mean_push
 
 PASSED = 0.01  # of a change of the push: less is lock-up, as drillers have it
 WAVELESS = 1e-8  # of F^2: a weight across that is too small for a sinusoid, in place of none
-PANELS, GAUSS = 12, np.polynomial.legendre.leggauss(12)  # where the push is smooth; 1e-9 of the length
+PANELS = 12  # where the push is smooth; with `GAUSS` to 1e-9 of the length
 FINE = 1e-10  # of the compression
 
 

@@ -27,9 +27,9 @@ from ..branches.special_line import (
     special_line,
 )
 from ..branches.whole_curve import WholeCurve, whole_curve
-from ..numerics.arclength import PITCHFORK, Lengths, Node, node_at
+from ..numerics.arclength import PITCHFORK, Node, node_at
 from ..numerics.arrays import ASIDE, Array
-from .curve import SPLIT, CurvePoint, NodeCurve, unit
+from .curve import LENGTHS, SPLIT, CurvePoint, NodeCurve, unit
 from .descent import index_at
 from .loaded_rod import ALPHA, SPEED, LoadedRod
 from .newton import marks_of
@@ -37,8 +37,6 @@ from .varying_shapes import Shape
 from .weak_modes import Held, hold, weakest_modes
 
 RodAt = Callable[[Array], LoadedRod]
-STEPS = Lengths(first=0.02, longest=0.1, least=1e-4)  # in the sizes of the equilibrium and of z
-STEP = 1e-4  # of derivatives by a and z
 BESIDE = 0.02  # how far beside a fold its two indices are read, in the sizes of the unknowns
 CROSSED = 3e-3  # how closely the place is enclosed where another curve crosses
 NEAR = 3  # weakest modes: where another such curve crosses, that of this one is not the weakest
@@ -50,7 +48,7 @@ class _ShapePoint(LinePoint):
 
     rod_at: RodAt
     shape: Shape
-    nudge = STEP
+    nudge = 1e-4  # of derivatives by a and z
 
     def line(self, z: Array, across: Array) -> NodeCurve:
         """The equilibria along a line through z."""
@@ -113,7 +111,7 @@ def fold_through(rod_at: RodAt, z: Array, axis: int, shapes: list[Shape]) -> Who
     w = np.append(0.0, z)
     guess = _FoldPoint(w=w, way=way, rod_at=rod_at, across=across, shape=shape, tangent=tangent)
     first = point_at(guess, w, np.append(0.0, way)) or guess
-    how: Tracing[_FoldPoint] = Tracing(STEPS, cusps_between)
+    how: Tracing[_FoldPoint] = Tracing(LENGTHS, cusps_between)
     return whole_curve(special_line(first, how))
 
 
@@ -183,7 +181,7 @@ def pitchforks_through(
         return None
     if np.isnan(first.more).any():  # where the sides differ, branches exchange their indices, and no number changes
         return []
-    how = Tracing(STEPS, pitchforks_between, is_known=lambda point: is_known(point.z, point.mark))
+    how = Tracing(LENGTHS, pitchforks_between, is_known=lambda point: is_known(point.z, point.mark))
     line = special_line(first, how)
     points, last = line.points, len(line.points) - 1
     cuts = [0, *(i + 1 for i, (point, other) in enumerate(pairwise(points)) if point.lower != other.lower), last]

@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from ..numerics.arrays import NEGLIGIBLE, Array
-from ..numerics.roots import REACH
+from ..numerics.roots import REACH, ROUNDS
 from ..orbits.potential import Loads, slope, slope_rate
 from ..problem.case import ALONG_AXIS, ALONG_ITSELF
 from .loaded_rod import ALPHA, BETA, MU, PHI, ROUND, SHORT, SPEED, LoadedRod, Q, rate_of_change
@@ -19,7 +19,6 @@ from .newton import correct
 from .varying_shapes import Shape
 
 PLACES, PARTS = 4000, 50  # on which the loads are summed, and the parts of the rod in which they are
-ROUNDS = 60  # of the loads of a part
 STEEP = 4.0  # the most by which a change may grow between two nodes, as a power of e: at 8 Newton's method is lost
 MOST = 100_000  # nodes: a few seconds
 

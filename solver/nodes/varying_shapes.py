@@ -9,6 +9,7 @@ import numpy as np
 
 from ..core.varying_loads import READ, SIZE, march
 from ..numerics.arrays import FAINT, Array, Booleans, Integers
+from ..numerics.chebyshev import GAUSS
 from ..numerics.roots import BISECTIONS, bisect, largest_between
 from ..orbits.potential import Loads, slope
 from ..orbits.statics import circumferential_force, contact_force, curvature, surface_forces
@@ -17,7 +18,6 @@ from .loaded_rod import ALPHA, BETA, MU, PHI, SPEED, LoadedRod, Q
 from .state import StretchState, is_drawn, states
 
 DENSE = 17  # places on a stretch, at which the states along a rod are judged
-GAUSS = 12  # places on a stretch, for integrals of products of states
 FINE = 2  # nodes of a start problem, for each step of its march: 20 read the same in four times the time
 
 
@@ -114,7 +114,7 @@ class Shape:
 
     def square_twist(self) -> float:
         """The mean of the square of mu over the length."""
-        places, weights = np.polynomial.legendre.leggauss(GAUSS)
+        places, weights = GAUSS
         squares = self.between(places)[:, :, MU] ** 2 @ weights / 2
         return float(squares @ np.diff(self.t) / self.t[-1])
 

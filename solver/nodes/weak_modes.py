@@ -6,14 +6,13 @@ from typing import NamedTuple
 import numpy as np
 
 from ..core.varying_loads import HALF, SIZE
-from ..numerics.arrays import Array
+from ..numerics.arrays import ROUNDED, Array
 from ..numerics.roots import DIVERGED, newton, solve
 from .loaded_rod import ALPHA, BETA, SPEED, Q
 from .newton import ENDING, Linear, linear_at, share_within, size_of
 from .varying_shapes import Shape
 
 ANGLES = [BETA, ALPHA]
-LEAST_FORCE = 1e-15  # of the scales: a force that may be rounding
 AMPLITUDES = 10.0 ** np.arange(-8, -1)  # of the angles, in their scales: how far a shape may be off along a mode
 
 
@@ -132,7 +131,7 @@ def largest_move(shape: Shape, error: float) -> float:
     turned, base = float(np.abs(mode[:, BETA]).max()), hold(shape, mode)
     if base is None or not turned:
         return error
-    force = max(abs(base.stiffness) * error / turned, LEAST_FORCE)
+    force = max(abs(base.stiffness) * error / turned, ROUNDED)
     for amplitude in AMPLITUDES[AMPLITUDES * turned < error]:
         sides = [hold(replace(shape, y=shape.y + sign * amplitude * mode), mode) for sign in (1, -1)]
         if all(side is not None and abs(side.force) > force for side in sides):

@@ -61,6 +61,9 @@ class Lengths:
     least: float
 
 
+RISING = Lengths(first=0.1, longest=0.25, least=1e-4)  # where a parameter must rise from 0 to 1, in its scale
+
+
 @dataclass(frozen=True, eq=False)
 class Stride(Generic[Place, State]):
     """What a step leads to: points in order, from where to go on, the next step, and why the curve ends, if it does."""

@@ -8,6 +8,7 @@ from numpy.polynomial import chebyshev as C
 
 from .arrays import Array
 
+GAUSS = np.polynomial.legendre.leggauss(12)  # places and weights: exact where a panel resolves what is integrated
 _ROWS = 384  # OpenBLAS starts threads from 2^18 products on
 
 

@@ -13,9 +13,10 @@ Point = TypeVar("Point")
 State = TypeVar("State")
 Step = TypeVar("Step")
 DIVERGED = "Newton's rule does not converge"
-EXACT = 1e-14  # how closely the place of a root is enclosed
+EXACT = 1e-14  # relative: how closely a place or a time along a rod is known, a root is enclosed, a series is cut
 CLOSE = 1e-7  # a step of Newton's rule this short is the last: the next would be of the size of its square
 REACH = 0.5  # rad, or in the scale of the angles: the longest step that Newton's rule is followed
+ROUNDS = 60  # of a method that usually takes a tenth of them: one that has not converged then never will
 BISECTIONS = 60  # of a bracket, which is then as narrow as rounding
 _SLIGHT = 0.5  # of the rate of the product along a step, below which the known zeros hardly matter
 

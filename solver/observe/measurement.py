@@ -15,6 +15,7 @@ import numpy as np
 from ..core.measures import measure
 from ..nodes.loaded_rod import ALPHA, SHORT, SPEED
 from ..numerics.arrays import EPS, Array, Integers
+from ..numerics.roots import EXACT
 from ..orbits.marched_orbit import MarchedOrbit
 from ..orbits.periodic_orbit import TIGHT, solve_orbit
 from ..orbits.potential import steepest
@@ -24,7 +25,6 @@ from ..problem.reduced import flat
 from ..problem.trajectory import stood_in
 from .solution_pieces import blocks, is_resolved, off_between, pieces_of
 
-FINEST = 1e-14  # relative: smallest goal of a series
 SPREAD = 10  # times the error of a marched orbit, which is a standard deviation: a bound in every test
 _SHARE = 1e-3  # of the tolerance, for the series of the densities
 
@@ -112,7 +112,7 @@ class MeasuredNumbers:
     @property
     def goal(self) -> float:
         """The allowed error of the series of densities, relative."""
-        return float(max(_SHARE * self.sol.tol, FINEST))
+        return float(max(_SHARE * self.sol.tol, EXACT))
 
     def get(self, name: str) -> Pair:
         """A number measured along the rod and its error, (B,) each."""

@@ -13,13 +13,14 @@ from ..branches.system import settle
 from ..core.library import cut, fine, numbers_of, on_grid, points, run, share_out, structure, widest
 from ..core.measures import GROUPS, NUMBERS, RATED
 from ..numerics.arrays import Array, Integers
+from ..numerics.roots import EXACT
 from ..orbits.boundary import Path, path_of
 from ..orbits.path_orbits import path_from_start, variations_of
 from ..orbits.shape import ShapeArrays
 from ..orbits.variations import HOW as LONGER
 from ..orbits.variations import POINTS, HelixVariations, Variations
 from ..problem.reduced import EndsProblem, Reduced, StartProblem, end_number_names, flat
-from .measurement import FINEST, MIDDLE
+from .measurement import MIDDLE
 from .solution_pieces import CASES
 
 MARKS = np.array([0.0, *MIDDLE, 1.0])  # shares of the length that observables need
@@ -189,7 +190,7 @@ def start_sensitivities(
     arrays = {"sign": measured.sign, "error": measured.error, **measured.seen}
     rest |= {name: np.ascontiguousarray(array, dtype=float) for name, array in arrays.items()}
     rest |= {"found": seen, "rates": rates, "marks": marks, "half_period": half}
-    rest |= {"goal": measured.goal, "rates_goal": FINEST, "wanted": sum(1 << RATED[name] for name in names)}
+    rest |= {"goal": measured.goal, "rates_goal": EXACT, "wanted": sum(1 << RATED[name] for name in names)}
     rest |= {"groups": _groups_of(plain), "partly": _groups_of(middle)}
     derive()
     places = [(name, NUMBERS.index(name)) for name in _members(plain)]

@@ -19,6 +19,7 @@ from ..nodes.loaded_rod import rods_of
 from ..nodes.newton import largest_turn, linear_at
 from ..nodes.varying_shapes import Shape as Nodal
 from ..numerics.arrays import NEGLIGIBLE, Array
+from ..numerics.roots import EXACT
 from ..orbits.shape import ShapeArrays
 from ..problem.case import Case, Start
 from ..problem.case_fields import values_of, with_fields_unchecked
@@ -26,7 +27,6 @@ from ..problem.reduced import flat, size_of_field, span_of
 from .observables import observe
 
 STEP = 1e-4  # of the angles, in their scales, and of a field, in its size
-EARLY = 1e-14  # of the places of nodes: so a station at one is read from it at each step, and not from the one before
 # second differences at two steps over those at one: 4 of a smooth function, so above that nothing has a derivative
 SMOOTH = 3.0
 
@@ -121,7 +121,7 @@ def _at_step(sol: ShapeArrays, line: _FieldAnswers, count: int) -> ShapeArrays:
             nodes, answer, index = known.shapes.of(i), line.answers[i], known.held_index[i]
             y = np.full((2, 8), np.nan) if answer is None else nodes.y + count * line.step[i] * answer
             times = np.array([0.0, rod.span]) if answer is None else nodes.t * (rod.span / nodes.t[-1])
-            times[1:-1] *= 1 - EARLY
+            times[1:-1] *= 1 - EXACT  # so a station at a node is read from it at each step, and not from the one before
             ways.append(way_of(Nodal(rod, times, y), index))
         problem, trajectory = answer_ends(case, t, sol.tol, ways)
     # on the line the equations are open by the square of the step

@@ -13,6 +13,7 @@ import numpy as np
 
 from ..core.tuning import LOWEST
 from ..numerics.arrays import ALIKE, EPS, Array, Booleans, Columns, Integers
+from ..numerics.roots import EXACT
 from ..problem.limits import LARGEST
 from ..problem.reduced import EndsProblem
 from .boundary import (
@@ -36,7 +37,6 @@ _PATHS = 1000  # paths searched together
 _COARSE = 0.5  # step in log gap of levels that are only looked at
 _ZOOM, _ROUNDS = 17, 6  # points of the finer grid at a dip, and how often it is refined
 _SHALLOW = 0.5  # of the rise to the next of even steps: the bottom lies less below the lowest point
-_ROUNDING = 1e-14  # of the rod's length: bound of the rounding of a sum of times
 
 
 @dataclass(frozen=True, eq=False)
@@ -329,7 +329,7 @@ def _above(off: Array, span: float) -> tuple[Booleans, Booleans]:
     """
     known = ~np.isnan(off)
     with np.errstate(invalid="ignore"):
-        above, sure = off >= 0, ~(np.abs(off) <= _ROUNDING * span)
+        above, sure = off >= 0, ~(np.abs(off) <= EXACT * span)
     sure[:, 1:] |= ~known[:, :-1]
     sure[:, 0] = True
     last = np.maximum.accumulate(np.where(sure, np.arange(off.shape[1]), 0), axis=1)

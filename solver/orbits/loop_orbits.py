@@ -27,14 +27,12 @@ from .frames import position
 from .periodic_orbit import TIGHT, Orbit, solve_orbit
 from .variations import Variations, variations_on
 
-CLOSE = NEGLIGIBLE  # of the period: an orbit of a smaller error is closed
 # of the curve of one period, at which the azimuth is compared with the wanted one; 320 find the same loops
 AMPLITUDES = 32
 _FINEST = -30.0  # of log(gap): lam holds no smaller gap
 _SHORT = 100.0  # at gap = (_SHORT/T)^2 the period is below T; it is below 2 pi (1 + log(1/(b1 + pi/2)))/sqrt(gap)
 _FAR = 60.0  # bound of the log of a period
 _ROUGH, _NARROW = 1e-3, 1e-6  # of the search of lam, by the log of the period; Newton's method follows
-_STEPS = 12  # of Newton's method
 
 
 @dataclass(frozen=True)
@@ -44,6 +42,11 @@ class ClosedOrbit:
     lowest: float
     lam: float
     error: float
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether the error shows to no reader."""
+        return self.error < NEGLIGIBLE
 
 
 def orbits_of_gain(period: float, azimuth: float) -> tuple[list[ClosedOrbit], list[ClosedOrbit]]:
@@ -69,7 +72,7 @@ def _crossings(lowest: Array, y: Array, mean: Array, period: float, azimuth: flo
         at, guess = (float(v[k] + (v[k + 1] - v[k]) * excess[k] / (excess[k] - excess[k + 1])) for v in (lowest, y))
         orbit = _polish(at, guess, period, azimuth)
         inside = lowest[k + 1] <= orbit.lowest <= lowest[k]
-        orbits.append(orbit if orbit.error < CLOSE and inside else _refine(lowest[cell], period, azimuth))
+        orbits.append(orbit if orbit.is_closed and inside else _refine(lowest[cell], period, azimuth))
     return orbits
 
 
@@ -115,7 +118,7 @@ def _refine(lowest: Array, period: float, azimuth: float) -> ClosedOrbit:
 def _polish(b1: float, y: float, period: float, azimuth: float) -> ClosedOrbit:
     """Newton's method in b1 and log(gap), with the exact derivatives of the period and the azimuth."""
     goal = np.array([period, azimuth])
-    point = root(lambda x: residual(float(x[0]), float(x[1]), goal), np.array([b1, y]), np.inf, _STEPS)
+    point = root(lambda x: residual(float(x[0]), float(x[1]), goal), np.array([b1, y]), np.inf)
     if point is None:
         return ClosedOrbit(b1, _load(b1, y), np.inf)
     b1, y = point.tolist()

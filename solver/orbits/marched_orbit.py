@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..core.library import fine, numbers_of, run, share_out, widest
+from ..core.varying_loads import ORDER
 from ..numerics.arrays import Array, Booleans, Integers
 from ..problem.reduced import StartProblem
 from .periodic_orbit import LIBRATION, ROTATION, Orbit, Periodic, solve_orbit
@@ -16,7 +17,6 @@ if TYPE_CHECKING:
 
 
 LOST, TURNS, GOES_ROUND = 0, 1, 2  # how a leg ends
-ORDER = 20  # of the series
 _KEPT = 1024  # orbits whose steps are marched once for all who read some of them: 8 MB; others march their own again
 
 # What the core knows of an orbit: `orbit` in rod.c. A leg goes from the start to the turning point ahead, or behind, or

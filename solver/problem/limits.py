@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..numerics.arrays import ROUNDED
+from ..numerics.arrays import ROUNDED, SQUARE_LOST
 from .case import Case, Start
 from .reduced import HeldProblem, Reduced, StartProblem, flat
 
@@ -23,7 +23,6 @@ TAUT = (
     "the ends are held as far apart, along the cylinder, as the rod is long; it can only be straight or a helix then, "
     "and the force that holds it so is not determined"
 )
-_MOST_LOST = 1e-8  # of the loads in units of A and rho: what the last digits of the rate of twist may change
 _ORDINARY = 1e30  # with it the largest sum of decades in `representable` is 62 + 7 * 30 = 272
 _DECADES = 290.0  # a float has 308; the margin is for factors and sums
 
@@ -90,7 +89,7 @@ def twist_lost(case: Case, problem: Reduced) -> NDArray[np.bool_]:
     with np.errstate(all="ignore"):
         parts = np.abs(case.rho * given.dgamma) + np.abs(np.sin(2 * given.beta) / 2)
         loads = np.abs(problem.lam) + np.abs(problem.mu) + np.abs(problem.phi) + 1
-        return flat(2.0**-52 * parts / case.rod.stiffness_ratio, case.shape) > _MOST_LOST * loads
+        return flat(2.0**-52 * parts / case.rod.stiffness_ratio, case.shape) > SQUARE_LOST * loads
 
 
 def unreachable(height: float, azimuth: float, span: float, seeded: bool = False) -> str:
