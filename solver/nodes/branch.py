@@ -206,11 +206,11 @@ def branch_with_friction(rod: LoadedRod) -> GrowthWay:
     if rod.numbers[4] == ALONG_ITSELF:
         hints.append("a rod that moves as a whole (sliding 'axial-forward' or 'axial-backward')")
     why = (
-        f"the {'leaning' if rod.rotates else 'straight'} rod buckles under its compression with friction, and no "
+        f"the {'straight' if rod.straight else 'leaning'} rod buckles under its compression with friction, and no "
         "sinusoid or helix at rest was found: friction may drive waves along the rod or wind up its helix"
     )
     why = f"{why}; {' or '.join(hints)} may have an answer" if hints else why
-    is_at_fault = partial(leans_and_buckles, beyond=QUIET) if rod.rotates else straight_index
+    is_at_fault = straight_index if rod.straight else partial(leans_and_buckles, beyond=QUIET)
     return GrowthWay(None, why=why, barred=True, limit=least_tension(rod, is_at_fault), share=way.share or 0.0)
 
 

@@ -171,7 +171,8 @@ class LoadedRod:
         if "height" in self.held and self.far[2] != self.span:
             return False
         level = self.across * np.sin(self.near[1])
-        return not any(rest) and abs(level) <= 1e-15 * abs(self.across) and not self.rotates
+        leans = self.rotates and self.across != 0  # without weight across no push turns the straight rod aside
+        return not any(rest) and abs(level) <= 1e-15 * abs(self.across) and not leans
 
     @property
     def rotates(self) -> bool:

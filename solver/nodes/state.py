@@ -42,7 +42,9 @@ def axial_force_along(wall: Cylinder, weight: float, FZ: float, s: Array, beta: 
     return np.asarray(FZ + added - added[-1])
 
 
-def states(s: Array, beta: Array, alpha: Array, drawn: Booleans | None = None) -> tuple[StretchState, ...]:
+def states(
+    s: Array, beta: Array, alpha: Array, drawn: Booleans | None = None, turns: tuple[bool, bool] = (True, True)
+) -> tuple[StretchState, ...]:
     """The states along a rod, from its values at places s (n,), dense enough to show each change of sign of beta.
 
     Between two changes of sign the azimuth goes one way. There the rod is helical if it goes once round or more, or if
@@ -53,7 +55,8 @@ def states(s: Array, beta: Array, alpha: Array, drawn: Booleans | None = None) -
     the one before: there the rod turns from the azimuth of its end to where it lies.
 
     drawn: of `is_drawn`, (n,). What would be helical is straight there: tension draws the rod from one azimuth to
-    another, and no load buckles it.
+    another, and no load buckles it. turns: whether the rod may so turn at its start, and at its far end: where the
+    azimuth of that end is free, or no weight across tells it where to lie, a bend there has buckled.
     """
     aside = np.flatnonzero(beta)  # a beta of exactly 0 lies within a crossing
     sign = np.sign(beta[aside])
@@ -76,7 +79,9 @@ def states(s: Array, beta: Array, alpha: Array, drawn: Booleans | None = None) -
             StretchState(STRAIGHT, arrives, s[last]),
         ]
     parts = [part for part in parts if part.end > part.begin]
-    return tuple(_join(_without_end_turns(_without_end_turns(parts)[::-1])[::-1]))
+    for turn in turns:
+        parts = (_without_end_turns(parts) if turn else parts)[::-1]
+    return tuple(_join(parts))
 
 
 def _without_drawn(first: int, last: int, alpha: Array, drawn: Booleans | None) -> list[tuple[int, int, float]]:

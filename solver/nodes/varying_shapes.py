@@ -97,7 +97,9 @@ class Shape:
     def states(self, rho: float) -> tuple[StretchState, ...]:
         """The states along the rod, with s in the unit of rho."""
         t, y = self.dense
-        return states(t * rho, y[:, BETA], y[:, ALPHA], is_drawn(y[:, PHI], self.pushes(y)))
+        lies = bool(self.rod.across)
+        turns = lies, lies and "azimuth" in self.rod.held
+        return states(t * rho, y[:, BETA], y[:, ALPHA], is_drawn(y[:, PHI], self.pushes(y)), turns)
 
     def lift_offs(self, rho: float) -> tuple[tuple[float, float], ...]:
         """The stretches on which the wall would have to pull, from one s to another, in the unit of rho."""

@@ -487,6 +487,34 @@ def test_a_turn_at_an_end_is_no_sinusoid(wall: dict[str, Any], alpha: dict[str, 
     assert [state.word for state in solve(Case(Rod(L=150.0, **PIPE), hole, ends)).states] == words
 
 
+@pytest.mark.parametrize(("hole", "sliding"), ((0.0, ""), (0.0, "rotating"), (1.0, "")))
+def test_a_bend_next_to_a_free_end_that_the_load_has_buckled_is_never_called_straight(
+    hole: float, sliding: str
+) -> None:
+    wall: dict[str, Any] = {"friction": 0.05, "sliding": sliding} if sliding else {}
+    cylinder = Cylinder(**HOLE, inclination=np.deg2rad(180 - hole), **wall)
+    words = []
+    for load in (0.8, 1.2):  # of 9.6 and 28.3 kN, that of the straight pipe without friction
+        ends = Ends(beta0=0.0, betaL=0.0, FZ=-load * (28.3e3 if hole else 9.6e3))
+        sol = solve(Case(Rod(L=300.0, **PIPE), cylinder, ends))
+        assert sol.solved, sol.outcome
+        words.append([state.word for state in sol.states])
+    assert words[0] == ["straight"]
+    assert "sinusoidal" in words[1]
+
+
+def test_a_vertical_pipe_that_turns_in_place_is_not_straight_where_it_buckles() -> None:
+    """Its wall does not press on the straight pipe, so friction does not hold it."""
+    hole = Cylinder(**HOLE, inclination="180deg", friction=0.25, sliding="rotating")
+    for load in (12e3, 40e3, 178e3):  # N; it buckles at 9.6 kN
+        sol = solve(Case(Rod(L=300.0, **PIPE), hole, Ends(beta0=0.0, betaL=0.0, FZ=-load)))
+        if sol.solved:
+            assert np.ptp(sol.alpha) > 1.0
+            assert max(unbalanced(sol)) < 1e-3
+        else:
+            assert "the straight rod buckles" in str(sol.outcome)
+
+
 def lying_pipe(load: float) -> Case:
     """A lying pipe with hinges and held azimuths, under a share of the load of Dawson and Paslay."""
     ends = Ends(M10=0.0, M1L=0.0, azimuth=0.0, FZ=-load * BUCKLES)
