@@ -23,7 +23,7 @@ from workbench.scene import opengl, signs
 from workbench.scene.body import read
 from workbench.scene.scene_kinds import LET_GO, NOTE, RELEASED, SIDES_OF_RELEASE, kind_of
 from workbench.scene.settings import Settings
-from workbench.stored import checks, reading, solved_again
+from workbench.stored import reading, solved_again
 from workbench.stored.stored_study import StoredStudy
 from workbench.web.live.page_model import study_of
 from workbench.web.live.presets import own_preset
@@ -106,12 +106,6 @@ def test_pictures_of_rods_on_the_wall_are_refused_for_others(stored: xr.Dataset)
     for draw in (portrait.figure, turntable_page.html):
         with pytest.raises(InputError, match="needs rods that lie on the cylinder"):
             draw(StoredStudy(stored))
-
-
-def test_a_file_whose_places_are_farther_apart_than_the_rod_is_long_is_told(stored: xr.Dataset) -> None:
-    assert list(checks.curves(stored)) == []
-    far = stored.assign(radius=1.1 * stored["radius"])
-    assert list(checks.curves(far)) == [": a solved case moves farther than the rod is long"]
 
 
 def test_a_cable_that_leaves_its_drum_is_stored_read_and_exported(tmp_path: Path) -> None:

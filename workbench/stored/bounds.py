@@ -27,7 +27,7 @@ SMALLEST, LARGEST, MOST = 1e-50, 1e50, 1e30
 MOST_ANGLE = 1e12  # rad: beyond, a float cannot hold the direction to 1e-4
 MOST_DRAWN = 1e200  # of a number of a case: beyond, the ticks of a logarithmic axis overflow
 SAME = 1e-9  # relative, between a stored number and what it follows from
-STRAIGHT = 1e-6  # share of the arc by which its chord may exceed it: rounding and the error of the method
+STRAIGHT = 1e-6  # share of its length by which a rod may reach farther: rounding and the error of the method
 COUNTED = ("held_index", "branch")  # whole numbers of each case that are no observables
 FIELDS = (*POSITIVE, "rho", "shape_rho", *RANGES)  # that have a range; shape_rho: of each shape of branches
 CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\ud800-\udfff]")  # of a text of many lines; no UTF-8
@@ -88,8 +88,10 @@ def unfit(
         if name in CURVES:
             most = MOST_ANGLE if CURVES[name] in ("beta", "alpha", "gamma") else MOST
             with np.errstate(all="ignore"):  # of numbers that are stored in half precision
-                inside = (np.abs(values) < most).all(axis=tuple(range(1, values.ndim)))
-            yield name, f"is not finite, or beyond {most:g}", ~np.asarray(inside)
+                far = np.abs(values).max(axis=tuple(range(1, values.ndim)))
+            yield name, f"is not finite, or beyond {most:g}", ~np.asarray(far < most)
+            if CURVES[name] == "z" and L is not None:
+                yield name, "is longer than the rod", np.asarray(far > L * (1 + STRAIGHT))
         elif values.dtype.kind in "iuf":
             yield name, "is out of its range", _outside(name, values, name in counted, np.inf if L is None else L)
 

@@ -22,15 +22,14 @@ from studies import names
 from studies.grammar.axes import SAMPLE
 
 from ..words.escaping import show
-from . import bounds, file_kinds, law_verdicts, quantity_variables, refined, schema
+from . import bounds, file_kinds, quantity_variables, refined, schema
 from .boxes import pieces
 from .quantity_variables import CURVES, INNER, JUDGED, LOADS, SECTION
 from .schema import FORMAT, TEXTS
 
 Check = Callable[[xr.Dataset], Iterator[str]]
 
-OF_STUDY = ("title", "study_name", "laws", "study", "reading", "side", "stiffness", "length_unit", "force_unit",
-            "method", "versions")  # texts of every study; the first three mark its file  # fmt: skip
+MARKS = ("title", "study_name", "laws")  # texts that every study has, and no other file
 WORDS: Mapping[str, Any] = {
     **CHOICES,
     "stiffness": quantity_variables.SECTIONS,
@@ -67,7 +66,7 @@ def check_all(ds: xr.Dataset, path: str | Path) -> None:
 
 def of_any(ds: xr.Dataset) -> Sequence[Check]:
     """The checks of what datasets of all kinds have."""
-    return (fields, cases, curves) if "solved" in ds else (fields, drawable)
+    return (words, fields, cases, curves) if "solved" in ds else (words, fields, drawable)
 
 
 def check_kind(ds: xr.Dataset, path: str | Path) -> None:
@@ -75,7 +74,7 @@ def check_kind(ds: xr.Dataset, path: str | Path) -> None:
     kind = file_kinds.kind_of(ds)
     if kind is not file_kinds.STUDY:
         raise file_kinds.other_kind(path, kind, f"this command reads {file_kinds.STUDY.what}")
-    missing = [name for name in OF_STUDY[:3] if name not in ds.attrs]
+    missing = [name for name in MARKS if name not in ds.attrs]
     if missing or "outcome" not in ds:
         raise InputError(f"{path} is not a study's dataset: it has no {', '.join(missing) or 'outcome'}")
     version = schema.number_of(ds, "format", path) if "format" in ds.attrs else 1
@@ -86,17 +85,11 @@ def check_kind(ds: xr.Dataset, path: str | Path) -> None:
         raise InputError(other + (again if version < FORMAT else ""))
 
 
-def texts(ds: xr.Dataset) -> Iterator[str]:
-    """Whether it has the attributes that every command relies on, and laws about its axes."""
-    for name in OF_STUDY:
-        if not isinstance(value := ds.attrs.get(name), str):
-            yield f": the attribute {name} is {'missing' if value is None else 'not text'}"
-    if not 0 < schema.number_of(ds, "tolerance", "") < 1:
-        yield ": the attribute tolerance is not between 0 and 1"
-    known = {*schema.axes_of(ds), *refined.axes_of(ds)}
-    for law in law_verdicts.laws_of(ds, ""):
-        if not {law.axis, *law.at} <= known:
-            yield f": a law is about {choices([law.axis, *law.at])}, but the axes are {choices(sorted(known))}"
+def words(ds: xr.Dataset) -> Iterator[str]:
+    """Whether the words of rod, cylinder and units are known."""
+    for key in (key for key in WORDS if key in ds.attrs):
+        if not isinstance(value := ds.attrs[key], str) or value not in WORDS[key]:
+            yield f": the attribute {key} is {show(value)}; it can be {choices(WORDS[key])}"
 
 
 def layout(ds: xr.Dataset) -> Iterator[str]:
@@ -108,9 +101,9 @@ def layout(ds: xr.Dataset) -> Iterator[str]:
         if name not in ds.variables:
             yield f" has no {name} for each of its cases"
     for name, variable in {str(name): variable for name, variable in ds.variables.items()}.items():
-        words, allowed = KINDS.get(name, ("numbers", "iuf"))
+        kind, allowed = KINDS.get(name, ("numbers", "iuf"))
         if variable.dtype.kind not in ("iu" if name == SAMPLE else "f" if name in axes else allowed):
-            yield f": {show(name)} must hold {words}, got {variable.dtype}"
+            yield f": {show(name)} must hold {kind}, got {variable.dtype}"
         dims, known = [*map(str, variable.dims)], dims_of.get(name, [*axes, "u", *sum(INNER.values(), ())])
         if dims != (known if name in dims_of else [dim for dim in known if dim in dims]):
             yield f": {show(name)} has the dimensions {show(dims)}, which do not fit the axes"
@@ -158,16 +151,13 @@ TOGETHER: Sequence[tuple[tuple[str, ...], str, Callable[..., Any]]] = (
 
 
 def fields(ds: xr.Dataset) -> Iterator[str]:
-    """Whether rod, cylinder and stations are finite, positive, in order and consistent, and their words known."""
+    """Whether rod, cylinder and stations are finite, positive, in order and consistent."""
     number = {name: ds.variables[name] for name in (*bounds.FIELDS, "u", "s") if name in ds.variables}
     for name, variable in number.items():
         if variable.dtype.kind != "f":
             yield f": {name} must be a floating-point number, got {variable.dtype}"
         if name in bounds.FIELDS and (why := bounds.wrong_field(name, variable.values)):
             yield f": {name} {why}"
-    for key in (key for key in WORDS if key in ds.attrs):
-        if not isinstance(value := ds.attrs[key], str) or value not in WORDS[key]:
-            yield f": the attribute {key} is {show(value)}; it can be {choices(WORDS[key])}"
     word = ds.attrs.get("stiffness")
     allowed = DIRECT if word == GIVEN else (*ELASTIC, *(["inner_radius"] if word == "solid" else []))
     for name in (name for name in SECTION if name in number and name not in allowed):
@@ -202,37 +192,10 @@ def cases(ds: xr.Dataset) -> Iterator[str]:
 
 
 def curves(ds: xr.Dataset) -> Iterator[str]:
-    """Whether the curves of solved cases are finite, and no chord is longer than its arc."""
+    """Whether the curves of solved cases are finite, and z no longer than the rod."""
     keys = [key for key in CURVES if key in ds.data_vars and "u" in ds.variables[key].dims]
-    for block in pieces(ds.variables, [*keys, "s", "rho"], max(1, BLOCK_ALONG // ds.sizes.get("u", 1))):
+    for block in pieces(ds.variables, [*keys, "L"], max(1, BLOCK_ALONG // ds.sizes.get("u", 1))):
         yield from _numbers(ds, block, keys)
-        if {"s", "rho", "u"} <= {*block, *ds.dims} and {"alpha", "z"} & {*block}:
-            yield from _chords(ds, block)
-
-
-def _chords(ds: xr.Dataset, block: Mapping[str, xr.Variable]) -> Iterator[str]:
-    """Whether no solved rod moves farther than it is long; places of rods that may leave the cylinder have an error."""
-    s, rho, leaves = block["s"], block["rho"], schema.leaves(ds)
-    if leaves and not {"radius", "alpha", "z"} <= {*block}:
-        return
-    with np.errstate(all="ignore"):
-        if leaves:
-            r, alpha = block["radius"], block["alpha"]
-            places, slack = (
-                [r * np.cos(alpha), r * np.sin(alpha), block["z"]],
-                float(ds.attrs["tolerance"]) * s.max("u"),
-            )
-        else:
-            places = [block[name] * scale for name, scale in (("alpha", rho), ("z", 1.0)) if name in block]
-            slack = bounds.STRAIGHT * (rho + _steps(s))
-        chord = sum(_steps(place) ** 2 for place in places) ** 0.5
-        if ((chord > _steps(s) + slack) & block["solved"]).values.any():
-            yield ": a solved case moves farther than the rod is long"
-
-
-def _steps(along: xr.Variable) -> xr.Variable:
-    """Differences from one station to the next."""
-    return along.isel(u=slice(1, None)) - along.isel(u=slice(None, -1))
 
 
 def _numbers(ds: xr.Dataset, block: Mapping[str, xr.Variable], names: Sequence[str]) -> Iterator[str]:
@@ -255,4 +218,4 @@ def _numbers(ds: xr.Dataset, block: Mapping[str, xr.Variable], names: Sequence[s
             yield f": {name} of a solved case {why}{got}"
 
 
-STUDY = (texts, layout, axes, fields, cases)
+STUDY = (words, layout, axes, fields, cases)
