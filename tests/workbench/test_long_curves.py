@@ -28,7 +28,7 @@ def helix(length: float, pitch: float, rho: float = 0.05) -> DrawnRod:
     s = np.linspace(0, length, 2001)
     beta = np.arctan2(2 * np.pi * rho, pitch)
     arrays = {"s": s, "z": s * np.cos(beta), "alpha": s * np.sin(beta) / rho, "push": np.ones(s.size)}
-    return DrawnRod("rod", "", arrays, rho, rho, 0.0, 0.0, 0.0, "", StoredStudy(xr.Dataset()))
+    return DrawnRod("rod", "", arrays, rho, rho, "", StoredStudy(xr.Dataset()))
 
 
 def test_only_a_rod_that_would_be_a_hair_is_set_in_lines() -> None:

@@ -3,11 +3,13 @@
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from solver.orbits.potential import Loads
 from solver.problem.errors import InputError, choices
 from studies.grammar.axes import SAMPLE
 
@@ -29,8 +31,7 @@ class DrawnRod:
     """One rod.
 
     name, value: ``E = 5000 N/cm²`` and ``5000``. arrays: s and what was asked for, (n,) each; None where the case is
-    not solved. rho, a [length]; lam, mu, phi: as of `solver.orbits.potential`. caution: as stored. case: the numbers
-    of its case.
+    not solved. rho, a [length]. caution: as stored. case: the numbers of its case.
     """
 
     name: str
@@ -38,9 +39,6 @@ class DrawnRod:
     arrays: Mapping[str, Any] | None
     rho: float
     a: float
-    lam: float
-    mu: float
-    phi: float
     caution: str
     case: StoredStudy
 
@@ -52,6 +50,12 @@ class DrawnRod:
     def __getitem__(self, name: str) -> NDArray[np.float64]:
         assert self.arrays is not None
         return np.asarray(self.arrays[name], dtype=float)
+
+    @cached_property
+    def loads(self) -> Loads:
+        """Its loads without dimensions, (1,) each. Raises `InputError` where they are not stored."""
+        loads = self.case.arrays.loads
+        return Loads(*(np.atleast_1d(load.values) for load in (loads.lam, loads.mu, loads.phi)))
 
     @property
     def radius(self) -> Any:
@@ -175,12 +179,12 @@ def numbers(stored: StoredStudy, *names: str) -> list[NDArray[np.float64]]:
 
 
 def _rod(one: StoredStudy, axis: str | None, arrays: Mapping[str, Any] | None) -> DrawnRod:
-    names = {name: float(getattr(one.arrays, name)) for name in ("rho", "lam", "mu", "phi")}
+    rho, a = (float(one.arrays.constant(name)) for name in ("rho", "a"))
     caution = str(one["caution"].values) if "caution" in one else ""
     text = labels.value(float(one[axis]), one[axis]) if axis else ""
     name = f"{labels.axis_symbol(axis)} = {text}" if axis else "rod"
     short = text if text.endswith("°") else text.partition(" ")[0]
-    return DrawnRod(name, short, arrays, a=float(one.arrays.constant("a")), caution=caution, case=one, **names)
+    return DrawnRod(name, short, arrays, rho, a, caution, one)
 
 
 def _arrays(some: StoredStudy, names: Sequence[str]) -> tuple[list[dict[str, Any] | None], list[str]]:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from solver.numerics.roots import bisect
 from solver.orbits.boundary import critical_points
-from solver.orbits.potential import TAU, Loads, potential, slope_rate
+from solver.orbits.potential import TAU, potential, slope_rate
 from solver.problem.errors import InputError
 
 from ..stored.stored_study import StoredStudy
@@ -137,7 +137,7 @@ class DrawnOrbit:
 
     def G(self, beta: Any) -> Any:
         """The potential [1/length^2]."""
-        return potential(_loads(self.rod), beta) / self.rod.rho**2
+        return potential(self.rod.loads, beta) / self.rod.rho**2
 
     def angles(self) -> NDArray[np.float64]:
         """Angles over the window."""
@@ -171,23 +171,19 @@ def window_of(rod: DrawnRod) -> tuple[float, float]:
 
 def orbit(rod: DrawnRod, window: tuple[float, float]) -> DrawnOrbit:
     """The orbit of a rod, with the critical points of G that lie in a window."""
-    level = rod["dbeta"][0] ** 2 + potential(_loads(rod), rod["beta"][0]) / rod.rho**2
+    level = rod["dbeta"][0] ** 2 + potential(rod.loads, rod["beta"][0]) / rod.rho**2
     saddles, centres = saddles_and_centres(rod, *window)
-    return DrawnOrbit(rod, rod["beta"], rod["dbeta"], float(level), saddles, centres, window)
+    return DrawnOrbit(rod, rod["beta"], rod["dbeta"], float(level[0]), saddles, centres, window)
 
 
 def saddles_and_centres(rod: DrawnRod, low: float, high: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """The maxima and the minima of G between two angles, where the rod could be a helix, rising [rad]."""
-    critical = critical_points(Loads(*(np.array([load]) for load in (rod.lam, rod.mu, rod.phi)))).beta
+    critical = critical_points(rod.loads).beta
     turns = TAU * np.arange(np.floor((low - np.pi) / TAU), high / TAU + 1)
     angles = (turns[:, None] + critical).ravel()
     angles = angles[(angles > low) & (angles < high)]
-    rates = slope_rate(_loads(rod), angles)
+    rates = slope_rate(rod.loads, angles)
     return angles[rates < 0], angles[rates > 0]
-
-
-def _loads(rod: DrawnRod) -> Loads:
-    return Loads(rod.lam, rod.mu, rod.phi)
 
 
 def _portrait(ax: Axes, one: DrawnOrbit) -> None:

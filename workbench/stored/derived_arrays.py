@@ -15,7 +15,7 @@ import xarray as xr
 
 from solver import Case, Cylinder, Solution
 from solver.orbits import frames, statics
-from solver.orbits.potential import dimensional_slope, potential
+from solver.orbits.potential import Loads, dimensional_slope, potential
 from solver.orbits.statics import contact_force, push_from
 from solver.problem.declared_fields import CHOICES, PARTS
 from solver.problem.errors import InputError
@@ -96,22 +96,11 @@ class StoredArrays:
         """The loads over A: l = MZ/A, m = M3/A [1/length], p = FZ/A [1/length^2]."""
         return self.constant("MZ") / self.A, self.constant("M3") / self.A, self.constant("FZ") / self.A
 
-    # the problem without dimensions, as `solver.orbits.potential.potential` reads it
-
-    @property
-    def lam(self) -> xr.DataArray:
-        """l rho."""
-        return self.lmp[0] * self.rho
-
-    @property
-    def mu(self) -> xr.DataArray:
-        """m rho."""
-        return self.lmp[1] * self.rho
-
-    @property
-    def phi(self) -> xr.DataArray:
-        """p rho^2."""
-        return self.lmp[2] * self.rho**2
+    @cached_property
+    def loads(self) -> Loads:
+        """The loads of the problem without dimensions."""
+        l, m, p = self.lmp
+        return Loads(l * self.rho, m * self.rho, p * self.rho**2)
 
 
 @dataclass(frozen=True)
@@ -206,7 +195,7 @@ RULES: dict[str, tuple[tuple[str, ...], Callable[..., Any]]] = {
     "M1": (("dbeta",), lambda at, db: at.A * db),
     "M2": (("beta",), lambda at, b: at.A * np.sin(b) ** 2 / at.rho),
     "M3_along": (("beta",), lambda at, b: at.constant("M3") + 0 * b),
-    "h": (("beta", "dbeta"), lambda at, b, db: db**2 + potential(at, b) / at.rho**2),
+    "h": (("beta", "dbeta"), lambda at, b, db: db**2 + potential(at.loads, b) / at.rho**2),
     "radius": (("alpha",), lambda at, a: at.rho + 0 * a),
     "gap": (("radius",), lambda at, r: abs(r - at.rho)),
     "tilt": (("alpha",), lambda at, a: 0 * a),
