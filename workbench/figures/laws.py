@@ -107,7 +107,7 @@ def _show(stored: StoredStudy, row: Mapping[str, Any]) -> Show:
 
     def show(value: Any, of: str) -> str:
         named = f"{labels.axis_symbol(axis)} = " if of == "place" else ""
-        return named + formula(stored, value, arrays[of])
+        return named + formula(stored.expressions, value, arrays[of])
 
     return show
 
@@ -136,7 +136,7 @@ def _equals(ax: Axes, stored: StoredStudy, along: Any, numbers: Any, law: Law, r
     values, array = numbers["formula"], stored[law.observable]
     half = labels.in_label_unit(array, law.absolute) if law.relative is None else law.relative * np.abs(values)
     near = _number(law.absolute or 0.0, array) if law.relative is None else f"{100 * law.relative:.4g}{NO_BREAK}%"
-    words = f"{formula(stored, law.formula, array)} ± {near}"
+    words = f"{formula(stored.expressions, law.formula, array)} ± {near}"
     if stored.stand_alone:  # the numbers of each rod are its own
         ax.plot(along, values, "_", color=colours.INK, markersize=9, zorder=1.5, label=words)
         return
@@ -155,7 +155,7 @@ def _allow(ax: Axes, along: Any, low: Any, high: Any) -> None:
 def _bound(ax: Axes, stored: StoredStudy, along: Any, numbers: Any, law: Law, row: Any) -> None:
     for key, word in (("least", "at least"), ("most", "at most")):
         if key in numbers:
-            words = f"{word} {formula(stored, getattr(law, key), stored[law.observable])}"
+            words = f"{word} {formula(stored.expressions, getattr(law, key), stored[law.observable])}"
             _line(ax, along, numbers[key], words, DASHED if key == "least" else DOTTED)
 
 
@@ -175,7 +175,7 @@ def _boundary(ax: Axes, stored: StoredStudy, along: Any, numbers: Any, law: Law,
     axis = stored[law.axis]
     places = np.unique(labels.in_label_unit(axis, numbers["x"]))
     half, expected = float(labels.in_label_unit(axis, law.within)), float(numbers["x"][0])
-    passed = formula(stored, law.passes, stored[law.observable])
+    passed = formula(stored.expressions, law.passes, stored[law.observable])
     _line(ax, along, numbers["passes"], f"{labels.symbol(stored[law.observable])} = {passed}")
     if places.size == 1 and np.isfinite(places[0]):
         ax.axvspan(places[0] - half, places[0] + half, color=colours.INK, alpha=0.12, linewidth=0, zorder=0)
@@ -225,31 +225,31 @@ def sentence(stored: StoredStudy, row: Mapping[str, Any]) -> str:
     return labels.typeset(text.replace(" %", f"{NO_BREAK}%"))
 
 
-def formula(stored: StoredStudy, value: Any, array: xr.DataArray) -> str:
+def formula(expressions: Mapping[str, str], value: Any, array: xr.DataArray) -> str:
     """A formula in symbols, or a number with the unit of a variable; an expression by its own formula, or by its name.
 
     ``FZ**2*rho/(4*bending_stiffness)`` is ``FZ²·ρ/(4·EI)``. A formula of more than `LONGEST` letters leaves no room for
-    the curves: then an expression is named, and any other formula is cut off with "…".
+    the curves: then an expression is named, and any other formula is cut off with "…". expressions: name -> formula, as
+    stored.
     """
     if not isinstance(value, str):
         return _number(value, array)
-    if value in stored and "expression" in stored[value].attrs:
-        whole = _in_symbols(stored, str(stored[value].attrs["expression"]))
-        return whole if len(whole) <= LONGEST else _symbol(stored, value)
-    whole = _in_symbols(stored, value)
-    return whole if len(whole) <= LONGEST else f"{whole[: LONGEST - 1].rstrip()}…"
+    whole = _in_symbols(expressions, expressions.get(value, value))
+    if len(whole) <= LONGEST:
+        return whole
+    return _symbol(expressions, value) if value in expressions else f"{whole[: LONGEST - 1].rstrip()}…"
 
 
-def _in_symbols(stored: StoredStudy, value: str) -> str:
-    text = re.sub(r"[A-Za-z_]\w*", lambda found: _symbol(stored, found[0]), value)
+def _in_symbols(expressions: Mapping[str, str], value: str) -> str:
+    text = re.sub(r"[A-Za-z_]\w*", lambda found: _symbol(expressions, found[0]), value)
     text = re.sub(r"\*\*\s*(?:\((-?[\d.]+)\)|(-?[\d.]+))", lambda found: _exponent(found[1] or found[2]), text)
     return re.sub(r"\s*\*\s*", "·", text.replace("**", "^").replace(" - ", " − "))
 
 
-def _symbol(stored: StoredStudy, name: str) -> str:
+def _symbol(expressions: Mapping[str, str], name: str) -> str:
     if name in LETTERS:
         return LETTERS[name]
-    return name.replace("_", " ") if name in stored and "expression" in stored[name].attrs else labels.symbol_of(name)
+    return name.replace("_", " ") if name in expressions else labels.symbol_of(name)
 
 
 def _exponent(text: str) -> str:

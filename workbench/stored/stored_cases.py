@@ -66,6 +66,12 @@ class StoredCases:
         """How many values each dimension has."""
         return {str(name): size for name, size in self.ds.sizes.items()}
 
+    @cached_property
+    def expressions(self) -> dict[str, str]:
+        """The formulas of its stored expressions, by their names."""
+        attrs = {str(name): array.attrs for name, array in self.ds.variables.items()}
+        return {name: str(known["expression"]) for name, known in attrs.items() if "expression" in known}
+
     @property
     def variables(self) -> list[str]:
         """The names of what it stores beside its coordinates."""
