@@ -133,8 +133,9 @@ def at_stations(ds: xr.Dataset, stations: int) -> xr.Dataset:
     return (ds.drop_dims("u") if "u" in ds.dims else ds.drop_vars(["u", "s"], errors="ignore")).assign_coords(u=u)
 
 
-def with_arrays(bare: xr.Dataset, axes: Sequence[str], sol: Solution, names: Iterable[str]) -> xr.Dataset:
-    """A dataset of `at_stations` with arrays along the rod of the solution of its cases, over these axes."""
+def with_arrays(bare: xr.Dataset, study: Study, sol: Solution, names: Iterable[str]) -> xr.Dataset:
+    """A dataset of `at_stations` with arrays along the rod of the solution of its cases."""
+    axes = schema.axes_left(bare, study)
     dims = (*axes, "u")
     shape = [bare.sizes[dim] for dim in dims]
 

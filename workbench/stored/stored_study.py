@@ -24,7 +24,6 @@ from solver.problem.quantities import current
 from . import derived_arrays, law_verdicts, refined
 from .derived_arrays import ARRAYS, StoredArrays
 from .refined import Refined
-from .schema import axes_left
 from .selection import indices
 from .stored_cases import StoredCases
 
@@ -339,7 +338,7 @@ class StoredStudy(StoredCases):
         if self.study.refine is not None:  # its cases stand in no grid of the study
             raise InputError("they are of the coarse grid of a refined study")
         bare = StoredStudy(at_stations(self.ds, stations), self.kept)
-        denser = with_arrays(bare.ds, axes_left(self.ds, self.study), bare.solution, names)
+        denser = with_arrays(bare.ds, bare.study, bare.solution, names)
         check_shapes(self.ds, denser)
         return StoredStudy(denser, self.kept)
 
