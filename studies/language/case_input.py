@@ -7,6 +7,8 @@ from dataclasses import MISSING, dataclass, field
 from pathlib import Path
 from typing import Any
 
+from numpy.typing import NDArray
+
 from solver import Case, Ends, InputError, Rod, Start
 from solver.problem.case import DIRECT, ELASTIC, TWISTS, fields_to_add
 from solver.problem.declared_fields import PAIRS, PARTS, REPLACED, TILTS, WOUND, CaseField
@@ -18,7 +20,7 @@ from solver.problem.quantities import unit_of
 from solver.problem.units import FORCES, LENGTHS, base_unit, dimension_of, split
 
 from ..grammar.axes import DEFAULT_UNITS, WORDS, Which, case_from, number_with_unit, quantity_of
-from .field_words import START_ONLY, of_a_well, unwound
+from .field_words import START_ONLY, of_a_well, under_start_force, unwound
 from .loader import load
 from .printed import as_reading
 from .study import Study
@@ -93,7 +95,7 @@ def read_case(
         check_alone(file, units, table1)
         study = _study(file).under(reading)
         return CaseInput(
-            with_values(study.case(), in_units(values, study.unit_system)),
+            with_values(case_to_solve(study, {}), in_units(values, study.unit_system)),
             study.unit_system,
             f"{file.name}{changed}",
             study=study,
@@ -111,8 +113,9 @@ def read_case(
         )
     check_units(units)
     units = units_said(values, units) | dict(units)
-    numbers = of_a_well(in_units(values, {**DEFAULT_UNITS, **units}), {}, lambda given: from_values(given, Ends)[0])
-    case, assumed = from_values(unwound(numbers))
+    numbers = in_units(values, {**DEFAULT_UNITS, **units})
+    case, assumed = from_values(unwound(of_a_well(numbers, {})))
+    case = _case_of(*under_start_force(case, numbers))
     assumed |= {f"unit of {kind}": unit for kind, unit in DEFAULT_UNITS.items() if kind not in units}
     wound = bool(set(WOUND) & set(values))
     which = None  # with weight or friction `solve` begins with the taut rod, off the wall with the bilateral shape
@@ -232,7 +235,19 @@ def helix_of(case: Case) -> Which:
 def with_values(case: Case, values: Mapping[str, Any]) -> Case:
     """The case with some fields replaced, those of `of_a_well` too. Raises `InputError`."""
     known = {name: value for name, value in _fields_of(case).items() if value is not None}
-    return with_fields(case, of_a_well(values, known, lambda given: with_fields(case, given)))
+    return _case_of(*under_start_force(with_fields(case, of_a_well(values, known)), values))
+
+
+def case_to_solve(study: Study, values: Mapping[str, Any]) -> Case:
+    """The case of `Study.case_to_solve`. Raises `InputError` where no FZ was found, too."""
+    return _case_of(*study.case_to_solve(values))
+
+
+def _case_of(case: Case, why: NDArray[Any]) -> Case:
+    """The case; raises `InputError` where a reason says why no FZ was found."""
+    for reason in filter(None, why.flat):
+        raise InputError(reason.removeprefix("failed: "))
+    return case
 
 
 def with_fields(case: Case, changes: Mapping[str, Any]) -> Case:

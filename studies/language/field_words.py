@@ -1,30 +1,31 @@
 """Words of drillers and of cable makers for the loads of a rod, as the fields of a case."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from functools import cache
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from solver import Case, Ends, InputError, observe, solve
+from solver.problem.case_fields import cases_at, value_of, values_of, with_field
 from solver.problem.declared_fields import PAIRS, PARTS, WELL, WOUND, rivals
 
 from ..grammar.axes import case_from
 
 START_ONLY = {*PARTS["start"]} - {*PARTS["ends"]}
 LEVEL = 1e-12  # a cosine of the inclination that is none
-MOST_STEPS, CLOSE = 12, 1e-8  # of a search for the force at s = L; its last step, relative to the loads
+MOST_STEPS = 12  # of a search for bounds of the force at s = L; each is twice as long as the one before
+CLOSE, MET = 1e-10, 1e-7  # of the loads: the last step of this search; how well the force at s = 0 is met
 
 
-def of_a_well(
-    values: Mapping[str, Any], known: Mapping[str, Any], make: Callable[[dict[str, Any]], Case] | None
-) -> dict[str, Any]:
+def of_a_well(values: Mapping[str, Any], known: Mapping[str, Any]) -> dict[str, Any]:
     """The values with those of `WELL` replaced by the inclination and FZ.
 
     s runs down a hole, so that its inclination is 180 degrees less that of the hole, and s = L is the bit. The weight
-    on bit is the push at the lower end. Without friction the forces at both ends differ by the weight along the axis;
-    with friction the force at s = L is searched by solving the case.
+    on bit is the push at the lower end. The forces at both ends differ by the weight along the axis, here also with
+    friction: what friction adds is known with the shape alone (`under_start_force`).
 
     Parameters
     ----------
@@ -32,14 +33,11 @@ def of_a_well(
         Fields by name, numbers or arrays that broadcast.
     known
         Other fields of the case, which the values replace.
-    make
-        Makes the case of fields without those of `WELL`; None where no case is solved.
 
     Raises
     ------
     InputError
-        For a field of `WELL` beside one that it determines, without the length, or of a force that is not
-        reached or that needs a case to be solved.
+        For a field of `WELL` beside one that it determines, and without the length.
     """
     said = [name for name in WELL if name in values]
     for name in said:
@@ -56,50 +54,90 @@ def of_a_well(
         rest["inclination"] = math.pi - values["hole"]
     if not {"wob", "FZ0"} & {*values}:
         return rest
-    case, force_given = {**known, **rest}, "wob" if "wob" in values else "FZ0"
+    case = {**known, **rest}
     if case.get("L") is None:
-        raise InputError(f"{force_given} needs the length of the rod: give L")
-    weight, length, theta, rubbed = (
-        np.asarray(0.0 if case.get(name) is None else case[name]) for name in ("weight", "L", "inclination", "friction")
+        raise InputError(f"{'wob' if 'wob' in values else 'FZ0'} needs the length of the rod: give L")
+    weight, length, theta = (
+        np.asarray(0.0 if case.get(name) is None else case[name]) for name in ("weight", "L", "inclination")
     )
-    cosine = np.cos(theta)
-    if "wob" in values and (cosine <= LEVEL).all():  # s = L is the lower end, or no end is
-        return rest | {"FZ": -np.asarray(values["wob"])[()]}
-    at_start = np.asarray(values["FZ0"]) if "FZ0" in values else -np.asarray(values["wob"])
-    force = at_start + weight * length * cosine
-    if "wob" in values:
-        force = np.where(cosine <= LEVEL, at_start, force)
-    if not rubbed.any():
-        return rest | {"FZ": force[()]}
-    if make is None or force.ndim:
-        raise InputError(
-            f"{force_given} is the force at s = 0 here, and with friction that at s = L is found by solving each rod, "
-            "which a study does not do: give it FZ, or wob down a hole; workbench solve takes FZ0 of one rod"
-        )
-    return rest | {"FZ": _far_force(float(at_start), float(force), lambda force: make(rest | {"FZ": force}))}
+    force, at_start = _end_forces(values, theta)
+    return rest | {"FZ": np.where(at_start, force + weight * length * np.cos(theta), force)[()]}
 
 
-def _far_force(at_start: float, first: float, case_of: Callable[[float], Case]) -> float:
-    """The force at s = L with which that at s = 0 has a value, by the secant method. Raises `InputError`."""
-    from scipy.optimize import root_scalar  # only rods with friction load SciPy's search
+def _end_forces(values: Mapping[str, Any], inclination: Any) -> tuple[NDArray[Any], NDArray[Any]]:
+    """The forces that wob or FZ0 gives, and whether each acts at s = 0; the others act at s = L."""
+    if "FZ0" in values:
+        return np.asarray(values["FZ0"]), np.asarray(True)
+    return -np.asarray(values["wob"]), np.cos(inclination) > LEVEL  # else s = L is the lower end, or no end is
 
-    none = f"no force at s = L was found with which FZ0 = {at_start:.4g}"
+
+def under_start_force(case: Case, values: Mapping[str, Any]) -> tuple[Case, NDArray[Any]]:
+    """The case with the FZ that gives each rod with friction the force at s = 0 of `WELL`, found by solving it.
+
+    case: with FZ as of `of_a_well`, from which the search begins. values: the fields as they were given, numbers or
+    arrays that broadcast to its shape. Returns also, of its shape, why no FZ was found; "" where one was.
+    """
+    wall, why = case.cylinder, np.full(case.shape, "", dtype=object)
+    if not {"wob", "FZ0"} & {*values} or wall.friction is None or not np.any(wall.friction):
+        return case, why
+    theta = 0.0 if wall.inclination is None else wall.inclination
+    near, at_start, rubbed, FZ = np.broadcast_arrays(
+        *_end_forces(values, theta), wall.friction, np.broadcast_to(values_of(case, "FZ"), case.shape)
+    )
+    forces = FZ.astype(float)
+    for place in zip(*np.nonzero(np.atleast_1d(at_start & (rubbed != 0))), strict=True):
+        at = place if case.shape else ()
+        forces[at], why[at] = _far_force(cases_at(case, at) if case.shape else case, float(near[at]))
+    return with_field(case, "FZ", forces[()]), why
+
+
+def _far_force(case: Case, near: float) -> tuple[float, str]:
+    """The FZ with which the force at s = 0 is `near`, of one rod; or the given one, and why none was found.
+
+    FZ0 grows with FZ. A rod without an answer counts as one whose push at s = 0 has no bound, as that of a rod next to
+    lock-up: it needs more tension.
+    """
+    from scipy.optimize import brentq  # only rods with friction load SciPy's search
+
+    first = value_of(case, "FZ")
 
     @cache
-    def excess(force: float) -> float:
-        sol = solve(case_of(force), stations=2)
+    def answer(force: float) -> tuple[float, float, str]:
+        sol = solve(with_field(case, "FZ", force), stations=2)
         if not sol.solved:
-            raise InputError(f"{none}: with FZ = {force:.4g} {sol.outcome}")
-        return float(observe(sol, ["FZ0"])["FZ0"]) - at_start
+            return -math.inf, math.nan, str(sol.outcome).removeprefix("failed: ")
+        seen = observe(sol, ["FZ0", "arriving_max"])
+        return float(seen["FZ0"]), float(seen["arriving_max"]), ""
 
-    off = excess(first)
-    close = CLOSE * (abs(at_start) + abs(first) + abs(off))
-    if abs(off) <= close:
-        return first
-    search = root_scalar(excess, method="secant", x0=first, x1=first - off, xtol=close, maxiter=MOST_STEPS)
-    if not search.converged:
-        raise InputError(f"{none}: the last one was FZ = {search.root:.4g}")
-    return float(search.root)
+    size = abs(near) + abs(first) + min(abs(answer(first)[0]), abs(near) + abs(first)) or 1.0
+
+    def excess(force: float) -> float:
+        off = answer(force)[0] - near
+        return -1.0 if off == -math.inf else off / (abs(off) + size)
+
+    low = high = first
+    off = answer(first)[0] - near
+    step = size if off == -math.inf else abs(off)
+    none, most = f"failed: no FZ gives FZ0 = {near:.5g}", answer(first)[1]
+    if case.cylinder.sense[0] < 0 and near < -most:
+        return first, f"{none}: locked up. Of a push at s = L at most {most:.5g} reaches s = 0"
+    for _ in range(MOST_STEPS):
+        if excess(low) <= 0 <= excess(high):
+            break
+        low, high = (low - step, low) if excess(low) > 0 else (high, high + step)
+        step *= 2
+    if not excess(low) <= 0 <= excess(high):
+        last = low if excess(low) > 0 else high
+        push, _, reason = answer(last)
+        return first, f"{none}: with FZ = {last:.5g} {reason or f'it is {push:.5g}'}"
+    force = float(brentq(excess, low, high, xtol=CLOSE * size))
+    if abs(answer(force)[0] - near) <= MET * size:
+        return force, ""
+    below, above = (float(force + side * 2 * CLOSE * size) for side in (-1, 1))
+    (push, _, reason), other = answer(below), answer(above)[0]
+    if reason:
+        return first, f"{none}: it is {other:.5g} with FZ = {above:.5g}, next to which {reason}"
+    return first, f"{none}: at FZ = {force:.5g} the shape changes, and FZ0 jumps from {other:.5g} to {push:.5g}"
 
 
 def unwound(values: Mapping[str, Any]) -> dict[str, Any]:

@@ -6,6 +6,7 @@
 from collections.abc import Mapping
 from typing import Annotated, Any, Self
 
+from numpy.typing import NDArray
 from pydantic import BaseModel, Field, PrivateAttr, ValidationInfo, field_validator
 
 from solver import Case, Ends, InputError, Start
@@ -37,7 +38,7 @@ from ..grammar.axes import (
 )
 from ..laws.verdicts import Law
 from .case_tables import Table
-from .field_words import of_a_well, unwound
+from .field_words import of_a_well, under_start_force, unwound
 from .printed import as_reading, table_of
 from .refinement import OUTCOME, Refine
 from .samples import Sample
@@ -343,7 +344,14 @@ class Study(BaseModel):
         if self.reading:
             side = values.pop("side", "outside")
             return as_reading(self.reading).case(values, side)
-        return case_from(self.kind, unwound(of_a_well(values, {}, None)))
+        return case_from(self.kind, unwound(of_a_well(values, {})))
+
+    def case_to_solve(self, values: Mapping[str, Any]) -> tuple[Case, NDArray[Any]]:
+        """The case of `case_of` with the FZ that gives each rod with friction its force at s = 0, found by solving it.
+
+        Returns also, of the shape of the case, why none was found; "" where one was. Raises `InputError`.
+        """
+        return under_start_force(self.case_of(values), {**self.base.given, **values})
 
 
 _DEFAULTS = {name: row.omitted for name, row in FIELDS.items() if isinstance(row.omitted, float)}

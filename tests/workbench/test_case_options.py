@@ -4,6 +4,7 @@ import json
 import re
 from dataclasses import fields
 from math import cos, pi
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,6 +19,7 @@ from tests.workbench.command import exit_status
 from workbench import cli
 from workbench.commands.case_options import ENDS_FIELDS, HELD, help_of
 from workbench.run import in_memory
+from workbench.stored.stored_study import StoredStudy
 
 PARTS_OF = {"rod": {Rod}, "cylinder": {Cylinder}, "start": {Start}, "ends": {Ends}, "start or ends": {Start, Ends}}
 
@@ -177,12 +179,42 @@ def test_a_study_takes_the_words_of_drillers_in_fields_and_axes() -> None:
     assert np.asarray(loads(rising).case().given.FZ) == pytest.approx(lifted - 20.0)
 
 
-def test_a_force_at_the_start_that_friction_changes_is_refused_by_a_study_with_what_to_give() -> None:
-    rubbed = STUDY_OF_A_PIPE.format(name="FZ0", values="[-20.0]") + "friction = 0.2\n"
-    with pytest.raises(InputError, match=r"FZ0 is the force at s = 0 here, .* give it FZ, or wob down a hole"):
-        loads(rubbed)
+def test_a_hole_of_a_rod_without_weight_is_refused() -> None:
     with pytest.raises(InputError, match="hole matters only for a rod with weight"):
         loads(STUDY_OF_A_PIPE.format(name="wob", values="[20.0]").replace("weight = 0.241\n", ""))
+
+
+@pytest.mark.parametrize(("sliding", "sign"), [("axial-forward", 1), ("axial-backward", -1)])
+def test_the_force_at_s_0_of_a_study_with_friction_gives_that_at_s_L(sliding: str, sign: int) -> None:
+    """Of a straight pipe by hand: friction adds f w L sin(hole) as it slides off, and takes it as it is picked up."""
+    text = STUDY_OF_A_PIPE.format(name="FZ0", values="[-20.0, 10.0]")
+    ds = in_memory.run(loads(f'{text}friction = 0.25\nsliding = "{sliding}"\n')).squeeze()
+    hole = np.deg2rad([[30], [90]])
+    by_hand = np.array([-20.0, 10.0]) + 0.241 * 50 * (sign * 0.25 * np.sin(hole) - np.cos(hole))
+    assert np.asarray(ds["FZ"]) == pytest.approx(by_hand, rel=1e-9)
+    assert np.asarray(StoredStudy(ds).case.given.FZ) == pytest.approx(by_hand, rel=1e-9)
+
+
+def test_a_force_at_s_0_that_locks_up_says_so_and_leaves_its_neighbours_alone() -> None:
+    """A helix that is pulled: 1/F falls by f rho/(4 EI) in a unit of length, whatever push it begins with."""
+    text = STUDY_OF_A_PIPE.format(name="FZ0", values="[-400.0, -4000.0]").replace("L = 50.0", "L = 300.0")
+    text = text.replace('"30deg", "90deg"', '"90deg"') + 'friction = 0.25\nsliding = "axial-backward"\n'
+    ds = in_memory.run(loads(text)).squeeze()
+    works, locked = np.asarray(ds["outcome"])
+    assert str(works).startswith("solved")
+    assert str(locked).startswith("failed: no FZ gives FZ0 = -4000: locked up. Of a push at s = L at most ")
+    assert np.isnan(ds["FZ"][1])
+    stiffness, rho = float(StoredStudy(ds).case.rod.bending_stiffness), 0.10795 - 0.0635
+    change = 1 / 400 + 1 / float(ds["FZ"][0])
+    assert change == pytest.approx(0.25 * rho * 300 / (4 * stiffness), rel=0.05)  # the ends and the weight are no helix
+
+
+def test_one_rod_of_a_file_takes_the_force_at_s_0_with_friction(tmp_path: Path) -> None:
+    text = STUDY_OF_A_PIPE.format(name="FZ0", values="[-20.0]")
+    base = text.replace('axes.hole.values = ["30deg", "90deg"]\naxes.FZ0.values = [-20.0]\n', "")
+    file = tmp_path / "pipe.toml"
+    file.write_text(f'{base}hole = "60deg"\nFZ0 = -200.0\nfriction = 0.25\nsliding = "axial-forward"\n')
+    assert observe(solve(read_case(file, {}, {}).case), ["FZ0"])["FZ0"] == pytest.approx(-200, rel=1e-6)
 
 
 def test_a_study_takes_tension_lay_and_twist_of_a_cable_in_fields_and_axes() -> None:
@@ -193,12 +225,6 @@ def test_a_study_takes_tension_lay_and_twist_of_a_cable_in_fields_and_axes() -> 
             ends = Ends.helix(wire, drum, tension=tension, lay=lay, twist=0.0)
             for name in ("beta0", "FZ", "MZ", "M3"):
                 assert np.broadcast_to(getattr(case.given, name), (2, 2))[i, j] == pytest.approx(getattr(ends, name))
-
-
-def test_a_study_does_not_solve_its_cases_to_know_their_loads() -> None:
-    text = STUDY_OF_A_PIPE.format(name="FZ0", values="[-20.0]").replace("R = 0", "friction = 0.2\nR = 0")
-    with pytest.raises(InputError, match="FZ0 is the force at s = 0 here, and with friction"):
-        loads(text)
 
 
 def test_the_first_numbers_of_a_cable_are_its_pitch_and_stress(capsys: pytest.CaptureFixture[str]) -> None:

@@ -86,9 +86,9 @@ def block_of(study: Study, part: Chunk) -> Columns:
     """The columns of one block."""
     if part.in_order is not None:
         return join([_columns_of(study, *part.in_order(place)) for place in range(part.start, part.stop)])
-    case = study.case_of(part.values)
+    case, why = study.case_to_solve(part.values)
     sol = solve_one(case, study.equilibrium, study.tol, study.method, study.stations, study.let_go)
-    return columns(study, sol, part.values)
+    return columns(study, sol, part.values, why)
 
 
 def _columns_of(study: Study, sol: Solution, remark: str, branch: int) -> Columns:
@@ -99,11 +99,12 @@ def _columns_of(study: Study, sol: Solution, remark: str, branch: int) -> Column
     return {**row, "branch": np.array([branch])}
 
 
-def columns(study: Study, sol: Solution, given: Mapping[str, Any] | None = None) -> Columns:
+def columns(study: Study, sol: Solution, given: Mapping[str, Any] | None = None, refused: Any = "") -> Columns:
     """What is stored of each case, (cases, ...): outputs, observables, loads, outcome, errors and caution.
 
     The caution is judged for every case, whatever else is stored. Numbers of a case that is not solved are NaN, except
-    its loads. given: the values of the fields that vary, (cases,) each, as the study gives them.
+    its loads. given: the values of the fields that vary, (cases,) each, as the study gives them. refused: why a case is
+    none that was asked, (cases,), "" where it is.
     """
     cases = sol.case.size
     mine = np.asarray(sol.solved).reshape(-1)
@@ -139,16 +140,18 @@ def columns(study: Study, sol: Solution, given: Mapping[str, Any] | None = None)
         row[name] = np.asarray(getattr(sol, name), dtype=float).reshape(-1)
     for name in study.reactions:
         row[name] = np.asarray(sol.held_index if name == "held_index" else sol.reactions[name], float).reshape(-1)
-    return _as_a_file_holds(study, sol.case, row)
+    return _as_a_file_holds(study, sol.case, row, refused)
 
 
-def _as_a_file_holds(study: Study, case: Case, row: Columns) -> Columns:
-    """The columns with texts that a file can hold; cases whose numbers it cannot hold are not solved."""
+def _as_a_file_holds(study: Study, case: Case, row: Columns, refused: Any) -> Columns:
+    """The columns with texts that a file can hold; cases that are refused, and those whose numbers it cannot hold, are
+    not solved. refused: as of `columns`."""
 
     def of_solved(value: Any) -> NDArray[np.float64]:
         return np.broadcast_to(np.asarray(value, dtype=float), case.shape).reshape(-1)[solved]
 
-    bad, solved = np.full(case.size, "", dtype=object), np.flatnonzero(row["solved"])
+    bad = np.broadcast_to(np.asarray(refused, dtype=object).reshape(-1), case.size).copy()
+    solved = np.flatnonzero(row["solved"])
     rod = {"L": of_solved(case.rod.L), "rho": of_solved(case.rho), "A": of_solved(case.rod.bending_stiffness)}
     counted = [name for name in row if is_count(name) or name in bounds.COUNTED]
     for name, why, where in bounds.unfit({name: values[solved] for name, values in row.items()}, counted, rod):

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from solver import Case, Solution, solve
+from solver import Case, Ends, Solution, solve
 from solver.free.free_rods import trajectory_of
 from solver.orbits.joined_orbits import Rows
 from solver.orbits.statics import push_from
@@ -20,6 +20,7 @@ from solver.solution import FreeSolution
 from solver.solve import own_ends
 from studies import Study
 from studies.grammar.axes import SAMPLE, WORDS, Dimension, quantity_of
+from studies.language.case_input import case_to_solve
 from studies.language.loader import loads
 from studies.language.study import MAX_STATIONS
 
@@ -54,9 +55,18 @@ def case_of(ds: xr.Dataset, study: Study, values: Mapping[str, float] | None = N
             raise InputError(f"the dataset has lost its axis {quantity_variables.dimension(name)!r}")
     placed: dict[str, Any] = {**_places(ds, study, values), **values}
     if not study.variation.from_base:
-        return study.case_of(placed)
+        if values or "FZ" not in ds.data_vars:
+            return case_to_solve(study, placed)
+        case = study.case_of(placed)
+        return _with_stored_force(ds, study, case) if study.varies and isinstance(case.given, Ends) else case
     (field,) = study.variation.fields
     return with_field(own_ends(study.case()), quantity_of(field).name, placed[field])
+
+
+def _with_stored_force(ds: xr.Dataset, study: Study, case: Case) -> Case:
+    """The case with the FZ that was found for it, where the study gives its force at s = 0."""
+    stored = ds["FZ"].transpose(*schema.axes_left(ds, study)).values
+    return with_field(case, "FZ", np.where(np.isfinite(stored), stored, values_of(case, "FZ"))[()])
 
 
 def solve_at(ds: xr.Dataset, study: Study, values: Mapping[str, Any]) -> Solution:

@@ -12,7 +12,7 @@ from solver.problem.declared_fields import FIELDS
 from solver.problem.errors import choices
 from studies import Study, load
 from studies.grammar.axes import WORDS, Which, in_words
-from studies.language.case_input import CaseInput, from_values, in_units, with_values
+from studies.language.case_input import CaseInput, case_to_solve, from_values, in_units, with_values
 
 from . import file_kinds, quantity_variables, reading
 from .frame import without_results
@@ -63,7 +63,7 @@ def case_at(study: Study, at: Mapping[str, Any], values: Mapping[str, Any], name
     """
     place = {} if study.variation.from_base else place_of(study, at)
     changed = f", except {choices(values)}" if values else ""
-    case = study.case() if study.variation.from_base else study.case_of(place)
+    case = study.case() if study.variation.from_base else case_to_solve(study, place)
     source = f"{named or study.title}{changed}"
     which = study.equilibrium
     taken = with_values(case, in_units(values, study.unit_system))
