@@ -18,7 +18,7 @@ from scipy.optimize import NonlinearConstraint, minimize
 from scipy.sparse import coo_array
 
 from solver import Case, Cylinder, Ends, Rod, solve
-from solver.free.beginnings import case_of_held_ends, curves_of
+from solver.free.beginnings import curves_of, let_go
 from solver.free.discrete_rod import DiscreteRod
 from solver.free.free_problem import problems_of
 from solver.free.minimum import minimise
@@ -42,7 +42,7 @@ def same_rod() -> tuple[DiscreteRod, np.ndarray, Sizes]:
     before = readme_rod(401)
     (curve,) = curves_of(before, "the rod that is let go")
     assert curve is not None
-    (beside,) = problems_of(case_of_held_ends(before, [curve]))
+    (beside,) = problems_of(let_go(before, [curve])[0])
     rod = beside.rod_on(curve, 1.0, EDGES)
     return rod, curve.on(rod), beside.sizes(curve)
 

@@ -7,7 +7,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from .free.beginnings import case_of_held_ends, curves_of
+from .free.beginnings import curves_of, let_go
 from .free.free_rods import FREE_TOLERANCE, answers_beside, trajectory_of
 from .free.sinking import descent_of
 from .numerics.arrays import Array
@@ -171,8 +171,7 @@ class Solution(ShapeArrays):
         from .methods import FREE
 
         tol = check_tolerance(FREE_TOLERANCE if tol is None else tol)
-        shapes = curves_of(self, "the shape that was let go")
-        case = case_of_held_ends(self, shapes)
+        case, shapes = let_go(self, curves_of(self, "the shape that was let go"))
         begun: object = self if seed is None else seed
         if not (isinstance(begun, Solution) and begun.case.size == case.size):
             raise InputError(f"a seed of let_go is a Solution of as many rods, {case.size}; got {show(seed)}")

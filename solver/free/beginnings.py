@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import fields, replace
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,13 +15,14 @@ from ..problem.case import Case, Ends
 from ..problem.declared_fields import OFF_WALL
 from ..problem.reduced import flat
 from .discrete_rod import OUTSIDE, DiscreteRod
-from .free_problem import BeginningCurve
+from .free_problem import BeginningCurve, problems_of
 from .free_shape import FreeShape, angles_at
 from .quaternions import directors, end_frame, product
 
 EACH, FEWEST, MOST = 16, 401, 20_001  # stations of a known rod: for each length on which its shape changes
 WIDEST = 2.405  # of a bow whose ends are at one height: just beyond the first zero of J0
 BILATERAL = "the bilateral shape"
+FORCE_KEPT = "whose axial force is kept: held ends as far apart as the rod is long leave it open"
 
 
 def bilateral_cases(case: Case) -> list[Case]:
@@ -36,11 +38,12 @@ def bilateral_cases(case: Case) -> list[Case]:
     return [Case(case.rod, wall, Ends(**each)) for each in ends]
 
 
-def case_of_held_ends(sol: ShapeArrays, curves: Sequence[BeginningCurve | None]) -> Case:
+def let_go(sol: ShapeArrays, curves: Sequence[BeginningCurve | None]) -> tuple[Case, list[BeginningCurve | None]]:
     """The rods of a solution, with these curves, beside a cylinder that only pushes: both ends are held as they are.
 
-    A rod without a curve stands for none: its ends are those of a straight rod. Rods that are straight keep their axial
-    force in place of their height, which leaves a rod of that length no other shape and its force open.
+    A rod without a curve stands for none: its ends are those of a straight rod. Rods that are all as long as a string
+    between their ends keep their axial force in place of their height, which leaves such a rod no other shape and its
+    force open; their curves say so.
     """
     case, ends = sol.case, np.zeros((len(curves), 7))
     ends[:, 0] = flat(sol.problem.span, (len(curves),))
@@ -50,21 +53,16 @@ def case_of_held_ends(sol: ShapeArrays, curves: Sequence[BeginningCurve | None])
             turned = last[3] - first[3] + curve.twist * span
             row[:] = curve.x[-1, 2], first[1], last[1], last[0] - first[0], turned, first[2], last[2]
     height, beta0, betaL, azimuth, rotation, tilt0, tiltL = (column.reshape(case.shape)[()] for column in ends.T)
-    rest: dict[str, Any] = {"height": height * case.rho}
-    if np.all(rest["height"] >= (1 - NEGLIGIBLE) * case.rod.L):
-        rest = {"FZ": sol.FZ}
+    rest: dict[str, Any] = {"alpha": case.given.alpha, "gamma": case.given.gamma}
     if case.leaves:
         rest |= dict(zip(OFF_WALL[:2], case.end_radii, strict=True)) | {"tilt0": tilt0, "tiltL": tiltL}
-    held = Ends(
-        beta0=beta0,
-        betaL=betaL,
-        azimuth=azimuth,
-        rotation=rotation,
-        alpha=case.given.alpha,
-        gamma=case.given.gamma,
-        **rest,
-    )
-    return Case(case.rod, replace(case.cylinder, contact="unilateral"), held)
+    held = partial(Ends, beta0=beta0, betaL=betaL, azimuth=azimuth, rotation=rotation, **rest)
+    wall = replace(case.cylinder, contact="unilateral")
+    free = Case(case.rod, wall, held(height=height * case.rho))
+    if not all(is_taut(beside.rod) for beside in problems_of(free)):
+        return free, list(curves)
+    kept = [curve and replace(curve, name=f"{curve.name}, {FORCE_KEPT}") for curve in curves]
+    return Case(case.rod, wall, held(FZ=sol.FZ)), kept
 
 
 class _StartSheet(NamedTuple):
@@ -104,6 +102,18 @@ def sheet_between(rod: DiscreteRod, alpha: Array) -> _StartSheet:
     return _StartSheet(normal, float(first @ [c, s]), 1.0, float(first @ [s, -c]), 0.0, length)
 
 
+def string_of(rod: DiscreteRod) -> tuple[_StartSheet, float, float]:
+    """A string that is drawn from end to end: its sheet, its height, and its length over that of the rod."""
+    sheet = sheet_between(rod, np.where(rod.free[[0, 4]], rod.angles[0], rod.angles[[0, 4]]))
+    up = np.sqrt(max(rod.span**2 - sheet.length**2, 0.0)) if rod.height is None else rod.height
+    return sheet, up, float(np.hypot(sheet.length, up) / rod.span)
+
+
+def is_taut(rod: DiscreteRod) -> bool:
+    """Whether a rod of held height is as long as a string between its ends, which leaves its tension open."""
+    return rod.height is not None and abs(string_of(rod)[2] - 1) <= NEGLIGIBLE
+
+
 def curve_of_string(rod: DiscreteRod) -> BeginningCurve | str:
     """A rod along a string that is drawn from end to end, round the cylinder where that is in its way, without loads.
 
@@ -115,9 +125,7 @@ def curve_of_string(rod: DiscreteRod) -> BeginningCurve | str:
     from scipy.special import j0
 
     azimuths = np.where(rod.free[[0, 4]], rod.angles[0], rod.angles[[0, 4]])
-    sheet = sheet_between(rod, azimuths)
-    up = np.sqrt(max(rod.span**2 - sheet.length**2, 0.0)) if rod.height is None else rod.height
-    taut = np.hypot(sheet.length, up) / rod.span
+    sheet, up, taut = string_of(rod)
     if taut > 1 + NEGLIGIBLE:
         return f"a string from end to end is {taut:.6g} times as long as the rod"
     size = brentq(lambda bow: j0(bow) - taut, 0.0, WIDEST) if taut < 1 - NEGLIGIBLE else 0.0

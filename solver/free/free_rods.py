@@ -10,10 +10,10 @@ import numpy as np
 
 from ..numerics.arrays import ALIKE, FAINT, Array, Integers
 from ..problem.case import Case
-from ..problem.limits import OUT_OF_RANGE, units_held
+from ..problem.limits import OUT_OF_RANGE, TAUT, units_held
 from ..problem.reduced import EndsProblem
 from ..problem.trajectory import SOLVED, Trajectory, fewer_digits
-from .beginnings import curve_of, curve_of_string
+from .beginnings import curve_of, curve_of_string, is_taut
 from .free_problem import BeginningCurve, Beside, problems_of
 from .free_shape import Along, FreeShape
 from .minimum import free_motion, minimise
@@ -107,6 +107,8 @@ def continue_from(beside: Beside, curves: Sequence[BeginningCurve], tol: float, 
     lowest: whether others of less energy are looked for, from the straight rod too, and beside the minima.
     """
     rod = beside.rod
+    if is_taut(rod):
+        return FreeAnswer(why=TAUT)
     if lowest or not curves:
         string = curve_of_string(rod)
         if isinstance(string, BeginningCurve):

@@ -13,7 +13,7 @@ from scipy.sparse import coo_array
 from scipy.special import ellipe, ellipk
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Start, observe, solve
-from solver.free.beginnings import case_of_held_ends, curves_of
+from solver.free.beginnings import curves_of, let_go
 from solver.free.discrete_rod import HELD_ON, INSIDE, OUTSIDE, DiscreteRod
 from solver.free.free_problem import problems_of
 from solver.free.free_rods import FREE_TOLERANCE, SHAKES, distance, estimate, limit, refine
@@ -100,7 +100,7 @@ def test_nodes_that_the_wall_holds_on_come_to_the_exact_bilateral_shape_with_ord
         exact = solve(Case(ROD, Cylinder(R=0.75), ENDS), stations=edges + 1)
         (curve,) = curves_of(exact, "the exact shape")
         assert curve is not None
-        (beside,) = problems_of(case_of_held_ends(exact, [curve]))
+        (beside,) = problems_of(let_go(exact, [curve])[0])
         rod = replace(beside.rod_on(curve, 1.0, edges), side=HELD_ON)
         minimum = minimise(rod, curve.on(rod), beside.sizes(curve))
         assert minimum is not None
@@ -365,7 +365,7 @@ def test_the_first_motion_of_a_rod_is_along_the_fall_of_its_energy(freed: tuple[
     """What drags balances the push and the change of the internal force at each place, as in dE + drag dx/dt = 0."""
     held, _ = freed
     (curve,) = curves_of(held, "held")
-    (beside,) = problems_of(case_of_held_ends(held, [curve]))
+    (beside,) = problems_of(let_go(held, [curve])[0])
     sinking = Sinking(beside, curve, replace(beside.rod, edges=96))
     before = sinking.step(sinking.begun, 1e-6)
     time = 1e-4
@@ -574,6 +574,22 @@ def test_an_order_that_two_changes_seem_to_have_once_is_not_trusted(case: Case) 
 def test_what_has_no_shape_beside_a_cylinder_that_only_pushes_is_refused(make: Any, words: str) -> None:
     with pytest.raises(InputError, match=words):
         make()
+
+
+@pytest.mark.parametrize("beta", (0.0, 0.7))
+def test_a_taut_rod_that_is_let_go_keeps_its_tension_and_says_that_its_ends_leave_it_open(beta: float) -> None:
+    rod = Rod(E=1.07e4, nu=0.25, a=0.25, L=20.0)
+    around = rod.L * np.sin(beta)  # the centreline is 1 from the axis
+    before = solve(Case(rod, Cylinder(R=0.75), Ends(beta, beta, FZ=9.0, azimuth=around, M3=0.0)))
+    after = before.let_go()
+    assert after.solved
+    assert "whose axial force is kept" in after.outcome
+    values, errors = (observe(sol, ["push_mean", "F3_size_max"], errors=True) for sol in (before, after))
+    for name in ("push_mean", "F3_size_max"):
+        assert errors[name] == pytest.approx(values[name], abs=float(errors[f"{name}_error"]) + 1e-9)
+    held = Ends(beta, beta, height=rod.L * np.cos(beta), azimuth=around, M3=0.0)
+    again = solve(Case(rod, Cylinder(R=0.75, contact="unilateral"), held))
+    assert again.outcome.startswith("failed: the ends are held as far apart")
 
 
 def test_without_uno_one_sentence_names_its_package_and_the_extra(
