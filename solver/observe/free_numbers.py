@@ -11,7 +11,7 @@ from numpy.polynomial import polynomial
 from ..free.contacts import Contact
 from ..free.free_rods import MESHES, estimate
 from ..free.free_shape import Along, FreeShape
-from ..numerics.arrays import FAINT, Array
+from ..numerics.arrays import FAINT, NEGLIGIBLE, Array
 from ..orbits.frames import binormal, outward
 from ..orbits.loop_orbits import MOST_PLACES
 from ..orbits.shape import ShapeArrays
@@ -25,7 +25,9 @@ COUNTS = ("bends", "loops", "overlaps", "index", "contact_count")
 OF_CONTACTS = ("contact_size_mean", "push_mean", "push_max", "push_max_at", "attached", "contact_share", "contact_at",
                "contact_alpha", "contact_M2", "point_force_max")  # fmt: skip
 # of which rounding is left where there is none
-CANCELLING = ("turns_around", "amplitude", "FZ", "FZ0", "MZ", "MZ0", "M3", "M30", "surface_torque")
+CANCELLING = ("turns_around", "amplitude", "FZ0", "MZ0")
+# which load of the far end it is, and its sign: as given, or found
+LOADS = {"FZ": ("FZ", 1), "MZ": ("MZ", 1), "M3": ("M3", 1), "M30": ("M3", 1), "surface_torque": ("M3", -1)}
 UNDEFINED = {
     **dict.fromkeys(("contact_at", "contact_alpha", "contact_M2"), "the rod touches the wall nowhere"),
     "bend_number": "a rod that may leave the wall has no period",
@@ -131,6 +133,12 @@ class FreeReading:
         turned = abs(float(high.turned[0, 0] - low.turned[0, 0]))
         return float(high.x[0, 2] - low.x[0, 2]) * 2 * np.pi / turned if turned > WAVE else np.nan
 
+    def turns(self) -> float:
+        """The turns about the axis; at an end on the axis from or to the azimuth at which the rod leaves it."""
+        azimuths = self.along.turned[0]
+        ends = np.where(self.rod.radius < NEGLIGIBLE, 2 * azimuths[[1, -2]] - azimuths[[2, -3]], azimuths[[0, -1]])
+        return float(ends[1] - ends[0]) / (2 * np.pi)
+
     def bends(self) -> int:
         """The interior extrema of beta that differ from their neighbours by more than `WAVE`."""
         beta, count, way, last = self.along.turned[1], 0, 0.0, self.along.turned[1, 0]
@@ -175,7 +183,7 @@ NUMBERS: dict[str, Callable[[FreeReading], Any]] = {
     "amplitude": lambda read: np.ptp(read.along.turned[1]),
     "kappa_mean": lambda read: read.mean(read.bend),
     "kappa_max": lambda read: read.bend.max(),
-    "turns_around": lambda read: (read.along.turned[0, -1] - read.along.turned[0, 0]) / (2 * np.pi),
+    "turns_around": FreeReading.turns,
     "height": lambda read: read.shape.x[-1, 2],
     "pitch": FreeReading.pitch,
     "contact_size_mean": lambda read: read.push / read.rod.span,
@@ -202,14 +210,10 @@ NUMBERS: dict[str, Callable[[FreeReading], Any]] = {
     "contact_alpha": lambda read: read.at(read.first / read.rod.span).turned[0, 0] if read.contacts else np.nan,
     "contact_M2": FreeReading.first_bending,
     "point_force_max": lambda read: max((force for on in read.contacts for _, force in on.points), default=0.0),
-    "FZ": lambda read: read.shape.far_loads[2],
-    "MZ": lambda read: read.shape.far_loads[0],
-    "M3": lambda read: read.shape.far_loads[1],
+    **dict.fromkeys(LOADS, lambda read: read.shape.twist_moment),  # for its error: the loads are the solution's
     "FZ0": lambda read: read.at(0.0).force[0, 2],
     "MZ0": lambda read: np.cross(read.at(0.0).x[0], read.at(0.0).force[0])[2] + read.at(0.0).moment[0, 2],
-    "M30": lambda read: read.shape.far_loads[1],
     "neutral_at": FreeReading.neutral_at,
-    "surface_torque": lambda read: -read.shape.far_loads[1],
     "reach": lambda read: np.nan,
     "arriving_max": lambda read: np.nan,
     "M10": lambda read: read.end_moment(0.0),
@@ -236,6 +240,10 @@ def free_numbers(sol: ShapeArrays, names: Iterable[str]) -> dict[str, tuple[Arra
         length, force = dimension if isinstance(dimension, tuple) else (0, 0)
         unit = E * a / rho if name == "bending_stress_max" else rho ** float(length) * (A / rho**2) ** float(force)
         numbers[name] = pairs[:, 0] * unit, pairs[:, 1] * unit
+        if name in LOADS:
+            load, sign = LOADS[name]
+            unknown = getattr(case.given, load) is None
+            numbers[name] = flat(0.0 + sign * getattr(sol, load), case.shape), unknown * numbers[name][1]
     return numbers
 
 

@@ -470,10 +470,41 @@ def test_a_pipe_is_off_the_wall_next_to_a_centred_end_as_long_as_a_rod_in_space(
 
 @pytest.mark.parametrize(("end", "turns"), [(-2e-19, 0.0), (2e-6, 1e-6 / np.pi)])
 def test_what_rounding_leaves_of_the_turns_of_a_rod_is_none(end: float, turns: float) -> None:
-    meshes: Any = [SimpleNamespace(along=SimpleNamespace(turned=np.array([[0.0, k * end]]))) for k in (3, 2, 1)]
+    on_wall = SimpleNamespace(radius=np.ones(2))
+    azimuths = (SimpleNamespace(turned=np.linspace(0.0, k * end, 5)[None]) for k in (3, 2, 1))
+    meshes: Any = [SimpleNamespace(along=along, rod=on_wall) for along in azimuths]
     value, error = _limit("turns_around", meshes)
     assert value == pytest.approx(turns, rel=1e-12, abs=0)
     assert abs(end) / (2 * np.pi) <= error
+
+
+def test_turns_between_ends_on_the_axis_do_not_depend_on_the_azimuth_that_is_given_there() -> None:
+    pipe, hole = (
+        Rod(EI=1228.0, GJ=945.0, a=0.0635, L=30.0),
+        Cylinder(HOLE["R"], side="inside", contact="unilateral"),
+    )
+    turns = []
+    for alpha in (0.0, 2.5):
+        ends = Ends(0.0, 0.0, FZ=-300.0, radius0=0.0, radiusL=0.0, alpha=alpha)
+        sol = solve(Case(pipe, hole, ends), stations=4001)
+        turns.append(float(observe(sol, ["turns_around"])["turns_around"]))
+        assert 2 * np.pi * turns[-1] == pytest.approx(sol.alpha[-2] - sol.alpha[1], abs=0.2)  # of stations off the axis
+    assert turns[0] == pytest.approx(turns[1], abs=1e-6)
+    assert abs(turns[0]) > 0.5
+
+
+def test_a_load_that_is_given_is_observed_as_it_is_given() -> None:
+    sol = solve(Case(ROD, Cylinder(R=0.75, contact="unilateral"), replace(ENDS, MZ=0.0, M3=1.3)))
+    seen = observe(sol, ["FZ", "MZ", "M3", "M30", "surface_torque"], errors=True)
+    assert {name: float(value) for name, value in seen.items()} == {
+        "FZ": -8.66,
+        "MZ": 0.0,
+        "M3": 1.3,
+        "M30": 1.3,
+        "surface_torque": -1.3,
+        "M30_error": 0.0,
+        "surface_torque_error": 0.0,
+    }
 
 
 def test_a_rod_off_the_wall_without_an_axial_force_has_none_at_either_end() -> None:
