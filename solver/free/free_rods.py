@@ -260,14 +260,14 @@ def trajectory_of(case: Case, answers: Sequence[FreeAnswer], t: Array, tol: floa
         loads.append(limit([shape.far_loads for shape in answer.shapes[-MESHES:]]) if answer.shapes else [np.nan] * 6)
     along = Along(*(np.stack(parts) for parts in zip(*alongs, strict=True)))
     numbers = np.array(loads)
-    lam, mu, phi, span, first, last = np.where(np.abs(numbers) < FAINT, 0.0, numbers).T  # rounding is no load
+    lam, mu, phi, span, beta0, betaL = np.where(np.abs(numbers) < FAINT, 0.0, numbers).T  # rounding is no load
     error = np.array([answer.error for answer in answers])
     alpha, beta, _, gamma = np.moveaxis(along.turned, 1, 0)
     outcome = np.array([answer.outcome(tol) for answer in answers], dtype=object)
     outcome = np.where(units_held(case), outcome, OUT_OF_RANGE)
     ratio = np.reshape(np.broadcast_to(case.rod.stiffness_ratio, case.shape), -1)
     solved = np.array([answer.within(tol) for answer in answers], dtype=bool) & units_held(case)
-    return EndsProblem(lam, mu, phi, span, first, last), Trajectory(
+    return EndsProblem(lam, mu, phi, span, beta0, betaL), Trajectory(
         beta=beta,
         dbeta=along.rate,
         alpha=alpha - alpha[:, :1],

@@ -73,7 +73,7 @@ def _guesses(problem: EndsProblem, seed: Seed, sizes: tuple[int, ...]) -> Iterat
 
 def _collocate(problem: EndsProblem, x: Array, y: Array, rtol: float) -> tuple[Any, int]:
     """scipy's answer from a first guess y (2, m) at x (m,), and the number of points at which it took the equation."""
-    first, last, points = problem.beta0[0], problem.betaL[0], 0
+    beta0, betaL, points = problem.beta0[0], problem.betaL[0], 0
 
     def rates(x: Array, y: Array) -> Array:
         nonlocal points
@@ -86,7 +86,7 @@ def _collocate(problem: EndsProblem, x: Array, y: Array, rtol: float) -> tuple[A
         return jacobian
 
     def ends(ya: Array, yb: Array) -> Array:
-        return np.array([ya[0] - first, yb[0] - last])
+        return np.array([ya[0] - beta0, yb[0] - betaL])
 
     def ends_change(*_: Array) -> tuple[Array, Array]:
 

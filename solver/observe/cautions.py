@@ -146,11 +146,11 @@ def turns_back(sol: ShapeArrays, height: Any) -> Any:
         return np.zeros(sol.case.shape, dtype=bool)
     reading = MeasuredNumbers(sol)
     numbers = reading.value("low"), reading.value("high"), sol.problem.beta0, sol.problem.betaL
-    low, high, first, last = (np.reshape(number, sol.case.shape) for number in numbers)
+    low, high, beta0, betaL = (np.reshape(number, sol.case.shape) for number in numbers)
     with np.errstate(invalid="ignore"):
-        far = (high > np.maximum(first, last) + _QUARTER) | (low < np.minimum(first, last) - _QUARTER)
-        behind = np.asarray(height) * np.cos(first) < -NEGLIGIBLE * np.asarray(sol.case.rod.L)
-        return far | (behind & (np.abs(first - last) < NEGLIGIBLE))
+        far = (high > np.maximum(beta0, betaL) + _QUARTER) | (low < np.minimum(beta0, betaL) - _QUARTER)
+        behind = np.asarray(height) * np.cos(beta0) < -NEGLIGIBLE * np.asarray(sol.case.rod.L)
+        return far | (behind & (np.abs(beta0 - betaL) < NEGLIGIBLE))
 
 
 def largest_strain(sol: ShapeArrays, kappa_max: Any) -> Any:

@@ -152,8 +152,8 @@ def amplitude(read: MeasuredNumbers) -> Pair:
     error = read.error_of("high") + read.error_of("low")
     if orbit is None or not (orbit.kind == ROTATION).any():
         return range_, error
-    first, last = read.end_angles
-    return np.where(orbit.kind == ROTATION, size_of(last - first), range_), error
+    beta0, betaL = read.end_angles
+    return np.where(orbit.kind == ROTATION, size_of(betaL - beta0), range_), error
 
 
 def turns_around(read: MeasuredNumbers) -> Pair:

@@ -63,8 +63,8 @@ class FoundPaths:
     @property
     def stray(self) -> Array:
         """How far beta goes beyond the interval between its two end angles [rad], (K,)."""
-        first, last = self.problem.beta0, self.problem.betaL
-        over = np.maximum(self.highest - np.maximum(first, last), np.minimum(first, last) - self.lowest)
+        beta0, betaL = self.problem.beta0, self.problem.betaL
+        over = np.maximum(self.highest - np.maximum(beta0, betaL), np.minimum(beta0, betaL) - self.lowest)
         return np.maximum(over, 0.0)
 
 

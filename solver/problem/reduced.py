@@ -262,7 +262,6 @@ def loads_of(problem: Reduced, A: Any, rho: Any, shape: tuple[int, ...]) -> tupl
 
 ACTING = ("lam", "mu", "phi", "span", "beta0", "end")  # the numbers on which a shape depends
 NUMBERS = (*ACTING, "A", "rho", "ratio", "alpha", "gamma")
-_FROM_ENDS = {"lam": "lam", "mu": "mu", "phi": "phi", "beta0": "beta0", "betaL": "end"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -338,6 +337,6 @@ def _numbers(case: Case) -> tuple[Array, Array | None]:
         return numbers, None
     held = problem_at_ends(case)
     for name, values in {"span": held.span, **dict(zip(held.numbers, held.values.T, strict=True))}.items():
-        if name in _FROM_ENDS or name == "span":
-            numbers[NUMBERS.index(_FROM_ENDS.get(name, name))] = values.reshape(case.shape)
+        if (number := "end" if name == "betaL" else name) in ACTING:
+            numbers[NUMBERS.index(number)] = values.reshape(case.shape)
     return numbers, held.values
