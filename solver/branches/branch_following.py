@@ -45,7 +45,6 @@ from .orbit_rates import orbit_rates
 from .system import AT_REST, LEFT, state_of
 
 _LENGTHS = arclength.Lengths(first=0.02, longest=LONGEST, least=1e-7)  # of steps, in scales
-_LEAP = 1.0  # of the parameter's scale: the line whose shares `leaps.LEAPS` are leapt
 _CREEPS = 60  # points in a row that do not advance p
 _FAR = 0.1  # of p's scale, the longest way past a helix
 _BESIDE = 0.01  # rad between the ends of a held rod there
@@ -279,7 +278,7 @@ def leap_from(
 ) -> BranchState | str:
     """The equilibrium a little beyond that at p, or why there is none: under dead loads the one with a close shape and
     the same Morse index, under held ends the bent rod that a helix becomes."""
-    far = p + float(np.clip(bounds.next(p, rises) - p, -_LEAP * family.scale, _LEAP * family.scale))
+    far = p + float(np.clip(bounds.next(p, rises) - p, -family.scale, family.scale))
     first, last = family.given(p), family.given(far)
     if first is None or last is None:
         return LEFT

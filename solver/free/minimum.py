@@ -15,7 +15,6 @@ from .free_shape import FreeShape
 from .program import FAR, NEAR, Program, Sizes
 
 SHARP = 1e-10  # of the last change of the unknowns
-FARTHEST = 1.0  # of their sizes, by which a step may change the unknowns: beyond, Newton's method diverges
 EVEN = 1e-8  # of what equations leave where rounding, 1e-11 of them, moves a rod that is held with `FIRM`; squared
 FIRM = 1e-6  # of the order of the second derivatives: what holds a rod that may turn as a whole
 NUDGE, NUDGES = 1e-2, 3  # of the size of angles: of what leads away from an equilibrium that is no minimum
@@ -149,7 +148,8 @@ class Newton(Program):
                 )[self.order]
             except RuntimeError:  # a singular matrix
                 return None
-            if not np.isfinite(change).all() or np.abs(change[:n]).max() > FARTHEST:
+            # beyond a change of an unknown by its own size Newton's method diverges
+            if not np.isfinite(change).all() or np.abs(change[:n]).max() > 1:
                 return None
             z, multipliers, steps, far = z + change[:n], multipliers + change[n:], steps + 1, np.abs(change[:n]).max()
             if far < SHARP or (left < EVEN and far > last / 2):  # rounding ends the progress

@@ -23,7 +23,6 @@ from ..orbits.shape import ShapeArrays
 from ..problem.reduced import Reduced
 
 CASES = 192  # of a block, so that arrays stay in the cache; with 48 `swing` takes 1.3 times as long, `orbit` 1.5 times
-_RESOLVED = 1.0  # largest distance of stations, in units of 1/sqrt(|H'|), that resolves every bend
 _WILDEST = 100.0  # rad between two stations: they show no shape, and the bends of such a polynomial take seconds
 COLUMNS = ("case", "row", "low", "high", "time", "count", "begin")  # fields of each piece
 
@@ -228,7 +227,7 @@ def is_resolved(sol: ShapeArrays) -> Booleans:
         quickest = np.sqrt(np.abs(slope_rate(column, beta)).max(axis=1))
         swift = np.abs(sol.trajectory.dbeta).max(axis=1)
         step = np.diff(t, axis=1).max(axis=1, initial=0.0)
-        dense = step * np.maximum(np.maximum(quickest, swift), 1) <= _RESOLVED
+        dense = step * np.maximum(np.maximum(quickest, swift), 1) <= 1  # in units of 1/sqrt(|H'|)
     return dense & (t[:, 0] == 0) & (t[:, -1] >= span * (1 - 1e-12)) & (t.shape[1] >= 5)
 
 
