@@ -134,9 +134,10 @@ def test_an_extreme_of_the_force_that_two_places_reach_unequally_has_a_remark() 
     assert "no force" in none.remarks["F3_size_max"]
 
 
-def test_every_observable_has_a_derivative() -> None:
-    found = solve(START["many equilibria"].case).sensitivity(["E", "R"], [*OBSERVABLES])
-    assert set(found.observables) == set(OBSERVABLES)
+def test_every_observable_of_a_rod_on_the_wall_has_a_derivative() -> None:
+    on_wall = {name for name, row in OBSERVABLES.items() if not row.free}
+    found = solve(START["many equilibria"].case).sensitivity(["E", "R"], on_wall)
+    assert set(found.observables) == on_wall
     assert not any(remark for name, remark in found.remarks.items() if name not in NOWHERE)  # a constant force
 
 
