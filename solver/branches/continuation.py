@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..core.library import cut, fine, on_grid, points, run
+from ..core.library import TIMES, cut, fine, on_grid, points, run
 from ..numerics.arclength import END, FOLD, POINTS
 from ..numerics.arrays import ALIKE, FAINT
 from ..orbits.boundary import CUTTING, NODES, Path, boundary_of
@@ -86,7 +86,7 @@ def resume(first: EndsProblem, path: Path, last: EndsProblem) -> Path | Stop:
     if not path.helix:
         begin, end = (np.concatenate(list(vars(problem).values())) for problem in (first, last))
         level, way = np.array([path.pin, path.sign, path.y], float), np.array([path.leaving, path.turns], np.int64)
-        if fine(run("rod_continued", begin, end, on_grid(), points(NODES), cut(CUTTING, True), level, way)):
+        if fine(run("rod_continued", begin, end, on_grid(), points(NODES), cut(CUTTING, TIMES), level, way)):
             return Path(*level.tolist(), *way.tolist())
     return _resume_by_leaps(first, path, last)
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..numerics.arrays import Array
-from .library import FLOAT, INT, Cutting, cut, fine, on_grid, points, run, structure
+from .library import CURVES, FLOAT, INT, TIMES, Cutting, cut, fine, on_grid, points, run, structure
 
 LEFT_TO_CALLER, AT_END, IS_CLOSED, ENOUGH = range(4)  # why the steps end
 KINDS = ("saddle", "start", "end")
@@ -52,7 +52,7 @@ def orbit_rates(numbers: Array, path: Any, n: int, how: tuple[Cutting, Cutting])
         As of `periodic_orbit.orbits_of`; how panels are cut for the length, and for the orbit.
     """
     out = np.full(RATES, np.nan)
-    ways = cut(how[0], True), cut(how[1], False)
+    ways = cut(how[0], TIMES), cut(how[1], CURVES)
     fine(run("rod_orbit_rates", np.ascontiguousarray(numbers), _level_of(path), on_grid(), points(n), *ways, out))
     return split(out)
 
@@ -70,7 +70,7 @@ def start_rates(numbers: Array, pinned: Array | None, n: int, how: Cutting) -> t
         As of `orbit_rates`; how panels of the orbit are cut.
     """
     out = np.full(RATES, np.nan)
-    status = run("rod_start_rates", np.ascontiguousarray(numbers), pinned, on_grid(), points(n), cut(how, False), out)
+    status = run("rod_start_rates", np.ascontiguousarray(numbers), pinned, on_grid(), points(n), cut(how, CURVES), out)
     return split(out) if fine(status) else None
 
 
@@ -152,7 +152,7 @@ class BranchSteps:
     def __init__(self, numbers: Numbers, scale: float, n: int, how: tuple[Cutting, Cutting], held: Any = None) -> None:
         self._numbers, self._count = numbers, 7 if held else 6
         self._scale, self._held = scale, held
-        self._ways = on_grid(), points(n), cut(how[0], True), cut(how[1], False)
+        self._ways = on_grid(), points(n), cut(how[0], TIMES), cut(how[1], CURVES)
 
     def _run(self, name: str, *arguments: Any, over: Any = None, held: Any = None) -> int:
         """The status of a function of the core on the branch. Raises what the numbers raise."""

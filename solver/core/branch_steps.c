@@ -245,7 +245,7 @@ static family family_of(const curve *of)
     for (int k = 0; k < KEPT; k++)
         f.at[k] = NAN;
     f.times = *of->times, f.orbits = *of->orbits;
-    f.times.times_only = 1, f.orbits.times_only = 0;
+    f.times.series = 0, f.orbits.series = FUNCTIONS;
     f.room = (search){.at = f.nodes, .how = f.times};
     return f;
 }

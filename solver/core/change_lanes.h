@@ -68,37 +68,73 @@ static inline ALWAYS TARGET void NAME(series_at)(int size, const double *rows, v
     }
 }
 
-/* What units of the parts add at `many` <= W places of a panel, from number `at` on. Beyond them it writes too; the next call
-   writes over that. */
-static TARGET void NAME(units)(const changed_orbit *of, const visits *p, int at, int many, double (*out)[VISITS + PAD])
+/* The values of all series at `many` <= W places of a panel, from number `at` of the sorted ones on, put where the places lie
+   along the rod. */
+static TARGET void NAME(values)(const changed_orbit *of, const visits *p, int at, int many, double (*out)[VISITS + PAD])
 {
-    vec x, sign, periods, value[15];
-    NAME(loose) second, mirrored, zero = {0};
-    NAME(varied_places) here;
-    NAME(varied_units) unit;
-    for (int i = 0; i < W; i++) {
-        const int from = at + (i < many ? i : many - 1);
-        const phase *where = &p->where[from];
-        LANE(x, i) = p->x[from], LANE(periods, i) = where->periods;
-        LANE(sign, i) = of->direction * (where->second ? -1 : 1) * (where->mirrored ? -1 : 1);
-        LANE(second, i) = where->second, LANE(mirrored, i) = where->mirrored;
-    }
-    const NAME(mask) is_second = MASK(second > 0), is_mirrored = MASK(mirrored > 0);
     const double *rows = of->series + VARIED * of->size * p->panel[at];
-    NAME(series_at)(of->size, rows, x, value);
-    here.v = value[0] * sign, here.H = value[1], here.c = ZERO + rows[2];
+    double own[VARIED][W];
+    vec value[15];
+    NAME(series_at)(of->size, rows, *(const NAME(loose) *)(p->x + at), value);
+    for (int k = 0; k < 4; k++)
+        *(NAME(loose) *)own[2 + k] = ZERO + rows[2 + k];
+    for (int k = 0; k < 15; k++)
+        *(NAME(loose) *)own[k < 2 ? k : k + 4] = value[k];
+    for (int k = 0; k < VARIED; k++)
+        for (int i = 0; i < many; i++)
+            out[k][p->place[at + i]] = own[k][i];
+}
+
+/* What units of the parts add at W neighbouring places, from number `at` on. */
+static inline ALWAYS TARGET void NAME(units_at)(const changed_orbit *of, const visits *p, int at,
+                                                const double (*values)[VISITS + PAD], NAME(varied_units) *out)
+{
+    const NAME(loose) zero = {0};
+    const vec sign = *(const NAME(loose) *)(p->sign + at), periods = *(const NAME(loose) *)(p->periods + at);
+    const NAME(mask) second = MASK(*(const NAME(loose) *)(p->second + at) > 0);
+    const NAME(mask) mirrored = MASK(*(const NAME(loose) *)(p->mirrored + at) > 0);
+    vec value[VARIED];
+    NAME(varied_places) here;
+    for (int k = 0; k < VARIED; k++)
+        value[k] = *(const NAME(loose) *)(values[k] + at);
+    here.v = value[0] * sign, here.H = value[1], here.c = value[2];
     here.shift[0] = ZERO, here.gamma[0] = ZERO + 1.0;
     for (int k = 0; k < 3; k++)
-        here.shift[k + 1] = ZERO + rows[3 + k], here.gamma[k + 1] = value[2 + k];
+        here.shift[k + 1] = value[3 + k], here.gamma[k + 1] = value[6 + k];
     for (int m = 0; m < PAIRS; m++) { /* as `rod_unfolded` */
         const double gained = of->gain[m], later = of->gain[PAIRS + m], whole = of->librates ? 2 * (gained + later) : gained;
-        const vec there = ZERO + gained, after = ZERO + later, limit = PICK(is_second, after, there);
-        const vec folded = PICK(is_mirrored, 2 * limit - value[5 + m], value[5 + m]);
-        here.M[m] = folded + PICK(is_second, 2 * there, zero) + periods * whole;
+        const vec there = ZERO + gained, after = ZERO + later, limit = PICK(second, after, there);
+        const vec folded = PICK(mirrored, 2 * limit - value[9 + m], value[9 + m]);
+        here.M[m] = folded + PICK(second, 2 * there, zero) + periods * whole;
     }
-    NAME(unit)(of->start, &here, &unit);
-    for (int k = 0; k < 5 * PARTS; k++)
-        *(NAME(loose) *)(out[k] + at) = unit.by[k / PARTS][k % PARTS];
+    NAME(unit)(of->start, &here, out);
+}
+
+/* The changes at `many` places by F directions, from what units of their parts add there. */
+static TARGET void NAME(changes)(const changed_orbit *of, const visits *p, int many, const double (*values)[VISITS + PAD],
+                                 int64_t F, const double *parts, int64_t apart, int64_t each, double *out)
+{
+    for (int at = 0; at < many; at += W) {
+        const size_t size = sizeof(double) * (many - at < W ? many - at : W);
+        NAME(varied_units) unit;
+        NAME(units_at)(of, p, at, values, &unit);
+        for (int64_t f = 0; f < F; f++) {
+            double *to = out + apart * f + at;
+            const double *own = parts + PARTS * f;
+            UNROLLED
+            for (int k = 0; k < 5; k++) {
+                NAME(loose) sum = {0};
+                UNROLLED
+                for (int part = 0; part < PARTS; part++)
+                    if (own[part] != 0)
+                        sum += unit.by[k][part] * own[part];
+                if (size == sizeof sum)
+                    *(NAME(loose) *)(to + each * k) = sum;
+                else
+                    memcpy(to + each * k, &sum, size);
+            }
+        }
+    }
 }
 
 #undef W

@@ -59,20 +59,19 @@ INLINE void directions_of(node_angles *restrict a)
 }
 
 /* Loads from series (5, n) of lam, mu, phi, the weight across the rod and the divisor of the contact force. */
-INLINE void loads_at(int n, const double *restrict series, const double *restrict polynomials, rod_loads *restrict l)
+INLINE void loads_at(int width, int n, const double *restrict series, const double *restrict polynomials, rod_loads *restrict l)
 {
     double *values[5] = {l->lam, l->mu, l->phi, l->weight, l->divisor};
     for (int k = 0; k < 5; k++)
-        product(n, AT, series + k * n, polynomials, values[k]);
+        product(width, n, AT, series + k * n, polynomials, values[k]);
     for (int i = 0; i < AT; i++)
         l->steepness[i] = steepness_of(l->lam[i], l->mu[i], l->phi[i]);
 }
 
 /* The angles from the series of beta and |beta_t| (2, n) and the polynomials at the nodes. */
-INLINE void angles_at(int n, const double *restrict series, const double *restrict polynomials, node_angles *restrict a)
+INLINE void angles_at(int width, int n, const double *restrict series, const double *restrict polynomials, node_angles *restrict a)
 {
-    product(n, AT, series, polynomials, a->beta);
-    product(n, AT, series + n, polynomials, a->speed);
+    product_of_two(width, n, AT, series, series + n, polynomials, a->beta, a->speed);
     directions_of(a);
 }
 

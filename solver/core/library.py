@@ -168,11 +168,14 @@ def points(n: int) -> Any:
     return _Points(n, *map(np.ascontiguousarray, (panel.nodes, panel.analyse, panel.values, panel.differentiate)))
 
 
+TIMES, ANGLE, CURVES = 0, 2, 5  # how many series of a panel are wanted: of none, of beta and |beta_t|, of all
+
+
 @cache
-def cut(cutting: Cutting, times_only: bool) -> Any:
-    """How panels are cut, for the core."""
+def cut(cutting: Cutting, series: int) -> Any:
+    """How panels are cut, for the core. series: how many are wanted of each, `TIMES`, `ANGLE` or `CURVES`."""
     length, goal, stretch, lanes = cutting
-    return _Cutting(length, goal, stretch, times_only, lanes or widest())
+    return _Cutting(length, goal, stretch, series, lanes or widest())
 
 
 @cache

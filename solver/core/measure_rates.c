@@ -159,7 +159,7 @@ static void columns_at(double value, double above, double still, double out[COLU
 }
 
 /* The states at the nodes of a part of a panel, moving away from the start, and the rates of the first row of M. */
-INLINE void states_on(const rod *o, const stretch *p, states *out, double M[4][AT])
+INLINE void states_on(int width, const rod *o, const stretch *p, states *out, double M[4][AT])
 {
     const read_orbits *of = o->of;
     const int backward = p->row - of->first[2 * o->b] >= of->count[2 * o->b], n = (int)o->at->n;
@@ -171,15 +171,15 @@ INLINE void states_on(const rod *o, const stretch *p, states *out, double M[4][A
     for (int i = 0; i < AT; i++)
         x[i] = p->low + (p->high - p->low) * (1 + o->w->by.nodes[i]) / 2, out->shift[0][i] = 0, out->gamma[0][i] = 1;
     polynomials_at(n, x, polynomials);
-    product(n, AT, of->series + FUNCTIONS * (n + 1) * p->row, polynomials, out->x);
+    product(width, n, AT, of->series + FUNCTIONS * (n + 1) * p->row, polynomials, out->x);
     for (int k = 0; k < 9; k++) {
         for (int m = 0; m < n; m++)
             one[m] = series[VARIED * m + k];
-        product(n, AT, one, polynomials, rows[k]);
+        product(width, n, AT, one, polynomials, rows[k]);
     }
     for (int k = 0; k < 4; k++) {
-        product(n, n, o->varied->M + (PAIRS * p->row + k) * n, o->at->analyse, one);
-        product(n, AT, one, polynomials, M[k]);
+        product(width, n, n, o->varied->M + (PAIRS * p->row + k) * n, o->at->analyse, one);
+        product(width, n, AT, one, polynomials, M[k]);
     }
     for (int i = 0; i < AT; i++) {
         out->base[i] = of->base[p->row], out->angles.beta[i] = out->base[i] + out->x[i];
@@ -188,7 +188,7 @@ INLINE void states_on(const rod *o, const stretch *p, states *out, double M[4][A
     directions_of(&out->angles);
 }
 
-IN_WIDTHS(states_on, (const rod *o, const stretch *p, states *out, double (*M)[AT]), (o, p, out, M))
+IN_WIDTHS(states_on, (const rod *o, const stretch *p, states *out, double (*M)[AT]), (WIDTH, o, p, out, M))
 
 /* What a part adds to the positive part of its density and to the length on which it is positive. */
 static void add_positive(const rod *o, double still, const stretch *p, const rated *by, const double *above,

@@ -21,7 +21,7 @@
 #define TAU (2 * PI)
 #define TINY 1e-150 /* angles and speeds below this have squares that a float cannot hold: they count as zero */
 
-enum { NODES = 32, CRITICAL = 16, PIECES = 3 * CRITICAL, FUNCTIONS = 5 };
+enum { NODES = 32, CRITICAL = 16, PIECES = 3 * CRITICAL, FUNCTIONS = 5, OF_ANGLE = 2 };
 enum { PASS, SADDLE, CENTRE };           /* kinds of pieces */
 enum { HELIX, LIBRATION, ROTATION };     /* kinds of orbits */
 enum { DONE, NO_MEMORY, NOT_POSSIBLE };  /* what a function returns */
@@ -80,10 +80,11 @@ typedef struct {
     double *series;
 } panels;
 
-/* How panels are cut: see `rod_panelled`. lanes: what rod_lanes says, or fewer. */
+/* How panels are cut: see `rod_panelled`. series: how many of the FUNCTIONS are wanted of each, none where durations alone are,
+   or OF_ANGLE, those of beta and |beta_t|. lanes: what rod_lanes says, or fewer. */
 typedef struct {
     double length, goal, stretch;
-    int times_only, lanes;
+    int series, lanes;
 } cutting;
 
 /* The orbits that are read: arrays as `rod_orbits_fetch` fills them; beta0: (B,). first, count, duration: (2 B,). */
@@ -136,21 +137,28 @@ typedef struct {
 } search;
 
 /* Inlined, so that a caller compiled for wider lanes has its own copy. IN_WIDTHS compiles an inlined function for narrow
-   lanes and for wide ones, and FOR_LANES is the one that the processor can run. The loops over nodes have no branches, so
-   the compiler uses these lanes; all widths do the same operations in the same order and so give the same bits. */
+   lanes and for wide ones, and FOR_LANES is the one that the processor can run; among the arguments WIDTH is how many numbers
+   its registers hold. The loops over nodes have no branches, so the compiler uses these lanes; all widths do the same
+   operations in the same order and so give the same bits. */
+#define IN_WIDTH(name, parameters, arguments, many)                                                                    \
+    static void name parameters                                                                                        \
+    {                                                                                                                  \
+        enum { WIDTH = many };                                                                                         \
+        arguments;                                                                                                     \
+    }
 #if defined(__x86_64__) && defined(__GNUC__)
 #define INLINE static inline __attribute__((always_inline))
 #define WIDE __attribute__((target("avx2")))
 #define WIDEST __attribute__((target("avx512f,avx512dq")))
 #define IN_WIDTHS(name, parameters, arguments)                                                                         \
-    static void name##_narrow parameters { name arguments; }                                                           \
-    static WIDE void name##_wide parameters { name arguments; }                                                        \
-    static WIDEST void name##_widest parameters { name arguments; }
+    IN_WIDTH(name##_narrow, parameters, name arguments, 2)                                                             \
+    WIDE IN_WIDTH(name##_wide, parameters, name arguments, 4)                                                          \
+    WIDEST IN_WIDTH(name##_widest, parameters, name arguments, 8)
 #define FOR_LANES(lanes, name) ((lanes) >= 8 ? name##_widest : (lanes) >= 4 ? name##_wide : name##_narrow)
 #else
 #define INLINE static inline
-#define IN_WIDTHS(name, parameters, arguments)
-#define FOR_LANES(lanes, name) name
+#define IN_WIDTHS(name, parameters, arguments) IN_WIDTH(name##_narrow, parameters, name arguments, 2)
+#define FOR_LANES(lanes, name) name##_narrow
 #endif
 
 static inline double square(double x) { return x * x; }
@@ -253,36 +261,42 @@ INLINE void plain_product(int n, int m, const double *restrict values, const dou
             out[j] += values[i] * linear[i * m + j];
 }
 
-/* Neighbouring numbers of a row, in one register of the wide lanes. */
+#define MANY 2
+#include "registers.h"
 #if defined(__x86_64__)
-enum { ABREAST = 4 };
+#define MANY 4
+#include "registers.h"
+#define MANY 8
+#include "registers.h"
+#define PRODUCTS(width) ((width) == 8 ? products_8 : (width) == 4 ? products_4 : products_2)
+#define TWO_SERIES(width) ((width) == 8 ? two_series_8 : (width) == 4 ? two_series_4 : two_series_2)
 #else
-enum { ABREAST = 2 };
+#define PRODUCTS(width) products_2
+#define TWO_SERIES(width) two_series_2
 #endif
-typedef double abreast __attribute__((vector_size(8 * ABREAST), aligned(8), may_alias));
-#define ABREAST_AT(at) (*(abreast *)(at))
 
-/* The same for functions IN_WIDTHS: the sums stay in registers; left to the compiler they do not. The last registers of a
-   row overlap, so that no number is left over. */
-INLINE void product(int n, int m, const double *restrict values, const double *restrict linear, double *restrict out)
+/* Registers of a row of sums: with those of a second row as many as a processor has, and some for what is summed. */
+#define REGISTERS(width) ((width) == 8 ? 3 : 6)
+
+/* The same for functions IN_WIDTHS, with their WIDTH. */
+INLINE void product(int width, int n, int m, const double *values, const double *linear, double *out)
 {
-    const int last = m - ABREAST;
-    if (last < 0)
+    if (m < width)
         plain_product(n, m, values, linear, out);
-    for (int j = 0; last >= 0 && j < m; j += 6 * ABREAST) {
-        int at[6];
-        for (int k = 0; k < 6; k++)
-            at[k] = j + k * ABREAST < last ? j + k * ABREAST : last;
-        abreast a = {0}, b = a, c = a, d = a, e = a, f = a;
-        for (int i = 0; i < n; i++) {
-            double *row = (double *)linear + i * m;
-            const double x = values[i];
-            a += x * ABREAST_AT(row + at[0]), b += x * ABREAST_AT(row + at[1]), c += x * ABREAST_AT(row + at[2]);
-            d += x * ABREAST_AT(row + at[3]), e += x * ABREAST_AT(row + at[4]), f += x * ABREAST_AT(row + at[5]);
-        }
-        ABREAST_AT(out + at[0]) = a, ABREAST_AT(out + at[1]) = b, ABREAST_AT(out + at[2]) = c;
-        ABREAST_AT(out + at[3]) = d, ABREAST_AT(out + at[4]) = e, ABREAST_AT(out + at[5]) = f;
-    }
+    else
+        PRODUCTS(width)(1, REGISTERS(width), n, m, &values, 1, linear, &out);
+}
+
+/* Of two rows at once, in little more time than of one. */
+INLINE void product_of_two(int width, int n, int m, const double *first, const double *second, const double *linear,
+                           double *to_first, double *to_second)
+{
+    const double *values[2] = {first, second};
+    double *out[2] = {to_first, to_second};
+    for (int r = 0; m < width && r < 2; r++)
+        plain_product(n, m, values[r], linear, out[r]);
+    if (m >= width)
+        PRODUCTS(width)(2, REGISTERS(width), n, m, values, 1, linear, out);
 }
 
 /* Coefficients (n,) to those of the integral from -1, (n + 1,). */
@@ -411,10 +425,13 @@ int rod_cut_orbit(const start_problem *, const double *pinned, const critical *k
 int64_t rod_copy_panels(const panels *, int64_t first, int64_t size, int64_t row, const panel_arrays *to);
 
 /* Sums along arcs, of P panels in the order of travel: since, (P,), the time from the start of the arc; first, count and
-   duration, (arcs,); gain: (arcs, 3), of alpha, z and the swirl, whose series then count from the start too. */
+   duration, (arcs,); gain: (arcs, 3), of alpha, z and the swirl, whose series then count from the start too; 0 without
+   series. */
 void rod_orbits_sum(int64_t arcs, int64_t P, int64_t size, const int64_t *arc, const double *width, double *series,
                     double *since, int64_t *first, int64_t *count, double *duration, double *gain);
 int64_t rod_place(const read_orbits *, int64_t b, double t, phase *, double *x);
+/* The same of `many` times, which are found sooner where they lie in the order of the rod. */
+void rod_places_at(const read_orbits *, int64_t b, int many, const double *t, int64_t *panel, phase *, double *x);
 void rod_orbit_at(const read_orbits *, int64_t b, double t, double *out);
 int64_t rod_cover(const read_orbits *, int64_t n, const double *span, const covered *out);
 double rod_unfolded(double value, const phase *, double there, double after, int librates);

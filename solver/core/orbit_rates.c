@@ -43,13 +43,14 @@ static void add_level(const place *o, const path *level, double nearest, double 
 static void numbers_of(lone_orbit *o, const ends_problem *p, const points *by, const place *at, const path *level,
                        double length, orbit_numbers *out)
 {
-    double x, *values = out->values, *rows = out->rows, *by_span = out->by_span;
+    double x, weights[NODES], *values = out->values, *rows = out->rows, *by_span = out->by_span;
     varied_place start, far;
     phase where;
     const int64_t first = rod_place(&o->of, 0, 0, &where, &x), last = rod_place(&o->of, 0, length, &where, &x);
     const int64_t only[2] = {first, last}, n = by->n;
     o->varied.M = NULL; /* it is not read */
-    const int64_t nearest = rod_vary(&p->lam, &o->of, 0, by, only, o->nodes, &o->varied);
+    rod_panel_weights(by, weights);
+    const int64_t nearest = rod_vary(&p->lam, &o->of, 0, by, weights, only, o->nodes, &o->varied);
     rod_varied_place_at(&o->of, &o->varied, 0, 0, &start), rod_varied_place_at(&o->of, &o->varied, 0, length, &far);
     const double turns = o->kind == LIBRATION ? 0 : o->direction * where.periods;
     const double end = o->of.base[last] + at_place(o->of.series + FUNCTIONS * (n + 1) * last, (int)n + 1, x) + TAU * turns;
@@ -86,7 +87,7 @@ static int length_of(const place *o, const path *level, const points *at, const 
 {
     search room = {.at = at, .how = *how};
     double off;
-    room.how.times_only = 1;
+    room.how.series = 0;
     const int failed = rod_excess_of(&room, o, 1, level, &off);
     rod_panels_free(&room.room);
     *length = off + o->p.span;

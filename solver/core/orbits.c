@@ -70,7 +70,7 @@ void rod_orbits_sum(int64_t arcs, int64_t P, int64_t size, const int64_t *arc, c
     for (int64_t row = 0; row < P; row++) {
         const int64_t k = arc[row];
         since[row] = duration[k], duration[k] += width[row], count[k]++;
-        for (int m = 0; m < 3; m++) {
+        for (int m = 0; series && m < 3; m++) {
             double *own = series + (FUNCTIONS * row + 2 + m) * size;
             const double gained = sum_of((int)size, own);
             own[0] += gain[3 * k + m], gain[3 * k + m] += gained;
@@ -134,7 +134,7 @@ void rod_orbits_fetch(orbits *made, const panel_arrays *to, double *since, int64
 static phase located(double t, int kind, double ahead, double back)
 {
     const double period = kind == HELIX ? INFINITY : (kind == LIBRATION ? 2 : 1) * (ahead + back);
-    const double rest = isfinite(period) ? fmod(t, period) : t;
+    const double rest = isfinite(period) && !(t >= 0 && t < period) ? fmod(t, period) : t;
     phase out = {0, 0, rest, isfinite(period) ? rint((t - rest) / period) : 0};
     if (kind != LIBRATION)
         return out;
@@ -171,12 +171,15 @@ static void values_at(const double *series, int n, double x, double *out)
     }
 }
 
-/* The panel of orbit b in which the rod is at time t, and where in it, in [-1, 1]; the orbit has panels. */
-int64_t rod_place(const read_orbits *o, int64_t b, double t, phase *where, double *x)
+/* The panel of orbit b in which the rod is at time t, and where in it, in [-1, 1]; the orbit has panels. near: the panel that
+   is tried first, or -1. */
+static inline int64_t place_from(const read_orbits *o, int64_t b, double t, int64_t near, phase *where, double *x)
 {
     *where = located(t, (int)o->kind[b], o->duration[2 * b], o->duration[2 * b + 1]);
     const int64_t arc = 2 * b + where->second;
     int64_t panel = o->first[arc], last = o->first[arc] + (o->count[arc] > 1 ? o->count[arc] - 1 : 0);
+    if (near >= panel && near <= last && where->local >= o->since[near] && (near == last || where->local < o->since[near + 1]))
+        panel = last = near;
     while (panel < last) {
         const int64_t middle = (panel + last + 1) / 2;
         if (where->local >= o->since[middle])
@@ -188,6 +191,17 @@ int64_t rod_place(const read_orbits *o, int64_t b, double t, phase *where, doubl
     panel = panel < end ? panel : end;
     *x = smaller(larger(2 * (where->local - o->since[panel]) / larger(o->width[panel], 5e-324) - 1, -1), 1);
     return panel;
+}
+
+int64_t rod_place(const read_orbits *o, int64_t b, double t, phase *where, double *x)
+{
+    return place_from(o, b, t, -1, where, x);
+}
+
+void rod_places_at(const read_orbits *o, int64_t b, int many, const double *t, int64_t *panel, phase *where, double *x)
+{
+    for (int i = 0; i < many; i++)
+        panel[i] = place_from(o, b, t[i], i ? panel[i - 1] : -1, &where[i], &x[i]);
 }
 
 /* beta, beta_t, alpha, z and the swirl of orbit b at t. */

@@ -3,6 +3,7 @@
 #include "orbit_parts.h"
 
 enum { ROUNDS = 14, PATIENCE = 3, CROWD = 16, NEWTON = 12, ARCS = 4 };
+enum { SPACE = 48 }; /* for NODES in whole registers, three of eight numbers at once */
 #define TOO_LONG 1e4 /* times the rod's length: a first panel that lasts longer is cut */
 #define LONG 8.0     /* in u: a piece longer than this is stretched along a saddle */
 
@@ -111,17 +112,15 @@ INLINE void pace_of(const piece *p, int n, const double *u, double *x, double *p
         pace[i] = 1 / root[i], speed[i] = fabs(p->scale * rate[i]) * root[i];
 }
 
-/* Where in [-1, 1] the clock shows the nodes' shares of the duration; whether Newton converged. */
-INLINE int inverted(const points *at, const double *clock, const double *rate, double duration, double *place)
+/* Where in [-1, 1] the clock shows the nodes' shares of the duration, (SPACE,); whether Newton converged. */
+INLINE int inverted(int width, const points *at, const double *clock, const double *rate, double duration, double *place)
 {
     const int n = (int)at->n;
-    double padded[NODES + 1], shown[NODES], paced[NODES], change[NODES], wanted[NODES], b1[NODES], b2[NODES];
-    double c1[NODES], c2[NODES], worst = INFINITY;
+    double padded[NODES + 1], shown[SPACE], paced[SPACE], change[NODES], wanted[NODES], step[NODES], worst = INFINITY;
     memcpy(padded, rate, sizeof(double) * (size_t)n);
     padded[n] = 0;
-    product(n + 1, n, clock, at->values, shown);
-    product(n + 1, n, padded, at->values, paced);
-    product(n, n, rate, at->differentiate, change);
+    product_of_two(width, n + 1, n, clock, padded, at->values, shown, paced);
+    product(width, n, n, rate, at->differentiate, change);
     for (int i = 0; i < n; i++) {
         wanted[i] = duration * ((1 + at->nodes[i]) / 2);
         const double early = (wanted[i] - shown[i]) / paced[i];
@@ -129,21 +128,15 @@ INLINE int inverted(const points *at, const double *clock, const double *rate, d
         place[i] = smaller(larger(place[i], -1), 1);
     }
     place[0] = -1, place[n - 1] = 1;
+    for (int i = n; i < SPACE; i++)
+        place[i] = 0;
     for (int round = 0; round < NEWTON && !(worst <= 1e-8); round++) { /* the next step is its square */
-        for (int i = 0; i < n; i++)
-            b1[i] = b2[i] = c1[i] = c2[i] = 0;
-        for (int k = n; k > 0; k--)
-            for (int i = 0; i < n; i++) {
-                const double b0 = 2 * place[i] * b1[i] - b2[i] + clock[k], c0 = 2 * place[i] * c1[i] - c2[i] + padded[k];
-                b2[i] = b1[i], b1[i] = b0, c2[i] = c1[i], c1[i] = c0;
-            }
-        worst = 0;
+        TWO_SERIES(width)(width == 8 ? 3 : 2, n, clock, padded, place, shown, paced);
         for (int i = 1; i < n - 1; i++) {
-            const double value = place[i] * b1[i] - b2[i] + clock[0], pace = place[i] * c1[i] - c2[i] + padded[0];
-            const double step = (value - wanted[i]) / pace;
-            place[i] = smaller(larger(place[i] - step, -1), 1);
-            worst = larger(worst, fabs(step));
+            step[i] = (shown[i] - wanted[i]) / paced[i];
+            place[i] = smaller(larger(place[i] - step[i], -1), 1);
         }
+        worst = largest_size(n - 2, step + 1);
         if (worst != worst)
             break;
     }
@@ -151,7 +144,7 @@ INLINE int inverted(const points *at, const double *clock, const double *rate, d
 }
 
 /* The pace at the nodes of a panel, its series and the clock's; the duration is set. */
-INLINE void clocked(const piece *p, const points *at, panel *out, double *u, double *x, double *pace, double *rate,
+INLINE void clocked(int width, const piece *p, const points *at, panel *out, double *u, double *x, double *pace, double *rate,
                     double *clock)
 {
     const int n = (int)at->n;
@@ -162,35 +155,44 @@ INLINE void clocked(const piece *p, const points *at, panel *out, double *u, dou
     pace_of(p, n, u, x, pace, speed);
     for (int i = 0; i < n; i++)
         shares[i] = pace[i] * fabs(half);
-    product(n, n, shares, at->analyse, rate);
+    product(width, n, n, shares, at->analyse, rate);
     integral(n, rate, clock);
     out->duration = sum_of(n + 1, clock);
 }
 
-INLINE void series_of(const piece *p, const points *at, panel *out, double *series)
+INLINE void series_of(int width, const piece *p, const points *at, int wanted, panel *out, double *series)
 {
     const int n = (int)at->n;
     const double middle = (out->near + out->far) / 2, half = (out->far - out->near) / 2;
-    double u[NODES], x[NODES], pace[NODES], speed[NODES], values[5][NODES], rate[NODES], clock[NODES + 1];
-    double place[NODES], cut[5][NODES], angle[NODES];
-    clocked(p, at, out, u, x, pace, rate, clock);
+    double u[NODES], x[NODES], pace[NODES], speed[NODES], rate[NODES], clock[NODES + 1], place[SPACE], angle[NODES];
+    double directions[3][NODES], cut[FUNCTIONS][NODES];
+    clocked(width, p, at, out, u, x, pace, rate, clock);
     const double quickest = largest_size(n, pace), late = largest_size(3, clock + n - 2);
-    const int converged = inverted(at, clock, rate, out->duration, place);
+    const int converged = inverted(width, at, clock, rate, out->duration, place);
     for (int i = 0; i < n; i++)
         u[i] = middle + half * place[i];
     pace_of(p, n, u, x, pace, speed);
     for (int i = 0; i < n; i++)
         angle[i] = p->base + x[i];
-    sin_cos_of(n, angle, values[2], values[3]);
-    for (int i = 0; i < n; i++)
-        values[0][i] = x[i], values[1][i] = speed[i], values[4][i] = values[2][i] * values[3][i];
-    for (int k = 0; k < 5; k++)
-        product(n, n, values[k], at->analyse, cut[k]);
-    for (int k = 0; k < 2; k++) {
+    sin_cos_of(n, angle, directions[0], directions[1]);
+    product_of_two(width, n, n, x, speed, at->analyse, cut[0], cut[1]);
+    for (int k = 0; k < OF_ANGLE; k++) {
         memcpy(series + k * (n + 1), cut[k], sizeof(double) * (size_t)n);
         series[k * (n + 1) + n] = 0;
     }
-    for (int k = 2; k < 5; k++) {
+    if (wanted == FUNCTIONS) {
+        for (int i = 0; i < n; i++)
+            directions[2][i] = directions[0][i] * directions[1][i];
+        product_of_two(width, n, n, directions[0], directions[1], at->analyse, cut[2], cut[3]);
+        product(width, n, n, directions[2], at->analyse, cut[4]);
+    } else
+        for (int k = 0; k < 2; k++) /* the last two alone, which measure the error */
+            for (int j = n - 2; j < n; j++) {
+                cut[2 + k][j] = 0;
+                for (int i = 0; i < n; i++)
+                    cut[2 + k][j] += directions[k][i] * at->analyse[n * i + j];
+            }
+    for (int k = OF_ANGLE; k < wanted; k++) {
         double *row = series + k * (n + 1);
         integral(n, cut[k], row);
         for (int i = 0; i <= n; i++)
@@ -205,29 +207,30 @@ INLINE void series_of(const piece *p, const points *at, panel *out, double *seri
     out->time_rounding = EPS / 2 * rod_weight(&p->local, largest_size(n, x)) * square(quickest);
 }
 
-INLINE void times_of(const piece *p, const points *at, panel *out)
+INLINE void times_of(int width, const piece *p, const points *at, panel *out)
 {
     double u[NODES], x[NODES], pace[NODES], rate[NODES], clock[NODES + 1];
-    clocked(p, at, out, u, x, pace, rate, clock);
+    clocked(width, p, at, out, u, x, pace, rate, clock);
     out->time_error = largest_size(3, clock + at->n - 2) / out->duration;
     out->error = out->fastest = out->time_rounding = 0;
 }
 
-INLINE void one_panel(const piece *p, const points *at, panel *out, double *series)
+INLINE void one_panel(int width, const piece *p, const points *at, int wanted, panel *out, double *series)
 {
-    if (series)
-        series_of(p, at, out, series);
+    if (wanted)
+        series_of(width, p, at, wanted, out, series);
     else
-        times_of(p, at, out);
+        times_of(width, p, at, out);
 }
-IN_WIDTHS(one_panel, (const piece *p, const points *at, panel *out, double *series), (p, at, out, series))
+IN_WIDTHS(one_panel, (const piece *p, const points *at, int wanted, panel *out, double *series),
+          (WIDTH, p, at, wanted, out, series))
 
 /* Room for one panel more, with its series. */
-static int extended(panels *all, const points *at, int times_only)
+static int extended(panels *all, const points *at, int series)
 {
     const size_t size = sizeof(double) * (size_t)(FUNCTIONS * (at->n + 1));
     const int failed = rod_roomy((void **)&all->rows, &all->room, all->count + 1, sizeof(panel));
-    return failed || times_only ? failed : rod_roomy((void **)&all->series, &all->series_room, all->count + 1, size);
+    return failed || !series ? failed : rod_roomy((void **)&all->series, &all->series_room, all->count + 1, size);
 }
 
 double rod_slope_over_root(const local_potential *l, double turn, double x)
@@ -253,7 +256,7 @@ static int first_cuts(const piece *pieces, int count, const points *at, const cu
         const int64_t parts = (int64_t)share;
         const double step = (u1 - u0) / share;
         for (int64_t k = 0; k < parts; k++) {
-            if (extended(all, at, how->times_only))
+            if (extended(all, at, how->series))
                 return NO_MEMORY;
             panel *one = &all->rows[all->count];
             *one = (panel){.piece = p, .next = all->count + 1, .open = 1, .order = (double)k};
@@ -310,7 +313,7 @@ static int halved(const start_problem *p, const points *at, const cutting *how, 
     for (int64_t i = all->first; i < count; i++) {
         if (!all->rows[i].open)
             continue;
-        if (extended(all, at, how->times_only))
+        if (extended(all, at, how->series))
             return NO_MEMORY;
         panel *one = &all->rows[i], *second = &all->rows[all->count];
         const double share = one->open == 3 ? smaller(4 * p->span / one->duration, 0.5) : 0.5;
@@ -335,8 +338,8 @@ int rod_panelled(const start_problem *p, const piece *pieces, int count, const p
         for (int64_t i = all->first; i < all->count; i++)
             if (all->rows[i].open) {
                 panel *one = &all->rows[i];
-                FOR_LANES(how->lanes, one_panel)
-                (&pieces[one->piece], at, one, how->times_only ? NULL : all->series + i * size);
+                double *series = how->series ? all->series + i * size : NULL;
+                FOR_LANES(how->lanes, one_panel)(&pieces[one->piece], at, how->series, one, series);
             }
         if (!judged(p, pieces, how, all, round, made))
             break;
@@ -362,7 +365,7 @@ int rod_rest(const piece *pieces, int count, double gap, double deeper, const po
         const double rates[3] = {s, c, s * c};
         if (!(stay > 0))
             continue;
-        if (extended(all, at, 0))
+        if (extended(all, at, FUNCTIONS))
             return NO_MEMORY;
         int64_t *link = &all->first; /* before the panels of the piece, or behind them */
         while (*link >= 0 && all->rows[*link].piece < end / 2 + end % 2)

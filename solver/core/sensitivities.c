@@ -16,7 +16,8 @@ typedef struct {
     double *out;
 } shapes;
 
-INLINE void derive_shape(const shapes *of, int64_t b)
+/* Those of shape b from the changes (5, F, n), which lie `apart` numbers from each other; they may be `out` itself. */
+INLINE void derive_shape(const shapes *of, int64_t b, const double *changes, int64_t apart)
 {
     const int64_t n = of->stations, F = of->F, each = of->size * F * n, table = of->size * F;
     const double lam = of->loads[3 * b], mu = of->loads[3 * b + 1], phi = of->loads[3 * b + 2];
@@ -34,26 +35,27 @@ INLINE void derive_shape(const shapes *of, int64_t b)
             const double d_rho = by ? by[table * RHO] : 0, d_mu = by ? by[table * MU] : 0;
             const double alpha = by ? by[table * AZIMUTH] : 0, gamma = by ? by[table * TWIST] : 0;
             const double twist = d_mu * ratio + mu * (by ? by[table * RATIO] : 0), over = 1 / rho;
+            const double *own = changes + n * f + begin;
             double *out = of->out + n * (b * F + f) + begin;
             for (int i = 0; i < many; i++) {
-                const double later = longer * t[i], turned = out[2 * each + i], swirled = out[3 * each + i];
-                out[i] += v[i] * later;
-                out[each + i] = (out[each + i] - H[i] * later - v[i] * d_rho * over) * over;
+                const double later = longer * t[i], turned = own[2 * apart + i], swirled = own[3 * apart + i];
+                out[i] = own[i] + v[i] * later;
+                out[each + i] = (own[apart + i] - H[i] * later - v[i] * d_rho * over) * over;
                 out[2 * each + i] = alpha + turned + s[i] * later;
-                out[3 * each + i] = rho * (out[4 * each + i] + c[i] * later) + z[i] * d_rho;
+                out[3 * each + i] = rho * (own[4 * apart + i] + c[i] * later) + z[i] * d_rho;
                 out[4 * each + i] = gamma + twist * t[i] + mu * ratio * later + swirled - s[i] * c[i] * later;
             }
         }
     }
 }
 
-IN_WIDTHS(derive_shape, (const shapes *of, int64_t b), (of, b))
+IN_WIDTHS(derive_shape, (const shapes *of, int64_t b, const double *changes, int64_t apart), (of, b, changes, apart))
 
 /* The derivatives of shapes from the changes of their orbits. */
 void rod_shape_rates(const shapes *of, int64_t lanes)
 {
     for (int64_t b = 0; b < of->size; b++)
-        FOR_LANES(lanes, derive_shape)(of, b);
+        FOR_LANES(lanes, derive_shape)(of, b, of->out + b * of->F * of->stations, of->size * of->F * of->stations);
 }
 
 /* What is asked of B start problems. along: their shapes, whose `out` is filled. marks: (B, 5, F, MARKS), filled with the
@@ -91,7 +93,7 @@ typedef struct {
     const read_orbits *of;
     const varied_orbits *varied;
     lone_orbit orbit;
-    double *parts, *room, *thirds, *pieces;
+    double *parts, *room, *thirds, *pieces, *changes, weights[NODES];
     int64_t piece_room;
     varied_place start;
 } worker;
@@ -99,9 +101,9 @@ typedef struct {
 /* The derivatives of shape b from those of its orbit. */
 static void change_shape(worker *o, const shapes *of, int64_t b)
 {
-    const int64_t at = b * of->F * of->stations, each = of->size * of->F * of->stations;
-    rod_change_orbit(o->of, o->varied, 0, of->stations, of->F, of->t + b * of->stations, o->parts, each, of->out + at);
-    FOR_LANES(o->varied->lanes, derive_shape)(of, b);
+    const int64_t each = of->F * of->stations;
+    rod_change_orbit(o->of, o->varied, 0, of->stations, of->F, of->t + b * of->stations, o->parts, each, o->changes);
+    FOR_LANES(o->varied->lanes, derive_shape)(of, b, o->changes, each);
 }
 
 static void change_marks(worker *o, int64_t b)
@@ -191,7 +193,7 @@ static int vary_rod(worker *o, int64_t b)
     o->all->kind[b] = failed && o->orbit.kind != HELIX ? LOST : o->orbit.kind;
     if (failed)
         return failed == NO_MEMORY ? failed : DONE;
-    rod_vary(&p->lam, &o->orbit.of, 0, o->at, NULL, o->orbit.nodes, &o->orbit.varied);
+    rod_vary(&p->lam, &o->orbit.of, 0, o->at, o->weights, NULL, o->orbit.nodes, &o->orbit.varied);
     o->of = &o->orbit.of, o->varied = &o->orbit.varied;
     return DONE;
 }
@@ -260,18 +262,20 @@ int rod_sensitivities(const sensitivities *all, const grid *by, const points *at
     worker *o = calloc(1, sizeof(worker));
     int failed = o ? DONE : NO_MEMORY;
     if (o) {
+        rod_panel_weights(at, o->weights);
         o->all = all, o->by = by, o->at = at, o->how = how, o->rod.coefficients = at->n + 1;
         o->parts = malloc(sizeof(double) * (size_t)((PARTS + 3 * CANDIDATES + 2 * RATES) * F));
+        o->changes = malloc(sizeof(double) * (size_t)(5 * F * (all->along.stations > MARKS ? all->along.stations : MARKS)));
         o->w = rod_workspace(&o->rod, how->lanes);
         o->room = o->parts + PARTS * F, o->thirds = o->room + 3 * CANDIDATES * F;
-        failed = o->parts && o->w ? DONE : NO_MEMORY;
+        failed = o->parts && o->changes && o->w ? DONE : NO_MEMORY;
     }
     for (int64_t b = begin; b < end && !failed; b++) {
         failed = derive_rod(o, b);
         rod_lone_orbit_free(&o->orbit);
     }
     if (o)
-        rod_workspace_free(o->w), free(o->parts), free(o->pieces);
+        rod_workspace_free(o->w), free(o->parts), free(o->pieces), free(o->changes);
     free(o);
     return failed;
 }

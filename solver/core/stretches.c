@@ -6,7 +6,7 @@ enum { PATIENCE = 3, MOST = 1 << 19 }; /* halvings that may fail to shorten a se
 #define ROUNDING (64 * EPS) /* of the terms of a density, and of beta: a series cannot end below that */
 
 /* loads: NULL where they do not vary. */
-INLINE void angles_on(const rods *all, const rule *by, const stretch *p, node_angles *out, rod_loads *loads)
+INLINE void angles_on(int width, const rods *all, const rule *by, const stretch *p, node_angles *out, rod_loads *loads)
 {
     const int n = (int)all->coefficients;
     const double *series = all->series + all->kinds * n * p->row, *polynomials = by->polynomials;
@@ -17,25 +17,29 @@ INLINE void angles_on(const rods *all, const rule *by, const stretch *p, node_an
         polynomials_at(n, x, inner);
         polynomials = inner;
     }
-    angles_at(n, series, polynomials, out);
+    angles_at(width, n, series, polynomials, out);
     if (loads)
-        loads_at(n, series + 2 * n, polynomials, loads);
+        loads_at(width, n, series + 2 * n, polynomials, loads);
 }
 
-INLINE void expanded(const rule *by, int kind, const node_angles *angles, const rod_loads *loads, stretch *p)
+INLINE void expanded(int width, const rule *by, int kind, const node_angles *angles, const rod_loads *loads, stretch *p)
 {
     density_slopes unread;
     density_of(kind, angles, loads, &p->of, &unread);
-    product(AT, AT, p->of.values, by->analyse, p->series);
+    product(width, AT, AT, p->of.values, by->analyse, p->series);
     p->tail = larger(larger(fabs(p->series[AT - 3]), fabs(p->series[AT - 2])), fabs(p->series[AT - 1]));
 }
 
-INLINE void through(const double *values, const double *linear, double *out) { product(AT, AT, values, linear, out); }
+INLINE void through(int width, const double *values, const double *linear, double *out)
+{
+    product(width, AT, AT, values, linear, out);
+}
 
 IN_WIDTHS(angles_on, (const rods *all, const rule *by, const stretch *p, node_angles *out, rod_loads *loads),
-          (all, by, p, out, loads))
-IN_WIDTHS(expanded, (const rule *by, int kind, const node_angles *a, const rod_loads *l, stretch *p), (by, kind, a, l, p))
-IN_WIDTHS(through, (const double *values, const double *linear, double *out), (values, linear, out))
+          (WIDTH, all, by, p, out, loads))
+IN_WIDTHS(expanded, (const rule *by, int kind, const node_angles *a, const rod_loads *l, stretch *p),
+          (WIDTH, by, kind, a, l, p))
+IN_WIDTHS(through, (const double *values, const double *linear, double *out), (WIDTH, values, linear, out))
 
 /* T_k at a node is the cosine of k times its angle, a multiple of pi/(AT - 1). */
 static void nodes_and_maps(rule *by)

@@ -86,7 +86,7 @@ int rod_search(search *s, const boundary *of, int64_t count, const double *beta,
     if (count < 2 || count > CRITICAL || at->n > NODES || at->n < 4)
         return NOT_POSSIBLE;
     s->of = of, s->at = at, s->how = *how, s->room = (panels){0}, s->calls = 0;
-    s->how.times_only = 1;
+    s->how.series = 0;
     s->found.count = (int)count;
     for (int64_t k = 0; k < count; k++)
         s->found.beta[k] = beta[k], s->found.centre[k] = centre[k] != 0;

@@ -71,14 +71,13 @@ INLINE void vary_level(const double *loads, double s, double c, double steep, in
     }
 }
 
-INLINE void vary_state(const double *loads, const read_orbits *of, int64_t i, const points *at, int by_loads,
+INLINE void vary_state(int width, const double *loads, const read_orbits *of, int64_t i, const points *at, int by_loads,
                        varied_nodes *out)
 {
     const int n = (int)at->n;
     const double *series = of->series + FUNCTIONS * of->coefficients * i, origin = of->origin[i];
     double x[NODES], v[NODES];
-    product(n + 1, n, series, at->values, x);
-    product(n + 1, n, series + n + 1, at->values, v);
+    product_of_two(width, n + 1, n, series, series + n + 1, at->values, x, v);
     const double lam = loads[0], mu = loads[1], phi = loads[2], s = sin(origin), c = cos(origin);
     const double s2 = 2 * s * c, c2 = (c - s) * (c + s), s4 = 2 * s2 * c2, c4 = (c2 - s2) * (c2 + s2);
     const double steep = slope_rate_by(lam, mu, phi, s, c), turn = 4 * (mu * s2 - c2 / 2), even = lam * c - phi * s;
@@ -109,7 +108,7 @@ INLINE void vary_state(const double *loads, const read_orbits *of, int64_t i, co
 
 IN_WIDTHS(vary_state,
           (const double *loads, const read_orbits *of, int64_t i, const points *at, int by_loads, varied_nodes *out),
-          (loads, of, i, at, by_loads, out))
+          (WIDTH, loads, of, i, at, by_loads, out))
 
 void rod_vary_state(const double *loads, const read_orbits *of, int64_t i, const points *at, int by_loads, int64_t lanes,
                     varied_nodes *out)
@@ -191,8 +190,7 @@ static void vary_closing(const varied_nodes *nodes, const int64_t *count, int ar
         jump_between(start + count[arc] - 1, start, direction * (arc ? -1 : 1), out);
 }
 
-/* The weights of the integral over a panel. */
-static void weights_of(const points *at, double *out)
+void rod_panel_weights(const points *at, double *out)
 {
     double row[NODES + 1];
     const int n = (int)at->n;
@@ -204,29 +202,34 @@ static void weights_of(const points *at, double *out)
 
 /* The series of a panel but for the constants of its sums, one coefficient of all after the other, (n + 1, VARIED). The nodes
    lie evenly about 0, where polynomials of even and of odd order are even and odd, so half of them give each coefficient. */
-INLINE void keep_series(const varied_nodes *one, const points *at, double half, double *restrict series)
+INLINE void keep_series(int width, const varied_nodes *one, const points *at, double half, double *restrict series)
 {
-    enum { KEPT = 5 + PAIRS, PADDED = (KEPT + ABREAST - 1) / ABREAST * ABREAST }; /* whole registers */
+    enum { KEPT = PAIRS + 5, PADDED = 16 }; /* whole registers */
     const int n = (int)at->n, some = (n + 1) / 2;
-    const double *values[KEPT] = {one->v, one->H, one->gamma[0], one->gamma[1], one->gamma[2]};
-    double parts[2][(NODES + 1) / 2][PADDED] = {{{0}}}, rates[NODES + 2][PADDED], row[NODES];
+    const double *values[KEPT] = {[PAIRS] = one->v, one->H, one->gamma[0], one->gamma[1], one->gamma[2]};
+    double parts[2][(NODES + 1) / 2][PADDED] = {{{0}}}, rates[NODES + 2][PADDED];
     for (int m = 0; m < PAIRS; m++)
-        values[5 + m] = one->M[m];
+        values[m] = one->M[m];
     for (int m = 0; m < KEPT; m++)
         for (int i = 0; i < some; i++) {
             const double near = values[m][i], far = i == n - 1 - i ? 0 : values[m][n - 1 - i];
             parts[0][i][m] = near + far, parts[1][i][m] = near - far;
         }
-    for (int k = 0; k < n; k++) {
-        for (int i = 0; i < some; i++)
-            row[i] = at->analyse[n * i + k];
-        product(some, PADDED, row, parts[k % 2][0], rates[k]);
-    }
+    for (int odd = 0; odd < 2; odd++)
+        for (int k = odd; k < n; k += width) {
+            const double *columns[4];
+            double *out[4];
+            for (int r = 0; r < width / 2; r++) {
+                const int own = k + 2 * r < n ? k + 2 * r : k; /* again, where no row is left */
+                columns[r] = at->analyse + own, out[r] = rates[own];
+            }
+            PRODUCTS(width)(width / 2, PADDED / width, some, PADDED, columns, n, parts[odd][0], out);
+        }
     memset(rates[n], 0, 2 * sizeof rates[n]);
     memset(series, 0, sizeof(double) * (size_t)((n + 1) * VARIED));
     for (int k = 0; k < n; k++) {
-        memcpy(series + VARIED * k, rates[k], sizeof(double) * 2);
-        memcpy(series + VARIED * k + 6, rates[k] + 2, sizeof(double) * 3);
+        memcpy(series + VARIED * k, rates[k] + PAIRS, sizeof(double) * 2);
+        memcpy(series + VARIED * k + 6, rates[k] + PAIRS + 2, sizeof(double) * 3);
     }
     series[2] = one->c;
     memcpy(series + 3, one->shift, sizeof(double) * 3);
@@ -239,9 +242,9 @@ INLINE void keep_series(const varied_nodes *one, const points *at, double half, 
             terms[m] = (rates[k - 1][m] - rates[k + 1][m]) * share;
             first[m] += sign * terms[m];
         }
-        memcpy(series + VARIED * k + 9, terms + 5, sizeof(double) * PAIRS);
+        memcpy(series + VARIED * k + 9, terms, sizeof(double) * PAIRS);
     }
-    memcpy(series + 9, first + 5, sizeof(double) * PAIRS);
+    memcpy(series + 9, first, sizeof(double) * PAIRS);
 }
 
 /* The values of the series of a panel at x. */
@@ -258,18 +261,17 @@ INLINE void series_at(int size, const double *restrict rows, double x, double *r
     }
 }
 
-IN_WIDTHS(keep_series, (const varied_nodes *one, const points *at, double half, double *series), (one, at, half, series))
+IN_WIDTHS(keep_series, (const varied_nodes *one, const points *at, double half, double *series), (WIDTH, one, at, half, series))
 IN_WIDTHS(series_at, (int size, const double *rows, double x, double *value), (size, rows, x, value))
 
-int64_t rod_vary(const double *loads, const read_orbits *of, int64_t b, const points *at, const int64_t *only,
-                 varied_nodes *nodes, const varied_orbits *out)
+int64_t rod_vary(const double *loads, const read_orbits *of, int64_t b, const points *at, const double *weights,
+                 const int64_t *only, varied_nodes *nodes, const varied_orbits *out)
 {
     const int n = (int)at->n;
     const int64_t first = of->first[2 * b], P = of->count[2 * b] + of->count[2 * b + 1];
     const int64_t width = n + 1, *count = of->count + 2 * b;
     int64_t nearest = 0;
-    double total[2][PAIRS] = {{0}}, weights[NODES];
-    weights_of(at, weights);
+    double total[2][PAIRS] = {{0}};
     for (int64_t i = 0; i < P; i++) {
         rod_vary_state(loads, of, first + i, at, 1, out->lanes, &nodes[i]);
         out->least[first + i] = nodes[i].least;
@@ -323,27 +325,28 @@ int rod_variations(int64_t n, const double *loads, const read_orbits *of, const 
     if (at->n > NODES || at->n < 4 || of->coefficients != at->n + 1)
         return NOT_POSSIBLE;
     varied_nodes *nodes = malloc(sizeof(varied_nodes) * (size_t)rod_most_panels(of, n));
+    double weights[NODES];
+    rod_panel_weights(at, weights);
     for (int64_t b = 0; nodes && b < n; b++)
-        rod_vary(loads + 3 * b, of, b, at, NULL, nodes, out);
+        rod_vary(loads + 3 * b, of, b, at, weights, NULL, nodes, out);
     const int failed = nodes ? DONE : NO_MEMORY;
     free(nodes);
     return failed;
 }
 
-/* Places of an orbit, those of one panel after each other: in which of its panels, where in it, where on the orbit, and the
-   number of each. */
+/* Places of an orbit: their panels and where in these, those of one panel after each other, with the number of each; then in
+   their own order the sign of beta_t, the whole periods before, and whether they lie on the second arc, or on a way back. */
 enum { VISITS = 256, BUCKETS = 64, PAD = 8 };
 typedef struct {
-    int64_t panel[VISITS], place[VISITS];
-    double x[VISITS];
-    phase where[VISITS];
+    int64_t panel[VISITS];
+    int place[VISITS];
+    double x[VISITS + PAD], sign[VISITS + PAD], periods[VISITS + PAD], second[VISITS + PAD], mirrored[VISITS + PAD];
 } visits;
 
 /* The orbit whose changes are read; size: of the series. */
 typedef struct {
     const double *series, *gain;
     const varied_place *start;
-    double direction;
     int size, librates;
 } changed_orbit;
 
@@ -388,33 +391,25 @@ void rod_varied_place_at(const read_orbits *of, const varied_orbits *varied, int
 /* The panels in which an orbit is at `many` times, sorted by them as far as BUCKETS allow. */
 static void visit(const read_orbits *of, int64_t b, const double *t, int many, visits *out)
 {
-    visits found;
+    int64_t panel[VISITS];
+    phase where[VISITS];
+    double x[VISITS];
     int from[BUCKETS + 1] = {0};
+    rod_places_at(of, b, many, t, panel, where, x);
     for (int i = 0; i < many; i++) {
-        found.panel[i] = rod_place(of, b, t[i], &found.where[i], &found.x[i]);
-        from[found.panel[i] % BUCKETS + 1]++;
+        out->sign[i] = of->direction[b] * (where[i].second ? -1 : 1) * (where[i].mirrored ? -1 : 1);
+        out->periods[i] = where[i].periods, out->second[i] = where[i].second, out->mirrored[i] = where[i].mirrored;
+        from[panel[i] % BUCKETS + 1]++;
     }
     for (int k = 0; k < BUCKETS; k++)
         from[k + 1] += from[k];
     for (int i = 0; i < many; i++) {
-        const int to = from[found.panel[i] % BUCKETS]++;
-        out->panel[to] = found.panel[i], out->x[to] = found.x[i], out->where[to] = found.where[i], out->place[to] = i;
+        const int to = from[panel[i] % BUCKETS]++;
+        out->panel[to] = panel[i], out->x[to] = x[i], out->place[to] = i;
     }
+    for (int i = many; i < many + PAD; i++) /* read in lanes, and not used */
+        out->x[i] = out->sign[i] = out->periods[i] = out->second[i] = out->mirrored[i] = 0;
 }
-
-/* One of the changes at `many` places, from what units of its parts add there. */
-INLINE void add_parts(int many, const double *parts, const double (*units)[VISITS + PAD], double *restrict out)
-{
-    memset(out, 0, sizeof(double) * (size_t)many);
-    for (int part = 0; part < PARTS; part++) {
-        const double amount = parts[part], *restrict own = units[part];
-        for (int i = 0; amount != 0 && i < many; i++)
-            out[i] += own[i] * amount;
-    }
-}
-
-IN_WIDTHS(add_parts, (int many, const double *parts, const double (*units)[VISITS + PAD], double *out),
-          (many, parts, units, out))
 
 void rod_change_orbit(const read_orbits *of, const varied_orbits *varied, int64_t b, int64_t stations, int64_t F,
                       const double *t, const double *parts, int64_t each, double *out)
@@ -422,25 +417,21 @@ void rod_change_orbit(const read_orbits *of, const varied_orbits *varied, int64_
     const int lanes = (int)varied->lanes;
     varied_place start;
     visits sorted;
-    double units[5 * PARTS][VISITS + PAD], change[VISITS];
+    double values[VARIED][VISITS + PAD];
     rod_varied_place_at(of, varied, b, 0, &start);
-    const changed_orbit one = {varied->series, varied->gain + 2 * PAIRS * b, &start, of->direction[b], (int)of->coefficients,
+    const changed_orbit one = {varied->series, varied->gain + 2 * PAIRS * b, &start, (int)of->coefficients,
                                of->kind[b] == LIBRATION};
     for (int64_t begin = 0; begin < stations; begin += VISITS) {
         const int many = (int)(stations - begin < VISITS ? stations - begin : VISITS);
         visit(of, b, t + begin, many, &sorted);
+        for (int k = 0; k < VARIED; k++)
+            memset(values[k] + many, 0, sizeof(double) * PAD);
         for (int at = 0, next; at < many; at = next) {
             for (next = at + 1; next < many && next < at + lanes && sorted.panel[next] == sorted.panel[at]; next++)
                 ;
-            FOR_WIDTH(lanes, units)(&one, &sorted, at, next - at, units);
+            FOR_WIDTH(lanes, values)(&one, &sorted, at, next - at, values);
         }
-        for (int64_t f = 0; f < F; f++)
-            for (int k = 0; k < 5; k++) {
-                double *to = out + each * k + stations * f + begin;
-                FOR_LANES(lanes, add_parts)(many, parts + PARTS * f, units + PARTS * k, change);
-                for (int i = 0; i < many; i++)
-                    to[sorted.place[i]] = change[i];
-            }
+        FOR_WIDTH(lanes, changes)(&one, &sorted, many, values, F, parts, stations, each, out + begin);
     }
 }
 
@@ -461,7 +452,7 @@ void rod_lone_orbit_free(lone_orbit *o)
     free(o->room);
 }
 
-static int fill(lone_orbit *o, const panels *cut, const points *at, int lanes)
+static int fill(lone_orbit *o, const panels *cut, const points *at, const cutting *how)
 {
     const int64_t P = cut->count, size = at->n + 1, each = FUNCTIONS * size, varied = VARIED * size;
     o->nodes = malloc(sizeof(varied_nodes) * (size_t)P);
@@ -473,10 +464,10 @@ static int fill(lone_orbit *o, const panels *cut, const points *at, int lanes)
     double *least = series + P * each, *jump = least + P, *kept = jump + P * PAIRS, *M = kept + P * varied;
     const panel_arrays to = {P, o->rows, width, series};
     rod_copy_panels(cut, cut->first, size, 0, &to);
-    rod_orbits_sum(2, P, size, to.arc, width, series, since, o->first, o->count, o->duration, o->integrals);
+    rod_orbits_sum(2, P, size, to.arc, width, how->series == FUNCTIONS ? series : NULL, since, o->first, o->count, o->duration, o->integrals);
     o->of = (read_orbits){size, P, &o->kind, o->first, o->count, NULL, &o->direction, o->duration, o->integrals, since, width,
                           width + P, width + 2 * P, series};
-    o->varied = (varied_orbits){least, M, jump, o->closing, kept, o->gain, lanes};
+    o->varied = (varied_orbits){least, M, jump, o->closing, kept, o->gain, how->lanes};
     return o->count[0] ? DONE : NOT_POSSIBLE;
 }
 
@@ -489,7 +480,7 @@ int rod_lone_orbit(const start_problem *start, const double *pinned, const criti
     int failed = rod_cut_orbit(start, pinned, known, by, at, how, &from, &made);
     if (!failed) {
         out->kind = from.kind, out->direction = from.direction;
-        failed = made.count ? fill(out, &made, at, how->lanes) : NOT_POSSIBLE;
+        failed = made.count ? fill(out, &made, at, how) : NOT_POSSIBLE;
     }
     rod_panels_free(&made);
     return failed;

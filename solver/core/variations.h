@@ -32,11 +32,15 @@ typedef struct {
 void rod_vary_state(const double *loads, const read_orbits *, int64_t i, const points *, int by_loads, int64_t lanes,
                     varied_nodes *out);
 
-/* The variations of orbit b, none of a helix, on its panels, with nodes (P,) as room. loads: (3,). only: two of the panels,
+/* The weights of the integral over a panel, (n,). */
+void rod_panel_weights(const points *, double *out);
+
+/* The variations of orbit b, none of a helix, on its panels, with nodes (P,) as room. loads: (3,). weights: of
+   `rod_panel_weights`. only: two of the panels,
    numbered within the orbit, whose series alone are wanted, or NULL for all; M of `out` may be NULL. Returns the number within
    the orbit of the panel whose critical point the orbit comes closest to. */
-int64_t rod_vary(const double *loads, const read_orbits *of, int64_t b, const points *at, const int64_t *only,
-                 varied_nodes *nodes, const varied_orbits *out);
+int64_t rod_vary(const double *loads, const read_orbits *of, int64_t b, const points *at, const double *weights,
+                 const int64_t *only, varied_nodes *nodes, const varied_orbits *out);
 
 /* The state at x of a panel with series of `size` coefficients, moving away from the start; M: since the start, along its
    arc. */

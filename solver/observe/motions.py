@@ -10,7 +10,7 @@ import numpy as np
 
 from ..branches.orbit_rates import rates_of_helices, rates_of_variations
 from ..branches.system import settle
-from ..core.library import cut, fine, numbers_of, on_grid, points, run, share_out, structure, widest
+from ..core.library import ANGLE, cut, fine, numbers_of, on_grid, points, run, share_out, structure, widest
 from ..core.measures import GROUPS, NUMBERS, RATED
 from ..numerics.arrays import Array, Integers
 from ..numerics.roots import EXACT
@@ -175,7 +175,7 @@ def start_sensitivities(
         varied, parts = motion
         of, kept = varied.arguments
         rest |= {"of": of, "varied": kept, "parts": np.ascontiguousarray(parts.swapaxes(1, 2))}
-    ways = on_grid(), points(POINTS), cut(HOW, False)
+    ways = on_grid(), points(POINTS), cut(HOW, ANGLE)
 
     def derive() -> None:
         task = _Sensitivities(**rest)

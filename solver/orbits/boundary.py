@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from ..core.library import FLOAT, Cutting, cut, fine, on_grid, points, run, structure
+from ..core.library import FLOAT, TIMES, Cutting, cut, fine, on_grid, points, run, structure
 from ..core.tuning import AT_REST, LOWEST, MOVED, ON
 from ..numerics.arrays import Array, Booleans, Columns, Integers
 from ..problem.reduced import EndsProblem
@@ -388,5 +388,5 @@ def _in_core(boundary: Boundary) -> tuple[Any, ...]:
     pins, falls = np.ascontiguousarray(boundary.pins), np.ascontiguousarray(boundary.falls)
     ends = boundary.low, boundary.high, boundary.deepest
     of = _Boundary(*loads, *ends, boundary.whole_turns, boundary.passed, pins.size, pins, falls)
-    m, how = int(critical.count[0]), (points(NODES), cut(CUTTING, True))
+    m, how = int(critical.count[0]), (points(NODES), cut(CUTTING, TIMES))
     return of, m, critical.beta[0, :m].copy(), critical.centre[0, :m].astype(np.int64), *how

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from ..core.library import AT, INT, Cutting, cut, fine, numbers_of, on_grid, points, run, structure, widest
+from ..core.library import AT, CURVES, INT, Cutting, cut, fine, numbers_of, on_grid, points, run, structure, widest
 from ..numerics.arrays import Array, Columns, Integers
 from ..problem.reduced import StartProblem
 from ..problem.trajectory import PLAIN, stood_in
@@ -242,7 +242,7 @@ def orbits_of(problem: StartProblem, pinned: Array | None, n: int, cutting: Cutt
     """
     B = problem.size
     kind, direction, sizes = np.empty(B, np.int64), np.empty(B), np.empty(2, np.int64)
-    task = B, numbers_of(problem), pinned, on_grid(), points(n), cut(cutting, False)
+    task = B, numbers_of(problem), pinned, on_grid(), points(n), cut(cutting, CURVES)
     handle = run("rod_orbits", *task, kind, direction, sizes, result=AT)
     P, status = sizes.tolist()
     if handle is None:
