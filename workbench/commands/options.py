@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from solver.problem.errors import InputError, choices, no_such
+from solver.problem.errors import InputError, no_such
 
 if TYPE_CHECKING:
     from studies.grammar.axes import Which
@@ -146,11 +146,9 @@ Json = Annotated[bool, flag("Print JSON.", "--json")]
 
 def check_file(path: Path, suffixes: tuple[str, ...], force: bool) -> Path:
     """The path; raises `InputError` for another suffix, and as of `writing.check_new`."""
-    from ..run import writing
+    from ..run import atomic, writing
 
-    if path.suffix.lower() not in suffixes:
-        raise InputError(f"cannot write {path.name!r}: choose a name that ends in {choices(suffixes)}")
-    writing.check_new(path, force)
+    writing.check_new(atomic.check_name(path, suffixes), force)
     return path
 
 

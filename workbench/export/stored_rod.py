@@ -36,10 +36,7 @@ class Exported:
 
 def format_of(path: Path) -> Format:
     """The format of a file, by its suffix. Raises `InputError` with the choices."""
-    suffix = path.suffix.lower()
-    if suffix not in FORMATS:
-        raise InputError(f"cannot export to {path.name!r}: choose a name that ends in {choices(FORMATS)}")
-    return _format(suffix)
+    return _format(atomic.check_name(path, tuple(FORMATS)).suffix.lower())
 
 
 def _format(suffix: str) -> Format:

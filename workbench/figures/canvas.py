@@ -279,14 +279,6 @@ def _letter_panels(fig: Figure) -> None:
         )
 
 
-def check_name(path: str | Path, suffixes: tuple[str, ...] = DIAGRAMS) -> Path:
-    """The path; raises `InputError` unless its name ends in one of the suffixes."""
-    path = Path(path)
-    if path.suffix.lower() not in suffixes:
-        raise InputError(f"cannot write {path.name!r}: choose a name that ends in {', '.join(suffixes)}")
-    return path
-
-
 def save(fig: Figure, path: str | Path | BytesIO, dpi: float = DPI) -> None:
     """Save a figure in the format of the suffix, or as PNG in memory; dpi: pixels per inch where it has pixels.
 
@@ -297,7 +289,7 @@ def save(fig: Figure, path: str | Path | BytesIO, dpi: float = DPI) -> None:
         if isinstance(path, BytesIO):
             fig.savefig(path, dpi=dpi)
         else:
-            atomic.write(check_name(path), lambda aside: fig.savefig(aside, dpi=dpi))
+            atomic.write(atomic.check_name(path, DIAGRAMS), lambda aside: fig.savefig(aside, dpi=dpi))
 
 
 def write_title(fig: Figure, title: str, below: str) -> float:

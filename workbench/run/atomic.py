@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from solver.problem.errors import InputError
+from solver.problem.errors import InputError, choices
 
 
 @contextmanager
@@ -24,6 +24,16 @@ def replacement(path: Path) -> Iterator[Path]:
     finally:
         with suppress(OSError):
             aside.unlink(missing_ok=True)
+
+
+def check_name(path: str | Path, suffixes: tuple[str, ...] = ()) -> Path:
+    """The path; raises `InputError` for a folder, and unless the name ends in one of the suffixes, if there are any."""
+    path, ends = Path(path), f" that ends in {choices(suffixes)}" if suffixes else ""
+    if path.is_dir():
+        raise InputError(f"{path} is a folder; give the name of a file{ends}")
+    if suffixes and path.suffix.lower() not in suffixes:
+        raise InputError(f"cannot write {path.name!r}: choose a name{ends}")
+    return path
 
 
 def check_link(path: Path) -> None:

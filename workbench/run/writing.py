@@ -132,22 +132,15 @@ def _create(
 
 
 def check_new(path: Path, force: bool) -> None:
-    """Raise `InputError` for a folder, where `check_parent` does, and without `force` for an existing file."""
-    _refuse_folder(path)
+    """Raise `InputError` where `check_parent` does, and without `force` for an existing file."""
     check_parent(path)
     if path.exists() and not force:
         raise InputError(f"{path} exists; give --force to replace it")
 
 
-def _refuse_folder(path: Path) -> None:
-    if path.is_dir():
-        raise InputError(f"{path} is a folder; give the name of a file")
-
-
 def check_free(path: str | Path, study_name: str) -> None:
     """Raise `InputError` unless nothing is at `path`, or a dataset of the study of that name."""
-    path = Path(path)
-    _refuse_folder(path)
+    path = atomic.check_name(path)
     if not path.exists():
         return
     try:
@@ -162,9 +155,10 @@ def check_free(path: str | Path, study_name: str) -> None:
 
 
 def check_parent(path: str | Path) -> None:
-    """Raise `InputError` unless the folder of a file exists and can be written, or where a link leads nowhere."""
+    """Raise `InputError` unless the folder of a file exists and can be written, for a folder, and where a link leads
+    nowhere."""
     atomic.check_link(Path(path))
-    folder = Path(path).parent
+    folder = atomic.check_name(path).parent
     if not folder.is_dir():
         raise InputError(f"cannot write {path}: folder not found: {folder}")
     check_folder(folder)

@@ -13,8 +13,9 @@ import numpy as np
 
 from solver.problem.errors import InputError
 
-from ..figures import canvas, colours
+from ..figures import colours
 from ..geometry.centreline import Array
+from ..run import atomic
 from ..stored import selection
 from ..stored.stored_study import StoredStudy
 from ..words import labels
@@ -63,7 +64,7 @@ def render(
     level: int = 1,
 ) -> Page:
     """Draw a scene and save it; parameters as of `compose`; level: of the compression of a PNG."""
-    path = canvas.check_name(path, SUFFIXES)
+    path = atomic.check_name(path, SUFFIXES)
     check_name(path, settings)
     picture = compose(stored, at, kind, axes, along, settings)
     page.save(picture, path, level)
