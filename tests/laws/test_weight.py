@@ -503,6 +503,20 @@ def test_a_bend_next_to_a_free_end_that_the_load_has_buckled_is_never_called_str
     assert "sinusoidal" in words[1]
 
 
+@pytest.mark.parametrize("sliding", ("forward", "rotating", "axial-forward"))
+@pytest.mark.parametrize(("hole", "load"), ((1.0, 36e3), (5.0, 65e3), (30.0, 126e3)))
+def test_a_little_friction_changes_a_buckled_pipe_a_little(hole: float, load: float, sliding: str) -> None:
+    def range_of(friction: float) -> float:
+        inclination = np.deg2rad(180 - hole)
+        cylinder = Cylinder(**HOLE, inclination=inclination, friction=friction, sliding=sliding)
+        sol = solve(Case(Rod(L=300.0, **PIPE), cylinder, Ends(beta0=0.0, betaL=0.0, FZ=-load)))
+        assert sol.solved, sol.outcome
+        return float(np.ptp(sol.alpha))
+
+    assert range_of(0.0) > 0.5
+    assert range_of(1e-3) == pytest.approx(range_of(0.0), rel=0.02)
+
+
 def test_a_vertical_pipe_that_turns_in_place_is_not_straight_where_it_buckles() -> None:
     """Its wall does not press on the straight pipe, so friction does not hold it."""
     hole = Cylinder(**HOLE, inclination="180deg", friction=0.25, sliding="rotating")
