@@ -341,7 +341,7 @@ class Observable:
 SEVERAL = "several places of the rod reach the extreme, and a change moves them apart"
 STRAIGHT = "the rod is straight, or has no such period, where the value is not smooth"
 NO_TURN = "the rod does not turn about the axis in its middle third"
-NEVER_LOCKS = "friction locks up a rod inside that slides along the cylinder, unless its weight carries it"
+NEVER_LOCKS = "only a rod inside that slides along its cylinder locks up, and none that its weight carries"
 
 
 def _in_unit(name: str, unit: Callable[[MeasuredNumbers], Any], **rest: Any) -> Observable:

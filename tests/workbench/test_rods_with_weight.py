@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 from matplotlib.figure import Figure
 
-from solver import Case, Cylinder, InputError, Rod, Start, solve
+from solver import Case, Cylinder, Ends, InputError, Rod, Start, solve
 from studies import loads
 from tests.workbench import small, stored_figures, study_kinds
 from tests.workbench.command import exit_status
@@ -21,7 +21,7 @@ from workbench.scene import body as body_of
 from workbench.scene import layout, long_rod, scene_kinds, views
 from workbench.scene.settings import Settings
 from workbench.stored.stored_study import StoredStudy
-from workbench.words import cautions
+from workbench.words import cautions, pipe_state
 
 PIPE = {"EI": 1228.0, "GJ": 945.0, "a": 0.0635, "L": 60.0, "weight": 0.242, "R": 0.10795}
 HELD = {**PIPE, "side": "inside", "beta0": 0.0, "betaL": 0.0, "FZ": -220.0}
@@ -233,3 +233,13 @@ def test_what_is_above_the_yield_stress_alone_is_red() -> None:
     assert shown == [True, False]
     with pytest.raises(InputError, match="choose --kind ridge or curves"):
         well.figure(StoredStudy(small.six()))
+
+
+@pytest.mark.parametrize("hole", (30.0, 90.0))
+def test_how_far_a_pipe_can_be_pushed_is_said_also_where_its_weight_carries_it(hole: float) -> None:
+    wall = Cylinder(R=0.10795, side="inside", inclination=f"{180 - hole} deg", friction=0.25, sliding="axial-forward")
+    case = Case(Rod(EI=1224.0, GJ=941.6, a=0.0635, weight=0.241, L=300.0), wall, Ends(beta0=0.0, betaL=0.0, FZ=-100.0))
+    said = [row for row in pipe_state.sentences(solve(case), {"length": "m", "force": "kN"}) if row.startswith("reach")]
+    assert len(said) == 1
+    assert ("its weight carries it" in said[0]) == (hole < 75)
+    assert said[0].endswith("kN arrives")

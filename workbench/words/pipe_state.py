@@ -155,11 +155,13 @@ def _reach(sol: "Solution", units: dict[str, str]) -> list[str]:
     if sol.case.cylinder.turns_in_place:
         return [f"torque {plain(number(sol, 'surface_torque'))} {force} {length} at its upper end turns it"]
     reach, most = (number(sol, name) for name in ("reach", "arriving_max"))
-    if math.isnan(reach):
+    if math.isnan(reach) and math.isnan(most):
         return []
+    carried = "it never locks up, as its weight carries it"
+    locks = carried if math.isnan(reach) else f"it locks up at {plain(reach)} {length}"
     name = "s = L" if sol.case.cylinder.sense[0] > 0 else "s = 0"
     at_most = f"; over {plain(float(sol.case.rod.L))} {length} at most {plain(most)} {force} arrives" * (most > 0)
-    return [f"reach: with this load at {name} it locks up at {plain(reach)} {length}{at_most}"]
+    return [f"reach: with this load at {name} {locks}{at_most}"]
 
 
 def _ripples(sol: "Solution") -> list[str]:
