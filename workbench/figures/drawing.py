@@ -174,7 +174,8 @@ def _view(rod: drawn_rods.DrawnRod, unit: str, radius: float, sheet: Sheet) -> S
         scale = upright[0]
     if 2 * rod.a * mm * scale < HAIR:
         raise InputError(
-            "at true scale this rod is thinner than a line beside its cylinder: choose --kind curves, which unrolls it"
+            f"at {_scale_words(scale)}, at which {plain(2 * radius)} {unit} across the axis fit the sheet, this rod is "
+            "thinner than a line: choose --kind curves, which unrolls it, or a scene"
         )
     k = s.size if whole else int(np.argmax(np.append(np.abs(z - z[0]) * mm * scale > room, True)))
     whole = whole or k == s.size

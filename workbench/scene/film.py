@@ -19,7 +19,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from solver.problem.errors import InputError, choices, no_such
+from solver.problem.errors import InputError, choices
 from solver.problem.quantities import current
 from studies.grammar.axes import SAMPLE
 
@@ -27,6 +27,7 @@ from ..figures import bifurcation, canvas, colours, fonts
 from ..figures.scales import is_logarithmic
 from ..figures.trends import BRACKET, trend
 from ..run import atomic
+from ..stored.stored_cases import no_such_observable
 from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import body as rods
@@ -101,7 +102,7 @@ def observable_of(
     if name is not None:
         name = current(name)
         if name not in known:
-            raise no_such("observable", name, known)
+            raise no_such_observable(name, known)
         return name
     judged = [law.observable for law in stored.laws if law.axis == axis]
     candidates = [candidate for candidate in (*judged, *known) if candidate in known]

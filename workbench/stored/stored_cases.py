@@ -9,6 +9,7 @@ from typing import Any, Self
 import numpy as np
 import xarray as xr
 
+from solver.observe.observables import OBSERVABLES
 from solver.problem.declared_fields import FIELDS, VARY_LOADS
 from solver.problem.errors import InputError, choices, near, no_such
 from solver.problem.quantities import current
@@ -27,6 +28,12 @@ _ROUNDING = 1e-9  # of the largest: a load that is 0 by symmetry differs by less
 PARTS = ("curve", "fold", "special", "shape")  # of a dataset of branches; each may have `<part>_<BACK>`
 BACK = "turned_back"
 HELD_INDEX = "held_index"  # stored of held ends alone
+
+
+def no_such_observable(name: str, known: Sequence[str]) -> InputError:
+    """The error that a file has no such observable; of one that a study could have had it says how."""
+    why = f"{name} is not stored: a study stores what its `observables` name" if name in OBSERVABLES else ""
+    return InputError(f"{why or f'no observable {name!r}{near(name, known)}'}; the file has {choices(known) or 'none'}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -303,8 +310,7 @@ class StoredCases:
         names = [current(name) for name in names]
         for name in names:
             if not self._is_number_of_each_case(name):
-                known = self.observables
-                raise InputError(f"no observable {name!r}{near(name, known)}; the file has {choices(known) or 'none'}")
+                raise no_such_observable(name, self.observables)
         return list(dict.fromkeys(names))
 
     def of_solved(self, name: str) -> xr.DataArray:
