@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
 WIDEST = 1e8  # of the size of a field: the range of a branch, of which a share of 4e-15 is taken for rounding
 _BEFORE = 1e-10  # of the way to the fold: at the fold the condition number is infinite, and half the digits are lost
+_BLOCK = 256  # points of a branch whose shapes are computed together: their orbits take 10 to 100 MB
 SolvePoint = Callable[[BranchPoint], Solution]
 
 
@@ -198,23 +199,24 @@ def _solutions_at(points: Sequence[BranchPoint], case: Case, tol: float, u: Arra
         t = span_of(case)[:, None] * u
         ways = [way_of(point.path, point.index) for point in points]
         return Solution(case, *answer_ends(case, t, tol, ways), t, "shooting", tol)
-    from .orbits.path_orbits import together
+    from .orbits.joined_orbits import join_answers
 
-    problems, stations, shapes = zip(*(_shape(point, u, tol) for point in points), strict=True)
-    t = np.concatenate(stations)
-    return Solution(case, EndsProblem.join(problems), together(shapes, t), t, "shooting", tol)
-
-
-def _shape(point: BranchPoint, u: Array, tol: float) -> tuple[EndsProblem, Array, Trajectory]:
-    """The problem of a point, and its shape at stations s/L = u."""
-    from .orbits.path_orbits import equilibrium_trajectory, orbit_of
-
-    problem, path = point.problem, point.path
+    problem = EndsProblem.join([point.problem for point in points])
     t = problem.span[:, None] * u
-    shape = equilibrium_trajectory(problem, orbit_of(problem, path), t, tol)
-    if fields_held(point.case):
-        shape = replace(shape, held_index=np.array([point.index if point.index >= 0 else np.nan]))
-    return problem, t, shape
+    blocks = [slice(i, i + _BLOCK) for i in range(0, len(points), _BLOCK)]
+    parts = (_shapes(problem.take(rows), points[rows], t[rows], tol) for rows in blocks)
+    trajectory = join_answers(parts, t, len(blocks)) if len(blocks) > 1 else next(parts)
+    return Solution(case, problem, trajectory, t, "shooting", tol)
+
+
+def _shapes(problem: EndsProblem, points: Sequence[BranchPoint], t: Array, tol: float) -> Trajectory:
+    """The shapes of points of a branch at stations t (N, n); problem: theirs, under dead loads."""
+    from .orbits.path_orbits import equilibrium_trajectory, orbits_of_paths
+
+    shapes = equilibrium_trajectory(problem, orbits_of_paths(problem, [point.path for point in points]), t, tol)
+    if fields_held(points[0].case):
+        shapes = replace(shapes, held_index=np.array([point.index if point.index >= 0 else np.nan for point in points]))
+    return shapes
 
 
 def solutions_of(branch: Branch, stations: int) -> Solution:

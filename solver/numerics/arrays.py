@@ -35,5 +35,6 @@ class Columns:
 
     @classmethod
     def join(cls, parts: Sequence[Self]) -> Self:
-        """Rows one after the other, of dataclasses that hold nothing but arrays."""
-        return cls(**{name: np.concatenate([vars(part)[name] for part in parts]) for name in vars(parts[0])})
+        """Rows one after the other, of dataclasses that hold nothing but arrays and such dataclasses."""
+        columns = {name: [vars(part)[name] for part in parts] for name in vars(parts[0])}
+        return cls(**{k: v[0].join(v) if isinstance(v[0], Columns) else np.concatenate(v) for k, v in columns.items()})

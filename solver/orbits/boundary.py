@@ -247,13 +247,14 @@ class Boundary:
         pin, gap = self.own_pin(path.pin), path.sign * float(np.exp(max(path.y, self.deepest)))
         return (pin == highest and path.sign > 0) or gap + self.fall(pin, highest) >= 0
 
-    def lengths(self, paths: "list[Path]") -> Array:
-        """Lengths of paths whose levels have one pin, (M,)."""
-        boundary = self.with_pin(paths[0].pin)
-        y, sign = np.array([path.y for path in paths]), np.full(len(paths), paths[0].sign)
-        columns = np.array([(path.leaving, path.turns) for path in paths])
-        seen = transit_times(boundary, Levels(np.zeros(y.size, dtype=np.int64), sign, y))
-        return seen.lengths_along(Ways(*columns.T).counts(boundary.rising))
+    def lengthens(self, path: "Path") -> float:
+        """1 where a path of the only pin grows longer with its level, 0 where it grows shorter; NaN of a helix."""
+        if path.helix:
+            return np.nan
+        y, way = path.y + np.array([-1e-4, 1e-4]), Ways(np.array([path.leaving]), np.array([path.turns]))
+        seen = transit_times(self, Levels(np.zeros(2, dtype=np.int64), np.full(2, path.sign), y))
+        shorter, longer = seen.lengths(way.counts(self.rising))[0]
+        return float(path.sign * (longer - shorter) > 0)
 
     def start_speed2(self, pin: Any, gap: Array) -> Array:
         """beta_t(0)^2 at levels G(pins[pin]) + gap."""

@@ -4,14 +4,14 @@ Orbits that stay at a saddle for longer than a gap in floating point can express
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
 import numpy as np
 
 from ..core.tuning import LOWEST
-from ..numerics.arrays import ALIKE, EPS, Array, Integers
+from ..numerics.arrays import ALIKE, EPS, Array, Columns
 from ..problem.reduced import EndsProblem, StartProblem
 from ..problem.trajectory import PLAIN, Trajectory, blank, verdicts
 from .boundary import (
@@ -38,64 +38,93 @@ ROUNDING = 20 * EPS
 _DEEPER = 40.0  # in log gap: the root of the gap, the error of a rod at rest on a saddle, is then below rounding
 
 
-def solve_orbits(problem: EndsProblem, boundary: Boundary, paths: Paths, lengthens: Array) -> tuple[Orbit, Array]:
-    """The orbits and their levels eta, (K,)."""
-    K = paths.y.size
-    boundary = replace(boundary, deepest=max(LOWEST, boundary.deepest - _DEEPER))
-    start, gap, excess, pin = _starts(problem, boundary, paths)
-    moves = ~paths.helix
-    measured, falls = paths.pin.copy(), np.ones((K, 2))  # the pins, and falls of the two ends from them
-    measured[moves], falls[moves] = boundary.pins[pin], boundary.falls[pin]
-    level = potential(start, measured) + gap
-    orbit = solve_orbit(start, TIGHT, (measured, gap, 0 * gap), STRETCH)
-    # between two ends on saddles of this height eta(L) stays while eta between them grows as the gap's root falls
-    growth = response(orbit)[0] * np.exp(np.minimum((falls == 0).all(axis=1) * excess / 2, 600))
-    if excess.any():
-        orbit = solve_orbit(start, TIGHT, (measured, gap, excess), STRETCH)
-    base = orbit.panels.base + (problem.beta0[0] - start.beta0[0])  # whole turns
-    start = replace(start, beta0=np.full(K, problem.beta0[0]), span=np.full(K, problem.span[0]))
-    known = {"lengthens": lengthens, "response": growth, "paths": paths}
-    return replace(orbit, problem=start, panels=replace(orbit.panels, base=base), **known), level
+@dataclass(frozen=True, eq=False)
+class _Starts(Columns):
+    """The start problems of K levels, without the time that a gap in floating point cannot express at a saddle.
 
-
-def _starts(problem: EndsProblem, boundary: Boundary, paths: Paths) -> tuple[StartProblem, Array, Array, Integers]:
-    """The start problems of K levels, without the time that a gap in floating point cannot express at a saddle; the
-    gaps and the log by which they are too large, (K,) each; and the numbers of the pins of those that are no helices.
+    problem: the start problems. measured: the pins. gap: the gaps. excess: the log by which these are too large. falls:
+    (K, 2), of the two ends from the pins. The others: (K,).
     """
+
+    problem: StartProblem
+    measured: Array
+    gap: Array
+    excess: Array
+    falls: Array
+
+    @property
+    def orbit(self) -> Orbit:
+        """The orbits, each with the problem that it starts from."""
+        return solve_orbit(self.problem, TIGHT, (self.measured, self.gap, self.excess), STRETCH)
+
+    @property
+    def level(self) -> Array:
+        """The levels eta, (K,)."""
+        return potential(self.problem, self.measured) + self.gap
+
+
+def solve_orbits(problem: EndsProblem, boundary: Boundary, paths: Paths, lengthens: Array) -> tuple[Orbit, Array]:
+    """The orbits of K equilibria of one problem, and their levels eta, (K,)."""
+    starts = _starts(problem, boundary, paths)
+    return _orbits_between(repeat(problem, paths.y.size), starts, paths, lengthens), starts.level
+
+
+def _orbits_between(problem: EndsProblem, starts: _Starts, paths: Paths, lengthens: Array) -> Orbit:
+    """The orbits of K ends problems, with what is known of equilibria."""
+    orbit = replace(starts, excess=0 * starts.gap).orbit
+    # between two ends on saddles of this height eta(L) stays while eta between them grows as the gap's root falls
+    growth = response(orbit)[0] * np.exp(np.minimum((starts.falls == 0).all(axis=1) * starts.excess / 2, 600))
+    if starts.excess.any():
+        orbit = starts.orbit
+    base = orbit.panels.base + np.repeat(problem.beta0 - starts.problem.beta0, 2)[orbit.panels.arc]  # whole turns
+    start = replace(starts.problem, beta0=problem.beta0, span=problem.span)
+    known = {"lengthens": lengthens, "response": growth, "paths": paths}
+    return replace(orbit, problem=start, panels=replace(orbit.panels, base=base), **known)
+
+
+def _starts(problem: EndsProblem, boundary: Boundary, paths: Paths) -> _Starts:
+    """The starts of K equilibria of one problem."""
+    boundary = replace(boundary, deepest=max(LOWEST, boundary.deepest - _DEEPER))
     K, moves = paths.y.size, ~paths.helix
     pin = np.array([int(np.argmin(np.abs(boundary.pins - p))) for p in paths.pin[moves]], dtype=int)
     gap, dbeta0, excess = np.zeros(K), np.zeros(K), np.zeros(K)
     gap[moves] = paths.sign[moves] * np.exp(np.maximum(paths.y[moves], boundary.deepest))
     dbeta0[moves] = paths.leaving[moves] * np.sqrt(np.maximum(boundary.start_speed2(pin, gap[moves]), 0))
     excess[moves] = np.maximum(boundary.deepest - paths.y[moves], 0)
+    measured, falls = paths.pin.copy(), np.ones((K, 2))
+    measured[moves], falls[moves] = boundary.pins[pin], boundary.falls[pin]
     start = replace(repeat(problem, K).with_start(dbeta0), beta0=np.full(K, boundary.start))
     deep = excess > 0
-    if not deep.any():
-        return start, gap, excess, pin
-    moving = Ways(paths.leaving[moves], paths.turns[moves])
-    seen = transit_times(boundary, Levels(pin, paths.sign[moves], paths.y[moves]), deep=False)
-    span = start.span.copy()
-    span[moves] = np.where(deep[moves], seen.lengths_along(moving.counts(boundary.rising)), span[moves])
-    return replace(start, span=span), gap, excess, pin
+    if deep.any():
+        moving = Ways(paths.leaving[moves], paths.turns[moves])
+        seen = transit_times(boundary, Levels(pin, paths.sign[moves], paths.y[moves]), deep=False)
+        span = start.span.copy()
+        span[moves] = np.where(deep[moves], seen.lengths_along(moving.counts(boundary.rising)), span[moves])
+        start = replace(start, span=span)
+    return _Starts(start, measured, gap, excess, falls)
 
 
 def variations_of(problem: EndsProblem, path: Path) -> Variations | HelixVariations:
     """The variations of one equilibrium."""
     if path.helix:
         return HelixVariations(problem, held=True)
-    boundary = boundary_of(problem).with_pin(path.pin)
-    start, gap, excess, _ = _starts(problem, boundary, path.alone)
-    orbit = solve_orbit(start, TIGHT, (boundary.pins, gap, excess), STRETCH)
-    return variations_on(replace(orbit, problem=replace(start, span=problem.span)))
+    starts = _starts(problem, boundary_of(problem).with_pin(path.pin), path.alone)
+    return variations_on(replace(starts.orbit, problem=replace(starts.problem, span=problem.span)))
+
+
+def orbits_of_paths(problem: EndsProblem, paths: Sequence[Path]) -> Orbit:
+    """The orbits of one equilibrium of each of B problems, with what their indices and condition numbers need."""
+    problems = [problem.take(slice(i, i + 1)) for i in range(len(paths))]
+    boundaries = [boundary_of(row).with_pin(path.pin) for row, path in zip(problems, paths, strict=True)]
+    lengthens = np.array([boundary.lengthens(path) for boundary, path in zip(boundaries, paths, strict=True)])
+    alone = [path.alone for path in paths]
+    starts = _Starts.join([_starts(*row) for row in zip(problems, boundaries, alone, strict=True)])
+    return _orbits_between(problem, starts, Paths.join(alone), lengthens)
 
 
 def orbit_of(problem: EndsProblem, path: Path) -> Orbit:
     """The orbit of one equilibrium, with the fields that its Morse index and its condition number need."""
-    boundary, lengthens = boundary_of(problem), np.array([np.nan])
-    if not path.helix:
-        length = boundary.lengths([replace(path, y=path.y - 1e-4), replace(path, y=path.y + 1e-4)])
-        lengthens = np.array([float(path.sign * (length[1] - length[0]) > 0)])
-    return solve_orbits(problem, boundary.with_pin(path.pin), path.alone, lengthens)[0]
+    return orbits_of_paths(problem, [path])
 
 
 def energies(orbit: Orbit, level: Array) -> Array:

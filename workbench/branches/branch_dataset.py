@@ -100,7 +100,9 @@ def sweep(study: Study, case: Case, name: str, values: Any, step: Step, show: st
     data |= {"solved": column("solved", bool, {}), "outcome": column("outcome", str, {})}
     chosen = default_observable(name) if show is None else show
     shown = (chosen,) if held else (chosen, "energy")
-    data |= special_points(seen, name, units, shown) | follow_curves(seen, name, units, shown, (values[0], values[-1]))
+    data |= special_points(seen, name, units, shown)
+    solved = [solutions_of(curve, SHAPE_STATIONS) for curve in seen.curves]
+    data |= follow_curves(seen, solved, name, units, shown, (values[0], values[-1]))
     ds = xr.Dataset(
         data, {name: xr.Variable((name,), values, quantity_variables.labels(quantity_of(name).name, units))}
     )
@@ -108,7 +110,7 @@ def sweep(study: Study, case: Case, name: str, values: Any, step: Step, show: st
     ds.attrs = attributes(study, case, f"{every} {quantity_of(name).symbol}")
     if held:
         ds.attrs["stability"] = stability(seen.curves[0].points[0].case) if seen.curves else ""
-    ds.attrs["branches"] = json.dumps(_rows(ds, name, laws, seen))
+    ds.attrs["branches"] = json.dumps(_rows(ds, name, laws, seen, solved))
     ds.attrs |= {"axis": name, "shown": shown[0], "remarks": json.dumps(seen.remarks)}
     ds = with_case(ds, case, units, (name, PARTNER.get(name, name)))
     return ds.drop_dims([dim for dim, size in ds.sizes.items() if not size])  # a file holds no empty array
@@ -132,15 +134,17 @@ def _is_of_observables(law: Law) -> bool:
     return law.direction is not None and set(law.observables) <= set(OBSERVABLES)
 
 
-def _bends(seen: Traced, piece: Piece) -> NDArray[np.int64]:
-    """Numbers of bends of the solved points of a piece between its ends."""
-    bends = observe(solutions_of(seen.curves[piece.curve], SHAPE_STATIONS), ["bends"])["bends"]
-    inner = bends[piece.first + 1 : piece.last]
+def _bends(solved: Solution, piece: Piece) -> NDArray[np.int64]:
+    """Numbers of bends of the solved points of a piece between its ends; solved: all points of its curve."""
+    inner = observe(solved, ["bends"])["bends"][piece.first + 1 : piece.last]
     return inner[np.isfinite(inner)].astype(np.int64)
 
 
-def _rows(ds: xr.Dataset, name: str, laws: list[Law], seen: Traced) -> list[dict[str, Any]]:
-    """A row for each branch: its first and last value of the axis, index, number of bends, and each law's verdict."""
+def _rows(ds: xr.Dataset, name: str, laws: list[Law], seen: Traced, solved: Sequence[Solution]) -> list[dict[str, Any]]:
+    """A row for each branch: its first and last value of the axis, index, number of bends, and each law's verdict.
+
+    solved: the points of each curve.
+    """
     rows = []
     scale = 180 / np.pi if ds[name].attrs["units"] == "rad" else 1.0
     for piece in seen.pieces:
@@ -154,7 +158,7 @@ def _rows(ds: xr.Dataset, name: str, laws: list[Law], seen: Traced) -> list[dict
             "to": float(ends[-1] * scale),
             "values": len(points) if name in PARTNER else int(k.size),
             "index": points[len(points) // 2].index,
-            "bends": _range(bends if k.size else _bends(seen, piece)),
+            "bends": _range(bends if k.size else _bends(solved[piece.curve], piece)),
         }
         for law in laws:
             key = f"{law.observable} {law.direction}"
@@ -247,14 +251,18 @@ def _known(sol: Solution, curve: Branch) -> NDArray[np.bool_]:
 
 
 def follow_curves(
-    seen: Traced, name: str, units: Mapping[str, str], shown: Sequence[str], ends: tuple[float, float]
+    seen: Traced,
+    solved: Sequence[Solution],
+    name: str,
+    units: Mapping[str, str],
+    shown: Sequence[str],
+    ends: tuple[float, float],
 ) -> dict[str, Any]:
     """The points of the branches over `curve_point`, and the shape in the middle of each over (shape, u).
 
-    Of one or two branches several shapes are kept; `shape_branch` says whose they are. ends: of the axis, between which
-    shapes are kept; branches may go on beyond.
+    Of one or two branches several shapes are kept; `shape_branch` says whose they are. solved: the points of each
+    curve. ends: of the axis, between which shapes are kept; branches may go on beyond.
     """
-    solved = [solutions_of(curve, SHAPE_STATIONS) for curve in seen.curves]
     numbers = [
         _numbers_of_solved(sol, curve, shown)
         | _numbers_of(sol, [BACK])
