@@ -40,7 +40,7 @@ from .given_numbers import FREE
 from .held_index import index_of
 from .helices import off_helix
 from .helix_branch import end_of_helix, helix_places
-from .leaps import Guess, angles_on, leap
+from .leaps import LEAPS, Guess, angles_on, leap
 from .orbit_rates import orbit_rates
 from .system import AT_REST, LEFT, state_of
 
@@ -126,6 +126,7 @@ class _Walk:
     natural: bool
     kept: int = 0
     creeps: int = 0
+    reach: float = LEAPS[0]
 
     @property
     def lengths(self) -> arclength.Lengths:
@@ -144,7 +145,7 @@ class _Walk:
         if len(places) >= left and not (stays or is_near_helix(state)):
             return arclength.Stride(places, state, step)
         state, self.kept = rechart(state, step, keep=self.kept > 0), self.kept - 1
-        past = leap_on(state, self.bounds) if stays or is_near_helix(state) else None
+        past = leap_on(state, self.bounds, self.reach) if stays or is_near_helix(state) else None
         if past is not None:
             return self._arrive(places, state, past, [past.record()], step, True)
         ahead, passed = _pass(state, _step(state, step, self.bounds), self.bounds)
@@ -159,7 +160,7 @@ class _Walk:
             longer = step * float(np.clip(np.sqrt(EASY_BEND / bend), SLOWER, FASTER))
             return self._arrive(places, state, ahead, passed, longer, False)
         half = step / 2
-        beyond = leap_on(state, self.bounds) if step >= NARROW > half or half < self.lengths.least else None
+        beyond = leap_on(state, self.bounds, self.reach) if step >= NARROW > half or half < self.lengths.least else None
         if beyond is not None:
             return self._arrive(places, state, beyond, [beyond.record()], self.lengths.first, True)
         stuck = f"the step became too small: {ahead}" if half < self.lengths.least else ""
@@ -170,6 +171,8 @@ class _Walk:
     ) -> arclength.Stride[Place, BranchState]:
         """The places of a stride from a state, at the last of which the branch may end; leap: whether it is a leap."""
         self.creeps = self.creeps + 1 if creeps(before, after, self.bounds, leap) else 0
+        went = abs(after.p - before.p) / before.curve.family.scale
+        self.reach = max(2 * went, LEAPS[0]) if leap else LEAPS[0]
         if self.creeps > (_FEW if self.natural else _CREEPS):
             why = "the steps became too small"
             if not self.natural:
@@ -261,28 +264,29 @@ def is_near_helix(state: BranchState) -> bool:
     return family.is_dead or bool(np.ptp(_angles(state)) < _SLIGHT)  # ends of a long rod rest next to saddles too
 
 
-def leap_on(state: BranchState, bounds: Bounds) -> BranchState | None:
-    """The equilibrium a little farther on; under held ends none but past a helix."""
+def leap_on(state: BranchState, bounds: Bounds, reach: float = LEAPS[0]) -> BranchState | None:
+    """The equilibrium a little farther on, at most so far in p's scale; under held ends none but past a helix."""
     if state.at is None:
         return None
     family, (boundary, path) = state.curve.family, state.at
     if not family.is_dead:
         return past_helix(state, bounds) if family.natural or is_near_helix(state) else None
     rises = family.natural or state.rises > 0  # next to a saddle rounding may turn it
-    beyond = leap_from(family, boundary.problem, path, state.p, rises, bounds)
+    beyond = leap_from(family, boundary.problem, path, state.p, rises, bounds, reach)
     return None if isinstance(beyond, str) else beyond
 
 
 def leap_from(
-    family: Family, problem: EndsProblem, path: Path, p: float, rises: bool, bounds: Bounds
+    family: Family, problem: EndsProblem, path: Path, p: float, rises: bool, bounds: Bounds, reach: float = LEAPS[0]
 ) -> BranchState | str:
     """The equilibrium a little beyond that at p, or why there is none: under dead loads the one with a close shape and
-    the same Morse index, under held ends the bent rod that a helix becomes."""
+    the same Morse index, at most so far in p's scale; under held ends the bent rod that a helix becomes."""
     far = p + float(np.clip(bounds.next(p, rises) - p, -family.scale, family.scale))
     first, last = family.given(p), family.given(far)
     if first is None or last is None:
         return LEFT
-    guesses = leap(first, last, problem, path) if family.is_dead else off_helix(state_of(problem, path), last)
+    longest = 1.0 if abs(far - p) <= reach * family.scale else reach * family.scale / abs(far - p)
+    guesses = leap(first, last, problem, path, longest) if family.is_dead else off_helix(state_of(problem, path), last)
     places = ((guess, way, p + share * (far - p)) for guess, way, share in guesses)
     if beyond := first_equilibrium(family, places, rises):
         return beyond

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from ..core import branch_calls as core
-from ..core.tuning import AHEAD, LEAST, SAME_SADDLE, SHARE
+from ..core.tuning import AHEAD, LEAST, SAME_SADDLE, SHARE, STEEP
 from ..numerics.arclength import LEFT, Node, advance, correct_point, node_at
 from ..numerics.arrays import NEGLIGIBLE, Array
 from ..orbits.boundary import Boundary, Path
@@ -76,11 +76,11 @@ def begin_at(family: Family, path: Path, p: float, rises: bool) -> BranchState |
 
 
 def correct_state(curve: EquilibriumCurve, w: Array, along: Array) -> BranchState | str:
-    """The point of the curve next to w, travelled along a direction; p is held, or x at a fold."""
+    """The point of the curve next to w, travelled along a direction; p is held, or x where the curve nearly folds."""
     jacobian = curve.jacobian(w)
     if jacobian is None:
         return LEFT
-    order = (1, 0) if abs(along[1]) > abs(along[0]) else (0, 1)
+    order = (1, 0) if abs(along[1]) > STEEP else (0, 1)
     reason = LEFT
     for held in order:
         corrected = correct_point(curve, w, np.eye(w.size)[held], jacobian)

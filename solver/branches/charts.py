@@ -5,15 +5,17 @@ log|gap|, as transit times are linear in it; where beta_t is small at an end, th
 sign.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..core import branch_calls as core
 from ..core.library import numbers_of
 from ..numerics.arrays import ALIKE
-from ..orbits.boundary import Path
+from ..orbits.boundary import Path, boundary_of, height_scale
 from ..problem.reduced import EndsProblem
+
+ROUNDING = 1e-14  # of the size of G: saddles whose heights differ by less are as high, as `ROUNDING` of charts.c
 
 
 @dataclass(frozen=True)
@@ -59,8 +61,19 @@ def same_equilibrium(problem: EndsProblem, path: Path, other: Path) -> bool:
         return False
     if path.helix:
         return True
-    first, second = charts(problem, path)[0], charts(problem, other)[0]
-    if (first.kind, first.logarithmic, first.at.sign) != (second.kind, second.logarithmic, second.at.sign):
-        return False
-    near = abs(np.sin((first.at.pin - second.at.pin) / 2)) < ALIKE  # in scales: one equilibrium
-    return near and abs(coordinate(first) - coordinate(second)) < ALIKE * first.scale
+    if abs(np.sin((path.pin - other.pin) / 2)) > ALIKE and path.sign == other.sign:
+        boundary, rounding = boundary_of(problem), ROUNDING * height_scale(problem)
+        pins = [boundary.own_pin(pin) for pin in (path.pin, other.pin)]
+        if np.isin(pins, boundary.saddles).all() and abs(boundary.fall(*pins)) < rounding:  # such as mirror images
+            if abs(np.exp(path.y) - np.exp(other.y)) < rounding:
+                return True
+            other = replace(other, pin=path.pin)
+    first = charts(problem, path)[0]
+    alike = (chart for chart in charts(problem, other) if _is_alike(first, chart))
+    return any(abs(coordinate(first) - coordinate(chart)) < ALIKE * first.scale for chart in alike)
+
+
+def _is_alike(chart: Chart, other: Chart) -> bool:
+    """Whether two charts of paths of one problem have one coordinate."""
+    same = (chart.kind, chart.logarithmic, chart.at.sign) == (other.kind, other.logarithmic, other.at.sign)
+    return same and abs(np.sin((chart.at.pin - other.at.pin) / 2)) < ALIKE

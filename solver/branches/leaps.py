@@ -22,15 +22,15 @@ LEAPS = (1e-3, 1e-4, 1e-5)  # shares of the line over which a leap is tried
 NEAR, _CLEAR = 0.05, 4.0  # rad between two shapes of a branch after a leap; factor by which others must be farther
 
 
-def leap(first: Given, last: Given, problem: EndsProblem, path: Path) -> Iterator[Guess]:
+def leap(first: Given, last: Given, problem: EndsProblem, path: Path, longest: float = LEAPS[0]) -> Iterator[Guess]:
     """The equilibria a little farther on with a close shape and the same Morse index, and the shares that are leapt.
 
-    first, last: the ends of the line. problem, path: the equilibrium at the first one. None is given where
-    there is none beyond, or more than one.
+    first, last: the ends of the line. problem, path: the equilibrium at the first one. longest: the share that is tried
+    first. None is given where there is none beyond, or more than one.
     """
     before = orbit_of(problem, path)
     index, angles = jacobi_zeros(before)[0], angles_on(before)
-    for length in LEAPS:
+    for length in _shares(longest):
         problem_there = problem_of(first.towards(last, length), {})
         every, orbit = _neighbours(boundary_of(problem_there), int(index))
         if orbit is None:
@@ -43,6 +43,14 @@ def leap(first: Given, last: Given, problem: EndsProblem, path: Path) -> Iterato
         if order.size > 1 and apart[order[1]] < _CLEAR * apart[order[0]]:
             continue
         yield problem_there, every[int(same[order[0]])], length
+
+
+def _shares(longest: float) -> Iterator[float]:
+    """The shares of a line that are tried, falling."""
+    while longest > LEAPS[0]:
+        yield longest
+        longest /= 4
+    yield from LEAPS
 
 
 def _neighbours(boundary: Boundary, index: int) -> tuple[list[Path], Orbit | None]:

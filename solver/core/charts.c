@@ -158,6 +158,10 @@ int rod_excess_at(search *room, const place *o, const chart *c, int count, const
     return rod_excess_of(room, o, count, some, off);
 }
 
+/* Of the size of G: three times the largest difference in height that rounding made of 1,200 pairs of saddles that are
+   mirror images. */
+#define ROUNDING 1e-14
+
 /* The number of the last critical point not above an angle, counted on through whole turns. */
 static int64_t behind_of(const place *o, double angle)
 {
@@ -206,6 +210,7 @@ int rod_charts(const place *o, const path *of, chart *out)
     }
     const int64_t low = at->turns > 1 || (at->turns == 1 && at->leaving != UP) ? lowest : near_end + 1;
     const int64_t high = at->turns > 1 || (at->turns == 1 && at->leaving == UP) ? highest : far_end;
+    const double rounding = ROUNDING * (1 + fabs(o->p.lam) + fabs(o->p.mu) + fabs(o->p.phi));
     chart first[2], second[CHARTS];
     for (int k = 0; k < m; k++)
         if (!o->found.centre[k] && among(k, m, lowest, highest))
@@ -226,7 +231,9 @@ int rod_charts(const place *o, const path *of, chart *out)
         const double angle = o->found.beta[k], sign = (level[k] > 0) - (level[k] < 0);
         const int known = at->sign == sign && fabs(at->pin - angle) < 1e-9;
         const double y = known ? at->y : log(larger(fabs(level[k]), 1e-300));
-        put(second, &count, (chart){SADDLE_OF, 1, fabs(level[k]), scale_of(y), {angle, sign, y, at->leaving, at->turns}});
+        /* of two saddles as high, the one from which the level is measured stays the best */
+        const double own = fabs(level[k]) + (known ? 0 : rounding);
+        put(second, &count, (chart){SADDLE_OF, 1, own, scale_of(y), {angle, sign, y, at->leaving, at->turns}});
     }
     const int slow = first[0].own < 0.5 * nearest; /* at one end */
     memcpy(out + (slow ? 0 : count), first, sizeof(chart) * 2);

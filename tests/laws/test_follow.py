@@ -1,6 +1,6 @@
 """A followed branch is one curve of equilibria: its folds are exact, it leads back, and it never jumps to another."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
@@ -10,6 +10,7 @@ from scipy.optimize import minimize_scalar
 from solver import Branch, Case, Cylinder, Ends, Rod, Solution, equilibria, follow, solve
 from solver.branches.branch_events import Bounds, Place, events_between
 from solver.equilibria import Equilibrium
+from solver.follow import solutions_of
 from solver.numerics.arclength import BRANCH_POINT, FOLD, PITCHFORK
 from solver.orbits.path_orbits import orbit_of
 from solver.orbits.periodic_orbit import jacobi_zeros
@@ -274,16 +275,57 @@ def test_a_branch_passes_a_helix_without_a_fold() -> None:
     assert len(branch) < 120
 
 
-def test_a_branch_that_creeps_to_a_pitchfork_at_the_end_of_its_range_says_so() -> None:
-    """A range of 1e-4 of Euler's load that ends there: leaps over ever less of the way."""
+def test_a_branch_arrives_at_the_pitchfork_at_which_its_range_ends() -> None:
+    """A range of 1e-4 of Euler's load that ends there: leaps of a fixed share of the way would never arrive."""
     first = -((np.pi / 10) ** 2)
     pipe = Case(rod_of_unit_stiffness(10.0, 0.01), Cylinder(1 - 0.01), Ends(0.0, 0.0, FZ=(1 + 1e-4) * first))
     buckled = next(one for one in equilibria(pipe) if one.index == 0)
     branch = follow(buckled.solution, FZ=first)
-    assert len(branch.points) < 200  # was 1001
-    assert "next to a helix, as beside a pitchfork" in branch.end.reason
-    assert "choose a range that ends farther on" in branch.end.reason
-    assert branch.end.value == pytest.approx(first, rel=1e-6)
+    assert len(branch.points) < 200  # were 1001
+    assert branch.end.reason == END
+    assert branch.values[-1] == first
+
+
+def wire_between_saddles() -> list[Equilibrium]:
+    """The equilibria of a wire in a tube beside the load at which its helices of +-54.74 degrees cease to exist."""
+    wire, tube = Rod(E=2.1e5, nu=0.3, a=0.25, L=120.0), Cylinder(2.0, side="inside")
+    return list(equilibria(Case(wire, tube, Ends(0.0, 0.0, FZ=-160.0))))
+
+
+@pytest.mark.parametrize("index", [2, 3])
+def test_the_branch_of_a_wire_passes_the_load_at_which_its_helices_cease_to_exist(index) -> None:
+    """With ends along the axis -beta is an equilibrium too, and the branch of a rod that meets it is its own image.
+
+    The first ran out of points in leaps that became ever shorter before the next value; the second went to and fro
+    between two saddles of the same height at a wanted value.
+    """
+    start = next(one for one in wire_between_saddles() if one.index == index and one.dbeta0 > 0.9)
+    branch = follow(start.solution, FZ=np.linspace(-200, 0, 61))
+    assert branch.begin.reason == branch.end.reason == END
+    assert [point.kind for point in branch.special] == ["fold", "fold", "pitchfork", "fold", "fold"]
+    folds = [point.value for point in branch.special]
+    np.testing.assert_allclose(folds, folds[::-1], rtol=1e-9)
+    assert len(branch) < 800  # were 1014, to -162.4, and 200, to -150
+    assert not (np.diff(branch.values) == 0).any()
+
+
+def test_the_shapes_of_all_points_in_one_call_are_those_of_each_to_the_last_bit() -> None:
+    """More points than are computed together, of orbits that rest at saddles, of a helix, and with a held end."""
+    straight = Case(rod_of_unit_stiffness(10.0, 0.01), Cylinder(1 - 0.01), Ends(0.0, 0.0, FZ=1.0))
+    short = Case(Rod(E=325.95, nu=0.25, a=0.25, L=5.0), Cylinder(R=0.75), Ends(beta0=0.5, betaL=0.5, FZ=-0.5))
+    deep = next(one for one in wire_between_saddles() if one.index == 0)
+    branches = [
+        follow(solve(straight), FZ=-0.4),
+        follow(solve(short), height=[2.0, 4.0]),
+        follow(deep.solution, FZ=np.linspace(-170, -100, 301)),
+    ]
+    assert len(branches[2]) > 300
+    for branch in branches:
+        every = solutions_of(branch, 31)
+        for i in {*range(0, len(branch), 37), len(branch) - 1}:
+            one = solutions_of(replace(branch, points=branch.points[i : i + 1]), 31)
+            for name in ("beta", "alpha", "z", "error", "condition", "solved", "outcome", "held_index"):
+                np.testing.assert_array_equal(getattr(every, name)[i], getattr(one, name)[0], err_msg=name)
 
 
 def test_a_wire_in_a_tube_is_followed_to_where_its_helix_ceases_to_exist() -> None:
