@@ -4,7 +4,6 @@ Push and gap are then complementary to rounding, so the push, which is a fourth 
 """
 
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
@@ -47,19 +46,17 @@ def free_motion(shape: FreeShape, sizes: Sizes) -> Array | None:
 
     Of such motions the energy has no second derivative: it is below `FIRM`, by rounding; that of others is far above.
     """
-    from scipy.sparse.linalg import splu  # only a search loads SciPy
-
     newton = Newton(shape.rod, sizes, shape.y)
     free, multipliers = newton.free, shape.multipliers * newton.scale
     loose = np.zeros(multipliers.size)
     loose[newton.wall] = (multipliers[newton.wall] == 0) / TINY
     if not newton.unstable_ways(np.zeros(free.size), multipliers, loose, -FIRM):
         return None
-    factors = splu(newton.matrix(np.zeros(free.size), multipliers, loose))
+    bands = newton.matrix(np.zeros(free.size), multipliers, loose)
     moved = np.random.default_rng(0).normal(size=free.size)
     for _ in range(6):  # inverse iteration, of which each takes a hundredth of the rest
         right = np.append(moved / np.linalg.norm(moved), np.zeros(multipliers.size))
-        moved = factors.solve(right[np.argsort(newton.order)])[newton.order][: free.size]
+        moved = newton.solve(bands, right)[: free.size]
     motion = np.zeros(shape.rod.size)
     motion[free] = moved * newton.unit[free]
     return motion
@@ -110,25 +107,41 @@ class Newton(Program):
         of_conditions = [np.repeat(edge, CONDITIONS), edge[:-1], np.full(2, last)]
         return np.argsort(np.argsort(np.concatenate([of_unknowns, *of_conditions]), kind="stable"))
 
-    def matrix(self, z: Array, multipliers: Array, loose: Array, firm: float = FIRM) -> Any:
-        """The derivatives of the equations. loose: how much a condition gives way to its multiplier, (M,).
+    @cached_property
+    def _places(self) -> tuple[int, Integers]:
+        """How many bands the matrix has beside its diagonal on each side, and where its entries are among all."""
+        n, (_, rows, columns, _), (_, above, beside, _) = self.free.size, self.slopes, self.bends
+        lower, diagonal = above != beside, np.arange(self.order.size)
+        i = self.order[np.concatenate([above, beside[lower], columns, n + rows, diagonal])]
+        j = self.order[np.concatenate([beside, above[lower], n + rows, columns, diagonal])]
+        width = int(np.abs(i - j).max())
+        return width, (width + i - j) * self.order.size + j
+
+    def matrix(self, z: Array, multipliers: Array, loose: Array, firm: float = FIRM) -> Array:
+        """The derivatives of the equations as LAPACK stores bands. loose: how much a condition gives way to its
+        multiplier, (M,).
 
         firm: what is added to the second derivatives of the energy by each unknown.
         """
-        from scipy.sparse import csc_array  # only a search loads SciPy
+        _, above, beside, _ = self.bends
+        slopes, bends = -self.jacobian(z), self.hessian(z, 1.0, multipliers)
+        values = [bends, bends[above != beside], slopes, slopes, np.full(self.free.size, firm), -loose]
+        (width, places), n = self._places, self.order.size
+        bands = np.bincount(places, np.concatenate(values), minlength=(2 * width + 1) * n)
+        return bands.reshape(-1, n)
 
-        n, (_, rows, columns, _), (_, above, beside, _) = self.free.size, self.slopes, self.bends
-        slopes, bends, lower = -self.jacobian(z), self.hessian(z, 1.0, multipliers), above != beside
-        diagonal = np.arange(n + loose.size)
-        i = np.concatenate([above, beside[lower], columns, n + rows, diagonal])
-        j = np.concatenate([beside, above[lower], n + rows, columns, diagonal])
-        values = [bends, bends[lower], slopes, slopes, np.full(n, firm), -loose]
-        return csc_array((np.concatenate(values), (self.order[i], self.order[j])))
+    def solve(self, bands: Array, right: Array) -> Array:
+        """What the equations change by right; not finite where the matrix is singular."""
+        from scipy.linalg import LinAlgError, solve_banded  # only a search loads SciPy
+
+        width, rows = bands.shape[0] // 2, np.argsort(self.order)
+        try:
+            return np.asarray(solve_banded((width, width), bands, right[rows], check_finite=False)[self.order])
+        except LinAlgError:
+            return np.full(right.size, np.nan)
 
     def equilibrium(self, multipliers: Array, z: Array | None = None, steps: int = 0) -> FreeShape | None:
         """The equilibrium near a guess; None where the steps do not converge."""
-        from scipy.sparse.linalg import splu
-
         n, last, side = self.free.size, np.inf, self.rod.side
         z, loose = np.zeros(n) if z is None else z, np.zeros(multipliers.size)
         _, rows, columns, _ = self.slopes
@@ -142,12 +155,7 @@ class Newton(Program):
             left = max(np.abs(pull).max(), np.abs(missed).max())
             loose[self.wall] = by_push / by_gap
             missed[self.wall] /= by_gap
-            try:
-                change = splu(self.matrix(z, multipliers, loose)).solve(
-                    np.append(pull, missed)[np.argsort(self.order)]
-                )[self.order]
-            except RuntimeError:  # a singular matrix
-                return None
+            change = self.solve(self.matrix(z, multipliers, loose), np.append(pull, missed))
             # beyond a change of an unknown by its own size Newton's method diverges
             if not np.isfinite(change).all() or np.abs(change[:n]).max() > 1:
                 return None
@@ -169,13 +177,15 @@ class Newton(Program):
         than conditions by rounding. A way by which the energy falls less than a rod that may turn as a whole is held
         counts as none.
         """
+        from scipy.sparse import dia_array
         from scipy.sparse.linalg import splu
 
+        bands = self.matrix(z, multipliers, loose, firm)
+        width, n = bands.shape[0] // 2, self.order.size
+        square = dia_array((bands, width - np.arange(2 * width + 1)), shape=(n, n)).tocsc()
         plain = {"SymmetricMode": True, "Equil": False}
         try:
-            factors = splu(
-                self.matrix(z, multipliers, loose, firm), permc_spec="NATURAL", diag_pivot_thresh=0.0, options=plain
-            )
+            factors = splu(square, permc_spec="NATURAL", diag_pivot_thresh=0.0, options=plain)
         except RuntimeError:
             return None
         exchanged = (factors.perm_r != factors.perm_c).any()
