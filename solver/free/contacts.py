@@ -22,8 +22,9 @@ class Contact(NamedTuple):
     """An interval of contact, from the first of the places to the last one, in units of rho; a point, if there is one.
 
     places, push: (n,), and the push per length there. points: places of point forces, and these. readings: what else a
-    point of a few nodes may be, where these are too few to tell: a short interval, and next to an end no contact but a
-    part of what holds that end.
+    point of a few nodes may be, where these are too few to tell: a point an edge aside, a short interval, next to an
+    end one that begins there and a point nearer to it, or no contact but a part of what holds that end; and of a short
+    interval, one that is pressed evenly.
     """
 
     places: Array
@@ -73,9 +74,14 @@ def _contact(force: Array, h: float, first: int, last: int, grounded: Booleans) 
         total = float(force[nodes].sum())
         place = float(force[nodes] @ nodes) / total * h
         point = Contact(np.array([place]), np.zeros(1), ((place, total),))
-        at_end = bool((grounded & [first <= NEAR, last >= end - NEAR]).any())
-        spread = Contact(place + count * h * np.array([-0.5, 0.5]), np.full(2, total / (count * h)), ())
-        return point._replace(readings=(spread, *[Contact(*point[:2], ())] * at_end)) if at_end or count > 2 else point
+        at_ends = grounded & [first <= NEAR, last >= end - NEAR]
+        if not at_ends.any() and count <= 2:
+            return point._replace(readings=(Contact(point.places - h, point.push, point.points),))
+        near, far = np.where(at_ends, [0.0, end * h], place + count * h * np.array([-0.5, 0.5]))
+        # next to a clamp a force bends the rod by the square of its distance: half as far, it is four times as large
+        nearer = ((place, 4 * total),) if at_ends.any() and count <= 2 else ()
+        spread = Contact(np.array([near, far]), np.full(2, total / (far - near)), nearer)
+        return point._replace(readings=(spread, *[Contact(*point[:2], ())] * bool(at_ends.any())))
     few = max(1, min(NEAR, (count - 1) // 2))
     feel = 1 if from_start else few, 1 if to_end else few  # so many nodes at each edge
     known = min(count - sum(feel), NEAR + 1)
@@ -85,7 +91,9 @@ def _contact(force: Array, h: float, first: int, last: int, grounded: Booleans) 
     places = np.concatenate([[end - near.place], inner, [far.place]]) * h
     push = np.concatenate([[near.push], force[inner], [far.push]]) / h
     points = ((end - near.place) * h, near.force), (far.place * h, far.force)
-    return Contact(places, push, tuple((place, point) for place, point in points if point > 0))
+    evenly = Contact(places[[0, -1]], np.full(2, force[first : last + 1].sum() / np.ptp(places)), ())
+    readings = (evenly,) if count < 2 * FEWEST else ()
+    return Contact(places, push, tuple((place, point) for place, point in points if point > 0), readings)
 
 
 def edge_of(force: Array, last: int, few: int, known: int, at_end: bool) -> _Edge:

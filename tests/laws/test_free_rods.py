@@ -175,10 +175,10 @@ def test_wall_and_ends_are_in_balance_where_contact_begins_at_an_end_or_is_short
     assert M[1] - M[0] == pytest.approx(-pushes(sol, arms=True)[0], abs=2e-3 * total * float(sol.case.rod.L))
 
 
-@pytest.mark.parametrize("seed", slow_but((10, 14, 27, 31, 35, 46, 49), 14, 35))
+@pytest.mark.parametrize("seed", slow_but((10, 14, 26, 27, 31, 35, 46, 49, 73), 26, 73))
 def test_numbers_of_contacts_are_off_by_no_more_than_the_stated_errors(seed: int) -> None:
     """Contact goes on to an end, or is short. Both errors count, of a mesh and of one of some eight times its edges."""
-    names = ("contact_share", "push_mean", "push_max", "point_force_max", "gap_max", "energy")
+    names = ("contact_share", "contact_at", "push_mean", "push_max", "point_force_max", "gap_max", "energy")
     before = solve(random_rod(seed))
     rough, fine = (observe(before.let_go(tol=tol), names, errors=True) for tol in (FREE_TOLERANCE, 2e-6))
     for name in names:
