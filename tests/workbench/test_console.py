@@ -2,6 +2,7 @@
 
 import re
 import shlex
+import time
 
 import pytest
 
@@ -57,10 +58,20 @@ def test_the_shell_completes_commands_and_options(capsys, monkeypatch) -> None:
         assert capsys.readouterr().out.split() == expected
 
 
-def test_progress_without_a_terminal_is_a_line_now_and_then(monkeypatch, capsys) -> None:
-    clock = iter([0.0, 0.0, 3.0, 6.0, 6.0, 9.0])
-    monkeypatch.setattr(console, "monotonic", lambda: next(clock))
+def test_progress_without_a_terminal_is_a_line_now_and_then_with_the_time_left(monkeypatch, capsys) -> None:
+    now = 0.0
+    for module in (console, time):
+        monkeypatch.setattr(module, "monotonic", lambda: now)
     with console.progress(4, lines=True) as step:
         for text in "abcd":
             step(text)
-    assert capsys.readouterr().err.splitlines() == ["1 of 4: a", "3 of 4: c"]
+            now += 3.0
+        step("e", 100, 900)  # of another kind
+        now += 50.0
+        step("f", 300, 900)
+    assert capsys.readouterr().err.splitlines() == [
+        "1 of 4: a",
+        "3 of 4, 0:00:06 left: c",
+        "100 of 900: e",
+        "300 of 900, 0:02:30 left: f",
+    ]

@@ -101,7 +101,10 @@ def sweep(study: Study, case: Case, name: str, values: Any, step: Step, show: st
     chosen = default_observable(name) if show is None else show
     shown = (chosen,) if held else (chosen, "energy")
     data |= special_points(seen, name, units, shown)
-    solved = [solutions_of(curve, SHAPE_STATIONS) for curve in seen.curves]
+    solved = list[Solution]()
+    for curve in seen.curves:
+        step(f"shapes of branch {len(solved) + 1}", len(solved), len(seen.curves))
+        solved.append(solutions_of(curve, SHAPE_STATIONS))
     data |= follow_curves(seen, solved, name, units, shown, (values[0], values[-1]))
     ds = xr.Dataset(
         data, {name: xr.Variable((name,), values, quantity_variables.labels(quantity_of(name).name, units))}

@@ -94,22 +94,27 @@ def _bar(words: str, total: int, done: int = 0) -> "Iterator[Callable[..., None]
 def progress(total: int, lines: bool = False) -> Iterator[Any]:
     """Show a progress bar on stderr; yields step(text), to be called when each of `total` pieces of work begins.
 
-    step(text, done, of) says itself how many of how many are done.
+    step(text, done, of) says itself how many of how many are done; where `of` changes, the time left is measured anew.
 
-    Without a terminal nothing is shown, or with `lines` a line for a step: ``3 of 9: elliptic``; of steps that follow
-    each other quickly, one every `EVERY` seconds.
+    Without a terminal nothing is shown, or with `lines` a line for a step: ``3 of 9, 0:00:12 left: elliptic``; of steps
+    that follow each other quickly, one every `EVERY` seconds.
     """
-    begun, said = 0, -EVERY
-    with _bar("{task.completed} of {task.total}: {task.description}", total) as update:
+    from ..run.study_store import Meter
+
+    meter, begun, said = Meter(total, 0), 0, -EVERY
+    with _bar("{task.completed} of {task.total}{task.description}", total) as update:
 
         def step(text: str, done: int | None = None, of: int = total) -> None:
-            nonlocal begun, said
-            begun = begun if done is None else done
-            update(description=text, completed=begun, total=of)
-            begun += done is None
+            nonlocal meter, begun, said
+            before = begun if done is None else done
+            begun = before + (done is None)
+            if of != meter.total or before < meter.done:
+                meter = Meter(of, before)
+            meter.add(before - meter.done, 0)
+            update(description=f"{meter.time_left}: {text}", completed=before, total=of)
             if lines and not err().is_terminal and monotonic() - said >= EVERY:
                 said = monotonic()
-                print(f"{begun} of {of}: {text}", file=sys.stderr, flush=True)
+                print(f"{begun} of {of}{meter.time_left}: {text}", file=sys.stderr, flush=True)
 
         yield step
 

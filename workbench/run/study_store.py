@@ -49,10 +49,14 @@ class Meter:
         """Seconds left; None while nothing tells."""
         return (self.total - self.done) / self.rate if self.done > self._before else None
 
+    @property
+    def time_left(self) -> str:
+        """``, 0:12:05 left``; empty while nothing tells."""
+        return "" if self.left is None else f", {_clock(self.left)} left"
+
     def text(self) -> str:
         """``310 a second, 0:12:05 left, 2 unsolved``."""
-        left = "" if self.left is None else f", {_clock(self.left)} left"
-        return f"{self.rate:.3g} a second{left}" + (f", {self.unsolved} unsolved" if self.unsolved else "")
+        return f"{self.rate:.3g} a second{self.time_left}" + (f", {self.unsolved} unsolved" if self.unsolved else "")
 
     def data(self) -> dict[str, Any]:
         """What `text` says, as numbers for programs."""
