@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver import Case, Ends, InputError, observe, solve
+from solver.nodes.lock_up import PASSED
 from solver.problem.case_fields import cases_at, value_of, values_of, with_field
 from solver.problem.declared_fields import PAIRS, PARTS, WELL, WOUND, rivals
 
@@ -120,7 +121,8 @@ def _far_force(case: Case, near: float) -> tuple[float, str]:
     step = size if off == -math.inf else abs(off)
     none, most = f"failed: no FZ gives FZ0 = {near:.5g}", answer(first)[1]
     if case.cylinder.sense[0] < 0 and near < -most:
-        return first, f"{none}: locked up. Of a push at s = L at most {most:.5g} reaches s = 0"
+        share = f"less than {100 * PASSED:g} % of a push at s = L arrives"
+        return first, f"{none}: locked up. Beyond FZ0 = {-most:.5g} {share}"
     for _ in range(MOST_STEPS):
         if excess(low) <= 0 <= excess(high):
             break
