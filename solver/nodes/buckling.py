@@ -1,6 +1,7 @@
 """Where a straight rod buckles, and the stable shape into which it does."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
@@ -31,6 +32,17 @@ def rod_without_friction(rod: LoadedRod) -> LoadedRod:
     if not rod.rotates:
         even.numbers[1] -= rod.numbers[3] * rod.numbers[6] * rod.across * np.cos(rod.near[1])
     return even
+
+
+def rod_without_lean(rod: LoadedRod) -> LoadedRod:
+    """The straight rod without friction that buckles under the load under which one that turns in place does.
+
+    A rod on its wall leans by the angle m = -arctan(f), and a bend about that feels the weight cos(m) - f sin(m) =
+    (1 + f^2)^(1/2) across. Ends that hold another azimuth than m are left out.
+    """
+    numbers = rod.numbers.copy()
+    numbers[2] *= np.hypot(1.0, numbers[3])
+    return replace(rod, numbers=numbers).with_friction(0.0)
 
 
 def straight_index(rod: LoadedRod) -> int:

@@ -36,7 +36,6 @@ LEANT, QUIET = 0.1, -0.06  # of F - 2: the last change of that in which a rod le
 ROUNDS = 100  # of the compression under friction
 MANY = 1000  # nodes of a rod with friction, of which one front is tried: each that fails takes seconds
 STEPS, NODES = 30, 50  # of Newton's method from it, and one more for so many nodes
-WAVY = 0.1  # of the range of beta of the waves sought: a shape with less has none
 STEEPEST = 0.9  # sine of beta
 TURNS = 2.0  # least, of a helix
 BLUR = 1.0  # of x: from where a helix becomes a sinusoid
@@ -330,9 +329,8 @@ def sinusoid(rod: LoadedRod) -> Shape | None:
     if not 0 < lean(rod, over).over.max() < LAST:
         return None
     for more in (0, 1, -1):
-        waves = wave_shape(rod, t, over, more=more)
-        shape = correct(waves, most=STEPS + t.size // NODES)
-        if shape is not None and np.ptp(shape.y[:, BETA]) > WAVY * np.ptp(waves.y[:, BETA]):
+        shape = correct(wave_shape(rod, t, over, more=more), most=STEPS + t.size // NODES)
+        if shape is not None and shape.is_bent:
             return shape
     return None
 

@@ -15,7 +15,7 @@ from ..orbits.potential import Loads, slope
 from ..orbits.statics import circumferential_force, contact_force, curvature, surface_forces
 from ..problem.case import IN_PLACE
 from .loaded_rod import ALPHA, BETA, MU, PHI, SPEED, LoadedRod, Q
-from .state import StretchState, is_drawn, states
+from .state import STRAIGHT, StretchState, is_drawn, states
 
 DENSE = 17  # places on a stretch, at which the states along a rod are judged
 FINE = 2  # nodes of a start problem, for each step of its march: 20 read the same in four times the time
@@ -100,6 +100,11 @@ class Shape:
         lies = bool(self.rod.across)
         turns = lies, lies and "azimuth" in self.rod.held
         return states(t * rho, y[:, BETA], y[:, ALPHA], is_drawn(y[:, PHI], self.pushes(y)), turns)
+
+    @property
+    def is_bent(self) -> bool:
+        """Whether some stretch of the rod is a sinusoid or a helix."""
+        return any(state.word != STRAIGHT for state in self.states(1.0))
 
     def lift_offs(self, rho: float) -> tuple[tuple[float, float], ...]:
         """The stretches on which the wall would have to pull, from one s to another, in the unit of rho."""

@@ -30,7 +30,13 @@ from solver.branches.parameter_plane import parameter_plane
 from solver.core.tuning import MOST_STEPS
 from solver.core.varying_loads import march
 from solver.nodes import branch
-from solver.nodes.buckling import shares_of_buckling, straight_index, straight_shape, tension_of_buckling
+from solver.nodes.buckling import (
+    rod_without_lean,
+    shares_of_buckling,
+    straight_index,
+    straight_shape,
+    tension_of_buckling,
+)
 from solver.nodes.descent import index_at
 from solver.nodes.growth import GrowthWay
 from solver.nodes.loaded_rod import PHI, LoadedRod, rods_of
@@ -515,6 +521,20 @@ def test_a_little_friction_changes_a_buckled_pipe_a_little(hole: float, load: fl
 
     assert range_of(0.0) > 0.5
     assert range_of(1e-3) == pytest.approx(range_of(0.0), rel=0.02)
+
+
+@pytest.mark.parametrize(("hole", "friction"), ((1.0, 0.25), (60.0, 0.25), (90.0, 0.05), (90.0, 0.5)))
+def test_a_pipe_that_turns_in_place_bends_where_the_straight_pipe_with_the_weight_of_its_lean_buckles(
+    hole: float, friction: float
+) -> None:
+    hole_of = {"inclination": np.deg2rad(180 - hole), **HOLE, "friction": friction, "sliding": "rotating"}
+    case = Case(Rod(L=300.0, **PIPE), Cylinder(**hole_of), Ends(beta0=0.0, betaL=0.0, FZ=-1.0))
+    buckles = tension_of_buckling(rod_without_lean(rods_of(case)[0]))
+    assert buckles is not None
+    load = buckles * case.rod.bending_stiffness / case.rho**2
+    below, above = (solve(with_field(case, "FZ", share * load)) for share in (0.97, 1.06))
+    assert [state.word for state in below.states] == ["straight"]
+    assert "sinusoidal" in [state.word for state in above.states]
 
 
 def test_a_vertical_pipe_that_turns_in_place_is_not_straight_where_it_buckles() -> None:

@@ -236,16 +236,20 @@ def _load(tension: float, force: str) -> str:
 
 
 def _buckling_load(sol: "Solution", force: str) -> list[str]:
-    """The load at which the straight rod buckles under its whole weight; none where it is no equilibrium."""
-    from solver.nodes.buckling import tension_of_buckling
+    """The load at which the straight rod buckles under its whole weight, or, of one that turns in place and so leans,
+    the leaning rod; none where neither is an equilibrium.
+    """
+    from solver.nodes.buckling import rod_without_lean, tension_of_buckling
 
     if sol.case.kind != "ends" or sol.case.cylinder.side == "outside":
         return []
     rod = rods_of(sol.case)[0]
+    who = f"the straight rod{' without friction' * rod.has_friction}"
+    if rod.rotates and not rod.straight:
+        rod, who = rod_without_lean(rod), "the rod that leans by its friction"
     if not rod.straight:
         return []
     phi, unit = tension_of_buckling(rod), float(sol.case.rod.bending_stiffness) / float(sol.case.rho) ** 2
-    who = f"the straight rod{' without friction' * rod.has_friction}"
     if phi is None:
         return [f"{who} is unstable even in tension, by its torque"]
     near, far = ((phi - part) * unit for part in (rod.along * rod.span, 0.0))
