@@ -452,12 +452,7 @@ def boundary(line: Line, rule: Mapping[str, Any]) -> Verdict:
     gaps = [f"between {line.along[i]:.4g} and {line.along[j]:.4g}" for i, j in steps]
     words = f"passes {' and '.join(gaps[:3])}{' and elsewhere' if len(gaps) > 3 else ''}"
     i, j = max(steps, key=lambda step: float(np.max(np.abs(place[list(step)]))))
-    share = level[i] / (level[i] - level[j])
-    numbers = {
-        "from": float(line.along[i]),
-        "to": float(line.along[j]),
-        "at": float(line.along[i] + share * (line.along[j] - line.along[i])),
-    }
+    numbers = {"from": float(line.along[i]), "to": float(line.along[j])}
     low, high = sorted((float(place[i]), float(place[j])))
     within, far = rule["within"] * (1 + ROUNDING), max(abs(low), abs(high))
     told_of: dict[str, Any] = {"found": words, "numbers": numbers, "far": far}

@@ -187,16 +187,17 @@ def _boundary(ax: Axes, stored: StoredStudy, along: Any, numbers: Any, law: Law,
             label=f"expected: {_number(expected, axis)} ± {_number(law.within or 0.0, axis)}",
         )
         if row["numbers"]:
-            at = row["numbers"]["at"]
+            step = sorted(row["numbers"][end] for end in ("from", "to"))
+            ends = labels.in_label_unit(axis, np.array(step))
             ax.plot(
-                labels.in_label_unit(axis, at),
-                numbers["passes"][0],
-                "D",
-                color="white",
-                markersize=6,
+                ends,
+                [numbers["passes"][0]] * 2,
+                "|-",
+                color=colours.INK,
+                linewidth=2.2,
+                markersize=7,
                 zorder=5,
-                markeredgecolor=colours.INK,
-                label=f"computed: {_number(at, axis)}",
+                label=f"computed: {labels.number(ends[0])} to {_number(step[1], axis)}",
             )
 
 
