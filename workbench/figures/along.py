@@ -94,8 +94,10 @@ def figure(
         raise InputError(f"{NO_STATES}, and the rods of this file have none; choose --kind ridge or pipe")
     rods = drawn_rods.choose(stored, list(dict.fromkeys(a for n in names for a in ARRAYS.get(n, (n,)))), x, at, MOST)
     no_states = [f"No states: {NO_STATES}."] * (PIPE in names and not stored.loads_vary)
+    notes = [*rods.said(), *rods.notes, *no_states]
+    notes += [pipe_map.SLIGHT_BENDS] * (rods.source.loads_vary and not {STATES, PIPE}.isdisjoint(names))
     if names == [PIPE] and len(rods.rods) >= pipe_map.LEAST:
-        return pipe_map.figure(rods, sheet, [*rods.said(), *rods.notes, *no_states])
+        return pipe_map.figure(rods, sheet, notes)
     longest = max(float(rod["s"][-1]) for rod in rods.solved)
     inches = max(sheet.width / (1 if sheet.narrow else len(names)) - fonts.BESIDE, 0.5) / longest
     curves = [_curves(rods, name, inches) for name in names]
@@ -114,7 +116,7 @@ def figure(
     panels = [partial(panel, i) for i in range(len(names))]
     rows: list[canvas.Row] = [(tall + 0.3, [single]) for single in panels] if sheet.narrow else [(tall + 0.75, panels)]
     faint = len(names) > 1 and any(not curve.foot for curve in curves)
-    said = ["Faint line: where the quantity of a rod is 0."] * faint + rods.said() + rods.notes + no_states
+    said = ["Faint line: where the quantity of a rod is 0."] * faint + notes
     return canvas.page(rods.source, sheet, rows, said, 0.75)
 
 
@@ -304,7 +306,7 @@ def _draw_curves(ax: Axes, rods: DrawnRods, curves: Curves) -> list[str]:
             look = {
                 "color": colours.STATES[state.word],
                 "linewidth": wide,
-                "label": state.word,
+                "label": pipe_map.WORDS.get(state.word, state.word),
                 "gid": f"{rod.name}, {state.word}",
             }
             said += _draw_line(ax, s[part], heights[part], inches, look, where, order - below)

@@ -1,6 +1,6 @@
 """Many rods along an axis as a map: s to the right, at each value of the axis a row, whose colours say what is there.
 
-Between two rows nothing is drawn, as nothing is solved there.
+A row reaches halfway to the next one; a short tick marks the value at which its rod is solved.
 """
 
 from collections.abc import Iterator, Sequence
@@ -11,6 +11,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from solver.nodes.state import BENT, STRAIGHT
+
 from ..stored import derived_arrays
 from ..words import labels
 from . import canvas, colours, fonts, push_scale
@@ -19,8 +21,9 @@ from .scales import is_logarithmic
 from .sheet import Sheet
 
 LEAST = 13  # rods: fewer have a curve each
-FILL = 0.8  # height of a row over the least distance of two values
 TALL = 2.6  # inches of a panel
+WORDS = {STRAIGHT: "straight but for slight bends"}  # of a state in a legend, where they are more than its name
+SLIGHT_BENDS = f"A bend is slight that goes less than {BENT:g} rad around, or that dies away from an end of the rod."
 
 
 def states_of(rods: DrawnRods, rod: DrawnRod) -> Sequence[Any]:
@@ -40,26 +43,32 @@ def figure(rods: DrawnRods, sheet: Sheet, said: Sequence[str]) -> Figure:
 
 
 def _rows(rods: DrawnRods) -> Iterator[tuple[DrawnRod, float, float]]:
-    """Each rod with numbers, and the lower and the upper edge of its row."""
+    """Each rod, and the lower and the upper edge of its row."""
     assert rods.axis is not None
-    axis = rods.source[rods.axis]
-    to, back = (np.log, np.exp) if is_logarithmic(axis) else (np.asarray, np.asarray)
-    values = [float(rod.case[rods.axis]) for rod in rods.rods]
-    middles = to(labels.in_label_unit(axis, values))
-    half = FILL * float(np.abs(np.diff(np.sort(middles))).min()) / 2
-    for rod, middle in zip(rods.rods, middles, strict=True):
-        if rod.arrays is not None:
-            yield rod, float(back(middle - half)), float(back(middle + half))
+    to, back = (np.log, np.exp) if is_logarithmic(rods.source[rods.axis]) else (np.asarray, np.asarray)
+    values = to(_values(rods))
+    order = np.argsort(values)
+    middles = (values[order][1:] + values[order][:-1]) / 2
+    edges = back(np.concatenate([2 * values[order[:1]] - middles[:1], middles, 2 * values[order[-1:]] - middles[-1:]]))
+    for k, low, high in zip(order, edges, edges[1:], strict=False):
+        yield rods.rods[k], float(low), float(high)
+
+
+def _values(rods: DrawnRods) -> Any:
+    """The value of the axis of each rod, in the unit of its label."""
+    assert rods.axis is not None
+    return labels.in_label_unit(rods.source[rods.axis], [float(rod.case[rods.axis]) for rod in rods.rods])
 
 
 def _draw_states(rods: DrawnRods, ax: Axes) -> None:
     for rod, low, high in _rows(rods):
-        for state in states_of(rods, rod):
+        for state in states_of(rods, rod) if rod.arrays is not None else ():
             ax.broken_barh(
                 [(state.begin, state.end - state.begin)],
                 (low, high - low),
                 linewidth=0,
-                label=state.word,
+                antialiased=False,  # else a white hair shows between two rows
+                label=WORDS.get(state.word, state.word),
                 facecolors=colours.STATES[state.word],
                 gid=f"{rod.name}, {state.word}",
             )
@@ -69,6 +78,8 @@ def _draw_states(rods: DrawnRods, ax: Axes) -> None:
 def _draw_push(rods: DrawnRods, ax: Axes) -> None:
     norm = push_scale.scale([rod["push"] for rod in rods.solved])
     for rod, low, high in _rows(rods):
+        if rod.arrays is None:
+            continue
         s = rod["s"]
         edges = np.concatenate([s[:1], (s[1:] + s[:-1]) / 2, s[-1:]])
         ax.pcolormesh(
@@ -83,9 +94,15 @@ def _finish(ax: Axes, rods: DrawnRods, title: str) -> None:
     axis = rods.source[rods.axis]
     if is_logarithmic(axis):
         ax.set_yscale("log")
-    edges = [edge for _, low, high in _rows(rods) for edge in (low, high)]
-    ax.set_ylim(min(edges), max(edges))
-    ax.set_xlim(0, max(float(rod["s"][-1]) for rod in rods.solved))
+    rows = [*_rows(rods)]
+    longest = max(float(rod["s"][-1]) for rod in rods.solved)
+    for rod, low, high in rows:
+        if rod.arrays is None:
+            ax.broken_barh([(0.0, longest)], (low, high - low), **colours.UNSOLVED)
+    ax.set_ylim(rows[0][1], rows[-1][2])
+    ax.set_yticks(_values(rods), minor=True)
+    ax.tick_params(axis="y", which="minor", length=2, labelleft=False)
+    ax.set_xlim(0, longest)
     ax.set_xlabel(f"s [{labels.unit(rods.source.units['length'])}]")
     ax.set_ylabel(labels.axis_label(axis))
     ax.set_title(title, loc="left")
