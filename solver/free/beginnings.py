@@ -102,7 +102,7 @@ def sheet_between(rod: DiscreteRod, alpha: Array) -> _StartSheet:
     return _StartSheet(normal, float(first @ [c, s]), 1.0, float(first @ [s, -c]), 0.0, length)
 
 
-def string_of(rod: DiscreteRod) -> tuple[_StartSheet, float, float]:
+def taut_string(rod: DiscreteRod) -> tuple[_StartSheet, float, float]:
     """A string that is drawn from end to end: its sheet, its height, and its length over that of the rod."""
     sheet = sheet_between(rod, np.where(rod.free[[0, 4]], rod.angles[0], rod.angles[[0, 4]]))
     up = np.sqrt(max(rod.span**2 - sheet.length**2, 0.0)) if rod.height is None else rod.height
@@ -111,7 +111,7 @@ def string_of(rod: DiscreteRod) -> tuple[_StartSheet, float, float]:
 
 def is_taut(rod: DiscreteRod) -> bool:
     """Whether a rod of held height is as long as a string between its ends, which leaves its tension open."""
-    return rod.height is not None and abs(string_of(rod)[2] - 1) <= NEGLIGIBLE
+    return rod.height is not None and abs(taut_string(rod)[2] - 1) <= NEGLIGIBLE
 
 
 def curve_of_string(rod: DiscreteRod) -> BeginningCurve | str:
@@ -125,7 +125,7 @@ def curve_of_string(rod: DiscreteRod) -> BeginningCurve | str:
     from scipy.special import j0
 
     azimuths = np.where(rod.free[[0, 4]], rod.angles[0], rod.angles[[0, 4]])
-    sheet, up, taut = string_of(rod)
+    sheet, up, taut = taut_string(rod)
     if taut > 1 + NEGLIGIBLE:
         return f"a string from end to end is {taut:.6g} times as long as the rod"
     size = brentq(lambda bow: j0(bow) - taut, 0.0, WIDEST) if taut < 1 - NEGLIGIBLE else 0.0
