@@ -26,7 +26,6 @@ _HALVINGS, _MOST_PANELS = 9, 64
 _ROUNDS, _CUTS, _MEETING = 80, 14, 6  # steps of a descent; cuts of a step; rounds to meet the constraints after one
 _SADDLE, _PUSH, _PUSHES = 0.03, 0.3, 3  # rad: a step beside a saddle; the push off it; saddles on a way
 _SHIFT, _ITERATIONS = 1e-3, 8  # of the metric, first and then four times as much; to the direction that curves down
-_STEEPEST = 1e4  # pace of layers that still scales steps
 _WIDEST = 2.2  # rad: of a wave
 _WILDEST = 1e50  # pace: the fourth power of a larger one is soon beyond the range of floats
 
@@ -78,13 +77,12 @@ def energy_minima(given: Given, helices: Sequence[float] = ()) -> list[EnergyMin
 
     None are sought where the numbers would leave the range of floats.
     """
-    pace, taut = _pace(given), _taut_pace(given)
-    steep = max(pace, taut)
-    if not steep < _WILDEST:
+    pace = max(_pace(given), _taut_pace(given))
+    if not pace < _WILDEST:
         return []
-    mesh = EnergyMesh.with_layers(_PANELS, _LAYER / (steep * given.span))
-    land = DiscreteEnergy(given, mesh, max(pace, min(taut, _STEEPEST)))
-    shapes = simple_shapes(given, mesh.nodes, steep) + [np.full(mesh.nodes.size, beta) for beta in helices]
+    mesh = EnergyMesh.with_layers(_PANELS, _LAYER / (pace * given.span))
+    land = DiscreteEnergy(given, mesh, pace)
+    shapes = simple_shapes(given, mesh.nodes, pace) + [np.full(mesh.nodes.size, beta) for beta in helices]
     minima = list[EnergyMinimum]()
     for shape in shapes:
         minima += [minimum for minimum in _descents(land, shape, _PUSHES) if not any(map(minimum.is_same, minima))]

@@ -392,3 +392,23 @@ def test_a_hinged_rod_that_rests_at_its_far_end_is_its_own_seed() -> None:
     sol = solve(case)
     assert sol.solved
     assert float(solve(case, seed=sol).FZ) == pytest.approx(float(sol.FZ), rel=1e-9)
+
+
+@pytest.mark.parametrize("slack", (1e-7, 1e-10))
+@pytest.mark.parametrize(("beta0", "betaL", "chord"), ((-0.16, 0.15, 0.0), (0.4, -0.75, -0.27), (0.23, -0.61, -0.11)))
+def test_a_rod_that_is_pulled_almost_straight_bends_at_its_ends_as_a_beam_under_tension_does(
+    slack: float, beta0: float, betaL: float, chord: float
+) -> None:
+    """beta'' = T sin(beta - chord) next to an end, so beta_t = -2 T^(1/2) sin((beta - chord)/2), and over the length
+    both ends are nearer by 4 sum(sin(bend/4)^2)/T^(1/2) in all."""
+    L = 10.0
+    far = L * (1 - slack)
+    ends = Ends(beta0, betaL, height=far * np.cos(chord), azimuth=far * np.sin(chord))
+    sol = solve(Case(Rod(EI=1.0, GJ=0.8, a=0.1, L=L), Cylinder(0.9), ends), tol=1e-6)
+    assert sol.solved
+    tension = np.hypot(sol.reactions["FZ"], sol.reactions["MZ"])
+    bent = np.sin((np.array([beta0, betaL]) - chord) / 2)
+    # the curvature of the cylinder adds some 1/T
+    assert sol.dbeta[0] == pytest.approx(-2 * np.sqrt(tension) * bent[0], rel=1e-6)
+    nearer = 4 * (np.sin((np.array([beta0, betaL]) - chord) / 4) ** 2).sum() / np.sqrt(tension)
+    assert nearer == pytest.approx(L - np.hypot(ends.height, ends.azimuth), rel=1e-3)  # 1e-10 has few digits
