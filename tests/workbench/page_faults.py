@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 SLACK = 1.5  # pixels
 MOST_MARKERS = 50  # values of a line, beyond which it has none
-COLUMN, TALLEST = 89.5, 120.5  # millimetres: a figure no wider is no taller
+PRINTED, TALLEST = 183.5, 185.5  # millimetres: a figure no wider is for print, and no taller
 RED = 0.2  # by which red exceeds green and blue
 UNREADABLE = re.compile(r"\[rad\]|[\w)]\^|\*\*|\b(nan|inf)\b")  # angles are in degrees, powers are raised
 
@@ -49,7 +49,7 @@ def faults(fig: Figure, least: float = 7.0, texts: list[Text] | None = None, axe
     axes: millimetres that axes are high at least."""
     found, texts = [], words(fig) if texts is None else texts
     wide, tall = 25.4 * fig.get_size_inches()
-    found += [f"{tall:.0f} mm tall"] if wide < COLUMN and tall > TALLEST else []
+    found += [f"{tall:.0f} mm tall"] if wide < PRINTED and tall > TALLEST else []
     scales = [ax for ax in fig.axes if ax.axison and ax.get_label() != "<colorbar>"]
     heights = [25.4 * ax.get_window_extent().height / fig.dpi for ax in scales]
     found += [f"axes of {high:.1f} mm" for high in heights if high < axes]

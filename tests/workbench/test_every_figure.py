@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from functools import cache
 
+import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.figure import Figure
@@ -40,6 +41,14 @@ def test_every_kind_of_picture_can_be_read_at_every_width(six, kind: str, page: 
 def test_sentences_below_a_narrow_picture_leave_its_panels_their_room(name: str) -> None:
     fig = kinds.figure(StoredStudy(small.study_dataset(name)), "lines", sheet("paper", 89))
     assert [fault for fault in faults(fig) if "over one another" in fault] == []
+
+
+@pytest.mark.parametrize("name", ["fig6", "let_go"])
+def test_a_picture_for_one_column_has_room_for_its_panels_and_for_views_at_their_own_size(name: str) -> None:
+    fig = kinds.figure(StoredStudy(small.study_dataset(name)), "lines", sheet("paper", 89))
+    assert faults(fig, axes=IN_PRINT) == []
+    (views,) = (ax for ax in fig.axes if ax.get_label().startswith("unrolled views"))
+    assert views.get_window_extent().height / fig.dpi > 0.9 * np.ptp(views.get_ylim())
 
 
 @pytest.mark.parametrize("page", SHEETS)

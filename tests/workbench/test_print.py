@@ -176,6 +176,24 @@ def test_a_text_is_broken_where_it_leaves_its_room_and_not_before() -> None:
     assert max(fonts.width_of(line, 9.5) for line in cut) <= 2.0
 
 
+@pytest.mark.parametrize("inches", [1.5, 2.0, 2.5, 3.0])
+def test_no_line_of_a_label_begins_with_a_unit_or_with_what_a_symbol_equals(inches: float) -> None:
+    text = "internal force along the inward normal  F₁ [N], at FZ = −400 kN · sideways: true"
+    lines = fonts.break_lines(text, inches, 9.5).split("\n")
+    assert not [line for line in lines if line.startswith(("[", "·", "=", "−"))]
+    assert max(fonts.width_of(line, 9.5) for line in lines) <= inches
+
+
+def test_a_low_axis_has_the_first_and_the_last_of_its_numbers_where_two_have_room() -> None:
+    fig = Figure(figsize=(3, 1))
+    ax = fig.add_axes((0.3, 0.5, 0.22, 0.4))
+    ax.tick_params(labelsize=fonts.SMALL)
+    scales.set_scale(ax.xaxis, (4500.0, 44000.0), True)
+    fig.draw_without_rendering()
+    assert len(ax.get_xticks()) == 2
+    assert faults(fig) == []
+
+
 def test_the_panels_of_samples_are_wide_enough_to_read_on_a_column() -> None:
     text = small.HEAD.replace("[units]", 'observables = ["turns_around", "kappa_max"]\n[units]')
     text += '[sample]\nsize = 32\nE = { from = 5e3, to = 4e4, distribution = "log-uniform" }\n'
@@ -185,7 +203,7 @@ def test_the_panels_of_samples_are_wide_enough_to_read_on_a_column() -> None:
     fig = study_figure.figure(StoredStudy(in_memory.run(loads(text))), sheet=sheet("paper", 89))
     fig.draw_without_rendering()
     panels = [ax for ax in fig.axes if " against " in ax.get_label()]
-    assert len(panels) == 4  # of the first observable: those of both would be lower than 25 mm
+    assert len(panels) == 8
     assert min(ax.get_window_extent().width for ax in panels) / fig.dpi > 0.55
     for ax in panels:
         boxes = [

@@ -484,6 +484,27 @@ def test_the_places_of_self_intersection_are_where_two_stretches_are_less_than_t
     assert not self_contact.middles(rod.line, (0.0, 2.0))
 
 
+def test_each_place_where_a_centreline_crosses_itself_is_one_also_where_one_overlap_joins_several() -> None:
+    rod = body(small.study_dataset("fig7_4_end_angle"), betaL=8)
+    s = np.linspace(0, rod.line.L, 2001)
+    places = rod.line.frame(s)[0]
+    plane = np.column_stack([places[:, 2], rod.line.rho * np.unwrap(np.arctan2(places[:, 1], places[:, 0]))])
+    step = np.diff(plane, axis=0)[:, None]
+    way = plane[None, :-1] - plane[:-1, None]
+
+    def area(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+        return one[..., 0] * other[..., 1] - one[..., 1] * other[..., 0]
+
+    turn = area(step, step.swapaxes(0, 1))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share, other = area(way, step.swapaxes(0, 1)) / turn, area(way, step) / turn
+    meet = np.argwhere((share >= 0) & (share < 1) & (other >= 0) & (other < 1))
+    crossings = s[meet[meet[:, 1] > meet[:, 0] + 1]]
+    found = np.array(self_contact.places(s, places, rod.a))
+    assert len(crossings) == 10
+    assert np.abs(crossings[:, None] - found).max(axis=-1).min(axis=1).max() < 0.5 * rod.a  # points a/4 apart
+
+
 @draws
 def test_each_rod_of_a_row_that_passes_through_itself_is_ringed_in_its_cell(fig6) -> None:
     ds = dataset(axes="[axes.F3]\nvalues = [1.0, 10.0, 40.0]\n")

@@ -42,8 +42,9 @@ from .legend_room import HANDLE
 from .scales import RoomLocator, Ticks
 from .sheet import MILLIMETRES, SCREEN, Sheet
 
-TALLEST, TALLEST_PAGE = 120 / MILLIMETRES, 185 / MILLIMETRES  # inches of a figure of one column, of two
+TALLEST = 185 / MILLIMETRES  # inches of a figure in print
 LEAST_AXES, ROW = 25 / MILLIMETRES, 1.55  # inches of axes in print at least; of their row, with labels and title
+DRAWN = 0.95  # of its own size, a view at least: below, the words of two columns meet
 TRIES = 4  # to give axes that height: what a figure gains is shared with its views
 # inches that a panel with axes gives up for views: at 0.35 the push of a rod keeps one number, at 0.15 views overlap
 LABELS = 0.25
@@ -52,7 +53,7 @@ MOST_LETTERS = 12  # panels; more are a table of panels, which its rows and colu
 # The best place covers no middle of a point; a wide pad in place of the distance to the axes keeps it off whole points
 PADDED = {"borderpad": 1.0, "borderaxespad": 0.0}
 ALONE: dict[str, Any] = {"fontsize": 1, "borderpad": 3.2}  # of a legend of lines: its empty entry takes no room
-RING, CROWDED = 1.2, 0.8  # points, the line of a ring; between the middles of two rings, in the size of one
+RING, CROWDED = 1.2, 1.35  # points, the line of a ring; between the middles of two rings, in the size of one
 DIAGRAMS = (".png", ".pdf", ".svg")
 Said = Iterable[Any]  # of a figure: sentences of its caption, and labelled artists, the entries of its legend
 Panel = Callable[[Axes], Said | None]  # draws, and returns what is said of it
@@ -76,7 +77,7 @@ def figure(
     """
     titled = stored is not None and sheet.titled
     if sheet.style == "paper":
-        size = size[0], min(size[1], tallest(sheet) - TITLE * titled)
+        size = size[0], min(size[1], TALLEST - TITLE * titled)
     with rc_context(RC | sheet.settings()):
         fig = Figure(figsize=size, dpi=dpi, layout=layout)
         FigureCanvasAgg(fig)
@@ -162,19 +163,15 @@ def page(
         (width or sheet.width, sum(tall for tall, _ in rows) + more), draw, stored, sheet=sheet, said=rest, **options
     )
     if high and sheet.style == "paper":
-        _heighten_axes(fig, tallest(sheet))
-        if _clear_legends(fig, sheet):  # in axes of another height the best place is another
-            _heighten_axes(fig, tallest(sheet))
+        with rc_context(RC | sheet.settings()):  # else formulas are set in other letters, which stay
+            _heighten_axes(fig)
+            if _clear_legends(fig, sheet):  # in axes of another height the best place is another
+                _heighten_axes(fig)
     return fig
 
 
 class TooLow(InputError):
     """The axes of a picture would be lower than print needs."""
-
-
-def tallest(sheet: Sheet) -> float:
-    """Inches of a figure for print at most."""
-    return TALLEST if sheet.narrow else TALLEST_PAGE
 
 
 def with_room(draw: Callable[[int], Figure], most: int) -> Figure:
@@ -194,31 +191,59 @@ def _clear_legends(fig: Figure, sheet: Sheet) -> bool:
         if not (more := legend_room.clear(fig)):
             return False
         high = fig.get_figheight() + more
-        resize(fig, (fig.get_figwidth(), min(high, tallest(sheet)) if sheet.style == "paper" else high))
+        resize(fig, (fig.get_figwidth(), min(high, TALLEST) if sheet.style == "paper" else high))
     return True
 
 
-def _heighten_axes(fig: Figure, most: float) -> None:
-    """Let a figure grow, to so many inches at most, until its axes are `LEAST_AXES` high. Raises `TooLow`."""
+def _heighten_axes(fig: Figure) -> None:
+    """Let a figure grow, up to `TALLEST`, until its axes are `LEAST_AXES` high and its views have their own inches.
+
+    Raises `TooLow` where axes are lower.
+    """
     axes = [ax for ax in fig.axes if ax.axison and ax.get_label() != "<colorbar>" and ax.get_subplotspec() is not None]
-    for _ in range(TRIES if axes else 0):
+    for _ in range(TRIES):
         with catch_warnings():
             filterwarnings("ignore", "constrained_layout not applied")  # it is seen below, and the figure grows
             fig.draw_without_rendering()
         boxes = [ax.get_window_extent() for ax in axes]
-        lowest, rows = min(box.height for box in boxes) / fig.dpi, len({round(box.y0) for box in boxes})
-        if any(key.get_window_extent().y1 > min(box.y0 for box in boxes) for key in fig.legends):
+        lowest = min((box.height / fig.dpi for box in boxes), default=LEAST_AXES)
+        rows = len({round(box.y0) for box in boxes})
+        bottom = min((box.y0 for box in boxes), default=np.inf)
+        if any(key.get_window_extent().y1 > bottom for key in fig.legends):
             lowest = 0.0  # the layout was given up: what stands around the axes leaves them no room
         wide, high = map(float, fig.get_size_inches())
-        if lowest >= LEAST_AXES:
+        short = _shortfalls(fig)
+        if lowest >= LEAST_AXES and not short:
             return
-        if (grown := min(high + 1.02 * rows * (LEAST_AXES - lowest) + 0.01, most)) <= high:
+        more_height = max(1.02 * rows * (LEAST_AXES - lowest) + 0.01, 0.0) + sum(short.values())
+        if (grown := min(high + more_height, TALLEST)) > high:
+            for ax, inches in short.items():
+                _heighten_row(ax, inches * (grown - high) / more_height)
+            resize(fig, (wide, grown))
+        elif lowest < LEAST_AXES:
             at_least = f"{MILLIMETRES * LEAST_AXES:.0f} mm in print"
             raise TooLow(
                 f"the axes would be {MILLIMETRES * lowest:.1f} mm high, and are at least {at_least}: choose fewer "
                 "panels with --show or --panel, or another --width"
             )
-        resize(fig, (wide, grown))
+
+
+def _shortfalls(fig: Figure) -> dict[Axes, float]:
+    """The views in panels that are lower than the inches of their own axes, and by how much."""
+    views = [ax for ax in fig.axes if not ax.axison and ax.get_aspect() == 1 and ax.get_subplotspec() is not None]
+    heights = [float(np.ptp(ax.get_ylim())) for ax in views]
+    cells = [ax.get_position(original=True).height * fig.get_figheight() for ax in views]
+    return {ax: high - cell for ax, high, cell in zip(views, heights, cells, strict=True) if cell < DRAWN * high}
+
+
+def _heighten_row(ax: Axes, more: float) -> None:
+    """Give the row of axes so many inches more of what the layout of `page` has."""
+    spec = ax.get_subplotspec()
+    assert spec is not None
+    for place in dict.fromkeys((spec, spec.get_topmost_subplotspec())):
+        ratios = np.array(place.get_gridspec().get_height_ratios(), dtype=float)
+        ratios[place.rowspan.start] += more
+        place.get_gridspec().set_height_ratios(ratios)
 
 
 def in_rows(panels: Sequence[Panel], across: int, high: float) -> list[Row]:
@@ -363,9 +388,10 @@ def legend_entries(ax: Axes) -> list[Any]:
 
 
 def write_below(fig: Figure, said: Said, lines: Sequence[str] = ()) -> None:
-    """One legend below all axes of a figure with a constrained layout: lines of words, then entries in columns.
+    """One legend below all axes of a figure with a constrained layout: one line of words, then entries in columns.
 
-    said: those entries, and sentences for the caption.
+    said: those entries, and sentences for the caption. lines: of words; those that do not stand on one line together
+    are sentences of the caption.
     """
     said = list(said)
     entries = {str(entry.get_label()): entry for entry in said if not isinstance(entry, str)}
@@ -373,17 +399,27 @@ def write_below(fig: Figure, said: Said, lines: Sequence[str] = ()) -> None:
     width = fig.get_figwidth() - 0.3
     room = width - HANDLE
     once = {fonts.break_lines(label, room, fonts.small()): entry for label, entry in entries.items()}
-    lines = [fonts.break_lines(line, width, fonts.small()) for line in dict.fromkeys(lines)]
-    if not once and not lines:
+    line, rest = _one_line(list(dict.fromkeys(lines)), width)
+    add_to_caption(fig, [f"{text[:1].upper()}{text[1:].rstrip('.')}." for text in rest])
+    if not once and not line:
         return
     words = [line for label in once for line in label.split("\n")]
     widest = max((HANDLE + fonts.width_of(line, fonts.small()) for line in words), default=1.0)
     columns = max(1, min(len(once), int((width + 0.1) / widest)))
     how: dict[str, Any] = {} if once else ALONE
     legend = fig.legend(list(once.values()) or [Patch(visible=False)], list(once) or [""], ncols=columns,
-                       loc="outside lower left", title="\n".join(lines), alignment="left", handlelength=1.8,
+                       loc="outside lower left", title=line, alignment="left", handlelength=1.8,
                        handleheight=1.2, title_fontsize=fonts.small(), **how)  # fmt: skip
     legend.get_title().set_color(SOFT)
+
+
+def _one_line(texts: Sequence[str], width: float) -> tuple[str, list[str]]:
+    """The first texts, as many as stand on one line of so many inches, and the others; a longer first one is broken."""
+    shown = [text for text in texts if text.strip("\N{ZERO WIDTH SPACE}")] or [*texts[:1]]
+    count = 1
+    while count < len(shown) and fonts.width_of(" · ".join(shown[: count + 1]), fonts.small()) <= width:
+        count += 1
+    return fonts.break_lines(" · ".join(shown[:count]), width, fonts.small()), shown[count:]
 
 
 def ring_entry(label: str) -> Line2D:
@@ -394,13 +430,13 @@ def ring_entry(label: str) -> Line2D:
 def draw_rings(ax: Axes, places: Any, sizes: Any, name: str) -> None:
     """Ring the places (n, 2) where rods pass through themselves: open circles, which do not cover what they mark.
 
-    Of places that are nearer than `CROWDED` of a ring one has a ring. The units of the axes are inches. sizes: (n,),
-    points across. name: theirs in a table.
+    Of rings whose middles are nearer than `CROWDED` the smallest one is drawn. The units of the axes are inches. sizes:
+    (n,), points across. name: theirs in a table.
     """
     places, sizes = np.asarray(places, dtype=float), np.asarray(sizes, dtype=float)
     kept: list[int] = []
-    for k, place in enumerate(places):
-        if all(np.hypot(*(place - places[i])) >= CROWDED * (sizes[k] + sizes[i]) / 2 / 72 for i in kept):
+    for k in np.argsort(sizes, kind="stable"):
+        if all(np.hypot(*(places[k] - places[i])) >= CROWDED * (sizes[k] + sizes[i]) / 2 / 72 for i in kept):
             kept.append(k)
     x, y = places[kept].T
     ax.scatter(x, y, s=np.square(sizes[kept]), facecolors="none", edgecolors=CROSSED, linewidths=RING, gid=name,

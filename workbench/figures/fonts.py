@@ -23,6 +23,7 @@ SMALL, NORMAL, LARGE = 8.0, 9.5, 12.0  # points
 LETTER = 0.6 / 72  # inches that a letter is wide per point of its size, where its text is not known yet
 LINE = 1.22 / 72  # inches from line to line per point of their size
 BESIDE = 0.8  # inches of the ticks and the label beside axes
+GLUE = "\x1f"  # in place of a space at which no line ends
 _TEXT = TextToPath()
 
 RC: Any = {
@@ -80,14 +81,16 @@ def wrap(text: str, ax: Axes, size: float | None = None) -> str:
 def break_lines(text: str, room: float, size: float | None = None, bold: bool = False) -> str:
     """The text in lines that are no longer than so many inches, for a font of that size in points.
 
-    A word that is longer than a line is cut; a product such as ``5 x 4`` is one word.
+    A word that is longer than a line is cut; a product such as ``5 x 4`` is one word. No line begins with a unit in
+    brackets, with a dot between two texts, or with what a symbol equals.
     """
     size = size or normal()
     room = max(room, 12 * size * LETTER)
     text = re.sub(r"(?<=\d) x (?=\d)", "\N{NO-BREAK SPACE}x\N{NO-BREAK SPACE}", text)
     most = int(1.2 * len(text) * room / max(width_of(text, size, bold), room)) + 1
+    text = re.sub(r" (?=[\[·=])|(?<==) ", GLUE, text)
     while True:
-        lines = textwrap.wrap(text, most, break_on_hyphens=False)
+        lines = [line.replace(GLUE, " ") for line in textwrap.wrap(text, most, break_on_hyphens=False)]
         widest = max((width_of(line, size, bold) for line in lines), default=0.0)
         if widest <= room or most == 1:
             return "\n".join(lines)

@@ -135,8 +135,10 @@ def _number_regions(ax: Axes, cells: Cells, values: Values, scale: Colours, inch
         size = 1.25 * fonts.small() / 72, fonts.width_of(text, fonts.small()) + 0.06
         middle = regions.place(area, (inches[1] / cells.y.values.size, inches[0] / cells.x.values.size), size)
         if middle is not None:
-            ax.text(cells.x.between(middle[1]), cells.y.between(middle[0]), text, ha="center", va="center",
-                    size=fonts.small(), color=colours.INK, path_effects=[HALO], zorder=5)  # fmt: skip
+            words = ax.text(cells.x.between(middle[1]), cells.y.between(middle[0]), text, ha="center", va="center",
+                            size=fonts.small(), color=colours.INK, path_effects=[HALO], zorder=5)  # fmt: skip
+            if number < 0:  # it is wider than the distance of the cases
+                words.set_bbox({"facecolor": colours.BAND, "edgecolor": "none", "pad": 1})
 
 
 def _show_samples(ax: Axes, cells: Cells) -> None:

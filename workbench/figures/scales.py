@@ -31,8 +31,8 @@ class RoomLocator(Locator):
     """Round numbers of Matplotlib's locators, as many as have room on the axis when it is drawn.
 
     At 1, 2 and 5 times powers of ten on a logarithmic axis, or at the powers alone; evenly spaced where `FEW` such
-    numbers do not lie on it. of: ``counts`` are whole; ``angles`` over more than `NARROW` degrees are parts and
-    multiples of a right angle.
+    numbers do not lie on it; two at least, where two have room. of: ``counts`` are whole; ``angles`` over more than
+    `NARROW` degrees are parts and multiples of a right angle.
     """
 
     def __init__(self, of: str = "numbers") -> None:
@@ -51,20 +51,27 @@ class RoomLocator(Locator):
         inches = (box.height if upward else box.width) / axis.axes.get_figure(root=True).dpi
         per_unit = inches / ((change(vmax) - change(vmin)) or 1.0)
         low, high = vmin - ROUNDING * abs(vmin), vmax + ROUNDING * abs(vmax)
-        fallback: list[float] = []
-        for locator in self._candidates(vmax - vmin, logarithmic):
-            inside = [float(value) for value in locator.tick_values(low, high) if low <= value <= high]
-            texts = Ticks().format_ticks(inside)
+
+        def fits(ticks: list[float]) -> bool:
+            texts = Ticks().format_ticks(ticks)
             sizes = [self.letters / 72 if upward else fonts.width_of(text, self.letters) for text in texts]
             gaps = [
                 per_unit * (change(b) - change(a)) - (left + right) / 2
-                for (a, left), (b, right) in pairwise(zip(inside, sizes, strict=True))
+                for (a, left), (b, right) in pairwise(zip(ticks, sizes, strict=True))
             ]
-            if min(gaps, default=GAP) >= GAP:
-                if len(inside) >= (FEW if isinstance(locator, LogLocator) else 2):
-                    return inside
-                fallback = max(fallback, inside, key=len)
-        return fallback
+            return min(gaps, default=GAP) >= GAP
+
+        fallback: list[float] = []
+        crowded: list[list[float]] = []  # of which the first and the last may have room
+        for locator in self._candidates(vmax - vmin, logarithmic):
+            inside = [float(value) for value in locator.tick_values(low, high) if low <= value <= high]
+            if not fits(inside):
+                crowded.append([inside[0], inside[-1]])
+                continue
+            if len(inside) >= (FEW if isinstance(locator, LogLocator) else 2):
+                return inside
+            fallback = max(fallback, inside, key=len)
+        return fallback if len(fallback) > 1 else next(filter(fits, crowded), fallback)
 
     def _candidates(self, span: float, logarithmic: bool) -> Iterator[Locator]:
         """Matplotlib's locators, from that of most ticks to that of one."""

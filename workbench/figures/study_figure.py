@@ -25,12 +25,12 @@ from .sheet import SCREEN, Sheet, set_range
 
 LAW_HEIGHT, TALL_LAW, LEAST_LAW = 3.2, 3.8, 2.4  # inches; the second beside curves
 ONE_ROD = 0.55  # the share of the least height of a narrow panel of one rod
-NARROW_LAW, LEAST_STRIP = 2.2, 0.9  # inches of a law on a narrow sheet at most; of unrolled views in print at least
+NARROW_LAW, LEAST_STRIP = 1.9, 0.9  # inches of a law on a narrow sheet at most; of unrolled views in print at least
 SAMPLES = "samples"  # the panel of the scatter diagrams
 BESIDE = 0.58  # the share of the width that curves have beside a law
-MOST_CURVES, STRIPS = 9, (0.55, 0.42)  # curves along an axis; their height over a narrow and another width
+MOST_CURVES, STRIPS = 9, (0.7, 0.42)  # curves along an axis; their height over a narrow and another width
 LABELS = 0.35  # inches below and above curves
-LEGEND = 1.0  # inches of the legend of one rod, and around its view
+LEGEND = 1.25  # inches of the legend of one rod, and around its view
 AROUND = 1.0  # inches of title, labels and caption above and below curves beside a law
 MOST_PLAIN = 4  # observables shown where there is no law
 MOST_NARROW = 3  # panels of laws on one column of a page, one less with curves
@@ -99,7 +99,7 @@ def _figure_of(
     strips_high = STRIPS[not sheet.narrow] * width
     if sheet.style == "paper" and chosen.strips:
         rows_below = -(-count // (1 if sheet.narrow else 2))
-        left = canvas.tallest(sheet) - rows_below * canvas.ROW
+        left = canvas.TALLEST - canvas.TITLE * sheet.titled - rows_below * canvas.ROW
         strips_high = min(strips_high, max(left / len(chosen.strips) - LABELS, LEAST_STRIP))
     rods = [rods_along[name] for name in chosen.strips]
     has_laws = any(not isinstance(drawn, str) for drawn in chosen.panels)
@@ -112,8 +112,10 @@ def _figure_of(
     if all(straight):
         beside, across = False, 1 if sheet.narrow else min(across, count)
     if sheet.narrow:
-        left = canvas.TALLEST - sum(
-            view.height + LABELS for view, is_line in zip(views, straight, strict=True) if not is_line
+        left = (
+            canvas.TALLEST
+            - canvas.TITLE * sheet.titled
+            - sum(view.height + LABELS for view, is_line in zip(views, straight, strict=True) if not is_line)
         )
         law_height = float(np.clip(left / max(count, 1), canvas.ROW, NARROW_LAW))
 
@@ -176,7 +178,7 @@ def one_rod(stored: StoredStudy, sheet: Sheet = SCREEN) -> Figure:
     high, each = STRIPS[not sheet.narrow] * sheet.width, LEAST_LAW * max(min(sheet.width / SCREEN.width, 1.0), ONE_ROD)
     if sheet.style == "paper":
         each = max(each, canvas.ROW)
-        high = min(high, max(canvas.tallest(sheet) - each * (len(names) - 1) - LEGEND, LEAST_STRIP))
+        high = min(high, max(canvas.TALLEST - each * (len(names) - 1) - LEGEND, LEAST_STRIP))
     room = sheet.width - unrolled.BESIDE, high
     view = unrolled.panel_of(rods, room, sheet.small, coloured) if "curve" in names else None
 

@@ -15,6 +15,7 @@ from .centreline import Array, Centreline
 MOST = 400_000  # points along the rod
 CLOSED = 1e-3  # radii between the ends of a closed rod, at most
 DENSE = 4  # points for each radius of the rod
+CROSSED = 0.2  # radii between two stretches of a centreline that crosses itself: more than the points are apart
 APART = np.pi  # radii along the rod: nearer points are close as neighbours in a bend, not in self-contact
 
 
@@ -57,6 +58,8 @@ def findings(line: Centreline, unit: str) -> list[Finding]:
 def places(s: Array, points: Array, a: float) -> list[tuple[float, float]] | None:
     """The places where two stretches of a rod overlap: of each the two arc lengths whose points are nearest.
 
+    Where the centreline crosses itself is a place, also where one overlap joins it to another one.
+
     Parameters
     ----------
     s : array (n,)
@@ -75,8 +78,9 @@ def places(s: Array, points: Array, a: float) -> list[tuple[float, float]] | Non
     if count > MOST:
         return None
     at = np.linspace(s[0], s[-1], count)
-    pairs = _pairs(at, CubicSpline(s, points)(at), a, 2 * a)
-    return sorted((float(at[i]), float(at[j])) for j, i in pairs)
+    curve = CubicSpline(s, points)(at)
+    pairs = {(int(i), int(j)) for near in (2 * a, CROSSED * a) for j, i in _pairs(at, curve, a, near)}
+    return sorted((float(at[i]), float(at[j])) for i, j in pairs)
 
 
 def middles(line: Centreline, span: tuple[float, float]) -> list[Array]:

@@ -5,17 +5,19 @@ import { evenly, pointAt } from "./rod_shape.mjs";
 const SPACING = 8; // points on each radius of length
 const MOST = 40_000; // points; a longer rod is not examined
 const MOST_PLACES = 200;
+const NEAR = [2, 0.2]; // radii between two stretches: they overlap; their centrelines cross
 
-/* The middles of the nearest pairs (x, y, z), one of each crossing; none where the rod is too long to be examined. Pairs
-   within 0.4 % of 2 a may be missed. */
+/* The middles of the nearest pairs (x, y, z), one of each overlap and of each crossing of the centreline; none where the
+   rod is too long to be examined. Pairs within 0.4 % of 2 a may be missed. */
 export function crossings({ core, one, at, shown }) {
   const length = one.L * shown,
     n = Math.ceil((SPACING * length) / one.a) + 1;
   if (n > MOST) return [];
   const s = evenly(length, n),
-    places = at(s),
+    line = at(s),
     points = new Float64Array(3 * n);
-  for (let i = 0; i < n; i++) points.set(pointAt(places, i), 3 * i);
-  const pairs = core.crossings(s, points, 2 * one.a, Math.PI * one.a, MOST_PLACES);
-  return pairs.map(([i, j]) => [0, 1, 2].map((k) => (points[3 * i + k] + points[3 * j + k]) / 2));
+  for (let i = 0; i < n; i++) points.set(pointAt(line, i), 3 * i);
+  const pairs = NEAR.flatMap((near) => core.crossings(s, points, near * one.a, Math.PI * one.a, MOST_PLACES));
+  const places = new Map(pairs.map((pair) => [String(pair), pair]));
+  return [...places.values()].map(([i, j]) => [0, 1, 2].map((k) => (points[3 * i + k] + points[3 * j + k]) / 2));
 }
