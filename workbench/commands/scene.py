@@ -127,6 +127,7 @@ def _pictures(
     able, advice = opengl.probe()
     if not able:
         return result_of_files([], warnings=[advice], status=1)
+    from ..figures import canvas
     from ..scene import layout
 
     if wanted.low is not None or wanted.high is not None:
@@ -156,7 +157,7 @@ def _pictures(
         rods = solve(study_scene.FIRST if study is not None else rods.sizes["u"])
     picture, stations = study_scene.at_needed_stations(rods, solve, draw)
     solved = f", solved at {stations} stations" if study or stations != rods.sizes["u"] else ""
-    said = [" at ".join([str(path), *([", ".join(case)] if case else [])]) + solved]
+    said = [" at ".join([str(path), *([", ".join(case)] if case else [])]) + solved, *canvas.caption(picture.fig)]
     if picture.error <= wanted.pixel_error * (1 + 1e-9):
         return result_of_files(paths, said)
     reached = f"{picture.error:.1f} pixels, not {wanted.pixel_error:g}: {stations} stations are too few for that"

@@ -24,11 +24,12 @@ from ..stored.stored_study import StoredStudy
 from ..words import labels
 from ..words.habits import plain, size_shown, unit_shown
 from . import canvas, colours, drawn_rods, fonts
+from .drawn_numbers import CASING
 from .sheet import MILLIMETRES, SCREEN, Sheet
 
 SCALES = [step * 10.0**power for power in range(9, -10, -1) for step in (5.0, 2.0, 1.0)]  # of a drawing, falling
 LEFT, RIGHT, ABOVE, BELOW = 24.0, 12.0, 15.0, 24.0  # millimetres on paper around the cylinder
-HIGH = (75.0, 50.0)  # of the cylinder with its rod at most, on a wide and on a narrow sheet
+HIGH = (110.0, 70.0)  # of the cylinder with its rod at most, on a wide and on a narrow sheet
 THICK, HAIR = 0.8, 0.3  # of the rod: thinner, the drawing shows a part of it; is refused
 SPARE = 4.0  # of cylinder beyond both ends of the rod
 EDGE, FINE = 0.9, 0.5  # points: of an outline, and of a dimension line
@@ -200,22 +201,23 @@ def _draw_body(ax: Axes, view: SideView, R: float, a: float, side: str) -> None:
     low, high = float(view.x.min()) - spare, float(view.x.max()) + spare
     thick = 2 * a * view.mm / MILLIMETRES * 72  # points
 
+    behind = 1.0 if side == "outside" else 3.0  # the order of drawing
+
     def strand(of: slice, order: float, name: str) -> None:
-        for colour, width in ((colours.INK, thick), ("white", max(thick - 2 * EDGE, 0.3 * thick))):
-            ax.plot(
-                view.x[of],
-                view.y[of],
-                color=colour,
-                linewidth=width,
-                solid_capstyle="butt",
-                solid_joinstyle="round",
-                snap=False,
-                zorder=order,
-                gid=name,
-            )
+        """A part of the rod: flat at an end of the rod, round where it passes the plane of the axis.
+
+        The outline there lies below all parts, so that none shows inside the rod.
+        """
+        middle = (of.start + of.stop) // 2
+        inner = slice(middle if of.start == 0 else of.start, middle if of.stop == view.x.size else of.stop)
+        inside = max(thick - 2 * EDGE, 0.3 * thick)
+        for colour, width, below in ((colours.INK, thick, behind - 0.1), ("white", inside, order)):
+            look: dict[str, Any] = {"color": colour, "linewidth": width, "solid_joinstyle": "round", "snap": False}
+            ax.plot(view.x[of], view.y[of], solid_capstyle="butt", zorder=order, gid=name, **look)
+            ax.plot(view.x[inner], view.y[inner], solid_capstyle="round", zorder=below, label=CASING, **look)
 
     for of in _parts(view, front=False):
-        strand(of, 1 if side == "outside" else 3, "rod, behind the plane of the axis")
+        strand(of, behind, "rod, behind the plane of the axis")
     ax.add_patch(Rectangle((low, -R), high - low, 2 * R, facecolor=colours.CUT, edgecolor="none", zorder=2))
     for y in (-R, R):
         ax.plot([low, high], [y, y], color=colours.INK, linewidth=EDGE, zorder=2.1, gid="cylinder")

@@ -12,6 +12,7 @@ from solver.problem.quantities import QUANTITIES
 from studies.grammar.axes import SAMPLE, quantity_of
 
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+MANY_TURNS = 3600.0  # degrees, from which an angle is said in turns
 LETTERS = 5  # of a symbol; more are a name
 COUNTS = {"bends": "the number of bends", "loops": "the number of loops"}  # in a sentence; their symbols are plural
 
@@ -43,11 +44,14 @@ def in_label_unit(array: xr.DataArray, values: Any) -> Any:
 
 
 def value(number_: float, array: xr.DataArray, digits: int = 4) -> str:
-    """A value of a variable with its unit: ``10910 N/cm²``, ``15°``; a number of a sample in full."""
+    """A value of a variable with its unit: ``10910 N/cm²``, ``15°``, from ten turns on ``79.58 turns``; a number of a
+    sample in full."""
     if array.name == SAMPLE:
         return str(int(number_))
-    text = powers_of_ten(number(float(in_label_unit(array, number_)), digits))
-    return (f"{text}°" if is_angle(array) else f"{text} {_unit_of(array)}".strip()).replace("-", "−")
+    shown, unit_ = float(in_label_unit(array, number_)), f" {_unit_of(array)}"
+    if is_angle(array):
+        shown, unit_ = (shown / 360, " turns") if abs(shown) >= MANY_TURNS else (shown, "°")
+    return f"{powers_of_ten(number(shown, digits))}{unit_}".rstrip().replace("-", "−")
 
 
 def level(array: xr.DataArray, low: float, high: float) -> str:
