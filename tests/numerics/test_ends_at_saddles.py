@@ -291,14 +291,14 @@ def ends_of_any_size(seed: int) -> tuple[float, ...]:
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("block", range(10))
 def test_ends_problems_of_any_size_are_solved_or_say_why_not(block: int) -> None:
-    """No exception and no warning; what is called solved is finite and ends where it should."""
+    """No exception and no warning; what is called solved is finite and ends where it should, within its error."""
     for seed in range(40 * block, 40 * block + 40):
         L, first, last, FZ, MZ, M3 = ends_of_any_size(seed)
         sol = solve(case(L, first, last, FZ=FZ, MZ=MZ, M3=M3), stations=5)
         assert sol.solved or str(sol.outcome).startswith("failed: "), seed
         if sol.solved:
             assert np.isfinite([sol.beta, sol.contact]).all(), seed
-            assert sol.beta[-1] == pytest.approx(last, abs=1e-8 * max(1.0, sol.condition, abs(last)))
+            assert abs(sol.beta[-1] - last) <= max(sol.error, 1e-8 * max(1.0, sol.condition, abs(last))), seed
 
 
 def test_a_search_beyond_its_budget_solves_the_paths_of_fewest_bends_and_says_so(monkeypatch) -> None:
