@@ -21,7 +21,6 @@ OPTIONS = {
     "dual_tolerance": 1e-8,
     "barrier_k_epsilon": 100.0,  # how closely each barrier problem is solved: with 10, the default, some steps more
 }
-STRATEGIES = "waechter_filter_method", "funnel_method"  # to accept steps; where the first one jams, the other often not
 ENOUGH = 1e-6  # of what Uno may leave of the equations
 
 
@@ -155,7 +154,8 @@ class Program:
         model.set_constraints(low.size, into(self.conditions), low, high, rows.size, rows, columns, into(self.jacobian))
         model.set_lagrangian_hessian(above.size, unopy.LOWER_TRIANGLE, above, beside, into(self.hessian))
         model.set_initial_primal_iterate(np.zeros(self.free.size))
-        for strategy in STRATEGIES:
+        # to accept steps; where the first strategy jams, the other often does not
+        for strategy in ("waechter_filter_method", "funnel_method"):
             solver = unopy.UnoSolver()
             solver.set_preset("ipopt")
             begins = {"barrier_initial_parameter": search.barrier, "max_iterations": search.most}

@@ -30,7 +30,6 @@ from .held_sweep import Ranges, SweepPoint, ranges_of, starts_of, swept
 from .hinge_scan import states_between_hinges
 
 MOST_PERIODS, TRIES = 8, 10  # of the rods from which the search begins; deflations without a new equilibrium
-_SEED = 14  # of the random choice of where deflation begins
 _ODD = ({"alpha", "turn", "lam", "mu"}, {"z", "turn", "phi", "mu"})  # what beta -> -beta and beta -> pi - beta negate
 _REVERSED = {"beta0": "betaL", "betaL": "beta0", "dbeta0": "dbetaL", "dbetaL": "dbeta0"}
 
@@ -105,7 +104,7 @@ class FoundStates:
 
     def deflate(self, points: list[SweepPoint], most: int) -> None:
         """Add what deflation leads to, until so many tries in a row find none within the ranges."""
-        seeds, rng, fruitless = [state for point in points for state in point.states], np.random.default_rng(_SEED), 0
+        seeds, rng, fruitless = [state for point in points for state in point.states], np.random.default_rng(14), 0
         while seeds and fruitless < most:
             self.tries += 1
             before = len(self.states)

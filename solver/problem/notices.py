@@ -5,13 +5,6 @@ import warnings
 from collections.abc import Iterator
 
 _OWN = ("solver", "studies", "workbench", "dataclasses")
-_MAKERS = (
-    "solver.problem.notices",
-    "solver.problem.field_values",
-    "solver.problem.case",
-    "solver.follow",
-    "dataclasses",
-)
 
 
 class UnitWarning(UserWarning):
@@ -43,7 +36,8 @@ def warn(sentence: str, kind: type[Warning] = AngleWarning) -> None:
 
 def is_called_by_a_program() -> bool:
     """Whether a program of the user calls what makes or varies a case, not this package."""
-    maker = next((name for name in _callers() if name not in _MAKERS), "")
+    makers = {f"solver.{name}" for name in ("problem.notices", "problem.field_values", "problem.case", "follow")}
+    maker = next((name for name in _callers() if name not in makers | {"dataclasses"}), "")
     return maker.partition(".")[0] not in _OWN
 
 
