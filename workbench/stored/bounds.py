@@ -88,7 +88,7 @@ def unfit(
         if name in CURVES:
             most = MOST_ANGLE if CURVES[name] in ("beta", "alpha", "gamma") else MOST
             with np.errstate(all="ignore"):  # of numbers that are stored in half precision
-                far = np.abs(values).max(axis=tuple(range(1, values.ndim)))
+                far = np.abs(values).max(axis=tuple(range(1, values.ndim))).astype(float)
             yield name, f"is not finite, or beyond {most:g}", ~np.asarray(far < most)
             if CURVES[name] == "z" and L is not None:
                 yield name, "is longer than the rod", np.asarray(far > L * (1 + STRAIGHT))
