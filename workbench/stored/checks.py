@@ -177,7 +177,7 @@ def drawable(ds: xr.Dataset) -> Iterator[str]:
         if (
             name not in JUDGED
             and variable.dtype.kind == "f"
-            and (np.isfinite(values) & (np.abs(values) > bounds.MOST_DRAWN)).any()
+            and (np.isfinite(values) & (np.abs(values.astype(float)) > bounds.MOST_DRAWN)).any()
         ):
             yield f": {show(name)} holds numbers beyond {bounds.MOST_DRAWN:g}"
 
