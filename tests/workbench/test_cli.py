@@ -9,6 +9,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
+from matplotlib.figure import Figure
 
 from tests.slow import slow
 from tests.test_layers import HEAVY
@@ -65,7 +66,7 @@ def test_the_help_of_no_command_loads_a_heavy_library() -> None:
 def test_a_picture_of_one_case_is_named_for_it_and_stands_beside_the_others(stored, tmp_path, monkeypatch) -> None:
     drawn = []
     monkeypatch.setattr(opengl, "probe", lambda: (True, ""))
-    picture = SimpleNamespace(error=0.0)
+    picture = SimpleNamespace(error=0.0, fig=Figure())
     scenes = SimpleNamespace(render=lambda ds, path, *_: drawn.append(path) or picture)
     monkeypatch.setitem(sys.modules, "workbench.scene.layout", scenes)
     monkeypatch.setattr("workbench.scene.layout", scenes, raising=False)
