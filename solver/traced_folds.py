@@ -134,7 +134,7 @@ def ranges_over(plane: ParameterPlane) -> dict[str, tuple[float, float]]:
 
 @dataclass(frozen=True, eq=False)
 class ShapesOnPlane:
-    """Shapes of a rod whose loads vary along it, a `folds.linked_search.PlaneSystem`.
+    """Shapes of a rod on nodes, with weight, friction or a hinge, a `branches.linked_search.PlaneSystem`.
 
     rod_at: the rod at z. middle: the z that the scales of all states are of.
     """
@@ -185,7 +185,7 @@ class ShapesOnPlane:
 
 @dataclass(frozen=True, eq=False)
 class OrbitsOnPlane:
-    """Equilibria of a rod without weight, a `folds.linked_search.PlaneSystem`."""
+    """Equilibria of a rod without weight, a `branches.linked_search.PlaneSystem`."""
 
     plane: ParameterPlane
 
