@@ -236,14 +236,14 @@ def test_beside_a_compressed_axis_stand_the_hole_and_a_part_at_true_scale() -> N
     view, ax, wide = View(long_rod.compress([body]), Cell()), Figure().add_subplot(), 6.0
     assert true_scale.is_needed([view])
     true_scale.draw(ax, view, views.front_camera(view.bodies, lying=True), (0.0, 0.0), wide, "m")
-    x, y = next(line for line in ax.lines if line.get_gid() == "down the hole").get_data()
+    x, y = next(line for line in ax.lines if line.get_gid() == "end view").get_data()
     np.testing.assert_allclose(np.hypot(x - true_scale.HOLE, y - true_scale.HOLE), 0.5 * true_scale.HOLE, rtol=1e-6)
     (band,) = [one for one in ax.collections if one.get_gid() == "at true scale"]
     left = 2 * true_scale.HOLE + true_scale.APART
     assert np.ptp(band.get_paths()[0].vertices[:, 0]) == pytest.approx(wide - left, rel=0.01)
     shown = (wide - left) * 0.2 / true_scale.STRIP  # length of the part; the strip is as high as the hole is wide
     words = f"at true scale: z = {number(30 - shown / 2)} to {number(30 + shown / 2)} m"
-    assert [text.get_text()[:23] for text in ax.texts] == ["down the hole", words[:23]]
+    assert [text.get_text()[:23] for text in ax.texts] == ["along the hole", words[:23]]
 
 
 def test_fig_6_is_large_and_shows_rod_cylinder_and_lift_off(fig6, tmp_path) -> None:

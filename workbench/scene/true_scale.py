@@ -1,4 +1,4 @@
-"""What a picture with a compressed axis hides: a part of the rod at true scale, and the rod as one looks down the hole.
+"""What a picture with a compressed axis hides: a part of the rod at true scale, and the rod seen along the hole.
 
 Both stand below the view. Lengths on the page are in inches, to the right and down.
 """
@@ -42,7 +42,7 @@ def draw(ax: Axes, view: View, camera: Camera, corner: tuple[float, float], wide
     x, middle = corner[0] + HOLE, corner[1] + HOLE
     _draw_hole(ax, body, places, -low_side / size if size > UPRIGHT else up, (x, middle))
     words: dict[str, Any] = {"size": fonts.SMALL, "va": "top"}
-    ax.text(x, middle + HOLE + WORDS, "down the hole", ha="center", **words)
+    ax.text(x, middle + HOLE + WORDS, "along the hole", ha="center", **words)
     x += HOLE + APART
     low, high = map(labels.number, _draw_part(ax, body, places, up, (x, middle), corner[0] + wide - x))
     ax.text(x, middle + STRIP / 2 + WORDS, f"at true scale: z = {low} to {high} {unit}", **words)
@@ -54,7 +54,7 @@ def _draw_hole(ax: Axes, body: Body, places: Values, up: Values, middle: tuple[f
     x = middle[0] + scale * places[:, :2] @ [-up[1], up[0]]
     y = middle[1] - scale * places[:, :2] @ up
     ax.add_patch(Circle(middle, HOLE, facecolor=colours.SURFACE, edgecolor=colours.SOFT, linewidth=0.8))
-    ax.plot(x, y, color=colours.NEUTRAL, linewidth=2 * body.a * scale * 72, solid_capstyle="round", gid="down the hole")
+    ax.plot(x, y, color=colours.NEUTRAL, linewidth=2 * body.a * scale * 72, solid_capstyle="round", gid="end view")
     ax.plot(x, y, color=colours.INK, linewidth=0.8)
 
 
