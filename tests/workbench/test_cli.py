@@ -88,7 +88,7 @@ def test_what_cannot_be_stored_is_refused_before_any_work(out, stored, monkeypat
     ("words", "sentence"),
     [
         ("solve --table1 --R 0.2 --side inside", "larger than Rod.a = 0.25 for a rod inside, got 0.2"),
-        slow("frobnicate", "No such command 'frobnicate'; choose from reproduce, solve"),
+        slow("frobnicate", "No such command 'frobnicate'; choose from solve, explore"),
         slow("check small.toml", "small.toml is a study, not a dataset; make the dataset with: wo"),
     ],
 )
