@@ -11,11 +11,10 @@ import numpy as np
 
 from ..core import branch_calls as core
 from ..core.library import numbers_of
+from ..core.tuning import AS_HIGH
 from ..numerics.arrays import ALIKE
 from ..orbits.boundary import Path, boundary_of, height_scale
 from ..problem.reduced import EndsProblem
-
-ROUNDING = 1e-14  # of the size of G: saddles whose heights differ by less are as high, as `ROUNDING` of charts.c
 
 
 @dataclass(frozen=True)
@@ -62,7 +61,7 @@ def same_equilibrium(problem: EndsProblem, path: Path, other: Path) -> bool:
     if path.helix:
         return True
     if abs(np.sin((path.pin - other.pin) / 2)) > ALIKE and path.sign == other.sign:
-        boundary, rounding = boundary_of(problem), ROUNDING * height_scale(problem)
+        boundary, rounding = boundary_of(problem), AS_HIGH * height_scale(problem)
         pins = [boundary.own_pin(pin) for pin in (path.pin, other.pin)]
         if np.isin(pins, boundary.saddles).all() and abs(boundary.fall(*pins)) < rounding:  # such as mirror images
             if abs(np.exp(path.y) - np.exp(other.y)) < rounding:

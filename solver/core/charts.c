@@ -158,10 +158,6 @@ int rod_excess_at(search *room, const place *o, const chart *c, int count, const
     return rod_excess_of(room, o, count, some, off);
 }
 
-/* Of the size of G: three times the largest difference in height that rounding made of 1,200 pairs of saddles that are
-   mirror images. */
-#define ROUNDING 1e-14
-
 /* The number of the last critical point not above an angle, counted on through whole turns. */
 static int64_t behind_of(const place *o, double angle)
 {
@@ -210,7 +206,7 @@ int rod_charts(const place *o, const path *of, chart *out)
     }
     const int64_t low = at->turns > 1 || (at->turns == 1 && at->leaving != UP) ? lowest : near_end + 1;
     const int64_t high = at->turns > 1 || (at->turns == 1 && at->leaving == UP) ? highest : far_end;
-    const double rounding = ROUNDING * (1 + fabs(o->p.lam) + fabs(o->p.mu) + fabs(o->p.phi));
+    const double rounding = rod_tuning.as_high * (1 + fabs(o->p.lam) + fabs(o->p.mu) + fabs(o->p.phi));
     chart first[2], second[CHARTS];
     for (int k = 0; k < m; k++)
         if (!o->found.centre[k] && among(k, m, lowest, highest))

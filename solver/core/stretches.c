@@ -3,7 +3,6 @@
 #include "stretches.h"
 
 enum { PATIENCE = 3, MOST = 1 << 19 }; /* halvings that may fail to shorten a series; parts of the pieces of a rod */
-#define ROUNDING (64 * EPS) /* of the terms of a density, and of beta: a series cannot end below that */
 
 /* loads: NULL where they do not vary. */
 INLINE void angles_on(int width, const rods *all, const rule *by, const stretch *p, node_angles *out, rod_loads *loads)
@@ -126,7 +125,7 @@ static int insufficient(const wanted *goal, const stretch *p)
     double floor_[AT];
     for (int i = 0; i < AT; i++)
         floor_[i] = p->of.size[i] + p->of.spread[i] * goal->beta0;
-    return p->tail > ROUNDING * highest(floor_);
+    return p->tail > rod_tuning.barely * highest(floor_); /* a series cannot end below that */
 }
 
 static void halved(const stretch *p, int second, stretch *out)
