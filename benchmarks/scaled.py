@@ -128,9 +128,9 @@ def rows_of_other_kinds() -> Iterator[Row]:
         yield row("method", {}, wall, method=method, start=start)
     yield row("points", bent, wall, 4.0, vary=["FZ", "MZ"])
     straight = {"beta0": 0.0, "betaL": 0.0, "azimuth": 0.0}
-    for L, load, wall in ((3000, 3.0, HOLE), (1500, -2.0, {**HOLE, "inclination": "45deg"})):  # a helix; a taut pipe
+    for L, load, hole in ((3000, 3.0, HOLE), (1500, -2.0, {**HOLE, "inclination": "45deg"})):  # a helix; a taut pipe
         name, ends = f"pipe {L} {load}", {**straight, "FZ": -load * BUCKLES}
-        yield {"kind": "shape", "name": name, "rod": {"L": L, **PIPE}, "cylinder": wall, "ends": ends}
+        yield {"kind": "shape", "name": name, "rod": {"L": L, **PIPE}, "cylinder": hole, "ends": ends}
 
 
 def free_shape(row: Row) -> Row:
@@ -150,7 +150,7 @@ def motion(row: Row) -> Row:
     return {"energies": solution_of(row).descent(4)[1].tolist()}
 
 
-def switched(row: Row) -> Row:
+def side_branches(row: Row) -> Row:
     """What branches off a branch."""
     branch = follow(solution_of(row), **row["over"])
     special = [point for point in branch.special if point.kind != "fold"]
@@ -161,24 +161,24 @@ def cautions(row: Row) -> Row:
     return {"caution": sentence(solution_of(row).caution)}
 
 
-def by_method(row: Row) -> Row:
+def far_end(row: Row) -> Row:
     """The far end by one of the methods."""
     rod = solve(case_of(row), tol=1e-8, stations=9, method=row["method"])
     return {"outcome": sentence(rod.outcome), "beta": float(rod.beta[-1]), "z": float(rod.z[-1])}
 
 
-def fitted_to_points(row: Row) -> Row:
+def fit_to_points(row: Row) -> Row:
     """A fit to places of the rod itself, without their arc lengths, from other loads."""
     rod = solution_of(row)
     points = {"alpha": rod.alpha[1:], "z": rod.z[1:]}
     other = {name: 0.9 * row["ends"][name] for name in row["vary"]}
-    fitted = fit(case_of({**row, "ends": row["ends"] | other}), row["vary"], points=points, starts=2)
-    return {"outcome": sentence(fitted.outcome), "values": fitted.values}
+    fitting = fit(case_of({**row, "ends": row["ends"] | other}), row["vary"], points=points, starts=2)
+    return {"outcome": sentence(fitting.outcome), "values": fitting.values}
 
 
 KINDS = {
-    "free": free_shape, "descent": motion, "switch": switched, "cautions": cautions, "method": by_method,
-    "points": fitted_to_points,
+    "free": free_shape, "descent": motion, "switch": side_branches, "cautions": cautions, "method": far_end,
+    "points": fit_to_points,
 }  # fmt: skip
 
 
