@@ -408,8 +408,8 @@ def test_a_rod_that_is_pulled_almost_straight_bends_at_its_ends_as_a_beam_under_
     ends = Ends(beta0, betaL, height=far * np.cos(chord), azimuth=far * np.sin(chord))
     sol = solve(Case(Rod(EI=1.0, GJ=0.8, a=0.1, L=L), Cylinder(0.9), ends), tol=1e-6)
     assert sol.solved
-    pulls = [float(sol.reactions[name]) for name in ("FZ", "MZ")]
-    tension, aim = np.hypot(*pulls), np.arctan2(*pulls[::-1])
+    FZ, MZ = (float(sol.reactions[name]) for name in ("FZ", "MZ"))
+    tension, aim = np.hypot(FZ, MZ), np.arctan2(MZ, FZ)
     bends = np.array([beta0, betaL]) - aim
     # the curvature of the cylinder adds a part 1/T, and the next term of the shortening is smaller by T^(-1/2)
     assert sol.dbeta[0] == pytest.approx(-2 * np.sqrt(tension) * np.sin(bends[0] / 2), rel=1 / tension + FAINT)
