@@ -253,8 +253,8 @@ class Boundary:
             return np.nan
         y, way = path.y + np.array([-1e-4, 1e-4]), Ways(np.array([path.leaving]), np.array([path.turns]))
         seen = transit_times(self, Levels(np.zeros(2, dtype=np.int64), np.full(2, path.sign), y))
-        shorter, longer = seen.lengths(way.counts(self.rising))[0]
-        return float(path.sign * (longer - shorter) > 0)
+        below, above = seen.lengths(way.counts(self.rising))[0]
+        return float(path.sign * (above - below) > 0)
 
     def start_speed2(self, pin: Any, gap: Array) -> Array:
         """beta_t(0)^2 at levels G(pins[pin]) + gap."""
