@@ -46,7 +46,8 @@ class BranchState:
 
     def ahead(self, step: float, across: Array | None = None) -> "BranchState | str":
         """The state after a step, as of `arclength.advance`."""
-        node = advance(self.curve, self.node, step, across, NEGLIGIBLE if self.curve.family.natural else 0.0)
+        goal = NEGLIGIBLE if self.curve.family.natural else 0.0  # a point that is only passed needs no more digits
+        node = advance(self.curve, self.node, step, across, goal)
         return node if isinstance(node, str) else BranchState(self.curve, node)
 
     @cached_property

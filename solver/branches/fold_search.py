@@ -33,9 +33,7 @@ from .parameter_plane import ParameterPlane
 from .special_line import Tracing, cusps_between, point_on_line, special_line
 from .whole_curve import CurvePieces, WholeCurve, change_along, pieces_of, whole_curve, without_zeros
 
-# shares of the ranges: how far the lattice stays away from the border, where the curves end, and a narrower strip
-# between two curves is not looked for
-_INSIDE = 1e-4
+_FINEST = 1e-4  # shares of the ranges: nearer to their border, where curves end, and in a narrower strip none is sought
 _ASKEW = np.array([0.13, -0.17])  # of a gap: lines of the lattice stay off lines of symmetry, on which cusps lie
 _PROBES = 30  # random points that are looked at beside the lattice
 _EACH = 6  # curves at most that are searched for on one line
@@ -94,7 +92,7 @@ class Searched:
         """A point between two others, of numbers that the known curves explain, where they do not explain the numbers.
 
         On some path two levels have met before and two others part beyond, so that two curves lie between the points
-        and undo each other's change. None where no path shows it, or where the strip is narrower than `_INSIDE`.
+        and undo each other's change. None where no path shows it, or where the strip is narrower than `_FINEST`.
         """
         differ = self.near_misses(start) != self.near_misses(end)
         parts = int(np.ceil(_FINER * np.abs(end - start).max())) if differ else 1
@@ -106,7 +104,7 @@ class Searched:
         """As `strip_between`, by halves."""
         if self.change_beyond(start, end):
             return end
-        while np.abs(end - start).max() > _INSIDE:
+        while np.abs(end - start).max() > _FINEST:
             middle = np.asarray((start + end) / 2)
             if self.change_beyond(start, middle):
                 return middle
@@ -128,7 +126,7 @@ def search_curves(plane: ParameterPlane, lattice: int) -> Searched:
     """The curves that cross the lines of a lattice of so many points along each field."""
     searched, ticks = Searched(plane), _ticks(lattice)
     seeds, edges = _LineSearch(searched, numbers_on(plane)), lattice_edges(*ticks)
-    edges.sort(key=lambda edge: bool(np.abs(edge[0] + edge[1] - 1).max() < 1 - 3 * _INSIDE))  # the border first
+    edges.sort(key=lambda edge: bool(np.abs(edge[0] + edge[1] - 1).max() < 1 - 3 * _FINEST))  # the border first
     for line in [*edges, *_probes(ticks)]:
         seeds.search_line(*line)
     for start, end in edges:
@@ -225,7 +223,7 @@ def _depths(equilibria: Census) -> Array:
 
 def _ticks(lattice: int) -> Array:
     """The shares of the lines of the lattice along both fields, (2, lattice)."""
-    ticks = np.tile(np.linspace(_INSIDE, 1 - _INSIDE, lattice), (2, 1))
+    ticks = np.tile(np.linspace(_FINEST, 1 - _FINEST, lattice), (2, 1))
     ticks[:, 1:-1] += _ASKEW[:, None] / (lattice - 1)
     return ticks
 
@@ -233,7 +231,7 @@ def _ticks(lattice: int) -> Array:
 def _probes(ticks: Array) -> list[tuple[Array, Array]]:
     """Lines from points of the lattice to random points, along one field and then along the other."""
     lines = []
-    for point in np.random.default_rng(0).uniform(_INSIDE, 1 - _INSIDE, (_PROBES, 2)):
+    for point in np.random.default_rng(0).uniform(_FINEST, 1 - _FINEST, (_PROBES, 2)):
         near = np.array([row[np.abs(row - share).argmin()] for row, share in zip(ticks, point, strict=True)])
         corner = np.array([point[0], near[1]])
         lines += [(near, corner), (corner, point)]

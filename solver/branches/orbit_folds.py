@@ -26,7 +26,7 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from ..numerics.arclength import PITCHFORK, Lengths, Node, node_at
-from ..numerics.arrays import ALIKE, ASIDE, NEGLIGIBLE, ROUGHLY, SQUARE_LOST, Array
+from ..numerics.arrays import ALIKE, ASIDE, NEGLIGIBLE, ROUGHLY, Array
 from ..numerics.roots import REACH
 from ..orbits.boundary import boundary_of
 from ..orbits.periodic_orbit import TIGHT, Pin, helix_half_waves, solve_orbit
@@ -49,6 +49,7 @@ DEEP, SHALLOW = 1e-3, 4e-3  # gaps to a saddle below which log gap is unknown, a
 _LEAST = 1e-100  # gap of a guess, and distance of an end from a saddle
 _BEND = 2e-4  # of beta_t(0), in its size: of the second derivative of the Jacobi field by it
 _SIDES = 2.0**-25  # of a step: how closely a change of side is enclosed
+_UNFOLDED = 1e-8  # rad: the largest miss of beta(L) at a pitchfork, of which no square is read
 _CROSSING = 0.02  # of beta_t(0), in its size: where a fold curve may meet pitchforks
 _SAME = 0.02  # largest distance between a point and itself in another form
 
@@ -263,7 +264,7 @@ class OrbitPitchfork(OrbitPoint):
         in a cusp there."""
         if self.saddle is not None:
             return True
-        return all(abs(float(self.equations(z)[0])) < SQUARE_LOST for z in (self.w, self.w + ASIDE * self.way))
+        return all(abs(float(self.equations(z)[0])) < _UNFOLDED for z in (self.w, self.w + ASIDE * self.way))
 
     @cached_property
     def lower(self) -> int:

@@ -14,9 +14,9 @@ EPS = 2.0**-52
 ROUNDED = 4 * EPS  # relative: what a few operations round off, as those that make a case dimensionless
 # What counts as nothing, as a share of the size of what is compared
 FAINT = 1e-12  # a force, a gap or a correction that is smaller is what sums along a rod round off
-DOUBTFUL = 10 * FAINT  # a sign or a difference that rounding may decide: what is smaller has no sign, and is met
+DOUBTFUL = 10 * FAINT  # a number that may be rounding: a smaller one has no sign, and a condition missed by less is met
 NEGLIGIBLE = 1e-9  # a length, a load or an angle [rad] that is smaller is none: nobody means it
-SQUARE_LOST = 1e-8  # half the digits: the square of what is smaller is rounding
+SQUARE_LOST = 1e-8  # half the digits of a float: what is smaller is rounding once it is squared
 ALIKE = 1e-6  # equilibria, places and energies that differ by less are one
 ROUGHLY = 1e-3  # guesses and minima that are no more exact differ by less where they are one
 ASIDE = 1e-3  # how far beside a point its surroundings are read
