@@ -117,7 +117,8 @@ class _Walk:
     """The way along a branch.
 
     most: of the points. first: where it begins, without p where it cannot come back. natural: as of `Family`. kept: for
-    how many steps the coordinate is kept. creeps: how many points in a row did not advance p.
+    how many steps the coordinate is kept. creeps: how many points in a row did not advance p. reach: the longest leap
+    that is tried, in p's scale: after a leap twice as long as that one.
     """
 
     bounds: Bounds
