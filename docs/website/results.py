@@ -41,7 +41,7 @@ README = (
     _of(
         "let_go",
         "A rod that the cylinder holds on, and the same rod let go",
-        "scene examples/release.toml --kind let-go --dpi 110 -o let_go.png",
+        "scene examples/release.toml --kind let-go -o let_go.png",
     ),
 )
 RESULTS = (

@@ -240,6 +240,17 @@ def test_a_rod_is_drawn_held_on_and_let_go_with_its_gap_and_the_forces_at_the_ed
         assert at[:2] @ away[:2] == pytest.approx(rods[1].R + 2 * rods[1].a, rel=1e-3)
 
 
+@draws
+def test_the_size_of_a_gap_stands_behind_the_wall_where_it_covers_no_rod(stored: xr.Dataset) -> None:
+    pair = study_scene.release_of(StoredStudy(stored), {})(101)
+    page = layout.compose(pair, None, LET_GO, [RELEASED], settings=Settings(2.0, 60))
+    (size,) = [text for text in page.ax.texts if text.get_text().endswith(" cm")][-1:]
+    lines = [text for text in page.ax.texts if getattr(text, "arrow_patch", None) and not text.get_text()]
+    gap = min(lines, key=lambda line: np.linalg.norm(np.subtract(line.xyann, size.get_position())))
+    wall, rod = np.array(gap.xyann), np.array(gap.xy)
+    assert (size.get_position() - wall) @ (wall - rod) > 0
+
+
 def test_the_colour_of_a_push_begins_at_the_arrow_of_the_point_force(stored: xr.Dataset) -> None:
     pair = study_scene.release_of(StoredStudy(stored), {})(101)
     rod = read(pair, {RELEASED: 1}, kind_of(LET_GO))

@@ -24,9 +24,10 @@ GAP, FORCE, EDGE = "gap", "force", "edge"  # in place of a colour: a line betwee
 
 
 def draw_mark(ax: Axes, places: NDArray[np.float64], words: str | None, leads: bool = False) -> None:
-    """A gap as a line with its size beside it, a force as an arrow, or a tick; places: (2, 2) in inches of the panel.
+    """A gap as a line with its size behind the wall, a force as an arrow, or a tick.
 
-    words: empty for a force, None for a tick. leads: the line leads from what it marks to its words.
+    places: (2, 2) in inches of the panel, of a gap first that on the wall. words: empty for a force, None for a tick.
+    leads: the line leads from what it marks to its words.
     """
     if words is None:
         ax.plot(*places.T, color=colours.INK, linewidth=1.4, zorder=6, clip_on=False, gid=EDGE)
@@ -35,10 +36,12 @@ def draw_mark(ax: Axes, places: NDArray[np.float64], words: str | None, leads: b
     look = {"arrowstyle": style, "color": colours.INK, "lw": 1.1, "shrinkA": 0, "shrinkB": 0}
     ax.annotate("", tuple(places[1]), tuple(places[0]), arrowprops=look, zorder=6, annotation_clip=False)
     if words:
-        right = not leads or places[1, 0] >= places[0, 0]
-        x, y = (places[1] if leads else places.mean(axis=0)) + [0.06 if right else -0.06, 0.0]
-        ax.text(x, y, words, ha="left" if right else "right", va="center", size=fonts.SMALL, zorder=7,
-                path_effects=[withStroke(linewidth=2.2, foreground="white")])  # fmt: skip
+        end, way = (places[1], places[1] - places[0]) if leads else (places[0], places[0] - places[1])
+        upright = not leads and abs(way[1]) >= abs(way[0])  # in the gap itself they would cover the rod
+        x, y = end + ([0.0, np.copysign(0.06, way[1])] if upright else [np.copysign(0.06, way[0]), 0.0])
+        across, up = "left" if way[0] >= 0 else "right", "top" if way[1] >= 0 else "bottom"
+        ax.text(x, y, words, ha="center" if upright else across, va=up if upright else "center", size=fonts.SMALL,
+                zorder=7, path_effects=[withStroke(linewidth=2.2, foreground="white")])  # fmt: skip
 
 
 def legend_sign(colour: str, text: str) -> Artist:
