@@ -258,8 +258,10 @@ def _plain_numbers(value: object) -> Iterator[float]:
 
 
 def _looks_like_degrees(number: float) -> bool:
-    """Whether a number of rad may be meant in degrees: above some sizes, a half turn and a little more than two turns,
-    it has at most so many decimals. Computed angles have more, also one that was given in degrees and converted."""
+    """Whether a number of rad may be meant in degrees: above pi it has at most one decimal, above 13 at most four.
+
+    A computed angle has more decimals, also one that was given in degrees and converted.
+    """
     return abs(number) < 1e6 and any(  # nobody writes as many degrees
         abs(number) > size and round(number, decimals) == number for size, decimals in ((math.pi, 1), (13.0, 4))
     )

@@ -44,7 +44,7 @@ from .sheet import MILLIMETRES, SCREEN, Sheet
 
 TALLEST = 185 / MILLIMETRES  # inches of a figure in print
 LEAST_AXES, ROW = 25 / MILLIMETRES, 1.55  # inches of axes in print at least; of their row, with labels and title
-DRAWN = 0.95  # of its own size, a view at least: below, the words of two columns meet
+DRAWN = 0.95  # share of its own height that a view keeps: with less the words of two columns meet
 TRIES = 4  # to give axes that height: what a figure gains is shared with its views
 # inches that a panel with axes gives up for views: at 0.35 the push of a rod keeps one number, at 0.15 views overlap
 LABELS = 0.25
