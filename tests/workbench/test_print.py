@@ -224,7 +224,7 @@ def test_the_tornado_and_its_options_are_for_print_too(tmp_path, capsys) -> None
         assert said in capsys.readouterr().err
     assert not picture.exists()
     assert exit_status(*line, "--plot", picture, "--style", "paper", "--width", "89", "--no-title") == 0
-    assert "The change of each observable if a field rises by 1 %" in capsys.readouterr().out
+    assert "The change of each observable if a field rises by the amount beside it." in capsys.readouterr().out
     box = re.search(rb"/MediaBox \[ ?0 0 ([0-9.]+) ", picture.read_bytes())
     assert box is not None
     assert float(box[1]) == pytest.approx(72 * 89 / 25.4, abs=0.5)

@@ -162,7 +162,7 @@ def tornado(stored: StoredStudy, sheet: Sheet = SCREEN) -> Figure:
         if rest:
             _remark(ax, f"{len(rest)} fields of less than {abs(shown[-1][1]):.1g}")
 
-    note = "The change of each observable if a field rises by 1 %, or by the amount beside it."
+    note = "The change of each observable if a field rises by the amount beside it."
     most = max(len(effects[name][:MOST]) for name in names)
     return _panels(titled, names, most, panel, [note], sheet, SHOW)
 
@@ -267,10 +267,9 @@ def _order_of_size(sizes: Sequence[float]) -> list[int]:
 
 
 def _tick(stored: StoredStudy, field: str) -> str:
-    """``E``, or with another amount than 1 % ``β₀, 1°``."""
+    """A field and by how much it rises: ``E, 1 %``, ``β₀, 1°``."""
     amount = str(stored["amount"].sel(field=field).values)
-    symbol = quantity(field).symbol
-    return symbol if amount == "1 %" else f"{symbol}, {labels.unit(amount.replace(' deg', '°'))}"
+    return f"{quantity(field).symbol}, {labels.unit(amount.replace(' deg', '°'))}"
 
 
 def _in_unit(number: float, unit: str) -> str:
