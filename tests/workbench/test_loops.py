@@ -24,3 +24,10 @@ def test_the_ends_of_a_closed_rod_are_no_place_where_it_passes_through_itself() 
         line = StoredStudy(ds).select({"equilibrium": k}).centreline
         end = line.frame(line.s[:1])[0]
         assert all(np.linalg.norm(place - end) > line.a for place in self_contact.middles(line, (0.0, line.L)))
+
+
+def test_a_model_leaves_out_no_clearance_at_the_ends_of_a_closed_rod() -> None:
+    found = loops(Rod(E=1.07e4, nu=0.25, a=0.05, L=12.0), Cylinder(R=1.05, side="inside"), folds=1)
+    stored = StoredStudy(found.to_dataset(length="cm", force="N"))
+    for rods in (stored, stored.select({"equilibrium": 0})):
+        assert rods.left_out == "The model leaves out weight, friction, and joints."

@@ -160,8 +160,9 @@ class StoredCases:
         """What the model leaves out of rods inside a cylinder, in one sentence; empty outside."""
         if str(self.ds.attrs["side"]) != "inside":
             return ""
-        given = {name: self.ds[name].values for name in VARY_LOADS if name in self.ds}
-        return cautions.model_leaves_out(given | {name: self.attrs.get(name) for name in ("sliding", "contact")})
+        given: dict[str, Any] = {name: self.ds[name].values for name in VARY_LOADS if name in self.ds}
+        given |= {name: self.attrs.get(name) for name in ("sliding", "contact")}
+        return cautions.model_leaves_out(given | {"closed": self.kind is file_kinds.LOOPS})
 
     def check_any_solved(self) -> None:
         """Raise `InputError`, which says why, where no case is solved and there is nothing to draw."""

@@ -215,12 +215,13 @@ NO_LOAD = "the curvature of the hole", "fluid flow", "temperature", "yielding"  
 def model_leaves_out(given: Mapping[str, Any], *more: str) -> str:
     """What is left out where `given` holds weight, friction, sliding and contact, each if there is one, and more.
 
-    A picture has room for the first of them.
+    given may also hold whether the rod is closed, and so has no ends. A picture has room for the first of them.
     """
     parts = [name for name in ("weight", "friction") if not np.any(given.get(name, 0))]
     if "friction" not in parts and given.get("sliding") != "rotating":
         parts.append("the moment of friction about the rod's own axis")
-    parts += ["joints", *["clearance at the ends"] * (given.get("contact") != "unilateral"), *more]
+    held = not given.get("closed") and given.get("contact") != "unilateral"  # its ends, on the cylinder
+    parts += ["joints", *["clearance at the ends"] * held, *more]
     return f"The model leaves out {', '.join(parts[:-1])}{',' * (len(parts) > 2)} and {parts[-1]}."
 
 
