@@ -312,13 +312,14 @@ def test_the_branch_of_a_wire_passes_the_load_at_which_its_helices_cease_to_exis
 def test_the_shapes_of_all_points_in_one_call_are_those_of_each_to_the_last_bit() -> None:
     """More points than are computed together, of orbits that rest at saddles, of a helix, and with a held end."""
     straight = Case(rod_of_unit_stiffness(10.0, 0.01), Cylinder(1 - 0.01), Ends(0.0, 0.0, FZ=1.0))
-    short = Case(Rod(E=325.95, nu=0.25, a=0.25, L=5.0), Cylinder(R=0.75), Ends(beta0=0.5, betaL=0.5, FZ=-0.5))
+    held = Case(Rod(E=325.95, nu=0.25, a=0.25, L=12.0), Cylinder(R=0.75), Ends(beta0=0.5, betaL=0.5, FZ=-0.5))
     deep = next(one for one in wire_between_saddles() if one.index == 0)
     branches = [
         follow(solve(straight), FZ=-0.4),
-        follow(solve(short), height=[2.0, 4.0]),
+        follow(equilibria(held)[0].solution, height=[-10.8, 10.8]),
         follow(deep.solution, FZ=np.linspace(-170, -100, 301)),
     ]
+    assert {point.index for point in branches[1].points} == {0, 1}  # through folds
     assert len(branches[2]) > 300
     for branch in branches:
         every = solutions_of(branch, 31)
