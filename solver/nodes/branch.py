@@ -177,8 +177,8 @@ def branch_with_friction(rod: LoadedRod) -> GrowthWay:
     if locked is not None:
         limit = least_tension(rod, lambda pulled: lock_up_share(pulled) is not None)
         why = (
-            f"locked up. A push at s = 0 no longer reaches s = L: less than {100 * PASSED:g} % of it passes the last "
-            f"{100 * locked:.3g} % of the length"
+            f"locked up. A push at s = 0 no longer reaches s = L: less than {100 * PASSED:g} % of a change of it "
+            f"passes the last {100 * locked:.3g} % of the length"
         )
         return GrowthWay(None, why=why, barred=True, limit=limit)
     if rod.straight and not straight_index(rod):

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from solver import Case, Ends, InputError, Rod, Start
 from solver.problem.case import DIRECT, ELASTIC, TWISTS, fields_to_add
-from solver.problem.declared_fields import PAIRS, PARTS, REPLACED, TILTS, WOUND, CaseField
+from solver.problem.declared_fields import PAIRS, PARTS, REPLACED, TILTS, WOUND, CaseField, rivals
 from solver.problem.errors import choices, no_such
 from solver.problem.field_values import doubt_modulus, is_met, is_said
 from solver.problem.limits import farthest
@@ -48,8 +48,8 @@ class CaseInput:
     place
         Field -> value, where on the axes of the study the case was taken.
     stand_ins
-        Field -> number, of what was given in place of fields of the case, as `hole` in place of `inclination`; none of
-        a file whose fields are changed, which they may no longer describe.
+        Field -> number, of what was given in place of fields of the case, as `hole` in place of `inclination`; of a
+        file whose fields are changed only the force, which holds: others may no longer describe the case.
     """
 
     case: Case
@@ -94,20 +94,21 @@ def read_case(
     if file is not None:
         check_alone(file, units, table1)
         study = _study(file).under(reading)
+        changes = force_kept(study.base.given, values) | dict(values)
         return CaseInput(
-            with_values(case_to_solve(study, {}), in_units(values, study.unit_system)),
+            with_values(study.case_of({}), in_units(changes, study.unit_system), study.unit_system),
             study.unit_system,
             f"{file.name}{changed}",
             study=study,
             which=study.equilibrium,
-            stand_ins=_stand_ins(values or study.base.given, study.unit_system),
+            stand_ins=_stand_ins(changes if values else study.base.given, study.unit_system),
         )
     if table1 or reading is not None or not (values or units):
         if units:
             raise InputError("Table 1 is in cm and N: omit the units")
         read = as_reading(reading)
         return CaseInput(
-            with_values(read.case(), in_units(values, DEFAULT_UNITS)),
+            with_values(read.case(), in_units(values, DEFAULT_UNITS), DEFAULT_UNITS),
             dict(DEFAULT_UNITS),
             f"Table 1, read {read.name}{changed}",
         )
@@ -115,13 +116,13 @@ def read_case(
     units = units_said(values, units) | dict(units)
     numbers = in_units(values, {**DEFAULT_UNITS, **units})
     case, assumed = from_values(unwound(of_a_well(numbers, {})))
-    case = _case_of(*under_start_force(case, numbers))
     assumed |= {f"unit of {kind}": unit for kind, unit in DEFAULT_UNITS.items() if kind not in units}
+    units = {**DEFAULT_UNITS, **units}
+    case = _case_of(*under_start_force(case, numbers, units["force"]), units)
     wound = bool(set(WOUND) & set(values))
     which = None  # with weight or friction `solve` begins with the taut rod, off the wall with the bilateral shape
     if wound and not (case.varies or case.leaves):
         which = helix_of(case)
-    units = {**DEFAULT_UNITS, **units}
     stand_ins = _stand_ins(values, units)
     return CaseInput(case, units, "the options", assumed, which=which, wound=wound, stand_ins=stand_ins)
 
@@ -232,21 +233,30 @@ def helix_of(case: Case) -> Which:
     return Which(index=None, dbeta0=0.0, energy=float(density * case.rod.L))
 
 
-def with_values(case: Case, values: Mapping[str, Any]) -> Case:
+def force_kept(given: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any]:
+    """What fields give in place of FZ, by name, that changes of other fields leave as it is; {} where none is.
+
+    A case of these fields has the FZ that belongs to its former length, weight and friction.
+    """
+    named = [name for name in ("wob", "FZ0") if name in given]
+    return {name: given[name] for name in named if not {name, *rivals(name)} & {*changes}}
+
+
+def with_values(case: Case, values: Mapping[str, Any], units: Mapping[str, str]) -> Case:
     """The case with some fields replaced, those of `of_a_well` too. Raises `InputError`."""
     known = {name: value for name, value in _fields_of(case).items() if value is not None}
-    return _case_of(*under_start_force(with_fields(case, of_a_well(values, known)), values))
+    return _case_of(*under_start_force(with_fields(case, of_a_well(values, known)), values, units["force"]), units)
 
 
 def case_to_solve(study: Study, values: Mapping[str, Any]) -> Case:
     """The case of `Study.case_to_solve`. Raises `InputError` where no FZ was found, too."""
-    return _case_of(*study.case_to_solve(values))
+    return _case_of(*study.case_to_solve(values), study.unit_system)
 
 
-def _case_of(case: Case, why: NDArray[Any]) -> Case:
+def _case_of(case: Case, why: NDArray[Any], units: Mapping[str, str]) -> Case:
     """The case; raises `InputError` where a reason says why no FZ was found."""
     for reason in filter(None, why.flat):
-        raise InputError(reason.removeprefix("failed: "))
+        raise InputError(with_unit(reason.removeprefix("failed: "), case, units))
     return case
 
 

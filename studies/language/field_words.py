@@ -72,11 +72,12 @@ def _end_forces(values: Mapping[str, Any], inclination: Any) -> tuple[NDArray[An
     return -np.asarray(values["wob"]), np.cos(inclination) > LEVEL  # else s = L is the lower end, or no end is
 
 
-def under_start_force(case: Case, values: Mapping[str, Any]) -> tuple[Case, NDArray[Any]]:
+def under_start_force(case: Case, values: Mapping[str, Any], unit: str) -> tuple[Case, NDArray[Any]]:
     """The case with the FZ that gives each rod with friction the force at s = 0 of `WELL`, found by solving it.
 
     case: with FZ as of `of_a_well`, from which the search begins. values: the fields as they were given, numbers or
-    arrays that broadcast to its shape. Returns also, of its shape, why no FZ was found; "" where one was.
+    arrays that broadcast to its shape. unit: of forces, in words. Returns also, of its shape, why no FZ was found; ""
+    where one was.
     """
     wall, why = case.cylinder, np.full(case.shape, "", dtype=object)
     if not {"wob", "FZ0"} & {*values} or wall.friction is None or not np.any(wall.friction):
@@ -88,19 +89,17 @@ def under_start_force(case: Case, values: Mapping[str, Any]) -> tuple[Case, NDAr
     forces = FZ.astype(float)
     for place in zip(*np.nonzero(np.atleast_1d(at_start & (rubbed != 0))), strict=True):
         at = place if case.shape else ()
-        forces[at], why[at] = _far_force(cases_at(case, at) if case.shape else case, float(near[at]))
+        forces[at], why[at] = _far_force(cases_at(case, at) if case.shape else case, float(near[at]), unit)
     return with_field(case, "FZ", forces[()]), why
 
 
-def _far_force(case: Case, near: float) -> tuple[float, str]:
+def _far_force(case: Case, near: float, unit: str) -> tuple[float, str]:
     """The FZ with which the force at s = 0 is `near`, of one rod; or the given one, and why none was found.
 
     FZ0 grows with FZ. A rod without an answer counts as one whose push at s = 0 has no bound, as that of a rod next to
     lock-up: it needs more tension.
     """
     from scipy.optimize import brentq  # only rods with friction load SciPy's search
-
-    first = value_of(case, "FZ")
 
     @cache
     def answer(force: float) -> tuple[float, float, str]:
@@ -110,19 +109,24 @@ def _far_force(case: Case, near: float) -> tuple[float, str]:
         seen = observe(sol, ["FZ0", "arriving_max"])
         return float(seen["FZ0"]), float(seen["arriving_max"]), ""
 
-    size = abs(near) + abs(first) + min(abs(answer(first)[0]), abs(near) + abs(first)) or 1.0
+    first = value_of(case, "FZ")
+    begun, most, _ = answer(first)
+    off, known = abs(begun - near), f"FZ0 = {near:.5g} {unit}"
+    if off == 0:
+        return first, ""
+    if case.cylinder.sense[0] < 0 and near < -most:
+        share = f"less than {100 * PASSED:g} % of a change of the push at s = L arrives"
+        return first, f"failed: no FZ is sought for {known}: locked up. Beyond FZ0 = {-most:.5g} {unit} {share}"
+    loads = abs(near) + abs(first) + abs(case.rod.weight or 0.0) * value_of(case, "L")
+    size = loads or (off if off < math.inf else 1.0)
 
     def excess(force: float) -> float:
         off = answer(force)[0] - near
         return -1.0 if off == -math.inf else off / (abs(off) + size)
 
     low = high = first
-    off = answer(first)[0] - near
-    step = size if off == -math.inf else abs(off)
-    none, most = f"failed: no FZ gives FZ0 = {near:.5g}", answer(first)[1]
-    if case.cylinder.sense[0] < 0 and near < -most:
-        share = f"less than {100 * PASSED:g} % of a push at s = L arrives"
-        return first, f"{none}: locked up. Beyond FZ0 = {-most:.5g} {share}"
+    step = off if off < math.inf else size
+    none = f"failed: no FZ was found that gives {known}"
     for _ in range(MOST_STEPS):
         if excess(low) <= 0 <= excess(high):
             break
@@ -131,15 +135,17 @@ def _far_force(case: Case, near: float) -> tuple[float, str]:
     if not excess(low) <= 0 <= excess(high):
         last = low if excess(low) > 0 else high
         push, _, reason = answer(last)
-        return first, f"{none}: with FZ = {last:.5g} {reason or f'it is {push:.5g}'}"
+        said = f"there is no answer: {reason}" if reason else f"it is {push:.5g} {unit}"
+        return first, f"{none}: with FZ = {last:.5g} {unit} {said}"
     force = float(brentq(excess, low, high, xtol=CLOSE * size))
     if abs(answer(force)[0] - near) <= MET * size:
         return force, ""
     below, above = (float(force + side * 2 * CLOSE * size) for side in (-1, 1))
     (push, _, reason), other = answer(below), answer(above)[0]
+    at = f"FZ = {force:.5g} {unit}"
     if reason:
-        return first, f"{none}: it is {other:.5g} with FZ = {above:.5g}, next to which {reason}"
-    return first, f"{none}: at FZ = {force:.5g} the shape changes, and FZ0 jumps from {other:.5g} to {push:.5g}"
+        return first, f"{none}: it is {other:.5g} {unit} with {at}, next to which there is no answer: {reason}"
+    return first, f"{none}: at {at} the shape changes, and FZ0 jumps from {other:.5g} to {push:.5g} {unit}"
 
 
 def unwound(values: Mapping[str, Any]) -> dict[str, Any]:

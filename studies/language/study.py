@@ -351,7 +351,7 @@ class Study(BaseModel):
 
         Returns also, of the shape of the case, why none was found; "" where one was. Raises `InputError`.
         """
-        return under_start_force(self.case_of(values), {**self.base.given, **values})
+        return under_start_force(self.case_of(values), {**self.base.given, **values}, self.unit_system["force"])
 
 
 _DEFAULTS = {name: row.omitted for name, row in FIELDS.items() if isinstance(row.omitted, float)}

@@ -202,19 +202,52 @@ def test_a_force_at_s_0_that_locks_up_says_so_and_leaves_its_neighbours_alone() 
     ds = in_memory.run(loads(text)).squeeze()
     works, locked = np.asarray(ds["outcome"])
     assert str(works).startswith("solved")
-    assert str(locked).startswith("failed: no FZ gives FZ0 = -4000: locked up. Beyond FZ0 = ")
+    assert str(locked).startswith("failed: no FZ is sought for FZ0 = -4000 kN: locked up. Beyond FZ0 = ")
     assert np.isnan(ds["FZ"][1])
     stiffness, rho = float(StoredStudy(ds).case.rod.bending_stiffness), 0.10795 - 0.0635
     change = 1 / 400 + 1 / float(ds["FZ"][0])
     assert change == pytest.approx(0.25 * rho * 300 / (4 * stiffness), rel=0.05)  # the ends and the weight are no helix
 
 
-def test_one_rod_of_a_file_takes_the_force_at_s_0_with_friction(tmp_path: Path) -> None:
+@pytest.fixture
+def rubbed_file(tmp_path: Path) -> Path:
+    """The file of a pipe with friction that slides off under a force at s = 0."""
     text = STUDY_OF_A_PIPE.format(name="FZ0", values="[-20.0]")
     base = text.replace('axes.hole.values = ["30deg", "90deg"]\naxes.FZ0.values = [-20.0]\n', "")
     file = tmp_path / "pipe.toml"
     file.write_text(f'{base}hole = "60deg"\nFZ0 = -200.0\nfriction = 0.25\nsliding = "axial-forward"\n')
-    assert observe(solve(read_case(file, {}, {}).case), ["FZ0"])["FZ0"] == pytest.approx(-200, rel=1e-6)
+    return file
+
+
+def force_at_start(file: Path, **changes: object) -> float:
+    return float(observe(solve(read_case(file, changes, {}).case), ["FZ0"])["FZ0"])
+
+
+def test_one_rod_of_a_file_takes_the_force_at_s_0_with_friction(rubbed_file: Path) -> None:
+    assert force_at_start(rubbed_file) == pytest.approx(-200, rel=1e-6)
+
+
+@pytest.mark.parametrize("changes", [{"friction": 0.3}, {"friction": 0.0}, {"L": 40.0}, {"hole": "80deg"}])
+def test_the_force_at_s_0_of_a_file_holds_when_other_fields_of_it_are_replaced(
+    rubbed_file: Path, changes: dict[str, object]
+) -> None:
+    assert force_at_start(rubbed_file, **changes) == pytest.approx(-200, rel=1e-6)
+    assert force_at_start(rubbed_file, **changes, FZ0=-150.0) == pytest.approx(-150, rel=1e-6)
+    assert read_case(rubbed_file, {**changes, "FZ": -90.0}, {}).case.given.FZ == -90
+
+
+@pytest.mark.parametrize(("sliding", "sign"), [("axial-forward", 1), ("axial-backward", -1)])
+def test_a_horizontal_pipe_that_is_free_at_s_0_bears_its_friction_at_s_L(
+    rubbed_file: Path, sliding: str, sign: int
+) -> None:
+    """No force at s = 0, and none of the weight along the pipe: the force that friction alone makes is found."""
+    case = read_case(rubbed_file, {"hole": "90deg", "FZ0": 0.0, "sliding": sliding}, {}).case
+    assert pytest.approx(sign * 0.25 * 0.241 * 50, rel=1e-6) == case.given.FZ
+
+
+def test_what_is_said_of_a_force_at_s_0_that_is_not_found_counts_in_units(rubbed_file: Path) -> None:
+    with pytest.raises(InputError, match=r"FZ0 = -1e\+06 kN: .* at s = L \(FZ = -[\d.]+ kN\)"):
+        read_case(rubbed_file, {"L": 300.0, "FZ0": -1e6}, {})
 
 
 def test_a_study_takes_tension_lay_and_twist_of_a_cable_in_fields_and_axes() -> None:
@@ -268,4 +301,4 @@ def test_what_stands_in_place_of_a_field_is_given_of_options_and_of_a_file_that_
     assert read_case(tmp_path / "pipe.toml", {}, {}).stand_ins == pytest.approx(words)
     changed = read_case(tmp_path / "pipe.toml", {"inclination": "90deg"}, {})
     assert changed.case.cylinder.inclination == pytest.approx(pi / 2)
-    assert changed.stand_ins == {}
+    assert changed.stand_ins == {"wob": 200.0}

@@ -12,7 +12,7 @@ from solver.problem.declared_fields import FIELDS
 from solver.problem.errors import choices
 from studies import Study, load
 from studies.grammar.axes import WORDS, Which, in_words
-from studies.language.case_input import CaseInput, case_to_solve, from_values, in_units, with_values
+from studies.language.case_input import CaseInput, force_kept, from_values, in_units, with_values
 
 from . import file_kinds, quantity_variables, reading
 from .frame import without_results
@@ -63,10 +63,12 @@ def case_at(study: Study, at: Mapping[str, Any], values: Mapping[str, Any], name
     """
     place = {} if study.variation.from_base else place_of(study, at)
     changed = f", except {choices(values)}" if values else ""
-    case = study.case() if study.variation.from_base else case_to_solve(study, place)
+    followed = study.variation.from_base
+    case = study.case() if followed else study.case_of(place)
+    changes = values if followed else force_kept({**study.base.given, **place}, values) | dict(values)
     source = f"{named or study.title}{changed}"
     which = study.equilibrium
-    taken = with_values(case, in_units(values, study.unit_system))
+    taken = with_values(case, in_units(changes, study.unit_system), study.unit_system)
     return CaseInput(taken, study.unit_system, source, study=study, which=which, place=place)
 
 
@@ -130,6 +132,6 @@ def _equilibrium_of(ds: xr.Dataset, name: str, values: Mapping[str, Any]) -> Cas
         place += f", the equilibrium of the lowest energy, one of {count}" if count > 1 else ""
     units = {kind: str(ds.attrs[f"{kind}_unit"]) for kind in ("length", "force")}
     if values:
-        taken = with_values(case, in_units(values, units))
+        taken = with_values(case, in_units(values, units), units)
         return CaseInput(taken, units, f"{name}{place}, except {choices(values)}")
     return CaseInput(case, units, f"{name}{place}", which=which)
