@@ -34,10 +34,13 @@ if TYPE_CHECKING:
 
 __all__ = ["Equilibria", "Equilibrium", "equilibria", "meant", "nearest"]
 
-MOST_LISTED = 100_001  # stations of one of them
-_FAR_WIDER = 2.5  # times the range around the equilibria that were found
-FINE = 801  # stations of an equilibrium without weight, whose shape weight changes
-SHORT = 10.0  # radii: up to it a list with weight has nearly all that a finer scan finds
+MOST_LISTED = 100_001  # stations of one of them. x10: ten times the memory of each
+# times the range around the equilibria that were found. x10: the advice to narrow a range is rarely given
+_FAR_WIDER = 2.5
+FINE = 801  # stations of an equilibrium without weight, whose shape weight changes. x10: only time
+# radii: up to it a list with weight has nearly all that a finer scan finds. x10: lists that miss a fifth say nothing of
+# it
+SHORT = 10.0
 
 
 def equilibria(

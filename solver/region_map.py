@@ -17,7 +17,7 @@ from .problem.errors import LARGEST_SEED, whole_number
 from .problem.reduced import fields_held
 from .traced_folds import search_from_middle
 
-PIXELS = 240  # of the raster along each field
+PIXELS = 240  # of the raster along each field. x10: a hundred times the memory
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,7 +194,8 @@ def region_map(case: Case, *, lattice: int | None = None, stations: int = 101, *
     return RegionMap(folds, regions, labels, ticks, "; ".join(filter(None, said)))
 
 
-_LEAST = 6  # points of the raster of a region
+# points of the raster of a region; fewer are where curves cross within a pixel. x10: thin regions are not named
+_LEAST = 6
 
 
 def regions_of(pieces: CurvePieces, n: int) -> tuple[Integers, list[tuple[int, int]]]:

@@ -14,9 +14,11 @@ from .problem.errors import InputError, check_type, choices
 from .problem.reduced import fields_held
 from .solution import Solution
 
-_BESIDE = (1e-3, 1e-4, 1e-2)  # of the range of the branch: distances from the special point, tried in this order
-_WAY = 0.1  # of the same: how far beyond the point a branch is followed that may lead through it
-_MOST = 4  # equilibria that are tried, those with the nearest shape
+# of the range of the branch: distances from the special point, tried in this order. x10: beyond where another branch
+# crosses
+_BESIDE = (1e-3, 1e-4, 1e-2)
+_WAY = 0.1  # of the same: how far beyond the point a branch is followed that may lead through it. x10: only time
+_MOST = 4  # equilibria that are tried, those with the nearest shape. x10: only time
 
 
 def switch(branch: Branch, special: SpecialPoint) -> tuple[Solution, ...]:

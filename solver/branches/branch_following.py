@@ -44,13 +44,17 @@ from .leaps import LEAPS, Guess, angles_on, leap
 from .orbit_rates import orbit_rates
 from .system import AT_REST, LEFT, state_of
 
-_LENGTHS = arclength.Lengths(first=0.02, longest=LONGEST, least=1e-7)  # of steps, in scales
-_CREEPS = 60  # points in a row that do not advance p
-_FAR = 0.1  # of p's scale, the longest way past a helix
-_BESIDE = 0.01  # rad between the ends of a held rod there
-_FEW = 5  # steps, after which a rod that is carried may be next to a helix
-_LITTLE = 0.01  # the share of the way to the next halt that a leap must pass
-_SLIGHT = 0.1  # rad: the range of beta of a rod beside a helix
+# of steps, in scales; from 2e-2 the first rarely needs halving. x10: it may land on another branch, and branches are
+# given up where their steps are short
+_LENGTHS = arclength.Lengths(first=0.02, longest=LONGEST, least=1e-7)
+_CREEPS = 60  # points in a row that do not advance p. x10: a branch that only creeps ends ten times later
+# of p's scale, the longest way past a helix, over which beta_t falls in proportion. x10: leaps to another branch
+_FAR = 0.1
+_BESIDE = 0.01  # rad between the ends of a held rod there. x10: a bent rod is taken for one that is nearly a helix
+_FEW = 5  # steps, after which a rod that is carried may be next to a helix. x10: it creeps so much longer
+# the share of the way to the next halt that a leap must pass. x10: short leaps that advance count as creeping
+_LITTLE = 0.01
+_SLIGHT = 0.1  # rad: the range of beta of a rod beside a helix. x10: rods that bend all along count as such
 
 
 def trace_branch(family: Family, path: Path, p: float, rises: bool, bounds: Bounds) -> tuple[list[Place], Stop]:

@@ -20,8 +20,12 @@ from .held_index import held_index
 from .orbit_rates import OrbitRates
 
 _PATH = ("pin", "sign", "y", "leaving", "turns")  # of a record of the core
-_PARALLEL = 0.7  # smallest cosine between a tangent and the direction to the neighbouring point
-_NUDGE = 1e-4  # in scales, between the two points that give the direction of travel in another chart
+# smallest cosine between a tangent and the direction to the neighbouring point. Above 1, which none reaches, no branch
+# is followed in another chart
+_PARALLEL = 0.7
+# in scales, between the two points that give the direction of travel in another chart: far above the rounding of a
+# solved point. x10: where the branch bends the direction is off
+_NUDGE = 1e-4
 
 
 @dataclass(frozen=True, eq=False)

@@ -26,7 +26,7 @@ from .branch_events import Bounds
 from .given_numbers import FREE, Given, problem_of
 from .orbit_rates import HOW, NUMBERS, orbit_rates
 
-_KEPT = 6  # problems kept, as one is needed several times in a step
+_KEPT = 6  # problems kept, as one is needed several times in a step. x10: only memory
 
 
 @dataclass(frozen=True, eq=False)

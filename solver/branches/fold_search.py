@@ -33,13 +33,18 @@ from .parameter_plane import ParameterPlane
 from .special_line import Tracing, cusps_between, point_on_line, special_line
 from .whole_curve import CurvePieces, WholeCurve, change_along, pieces_of, whole_curve, without_zeros
 
-_FINEST = 1e-4  # shares of the ranges: nearer to their border, where curves end, and in a narrower strip none is sought
-_ASKEW = np.array([0.13, -0.17])  # of a gap: lines of the lattice stay off lines of symmetry, on which cusps lie
-_PROBES = 30  # random points that are looked at beside the lattice
-_EACH = 6  # curves at most that are searched for on one line
-_FIRST = 0.02  # length of a line, in shares, from where Newton's rule is tried
-_PAIRS = 6  # of equilibria that are tried as those that meet
-_FINER = 24  # parts of a range into which lines are cut whose ends differ in the levels that nearly meet
+# shares of the ranges: nearer to their border, where curves end, and in a narrower strip none is sought. x10: folds
+# there are not found
+_FINEST = 1e-4
+# of a gap: lines of the lattice stay off lines of symmetry, on which cusps lie. x10: the last ones leave the range
+_ASKEW = np.array([0.13, -0.17])
+_PROBES = 30  # random points that are looked at beside the lattice. x10: 2.5 times the time, and no other curve
+_EACH = 6  # curves at most that are searched for on one line. x10: time, where a change of numbers cannot be explained
+# length of a line, in shares, from where Newton's rule is tried. x10: it starts too far off and fails, which costs time
+_FIRST = 0.02
+_PAIRS = 6  # of equilibria that are tried as those that meet, the most alike first. x10: only time
+# parts of a range into which lines are cut whose ends differ in the levels that nearly meet. x10: 2.8 times the time
+_FINER = 24
 
 
 @dataclass(eq=False)

@@ -21,7 +21,7 @@ from .given_numbers import Given, OrbitState
 from .orbit_rates import NUMBERS, OrbitRates
 
 _ANGLES = ("beta0", "betaL")
-_RESTS = 1e-7  # beta_t at both ends of a rod that rests at both, in units of the loads
+_RESTS = 1e-7  # beta_t at both ends of a rod that rests at both, in units of the loads. x10: slow starts have no index
 
 
 def held_index(rates: OrbitRates, ratio: Array, names: tuple[str, ...], leaving: Array, turns: Array) -> Array:

@@ -15,8 +15,10 @@ from .given_numbers import FREE, LOADS, Given, OrbitState, answer, parts_of, pro
 from .leaps import Guess
 from .orbit_rates import NUMBERS, orbit_rates
 
-_MULTIPLE = 1e-4  # rad: how far from a triple root of H bisection may end
-_SCAN = 721  # angles between which those of helices are bracketed
+# rad: how far from a triple root of H bisection may end, the cube root of rounding and a margin. x10: another helix so
+# near a quarter turn is lost
+_MULTIPLE = 1e-4
+_SCAN = 721  # angles between which those of helices are bracketed: H has few roots. x10: only time
 
 
 @dataclass(frozen=True)
@@ -101,8 +103,10 @@ def _state(helix: _Helix, given: Given) -> OrbitState | None:
     return OrbitState(problem, path, orbit_rates(problem, [path]))
 
 
-_SIZES = (2e-2, 2e-3, 2e-4)  # of the first step, tried in this order: beta_t at an end, changes of angles and loads
-_STATIONS = 4001  # at which the turning points are counted
+# of the first step, tried in this order: beta_t at an end, changes of angles and loads. x10: not in proportion any
+# more, so that a guess leads elsewhere
+_SIZES = (2e-2, 2e-3, 2e-4)
+_STATIONS = 4001  # at which the turning points are counted. x10: only time; a tenth misses some of long rods
 
 
 def off_helix(state: OrbitState, wanted: Given) -> Iterator[Guess]:

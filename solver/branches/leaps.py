@@ -18,8 +18,11 @@ from ..problem.reduced import EndsProblem
 from .given_numbers import Given, problem_of
 
 Guess = tuple[EndsProblem, Path, float]  # of an equilibrium: its problem and path, and a share of a line
-LEAPS = (1e-3, 1e-4, 1e-5)  # shares of the line over which a leap is tried
-NEAR, _CLEAR = 0.05, 4.0  # rad between two shapes of a branch after a leap; factor by which others must be farther
+# shares of the line over which a leap is tried. x10: shapes change more than `NEAR`, and none is found
+LEAPS = (1e-3, 1e-4, 1e-5)
+# rad between two shapes of a branch after a leap; factor by which others must be farther. x10: leaps to other branches;
+# branches that have close neighbours end
+NEAR, _CLEAR = 0.05, 4.0
 
 
 def leap(first: Given, last: Given, problem: EndsProblem, path: Path, longest: float = LEAPS[0]) -> Iterator[Guess]:

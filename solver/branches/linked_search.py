@@ -22,9 +22,11 @@ from .fold_search import Searched, lattice_edges
 from .parameter_plane import ParameterPlane
 from .whole_curve import WholeCurve, lies_on
 
-ASKEW = 0.013  # lines of the lattice stay off lines of symmetry
-MOST_BRANCHES = 150  # that are followed
-STEEP, MOST_STEEP = 3.0, 2  # times the median of a branch; places of a branch from which it is followed across
+ASKEW = 0.013  # of a gap: lines of the lattice stay off lines of symmetry, on which folds lie. x10: as good
+MOST_BRANCHES = 150  # that are followed. x10: a search that goes on and on takes minutes
+# times the median of a branch; places of a branch from which it is followed across. x10: equilibria between lines are
+# missed; more places take time
+STEEP, MOST_STEEP = 3.0, 2
 LatticePoint = tuple[int, int]
 Known = dict[LatticePoint, list[Place]]  # equilibria at points of the lattice
 IsKnown = Callable[[Array, Array], bool]  # of a z and the signature of an equilibrium there

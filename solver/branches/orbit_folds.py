@@ -42,16 +42,26 @@ from .system import state_from_start
 
 GivenAt = Callable[[Array], Given]
 Level = tuple[float, float, float]  # the angle of a saddle, and the sign and the log of the gap above its height
-LENGTHS = Lengths(first=0.01, longest=0.05, least=2e-6)  # of steps, in the sizes of the unknowns and of z
+# of steps, in the sizes of the unknowns and of z. x10: a curve is drawn by chords that one sees, or steps to another
+LENGTHS = Lengths(first=0.01, longest=0.05, least=2e-6)
 START = ("beta0", "dbeta0", "lam", "mu", "phi")  # the numbers with which an orbit starts
-UNIT = 20.0  # of log gap in the metric of a curve
-DEEP, SHALLOW = 1e-3, 4e-3  # gaps to a saddle below which log gap is unknown, and above which it no longer is
-_LEAST = 1e-100  # gap of a guess, and distance of an end from a saddle
-_BEND = 2e-4  # of beta_t(0), in its size: of the second derivative of the Jacobi field by it
-_SIDES = 2.0**-25  # of a step: how closely a change of side is enclosed
-_UNFOLDED = 1e-8  # rad: the largest miss of beta(L) at a pitchfork, of which no square is read
-_CROSSING = 0.02  # of beta_t(0), in its size: where a fold curve may meet pitchforks
-_SAME = 0.02  # largest distance between a point and itself in another form
+# of log gap in the metric of a curve: log gap runs to -575 where other unknowns are near 1. x10: steps change the gap
+# by powers of e
+UNIT = 20.0
+# gaps to a saddle below which log gap is unknown, and above which it no longer is: apart, so that the form does not
+# change at each step. x10: it is kept where log gap has an extremum
+DEEP, SHALLOW = 1e-3, 4e-3
+# gap of a guess, and distance of an end from a saddle: its logarithm and square are floats. x10: no change
+_LEAST = 1e-100
+# of beta_t(0), in its size: for the second derivative of the Jacobi field by differences, whose rounding is 1e-8 of it.
+# x10: an error of order 2, 4e-6
+_BEND = 2e-4
+_SIDES = 2.0**-25  # of a step: how closely a change of side is enclosed. x10: its place has a digit less
+# rad: the largest miss of beta(L) at a pitchfork, of which no square is read. x10: an imperfect one counts as one
+_UNFOLDED = 1e-8
+# of beta_t(0), in its size: where a fold curve may meet pitchforks. x10: only time, as what is tried is solved for
+_CROSSING = 0.02
+_SAME = 0.02  # largest distance between a point and itself in another form. x10: the step may go on along another curve
 
 
 def numbers_on(plane: ParameterPlane) -> GivenAt:

@@ -27,7 +27,7 @@ from ..orbits.variations import POINTS, Change, HelixVariations, Variations
 from ..problem.reduced import EndsProblem, Reduced, StartProblem
 
 NUMBERS = ("beta0", "betaL", "dbeta0", "dbetaL", "alpha", "swirl", "z", "lam", "mu", "phi", "y")
-_REST = 1e-15  # beta_t at a start at rest
+_REST = 1e-15  # beta_t at a start at rest, a few roundings. x10: a start that moves so slowly is one at rest
 HOW = CUTTING, VARIED._replace(stretch=STRETCH)
 
 

@@ -26,9 +26,11 @@ from ..numerics.arrays import ASIDE, NEGLIGIBLE, Array
 from ..numerics.roots import REACH, enclose, locate, root
 
 BORDER, CLOSED, CROSSING, STOPPED = ENDS = "border", "closed", "crossing", "stopped"  # how a line ends
-SENSE, BESIDE = 0.8, 0.2  # cosine to the first step, and distance over that of a step, of one that closes the line
-MOST = 4000  # points of a line in each sense
-ALONE = 3  # points after the first before a line can close
+# cosine to the first step, and distance over that of a step, of one that closes the line. x10: lines close beside
+# themselves
+SENSE, BESIDE = 0.8, 0.2
+MOST = 4000  # points of a line in each sense. x10: a line that winds without end costs minutes
+ALONE = 3  # points after the first before a line can close. x10: small closed lines are traced twice
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

@@ -20,11 +20,20 @@ from .given_numbers import Given, OrbitState, answer, move, problem_after, size_
 from .orbit_rates import NUMBERS, OrbitRates, orbit_rates
 
 LEFT = "no orbit of its path joins the two ends there"
-_LEAST = 9 * EPS  # share by which rounding may change an angle, or a load
-_ROUNDED = 256 * EPS  # what the sums along an orbit leave of the numbers of an equilibrium, in their sizes
-_NEAR = 0.1  # rad: the farthest that an end is moved
-AT_REST = -300.0  # log of the square of beta_t at a start at rest
+# share by which rounding may change an angle, or a load: a few operations. x10: ends at rest are moved onto saddles
+_LEAST = 9 * EPS
+# what the sums along an orbit leave of the numbers of an equilibrium, in their sizes. x10: corrections end a digit
+# early
+_ROUNDED = 256 * EPS
+# rad: the farthest that an end is moved, well below half the distance of two critical points. x10: to another well
+_NEAR = 0.1
+# log of the square of beta_t at a start at rest: of no size beside 1, and its root a float. x10: the root leaves the
+# range of floats
+AT_REST = -300.0
+# of one equation whose root is simple: it ends by rounding. x10: no change
 _ANGLE_ENDING = Ending(rounds=8, goal=0.0, small=_NEAR, stall=np.inf)
+# corrections end by rounding: Newton's method doubles the digits, so 14 are enough from any step. x10: no answer
+# changes, only those that fail take longer
 _ENDING = Ending(rounds=14, goal=1e-15, small=1e-10, growth=0.5)
 
 

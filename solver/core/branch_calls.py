@@ -21,7 +21,7 @@ NO_ORBIT, INTERRUPTED = 100, 101
 RAISED, THERE, NOWHERE = range(3)  # what the core is answered
 NUMBERS, PARTS = 11, 5  # of an equilibrium; of a change
 RATES = NUMBERS * (PARTS + 2) + 1  # doubles of `orbit_numbers`
-_MOST = 256  # records of a call
+_MOST = 256  # records of a call; a longer branch takes several. x10: only memory
 _UNKNOWNS, _EQUATIONS = PARTS + 2, PARTS + 1
 Numbers = Callable[[float], Sequence[float] | None]
 

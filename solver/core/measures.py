@@ -11,7 +11,7 @@ from ..numerics.arrays import Array, Integers
 from .build import HERE
 from .library import INT, fine, run, share_out, structure, widest
 
-NODES = 24  # of each piece, at which densities are computed
+NODES = 24  # of each piece, at which densities are computed. x10: the core has no room for so many
 
 # the table of measured.h, which needs no library: densities; group, name and rates of the numbers
 _HEADER = (HERE / "measured.h").read_text(encoding="utf-8")
@@ -127,7 +127,7 @@ def _rods_of(pieces: Any, given: Mapping[str, Array], goal: float, groups: int) 
     )
 
 
-_MOST_CROSSINGS = 64  # for which there is room at once
+_MOST_CROSSINGS = 64  # for which there is room at once; for more a second call. x10: only memory
 
 
 def crossings(s: Array, points: Array, near: float, apart: float, whole: float = np.inf) -> Integers:

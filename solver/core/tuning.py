@@ -14,35 +14,59 @@ from ..numerics.roots import CLOSE as CLOSE
 from ..problem.trajectory import SHAPELESS as SHAPELESS
 
 # steps along a branch
-LONGEST = 0.25  # in scales
-NARROW = 1e-3  # length of a step below which other coordinates and a leap are tried
-STEPS_KEPT = 10  # steps for which another coordinate is kept
-EASY_BEND = 0.05  # distance from the predictor, as a share of the step, that the next step aims at
-SLOWER, FASTER = 0.3, 2.0  # the next step over this one, at least and at most
-STEEP = 0.2  # dp along the branch, in scales, above which a step may end at a given p
-SHARE = 0.1  # of the change of p in a step, over which differences in p are taken
-LEAST, AHEAD = 1e-10, 1e-6  # the least and the largest of it, in scales of p
-NUDGE = 1e-5  # of the unknown's scale, for differences
-SAME_SADDLE = 0.1  # half of the largest angle by which a saddle moves in a step
-BACK = 1e-6  # in scales: an equilibrium as near to the first is the first
-BESIDE_HELIX = 1e-6  # of the size of G: H at the ends of a rod that is nearly a helix
-BESIDE_HELD_HELIX = 1e-3  # the same with held ends
+LONGEST = 0.25  # in scales. x10: a step passes two folds, or lands on another branch
+# length of a step below which other coordinates and a leap are tried. x10: often in vain, which costs time
+NARROW = 1e-3
+STEPS_KEPT = 10  # steps for which another coordinate is kept. x10: short steps where the first would be better again
+# distance from the predictor, as a share of the step, that the next step aims at. x10: above what is accepted, so that
+# steps are halved
+EASY_BEND = 0.05
+# the next step over this one, at least and at most. x10: a step is never made shorter, so that most are refused
+SLOWER, FASTER = 0.3, 2.0
+# dp along the branch, in scales, above which a step may end at a given p. x10: none ends so, and places are located
+# instead
+STEEP = 0.2
+# of the change of p in a step, over which differences in p are taken, where the largest of these allows. x10: as far as
+# the step, a derivative at the next point
+SHARE = 0.1
+# the least and the largest of it, in scales of p: between rounding and curvature. x10: derivatives by p lose a digit
+LEAST, AHEAD = 1e-10, 1e-6
+NUDGE = 1e-5  # of the unknown's scale, for differences: the cube root of rounding. x10: their error of order 2 is 1e-8
+# half of the largest angle by which a saddle moves in a step. x10: another saddle is taken for it, and the path for
+# another
+SAME_SADDLE = 0.1
+# in scales: an equilibrium as near to the first is the first, far above the errors of both. x10: a branch that passes
+# so near its begin counts as closed
+BACK = 1e-6
+# of the size of G: H at the ends of a rod that is nearly a helix. x10: branches leap where they could step
+BESIDE_HELIX = 1e-6
+# of the size of G: H at the ends of a held rod that is nearly a helix, which the solver leaves earlier. x10: rods that
+# bend leap
+BESIDE_HELD_HELIX = 1e-3
 ROUNDS, SETTLED, SMALL, CONTRACTION = ENDING.rounds, ENDING.goal, ENDING.small, ENDING.growth
 
 # levels and orbits
-LOWEST = -575.0  # log of the smallest gap that a float can hold with what is made of it
-ON = 1e-110  # an end this near to a saddle lies on it
-MOVED = 1e-7  # of a pin by rounding, at most: the root of that of G, where a saddle is about to meet a centre
-AT_REST = 4e-16  # of the size of G: an H that is rounding
-# of the size of G: saddles whose heights differ by less are as high. Rounding made at most a third of it between
-# two saddles that are mirror images, in 1,200 pairs
+
+# log of the smallest gap that a float can hold with what is made of it: exp(-575) = 1e-250. x10: it underflows
+LOWEST = -575.0
+ON = 1e-110  # an end this near to a saddle lies on it: its square is a float. x10: no change
+# of a pin by rounding, at most: the root of that of G, where a saddle is about to meet a centre. x10: another critical
+# point is taken for it
+MOVED = 1e-7
+# of the size of G: an H that is rounding, two units in the last place. x10: rods that turn by rounding only count as
+# helices
+AT_REST = 4e-16
+# of the size of G: saddles whose heights differ by less are as high. Rounding made at most a third of it between two
+# saddles that are mirror images, in 1,200 pairs. x10: a rod cannot rest between two that differ so little
 AS_HIGH = 1e-14
-MOST_PANELS = 10_000  # of one orbit, beyond which none is halved any more
+# of one orbit, beyond which none is halved any more. x10: ten times the time and memory before a rod is refused
+MOST_PANELS = 10_000
 
 # marches and what is measured along them
-MOST_STEPS = 200_000  # of a stretch: a longer march, of a second or two, is lost
-SAFETY = 3.0  # of a standard deviation, or of an estimated error
-BARELY = 64 * EPS  # of the size of its terms: a push, or a difference of numbers, below this is rounding
+MOST_STEPS = 200_000  # of a stretch: a longer march, of a second or two, is lost. x10: so is one of 20 seconds
+SAFETY = 3.0  # of a standard deviation, or of an estimated error. x10: good answers are said to have fewer digits
+# of the size of its terms: a push, or a difference of numbers, below this is rounding. x10: a small push has no sign
+BARELY = 64 * EPS
 
 ROWS = re.findall(  # types, and the names that have them
     r"^    (double|int64_t) ([\w, ]+);", Path(__file__).with_name("tuning.h").read_text(encoding="utf-8"), re.MULTILINE

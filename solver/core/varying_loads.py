@@ -14,7 +14,9 @@ SIZE, ORDER = len(STATES), 20
 HALF = SIZE // 2
 # columns: by beta and beta_t; by the first six of the begin; by these, the weight along and across, the friction
 BY_ANGLE, BY_STATE, BY_ALL = 2, 6, 9
-TRUNCATION = 1e-17  # of the scale of each number: what a step leaves out at most, where rounding bounds the error
+# of the scale of each number: what a step leaves out at most, a tenth of rounding. x10: as large as rounding, which the
+# estimates do not count
+TRUNCATION = 1e-17
 READ = [0, 1, 2, 3, 5, 4, 6, 7]  # the place of each state in what a march with `judge` reads: beta .. q, mu, phi, ..
 
 

@@ -16,15 +16,22 @@ from .model import FitMinimum, Model
 from .parameters import Parameter, values_at, values_in_words
 from .uncertainty import LEVEL, Uncertainty, uncertainty
 
-ZERO = 1e-16  # a sum of squares of N data is 0 where it is smaller than N times this
+# a sum of squares of N data is 0 where it is smaller than N times this: 1e-8 of a standard error each. x10: as good
+ZERO = 1e-16
 
 
-UNLIKELY = 0.01  # probability of a larger sum of squares that is told
+# probability of a larger sum of squares that is told, as statistics has it. x10: one good fit in ten is said to miss
+UNLIKELY = 0.01
 MISFIT = "misfit: "  # how such an outcome begins
-IMPOSSIBLE = 1e-6  # below it, the minimum is no answer: it may be another one than that of the rod
-_ALIKE = 0.99  # correlation of two parameters that is told
+# below it, the minimum is no answer: it may be another one than that of the rod. x10: one fit in 100,000 whose errors
+# are as stated is refused
+IMPOSSIBLE = 1e-6
+# correlation of two parameters that is told: each alone is known seven times worse than with the other given. x10: none
+# is told
+_ALIKE = 0.99
 # Distance of the points in rho that is told: 0.5 rad or 29 degrees of azimuth. Errors of measurement are smaller, and
-# the intervals are those of errors so small that the shape changes in proportion to them.
+# the intervals are those of errors so small that the shape changes in proportion to them. x10: points on the other side
+# are not told
 FAR = 0.5
 
 

@@ -21,8 +21,8 @@ from ..solve import solve
 from .data import Data, MeasuredPoints, target_parts
 from .parameters import Parameter, rates_at, values_at, values_in_words
 
-_COARSE, _FINEST = 201, 6401  # stations of the first search
-_TURN = 0.2  # rad between neighbouring stations of it, at most
+_COARSE, _FINEST = 201, 6401  # stations of the first search, and at most. x10: only time
+_TURN = 0.2  # rad between neighbouring stations of it, at most. x10: the nearest chord is not the nearest place
 
 AtStations = Callable[[Array | int], Solution]
 

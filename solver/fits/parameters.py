@@ -14,7 +14,9 @@ from ..problem.errors import InputError, choices, known_name, names_of, show
 from ..problem.field_values import angle
 from ..problem.quantities import AT_START, quantity
 
-_SPREAD = 4.0  # starts of a positive field without bounds: from its value over this to its value times this
+# starts of a positive field without bounds: from its value over this to its value times this. x10: starts that have no
+# shape
+_SPREAD = 4.0
 
 
 @dataclass(frozen=True)

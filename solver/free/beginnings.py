@@ -19,8 +19,10 @@ from .free_problem import BeginningCurve, problems_of
 from .free_shape import FreeShape, angles_at
 from .quaternions import directors, end_frame, product
 
-EACH, FEWEST, MOST = 16, 401, 20_001  # stations of a known rod: for each length on which its shape changes
-WIDEST = 2.405  # of a bow whose ends are at one height: just beyond the first zero of J0
+# stations of a known rod: for each length on which its shape changes; at least, at most. x10: only time; at least x10
+# starts are other ones by their digits
+EACH, FEWEST, MOST = 16, 401, 20_001
+WIDEST = 2.405  # of a bow whose ends are at one height: just beyond the first zero of J0. x10: J0 has other zeros there
 BILATERAL = "the bilateral shape"
 FORCE_KEPT = "whose axial force is kept: held ends as far apart as the rod is long leave it open"
 

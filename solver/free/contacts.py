@@ -13,9 +13,9 @@ from numpy.polynomial import polynomial
 
 from ..numerics.arrays import NEGLIGIBLE, Array, Booleans
 
-NEAR = 3  # nodes: those of an edge, and the widest gap that is none
-FEWEST = 5  # nodes of an interval; fewer are a point
-STEPS = 8  # of Newton's method for the place of an edge
+NEAR = 3  # nodes: those of an edge, and the widest gap that is none. x10: contacts near each other become one
+FEWEST = 5  # nodes of an interval; fewer are a point. x10: short intervals count as points, and their lengths are lost
+STEPS = 8  # of Newton's method for the place of an edge. x10: only time
 
 
 class Contact(NamedTuple):

@@ -15,7 +15,9 @@ from .free_shape import between
 from .program import Sizes
 from .quaternions import directors, end_frame
 
-TURN, SHORTENED, GROWTH = 0.5, 0.1, 8.0  # a step of the ends: rad, of the length; steps in which loads grow
+# a step of the ends: rad, of the length; steps in which loads grow. x10: ends go the whole way at once, to minima
+# farther off; only time
+TURN, SHORTENED, GROWTH = 0.5, 0.1, 8.0
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,20 +18,36 @@ from .free_problem import BeginningCurve, Beside, problems_of
 from .free_shape import Along, FreeShape
 from .minimum import free_motion, minimise
 
-FREE_TOLERANCE = 1e-4  # of the place of a rod, over its length
-FEWEST, EACH = 24, (2.0, 4.0)  # edges of the coarsest mesh: for each length on which the shape changes; for each radian
-MOST_EDGES = 16_384
-SETTLED = 2  # times that the lead of the ends is found anew on the coarsest mesh, each to half its error
-MESHES = 3  # at least, of which each has twice the edges of that before: they say which order the errors have
-FINEST = 8192  # edges, up to which a mesh is refined for the tolerance, if errors of order 2 would then be within it
-APART = 0.05  # of the length: a finer mesh that moves a rod so far leads to another minimum, and meshes count anew
-LEAST_STEP = 1 / 64  # of the way of the ends from those of a curve to where they are held
-ORDER = (2.0, 4.5)  # of a change to the next one, on edges of half the length: the orders from 1 to 2 are seen
-SAFETY = 1.25  # of an error of the order that is seen: of a hundred rods let go, one in twenty is off by more
-LARGEST = 1e12  # of a number of a rod in units of A and rho
+# of the place of a rod, over its length: finer than a drawing shows. x10: places off by a thousandth of the length
+FREE_TOLERANCE = 1e-4
+# edges of the coarsest mesh: for each length on which the shape changes; for each radian. x10: time; the digits differ
+# within the error
+FEWEST, EACH = 24, (2.0, 4.0)
+MOST_EDGES = 16_384  # of the finest mesh of a rod. x10: ten times the time before it is refused
+# times that the lead of the ends is found anew on the coarsest mesh, each to half its error. x10: only time
+SETTLED = 2
+# at least, of which each has twice the edges of that before: they say which order the errors have. x10: edges by the
+# thousand
+MESHES = 3
+# edges, up to which a mesh is refined for the tolerance, if errors of order 2 would then be within it. x10: ten times
+# the time of rods whose tolerance is too small
+FINEST = 8192
+# of the length: a finer mesh that moves a rod so far leads to another minimum, and meshes count anew. x10: another
+# minimum counts as the same
+APART = 0.05
+# of the way of the ends from those of a curve to where they are held. x10: ends that are moved far are given up
+LEAST_STEP = 1 / 64
+# of a change to the next one, on edges of half the length: the orders from 1 to 2 are seen. x10: no order is, and
+# errors are stated larger
+ORDER = (2.0, 4.5)
+# of an error of the order that is seen: of a hundred rods let go, one in twenty is off by more. x10: stated errors ten
+# times too large
+SAFETY = 1.25
+LARGEST = 1e12  # of a number of a rod in units of A and rho, far beyond any rod. x10: as good
 MOVED = ", moved by some waves"
-SHAKES = (1.0, 0.3) * 6  # of the size of angles: how far a shape is moved from a minimum to find others
-WAVES = 6  # half waves of the shortest part of such a motion
+# of the size of angles: how far a shape is moved from a minimum to find others; twelve times. x10: starts from tangles
+SHAKES = (1.0, 0.3) * 6
+WAVES = 6  # half waves of the shortest part of such a motion. x10: motions that only straighten again
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,11 +13,17 @@ from .discrete_rod import CONDITIONS, EDGE, HELD_ON, DiscreteRod
 from .free_shape import FreeShape
 from .program import FAR, NEAR, Program, Sizes
 
-SHARP = 1e-10  # of the last change of the unknowns
-EVEN = 1e-8  # of what equations leave where rounding, 1e-11 of them, moves a rod that is held with `FIRM`; squared
-FIRM = 1e-6  # of the order of the second derivatives: what holds a rod that may turn as a whole
-NUDGE, NUDGES = 1e-2, 3  # of the size of angles: of what leads away from an equilibrium that is no minimum
-STIFF, TINY = 1e-4, 1e-14  # of the force that bends an edge by the radius, what a gap counts as; least of a derivative
+SHARP = 1e-10  # of the last change of the unknowns: as far as rounding of long meshes allows. x10: a digit less
+# of what equations leave where rounding, 1e-11 of them, moves a rod that is held with `FIRM`; squared. x10: as good
+EVEN = 1e-8
+# of the order of the second derivatives: what holds a rod that may turn as a whole. x10: soft motions count as free
+FIRM = 1e-6
+# of the size of angles: of what leads away from an equilibrium that is no minimum; times. x10: to another minimum than
+# the one below
+NUDGE, NUDGES = 1e-2, 3
+# of the force that bends an edge by the radius, what a gap counts as; least of a derivative. x10: as good; both only
+# weigh gaps against pushes
+STIFF, TINY = 1e-4, 1e-14
 
 
 def minimise(rod: DiscreteRod, guess: Array, sizes: Sizes, multipliers: Array | None = None) -> FreeShape | None:

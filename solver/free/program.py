@@ -21,7 +21,7 @@ OPTIONS = {
     "dual_tolerance": 1e-8,
     "barrier_k_epsilon": 100.0,  # how closely each barrier problem is solved: with 10, the default, some steps more
 }
-ENOUGH = 1e-6  # of what Uno may leave of the equations
+ENOUGH = 1e-6  # of what Uno may leave of the equations: Newton's method ends them. x10: from there it may fail
 
 
 class _Search(NamedTuple):

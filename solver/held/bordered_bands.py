@@ -14,7 +14,7 @@ import scipy  # its parts are imported when used
 
 from ..numerics.arrays import Array
 
-_LARGEST = 1e300  # below minus this no eigenvalue is looked for
+_LARGEST = 1e300  # below minus this no eigenvalue is looked for: none is, and its inverse is a float. x10: as good
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,10 +17,11 @@ from ..numerics.arrays import DOUBTFUL, FAINT, Array, Integers
 from ..numerics.chebyshev import GAUSS, basis
 from .bordered_bands import Bordered
 
-_DEGREE = 8  # of beta on a panel
-_LAYER = 3.0  # by how much panels beside an end grow
-_SMOOTH = 1e-5  # rad: the last coefficients of beta on a panel that is fine enough
-LONGEST = 0.6  # rad: the largest change of beta in a step
+_DEGREE = 8  # of beta on a panel; one on which it is not enough is halved. x10: more than six times the time
+_LAYER = 3.0  # by how much panels beside an end grow. x10: a layer has one panel, which is halved
+# rad: the last coefficients of beta on a panel that is fine enough: its equilibrium is solved for anyway. x10: as good
+_SMOOTH = 1e-5
+LONGEST = 0.6  # rad: the largest change of beta in a step. x10: descents may jump to another minimum
 _LOAD_OF = {"z": "phi", "alpha": "lam"}
 
 

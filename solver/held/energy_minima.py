@@ -20,14 +20,19 @@ from .bordered_bands import Bordered, times
 from .discrete_energy import LONGEST, DiscreteEnergy, EnergyMesh
 
 # panels at first: 60 find the minima of 6 in four times the time; width of the first one beside an end, in that over
-# which a layer decays
+# which a layer decays. x10: the layer is not resolved until its panel is halved
 _PANELS, _LAYER = 6, 3.0
+# of a panel, and the most panels: a layer of 1/512 of a panel. x10: only minima that do not settle take longer
 _HALVINGS, _MOST_PANELS = 9, 64
-_ROUNDS, _CUTS, _MEETING = 80, 14, 6  # steps of a descent; cuts of a step; rounds to meet the constraints after one
-_SADDLE, _PUSH, _PUSHES = 0.03, 0.3, 3  # rad: a step beside a saddle; the push off it; saddles on a way
-_SHIFT, _ITERATIONS = 1e-3, 8  # of the metric, first and then four times as much; to the direction that curves down
-_WIDEST = 2.2  # rad: of a wave
-_WILDEST = 1e50  # pace: the fourth power of a larger one is soon beyond the range of floats
+# steps of a descent; cuts of a step; rounds to meet the constraints after one. x10: only failures take longer
+_ROUNDS, _CUTS, _MEETING = 80, 14, 6
+# rad: a step beside a saddle; the push off it; saddles on a way. x10: minima are pushed off too, by half a turn
+_SADDLE, _PUSH, _PUSHES = 0.03, 0.3, 3
+# of the metric, first and then four times as much; to the direction that curves down. x10: shorter steps than needed;
+# only time
+_SHIFT, _ITERATIONS = 1e-3, 8
+_WIDEST = 2.2  # rad: of a wave; beyond, a rod turns back. x10: whole turns that are no wave
+_WILDEST = 1e50  # pace: the fourth power of a larger one is soon beyond the range of floats. x10: as good
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,7 +15,9 @@ from ..numerics.arclength import FEW_POINTS
 from ..numerics.arrays import NEGLIGIBLE
 from .held_moves import across_fold, angles_along, deflate, is_nearer_across_fold, meetings
 
-_REACH = (-1.0, 3.0)  # shares of the way from the seed, 0, to the held ends, 1, over which its branch is followed
+# shares of the way from the seed, 0, to the held ends, 1, over which its branch is followed, as some turn back. x10:
+# time, and rods that are far from both
+_REACH = (-1.0, 3.0)
 
 
 def alternatives_of(seed: OrbitState, state: OrbitState, wanted: Given) -> list[OrbitState]:

@@ -25,7 +25,7 @@ from ..orbits.path_orbits import orbit_of
 from ..orbits.potential import TAU
 from ..problem.reduced import EndsProblem
 
-SHARES = np.linspace(0, 1, 257)
+SHARES = np.linspace(0, 1, 257)  # of the length, at which two shapes are compared. x10: only time
 
 
 def carry(state: OrbitState, wanted: Given, most: int = POINTS) -> OrbitState | Stop:

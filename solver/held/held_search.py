@@ -29,7 +29,7 @@ from .held_moves import across_fold, angles_along, carry, deflate, settle, withi
 from .held_sweep import Ranges, SweepPoint, ranges_of, starts_of, swept
 from .hinge_scan import states_between_hinges
 
-MOST_PERIODS, TRIES = 8, 10  # of the rods from which the search begins; deflations without a new equilibrium
+MOST_PERIODS, TRIES = 8, 10  # of the rods from which the search begins; deflations without a new equilibrium. x10: time
 _ODD = ({"alpha", "turn", "lam", "mu"}, {"z", "turn", "phi", "mu"})  # what beta -> -beta and beta -> pi - beta negate
 _REVERSED = {"beta0": "betaL", "betaL": "beta0", "dbeta0": "dbetaL", "dbetaL": "dbeta0"}
 

@@ -24,12 +24,19 @@ from .energy_minima import EnergyMinimum
 from .held_moves import carry, settle
 from .held_sweep import dead_states
 
-_TRIED, _REACHED = 8, 3  # starts from which continuation is tried; equilibria after which it ends
-_UNSTABLE = 0.3  # what a negative direction of a start adds to its distance
-_MOST_TURNS = 2  # of the starts
-_LAYERS = 8.0  # least k L/rho of a taut rod: the angle decays before the other end
-_STABLE_TURNS = 6  # the most of a stable rod: one more than the displacements that are held, and one at each hinge
-_BESIDE = 0.05  # rad: from a minimum to its equilibrium
+# starts from which continuation is tried; equilibria after which it ends. x10: only cases that fail take longer; all
+# are found before one is taken
+_TRIED, _REACHED = 8, 3
+# what a negative direction of a start adds to its distance. x10: far starts that are stable come before near ones
+_UNSTABLE = 0.3
+_MOST_TURNS = 2  # of the starts. x10: more starts, of shapes that are unstable
+# least k L/rho of a taut rod: the angle decays before the other end, to exp(-8) of it. x10: taut rods start from loads
+# that leave most to continuation
+_LAYERS = 8.0
+# the most of a stable rod: one more than the displacements that are held, and one at each hinge. x10: only time
+_STABLE_TURNS = 6
+# rad: from a minimum to its equilibrium, far above the error of its mesh. x10: a neighbour is taken for it
+_BESIDE = 0.05
 
 
 def outcome_of(stop: Stop) -> str:

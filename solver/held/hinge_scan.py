@@ -17,8 +17,10 @@ from ..orbits.periodic_orbit import solve_orbit
 from ..orbits.potential import TAU, potential, slope
 from ..problem.reduced import EndsProblem, StartProblem
 
-_ANGLES = 1440  # of a turn, evenly
-_CLOSER = np.logspace(-13, -2, 89)  # distances [rad] from the angles whose orbits reach a saddle
+_ANGLES = 1440  # of a turn, evenly. x10: only time
+# distances [rad] from the angles whose orbits reach a saddle: eight a decade, from rounding on. x10: angles within
+# 1e-12 of a saddle are not scanned
+_CLOSER = np.logspace(-13, -2, 89)
 
 
 def states_between_hinges(given: Given) -> list[OrbitState]:

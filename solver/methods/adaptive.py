@@ -29,7 +29,8 @@ from .base import (
 )
 from .half_period import condition_numbers
 
-_MOST_CALLS = 400_000  # of one integration: one or two seconds; stiffer cases are for `orbit`
+# of one integration: one or two seconds; stiffer cases are for `orbit`. x10: twenty seconds before one fails
+_MOST_CALLS = 400_000
 
 
 class _TooLong(Exception):

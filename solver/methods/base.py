@@ -21,10 +21,12 @@ from ..problem.trajectory import Seed, Trajectory, verdicts
 # Evaluations after which a ladder ends: about 0.4 s on the machine of docs/reference/methods.md. Evaluations, not
 # seconds, so that a busy machine runs the same rungs. The first limit is for methods that call Python at each one.
 MOST_CALLED, MOST_COMPILED = 20_000, 1_000_000
-TIGHTEST = 3e-14  # tolerance of a step or of a residual: scipy refuses one below 100 eps
-BLOCK = 2048  # cases: 512 take `orbit` 1.4 times as long; a study's own blocks (`workbench.run.plan`) are no larger
-BLOCK_VALUES = 2**20  # stations of all cases of a block, at most: 8 MB an array
-_LOOSE = 0.9  # the tolerance of a rung whose knob is another one: only a rung without a digit fails
+# tolerance of a step or of a residual: scipy refuses one below 100 eps. x10: a digit less at the end of ladders
+TIGHTEST = 3e-14
+# cases: 512 take `orbit` 1.4 times as long; a study's own blocks (`workbench.run.plan`) are no larger. x10: memory
+BLOCK = 2048
+BLOCK_VALUES = 2**20  # stations of all cases of a block, at most: 8 MB an array. x10: 80 MB
+_LOOSE = 0.9  # the tolerance of a rung whose knob is another one: only a rung without a digit fails. x10: none does
 
 
 @dataclass(frozen=True)

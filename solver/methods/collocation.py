@@ -19,7 +19,7 @@ from ..problem.reduced import EndsProblem
 from ..problem.trajectory import Seed
 from .base import MOST_COMPILED, TIGHTEST, TOLERANCES, Ladder, SeededMethod, SingleAnswer, knob, tighten
 
-# nodes: of the first mesh, and of the next if that is too coarse for the seed; of any mesh
+# nodes: of the first mesh, and of the next if that is too coarse for the seed; of any mesh. x10: time
 _FIRST, _MOST = (257, 2049), 10_000
 _GAUSS = np.polynomial.legendre.leggauss(5)
 

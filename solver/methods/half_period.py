@@ -21,7 +21,9 @@ from ..problem.reduced import StartProblem
 from ..problem.trajectory import Trajectory, Verdicts, all_solved, blank, stood_in, verdicts
 from .base import TOLERANCES, Ladder, StartMethod
 
-_DIGITS = 100  # times the tolerance: an error beyond it is handed over, also where the condition number excuses it
+# times the tolerance: an error beyond it is handed over, also where the condition number excuses it. x10: answers that
+# miss the tolerance so far are kept
+_DIGITS = 100
 
 
 @dataclass(frozen=True)

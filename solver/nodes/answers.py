@@ -42,13 +42,21 @@ from .state import LEAVES, RUBS
 from .varying_shapes import Marched, Shape, VaryingShapes, read_starts
 from .weak_modes import largest_move
 
-SHORTER = 0.7  # steps of the second march, whose difference from the first estimates the error of an ends problem
-SHARE, COARSEST = 0.01, 1e-12  # of start problems: what all steps leave out of beta, as a share of the tolerance; the
-# most that one does, of the scales
-ROUNDING = 2e-16
-LARGEST, SHORTEST = 1e30, 1e-15  # of a number of a rod in units of A and rho; of L/rho between two ends
-ROUGHEST = 10.0  # coefficient of friction: rubber on rubber has 1 to 4, and the time to lose a march grows with it
-MOST_CHANGES = 20_000  # of an ends problem: as many as of 30 km of pipe
+# steps of the second march, whose difference from the first estimates the error of an ends problem. x10: longer steps,
+# whose error is not that of the answer: good ones are said to fail
+SHORTER = 0.7
+# of start problems: what all steps leave out of beta, as a share of the tolerance; the most that one does, of the
+# scales. x10: a tenth of the tolerance; the most x10: 1.9 times the time, and errors nearer to what is allowed
+SHARE, COARSEST = 0.01, 1e-12
+ROUNDING = 2e-16  # of a number and its condition: one rounding. x10: ends problems are said to have fewer digits
+# of a number of a rod in units of A and rho; of L/rho between two ends. x10: as good; sums of fourth powers overflow
+# from 1e77 on
+LARGEST, SHORTEST = 1e30, 1e-15
+# coefficient of friction: rubber on rubber has 1 to 4, and the time to lose a march grows with it. x10: seconds for a
+# rod that is lost
+ROUGHEST = 10.0
+# of an ends problem: as many as of 30 km of pipe. x10: ten times the time and memory before it is refused
+MOST_CHANGES = 20_000
 
 
 @np.errstate(over="ignore", divide="ignore", invalid="ignore")  # what is out of range is said in the outcome

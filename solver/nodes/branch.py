@@ -19,11 +19,14 @@ from .newton import correct, is_same
 from .taut import taut_shape
 from .varying_shapes import Shape
 
-MOST_FORCES, MOST_FAILED = 20, 2  # that are tried for a held height; of which as many fail
-NEIGHBOURS, NEARLY = (0.99, 1.01), 0.9  # shares of the loads; of the way
+# that are tried for a held height, each twice the one before; of which as many fail. x10: forces beyond any rod; only
+# failures take longer
+MOST_FORCES, MOST_FAILED = 20, 2
+# shares of the loads; of the way. x10: ten times the loads have other shapes; only time
+NEIGHBOURS, NEARLY = (0.99, 1.01), 0.9
 TAUT = "the taut rod without weight"
 NEEDS_TORQUE = "a straight rod needs MZ = M3, or an azimuth in place of MZ"
-FINE = 2.0**-8  # of the range of a load: how closely it is enclosed
+FINE = 2.0**-8  # of the range of a load: how closely it is enclosed, as it is only a start. x10: a start farther off
 
 
 def find_shape(rod: LoadedRod) -> GrowthWay:

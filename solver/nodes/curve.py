@@ -31,12 +31,16 @@ from .newton import (
 from .varying_shapes import Shape
 from .weak_modes import Held, hold, weakest_modes
 
-SPLIT = 0.05  # of the angles, in their scales: how far from a branch those that split off it are entered
+# of the angles, in their scales: how far from a branch those that split off it are entered. x10: Newton's method leads
+# elsewhere, or back
+SPLIT = 0.05
 UNSOLVED = "Newton's method did not converge from it"
 LOST = "Newton's method did not converge on the way"
-LENGTHS = Lengths(first=0.02, longest=0.1, least=1e-5)  # of steps, in the sizes of the angles and of p
-FLAT = 1e-7  # of dp along the curve next to a fold: its square is lost of p
-NARROW = 0.01  # of a step: how closely a branch point is enclosed, before it is solved for
+# of steps, in the sizes of the angles and of p. x10: steps land on other branches
+LENGTHS = Lengths(first=0.02, longest=0.1, least=1e-5)
+FLAT = 1e-7  # of dp along the curve next to a fold: its square is lost of p. x10: the place of a fold has a digit less
+# of a step: how closely a branch point is enclosed, before it is solved for. x10: Newton's method begins farther off
+NARROW = 0.01
 
 
 @dataclass(frozen=True, eq=False)

@@ -34,11 +34,17 @@ def _index_by_inertia(rod: LoadedRod, transfer: Array, scale: Array, stiffness: 
     return count_negatives(transfer, unit, springs, free, held) - HALF * (N - 1) - int(held.sum())
 
 
-LOOSE, FLUID = 1e-4, 1e-2  # of the scales: a correction that is enough on the way, and in a fall
-WEAKEST, FIRST, FIRMEST, FACTOR = 1e-7, 1e-2, 1e6, 3.0  # springs: weakest, at first, strongest, change
-KICK = 0.1  # of the angles, in their scales: a push
-EASY, QUICK = 5.0, 4  # how much weaker the springs are when a shape without them is tried; steps of an easy correction
-ROUNDS, LEAST, WORK = 600, 50, 80_000  # steps of a fall; of a long rod; nodes times steps: about three seconds
+# of the scales: a correction that is enough on the way, and in a fall. x10: a fall ends beside a saddle
+LOOSE, FLUID = 1e-4, 1e-2
+# springs: weakest, at first, strongest, change. x10: small steps, and more of them; a change x10 is undone as often as
+# it is made
+WEAKEST, FIRST, FIRMEST, FACTOR = 1e-7, 1e-2, 1e6, 3.0
+KICK = 0.1  # of the angles, in their scales: a push. x10: past the shape below, to another
+# how much weaker the springs are when a shape without them is tried; steps of an easy correction. x10: tried late,
+# which takes more steps; springs are weakened too soon
+EASY, QUICK = 5.0, 4
+# steps of a fall; of a long rod; nodes times steps: about three seconds. x10: half a minute before a fall is given up
+ROUNDS, LEAST, WORK = 600, 50, 80_000
 
 
 def index_at(shape: Shape) -> int:

@@ -15,7 +15,8 @@ from .local_waves import sinusoid
 from .newton import correct
 from .varying_shapes import Shape
 
-LEAST_RUBBED = 1e-2  # the least step of a rod with friction, whose branch ends where its waves run
+# the least step of a rod with friction, whose branch ends where its waves run. x10: branches end that go on
+LEAST_RUBBED = 1e-2
 SHARES_AHEAD = 1.0, 0.9, 0.7, 0.4  # of the rest of the way: where a sinusoid is tried when a branch ends
 LOADS, FRICTION = "these loads", "this friction"
 STRAIGHT = "the straight rod"

@@ -30,10 +30,15 @@ from .newton import DEEP, DEFLATED, correct, largest_turn, linear_at, open_at, s
 from .varying_shapes import Shape
 from .weak_modes import weakest_modes
 
-CARRIED = Lengths(first=1.0, longest=1.0, least=1e-5)  # of steps, in the sizes of the angles and of the way
-BEHIND = 0.02  # of the sizes of the angles and of the way: from a point to one before it, which tells its bend
-MAY_BE, FEW = 4.0, 20  # times the estimated way to an equilibrium across a fold; points on the way to it
-KICK = 0.3  # rad: the push towards the equilibrium beyond a fold
+# of steps, in the sizes of the angles and of the way: the whole way at once where nothing is in between. x10: the same,
+# but given up early
+CARRIED = Lengths(first=1.0, longest=1.0, least=1e-5)
+# of the sizes of the angles and of the way: from a point to one before it, which tells its bend. x10: the bend of
+# another part
+BEHIND = 0.02
+# times the estimated way to an equilibrium across a fold; points on the way to it. x10: more searches that find none
+MAY_BE, FEW = 4.0, 20
+KICK = 0.3  # rad: the push towards the equilibrium beyond a fold. x10: half a turn, to any other
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

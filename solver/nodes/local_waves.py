@@ -24,21 +24,31 @@ from .loaded_rod import ALPHA, BETA, PHI, SHORT, SPEED, LoadedRod, Q
 from .newton import correct
 from .varying_shapes import Shape
 
-OVER = (1e-3, 0.4, 0.8, 1.2, 1.6, 2.0, 2.4, 2.8, 3.2)  # F - 2, of the rows of a table of sinusoids
+# F - 2, of the rows of a table of sinusoids: up to the fold, closer where they begin. x10: none of these is a sinusoid;
+# pipes have no shape to start from
+OVER = (1e-3, 0.4, 0.8, 1.2, 1.6, 2.0, 2.4, 2.8, 3.2)
+# at which a period of five harmonics is averaged, exactly. x10: only time
 PHASES = np.linspace(0, 2 * np.pi, 64, endpoint=False)
 EQUAL, LIFTED, LAST = 0.901122, 1.541672, 3.2613  # F - 2: from which a helix has less energy than the sinusoid, from
 # which the sinusoid lifts off the wall, and of its fold
 FRONTS = EQUAL + np.array([0.0, 0.05, -0.05, -0.1])  # F - 2: where a helix may become a sinusoid
-LIGHTEST = 1e-30  # weight across, in units of A and rho, that makes waves
-SOFT = 0.03  # of F: how softly the amplitude comes to 0
-FINE, LEAST = 12, 0.1  # places for a node; of the square of the amplitude
-LEANT, QUIET = 0.1, -0.06  # of F - 2: the last change of that in which a rod leans; below, a turn at an end dies away
-ROUNDS = 100  # of the compression under friction
-MANY = 1000  # nodes of a rod with friction, of which one front is tried: each that fails takes seconds
-STEPS, NODES = 30, 50  # of Newton's method from it, and one more for so many nodes
-STEEPEST = 0.9  # sine of beta
-TURNS = 2.0  # least, of a helix
-BLUR = 1.0  # of x: from where a helix becomes a sinusoid
+LIGHTEST = 1e-30  # weight across, in units of A and rho, that makes waves: its fourth root is a float. x10: as good
+# of F: how softly the amplitude comes to 0. x10: waves where the rod is straight; Newton's method still mends it
+SOFT = 0.03
+# places for a node, so that each wave has dozens; of the square of the amplitude. x10: 1.5 times the time; waves of a
+# rod that drags itself along are too high
+FINE, LEAST = 12, 0.1
+# of F - 2: the last change of that in which a rod leans; below, a turn at an end dies away. x10: a lean that has not
+# settled; ends wound for nothing
+LEANT, QUIET = 0.1, -0.06
+ROUNDS = 100  # of the compression under friction, each a digit nearer. x10: 1.6 times the time
+# nodes of a rod with friction, of which one front is tried: each that fails takes seconds. x10: tens of seconds
+MANY = 1000
+STEPS, NODES = 30, 50  # of Newton's method from it, and one more for so many nodes. x10: only failures take longer
+STEEPEST = 0.9  # sine of beta, so that its arc sine and slope are finite. x10: beta is not limited
+# least, of a helix: a shorter one is a bend. x10: helices of less than 20 turns are found otherwise, or not
+TURNS = 2.0
+BLUR = 1.0  # of x: from where a helix becomes a sinusoid. x10: 1.6 times the time
 
 
 class _WaveRow(NamedTuple):

@@ -13,10 +13,11 @@ from ..numerics.roots import halve
 from .loaded_rod import LoadedRod
 from .local_waves import EQUAL, LIGHTEST, SOFT, has_waves, largest, mean_push
 
-PASSED = 0.01  # of a change of the push: less is lock-up, as drillers have it
-WAVELESS = 1e-8  # of F^2: a weight across that is too small for a sinusoid, in place of none
-PANELS = 12  # where the push is smooth; with `GAUSS` to 1e-9 of the length
-FINE = 1e-10  # of the compression
+# of a change of the push: less is lock-up, as drillers have it. x10: another definition, and shorter lengths
+PASSED = 0.01
+WAVELESS = 1e-8  # of F^2: a weight across that is too small for a sinusoid, in place of none. x10: as good
+PANELS = 12  # where the push is smooth; with `GAUSS` to 1e-9 of the length. x10: only time
+FINE = 1e-10  # of the compression. x10: a digit less of it
 
 
 def lock_up_length(along: float, across: float, friction: float, arriving: float) -> float:

@@ -33,18 +33,24 @@ from .varying_shapes import Shape
 from .vertical_scan import begin_at, every_start
 from .weak_modes import weakest_modes
 
-LONGEST = 25.0  # radii: a longer rod is not scanned, as its far end depends too much on its start
-CELLS = 120, 80  # of the scan, over beta_t(0) or beta(0) and over q(0): its seconds grow with their product
+# radii: a longer rod is not scanned, as its far end depends too much on its start. x10: cells whose far ends are noise
+LONGEST = 25.0
+# of the scan, over beta_t(0) or beta(0) and over q(0): its seconds grow with their product. Four times as many found
+# 296 equilibria of ten rods, these 231
+CELLS = 120, 80
 # of deflations in a row that find none, after which the search ends; of a long rod. Ten times as many find no more
 # equilibria of a rod of 3 radii with weight, in three times the time
 TRIES, FEW_TRIES = 60, 10
-WIDE = 5  # times the largest load: the range of a reaction
-HEAVIEST = 2.0  # times the weight: how far a branch is followed from no weight, as some turn back on the way
-MOST_NODES = 100  # of a rod that is followed from no weight
-MOST_MODES = 8  # of the straight rod, whose branches are followed
-REACH = 1.0  # the longest step of the angles in a deflation, in their scales
-AMPLITUDES = -1.0, 0.9  # of the waves of a start: the powers of ten between which it lies
-WAVES, FROM_KNOWN, AROUND = 4, 0.7, 0.3  # in a start; share of starts from known shapes; azimuths over angles
+WIDE = 5  # times the largest load: the range of a reaction. x10: coarser cells, which miss equilibria
+HEAVIEST = 2.0  # times the weight: how far a branch is followed from no weight, as some turn back on the way. x10: time
+MOST_NODES = 100  # of a rod that is followed from no weight. x10: only time
+MOST_MODES = 8  # of the straight rod, whose branches are followed. x10: time, for unstable shapes of many waves
+# the longest step of the angles in a deflation, in their scales. x10: it leaps out of the range where shapes are
+REACH = 1.0
+AMPLITUDES = -1.0, 0.9  # of the waves of a start: the powers of ten between which it lies. x10: none is near a shape
+# in a start; share of starts from known shapes; azimuths over angles. x10: waves too short for low equilibria; no start
+# from the straight rod; azimuths beyond those of the loads
+WAVES, FROM_KNOWN, AROUND = 4, 0.7, 0.3
 STRAIGHT, DEFLATION, SCAN = "the branch of the straight rod", "deflation", "scan of the start"
 
 

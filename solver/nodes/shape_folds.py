@@ -37,9 +37,12 @@ from .varying_shapes import Shape
 from .weak_modes import Held, hold, weakest_modes
 
 RodAt = Callable[[Array], LoadedRod]
-BESIDE = 0.02  # how far beside a fold its two indices are read, in the sizes of the unknowns
-CROSSED = 3e-3  # how closely the place is enclosed where another curve crosses
-NEAR = 3  # weakest modes: where another such curve crosses, that of this one is not the weakest
+# how far beside a fold its two indices are read, in the sizes of the unknowns. x10: beyond a neighbouring fold
+BESIDE = 0.02
+# of a step: how closely the place is enclosed where another curve crosses. x10: the two points beside it are farther
+# apart
+CROSSED = 3e-3
+NEAR = 3  # weakest modes: where another such curve crosses, that of this one is not the weakest. x10: only time
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)

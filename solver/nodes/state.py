@@ -10,9 +10,13 @@ from ..orbits.potential import TAU
 from ..problem.case import ALONG_AXIS, ALONG_ITSELF, SIDES, Cylinder
 
 STRAIGHT, SINUSOIDAL, HELICAL = "straight", "sinusoidal", "helical"
-BENT = 0.1  # rad of azimuth from one bend to the next: less is straight
-DYING = 0.7  # of the azimuth of the bend before: so bends die away in a straight rod below 0.97 of its buckling load
-SLIGHT = 1e-6  # of the largest push along the rod: a smaller one is none
+# rad of azimuth from one bend to the next: less is straight, as one sees it. x10: sinusoids count as straight
+BENT = 0.1
+# of the azimuth of the bend before: so bends die away in a straight rod below 0.97 of its buckling load. x10: every
+# sinusoid counts as a turn at an end
+DYING = 0.7
+# of the largest push along the rod: a smaller one is none, a hundred times the default tolerance. x10: as good
+SLIGHT = 1e-6
 LEAVES, RUBS = "leaves its branch", "buckles where friction"  # what a rod does on its way from the straight one
 
 

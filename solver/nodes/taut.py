@@ -18,9 +18,12 @@ from .local_waves import integral
 from .newton import correct
 from .varying_shapes import Shape
 
-PLACES, PARTS = 4000, 50  # on which the loads are summed, and the parts of the rod in which they are
-STEEP = 4.0  # the most by which a change may grow between two nodes, as a power of e: at 8 Newton's method is lost
-MOST = 100_000  # nodes: a few seconds
+# on which the loads are summed, and the parts of the rod in which they are. x10: only time; parts so short that their
+# errors add up
+PLACES, PARTS = 4000, 50
+# the most by which a change may grow between two nodes, as a power of e: at 8 Newton's method is lost. x10: it is lost
+STEEP = 4.0
+MOST = 100_000  # nodes: a few seconds. x10: half a minute, and its memory
 
 
 def taut_shape(rod: LoadedRod) -> Shape | str | None:

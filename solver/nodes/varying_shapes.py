@@ -17,8 +17,9 @@ from ..problem.case import IN_PLACE
 from .loaded_rod import ALPHA, BETA, MU, PHI, SPEED, LoadedRod, Q
 from .state import STRAIGHT, StretchState, is_drawn, states
 
-DENSE = 17  # places on a stretch, at which the states along a rod are judged
-FINE = 2  # nodes of a start problem, for each step of its march: 20 read the same in four times the time
+# places on a stretch, at which the states along a rod are judged: a stretch has a few radians. x10: only time
+DENSE = 17
+FINE = 2  # nodes of a start problem, for each step of its march. x10: the same readings in four times the time
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,8 +15,10 @@ from ..numerics.roots import BISECTIONS, roots_between
 from ..orbits.potential import TAU, Loads, load_size
 from .loaded_rod import ALPHA, BETA, MU, PHI, SPEED, LoadedRod, Q
 
-FIRST, MOST = 1001, 200_000  # starts of the scan
-STEP, BENT, LEAST, NEAR = 0.5, 0.05, 1e-3, 0.1  # of the far end, between starts: see `_rough`
+FIRST, MOST = 1001, 200_000  # starts of the scan. x10: 5.7 times the time, and the same list
+# of the far end, between starts: see `_rough`. x10: changes of more than a turn between neighbours, whose roots are
+# missed
+STEP, BENT, LEAST, NEAR = 0.5, 0.05, 1e-3, 0.1
 
 
 def has_one_unknown(rod: LoadedRod) -> bool:

@@ -13,7 +13,8 @@ from .newton import ENDING, Linear, linear_at, share_within, size_of
 from .varying_shapes import Shape
 
 ANGLES = [BETA, ALPHA]
-AMPLITUDES = 10.0 ** np.arange(-8, -1)  # of the angles, in their scales: how far a shape may be off along a mode
+# of the angles, in their scales: how far a shape may be off along a mode. x10: beyond 0.1 another shape is meant
+AMPLITUDES = 10.0 ** np.arange(-8, -1)
 
 
 def forces_of(push: Array) -> Array:

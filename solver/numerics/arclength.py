@@ -14,9 +14,15 @@ import numpy as np
 from .arrays import Array
 from .roots import Ending, newton, null_vector
 
+# as small as floats allow with a margin for their sums; Newton's method doubles the digits, so 10 are enough after a
+# step that is accepted. x10: no answer changes
 ENDING = Ending(rounds=10, goal=1e-12, small=1e-9, growth=0.5, stall=0.5)
-POINTS, FEW_POINTS = 1000, 150  # the most on a branch: that is asked for; in each sense, that a search follows
-OFF, COSINE = 0.25, 0.92  # most of the distance from the predictor over a step; least of the turn of the tangent
+# the most on a branch: that is asked for; in each sense, that a search follows. x10: ten times the time of a branch
+# that winds
+POINTS, FEW_POINTS = 1000, 150
+# most of the distance from the predictor over a step; least of the turn of the tangent: 23 degrees. x10: steps land on
+# other branches; the cosine, that no step reaches, follows none
+OFF, COSINE = 0.25, 0.92
 
 LEFT = "the curve ends"
 FOLD, PITCHFORK, BRANCH_POINT = "fold", "pitchfork", "branch point"  # what is met on the way
@@ -61,7 +67,9 @@ class Lengths:
     least: float
 
 
-RISING = Lengths(first=0.1, longest=0.25, least=1e-4)  # where a parameter must rise from 0 to 1, in its scale
+# where a parameter must rise from 0 to 1, in its scale. x10: a step is the whole way, and branches are given up where
+# their steps are short
+RISING = Lengths(first=0.1, longest=0.25, least=1e-4)
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,15 +11,25 @@ Integers = NDArray[np.int64]
 Booleans = NDArray[np.bool_]
 
 EPS = 2.0**-52
-ROUNDED = 4 * EPS  # relative: what a few operations round off, as those that make a case dimensionless
+# relative: what a few operations round off, as those that make a case dimensionless. x10: as good for them; a real
+# difference so small is lost
+ROUNDED = 4 * EPS
+
 # What counts as nothing, as a share of the size of what is compared
-FAINT = 1e-12  # a force, a gap or a correction that is smaller is what sums along a rod round off
-DOUBTFUL = 10 * FAINT  # a number that may be rounding: a smaller one has no sign, and a condition missed by less is met
-NEGLIGIBLE = 1e-9  # a length, a load or an angle [rad] that is smaller is none: nobody means it
-SQUARE_LOST = 1e-8  # half the digits of a float: what is smaller is rounding once it is squared
-ALIKE = 1e-6  # equilibria, places and energies that differ by less are one
-ROUGHLY = 1e-3  # guesses and minima that are no more exact differ by less where they are one
-ASIDE = 1e-3  # how far beside a point its surroundings are read
+
+# a force, a gap or a correction that is smaller is what sums along a rod round off. x10: no digit that is promised
+FAINT = 1e-12
+# a number that may be rounding: a smaller one has no sign, and a condition missed by less is met. x10: of weak forces
+# no sign is said
+DOUBTFUL = 10 * FAINT
+NEGLIGIBLE = 1e-9  # a length, a load or an angle [rad] that is smaller is none: nobody means it. x10: as good
+# half the digits of a float: what is smaller is rounding once it is squared. x10: two digits too early
+SQUARE_LOST = 1e-8
+# equilibria, places and energies that differ by less are one: far above the errors of both. x10: close pairs beside a
+# fold are one
+ALIKE = 1e-6
+ROUGHLY = 1e-3  # guesses and minima that are no more exact differ by less where they are one. x10: neighbours are lost
+ASIDE = 1e-3  # how far beside a point its surroundings are read. x10: where a curve bends, those of another part
 
 
 class Columns:

@@ -9,7 +9,7 @@ from numpy.polynomial import chebyshev as C
 from .arrays import Array
 
 GAUSS = np.polynomial.legendre.leggauss(12)  # places and weights: exact where a panel resolves what is integrated
-_ROWS = 384  # OpenBLAS starts threads from 2^18 products on
+_ROWS = 384  # OpenBLAS starts threads from 2^18 products on, whose sums differ. x10: bits depend on their number
 
 
 @dataclass(frozen=True, eq=False)

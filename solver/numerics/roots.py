@@ -13,12 +13,19 @@ Point = TypeVar("Point")
 State = TypeVar("State")
 Step = TypeVar("Step")
 DIVERGED = "Newton's rule does not converge"
-EXACT = 1e-14  # relative: how closely a place or a time along a rod is known, a root is enclosed, a series is cut
-CLOSE = 1e-7  # a step of Newton's rule this short is the last: the next would be of the size of its square
-REACH = 0.5  # rad, or in the scale of the angles: the longest step that Newton's rule is followed
-ROUNDS = 60  # of a method that usually takes a tenth of them: one that has not converged then never will
-BISECTIONS = 60  # of a bracket, which is then as narrow as rounding
-_SLIGHT = 0.5  # of the rate of the product along a step, below which the known zeros hardly matter
+# relative: how closely a place or a time along a rod is known, a root is enclosed, a series is cut: some roundings.
+# x10: a digit less of them
+EXACT = 1e-14
+# a step of Newton's rule this short is the last: the next would be of the size of its square. x10: places to 1e-12
+CLOSE = 1e-7
+# rad, or in the scale of the angles: the longest step that Newton's rule is followed. x10: it leads to another root
+REACH = 0.5
+# of a method that usually takes a tenth of them: one that has not converged then never will. x10: only failures take
+# longer
+ROUNDS = 60
+BISECTIONS = 60  # of a bracket, which is then as narrow as rounding. x10: only time
+# of the rate of the product along a step, below which the known zeros hardly matter. x10: known zeros are found again
+_SLIGHT = 0.5
 
 
 def solve(matrix: Array, forced: Array) -> Array:
@@ -282,7 +289,9 @@ def _peaks(values: Array, most: int = 64) -> tuple[Integers, Integers]:
     return rows, highest[rows, order]
 
 
-SECTION, DIP_STEPS = 0.382, 40  # golden section; the steps to the least size between two places
+# golden section; the steps to the least size between two places, each to 0.618: 4e-9 of the bracket at last, as a
+# parabola allows. The section x10 is none; more steps are only time
+SECTION, DIP_STEPS = 0.382, 40
 
 
 def roots_between(f: Callable[[Array], Array], x: Array, steps: int) -> tuple[Array, Array]:

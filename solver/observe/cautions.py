@@ -21,8 +21,8 @@ from ..problem.reduced import EndsProblem, flat
 from .measurement import MeasuredNumbers
 from .observables import error_name, observe
 
-QUARTER = 0.25  # of the length at each end: a rod without push only there lifts off at its ends
-PLACES, FINER = 256, 64  # at which the push is computed in a quarter, and between two of these places
+QUARTER = 0.25  # of the length at each end: a rod without push only there lifts off at its ends. x10: more than the rod
+PLACES, FINER = 256, 64  # at which the push is computed in a quarter, and between two of these places. x10: only time
 
 
 def only_at_ends(sol: ShapeArrays, cases: Integers) -> Integers:
@@ -93,10 +93,13 @@ TIGHT, MEETS, TURNED, STRAINED, PULLED = "too tight", "overlaps", "turned back",
 AT_ENDS, IN_PART, ALL_ALONG = f"{PULLED} at the ends", f"{PULLED} in part", f"{PULLED} nearly everywhere"
 UNKNOWN = "not checked: "
 UNCHECKED = (f"{UNKNOWN}curvature", f"{UNKNOWN}self-contact", f"{UNKNOWN}lift-off")
-ROUNDING = 1e-13  # of A/rho^3: a smaller pull is none
-_QUARTER = np.pi / 2 + NEGLIGIBLE  # rad
-NEARLY_ALL = 0.95  # of the length without push
-LINEAR = 0.01  # strain up to which most materials are linear, where the unit of Young's modulus is not known
+ROUNDING = 1e-13  # of A/rho^3: a smaller pull is none. x10: as good
+# rad: beyond a quarter turn a rod turns back. x10: no rod does, and the caution is not given
+_QUARTER = np.pi / 2 + NEGLIGIBLE
+NEARLY_ALL = 0.95  # of the length without push. x10: the caution never says so
+# strain up to which most materials are linear, where the unit of Young's modulus is not known. x10: no caution up to a
+# strain of 10 %
+LINEAR = 0.01
 JUDGED = ("kappa_max", MEETS, "push_min", "push_max", "attached", "height")  # the observables that a caution is made of
 
 

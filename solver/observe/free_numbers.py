@@ -19,7 +19,9 @@ from ..problem.quantities import quantity
 from ..problem.reduced import flat
 from .measurement import MIDDLE
 
-WAVE = 1e-3  # rad: a smaller change of beta between two bends is no bend of a rod that is solved to 1e-4 of its length
+# rad: a smaller change of beta between two bends is no bend of a rod that is solved to 1e-4 of its length. x10: small
+# waves are not counted
+WAVE = 1e-3
 NEAREST = np.pi  # radii of the rod: stretches that are closer along it do not meet unless it is bent tighter than that
 COUNTS = ("bends", "loops", "overlaps", "index", "contact_count")
 OF_CONTACTS = ("contact_size_mean", "push_mean", "push_max", "push_max_at", "attached", "contact_share", "contact_at",

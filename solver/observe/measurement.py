@@ -25,8 +25,11 @@ from ..problem.reduced import flat
 from ..problem.trajectory import stood_in
 from .solution_pieces import blocks, is_resolved, off_between, pieces_of
 
-SPREAD = 10  # times the error of a marched orbit, which is a standard deviation: a bound in every test
-_SHARE = 1e-3  # of the tolerance, for the series of the densities
+# times the error of a marched orbit, which is a standard deviation: a bound in every test. x10: stated errors ten times
+# too large
+SPREAD = 10
+# of the tolerance, for the series of the densities, whose error is not stated apart. x10: still a hundredth
+_SHARE = 1e-3
 
 Pair = tuple[Any, Any]  # values and errors, (B,) each
 MIDDLE = (1 / 3, 2 / 3)  # of the length: where its middle third begins and ends

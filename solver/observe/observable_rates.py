@@ -35,7 +35,8 @@ EXTREMES = {  # the density, and whether the size counts
     "tension": ("tension", True),
 }
 
-_STEADY = 1e-10  # relative: a change that is the same all along a helix
+# relative: a change that is the same all along a helix, but for rounding. x10: small changes along it count as none
+_STEADY = 1e-10
 
 
 def check_observables(names: Any) -> tuple[str, ...]:

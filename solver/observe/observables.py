@@ -30,7 +30,9 @@ from .measurement import SPREAD, MeasuredNumbers, Pair
 from .self_contact import overlaps
 from .solution_pieces import is_resolved
 
-_LONG = 12.0  # over the root of the size of H: half a period that is longer is next to a separatrix
+# over the root of the size of H: half a period that is longer is next to a separatrix. x10: orbits there are not looked
+# at, whose counts may be unsure
+_LONG = 12.0
 
 
 def bends(read: MeasuredNumbers) -> Any:

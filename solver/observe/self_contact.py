@@ -22,9 +22,12 @@ from ..orbits.shape import ShapeArrays
 from ..problem.reduced import flat
 from .solution_pieces import CASES
 
-PAIRS, TOGETHER = 300_000, 8  # largest number of pairs of stretches compared for a rod; periods compared together
-_PERIODS = 10_000_000  # largest number of periods compared with the first
-_COARSE, _DENSE = 0.5, 0.125  # of the radius: distance of stations, and of points between them
+# largest number of pairs of stretches compared for a rod; periods compared together, which changes no result. x10: ten
+# times the time before it is not checked
+PAIRS, TOGETHER = 300_000, 8
+_PERIODS = 10_000_000  # largest number of periods compared with the first. x10: ten times the time of such rods
+# of the radius: distance of stations, and of points between them. x10: chords of five radii pass each other
+_COARSE, _DENSE = 0.5, 0.125
 _ComparedRods = structure("rods", "strand_pairs.c")
 
 

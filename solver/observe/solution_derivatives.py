@@ -80,8 +80,8 @@ def _of_starts(sol: ShapeArrays, rates: FieldRates, read: Moving | None) -> tupl
     return out, solved[answer.kind == HELIX]
 
 
-_ROUNDING = 32 * EPS  # of a derivative, times the condition number
-_CARRIED = 4  # of the error of the shape, on which the derivatives depend through beta, H, alpha and z
+_ROUNDING = 32 * EPS  # of a derivative, times the condition number. x10: stated errors ten times as large
+_CARRIED = 4  # of the error of the shape, on which the derivatives depend through beta, H, alpha and z. x10: the same
 _ALONG = ("beta", "dbeta", "alpha", "z", "gamma")
 
 

@@ -22,8 +22,11 @@ from ..orbits.potential import Loads, slope_rate
 from ..orbits.shape import ShapeArrays
 from ..problem.reduced import Reduced
 
-CASES = 192  # of a block, so that arrays stay in the cache; with 48 `swing` takes 1.3 times as long, `orbit` 1.5 times
-_WILDEST = 100.0  # rad between two stations: they show no shape, and the bends of such a polynomial take seconds
+# of a block, so that arrays stay in the cache; with 48 `swing` takes 1.3 times as long, `orbit` 1.5 times. x10: out of
+# the cache
+CASES = 192
+# rad between two stations: they show no shape, and the bends of such a polynomial take seconds. x10: so they do
+_WILDEST = 100.0
 COLUMNS = ("case", "row", "low", "high", "time", "count", "begin")  # fields of each piece
 
 

@@ -27,8 +27,11 @@ from ..problem.reduced import EndsProblem
 from .potential import TAU, HasLoads, load_size, slope
 
 UP, DOWN = 1, -1
-_CRITICAL = 16  # most critical points of a problem
-STRETCH = 4.0  # factor of the panels along saddles, where time is almost linear in u
+_CRITICAL = 16  # room for the critical points of a problem, of which G has at most 8 in a turn. x10: only memory
+# factor of the panels along saddles, where time is almost linear in u. x10: these are too long, and halved
+STRETCH = 4.0
+# of a panel, and how panels are cut: their lengths take the least work for the tolerance. x10: C has no such panels;
+# longer ones are halved
 NODES, CUTTING = 22, Cutting(0.7, 1e-15, STRETCH)
 _Boundary = structure("boundary", "orbit_parts.h")
 

@@ -11,7 +11,7 @@ from ..numerics.arrays import Array
 from ..problem.trajectory import Trajectory, where_shown
 from .periodic_orbit import Orbit
 
-_MORE = 1 / 8  # a full table grows by this share
+_MORE = 1 / 8  # a full table grows by this share. x10: memory that nothing fills
 
 
 def join_answers(parts: Iterable[Trajectory], t: Array, share: float) -> Trajectory:

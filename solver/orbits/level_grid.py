@@ -21,7 +21,8 @@ from ..problem.reduced import EndsProblem
 from .boundary import Boundary, Levels, fall, height_scale
 from .potential import slope, slope_higher_rates, slope_rate
 
-_SCAN = np.linspace(-np.pi, np.pi, 181)  # H' is a sum of harmonics up to the fourth
+# H' is a sum of harmonics up to the fourth: 45 places on the shortest. x10: only time
+_SCAN = np.linspace(-np.pi, np.pi, 181)
 
 
 @dataclass(frozen=True, eq=False)

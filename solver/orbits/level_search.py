@@ -30,13 +30,17 @@ from .level_grid import LevelGrid, level_grid_of
 from .path_orbits import energies, solve_orbits
 from .periodic_orbit import Orbit, helix_half_waves, helix_index, jacobi_zeros
 
-MOST_PERIODS = 200  # of an orbit along a rod, unless asked for more
-BUDGET = 3e7  # evaluations of G: ten to twenty seconds
-_EACH = 15  # levels computed for each equilibrium
-_PATHS = 1000  # paths searched together
-_COARSE = 0.5  # step in log gap of levels that are only looked at
-_ZOOM, _ROUNDS = 17, 6  # points of the finer grid at a dip, and how often it is refined
-_SHALLOW = 0.5  # of the rise to the next of even steps: the bottom lies less below the lowest point
+MOST_PERIODS = 200  # of an orbit along a rod, unless asked for more. x10: longer lists, and their time
+BUDGET = 3e7  # evaluations of G: ten to twenty seconds. x10: minutes, before a search says that it is incomplete
+# levels computed for each equilibrium, by which the work is foretold. x10: searches are cut that could be done
+_EACH = 15
+_PATHS = 1000  # paths searched together: arrays of some MB. x10: only memory
+_COARSE = 0.5  # step in log gap of levels that are only looked at. x10: pairs that nearly meet lie between two levels
+# points of the finer grid at a dip, and how often it is refined: by 16 each time, to 6e-8 of a step. x10: only time
+_ZOOM, _ROUNDS = 17, 6
+# of the rise to the next of even steps: the bottom of a parabola lies less below the lowest point. x10: grids are
+# refined in vain
+_SHALLOW = 0.5
 
 
 @dataclass(frozen=True, eq=False)

@@ -27,12 +27,16 @@ from .frames import position
 from .periodic_orbit import TIGHT, Orbit, solve_orbit
 from .variations import Variations, variations_on
 
-# of the curve of one period, at which the azimuth is compared with the wanted one; 320 find the same loops
+# of the curve of one period, at which the azimuth is compared with the wanted one. x10: the same loops in 4.2 times the
+# time
 AMPLITUDES = 32
-_FINEST = -30.0  # of log(gap): lam holds no smaller gap
-_SHORT = 100.0  # at gap = (_SHORT/T)^2 the period is below T; it is below 2 pi (1 + log(1/(b1 + pi/2)))/sqrt(gap)
-_FAR = 60.0  # bound of the log of a period
-_ROUGH, _NARROW = 1e-3, 1e-6  # of the search of lam, by the log of the period; Newton's method follows
+_FINEST = -30.0  # of log(gap): lam holds no smaller gap, 1e-13. x10: the search ends below the rounding of lam
+# at gap = (_SHORT/T)^2 the period is below T; it is below 2 pi (1 + log(1/(b1 + pi/2)))/sqrt(gap). x10: only time
+_SHORT = 100.0
+_FAR = 60.0  # bound of the log of a period, so that no infinity enters. x10: as good
+# of the search of lam, by the log of the period; Newton's method follows. x10: it begins farther off, where roots are
+# close it may meet another
+_ROUGH, _NARROW = 1e-3, 1e-6
 
 
 @dataclass(frozen=True)
@@ -167,8 +171,8 @@ def _measure(lowest: Array, y: Array) -> tuple[Array, Array]:
     return orbit.period, 2 * orbit.gain[:, 0].reshape(-1, 2).sum(axis=1)
 
 
-_DENSE = 4.0  # points for each radius of the rod
-MOST_PLACES = 200_000  # at which a rod is looked at for self-contact
+_DENSE = 4.0  # points for each radius of the rod: a point is at most an eighth of it off. x10: only time
+MOST_PLACES = 200_000  # at which a rod is looked at for self-contact. x10: ten times the time and memory for one rod
 
 
 def meets_itself(orbit: Orbit, a: float, tightest: float) -> bool | None:

@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 
 
 LOST, TURNS, GOES_ROUND = 0, 1, 2  # how a leg ends
-_KEPT = 1024  # orbits whose steps are marched once for all who read some of them: 8 MB; others march their own again
+# orbits whose steps are marched once for all who read some of them: 8 MB; others march their own again. x10: 80 MB
+_KEPT = 1024
 
 # What the core knows of an orbit: `orbit` in rod.c. A leg goes from the start to the turning point ahead, or behind, or
 # once round; status: how it ends. count: its steps. sound: whether the error is within the tolerance and far below a

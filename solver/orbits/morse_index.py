@@ -16,7 +16,7 @@ from ..numerics.arrays import Array
 from ..problem.reduced import Reduced
 from .potential import Loads, slope_rate
 
-_MOST = 40_000  # steps of a mesh
+_MOST = 40_000  # steps of a mesh; a rod that needs more has no index. x10: ten times the time for such rods
 
 
 def morse_index(problem: Reduced, h: Array, beta: Array) -> Array:

@@ -33,9 +33,12 @@ from .potential import potential, slope
 from .variations import HelixVariations, Variations, variations_on
 
 NO_EQUILIBRIUM = "failed: the search found no equilibrium, though at least one exists"
-# Relative: the largest estimate (2 * miss) of 7,000 random orbits that sweep 1 to 1e9 rad was 18 eps
+# Relative: the largest estimate (2 * miss) of 7,000 random orbits that sweep 1 to 1e9 rad was 18 eps. x10: errors are
+# said to be larger than they are
 ROUNDING = 20 * EPS
-_DEEPER = 40.0  # in log gap: the root of the gap, the error of a rod at rest on a saddle, is then below rounding
+# in log gap: the root of the gap, the error of a rod at rest on a saddle, is then below rounding. x10: the gap
+# underflows
+_DEEPER = 40.0
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,7 +23,8 @@ from ..problem.trajectory import PLAIN, stood_in
 from .potential import slope_rate
 
 HELIX, LIBRATION, ROTATION = 0, 1, 2
-TIGHT = 1e-13  # tolerance of orbits that are as exact as floats allow
+# tolerance of orbits that are as exact as floats allow. x10: a digit less where derivatives are taken of them
+TIGHT = 1e-13
 # The levels of B orbits: the angles above whose heights of G they lie, the gaps, and by how much the logs of the true
 # gaps are smaller, (B,) each
 Pin = tuple[Array, Array, Array]

@@ -29,9 +29,12 @@ from ..problem.reduced import Reduced
 from .periodic_orbit import Orbit, as_core_orbits
 from .potential import slope_rate, slopes_by_loads
 
-POINTS, HOW = 24, Cutting(0.45, 5e-15, 1.0)  # nodes of a panel, and how panels are cut
-_SUMMED = 1.0  # below this |H'| t^2 the waves along a helix are summed
-PAIRS = 10  # elements of M that are kept
+# nodes of a panel, and how panels are cut: shorter than those of an orbit, as zeros are counted on them. x10: C has no
+# such panels; on longer ones digits are lost
+POINTS, HOW = 24, Cutting(0.45, 5e-15, 1.0)
+# below this |H'| t^2 the waves along a helix are summed as series, as differences of sines lose digits. x10: as good
+_SUMMED = 1.0
+PAIRS = 10  # of elements of M that are kept
 KEPT = ("least", "M", "jump", "closing", "series", "gain")
 _VariedOrbits = structure("varied_orbits", "variations.h")
 

@@ -33,7 +33,8 @@ from .shown import table_of
 
 STIFFNESS = {"solid": np.pi / 4, "paper": np.pi / 16}  # A / (E (a^4 - inner_radius^4))
 GIVEN = "given"  # in files, in place of a word of STIFFNESS: EI and GJ are given
-MOST_RATIO = 1e12  # of EI to GJ, and of GJ to EI: beyond, squares and sums with other numbers overflow
+# of EI to GJ, and of GJ to EI: beyond, squares and sums with other numbers overflow or lose all digits. x10: as good
+MOST_RATIO = 1e12
 ELASTIC = ("E", "nu")  # either pair determines both stiffnesses
 DIRECT = ("EI", "GJ")
 _WAYS = "give E and nu (and inner_radius for a tube), or EI and GJ"

@@ -12,19 +12,23 @@ from ..numerics.arrays import ROUNDED, SQUARE_LOST
 from .case import Case, Start
 from .reduced import HeldProblem, Reduced, StartProblem, flat
 
-LARGEST = 1e100  # a larger dimensionless number would overflow when squared
+# a larger dimensionless number would overflow when squared with a margin for sums. x10: as good; 1e154 overflows
+LARGEST = 1e100
 TOO_LARGE = "failed: loads, slope or L/rho are beyond 1e100 in units of A and rho, or L/rho below 1e-200"
-LARGEST_HELD = 1e70  # the same with held ends, whose search takes fourth powers
+LARGEST_HELD = 1e70  # of problems with held ends, whose search takes fourth powers. x10: as good; 1e77 overflows
 TOO_LARGE_HELD = "failed: held numbers, loads or L/rho are beyond 1e70 in units of A and rho, or L/rho below 1e-70"
-LONGEST = 1e16  # of L/rho between two ends: beyond, a rounding of s is larger than rho
+# of L/rho between two ends: beyond, a rounding of s is larger than rho. x10: the far end is anywhere around the
+# cylinder
+LONGEST = 1e16
 TOO_LONG = "failed: L/rho of a problem between two ends must be below 1e16; beyond, rounding of s exceeds rho"
 OUT_OF_RANGE = "failed: stiffness, radius, forces or curvatures are beyond 1e290 or 1e-290 in these units"
 TAUT = (
     "the ends are held as far apart, along the cylinder, as the rod is long; it can only be straight or a helix then, "
     "and the force that holds it so is not determined"
 )
-_ORDINARY = 1e30  # with it the largest sum of decades in `representable` is 62 + 7 * 30 = 272
-_DECADES = 290.0  # a float has 308; the margin is for factors and sums
+# with it the largest sum of decades in `representable` is 62 + 7 * 30 = 272. x10: 279, still below `_DECADES`
+_ORDINARY = 1e30
+_DECADES = 290.0  # a float has 308; the margin is for factors and sums. x10: cases overflow instead of being refused
 
 
 def beyond_limits(problem: Reduced | HeldProblem) -> NDArray[np.str_]:

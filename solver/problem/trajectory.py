@@ -17,7 +17,7 @@ BECAUSE = ", as "
 NOT_FINITE = "failed: the computation left the finite numbers"
 # a rod that every method solves
 PLAIN = {"lam": 0.0, "mu": 0.0, "phi": 0.0, "span": 1.0, "beta0": 0.5, "dbeta0": 0.0, "betaL": 0.5}
-# rad: with a larger error the shape is another one, whatever the condition number allows; with 1 it would be answered
+# rad: with a larger error the shape is another one, whatever the condition number allows. x10: it would be answered
 SHAPELESS = 0.1
 
 

@@ -68,6 +68,7 @@ _TOKEN = re.compile(
     rf"\s*(?:(?P<number>{NUMBER})|(?P<name>[A-Za-z\N{{MICRO SIGN}}\N{{DEGREE SIGN}}]+)"
     r"|(?P<sign>\*\*|[-*/^().\N{MIDDLE DOT}]))"
 )
+# letters of a unit, and its largest exponent: beyond those of units in use. x10: factors may overflow
 MOST_TEXT, MOST_POWER = 60, 12
 
 
