@@ -262,6 +262,20 @@ def test_the_colour_of_a_push_begins_at_the_arrow_of_the_point_force(stored: xr.
 
 
 @draws
+def test_the_end_view_shows_a_rod_at_true_scale_as_one_looks_along_the_axis_from_its_start(stored: xr.Dataset) -> None:
+    taken = layout.compose(StoredStudy(stored), kind="plain", settings=Settings(dpi=100, camera="end"))
+    np.testing.assert_allclose(taken.scene.camera.page, [[0, 1, 0], [1, 0, 0]], atol=1e-12)  # alpha = 0 is up
+    place = stored.rod.position.values
+    per_unit, bar = taken.arrangement.scale * 100, taken.scene.along
+    assert bar == 1
+    seen = (taken.pixels.min(axis=-1) < 250).nonzero()
+    for pixels, across in zip(seen, place.T[:2], strict=True):  # up the page, to its right
+        wide = max(across.max() + 0.25, 0.75) - min(across.min() - 0.25, -0.75)
+        assert np.ptp(pixels) + 1 == pytest.approx(wide * per_unit, abs=4)  # one pixel is cut in two at each edge
+    assert "seen along the axis from s = 0, α = 0 up" in taken.notes
+
+
+@draws
 @pytest.mark.parametrize("azimuth", (0, 60, 180, 270))
 def test_arrows_and_gaps_are_drawn_as_far_as_the_cylinder_does_not_hide_them(stored: xr.Dataset, azimuth: int) -> None:
     pair = study_scene.release_of(StoredStudy(stored), {})(101)

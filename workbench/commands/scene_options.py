@@ -39,8 +39,8 @@ class SceneOptions:
         str | None,
         option(
             "CAMERA",
-            "oblique, front, side, AZIMUTH,ELEVATION in degrees, or sides, two views of one case; default: oblique for "
-            "one case, else 0,12.",
+            "oblique, front, side, end (along the axis), AZIMUTH,ELEVATION in degrees, or sides, two views of one "
+            "case; default: oblique for one case, else 0,12.",
         ),
     ] = None
     color_range: Annotated[

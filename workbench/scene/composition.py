@@ -112,7 +112,8 @@ def words_of(scene: Scene) -> tuple[list[tuple[str, str]], list[str]]:
         most = max(len(_impossible_beside([body], ringed)) for body in scene.context)
         warnings += ["\N{ZERO WIDTH SPACE}" * (k + 1) for k in range(most - len(warnings))]
     inside = str(scene.stored.attrs["side"]) == "inside"
-    return legend, [*warnings, *scene.notes, *[scene.stored.left_out] * inside]
+    along = [f"seen along the axis from s = 0, α = 0 {'down' if scene.down is not None else 'up'}"]
+    return legend, [*along * scene.camera.is_end_view, *warnings, *scene.notes, *[scene.stored.left_out] * inside]
 
 
 def _impossible_beside(bodies: Sequence[Body], ringed: bool) -> list[str]:

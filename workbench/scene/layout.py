@@ -153,9 +153,10 @@ def _single(
     if where != chosen:
         notes += [f"{scene_kinds.case_values(stored, chosen)} is not solved; this is the nearest solved case"]
     down = gravity(stored, where)
-    body, *context = long_rod.compress([body, *context])
+    if not settings.is_end_view:
+        body, *context = long_rod.compress([body, *context])
     notes = [*long_rod.notes_on([body], stored.units["length"]), *notes]
-    if long_rod.is_long(context):
+    if long_rod.is_long(context) and not settings.is_end_view:
         return _in_lines(stored, kind, body, context, case, settings, notes, down)
     rows, camera = _from_sides([body], context, settings, down)
     return composition.compose(Scene(stored, kind, rows, context, case, camera, settings, notes))
@@ -182,7 +183,7 @@ def _from_sides(
     cells = [Cell(_side(*side) if len(sides) > 1 else "") for side in sides]
     views = [View(bodies, cell, -np.radians(side[0]), ends, context) for side, cell in zip(sides, cells, strict=True)]
     toward = views[0].turn.T @ camera.toward
-    camera = replace(camera, seen_from=toward)
+    camera = camera if camera.is_end_view else replace(camera, seen_from=toward)
     return ([[view] for view in views] if lying else [views]), camera
 
 
@@ -333,7 +334,7 @@ def _cells(
             body = next(fitted) if body else None
             cell = replace(kind.cell(stored, names, where) if names else Cell(), why_empty=why)
             own_azimuth = azimuth_of([body]) if body and down is None else 0.0
-            own_azimuth = own_azimuth if profile is None else profile
+            own_azimuth = 0.0 if settings.is_end_view else own_azimuth if profile is None else profile
             turned = -np.radians(azimuth) - own_azimuth
             views.append(View([body] if body else [], cell, turned))
         rows.append(views)
@@ -365,6 +366,8 @@ def _several(
 
 def _in_view(bodies: Sequence[Body], down: Array | None, settings: Settings) -> list[Body]:
     """Rods as one view shows them; the part that is asked for whole."""
+    if settings.is_end_view:
+        return list(bodies)
     if settings.span:
         return long_rod.compress(bodies)
     return long_rod.in_view(bodies, down)

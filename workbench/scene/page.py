@@ -123,8 +123,12 @@ class Scene:
 
     @property
     def along(self) -> float:
-        """The share of a length along the axis that is seen."""
-        return self.camera.along_axis * (self.context[0].squeeze if self.context else 1.0)
+        """The share of a length along the axis that is seen; 1 where lengths across it alone are."""
+        return (
+            1.0
+            if self.camera.is_end_view
+            else self.camera.along_axis * (self.context[0].squeeze if self.context else 1.0)
+        )
 
     @property
     def down(self) -> Array | None:

@@ -190,7 +190,8 @@ def _place(
     walls = [add(wall, culling="front" if inside else "back", specular=0.0)]  # inside: the near half is cut away
     walls += [rim(z) for z in ends]
     if not inside:
-        walls += [add(surfaces.disc(first.R, z, z == ends[1]), specular=0.0, ambient=0.75) for z in ends]
+        ambient = LOOK["ambient"] if camera.is_end_view else 0.75  # an end that faces the lights would be white
+        walls += [add(surfaces.disc(first.R, z, z == ends[1]), specular=0.0, ambient=ambient) for z in ends]
     return [] if inside else walls
 
 

@@ -75,6 +75,11 @@ class Settings:
     color: str | None = None
 
     @property
+    def is_end_view(self) -> bool:
+        """Whether rods are seen along the axis."""
+        return self.camera == "end"
+
+    @property
     def look(self) -> dict[str, str]:
         """The colours in place of those of the theme light: of the background, of words and of lines."""
         light = colours.THEMES["light"]

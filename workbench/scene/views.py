@@ -26,6 +26,7 @@ CAMERAS: dict[str, tuple[tuple[float, float], ...]] = {
     "sides": ((0.0, 0.0), (90.0, 0.0)),
     "front": ((0.0, 0.0),),
     "side": ((90.0, 0.0),),
+    "end": ((0.0, -90.0),),  # as one looks along the axis from s = 0
 }
 LOW_SIDE_DOWN = np.radians(-120.0)  # azimuth of a viewer of a lying cylinder who looks down on its low side
 STEEPEST = 60.0  # degrees; beyond, lengths along the axis are hardly seen
@@ -63,6 +64,11 @@ class Camera:
     def page(self) -> Array:
         """Directions to the right and up on the page, (2, 3)."""
         return np.array([np.cross(self.up, self.toward), self.up])
+
+    @property
+    def is_end_view(self) -> bool:
+        """Whether it looks along the axis."""
+        return self.along_axis < 1e-9
 
     @property
     def along_axis(self) -> float:
@@ -120,9 +126,11 @@ def front_camera(
 ) -> Camera:
     """The camera before the rods' mean azimuth; the axis goes up the page, or with `lying` to its right.
 
-    elevation: the angle by which it looks down on the plane across the axis [deg]. down: as of `Camera`; a viewer of a
-    lying cylinder then has its low side below.
+    elevation: the angle by which it looks down on the plane across the axis [deg]; beyond `STEEPEST` it looks along the
+    axis, with alpha = 0 up. down: as of `Camera`; a viewer of a lying cylinder then has its low side below.
     """
+    if abs(elevation) > STEEPEST:
+        return Camera(np.array([0.0, 0.0, np.sign(elevation)]), np.array([1.0, 0.0, 0.0]), down=down)
     low = down is not None and bool(np.hypot(*down[:2]) > 1e-9)
     azimuth = LOW_SIDE_DOWN if low else azimuth_of(bodies)
     out, axis = frames.outward(np.array(azimuth)), np.array([0.0, 0.0, 1.0])
@@ -149,7 +157,7 @@ def azimuth_of(bodies: Sequence[Body]) -> float:
 
 def camera_of(bodies: Sequence[Body], camera: Camera) -> Camera:
     """The camera turned so that the weight points down the page; rods that are compressed along the axis lie."""
-    return camera if bodies and bodies[0].squeeze < 1 else upright(camera)
+    return camera if bodies and bodies[0].squeeze < 1 and not camera.is_end_view else upright(camera)
 
 
 @dataclass(frozen=True, eq=False)
@@ -178,7 +186,7 @@ class View:
             for at, away, _ in body.pushes:
                 tip = camera.page @ (self.turn @ (at + ARROWS[1] * body.R * away))
                 low, high = np.minimum(low, tip), np.maximum(high, tip)
-        if abs(camera.page[0, 2]) < 1e-9:
+        if abs(camera.page[0, 2]) < 1e-9 and not camera.is_end_view:
             wide = max(-low[0], high[0])
             low, high = np.array([-wide, low[1]]), np.array([wide, high[1]])
         return low, high
@@ -253,8 +261,9 @@ def camera_before(
 
     They lie where that is larger; rods with weight, which acts along `down`, lie or are inclined as they are.
     """
-    lying = bool(np.ptp(ends_of(context)) > LYING * 2 * max(body.reach for body in context))
     sides = views_of(camera)
+    tall = bool(np.ptp(ends_of(context)) > LYING * 2 * max(body.reach for body in context))
+    lying = tall and sides != CAMERAS["end"]
     if down is not None and camera is None:
         sides = ((0.0, 0.0 if lying else sides[0][1]),)
     flat = front_camera(context, sides[0][1], lying or down is not None, down)
