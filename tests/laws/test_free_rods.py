@@ -85,6 +85,16 @@ def test_a_belt_leaves_the_drum_where_bending_lets_it_and_is_pressed_on_at_a_poi
     assert [force for _, force in sol.point_forces] == pytest.approx([F * np.sin(leaves)] * 2, rel=2e-3)
 
 
+@pytest.mark.parametrize("slack", (1.001, 1.005))
+def test_contacts_and_point_forces_are_the_same_numbers_in_a_solution_and_in_its_observables(slack: float) -> None:
+    sol = belt(slack)
+    numbers = observe(sol, ["contact_share", "contact_at", "point_force_max"])
+    ((begin, end),) = sol.contacts
+    assert begin == numbers["contact_at"]
+    assert (end - begin) / float(sol.case.rod.L) == pytest.approx(float(numbers["contact_share"]), rel=1e-12)
+    assert max(force for _, force in sol.point_forces) == numbers["point_force_max"]
+
+
 def test_a_slack_belt_touches_the_drum_at_one_point() -> None:
     sol = belt(1.02)
     ((begin, end),) = sol.contacts

@@ -4,6 +4,8 @@ from typing import TYPE_CHECKING, Any
 
 from solver.observe.observables import observe
 
+from .habits import plain
+
 if TYPE_CHECKING:
     from solver import Solution
 
@@ -16,25 +18,26 @@ def sentences(sol: "Solution", units: dict[str, str]) -> list[str]:
     if not (sol.case.leaves and sol.solved):
         return []
     length, force = units["length"], units["force"]
-    gap = f"up to {sol.gap.max():.4g} {length} off the wall"
+    numbers = {name: float(value) for name, value in observe(sol, ["gap_max", "contact_share"]).items()}
+    gap = f"up to {plain(numbers['gap_max'])} {length} off the wall"
     if not sol.contacts:
         return [f"the rod touches the cylinder nowhere between its ends: {gap}"]
-    share = float(observe(sol, ["contact_share"])["contact_share"])
+    share = numbers["contact_share"]
     if len(sol.contacts) > MOST:
         first, last = sol.contacts[0][0], sol.contacts[-1][1]
-        where = f"in {len(sol.contacts)} intervals or points from s = {first:.4g} to {last:.4g} {length}"
+        where = f"in {len(sol.contacts)} intervals or points from s = {plain(first)} to {plain(last)} {length}"
     else:
         where = "at s = " + ", ".join(_interval(low, high) for low, high in sol.contacts) + f" {length}"
     touches = f"lies on {100 * share:.3g} % of its length on the wall," if share else "touches the wall"
     said = [f"the rod {touches} {where}; it is {gap}"]
     if sol.point_forces and len(sol.contacts) <= MOST:
-        each = ", ".join(f"{value:.4g} {force} at {s:.4g}" for s, value in sol.point_forces)
+        each = ", ".join(f"{plain(value)} {force} at {plain(s)}" for s, value in sol.point_forces)
         said.append(f"point forces of the wall: {each} {length}")
     return said
 
 
 def _interval(low: float, high: float) -> str:
-    return f"{low:.4g}" if low == high else f"{low:.4g} to {high:.4g}"
+    return plain(low) if low == high else f"{plain(low)} to {plain(high)}"
 
 
 def release(before: "Solution", after: "Solution") -> dict[str, Any]:
@@ -51,5 +54,5 @@ def release_sentence(energies: dict[str, float], units: dict[str, str]) -> str:
     lost = 1 - energies["after"] / energies["before"] if energies["before"] else 0.0
     return (
         f"let go, with both ends as they were: its elastic energy falls by {100 * lost:.3g} %, "
-        f"from {energies['before']:.6g} to {energies['after']:.6g} {unit}"
+        f"from {plain(energies['before'])} to {plain(energies['after'])} {unit}"
     )
