@@ -28,7 +28,15 @@ from .declared_fields import (
     StartFields,
 )
 from .errors import InputError, choices, show
-from .field_values import check_field_names, check_values, numbers_of, refuse, refuse_unmet, write_fields
+from .field_values import (
+    check_field_names,
+    check_values,
+    numbers_in_place,
+    numbers_of,
+    refuse,
+    refuse_unmet,
+    write_fields,
+)
 from .shown import table_of
 
 STIFFNESS = {"solid": np.pi / 4, "paper": np.pi / 16}  # A / (E (a^4 - inner_radius^4))
@@ -398,12 +406,14 @@ class Ends(EndsFields):
         >>> print(f"{ends.FZ:.2f}")
         174.52
         """
-        beta = cls(beta0=lay, betaL=lay).beta0
+        wound = numbers_in_place({"tension": tension, "lay": lay, "twist": twist})
+        if missing := [name for name in ("tension", "lay") if name not in wound]:
+            raise InputError(f"a rod that is wound needs tension and lay, got no {missing[0]}")
+        beta, T = wound["lay"], wound["tension"]
         rho, A = cylinder.R + SIDES[cylinder.side] * np.asarray(rod.a), rod.bending_stiffness
         s, c = np.sin(beta), np.cos(beta)
-        M3 = A * s * c / rho if twist is None else np.asarray(twist) * rod.torsional_stiffness
+        M3 = wound["twist"] * rod.torsional_stiffness if "twist" in wound else A * s * c / rho
         F2 = (M3 - A * s * c / rho) * s**2 / rho
-        T = np.asarray(tension)
         loads = {"FZ": T * c + F2 * s, "MZ": rho * (T * s - F2 * c) + M3 * c + A * s**3 / rho, "M3": M3}
         return cls(beta0=beta, betaL=beta, **{name: np.asarray(value)[()] for name, value in loads.items()})
 

@@ -408,7 +408,7 @@ REPLACED = {**WOUND, **WELL}  # in place of fields of a case, which `studies.lan
 ALL_FIELDS = {**FIELDS, **REPLACED}
 
 CHOICES = {name: row.choices for name, row in FIELDS.items() if row.choices}  # of the fields that are text
-ANGLES = tuple(name for name, row in FIELDS.items() if row.is_angle)  # fields that may be text, such as 30deg
+ANGLES = tuple(name for name, row in ALL_FIELDS.items() if row.is_angle)  # fields that may be text, such as 30deg
 RANGES = {name: row.range for name, row in FIELDS.items() if row.range is not None}
 POSITIVE = tuple(name for name, allowed in RANGES.items() if allowed == _POSITIVE)
 VARY_LOADS = tuple(name for name, row in FIELDS.items() if row.varies)  # with which loads vary along the rod

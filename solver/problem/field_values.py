@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .declared_fields import ANGLES, CHOICES, FIELDS, RANGES
+from .declared_fields import ANGLES, CHOICES, FIELDS, RANGES, REPLACED
 from .errors import InputError, T, choices, known_name, near, no_such, show
 from .notices import is_called_by_a_program, warn
 from .units import NUMBER, size_in
@@ -88,7 +88,11 @@ def check_field_names(kind: type[T]) -> type[T]:
 
 
 def numbers_of(owner: str, field: str, value: Any) -> NDArray[np.float64] | float:
-    """The value as a float or a read-only float array, angles in rad; `InputError` for other and non-finite values."""
+    """The value as a float or a read-only float array, angles in rad; `InputError` for other and non-finite values.
+
+    owner: the class or the function that takes the field; "" for one that stands in place of others.
+    """
+    said = _name_in(owner, field)
     try:
         array = np.asarray(value)
         if field in ANGLES and array.dtype.kind in "UO":
@@ -98,17 +102,29 @@ def numbers_of(owner: str, field: str, value: Any) -> NDArray[np.float64] | floa
         with np.errstate(over="ignore"):  # a number beyond the floats is refused as infinite
             array = np.array(array, dtype=float)
     except OverflowError:
-        raise InputError(f"{owner}.{field} must be a number that a float can hold, got {show(value)}") from None
+        raise InputError(f"{said} must be a number that a float can hold, got {show(value)}") from None
     except (TypeError, ValueError):
         form = f"{FORMS}; or an array of these" if field in ANGLES else "a number or an array of numbers"
-        raise InputError(f"{owner}.{field} must be {form}, got {show(value)}") from None
+        raise InputError(f"{said} must be {form}, got {show(value)}") from None
     if array.size == 0:
-        raise InputError(f"{owner}.{field} is empty; give at least one value")
+        raise InputError(f"{said} is empty; give at least one value")
     refuse(owner, field, array, ~np.isfinite(array), "finite")
     if array.ndim == 0:
         return float(array)
     array.setflags(write=False)
     return array
+
+
+def numbers_in_place(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Those of the values that stand in place of fields of a case (`REPLACED`), as `numbers_of`; None is none.
+
+    Raises `InputError`, which names the field as it was given, for what is no number or is outside its range.
+    """
+    read = {name: numbers_of("", name, values[name]) for name in REPLACED if values.get(name) is not None}
+    for name, value in read.items():
+        if allowed := REPLACED[name].range:
+            refuse("", name, value, allowed.excludes(value), allowed.rule)
+    return read
 
 
 def in_rad(values: NDArray[Any]) -> NDArray[Any]:
@@ -129,8 +145,13 @@ def refuse(owner: str, field: str, value: ArrayLike, bad: ArrayLike, rule: str) 
     bad = np.atleast_1d(bad)
     if bad.any():
         worst = np.atleast_1d(np.asarray(value))[bad].flat[0]
-        where = f" (the first of {int(bad.sum())} invalid values among {bad.size})" if bad.size > 1 else ""
-        raise InputError(f"{owner}.{field} must be {rule}, got {worst!s}{where}")
+        several = f"the first of {bad.sum()} such values among {bad.size}" if bad.sum() > 1 else f"one of {bad.size} values"
+        where = f" ({several})" if bad.size > 1 else ""
+        raise InputError(f"{_name_in(owner, field)} must be {rule}, got {worst!s}{where}")
+
+
+def _name_in(owner: str, field: str) -> str:
+    return f"{owner}.{field}" if owner else field
 
 
 def check_values(self: Any) -> None:

@@ -12,6 +12,7 @@ from solver import Case, Ends, InputError, observe, solve
 from solver.nodes.lock_up import PASSED
 from solver.problem.case_fields import cases_at, value_of, values_of, with_field
 from solver.problem.declared_fields import PAIRS, PARTS, WELL, WOUND, rivals
+from solver.problem.field_values import numbers_in_place
 
 from ..grammar.axes import case_from
 
@@ -40,16 +41,12 @@ def of_a_well(values: Mapping[str, Any], known: Mapping[str, Any]) -> dict[str, 
     InputError
         For a field of `WELL` beside one that it determines, and without the length.
     """
-    said = [name for name in WELL if name in values]
-    for name in said:
+    for name in (name for name in WELL if name in values):
         if beside := [other for other in rivals(name) if other in values]:
             raise InputError(f"{name} and {beside[0]} exclude each other: give one of them")
     rest = {name: value for name, value in values.items() if name not in WELL}
+    values = {**values, **numbers_in_place(values)}
     if "hole" in values:
-        hole = np.asarray(values["hole"])
-        allowed = WELL["hole"].range
-        if allowed and (wrong := [float(angle) for angle in hole.flat if allowed.excludes(angle)]):
-            raise InputError(f"hole must be {allowed.rule}, got {wrong[0]:.4g} rad")
         if {**known, **rest}.get("weight") is None:
             raise InputError("hole matters only for a rod with weight, in fluid: give weight")
         rest["inclination"] = math.pi - values["hole"]
@@ -154,15 +151,12 @@ def unwound(values: Mapping[str, Any]) -> dict[str, Any]:
     values: numbers, or arrays that broadcast. Raises `InputError` for a field of `WOUND` beside one that it determines,
     or without the tension or the lay.
     """
-    wound = {name: values[name] for name in WOUND if name in values}
     rest = {name: value for name, value in values.items() if name not in WOUND}
-    if not wound:
+    if len(rest) == len(values):
         return rest
-    if missing := [name for name in ("tension", "lay") if name not in wound]:
-        raise InputError(f"a rod that is wound needs tension and lay, got no {missing[0]}")
     surplus = [name for name in rest if name in START_ONLY or name in (end for pair in PAIRS for end in pair)]
     if surplus:
         raise InputError(f"tension and lay determine the angles and loads of both ends: omit {surplus[0]}")
     case = case_from(Ends, {**rest, "beta0": 0.0, "betaL": 0.0})
-    ends = Ends.helix(case.rod, case.cylinder, **wound)
+    ends = Ends.helix(case.rod, case.cylinder, *(values.get(name) for name in WOUND))
     return rest | {name: getattr(ends, name) for name in ("beta0", "betaL", "FZ", "MZ", "M3")}
