@@ -44,6 +44,7 @@ from .commands import (
     study_schema,
     summary,
 )
+from .run import atomic
 from .words import escaping
 
 OF_SCENE = ("pyvista", "trimesh", "vtkmodules")  # packages of the extra scene
@@ -189,12 +190,14 @@ def _with_exit_status(command: Callable[..., int]) -> Callable[..., None]:
 
     @wraps(command)
     def run(*args: Any, **options: Any) -> None:
-        try:
-            raise typer.Exit(command(*args, **options))
-        except KeyboardInterrupt as error:
-            stopped = typer.TyperException(str(error) or "interrupted; the stored files are complete")
-            stopped.exit_code = INTERRUPTED
-            raise stopped from None
+        with atomic.record_files() as files:
+            try:
+                raise typer.Exit(command(*args, **options))
+            except KeyboardInterrupt as error:
+                kept = f"stored: {', '.join(map(str, files))}" if files else "nothing was stored"
+                stopped = typer.TyperException(str(error) or f"interrupted; {kept}")
+                stopped.exit_code = INTERRUPTED
+                raise stopped from None
 
     return run
 

@@ -145,8 +145,8 @@ def refuse(owner: str, field: str, value: ArrayLike, bad: ArrayLike, rule: str) 
     bad = np.atleast_1d(bad)
     if bad.any():
         worst = np.atleast_1d(np.asarray(value))[bad].flat[0]
-        several = f"the first of {bad.sum()} such values among {bad.size}" if bad.sum() > 1 else f"one of {bad.size} values"
-        where = f" ({several})" if bad.size > 1 else ""
+        which = f"the first of {bad.sum()} such values among the" if bad.sum() > 1 else "one of the"
+        where = f" ({which} {bad.size} values)" if bad.size > 1 else ""
         raise InputError(f"{_name_in(owner, field)} must be {rule}, got {worst!s}{where}")
 
 

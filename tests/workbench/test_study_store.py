@@ -44,7 +44,7 @@ def kept(path: Path, monkeypatch) -> Path:
 
     with monkeypatch.context() as patch:
         patch.setattr(assembly, "assemble", stopped)
-        with pytest.raises(KeyboardInterrupt):
+        with pytest.raises(KeyboardInterrupt, match=r"cases are kept in .*\.parts; run .* to write the file"):
             run_to_file(load(path), path.with_suffix(".h5"), RunOptions(workers=1, chunk=64))
     return shards.folder_of(path.with_suffix(".h5"))
 

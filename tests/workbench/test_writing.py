@@ -258,6 +258,38 @@ def test_a_new_folder_in_which_nothing_was_written_goes_and_any_other_stays(tmp_
 
 
 @pytest.mark.parametrize(
+    ("function", "kept"),
+    [
+        ("studies.language.case_input.read_case", "nothing was stored"),
+        ("workbench.run.atomic.flush", "nothing was stored"),  # while the first file is written
+        ("workbench.figures.canvas.save", "stored: one.h5"),
+    ],
+)
+def test_ctrl_c_names_the_files_that_were_stored(call, tmp_path, monkeypatch, function: str, kept: str) -> None:
+    def stop(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(function, stop)
+    status, _, err = call("solve", "--table1", "-o", "one.h5", "--plot", "one.png")
+    assert (status, err) == (130, f"workbench: interrupted; {kept}\n")
+    assert [path.name for path in tmp_path.iterdir()] == kept.split(": ")[1:]
+
+
+def test_ctrl_c_after_a_run_has_written_its_file_names_the_file(call, tmp_path, monkeypatch) -> None:
+    def stop(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("workbench.run.shards.clear", stop)
+    assert call("run", "fig7_1_modulus")[::2] == (130, "workbench: interrupted; stored: fig7_1_modulus.h5\n")
+    monkeypatch.undo()
+    monkeypatch.chdir(tmp_path)
+    assert "already complete" in call("run", "fig7_1_modulus")[1]
+    assert [path.name for path in tmp_path.iterdir()] == ["fig7_1_modulus.h5"]
+
+
+@pytest.mark.parametrize(
     ("shape", "chunk"), [((5, 7), (5, 7)), ((9, 2**15), (2, 2**15)), ((3, 4, 2**17), (1, 1, 2**16))]
 )
 def test_a_chunk_is_a_stretch_of_the_flat_order_of_at_most_512_kB(shape, chunk) -> None:

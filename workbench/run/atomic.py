@@ -4,9 +4,24 @@ import os
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from contextvars import ContextVar
 from pathlib import Path
 
 from solver.problem.errors import InputError, choices
+
+PARTS = ".parts"  # ends the name of the folder in which a run keeps finished cases
+_COMPLETED: ContextVar[list[Path] | None] = ContextVar("completed", default=None)
+
+
+@contextmanager
+def record_files() -> Iterator[list[Path]]:
+    """Yield a list, to which each file is added that the body completes, but the parts of a run."""
+    files: list[Path] = []
+    token = _COMPLETED.set(files)
+    try:
+        yield files
+    finally:
+        _COMPLETED.reset(token)
 
 
 @contextmanager
@@ -56,6 +71,9 @@ def move(aside: Path, path: Path) -> None:
     """Give a complete file its final name, once its content is on the disk. Raises `OSError`."""
     flush(aside)
     os.replace(aside, path)
+    files = _COMPLETED.get()
+    if files is not None and path.parent.suffix != PARTS:
+        files.append(path)
     flush(path.parent)
 
 

@@ -75,7 +75,7 @@ def join(parts: Sequence[Columns]) -> Columns:
 
 def folder_of(output: Path) -> Path:
     """``results/NAME.h5.parts`` of ``results/NAME.h5``."""
-    return output.with_name(f"{output.name}.parts")
+    return output.with_name(f"{output.name}{atomic.PARTS}")
 
 
 @contextmanager

@@ -188,7 +188,13 @@ def run_to_file(
         if work.stored is not None:
             reading.open_study(output, whole=True).close()  # a damaged file is refused before the others are solved
             recipe = {**recipe, "grows": work.stored.recipe["axes"]}
-        return _run(work, shards.begin(folder, recipe, options.restart), output, options, say, progress)
+        parts = shards.begin(folder, recipe, options.restart)
+        try:
+            ran = _run(work, parts, output, options, say, progress)
+        except KeyboardInterrupt:
+            raise KeyboardInterrupt(_keep(work, folder)) from None
+        shards.clear(folder)
+        return ran
 
 
 def _follow(work: Plan, output: Path) -> Ran:
@@ -239,15 +245,13 @@ def _run(
             except Damaged:  # by another program since it was read: its cases are solved again
                 tally = tally_of(before)
                 meter.done = held + _count_kept(work, parts, tally)
-    shards.clear(parts.folder)
     return Ran(statistics, so_far.todo - kept, meter.seconds)
 
 
 def _count_kept(work: Plan, parts: Shards, tally: Tally) -> int:
     """Count the cases of the existing shards, each verified; damaged ones are removed."""
     kept = 0
-    most = work.todo if work.study.refine is None else shards.MOST
-    for start, stop in shards.shard_ranges(parts.folder, most):
+    for start, stop in shards.shard_ranges(parts.folder, _most(work)):
         try:
             count(parts.read(start, stop), tally)
         except Damaged:
@@ -256,25 +260,30 @@ def _count_kept(work: Plan, parts: Shards, tally: Tally) -> int:
     return kept
 
 
+def _most(work: Plan) -> int:
+    """The most cases that shards may hold; a refinement has more than its plan at the beginning."""
+    return work.todo if work.study.refine is None else shards.MOST
+
+
 def _solve(work: Plan, parts: Shards, options: RunOptions, meter: Meter, tally: Tally, start: int, stop: int) -> None:
     """Solve those of the cases `start` to `stop` that have no shard, and store theirs."""
     missing = shards.gaps_between(shards.shard_ranges(parts.folder, work.todo), start, stop)
-    try:
-        for chunk, results in _results(work, missing, options):
-            if isinstance(results, str):
-                results = encode(blank_columns(work.study, chunk.cases, results))
-            parts.store(chunk.start, chunk.stop, results)
-            meter.add(chunk.cases, count(decode(results), tally))
-    except KeyboardInterrupt:
-        raise KeyboardInterrupt(_keep(work, parts.folder)) from None
+    for chunk, results in _results(work, missing, options):
+        if isinstance(results, str):
+            results = encode(blank_columns(work.study, chunk.cases, results))
+        parts.store(chunk.start, chunk.stop, results)
+        meter.add(chunk.cases, count(decode(results), tally))
 
 
 def _keep(work: Plan, folder: Path) -> str:
     """How to continue; counted from the shards, as the interruption may come between a shard and the meter."""
-    missing = shards.gaps_between(shards.shard_ranges(folder, work.todo), 0, work.todo)
-    done = work.size - sum(stop - start for start, stop in missing)
-    kept = f"{done} of {work.size} cases are kept in {folder}; run the same command again to continue"
-    return f"interrupted; {kept if done else 'no case was finished yet'}"
+    done = sum(stop - start for start, stop in shards.shard_ranges(folder, _most(work)))
+    if not done:
+        return "interrupted; no case was finished yet"
+    cases = "new cases" if work.todo < work.size else "cases"
+    which = cases if work.study.refine else f"of {work.todo} {cases}"  # a refinement chooses more as it goes
+    then = "write the file" if done == work.todo and not work.study.refine else "continue"
+    return f"interrupted; {done} {which} are kept in {folder}; run the same command again to {then}"
 
 
 # Cases solved by themselves, and blocks of others, that justify starting a worker.
