@@ -24,7 +24,7 @@ from studies.grammar.axes import Axis
 from workbench.branches.ends_study import ends_problem
 from workbench.branches.equilibria_dataset import as_dataset
 from workbench.run import atomic, in_memory
-from workbench.scene import composition, film, layout, page, scene_kinds
+from workbench.scene import composition, film, layout, page
 from workbench.stored.stored_study import StoredStudy
 from workbench.web import pages
 from workbench.web.live import live_document, presets
@@ -36,7 +36,8 @@ HERO_SIZE, HERO_DPI = (5.375, 3.75), 160  # inches of the animated picture: as w
 FORCES = [-10.0 - 25.0 * (1 - cos(pi * k / 60)) for k in range(61)]
 OWN = ("inside", "long")  # drawn as `contact`
 RODS = Path(__file__).with_name("scene_rods")  # the studies of the pictures that are of no shipped study
-ROD, VIEWS, VIEW_DPI = "rod", ("plain", "contact", "curvature", "twist"), 120  # four kinds of one rod, two by two
+ROD, VIEWS = "rod", ("plain", "contact", "curvature", "twist")  # four kinds of one rod, two by two
+VIEW_SIZE = (920, 540)  # pixels of each
 BROWSERS = ("chromium", "chromium-browser", "google-chrome-stable", "google-chrome", "chrome")
 SIZE = (540, 377)  # CSS pixels of the page
 RATIO = 2  # pixels of the picture per CSS pixel
@@ -88,13 +89,11 @@ def _draw_four_views(rods: StoredStudy, path: Path) -> None:
     """Draw a rod in four kinds of scene, two by two."""
     views = []
     for letter, kind in zip("abcd", VIEWS, strict=True):
-        titled = rods.with_title(f"{letter}  {scene_kinds.KINDS[kind].description}")
-        picture = layout.compose(titled, None, kind, settings=composition.Settings(dpi=VIEW_DPI))
+        settings = composition.Settings(dpi=DPI, size=VIEW_SIZE)
+        picture = layout.compose(rods.with_title(f"{letter}  {kind}"), None, kind, settings=settings)
         views.append(page.pixels_of(picture.fig))
-    high = max(len(view) for view in views)
-    views = [np.pad(view, ((0, high - len(view)), (0, 0), (0, 0)), constant_values=255) for view in views]
     image = Image.fromarray(np.block([[[views[0]], [views[1]]], [[views[2]], [views[3]]]]))
-    atomic.write(path, lambda aside: image.save(aside, compress_level=9))
+    atomic.write(path, lambda aside: image.save(aside, compress_level=9, dpi=(image.width / page.WIDE,) * 2))
 
 
 def _datasets() -> dict[str, Callable[[], StoredStudy]]:

@@ -83,7 +83,7 @@ def test_the_weight_points_down_in_a_scene_and_the_low_side_is_below(ds: xr.Data
     assert seen.page @ seen.down == pytest.approx([0.0, -np.sqrt(3) / 2], abs=1e-12)
     made = layout.compose(StoredStudy(ds), {"inclination": np.pi / 2}, settings=Settings(span=(20.0, 24.0)))
     assert made.scene.down == pytest.approx([0.0, made.scene.down[1]], abs=1e-12)
-    assert made.notes[-1] == cautions.model_leaves_out({"weight": 0.242})
+    assert canvas.caption(made.fig)[-1] == cautions.model_leaves_out({"weight": 0.242})
 
 
 def test_a_long_rod_with_weight_is_compressed_along_the_axis_no_more_than_its_bends_allow(ds: xr.Dataset) -> None:

@@ -25,7 +25,6 @@ from matplotlib.figure import Figure
 from matplotlib.gridspec import GridSpec
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
 from matplotlib.text import Text
 from matplotlib.ticker import AutoLocator, ScalarFormatter
 from matplotlib.transforms import ScaledTranslation
@@ -52,7 +51,6 @@ MARGIN, AFTER, TITLE = 0.15, 0.1, 0.62  # inches around a title, below it, and o
 MOST_LETTERS = 12  # panels; more are a table of panels, which its rows and columns name
 # The best place covers no middle of a point; a wide pad in place of the distance to the axes keeps it off whole points
 PADDED = {"borderpad": 1.0, "borderaxespad": 0.0}
-ALONE: dict[str, Any] = {"fontsize": 1, "borderpad": 3.2}  # of a legend of lines: its empty entry takes no room
 RING, CROWDED = 1.2, 1.35  # points, the line of a ring; between the middles of two rings, in the size of one
 DIAGRAMS = (".png", ".pdf", ".svg")
 Said = Iterable[Any]  # of a figure: sentences of its caption, and labelled artists, the entries of its legend
@@ -387,11 +385,10 @@ def legend_entries(ax: Axes) -> list[Any]:
     )
 
 
-def write_below(fig: Figure, said: Said, lines: Sequence[str] = ()) -> None:
-    """One legend below all axes of a figure with a constrained layout: one line of words, then entries in columns.
+def write_below(fig: Figure, said: Said) -> None:
+    """One legend below all axes of a figure with a constrained layout, its entries in columns.
 
-    said: those entries, and sentences for the caption. lines: of words; those that do not stand on one line together
-    are sentences of the caption.
+    said: those entries, and sentences for the caption.
     """
     said = list(said)
     entries = {str(entry.get_label()): entry for entry in said if not isinstance(entry, str)}
@@ -399,27 +396,13 @@ def write_below(fig: Figure, said: Said, lines: Sequence[str] = ()) -> None:
     width = fig.get_figwidth() - 0.3
     room = width - HANDLE
     once = {fonts.break_lines(label, room, fonts.small()): entry for label, entry in entries.items()}
-    line, rest = _one_line(list(dict.fromkeys(lines)), width)
-    add_to_caption(fig, [f"{text[:1].upper()}{text[1:].rstrip('.')}." for text in rest])
-    if not once and not line:
+    if not once:
         return
     words = [line for label in once for line in label.split("\n")]
     widest = max((HANDLE + fonts.width_of(line, fonts.small()) for line in words), default=1.0)
     columns = max(1, min(len(once), int((width + 0.1) / widest)))
-    how: dict[str, Any] = {} if once else ALONE
-    legend = fig.legend(list(once.values()) or [Patch(visible=False)], list(once) or [""], ncols=columns,
-                       loc="outside lower left", title=line, alignment="left", handlelength=1.8,
-                       handleheight=1.2, title_fontsize=fonts.small(), **how)  # fmt: skip
-    legend.get_title().set_color(SOFT)
-
-
-def _one_line(texts: Sequence[str], width: float) -> tuple[str, list[str]]:
-    """The first texts, as many as stand on one line of so many inches, and the others; a longer first one is broken."""
-    shown = [text for text in texts if text.strip("\N{ZERO WIDTH SPACE}")] or [*texts[:1]]
-    count = 1
-    while count < len(shown) and fonts.width_of(" · ".join(shown[: count + 1]), fonts.small()) <= width:
-        count += 1
-    return fonts.break_lines(" · ".join(shown[:count]), width, fonts.small()), shown[count:]
+    fig.legend(list(once.values()), list(once), ncols=columns, loc="outside lower left", alignment="left",
+               handlelength=1.8, handleheight=1.2)  # fmt: skip
 
 
 def ring_entry(label: str) -> Line2D:

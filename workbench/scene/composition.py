@@ -21,14 +21,13 @@ from .settings import DEFAULT, Settings, TooFewStations
 from .views import Camera, View, arrange
 
 LINE = 1.5  # width of lines in pixels at `fonts.DPI`
-NARROWEST = 7.0  # inches of a page, for the line below the views
 COARSEST = 10.0  # pixels that a surface may be off; beyond, it is no picture of that rod
 RING = (0.03, 0.065)  # inches: the least and the largest radius of a ring, else `IN_RODS` radii of its rod
 IN_RODS = 0.75
 # of a tick where a contact begins or ends: its least half length in inches, else in radii of its rod
 TICK = 0.05, 1.3
 ITSELF = "the rod passes through itself"
-UNSEEN = " (no ring where the cylinder hides it)"
+UNSEEN = ", where in sight"
 CUT, ALONG = " (as far as the cylinder does not hide it)", 65  # places along a line at which that is asked
 BEHIND = "a stretch behind the cylinder"
 
@@ -76,9 +75,9 @@ def compose(scene: Scene) -> Page:
     if settings.bare and not settings.size:
         wide, high = size[0] / dpi, size[1] / dpi
     elif not settings.size:
-        wide = min(wide, max(NARROWEST, arranged.size[0] + scene.beside[0] + 2 * canvas.MARGIN))
+        wide = min(wide, max(least_width(scene), arranged.size[0] + scene.beside[0] + 2 * canvas.MARGIN))
     legend = [entry for entry in legend if kept or entry[0] != signs.OUTLINE]
-    final = Page(scene, legend, [*notes, *beyond, *rough], (wide, high))
+    final = Page(scene, legend, [*beyond, *rough, *notes], (wide, high))
     if not (settings.size or settings.bare):
         final.fit(size[1] / dpi)
     final.paste(pixels, arranged, _rings(scene, arranged), _marks_of_contact(scene, arranged))
@@ -111,9 +110,8 @@ def words_of(scene: Scene) -> tuple[list[tuple[str, str]], list[str]]:
     if len(scene.context) > len(scene.bodies):  # the views of the pictures along an axis stand at one place
         most = max(len(_impossible_beside([body], ringed)) for body in scene.context)
         warnings += ["\N{ZERO WIDTH SPACE}" * (k + 1) for k in range(most - len(warnings))]
-    inside = str(scene.stored.attrs["side"]) == "inside"
     along = [f"seen along the axis from s = 0, α = 0 {'down' if scene.down is not None else 'up'}"]
-    return legend, [*along * scene.camera.is_end_view, *warnings, *scene.notes, *[scene.stored.left_out] * inside]
+    return legend, [*along * scene.camera.is_end_view, *scene.notes, *warnings]
 
 
 def _impossible_beside(bodies: Sequence[Body], ringed: bool) -> list[str]:
@@ -130,6 +128,12 @@ def impossible(bodies: Sequence[Body]) -> list[str]:
             who = "the rod" if len(each) == 1 else f"{count} of {len(each)}"
             sentences.append(f"{who} {cautions.WORDS[key][count > 1]}")
     return [labels.typeset(text) for text in sentences]
+
+
+def least_width(scene: Scene) -> float:
+    """The width that the words of a scene need on its page in inches."""
+    scene = colour_rods(scene)[0]
+    return page.least_width(scene, *words_of(scene))
 
 
 def room_of(scene: Scene) -> tuple[float, float]:

@@ -45,9 +45,7 @@ SUFFIXES = (".png", ".jpg")
 HEADS = ("", "s = 0 cm")  # the room before the lines of a long rod
 GHOST = 0.25  # of its thickness is a rod drawn among others
 BESIDE = 0.5  # of the drawn thickness is each of these farther from the wall than the one before, so that all are seen
-MOST_ROWS = 5
-ROW, GRID = (10.0, 6.5), (10.0, 12.0)  # inches: width, and largest height, of a page
-IN_ROW = 9  # cases of one axis
+MOST_ROWS = 5  # of upright rods, or columns of lying ones
 LEVEL = 12.0  # degrees from which a row of rods is seen
 
 Where = dict[str, int]
@@ -162,6 +160,12 @@ def _single(
     return composition.compose(Scene(stored, kind, rows, context, case, camera, settings, notes))
 
 
+def _counts(names: Sequence[str], shown: Sequence[int], stored: Sequence[int]) -> list[str]:
+    """How many of the values of each axis are shown, where not all are."""
+    each = zip(names, shown, stored, strict=False)
+    return [f"{count} of {of} values of {labels.axis_symbol(name)}." for name, count, of in each if count < of]
+
+
 def _nearest_solved(stored: StoredStudy, where: Where, among: Sequence[Where] | None = None) -> Where:
     """The solved case with the fewest steps along the axes to a case, of a list or of all; the case where none is."""
     solved = stored["solved"]
@@ -242,13 +246,13 @@ def _together(
     down = gravity(stored, held)
     bodies = _in_view(thin, down, settings)
     case = ", ".join([labels.axis_label(stored[axis]), *scene_kinds.values(stored, held)])
-    notes = [f"{len(cases)} of {len(line)} values"] if len(cases) < len(line) else []
-    notes += [f"drawn at {GHOST:.2g} of the thickness, one upon the other"]
+    notes = [f"drawn at {GHOST:.2g} of the thickness, one upon the other"]
     notes += long_rod.notes_on(bodies, stored.units["length"])
     rows, camera = _from_sides(bodies, bodies, settings, down)
     return composition.compose(
-        Scene(stored, kind, rows, bodies, case, camera, settings, notes, ringed=False, names=words)
-    )
+        Scene(stored, kind, rows, bodies, case, camera, settings, notes,
+              _counts([axis], [len(cases)], [len(line)]), ringed=False, names=words)
+    )  # fmt: skip
 
 
 def _thin(body: Body, k: int) -> Body:
@@ -269,11 +273,10 @@ def _row(
     chosen.sort(key=lambda where: where[names[0]])
     moved = sum(where not in chosen for where in spread)
     rows, cameras = _cells(stored, kind, names, [chosen], settings)
-    size = GRID if len(chosen) > IN_ROW else ROW
     shown = [labels.axis_label(stored[name]) for name in names if name not in scene_kinds.UNNAMED]
-    notes = [f"{len(chosen)} of {len(line)} values"] if len(chosen) < len(line) else []
-    notes += [f"in place of {moved} unsolved case{'s' * (moved > 1)} the nearest solved"] if moved else []
-    scene = _several(stored, kind, names, rows, cameras[0], settings, chosen[0], shown, notes, size)
+    notes = [f"in place of {moved} unsolved case{'s' * (moved > 1)} the nearest solved"] if moved else []
+    scene = _several(stored, kind, names, rows, cameras[0], settings, chosen[0], shown, notes)
+    scene = replace(scene, caption=_counts(names, [len(chosen)], [len(line)]))
     room = room_of(scene)
     scenes = [replace(scene, rows=in_rows(rows[0], camera, room), camera=camera) for camera in cameras]
     return compose_larger(scenes, room)
@@ -282,32 +285,29 @@ def _row(
 def _table(
     stored: StoredStudy, kind: SceneKind, names: list[str], at: Mapping[str, float] | None, settings: Settings
 ) -> Page:
-    """The cases of two axes, with headings."""
-    line, down = (stored.places(name, at) for name in names)
-    across = selection.spread(line, kind.most)
-    cases = [[{**case, names[1]: row[names[1]]} for case in across] for row in selection.spread(down, MOST_ROWS)]
-    rows, cameras = _cells(stored, kind, [], cases, settings)
-    notes = [
-        f"{count} of {of} values of {labels.axis_symbol(name)}"
-        for name, count, of in zip(names, (len(across), len(cases)), (len(line), len(down)), strict=True)
-        if count < of
-    ]
-    scene = _several(stored, kind, names, rows, cameras[0], settings, cases[0][0], [], notes, GRID)
-    heads = (
-        scene_kinds.headings(stored, names[0], cases[0]),
-        scene_kinds.headings(stored, names[1], [row[0] for row in cases]),
-    )
-    scene = replace(scene, columns=heads[0], heads=heads[1])
-    return compose_larger([replace(scene, camera=camera) for camera in cameras], room_of(scene))
+    """The cases of two axes, with headings: of upright rods more columns, of lying ones more rows."""
+    lines = [stored.places(name, at) for name in names]
+    scenes = []
+    for k, most in enumerate([(kind.most, MOST_ROWS), (MOST_ROWS, kind.most)]):
+        across, down = (selection.spread(line, count) for line, count in zip(lines, most, strict=True))
+        cases = [[{**case, names[1]: row[names[1]]} for case in across] for row in down]
+        rows, cameras = _cells(stored, kind, [], cases, settings)
+        camera = cameras[k % len(cameras)]
+        scene = _several(stored, kind, names, rows, camera, settings, cases[0][0], [], [])
+        counts = _counts(names, (len(across), len(down)), [len(line) for line in lines])
+        columns, heads = (scene_kinds.headings(stored, *of) for of in zip(names, (across, down), strict=True))
+        scenes.append(replace(scene, columns=columns, heads=heads, caption=counts))
+    return compose_larger(scenes, room_of(scenes[0]))
 
 
 def compose_larger(scenes: Sequence[Scene], room: tuple[float, float]) -> Page:
     """The picture of cases side by side, upright or lying, whose rods take the larger share of their page."""
+    least = composition.least_width(scenes[0])
 
     def share(scene: Scene) -> float:
         arranged = arrange(scene.rows, scene.camera, room, columns=scene.columns)
         wide, high = arranged.size
-        return arranged.scale**2 / (max(wide, composition.NARROWEST) * (high + page.FOOT))
+        return arranged.scale**2 / (max(wide, least) * (high + page.FOOT))
 
     return composition.compose(max(scenes, key=share))
 
@@ -353,7 +353,7 @@ def _profile(bodies: Sequence[Body]) -> float | None:
 
 def _several(
     stored: StoredStudy, kind: SceneKind, names: list[str], rows: list[list[View]], camera: Camera, settings: Settings,
-    first: Where, shown: list[str], notes: list[str], size: tuple[float, float],
+    first: Where, shown: list[str], notes: list[str],
 ) -> Scene:  # fmt: skip
     """The scene of cases side by side."""
     bodies = [body for row in rows for view in row for body in view.bodies]
@@ -361,7 +361,7 @@ def _several(
     words = [*shown, *scene_kinds.values(stored, held), str(stored.attrs.get(scene_kinds.CASE, ""))]
     case = ", ".join(word for word in words if word)
     notes = [*long_rod.notes_on(bodies, stored.units["length"]), *notes, *kind.notes]
-    return Scene(stored, kind, rows, bodies, case, camera, settings, notes, size)
+    return Scene(stored, kind, rows, bodies, case, camera, settings, notes)
 
 
 def _in_view(bodies: Sequence[Body], down: Array | None, settings: Settings) -> list[Body]:

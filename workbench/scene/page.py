@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from ..figures import canvas, colours, fonts
 from ..figures.arrangement import Arrangement
+from ..figures.legend_room import GAP, HANDLE
 from ..geometry.centreline import Array
 from ..run import atomic
 from ..stored.stored_study import StoredStudy
@@ -32,11 +33,14 @@ from .views import BELOW, DOT, EDGE, Camera, View
 
 Pixels = NDArray[np.uint8]
 
-SIZE = (8.0, 6.0)  # width, and largest height, of the page of one case
+WIDE, LOW, TALL = 7.2, 5.5, canvas.TALLEST  # inches of a page as a journal prints it: width, largest heights
+A_ROW = 9  # views; with more a page may be tall
 LEAST = 0.3  # the least height of the views
 HEAD = 0.17  # the height of a line of headings
-FOOT, APART = 0.6, 0.22  # the height of glyph and bars below the views, and the gap after each
+FOOT, APART = 0.57, 0.22  # the height of glyph and bars below the views, and the gap after each
+BARS, ABOVE_WORDS = 0.24, 0.06  # from the middle of the bars to their lower edge, and from there to the line of words
 WEIGHT, BAR = 0.5, 1.6  # widths: the arrow of the weight, the colour bar
+BESIDE_BARS = 3  # entries of the legend one below the other that have room beside the bars
 QUALITY = 92  # of JPEG
 WHITE = colours.THEMES["light"][0]
 RUNS = 3  # the strategy of zlib that looks for runs alone: at level 1 the size of level 3 in two thirds of the time
@@ -69,8 +73,8 @@ class Scene:
         The case in words.
     camera
         Its scale is chosen by `composition.compose`.
-    size
-        Width and largest height of the page.
+    notes, caption
+        What the picture has to say of itself, as much of it as stands on one line; sentences for the caption alone.
     columns, heads
         Headings of columns and of rows: the quantity, then the values; the quantity may be empty. Default: none.
     pitch, edge
@@ -91,7 +95,7 @@ class Scene:
     camera: Camera
     settings: Settings
     notes: Sequence[str] = ()
-    size: tuple[float, float] = SIZE
+    caption: Sequence[str] = ()
     columns: Sequence[str] = ()
     heads: Sequence[str] = ()
     pitch: float = 0.0
@@ -112,7 +116,7 @@ class Scene:
     def page_size(self) -> tuple[float, float]:
         """Width and height of the page, or its largest height where its content fixes it."""
         chosen, dpi = self.settings.size, self.settings.dpi
-        return (chosen[0] / dpi, chosen[1] / dpi) if chosen else self.size
+        return (chosen[0] / dpi, chosen[1] / dpi) if chosen else (WIDE, TALL if len(self.views) > A_ROW else LOW)
 
     @property
     def beside(self) -> tuple[float, float]:
@@ -120,6 +124,19 @@ class Scene:
         left = max((fonts.width_of(head, fonts.NORMAL) for head in self.heads[1:]), default=0.0) + 0.08
         left += 1.5 * HEAD * bool(self.heads and self.heads[0])
         return (left if self.heads else 0.0), (2 * HEAD if self.columns else 0.0)
+
+    @property
+    def bars(self) -> dict[str, float]:
+        """What stands below the views, with its width: from where one view is seen, the weight, scale, colour bar."""
+        widths = {"glyph": signs.GLYPH, "weight": WEIGHT, "scale": signs.SCALE, "bar": BAR}
+        shown = {
+            "glyph": self.camera.seen_from is not None and len(self.rows[0]) == 1,
+            "weight": self.down is not None,
+            "scale": True,
+            "bar": bool(self.paint.label),
+        }
+        widths["bar"] = max(BAR, fonts.width_of(self.paint.label, fonts.SMALL))
+        return {name: wide for name, wide in widths.items() if shown[name]}
 
     @property
     def along(self) -> float:
@@ -141,9 +158,9 @@ class Scene:
 class Page:
     """The page of a scene with its words, as high as its content where the height is not given.
 
-    legend: colours, or those of `signs` in place of one, and their meaning. size: default: of the scene. error: of the
-    drawn surface in pixels, above what was asked where the stations are too few; stations: about how many are needed
-    for what was asked.
+    legend: colours, or those of `signs` in place of one, and their meaning; it stands beside the bars where there is
+    room, else below. size: default: of the scene. error: of the drawn surface in pixels, above what was asked where the
+    stations are too few; stations: about how many are needed for what was asked.
     """
 
     error: float
@@ -160,10 +177,17 @@ class Page:
         bare, size = scene.settings.bare, size or scene.page_size
         self.compressed = not bare and true_scale.is_needed(scene.views)
         self.bare, self.head = bare, (0.0, 0.0) if bare else scene.beside
-        self.foot = 0.0 if bare else FOOT + true_scale.HIGH * self.compressed
+        self.line, self.more = one_line(list(dict.fromkeys(notes)), size[0] - 2 * canvas.MARGIN)
+        self.high_line = fonts.height_of(self.line, fonts.SMALL) + ABOVE_WORDS * bool(self.line)
+        self.foot = 0.0 if bare else FOOT + true_scale.HIGH * self.compressed + self.high_line
         inside = "inside the cylinder, cut open" if str(scene.stored.attrs["side"]) == "inside" else ""
         titled, layout = (None, None) if bare else (scene.stored, "constrained")
         said = " · ".join(fact for fact in (scene.case, inside) if fact)
+        self.start_of_legend = 0.05 + sum(scene.bars.values()) + APART * len(scene.bars)
+        room = size[0] - 2 * canvas.MARGIN - self.start_of_legend
+        self.columns_beside = min(int(room / max(width_of_legend(legend), 1e-9)), len(legend))
+        if len(legend) > BESIDE_BARS * self.columns_beside:
+            self.columns_beside = 0
         self.fig = canvas.figure(size, self._begin, titled, scene.settings.dpi, layout, said=said)
         self.left = size[1] if bare else canvas.resize(self.fig, size)
         if scene.settings.transparent:
@@ -174,7 +198,10 @@ class Page:
         self.ax = fig.add_axes((0.0, 0.0, 1.0, 1.0)) if self.bare else fig.add_subplot()
         self.ax.axis("off")
         if not self.bare:
-            canvas.write_below(fig, [signs.legend_sign(*entry) for entry in self.legend], self.notes)
+            below = [] if self.columns_beside else [signs.legend_sign(*entry) for entry in self.legend]
+            sentences = [f"{text[:1].upper()}{text[1:].rstrip('.')}." for text in self.more]
+            left_out = self.scene.stored.left_out
+            canvas.write_below(fig, [*sentences, *self.scene.caption, *[left_out] * bool(left_out), *below])
 
     def panel(self) -> tuple[float, float, float, float]:
         """Lay out the page; returns left, low, width and height of the panel in inches."""
@@ -233,7 +260,8 @@ class Page:
             for view, box in zip(self.scene.views, self.boxes.reshape(-1, 4), strict=True):
                 _draw_cell(self.ax, view.cell, box)
             self._draw_headings()
-            self._draw_foot(high - 0.27)
+            self._draw_foot(high - self.high_line - BARS)
+            self.ax.text(0.05, high, self.line, va="bottom", size=fonts.SMALL, color=colours.SOFT)
             if rings:
                 across, down, radii = np.transpose(rings)
                 places = np.column_stack([start[0] + across, start[1] + down])
@@ -272,14 +300,14 @@ class Page:
             )
 
     def _draw_foot(self, y: float) -> None:
-        """From where it is seen, where one view shows it, the weight, the scale bar and the colour bar."""
-        scene, x = self.scene, 0.05
+        """The bars of the scene, and the legend where it stands beside them."""
+        scene, x, shown = self.scene, 0.05, self.scene.bars
         if self.compressed:
             corner = x, y - true_scale.HIGH - 0.2
             true_scale.draw(
                 self.ax, scene.views[0], scene.camera, corner, self.place[2] - 2 * x, scene.stored.units["length"]
             )
-        if scene.camera.seen_from is not None and len(scene.rows[0]) == 1:
+        if scene.camera.seen_from is not None and "glyph" in shown:
             signs.draw_glyph(self.ax, x, y, scene.camera.seen_from)
             x += signs.GLYPH + APART
         if scene.down is not None:
@@ -287,8 +315,41 @@ class Page:
             x += WEIGHT + APART
         unit = scene.stored.units["length"]
         signs.draw_scale(self.ax, x, y, self.arrangement.scale * scene.along, unit, scene.along)
-        if scene.paint.label:
+        if "bar" in shown:
             signs.draw_bar(self.ax, scene.paint, (x + signs.SCALE + APART, y - 0.04), (BAR, 0.1))
+        if self.columns_beside:
+            entries = [signs.legend_sign(*entry) for entry in self.legend]
+            self.ax.legend(
+                handles=entries, ncols=self.columns_beside, loc="center left", borderpad=0, borderaxespad=0,
+                bbox_to_anchor=(self.start_of_legend, y), bbox_transform=self.ax.transData, handlelength=1.8,
+                handleheight=1.2,
+            )  # fmt: skip
+
+
+def one_line(texts: Sequence[str], width: float) -> tuple[str, list[str]]:
+    """The first texts, as many as stand on one line of so many inches, and the others; a longer first one is broken."""
+    shown = [text for text in texts if text.strip("\N{ZERO WIDTH SPACE}")] or [*texts[:1]]
+    count = 1
+    while count < len(shown) and fonts.width_of(" · ".join(shown[: count + 1]), fonts.SMALL) <= width:
+        count += 1
+    return fonts.break_lines(" · ".join(shown[:count]), width, fonts.SMALL), shown[count:]
+
+
+def width_of_legend(legend: Sequence[tuple[str, str]]) -> float:
+    """The width of a column of a legend, and of the gap after it."""
+    wide = max((fonts.width_of(text, fonts.SMALL) for _, text in legend), default=0.0)
+    return HANDLE + wide + GAP if legend else 0.0
+
+
+def least_width(scene: Scene, legend: Sequence[tuple[str, str]], notes: Sequence[str]) -> float:
+    """The width of a page on which the title, the first note and the bars with the legend have one line each."""
+    beside = sum(scene.bars.values()) + APART * len(scene.bars) + 0.05 + width_of_legend(legend)
+    return 2 * canvas.MARGIN + max(
+        fonts.width_of(str(scene.stored.attrs["title"]), fonts.LARGE, bold=True),
+        fonts.width_of(" · ".join(text for text in (scene.stored.reading, scene.case) if text), fonts.NORMAL),
+        fonts.width_of(notes[0], fonts.SMALL) if notes else 0.0,
+        min(beside, WIDE - 2 * canvas.MARGIN),
+    )
 
 
 def _draw_cell(ax: Axes, cell: Cell, box: NDArray[np.float64]) -> None:

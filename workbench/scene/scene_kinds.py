@@ -230,7 +230,7 @@ DRAWN = (
     f"computed: the centreline, its twist and the push; drawn: strands of {PAIRS} base pairs of {RISE} nm a turn, "
     "which turn with the material"
 )
-TURNS = (colours.STRIPE, "a stripe along the material: it turns as the rod is twisted and bent")
+TURNS = (colours.STRIPE, "a stripe of the material")
 PUSH: dict[str, Any] = {"value": lambda line, s: line.push(s), "paint": by_push}
 TABLE = (
     SceneKind("plain", "the rod on its cylinder", "one"),

@@ -21,7 +21,7 @@ GROOVE = np.radians(150.0)  # between the two strands about the centreline
 STRAND, BAR = 0.2, 0.07  # radii of a strand and of a base pair, in radii of the rod
 RINGS, SIDES, BAR_SIDES = 42, 20, 10  # rings of a strand in one turn of the helix; sides of strands and of base pairs
 LIT = 0.72  # on the texture of a colour: nearly full light
-LEADER = 2.2  # radii of the rod: the line from a marked base pair to its words
+LEADER = 1.5  # radii of the rod: the words stay before the cylinder
 MOST = 3000  # base pairs
 
 

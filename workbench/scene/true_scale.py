@@ -42,7 +42,7 @@ def draw(ax: Axes, view: View, camera: Camera, corner: tuple[float, float], wide
     x, middle = corner[0] + HOLE, corner[1] + HOLE
     _draw_hole(ax, body, places, -low_side / size if size > UPRIGHT else up, (x, middle))
     words: dict[str, Any] = {"size": fonts.SMALL, "va": "top"}
-    ax.text(x, middle + HOLE + WORDS, "along the hole", ha="center", **words)
+    ax.text(corner[0], middle + HOLE + WORDS, "along the hole", **words)
     x += HOLE + APART
     low, high = map(labels.number, _draw_part(ax, body, places, up, (x, middle), corner[0] + wide - x))
     ax.text(x, middle + STRIP / 2 + WORDS, f"at true scale: z = {low} to {high} {unit}", **words)
