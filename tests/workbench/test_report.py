@@ -137,6 +137,21 @@ def test_the_report_says_what_is_stored(text) -> None:
     assert transcripts.differences("report.words", words(text)) == []
 
 
+def test_that_no_real_rod_could_keep_the_shapes_is_said_once_at_the_top_and_leads_to_what_they_would_do(
+    results,
+) -> None:
+    let_go = {"head": [], "rows": [], "count": 9, "on": 9, "file": "let_go.h5"}
+    text = report_document.html(results, release=let_go)
+    said = Page(text).text
+    assert said.count("o real rod could keep") == 1
+    assert "o real rod could keep" in said.partition("Judged by")[0]
+    assert text.partition('class="claims"')[0].count('href="#let_go"') == 1
+    kept = results[1].ds.assign(caution=results[1].ds["caution"].copy(data=np.full(9, "")))
+    mixed = Page(report_document.html([replace(results[1], ds=kept), *results[2:3]])).text
+    assert mixed.count("Real rods could keep nine of the 18 shapes") == 1
+    assert mixed.count("; no real rod could keep these shapes") == 1  # of the other panel
+
+
 def test_every_picture_is_inside_and_described(text, results) -> None:
     pictures = Page(text).pictures
     assert len(pictures) == sum(len(result.pictures) for result in results) + 2  # the trade and the extremes
@@ -160,7 +175,8 @@ def test_the_card_of_a_claim_and_the_table_of_readings_have_one_verdict(readings
     assert law_verdicts.is_refuted(0, result.verdicts)
 
 
-CLAIMS = (Path(__file__).parents[2] / "docs" / "explanation" / "claims.md").read_text(encoding="utf-8")
+ROOT = Path(__file__).parents[2]
+CLAIMS = (ROOT / "docs" / "explanation" / "claims.md").read_text(encoding="utf-8")
 TOLD = [[cell.strip(" `") for cell in row.strip("|").split("|")] for row in CLAIMS.splitlines() if row.startswith("|")]
 
 
@@ -190,6 +206,12 @@ def test_the_page_on_the_claims_has_the_measured_numbers_of_each_law(results) ->
     told = " ".join(CLAIMS.split())
     assert f"of the {rods} rods of the five panels all would lift off" in told
     assert f" {through} pass through themselves" in told
+    tally = law_words.tally_of(law_cards.claims_of([report_document._section(result, {}) for result in own]), "claim")
+    for page in ("README.md", "docs/index.md"):
+        first = " ".join((ROOT / page).read_text(encoding="utf-8").partition("\n## ")[0].split())
+        assert f"{tally}.".partition(": ")[2] in first, page
+        assert f"Of the {rods} rods" in first, page
+        assert f"all would lift off, and {through} pass through themselves" in first, page
 
 
 def test_no_line_ends_inside_a_formula(text) -> None:

@@ -92,6 +92,8 @@ def html(
     figures = {name: figure for name, figure in figures.items() if figure is not None}
     sections = [_section(result, figures) for result in results]
     datasets = [*(result.stored for result in results), *([] if readings is None else [readings])]
+    cases = [[result.ds[name].values.ravel() for result in results] for name in ("caution", "solved")]
+    texts, solved = (np.concatenate(each) for each in cases)
     laws = [row for section in sections for row in section["laws"]]
     verdicts = "".join(f" --{CLASSES[name]}: {colour};" for name, colour in colours.VERDICTS.items())
     style = f":root {{{verdicts} }}\n{turntable_page.look()}{_text('report.css')}"
@@ -103,6 +105,8 @@ def html(
         {"program": program},
         turntable_page.data(figures),
         finalize=with_hard_spaces,
+        restable=cautions.restable(texts, solved),
+        barred=all(map(cautions.is_barred, texts[solved])),
         reading=str(results[0].stored.attrs["reading"]),
         claims=claims,
         tally=law_words.tally_of(claims, "claim"),
