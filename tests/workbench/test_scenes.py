@@ -636,6 +636,17 @@ def test_a_page_is_no_larger_than_a_journal_prints_and_has_its_legend_beside_its
 
 
 @draws
+def test_pictures_along_an_axis_have_one_size_though_their_words_differ() -> None:
+    stored = StoredStudy(dataset(axes="[axes.E]\nvalues = [5e3, 123456.0]\n", L=2.0))
+    settings = layout.Settings(2.0, 50)
+    pages = [layout.compose(stored, {"E": E}, along="E", settings=settings) for E in (5e3, 123456.0)]
+    first, last = (page.fig.get_size_inches().tolist() for page in pages)
+    assert first == last
+    alone = layout.compose(stored, {"E": 5e3}, settings=settings).fig.get_size_inches()
+    assert alone[0] < first[0]  # no emptier than its words need
+
+
+@draws
 def test_a_picture_of_a_row_knows_the_places_of_its_rods(tmp_path) -> None:
     import json
 

@@ -131,7 +131,10 @@ def impossible(bodies: Sequence[Body]) -> list[str]:
 
 
 def least_width(scene: Scene) -> float:
-    """The width that the words of a scene need on its page in inches."""
+    """The width that the words of a scene need on its page in inches; all of it for pictures along an axis, whose words
+    differ."""
+    if len(scene.context) > len(scene.bodies):
+        return scene.page_size[0]
     scene = colour_rods(scene)[0]
     return page.least_width(scene, *words_of(scene))
 
