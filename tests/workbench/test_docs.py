@@ -145,16 +145,6 @@ def test_every_command_is_listed() -> None:
     assert {found[1] for found in table if found} == set(commands)
 
 
-def test_the_python_of_large_studies_runs_on_a_small_one(tmp_path, monkeypatch, capsys) -> None:
-    monkeypatch.chdir(tmp_path)
-    (block,) = code(DOCS / "how-to" / "run-large-studies.md", "python")
-    small = block.replace("docs/million.toml", "fig7_1_modulus").replace("workers=2", "")
-    assert small.count("fig7_1_modulus") == small.count("Options()") == 1
-    exec(compile(small, "run-large-studies.md", "exec"), {"__name__": "__main__"})
-    assert "{'solved': 9}" in capsys.readouterr().out
-    assert Path("million.h5").exists()
-
-
 def test_the_tutorial_names_every_shipped_study() -> None:
     shipped = names()
     (said,) = re.findall(

@@ -1,6 +1,7 @@
 """Every kind of study has the same bits in any chunks, by any workers, in memory, and where its run was stopped; and
 each of its cases is the same however it is reached."""
 
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -12,7 +13,7 @@ from solver import solve
 from tests.slow import slow_but
 from tests.workbench import runs, small
 from tests.workbench.study_kinds import QUICK, STUDIES, pipe_study
-from workbench.run import block, in_memory, plan, worker_processes
+from workbench.run import block, in_memory, plan, shards, worker_processes
 from workbench.run.study_store import RunOptions, run_to_file
 from workbench.stored import one_case, quantity_variables, stored_case
 from workbench.stored.stored_study import StoredStudy
@@ -92,6 +93,25 @@ def test_a_case_is_the_same_in_its_study_solved_again_and_alone(whole, name: str
                 solve(case, stations=study.stations, choose=rule).beta,
             ):
                 np.testing.assert_allclose(way, one["beta"], atol=1e-12)
+
+
+@pytest.mark.parametrize("name", slow_but(("grid", "samples between ends", "sweep"), "sweep"))
+def test_parts_of_a_study_solved_in_two_places_have_the_bits_of_the_whole(tmp_path, monkeypatch, name: str) -> None:
+    study = STUDIES[name]
+    monkeypatch.setattr(plan, "BLOCK_ALONE", 2)
+    run_to_file(study, tmp_path / "whole.h5", RunOptions(workers=1))
+    paths = [tmp_path / place / "one.h5" for place in ("here", "there")]
+    for k, path in enumerate(paths, 1):
+        path.parent.mkdir()
+        ran = run_to_file(study, path, RunOptions(workers=1, part=(k, 2)))
+        assert 0 < ran.solved < plan.plan(study).size
+        assert ran.kept.startswith(f"{ran.solved} of ")
+        assert not path.exists()
+    here, there = map(shards.folder_of, paths)
+    shutil.copytree(there, here, dirs_exist_ok=True)
+    assert run_to_file(study, paths[0], RunOptions(workers=1)).solved == 0
+    assert runs.contents(paths[0]) == runs.contents(tmp_path / "whole.h5")
+    assert [path.name for path in paths[0].parent.iterdir()] == ["one.h5"]
 
 
 IN_BLOCKS = ("grid", "samples", "samples between ends", "sweep")

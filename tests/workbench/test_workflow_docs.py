@@ -3,6 +3,7 @@
 import os
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -14,6 +15,7 @@ import xarray as xr
 from solver import Case, Cylinder, Rod, Start, solve
 from tests.workbench import doc_pages, runs
 from tests.workbench.command import run
+from tests.workbench.study_kinds import STUDIES
 
 HOW_TO = Path(__file__).parents[2] / "docs" / "how-to"
 
@@ -31,6 +33,21 @@ def python(folder: Path, text: str) -> str:
     )
     assert done.returncode == 0, done.stderr
     return done.stdout
+
+
+def test_a_study_over_two_ends_is_divided_between_machines_as_its_page_says(tmp_path, monkeypatch) -> None:
+    lines = blocks("run-large-studies.md", "sh")[0].splitlines()
+    first, second, copy, last = (line.partition("#")[0].strip() for line in lines)
+    here, there, whole = (tmp_path / name for name in ("here", "there", "whole"))
+    assert copy == "scp 'there:study.h5.parts/*' study.h5.parts/"
+    for place, command in ((whole, last), (there, second), (here, first), (here, last)):
+        place.mkdir(exist_ok=True)
+        monkeypatch.chdir(place)
+        Path("study.toml").write_text(STUDIES["sweep"].text, encoding="utf-8")
+        run(command)
+        if command == first:
+            shutil.copytree(there / "study.h5.parts", "study.h5.parts", dirs_exist_ok=True)
+    assert runs.contents(here / "study.h5") == runs.contents(whole / "study.h5")
 
 
 def test_the_dask_page_solves_in_tasks(capsys) -> None:

@@ -1,5 +1,6 @@
 """The commands run, check and merge: the cases of a study solved, judged or joined, and what they print of it."""
 
+import re
 from collections.abc import Mapping
 from functools import partial
 from math import floor, log10
@@ -40,6 +41,9 @@ def run(
     chunk: Annotated[
         int | None, option("CASES", "Cases in one task of a worker, at most; default: chosen automatically.", min=1)
     ] = None,
+    part: Annotated[
+        str | None, option("K/N", "Solve the K-th of N parts alone, such as 1/2: each on a machine of its own.")
+    ] = None,
     restart: Annotated[
         bool, flag("Discard the results of an earlier run and solve every case again.", "--restart")
     ] = False,
@@ -74,11 +78,21 @@ def run(
         chosen = chosen.with_values(**changes)
     _check_free(path, chosen.name, force)
     keep_memory()
-    options = RunOptions(workers, scheduler, chunk, restart)
+    options = RunOptions(workers, scheduler, chunk, restart, None if part is None else _part_of(part))
     say = (lambda text: None) if json else _say
     ran = run_to_file(chosen, path, options, say, partial(console.progress_bar, as_json=json))
+    if ran.kept:
+        data = {"study": chosen.name, "part": part, "kept": ran.kept, "solved_now": ran.solved, "seconds": ran.seconds}
+        return Result(lambda: {**data, "status": 0}, lambda: console.say(ran.kept))
     named = {"title": chosen.title, "study": chosen.name, "reading": chosen.reading or "", "file": str(path)}
     return result_of({**named, **ran.statistics}, ran)
+
+
+def _part_of(text: str) -> tuple[int, int]:
+    """The numbers of ``1/2``. Raises `InputError`."""
+    if (match := re.fullmatch(r"(\d{1,4})/(\d{1,4})", text)) and 1 <= int(match[1]) <= int(match[2]):
+        return int(match[1]), int(match[2])
+    raise InputError(f"--part takes K/N, such as 1/2, with K from 1 to N, got {text!r}")
 
 
 def _say(text: str) -> None:

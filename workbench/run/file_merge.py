@@ -146,7 +146,7 @@ def _axis(files: Sequence[xr.Dataset], studies: Sequence[Study], names: Sequence
     if studies[0].refine is not None:
         raise InputError(f"{names[0]} is a refined study, whose cases belong together; run it with a finer tolerance")
     if studies[0].sweeps:
-        why = "its branches are numbered over the whole grid: run all values as one study"
+        why = "its branches are numbered over the whole grid: run it whole, with --part 1/2 and 2/2 on two machines"
         raise InputError(f"{names[0]} is a sweep of ends problems, {why}")
     axes = schema.axes_of(files[0])
     differing = [axis for axis in axes if any(_values(files[0], axis) != _values(ds, axis) for ds in files[1:])]

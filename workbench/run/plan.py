@@ -141,6 +141,17 @@ class Plan:
         """The states of the cases of a sweep."""
         return Sweep(self.study, self.dimensions.fields, self.block)
 
+    def part(self, number: int, count: int) -> tuple[int, int]:
+        """The first and the last + 1 of the cases to be solved of one of so many parts, from 1 on, of whole blocks.
+
+        Raises `InputError` where there are fewer blocks than parts.
+        """
+        if count > (blocks := -(-self.todo // self.block)):
+            cases = f"{self.todo} cases in blocks of {self.block}"
+            raise InputError(f"--part takes K/N with N at most {blocks}, as there are {cases}, got {number}/{count}")
+        start, stop = (min(self.block * (blocks * k // count), self.todo) for k in (number - 1, number))
+        return start, stop
+
     def chunks(self, missing: Iterable[tuple[int, int]], most: int) -> Iterator[Chunk]:
         """The missing cases in chunks of at most so many cases, whole blocks each."""
         for start, stop in missing:

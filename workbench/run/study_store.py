@@ -5,7 +5,7 @@ import os
 import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager, contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -92,12 +92,16 @@ class RunOptions:
         Cases in a chunk, at most; each is stored in parts of a few seconds' work.
     restart : bool
         Discard what an earlier run has kept, and solve a complete study again.
+    part : (int, int), optional
+        (k, n): solve the k-th of n parts alone, for which each may have a machine of its own. No file is written; the
+        finished cases of all parts, in one folder, are those of an interrupted run.
     """
 
     workers: int | None = None
     scheduler: str | None = None
     chunk: int | None = None
     restart: bool = False
+    part: tuple[int, int] | None = None
 
 
 DEFAULT = RunOptions()
@@ -106,12 +110,17 @@ KEPT = "finished cases are kept; run the same command again to continue"
 
 @dataclass(frozen=True)
 class Ran:
-    """What a run did. statistics: of the file (`law_verdicts.statistics`). solved: cases that it solved itself."""
+    """What a run did.
+
+    statistics: of the file (`law_verdicts.statistics`); of a part none. solved: cases that it solved itself. kept: of a
+    part, which cases are kept, where, and how to go on.
+    """
 
     statistics: dict[str, Any]
     solved: int
     seconds: float
     finished_before: bool = False
+    kept: str = ""
 
 
 def run_to_file(
@@ -167,6 +176,10 @@ def run_to_file(
     if work.is_finished:
         _tidy(work, output)
         return _already(work)
+    if options.part is not None:
+        if study.variation.from_base or study.refine is not None:
+            raise InputError("the cases of this study follow from one another, so it is solved whole: omit --part")
+        work.part(*options.part)  # refused before anything is printed
     if study.variation.from_base:
         if work.replaced:
             say(work.replaced)
@@ -192,7 +205,11 @@ def run_to_file(
         try:
             ran = _run(work, parts, output, options, say, progress)
         except KeyboardInterrupt:
-            raise KeyboardInterrupt(_keep(work, folder)) from None
+            then = "run the same command again to"
+            raise KeyboardInterrupt(f"interrupted; {_way_on(work, folder, f'{then} continue', then)}") from None
+        if options.part is not None:
+            others = "copy the files of the folders of the other parts into it, then run without --part"
+            return replace(ran, kept=_way_on(work, folder, others, "run without --part to"))
         shards.clear(folder)
         return ran
 
@@ -240,7 +257,11 @@ def _run(
             try:
                 for so_far, start, stop in rounds(work, parts.read_cases):
                     meter.total = max(meter.total, so_far.size)
+                    if options.part is not None:
+                        start, stop = work.part(*options.part)
                     _solve(so_far, parts, options, meter, tally, start, stop)
+                if options.part is not None:
+                    return Ran({}, meter.done - held - kept, meter.seconds)
                 statistics = assemble(so_far, parts, output, tally)
             except Damaged:  # by another program since it was read: its cases are solved again
                 tally = tally_of(before)
@@ -275,15 +296,18 @@ def _solve(work: Plan, parts: Shards, options: RunOptions, meter: Meter, tally: 
         meter.add(chunk.cases, count(decode(results), tally))
 
 
-def _keep(work: Plan, folder: Path) -> str:
-    """How to continue; counted from the shards, as the interruption may come between a shard and the meter."""
+def _way_on(work: Plan, folder: Path, others: str, then: str) -> str:
+    """Which cases are kept, and how to go on: to the others, or, as then says, to write the file.
+
+    They are counted from the shards, as an interruption may come between a shard and the meter.
+    """
     done = sum(stop - start for start, stop in shards.shard_ranges(folder, _most(work)))
     if not done:
-        return "interrupted; no case was finished yet"
+        return "no case was finished yet"
     cases = "new cases" if work.todo < work.size else "cases"
     which = cases if work.study.refine else f"of {work.todo} {cases}"  # a refinement chooses more as it goes
-    then = "write the file" if done == work.todo and not work.study.refine else "continue"
-    return f"interrupted; {done} {which} are kept in {folder}; run the same command again to {then}"
+    more = f"{then} write the file" if done == work.todo and not work.study.refine else others
+    return f"{done} {which} are kept in {folder}; {more}"
 
 
 # Cases solved by themselves, and blocks of others, that justify starting a worker.
