@@ -30,15 +30,15 @@ from . import __version__
 from .commands import (
     docs,
     doctor,
+    draw_scene,
     equilibria,
     explore,
-    export,
+    export_rod,
     fit,
     folds,
     loops,
     plot,
     run_study,
-    scene,
     sensitivity,
     solve,
     study_schema,
@@ -85,13 +85,13 @@ GROUPS: dict[str, dict[str, tuple[Any, ...]]] = {
     "Pictures and files": {
         "plot": (plot.plot, "plot regimes.h5 --show bends --shapes 6x4", "plot fig7_1_modulus.h5 --out figure.pdf"),
         "scene": (
-            scene.scene,
+            draw_scene.scene,
             "scene fig6 --kind contact",
             "scene fig7_1_modulus --at E=5000 --out soft.png",
             "scene fig7_4_end_angle.h5 --out end.mp4",
         ),
         "export": (
-            export.export,
+            export_rod.export,
             "export fig6.h5 --out rod.step",
             "export fig7_1_modulus.h5 --at E=5000 --out rod.glb",
         ),

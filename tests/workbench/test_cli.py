@@ -16,7 +16,7 @@ from tests.test_layers import HEAVY
 from tests.workbench import forked, small
 from tests.workbench.command import exit_status
 from workbench import cli
-from workbench.commands import scene
+from workbench.commands import draw_scene
 from workbench.run import study_store, writing
 from workbench.scene import opengl
 
@@ -71,7 +71,7 @@ def test_a_picture_of_one_case_is_named_for_it_and_stands_beside_the_others(stor
     monkeypatch.setitem(sys.modules, "workbench.scene.layout", scenes)
     monkeypatch.setattr("workbench.scene.layout", scenes, raising=False)
     for at in ([], ["E=1e4"], ["E=2e4", "R=0.75"]):
-        assert scene.scene(stored, at=at) == 0
+        assert draw_scene.scene(stored, at=at) == 0
     assert [path.name for path in drawn] == [
         "small_scene.png", "small_scene_E=10000.png", "small_scene_E=20000_R=0.75.png",
     ]  # fmt: skip

@@ -15,8 +15,8 @@ from tests.workbench import small
 from tests.workbench.command import exit_status
 from tests.workbench.pictures import draws
 from workbench.commands import console, scene_film, study_scene
+from workbench.commands.draw_scene import scene
 from workbench.commands.present import result_of_files
-from workbench.commands.scene import scene
 from workbench.commands.scene_options import SceneOptions
 from workbench.figures import canvas
 from workbench.run import in_memory, writing

@@ -14,7 +14,7 @@ from studies.language.loader import loads
 from tests.slow import slow
 from tests.workbench import small
 from tests.workbench.pictures import draws, pixels, shares_of_push
-from workbench.commands import scene
+from workbench.commands import draw_scene
 from workbench.export.base import ExportOptions
 from workbench.export.stored_rod import export
 from workbench.geometry import centreline
@@ -180,7 +180,7 @@ def test_where_stations_are_enough_the_push_between_them_is_within_a_step_of_its
 @draws
 def test_a_scene_of_a_long_pipe_shows_no_pull_that_a_dense_solve_denies(tmp_path: Path) -> None:
     (tmp_path / "pipe.toml").write_text(small.text({**PIPE, "L": 3000.0}, units="m kN"))
-    assert scene.scene(tmp_path / "pipe.toml", out=tmp_path / "pipe.png", dpi=60, bare=True) == 0
+    assert draw_scene.scene(tmp_path / "pipe.toml", out=tmp_path / "pipe.png", dpi=60, bare=True) == 0
     pulled, pushed = shares_of_push(pixels(tmp_path / "pipe.png"))
     assert pulled < 0.01 * pushed  # on 0.06 % of the length, next to the start
 

@@ -22,7 +22,7 @@ from tests.cases import helix_moment, in_units_of_rho
 from tests.workbench import small
 from tests.workbench.page_faults import faults
 from tests.workbench.pictures import draws, pixels, share_of_hue, share_of_ink
-from workbench.commands import options, scene
+from workbench.commands import draw_scene, options
 from workbench.figures import canvas, colours
 from workbench.geometry import refinement, self_contact
 from workbench.geometry.centreline import Centreline
@@ -217,10 +217,10 @@ def test_a_row_in_the_table_is_all_that_a_new_kind_needs(fig6, tmp_path, monkeyp
     toy = scene_kinds.SceneKind("toy", "the rod in red", "one", paint=red, legend=(("#ff0000", "a toy"),))
     monkeypatch.setitem(KINDS, "toy", toy)
     file = writing.write(fig6, tmp_path / "fig6.h5")
-    assert scene.scene(file, kind="toy", dpi=60) == 0
+    assert draw_scene.scene(file, kind="toy", dpi=60) == 0
     assert share_of_hue(pixels(tmp_path / "fig6_scene_toy.png"), "#ff0000") > 0.02
     with pytest.raises(InputError, match=r"no kind of scene 'none'.*toy"):
-        scene.scene(file, kind="none")
+        draw_scene.scene(file, kind="none")
 
 
 @draws
@@ -437,7 +437,7 @@ def test_a_wound_rod_does_not_blow_the_memory(tmp_path) -> None:
 def test_a_look_chooses_side_colours_size_and_what_is_left_out(fig6, tmp_path) -> None:
     file = writing.write(fig6, tmp_path / "fig6.h5")
     look = {"camera": "front", "color_range": "0,50", "bare": True, "transparent": True, "size": "640x300"}
-    assert scene.scene(file, out=tmp_path / "out.png", dpi=80, **look) == 0
+    assert draw_scene.scene(file, out=tmp_path / "out.png", dpi=80, **look) == 0
     with Image.open(tmp_path / "out.png") as picture:
         assert (picture.size, picture.mode) == ((640, 300), "RGBA")
         seen = np.asarray(picture) / 255.0
@@ -449,14 +449,14 @@ def test_a_look_chooses_side_colours_size_and_what_is_left_out(fig6, tmp_path) -
 @draws
 def test_a_dark_scene_has_light_words_and_a_rod_in_one_colour_has_the_one_that_is_asked_for(fig6, tmp_path) -> None:
     file, back = writing.write(fig6, tmp_path / "fig6.h5"), colours.THEMES["dark"][0]
-    assert scene.scene(file, out=tmp_path / "dark.png", dpi=80, theme="dark", kind="plain", color="gold") == 0
+    assert draw_scene.scene(file, out=tmp_path / "dark.png", dpi=80, theme="dark", kind="plain", color="gold") == 0
     seen = pixels(tmp_path / "dark.png")
     np.testing.assert_allclose(seen[[0, 0, -1, -1], [0, -1, 0, -1]], [to_rgb(back)] * 4, atol=1 / 255)
     title = seen[: seen.shape[0] // 8]
     assert title.max() > 0.85
     assert np.mean(np.abs(title - to_rgb(back)).max(axis=-1) < 0.02) > 0.5
     assert share_of_hue(seen, "#ffd700", 0.2) > 0.05
-    assert scene.scene(file, out=tmp_path / "dark.html", background="#102030") == 0
+    assert draw_scene.scene(file, out=tmp_path / "dark.html", background="#102030") == 0
     said = (tmp_path / "dark.html").read_text()
     assert "@media all" in said
     assert "--paper: #102030" in said
@@ -469,7 +469,7 @@ def test_a_dark_scene_has_light_words_and_a_rod_in_one_colour_has_the_one_that_i
         ("exclude each other", {"background": "navy", "transparent": True}),
     ):
         with pytest.raises(InputError, match=words):
-            scene.scene(file, out=tmp_path / "refused.png", dpi=50, **look)
+            draw_scene.scene(file, out=tmp_path / "refused.png", dpi=50, **look)
 
 
 def test_the_places_of_self_intersection_are_where_two_stretches_are_less_than_two_radii_apart(fig6) -> None:

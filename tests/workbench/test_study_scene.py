@@ -11,7 +11,7 @@ from tests.slow import slow
 from tests.workbench import small
 from tests.workbench.command import exit_status
 from tests.workbench.pictures import draws
-from workbench.commands import scene, study_scene
+from workbench.commands import draw_scene, study_scene
 from workbench.export.stored_rod import export
 from workbench.run import in_memory, writing
 from workbench.scene import opengl, scene_kinds
@@ -91,7 +91,7 @@ def test_a_file_with_too_few_stations_is_solved_again_and_without_a_study_refuse
     ds = in_memory.run(loads(WOUND, default_name="wound"))
     stored, out = tmp_path / "wound.h5", tmp_path / f"wound{suffix}"
     writing.write(ds, stored)
-    assert scene.scene(stored, out=out, dpi=60) == 0
+    assert draw_scene.scene(stored, out=out, dpi=60) == 0
     assert suffix == ".html" or "solved at" in capsys.readouterr().out
     few = ds.assign_attrs(study="")
     with pytest.raises(InputError, match="201 stations are too few"):

@@ -20,7 +20,7 @@ from ..stored.shown_observables import choose_observables
 from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import along, canvas, colours, drawn_rods, push_scale, trends, unrolled
-from .laws import caption_of, is_trivial, panel
+from .law_panel import caption_of, is_trivial, panel
 from .sheet import SCREEN, Sheet, set_range
 
 LAW_HEIGHT, TALL_LAW, LEAST_LAW = 3.2, 3.8, 2.4  # inches; the second beside curves
