@@ -36,20 +36,20 @@ def main() -> None:
     every = [one.solution for one in equilibria(ends)]
     values = np.linspace(loads[0], LAST, STEPS + 1)
     follow(every[0], FZ=values[:2])  # what is imported at the first call
-    told("dead loads, FZ falling", [partial(followed, one, FZ=values) for one in every])
-    told("of these, no fold", [partial(followed, one, FZ=values) for one in every[:11]])
+    report("dead loads, FZ falling", [partial(count_points, one, FZ=values) for one in every])
+    report("of these, no fold", [partial(count_points, one, FZ=values) for one in every[:11]])
     held = []
     for one in every[::3]:
         own = float(one.z[-1])
         given = Ends(case.given.beta, float(start.beta[-1]), None, *loads[1:], height=own)
         held.append((solve(Case(case.rod, case.cylinder, given), seed=one), own))
-    runs = [partial(followed, sol, height=np.linspace(own, own - 0.5, STEPS + 1)) for sol, own in held]
-    told("height held and falling", runs)
-    told("a loop of solve, FZ falling", [partial(by_solve, one, values) for one in every[4:11:3]])
-    told("a loop of solve_bvp, tol 1e-8", [partial(by_collocation, one, values) for one in every[4:11:3]])
+    runs = [partial(count_points, sol, height=np.linspace(own, own - 0.5, STEPS + 1)) for sol, own in held]
+    report("height held and falling", runs)
+    report("a loop of solve, FZ falling", [partial(by_solve, one, values) for one in every[4:11:3]])
+    report("a loop of solve_bvp, tol 1e-8", [partial(by_collocation, one, values) for one in every[4:11:3]])
 
 
-def followed(solution: Solution, **field: np.ndarray) -> int:
+def count_points(solution: Solution, **field: np.ndarray) -> int:
     return len(follow(solution, **field))
 
 
@@ -68,7 +68,7 @@ def by_collocation(solution: Solution, values: np.ndarray) -> int:
     s, shape = solution.s / float(case.rho), np.stack([solution.beta, solution.dbeta * float(case.rho)])
     for value in values:
         beta0, far, phi, lam, mu, *_ = numbers(float(value))
-        rates = partial(collocated, loads=(lam, mu, phi))
+        rates = partial(equation, loads=(lam, mu, phi))
         ends = partial(apart, wanted=(beta0, far))
         found = solve_bvp(rates, ends, s, shape, tol=1e-8, max_nodes=20_000)
         if not found.success:
@@ -82,13 +82,13 @@ def apart(first: np.ndarray, last: np.ndarray, wanted: tuple[float, float]) -> n
     return np.array([first[0] - wanted[0], last[0] - wanted[1]])
 
 
-def collocated(_: np.ndarray, state: np.ndarray, loads: tuple[float, float, float]) -> np.ndarray:
+def equation(_: np.ndarray, state: np.ndarray, loads: tuple[float, float, float]) -> np.ndarray:
     """beta_t and beta_tt = -H."""
     (lam, mu, phi), s, c = loads, np.sin(state[0]), np.cos(state[0])
     return np.stack([state[1], -(lam * c - mu * np.cos(2 * state[0]) - (phi + 2 * c * s * s) * s)])
 
 
-def told(name: str, runs: Sequence[Callable[[], int]]) -> None:
+def report(name: str, runs: Sequence[Callable[[], int]]) -> None:
     """Print CPU time a point, and the number of points."""
     began = time.process_time()
     points = sum(run() for run in runs)

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from benchmarks.timing import paired, table1
+from benchmarks.timing import compare_times, table1
 from solver import Case, Cylinder, Rod, Start, solve
 from solver.problem.reduced import reduce
 
@@ -47,7 +47,7 @@ def by_threads() -> dict[str, float]:
         return work
 
     case = many()
-    one, two, ratio = paired(run(1), run(2), 5)
+    one, two, ratio = compare_times(run(1), run(2), 5)
     return {"one thread s": one, "two threads s": two, "one / two": ratio}
 
 
@@ -56,7 +56,7 @@ def against_blocks() -> dict[str, float]:
     case, E = many(), many().rod.E
     blocks = [table1(E=E[k : k + BLOCK]) for k in range(0, CASES, BLOCK)]
     with threads(1):
-        whole, parts, ratio = paired(
+        whole, parts, ratio = compare_times(
             lambda: solve(case, stations=STATIONS), lambda: [solve(block, stations=STATIONS) for block in blocks], 5
         )
     return {"one call us a case": 1e6 * whole / CASES, "blocks us a case": 1e6 * parts / CASES, "one / blocks": ratio}
@@ -80,7 +80,7 @@ def next_to_a_saddle() -> dict[str, float]:
     rod = Rod(4 / np.pi / 0.25**4, 0.25, 0.25, 60.0)  # A = 1
     for gap in (1e-4, 1e-8, 1e-12):
         near = Case(rod, Cylinder(0.75), Start(gap, 0.0, F3=1.0, M3=0.0))
-        slow, fast, _ = paired(lambda near=near: solve(near), lambda: solve(table1()), 25)
+        slow, fast, _ = compare_times(lambda near=near: solve(near), lambda: solve(table1()), 25)
         out |= {f"gap {gap:.0e} ms": 1e3 * slow, "ordinary rod ms": 1e3 * fast}
     return out
 
@@ -116,7 +116,7 @@ def bound() -> dict[str, float]:
     clocks = (steps * series + 400 * station) / 8
     gigahertz = _clock()
     whole = np.empty((4, reduce(case).size, 400))
-    fill, _, _ = paired(lambda: whole.fill(1.0), lambda: None, 9)
+    fill, _, _ = compare_times(lambda: whole.fill(1.0), lambda: None, 9)
     arithmetic, written = clocks / gigahertz / 1e3, 1e6 * fill / 10_000
     return {"steps a rod": steps, "GHz": gigahertz, "arithmetic us": arithmetic, "memory us": written}
 

@@ -96,13 +96,13 @@ def uniform(body: Body, allowed: float) -> tuple[int, int]:
     return many, sides
 
 
-def solved(name: str) -> xr.Dataset:
+def dataset_of(name: str) -> xr.Dataset:
     stations, text = RODS[name]
     return in_memory.run(loads(HEAD.format(name, stations) + UNITS + text, default_name="rod"))
 
 
 def measure(name: str, pixel_error: float) -> list[object]:
-    ds, stations = solved(name), RODS[name][0]
+    ds, stations = dataset_of(name), RODS[name][0]
     body = read(StoredStudy(ds), {}, KINDS["plain"])
     line = body.line
     per_unit = WIDE / max(float(np.ptp(body.z)), 2 * body.reach)
@@ -139,12 +139,12 @@ def scene(file: Path, pixel_error: float) -> None:
     triangles: list[int] = []
     made = surfaces.tube_parts
 
-    def counted(body: Body, drawn: Rings) -> list[surfaces.Part]:
+    def count_parts(body: Body, drawn: Rings) -> list[surfaces.Part]:
         found = made(body, drawn)
         triangles.append(sum(len(part.triangles) for part in found))
         return found
 
-    surfaces.tube_parts = counted
+    surfaces.tube_parts = count_parts
     start = process_time()
     ds = reading.read(file)
     read(StoredStudy(ds), {}, KINDS["plain"])
@@ -171,7 +171,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         files = {name: Path(folder) / f"{i}.h5" for i, name in enumerate(RODS) if name != "stiff"}
         for name, file in files.items():
-            writing.write(solved(name), file)
+            writing.write(dataset_of(name), file)
         heads = ["rod", "pixels allowed", "surfaces", "triangles", "processor s", "MB"]
         rows(heads, (whole(name, file, pixel_error) for name, file in files.items() for pixel_error in ERRORS))
 

@@ -9,7 +9,6 @@ import argparse
 import json
 import statistics
 import time
-from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -17,6 +16,7 @@ from typing import Any
 import numpy as np
 from scipy.integrate import solve_bvp
 
+from benchmarks.timing import compare_times
 from solver import Case, Solution, equilibria, solve
 from solver.orbits.potential import slope, slope_rate
 from workbench.lab.trade_runs import CASES, ends_in_units_of_rho
@@ -43,15 +43,15 @@ def difference_against_bvp(rounds: int = 15) -> list[dict[str, Any]]:
         itself = partial(solve, seed.case, WANTED, "difference", seed=seed)
         theirs = {mesh: loosest(seed, mesh, exact, t) for mesh in MESHES}
         able = {mesh: work for mesh, work in theirs.items() if work is not None}
-        best = min(able, key=lambda mesh: paired(able[mesh], ours, 3)[0])
+        best = min(able, key=lambda mesh: compare_times(able[mesh], ours, 3, clock=time.process_time)[0])
         row: dict[str, Any] = {"case": name, "nodes": ours.keywords["nodes"], "error": _off(ours(), exact)}
         row["error by itself"] = _off(itself(), exact)
         for title, mesh in (("first mesh 129", 129), ("best first mesh", best)):
             if mesh not in able:
                 continue
-            slow, fast, ratio = paired(able[mesh], ours, rounds)
+            slow, fast, ratio = compare_times(able[mesh], ours, rounds, clock=time.process_time)
             row |= {f"solve_bvp ms, {title}": 1e3 * slow, "difference ms": 1e3 * fast, f"ratio, {title}": ratio}
-            row[f"ratio, {title}, by itself"] = paired(able[mesh], itself, rounds)[2]
+            row[f"ratio, {title}, by itself"] = compare_times(able[mesh], itself, rounds, clock=time.process_time)[2]
         rows.append(row)
     return rows
 
@@ -74,20 +74,6 @@ def summary(rows: list[dict[str, Any]]) -> dict[str, float]:
         values = [row[key] for row in rows if key in row]
         out |= {f"{key}: median": statistics.median(values), f"{key}: least": min(values), f"{key}: most": max(values)}
     return out
-
-
-def paired(first: Callable[[], object], second: Callable[[], object], rounds: int) -> tuple[float, float, float]:
-    """Median processor seconds of both, run in turn, and the median of their ratios: on a busy machine the clock says
-    less about calls of a millisecond."""
-    times = []
-    for _ in range(rounds + 1):
-        start = time.process_time()
-        first()
-        middle = time.process_time()
-        second()
-        times.append((middle - start, time.process_time() - middle))
-    slow, fast = zip(*times[1:], strict=True)
-    return statistics.median(slow), statistics.median(fast), statistics.median(a / b for a, b in times[1:])
 
 
 def coarsest(case: Case, seed: Solution, exact: Any) -> Any:

@@ -30,7 +30,7 @@ def rod(E: float, M3: float) -> Case:
     )
 
 
-def measured(rng: np.random.Generator, with_s: bool) -> dict[str, Any]:
+def noisy_points(rng: np.random.Generator, with_s: bool) -> dict[str, Any]:
     """Points of the true rod with normal noise."""
     s = np.linspace(20.0 / POINTS, 20.0, POINTS)
     sol = solve(rod(**TRUE), tol=1e-12, stations=s)
@@ -38,12 +38,12 @@ def measured(rng: np.random.Generator, with_s: bool) -> dict[str, Any]:
     return {"alpha": alpha, "z": z} | ({"s": s} if with_s else {})
 
 
-def covered(repetitions: int, with_s: bool, sigma: bool) -> dict[str, int]:
+def count_covered(repetitions: int, with_s: bool, sigma: bool) -> dict[str, int]:
     """How often each true value lies in its interval; each repetition has noise of its own."""
     held = dict.fromkeys(TRUE, 0)
     known = {"alpha": NOISE, "z": NOISE} if sigma else None
     for seed in range(repetitions):
-        points = measured(np.random.default_rng(seed), with_s)
+        points = noisy_points(np.random.default_rng(seed), with_s)
         found = fit(rod(**GUESS), list(TRUE), points=points, sigma=known, starts=0)
         for name, value in TRUE.items():
             low, high = found.intervals[name]
@@ -53,7 +53,7 @@ def covered(repetitions: int, with_s: bool, sigma: bool) -> dict[str, int]:
 
 def costs(rounds: int = 15) -> dict[str, tuple[float, float]]:
     """Seconds of the processor of a fit of two fields: the median and the least of some rounds."""
-    points = {with_s: measured(np.random.default_rng(0), with_s) for with_s in (True, False)}
+    points = {with_s: noisy_points(np.random.default_rng(0), with_s) for with_s in (True, False)}
     case = rod(**GUESS)
 
     def of(**options: Any) -> Callable[[], object]:
@@ -89,7 +89,7 @@ def main() -> None:
     options.add_argument("--rounds", type=int, default=15)
     given = options.parse_args()
     for with_s, sigma in ((True, False), (True, True), (False, False), (False, True)) if not given.costs else ():
-        held = covered(given.repetitions, with_s, sigma)
+        held = count_covered(given.repetitions, with_s, sigma)
         kind = f"{'with' if with_s else 'without'} s, sigma {'given' if sigma else 'estimated'}"
         for name, count in held.items():
             share = count / given.repetitions

@@ -17,7 +17,7 @@ import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from benchmarks.timing import paired, seconds_of_processor
+from benchmarks.timing import compare_times, seconds_of_processor
 from solver import solve
 from solver.observe.observables import observe
 from studies import Study
@@ -78,7 +78,7 @@ def samples(size: int) -> Study:
     return loads(text + SAMPLE.format(size=size), default_name="benchmark")
 
 
-def stored(work: Study, folder: Path, **options: object) -> Callable[[], None]:
+def work_of_run(work: Study, folder: Path, **options: object) -> Callable[[], None]:
     """A run of the study, to its end, each time anew."""
 
     def run() -> None:
@@ -100,7 +100,7 @@ def bare(work: Study) -> Callable[[], None]:
 def overhead(folder: Path, rounds: int) -> dict[str, float]:
     """100,000 cases at 101 stations, observables only: run and stored by one worker, against the bare solver."""
     work = study(250, 400)
-    mine, theirs, ratio = paired(stored(work, folder, workers=1), bare(work), rounds)
+    mine, theirs, ratio = compare_times(work_of_run(work, folder, workers=1), bare(work), rounds)
     return {"stored [s]": mine, "bare [s]": theirs, "stored / bare": ratio}
 
 
@@ -109,14 +109,14 @@ def processor(folder: Path, rounds: int) -> dict[str, float]:
     work = study(100, 200)
     case, wanted = work.case(), dict.fromkeys((*work.wanted, *cautions.JUDGED))
 
-    def told() -> None:
+    def tell_cautions() -> None:
         sol = solve(case, work.tol, work.method, work.stations)
         cautions.of_cases(sol, observe(sol, wanted, errors=True))
 
     parts = {
-        "stored [s]": stored(work, folder, workers=1),
+        "stored [s]": work_of_run(work, folder, workers=1),
         "bare [s]": bare(work),
-        "bare, with cautions [s]": told,
+        "bare, with cautions [s]": tell_cautions,
         "solved alone [s]": lambda: solve(case, work.tol, work.method, work.stations),
     }
     spent = {name: [seconds_of_processor(part) for _ in range(rounds + 1)][1:] for name, part in parts.items()}
@@ -128,17 +128,17 @@ def processor(folder: Path, rounds: int) -> dict[str, float]:
     }
 
 
-def sampled(folder: Path, rounds: int) -> dict[str, float]:
+def many_samples(folder: Path, rounds: int) -> dict[str, float]:
     """100,000 samples, drawn, run and stored by one worker, against a grid of as many: processor time."""
-    return _sampled(folder, 100_000, (250, 400), rounds)
+    return _samples(folder, 100_000, (250, 400), rounds)
 
 
-def sampled_million(folder: Path, rounds: int) -> dict[str, float]:
+def million_samples(folder: Path, rounds: int) -> dict[str, float]:
     """1,000,000 samples, drawn, run and stored by one worker, against a grid of as many: processor time."""
-    return _sampled(folder, 1_000_000, (1000, 1000), 1)
+    return _samples(folder, 1_000_000, (1000, 1000), 1)
 
 
-def _sampled(folder: Path, size: int, axes: tuple[int, int], rounds: int) -> dict[str, float]:
+def _samples(folder: Path, size: int, axes: tuple[int, int], rounds: int) -> dict[str, float]:
     """In processes of their own, in turn, so that each has its own largest memory."""
     (folder / "samples.toml").write_text(samples(size).text)
     (folder / "grid.toml").write_text(study(*axes).text)
@@ -165,7 +165,7 @@ def _sampled(folder: Path, size: int, axes: tuple[int, int], rounds: int) -> dic
 def workers(folder: Path, rounds: int) -> dict[str, float]:
     """The same cases by two workers of this machine, against one."""
     work = study(250, 400)
-    two, one, ratio = paired(stored(work, folder, workers=2), stored(work, folder, workers=1), rounds)
+    two, one, ratio = compare_times(work_of_run(work, folder, workers=2), work_of_run(work, folder, workers=1), rounds)
     return {"two [s]": two, "one [s]": one, "one / two": 1 / ratio}
 
 
@@ -181,8 +181,8 @@ def cluster(folder: Path, rounds: int) -> dict[str, float]:
             time.sleep(0.1)
         scheduler = json.loads(at.read_text())["address"]
         work = study(250, 400)
-        dask = stored(work, folder, scheduler=scheduler)
-        theirs, mine, ratio = paired(dask, stored(work, folder, workers=2), rounds)
+        dask = work_of_run(work, folder, scheduler=scheduler)
+        theirs, mine, ratio = compare_times(dask, work_of_run(work, folder, workers=2), rounds)
     finally:
         for process in reversed(started):
             process.terminate()
@@ -190,7 +190,7 @@ def cluster(folder: Path, rounds: int) -> dict[str, float]:
     return {"Dask [s]": theirs, "pool [s]": mine, "Dask / pool": ratio}
 
 
-def going_on(folder: Path, rounds: int) -> dict[str, float]:
+def run_and_rerun(folder: Path, rounds: int) -> dict[str, float]:
     """`workbench run` of a study of a million cases: the run itself, its memory, and once more when it is finished."""
     return _large(folder, study(1000, 1000), rounds)
 
@@ -262,7 +262,7 @@ def against_xyzpy(folder: Path, rounds: int) -> dict[str, float]:
         ds = runner.run_combos(axes, parallel=True, num_workers=2, verbosity=0)
         ds.to_netcdf(folder / "xyzpy.h5", engine="h5netcdf")
 
-    slow, fast, ratio = paired(theirs, stored(work, folder, workers=2), rounds)
+    slow, fast, ratio = compare_times(theirs, work_of_run(work, folder, workers=2), rounds)
     return {"xyzpy [s]": slow, "stored [s]": fast, "xyzpy / stored": ratio}
 
 
@@ -270,11 +270,11 @@ PARTS = {
     "overhead": overhead,
     "processor": processor,
     "workers": workers,
-    "sampled": sampled,
-    "sampled million": sampled_million,
+    "sampled": many_samples,
+    "sampled million": million_samples,
     "cluster": cluster,
     "xyzpy": against_xyzpy,
-    "million": going_on,
+    "million": run_and_rerun,
     "curves": with_curves,
 }
 

@@ -135,7 +135,7 @@ COMBINATIONS = (("height",), ("azimuth",), ("rotation",), ("height", "azimuth"),
 PARTNER = {"height": "FZ", "azimuth": "MZ", "rotation": "M3"}
 
 
-def held_problems(seed: int, n: int) -> Iterator[Row]:
+def problems_with_held_ends(seed: int, n: int) -> Iterator[Row]:
     """An equilibrium under dead loads, and ends that hold some of its displacements a little changed."""
     rng = np.random.default_rng(seed)
     for i, row in enumerate(random_ends(seed, n, 8.0)):
@@ -151,8 +151,8 @@ def held_problems(seed: int, n: int) -> Iterator[Row]:
         yield {**row, "held": {**given, **held}}
 
 
-def held() -> Iterator[Row]:
-    for i, row in enumerate(held_problems(7, 80)):
+def rods_held() -> Iterator[Row]:
+    for i, row in enumerate(problems_with_held_ends(7, 80)):
         yield {"kind": "shape", "name": f"held {i}", **row, "observe": i % 3 == 0}
 
 
@@ -164,7 +164,7 @@ def follows() -> Iterator[Row]:
         own = {**row["rod"], **row["cylinder"], **row["ends"]}[axis]
         wide = 0.5 * own if axis in ("L", "R") else 2.0
         yield {"kind": "follow", "name": f"follow {axis} {i}", **row, "over": {axis: [own - wide, own, own + wide]}}
-    for i, row in enumerate(held_problems(9, 28)):
+    for i, row in enumerate(problems_with_held_ends(9, 28)):
         axis = next(name for name in PARTNER if name in row["held"])
         own = row["held"][axis]
         values = [own - 0.3 * rng.random(), own, own + 0.3 * rng.random()]
@@ -180,7 +180,7 @@ def folds() -> Iterator[Row]:
     yield {"kind": "folds", "name": "buckling", **row, "lattice": 4, "over": {"FZ": [-3.0, -0.2], "L": [3.0, 6.0]}}
 
 
-def closed() -> Iterator[Row]:
+def loops() -> Iterator[Row]:
     for turns in (1, 2, 3):
         for waves in (1, 2, 3, 4):
             for longer in (1.05, 1.6):
@@ -201,7 +201,7 @@ def sensitivities() -> Iterator[Row]:
     for i, row in enumerate(random_ends(11, 24)):
         fields = ["E", "nu", "a", "L", "R", *row["ends"]]
         yield {"kind": "sensitivity", "name": f"derivatives dead {i}", **row, "fields": fields, "observables": SEEN}
-    for i, row in enumerate(held_problems(12, 24)):
+    for i, row in enumerate(problems_with_held_ends(12, 24)):
         fields = ["E", "nu", "a", "L", "R", *row["held"]]
         yield {"kind": "sensitivity", "name": f"derivatives held {i}", **row, "fields": fields, "observables": SEEN}
 
@@ -218,7 +218,7 @@ def fits() -> Iterator[Row]:
         yield {"kind": "fit", "name": f"fit FZ {i}", **row, "vary": {"FZ": [own - 1, own + 1]}, "targets": target}
 
 
-def marched(solution: Solution) -> float | None:
+def march_error(solution: Solution) -> float | None:
     """The largest difference of beta, alpha and z/rho at the far end from a march from beta'(0).
 
     None where the march itself loses six digits.
@@ -258,7 +258,7 @@ def short(value: Any, digits: int = 13) -> Any:
     return value.item() if isinstance(value, np.generic) else value
 
 
-def hinged() -> Iterator[Row]:
+def rods_with_hinges() -> Iterator[Row]:
     """Rods with a hinge at one end or at both, without an end moment."""
     rng = np.random.default_rng(15)
     for i in range(24):
@@ -275,14 +275,15 @@ def hinged() -> Iterator[Row]:
 
 def make() -> None:
     made = []
-    for kind in (starts, dead, saddles, helices, held, follows, folds, closed, sensitivities, fits, hinged):
+    kinds = starts, dead, saddles, helices, rods_held, follows, folds, loops, sensitivities, fits, rods_with_hinges
+    for kind in kinds:
         for row in kind():
             begun = perf_counter()
             row["answer"] = short(answer(row))
             if perf_counter() - begun > 2:
                 print(f"{row['name']}: {perf_counter() - begun:.1f} s", flush=True)
             if row["kind"] == "shape" and row["answer"].get("condition", np.inf) < 1e6 and _within_reach(row):
-                row["marched"] = marched(solution_of(row))
+                row["marched"] = march_error(solution_of(row))
             made.append(json.loads(json.dumps(row)))
         print(kind.__name__, len(made), flush=True)
     write(made)

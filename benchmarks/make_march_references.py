@@ -16,7 +16,7 @@ from numpy.polynomial.polynomial import polyval
 from scipy.optimize import minimize_scalar
 
 from benchmarks.march_25_digits import march
-from benchmarks.observed_march import observed, push_and_curvature, steps
+from benchmarks.observed_march import numbers_along, push_and_curvature, steps
 from solver import Case, solve
 from solver.problem.reduced import StartProblem, reduce
 from tests.cases import random_rods
@@ -67,7 +67,7 @@ def numbers_of(case: Case) -> Any:
 def observables(case: Case) -> list[dict[str, float]]:
     """The observables of each rod; empty where its march does not arrive."""
     given = numbers_of(case)
-    return [observed(row, way) if way else {} for row, way in zip(given, steps(given), strict=True)]
+    return [numbers_along(row, way) if way else {} for row, way in zip(given, steps(given), strict=True)]
 
 
 def largest_pushes(case: Case) -> list[tuple[float, float]]:

@@ -80,7 +80,7 @@ def series(state: list[Any], lam: Any, mu: Any, phi: Any) -> list[list[Any]]:
     return [b, alpha, z, swirl, *changes]
 
 
-def stepped(coefficients: list[list[Any]], h: Any) -> list[Any]:
+def state_after(coefficients: list[list[Any]], h: Any) -> list[Any]:
     """The state a step h on."""
     b, alpha, z, swirl, one, two = ([*reversed(column)] for column in coefficients)
     out = [*mpmath.polyval(b, h, derivative=True)]
@@ -101,7 +101,7 @@ def march(named: Named) -> dict[str, Any]:
             tail = max(max(abs(x[-1]), abs(x[-2])) / max(1, abs(x[0])) for x in coefficients)
             h = min((mpf(10) ** -(DIGITS - 4) / tail) ** (mpf(1) / ORDER) if tail else goal - t, goal - t)
             for part in (h / 3, 2 * h / 3, h):
-                here = stepped(coefficients, part)
+                here = state_after(coefficients, part)
                 condition = max(condition, abs(here[5]), abs(here[7]))
             state, t = here, t + h
         b, v, alpha, z, swirl = state[:5]

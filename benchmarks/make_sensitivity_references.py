@@ -93,7 +93,7 @@ def exact(values: Any) -> State:
     return [mp.mpf(float(value)) for value in values]
 
 
-def started(name: str) -> dict[str, Any]:
+def start_row(name: str) -> dict[str, Any]:
     p = reduce(START[name].case)
     numbers = exact(getattr(p, key)[0] for key in ("lam", "mu", "phi", "beta0", "dbeta0"))
     span = mp.mpf(float(p.span[0]))
@@ -101,7 +101,7 @@ def started(name: str) -> dict[str, Any]:
     return {"jacobian": [[[float(side[m]) for side in sides] for m in range(5)] for _, sides in found]}
 
 
-def held(place: int) -> dict[str, Any]:
+def ends_row(place: int) -> dict[str, Any]:
     case = ends_in_units_of_rho(*REFERENCE)
     solution = equilibria(case, stations=3)[place].solution
     p = solution.problem
@@ -127,8 +127,8 @@ def held(place: int) -> dict[str, Any]:
 
 def main() -> None:
     with mp.workdps(DIGITS):
-        cases = {name: started(name) for name in NAMES}
-        ends = {str(place): held(place) for place in TAKEN}
+        cases = {name: start_row(name) for name in NAMES}
+        ends = {str(place): ends_row(place) for place in TAKEN}
     data = {"shares": SHARES, "reference": REFERENCE, "start": cases, "ends": ends}
     path = Path(__file__).resolve().parents[1] / "tests" / "sensitivity_references.json"
     path.write_text(json.dumps(data, indent=1) + "\n", encoding="utf-8")

@@ -13,7 +13,7 @@ from typing import Any
 import mpmath
 from mpmath import mpf
 
-from benchmarks.make_references import DIGITS, ORDER, numbers, series, stepped
+from benchmarks.make_references import DIGITS, ORDER, numbers, series, state_after
 from solver import Case, Ends
 from workbench.lab.trade_runs import CASES, FILE, Named
 
@@ -42,7 +42,7 @@ def march(at: dict[str, Any], parts: int) -> tuple[list[list[Any]], Any]:
             tail = max(max(abs(x[-1]), abs(x[-2])) / max(1, abs(x[0])) for x in terms)
             h = min((mpf(10) ** -(DIGITS - 4) / tail) ** (mpf(1) / ORDER) if tail else goal - t, goal - t)
             for part in (h / 2, h):
-                here = stepped(terms, part)
+                here = state_after(terms, part)
                 condition = max(condition, abs(here[5]), abs(here[7]))
             state, t = here, goal if h == goal - t else t + h
         rows.append(state)
@@ -60,7 +60,7 @@ def contact(at: dict[str, Any], beta: Any, v: Any) -> Any:
 def shot(named: Named) -> dict[str, Any]:
     """The reduced numbers of an ends problem with the slope of the equilibrium that is meant."""
     at = of_ends(named.case)
-    at["v"] = mpf(sharpened(named)) * at["rho"]
+    at["v"] = mpf(sharp_slope(named)) * at["rho"]
     goal = mpf(float(named.case.given.betaL))
     for _ in range(8):
         rows, _ = march(at, 1)
@@ -71,7 +71,7 @@ def shot(named: Named) -> dict[str, Any]:
     raise RuntimeError(f"the far angle is missed by {float(off)}")
 
 
-def sharpened(named: Named) -> float:
+def sharp_slope(named: Named) -> float:
     """The slope to all digits of a float: where shooting is blunt Newton's rule needs a start so near."""
     from solver import solve
 

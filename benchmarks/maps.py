@@ -57,17 +57,17 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "map.h5"
 
-        def stored() -> None:
+        def store() -> None:
             run_to_file(both, file, RunOptions(workers=1, restart=True))
 
-        def drawn() -> None:
+        def draw() -> None:
             canvas.save(map_figure.figure(StoredStudy(reading.read(file))), BytesIO())
 
         rows = {
             "solve and observe the number of bends": bare(turns),
             "solve and observe the number of bends and attachment": bare(both),
-            "run: the same with all cautions, stored": stored,
-            "plot: read and draw both maps": drawn,
+            "run: the same with all cautions, stored": store,
+            "plot: read and draw both maps": draw,
         }
         print(f"{both.size} rods")
         for name, part in rows.items():

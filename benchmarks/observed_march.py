@@ -59,7 +59,7 @@ def push_and_curvature(numbers: Array, at: Array) -> tuple[Array, Array]:
     return f, np.hypot(v, s * s)
 
 
-def observed(numbers: Array, way: list[tuple[Array, float]]) -> dict[str, float]:
+def numbers_along(numbers: Array, way: list[tuple[Array, float]]) -> dict[str, float]:
     """What the solver calls kappa_mean .. potential, in units of A and rho; `size`: the largest |f|, |kappa|."""
     lam, mu, phi, span = numbers[:4]
     total = dict.fromkeys(("kappa_mean", "push_mean", "pull_mean", "attached", "bending_energy", "routh"), 0.0)

@@ -76,7 +76,7 @@ def wave_number(sol: Solution) -> float:
     return float(np.pi * LENGTH / sol.case.rod.L)
 
 
-def buckling() -> float:
+def buckling_load() -> float:
     """The least compression at which a straight half wave of any length buckles."""
     from solver.nodes.buckling import tension_of_buckling
     from solver.nodes.loaded_rod import rods_of
@@ -117,7 +117,7 @@ def events() -> dict[str, float]:
         return float(brentq(value, low, high, xtol=1e-9))
 
     return {
-        "the straight pipe becomes unstable": buckling(),
+        "the straight pipe becomes unstable": buckling_load(),
         "above it the helix is pressed on the wall everywhere": where(lambda F: push_min(helix.best(F)), 2.6, 2.9),
         "helix and straight pipe have equal energy": where(lambda F: energy(helix.best(F), F), 2.6, 2.9),
         "helix and sinusoid have equal energy": where(

@@ -56,7 +56,7 @@ def works() -> Work:
     }
 
 
-def measured() -> dict[str, float]:
+def times() -> dict[str, float]:
     """Milliseconds of the processor that each takes, the median of its repeats after a first call."""
     out = {}
     for name, (work, repeats) in works().items():
@@ -74,7 +74,7 @@ def main() -> None:
     options = argparse.ArgumentParser(description=__doc__)
     options.add_argument("--json", type=Path)
     asked = options.parse_args()
-    rows = [{"measured": name, "ms": found} for name, found in measured().items()]
+    rows = [{"measured": name, "ms": found} for name, found in times().items()]
     for row in rows:
         print(f"{row['measured']:<40} {row['ms']:9.3f} ms")
     if asked.json:

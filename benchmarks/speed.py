@@ -22,7 +22,7 @@ import scipy
 from scipy.integrate import solve_ivp
 
 from benchmarks import taylor
-from benchmarks.timing import paired, table1
+from benchmarks.timing import compare_times, table1
 from solver import methods, solve
 from solver.problem.reduced import reduce
 
@@ -58,7 +58,7 @@ def against_dop853() -> dict[str, float]:
         def ours(method: str = method) -> np.ndarray:
             return solve(case, tol=1e-9, method=method, stations=STATIONS).trajectory.beta[0]
 
-        slow, fast, ratio = paired(lambda: integrate(rtol), ours, 15, (1, 20))
+        slow, fast, ratio = compare_times(lambda: integrate(rtol), ours, 15, (1, 20))
         out |= {
             f"{method} error": float(np.abs(ours() - exact).max()),
             f"{method} ms": 1e3 * fast,
@@ -73,7 +73,7 @@ def long_rod() -> dict[str, float]:
     out = {}
     for method in METHODS:
         work = [lambda case=case, method=method: solve(case, method=method) for case in (long, short)]
-        slow, fast, ratio = paired(*work, 25)
+        slow, fast, ratio = compare_times(*work, 25)
         out |= {
             f"{method}, L = 2e6 ms": 1e3 * slow,
             f"{method}, L = 20 ms": 1e3 * fast,
@@ -92,7 +92,7 @@ def batch(cases: int = 2000) -> dict[str, float]:
             for value in E[::20]:
                 solve(table1(E=float(value)), method=method)
 
-        looped, together, ratio = paired(loop, lambda method=method: solve(table1(E=E), method=method), 3)
+        looped, together, ratio = compare_times(loop, lambda method=method: solve(table1(E=E), method=method), 3)
         out |= {
             f"{method}, ms a case, looped": 1e3 * looped / (cases / 20),
             f"{method}, ms a case, together": 1e3 * together / cases,

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.core import threads
-from benchmarks.timing import paired, peak_gigabytes, table1
+from benchmarks.timing import compare_times, peak_gigabytes, table1
 from solver import solve
 from solver.problem.reduced import reduce
 
@@ -37,7 +37,7 @@ def one_rod(L: float, wanted: float = 1e-12) -> dict[str, float]:
         ours = _loosest(
             lambda tol, method=method: np.abs(solve(case, tol=tol, method=method).beta - exact).max(), wanted
         )
-        slow, fast, ratio = paired(
+        slow, fast, ratio = compare_times(
             lambda: integrate(theirs), lambda o=ours, m=method: solve(case, tol=o, method=m), 60, (20, 20)
         )
         out |= {f"{method} tolerance": ours, f"{method} ms": 1e3 * fast, f"heyoka / {method}": ratio}
@@ -60,7 +60,7 @@ def many_rods(L: float, cases: int = 10_000, wanted: float = 1e-10) -> dict[str,
     theirs = _loosest(lambda tol: np.abs(integrate(tol, looked_at) - exact).max(), wanted)
     ours = _loosest(lambda tol: np.abs(solve(few, tol=tol, method="swing", stations=400).beta - exact).max(), wanted)
     with threads(1):
-        slow, fast, ratio = paired(
+        slow, fast, ratio = compare_times(
             lambda: integrate(theirs), lambda: solve(case, tol=ours, method="swing", stations=400), 5, (1, 5)
         )
     return {

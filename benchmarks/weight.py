@@ -14,7 +14,7 @@ from scipy.integrate import solve_bvp, solve_ivp
 
 from benchmarks.core import threads
 from benchmarks.taylor import _loosest
-from benchmarks.timing import paired, seconds_of_processor
+from benchmarks.timing import compare_times, seconds_of_processor
 from solver import Case, Cylinder, Ends, Rod, Start, follow, methods, solve, trace_fold
 from solver.nodes.loaded_rod import starts_of
 
@@ -59,7 +59,7 @@ def start_problems(count: int = 10_000) -> dict[str, float]:
 
     theirs = _loosest(lambda tol: np.abs(dop853(tol) - exact).max(), WANTED)
     with threads(1):
-        slow, fast, _ = paired(lambda: dop853(theirs), lambda: solve(case, tol=WANTED, stations=STATIONS), 3)
+        slow, fast, _ = compare_times(lambda: dop853(theirs), lambda: solve(case, tol=WANTED, stations=STATIONS), 3)
     out = {"DOP853 ms a rod": 1e3 * slow / 20, "taylor ms a rod": 1e3 * fast / count}
     out["DOP853 / taylor"] = out["DOP853 ms a rod"] / out["taylor ms a rod"]
     return out | (against_heyoka(case, few, exact) if "heyoka" in methods.available() else {})
@@ -73,11 +73,11 @@ def against_heyoka(case: Case, few: Case, exact: np.ndarray) -> dict[str, float]
     right = rates(hy.sin, hy.cos, names, hy.par[0], hy.par[1], hy.par[2])
     lanes = 8
 
-    def compiled(tol: float) -> Any:
+    def integrator(tol: float) -> Any:
         system = list(zip(names, right, strict=True))
         return hy.taylor_adaptive_batch(system, np.zeros((6, lanes)), tol=tol, pars=np.zeros((3, lanes)))
 
-    marches = {10.0**-k: compiled(10.0**-k) for k in range(9, 15)}
+    marches = {10.0**-k: integrator(10.0**-k) for k in range(9, 15)}
 
     def integrate(tol: float, of: Case) -> np.ndarray:
         problem, numbers, begin, _ = starts_of(of)
@@ -94,7 +94,7 @@ def against_heyoka(case: Case, few: Case, exact: np.ndarray) -> dict[str, float]
 
     tol = next((one for one in marches if np.abs(integrate(one, few) - exact).max() <= WANTED), 1e-14)
     with threads(1):
-        slow, fast, ratio = paired(
+        slow, fast, ratio = compare_times(
             lambda: integrate(tol, case), lambda: solve(case, tol=WANTED, stations=STATIONS), 3
         )  # fmt: skip
     return {"heyoka tolerance": tol, "heyoka s": slow, "taylor s": fast, "heyoka / taylor": ratio}
@@ -111,7 +111,7 @@ def pipes() -> dict[str, float]:
     for L in (1000.0, 2000.0, 5000.0):
         case = pipe(L, 1.2)
         seed = solve(case)
-        fast, again, _ = paired(lambda c=case: solve(c), lambda c=case, s=seed: solve(c, seed=s), 3)
+        fast, again, _ = compare_times(lambda c=case: solve(c), lambda c=case, s=seed: solve(c, seed=s), 3)
         tracemalloc.start()
         solve(case)
         peak = tracemalloc.get_traced_memory()[1] / 2**20
@@ -150,7 +150,7 @@ def against_solve_bvp(L: float = 300.0) -> dict[str, float]:
     out: dict[str, float] = {}
     for tol in (1e-6, 1e-9, 1e-10):
         out[f"solve_bvp error, tol {tol:g}"] = float(np.abs(B * bvp(tol).sol(x)[0] - sol.beta).max())
-        slow, fast, ratio = paired(lambda t=tol: bvp(t), lambda: solve(case, stations=401, seed=near), 3)  # type: ignore[misc]
+        slow, fast, ratio = compare_times(lambda t=tol: bvp(t), lambda: solve(case, stations=401, seed=near), 3)  # type: ignore[misc]
         out |= {f"  s, tol {tol:g}": slow, "  ours s": fast, f"  ratio, tol {tol:g}": ratio}
     return out | {"our estimated error": float(sol.error)}
 

@@ -215,14 +215,6 @@ def split(text: str) -> tuple[float, str]:
     raise InputError(f"{text!r} is a unit without a number: write the number before it, such as 5 {said}")
 
 
-def check_unit(name: str, text: str) -> float:
-    """The number of a text, whose unit, if it has one, fits a quantity or a field. Raises `InputError`."""
-    value, unit = split(text)
-    if unit:
-        size_of_unit(name, unit)
-    return value
-
-
 def size_of_unit(name: str, unit: str, called: str = "") -> float:
     """The size of a unit of a quantity or field, in metres, newtons and rad. Raises `InputError` if it does not fit.
 
