@@ -57,7 +57,7 @@ def against_bvp(case: Case, curve: FoldCurve, ours: float) -> dict[str, Any]:
     for (betaL, FZ), v in zip(points[every], slopes[every], strict=True):
         guess = _first(case, FZ, v) if state is None else state
         began = time.process_time()
-        found = _solved(case, betaL, guess)
+        found = _fold(case, betaL, guess)
         seconds += time.process_time() - began
         if not found.success or abs(found.p[0] - FZ) > 0.1:
             lost, state = lost + 1, None
@@ -87,7 +87,7 @@ def _first(case: Case, FZ: float, v: float) -> tuple[Any, Any, Any]:
     return t, shape, np.array([FZ])
 
 
-def _solved(case: Case, betaL: float, guess: tuple[Any, Any, Any]) -> Any:
+def _fold(case: Case, betaL: float, guess: tuple[Any, Any, Any]) -> Any:
     first = float(case.given.beta0)  # type: ignore[union-attr]
 
     def ends(ya: Any, yb: Any, p: Any) -> Any:

@@ -130,7 +130,7 @@ def march(lam: Any, mu: Any, phi: Any, beta0: Any, v0: Any, t: Array, most: int 
             if not here.size:
                 break
             h = np.stack([gap[here], 0 * gap[here]])
-            at = [_evaluated(series[j][:, :, here], h) for j in (0, 4, 5)]
+            at = [value_of(series[j][:, :, here], h) for j in (0, 4, 5)]
             moved = _sum(at[0], np.stack([start[rows[here]], 0 * gap[here]]))
             out[:, rows[here], column[here]] = moved[0], at[1][0], at[2][0]
             column[here] += 1
@@ -138,12 +138,12 @@ def march(lam: Any, mu: Any, phi: Any, beta0: Any, v0: Any, t: Array, most: int 
         if not left.size:
             break
         h = np.stack([reach[left], 0 * reach[left]])
-        state = [_evaluated(x[:, :, left], h) for x in series]
+        state = [value_of(x[:, :, left], h) for x in series]
         now, rows, column = _sum(now[:, left], h), rows[left], column[left]
     return out
 
 
-def _evaluated(series: Array, h: Array) -> Array:
+def value_of(series: Array, h: Array) -> Array:
     """A series (2, order, B) at h (2, B)."""
     value = series[:, -1]
     for k in range(series.shape[1] - 2, -1, -1):

@@ -13,7 +13,7 @@ from numpy.polynomial.polynomial import polyval
 from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize_scalar
 
-from benchmarks.march_25_digits import _evaluated, _series, _step, _sum, pair
+from benchmarks.march_25_digits import _series, _step, _sum, pair, value_of
 
 Array = NDArray[Any]
 _POINTS = 241  # of a step
@@ -43,7 +43,7 @@ def steps(numbers: Array, most: int = 3000) -> list[list[tuple[Array, float]]]:
         if not on.size:
             return found
         h = np.stack([reach[on], 0 * reach[on]])
-        state = [_evaluated(x[:, :, on], h) for x in series]
+        state = [value_of(x[:, :, on], h) for x in series]
         now, rows = _sum(now[:, on], h), rows[on]
     for i in rows:
         found[i] = []

@@ -16,18 +16,18 @@ from .branches.linked_search import IsKnown, Meeting, lattice_ticks, place_on, s
 from .branches.orbit_folds import GivenAt, guess_at, mark_of, numbers_on
 from .branches.orbit_rates import NUMBERS
 from .branches.parameter_plane import ParameterPlane, read_range, reflect
+from .branches.path_correction import state_of
 from .branches.special_line import point_on_line
-from .branches.system import state_of
 from .branches.whole_curve import WholeCurve, point_alone
 from .equilibria import default_ranges, equilibria
 from .equilibrium_branch import Branch
 from .equilibrium_list import Equilibrium, ranges_in_words
 from .nodes.constant_loads import shape_of_solution
 from .nodes.curve import SPLIT, NodeCurve, shapes_through
-from .nodes.descent import index_at, on_nodes
 from .nodes.loaded_rod import VARYING, densest_nodes, rod_over
 from .nodes.newton import marks_of
 from .nodes.shape_folds import RodAt, fold_through, pitchforks_through
+from .nodes.shape_index import index_at, on_nodes
 from .nodes.varying_shapes import Shape
 from .nodes.weak_modes import weakest_modes
 from .numerics.arclength import FEW_POINTS, FOLD, POINTS

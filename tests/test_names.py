@@ -40,8 +40,8 @@ def is_data(function: ast.FunctionDef | ast.AsyncFunctionDef) -> bool:
 
 @cache
 def names_with_a_participle() -> set[str]:
-    names = set()
-    for tree in syntax_trees().values():
+    names, beside = set(), (ROOT / "benchmarks").glob("*.py")
+    for tree in [*syntax_trees().values(), *(ast.parse(file.read_text(encoding="utf-8")) for file in beside)]:
         for node in ast.walk(tree):
             if not isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef) or node.name.startswith("__"):
                 continue
@@ -105,3 +105,44 @@ def test_a_record_that_one_module_alone_names_is_private_to_it() -> None:
 def test_no_two_modules_of_the_solver_share_a_name() -> None:
     names = sorted(file.stem for file in (ROOT / "solver").rglob("*.py") if file.stem != "__init__")
     assert [name for name, after in pairwise(names) if name == after] == []
+
+
+def test_no_module_shares_the_name_of_a_package() -> None:
+    packages = {file.parent.name for file in syntax_trees() if file.name == "__init__.py" and len(file.parts) > 2}
+    assert packages
+    assert [str(file) for file in syntax_trees() if file.stem in packages] == []
+
+
+# Numbers of mathematics, of units and of layout, which nobody chose.
+NOT_TUNED = (
+    "EPS STEP TAU ROUNDS SETTLED SMALL CONTRACTION EQUAL LIFTED LAST EDGE ENDS CONDITIONS TOLERANCES MIDDLE LOST"
+)
+NOT_TUNED += " PAIRS LARGEST_SEED _POUND _POSITIVE _NOT_NEGATIVE _INCLINED _TILTED"
+
+
+def constants_of(module: str) -> dict[str, str]:
+    """The constants in the head of a module of the solver, each with its line and its comment."""
+    text = (ROOT / "solver" / f"{module}.py").read_text(encoding="utf-8")
+    lines, constants = text.splitlines(), {}
+    for node in ast.parse(text).body:
+        if isinstance(node, ast.Assign):
+            first = node.lineno - 1
+            while lines[first - 1].startswith("#"):
+                first -= 1
+            names = [part.id for part in ast.walk(node.targets[0]) if isinstance(part, ast.Name)]
+            constants |= dict.fromkeys(names, " ".join(lines[first : node.end_lineno]))
+    return constants
+
+
+def test_a_tuned_constant_says_what_may_change_if_it_is_ten_times_larger() -> None:
+    """Those of which `benchmarks/scaled.txt` says how many answers stay."""
+    record = (ROOT / "benchmarks" / "scaled.txt").read_text(encoding="utf-8").partition("\n\n")[2]
+    modules = re.findall(r"^([\w/]+): (.*(?:\n  .*)*)", record, re.MULTILINE)
+    silent = []
+    for module, measured in modules:
+        constants = constants_of(module)
+        for name in re.findall(r"(\w+)(?:\.\w+)? (?:\d+/\d+|-)", measured):
+            if name not in NOT_TUNED.split() and "x10: " not in constants.get(name, "").replace(" # ", " "):
+                silent.append(f"{module} {name}" + ("" if name in constants else " is not there"))
+    assert len(modules) > 60
+    assert silent == []

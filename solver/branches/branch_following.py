@@ -42,7 +42,7 @@ from .helices import off_helix
 from .helix_branch import end_of_helix, helix_places
 from .leaps import LEAPS, Guess, angles_on, leap
 from .orbit_rates import orbit_rates
-from .system import AT_REST, LEFT, state_of
+from .path_correction import AT_REST, LEFT, state_of
 
 # of steps, in scales; from 2e-2 the first rarely needs halving. x10: it may land on another branch, and branches are
 # given up where their steps are short

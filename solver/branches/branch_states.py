@@ -20,7 +20,7 @@ from .held_index import held_index
 from .orbit_rates import OrbitRates
 
 _PATH = ("pin", "sign", "y", "leaving", "turns")  # of a record of the core
-# smallest cosine between a tangent and the direction to the neighbouring point. Above 1, which none reaches, no branch
+# smallest cosine between a tangent and the direction to the neighbouring point. x10: no tangent has it, and no branch
 # is followed in another chart
 _PARALLEL = 0.7
 # in scales, between the two points that give the direction of travel in another chart: far above the rounding of a

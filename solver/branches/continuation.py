@@ -21,7 +21,7 @@ from .branch_following import follow_branch
 from .family import Family, scale_of
 from .given_numbers import Given, OrbitState, problem_of
 from .leaps import LEAPS, NEAR, angles_on
-from .system import settle, state_of
+from .path_correction import settle, state_of
 
 
 def carry(state: OrbitState, wanted: Given, most: int = POINTS) -> OrbitState | Stop:

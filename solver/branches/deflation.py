@@ -23,7 +23,7 @@ from .given_numbers import (
     values_of,
 )
 from .orbit_rates import NUMBERS, orbit_rates
-from .system import path_on, settle
+from .path_correction import path_on, settle
 
 # the goal is where plain Newton's method takes over. x10: it would from places that it leaves
 _ENDING = Ending(rounds=20, goal=0.03)

@@ -25,7 +25,8 @@ from .helices import helices_of
 
 _STEP = 0.25  # of the parameter's scale. x10: changes of the index that undo each other within a step are missed
 _EXACT = 1e-15  # relative, of the parameter of a special point: about rounding. x10: a digit less of it
-# of the parameter's scale: how near a helix must cease for a branch to end there; at 0.1 a stored one would, wrongly
+# of the parameter's scale: how near a helix must cease for a branch to end there. x10: a stored branch would end so,
+# wrongly
 _CEASES = 1e-2
 # rad about a helix, and the share of the rod that lies there. The angle x10: other helices lie within it; the share
 # x10: no helix is found

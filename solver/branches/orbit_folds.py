@@ -37,8 +37,8 @@ from .given_numbers import FREE, Given, values_of
 from .held_index import lower_index
 from .orbit_rates import NUMBERS, OrbitRates, rates_of_helices, start_rates
 from .parameter_plane import ParameterPlane, reflect
+from .path_correction import state_from_start
 from .special_line import Ahead, LinePoint, Point, change_within, point_on_line, with_no_side
-from .system import state_from_start
 
 GivenAt = Callable[[Array], Given]
 Level = tuple[float, float, float]  # the angle of a saddle, and the sign and the log of the gap above its height

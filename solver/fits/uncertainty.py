@@ -11,7 +11,7 @@ from scipy import special
 from ..numerics.arrays import ALIKE, DOUBTFUL, SQUARE_LOST, Array
 from .parameters import Parameter, rates_at, values_at
 
-LEVEL = 0.95
+LEVEL = 0.95  # probability of the stated intervals, as is usual. x10: none
 
 
 class Decomposition(NamedTuple):

@@ -31,8 +31,9 @@ class _Search(NamedTuple):
     most: int
 
 
-FAR = _Search(1e-2, 300)  # from a shape of another problem: usual are 10 to 200 steps
-NEAR = _Search(1e-4, 100)  # from a minimum on a coarser mesh, which a wider barrier would lose: usual are 10 to 40
+FAR = _Search(1e-2, 300)  # from a shape of another problem: usual are 10 to 200 steps. x10: only failures take longer
+# from a minimum on a coarser mesh, which a wider barrier would lose: usual are 10 to 40. x10: it is lost more often
+NEAR = _Search(1e-4, 100)
 
 
 class Sizes(NamedTuple):

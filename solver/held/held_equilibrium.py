@@ -9,11 +9,11 @@ import numpy as np
 from ..branches.given_numbers import FREE, Given, OrbitState, parts_of, values_of
 from ..branches.held_index import dead_index_of
 from ..nodes.answers import answer_ends, way_of, why_unsolved
-from ..nodes.descent import index_at
 from ..nodes.growth import GrowthWay
 from ..nodes.hinged_states import shape_of
 from ..nodes.loaded_rod import LoadedRod, rods_of
 from ..nodes.newton import correct
+from ..nodes.shape_index import index_at
 from ..numerics.arrays import Array
 from ..orbits.path_orbits import orbit_of, together, trajectory_on, variations_of
 from ..orbits.periodic_orbit import Orbit

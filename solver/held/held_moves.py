@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..branches import continuation, deflation, system
+from ..branches import continuation, deflation, path_correction
 from ..branches.branch_events import Bounds, Stop
 from ..branches.branch_following import trace_branch
 from ..branches.continuation import line_between
@@ -37,7 +37,7 @@ def settle(guess: OrbitState, wanted: Given) -> OrbitState | str:
     """The equilibrium with the wanted numbers next to a guess, or why there is none."""
     if wanted.has_hinge:
         return hinged_states.settle_hinged(guess, wanted)
-    return system.settle(guess.problem, guess.path, wanted)
+    return path_correction.settle(guess.problem, guess.path, wanted)
 
 
 def deflate(state: OrbitState, wanted: Given, known: Sequence[Array]) -> OrbitState | None:
@@ -69,7 +69,7 @@ def meetings(seed: OrbitState, state: OrbitState, wanted: Given, bounds: Bounds)
         return []
     line = line_between(state.problem, wanted.at(seed), wanted)
     places = [place for rises in (True, False) for place in trace_branch(line, state.path, 1.0, rises, bounds)[0]]
-    return [system.state_of(place.problem, place.path) for place in places if place.p == 1]
+    return [path_correction.state_of(place.problem, place.path) for place in places if place.p == 1]
 
 
 def state_of_seed(problem: EndsProblem, path: Path | None, shape: Shape | None, wanted: Given) -> OrbitState | None:
@@ -77,7 +77,7 @@ def state_of_seed(problem: EndsProblem, path: Path | None, shape: Shape | None, 
 
     path: of the seed under the dead loads of `problem`. shape: on nodes, which counts where an end moment is given.
     """
-    state = None if path is None else system.state_of(problem, path)
+    state = None if path is None else path_correction.state_of(problem, path)
     if not wanted.has_hinge:
         return state
     if shape is None and state is not None:

@@ -29,7 +29,8 @@ HALF_WAVES = 4
 _SURFACE = 2.0  # bound of what the cylinder's curvature adds to a load. x10: a list of 8 is one of 14
 _SAFE = 4.0  # times the load that holds a nearly straight rod. x10: coarser steps over the wider range
 _HARDEST = 1e6  # the largest load of the sweep, in units of A/rho^2. x10: as good
-VALUES = {1: 61, 2: 13, 3: 6, 4: 4, 5: 3}  # of each of so many unknowns
+# of each of so many unknowns: 60 to 256 rods in all. x10: ten to 100,000 times the time
+VALUES = {1: 61, 2: 13, 3: 6, 4: 4, 5: 3}
 # of the grid: the longest first-order change from a start. x10: starts that lead nowhere, which take time
 _STEPS_AWAY = 1.5
 _FEWEST, _MOST = 16, 100  # starts with several unknowns. x10: only time

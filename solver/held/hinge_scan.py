@@ -9,7 +9,7 @@ import numpy as np
 
 from ..branches.given_numbers import LOADS, Given, OrbitState
 from ..branches.orbit_rates import start_rates
-from ..branches.system import state_from_start
+from ..branches.path_correction import state_from_start
 from ..numerics.arrays import FAINT, NEGLIGIBLE, Array
 from ..numerics.roots import BISECTIONS, bisect, roots_between
 from ..orbits.boundary import boundary_of

@@ -19,7 +19,8 @@ from ..problem.reduced import EndsProblem, StartProblem
 from ..problem.trajectory import Seed, Trajectory, verdicts
 
 # Evaluations after which a ladder ends: about 0.4 s on the machine of docs/reference/methods.md. Evaluations, not
-# seconds, so that a busy machine runs the same rungs. The first limit is for methods that call Python at each one.
+# seconds, so that a busy machine runs the same rungs. The first limit is for methods that call Python at each one. x10:
+# ladders of four seconds
 MOST_CALLED, MOST_COMPILED = 20_000, 1_000_000
 # tolerance of a step or of a residual: scipy refuses one below 100 eps. x10: a digit less at the end of ladders
 TIGHTEST = 3e-14

@@ -16,11 +16,9 @@ from ..problem.errors import InputError
 from ..problem.limits import unreachable
 from ..problem.reduced import EndsProblem, StartProblem, flat
 from ..problem.trajectory import Trajectory, blank, verdicts
-from .branch import find_shape
 from .buckling import straight_shape
 from .constant_loads import dead_indices
 from .curve import NodeCurve
-from .descent import index_of_any, shape_like
 from .growth import STRAIGHT, GrowthWay
 from .loaded_rod import (
     ALPHA,
@@ -38,7 +36,9 @@ from .loaded_rod import (
     starts_of,
 )
 from .newton import correct, linear_at
-from .state import LEAVES, RUBS
+from .shape_index import index_of_any, shape_like
+from .straight_branch import find_shape
+from .stretch_states import LEAVES, RUBS
 from .varying_shapes import Marched, Shape, VaryingShapes, read_starts
 from .weak_modes import largest_move
 

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from ..numerics.arrays import NEGLIGIBLE, Array
-from .descent import change_rates, fine_nodes, indices_with_springs
 from .loaded_rod import ALPHA, BETA, MU, PHI, ROUND, SHORT, SPEED, LoadedRod, Q, scales
+from .shape_index import change_rates, fine_nodes, indices_with_springs
 from .varying_shapes import Shape
 
 Read = Callable[[Array], tuple[Array, ...]]  # beta, beta_t, alpha and z from 0, and the swirl, at times (n,)

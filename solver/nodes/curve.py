@@ -15,7 +15,7 @@ from ..core.tuning import NUDGE
 from ..numerics.arclength import BRANCH_POINT, CLOSED, COSINE, FOLD, OFF, PITCHFORK, Lengths, Stride, trace
 from ..numerics.arrays import ALIKE, NEGLIGIBLE, ROUGHLY, Array
 from ..numerics.roots import DIVERGED, enclose, locate, newton
-from .descent import LOOSE, index_of_any, is_near
+from .descent import is_near
 from .loaded_rod import ALPHA, BETA, LoadedRod
 from .newton import (
     ENDING,
@@ -28,6 +28,7 @@ from .newton import (
     size_of,
     with_known_loads,
 )
+from .shape_index import index_of_any
 from .varying_shapes import Shape
 from .weak_modes import Held, hold, weakest_modes
 
@@ -38,7 +39,9 @@ UNSOLVED = "Newton's method did not converge from it"
 LOST = "Newton's method did not converge on the way"
 # of steps, in the sizes of the angles and of p. x10: steps land on other branches
 LENGTHS = Lengths(first=0.02, longest=0.1, least=1e-5)
-FLAT = 1e-7  # of dp along the curve next to a fold: its square is lost of p. x10: the place of a fold has a digit less
+LOOSE = 1e-4  # of the scales: a correction that is enough on the way. x10: another branch may be as near
+# of dp along the curve next to a fold: its square is lost of p. x10: the place of a fold has a digit less
+FLAT = 1e-7
 # of a step: how closely a branch point is enclosed, before it is solved for. x10: Newton's method begins farther off
 NARROW = 0.01
 

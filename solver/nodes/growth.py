@@ -9,15 +9,17 @@ from ..branches.branch_events import Bounds
 from ..numerics.arclength import END, POINTS, RISING
 from .buckling import AHEAD
 from .curve import CurvePoint, NodeCurve, trace_shapes
-from .descent import descend, index_of_any, is_near
+from .descent import descend, is_near
 from .loaded_rod import LoadedRod
 from .local_waves import sinusoid
 from .newton import correct
+from .shape_index import index_of_any
 from .varying_shapes import Shape
 
 # the least step of a rod with friction, whose branch ends where its waves run. x10: branches end that go on
 LEAST_RUBBED = 1e-2
-SHARES_AHEAD = 1.0, 0.9, 0.7, 0.4  # of the rest of the way: where a sinusoid is tried when a branch ends
+# of the rest of the way: where a sinusoid is tried when a branch ends. x10: beyond the loads that are asked for
+SHARES_AHEAD = 1.0, 0.9, 0.7, 0.4
 LOADS, FRICTION = "these loads", "this friction"
 STRAIGHT = "the straight rod"
 

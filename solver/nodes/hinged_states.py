@@ -13,7 +13,7 @@ from ..branches.branch_events import Bounds, Stop
 from ..branches.deflation import are_same
 from ..branches.given_numbers import Given, OrbitState
 from ..branches.orbit_rates import NUMBERS, rates_of_helices, start_rates
-from ..branches.system import state_from_start
+from ..branches.path_correction import state_from_start
 from ..numerics.arclength import END, POINTS, Lengths
 from ..numerics.arrays import ALIKE, Array
 from ..numerics.chebyshev import GAUSS
@@ -24,9 +24,9 @@ from ..orbits.potential import TAU, Loads, potential
 from ..problem.reduced import EndsProblem
 from .constant_loads import end_numbers, shape_of_orbit
 from .curve import UNSOLVED, NodeCurve, inner, trace_shapes
-from .descent import index_at, shape_like
 from .loaded_rod import ALPHA, BETA, HELD, MU, PHI, ROUND, SHORT, SPEED, LoadedRod, Q
 from .newton import DEEP, DEFLATED, correct, largest_turn, linear_at, open_at, size_of
+from .shape_index import index_at, shape_like
 from .varying_shapes import Shape
 from .weak_modes import weakest_modes
 

@@ -19,9 +19,10 @@ import numpy as np
 from ..numerics.arrays import NEGLIGIBLE, Array, Booleans
 from ..numerics.roots import root
 from ..problem.case import ALONG_ITSELF
-from .descent import descend, index_of_any
+from .descent import descend
 from .loaded_rod import ALPHA, BETA, PHI, SHORT, SPEED, LoadedRod, Q
 from .newton import correct
+from .shape_index import index_of_any
 from .varying_shapes import Shape
 
 # F - 2, of the rows of a table of sinusoids: up to the fold, closer where they begin. x10: none of these is a sinusoid;
@@ -31,7 +32,9 @@ OVER = (1e-3, 0.4, 0.8, 1.2, 1.6, 2.0, 2.4, 2.8, 3.2)
 PHASES = np.linspace(0, 2 * np.pi, 64, endpoint=False)
 EQUAL, LIFTED, LAST = 0.901122, 1.541672, 3.2613  # F - 2: from which a helix has less energy than the sinusoid, from
 # which the sinusoid lifts off the wall, and of its fold
-FRONTS = EQUAL + np.array([0.0, 0.05, -0.05, -0.1])  # F - 2: where a helix may become a sinusoid
+
+# F - 2: where a helix may become a sinusoid, tried in this order. x10: places where neither is near
+FRONTS = EQUAL + np.array([0.0, 0.05, -0.05, -0.1])
 LIGHTEST = 1e-30  # weight across, in units of A and rho, that makes waves: its fourth root is a float. x10: as good
 # of F: how softly the amplitude comes to 0. x10: waves where the rod is straight; Newton's method still mends it
 SOFT = 0.03

@@ -11,7 +11,8 @@ from ..orbits.potential import TAU
 from .loaded_rod import ALPHA, BETA, MU, PHI, ROUND, SHORT, SPEED, LoadedRod, Q
 from .varying_shapes import Shape
 
-DEEP = 13  # the order of the series of the derivatives by which Newton's method goes; 130 leaves the range of floats
+# the order of the series of the derivatives by which Newton's method goes. x10: it leaves the range of floats
+DEEP = 13
 WILD = 1e6  # of the scales: no equilibrium is sought from larger numbers. x10: marches that take seconds, to no end
 SOFT = 1e-14  # springs that hardly change the equations, in the scales. x10: as good
 # of steps away from known shapes; the goal is where Newton's method takes over. More rounds x10: 3.1 times the time, as

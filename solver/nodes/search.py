@@ -12,10 +12,8 @@ from ..core.varying_loads import march
 from ..numerics.arclength import FEW_POINTS
 from ..numerics.arrays import Array, Booleans
 from ..numerics.roots import lead_away
-from .branch import branch_from_straight
 from .buckling import shares_of_buckling, straight_shape
 from .curve import SPLIT, NodeCurve, trace_shapes
-from .descent import index_at, on_nodes
 from .loaded_rod import ALPHA, BETA, SHORT, SPEED, LoadedRod, Q
 from .newton import (
     DEEP,
@@ -29,17 +27,19 @@ from .newton import (
     size_of,
     within_a_turn,
 )
+from .shape_index import index_at, on_nodes
+from .straight_branch import branch_from_straight
 from .varying_shapes import Shape
 from .vertical_scan import begin_at, every_start
 from .weak_modes import weakest_modes
 
 # radii: a longer rod is not scanned, as its far end depends too much on its start. x10: cells whose far ends are noise
 LONGEST = 25.0
-# of the scan, over beta_t(0) or beta(0) and over q(0): its seconds grow with their product. Four times as many found
-# 296 equilibria of ten rods, these 231
+# of the scan, over beta_t(0) or beta(0) and over q(0): its seconds grow with their product. Beyond 10 radii these find
+# 231 of the 296 equilibria of ten rods that four times as many find. x10: a hundred times the time
 CELLS = 120, 80
-# of deflations in a row that find none, after which the search ends; of a long rod. Ten times as many find no more
-# equilibria of a rod of 3 radii with weight, in three times the time
+# of deflations in a row that find none, after which the search ends; of a long rod. x10: no more equilibria of a rod of
+# 3 radii with weight, in three times the time
 TRIES, FEW_TRIES = 60, 10
 WIDE = 5  # times the largest load: the range of a reaction. x10: coarser cells, which miss equilibria
 HEAVIEST = 2.0  # times the weight: how far a branch is followed from no weight, as some turn back on the way. x10: time

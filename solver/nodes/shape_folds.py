@@ -30,9 +30,9 @@ from ..branches.whole_curve import WholeCurve, whole_curve
 from ..numerics.arclength import PITCHFORK, Node, node_at
 from ..numerics.arrays import ASIDE, Array
 from .curve import LENGTHS, SPLIT, CurvePoint, NodeCurve, unit
-from .descent import index_at
 from .loaded_rod import ALPHA, SPEED, LoadedRod
 from .newton import marks_of
+from .shape_index import index_at
 from .varying_shapes import Shape
 from .weak_modes import Held, hold, weakest_modes
 

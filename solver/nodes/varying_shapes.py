@@ -15,7 +15,7 @@ from ..orbits.potential import Loads, slope
 from ..orbits.statics import circumferential_force, contact_force, curvature, surface_forces
 from ..problem.case import IN_PLACE
 from .loaded_rod import ALPHA, BETA, MU, PHI, SPEED, LoadedRod, Q
-from .state import STRAIGHT, StretchState, is_drawn, states
+from .stretch_states import STRAIGHT, StretchState, is_drawn, states
 
 # places on a stretch, at which the states along a rod are judged: a stretch has a few radians. x10: only time
 DENSE = 17

@@ -290,7 +290,7 @@ def _peaks(values: Array, most: int = 64) -> tuple[Integers, Integers]:
 
 
 # golden section; the steps to the least size between two places, each to 0.618: 4e-9 of the bracket at last, as a
-# parabola allows. The section x10 is none; more steps are only time
+# parabola allows. x10: no section; only time
 SECTION, DIP_STEPS = 0.382, 40
 
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..core.measures import densities
 from ..nodes.loaded_rod import MU
-from ..nodes.state import SLIGHT
+from ..nodes.stretch_states import SLIGHT
 from ..numerics.arrays import NEGLIGIBLE, Array, Booleans, Integers
 from ..orbits.shape import ShapeArrays
 from ..orbits.statics import circumferential_force, curvature, surface_forces

@@ -22,7 +22,9 @@ from .measurement import MIDDLE
 # rad: a smaller change of beta between two bends is no bend of a rod that is solved to 1e-4 of its length. x10: small
 # waves are not counted
 WAVE = 1e-3
-NEAREST = np.pi  # radii of the rod: stretches that are closer along it do not meet unless it is bent tighter than that
+# radii of the rod: stretches that are closer along it do not meet unless it is bent tighter than that. x10: turns of
+# 31 radii around that touch are not seen
+NEAREST = np.pi
 COUNTS = ("bends", "loops", "overlaps", "index", "contact_count")
 OF_CONTACTS = ("contact_size_mean", "push_mean", "push_max", "push_max_at", "attached", "contact_share", "contact_at",
                "contact_alpha", "contact_M2", "point_force_max")  # fmt: skip

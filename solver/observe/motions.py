@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..branches.orbit_rates import rates_of_helices, rates_of_variations
-from ..branches.system import settle
+from ..branches.path_correction import settle
 from ..core.library import ANGLE, cut, fine, numbers_of, on_grid, points, run, share_out, structure, widest
 from ..core.measures import GROUPS, NUMBERS, RATED
 from ..numerics.arrays import Array, Integers
@@ -24,7 +24,8 @@ from .measurement import MIDDLE
 from .solution_pieces import CASES
 
 MARKS = np.array([0.0, *MIDDLE, 1.0])  # shares of the length that observables need
-HOW = LONGER._replace(length=0.36)  # of panels: with 0.45 derivatives of one rod in 13 are off by more than their error
+# of panels: with 0.45 derivatives of one rod in 13 are off by more than their error. x10: beyond what a series holds
+HOW = LONGER._replace(length=0.36)
 
 
 @dataclass(frozen=True, eq=False)

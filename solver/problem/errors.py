@@ -107,6 +107,7 @@ def _one_letter_off(text: str, names: list[str]) -> list[str]:
     return [name for name in names if 1 < len(name) == len(text) < 4 and alike(name)][:1]
 
 
+# half the digits of a float: far below what a picture or a measurement shows. x10: a digit less of every answer
 DEFAULT_TOLERANCE = 1e-8
 LARGEST_SEED = 2**63 - 1  # of random numbers
 

@@ -8,7 +8,7 @@ from scipy.interpolate import make_interp_spline
 
 from benchmarks.pipe_events import HELIX, SINUSOID, HalfWave, energy, events, push_min, wave_number
 from solver import Case, Cylinder, Ends, Rod, Start, observe, solve
-from solver.nodes.state import HELICAL, SINUSOIDAL, STRAIGHT, axial_force_along, states
+from solver.nodes.stretch_states import HELICAL, SINUSOIDAL, STRAIGHT, axial_force_along, states
 from workbench.words.pipe_profile import axial_force, profile
 
 PIPE: dict[str, Any] = {"E": 2.06e8, "nu": 0.3, "a": 0.0635, "inner_radius": 0.0543, "weight": 0.241}  # kN and m

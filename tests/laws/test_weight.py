@@ -29,7 +29,7 @@ from solver.branches.fold_curves import fold_curve
 from solver.branches.parameter_plane import parameter_plane
 from solver.core.tuning import MOST_STEPS
 from solver.core.varying_loads import march
-from solver.nodes import branch
+from solver.nodes import straight_branch
 from solver.nodes.buckling import (
     rod_without_lean,
     shares_of_buckling,
@@ -37,14 +37,14 @@ from solver.nodes.buckling import (
     straight_shape,
     tension_of_buckling,
 )
-from solver.nodes.descent import index_at
 from solver.nodes.growth import GrowthWay
 from solver.nodes.loaded_rod import PHI, LoadedRod, rods_of
 from solver.nodes.local_waves import OVER, compression, places, rows, sinusoid, wave_shape
 from solver.nodes.newton import open_at
 from solver.nodes.search import further_shapes, shapes_of_buckling
 from solver.nodes.shape_folds import pitchforks_through
-from solver.nodes.state import in_words
+from solver.nodes.shape_index import index_at
+from solver.nodes.stretch_states import in_words
 from solver.numerics.arclength import END, Lengths
 from solver.orbits.potential import Loads, slope
 from solver.problem.case_fields import values_of, with_field, with_fields
@@ -257,12 +257,12 @@ def test_a_pushed_vertical_rod_whose_azimuth_is_held_is_reached_where_its_far_en
 
 def test_a_rod_without_an_answer_says_where_each_way_to_it_ended(monkeypatch: pytest.MonkeyPatch) -> None:
     rod, cylinder = Rod(EI=1.0, GJ=0.7, a=0.1, L=5.0, weight=0.1), Cylinder(0.9, inclination=1.0)
-    ways = {"branch_from_straight": ("", 0.25), "from_taut_rod": (branch.TAUT, 0.5), "from_neighbours": ("", 0.0),
-            "from_tension": ("the rod under more tension, which is taken off", 0.75),
+    ways = {"branch_from_straight": ("", 0.25), "from_taut_rod": (straight_branch.TAUT, 0.5),
+            "from_neighbours": ("", 0.0), "from_tension": ("the rod under more tension, which is taken off", 0.75),
             "from_no_weight": ("", 0.0)}  # fmt: skip
     for name, (begun, ended) in ways.items():
         ending = GrowthWay(None, begun=begun, why="the branch ends at 0.25 of the way to these loads", ended=ended)
-        monkeypatch.setattr(branch, name, lambda *_, ending=ending, **__: ending)
+        monkeypatch.setattr(straight_branch, name, lambda *_, ending=ending, **__: ending)
     assert solve(Case(rod, cylinder, Ends(0.1, 0.2, FZ=-1.0))).outcome == (
         "failed: the branch ends at 0.25 of the way to these loads; that from the taut rod without weight ends at 0.5 "
         "of its way; that from the rod under more tension, which is taken off ends at 0.75 of its way"
@@ -317,7 +317,7 @@ def test_a_taut_cable_that_its_ends_bend_is_the_one_that_continues_from_the_stra
     taut = solve(case, stations=4001)
     assert taut.solved
     assert max(unbalanced(taut)) < 1e-6
-    monkeypatch.setattr("solver.nodes.branch.taut_shape", lambda rod: None)
+    monkeypatch.setattr("solver.nodes.straight_branch.taut_shape", lambda rod: None)
     straight = solve(case, stations=4001)
     assert taut.begun == "the taut rod without weight"
     assert straight.begun.startswith("the straight rod")

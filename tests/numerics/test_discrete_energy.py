@@ -6,7 +6,7 @@ import pytest
 from solver import Case, Cylinder, Ends, Rod, equilibria
 from solver.branches.given_numbers import Given
 from solver.branches.held_index import held_energy
-from solver.branches.system import state_of
+from solver.branches.path_correction import state_of
 from solver.held.bordered_bands import Bordered, times
 from solver.held.discrete_energy import DiscreteEnergy, EnergyMesh
 from solver.held.energy_minima import energy_minima, refinement

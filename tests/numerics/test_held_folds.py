@@ -16,7 +16,7 @@ from solver.branches.deflation import across_fold, end_vector
 from solver.branches.fold_curves import FoldCurve
 from solver.branches.given_numbers import Given
 from solver.branches.parameter_plane import parameter_plane
-from solver.branches.system import state_of
+from solver.branches.path_correction import state_of
 from solver.equilibrium_list import HeldEquilibria
 from solver.problem.reduced import reduce_held
 from solver.traced_folds import system_on

@@ -30,7 +30,7 @@ VERDICTS = {HOLDS: "#01834e", TREND: "#1b4cc8", QUALIFIED: "#946b00", UNDECIDED:
 THEMES = {"light": ("#ffffff", INK, SOFT, FAINT), "dark": ("#14181e", "#e9edf2", "#b0bac6", "#38414d")}
 STABLE: dict[str, Any] = {"color": INK, "linewidth": 1.7, "linestyle": "-"}
 UNSTABLE: dict[str, Any] = {"color": SOFT, "linewidth": 0.8, "linestyle": (0, (4, 1.6))}
-STATES = {"straight": "#8f949c", "sinusoidal": PAIR[1], "helical": PAIR[0]}  # of `solver.nodes.state`
+STATES = {"straight": "#8f949c", "sinusoidal": PAIR[1], "helical": PAIR[0]}  # of `solver.nodes.stretch_states`
 # cells of the map of extremes; solved ones by how near their error is to what the method promises
 EXTREMES = {"refused": "#e3e6ea", "inaccurate": "#e98f88", "non-finite": "#e0cdea", "vague": "#c9d8f2"}
 SOLVED = ("#7fc6a6", "#cfe8dc", "#f8f7d8")

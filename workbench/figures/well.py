@@ -12,7 +12,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from solver.nodes.state import in_words
+from solver.nodes.stretch_states import in_words
 from solver.problem.errors import InputError
 from studies.laws.line_verdicts import FAILS
 

@@ -29,7 +29,7 @@ from .schema import axes_left
 if TYPE_CHECKING:
     import pandas as pd
 
-    from solver.nodes.state import StretchState
+    from solver.nodes.stretch_states import StretchState
 
     from .stored_cases import StoredCases
 
@@ -211,7 +211,7 @@ RULES: dict[str, tuple[tuple[str, ...], Callable[..., Any]]] = {
 
 def states_of(one: "StoredCases", s: Any, beta: Any, alpha: Any, push: Any) -> "tuple[StretchState, ...]":
     """The states along a stored rod with weight or friction, from arrays along it, (n,) each; `one`: its case."""
-    from solver.nodes.state import axial_force_along, is_drawn, states  # it loads the methods
+    from solver.nodes.stretch_states import axial_force_along, is_drawn, states  # it loads the methods
 
     given: dict[str, Any] = {
         name: float(one[name]) for name in PARTS["cylinder"] if name not in CHOICES and name in one

@@ -74,7 +74,7 @@ def _states(stored: StoredStudy) -> list[dict[str, Any]]:
 
 def _is_dense(case: StoredStudy) -> bool:
     """Whether each wave of one rod has at least `DENSE` stations between its ends."""
-    from solver.nodes.state import BENT
+    from solver.nodes.stretch_states import BENT
 
     sign = np.sign(case["beta"].values)
     ends = np.flatnonzero(sign[1:] * sign[:-1] < 0)
@@ -84,7 +84,7 @@ def _is_dense(case: StoredStudy) -> bool:
 
 def _state(case: StoredStudy, alone: bool) -> str:
     """The states along one rod; `TOO_FEW` where the stations are too few, also after it is solved again if `alone`."""
-    from solver.nodes.state import HELICAL, in_words, states  # it loads the methods
+    from solver.nodes.stretch_states import HELICAL, in_words, states  # it loads the methods
 
     if not _is_dense(case):
         try:

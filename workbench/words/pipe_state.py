@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from solver.nodes.loaded_rod import rods_of
-from solver.nodes.state import LEAVES, RUBS, STRAIGHT, in_words
+from solver.nodes.stretch_states import LEAVES, RUBS, STRAIGHT, in_words
 
 from . import cautions, habits, outcomes
 from .habits import plain

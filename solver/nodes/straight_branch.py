@@ -10,12 +10,12 @@ from ..numerics.arrays import ROUGHLY
 from ..numerics.roots import halve
 from ..problem.case import ALONG_ITSELF
 from .buckling import buckle, rod_without_friction, shares_of_buckling, straight_index, straight_shape
-from .descent import index_at
 from .growth import FRICTION, GrowthWay, grow
 from .loaded_rod import ALPHA, SHORT, LoadedRod
 from .local_waves import QUIET, leans_and_buckles, sinusoid, wants_helix, wound_shape
 from .lock_up import PASSED, lock_up_share
 from .newton import correct, is_same
+from .shape_index import index_at
 from .taut import taut_shape
 from .varying_shapes import Shape
 
