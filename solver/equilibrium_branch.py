@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,6 +13,9 @@ from .problem.errors import InputError, show
 from .problem.reduced import EndsProblem, reduce
 from .problem.shown import make
 from .solution import Solution
+
+if TYPE_CHECKING:
+    from xarray import Dataset
 
 HELIX = "helix ceases"  # a kind of special point
 BORDER = "border of the range"  # a kind of end
@@ -176,7 +179,7 @@ class Branch:
             )
         return points
 
-    def to_dataset(self, stations: int = 201, **units: str) -> Any:
+    def to_dataset(self, stations: int = 201, **units: str) -> "Dataset":
         """The branch as a dataset over `point`.
 
         Parameters

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
@@ -18,6 +18,13 @@ from .orbits.shape import ShapeArrays
 from .problem.case_fields import cases_at, place_along, with_field
 from .problem.errors import InputError, check_tolerance, show, whole_number
 from .problem.shown import NOTEBOOK, make, table_of
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from xarray import Dataset
+
+    from workbench.notebook import NotebookScene, Plot
 
 
 class Solution(ShapeArrays):
@@ -267,7 +274,7 @@ class Solution(ShapeArrays):
         """
         return sensitivity(self, fields, observables)
 
-    def to_dataset(self, **units: str) -> Any:
+    def to_dataset(self, **units: str) -> "Dataset":
         """The solution as a dataset with labels and units, which figures, scenes and exports read.
 
         Parameters
@@ -296,7 +303,7 @@ class Solution(ShapeArrays):
         """
         return make(NOTEBOOK, "as_dataset", self, units)
 
-    def plot(self, **units: str) -> Any:
+    def plot(self, **units: str) -> "Plot":
         """Draw the solution; a notebook shows it inline.
 
         Parameters
@@ -312,7 +319,7 @@ class Solution(ShapeArrays):
         """
         return make(NOTEBOOK, "plot_solution", self, units)
 
-    def scene(self, **units: str) -> Any:
+    def scene(self, **units: str) -> "NotebookScene":
         """The rod on its cylinder; a notebook shows it inline, and a reader turns it.
 
         Parameters
@@ -322,7 +329,7 @@ class Solution(ShapeArrays):
 
         Returns
         -------
-        workbench.notebook.Scene
+        workbench.notebook.NotebookScene
             With a slider for each axis of the case. ``save("rod.html")`` writes it as one offline file.
 
         Raises
@@ -332,7 +339,7 @@ class Solution(ShapeArrays):
         """
         return make(NOTEBOOK, "scene_solution", self, units)
 
-    def export(self, path: Any, *, tolerance: float | None = None, replace: bool = False, **units: str) -> Any:
+    def export(self, path: Any, *, tolerance: float | None = None, replace: bool = False, **units: str) -> "Path":
         """Write the rod to a file of another program; the suffix chooses the format.
 
         Parameters

@@ -42,6 +42,7 @@ LISTS = {
     ],
 }  # fmt: skip
 
+SHOWN = {"workbench.notebook", "xarray"}  # their names may annotate, for type checkers alone, what makes their things
 FUNCTIONS = ast.FunctionDef | ast.AsyncFunctionDef
 STDLIB = sys.stdlib_module_names - {"tomllib"}  # file formats are no business of the mechanics
 HEAVY = {
@@ -58,7 +59,8 @@ def imported(node: ast.AST, package: str, at_start_only: bool = False) -> Iterat
     """Absolute dotted names that `node` imports; relative ones are resolved against `package`.
 
     `from a import b` gives both `a` and `a.b`, as b may be a module. With `at_start_only`, function bodies
-    and `if TYPE_CHECKING` are left out: what remains runs when the module is first imported.
+    and `if TYPE_CHECKING` are left out: what remains runs when the module is first imported. Modules of `SHOWN` under
+    `if TYPE_CHECKING` are always left out.
     """
     if isinstance(node, ast.Import):
         yield from (alias.name for alias in node.names)
@@ -67,10 +69,11 @@ def imported(node: ast.AST, package: str, at_start_only: bool = False) -> Iterat
         base = ".".join([*above, *([node.module] if node.module else [])])
         yield base
         yield from (f"{base}.{alias.name}" for alias in node.names)
-    elif at_start_only and is_for_type_checkers_only(node):
+    elif is_for_type_checkers_only(node):
         assert isinstance(node, ast.If)
-        for child in node.orelse:
-            yield from imported(child, package, at_start_only)
+        children = node.orelse if at_start_only else [*node.body, *node.orelse]
+        named = {name for child in children for name in imported(child, package, at_start_only)}
+        yield from named - reaches(named, SHOWN)
     elif not isinstance(node, ast.expr) and not (at_start_only and isinstance(node, FUNCTIONS)):
         for child in ast.iter_child_nodes(node):
             yield from imported(child, package, at_start_only)
@@ -250,6 +253,7 @@ import os.path as p, numpy
 from . import near
 from ..case import Rod
 if TYPE_CHECKING:
+    import pandas
     import xarray
 else:
     import rich
@@ -268,7 +272,7 @@ def f():
         "os.path", "numpy", "solver.methods", "solver.methods.near", "solver.case", "solver.case.Rod", "rich",
         "h5py", "pyvista",
     }  # fmt: skip
-    later = {"xarray", "scipy.special", "matplotlib", "matplotlib.pyplot"}
+    later = {"pandas", "scipy.special", "matplotlib", "matplotlib.pyplot"}
     tree = ast.parse(source)
     assert set(imported(tree, "solver.methods", at_start_only=True)) == at_start
     assert set(imported(tree, "solver.methods")) == at_start | later

@@ -6,6 +6,7 @@ import re
 import sys
 import tomllib
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -93,3 +94,20 @@ def test_a_patch_of_a_public_name_ends_with_the_patch(monkeypatch) -> None:
         patched.setattr(sys.modules["solver.loops"], "loops", "patched")
         assert solver.loops == "patched"
     assert callable(solver.loops)
+
+
+def test_what_shows_or_runs_a_thing_of_the_workbench_has_the_type_of_what_it_gives() -> None:
+    """A type checker, and an editor, know what ``study.run().verdicts`` is."""
+    given = {}
+    for path in PATHS:
+        kind = api_pages.found(path)
+        methods = (
+            [(name, method) for name, method in vars(kind).items() if inspect.isfunction(method)]
+            if inspect.isclass(kind)
+            else []
+        )
+        for name, method in methods:
+            if {"make", "import_module"} & {*method.__code__.co_names}:
+                given[f"{path}.{name}"] = inspect.signature(method).return_annotation
+    assert {"studies.Study.run", "solver.Solution.plot", "solver.Branch.to_dataset"} <= {*given}
+    assert [path for path, annotation in given.items() if annotation in (Any, "Any", inspect.Signature.empty)] == []

@@ -4,7 +4,7 @@
 """
 
 from collections.abc import Mapping
-from typing import Annotated, Any, Self
+from typing import TYPE_CHECKING, Annotated, Any, Self
 
 from numpy.typing import NDArray
 from pydantic import BaseModel, Field, PrivateAttr, ValidationInfo, field_validator
@@ -43,6 +43,9 @@ from .printed import as_reading, table_of
 from .refinement import OUTCOME, Refine
 from .samples import Sample
 from .variation import Variation
+
+if TYPE_CHECKING:
+    from workbench.notebook import StudyRun
 
 # The quantities that can be stored along the rod: names of `Solution`.
 OUTPUTS = (
@@ -306,7 +309,7 @@ class Study(BaseModel):
         """A copy of the study without its refinement: the grid of its axes."""
         return self.model_copy(update={"refine": None}).with_samples(None) if self.refine else self
 
-    def run(self) -> Any:
+    def run(self) -> "StudyRun":
         """Solve every case and judge the laws, in memory.
 
         Returns

@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from studies.laws.verdicts import Law
 
     from ..geometry.centreline import Centreline
+    from ..notebook import NotebookScene, Plot
 
 NOTEBOOK = "workbench.notebook"  # loaded by name: it draws what this module reads
 
@@ -344,7 +345,7 @@ class StoredStudy(StoredCases):
 
     # pictures
 
-    def plot(self, **at: Any) -> Any:
+    def plot(self, **at: Any) -> "Plot":
         """The figure of the dataset, or of its case at these values of axes; a notebook shows it inline.
 
         Parameters
@@ -373,7 +374,7 @@ class StoredStudy(StoredCases):
         """
         return import_module(NOTEBOOK).plot(self, at)
 
-    def scene(self, **at: Any) -> Any:
+    def scene(self, **at: Any) -> "NotebookScene":
         """The rods on their cylinder, with a slider for each axis that is not given; a notebook shows them inline.
 
         Parameters
@@ -383,7 +384,7 @@ class StoredStudy(StoredCases):
 
         Returns
         -------
-        workbench.notebook.Scene
+        workbench.notebook.NotebookScene
             With ``save("modulus.html")``, one offline file.
 
         Raises
