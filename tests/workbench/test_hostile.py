@@ -28,7 +28,7 @@ from workbench.figures import canvas, study_figure
 from workbench.lab import measured_runs
 from workbench.run import in_memory, recipe, writing
 from workbench.run.study_store import run_to_file
-from workbench.stored import checks, file_checks, reading, schema
+from workbench.stored import bounds, checks, file_checks, reading, schema
 from workbench.stored.stored_study import StoredStudy
 
 AXES = "[axes.E]\nvalues = {}\n[axes.R]\nvalues = [0.5, 0.75, 1.0]\n" + small.law(
@@ -150,11 +150,19 @@ def test_curves_in_a_lower_precision_are_judged_without_a_warning(precision: str
     assert list(checks.curves(ds)) == []
 
 
-@pytest.mark.parametrize("value", (1e300, 0.0, -1.0, np.nan))
-def test_the_radius_of_each_shape_of_branches_is_in_its_range(value: float, tmp_path: Path) -> None:
-    path = alter("branches", ("shape_rho[0]", value), tmp_path / "altered.h5")
-    with pytest.raises(InputError, match=f"^{path}: shape_rho must be"):
+RADIUS = [("shape_rho", value, "must be") for value in (1e300, 0.0, -1.0, np.nan)]  # of each shape of branches
+
+
+@pytest.mark.parametrize(("name", "value", "why"), [*RADIUS, ("'curve_height'", 1e300, "holds numbers beyond 1e.200")])
+def test_numbers_of_any_file_are_in_their_range(name: str, value: float, why: str, tmp_path: Path) -> None:
+    path = alter("branches", (name.strip("'") + "[0]", value), tmp_path / "altered.h5")
+    with pytest.raises(InputError, match=f"^{path}: {name} {why}"):
         reading.read(path, study=False)
+
+
+def test_a_label_is_cut_to_the_length_that_a_file_holds(tmp_path: Path) -> None:
+    ds = reading.read(alter("grid", ("E@long_name", "x" * 50_000), tmp_path / "altered.h5"))
+    assert len(ds["E"].attrs["long_name"]) == bounds.LABEL
 
 
 @pytest.mark.parametrize(

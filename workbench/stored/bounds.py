@@ -5,7 +5,7 @@ The writer asks before it solves (`check_study`) and before it stores (`unfit`, 
 """
 
 import re
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -33,6 +33,18 @@ FIELDS = (*POSITIVE, "rho", "shape_rho", *RANGES)  # that have a range; shape_rh
 CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\ud800-\udfff]")  # of a text of many lines; no UTF-8
 LINE, LABEL = LONGEST_LINE, 1000  # characters of an attribute of a file, and of a variable or a text of a case
 CUT = "; ..."  # ends a text that is longer than a file holds
+# What fields and stations must be together: the names, what is wrong with the first otherwise, and the rule.
+TOGETHER: Sequence[tuple[tuple[str, ...], str, Callable[..., Any]]] = (
+    (("inner_radius", "a"), "is not less than a", lambda inner, a: inner < a),
+    (
+        ("rho", "R", "a", "side"),
+        "is not R + a, or inside a hole R - a",
+        lambda rho, R, a, side: abs(rho - R - side * a) <= SAME * (R + a),
+    ),
+    (("L", "rho"), f"must be at most {MOST:g} times rho", lambda L, rho: L / rho < MOST),
+    (("u",), "must rise from 0 to 1", lambda u: (u >= 0) & (u <= 1) & bool((np.diff(np.ravel(u)) > 0).all())),
+    (("s", "u", "L"), "must be u L", lambda s, u, L: abs(s - u * L) <= SAME * L),
+)
 
 
 def wrong_axis(values: Any) -> str:
@@ -42,19 +54,23 @@ def wrong_axis(values: Any) -> str:
     return "holds a value twice" if np.unique(values).size < np.size(values) else ""
 
 
-def wrong_field(name: str, values: Any) -> str:
-    """What is wrong with the values of one of `FIELDS`; "" where nothing is."""
-    values = np.asarray(values, dtype=float)
-    if not np.isfinite(values).all():
-        return f"must be finite, got {_worst(values, np.isfinite(values))}"
-    allowed = RANGES.get(name, RANGES["R"])  # rho is positive, as R is
-    low, high = allowed.low if allowed.low or allowed.closed else SMALLEST, min(allowed.high, LARGEST)
-    good = ~allowed.excludes(values) & (values >= low) & (values <= high)
-    return "" if good.all() else f"must be from {low:g} to {high:g}, got {_worst(values, good)}"
+def unfit_fields(number: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    """What is wrong with fields and stations: a name, and why, in words.
 
-
-def _worst(values: NDArray[Any], good: Mask) -> str:
-    return f"{values[~good].flat[0]:g}"
+    number: their values by their names, and `side`, 1 on the cylinder and -1 in a hole; which of them there are.
+    """
+    for name in (name for name in FIELDS if name in number):
+        values = np.asarray(number[name], dtype=float)
+        allowed = RANGES.get(name, RANGES["R"])  # rho is positive, as R is
+        low, high = allowed.low if allowed.low or allowed.closed else SMALLEST, min(allowed.high, LARGEST)
+        good = np.isfinite(values) & ~allowed.excludes(values) & (values >= low) & (values <= high)
+        if not good.all():
+            got = values[~good].flat[0]
+            yield name, f"must be {f'from {low:g} to {high:g}' if np.isfinite(got) else 'finite'}, got {got:g}"
+    for needed, why, holds in TOGETHER:
+        with np.errstate(all="ignore"):  # of infinite numbers a rule has no value, and does not hold
+            if {*needed} <= {*number} and not np.all(holds(*(number[name] for name in needed))):
+                yield needed[0], why
 
 
 def check_study(study: Study, dimensions: Dimensions) -> None:
@@ -62,13 +78,8 @@ def check_study(study: Study, dimensions: Dimensions) -> None:
     for name, values in dimensions.fields.items():
         if why := wrong_axis(np.unique(values)):
             raise InputError(f"the axis {name} {why}: no file holds that")
-    case = study.case_of(dimensions.open())
-    numbers = quantity_variables.numbers_of_case(case)
-    for name in (name for name in FIELDS if name in numbers):
-        if why := wrong_field(name, numbers[name]):
-            raise InputError(f"{name} of a study that is stored {why}")
-    if not np.max(case.rod.L) / np.min(case.rho) < MOST:
-        raise InputError(f"L of a study that is stored must be at most {MOST:g} times rho")
+    for name, why in unfit_fields(quantity_variables.numbers_of_case(study.case_of(dimensions.open()))):
+        raise InputError(f"{name} of a study that is stored {why}")
 
 
 def unfit(

@@ -142,8 +142,6 @@ def _attributes(held: h5py.File | h5py.Dataset, what: str) -> dict[str, Any]:
         is_number = np.asarray(value).dtype.kind in "iufb"  # a reference, say, cannot be copied
         if not (is_text or is_number) or np.size(value) == 0 or not is_line(key, LABEL):
             raise InputError(f"{what} the attribute {show(key)} must hold numbers or text")
-        if isinstance(held, h5py.Dataset) and is_text and np.size(value) == 1 and len(np.ravel(value)[0]) > LABEL:
-            raise InputError(f"{what} the attribute {show(key)} must be one line of text, got {show(value)}")
         if key in SCALED and isinstance(held, h5py.Dataset):
             raise InputError(f"{what} has the attribute {key}, by which other programs mean other numbers")
     fill = np.asarray(attrs.pop("_FillValue", np.nan))
@@ -179,7 +177,7 @@ def _dimensions(array: h5py.Dataset, name: str) -> tuple[str, ...]:
 
 def store_sums(file: h5py.File) -> None:
     """Store the checksums of a complete file that is open for writing."""
-    file.attrs[SUMS] = json.dumps({place: _sum(value) for place, value in _places(contents(file, file.filename))})
+    file.attrs[SUMS] = json.dumps(dict(_sums(contents(file, file.filename))))
 
 
 def check_sums(held: Contents, path: object, arrays: bool = True) -> None:
@@ -190,12 +188,12 @@ def check_sums(held: Contents, path: object, arrays: bool = True) -> None:
     if SUMS not in held.attrs:
         return
     try:
-        stored = {str(place): str(summed) for place, summed in json.loads(held.attrs[SUMS]).items()}
-    except (ValueError, TypeError, AttributeError, RecursionError):
+        stored = dict(json.loads(held.attrs[SUMS]))
+    except (ValueError, TypeError, RecursionError):
         raise InputError(f"{path}: the attribute {SUMS} is damaged") from None
-    for place, value in _places(held):
-        shape, _, _ = stored.get(place, "added:").partition(":")
-        if (arrays or "@" in place) and shape == _shape(value) and _sum(value) != stored[place]:
+    for place, summed in _sums(held, arrays):
+        was = str(stored.get(place, summed))
+        if was != summed and was.partition(":")[0] == summed.partition(":")[0]:
             variable, _, key = place.partition("@")
             what = f"the attribute {key}{variable and f' of {variable}'}" if key else variable
             raise InputError(
@@ -207,28 +205,24 @@ def is_as_stored(path: str | Path) -> bool:
     """Whether everything in a file is as its checksums say."""
     try:
         with open_valid(path) as (_, held):
-            stored = json.loads(held.attrs[SUMS])
-            return {place: _sum(value) for place, value in _places(held)} == stored
+            return dict(_sums(held)) == json.loads(held.attrs[SUMS])
     except InputError:
         return False
 
 
-def _places(held: Contents) -> Iterator[tuple[str, Any]]:
-    """``@title`` of the file, ``E@units``, ``E@`` (its dimensions) and ``outcome`` of arrays, and what is there.
+def _sums(held: Contents, arrays: bool = True) -> Iterator[tuple[str, str]]:
+    """``@title`` of the file, ``E@units``, ``E@`` (its dimensions) and ``outcome`` of arrays, and the sum of each.
 
     Arrays along the rod are left to HDF5, which would not notice a chunk that it takes for one that is not packed.
     """
     most = len(held.arrays["outcome"].dims) if "outcome" in held.arrays else MOST_DIMENSIONS
-    yield from ((f"@{key}", value) for key, value in held.attrs.items() if key not in UNSUMMED)
-    for name, array in held.arrays.items():
-        yield from ((f"{name}@{key}", value) for key, value in array.attrs.items() if key not in UNSUMMED)
-        yield f"{name}@", np.array(array.dims, dtype=object)
-        if len(array.dims) <= most or not array.is_guarded:
-            yield name, array.values
-
-
-def _shape(value: Any) -> str:
-    return "x".join(map(str, np.shape(value)))
+    parts: dict[str, Contents | FileArray] = {"": held, **held.arrays}
+    for name, each in parts.items():
+        yield from ((f"{name}@{key}", _sum(value)) for key, value in each.attrs.items() if key not in UNSUMMED)
+        if isinstance(each, FileArray):
+            yield f"{name}@", _sum(np.array(each.dims, dtype=object))
+            if arrays and (len(each.dims) <= most or not each.is_guarded):
+                yield name, _sum(each.values)
 
 
 def _sum(value: Any) -> str:
@@ -241,7 +235,7 @@ def _sum(value: Any) -> str:
             parts = texts if all(isinstance(text, bytes) for text in texts) else map(_bytes, texts)
             part = b"\0".join([*parts, b""])
         summed.update(_bytes(part))
-    return f"{_shape(value)}:{summed.hexdigest()}"
+    return f"{'x'.join(map(str, np.shape(value)))}:{summed.hexdigest()}"
 
 
 def _bytes(value: Any) -> bytes:

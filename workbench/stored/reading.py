@@ -2,7 +2,7 @@
 
 import os
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -61,7 +61,7 @@ class _Store(AbstractDataStore):
             values = indexing.LazilyIndexedArray(_Array(self.files, name, stored))
         elif _is_text(stored):
             values = _texts(values)
-        attrs = {key: _attribute(key, value) for key, value in stored.attrs.items()}
+        attrs = {key: _attribute(key, value, bounds.LABEL) for key, value in stored.attrs.items()}
         return xr.Variable(stored.dims, values, attrs, {"dtype": str if _is_text(stored) else stored.dtype})
 
 
@@ -77,8 +77,8 @@ def _texts(values: Any) -> NDArray[Any]:
     return np.array(texts, dtype=object).reshape(np.shape(values))
 
 
-def _attribute(key: str, value: Any) -> Any:
-    """The value of an attribute, a text made printable; of a list of one value that value."""
+def _attribute(key: str, value: Any, most: int = bounds.LINE) -> Any:
+    """The value of an attribute, a text made printable and at most so long; of a list of one value that value."""
     if isinstance(value, np.ndarray) and value.size == 1:
         value = value.flat[0]
     if isinstance(value, str):  # h5py keeps bytes that are no UTF-8 in it
@@ -86,7 +86,7 @@ def _attribute(key: str, value: Any) -> Any:
     if not isinstance(value, bytes):
         return value
     text = value.decode(errors="replace")
-    return bounds.fit_lines(text) if key in LONG else bounds.fit_text(text, bounds.LINE)
+    return bounds.fit_lines(text) if key in LONG else bounds.fit_text(text, most)
 
 
 def open_study(path: str | Path, whole: bool = False) -> xr.Dataset:
@@ -94,7 +94,7 @@ def open_study(path: str | Path, whole: bool = False) -> xr.Dataset:
 
     Raises `InputError` where the file is missing, damaged, of another format, or not a study's dataset.
     """
-    return _open(path, checks.check_kind, [*checks.STUDY, *([checks.curves] if whole else [])])
+    return _open(path, True, [*checks.STUDY, *([checks.curves] if whole else [])])
 
 
 def read(path: str | Path, study: bool = True) -> xr.Dataset:
@@ -102,14 +102,14 @@ def read(path: str | Path, study: bool = True) -> xr.Dataset:
 
     Raises `InputError` where the file is missing, damaged, foreign or too large, or holds invalid values.
     """
-    with open_study(path) if study else _open(path) as ds:
+    with _open(path, is_study=study) as ds:
         memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")  # bytes
         if ds.nbytes > memory:
             held = f"{path} holds {ds.nbytes / 1e9:.3g} GB, more than this machine's memory of {memory / 1e9:.3g} GB"
             raise InputError(f"{held}; open it with xarray.open_dataset and select from it")
         with refusing(path):
             ds.load()
-        checks.check(ds, path, [checks.curves] if study else checks.of_any(ds))  # a study's others have been asked
+        checks.check_all(ds, path)
         return ds
 
 
@@ -128,15 +128,15 @@ def raw(path: str | Path, without: Sequence[str] = ()) -> xr.Dataset:
     return _as_dataset(path, without)[0]
 
 
-def _open(path: str | Path, first: Callable[..., None] | None = None, asked: Sequence[checks.Check] = ()) -> xr.Dataset:
+def _open(path: str | Path, is_study: bool, asked: Sequence[checks.Check] = ()) -> xr.Dataset:
     """A dataset, opened lazily, that has not changed since it was stored and passes these checks.
 
-    first: what raises `InputError` for another kind or format.
+    is_study: whether it must be that of a study. Raises `InputError`.
     """
     ds, held = _as_dataset(path)
     try:
-        if first is not None:
-            first(ds, path)
+        if is_study:
+            checks.check_kind(ds, path)
         with refusing(path):
             file_checks.check_sums(held, path)
         checks.check(ds, path, asked)
