@@ -12,12 +12,12 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.transforms import Affine2D
 
 from solver.problem.errors import InputError, no_such
+from solver.problem.quantities import unit_of
 from studies.laws.line_verdicts import NOISE
 
 from ..stored import quantity_variables
@@ -186,12 +186,8 @@ def _words(stored: StoredStudy, name: str) -> tuple[str, str, Callable[[Any], An
     """The name of an array along the rod, its unit, and what brings its numbers into it."""
     if name == "push":
         return "push", f" {labels.unit(push_scale.unit(stored))}", np.asarray
-    attrs = (
-        dict(stored[quantity_variables.curve_name(name)].attrs) if quantity_variables.curve_name(name) in stored else {}
-    )
-    array = xr.DataArray(0.0, attrs=attrs or quantity_variables.labels(name, stored.units), name=name)
-    unit = labels.unit(str(array.attrs.get("units", "1")))
-    if labels.is_angle(array):
+    unit = labels.unit(unit_of(name, stored.units))
+    if unit == "rad":
         return labels.symbol_of(name), "°", np.degrees
     return labels.symbol_of(name), f" {unit}" if unit else "", np.asarray
 

@@ -15,7 +15,6 @@ from studies.grammar.axes import SAMPLE
 
 from ..geometry.centreline import Centreline, advice_to_store, cut
 from ..geometry.refinement import ROUNDING, DrawnCurve
-from ..stored import selection
 from ..stored.stored_study import StoredStudy
 from ..words import labels
 
@@ -146,7 +145,7 @@ def choose(
             raise InputError(f"the rods stand along {axis}, so it takes no value, got {axis} = {at[axis]:.10g}")
     else:
         axis = next((name for name in stored.axes if stored.sizes[name] > 1 and name not in at), None)
-    cases = selection.spread(stored.places(axis, at), most) if axis else [stored.place(at)]
+    cases = stored.places(axis, at, most) if axis else [stored.place(at)]
     held = {name: i for name, i in cases[0].items() if name != axis}
     chosen = stored.select(held | ({axis: [case[axis] for case in cases]} if axis else {}))
     arrays_of, notes = _arrays(chosen, names)
@@ -179,7 +178,7 @@ def numbers(stored: StoredStudy, *names: str) -> list[NDArray[np.float64]]:
 
 
 def _rod(one: StoredStudy, axis: str | None, arrays: Mapping[str, Any] | None) -> DrawnRod:
-    rho, a = (float(one.arrays.constant(name)) for name in ("rho", "a"))
+    rho, a = float(one["rho"]), float(one["a"])
     caution = str(one["caution"].values) if "caution" in one else ""
     text = labels.value(float(one[axis]), one[axis]) if axis else ""
     name = f"{labels.axis_symbol(axis)} = {text}" if axis else "rod"

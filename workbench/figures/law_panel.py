@@ -10,9 +10,8 @@ from matplotlib.axes import Axes
 
 from studies.laws import law_words
 from studies.laws.line_verdicts import HOLDS, MONOTONE, NOISE, Show
-from studies.laws.verdicts import Law
+from studies.laws.verdicts import TOLD
 
-from ..stored import law_verdicts
 from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import canvas, colours, fonts
@@ -122,21 +121,25 @@ def draw_curve(stored: StoredStudy, ax: Axes, row: Mapping[str, Any]) -> None:
     """Draw what a law (a row of `law_verdicts.verdicts`) compares its observable with, on the line that decides."""
     if row["kind"] == MONOTONE:
         return
-    law = Law.model_validate({key: row[key] for key in ("claim", "kind", "observable", "axis", "source")} | row["rule"])
-    places = stored.places(law.axis, row["at"])
-    along = labels.in_label_unit(stored[law.axis], stored[law.axis].values[[place[law.axis] for place in places]])
+    laws = zip(stored.laws, stored.compared, strict=True)
+    compared = next(numbers for law, numbers in laws if all(getattr(law, key) == row[key] for key in TOLD))
+    axis, places = row["axis"], stored.places(row["axis"], row["at"])
+    on_line = tuple(np.array([place[name] for place in places]) for name in stored.axes)
+    along = labels.in_label_unit(stored[axis], stored[axis].values[[place[axis] for place in places]])
     numbers = {
-        key: values if key == "x" else labels.in_label_unit(stored[law.observable], values)
-        for key, values in law_verdicts.numbers_of_line(stored, law, places).items()
+        key: values[on_line] if key == "x" else labels.in_label_unit(stored[row["observable"]], values[on_line])
+        for key, values in compared.items()
     }
-    WITH_NUMBERS[law.kind](ax, stored, along, numbers, law, row)
+    WITH_NUMBERS[row["kind"]](ax, stored, along, numbers, row)
 
 
-def _equals(ax: Axes, stored: StoredStudy, along: Any, numbers: Any, law: Law, row: Any) -> None:
-    values, array = numbers["formula"], stored[law.observable]
-    half = labels.in_label_unit(array, law.absolute) if law.relative is None else law.relative * np.abs(values)
-    near = _number(law.absolute or 0.0, array) if law.relative is None else f"{100 * law.relative:.4g}{NO_BREAK}%"
-    words = f"{formula(stored.expressions, law.formula, array)} ± {near}"
+def _equals(ax: Axes, stored: StoredStudy, along: Any, numbers: Any, row: Any) -> None:
+    values, array, rule = numbers["formula"], stored[row["observable"]], row["rule"]
+    if rule.get("relative") is None:
+        half, near = labels.in_label_unit(array, rule["absolute"]), _number(rule["absolute"], array)
+    else:
+        half, near = rule["relative"] * np.abs(values), f"{100 * rule['relative']:.4g}{NO_BREAK}%"
+    words = f"{formula(stored.expressions, rule['formula'], array)} ± {near}"
     if stored.stand_alone:  # the numbers of each rod are its own
         ax.plot(along, values, "_", color=colours.INK, markersize=9, zorder=1.5, label=words)
         return
@@ -152,31 +155,32 @@ def _allow(ax: Axes, along: Any, low: Any, high: Any) -> None:
     )
 
 
-def _bound(ax: Axes, stored: StoredStudy, along: Any, numbers: Any, law: Law, row: Any) -> None:
+def _bound(ax: Axes, stored: StoredStudy, along: Any, numbers: Any, row: Any) -> None:
+    array, rule = stored[row["observable"]], row["rule"]
     for key, word in (("least", "at least"), ("most", "at most")):
         if key in numbers:
-            words = f"{word} {formula(stored.expressions, getattr(law, key), stored[law.observable])}"
+            words = f"{word} {formula(stored.expressions, rule[key], array)}"
             _line(ax, along, numbers[key], words, DASHED if key == "least" else DOTTED)
 
 
-def _scales(ax: Axes, stored: StoredStudy, along: Any, numbers: Any, law: Law, row: Any) -> None:
+def _scales(ax: Axes, stored: StoredStudy, along: Any, numbers: Any, row: Any) -> None:
     measured = row["numbers"]
     if not measured:
         return
-    at = np.abs(np.radians(along) if labels.is_angle(stored[law.axis]) else along)
-    fitted = labels.in_label_unit(stored[law.observable], measured["factor"] * at ** measured["exponent"])
+    at = np.abs(np.radians(along) if labels.is_angle(stored[row["axis"]]) else along)
+    fitted = labels.in_label_unit(stored[row["observable"]], measured["factor"] * at ** measured["exponent"])
     _line(ax, along, fitted, labels.typeset(f"fit: {row['found']}"))
-    wide = np.exp(law.within * np.abs(np.log(at / np.exp(np.mean(np.log(at))))))
+    wide = np.exp(row["rule"]["within"] * np.abs(np.log(at / np.exp(np.mean(np.log(at))))))
     low, high = np.sort([fitted / wide, fitted * wide], axis=0)
     _allow(ax, along, low, high)
 
 
-def _boundary(ax: Axes, stored: StoredStudy, along: Any, numbers: Any, law: Law, row: Any) -> None:
-    axis = stored[law.axis]
+def _boundary(ax: Axes, stored: StoredStudy, along: Any, numbers: Any, row: Any) -> None:
+    axis, array, rule = stored[row["axis"]], stored[row["observable"]], row["rule"]
     places = np.unique(labels.in_label_unit(axis, numbers["x"]))
-    half, expected = float(labels.in_label_unit(axis, law.within)), float(numbers["x"][0])
-    passed = formula(stored.expressions, law.passes, stored[law.observable])
-    _line(ax, along, numbers["passes"], f"{labels.symbol(stored[law.observable])} = {passed}")
+    half, expected = float(labels.in_label_unit(axis, rule["within"])), float(numbers["x"][0])
+    passed = formula(stored.expressions, rule["passes"], array)
+    _line(ax, along, numbers["passes"], f"{labels.symbol(array)} = {passed}")
     if places.size == 1 and np.isfinite(places[0]):
         ax.axvspan(places[0] - half, places[0] + half, color=colours.INK, alpha=0.12, linewidth=0, zorder=0)
         ax.axvline(
@@ -184,7 +188,7 @@ def _boundary(ax: Axes, stored: StoredStudy, along: Any, numbers: Any, law: Law,
             color=colours.SOFT,
             linewidth=1,
             zorder=1,
-            label=f"expected: {_number(expected, axis)} ± {_number(law.within or 0.0, axis)}",
+            label=f"expected: {_number(expected, axis)} ± {_number(rule['within'], axis)}",
         )
         if row["numbers"]:
             step = sorted(row["numbers"][end] for end in ("from", "to"))

@@ -13,7 +13,6 @@ from solver.problem.declared_fields import FIELDS
 from solver.problem.errors import InputError, choices
 from studies.grammar.axes import SAMPLE, WORDS
 
-from ..stored import selection
 from ..stored.quantity_variables import dimension
 from ..stored.shown_observables import MOST_ASKED, choose_observables
 from ..stored.stored_study import StoredStudy
@@ -161,7 +160,7 @@ def choose(
     free = [axis for axis in mappable(stored) if axis in held and axis not in (at or {})]
     if not free:
         return Choice(x, y, tuple(shown), tuple(left_out), None, (), held)
-    order = [where[free[0]] for where in selection.spread(stored.places(free[0]), min(columns, MOST_COLUMNS))]
+    order = [where[free[0]] for where in stored.places(free[0], most=min(columns, MOST_COLUMNS))]
     del held[free[0]]
     return Choice(x, y, tuple(shown), tuple(left_out), free[0], tuple(order), held)
 

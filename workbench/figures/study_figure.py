@@ -69,7 +69,7 @@ def figure(
         stored.
     """
     rows = stored.verdicts if verdicts is None else verdicts
-    stored, curves = stored.line(), stored.coarse()
+    whole, stored = stored, stored.line()
     axes = [axis for axis in stored.axes if stored.sizes[axis] > 1]
     if not axes:
         if show:
@@ -77,12 +77,12 @@ def figure(
         return one_rod(stored, sheet)
     is_sampled = SAMPLE in axes and bool(stored.observables)
     axes = [axis for axis in axes if not (is_sampled and axis == SAMPLE)]
-    chosen = _choice(stored, rows, axes if unrolled.has_curve(curves) else [], is_sampled, sheet.panel, show)
+    chosen = _choice(stored, rows, axes if unrolled.has_curve(whole) else [], is_sampled, sheet.panel, show)
     axis_of_trends = stored.axis(x) if x else next(iter(axes), "")
     most = len(chosen.sampled or chosen.panels)
     is_whole = sheet.panel is not None or bool(show) or sheet.style != "paper"
     strips = (chosen if is_whole else _first_of(chosen, most, sheet.narrow)).strips
-    rods = {name: drawn_rods.choose(curves, ("alpha", "z"), name, most=MOST_CURVES) for name in strips}
+    rods = {name: drawn_rods.choose(whole, ("alpha", "z"), name, most=MOST_CURVES) for name in strips}
     if is_whole:
         return _figure_of(stored, rods, chosen, sheet, axis_of_trends)
     return canvas.with_room(
@@ -246,9 +246,9 @@ def _choice(
         level = level_notes(stored, [name for name in known if name not in shown])
         left_out = [name for name in without_room if name not in shown]
         trivial = [row for row in rows if is_trivial(stored, row)]
-        if len(trivial) == len(rows) and not (strips or is_sampled):
-            trivial = []
-        shown_laws = [row for row in rows if row not in trivial]
+        shown_laws = [row for row in rows if not is_trivial(stored, row)]
+        if not (shown_laws or strips or is_sampled):
+            trivial, shown_laws = [], trivial
         return _Choice(shown_laws if rows else names, strips, known if is_sampled else (), trivial, level, left_out)
     panels = [*strips, *(str(row["claim"]) for row in rows), *laws, *known, *([SAMPLES] if is_sampled else [])]
     if panel not in panels:

@@ -9,8 +9,6 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from numpy.typing import NDArray
 
-from solver.problem.errors import no_such
-from solver.problem.quantities import current
 from studies.grammar.axes import SAMPLE
 
 from ..stored.stored_study import StoredStudy
@@ -33,13 +31,7 @@ Values = NDArray[np.float64]
 
 
 def trend(stored: StoredStudy, ax: Axes, observable: str, axis: str, at: dict[str, float] | None = None) -> Axes:
-    """An observable against an axis; on a grid the line at `at` stands out and the others are faint.
-
-    Raises `InputError` for an observable or axis that is not stored.
-    """
-    observable = current(observable)
-    if observable not in stored:
-        raise no_such("observable", observable, stored.variables)
+    """A stored number of each case against an axis; on a grid the line at `at` stands out and the others are faint."""
     order = stored.places(axis, at)
     on = {axis: [where[axis] for where in order]}
     along = labels.in_label_unit(stored[axis], stored[axis].values[on[axis]])

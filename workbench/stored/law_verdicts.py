@@ -166,14 +166,10 @@ def _numbers_of_law(ds: "xr.Dataset", law: Law) -> "dict[str, NDArray[np.float64
     return {name: np.asarray(schema.over_cases(ds, _number_of(ds, name)), dtype=float) for name in names}
 
 
-def numbers_of_line(
-    stored: "StoredCases", law: Law, places: "list[dict[str, int]]"
-) -> "dict[str, NDArray[np.float64]]":
-    """The numbers with which a law compares its observable, by key, at the places of one line of the grid."""
-    outcome = stored["outcome"]
-    numbers = targets(law, outcome.shape, _numbers_of_law(stored.ds, law))
-    index = tuple(np.array([place[str(dim)] for place in places]) for dim in outcome.dims)
-    return {key: values[index] for key, (values, _) in numbers.items()}
+def numbers_compared(ds: "xr.Dataset", law: Law) -> "dict[str, NDArray[np.float64]]":
+    """The numbers with which a law compares its observable, by key, of each case. Raises `InputError`."""
+    numbers = targets(law, ds["outcome"].shape, _numbers_of_law(ds, law))
+    return {key: values for key, (values, _) in numbers.items()}
 
 
 def _number_of(ds: "xr.Dataset", name: str) -> Any:

@@ -20,7 +20,7 @@ from studies.laws.line_verdicts import NOISE
 from ..words import cautions, labels, outcomes
 from . import file_kinds, quantity_variables, schema
 from .quantity_variables import COMPONENTS, is_count
-from .selection import Value, index
+from .selection import Value, index, spread
 
 NOT_OBSERVED = ("rho", "condition", "dbeta0", "level")  # numbers of each case, not observables
 FOUND = ("FZ", "MZ", "M3", "beta0", "betaL")  # observables where they are found of held ends
@@ -205,10 +205,14 @@ class StoredCases:
         base = at_start.get(name)
         return values.size // 2 if base is None else int(np.abs(values - base).argmin())
 
-    def places(self, axis: str, at: Mapping[str, Value] | None = None) -> list[dict[str, int]]:
-        """The indices of each case along an axis in its rising order, the other axes as in `place`."""
+    def places(self, axis: str, at: Mapping[str, Value] | None = None, most: int | None = None) -> list[dict[str, int]]:
+        """The indices of each case along an axis in its rising order, the other axes as in `place`.
+
+        most: how many at most, evenly chosen; default: all.
+        """
         axis, place = self.axis(axis), self.place(at)
-        return [{**place, axis: int(i)} for i in np.argsort(self.ds[axis].values, kind="stable")]
+        every = [{**place, axis: int(i)} for i in np.argsort(self.ds[axis].values, kind="stable")]
+        return every if most is None else spread(every, most)
 
     def value(self, axis: str, value: Value) -> float:
         """The stored value of an axis that is meant. Raises `InputError` with the stored values."""

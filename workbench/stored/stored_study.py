@@ -81,6 +81,14 @@ class StoredStudy(StoredCases):
         return law_verdicts.verdicts(self.ds)
 
     @cached_property
+    def compared(self) -> "list[dict[str, NDArray[np.float64]]]":
+        """The numbers with which each of its laws compares its observable: key of the law -> of each case.
+
+        None of a law on a direction. Raises `InputError`.
+        """
+        return [law_verdicts.numbers_compared(self.ds, law) for law in self.laws]
+
+    @cached_property
     def unsolved(self) -> int:
         """How many cases are not solved."""
         return int((~self.ds["solved"].values).sum())
