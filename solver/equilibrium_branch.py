@@ -195,7 +195,7 @@ class Branch:
             The field, energy, height, azimuth, turns around, Morse index, bends and beta'(0) over `point`; beta,
             alpha and z over (point, u), u = s/L; `special`, the kind of each special point, else empty. Needs xarray.
         """
-        return make("workbench.branches.branch_dataset", "as_dataset", self, stations, units)
+        return make("workbench.branches.followed_branch", "as_dataset", self, stations, units)
 
     def __repr__(self) -> str:
         kinds = [f"{point.kind} at {point.value:.6g}" for point in self.special]

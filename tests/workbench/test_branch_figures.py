@@ -20,7 +20,15 @@ from tests.workbench import stored_figures
 from tests.workbench.page_faults import share_of_red
 from workbench.branches import branch_dataset, tracing
 from workbench.branches.equilibria_dataset import as_dataset
-from workbench.figures import bifurcation, branch_lines, canvas, colours, equilibria_figure, point_numbers, unrolled
+from workbench.figures import (
+    bifurcation,
+    branch_lines,
+    colours,
+    equilibria_figure,
+    point_numbers,
+    print_heights,
+    unrolled,
+)
 from workbench.figures.point_numbers import NumberedPoint
 from workbench.figures.sheet import Sheet, sheet
 from workbench.stored.stored_study import StoredStudy
@@ -272,7 +280,7 @@ def test_lines_of_many_unstable_branches_are_whole_and_thin_as_dashes_side_by_si
 
 def test_a_column_leaves_rods_out_where_they_leave_the_diagram_too_little_height(many, monkeypatch) -> None:
     def count_rods(inches: float) -> int:
-        monkeypatch.setattr(canvas, "LEAST_AXES", inches)
+        monkeypatch.setattr(print_heights, "LEAST_AXES", inches)
         fig = bifurcation.figure(many, SHEETS["column"])
         return sum(len(shapes(fig)) for ax in fig.axes if ax.get_label() == unrolled.VIEWS)
 

@@ -14,7 +14,7 @@ from solver.follow import to_fold
 from studies import TABLE_1, load, names
 from tests.slow import slow
 from tests.workbench import small, stored_figures
-from workbench.figures import canvas, kinds
+from workbench.figures import canvas, crossing_rings, kinds
 from workbench.run import in_memory
 from workbench.stored import law_verdicts
 from workbench.stored.stored_study import StoredStudy
@@ -147,7 +147,7 @@ def test_a_ring_covers_no_more_than_its_line() -> None:
     def draw(fig) -> None:
         ax = fig.add_axes((0, 0, 1, 1))
         ax.set_facecolor("black")
-        canvas.draw_rings(ax, [(0.5, 0.5)], [12.0], "ring")
+        crossing_rings.draw(ax, [(0.5, 0.5)], [12.0], "ring")
 
     fig = canvas.figure((1.0, 1.0), draw, layout=None)
     page = BytesIO()

@@ -22,7 +22,16 @@ from tests.workbench.page_faults import faults
 from tests.workbench.pictures import draws
 from workbench.branches.ends_study import ends_problem
 from workbench.branches.equilibria_dataset import as_dataset
-from workbench.figures import canvas, drawn_rods, equilibria_figure, fonts, map_figure, scales, study_figure
+from workbench.figures import (
+    canvas,
+    drawn_rods,
+    equilibria_figure,
+    fonts,
+    map_figure,
+    print_heights,
+    scales,
+    study_figure,
+)
 from workbench.figures.sheet import sheet
 from workbench.run import in_memory, writing
 from workbench.stored import law_verdicts
@@ -153,7 +162,7 @@ def test_rods_are_solved_once_for_a_page_however_many_panels_are_tried(monkeypat
     def page_that_is_too_low_once(*given, **more) -> Figure:
         pages.append(given)
         if len(pages) == 1:
-            raise canvas.TooLow("too low")
+            raise print_heights.TooLow("too low")
         return page(*given, **more)
 
     monkeypatch.setattr(canvas, "page", page_that_is_too_low_once)

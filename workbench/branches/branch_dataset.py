@@ -1,9 +1,8 @@
-"""Branches as datasets: all equilibria over an axis with the study's laws judged on each, what their diagram shows, or
-one followed branch."""
+"""All equilibria over an axis as a dataset: their branches with the study's laws judged on each, and what the diagram
+shows."""
 
 import json
 from collections.abc import Mapping, Sequence
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -11,14 +10,12 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from solver import Branch, Case, Solution
-from solver.equilibria import MOST_LISTED, Equilibrium
+from solver.equilibria import Equilibrium
 from solver.follow import solutions_of
-from solver.observe.cautions import turns_back
 from solver.observe.observables import OBSERVABLES, observe
 from solver.orbits.periodic_orbit import jacobi_zeros
-from solver.problem.errors import no_such, whole_number
+from solver.problem.errors import no_such
 from solver.problem.quantities import current
-from solver.problem.reduced import fields_held
 from studies import Study
 from studies.grammar.axes import quantity_of
 from studies.laws.line_verdicts import QUALIFIED
@@ -27,17 +24,7 @@ from studies.laws.verdicts import Law, decide
 from ..stored import quantity_variables
 from ..stored.stored_cases import BACK
 from ..stored.stored_study import StoredStudy
-from .equilibria_dataset import (
-    ALONG,
-    COUNT,
-    DEAD_LOADS,
-    EACH,
-    PUSH,
-    all_units,
-    attributes,
-    of_solution,
-    with_case,
-)
+from .equilibria_dataset import COUNT, EACH, PUSH, attributes, numbers_of, stability, with_case
 from .tracing import PARTNER, Piece, Step, Traced, trace_branches, trace_held
 
 STATIONS = 101
@@ -206,8 +193,7 @@ def special_points(seen: Traced, name: str, units: Mapping[str, str], shown: Seq
         ("special", "where branches meet or end", [e for e in seen.special if e[1].kind != "fold"]),
     ):
         rows = [
-            _numbers_of(branch.points[point.position].solution, ("dbeta0", "energy", *shown, BACK))
-            | {name: point.value}
+            numbers_of(branch.points[point.position].solution, ("dbeta0", "energy", *shown, BACK)) | {name: point.value}
             for branch, point, _ in group
         ]
         for key, label in _labels(name, ("dbeta0", "energy", *shown), units).items():
@@ -229,21 +215,13 @@ def _labels(name: str, keys: Sequence[str], units: Mapping[str, str]) -> dict[st
     }
 
 
-def _numbers_of(sol: Solution, keys: Sequence[str]) -> dict[str, Any]:
-    """Observables, loads and values at the ends, one for each case."""
-    ends = {"dbeta0": lambda: sol.dbeta[..., 0], "beta0": lambda: sol.beta[..., 0], "betaL": lambda: sol.beta[..., -1]}
-    ends |= {name: partial(getattr, sol, name) for name in quantity_variables.LOADS}
-    ends |= {BACK: lambda: turns_back(sol, sol.z[..., -1] - sol.z[..., 0])}
-    return observe(sol, [key for key in keys if key not in ends]) | {key: ends[key]() for key in keys if key in ends}
-
-
 def _numbers_of_solved(sol: Solution, curve: Branch, keys: Sequence[str]) -> dict[str, Any]:
     """The numbers of the points of a branch, NaN of those that are not solved.
 
     At a fold the condition number alone may say that an equilibrium is not.
     """
     known = _known(sol, curve)
-    return {key: np.where(known, values, np.nan) for key, values in _numbers_of(sol, keys).items()}
+    return {key: np.where(known, values, np.nan) for key, values in numbers_of(sol, keys).items()}
 
 
 def _known(sol: Solution, curve: Branch) -> NDArray[np.bool_]:
@@ -268,7 +246,7 @@ def follow_curves(
     """
     numbers = [
         _numbers_of_solved(sol, curve, shown)
-        | _numbers_of(sol, [BACK])
+        | numbers_of(sol, [BACK])
         | {"index": curve.index, "dead_index": _dead_indices(sol), name: curve.values}
         | {"rho": np.broadcast_to(sol.case.rho, sol.case.shape)}
         for sol, curve in zip(solved, seen.curves, strict=True)
@@ -322,48 +300,3 @@ def _places(seen: Traced, piece: Piece, ends: tuple[float, float], known: NDArra
     shares = (np.arange(count) + 0.5) / count
     goals = low + shares * (high - low)
     return sorted({int(able[np.argmin(np.abs(values - goal))]) for goal in goals})
-
-
-POINT_NUMBERS = ("energy", "height", "turns_around", "bends", "amplitude", "kappa_max", "push_min", "push_max")
-POINT = "point"
-
-
-def as_dataset(branch: Branch, stations: int, units: Mapping[str, str]) -> xr.Dataset:
-    """The branch over (point) and (point, u); see `Branch.to_dataset`."""
-    stations = whole_number("stations", stations, 2, MOST_LISTED)
-    units, sol, name = all_units(units), solutions_of(branch, stations), branch.field
-    numbers = _numbers_of(sol, (*POINT_NUMBERS, "dbeta0")) | {"index": branch.index}
-    numbers |= _numbers_of(sol, quantity_variables.LOADS) | {"rho": np.broadcast_to(sol.case.rho, sol.case.shape)}
-    ds = of_solution(sol, (POINT,), np.linspace(0, 1, stations), ALONG, units)
-    ds = ds.assign(quantity_variables.variables({k: v for k, v in numbers.items() if k != name}, (POINT,), units))
-    kinds = np.full(len(branch), "", dtype=object)
-    kinds[[point.position for point in branch.special]] = [point.kind for point in branch.special]
-    ds["special"] = POINT, kinds.astype(str), {"long_name": "kind of special point, empty for none"}
-    number = {"long_name": "number of the point along the branch"}
-    field = xr.Variable((POINT,), branch.values, quantity_variables.labels(quantity_of(name).name, units))
-    ds = ds.assign_coords({POINT: xr.Variable((POINT,), np.arange(len(branch)), number), name: field})
-    return ds.assign_attrs(_attributes(branch))
-
-
-def stability(case: Case) -> str:
-    """Under which ends the Morse index is meant."""
-    held = fields_held(case)
-    if not held:
-        return DEAD_LOADS
-    return f"{', '.join(held)} held; what is not held is given: the other end angles, and dead loads"
-
-
-def _attributes(branch: Branch) -> dict[str, Any]:
-    keys = ("kind", "value", "before", "after", "position")
-    special = [{key: getattr(point, key) for key in keys} for point in branch.special]
-    return {
-        "title": f"A branch of equilibria over {quantity_of(branch.field).symbol}",
-        "field": branch.field,
-        "begin": f"{branch.begin.reason} at {branch.field} = {branch.begin.value:.10g}",
-        "end": f"{branch.end.reason} at {branch.field} = {branch.end.value:.10g}",
-        "begin_kind": branch.begin.kind,
-        "end_kind": branch.end.kind,
-        "special_points": json.dumps(special),
-        "start": branch.start,
-        "stability": stability(branch.points[0].case),
-    }

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Collection, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -11,6 +12,7 @@ from solver import Case, Solution
 from solver.equilibria import Equilibrium
 from solver.equilibrium_list import HeldEquilibria
 from solver.loops import Loop
+from solver.observe.cautions import turns_back
 from solver.observe.observables import observe
 from solver.problem.declared_fields import PAIRS
 from solver.problem.errors import InputError, choices, no_such, show
@@ -21,6 +23,7 @@ from studies.language.case_input import field_values
 from studies.language.loader import loads
 
 from ..stored import provenance, quantity_variables
+from ..stored.stored_cases import BACK
 from ..words import cautions
 from .ends_study import ELASTIC, study_text
 
@@ -214,3 +217,19 @@ def caution_of_loop(one: Loop, units: Mapping[str, str] | None = None) -> str:
     """The caution of a closed rod, whose ends are neighbours and not in self-contact."""
     met = np.nan if one.overlaps is None else float(one.overlaps)
     return str(cautions.of_cases(one.solution, {"overlaps": np.array(met)}, units))
+
+
+def numbers_of(sol: Solution, keys: Sequence[str]) -> dict[str, Any]:
+    """Observables, loads and values at the ends, one for each case."""
+    ends = {"dbeta0": lambda: sol.dbeta[..., 0], "beta0": lambda: sol.beta[..., 0], "betaL": lambda: sol.beta[..., -1]}
+    ends |= {name: partial(getattr, sol, name) for name in quantity_variables.LOADS}
+    ends |= {BACK: lambda: turns_back(sol, sol.z[..., -1] - sol.z[..., 0])}
+    return observe(sol, [key for key in keys if key not in ends]) | {key: ends[key]() for key in keys if key in ends}
+
+
+def stability(case: Case) -> str:
+    """Under which ends the Morse index is meant."""
+    held = fields_held(case)
+    if not held:
+        return DEAD_LOADS
+    return f"{', '.join(held)} held; what is not held is given: the other end angles, and dead loads"

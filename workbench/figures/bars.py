@@ -16,7 +16,7 @@ from studies.grammar.axes import SAMPLE
 from ..stored.shown_observables import choose_observables
 from ..stored.stored_study import StoredStudy
 from ..words import labels
-from . import canvas, colours, fonts
+from . import canvas, colours, fonts, print_heights
 from .scales import RoomLocator
 from .sheet import SCREEN, Sheet
 
@@ -223,7 +223,7 @@ def _remark(ax: Axes, text: str) -> None:
 
 def _most_panels(sheet: Sheet, bars: int) -> int | None:
     """For how many panels of so many bars one column of a page has room; None elsewhere."""
-    return max(int((canvas.TALLEST - AROUND) / _height(bars)), 1) if sheet.narrow else None
+    return max(int((print_heights.TALLEST - AROUND) / _height(bars)), 1) if sheet.narrow else None
 
 
 def _height(bars: int) -> float:

@@ -20,7 +20,7 @@ from studies.laws.line_verdicts import DIRECTIONS, FAILS, HOLDS, QUALIFIED
 
 from ..stored.stored_study import StoredStudy
 from ..words import labels
-from . import branch_lines, canvas, colours, fonts, point_numbers, unrolled
+from . import branch_lines, canvas, colours, fonts, point_numbers, print_heights, unrolled
 from .equilibria_figure import one_shown
 from .sheet import SCREEN, Sheet, set_range
 
@@ -105,7 +105,7 @@ def _page_with_numbers(stored: StoredStudy, shown: str, sheet: Sheet, inches: fl
             rows.append((views.height, [lambda ax: [*views.draw(ax, said), *alike]]))
         return canvas.page(stored, sheet, rows, [] if kept else alike, MORE)
 
-    return canvas.with_room(draw, len(chosen) + 1)
+    return print_heights.with_room(draw, len(chosen) + 1)
 
 
 def panel(

@@ -6,13 +6,11 @@ picture has its data, its legend, and at most one line of words below its title.
 """
 
 from collections.abc import Callable, Iterable, Sequence
-from contextlib import suppress
 from io import BytesIO
 from itertools import groupby
 from pathlib import Path
 from string import ascii_lowercase
 from typing import Any
-from warnings import catch_warnings, filterwarnings
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -29,29 +27,24 @@ from matplotlib.text import Text
 from matplotlib.ticker import AutoLocator, ScalarFormatter
 from matplotlib.transforms import ScaledTranslation
 
-from solver.problem.errors import InputError
-
 from ..run import atomic
 from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import fonts, legend_room
-from .colours import CROSSED, INK, SOFT
+from .colours import INK, SOFT
 from .fonts import DPI, RC
 from .legend_room import HANDLE
+from .print_heights import TALLEST, heighten_axes, resize
 from .scales import RoomLocator, Ticks
-from .sheet import MILLIMETRES, SCREEN, Sheet
+from .sheet import SCREEN, Sheet
 
-TALLEST = 185 / MILLIMETRES  # inches of a figure in print
-LEAST_AXES, ROW = 25 / MILLIMETRES, 1.55  # inches of axes in print at least; of their row, with labels and title
-DRAWN = 0.95  # share of its own height that a view keeps: with less the words of two columns meet
-TRIES = 4  # to give axes that height: what a figure gains is shared with its views
+ROW = 1.55  # inches of a row of axes in print at least, with labels and title
 # inches that a panel with axes gives up for views: at 0.35 the push of a rod keeps one number, at 0.15 views overlap
 LABELS = 0.25
 MARGIN, AFTER, TITLE = 0.15, 0.1, 0.62  # inches around a title, below it, and of all of it where its lines are short
 MOST_LETTERS = 12  # panels; more are a table of panels, which its rows and columns name
 # The best place covers no middle of a point; a wide pad in place of the distance to the axes keeps it off whole points
 PADDED = {"borderpad": 1.0, "borderaxespad": 0.0}
-RING, CROWDED = 1.2, 1.35  # points, the line of a ring; between the middles of two rings, in the size of one
 DIAGRAMS = (".png", ".pdf", ".svg")
 Said = Iterable[Any]  # of a figure: sentences of its caption, and labelled artists, the entries of its legend
 Panel = Callable[[Axes], Said | None]  # draws, and returns what is said of it
@@ -162,25 +155,10 @@ def page(
     )
     if high and sheet.style == "paper":
         with rc_context(RC | sheet.settings()):  # else formulas are set in other letters, which stay
-            _heighten_axes(fig)
+            heighten_axes(fig)
             if _clear_legends(fig, sheet):  # in axes of another height the best place is another
-                _heighten_axes(fig)
+                heighten_axes(fig)
     return fig
-
-
-class TooLow(InputError):
-    """The axes of a picture would be lower than print needs."""
-
-
-def with_room(draw: Callable[[int], Figure], most: int) -> Figure:
-    """The figure of most panels, at most so many, whose axes are high enough; draw: takes their number.
-
-    Raises `TooLow` where one panel is too many.
-    """
-    for count in range(most, 1, -1):
-        with suppress(TooLow):
-            return draw(count)
-    return draw(min(most, 1))
 
 
 def _clear_legends(fig: Figure, sheet: Sheet) -> bool:
@@ -191,57 +169,6 @@ def _clear_legends(fig: Figure, sheet: Sheet) -> bool:
         high = fig.get_figheight() + more
         resize(fig, (fig.get_figwidth(), min(high, TALLEST) if sheet.style == "paper" else high))
     return True
-
-
-def _heighten_axes(fig: Figure) -> None:
-    """Let a figure grow, up to `TALLEST`, until its axes are `LEAST_AXES` high and its views have their own inches.
-
-    Raises `TooLow` where axes are lower.
-    """
-    axes = [ax for ax in fig.axes if ax.axison and ax.get_label() != "<colorbar>" and ax.get_subplotspec() is not None]
-    for _ in range(TRIES):
-        with catch_warnings():
-            filterwarnings("ignore", "constrained_layout not applied")  # it is seen below, and the figure grows
-            fig.draw_without_rendering()
-        boxes = [ax.get_window_extent() for ax in axes]
-        lowest = min((box.height / fig.dpi for box in boxes), default=LEAST_AXES)
-        rows = len({round(box.y0) for box in boxes})
-        bottom = min((box.y0 for box in boxes), default=np.inf)
-        if any(key.get_window_extent().y1 > bottom for key in fig.legends):
-            lowest = 0.0  # the layout was given up: what stands around the axes leaves them no room
-        wide, high = map(float, fig.get_size_inches())
-        short = _shortfalls(fig)
-        if lowest >= LEAST_AXES and not short:
-            return
-        more_height = max(1.02 * rows * (LEAST_AXES - lowest) + 0.01, 0.0) + sum(short.values())
-        if (grown := min(high + more_height, TALLEST)) > high:
-            for ax, inches in short.items():
-                _heighten_row(ax, inches * (grown - high) / more_height)
-            resize(fig, (wide, grown))
-        elif lowest < LEAST_AXES:
-            at_least = f"{MILLIMETRES * LEAST_AXES:.0f} mm in print"
-            raise TooLow(
-                f"the axes would be {MILLIMETRES * lowest:.1f} mm high, and are at least {at_least}: choose fewer "
-                "panels with --show or --panel, or another --width"
-            )
-
-
-def _shortfalls(fig: Figure) -> dict[Axes, float]:
-    """The views in panels that are lower than the inches of their own axes, and by how much."""
-    views = [ax for ax in fig.axes if not ax.axison and ax.get_aspect() == 1 and ax.get_subplotspec() is not None]
-    heights = [float(np.ptp(ax.get_ylim())) for ax in views]
-    cells = [ax.get_position(original=True).height * fig.get_figheight() for ax in views]
-    return {ax: high - cell for ax, high, cell in zip(views, heights, cells, strict=True) if cell < DRAWN * high}
-
-
-def _heighten_row(ax: Axes, more: float) -> None:
-    """Give the row of axes so many inches more of what the layout of `page` has."""
-    spec = ax.get_subplotspec()
-    assert spec is not None
-    for place in dict.fromkeys((spec, spec.get_topmost_subplotspec())):
-        ratios = np.array(place.get_gridspec().get_height_ratios(), dtype=float)
-        ratios[place.rowspan.start] += more
-        place.get_gridspec().set_height_ratios(ratios)
 
 
 def in_rows(panels: Sequence[Panel], across: int, high: float) -> list[Row]:
@@ -326,20 +253,6 @@ def write_title(fig: Figure, title: str, below: str) -> float:
     return used + AFTER
 
 
-def resize(fig: Figure, size: tuple[float, float]) -> float:
-    """Give a figure with a constrained layout another size; returns the height that its title and legends leave.
-
-    All in inches. The title keeps its height.
-    """
-    engine, shown = fig.get_layout_engine(), fig.canvas
-    assert isinstance(engine, ConstrainedLayoutEngine)
-    assert isinstance(shown, FigureCanvasAgg)
-    used = (1 - engine.get()["rect"][3]) * fig.get_figheight()
-    fig.set_size_inches(size)
-    engine.set(rect=(0, 0, 1, max(1 - used / size[1], 0.0)))
-    return size[1] - used - sum(key.get_window_extent(shown.get_renderer()).height / fig.dpi for key in fig.legends)
-
-
 def _set_title(fig: Figure, below: str, title: str) -> None:
     """A title, and a line below it, above a constrained layout, for which the figure grows."""
     used = write_title(fig, title, below)
@@ -403,27 +316,6 @@ def write_below(fig: Figure, said: Said) -> None:
     columns = max(1, min(len(once), int((width + 0.1) / widest)))
     fig.legend(list(once.values()), list(once), ncols=columns, loc="outside lower left", alignment="left",
                handlelength=1.8, handleheight=1.2)  # fmt: skip
-
-
-def ring_entry(label: str) -> Line2D:
-    """The entry of a legend for the rings of `draw_rings`."""
-    return Line2D([], [], marker="o", markersize=7, fillstyle="none", color=CROSSED, linestyle="none", label=label)
-
-
-def draw_rings(ax: Axes, places: Any, sizes: Any, name: str) -> None:
-    """Ring the places (n, 2) where rods pass through themselves: open circles, which do not cover what they mark.
-
-    Of rings whose middles are nearer than `CROWDED` the smallest one is drawn. The units of the axes are inches. sizes:
-    (n,), points across. name: theirs in a table.
-    """
-    places, sizes = np.asarray(places, dtype=float), np.asarray(sizes, dtype=float)
-    kept: list[int] = []
-    for k in np.argsort(sizes, kind="stable"):
-        if all(np.hypot(*(places[k] - places[i])) >= CROWDED * (sizes[k] + sizes[i]) / 2 / 72 for i in kept):
-            kept.append(k)
-    x, y = places[kept].T
-    ax.scatter(x, y, s=np.square(sizes[kept]), facecolors="none", edgecolors=CROSSED, linewidths=RING, gid=name,
-               zorder=5, clip_on=False)  # fmt: skip
 
 
 def colour_bar(beside: Sequence[Axes], colours: ScalarMappable, label: str = "", **where: Any) -> Colorbar:

@@ -26,7 +26,7 @@ from ..stored import law_verdicts
 from ..stored.shown_observables import MOST_ASKED
 from ..stored.stored_study import StoredStudy
 from ..words import labels
-from . import canvas, colours, fonts, map_panel
+from . import canvas, colours, fonts, map_panel, print_heights
 from .map_cells import Cells, Choice, cells, choose
 from .sheet import SCREEN, Sheet
 from .study_figure import level_notes
@@ -89,7 +89,7 @@ def figure(
     draw = partial(_figure_of, stored, x, y, show, at, shapes, sheet)
     if show or sheet.style != "paper":
         return draw(most)
-    return canvas.with_room(draw, min(most, max(len(stored.observables), 1)))
+    return print_heights.with_room(draw, min(most, max(len(stored.observables), 1)))
 
 
 def _figure_of(

@@ -19,7 +19,7 @@ from ..stored import selection
 from ..stored.shown_observables import choose_observables
 from ..stored.stored_study import StoredStudy
 from ..words import labels
-from . import along, canvas, colours, drawn_rods, push_scale, trends, unrolled
+from . import along, canvas, colours, drawn_rods, print_heights, push_scale, trends, unrolled
 from .law_panel import caption_of, is_trivial, panel
 from .sheet import SCREEN, Sheet, set_range
 
@@ -85,7 +85,7 @@ def figure(
     rods = {name: drawn_rods.choose(whole, ("alpha", "z"), name, most=MOST_CURVES) for name in strips}
     if is_whole:
         return _figure_of(stored, rods, chosen, sheet, axis_of_trends)
-    return canvas.with_room(
+    return print_heights.with_room(
         lambda count: _figure_of(stored, rods, _first_of(chosen, count, sheet.narrow), sheet, axis_of_trends),
         min(most, MOST_NARROW) if sheet.narrow and not chosen.sampled else most,
     )
@@ -99,7 +99,7 @@ def _figure_of(
     strips_high = STRIPS[not sheet.narrow] * width
     if sheet.style == "paper" and chosen.strips:
         rows_below = -(-count // (1 if sheet.narrow else 2))
-        left = canvas.TALLEST - canvas.TITLE * sheet.titled - rows_below * canvas.ROW
+        left = print_heights.TALLEST - canvas.TITLE * sheet.titled - rows_below * canvas.ROW
         strips_high = min(strips_high, max(left / len(chosen.strips) - LABELS, LEAST_STRIP))
     rods = [rods_along[name] for name in chosen.strips]
     has_laws = any(not isinstance(drawn, str) for drawn in chosen.panels)
@@ -113,7 +113,7 @@ def _figure_of(
         beside, across = False, 1 if sheet.narrow else min(across, count)
     if sheet.narrow:
         left = (
-            canvas.TALLEST
+            print_heights.TALLEST
             - canvas.TITLE * sheet.titled
             - sum(view.height + LABELS for view, is_line in zip(views, straight, strict=True) if not is_line)
         )
@@ -178,7 +178,7 @@ def one_rod(stored: StoredStudy, sheet: Sheet = SCREEN) -> Figure:
     high, each = STRIPS[not sheet.narrow] * sheet.width, LEAST_LAW * max(min(sheet.width / SCREEN.width, 1.0), ONE_ROD)
     if sheet.style == "paper":
         each = max(each, canvas.ROW)
-        high = min(high, max(canvas.TALLEST - each * (len(names) - 1) - LEGEND, LEAST_STRIP))
+        high = min(high, max(print_heights.TALLEST - each * (len(names) - 1) - LEGEND, LEAST_STRIP))
     room = sheet.width - unrolled.BESIDE, high
     view = unrolled.panel_of(rods, room, sheet.small, coloured) if "curve" in names else None
 

@@ -27,7 +27,7 @@ from solver.orbits import frames
 from ..geometry import lines, self_contact, varying_lines
 from ..stored.stored_study import StoredStudy
 from ..words import cautions, labels
-from . import arrangement, canvas, colours, drawn_rods, fonts, push_scale, waves
+from . import arrangement, canvas, colours, crossing_rings, drawn_rods, fonts, push_scale, waves
 from .arrangement import Arrangement
 from .drawn_rods import DrawnRod, DrawnRods
 from .scales import round_below
@@ -381,14 +381,14 @@ class UnrolledPanel:
             rings += [(to_page.transform(place), form.scale * apart * [1, form.factor]) for place, apart in view.rings]
         if rings:
             sizes = [max(72 * float(np.linalg.norm(apart)) + RING / 2, RING) for _, apart in rings]
-            canvas.draw_rings(ax, [place for place, _ in rings], sizes, THROUGH)
+            crossing_rings.draw(ax, [place for place, _ in rings], sizes, THROUGH)
         for artist in (*ax.lines, *ax.collections):
             artist.set_clip_on(False)
         _draw_key(ax, form, form.places[len(self.views)], self.unit)
         if bar:
             push_scale.bar(ax, *bar)
         return [
-            *[canvas.ring_entry(THROUGH)] * bool(rings),
+            *[crossing_rings.entry(THROUGH)] * bool(rings),
             sentence(self.form, len(self.views) > 1 and not self.in_lines, self.in_lines + more),
             *self.notes,
             *said[:1],

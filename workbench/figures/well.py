@@ -20,7 +20,7 @@ from ..stored import derived_arrays
 from ..stored.stored_study import StoredStudy
 from ..words import habits, labels, pipe_profile, pipe_state
 from ..words.habits import plain
-from . import canvas, colours, drawn_rods, fonts, push_scale, trends, waves
+from . import canvas, colours, drawn_rods, fonts, print_heights, push_scale, trends, waves
 from .drawn_rods import DrawnRod
 from .sheet import SCREEN, Sheet
 
@@ -114,7 +114,7 @@ def figure(
         held = [f"The pipe at {at_case}."] if place else []
         return canvas.page(titled, sheet, lines, [*held, *said, *rods.notes, *left], 0.75)
 
-    return canvas.with_room(draw, len(names))
+    return print_heights.with_room(draw, len(names))
 
 
 def _load_axis(stored: StoredStudy, x: str | None) -> str | None:

@@ -19,7 +19,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 from numpy.typing import NDArray
 
-from ..figures import canvas, colours, fonts
+from ..figures import canvas, colours, crossing_rings, fonts, print_heights
 from ..figures.arrangement import Arrangement
 from ..figures.legend_room import GAP, HANDLE
 from ..geometry.centreline import Array
@@ -189,7 +189,7 @@ class Page:
         if len(legend) > BESIDE_BARS * self.columns_beside:
             self.columns_beside = 0
         self.fig = canvas.figure(size, self._begin, titled, scene.settings.dpi, layout, said=said)
-        self.left = size[1] if bare else canvas.resize(self.fig, size)
+        self.left = size[1] if bare else print_heights.resize(self.fig, size)
         if scene.settings.transparent:
             self.fig.patch.set_alpha(0.0)
         self.fig.set_facecolor(scene.settings.look[WHITE])
@@ -222,7 +222,7 @@ class Page:
     def fit(self, high: float) -> None:
         """Give the page the height at which its views have so many inches."""
         wide, tall = map(float, self.fig.get_size_inches())
-        canvas.resize(self.fig, (wide, tall + high - self.room()[1]))
+        print_heights.resize(self.fig, (wide, tall + high - self.room()[1]))
 
     def paste(
         self,
@@ -265,7 +265,7 @@ class Page:
             if rings:
                 across, down, radii = np.transpose(rings)
                 places = np.column_stack([start[0] + across, start[1] + down])
-                canvas.draw_rings(self.ax, places, 2 * 72 * radii, "rings")
+                crossing_rings.draw(self.ax, places, 2 * 72 * radii, "rings")
 
     @property
     def places(self) -> list[list[float]]:

@@ -13,7 +13,7 @@ from matplotlib.patches import Circle, Patch
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
-from ..figures import canvas, colours, fonts
+from ..figures import canvas, colours, crossing_rings, fonts
 from ..figures.scales import round_below
 from ..words import labels
 from .scene_kinds import Paint
@@ -54,7 +54,7 @@ def legend_sign(colour: str, text: str) -> Artist:
         return Line2D([], [], color=colours.INK, linewidth=1.1, marker="|" if colour == GAP else ">", label=text,
                       markevery=None if colour == GAP else [1], markersize=5)  # fmt: skip
     if colour == RING:
-        return canvas.ring_entry(text)
+        return crossing_rings.entry(text)
     face, edge = (colours.SURFACE, colours.SOFT) if colour == OUTLINE else (colour, "none")
     return Patch(facecolor=face, edgecolor=edge, label=text)
 
