@@ -5,14 +5,15 @@ import re
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.patches import Circle
 from matplotlib.text import Text
 
-from solver import InputError
 from studies.language.loader import loads
 from tests.workbench import small, study_kinds
 from tests.workbench.page_faults import faults
 from workbench.figures import canvas, drawing, section
 from workbench.figures.sheet import MILLIMETRES, sheet
+from workbench.figures.views_on_paper import HAIR
 from workbench.run import in_memory
 from workbench.stored.stored_study import StoredStudy
 
@@ -88,9 +89,57 @@ def test_every_number_below_0_of_a_picture_and_its_caption_has_a_minus_sign(pict
     assert re.findall(r"(?<![\w.])-[\d.]+", words) == []
 
 
-def test_a_pipe_that_is_thinner_than_a_line_at_true_scale_is_refused_or_drawn_in_part() -> None:
+def test_a_rod_that_is_thinner_than_a_line_at_true_scale_is_drawn_in_part_or_as_a_line() -> None:
     fig = drawing.figure(StoredStudy(study_kinds.well()))
     assert "A part of the rod is drawn, from s = 0." in canvas.caption(fig)
     thin = in_memory.run(loads(small.text(WIRE | {"a": 0.02, "tension": 1.0, "lay": "80deg"}, "", "mm N", **SEEN)))
-    with pytest.raises(InputError, match=r"at 1:2, at which 120\.1 mm across the axis .* choose --kind curves"):
-        drawing.figure(StoredStudy(thin))
+    fig = drawing.figure(StoredStudy(thin))
+    assert "The rod is thinner than its line." in canvas.caption(fig)
+    widths = {line.get_linewidth() for line in fig.axes[0].lines if "rod" in str(line.get_gid())}
+    assert [*widths] == pytest.approx([HAIR / MILLIMETRES * 72])
+
+
+FREE = {"contact": "unilateral", "beta0": "90deg", "betaL": "90deg", "height": 0.0, "azimuth": "200deg", "M2L": 0.0}
+HELD = FREE | {"EI": 2e6, "GJ": 1.6e6, "a": 6.0, "L": 1616.0, "R": 200.0, "radiusL": 1200.0}
+CENTRED = {"EI": 1228.0, "GJ": 945.0, "a": 0.0635, "L": 100.0, "weight": 0.242, "R": 0.10795, "side": "inside",
+           "inclination": "90deg", "contact": "unilateral", "radius0": 0.0, "radiusL": 0.0, "beta0": 0.0, "betaL": 0.0,
+           "FZ": -200.0}  # fmt: skip
+
+
+def off_the_wall(base: dict[str, object], units: str) -> StoredStudy:
+    pytest.importorskip("unopy", reason="the extra contact is not installed")
+    return StoredStudy(in_memory.run(loads(small.text(base, "", units, observables=["gap_max"]))))
+
+
+def test_a_cable_whose_end_is_held_off_its_drum_has_a_side_view_and_an_end_view_at_one_standard_scale() -> None:
+    stored = off_the_wall(HELD, "mm N")
+    fig = drawing.figure(stored)
+    (ax,) = fig.axes
+    texts, free = [text.get_text() for text in ax.texts], stored.at()
+    ((at, force),) = free.point_forces
+    for text in ("Ø 400 mm", "Ø 12 mm", "1200 mm", f"{force:.4g} N\ns = {at:.4g} mm"):
+        assert text in texts
+    (line,) = [text for text in texts if "scale" in text]
+    assert f"on the wall at s = 0 to {at:.4g} mm, up to 994 mm off it" in line
+    scale = 1 / float(line.split("scale 1:")[1])
+    assert np.log10(scale) % 1 == pytest.approx(0, abs=1e-9) or f"{scale:e}"[0] in "25"
+    (drum,) = [patch for patch in ax.patches if isinstance(patch, Circle)]
+    rods = [line for line in ax.lines if line.get_gid() == "rod, along the axis"]
+    seen = rods[0].get_xydata() - drum.center
+    np.testing.assert_allclose(seen[[0, -1]], free.position[[0, -1]][:, [1, 0]], atol=1e-6)  # x up, y to the right
+    pixels = ax.transData.transform([drum.center, drum.center + np.array([200.0, 0.0])])
+    assert np.ptp(pixels[:, 0]) * MILLIMETRES / fig.dpi == pytest.approx(200 * scale, rel=1e-9)
+
+
+@pytest.mark.parametrize("base, units", [(HELD, "mm N"), (HELD | {"height": 200.0, "L": 1700.0}, "mm N"),
+                                         (CENTRED, "m kN"), (HELD | {"a": 0.05}, "mm N")])  # fmt: skip
+@pytest.mark.parametrize("width", [None, 183.0, 89.0])
+def test_a_rod_of_any_extent_off_the_wall_is_drawn_without_a_word_on_another(base, units: str, width) -> None:
+    fig = drawing.figure(off_the_wall(base, units), sheet=sheet("paper" if width else "screen", width))
+    assert faults(fig) == []
+    (ax,) = fig.axes
+    low, high = ax.get_xlim()
+    for line in ax.lines:
+        x = np.asarray(line.get_xdata(), dtype=float)
+        assert (x[np.isfinite(x)] > low).all()
+        assert (x[np.isfinite(x)] < high).all()

@@ -11,6 +11,7 @@ from matplotlib.patches import Circle, Rectangle
 from numpy.typing import NDArray
 
 from ..figures import colours, fonts
+from ..figures.views_on_paper import end_view
 from ..words import labels
 from .body import Body
 from .long_rod import UPRIGHT
@@ -51,8 +52,8 @@ def draw(ax: Axes, view: View, camera: Camera, corner: tuple[float, float], wide
 def _draw_hole(ax: Axes, body: Body, places: Values, up: Values, middle: tuple[float, float]) -> None:
     """Draw the rod as one sees it who looks along z; up: a direction across the axis, (2,)."""
     scale = HOLE / body.R
-    x = middle[0] + scale * places[:, :2] @ [-up[1], up[0]]
-    y = middle[1] - scale * places[:, :2] @ up
+    right, above = end_view(places, up)
+    x, y = middle[0] + scale * right, middle[1] - scale * above
     ax.add_patch(Circle(middle, HOLE, facecolor=colours.SURFACE, edgecolor=colours.SOFT, linewidth=0.8))
     ax.plot(x, y, color=colours.NEUTRAL, linewidth=2 * body.a * scale * 72, solid_capstyle="round", gid="end view")
     ax.plot(x, y, color=colours.INK, linewidth=0.8)

@@ -22,18 +22,21 @@ def sentences(sol: "Solution", units: dict[str, str]) -> list[str]:
     gap = f"up to {plain(numbers['gap_max'])} {length} off the wall"
     if not sol.contacts:
         return [f"the rod touches the cylinder nowhere between its ends: {gap}"]
-    share = numbers["contact_share"]
-    if len(sol.contacts) > MOST:
-        first, last = sol.contacts[0][0], sol.contacts[-1][1]
-        where = f"in {len(sol.contacts)} intervals or points from s = {plain(first)} to {plain(last)} {length}"
-    else:
-        where = "at s = " + ", ".join(_interval(low, high) for low, high in sol.contacts) + f" {length}"
+    share, where = numbers["contact_share"], places_of_contact(sol, length)
     touches = f"lies on {100 * share:.3g} % of its length on the wall," if share else "touches the wall"
     said = [f"the rod {touches} {where}; it is {gap}"]
     if sol.point_forces and len(sol.contacts) <= MOST:
         each = ", ".join(f"{plain(value)} {force} at {plain(s)}" for s, value in sol.point_forces)
         said.append(f"point forces of the wall: {each} {length}")
     return said
+
+
+def places_of_contact(sol: "Solution", length: str) -> str:
+    """Where a rod lies on the wall, if it does: ``at s = 0 to 317.1 mm``."""
+    if len(sol.contacts) > MOST:
+        first, last = sol.contacts[0][0], sol.contacts[-1][1]
+        return f"in {len(sol.contacts)} intervals or points from s = {plain(first)} to {plain(last)} {length}"
+    return "at s = " + ", ".join(_interval(low, high) for low, high in sol.contacts) + f" {length}"
 
 
 def _interval(low: float, high: float) -> str:

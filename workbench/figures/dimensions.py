@@ -1,0 +1,130 @@
+"""The dimensions of a drawing: lines with arrows between extension lines, leaders, angles, and point forces."""
+
+import math
+from collections.abc import Callable
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.patches import Arc
+
+from . import colours, fonts
+from .sheet import MILLIMETRES
+from .views_on_paper import PAST, Views
+
+FINE = 0.5  # points: of a dimension line
+AWAY, ARC = 7.0, 9.0  # millimetres of a dimension line from what it measures; radius of the arc of an angle
+BEYOND = 1.0  # of extension lines beyond their dimension line; its words stand past them
+LEADER = (5.0, 6.0)  # to the left of the rod and away from it: below the words of the pitch
+CLOSE = 1e-3  # relative: of the distance of two turns to the pitch
+ARROW: dict[str, Any] = {
+    "arrowstyle": "<|-|>,head_length=0.35,head_width=0.13",
+    "shrinkA": 0,
+    "shrinkB": 0,
+    "linewidth": FINE,
+    "color": colours.INK,
+}
+PLATE: dict[str, Any] = {"facecolor": "white", "edgecolor": "none", "pad": 1}
+
+Length = Callable[[str, float], str]  # the name of a quantity and its value, in words with its unit
+
+
+def dimension(ax: Axes, view: Views, first: Any, last: Any, text: str, away: float) -> None:
+    """A dimension line with its extension lines, so many millimetres to the left of what it measures, or above it."""
+    upright = first[0] == last[0]
+    shift = np.array([-away, 0.0] if upright else [0.0, away]) / view.mm
+    for end in (first, last):
+        beyond = np.array(end) + shift * (1 + BEYOND / abs(away))
+        ax.plot(*np.transpose([end, beyond]), color=colours.INK, linewidth=FINE, zorder=5, label="_samples")
+    p, q = np.array(first) + shift, np.array(last) + shift
+    ax.annotate("", tuple(p), tuple(q), arrowprops=ARROW, zorder=5)
+    x, y = (p + q) / 2 + shift / abs(away) * BEYOND
+    ax.text(
+        x,
+        y,
+        text,
+        size=fonts.small(),
+        zorder=6,
+        rotation=90 if upright else 0,
+        ha="right" if upright else "center",
+        va="center" if upright else "bottom" if away > 0 else "top",
+    )
+
+
+def dimension_pitch(ax: Axes, view: Views, top: float, pitch: float, unit: Length) -> None:
+    """The pitch between two neighbouring turns at the top; nothing where they are not a pitch apart."""
+    k = np.flatnonzero((np.diff(np.sign(view.near)) != 0) & (view.y[1:] > 0))
+    at = view.x[k] - view.near[k] * (view.x[k + 1] - view.x[k]) / (view.near[k + 1] - view.near[k])
+    for first, last in pairwise(at.tolist()):
+        if abs(abs(last - first) - abs(pitch)) <= CLOSE * abs(pitch):
+            dimension(ax, view, (first, top), (last, top), unit("L", abs(pitch)), AWAY)
+            return
+
+
+def dimension_rod(ax: Axes, view: Views, a: float, unit: Length) -> None:
+    """The diameter of the rod, at a leader to its outer edge where it is first seen."""
+    k = int(np.argmax(view.near >= 0))
+    away = 1.0 if view.y[k] >= 0 else -1.0
+    place = float(view.x[k]), float(view.y[k]) + away * a
+    ax.annotate(
+        f"Ø {unit('a', 2 * a)}",
+        place,
+        (place[0] - LEADER[0] / view.mm, place[1] + away * LEADER[1] / view.mm),
+        size=fonts.small(),
+        ha="right",
+        va="center",
+        zorder=6,
+        arrowprops=ARROW | {"arrowstyle": "-|>"},
+    )
+
+
+def dimension_lay(ax: Axes, view: Views, text: str) -> None:
+    """The lay, between the axis and the rod where it crosses the axis before it; nothing where it crosses nowhere."""
+    crossings = np.flatnonzero((np.diff(np.sign(view.y)) != 0) & (view.near[1:] > 0))
+    if not crossings.size:
+        return
+    k = int(crossings[crossings.size // 2])
+    x, across, turned = float(view.x[k]), 2 * ARC / view.mm, -math.degrees(float(view.beta[k]))
+    ends = sorted((0.0, turned))
+    ax.add_patch(
+        Arc((x, 0), across, across, theta1=ends[0], theta2=ends[1], color=colours.INK, linewidth=FINE, zorder=5)
+    )
+    half = math.radians(turned / 2)
+    ax.plot([x, x + 1.3 * ARC / view.mm], [0, 0], color=colours.INK, linewidth=FINE, zorder=5, label="_samples")
+    place = np.array([math.cos(half), math.sin(half)]) * (ARC + 1.0) / view.mm
+    ax.text(
+        x + place[0],
+        place[1],
+        text,
+        size=fonts.small(),
+        ha="left",
+        va="center",
+        zorder=6,
+        bbox=PLATE,
+    )
+
+
+def dimension_distance(ax: Axes, view: Views, k: int, R: float, text: str) -> None:
+    """The distance of the k-th place of the rod from the axis, in the end view; no words where they have no room."""
+    place = view.end[k]
+    size = float(np.hypot(*place))
+    room = (size - R) * view.mm / MILLIMETRES - 2 * AWAY / MILLIMETRES
+    if fonts.width_of(text, fonts.small()) > room:
+        return
+    axis = np.array([view.axis, 0.0])
+    ax.annotate("", tuple(axis + place), tuple(axis), arrowprops=ARROW | {"arrowstyle": "-|>"}, zorder=5)
+    x, y = axis + place * (R / size + 1) / 2
+    turned = (math.degrees(math.atan2(place[1], place[0])) + 90) % 180 - 90
+    ax.text(x, y, text, size=fonts.small(), rotation=turned, rotation_mode="anchor", ha="center", va="center", zorder=6,
+            bbox=PLATE)  # fmt: skip
+
+
+def draw_forces(ax: Axes, view: Views) -> None:
+    """The point forces of the wall as arrows in the end view, with their words."""
+    for force in view.forces or ():
+        place = np.array([view.axis, 0.0]) + force.place
+        tip = place + force.long / view.mm * force.away
+        ax.annotate("", tuple(tip), tuple(place), arrowprops=ARROW | {"arrowstyle": "-|>", "linewidth": 1.0}, zorder=5)
+        (x, y), (across, upright) = tip + PAST / view.mm * force.away, force.beside
+        ax.text(x, y, force.words, size=fonts.small(), ha=across, va=upright, zorder=6, bbox=PLATE)
