@@ -7,13 +7,13 @@ from functools import cached_property
 import numpy as np
 
 from ..core import branch_calls as core
-from ..core.tuning import AHEAD, LEAST, SAME_SADDLE, SHARE, STEEP
+from ..core.tuning import AHEAD, LEAST, SHARE, STEEP
 from ..numerics.arclength import LEFT, Node, advance, correct_point, node_at
 from ..numerics.arrays import NEGLIGIBLE, Array
 from ..orbits.boundary import Boundary, Path
 from ..problem.reduced import EndsProblem
 from .branch_events import Bounds, Place
-from .charts import Chart, charts, coordinate
+from .charts import Chart, alike, charts, coordinate
 from .equilibrium_curve import EquilibriumCurve, curves_through
 from .family import Family
 from .held_index import held_index
@@ -123,12 +123,6 @@ def in_other_charts(state: BranchState) -> Iterator[BranchState]:
             changed = _change(state, chart)
             if changed is not None:
                 yield changed
-
-
-def alike(chart: Chart, other: Chart) -> bool:
-    """Whether two charts have one coordinate."""
-    same = chart.kind == other.kind and chart.logarithmic == other.logarithmic and chart.at.sign == other.at.sign
-    return same and (chart.kind != "saddle" or abs(np.sin((chart.at.pin - other.at.pin) / 2)) < SAME_SADDLE)
 
 
 def _rescale(state: BranchState, chart: Chart) -> BranchState:

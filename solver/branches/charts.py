@@ -11,7 +11,7 @@ import numpy as np
 
 from ..core import branch_calls as core
 from ..core.library import numbers_of
-from ..core.tuning import AS_HIGH
+from ..core.tuning import AS_HIGH, SAME_SADDLE
 from ..numerics.arrays import ALIKE
 from ..orbits.boundary import Path, boundary_of, height_scale
 from ..problem.reduced import EndsProblem
@@ -68,11 +68,11 @@ def same_equilibrium(problem: EndsProblem, path: Path, other: Path) -> bool:
                 return True
             other = replace(other, pin=path.pin)
     first = charts(problem, path)[0]
-    alike = (chart for chart in charts(problem, other) if _is_alike(first, chart))
-    return any(abs(coordinate(first) - coordinate(chart)) < ALIKE * first.scale for chart in alike)
+    others = (chart for chart in charts(problem, other) if alike(first, chart, ALIKE))
+    return any(abs(coordinate(first) - coordinate(chart)) < ALIKE * first.scale for chart in others)
 
 
-def _is_alike(chart: Chart, other: Chart) -> bool:
-    """Whether two charts of paths of one problem have one coordinate."""
+def alike(chart: Chart, other: Chart, near: float = SAME_SADDLE) -> bool:
+    """Whether two charts have one coordinate; near: half of the largest angle between their saddles."""
     same = (chart.kind, chart.logarithmic, chart.at.sign) == (other.kind, other.logarithmic, other.at.sign)
-    return same and abs(np.sin((chart.at.pin - other.at.pin) / 2)) < ALIKE
+    return same and (chart.kind != "saddle" or abs(np.sin((chart.at.pin - other.at.pin) / 2)) < near)

@@ -20,6 +20,7 @@ from .given_numbers import Given, problem_of
 Guess = tuple[EndsProblem, Path, float]  # of an equilibrium: its problem and path, and a share of a line
 # shares of the line over which a leap is tried. x10: shapes change more than `NEAR`, and none is found
 LEAPS = (1e-3, 1e-4, 1e-5)
+SHARES = np.linspace(0, 1, 257)  # of the length, at which two shapes are compared. x10: only time
 # rad between two shapes of a branch after a leap; factor by which others must be farther. x10: leaps to other branches;
 # branches that have close neighbours end
 NEAR, _CLEAR = 0.05, 4.0
@@ -72,6 +73,6 @@ def _neighbours(boundary: Boundary, index: int) -> tuple[list[Path], Orbit | Non
     return [path_of(paths, i) for i in range(paths.y.size)], orbit
 
 
-def angles_on(orbit: Orbit) -> Array:
-    """beta at equal shares of the rod, (K, 257)."""
-    return orbit.at(orbit.problem.span[:, None] * np.linspace(0, 1, 257))[0]
+def angles_on(orbit: Orbit, u: Array = SHARES) -> Array:
+    """beta at shares u of the length, (K, n)."""
+    return orbit.at(orbit.problem.span[:, None] * u)[0]

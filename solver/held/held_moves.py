@@ -11,7 +11,7 @@ from ..branches.branch_following import trace_branch
 from ..branches.continuation import line_between
 from ..branches.deflation import end_vector
 from ..branches.given_numbers import FREE, Given, OrbitState
-from ..branches.leaps import angles_on
+from ..branches.leaps import SHARES, angles_on
 from ..branches.orbit_rates import orbit_rates
 from ..nodes import hinged_states, newton
 from ..nodes.hinged_states import HingedState
@@ -24,8 +24,6 @@ from ..orbits.boundary import Path
 from ..orbits.path_orbits import orbit_of
 from ..orbits.potential import TAU
 from ..problem.reduced import EndsProblem
-
-SHARES = np.linspace(0, 1, 257)  # of the length, at which two shapes are compared. x10: only time
 
 
 def carry(state: OrbitState, wanted: Given, most: int = POINTS) -> OrbitState | Stop:

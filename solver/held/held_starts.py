@@ -15,8 +15,9 @@ from ..branches.branch_events import Stop
 from ..branches.deflation import end_vector, is_known
 from ..branches.given_numbers import FREE, Given, OrbitState, problem_of
 from ..branches.held_index import index_of
+from ..branches.leaps import angles_on
 from ..numerics.arclength import FEW_POINTS, FOLD
-from ..numerics.arrays import ASIDE, ROUGHLY, Array
+from ..numerics.arrays import ASIDE, ROUGHLY
 from ..orbits.boundary import critical_points
 from ..orbits.path_orbits import orbit_of
 from ..orbits.potential import TAU
@@ -63,7 +64,7 @@ def equilibrium_beside(minimum: EnergyMinimum, helices: list[OrbitState]) -> Orb
                 return helix
     dead = dead_states(problem_of(given, minimum.numbers), most_turns=_STABLE_TURNS)
     states = [] if dead is None else dead[0]
-    away = [float(np.abs(_angles_along(state, u) - beta).max()) for state in states]
+    away = [float(np.abs(angles_on(orbit_of(state.problem, state.path), u)[0] - beta).max()) for state in states]
     for i in np.argsort(away)[:2]:
         if away[i] < _BESIDE:
             state = settle(states[i], given)
@@ -71,11 +72,6 @@ def equilibrium_beside(minimum: EnergyMinimum, helices: list[OrbitState]) -> Orb
             if not isinstance(carried, Stop):
                 return carried
     return None
-
-
-def _angles_along(state: OrbitState, u: Array) -> Array:
-    """beta at shares u of the length, (n,)."""
-    return np.asarray(orbit_of(state.problem, state.path).at(state.problem.span[:, None] * u)[0][0])
 
 
 def states_from_dead_loads(wanted: Given, helices: list[OrbitState]) -> list[OrbitState] | str:

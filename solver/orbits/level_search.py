@@ -274,9 +274,7 @@ def paths_of(boundary: Boundary, roots: _Roots, helix: float | None) -> tuple[Pa
 
 def _end_rounding(orbit: Orbit) -> Array:
     """How far the rounding of the rod's length may move beta at the far end, (K,)."""
-    fastest = np.zeros(orbit.problem.size)
-    np.maximum.at(fastest, orbit.panels.arc // 2, orbit.panels.fastest)
-    return np.asarray(64 * EPS * orbit.problem.span * fastest)
+    return np.asarray(64 * EPS * orbit.problem.span * orbit.fastest)
 
 
 def _range(orbit: Orbit, problem: EndsProblem) -> tuple[Array, Array]:

@@ -176,9 +176,8 @@ def trajectory_on(orbit: Orbit, t: Array, miss: Array, condition: Array, tol: fl
 
 def _swept(orbit: Orbit) -> Array:
     """By how much beta changes where the length and the far angle double [rad], (K,)."""
-    fastest, problem = np.zeros(orbit.kind.size), orbit.problem
-    np.maximum.at(fastest, orbit.panels.arc // 2, orbit.panels.fastest)
-    return np.asarray(np.abs(orbit.at(problem.span[:, None])[0][:, 0]) + fastest * problem.span)
+    span = orbit.problem.span
+    return np.asarray(np.abs(orbit.at(span[:, None])[0][:, 0]) + orbit.fastest * span)
 
 
 def together(answers: Sequence[Trajectory | str], t: Array) -> Trajectory:

@@ -151,6 +151,13 @@ class Orbit(Periodic):
         calls = np.bincount(self.panels.arc // 2, weights=self.panels.calls, minlength=self.problem.size)
         return calls.astype(np.int64)
 
+    @property
+    def fastest(self) -> Array:
+        """The largest |beta_t| along each orbit, (B,)."""
+        fastest = np.zeros(self.problem.size)
+        np.maximum.at(fastest, self.panels.arc // 2, self.panels.fastest)
+        return fastest
+
     def at(self, t: Array) -> tuple[Array, Array, Array, Array]:
         """beta, beta_t, alpha, z at t (B, n), each (B, n)."""
         beta, dbeta, alpha, z, _ = self._read(t)
