@@ -611,6 +611,8 @@ def test_on_a_phone_the_rod_comes_first_and_stays_and_the_controls_are_large(pag
         top = "return document.getElementById('view').getBoundingClientRect().top"
         page.until(lambda: page("return innerWidth") == 390, "a phone")
         assert page(top) < 20
+        below = "return document.querySelector(arguments[0]).getBoundingClientRect().bottom"
+        assert page(below, "#handle") < min(page(below, "#cursor"), 844)  # first of all, and on the first screen
         page("window.scrollTo(0, 900)")
         assert abs(page(top)) < 20
         stays = page(

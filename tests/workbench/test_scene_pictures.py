@@ -82,7 +82,7 @@ def test_the_script_makes_both_pictures_of_the_readme(tmp_path) -> None:
         pytest.skip("there is no Chromium here: apt-get install chromium")
     scene_pictures.main(str(out), "hero_page")
     shown = pixels(out / "hero_page.png")
-    wide, high = (scene_pictures.RATIO * side for side in scene_pictures.SIZE)
+    wide, high = (round(scene_pictures.RATIO * side) for side in scene_pictures.SIZE)
     assert shown.shape[:2] == (high, wide)
     rod, diagrams = shown[:, : int(0.31 * wide)], shown[:, int(0.31 * wide) :]
     for half in (diagrams[: high // 2], diagrams[high // 2 :]):
