@@ -75,6 +75,15 @@ def station_series(loads: Array, t: Array, beta: Array, rate: Array) -> Array:
     return out
 
 
+def step_series(width: Array, taylor: Array) -> Array:
+    """Chebyshev series of beta and beta_t on the steps of marches, (P, 2, n). width: (P,), how long each lasts. taylor:
+    (P, 4, n), powers of the time in it, the first of beta."""
+    steps, _, n = taylor.shape
+    out = np.empty((steps, 2, n))
+    run("rod_step_series", steps, n, *map(np.ascontiguousarray, (width, taylor)), out, widest())
+    return out
+
+
 class _Density(NamedTuple):
     """A density at points (Q, m), in units of A and rho, and its derivatives by beta, |beta_t|, lam, mu and phi.
 

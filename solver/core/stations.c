@@ -1,12 +1,28 @@
-/* Rods that are known at stations: the pieces between them, and what is measured on these. */
+/* Rods that are known at stations or by the steps of a march: the pieces between them, and what is measured on these. */
 
 #include "stretches.h"
 
 enum { QUINTIC = 6 };
 
-/* The quintic polynomial on [0, 1] with these values and derivatives at the ends, as coefficients of Chebyshev polynomials
-   of 2 x - 1. */
-static void quintic(double y0, double y1, double d0, double d1, double b0, double b1, double *out)
+/* The powers of x in [0, 1] as Chebyshev series of 2 x - 1: n of n coefficients, (n, n). */
+static void powers_as_series(int n, double *out)
+{
+    memset(out, 0, sizeof(double) * (size_t)(n * n));
+    out[0] = 1;
+    for (int power = 1; power < n; power++) { /* times x = (1 + T_1) / 2 */
+        const double *last = out + (power - 1) * n;
+        double *next = out + power * n;
+        for (int k = 0; k < power; k++) {
+            next[k] += last[k] / 2, next[k + 1] += last[k] / (k ? 4 : 2);
+            if (k)
+                next[k - 1] += last[k] / 4;
+        }
+    }
+}
+
+/* The series of the quintic polynomial on [0, 1] with these values and derivatives at the ends. */
+static void quintic(const double *series_of_powers, double y0, double y1, double d0, double d1, double b0, double b1,
+                    double *out)
 {
     const double rise = y1 - y0;
     const double powers[QUINTIC] = {y0,
@@ -15,17 +31,31 @@ static void quintic(double y0, double y1, double d0, double d1, double b0, doubl
                                     10 * rise - 6 * d0 - 4 * d1 - 1.5 * b0 + 0.5 * b1,
                                     -15 * rise + 8 * d0 + 7 * d1 + 1.5 * b0 - b1,
                                     6 * rise - 3 * (d0 + d1) - 0.5 * (b0 - b1)};
-    double series[QUINTIC + 1] = {0};
-    for (int power = QUINTIC - 1; power >= 0; power--) { /* times x, plus the next power's coefficient */
-        double next[QUINTIC + 1] = {powers[power]};
-        for (int k = 0; k < QUINTIC - 1 - power; k++) {
-            next[k] += series[k] / 2, next[k + 1] += series[k] / (k ? 4 : 2);
-            if (k)
-                next[k - 1] += series[k] / 4;
-        }
-        memcpy(series, next, sizeof(series));
-    }
-    memcpy(out, series, sizeof(double) * QUINTIC);
+    plain_product(QUINTIC, QUINTIC, powers, series_of_powers, out);
+}
+
+/* The series of beta and beta_t on one step of a march, (2, n), from powers of the time in it (n,), of which it lasts h. */
+INLINE void step_series(int width, int n, double h, const double *taylor, const double *series_of_powers, double *out)
+{
+    double beta[LONGEST], rate[LONGEST], power = 1;
+    rate[n - 1] = 0;
+    for (int k = 0; k + 1 < n; k++, power *= h)
+        beta[k] = taylor[k] * power, rate[k] = taylor[k + 1] * (k + 1) * power;
+    beta[n - 1] = taylor[n - 1] * power;
+    product_of_two(width, n, n, beta, rate, series_of_powers, out, out + n);
+}
+
+IN_WIDTHS(step_series, (int n, double h, const double *taylor, const double *series_of_powers, double *out),
+          (WIDTH, n, h, taylor, series_of_powers, out))
+
+/* The series of beta and beta_t on the steps of marches, (steps, 2, n), n at most LONGEST. width: (steps,). taylor: (steps, 4,
+   n), powers of the time in a step, the first of beta. */
+void rod_step_series(int64_t steps, int64_t n, const double *width, const double *taylor, double *out, int64_t lanes)
+{
+    double series_of_powers[LONGEST * LONGEST];
+    powers_as_series((int)n, series_of_powers);
+    for (int64_t i = 0; i < steps; i++)
+        FOR_LANES(lanes, step_series)((int)n, width[i], taylor + 4 * n * i, series_of_powers, out + 2 * n * i);
 }
 
 /* The series of beta and beta_t between neighbouring stations, (rods, n - 1, 2, QUINTIC), through their values and rates
@@ -33,6 +63,8 @@ static void quintic(double y0, double y1, double d0, double d1, double b0, doubl
 void rod_station_series(int64_t rods, int64_t n, const double *loads, const double *t, const double *beta,
                         const double *rate, double *out)
 {
+    double series_of_powers[QUINTIC * QUINTIC];
+    powers_as_series(QUINTIC, series_of_powers);
     for (int64_t b = 0; b < rods; b++, loads += 3)
         for (int64_t i = 0; i + 1 < n; i++, out += 2 * QUINTIC) {
             const double *angle = beta + b * n + i, *v = rate + b * n + i, h = t[b * n + i + 1] - t[b * n + i];
@@ -41,8 +73,8 @@ void rod_station_series(int64_t rods, int64_t n, const double *loads, const doub
                 bend[end] = -slope(loads[0], loads[1], loads[2], angle[end]);
                 turn[end] = -slope_rate(loads[0], loads[1], loads[2], angle[end]) * v[end];
             }
-            quintic(angle[0], angle[1], h * v[0], h * v[1], h * h * bend[0], h * h * bend[1], out);
-            quintic(v[0], v[1], h * bend[0], h * bend[1], h * h * turn[0], h * h * turn[1], out + QUINTIC);
+            quintic(series_of_powers, angle[0], angle[1], h * v[0], h * v[1], h * h * bend[0], h * h * bend[1], out);
+            quintic(series_of_powers, v[0], v[1], h * bend[0], h * bend[1], h * h * turn[0], h * h * turn[1], out + QUINTIC);
         }
 }
 

@@ -7,13 +7,12 @@ between neighbouring stations: quintic polynomials through beta, beta_t and thei
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cache
 from typing import Any
 
 import numpy as np
 from numpy.polynomial import chebyshev as C
 
-from ..core.measures import NODES, station_series
+from ..core.measures import NODES, station_series, step_series
 from ..numerics.arrays import Array, Booleans, Integers
 from ..numerics.chebyshev import basis, through
 from ..orbits.marched_orbit import MarchedOrbit
@@ -22,9 +21,9 @@ from ..orbits.potential import Loads, slope_rate
 from ..orbits.shape import ShapeArrays
 from ..problem.reduced import Reduced
 
-# of a block, so that arrays stay in the cache; with 48 `swing` takes 1.3 times as long, `orbit` 1.5 times. x10: out of
-# the cache
-CASES = 192
+# of a block; with 192 a case of 50 us takes 3 us more for the calls, with 48 `orbit` takes 1.5 times as long. x10: ten
+# times the memory of their steps, 9 MB here
+CASES = 512
 # rad between two stations: they show no shape, and the bends of such a polynomial take seconds. x10: so they do
 _WILDEST = 100.0
 COLUMNS = ("case", "row", "low", "high", "time", "count", "begin")  # fields of each piece
@@ -149,18 +148,9 @@ def _of_steps(orbit: MarchedOrbit, cases: Integers, case: Integers, until: float
     rows = cases[case]
     problem = orbit.problem.take(rows)
     steps, count = orbit.take(rows).steps, orbit.found["count"][rows].reshape(-1)
-    width, taylor = steps.width, steps.series
-    with np.errstate(under="ignore", over="ignore", invalid="ignore"):
-        order = np.arange(taylor.shape[2])
-        power = width[:, None] ** order
-        angle = taylor[:, 0] * power
-        rate = taylor[:, 0, 1:] * order[1:] * power[:, :-1]
-    series = np.zeros((width.size, 2, order.size))
-    series[:, 0] = through(angle, _from_powers(order.size))
-    series[:, 1, :-1] = through(rate, _from_powers(order.size - 1))
     arcs = np.cumsum(count) - count, count, np.stack([orbit.ahead[rows], orbit.back[rows]], axis=1)
-    covered = cover(problem.span * until, orbit.kind[rows], *arcs, steps.since, width)
-    pieces = _cover(problem, series, covered, until)
+    covered = cover(problem.span * until, orbit.kind[rows], *arcs, steps.since, steps.width)
+    pieces = _cover(problem, step_series(steps.width, steps.series), covered, until)
     return replace(pieces, problem=orbit.problem.take(cases), case=case[pieces.case])
 
 
@@ -232,14 +222,3 @@ def is_resolved(sol: ShapeArrays) -> Booleans:
         step = np.diff(t, axis=1).max(axis=1, initial=0.0)
         dense = step * np.maximum(np.maximum(quickest, swift), 1) <= 1  # in units of 1/sqrt(|H'|)
     return dense & (t[:, 0] == 0) & (t[:, -1] >= span * (1 - 1e-12)) & (t.shape[1] >= 5)
-
-
-@cache
-def _from_powers(n: int) -> Array:
-    """Coefficients of powers of x in [0, 1] to those of Chebyshev polynomials of 2 x - 1, (n, n)."""
-    rows = np.zeros((n, n))
-    value: Array = np.ones(1)
-    for k in range(n):
-        rows[k, : value.size] = value
-        value = C.chebmul(value, [0.5, 0.5])
-    return rows

@@ -56,6 +56,18 @@ def test_neither_lanes_nor_neighbours_nor_threads_change_a_bit(monkeypatch) -> N
     assert bits(measures.measure(pieces_of(sol, np.arange(60, 75)), own, names, GOAL)) == bits(found, few)
 
 
+def test_a_rod_alone_has_the_bits_that_it_has_among_others() -> None:
+    size = 60
+    sol, numbers = solve(random_rods(size, 3), tol=1e-8, stations=2), given(size)
+    found = measures.measure(pieces_of(sol, np.arange(size)), numbers, measures.NUMBERS, GOAL)
+    for i in range(size):
+        one = slice(i, i + 1)
+        own = {name: value[one] for name, value in numbers.items()}
+        assert bits(measures.measure(pieces_of(sol, np.arange(size)[one]), own, measures.NUMBERS, GOAL)) == bits(
+            found, one
+        )
+
+
 def test_only_the_groups_that_are_asked_for_are_measured() -> None:
     pieces, numbers = pieces_of(solve(random_rods(9, 3), stations=2), np.arange(9)), given(9)
     whole = measures.measure(pieces, numbers, measures.NUMBERS, GOAL)
