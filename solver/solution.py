@@ -17,14 +17,12 @@ from .orbits import frames
 from .orbits.shape import ShapeArrays
 from .problem.case_fields import cases_at, place_along, with_field
 from .problem.errors import InputError, check_tolerance, show, whole_number
-from .problem.shown import NOTEBOOK, make, table_of
+from .problem.shown import NOTEBOOK, Picture, make, table_of
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from xarray import Dataset
-
-    from workbench.notebook import NotebookScene, Plot
 
 
 class Solution(ShapeArrays):
@@ -303,7 +301,7 @@ class Solution(ShapeArrays):
         """
         return make(NOTEBOOK, "as_dataset", self, units)
 
-    def plot(self, **units: str) -> "Plot":
+    def plot(self, **units: str) -> Picture:
         """Draw the solution; a notebook shows it inline.
 
         Parameters
@@ -319,7 +317,7 @@ class Solution(ShapeArrays):
         """
         return make(NOTEBOOK, "plot_solution", self, units)
 
-    def scene(self, **units: str) -> "NotebookScene":
+    def scene(self, **units: str) -> Picture:
         """The rod on its cylinder; a notebook shows it inline, and a reader turns it.
 
         Parameters

@@ -42,7 +42,7 @@ LISTS = {
     ],
 }  # fmt: skip
 
-SHOWN = {"workbench.notebook", "xarray"}  # their names may annotate, for type checkers alone, what makes their things
+SHOWN = {"xarray"}  # its names may annotate, for type checkers alone, what makes its things
 FUNCTIONS = ast.FunctionDef | ast.AsyncFunctionDef
 STDLIB = sys.stdlib_module_names - {"tomllib"}  # file formats are no business of the mechanics
 HEAVY = {

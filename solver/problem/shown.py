@@ -1,9 +1,18 @@
 """What the workbench makes of a value of the solver: datasets, pictures, and tables of a notebook."""
 
 from importlib import import_module
-from typing import Any
+from pathlib import Path
+from typing import Any, Protocol
 
 NOTEBOOK = "workbench.notebook"  # loaded by name: the solver works without the workbench
+
+
+class Picture(Protocol):
+    """A diagram or a scene: a notebook shows it inline."""
+
+    def save(self, path: str | Path) -> Path:
+        """Write the picture; the suffix chooses the format. Raises `InputError` for another name."""
+        ...
 
 
 def table_of(kind: str, value: Any) -> str | None:

@@ -4,7 +4,7 @@
 """
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated, Any, Self
+from typing import TYPE_CHECKING, Annotated, Any, Protocol, Self
 
 from numpy.typing import NDArray
 from pydantic import BaseModel, Field, PrivateAttr, ValidationInfo, field_validator
@@ -15,7 +15,7 @@ from solver.observe.observables import OBSERVABLES, error_name
 from solver.problem.case import DIRECT
 from solver.problem.declared_fields import FIELDS, PAIRS, REPLACED, VARY_LOADS, WOUND
 from solver.problem.errors import DEFAULT_TOLERANCE, choices
-from solver.problem.shown import make
+from solver.problem.shown import Picture, make
 
 from ..grammar import formulas
 from ..grammar.axes import (
@@ -45,7 +45,9 @@ from .samples import Sample
 from .variation import Variation
 
 if TYPE_CHECKING:
-    from workbench.notebook import StudyRun
+    from xarray import Dataset
+
+    from ..laws.law_verdict import LawVerdicts
 
 # The quantities that can be stored along the rod: names of `Solution`.
 OUTPUTS = (
@@ -65,6 +67,17 @@ MAX_STATIONS = 100_001
 def _leaves(said: Mapping[str, Any]) -> bool:
     """Whether rods may leave the cylinder; said: the keys of a study that come before."""
     return bool(said.get("let_go")) or ("base" in said and said["base"].given.get("contact") == "unilateral")
+
+
+class SolvedStudy(Protocol):
+    """What `Study.run` gives: the dataset of the cases, the verdicts on the laws, and pictures."""
+
+    ds: "Dataset"
+    verdicts: "LawVerdicts"
+
+    def plot(self, **at: Any) -> Picture: ...
+
+    def scene(self, **at: Any) -> Picture: ...
 
 
 class Study(BaseModel):
@@ -309,7 +322,7 @@ class Study(BaseModel):
         """A copy of the study without its refinement: the grid of its axes."""
         return self.model_copy(update={"refine": None}).with_samples(None) if self.refine else self
 
-    def run(self) -> "StudyRun":
+    def run(self) -> SolvedStudy:
         """Solve every case and judge the laws, in memory.
 
         Returns

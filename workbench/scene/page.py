@@ -33,7 +33,7 @@ from .views import BELOW, DOT, EDGE, Camera, View
 
 Pixels = NDArray[np.uint8]
 
-WIDE, LOW, TALL = 7.2, 5.5, canvas.TALLEST  # inches of a page as a journal prints it: width, largest heights
+WIDE, LOW, TALL = 7.2, 5.5, print_heights.TALLEST  # inches of a page as a journal prints it: width, largest heights
 A_ROW = 9  # views; with more a page may be tall
 LEAST = 0.3  # the least height of the views
 HEAD = 0.17  # the height of a line of headings

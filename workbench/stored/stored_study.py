@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from solver.problem.errors import InputError, near, no_such
 from solver.problem.quantities import current
+from solver.problem.shown import Picture
 
 from . import derived_arrays, law_verdicts, refined
 from .derived_arrays import ARRAYS, StoredArrays
@@ -36,7 +37,6 @@ if TYPE_CHECKING:
     from studies.laws.verdicts import Law
 
     from ..geometry.centreline import Centreline
-    from ..notebook import NotebookScene, Plot
 
 NOTEBOOK = "workbench.notebook"  # loaded by name: it draws what this module reads
 
@@ -353,7 +353,7 @@ class StoredStudy(StoredCases):
 
     # pictures
 
-    def plot(self, **at: Any) -> "Plot":
+    def plot(self, **at: Any) -> Picture:
         """The figure of the dataset, or of its case at these values of axes; a notebook shows it inline.
 
         Parameters
@@ -382,7 +382,7 @@ class StoredStudy(StoredCases):
         """
         return import_module(NOTEBOOK).plot(self, at)
 
-    def scene(self, **at: Any) -> "NotebookScene":
+    def scene(self, **at: Any) -> Picture:
         """The rods on their cylinder, with a slider for each axis that is not given; a notebook shows them inline.
 
         Parameters
