@@ -28,16 +28,17 @@ FORCE_KEPT = "whose axial force is kept: held ends as far apart as the rod is lo
 
 
 def bilateral_cases(case: Case) -> list[Case]:
-    """The rods of a case on a cylinder that holds them on, their ends on its wall.
+    """The rods of a case on a cylinder that holds them on, their ends on its wall, of the shape of the case.
 
     A far end on the axis has no azimuth of its own: there the bilateral one may be free or held at that of the start.
     """
     given = {field.name: getattr(case.given, field.name) for field in fields(Ends) if field.name not in OFF_WALL}
     wall = replace(case.cylinder, contact="bilateral")
+    rod = replace(case.rod, L=np.broadcast_to(case.rod.L, case.shape)[()])  # also where ends off the wall alone differ
     ends = [given]
     if given["azimuth"] is None and not np.any(case.end_radii[1]):
         ends.append({**given, "MZ": None, "azimuth": 0.0})
-    return [Case(case.rod, wall, Ends(**each)) for each in ends]
+    return [Case(rod, wall, Ends(**each)) for each in ends]
 
 
 def let_go(sol: ShapeArrays, curves: Sequence[BeginningCurve | None]) -> tuple[Case, list[BeginningCurve | None]]:

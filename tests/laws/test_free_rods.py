@@ -95,6 +95,18 @@ def test_contacts_and_point_forces_are_the_same_numbers_in_a_solution_and_in_its
     assert max(force for _, force in sol.point_forces) == numbers["point_force_max"]
 
 
+def test_rods_whose_ends_off_the_wall_alone_differ_are_solved_in_one_call_as_each_by_itself() -> None:
+    def bow(radius: object) -> Any:
+        ends = Ends(beta0="90deg", betaL="90deg", height=0.0, azimuth=2.0, M3=0.0, radiusL=radius, M2L=0.0)
+        return solve(Case(Rod(EI=1.0, GJ=0.8, a=0.1, L=4.0), Cylinder(R=0.9, contact="unilateral"), ends), stations=51)
+
+    radii = np.array([2.5, 3.0])
+    together = bow(radii)
+    assert together.solved.all()
+    for i, radius in enumerate(radii):
+        np.testing.assert_allclose(together.position[i], bow(radius).position, rtol=0, atol=1e-9)
+
+
 def test_a_slack_belt_touches_the_drum_at_one_point() -> None:
     sol = belt(1.02)
     ((begin, end),) = sol.contacts
