@@ -14,7 +14,7 @@ from .numerics.arrays import Array
 from .observe.cautions import of_cases
 from .observe.solution_derivatives import Sensitivity, sensitivity
 from .orbits import frames
-from .orbits.shape import ShapeArrays
+from .orbits.shape_arrays import ShapeArrays
 from .problem.case_fields import cases_at, place_along, with_field
 from .problem.errors import InputError, check_tolerance, show, whole_number
 from .problem.shown import NOTEBOOK, Picture, make, table_of

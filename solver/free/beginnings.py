@@ -10,7 +10,7 @@ import numpy as np
 from ..nodes.loaded_rod import numbers_of, rate_of_change
 from ..numerics.arrays import NEGLIGIBLE, Array
 from ..orbits.frames import outward, tangent
-from ..orbits.shape import ShapeArrays
+from ..orbits.shape_arrays import ShapeArrays
 from ..problem.case import Case, Ends
 from ..problem.declared_fields import OFF_WALL
 from ..problem.reduced import flat

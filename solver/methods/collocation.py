@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..numerics.arrays import Array
-from ..orbits.morse_index import response
+from ..orbits.mesh_index import response
 from ..orbits.potential import slope, slope_rate
 from ..problem.reduced import EndsProblem
 from ..problem.trajectory import Seed

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..numerics.arrays import EPS, Array
 from ..numerics.roots import ROUNDS
-from ..orbits.morse_index import response
+from ..orbits.mesh_index import response
 from ..orbits.potential import Loads, slope, slope_rate
 from ..problem.reduced import EndsProblem
 from ..problem.trajectory import Seed

@@ -15,7 +15,7 @@ from ..core.measures import densities
 from ..nodes.loaded_rod import MU
 from ..nodes.stretch_states import SLIGHT
 from ..numerics.arrays import NEGLIGIBLE, Array, Booleans, Integers
-from ..orbits.shape import ShapeArrays
+from ..orbits.shape_arrays import ShapeArrays
 from ..orbits.statics import circumferential_force, curvature, surface_forces
 from ..problem.reduced import EndsProblem, flat
 from .measurement import MeasuredNumbers

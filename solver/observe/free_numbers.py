@@ -14,7 +14,7 @@ from ..free.free_shape import Along, FreeShape
 from ..numerics.arrays import FAINT, NEGLIGIBLE, Array
 from ..orbits.frames import binormal, outward
 from ..orbits.loop_orbits import MOST_PLACES
-from ..orbits.shape import ShapeArrays
+from ..orbits.shape_arrays import ShapeArrays
 from ..problem.quantities import quantity
 from ..problem.reduced import flat
 from .measurement import MIDDLE

@@ -19,7 +19,7 @@ from ..numerics.roots import EXACT
 from ..orbits.marched_orbit import MarchedOrbit
 from ..orbits.periodic_orbit import TIGHT, solve_orbit
 from ..orbits.potential import steepest
-from ..orbits.shape import ShapeArrays
+from ..orbits.shape_arrays import ShapeArrays
 from ..problem.errors import InputError
 from ..problem.reduced import flat
 from ..problem.trajectory import stood_in

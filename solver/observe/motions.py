@@ -16,7 +16,7 @@ from ..numerics.arrays import Array, Integers
 from ..numerics.roots import EXACT
 from ..orbits.boundary import Path, path_of
 from ..orbits.path_orbits import path_from_start, variations_of
-from ..orbits.shape import ShapeArrays
+from ..orbits.shape_arrays import ShapeArrays
 from ..orbits.variations import HOW as LONGER
 from ..orbits.variations import POINTS, HelixVariations, Variations
 from ..problem.reduced import EndsProblem, Reduced, StartProblem, end_number_names, flat

@@ -19,7 +19,7 @@ from ..numerics.arrays import ROUNDED, Array, Booleans, Integers
 from ..numerics.complex_step import slopes_of, with_slopes
 from ..orbits.periodic_orbit import HELIX
 from ..orbits.potential import slopes_by_loads
-from ..orbits.shape import ShapeArrays
+from ..orbits.shape_arrays import ShapeArrays
 from ..problem.errors import InputError, choices
 from ..problem.reduced import FieldRates, StartProblem
 from .measurement import MeasuredNumbers, Pair

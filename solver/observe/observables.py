@@ -17,10 +17,10 @@ from ..nodes.lock_up import largest_arriving, lock_up_length
 from ..numerics.arrays import EPS, ROUNDED, Array
 from ..numerics.complex_step import size_of
 from ..orbits.marched_orbit import MarchedOrbit
-from ..orbits.morse_index import index_at_stations
+from ..orbits.mesh_index import index_at_stations
 from ..orbits.periodic_orbit import LIBRATION, ROTATION, TIGHT, jacobi_zeros, solve_orbit
 from ..orbits.potential import load_size
-from ..orbits.shape import ShapeArrays
+from ..orbits.shape_arrays import ShapeArrays
 from ..problem.case import Case, Rod
 from ..problem.errors import check_type, known_name, names_of, no_such, yes_or_no
 from ..problem.quantities import ByName, current, quantity

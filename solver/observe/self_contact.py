@@ -18,7 +18,7 @@ from ..numerics.arrays import Array
 from ..orbits.loop_orbits import MOST_PLACES
 from ..orbits.marched_orbit import MarchedOrbit
 from ..orbits.periodic_orbit import as_core_orbits
-from ..orbits.shape import ShapeArrays
+from ..orbits.shape_arrays import ShapeArrays
 from ..problem.reduced import flat
 from .solution_pieces import CASES
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..numerics.arrays import EPS, Array
 from ..orbits.periodic_orbit import HELIX
-from ..orbits.shape import ShapeArrays
+from ..orbits.shape_arrays import ShapeArrays
 from ..orbits.variations import HelixVariations
 from ..problem.case import refuse_leaving
 from ..problem.case_fields import check_fields

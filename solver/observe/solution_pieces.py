@@ -18,7 +18,7 @@ from ..numerics.chebyshev import basis, through
 from ..orbits.marched_orbit import MarchedOrbit
 from ..orbits.periodic_orbit import cover
 from ..orbits.potential import Loads, slope_rate
-from ..orbits.shape import ShapeArrays
+from ..orbits.shape_arrays import ShapeArrays
 from ..problem.reduced import Reduced
 
 # of a block; with 192 a case of 50 us takes 3 us more for the calls, with 48 `orbit` takes 1.5 times as long. x10: ten

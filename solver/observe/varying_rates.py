@@ -20,7 +20,7 @@ from ..nodes.newton import largest_turn, linear_at
 from ..nodes.varying_shapes import Shape as Nodal
 from ..numerics.arrays import NEGLIGIBLE, Array
 from ..numerics.roots import EXACT
-from ..orbits.shape import ShapeArrays
+from ..orbits.shape_arrays import ShapeArrays
 from ..problem.case import Case, Start
 from ..problem.case_fields import values_of, with_fields_unchecked
 from ..problem.reduced import flat, size_of_field, span_of

@@ -11,7 +11,7 @@ from solver.equilibria import Equilibrium
 from solver.follow import to_fold
 from solver.orbits.boundary import repeat
 from solver.orbits.level_search import search_levels
-from solver.orbits.morse_index import morse_index
+from solver.orbits.mesh_index import morse_index
 from solver.orbits.periodic_orbit import jacobi_zeros
 from solver.problem.reduced import reduce
 from tests.cases import ends_in_units_of_rho, helix_moment, in_units_of_rho, table_1

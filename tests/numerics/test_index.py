@@ -8,7 +8,7 @@ import pytest
 from solver import Case, equilibria, solve
 from solver.observe.observables import observe
 from solver.orbits.boundary import Path, boundary_of
-from solver.orbits.morse_index import index_at_stations, morse_index
+from solver.orbits.mesh_index import index_at_stations, morse_index
 from solver.orbits.path_orbits import orbit_of, variations_of
 from solver.orbits.periodic_orbit import LIBRATION, jacobi_zeros, response, solve_orbit
 from solver.problem.reduced import EndsProblem, StartProblem, reduce

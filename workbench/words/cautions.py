@@ -32,7 +32,7 @@ from . import outcomes
 
 if TYPE_CHECKING:
     from solver import Case, Rod
-    from solver.orbits.shape import ShapeArrays
+    from solver.orbits.shape_arrays import ShapeArrays
 
 
 # those of `solver.observe.cautions` that others read here
