@@ -11,7 +11,9 @@ from ..numerics.arrays import Array
 from ..problem.trajectory import Trajectory, where_shown
 from .periodic_orbit import Orbit
 
-_MORE = 1 / 8  # a full table grows by this share. x10: memory that nothing fills
+# a full table grows by this share, and one of panels begins with as much more than its first block promises; without it
+# such a table is copied at its last block, and held twice. x10: memory that nothing fills
+_MORE = 1 / 8
 
 
 def join_answers(parts: Iterable[Trajectory], t: Array, share: float) -> Trajectory:
@@ -19,7 +21,7 @@ def join_answers(parts: Iterable[Trajectory], t: Array, share: float) -> Traject
 
     A block is moved into the whole answer before the next one is asked for, so that no two are held at once.
     """
-    whole, orbits, swirls, cases, panels = Rows(share), Rows(share), Rows(share), 0, 0
+    whole, orbits, swirls, cases, panels = Rows(share), Rows(share * (1 + _MORE)), Rows(share), 0, 0
     for part in parts:
         if part.orbit is None:
             swirls.add(part.swirl())

@@ -1,6 +1,7 @@
 """A long list of cases is solved a block at a time: little more room than the answer, and no other answer."""
 
 import json
+import os
 import subprocess
 import sys
 import tracemalloc
@@ -12,7 +13,8 @@ import pytest
 from solver import Case, Cylinder, Ends, Rod, Solution, Start, observe, solve
 from solver.methods import available, base
 
-MOST = 1.5  # of what is returned, while it is made
+MOST = 1.5  # of what is returned, while it is made: arrays have room to grow
+MOST_RESIDENT = 1.25  # room that nothing fills takes no memory; a table that is copied to grow is held twice: 1.45
 
 
 def many(cases: int) -> Case:
@@ -133,10 +135,11 @@ print(json.dumps([highest() - before, bytes_of(sol, set()), int(sol.solved.sum()
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="the highest resident size is read from /proc")
 def test_a_process_that_solves_forty_thousand_cases_stays_small() -> None:
-    run = subprocess.run([sys.executable, "-c", GROWN], capture_output=True, text=True, check=True)
+    threads = {**os.environ, "OMP_NUM_THREADS": "2"}  # each has a heap of its own
+    run = subprocess.run([sys.executable, "-c", GROWN], env=threads, capture_output=True, text=True, check=True)
     most, returned, solved = json.loads(run.stdout)
     assert solved == 40_000
-    assert most <= MOST * returned
+    assert most <= MOST_RESIDENT * returned
 
 
 def test_the_parts_of_joined_orbits_are_numbered_as_the_orbits_of_the_batch() -> None:
