@@ -245,15 +245,15 @@ def way_to(rod: LoadedRod, seed: Any) -> GrowthWay:
 def failure(way: GrowthWay, size: float, friction: float) -> str:
     """Why a rod has no shape, and with which load or friction it has one. size: of forces."""
     said = f"failed: {way.why}"
-    less = f"with friction {way.share * friction:.3g}, the most that the way from none reaches" if way.share else ""
+    if way.share:
+        said += f". There is an answer with friction from 0 to {way.share * friction:.3g}"
     if way.limit is None:
-        return f"{said}; this rod has an answer {less}" if less else said
+        return said
     load = round_up(way.limit * size)
-    straight = f"with a {'tension' if load > 0 else 'compression'} of {abs(load):.4g} at s = L (FZ = {load:.4g})"
+    at_end = f"{f'least {load:.4g}' if load > 0 else f'most {-load:.4g}'} at s = L (FZ = {load:.4g})"
     if way.share is None:  # locked up
-        size_of_load = f"a tension of at least {load:.4g}" if load > 0 else f"at most {-load:.4g}"
-        return f"{said}. It still does with {size_of_load} at s = L (FZ = {load:.4g})"
-    return f"{said}; this rod has an answer {less and f'{less}, and, '}straight, {straight}"
+        return f"{said}. It still does with {'a tension of ' * (load > 0)}at {at_end}"
+    return f"{said}. The rod can be straight with a {'tension' if load > 0 else 'compression'} of at {at_end}"
 
 
 def round_up(load: float) -> float:

@@ -112,8 +112,9 @@ def _far_force(case: Case, near: float, unit: str) -> tuple[float, str]:
     if off == 0:
         return first, ""
     if case.cylinder.sense[0] < 0 and near < -most:
-        share = f"less than {100 * PASSED:g} % of a change of the push at s = L arrives"
-        return first, f"failed: no FZ is sought for {known}: locked up. Beyond FZ0 = {-most:.5g} {unit} {share}"
+        share = f"less than {100 * PASSED:g} % of a change of it arrives at s = 0"
+        why = f"locked up. No push at s = L gives {known}: beyond FZ0 = {-most:.5g} {unit} {share}"
+        return first, f"failed: {why}"
     loads = abs(near) + abs(first) + abs(case.rod.weight or 0.0) * value_of(case, "L")
     size = loads or (off if off < math.inf else 1.0)
 

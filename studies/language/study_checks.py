@@ -104,7 +104,8 @@ def _check_base(study: Study) -> None:
     fields = study.fields
     for name in study.base.given:
         if name not in fields:
-            why = "Table 1 prints no" if study.reading else f"a study of {study.kind.__name__} has no field"
+            kind = "an ends problem" if study.kind is Ends else "a start problem"
+            why = "Table 1 prints no" if study.reading else f"{kind} has no field"
             raise Misplaced(f"{why} {name!r}{near(name, fields)}; choose from {choices(fields)}", "base", name)
 
 

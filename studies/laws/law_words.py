@@ -5,6 +5,7 @@ Why a line is not decided, what a kind of law claims and what was measured of it
 Commands, figures and the report take their words here. How a number or a formula is written is theirs: a `Show`.
 """
 
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -101,7 +102,8 @@ def together(
         reasons = [*reasons[:MOST], *(["and so on"] if len(reasons) > MOST else [])]
     if as_good(verdict, QUALIFIED) and not as_good(worst(every), verdict):
         kinds.append(ON_PART)
-        reasons.append(_part(every, verdict, at))
+        place = ", ".join(f"{axis} = {value:.4g}" for axis, value in at.items())
+        reasons.append(f"{_of_lines(Counter(every), [*at])} (judged at {place})")
         verdict = QUALIFIED
     return {"verdict": verdict, "qualifications": kinds, "reason": join(reasons)}
 
@@ -116,9 +118,9 @@ def of_others(row: Mapping[str, Any], meant: str, others: Sequence[Mapping[str, 
     for other in others:
         reverse = other["tau"] is not None and other["tau"] <= -TREND_TAU
         does = DIRECTIONS[meant].instead if reverse else DIRECTIONS[meant].does_not
-        rows = f", and is false in {other['line_verdicts'].get(FAILS, 0)} of {other['lines']} rows"
+        rows = f"{other['line_verdicts'].get(FAILS, 0)} of {other['lines']} {_lines(other.get('across', []))}"
         wrong = f" at {_wrong(other)}" if other["exceptions"] else ""
-        clauses.append(f"{other['observable']} {does}{wrong}{rows if other['lines'] > 1 else ''}")
+        clauses.append(f"{other['observable']} {does}{wrong}{f', and is false for {rows}' * (other['lines'] > 1)}")
     return f"{row['observable']} {DIRECTIONS[row['direction']].does}{trend}, but {' and '.join(clauses)}"
 
 
@@ -142,14 +144,6 @@ def _level(name: str, meant: str, deciding: Sequence[Verdict], first: list[float
     else:
         how = "stays level at some steps"
     return f"{name} {how}, where the sentence says that it {DIRECTIONS[meant].does}"
-
-
-def _part(every: Sequence[str], verdict: str, at: Mapping[str, float]) -> str:
-    """In how many rows of the grid the law is as good as where it was judged, how many are worse, and where that is."""
-    place = ", ".join(f"{axis} = {value:.4g}" for axis, value in at.items())
-    agree = sum(as_good(row, verdict) for row in every)
-    left = [f", {every.count(kind)} {kind}" for kind in dict.fromkeys(every) if not as_good(kind, verdict)]
-    return f"{agree} of {len(every)} rows agree{''.join(left)} (judged at {place})"
 
 
 def _wrong(row: Mapping[str, Any]) -> str:
@@ -196,7 +190,7 @@ def measure(row: Mapping[str, Any]) -> str:
 
 
 def sentence(row: Mapping[str, Any]) -> str:
-    """The verdict and why: ``true in part: 6 of 9 rows agree (judged at R = 0.75)``."""
+    """The verdict and why: ``true in part: true for 6 of 9 values of R (judged at R = 0.75)``."""
     notes = detail(row)
     return f"{row['verdict']}: {notes}" if notes else str(row["verdict"])
 
@@ -245,12 +239,19 @@ def detail(row: Mapping[str, Any]) -> str:
 
 
 def _rows(row: Mapping[str, Any]) -> str:
+    return _of_lines(row["line_verdicts"], row.get("across", []))
+
+
+def _of_lines(verdicts: Mapping[str, int], across: Sequence[str]) -> str:
     """For how many values of the other axis, or rows of several, a law is true: ``true for 1 of 9 values of R``."""
-    across = row.get("across", [])
-    what = "samples" if across == [SAMPLE] else f"values of {across[0]}" if len(across) == 1 else "rows"
-    others = {verdict: n for verdict, n in row["line_verdicts"].items() if verdict not in (HOLDS, FAILS)}
-    said = f"true for {row['line_verdicts'].get(HOLDS, 0)} of {row['lines']} {what}"
+    others = {verdict: n for verdict, n in verdicts.items() if verdict not in (HOLDS, FAILS)}
+    said = f"true for {verdicts.get(HOLDS, 0)} of {sum(verdicts.values())} {_lines(across)}"
     return f"{said}, {count(others)}" if others else said
+
+
+def _lines(across: Sequence[str]) -> str:
+    """What the lines of a grid are, along which a law is judged. across: its other axes."""
+    return "samples" if [*across] == [SAMPLE] else f"values of {across[0]}" if len(across) == 1 else "rows"
 
 
 def _span(ends: list[float] | None) -> str:

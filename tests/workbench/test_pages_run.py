@@ -67,7 +67,7 @@ PAGES = [
     Page("how-to/draw-diagrams", made=("curves.png", "portraits.png", "ridge.pdf", "ridge.csv")),
     Page(
         "how-to/draw-diagrams", "Draw a map", files=("three.toml",), status={"run regimes": 1},
-        said=("12 of 19 rows agree",),
+        said=("true for 12 of 19 values of R",),
         made=("regimes.png", "bends.pdf", "turned.png", "lines.png", "three.png", "one.png"),
     ),
     Page("how-to/find-equilibria", left=UNKNOWN, python="left", made=("all.png", "b.png")),

@@ -124,11 +124,13 @@ def _as_data(found: "RegionMap", points: int, wrong: list[str]) -> dict[str, Any
 
 def _print(found: "RegionMap", points: int, wrong: list[str], lattice: int) -> None:
     """Print the curves, the regions, and what the check says; lattice: the points along each field."""
+    from studies.laws.law_words import count_of
+
     curves, regions = _curves(found), _regions(found)
     tables.print_rows(curves)
     tables.print_rows(regions)
     cusps = sum(row["cusps"] for row in curves)
-    console.say(f"{len(curves)} curves, {cusps} cusps, {len(regions)} regions")
+    console.say(f"{count_of(len(curves), 'curve')}, {count_of(cusps, 'cusp')}, {count_of(len(regions), 'region')}")
     if points:
         console.say(f"checked at {points} random points: {len(wrong)} differ from the map")
         for sentence in wrong[:10]:

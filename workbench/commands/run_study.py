@@ -148,6 +148,8 @@ def merge(
 
     Exit status 1 if a case is unsolved, or if a law is false, not decided or is true in part only.
     """
+    from studies.laws.law_words import count_of
+
     from ..run.file_merge import merge as join
     from ..stored import law_verdicts
 
@@ -158,7 +160,7 @@ def merge(
         if done["laws"]:
             print_verdicts(done["laws"])
         console.say(f"{out}: {done['values']} values of {done['axis']} from {len(files)} files")
-        console.say(f"{done['cases']} cases, {done['unsolved']} unsolved")
+        console.say(f"{count_of(done['cases'], 'case')}, {done['unsolved']} unsolved")
         print_sentences(done, ["caution"])
 
     return Result(lambda: {**done, "status": status}, show, status)

@@ -74,6 +74,7 @@ def _size(count: int) -> str:
 
 def _print(found: dict[str, Any]) -> None:
     from studies.grammar.axes import SAMPLE, in_words
+    from studies.laws.law_words import count_of
 
     reading = f", {found['reading']}" if found["reading"] else ""
     console.say(f"{found['title']}{reading}")
@@ -104,7 +105,7 @@ def _print(found: dict[str, Any]) -> None:
         units = {axis["name"]: "deg" if axis["units"] == "rad" else axis["units"] for axis in found["axes"]}
         tables.print_rows(found["states"], {**dict.fromkeys(units, ""), "state": "state along the rod"}, units)
         console.say("")
-    console.say(f"{found['cases']} cases, {found['unsolved']} unsolved")
+    console.say(f"{count_of(found['cases'], 'case')}, {found['unsolved']} unsolved")
     _print_outcomes(found["outcomes"])
     for worst in found["worst"]:
         at = ", ".join(in_words(name, value) for name, value in worst["at"].items())

@@ -142,7 +142,9 @@ def choose(
     if axis is not None:
         axis = stored.axis(axis)
         if axis in at:
-            raise InputError(f"the rods stand along {axis}, so it takes no value, got {axis} = {at[axis]:.10g}")
+            raise InputError(
+                f"a rod is drawn for each value of {axis}, so it takes no value, got {axis} = {at[axis]:.10g}"
+            )
     else:
         axis = next((name for name in stored.axes if stored.sizes[name] > 1 and name not in at), None)
     cases = stored.places(axis, at, most) if axis else [stored.place(at)]

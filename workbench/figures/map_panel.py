@@ -173,7 +173,7 @@ def read_shapes(text: str) -> ShapeCounts:
     match = re.fullmatch(r"(\d{1,4})x(\d{1,4})", text.strip())
     numbers = [int(number) for number in match.groups()] if match else [0]
     if not all(1 <= number <= MOST_SHAPES for number in numbers):
-        raise InputError(f"the shapes are two numbers from 1 to {MOST_SHAPES} such as 5x5, got {text!r}")
+        raise InputError(f"--shapes takes two numbers from 1 to {MOST_SHAPES}, such as 5x5, got {text!r}")
     return ShapeCounts(*numbers)
 
 

@@ -172,7 +172,7 @@ def check_kinds(cases: Mapping[str, Named], ladders: Mapping[str, Ladder]) -> No
     """Raise `InputError` if no ladder solves the kind of problem of any case."""
     kinds = {entry.case.kind for entry in cases.values()}
     if not any(kinds & set(METHODS[ladder.method].problems) for ladder in ladders.values()):
-        raise InputError(f"none of {choices(ladders)} solves problems of the kind of {choices(cases)}")
+        raise InputError(f"no method solves any of the cases: methods {choices(ladders)}; cases {choices(cases)}")
 
 
 def ladders_of(names: Sequence[str]) -> dict[str, Ladder]:

@@ -236,7 +236,7 @@ def refuse_many(case: Case) -> None:
 
 def _too_many(half_periods: float) -> str:
     return (
-        f"between these ends and under these loads beta may have some {half_periods:.0f} half periods, and the page "
+        f"between these ends and under these loads beta may have some {half_periods:.0f} half waves, and the page "
         f"searches at most {MOST_LISTED}: use workbench equilibria"
     )
 
