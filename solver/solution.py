@@ -17,6 +17,7 @@ from .orbits import frames
 from .orbits.shape_arrays import ShapeArrays
 from .problem.case_fields import cases_at, place_along, with_field
 from .problem.errors import InputError, check_tolerance, show, whole_number
+from .problem.reduced import loads_of
 from .problem.shown import NOTEBOOK, Picture, make, table_of
 
 if TYPE_CHECKING:
@@ -411,6 +412,17 @@ class FreeSolution(Solution):
         """Something along the rods in units of A and rho, (*cases, n), vectors (*cases, n, 3)."""
         values = getattr(self.trajectory.free.along, name)
         return values.reshape(*self.case.shape, *values.shape[1:])
+
+    @cached_property
+    def loads(self) -> tuple[Any, Any, Any]:
+        """FZ [force], MZ and M3 [force length]: those of the case, or found where displacements are held.
+
+        MZ is found at a far end on the axis too: the azimuth of its frame is held, whether it is given or not.
+        """
+        (FZ, MZ, M3), shape = super().loads, self.case.shape
+        on_axis = np.broadcast_to(np.equal(self.case.end_radii[1], 0.0), shape)
+        moment = loads_of(self.problem, self.case.rod.bending_stiffness, self.case.rho, shape)[1].reshape(shape)
+        return FZ, np.where(on_axis, moment, MZ)[()], M3
 
     @cached_property
     def _units(self) -> tuple[Array, Array]:

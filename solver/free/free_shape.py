@@ -164,8 +164,8 @@ class FreeShape:
     def _known_angles(self) -> Array:
         """The four angles at the nodes without jumps, (4, N + 1)."""
         turned = np.unwrap(self._angles(self.nodes, self.x, self._directors(self.nodes)))
-        turned += 2 * np.pi * np.round((self.angles[:4] - turned[:, 0]) / (2 * np.pi))[:, None]
-        return turned
+        turns = np.round((self.angles[:4] - turned[:, 0]) / (2 * np.pi)) * [1, 1, 0, 1]  # a tilt has none
+        return turned + 2 * np.pi * turns[:, None]
 
     def _directors(self, t: Array) -> Array:
         """D1, D2, D3 at stations (n, 3, 3), without the uniform twist."""

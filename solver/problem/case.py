@@ -341,7 +341,8 @@ class Ends(EndsFields):
         Bending moment A beta' at s = 0 and at s = L [force length], given instead of the angle; 0: a hinge.
     radius0, radiusL : float or array, optional
         Only with unilateral contact: distance of the centreline from the axis at s = 0 and at s = L [length]. Default:
-        on the wall. At radius 0 the azimuth turns only the frame that beta and the rotation are measured in.
+        on the wall. At radius 0 the azimuth turns only the frame that beta and the rotation are measured in; there
+        that frame is held, so MZ at radiusL = 0 is a result.
     tilt0, tiltL : float, str or array, optional
         Only with unilateral contact: angle of the tangent at s = 0 and at s = L out of the tangent plane of the
         cylinder through that point, positive outwards [rad]. Default: 0.

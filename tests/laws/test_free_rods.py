@@ -529,6 +529,26 @@ def test_a_load_that_is_given_is_observed_as_it_is_given() -> None:
     }
 
 
+def test_the_moment_about_the_axis_that_holds_the_frame_of_an_end_there_is_observed() -> None:
+    """A wall pushes at right angles to the axis, and so has no moment about it: both ends have the same."""
+    hole = Cylinder(1.1, side="inside", contact="unilateral")
+    ends = Ends(-0.356, -0.776, FZ=0.038, MZ=0.0, rotation=0.509, radius0=0.0, radiusL=0.0)
+    sol = solve(Case(Rod(EI=1.0, GJ=0.8, a=0.1, L=5.0), hole, ends))
+    seen = observe(sol, ["MZ", "MZ0"], errors=True)
+    assert seen["MZ"] == pytest.approx(seen["MZ0"], abs=2 * seen["MZ0_error"])
+    assert seen["MZ"] > 10 * seen["MZ0_error"]
+
+
+def test_a_tilt_is_an_angle_to_a_plane_however_far_a_hinge_turns() -> None:
+    """A hinge at the start lets the rod turn over; at the far end the tilt is held at 0."""
+    wall = Cylinder(0.9, inclination=0.3, contact="unilateral")
+    ends = Ends(0.368, FZ=-0.338, azimuth=-1.629, rotation=-0.146, M20=0.084, M1L=0.0, radius0=1.2)
+    sol = solve(Case(Rod(EI=1.0, GJ=0.909, a=0.1, L=9.448, weight=0.0156), wall, ends))
+    assert sol.solved
+    assert np.abs(sol.tilt).max() <= np.pi / 2
+    assert sol.tilt[-1] == pytest.approx(0, abs=1e-9)
+
+
 def test_a_rod_off_the_wall_without_an_axial_force_has_none_at_either_end() -> None:
     wall = Cylinder(1.0, contact="unilateral")
     sol = solve(Case(Rod(EI=1.0, GJ=0.8, a=0.1, L=6.0), wall, Ends(0.8, 0.3, FZ=0.0, radius0=1.1, radiusL=1.3)))
