@@ -11,8 +11,9 @@ from ..problem.case import Case
 from ..problem.declared_fields import TILTS
 from ..problem.reduced import flat
 from .discrete_rod import INSIDE, OUTSIDE, DiscreteRod
-from .free_shape import between
-from .program import Sizes
+from .free_shape import FreeShape, between
+from .minimum import minimise
+from .program import Effort, Sizes
 from .quaternions import directors, end_frame
 
 # a step of the ends: rad, of the length; steps in which loads grow. x10: ends go the whole way at once, to minima
@@ -65,7 +66,7 @@ class Beside(NamedTuple):
 
     rod: on one edge, with the twist of a given twisting moment. rotation: of the far end from the start, None where it
     is free. turns: whether nothing holds the azimuth of a far end on the axis. time: the shortest length on which its
-    shape changes. changes: how many such lengths it has.
+    shape changes. changes: how many such lengths it has. effort: of the search for its shape.
     """
 
     rod: DiscreteRod
@@ -73,6 +74,7 @@ class Beside(NamedTuple):
     turns: bool
     time: float
     changes: float
+    effort: Effort
 
     def sizes(self, curve: BeginningCurve) -> Sizes:
         """The sizes of a shape like that of a curve."""
@@ -107,6 +109,16 @@ class Beside(NamedTuple):
             weight=loads * rod.weight,
             lead=np.broadcast_to(curve.lead * (rod.span / edges) ** 2, (2, 3)),
         )
+
+    def minimum(
+        self, curve: BeginningCurve, share: float, edges: int, guess: Array | None = None, known: Array | None = None
+    ) -> FreeShape | None:
+        """The minimum near a guess (size,), or near a curve, of the rod whose ends are this share of the way from it.
+
+        known: the multipliers of a minimum on a coarser mesh, (M,).
+        """
+        rod = self.rod_on(curve, share, edges)
+        return minimise(rod, curve.on(rod) if guess is None else guess, self.sizes(curve), known, self.effort)
 
     def way(self, curve: BeginningCurve) -> float:
         """How far the ends of a curve are from where those of the rod are held: 1 is a step of moderate size."""
@@ -165,5 +177,5 @@ def problems_of(case: Case) -> list[Beside]:
         )  # fmt: skip
         changes = float(loaded.changes()[1][-1])
         turns = "azimuth" not in held and not free[4]
-        problems.append(Beside(rod, None if free[7] else float(far[3]), turns, loaded.time, changes))
+        problems.append(Beside(rod, None if free[7] else float(far[3]), turns, loaded.time, changes, Effort()))
     return problems

@@ -17,6 +17,7 @@ from .beginnings import curve_of, curve_of_string, is_taut
 from .free_problem import BeginningCurve, Beside, problems_of
 from .free_shape import Along, FreeShape
 from .minimum import free_motion, minimise
+from .program import Effort
 
 # of the place of a rod, over its length: finer than a drawing shows. x10: places off by a thousandth of the length
 FREE_TOLERANCE = 1e-4
@@ -43,7 +44,11 @@ ORDER = (2.0, 4.5)
 # of an error of the order that is seen: of a hundred rods let go, one in twenty is off by more. x10: stated errors ten
 # times too large
 SAFETY = 1.25
+# of a search from each curve, on its coarsest mesh; edges that this counts for at least. x10: ten times the time before
+# a search ends without its digits
+STEPS, LEAST = 600, 500
 LARGEST = 1e12  # of a number of a rod in units of A and rho, far beyond any rod. x10: as good
+CUT = " in as many steps as a search may take"
 MOVED = ", moved by some waves"
 # of the size of angles: how far a shape is moved from a minimum to find others; twelve times. x10: starts from tangles
 SHAKES = (1.0, 0.3) * 6
@@ -138,6 +143,7 @@ def continue_from(beside: Beside, curves: Sequence[BeginningCurve], tol: float, 
     if 2 ** (MESHES - 1) * edges > MOST_EDGES:
         many = f"{max(changes):.3g} times along the rod, and at most {MOST_EDGES} edges are computed"
         return FreeAnswer(why=f"the shape may change {many}")
+    beside = beside._replace(effort=Effort((len(curves) + lowest * len(SHAKES)) * STEPS * max(edges, LEAST)))
     ways = [reach(beside, curve, edges) for curve in curves]
     best = min(ways, key=lambda way: way.energy)
     for seed, far in enumerate(SHAKES if lowest else ()):
@@ -147,7 +153,7 @@ def continue_from(beside: Beside, curves: Sequence[BeginningCurve], tol: float, 
     begun, steps = best.begun, sum(way.steps for way in ways)
     if best.shape is None:
         why = f"no minimum of the energy was found beyond {best.share:.3g} of the way from {begun}"
-        return FreeAnswer(steps=steps, begun=begun, why=why)
+        return FreeAnswer(steps=steps, begun=begun, why=why + CUT * beside.effort.cut)
     answer = refine(beside, best.shape, tol)
     return replace(answer, steps=steps + answer.steps, begun=begun, minima=count_of(ways) if lowest else 0)
 
@@ -156,12 +162,10 @@ def reach(beside: Beside, curve: BeginningCurve, edges: int) -> _Way:
     """The way from a curve to the shape of a rod."""
     moves = "" if beside.meets(curve) else ", whose ends move to where they are held"
     begun = f"{curve.name}{moves}{' while its loads grow' * curve.grows}"
-    sizes, steps = beside.sizes(curve), 0
-    shape, share, step = None, 0.0, beside.first_step(curve)
+    shape, steps, share, step = None, 0, 0.0, beside.first_step(curve)
     while share < 1:
         ahead = min(1.0, share + step)
-        rod = beside.rod_on(curve, ahead, edges)
-        further = minimise(rod, curve.on(rod) if shape is None else shape.y, sizes)
+        further = beside.minimum(curve, ahead, edges, None if shape is None else shape.y)
         if further is None:
             step /= 2
             if step < LEAST_STEP:
@@ -179,7 +183,7 @@ def way_beside(beside: Beside, way: _Way, far: float, seed: int) -> _Way:
     middles, waves = (np.arange(rod.edges)[:, None] + 0.5) / rod.edges, np.arange(1, WAVES + 1)
     parts = np.random.default_rng(seed).normal(size=(WAVES, 4)) / waves[:, None]
     rod.parts(y)[0][:] += far * sizes.turned * np.sin(np.pi * middles * waves) @ parts
-    shape, begun = minimise(rod, y, sizes), way.begun.removesuffix(MOVED) + MOVED
+    shape, begun = minimise(rod, y, sizes, effort=beside.effort), way.begun.removesuffix(MOVED) + MOVED
     return _Way(begun, shape, 0.0, 0) if shape is None else _Way(begun, shape, 1.0, shape.steps)
 
 
@@ -197,31 +201,27 @@ def refine(beside: Beside, shape: FreeShape, tol: float) -> FreeAnswer:
     others remain.
     """
     for _ in range(SETTLED):  # on the coarsest mesh the lead of the ends is not known before
-        known = curve_of(shape)
-        rod = beside.rod_on(known, 1.0, shape.rod.edges)
-        shape = minimise(rod, known.on(rod), beside.sizes(known), shape.multipliers) or shape
+        shape = beside.minimum(curve_of(shape), 1.0, shape.rod.edges, known=shape.multipliers) or shape
     shapes: tuple[FreeShape, ...] = (shape,)
     error, steps, line, why = np.inf, 0, "", f"the tolerance needs a mesh of more than {FINEST} edges"
     aims = np.array([tol, max(tol, FREE_TOLERANCE)])
     while len(shapes) < MESHES or ((aims < error) & (error <= aims * (FINEST // shapes[-1].rod.edges) ** 2)).any():
-        curve = curve_of(shapes[-1])
-        rod, sizes = beside.rod_on(curve, 1.0, 2 * shapes[-1].rod.edges), beside.sizes(curve)
-        forces = shapes[-1].rod.finer_multipliers(shapes[-1].multipliers)
-        anew = rod.edges <= FINEST >> MESHES  # so that finer meshes can tell the error of another minimum
-        finer = minimise(rod, curve.on(rod), sizes, forces)
+        curve, edges = curve_of(shapes[-1]), 2 * shapes[-1].rod.edges
+        finer = beside.minimum(curve, 1.0, edges, known=shapes[-1].rod.finer_multipliers(shapes[-1].multipliers))
+        anew = edges <= FINEST >> MESHES  # so that finer meshes can tell the error of another minimum
         if finer is None and anew:
-            finer = minimise(rod, curve.on(rod), sizes)
+            finer = beside.minimum(curve, 1.0, edges)
         if finer is None:
-            why = f"no minimum of the energy was found on {rod.edges} edges"
+            why = f"no minimum of the energy was found on {edges} edges{CUT * beside.effort.cut}"
             break
         steps += finer.steps
         another = distance(shapes[-1], finer) > APART
         if another and not anew and shapes[1:]:
-            why = f"{rod.edges} edges lead to another minimum"
+            why = f"{edges} edges lead to another minimum"
             break
         shapes = (finer,) if another and anew else (*shapes, finer)
         error = estimate([distance(*pair) for pair in pairwise(shapes[-MESHES:])])[1] if shapes[1:] else np.inf
-        if len(shapes) == MESHES and (motion := free_motion(finer, sizes)) is not None:
+        if len(shapes) == MESHES and (motion := free_motion(finer, beside.sizes(curve))) is not None:
             line = shapes[-1].name_of(motion)
     return FreeAnswer(shapes if np.isfinite(error) else (), error, steps, why=why, line=line)
 

@@ -11,7 +11,7 @@ from ..numerics.arrays import Array, Integers
 from ..numerics.roots import ROUNDS
 from .discrete_rod import CONDITIONS, EDGE, HELD_ON, DiscreteRod
 from .free_shape import FreeShape
-from .program import FAR, NEAR, Program, Sizes
+from .program import FAR, NEAR, Effort, Program, Sizes
 
 SHARP = 1e-10  # of the last change of the unknowns: as far as rounding of long meshes allows. x10: a digit less
 # of what equations leave where rounding, 1e-11 of them, moves a rod that is held with `FIRM`; squared. x10: as good
@@ -26,19 +26,21 @@ NUDGE, NUDGES = 1e-2, 3
 STIFF, TINY = 1e-4, 1e-14
 
 
-def minimise(rod: DiscreteRod, guess: Array, sizes: Sizes, multipliers: Array | None = None) -> FreeShape | None:
+def minimise(
+    rod: DiscreteRod, guess: Array, sizes: Sizes, multipliers: Array | None = None, effort: Effort | None = None
+) -> FreeShape | None:
     """The minimum near a guess (size,), or beside an equilibrium near it that is no minimum; None where none is found.
 
     multipliers: those of a minimum on a coarser mesh, (M,), with which Newton's method alone is tried first; Uno then
-    searches near the guess. Raises `InputError` where Uno is not installed.
+    searches near the guess. effort: of Uno; any if None. Raises `InputError` where Uno is not installed.
     """
-    search = FAR if multipliers is None else NEAR
+    search, effort = FAR if multipliers is None else NEAR, effort or Effort()
     for seed in range(NUDGES + 1):
         newton, minimum = Newton(rod, sizes, rod.with_known(guess)), None
         if multipliers is not None:
             minimum, multipliers = newton.equilibrium(multipliers * newton.scale), None
         if minimum is None or minimum.unstable != 0:
-            rough = newton.minimise(search)
+            rough = newton.minimise(search, effort)
             minimum = None if rough is None else newton.equilibrium(rough[1], rough[0], rough[2])
         if minimum is None or not minimum.unstable:
             return minimum

@@ -24,6 +24,9 @@ OPTIONS = {
 ENOUGH = 1e-6  # of what Uno may leave of the equations: Newton's method ends them. x10: from there it may fail
 
 
+EACH_STEP = 50  # edges, of which the equations take as long as what a step takes beside them. x10: less effort
+
+
 class _Search(NamedTuple):
     """How Uno begins, by the parameter of its first barrier, and when it gives up, in steps of each strategy."""
 
@@ -34,6 +37,14 @@ class _Search(NamedTuple):
 FAR = _Search(1e-2, 300)  # from a shape of another problem: usual are 10 to 200 steps. x10: only failures take longer
 # from a minimum on a coarser mesh, which a wider barrier would lose: usual are 10 to 40. x10: it is lost more often
 NEAR = _Search(1e-4, 100)
+
+
+@dataclass
+class Effort:
+    """What a search may still take: steps, each times the edges of its mesh and `EACH_STEP`; and whether it was cut."""
+
+    left: float = np.inf
+    cut: bool = False
 
 
 class Sizes(NamedTuple):
@@ -131,8 +142,8 @@ class Program:
         whole, multipliers = self.whole(z), multipliers / self.unit_of
         return self.bends.of(self.rod.hessian_values(whole, share / self.sizes.energy, multipliers))
 
-    def minimise(self, search: _Search) -> tuple[Array, Array, int] | None:
-        """The minimum near the guess, its multipliers, and the steps; None where Uno finds none.
+    def minimise(self, search: _Search, effort: Effort) -> tuple[Array, Array, int] | None:
+        """The minimum near the guess, its multipliers, and the steps; None where Uno finds none with this effort.
 
         Raises `InputError` where Uno is not installed.
         """
@@ -157,12 +168,18 @@ class Program:
         model.set_initial_primal_iterate(np.zeros(self.free.size))
         # to accept steps; where the first strategy jams, the other often does not
         for strategy in ("waechter_filter_method", "funnel_method"):
+            cost = self.rod.edges + EACH_STEP
+            most = int(min(search.most, effort.left // cost))
+            effort.cut |= most < search.most
+            if most < 1:
+                return None
             solver = unopy.UnoSolver()
             solver.set_preset("ipopt")
-            begins = {"barrier_initial_parameter": search.barrier, "max_iterations": search.most}
+            begins = {"barrier_initial_parameter": search.barrier, "max_iterations": most}
             for name, value in {**OPTIONS, **begins, "globalization_strategy": strategy}.items():
                 solver.set_option(name, value)
             result = solver.optimize(model)
+            effort.left -= cost * result.number_iterations
             left = result.solution_primal_feasibility, result.solution_stationarity, result.solution_complementarity
             if max(left) < ENOUGH:
                 z, multipliers = np.array(result.primal_solution), np.array(result.constraint_dual_solution)

@@ -16,8 +16,9 @@ from solver import Case, Cylinder, Ends, InputError, Rod, Start, observe, solve
 from solver.free.beginnings import curves_of, let_go
 from solver.free.discrete_rod import HELD_ON, INSIDE, OUTSIDE, DiscreteRod
 from solver.free.free_problem import problems_of
-from solver.free.free_rods import FREE_TOLERANCE, SHAKES, distance, estimate, limit, refine
+from solver.free.free_rods import FREE_TOLERANCE, LEAST, SHAKES, distance, estimate, limit, refine
 from solver.free.minimum import minimise
+from solver.free.program import Program
 from solver.free.quaternions import product
 from solver.free.sinking import Sinking
 from solver.observe.free_numbers import _limit
@@ -301,11 +302,28 @@ def test_a_finer_mesh_without_a_minimum_leaves_a_rod_solved_with_the_digits_of_t
     def none_beyond(rod: DiscreteRod, *given: Any) -> Any:
         return None if rod.edges > most else minimise(rod, *given)
 
-    monkeypatch.setattr("solver.free.free_rods.minimise", none_beyond)
+    monkeypatch.setattr("solver.free.free_problem.minimise", none_beyond)
     less = freed[0].let_go(tol=tol)
     assert less.solved
     assert f"fewer digits than the tolerance {tol:.1e}" in less.outcome
     assert f"as no minimum of the energy was found on {2 * most} edges; a stable equilibrium" in less.outcome
+
+
+def test_a_search_takes_no_more_steps_than_it_may_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Inside, where the contacts of this rod move along it from mesh to mesh."""
+    before, seen = solve(Case(ROD, Cylinder(R=0.75, side="inside"), ENDS)), []
+    hessian = Program.hessian
+
+    def counted(program: Program, *given: Any) -> Any:
+        seen.append(program.rod.edges)
+        return hessian(program, *given)
+
+    monkeypatch.setattr("solver.free.program.Program.hessian", counted)
+    monkeypatch.setattr("solver.free.free_rods.STEPS", 60)
+    after = before.let_go()
+    assert after.solved
+    assert "in as many steps as a search may take; a stable equilibrium" in after.outcome
+    assert sum(seen) < 2 * 60 * LEAST  # Newton's method takes steps of its own
 
 
 def test_a_finer_mesh_that_leads_to_another_minimum_late_is_left_out(
