@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from .equilibrium_branch import BORDER, HELIX, Branch, BranchEnd, BranchPoint, SpecialPoint
 from .numerics.arclength import CLOSED, END, FOLD, POINTS
-from .numerics.arrays import Array
+from .numerics.arrays import Array, whole_turns
 from .problem.case import Case, Ends, refuse_leaving
 from .problem.case_fields import fields_of, value_of, with_field
 from .problem.declared_fields import ANGLES, PAIRS
@@ -330,7 +330,7 @@ def to_fold(case: Case, limit: float, count: int = 9, field: str = "betaL") -> E
     ends = ends_case(solution)
     begin = value_of(ends, field)
     if field == "betaL":
-        limit += 2 * np.pi * np.round(begin / (2 * np.pi))
+        limit += whole_turns(begin)
         if limit <= begin:
             raise InputError(
                 f"the rod itself already ends at beta(L) = {begin:.6g} rad, beyond the limit of {limit:.6g} rad"

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from scipy import special
 
-from ..numerics.arrays import ALIKE, NEGLIGIBLE, Array
+from ..numerics.arrays import ALIKE, NEGLIGIBLE, Array, whole_turns
 from ..problem.declared_fields import POSITIVE
 from ..problem.errors import choices
 from ..problem.quantities import quantity
@@ -188,7 +188,7 @@ def _far(model: Model, best: FitMinimum, probability: float) -> str:
     if "alpha" in points.columns:
         off = points.columns["alpha"] - sol.alpha[place]
         if points.wrapped:
-            off = off - 2 * np.pi * np.round(off / (2 * np.pi))
+            off = off - whole_turns(off)
         square += off**2
     if "z" in points.columns:
         square += ((points.columns["z"] - sol.z[place]) / float(sol.case.rho)) ** 2

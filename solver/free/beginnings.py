@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..nodes.loaded_rod import numbers_of, rate_of_change
-from ..numerics.arrays import NEGLIGIBLE, Array
+from ..numerics.arrays import NEGLIGIBLE, Array, whole_turns
 from ..orbits.frames import outward, tangent
 from ..orbits.shape_arrays import ShapeArrays
 from ..problem.case import Case, Ends
@@ -140,8 +140,8 @@ def curve_of_string(rod: DiscreteRod) -> BeginningCurve | str:
     turned[3, 1:] = -np.cumsum(np.diff(alpha) * np.cos((lean[1:] + lean[:-1]) / 2))  # no twist
     q, near, held = end_frame(turned)[0], turned[3, [0, -1]], ~rod.free[[1, 5]]
     ends = angles_at(azimuths, directors(q[[0, -1]]))
-    ends[1, held] += _turns(rod.angles[[1, 5]] - ends[1])[held]
-    ends[3] -= _turns(ends[3] - near)
+    ends[1, held] += whole_turns(rod.angles[[1, 5]] - ends[1])[held]
+    ends[3] -= whole_turns(ends[3] - near)
     turned[3] += rod.angles[3] - ends[3, 0]
     ends[3] += rod.angles[3] - ends[3, 0]
     q = end_frame(turned)[0]
@@ -152,16 +152,11 @@ def curve_of_string(rod: DiscreteRod) -> BeginningCurve | str:
     return BeginningCurve(name, u, x + np.outer(z, [0, 0, 1.0]), u, q, 0.0, ends.T.ravel(), loaded)
 
 
-def _turns(angles: Array | float) -> Array:
-    """The full turns next to angles."""
-    return np.asarray(2 * np.pi * np.round(np.asarray(angles) / (2 * np.pi)))
-
-
 def curve_of(shape: FreeShape, name: str = "the seed") -> BeginningCurve:
     """The curve of a rod beside its wall; whole turns of its frames about the tangent become uniform twist."""
     N, rod = shape.rod.edges, shape.rod
-    middles = np.concatenate([[0.0], (np.arange(N) + 0.5) / N, [1.0]])
-    turned = float(_turns(2 * rod.joints(shape.y).v[:, 2].sum()))
+    middles = shape.middles / rod.span
+    turned = float(whole_turns(2 * rod.joints(shape.y).v[:, 2].sum()))
     back, angles = np.zeros((N + 2, 4)), shape.angles.copy()
     back[:, 0], back[:, 3] = np.cos(turned * middles / 2), -np.sin(turned * middles / 2)
     angles[7] -= turned

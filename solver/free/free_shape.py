@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..numerics.arrays import NEGLIGIBLE, ROUGHLY, Array, Booleans
+from ..numerics.arrays import NEGLIGIBLE, ROUGHLY, Array, Booleans, whole_turns
 from ..orbits.frames import binormal, outward
 from .contacts import Contact, contacts_of
 from .discrete_rod import CONDITIONS, DiscreteRod
@@ -164,8 +164,8 @@ class FreeShape:
     def _known_angles(self) -> Array:
         """The four angles at the nodes without jumps, (4, N + 1)."""
         turned = np.unwrap(self._angles(self.nodes, self.x, self._directors(self.nodes)))
-        turns = np.round((self.angles[:4] - turned[:, 0]) / (2 * np.pi)) * [1, 1, 0, 1]  # a tilt has none
-        return turned + 2 * np.pi * turns[:, None]
+        turns = whole_turns(self.angles[:4] - turned[:, 0]) * [1, 1, 0, 1]  # a tilt has none
+        return turned + turns[:, None]
 
     def _directors(self, t: Array) -> Array:
         """D1, D2, D3 at stations (n, 3, 3), without the uniform twist."""
@@ -189,7 +189,7 @@ class FreeShape:
         x = CubicHermiteSpline(self.nodes, self.x, self._directors(self.nodes)[:, 2])(t)
         turned = self._angles(t, x, D)
         known = np.stack([np.interp(t, self.nodes, row) for row in self._known_angles])
-        turned += 2 * np.pi * np.round((known - turned) / (2 * np.pi))
+        turned += whole_turns(known - turned)
         turned[3] += self.rod.twist * t
         radius = np.hypot(x[:, 0], x[:, 1])
         radius = np.fmax(radius, 1.0) if self.rod.side > 0 else np.fmin(radius, 1.0)

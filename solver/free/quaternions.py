@@ -1,6 +1,6 @@
 """Quaternions (w, x, y, z) as the last axis, and the frames that they stand for.
 
-A frame is D1, D2, D3; D3 is the tangent, and D1 = -d1, D2 = -d2 of `mechanics.frames.material`, so that the frame of a
+A frame is D1, D2, D3; D3 is the tangent, and D1 = -d1, D2 = -d2 of `orbits.frames.material`, so that the frame of a
 rod along the axis, at azimuth 0 and not rotated, is the identity.
 """
 
@@ -10,26 +10,15 @@ import numpy as np
 
 from ..numerics.arrays import Array
 
-# the imaginary parts of conj(a) b are a @ BILINEAR[i] @ b
-BILINEAR = np.array(
-    [
-        [[0, 1, 0, 0], [-1, 0, 0, 0], [0, 0, 0, -1], [0, 0, 1, 0]],
-        [[0, 0, 1, 0], [0, 0, 0, 1], [-1, 0, 0, 0], [0, -1, 0, 0]],
-        [[0, 0, 0, 1], [0, 0, -1, 0], [0, 1, 0, 0], [-1, 0, 0, 0]],
-    ],
-    dtype=float,
-)
-# the components of D3 are q @ QUADRATIC[i] @ q
-QUADRATIC = np.array(
-    [
-        [[0, 0, 1, 0], [0, 0, 0, 1], [1, 0, 0, 0], [0, 1, 0, 0]],
-        [[0, -1, 0, 0], [-1, 0, 0, 0], [0, 0, 0, 1], [0, 0, 1, 0]],
-        [[1, 0, 0, 0], [0, -1, 0, 0], [0, 0, -1, 0], [0, 0, 0, 1]],
-    ],
-    dtype=float,
-)
-_CONJUGATE = np.array([1.0, -1.0, -1.0, -1.0])
-_PRODUCT = np.concatenate([np.diag(_CONJUGATE)[None], BILINEAR * _CONJUGATE[:, None]])  # of which a @ each @ b is a b
+_CONJUGATE = np.array([1, -1, -1, -1])
+_SIGNS = np.array([[1, 1, 1, 1], [1, -1, 1, -1], [1, -1, -1, 1], [1, 1, -1, -1]])
+_FIRST, _SECOND = np.indices((4, 4))
+_PRODUCT = np.zeros((4, 4, 4))  # the components of a b are a @ _PRODUCT[k] @ b
+_PRODUCT[_FIRST ^ _SECOND, _FIRST, _SECOND] = _SIGNS  # 1, i, j, k are multiplied as two bits are added, but for signs
+BILINEAR = (_PRODUCT * _CONJUGATE[:, None])[1:]  # the imaginary parts of conj(a) b are a @ BILINEAR[i] @ b
+# the components of the three directors are q @ _ROTATION[d, i] @ q, those of D3 q @ QUADRATIC[i] @ q
+_ROTATION = np.einsum("ikm,jkd->dijm", _PRODUCT[1:] * _CONJUGATE, np.swapaxes(_PRODUCT, 0, 1)[..., 1:])
+QUADRATIC = _ROTATION[2]
 _ORDERS = np.eye(4, dtype=int)
 
 
@@ -40,13 +29,7 @@ def product(a: Array, b: Array) -> Array:
 
 def directors(q: Array) -> Array:
     """The directors D1, D2, D3 of frames as rows, (..., 3, 3)."""
-    w, x, y, z = np.moveaxis(q, -1, 0)
-    rows = [
-        [w * w + x * x - y * y - z * z, 2 * (x * y + w * z), 2 * (x * z - w * y)],
-        [2 * (x * y - w * z), w * w - x * x + y * y - z * z, 2 * (y * z + w * x)],
-        [2 * (x * z + w * y), 2 * (y * z - w * x), w * w - x * x - y * y + z * z],
-    ]
-    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+    return np.asarray(np.tensordot(q[..., None] * q[..., None, :], _ROTATION, axes=([-2, -1], [2, 3])))
 
 
 @lru_cache(maxsize=16)

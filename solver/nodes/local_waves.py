@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..numerics.arrays import NEGLIGIBLE, Array, Booleans
+from ..numerics.arrays import NEGLIGIBLE, Array, Booleans, whole_turns
 from ..numerics.roots import root
 from ..problem.case import ALONG_ITSELF
 from .descent import descend
@@ -278,10 +278,10 @@ def helix(rod: LoadedRod, waves: _Waves, x: Array, phase: Array, over: Array) ->
     first, last = int(zone[0]), int(zone[-1])
     stretch = slice(first, last + 1)
     x, phase, k = x[stretch], phase[stretch] - phase[first], waves.k[stretch]
-    whole = 2 * np.pi * np.round(phase[-1] / (2 * np.pi))
+    whole = whole_turns(phase[-1])
     goal = float(rod.far[1]) if "azimuth" in rod.held else whole
     if last + 1 < waves.k.size:
-        goal = 2 * np.pi * np.round(goal / (2 * np.pi))
+        goal = whole_turns(goal)
     way = -1.0 if goal < 0 else 1.0
     rate = np.gradient(phase, x)
     if first == 0 and "beta0" in rod.held:
@@ -292,7 +292,7 @@ def helix(rod: LoadedRod, waves: _Waves, x: Array, phase: Array, over: Array) ->
     if phase[-1] - abs(goal) > np.pi:
         back = int(np.searchsorted(phase, (phase[-1] + abs(goal)) / 2))
         rate = rate * np.tanh(k * (x[back] - x))
-        reached = 2 * np.pi * np.round(integral(rate, x)[back] / (2 * np.pi))
+        reached = whole_turns(integral(rate, x)[back])
         pins.insert(1, (back, float(reached)))
     way_along, turned = integral(rate, x), np.zeros(x.size)
     for (a, low), (b, high) in pairwise(pins):

@@ -10,7 +10,7 @@ import numpy as np
 from ..branches.branch_events import Bounds
 from ..core.varying_loads import march
 from ..numerics.arclength import FEW_POINTS
-from ..numerics.arrays import Array, Booleans
+from ..numerics.arrays import Array, Booleans, whole_turns
 from ..numerics.roots import lead_away
 from .buckling import shares_of_buckling, straight_shape
 from .curve import SPLIT, NodeCurve, trace_shapes
@@ -201,7 +201,7 @@ def _wound(open_: Array) -> Booleans:
     angle = np.arctan2(open_[..., 0], open_[..., 1])
     corners = np.stack([angle[:-1, :-1], angle[1:, :-1], angle[1:, 1:], angle[:-1, 1:]])
     turns = np.roll(corners, -1, axis=0) - corners
-    turns -= 2 * np.pi * np.round(turns / (2 * np.pi))
+    turns -= whole_turns(turns)
     return np.asarray(np.abs(turns.sum(axis=0)) > 1)
 
 

@@ -32,6 +32,11 @@ ROUGHLY = 1e-3  # guesses and minima that are no more exact differ by less where
 ASIDE = 1e-3  # how far beside a point its surroundings are read. x10: where a curve bends, those of another part
 
 
+def whole_turns(angles: Any) -> Any:
+    """The whole turns next to angles [rad]."""
+    return 2 * np.pi * np.round(angles / (2 * np.pi))
+
+
 class Columns:
     """A dataclass whose arrays have a row for each of many: of problems, levels, panels. Other fields are of all."""
 
