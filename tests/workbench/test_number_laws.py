@@ -1,5 +1,6 @@
 """Expressions and laws with numbers from the study file to the stored file, the commands and the panels."""
 
+import json
 from functools import partial
 from pathlib import Path
 
@@ -96,9 +97,10 @@ def test_panels_of_laws_with_numbers_show_what_is_stored(ds: xr.Dataset) -> None
     (row,) = [row for row in law_verdicts.verdicts(ds) if row["kind"] == "equals"]
 
     def figure_with_band(relative: float) -> Figure:
-        return study_figure.figure(
-            StoredStudy(ds), [{**row, "rule": {**row["rule"], "relative": relative}}], sheet(panel="equals")
-        )
+        changed = {**row, "rule": {**row["rule"], "relative": relative}}
+        laws = [law | {"relative": relative} for law in json.loads(ds.attrs["laws"]) if law["kind"] == "equals"]
+        stored = StoredStudy(ds.assign_attrs(laws=json.dumps(laws)))
+        return study_figure.figure(stored, [changed], sheet(panel="equals"))
 
     outside = in_memory.run(study(small.law("kappa_max", "R", claim="a", kind="bounded", most=2.0)))
     pictures = {kind: partial(study_figure.figure, StoredStudy(ds), sheet=sheet(panel=kind)) for kind in HEADS}

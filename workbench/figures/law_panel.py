@@ -10,7 +10,6 @@ from matplotlib.axes import Axes
 
 from studies.laws import law_words
 from studies.laws.line_verdicts import HOLDS, MONOTONE, NOISE, Show
-from studies.laws.verdicts import TOLD
 
 from ..stored.stored_study import StoredStudy
 from ..words import labels
@@ -114,6 +113,7 @@ def _show(stored: StoredStudy, row: Mapping[str, Any]) -> Show:
 DASHED, DOTTED = (0, (4, 2)), (0, (1, 1.5))  # of a curve and a lower bound; of an upper bound
 SEEN = 4.0  # points across, from which a band is seen beside a line
 LONGEST_NOUN = 24  # letters of an observable in a title, beyond which its symbol stands there
+WHICH = ("claim", "kind", "observable", "axis", "rule")  # by these a law is found: the numbers of two such are equal
 IDENTITY = 1e-8  # a formula that agrees so well is an identity: its picture is a line on a line
 
 
@@ -122,7 +122,7 @@ def draw_curve(stored: StoredStudy, ax: Axes, row: Mapping[str, Any]) -> None:
     if row["kind"] == MONOTONE:
         return
     laws = zip(stored.laws, stored.compared, strict=True)
-    compared = next(numbers for law, numbers in laws if all(getattr(law, key) == row[key] for key in TOLD))
+    compared = next(numbers for law, numbers in laws if all(getattr(law, key) == row[key] for key in WHICH))
     axis, places = row["axis"], stored.places(row["axis"], row["at"])
     on_line = tuple(np.array([place[name] for place in places]) for name in stored.axes)
     along = labels.in_label_unit(stored[axis], stored[axis].values[[place[axis] for place in places]])
