@@ -34,7 +34,7 @@ from .views import BELOW, DOT, EDGE, Camera, View
 Pixels = NDArray[np.uint8]
 
 WIDE, LOW, TALL = 7.2, 5.5, print_heights.TALLEST  # inches of a page as a journal prints it: width, largest heights
-A_ROW = 9  # views; with more a page may be tall
+A_ROW = 9  # rods; with more a page may be tall
 LEAST = 0.3  # the least height of the views
 HEAD = 0.17  # the height of a line of headings
 FOOT, APART = 0.57, 0.22  # the height of glyph and bars below the views, and the gap after each
@@ -116,7 +116,7 @@ class Scene:
     def page_size(self) -> tuple[float, float]:
         """Width and height of the page, or its largest height where its content fixes it."""
         chosen, dpi = self.settings.size, self.settings.dpi
-        return (chosen[0] / dpi, chosen[1] / dpi) if chosen else (WIDE, TALL if len(self.views) > A_ROW else LOW)
+        return (chosen[0] / dpi, chosen[1] / dpi) if chosen else (WIDE, TALL if len(self.bodies) > A_ROW else LOW)
 
     @property
     def beside(self) -> tuple[float, float]:

@@ -115,9 +115,9 @@ class Cell:
 
 
 def value_cell(stored: StoredStudy, names: list[str], where: dict[str, int]) -> Cell:
-    """A cell with the case's values along the axes below it."""
+    """A cell with the case's values along the axes below it; of one axis the number, whose unit stands above all."""
     if len(names) == 1:
-        return Cell(labels.value(float(stored[names[0]].values[where[names[0]]]), stored[names[0]]))
+        return Cell(headings(stored, names[0], [where])[1])
     return Cell("\n".join(values(stored, {name: where[name] for name in names})))
 
 
