@@ -11,6 +11,7 @@ from solver.problem.units import FORCES, LENGTHS, dimension_of, number_in, unit_
 from studies.language.loader import loads
 from tests.workbench import small
 from workbench.stored.selection import index
+from workbench.commands import tables
 from workbench.words import habits
 
 INCHES = {"length": "in", "force": "lbf"}
@@ -92,6 +93,11 @@ def test_numbers_are_stated_without_an_exponent() -> None:
         assert "e" not in habits.plain(value)
         assert float(habits.plain(value)) == pytest.approx(value, rel=5e-4)
     assert habits.plain(-12345.678) == "-12346"
+
+
+def test_a_number_in_a_table_has_five_digits_whatever_the_command() -> None:
+    cells = [tables.text_of(value) for value in (347.29612, 34440.44, 0.004854369, -78.826276, 3.0, 3, None)]
+    assert cells == ["347.3", "34440", "0.0048544", "-78.826", "3", "3", "-"]
 
 
 def test_a_stored_value_is_named_in_any_unit_of_its_axis() -> None:

@@ -205,7 +205,7 @@ def _print_table(study: "Study", rows: Sequence[dict[str, Any]], reactions: Sequ
 
 
 def _base_energy(energies: Sequence[float]) -> float:
-    """The energy above which six digits tell these apart: the least, if they differ by less than 0.1 %; else 0."""
+    """The energy above which five digits tell these apart: the least, if they differ by less than 0.1 %; else 0."""
     least, most = min(energies, default=0.0), max(energies, default=0.0)
     return least if 0 < most - least < 1e-3 * abs(least) else 0.0
 

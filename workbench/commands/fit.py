@@ -251,7 +251,8 @@ def _show_values(found: "Fit", asked: "CaseInput") -> None:
     rows = []
     for name, value in found.values.items():
         low, high = (number_stated(name, end, asked.units) for end in found.intervals[name])
-        known = "unknown" if math.isnan(low) else UNDETERMINED if math.isinf(high) else f"{low:.6g} to {high:.6g}"
+        between = f"{tables.text_of(low)} to {tables.text_of(high)}"
+        known = "unknown" if math.isnan(low) else UNDETERMINED if math.isinf(high) else between
         rows.append(
             [
                 name,
@@ -329,7 +330,7 @@ def _show_minima(found: "Fit", asked: "CaseInput") -> None:
         [
             _sum(found, minimum.cost),
             *(
-                f"{number_stated(n, minimum.values[n], asked.units):.6g}{' (bound)' if n in minimum.at_bound else ''}"
+                tables.text_of(number_stated(n, minimum.values[n], asked.units)) + " (bound)" * (n in minimum.at_bound)
                 for n in found.values
             ),
             "yes" if minimum.as_good == found.exact else "no",

@@ -371,11 +371,16 @@ def _print_tables(found: dict[str, Any], every: bool) -> None:
         others = set(found["observables"]) | set(found["case"]) - set(heads)  # a load that is given stands above
         shown = [name for name in results if every or name in heads or name not in others]
         rows = [
-            [name, _number(name, results[name], found["units"]), _unit(name, found), quantity(name).long_name]
-            for name in shown
+            [
+                name,
+                value if isinstance(value, int) else value * size_shown(name, found["units"]),
+                _unit(name, found),
+                quantity(name).long_name,
+            ]
+            for name, value in ((name, results[name]) for name in shown)
         ]
         if found["wound"] or found["bend"]["least"]:
-            radius = plain(found["bend"]["radius"] * size_shown("R", found["units"]), 6)
+            radius = found["bend"]["radius"] * size_shown("R", found["units"])
             words = ", ".join(
                 filter(None, ("least bend radius of the centreline", margin_words(found["bend"], "R", found["units"])))
             )
@@ -392,11 +397,6 @@ def _results(found: dict[str, Any]) -> dict[str, float]:
         return results
     known = {name: value for name, value in results.items() if not math.isnan(value)}
     return known if known.keys() & found["observables"].keys() else {}
-
-
-def _number(name: str, value: float, units: dict[str, str]) -> str:
-    """A number of a table, in the unit of `_unit`."""
-    return str(value) if isinstance(value, int) else plain(value * size_shown(name, units), 6)
 
 
 def _unit(name: str, found: dict[str, Any]) -> str:

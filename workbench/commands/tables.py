@@ -130,8 +130,8 @@ def _is_number(text: str) -> bool:
 
 
 def text_of(value: Any) -> str:
-    """A value as a cell shows it: a float with six digits, a dash for None."""
-    return "-" if value is None else f"{value:.6g}" if isinstance(value, float) else str(value)
+    """A value as a cell shows it: a float with the digits of `habits.IN_TABLES`, a dash for None."""
+    return "-" if value is None else habits.plain(value, habits.IN_TABLES) if isinstance(value, float) else str(value)
 
 
 def _cell(value: Any) -> Any:

@@ -15,6 +15,7 @@ REACHES = {"m": "30 m", "km": "30 m", "ft": "100 ft", "in": "100 ft", "mm": "m",
 STRESS, LINE_LOAD, CURVATURE = (-2, 1), (-1, 1), (-1, 0)
 LARGEST = 1e10  # that is printed without an exponent
 SMALLEST = 1e-4
+IN_TABLES = 5  # digits
 
 
 def dogleg_unit(units: Mapping[str, str]) -> str:
