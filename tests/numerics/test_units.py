@@ -10,8 +10,8 @@ from solver.problem.quantities import QUANTITIES, unit_of
 from solver.problem.units import FORCES, LENGTHS, dimension_of, number_in, unit_size
 from studies.language.loader import loads
 from tests.workbench import small
-from workbench.stored.selection import index
 from workbench.commands import tables
+from workbench.stored.selection import index
 from workbench.words import habits
 
 INCHES = {"length": "in", "force": "lbf"}
