@@ -607,6 +607,7 @@ def test_many_rods_stand_and_few_lie_where_they_fill_the_page_better_and_each_is
     settings, few = layout.Settings(2.0, 50), [StoredStudy(ds.isel(E=slice(n))) for n in (2, 6)]
     rows = [layout.compose(stored, None, "grid", ["E"], settings=settings).scene.rows for stored in few]
     assert [(len(cells), len(cells[0])) for cells in rows] == [(2, 1), (1, 6)]
+    assert [view.cell.caption for view in rows[1][0]][:2] == ["10000", "13750"]  # the unit stands once, above all
     with pytest.raises(InputError, match="each rod of the kind grid is seen from one side, and --camera sides has sev"):
         layout.compose(StoredStudy(ds), None, "grid", ["E"], settings=layout.Settings(camera="sides"))
 

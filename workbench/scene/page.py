@@ -13,10 +13,8 @@ from typing import Any
 
 import numpy as np
 from matplotlib import rc_context
-from matplotlib.axes import Axes
 from matplotlib.colors import to_hex, to_rgba
 from matplotlib.figure import Figure
-from matplotlib.patches import Circle
 from numpy.typing import NDArray
 
 from ..figures import canvas, colours, crossing_rings, fonts, print_heights
@@ -29,7 +27,7 @@ from . import signs, true_scale
 from .body import Body
 from .scene_kinds import Cell, Paint, SceneKind
 from .settings import Settings
-from .views import BELOW, DOT, EDGE, Camera, View
+from .views import EDGE, Camera, View
 
 Pixels = NDArray[np.uint8]
 
@@ -128,15 +126,14 @@ class Scene:
     @property
     def bars(self) -> dict[str, float]:
         """What stands below the views, with its width: from where one view is seen, the weight, scale, colour bar."""
-        widths = {"glyph": signs.GLYPH, "weight": WEIGHT, "scale": signs.SCALE, "bar": BAR}
-        shown = {
-            "glyph": self.camera.seen_from is not None and len(self.rows[0]) == 1,
-            "weight": self.down is not None,
-            "scale": True,
-            "bar": bool(self.paint.label),
-        }
-        widths["bar"] = max(BAR, fonts.width_of(self.paint.label, fonts.SMALL))
-        return {name: wide for name, wide in widths.items() if shown[name]}
+        label = self.paint.label
+        each = [
+            ("glyph", signs.GLYPH, self.camera.seen_from is not None and len(self.rows[0]) == 1),
+            ("weight", WEIGHT, self.down is not None),
+            ("scale", signs.SCALE, True),
+            ("bar", max(BAR, fonts.width_of(label, fonts.SMALL)), bool(label)),
+        ]
+        return {name: wide for name, wide, shown in each if shown}
 
     @property
     def along(self) -> float:
@@ -258,7 +255,7 @@ class Page:
         """Write all words beside the picture, whose corner is at `start` on a panel so high."""
         with rc_context(fonts.RC):
             for view, box in zip(self.scene.views, self.boxes.reshape(-1, 4), strict=True):
-                _draw_cell(self.ax, view.cell, box)
+                signs.draw_cell(self.ax, view.cell, box)
             self._draw_headings()
             self._draw_foot(high - self.high_line - BARS)
             self.ax.text(0.05, high, self.line, va="bottom", size=fonts.SMALL, color=colours.SOFT)
@@ -350,46 +347,6 @@ def least_width(scene: Scene, legend: Sequence[tuple[str, str]], notes: Sequence
         fonts.width_of(notes[0], fonts.SMALL) if notes else 0.0,
         min(beside, WIDE - 2 * canvas.MARGIN),
     )
-
-
-def _draw_cell(ax: Axes, cell: Cell, box: NDArray[np.float64]) -> None:
-    """The words below and in place of a view."""
-    x, y, wide, high = box
-    middle, foot = x + wide / 2, y + high + BELOW
-    dot = DOT / 2 if cell.number is not None else 0.0
-    for k, line in enumerate(cell.caption.split("\n")):
-        ax.text(middle + dot * (k == 0), foot + k * fonts.NORMAL * fonts.LINE, line, ha="center", va="top")
-    if cell.number is not None:
-        at = middle + dot - fonts.width_of(cell.caption.split("\n")[0], fonts.NORMAL) / 2 - DOT / 2
-        down, size = foot + fonts.NORMAL / 72 / 2, fonts.SMALL * (0.9 if cell.number < 10 else 0.75)
-        ax.add_patch(
-            Circle(
-                (at, down),
-                0.075,
-                edgecolor=colours.INK,
-                linewidth=0.9,
-                facecolor=colours.INK if cell.stable else "white",
-            )
-        )
-        ax.text(
-            at,
-            down,
-            str(cell.number),
-            ha="center",
-            va="center_baseline",
-            size=size,
-            color="white" if cell.stable else colours.INK,
-        )
-    if cell.why_empty:
-        ax.text(
-            middle,
-            y + high / 2,
-            fonts.break_lines(cell.why_empty, wide, fonts.SMALL),
-            color=colours.SOFT,
-            ha="center",
-            va="center",
-            size=fonts.SMALL,
-        )
 
 
 def recolour(fig: Figure, look: Mapping[str, str]) -> None:

@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from ..figures import canvas, colours, crossing_rings, fonts
 from ..figures.scales import round_below
 from ..words import labels
-from .scene_kinds import Paint
+from .scene_kinds import Cell, Paint
+from .views import BELOW, DOT
 
 GLYPH, SCALE = 0.62, 1.0  # widths: the cylinder from above, the longest scale bar
 RING, OUTLINE = "ring", "outline"  # in place of a colour: an open circle, the outline of a hidden stretch
@@ -102,3 +103,43 @@ def draw_bar(ax: Axes, paint: Paint, corner: tuple[float, float], size: tuple[fl
     place.set_xlim(paint.low if paint.foot is None else paint.foot, paint.high)
     place.tick_params(labelcolor=colours.INK, pad=1)
     place.set_title(paint.label, size=fonts.SMALL, loc="left", pad=2)
+
+
+def draw_cell(ax: Axes, cell: Cell, box: NDArray[np.float64]) -> None:
+    """The words below and in place of a view."""
+    x, y, wide, high = box
+    middle, foot = x + wide / 2, y + high + BELOW
+    dot = DOT / 2 if cell.number is not None else 0.0
+    for k, line in enumerate(cell.caption.split("\n")):
+        ax.text(middle + dot * (k == 0), foot + k * fonts.NORMAL * fonts.LINE, line, ha="center", va="top")
+    if cell.number is not None:
+        at = middle + dot - fonts.width_of(cell.caption.split("\n")[0], fonts.NORMAL) / 2 - DOT / 2
+        down, size = foot + fonts.NORMAL / 72 / 2, fonts.SMALL * (0.9 if cell.number < 10 else 0.75)
+        ax.add_patch(
+            Circle(
+                (at, down),
+                0.075,
+                edgecolor=colours.INK,
+                linewidth=0.9,
+                facecolor=colours.INK if cell.stable else "white",
+            )
+        )
+        ax.text(
+            at,
+            down,
+            str(cell.number),
+            ha="center",
+            va="center_baseline",
+            size=size,
+            color="white" if cell.stable else colours.INK,
+        )
+    if cell.why_empty:
+        ax.text(
+            middle,
+            y + high / 2,
+            fonts.break_lines(cell.why_empty, wide, fonts.SMALL),
+            color=colours.SOFT,
+            ha="center",
+            va="center",
+            size=fonts.SMALL,
+        )
