@@ -16,6 +16,7 @@ from workbench.words import cautions
 ROOT = Path(__file__).resolve().parents[2]
 WIDE_HIGH = (860, 600)  # pixels of the animated picture
 LARGEST = 2_000_000  # bytes of an animated picture in a README
+SCENES = "dna", "let_go", "loops_scene"  # of docs/figures
 
 
 def hero() -> StoredStudy:
@@ -43,6 +44,17 @@ def test_the_readme_opens_with_both_pictures_which_exist_and_are_told_in_words()
             scene_pictures.RATIO * scene_pictures.SIZE[1],
         )
         assert picture.width / picture.height == pytest.approx(WIDE_HIGH[0] / WIDE_HIGH[1], rel=0.002)  # side by side
+
+
+PAGES = [*(ROOT / "docs" / "scenes").glob("*.png"), *(ROOT / f"docs/figures/{name}.png" for name in SCENES)]
+
+
+@pytest.mark.parametrize("path", PAGES, ids=lambda path: path.stem)
+def test_a_scene_of_the_documentation_is_one_that_a_journal_prints(path: Path) -> None:
+    with Image.open(path) as picture:
+        wide, high = (25.4 * side / dots for side, dots in zip(picture.size, picture.info["dpi"], strict=True))
+    assert wide <= 183.1  # mm; a file keeps whole dots per metre
+    assert high <= 185.1
 
 
 def test_the_rod_of_the_readme_is_one_that_can_be_and_slows_down_where_its_loop_begins_again() -> None:
