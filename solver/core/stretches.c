@@ -192,11 +192,12 @@ int rod_resolved(workspace *w, int64_t b, int kind, int precision, double allowe
     int64_t kept = 0;
     w->count = pieces;
     for (int64_t i = 0; i < pieces; i++) { /* those that suffice close up, the parts of the others stand behind them */
-        const stretch piece = w->parts[i];
-        if (!insufficient(&goal, &piece))
-            w->parts[kept++] = piece;
-        else if (refined(w, &goal, &piece))
-            return NO_MEMORY;
+        if (insufficient(&goal, &w->parts[i])) {
+            const stretch piece = w->parts[i]; /* the room of the parts may move */
+            if (refined(w, &goal, &piece))
+                return NO_MEMORY;
+        } else if (kept++ < i)
+            w->parts[kept - 1] = w->parts[i];
     }
     if (w->count > pieces)
         memmove(w->parts + kept, w->parts + pieces, sizeof(stretch) * (size_t)(w->count - pieces));
