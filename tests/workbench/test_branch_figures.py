@@ -374,6 +374,16 @@ def test_a_branch_is_followed_once_also_where_a_value_of_the_axis_is_another_one
     assert len(StoredStudy(ds).data("branches")) == len(StoredStudy(dead).data("branches"))
 
 
+def test_the_cost_of_branches_over_an_angle_is_told_first_and_in_degrees() -> None:
+    case = Case(Rod(E=325.95, nu=0.25, a=0.25, L=2.0), CYLINDER, Ends(beta0=0.5, betaL=0.5))
+    said: list[str] = []
+    ends = [-np.pi / 6, np.pi / 3]
+    seen = tracing.trace_branches(case, "betaL", ends, 21, lambda words, *_: said.append(words))
+    assert [len(members) for members in seen.found] == [1, 1]
+    assert said[0] == "1 equilibrium at betaL = -30 deg, 1 equilibrium at betaL = 60 deg"
+    assert said[1:] == ["betaL = 60 deg", "betaL = -30 deg: branch 1"]
+
+
 def test_the_branch_of_the_mirror_images_is_the_one_that_is_followed_from_them() -> None:
     """A rod whose ends lie along the axis has its equilibria in pairs, of which one is followed."""
     case = Case(Rod(E=325.95, nu=0.25, a=0.25, L=10.0), CYLINDER, Ends(beta0=0.0, betaL=0.0))

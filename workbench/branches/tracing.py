@@ -25,6 +25,7 @@ from solver.orbits.boundary import path_of
 from solver.problem.case_fields import with_field
 from solver.problem.declared_fields import PAIRS
 from solver.problem.reduced import EndsProblem
+from studies.grammar.axes import in_words
 from studies.language.case_input import with_fields
 
 PARTNER = {held: field for field, held in PAIRS}  # height -> FZ
@@ -77,12 +78,12 @@ def trace_branches(
     known = {value: list_at(value) for value in (values[0], values[-1])}
     nouns = {1: "equilibrium"}
     counts = [
-        f"{len(members)} {nouns.get(len(members), 'equilibria')} at {name} = {value:.4g}"
+        f"{len(members)} {nouns.get(len(members), 'equilibria')} at {in_words(name, value, 4)}"
         for value, members in known.items()
     ]
     listed = []
     for done, value in enumerate(values):
-        step(f"{name} = {value:.4g}" if done else ", ".join(counts), done, len(values))
+        step(in_words(name, value, 4) if done else ", ".join(counts), done, len(values))
         listed.append(known[value] if value in known else list_at(value))
     # backwards at each value: those of few bends take longest
     starts = [(value, member) for value, members in zip(values, listed, strict=True) for member in reversed(members)]
@@ -140,11 +141,11 @@ def _follow_each(
     for k, (value, start) in enumerate(starts):
         if places[k] is not None or time.monotonic() >= until:
             continue
-        step(f"{name} = {value:.4g}: branch {len(curves) + 1}", sum(at is not None for at in places), len(starts))
+        step(f"{in_words(name, value, 4)}: branch {len(curves) + 1}", sum(at is not None for at in places), len(starts))
         try:
             branch = follow(begin(value, start), points=POINTS, **{name: passed})
         except InputError as error:
-            remarks.append(f"{name} = {value:.6g}: {error}")
+            remarks.append(f"{in_words(name, value)}: {error}")
             continue
         places[k] = len(curves), branch.start
         for curve in (branch, *_mirror_image(branch)):
@@ -152,7 +153,7 @@ def _follow_each(
             if curve is branch or claimed:
                 curves.append(curve)
                 remarks += [
-                    f"{name} = {end.value:.6g}: {end.reason}"
+                    f"{in_words(name, end.value)}: {end.reason}"
                     for end in (curve.begin, curve.end)
                     if end.value not in (passed[0], passed[-1])
                 ]
