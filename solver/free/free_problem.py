@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..nodes.loaded_rod import rods_of
-from ..numerics.arrays import ALIKE, Array
+from ..numerics.arrays import Array
 from ..problem.case import Case
 from ..problem.declared_fields import TILTS
 from ..problem.reduced import flat
@@ -16,9 +16,8 @@ from .minimum import minimise
 from .program import Effort, Sizes
 from .quaternions import directors, end_frame
 
-# a step of the ends: rad, of the length; steps in which loads grow. x10: ends go the whole way at once, to minima
-# farther off; only time
-TURN, SHORTENED, GROWTH = 0.5, 0.1, 8.0
+# a step of the ends: rad, of the length. x10: ends go the whole way at once, to minima farther off
+TURN, SHORTENED = 0.5, 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,23 +121,13 @@ class Beside(NamedTuple):
 
     def way(self, curve: BeginningCurve) -> float:
         """How far the ends of a curve are from where those of the rod are held: 1 is a step of moderate size."""
-        begin, end = (self.rod_on(curve, share, 1) for share in (0.0, 1.0))
-        ways = [
-            (begin.angles - end.angles) / TURN,
-            begin.radius - end.radius,
-            (begin.twist - end.twist) * end.span / TURN,
-        ]
-        if begin.height is not None and end.height is not None:
-            ways.append((begin.height - end.height) / (SHORTENED * end.span))
-        return max(float(np.abs(part).max()) for part in map(np.asarray, ways))
 
-    def meets(self, curve: BeginningCurve) -> bool:
-        """Whether the ends of a curve are already where those of the rod are held."""
-        return self.way(curve) < ALIKE and not curve.grows  # of a step: the ends are there
+        def ends(share: float) -> Array:
+            rod = self.rod_on(curve, share, 1)
+            up = 0.0 if rod.height is None else rod.height / (SHORTENED * rod.span)
+            return np.hstack([rod.angles / TURN, rod.radius, rod.twist * rod.span / TURN, up])
 
-    def first_step(self, curve: BeginningCurve) -> float:
-        """The share of the way from a curve that is gone first."""
-        return 1 / max(GROWTH if curve.grows else 1.0, np.ceil(self.way(curve)))
+        return float(np.abs(ends(1.0) - ends(0.0)).max())
 
 
 def problems_of(case: Case) -> list[Beside]:

@@ -36,6 +36,7 @@ FINEST = 8192
 # of the length: a finer mesh that moves a rod so far leads to another minimum, and meshes count anew. x10: another
 # minimum counts as the same
 APART = 0.05
+GROWTH = 8.0  # steps in which the loads of a rod without loads grow. x10: only time
 # of the way of the ends from those of a curve to where they are held. x10: ends that are moved far are given up
 LEAST_STEP = 1 / 64
 # of a change to the next one, on edges of half the length: the orders from 1 to 2 are seen. x10: no order is, and
@@ -160,9 +161,10 @@ def continue_from(beside: Beside, curves: Sequence[BeginningCurve], tol: float, 
 
 def reach(beside: Beside, curve: BeginningCurve, edges: int) -> _Way:
     """The way from a curve to the shape of a rod."""
-    moves = "" if beside.meets(curve) else ", whose ends move to where they are held"
+    way = beside.way(curve)
+    moves = ", whose ends move to where they are held" * (curve.grows or way >= ALIKE)
     begun = f"{curve.name}{moves}{' while its loads grow' * curve.grows}"
-    shape, steps, share, step = None, 0, 0.0, beside.first_step(curve)
+    shape, steps, share, step = None, 0, 0.0, 1 / max(GROWTH if curve.grows else 1.0, np.ceil(way))
     while share < 1:
         ahead = min(1.0, share + step)
         further = beside.minimum(curve, ahead, edges, None if shape is None else shape.y)
