@@ -60,9 +60,10 @@ WAVES = 6  # half waves of the shortest part of such a motion. x10: motions that
 class FreeAnswer:
     """The shapes of one rod on meshes, each of twice as many edges as the one before; empty where none was found.
 
-    error: of a place on the last shape, over the length. steps: of the search, in all. begun: from which curve the rod
-    was continued. why: why there is no shape, or no more accurate one. line: the motion that leads to other rods of
-    the same energy, "" where there is none. minima: how many were compared; 0 where no others were looked for.
+    error: of a place on the last shape, over the length; NaN of a rod that moves. steps: of the search, in all. begun:
+    from which curve the rod was continued. why: why there is no shape, or no more accurate one. line: the motion that
+    leads to other rods of the same energy, "" where there is none. minima: how many were compared; 0 where no others
+    were looked for.
     """
 
     shapes: tuple[FreeShape, ...] = ()
@@ -75,13 +76,15 @@ class FreeAnswer:
 
     def within(self, tol: float) -> bool:
         """Whether there is a shape, with an error within the tolerance, or at least so small that it leaves a shape."""
-        return bool(self.shapes) and self.error <= max(tol, APART)
+        return bool(self.shapes) and not self.error > max(tol, APART)
 
     def outcome(self, tol: float) -> str:
         """Whether the rod is solved, to how many digits, and what its shape is; or why it is not solved."""
         if not self.within(tol):
             leaves = f"error {self.error:.1e} of the length leaves no shape, as " if self.shapes else ""
             return f"failed: {leaves}{self.why}"
+        if np.isnan(self.error):
+            return f"{SOLVED}; {self.begun}"
         least = ("", "the only minimum ", f"the least of {self.minima} minima ")[min(self.minima, 2)]
         line = self.line and f"; one of a line of equal ones, as {self.line}"
         shape = f"a stable equilibrium, {least}found from {self.begun}{line}; others may exist"
@@ -297,6 +300,6 @@ def trajectory_of(case: Case, answers: Sequence[FreeAnswer], t: Array, tol: floa
         condition=np.ones(error.size),
         evaluations=np.array([answer.steps for answer in answers]),
         begun=np.array([answer.begun for answer in answers], dtype=object),
-        held_index=np.where(solved, 0.0, np.nan),
+        held_index=np.where(solved & np.isfinite(error), 0.0, np.nan),
         free=FreeRods(answers, along),
     )

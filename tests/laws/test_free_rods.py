@@ -374,6 +374,8 @@ def test_a_rod_sinks_in_a_viscous_medium_by_even_steps_without_a_rise_of_its_ene
     motion, energy = held.descent(12)
     assert motion.beta.shape[0] == 12
     assert np.diff(energy).max() < 0
+    assert motion.solved.all()
+    assert [str(outcome) for outcome in motion.outcome[:-1]] == ["solved; the motion of a rod that is let go"] * 11
     lost = elastic_energy(held) - elastic_energy(free)
     assert energy[0] == pytest.approx(lost, abs=1e-3 * elastic_energy(held))  # on 192 edges, each of 0.1 cm
     np.testing.assert_array_equal(motion.position[-1], held.let_go().position)
