@@ -116,7 +116,7 @@ def numbers_of(owner: str, field: str, value: Any) -> NDArray[np.float64] | floa
 
 
 def numbers_in_place(values: Mapping[str, Any]) -> dict[str, Any]:
-    """Those of the values that stand in place of fields of a case (`REPLACED`), as `numbers_of`; None is none.
+    """The values that stand in place of fields of a case (`REPLACED`), as `numbers_of` reads them; None is none.
 
     Raises `InputError`, which names the field as it was given, for what is no number or is outside its range.
     """
