@@ -202,7 +202,7 @@ def test_a_force_at_s_0_that_locks_up_says_so_and_leaves_its_neighbours_alone() 
     ds = in_memory.run(loads(text)).squeeze()
     works, locked = np.asarray(ds["outcome"])
     assert str(works).startswith("solved")
-    assert str(locked).startswith("failed: no FZ is sought for FZ0 = -4000 kN: locked up. Beyond FZ0 = ")
+    assert str(locked).startswith("failed: locked up. No push at s = L gives FZ0 = -4000 kN: beyond FZ0 = ")
     assert np.isnan(ds["FZ"][1])
     stiffness, rho = float(StoredStudy(ds).case.rod.bending_stiffness), 0.10795 - 0.0635
     change = 1 / 400 + 1 / float(ds["FZ"][0])
