@@ -120,7 +120,7 @@ def of_others(row: Mapping[str, Any], meant: str, others: Sequence[Mapping[str, 
         does = DIRECTIONS[meant].instead if reverse else DIRECTIONS[meant].does_not
         rows = f"{other['line_verdicts'].get(FAILS, 0)} of {other['lines']} {_lines(other.get('across', []))}"
         wrong = f" at {_wrong(other)}" if other["exceptions"] else ""
-        clauses.append(f"{other['observable']} {does}{wrong}{f', and is false for {rows}' * (other['lines'] > 1)}")
+        clauses.append(f"{other['observable']} {does}{wrong}{f' (false for {rows})' * (other['lines'] > 1)}")
     return f"{row['observable']} {DIRECTIONS[row['direction']].does}{trend}, but {' and '.join(clauses)}"
 
 

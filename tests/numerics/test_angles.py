@@ -8,7 +8,7 @@ import pytest
 
 from solver import Ends, InputError, Start
 from solver.problem.declared_fields import ANGLES
-from studies.grammar.axes import CYLINDER, ENDS, START, is_angle
+from studies.grammar.axes import CYLINDER, ENDS, REPLACED, START, is_angle
 from studies.grammar.axes import Base as StudyBase
 
 WRITTEN = {
@@ -45,7 +45,10 @@ def test_every_angle_may_be_text_and_is_what_a_study_reads(text: str) -> None:
 
 
 def test_the_angles_are_those_of_a_study() -> None:
-    assert set(ANGLES) == {name for name in (*START, *ENDS, *CYLINDER) if is_angle(name)} - {"dbeta", "dgamma"}
+    assert set(ANGLES) == {name for name in (*START, *ENDS, *CYLINDER, *REPLACED) if is_angle(name)} - {
+        "dbeta",
+        "dgamma",
+    }
 
 
 def test_text_may_stand_among_the_values_of_an_array() -> None:

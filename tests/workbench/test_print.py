@@ -70,7 +70,7 @@ def test_a_diagram_for_print_is_vectors_with_its_letters_inside(ds, tmp_path, na
 
 @draws
 def test_a_scene_has_the_same_page_at_any_dots_an_inch(ds, tmp_path) -> None:
-    from workbench.scene import composition, layout
+    from workbench.scene import composition, layout, page
 
     pages, sizes = [], []
     for dpi in (60, 75, 110):  # with fewer, letters of five pixels differ
@@ -81,7 +81,7 @@ def test_a_scene_has_the_same_page_at_any_dots_an_inch(ds, tmp_path) -> None:
             assert picture.info["dpi"] == pytest.approx((dpi, dpi), abs=0.1)
             pages.append(np.asarray(picture.convert("L").resize((200, 150), Image.Resampling.BOX), dtype=float))
     np.testing.assert_allclose(sizes, [sizes[0]] * 3, atol=0.04)  # two pixels of the coarsest
-    assert sizes[0][0] == 8
+    assert sizes[0][0] == page.WIDE
     # the same picture, but for edges that fall elsewhere between pixels
     assert (np.abs(pages[0] - pages[2]) > 40).mean() < 0.025
 

@@ -7,7 +7,7 @@ export const DIRECT = ["EI", "GJ"];
 
 export const ELASTIC = ["E", "nu"];
 
-export const ANGLES = ["inclination", "beta", "alpha", "gamma", "beta0", "betaL", "azimuth", "rotation", "tilt0", "tiltL"];
+export const ANGLES = ["inclination", "beta", "alpha", "gamma", "beta0", "betaL", "azimuth", "rotation", "tilt0", "tiltL", "lay", "hole"];
 
 export const SLIDING = ["forward", "backward", "rotating", "axial-forward", "axial-backward"];
 
