@@ -28,7 +28,7 @@ from workbench.figures import canvas, study_figure
 from workbench.lab import measured_runs
 from workbench.run import in_memory, recipe, writing
 from workbench.run.study_store import run_to_file
-from workbench.stored import bounds, checks, file_checks, reading, schema
+from workbench.stored import checks, file_checks, reading, schema
 from workbench.stored.stored_study import StoredStudy
 
 AXES = "[axes.E]\nvalues = {}\n[axes.R]\nvalues = [0.5, 0.75, 1.0]\n" + small.law(
@@ -160,9 +160,9 @@ def test_numbers_of_any_file_are_in_their_range(name: str, value: float, why: st
         reading.read(path, study=False)
 
 
-def test_a_label_is_cut_to_the_length_that_a_file_holds(tmp_path: Path) -> None:
-    ds = reading.read(alter("grid", ("E@long_name", "x" * 50_000), tmp_path / "altered.h5"))
-    assert len(ds["E"].attrs["long_name"]) == bounds.LABEL
+def test_a_label_that_leaves_a_picture_no_room_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="must be one line of text"):
+        reading.read(alter("grid", ("E@long_name", "x" * 50_000), tmp_path / "altered.h5"))
 
 
 @pytest.mark.parametrize(

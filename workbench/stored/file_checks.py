@@ -142,6 +142,9 @@ def _attributes(held: h5py.File | h5py.Dataset, what: str) -> dict[str, Any]:
         is_number = np.asarray(value).dtype.kind in "iufb"  # a reference, say, cannot be copied
         if not (is_text or is_number) or np.size(value) == 0 or not is_line(key, LABEL):
             raise InputError(f"{what} the attribute {show(key)} must hold numbers or text")
+        # a label of any length leaves a picture no room
+        if isinstance(held, h5py.Dataset) and is_text and np.size(value) == 1 and len(np.ravel(value)[0]) > LABEL:
+            raise InputError(f"{what} the attribute {show(key)} must be one line of text, got {show(value)}")
         if key in SCALED and isinstance(held, h5py.Dataset):
             raise InputError(f"{what} has the attribute {key}, by which other programs mean other numbers")
     fill = np.asarray(attrs.pop("_FillValue", np.nan))

@@ -61,7 +61,7 @@ class _Store(AbstractDataStore):
             values = indexing.LazilyIndexedArray(_Array(self.files, name, stored))
         elif _is_text(stored):
             values = _texts(values)
-        attrs = {key: _attribute(key, value, bounds.LABEL) for key, value in stored.attrs.items()}
+        attrs = {key: _attribute(key, value) for key, value in stored.attrs.items()}
         return xr.Variable(stored.dims, values, attrs, {"dtype": str if _is_text(stored) else stored.dtype})
 
 
@@ -77,8 +77,8 @@ def _texts(values: Any) -> NDArray[Any]:
     return np.array(texts, dtype=object).reshape(np.shape(values))
 
 
-def _attribute(key: str, value: Any, most: int = bounds.LINE) -> Any:
-    """The value of an attribute, a text made printable and at most so long; of a list of one value that value."""
+def _attribute(key: str, value: Any) -> Any:
+    """The value of an attribute, a text made printable; of a list of one value that value."""
     if isinstance(value, np.ndarray) and value.size == 1:
         value = value.flat[0]
     if isinstance(value, str):  # h5py keeps bytes that are no UTF-8 in it
@@ -86,7 +86,7 @@ def _attribute(key: str, value: Any, most: int = bounds.LINE) -> Any:
     if not isinstance(value, bytes):
         return value
     text = value.decode(errors="replace")
-    return bounds.fit_lines(text) if key in LONG else bounds.fit_text(text, most)
+    return bounds.fit_lines(text) if key in LONG else bounds.fit_text(text, bounds.LINE)
 
 
 def open_study(path: str | Path, whole: bool = False) -> xr.Dataset:
