@@ -64,7 +64,7 @@ def cylinder(ax: Axes) -> None:
     way = AZIMUTH + 2.6
     arrow(ax, (0, 0, HEIGHT), (R * np.cos(way), R * np.sin(way), 0), "", SOFT, (0, 0), 1.1)
     middle = project([0.55 * R * np.cos(way), 0.55 * R * np.sin(way), HEIGHT])
-    ax.annotate("R", middle, (-2, 9), textcoords="offset points", color=SOFT, ha="center", va="center")
+    ax.annotate("R", middle, (6, -8), textcoords="offset points", color=SOFT, ha="center", va="center")
 
 
 def rod(ax: Axes) -> None:
@@ -120,25 +120,15 @@ def section(ax: Axes) -> None:
 
 def draw() -> Figure:
     """The picture."""
-    fig = Figure(figsize=(6.4, 7.4), layout="constrained")
+    fig = Figure(figsize=(4.6, 6.6), layout="constrained")
     ax = fig.add_subplot()
     cylinder(ax)
     rod(ax)
     section(ax)
     ax.set_aspect("equal")
     ax.set_axis_off()
-    ax.set_xlim(-1.9, 2.5)
-    ax.set_ylim(-1.0, 5.2)
-    ax.text(
-        0.99,
-        0.0,
-        "N: towards the axis\nB = T × N: in the surface, across the rod\n"
-        "T: tangent, at β from the axis\npale: the rod behind the cylinder",
-        transform=ax.transAxes,
-        ha="right",
-        color=SOFT,
-        size=9,
-    )
+    ax.set_xlim(-1.35, 2.25)
+    ax.set_ylim(-0.55, 5.2)
     return fig
 
 

@@ -129,6 +129,22 @@ def picture(fig: Figure, dpi: float = 80) -> NDArray[np.float64]:
     return np.asarray(imread(page), dtype=float)[..., :3]
 
 
+def largest_empty(fig: Figure, cell: int = 4) -> float:
+    """The largest rectangle of a figure in which nothing is drawn, as a share of it; axes with scales count as full."""
+    full = picture(fig).min(axis=-1) < 0.98
+    high, wide = full.shape
+    for left, low, right, top in (ax.get_position().extents for ax in fig.axes if ax.axison):
+        full[int(high * (1 - top)) : int(high * (1 - low)), int(wide * left) : int(wide * right)] = True
+    rows, columns = high // cell, wide // cell
+    full = full[: rows * cell, : columns * cell].reshape(rows, cell, columns, cell).any(axis=(1, 3))
+    largest = 0
+    for first in range(rows):
+        for last in range(first, rows):  # the widest run of columns that are empty from the first to the last row
+            ends = np.flatnonzero(np.concatenate([[True], full[first : last + 1].any(axis=0), [True]]))
+            largest = max(largest, (last + 1 - first) * (int(np.diff(ends).max()) - 1))
+    return largest / full.size
+
+
 def share_of_red(fig: Figure) -> float:
     """The share of the pixels that are red."""
     pixels = picture(fig)

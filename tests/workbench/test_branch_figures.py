@@ -293,7 +293,7 @@ def test_shapes_in_rows_have_one_scale_and_neither_meet_nor_leave_the_page(sizes
         unrolled.UnrolledView(np.linspace(1, 1 + wide, 9), np.linspace(0, tall, 9), f"{k}", {})
         for k, (wide, tall) in enumerate(sizes)
     ]
-    form = unrolled.plan(views, (6.0, 3.0), 8.0)
+    form = unrolled.plan(views, (6.0, 3.0), 8.0, (0.9, 0.6), even=False)
     low = form.places[: len(sizes), :2] + [0, unrolled.words_size("1", 8.0)[1]]
     high = low + form.scale * np.array(sizes)
     assert low.min() >= 0

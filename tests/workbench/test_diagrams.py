@@ -21,6 +21,7 @@ from tests.workbench.page_faults import faults
 from tests.workbench.small import six, study
 from workbench.figures import (
     along,
+    arrangement,
     canvas,
     colours,
     drawn_numbers,
@@ -108,15 +109,21 @@ def test_rings_stand_on_the_rods_whose_caution_says_that_they_pass_through_thems
     assert not all(ringed)
 
 
-def test_the_views_along_an_axis_have_equal_room_do_not_touch_and_are_as_large_as_the_page_allows(ds) -> None:
+def test_views_along_an_axis_have_columns_of_one_width_do_not_touch_and_are_as_large_as_the_page_allows(ds) -> None:
     rods = drawn_rods.choose(StoredStudy(ds), unrolled.NAMES)
     for room in ((8.0, 5.0), (2.9, 3.0), (8.0, 1.6)):
         panel = unrolled.panel_of(rods, room, 8.0)
         form, sizes = panel.form, np.array([view.size for view in panel.views])
         assert form.factor == 1
         assert (np.array(form.size) <= np.array(room) * (1 + 1e-9)).all()
-        assert np.isclose(form.size, room, rtol=1e-6).any()
-        boxes = [(place[:2], place[:2] + form.scale * sizes.max(axis=0)) for place in form.places[:4]]
+        rows = [form.places[form.places[:, 1] == top, 2] for top in np.unique(form.places[:, 1])]
+        wide = max(row.sum() + arrangement.GAP * (row.size - 1) for row in rows)  # with the key
+        assert np.isclose((wide, form.size[1]), room, rtol=1e-5).any()
+        np.testing.assert_allclose(np.diff(np.unique(form.places[:4, 0]), 2), 0, atol=1e-12)
+        boxes = [
+            (low, low + form.scale * size * [0, 1] + form.scale * sizes.max(axis=0) * [1, 0])
+            for low, size in zip(form.places[:4, :2], sizes, strict=True)
+        ]
         for k, (low, high) in enumerate(boxes):
             assert not any((low < other[1]).all() and (high > other[0]).all() for other in boxes[:k])
 

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from solver import equilibria, solve
 from studies import load, names
 from tests.workbench import small, stored_figures, study_kinds
-from tests.workbench.page_faults import faults, picture
+from tests.workbench.page_faults import faults, largest_empty, picture
 from tests.workbench.pictures import share_of_ink
 from workbench.branches.ends_study import ends_problem
 from workbench.branches.equilibria_dataset import as_dataset
@@ -49,6 +49,24 @@ def test_a_picture_for_one_column_has_room_for_its_panels_and_for_views_at_their
     assert faults(fig, axes=IN_PRINT) == []
     (views,) = (ax for ax in fig.axes if ax.get_label().startswith("unrolled views"))
     assert views.get_window_extent().height / fig.dpi > 0.9 * np.ptp(views.get_ylim())
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"),
+    [("fig7_1_modulus", "curves"), ("fig7_2_radius", "curves"), ("fig7_3_start_angle", "lines"),
+     ("pipe_vertical", "lines"), ("pole_greenhill", "curves")],
+)  # fmt: skip
+def test_no_eighth_of_a_page_with_unrolled_views_is_empty(name: str, kind: str) -> None:
+    fig = kinds.figure(StoredStudy(small.study_dataset(name)), kind, SHEETS["page"])
+    assert largest_empty(fig) < 1 / 8
+
+
+@pytest.mark.parametrize("name", ["pipe_centred", "fig7_5_forces"])
+def test_the_title_of_a_law_is_one_line(name: str) -> None:
+    fig = kinds.figure(StoredStudy(small.study_dataset(name)), "lines", SHEETS["page"])
+    titles = [title for ax in fig.axes if (title := ax.get_title(loc="left"))]
+    assert titles
+    assert not any("\n" in title for title in titles)
 
 
 @pytest.mark.parametrize("page", SHEETS)

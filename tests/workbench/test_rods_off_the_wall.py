@@ -282,7 +282,7 @@ def test_arrows_and_gaps_are_drawn_as_far_as_the_cylinder_does_not_hide_them(sto
     page = layout.compose(pair, {RELEASED: 100}, settings=Settings(4.0, 50, camera=f"{azimuth},10"))
     (view,), camera = page.scene.views, page.scene.camera
     seen, cut = 0, False
-    for places, _ in composition._lines_of_contact(page.scene, view):
+    for places, *_ in composition._lines_of_contact(page.scene, view):
         rays = places[:, None] + np.linspace(1e-6, 5.0, 2001)[:, None] * camera.toward  # to the eye
         (low, high), inside = view.cylinder, np.hypot(*np.moveaxis(rays, -1, 0)[:2]) < view.bodies[0].R - 1e-4
         hidden = (inside & (rays[..., 2] > low) & (rays[..., 2] < high)).any(axis=1)
@@ -292,6 +292,21 @@ def test_arrows_and_gaps_are_drawn_as_far_as_the_cylinder_does_not_hide_them(sto
     assert len(drawn) == seen
     assert all(mark.get_annotation_clip() is False for mark in drawn)  # also where its end is beyond the panel
     assert any(composition.CUT in text for _, text in page.legend) == cut
+
+
+@draws
+def test_the_arrow_of_a_point_force_is_as_long_as_it_is_large_and_says_its_size(stored: xr.Dataset) -> None:
+    pair = study_scene.release_of(StoredStudy(stored), {})(101)
+    page = layout.compose(pair, {RELEASED: 100}, settings=Settings(4.0, 50))
+    (view,) = page.scene.views
+    lines = [*composition._lines_of_contact(page.scene, view)]
+    arrows = [(np.ptp(places, axis=0), words) for places, sign, words in lines if sign == signs.FORCE]
+    forces = [force for *_, force in view.bodies[0].pushes]
+    assert np.ptp(forces) > 0.1 * max(forces)
+    lengths = np.linalg.norm([across for across, _ in arrows], axis=1)
+    np.testing.assert_allclose(lengths / lengths.max(), np.divide(forces, max(forces)), rtol=1e-9)
+    assert [words for _, words in arrows] == [f"{force:.3g} N" for force in forces]
+    assert {words for _, words in arrows} & {text.get_text() for text in page.ax.texts}
 
 
 def test_a_film_of_letting_go_begins_on_the_cylinder_ends_at_rest_and_says_how_it_moves(stored: xr.Dataset) -> None:

@@ -1,4 +1,4 @@
-"""Boxes in rows and columns, all at one scale and as large as a room allows: unrolled views, and the views of a scene.
+"""Boxes in rows, all at one scale and as large as a room allows: unrolled views, and the views of a scene.
 
 Lengths on the page are in inches from its upper left.
 """
@@ -14,15 +14,19 @@ from scipy.optimize import brentq
 Values = NDArray[np.float64]
 
 GAP, BETWEEN = 0.13, 0.14  # between columns, and from the words of a row to the next row
+APART = 0.2  # between columns that are not even
 WORTH = 1.05  # a scale so many times larger is worth another row
+FINE = 1e-6  # to which the scale of a flow is found
+LOOSE = 1.0  # between columns of rows that are not even, at most
 
 
 @dataclass(frozen=True, eq=False)
 class Arrangement:
     """Where boxes stand.
 
-    boxes: left, top, width and height of each, (rows, columns, 4). size: width and height of all, with the words below
-    the last row. scale: inches per length to the right. factor: how many times larger lengths down are drawn.
+    boxes: left, top, width and height of each, (rows, columns, 4), or of all one after the other, (1, count, 4). size:
+    width and height of all, with the words below the last row. scale: inches per length to the right. factor: how many
+    times larger lengths down are drawn.
     """
 
     boxes: Values
@@ -85,6 +89,109 @@ def arrange(
     top = np.concatenate([[0.0], np.cumsum(heights[:-1] + gaps[:-1])])
     boxes = np.stack(np.broadcast_arrays(left, top[:, None], widths, heights[:, None]), axis=-1)
     return Arrangement(boxes, (float(left[-1] + widths[-1]), float(top[-1] + heights[-1] + gaps[-1])), scale)
+
+
+def flow(sizes: Values, words: Values, room: tuple[float, float], rows: int, even: bool, least: float) -> Arrangement:
+    """Boxes one after the other, as large as they fit into a room of width and height.
+
+    A row is as high as its highest column, and takes the whole width where it has several. The key has a row of its own
+    where it leaves less free beside it than it would leave below it in the last row.
+
+    Parameters
+    ----------
+    sizes : array, (count, 2)
+        Width and height of each [length]; the last, of a key, has none.
+    words : array, (count, 2)
+        Those of the words above each; of the key all of it.
+    room : pair of float
+        Width and height.
+    rows : int
+        At most.
+    even : bool
+        Whether the columns of all rows stand as in the fullest one; else a box stands below the one before where its
+        row is high enough, as the key does.
+    least : float
+        The least scale; where it needs more room, that is taken.
+    """
+    count = len(sizes)
+
+    def broken(scale: float) -> tuple[list[_Row], Values]:
+        boxes = np.maximum(sizes * [scale, 0], words) + sizes * [0, scale]
+        lines: list[_Row] = []
+        for k, (wide, high) in enumerate(boxes):
+            last = lines[-1] if lines else None
+            is_key = k == count - 1
+            if last and (is_key or not even) and last.has_room_below(wide, high, room[0]):
+                last.columns[-1].append(k)
+            elif last and last.has_room_beside(wide, room[0]) and not (is_key and last.high * wide > high * room[0]):
+                last.columns.append([k])
+            else:
+                lines.append(_Row(boxes, [[k]], GAP if even else APART))
+        return lines, boxes
+
+    def fits(scale: float) -> bool:
+        lines, _ = broken(scale)
+        high = sum(line.high for line in lines) + BETWEEN * (len(lines) - 1)
+        return len(lines) <= rows and high <= room[1] and max(line.wide for line in lines) <= room[0]
+
+    scale, above = max(least, 1e-9), max(room) / max(float(sizes.max()), 1e-300)
+    while above > scale * (1 + FINE):
+        middle = float(np.sqrt(scale * above))
+        scale, above = (middle, above) if fits(middle) else (scale, middle)
+    lines, boxes = broken(scale)
+    gaps = [line.gap(room[0], count - 1) for line in lines]
+    most, top, drawn = min(gaps) if even else LOOSE if len(lines) > 1 else np.inf, 0.0, np.zeros((count, 4))
+    above = np.inf
+    for line, gap in zip(lines, gaps, strict=True):
+        is_last = any(count - 2 in column for column in line.columns)  # of the views
+        left, above = 0.0, min(gap, most, above if is_last else np.inf)
+        for column in line.columns:
+            down, left = top, max(min(left, room[0] - line.width(column)), 0.0)
+            for k in column:
+                drawn[k] = left, down, *boxes[k]
+                down += boxes[k, 1] + BETWEEN
+            left += line.width(column) + above
+        top += line.high + BETWEEN
+    return Arrangement(drawn[None], (float((drawn[:, 0] + drawn[:, 2]).max()), float(top - BETWEEN)), scale)
+
+
+@dataclass(frozen=True)
+class _Row:
+    """A row of columns, each the numbers of its boxes, of which `boxes` has width and height, (count, 2).
+
+    apart: between its columns at least.
+    """
+
+    boxes: Values
+    columns: list[list[int]]
+    apart: float
+
+    def width(self, column: list[int]) -> float:
+        return float(self.boxes[column, 0].max())
+
+    def height(self, column: list[int]) -> float:
+        return float(self.boxes[column, 1].sum()) + BETWEEN * (len(column) - 1)
+
+    @property
+    def wide(self) -> float:
+        return sum(map(self.width, self.columns)) + self.apart * (len(self.columns) - 1)
+
+    @property
+    def high(self) -> float:
+        return max(map(self.height, self.columns))
+
+    def gap(self, room: float, key: int) -> float:
+        """Inches between columns that take so many inches; what is free is before the key, where it has a column."""
+        between = len(self.columns) - 1 - (self.columns[-1] == [key])
+        return self.apart + max(room - self.wide, 0.0) / between if between > 0 else np.inf
+
+    def has_room_beside(self, wide: float, room: float) -> bool:
+        return self.wide + self.apart + wide <= room
+
+    def has_room_below(self, wide: float, high: float, room: float) -> bool:
+        """Whether a box has room below the last column, in a row that is no wider than so many inches."""
+        more = max(wide - self.width(self.columns[-1]), 0.0)
+        return self.height(self.columns[-1]) + BETWEEN + high <= self.high and self.wide + more <= room
 
 
 def in_rows(

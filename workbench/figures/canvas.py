@@ -90,7 +90,6 @@ def page(
     rows: Sequence[Row],
     said: Said = (),
     more: float = 0.5,
-    ratios: Sequence[float] | None = None,
     width: float | None = None,
     high: bool = True,
     **options: Any,
@@ -115,8 +114,6 @@ def page(
         the title, once.
     more
         Inches of the figure beside the rows.
-    ratios
-        Of the widths of the panels of a row.
     width
         Inches; default: of the sheet.
     high
@@ -133,9 +130,9 @@ def page(
         outer = GridSpec(len(groups), 1, fig, height_ratios=heights)
         for i, group in enumerate(groups):
             across = len(group[0][1])
-            sizes: Any = {"height_ratios": [tall for tall, _ in group], "width_ratios": ratios if across > 1 else None}
+            sizes = [tall for tall, _ in group]
             alone = len(groups) == 1
-            grid = (fig.add_gridspec if alone else outer[i, 0].subgridspec)(len(group), across, **sizes)
+            grid = (fig.add_gridspec if alone else outer[i, 0].subgridspec)(len(group), across, height_ratios=sizes)
             plain = np.ones(len(group), dtype=bool)
             for k, panel in np.ndenumerate(np.array([panels for _, panels in group], dtype=object)):
                 if panel is not None:
@@ -171,10 +168,13 @@ def _clear_legends(fig: Figure, sheet: Sheet) -> bool:
     return True
 
 
-def in_rows(panels: Sequence[Panel], across: int, high: float) -> list[Row]:
-    """Panels in rows of so many, which are so many inches high."""
+def in_rows(panels: Sequence[Panel], across: int, high: float, filled: bool = False) -> list[Row]:
+    """Panels in rows of so many, which are so many inches high.
+
+    filled: whether the panels of the last row take the whole width where they are fewer.
+    """
     across = max(across, 1)
-    padded = [*panels, *[None] * (-len(panels) % across)]
+    padded = panels if filled else [*panels, *[None] * (-len(panels) % across)]
     return [(high, padded[i : i + across]) for i in range(0, len(padded), across)]
 
 

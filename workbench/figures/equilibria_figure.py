@@ -21,7 +21,7 @@ from .unrolled import UnrolledView
 MOST = 8, 40  # shapes shown on one column of a page and elsewhere
 HIGH = 1.6, 1.8  # inches of the diagram of energies there
 MOST_LOOPS = 24  # closed rods shown
-TALL = 0.7, 0.6  # the height of all views over the width of a column and of other pages
+TALL = 1.0, 0.6  # the height of all views over the width of a column and of other pages
 REACTIONS = ("FZ", "MZ", "M3", "beta0", "betaL")  # of held ends
 
 
@@ -111,16 +111,16 @@ def loops(stored: StoredStudy, sheet: Sheet = SCREEN) -> Figure:
         index, waves = int(loop["index"]), int(loop["folds"])
         stable = f"unstable ({index})" if index else "stable"
         text = (
-            f"{k + 1}: {waves} wave{'s' * (waves > 1)}, {stable}\n{labels.value(float(loop['energy']), loop['energy'])}"
+            f"{k + 1}: {waves} wave{'s' * (waves > 1)}\n{stable}\n{labels.value(float(loop['energy']), loop['energy'])}"
         )
         shapes.append(_shape(stored, k, text, {"push": pushes[k], "norm": norm}))
-    panel = unrolled.UnrolledPanel(shapes, _room(sheet), sheet.small, labels.unit(stored.units["length"]))
+    unit, push = labels.unit(stored.units["length"]), push_scale.unit(stored)
+    panel = unrolled.UnrolledPanel(shapes, _room(sheet), sheet.small, unit, bar=push)
     said = [
         f"The rod lies {stored.attrs['side']}.",
         "Below each number the energy. Unstable (2): in 2 ways, as a closed rod whose section is free to turn.",
     ]
-    bar = push_scale.unit(stored), sheet.width
-    return canvas.page(stored, sheet, [(panel.height, [lambda ax: panel.draw(ax, bar=bar)])], said, 1.25)
+    return canvas.page(stored, sheet, [(panel.height, [panel.draw])], said, panel.below)
 
 
 def _room(sheet: Sheet) -> tuple[float, float]:

@@ -41,8 +41,7 @@ def panel(stored: StoredStudy, ax: Axes, row: Mapping[str, Any]) -> str:
                 **how,
             )
     draw_curve(stored, ax, row)
-    title = f"{message(stored, row)} · {row['claim']}: {row['verdict']}"
-    ax.set_title(fonts.wrap(title, ax), loc="left", color=colour)
+    ax.set_title(fonts.wrap(_title(stored, row, fonts.inches(ax)[0]), ax), loc="left", color=colour)
     canvas.add_legend(ax)
     return caption_of(stored, row)
 
@@ -54,8 +53,17 @@ def is_trivial(stored: StoredStudy, row: Mapping[str, Any]) -> bool:
     return row["verdict"] == HOLDS and (exact or stored.is_level(row["observable"]))
 
 
-def message(stored: StoredStudy, row: Mapping[str, Any]) -> str:
-    """What the line of a law shows: ``Number of bends falls with E: 8 to 5``; of a law with numbers what was measured.
+def _title(stored: StoredStudy, row: Mapping[str, Any], room: float) -> str:
+    """What a law shows, as much of it as stands on a line of so many inches, and its verdict: the caption has all."""
+    head, rest = _message(stored, row)
+    brief, verdict = rest.partition(", at ")[0], f"{row['claim']}: {row['verdict']}"
+    titles = [f"{head}{rest} · {verdict}", f"{head}{brief} · {verdict}", f"{head}{brief} · {row['verdict']}"]
+    return next((title for title in titles if fonts.width_of(title, fonts.normal()) <= room), f"{head} · {verdict}")
+
+
+def _message(stored: StoredStudy, row: Mapping[str, Any]) -> tuple[str, str]:
+    """What the line of a law shows: ``Number of bends falls with E`` and ``: 8 to 5``; of a law with numbers its
+    observable and what was measured.
 
     row: of `law_verdicts.verdicts`.
     """
@@ -65,23 +73,23 @@ def message(stored: StoredStudy, row: Mapping[str, Any]) -> str:
     noun = noun[:1].upper() + noun[1:] if noun[:1].isascii() else noun
     if row["kind"] != MONOTONE:
         finding = labels.law_text(row, law_words.measurement(row, _show(stored, row)))
-        return f"{noun} {finding}" if finding.startswith("passes") else f"{noun}: {finding}"
+        return noun, f" {finding}" if finding.startswith("passes") else f": {finding}"
     solved = stored.of_solved(row["observable"])
     values = np.array([float(solved.isel(place)) for place in stored.places(row["axis"], row["at"])])
     values = values[np.isfinite(values)]
     if not values.size:
-        return noun
+        return noun, ""
     first, last = (labels.value(end, array) for end in (values[0], values[-1]))
     if np.ptp(values) <= NOISE * np.abs(values).max():
-        return f"{noun} stays at {first}"
+        return noun, f" stays at {first}"
     steps = np.sign(np.diff(values)) * np.sign(values[-1] - values[0])
     wrong, axis = int((steps < 0).sum()), labels.axis_symbol(row["axis"])
     does = "rises" if values[-1] > values[0] else "falls"
     if 2 * wrong >= steps.size or values[-1] == values[0]:
-        return f"{noun} rises and falls with {axis}"
+        return f"{noun} rises and falls with {axis}", ""
     but = f" but at {law_words.count_of(wrong, 'step')}" if wrong else ""
     first = first if first.endswith("°") else first.partition(" ")[0]
-    return f"{noun} {does} with {axis}{but}: {first} to {last}"
+    return f"{noun} {does} with {axis}{but}", f": {first} to {last}"
 
 
 def caption_of(stored: StoredStudy, row: Mapping[str, Any]) -> str:

@@ -17,6 +17,7 @@ from . import canvas, colours, fonts, waves
 from .drawn_numbers import CASING
 
 PUSHES, PULLS = "the cylinder pushes", colours.LIFTS  # in a legend
+WIDEST, HIGH = 2.2, 0.11  # inches of a bar of colours
 EDGE, LEAST = 1.2, 0.35  # the grey casing of a line: share of its width, and points that it adds at least
 
 
@@ -82,14 +83,23 @@ def line(
     return waves.draw(ax, x, y, inches, paint, shade if y is push else colours.NEUTRAL, name, where, order)
 
 
-def bar(ax: Axes, unit: str, inches: float) -> None:
-    """The bar of the colours of lines or rows on axes, below these, which are so many inches wide; none without any."""
+def bar(ax: Axes, unit: str, inches: float, place: tuple[float, float] | None = None) -> None:
+    """The bar of the colours of lines or rows on axes, at most so many inches wide; none without any.
+
+    place: left and top of the bar, on axes whose units are inches; default: below the axes.
+    """
     lines = [collection for collection in ax.collections if isinstance(collection, (LineCollection, QuadMesh))]
     if not lines:
         return
-    drawn = canvas.colour_bar([ax], lines[-1], location="bottom", anchor=(0.0, 1.0), panchor=False, fraction=0.05,
-                              pad=0.02, aspect=20, shrink=min(inches, 2.2) / inches)  # fmt: skip
-    drawn.set_label(trim(drawn, unit, [line.get_array() for line in lines]), size=fonts.small(), loc="left")
+    wide = min(inches, WIDEST)
+    where: dict[str, Any] = {"location": "bottom", "anchor": (0.0, 1.0), "panchor": False, "fraction": 0.05,
+                             "pad": 0.02, "aspect": 20, "shrink": wide / inches}  # fmt: skip
+    if place is not None:
+        box = (*place, wide, HIGH)
+        where = {"orientation": "horizontal", "cax": ax.inset_axes(box, transform=ax.transData)}
+    drawn = canvas.colour_bar([ax], lines[-1], **where)
+    words = trim(drawn, unit, [line.get_array() for line in lines])
+    drawn.set_label(fonts.break_lines(words, inches, fonts.small()), size=fonts.small(), loc="left")
 
 
 def trim(drawn: Colorbar, unit: str, pushes: Sequence[Any]) -> str:

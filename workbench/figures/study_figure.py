@@ -23,15 +23,13 @@ from . import along, canvas, colours, drawn_rods, print_heights, push_scale, tre
 from .law_panel import caption_of, is_trivial, panel
 from .sheet import SCREEN, Sheet, set_range
 
-LAW_HEIGHT, TALL_LAW, LEAST_LAW = 3.2, 3.8, 2.4  # inches; the second beside curves
+LAW_HEIGHT, LEAST_LAW = 3.2, 2.4  # inches
 ONE_ROD = 0.55  # the share of the least height of a narrow panel of one rod
 NARROW_LAW, LEAST_STRIP = 1.9, 0.9  # inches of a law on a narrow sheet at most; of unrolled views in print at least
 SAMPLES = "samples"  # the panel of the scatter diagrams
-BESIDE = 0.58  # the share of the width that curves have beside a law
 MOST_CURVES, STRIPS = 9, (0.7, 0.42)  # curves along an axis; their height over a narrow and another width
 LABELS = 0.35  # inches below and above curves
 LEGEND = 1.25  # inches of the legend of one rod, and around its view
-AROUND = 1.0  # inches of title, labels and caption above and below curves beside a law
 MOST_PLAIN = 4  # observables shown where there is no law
 MOST_NARROW = 3  # panels of laws on one column of a page, one less with curves
 
@@ -45,7 +43,7 @@ def figure(
 ) -> Figure:
     """Draw all of a study, or the observables that are asked for.
 
-    With axes: for each axis of several values the unrolled views, beside them each law in its panel (where there is
+    With axes: for each axis of several values the unrolled views, below them each law in its panel (where there is
     no law, the first observables); of a refined study those of its coarse grid, along one axis with the observables of
     all cases. With samples: each observable against each sampled field. One case alone: its angle, its push and its
     unrolled view. The caption names the observables that it leaves out.
@@ -103,14 +101,11 @@ def _figure_of(
         strips_high = min(strips_high, max(left / len(chosen.strips) - LABELS, LEAST_STRIP))
     rods = [rods_along[name] for name in chosen.strips]
     has_laws = any(not isinstance(drawn, str) for drawn in chosen.panels)
-    across = 1 if sheet.narrow else 3 if count == 3 and not has_laws else 2
-    beside = 0 < count <= len(rods) and not sampled and not sheet.narrow
-    law_height = min(TALL_LAW if beside else LAW_HEIGHT, max(0.7 * width / across, LEAST_LAW))
-    box = width * (BESIDE if beside else 1) - unrolled.BESIDE, law_height - LABELS if beside else strips_high
-    views = [unrolled.panel_of(rod, box, sheet.small, coloured=False) for rod in rods]
+    across = 1 if sheet.narrow else 3 if count == 3 and not has_laws else min(count, 2)
+    law_height = min(LAW_HEIGHT, max(0.35 * width, LEAST_LAW))
+    room = width - unrolled.BESIDE, strips_high
+    views = [unrolled.panel_of(rod, room, sheet.small, coloured=False) for rod in rods]
     straight = [view.is_straight and sheet.panel is None and bool(count) for view in views]
-    if all(straight):
-        beside, across = False, 1 if sheet.narrow else min(across, count)
     if sheet.narrow:
         left = (
             print_heights.TALLEST
@@ -135,17 +130,10 @@ def _figure_of(
 
     shown = [pair for pair, is_line in zip(zip(rods, views, strict=True), straight, strict=True) if not is_line]
     strips_of, laws_of = [partial(strip, *pair) for pair in shown], [partial(law_of, drawn) for drawn in chosen.panels]
-    beside = beside and count <= len(shown)
     lines: list[canvas.Row] = [
         (view.height + LABELS, [drawn]) for drawn, (_, view) in zip(strips_of, shown, strict=True)
     ]
-    if beside:
-        lines[:count] = [
-            (max(law_height, view.height + AROUND), [drawn, law])
-            for drawn, (_, view), law in zip(strips_of, shown, laws_of, strict=False)
-        ]
-    else:
-        lines += canvas.in_rows(laws_of, min(across, count), law_height)
+    lines += canvas.in_rows(laws_of, across, law_height, filled=True)
     said = [
         f"Unrolled, the rods along {labels.axis_symbol(str(rod.axis))} are straight lines."
         for rod, is_line in zip(rods, straight, strict=True)
@@ -162,8 +150,7 @@ def _figure_of(
     if not lines:
         why = " ".join(said) or "the dataset has neither observables nor the arrays alpha and z."
         raise InputError(f"nothing to draw: {why} workbench summary prints the numbers, workbench scene draws the rods")
-    ratios = (BESIDE, 1 - BESIDE) if beside else None
-    return canvas.page(stored, sheet, lines, said, 0.3 * bool(sampled), width=width, ratios=ratios)
+    return canvas.page(stored, sheet, lines, said, 0.3 * bool(sampled), width=width)
 
 
 def one_rod(stored: StoredStudy, sheet: Sheet = SCREEN) -> Figure:

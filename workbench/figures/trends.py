@@ -143,6 +143,7 @@ def samples(stored: StoredStudy, names: Sequence[str], width: float, narrow: boo
         max(int((width - BESIDE) / LEAST_PANEL), 1),
         NARROW_ROW if narrow else ROW_HEIGHT,
     )
+    most = -(-len(every) // -(-len(every) // most))  # as many in each row
     blocks = [every[i : i + most] for i in range(0, len(every), most)]
     whole = min(len(blocks) * (high * len(names) + 0.5), max(TALLEST, 1.1 * len(blocks) * len(names)))
     across = len(blocks[0])

@@ -36,16 +36,18 @@ from .sheet import SCREEN, Sheet
 NAMES = ("alpha", "z", "push")
 MOST = 60
 TALLEST = 0.78  # the height of all views of a figure as a share of its width
-BESIDE, BELOW = 0.5, 0.75  # inches of a figure beside the views, and below them for the bar of colours and the legend
+BESIDE, BELOW, LEGEND = 0.5, 0.15, 0.25  # inches of a figure beside views, below them, and of a legend of rings
 WORDS, ABOVE = 1.3 / 72, 0.06  # inches of a line of words per point of its size; from the words to their view
-LARGEST, SMALLEST = 8.0, 0.1  # inches of the largest view
-WORTH = 1.5  # a scale so many times larger is worth another row of a list
+SMALLEST = 0.1  # inches of the largest view
+WORTH = 1.7  # a scale so many times larger is worth another row of a list
 HAIRLINE, TINY = 1.1 / 72, 1e-12  # inches of the width of a line; no length
 LEAST = 0.12  # inches of a view, below which one direction is drawn larger
 STRAIGHT = 1e-9  # of the other extent: less is rounding, which no scale shows
+SLENDER, UPRIGHT = 0.25, 3.0  # of rods that fill so little of the width, inches of all upwards at most
 RING = 3.5  # points across at least
 NEAR = 3.0  # radii of the rod on the unrolled cylinder: two places that are nearer have one ring between them
-ARROW = 0.55  # inches of the arrows of the key at most
+ARROW, FOOT = 0.4, 0.6  # inches of the arrows of the key at most, and of all of it downwards
+BAR, BAR_GAP = 0.3, 0.3  # inches of the bar of colours per point of its words, and between the key and the bar
 VIEWS = "unrolled views"  # the label of their axes
 AROUND = (
     "A rod that winds more than once around the unrolled cylinder leaves it at one edge, and comes back at the other."
@@ -55,7 +57,7 @@ TOO_LONG = "is too long to search for the places where it passes through itself"
 # of a rod in lines
 THINNEST = 0.07  # inches of a line; below, nothing of its curve is seen
 TALLEST_LINES = 0.5, 2.8  # height of all lines as a share of the width, and inches at least
-HEADS, FOOT = 0.7, 0.75  # inches before the lines, and below them for the key
+HEADS = 0.7  # inches before the lines
 HAIR = 0.3  # inches: a rod less wide is a hair
 MOST_WIDE = 1.15  # of the width that the rod needs is that of a line
 SEEN = 0.05  # radii of the rod: a smaller gap is not seen
@@ -134,39 +136,43 @@ def _is_monotone(row: Values) -> bool:
     return bool((steps >= 0).all() or (steps <= 0).all())
 
 
-def plan(views: Sequence[UnrolledView], room: tuple[float, float], letters: float, even: bool = False) -> Arrangement:
-    """Where views and the key of their directions stand, as large as they fit in so many inches; the key is the last.
+def plan(
+    views: Sequence[UnrolledView], room: tuple[float, float], letters: float, foot: tuple[float, float], even: bool
+) -> Arrangement:
+    """Where views and their key stand, as large as they fit in so many inches; the key is the last.
 
-    letters: points of the texts. even: all views have the room of the largest, so their z can be compared.
+    letters: points of the texts. foot: width and height of the key. even: the views are a series, all in columns of one
+    width; else each has its own width, and stands below the one before where there is room.
     """
     sizes = np.array([view.size for view in views])
-    sizes = np.broadcast_to(sizes.max(axis=0), sizes.shape) if even else sizes
+    sizes[:, 0] = sizes[:, 0].max() if even else sizes[:, 0]
     wide, tall = map(float, sizes.max(axis=0))
-    texts = [view.text for view in views]
-    words = np.array([words_size(text, letters) for text in (*texts, "around: 10 cm\n\n\n")])
+    words = np.array([words_size(view.text, letters) for view in views])
+    words[:, 1] = words[:, 1].max()
+    if len(views) * wide * room[1] < SLENDER * room[0] * tall:
+        room = room[0], min(room[1], UPRIGHT)
+    boxes, texts = np.vstack([sizes, np.zeros(2)]), np.vstack([words, foot])
 
     def arrange(rows: int, columns: int) -> Arrangement:
-        cell = room[0] / columns - arrangement.GAP, room[1] / rows - float(words[:, 1].max())
+        rows_high = room[1] - foot[1] - rows * (float(words[0, 1]) + arrangement.BETWEEN)
+        cell = room[0] / columns - arrangement.GAP, rows_high / -(-len(views) // columns)
         factor = stretch(wide, tall, (max(cell[0], LEAST), max(cell[1], LEAST)))
-        grid = np.zeros((rows * columns, 2, 2))
-        grid[: len(sizes), 0] = sizes * [1, factor]
-        grid[: len(words), 1] = words
-        sides = grid.reshape(rows, columns, 2, 2)
         whole = max(wide, tall * factor) or 1.0
-        layout = arrangement.arrange(sides[:, :, 0], sides[:, :, 1], room, least=SMALLEST / whole, most=LARGEST / whole)
+        layout = arrangement.flow(boxes * [1, factor], texts, room, rows, even, SMALLEST / whole)
         return replace(layout, factor=factor)
 
     worth = arrangement.WORTH if even else WORTH
-    return arrangement.in_rows(len(words), arrange, len(words), room[0], worth)[1]
+    return arrangement.in_rows(len(boxes), arrange, len(boxes), room[0], worth)[1]
 
 
-def plan_lines(views: Sequence[UnrolledView], room: tuple[float, float]) -> Arrangement:
-    """The arrangement of the lines of one rod, whose texts stand before them."""
+def plan_lines(views: Sequence[UnrolledView], room: tuple[float, float], foot: tuple[float, float]) -> Arrangement:
+    """The arrangement of the lines of one rod, whose texts stand before them, and of their key, the last."""
     sizes = np.array([[view.size] for view in views])
-    layout = arrangement.arrange(sizes, np.zeros_like(sizes), (room[0], room[1] - FOOT), pitch=lines.PITCH)
+    below = foot[1] + arrangement.BETWEEN
+    layout = arrangement.arrange(sizes, np.zeros_like(sizes), (room[0], room[1] - below), pitch=lines.PITCH)
     wide, high = layout.size
-    boxes = np.append(layout.boxes, [[[0.0, high + arrangement.BETWEEN, wide, FOOT]]], axis=0)
-    return replace(layout, boxes=boxes, size=(wide, high + FOOT))
+    boxes = np.append(layout.boxes, [[[0.0, high + arrangement.BETWEEN, *foot]]], axis=0)
+    return replace(layout, boxes=boxes, size=(wide, high + below))
 
 
 def words_size(text: str, letters: float) -> tuple[float, float]:
@@ -303,16 +309,17 @@ def figure(
     """
     sheet.choose(["curves"])
     rods = drawn_rods.choose(stored, NAMES, x, at, MOST)
-    panel = panel_of(rods, (sheet.width - BESIDE, TALLEST * sheet.width), sheet.small)
-    bar = push_scale.unit(rods.source), sheet.width - 0.3
-    rows = [(panel.height, [lambda ax: panel.draw(ax, bar=bar)])]
-    return canvas.page(rods.source, sheet, rows, [*rods.said(), *rods.notes], BELOW)
+    room = sheet.width - BESIDE, TALLEST * sheet.width
+    panel = panel_of(rods, room, sheet.small, bar=push_scale.unit(rods.source))
+    said = [*rods.said(), *rods.notes]
+    return canvas.page(rods.source, sheet, [(panel.height, [panel.draw])], said, panel.below)
 
 
 class UnrolledPanel:
     """Unrolled views in a room of inches, in rows, or the lines of one rod.
 
-    height: inches of all; unit: of lengths; notes: said of them; in_lines: what is said of lines, else nothing.
+    height: inches of all; unit: of lengths; notes: said of them; in_lines: what is said of lines, else nothing; bar:
+    the unit of the push, whose bar of colours stands beside the key, else nothing.
     """
 
     def __init__(
@@ -324,12 +331,22 @@ class UnrolledPanel:
         even: bool = False,
         notes: Sequence[str] = (),
         in_lines: str = "",
+        bar: str = "",
     ) -> None:
         self.views, self.unit, self.notes, self.in_lines = views, unit, list(dict.fromkeys(notes)), in_lines
+        self.pushes = [np.asarray(view.look["push"]) for view in views if "push" in view.look]
+        self.bar = bar if self.pushes else ""
         self.before = max(words_size(view.text, letters)[0] for view in views) + ABOVE if in_lines else 0.0
         room = room[0] - self.before, room[1]
-        self.form = plan_lines(views, room) if in_lines else plan(views, room, letters, even)
+        self.key = words_size("around: 0.05 mm", letters)[0]
+        foot = min(self.key + (BAR_GAP + BAR * letters) * bool(self.bar), room[0]), FOOT
+        self.form = plan_lines(views, room, foot) if in_lines else plan(views, room, letters, foot, even)
         self.height = self.form.size[1]
+
+    @property
+    def below(self) -> float:
+        """Inches of a figure below its views."""
+        return BELOW + LEGEND * any(view.rings for view in self.views)
 
     @property
     def is_straight(self) -> bool:
@@ -343,23 +360,20 @@ class UnrolledPanel:
                     return False
         return True
 
-    def draw(self, ax: Axes, more: str = "", bar: tuple[str, float] | None = None) -> list[str | Artist]:
-        """Draw the views and the key; returns what is said of them.
-
-        more: said before the dot. bar: the unit of the push, and the inches below which its bar of colours stands.
-        """
+    def draw(self, ax: Axes, more: str = "") -> list[str | Artist]:
+        """Draw the views and the key; returns what is said of them. more: said before the dot."""
         form, small = self.form, fonts.small()
         ax.set(xlim=(-self.before, form.size[0]), ylim=(form.size[1], 0), aspect="equal", anchor="NW")
         ax.set_axis_off()
         ax.set_label(VIEWS)
         ax.set_xlabel(f"z [{self.unit}]")
         ax.set_ylabel(f"{fonts.AROUND} [{self.unit}]")
-        rings, said, columns = list[Any](), list[str](), form.boxes.shape[1]
-        heights = [words_size(view.text, small)[1] for view in self.views]
-        for k, (view, (left, top, _, high)) in enumerate(zip(self.views, form.places, strict=False)):
-            first, text = k - k % columns, dict[str, Any](size=small, linespacing=1.1, annotation_clip=False)
+        rings, said = list[Any](), list[str]()
+        words = max(words_size(view.text, small)[1] for view in self.views)
+        text: dict[str, Any] = {"size": small, "linespacing": 1.1, "annotation_clip": False}
+        for view, (left, top, _, high) in zip(self.views, form.places, strict=False):
             if view.band is None:
-                top += max(heights[first : first + columns])
+                top += words
                 ax.annotate(view.text, (left, top - ABOVE), va="bottom", **text)
             else:
                 ax.annotate(view.text, (left - ABOVE, top + high / 2), ha="right", va="center", **text)
@@ -384,9 +398,11 @@ class UnrolledPanel:
             crossing_rings.draw(ax, [place for place, _ in rings], sizes, THROUGH)
         for artist in (*ax.lines, *ax.collections):
             artist.set_clip_on(False)
-        _draw_key(ax, form, form.places[len(self.views)], self.unit)
-        if bar:
-            push_scale.bar(ax, *bar)
+        left, top, wide, _ = form.places[len(self.views)]
+        _draw_key(ax, form, (left, top), self.unit)
+        if self.bar:
+            beside = self.key + BAR_GAP
+            push_scale.bar(ax, self.bar, wide - beside, (left + beside, top))
         return [
             *[crossing_rings.entry(THROUGH)] * bool(rings),
             sentence(self.form, len(self.views) > 1 and not self.in_lines, self.in_lines + more),
@@ -396,7 +412,7 @@ class UnrolledPanel:
 
 
 def lines_of(
-    rod: DrawnRod, room: tuple[float, float], letters: float, unit: str = "", coloured: bool = True
+    rod: DrawnRod, room: tuple[float, float], letters: float, unit: str = "", coloured: bool = True, bar: str = ""
 ) -> UnrolledPanel | None:
     """A rod in the lines in which it is largest; None where it needs none: in one piece it is no hair.
 
@@ -426,7 +442,7 @@ def lines_of(
     if "overlaps" in cautions.keys(rod.caution):
         notes.append("The rod passes through itself; the places are not marked in lines.")
     said = f"; {setting.note(spans, unit)}, each {labels.number(wide)} {unit} wide"
-    return UnrolledPanel(views, room, letters, unit, notes=notes, in_lines=said)
+    return UnrolledPanel(views, room, letters, unit, notes=notes, in_lines=said, bar=bar)
 
 
 def on_one_turn(
@@ -444,15 +460,17 @@ def on_one_turn(
     return parts
 
 
-def panel_of(rods: DrawnRods, room: tuple[float, float], letters: float, coloured: bool = True) -> UnrolledPanel:
+def panel_of(
+    rods: DrawnRods, room: tuple[float, float], letters: float, coloured: bool = True, bar: str = ""
+) -> UnrolledPanel:
     """The unrolled views of rods of a study in a room of inches: in rows, or one long rod in lines.
 
-    coloured: whether the lines have the colours of the push.
+    coloured: whether the lines have the colours of the push. bar: as of `UnrolledPanel`.
     """
     unit = labels.unit(rods.source.units["length"])
     if len(rods.rods) == 1:
         inches = room[0], max(TALLEST_LINES[0] * room[0], TALLEST_LINES[1])
-        if in_lines := lines_of(rods.rods[0], inches, letters, unit, coloured):
+        if in_lines := lines_of(rods.rods[0], inches, letters, unit, coloured, bar):
             return in_lines
     norm = push_scale.scale([rod["push"] for rod in rods.solved]) if coloured else None
     views, notes, winds = [], list[str](), False
@@ -470,7 +488,7 @@ def panel_of(rods: DrawnRods, room: tuple[float, float], letters: float, coloure
         winds = winds or bool(view.over)
         views.append(replace(view, over=[*view.over, *gap_lines(rod)], edges=edges_of(rod)))
     notes = [*[AROUND] * winds, *off_wall(rods.solved), *[EDGES] * any(view.edges for view in views), *notes]
-    return UnrolledPanel(views, room, letters, unit, even=True, notes=notes)
+    return UnrolledPanel(views, room, letters, unit, even=True, notes=notes, bar=bar)
 
 
 def off_wall(rods: Sequence[DrawnRod]) -> list[str]:

@@ -30,12 +30,12 @@ PANEL, LEGEND = (3.2, 2.1), 1.6  # inches
 MOST = 6  # panels
 # shown where more cases are measured, in words
 SHOWN = {
-    "force-first/tension": "start: Table 1, at 30°, pulled by 8.7 N",
-    "gap 1e-02": "start: β′ = 0, 10⁻² rad from a saddle",
-    "gap 1e-08": "start: β′ = 0, 10⁻⁸ rad from a saddle",
-    "long": "start: Table 1, but 400 cm long",
-    "ends table 1": "ends: Table 1, pressed, at 30° and 45°",
-    "ends stable 1": "ends: at 30° and 30°, stable, near a saddle",
+    "force-first/tension": "start: Table 1, pulled by 8.7 N",
+    "gap 1e-02": "start: 10⁻² rad from a saddle",
+    "gap 1e-08": "start: 10⁻⁸ rad from a saddle",
+    "long": "start: Table 1, 400 cm long",
+    "ends table 1": "ends: Table 1, pressed",
+    "ends stable 1": "ends: stable, near a saddle",
 }
 
 
@@ -64,7 +64,7 @@ def figure(stored: StoredStudy, cost: str = "seconds", sheet: Sheet = SCREEN) ->
         ax.tick_params(labelleft=i % columns == 0)
         ax.set_xlabel(COSTS[cost] if i + columns >= len(cases) else "")
         if i == 0:
-            error, fig = "error achieved: of angle in radians, or of position over max(ρ, L)", ax.get_figure(root=True)
+            error, fig = "error of the angle in radians, or of the position over max(ρ, L)", ax.get_figure(root=True)
             assert fig is not None
             fig.supylabel(error if lines > 2 else fill(error, 34), size=fonts.normal())
 

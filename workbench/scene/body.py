@@ -23,7 +23,7 @@ from ..stored.stored_study import StoredStudy
 from .scene_kinds import Paint, SceneKind
 
 STRIPE = 3  # one side in so many is painted
-ARROWS = (0.4, 1.4)  # radii of the cylinder: the lengths of the arrows of no force and of the largest
+ARROW = 1.4  # radii of the cylinder: the length of the arrow of the largest force
 SEEN = 0.05  # radii of the rod: a smaller gap is not seen
 
 

@@ -13,7 +13,7 @@ from ..figures.arrangement import Arrangement
 from ..geometry.centreline import APART, Array
 from ..words import cautions, labels
 from . import long_rod, page, scene_kinds, signs, strands
-from .body import ARROWS, Body
+from .body import ARROW, Body
 from .page import Mark, Page, Scene
 from .rendering import Placed, render
 from .scene_kinds import Cell, set_range
@@ -230,18 +230,19 @@ def _marks_of_contact(scene: Scene, arranged: Arrangement) -> list[Mark]:
     marks, camera = [], scene.camera
     for view, middle in _middles(scene, arranged):
         lines = [
-            (places[~view.covers(places, camera)], words, False) for places, words in _lines_of_contact(scene, view)
+            (places[~view.covers(places, camera)], sign, words)
+            for places, sign, words in _lines_of_contact(scene, view)
         ]
         lines += [
-            (places @ view.turn.T, words, True)
+            (places @ view.turn.T, signs.LEADER, words)
             for body in view.bodies
             if body.paint.strands
             for places, words in strands.marks(body)
         ]
-        for places, words, is_leader in lines:
+        for places, sign, words in lines:
             if places.size:
                 across = places[[0, -1]] @ camera.page.T - sum(view.box(camera)) / 2
-                marks.append(Mark(middle + across * arranged.scale * [1, -1], words, is_leader))
+                marks.append(Mark(middle + across * arranged.scale * [1, -1], sign, words))
         for body in view.bodies:
             half = max(TICK[0], TICK[1] * body.a * arranged.scale)
             for at, along in body.contact_edges:
@@ -250,29 +251,32 @@ def _marks_of_contact(scene: Scene, arranged: Arrangement) -> list[Mark]:
                 if size > 0 and not view.covers((view.turn @ at)[None], camera)[0]:
                     away = camera.page @ view.turn @ at - sum(view.box(camera)) / 2
                     tick = half / size * np.array([[y, x], [-y, -x]])
-                    marks.append(Mark(middle + away * arranged.scale * [1, -1] + tick, None))
+                    marks.append(Mark(middle + away * arranged.scale * [1, -1] + tick, signs.EDGE))
     return marks
 
 
-def _lines_of_contact(scene: Scene, view: View) -> Iterator[tuple[Array, str]]:
-    """The widest gap of each rod of a view, with its size in words, and its point forces, as places along each line,
-    (n, 3) as they are turned."""
+def _lines_of_contact(scene: Scene, view: View) -> Iterator[tuple[Array, str, str]]:
+    """The widest gap of each rod of a view and its point forces, as long as they are large: places along each line,
+    (n, 3) as they are turned, its sign, and its size in words."""
+    units = scene.stored.units
     largest = max((force for body in scene.bodies for *_, force in body.pushes), default=1.0)
     share = np.linspace(0, 1, ALONG)[:, None]
     for body in view.bodies:
         if body.widest_gap is not None:
             wall, rod = body.widest_gap
             size = labels.number(float(np.linalg.norm(rod - wall)), 3)
-            yield (wall + share * (rod - wall)) @ view.turn.T, f"{size} {scene.stored.units['length']}"
+            yield (wall + share * (rod - wall)) @ view.turn.T, signs.GAP, f"{size} {units['length']}"
         for at, away, force in body.pushes:
-            long = body.R * np.interp(force / largest, (0, 1), ARROWS)
-            yield (at + share * long * away) @ view.turn.T, ""
+            tip = at + share * ARROW * body.R * force / largest * away
+            yield tip @ view.turn.T, signs.FORCE, f"{labels.number(force, 3)} {units['force']}"
 
 
 def _hides_lines(scene: Scene, forces: bool) -> bool:
     """Whether the cylinder hides a part of a point force, or else of a gap."""
     lines = ((view, line) for view in scene.views if view.bodies for line in _lines_of_contact(scene, view))
-    return any(view.covers(places, scene.camera).any() for view, (places, words) in lines if forces == (not words))
+    return any(
+        view.covers(places, scene.camera).any() for view, (places, sign, _) in lines if forces == (sign == signs.FORCE)
+    )
 
 
 def _stations(bodies: Sequence[Body], tolerance: float) -> tuple[int, int]:

@@ -48,13 +48,12 @@ RUNS = 3  # the strategy of zlib that looks for runs alone: at level 1 the size 
 class Mark:
     """A line between two places, (2, 2) in inches of the picture, with its words.
 
-    words: empty for an arrow, None for a tick.
-    leads: whether it leads from what it marks to its words.
+    sign: as of `signs.draw_mark`.
     """
 
     places: Array
-    words: str | None
-    leads: bool = False
+    sign: str
+    words: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -248,7 +247,7 @@ class Page:
         self._write(start, high, rings)
         with rc_context(fonts.RC):
             for mark in marks:
-                signs.draw_mark(self.ax, mark.places + start, mark.words, mark.leads)
+                signs.draw_mark(self.ax, mark.places + start, mark.sign, mark.words)
         recolour(self.fig, self.scene.settings.look)
 
     def _write(self, start: tuple[float, float], high: float, rings: Sequence[tuple[float, float, float]]) -> None:

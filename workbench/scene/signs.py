@@ -21,28 +21,28 @@ from .views import BELOW, DOT
 
 GLYPH, SCALE = 0.62, 1.0  # widths: the cylinder from above, the longest scale bar
 RING, OUTLINE = "ring", "outline"  # in place of a colour: an open circle, the outline of a hidden stretch
-GAP, FORCE, EDGE = "gap", "force", "edge"  # in place of a colour: a line between two marks, an arrow, a tick
+# in place of a colour: a line between two marks, an arrow, a tick, a line to words
+GAP, FORCE, EDGE, LEADER = "gap", "force", "edge", "leader"
+STYLES = {GAP: "|-|, widthA=0.25, widthB=0.25", FORCE: "-|>", LEADER: "-"}
 
 
-def draw_mark(ax: Axes, places: NDArray[np.float64], words: str | None, leads: bool = False) -> None:
-    """A gap as a line with its size behind the wall, a force as an arrow, or a tick.
+def draw_mark(ax: Axes, places: NDArray[np.float64], sign: str, words: str) -> None:
+    """A gap as a line with its size behind the wall, a force as an arrow with its size at the tip, or a tick.
 
-    places: (2, 2) in inches of the panel, of a gap first that on the wall. words: empty for a force, None for a tick.
-    leads: the line leads from what it marks to its words.
+    places: (2, 2) in inches of the panel, of a gap first that on the wall. sign: a gap, a force, an edge, or a leader.
     """
-    if words is None:
+    if sign == EDGE:
         ax.plot(*places.T, color=colours.INK, linewidth=1.4, zorder=6, clip_on=False, gid=EDGE)
         return
-    style = "-" if leads else "|-|, widthA=0.25, widthB=0.25" if words else "-|>"
-    look = {"arrowstyle": style, "color": colours.INK, "lw": 1.1, "shrinkA": 0, "shrinkB": 0}
+    look = {"arrowstyle": STYLES[sign], "color": colours.INK, "lw": 1.1, "shrinkA": 0, "shrinkB": 0}
     ax.annotate("", tuple(places[1]), tuple(places[0]), arrowprops=look, zorder=6, annotation_clip=False)
-    if words:
-        end, way = (places[1], places[1] - places[0]) if leads else (places[0], places[0] - places[1])
-        upright = not leads and abs(way[1]) >= abs(way[0])  # in the gap itself they would cover the rod
-        x, y = end + ([0.0, np.copysign(0.06, way[1])] if upright else [np.copysign(0.06, way[0]), 0.0])
-        across, up = "left" if way[0] >= 0 else "right", "top" if way[1] >= 0 else "bottom"
-        ax.text(x, y, words, ha="center" if upright else across, va=up if upright else "center", size=fonts.SMALL,
-                zorder=7, path_effects=[withStroke(linewidth=2.2, foreground="white")])  # fmt: skip
+    first, end = places[::-1] if sign == GAP else places  # in the gap itself words would cover the rod
+    way = end - first
+    upright = sign != LEADER and abs(way[1]) >= abs(way[0])
+    x, y = end + ([0.0, np.copysign(0.06, way[1])] if upright else [np.copysign(0.06, way[0]), 0.0])
+    across, up = "left" if way[0] >= 0 else "right", "top" if way[1] >= 0 else "bottom"
+    ax.text(x, y, words, ha="center" if upright else across, va=up if upright else "center", size=fonts.SMALL,
+            zorder=7, path_effects=[withStroke(linewidth=2.2, foreground="white")])  # fmt: skip
 
 
 def legend_sign(colour: str, text: str) -> Artist:

@@ -16,7 +16,7 @@ from ..figures import arrangement, fonts
 from ..figures.arrangement import Arrangement
 from ..geometry.centreline import Array
 from ..stored.stored_study import StoredStudy
-from .body import ARROWS, Body
+from .body import ARROW, Body
 from .scene_kinds import Cell
 
 # name -> its views, each with the angle about the axis from the side where the rod is and the angle above the plane
@@ -184,7 +184,7 @@ class View:
             seen = self.places(body) @ camera.page.T
             low, high = np.minimum(low, seen.min(axis=0) - body.a), np.maximum(high, seen.max(axis=0) + body.a)
             for at, away, _ in body.pushes:
-                tip = camera.page @ (self.turn @ (at + ARROWS[1] * body.R * away))
+                tip = camera.page @ (self.turn @ (at + ARROW * body.R * away))
                 low, high = np.minimum(low, tip), np.maximum(high, tip)
         if abs(camera.page[0, 2]) < 1e-9 and not camera.is_end_view:
             wide = max(-low[0], high[0])
