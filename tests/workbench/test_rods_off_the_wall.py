@@ -1,5 +1,6 @@
 """Rods that may leave the cylinder in stored files, pictures and exports: drawn where they are, or refused in words."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -225,14 +226,9 @@ def test_a_rod_is_drawn_held_on_and_let_go_with_its_gap_and_the_forces_at_the_ed
     (said,) = [text.get_text() for text in page.ax.texts if text.get_text().endswith(" cm")][-1:]
     assert float(said.split()[0]) == pytest.approx(gap, rel=0.01)
     assert len([text for text in page.ax.texts if getattr(text, "arrow_patch", None)]) == 1 + len(rods[1].pushes)
-    ticks = [line.get_xydata() for line in page.ax.lines if line.get_gid() == signs.EDGE]
-    assert len(ticks) == len(rods[1].pushes) == 2
-    arrows = [text.xyann for text in page.ax.texts if getattr(text, "arrow_patch", None) and not text.get_text()]
-    for (
-        tick
-    ) in ticks:  # each begins on its contact's edge, where the point force acts, but for a station and the radius
-        near = min(np.linalg.norm(np.subtract(tick.mean(axis=0), foot)) for foot in arrows)
-        assert near < 2 * np.linalg.norm(tick[1] - tick[0])
+    assert len(rods[1].pushes) == 2
+    assert not [line for line in page.ax.lines if line.get_gid() == signs.EDGE]  # the arrows mark both edges
+    assert len(replace(rods[1], point_forces=()).contact_edges) == 2
     again = read(StoredStudy(stored).solve(201, ["alpha", "beta", "z", "radius", "contact"]), {}, kind_of("contact"))
     for (at, away, force), (_, _, same) in zip(rods[1].pushes, again.pushes, strict=True):
         assert force == pytest.approx(same, rel=1e-6)
@@ -295,15 +291,23 @@ def test_arrows_and_gaps_are_drawn_as_far_as_the_cylinder_does_not_hide_them(sto
 
 
 @draws
-def test_the_arrow_of_a_point_force_is_as_long_as_it_is_large_and_says_its_size(stored: xr.Dataset) -> None:
+@pytest.mark.parametrize("look", ("0,0", "60,30", "end"))
+def test_the_arrow_of_a_point_force_is_as_long_on_the_page_as_it_is_large_and_says_its_size(
+    stored: xr.Dataset, look: str
+) -> None:
     pair = study_scene.release_of(StoredStudy(stored), {})(101)
-    page = layout.compose(pair, {RELEASED: 100}, settings=Settings(4.0, 50))
-    (view,) = page.scene.views
+    page = layout.compose(pair, {RELEASED: 100}, settings=Settings(4.0, 50, camera=look))
+    (view,), across = page.scene.views, page.scene.camera.page
+    (rod,) = view.bodies
     lines = [*composition._lines_of_contact(page.scene, view)]
-    arrows = [(np.ptp(places, axis=0), words) for places, sign, words in lines if sign == signs.FORCE]
-    forces = [force for *_, force in view.bodies[0].pushes]
+    arrows = [(places @ across.T, words) for places, sign, words in lines if sign == signs.FORCE]
+    forces = [force for *_, force in rod.pushes]
     assert np.ptp(forces) > 0.1 * max(forces)
-    lengths = np.linalg.norm([across for across, _ in arrows], axis=1)
+    lengths = np.array([np.linalg.norm(places[-1] - places[0]) for places, _ in arrows])
+    for (places, _), (at, away, _) in zip(arrows, rod.pushes, strict=True):
+        axis, push = (across @ view.turn @ vector for vector in (at - rod.a * away, away))
+        assert np.linalg.norm(places[0] - axis) == pytest.approx(rod.a)
+        assert (places[-1] - axis) @ push == pytest.approx(np.linalg.norm(places[-1] - axis) * np.linalg.norm(push))
     np.testing.assert_allclose(lengths / lengths.max(), np.divide(forces, max(forces)), rtol=1e-9)
     assert [words for _, words in arrows] == [f"{force:.3g} N" for force in forces]
     assert {words for _, words in arrows} & {text.get_text() for text in page.ax.texts}

@@ -164,15 +164,13 @@ class Body:
 
     @cached_property
     def contact_edges(self) -> list[tuple[Array, Array]]:
-        """Where contacts begin and end: the place on the centreline, and the direction of that as it is drawn, (3,).
-
-        A point force between the two stations says exactly where.
-        """
+        """Where contacts begin and end without a point force, which marks its own edge: the place on the centreline, and
+        the direction of that as it is drawn, (3,)."""
         if not isinstance(self.line, varying_lines.FreeLine):
             return []
         s = varying_lines.contact_edges(self.line.s, self.line.push(self.line.s))
         for at, _ in self.point_forces:
-            s = np.where(np.abs(s - at) <= self.line.L / (self.line.s.size - 1), at, s)
+            s = s[np.abs(s - at) > self.line.L / (self.line.s.size - 1)]
         s = s[(s > self.span[0]) & (s < self.span[1])]
         return [*zip(self.places(s), self.line.frame(s)[1] * [1, 1, self.squeeze], strict=True)]
 

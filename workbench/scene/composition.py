@@ -226,7 +226,7 @@ def _rings(scene: Scene, arranged: Arrangement) -> list[tuple[float, float, floa
 
 def _marks_of_contact(scene: Scene, arranged: Arrangement) -> list[Mark]:
     """The widest gap of each rod as a line to the wall, and the point forces of the wall as arrows, as far as the
-    cylinder does not hide them; ticks where contacts begin and end; the marked base pairs of DNA; in inches."""
+    cylinder does not hide them; ticks at other edges of contacts; the marked base pairs of DNA; in inches."""
     marks, camera = [], scene.camera
     for view, middle in _middles(scene, arranged):
         lines = [
@@ -256,8 +256,8 @@ def _marks_of_contact(scene: Scene, arranged: Arrangement) -> list[Mark]:
 
 
 def _lines_of_contact(scene: Scene, view: View) -> Iterator[tuple[Array, str, str]]:
-    """The widest gap of each rod of a view and its point forces, as long as they are large: places along each line,
-    (n, 3) as they are turned, its sign, and its size in words."""
+    """The widest gap of each rod of a view and its point forces, on the page as long as they are large: places along
+    each line, (n, 3) as they are turned, its sign, and its size in words."""
     units = scene.stored.units
     largest = max((force for body in scene.bodies for *_, force in body.pushes), default=1.0)
     share = np.linspace(0, 1, ALONG)[:, None]
@@ -267,8 +267,8 @@ def _lines_of_contact(scene: Scene, view: View) -> Iterator[tuple[Array, str, st
             size = labels.number(float(np.linalg.norm(rod - wall)), 3)
             yield (wall + share * (rod - wall)) @ view.turn.T, signs.GAP, f"{size} {units['length']}"
         for at, away, force in body.pushes:
-            tip = at + share * ARROW * body.R * force / largest * away
-            yield tip @ view.turn.T, signs.FORCE, f"{labels.number(force, 3)} {units['force']}"
+            start, tip = view.arrow(body, at, away, ARROW * body.R * force / largest, scene.camera)
+            yield start + share * (tip - start), signs.FORCE, f"{labels.number(force, 3)} {units['force']}"
 
 
 def _hides_lines(scene: Scene, forces: bool) -> bool:

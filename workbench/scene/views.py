@@ -184,7 +184,7 @@ class View:
             seen = self.places(body) @ camera.page.T
             low, high = np.minimum(low, seen.min(axis=0) - body.a), np.maximum(high, seen.max(axis=0) + body.a)
             for at, away, _ in body.pushes:
-                tip = camera.page @ (self.turn @ (at + ARROW * body.R * away))
+                tip = camera.page @ self.arrow(body, at, away, ARROW * body.R, camera)[1]
                 low, high = np.minimum(low, tip), np.maximum(high, tip)
         if abs(camera.page[0, 2]) < 1e-9 and not camera.is_end_view:
             wide = max(-low[0], high[0])
@@ -200,6 +200,17 @@ class View:
     def places(self, body: Body) -> Array:
         """The centreline of a rod as it is turned, (n, 3) [length]."""
         return body.dense @ self.turn.T
+
+    def arrow(self, body: Body, at: Array, away: Array, long: float, camera: Camera) -> Array:
+        """An arrow as long in the plane of the page as it says, its start and tip, (2, 3) as they are turned [length].
+
+        It points along the direction `away` as that is seen and starts at the outline of the rod; at, away: as of
+        `Body.pushes`.
+        """
+        seen = camera.page @ self.turn @ away
+        size = float(np.linalg.norm(seen))
+        way = (seen / size if size > 1e-9 else np.array([0.0, 1.0])) @ camera.page
+        return np.asarray(self.turn @ (at - body.a * away) + np.outer([body.a, body.a + long], way))
 
     def hides(self, body: Body, camera: Camera) -> bool:
         """Whether the cylinder hides a part of a rod."""
