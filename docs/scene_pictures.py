@@ -11,20 +11,22 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from math import cos, pi
 from pathlib import Path
 
-import numpy as np
-from PIL import Image
+from matplotlib import rc_context
 
 from solver import equilibria as every
 from studies import load
 from studies.grammar.axes import Axis
 from workbench.branches.ends_study import ends_problem
 from workbench.branches.equilibria_dataset import as_dataset
+from workbench.figures import fonts
 from workbench.run import atomic, in_memory
-from workbench.scene import composition, film, layout, page
+from workbench.scene import body, composition, film, layout, page, scene_kinds, signs
+from workbench.scene.views import View, camera_before
 from workbench.stored.stored_study import StoredStudy
 from workbench.web import pages
 from workbench.web.live import live_document, presets
@@ -37,7 +39,7 @@ FORCES = [-10.0 - 25.0 * (1 - cos(pi * k / 60)) for k in range(61)]
 OWN = ("inside", "long")  # drawn as `contact`
 RODS = Path(__file__).with_name("scene_rods")  # the studies of the pictures that are of no shipped study
 ROD, VIEWS = "rod", ("plain", "contact", "curvature", "twist")  # four kinds of one rod, two by two
-VIEW_SIZE = (920, 540)  # pixels of each
+BAR_BELOW = 0.4  # inches from a view to the scale below it
 BROWSERS = ("chromium", "chromium-browser", "google-chrome-stable", "google-chrome", "chrome")
 SIZE = (430, 300)  # CSS pixels of the page: on a phone its letters are hardly smaller
 RATIO = 2.5  # pixels of the picture per CSS pixel
@@ -86,14 +88,24 @@ def _draw_scene(rods: StoredStudy, path: Path) -> None:
 
 
 def _draw_four_views(rods: StoredStudy, path: Path) -> None:
-    """Draw a rod in four kinds of scene, two by two."""
-    views = []
-    for letter, kind in zip("abcd", VIEWS, strict=True):
-        settings = composition.Settings(dpi=DPI, size=VIEW_SIZE)
-        picture = layout.compose(rods.with_title(f"{letter}  {kind}"), None, kind, settings=settings)
-        views.append(page.pixels_of(picture.fig))
-    image = Image.fromarray(np.block([[[views[0]], [views[1]]], [[views[2]], [views[3]]]]))
-    atomic.write(path, lambda aside: image.save(aside, compress_level=9, dpi=(image.width / page.WIDE,) * 2))
+    """Draw a rod in four kinds of scene, two by two, with one key; the scale of a kind stands below its view."""
+    where, views = rods.place(None), []
+    for letter, name in zip("abcd", VIEWS, strict=True):
+        kind = scene_kinds.kind_of(name)
+        rod = body.read(rods, where, kind)
+        rod = replace(rod, paint=kind.paint(rods.units, rod.extremes() if kind.value else None))
+        views.append(View([rod], scene_kinds.Cell(f"{letter}  {name}\n\n\n ")))
+    each = [rod for view in views for rod in view.bodies]
+    camera = camera_before(each, None, None)[0]
+    kind = replace(scene_kinds.kind_of(VIEWS[-1]), cells="together")  # each rod has colours of its own
+    settings = composition.Settings(dpi=DPI)
+    picture = composition.compose(page.Scene(rods, kind, [views[:2], views[2:]], each, "", camera, settings))
+    with rc_context(fonts.RC):
+        for rod, (x, y, wide, high) in zip(each, picture.boxes.reshape(-1, 4), strict=True):
+            left, down = x + (wide - page.BAR) / 2, y + high + BAR_BELOW
+            if rod.paint.label:
+                signs.draw_bar(picture.ax, rod.paint, (left, down), (page.BAR, 0.1))
+    page.save(picture, path, level=9)
 
 
 def _datasets() -> dict[str, Callable[[], StoredStudy]]:

@@ -237,13 +237,39 @@ def test_beside_a_compressed_axis_stand_the_hole_and_a_part_at_true_scale() -> N
     assert true_scale.is_needed([view])
     true_scale.draw(ax, view, views.front_camera(view.bodies, lying=True), (0.0, 0.0), wide, "m")
     x, y = next(line for line in ax.lines if line.get_gid() == "end view").get_data()
-    np.testing.assert_allclose(np.hypot(x - true_scale.HOLE, y - true_scale.HOLE), 0.5 * true_scale.HOLE, rtol=1e-6)
-    (band,) = [one for one in ax.collections if one.get_gid() == "at true scale"]
-    left = 2 * true_scale.HOLE + true_scale.APART
-    assert np.ptp(band.get_paths()[0].vertices[:, 0]) == pytest.approx(wide - left, rel=0.01)
+    middle = 2 * signs.EYE + true_scale.HOLE
+    np.testing.assert_allclose(np.hypot(x - middle, y - true_scale.HOLE), 0.5 * true_scale.HOLE, rtol=1e-6)
+    (wall,) = [one for one in ax.patches if one.get_gid() == "at true scale"]
+    (band,) = ax.collections
+    left = middle + true_scale.HOLE + true_scale.APART
+    assert wall.get_width() == pytest.approx(wide - left)
+    ends = band.get_paths()[0].vertices[:, 0]
+    assert ends.min() <= left  # the wall cuts it off, so that no end of the rod is seen where there is none
+    assert ends.max() >= wide - 1e-9
+    assert band.clipbox is not None
     shown = (wide - left) * 0.2 / true_scale.STRIP  # length of the part; the strip is as high as the hole is wide
-    words = f"at true scale: z = {number(30 - shown / 2)} to {number(30 + shown / 2)} m"
-    assert [text.get_text()[:23] for text in ax.texts] == ["along the hole", words[:23]]
+    words = f"a part of it at true scale: z = {number(30 - shown / 2)} to {number(30 + shown / 2)} m"
+    assert [text.get_text()[:23] for text in ax.texts] == ["all of the rod\nalong the hole"[:23], words[:23]]
+
+
+def test_the_eye_beside_the_cylinder_from_above_stands_on_the_page_whole() -> None:
+    for angle in np.radians(np.arange(0, 360, 15)):
+        ax = Figure().add_subplot()
+        signs.draw_glyph(ax, 0.0, 0.0, np.array([np.cos(angle), np.sin(angle), 0.0]))
+        lids = np.concatenate([line.get_xydata() for line in ax.lines[1:]])
+        assert np.abs(lids[:, 1]).max() + 0.9 / 72 / 2 < page.BARS  # as far down as there is room
+        assert np.hypot(*(lids - [signs.GLYPH / 2, 0]).T).min() > 0.13  # beside the cylinder
+
+
+@draws
+def test_a_rod_in_lines_says_in_the_caption_that_it_passes_through_itself_as_it_has_no_rings() -> None:
+    long = StoredStudy(in_memory.run(loads((DNA.parents[1] / "docs/scene_rods/long.toml").read_text(encoding="utf-8"))))
+    taken = layout.compose(long, settings=composition.Settings(dpi=60, pixel_error=4.0))
+    assert composition.ITSELF not in taken.line
+    assert not taken.rings
+    assert {"The rod passes through itself.", "Table 1 read force-first, tension, paper."} <= {
+        *canvas.caption(taken.fig)
+    }
 
 
 def test_fig_6_is_large_and_shows_rod_cylinder_and_lift_off(fig6, tmp_path) -> None:

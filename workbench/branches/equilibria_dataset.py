@@ -209,7 +209,8 @@ def loops_as_dataset(found: Sequence[Loop], units: Mapping[str, str] | None = No
     data |= quantity_variables.variables({name: float(value) for name, value in scalars.items()}, (), words)
     ds = of_solutions(solutions, data, [caution_of_loop(loop, words) for loop in found], float(case.rod.L), words)
     ds["equilibrium"].attrs["long_name"] = "number of the loop"
-    more = {"title": "Closed rods on a cylinder", "stability": STABILITY}
+    where = "in" if case.cylinder.side == "inside" else "on"
+    more = {"title": f"Closed rods {where} a cylinder", "stability": STABILITY}
     return ds.assign_attrs(attributes(study, case, "") | more | {"caution": cautions.said(ds["caution"].values)})
 
 

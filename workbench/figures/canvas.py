@@ -59,12 +59,12 @@ def figure(
     dpi: float = DPI,
     layout: Any = "constrained",
     sheet: Sheet = SCREEN,
-    said: str = "",
+    said: str | None = None,
 ) -> Figure:
     """A figure of a size in inches with what `draw` draws on it.
 
-    stored: the file whose title is written above that, where the sheet has one. said: what is written below the title,
-    after the reading of the file.
+    stored: the file whose title is written above that, where the sheet has one. said: what is written below the title;
+    default: the reading of the file.
     """
     titled = stored is not None and sheet.titled
     if sheet.style == "paper":
@@ -76,7 +76,7 @@ def figure(
         if sheet.style == "paper" and layout is not None:
             _letter_panels(fig)
         if stored is not None and titled:
-            _set_title(fig, " · ".join(text for text in (stored.reading, said) if text), str(stored.attrs["title"]))
+            _set_title(fig, stored.reading if said is None else said, str(stored.attrs["title"]))
         _write_numbers(fig)
         set_in_mathematics(fig)
         if layout is not None:
@@ -148,7 +148,12 @@ def page(
         write_below(fig, [*below, *said])
 
     fig = figure(
-        (width or sheet.width, sum(tall for tall, _ in rows) + more), draw, stored, sheet=sheet, said=rest, **options
+        (width or sheet.width, sum(tall for tall, _ in rows) + more),
+        draw,
+        stored,
+        sheet=sheet,
+        said=" · ".join(text for text in (stored.reading if stored is not None else "", rest) if text),
+        **options,
     )
     if high and sheet.style == "paper":
         with rc_context(RC | sheet.settings()):  # else formulas are set in other letters, which stay

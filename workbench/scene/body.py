@@ -164,8 +164,8 @@ class Body:
 
     @cached_property
     def contact_edges(self) -> list[tuple[Array, Array]]:
-        """Where contacts begin and end without a point force, which marks its own edge: the place on the centreline, and
-        the direction of that as it is drawn, (3,)."""
+        """Where contacts begin and end without a point force, whose arrow marks its edge: the place on the centreline,
+        and the direction of that as it is drawn, (3,)."""
         if not isinstance(self.line, varying_lines.FreeLine):
             return []
         s = varying_lines.contact_edges(self.line.s, self.line.push(self.line.s))

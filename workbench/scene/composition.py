@@ -106,6 +106,7 @@ def words_of(scene: Scene) -> tuple[list[tuple[str, str]], list[str]]:
         legend.append((signs.EDGE, "a contact begins or ends"))
     if any(body.pushes for body in bodies):
         legend.append((signs.FORCE, "a point force of the wall" + CUT * _hides_lines(scene, forces=True)))
+    ringed |= not scene.ringed  # without rings the caption says it
     warnings = _impossible_beside(scene.bodies, ringed) if scene.kind.cells != "together" else []
     if len(scene.context) > len(scene.bodies):  # the views of the pictures along an axis stand at one place
         most = max(len(_impossible_beside([body], ringed)) for body in scene.context)

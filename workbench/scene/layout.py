@@ -217,7 +217,17 @@ def _in_lines(
         )
     camera, turned = front_camera(context, lying=True, down=down), -np.radians(azimuth)
     scene = Scene(
-        stored, kind, [[View([body], Cell())]], context, case, camera, settings, notes, heads=HEADS, ringed=False
+        stored,
+        kind,
+        [[View([body], Cell())]],
+        context,
+        case,
+        camera,
+        settings,
+        notes,
+        [f"T{text[1:]}." for text in composition.impossible([body]) if text == composition.ITSELF],
+        heads=HEADS,
+        ringed=False,
     )
     wide, high = (side * settings.dpi for side in room_of(scene))
     lines, ends = long_rod.lines_for(context, (int(wide - 2 * EDGE * settings.dpi), int(high)))

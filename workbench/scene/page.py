@@ -127,12 +127,21 @@ class Scene:
         """What stands below the views, with its width: from where one view is seen, the weight, scale, colour bar."""
         label = self.paint.label
         each = [
-            ("glyph", signs.GLYPH, self.camera.seen_from is not None and len(self.rows[0]) == 1),
+            (
+                "glyph",
+                signs.GLYPH,
+                self.camera.seen_from is not None and len(self.rows[0]) == 1 and not self.compressed,
+            ),
             ("weight", WEIGHT, self.down is not None),
             ("scale", signs.SCALE, True),
             ("bar", max(BAR, fonts.width_of(label, fonts.SMALL)), bool(label)),
         ]
         return {name: wide for name, wide, shown in each if shown}
+
+    @property
+    def compressed(self) -> bool:
+        """Whether what its compressed axis hides is drawn below the view."""
+        return true_scale.is_needed(self.views)
 
     @property
     def along(self) -> float:
@@ -171,7 +180,7 @@ class Page:
     ) -> None:
         self.scene, self.legend, self.notes = scene, legend, notes
         bare, size = scene.settings.bare, size or scene.page_size
-        self.compressed = not bare and true_scale.is_needed(scene.views)
+        self.compressed = not bare and scene.compressed
         self.bare, self.head = bare, (0.0, 0.0) if bare else scene.beside
         self.line, self.more = one_line(list(dict.fromkeys(notes)), size[0] - 2 * canvas.MARGIN)
         self.high_line = fonts.height_of(self.line, fonts.SMALL) + ABOVE_WORDS * bool(self.line)
@@ -196,8 +205,8 @@ class Page:
         if not self.bare:
             below = [] if self.columns_beside else [signs.legend_sign(*entry) for entry in self.legend]
             sentences = [f"{text[:1].upper()}{text[1:].rstrip('.')}." for text in self.more]
-            left_out = self.scene.stored.left_out
-            canvas.write_below(fig, [*sentences, *self.scene.caption, *[left_out] * bool(left_out), *below])
+            facts = [self.scene.stored.left_out, f"{self.scene.stored.reading}." * bool(self.scene.stored.reading)]
+            canvas.write_below(fig, [*sentences, *self.scene.caption, *filter(None, facts), *below])
 
     def panel(self) -> tuple[float, float, float, float]:
         """Lay out the page; returns left, low, width and height of the panel in inches."""
@@ -342,7 +351,7 @@ def least_width(scene: Scene, legend: Sequence[tuple[str, str]], notes: Sequence
     beside = sum(scene.bars.values()) + APART * len(scene.bars) + 0.05 + width_of_legend(legend)
     return 2 * canvas.MARGIN + max(
         fonts.width_of(str(scene.stored.attrs["title"]), fonts.LARGE, bold=True),
-        fonts.width_of(" · ".join(text for text in (scene.stored.reading, scene.case) if text), fonts.NORMAL),
+        fonts.width_of(scene.case, fonts.NORMAL),
         fonts.width_of(notes[0], fonts.SMALL) if notes else 0.0,
         min(beside, WIDE - 2 * canvas.MARGIN),
     )

@@ -20,6 +20,7 @@ from .scene_kinds import Cell, Paint
 from .views import BELOW, DOT
 
 GLYPH, SCALE = 0.62, 1.0  # widths: the cylinder from above, the longest scale bar
+EYE = 0.078  # from a cylinder that is seen from above to the middle of the eye
 RING, OUTLINE = "ring", "outline"  # in place of a colour: an open circle, the outline of a hidden stretch
 # in place of a colour: a line between two marks, an arrow, a tick, a line to words
 GAP, FORCE, EDGE, LEADER = "gap", "force", "edge", "leader"
@@ -76,14 +77,19 @@ def draw_glyph(ax: Axes, x: float, y: float, toward: NDArray[np.float64]) -> Non
     ax.add_patch(Circle(tuple(middle), radius, facecolor=colours.SURFACE, edgecolor=colours.SOFT, linewidth=0.8))
     ax.plot([middle[0], middle[0] + radius], [y, y], color=colours.SOFT, linewidth=0.8)
     way = np.asarray(toward[:2]) * [1, -1] / max(float(np.hypot(*toward[:2])), 1e-9)
-    eye, across = middle + 1.75 * radius * way, np.array([-way[1], way[0]])
+    draw_eye(ax, middle + (radius + EYE) * way, way)
+    if way[0] < 0.8:
+        ax.text(middle[0] + radius + 0.03, y, "α = 0", size=0.75 * fonts.SMALL, color=colours.SOFT, va="center")
+
+
+def draw_eye(ax: Axes, eye: NDArray[np.float64], way: NDArray[np.float64]) -> None:
+    """The eye of a viewer in a direction from the axis, (2,), on a page whose heights go down."""
+    across = np.array([-way[1], way[0]])
     t = np.linspace(-1, 1, 31)[:, None]
     lid = 0.022 * (1 - t**2) * way
     for side in (1, -1):
         ax.plot(*(eye + 0.06 * t * across + side * lid).T, color=colours.INK, linewidth=0.9)
     ax.add_patch(Circle(tuple(eye), 0.014, facecolor=colours.INK, linewidth=0))
-    if way[0] < 0.8:
-        ax.text(middle[0] + radius + 0.03, y, "α = 0", size=0.75 * fonts.SMALL, color=colours.SOFT, va="center")
 
 
 def draw_weight(ax: Axes, x: float, y: float, down: NDArray[np.float64]) -> None:

@@ -15,9 +15,10 @@ from ..figures.views_on_paper import end_view
 from ..words import labels
 from .body import Body
 from .long_rod import UPRIGHT
+from .signs import EYE, draw_eye
 from .views import Camera, View
 
-HIGH = 0.95  # inches of all of it
+HIGH = 1.1  # inches of all of it
 STRIP = 0.24  # inches of the cylinder in the part at true scale
 HOLE = 0.3  # inches, the radius of the cylinder seen along its axis
 APART = 0.3  # inches between the two
@@ -40,13 +41,18 @@ def draw(ax: Axes, view: View, camera: Camera, corner: tuple[float, float], wide
     up = up / np.linalg.norm(up)
     low_side = np.zeros(2) if camera.down is None else (view.turn @ camera.down)[:2]
     size = float(np.linalg.norm(low_side))
-    x, middle = corner[0] + HOLE, corner[1] + HOLE
-    _draw_hole(ax, body, places, -low_side / size if size > UPRIGHT else up, (x, middle))
+    x, middle = corner[0] + 2 * EYE + HOLE, corner[1] + HOLE
+    hole_up = -low_side / size if size > UPRIGHT else up
+    _draw_hole(ax, body, places, hole_up, (x, middle))
     words: dict[str, Any] = {"size": fonts.SMALL, "va": "top"}
-    ax.text(corner[0], middle + HOLE + WORDS, "along the hole", **words)
+    ax.text(corner[0], middle + HOLE + WORDS, "all of the rod\nalong the hole", **words)
+    if camera.seen_from is not None:
+        to_viewer = np.ravel(end_view(camera.toward[None], hole_up)) * [1, -1]
+        to_viewer /= np.linalg.norm(to_viewer)
+        draw_eye(ax, np.array([x, middle]) + (HOLE + EYE) * to_viewer, to_viewer)
     x += HOLE + APART
     low, high = map(labels.number, _draw_part(ax, body, places, up, (x, middle), corner[0] + wide - x))
-    ax.text(x, middle + STRIP / 2 + WORDS, f"at true scale: z = {low} to {high} {unit}", **words)
+    ax.text(x, middle + STRIP / 2 + WORDS, f"a part of it at true scale: z = {low} to {high} {unit}", **words)
 
 
 def _draw_hole(ax: Axes, body: Body, places: Values, up: Values, middle: tuple[float, float]) -> None:
@@ -56,7 +62,6 @@ def _draw_hole(ax: Axes, body: Body, places: Values, up: Values, middle: tuple[f
     x, y = middle[0] + scale * right, middle[1] - scale * above
     ax.add_patch(Circle(middle, HOLE, facecolor=colours.SURFACE, edgecolor=colours.SOFT, linewidth=0.8))
     ax.plot(x, y, color=colours.NEUTRAL, linewidth=2 * body.a * scale * 72, solid_capstyle="round", gid="end view")
-    ax.plot(x, y, color=colours.INK, linewidth=0.8)
 
 
 def _draw_part(
@@ -65,9 +70,10 @@ def _draw_part(
     """Draw the middle part of the rod that has room; returns the heights between which it is [length]."""
     scale, z = STRIP / (2 * body.R), places[:, 2]
     middle, half = float(z.min() + z.max()) / 2, min(wide / scale, float(np.ptp(z))) / 2
-    inside = np.abs(z - middle) <= half
-    x, y = left[0] + scale * (z[inside] - middle + half), left[1] - scale * places[inside, :2] @ up
-    ax.add_patch(Rectangle((left[0], left[1] - STRIP / 2), 2 * half * scale, STRIP, facecolor=colours.SURFACE,
-                           edgecolor=colours.SOFT, linewidth=0.8))  # fmt: skip
-    ax.fill_between(x, y - body.a * scale, y + body.a * scale, color=colours.NEUTRAL, linewidth=0, gid="at true scale")
+    x, y = left[0] + scale * (z - middle + half), left[1] - scale * places[:, :2] @ up
+    wall = Rectangle((left[0], left[1] - STRIP / 2), 2 * half * scale, STRIP, facecolor=colours.SURFACE,
+                     edgecolor=colours.SOFT, linewidth=0.8, gid="at true scale")  # fmt: skip
+    ax.add_patch(wall)
+    band = ax.fill_between(x, y - body.a * scale, y + body.a * scale, color=colours.NEUTRAL, linewidth=0)
+    band.set_clip_path(wall)  # also between stations
     return middle - half, middle + half
