@@ -11,15 +11,16 @@ import numpy as np
 from ..numerics.arrays import Array
 
 _CONJUGATE = np.array([1, -1, -1, -1])
-_SIGNS = np.array([[1, 1, 1, 1], [1, -1, 1, -1], [1, -1, -1, 1], [1, 1, -1, -1]])
-_FIRST, _SECOND = np.indices((4, 4))
-_PRODUCT = np.zeros((4, 4, 4))  # the components of a b are a @ _PRODUCT[k] @ b
-_PRODUCT[_FIRST ^ _SECOND, _FIRST, _SECOND] = _SIGNS  # 1, i, j, k are multiplied as two bits are added, but for signs
+# the components of a b are a @ _PRODUCT[k] @ b: 1, i, j, k are multiplied as two bits are added, but for signs
+_PRODUCT = np.where(
+    np.bitwise_xor.outer(range(4), range(4)) == np.arange(4)[:, None, None],
+    np.array([[1, 1, 1, 1], [1, -1, 1, -1], [1, -1, -1, 1], [1, 1, -1, -1]]),
+    0.0,
+)
 BILINEAR = (_PRODUCT * _CONJUGATE[:, None])[1:]  # the imaginary parts of conj(a) b are a @ BILINEAR[i] @ b
 # the components of the three directors are q @ _ROTATION[d, i] @ q, those of D3 q @ QUADRATIC[i] @ q
 _ROTATION = np.einsum("ikm,jkd->dijm", _PRODUCT[1:] * _CONJUGATE, np.swapaxes(_PRODUCT, 0, 1)[..., 1:])
 QUADRATIC = _ROTATION[2]
-_ORDERS = np.eye(4, dtype=int)
 
 
 def product(a: Array, b: Array) -> Array:
@@ -58,5 +59,6 @@ def end_frame(angles: Array) -> tuple[Array, Array, Array]:
         factor[..., axis] = s, c * sense / 2, -s / 4
     first, second = (product(factors[i][:, None], factors[i + 1]) for i in (0, 2))
     joined = product(first[:, :, None, None], second)
-    by_one, by_two = _ORDERS, _ORDERS[:, None] + _ORDERS
+    by_one = np.eye(4, dtype=int)
+    by_two = by_one[:, None] + by_one
     return joined[0, 0, 0, 0], joined[tuple(by_one.T)], joined[tuple(np.moveaxis(by_two, -1, 0))]
