@@ -49,7 +49,6 @@ SAFETY = 1.25
 # a search ends without its digits
 STEPS, LEAST = 600, 500
 LARGEST = 1e12  # of a number of a rod in units of A and rho, far beyond any rod. x10: as good
-CUT = " in as many steps as a search may take"
 MOVED = ", moved by some waves"
 # of the size of angles: how far a shape is moved from a minimum to find others; twelve times. x10: starts from tangles
 SHAKES = (1.0, 0.3) * 6
@@ -157,7 +156,7 @@ def continue_from(beside: Beside, curves: Sequence[BeginningCurve], tol: float, 
     begun, steps = best.begun, sum(way.steps for way in ways)
     if best.shape is None:
         why = f"no minimum of the energy was found beyond {best.share:.3g} of the way from {begun}"
-        return FreeAnswer(steps=steps, begun=begun, why=why + CUT * beside.effort.cut)
+        return FreeAnswer(steps=steps, begun=begun, why=why + beside.effort.words)
     answer = refine(beside, best.shape, tol)
     return replace(answer, steps=steps + answer.steps, begun=begun, minima=count_of(ways) if lowest else 0)
 
@@ -217,7 +216,7 @@ def refine(beside: Beside, shape: FreeShape, tol: float) -> FreeAnswer:
         if finer is None and anew:
             finer = beside.minimum(curve, 1.0, edges)
         if finer is None:
-            why = f"no minimum of the energy was found on {edges} edges{CUT * beside.effort.cut}"
+            why = f"no minimum of the energy was found on {edges} edges{beside.effort.words}"
             break
         steps += finer.steps
         another = distance(shapes[-1], finer) > APART

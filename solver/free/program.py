@@ -22,8 +22,6 @@ OPTIONS = {
     "barrier_k_epsilon": 100.0,  # how closely each barrier problem is solved: with 10, the default, some steps more
 }
 ENOUGH = 1e-6  # of what Uno may leave of the equations: Newton's method ends them. x10: from there it may fail
-
-
 EACH_STEP = 50  # edges, of which the equations take as long as what a step takes beside them. x10: less effort
 
 
@@ -41,10 +39,18 @@ NEAR = _Search(1e-4, 100)
 
 @dataclass
 class Effort:
-    """What a search may still take: steps, each times the edges of its mesh and `EACH_STEP`; and whether it was cut."""
+    """What a search may still take: steps, each times the edges of its mesh and `EACH_STEP`.
+
+    cut: whether one ended because none was left.
+    """
 
     left: float = np.inf
     cut: bool = False
+
+    @property
+    def words(self) -> str:
+        """Where a search that was cut found nothing; else empty."""
+        return " in as many steps as a search may take" * self.cut
 
 
 class Sizes(NamedTuple):
@@ -170,8 +176,8 @@ class Program:
         for strategy in ("waechter_filter_method", "funnel_method"):
             cost = self.rod.edges + EACH_STEP
             most = int(min(search.most, effort.left // cost))
-            effort.cut |= most < search.most
             if most < 1:
+                effort.cut = True
                 return None
             solver = unopy.UnoSolver()
             solver.set_preset("ipopt")
@@ -180,6 +186,7 @@ class Program:
                 solver.set_option(name, value)
             result = solver.optimize(model)
             effort.left -= cost * result.number_iterations
+            effort.cut |= search.most > most <= result.number_iterations
             left = result.solution_primal_feasibility, result.solution_stationarity, result.solution_complementarity
             if max(left) < ENOUGH:
                 z, multipliers = np.array(result.primal_solution), np.array(result.constraint_dual_solution)

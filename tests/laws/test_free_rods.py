@@ -13,12 +13,12 @@ from scipy.sparse import coo_array
 from scipy.special import ellipe, ellipk
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Start, observe, solve
-from solver.free.beginnings import curves_of, let_go
+from solver.free.beginnings import curve_of, curves_of, let_go
 from solver.free.discrete_rod import HELD_ON, INSIDE, OUTSIDE, DiscreteRod
 from solver.free.free_problem import problems_of
 from solver.free.free_rods import FREE_TOLERANCE, LEAST, SHAKES, distance, estimate, limit, refine
 from solver.free.minimum import minimise
-from solver.free.program import Program
+from solver.free.program import EACH_STEP, FAR, Effort, Program
 from solver.free.quaternions import product
 from solver.free.sinking import Sinking
 from solver.observe.free_numbers import _limit
@@ -308,6 +308,19 @@ def test_a_search_takes_no_more_steps_than_it_may_and_says_so(monkeypatch: pytes
     assert after.solved
     assert "in as many steps as a search may take; a stable equilibrium" in after.outcome
     assert sum(seen) < 2 * 60 * LEAST  # Newton's method takes steps of its own
+
+
+def test_a_search_is_cut_only_where_it_took_all_the_steps_that_were_left() -> None:
+    """A rod in a plane across the axis, pushed off its shape, to which Uno finds back in a few steps."""
+    sol = belt(1.005)
+    shape, (beside,) = sol.trajectory.free.answers[0].shapes[0], problems_of(sol.case)
+    rod, step = shape.rod, shape.rod.edges + EACH_STEP
+    moved = shape.y + 1e-3 * np.random.default_rng(0).normal(size=rod.size) * ~rod.known
+    program = Program(rod, beside.sizes(curve_of(shape)), moved)
+    for steps, cut in ((0.5, True), (2.5, True), (60.5, False)):  # it takes six
+        effort = Effort(steps * step)
+        assert (program.minimise(FAR, effort) is None) == effort.cut == cut
+        assert effort.left >= 0
 
 
 def test_a_finer_mesh_that_leads_to_another_minimum_late_is_left_out(
