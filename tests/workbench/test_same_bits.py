@@ -2,6 +2,8 @@
 each of its cases is the same however it is reached."""
 
 import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +16,7 @@ from tests.slow import slow_but
 from tests.workbench import runs, small
 from tests.workbench.study_kinds import QUICK, STUDIES, pipe_study
 from workbench.run import block, in_memory, plan, shards, worker_processes
-from workbench.run.study_store import RunOptions, run_to_file
+from workbench.run.study_store import Meter, RunOptions, run_to_file
 from workbench.stored import one_case, quantity_variables, stored_case
 from workbench.stored.stored_study import StoredStudy
 
@@ -100,10 +102,17 @@ def test_parts_of_a_study_solved_in_two_places_have_the_bits_of_the_whole(tmp_pa
     study = STUDIES[name]
     monkeypatch.setattr(plan, "BLOCK_ALONE", 2)
     run_to_file(study, tmp_path / "whole.h5", RunOptions(workers=1))
-    paths = [tmp_path / place / "one.h5" for place in ("here", "there")]
+    paths, meters = [tmp_path / place / "one.h5" for place in ("here", "there")], []
+
+    @contextmanager
+    def watch(total: int, done: int) -> Iterator[Meter]:
+        meters.append(Meter(total, done))
+        yield meters[-1]
+
     for k, path in enumerate(paths, 1):
         path.parent.mkdir()
-        ran = run_to_file(study, path, RunOptions(workers=1, part=(k, 2)))
+        ran = run_to_file(study, path, RunOptions(workers=1, part=(k, 2)), progress=watch)
+        assert meters[-1].total == ran.solved, "the time that is left is that of the part"
         assert 0 < ran.solved < plan.plan(study).size
         assert ran.kept.startswith(f"{ran.solved} of ")
         assert not path.exists()

@@ -256,7 +256,6 @@ def _run(
         while statistics is None:
             try:
                 for so_far, start, stop in rounds(work, parts.read_cases):
-                    meter.total = max(meter.total, so_far.size)
                     if options.part is not None:
                         start, stop = work.part(*options.part)
                     _solve(so_far, parts, options, meter, tally, start, stop)
@@ -289,6 +288,7 @@ def _most(work: Plan) -> int:
 def _solve(work: Plan, parts: Shards, options: RunOptions, meter: Meter, tally: Tally, start: int, stop: int) -> None:
     """Solve those of the cases `start` to `stop` that have no shard, and store theirs."""
     missing = shards.gaps_between(shards.shard_ranges(parts.folder, work.todo), start, stop)
+    meter.total = meter.done + sum(last - first for first, last in missing)
     for chunk, results in _results(work, missing, options):
         if isinstance(results, str):
             results = encode(blank_columns(work.study, chunk.cases, results))
