@@ -128,6 +128,27 @@ def test_views_along_an_axis_have_columns_of_one_width_do_not_touch_and_are_as_l
             assert not any((low < other[1]).all() and (high > other[0]).all() for other in boxes[:k])
 
 
+def test_unrolled_views_stand_in_falling_order_where_the_values_of_the_study_fall() -> None:
+    for values, first, last in (([4e4, 1e4, 5e3], 4e4, 5e3), ([1e4, 4e4, 5e3], 5e3, 4e4)):
+        rods = drawn_rods.choose(StoredStudy(in_memory.run(study(small.axis("E", values), OUTPUTS))), unrolled.NAMES)
+        texts = [view.text for view in unrolled.panel_of(rods, (8.0, 5.0), 8.0).views]
+        assert texts[0].startswith(f"E = {first:.0f}")
+        assert texts[-1] == f"{last:.0f}"
+
+
+def test_no_view_of_a_list_stands_before_the_one_that_it_follows() -> None:
+    sizes = np.random.default_rng(0).uniform(0.1, 3.0, (200, 13, 2))
+    stacked = 0
+    for boxes in sizes:
+        boxes[-1] = 0.0  # the key
+        words = np.broadcast_to([0.3, 0.15], boxes.shape)
+        places = arrangement.flow(boxes, words, (9.0, 7.0), 4, even=False, least=1e-3).places[:-1]
+        for before, after in pairwise(places):
+            assert after[1] > before[1] or (after[1] == before[1] and after[0] > before[0])
+            stacked += bool(after[1] > before[1] and after[0] == before[0] > 0)
+    assert stacked
+
+
 def wound(turns: float, side: str = "outside", a: float = 1.0, beta: float = np.radians(80.0)) -> StoredStudy:
     """A helix, with the forces that keep it: A sin^3/rho^2 across the axis."""
     A, R = 200.0, 5.0

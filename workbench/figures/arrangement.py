@@ -108,8 +108,8 @@ def flow(sizes: Values, words: Values, room: tuple[float, float], rows: int, eve
     rows : int
         At most.
     even : bool
-        Whether the columns of all rows stand as in the fullest one; else a box stands below the one before where its
-        row is high enough, as the key does.
+        Whether the columns of all rows stand as in the fullest one; else a box that has no room to the right of the
+        one before stands below it where the row is high enough, and no view follows to the right of it.
     least : float
         The least scale; where it needs more room, that is taken.
     """
@@ -121,10 +121,19 @@ def flow(sizes: Values, words: Values, room: tuple[float, float], rows: int, eve
         for k, (wide, high) in enumerate(boxes):
             last = lines[-1] if lines else None
             is_key = k == count - 1
-            if last and (is_key or not even) and last.has_room_below(wide, high, room[0]):
+            is_below = last is not None and last.has_room_below(wide, high, room[0])
+            is_open = is_key or (last is not None and len(last.columns[-1]) == 1)
+            if last and is_key and is_below:
                 last.columns[-1].append(k)
-            elif last and last.has_room_beside(wide, room[0]) and not (is_key and last.high * wide > high * room[0]):
+            elif (
+                last
+                and is_open
+                and last.has_room_beside(wide, room[0])
+                and not (is_key and last.high * wide > high * room[0])
+            ):
                 last.columns.append([k])
+            elif last and not even and is_below:
+                last.columns[-1].append(k)
             else:
                 lines.append(_Row(boxes, [[k]], GAP if even else APART))
         return lines, boxes
