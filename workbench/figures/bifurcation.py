@@ -246,8 +246,9 @@ def _judge(row: dict[str, Any]) -> tuple[bool, str]:
     if not verdicts:
         return False, ""
     if all(verdict.startswith((HOLDS, QUALIFIED)) for verdict in verdicts):
-        return True, ", no law of the study is false"
-    return False, ", a law is false" if any(v.startswith(FAILS) for v in verdicts) else ", a law is not decided"
+        in_part = any(verdict.startswith(QUALIFIED) for verdict in verdicts)
+        return True, ", every law true" + " at least in part" * in_part
+    return False, ", a law false" if any(v.startswith(FAILS) for v in verdicts) else ", a law not decided"
 
 
 def _look(row: dict[str, Any]) -> tuple[dict[str, Any], str]:
