@@ -154,7 +154,7 @@ def draw(found: dict[str, float], path: Path = PICTURE) -> None:
             axes.plot(np.where(push >= -1e-5, force, np.nan), height, color=colour, lw=2.5)
         for number, (force, height) in enumerate(zip(loads, heights, strict=False), 1):
             axes.plot(force, height, "o", color=colours.INK, ms=4)
-            axes.annotate(f"{number}: {force:.4g}", (force, height), (6, 6), textcoords="offset points",
+            axes.annotate(f"{number}, F = {force:.4g}", (force, height), (6, 6), textcoords="offset points",
                           size=fonts.small())  # fmt: skip
         for text, place, colour in (("straight", (1.83, 0.015), colours.SOFT),
                                     ("sinusoid", (3.12, -0.09), colours.PAIR[1]),

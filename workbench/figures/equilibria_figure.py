@@ -109,7 +109,7 @@ def loops(stored: StoredStudy, sheet: Sheet = SCREEN) -> Figure:
     for k in range(count):
         loop = stored.select({"equilibrium": k})
         index, waves = int(loop["index"]), int(loop["folds"])
-        stable = f"unstable ({index})" if index else "stable"
+        stable = f"unstable in {index} way{'s' * (index > 1)}" if index else "stable"
         text = (
             f"{k + 1}: {waves} wave{'s' * (waves > 1)}\n{stable}\n{labels.value(float(loop['energy']), loop['energy'])}"
         )
@@ -118,7 +118,7 @@ def loops(stored: StoredStudy, sheet: Sheet = SCREEN) -> Figure:
     panel = unrolled.UnrolledPanel(shapes, _room(sheet), sheet.small, unit, bar=push)
     said = [
         f"The rod lies {stored.attrs['side']}.",
-        "Below each number the energy. Unstable (2): in 2 ways, as a closed rod whose section is free to turn.",
+        "Below each number the energy. The ways are those of a closed rod whose section is free to turn.",
     ]
     return canvas.page(stored, sheet, [(panel.height, [panel.draw])], said, panel.below)
 
