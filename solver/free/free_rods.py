@@ -276,7 +276,7 @@ def trajectory_of(case: Case, answers: Sequence[FreeAnswer], t: Array, tol: floa
     """The dead loads of the answers, and the answers at stations t (B, n)."""
     alongs, loads = [], []
     for answer, times in zip(answers, t, strict=True):
-        alongs.append(answer.shapes[-1].at(times) if answer.shapes else Along.blank(times.size))
+        alongs.append(answer.shapes[-1].at_stations(times) if answer.shapes else Along.blank(times.size))
         loads.append(limit([shape.far_loads for shape in answer.shapes[-MESHES:]]) if answer.shapes else [np.nan] * 6)
     along = Along(*(np.stack(parts) for parts in zip(*alongs, strict=True)))
     numbers = np.array(loads)

@@ -164,7 +164,8 @@ class FreeShape:
     def _known_angles(self) -> Array:
         """The four angles at the nodes without jumps, (4, N + 1)."""
         turned = np.unwrap(self._angles(self.nodes, self.x, self._directors(self.nodes)))
-        turns = whole_turns(self.angles[:4] - turned[:, 0]) * [1, 1, 0, 1]  # a tilt has none
+        k = int(np.cos(self.angles[2]) < 0)  # a hinge that turned over is off by half turns; if both are, less a radian
+        turns = whole_turns(self.angles[4 * k :][:4] - k - turned[:, -k]) * [1, 1, 0, 1]  # a tilt has none
         return turned + turns[:, None]
 
     def _directors(self, t: Array) -> Array:
@@ -200,6 +201,19 @@ class FreeShape:
         d1, force = -(c * D[:, 0] + s * D[:, 1]), between(t, self.middles, self.forces)
         rate = np.interp(t, self.nodes, np.gradient(self._known_angles[1], self.rod.h))
         return Along(x, radius, turned, rate, D[:, 2], d1, force, moment, self.push_at(t))
+
+    def at_stations(self, t: Array) -> Along:
+        """The rod at stations t (n,), the ends of hinges that turned over in the angles in which they are given.
+
+        There beta is that of the hinge, and the tilt from it beyond a right angle: between the ends the frame has beta
+        and rotation turned by pi, the tilt the other way round, and so M2 the other sign.
+        """
+        along = self.at(t)
+        for k in np.flatnonzero(np.cos(self.angles[2::4]) < 0):
+            end, given = k * self.rod.span, self.angles[4 * k :][:4]
+            given = given - [0, 0, whole_turns(given[2]), -self.rod.twist * end]
+            along.turned[:, np.abs(t - end) <= NEGLIGIBLE * self.rod.span] = given[:, None]
+        return along
 
 
 def angles_at(alpha: Array, D: Array) -> Array:

@@ -562,8 +562,28 @@ def test_a_tilt_is_an_angle_to_a_plane_however_far_a_hinge_turns() -> None:
     ends = Ends(0.368, FZ=-0.338, azimuth=-1.629, rotation=-0.146, M20=0.084, M1L=0.0, radius0=1.2)
     sol = solve(Case(Rod(EI=1.0, GJ=0.909, a=0.1, L=9.448, weight=0.0156), wall, ends))
     assert sol.solved
-    assert np.abs(sol.tilt).max() <= np.pi / 2
+    assert abs(sol.tilt[0]) <= np.pi
+    assert np.abs(sol.tilt[1:]).max() <= np.pi / 2
     assert sol.tilt[-1] == pytest.approx(0, abs=1e-9)
+
+
+@pytest.mark.parametrize("reverse", [False, True])
+def test_numbers_that_are_given_at_a_hinge_that_turns_over_are_observed_as_given(reverse: bool) -> None:
+    """From either end: a rod that is turned round about a radius keeps its angles, and its moment M2."""
+    angles, hinge, off = (0.3, 0.4), ("M20", "M2L")[reverse], ("radiusL", "radius0")[reverse]
+    ends = Ends(*angles[:: 1 - 2 * reverse], FZ=0.1, gamma=0.2, rotation=0.5, **{hinge: 2.0, off: 1.5})
+    sol = solve(Case(Rod(EI=1.0, GJ=0.8, a=0.1, L=4.0), Cylinder(0.9, contact="unilateral"), ends), stations=9)
+    assert sol.solved, sol.outcome
+    over = -reverse
+    assert abs(sol.tilt[over]) > np.pi / 2
+    assert (sol.beta[0], sol.beta[-1]) == pytest.approx((ends.beta0, ends.betaL), abs=1e-6)
+    assert sol.M2[over] == pytest.approx(2.0, rel=1e-3)  # the moment of a joint, to second order in the edges
+    assert sol.gamma[-1] - sol.gamma[0] == pytest.approx(0.5, abs=1e-6)
+    across = np.cos(sol.tilt) * np.sin(sol.beta)
+    x = np.sin(sol.tilt) * np.cos(sol.alpha) - across * np.sin(sol.alpha)
+    y = np.sin(sol.tilt) * np.sin(sol.alpha) + across * np.cos(sol.alpha)
+    tangent = np.column_stack([x, y, np.cos(sol.tilt) * np.cos(sol.beta)])
+    assert tangent == pytest.approx(sol.tangent, abs=1e-6)
 
 
 def test_a_rod_off_the_wall_without_an_axial_force_has_none_at_either_end() -> None:
