@@ -11,7 +11,7 @@ import xarray as xr
 from solver.observe.observables import OBSERVABLES
 from tests.workbench import forked, small
 from workbench.commands.fidelity import FIDELITIES, OFF_WALL
-from workbench.lab import trade, work_precision
+from workbench.lab import measured_runs, trade, work_precision
 from workbench.lab.benchmark import available_ladders, measure
 from workbench.lab.trade_runs import CASES, advice, reference
 from workbench.run import in_memory
@@ -94,6 +94,18 @@ def test_a_diagram_draws_every_rung_that_was_tried_failures_as_crosses(ds) -> No
         drawn = {line.get_marker(): line for line in ax.lines if len(line.get_xdata()) and line.get_marker() in "ox"}
         assert len(drawn["x"].get_xdata() if "x" in drawn else ()) == crosses
         assert len(drawn["o"].get_xdata() if "o" in drawn else ()) == 8 - crosses
+
+
+def test_the_crosses_of_each_method_have_a_height_of_their_own() -> None:
+    from matplotlib.figure import Figure
+
+    stored = StoredStudy(reading.read(measured_runs.SHIPPED / "trade.h5", study=False))
+    for case in work_precision.cases_to_show(stored):
+        ax = work_precision.panel(stored, Figure().add_subplot(), case)
+        crosses = [line for line in ax.lines if line.get_marker() == "x"]
+        heights = {float(height) for line in crosses for height in line.get_ydata()}
+        assert len(heights) == len(crosses) == len({line.get_color() for line in crosses})
+        assert all(work_precision.LOST < height < work_precision.TOP for height in heights)
 
 
 def test_a_method_that_hands_over_has_two_lines_and_no_line_between_them(ds) -> None:

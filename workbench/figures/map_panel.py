@@ -17,6 +17,7 @@ from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
 from solver.problem.errors import InputError
+from studies.grammar.axes import SAMPLE
 
 from ..stored import selection
 from ..stored.stored_study import StoredStudy
@@ -30,7 +31,11 @@ DECADES = 1e3  # ratio of the values from which their colours are logarithmic
 MOST_COLOURS = 256  # counts, each with a colour of its own
 MOST_CLASSES = 24  # of a count, with a border between each two
 MOST_SAMPLES = 2500  # points that a map shows
-BARRED = "would lift off away from its ends, or pass through itself"
+BARRED = (
+    "a case that no real rod takes",
+    "No real rod takes a shape that would lift off away from its ends, or pass through itself.",
+)
+DENSE = ", dense where a number changes"  # of the cases of a refined study
 SAMPLES: Any = {"color": colours.INK, "linestyle": "none", "markeredgewidth": 0.4, "alpha": 0.6}
 MOST_SHAPES, FILL = 12, 0.86  # shapes along an axis; of the room of a shape that it fills
 HALO = withStroke(linewidth=2.2, foreground="white", alpha=0.75)
@@ -95,10 +100,12 @@ def entries(panels: list[Cells], shown: tuple[str, ...]) -> list[str | Artist]:
     barred = np.concatenate([panel.samples()[2] for panel in panels])
     most = max(panel.samples()[2].size for panel in panels)
     few = f" (one of {-(-most // MOST_SAMPLES)} is shown)" if most > MOST_SAMPLES else ""
+    dense = DENSE if SAMPLE in panels[0].source.sizes else ""
+    is_mixed = bool(barred.any() and not barred.all())
     legend: list[Artist] = [
         Line2D([], [], label=label, marker=mark, **SAMPLES)
-        for mark, label in ((".", f"a case{few}"), ("x", f"a case: {BARRED}"))
-        if barred.any() and not barred.all()
+        for mark, label in ((".", f"a case{few}{dense}"), ("x", BARRED[0]))
+        if is_mixed
     ]
     numbers = [(np.isnan(panel.values(name)) & panel.solved, panel.unbent(name)) for panel in panels for name in shown]
     framed: Any = {"edgecolor": colours.SOFT, "linewidth": 0.6}
@@ -117,7 +124,11 @@ def entries(panels: list[Cells], shown: tuple[str, ...]) -> list[str | Artist]:
     ):
         legend += [Patch(label=label, **look)] * bool(occurs)
     unchecked, cases = sum(panel.unchecked for panel in panels), sum(panel.solved.size for panel in panels)
-    return [*legend, *[f"{unchecked} of {cases} rods were not checked for all cautions."] * bool(unchecked)]
+    return [
+        *legend,
+        *BARRED[1:] * is_mixed,
+        *[f"{unchecked} of {cases} rods were not checked for all cautions."] * bool(unchecked),
+    ]
 
 
 def _number_regions(ax: Axes, cells: Cells, values: Values, scale: Colours, inches: tuple[float, float]) -> None:

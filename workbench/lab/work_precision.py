@@ -1,7 +1,6 @@
 """Work-precision diagrams of a stored trade: error against seconds or evaluations, a panel for each of six cases."""
 
 from functools import partial
-from textwrap import fill
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,9 +24,10 @@ if TYPE_CHECKING:
 
 COSTS = {"seconds": "seconds of the whole call", "evaluations": "evaluations of the equation"}
 LOST = 1.0  # an error of this size and more has no correct digit
-FLOOR, TOP = 1e-16, 1e1  # the range of errors that is shown; an error of 0 is drawn at its lower end
+FLOOR, TOP = 1e-16, 1e4  # the range of errors that is shown; an error of 0 is drawn at its lower end
 PANEL, LEGEND = (3.2, 2.1), 1.6  # inches
 MOST = 6  # panels
+ERRORS = "Errors: of the angle in radians, or of the position over max(ρ, L), whichever is larger."
 # shown where more cases are measured, in words
 SHOWN = {
     "force-first/tension": "start: Table 1, pulled by 8.7 N",
@@ -51,7 +51,6 @@ def figure(stored: StoredStudy, cost: str = "seconds", sheet: Sheet = SCREEN) ->
         raise no_such("cost", cost, measured)
     cases = cases_to_show(stored)
     columns = min(1 if sheet.narrow else 3, len(cases))
-    lines = -(-len(cases) // columns)
     which = f", {len(cases)} of {stored.sizes['case']} cases" if len(cases) < stored.sizes["case"] else ""
     title = str(stored.attrs["title"])
     titled = stored.with_title(title and f"{title}: {COSTS[cost]}{which}")
@@ -64,22 +63,23 @@ def figure(stored: StoredStudy, cost: str = "seconds", sheet: Sheet = SCREEN) ->
         ax.tick_params(labelleft=i % columns == 0)
         ax.set_xlabel(COSTS[cost] if i + columns >= len(cases) else "")
         if i == 0:
-            error, fig = "error of the angle in radians, or of the position over max(ρ, L)", ax.get_figure(root=True)
+            fig = ax.get_figure(root=True)
             assert fig is not None
-            fig.supylabel(error if lines > 2 else fill(error, 34), size=fonts.normal())
+            fig.supylabel("error of angle or position", size=fonts.normal())
 
     rows = canvas.in_rows([partial(draw, i) for i in range(len(cases))], columns, PANEL[1])
-    return canvas.page(titled, sheet, rows, _entries(stored), LEGEND, width=max(sheet.width, 2 * PANEL[0]))
+    return canvas.page(titled, sheet, rows, [*_entries(stored), ERRORS], LEGEND, width=max(sheet.width, 2 * PANEL[0]))
 
 
 def panel(stored: StoredStudy, ax: Axes, case: str, cost: str = "seconds") -> Axes:
-    """One case: a line a method over its ladder; a failed rung is a cross at the top. Raises `InputError`.
+    """One case: a line a method over its ladder, crosses at the top for failed rungs. Raises `InputError`.
 
-    Rungs that a method handed over to another are a line of their own.
+    The crosses of each method have a height of their own. Rungs that it handed over to another are a line of their own.
     """
     if case not in stored["case"].values:
         raise no_such("case", case, [str(name) for name in stored["case"].values])
     rows = stored.part(case=case)
+    failed: list[tuple[NDArray[np.float64], str]] = []
     for method in stored["ladder"].values:
         climb = rows.part(ladder=str(method))
         outcome = climb["outcome"].values.astype(str)
@@ -102,7 +102,7 @@ def panel(stored: StoredStudy, ax: Axes, case: str, cost: str = "seconds") -> Ax
                 **{"markeredgewidth": 0, **fill},
             )
         bad = tried & ~good
-        ax.plot(spent[bad], np.full(bad.sum(), TOP / 2), "x", color=colour, markersize=4, markeredgewidth=1.1, zorder=3)
+        failed += [(spent[bad], colour)] * bool(bad.any())
         if np.char.startswith(outcome, "not run").any() and good.any():
             last = np.flatnonzero(good)[-1]
             ax.plot(
@@ -115,6 +115,9 @@ def panel(stored: StoredStudy, ax: Axes, case: str, cost: str = "seconds") -> Ax
                 markeredgewidth=0.9,
                 zorder=5,
             )
+    heights = np.geomspace(TOP, LOST, len(failed) + 2)[1:-1]
+    for (spent, colour), height in zip(failed, heights, strict=True):
+        ax.plot(spent, np.full(spent.size, height), "x", color=colour, markersize=4, markeredgewidth=1.1, zorder=3)
     ax.axhline(LOST, color=colours.FAINT, linewidth=1, zorder=1)
     ax.set(xscale="log", yscale="log", ylim=(FLOOR / 2, TOP))
     ax.set_yticks([10.0**k for k in range(-15, 1, 3)])
