@@ -77,7 +77,7 @@ class Sinking:
             times.append(times[-1] + time)
             ways.append(ways[-1] + gone)
             shape = ahead
-            rest = goal if gone > AT_REST * aim else minimise(self.rod, shape.y, self.sizes, shape.multipliers)
+            rest = goal if gone > AT_REST * aim else self.step(shape, np.inf)
             if rest is not None and far(shape, rest) < THERE * aim:
                 rest = goal if far(rest, goal) < THERE * aim else rest
                 return np.array(times), np.append(ways, ways[-1] + far(shape, rest)), rest
