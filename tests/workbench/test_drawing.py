@@ -44,6 +44,16 @@ def test_a_drawing_of_a_cable_is_true_to_scale_and_has_the_stored_numbers(cables
     np.testing.assert_allclose([x1 - x, y1 - y], [float(one["height"]) * scale, 120 * scale], rtol=1e-9)
 
 
+def test_a_drawing_of_one_rod_of_a_study_says_which_beside_it_and_in_its_caption(cables) -> None:
+    stored = StoredStudy(cables)
+    for at in ({}, {"lay": np.radians(-75)}):
+        case = stored.equations(stored.place(at))
+        fig = drawing.figure(stored, at=at)
+        (line,) = [text.get_text() for text in fig.axes[0].texts if "scale" in text.get_text()]
+        assert line.startswith(f"{case}, length")
+        assert f"The rod: {case}, length" in canvas.caption(fig)[0]
+
+
 def test_a_drawing_dashes_what_the_drum_hides_and_nothing_else(cables) -> None:
     stored = StoredStudy(cables)
     place = np.moveaxis(stored.along("position").isel(lay=1).values, -1, 0)  # x up, y towards the eye, z to the right
@@ -121,6 +131,9 @@ def test_a_cable_whose_end_is_held_off_its_drum_has_a_side_view_and_an_end_view_
         assert text in texts
     (line,) = [text for text in texts if "scale" in text]
     assert f"on the wall at s = 0 to {at:.4g} mm, up to 994 mm off it" in line
+    hoop = float(stored["rho"])  # this rod lies on its drum across the axis: a circle
+    assert float(line.split(" turns = ")[1].split("°")[0]) == pytest.approx(np.degrees(at / hoop), rel=1e-3)
+    assert "azimuth of the end 200°" in line
     scale = 1 / float(line.split("scale 1:")[1])
     assert np.log10(scale) % 1 == pytest.approx(0, abs=1e-9) or f"{scale:e}"[0] in "25"
     (drum,) = [patch for patch in ax.patches if isinstance(patch, Circle)]

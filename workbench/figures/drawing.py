@@ -60,14 +60,15 @@ def figure(stored: StoredStudy, at: Mapping[str, float] | None = None, sheet: Sh
         As of `drawn_rods.choose`.
     """
     stored = stored.coarse()
-    chosen = stored.select(stored.place(at))
+    where = stored.place(at)
+    chosen = stored.select(where)
     rods = drawn_rods.choose(chosen, ("alpha", "beta", "z"))
     rod, R, side = rods.solved[0], float(chosen["R"]), str(chosen.attrs["side"])
     height, pitch = (float(value) for value in drawn_rods.numbers(chosen, "height", "pitch"))
     unit = partial(_with_unit, units=chosen.units)
     free = chosen.at() if chosen.leaves else None
     view = views_of(rod, chosen.units["length"], R, sheet, _forces(free, chosen.units) if free else None)
-    line, said = _words(chosen, rod, view, free, unit)
+    line, said = _words(chosen, rod, view, free, unit, stored.equations(where))
 
     def draw(fig: Figure) -> None:
         title = canvas.write_title(fig, str(stored.attrs["title"]), "") if sheet.titled else 0.0
@@ -109,14 +110,17 @@ def figure(stored: StoredStudy, at: Mapping[str, float] | None = None, sheet: Sh
 
 
 def _words(
-    chosen: StoredStudy, rod: drawn_rods.DrawnRod, view: Views, free: Solution | None, unit: Length
+    chosen: StoredStudy, rod: drawn_rods.DrawnRod, view: Views, free: Solution | None, unit: Length, case: str
 ) -> tuple[str, list[str]]:
-    """The line below the views, and the sentences of the caption."""
-    turns, height, kappa = (float(value) for value in drawn_rods.numbers(chosen, "turns_around", "height", "kappa_max"))
-    parts = [f"length {unit('L', float(chosen['L']))}"]
+    """The line below the views, and the sentences of the caption. case: where on the axes of its study the rod is."""
+    height, kappa = (float(value) for value in drawn_rods.numbers(chosen, "height", "kappa_max"))
+    parts = [*[case] * bool(case), f"length {unit('L', float(chosen['L']))}"]
     parts += [] if view.whole else [f"along the axis {unit('L', abs(height))}"]
-    parts += [f"wrap {plain(turns)} turns = {plain(360 * turns)}°"]
+    if wrap := _wrap(rod, free):
+        parts += [f"wrap {plain(wrap / 360)} turns = {plain(wrap)}°"]
     if free:
+        (turns,) = (float(value) for value in drawn_rods.numbers(chosen, "turns_around"))
+        parts += [f"azimuth of the end {plain(360 * turns)}°"]
         (gap,) = (float(value) for value in drawn_rods.numbers(chosen, "gap_max"))
         where = (
             free_rods.places_of_contact(free, chosen.units["length"]) if free.contacts else "nowhere between its ends"
@@ -134,6 +138,15 @@ def _words(
         said += [f"{text[0].upper()}{text[1:]}." for text in free_rods.sentences(free, chosen.units)]
     said += ["The rod is thinner than its line."] if 2 * rod.a * view.mm < HAIR else []
     return line, [*said, *([] if view.whole else ["A part of the rod is drawn, from s = 0."])]
+
+
+def _wrap(rod: drawn_rods.DrawnRod, free: Solution | None) -> float:
+    """The angle round the axis in degrees along which a rod lies on the wall, positive if alpha grows.
+
+    free: the solution of a rod that may leave the wall, with its contacts; any other lies on the wall everywhere.
+    """
+    edges = np.array(free.contacts if free else [rod["s"][[0, -1]]]).reshape(-1, 2)
+    return float(np.degrees(np.diff(np.interp(edges, rod["s"], rod["alpha"])).sum()))
 
 
 def _lay(view: Views) -> str:
