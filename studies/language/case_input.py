@@ -37,6 +37,8 @@ class CaseInput:
     ----------
     source
         The file, Table 1 or the options, in words.
+    title
+        Of a study of this case alone: that of the study of the file, with what differs; else what `source` says.
     assumed
         Field -> default value, of the fields that the input did not give.
     study
@@ -61,6 +63,11 @@ class CaseInput:
     wound: bool = False
     place: dict[str, float] = field(default_factory=dict)
     stand_ins: dict[str, float] = field(default_factory=dict)
+    title: str = ""
+
+    def __post_init__(self) -> None:
+        if not self.title:
+            object.__setattr__(self, "title", f"One rod, from {self.source}")
 
 
 def read_case(
@@ -102,6 +109,7 @@ def read_case(
             study=study,
             which=study.equilibrium,
             stand_ins=_stand_ins(changes if values else study.base.given, study.unit_system),
+            title=f"{study.title}{changed}",
         )
     if table1 or reading is not None or not (values or units):
         if units:

@@ -15,10 +15,12 @@ from solver.problem.case import SIDES, SLIDING, STIFFNESS
 from solver.problem.declared_fields import FIELDS, PAIRS, PARTS
 from studies import loads
 from studies.language.case_input import read_case
-from tests.workbench.command import exit_status
+from tests.workbench import small
+from tests.workbench.command import exit_status, run
 from workbench import cli
 from workbench.commands.case_options import ENDS_FIELDS, HELD, help_of
 from workbench.run import in_memory
+from workbench.stored import reading
 from workbench.stored.stored_study import StoredStudy
 
 PARTS_OF = {"rod": {Rod}, "cylinder": {Cylinder}, "start": {Start}, "ends": {Ends}, "start or ends": {Start, Ends}}
@@ -302,3 +304,18 @@ def test_what_stands_in_place_of_a_field_is_given_of_options_and_of_a_file_that_
     changed = read_case(tmp_path / "pipe.toml", {"inclination": "90deg"}, {})
     assert changed.case.cylinder.inclination == pytest.approx(pi / 2)
     assert changed.stand_ins == {"wob": 200.0}
+
+
+@pytest.mark.parametrize(
+    "axis, options, title",
+    [("", "", "A short rod"), ("", "--E 2e4", "A short rod, except E"),
+     ("F3", "--at F3=2", "A short rod, F3 = 2")],
+)  # fmt: skip
+def test_a_rod_of_a_study_is_stored_under_the_title_of_the_study_with_what_differs(
+    tmp_path, monkeypatch, axis: str, options: str, title: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    base = small.SHORT | {"beta": 0.5, "dbeta": 0.5, "M3": 0.0} | ({} if axis else {"F3": 1.0})
+    Path("short.toml").write_text(small.text(base, axis and small.axis(axis, [1.0, 2.0]), title="A short rod"))
+    run(f"workbench solve short.toml {options} -o one.h5")
+    assert reading.read("one.h5").attrs["title"] == title

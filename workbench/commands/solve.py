@@ -159,7 +159,7 @@ def solve(
 
     def study(name: str = "rod") -> "Study":
         taken = which is not None or not (base.case.varies or base.case.leaves)  # else there is no list of equilibria
-        plain = loads(text_of_solution(f"One rod, from {base.source}", base.units, before, taken))
+        plain = loads(text_of_solution(base.title, base.units, before, taken))
         settings: dict[str, Any] = {"tol": tol, "stations": sol.t.shape[-1]}
         settings |= (
             {"name": name} | ({} if method is None else {"method": method}) | ({"let_go": True} if let_go else {})

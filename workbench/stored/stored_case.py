@@ -69,7 +69,8 @@ def case_at(study: Study, at: Mapping[str, Any], values: Mapping[str, Any], name
     source = f"{named or study.title}{changed}"
     which = study.equilibrium
     taken = with_values(case, in_units(changes, study.unit_system), study.unit_system)
-    return CaseInput(taken, study.unit_system, source, study=study, which=which, place=place)
+    where = ", ".join([study.title, *(in_words(field, value) for field, value in place.items())])
+    return CaseInput(taken, study.unit_system, source, study=study, which=which, place=place, title=where + changed)
 
 
 def open_case(file: Path, values: Mapping[str, Any]) -> CaseInput:
