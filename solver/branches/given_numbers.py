@@ -17,7 +17,7 @@ from .charts import Chart
 from .orbit_rates import NUMBERS, OrbitRates
 
 FREE = ("beta0", "betaL", "lam", "mu", "phi")  # what a state consists of, beside its path
-LOADS = FREE[2:]  # each is one of the five parts itself
+ANGLES, LOADS = FREE[:2], FREE[2:]  # of the ends; each load is one of the five parts itself
 _AT = {name: k for k, name in enumerate(NUMBERS)}
 
 
@@ -124,7 +124,7 @@ def size_of(problem: EndsProblem, chart: Chart, dx: float, change: Array) -> flo
     if not chart.scale > 0:  # the level is that of a saddle to rounding: every change is large
         return np.inf
     sizes, loads = [abs(dx) / chart.scale], 1 + float(load_size(problem)[0])
-    sizes += [abs(float(change[_AT[name]])) / (1 if name in FREE[:2] else loads) for name in FREE]
+    sizes += [abs(float(change[_AT[name]])) / (1 if name in ANGLES else loads) for name in FREE]
     return max(sizes) if np.isfinite(sizes).all() else np.inf
 
 

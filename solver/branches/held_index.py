@@ -17,10 +17,9 @@ from ..numerics.arrays import DOUBTFUL, NEGLIGIBLE, Array
 from ..orbits.path_orbits import energies, orbit_of
 from ..orbits.periodic_orbit import helix_half_waves
 from ..orbits.potential import load_size, potential, slope_rate
-from .given_numbers import Given, OrbitState
+from .given_numbers import ANGLES, Given, OrbitState
 from .orbit_rates import NUMBERS, OrbitRates
 
-_ANGLES = ("beta0", "betaL")
 _RESTS = 1e-7  # beta_t at both ends of a rod that rests at both, in units of the loads. x10: slow starts have no index
 
 
@@ -36,14 +35,14 @@ def held_index(rates: OrbitRates, ratio: Array, names: tuple[str, ...], leaving:
 
 def _compliance_of(rates: OrbitRates, ratio: Array, names: tuple[str, ...]) -> tuple[tuple[str, ...], Array]:
     """The two given numbers of the ends, and the block of the compliance of the k held displacements, (B, k, k)."""
-    ends = tuple(name for name in names if name.endswith(_ANGLES))
+    ends = tuple(name for name in names if name.endswith(ANGLES))
     held = [k for k, name in enumerate(("z", "alpha", "turn")) if name in names]  # in the order of `compliance`
     if not held:
         return ends, np.empty((len(rates.values), 0, 0))
     return ends, rates.compliance(ratio, ends)[:, held][:, :, held]
 
 
-def dead_index(rates: OrbitRates, leaving: Array, turns: Array, ends: tuple[str, ...] = _ANGLES) -> Array:
+def dead_index(rates: OrbitRates, leaving: Array, turns: Array, ends: tuple[str, ...] = ANGLES) -> Array:
     """The Morse index under dead loads, with two given numbers of the ends."""
     passed = half_turns(rates, leaving, turns, ends)
     index = np.maximum(np.ceil(passed), 0.0)
@@ -56,7 +55,7 @@ def half_turns(rates: OrbitRates, leaving: Array, turns: Array, ends: tuple[str,
     """By how many half turns the phase passes the condition at the far end, (B,): a whole number at a fold under dead
     loads."""
     unit = np.sqrt(1 + load_size(rates.problem))  # of beta_t
-    beta0, betaL, v0, vL = (rates.rows[:, NUMBERS.index(name), :2] for name in (*_ANGLES, "dbeta0", "dbetaL"))
+    beta0, betaL, v0, vL = (rates.rows[:, NUMBERS.index(name), :2] for name in (*ANGLES, "dbeta0", "dbetaL"))
     arriving = np.where(turns % 2 == 0, leaving, -leaving)
     with np.errstate(all="ignore"):
         start = v0 if ends[0] == "dbeta0" else beta0
@@ -168,7 +167,7 @@ def _helix_index(state: OrbitState, ends: tuple[str, ...]) -> float:
 def dead_index_of(state: OrbitState) -> float:
     """The Morse index under dead loads between its own end angles; NaN where it is not decided."""
     if state.path.helix:
-        return _helix_index(state, _ANGLES)
+        return _helix_index(state, ANGLES)
     rates, pace = state.rates, np.sqrt(1 + load_size(state.problem))
     if (np.maximum(np.abs(rates.value("dbeta0")), np.abs(rates.value("dbetaL"))) < _RESTS * pace).all():
         return np.nan  # beta_t itself is a direction of no stiffness

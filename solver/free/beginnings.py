@@ -24,7 +24,6 @@ from .quaternions import directors, end_frame, product
 EACH, FEWEST, MOST = 16, 401, 20_001
 WIDEST = 2.405  # of a bow whose ends are at one height: just beyond the first zero of J0. x10: J0 has other zeros there
 BILATERAL = "the bilateral shape"
-FORCE_KEPT = "whose axial force is kept: held ends as far apart as the rod is long leave it open"
 
 
 def bilateral_cases(case: Case) -> list[Case]:
@@ -64,7 +63,8 @@ def let_go(sol: ShapeArrays, curves: Sequence[BeginningCurve | None]) -> tuple[C
     free = Case(case.rod, wall, held(height=height * case.rho))
     if not all(is_taut(beside.rod) for beside in problems_of(free)):
         return free, list(curves)
-    kept = [curve and replace(curve, name=f"{curve.name}, {FORCE_KEPT}") for curve in curves]
+    why = "whose axial force is kept: held ends as far apart as the rod is long leave it open"
+    kept = [curve and replace(curve, name=f"{curve.name}, {why}") for curve in curves]
     return Case(case.rod, wall, held(FZ=sol.FZ)), kept
 
 
