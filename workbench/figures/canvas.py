@@ -316,11 +316,25 @@ def write_below(fig: Figure, said: Said) -> None:
     once = {fonts.break_lines(label, room, fonts.small()): entry for label, entry in entries.items()}
     if not once:
         return
-    words = [line for label in once for line in label.split("\n")]
-    widest = max((HANDLE + fonts.width_of(line, fonts.small()) for line in words), default=1.0)
+    widest = HANDLE + max(fonts.width_of(label, fonts.small()) for label in once)
     columns = max(1, min(len(once), int((width + 0.1) / widest)))
     fig.legend(list(once.values()), list(once), ncols=columns, loc="outside lower left", alignment="left",
                handlelength=1.8, handleheight=1.2)  # fmt: skip
+
+
+def draw_arrow(
+    ax: Axes,
+    start: Any,
+    tip: Any,
+    style: str = "-|>",
+    colour: str = INK,
+    width: float = 1.0,
+    order: float = 3.0,
+    **look: Any,
+) -> None:
+    """An arrow between two places of axes; width: points of its line; look: further options of its patch."""
+    arrow = {"arrowstyle": style, "color": colour, "linewidth": width, "shrinkA": 0, "shrinkB": 0, **look}
+    ax.annotate("", tuple(tip), tuple(start), arrowprops=arrow, zorder=order, annotation_clip=False)
 
 
 def colour_bar(beside: Sequence[Axes], colours: ScalarMappable, label: str = "", **where: Any) -> Colorbar:

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Arc
 
-from . import colours, fonts
+from . import canvas, colours, fonts
 from .sheet import MILLIMETRES
 from .views_on_paper import PAST, Views
 
@@ -18,13 +18,7 @@ AWAY, ARC = 7.0, 9.0  # millimetres of a dimension line from what it measures; r
 BEYOND = 1.0  # of extension lines beyond their dimension line; its words stand past them
 LEADER = (5.0, 6.0)  # to the left of the rod and away from it: below the words of the pitch
 CLOSE = 1e-3  # relative: of the distance of two turns to the pitch
-ARROW: dict[str, Any] = {
-    "arrowstyle": "<|-|>,head_length=0.35,head_width=0.13",
-    "shrinkA": 0,
-    "shrinkB": 0,
-    "linewidth": FINE,
-    "color": colours.INK,
-}
+BETWEEN = "<|-|>,head_length=0.35,head_width=0.13"  # the arrow of a dimension line
 PLATE: dict[str, Any] = {"facecolor": "white", "edgecolor": "none", "pad": 1}
 
 Length = Callable[[str, float], str]  # the name of a quantity and its value, in words with its unit
@@ -38,18 +32,13 @@ def dimension(ax: Axes, view: Views, first: Any, last: Any, text: str, away: flo
         beyond = np.array(end) + shift * (1 + BEYOND / abs(away))
         ax.plot(*np.transpose([end, beyond]), color=colours.INK, linewidth=FINE, zorder=5, label="_samples")
     p, q = np.array(first) + shift, np.array(last) + shift
-    ax.annotate("", tuple(p), tuple(q), arrowprops=ARROW, zorder=5)
-    x, y = (p + q) / 2 + shift / abs(away) * BEYOND
-    ax.text(
-        x,
-        y,
-        text,
-        size=fonts.small(),
-        zorder=6,
-        rotation=90 if upright else 0,
-        ha="right" if upright else "center",
-        va="center" if upright else "bottom" if away > 0 else "top",
-    )
+    canvas.draw_arrow(ax, q, p, BETWEEN, width=FINE, order=5)
+    beside = ("right", "center") if upright else ("center", "bottom" if away > 0 else "top")
+    _write(ax, (p + q) / 2 + shift / abs(away) * BEYOND, text, *beside, rotation=90 * upright)
+
+
+def _write(ax: Axes, place: Any, text: str, across: str = "center", upright: str = "center", **look: Any) -> None:
+    ax.text(place[0], place[1], text, size=fonts.small(), zorder=6, ha=across, va=upright, **look)
 
 
 def dimension_pitch(ax: Axes, view: Views, top: float, pitch: float, unit: Length) -> None:
@@ -67,16 +56,10 @@ def dimension_rod(ax: Axes, view: Views, a: float, unit: Length) -> None:
     k = int(np.argmax(view.near >= 0))
     away = 1.0 if view.y[k] >= 0 else -1.0
     place = float(view.x[k]), float(view.y[k]) + away * a
-    ax.annotate(
-        f"Ø {unit('a', 2 * a)}",
-        place,
-        (place[0] - LEADER[0] / view.mm, place[1] + away * LEADER[1] / view.mm),
-        size=fonts.small(),
-        ha="right",
-        va="center",
-        zorder=6,
-        arrowprops=ARROW | {"arrowstyle": "-|>"},
-    )
+    words = place[0] - LEADER[0] / view.mm, place[1] + away * LEADER[1] / view.mm
+    look = {"arrowstyle": "-|>", "shrinkA": 0, "shrinkB": 0, "linewidth": FINE, "color": colours.INK}
+    ax.annotate(f"Ø {unit('a', 2 * a)}", place, words, size=fonts.small(), ha="right", va="center", zorder=6,
+                arrowprops=look)  # fmt: skip
 
 
 def dimension_lay(ax: Axes, view: Views, text: str) -> None:
@@ -93,16 +76,7 @@ def dimension_lay(ax: Axes, view: Views, text: str) -> None:
     half = math.radians(turned / 2)
     ax.plot([x, x + 1.3 * ARC / view.mm], [0, 0], color=colours.INK, linewidth=FINE, zorder=5, label="_samples")
     place = np.array([math.cos(half), math.sin(half)]) * (ARC + 1.0) / view.mm
-    ax.text(
-        x + place[0],
-        place[1],
-        text,
-        size=fonts.small(),
-        ha="left",
-        va="center",
-        zorder=6,
-        bbox=PLATE,
-    )
+    _write(ax, [x + place[0], place[1]], text, "left", bbox=PLATE)
 
 
 def dimension_distance(ax: Axes, view: Views, k: int, R: float, text: str) -> None:
@@ -112,19 +86,16 @@ def dimension_distance(ax: Axes, view: Views, k: int, R: float, text: str) -> No
     room = (size - R) * view.mm / MILLIMETRES - 2 * AWAY / MILLIMETRES
     if fonts.width_of(text, fonts.small()) > room:
         return
-    axis = np.array([view.axis, 0.0])
-    ax.annotate("", tuple(axis + place), tuple(axis), arrowprops=ARROW | {"arrowstyle": "-|>"}, zorder=5)
-    x, y = axis + place * (R / size + 1) / 2
+    canvas.draw_arrow(ax, view.middle, view.middle + place, width=FINE, order=5)
     turned = (math.degrees(math.atan2(place[1], place[0])) + 90) % 180 - 90
-    ax.text(x, y, text, size=fonts.small(), rotation=turned, rotation_mode="anchor", ha="center", va="center", zorder=6,
-            bbox=PLATE)  # fmt: skip
+    middle = view.middle + place * (R / size + 1) / 2
+    _write(ax, middle, text, rotation=turned, rotation_mode="anchor", bbox=PLATE)
 
 
 def draw_forces(ax: Axes, view: Views) -> None:
     """The point forces of the wall as arrows in the end view, with their words."""
     for force in view.forces or ():
-        place = np.array([view.axis, 0.0]) + force.place
+        place = view.middle + force.place
         tip = place + force.long / view.mm * force.away
-        ax.annotate("", tuple(tip), tuple(place), arrowprops=ARROW | {"arrowstyle": "-|>", "linewidth": 1.0}, zorder=5)
-        (x, y), (across, upright) = tip + PAST / view.mm * force.away, force.beside
-        ax.text(x, y, force.words, size=fonts.small(), ha=across, va=upright, zorder=6, bbox=PLATE)
+        canvas.draw_arrow(ax, place, tip, order=5)
+        _write(ax, tip + PAST / view.mm * force.away, force.words, *force.beside, bbox=PLATE)

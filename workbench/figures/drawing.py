@@ -37,7 +37,8 @@ from .views_on_paper import ABOVE, BELOW, HAIR, LEFT, RIGHT, SPARE, THICK, Value
 
 EDGE = 0.9  # points of an outline
 HIDDEN = (0, (4, 2.5))
-AXIS = (0, (12, 2.5, 2, 2.5))
+AXIS: dict[str, Any] = {"color": colours.SOFT, "linewidth": FINE, "linestyle": (0, (12, 2.5, 2, 2.5)), "zorder": 2.2,
+                        "gid": "axis"}  # fmt: skip
 EVEN = math.radians(0.05)  # by which a lay varies that is one angle
 TICK = 1.5  # millimetres: half of one across the wall
 OFF = 0.5  # radii of the rod: an end so far off the wall has its distance from the axis
@@ -181,19 +182,16 @@ def _strokes(view: Views, a: float) -> list[tuple[str, float]]:
 
 def _draw_end(ax: Axes, view: Views, R: float, a: float, contacts: Sequence[tuple[float, float]]) -> None:
     """The end view: the cylinder with its middle lines, and the rod, with ticks where its contacts begin and end."""
-    ax.add_patch(Circle((view.axis, 0.0), R, facecolor=colours.CUT, edgecolor=colours.INK, linewidth=EDGE, zorder=2))
+    ax.add_patch(Circle(tuple(view.middle), R, facecolor=colours.CUT, edgecolor=colours.INK, linewidth=EDGE, zorder=2))
     half = R + SPARE / view.mm / 2
     for x, y in ((half, 0.0), (0.0, half)):
-        ends = [view.axis - x, view.axis + x], [-y, y]
-        ax.plot(*ends, color=colours.SOFT, linewidth=FINE, linestyle=AXIS, zorder=2.2, gid="axis")
+        ax.plot(*(view.middle + np.array([[-x, -y], [x, y]])).T, **AXIS)
     for colour, width in _strokes(view, a):
-        ax.plot(view.axis + view.end[:, 0], view.end[:, 1], color=colour, linewidth=width, solid_capstyle="round",
+        ax.plot(*(view.middle + view.end).T, color=colour, linewidth=width, solid_capstyle="round",
                 solid_joinstyle="round", zorder=4, snap=False, gid="rod, along the axis")  # fmt: skip
     for s in sorted({edge for pair in contacts[: free_rods.MOST] for edge in pair if 0 < edge < view.s[-1]}):
         place = np.array([np.interp(s, view.s, column) for column in view.end.T])
-        across = np.array([view.axis, 0.0]) + np.outer(
-            [R - TICK / view.mm, R + TICK / view.mm], place / np.hypot(*place)
-        )
+        across = view.middle + np.outer([R - TICK / view.mm, R + TICK / view.mm], place / np.hypot(*place))
         ax.plot(*across.T, color=colours.INK, linewidth=EDGE, zorder=5, gid="contact")
 
 
@@ -231,15 +229,7 @@ def _draw_body(ax: Axes, view: Views, R: float, a: float, side: str) -> None:
         ax.plot([low, high], [y, y], color=colours.INK, linewidth=EDGE, zorder=2.1, gid="cylinder")
     for end in (low, high):
         ax.plot([end, end], [-R, R], color=colours.INK, linewidth=FINE, zorder=2.1, gid="end of the drawn cylinder")
-    ax.plot(
-        [low - spare / 2, high + spare / 2],
-        [0, 0],
-        color=colours.SOFT,
-        linewidth=FINE,
-        linestyle=AXIS,
-        zorder=2.2,
-        gid="axis",
-    )
+    ax.plot([low - spare / 2, high + spare / 2], [0, 0], **AXIS)
     for of in _parts(view, front=False) if side == "outside" else ():
         for edge in (-a, a) if 2 * a * view.mm > 1 else (0.0,):
             right, up = _beside(view.x[of], view.y[of], edge)

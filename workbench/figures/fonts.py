@@ -110,9 +110,11 @@ def height_of(text: str, size: float) -> float:
 
 @functools.lru_cache(maxsize=10_000)  # `break_lines` asks for each line again with a word more
 def width_of(text: str, size: float, bold: bool = False) -> float:
-    """The width of a line of text in inches, for a font of that size in points."""
+    """The width of a text in its lines in inches, for a font of that size in points."""
     font = FontProperties(family=RC["font.family"], size=size, weight="bold" if bold else "normal")
-    return float(_TEXT.get_text_width_height_descent(text, font, ismath=False)[0]) / 72
+    return (
+        max(float(_TEXT.get_text_width_height_descent(line, font, ismath=False)[0]) for line in text.split("\n")) / 72
+    )
 
 
 def inches(ax: Axes) -> tuple[float, float]:

@@ -70,7 +70,7 @@ def _move_below(fig: Figure, ax: Axes, legend: Legend) -> float:
     labels = [fonts.break_lines(label, room - HANDLE - GAP, fonts.small()) for _, label in entries]
     words = ax.xaxis.get_tightbbox(_renderer(fig))
     drop = BELOW + ((ax.bbox.y0 - words.y0) / fig.dpi if words is not None else 0.0)
-    widest = HANDLE + GAP + max(fonts.width_of(line, fonts.small()) for label in labels for line in label.split("\n"))
+    widest = HANDLE + GAP + max(fonts.width_of(label, fonts.small()) for label in labels)
     columns = max(int(room / widest), 1)
     below = ax.transAxes + ScaledTranslation(0, -drop, fig.dpi_scale_trans)
     moved = ax.legend(

@@ -197,7 +197,7 @@ def _name_regions(stored: StoredStudy, ax: Axes, inches: tuple[float, float]) ->
             *((full if k == largest else text, n) for n in range(0 if same else min(int(stable), MOST), -1, -1)),
             *((part.replace(" ", "\n", 1), 0) for part in (full, text) if part is text or k == largest),
         ):
-            wide = max(fonts.width_of(part, fonts.small()) for part in said.split("\n"))
+            wide = fonts.width_of(said, fonts.small())
             high = line * (1 + said.count("\n"))
             middle = regions.place(
                 numbers == k, cell, (high + (side + 2 * PAD) * bool(shapes) + PAD, max(wide, shapes * side) + PAD)

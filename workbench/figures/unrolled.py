@@ -177,8 +177,7 @@ def plan_lines(views: Sequence[UnrolledView], room: tuple[float, float], foot: t
 
 def words_size(text: str, letters: float) -> tuple[float, float]:
     """Width and height of a text above a view in inches."""
-    lines = text.split("\n")
-    return max(fonts.width_of(line, letters) for line in lines), len(lines) * WORDS * letters + ABOVE
+    return fonts.width_of(text, letters), (text.count("\n") + 1) * WORDS * letters + ABOVE
 
 
 def _draw_line(
@@ -221,31 +220,15 @@ def _draw_key(ax: Axes, form: Arrangement, place: Any, unit: str) -> None:
     left, top = place[0], place[1] + WORDS * fonts.small()
     scales = form.scale, form.scale * form.factor
     lengths = [round_below(ARROW / scale) for scale in scales]
-    look: Any = {
-        "arrowstyle": "-|>",
-        "color": colours.SOFT,
-        "linewidth": 0.8,
-        "shrinkA": 0,
-        "shrinkB": 0,
-        "mutation_scale": 6,
-    }
+    look: Any = {"textcoords": "offset points", "size": fonts.small(), "color": colours.SOFT, "annotation_clip": False}
     right, down = (length * scale for length, scale in zip(lengths, scales, strict=True))
     words = [f"{name}: {labels.number(length)} {unit}" for name, length in zip(("z", "around"), lengths, strict=True)]
     for tip, text, at, offset, vertical in (
         ((left + right, top), words[0], (left, top), (0, 3), "bottom"),
         ((left, top + down), words[1], (left, top + down / 2), (4, 0), "center"),
     ):
-        ax.annotate("", tip, (left, top), arrowprops=look, annotation_clip=False)
-        ax.annotate(
-            text,
-            at,
-            offset,
-            textcoords="offset points",
-            size=fonts.small(),
-            color=colours.SOFT,
-            va=vertical,
-            annotation_clip=False,
-        )
+        canvas.draw_arrow(ax, (left, top), tip, colour=colours.SOFT, width=0.8, mutation_scale=6)
+        ax.annotate(text, at, offset, va=vertical, **look)
 
 
 def stretch(wide: float, tall: float, room: tuple[float, float]) -> float:

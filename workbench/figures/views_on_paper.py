@@ -61,10 +61,8 @@ class Force:
 
     def room(self, mm: float) -> Values:
         """The lower left and the upper right of its words on paper, (2, 2) [mm]; mm: as of `Views`."""
-        size, lines = fonts.small(), self.words.split("\n")
-        words = MILLIMETRES * np.array(
-            [max(fonts.width_of(line, size) for line in lines), fonts.height_of(self.words, size)]
-        )
+        size = fonts.small()
+        words = MILLIMETRES * np.array([fonts.width_of(self.words, size), fonts.height_of(self.words, size)])
         share = np.array([SHARES[side] for side in self.beside])
         tip = self.place * mm + (self.long + PAST) * self.away
         return np.stack([tip - share * words, tip + (1 - share) * words])
@@ -103,9 +101,9 @@ class Views:
         return side if self.forces is None else side + SPARE + APART + float(np.ptp(self.box[:, 0]))
 
     @property
-    def axis(self) -> float:
-        """Where the axis is in the end view, to the right [length]."""
-        return float(self.x.max()) + (SPARE + APART - float(self.box[0, 0])) / self.mm
+    def middle(self) -> Values:
+        """Where the axis is in the end view, to the right and upwards, (2,) [length]."""
+        return np.array([float(self.x.max()) + (SPARE + APART - float(self.box[0, 0])) / self.mm, 0.0])
 
 
 def end_view(places: Values, up: Values | Sequence[float]) -> tuple[Values, Values]:
@@ -181,10 +179,8 @@ def _arrows(
     rod: DrawnRod, forces: Sequence[tuple[float, float, str]], s: Values, near: Values, y: Values
 ) -> list[Force]:
     """The point forces as they are drawn: outside a cylinder away from its axis, inside towards it."""
-    largest, sign = (
-        max((size for _, size, _ in forces), default=1.0),
-        -1.0 if rod.case.attrs["side"] == "inside" else 1.0,
-    )
+    largest = max((size for _, size, _ in forces), default=1.0)
+    sign = -1.0 if rod.case.attrs["side"] == "inside" else 1.0
     drawn = []
     for at, size, words in forces:
         place = np.array([np.interp(at, s, near), np.interp(at, s, y)])

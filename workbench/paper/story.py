@@ -247,8 +247,7 @@ def _line(ax: Axes, eye: _Eye, points: Any, colour: str, arrow: str | None = Non
         ax.plot(*places.T, **{"color": colour, "linewidth": 0.8, "zorder": 5, **look})
         return
     ax.update_datalim(places)
-    look = {"arrowstyle": "-|>", "color": colour, "linewidth": 0.9, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 6}
-    ax.annotate("", places[-1], places[0], zorder=6, annotation_clip=False, arrowprops=look)
+    canvas.draw_arrow(ax, places[0], places[-1], colour=colour, width=0.9, order=6, mutation_scale=6)
     way = (places[-1] - places[0]) / np.linalg.norm(places[-1] - places[0])
     _write(ax, places[-1], arrow, tuple((7.5 if way[1] > 0 else 10.0) * way))
 
