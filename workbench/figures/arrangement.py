@@ -46,8 +46,6 @@ def arrange(
     room: tuple[float, float],
     edge: Any = 0.0,
     pitch: float = 0.0,
-    least: float = 0.0,
-    most: float = np.inf,
 ) -> Arrangement:
     """The largest arrangement in a room of width and height.
 
@@ -65,8 +63,6 @@ def arrange(
         Around each box; to the left and right, and above and below.
     pitch : float
         From row to row in heights of a row; default: the words decide.
-    least, most : float
-        Between which the scale is; where the least needs more room, it is taken.
     """
     wide, high = sizes[..., 0].max(axis=0), sizes[..., 1].max(axis=1)
     narrowest, below = words[..., 0].max(axis=0), words[..., 1].max(axis=1)
@@ -81,9 +77,8 @@ def arrange(
         widths, heights, gaps = lengths(scale)
         return float(max(widths.sum() + GAP * (len(widths) - 1) - room[0], heights.sum() + gaps.sum() - room[1]))
 
-    largest = min(most, 1.01 * max(room) / max(float(sizes.max()), 1e-300))
-    scale = largest if over(largest) <= 0 else float(brentq(over, 0.0, largest)) if over(0.0) < 0 else 0.0
-    scale = max(scale, least or 1e-9)
+    too_large = 1.01 * max(room) / max(float(sizes.max()), 1e-300)
+    scale = max(float(brentq(over, 0.0, too_large)) if over(0.0) < 0 else 0.0, 1e-9)
     widths, heights, gaps = lengths(scale)
     left = np.concatenate([[0.0], np.cumsum(widths[:-1] + GAP)])
     top = np.concatenate([[0.0], np.cumsum(heights[:-1] + gaps[:-1])])
@@ -115,7 +110,7 @@ def flow(sizes: Values, words: Values, room: tuple[float, float], rows: int, eve
     """
     count = len(sizes)
 
-    def broken(scale: float) -> tuple[list[_Row], Values]:
+    def broken(scale: float) -> list[_Row]:
         boxes = np.maximum(sizes * [scale, 0], words) + sizes * [0, scale]
         lines: list[_Row] = []
         for k, (wide, high) in enumerate(boxes):
@@ -136,18 +131,18 @@ def flow(sizes: Values, words: Values, room: tuple[float, float], rows: int, eve
                 last.columns[-1].append(k)
             else:
                 lines.append(_Row(boxes, [[k]], GAP if even else APART))
-        return lines, boxes
+        return lines
 
     def fits(scale: float) -> bool:
-        lines, _ = broken(scale)
+        lines = broken(scale)
         high = sum(line.high for line in lines) + BETWEEN * (len(lines) - 1)
         return len(lines) <= rows and high <= room[1] and max(line.wide for line in lines) <= room[0]
 
-    scale, above = max(least, 1e-9), max(room) / max(float(sizes.max()), 1e-300)
-    while above > scale * (1 + FINE):
-        middle = float(np.sqrt(scale * above))
-        scale, above = (middle, above) if fits(middle) else (scale, middle)
-    lines, boxes = broken(scale)
+    scale, too_large = max(least, 1e-9), max(room) / max(float(sizes.max()), 1e-300)
+    while too_large > scale * (1 + FINE):
+        middle = float(np.sqrt(scale * too_large))
+        scale, too_large = (middle, too_large) if fits(middle) else (scale, middle)
+    lines = broken(scale)
     gaps = [line.gap(room[0], count - 1) for line in lines]
     most, top, drawn = min(gaps) if even else LOOSE if len(lines) > 1 else np.inf, 0.0, np.zeros((count, 4))
     above = np.inf
@@ -157,8 +152,8 @@ def flow(sizes: Values, words: Values, room: tuple[float, float], rows: int, eve
         for column in line.columns:
             down, left = top, max(min(left, room[0] - line.width(column)), 0.0)
             for k in column:
-                drawn[k] = left, down, *boxes[k]
-                down += boxes[k, 1] + BETWEEN
+                drawn[k] = left, down, *line.boxes[k]
+                down += line.boxes[k, 1] + BETWEEN
             left += line.width(column) + above
         top += line.high + BETWEEN
     return Arrangement(drawn[None], (float((drawn[:, 0] + drawn[:, 2]).max()), float(top - BETWEEN)), scale)
