@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -100,35 +101,29 @@ def words_of(scene: Scene) -> tuple[list[tuple[str, str]], list[str]]:
         legend.append((signs.OUTLINE, BEHIND))
     bodies = scene.bodies
     if any(body.widest_gap is not None for body in bodies):
-        legend.append((signs.GAP, "the widest gap to the wall" + CUT * _hides_lines(scene, forces=False)))
+        legend.append((signs.GAP, "the widest gap to the wall" + CUT * _hides(scene, signs.GAP)))
         legend += [(scene_kinds.OFF_WALL, "off the wall")] * (scene.kind.paint is scene_kinds.by_push)
     if any(body.contact_edges for body in bodies):
         legend.append((signs.EDGE, "a contact begins or ends"))
     if any(body.pushes for body in bodies):
-        legend.append((signs.FORCE, "a point force of the wall" + CUT * _hides_lines(scene, forces=True)))
+        legend.append((signs.FORCE, "a point force of the wall" + CUT * _hides(scene, signs.FORCE)))
     ringed |= not scene.ringed  # without rings the caption says it
-    warnings = _impossible_beside(scene.bodies, ringed) if scene.kind.cells != "together" else []
-    if len(scene.context) > len(scene.bodies):  # the views of the pictures along an axis stand at one place
-        most = max(len(_impossible_beside([body], ringed)) for body in scene.context)
-        warnings += ["\N{ZERO WIDTH SPACE}" * (k + 1) for k in range(most - len(warnings))]
+    warnings = impossible(scene.bodies, ringed) if scene.kind.cells != "together" else []
+    if len(scene.context) > len(scene.bodies) and any(impossible([body], ringed) for body in scene.context):
+        warnings = warnings or ["\N{ZERO WIDTH SPACE}"]  # the views of the pictures along an axis stand at one place
     along = [f"seen along the axis from s = 0, α = 0 {'down' if scene.down is not None else 'up'}"]
     return legend, [*along * scene.camera.is_end_view, *scene.notes, *warnings]
 
 
-def _impossible_beside(bodies: Sequence[Body], ringed: bool) -> list[str]:
-    """What a real rod could not do, beside what a legend of rings says."""
-    return [note for note in impossible(bodies) if not (ringed and note == ITSELF)]
-
-
-def impossible(bodies: Sequence[Body]) -> list[str]:
-    """What a real rod could not do, beyond what colours show; of several rods how many."""
+def impossible(bodies: Sequence[Body], ringed: bool = False) -> list[str]:
+    """What a real rod could not do, beyond what colours and a legend of rings show; of several rods how many."""
     each = {id(body.line): body.caution for body in bodies}.values()
     sentences = []
     for key in (cautions.MEETS, cautions.TIGHT):
         if count := sum(key in cautions.keys(caution) for caution in each):
             who = "the rod" if len(each) == 1 else f"{count} of {len(each)}"
             sentences.append(f"{who} {cautions.WORDS[key][count > 1]}")
-    return [labels.typeset(text) for text in sentences]
+    return [note for note in map(labels.typeset, sentences) if not (ringed and note == ITSELF)]
 
 
 def least_width(scene: Scene) -> float:
@@ -213,14 +208,19 @@ def _middles(scene: Scene, arranged: Arrangement) -> Iterator[tuple[View, Array]
             yield view, np.array([x + wide / 2, foot - (top - low)[1] / 2 * arranged.scale])
 
 
+def _in_picture(scene: Scene, arranged: Arrangement, view: View, middle: Array, places: Array) -> Array:
+    """Where places of a view, (..., 3) as they are turned, are in the picture, (..., 2) in inches; middle: its own."""
+    away = places @ scene.camera.page.T - sum(view.box(scene.camera)) / 2
+    return np.asarray(middle + away * arranged.scale * [1, -1])
+
+
 def _rings(scene: Scene, arranged: Arrangement) -> list[tuple[float, float, float]]:
     """Where rods pass through themselves in sight: x, y and radius of each ring."""
     circles = []
     for view, middle in _middles(scene, arranged) if scene.ringed else ():
         radius = float(np.clip(IN_RODS * min(body.a for body in view.bodies) * arranged.scale, *RING))
         for place in view.crossings(scene.camera)[0]:
-            away = scene.camera.page @ place - sum(view.box(scene.camera)) / 2
-            x, y = middle + away * arranged.scale * [1, -1]
+            x, y = _in_picture(scene, arranged, view, middle, place)
             circles.append((float(x), float(y), radius))
     return circles
 
@@ -230,6 +230,7 @@ def _marks_of_contact(scene: Scene, arranged: Arrangement) -> list[Mark]:
     cylinder does not hide them; ticks at other edges of contacts; the marked base pairs of DNA; in inches."""
     marks, camera = [], scene.camera
     for view, middle in _middles(scene, arranged):
+        in_picture = partial(_in_picture, scene, arranged, view, middle)
         lines = [
             (places[~view.covers(places, camera)], sign, words)
             for places, sign, words in _lines_of_contact(scene, view)
@@ -242,17 +243,15 @@ def _marks_of_contact(scene: Scene, arranged: Arrangement) -> list[Mark]:
         ]
         for places, sign, words in lines:
             if places.size:
-                across = places[[0, -1]] @ camera.page.T - sum(view.box(camera)) / 2
-                marks.append(Mark(middle + across * arranged.scale * [1, -1], sign, words))
+                marks.append(Mark(in_picture(places[[0, -1]]), sign, words))
         for body in view.bodies:
             half = max(TICK[0], TICK[1] * body.a * arranged.scale)
             for at, along in body.contact_edges:
-                x, y = camera.page @ view.turn @ along
+                (x, y), place = camera.page @ view.turn @ along, view.turn @ at
                 size = np.hypot(x, y)
-                if size > 0 and not view.covers((view.turn @ at)[None], camera)[0]:
-                    away = camera.page @ view.turn @ at - sum(view.box(camera)) / 2
+                if size > 0 and not view.covers(place[None], camera)[0]:
                     tick = half / size * np.array([[y, x], [-y, -x]])
-                    marks.append(Mark(middle + away * arranged.scale * [1, -1] + tick, signs.EDGE))
+                    marks.append(Mark(in_picture(place) + tick, signs.EDGE))
     return marks
 
 
@@ -272,12 +271,10 @@ def _lines_of_contact(scene: Scene, view: View) -> Iterator[tuple[Array, str, st
             yield start + share * (tip - start), signs.FORCE, f"{labels.number(force, 3)} {units['force']}"
 
 
-def _hides_lines(scene: Scene, forces: bool) -> bool:
-    """Whether the cylinder hides a part of a point force, or else of a gap."""
-    lines = ((view, line) for view in scene.views if view.bodies for line in _lines_of_contact(scene, view))
-    return any(
-        view.covers(places, scene.camera).any() for view, (places, sign, _) in lines if forces == (sign == signs.FORCE)
-    )
+def _hides(scene: Scene, kind: str) -> bool:
+    """Whether the cylinder hides a part of a gap or of a point force; kind: which of them, a sign."""
+    lines = ((view, line) for view in scene.views for line in _lines_of_contact(scene, view))
+    return any(view.covers(places, scene.camera).any() for view, (places, sign, _) in lines if sign == kind)
 
 
 def _stations(bodies: Sequence[Body], tolerance: float) -> tuple[int, int]:

@@ -144,13 +144,16 @@ class Scene:
         return true_scale.is_needed(self.views)
 
     @property
+    def start_of_legend(self) -> float:
+        """Where a legend beside the bars begins, from the left of the panel."""
+        return 0.05 + sum(self.bars.values()) + APART * len(self.bars)
+
+    @property
     def along(self) -> float:
         """The share of a length along the axis that is seen; 1 where lengths across it alone are."""
-        return (
-            1.0
-            if self.camera.is_end_view
-            else self.camera.along_axis * (self.context[0].squeeze if self.context else 1.0)
-        )
+        if self.camera.is_end_view:
+            return 1.0
+        return self.camera.along_axis * (self.context[0].squeeze if self.context else 1.0)
 
     @property
     def down(self) -> Array | None:
@@ -188,8 +191,7 @@ class Page:
         inside = "inside the cylinder, cut open" if str(scene.stored.attrs["side"]) == "inside" else ""
         titled, layout = (None, None) if bare else (scene.stored, "constrained")
         said = " · ".join(fact for fact in (scene.case, inside) if fact)
-        self.start_of_legend = 0.05 + sum(scene.bars.values()) + APART * len(scene.bars)
-        room = size[0] - 2 * canvas.MARGIN - self.start_of_legend
+        room = size[0] - 2 * canvas.MARGIN - scene.start_of_legend
         self.columns_beside = min(int(room / max(width_of_legend(legend), 1e-9)), len(legend))
         if len(legend) > BESIDE_BARS * self.columns_beside:
             self.columns_beside = 0
@@ -295,30 +297,21 @@ class Page:
         for left, y, value in zip(lefts, rows, heads[1:], strict=False):
             self.ax.text(left - 0.08, y, value, ha="right", va="center", size=size)
         if heads and heads[0]:
-            self.ax.text(
-                lefts[0] - self.head[0] + HEAD / 2,
-                (rows[0] + rows[-1]) / 2,
-                heads[0],
-                ha="center",
-                va="center",
-                rotation=90,
-            )
+            x, y = lefts[0] - self.head[0] + HEAD / 2, (rows[0] + rows[-1]) / 2
+            self.ax.text(x, y, heads[0], ha="center", va="center", rotation=90)
 
     def _draw_foot(self, y: float) -> None:
         """The bars of the scene, and the legend where it stands beside them."""
-        scene, x, shown = self.scene, 0.05, self.scene.bars
+        scene, x, shown, unit = self.scene, 0.05, self.scene.bars, self.scene.stored.units["length"]
         if self.compressed:
             corner = x, y - true_scale.HIGH - 0.2
-            true_scale.draw(
-                self.ax, scene.views[0], scene.camera, corner, self.place[2] - 2 * x, scene.stored.units["length"]
-            )
+            true_scale.draw(self.ax, scene.views[0], scene.camera, corner, self.place[2] - 2 * x, unit)
         if scene.camera.seen_from is not None and "glyph" in shown:
             signs.draw_glyph(self.ax, x, y, scene.camera.seen_from)
             x += signs.GLYPH + APART
         if scene.down is not None:
             signs.draw_weight(self.ax, x, y, scene.down)
             x += WEIGHT + APART
-        unit = scene.stored.units["length"]
         signs.draw_scale(self.ax, x, y, self.arrangement.scale * scene.along, unit, scene.along)
         if "bar" in shown:
             signs.draw_bar(self.ax, scene.paint, (x + signs.SCALE + APART, y - 0.04), (BAR, 0.1))
@@ -326,7 +319,7 @@ class Page:
             entries = [signs.legend_sign(*entry) for entry in self.legend]
             self.ax.legend(
                 handles=entries, ncols=self.columns_beside, loc="center left", borderpad=0, borderaxespad=0,
-                bbox_to_anchor=(self.start_of_legend, y), bbox_transform=self.ax.transData, handlelength=1.8,
+                bbox_to_anchor=(scene.start_of_legend, y), bbox_transform=self.ax.transData, handlelength=1.8,
                 handleheight=1.2,
             )  # fmt: skip
 
@@ -348,7 +341,7 @@ def width_of_legend(legend: Sequence[tuple[str, str]]) -> float:
 
 def least_width(scene: Scene, legend: Sequence[tuple[str, str]], notes: Sequence[str]) -> float:
     """The width of a page on which the title, the first note and the bars with the legend have one line each."""
-    beside = sum(scene.bars.values()) + APART * len(scene.bars) + 0.05 + width_of_legend(legend)
+    beside = scene.start_of_legend + width_of_legend(legend)
     return 2 * canvas.MARGIN + max(
         fonts.width_of(str(scene.stored.attrs["title"]), fonts.LARGE, bold=True),
         fonts.width_of(scene.case, fonts.NORMAL),

@@ -35,8 +35,7 @@ def draw_mark(ax: Axes, places: NDArray[np.float64], sign: str, words: str) -> N
     if sign == EDGE:
         ax.plot(*places.T, color=colours.INK, linewidth=1.4, zorder=6, clip_on=False, gid=EDGE)
         return
-    look = {"arrowstyle": STYLES[sign], "color": colours.INK, "lw": 1.1, "shrinkA": 0, "shrinkB": 0}
-    ax.annotate("", tuple(places[1]), tuple(places[0]), arrowprops=look, zorder=6, annotation_clip=False)
+    canvas.draw_arrow(ax, places[0], places[1], STYLES[sign], width=1.1, order=6)
     first, end = places[::-1] if sign == GAP else places  # in the gap itself words would cover the rod
     way = end - first
     upright = sign != LEADER and abs(way[1]) >= abs(way[0])
@@ -96,8 +95,7 @@ def draw_weight(ax: Axes, x: float, y: float, down: NDArray[np.float64]) -> None
     """An arrow along the weight of the rods; down: its direction on a page whose heights go up, (2,)."""
     way = 0.17 * np.asarray(down) * [1, -1] / max(float(np.hypot(*down)), 1e-9)
     middle = np.array([x + 0.14, y])
-    look = {"arrowstyle": "-|>", "color": colours.INK, "lw": 1.0, "shrinkA": 0, "shrinkB": 0}
-    ax.annotate("", tuple(middle + way), tuple(middle - way), arrowprops=look)
+    canvas.draw_arrow(ax, middle - way, middle + way)
     ax.text(x + 0.3, y, "weight", size=0.75 * fonts.SMALL, color=colours.SOFT, va="center")
 
 
@@ -121,31 +119,9 @@ def draw_cell(ax: Axes, cell: Cell, box: NDArray[np.float64]) -> None:
     if cell.number is not None:
         at = middle + dot - fonts.width_of(cell.caption.split("\n")[0], fonts.NORMAL) / 2 - DOT / 2
         down, size = foot + fonts.NORMAL / 72 / 2, fonts.SMALL * (0.9 if cell.number < 10 else 0.75)
-        ax.add_patch(
-            Circle(
-                (at, down),
-                0.075,
-                edgecolor=colours.INK,
-                linewidth=0.9,
-                facecolor=colours.INK if cell.stable else "white",
-            )
-        )
-        ax.text(
-            at,
-            down,
-            str(cell.number),
-            ha="center",
-            va="center_baseline",
-            size=size,
-            color="white" if cell.stable else colours.INK,
-        )
+        face, ink = (colours.INK, "white") if cell.stable else ("white", colours.INK)
+        ax.add_patch(Circle((at, down), 0.075, edgecolor=colours.INK, linewidth=0.9, facecolor=face))
+        ax.text(at, down, str(cell.number), ha="center", va="center_baseline", size=size, color=ink)
     if cell.why_empty:
-        ax.text(
-            middle,
-            y + high / 2,
-            fonts.break_lines(cell.why_empty, wide, fonts.SMALL),
-            color=colours.SOFT,
-            ha="center",
-            va="center",
-            size=fonts.SMALL,
-        )
+        words = fonts.break_lines(cell.why_empty, wide, fonts.SMALL)
+        ax.text(middle, y + high / 2, words, color=colours.SOFT, ha="center", va="center", size=fonts.SMALL)

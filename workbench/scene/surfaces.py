@@ -111,10 +111,10 @@ def rim(R: float, z: float) -> Array:
     return frames.position(R, np.linspace(0, 2 * np.pi, FACETS + 1), np.asarray(z))
 
 
-def texture_of(paint: Paint, columns: int = COLUMNS) -> NDArray[np.uint8]:
+def texture_of(paint: Paint) -> NDArray[np.uint8]:
     """The colours of a scale from left to right; black below, full light above."""
     assert paint.ramp is not None
-    row = np.round(255 * np.asarray(paint.ramp((np.arange(columns) + 0.5) / columns))[:, :3])
+    row = np.round(255 * np.asarray(paint.ramp((np.arange(COLUMNS) + 0.5) / COLUMNS))[:, :3])
     return np.stack([0 * row, row]).astype(np.uint8)
 
 
