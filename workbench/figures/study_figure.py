@@ -99,19 +99,16 @@ def _figure_of(
         rows_below = -(-count // (1 if sheet.narrow else 2))
         left = print_heights.TALLEST - canvas.TITLE * sheet.titled - rows_below * canvas.ROW
         strips_high = min(strips_high, max(left / len(chosen.strips) - LABELS, LEAST_STRIP))
-    rods = [rods_along[name] for name in chosen.strips]
     has_laws = any(not isinstance(drawn, str) for drawn in chosen.panels)
     across = 1 if sheet.narrow else 3 if count == 3 and not has_laws else min(count, 2)
     law_height = min(LAW_HEIGHT, max(0.35 * width, LEAST_LAW))
     room = width - unrolled.BESIDE, strips_high
-    views = [unrolled.panel_of(rod, room, sheet.small, coloured=False) for rod in rods]
-    straight = [view.is_straight and sheet.panel is None and bool(count) for view in views]
+    views = {name: unrolled.panel_of(rods, room, sheet.small, coloured=False) for name, rods in rods_along.items()}
+    straight = [name for name, view in views.items() if view.is_straight and sheet.panel is None and count]
+    shown = {name: view for name, view in views.items() if name not in straight}
     if sheet.narrow:
-        left = (
-            print_heights.TALLEST
-            - canvas.TITLE * sheet.titled
-            - sum(view.height + LABELS for view, is_line in zip(views, straight, strict=True) if not is_line)
-        )
+        left = print_heights.TALLEST - canvas.TITLE * sheet.titled
+        left -= sum(view.height + LABELS for view in shown.values())
         law_height = float(np.clip(left / max(count, 1), canvas.ROW, NARROW_LAW))
 
     def law_of(one: Any, ax: Axes) -> canvas.Said:
@@ -124,21 +121,14 @@ def _figure_of(
         canvas.add_legend(ax)
         return []
 
-    def strip(one: drawn_rods.DrawnRods, view: Any, ax: Axes) -> canvas.Said:
-        ax.set_label(f"unrolled views along {one.axis}")
-        return [*view.draw(ax), *one.said(), *one.notes]
+    def strip(name: str, ax: Axes) -> canvas.Said:
+        ax.set_label(f"unrolled views along {name}")
+        return [*views[name].draw(ax), *rods_along[name].said(), *rods_along[name].notes]
 
-    shown = [pair for pair, is_line in zip(zip(rods, views, strict=True), straight, strict=True) if not is_line]
-    strips_of, laws_of = [partial(strip, *pair) for pair in shown], [partial(law_of, drawn) for drawn in chosen.panels]
-    lines: list[canvas.Row] = [
-        (view.height + LABELS, [drawn]) for drawn, (_, view) in zip(strips_of, shown, strict=True)
-    ]
+    lines: list[canvas.Row] = [(view.height + LABELS, [partial(strip, name)]) for name, view in shown.items()]
+    laws_of = [partial(law_of, drawn) for drawn in chosen.panels]
     lines += canvas.in_rows(laws_of, across, law_height, filled=True)
-    said = [
-        f"Unrolled, the rods along {labels.axis_symbol(str(rod.axis))} are straight lines."
-        for rod, is_line in zip(rods, straight, strict=True)
-        if is_line
-    ]
+    said = [f"Unrolled, the rods along {labels.axis_symbol(name)} are straight lines." for name in straight]
     if sampled:
         wide = sheet.style == SCREEN.style and not sheet.narrow
         width = max(width, trends.LEAST_WIDTH * len(stored.sampled) + 0.8) if wide else width
@@ -176,10 +166,7 @@ def one_rod(stored: StoredStudy, sheet: Sheet = SCREEN) -> Figure:
 
     def over_s(name: str, ax: Axes) -> canvas.Said:
         said = along.alone(ax, rods, arrays[name][0])
-        if sheet.narrow and (name, "push") == (
-            "angle",
-            names[min(1, len(names) - 1)],
-        ):  # the panel below has the same s
+        if sheet.narrow and name == "angle" and names[1:2] == ["push"]:  # the panel below has the same s
             ax.set_xlabel("")
             ax.tick_params(labelbottom=False)
         return said
