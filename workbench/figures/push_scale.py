@@ -45,40 +45,21 @@ def line(
     name: its own in a table. where: its transform; order: of drawing. inches: of a unit of x. A band of the push itself
     has the colours of its heights, another one has none.
     """
-    where = where or ax.transData
-    casing = max(width * EDGE, width + LEAST)
+    casing, ramp = max(width * EDGE, width + LEAST), colours.push_ramp()
+    place: dict[str, Any] = {"zorder": order, "transform": where or ax.transData}
     points: NDArray[np.float64] = np.column_stack([x, y])
     middles = (points[1:] + points[:-1]) / 2
     before, after = np.vstack([points[:1], middles]), np.vstack([middles, points[-1:]])
     segments, shades = np.stack([before, points, after], axis=1), np.asarray(push, dtype=float)
 
     def paint(of: slice) -> None:
-        ax.plot(
-            x[of],
-            y[of],
-            color=colours.SOFT,
-            linewidth=casing,
-            solid_capstyle="round",
-            label=CASING,
-            zorder=order,
-            transform=where,
-        )
-        drawn = LineCollection(
-            list(segments[of]),
-            cmap=colours.push_ramp(),
-            norm=norm,
-            linewidths=width,
-            capstyle="round",
-            joinstyle="round",
-            gid=name,
-            zorder=order,
-            transform=where,
-        )
-        drawn.set_array(shades[of])
+        ax.plot(x[of], y[of], color=colours.SOFT, linewidth=casing, solid_capstyle="round", label=CASING, **place)
+        drawn = LineCollection(list(segments[of]), cmap=ramp, norm=norm, linewidths=width, gid=name, **place)
+        drawn.set(array=shades[of], capstyle="round", joinstyle="round")
         ax.add_collection(drawn)
 
     def shade(height: float) -> Any:
-        return colours.push_ramp()(norm(height))
+        return ramp(norm(height))
 
     return waves.draw(ax, x, y, inches, paint, shade if y is push else colours.NEUTRAL, name, where, order)
 
