@@ -99,10 +99,12 @@ def test_a_case_is_the_same_in_its_study_solved_again_and_alone(whole, name: str
 
 @pytest.mark.parametrize("name", slow_but(("grid", "samples between ends", "sweep"), "sweep"))
 def test_parts_of_a_study_solved_in_two_places_have_the_bits_of_the_whole(tmp_path, monkeypatch, name: str) -> None:
-    study = STUDIES[name]
+    study, is_sweep = STUDIES[name], name == "sweep"
     monkeypatch.setattr(plan, "BLOCK_ALONE", 2)
     run_to_file(study, tmp_path / "whole.h5", RunOptions(workers=1))
-    paths, meters = [tmp_path / place / "one.h5" for place in ("here", "there")], []
+    paths, meters = [tmp_path / place / "one.h5" for place in ("here", "there", *["elsewhere"] * is_sweep)], []
+    if is_sweep:  # it has as many parts as cases
+        assert len(paths) > -(-plan.plan(study).size // plan.plan(study).block)
 
     @contextmanager
     def watch(total: int, done: int) -> Iterator[Meter]:
@@ -111,13 +113,14 @@ def test_parts_of_a_study_solved_in_two_places_have_the_bits_of_the_whole(tmp_pa
 
     for k, path in enumerate(paths, 1):
         path.parent.mkdir()
-        ran = run_to_file(study, path, RunOptions(workers=1, part=(k, 2)), progress=watch)
+        ran = run_to_file(study, path, RunOptions(workers=1, part=(k, len(paths))), progress=watch)
         assert meters[-1].total == ran.solved, "the time that is left is that of the part"
         assert 0 < ran.solved < plan.plan(study).size
         assert ran.kept.startswith(f"{ran.solved} of ")
         assert not path.exists()
-    here, there = map(shards.folder_of, paths)
-    shutil.copytree(there, here, dirs_exist_ok=True)
+    here, *others = map(shards.folder_of, paths)
+    for folder in others:
+        shutil.copytree(folder, here, dirs_exist_ok=True)
     assert run_to_file(study, paths[0], RunOptions(workers=1)).solved == 0
     assert runs.contents(paths[0]) == runs.contents(tmp_path / "whole.h5")
     assert [path.name for path in paths[0].parent.iterdir()] == ["one.h5"]

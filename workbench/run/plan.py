@@ -142,14 +142,19 @@ class Plan:
         return Sweep(self.study, self.dimensions.fields, self.block)
 
     def part(self, number: int, count: int) -> tuple[int, int]:
-        """The first and the last + 1 of the cases to be solved of one of so many parts, from 1 on, of whole blocks.
+        """The first and the last + 1 of the cases to be solved of one of so many parts, from 1 on, of whole blocks; of
+        single cases in a sweep of fewer blocks than parts, whose bits do not depend on blocks.
 
-        Raises `InputError` where there are fewer blocks than parts.
+        Raises `InputError` where there are fewer of these than parts.
         """
-        if count > (blocks := -(-self.todo // self.block)):
-            cases = f"{self.todo} cases in blocks of {self.block}"
-            raise InputError(f"--part takes K/N with N at most {blocks}, as there are {cases}, got {number}/{count}")
-        start, stop = (min(self.block * (blocks * k // count), self.todo) for k in (number - 1, number))
+        size = 1 if self.study.sweeps and count > -(-self.todo // self.block) else self.block
+        if count > (most := -(-self.todo // size)):
+            cases = f"{self.todo} cases{f' in blocks of {size}' * (size > 1)}"
+            way_out = "choose a smaller N, or omit --part" if most > 1 else "omit --part"
+            raise InputError(
+                f"--part takes K/N with N at most {most}, as there are {cases}, got {number}/{count}: {way_out}"
+            )
+        start, stop = (min(size * (most * k // count), self.todo) for k in (number - 1, number))
         return start, stop
 
     def chunks(self, missing: Iterable[tuple[int, int]], most: int) -> Iterator[Chunk]:
