@@ -6,7 +6,9 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 from PIL import Image
 
 from solver.problem.errors import InputError
@@ -18,9 +20,10 @@ from workbench.commands import console, scene_film, study_scene
 from workbench.commands.draw_scene import scene
 from workbench.commands.present import result_of_files
 from workbench.commands.scene_options import SceneOptions
-from workbench.figures import canvas
+from workbench.figures import canvas, colours
 from workbench.run import in_memory, writing
-from workbench.scene import film, opengl, scene_kinds
+from workbench.scene import film, opengl, page, scene_kinds
+from workbench.scene.settings import look_of
 from workbench.stored.stored_study import StoredStudy
 
 DPI, SIZE = 50, (320, 212)  # of a scene in a frame
@@ -80,6 +83,42 @@ def test_the_curve_of_an_angle_is_in_degrees_and_that_of_an_expression_has_its_n
         clip = axes.lines[0].get_clip_box() or axes.lines[0].get_clip_path()
         assert clip is not None
         dot.remove()
+
+
+def diagram_beside_the_rod() -> tuple[Figure, StoredStudy, film.Film]:
+    """The diagram of a film, whose axis and observable have long names."""
+    ds = in_memory.run(small.study(AXIS, 'observables = ["F3_size_max"]'))
+    ds["E"] = ds["E"].assign_attrs(long_name="distance of the far end from the axis of the cylinder")
+    stored, shown = StoredStudy(ds), film.Film("E", {}, "F3_size_max")
+    fig = Figure(figsize=film.SIZE)
+    film._draw_diagram(fig.add_axes((5.45 / 8, 0.2, 2.35 / 8, 0.6)), stored, shown)
+    return fig, stored, shown
+
+
+def test_no_word_of_a_diagram_beside_the_rod_passes_the_edge_of_its_frame() -> None:
+    fig = diagram_beside_the_rod()[0]
+    fig.canvas.draw()
+    texts = [text for text in fig.findobj(Text) if text.get_text() and text.get_visible()]
+    assert max(text.get_window_extent().x1 for text in texts) <= fig.bbox.x1
+
+
+def test_the_curve_of_a_film_stands_out_from_a_dark_background() -> None:
+    fig = diagram_beside_the_rod()[0]
+    page.recolour(fig, look_of("dark", "#102030", None).look)
+    weights = [0.2126, 0.7152, 0.0722]
+    behind, curve = (
+        float(colours.linear(to_hex(shade)) @ weights) for shade in ("#102030", fig.axes[0].lines[0].get_color())
+    )
+    assert (curve + 0.05) / (behind + 0.05) > 4.5
+
+
+def test_the_head_of_a_frame_says_the_value_of_its_case_in_four_digits() -> None:
+    fig, stored, shown = diagram_beside_the_rod()
+    stored = StoredStudy(stored.ds.assign_coords(E=("E", [1183.0, 1190.0, 1200.0], stored["E"].attrs)))
+    fig = Figure(figsize=film.SIZE)
+    fig.add_axes((0, 0, 1, 1))
+    words = [artist.get_text() for artist in film._draw_case(fig, shown, stored, 0) if isinstance(artist, Text)]
+    assert any("1183" in text for text in words)
 
 
 def test_both_kinds_of_film_are_read_by_others_with_a_frame_a_case(tmp_path) -> None:

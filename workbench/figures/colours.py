@@ -26,8 +26,11 @@ UNKNOWN = "#ffffff"  # a cell of a map without a number
 UNSOLVED: dict[str, Any] = {"facecolor": FAINT, "edgecolor": SOFT, "hatch": "////", "linewidth": 0}
 # each 4.5 : 1 on white, and distinct under each kind of colour blindness
 VERDICTS = {HOLDS: "#01834e", TREND: "#1b4cc8", QUALIFIED: "#946b00", UNDECIDED: "#6d727c", FAILS: "#8a050f"}
-# behind words and lines, words, words that stand back, lines that stand back
-THEMES = {"light": ("#ffffff", INK, SOFT, FAINT), "dark": ("#14181e", "#e9edf2", "#b0bac6", "#38414d")}
+# behind words and lines, words, words that stand back, lines that stand back, curves of numbers
+THEMES = {
+    "light": ("#ffffff", INK, SOFT, FAINT, DATA),
+    "dark": ("#14181e", "#e9edf2", "#b0bac6", "#38414d", "#8ab8e6"),
+}
 STABLE: dict[str, Any] = {"color": INK, "linewidth": 1.7, "linestyle": "-"}
 UNSTABLE: dict[str, Any] = {"color": SOFT, "linewidth": 0.8, "linestyle": (0, (4, 1.6))}
 STATES = {"straight": "#8f949c", "sinusoidal": PAIR[1], "helical": PAIR[0]}  # of `solver.nodes.stretch_states`

@@ -8,6 +8,7 @@ Lengths are in inches.
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import dataclass, replace
+from functools import partial
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -231,7 +232,7 @@ def _draw_case(fig: Figure, film: Film, stored: StoredStudy, i: int) -> Iterator
     """The i-th value of the axis in words and among the others, on its scale; the curve of the diagram up to it."""
     ax, array = fig.axes[0], stored[film.axis]
     left, right = canvas.MARGIN, film.size[0] - canvas.MARGIN
-    words, name = _value(stored, film.axis, i, 3), labels.long_name(array)
+    words, name = _value(stored, film.axis, i, 4), labels.long_name(array)
     name = labels.equation(array, array.values[i]) if film.axis == SAMPLE else name[:1].upper() + name[1:]
     yield ax.text(right, left + 0.02, name, color=colours.SOFT, va="top", ha="right")
     room = right - left - fonts.width_of(name, fonts.NORMAL) - 0.1
@@ -304,16 +305,20 @@ def _draw_diagram(ax: Axes, stored: StoredStudy, film: Film) -> None:
     else:
         bifurcation.panel(film.branches, ax, film.observable, fonts.inches(ax)[1])
     ax.set_label(DIAGRAM_LABEL)
-    ax.set(xlabel=labels.axis_label(stored[film.axis]), ylabel="")
-    name = labels.label(stored[film.observable], long=True)
-    is_wide = fonts.inches(ax)[0] > DIAGRAM[0]
+    wide = fonts.inches(ax)[0]
+    ax.set(xlabel=fonts.fit_label(partial(labels.axis_label, stored[film.axis]), wide), ylabel="")
+    is_wide = wide > DIAGRAM[0]
     side, place = ("right", (1.0, 1.0)) if is_wide else ("left", (0.0, 1.0))
     columns = {} if film.branches is None else {"ncols": len(canvas.legend_entries(ax)), "handlelength": 1.3}
     canvas.add_legend(
         ax, loc=f"lower {side}", bbox_to_anchor=place, borderpad=0.2, fontsize=fonts.SMALL, columnspacing=1.0, **columns
     )
     has_line = not is_wide and ax.get_legend() is not None  # of its own, below the name
-    ax.set_title(name[:1].upper() + name[1:], loc="left", size=fonts.SMALL, pad=18 if has_line else 6)
+    name = labels.label(stored[film.observable], long=True)
+    if has_line and fonts.width_of(name, fonts.SMALL) > wide:  # no room for two lines
+        name = labels.label(stored[film.observable])
+    name = fonts.break_lines(name[:1].upper() + name[1:], wide, fonts.SMALL)
+    ax.set_title(name, loc="left", size=fonts.SMALL, pad=18 if has_line else 6)
 
 
 def write(
