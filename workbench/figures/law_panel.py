@@ -22,7 +22,8 @@ def panel(stored: StoredStudy, ax: Axes, row: Mapping[str, Any]) -> str:
 
     Returns its sentence of the caption.
     """
-    trend(stored, ax, row["observable"], row["axis"], row["at"])
+    is_covered = row["kind"] == "equals" or (row["kind"] == "scales" and bool(row["numbers"]))
+    trend(stored, ax, row["observable"], row["axis"], row["at"], joined=not is_covered)
     colour = colours.VERDICTS[row["verdict"]]
     for step in row["exceptions"]:
         if all(step["at"][name] == value for name, value in row["at"].items()):
@@ -55,25 +56,59 @@ def is_trivial(stored: StoredStudy, row: Mapping[str, Any]) -> bool:
 
 def _title(stored: StoredStudy, row: Mapping[str, Any], room: float) -> str:
     """What a law shows, as much of it as stands on a line of so many inches, and its verdict: the caption has all."""
-    head, rest = _message(stored, row)
-    brief, verdict = rest.partition(", at ")[0], f"{row['claim']}: {row['verdict']}"
-    titles = [f"{head}{rest} · {verdict}", f"{head}{brief} · {verdict}", f"{head}{brief} · {row['verdict']}"]
-    return next((title for title in titles if fonts.width_of(title, fonts.normal()) <= room), f"{head} · {verdict}")
+    verdict = row["verdict"]
+    if row["kind"] == MONOTONE:
+        head, rest = _message(stored, row)
+        titles = [f"{head}{rest} · {row['claim']}: {verdict}", f"{head}{rest} · {verdict}"]
+        last = f"{head} · {row['claim']}: {verdict}"
+    else:
+        noun, law = _noun(stored, row), labels.typeset(_law(stored, row))
+        titles = [f"{noun}{law}: {verdict}{_briefly_measured(row)}", f"{noun}{law}: {verdict}"]
+        last = f"{noun} · {row['claim']}: {verdict}"
+    return next((title for title in titles if fonts.width_of(title, fonts.normal()) <= room), last)
 
 
-def _message(stored: StoredStudy, row: Mapping[str, Any]) -> tuple[str, str]:
-    """What the line of a law shows: ``Number of bends falls with E`` and ``: 8 to 5``; of a law with numbers its
-    observable and what was measured.
-
-    row: of `law_verdicts.verdicts`.
-    """
+def _noun(stored: StoredStudy, row: Mapping[str, Any]) -> str:
+    """The observable of a law as a title begins with it."""
     array = stored[row["observable"]]
     full = labels.long_name(array)
     noun = full if len(full) <= LONGEST_NOUN else labels.symbol(array)
-    noun = noun[:1].upper() + noun[1:] if noun[:1].isascii() else noun
-    if row["kind"] != MONOTONE:
-        finding = labels.law_text(row, law_words.measurement(row, _show(stored, row)))
-        return noun, f" {finding}" if finding.startswith("passes") else f": {finding}"
+    return noun[:1].upper() + noun[1:] if noun[:1].isascii() else noun
+
+
+def _law(stored: StoredStudy, row: Mapping[str, Any]) -> str:
+    """What a law with numbers says of its observable, with its tolerance: ``: exponent −0.5 ± 0.01``."""
+    array, axis, rule, kind = stored[row["observable"]], stored[row["axis"]], row["rule"], row["kind"]
+    if kind == "equals":
+        return f" = {_with_tolerance(stored, rule, array)}"
+    if kind == "bounded":
+        ends = [
+            (word, formula(stored.expressions, rule[key], array)) for key, word in BOUNDS if rule.get(key) is not None
+        ]
+        return f" from {ends[0][1]} to {ends[1][1]}" if len(ends) == 2 else f": {' '.join(ends[0])}"
+    if kind == "scales":
+        return f": exponent {labels.number(rule['exponent'])} ± {labels.number(rule['within'])}"
+    places = np.unique(_compared(stored, row)["x"])
+    place = formula(stored.expressions, rule["x"], axis)
+    if places.size == 1 and np.isfinite(places[0]):
+        place = _number(float(places[0]), axis).partition(NO_BREAK)[0]
+    return f" = {formula(stored.expressions, rule['passes'], array)} at {place} ± {_number(rule['within'], axis)}"
+
+
+def _briefly_measured(row: Mapping[str, Any]) -> str:
+    """The measured exponent of a law, `` (−0.5001)``, where it is not written as that of the law; else nothing."""
+    if row["kind"] != "scales" or not row["numbers"]:
+        return ""
+    measured, meant = (labels.number(of["exponent"]) for of in (row["numbers"], row["rule"]))
+    return f" ({measured})" * (measured != meant)
+
+
+def _message(stored: StoredStudy, row: Mapping[str, Any]) -> tuple[str, str]:
+    """What the line of a law with a direction shows: ``Number of bends falls with E`` and ``: 8 to 5``.
+
+    row: of `law_verdicts.verdicts`.
+    """
+    array, noun = stored[row["observable"]], _noun(stored, row)
     solved = stored.of_solved(row["observable"])
     values = np.array([float(solved.isel(place)) for place in stored.places(row["axis"], row["at"])])
     values = values[np.isfinite(values)]
@@ -122,6 +157,7 @@ DASHED, DOTTED = (0, (4, 2)), (0, (1, 1.5))  # of a curve and a lower bound; of 
 SEEN = 4.0  # points across, from which a band is seen beside a line
 LONGEST_NOUN = 24  # letters of an observable in a title, beyond which its symbol stands there
 WHICH = ("claim", "kind", "observable", "axis", "rule")  # by these a law is found: the numbers of two such are equal
+BOUNDS = ("least", "at least"), ("most", "at most")
 IDENTITY = 1e-8  # a formula that agrees so well is an identity: its picture is a line on a line
 
 
@@ -129,25 +165,38 @@ def draw_curve(stored: StoredStudy, ax: Axes, row: Mapping[str, Any]) -> None:
     """Draw what a law (a row of `law_verdicts.verdicts`) compares its observable with, on the line that decides."""
     if row["kind"] == MONOTONE:
         return
-    laws = zip(stored.laws, stored.compared, strict=True)
-    compared = next(numbers for law, numbers in laws if all(getattr(law, key) == row[key] for key in WHICH))
     axis, places = row["axis"], stored.places(row["axis"], row["at"])
-    on_line = tuple(np.array([place[name] for place in places]) for name in stored.axes)
     along = labels.in_label_unit(stored[axis], stored[axis].values[[place[axis] for place in places]])
     numbers = {
-        key: values[on_line] if key == "x" else labels.in_label_unit(stored[row["observable"]], values[on_line])
-        for key, values in compared.items()
+        key: values if key == "x" else labels.in_label_unit(stored[row["observable"]], values)
+        for key, values in _compared(stored, row).items()
     }
     WITH_NUMBERS[row["kind"]](ax, stored, along, numbers, row)
+
+
+def _compared(stored: StoredStudy, row: Mapping[str, Any]) -> dict[str, Any]:
+    """The numbers that a law compares its observable with, on the line that decides, in rising order of its axis."""
+    laws = zip(stored.laws, stored.compared, strict=True)
+    compared = next(numbers for law, numbers in laws if all(getattr(law, key) == row[key] for key in WHICH))
+    places = stored.places(row["axis"], row["at"])
+    on_line = tuple(np.array([place[name] for place in places]) for name in stored.axes)
+    return {key: values[on_line] for key, values in compared.items()}
+
+
+def _with_tolerance(stored: StoredStudy, rule: Mapping[str, Any], array: xr.DataArray) -> str:
+    """The formula of a law and by how much its observable may be off: ``FZ²·ρ/(4·EI) ± 1 %``."""
+    relative = rule.get("relative")
+    near = _number(rule["absolute"], array) if relative is None else f"{100 * relative:.4g}{NO_BREAK}%"
+    return f"{formula(stored.expressions, rule['formula'], array)} ± {near}"
 
 
 def _equals(ax: Axes, stored: StoredStudy, along: Any, numbers: Any, row: Any) -> None:
     values, array, rule = numbers["formula"], stored[row["observable"]], row["rule"]
     if rule.get("relative") is None:
-        half, near = labels.in_label_unit(array, rule["absolute"]), _number(rule["absolute"], array)
+        half = labels.in_label_unit(array, rule["absolute"])
     else:
-        half, near = rule["relative"] * np.abs(values), f"{100 * rule['relative']:.4g}{NO_BREAK}%"
-    words = f"{formula(stored.expressions, rule['formula'], array)} ± {near}"
+        half = rule["relative"] * np.abs(values)
+    words = _with_tolerance(stored, rule, array)
     if stored.stand_alone:  # the numbers of each rod are its own
         ax.plot(along, values, "_", color=colours.INK, markersize=9, zorder=1.5, label=words)
         return
@@ -165,7 +214,7 @@ def _allow(ax: Axes, along: Any, low: Any, high: Any) -> None:
 
 def _bound(ax: Axes, stored: StoredStudy, along: Any, numbers: Any, row: Any) -> None:
     array, rule = stored[row["observable"]], row["rule"]
-    for key, word in (("least", "at least"), ("most", "at most")):
+    for key, word in BOUNDS:
         if key in numbers:
             words = f"{word} {formula(stored.expressions, rule[key], array)}"
             _line(ax, along, numbers[key], words, DASHED if key == "least" else DOTTED)
@@ -177,7 +226,7 @@ def _scales(ax: Axes, stored: StoredStudy, along: Any, numbers: Any, row: Any) -
         return
     at = np.abs(np.radians(along) if labels.is_angle(stored[row["axis"]]) else along)
     fitted = labels.in_label_unit(stored[row["observable"]], measured["factor"] * at ** measured["exponent"])
-    _line(ax, along, fitted, labels.typeset(f"fit: {row['found']}"))
+    _line(ax, along, fitted, "fit")
     wide = np.exp(row["rule"]["within"] * np.abs(np.log(at / np.exp(np.mean(np.log(at))))))
     low, high = np.sort([fitted / wide, fitted * wide], axis=0)
     _allow(ax, along, low, high)
@@ -186,7 +235,7 @@ def _scales(ax: Axes, stored: StoredStudy, along: Any, numbers: Any, row: Any) -
 def _boundary(ax: Axes, stored: StoredStudy, along: Any, numbers: Any, row: Any) -> None:
     axis, array, rule = stored[row["axis"]], stored[row["observable"]], row["rule"]
     places = np.unique(labels.in_label_unit(axis, numbers["x"]))
-    half, expected = float(labels.in_label_unit(axis, rule["within"])), float(numbers["x"][0])
+    half = float(labels.in_label_unit(axis, rule["within"]))
     passed = formula(stored.expressions, rule["passes"], array)
     _line(ax, along, numbers["passes"], f"{labels.symbol(array)} = {passed}")
     if places.size == 1 and np.isfinite(places[0]):
@@ -196,7 +245,7 @@ def _boundary(ax: Axes, stored: StoredStudy, along: Any, numbers: Any, row: Any)
             color=colours.SOFT,
             linewidth=1,
             zorder=1,
-            label=f"expected: {_number(expected, axis)} ± {_number(rule['within'], axis)}",
+            label="expected",
         )
         if row["numbers"]:
             step = sorted(row["numbers"][end] for end in ("from", "to"))

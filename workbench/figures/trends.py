@@ -30,8 +30,18 @@ NEAR = 0.08  # inches between two values of an axis whose dots touch: a step in 
 Values = NDArray[np.float64]
 
 
-def trend(stored: StoredStudy, ax: Axes, observable: str, axis: str, at: dict[str, float] | None = None) -> Axes:
-    """A stored number of each case against an axis; on a grid the line at `at` stands out and the others are faint."""
+def trend(
+    stored: StoredStudy,
+    ax: Axes,
+    observable: str,
+    axis: str,
+    at: dict[str, float] | None = None,
+    joined: bool = True,
+) -> Axes:
+    """A stored number of each case against an axis; on a grid the line at `at` stands out and the others are faint.
+
+    joined: whether a line joins the cases, and not another one that is drawn over them; more than `MOST_DOTS` have one.
+    """
     order = stored.places(axis, at)
     on = {axis: [where[axis] for where in order]}
     along = labels.in_label_unit(stored[axis], stored[axis].values[on[axis]])
@@ -47,7 +57,10 @@ def trend(stored: StoredStudy, ax: Axes, observable: str, axis: str, at: dict[st
         broken = np.flatnonzero(np.diff(stored["branch"].isel(others | on).values)) + 1
     if stored.stand_alone:
         broken = np.arange(1, along.size)
-    changes = draw_line(ax, along, values, is_count, logarithmic, broken, color=colours.DATA, linewidth=1.2, zorder=2)
+    changes = np.empty(0, dtype=int)
+    if joined or along.size > MOST_DOTS:
+        look: dict[str, Any] = {"color": colours.DATA, "linewidth": 1.2, "zorder": 2}
+        changes = draw_line(ax, along, values, is_count, logarithmic, broken, **look)
     for k in changes.tolist():
         ax.plot(along[[k - 1, k]], [values[[k - 1, k]].mean()] * 2, color=colours.SOFT, linewidth=0.8, marker="|",
                 markersize=5, zorder=1.9, label=BRACKET, gid=CHANGE)  # fmt: skip
