@@ -1,9 +1,11 @@
 """A rod whose load is changed until it snaps, and the stable rods of a file of branches in three dimensions."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from solver import Case, Cylinder, Ends, InputError, Rod, equilibria
+from solver import Case, Cylinder, Ends, InputError, Rod, Solution, equilibria
 from solver.orbits.potential import dimensional_slope
 from studies import load
 from tests.workbench.pictures import draws
@@ -115,13 +117,37 @@ def test_a_dot_moves_in_the_diagram_of_the_branches_and_the_rod_beside_it(stored
 @draws
 def test_every_stable_rod_stands_below_the_diagram_with_the_number_of_its_point(stored) -> None:
     stable = bifurcation.stable_shapes(stored)
-    rods = StoredStudy(snap.rods_of_shapes(stored, stable, 201))
+    rods = StoredStudy(snap.rods_of_shapes(stored, stable, 201)[0])
     fig, picture = branch_rods.figure(stored, stable, rods, Settings(dpi=200, pixel_error=2.0))
     assert (picture.pixels[0] == 255).all()  # no rim is cut at the top
     names = [bifurcation.names_of_shapes(stored)[k] for k in stable]
     diagram, words = fig.axes
     assert sorted(text.get_text() for text in diagram.texts) == sorted(names)
     assert [text.get_text().split("\n")[0] for text in words.texts if "\n" in text.get_text()] == names
+
+
+@draws
+def test_a_rod_that_is_not_solved_again_is_named_and_the_others_are_drawn(stored, tmp_path, monkeypatch, call) -> None:
+    lost, *others = bifurcation.stable_shapes(stored)
+    file, solve_again = tmp_path / "branches.h5", snap.rod_of_shape
+    writing.write(stored.ds, file)
+
+    def fail(of: StoredStudy, k: int, stations: int) -> Solution:
+        rod = solve_again(of, k, stations)
+        if k in others:
+            return rod
+        unsolved = replace(rod.trajectory, solved=np.array([False]), outcome=np.array(["failed: no digit"]))
+        return replace(rod, trajectory=unsolved)
+
+    monkeypatch.setattr(snap, "rod_of_shape", fail)
+    status, _, wrong = call("scene", str(file), "--dpi", "50", "--pixel-error", "2")
+    value = float(stored["shape_FZ"].values[lost])
+    name = bifurcation.names_of_shapes(stored)[lost]
+    assert (status, f"rod {name}, at FZ = {value:.6g}, is not drawn: failed: no digit" in wrong) == (0, True), wrong
+    assert (tmp_path / "branches_scene.png").exists()
+    others.clear()
+    status, _, wrong = call("scene", str(file), "--out", str(tmp_path / "none.png"))
+    assert (status, "no stable rod of this file is solved again: failed: no digit" in wrong) == (2, True), wrong
 
 
 @pytest.mark.parametrize(

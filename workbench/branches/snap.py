@@ -78,14 +78,20 @@ def rod_of_shape(stored: StoredStudy, k: int, stations: int) -> Solution:
     return rod
 
 
-def rods_of_shapes(stored: StoredStudy, shapes: Sequence[int], stations: int) -> xr.Dataset:
-    """The rods of shapes that a file of branches keeps, solved again, as a list of equilibria. Raises `InputError`."""
-    solved, units = [rod_of_shape(stored, k, stations) for k in shapes], stored.units
+def rods_of_shapes(stored: StoredStudy, shapes: Sequence[int], stations: int) -> tuple[xr.Dataset, dict[int, str]]:
+    """The rods of shapes that a file of branches keeps, solved again, as a list of equilibria; and of each shape that
+    is not solved again the outcome. Raises `InputError` where none is, and as `rod_of_shape`."""
+    rods, units = {k: rod_of_shape(stored, k, stations) for k in shapes}, stored.units
+    unsolved = {k: str(rod.outcome) for k, rod in rods.items() if not rod.solved}
+    solved = [rod for rod in rods.values() if rod.solved]
+    if not solved:
+        raise InputError(f"no stable rod of this file is solved again: {'; '.join(unsolved.values())}")
     numbers = [numbers_of(rod.case) for rod in solved]
     columns = {key: [number[key] for number in numbers] for key in numbers[0]}
     data = quantity_variables.variables(columns, EQUILIBRIUM, units)
     ds = of_solutions(solved, data, [str(rod.caution) for rod in solved], numbers[0]["L"], units)
-    return ds.assign_attrs({key: stored.attrs[key] for key in KEPT if key in stored.attrs} | {"laws": "[]"})
+    kept = {key: stored.attrs[key] for key in KEPT if key in stored.attrs}
+    return ds.assign_attrs(kept | {"laws": "[]"}), unsolved
 
 
 def case_at(stored: StoredStudy, value: float) -> Case:

@@ -72,18 +72,28 @@ def _picture(file: Path, stored: "StoredStudy", wanted: SceneOptions, look: "Set
     stable = bifurcation.stable_shapes(stored)
     if not stable:
         raise InputError("no branch of this file is stable, so there is no rod to show")
-    shapes = stable[:MOST]
+    unsolved = dict[int, str]()
+
+    def shapes() -> list[int]:
+        return [k for k in stable[:MOST] if k not in unsolved]
 
     def solve(stations: int) -> StoredStudy:
-        return StoredStudy(snap.rods_of_shapes(stored, shapes, stations))
+        rods, others = snap.rods_of_shapes(stored, shapes(), stations)
+        unsolved.update(others)
+        return StoredStudy(rods)
 
     def draw(rods: StoredStudy, strict: bool) -> "tuple[Figure, Page]":
-        return branch_rods.figure(stored, shapes, rods, replace(settings, strict=strict))
+        return branch_rods.figure(stored, shapes(), rods, replace(settings, strict=strict))
 
     (fig, _), stations = study_scene.at_needed_stations(solve(study_scene.FIRST), solve, draw)
     canvas.save(fig, path, settings.dpi)
     count = f", {MOST} of {len(stable)} stable rods" if len(stable) > MOST else ""
-    return result_of_files([path], [f"{path}, solved at {stations} stations{count}"])
+    name, names = str(stored.attrs["axis"]), bifurcation.names_of_shapes(stored)
+    warnings = [
+        f"rod {names[k]}, at {name} = {float(stored[f'shape_{name}'].values[k]):.6g}, is not drawn: {why}"
+        for k, why in unsolved.items()
+    ]
+    return result_of_files([path], [f"{path}, solved at {stations} stations{count}"], warnings)
 
 
 def _film(file: Path, stored: "StoredStudy", out: Path, wanted: SceneOptions, look: "Settings") -> Result:
