@@ -89,7 +89,7 @@ class DrawnRods:
     notes: list[str]
 
     @property
-    def as_listed(self) -> list[DrawnRod]:
+    def in_study_order(self) -> list[DrawnRod]:
         """The rods in rising order of their axis, in falling order where the values of the study fall."""
         falls = self.axis is not None and bool((np.diff(self.source[self.axis].values) < 0).all())
         return self.rods[::-1] if falls else self.rods

@@ -63,7 +63,7 @@ def _title(stored: StoredStudy, row: Mapping[str, Any], room: float) -> str:
         last = f"{head} · {row['claim']}: {verdict}"
     else:
         noun, law = _noun(stored, row), labels.typeset(_law(stored, row))
-        titles = [f"{noun}{law}: {verdict}{_briefly_measured(row)}", f"{noun}{law}: {verdict}"]
+        titles = [f"{noun}{law}: {verdict}{_exponent_note(row)}", f"{noun}{law}: {verdict}"]
         last = f"{noun} · {row['claim']}: {verdict}"
     return next((title for title in titles if fonts.width_of(title, fonts.normal()) <= room), last)
 
@@ -88,14 +88,14 @@ def _law(stored: StoredStudy, row: Mapping[str, Any]) -> str:
         return f" from {ends[0][1]} to {ends[1][1]}" if len(ends) == 2 else f": {' '.join(ends[0])}"
     if kind == "scales":
         return f": exponent {labels.number(rule['exponent'])} ± {labels.number(rule['within'])}"
-    places = np.unique(_compared(stored, row)["x"])
+    places = np.unique(_numbers_of(stored, row)["x"])
     place = formula(stored.expressions, rule["x"], axis)
     if places.size == 1 and np.isfinite(places[0]):
         place = _number(float(places[0]), axis).partition(NO_BREAK)[0]
     return f" = {formula(stored.expressions, rule['passes'], array)} at {place} ± {_number(rule['within'], axis)}"
 
 
-def _briefly_measured(row: Mapping[str, Any]) -> str:
+def _exponent_note(row: Mapping[str, Any]) -> str:
     """The measured exponent of a law, `` (−0.5001)``, where it is not written as that of the law; else nothing."""
     if row["kind"] != "scales" or not row["numbers"]:
         return ""
@@ -169,12 +169,12 @@ def draw_curve(stored: StoredStudy, ax: Axes, row: Mapping[str, Any]) -> None:
     along = labels.in_label_unit(stored[axis], stored[axis].values[[place[axis] for place in places]])
     numbers = {
         key: values if key == "x" else labels.in_label_unit(stored[row["observable"]], values)
-        for key, values in _compared(stored, row).items()
+        for key, values in _numbers_of(stored, row).items()
     }
     WITH_NUMBERS[row["kind"]](ax, stored, along, numbers, row)
 
 
-def _compared(stored: StoredStudy, row: Mapping[str, Any]) -> dict[str, Any]:
+def _numbers_of(stored: StoredStudy, row: Mapping[str, Any]) -> dict[str, Any]:
     """The numbers that a law compares its observable with, on the line that decides, in rising order of its axis."""
     laws = zip(stored.laws, stored.compared, strict=True)
     compared = next(numbers for law, numbers in laws if all(getattr(law, key) == row[key] for key in WHICH))

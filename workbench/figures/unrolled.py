@@ -457,7 +457,7 @@ def panel_of(
             return in_lines
     norm = push_scale.scale([rod["push"] for rod in rods.solved]) if coloured else None
     views, notes, winds = [], list[str](), False
-    for k, rod in enumerate(rods.as_listed):
+    for k, rod in enumerate(rods.in_study_order):
         text = "" if rods.axis is None else rod.name if k == 0 else rod.value
         if rod.arrays is None:
             views.append(UnrolledView(np.zeros(0), np.zeros(0), text, {}, name=rod.why))
