@@ -279,7 +279,7 @@ def test_a_frame_of_samples_names_the_fields_that_change() -> None:
     fig.add_axes((0.0, 0.0, 1.0, 1.0))
     list(film._draw_case(fig, film.Film("sample", {}), stored, 1))
     words = [text.get_text() for text in fig.axes[0].texts]
-    assert words == ["sample = 1", stored.equations({"E": 1}, 3)]
+    assert words == ["sample = 1", stored.equations({"E": 1})]
     assert words[1].startswith("E = ")
 
 

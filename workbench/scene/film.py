@@ -179,7 +179,7 @@ def frames(stored: StoredStudy, film: Film, step: Callable[[str], None] = lambda
     fig = canvas.figure(film.size, lambda fig: _begin(fig, film, scene, lying), dpi=film.dpi, layout=None)
     fig.set_facecolor(settings.look[page.WHITE])
     for where, body in zip(cases, bodies, strict=True):
-        step(_value(stored, film.axis, where[film.axis], 4))
+        step(_value(stored, film.axis, where[film.axis]))
         view = replace(first, bodies=[body] if body else [])
         picture = composition.compose(replace(scene, rows=[[view]])).pixels if body else None
         with rc_context(fonts.RC):
@@ -232,7 +232,7 @@ def _draw_case(fig: Figure, film: Film, stored: StoredStudy, i: int) -> Iterator
     """The i-th value of the axis in words and among the others, on its scale; the curve of the diagram up to it."""
     ax, array = fig.axes[0], stored[film.axis]
     left, right = canvas.MARGIN, film.size[0] - canvas.MARGIN
-    words, name = _value(stored, film.axis, i, 4), labels.long_name(array)
+    words, name = _value(stored, film.axis, i), labels.long_name(array)
     name = labels.equation(array, array.values[i]) if film.axis == SAMPLE else name[:1].upper() + name[1:]
     yield ax.text(right, left + 0.02, name, color=colours.SOFT, va="top", ha="right")
     room = right - left - fonts.width_of(name, fonts.NORMAL) - 0.1
@@ -250,10 +250,10 @@ def _draw_case(fig: Figure, film: Film, stored: StoredStudy, i: int) -> Iterator
         yield from _grow(diagram, at) if film.branches is None else _place_dot(diagram, film, stored, i, at)
 
 
-def _value(stored: StoredStudy, axis: str, i: int, digits: int) -> str:
+def _value(stored: StoredStudy, axis: str, i: int) -> str:
     """The i-th value of an axis in words; of a sample those of its fields."""
     fields = (stored.sampled if axis == SAMPLE else []) or [axis]
-    return stored.equations(dict.fromkeys(fields, i), digits)
+    return stored.equations(dict.fromkeys(fields, i))
 
 
 def _grow(ax: Axes, at: float) -> Iterator[Artist]:
