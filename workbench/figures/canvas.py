@@ -318,8 +318,15 @@ def write_below(fig: Figure, said: Said) -> None:
         return
     widest = HANDLE + max(fonts.width_of(label, fonts.small()) for label in once)
     columns = max(1, min(len(once), int((width + 0.1) / widest)))
-    fig.legend(list(once.values()), list(once), ncols=columns, loc="outside lower left", alignment="left",
-               handlelength=1.8, handleheight=1.2)  # fmt: skip
+    fig.legend(
+        list(once.values()),
+        list(once),
+        ncols=columns,
+        loc="outside lower left",
+        alignment="left",
+        handlelength=1.8,
+        handleheight=1.2,
+    )
 
 
 def draw_arrow(
