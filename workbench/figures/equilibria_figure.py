@@ -39,17 +39,16 @@ def figure(stored: StoredStudy, sheet: Sheet = SCREEN, show: Sequence[str] = ())
     reaction = next((name for name in REACTIONS if name in stored and stored[name].dims == ("equilibrium",)), None)
     texts = [f"{k + 1}" for k in range(count)]
     if reaction is not None:
-        texts = [
-            f"{text}: {labels.value(float(stored[reaction][k]), stored[reaction])}" for k, text in enumerate(texts)
-        ]
+        values = [labels.value(float(value), stored[reaction]) for value in stored[reaction].values[:count]]
+        values[0] = labels.equation(stored[reaction], float(stored[reaction].values[0]))
+        texts = [f"{text}: {value}" for text, value in zip(texts, values, strict=True)]
     shapes = [_shape(stored, k, texts[k], look(int(stored["index"][k]))) for k in range(count)]
     panel = unrolled.UnrolledPanel(
         shapes, _room(sheet), sheet.small, labels.unit(str(stored["z"].attrs.get("units", "1")))
     )
     shown = f"; {count} of {stored.sizes['equilibrium']} are shown" if count < stored.sizes["equilibrium"] else ""
-    beside = "" if reaction is None else f", {labels.symbol(stored[reaction])} beside the number"
     rows: list[canvas.Row] = [
-        (panel.height, [lambda ax: [*_entries(stored["index"].values), *panel.draw(ax, f"{beside}{shown}")]]),
+        (panel.height, [lambda ax: [*_entries(stored["index"].values), *panel.draw(ax, shown)]]),
         (high, [lambda ax: against_index(stored, ax, name, high)]),
     ]
     return canvas.page(stored, sheet, rows, more=0.45)
