@@ -163,6 +163,17 @@ def test_the_papers_claim_is_not_contradicted_on_its_own_branch_and_fails_on_oth
     assert any(row["kappa_mean rises"] == "false" for row in rows)
 
 
+def test_branches_that_are_followed_twice_are_listed_once_with_their_folds(monkeypatch) -> None:
+    given, number = [], tracing.number_pieces
+    monkeypatch.setattr(tracing, "number_pieces", lambda *values: given.append(values) or number(*values))
+    seen = tracing.trace_branches(default(), "betaL", [-0.2, 0.2, 0.6, 1.0], 21, lambda *_: None)
+    assert len(seen.special) > 1
+    ((found, owner, curves, remarks),) = given
+    again = number(found, owner, [*curves, *curves], remarks)
+    assert (again.pieces, again.branch) == (seen.pieces, seen.branch)
+    assert [meets for *_, meets in again.special] == [meets for *_, meets in seen.special]
+
+
 def test_angles_on_an_axis_may_be_given_in_degrees() -> None:
     for text in ("betaL=60deg:-30deg:4", "betaL=-pi/6:pi/3:4"):
         name, values = parse_axis(text, UNITS)

@@ -6,8 +6,8 @@ those of one curve, however coarse the axis; and none is followed twice.
 """
 
 import time
-from collections import defaultdict
-from collections.abc import Callable, Iterable, Sequence
+from collections import Counter, defaultdict
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -60,6 +60,7 @@ class Traced:
 
 
 Place = tuple[int, int]  # a branch and a point of it
+PieceKey = tuple[int, int]  # a branch and a piece of it
 Step = Callable[[str, int, int], None]  # words, how much is done, of how much: of values, then of equilibria
 
 
@@ -241,15 +242,57 @@ def number_pieces(
         return curve, int(np.searchsorted(cuts[curve][1:-1], at, side="right"))
 
     order = dict.fromkeys(piece_of(*place) for row in owner for place in row if place is not None)
-    number = {key: n for n, key in enumerate([*order, *(key for key in spans if key not in order)])}
+    listed = defaultdict[float, list[tuple[PieceKey, BranchPoint]]](list)
+    for place in (place for row in owner for place in row if place is not None):
+        on = curves[place[0]].points[place[1]]
+        listed[on.value].append((piece_of(*place), on))
+    again = {}
+    for key in spans.keys() - order.keys():
+        if first := _repetition(curves[key[0]].points[slice(*spans[key])][1:], listed):
+            again[key] = first
+    number = {key: n for n, key in enumerate(key for key in {**order, **spans} if key not in again)}
     pieces = [Piece(n, key[0], *spans[key]) for key, n in number.items()]
+    number |= {key: number[first] for key, first in again.items()}
     branch = [[-1 if place is None else number[piece_of(*place)] for place in row] for row in owner]
-    special = [
-        (curve, point, (number[c, j], number[c, j + 1]))
-        for c, curve in enumerate(curves)
-        for j, point in enumerate(point for point in curve.special if point.kind != HELIX)
-    ]
+    special = list[tuple[Branch, SpecialPoint, tuple[int, int]]]()
     for c, curve in enumerate(curves):
-        ends = [point for point in curve.special if point.kind == HELIX]
-        special += [(curve, end, (number[piece_of(c, end.position)],) * 2) for end in ends]
+        for j, point in enumerate(point for point in curve.special if point.kind != HELIX):
+            meets = number[c, j], number[c, j + 1]
+            if again.keys() & {(c, j), (c, j + 1)} and (len({*meets}) == 1 or _is_among(point, meets, special)):
+                continue  # a branch that goes on along another one turns into it, or has its special points
+            special.append((curve, point, meets))
+    for c, curve in enumerate(curves):
+        ends = [(point, piece_of(c, point.position)) for point in curve.special if point.kind == HELIX]
+        special += [(curve, end, (number[piece],) * 2) for end, piece in ends if piece not in again]
     return Traced(found, branch, curves, pieces, special, remarks)
+
+
+def _repetition(
+    points: Sequence[BranchPoint], listed: Mapping[float, list[tuple[PieceKey, BranchPoint]]]
+) -> PieceKey | None:
+    """The piece that one without listed equilibria repeats: a branch may meet itself or another, and go on along it.
+
+    All equilibria at a value of the axis are listed, so each that the piece passes there is one of the other piece.
+    points: of the piece, without its ends, where pieces meet. Shapes on nodes are not compared.
+    """
+    same = [
+        {key for key, on in listed[point.value] if _is_same(point, on)} for point in points if point.value in listed
+    ]
+    counts = Counter(key for keys in same for key in sorted(keys))
+    return counts.most_common(1)[0][0] if same and all(same) else None
+
+
+def _is_among(
+    point: SpecialPoint, pieces: tuple[int, int], special: Iterable[tuple[Branch, SpecialPoint, tuple[int, int]]]
+) -> bool:
+    """Whether a point where two pieces meet is one of the special points."""
+    return any(
+        (other.kind, {*meets}) == (point.kind, {*pieces}) and np.isclose(other.value, point.value, _NEAR, _NEAR)
+        for _, other, meets in special
+    )
+
+
+def _is_same(point: BranchPoint, other: BranchPoint) -> bool:
+    """Whether two points of branches at one value of the field are one equilibrium under dead loads."""
+    paths = point.path, other.path
+    return not any(isinstance(path, Shape) for path in paths) and same_equilibrium(point.problem, *paths)
