@@ -96,7 +96,7 @@ def add_contents(folder: Path) -> None:
 
 def _first_page(text: str) -> str:
     """The first page of docs with the beginning of the README, its pictures and its question, above its lists."""
-    readme = (ROOT / "README.md").read_text(encoding="utf-8").partition("\n## ")[0]
+    readme = (ROOT / "README.md").read_text(encoding="utf-8").partition("\n## ")[0].replace("](docs/", "](")
     heading, *paragraphs = readme.split("\n\n")
     pictures = " ".join(f'<img class="hero" src="{src}" alt="{alt}">' for src, alt in HERO.findall(readme))
     words = [one for one in paragraphs if not one.startswith("<img")]
