@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -13,9 +13,6 @@ from .problem.errors import InputError, show
 from .problem.reduced import EndsProblem, reduce
 from .problem.shown import make
 from .solution import Solution
-
-if TYPE_CHECKING:
-    from xarray import Dataset
 
 HELIX = "helix ceases"  # a kind of special point
 BORDER = "border of the range"  # a kind of end
@@ -179,7 +176,7 @@ class Branch:
             )
         return points
 
-    def to_dataset(self, stations: int = 201, **units: str) -> "Dataset":
+    def to_dataset(self, stations: int = 201, **units: str) -> Any:
         """The branch as a dataset over `point`.
 
         Parameters

@@ -15,8 +15,6 @@ from .solution import Solution
 from .solve import solve
 
 if TYPE_CHECKING:
-    from xarray import Dataset
-
     from .orbits.loop_orbits import ClosedOrbit
 
 TOL = 1e-11  # of a closed rod: as small as its solution allows. x10: it closes to a digit less
@@ -91,7 +89,7 @@ class Loops(list[Loop]):
         """Whether no loop is known to be missing or inaccurate."""
         return not self.remarks
 
-    def to_dataset(self, **units: str) -> "Dataset":
+    def to_dataset(self, **units: str) -> Any:
         """The loops as an `xarray.Dataset` over `equilibrium`, which figures, scenes and exports read.
 
         Parameters

@@ -23,8 +23,6 @@ from .problem.shown import NOTEBOOK, Picture, make, table_of
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from xarray import Dataset
-
 
 class Solution(ShapeArrays):
     """The shape of a case, or of each case of a grid, at n stations in the units of the case.
@@ -273,7 +271,7 @@ class Solution(ShapeArrays):
         """
         return sensitivity(self, fields, observables)
 
-    def to_dataset(self, **units: str) -> "Dataset":
+    def to_dataset(self, **units: str) -> Any:
         """The solution as a dataset with labels and units, which figures, scenes and exports read.
 
         Parameters
@@ -283,7 +281,7 @@ class Solution(ShapeArrays):
 
         Returns
         -------
-        xr.Dataset
+        xarray.Dataset
             beta, dbeta, alpha, z and contact over (axes, u), u = s/L; the numbers, outcome and caution of each case.
 
         Raises

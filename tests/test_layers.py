@@ -42,7 +42,6 @@ LISTS = {
     ],
 }  # fmt: skip
 
-SHOWN = {"xarray"}  # its names may annotate, for type checkers alone, what makes its things
 FUNCTIONS = ast.FunctionDef | ast.AsyncFunctionDef
 STDLIB = sys.stdlib_module_names - {"tomllib"}  # file formats are no business of the mechanics
 HEAVY = {
@@ -59,8 +58,7 @@ def imported(node: ast.AST, package: str, at_start_only: bool = False) -> Iterat
     """Absolute dotted names that `node` imports; relative ones are resolved against `package`.
 
     `from a import b` gives both `a` and `a.b`, as b may be a module. With `at_start_only`, function bodies
-    and `if TYPE_CHECKING` are left out: what remains runs when the module is first imported. Modules of `SHOWN` under
-    `if TYPE_CHECKING` are always left out.
+    and `if TYPE_CHECKING` are left out: what remains runs when the module is first imported.
     """
     if isinstance(node, ast.Import):
         yield from (alias.name for alias in node.names)
@@ -69,11 +67,10 @@ def imported(node: ast.AST, package: str, at_start_only: bool = False) -> Iterat
         base = ".".join([*above, *([node.module] if node.module else [])])
         yield base
         yield from (f"{base}.{alias.name}" for alias in node.names)
-    elif is_for_type_checkers_only(node):
+    elif at_start_only and is_for_type_checkers_only(node):
         assert isinstance(node, ast.If)
-        children = node.orelse if at_start_only else [*node.body, *node.orelse]
-        named = {name for child in children for name in imported(child, package, at_start_only)}
-        yield from named - reaches(named, SHOWN)
+        for child in node.orelse:
+            yield from imported(child, package, at_start_only)
     elif not isinstance(node, ast.expr) and not (at_start_only and isinstance(node, FUNCTIONS)):
         for child in ast.iter_child_nodes(node):
             yield from imported(child, package, at_start_only)
@@ -253,7 +250,6 @@ import os.path as p, numpy
 from . import near
 from ..case import Rod
 if TYPE_CHECKING:
-    import pandas
     import xarray
 else:
     import rich
@@ -272,7 +268,7 @@ def f():
         "os.path", "numpy", "solver.methods", "solver.methods.near", "solver.case", "solver.case.Rod", "rich",
         "h5py", "pyvista",
     }  # fmt: skip
-    later = {"pandas", "scipy.special", "matplotlib", "matplotlib.pyplot"}
+    later = {"xarray", "scipy.special", "matplotlib", "matplotlib.pyplot"}
     tree = ast.parse(source)
     assert set(imported(tree, "solver.methods", at_start_only=True)) == at_start
     assert set(imported(tree, "solver.methods")) == at_start | later

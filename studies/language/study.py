@@ -45,8 +45,6 @@ from .samples import Sample
 from .variation import Variation
 
 if TYPE_CHECKING:
-    from xarray import Dataset
-
     from ..laws.law_verdict import LawVerdicts
 
 # The quantities that can be stored along the rod: names of `Solution`.
@@ -70,9 +68,9 @@ def _leaves(said: Mapping[str, Any]) -> bool:
 
 
 class SolvedStudy(Protocol):
-    """What `Study.run` gives: the dataset of the cases, the verdicts on the laws, and pictures."""
+    """What `Study.run` gives: the `xarray.Dataset` of the cases, the verdicts on the laws, and pictures."""
 
-    ds: "Dataset"
+    ds: Any
     verdicts: "LawVerdicts"
 
     def plot(self, **at: Any) -> Picture: ...

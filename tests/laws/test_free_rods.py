@@ -298,11 +298,11 @@ def test_a_search_takes_no_more_steps_than_it_may_and_says_so(monkeypatch: pytes
     before, seen = solve(Case(ROD, Cylinder(R=0.75, side="inside"), ENDS)), []
     hessian = Program.hessian
 
-    def counted(program: Program, *given: Any) -> Any:
+    def hessian_and_count(program: Program, *given: Any) -> Any:
         seen.append(program.rod.edges)
         return hessian(program, *given)
 
-    monkeypatch.setattr("solver.free.program.Program.hessian", counted)
+    monkeypatch.setattr("solver.free.program.Program.hessian", hessian_and_count)
     monkeypatch.setattr("solver.free.free_rods.STEPS", 60)
     after = before.let_go()
     assert after.solved

@@ -53,7 +53,7 @@ def test_what_any_call_of_the_problem_raises_ends_the_branch_at_once(way: str, m
     """The core went on with other points, and asked for more problems, until its steps ended."""
     go, calls, limit = ways_to_follow()[way], 0, 10**9
 
-    def counted(numbers: Any) -> Any:
+    def with_a_limit(numbers: Any) -> Any:
         def at(p: float) -> Any:
             nonlocal calls
             calls += 1
@@ -64,7 +64,7 @@ def test_what_any_call_of_the_problem_raises_ends_the_branch_at_once(way: str, m
         return at
 
     whole = BranchSteps.__init__
-    monkeypatch.setattr(BranchSteps, "__init__", lambda self, numbers, *rest: whole(self, counted(numbers), *rest))
+    monkeypatch.setattr(BranchSteps, "__init__", lambda self, numbers, *rest: whole(self, with_a_limit(numbers), *rest))
     go()
     count = calls
     assert count > 20

@@ -47,7 +47,7 @@ def _by_marching(text: str) -> xr.Dataset:
     return in_memory.run(small.study(text, HEAD), tol=1e-3, method="verlet")
 
 
-def counted(text: str) -> xr.Dataset:
+def by_the_orbit(text: str) -> xr.Dataset:
     """A study's dataset by the method that knows the orbit: a march with so few stations cannot count the bends."""
     return in_memory.run(small.study(text, HEAD))
 
@@ -146,7 +146,7 @@ def test_results_that_another_program_stored_as_coordinates_are_joined_as_result
 
 @pytest.mark.slow
 def test_a_law_is_judged_again_on_all_values(tmp_path) -> None:
-    falling, rising = counted(axis("E", [1e4, 2e4]) + LAW), counted(axis("E", [3e4, 4e4]) + LAW)
+    falling, rising = by_the_orbit(axis("E", [1e4, 2e4]) + LAW), by_the_orbit(axis("E", [3e4, 4e4]) + LAW)
     assert file_merge.merge(stored(tmp_path, falling, rising), tmp_path / "all.h5")["laws"][0]["verdict"] == "true"
     rising["bends"][:] = 99
     done = file_merge.merge(stored(tmp_path, falling, rising), tmp_path / "all.h5")

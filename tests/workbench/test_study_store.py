@@ -49,7 +49,7 @@ def kept(path: Path, monkeypatch) -> Path:
     return shards.folder_of(path.with_suffix(".h5"))
 
 
-def counted(monkeypatch) -> list[int]:
+def cases_per_block(monkeypatch) -> list[int]:
     """How many cases each block has that is solved from now on."""
     found: list[int] = []
     block_of = block.block_of
@@ -227,7 +227,7 @@ def test_a_shard_that_is_missing_misplaced_or_damaged_is_solved_again_and_no_oth
     path = runs.study(tmp_path, GRID)
     folder = kept(path, monkeypatch)
     SPOILT[name](folder)
-    solved, again = counted(monkeypatch), 2 if name == "exchanged" else 1
+    solved, again = cases_per_block(monkeypatch), 2 if name == "exchanged" else 1
     assert run_to_file(load(path), tmp_path / "many.h5", RunOptions(workers=1)).solved == 64 * again
     assert solved == [64] * again
     assert runs.contents(tmp_path / "many.h5") == runs.contents(whole)
@@ -336,7 +336,7 @@ def test_a_file_with_a_changed_number_is_refused_before_it_grows(half, monkeypat
     with h5py.File(output, "a") as file:
         file["bends"][0] = 99
     runs.study(half.parent, {"E": [5e3, 1e4, 3e4], "F1": FORCES})
-    before, solved = output.read_bytes(), counted(monkeypatch)
+    before, solved = output.read_bytes(), cases_per_block(monkeypatch)
     with pytest.raises(InputError, match="bends has changed since it was stored"):
         run_to_file(load(half), output)
     assert (output.read_bytes(), solved) == (before, [])
@@ -377,7 +377,7 @@ def test_what_is_packed_together_lies_together() -> None:
 def test_restart_solves_a_finished_study_again(tmp_path, monkeypatch) -> None:
     path = runs.study(tmp_path, runs.grid(2, 2))
     run_to_file(load(path), tmp_path / "many.h5")
-    solved = counted(monkeypatch)
+    solved = cases_per_block(monkeypatch)
     assert not run_to_file(load(path), tmp_path / "many.h5", RunOptions(restart=True)).finished_before
     assert solved == [4]
 
