@@ -45,8 +45,8 @@ ORDER = (2.0, 4.5)
 # of an error of the order that is seen: of a hundred rods let go, one in twenty is off by more. x10: stated errors ten
 # times too large
 SAFETY = 1.25
-# of a search from each curve, on its coarsest mesh; edges that this counts for at least. x10: ten times the time before
-# a search ends without its digits
+# steps of the search for a rod, for each of its curves, on the coarsest mesh; edges that this counts for at least. x10:
+# ten times the time before a search ends without its digits
 STEPS, LEAST = 600, 500
 LARGEST = 1e12  # of a number of a rod in units of A and rho, far beyond any rod. x10: as good
 MOVED = ", moved by some waves"

@@ -22,7 +22,8 @@ OPTIONS = {
     "barrier_k_epsilon": 100.0,  # how closely each barrier problem is solved: with 10, the default, some steps more
 }
 ENOUGH = 1e-6  # of what Uno may leave of the equations: Newton's method ends them. x10: from there it may fail
-EACH_STEP = 50  # edges, of which the equations take as long as what a step takes beside them. x10: less effort
+# edges whose equations take as long as what a step of Uno takes besides. x10: fewer steps on coarse meshes
+EACH_STEP = 50
 
 
 class _Search(NamedTuple):
@@ -39,9 +40,10 @@ NEAR = _Search(1e-4, 100)
 
 @dataclass
 class Effort:
-    """What a search may still take: steps, each times the edges of its mesh and `EACH_STEP`.
+    """What searches for one rod by Uno may still take.
 
-    cut: whether one ended because none was left.
+    left: steps, each times the sum of the edges of its mesh and `EACH_STEP`. cut: whether a search ended because too
+    little was left.
     """
 
     left: float = np.inf

@@ -567,6 +567,18 @@ def test_a_tilt_is_an_angle_to_a_plane_however_far_a_hinge_turns() -> None:
     assert sol.tilt[-1] == pytest.approx(0, abs=1e-9)
 
 
+def test_between_two_hinges_that_turn_over_a_rod_has_the_same_angles_on_each_mesh() -> None:
+    """A rod between them is half a turn from the angles that are given at either, to whichever side."""
+    ends = Ends(0.05, -0.4, FZ=-0.3, rotation=0.3, M20=0.2, M2L=-0.9, radius0=3.0, radiusL=2.1)
+    sol = solve(Case(Rod(EI=1.0, GJ=0.8, a=0.1, L=3.5), Cylinder(0.9, contact="unilateral"), ends))
+    assert sol.solved, sol.outcome
+    assert np.abs(sol.tilt[[0, -1]]).min() > np.pi / 2
+    assert np.abs(sol.tilt[1:-1]).max() <= np.pi / 2
+    first, *finer = (shape.at(sol.t[0, 1:-1]).turned for shape in sol.trajectory.free.answers[0].shapes)
+    for turned in finer:
+        assert turned == pytest.approx(first, abs=0.1)
+
+
 @pytest.mark.parametrize("reverse", [False, True])
 def test_numbers_that_are_given_at_a_hinge_that_turns_over_are_observed_as_given(reverse: bool) -> None:
     """From either end: a rod that is turned round about a radius keeps its angles, and its moment M2."""
