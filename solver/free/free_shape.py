@@ -164,8 +164,8 @@ class FreeShape:
     def _known_angles(self) -> Array:
         """The four angles at the nodes without jumps, (4, N + 1)."""
         turned = np.unwrap(self._angles(self.nodes, self.x, self._directors(self.nodes)))
-        # an end that turned over is half a turn off, so the other one tells the turns; if both are, a radian less rounds
-        # every half turn down
+        # an end that turned over is half a turn off, so the other one tells the turns; if both are, a radian less
+        # rounds each half turn down
         k = int(np.cos(self.angles[2]) < 0)
         turns = whole_turns(self.angles[4 * k :][:4] - k - turned[:, -k]) * [1, 1, 0, 1]  # a tilt has none
         return turned + turns[:, None]

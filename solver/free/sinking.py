@@ -23,7 +23,7 @@ MOST_EDGES = 200  # of the rod while it moves: finer ones look alike. x10: ten t
 # way in finer steps
 SURVEY, MOST_STEPS = 24, 400
 PACE = 1.6  # how far a step may go of what it should. x10: a few steps jump over what the eye should follow
-# factors of the time of a step to the next one. x10: steps are undone; none is made shorter, and it does not end
+# factors of the time of a step to the next one. x10: steps are undone; none is made shorter, and rods are refused
 FASTER, SLOWER = 4.0, 0.2
 FIRST = 1e-6  # the time of the first step that is tried. x10: as good, but for digits
 # of a step: a rod that moves less rests; places that are so near are the same. x10: it rests before it does
