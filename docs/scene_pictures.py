@@ -116,13 +116,16 @@ def _datasets() -> dict[str, Callable[[], StoredStudy]]:
         case = ends_problem(study)
         return StoredStudy(as_dataset(study, case, every(case)))
 
-    def run(study: str | Path, **axes: list[float]) -> StoredStudy:
+    def run(study: str | Path, title: str = "", **axes: list[float]) -> StoredStudy:
+        chosen = load(study)
         values = {name: Axis.model_validate({"values": each}) for name, each in axes.items()}
-        return StoredStudy(in_memory.run(load(study).model_copy(update={"axes": values}) if axes else load(study)))
+        changes = {"title": title or chosen.title, "axes": values or chosen.axes}
+        return StoredStudy(in_memory.run(chosen.model_copy(update=changes)))
 
-    shipped = {ROD: "fig6", "ghosts": "fig7_1_modulus", "grid": "fig7_5_forces"}
     return {
-        **{name: partial(run, study) for name, study in shipped.items()},
+        ROD: partial(run, "fig6", "The rod of Table 1"),
+        "ghosts": partial(run, "fig7_1_modulus", "Three rods, from soft to stiff"),
+        "grid": partial(run, "fig7_5_forces", "The end forces"),
         "equilibria": equilibria,
         **{name: partial(run, RODS / f"{name}.toml") for name in OWN},
         SWEEP: partial(run, RODS / f"{SWEEP}.toml", F3=FORCES[::-1]),

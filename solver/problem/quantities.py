@@ -74,7 +74,7 @@ _ROWS = (
     Quantity("bends", "bends", NUMBER, "number of bends (interior extrema of beta)", former="turns"),
     _with_error("bend_number", "half waves", NUMBER, "number of half waves of beta along the rod"),
     Quantity("loops", "full turns of β", NUMBER, "full turns of beta"),
-    _with_error("amplitude", "amplitude of β", "rad", "largest beta minus smallest beta"),
+    _with_error("amplitude", "range of β", "rad", "largest beta minus smallest beta"),
     _with_error("kappa_mean", "mean κ", _PER_LENGTH, "mean curvature"),
     _with_error("kappa_max", "max κ", _PER_LENGTH, "largest curvature"),
     replace(_with_error("turns_around", "turns around", NUMBER, "turns around the cylinder"), former="wraps"),

@@ -206,7 +206,7 @@ def claims(stored: StoredStudy, ax: Axes) -> None:
         _write(ax, (np.mean(on), 1), first, (0, HEADS[wide]), xycoords=("data", "axes fraction"), va="bottom")
         if on[0]:
             ax.axvline(on[0] - 0.5, color=colours.FAINT, linewidth=0.8)
-    for text, above in (("claim", 4), ("sign of the force, stiffness", 30), ("order of the loads", HEADS[wide])):
+    for text, above in (("claim", 4), ("sign of the force, stiffness", 30), ("twist from", HEADS[wide])):
         if wide:  # what the readings of Table 1 differ in
             _write(
                 ax, (0, 1), text, (-14, above), xycoords="axes fraction", ha="right", va="bottom", color=colours.SOFT
