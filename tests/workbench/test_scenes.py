@@ -640,13 +640,15 @@ def test_many_rods_stand_and_few_lie_where_they_fill_the_page_better_and_each_is
 
 @draws
 def test_a_page_is_no_larger_than_a_journal_prints_and_has_its_legend_beside_its_bars_where_there_is_room() -> None:
-    ds = dataset(axes="[axes.E]\nfrom = 1e4\nto = 4e4\ncount = 9\n[axes.F3]\nfrom = 5\nto = 20\ncount = 9\n")
-    stored = StoredStudy(ds)
-    table = layout.compose(stored, None, "grid", ["E", "F3"], settings=layout.Settings(2.0, 50))
+    axes = "[axes.E]\nfrom = 1e4\nto = 4e4\ncount = 9\n[axes.F3]\nfrom = 5\nto = 20\ncount = 9\n"
+    stored, short = (StoredStudy(dataset(axes=axes, L=L)) for L in (20.0, 1.0))
+    table, high_table = (
+        layout.compose(rods, None, "grid", ["E", "F3"], settings=layout.Settings(2.0, 50)) for rods in (stored, short)
+    )
     one, ghosts = (
         layout.compose(stored, None, kind, settings=layout.Settings(2.0, 50)) for kind in ("plain", "ghosts")
     )
-    for made in (table, one, ghosts):
+    for made in (table, high_table, one, ghosts):
         wide, high = 25.4 * made.fig.get_size_inches()
         assert wide <= 183
         assert high <= 185

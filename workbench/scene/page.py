@@ -130,7 +130,7 @@ class Scene:
             (
                 "glyph",
                 signs.GLYPH,
-                self.camera.seen_from is not None and len(self.rows[0]) == 1 and not self.compressed,
+                self.camera.seen_from is not None and len(self.rows[0]) == 1 and not self.has_true_scale,
             ),
             ("weight", WEIGHT, self.down is not None),
             ("scale", signs.SCALE, True),
@@ -139,7 +139,7 @@ class Scene:
         return {name: wide for name, wide, shown in each if shown}
 
     @property
-    def compressed(self) -> bool:
+    def has_true_scale(self) -> bool:
         """Whether what its compressed axis hides is drawn below the view."""
         return true_scale.is_needed(self.views)
 
@@ -183,11 +183,11 @@ class Page:
     ) -> None:
         self.scene, self.legend, self.notes = scene, legend, notes
         bare, size = scene.settings.bare, size or scene.page_size
-        self.compressed = not bare and scene.compressed
+        self.has_true_scale = not bare and scene.has_true_scale
         self.bare, self.head = bare, (0.0, 0.0) if bare else scene.beside
         self.line, self.more = one_line(list(dict.fromkeys(notes)), size[0] - 2 * canvas.MARGIN)
         self.high_line = fonts.height_of(self.line, fonts.SMALL) + ABOVE_WORDS * bool(self.line)
-        self.foot = 0.0 if bare else FOOT + true_scale.HIGH * self.compressed + self.high_line
+        self.foot = 0.0 if bare else FOOT + true_scale.HIGH * self.has_true_scale + self.high_line
         inside = "inside the cylinder, cut open" if str(scene.stored.attrs["side"]) == "inside" else ""
         titled, layout = (None, None) if bare else (scene.stored, "constrained")
         said = " · ".join(fact for fact in (scene.case, inside) if fact)
@@ -303,7 +303,7 @@ class Page:
     def _draw_foot(self, y: float) -> None:
         """The bars of the scene, and the legend where it stands beside them."""
         scene, x, shown, unit = self.scene, 0.05, self.scene.bars, self.scene.stored.units["length"]
-        if self.compressed:
+        if self.has_true_scale:
             corner = x, y - true_scale.HIGH - 0.2
             true_scale.draw(self.ax, scene.views[0], scene.camera, corner, self.place[2] - 2 * x, unit)
         if scene.camera.seen_from is not None and "glyph" in shown:
