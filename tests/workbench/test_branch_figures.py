@@ -268,6 +268,23 @@ def test_a_rod_of_a_diagram_of_branches_is_stable_or_large_enough_to_be_seen(fig
         assert np.ptp(places, axis=0).max() / fig.dpi > bifurcation.SMALLEST
 
 
+def test_a_rod_is_left_out_as_too_small_where_it_would_be_so_beside_those_that_are_drawn(dead, monkeypatch) -> None:
+    """Of thirty rods the small ones, for which all would be drawn smaller, are left out before the others."""
+    sides = [8.0, 1.5, *[0.02] * 28]
+
+    def views(stored, chosen, sheet) -> unrolled.UnrolledPanel:
+        lines = [np.array([0.0, sides[k]]) for k in chosen]
+        each = [unrolled.UnrolledView(line, line, f"{k}", {}) for k, line in zip(chosen, lines, strict=True)]
+        return unrolled.UnrolledPanel(each, (6.0, 2.5), 8.0, "cm")
+
+    monkeypatch.setattr(bifurcation, "_views", views)
+    monkeypatch.setattr(bifurcation, "_is_stable", lambda stored, k: k == 0)
+    whole = views(None, range(30), None)
+    assert whole.form.scale * sides[1] < bifurcation.SMALLEST
+    assert bifurcation._large_enough(StoredStudy(dead), range(30), sheet()) == [0, 1]
+    assert views(None, [0, 1], None).form.scale * sides[1] >= bifurcation.SMALLEST
+
+
 def test_lines_of_many_unstable_branches_are_whole_and_thin_as_dashes_side_by_side_make_a_pattern(
     figures_of_many, drawn
 ) -> None:

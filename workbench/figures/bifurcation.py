@@ -286,17 +286,28 @@ def _is_stable(stored: StoredStudy, k: int) -> bool:
 
 
 def _large_enough(stored: StoredStudy, chosen: Sequence[int], sheet: Sheet) -> list[int]:
-    """The shapes without the unstable ones of which too little would be seen."""
-    if not chosen:
-        return []
-    panel = _views(stored, chosen, sheet)
-    kept = []
-    for k, view in zip(chosen, panel.views, strict=True):
-        size = float(max(view.size * [1, panel.form.factor])) * panel.form.scale
-        rings = len(view.rings) * unrolled.RING / 72
-        if _is_stable(stored, k) or (size >= SMALLEST and rings <= RINGED * size):
-            kept.append(k)
+    """The shapes without the unstable ones of which too little would be seen.
+
+    The one of which least is seen is left out first. The others are larger without it, and are judged anew.
+    """
+    kept = list(chosen)
+    while kept:
+        panel = _views(stored, kept, sheet)
+        seen = [
+            np.inf if _is_stable(stored, k) else _share_seen(panel, view)
+            for k, view in zip(kept, panel.views, strict=True)
+        ]
+        least = int(np.argmin(seen))
+        if seen[least] >= 1:
+            break
+        del kept[least]
     return kept
+
+
+def _share_seen(panel: unrolled.UnrolledPanel, view: unrolled.UnrolledView) -> float:
+    """How many times as large as needed the view of an unstable rod is drawn: below 1 too little of it is seen."""
+    size = float(max(view.size * [1, panel.form.factor])) * panel.form.scale
+    return size / max(SMALLEST, len(view.rings) * unrolled.RING / 72 / RINGED)
 
 
 def _views(stored: StoredStudy, chosen: Sequence[int], sheet: Sheet) -> unrolled.UnrolledPanel:
