@@ -212,7 +212,7 @@ def test_a_force_at_s_0_that_locks_up_says_so_and_leaves_its_neighbours_alone() 
 
 
 @pytest.fixture
-def rubbed_file(tmp_path: Path) -> Path:
+def pipe_file(tmp_path: Path) -> Path:
     """The file of a pipe with friction that slides off under a force at s = 0."""
     text = STUDY_OF_A_PIPE.format(name="FZ0", values="[-20.0]")
     base = text.replace('axes.hole.values = ["30deg", "90deg"]\naxes.FZ0.values = [-20.0]\n', "")
@@ -225,31 +225,31 @@ def force_at_start(file: Path, **changes: object) -> float:
     return float(observe(solve(read_case(file, changes, {}).case), ["FZ0"])["FZ0"])
 
 
-def test_one_rod_of_a_file_takes_the_force_at_s_0_with_friction(rubbed_file: Path) -> None:
-    assert force_at_start(rubbed_file) == pytest.approx(-200, rel=1e-6)
+def test_one_rod_of_a_file_takes_the_force_at_s_0_with_friction(pipe_file: Path) -> None:
+    assert force_at_start(pipe_file) == pytest.approx(-200, rel=1e-6)
 
 
 @pytest.mark.parametrize("changes", [{"friction": 0.3}, {"friction": 0.0}, {"L": 40.0}, {"hole": "80deg"}])
 def test_the_force_at_s_0_of_a_file_holds_when_other_fields_of_it_are_replaced(
-    rubbed_file: Path, changes: dict[str, object]
+    pipe_file: Path, changes: dict[str, object]
 ) -> None:
-    assert force_at_start(rubbed_file, **changes) == pytest.approx(-200, rel=1e-6)
-    assert force_at_start(rubbed_file, **changes, FZ0=-150.0) == pytest.approx(-150, rel=1e-6)
-    assert read_case(rubbed_file, {**changes, "FZ": -90.0}, {}).case.given.FZ == -90
+    assert force_at_start(pipe_file, **changes) == pytest.approx(-200, rel=1e-6)
+    assert force_at_start(pipe_file, **changes, FZ0=-150.0) == pytest.approx(-150, rel=1e-6)
+    assert read_case(pipe_file, {**changes, "FZ": -90.0}, {}).case.given.FZ == -90
 
 
 @pytest.mark.parametrize(("sliding", "sign"), [("axial-forward", 1), ("axial-backward", -1)])
 def test_a_horizontal_pipe_that_is_free_at_s_0_bears_its_friction_at_s_L(
-    rubbed_file: Path, sliding: str, sign: int
+    pipe_file: Path, sliding: str, sign: int
 ) -> None:
     """No force at s = 0, and none of the weight along the pipe: the force that friction alone makes is found."""
-    case = read_case(rubbed_file, {"hole": "90deg", "FZ0": 0.0, "sliding": sliding}, {}).case
+    case = read_case(pipe_file, {"hole": "90deg", "FZ0": 0.0, "sliding": sliding}, {}).case
     assert pytest.approx(sign * 0.25 * 0.241 * 50, rel=1e-6) == case.given.FZ
 
 
-def test_what_is_said_of_a_force_at_s_0_that_is_not_found_counts_in_units(rubbed_file: Path) -> None:
+def test_what_is_said_of_a_force_at_s_0_that_is_not_found_counts_in_units(pipe_file: Path) -> None:
     with pytest.raises(InputError, match=r"FZ0 = -1e\+06 kN: .* at s = L \(FZ = -[\d.]+ kN\)"):
-        read_case(rubbed_file, {"L": 300.0, "FZ0": -1e6}, {})
+        read_case(pipe_file, {"L": 300.0, "FZ0": -1e6}, {})
 
 
 def test_a_study_takes_tension_lay_and_twist_of_a_cable_in_fields_and_axes() -> None:

@@ -18,7 +18,7 @@ from studies.language.study import OUTPUTS
 from tests.raising import LENGTHS, make_raise
 from tests.slow import slow, slow_but
 from tests.workbench import runs, small
-from workbench.run import assembly, block, in_memory, recipe, shards, study_store
+from workbench.run import assembly, block, in_memory, plan, recipe, shards, study_store
 from workbench.run.study_store import RunOptions, run_to_file
 from workbench.stored import boxes, one_case, quantity_variables, schema
 
@@ -227,11 +227,24 @@ def test_a_shard_that_is_missing_misplaced_or_damaged_is_solved_again_and_no_oth
     path = runs.study(tmp_path, GRID)
     folder = kept(path, monkeypatch)
     SPOILT[name](folder)
-    solved, again = cases_per_block(monkeypatch), 2 if name == "exchanged" else 1
-    assert run_to_file(load(path), tmp_path / "many.h5", RunOptions(workers=1)).solved == 64 * again
+    solved, again, said = cases_per_block(monkeypatch), 2 if name == "exchanged" else 1, list[str]()
+    assert run_to_file(load(path), tmp_path / "many.h5", RunOptions(workers=1), said.append).solved == 64 * again
     assert solved == [64] * again
+    lost = [f"discarded: {64 * again} cases in {folder}, damaged or of another run"]
+    assert said[:-1] == ([] if name == "missing" else lost)
     assert runs.contents(tmp_path / "many.h5") == runs.contents(whole)
     assert folder.exists() == (name == "a folder")  # what is no shard is not removed
+
+
+def test_a_part_that_is_interrupted_when_all_cases_are_kept_says_what_writes_the_file(tmp_path, monkeypatch) -> None:
+    def stop(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    path = runs.study(tmp_path, GRID)
+    kept(path, monkeypatch)
+    monkeypatch.setattr(study_store, "_solve", stop)
+    with pytest.raises(KeyboardInterrupt, match=r"cases are kept in .*; run without --part to write the file"):
+        run_to_file(load(path), tmp_path / "many.h5", RunOptions(workers=1, part=(1, 2)))
 
 
 def test_a_shard_damaged_after_it_was_looked_at_is_solved_again(whole, tmp_path, monkeypatch) -> None:
@@ -290,6 +303,9 @@ def test_a_study_that_does_not_fit_the_disk_is_refused_with_both_numbers(tmp_pat
     needed = r"needs up to 40\.1 MB for the file and 35\.2 MB for its parts until it is whole, but .* has 10 MB left"
     with pytest.raises(InputError, match=needed):
         run_to_file(load(path), tmp_path / "many.h5")
+    with pytest.raises(InputError, match=r"the part needs up to 17\.\d MB, but .* has 10 MB left"):
+        run_to_file(load(path), tmp_path / "many.h5", RunOptions(part=(1, 2)))
+    assert plan.room(plan.plan(load(path)), tmp_path, 0, (1, 4)) == "100000 cases"
     assert [file.name for file in tmp_path.iterdir()] == ["many.toml"]
 
 

@@ -238,12 +238,13 @@ def number_pieces(
     ]
     spans = {(c, j): span for c, cut in enumerate(cuts) for j, span in enumerate(pairwise(cut))}
 
-    def piece_of(curve: int, at: int) -> tuple[int, int]:
+    def piece_of(curve: int, at: int) -> PieceKey:
         return curve, int(np.searchsorted(cuts[curve][1:-1], at, side="right"))
 
-    order = dict.fromkeys(piece_of(*place) for row in owner for place in row if place is not None)
+    places = [place for row in owner for place in row if place is not None]
+    order = dict.fromkeys(piece_of(*place) for place in places)
     listed = defaultdict[float, list[tuple[PieceKey, BranchPoint]]](list)
-    for place in (place for row in owner for place in row if place is not None):
+    for place in places:
         on = curves[place[0]].points[place[1]]
         listed[on.value].append((piece_of(*place), on))
     again = {}

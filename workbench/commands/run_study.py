@@ -90,7 +90,7 @@ def run(
 
 def _part_of(text: str) -> tuple[int, int]:
     """The numbers of ``1/2``. Raises `InputError`."""
-    if (match := re.fullmatch(r"(\d{1,4})/(\d{1,4})", text)) and 1 <= int(match[1]) <= int(match[2]):
+    if (match := re.fullmatch(r"(\d{1,9})/(\d{1,9})", text)) and 1 <= int(match[1]) <= int(match[2]):
         return int(match[1]), int(match[2])
     raise InputError(f"--part takes K/N, such as 1/2, with K from 1 to N, got {text!r}")
 

@@ -176,7 +176,7 @@ def draw_curve(stored: StoredStudy, ax: Axes, row: Mapping[str, Any]) -> None:
 
 def _numbers_of(stored: StoredStudy, row: Mapping[str, Any]) -> dict[str, Any]:
     """The numbers that a law compares its observable with, on the line that decides, in rising order of its axis."""
-    laws = zip(stored.laws, stored.compared, strict=True)
+    laws = zip(stored.laws, stored.numbers_of_laws, strict=True)
     compared = next(numbers for law, numbers in laws if all(getattr(law, key) == row[key] for key in WHICH))
     places = stored.places(row["axis"], row["at"])
     on_line = tuple(np.array([place[name] for place in places]) for name in stored.axes)

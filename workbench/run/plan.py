@@ -218,22 +218,31 @@ def bytes_of_file(cases: int, bytes_a_case: int) -> int:
 TOLD = 1e9  # bytes: what needs less is not told
 
 
-def room(work: Plan, folder: Path, kept: int) -> str:
-    """The disk space that the run needs, in words; raises `InputError` where there is less."""
-    case = bytes_a_case(work.study)
-    final, parts = bytes_of_file(work.size, case), max(work.todo - kept, 0) * case
-    left = shards.free(folder)
+def room(work: Plan, folder: Path, kept: int, part: tuple[int, int] | None = None) -> str:
+    """The disk space that the run needs, in words; raises `InputError` where there is less.
+
+    kept: cases of existing shards. part: which of how many parts is solved alone; it writes no file.
+    """
+    case, left = bytes_a_case(work.study), shards.free(folder)
+    if part is None:
+        final, parts = bytes_of_file(work.size, case), max(work.todo - kept, 0) * case
+        needed = (
+            f"the study needs up to {_bytes(final)} for the file and {_bytes(parts)} for its parts until it is whole"
+        )
+        large = f"the file needs at most {_bytes(final)}, and the run another {_bytes(parts)} until it ends"
+    else:
+        missing = shards.gaps_between(shards.shard_ranges(folder, work.todo), *work.part(*part))
+        final, parts = 0, sum(stop - start for start, stop in missing) * case
+        needed, large = f"the part needs up to {_bytes(parts)}", f"the part needs at most {_bytes(parts)}"
     if final + parts > left:
-        needed = f"{_bytes(final)} for the file and {_bytes(parts)} for its parts until it is whole"
-        raise InputError(f"the study needs up to {needed}, but {folder.parent} has {_bytes(left)} left")
+        raise InputError(f"{needed}, but {folder.parent} has {_bytes(left)} left")
     new = f", {work.size - work.todo} of them already stored" if work.todo < work.size else ""
     going = f", {kept} kept from an earlier run" if kept else ""
     if work.study.refine is not None:
         stored = f"; {work.size} cases are stored already" if new else ""
         grid = f"{work.study.coarse().variation.size} cases of the coarse grid"
         return f"{grid}, at most {work.study.refine.budget} in all{stored}{going}"
-    large = f"; the file needs at most {_bytes(final)}, and the run another {_bytes(parts)} until it ends"
-    return f"{work.size} case{'s' * (work.size != 1)}{new}{going}{large if final + parts > TOLD else ''}"
+    return f"{work.size} case{'s' * (work.size != 1)}{new}{going}{f'; {large}' * (final + parts > TOLD)}"
 
 
 def _bytes(count: int) -> str:

@@ -11,6 +11,7 @@ from typing import Any
 
 from solver.problem.errors import InputError
 from studies import Study
+from studies.laws.law_words import count_of
 
 from ..stored import bounds
 from ..stored.law_verdicts import Tally, count, statistics, tally_of
@@ -91,7 +92,7 @@ class RunOptions:
     chunk : int, optional
         Cases in a chunk, at most; each is stored in parts of a few seconds' work.
     restart : bool
-        Discard what an earlier run has kept, and solve a complete study again.
+        Discard what an earlier run has kept, of all parts, and solve a complete study again.
     part : (int, int), optional
         (k, n): solve the k-th of n parts alone, for which each may have a machine of its own. No file is written; the
         finished cases of all parts, in one folder, are those of an interrupted run.
@@ -205,8 +206,9 @@ def run_to_file(
         try:
             ran = _run(work, parts, output, options, say, progress)
         except KeyboardInterrupt:
-            then = "run the same command again to"
-            raise KeyboardInterrupt(f"interrupted; {_way_on(work, folder, f'{then} continue', then)}") from None
+            again = "run the same command again to"
+            then = again if options.part is None else "run without --part to"
+            raise KeyboardInterrupt(f"interrupted; {_way_on(work, folder, f'{again} continue', then)}") from None
         if options.part is not None:
             others = "copy the files of the folders of the other parts into it, then run without --part"
             return replace(ran, kept=_way_on(work, folder, others, "run without --part to"))
@@ -249,8 +251,11 @@ def _run(
 
     before = None if work.stored is None else work.stored.statistics
     tally = tally_of(before)
+    stored = _count_stored(work, parts.folder)
     kept = _count_kept(work, parts, tally)
-    say(room(work, parts.folder, kept))
+    if kept < stored:
+        say(f"discarded: {count_of(stored - kept, 'case')} in {parts.folder}, damaged or of another run")
+    say(room(work, parts.folder, kept, options.part))
     held, so_far, statistics = work.size - work.todo, work, None
     with progress(max(work.size, held + kept), held + kept) as meter:
         while statistics is None:
@@ -285,6 +290,11 @@ def _most(work: Plan) -> int:
     return work.todo if work.study.refine is None else shards.MOST
 
 
+def _count_stored(work: Plan, folder: Path) -> int:
+    """Count the cases of the existing shards, whatever these hold."""
+    return sum(stop - start for start, stop in shards.shard_ranges(folder, _most(work)))
+
+
 def _solve(work: Plan, parts: Shards, options: RunOptions, meter: Meter, tally: Tally, start: int, stop: int) -> None:
     """Solve those of the cases `start` to `stop` that have no shard, and store theirs."""
     missing = shards.gaps_between(shards.shard_ranges(parts.folder, work.todo), start, stop)
@@ -301,7 +311,7 @@ def _way_on(work: Plan, folder: Path, others: str, then: str) -> str:
 
     They are counted from the shards, as an interruption may come between a shard and the meter.
     """
-    done = sum(stop - start for start, stop in shards.shard_ranges(folder, _most(work)))
+    done = _count_stored(work, folder)
     if not done:
         return "no case was finished yet"
     cases = "new cases" if work.todo < work.size else "cases"

@@ -81,7 +81,7 @@ class StoredStudy(StoredCases):
         return law_verdicts.verdicts(self.ds)
 
     @cached_property
-    def compared(self) -> "list[dict[str, NDArray[np.float64]]]":
+    def numbers_of_laws(self) -> "list[dict[str, NDArray[np.float64]]]":
         """The numbers with which each of its laws compares its observable: key of the law -> of each case.
 
         None of a law on a direction. Raises `InputError`.
