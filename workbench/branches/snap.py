@@ -25,6 +25,7 @@ from solver.numerics.roots import Ending, newton
 from solver.orbits.potential import dimensional_slope
 from solver.problem.declared_fields import FIELDS
 from solver.problem.errors import InputError
+from studies.grammar.axes import in_words
 
 from ..stored import quantity_variables
 from ..stored.stored_case import case_of_numbers
@@ -74,7 +75,7 @@ def rod_of_shape(stored: StoredStudy, k: int, stations: int) -> Solution:
     slope, energy = float(CubicSpline(s, beta)(0.0, 1)), float(stored["shape_energy"].values[k])
     rod = nearest(equilibria(case, stations=stations), slope, energy).solution
     if abs(rod.z[-1] - rod.z[0] - (z[-1] - z[0])) > AGREES * rho:
-        raise InputError(f"the rod at {name} = {number:.6g} is not found again")
+        raise InputError(f"the rod at {in_words(name, number)} is not found again")
     return rod
 
 
@@ -126,7 +127,7 @@ def way_of(stored: StoredStudy) -> list[Moment]:
         fall = [Moment(load, beta, False) for beta in descent(case, way[-1].beta)]
         rod = solve(case, seed=_slope_at_start(fall[-1].beta, float(case.rod.L)), tol=1e-10, stations=STATIONS)
         if not rod.solved or np.abs(rod.beta - fall[-1].beta).max() > AGREES:
-            raise InputError(f"beyond the fold at {name} = {load:.6g} the rod comes to rest at no equilibrium")
+            raise InputError(f"beyond the fold at {in_words(name, load)} the rod comes to rest at no equilibrium")
         way += fall
         if (load - goal) * step >= 0:
             return way

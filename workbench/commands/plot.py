@@ -136,7 +136,7 @@ def plot(file: File, wanted: PlotOptions) -> Result:
     named = [*of_kind, *(name for name in ("kind", "panel") if getattr(wanted, name))]
     if file.is_dir():
         if alien := [*named, *(["data"] if wanted.data else [])]:
-            raise InputError(f"{file} is a folder, whose story plot draws without --{alien[0]}")
+            raise InputError(f"{file} is a folder; plot draws its story without --{alien[0]}")
         return _story(file, wanted)
     page, of = sheet(wanted.style, wanted.width, not wanted.no_title, wanted.panel), reading.kind_of_file(file)
     if of is file_kinds.STUDY:

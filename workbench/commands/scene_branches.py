@@ -55,6 +55,8 @@ def scene_of(file: Path, stored: "StoredStudy", wanted: SceneOptions) -> Result:
 
 def _picture(file: Path, stored: "StoredStudy", wanted: SceneOptions, look: "Settings") -> Result:
     """Draw the stable rods of branches below their diagram."""
+    from studies.grammar.axes import in_words
+
     from ..branches import snap
     from ..figures import bifurcation, canvas
     from ..scene import branch_rods, film, opengl
@@ -90,7 +92,7 @@ def _picture(file: Path, stored: "StoredStudy", wanted: SceneOptions, look: "Set
     count = f", {MOST} of {len(stable)} stable rods" if len(stable) > MOST else ""
     name, names = str(stored.attrs["axis"]), bifurcation.names_of_shapes(stored)
     warnings = [
-        f"rod {names[k]}, at {name} = {float(stored[f'shape_{name}'].values[k]):.6g}, is not drawn: {why}"
+        f"rod {names[k]}, at {in_words(name, float(stored[f'shape_{name}'].values[k]))}, is not drawn: {why}"
         for k, why in unsolved.items()
     ]
     return result_of_files([path], [f"{path}, solved at {stations} stations{count}"], warnings)

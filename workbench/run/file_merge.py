@@ -146,8 +146,10 @@ def _axis(files: Sequence[xr.Dataset], studies: Sequence[Study], names: Sequence
     if studies[0].refine is not None:
         raise InputError(f"{names[0]} is a refined study, whose cases belong together; run it with a finer tolerance")
     if studies[0].sweeps:
-        why = "its branches are numbered over the whole grid: run it whole, with --part 1/2 and 2/2 on two machines"
-        raise InputError(f"{names[0]} is a sweep of ends problems, {why}")
+        way_out = "run all values as one study; --part 1/2 and 2/2 divide it between two machines"
+        raise InputError(
+            f"{names[0]} is a sweep of ends problems, whose branches are numbered over the whole grid: {way_out}"
+        )
     axes = schema.axes_of(files[0])
     differing = [axis for axis in axes if any(_values(files[0], axis) != _values(ds, axis) for ds in files[1:])]
     if len(differing) > 1:
