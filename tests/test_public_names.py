@@ -28,7 +28,7 @@ SLOW = {"solver.region_map", "solver.fold_curves", "solver.trace_fold"}  # more 
 
 def examples(path: str) -> list[doctest.DocTest]:
     """The examples of a public name, and of those of its methods that have one."""
-    finder, thing = doctest.DocTestFinder(recurse=False), api_pages.found(path)
+    finder, thing = doctest.DocTestFinder(recurse=False), api_pages.object_at(path)
     if not (inspect.isclass(thing) or callable(thing)):
         return []
     things = [thing, *(getattr(thing, name) for name in METHODS.get(path, ()))]
@@ -103,7 +103,7 @@ def test_what_plots_shows_or_runs_has_the_type_of_what_it_gives() -> None:
     """
     given = {}
     for path in PATHS:
-        kind = api_pages.found(path)
+        kind = api_pages.object_at(path)
         methods = (
             [(name, method) for name, method in vars(kind).items() if inspect.isfunction(method)]
             if inspect.isclass(kind)

@@ -33,7 +33,7 @@ CONSTANTS = {
 }
 
 
-def found(path: str) -> object:
+def object_at(path: str) -> object:
     """The object of a public name."""
     module, _, name = path.rpartition(".")
     return getattr(import_module(module), name)
@@ -43,7 +43,7 @@ def sentence(path: str) -> str:
     """The first paragraph of the docstring of a public name; of a constant its line in `CONSTANTS`."""
     if path in CONSTANTS:
         return CONSTANTS[path]
-    paragraph = (inspect.getdoc(found(path)) or "").split("\n\n")[0]
+    paragraph = (inspect.getdoc(object_at(path)) or "").split("\n\n")[0]
     return " ".join(paragraph.split())
 
 
@@ -66,7 +66,7 @@ def write(folder: Path) -> None:
 
 def page(path: str) -> str:
     """The source of the page of one public name."""
-    thing = found(path)
+    thing = object_at(path)
     name = path.rpartition(".")[2]
     if inspect.isclass(thing):
         body = [f".. autoclass:: {path}", "   :members:", "   :exclude-members: model_config"]

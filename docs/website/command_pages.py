@@ -12,7 +12,7 @@ def write(folder: Path) -> None:
     """Write the page of each command and the page that lists them."""
     pages = folder / "reference" / "command-line"
     pages.mkdir(parents=True)
-    commands = parsed()
+    commands = commands_by_name()
     lines = ["# Reference: command line", "", "Every option of every command, as the parser knows them."]
     lines += ["[Commands and exit statuses](commands.md) says what they do.", ""]
     for heading, names in cli.GROUPS.items():
@@ -28,7 +28,7 @@ def write(folder: Path) -> None:
     (folder / "reference" / "command-line.md").write_text("\n".join([*lines, "```", ""]), encoding="utf-8")
 
 
-def parsed() -> dict[str, Any]:
+def commands_by_name() -> dict[str, Any]:
     """The commands by name, as the parser knows them."""
     group: Any = typer.main.get_command(cli.app)
     return dict(group.commands)

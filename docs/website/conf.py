@@ -60,7 +60,7 @@ sphinx_gallery_conf = {
 }
 
 
-def escaped(app: Any, what: str, name: str, thing: Any, options: Any, lines: list[str]) -> None:
+def escape_docstring(app: Any, what: str, name: str, thing: Any, options: Any, lines: list[str]) -> None:
     """Escape asterisks and bars of a docstring outside code: there they are arithmetic, shapes and sizes."""
     for i, line in enumerate(lines):
         if not line.lstrip().startswith((">>>", "...")):
@@ -70,4 +70,4 @@ def escaped(app: Any, what: str, name: str, thing: Any, options: Any, lines: lis
 
 def setup(app: Any) -> None:
     """Register what this file adds."""
-    app.connect("autodoc-process-docstring", escaped, priority=400)  # before numpydoc
+    app.connect("autodoc-process-docstring", escape_docstring, priority=400)  # before numpydoc

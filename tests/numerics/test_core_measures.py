@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy
+from numpy.polynomial import Polynomial
+from numpy.polynomial.chebyshev import chebval
 
 from solver import solve
 from solver.core import measures
@@ -66,6 +68,30 @@ def test_a_rod_alone_has_the_bits_that_it_has_among_others() -> None:
         assert bits(measures.measure(pieces_of(sol, np.arange(size)[one]), own, measures.NUMBERS, GOAL)) == bits(
             found, one
         )
+
+
+@pytest.mark.parametrize("steps", [0, 1, 5])
+def test_series_of_steps_are_their_polynomials_with_the_same_bits_whatever_stands_beside_them(
+    monkeypatch, steps: int
+) -> None:
+    rng = np.random.default_rng(steps)
+    width, taylor = rng.uniform(0.1, 1, steps), rng.normal(size=(steps, 4, 21))
+    series, x = measures.step_series(width, taylor), np.linspace(0, 1, 9)
+    assert series.shape == (steps, 2, 21)
+    for i in range(steps):
+        beta = Polynomial(taylor[i, 0])
+        expected = [beta(x * width[i]), beta.deriv()(x * width[i])]
+        assert chebval(2 * x - 1, series[i].T) == pytest.approx(np.array(expected), abs=1e-10)
+        assert measures.step_series(width[[i]], taylor[[i]]).tobytes() == series[i].tobytes()
+    for lanes in (lanes for lanes in (1, 2, 4, 8) if lanes <= measures.widest()):
+        with monkeypatch.context() as narrow:
+            narrow.setattr(measures, "widest", lambda lanes=lanes: lanes)
+            assert measures.step_series(width, taylor).tobytes() == series.tobytes()
+    taylor[1:2] = np.nan
+    lost = np.arange(steps) == 1
+    beside = measures.step_series(width, taylor)
+    assert np.isnan(beside[lost]).all()
+    assert beside[~lost].tobytes() == series[~lost].tobytes()
 
 
 def test_only_the_groups_that_are_asked_for_are_measured() -> None:

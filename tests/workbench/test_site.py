@@ -84,13 +84,13 @@ def test_the_pictures_of_the_examples_are_as_large_as_the_gallery_has_them() -> 
 def test_each_command_has_a_page_with_every_option(tmp_path: Path) -> None:
     command_pages.write(tmp_path)
     listed = (tmp_path / "reference" / "command-line.md").read_text(encoding="utf-8")
-    for name, command in command_pages.parsed().items():
+    for name, command in command_pages.commands_by_name().items():
         page = (tmp_path / "reference" / "command-line" / f"{name}.md").read_text(encoding="utf-8")
         assert f"(command-line/{name}.md)" in listed
         for param in (known for known in command.params if not getattr(known, "hidden", False)):
             for option in param.opts:
                 assert option.startswith("-") is False or f"{option}" in page, (name, option)
-    assert set(command_pages.parsed()) == set(cli.COMMANDS)
+    assert set(command_pages.commands_by_name()) == set(cli.COMMANDS)
 
 
 def test_the_keys_of_a_study_are_those_of_the_model() -> None:
