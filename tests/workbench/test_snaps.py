@@ -120,6 +120,7 @@ def test_every_stable_rod_stands_below_the_diagram_with_the_number_of_its_point(
     rods = StoredStudy(snap.rods_of_shapes(stored, stable, 201)[0])
     fig, picture = branch_rods.figure(stored, stable, rods, Settings(dpi=200, pixel_error=2.0))
     assert (picture.pixels[0] == 255).all()  # no rim is cut at the top
+    assert fig.get_figwidth() <= 183 / 25.4  # as every scene in print
     names = [bifurcation.names_of_shapes(stored)[k] for k in stable]
     diagram, words = fig.axes
     assert sorted(text.get_text() for text in diagram.texts) == sorted(names)

@@ -18,7 +18,7 @@ from .scene_kinds import Cell, kind_of
 from .settings import Settings
 from .views import View, azimuth_of, front_camera, in_rows
 
-WIDE, DIAGRAM, RODS = 9.6, 3.6, 3.2  # the page; heights of the diagram and of the room of the rods
+DIAGRAM, RODS = 3.6, 3.2  # heights of the diagram and of the room of the rods
 LEFT, BELOW, FOOT = 0.75, 1.0, 0.55  # beside and below the diagram, and below the rods for scale and colours
 WORDS = 0.36  # above the rods, for their numbers
 PITCH = 1.28  # heights of a row from one to the next: room for the numbers
@@ -33,13 +33,13 @@ def figure(stored: StoredStudy, shapes: Sequence[int], rods: StoredStudy, settin
     scene, picture = _compose(rods, settings)
     high = picture.pixels.shape[0] / settings.dpi
     fig = canvas.figure(
-        (WIDE, canvas.TITLE + DIAGRAM + BELOW + WORDS + high + FOOT),
+        (page.WIDE, canvas.TITLE + DIAGRAM + BELOW + WORDS + high + FOOT),
         lambda fig: _draw(fig, stored, shapes, scene, picture),
         dpi=settings.dpi,
         layout=None,
     )
     fig.set_facecolor(settings.look[page.WHITE])
-    x, y = round((WIDE - picture.pixels.shape[1] / settings.dpi) / 2 * settings.dpi), round(FOOT * settings.dpi)
+    x, y = round((page.WIDE - picture.pixels.shape[1] / settings.dpi) / 2 * settings.dpi), round(FOOT * settings.dpi)
     fig.figimage(picture.pixels, x, y, origin="upper", zorder=-1)
     page.recolour(fig, settings.look)
     return fig, picture
@@ -49,7 +49,7 @@ def _compose(stored: StoredStudy, settings: Settings) -> tuple[Scene, Page]:
     """The rods side by side, each of which faces the viewer, upright or lying as they are larger."""
     kind, count = kind_of("contact"), stored.sizes["equilibrium"]
     each = [body.read(stored, {"equilibrium": k}, kind) for k in range(count)]
-    room = WIDE - 2 * canvas.MARGIN, RODS
+    room = page.WIDE - 2 * canvas.MARGIN, RODS
     size = round(room[0] * settings.dpi), round(room[1] * settings.dpi)
     bare = replace(settings, bare=True, size=size)
     views = [View([rod], Cell(), -azimuth_of([rod])) for rod in each]
@@ -66,7 +66,7 @@ def _draw(fig: Figure, stored: StoredStudy, shown: Sequence[int], scene: Scene, 
     canvas.write_title(fig, str(stored.attrs["title"]), stored.reading)
     top = canvas.TITLE / high
     ax = fig.add_axes((LEFT / wide, 1 - top - DIAGRAM / high, 1 - (LEFT + 0.2) / wide, DIAGRAM / high))
-    bifurcation.panel(stored, ax, str(stored.attrs["shown"]), DIAGRAM, Sheet(WIDE - LEFT), shown)
+    bifurcation.panel(stored, ax, str(stored.attrs["shown"]), DIAGRAM, Sheet(page.WIDE - LEFT), shown)
     canvas.add_legend(ax, loc="upper left", bbox_to_anchor=(0, -0.5 / DIAGRAM), ncols=3, borderpad=0)
     words = fig.add_axes((0.0, 0.0, 1.0, 1.0))
     words.set(xlim=(0, wide), ylim=(high, 0))
