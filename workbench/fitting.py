@@ -13,6 +13,7 @@ import xarray as xr
 from solver import solve
 from solver.fits.data import COLUMNS, DISTANCE
 from solver.fits.fit_result import Fit
+from solver.numerics.arrays import whole_turns
 from solver.problem.errors import InputError
 from studies.language import case_tables
 from studies.language.case_input import CaseInput, field_values
@@ -95,7 +96,7 @@ def _of_points(found: Fit, points: dict[str, Any], wrapped: bool) -> dict[str, A
     s, alpha, z = found.feet
     measured = np.asarray(points["alpha"])
     if wrapped:  # drawn on the turn of the rod that it belongs to
-        measured = measured + 2 * np.pi * np.round((alpha - measured) / (2 * np.pi))
+        measured = measured + whole_turns(alpha - measured)
     share = np.array([_by_point(found, name, count) for name in found.values])
     return {
         "measured_alpha": ("point", measured),

@@ -25,7 +25,8 @@ FREE_TOLERANCE = 1e-4
 # within the error
 FEWEST, EACH = 24, (2.0, 4.0)
 MOST_EDGES = 16_384  # of the finest mesh of a rod. x10: ten times the time before it is refused
-# times that the lead of the ends is found anew on the coarsest mesh, each to half its error. x10: only time
+# times that the lead of the ends is found anew on the coarsest mesh, each to half its error. x10: time; the digits
+# differ within the error
 SETTLED = 2
 # at least, of which each has twice the edges of that before: they say which order the errors have. x10: edges by the
 # thousand

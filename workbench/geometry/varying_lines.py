@@ -9,6 +9,7 @@ from typing import Any, Self
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from solver.numerics.arrays import whole_turns
 from solver.orbits import frames
 
 from .centreline import EASED, Array, Centreline, cut, spline
@@ -147,7 +148,7 @@ class FreeLine(Centreline):
         x, y, z = self._path(s).T
         alpha, beta, _ = self.at(s)
         turned = np.arctan2(y, x)
-        turned += 2 * np.pi * np.round((alpha - turned) / (2 * np.pi))
+        turned += whole_turns(alpha - turned)
         return replace(
             self,
             s=s,
