@@ -243,10 +243,13 @@ def _rows(row: Mapping[str, Any]) -> str:
 
 
 def _of_lines(verdicts: Mapping[str, int], across: Sequence[str]) -> str:
-    """For how many values of the other axis, or rows of several, a law is true: ``true for 1 of 9 values of R``."""
-    others = {verdict: n for verdict, n in verdicts.items() if verdict not in (HOLDS, FAILS)}
+    """For how many values of the other axis, or rows of several, a law is true: ``true for 1 of 9 values of R``.
+
+    Where it is neither true nor false for some, each verdict is counted: ``..., 3 true as a trend, 1 false``.
+    """
+    others = {verdict: n for verdict, n in verdicts.items() if verdict != HOLDS}
     said = f"true for {verdicts.get(HOLDS, 0)} of {sum(verdicts.values())} {_lines(across)}"
-    return f"{said}, {count(others)}" if others else said
+    return f"{said}, {count(others)}" if others.keys() - {FAILS} else said
 
 
 def _lines(across: Sequence[str]) -> str:
