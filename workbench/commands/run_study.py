@@ -45,7 +45,7 @@ def run(
         str | None, option("K/N", "Solve the K-th of N parts alone, such as 1/2: each on a machine of its own.")
     ] = None,
     restart: Annotated[
-        bool, flag("Discard the results of an earlier run and solve every case again.", "--restart")
+        bool, flag("Discard the results of an earlier run, of all parts, and solve again.", "--restart")
     ] = False,
     force: ForceStudy = False,
     json: Json = False,
