@@ -27,8 +27,8 @@ class Result:
 
     data: it as plain data. show: prints it for people. status: the exit status. dataset: it as a dataset, which is
     drawn, and stored unless `write` writes it in another form; without the two no file is written. figure: the kind of
-    its figure; default: that of the kind of file. warnings: sentences for stderr. names_files: whether the written
-    files are named below what is shown. afterwards: what the command does once all is presented, as serve a page.
+    its figure; default: that of the kind of file. warnings: sentences for stderr. afterwards: what the command does
+    once all is presented, as serve a page.
     """
 
     data: Callable[[], Any]
@@ -38,7 +38,6 @@ class Result:
     write: Callable[[Path], object] | None = None
     figure: str | None = None
     warnings: Sequence[str] = ()
-    names_files: bool = False
     afterwards: Callable[[], None] | None = None
 
 
@@ -194,17 +193,20 @@ def present(
     dpi: int = 0,
     sheet: "Sheet | None" = None,
 ) -> None:
-    """Store and draw what is asked for, then print it; of a picture also its caption."""
+    """Store and draw what is asked for, then print it, the caption of a picture, and the files that are written."""
     caption: Sequence[str] = ()
+    written: list[Path] = []
     dataset = None
     if result.dataset is not None and (plot or (out and result.write is None)):
         dataset = result.dataset()
     if out and result.write is not None:
         result.write(out)
+        written.append(out)
     elif out and dataset is not None:
         from ..run import writing
 
         writing.write(dataset, out, force)
+        written.append(out)
     if plot and dataset is not None:
         from ..figures import canvas, kinds
         from ..stored.stored_study import StoredStudy
@@ -212,14 +214,15 @@ def present(
         assert sheet is not None
         drawn = kinds.figure(StoredStudy(dataset), result.figure, sheet)
         canvas.save(drawn, plot, dpi)
+        written.append(plot)
         caption = canvas.caption(drawn)
     if as_json:
         console.print_json(result.data())
     else:
         result.show()
-        for line in (*caption, *(str(path) for path in (out, plot) if path and result.names_files)):
+        for line in (*caption, *map(str, written)):
             console.say(line)
-    if (out or plot) and result.dataset is None and result.write is None:
+    if (out or plot) and not written:
         console.warn("no file is written: there is no solved case to store or draw")
     for sentence in result.warnings:
         console.warn(sentence)

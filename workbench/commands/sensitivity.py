@@ -70,7 +70,6 @@ def sensitivity(
         dataset=lambda: table,
         write=lambda path: _write(table, path),
         figure="indices" if whole else "tornado",
-        names_files=True,
     )
 
 
