@@ -1,5 +1,6 @@
 """A study in chunks: the same bits however it is cut, whoever solves it, and however it grew."""
 
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -182,17 +183,6 @@ def _exchanged(folder: Path) -> None:
     aside.rename(second)
 
 
-def _foreign(folder: Path) -> None:
-    """The first shard is that of the same study with another cylinder."""
-    other = folder.parent / "other"
-    other.mkdir()
-    path = runs.study(other, GRID)
-    path.write_text(path.read_text() + "[base]\nR = 0.9\n")
-    with pytest.MonkeyPatch.context() as patch:
-        shard = _first(kept(path, patch))
-    shard.replace(_first(folder))
-
-
 def _folder(folder: Path) -> None:
     _first(folder).unlink()
     _first(folder).mkdir()
@@ -209,7 +199,6 @@ def _damage_by(damage: Callable[[bytes], bytes]) -> Callable[[Path], Any]:
 SPOILT: dict[str, Callable[[Path], Any]] = {
     "missing": lambda folder: _first(folder).unlink(),
     "exchanged": _exchanged,
-    "foreign": _foreign,
     "a folder": _folder,
     "cut short": _damage_by(lambda content: content[: len(content) // 2]),
     "empty": _damage_by(lambda content: b""),
@@ -220,7 +209,7 @@ SPOILT: dict[str, Callable[[Path], Any]] = {
 }
 
 
-@pytest.mark.parametrize("name", slow_but(SPOILT, "missing", "foreign", "empty", "the last bit flipped"))
+@pytest.mark.parametrize("name", slow_but(SPOILT, "missing", "exchanged", "empty", "the last bit flipped"))
 def test_a_shard_that_is_missing_misplaced_or_damaged_is_solved_again_and_no_other(
     name, whole, tmp_path, monkeypatch
 ) -> None:
@@ -230,10 +219,28 @@ def test_a_shard_that_is_missing_misplaced_or_damaged_is_solved_again_and_no_oth
     solved, again, said = cases_per_block(monkeypatch), 2 if name == "exchanged" else 1, list[str]()
     assert run_to_file(load(path), tmp_path / "many.h5", RunOptions(workers=1), said.append).solved == 64 * again
     assert solved == [64] * again
-    lost = [f"discarded: {64 * again} cases in {folder}, damaged or of another run"]
+    lost = [f"discarded: {64 * again} cases in {folder}, damaged"]
     assert said[:-1] == ([] if name == "missing" else lost)
     assert runs.contents(tmp_path / "many.h5") == runs.contents(whole)
     assert folder.exists() == (name == "a folder")  # what is no shard is not removed
+
+
+def test_shards_of_another_run_than_their_manifest_are_lost_with_restart_alone(tmp_path, monkeypatch) -> None:
+    other, path, output = tmp_path / "other", runs.study(tmp_path, GRID), tmp_path / "many.h5"
+    other.mkdir()
+    folder, copied = kept(path, monkeypatch), kept(runs.study(other, runs.grid(3, 49)), monkeypatch)
+    shutil.copy(copied / "manifest.json", folder)
+    before = {shard: shard.read_bytes() for shard in folder.glob("*.shard")}
+    runs.study(tmp_path, runs.grid(3, 49))
+    with pytest.raises(InputError, match=r"0+-0+64\.shard is of another run .* move it elsewhere, or use --restart to"):
+        run_to_file(load(path), output, RunOptions(workers=1))
+    assert {shard: shard.read_bytes() for shard in folder.glob("*.shard")} == before
+    assert run_to_file(load(path), output, RunOptions(workers=1, restart=True)).solved == 147
+    shutil.copytree(copied, folder)  # beside a complete file they stay too
+    for shard, content in before.items():
+        shard.write_bytes(content)
+    assert run_to_file(load(path), output).finished_before
+    assert {shard: shard.read_bytes() for shard in before} == before
 
 
 def test_a_part_that_is_interrupted_when_all_cases_are_kept_says_what_writes_the_file(tmp_path, monkeypatch) -> None:
@@ -272,9 +279,9 @@ def test_shards_of_other_code_or_a_newer_format_are_refused(tmp_path, monkeypatc
     for old, new, sentence in (
         (f'"numpy": "{np.__version__}"', '"numpy": "1.0"', f"numpy was 1.0, now {np.__version__}"),
         (recipe.code_version(), "0.0.1+abc", r"code was 0\.0\.1\+abc, now"),
-        ('"format": 3', '"format": 4', "is of format 4, but this version reads format 3"),
-        ('"format": 3', '"format": 2', "is of format 2, .* reads format 3; use --restart to discard it"),
-        ('"format": 3', '"form": 2', "is damaged; use --restart to discard"),
+        ('"format": 4', '"format": 5', "is of format 5, but this version reads format 4"),
+        ('"format": 4', '"format": 3', "is of format 3, .* reads format 4; use --restart to discard it"),
+        ('"format": 4', '"form": 4', "is damaged; use --restart to discard"),
         (text, "{", "is damaged; use --restart to discard"),
     ):
         assert old in text

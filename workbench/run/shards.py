@@ -1,8 +1,9 @@
 """Shards: the finished cases of a run, packed with a checksum, in a folder beside the output with a lock.
 
 A shard that stands under its name is whole (`store.atomic`), so the folder is the whole state of a run, and a run that
-was killed continues from it. The checksum covers the recipe of the run and the range of cases beside the columns, so a
-shard of another run, or under the name of another one, counts as damaged.
+was killed continues from it. The checksum covers the recipe of the run, whose digest stands behind it, and the range of
+cases beside the columns: a shard under the name of another one counts as damaged, and a whole one of another run, which
+may be the only copy, is refused.
 """
 
 import hashlib
@@ -29,7 +30,7 @@ from . import atomic
 from .recipe import differences
 
 MOST = 10**12 - 1  # cases that the name of a shard can count
-FORMAT = 3  # of the folder and its shards
+FORMAT = 4  # of the folder and its shards
 _CHECKSUM = 32  # bytes
 _SHARD = re.compile(r"(\d{12})-(\d{12})\.shard")
 _LOCK, _OWNER, _MANIFEST = "lock", "owner", "manifest.json"
@@ -126,8 +127,8 @@ def _owner(folder: Path) -> str:
         return ""
 
 
-def check_recipe(folder: Path, recipe: dict[str, Any]) -> str:
-    """Store the recipe of the shards and return its digest, which their checksums cover.
+def check_recipe(folder: Path, recipe: dict[str, Any]) -> bytes:
+    """Store the recipe of the shards and return its digest, which they hold.
 
     Raises `InputError` where existing shards have another recipe.
     """
@@ -150,14 +151,15 @@ def check_recipe(folder: Path, recipe: dict[str, Any]) -> str:
     return _digest(recipe)
 
 
-def _digest(recipe: dict[str, Any]) -> str:
-    return hashlib.blake2b(json.dumps(recipe, sort_keys=True).encode(), digest_size=_CHECKSUM).hexdigest()
+def _digest(recipe: dict[str, Any]) -> bytes:
+    return hashlib.blake2b(json.dumps(recipe, sort_keys=True).encode(), digest_size=_CHECKSUM).digest()
 
 
 def is_left_over(folder: Path, recipe: dict[str, Any]) -> bool:
     """Whether the folder is left from a run of that recipe that was killed after its output was complete."""
     try:
         was = json.loads((folder / _MANIFEST).read_text(encoding="utf-8"))["recipe"]
+        Shards(folder, _digest(was)).check()
         return not differences({key: was[key] for key in was if key != "grows"}, recipe)
     except FileNotFoundError:
         return is_empty(folder)
@@ -173,7 +175,9 @@ def begin(folder: Path, recipe: dict[str, Any], restart: bool) -> "Shards":
     if restart:
         clear(folder, keep_lock=True)
     clear_asides(folder)
-    return Shards(folder, check_recipe(folder, recipe))
+    parts = Shards(folder, check_recipe(folder, recipe))
+    parts.check()
+    return parts
 
 
 @dataclass(eq=False)
@@ -181,23 +185,30 @@ class Shards:
     """The shards of one run, of which one is held at a time. recipe: its digest (`check_recipe`)."""
 
     folder: Path
-    recipe: str
+    recipe: bytes
     _held: tuple[tuple[int, int], Columns] = ((0, 0), {})
 
     def store(self, start: int, stop: int, content: bytes) -> None:
         """Store the packed results of cases `start` to `stop`. Raises `OSError`."""
-        _write(_name(self.folder, start, stop), self._checksum(start, stop, content) + content)
+        content = self.recipe + content
+        _write(_name(self.folder, start, stop), _checksum(start, stop, content) + content)
+
+    def check(self) -> None:
+        """Raise `InputError` for a shard that is whole, but of another run."""
+        for start, stop in sorted(_shards(self.folder)):
+            recipe, _ = _whole(path := _name(self.folder, start, stop), start, stop)
+            if recipe not in (self.recipe, b""):
+                raise InputError(
+                    f"{path} is of another run than {_MANIFEST} beside it: move it elsewhere, or use --restart to "
+                    f"discard all that {self.folder.name} holds"
+                )
 
     def read(self, start: int, stop: int) -> Columns:
         """The results of cases `start` to `stop`; a damaged shard is removed and raises `Damaged`."""
         path = _name(self.folder, start, stop)
-        try:
-            whole = path.read_bytes()
-            content = memoryview(whole)[_CHECKSUM:]
-            if self._checksum(start, stop, content) == whole[:_CHECKSUM]:
-                return decode(content)
-        except (FileNotFoundError, IsADirectoryError):
-            pass
+        recipe, content = _whole(path, start, stop)
+        if recipe == self.recipe:
+            return decode(content)
         if path.is_dir() and not path.is_symlink():
             path.rename(path.with_name(f"{path.name}{_FOREIGN}"))  # not ours, so it stays
         path.unlink(missing_ok=True)
@@ -218,11 +229,23 @@ class Shards:
             raise Damaged
         return join(pieces)
 
-    def _checksum(self, start: int, stop: int, content: bytes | memoryview) -> bytes:
-        """Of the columns, the range of cases and the recipe: a shard of another place or run has another one."""
-        summed = hashlib.blake2b(f"{self.recipe} {start} {stop} ".encode(), digest_size=_CHECKSUM)
-        summed.update(content)
-        return summed.digest()
+
+def _whole(path: Path, start: int, stop: int) -> tuple[bytes, bytes | memoryview]:
+    """The digest of the recipe of a shard, and its packed columns; both empty where it is damaged, or is none."""
+    try:
+        whole = memoryview(path.read_bytes())
+    except (FileNotFoundError, IsADirectoryError):
+        return b"", b""
+    checksum, content = whole[:_CHECKSUM], whole[_CHECKSUM:]
+    sound = checksum == _checksum(start, stop, content)
+    return (bytes(content[:_CHECKSUM]), content[_CHECKSUM:]) if sound else (b"", b"")
+
+
+def _checksum(start: int, stop: int, content: bytes | memoryview) -> bytes:
+    """Of the recipe with the columns, and of the range of cases: a shard of another place has another one."""
+    summed = hashlib.blake2b(f"{start} {stop} ".encode(), digest_size=_CHECKSUM)
+    summed.update(content)
+    return summed.digest()
 
 
 def shard_ranges(folder: Path, cases: int) -> list[tuple[int, int]]:

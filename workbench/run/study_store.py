@@ -254,7 +254,7 @@ def _run(
     stored = _count_stored(work, parts.folder)
     kept = _count_kept(work, parts, tally)
     if kept < stored:
-        say(f"discarded: {count_of(stored - kept, 'case')} in {parts.folder}, damaged or of another run")
+        say(f"discarded: {count_of(stored - kept, 'case')} in {parts.folder}, damaged")
     say(room(work, parts.folder, kept, options.part))
     held, so_far, statistics = work.size - work.todo, work, None
     with progress(max(work.size, held + kept), held + kept) as meter:
