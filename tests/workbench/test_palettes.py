@@ -19,6 +19,7 @@ from workbench.lab import robustness
 from workbench.lab.benchmark import ladders
 from workbench.paper import report_document
 from workbench.scene import scene_kinds
+from workbench.scene.settings import Settings
 
 WHITE = "#ffffff"
 TEXT, LINE = 4.5, 3.0
@@ -99,6 +100,16 @@ def test_what_is_drawn_stands_out_from_what_is_behind_it(name: str) -> None:
     drawn, behind, least = STAND_OUT[name]
     for colour, background in product(drawn, behind):
         assert contrast(colour, background) >= least, (colour, background)
+
+
+@pytest.mark.parametrize("background", ["#ffffff", "#14181e", "#102030", "#777777", "#767a3c", "#c04040", "#ffd700"])
+def test_words_and_marks_stand_out_from_any_background_of_a_scene(background: str) -> None:
+    """The sheet of each theme, and colours in whose middle lightness neither theme was made for."""
+    for theme in (None, *colours.THEMES):
+        behind, words, soft, _, *marks = Settings(theme=theme, background=background).look.values()
+        assert behind == background
+        assert min(contrast(colour, behind) for colour in (words, soft)) >= TEXT
+        assert min(contrast(colour, behind) for colour in marks) >= LINE
 
 
 @pytest.mark.parametrize("kind", KINDS)

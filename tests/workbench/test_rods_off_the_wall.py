@@ -7,10 +7,12 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.colors import to_hex
 from PIL import Image
 
 from solver import Case, Cylinder, Ends, InputError, Rod, solve
 from studies.language.loader import loads
+from tests.workbench import small
 from tests.workbench.command import exit_status
 from tests.workbench.page_faults import words
 from tests.workbench.pictures import draws
@@ -311,6 +313,60 @@ def test_the_arrow_of_a_point_force_is_as_long_on_the_page_as_it_is_large_and_sa
     np.testing.assert_allclose(lengths / lengths.max(), np.divide(forces, max(forces)), rtol=1e-9)
     assert [words for _, words in arrows] == [f"{force:.3g} N" for force in forces]
     assert {words for _, words in arrows} & {text.get_text() for text in page.ax.texts}
+
+
+@pytest.fixture(scope="module")
+def cable() -> StoredStudy:
+    """A cable on a drum, whose far end is held off it."""
+    held = {"EI": 2e6, "GJ": 1.6e6, "a": 6.0, "L": 1616.0, "R": 200.0, "contact": "unilateral", "beta0": "90deg",
+            "betaL": "90deg", "height": 0.0, "azimuth": "200deg", "radiusL": 1200.0, "M2L": 0.0}  # fmt: skip
+    stored = StoredStudy(in_memory.run(loads(small.text(held, "", "mm N", observables=["gap_max"]))))
+    return study_scene.solver_of(stored, kind_of("contact"), {}, [])(201)
+
+
+@draws
+@pytest.mark.parametrize("look", (None, "120,20", "200,20"))
+def test_the_arrow_of_a_force_is_drawn_whole_where_it_acts_and_its_words_are_on_the_page(
+    cable: StoredStudy, look: str | None
+) -> None:
+    page = layout.compose(cable, kind="contact", settings=Settings(4.0, 100, camera=look))
+    page.fig.canvas.draw()
+    (view,), camera = page.scene.views, page.scene.camera
+    ((places, _, words),) = [each for each in composition._lines_of_contact(page.scene, view) if each[1] == signs.FORCE]
+    assert not view.covers(places, camera).any()
+    (text,) = [text for text in page.ax.texts if text.get_text() == words]
+    assert page.fig.bbox.containsx(text.get_window_extent().x0)
+    assert page.fig.bbox.containsx(text.get_window_extent().x1)
+    start, tip = (page.ax.transData.transform(place) for place in places_of_arrow(page, words))
+    scale = page.arrangement.scale * 100
+    assert np.linalg.norm(tip - start) == pytest.approx(scale * np.linalg.norm(places[-1] - places[0]), rel=1e-6)
+    assert places_in_pixels(page, places[[0, -1]]) == pytest.approx(np.array([start, tip]), abs=1.0)  # a pixel
+
+
+def places_of_arrow(page: Any, words: str) -> tuple[Any, Any]:
+    """Start and tip of the mark with these words, in inches of the panel."""
+    texts = page.ax.texts
+    k = next(k for k, text in enumerate(texts) if text.get_text() == words)
+    return texts[k - 1].xyann, texts[k - 1].xy
+
+
+def places_in_pixels(page: Any, places: np.ndarray) -> np.ndarray:
+    """Where places of the one view are in the picture, by its pixels, (n, 2) from the lower left of the page."""
+    (image,) = page.fig.images
+    ((view, middle),) = composition._middles(page.scene, page.arrangement)
+    x, y = composition._in_picture(page.scene, page.arrangement, view, middle, places).T * page.fig.dpi
+    return np.column_stack([image.ox + x, image.oy + image.get_size()[0] - y])
+
+
+@draws
+def test_marks_of_a_dark_scene_are_light_and_have_a_dark_edge_where_they_stand_on_the_cylinder(cable) -> None:
+    look = Settings(4.0, 60, theme="dark")
+    page, (back, ink, *_) = layout.compose(cable, kind="contact", settings=look), look.look.values()
+    arrows = [text.arrow_patch for text in page.ax.texts if getattr(text, "arrow_patch", None)]
+    words = [text for text in page.ax.texts if text.get_path_effects()]
+    assert len(arrows) == len(words) == 2
+    assert {to_hex(arrow.get_edgecolor()) for arrow in arrows} == {to_hex(text.get_color()) for text in words} == {ink}
+    assert {effect.background for each in (*arrows, *words) for effect in each.get_path_effects()} == {back}
 
 
 def test_a_film_of_letting_go_begins_on_the_cylinder_ends_at_rest_and_says_how_it_moves(stored: xr.Dataset) -> None:

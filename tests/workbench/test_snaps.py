@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_rgb
+from matplotlib.image import imread
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Solution, equilibria
 from solver.orbits.potential import dimensional_slope
@@ -11,7 +13,7 @@ from studies import load
 from tests.workbench.pictures import draws
 from workbench.branches import branch_dataset, snap
 from workbench.commands import study_scene
-from workbench.figures import bifurcation
+from workbench.figures import bifurcation, colours
 from workbench.run import writing
 from workbench.scene import branch_rods, film, opengl, scene_kinds
 from workbench.scene.settings import Settings
@@ -125,6 +127,18 @@ def test_every_stable_rod_stands_below_the_diagram_with_the_number_of_its_point(
     diagram, words = fig.axes
     assert sorted(text.get_text() for text in diagram.texts) == sorted(names)
     assert [text.get_text().split("\n")[0] for text in words.texts if "\n" in text.get_text()] == names
+
+
+@draws
+def test_a_dark_scene_of_branches_has_a_dark_sheet_and_light_words(stored, tmp_path, monkeypatch, call) -> None:
+    monkeypatch.chdir(tmp_path)
+    writing.write(stored.ds, tmp_path / "branches.h5")
+    options = "--theme dark --dpi 50 --pixel-error 2 --out dark.png"
+    assert call("scene", "branches.h5", *options.split())[0] == 0
+    seen, back = imread(tmp_path / "dark.png")[..., :3], to_rgb(colours.THEMES["dark"][0])
+    assert (np.abs(seen - back).max(axis=-1) < 0.02).mean() > 0.5
+    np.testing.assert_allclose(seen[[0, 0, -1, -1], [0, -1, 0, -1]], [back] * 4, atol=1 / 255)
+    assert seen[: seen.shape[0] // 10].max() > 0.85  # the title
 
 
 @draws

@@ -52,7 +52,8 @@ class SceneOptions:
     bare: Annotated[bool, flag("Draw the views alone: no words, no bars.", "--bare")] = False
     transparent: Annotated[bool, flag("Leave the background transparent (.png).", "--transparent")] = False
     theme: Annotated[
-        str | None, option("THEME", "light or dark: background and words; default: as suits --background.")
+        str | None,
+        option("THEME", "light or dark: the background unless --background is given; words stand out from it."),
     ] = None
     background: Annotated[str | None, option("COLOUR", "Colour of the background, such as '#14181e' or navy.")] = None
     color: Annotated[str | None, option("COLOUR", "Colour of the rods, of the kind plain.")] = None

@@ -26,11 +26,13 @@ UNKNOWN = "#ffffff"  # a cell of a map without a number
 UNSOLVED: dict[str, Any] = {"facecolor": FAINT, "edgecolor": SOFT, "hatch": "////", "linewidth": 0}
 # each 4.5 : 1 on white, and distinct under each kind of colour blindness
 VERDICTS = {HOLDS: "#01834e", TREND: "#1b4cc8", QUALIFIED: "#946b00", UNDECIDED: "#6d727c", FAILS: "#8a050f"}
-# behind words and lines, words, words that stand back, lines that stand back, curves of numbers
+# behind words and lines, words, words that stand back, lines that stand back, curves of numbers, rings
 THEMES = {
-    "light": ("#ffffff", INK, SOFT, FAINT, DATA),
-    "dark": ("#14181e", "#e9edf2", "#b0bac6", "#38414d", "#8ab8e6"),
+    "light": ("#ffffff", INK, SOFT, FAINT, DATA, CROSSED),
+    "dark": ("#14181e", "#e9edf2", "#b0bac6", "#38414d", "#8ab8e6", "#a45cc8"),
 }
+LEAST = (4.5, 4.5, 1.3, 3.0, 3.0)  # contrast of each of these to what is behind it; of words and marks as of WCAG
+BLACK, LIGHTEST = "#000000", "#fefefe"  # the latter is not the white that stands for a background
 STABLE: dict[str, Any] = {"color": INK, "linewidth": 1.7, "linestyle": "-"}
 UNSTABLE: dict[str, Any] = {"color": SOFT, "linewidth": 0.8, "linestyle": (0, (4, 1.6))}
 STATES = {"straight": "#8f949c", "sinusoidal": PAIR[1], "helical": PAIR[0]}  # of `solver.nodes.stretch_states`
@@ -144,8 +146,27 @@ def rgb(colour: str) -> tuple[int, int, int]:
 
 def theme_on(background: str) -> str:
     """The theme whose words stand out more from a background."""
-    light = float(linear(background) @ [0.2126, 0.7152, 0.0722])
-    return "light" if light > 0.18 else "dark"  # of 1.05 and 0.05, with 0.05 added as of WCAG, 0.18 is the middle
+    return "light" if contrast(BLACK, background) > contrast(LIGHTEST, background) else "dark"
+
+
+def theme_with(background: str) -> tuple[str, ...]:
+    """A row of `THEMES` on any background: of the theme whose words stand out more, each colour as much nearer to black
+    or to white as its contrast to the background needs."""
+    theme = theme_on(background)
+    end = np.array(rgb(BLACK if theme == "light" else LIGHTEST))
+
+    def nearer(colour: str, least: float) -> str:
+        shades = (np.rint(rgb(colour) + share * (end - rgb(colour))).astype(int) for share in np.linspace(0, 1, 21))
+        each = ["#" + bytes(shade.tolist()).hex() for shade in shades]
+        return next((shade for shade in each if contrast(shade, background) >= least), each[-1])
+
+    return background, *map(nearer, THEMES[theme][1:], LEAST)
+
+
+def contrast(colour: str, other: str) -> float:
+    """The contrast of two colours as of the Web Content Accessibility Guidelines, between 1 and 21."""
+    dark, bright = sorted(float(linear(each) @ [0.2126, 0.7152, 0.0722]) + 0.05 for each in (colour, other))
+    return bright / dark
 
 
 def linear(colour: str) -> Any:

@@ -45,7 +45,7 @@ RC: Any = {
     "legend.fontsize": SMALL,
     "figure.titlesize": LARGE,
     "figure.facecolor": "white",
-    "savefig.facecolor": "white",
+    "savefig.facecolor": "auto",  # that of the figure
     "figure.dpi": DPI,
     "savefig.dpi": DPI,
     "pdf.fonttype": 42,

@@ -13,7 +13,6 @@ from matplotlib.axes import Axes
 from matplotlib.colors import BoundaryNorm, Colormap, ListedColormap, LogNorm, Normalize
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, PathPatch
-from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
 from solver.problem.errors import InputError
@@ -23,6 +22,7 @@ from ..stored import selection
 from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import canvas, colours, drawn_rods, fonts, regions, unrolled
+from .halo import Halo
 from .map_cells import STRAIGHT, Cells, Choice
 from .scales import RoomLocator, Scale
 
@@ -38,7 +38,7 @@ BARRED = (
 DENSE = ", dense where a number changes"  # of the cases of a refined study
 SAMPLES: Any = {"color": colours.INK, "linestyle": "none", "markeredgewidth": 0.4, "alpha": 0.6}
 MOST_SHAPES, FILL = 12, 0.86  # shapes along an axis; of the room of a shape that it fills
-HALO = withStroke(linewidth=2.2, foreground="white", alpha=0.75)
+HALO = Halo(2.2, 0.75)
 
 
 class Colours:

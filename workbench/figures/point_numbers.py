@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
 from . import colours, fonts
+from .halo import Halo
 
 SAME = 0.03  # nearer points have one text
 AWAY = (0.13, 0.2, 0.28, 0.38, 0.5, 0.64)  # from a point to the middle of its number
@@ -83,7 +83,7 @@ def write(
             taken = np.concatenate([taken, _at_cost(_along(np.stack([place, middle]))[1:], POINT)])
         ax.annotate(text, (points[group[0]].x, points[group[0]].y), 72 * (middle - place), textcoords="offset points",
                     ha="center", va="center", size=fonts.small(), color=colours.INK, zorder=20, annotation_clip=False,
-                    path_effects=[withStroke(linewidth=2.0, foreground="white", alpha=0.9)],
+                    path_effects=[Halo(2.0, 0.9)],
                     arrowprops={"arrowstyle": "-", "color": colours.INK, "linewidth": 0.5, "shrinkA": 0,
                                 "shrinkB": 1} if led else None)  # fmt: skip
     return written

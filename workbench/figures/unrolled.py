@@ -18,7 +18,6 @@ from matplotlib.axes import Axes
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
-from matplotlib.patheffects import withStroke
 from matplotlib.transforms import Affine2D, Transform
 from numpy.typing import NDArray
 
@@ -30,6 +29,7 @@ from ..words import cautions, labels
 from . import arrangement, canvas, colours, crossing_rings, drawn_rods, fonts, push_scale, waves
 from .arrangement import Arrangement
 from .drawn_rods import DrawnRod, DrawnRods
+from .halo import Halo
 from .scales import round_below
 from .sheet import SCREEN, Sheet
 
@@ -526,8 +526,7 @@ def draw_inset(
     the right and down for which there is room. factor: as of `Arrangement`.
     """
     view = ax.inset_axes((box[0], box[1], box[2], box[3]), zorder=6)
-    edge = [withStroke(linewidth=2.6, foreground="white", alpha=0.8)]
-    view.plot(x, y, color=colours.INK, clip_on=False, **{"linewidth": 1.1, "path_effects": edge, **look})
+    view.plot(x, y, color=colours.INK, clip_on=False, **{"linewidth": 1.1, "path_effects": [Halo(2.6, 0.8)], **look})
     view.plot(x[0], y[0], "o", color=colours.INK, markersize=2.4, clip_on=False)
     for set_ends, values, size in ((view.set_xlim, x, extent[0]), (view.set_ylim, y, -extent[1])):
         middle, half = (values.min() + values.max()) / 2, 0.5 * size or 0.5

@@ -15,10 +15,12 @@ import numpy as np
 from matplotlib import rc_context
 from matplotlib.colors import to_hex, to_rgba
 from matplotlib.figure import Figure
+from matplotlib.text import Annotation
 from numpy.typing import NDArray
 
 from ..figures import canvas, colours, crossing_rings, fonts, print_heights
 from ..figures.arrangement import Arrangement
+from ..figures.halo import Halo
 from ..figures.legend_room import GAP, HANDLE
 from ..geometry.centreline import Array
 from ..run import atomic
@@ -244,6 +246,7 @@ class Page:
         of contact.
         """
         left, low, wide, high = self.place = self.panel()
+        self.fig.set_layout_engine("none")  # it would move the panel, with its marks, off the picture
         dpi, shape = self.fig.dpi, np.array(pixels.shape[1::-1]) / self.fig.dpi
         free = np.maximum([wide - self.head[0] - shape[0], high - self.head[1] - self.foot - shape[1]], 0.0) / 2
         corner = np.array([left + self.head[0] + free[0], low + self.foot + free[1]])
@@ -354,7 +357,11 @@ def recolour(fig: Figure, look: Mapping[str, str]) -> None:
     """Give all words, lines and areas of a figure in the colours of the theme light those of another look."""
     if all(colour == other for colour, other in look.items()):
         return
-    for artist in (part for part in fig.findobj() if part is not fig.patch):
+    parts = [part for part in fig.findobj() if part is not fig.patch]
+    parts += [text.arrow_patch for text in fig.findobj(Annotation) if text.arrow_patch is not None]  # it finds none
+    for artist in parts:
+        effects = artist.get_path_effects() or ()
+        artist.set_path_effects([each.on(look[WHITE]) if isinstance(each, Halo) else each for each in effects])
         for name in ("color", "edgecolor", "facecolor", "markeredgecolor", "markerfacecolor"):
             read, write = getattr(artist, f"get_{name}", None), getattr(artist, f"set_{name}", None)
             if read is None or write is None:

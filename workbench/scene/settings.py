@@ -53,9 +53,9 @@ class Settings:
     samples
         Along each side of a pixel.
     theme
-        A name of `colours.THEMES`, of the background and of words; default: as suits the background, else light.
+        A name of `colours.THEMES`, whose background there is without `background`; default: light.
     background
-        ``#rrggbb``; default: that of the theme.
+        ``#rrggbb``, from which words and lines stand out; default: that of the theme.
     color
         ``#rrggbb`` of the rods, of a kind in one colour.
     """
@@ -82,10 +82,8 @@ class Settings:
     @property
     def look(self) -> dict[str, str]:
         """The colours in place of those of the theme light: of the background, of words and of lines."""
-        light = colours.THEMES["light"]
-        theme = self.theme or (colours.theme_on(self.background) if self.background else "light")
-        background, *others = colours.THEMES[theme]
-        return dict(zip(light, (self.background or background, *others), strict=True))
+        background = self.background or colours.THEMES[self.theme or "light"][0]
+        return dict(zip(colours.THEMES["light"], colours.theme_with(background), strict=True))
 
 
 DEFAULT = Settings()

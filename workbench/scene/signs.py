@@ -10,10 +10,10 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Patch
-from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
 from ..figures import canvas, colours, crossing_rings, fonts
+from ..figures.halo import Halo
 from ..figures.scales import round_below
 from ..words import labels
 from .scene_kinds import Cell, Paint
@@ -24,25 +24,30 @@ EYE = 0.078  # from a cylinder that is seen from above to the middle of the eye
 RING, OUTLINE = "ring", "outline"  # in place of a colour: an open circle, the outline of a hidden stretch
 # in place of a colour: a line between two marks, an arrow, a tick, a line to words
 GAP, FORCE, EDGE, LEADER = "gap", "force", "edge", "leader"
+PAST = 0.06  # from the end of a mark to its words
+HALO = [Halo(2.2)]  # a mark stands on the background, on the rod and on the cylinder
 STYLES = {GAP: "|-|, widthA=0.25, widthB=0.25", FORCE: "-|>", LEADER: "-"}
 
 
 def draw_mark(ax: Axes, places: NDArray[np.float64], sign: str, words: str) -> None:
     """A gap as a line with its size behind the wall, a force as an arrow with its size at the tip, or a tick.
 
+    Words that would leave the panel beyond the end of the line stand beside it.
+
     places: (2, 2) in inches of the panel, of a gap first that on the wall. sign: a gap, a force, an edge, or a leader.
     """
     if sign == EDGE:
-        ax.plot(*places.T, color=colours.INK, linewidth=1.4, zorder=6, clip_on=False, gid=EDGE)
+        ax.plot(*places.T, color=colours.INK, linewidth=1.4, zorder=6, clip_on=False, gid=EDGE, path_effects=HALO)
         return
-    canvas.draw_arrow(ax, places[0], places[1], STYLES[sign], width=1.1, order=6)
+    canvas.draw_arrow(ax, places[0], places[1], STYLES[sign], width=1.1, order=6, path_effects=HALO)
     first, end = places[::-1] if sign == GAP else places  # in the gap itself words would cover the rod
     way = end - first
     upright = sign != LEADER and abs(way[1]) >= abs(way[0])
-    x, y = end + ([0.0, np.copysign(0.06, way[1])] if upright else [np.copysign(0.06, way[0]), 0.0])
-    across, up = "left" if way[0] >= 0 else "right", "top" if way[1] >= 0 else "bottom"
-    ax.text(x, y, words, ha="center" if upright else across, va=up if upright else "center", size=fonts.SMALL,
-            zorder=7, path_effects=[withStroke(linewidth=2.2, foreground="white")])  # fmt: skip
+    half = np.array([fonts.width_of(words, fonts.SMALL), fonts.height_of(words, fonts.SMALL)]) / 2
+    panel = np.array([ax.get_xlim()[1], ax.get_ylim()[0]])
+    beyond, beside = (end + np.copysign(PAST + half, way) * axis for axis in np.eye(2)[[int(upright), 1 - upright]])
+    x, y = beyond if (half <= beyond).all() and (beyond <= panel - half).all() else np.clip(beside, half, panel - half)
+    ax.text(x, y, words, ha="center", va="center", size=fonts.SMALL, zorder=7, path_effects=HALO)
 
 
 def legend_sign(colour: str, text: str) -> Artist:

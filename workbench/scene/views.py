@@ -35,6 +35,7 @@ EDGE = 0.015  # around what is drawn, for its lines
 EMPTY = 0.75  # least width of a column with a cell without a rod, for its reason
 DOT = 0.21  # the width of the dot of an equilibrium and the gap after it
 ROWS = 6  # rows that are tried
+SLID, STEPS = 2.0, 201  # how far an arrow is moved, in radii of the cylinder, and places at which that is asked
 LYING = 1.3  # how much taller than wide a scene must be to be laid on its side
 
 
@@ -204,13 +205,16 @@ class View:
     def arrow(self, body: Body, at: Array, away: Array, long: float, camera: Camera) -> Array:
         """An arrow as long in the plane of the page as it says, its start and tip, (2, 3) as they are turned [length].
 
-        It points along the direction `away` as that is seen and starts at the outline of the rod; at, away: as of
-        `Body.pushes`.
+        It points along the direction `away` as that is seen and starts at the outline of the rod, or, within `SLID`
+        radii of the cylinder from there, where this no longer hides it; at, away: as of `Body.pushes`.
         """
         seen = camera.page @ self.turn @ away
         size = float(np.linalg.norm(seen))
         way = (seen / size if size > 1e-9 else np.array([0.0, 1.0])) @ camera.page
-        return np.asarray(self.turn @ (at - body.a * away) + np.outer([body.a, body.a + long], way))
+        axis, beyond = self.turn @ (at - body.a * away), body.a + np.linspace(0, SLID * body.R, STEPS)
+        hidden = self.covers(axis + np.outer(beyond, way), camera)
+        start = beyond[np.argmin(hidden)]  # the first one where all are hidden
+        return np.asarray(axis + np.outer([start, start + long], way))
 
     def hides(self, body: Body, camera: Camera) -> bool:
         """Whether the cylinder hides a part of a rod."""

@@ -73,9 +73,10 @@ def _in_colours(style: str, colours_of: Mapping[str, str] | None) -> str:
     """The style with the background and the scheme that are asked for, in place of those that the browser prefers."""
     if colours_of is None:
         return style
-    (background, ink, *_), dark = colours_of.values(), colours.THEMES["dark"]
-    which = "all" if ink == dark[1] else "not all"
-    return style.replace(PREFERS_DARK, f"@media {which}", 1) + f":root {{ --paper: {background}; }}\n"
+    background, ink, soft, *_ = colours_of.values()
+    which = "all" if colours.theme_on(background) == "dark" else "not all"
+    chosen = f":root {{ --paper: {background}; --ink: {ink}; --soft: {soft}; }}\n"
+    return style.replace(PREFERS_DARK, f"@media {which}", 1) + chosen
 
 
 def figure(name: str, label: str, still: str = "", caption: str = "", reset: bool = True, row: bool = False) -> str:
