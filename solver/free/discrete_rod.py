@@ -1,16 +1,19 @@
 """A discrete rod in space: its energy, its constraints, and their exact derivatives.
 
-In units of A and rho. N edges of length h lead from node 0 to node N. Edge k has a frame, a quaternion q_k whose third
-director is the direction of the edge:  x_{k+1} = x_k + h D3(q_k), |q_k| = 1. Between two edges, over a length d (h; h/2
-between the frame of an end and its edge), the strain is u = 2 v/d with v the imaginary part of conj(q) q', and the
-energy there d/2 (u1^2 + u2^2 + c (u3 + tau)^2), with c = C/A. Frames turn with the uniform twist tau, which is
-therefore no strain of theirs: however often a rod is twisted, neighbouring frames are close to one another. At the
-nodes between the ends the wall asks for  side (x^2 + y^2 - 1) >= 0, or for equality where it holds the rod on.
+In units of A and rho. N edges, which are chords of lengths h of the rod, lead from node 0 to node N. Edge k has a
+frame, a quaternion q_k whose third director is the direction of the edge:  x_{k+1} = x_k + h_k D3(q_k), |q_k| = 1.
+Between two edges, over a length d (h; h/2 between the frame of an end and its edge), the strain is u = 2 v/d with v the
+imaginary part of conj(q) q', and the energy there d/2 (u1^2 + u2^2 + c (u3 + tau)^2), with c = C/A. Frames turn with
+the uniform twist tau, which is therefore no strain of theirs: however often a rod is twisted, neighbouring frames are
+close to one another. At the nodes between the ends the wall asks for  side (x^2 + y^2 - 1) >= 0, or for equality where
+it holds the rod on.
 
-The joint at an end has the moment of the end, not of the middle of its half edge, and an edge is a chord. So the frame
-of an end meets its edge turned on by a lead, which the caller gives: h^2/8 of what the moment and h^2/24 of what the
-curvature changes by per length. Without it an end tilts by order h^2, and on a wall that is a force of order 1 at node
-1, or a gap on a length of order h^(2/3).
+The caller gives two corrections of order h^2, from a known shape. A chord is shorter than h by the curvature: a rod
+that is wound nearly taut has far less slack than chords of length h would leave it. And the joint at an end has the
+moment of the end, not of the middle of its half edge, and a chord another direction than the tangent there. So the
+frame of an end meets its edge turned on by a lead: h^2/8 of what the moment and h^2/24 of what the curvature changes by
+per length. Without it an end tilts by order h^2, and on a wall that is a force of order 1 at node 1, or a gap on a
+length of order h^(2/3).
 """
 
 from dataclasses import dataclass
@@ -52,7 +55,8 @@ class DiscreteRod:
     unknown; never the azimuth and the rotation of the start. flip: sign of the quaternion of the far end. radius: (2,),
     distance of both ends from the axis. height: z of node N; None if unknown. loads: (8,), what does work with the
     angles. tension: what does work with the height. lead: (2, 3), of the frames of both ends, in these [rad].
-    drag: of a medium in which nodes 1 to N have moved from places (N, 3), per length, over the time of that motion.
+    chords: (N,), of the edges, over h. drag: of a medium in which nodes 1 to N have moved from places (N, 3), per
+    length, over the time of that motion.
     """
 
     edges: int
@@ -69,13 +73,19 @@ class DiscreteRod:
     loads: Array
     tension: float
     lead: Array
+    chords: Array | float = 1.0
     drag: float = 0.0
     places: Array | float = 0.0
 
     @property
     def h(self) -> float:
-        """The length of an edge."""
+        """The length of the rod along an edge."""
         return self.span / self.edges
+
+    @cached_property
+    def chord_lengths(self) -> Array:
+        """The lengths of the edges in space, (N, 1)."""
+        return np.broadcast_to(self.h * self.chords, self.edges)[:, None]
 
     @property
     def size(self) -> int:
@@ -207,7 +217,7 @@ class DiscreteRod:
         far the far end is across the axis from its place. (M,)"""
         q, x, angles = self.parts(y)
         start = np.append(self.place(0, angles[0]), 0.0)
-        led = np.diff(x, axis=0, prepend=start[None]) - self.h * np.einsum("nk,ikl,nl->ni", q, QUADRATIC, q)
+        led = np.diff(x, axis=0, prepend=start[None]) - self.chord_lengths * np.einsum("nk,ikl,nl->ni", q, QUADRATIC, q)
         of_edges = np.column_stack([led, (q * q).sum(axis=1) - 1])
         wall = (x[:-1, :2] ** 2).sum(axis=1) - 1
         return np.concatenate([of_edges.ravel(), wall, x[-1, :2] - self.place(1, angles[4])])
@@ -229,7 +239,8 @@ class DiscreteRod:
     def jacobian_values(self, y: Array) -> Array:
         """The derivatives of the conditions, at the places of `jacobian_places`."""
         q, x, angles = self.parts(y)
-        by_q = np.concatenate([-2 * self.h * np.einsum("ikl,nl->nik", QUADRATIC, q), 2 * q[:, None]], axis=1)
+        led = self.chord_lengths[..., None] * np.einsum("ikl,nl->nik", QUADRATIC, q)
+        by_q = 2 * np.concatenate([-led, q[:, None]], axis=1)
         far = [1.0, 1.0, *(self.place(1, angles[4])[::-1] * [1, -1])]
         ones = np.ones(3 * self.edges)
         return np.concatenate([by_q.ravel(), ones, -ones[3:], 2 * x[:-1, :2].ravel(), far])
@@ -257,7 +268,7 @@ class DiscreteRod:
         joints = self.joints(y)
         stiff = self._stiffness[..., None] * joints.slopes
         blocks = size * (np.swapaxes(joints.slopes, 1, 2) @ stiff + joints.bends)
-        blocks[:-1, 4:, 4:] += 2 * self.h * np.einsum("ni,ikl->nkl", of_edges[:, :3], QUADRATIC)
+        blocks[:-1, 4:, 4:] += 2 * np.einsum("ni,ikl->nkl", self.chord_lengths * of_edges[:, :3], QUADRATIC)
         blocks[:-1, 4:, 4:] -= 2 * of_edges[:, 3, None, None] * np.eye(4)
         blocks[-1, 4, 4] -= multipliers[-2:] @ self.place(1, self.parts(y)[2][4])
         nodes = np.full((self.edges, 3), size * self.drag * self.h)

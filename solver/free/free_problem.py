@@ -40,6 +40,13 @@ class BeginningCurve:
     grows: bool = False
     lead: Array | float = 0.0
 
+    def chords(self, edges: int) -> Array:
+        """The chords of so many equal parts of this curve, over the lengths of these, (N,)."""
+        D3 = directors(self.q / np.linalg.norm(self.q, axis=1, keepdims=True))[:, 2]
+        turned = np.linalg.norm(np.diff(D3, axis=0), axis=1) / (edges * np.diff(self.u_q))
+        places = (self.u_q[1:] + self.u_q[:-1]) / 2
+        return np.sinc(np.interp((np.arange(edges) + 0.5) / edges, places, turned) / (2 * np.pi))
+
     @property
     def total_turn(self) -> float:
         """By how much the frames turn along the rod, in all [rad]."""
@@ -107,6 +114,7 @@ class Beside(NamedTuple):
             tension=loads * rod.tension,
             weight=loads * rod.weight,
             lead=np.broadcast_to(curve.lead * (rod.span / edges) ** 2, (2, 3)),
+            chords=curve.chords(edges),
         )
 
     def minimum(

@@ -46,7 +46,7 @@ class Sinking:
     """A rod on its way down from a curve, as a discrete rod like that of its goal."""
 
     def __init__(self, beside: Beside, curve: BeginningCurve, goal: DiscreteRod) -> None:
-        self.rod = replace(beside.rod_on(curve, 1.0, goal.edges), lead=goal.lead)
+        self.rod = replace(beside.rod_on(curve, 1.0, goal.edges), lead=goal.lead, chords=goal.chords)
         self.sizes = beside.sizes(curve)
         y = self.rod.with_known(curve.on(self.rod))
         self.begun = FreeShape(self.rod, y, np.zeros(self.rod.bounds[0].size))
