@@ -16,14 +16,15 @@ per length. Without it an end tilts by order h^2, and on a wall that is a force 
 length of order h^(2/3).
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
 
 from ..numerics.arrays import Array, Booleans
-from .quaternions import BILINEAR, QUADRATIC, recall_end_frame
+from .quaternions import BILINEAR, BY_FIRST, BY_FRAME, BY_SECOND, QUADRATIC, contract, recall_end_frame
 
 EDGE = 7  # unknowns of an edge: its quaternion, and the node behind it
 ENDS = 8  # the angles of both ends: azimuth, beta, tilt, rotation
@@ -152,14 +153,20 @@ class DiscreteRod:
         return np.concatenate([first[None], self.parts(y)[0], last[None]])
 
     def joints(self, y: Array) -> _Joints:
-        """The strains between neighbouring frames."""
+        """The strains between neighbouring frames; the last ones are kept, which energy and derivatives share."""
+        return self._recall_joints(y.tobytes())
+
+    @cached_property
+    def _recall_joints(self) -> Callable[[bytes], _Joints]:
+        return lru_cache(maxsize=1)(lambda y: self._joints(np.frombuffer(y)))
+
+    def _joints(self, y: Array) -> _Joints:
         chain = self.chain(y, self.lead)
-        before = np.einsum("ikl,nl->nik", BILINEAR, chain[1:])
-        after = np.einsum("nk,ikl->nil", chain[:-1], BILINEAR)
+        before, after = contract(chain[1:], BY_SECOND), contract(chain[:-1], BY_FIRST)
         v = (before @ chain[:-1, :, None])[..., 0]
         pull = self._stiffness * v
         pull[:, 2] += 2 * self.ratio * self.twist
-        slopes, mixed = np.concatenate([before, after], axis=2), np.einsum("ni,ikl->nkl", pull, BILINEAR)
+        slopes, mixed = np.concatenate([before, after], axis=2), contract(pull, BILINEAR)
         bends = np.zeros((self.edges + 1, 8, 8))
         (_, near, near2), (_, far, far2) = self._end_frames(y, self.lead)
         bends[0, :4, :4], bends[-1, 4:, 4:] = near2 @ (pull[0] @ before[0]), far2 @ (pull[-1] @ after[-1])
@@ -217,7 +224,10 @@ class DiscreteRod:
         far the far end is across the axis from its place. (M,)"""
         q, x, angles = self.parts(y)
         start = np.append(self.place(0, angles[0]), 0.0)
-        led = np.diff(x, axis=0, prepend=start[None]) - self.chord_lengths * np.einsum("nk,ikl,nl->ni", q, QUADRATIC, q)
+        led = (
+            np.diff(x, axis=0, prepend=start[None])
+            - self.chord_lengths * (contract(q, BY_FRAME) @ q[..., None])[..., 0]
+        )
         of_edges = np.column_stack([led, (q * q).sum(axis=1) - 1])
         wall = (x[:-1, :2] ** 2).sum(axis=1) - 1
         return np.concatenate([of_edges.ravel(), wall, x[-1, :2] - self.place(1, angles[4])])
@@ -239,7 +249,7 @@ class DiscreteRod:
     def jacobian_values(self, y: Array) -> Array:
         """The derivatives of the conditions, at the places of `jacobian_places`."""
         q, x, angles = self.parts(y)
-        led = self.chord_lengths[..., None] * np.einsum("ikl,nl->nik", QUADRATIC, q)
+        led = self.chord_lengths[..., None] * contract(q, BY_FRAME)
         by_q = 2 * np.concatenate([-led, q[:, None]], axis=1)
         far = [1.0, 1.0, *(self.place(1, angles[4])[::-1] * [1, -1])]
         ones = np.ones(3 * self.edges)
@@ -268,7 +278,7 @@ class DiscreteRod:
         joints = self.joints(y)
         stiff = self._stiffness[..., None] * joints.slopes
         blocks = size * (np.swapaxes(joints.slopes, 1, 2) @ stiff + joints.bends)
-        blocks[:-1, 4:, 4:] += 2 * np.einsum("ni,ikl->nkl", self.chord_lengths * of_edges[:, :3], QUADRATIC)
+        blocks[:-1, 4:, 4:] += 2 * contract(self.chord_lengths * of_edges[:, :3], QUADRATIC)
         blocks[:-1, 4:, 4:] -= 2 * of_edges[:, 3, None, None] * np.eye(4)
         blocks[-1, 4, 4] -= multipliers[-2:] @ self.place(1, self.parts(y)[2][4])
         nodes = np.full((self.edges, 3), size * self.drag * self.h)

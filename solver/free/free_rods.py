@@ -25,9 +25,6 @@ FREE_TOLERANCE = 1e-4
 # within the error
 FEWEST, EACH = 24, (2.0, 4.0)
 MOST_EDGES = 16_384  # of the finest mesh of a rod. x10: ten times the time before it is refused
-# times that the lead of the ends is found anew on the coarsest mesh, each to half its error. x10: time; the digits
-# differ within the error
-SETTLED = 2
 # at least, of which each has twice the edges of that before: they say which order the errors have. x10: edges by the
 # thousand
 MESHES = 3
@@ -205,8 +202,8 @@ def refine(beside: Beside, shape: FreeShape, tol: float) -> FreeAnswer:
     A tolerance that is out of reach leads to the default one. Where a finer mesh has no minimum, or another one, the
     others remain.
     """
-    for _ in range(SETTLED):  # on the coarsest mesh the lead of the ends is not known before
-        shape = beside.minimum(curve_of(shape), 1.0, shape.rod.edges, known=shape.multipliers) or shape
+    # on the coarsest mesh the lead of the ends is not known before
+    shape = beside.minimum(curve_of(shape), 1.0, shape.rod.edges, known=shape.multipliers) or shape
     shapes: tuple[FreeShape, ...] = (shape,)
     error, steps, line, why = np.inf, 0, "", f"the tolerance needs a mesh of more than {FINEST} edges"
     aims = np.array([tol, max(tol, FREE_TOLERANCE)])

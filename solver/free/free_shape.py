@@ -120,9 +120,9 @@ class FreeShape:
     @property
     def far_loads(self) -> Array:
         """lam, mu and phi at the far end, the span, and beta at both ends."""
-        end = self.at(self.nodes[-1:])
-        around = np.cross(end.x[0], end.force[0])[2] + end.moment[0, 2]
-        return np.array([around, self.twist_moment, end.force[0, 2], self.rod.span, *self.angles[[1, 5]]])
+        force, moment = self.forces[-1], self.moments[-1] @ self._directors(self.nodes[-1:])[0]
+        around = np.cross(self.x[-1], force)[2] + moment[2]
+        return np.array([around, self.twist_moment, force[2], self.rod.span, *self.angles[[1, 5]]])
 
     @cached_property
     def twist_moment(self) -> float:

@@ -18,19 +18,33 @@ _PRODUCT = np.where(
     0.0,
 )
 BILINEAR = (_PRODUCT * _CONJUGATE[:, None])[1:]  # the imaginary parts of conj(a) b are a @ BILINEAR[i] @ b
+BY_FIRST, BY_SECOND = np.moveaxis(BILINEAR, 1, 0).copy(), np.moveaxis(BILINEAR, 2, 0).copy()  # of a, of b
 # the components of the three directors are q @ _ROTATION[d, i] @ q, those of D3 q @ QUADRATIC[i] @ q
 _ROTATION = np.einsum("ikm,jkd->dijm", _PRODUCT[1:] * _CONJUGATE, np.swapaxes(_PRODUCT, 0, 1)[..., 1:])
 QUADRATIC = _ROTATION[2]
+BY_FRAME = np.moveaxis(QUADRATIC, 1, 0).copy()
+_PAIRS = tuple(np.moveaxis(table, (-2, -1), (0, 1)).reshape(16, -1) for table in (_PRODUCT, _ROTATION))
+
+
+def contract(vectors: Array, table: Array) -> Array:
+    """Sums over the last axis of vectors (n, k) and the first one of a table (k, a, b), (n, a, b): einsum is slow."""
+    return np.asarray((vectors @ table.reshape(table.shape[0], -1)).reshape(-1, *table.shape[1:]))
+
+
+def _pairs(a: Array, b: Array) -> Array:
+    """The products of all components of a and of b, (..., 16)."""
+    pairs = a[..., :, None] * b[..., None, :]
+    return pairs.reshape(*pairs.shape[:-2], 16)
 
 
 def product(a: Array, b: Array) -> Array:
     """The quaternion a b, (..., 4)."""
-    return np.einsum("...i,kij,...j->...k", a, _PRODUCT, b)
+    return np.asarray(_pairs(a, b) @ _PAIRS[0])
 
 
 def directors(q: Array) -> Array:
     """The directors D1, D2, D3 of frames as rows, (..., 3, 3)."""
-    return np.asarray(np.tensordot(q[..., None] * q[..., None, :], _ROTATION, axes=([-2, -1], [2, 3])))
+    return np.asarray((_pairs(q, q) @ _PAIRS[1]).reshape(*q.shape[:-1], 3, 3))
 
 
 @lru_cache(maxsize=16)
