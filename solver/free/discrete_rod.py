@@ -224,10 +224,8 @@ class DiscreteRod:
         far the far end is across the axis from its place. (M,)"""
         q, x, angles = self.parts(y)
         start = np.append(self.place(0, angles[0]), 0.0)
-        led = (
-            np.diff(x, axis=0, prepend=start[None])
-            - self.chord_lengths * (contract(q, BY_FRAME) @ q[..., None])[..., 0]
-        )
+        along = (contract(q, BY_FRAME) @ q[..., None])[..., 0]
+        led = np.diff(x, axis=0, prepend=start[None]) - self.chord_lengths * along
         of_edges = np.column_stack([led, (q * q).sum(axis=1) - 1])
         wall = (x[:-1, :2] ** 2).sum(axis=1) - 1
         return np.concatenate([of_edges.ravel(), wall, x[-1, :2] - self.place(1, angles[4])])

@@ -154,7 +154,7 @@ def continue_from(beside: Beside, curves: Sequence[BeginningCurve], tol: float, 
     begun, steps = best.begun, sum(way.steps for way in ways)
     if best.shape is None:
         why = f"no minimum of the energy was found beyond {best.share:.3g} of the way from {begun}"
-        return FreeAnswer(steps=steps, begun=begun, why=why + beside.effort.words)
+        return FreeAnswer(steps=steps, begun=begun, why=why + beside.effort.why)
     answer = refine(beside, best.shape, tol)
     return replace(answer, steps=steps + answer.steps, begun=begun, minima=count_of(ways) if lowest else 0)
 
@@ -214,7 +214,7 @@ def refine(beside: Beside, shape: FreeShape, tol: float) -> FreeAnswer:
         if finer is None and anew:
             finer = beside.minimum(curve, 1.0, edges)
         if finer is None:
-            why = f"no minimum of the energy was found on {edges} edges{beside.effort.words}"
+            why = f"no minimum of the energy was found on {edges} edges{beside.effort.why}"
             break
         steps += finer.steps
         another = distance(shapes[-1], finer) > APART

@@ -24,6 +24,8 @@ OPTIONS = {
 ENOUGH = 1e-6  # of what Uno may leave of the equations: Newton's method ends them. x10: from there it may fail
 # edges whose equations take as long as what a step of Uno takes besides. x10: fewer steps on coarse meshes
 EACH_STEP = 50
+CUT = " in as many steps as a search may take"
+ANGLES = "alpha", "beta0", "tilt0", "gamma", "azimuth", "betaL", "tiltL", "azimuth"  # which the rotation follows
 
 
 class _Search(NamedTuple):
@@ -42,17 +44,12 @@ NEAR = _Search(1e-4, 100)
 class Effort:
     """What searches for one rod by Uno may still take.
 
-    left: steps, each times the sum of the edges of its mesh and `EACH_STEP`. cut: whether a search ended because too
-    little was left.
+    left: steps, each times the sum of the edges of its mesh and `EACH_STEP`. why: why a search ended early, in words
+    that go on after those that it found nothing; empty where none did.
     """
 
     left: float = np.inf
-    cut: bool = False
-
-    @property
-    def words(self) -> str:
-        """Where a search that was cut found nothing; else empty."""
-        return " in as many steps as a search may take" * self.cut
+    why: str = ""
 
 
 class Sizes(NamedTuple):
@@ -150,6 +147,11 @@ class Program:
         whole, multipliers = self.whole(z), multipliers / self.unit_of
         return self.bends.of(self.rod.hessian_values(whole, share / self.sizes.energy, multipliers))
 
+    def endless_turn(self, z: Array) -> str:
+        """The angle of an end that has turned farther than the rod is long, which the wall cannot make it; else ""."""
+        turned = np.abs(self.rod.parts(self.whole(z) - self.base)[2])
+        return ANGLES[turned.argmax()] if turned.max() > self.rod.span + 2 * np.pi else ""
+
     def minimise(self, search: _Search, effort: Effort) -> tuple[Array, Array, int] | None:
         """The minimum near the guess, its multipliers, and the steps; None where Uno finds none with this effort.
 
@@ -179,16 +181,21 @@ class Program:
             cost = self.rod.edges + EACH_STEP
             most = int(min(search.most, effort.left // cost))
             if most < 1:
-                effort.cut = True
+                effort.why = effort.why or CUT
                 return None
             solver = unopy.UnoSolver()
+            solver.set_termination_callback(lambda z, *_: bool(self.endless_turn(z[: self.free.size])))
             solver.set_preset("ipopt")
             begins = {"barrier_initial_parameter": search.barrier, "max_iterations": most}
             for name, value in {**OPTIONS, **begins, "globalization_strategy": strategy}.items():
                 solver.set_option(name, value)
             result = solver.optimize(model)
             effort.left -= cost * result.number_iterations
-            effort.cut |= search.most > most <= result.number_iterations
+            if angle := self.endless_turn(np.array(result.primal_solution)):
+                effort.why = f", as {angle} turns without end: hold it, or lower the load that turns it"
+                return None
+            if search.most > most <= result.number_iterations:
+                effort.why = effort.why or CUT
             left = result.solution_primal_feasibility, result.solution_stationarity, result.solution_complementarity
             if max(left) < ENOUGH:
                 z, multipliers = np.array(result.primal_solution), np.array(result.constraint_dual_solution)
