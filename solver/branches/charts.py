@@ -44,7 +44,7 @@ def coordinate(chart: Chart) -> float:
     """x of the path at which the chart was made."""
     if chart.logarithmic:
         return chart.at.y
-    direction = chart.at.arriving if chart.kind == "end" else chart.at.leaving
+    direction = chart.at.direction_at_end if chart.kind == "end" else chart.at.leaving
     return direction * float(np.exp(chart.at.y / 2))
 
 

@@ -115,7 +115,7 @@ def move(chart: Chart, x: float, change: Array) -> Array:
     rate = np.asarray(change[_AT["dbetaL" if chart.kind == "end" else "dbeta0"]])
     if not chart.logarithmic:
         return rate
-    direction = chart.at.leaving if chart.kind == "start" else chart.at.arriving
+    direction = chart.at.leaving if chart.kind == "start" else chart.at.direction_at_end
     return 2 * rate / (direction * float(np.exp(x / 2)))
 
 

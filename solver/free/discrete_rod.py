@@ -135,7 +135,7 @@ class DiscreteRod:
         return 4 * np.array([1.0, 1.0, self.ratio]) / self.lengths[:, None]
 
     @cached_property
-    def _lumped(self) -> Array:
+    def _node_weights(self) -> Array:
         """The weight at nodes 1 to N, (N, 3)."""
         weight = np.tile(self.h * self.weight, (self.edges, 1))
         weight[-1] /= 2
@@ -184,7 +184,7 @@ class DiscreteRod:
 
     def weight_energy(self, y: Array) -> float:
         """The energy of the weight, 0 at the axis and at z = 0."""
-        return -float((self._lumped * self.parts(y)[1]).sum())
+        return -float((self._node_weights * self.parts(y)[1]).sum())
 
     def energy(self, y: Array) -> float:
         """Bending and twist energy, less the work of weight and loads."""
@@ -202,7 +202,7 @@ class DiscreteRod:
         pulls = (joints.pull[:, None] @ joints.slopes).ravel()
         gradient = np.bincount(self._joint_places.ravel(), pulls, minlength=self.size)
         _, by_x, by_angle = self.parts(gradient)
-        by_x += self.drag * self.h * (self.parts(y)[1] - self.places) - self._lumped
+        by_x += self.drag * self.h * (self.parts(y)[1] - self.places) - self._node_weights
         by_x[-1, 2] -= self.tension
         by_angle -= self.loads
         return gradient

@@ -158,7 +158,7 @@ class DiscreteEnergy:
         return self.given.span * self.mesh.widths[:, None] * panel().weights
 
     @cached_property
-    def _bending(self) -> Array:
+    def _bend_form(self) -> Array:
         """Twice the energy of beta_t on each panel as a form of its angles, (P, d, d)."""
         form = (panel().slopes.T * panel().weights) @ panel().slopes
         return np.asarray(form / (self.given.span * self.mesh.widths[:, None, None]))
@@ -170,9 +170,9 @@ class DiscreteEnergy:
         moments[0], moments[-1] = self.given.number("dbeta0", 0.0), -self.given.number("dbetaL", 0.0)
         return moments
 
-    def _bending_slope(self, beta: Array) -> Array:
+    def _bend_slope(self, beta: Array) -> Array:
         """The slope of the energy of beta_t on each panel, (P, d)."""
-        return np.asarray((self._bending @ self.mesh.on_panels(beta)[:, :, None])[:, :, 0])
+        return np.asarray((self._bend_form @ self.mesh.on_panels(beta)[:, :, None])[:, :, 0])
 
     @cached_property
     def _free(self) -> slice:
@@ -192,7 +192,7 @@ class DiscreteEnergy:
     def _form(self, density: Array) -> Array:
         """Twice the energy of beta_t, and the integral of a density (P, q), its weights included, times the square of a
         change, by the free angles, as a band (d, k)."""
-        blocks = self._bending + (density @ panel().products).reshape(self._bending.shape)
+        blocks = self._bend_form + (density @ panel().products).reshape(self._bend_form.shape)
         return self.mesh.band(blocks)[:, self._free]
 
     def _row(self, density: Array) -> Array:
@@ -232,7 +232,7 @@ class DiscreteEnergy:
         if "turn" in given.names:
             twist = (given.number("turn", 0.0) + swirl) ** 2 / (2 * given.ratio * given.span)
         rest = s**4 / 2 - given.number("phi", 0.0) * c - given.number("lam", 0.0) * s
-        bending = (self._bending_slope(beta) * self.mesh.on_panels(beta)).sum() / 2
+        bending = (self._bend_slope(beta) * self.mesh.on_panels(beta)).sum() / 2
         return float(bending + self._moments @ beta + (self._weights * rest).sum() + twist)
 
     def _constraints(self, beta: Array) -> tuple[Array, Array]:
@@ -274,7 +274,7 @@ class DiscreteEnergy:
         s, c, c2 = np.sin(b), np.cos(b), np.cos(2 * b)
         rows, dead = self._constraints(beta)[1], self.loads(beta, np.zeros(len(self.held)))
         rise = 2 * s**3 * c + dead["phi"] * s - dead["lam"] * c + dead["mu"] * c2
-        slope = self.mesh.sums(self._bending_slope(beta) + (weights * rise) @ panel().values) + self._moments
+        slope = self.mesh.sums(self._bend_slope(beta) + (weights * rise) @ panel().values) + self._moments
         across = self._across(rows) if self.held else np.empty((rows.shape[1], 0))
         if across is None:
             return None

@@ -226,5 +226,5 @@ def _path(path: Path, old: Boundary, new: Boundary, mirror: Mirror) -> Path:
     else:
         apart = np.abs(np.sin((new.saddles - wrap(mirror.angle(path.pin))) / 2))
         pin = float(new.saddles[int(np.argmin(apart))])
-    leaving = mirror.direction * (-path.arriving if mirror.backward else path.leaving)
+    leaving = mirror.direction * (-path.direction_at_end if mirror.backward else path.leaving)
     return replace(path, pin=pin, leaving=leaving)

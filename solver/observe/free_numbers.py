@@ -91,11 +91,11 @@ class FreeReading:
         return sum(on.end - on.begin for on in self.contacts) / self.rod.span
 
     @cached_property
-    def bending(self) -> float:
+    def bend_energy(self) -> float:
         return self.mean(self.bend**2) * self.rod.span / 2
 
     @cached_property
-    def twisting(self) -> float:
+    def twist_energy(self) -> float:
         about = self.shape.moments[:, 2]
         return self.mean(np.where(np.abs(about) < FAINT, 0.0, about) ** 2) * self.rod.span / (2 * self.rod.ratio)
 
@@ -105,7 +105,7 @@ class FreeReading:
         (lam, mu, phi), far = self.shape.far_loads[:3], self.at(1.0).turned[:, 0]
         first = self.at(0.0).turned[:, 0]
         work = phi * self.shape.x[-1, 2] + lam * (far[0] - first[0]) + mu * (far[3] - first[3])
-        return self.bending + self.twisting + self.rod.weight_energy(self.shape.y) - work
+        return self.bend_energy + self.twist_energy + self.rod.weight_energy(self.shape.y) - work
 
     def end_moment(self, share: float) -> float:
         """The bending moment about the inward normal at an end."""
@@ -206,8 +206,8 @@ NUMBERS: dict[str, Callable[[FreeReading], Any]] = {
     "bending_stress_max": lambda read: read.bend.max(),
     "overlaps": FreeReading.overlaps,
     "energy": lambda read: read.energy,
-    "bending_energy": lambda read: read.bending,
-    "twist_energy": lambda read: read.twisting,
+    "bending_energy": lambda read: read.bend_energy,
+    "twist_energy": lambda read: read.twist_energy,
     "index": lambda read: 0,
     "gap_max": lambda read: np.abs(read.along.radius - 1).max(),
     "contact_share": lambda read: read.share,

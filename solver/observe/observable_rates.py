@@ -243,7 +243,7 @@ class _Helices:
         return self.motion.problem
 
     @cached_property
-    def turned(self) -> Array:
+    def angle_integrals(self) -> Array:
         """The integrals of d beta up to the marks, (b, 4, F)."""
         H_q = slopes_by_loads(self.problem.beta0[:, None])[..., 0]
         moved = self.motion.varied.change(marks_of(self.problem), self.unit).integrals
@@ -289,7 +289,7 @@ class _Helices:
         rates = self.rates(density)
         shares = MARKS[:, None]
         rate = rates.own * self.problem.span[:, None] + rates.values[:, None] * self.later
-        return np.asarray(rates.by_beta[:, None] * self.turned + shares * rate[:, None])
+        return np.asarray(rates.by_beta[:, None] * self.angle_integrals + shares * rate[:, None])
 
     def pushes(self) -> dict[str, Array]:
         """Of what is measured of the push; none where it is zero, and a change would make it push or pull."""

@@ -127,7 +127,7 @@ class Path:
     helix: bool = False  # the rod is a helix from end to end: it has no level, and its angle is the pin
 
     @property
-    def arriving(self) -> int:
+    def direction_at_end(self) -> int:
         """UP or DOWN, the direction at the far end."""
         return self.leaving if self.turns % 2 == 0 else -self.leaving
 

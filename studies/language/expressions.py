@@ -125,7 +125,7 @@ def check_law(study: Study, number: int, law: Law) -> None:
     Beside the names of `names` they may use the estimated errors of what the study stores.
     """
     known, units = names(study), study.unit_system
-    known |= {f"{name}_error": known[name] for name in study.wanted if f"{name}_error" in study.recorded}
+    known |= {f"{name}_error": known[name] for name in study.wanted if f"{name}_error" in study.columns}
     for key, formula in law.formulas.items():
         owner = law.axis if key == "x" else law.observable
         try:

@@ -235,16 +235,16 @@ class Refinement:
         self.cells = [first, *(first[:0] for _ in range(self.lattice.depth))]
 
     @property
-    def wanted(self) -> int:
+    def next_count(self) -> int:
         """How many cases are to be solved next; 0 at the end."""
         return len(self.places) - len(self.numbers)
 
     def take(self, numbers: Values) -> None:
         """Take the watched numbers of the wanted cases, (cases, watched), and find the cases of the next round."""
-        assert len(numbers) == self.wanted
+        assert len(numbers) == self.next_count
         self.numbers = np.concatenate([self.numbers, numbers])
         self._judge()
-        while not self.ended and not self.wanted:
+        while not self.ended and not self.next_count:
             self._halve()
 
     def corners(self, level: int, cells: Places | None = None) -> Places:
@@ -392,7 +392,7 @@ class Refinement:
         for law_line, at in between:
             law_line.at = np.sort(np.concatenate([law_line.at, at[:left]]))
             left = max(left - at.size, 0)
-        if not self.wanted:
+        if not self.next_count:
             self._judge()
 
     def _add(self, groups: list[Places]) -> int:

@@ -287,7 +287,7 @@ class Study(BaseModel):
         return [name for name in dict.fromkeys([*self.wanted, *used]) if name in OBSERVABLES]
 
     @property
-    def recorded(self) -> list[str]:
+    def columns(self) -> list[str]:
         """The columns of the observables: each name, followed by the name of its error if it has one."""
         return [column for name in self.wanted for column in (name, self._error_of(name)) if column]
 

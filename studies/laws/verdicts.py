@@ -184,7 +184,7 @@ class Law(BaseModel):
         return self._kind.does(self.rule, as_given)
 
     @property
-    def counted(self) -> str:
+    def exception_words(self) -> str:
         """What the exceptions of a verdict are, in words behind their number."""
         if self.relative is not None:
             return f"cases miss the {100 * self.relative:g} %"
@@ -326,7 +326,7 @@ def refusal(law: Law, reason: str) -> LawVerdict:
     """The row of a law that could not be tested, in the form of `decide`: not decided, with the reason."""
     counts = {"lines": 0, "line_verdicts": {}, "lines_hold": 0, "lines_trend": 0, "across": []}
     nothing = {"qualifications": [], "reason": reason, "tau": None, "at": {}, **counts, "steps": 0, "exceptions": []}
-    nothing |= {"found": "", "numbers": {}, "counted": law.counted}
+    nothing |= {"found": "", "numbers": {}, "counted": law.exception_words}
     rows = [
         {"observable": name, "verdict": UNDECIDED, **nothing, "first": None, "last": None} for name in law.observables
     ]
@@ -374,13 +374,13 @@ def _over_lines(law: Law, name: str, values: NDArray[Any], grid: Grid) -> dict[s
             continue
         deciding.append(verdict)
         ends += [line[[0, -1]]] * bool(is_whole)
-        steps += int(row.has_case.sum()) - (law.counted == STEPS)
+        steps += int(row.has_case.sum()) - (law.exception_words == STEPS)
         exceptions += [
             {"from": float(row.along[i]), "to": float(row.along[j]), "values": line[[i, j]].tolist(), "at": row.at}
             for i, j in verdict.exceptions
         ]
     return _tell(law, name, every, deciding, at, ends) | {
-        "counted": law.counted,
+        "counted": law.exception_words,
         "across": [dim for dim in grid.axes if dim != law.axis],
         "steps": steps,
         "exceptions": exceptions,

@@ -104,7 +104,7 @@ def test_the_error_of_an_expression_is_that_of_its_observables() -> None:
     share = share + found["kappa_mean_error"] / found["kappa_mean"]
     np.testing.assert_allclose(found["twice_error"], found["twice"] * share, rtol=1e-2)
     assert "many_error" not in found
-    assert study('many = "bends > 5"').recorded[-1] == "many"
+    assert study('many = "bends > 5"').columns[-1] == "many"
 
 
 def test_an_expression_without_a_value_is_remarked_and_its_neighbours_have_theirs() -> None:

@@ -73,10 +73,10 @@ def refined(f, shape=(7, 5), depth=4, budget=10**6, steps=(0.0,)) -> Refinement:
     """A made-up number over the unit square, refined."""
     axes = {name: np.linspace(0, 1, size) for name, size in zip("xy", shape, strict=False)}
     found = Refinement(Lattice(axes, frozenset(), depth), np.array(steps), budget)
-    while found.wanted:
-        values = found.lattice.values(found.places[-found.wanted :])
+    while found.next_count:
+        values = found.lattice.values(found.places[-found.next_count :])
         numbers = f(*values.values())
-        found.take(np.reshape(numbers, (found.wanted, -1)).astype(float))
+        found.take(np.reshape(numbers, (found.next_count, -1)).astype(float))
     return found
 
 
@@ -157,8 +157,8 @@ def with_law(along: int, budget: int = 10**6) -> Refinement:
     axes = {"x": np.linspace(0, 1, 6), "y": np.linspace(0, 1, 4)}
     lines = RefinedLines(along, 0, lambda values: np.where(values.max(axis=1) > 0.8, "false", "true"))
     found = Refinement(Lattice(axes, frozenset(), 5), np.array([np.inf]), budget, (lines,))
-    while found.wanted:
-        x, y = found.lattice.values(found.places[-found.wanted :]).values()
+    while found.next_count:
+        x, y = found.lattice.values(found.places[-found.next_count :]).values()
         found.take((x * np.cos(y) if along == 0 else np.sin(x) * (1 + y) / 1.5)[:, None])
     return found
 

@@ -161,7 +161,7 @@ class DrawnCurve:
     line: Centreline | None
 
     @property
-    def missed(self) -> float:
+    def error_between(self) -> float:
         """The estimated error between stations of the curve."""
         if self.line is None or self.name not in ALONG:
             return spline_error(self.s, self.values)
@@ -194,7 +194,7 @@ class DrawnCurve:
         most = np.inf if self.line is None else n * self.line.phase_step * FINEST
         if self.line is not None and self.line.phase_step > APART:
             more = [n * self.line.phase_step / APART]
-        if n < most and (missed := self.missed) > self.allowed:
+        if n < most and (missed := self.error_between) > self.allowed:
             more.append(min(n * (missed / self.allowed) ** (1 / VALUE_ORDER), most))
         return max([n, *(int(MARGIN * each) + 1 for each in more)])
 

@@ -120,7 +120,7 @@ def columns(study: Study, sol: Solution, given: Mapping[str, Any] | None = None,
     if study.expressions:
         values, reasons = expressions.values_of(study, sol, observed, given or {})
         observed, missing = observed | values, missing + reasons
-    for name in study.recorded:
+    for name in study.columns:
         row[name] = _where(mine, np.asarray(observed[name]).reshape(-1))
     row["solved"] = mine
     outcomes = np.asarray(sol.outcome).astype(str).reshape(-1)

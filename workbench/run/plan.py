@@ -100,7 +100,7 @@ class Plan:
         """Cases in a block; depends on the study alone."""
         if self.study.sweeps:
             return block_size(self.shape, BLOCK_VALUES // self.study.stations)
-        most = BLOCK if self.batched else BLOCK_ALONE
+        most = BLOCK if self.solves_blocks else BLOCK_ALONE
         return max(1, min(most, BLOCK_VALUES // self.study.stations))
 
     @cached_property
@@ -109,7 +109,7 @@ class Plan:
         return recipe_of(self.study, self.dimensions, self.block)
 
     @property
-    def batched(self) -> bool:
+    def solves_blocks(self) -> bool:
         """Whether the method solves a large block at once."""
         from solver.methods import METHODS
 
@@ -328,7 +328,7 @@ def rounds(work: Plan, read: Callable[[int, int], Columns]) -> Iterator[tuple[Pl
     held = np.empty((0, state.steps.size))
     if work.stored is not None:
         held = _numbers_to_watch(work.study, work.stored.read([*work.study.wanted, "solved"]))
-    while state.wanted:
+    while state.next_count:
         first, last = len(state.numbers), len(state.places)
         start, stop = max(first - len(held), 0), max(last - len(held), 0)
         yield _plan_of_cases(work, state), start, stop

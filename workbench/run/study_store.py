@@ -46,14 +46,14 @@ class Meter:
         return (self.done - self._before) / max(self.seconds, 1e-9)
 
     @property
-    def left(self) -> float | None:
+    def seconds_left(self) -> float | None:
         """Seconds left; None while nothing tells."""
         return (self.total - self.done) / self.rate if self.done > self._before else None
 
     @property
     def time_left(self) -> str:
         """``, 0:12:05 left``; empty while nothing tells."""
-        return "" if self.left is None else f", {_clock(self.left)} left"
+        return "" if self.seconds_left is None else f", {_clock(self.seconds_left)} left"
 
     def text(self) -> str:
         """``310 a second, 0:12:05 left, 2 unsolved``."""
@@ -62,7 +62,8 @@ class Meter:
     def data(self) -> dict[str, Any]:
         """What `text` says, as numbers for programs."""
         counts = {"done": self.done, "cases": self.total, "unsolved": self.unsolved}
-        return {**counts, "per_second": round(self.rate, 1), "seconds_left": self.left and round(self.left, 1)}
+        left = self.seconds_left
+        return {**counts, "per_second": round(self.rate, 1), "seconds_left": left and round(left, 1)}
 
 
 Progress = Callable[[int, int], AbstractContextManager[Meter]]  # takes total and done
@@ -351,7 +352,7 @@ def _count_workers(work: Plan, cases: int, given: int | None) -> int:
     """How many workers of this machine are worth starting for so many cases, unless as many are asked for."""
     if given is not None:
         return given
-    worth = WORTH_TOGETHER * work.block if work.batched else max(WORTH, work.block)
+    worth = WORTH_TOGETHER * work.block if work.solves_blocks else max(WORTH, work.block)
     return max(1, min(cores(), cases // worth))
 
 

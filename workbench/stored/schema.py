@@ -44,8 +44,8 @@ def shapes(study: "Study") -> dict[str, tuple[int, ...]]:
     """The variables that are stored of each case, in order, and the shape that each has for one case."""
     along = {curve_name(name): (study.stations, *inner_shape(name)) for name in study.outputs}
     branch = ["branch"] if study.has_branches else []
-    loads = [load for load in LOADS if load not in (*study.variation.fields, *study.recorded)]
-    return along | dict.fromkeys([*study.recorded, "solved", *TEXTS, *branch, *JUDGED, *loads, *study.reactions], ())
+    loads = [load for load in LOADS if load not in (*study.variation.fields, *study.columns)]
+    return along | dict.fromkeys([*study.columns, "solved", *TEXTS, *branch, *JUDGED, *loads, *study.reactions], ())
 
 
 def leaves(ds: "xr.Dataset") -> bool:
