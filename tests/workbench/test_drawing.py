@@ -156,3 +156,33 @@ def test_a_rod_of_any_extent_off_the_wall_is_drawn_without_a_word_on_another(bas
         x = np.asarray(line.get_xdata(), dtype=float)
         assert (x[np.isfinite(x)] > low).all()
         assert (x[np.isfinite(x)] < high).all()
+
+
+@pytest.mark.parametrize("width", [70.0, 89.0])
+def test_a_drawing_names_what_has_no_room_and_the_width_at_which_it_is_drawn(width: float) -> None:
+    stored = off_the_wall(HELD, "mm N")
+    ((at, force),) = stored.at().point_forces
+    wanted = {"1200 mm", f"{force:.4g} N\ns = {at:.4g} mm"}
+
+    def drawn(mm: float) -> tuple[set[str], list[str]]:
+        fig = drawing.figure(stored, sheet=sheet("paper", mm))
+        left_out = [text for text in canvas.caption(fig) if text.startswith(canvas.NOT_DRAWN)]
+        return wanted & {text.get_text() for text in fig.axes[0].texts}, left_out
+
+    texts, (left_out,) = drawn(width)
+    assert ("the distance 1200 mm" in left_out) == ("1200 mm" not in texts)
+    assert "point forces" in left_out
+    enough = float(left_out.split("--width ")[1].split(" has room")[0])
+    assert drawn(enough) == (wanted, [])
+    assert drawn(enough - 5.0)[1]
+
+
+@pytest.mark.parametrize("width", [89.0, 183.0])
+def test_the_arrow_of_a_point_force_begins_outside_the_drum_and_no_tick_prolongs_it(width: float) -> None:
+    (ax,) = drawing.figure(off_the_wall(HELD, "mm N"), sheet=sheet("paper", width)).axes
+    (drum,) = [patch for patch in ax.patches if isinstance(patch, Circle)]
+    arrows = [text for text in ax.texts if getattr(text, "arrow_patch", None) and not text.get_text()]
+    forces = [arrow for arrow in arrows if arrow.arrow_patch.get_linewidth() >= 1]
+    assert len(forces) == 1
+    assert np.linalg.norm(np.subtract(forces[0].xyann, drum.center)) > drum.radius
+    assert not [line for line in ax.lines if line.get_gid() == "contact"]

@@ -79,17 +79,34 @@ def dimension_lay(ax: Axes, view: Views, text: str) -> None:
     _write(ax, [x + place[0], place[1]], text, "left", bbox=PLATE)
 
 
+def has_room(view: Views, k: int, R: float, text: str, spare: float = BEYOND) -> bool:
+    """Whether the words of the distance of the k-th place of the rod from the axis have room outside the cylinder.
+
+    spare: millimetres at both ends of the words.
+    """
+    outside = (float(np.hypot(*view.end[k])) - R) * view.mm
+    return fonts.width_of(text, fonts.small()) * MILLIMETRES <= outside - 2 * spare
+
+
 def dimension_distance(ax: Axes, view: Views, k: int, R: float, text: str) -> None:
-    """The distance of the k-th place of the rod from the axis, in the end view; no words where they have no room."""
+    """The distance of the k-th place of the rod from the axis, in the end view; nothing where its words have no room.
+
+    They stand on the line, or where that is short beside it, on the side where the rod is not.
+    """
+    if not has_room(view, k, R, text):
+        return
     place = view.end[k]
     size = float(np.hypot(*place))
-    room = (size - R) * view.mm / MILLIMETRES - 2 * AWAY / MILLIMETRES
-    if fonts.width_of(text, fonts.small()) > room:
-        return
     canvas.draw_arrow(ax, view.middle, view.middle + place, width=FINE, order=5)
     turned = (math.degrees(math.atan2(place[1], place[0])) + 90) % 180 - 90
     middle = view.middle + place * (R / size + 1) / 2
-    _write(ax, middle, text, rotation=turned, rotation_mode="anchor", bbox=PLATE)
+    if has_room(view, k, R, text, AWAY):
+        _write(ax, middle, text, rotation=turned, rotation_mode="anchor", bbox=PLATE)
+        return
+    left = np.array([-place[1], place[0]]) / size
+    free = -np.sign(np.mean(view.end @ left) or 1.0) * left
+    aside = BEYOND + fonts.height_of(text, fonts.small()) * MILLIMETRES / 2
+    _write(ax, middle + aside / view.mm * free, text, rotation=turned, rotation_mode="anchor")
 
 
 def draw_forces(ax: Axes, view: Views) -> None:
@@ -98,4 +115,5 @@ def draw_forces(ax: Axes, view: Views) -> None:
         place = view.middle + force.place
         tip = place + force.long / view.mm * force.away
         canvas.draw_arrow(ax, place, tip, order=5)
-        _write(ax, tip + PAST / view.mm * force.away, force.words, *force.beside, bbox=PLATE)
+        if force.words:
+            _write(ax, tip + PAST / view.mm * force.away, force.words, *force.beside, bbox=PLATE)

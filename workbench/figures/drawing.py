@@ -5,11 +5,13 @@ What the cylinder hides is dashed. A rod that leaves the wall has an end view to
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Rectangle
@@ -30,9 +32,10 @@ from .dimensions import (
     dimension_pitch,
     dimension_rod,
     draw_forces,
+    has_room,
 )
 from .drawn_numbers import CASING
-from .sheet import MILLIMETRES, SCREEN, Sheet
+from .sheet import MILLIMETRES, SCREEN, WIDEST, Sheet
 from .views_on_paper import ABOVE, BELOW, HAIR, LEFT, RIGHT, SPARE, THICK, Values, Views, views_of
 
 EDGE = 0.9  # points of an outline
@@ -41,6 +44,7 @@ AXIS: dict[str, Any] = {"color": colours.SOFT, "linewidth": FINE, "linestyle": (
                         "gid": "axis"}  # fmt: skip
 EVEN = math.radians(0.05)  # by which a lay varies that is one angle
 TICK = 1.5  # millimetres: half of one across the wall
+WIDER = 5.0  # millimetres from one width to the next at which is asked whether all has room
 OFF = 0.5  # radii of the rod: an end so far off the wall has its distance from the axis
 
 
@@ -68,8 +72,25 @@ def figure(stored: StoredStudy, at: Mapping[str, float] | None = None, sheet: Sh
     height, pitch = (float(value) for value in drawn_rods.numbers(chosen, "height", "pitch"))
     unit = partial(_with_unit, units=chosen.units)
     free = chosen.at() if chosen.leaves else None
-    view = views_of(rod, chosen.units["length"], R, sheet, _forces(free, chosen.units) if free else None)
+    radii = {k: float(free.radius[k]) for k in (0, -1)} if free else {}
+    distances = {k: unit("L", radius) for k, radius in radii.items() if abs(radius - rod.rho) > OFF * rod.a}
+
+    def views(of: Sheet) -> tuple[Views, list[str]]:
+        """The views on a sheet, and the words for what has no room on it."""
+        forces = _forces(free, chosen.units) if free else None
+        with rc_context(fonts.RC | of.settings()):
+            view = views_of(rod, chosen.units["length"], R, of, forces)
+            left_out = [f"the distance {text}" for k, text in distances.items() if not has_room(view, k, R, text)]
+        if forces and not any(force.words for force in view.forces or ()):
+            left_out.append("the numbers of the point forces" if view.forces else "the point forces")
+        return view, left_out
+
+    view, left_out = views(sheet)
     line, said = _words(chosen, rod, view, free, unit, stored.equations(where))
+    if left_out:
+        wider = np.arange(WIDER * math.ceil(sheet.width * MILLIMETRES / WIDER), WIDEST + 1, WIDER).tolist()
+        fits = next((mm for mm in wider if not views(replace(sheet, width=mm / MILLIMETRES))[1]), None)
+        said.append(f"{canvas.NOT_DRAWN}{' and '.join(left_out)}" + (f"; --width {fits:g} has room." if fits else "."))
 
     def draw(fig: Figure) -> None:
         title = canvas.write_title(fig, str(stored.attrs["title"]), "") if sheet.titled else 0.0
@@ -77,7 +98,7 @@ def figure(stored: StoredStudy, at: Mapping[str, float] | None = None, sheet: Sh
         ax = fig.add_axes((0, 0, 1, 1 - title / high))
         ax.set_axis_off()
         first, top = float(view.x.min()), float(view.box[1, 1]) / view.mm
-        left = LEFT + SPARE + (wide * MILLIMETRES - LEFT - RIGHT - 2 * SPARE - view.wide) / 2
+        left = LEFT + SPARE + (wide * MILLIMETRES - LEFT - RIGHT[sheet.narrow] - 2 * SPARE - view.wide) / 2
         ax.set_xlim(first - left / view.mm, first + (wide * MILLIMETRES - left) / view.mm)
         ax.set_ylim(top - ((high - title) * MILLIMETRES - ABOVE) / view.mm, top + ABOVE / view.mm)
         _draw_body(ax, view, R, rod.a, side)
@@ -92,9 +113,8 @@ def figure(stored: StoredStudy, at: Mapping[str, float] | None = None, sheet: Sh
             dimension_lay(ax, view, lay)
         if free:
             _draw_end(ax, view, R, rod.a, free.contacts)
-            for k in (0, -1):
-                if abs(float(free.radius[k]) - rod.rho) > OFF * rod.a:
-                    dimension_distance(ax, view, k, R, unit("L", float(free.radius[k])))
+            for k, text in distances.items():
+                dimension_distance(ax, view, k, R, text)
             draw_forces(ax, view)
         ax.text(
             4 / MILLIMETRES / wide,
@@ -181,7 +201,8 @@ def _strokes(view: Views, a: float) -> list[tuple[str, float]]:
 
 
 def _draw_end(ax: Axes, view: Views, R: float, a: float, contacts: Sequence[tuple[float, float]]) -> None:
-    """The end view: the cylinder with its middle lines, and the rod, with ticks where its contacts begin and end."""
+    """The end view: the cylinder with its middle lines, and the rod, with ticks where its contacts begin and end
+    without the arrow of a point force."""
     ax.add_patch(Circle(tuple(view.middle), R, facecolor=colours.CUT, edgecolor=colours.INK, linewidth=EDGE, zorder=2))
     half = R + SPARE / view.mm / 2
     for x, y in ((half, 0.0), (0.0, half)):
@@ -189,7 +210,8 @@ def _draw_end(ax: Axes, view: Views, R: float, a: float, contacts: Sequence[tupl
     for colour, width in _strokes(view, a):
         ax.plot(*(view.middle + view.end).T, color=colour, linewidth=width, solid_capstyle="round",
                 solid_joinstyle="round", zorder=4, snap=False, gid="rod, along the axis")  # fmt: skip
-    for s in sorted({edge for pair in contacts[: free_rods.MOST] for edge in pair if 0 < edge < view.s[-1]}):
+    arrows = {force.s for force in view.forces or ()}
+    for s in sorted({edge for pair in contacts[: free_rods.MOST] for edge in pair if 0 < edge < view.s[-1]} - arrows):
         place = np.array([np.interp(s, view.s, column) for column in view.end.T])
         across = view.middle + np.outer([R - TICK / view.mm, R + TICK / view.mm], place / np.hypot(*place))
         ax.plot(*across.T, color=colours.INK, linewidth=EDGE, zorder=5, gid="contact")

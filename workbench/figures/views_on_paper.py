@@ -20,13 +20,16 @@ from .drawn_rods import DrawnRod
 from .sheet import MILLIMETRES, Sheet
 
 SCALES = [step * 10.0**power for power in range(9, -10, -1) for step in (5.0, 2.0, 1.0)]  # of a drawing, falling
-LEFT, RIGHT, ABOVE, BELOW = 24.0, 12.0, 15.0, 24.0  # millimetres on paper around the views
+LEFT, ABOVE, BELOW = 24.0, 15.0, 24.0  # millimetres on paper around the views
+RIGHT = (12.0, 4.0)  # of them, on a wide and on a narrow sheet
 HIGH = (110.0, 70.0)  # of the cylinder with its rod at most, on a wide and on a narrow sheet
 TALL = (130.0, 70.0)  # of an end view
+CEDED = 2.5  # by which factor point forces and their words make the scale smaller at most
 APART = 16.0  # between the two views
 THICK, HAIR = 0.8, 0.3  # of the rod: thinner, the drawing shows a part of it; thinner, it is a line
 SPARE = 4.0  # of cylinder beyond both ends of the rod
-ARROWS, PAST = (6.0, 14.0), 1.5  # of the smallest and the largest point force; from the tip to its words
+# of the smallest and the largest point force, on a wide and on a narrow sheet; from the tip to its words
+ARROWS, PAST = ((6.0, 14.0), (4.0, 8.0)), 1.5
 SHARES = {"left": 0.0, "bottom": 0.0, "center": 0.5, "right": 1.0, "top": 1.0}  # of words before their place
 LEAST = 4.0  # millimetres that the side view has of both
 LEVEL = 1e-9  # sine of the inclination of a hole that stands, and has no low side
@@ -39,9 +42,11 @@ Values = NDArray[np.float64]
 class Force:
     """A point force of the wall in the end view.
 
-    place: on the rod, (2,) [length]. away: its direction, (2,). long: millimetres of its arrow. words: beside its tip.
+    s: where it acts [length]. place: on the rod, (2,) [length]. away: its direction, (2,). long: millimetres of its
+    arrow. words: beside its tip; none where they have no room.
     """
 
+    s: float
     place: Values
     away: Values
     long: float
@@ -76,8 +81,8 @@ class Views:
     scale: millimetres on paper of a millimetre. mm: of paper in a unit of length. whole: whether all of it is drawn
     from the side. low_side: whether alpha = 0 is the low side of the cylinder, and down. ends: the lowest and the
     highest place of rod and cylinder [length]. box: the lower left and the upper right of all that is drawn of the end
-    view, from the axis, (2, 2) [mm]; without one upwards alone counts. forces: those that the end view has room for;
-    None where there is no end view.
+    view, from the axis, (2, 2) [mm]; without one upwards alone counts. forces: without words, or none, where the end
+    view has no room for them; None where there is no end view.
     """
 
     x: Values
@@ -130,37 +135,43 @@ def views_of(
     ends = -reach, reach
     if forces is not None:
         ends = min(-R, float(y.min()) - rod.a), max(R, float(y.max()) + rod.a)
-    arrows: Sequence[Force] | None = None if forces is None else _arrows(rod, forces, s, near, y)
     mm, narrow = 1e3 * LENGTHS[unit], sheet.narrow
-    room = sheet.width * MILLIMETRES - LEFT - RIGHT - 2 * SPARE
+    arrows: Sequence[Force] | None = None if forces is None else _arrows(rod, forces, s, near, y, ARROWS[narrow])
+    room = sheet.width * MILLIMETRES - LEFT - RIGHT[narrow] - 2 * SPARE
     sides = min(-R, float(near.min()) - rod.a), max(R, float(near.max()) + rod.a)
 
-    def box(scale: float) -> Values:
+    def box(scale: float, arrows: Sequence[Force] | None) -> Values:
         corners = np.stack([sides, ends], axis=1) * mm * scale
         every = np.stack([corners, *(force.reach(mm * scale) for force in arrows or ())])
         return np.stack([every[:, 0].min(axis=0), every[:, 1].max(axis=0)])
 
-    def beside(scale: float) -> float:
+    def beside(scale: float, arrows: Sequence[Force] | None) -> float:
         """Millimetres of the end view, with what is before it."""
-        return 0.0 if arrows is None else SPARE + APART + float(np.ptp(box(scale)[:, 0]))
+        return 0.0 if arrows is None else SPARE + APART + float(np.ptp(box(scale, arrows)[:, 0]))
 
-    def scales() -> list[float]:
-        """The standard scales with which all but the length fits, falling."""
+    def scales(arrows: Sequence[Force] | None) -> list[float]:
+        """The standard scales with which all but the length fits, falling; at least the smallest."""
         most = (HIGH if arrows is None else TALL)[narrow]
-        return [scale for scale in SCALES if np.ptp(box(scale)[:, 1]) <= most and beside(scale) <= room - LEAST]
+        fit = [
+            scale
+            for scale in SCALES
+            if np.ptp(box(scale, arrows)[:, 1]) <= most and beside(scale, arrows) <= room - LEAST
+        ]
+        return fit or SCALES[-1:]
 
-    if arrows and not scales():
-        arrows = []
-    fits = scales() or SCALES[-1:]
-    scale = next((scale for scale in fits if np.ptp(x) * mm * scale + beside(scale) <= room), SCALES[-1])
+    if arrows:
+        each = arrows, [replace(arrow, words="") for arrow in arrows]
+        arrows = next((some for some in each if scales(some)[0] >= scales([])[0] / CEDED), [])
+    fits = scales(arrows)
+    scale = next((scale for scale in fits if np.ptp(x) * mm * scale + beside(scale, arrows) <= room), SCALES[-1])
     if not (whole := 2 * rod.a * mm * scale >= THICK):
         scale = fits[0]
     arrows = arrows and _without_overlap(arrows, mm * scale)
-    outside = np.abs(x - x[0]) * mm * scale > room - beside(scale)
+    outside = np.abs(x - x[0]) * mm * scale > room - beside(scale, arrows)
     k = s.size if whole else int(np.argmax(np.append(outside, True)))
     end = np.stack([near, y], axis=1)
     x, y, near, beta = (values[:k] for values in (x, y, near, beta))
-    return Views(x, y, near, beta, s, end, scale, mm * scale, k == s.size, low_side, ends, box(scale), arrows)
+    return Views(x, y, near, beta, s, end, scale, mm * scale, k == s.size, low_side, ends, box(scale, arrows), arrows)
 
 
 def _dense(rod: DrawnRod) -> tuple[Values, Values, Values]:
@@ -176,17 +187,25 @@ def _dense(rod: DrawnRod) -> tuple[Values, Values, Values]:
 
 
 def _arrows(
-    rod: DrawnRod, forces: Sequence[tuple[float, float, str]], s: Values, near: Values, y: Values
+    rod: DrawnRod,
+    forces: Sequence[tuple[float, float, str]],
+    s: Values,
+    near: Values,
+    y: Values,
+    lengths: tuple[float, float],
 ) -> list[Force]:
-    """The point forces as they are drawn: outside a cylinder away from its axis, inside towards it."""
+    """The point forces as they are drawn: outside a cylinder away from its axis, inside towards it.
+
+    lengths: of the arrow of a force of no size and of the largest [mm].
+    """
     largest = max((size for _, size, _ in forces), default=1.0)
     sign = -1.0 if rod.case.attrs["side"] == "inside" else 1.0
     drawn = []
     for at, size, words in forces:
         place = np.array([np.interp(at, s, near), np.interp(at, s, y)])
         away = sign * place / max(float(np.hypot(*place)), 1e-300)
-        long = float(np.interp(size / largest, (0, 1), ARROWS))
-        drawn.append(Force(place + rod.a * away, away, long, words))
+        long = float(np.interp(size / largest, (0, 1), lengths))
+        drawn.append(Force(at, place + rod.a * away, away, long, words))
     return drawn
 
 
