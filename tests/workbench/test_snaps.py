@@ -10,10 +10,12 @@ from matplotlib.image import imread
 from solver import Case, Cylinder, Ends, InputError, Rod, Solution, equilibria
 from solver.orbits.potential import dimensional_slope
 from studies import load
+from tests.workbench.page_faults import faults
 from tests.workbench.pictures import draws
 from workbench.branches import branch_dataset, snap
 from workbench.commands import study_scene
 from workbench.figures import bifurcation, colours
+from workbench.figures.print_heights import TALLEST
 from workbench.run import writing
 from workbench.scene import branch_rods, film, opengl, scene_kinds
 from workbench.scene.settings import Settings
@@ -126,7 +128,28 @@ def test_every_stable_rod_stands_below_the_diagram_with_the_number_of_its_point(
     names = [bifurcation.names_of_shapes(stored)[k] for k in stable]
     diagram, words = fig.axes
     assert sorted(text.get_text() for text in diagram.texts) == sorted(names)
-    assert [text.get_text().split("\n")[0] for text in words.texts if "\n" in text.get_text()] == names
+    assert [text.get_text() for text in words.texts if text.get_text() in names] == names
+
+
+@draws
+@pytest.mark.parametrize("count", [1, 4, 9])
+def test_the_words_of_rods_in_rows_stand_on_no_rod_and_a_journal_prints_the_picture(stored, count: int) -> None:
+    stable = bifurcation.stable_shapes(stored)
+    each = [k % len(stable) for k in range(count)]
+    shapes, rods = [stable[k] for k in each], snap.rods_of_shapes(stored, stable, 201)[0].isel(equilibrium=each)
+    fig, picture = branch_rods.figure(stored, shapes, StoredStudy(rods), Settings(dpi=100, pixel_error=2.0))
+    assert fig.get_figheight() <= TALLEST
+    assert 2 * float(rods["R"].max()) * picture.arrangement.scale > 0.25  # inches: no rod is too small to be seen
+    assert faults(fig) == []
+    (image,), names = fig.images, bifurcation.names_of_shapes(stored)
+    pixels = np.asarray(image.get_array())
+    texts = [text for text in fig.axes[1].texts if text.get_text() in names or text.get_text().endswith(" N")]
+    assert len(texts) == 2 * count
+    for text in texts:
+        box = text.get_window_extent()
+        rows = len(pixels) + round(image.oy) - np.array([np.ceil(box.y1), np.floor(box.y0)]).astype(int)
+        columns = np.array([np.floor(box.x0), np.ceil(box.x1)]).astype(int) - round(image.ox)
+        assert (pixels[slice(*np.maximum(rows, 0)), slice(*np.maximum(columns, 0))] == 255).all(), text.get_text()
 
 
 @draws
@@ -172,6 +195,10 @@ def test_a_rod_that_is_not_solved_again_is_named_and_the_others_are_drawn(stored
         ("--frames 3", "are for films"),
         ("--out x.mp4 --fps 1000", "--fps must be between 0.1 and 60, got 1000"),
         ("--out x.mp4 --stored", "a scene of branches takes no --stored"),
+        (
+            "--at FZ=-1",
+            "no --at: store the rods at one value of FZ, or another diagram, with workbench equilibria",
+        ),
         ("--out frame_{:03d}.png", "a scene of branches takes no {} in --out"),
         ("--out x.html", "choose a name that ends in .png, .mp4, .webp, .gif"),
     ],

@@ -46,7 +46,11 @@ def scene_of(file: Path, stored: "StoredStudy", wanted: SceneOptions) -> Result:
         "{} in --out": out is not None and "{" in out.name,
     }
     if alien := [*(name for name, value in given.items() if value), *wanted.of_picture]:
-        raise InputError(f"a scene of branches takes no {choices(alien)}")
+        axis = stored.attrs["axis"]
+        raise InputError(
+            f"a scene of branches takes no {choices(alien)}: store the rods at one value of {axis}, or another "
+            f"diagram, with workbench equilibria, --{axis} VALUE or --show OBSERVABLE, and --out FILE"
+        )
     look = look_of(wanted.theme, wanted.background, wanted.color)
     if out is not None and is_film:
         return _film(file, stored, out, wanted, look)

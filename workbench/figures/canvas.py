@@ -5,7 +5,7 @@ drawn is its `gid`. The sentences that belong to a figure are its caption, which
 picture has its data, its legend, and at most one line of words below its title.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from io import BytesIO
 from itertools import groupby
 from pathlib import Path
@@ -316,17 +316,21 @@ def write_below(fig: Figure, said: Said) -> None:
     once = {fonts.break_lines(label, room, fonts.small()): entry for label, entry in entries.items()}
     if not once:
         return
-    widest = HANDLE + max(fonts.width_of(label, fonts.small()) for label in once)
-    columns = max(1, min(len(once), int((width + 0.1) / widest)))
     fig.legend(
         list(once.values()),
         list(once),
-        ncols=columns,
+        ncols=legend_columns(once, width),
         loc="outside lower left",
         alignment="left",
         handlelength=1.8,
         handleheight=1.2,
     )
+
+
+def legend_columns(names: Collection[str], width: float) -> int:
+    """In how many columns a legend of one entry or more fits so many inches."""
+    widest = HANDLE + max(fonts.width_of(name, fonts.small()) for name in names)
+    return max(1, min(len(names), int((width + 0.1) / widest)))
 
 
 def draw_arrow(

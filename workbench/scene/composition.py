@@ -153,9 +153,12 @@ def _room_on(draft: Page) -> tuple[float, float]:
 
 def _bare(scene: Scene) -> Scene:
     """The scene without words and marks beside its views."""
-    rows = [[replace(view, cell=Cell(), bodies=[replace(body, point_forces=()) for body in view.bodies],
-                     frame=[replace(body, point_forces=()) for body in view.frame]) for view in row]
-            for row in scene.rows]  # fmt: skip
+
+    def bare(view: View) -> View:
+        bodies, frame = ([replace(body, point_forces=()) for body in each] for each in (view.bodies, view.frame))
+        return replace(view, bodies=bodies, frame=frame, cell=view.cell if scene.has_room_for_words else Cell())
+
+    rows = [[bare(view) for view in row] for row in scene.rows]
     return replace(scene, rows=rows, columns=(), heads=(), names=(), ringed=False)
 
 

@@ -80,6 +80,8 @@ class Scene:
         As of `views.arrange`.
     ringed
         Whether self-intersections are ringed.
+    has_room_for_words
+        Whether a bare scene has room for the words of its cells, which it does not write.
     names
         Of the rods of the first view, in the legend.
     paint
@@ -100,6 +102,7 @@ class Scene:
     pitch: float = 0.0
     edge: float = EDGE
     ringed: bool = True
+    has_room_for_words: bool = False
     names: Sequence[str] = ()
     paint: Paint = field(default_factory=Paint)
 
@@ -190,9 +193,9 @@ class Page:
         self.line, self.more = one_line(list(dict.fromkeys(notes)), size[0] - 2 * canvas.MARGIN)
         self.high_line = fonts.height_of(self.line, fonts.SMALL) + ABOVE_WORDS * bool(self.line)
         self.foot = 0.0 if bare else FOOT + true_scale.HIGH * self.has_true_scale + self.high_line
-        inside = "inside the cylinder, cut open" if str(scene.stored.attrs["side"]) == "inside" else ""
+        open_wall = "the near half of the wall is cut away" if str(scene.stored.attrs["side"]) == "inside" else ""
         titled, layout = (None, None) if bare else (scene.stored, "constrained")
-        said = " · ".join(fact for fact in (scene.case, inside) if fact)
+        said = " · ".join(fact for fact in (scene.case, open_wall) if fact)
         room = size[0] - 2 * canvas.MARGIN - scene.start_of_legend
         self.columns_beside = min(int(room / max(width_of_legend(legend), 1e-9)), len(legend))
         if len(legend) > BESIDE_BARS * self.columns_beside:
