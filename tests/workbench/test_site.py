@@ -10,6 +10,7 @@ from PIL import Image
 from docs.website import api_pages, command_pages, dataset_page, results, sources, study_page
 from studies import Study
 from studies.laws.verdicts import Law
+from tests.workbench import browser
 from workbench import cli
 
 ROOT = Path(__file__).parents[2]
@@ -72,6 +73,27 @@ def test_a_thumbnail_has_no_white_border_and_shows_the_upper_part_of_a_high_pict
         corner, foot = small.getpixel((results.EDGE + 5, results.EDGE + 5)), small.getpixel((320, 430))
     assert corner[0] > 200 > 60 > corner[2]
     assert foot[2] > 200 > 60 > foot[0]
+
+
+@pytest.mark.slow
+def test_on_a_phone_letters_of_a_picture_have_nine_pixels_and_the_page_is_no_wider_than_the_screen(
+    tmp_path,
+) -> None:
+    css = (ROOT / "docs/website/static/site.css").read_text(encoding="utf-8")
+    theme = "article img { max-width: 100%; height: auto }"  # as furo has it
+    with Image.open(ROOT / "docs/scenes/grid.png") as picture:
+        (wide, _), dots = picture.size, picture.info["dpi"][0]
+    body = f'<article role="main"><p><img src="{(ROOT / "docs/scenes/grid.png").as_uri()}"></p></article>'
+    head = '<meta name="viewport" content="width=device-width, initial-scale=1">'
+    (tmp_path / "page.html").write_text(f"<!doctype html>{head}<style>{theme}{css}</style>{body}", encoding="utf-8")
+    (tmp_path / "profile").mkdir()
+    with browser.chromium(tmp_path / "profile", "800,900") as driver:
+        phone = {"width": 390, "height": 844, "deviceScaleFactor": 1, "mobile": True}
+        driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", phone)
+        driver.get((tmp_path / "page.html").as_uri())
+        shown = driver.execute_script("return document.querySelector('img').getBoundingClientRect().width")
+        assert shown / wide * 7 / 72 * dots >= 9
+        assert driver.execute_script("return document.documentElement.scrollWidth") == 390
 
 
 def test_the_pictures_of_the_examples_are_as_large_as_the_gallery_has_them() -> None:
