@@ -42,7 +42,7 @@ FINE = 4001  # stations of a diagram, two for each pixel
 DPI = 110  # of a picture in a notebook
 ALONG = ("beta", "dbeta", "alpha", "z", "contact")
 NUMBERS = ("bends", "turns_around", "height", "kappa_max", "push_min", "push_max")  # of a solution's table
-HEADINGS = ("", "stability", "energy [force length]", "bends", "beta'(0) [rad/length]", "pushed share")
+HEADINGS = ("", "stability", "energy [force length]", "bends", "beta'(0) [rad/length]", "attached share")
 
 
 class Plot:

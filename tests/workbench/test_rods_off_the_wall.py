@@ -343,6 +343,13 @@ def test_the_arrow_of_a_force_is_drawn_whole_where_it_acts_and_its_words_are_on_
     assert places_in_pixels(page, places[[0, -1]]) == pytest.approx(np.array([start, tip]), abs=1.0)  # a pixel
 
 
+def test_the_signs_of_the_legend_are_drawn_as_the_marks_of_the_picture() -> None:
+    gap, force = (signs.legend_sign(sign, "").get_marker().vertices for sign in (signs.GAP, signs.FORCE))
+    for end in (gap.min(), gap.max()):  # a bar across each end
+        assert sorted(gap[gap[:, 1] == end][:, 0]) == [-0.3, 0.0, 0.3]
+    assert force[force[:, 0].argmax()].tolist() == [1, 0]  # the head is at the end
+
+
 def places_of_arrow(page: Any, words: str) -> tuple[Any, Any]:
     """Start and tip of the mark with these words, in inches of the panel."""
     texts = page.ax.texts

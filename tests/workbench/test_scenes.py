@@ -197,6 +197,7 @@ def test_strands_of_dna_turn_right_handed_with_the_material_and_have_a_base_pair
         material = np.ptp(ds["gamma"].values)  # rises along this rod
         assert turned[-1] - turned[0] == pytest.approx(2 * np.pi * 147 / 10.5 + material, rel=1e-6)
     assert [words for _, words in strands.marks(rod)] == ["base pair 1", "dyad", "base pair 147"]
+    assert kind.numbers(rod.line, ds.units) == ["the push of the cylinder: 1.19 pN/nm everywhere"]
     with pytest.raises(InputError, match="0 base pairs"):
         strands.pairs_of(replace(rod, span=(0.0, 0.1)))
 
@@ -249,7 +250,7 @@ def test_beside_a_compressed_axis_stand_the_hole_and_a_part_at_true_scale() -> N
     assert band.clipbox is not None
     shown = (wide - left) * 0.2 / true_scale.STRIP  # length of the part; the strip is as high as the hole is wide
     words = f"a part of it at true scale: z = {number(30 - shown / 2)} to {number(30 + shown / 2)} m"
-    assert [text.get_text()[:23] for text in ax.texts] == ["all of the rod\nalong the hole"[:23], words[:23]]
+    assert [text.get_text()[:23] for text in ax.texts] == ["the whole rod, seen\nalong the hole"[:23], words[:23]]
 
 
 def test_the_eye_beside_the_cylinder_from_above_stands_on_the_page_whole() -> None:
@@ -445,6 +446,14 @@ def test_a_case_without_a_shape_leaves_a_labelled_empty_cell(tmp_path) -> None:
 def test_inside_the_rod_is_seen_through_the_near_wall(tmp_path) -> None:
     layout.render(StoredStudy(dataset("inside")), tmp_path / "inside.png", kind="curvature")
     assert share_of_hue(pixels(tmp_path / "inside.png"), "#21918c", 0.2) > 0.01
+
+
+@draws
+def test_the_words_of_a_rod_inside_a_tube_say_inside_once() -> None:
+    rods = StoredStudy(dataset("inside").assign_attrs(title="A rod inside a tube"))
+    texts = [text.get_text() for text in layout.compose(rods, settings=composition.Settings(2.0, 50)).fig.texts]
+    assert " ".join(texts).count("inside") == 1
+    assert "the near half of the wall is cut away" in texts
 
 
 @draws

@@ -222,7 +222,7 @@ def push_in_numbers(line: Centreline, units: dict[str, str]) -> list[str]:
     push = line.push(np.linspace(line.s[0], line.s[-1], 4 * line.s.size))
     unit = labels.unit(f"{units['force']}/{units['length']}")
     low, high = (labels.minus_signs(labels.number(float(end), 3)) for end in (push.min(), push.max()))
-    return [f"push {low if low == high else f'{low} to {high}'} {unit}"]
+    return [f"the push of the cylinder: {f'{low} {unit} everywhere' if low == high else f'{low} to {high} {unit}'}"]
 
 
 STRANDS = tuple(zip(colours.STRANDS, ("one strand", "the other strand", "base pairs"), strict=True))

@@ -10,6 +10,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Patch
+from matplotlib.path import Path
 from numpy.typing import NDArray
 
 from ..figures import canvas, colours, crossing_rings, fonts
@@ -24,6 +25,11 @@ EYE = 0.078  # from a cylinder that is seen from above to the middle of the eye
 RING, OUTLINE = "ring", "outline"  # in place of a colour: an open circle, the outline of a hidden stretch
 # in place of a colour: a line between two marks, an arrow, a tick, a line to words
 GAP, FORCE, EDGE, LEADER = "gap", "force", "edge", "leader"
+# the gap upright between its two ends, and the force, as they are in the picture
+SHAPES = {
+    GAP: Path([(-0.3, 1), (0.3, 1), (0, 1), (0, -1), (-0.3, -1), (0.3, -1)], [1, 2] * 3),
+    FORCE: Path([(-1, 0), (0.3, 0), (0.3, 0.3), (1, 0), (0.3, -0.3), (0.3, 0.3)], [1, 2, 1, 2, 2, 79]),
+}
 PAST = 0.06  # from the end of a mark to its words
 HALO = [Halo(2.2)]  # a mark stands on the background, on the rod and on the cylinder
 STYLES = {GAP: "|-|, widthA=0.25, widthB=0.25", FORCE: "-|>", LEADER: "-"}
@@ -56,9 +62,9 @@ def legend_sign(colour: str, text: str) -> Artist:
         return Line2D(
             [], [], color=colours.INK, linestyle="none", marker="|", markersize=7, markeredgewidth=1.4, label=text
         )
-    if colour in (GAP, FORCE):
-        return Line2D([], [], color=colours.INK, linewidth=1.1, marker="|" if colour == GAP else ">", label=text,
-                      markevery=None if colour == GAP else [1], markersize=5)  # fmt: skip
+    if colour in SHAPES:
+        return Line2D([], [], color=colours.INK, linestyle="none", marker=SHAPES[colour], label=text,
+                      markersize=8 if colour == GAP else 12, markeredgewidth=1.1)  # fmt: skip
     if colour == RING:
         return crossing_rings.entry(text)
     face, edge = (colours.SURFACE, colours.SOFT) if colour == OUTLINE else (colour, "none")

@@ -45,7 +45,7 @@ def draw(ax: Axes, view: View, camera: Camera, corner: tuple[float, float], wide
     hole_up = -low_side / size if size > UPRIGHT else up
     _draw_hole(ax, body, places, hole_up, (x, middle))
     words: dict[str, Any] = {"size": fonts.SMALL, "va": "top"}
-    ax.text(corner[0], middle + HOLE + WORDS, "all of the rod\nalong the hole", **words)
+    ax.text(corner[0], middle + HOLE + WORDS, "the whole rod, seen\nalong the hole", **words)
     if camera.seen_from is not None:
         to_viewer = np.ravel(end_view(camera.toward[None], hole_up)) * [1, -1]
         to_viewer /= np.linalg.norm(to_viewer)
