@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..numerics.arrays import ALIKE, FAINT, NEGLIGIBLE, Array
+from ..numerics.arrays import ALIKE, NEGLIGIBLE, Array
 from ..problem.case import Case
 from ..problem.errors import InputError
 from .discrete_rod import DiscreteRod
@@ -17,11 +17,13 @@ from .free_problem import BeginningCurve, Beside, problems_of
 from .free_rods import FreeAnswer
 from .free_shape import FreeShape
 from .minimum import Newton, minimise
+from .program import EACH_STEP, Effort
 
 MOST_EDGES = 200  # of the rod while it moves: finer ones look alike. x10: ten times the time
-# steps of the distance to the goal, by which the whole way is measured; at most. x10: 3.3 times the time, and the same
-# way in finer steps
-SURVEY, MOST_STEPS = 24, 400
+SURVEY = 24  # steps to the goal, by which the whole way is measured. x10: 3.3 times the time, and the same way
+# steps of a motion, those of Uno included, beside two for each of its shapes: usual are 50 to 150. x10: ten times the
+# time before a rod is refused that does not come to rest
+MOST_STEPS = 400
 PACE = 1.6  # how far a step may go of what it should. x10: a few steps jump over what the eye should follow
 # factors of the time of a step to the next one. x10: steps are undone; none is made shorter, and rods are refused
 FASTER, SLOWER = 4.0, 0.2
@@ -45,17 +47,25 @@ class _Descent(NamedTuple):
 class Sinking:
     """A rod on its way down from a curve, as a discrete rod like that of its goal."""
 
-    def __init__(self, beside: Beside, curve: BeginningCurve, goal: DiscreteRod) -> None:
+    def __init__(self, beside: Beside, curve: BeginningCurve, goal: DiscreteRod, count: int = 0) -> None:
+        self.most = MOST_STEPS + 2 * count
+        self.effort = Effort(self.most * (goal.edges + EACH_STEP))
         self.rod = replace(beside.rod_on(curve, 1.0, goal.edges), lead=goal.lead, chords=goal.chords)
         self.sizes = beside.sizes(curve)
         y = self.rod.with_known(curve.on(self.rod))
         self.begun = FreeShape(self.rod, y, np.zeros(self.rod.bounds[0].size))
 
     def step(self, shape: FreeShape, time: float) -> FreeShape | None:
-        """The shape after a time; None where none is found, or the energy rises."""
+        """The shape after a time; None where none is found, or the energy rises.
+
+        Raises `InputError` where no effort is left.
+        """
+        self.effort.left -= self.rod.edges + EACH_STEP
+        if self.effort.left < 0:
+            raise InputError(f"let go, this rod does not come to rest within {self.most} steps")
         dragged = replace(self.rod, places=shape.x[1:], drag=1 / time)
         if shape is self.begun:
-            ahead = minimise(dragged, shape.y, self.sizes)
+            ahead = minimise(dragged, shape.y, self.sizes, effort=self.effort)
         else:
             newton = Newton(dragged, self.sizes, dragged.with_known(shape.y))
             ahead = newton.equilibrium(shape.multipliers * newton.scale)
@@ -65,10 +75,10 @@ class Sinking:
 
     def survey(self, goal: FreeShape) -> tuple[Array, Array, FreeShape]:
         """Times, (k,), and the ways gone until then and to the rest, (k + 1,), in even shares of the way to a goal;
-        and the shape at rest, which is the goal where it is near. Raises `InputError` where the rod does not rest."""
+        and the shape at rest, which is the goal where it is near."""
         aim, time, shape = far(self.begun, goal) / SURVEY, FIRST, self.begun
         times, ways = [0.0], [0.0]
-        for _ in range(MOST_STEPS):
+        while True:
             ahead = self.step(shape, time)
             gone = np.inf if ahead is None else far(shape, ahead)
             if ahead is None or gone > PACE * aim:
@@ -82,12 +92,11 @@ class Sinking:
                 rest = goal if far(rest, goal) < THERE * aim else rest
                 return np.array(times), np.append(ways, ways[-1] + far(shape, rest)), rest
             time *= min(FASTER, aim / max(gone, aim / FASTER))
-        raise InputError(f"let go, this rod does not come to rest within {MOST_STEPS} steps of {aim:.2g} radii")
 
     def after(self, shape: FreeShape, time: float) -> FreeShape:
         """The shape after a time, in one step, or in more where that finds none."""
         left, step = time, time
-        while left > NEGLIGIBLE * time and step > FAINT * time:
+        while left > NEGLIGIBLE * time:
             ahead = self.step(shape, min(step, left))
             if ahead is None:
                 step /= 2
@@ -104,10 +113,10 @@ def far(shape: FreeShape, other: FreeShape) -> float:
 def descent_of(case: Case, curve: BeginningCurve, answer: FreeAnswer, count: int) -> _Descent:
     """So many shapes of the rod of one case that sinks from a curve, each about as far from the one before.
 
-    Raises `InputError` where it does not move.
+    Raises `InputError` where it does not move, or not come to rest.
     """
     goal = next((shape for shape in answer.shapes[::-1] if shape.rod.edges <= MOST_EDGES), answer.shapes[0])
-    sinking = Sinking(problems_of(case)[0], curve, goal.rod)
+    sinking = Sinking(problems_of(case)[0], curve, goal.rod, count)
     if far(sinking.begun, goal) < ALIKE * goal.rod.span:
         raise InputError("let go, this rod stays as it is: there is no motion to show")
     times, ways, rest = sinking.survey(goal)

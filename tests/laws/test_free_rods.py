@@ -314,6 +314,14 @@ def test_a_search_takes_no_more_steps_than_it_may_and_says_so(monkeypatch: pytes
     assert sum(seen) < 2 * 60 * LEAST  # Newton's method takes steps of its own
 
 
+def test_a_motion_ends_after_as_many_steps_as_it_may_take(
+    freed: tuple[Any, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("solver.free.sinking.MOST_STEPS", 40)  # those of Uno count too; 120 are needed
+    with pytest.raises(InputError, match="this rod does not come to rest within 44 steps"):
+        freed[0].descent(2)
+
+
 def test_a_load_that_turns_the_far_end_round_the_axis_without_end_is_named() -> None:
     """In a hole an end may go round and round. No held azimuth needs a moment like that one: there is no shape."""
 
