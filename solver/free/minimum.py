@@ -14,6 +14,9 @@ from .free_shape import FreeShape
 from .program import FAR, NEAR, Effort, Program, Sizes
 
 SHARP = 1e-10  # of the last change of the unknowns: as far as rounding of long meshes allows. x10: a digit less
+# steps of Newton's method from another shape before Uno takes over: usual are 3 to 16, and beyond that contacts mostly
+# come and go in circles. x10: time
+MOST_FOLLOWED = 20
 # of what equations leave where rounding, 1e-11 of them, moves a rod that is held with `FIRM`; squared. x10: as good
 EVEN = 1e-8
 # of the order of the second derivatives: what holds a rod that may turn as a whole. x10: soft motions count as free
@@ -149,11 +152,15 @@ class Newton(Program):
             return np.full(right.size, np.nan)
 
     def equilibrium(self, multipliers: Array, z: Array | None = None, steps: int = 0) -> FreeShape | None:
-        """The equilibrium near a guess; None where the steps do not converge."""
+        """The equilibrium near a guess; None where the steps do not converge.
+
+        z: as Uno found it; None: the guess of the program, a shape of another mesh or time.
+        """
         n, last, side = self.free.size, np.inf, self.rod.side
+        most = MOST_FOLLOWED if z is None else ROUNDS
         z, loose = np.zeros(n) if z is None else z, np.zeros(multipliers.size)
         _, rows, columns, _ = self.slopes
-        for _ in range(ROUNDS):
+        for _ in range(most):
             missed = self.conditions(z)
             push, gap = side * multipliers[self.wall], self.stiff * side * missed[self.wall]
             equation, by_push, by_gap = complementarity(push, gap)
