@@ -16,7 +16,6 @@ per length. Without it an end tilts by order h^2, and on a wall that is a force 
 length of order h^(2/3).
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import NamedTuple
@@ -153,12 +152,8 @@ class DiscreteRod:
         return np.concatenate([first[None], self.parts(y)[0], last[None]])
 
     def joints(self, y: Array) -> _Joints:
-        """The strains between neighbouring frames; the last ones are kept, which energy and derivatives share."""
-        return self._recall_joints(y.tobytes())
-
-    @cached_property
-    def _recall_joints(self) -> Callable[[bytes], _Joints]:
-        return lru_cache(maxsize=1)(lambda y: self._joints(np.frombuffer(y)))
+        """The strains between neighbouring frames."""
+        return _recall_joints(self, y.tobytes())
 
     def _joints(self, y: Array) -> _Joints:
         chain = self.chain(y, self.lead)
@@ -282,3 +277,9 @@ class DiscreteRod:
         nodes = np.full((self.edges, 3), size * self.drag * self.h)
         nodes[:-1, :2] -= 2 * wall[:, None]
         return np.append(blocks[:, *LOWER], nodes)
+
+
+@lru_cache(maxsize=2)
+def _recall_joints(rod: DiscreteRod, y: bytes) -> _Joints:
+    """The joints of a rod with these unknowns; the last two are kept, which energy and derivatives share."""
+    return rod._joints(np.frombuffer(y))
