@@ -1,4 +1,4 @@
-/* The changes of an orbit at W places of one panel; included for every width W, as vectors.h says. */
+/* The changes of an orbit at W places of one panel, and of its shape; included for every width W, as vectors.h says. */
 
 #include "vectors.h"
 
@@ -73,16 +73,21 @@ static inline ALWAYS TARGET void NAME(series_at)(int size, const double *rows, v
 static TARGET void NAME(values)(const changed_orbit *of, const visits *p, int at, int many, double (*out)[VISITS + PAD])
 {
     const double *rows = of->series + VARIED * of->size * p->panel[at];
-    double own[VARIED][W];
-    vec value[15];
-    NAME(series_at)(of->size, rows, *(const NAME(loose) *)(p->x + at), value);
-    for (int k = 0; k < 4; k++)
-        *(NAME(loose) *)own[2 + k] = ZERO + rows[2 + k];
-    for (int k = 0; k < 15; k++)
-        *(NAME(loose) *)own[k < 2 ? k : k + 4] = value[k];
+    const int first = p->place[at], neighbours = many == W && p->place[at + W - 1] == first + W - 1;
+    vec series[15], value[VARIED];
+    NAME(series_at)(of->size, rows, *(const NAME(loose) *)(p->x + at), series);
+    UNROLLED
     for (int k = 0; k < VARIED; k++)
-        for (int i = 0; i < many; i++)
-            out[k][p->place[at + i]] = own[k][i];
+        value[k] = k < 2 ? series[k] : k < 6 ? ZERO + rows[k] : series[k - 4];
+    UNROLLED
+    for (int k = 0; k < VARIED; k++) {
+        const vec own = value[k];
+        if (neighbours)
+            *(NAME(loose) *)(out[k] + first) = own;
+        else
+            for (int i = 0; i < many; i++)
+                out[k][p->place[at + i]] = LANE(own, i);
+    }
 }
 
 /* What units of the parts add at W neighbouring places, from number `at` on. */
@@ -95,12 +100,14 @@ static inline ALWAYS TARGET void NAME(units_at)(const changed_orbit *of, const v
     const NAME(mask) mirrored = MASK(*(const NAME(loose) *)(p->mirrored + at) > 0);
     vec value[VARIED];
     NAME(varied_places) here;
+    UNROLLED
     for (int k = 0; k < VARIED; k++)
         value[k] = *(const NAME(loose) *)(values[k] + at);
     here.v = value[0] * sign, here.H = value[1], here.c = value[2];
     here.shift[0] = ZERO, here.gamma[0] = ZERO + 1.0;
     for (int k = 0; k < 3; k++)
         here.shift[k + 1] = value[3 + k], here.gamma[k + 1] = value[6 + k];
+    UNROLLED
     for (int m = 0; m < PAIRS; m++) { /* as `rod_unfolded` */
         const double gained = of->gain[m], later = of->gain[PAIRS + m], whole = of->librates ? 2 * (gained + later) : gained;
         const vec there = ZERO + gained, after = ZERO + later, limit = PICK(second, after, there);
@@ -110,31 +117,84 @@ static inline ALWAYS TARGET void NAME(units_at)(const changed_orbit *of, const v
     NAME(unit)(of->start, &here, out);
 }
 
-/* The changes at `many` places by F directions, from what units of their parts add there. */
-static TARGET void NAME(changes)(const changed_orbit *of, const visits *p, int many, const double (*values)[VISITS + PAD],
-                                 int64_t F, const double *parts, int64_t apart, int64_t each, double *out)
+/* The derivatives of shape `row` by field f at W neighbouring places, from the changes, in place. */
+static inline ALWAYS TARGET void NAME(derive)(const shapes *of, int64_t row, int64_t f, const known_places *p, int at,
+                                              NAME(loose) *change)
 {
+    const int64_t table = of->size * of->F, own = row * of->F + f;
+    const double *by = of->by ? of->by + own : NULL, mu = of->loads[3 * row + 1], longer = of->later[own] / of->span[row];
+    const double rho = by ? of->rho[row] : 1, ratio = by ? of->ratio[row] : 0, over = 1 / rho;
+    const double d_rho = by ? by[table * BY_RHO] : 0, d_mu = by ? by[table * BY_MU] : 0, d_ratio = by ? by[table * BY_RATIO] : 0;
+    const double alpha = by ? by[table * BY_AZIMUTH] : 0, gamma = by ? by[table * BY_TWIST] : 0;
+    const double twist = d_mu * ratio + mu * d_ratio;
+    const vec t = *(const NAME(loose) *)(p->t + at), v = *(const NAME(loose) *)(p->rate + at);
+    const vec s = *(const NAME(loose) *)(p->s + at), c = *(const NAME(loose) *)(p->c + at);
+    const vec z = *(const NAME(loose) *)(p->z + at), H = *(const NAME(loose) *)(p->H + at);
+    const vec later = longer * t, turned = change[2], swirled = change[3], risen = change[4];
+    change[0] = change[0] + v * later;
+    change[1] = (change[1] - H * later - v * d_rho * over) * over;
+    change[2] = alpha + turned + s * later;
+    change[3] = rho * (risen + c * later) + z * d_rho;
+    change[4] = gamma + twist * t + mu * ratio * later + swirled - s * c * later;
+}
+
+/* Five rows of W numbers, of which `size` bytes each count. */
+static inline ALWAYS TARGET void NAME(put)(const NAME(loose) *rows, size_t size, int64_t each, double *to)
+{
+    UNROLLED
+    for (int k = 0; k < 5; k++) {
+        const NAME(loose) row = rows[k];
+        if (size == sizeof row)
+            *(NAME(loose) *)(to + each * k) = row;
+        else
+            memcpy(to + each * k, &row, size);
+    }
+}
+
+/* The changes at `many` places from `begin` on, from what units of their parts add there, or the derivatives of the shape. */
+static TARGET void NAME(changes)(const changed_orbit *of, const visits *p, int many, const double (*values)[VISITS + PAD],
+                                 const double *parts, const shapes *along, int64_t row, int64_t begin,
+                                 const known_places *known)
+{
+    const int64_t n = along->stations, F = along->F;
     for (int at = 0; at < many; at += W) {
-        const size_t size = sizeof(double) * (many - at < W ? many - at : W);
         NAME(varied_units) unit;
         NAME(units_at)(of, p, at, values, &unit);
         for (int64_t f = 0; f < F; f++) {
-            double *to = out + apart * f + at;
             const double *own = parts + PARTS * f;
+            NAME(loose) sum[5];
             UNROLLED
-            for (int k = 0; k < 5; k++) {
-                NAME(loose) sum = {0};
-                UNROLLED
-                for (int part = 0; part < PARTS; part++)
-                    if (own[part] != 0)
-                        sum += unit.by[k][part] * own[part];
-                if (size == sizeof sum)
-                    *(NAME(loose) *)(to + each * k) = sum;
-                else
-                    memcpy(to + each * k, &sum, size);
-            }
+            for (int k = 0; k < 5; k++)
+                sum[k] = ZERO;
+            UNROLLED
+            for (int part = 0; part < PARTS; part++)
+                if (own[part] != 0) {
+                    UNROLLED
+                    for (int k = 0; k < 5; k++)
+                        sum[k] += unit.by[k][part] * own[part];
+                }
+            if (along->beta)
+                NAME(derive)(along, row, f, known, at, sum);
+            NAME(put)(sum, sizeof(double) * (many - at < W ? many - at : W), along->size * F * n,
+                      along->out + n * (row * F + f) + begin + at);
         }
     }
+}
+
+/* The derivatives of a shape at `many` places from `begin` on, from changes that are in its `out`. */
+static TARGET void NAME(derivatives)(const shapes *of, int64_t row, int64_t begin, int many, const known_places *known)
+{
+    const int64_t n = of->stations, F = of->F, each = of->size * F * n;
+    for (int at = 0; at < many; at += W)
+        for (int64_t f = 0; f < F; f++) {
+            const size_t size = sizeof(double) * (many - at < W ? many - at : W);
+            double *to = of->out + n * (row * F + f) + begin + at;
+            NAME(loose) change[5];
+            for (int k = 0; k < 5; k++)
+                change[k] = ZERO, memcpy(&change[k], to + each * k, size);
+            NAME(derive)(of, row, f, known, at, change);
+            NAME(put)(change, size, each, to);
+        }
 }
 
 #undef W

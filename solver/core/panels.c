@@ -186,12 +186,13 @@ INLINE void series_of(int width, const piece *p, const points *at, int wanted, p
         product_of_two(width, n, n, directions[0], directions[1], at->analyse, cut[2], cut[3]);
         product(width, n, n, directions[2], at->analyse, cut[4]);
     } else
-        for (int k = 0; k < 2; k++) /* the last two alone, which measure the error */
-            for (int j = n - 2; j < n; j++) {
-                cut[2 + k][j] = 0;
-                for (int i = 0; i < n; i++)
-                    cut[2 + k][j] += directions[k][i] * at->analyse[n * i + j];
-            }
+        for (int k = 0; k < 2; k++) { /* the last two alone, which measure the error */
+            double *last = cut[2 + k] + n - 2;
+            last[0] = last[1] = 0;
+            for (int i = 0; i < n; i++)
+                for (int j = 0; j < 2; j++)
+                    last[j] += directions[k][i] * at->analyse[n * i + n - 2 + j];
+        }
     for (int k = OF_ANGLE; k < wanted; k++) {
         double *row = series + k * (n + 1);
         integral(n, cut[k], row);

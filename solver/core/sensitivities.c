@@ -2,61 +2,7 @@
 
 #include "measure_rates.h"
 
-/* The numbers of a case that have rates: NUMBERS in problem/reduced.py */
-enum { LAM, MU, PHI, LENGTH, BETA0, END, STIFFNESS, RHO, RATIO, AZIMUTH, TWIST };
 enum { MARKS = 4 };
-
-/* Shapes at n stations, B rods. t, beta, rate, z: (B, n), in units of rho. by: (11, B, F), rates of the numbers of the case;
-   NULL for the units of rho, whose rates are 0. later: (B, F), of the length in t. loads: (B, 3). ratio, rho: (B,). out:
-   (5, B, F, n), the changes of beta, beta_t and the integrals of H_q d beta, which become the derivatives of beta, dbeta,
-   alpha, z and gamma at constant s/L. */
-typedef struct {
-    int64_t size, stations, F;
-    const double *t, *beta, *rate, *z, *loads, *span, *by, *later, *ratio, *rho;
-    double *out;
-} shapes;
-
-/* Those of shape b from the changes (5, F, n), which lie `apart` numbers from each other; they may be `out` itself. */
-INLINE void derive_shape(const shapes *of, int64_t b, const double *changes, int64_t apart)
-{
-    const int64_t n = of->stations, F = of->F, each = of->size * F * n, table = of->size * F;
-    const double lam = of->loads[3 * b], mu = of->loads[3 * b + 1], phi = of->loads[3 * b + 2];
-    const double rho = of->by ? of->rho[b] : 1, ratio = of->by ? of->ratio[b] : 0;
-    for (int64_t begin = 0; begin < n; begin += CHUNK) {
-        const int64_t at = b * n + begin;
-        const int many = (int)(n - begin < CHUNK ? n - begin : CHUNK);
-        const double *t = of->t + at, *v = of->rate + at, *z = of->z + at;
-        double s[CHUNK], c[CHUNK], H[CHUNK];
-        sin_cos_of(many, of->beta + at, s, c);
-        for (int i = 0; i < many; i++)
-            H[i] = slope_by(lam, mu, phi, s[i], c[i]);
-        for (int64_t f = 0; f < F; f++) {
-            const double *by = of->by ? of->by + b * F + f : NULL, longer = of->later[b * F + f] / of->span[b];
-            const double d_rho = by ? by[table * RHO] : 0, d_mu = by ? by[table * MU] : 0;
-            const double alpha = by ? by[table * AZIMUTH] : 0, gamma = by ? by[table * TWIST] : 0;
-            const double twist = d_mu * ratio + mu * (by ? by[table * RATIO] : 0), over = 1 / rho;
-            const double *own = changes + n * f + begin;
-            double *out = of->out + n * (b * F + f) + begin;
-            for (int i = 0; i < many; i++) {
-                const double later = longer * t[i], turned = own[2 * apart + i], swirled = own[3 * apart + i];
-                out[i] = own[i] + v[i] * later;
-                out[each + i] = (own[apart + i] - H[i] * later - v[i] * d_rho * over) * over;
-                out[2 * each + i] = alpha + turned + s[i] * later;
-                out[3 * each + i] = rho * (own[4 * apart + i] + c[i] * later) + z[i] * d_rho;
-                out[4 * each + i] = gamma + twist * t[i] + mu * ratio * later + swirled - s[i] * c[i] * later;
-            }
-        }
-    }
-}
-
-IN_WIDTHS(derive_shape, (const shapes *of, int64_t b, const double *changes, int64_t apart), (of, b, changes, apart))
-
-/* The derivatives of shapes from the changes of their orbits. */
-void rod_shape_rates(const shapes *of, int64_t lanes)
-{
-    for (int64_t b = 0; b < of->size; b++)
-        FOR_LANES(lanes, derive_shape)(of, b, of->out + b * of->F * of->stations, of->size * of->F * of->stations);
-}
 
 /* What is asked of B start problems. along: their shapes, whose `out` is filled. marks: (B, 5, F, MARKS), filled with the
    same in units of rho at the shares 0, 1/3, 2/3 and 1 of the length. of, varied: the orbit of the only problem and its
@@ -93,18 +39,10 @@ typedef struct {
     const read_orbits *of;
     const varied_orbits *varied;
     lone_orbit orbit;
-    double *parts, *room, *thirds, *pieces, *changes, weights[NODES];
+    double *parts, *room, *thirds, *pieces, weights[NODES];
     int64_t piece_room;
     varied_place start;
 } worker;
-
-/* The derivatives of shape b from those of its orbit. */
-static void change_shape(worker *o, const shapes *of, int64_t b)
-{
-    const int64_t each = of->F * of->stations;
-    rod_change_orbit(o->of, o->varied, 0, of->stations, of->F, of->t + b * of->stations, o->parts, each, o->changes);
-    FOR_LANES(o->varied->lanes, derive_shape)(of, b, o->changes, each);
-}
 
 static void change_marks(worker *o, int64_t b)
 {
@@ -124,7 +62,7 @@ static void change_marks(worker *o, int64_t b)
     const shapes marks = {.size = 1, .stations = MARKS, .F = along->F, .t = t, .beta = beta, .rate = rate, .z = z,
                           .loads = along->loads + 3 * b, .span = along->span + b, .later = along->later + along->F * b,
                           .out = o->all->marks + 5 * MARKS * along->F * b};
-    change_shape(o, &marks, 0);
+    rod_change_orbit(o->of, o->varied, 0, &marks, 0, o->parts);
 }
 
 /* The pieces of the first share of the rod. Returns DONE or NO_MEMORY. */
@@ -201,7 +139,7 @@ static int vary_rod(worker *o, int64_t b)
 /* The parts of the changes of an orbit by those of its start. */
 static void part_start(worker *o, int64_t b)
 {
-    static const int given[PARTS] = {BETA0, END, LAM, MU, PHI};
+    static const int given[PARTS] = {BY_BETA0, BY_END, BY_LAM, BY_MU, BY_PHI};
     const shapes *along = &o->all->along;
     double by_start[PARTS][PARTS];
     rod_varied_directions(&o->start, by_start);
@@ -239,7 +177,7 @@ static int derive_rod(worker *o, int64_t b)
         memcpy(o->parts, all->parts, sizeof(double) * (size_t)(PARTS * F));
     else
         part_start(o, b);
-    change_shape(o, &all->along, b);
+    rod_change_orbit(o->of, o->varied, 0, &all->along, b, o->parts);
     if (!all->marks)
         return DONE;
     for (int64_t f = 0; f < F; f++) {
@@ -265,17 +203,16 @@ int rod_sensitivities(const sensitivities *all, const grid *by, const points *at
         rod_panel_weights(at, o->weights);
         o->all = all, o->by = by, o->at = at, o->how = how, o->rod.coefficients = at->n + 1;
         o->parts = malloc(sizeof(double) * (size_t)((PARTS + 3 * CANDIDATES + 2 * RATES) * F));
-        o->changes = malloc(sizeof(double) * (size_t)(5 * F * (all->along.stations > MARKS ? all->along.stations : MARKS)));
         o->w = rod_workspace(&o->rod, how->lanes);
         o->room = o->parts + PARTS * F, o->thirds = o->room + 3 * CANDIDATES * F;
-        failed = o->parts && o->changes && o->w ? DONE : NO_MEMORY;
+        failed = o->parts && o->w ? DONE : NO_MEMORY;
     }
     for (int64_t b = begin; b < end && !failed; b++) {
         failed = derive_rod(o, b);
         rod_lone_orbit_free(&o->orbit);
     }
     if (o)
-        rod_workspace_free(o->w), free(o->parts), free(o->pieces), free(o->changes);
+        rod_workspace_free(o->w), free(o->parts), free(o->pieces);
     free(o);
     return failed;
 }

@@ -286,16 +286,17 @@ int64_t rod_vary(const double *loads, const read_orbits *of, int64_t b, const po
         vary_entry(nodes, count, i, of->direction[b], jump);
         if (wanted)
             FOR_LANES(out->lanes, keep_series)(&nodes[i], at, half, series);
+        double gained[PAIRS] = {0};
+        for (int k = 0; k < n; k++)
+            for (int m = 0; m < PAIRS; m++)
+                gained[m] += nodes[i].M[m][k] * weights[k];
         for (int m = 0; m < PAIRS; m++) {
-            double gained = 0;
-            for (int k = 0; k < n; k++)
-                gained += nodes[i].M[m][k] * weights[k];
             total[backward][m] += jump[m];
             if (wanted)
                 series[9 + m] += total[backward][m];
             if (out->M)
                 memcpy(out->M + (PAIRS * (first + i) + m) * n, nodes[i].M[m], sizeof(double) * (size_t)n);
-            total[backward][m] += gained * half;
+            total[backward][m] += gained[m] * half;
         }
     }
     for (int arc = 0; arc < 2; arc++) {
@@ -342,6 +343,29 @@ typedef struct {
     int place[VISITS];
     double x[VISITS + PAD], sign[VISITS + PAD], periods[VISITS + PAD], second[VISITS + PAD], mirrored[VISITS + PAD];
 } visits;
+
+/* What is known of the shape at those places, along the rod: numbers of `shapes`, sin and cos of beta, and H. */
+typedef struct {
+    double t[VISITS + PAD], rate[VISITS + PAD], z[VISITS + PAD], s[VISITS + PAD], c[VISITS + PAD], H[VISITS + PAD];
+} known_places;
+
+INLINE void know_places(const shapes *of, int64_t row, int64_t begin, int many, known_places *out)
+{
+    const int64_t at = row * of->stations + begin;
+    const size_t size = sizeof(double) * (size_t)many, rest = sizeof(double) * PAD;
+    const double *from[3] = {of->t + at, of->rate + at, of->z + at}, *loads = of->loads + 3 * row;
+    double *rows[6] = {out->t, out->rate, out->z, out->s, out->c, out->H};
+    for (int k = 0; k < 3; k++)
+        memcpy(rows[k], from[k], size);
+    sin_cos_of(many, of->beta + at, out->s, out->c);
+    for (int i = 0; i < many; i++)
+        out->H[i] = slope_by(loads[0], loads[1], loads[2], out->s[i], out->c[i]);
+    for (int k = 0; k < 6; k++) /* read in lanes, and not used */
+        memset(rows[k] + many, 0, rest);
+}
+
+IN_WIDTHS(know_places, (const shapes *of, int64_t row, int64_t begin, int many, known_places *out),
+          (of, row, begin, many, out))
 
 /* The orbit whose changes are read; size: of the series. */
 typedef struct {
@@ -411,19 +435,22 @@ static void visit(const read_orbits *of, int64_t b, const double *t, int many, v
         out->x[i] = out->sign[i] = out->periods[i] = out->second[i] = out->mirrored[i] = 0;
 }
 
-void rod_change_orbit(const read_orbits *of, const varied_orbits *varied, int64_t b, int64_t stations, int64_t F,
-                      const double *t, const double *parts, int64_t each, double *out)
+void rod_change_orbit(const read_orbits *of, const varied_orbits *varied, int64_t b, const shapes *along, int64_t row,
+                      const double *parts)
 {
     const int lanes = (int)varied->lanes;
     varied_place start;
     visits sorted;
+    known_places known;
     double values[VARIED][VISITS + PAD];
     rod_varied_place_at(of, varied, b, 0, &start);
     const changed_orbit one = {varied->series, varied->gain + 2 * PAIRS * b, &start, (int)of->coefficients,
                                of->kind[b] == LIBRATION};
-    for (int64_t begin = 0; begin < stations; begin += VISITS) {
-        const int many = (int)(stations - begin < VISITS ? stations - begin : VISITS);
-        visit(of, b, t + begin, many, &sorted);
+    for (int64_t begin = 0; begin < along->stations; begin += VISITS) {
+        const int many = (int)(along->stations - begin < VISITS ? along->stations - begin : VISITS);
+        visit(of, b, along->t + row * along->stations + begin, many, &sorted);
+        if (along->beta)
+            FOR_LANES(lanes, know_places)(along, row, begin, many, &known);
         for (int k = 0; k < VARIED; k++)
             memset(values[k] + many, 0, sizeof(double) * PAD);
         for (int at = 0, next; at < many; at = next) {
@@ -431,7 +458,7 @@ void rod_change_orbit(const read_orbits *of, const varied_orbits *varied, int64_
                 ;
             FOR_WIDTH(lanes, values)(&one, &sorted, at, next - at, values);
         }
-        FOR_WIDTH(lanes, changes)(&one, &sorted, many, values, F, parts, stations, each, out + begin);
+        FOR_WIDTH(lanes, changes)(&one, &sorted, many, values, parts, along, row, begin, &known);
     }
 }
 
@@ -440,9 +467,21 @@ void rod_change_orbit(const read_orbits *of, const varied_orbits *varied, int64_
 void rod_variations_changes(const read_orbits *of, const varied_orbits *varied, int64_t n, int64_t stations, int64_t F,
                             const double *t, const double *parts, double *out)
 {
+    const shapes along = {.size = n, .stations = stations, .F = F, .t = t, .out = out};
     for (int64_t b = 0; b < n; b++)
-        rod_change_orbit(of, varied, b, stations, F, t + b * stations, parts + b * F * PARTS, n * F * stations,
-                         out + b * F * stations);
+        rod_change_orbit(of, varied, b, &along, b, parts + b * F * PARTS);
+}
+
+/* The derivatives of shapes from changes that are in their `out`. */
+void rod_shape_rates(const shapes *of, int64_t lanes)
+{
+    known_places known;
+    for (int64_t b = 0; b < of->size; b++)
+        for (int64_t begin = 0; begin < of->stations; begin += VISITS) {
+            const int many = (int)(of->stations - begin < VISITS ? of->stations - begin : VISITS);
+            FOR_LANES(lanes, know_places)(of, b, begin, many, &known);
+            FOR_WIDTH((int)lanes, derivatives)(of, b, begin, many, &known);
+        }
 }
 
 void rod_lone_orbit_free(lone_orbit *o)

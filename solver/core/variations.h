@@ -59,12 +59,22 @@ void rod_varied_unit(const varied_place *start, const varied_place *there, varie
 /* The parts of a unit of beta(0), beta_t(0), lam, mu and phi at the start, each with the others held: [part][of]. */
 void rod_varied_directions(const varied_place *start, double out[PARTS][PARTS]);
 
-enum { CHUNK = 64 }; /* stations at once */
+/* The numbers of a case that have rates, the rows of `by`: NUMBERS in problem/reduced.py */
+enum { BY_LAM, BY_MU, BY_PHI, BY_LENGTH, BY_BETA0, BY_END, BY_STIFFNESS, BY_RHO, BY_RATIO, BY_AZIMUTH, BY_TWIST };
 
-/* The changes of orbit b by F directions with the parts (F, PARTS) at t (stations,): the five, `each` numbers apart, into out,
-   (F, stations) each. Parts that do not change are left out: next to a saddle a column of M may be infinite. */
-void rod_change_orbit(const read_orbits *, const varied_orbits *, int64_t b, int64_t stations, int64_t F, const double *t,
-                      const double *parts, int64_t each, double *out);
+/* Shapes at n stations, B rods. t, beta, rate, z: (B, n), in units of rho. by: (11, B, F), rates of the numbers of the case;
+   NULL for the units of rho, whose rates are 0. later: (B, F), of the length in t. loads: (B, 3). ratio, rho: (B,). out:
+   (5, B, F, n), the changes of beta, beta_t and the integrals of H_q d beta at constant t, which become the derivatives of
+   beta, dbeta, alpha, z and gamma at constant s/L. Where `beta` is NULL they stay changes, and t and out alone are read. */
+typedef struct {
+    int64_t size, stations, F;
+    const double *t, *beta, *rate, *z, *loads, *span, *by, *later, *ratio, *rho;
+    double *out;
+} shapes;
+
+/* Fills `out` of shape `row`, which is of orbit b, for F directions with the parts (F, PARTS). Parts that do not change are
+   left out: next to a saddle a column of M may be infinite. */
+void rod_change_orbit(const read_orbits *, const varied_orbits *, int64_t b, const shapes *, int64_t row, const double *parts);
 
 /* The most panels of one of n orbits, at least 1. */
 int64_t rod_most_panels(const read_orbits *, int64_t n);

@@ -91,7 +91,7 @@ def _path(sol: ShapeArrays, problem: EndsProblem, i: int) -> Path | None:
 
 
 LOST, PARTLY = -1, ("push", "turned", "risen")  # measured over the middle third
-_Shapes = structure("shapes", "sensitivities.c")
+_Shapes = structure("shapes", "variations.h")
 _Sensitivities = structure("sensitivities", "sensitivities.c", along=_Shapes)
 
 
