@@ -12,7 +12,7 @@ from .held.selection import LOWEST, NEAREST, RULES, Choose, check
 from .numerics.arrays import NEGLIGIBLE, Array
 from .problem.case import Case, Ends, Start, check_case
 from .problem.errors import DEFAULT_TOLERANCE, InputError, check_tolerance, choices, show, whole_number
-from .problem.limits import OUT_OF_RANGE, TOO_LARGE_HELD, TOO_LONG, beyond, ordinary, refusals, representable
+from .problem.limits import LARGEST_HELD, LONGEST, OUT_OF_RANGE, beyond, ordinary, refusals, representable
 from .problem.reduced import (
     EndsProblem,
     HeldProblem,
@@ -216,7 +216,7 @@ def _question_of_held_ends(
             dead_problem, answer = each_hinged(rods, problem, t, tol, seed, choose)
         else:
             dead_problem, answer = each_held(problem, t, tol, seed, choose)
-        limits = [said if said in (TOO_LARGE_HELD, TOO_LONG) else "" for said in answer.outcome]
+        limits = [said if said in (LARGEST_HELD.why, LONGEST.why) else "" for said in answer.outcome]
         why = np.where(representable(rods, dead_problem), limits, OUT_OF_RANGE)
         return dead_problem, _refuse(answer, rods, why)
 

@@ -16,7 +16,7 @@ from ..numerics.arrays import Array
 from ..orbits.marched_orbit import MarchedOrbit, march_orbit
 from ..orbits.periodic_orbit import judge, solve_orbit
 from ..problem.errors import DEFAULT_TOLERANCE
-from ..problem.limits import TOO_LARGE, beyond_limits
+from ..problem.limits import LARGEST, beyond_limits
 from ..problem.reduced import StartProblem
 from ..problem.trajectory import Trajectory, Verdicts, all_solved, blank, stood_in, verdicts
 from .base import TOLERANCES, Ladder, StartMethod
@@ -39,7 +39,7 @@ class OrbitQuadrature(StartMethod):
 
     def run(self, problem: StartProblem, t: Array, tol: float) -> Trajectory:
         fit = beyond_limits(problem) == ""
-        return blank(_integrate(stood_in(problem, fit), np.where(fit[:, None], t, 0), tol), fit, TOO_LARGE)
+        return blank(_integrate(stood_in(problem, fit), np.where(fit[:, None], t, 0), tol), fit, LARGEST.why)
 
 
 def _integrate(problem: StartProblem, t: Array, tol: float) -> Trajectory:

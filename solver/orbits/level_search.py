@@ -143,7 +143,7 @@ def _fits(problem: EndsProblem) -> bool:
     numbers = problem.lam, problem.mu, problem.phi, problem.span, problem.beta0, problem.betaL
     with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
         reach = np.abs(problem.betaL - problem.beta0) / problem.span
-        return bool((np.abs(np.stack([*numbers, reach, 1 / problem.span])) < LARGEST).all())
+        return bool((np.abs(np.stack([*numbers, reach, 1 / problem.span])) < LARGEST.most).all())
 
 
 def _search(problem: EndsProblem, most_periods: int, most_turns: int | None, step: float) -> FoundPaths | None:

@@ -3,6 +3,7 @@
 And whether its held ends are within reach of each other.
 """
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,15 +13,28 @@ from ..numerics.arrays import ROUNDED, SQUARE_LOST
 from .case import Case, Start
 from .reduced import HeldProblem, Reduced, StartProblem, flat
 
+
+@dataclass(frozen=True)
+class _SizeLimit:
+    """A size of dimensionless numbers up to which problems are solved, and the outcome of those beyond it."""
+
+    most: float
+    why: str
+
+
 # a larger dimensionless number would overflow when squared with a margin for sums. x10: as good; 1e154 overflows
-LARGEST = 1e100
-TOO_LARGE = "failed: loads, slope or L/rho are beyond 1e100 in units of A and rho, or L/rho below 1e-200"
-LARGEST_HELD = 1e70  # of problems with held ends, whose search takes fourth powers. x10: as good; 1e77 overflows
-TOO_LARGE_HELD = "failed: held numbers, loads or L/rho are beyond 1e70 in units of A and rho, or L/rho below 1e-70"
+LARGEST = _SizeLimit(
+    1e100, "failed: loads, slope or L/rho are beyond 1e100 in units of A and rho, or L/rho below 1e-200"
+)
+# of problems with held ends, whose search takes fourth powers. x10: as good; 1e77 overflows
+LARGEST_HELD = _SizeLimit(
+    1e70, "failed: held numbers, loads or L/rho are beyond 1e70 in units of A and rho, or L/rho below 1e-70"
+)
 # of L/rho between two ends: beyond, a rounding of s is larger than rho. x10: the far end is anywhere around the
 # cylinder
-LONGEST = 1e16
-TOO_LONG = "failed: L/rho of a problem between two ends must be below 1e16; beyond, rounding of s exceeds rho"
+LONGEST = _SizeLimit(
+    1e16, "failed: L/rho of a problem between two ends must be below 1e16; beyond, rounding of s exceeds rho"
+)
 OUT_OF_RANGE = "failed: stiffness, radius, forces or curvatures are beyond 1e290 or 1e-290 in these units"
 TAUT = (
     "the ends are held as far apart, along the cylinder, as the rod is long; it can only be straight or a helix then, "
@@ -35,13 +49,12 @@ def beyond_limits(problem: Reduced | HeldProblem) -> NDArray[np.str_]:
     """The outcome of each problem whose numbers cannot be squared, or whose L/rho is beyond a limit, (B,); else ""."""
     numbers = np.column_stack([part for part in vars(problem).values() if isinstance(part, np.ndarray)])
     with np.errstate(invalid="ignore"):
-        short = (problem.span < LONGEST) | isinstance(problem, StartProblem)
-        if isinstance(problem, HeldProblem):
-            largest, least, why = LARGEST_HELD, 1 / LARGEST_HELD, TOO_LARGE_HELD
-        else:
-            largest, least, why = LARGEST, LARGEST**-2, TOO_LARGE  # below it times underflow
-        fine = (np.abs(numbers) < largest).all(axis=1) & (problem.span > least)
-    return np.where(fine, np.where(short, "", TOO_LONG), why)
+        short = (problem.span < LONGEST.most) | isinstance(problem, StartProblem)
+        held = isinstance(problem, HeldProblem)
+        limit = LARGEST_HELD if held else LARGEST
+        least = 1 / limit.most if held else limit.most**-2  # below it times underflow
+        fine = (np.abs(numbers) < limit.most).all(axis=1) & (problem.span > least)
+    return np.where(fine, np.where(short, "", LONGEST.why), limit.why)
 
 
 def refusals(case: Case, problem: Reduced) -> NDArray[np.str_]:
@@ -50,11 +63,11 @@ def refusals(case: Case, problem: Reduced) -> NDArray[np.str_]:
     Between ends beta'(0) is not known, so `representable` judges the solution again.
     """
     limits = beyond_limits(problem)
-    first = [~units_held(case), limits == TOO_LARGE, ~representable(case, problem), twist_lost(case, problem)]
+    first = [~units_held(case), limits == LARGEST.why, ~representable(case, problem), twist_lost(case, problem)]
     lost = (
         "failed: M3 is lost in rounding, as GJ is so much larger than EI that the last digit of dgamma decides: give M3"
     )
-    return np.select(first, [OUT_OF_RANGE, TOO_LARGE, OUT_OF_RANGE, lost], limits)
+    return np.select(first, [OUT_OF_RANGE, LARGEST.why, OUT_OF_RANGE, lost], limits)
 
 
 def farthest(case: Case) -> tuple[NDArray[np.str_], NDArray[np.float64]]:
