@@ -312,7 +312,7 @@ def equilibria_on_nodes(case: Case, tol: float, stations: int) -> Equilibria:
     """The equilibria of a rod with weight that a search finds. Raises `InputError` for what it does not search."""
     from .nodes.answers import why_unsolved
     from .nodes.loaded_rod import rods_of
-    from .nodes.search import HEAVIEST, LONGEST, MOST_NODES, scan_one_unknown, search_shapes
+    from .nodes.search import GRID, HEAVIEST, MOST_NODES, scan_one_unknown, search_shapes
     from .nodes.vertical_scan import has_one_unknown
 
     (rod,) = rods_of(case)
@@ -339,7 +339,7 @@ def equilibria_on_nodes(case: Case, tol: float, stations: int) -> Equilibria:
         said.append("the far end of this vertical rod hangs too finely on its start for a scan that tells all")
     elif not result.scanned:
         said.append(
-            f"only rods of at most {LONGEST:g} radii are scanned, and without the scan lists had 83 of the 203 "
+            f"only rods of at most {GRID.longest:g} radii are scanned, and without the scan lists had 83 of the 203 "
             "equilibria of nine random rods of 14 to 24 radii"
         )
     elif rod.span > SHORT:

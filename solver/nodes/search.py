@@ -33,24 +33,53 @@ from .varying_shapes import Shape
 from .vertical_scan import begin_at, every_start
 from .weak_modes import weakest_modes
 
-# radii: a longer rod is not scanned, as its far end depends too much on its start. x10: cells whose far ends are noise
-LONGEST = 25.0
-# of the scan, over beta_t(0) or beta(0) and over q(0): its seconds grow with their product. Beyond 10 radii these find
-# 231 of the 296 equilibria of ten rods that four times as many find. x10: a hundred times the time
-CELLS = 120, 80
-# of deflations in a row that find none, after which the search ends; of a long rod. x10: no more equilibria of a rod of
-# 3 radii with weight, in three times the time
-TRIES, FEW_TRIES = 60, 10
-WIDE = 5  # times the largest load: the range of a reaction. x10: coarser cells, which miss equilibria
+
+@dataclass(frozen=True)
+class _Grid:
+    """The starts of a scan: of rods of at most `longest` radii, over so many cells of beta_t(0) or beta(0) and of q(0),
+    whose range is so many times as wide as the largest load."""
+
+    longest: float
+    cells: tuple[int, int]
+    wide: int
+
+
+@dataclass(frozen=True)
+class _Attempts:
+    """A search by deflation, which ends after so many tries in a row that find none; few of a long rod.
+
+    reach: the longest step of the angles, in their scales. waves: in a start; amplitudes: the powers of ten between
+    which theirs lie; around: their azimuths over their angles. from_known: share of starts from known shapes.
+    """
+
+    tries: int
+    few: int
+    reach: float
+    waves: int
+    amplitudes: tuple[float, float]
+    around: float
+    from_known: float
+
+
+GRID = _Grid(
+    longest=25.0,  # beyond, the far end depends too much on the start. x10: cells whose far ends are noise
+    # the seconds grow with their product. Beyond 10 radii these find 231 of the 296 equilibria of ten rods that four
+    # times as many find. x10: a hundred times the time
+    cells=(120, 80),
+    wide=5,  # x10: coarser cells, which miss equilibria
+)
+_ATTEMPTS = _Attempts(
+    tries=60,  # x10: no more equilibria of a rod of 3 radii with weight, in three times the time
+    few=10,  # of a long rod. x10: only time
+    reach=1.0,  # x10: a step leaps out of the range where shapes are
+    waves=4,  # x10: waves too short for low equilibria
+    amplitudes=(-1.0, 0.9),  # x10: none is near a shape
+    around=0.3,  # x10: azimuths beyond those of the loads
+    from_known=0.7,  # x10: no start from the straight rod
+)
 HEAVIEST = 2.0  # times the weight: how far a branch is followed from no weight, as some turn back on the way. x10: time
 MOST_NODES = 100  # of a rod that is followed from no weight. x10: only time
 MOST_MODES = 8  # of the straight rod, whose branches are followed. x10: time, for unstable shapes of many waves
-# the longest step of the angles in a deflation, in their scales. x10: it leaps out of the range where shapes are
-REACH = 1.0
-AMPLITUDES = -1.0, 0.9  # of the waves of a start: the powers of ten between which it lies. x10: none is near a shape
-# in a start; share of starts from known shapes; azimuths over angles. x10: waves too short for low equilibria; no start
-# from the straight rod; azimuths beyond those of the loads
-WAVES, FROM_KNOWN, AROUND = 4, 0.7, 0.3
 STRAIGHT, DEFLATION, SCAN = "the branch of the straight rod", "deflation", "scan of the start"
 
 
@@ -95,7 +124,7 @@ def search_shapes(rod: LoadedRod, light: Sequence[Any] = (), known: FoundShapes 
     light: solutions of the rod without weight. known: what is found already. A long rod is not scanned.
     """
     t = rod.nodes()
-    scanned = ranges(rod) if rod.span <= LONGEST and known is None else None
+    scanned = ranges(rod) if rod.span <= GRID.longest and known is None else None
     result = FoundShapes([], [], [], scanned) if known is None else known
     if rod.straight:
         result.add(straight_shape(rod, t), STRAIGHT)
@@ -109,7 +138,7 @@ def search_shapes(rod: LoadedRod, light: Sequence[Any] = (), known: FoundShapes 
     if scanned is not None:
         for y in starts(rod, t, *scanned):
             result.add(correct(Shape(rod, t, y), most=15), SCAN)
-    for shape in further_shapes(rod, t, result.shapes, TRIES if t.size <= MOST_NODES else FEW_TRIES):
+    for shape in further_shapes(rod, t, result.shapes, _ATTEMPTS.tries if t.size <= MOST_NODES else _ATTEMPTS.few):
         result.add(shape, DEFLATION)
     return result
 
@@ -161,7 +190,7 @@ def ranges(rod: LoadedRod) -> tuple[tuple[float, float], tuple[float, float]]:
     """The ranges of beta_t(0), or beta(0) where a hinge leaves it open, and of q(0)."""
     size = float(rod.rate(np.array([0.0, rod.span])).max())
     known = 0.0 if "azimuth" in rod.held else float(rod.far[1] - rod.far[3])
-    wide = WIDE * size**2 if "azimuth" in rod.held else 0.05 + abs(rod.across) * rod.span
+    wide = GRID.wide * size**2 if "azimuth" in rod.held else 0.05 + abs(rod.across) * rod.span
     if "beta0" in rod.held:
         first = -4 * size - np.pi, 4 * size + np.pi
     elif "betaL" in rod.held:
@@ -173,7 +202,7 @@ def ranges(rod: LoadedRod) -> tuple[tuple[float, float], tuple[float, float]]:
 
 def starts(rod: LoadedRod, t: Array, first: tuple[float, float], second: tuple[float, float]) -> list[Array]:
     """States at the nodes (N, 8) of rods marched from the cells of the scan whose degree is not 0."""
-    a, b = (np.linspace(*ends, n + 1) for ends, n in zip((first, second), CELLS, strict=True))
+    a, b = (np.linspace(*ends, n + 1) for ends, n in zip((first, second), GRID.cells, strict=True))
     begin = begin_at(rod, *(grid.reshape(-1) for grid in np.meshgrid(a, b, indexing="ij")))
     end = march(rod.numbers, rod.scale, begin, np.full(len(begin), rod.span)).end
     _, _, rows, values = rod.conditions()
@@ -214,7 +243,7 @@ def deflate(start: Shape, known: list[Shape]) -> Shape | None:
 
     def move(shape: Shape, change: Array, factor: float) -> tuple[Shape, float]:
         turn = largest_turn(change)
-        share = np.clip(factor, -REACH / turn, REACH / turn) if turn else 0.0
+        share = np.clip(factor, -_ATTEMPTS.reach / turn, _ATTEMPTS.reach / turn) if turn else 0.0
         return replace(shape, y=shape.y + share * change * shape.rod.scale), size_of(change)
 
     near = lead_away(start, newton_step, move, [marks_of(other) for other in known], DEFLATED)
@@ -228,14 +257,15 @@ def further_shapes(rod: LoadedRod, t: Array, known: list[Shape], tries: int) -> 
     known: grows by what the caller takes of them.
     """
     rng, fruitless = np.random.default_rng(0), 0
-    wave = np.pi * np.outer(t / rod.span, np.arange(1, WAVES + 1))
+    waves = _ATTEMPTS.waves
+    wave = np.pi * np.outer(t / rod.span, np.arange(1, waves + 1))
     while fruitless < tries:
-        from_known = known and rng.random() < FROM_KNOWN
+        from_known = known and rng.random() < _ATTEMPTS.from_known
         y = known[rng.integers(len(known))].y.copy() if from_known else rod.straight_states(t)
-        size = 10 ** rng.uniform(*AMPLITUDES)
-        turned, moved = rng.normal(size=(2, WAVES)) / np.arange(1, WAVES + 1)
-        y[:, BETA] += size * rod.scale[BETA] * (np.sin(wave + rng.uniform(0, np.pi, WAVES)) @ turned)
-        y[:, ALPHA] += AROUND * size * (np.sin(wave) @ moved)
+        size = 10 ** rng.uniform(*_ATTEMPTS.amplitudes)
+        turned, moved = rng.normal(size=(2, waves)) / np.arange(1, waves + 1)
+        y[:, BETA] += size * rod.scale[BETA] * (np.sin(wave + rng.uniform(0, np.pi, waves)) @ turned)
+        y[:, ALPHA] += _ATTEMPTS.around * size * (np.sin(wave) @ moved)
         shape = deflate(Shape(rod, t, y), known)
         fruitless = fruitless + 1 if shape is None else 0
         if shape is not None:
