@@ -161,11 +161,13 @@ def plot(stored: StoredStudy, at: Mapping[str, Any] | None = None) -> Plot:
 
     if not at:
         with python_words():
-            return Plot(kinds.figure(stored, "lines"))
+            return Plot(kinds.figure(stored, kinds.kind_without_map(stored)))
     where = {name: stored.place(at)[name] for name in map(stored.axis, at)}
     part = stored.select(where).with_title(f"{stored.attrs['title']}, {stored.equations(where, 6)}")
     with python_words():
-        return Plot(kinds.figure(part, "lines", verdicts=[]))  # the laws are of all cases
+        kind = kinds.kind_without_map(part)
+        laws: dict[str, Any] = {"verdicts": []} if kind == "lines" else {}  # which are of all cases
+        return Plot(kinds.figure(part, kind, **laws))
 
 
 def scene(stored: StoredStudy, at: Mapping[str, Any] | None = None) -> NotebookScene:

@@ -23,11 +23,17 @@ from numpy.typing import NDArray
 
 from tests import transcripts
 from tests.workbench.page_faults import faults, words
-from workbench.figures import canvas, colours
+from workbench.figures import canvas, colours, kinds
+from workbench.stored.stored_study import StoredStudy
 
 NUMBER = re.compile(r"[−\d.·⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+")
 PINNED = f"matplotlib=={matplotlib.__version__}" in (Path(__file__).parents[2] / "constraints.txt").read_text().split()
 MANY = 100  # points: so many may be chosen by rounding
+
+
+def kinds_of(stored: StoredStudy) -> list[str]:
+    """The kind of picture that a study has by default, and that which a notebook shows."""
+    return list(dict.fromkeys((kinds.kind_of(stored), kinds.kind_without_map(stored))))
 
 
 def check(name: str, figures: Mapping[str, Callable[[], Figure]], **allowed: Any) -> None:

@@ -26,6 +26,7 @@ from workbench.figures import (
     colours,
     drawn_numbers,
     drawn_rods,
+    one_rod,
     portrait,
     push_scale,
     section,
@@ -37,6 +38,7 @@ from workbench.figures import (
 from workbench.figures.sheet import Sheet
 from workbench.run import in_memory, writing
 from workbench.stored.stored_study import StoredStudy
+from workbench.stored.trend_lines import trend_of
 
 OUTPUTS = 'outputs = ["beta", "dbeta", "alpha", "z", "kappa", "contact"]\n'
 AXIS = "[axes.E]\nvalues = [5e3, 1e4, 2e4, 4e4]\n"
@@ -297,7 +299,7 @@ def test_equal_peaks_of_push_are_drawn_equal_however_few_stations_are_stored() -
         study("[axes.E]\nvalues = [1e4]\n", 'observables = ["push_max"]\noutputs = ["contact", "beta"]\n')
     )
     for stored in (ds, ds.isel(E=0)):
-        push = study_figure.figure(StoredStudy(stored)).axes[1].lines[0].get_ydata()
+        push = one_rod.figure(StoredStudy(stored)).axes[1].lines[0].get_ydata()
         peaks = push[1:-1][(push[1:-1] > push[:-2]) & (push[1:-1] > push[2:]) & (push[1:-1] > 160)]
         assert peaks.size == 6
         np.testing.assert_allclose(peaks, ds["push_max"].values[0], rtol=1e-3)  # a third of a pixel
@@ -312,7 +314,7 @@ def test_a_whole_number_is_drawn_where_a_case_has_it_and_brackets_hold_its_chang
     jumps = [(E[k], E[k + 1]) for k in np.flatnonzero(np.diff(turns))]
     assert len(jumps) == 3
     for ds, wide in ((coarse, True), (fine, False)):
-        ax = trends.trend(StoredStudy(ds), Figure(figsize=(5, 3)).subplots(), "bends", "E")
+        ax = trends.trend(trend_of(StoredStudy(ds), "bends", "E"), Figure(figsize=(5, 3)).subplots())
         brackets = [line for line in ax.lines if line.get_label() == trends.BRACKET]
         assert len(brackets) == 3 * wide
         for (low, high), line in zip(jumps, brackets, strict=wide):

@@ -31,7 +31,8 @@ LOW = "bars", "section"  # without a scale upward, or with equal scales
 @pytest.mark.parametrize("page", SHEETS)
 @pytest.mark.parametrize("kind", kinds.OF_STUDIES)
 def test_every_kind_of_picture_can_be_read_at_every_width(six, kind: str, page: str) -> None:
-    ds = small.study_dataset("capstan") if kind == "states" else study_kinds.well() if kind == "well" else six
+    own = {"states": "capstan", "samples": "samples_pipe"}
+    ds = study_kinds.well() if kind == "well" else small.study_dataset(own[kind]) if kind in own else six
     fig = kinds.figure(StoredStudy(ds), kind, SHEETS[page])
     assert fig.get_figwidth() == pytest.approx(SHEETS[page].width)
     assert faults(fig, axes=0.0 if page == "screen" or kind in LOW else IN_PRINT) == []
@@ -45,7 +46,8 @@ def test_sentences_below_a_narrow_picture_leave_its_panels_their_room(name: str)
 
 @pytest.mark.parametrize("name", ["fig6", "let_go"])
 def test_a_picture_for_one_column_has_room_for_its_panels_and_for_views_at_their_own_size(name: str) -> None:
-    fig = kinds.figure(StoredStudy(small.study_dataset(name)), "lines", sheet("paper", 89))
+    stored = StoredStudy(small.study_dataset(name))
+    fig = kinds.figure(stored, kinds.kind_without_map(stored), sheet("paper", 89))
     assert faults(fig, axes=IN_PRINT) == []
     (views,) = (ax for ax in fig.axes if ax.get_label().startswith("unrolled views"))
     assert views.get_window_extent().height / fig.dpi > 0.9 * np.ptp(views.get_ylim())
@@ -146,7 +148,7 @@ def test_the_shipped_map_of_extremes_can_be_read_and_shows_what_is_stored() -> N
 @pytest.mark.parametrize("name", names())
 def test_the_pictures_of_every_study_can_be_read_at_every_width_and_are_not_empty(name: str, page: str) -> None:
     ds = small.study_dataset(name)
-    for kind in dict.fromkeys((kinds.kind_of(StoredStudy(ds)), "lines")):
+    for kind in stored_figures.kinds_of(StoredStudy(ds)):
         fig = kinds.figure(StoredStudy(ds), kind, SHEETS[page])
         assert faults(fig, axes=0.0 if page == "screen" else IN_PRINT) == []
         assert 0.02 < share_of_ink(picture(fig)) < 0.6

@@ -54,10 +54,7 @@ def test_the_pictures_of_a_shipped_study_can_be_read_and_show_what_is_stored(
     name: str, dataset: Callable[[str], xr.Dataset]
 ) -> None:
     ds = dataset(name)
-    pictures = {
-        kind: partial(kinds.figure, StoredStudy(ds), kind)
-        for kind in dict.fromkeys((kinds.kind_of(StoredStudy(ds)), "lines"))
-    }
+    pictures = {kind: partial(kinds.figure, StoredStudy(ds), kind) for kind in stored_figures.kinds_of(StoredStudy(ds))}
     stored_figures.check(f"figure_{name}", pictures)
 
 

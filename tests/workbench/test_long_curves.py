@@ -6,7 +6,7 @@ import xarray as xr
 
 from studies.language.loader import loads
 from tests.workbench import small, stored_figures
-from workbench.figures import drawn_numbers, study_figure, unrolled
+from workbench.figures import drawn_numbers, one_rod, unrolled
 from workbench.figures.drawn_rods import DrawnRod
 from workbench.figures.fonts import SMALL
 from workbench.figures.sheet import sheet
@@ -61,7 +61,7 @@ def test_the_lines_show_all_of_a_rod_each_from_where_the_one_above_ends() -> Non
 
 
 def test_each_point_of_a_line_is_on_the_rod_and_inside_the_line(pipe) -> None:
-    fig = study_figure.figure(StoredStudy(pipe), sheet=sheet(panel="curve"))
+    fig = one_rod.figure(StoredStudy(pipe), sheet=sheet(panel="curve"))
     (ax,) = fig.axes
     assert ax.get_aspect() == 1.0
     fig.draw_without_rendering()
@@ -84,7 +84,7 @@ def test_each_point_of_a_line_is_on_the_rod_and_inside_the_line(pipe) -> None:
 
 def test_a_long_rod_in_lines_shows_what_is_stored(pipe) -> None:
     pictures = {
-        "alone": lambda: study_figure.figure(StoredStudy(pipe), sheet=sheet(panel="curve")),
+        "alone": lambda: one_rod.figure(StoredStudy(pipe), sheet=sheet(panel="curve")),
         "in a column": lambda: unrolled.figure(StoredStudy(pipe), sheet=sheet("paper", 89)),
         "on a page": lambda: unrolled.figure(StoredStudy(pipe), sheet=sheet("paper", 183, titled=False)),
     }

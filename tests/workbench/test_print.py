@@ -30,6 +30,7 @@ from workbench.figures import (
     map_figure,
     print_heights,
     scales,
+    scatter,
     study_figure,
 )
 from workbench.figures.sheet import sheet
@@ -209,7 +210,7 @@ def test_the_panels_of_samples_are_wide_enough_to_read_on_a_column() -> None:
     text += "".join(
         f"{name} = {{ from = {low}, to = {2 * low} }}\n" for name, low in (("R", 0.5), ("L", 10.0), ("F1", 3.0))
     )
-    fig = study_figure.figure(StoredStudy(in_memory.run(loads(text))), sheet=sheet("paper", 89))
+    fig = scatter.figure(StoredStudy(in_memory.run(loads(text))), sheet=sheet("paper", 89))
     fig.draw_without_rendering()
     panels = [ax for ax in fig.axes if " against " in ax.get_label()]
     assert len(panels) == 8

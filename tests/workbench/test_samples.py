@@ -12,7 +12,7 @@ from studies.language.loader import loads
 from tests.workbench import runs, small, stored_figures
 from tests.workbench.command import run
 from workbench.commands import study_scene
-from workbench.figures import study_figure, trends
+from workbench.figures import scatter, study_figure
 from workbench.run import file_merge, in_memory, writing
 from workbench.run.study_store import RunOptions, run_to_file
 from workbench.scene import scene_kinds
@@ -181,11 +181,12 @@ def test_samples_show_what_is_stored(stored: Path, crossed: xr.Dataset, monkeypa
     ds["turns_around"][7] = np.nan
 
     pictures = {
-        "one is missing": lambda: study_figure.figure(StoredStudy(ds)),
-        "at axes": lambda: study_figure.figure(StoredStudy(crossed)),
+        "one is missing": lambda: scatter.figure(StoredStudy(ds)),
+        "at axes": lambda: scatter.figure(StoredStudy(crossed)),
+        "the axes": lambda: study_figure.figure(StoredStudy(crossed)),
     }
     stored_figures.check("pictures_samples", pictures)
-    monkeypatch.setattr(trends, "MANY", 30)
+    monkeypatch.setattr(scatter, "MANY", 30)
     stored_figures.check("pictures_many_samples", {"as a density": pictures["one is missing"]})
 
 
@@ -196,6 +197,6 @@ def test_a_column_of_other_dimensions_is_no_row(stored: Path) -> None:
 
 def test_few_samples_or_one_value_have_no_rank_correlation() -> None:
     x = np.arange(9.0)
-    assert trends.rank_correlation(x, x**3) == pytest.approx(1.0)
-    assert trends.rank_correlation(x, 0 * x) is None
-    assert trends.rank_correlation(x[:5], x[:5]) is None
+    assert scatter.rank_correlation(x, x**3) == pytest.approx(1.0)
+    assert scatter.rank_correlation(x, 0 * x) is None
+    assert scatter.rank_correlation(x[:5], x[:5]) is None

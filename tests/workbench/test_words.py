@@ -10,7 +10,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from tests.workbench import small, stored_figures
-from workbench.figures import along, kinds, map_figure, map_panel, portrait, study_figure, unrolled
+from workbench.figures import along, kinds, map_figure, map_panel, one_rod, portrait, study_figure, unrolled
 from workbench.figures.sheet import sheet
 from workbench.run import in_memory
 from workbench.stored import law_verdicts
@@ -142,9 +142,8 @@ def drawn_lines(
     **more: Any,
 ) -> Figure:  # fmt: skip
     """The lines of a study of which something is changed; stations: what a picture needs where no study is left."""
-    return study_figure.figure(
-        StoredStudy(change(in_memory.run(small.study(axes, head).at_stations(stations)))), **more
-    )
+    stored = StoredStudy(change(in_memory.run(small.study(axes, head).at_stations(stations))))
+    return kinds.figure(stored, kinds.kind_without_map(stored), **more)
 
 
 def without_study(ds: xr.Dataset) -> xr.Dataset:
@@ -209,8 +208,8 @@ LINES: dict[str, Callable[[], Figure]] = {
     "two laws of one claim": lambda: two_laws_of_one_claim("(2)"),
     "one of two laws": lambda: two_laws_of_one_claim("(2) bends"),
     "observables": lambda: angles(show=["turns_around", "bends", "condition"]),
-    "a push outside": lambda: study_figure.figure(StoredStudy(of_fig6("outside"))),
-    "a push inside": lambda: study_figure.figure(StoredStudy(of_fig6("inside"))),
+    "a push outside": lambda: one_rod.figure(StoredStudy(of_fig6("outside"))),
+    "a push inside": lambda: one_rod.figure(StoredStudy(of_fig6("inside"))),
     "stored stations": lambda: drawn_lines("", change=without_study, stations=401),
     "laws of angles": with_laws_of_angles,
     "panel of an angle": lambda: with_laws_of_angles(sheet=sheet(panel="b")),

@@ -46,7 +46,7 @@ class PlotOptions:
         option(
             "KIND",
             "; ".join(f"{name}: {row.shows}" for name, row in kinds.OF_STUDIES.items())
-            + ". Default: map for a grid of two axes or more, else lines.",
+            + ". Default: map for a grid of two axes or more, rod for one case, samples, else lines.",
         ),
     ] = None
     x: Annotated[
@@ -99,8 +99,8 @@ class PlotOptions:
         str | None,
         option(
             "NAME",
-            "One panel alone: a stored observable; of lines also an axis (its unrolled view), the claim of a law (with "
-            "its observable where several laws share it), or samples.",
+            "One panel alone: a stored observable; of lines also an axis (its unrolled view), or the claim of a law "
+            "(with its observable where several laws share it).",
             rich_help_panel="Print",
         ),
     ] = None

@@ -46,7 +46,7 @@ def _format(suffix: str) -> Format:
 
 def check_holds_all(stored: StoredStudy, path: Path) -> None:
     """Raise `InputError` where the files of that name would not hold every rod of a dataset."""
-    axes = [axis for axis in stored.axes if stored.sizes[axis] > 1]
+    axes = stored.varied
     if len(axes) > 1:
         raise InputError(f"files go along one axis, and these rods vary along {choices(axes)}: solve those along one")
     if axes and not format_of(path).series and "{" not in path.name:

@@ -56,7 +56,7 @@ def of_cases(
         For an axis of more than `MOST` values, a study of samples or of one case, and an observable that is not stored.
     """
     stored = stored.coarse()
-    axes = [name for name in stored.axes if stored.sizes[name] > 1]
+    axes = stored.varied
     if not axes or SAMPLE in axes:
         raise InputError(f"bars need an axis of several values; the file holds {'samples' if axes else 'one case'}")
     axis = stored.axis(x) if x else axes[0]

@@ -38,6 +38,7 @@ from .print_heights import TALLEST, heighten_axes, resize
 from .scales import RoomLocator, Ticks
 from .sheet import SCREEN, Sheet
 
+PANEL = 2.4  # inches of a panel of curves on the screen
 ROW = 1.55  # inches of a row of axes in print at least, with labels and title
 # inches that a panel with axes gives up for views: at 0.35 the push of a rod keeps one number, at 0.15 views overlap
 LABELS = 0.25

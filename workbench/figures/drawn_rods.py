@@ -110,9 +110,7 @@ class DrawnRods:
 
     def axis_label(self) -> str:
         """The axis with its unit, and the values at which the others are held."""
-        if self.axis is None:
-            return self.at()
-        return ", at ".join(text for text in (labels.axis_label(self.source[self.axis]), self.at()) if text)
+        return self.at() if self.axis is None else labels.axis_label(self.source[self.axis], held=self.at())
 
 
 def choose(
@@ -152,7 +150,7 @@ def choose(
                 f"a rod is drawn for each value of {axis}, so it takes no value, got {axis} = {at[axis]:.10g}"
             )
     else:
-        axis = next((name for name in stored.axes if stored.sizes[name] > 1 and name not in at), None)
+        axis = next((name for name in stored.varied if name not in at), None)
     cases = stored.places(axis, at, most) if axis else [stored.place(at)]
     held = {name: i for name, i in cases[0].items() if name != axis}
     chosen = stored.select(held | ({axis: [case[axis] for case in cases]} if axis else {}))

@@ -42,7 +42,10 @@ class FigureKind:
 KINDS = {
     "map": FigureKind("figures.map_figure.figure", ("x", "y", "show", "at", "shapes"), "each observable over two axes"),
     "lines": FigureKind("figures.study_figure.figure", ("x", "show", "range"), "unrolled views, and observables "
-        "along each axis with their laws, or against the sampled fields"),
+        "along each axis with their laws"),
+    "samples": FigureKind("figures.scatter.figure", ("show",), "each observable against each sampled field"),
+    "rod": FigureKind("figures.one_rod.figure", ("at",), "one rod: its angle and its push along s, and its unrolled "
+        "view"),
     "curves": FigureKind("figures.unrolled.figure", ("x", "at"), "unrolled views in the colours of the push"),
     "ridge": FigureKind("figures.along.figure", ("x", "at", "show"), "β, κ, the push or other arrays along s"),
     "portrait": FigureKind("figures.portrait.figure", ("x", "at"), "(β, β′) beside the potential G"),
@@ -84,7 +87,7 @@ def figure(stored: "StoredStudy", kind: str | None = None, sheet: "Sheet | None"
 
 
 def kind_of(stored: "StoredStudy", kind: str | None = None, given: Sequence[str] = ()) -> str:
-    """The kind of picture of a study: the one that is asked for; default: a map over two axes, else lines.
+    """The kind of picture of a study: the one that is asked for; default: a map over two axes, one rod, else lines.
 
     given: options; a study whose default kind does not have them is drawn in the first kind that does.
 
@@ -93,7 +96,8 @@ def kind_of(stored: "StoredStudy", kind: str | None = None, given: Sequence[str]
     if kind is None:
         default = _default_kind(stored)
         kind = next(
-            (candidate for candidate in (default, *OF_STUDIES) if set(given) <= set(KINDS[candidate].options)), default
+            (candidate for candidate in (default, "lines", *OF_STUDIES) if set(given) <= set(KINDS[candidate].options)),
+            default,
         )
     elif kind not in OF_STUDIES:
         raise no_such("kind of picture", kind, OF_STUDIES)
@@ -109,7 +113,16 @@ def _default_kind(stored: "StoredStudy") -> str:
 
     from .map_cells import mappable
 
-    if stored.is_refined:
+    if stored.is_refined and stored.varied:
         return "map" if len(stored.refinement.lattice.axes) > 1 else "lines"
     is_map = len(mappable(stored)) > 1 and SAMPLE not in stored.axes and stored.observables
-    return "map" if is_map else "lines"
+    return "map" if is_map else kind_without_map(stored)
+
+
+def kind_without_map(stored: "StoredStudy") -> str:
+    """The kind of picture of a study that shows each of its cases: one rod, samples, or lines along its axes."""
+    from studies.grammar.axes import SAMPLE
+
+    if not stored.varied:
+        return "rod"
+    return "samples" if stored.varied == [SAMPLE] and stored.observables and not stored.is_refined else "lines"

@@ -1,39 +1,34 @@
 """The panel of a law: its observable against its axis, what the law compares it with, the verdict with its reason."""
 
-import re
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from matplotlib.axes import Axes
 
 from studies.laws import law_words
-from studies.laws.line_verdicts import HOLDS, MONOTONE, NOISE, Show
+from studies.laws.line_verdicts import MONOTONE, NOISE, Show
 
-from ..stored.stored_study import StoredStudy
+from ..stored.trend_lines import LawLine
 from ..words import labels
 from . import canvas, colours, fonts
 from .trends import trend
 
 
-def panel(stored: StoredStudy, ax: Axes, row: Mapping[str, Any]) -> str:
-    """Draw a law, given as a row of `law_verdicts.verdicts`: its trend, and above it what it does, with the verdict.
-
-    Returns its sentence of the caption.
-    """
+def panel(law: LawLine, ax: Axes) -> str:
+    """Draw a law: its trend, and above it what it does, with the verdict. Returns its sentence of the caption."""
+    row = law.row
     is_covered = row["kind"] == "equals" or (row["kind"] == "scales" and bool(row["numbers"]))
-    trend(stored, ax, row["observable"], row["axis"], row["at"], joined=not is_covered)
+    trend(law, ax, joined=not is_covered)
     colour = colours.VERDICTS[row["verdict"]]
     for step in row["exceptions"]:
         if all(step["at"][name] == value for name, value in row["at"].items()):
-            ends = [labels.in_label_unit(stored[row["axis"]], step[end]) for end in ("from", "to")]
+            ends = [labels.in_label_unit(law.axis, step[end]) for end in ("from", "to")]
             case = step["from"] == step["to"]
             how: dict[str, Any] = {"marker": "o", "markersize": 9, "markerfacecolor": "none"} if case else {}
-            heights = labels.in_label_unit(stored[row["observable"]], step["values"])
             ax.plot(
                 ends,
-                heights,
+                labels.in_label_unit(law.observable, step["values"]),
                 color=colour,
                 linewidth=3,
                 alpha=0.6,
@@ -41,58 +36,53 @@ def panel(stored: StoredStudy, ax: Axes, row: Mapping[str, Any]) -> str:
                 label="a case outside" if case else "a step the wrong way",
                 **how,
             )
-    draw_curve(stored, ax, row)
-    ax.set_title(fonts.wrap(_title(stored, row, fonts.inches(ax)[0]), ax), loc="left", color=colour)
+    draw_curve(law, ax)
+    ax.set_title(fonts.wrap(_title(law, fonts.inches(ax)[0]), ax), loc="left", color=colour)
     canvas.add_legend(ax)
-    return caption_of(stored, row)
+    return caption_of(law)
 
 
-def is_trivial(stored: StoredStudy, row: Mapping[str, Any]) -> bool:
-    """Whether a true law is of a number that is the same in all cases, or an identity but for rounding: a picture of it
-    shows nothing."""
-    exact = row["kind"] == "equals" and (row["rule"].get("relative") or 1.0) <= IDENTITY
-    return row["verdict"] == HOLDS and (exact or stored.is_level(row["observable"]))
-
-
-def _title(stored: StoredStudy, row: Mapping[str, Any], room: float) -> str:
+def _title(law: LawLine, room: float) -> str:
     """What a law shows, as much of it as stands on a line of so many inches, and its verdict: the caption has all."""
-    verdict = row["verdict"]
+    row, verdict = law.row, law.row["verdict"]
     if row["kind"] == MONOTONE:
-        head, rest = _message(stored, row)
+        head, rest = _message(law)
         titles = [f"{head}{rest} · {row['claim']}: {verdict}", f"{head}{rest} · {verdict}"]
         last = f"{head} · {row['claim']}: {verdict}"
     else:
-        noun, law = _noun(stored, row), labels.typeset(_law(stored, row))
-        titles = [f"{noun}{law}: {verdict}{_exponent_note(row)}", f"{noun}{law}: {verdict}"]
+        noun, rule = _noun(law), labels.typeset(_rule(law))
+        titles = [f"{noun}{rule}: {verdict}{_exponent_note(row)}", f"{noun}{rule}: {verdict}"]
         last = f"{noun} · {row['claim']}: {verdict}"
     return next((title for title in titles if fonts.width_of(title, fonts.normal()) <= room), last)
 
 
-def _noun(stored: StoredStudy, row: Mapping[str, Any]) -> str:
+def _noun(law: LawLine) -> str:
     """The observable of a law as a title begins with it."""
-    array = stored[row["observable"]]
-    full = labels.long_name(array)
-    noun = full if len(full) <= LONGEST_NOUN else labels.symbol(array)
+    full = labels.long_name(law.observable)
+    noun = full if len(full) <= LONGEST_NOUN else labels.symbol(law.observable)
     return noun[:1].upper() + noun[1:] if noun[:1].isascii() else noun
 
 
-def _law(stored: StoredStudy, row: Mapping[str, Any]) -> str:
+def _rule(law: LawLine) -> str:
     """What a law with numbers says of its observable, with its tolerance: ``: exponent −0.5 ± 0.01``."""
-    array, axis, rule, kind = stored[row["observable"]], stored[row["axis"]], row["rule"], row["kind"]
+    rule, kind = law.row["rule"], law.row["kind"]
     if kind == "equals":
-        return f" = {_with_tolerance(stored, rule, array)}"
+        return f" = {_with_tolerance(law)}"
     if kind == "bounded":
         ends = [
-            (word, formula(stored.expressions, rule[key], array)) for key, word in BOUNDS if rule.get(key) is not None
+            (word, labels.formula(law.formulas, rule[key], law.observable))
+            for key, word in BOUNDS
+            if rule.get(key) is not None
         ]
         return f" from {ends[0][1]} to {ends[1][1]}" if len(ends) == 2 else f": {' '.join(ends[0])}"
     if kind == "scales":
         return f": exponent {labels.number(rule['exponent'])} ± {labels.number(rule['within'])}"
-    places = np.unique(_numbers_of(stored, row)["x"])
-    place = formula(stored.expressions, rule["x"], axis)
+    places = np.unique(law.compared["x"])
+    place = labels.formula(law.formulas, rule["x"], law.axis)
     if places.size == 1 and np.isfinite(places[0]):
-        place = _number(float(places[0]), axis).partition(NO_BREAK)[0]
-    return f" = {formula(stored.expressions, rule['passes'], array)} at {place} ± {_number(rule['within'], axis)}"
+        place = labels.one_word(float(places[0]), law.axis).partition(labels.NO_BREAK)[0]
+    passed = labels.formula(law.formulas, rule["passes"], law.observable)
+    return f" = {passed} at {place} ± {labels.one_word(rule['within'], law.axis)}"
 
 
 def _exponent_note(row: Mapping[str, Any]) -> str:
@@ -103,22 +93,16 @@ def _exponent_note(row: Mapping[str, Any]) -> str:
     return f" ({measured})" * (measured != meant)
 
 
-def _message(stored: StoredStudy, row: Mapping[str, Any]) -> tuple[str, str]:
-    """What the line of a law with a direction shows: ``Number of bends falls with E`` and ``: 8 to 5``.
-
-    row: of `law_verdicts.verdicts`.
-    """
-    array, noun = stored[row["observable"]], _noun(stored, row)
-    solved = stored.of_solved(row["observable"])
-    values = np.array([float(solved.isel(place)) for place in stored.places(row["axis"], row["at"])])
-    values = values[np.isfinite(values)]
+def _message(law: LawLine) -> tuple[str, str]:
+    """What the line of a law with a direction shows: ``Number of bends falls with E`` and ``: 8 to 5``."""
+    noun, values = _noun(law), law.values[np.isfinite(law.values)]
     if not values.size:
         return noun, ""
-    first, last = (labels.value(end, array) for end in (values[0], values[-1]))
+    first, last = (labels.value(end, law.observable) for end in (values[0], values[-1]))
     if np.ptp(values) <= NOISE * np.abs(values).max():
         return noun, f" stays at {first}"
     steps = np.sign(np.diff(values)) * np.sign(values[-1] - values[0])
-    wrong, axis = int((steps < 0).sum()), labels.axis_symbol(row["axis"])
+    wrong, axis = int((steps < 0).sum()), labels.symbol(law.axis)
     does = "rises" if values[-1] > values[0] else "falls"
     if 2 * wrong >= steps.size or values[-1] == values[0]:
         return f"{noun} rises and falls with {axis}", ""
@@ -127,28 +111,21 @@ def _message(stored: StoredStudy, row: Mapping[str, Any]) -> tuple[str, str]:
     return f"{noun} {does} with {axis}{but}", f": {first} to {last}"
 
 
-def caption_of(stored: StoredStudy, row: Mapping[str, Any]) -> str:
+def caption_of(law: LawLine) -> str:
     """The sentence of a caption on a law: the law, its verdict with what was measured, the other observables."""
-    verdict = row["verdict"]
-    others = law_words.others(row, lambda name: labels.symbol(stored[name]))
-    said = "; ".join(text for text in (verdict, _measure(stored, row)) if text)
-    return f"{row['claim']}: {sentence(stored, row)}; {said.rstrip('.')}. {others}".rstrip()
+    row, show = law.row, _show(law)
+    others = law_words.others(row, lambda name: labels.symbol(law.others[name]))
+    measured = law_words.measurement(row, show)
+    said = law_words.join([row["verdict"], labels.law_text(row, measured)]).rstrip(".")
+    return f"{row['claim']}: {sentence(law)}; {said}. {others}".rstrip()
 
 
-def _measure(stored: StoredStudy, row: Mapping[str, Any]) -> str:
-    """What was measured, its numbers with their units, and the reason of the verdict."""
-    said = law_words.measurement(row, _show(stored, row))
-    return labels.law_text(row, "; ".join(text for text in (said, law_words.detail(row)) if text))
-
-
-def _show(stored: StoredStudy, row: Mapping[str, Any]) -> Show:
+def _show(law: LawLine) -> Show:
     """How a law writes a number or a formula: with units and symbols."""
-    axis = row["axis"]
-    arrays = {"observable": stored[row["observable"]], "axis": stored[axis], "place": stored[axis]}
 
     def show(value: Any, of: str) -> str:
-        named = f"{labels.axis_symbol(axis)} = " if of == "place" else ""
-        return named + formula(stored.expressions, value, arrays[of])
+        named = f"{labels.symbol(law.axis)} = " if of == "place" else ""
+        return named + labels.formula(law.formulas, value, law.observable if of == "observable" else law.axis)
 
     return show
 
@@ -156,48 +133,38 @@ def _show(stored: StoredStudy, row: Mapping[str, Any]) -> Show:
 DASHED, DOTTED = (0, (4, 2)), (0, (1, 1.5))  # of a curve and a lower bound; of an upper bound
 SEEN = 4.0  # points across, from which a band is seen beside a line
 LONGEST_NOUN = 24  # letters of an observable in a title, beyond which its symbol stands there
-WHICH = ("claim", "kind", "observable", "axis", "rule")  # by these a law is found: the numbers of two such are equal
 BOUNDS = ("least", "at least"), ("most", "at most")
-IDENTITY = 1e-8  # a formula that agrees so well is an identity: its picture is a line on a line
 
 
-def draw_curve(stored: StoredStudy, ax: Axes, row: Mapping[str, Any]) -> None:
-    """Draw what a law (a row of `law_verdicts.verdicts`) compares its observable with, on the line that decides."""
-    if row["kind"] == MONOTONE:
-        return
-    axis, places = row["axis"], stored.places(row["axis"], row["at"])
-    along = labels.in_label_unit(stored[axis], stored[axis].values[[place[axis] for place in places]])
-    numbers = {
-        key: values if key == "x" else labels.in_label_unit(stored[row["observable"]], values)
-        for key, values in _numbers_of(stored, row).items()
-    }
-    WITH_NUMBERS[row["kind"]](ax, stored, along, numbers, row)
+def draw_curve(law: LawLine, ax: Axes) -> None:
+    """Draw what a law compares its observable with, on the line that decides."""
+    if law.row["kind"] != MONOTONE:
+        WITH_NUMBERS[law.row["kind"]](ax, law, labels.in_label_unit(law.axis, law.along))
 
 
-def _numbers_of(stored: StoredStudy, row: Mapping[str, Any]) -> dict[str, Any]:
-    """The numbers that a law compares its observable with, on the line that decides, in rising order of its axis."""
-    laws = zip(stored.laws, stored.numbers_of_laws, strict=True)
-    compared = next(numbers for law, numbers in laws if all(getattr(law, key) == row[key] for key in WHICH))
-    places = stored.places(row["axis"], row["at"])
-    on_line = tuple(np.array([place[name] for place in places]) for name in stored.axes)
-    return {key: values[on_line] for key, values in compared.items()}
+def _heights(law: LawLine, key: str) -> Any:
+    """The numbers of that key with which a law compares its observable, in the unit of its label."""
+    return labels.in_label_unit(law.observable, law.compared[key])
 
 
-def _with_tolerance(stored: StoredStudy, rule: Mapping[str, Any], array: xr.DataArray) -> str:
+def _with_tolerance(law: LawLine) -> str:
     """The formula of a law and by how much its observable may be off: ``FZ²·ρ/(4·EI) ± 1 %``."""
-    relative = rule.get("relative")
-    near = _number(rule["absolute"], array) if relative is None else f"{100 * relative:.4g}{NO_BREAK}%"
-    return f"{formula(stored.expressions, rule['formula'], array)} ± {near}"
+    rule = law.row["rule"]
+    if (relative := rule.get("relative")) is None:
+        near = labels.one_word(rule["absolute"], law.observable)
+    else:
+        near = f"{100 * relative:.4g}{labels.NO_BREAK}%"
+    return f"{labels.formula(law.formulas, rule['formula'], law.observable)} ± {near}"
 
 
-def _equals(ax: Axes, stored: StoredStudy, along: Any, numbers: Any, row: Any) -> None:
-    values, array, rule = numbers["formula"], stored[row["observable"]], row["rule"]
+def _equals(ax: Axes, law: LawLine, along: Any) -> None:
+    values, rule = _heights(law, "formula"), law.row["rule"]
     if rule.get("relative") is None:
-        half = labels.in_label_unit(array, rule["absolute"])
+        half = labels.in_label_unit(law.observable, rule["absolute"])
     else:
         half = rule["relative"] * np.abs(values)
-    words = _with_tolerance(stored, rule, array)
-    if stored.stand_alone:  # the numbers of each rod are its own
+    words = _with_tolerance(law)
+    if law.alone:  # the numbers of each rod are its own
         ax.plot(along, values, "_", color=colours.INK, markersize=9, zorder=1.5, label=words)
         return
     _line(ax, along, values, words)
@@ -212,32 +179,32 @@ def _allow(ax: Axes, along: Any, low: Any, high: Any) -> None:
     )
 
 
-def _bound(ax: Axes, stored: StoredStudy, along: Any, numbers: Any, row: Any) -> None:
-    array, rule = stored[row["observable"]], row["rule"]
+def _bound(ax: Axes, law: LawLine, along: Any) -> None:
     for key, word in BOUNDS:
-        if key in numbers:
-            words = f"{word} {formula(stored.expressions, rule[key], array)}"
-            _line(ax, along, numbers[key], words, DASHED if key == "least" else DOTTED)
+        if key in law.compared:
+            words = f"{word} {labels.formula(law.formulas, law.row['rule'][key], law.observable)}"
+            _line(ax, along, _heights(law, key), words, DASHED if key == "least" else DOTTED)
 
 
-def _scales(ax: Axes, stored: StoredStudy, along: Any, numbers: Any, row: Any) -> None:
-    measured = row["numbers"]
+def _scales(ax: Axes, law: LawLine, along: Any) -> None:
+    measured = law.row["numbers"]
     if not measured:
         return
-    at = np.abs(np.radians(along) if labels.is_angle(stored[row["axis"]]) else along)
-    fitted = labels.in_label_unit(stored[row["observable"]], measured["factor"] * at ** measured["exponent"])
+    at = np.abs(law.along)
+    fitted = labels.in_label_unit(law.observable, measured["factor"] * at ** measured["exponent"])
     _line(ax, along, fitted, "fit")
-    wide = np.exp(row["rule"]["within"] * np.abs(np.log(at / np.exp(np.mean(np.log(at))))))
+    wide = np.exp(law.row["rule"]["within"] * np.abs(np.log(at / np.exp(np.mean(np.log(at))))))
     low, high = np.sort([fitted / wide, fitted * wide], axis=0)
     _allow(ax, along, low, high)
 
 
-def _boundary(ax: Axes, stored: StoredStudy, along: Any, numbers: Any, row: Any) -> None:
-    axis, array, rule = stored[row["axis"]], stored[row["observable"]], row["rule"]
-    places = np.unique(labels.in_label_unit(axis, numbers["x"]))
-    half = float(labels.in_label_unit(axis, rule["within"]))
-    passed = formula(stored.expressions, rule["passes"], array)
-    _line(ax, along, numbers["passes"], f"{labels.symbol(array)} = {passed}")
+def _boundary(ax: Axes, law: LawLine, along: Any) -> None:
+    rule, found = law.row["rule"], law.row["numbers"]
+    places = np.unique(labels.in_label_unit(law.axis, law.compared["x"]))
+    half = float(labels.in_label_unit(law.axis, rule["within"]))
+    heights = _heights(law, "passes")
+    passed = labels.formula(law.formulas, rule["passes"], law.observable)
+    _line(ax, along, heights, f"{labels.symbol(law.observable)} = {passed}")
     if places.size == 1 and np.isfinite(places[0]):
         ax.axvspan(places[0] - half, places[0] + half, color=colours.INK, alpha=0.12, linewidth=0, zorder=0)
         ax.axvline(
@@ -247,18 +214,18 @@ def _boundary(ax: Axes, stored: StoredStudy, along: Any, numbers: Any, row: Any)
             zorder=1,
             label="expected",
         )
-        if row["numbers"]:
-            step = sorted(row["numbers"][end] for end in ("from", "to"))
-            ends = labels.in_label_unit(axis, np.array(step))
+        if found:
+            step = sorted(found[end] for end in ("from", "to"))
+            ends = labels.in_label_unit(law.axis, np.array(step))
             ax.plot(
                 ends,
-                [numbers["passes"][0]] * 2,
+                [heights[0]] * 2,
                 "|-",
                 color=colours.INK,
                 linewidth=2.2,
                 markersize=7,
                 zorder=5,
-                label=f"computed: {labels.number(ends[0])} to {_number(step[1], axis)}",
+                label=f"computed: {labels.number(ends[0])} to {labels.one_word(step[1], law.axis)}",
             )
 
 
@@ -266,62 +233,11 @@ def _line(ax: Axes, along: Any, values: Any, label: str, look: Any = DASHED) -> 
     ax.plot(along, values, color=colours.INK, linewidth=1.0, linestyle=look, zorder=3, label=labels.minus_signs(label))
 
 
-NO_BREAK = "\N{NO-BREAK SPACE}"
-LETTERS = {"pi": "π", "bending_stiffness": "EI", "torsional_stiffness": "GJ"}  # as a study names them
-LONGEST = 60  # letters of a formula beside a curve
-
-
-def sentence(stored: StoredStudy, row: Mapping[str, Any]) -> str:
-    """``push in the middle equals FZ²·ρ/(4·EI) within 1 %, along FZ``.
-
-    Parameters
-    ----------
-    stored
-        The dataset of the law.
-    row
-        A row of `law_verdicts.verdicts`.
-    """
-    array = stored[row["observable"]]
-    noun = labels.long_name(array) if row["kind"] == MONOTONE else labels.symbol(array)
-    text = law_words.law_in_words(row, noun, labels.axis_symbol(row["axis"]), _show(stored, row))
-    return labels.typeset(text.replace(" %", f"{NO_BREAK}%"))
-
-
-def formula(expressions: Mapping[str, str], value: Any, array: xr.DataArray) -> str:
-    """A formula in symbols, or a number with the unit of a variable; an expression by its own formula, or by its name.
-
-    ``FZ**2*rho/(4*bending_stiffness)`` is ``FZ²·ρ/(4·EI)``. A formula of more than `LONGEST` letters leaves no room for
-    the curves: then an expression is named, and any other formula is cut off with "…". expressions: name -> formula, as
-    stored.
-    """
-    if not isinstance(value, str):
-        return _number(value, array)
-    whole = _in_symbols(expressions, expressions.get(value, value))
-    if len(whole) <= LONGEST:
-        return whole
-    return _symbol(expressions, value) if value in expressions else f"{whole[: LONGEST - 1].rstrip()}…"
-
-
-def _in_symbols(expressions: Mapping[str, str], value: str) -> str:
-    text = re.sub(r"[A-Za-z_]\w*", lambda found: _symbol(expressions, found[0]), value)
-    text = re.sub(r"\*\*\s*(?:\((-?[\d.]+)\)|(-?[\d.]+))", lambda found: _exponent(found[1] or found[2]), text)
-    return re.sub(r"\s*\*\s*", "·", text.replace("**", "^").replace(" - ", " − "))
-
-
-def _symbol(expressions: Mapping[str, str], name: str) -> str:
-    if name in LETTERS:
-        return LETTERS[name]
-    return name.replace("_", " ") if name in expressions else labels.symbol_of(name)
-
-
-def _exponent(text: str) -> str:
-    """A whole exponent raised, any other after a caret."""
-    return text.translate(labels.SUPERSCRIPTS) if "." not in text else f"^{text}".replace("-", "−")
-
-
-def _number(value: float, array: xr.DataArray) -> str:
-    """A number in the unit of a variable's label, which no line ends between."""
-    return labels.value(float(value), array).replace(" ", NO_BREAK)
+def sentence(law: LawLine) -> str:
+    """``push in the middle equals FZ²·ρ/(4·EI) within 1 %, along FZ``."""
+    noun = (labels.long_name if law.row["kind"] == MONOTONE else labels.symbol)(law.observable)
+    text = law_words.law_in_words(law.row, noun, labels.symbol(law.axis), _show(law))
+    return labels.typeset(text.replace(" %", f"{labels.NO_BREAK}%"))
 
 
 WITH_NUMBERS = {"equals": _equals, "bounded": _bound, "scales": _scales, "boundary": _boundary}  # what draws a kind

@@ -109,7 +109,7 @@ class Cells:
 def mappable(stored: StoredStudy) -> list[str]:
     """The axes that a map can have: those of a field of the case with at least two values."""
     fields = {dimension(name) for name in FIELDS if name not in WORDS}
-    return [axis for axis in stored.axes if axis in fields and stored.sizes[axis] > 1]
+    return [axis for axis in stored.varied if axis in fields]
 
 
 def choose(
@@ -188,8 +188,8 @@ def _two_axes(stored: StoredStudy, x: str | None, y: str | None, at: dict[str, f
     """The axes to the right and up."""
     axes = mappable(stored)
     if len(axes) < 2:
-        has = f"only {axes[0]}" if axes else "none"
-        raise InputError(f"a map needs two axes with several values, and the study has {has}; choose the kind lines")
+        has, kind = f"only {axes[0]}" if axes else "none", "lines" if stored.varied else "rod"
+        raise InputError(f"a map needs two axes with several values, and the study has {has}; choose the kind {kind}")
     given = [stored.axis(name) for name in (x, y) if name is not None]
     if len(given) == 2 and given[0] == given[1]:
         others = choices(axis for axis in axes if axis != given[0])

@@ -23,14 +23,12 @@ from studies.laws import law_words
 from studies.laws.line_verdicts import HOLDS, VERDICTS
 
 from ..stored import law_verdicts
-from ..stored.shown_observables import MOST_ASKED
+from ..stored.shown_observables import MOST_ASKED, level_notes
 from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import canvas, colours, fonts, map_panel, print_heights
 from .map_cells import Cells, Choice, cells, choose
 from .sheet import SCREEN, Sheet
-from .study_figure import level_notes
-from .trends import axis_label
 
 COLUMN = 2.0  # inches, the height of maps in columns
 LEAST_COLUMN = 1.45  # inches, their least width with a gap
@@ -223,7 +221,8 @@ class _Maps:
         where = {} if short else {name: i for name, i in self.places[0].items() if name != leaving}
         ax.tick_params(labelbottom=lowest, labelleft=leftmost)
         if lowest:
-            text = axis_label(self.stored, choice.x, {**where, choice.x: 0}, long=not short)
+            held = self.stored.equations({name: i for name, i in where.items() if name != choice.x})
+            text = labels.axis_label(self.stored[choice.x], not short, held)
             ax.set_xlabel(fonts.break_lines(text, max(self.inches[0], 1.0)))
         if leftmost:
             label = partial(labels.axis_label, self.stored[choice.y])

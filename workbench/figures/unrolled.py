@@ -36,6 +36,8 @@ from .sheet import SCREEN, Sheet
 NAMES = ("alpha", "z", "push")
 MOST = 60
 TALLEST = 0.78  # the height of all views of a figure as a share of its width
+STRIPS, LEAST_STRIP = (0.7, 0.42), 0.9  # height over a narrow and another width of a sheet; inches in print at least
+LABELS = 0.35  # inches below and above views in a panel
 BESIDE, BELOW, LEGEND = 0.5, 0.15, 0.25  # inches of a figure beside views, below them, and of a legend of rings
 WORDS, ABOVE = 1.3 / 72, 0.06  # inches of a line of words per point of its size; from the words to their view
 SMALLEST = 0.1  # inches of the largest view

@@ -101,6 +101,11 @@ class StoredCases:
         return schema.axes_of(self.ds) if "outcome" in self.ds else list(map(str, self.ds.dims))
 
     @cached_property
+    def varied(self) -> list[str]:
+        """The axes with several values, that of the samples among them."""
+        return [axis for axis in self.axes if self.sizes[axis] > 1]
+
+    @cached_property
     def cases(self) -> int:
         """How many cases it has."""
         return int(self.ds["outcome"].size)

@@ -14,6 +14,9 @@ from studies.grammar.axes import SAMPLE, quantity_of
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 MANY_TURNS = 3600.0  # degrees, from which an angle is said in turns
 LETTERS = 5  # of a symbol; more are a name
+NO_BREAK = "\N{NO-BREAK SPACE}"
+STIFFNESSES = {"pi": "π", "bending_stiffness": "EI", "torsional_stiffness": "GJ"}  # as a study names them
+LONGEST = 60  # letters of a formula beside a curve
 COUNTS = {"bends": "the number of bends", "loops": "the number of loops"}  # in a sentence; their symbols are plural
 
 
@@ -82,11 +85,14 @@ def equation(array: xr.DataArray, number_: float, digits: int = 4) -> str:
     return f"{symbol(array)} = {value(number_, array, digits)}"
 
 
-def axis_label(array: xr.DataArray, long: bool = True) -> str:
-    """``Young's modulus  E [N/cm²]``, or with `long=False` ``E [N/cm²]``; angles in degrees."""
+def axis_label(array: xr.DataArray, long: bool = True, held: str = "") -> str:
+    """``Young's modulus  E [N/cm²]``, or with `long=False` ``E [N/cm²]``; angles in degrees.
+
+    held: the values at which other axes are held, which stand behind it.
+    """
     symbol_ = symbol(array)
     text = f"{long_name(array)}  " if long and long_name(array) != symbol_ else ""
-    return f"{text}{symbol_}{_bracket(array)}"
+    return f"{text}{symbol_}{_bracket(array)}" + (f", at {held}" if held else "")
 
 
 def label(array: xr.DataArray, long: bool = False) -> str:
@@ -146,6 +152,43 @@ def powers_of_ten(text: str) -> str:
         return ten if digits == "1" else f"{digits}·{ten}"
 
     return re.sub(r"(?<![\w.])(\d+(?:\.\d+)?)e([+-]?\d+)(?!\w)", power, text)
+
+
+def formula(expressions: Mapping[str, str], text: str | float, array: xr.DataArray) -> str:
+    """A formula in symbols, or a number with the unit of a variable; an expression by its own formula, or by its name.
+
+    ``FZ**2*rho/(4*bending_stiffness)`` is ``FZ²·ρ/(4·EI)``. A formula of more than `LONGEST` letters leaves no room for
+    the curves: then an expression is named, and any other formula is cut off with "…". expressions: name -> formula, as
+    stored.
+    """
+    if not isinstance(text, str):
+        return one_word(text, array)
+    whole = _in_symbols(expressions, expressions.get(text, text))
+    if len(whole) <= LONGEST:
+        return whole
+    return _symbol(expressions, text) if text in expressions else f"{whole[: LONGEST - 1].rstrip()}…"
+
+
+def _in_symbols(expressions: Mapping[str, str], formula: str) -> str:
+    text = re.sub(r"[A-Za-z_]\w*", lambda found: _symbol(expressions, found[0]), formula)
+    text = re.sub(r"\*\*\s*(?:\((-?[\d.]+)\)|(-?[\d.]+))", lambda found: _exponent(found[1] or found[2]), text)
+    return re.sub(r"\s*\*\s*", "·", text.replace("**", "^").replace(" - ", " − "))
+
+
+def _symbol(expressions: Mapping[str, str], name: str) -> str:
+    if name in STIFFNESSES:
+        return STIFFNESSES[name]
+    return name.replace("_", " ") if name in expressions else symbol_of(name)
+
+
+def _exponent(text: str) -> str:
+    """A whole exponent raised, any other after a caret."""
+    return text.translate(SUPERSCRIPTS) if "." not in text else f"^{text}".replace("-", "−")
+
+
+def one_word(number_: float, array: xr.DataArray) -> str:
+    """A number in the unit of a variable's label, which no line ends between."""
+    return value(float(number_), array).replace(" ", NO_BREAK)
 
 
 def law_text(row: Mapping[str, Any], text: str) -> str:
