@@ -49,12 +49,12 @@ MEANING = {  # verdict -> what it means
 
 def measurement(row: Mapping[str, Any], show: Show) -> str:
     """What was measured, of a row of a verdict, and its `detail`; as stored where its numbers do not say it all."""
-    found, several = str(row["found"]), row["found"].count("between") > 1
+    measured, several = str(row["found"]), row["found"].count("between") > 1
     if row["numbers"] and None not in row["numbers"].values() and not several:
         finding = KINDS[row["kind"]].finding
         assert finding is not None
-        found = finding(row["numbers"], row["rule"], row["axis"], show)
-    return join([found, detail(row)])
+        measured = finding(row["numbers"], row["rule"], row["axis"], show)
+    return join([measured, detail(row)])
 
 
 def others(row: Mapping[str, Any], name: Callable[[str], str]) -> str:

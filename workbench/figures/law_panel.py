@@ -199,7 +199,7 @@ def _scales(ax: Axes, law: LawLine, along: Any) -> None:
 
 
 def _boundary(ax: Axes, law: LawLine, along: Any) -> None:
-    rule, found = law.row["rule"], law.row["numbers"]
+    rule, numbers = law.row["rule"], law.row["numbers"]
     places = np.unique(labels.in_label_unit(law.axis, law.compared["x"]))
     half = float(labels.in_label_unit(law.axis, rule["within"]))
     heights = _heights(law, "passes")
@@ -214,8 +214,8 @@ def _boundary(ax: Axes, law: LawLine, along: Any) -> None:
             zorder=1,
             label="expected",
         )
-        if found:
-            step = sorted(found[end] for end in ("from", "to"))
+        if numbers:
+            step = sorted(numbers[end] for end in ("from", "to"))
             ends = labels.in_label_unit(law.axis, np.array(step))
             ax.plot(
                 ends,

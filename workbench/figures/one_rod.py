@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from solver.problem.errors import no_such
+from solver.problem.errors import InputError, choices
 
 from ..stored.stored_study import StoredStudy
 from . import along, canvas, colours, drawn_rods, print_heights, push_scale, unrolled
@@ -37,9 +37,10 @@ def figure(stored: StoredStudy, at: Mapping[str, float] | None = None, sheet: Sh
     whole = stored.coarse()
     place = whole.place(at)
     stored = whole.select(place)
-    names = [panel for panel in sheet.choose(NEEDS) if NEEDS[panel] in stored]
+    panels = sheet.choose(NEEDS)
+    names = [panel for panel in panels if NEEDS[panel] in stored]
     if not names:
-        raise no_such("panel", sheet.panel, NEEDS)
+        raise InputError(f"nothing to draw: the file does not store {choices(NEEDS[panel] for panel in panels)}")
     coloured = "contact" in stored
     arrays = {"angle": ["beta"], "push": ["push"], "curve": ["alpha", "z"] + ["push"] * coloured}
     rods = drawn_rods.choose(stored, list(dict.fromkeys(name for panel in names for name in arrays[panel])))

@@ -50,7 +50,7 @@ def figure(stored: StoredStudy, show: Sequence[str] = (), sheet: Sheet = SCREEN)
     """
     known = stored.observables
     if SAMPLE not in stored.varied or not known:
-        raise InputError("samples are drawn by their observables, and the file has none")
+        raise InputError("the kind samples draws the observables of samples, and the file has none")
     every = choose_observables(stored, show, 0)[0] if show else sheet.choose(known)
 
     def draw(count: int) -> Figure:

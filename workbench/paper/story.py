@@ -23,6 +23,7 @@ from ..figures.sheet import Sheet
 from ..figures.trends import trend
 from ..geometry import tube
 from ..stored.stored_study import StoredStudy
+from ..stored.trend_lines import law_of
 from ..words import labels
 
 ROD, ALONG, CLAIMS = "fig6", "fig7_1_modulus", "readings"  # the datasets by the name of their study
@@ -180,7 +181,7 @@ def row(stored: StoredStudy, ax: Axes, below: Axes) -> None:
 def law(stored: StoredStudy, ax: Axes) -> None:
     """The first law of a dataset: its observable along the axis, and its verdict."""
     (verdict, *_) = stored.verdicts
-    trend(stored, ax, verdict["observable"], verdict["axis"], verdict["at"])
+    trend(law_of(stored, verdict), ax)
     title = f"claim {verdict['claim']}: {verdict['verdict']}"
     ax.set_title(title, loc="left", size=fonts.small(), color=colours.VERDICTS[verdict["verdict"]], pad=3)
     canvas.add_legend(ax, loc="upper right", borderpad=0.0, handlelength=1.3)

@@ -30,6 +30,7 @@ from ..figures.trends import BRACKET, trend
 from ..run import atomic
 from ..stored.stored_cases import no_such_observable
 from ..stored.stored_study import StoredStudy
+from ..stored.trend_lines import trend_of
 from ..words import labels
 from . import body as rods
 from . import long_rod, page, scene_kinds, signs
@@ -301,7 +302,7 @@ def _draw_diagram(ax: Axes, stored: StoredStudy, film: Film) -> None:
     """The whole curve of the observable, with its name above it."""
     assert film.observable is not None
     if film.branches is None:
-        trend(stored, ax, film.observable, film.axis, film.at)
+        trend(trend_of(stored, film.observable, film.axis, film.at), ax)
     else:
         bifurcation.panel(film.branches, ax, film.observable, fonts.inches(ax)[1])
     ax.set_label(DIAGRAM_LABEL)
