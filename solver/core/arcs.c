@@ -104,17 +104,39 @@ double rod_start_variable(int form, double *scale, double x, double v, int first
     return u;
 }
 
+/* How far the nearest angle from pin is at which G is what it is at beta: beta itself, or its image under a symmetry of G.
+   So mirror images are as high, where rounding would decide next to which of them a rod rests longer. */
+static double nearest_as_high(double lam, double mu, double phi, double pin, double beta)
+{
+    const int even = lam == 0 && mu == 0, about_the_side = mu == 0 && phi == 0, half_a_turn = lam == 0 && phi == 0;
+    const double images[] = {even ? -beta : beta, about_the_side ? PI - beta : beta, half_a_turn ? PI + beta : beta};
+    double nearest = apart(beta, pin);
+    for (int k = 0; k < 3; k++) {
+        const double x = apart(wrapped(images[k]), pin);
+        nearest = fabs(x) < fabs(nearest) ? x : nearest;
+    }
+    return nearest;
+}
+
+/* G(pin) less G(beta), to relative accuracy in beta - pin; 0 for angles far apart where it is less than rounding.
+   extremum: whether pin is a critical point. */
+double rod_fall(double lam, double mu, double phi, double pin, double beta, int extremum)
+{
+    const local_potential at = rod_local(lam, mu, phi, pin, 0);
+    const double x = nearest_as_high(lam, mu, phi, pin, beta);
+    double value = rod_drop(&at, x);
+    if (!extremum)
+        value -= 2 * slope(lam, mu, phi, pin) * sin(x);
+    const int far = fabs(apart(beta, pin)) > 1e-3;
+    return far && fabs(value) < 4e-16 * (1 + fabs(lam) + fabs(mu) + fabs(phi)) ? 0 : value;
+}
+
 /* G at every critical point less G at an angle, and the distance of the angle from it. */
 static void falls(const start_problem *p, const critical *found, double angle, double *drop, double *x)
 {
-    const double heights = fabs(p->lam) + fabs(p->mu) + fabs(p->phi) + 1;
     for (int k = 0; k < found->count; k++) {
-        const local_potential at = rod_local(p->lam, p->mu, p->phi, found->beta[k], 0);
         x[k] = apart(angle, found->beta[k]);
-        drop[k] = rod_drop(&at, x[k]);
-        /* critical points far from the angle and as high to rounding get exactly its height */
-        if (fabs(drop[k]) < 4e-16 * heights && fabs(x[k]) > 1e-3)
-            drop[k] = 0;
+        drop[k] = rod_fall(p->lam, p->mu, p->phi, found->beta[k], angle, 1);
     }
 }
 
@@ -234,16 +256,4 @@ int rod_arcs(const start_problem *p, double pin, double gap, const critical *fou
             out->count += piece_of(&o, arc, rank, arc ? -out->direction : out->direction,
                                    forward >= 0 ? counts[arc] - 1 : -1, forward >= 0 ? -1 : m, &out->pieces[out->count]);
     return DONE;
-}
-
-/* G(pin) less G(beta), to relative accuracy in beta - pin; 0 for angles far apart where it is less than rounding.
-   extremum: whether pin is a critical point. */
-double rod_fall(double lam, double mu, double phi, double pin, double beta, int extremum)
-{
-    const local_potential at = rod_local(lam, mu, phi, pin, 0);
-    const double x = apart(beta, pin);
-    double value = rod_drop(&at, x);
-    if (!extremum)
-        value -= 2 * slope(lam, mu, phi, pin) * sin(x);
-    return fabs(x) > 1e-3 && fabs(value) < 4e-16 * (1 + fabs(lam) + fabs(mu) + fabs(phi)) ? 0 : value;
 }

@@ -56,8 +56,8 @@ MOVED = 1e-7
 # of the size of G: an H that is rounding, two units in the last place. x10: rods that turn by rounding only count as
 # helices
 AT_REST = 4e-16
-# of the size of G: saddles whose heights differ by less are as high. Rounding made at most a third of it between two
-# saddles that are mirror images, in 1,200 pairs. x10: a rod cannot rest between two that differ so little
+# of the size of G: saddles whose heights differ by less are as high. Rounding makes at most a third of it. x10: a rod
+# cannot rest between two that differ so little
 AS_HIGH = 1e-14
 # of one orbit, beyond which none is halved any more. x10: ten times the time and memory before a rod is refused
 MOST_PANELS = 10_000
