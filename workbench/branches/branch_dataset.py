@@ -289,12 +289,16 @@ def _dead_indices(sol: Solution) -> NDArray[np.float64]:
 def _places(seen: Traced, piece: Piece, ends: tuple[float, float], known: NDArray[np.bool_]) -> list[int]:
     """The points of a piece whose shapes are kept: the one in the middle of its values; of few pieces more of each.
 
-    known: which points of its curve have numbers.
+    None is a special point, where a rod is not determined by its case, unless the piece has no other. known: which
+    points of its curve have numbers.
     """
+    curve = seen.curves[piece.curve]
     able = piece.first + np.flatnonzero(known[piece.first : piece.last + 1])
     if not able.size:
         return []
-    values = seen.curves[piece.curve].values[able]
+    ordinary = np.setdiff1d(able, [point.position for point in curve.special])
+    able = ordinary if ordinary.size else able
+    values = curve.values[able]
     low, high = (float(np.clip(end, values.min(), values.max())) for end in ends)
     count = max(FEW_SHAPES // len(seen.pieces), 1)
     shares = (np.arange(count) + 0.5) / count
