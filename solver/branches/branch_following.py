@@ -208,8 +208,16 @@ def _pass(before: BranchState, after: BranchState | str, bounds: Bounds) -> tupl
     if isinstance(after, str):
         return after, []
     special = _special(before, after)
+    if special is not None and before.curve.family.is_dead and not _may_follow(before, after, special):
+        return "it leads to another branch", []
     places = None if special is None else events_between(before, after, special, bounds, partial(_place_at, before))
     return (after, places) if places is not None else ("what is met on the way could not be located", [])
+
+
+def _may_follow(before: BranchState, after: BranchState, special: list[tuple[BranchState, str]]) -> bool:
+    """Whether the Morse index is the same behind a step on which nothing happens, and behind a fold another one."""
+    indices, kinds = (before.record().index, after.record().index), [kind for _, kind in special]
+    return None in indices or (kinds not in ([], [FOLD])) or (indices[0] == indices[1]) == (not kinds)
 
 
 def _place_at(state: BranchState, before: BranchState, after: BranchState, value: float) -> Place | None:

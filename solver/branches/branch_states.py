@@ -217,7 +217,7 @@ def _state_of(at: core.Point, curve: EquilibriumCurve) -> BranchState:
     """The state at a point; curve: that of another state of the branch."""
     chart, path, n = at.chart, at.chart.at, curve.scales.size
     at_path = Path(path.pin, path.sign, path.y, path.leaving, path.turns)
-    drawn = Chart(core.KINDS[chart.kind], at_path, chart.scale, bool(chart.logarithmic))
+    drawn = Chart(core.KINDS[chart.kind], at_path, chart.scale, chart.nudge, bool(chart.logarithmic))
     w, tangent = np.array(at.w[:n]), np.array(at.tangent[:n])
     jacobian = np.array(at.jacobian[: n * (n - 1)]).reshape(n - 1, n)
     return BranchState(replace(curve, chart=drawn, ahead=at.ahead), Node(w, jacobian, tangent, at.sign, at.bend))

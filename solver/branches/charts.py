@@ -11,8 +11,8 @@ import numpy as np
 
 from ..core import branch_calls as core
 from ..core.library import numbers_of
-from ..core.tuning import AS_HIGH, SAME_SADDLE
-from ..numerics.arrays import ALIKE
+from ..core.tuning import AS_HIGH, NUDGE, SAME_SADDLE
+from ..numerics.arrays import ALIKE, FAINT
 from ..orbits.boundary import Path, boundary_of, height_scale
 from ..problem.reduced import EndsProblem
 
@@ -22,12 +22,14 @@ class Chart:
     """A coordinate x on the equilibria of one path near `at`.
 
     kind: where the level is measured from, a "saddle", the "start" or the "end". scale: the change of x over which the
-    orbit changes its form. logarithmic: whether x is log|gap|; else x is beta_t at that end, with its sign.
+    orbit changes its form. nudge: of x, over which differences are taken: shorter where the orbit passes an angle at
+    which G is almost level. logarithmic: whether x is log|gap|; else x is beta_t at that end, with its sign.
     """
 
     kind: str
     at: Path
     scale: float
+    nudge: float
     logarithmic: bool
 
 
@@ -37,7 +39,7 @@ def charts(problem: EndsProblem, path: Path) -> list[Chart]:
     The others are needed where the best one ends and the branch does not, as where its saddle meets a centre.
     """
     rows = core.charts(numbers_of(problem)[0], path)
-    return [Chart(kind, Path(*at), scale, logarithmic) for kind, at, scale, logarithmic in rows]
+    return [Chart(kind, Path(*at), scale, nudge, logarithmic) for kind, at, scale, nudge, logarithmic in rows]
 
 
 def coordinate(chart: Chart) -> float:
@@ -69,7 +71,9 @@ def same_equilibrium(problem: EndsProblem, path: Path, other: Path) -> bool:
             other = replace(other, pin=path.pin)
     first = charts(problem, path)[0]
     others = (chart for chart in charts(problem, other) if alike(first, chart, ALIKE))
-    return any(abs(coordinate(first) - coordinate(chart)) < ALIKE * first.scale for chart in others)
+    at = coordinate(first)
+    near = max(ALIKE / NUDGE * first.nudge, FAINT * abs(at))
+    return any(abs(at - coordinate(chart)) < near for chart in others)
 
 
 def alike(chart: Chart, other: Chart, near: float = SAME_SADDLE) -> bool:

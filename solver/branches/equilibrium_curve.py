@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..core import branch_calls as core
-from ..core.tuning import AHEAD, NUDGE
+from ..core.tuning import AHEAD
 from ..numerics.arrays import Array
 from ..numerics.roots import solve
 from ..orbits.boundary import Boundary, Path, boundary_of
@@ -114,7 +114,7 @@ class EquilibriumCurve:
 
     def _differences(self, x: float, p: float, ahead: float) -> Array | None:
         """The derivatives under dead loads: a rod may rest at both ends, where `orbit_rates` has none of its length."""
-        nudge = NUDGE * self.chart.scale
+        nudge = self.chart.nudge
         off, beyond = self._excess(p, x + nudge * np.array([-1.0, 0.0, 1.0])), self._excess(p + ahead, np.array([x]))
         if beyond is None:
             ahead = -ahead

@@ -80,11 +80,13 @@ def split(records: Array) -> tuple[Array, Array, Array, Array]:
     return values, rows.reshape(*records.shape[:-1], NUMBERS, PARTS), by_span, length[..., 0]
 
 
-_CHARTS = np.dtype([("kind", "i4"), ("logarithmic", "i4"), ("own", "f8"), ("scale", "f8"), *RECORD.descr[1:6]])
+_CHARTS = np.dtype(
+    [("kind", "i4"), ("logarithmic", "i4"), *((name, "f8") for name in ("own", "scale", "nudge")), *RECORD.descr[1:6]]
+)
 _MOST_CHARTS = 22
 
 
-def charts(numbers: Array, path: Any) -> list[tuple[str, tuple[Any, ...], float, bool]]:
+def charts(numbers: Array, path: Any) -> list[tuple[str, tuple[Any, ...], float, float, bool]]:
     """The coordinates in which an equilibrium can be followed, the best first: the fields of `charts.Chart`.
 
     numbers: lam, mu, phi, span, beta(0), beta(L). path: `boundary.Path`, of which those of the charts have the first
@@ -93,7 +95,7 @@ def charts(numbers: Array, path: Any) -> list[tuple[str, tuple[Any, ...], float,
     out = np.empty(_MOST_CHARTS, _CHARTS)
     count = run("rod_charts_of", numbers, _level_of(path), on_grid(), out)
     rows = out[:count].tolist()
-    return [(KINDS[kind], tuple(at), scale, bool(logarithmic)) for kind, logarithmic, _, scale, *at in rows]
+    return [(KINDS[kind], tuple(at), scale, nudge, bool(log)) for kind, log, _, scale, nudge, *at in rows]
 
 
 def path_at(numbers: Array, chart: Any, x: float) -> tuple[Any, ...] | None:
@@ -109,7 +111,7 @@ def _level_of(path: Any) -> Any:
 
 def chart_of(chart: Any) -> Any:
     """A `charts.Chart` as the core reads it."""
-    return Chart(KINDS.index(chart.kind), chart.logarithmic, 0.0, chart.scale, _level_of(chart.at))
+    return Chart(KINDS.index(chart.kind), chart.logarithmic, 0.0, chart.scale, chart.nudge, _level_of(chart.at))
 
 
 def _answers(numbers: Numbers, count: int, raised: list[BaseException]) -> Generator[int, Any, None]:

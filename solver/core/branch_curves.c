@@ -57,7 +57,7 @@ int rod_curve_excess(family *f, const chart *c, int count, const double *x, doub
 
 int rod_curve_jacobian(family *f, point *at) /* by differences */
 {
-    const double scale = at->chart.scale, x = at->w[0] * scale, p = at->w[1] * f->over->scale, nudge = rod_tuning.nudge * scale;
+    const double scale = at->chart.scale, x = at->w[0] * scale, p = at->w[1] * f->over->scale, nudge = at->chart.nudge;
     const double three[3] = {x - nudge, x, x + nudge};
     double ahead = at->ahead * f->over->scale, off[3], beyond;
     int failed = rod_curve_excess(f, &at->chart, 3, three, p, off);

@@ -141,6 +141,15 @@ static double snapped(const range *over, double p)
     return p;
 }
 
+/* The Morse index under dead loads. */
+static int64_t dead_index(const point *at, const path *here)
+{
+    const double x = at->w[0] * at->chart.scale;
+    const double rate = at->jacobian[0] * (at->chart.logarithmic ? here->sign : x); /* > 0: the length grows */
+    const int64_t index = here->turns - (rate > 0);
+    return index > 0 ? index : 0;
+}
+
 /* The point as it is kept. The index with held ends is left to the caller. */
 static int recorded(family *f, const point *at, record *out)
 {
@@ -149,11 +158,8 @@ static int recorded(family *f, const point *at, record *out)
     const int failed = rod_curve_place(f, at, &o, &here);
     if (failed)
         return failed;
-    const double x = at->w[0] * at->chart.scale;
-    const double rate = at->jacobian[0] * (at->chart.logarithmic ? here.sign : x); /* > 0: the length grows */
-    const int64_t index = here.turns - (rate > 0);
     *out = (record){snapped(f->over, at->w[1] * f->over->scale), here.pin, here.sign, here.y, here.leaving, here.turns,
-                    index > 0 ? index : 0, {o.p.lam, o.p.mu, o.p.phi, o.p.span, o.p.beta0, o.p.betaL}};
+                    dead_index(at, &here), {o.p.lam, o.p.mu, o.p.phi, o.p.span, o.p.beta0, o.p.betaL}};
     return DONE;
 }
 
@@ -176,7 +182,14 @@ static int stepped(family *f, const point *from, double step, const place *o, po
     }
     *left = (at_rest && rod_is_tied(o)) || rises * there->tangent[1] < 0 ||
             halts_between(over, p, there->w[1] * over->scale);
-    return DONE;
+    if (*left || f->line || f->held)
+        return DONE;
+    path here, beyond;
+    place last;
+    if (!rod_path_at(o, &from->chart, from->w[0] * from->chart.scale, &here) || rod_curve_place(f, there, &last, &beyond))
+        return FAILED;
+    /* where nothing happens the index stays, or the step has led to another branch, as over a fold to its other side */
+    return dead_index(from, &here) == dead_index(there, &beyond) ? DONE : FAILED;
 }
 
 /* Whether the branch is back where it began. */

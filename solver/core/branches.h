@@ -19,9 +19,10 @@ typedef struct {
     int64_t leaving, turns;
 } path;
 
+/* nudge: of the coordinate, over which differences are taken: a small share of what changes the form of the orbit. */
 typedef struct {
     int kind, logarithmic;
-    double own, scale;
+    double own, scale, nudge;
     path at;
 } chart;
 

@@ -3,6 +3,11 @@
 #include "branches.h"
 
 #define MOST_TURNS 1e15 /* between two ends: above, an angle has no digit left of a turn */
+/* of a gap: a shelf that is less high counts as so high. x10: beside a lower one derivatives have fewer digits; a tenth: by
+   rounding */
+#define LOWEST_SHELF 1e-7
+/* heights of a shelf, over which a step changes the level. x10: folds beside a shelf are lost; a tenth: ten times the steps */
+#define SHELVES 100
 
 static int is_critical(const place *o, double angle)
 {
@@ -177,6 +182,14 @@ static int among(int k, int m, int64_t low, int64_t high)
 
 static double scale_of(double y) { return larger(1, 0.2 * fabs(y)); }
 
+/* A chart of the log of a gap, or of beta_t, whose square is the gap. change: the least change of the level by which the orbit
+   passes a shelf, which moves with the parameter: a step that follows it passes many times its height. */
+static chart chart_in(int kind, int logarithmic, double own, double gap, double scale, double change, path at)
+{
+    const double least = larger(change, LOWEST_SHELF * gap), shelf = logarithmic ? least / gap : sqrt(gap + least) - sqrt(gap);
+    return (chart){kind, logarithmic, own, smaller(scale, SHELVES * shelf), rod_tuning.nudge * smaller(scale, shelf), at};
+}
+
 static void put(chart *charts, int *count, chart one)
 {
     int k = (*count)++;
@@ -193,7 +206,7 @@ int rod_charts(const place *o, const path *of, chart *out)
     const int64_t behind = behind_of(o, o->p.beta0 - shift), far = behind_of(o, o->p.betaL - shift);
     const int64_t near_end = behind < far ? behind : far, far_end = behind < far ? far : behind;
     int64_t lowest = behind + 1, highest = behind + m;
-    double level[CRITICAL], nearest = INFINITY;
+    double level[CRITICAL], nearest = INFINITY, change = INFINITY;
     int stops = 0, signed_count = 0, count = 0;
     for (int k = 0; k < m; k++) {
         level[k] = gap + rod_place_fall(o, at->pin, o->found.beta[k]);
@@ -213,13 +226,18 @@ int rod_charts(const place *o, const path *of, chart *out)
             nearest = smaller(nearest, fabs(level[k]));
     if (!isfinite(nearest))
         return 0;
+    for (int k = 0; k < o->found.shelves; k++) {
+        const double off = fabs(gap + rod_place_fall(o, at->pin, o->found.shelf[k]));
+        if (among((int)modulo(behind_of(o, o->found.shelf[k]), m), m, lowest, highest - 1))
+            change = smaller(change, larger(off, o->found.height[k]));
+    }
     for (int kind = START_OF; kind <= END_OF; kind++) {
         const double angle = kind == START_OF ? o->start : o->end;
         const double own = larger(gap + rod_place_fall(o, at->pin, angle), 0);
         const double y = at->pin == angle && at->sign > 0 ? at->y : log(larger(own, 1e-300));
         const path one = {angle, 1, y, at->leaving, at->turns};
-        put(first, &signed_count, (chart){kind, 0, own, sqrt(nearest), one});
-        put(second, &count, (chart){kind, 1, own, scale_of(y), one});
+        put(first, &signed_count, chart_in(kind, 0, own, own, sqrt(nearest), change, one));
+        put(second, &count, chart_in(kind, 1, own, own, scale_of(y), change, one));
     }
     for (int k = 0; k < m; k++) {
         if (o->found.centre[k] || !among(k, m, lowest, highest) || !among(k, m, low, high))
@@ -229,7 +247,8 @@ int rod_charts(const place *o, const path *of, chart *out)
         const double y = known ? at->y : log(larger(fabs(level[k]), 1e-300));
         /* of two saddles as high, the one from which the level is measured stays the best */
         const double own = fabs(level[k]) + (known ? 0 : rounding);
-        put(second, &count, (chart){SADDLE_OF, 1, own, scale_of(y), {angle, sign, y, at->leaving, at->turns}});
+        const path one = {angle, sign, y, at->leaving, at->turns};
+        put(second, &count, chart_in(SADDLE_OF, 1, own, fabs(level[k]), scale_of(y), change, one));
     }
     const int slow = first[0].own < 0.5 * nearest; /* at one end */
     memcpy(out + (slow ? 0 : count), first, sizeof(chart) * 2);

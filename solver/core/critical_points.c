@@ -87,16 +87,24 @@ static int add_root(critical *found, signed_loads p, double lo, double hi, int u
     return add(found, root >= PI ? root - TAU : root, up);
 }
 
-/* Two roots of H that share a cell between two angles of the grid, if there are. */
-static int add_pair(critical *found, signed_loads p, double lo, double hi, double value, double r2, int *paired)
+/* Where H comes nearest to zero between two angles of the grid, with the rates r1 and r2: two roots that share the cell, or
+   a shelf. near: whether the tangents reach zero inside the cell. */
+static int add_tip(critical *found, signed_loads p, double lo, double hi, double value, double r1, double r2, int near,
+                   int *paired)
 {
     p.sign = r2 > 0 ? 1 : -1;
-    const double tip = rod_bracketed(rate_and_second, &p, lo, hi, (lo + hi) / 2);
-    if (!(slope(p.lam, p.mu, p.phi, tip) * value < 0))
-        return DONE;
-    *paired = 1;
-    const int failed = add_root(found, p, lo, tip, value < 0, (lo + tip) / 2);
-    return failed ? failed : add_root(found, p, tip, hi, value >= 0, (tip + hi) / 2);
+    const double guess = lo + (hi - lo) * r1 / (r1 - r2);
+    const double tip = near ? rod_bracketed(rate_and_second, &p, lo, hi, guess) : guess, least = slope(p.lam, p.mu, p.phi, tip);
+    if (near && least * value < 0) {
+        *paired = 1;
+        const int failed = add_root(found, p, lo, tip, value < 0, (lo + tip) / 2);
+        return failed ? failed : add_root(found, p, tip, hi, value >= 0, (tip + hi) / 2);
+    }
+    if (found->shelves == CRITICAL)
+        return NOT_POSSIBLE;
+    found->shelf[found->shelves] = tip >= PI ? tip - TAU : tip;
+    found->height[found->shelves++] = 2 * fabs(least) * sqrt(6 * fabs(least / (r2 - r1)) * (hi - lo));
+    return DONE;
 }
 
 /* A pair of roots that the grid cannot separate about 0 (sign 1) or -pi (sign -1). */
@@ -128,7 +136,7 @@ int rod_critical(double lam, double mu, double phi, const grid *by, critical *fo
     for (int64_t i = 0; i < 2 * m; i++)
         value[i] = loads[0] * table[i] + loads[1] * table[2 * m + i] + loads[2] * table[4 * m + i] +
                    loads[3] * table[6 * m + i] + loads[4] * table[8 * m + i];
-    found->count = 0;
+    found->count = found->shelves = 0;
     /* a root on the grid has the sign of its left neighbour, so that one where H only touches zero does not count */
     int rising = (value[0] == 0 ? value[m - 1] : value[0]) >= 0;
     for (int64_t i = 0; i < m && !failed; i++) {
@@ -137,10 +145,9 @@ int rod_critical(double lam, double mu, double phi, const grid *by, critical *fo
         const double lo = angles[i], hi = j ? angles[j] : angles[0] + TAU;
         if (rising != next)
             failed = add_root(found, p, lo, hi, !rising, crossing(lo, hi, value[i], value[j], rate[i], rate[j]));
-        /* H approaches zero from both sides, and its tangents reach zero inside the cell */
-        else if (value[i] * rate[i] < 0 && value[j] * rate[j] > 0 &&
-                 fabs(value[i] / rate[i]) + fabs(value[j] / rate[j]) < hi - lo)
-            failed = add_pair(found, p, lo, hi, value[i], rate[j], &paired);
+        else if (value[i] * rate[i] < 0 && value[j] * rate[j] > 0) /* H approaches zero from both sides */
+            failed = add_tip(found, p, lo, hi, value[i], rate[i], rate[j],
+                             fabs(value[i] / rate[i]) + fabs(value[j] / rate[j]) < hi - lo, &paired);
         rising = next;
     }
     int64_t zero = 0;

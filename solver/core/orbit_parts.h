@@ -30,11 +30,13 @@ typedef struct {
     double lam, mu, phi, span, beta0, dbeta0;
 } start_problem;
 
-/* The critical points of G in [-pi, pi), rising; centre: whether each is a minimum of G. */
+/* The critical points of G in [-pi, pi), rising; centre: whether each is a minimum of G. shelf: angles at which G rises or falls
+   least between two of its bends (H' = 0, H H'' > 0); height: half that of the stretch about each in which G is almost level. */
 typedef struct {
-    int count;
+    int count, shelves;
     double beta[CRITICAL];
     int centre[CRITICAL];
+    double shelf[CRITICAL], height[CRITICAL];
 } critical;
 
 /* The grid of the search for critical points: angles (m,), table (5, 2 m). */

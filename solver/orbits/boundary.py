@@ -20,8 +20,9 @@ from typing import Any
 
 import numpy as np
 
-from ..core.library import FLOAT, TIMES, Cutting, cut, fine, on_grid, points, run, structure
-from ..core.tuning import AT_REST, LOWEST, MOVED, ON
+from ..core import branch_calls as core
+from ..core.library import FLOAT, TIMES, Cutting, cut, fine, numbers_of, on_grid, points, run, structure
+from ..core.tuning import AT_REST, LOWEST, MOVED, NUDGE, ON
 from ..numerics.arrays import Array, Booleans, Columns, Integers
 from ..problem.reduced import EndsProblem
 from .potential import TAU, HasLoads, load_size, slope
@@ -254,7 +255,12 @@ class Boundary:
         """1 where a path of the only pin grows longer with its level, 0 where it grows shorter; NaN of a helix."""
         if path.helix:
             return np.nan
-        y, way = path.y + np.array([-1e-4, 1e-4]), Ways(np.array([path.leaving]), np.array([path.turns]))
+        measured = self.own_pin(path.pin), path.sign
+        every = core.charts(numbers_of(self.problem)[0], path)
+        nudge = min(
+            (nudge for _, at, _, nudge, logarithmic in every if logarithmic and at[:2] == measured), default=NUDGE
+        )
+        y, way = path.y + nudge * np.array([-1.0, 1.0]), Ways(np.array([path.leaving]), np.array([path.turns]))
         seen = transit_times(self, Levels(np.zeros(2, dtype=np.int64), np.full(2, path.sign), y))
         below, above = seen.lengths(way.counts(self.rising))[0]
         return float(path.sign * (above - below) > 0)

@@ -329,15 +329,30 @@ def test_the_shapes_of_all_points_in_one_call_are_those_of_each_to_the_last_bit(
                 np.testing.assert_array_equal(getattr(every, name)[i], getattr(one, name)[0], err_msg=name)
 
 
-def test_a_wire_in_a_tube_is_followed_to_where_its_helix_ceases_to_exist() -> None:
-    """A helix inside without torque has -FZ rho^2/A = 2 sin^2 cos <= 4/3^(3/2), at cos = 1/sqrt(3)."""
-    wire, tube = Rod(E=60e9, nu=0.3, a=0.25e-3, L=0.12), Cylinder(2e-3, side="inside")
-    slight = solve(Case(wire, tube, Ends(0.0, 0.0, FZ=-20.0)))
-    branch = follow(slight, FZ=-60.0)
+def slight_wire(L: float) -> tuple[Branch, float]:
+    """The branch of a wire in a tube that buckles slightly, to where its helix ceases to exist, and that load.
+
+    A helix inside without torque has -FZ rho^2/A = 2 sin^2 cos <= 4/3^(3/2), at cos = 1/sqrt(3).
+    """
+    wire, tube = Rod(E=60e9, nu=0.3, a=0.25e-3, L=L), Cylinder(2e-3, side="inside")
     limit = -4 / 3**1.5 * float(wire.bending_stiffness) / (2e-3 - 0.25e-3) ** 2
+    return follow(solve(Case(wire, tube, Ends(0.0, 0.0, FZ=-20.0))), FZ=-60.0), limit
+
+
+def test_a_wire_in_a_tube_turns_back_beside_the_load_at_which_its_helix_ceases_to_exist() -> None:
+    """Its fold lies 1e-4 beyond, where differences by the level must resolve what is left of the saddle."""
+    branch, limit = slight_wire(0.12)
+    (fold,) = branch.special
+    assert (fold.kind, fold.before, fold.after) == ("fold", 0, 1)
+    assert 0 < fold.value / limit - 1 < 2e-4
+    assert branch.end.kind == "border of the range"
+
+
+def test_a_wire_is_followed_to_where_its_helix_ceases_to_exist_if_no_float_lies_between_that_and_its_fold() -> None:
+    branch, limit = slight_wire(0.8)
     assert branch.end.kind == "helix ceases"
     assert branch.end.ceases == pytest.approx(limit, rel=1e-9)
-    assert branch.end.value == pytest.approx(limit, rel=1e-3)
+    assert branch.end.value == pytest.approx(limit, rel=1e-9)
     assert branch.end.reason == (
         f"the helix of beta = 54.74 deg, along which the rod lies, ceases to exist at FZ = {limit:.10g}"
     )

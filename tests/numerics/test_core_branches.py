@@ -36,7 +36,7 @@ def test_what_the_problem_raises_passes_through_the_core() -> None:
 
     steps = BranchSteps(numbers, 1.0, NODES, (CUTTING, CUTTING))
     with pytest.raises(KeyError):
-        steps.excess(chart_of(Chart("start", Path(0.5, 1.0, 0.0, 1, 2), 1.0, False)), 0.0, np.array([1.0]))
+        steps.excess(chart_of(Chart("start", Path(0.5, 1.0, 0.0, 1, 2), 1.0, 1e-5, False)), 0.0, np.array([1.0]))
 
 
 def ways_to_follow() -> dict[str, Callable[[], Branch]]:
@@ -147,7 +147,7 @@ def test_odd_numbers_end_in_an_answer_or_in_none(seed: int) -> None:
         path = Path(float(level[0]), 1.0 if level[1] > 0 else -1.0, float(level[2]), 1, int(rng.integers(0, 5)))
         found = orbit_rates(numbers[:6].tolist(), path, POINTS, HOW)
         assert found[0].shape == (11,)
-        chart = Chart(str(rng.choice(["saddle", "start", "end"])), path, 1.0, bool(rng.random() < 0.5))
+        chart = Chart(str(rng.choice(["saddle", "start", "end"])), path, 1.0, 1e-5, bool(rng.random() < 0.5))
         for held in (None, (0, 1, 6, 7, 8), (2, 1, 6, 4, 11)):
             count = 7 if held else 6
             steps = BranchSteps(lambda p, one=numbers[:count]: one + 1e-3 * p, 1.0, POINTS, HOW, held)

@@ -8,13 +8,14 @@ from functools import partial
 import numpy as np
 import pytest
 
-from solver import Case, InputError, equilibria, solve
+from solver import Case, Cylinder, Ends, InputError, Rod, equilibria, solve
 from solver.equilibria import nearest
 from solver.follow import to_fold
 from solver.observe.observables import observe
 from studies import load
 from studies.language.loader import loads
 from tests.cases import ends_in_units_of_rho
+from tests.slow import slow
 from tests.workbench import small
 from workbench.branches import branch_dataset, tracing
 from workbench.branches.ends_study import DEFAULT, ends_problem, write_cases
@@ -172,6 +173,28 @@ def test_branches_that_are_followed_twice_are_listed_once_with_their_folds(monke
     again = number(found, owner, [*curves, *curves], remarks)
     assert (again.pieces, again.branch) == (seen.pieces, seen.branch)
     assert [meets for *_, meets in again.special] == [meets for *_, meets in seen.special]
+
+
+WIRE = Case(Rod(E=2.1e5, nu=0.3, a=0.25, L=120.0), Cylinder(2.0, side="inside"), Ends(0.0, 0.0, FZ=-150.0))
+
+
+@pytest.mark.parametrize(
+    ("case", "name", "values"),
+    [(None, "betaL", [-0.2, 0.2, 0.6, 1.0]), slow(WIRE, "FZ", [-160.0, -155.0, -150.0, -145.0])],
+)
+def test_each_equilibrium_of_the_list_lies_on_one_branch_and_a_branch_passes_no_other(case, name, values) -> None:
+    seen = tracing.trace_branches(case or default(), name, values, 21, lambda *_: None)
+    for value, numbers in zip(values, seen.branch, strict=True):
+        passing = [
+            piece.number
+            for piece in seen.pieces
+            for at in seen.curves[piece.curve].values[piece.first : piece.last + 1]
+            if at == value
+        ]
+        assert sorted(passing) == sorted(numbers)
+    for curve in seen.curves:
+        special = {point.position for point in curve.special}
+        assert all({at, at + 1} & special for at in np.flatnonzero(np.diff(curve.index)).tolist())
 
 
 def test_angles_on_an_axis_may_be_given_in_degrees() -> None:

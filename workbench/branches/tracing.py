@@ -30,6 +30,7 @@ from studies.language.case_input import with_fields
 
 PARTNER = {held: field for field, held in PAIRS}  # height -> FZ
 _NEAR = 1e-6  # between the loads of one equilibrium, relative; rad between its shapes
+PASSES = 10  # of one value by a branch, for which its points are not counted. x10: a branch that creeps takes long
 FINE = 61  # values at which a followed branch has points at least, so that its curve is smooth
 
 
@@ -144,7 +145,7 @@ def _follow_each(
             continue
         step(f"{in_words(name, value, 4)}: branch {len(curves) + 1}", sum(at is not None for at in places), len(starts))
         try:
-            branch = follow(begin(value, start), points=POINTS, **{name: passed})
+            branch = follow(begin(value, start), points=POINTS + PASSES * passed.size, **{name: passed})
         except InputError as error:
             remarks.append(f"{in_words(name, value)}: {error}")
             continue
