@@ -236,7 +236,7 @@ class EndsFields:
     gamma: Any = field(default=0.0, metadata=_GAMMA)
     height: Any = field(
         default=None,
-        metadata=_row("z(L)", LENGTH, "axial distance of the far end", in_place_of="FZ", more=", held", estimated=True),
+        metadata=_row("z(L)", LENGTH, "axial position of the far end", in_place_of="FZ", more=", held", estimated=True),
     )
     azimuth: Any = field(
         default=None,

@@ -8,13 +8,17 @@ from io import BytesIO
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PathCollection
+from matplotlib.colors import to_hex
 from matplotlib.container import BarContainer
 from matplotlib.figure import Figure
 from matplotlib.image import imread
+from matplotlib.lines import Line2D
 from matplotlib.path import Path
 from matplotlib.text import Text
 from matplotlib.transforms import Affine2D, Bbox
 from numpy.typing import NDArray
+
+from workbench.figures.colours import SOFT
 
 SLACK = 1.5  # pixels
 MOST_MARKERS = 50  # values of a line, beyond which it has none
@@ -69,7 +73,7 @@ def faults(fig: Figure, least: float = 7.0, texts: list[Text] | None = None, axe
         room = one.get_text().endswith("\n") or other.get_text().endswith("\n")  # empty lines keep room for the other
         if not room and _outline(one).intersects_path(_outline(other)):
             found.append(f"over one another: {one.get_text()!r} and {other.get_text()!r}")
-    return found + _covering_legends(fig)
+    return found + _covering_legends(fig) + _unknown_marks(fig)
 
 
 def _covering_legends(fig: Figure) -> list[str]:
@@ -82,6 +86,25 @@ def _covering_legends(fig: Figure) -> list[str]:
         for ax in fig.axes:
             if ax.get_window_extent().overlaps(box) and any(path.intersects_bbox(box, False) for path in _outlines(ax)):
                 found.append(f"a legend over what is drawn: {legend.get_texts()[0].get_text()}")
+    return found
+
+
+def _unknown_marks(fig: Figure) -> list[str]:
+    """A sentence for each entry of a legend whose mark no axes have: a marker or a line of its colour.
+
+    A grey marker says what a shape means in every colour.
+    """
+    axes = [part for ax in fig.axes for part in (ax, *ax.child_axes)]
+    drawn = {(line.get_marker(), to_hex(line.get_color())) for ax in axes for line in ax.lines if len(line.get_xdata())}
+    shapes = {marker for marker, _ in drawn}
+    found = []
+    for legend in (*fig.legends, *(legend for ax in axes if (legend := ax.get_legend()))):
+        for handle, text in zip(legend.legend_handles, legend.get_texts(), strict=True):
+            if not isinstance(handle, Line2D) or handle.get_marker() in ("None", "", "o"):  # circles are also scattered
+                continue
+            mark = handle.get_marker(), to_hex(handle.get_color())
+            if mark not in drawn and not (mark[1] == to_hex(SOFT) and mark[0] in shapes):
+                found.append(f"a mark in the legend that is not drawn: {text.get_text()}")
     return found
 
 

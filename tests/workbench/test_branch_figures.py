@@ -1,5 +1,6 @@
 """Diagrams of branches: a shape and its point have one number and one colour, and lines that coincide are one line."""
 
+import json
 from dataclasses import replace
 from itertools import combinations
 
@@ -52,6 +53,13 @@ def held() -> xr.Dataset:
 
 
 @pytest.fixture(scope="module")
+def judged() -> xr.Dataset:
+    """Branches on which the laws of a study were judged."""
+    case = Case(ROD, CYLINDER, Ends(beta0=0.5, betaL=0.4, FZ=-0.5))
+    return branch_dataset.sweep(load("fig7_4_end_angle"), case, "betaL", np.linspace(0.2, 0.5, 3), lambda *_: None)
+
+
+@pytest.fixture(scope="module")
 def drawn(dead, held) -> dict[str, Figure]:
     return {"dead": bifurcation.figure(StoredStudy(dead)), "held": bifurcation.figure(StoredStudy(held))}
 
@@ -83,11 +91,23 @@ def test_red_is_for_what_fails_alone(drawn) -> None:
         assert share_of_red(fig) == 0.0
 
 
-def test_diagrams_of_branches_and_of_equilibria_show_what_is_stored(dead, drawn) -> None:
-    case, held = (Case(ROD, CYLINDER, Ends(beta0=0.5, betaL=betaL, FZ=FZ)) for betaL, FZ in ((0.5, -2.5), (0.4, -0.5)))
+def test_the_legend_has_stable_branches_first_and_those_without_a_false_law_before_others(judged) -> None:
+    """Whatever the order of the branches is."""
+    rows = json.loads(judged.attrs["branches"])
+    for order in (rows, rows[::-1]):
+        fig = bifurcation.figure(StoredStudy(judged.assign_attrs(branches=json.dumps(order))))
+        texts = [text.get_text() for legend in (*fig.legends, fig.axes[0].get_legend()) if legend
+                 for text in legend.get_texts() if "stable" in text.get_text()]  # fmt: skip
+        assert texts == [
+            "stable: every law is true or true in part",
+            "stable: a law is false",
+            "unstable: a law is false",
+        ]
+
+
+def test_diagrams_of_branches_and_of_equilibria_show_what_is_stored(dead, drawn, judged) -> None:
+    case = Case(ROD, CYLINDER, Ends(beta0=0.5, betaL=0.5, FZ=-2.5))
     listed = as_dataset(load("fig6"), case, all_equilibria(case))
-    study, angles = load("fig7_4_end_angle"), np.linspace(0.2, 0.5, 3)
-    judged = branch_dataset.sweep(study, held, "betaL", angles, lambda *_: None)
     pictures = {
         "under dead loads": lambda: drawn["dead"],
         "with a held height": lambda: drawn["held"],

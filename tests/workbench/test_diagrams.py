@@ -2,6 +2,7 @@
 
 import json
 import sys
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -26,6 +27,7 @@ from workbench.figures import (
     colours,
     drawn_numbers,
     drawn_rods,
+    fonts,
     one_rod,
     portrait,
     push_scale,
@@ -39,6 +41,7 @@ from workbench.figures.sheet import Sheet
 from workbench.run import in_memory, writing
 from workbench.stored.stored_study import StoredStudy
 from workbench.stored.trend_lines import trend_of
+from workbench.words import labels
 
 OUTPUTS = 'outputs = ["beta", "dbeta", "alpha", "z", "kappa", "contact"]\n'
 AXIS = "[axes.E]\nvalues = [5e3, 1e4, 2e4, 4e4]\n"
@@ -149,6 +152,25 @@ def test_no_view_of_a_list_stands_before_the_one_that_it_follows() -> None:
             assert after[1] > before[1] or (after[1] == before[1] and after[0] > before[0])
             stacked += bool(after[1] > before[1] and after[0] == before[0] > 0)
     assert stacked
+
+
+def test_flat_views_at_the_end_of_one_row_stand_one_below_the_other_and_the_key_below_them() -> None:
+    """Side by side they would leave most of the page below them empty."""
+    boxes = np.array([[1.2, 3.0], [1.2, 2.8], [1.3, 0.4], [1.2, 0.4], [0.0, 0.0]])
+    words = np.array([*[[0.3, 0.15]] * 4, [0.9, 0.6]])
+    places = arrangement.flow(boxes, words, (9.0, 3.2), 1, even=False, least=1e-3).places
+    np.testing.assert_allclose(places[2:, 0], places[2, 0])
+    assert (np.diff(places[2:, 1]) > 0).all()
+    assert (places[:3, 1] == 0).all()
+    assert (places[2:, 1] + places[2:, 3]).max() <= places[0, 3] + 1e-9
+
+
+def test_a_label_is_in_words_where_two_lines_have_room_for_them_and_no_line_ends_within_its_symbol() -> None:
+    array = xr.DataArray(1.0, attrs={"symbol": "max κ", "long_name": "largest curvature", "units": "1/cm"})
+    label = partial(labels.label, array)
+    assert fonts.fit_label(label, 9.0) == "largest curvature  max\N{NO-BREAK SPACE}κ [1/cm]"
+    assert fonts.fit_label(label, 1.5).split("\n") == ["largest curvature", "max\N{NO-BREAK SPACE}κ [1/cm]"]
+    assert fonts.fit_label(label, 1.5, most=1) == fonts.fit_label(label, 0.5) == "max κ [1/cm]"
 
 
 def wound(turns: float, side: str = "outside", a: float = 1.0, beta: float = np.radians(80.0)) -> StoredStudy:

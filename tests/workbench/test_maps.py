@@ -5,7 +5,10 @@ import pytest
 import xarray as xr
 from matplotlib.figure import Figure
 
+from solver import solve
+from solver.observe.observables import observe
 from studies import load
+from studies.language.loader import loads
 from tests.workbench import small
 from workbench.figures import map_cells, map_figure, regions
 from workbench.run import in_memory
@@ -101,3 +104,36 @@ def test_regions_without_a_curve_between_them_stay_as_they_are_stored() -> None:
     coarse = np.array([[0, 0, 1, 1], [0, 0, 1, 1]])
     fine = regions.fine(coarse, [])
     np.testing.assert_array_equal(fine, np.kron(coarse, np.ones(np.array(fine.shape) // (2, 4), dtype=int)))
+
+
+@pytest.fixture(scope="module")
+def refined() -> StoredStudy:
+    """The shipped refined study, four times as coarse."""
+    return StoredStudy(in_memory.run(loads(load("regimes_refined").text.replace("points = 400", "points = 100"))))
+
+
+def test_a_rod_between_the_cases_of_a_refined_study_is_nearly_straight_where_its_own_angle_varies_little(refined):
+    """In cells that are halved no more, beta of neighbours may jump, and the limit lies somewhere between the two."""
+    raster = map_cells.raster_of(refined)
+    choice = map_cells.choose(raster, show=["bends"])
+    cells = map_cells.cells(raster, choice, choice.places()[0], refined)
+    some = np.ix_(*(np.arange(0, size, 3) for size in cells.solved.shape))
+    R, E = (row[some] for row in np.meshgrid(cells.y.values, cells.x.values, indexing="ij"))
+    case = load("regimes_refined").case_of({"E": E, "R": R})
+    amplitude = np.degrees(np.asarray(observe(solve(case), ["amplitude"])["amplitude"]))
+    wrong = cells.straight[some] != (amplitude < 10)
+    large = cells.stored["level"].values[some] < refined.refinement.lattice.depth
+    assert 0.1 < cells.straight.mean() < 0.9
+    assert large.mean() > 0.5
+    assert not (wrong & large & (np.abs(amplitude - 10) > 1)).any()
+
+
+def test_a_map_of_bends_shows_no_cases_that_were_added_where_a_number_changes_that_it_does_not_show(refined):
+    (ax,) = maps(map_figure.figure(refined, show=["bends"]))
+    shown = np.concatenate([line.get_xydata() for line in ax.lines if line.get_label() == "_samples"])
+    level = dict(zip(zip(refined["E"].values, refined["R"].values, strict=True), refined["level"].values, strict=True))
+    straight = dict(zip(level, map_cells.swings(refined) < np.radians(10), strict=True))
+    pale = [level[tuple(place)] for place in shown if straight[tuple(place)]]
+    assert pale
+    assert max(pale) == 0
+    assert max(level[tuple(place)] for place in shown) > 3

@@ -219,7 +219,7 @@ def _panel(
 
 def _over_s(ax: Axes, rods: DrawnRods) -> None:
     ax.set_xlim(0, max(float(rod["s"][-1]) for rod in rods.solved))
-    ax.set_xlabel(f"s [{labels.unit(rods.source.units['length'])}]")
+    ax.set_xlabel(f"arc length  s [{labels.unit(rods.source.units['length'])}]")
 
 
 def alone(ax: Axes, rods: DrawnRods, name: str) -> list[str]:

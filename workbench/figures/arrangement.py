@@ -143,6 +143,8 @@ def flow(sizes: Values, words: Values, room: tuple[float, float], rows: int, eve
         middle = float(np.sqrt(scale * too_large))
         scale, too_large = (middle, too_large) if fits(middle) else (scale, middle)
     lines = broken(scale)
+    if not even and len(lines) == 1:
+        lines[0].stack()
     gaps = [line.gap(room[0], count - 1) for line in lines]
     most, top, drawn = min(gaps) if even else LOOSE if len(lines) > 1 else np.inf, 0.0, np.zeros((count, 4))
     above = np.inf
@@ -183,6 +185,22 @@ class _Row:
     @property
     def high(self) -> float:
         return max(map(self.height, self.columns))
+
+    def stack(self) -> None:
+        """Put the last views below the ones before them while the row is high enough; the key comes below them."""
+        key = self.columns.pop() if len(self.columns[-1]) == 1 else [self.columns[-1].pop()]
+        while len(self.columns) > 1 and len(self.columns[-2]) == 1:
+            last = self.columns.pop()
+            together = [*self.columns[-1], *last]
+            if self.height([*together, *key]) > self.high:
+                self.columns.append(last)
+                break
+            self.columns[-1] = together
+        below = [*self.columns[-1], *key]
+        if self.height(below) <= self.high and self.width(below) <= self.width(self.columns[-1]):
+            self.columns[-1] = below
+        else:
+            self.columns.append(key)
 
     def gap(self, room: float, key: int) -> float:
         """Inches between columns that take so many inches; what is free is before the key, where it has a column."""

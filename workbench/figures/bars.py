@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from solver.problem.errors import InputError
-from solver.problem.quantities import quantity
+from solver.problem.quantities import QUANTITIES, quantity
 from studies.grammar.axes import SAMPLE
 
 from ..stored.shown_observables import choose_observables
@@ -99,7 +99,8 @@ def indices(stored: StoredStudy, sheet: Sheet = SCREEN) -> Figure:
 
     def panel(name: str, ax: Axes) -> None:
         row = stored.part(observable=name)
-        ax.set_title(str(row["symbol"].values), loc="left", pad=4)
+        words = labels.quantity_name(quantity(name).long_name) if name in QUANTITIES else str(row["symbol"].values)
+        ax.set_title(fonts.wrap(words, ax), loc="left", pad=4)
         if not np.isfinite(row["total"].values).any():
             ax.text(0.5, 0.5, "one value on all samples", transform=ax.transAxes, ha="center", color=colours.SOFT)
             ax.set(xticks=[], yticks=[])
@@ -125,6 +126,7 @@ def indices(stored: StoredStudy, sheet: Sheet = SCREEN) -> Figure:
     }
     if said := " and ".join(words for words, occurs in surprises.items() if occurs):
         notes.append(f"The samples give estimates: by their sampling error {said}.")
+    notes.append(_in_words(dict(zip(stored["field"].values, stored["field_symbol"].values, strict=True))))
     names, bars = [str(name) for name in stored["observable"].values], 2 * stored.sizes["field"]
     return _panels(stored, names, bars, panel, notes, sheet, SHOW)
 
@@ -157,12 +159,15 @@ def tornado(stored: StoredStudy, sheet: Sheet = SCREEN) -> Figure:
             names=[[SIGNS[k] for k in rises]],
         )
         value, unit = _in_unit(float(row["value"]), str(row["unit"].values)), str(row["effect_unit"].values)
-        ax.set_title(f"{quantity(name).symbol} = {value}", loc="left", pad=4)
+        words = labels.quantity_name(quantity(name).long_name)
+        ax.set_title(fonts.wrap(f"{words} = {value}", ax), loc="left", pad=4)
         ax.set_xlabel(f"change [{'°' if unit == 'deg' else labels.unit(unit)}]" if unit != "1" else "change")
         if rest:
             _remark(ax, f"{len(rest)} fields of less than {abs(shown[-1][1]):.1g}")
 
-    note = "The change of each observable if a field rises by the amount beside it."
+    shown = {field for rows in effects.values() for field, _ in rows[:MOST]}
+    fields = _in_words({field: quantity(field).symbol for field in stored["field"].values if field in shown})
+    note = f"The change of each observable if a field rises by the amount beside it. {fields}"
     most = max(len(effects[name][:MOST]) for name in names)
     return _panels(titled, names, most, panel, [note], sheet, SHOW)
 
@@ -270,6 +275,12 @@ def _tick(stored: StoredStudy, field: str) -> str:
     """A field and by how much it rises: ``E, 1 %``, ``β₀, 1°``."""
     amount = str(stored["amount"].sel(field=field).values)
     return f"{quantity(field).symbol}, {labels.unit(amount.replace(' deg', '°'))}"
+
+
+def _in_words(symbols: Mapping[str, str]) -> str:
+    """The sentence that says what the symbols of fields stand for; symbols: field -> its symbol."""
+    known = {symbol: QUANTITIES[field].long_name for field, symbol in symbols.items() if field in QUANTITIES}
+    return f"{'; '.join(f'{symbol}: {labels.quantity_name(words)}' for symbol, words in known.items())}."
 
 
 def _in_unit(number: float, unit: str) -> str:

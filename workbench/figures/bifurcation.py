@@ -124,7 +124,7 @@ def panel(
     along, height = labels.in_label_unit(stored[name], stored[f"curve_{name}"].values), _values(stored, f"curve_{key}")
     drawn: list[tuple[str, Any]] = []
     sizes = np.array([np.ptp(values[np.isfinite(values)]) or 1.0 for values in (along, height)])
-    count, rows = observables.is_count(key), stored.data("branches")
+    count, rows = observables.is_count(key), sorted(stored.data("branches"), key=_place_in_legend)
     many = len(rows) > MANY
     for row in rows:
         on = np.flatnonzero(stored["curve_branch"].values == row["branch"])
@@ -247,8 +247,14 @@ def _judge(row: dict[str, Any]) -> tuple[bool, str]:
         return False, ""
     if all(verdict.startswith((HOLDS, QUALIFIED)) for verdict in verdicts):
         in_part = any(verdict.startswith(QUALIFIED) for verdict in verdicts)
-        return True, ", every law true" + " at least in part" * in_part
-    return False, ", a law false" if any(v.startswith(FAILS) for v in verdicts) else ", a law not decided"
+        return True, ": every law is true" + " or true in part" * in_part
+    return False, ": a law is false" if any(v.startswith(FAILS) for v in verdicts) else ": a law is not decided"
+
+
+def _place_in_legend(row: dict[str, Any]) -> tuple[bool, int, str]:
+    """The place of a branch in the order of the legend: stable before unstable, then by what is said of laws."""
+    (holds, words), stable = _judge(row), row["index"] == 0
+    return not stable, not holds, words
 
 
 def _look(row: dict[str, Any]) -> tuple[dict[str, Any], str]:

@@ -109,15 +109,14 @@ def loops(stored: StoredStudy, sheet: Sheet = SCREEN) -> Figure:
         loop = stored.select({"equilibrium": k})
         index, waves = int(loop["index"]), int(loop["folds"])
         stable = f"unstable in {index} way{'s' * (index > 1)}" if index else "stable"
-        text = (
-            f"{k + 1}: {waves} wave{'s' * (waves > 1)}\n{stable}\n{labels.value(float(loop['energy']), loop['energy'])}"
-        )
+        energy = f"energy {labels.value(float(loop['energy']), loop['energy'])}"
+        text = f"{k + 1}: {waves} wave{'s' * (waves > 1)}\n{stable}\n{energy}"
         shapes.append(_shape(stored, k, text, {"push": pushes[k], "norm": norm}))
     unit, push = labels.unit(stored.units["length"]), push_scale.unit(stored)
     panel = unrolled.UnrolledPanel(shapes, _room(sheet), sheet.small, unit, bar=push)
     said = [
         f"The rod lies {stored.attrs['side']}.",
-        "Below each number the energy. The ways are those of a closed rod whose section is free to turn.",
+        "The ways are those of a closed rod whose section is free to turn.",
     ]
     return canvas.page(stored, sheet, [(panel.height, [panel.draw])], said, panel.below)
 

@@ -97,7 +97,8 @@ def region(stored: StoredStudy, ax: Axes) -> None:
 
 
 def shares(stored: StoredStudy, ax: Axes) -> None:
-    """The share of each datum in what is known of each field: along the rod for points, else by observable."""
+    """The share of the variance of each field that the error of each datum makes: along the rod for points, else by
+    observable."""
     names = [labels.symbol_of(str(name)) for name in stored["field"].values]
     known = [name for name, row in zip(names, stored["share"].values, strict=True) if np.isfinite(row).all()]
     shades = [*colours.PAIR, *colours.ramp_colours(max(len(names) - 2, 0))]
@@ -116,8 +117,8 @@ def shares(stored: StoredStudy, ax: Axes) -> None:
                 linewidth=0.9,
                 label=name if name in known else None,
             )
-        ax.set_xlabel(f"s of the point [{unit}]")
-        ax.set_ylabel("share [%]")
+        ax.set_xlabel(f"arc length of the point  s [{unit}]")
+        ax.set_ylabel("share of the variance [%]")
     else:
         groups = list(dict.fromkeys(map(str, stored["group"].values)))
         sums = np.array([[row[stored["group"].values == g].sum() for g in groups] for row in stored["share"].values])
@@ -127,9 +128,9 @@ def shares(stored: StoredStudy, ax: Axes) -> None:
             list(zip(100 * sums, shades, strict=False)),
             names=[name if name in known else None for name in names],
         )
-        ax.set_xlabel("share [%]")
+        ax.set_xlabel("share of the variance [%]")
     each = "each point" if "point_share" in stored else "each target"
-    title = f"share of {each} in what is known"
+    title = f"how much the error of {each} shifts {' and '.join(known) if len(known) < 3 else 'each field'}"
     if not known:
         ax.set_axis_off()
         title = "no field has shares"

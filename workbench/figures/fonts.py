@@ -97,10 +97,12 @@ def break_lines(text: str, room: float, size: float | None = None, bold: bool = 
         most = max(min(most - 1, int(most * room / widest) + 1), 1)
 
 
-def fit_label(label: Callable[[bool], str], room: float) -> str:
-    """A label in full where that fits into so many inches, else in short; label: takes whether it is in full."""
-    full = label(True)
-    return full if width_of(full, normal()) <= room else label(False)
+def fit_label(label: Callable[[bool], str], room: float, most: int = 2) -> str:
+    """A label in full where that fits into so many lines of so many inches, else in short; label: takes whether it is
+    in full."""
+    full = break_lines(label(True), room)
+    fits = full.count("\n") < most and width_of(full, normal()) <= room
+    return full if fits else label(False)
 
 
 def height_of(text: str, size: float) -> float:

@@ -37,13 +37,16 @@ def panel(law: LawLine, ax: Axes) -> str:
                 **how,
             )
     draw_curve(law, ax)
-    ax.set_title(fonts.wrap(_title(law, fonts.inches(ax)[0]), ax), loc="left", color=colour)
+    ax.set_title(fonts.wrap(title_of(law, fonts.inches(ax)[0]), ax), loc="left", color=colour)
     canvas.add_legend(ax)
     return caption_of(law)
 
 
-def _title(law: LawLine, room: float) -> str:
-    """What a law shows, as much of it as stands on a line of so many inches, and its verdict: the caption has all."""
+def title_of(law: LawLine, room: float, size: float | None = None) -> str:
+    """What a law shows, as much of it as stands on a line of so many inches, and its verdict: the caption has all.
+
+    size: points of the letters; default: of ordinary ones.
+    """
     row, verdict = law.row, law.row["verdict"]
     if row["kind"] == MONOTONE:
         head, rest = _message(law)
@@ -53,7 +56,7 @@ def _title(law: LawLine, room: float) -> str:
         noun, rule = _noun(law), labels.typeset(_rule(law))
         titles = [f"{noun}{rule}: {verdict}{_exponent_note(row)}", f"{noun}{rule}: {verdict}"]
         last = f"{noun} · {row['claim']}: {verdict}"
-    return next((title for title in titles if fonts.width_of(title, fonts.normal()) <= room), last)
+    return next((title for title in titles if fonts.width_of(title, size or fonts.normal()) <= room), last)
 
 
 def _noun(law: LawLine) -> str:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from solver.problem.declared_fields import FIELDS
 from solver.problem.errors import InputError, choices
 from studies.grammar.axes import SAMPLE, WORDS
+from studies.language.refine import LEVEL
 
 from ..stored.quantity_variables import dimension
 from ..stored.shown_observables import MOST_ASKED, choose_observables
@@ -20,6 +21,8 @@ from ..words import cautions, labels
 from . import regions
 from .scales import Scale, scale_of
 
+SWING = "swing"  # the logarithm of what `swings` gives of the cases of a refined study, as a variable of its raster
+LEAST = 1e-12  # rad: beta of a straight rod varies by rounding. x10: no change, as all of them are nearly straight
 MOST_COLUMNS = 5  # values of a third axis
 BENDS, STRAIGHT = "bends", np.radians(10)  # bends of a rod whose beta varies by less than that are not coloured
 
@@ -70,7 +73,7 @@ class Cells:
         return {down: j, across: i}
 
     def samples(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
-        """The values of x and y of the cases, and whether no real rod takes the shape, (n,) each."""
+        """The values of x and y of the cases, and whether no real rod could keep the shape, (n,) each."""
         refined = SAMPLE in self.source.sizes
         stored = self.source if refined else self.stored
         texts = stored["caution"].values.ravel() if "caution" in stored else np.full(stored["outcome"].size, "")
@@ -83,6 +86,13 @@ class Cells:
             return x, y, barred
         x, y = np.meshgrid(self.x.values, self.y.values)
         return x.ravel(), y.ravel(), barred
+
+    def crowding(self, name: str) -> NDArray[np.bool_]:
+        """Which cases of a refined study were added where a number changes that the map of `name` does not show: that
+        of the bends of nearly straight rods, (n,)."""
+        if SAMPLE not in self.source.sizes or name != BENDS:
+            return np.zeros(self.source["outcome"].size, dtype=bool)
+        return np.asarray((self.source[LEVEL].values > 0) & (swings(self.source) < STRAIGHT))
 
     def values(self, name: str) -> NDArray[np.float64]:
         """An observable in the unit of its label, NaN where a cell is not solved or its number is not known, and the
@@ -173,15 +183,26 @@ def cells(stored: StoredStudy, choice: Choice, where: Mapping[str, int], source:
     for key in cautions.UNCHECKED if "caution" in plane else ():
         unchecked |= cautions.has_key(plane["caution"].values, key)
     scales = scale_of(plane[choice.x]), scale_of(plane[choice.y])
-    whole = plane if source is None else source
-    straight = np.zeros(solved.shape, dtype=bool)
-    if "amplitude" in plane:
-        straight = plane["amplitude"].values < STRAIGHT
-    elif "beta" in whole:
-        beta = whole["beta"].transpose(..., "u").values
-        swings = beta.max(axis=-1) - beta.min(axis=-1)
-        straight = (swings if source is None else swings[plane["case"].values]) < STRAIGHT
-    return Cells(plane, *scales, solved, straight & solved, int(unchecked.sum()), whole)
+    swing = np.exp(plane[SWING].values) if SWING in plane else swings(plane)
+    straight = solved & (swing < STRAIGHT)
+    return Cells(plane, *scales, solved, straight, int(unchecked.sum()), plane if source is None else source)
+
+
+def raster_of(stored: StoredStudy) -> StoredStudy:
+    """The raster of a refined study, on which beta varies evenly between the cases: a limit of nearly straight rods
+    along the edges of the cells around them would have steps as large as these. By its logarithm, as it may grow
+    tenfold from one case to the next."""
+    return stored.raster(**{SWING: np.log(np.maximum(swings(stored), LEAST))})
+
+
+def swings(stored: StoredStudy) -> NDArray[np.float64]:
+    """By how much beta varies along the rod of each case [rad], of the shape of the cases; NaN where no file tells."""
+    if "amplitude" in stored:
+        return np.asarray(stored["amplitude"].values, dtype=float)
+    if "beta" not in stored:
+        return np.full(stored["outcome"].shape, np.nan)
+    beta = stored["beta"].transpose(..., "u").values
+    return np.asarray(beta.max(axis=-1) - beta.min(axis=-1), dtype=float)
 
 
 def _two_axes(stored: StoredStudy, x: str | None, y: str | None, at: dict[str, float]) -> tuple[str, str]:

@@ -27,7 +27,7 @@ from ..stored.shown_observables import MOST_ASKED, level_notes
 from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import canvas, colours, fonts, map_panel, print_heights
-from .map_cells import Cells, Choice, cells, choose
+from .map_cells import Cells, Choice, cells, choose, raster_of
 from .sheet import SCREEN, Sheet
 
 COLUMN = 2.0  # inches, the height of maps in columns
@@ -59,8 +59,8 @@ def figure(
     """Draw a map of each observable.
 
     Each observable has one scale of colours over all its maps. A count has the borders of its regions and their
-    numbers. A cross in place of a point is a case whose shape no real rod takes. A strip beside a map shows on which
-    lines of the grid a law does not hold.
+    numbers. A cross in place of a point is a case whose shape no real rod could keep. A strip beside a map shows on
+    which lines of the grid a law does not hold.
     A third axis has a column of maps for some of its values; any further axis is held where the laws or Table 1 put it.
     In the plane of a refined study each case is the cell around it, and its laws are told below the maps.
 
@@ -102,7 +102,8 @@ def _figure_of(
 ) -> Figure:
     """The maps of so many observables at most."""
     verdicts = stored.verdicts if "laws" in stored.attrs else []
-    whole, stored = (stored, stored.raster()) if stored.is_refined else (None, stored)
+    whole = stored if stored.is_refined else None
+    stored = raster_of(stored) if stored.is_refined else stored
     watched = (
         [] if whole is None else list(whole.refinement.watch)
     )  # what else a refinement stores is as coarse as ever

@@ -32,8 +32,8 @@ MOST_COLOURS = 256  # counts, each with a colour of its own
 MOST_CLASSES = 24  # of a count, with a border between each two
 MOST_SAMPLES = 2500  # points that a map shows
 BARRED = (
-    "a case that no real rod takes",
-    "No real rod takes a shape that would lift off away from its ends, or pass through itself.",
+    "a case whose shape no real rod could keep",
+    "No real rod could keep a shape that would lift off away from its ends, or pass through itself.",
 )
 DENSE = ", dense where a number changes"  # of the cases of a refined study
 SAMPLES: Any = {"color": colours.INK, "linestyle": "none", "markeredgewidth": 0.4, "alpha": 0.6}
@@ -89,7 +89,7 @@ def draw(ax: Axes, cells: Cells, name: str, scale: Colours, inches: tuple[float,
     if scale.count and not scale.constant and pale == 1:
         _number_regions(ax, cells, np.where(cells.unbent(name), -1.0, values), scale, inches)
     if pale == 1:
-        _show_samples(ax, cells)
+        _show_samples(ax, cells, name)
     for side in ("top", "right"):
         ax.spines[side].set_visible(True)
     return mesh
@@ -124,9 +124,11 @@ def entries(panels: list[Cells], shown: tuple[str, ...]) -> list[str | Artist]:
     ):
         legend += [Patch(label=label, **look)] * bool(occurs)
     unchecked, cases = sum(panel.unchecked for panel in panels), sum(panel.solved.size for panel in panels)
+    is_thinned = any(panel.crowding(name).any() for panel in panels for name in shown)
     return [
         *legend,
         *BARRED[1:] * is_mixed,
+        *["Of nearly straight rods the cases of the coarse grid alone are shown."] * is_thinned,
         *[f"{unchecked} of {cases} rods were not checked for all cautions."] * bool(unchecked),
     ]
 
@@ -152,10 +154,12 @@ def _number_regions(ax: Axes, cells: Cells, values: Values, scale: Colours, inch
                 words.set_bbox({"facecolor": colours.BAND, "edgecolor": "none", "pad": 1})
 
 
-def _show_samples(ax: Axes, cells: Cells) -> None:
-    """A point at each case, a cross where no real rod takes its shape; of very many cases so many, evenly chosen."""
+def _show_samples(ax: Axes, cells: Cells, name: str) -> None:
+    """A point at each case, a cross where no real rod could keep its shape; of very many cases so many, evenly chosen,
+    and none that was added where a number changes that the map does not show."""
     x, y, barred = cells.samples()
     shown = np.arange(0, x.size, -(-x.size // MOST_SAMPLES))
+    shown = shown[~cells.crowding(name)[shown]]
     size = float(np.clip(40 / shown.size**0.5, 0.7, 2.0))
     for marker, rows in ((".", shown[~barred[shown]]), ("x", shown[barred[shown]])):
         if rows.size:

@@ -103,6 +103,6 @@ def _finish(ax: Axes, rods: DrawnRods, title: str) -> None:
     ax.set_yticks(_values(rods), minor=True)
     ax.tick_params(axis="y", which="minor", length=2, labelleft=False)
     ax.set_xlim(0, longest)
-    ax.set_xlabel(f"s [{labels.unit(rods.source.units['length'])}]")
+    ax.set_xlabel(f"arc length  s [{labels.unit(rods.source.units['length'])}]")
     ax.set_ylabel(labels.axis_label(axis))
     ax.set_title(title, loc="left")

@@ -98,7 +98,8 @@ def figure(
         if lowest:
             ax.set_xlabel("angle to the axis  β [°]" if wide > COLUMN + 0.5 else "β [°]")
         if left:
-            ax.set_ylabel(f"β′ [1/{unit}]" if name == "portrait" else f"G, h [1/{unit}²]")
+            rate, potential = ("rate of the angle  β′", "potential G, level h") if alone else ("β′", "G, h")
+            ax.set_ylabel(f"{rate} [1/{unit}]" if name == "portrait" else f"{potential} [1/{unit}²]")
         if alone:
             ax.set_title(PANELS[name] if name == "portrait" else "potential G and level h", loc="left")
         elif name == names[0]:

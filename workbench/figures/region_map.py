@@ -125,8 +125,9 @@ def _panel(stored: StoredStudy, ax: Axes, inches: tuple[float, float], shown: st
         ]
     )
     lines = _lines(stored)
-    for number, (line, curve) in enumerate(zip(lines, _curves(stored), strict=True), 1):
-        ax.plot(*line.T, zorder=3, solid_capstyle="round", gid=str(number), label=CURVES[curve], **_look(*curve))
+    curves = sorted(enumerate(_curves(stored)), key=lambda curve: [*CURVES].index(curve[1]))  # as in the legend
+    for k, curve in curves:
+        ax.plot(*lines[k].T, zorder=3, solid_capstyle="round", gid=str(k + 1), label=CURVES[curve], **_look(*curve))
     if "cusp" in stored.sizes:
         ax.plot(*(labels.in_label_unit(stored[name], stored[f"cusp_{name}"].values) for name in names), **CUSP)
     ax.set(
@@ -179,7 +180,7 @@ def _look(kind: str, stable: bool) -> dict[str, Any]:
 
 
 def _name_regions(stored: StoredStudy, ax: Axes, inches: tuple[float, float]) -> tuple[list[str], list[int]]:
-    """Write ``13, 2 stable`` into each region with room, and its stable shapes below it where they fit too; where all
+    """Write ``13 (2 stable)`` into each region with room, and its stable shapes below it where they fit too; where all
     regions have as many stable ones, ``13`` alone in all but the largest.
 
     Returns notes, and the regions without room.
@@ -191,8 +192,8 @@ def _name_regions(stored: StoredStudy, ax: Axes, inches: tuple[float, float]) ->
     largest = np.bincount(numbers[numbers >= 0]).argmax()
     same = np.unique(stored["count_stable"].values).size == 1
     for k, (count, stable) in enumerate(zip(stored["count"].values, stored["count_stable"].values, strict=True)):
-        text = f"{count}" if same else f"{count}, {stable} stable"
-        full = f"{count} equilibri{'um' if count == 1 else 'a'}, {stable} stable"
+        text = f"{count}" if same else f"{count} ({stable} stable)"
+        full = f"{count} equilibri{'um' if count == 1 else 'a'} ({stable} stable)"
         for said, shapes in (
             *((full if k == largest else text, n) for n in range(0 if same else min(int(stable), MOST), -1, -1)),
             *((part.replace(" ", "\n", 1), 0) for part in (full, text) if part is text or k == largest),

@@ -26,6 +26,7 @@ MORE = 0.3, 0.8  # inches of the figure: below its panels, and beside them
 FEW, MANY = 300, 4000  # samples up to which a dot is large, and beyond which the density is drawn
 LEAST = 8  # samples of which a rank correlation says something
 BINS = (90, 60)  # of the density
+BETWEEN = 0.25  # inches between two rows of panels
 
 
 def figure(stored: StoredStudy, show: Sequence[str] = (), sheet: Sheet = SCREEN) -> Figure:
@@ -76,7 +77,7 @@ def _rows(stored: StoredStudy, names: Sequence[str], width: float, narrow: bool)
     blocks = [every[i : i + most] for i in range(0, len(every), most)]
     whole = min(len(blocks) * (high * len(names) + 0.5), max(TALLEST, 1.1 * len(blocks) * len(names)))
     across = len(blocks[0])
-    room = (width - BESIDE) / across - 0.1
+    tall, room = whole / len(names) / len(blocks), (width - BESIDE) / across - 0.1
 
     def draw(name: str, field: str, fields: list[str], ax: Axes) -> None:
         ax.set_label(f"{name} against {field}")
@@ -85,16 +86,13 @@ def _rows(stored: StoredStudy, names: Sequence[str], width: float, narrow: bool)
         if name == names[-1]:
             ax.set_xlabel(fonts.fit_label(partial(labels.axis_label, stored[field]), room))
         if field == fields[0]:
-            words = [fonts.break_lines(labels.label(stored[name], long), 1.2) for long in (True, False)]
-            ax.set_ylabel(words[words[0].count("\n") > 1])
+            ax.set_ylabel(fonts.fit_label(partial(labels.label, stored[name]), tall - BETWEEN))
 
     rows = [
         row
         for fields in blocks
         for name in names
-        for row in canvas.in_rows(
-            [partial(draw, name, field, fields) for field in fields], across, whole / len(names) / len(blocks)
-        )
+        for row in canvas.in_rows([partial(draw, name, field, fields) for field in fields], across, tall)
     ]
     count, at = stored.sizes[SAMPLE], stored.equations(held)
     dense = "; the darker, the more samples" if count > MANY else ""

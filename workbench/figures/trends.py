@@ -11,6 +11,7 @@ from ..stored.trend_lines import TrendLine
 from ..words import labels
 from . import colours, fonts
 from .scales import SPARE, RoomLocator, is_logarithmic, set_scale
+from .sheet import ONE_COLUMN
 
 MOST_DOTS = 50  # values of a line, beyond which it has no dots
 ALONE = "Each rod was let go by itself: neighbours may be at different minima of the energy, and no line joins them."
@@ -47,7 +48,8 @@ def trend(line: TrendLine, ax: Axes, joined: bool = True) -> Axes:
         ax.axvline(float(np.degrees(line.fold)), color=colours.INK, linewidth=1, linestyle=(0, (4, 3)), label="fold")
     wide, high = fonts.inches(ax)
     ax.set_xlabel(fonts.wrap(fonts.fit_label(partial(labels.axis_label, line.axis, held=line.held), wide), ax))
-    ax.set_ylabel(fonts.fit_label(partial(labels.label, line.observable), high))
+    most = 2 if ax.get_figure(root=True).get_figwidth() >= ONE_COLUMN else 1  # views have what labels leave
+    ax.set_ylabel(fonts.fit_label(partial(labels.label, line.observable), high, most))
     ax.margins(y=0.1)
     drawn = np.vstack([lines, values])
     drawn = drawn[np.isfinite(drawn)]

@@ -1,5 +1,6 @@
 """Work-precision diagrams of a stored trade: error against seconds or evaluations, a panel for each of six cases."""
 
+from collections.abc import Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -68,7 +69,8 @@ def figure(stored: StoredStudy, cost: str = "seconds", sheet: Sheet = SCREEN) ->
             fig.supylabel("error of angle or position", size=fonts.normal())
 
     rows = canvas.in_rows([partial(draw, i) for i in range(len(cases))], columns, PANEL[1])
-    return canvas.page(titled, sheet, rows, [*_entries(stored), ERRORS], LEGEND, width=max(sheet.width, 2 * PANEL[0]))
+    said, width = [*_entries(stored, cases), ERRORS], max(sheet.width, 2 * PANEL[0])
+    return canvas.page(titled, sheet, rows, said, LEGEND, width=width)
 
 
 def panel(stored: StoredStudy, ax: Axes, case: str, cost: str = "seconds") -> Axes:
@@ -84,8 +86,7 @@ def panel(stored: StoredStudy, ax: Axes, case: str, cost: str = "seconds") -> Ax
         climb = rows.part(ladder=str(method))
         outcome = climb["outcome"].values.astype(str)
         error, spent = climb["error"].values, climb[cost].values
-        tried = np.isfinite(spent)
-        good = tried & np.char.startswith(outcome, "solved") & (error < LOST)
+        tried, good = np.isfinite(spent), _is_correct(climb) & np.isfinite(spent)
         look = look_of(str(method))
         colour = look.colour
         for stretch, handed in _stretches(climb, good, look.method):
@@ -129,6 +130,12 @@ def panel(stored: StoredStudy, ax: Axes, case: str, cost: str = "seconds") -> Ax
     return ax
 
 
+def _is_correct(rungs: StoredStudy) -> "NDArray[np.bool_]":
+    """Whether a rung of a ladder is solved with at least one correct digit, of the shape of the rungs."""
+    solved = np.char.startswith(rungs["outcome"].values.astype(str), "solved")
+    return np.asarray(solved & (rungs["error"].values < LOST))
+
+
 def _stretches(one: StoredStudy, good: "NDArray[np.bool_]", name: str) -> "list[tuple[NDArray[np.intp], bool]]":
     """The good rungs of one ladder, those of each method that answered by themselves: no line joins two methods.
 
@@ -141,17 +148,20 @@ def _stretches(one: StoredStudy, good: "NDArray[np.bool_]", name: str) -> "list[
     return [(rungs[answered == method], method != name) for method in dict.fromkeys(answered.tolist())]
 
 
-def _entries(stored: StoredStudy) -> list[Artist]:
-    """The legend: the methods that were tried, and what the marks are."""
-    tried = [str(m) for m in stored["ladder"].values if np.isfinite(stored["seconds"].sel(ladder=m)).any()]
+def _entries(stored: StoredStudy, cases: Sequence[str]) -> list[Artist]:
+    """The legend: the methods that were tried on these cases, and what the marks are."""
+    climbs = {str(m): [stored.part(case=case, ladder=str(m)) for case in cases] for m in stored["ladder"].values}
+    tried = [name for name, rows in climbs.items() if any(np.isfinite(row["seconds"].values).any() for row in rows)]
     looks: list[dict[str, Any]] = [
         {
             "color": look.colour,
-            "marker": look.marker,
-            "markersize": _size(look) + 0.4,
-            "linestyle": look.line,
             "linewidth": 1.4,
             "label": look.name,
+            **(
+                {"marker": look.marker, "markersize": _size(look) + 0.4, "linestyle": look.line}
+                if any(_is_correct(row).any() for row in climbs[look.name])
+                else {"marker": "x", "markersize": 4, "linestyle": ""}
+            ),
         }
         for look in map(look_of, tried)
     ]

@@ -109,7 +109,7 @@ def html(
         barred=all(map(cautions.is_barred, texts[solved])),
         reading=str(results[0].stored.attrs["reading"]),
         claims=claims,
-        tally=law_words.tally_of(claims, "claim"),
+        title=_title_of(claims),
         meanings=[(key, labels.typeset(text)) for key, text in law_words.MEANING.items()],
         sections=sections,
         laws=laws,
@@ -272,6 +272,12 @@ def _ink_box(picture: Image.Image) -> tuple[int, int, int, int]:
     left, top, right, low = ink.getbbox() or (0, 0, *picture.size)
     wide, high = picture.size
     return max(left - MARGIN, 0), max(top - MARGIN, 0), min(right + MARGIN, wide), min(low + MARGIN, high)
+
+
+def _title_of(claims: Sequence[Mapping[str, Any]]) -> str:
+    """What the report finds: ``5 claims on an elastic rod on a cylinder: 1 true, 4 true in part``."""
+    count, _, verdicts = law_words.tally_of(claims, "claim").partition(": ")
+    return f"{count} on an elastic rod on a cylinder: {verdicts}" if claims else "An elastic rod on a cylinder"
 
 
 def _text(name: str) -> str:

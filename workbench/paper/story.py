@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from solver.orbits import frames
 from studies.laws.line_verdicts import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED
 
-from ..figures import canvas, colours, drawn_rods, fonts, push_scale
+from ..figures import canvas, colours, drawn_rods, fonts, law_panel, push_scale
 from ..figures.sheet import Sheet
 from ..figures.trends import trend
 from ..geometry import tube
@@ -181,9 +181,11 @@ def row(stored: StoredStudy, ax: Axes, below: Axes) -> None:
 def law(stored: StoredStudy, ax: Axes) -> None:
     """The first law of a dataset: its observable along the axis, and its verdict."""
     (verdict, *_) = stored.verdicts
-    trend(law_of(stored, verdict), ax)
-    title = f"claim {verdict['claim']}: {verdict['verdict']}"
-    ax.set_title(title, loc="left", size=fonts.small(), color=colours.VERDICTS[verdict["verdict"]], pad=3)
+    line = law_of(stored, verdict)
+    trend(line, ax)
+    title = law_panel.title_of(line, fonts.inches(ax)[0], fonts.small())
+    colour = colours.VERDICTS[verdict["verdict"]]
+    ax.set_title(fonts.wrap(title, ax, fonts.small()), loc="left", size=fonts.small(), color=colour, pad=3)
     canvas.add_legend(ax, loc="upper right", borderpad=0.0, handlelength=1.3)
 
 

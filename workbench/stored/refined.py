@@ -4,6 +4,7 @@ boundary of an observable: the pairs of neighbouring cases between which it chan
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import product
 from math import prod
 from typing import TYPE_CHECKING, Any
 
@@ -204,11 +205,12 @@ def grid(values: Mapping[str, Values]) -> Refined:
     return Refined(lattice, product_of([np.argsort(np.argsort(row)) for row in values.values()]), {}, [])
 
 
-def raster(ds: "xr.Dataset", study: Refined) -> "xr.Dataset":
+def raster(ds: "xr.Dataset", study: Refined, between: Mapping[str, Values]) -> "xr.Dataset":
     """The plane of a refined study as a fine grid, each point with the numbers of the case around which it lies.
 
     Each cell of the refinement has four quarters, and a quarter has the numbers of the case at its corner. Arrays along
-    the rod are left out; `case` is the index of the case, and `level` a variable.
+    the rod are left out; `case` is the index of the case, and `level` a variable. between: real numbers of the cases,
+    (cases,) each, which are further variables and vary along both axes between the corners of a cell.
     """
     lattice = study.lattice
     depth = lattice.depth
@@ -217,6 +219,7 @@ def raster(ds: "xr.Dataset", study: Refined) -> "xr.Dataset":
     cells = refinement_of(lattice, study.places, np.empty((len(study.places), 0)), np.empty(0), depth)
     index = np.empty([(size - 1) << (depth + 1) for size in lattice.shape], dtype=np.int64)
     levels = np.empty(index.shape)  # on a scale of colours, as borders between levels would hide them
+    varying = {name: np.empty(index.shape) for name in between}
     for level in range(depth + 1):
         if not len(cells.cells[level]):
             continue
@@ -227,6 +230,11 @@ def raster(ds: "xr.Dataset", study: Refined) -> "xr.Dataset":
             at = low.T[:, :, None] + square + np.array([i, j]).reshape(2, 1, 1) * side
             index[at[0], at[1]] = corner[:, None]
             levels[at[0], at[1]] = level
+        high = (np.arange(2 * side) + 0.5) / (2 * side)  # the weight of the upper end of each axis of a cell
+        weights = np.stack([np.outer(*pair).ravel() for pair in product((1 - high, high), repeat=2)])
+        at = low.T[:, :, None] + np.indices((2 * side, 2 * side)).reshape(2, 1, -1)
+        for name, numbers in between.items():
+            varying[name][at[0], at[1]] = numbers[cells.corners(level)] @ weights
     scale = 2.0 ** (lattice.depth - depth - 1)
     values = {
         name: lattice.along(name, (np.arange(size) + 0.5) * scale)
@@ -237,7 +245,8 @@ def raster(ds: "xr.Dataset", study: Refined) -> "xr.Dataset":
     grid = grid_of(ds[each].assign(case=(SAMPLE, np.arange(ds.sizes[SAMPLE]))), index, values)
     for name, coarse in lattice.axes.items():
         grid[name].attrs["ends"] = coarse[[0, -1]]
-    return grid.assign({tables.LEVEL: (list(values), levels, label)}).set_coords("case")
+    further = {name: (list(values), numbers) for name, numbers in varying.items()}
+    return grid.assign({tables.LEVEL: (list(values), levels, label), **further}).set_coords(["case", *further])
 
 
 def _own_axes(field: "xr.DataArray") -> "xr.DataArray":

@@ -201,9 +201,12 @@ class StoredStudy(StoredCases):
         order = np.argsort(self.refinement.places[:, 0])
         return StoredStudy(refined.grid_of(self.ds, order, {name: self.ds[name].values[order]}), self.kept)
 
-    def raster(self) -> "StoredStudy":
-        """The plane of a refined study as a fine grid, each point with the numbers of the case around which it lies."""
-        return StoredStudy(refined.raster(self.ds, self.refinement))
+    def raster(self, **between: NDArray[np.float64]) -> "StoredStudy":
+        """The plane of a refined study as a fine grid, each point with the numbers of the case around which it lies.
+
+        between: further variables, a real number of each case, (cases,), which varies evenly between cases.
+        """
+        return StoredStudy(refined.raster(self.ds, self.refinement, between))
 
     # its numbers
 

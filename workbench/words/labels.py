@@ -101,7 +101,8 @@ def label(array: xr.DataArray, long: bool = False) -> str:
     long: ``axial force  F_Z [N]``, or without the symbol where that is no more than a shorter name.
     """
     name, letters = long_name(array), symbol(array)
-    text = letters if not long else name if len(letters) > LETTERS or letters in name else f"{name}  {letters}"
+    whole = letters.replace(" ", "\N{NO-BREAK SPACE}")
+    text = letters if not long else name if len(letters) > LETTERS or letters in name else f"{name}  {whole}"
     return f"{text}{_bracket(array)}"
 
 
