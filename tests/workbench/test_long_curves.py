@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from solver import solve
+from studies import load
 from studies.language.loader import loads
 from tests.workbench import small, stored_figures
 from workbench.figures import drawn_numbers, one_rod, unrolled
@@ -35,6 +37,22 @@ def test_only_a_rod_that_would_be_a_hair_is_set_in_lines() -> None:
     assert unrolled.lines_of(helix(300, 9.0), ROOM, SMALL) is not None
     assert unrolled.lines_of(helix(5, 9.0), ROOM, SMALL) is None  # 25 diameters high
     assert unrolled.lines_of(helix(300, 0.3), ROOM, SMALL) is None  # as wide as it is high: it is seen in one piece
+
+
+def test_a_rod_in_lines_has_a_ring_at_each_place_where_it_passes_through_itself() -> None:
+    long = loads(load("fig6").text.replace("L = 20.0", "L = 800.0"))
+    sol = solve(long.case(), stations=16001)
+    rho, a = float(sol.case.rho), 0.25
+    arrays = {"s": sol.s, "z": sol.z, "alpha": sol.alpha, "push": sol.push}
+    curve = DrawnRod("rod", "", arrays, rho, a, "overlaps", StoredStudy(xr.Dataset()))
+    found = unrolled.lines_of(curve, ROOM, SMALL)
+    assert found is not None
+    every = unrolled.crossings(sol.s, rho, sol.alpha, sol.z, a, rho)
+    assert len(every) > 100
+    assert sum(len(view.rings) for view in found.views) == len(every)
+    for view in found.views:
+        line = np.hstack([(view.x, view.y), *((x, y) for x, y, _, _ in view.over)])
+        assert all(np.linalg.norm(line - place[:, None], axis=0).min() < 1.1 * a for place, _ in view.rings)
 
 
 def test_the_lines_show_all_of_a_rod_each_from_where_the_one_above_ends() -> None:

@@ -23,6 +23,7 @@ SMALL, NORMAL, LARGE = 8.0, 9.5, 12.0  # points
 LETTER = 0.6 / 72  # inches that a letter is wide per point of its size, where its text is not known yet
 LINE = 1.22 / 72  # inches from line to line per point of their size
 BESIDE = 0.8  # inches of the ticks and the label beside axes
+SHARES = 0.5, 0.55, 0.6, 0.7, 0.8, 0.9  # of a label in one line, the lengths of two lines that are tried
 GLUE = "\x1f"  # in place of a space at which no line ends
 _TEXT = TextToPath()
 
@@ -98,11 +99,16 @@ def break_lines(text: str, room: float, size: float | None = None, bold: bool = 
 
 
 def fit_label(label: Callable[[bool], str], room: float, most: int = 2) -> str:
-    """A label in full where that fits into so many lines of so many inches, else in short; label: takes whether it is
-    in full."""
-    full = break_lines(label(True), room)
-    fits = full.count("\n") < most and width_of(full, normal()) <= room
-    return full if fits else label(False)
+    """A label in full where that fits into so many lines of so many inches, nearly alike in length, else in short.
+
+    label: takes whether it is in full.
+    """
+    whole = width_of(label(True), normal())
+    for length in [whole] if whole <= room or most == 1 else [share * whole for share in SHARES]:
+        full = break_lines(label(True), min(length, room))
+        if full.count("\n") < most and width_of(full, normal()) <= room:
+            return full
+    return label(False)
 
 
 def height_of(text: str, size: float) -> float:

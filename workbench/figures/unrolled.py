@@ -47,6 +47,7 @@ LEAST = 0.12  # inches of a view, below which one direction is drawn larger
 STRAIGHT = 1e-9  # of the other extent: less is rounding, which no scale shows
 SLENDER, UPRIGHT = 0.25, 3.0  # of rods that fill so little of the width, inches of all upwards at most
 RING = 3.5  # points across at least
+REACH = 2.0  # radii of the rod between a ring and its line at most: two stretches overlap within one radius of it
 NEAR = 3.0  # radii of the rod on the unrolled cylinder: two places that are nearer have one ring between them
 ARROW, FOOT = 0.4, 0.6  # inches of the arrows of the key at most, and of all of it downwards
 BAR, BAR_GAP = 0.3, 0.3  # inches of the bar of colours per point of its words, and between the key and the bar
@@ -425,9 +426,28 @@ def lines_of(
     notes = [AROUND] * around
     notes += off_wall([rod])
     if "overlaps" in cautions.keys(rod.caution):
-        notes.append("The rod passes through itself; the places are not marked in lines.")
+        rings = crossings(s, rod.rho, rod["alpha"], z, rod.a, rod.radius)
+        notes += [f"The rod {TOO_LONG}."] * (rings is None)
+        views = _with_rings(views, rings or [], low, turn if around else np.inf, REACH * rod.a)
     said = f"; {setting.note(spans, unit)}, each {labels.number(wide)} {unit} wide"
     return UnrolledPanel(views, room, letters, unit, notes=notes, in_lines=said, bar=bar)
+
+
+def _with_rings(
+    views: Sequence[UnrolledView], rings: Sequence[Any], low: float, turn: float, reach: float
+) -> list[UnrolledView]:
+    """The lines of one rod with rings, each on the line that passes its place nearest, and within reach.
+
+    rings: as of `crossings` of the whole rod, of which lines may show only pieces. low, turn: as of `on_one_turn`.
+    """
+    on_lines: list[list[Any]] = [[] for _ in views]
+    points = [np.hstack([(view.x, view.y), *((x, y) for x, y, _, _ in view.over)]) for view in views]
+    for (along, across), apart in rings:
+        place = np.array([along, low + (across - low) % turn if np.isfinite(turn) else across])
+        away = [np.linalg.norm(line - place[:, None], axis=0).min() for line in points]
+        if min(away) < reach:
+            on_lines[int(np.argmin(away))].append((place, apart))
+    return [replace(view, rings=rings) for view, rings in zip(views, on_lines, strict=True)]
 
 
 def on_one_turn(
