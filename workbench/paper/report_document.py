@@ -275,9 +275,9 @@ def _ink_box(picture: Image.Image) -> tuple[int, int, int, int]:
 
 
 def _title_of(claims: Sequence[Mapping[str, Any]]) -> str:
-    """What the report finds: ``5 claims on an elastic rod on a cylinder: 1 true, 4 true in part``."""
+    """What the report finds: ``5 claims about an elastic rod on a cylinder: 1 true, 4 true in part``."""
     count, _, verdicts = law_words.tally_of(claims, "claim").partition(": ")
-    return f"{count} on an elastic rod on a cylinder: {verdicts}" if claims else "An elastic rod on a cylinder"
+    return f"{count} about an elastic rod on a cylinder: {verdicts}" if claims else "An elastic rod on a cylinder"
 
 
 def _text(name: str) -> str:
