@@ -35,7 +35,7 @@ class Collocation(SeededMethod):
     name = "collocation"
     summary = "collocation by cubic splines on a mesh of its own (scipy's solve_bvp)"
     order = 4
-    ladders = (Ladder("collocation", "rtol", TOLERANCES, "#d977b8", "D", most=MOST_COMPILED),)
+    ladders = (Ladder("collocation", "rtol", TOLERANCES, "#c94fc9", "D", most=MOST_COMPILED),)
 
     rtol: float | None = knob(float)
     nodes: int | None = knob(int, least=5)
