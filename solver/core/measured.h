@@ -25,6 +25,7 @@
     ROW(PUSHES, PUSHED, pushed, 1)                                                                                     \
     ROW(PUSHES, PULLED, pulled, 1)                                                                                     \
     ROW(PUSHES, SHARE, share, 1)                                                                                       \
+    ROW(PUSHES, LIFTED, lifted, 0)                                                                                     \
     ROW(PUSHES, LEAST, least, 1)                                                                                       \
     ROW(PUSHES, GREATEST, most, 1)                                                                                     \
     ROW(PUSH_ALONE, PUSHED_ALONE, push, 0)                                                                             \

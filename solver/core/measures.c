@@ -43,32 +43,60 @@ static double worst_of(const workspace *w, double error, int push)
     return worst;
 }
 
-/* What one stretch adds: the share on which the cylinder pushes, and its error; and the mean of the push there. */
+/* A push is none where it is smaller than its rounding: that of its terms, and that of an angle of one radian. Next to a
+   straight rod the angle is smaller than any rounding of it, and so are all terms of the push. */
+static double rounding_at(const density *push, int k) { return rod_tuning.barely * (push->size[k] + push->spread[k]); }
+
+static double largest_rounding(const density *push)
+{
+    double rounding[AT];
+    for (int k = 0; k < AT; k++)
+        rounding[k] = rounding_at(push, k);
+    return highest(rounding);
+}
+
+/* What one stretch adds: the shares on which the cylinder pushes and pulls, and the error of the first; and the mean of the
+   push where it is positive. */
 typedef struct {
-    double area, share, unsure;
+    double area, share, lifted, unsure;
 } parted;
+
+/* The zeros of the push plus `many` times its rounding; returns whether it is positive at the start. */
+static int zeros_beside(const workspace *w, const stretch *p, double many, double *c, sign_changes *found)
+{
+    double left[AT];
+    for (int k = 0; k < AT; k++)
+        left[k] = p->of.values[k] + many * rounding_at(&p->of, k);
+    w->use.through(left, w->by.analyse, c);
+    rod_changes(w, left, c, found);
+    return left[0] > 0;
+}
+
+/* The share of a stretch on which a series is positive, from its zeros and whether it is at the start. */
+static double positive_share(const sign_changes *found, int first)
+{
+    double share = first;
+    for (int i = 0; i < found->count; i++)
+        share += found->sign[i] * (1 - found->x[i]) / 2;
+    return smaller(larger(share, 0), 1);
+}
 
 static parted parted_on(const workspace *w, const stretch *p, double whole, double largest_doubt)
 {
-    double left[AT], c[AT];
-    const double clear = fabs(p->series[0]) - range_of(p->series), size = highest(p->of.size);
-    if (clear > SURELY * rod_tuning.barely * size)
-        return p->series[0] > 0 ? (parted){whole, 1, 0} : (parted){0, 0, 0};
-    for (int k = 0; k < AT; k++)
-        left[k] = p->of.values[k] - rod_tuning.barely * p->of.size[k];
-    sign_changes found;
-    w->use.through(left, w->by.analyse, c);
-    rod_changes(w, left, c, &found);
-    const int first = left[0] > 0;
-    parted out = {rod_positive_mean(w, p->of.values, whole, &found, first), first, 0};
+    double c[AT];
+    const double clear = fabs(p->series[0]) - range_of(p->series);
+    if (clear > SURELY * largest_rounding(&p->of))
+        return p->series[0] > 0 ? (parted){whole, 1, 0, 0} : (parted){0, 0, 1, 0};
+    sign_changes pulled, found;
+    const int held = zeros_beside(w, p, 1, c, &pulled), first = zeros_beside(w, p, -1, c, &found);
+    parted out = {rod_positive_mean(w, p->of.values, whole, &found, first), positive_share(&found, first),
+                  1 - positive_share(&pulled, held), 0};
     for (int i = 0; i < found.count; i++) {
         double rate, value;
         rod_series_and_rate(c, found.x[i], &value, &rate);
         const double moved = largest_doubt / fabs(rate);
-        out.share += found.sign[i] * (1 - found.x[i]) / 2;
         out.unsure += moved < 1 ? moved : 1;
     }
-    out.share = smaller(larger(out.share, 0), 1);
     return out;
 }
 
@@ -76,7 +104,7 @@ static parted parted_on(const workspace *w, const stretch *p, double whole, doub
    zeros, or may vanish on a whole stretch. */
 static void pushes_of(const workspace *w, double error, double span, numbers *out)
 {
-    double pushed = 0, pulled = 0, share = 0, unsure = 0, wrong = 0;
+    double pushed = 0, pulled = 0, share = 0, lifted = 0, unsure = 0, wrong = 0;
     for (int64_t i = 0; i < w->count; i++) {
         const stretch *p = &w->parts[i];
         double doubt[AT], faint = 0;
@@ -86,18 +114,20 @@ static void pushes_of(const workspace *w, double error, double span, numbers *ou
         }
         const double length = p->time * p->count, whole = total_of(p->series, w->by.mean);
         const parted part = parted_on(w, p, whole, highest(doubt));
-        pushed += part.area * length, pulled += (part.area - whole) * length, share += part.share * length;
+        pushed += part.area * length, pulled += (part.area - whole) * length;
+        share += part.share * length, lifted += part.lifted * length;
         unsure += (smaller(larger(part.unsure, faint / AT), 1) + EPS) * length;
         wrong += total_of(doubt, w->by.weight) * length;
     }
     if (fabs(share - span) < WHOLE * span)
         share = span;
     out->value[PUSHED] = out->value[PUSHED_ALONE] = pushed, out->value[PULLED] = pulled, out->value[SHARE] = share;
+    out->value[LIFTED] = lifted, out->error[LIFTED] = unsure;
     out->error[PUSHED] = out->error[PUSHED_ALONE] = out->error[PULLED] = wrong, out->error[SHARE] = unsure;
 }
 
-/* The least t at which the push is less than `barely` times its rounding and `doubted` times its doubt. */
-static double first_below(const workspace *w, double error, double barely, double doubted)
+/* The least t at which the push is less than `doubted` times its doubt, or less than none where that is 0. */
+static double first_below(const workspace *w, double error, double doubted)
 {
     double first = INFINITY;
     for (int64_t i = 0; i < w->count; i++) {
@@ -105,7 +135,7 @@ static double first_below(const workspace *w, double error, double barely, doubl
         double left[AT], c[AT];
         for (int k = 0; k < AT; k++) {
             const double doubt = p->of.spread[k] * (2 * error) + 2 * p->tail + rod_tuning.barely * p->of.size[k];
-            left[k] = p->of.values[k] - (doubted != 0 ? doubted * doubt : barely * (rod_tuning.barely * p->of.size[k]));
+            left[k] = p->of.values[k] + (doubted != 0 ? -doubted * doubt : rounding_at(&p->of, k));
         }
         sign_changes found;
         w->use.through(left, w->by.analyse, c);
@@ -122,8 +152,8 @@ static double first_below(const workspace *w, double error, double barely, doubl
 
 static void lift_offs_of(const workspace *w, double error, double span, numbers *out)
 {
-    const double first = smaller(first_below(w, error, -1, 0), span);
-    const double early = smaller(first_below(w, error, 0, 1), span), late = smaller(first_below(w, error, 0, -1), span);
+    const double first = smaller(first_below(w, error, 0), span);
+    const double early = smaller(first_below(w, error, 1), span), late = smaller(first_below(w, error, -1), span);
     out->value[FIRST_LIFT] = first, out->error[FIRST_LIFT] = larger(late - first, first - early) + 8 * EPS * span;
 }
 
@@ -219,8 +249,8 @@ int rod_measure(const rods *all, numbers *out, int64_t begin, int64_t end, int l
 /* A density and its derivatives at points of rods under loads that are the same along them.
 
    loads: (rods, 4), lam, mu, phi and the sign of the push. beta, rate: (rods, n), beta and beta_t, whose sign does not
-   matter. out: (7, rods, n), the values, the sums of the sizes of their terms, and the derivatives with respect to beta,
-   |beta_t|, lam, mu and phi. */
+   matter. out: (8, rods, n), the values, the sums of the sizes of their terms, the spread, and the derivatives with respect to
+   beta, |beta_t|, lam, mu and phi. */
 void rod_densities(int kind, int64_t rods, int64_t n, const double *loads, const double *beta, const double *rate,
                    double *out)
 {
@@ -236,8 +266,8 @@ void rod_densities(int kind, int64_t rods, int64_t n, const double *loads, const
                 angles.beta[i] = beta[at + i], angles.speed[i] = fabs(rate[at + i]);
             directions_of(&angles);
             density_of(kind, &angles, &l, &found, &by);
-            const double *rows[7] = {found.values, found.size, by.beta, by.speed, by.lam, by.mu, by.phi};
-            for (int row = 0; row < 7; row++)
+            const double *rows[8] = {found.values, found.size, found.spread, by.beta, by.speed, by.lam, by.mu, by.phi};
+            for (int row = 0; row < 8; row++)
                 memcpy(out + row * rods * n + at, rows[row], sizeof(double) * (size_t)many);
         }
     }

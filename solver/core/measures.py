@@ -10,6 +10,7 @@ import numpy as np
 from ..numerics.arrays import Array, Integers
 from .build import HERE
 from .library import INT, fine, run, share_out, structure, widest
+from .tuning import BARELY
 
 NODES = 24  # of each piece, at which densities are computed. x10: the core has no room for so many
 
@@ -87,16 +88,23 @@ def step_series(width: Array, taylor: Array) -> Array:
 class _Density(NamedTuple):
     """A density at points (Q, m), in units of A and rho, and its derivatives by beta, |beta_t|, lam, mu and phi.
 
-    size: the sum of the sizes of the terms of a value, whose rounding is that many eps.
+    size: the sum of the sizes of the terms of a value, whose rounding is that many eps. spread: the largest change of a
+    value for a unit change of beta, and of beta_t as it comes with it.
     """
 
     values: Array
     size: Array
+    spread: Array
     beta: Array
     speed: Array
     lam: Array
     mu: Array
     phi: Array
+
+    @property
+    def rounding(self) -> Array:
+        """A push below this is none: the rounding of its terms and of an angle of 1 rad, as in `measures.c`."""
+        return np.asarray(BARELY * (self.size + self.spread))
 
 
 def densities(kind: str, loads: Array, beta: Array, rate: Array) -> _Density:

@@ -1,7 +1,7 @@
 """The state of a pipe along its length, in words: straight, sinusoidal or helical, each with where it is."""
 
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -17,6 +17,7 @@ BENT = 0.1
 DYING = 0.7
 # of the largest push along the rod: a smaller one is none, a hundred times the default tolerance. x10: as good
 SLIGHT = 1e-6
+ROUNDING = 1e-13  # of A/rho^3: a smaller pull is none. x10: as good
 LEAVES, RUBS = "leaves its branch", "buckles where friction"  # what a rod does on its way from the straight one
 
 
@@ -27,6 +28,14 @@ class StretchState(NamedTuple):
     begin: float
     end: float
     turned: float = 0.0
+
+
+def least_pull(largest: Any, unit: Any = 1.0) -> Any:
+    """The pull that a stretch of a rod has to reach somewhere to be one where the rod would lift off.
+
+    largest: the largest size of the push along the rod. unit: A/rho^3.
+    """
+    return SLIGHT * largest + ROUNDING * unit
 
 
 def is_drawn(axial: Array, push: Array) -> Booleans:

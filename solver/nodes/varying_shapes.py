@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from ..core.measures import densities
+from ..core.tuning import BARELY
 from ..core.varying_loads import READ, SIZE, march
 from ..numerics.arrays import FAINT, Array, Booleans, Integers
 from ..numerics.chebyshev import GAUSS
@@ -15,7 +17,7 @@ from ..orbits.potential import Loads, slope
 from ..orbits.statics import circumferential_force, contact_force, curvature, surface_forces
 from ..problem.case import IN_PLACE
 from .loaded_rod import ALPHA, BETA, MU, PHI, SPEED, LoadedRod, Q
-from .stretch_states import STRAIGHT, StretchState, is_drawn, states
+from .stretch_states import STRAIGHT, StretchState, is_drawn, least_pull, states
 
 # places on a stretch, at which the states along a rod are judged: a stretch has a few radians. x10: only time
 DENSE = 17
@@ -60,10 +62,14 @@ class Shape:
 
     def push_at(self, t: Array) -> Array:
         """The push at times t (n,) in any order, in units of A/rho^3, (n,)."""
+        return self.pushes(self._states(t))
+
+    def _states(self, t: Array) -> Array:
+        """States at times t (n,) in any order, (n, 8)."""
         order = np.argsort(t)
         y = np.empty((t.size, SIZE))
         y[order] = self.at(t[order])
-        return self.pushes(y)
+        return y
 
     def pushes(self, y: Array) -> Array:
         """The push in states y (n, 8), in units of A/rho^3, (n,)."""
@@ -71,6 +77,13 @@ class Shape:
         around = circumferential_force(1.0, lam, mu, 1.0, beta)
         plain = contact_force(1.0, mu, 1.0, around, slope(Loads(lam, mu, phi), beta), beta, speed)
         return np.asarray(self.rod.numbers[6] * (plain - weight) / divisor)
+
+    def _pushes_and_rounding(self, y: Array) -> Array:
+        """The push plus its rounding in states y (n, 8), in units of A/rho^3, (n,): negative where the wall pulls."""
+        beta, speed, lam, mu, phi, weight, _ = self.local_values(y[None])[0]
+        loads = np.stack([lam, mu, phi, np.full(lam.size, self.rod.numbers[6])], axis=1)
+        terms = densities("outward", loads, beta[:, None], speed[:, None])
+        return self.pushes(y) + terms.rounding[:, 0] + BARELY * np.abs(weight)
 
     @cached_property
     def dense(self) -> tuple[Array, Array]:
@@ -108,13 +121,24 @@ class Shape:
         return any(state.word != STRAIGHT for state in self.states(1.0))
 
     def lift_offs(self, rho: float) -> tuple[tuple[float, float], ...]:
-        """The stretches on which the wall would have to pull, from one s to another, in the unit of rho."""
+        """The stretches on which the wall would have to pull, from one s to another, in the unit of rho.
+
+        A pull of less than its rounding is none, as in `core/measures.c`, and so is one on a stretch where it stays
+        below `least_pull`.
+        """
         t, y = self.dense
-        pulls = self.pushes(y) < 0
+        push = self._pushes_and_rounding(y)
+        pulls = push < 0
         change = np.flatnonzero(pulls[1:] != pulls[:-1])
-        zeros = bisect(self.push_at, t[change], t[change + 1], BISECTIONS)
+        zeros = bisect(lambda t: self._pushes_and_rounding(self._states(t)), t[change], t[change + 1], BISECTIONS)
         ends = [*(t[:1] if pulls[0] else ()), *zeros, *(t[-1:] if pulls[-1] else ())]
-        return tuple((float(a * rho), float(b * rho)) for a, b in zip(ends[::2], ends[1::2], strict=True))
+        first = np.flatnonzero(pulls & ~np.append(False, pulls[:-1]))
+        after = np.flatnonzero(pulls & ~np.append(pulls[1:], False)) + 1
+        least = -least_pull(np.abs(push).max())
+        deep = [push[a:b].min() < least for a, b in zip(first, after, strict=True)]
+        return tuple(
+            (float(a * rho), float(b * rho)) for a, b, counts in zip(ends[::2], ends[1::2], deep, strict=True) if counts
+        )
 
     def lift_off_reach(self) -> float:
         """The largest t from the nearer end at which the wall would have to pull, 0 where it does nowhere."""

@@ -1,5 +1,5 @@
 """Cautions: what a real rod could not do although the shape solves the equations, and how much of it; and
-where along a rod the cylinder does not push.
+where along a rod the cylinder would have to pull.
 
 Like the observables they are judged on the whole rod, whatever its stations and whatever is stored. The caution of a
 case is a text of parts, ", " between: `TIGHT`, `MEETS`, `TURNED`, `STRAINED` with the strain, one of the kinds of
@@ -13,7 +13,7 @@ import numpy as np
 
 from ..core.measures import densities
 from ..nodes.loaded_rod import MU
-from ..nodes.stretch_states import SLIGHT
+from ..nodes.stretch_states import SLIGHT, least_pull
 from ..numerics.arrays import NEGLIGIBLE, Array, Booleans, Integers
 from ..orbits.shape_arrays import ShapeArrays
 from ..orbits.statics import circumferential_force, curvature, surface_forces
@@ -21,64 +21,72 @@ from ..problem.reduced import EndsProblem, flat
 from .measurement import MeasuredNumbers
 from .observables import error_name, observe
 
-QUARTER = 0.25  # of the length at each end: a rod without push only there lifts off at its ends. x10: more than the rod
+QUARTER = 0.25  # of the length at each end: a rod pulled only there lifts off at its ends. x10: more than the rod
 PLACES, FINER = 256, 64  # at which the push is computed in a quarter, and between two of these places. x10: only time
 
 
 def only_at_ends(sol: ShapeArrays, cases: Integers) -> Integers:
-    """The computed cases, (k,), rising, that the cylinder pushes along their whole middle half.
+    """The computed cases, (k,), rising, on which the cylinder does not pull in their whole middle half.
 
     The error of the shares is left out: it is as large as the tolerance of the solution lets it be, and would excuse
-    stretches without push.
+    stretches with a pull.
     """
-    read = MeasuredNumbers(sol)
-    first, last = (read.over("share", until, cases) for until in (QUARTER, 1 - QUARTER))
-    # a stretch without push that is shorter, of the length, is rounding
-    return np.asarray(cases[1 - 2 * QUARTER - (last - first) / read.length[cases] <= NEGLIGIBLE])
+    first, last = (_share_of_pulls(sol, cases, until) for until in (QUARTER, 1 - QUARTER))
+    return np.asarray(cases[last - first <= NEGLIGIBLE])  # a stretch that is shorter, of the length, is rounding
+
+
+def _share_of_pulls(sol: ShapeArrays, cases: Integers, until: float = 1.0) -> Array:
+    """The share of the length of some cases, (k,), on which the cylinder would have to pull before `until` of it."""
+    read, shapes = MeasuredNumbers(sol), sol.trajectory.shapes
+    if shapes is None:
+        return np.asarray(read.over("lifted", until, cases) / read.length[cases])
+    ends = until * read.length
+    stretches = [[(a, min(b, ends[i])) for a, b in shapes.of(i).lift_offs(1.0) if a < ends[i]] for i in cases.tolist()]
+    return np.array([sum(b - a for a, b in each) for each in stretches]) / read.length[cases]
 
 
 def distance_from_ends(sol: ShapeArrays, cases: Array) -> Array:
-    """The largest distance from the nearer end at which the cylinder does not push, as a share of the length.
+    """The largest distance from the nearer end at which the cylinder would have to pull, as a share of the length.
 
     Parameters
     ----------
     sol : Shape
         The rods.
     cases : array of int, (k,)
-        Which of them; the cylinder pushes all along their middle halves.
+        Which of them; the cylinder pulls nowhere in their middle halves.
 
     Returns
     -------
     array (k,)
-        At most `QUARTER`; 0 where no place without push is found.
+        At most `QUARTER`; 0 where no such place is found.
     """
     share = np.zeros(cases.size)
     for far in (False, True):
         places = np.broadcast_to(np.geomspace(QUARTER * 1e-4, QUARTER, PLACES), (cases.size, PLACES))
-        at = _last_without_push(sol, cases, places, far)
+        at = _last_pull(sol, cases, places, far)
         spread = np.linspace(0, 1, FINER)
         low = np.take_along_axis(places, at[:, None], axis=1)
         high = np.take_along_axis(places, np.minimum(at + 1, PLACES - 1)[:, None], axis=1)
         finer = low + (high - low) * spread
-        best = np.take_along_axis(finer, np.maximum(_last_without_push(sol, cases, finer, far), 0)[:, None], axis=1)
+        best = np.take_along_axis(finer, np.maximum(_last_pull(sol, cases, finer, far), 0)[:, None], axis=1)
         share = np.maximum(share, np.where(at < 0, 0, best[:, 0]))
     return share
 
 
-def _last_without_push(sol: ShapeArrays, cases: Array, places: Array, far: bool) -> Array:
-    """The number of the last of places (k, m), shares of the length, without push, (k,); -1 where there is none.
+def _last_pull(sol: ShapeArrays, cases: Array, places: Array, far: bool) -> Array:
+    """The number of the last of places (k, m), shares of the length, with a pull, (k,); -1 where there is none.
 
     far: the places are counted from the far end.
     """
     span = sol.problem.span[cases, None]
-    free = push_at(sol, cases, span * (1 - places if far else places)) <= 0
-    m = places.shape[1]
-    return np.where(free.any(axis=1), m - 1 - np.argmax(free[:, ::-1], axis=1), -1)
+    push = _push_terms(sol, cases, span * (1 - places if far else places))
+    pulled, m = push.values < -push.rounding, places.shape[1]
+    return np.where(pulled.any(axis=1), m - 1 - np.argmax(pulled[:, ::-1], axis=1), -1)
 
 
-def push_at(sol: ShapeArrays, cases: Array, t: Array) -> Array:
-    """The push at places t (k, m), in units of rho, of some cases (k,), in units of A/rho^3; between stations, where
-    the method knows no orbit, linear in t."""
+def _push_terms(sol: ShapeArrays, cases: Array, t: Array) -> Any:
+    """The push and its rounding at places t (k, m), in units of rho, of some cases (k,), in units of A/rho^3; between
+    stations, where the method knows no orbit, linear in t."""
     if sol.trajectory.orbit is None:
         shape = sol.trajectory
         rows = [[np.interp(t[i], sol.t[k], v[k]) for i, k in enumerate(cases)] for v in (shape.beta, shape.dbeta)]
@@ -86,17 +94,17 @@ def push_at(sol: ShapeArrays, cases: Array, t: Array) -> Array:
     else:
         beta, rate = sol.trajectory.orbit.take(cases).at(t)[:2]
     problem, sign = sol.problem.take(cases), flat(sol.case.outward, sol.case.shape)[cases]
-    return densities("outward", np.stack([problem.lam, problem.mu, problem.phi, sign], axis=1), beta, rate).values
+    return densities("outward", np.stack([problem.lam, problem.mu, problem.phi, sign], axis=1), beta, rate)
 
 
 TIGHT, MEETS, TURNED, STRAINED, PULLED = "too tight", "overlaps", "turned back", "strained", "pulled"
+NO_PUSH, PULL = "no push", "a pull"
 AT_ENDS, IN_PART, ALL_ALONG = f"{PULLED} at the ends", f"{PULLED} in part", f"{PULLED} nearly everywhere"
 UNKNOWN = "not checked: "
 UNCHECKED = (f"{UNKNOWN}curvature", f"{UNKNOWN}self-contact", f"{UNKNOWN}lift-off")
-ROUNDING = 1e-13  # of A/rho^3: a smaller pull is none. x10: as good
 # rad: beyond a quarter turn a rod turns back. x10: no rod does, and the caution is not given
 _QUARTER = np.pi / 2 + NEGLIGIBLE
-NEARLY_ALL = 0.95  # of the length without push. x10: the caution never says so
+NEARLY_ALL = 0.95  # of the length with a pull. x10: the caution never says so
 # strain up to which most materials are linear, where the unit of Young's modulus is not known. x10: no caution up to a
 # strain of 10 %
 LINEAR = 0.01
@@ -218,19 +226,21 @@ def _pull(sol: ShapeArrays, known: Mapping[str, Any]) -> tuple[Any, Any]:
     largest = np.maximum(np.abs(low), np.abs(high))
     with np.errstate(all="ignore"):  # on a very large cylinder rho^3 overflows
         unit = sol.case.rod.bending_stiffness / np.asarray(sol.case.rho, dtype=float) ** 3
-        least = SLIGHT * largest + ROUNDING * unit
+        least = least_pull(largest, unit)
     known = np.maximum(largest, unit) > np.finfo(float).tiny  # else the push has underflowed, and its sign is lost
     return (low < -least) & known, (low >= -least) & sure & known
 
 
 def _lift_off(sol: ShapeArrays, known: Mapping[str, Any], pulled: Any, unit: str) -> Any:
-    """How much of each rod that would lift off is without push, and where, (*cases) of str objects."""
+    """On how much of each rod that would lift off the cylinder pulls, and where, (*cases) of str objects."""
     pulled = np.reshape(pulled, -1) & np.reshape(sol.solved, -1)
-    share = 1 - np.clip(np.reshape(known["attached"], -1), 0, 1)
+    free = 1 - np.clip(np.reshape(known["attached"], -1), 0, 1)
     words = np.full(pulled.size, PULLED, dtype=object)
-    measured = pulled & np.isfinite(share) & np.isfinite(np.reshape(known["attached_error"], -1))
+    measured = pulled & np.isfinite(free) & np.isfinite(np.reshape(known["attached_error"], -1))
     if not measured.any():
         return words.reshape(sol.case.shape)
+    share = np.zeros(pulled.size)
+    share[measured] = _share_of_pulls(sol, np.flatnonzero(measured))
     ends = _lift_off_ends(sol, measured & (share <= 0.5))
     length = np.broadcast_to(sol.case.rod.L, sol.case.shape).reshape(-1)
     for i in np.flatnonzero(measured).tolist():
@@ -239,12 +249,13 @@ def _lift_off(sol: ShapeArrays, known: Mapping[str, Any], pulled: Any, unit: str
         if i in ends:
             off = f"{_round(ends[i] * length[i])} {unit}" if unit else f"{_round(100 * ends[i])} % of it"
             near = f" within {off} of an end"
-        words[i] = f"{kind} (no push on {_round(100 * share[i])} % of the length{near})"
+        what = NO_PUSH if free[i] - share[i] <= SLIGHT else PULL  # elsewhere it may neither push nor pull
+        words[i] = f"{kind} ({what} on {_round(100 * share[i])} % of the length{near})"
     return words.reshape(sol.case.shape)
 
 
 def _lift_off_ends(sol: ShapeArrays, candidates: Booleans) -> dict[int, float]:
-    """Case -> how far from an end the cylinder does not push, as a share of the length, of rods pressed in between."""
+    """Case -> how far from an end the cylinder pulls, as a share of the length, of rods pressed in between."""
     cases = only_at_ends(sol, np.flatnonzero(candidates)) if candidates.any() else np.array([], dtype=int)
     if (shapes := sol.trajectory.shapes) is not None:
         return {i: float(shapes.of(i).lift_off_reach() / sol.problem.span[i]) for i in cases.tolist()}

@@ -14,7 +14,7 @@ import numpy as np
 
 from ..core.measures import measure
 from ..nodes.loaded_rod import ALPHA, SHORT, SPEED
-from ..numerics.arrays import EPS, Array, Integers
+from ..numerics.arrays import EPS, NEGLIGIBLE, Array, Integers
 from ..numerics.roots import EXACT
 from ..orbits.marched_orbit import MarchedOrbit
 from ..orbits.periodic_orbit import TIGHT, solve_orbit
@@ -87,6 +87,8 @@ class MeasuredNumbers:
                     with np.errstate(invalid="ignore"):  # of a case without a shape
                         doubt = np.where(dense, doubt + np.abs(value - coarse[name][0]), np.nan)
                         measured[name] = np.where(shapeless, np.nan, value), doubt
+            if "lifts" in measured and sol.trajectory.shapes is not None:
+                measured["lifts"] = _later_lift_offs(sol, block, *measured["lifts"])
             measures.append(measured)
         if len(measures) == 1:
             return measures[0]
@@ -288,3 +290,14 @@ class MeasuredNumbers:
         t = self.sol.t
         known = self.sol.trajectory.orbit is not None or self.sol.trajectory.shapes is not None
         return self.carry(self.sol.problem.span if known or t.shape[1] < 2 else t[:, -1] - t[:, 0], "span")
+
+
+def _later_lift_offs(sol: ShapeArrays, cases: Integers, first: Array, error: Array) -> Pair:
+    """Where some cases (k,) lift off first, given where the push first is negative: a slight pull before is none."""
+    first, shapes, span = first.copy(), sol.trajectory.shapes, sol.problem.span[cases]
+    for k in np.flatnonzero(first < span).tolist():
+        stretches = shapes.of(int(cases[k])).lift_offs(1.0)
+        begin = stretches[0][0] if stretches else span[k]
+        if begin - first[k] > NEGLIGIBLE * span[k]:
+            first[k] = begin
+    return first, error

@@ -258,7 +258,7 @@ class _Helices:
     def rates(self, density: str) -> _Rates:
         problem, beta = self.problem, self.problem.beta0[:, None]
         loads = np.stack([problem.lam, problem.mu, problem.phi, self.sign], axis=1)
-        values, size, by_beta, _, *by_load = densities(density, loads, beta, 0 * beta)
+        values, size, _, by_beta, _, *by_load = densities(density, loads, beta, 0 * beta)
         by_loads = np.einsum("kb,bkg->bg", np.stack(by_load)[..., 0], self.unit[:, 2:])
         return _Rates(values[:, 0], size[:, 0], by_beta, by_loads)
 

@@ -18,6 +18,8 @@ from solver.observe.cautions import (
     IN_PART,
     JUDGED,
     MEETS,
+    NO_PUSH,
+    PULL,
     PULLED,
     STRAINED,
     TIGHT,
@@ -60,7 +62,7 @@ LINEAR = {1e4: 0.0025, 1e3: 0.01, 0.0: 0.1}
 NUMBERS = dict(enumerate(("none", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")))
 _POSSIBLE = (TURNED, STRAINED, AT_ENDS)  # what a real rod can do
 _STRAIN = re.compile(r"\((.+?) %; linear to (.+?) %\)")
-_EXTENT = re.compile(r"\((no push on .+? % of the length)(?: within (?:\S+ to )?(.+) of an end)?\)")
+_EXTENT = re.compile(rf"\(((?:{NO_PUSH}|{PULL}) on .+? % of the length)(?: within (?:\S+ to )?(.+) of an end)?\)")
 
 
 def of_cases(

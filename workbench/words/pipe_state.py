@@ -207,13 +207,12 @@ def _wrong_units(sol: "Solution", units: dict[str, str]) -> list[str]:
 
 def _lift_offs(sol: "Solution", length: str) -> list[str]:
     """Where a rod would lift off the wall, in a sentence; none where it does nowhere."""
-    stretches = sol.lift_offs
-    if not stretches:
+    stretches, text = sol.lift_offs, str(cautions.of_cases(sol))
+    if not stretches or cautions.PULLED not in text:
         return []
     share = 100 * sum(end - begin for begin, end in stretches) / float(sol.case.rod.L)
     each = [f"{plain(begin)} to {plain(end)} {length}" for begin, end in stretches[:MOST]]
     more = f", and on {len(stretches) - MOST} more stretches" if len(stretches) > MOST else ""
-    text = str(cautions.of_cases(sol))
     so = "a real rod takes another shape there" if cautions.IN_PART in text else "a real rod leaves the wall there"
     so = "no real rod has this shape" if cautions.ALL_ALONG in text else so
     return [f"caution: the push is below 0 on {share:.2g} % of the length, {', '.join(each)}{more}: {so}"]
