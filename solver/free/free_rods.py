@@ -211,8 +211,6 @@ def refine(beside: Beside, shape: FreeShape, tol: float) -> FreeAnswer:
         curve, edges = curve_of(shapes[-1]), 2 * shapes[-1].rod.edges
         finer = beside.minimum(curve, 1.0, edges, known=shapes[-1].rod.finer_multipliers(shapes[-1].multipliers))
         anew = edges <= FINEST >> MESHES  # so that finer meshes can tell the error of another minimum
-        if finer is None and anew:
-            finer = beside.minimum(curve, 1.0, edges)
         if finer is None:
             why = f"no minimum of the energy was found on {edges} edges{beside.effort.why}"
             break
