@@ -87,7 +87,7 @@ class Cells:
         x, y = np.meshgrid(self.x.values, self.y.values)
         return x.ravel(), y.ravel(), barred
 
-    def crowding(self, name: str) -> NDArray[np.bool_]:
+    def hidden_changes(self, name: str) -> NDArray[np.bool_]:
         """Which cases of a refined study were added where a number changes that the map of `name` does not show: that
         of the bends of nearly straight rods, (n,)."""
         if SAMPLE not in self.source.sizes or name != BENDS:

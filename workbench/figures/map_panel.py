@@ -124,7 +124,7 @@ def entries(panels: list[Cells], shown: tuple[str, ...]) -> list[str | Artist]:
     ):
         legend += [Patch(label=label, **look)] * bool(occurs)
     unchecked, cases = sum(panel.unchecked for panel in panels), sum(panel.solved.size for panel in panels)
-    is_thinned = any(panel.crowding(name).any() for panel in panels for name in shown)
+    is_thinned = any(panel.hidden_changes(name).any() for panel in panels for name in shown)
     return [
         *legend,
         *BARRED[1:] * is_mixed,
@@ -159,7 +159,7 @@ def _show_samples(ax: Axes, cells: Cells, name: str) -> None:
     and none that was added where a number changes that the map does not show."""
     x, y, barred = cells.samples()
     shown = np.arange(0, x.size, -(-x.size // MOST_SAMPLES))
-    shown = shown[~cells.crowding(name)[shown]]
+    shown = shown[~cells.hidden_changes(name)[shown]]
     size = float(np.clip(40 / shown.size**0.5, 0.7, 2.0))
     for marker, rows in ((".", shown[~barred[shown]]), ("x", shown[barred[shown]])):
         if rows.size:

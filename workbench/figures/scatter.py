@@ -22,11 +22,11 @@ from .trends import Values, mark_missing
 
 ROW_HEIGHT, LEAST_WIDTH, TALLEST = 2.1, 1.7, 6.7  # inches of a panel; of all
 NARROW_ROW, LEAST_PANEL, BESIDE = 1.25, 0.85, 0.75  # on a narrow sheet; inches of a panel at least; of ticks and label
+BETWEEN = 0.25  # inches between two rows of panels
 MORE = 0.3, 0.8  # inches of the figure: below its panels, and beside them
 FEW, MANY = 300, 4000  # samples up to which a dot is large, and beyond which the density is drawn
 LEAST = 8  # samples of which a rank correlation says something
 BINS = (90, 60)  # of the density
-BETWEEN = 0.25  # inches between two rows of panels
 
 
 def figure(stored: StoredStudy, show: Sequence[str] = (), sheet: Sheet = SCREEN) -> Figure:

@@ -47,9 +47,9 @@ def trend(line: TrendLine, ax: Axes, joined: bool = True) -> Axes:
     if line.fold is not None:
         ax.axvline(float(np.degrees(line.fold)), color=colours.INK, linewidth=1, linestyle=(0, (4, 3)), label="fold")
     wide, high = fonts.inches(ax)
-    ax.set_xlabel(fonts.wrap(fonts.fit_label(partial(labels.axis_label, line.axis, held=line.held), wide), ax))
     page = ax.get_figure(root=True)
     lines_of_label = 2 if page and page.get_figwidth() >= ONE_COLUMN else 1  # views have what labels leave
+    ax.set_xlabel(fonts.wrap(fonts.fit_label(partial(labels.axis_label, line.axis, held=line.held), wide), ax))
     ax.set_ylabel(fonts.fit_label(partial(labels.label, line.observable), high, lines_of_label))
     ax.margins(y=0.1)
     drawn = np.vstack([lines, values])
