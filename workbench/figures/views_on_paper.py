@@ -161,7 +161,7 @@ def views_of(
 
     if arrows:
         each = arrows, [replace(arrow, words="") for arrow in arrows]
-        arrows = next((some for some in each if scales(some)[0] >= scales([])[0] / CEDED), [])
+        arrows = next((fewer for fewer in each if scales(fewer)[0] >= scales([])[0] / CEDED), [])
     fits = scales(arrows)
     scale = next((scale for scale in fits if np.ptp(x) * mm * scale + beside(scale, arrows) <= room), SCALES[-1])
     if not (whole := 2 * rod.a * mm * scale >= THICK):
