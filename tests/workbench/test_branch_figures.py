@@ -305,6 +305,14 @@ def test_a_rod_is_left_out_as_too_small_where_it_would_be_so_beside_those_that_a
     assert views(None, [0, 1], None).form.scale * sides[1] >= bifurcation.SMALLEST
 
 
+def test_an_unstable_rod_that_looks_like_one_before_it_is_left_out(dead) -> None:
+    stored = StoredStudy(dead)
+    stable = bifurcation.stable_shapes(stored)
+    unstable = next(k for k in range(stored.sizes["shape"]) if k not in stable)
+    again = [stable[0], stable[0], unstable, unstable]
+    assert bifurcation._different(stored, again) == [stable[0], stable[0], unstable]
+
+
 def test_lines_of_many_unstable_branches_are_whole_and_thin_as_dashes_side_by_side_make_a_pattern(
     figures_of_many, drawn
 ) -> None:

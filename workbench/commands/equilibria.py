@@ -163,6 +163,7 @@ def _list(
         console.say(f"{len(rows)} {noun}, {sum(r['index'] == 0 for r in rows)} stable {ends}")
         if not found.complete:
             console.say(remark if held else f"the list may be incomplete: {remark}")
+        _say_unsolved([str(equilibrium.solution.outcome) for equilibrium in found])
         if found:
             console.say(f"* {how.rule}" if taken else f"none has index {rule}")
         console.say(f"rod: {source}")
@@ -221,6 +222,15 @@ def _energy_in_words(rows: Sequence[dict[str, Any]], held: bool, heavy: bool, un
     return f"{'held ' if held else ''}energy = bending energy + {part}{weight} - work of {loads}"
 
 
+def _say_unsolved(texts: Sequence[str]) -> None:
+    """Say of how many listed equilibria no shape is known, and why; texts: the outcome of each, "" for none."""
+    from ..words import outcomes
+
+    failed = Counter(text for text in texts if text not in ("", "solved"))
+    for text, count in outcomes.group(failed).items():
+        console.say(f"{count} equilibri{'um is' if count == 1 else 'a are'} listed, but {text}")
+
+
 def _over_axis(study: "Study", case: "Case", name: str, values: "np.ndarray", show: str | None) -> Result:
     """The branches of equilibria over an axis; status 1 if there is none."""
 
@@ -246,5 +256,6 @@ def _over_axis(study: "Study", case: "Case", name: str, values: "np.ndarray", sh
         console.say_units(study.unit_system)
         for remark, count in outcomes.group(Counter(remarks)).items():
             console.say(f"{'a branch stops' if count == 1 else f'branches stop {count} times,'} at {remark}")
+        _say_unsolved(stored["outcome"].values.ravel().tolist() if "outcome" in stored else [])
 
     return Result(data, tell, 0 if rows else 1, lambda: stored.ds)

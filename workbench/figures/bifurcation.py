@@ -34,6 +34,7 @@ BACK = {"linewidth": 0.5, "linestyle": "-", "alpha": 0.75}
 ROUNDS, NEAR = 2, 0.05  # until the numbers stand on a diagram as high as what the layout gives it, nearly
 BESIDE = 0.2  # inches above and below all lines, for a number
 SMALLEST = 0.35  # inches of the view of an unstable rod: in a smaller one nothing is told apart
+SAME = 0.01  # of its size: two rods between which no point of the line moves farther look the same
 RINGED = 0.5  # of that length its rings cover at most
 MOST_PAIRS = 8  # of branches on one line that are named
 MOST_INSIDE = 4  # entries of a legend that find a free place in the diagram
@@ -87,7 +88,7 @@ def _page_with_numbers(stored: StoredStudy, shown: str, sheet: Sheet, inches: fl
     with rc_context(fonts.RC | sheet.settings()):  # which shapes have room for their numbers
         ax = Figure((sheet.width, high + MORE)).add_subplot()
         numbered = panel(stored, ax, shown, inches, sheet, _in_order(stored))
-    chosen = _large_enough(stored, numbered[: MOST[sheet.narrow]], sheet)
+    chosen = _large_enough(stored, _different(stored, numbered)[: MOST[sheet.narrow]], sheet)
 
     def draw(most: int) -> Figure:
         kept = sorted(chosen[: most - 1])
@@ -289,6 +290,18 @@ def stable_shapes(stored: StoredStudy) -> list[int]:
 
 def _is_stable(stored: StoredStudy, k: int) -> bool:
     return bool(_look_of_shape(stored, k)["linewidth"] > colours.UNSTABLE["linewidth"])
+
+
+def _different(stored: StoredStudy, chosen: Sequence[int]) -> list[int]:
+    """The shapes without the unstable ones that look like one before them, such as a straight rod on many branches."""
+    kept, lines = list[int](), list[np.ndarray]()
+    for k in chosen:
+        rho, alpha, z = (stored[f"shape_{key}"].values[k] for key in ("rho", "alpha", "z"))
+        line = np.array([rho * alpha, z])
+        if _is_stable(stored, k) or all(np.abs(line - other).max() > SAME * np.ptp(line) for other in lines):
+            kept.append(k)
+            lines.append(line)
+    return kept
 
 
 def _large_enough(stored: StoredStudy, chosen: Sequence[int], sheet: Sheet) -> list[int]:
