@@ -258,8 +258,10 @@ def _stations(case: Case, span: Array, stations: Any) -> Array:
         s = np.asarray(stations, dtype=float)
         s = np.broadcast_to(s, (*case.shape, s.shape[-1])).reshape(case.size, -1)
     except (TypeError, ValueError, IndexError):
-        shape = f"(n,) or {(*case.shape, 'n')}"
-        raise InputError(f"stations must be a whole number or values of s, {shape}, got {stations!r}") from None
+        shapes = f"(n,) or ({', '.join(map(str, case.shape))}, n)" if case.shape else "(n,)"
+        raise InputError(
+            f"stations must be a whole number, or values of s of shape {shapes}, got {show(stations)}"
+        ) from None
     length = flat(case.rod.L, case.shape)[:, None]
     if not s.size:
         raise InputError("stations is empty; give at least one value of s, or a number of stations")

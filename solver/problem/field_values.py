@@ -134,10 +134,10 @@ def in_rad(values: NDArray[Any]) -> NDArray[Any]:
 
 
 def _only_numbers(array: NDArray[Any]) -> bool:
-    """Whether each element is a real number; text is not a number, even "5"."""
+    """Whether each element is a real number; text is not a number, even "5", and neither is True."""
     if array.dtype.kind == "O":
-        return not any(element is None or isinstance(element, (str, bytes)) for element in array.flat)
-    return array.dtype.kind in "biuf"
+        return not any(element is None or isinstance(element, (str, bytes, bool)) for element in array.flat)
+    return array.dtype.kind in "iuf"
 
 
 def refuse(owner: str, field: str, value: ArrayLike, bad: ArrayLike, rule: str) -> None:
@@ -145,8 +145,9 @@ def refuse(owner: str, field: str, value: ArrayLike, bad: ArrayLike, rule: str) 
     bad = np.atleast_1d(bad)
     if bad.any():
         worst = np.atleast_1d(np.asarray(value))[bad].flat[0]
-        which = f"the first of {bad.sum()} such values among the" if bad.sum() > 1 else "one of the"
-        where = f" ({which} {bad.size} values)" if bad.size > 1 else ""
+        index = ", ".join(map(str, np.argwhere(bad)[0]))
+        more = f"; the first of {bad.sum()} such values" if bad.sum() > 1 else ""
+        where = f" (at index {index} of {bad.size} values{more})" if bad.size > 1 else ""
         raise InputError(f"{_name_in(owner, field)} must be {rule}, got {worst!s}{where}")
 
 

@@ -19,7 +19,7 @@ from solver.problem.errors import InputError, choices, no_such, show
 from solver.problem.reduced import fields_held
 from studies import Study
 from studies.grammar.axes import DEFAULT_UNITS
-from studies.language.case_input import field_values
+from studies.language.case_input import check_units, field_values
 from studies.language.loader import loads
 
 from ..stored import provenance, quantity_variables
@@ -83,13 +83,17 @@ def as_dataset(study: Study, case: Case, found: Sequence[Equilibrium]) -> xr.Dat
 
 
 def all_units(units: Mapping[str, str] | None) -> dict[str, str]:
-    """The units of length and force; default: these words. Raises `InputError` for another unit than these two."""
+    """The units of length and force; default: these words.
+
+    Raises `InputError` for another name than these two, and for a unit that is not known.
+    """
     words = {"length": "length", "force": "force"}
     for name, unit in (units or {}).items():
         if name not in words:
             raise no_such("unit", name, words)
         if not isinstance(unit, str):
             raise InputError(f"the unit of {name} must be text, got {show(unit)}")
+    check_units({name: unit for name, unit in (units or {}).items() if unit != words[name]})
     return words | dict(units or {})
 
 

@@ -37,7 +37,7 @@ MOST_SOLVED = 10_000  # cases that are solved again: seconds
 def study_of(ds: xr.Dataset) -> Study:
     """The study of a dataset, under its reading and with the samples of the dataset; `InputError` where it has none."""
     if not ds.attrs.get("study"):
-        raise InputError("the dataset has no attribute study, so its study is unknown")
+        raise InputError("the dataset holds no study that solves its cases again")
     values = samples_of(ds)  # also where there are none: no table that the text names is read
     context = {"samples": Dimension(SAMPLE, values) if values else None}
     study = loads(schema.text_of(ds, "study"), "the dataset's study", schema.text_of(ds, "study_name"), context)
