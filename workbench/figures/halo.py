@@ -15,5 +15,5 @@ class Halo(withStroke):
         self.width, self.alpha, self.background = width, alpha, background
 
     def on(self, background: str) -> Self:
-        """The same edge on another background."""
+        """An edge of this width and opacity in the colour of another background."""
         return type(self)(self.width, self.alpha, background)
