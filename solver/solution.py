@@ -10,6 +10,7 @@ import numpy as np
 from .free.beginnings import curves_of, let_go
 from .free.free_rods import FREE_TOLERANCE, answers_beside, trajectory_of
 from .free.sinking import descent_of
+from .nodes.stretch_states import is_drawn, states
 from .numerics.arrays import Array
 from .observe.cautions import of_cases
 from .observe.solution_derivatives import Sensitivity, sensitivity
@@ -17,7 +18,7 @@ from .orbits import frames
 from .orbits.shape_arrays import ShapeArrays
 from .problem.case_fields import cases_at, place_along, with_field
 from .problem.errors import InputError, check_tolerance, show, whole_number
-from .problem.reduced import loads_of
+from .problem.reduced import flat, loads_of
 from .problem.shown import NOTEBOOK, Picture, make, table_of
 
 if TYPE_CHECKING:
@@ -494,6 +495,16 @@ class FreeSolution(Solution):
     @property
     def h(self) -> Array:
         return np.full(self.s.shape, np.nan)
+
+    @cached_property
+    def states(self) -> Any:
+        each, rho = np.full(self.case.size, None, dtype=object), flat(self.case.rho, self.case.shape)
+        for i in np.flatnonzero(self.trajectory.solved & self.case.varies).tolist():
+            shape = self.trajectory.free.answers[i].shapes[-1]
+            along = shape.at_stations(shape.nodes)
+            drawn = is_drawn(along.force[:, 2], along.push)
+            each[i] = states(shape.nodes * rho[i], along.turned[1], along.turned[0], drawn)
+        return self._each(each)
 
     @cached_property
     def contacts(self) -> Any:

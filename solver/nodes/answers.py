@@ -249,10 +249,12 @@ def failure(way: GrowthWay, size: float, friction: float) -> str:
         said += f". There is an answer with friction from 0 to {way.share * friction:.3g}"
     if way.limit is None:
         return said
-    load = round_up(way.limit * size)
-    at_end = f"{f'least {load:.4g}' if load > 0 else f'most {-load:.4g}'} at s = L (FZ = {load:.4g})"
+    load = way.limit * size
     if way.share is None:  # locked up
-        return f"{said}. It still does with {'a tension of ' * (load > 0)}at {at_end}"
+        beyond = f"a tension of more than {load:.4g}" if load > 0 else f"less than {-load:.4g}"
+        return f"{said}. It still does with {beyond} at s = L (FZ = {load:.4g})"
+    load = round_up(load)
+    at_end = f"{f'least {load:.4g}' if load > 0 else f'most {-load:.4g}'} at s = L (FZ = {load:.4g})"
     return f"{said}. The rod can be straight with a {'tension' if load > 0 else 'compression'} of at {at_end}"
 
 

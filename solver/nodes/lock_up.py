@@ -17,6 +17,7 @@ from .local_waves import EQUAL, LIGHTEST, SOFT, has_waves, largest, mean_push
 PASSED = 0.01
 WAVELESS = 1e-8  # of F^2: a weight across that is too small for a sinusoid, in place of none. x10: as good
 PANELS = 12  # where the push is smooth; with `GAUSS` to 1e-9 of the length. x10: only time
+HELIX = 4 / (3 * np.sqrt(3))  # the largest compression of a helix
 FINE = 1e-10  # of the compression. x10: a digit less of it
 
 
@@ -46,14 +47,25 @@ def lock_up_length(along: float, across: float, friction: float, arriving: float
 
 
 def largest_arriving(along: float, across: float, friction: float, span: float) -> float:
-    """The largest compression that arrives over a length before it locks up; infinite where every one does."""
-    most = 4 / (3 * np.sqrt(3))  # of a helix
-    locks = [lock_up_length(along, across, friction, F) < span for F in (-most, most)]
-    if not locks[1]:
-        return np.inf
-    if locks[0]:
+    """The compression at which a push that grows locks up over a length; infinite where none does.
+
+    Where the sinusoid becomes a helix the push jumps, and a length that is locked up before may be none just after.
+    """
+    front = np.nextafter(np.sqrt(max(across, LIGHTEST)) * (2 + EQUAL), 0)
+
+    def locks(F: float) -> bool:
+        return lock_up_length(along, across, friction, F) < span
+
+    if locks(-HELIX):
         return np.nan
-    return halve(lambda F: lock_up_length(along, across, friction, F) < span, -most, most, FINE)[0]
+    most = next((F for F in (front, HELIX) if F <= HELIX and locks(F)), np.inf)
+    return most if np.isinf(most) else halve(locks, -HELIX, most, FINE)[0]
+
+
+def lock_up_tension(rod: LoadedRod) -> float | None:
+    """The far end's phi below which a rod that pushes towards it locks up; None where none is known."""
+    arriving = largest_arriving(rod.along, rod.across, float(rod.numbers[3]), rod.span)
+    return -arriving if np.isfinite(arriving) else None
 
 
 def lock_up_share(rod: LoadedRod) -> float | None:

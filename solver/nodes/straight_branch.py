@@ -13,7 +13,7 @@ from .buckling import buckle, rod_without_friction, shares_of_buckling, straight
 from .growth import FRICTION, GrowthWay, grow
 from .loaded_rod import ALPHA, SHORT, LoadedRod
 from .local_waves import QUIET, leans_and_buckles, sinusoid, wants_helix, wound_shape
-from .lock_up import PASSED, lock_up_share
+from .lock_up import PASSED, lock_up_share, lock_up_tension
 from .newton import correct, is_same
 from .shape_index import index_at
 from .taut import taut_shape
@@ -178,12 +178,11 @@ def branch_with_friction(rod: LoadedRod) -> GrowthWay:
     """
     locked = lock_up_share(rod)
     if locked is not None:
-        limit = least_tension(rod, lambda pulled: lock_up_share(pulled) is not None)
         why = (
             f"locked up. A push at s = 0 no longer reaches s = L: less than {100 * PASSED:g} % of a change of it "
             f"passes the last {100 * locked:.3g} % of the length"
         )
-        return GrowthWay(None, why=why, barred=True, limit=limit)
+        return GrowthWay(None, why=why, barred=True, limit=lock_up_tension(rod))
     if rod.straight and not straight_index(rod):
         return GrowthWay(straight_shape(rod, rod.nodes()))
     if not rod.straight and (taut := taut_shape(rod)) is not None:

@@ -97,3 +97,12 @@ def test_one_coefficient_is_fitted_to_slack_off_and_pick_up_together() -> None:
     assert found.share_of("FZ0@axial-backward")["friction"] == pytest.approx(0.5, rel=1e-6)
     off = (22 + 50) / 2 - W * np.cos(hole)
     assert found.residuals == pytest.approx([-off, -off], rel=1e-4)
+
+
+@pytest.mark.parametrize("inclination", [90.0, 60.0])
+def test_the_load_at_which_a_pipe_locks_up_is_the_largest_that_arrives(inclination: float) -> None:
+    rod = Rod(E=30e3, nu=0.3, a=2.5, L=60000.0, inner_radius=2.138, weight=19.5e-3 / 12)  # kip, inch
+    hole = Cylinder(4.25, "inside", np.radians(180 - inclination), 0.25, "axial-forward")
+    easy, locked = (solve(Case(rod, hole, Ends(beta0=0.0, betaL=0.0, FZ=-load))) for load in (20.0, 90.0))
+    most = float(observe(easy, ["arriving_max"])["arriving_max"])
+    assert f"less than {most:.4g} at s = L" in str(locked.outcome)

@@ -451,3 +451,46 @@ def test_a_solved_case_that_no_file_can_hold_is_refused_and_not_stored(tmp_path,
     assert exit_status("solve", "--table1", "--out", tmp_path / "rod.h5") == 2
     assert "rod.h5: failed: why" in capsys.readouterr().err
     assert not (tmp_path / "rod.h5").exists()
+
+
+CENTRED = """
+title = "A pipe with centred ends in a hole"
+
+[units]
+length = "ft"
+force = "klbf"
+
+[base]
+E = "30000 ksi"
+nu = 0.3
+a = "2.5 in"
+inner_radius = "2.138 in"
+L = 300.0
+R = "4.25 in"
+side = "inside"
+weight = "19.5 lbf/ft"
+inclination = "90deg"
+contact = "unilateral"
+beta0 = 0.0
+betaL = 0.0
+FZ = -45.0
+radius0 = 0.0
+radiusL = 0.0
+"""
+
+
+def test_a_pipe_with_centred_ends_has_a_state_numbers_along_it_and_a_gap_on_the_axis(capsys, tmp_path: Path) -> None:
+    file, stored = tmp_path / "centred.toml", tmp_path / "centred.h5"
+    file.write_text(CENTRED, encoding="utf-8")
+    assert exit_status("solve", file, "--out", stored) == 0
+    said = capsys.readouterr().out
+    assert "state: sinusoidal all along" in said
+    force = next(line for line in said.splitlines() if line.startswith("axial force FZ"))
+    assert [float(word) for word in force.split()[4:7]] == pytest.approx([-45.0] * 3, rel=1e-3)
+    assert "dogleg of the pipe" in said
+    body = read(StoredStudy(reading.read(stored)), {}, kind_of("contact"))
+    assert body.widest_gap is not None
+    wall, rod = body.widest_gap
+    assert np.hypot(*(rod - wall)[:2]) == pytest.approx((4.25 - 2.5) / 12)
+    assert exit_status("plot", stored, "--kind", "well", "--out", tmp_path / "w.png") == 2
+    assert "does not hold them; workbench solve prints them" in capsys.readouterr().err

@@ -77,10 +77,15 @@ def figure(
         `drawn_rods.choose`.
     """
     stored = stored.coarse()
-    if not stored.loads_vary or stored.leaves or stored.attrs.get("side") != "inside":
+    if stored.leaves:
         raise InputError(
-            "--kind well draws a pipe with weight or friction inside a hole, which it does not leave, and the rods of "
-            "this file are none; choose --kind ridge or curves"
+            "--kind well needs the forces along the pipe, and a file of pipes that may leave the wall does not hold "
+            "them; workbench solve prints them, and --kind ridge or curves draws the shape"
+        )
+    if not stored.loads_vary or stored.attrs.get("side") != "inside":
+        raise InputError(
+            "--kind well draws a pipe with weight or friction inside a hole, and the rods of this file are none: "
+            "choose --kind ridge or curves"
         )
     place = stored.place(at)
     load = _load_axis(stored, x)

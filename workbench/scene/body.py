@@ -148,7 +148,8 @@ class Body:
         k = int(np.argmax(gap))
         if gap[k] < SEEN * self.a:
             return None
-        ends = np.array([self.R, radius[k] - sign * self.a])[:, None] * np.append(place[k, :2] / radius[k], 0.0)
+        away = frames.outward(self.line.at(s[[k]])[0])[0]  # a place on the axis has no direction of its own
+        ends = np.array([self.R, radius[k] - sign * self.a])[:, None] * away
         return self._place_on_page(ends + np.array([0.0, 0.0, place[k, 2]]))
 
     @cached_property

@@ -44,9 +44,11 @@ def axial_force(along: Any) -> Any:
 
 def profile(sol: "Solution", units: dict[str, str]) -> list[ProfileRow]:
     """Forces, curvature and stresses along a rod with weight or friction; none of another one, or where unsolved."""
-    if not (sol.case.varies and sol.solved) or sol.case.leaves:
+    if not (sol.case.varies and sol.solved):
         return []
-    shape, rho = sol.trajectory.shapes.of(0), float(sol.case.rho)
+    rho, free = float(sol.case.rho), sol.trajectory.free
+    shape = sol.trajectory.shapes.of(0) if free is None else free.answers[0].shapes[-1]
+    t, nodes = (shape.dense[0], shape.t) if free is None else (shape.nodes, shape.nodes)
 
     def read(t: Any) -> Any:
         return np.stack([values for *_, values in quantities(sol.case, _at_times(sol, t), units)])
@@ -54,7 +56,6 @@ def profile(sol: "Solution", units: dict[str, str]) -> list[ProfileRow]:
     def sizes(t: Any) -> Any:
         return np.abs(read(t))
 
-    t, _ = shape.dense
     wave = _wave(sol) / rho
     largest, at = largest_between(sizes, t)
     away = np.concatenate([[wave], t[(t > wave) & (t < t[-1] - wave)], [t[-1] - wave]])
@@ -63,7 +64,7 @@ def profile(sol: "Solution", units: dict[str, str]) -> list[ProfileRow]:
     peaks = np.empty((at.size, at.size))
     peaks[:, order] = read(at[order])
     start, far = read(t[[0, -1]]).T
-    numbers = np.stack([start, _means(read, shape.t), peaks.diagonal(), at * rho, far, inside], axis=1)
+    numbers = np.stack([start, _means(read, nodes), peaks.diagonal(), at * rho, far, inside], axis=1)
     numbers[np.abs(numbers) < ROUNDING * np.maximum(largest, 1e-300)[:, None]] = 0.0
     heads = [(name, unit) for name, unit, _ in quantities(sol.case, _at_times(sol, t[:1]), units)]
     return [ProfileRow(*head, *row) for head, row in zip(heads, numbers.tolist(), strict=True)]
@@ -129,5 +130,9 @@ def weight_across(case: "Case") -> float:
 
 def _at_times(sol: "Solution", t: Any) -> "Solution":
     """One rod at rising times t (n,)."""
+    if (free := sol.trajectory.free) is not None:
+        from solver.free.free_rods import trajectory_of
+
+        return replace(sol, t=t[None], trajectory=trajectory_of(sol.case, free.answers, t[None], float(sol.tol))[1])
     read = sol.trajectory.shapes.read(t[None], flat(sol.case.given.alpha, ()))
     return replace(sol, t=t[None], trajectory=replace(sol.trajectory, **read))

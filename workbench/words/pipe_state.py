@@ -43,7 +43,7 @@ WAYS = {
 TENSION = "in tension all along: a compression, as by a weight on the bit, is a negative FZ"
 STIFFEST, DENSEST = 1.3e6, 23e3  # MPa, kg/m3: above diamond and osmium
 GRAVITY = 9.81  # m/s2
-STEADY = 1e-6  # deg: a lay that varies by less is one
+STEADY = 1e-6  # deg: a lay that varies by less is one, and a bend that turns less is none
 
 
 class Limit(NamedTuple):
@@ -83,9 +83,11 @@ def all_sentences(sol: "Solution", units: dict[str, str]) -> list[str]:
 
 def sentences(sol: "Solution", units: dict[str, str]) -> list[str]:
     """The sentences on one case, where it is not solved the loads alone; none of a rod without weight and friction."""
-    if not sol.case.varies or sol.case.leaves:
+    if not sol.case.varies:
         return []
     length, force = units["length"], units["force"]
+    if sol.case.leaves:  # its outcome says that it is stable
+        return [f"state: {in_words(sol.states, length)}", lower_end(sol.case)] if sol.solved else []
     if not sol.solved:
         return _buckling_load(sol, force)
     said = [f"state: {in_words(sol.states, length)}{_doubt(sol)}; {_stability(sol)}"]
@@ -165,14 +167,17 @@ def _reach(sol: "Solution", units: dict[str, str]) -> list[str]:
 
 
 def _ripples(sol: "Solution") -> list[str]:
-    """That some bends are much smaller than others, as the number of bends counts all of them."""
-    sizes = [math.degrees(size) for _, size in sol.bends_at]
+    """That some bends are much smaller than others, as the number of bends counts all of them.
+
+    What turns less than `STEADY` is not said: nobody sees it.
+    """
+    sizes = [size for _, angle in sol.bends_at if (size := math.degrees(angle)) >= STEADY]
     if not sizes or all(state.word == STRAIGHT for state in sol.states) or min(sizes) > SLIGHT * max(sizes):
         return []
     ripples = sum(size <= SLIGHT * max(sizes) for size in sizes)
     return [
         f"bends: the largest of the {len(sizes)} changes the angle by {max(sizes):.3g} deg; {ripples} of them "
-        f"{'is a ripple' if ripples == 1 else 'are ripples'} of less than a tenth of that, down to {min(sizes):.2g} deg"
+        f"{'is a ripple' if ripples == 1 else 'are ripples'} of less than a tenth of that"
     ]
 
 
@@ -222,7 +227,7 @@ def _clamps(sol: "Solution", push: ProfileRow) -> list[str]:
     """That the push at a clamped end is not that of the pipe; nothing of a straight rod and of hinges."""
     ends = ("s = 0", "beta0"), ("s = L", "betaL")
     places = [place for place, angle in ends if getattr(sol.case.given, angle, None) is not None]
-    if not places or all(state.word == STRAIGHT for state in sol.states):
+    if sol.case.leaves or not places or all(state.word == STRAIGHT for state in sol.states):
         return []
     said = f"the push at {' and '.join(places)} is that next to a clamp"
     return [f"{said}; a wave away from the ends it is at most {plain(push.inside)} {push.unit}"]
