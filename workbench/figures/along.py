@@ -276,6 +276,8 @@ def _draw_curves(ax: Axes, rods: DrawnRods, curves: Curves) -> list[str]:
                 va="bottom",
                 color=colours.SOFT,
                 size=fonts.small(),
+                zorder=4,  # before the curves, whose neighbour may pass here
+                bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.0},
             )
             continue
         s, push = rod["s"], rod["push"] if curves.name in ("push", *ARRAYS) else values

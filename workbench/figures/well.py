@@ -46,6 +46,7 @@ BANDS = (
     ("or helix", "#7f9fa6", 0.3),
     ("only helix", colours.STATES["helical"], 0.28),
 )
+JUMP = "jumps to another shape"
 FAILING = colours.VERDICTS[FAILS]
 
 
@@ -282,6 +283,11 @@ def _draw_slack_off(stored: StoredStudy, load: str, place: Mapping[str, int], ax
     slack, bit = np.broadcast_to(weight - near, FZ0.shape), -far
     broken = np.flatnonzero(np.diff(line["branch"].values[order])) + 1 if "branch" in line else ()
     trends.draw_line(ax, slack[order], bit[order], False, False, broken, color=colours.DATA, linewidth=1.3)
+    solved = np.isfinite(slack[order]) & np.isfinite(bit[order])
+    jumps = [k for k in map(int, broken) if solved[k - 1 : k + 1].all()]
+    for k in jumps:
+        ax.plot(slack[order][k - 1 : k + 1], bit[order][k - 1 : k + 1], color=colours.DATA, linewidth=0.8,
+                linestyle=(0, (1, 2)), label=JUMP)  # fmt: skip
     if slack.size <= trends.MOST_DOTS:
         ax.scatter(slack, bit, color=colours.DATA, s=15, zorder=4, edgecolors="white", linewidths=0.7)
     k = place[load]
@@ -296,6 +302,8 @@ def _draw_slack_off(stored: StoredStudy, load: str, place: Mapping[str, int], ax
         "Slack-off: the weight of the pipe along the hole less the force at its upper end; weight on bit: the push at "
         "its lower end."
     ]
+    if jumps:
+        said.append("Where the curve jumps, the pipe leaves its shape for another one, as a sinusoid for a helix.")
     if np.isfinite(most):
         said.append(f"However hard it is pushed, the pipe locks up: at most {plain(most)} {force} arrives.")
         if most <= 2 * ends[1]:
