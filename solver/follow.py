@@ -88,7 +88,8 @@ def follow(solution: Solution, *, points: int = POINTS, **field: ArrayLike) -> B
     followed = (_follow_shape if case.on_nodes else _follow_orbit)(solution, case, name, bounds)
     if isinstance(followed, str):
         raise InputError(f"the equilibrium cannot be followed: {followed}")
-    return _branch(case, name, *followed, partial(_solution_at, solution.tol, solution.t[0] / solution.problem.span[0]))
+    solve_point = partial(_solution_at, solution.tol, solution.t[0] / solution.problem.span[0])
+    return _branch(case, name, *_without_failures(case, name, solution.tol, *followed), solve_point)
 
 
 def _range(case: Case, name: str, goals: Array) -> tuple[float, float, tuple[float, ...]]:
@@ -224,8 +225,59 @@ def _shapes(problem: EndsProblem, points: Sequence[BranchPoint], t: Array, tol: 
 
 def solutions_of(branch: Branch, stations: int) -> Solution:
     """All points of a branch as one solution over a grid of one axis."""
-    case = with_field(branch.points[0].case, branch.field, branch.values)
-    return _solutions_at(branch.points, case, branch.points[0].solution.tol, np.linspace(0, 1, stations))
+    return _solutions_over(branch.points, branch.field, branch.points[0].solution.tol, stations)
+
+
+def _solutions_over(points: Sequence[BranchPoint], name: str, tol: float, stations: int) -> Solution:
+    """Points of a branch over a field as one solution over a grid of one axis."""
+    case = with_field(points[0].case, name, np.array([point.value for point in points]))
+    return _solutions_at(points, case, tol, np.linspace(0, 1, stations))
+
+
+def _without_failures(
+    case: Case, name: str, tol: float, places: "list[Place]", start: int, begin: "Stop", end: "Stop"
+) -> "tuple[list[Place], int, Stop, Stop]":
+    """The places of a branch from the first one, number `start`, to the last on either side before one that is not
+    solved to the tolerance, and why there are no more.
+
+    Where the branch is steep its field has too few digits for the tolerance: a place that is not solved is first
+    corrected at its own value. A special point stays: there no case determines its shape.
+    """
+    from .branches.branch_events import Stop
+
+    def verdict(rows: Sequence[int]) -> Solution:
+        points, _ = _points([places[i] for i in rows], case, name, partial(_solution_at, tol, np.zeros(1)))
+        return _solutions_over(points, name, tol, 2)
+
+    def stop(i: int, old: Stop) -> Stop:
+        why = failed[i].removeprefix("failed: ")
+        why = f"the equilibrium found at {name} = {_value_in_words(name, places[i].p)} is not solved: {why}"
+        p = float(places[i + (1 if i < start else -1)].p)
+        passed = old.helix is not None and min(p, old.p) <= old.helix[0] <= max(p, old.p)
+        return Stop(why, p, old.helix if passed else None)
+
+    places, first, last = list(places), 0, len(places)
+    plain = np.array([not place.kind for place in places])
+    failed: dict[int, str] = {}
+    if rows := np.flatnonzero(~verdict(range(last)).solved & plain).tolist():
+        for i in rows:
+            places[i] = _correction(places[i])
+        again = verdict(rows)
+        failed = {i: str(why) for i, good, why in zip(rows, again.solved, again.outcome, strict=True) if not good}
+    if before := [i for i in failed if i < start]:
+        first, begin = before[-1] + 1, stop(before[-1], begin)
+    if after := [i for i in failed if i > start]:
+        last, end = after[0], stop(after[0], end)
+    return places[first:last], start - first, begin, end
+
+
+def _correction(place: "Place") -> "Place":
+    """A place whose orbit is corrected under its own dead loads, where that succeeds."""
+    from .branches.path_correction import settle
+    from .orbits.boundary import Path
+
+    settled = settle(place.problem, place.path) if isinstance(place.path, Path) and not place.path.helix else ""
+    return place if isinstance(settled, str) else replace(place, path=settled.path)
 
 
 def _branch(
@@ -253,10 +305,15 @@ def _end(name: str, stop: "Stop") -> BranchEnd:
     if stop.helix is None:
         kind = {END: BORDER, CLOSED: "closed"}.get(stop.reason, "stopped")
         return BranchEnd(p, stop.reason, kind)
-    at = f"{np.rad2deg(stop.helix[0]):.10g} deg" if name in ANGLES else f"{stop.helix[0]:.10g}"
     beta = f"{np.rad2deg(stop.helix[1]):.4g} deg"
+    at = _value_in_words(name, stop.helix[0])
     reason = f"the helix of beta = {beta}, along which the rod lies, ceases to exist at {name} = {at}"
     return BranchEnd(p, reason, HELIX, float(stop.helix[0]))
+
+
+def _value_in_words(name: str, value: float) -> str:
+    """A value of a field in words."""
+    return f"{np.rad2deg(value):.10g} deg" if name in ANGLES else f"{value:.10g}"
 
 
 def _next_index(places: "list[Place]", fallback: "Place") -> int:

@@ -17,21 +17,25 @@ from ..core.tuning import (
     BACK,
     BESIDE_HELD_HELIX,
     BESIDE_HELIX,
+    BESIDE_SADDLE,
     EASY_BEND,
     FASTER,
     LONGEST,
+    LOWEST,
     NARROW,
+    SAME_SADDLE,
     SLOWER,
     STEEP,
     STEPS_KEPT,
+    UNRESOLVED,
 )
 from ..numerics import arclength
 from ..numerics.arclength import BRANCH_POINT, CLOSED, END, FOLD, PITCHFORK
 from ..numerics.arrays import ALIKE, ASIDE, Array
 from ..numerics.roots import locate
-from ..orbits.boundary import Path, boundary_of, height_scale
+from ..orbits.boundary import Boundary, Path, boundary_of, height_scale, wrap
 from ..orbits.path_orbits import orbit_of
-from ..orbits.potential import slope
+from ..orbits.potential import TAU, slope, slope_rate
 from ..problem.reduced import EndsProblem
 from .branch_events import Bounds, Place, Stop, arrive, both_ways, events_between
 from .branch_states import BranchState, begin_at, in_other_charts, rechart, steps_in_core
@@ -147,10 +151,11 @@ class _Walk:
         if why in (AT_END, IS_CLOSED):
             return arclength.Stride(places, state, step, END if why == AT_END else CLOSED)
         stays = self.natural and self.creeps > 0
-        if len(places) >= left and not (stays or is_near_helix(state)):
+        leaps = stays or is_near_helix(state) or crosses_saddle(state)
+        if len(places) >= left and not leaps:
             return arclength.Stride(places, state, step)
         state, self.kept = rechart(state, step, keep=self.kept > 0), self.kept - 1
-        past = leap_on(state, self.bounds, self.reach) if stays or is_near_helix(state) else None
+        past = leap_on(state, self.bounds, self.reach) if leaps else None
         if past is not None:
             return self._arrive(places, state, past, [past.record()], step, True)
         ahead, passed = _pass(state, _step(state, step, self.bounds), self.bounds)
@@ -277,6 +282,40 @@ def is_near_helix(state: BranchState) -> bool:
     return family.is_dead or bool(np.ptp(_angles(state)) < _SLIGHT)  # ends of a long rod rest next to saddles too
 
 
+def crosses_saddle(state: BranchState) -> bool:
+    """Whether an end crosses a saddle nearer than a leap goes, at which the rod rests so long that floats cannot
+    resolve the range within which the end crosses it.
+
+    There the level rises past that of the saddle, and the rod gains or loses a turning point.
+    """
+    family, equilibrium = state.curve.family, state.at
+    if equilibrium is None or not family.is_dead:
+        return False
+    boundary, path = equilibrium
+    for name in ("start", "end"):
+        off, saddle = _off_saddle(boundary, name)
+        if not abs(off) < SAME_SADDLE:
+            continue
+        gap = path.sign * float(np.exp(max(path.y, LOWEST))) + boundary.fall(boundary.own_pin(path.pin), saddle)
+        bend = abs(float(slope_rate(boundary.problem, saddle)[0]))
+        if not abs(gap) < UNRESOLVED * bend * max(abs(off), UNRESOLVED):
+            continue
+        beyond = family.boundary(state.p + state.curve.ahead * family.scale)
+        moved = 0.0 if beyond is None else _off_saddle(beyond, name)[0] - off
+        if abs(off) * state.curve.ahead < BESIDE_SADDLE * abs(moved):
+            return True
+    return False
+
+
+def _off_saddle(boundary: Boundary, name: str) -> tuple[float, float]:
+    """The "start" or the "end" less the saddle next to it, and that saddle."""
+    angle = getattr(boundary, name)
+    off = (angle - boundary.saddles + np.pi) % TAU - np.pi
+    nearest = int(np.argmin(np.abs(off)))
+    saddle = float(boundary.saddles[nearest])
+    return wrap(angle - saddle), saddle
+
+
 def leap_on(state: BranchState, bounds: Bounds, reach: float = LEAPS[0]) -> BranchState | None:
     """The equilibrium a little farther on, at most so far in p's scale; under held ends none but past a helix."""
     if state.at is None:
@@ -295,12 +334,19 @@ def leap_from(
     """The equilibrium a little beyond that at p, or why there is none: under dead loads the one with a close shape and
     the same Morse index, at most so far in p's scale; under held ends the bent rod that a helix becomes."""
     far = p + float(np.clip(bounds.next(p, rises) - p, -family.scale, family.scale))
-    first, last = family.given(p), family.given(far)
-    if first is None or last is None:
+    last = family.given(far)
+    if last is None:
         return LEFT
     longest = 1.0 if abs(far - p) <= reach * family.scale else reach * family.scale / abs(far - p)
-    guesses = leap(first, last, problem, path, longest) if family.is_dead else off_helix(state_of(problem, path), last)
-    places = ((guess, way, p + share * (far - p)) for guess, way, share in guesses)
+
+    def value(share: float) -> float:
+        return p + share * (far - p)
+
+    if family.is_dead:
+        guesses = leap(lambda share: family.given(value(share)), problem, path, longest)
+    else:
+        guesses = off_helix(state_of(problem, path), last)
+    places = ((guess, way, value(share)) for guess, way, share in guesses)
     if beyond := first_equilibrium(family, places, rises):
         return beyond
     if family.is_dead:

@@ -1,10 +1,10 @@
-"""A leap along a line of problems under dead loads, where steps become too small and the branch goes on.
+"""A leap along a family of problems under dead loads, where steps become too small and the branch goes on.
 
 All equilibria of the neighbouring paths are computed a little farther on; the branch continues with the only one of the
 same Morse index whose shape is close.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
@@ -17,8 +17,8 @@ from ..orbits.periodic_orbit import Orbit, jacobi_zeros
 from ..problem.reduced import EndsProblem
 from .given_numbers import Given, problem_of
 
-Guess = tuple[EndsProblem, Path, float]  # of an equilibrium: its problem and path, and a share of a line
-# shares of the line over which a leap is tried. x10: shapes change more than `NEAR`, and none is found
+Guess = tuple[EndsProblem, Path, float]  # of an equilibrium: its problem and path, and a share of a way
+# shares of the way over which a leap is tried. x10: shapes change more than `NEAR`, and none is found
 LEAPS = (1e-3, 1e-4, 1e-5)
 SHARES = np.linspace(0, 1, 257)  # of the length, at which two shapes are compared. x10: only time
 # rad between two shapes of a branch after a leap; factor by which others must be farther. x10: leaps to other branches;
@@ -26,16 +26,21 @@ SHARES = np.linspace(0, 1, 257)  # of the length, at which two shapes are compar
 NEAR, _CLEAR = 0.05, 4.0
 
 
-def leap(first: Given, last: Given, problem: EndsProblem, path: Path, longest: float = LEAPS[0]) -> Iterator[Guess]:
+def leap(
+    given_at: Callable[[float], Given | None], problem: EndsProblem, path: Path, longest: float = LEAPS[0]
+) -> Iterator[Guess]:
     """The equilibria a little farther on with a close shape and the same Morse index, and the shares that are leapt.
 
-    first, last: the ends of the line. problem, path: the equilibrium at the first one. longest: the share that is tried
-    first. None is given where there is none beyond, or more than one.
+    given_at: the numbers at a share of the way. problem, path: the equilibrium at its begin. longest: the share that is
+    tried first. None is given where there is none beyond, or more than one.
     """
     before = orbit_of(problem, path)
     index, angles = jacobi_zeros(before)[0], angles_on(before)
     for length in _shares(longest):
-        problem_there = problem_of(first.towards(last, length), {})
+        given = given_at(length)
+        if given is None:
+            continue
+        problem_there = problem_of(given, {})
         every, orbit = _neighbours(boundary_of(problem_there), int(index))
         if orbit is None:
             continue

@@ -249,7 +249,7 @@ int rod_arcs(const start_problem *p, double pin, double gap, const critical *fou
         return DONE;
     const int forward = blocked(found, level, o.behind, out->direction);
     const int backward = blocked(found, level, o.behind, -out->direction);
-    out->kind = forward >= 0 ? LIBRATION : ROTATION;
+    out->kind = forward >= 0 ? LIBRATION : ROTATION, out->turns_at = forward;
     const int counts[2] = {forward >= 0 ? forward + 1 : m + 1, forward < 0 || rest ? 0 : backward + 1};
     for (int arc = 0; arc < 2; arc++)
         for (int rank = 0; rank < counts[arc]; rank++)

@@ -108,6 +108,48 @@ static int is_near_helix(const place *o, double near)
     return o->start == o->end && size > 0 && size < near * (1 + fabs(p->lam) + fabs(p->mu) + fabs(p->phi));
 }
 
+/* An end of the rod less the saddle next to it. at: filled, the saddle. */
+static double off_saddle(const place *o, double end, double *at)
+{
+    double nearest = INFINITY;
+    for (int k = 0; k < o->found.count; k++) {
+        const double off = apart(end, o->found.beta[k]);
+        if (!o->found.centre[k] && fabs(off) < fabs(nearest))
+            nearest = off, *at = o->found.beta[k];
+    }
+    return nearest;
+}
+
+/* Whether an end crosses a saddle nearer than a leap goes, at which the rod rests so long that the end crosses it within a
+   range that floats cannot resolve: `branch_following.crosses_saddle`. */
+static int crosses_saddle(family *f, const point *at, const place *o, int *crosses)
+{
+    const double ahead = at->ahead * f->over->scale, p = at->w[1] * f->over->scale;
+    const double ends[2] = {o->start, o->end};
+    *crosses = 0;
+    for (int i = 0; i < 2 && !f->held && !*crosses; i++) {
+        double saddle = 0, moved = 0;
+        const double off = off_saddle(o, ends[i], &saddle);
+        if (!(fabs(off) < rod_tuning.same_saddle))
+            continue;
+        path here;
+        const place *beyond = NULL;
+        if (!rod_path_at(o, &at->chart, at->w[0] * at->chart.scale, &here))
+            return FAILED;
+        const double gap = here.sign * exp(larger(here.y, rod_tuning.lowest)) + rod_place_fall(o, here.pin, saddle);
+        const double bend = fabs(slope_rate(o->p.lam, o->p.mu, o->p.phi, saddle)), floor = rod_tuning.unresolved;
+        if (!(fabs(gap) < floor * bend * larger(fabs(off), floor)))
+            continue;
+        const int failed = rod_curve_problem(f, p + ahead, &beyond);
+        if (failed == NO_MEMORY || f->raised)
+            return failed;
+        if (!failed)
+            moved = off_saddle(beyond, i ? beyond->end : beyond->start, &saddle) - off;
+        *crosses = fabs(off) * at->ahead < rod_tuning.beside_saddle * fabs(moved);
+    }
+    return DONE;
+}
+
 /* The next value beyond p at which to halt. */
 static double next_halt(const range *over, double p, int rises)
 {
@@ -214,8 +256,9 @@ static int followed(family *f, point *at, double *step, int64_t *kept, const rec
         place o;
         point here = *at, there;
         record *one = &out.places[*count];
-        int left = 0, failed = recharted(f, &here, *step, *kept > 0, &o);
-        if (failed || is_near_helix(&o, f->held ? rod_tuning.beside_held_helix : rod_tuning.beside_helix))
+        int left = 0, crosses = 0, failed = recharted(f, &here, *step, *kept > 0, &o);
+        failed = failed ? failed : crosses_saddle(f, &here, &o, &crosses);
+        if (failed || crosses || is_near_helix(&o, f->held ? rod_tuning.beside_held_helix : rod_tuning.beside_helix))
             return failed;
         failed = stepped(f, &here, *step, &o, &there, &left);
         if (failed == FAILED && !f->raised && *step / 2 >= rod_tuning.narrow) {

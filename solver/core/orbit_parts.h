@@ -56,8 +56,9 @@ typedef struct {
     local_potential local;
 } piece;
 
+/* turns_at: how many critical points a libration passes on its way forward. */
 typedef struct {
-    int kind, count;
+    int kind, count, turns_at;
     double direction;
     piece pieces[PIECES];
 } arcs;

@@ -65,7 +65,8 @@ int rod_transit_at(search *s, int64_t pin, double sign, double y, int deep, tran
     for (int i = 0; i < count; i++)
         rate[place[pieces[i].arc]] += rod_half_passage(&pieces[i], gap, 0) + rod_half_passage(&pieces[i], gap, 1);
     out->rotates = from.kind == ROTATION;
-    out->joins = out->rotates || of->whole_turns == 0;
+    /* a libration that turns before a saddle between the two ends does not come to the other one */
+    out->joins = out->rotates || (of->whole_turns == 0 && from.turns_at >= of->passed);
     if (!out->joins)
         return DONE;
     if (out->rotates) {

@@ -8,7 +8,7 @@
 
 typedef struct {
     double off, cosine, longest, narrow, easy_bend, slower, faster, steep, share, least, ahead, nudge, same_saddle, back;
-    double beside_helix, beside_held_helix, settled, small, contraction, close;
+    double beside_helix, beside_held_helix, beside_saddle, unresolved, settled, small, contraction, close;
     double lowest, on, moved, at_rest, as_high;
     double shapeless, safety, barely;
     int64_t rounds, steps_kept, most_panels, most_steps;

@@ -43,6 +43,12 @@ BESIDE_HELIX = 1e-6
 # of the size of G: H at the ends of a held rod that is nearly a helix, which the solver leaves earlier. x10: rods that
 # bend leap
 BESIDE_HELD_HELIX = 1e-3
+# of the scale of p, before and after an end of the rod crosses a saddle, over which a branch leaps where it cannot be
+# stepped over: half of the longest leap. x10: a leap ends before the crossing, and branches creep to it
+BESIDE_SADDLE = 5e-4
+# rad: an end that crosses a saddle within a narrower range of its own angle, where angles have 1e-16, is leapt over.
+# x10: branches leap where they could step
+UNRESOLVED = 1e-7
 ROUNDS, SETTLED, SMALL, CONTRACTION = ENDING.rounds, ENDING.goal, ENDING.small, ENDING.growth
 
 # levels and orbits

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from scipy.optimize import minimize_scalar
 
 from solver import Branch, Case, Cylinder, Ends, Rod, Solution, equilibria, follow, solve
 from solver.branches.branch_events import Bounds, Place, events_between
+from solver.branches.branch_following import branch_through
 from solver.equilibria import Equilibrium
 from solver.follow import solutions_of
 from solver.numerics.arclength import BRANCH_POINT, FOLD, PITCHFORK
@@ -395,3 +397,63 @@ def test_a_pitchfork_changes_the_index_or_turns_back_or_it_is_none(after: Passin
     places = events_between(before, after, [(middle, kind)], bounds, lambda *_: None)
     assert places is not None
     assert "".join(place.kind for place in places) == expected
+
+
+def resting_rod(beta0: Any, betaL: Any, E: float = 1e5) -> Solution:
+    """A wire pushed into a tube, which rests near the angle of a helix, 12.5 deg at E = 1e5, on most of its length."""
+    wire = Rod(E=E, nu=0.3, a=0.25, L=120.0)
+    return solve(Case(wire, Cylinder(R=1.0, side="inside"), Ends(beta0, betaL, FZ=-50.0)))
+
+
+@pytest.mark.parametrize("start", [True, False])
+def test_a_branch_passes_the_value_at_which_an_end_is_at_the_angle_where_the_rod_rests(start: bool) -> None:
+    """As E grows that angle falls below 10 deg: the level passes that of the saddle, and the rod loses a turning point.
+
+    A level below the saddle between the two ends was taken for an orbit that joins them: 65 of 107 points were none.
+    """
+    branches = list[Branch]()
+    for beta in ("-10deg", "10deg"):
+        ends: tuple[Any, Any] = (beta, 0.0) if start else (0.0, beta)
+        branch = follow(resting_rod(*ends), E=np.linspace(1e5, 2.1e5, 5))
+        assert branch.end.reason == END
+        assert not branch.special
+        for point in branch.points:
+            assert point.solution.outcome == "solved"
+        for E in np.linspace(1e5, 2.1e5, 5):
+            (point,) = branch.at(E)
+            np.testing.assert_allclose(point.solution.beta, resting_rod(*ends, E=E).beta, atol=1e-8)
+        branches.append(branch)
+    negative, positive = branches
+    assert len(negative) == len(positive) < 80
+    np.testing.assert_allclose(negative.values, positive.values, rtol=1e-6)
+
+
+@pytest.mark.parametrize("beta0", ["-10deg", "10deg"])
+def test_a_seed_is_carried_past_the_angle_where_the_rod_rests(beta0: str) -> None:
+    case = resting_rod(beta0, 0.0, E=2.1e5).case
+    reached = solve(case, seed=resting_rod(beta0, 0.0))
+    assert reached.outcome == "solved"
+    np.testing.assert_allclose(reached.beta, solve(case).beta, atol=1e-8)
+
+
+@pytest.mark.parametrize("which", [3, -4])
+def test_a_branch_ends_before_a_point_that_is_no_equilibrium(monkeypatch: pytest.MonkeyPatch, which: int) -> None:
+    """However it came to be there, in steps of the core or of Python."""
+    solution = resting_rod("-10deg", 0.0)
+    whole = follow(solution, E=[0.9e5, 1.1e5])
+
+    def spoiled(*given: Any) -> Any:
+        through: Any = branch_through(*given)
+        places, *rest = through
+        path = places[which].path
+        places[which] = replace(places[which], path=replace(path, y=path.y + 1, turns=path.turns + 2))
+        return places, *rest
+
+    monkeypatch.setattr("solver.branches.branch_following.branch_through", spoiled)
+    branch = follow(solution, E=[0.9e5, 1.1e5])
+    end, kept = (branch.end, whole.values[:which]) if which < 0 else (branch.begin, whole.values[which + 1 :])
+    assert "is not solved" in end.reason
+    assert end.kind == "stopped"
+    assert branch.values.tolist() == kept.tolist()
+    assert end.value in (kept[0], kept[-1])
+    assert branch.points[branch.start].value == 1e5
