@@ -22,7 +22,7 @@ from workbench.commands.present import result_of_files
 from workbench.commands.scene_options import SceneOptions
 from workbench.figures import canvas, colours
 from workbench.run import in_memory, writing
-from workbench.scene import film, opengl, page, scene_kinds
+from workbench.scene import film, opengl, page, scene_kinds, signs
 from workbench.scene.settings import look_of
 from workbench.stored.stored_study import StoredStudy
 
@@ -298,3 +298,28 @@ def test_a_film_has_exactly_as_many_frames_as_asked_for(ds, tmp_path, stored, ca
     if stored:
         assert exit_status(*asked, 60, "--force") == 2
         assert "E has 3 stored values, and no cases are solved between them" in capsys.readouterr().err
+
+
+@draws
+def test_a_frame_of_a_rod_that_passes_through_itself_has_the_rings_and_the_words_of_a_still(monkeypatch) -> None:
+    ds = in_memory.run(loads(small.HEAD + "[axes.E]\nvalues = [5e3, 2e4]\n", default_name="soft"))
+    frames = []
+
+    def recorded(fig: Figure) -> page.Pixels:
+        rings = [artist for artist in fig.axes[0].collections if artist.get_gid() == "rings"]
+        legend = fig.axes[0].get_legend()
+        words = [] if legend is None else [text.get_text() for text in legend.get_texts()]
+        frames.append((sum(len(artist.get_offsets()) for artist in rings), words))
+        return np.zeros((2, 2, 3), dtype=np.uint8)
+
+    monkeypatch.setattr(page, "pixels_of", recorded)
+    list(film.frames(StoredStudy(ds), film.Film("E", {}, None, "plain", 2.0, DPI)))
+    from workbench.scene import composition, layout
+
+    for (count, words), E in zip(frames, ds["E"].values, strict=True):
+        still = layout.compose(StoredStudy(ds), {"E": E}, "plain", settings=composition.Settings(2.0, DPI))
+        ringed = [text for sign, text in still.legend if sign == signs.RING]
+        assert words == [*ringed, *(note for note in still.notes if "than its own radius" in note)]
+        assert bool(count) == bool(ringed)
+    assert frames[0][0] > 0
+    assert frames[0][1][0].startswith("the rod passes through itself")

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.collections import PathCollection
 from matplotlib.lines import Line2D
 
 from .colours import CROSSED
@@ -16,11 +17,11 @@ def entry(label: str) -> Line2D:
     return Line2D([], [], marker="o", markersize=7, fillstyle="none", color=CROSSED, linestyle="none", label=label)
 
 
-def draw(ax: Axes, places: Any, sizes: Any, name: str) -> None:
+def draw(ax: Axes, places: Any, sizes: Any, name: str) -> PathCollection:
     """Ring the places (n, 2) where rods pass through themselves: open circles, which do not cover what they mark.
 
     Of rings whose middles are nearer than `CROWDED` the smallest one is drawn. The units of the axes are inches. sizes:
-    (n,), points across. name: theirs in a table.
+    (n,), points across. name: theirs in a table. Returns what is drawn.
     """
     places, sizes = np.asarray(places, dtype=float), np.asarray(sizes, dtype=float)
     kept: list[int] = []
@@ -28,5 +29,5 @@ def draw(ax: Axes, places: Any, sizes: Any, name: str) -> None:
         if all(np.hypot(*(places[k] - places[i])) >= CROWDED * (sizes[k] + sizes[i]) / 2 / 72 for i in kept):
             kept.append(k)
     x, y = places[kept].T
-    ax.scatter(x, y, s=np.square(sizes[kept]), facecolors="none", edgecolors=CROSSED, linewidths=RING, gid=name,
-               zorder=5, clip_on=False)  # fmt: skip
+    return ax.scatter(x, y, s=np.square(sizes[kept]), facecolors="none", edgecolors=CROSSED, linewidths=RING, gid=name,
+                      zorder=5, clip_on=False)  # fmt: skip

@@ -81,7 +81,7 @@ def compose(scene: Scene) -> Page:
     final = Page(scene, legend, [*beyond, *rough, *notes], (wide, high))
     if not (settings.size or settings.bare):
         final.fit(size[1] / dpi)
-    final.paste(pixels, arranged, _rings(scene, arranged), _marks_of_contact(scene, arranged))
+    final.paste(pixels, arranged, rings_in(scene, arranged), _marks_of_contact(scene, arranged))
     final.error, final.stations = error, stations
     return final
 
@@ -93,10 +93,8 @@ def words_of(scene: Scene) -> tuple[list[tuple[str, str]], list[str]]:
     views = scene.views
     if len(views) == 1 and len(scene.context) > 1 and not scene.names:  # the pictures along an axis share a legend
         views = [replace(views[0], bodies=[body]) for body in scene.context]
-    crossings = [view.crossings(scene.camera) for view in views if scene.ringed]
-    ringed = any(seen for seen, _ in crossings)
-    if ringed:
-        legend.append((signs.RING, ITSELF + UNSEEN * any(hidden for _, hidden in crossings)))
+    if ringed := rings_in_words(views, scene.camera) if scene.ringed else "":
+        legend.append((signs.RING, ringed))
     if any(view.hides(body, scene.camera) for view in views for body in view.bodies):
         legend.append((signs.OUTLINE, BEHIND))
     bodies = scene.bodies
@@ -107,12 +105,20 @@ def words_of(scene: Scene) -> tuple[list[tuple[str, str]], list[str]]:
         legend.append((signs.EDGE, "a contact begins or ends"))
     if any(body.pushes for body in bodies):
         legend.append((signs.FORCE, "a point force of the wall" + CUT * _hides(scene, signs.FORCE)))
-    ringed |= not scene.ringed  # without rings the caption says it
-    warnings = impossible(scene.bodies, ringed) if scene.kind.cells != "together" else []
-    if len(scene.context) > len(scene.bodies) and any(impossible([body], ringed) for body in scene.context):
+    is_said = bool(ringed) or not scene.ringed  # without rings the caption says it
+    warnings = impossible(scene.bodies, is_said) if scene.kind.cells != "together" else []
+    if len(scene.context) > len(scene.bodies) and any(impossible([body], is_said) for body in scene.context):
         warnings = warnings or ["\N{ZERO WIDTH SPACE}"]  # the views of the pictures along an axis stand at one place
     along = [f"seen along the axis from s = 0, α = 0 {'down' if scene.down is not None else 'up'}"]
     return legend, [*along * scene.camera.is_end_view, *scene.notes, *warnings]
+
+
+def rings_in_words(views: Sequence[View], camera: Camera) -> str:
+    """What the rings of views mean; "" where no place at which a rod passes through itself is in sight."""
+    crossings = [view.crossings(camera) for view in views]
+    if not any(seen for seen, _ in crossings):
+        return ""
+    return ITSELF + UNSEEN * any(hidden for _, hidden in crossings)
 
 
 def impossible(bodies: Sequence[Body], ringed: bool = False) -> list[str]:
@@ -217,8 +223,8 @@ def _in_picture(scene: Scene, arranged: Arrangement, view: View, middle: Array, 
     return np.asarray(middle + away * arranged.scale * [1, -1])
 
 
-def _rings(scene: Scene, arranged: Arrangement) -> list[tuple[float, float, float]]:
-    """Where rods pass through themselves in sight: x, y and radius of each ring."""
+def rings_in(scene: Scene, arranged: Arrangement) -> list[tuple[float, float, float]]:
+    """Where rods pass through themselves in sight: x, y and radius of each ring in inches of the picture."""
     circles = []
     for view, middle in _middles(scene, arranged) if scene.ringed else ():
         radius = float(np.clip(IN_RODS * min(body.a for body in view.bodies) * arranged.scale, *RING))

@@ -34,7 +34,7 @@ from ..stored.trend_lines import trend_of
 from ..words import labels
 from . import body as rods
 from . import long_rod, page, scene_kinds, signs
-from .page import Pixels
+from .page import Page, Pixels, Scene
 from .scene_kinds import Cell
 from .settings import DEFAULT, Settings
 from .views import View, camera_before, ends_of, gravity
@@ -42,6 +42,7 @@ from .views import View, camera_before, ends_of, gravity
 SUFFIXES = (".mp4", ".webp", ".gif")
 SIZE = (8.0, 4.5)  # of a frame
 TOP, FOOT = 0.72, 0.58  # the room above the views for the value, and below them for the colours
+WARNED = 0.62  # from the top: what a real rod could not do
 DIAGRAM = (3.0, 1.5)  # the width of a diagram beside the rod, its height below it
 DIAGRAM_LABEL = "diagram"  # of its axes
 SAMPLES = 2  # along each side of a pixel: a frame is seen for an instant
@@ -176,16 +177,17 @@ def frames(stored: StoredStudy, film: Film, step: Callable[[str], None] = lambda
         size=(round(wide * film.dpi), round(high * film.dpi)),
     )
     first = View(context[:1], Cell(), turned, ends, context)
-    scene = page.Scene(stored, kind, [[first]], context, "", camera, settings)
+    scene = Scene(stored, kind, [[first]], context, "", camera, settings)
     fig = canvas.figure(film.size, lambda fig: _begin(fig, film, scene, lying), dpi=film.dpi, layout=None)
     fig.set_facecolor(settings.look[page.WHITE])
     for where, body in zip(cases, bodies, strict=True):
         step(_value(stored, film.axis, where[film.axis]))
         view = replace(first, bodies=[body] if body else [])
-        picture = composition.compose(replace(scene, rows=[[view]])).pixels if body else None
+        shown = replace(scene, rows=[[view]])
+        picture = composition.compose(shown) if body else None
         with rc_context(fonts.RC):
             drawn = [*_draw_case(fig, film, stored, where[film.axis])]
-            drawn += _draw_rod(fig, film, picture, (wide, high), stored, where)
+            drawn += _draw_rod(fig, film, shown, picture, (wide, high), where)
         page.recolour(fig, settings.look)
         yield _even(page.pixels_of(fig))
         for artist in drawn:
@@ -199,7 +201,7 @@ def _room(film: Film, lying: bool) -> tuple[float, float]:
     return (wide, high - below) if lying else (wide - beside, high)
 
 
-def _begin(fig: Figure, film: Film, scene: page.Scene, lying: bool) -> None:
+def _begin(fig: Figure, film: Film, scene: Scene, lying: bool) -> None:
     """What all frames have: the name of the axis, the scale of colours, and the scales of the diagram."""
     from . import composition
 
@@ -279,23 +281,30 @@ def _place_dot(ax: Axes, film: Film, stored: StoredStudy, i: int, at: float) -> 
 
 
 def _draw_rod(
-    fig: Figure,
-    film: Film,
-    picture: Pixels | None,
-    room: tuple[float, float],
-    stored: StoredStudy,
-    where: dict[str, int],
+    fig: Figure, film: Film, scene: Scene, picture: Page | None, room: tuple[float, float], where: dict[str, int]
 ) -> Iterator[Artist]:
-    """The picture of a rod in the middle of its room, or why there is none."""
-    low = film.size[1] - TOP - room[1]
+    """The picture of a rod in the middle of its room, with the rings and warnings of a still; or why there is none."""
+    from . import composition
+
+    ax, low = fig.axes[0], film.size[1] - TOP - room[1]
     if picture is None:
-        outcome = str(stored["outcome"].isel(where).values)
-        yield fig.axes[0].text(canvas.MARGIN, TOP + room[1] / 2, outcome, color=colours.SOFT)
+        outcome = str(scene.stored["outcome"].isel(where).values)
+        yield ax.text(canvas.MARGIN, TOP + room[1] / 2, outcome, color=colours.SOFT)
         return
-    size = np.array(picture.shape[1::-1]) / film.dpi
+    size = np.array(picture.pixels.shape[1::-1]) / film.dpi
     corner = np.array([canvas.MARGIN, low]) + (np.array(room) - size) / 2
     x, y = np.round(corner * film.dpi).astype(int)
-    yield fig.figimage(picture, x, y, origin="upper", zorder=-1)
+    yield fig.figimage(picture.pixels, x, y, origin="upper", zorder=-1)
+    start = x / film.dpi, film.size[1] - y / film.dpi - size[1]
+    yield from page.draw_rings(ax, start, composition.rings_in(scene, picture.arrangement))
+    ringed = composition.rings_in_words(scene.views, scene.camera)
+    said = [signs.legend_sign(signs.RING, ringed)] if ringed else []
+    said += [signs.legend_sign("none", text) for text in composition.impossible(scene.bodies, bool(ringed))]
+    if said:
+        yield ax.legend(
+            handles=said, ncols=len(said), loc="center left", bbox_to_anchor=(canvas.MARGIN, WARNED),
+            bbox_transform=ax.transData, borderpad=0, borderaxespad=0, handlelength=1.0, fontsize=fonts.SMALL,
+        )  # fmt: skip
 
 
 def _draw_diagram(ax: Axes, stored: StoredStudy, film: Film) -> None:

@@ -13,6 +13,8 @@ from typing import Any
 
 import numpy as np
 from matplotlib import rc_context
+from matplotlib.axes import Axes
+from matplotlib.collections import PathCollection
 from matplotlib.colors import to_hex, to_rgba
 from matplotlib.figure import Figure
 from matplotlib.text import Annotation
@@ -275,10 +277,7 @@ class Page:
             self._draw_headings()
             self._draw_foot(high - self.high_line - BARS)
             self.ax.text(0.05, high, self.line, va="bottom", size=fonts.SMALL, color=colours.SOFT)
-            if rings:
-                across, down, radii = np.transpose(rings)
-                places = np.column_stack([start[0] + across, start[1] + down])
-                crossing_rings.draw(self.ax, places, 2 * 72 * radii, "rings")
+            draw_rings(self.ax, start, rings)
 
     @property
     def places(self) -> list[list[float]]:
@@ -328,6 +327,18 @@ class Page:
                 bbox_to_anchor=(scene.start_of_legend, y), bbox_transform=self.ax.transData, handlelength=1.8,
                 handleheight=1.2,
             )  # fmt: skip
+
+
+def draw_rings(
+    ax: Axes, start: tuple[float, float], rings: Sequence[tuple[float, float, float]]
+) -> list[PathCollection]:
+    """Draw the rings of a picture whose upper left corner is at `start` on axes in inches, downward; rings: as of
+    `Page.paste`. Returns what is drawn."""
+    if not rings:
+        return []
+    across, down, radii = np.transpose(rings)
+    places = np.column_stack([start[0] + across, start[1] + down])
+    return [crossing_rings.draw(ax, places, 2 * 72 * radii, "rings")]
 
 
 def one_line(texts: Sequence[str], width: float) -> tuple[str, list[str]]:
