@@ -137,7 +137,13 @@ def _sentences(rod: DrawnRod, case: "Case", tracks: Mapping[str, tuple[str, Any]
     said = [f"State: {in_words(_states(rod), length)}, along s."]
     for name, (unit, values) in tracks.items():
         k = int(np.abs(values).argmax())
-        said.append(f"Largest {WORDS[name]}: {plain(values[k])} {unit} at {plain(depth[k])} {length}.")
+        value, at = float(values[k]), float(depth[k])
+        if name == PUSH and {"push_max", "push_max_at"} <= {*rod.case.variables}:  # between two stations too
+            between = float(rod.case["push_max"]) * habits.size(unit, habits.LINE_LOAD, rod.case.units)
+            if between >= abs(value):
+                s = float(rod.case["push_max_at"])
+                value, at = between, float(rod["s"][-1]) - s if pipe_state.rise(case) > 0 else s
+        said.append(f"Largest {WORDS[name]}: {plain(value)} {unit} at {plain(at)} {length}.")
     limits = [f"{limit.load} {plain(limit.value)} ({limit.name})" for limit in pipe_state.limits(case)]
     if limits:
         said.append(f"Compression of a long pipe without friction, {tracks[FORCE][0]}: {', '.join(limits)}.")
