@@ -53,6 +53,8 @@ OUTPUTS = (
     "F1", "F2", "F3", "FY", "contact", "M1", "M2", "M3_along", "h",
 )  # fmt: skip
 
+OFF_WALL, NOT_OFF_WALL = ("radius", "gap", "tilt"), ("h",)  # of rods that may leave the cylinder alone, of others alone
+
 # The default outputs of a study; of rods that may leave the cylinder also their radius, as it gives their place.
 DRAWN = ["beta", "alpha", "z", "contact"]
 
@@ -135,12 +137,15 @@ class Study(BaseModel):
 
     @field_validator("outputs")
     @classmethod
-    def _known_outputs(cls, value: list[str]) -> list[str]:
+    def _known_outputs(cls, value: list[str], info: ValidationInfo) -> list[str]:
         if "push" in value:
             raise ValueError(
                 "no output 'push', did you mean 'contact': it is positive outward, so the push is contact outside and "
                 f"-contact inside; ds.rod.push computes it from the stored arrays; choose from {choices(OUTPUTS)}"
             )
+        if _leaves(info.data):
+            for name in {*value}.intersection(NOT_OFF_WALL):
+                raise ValueError(f"a rod that may leave the cylinder has no first integral: omit the output {name}")
         return check_names("output", value, OUTPUTS)
 
     @field_validator("base", "equilibrium", mode="before")
@@ -245,6 +250,12 @@ class Study(BaseModel):
         """The observables that the rods of the study have: with EI and GJ in place of E there is no stress."""
         given = {*self.base.given, *self.variation.fields}
         return tuple(name for name, row in OBSERVABLES.items() if row.needs != "E" or not given & {*DIRECT})
+
+    @property
+    def known_outputs(self) -> tuple[str, ...]:
+        """The quantities along the rods of the study: off the wall there is no first integral, on it no gap."""
+        without = NOT_OFF_WALL if self.leaves else OFF_WALL
+        return tuple(name for name in OUTPUTS if name not in without)
 
     def at_stations(self, stations: int) -> Self:
         """A copy of the study with another number of stations. Raises `InputError`."""

@@ -9,8 +9,11 @@ import pytest
 import xarray as xr
 
 from solver.observe.observables import OBSERVABLES
+from solver.problem.errors import InputError
+from studies.language.loader import loads
+from studies.language.study import OFF_WALL
 from tests.workbench import forked, small
-from workbench.commands.fidelity import FIDELITIES, OFF_WALL
+from workbench.commands.fidelity import FIDELITIES
 from workbench.lab import measured_runs, trade, work_precision
 from workbench.lab.benchmark import available_ladders, measure
 from workbench.lab.trade_runs import CASES, advice, reference
@@ -173,3 +176,14 @@ def test_a_study_at_a_fidelity_has_its_tolerance_its_stations_and_what_it_comput
     for name in ("fine", "exact"):
         along = set(CURVES) - set(OFF_WALL)
         assert along | {name for name, row in OBSERVABLES.items() if not row.free} <= set(found[name].data_vars)
+
+
+def test_a_rod_off_the_wall_has_what_a_fidelity_computes_but_for_the_first_integral() -> None:
+    ends = {"beta0": "90deg", "betaL": "90deg", "height": 0.0, "azimuth": "200deg", "radiusL": 1000.0, "M2L": 0.0}
+    rod = {"EI": 2e6, "GJ": 1.6e6, "a": 6.0, "L": 1450.0, "R": 200.0, "contact": "unilateral"}
+    study = loads(small.text(rod | ends, "", "mm N"))
+    ds = in_memory.run(FIDELITIES["fine"].of(study).with_values(tol=1e-3))
+    assert bool(ds["solved"])
+    assert set(CURVES.values()) - {"h"} <= {CURVES.get(name) for name in ds.data_vars}
+    with pytest.raises(InputError, match="has no first integral: omit the output h"):
+        study.with_values(outputs=["beta", "h"])

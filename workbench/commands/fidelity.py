@@ -7,10 +7,9 @@ from solver.free.free_rods import FREE_TOLERANCE
 from solver.observe.observables import OBSERVABLES, observables_of
 from solver.problem.errors import DEFAULT_TOLERANCE, no_such
 from studies import Study
-from studies.language.study import OUTPUTS
+from studies.language.study import OFF_WALL
 
 SHAPE = ("beta", "alpha", "z", "radius", "contact")
-OFF_WALL = ("radius", "gap", "tilt")  # along a rod that may leave the cylinder
 FORCES = ("F1", "F2", "F3", "M1", "M2")
 
 
@@ -38,8 +37,7 @@ class Fidelity:
             changes |= {"outputs": [name for name in study.outputs if name in SHAPE], "observables": []}
         if self.computes == "all":
             known = [name for name in study.known_observables if study.leaves or not OBSERVABLES[name].free]
-            along = [name for name in OUTPUTS if study.leaves or name not in OFF_WALL]
-            changes |= {"outputs": along, "observables": known}
+            changes |= {"outputs": [*study.known_outputs], "observables": known}
         return study.with_values(**changes)
 
     def tol_of(self, leaves: bool) -> float:
