@@ -268,6 +268,36 @@ def test_a_tube_with_a_bore_has_no_more_triangles_than_allowed(tube, tmp_path) -
     assert 4_500 < facts["triangles"] == len(read_mesh(tmp_path / "tube.stl").faces) <= 5_000
 
 
+@pytest.mark.parametrize("kind", [".stl", ".glb"])
+def test_a_rod_of_too_few_stations_is_solved_again_and_without_a_study_a_budget_makes_a_coarser_mesh(
+    ds, tmp_path, kind
+) -> None:
+    few = ds.isel(u=slice(None, None, 8))
+    done = export(StoredStudy(few), tmp_path / f"rod{kind}", ExportOptions(SOUND))
+    assert done.facts["solved_at"] > few.sizes["u"]
+    assert done.facts["tolerance"] == pytest.approx(1e-3 * 0.25)
+    if kind == ".stl":
+        centre = rod(2e4, np.linspace(0, 20, 20001)).position
+        away = cKDTree(centre).query(read_mesh(tmp_path / "rod.stl").vertices)[0]
+        assert np.abs(away[away > 0.2] - 0.25).max() <= done.facts["tolerance"]
+    alone = StoredStudy(few.assign_attrs(study=""))
+    with pytest.raises(InputError, match="26 stations "):
+        export(alone, tmp_path / f"fine{kind}", ExportOptions(SOUND))
+    done = export(StoredStudy(ds.isel(u=slice(None, None, 4)).assign_attrs(study="")), tmp_path / f"coarse{kind}",
+                  ExportOptions(SOUND, triangles=200_000))  # fmt: skip
+    assert "solved_at" not in done.facts
+    assert done.facts["tolerance"] > 1e-3 * 0.25
+
+
+def test_frames_of_too_few_stations_name_the_number_that_is_enough_for_all(ds, tmp_path) -> None:
+    few = ds.isel(u=slice(None, None, 8)).assign_attrs(study="")
+    with pytest.raises(InputError, match="is left out, as 2 others with too few stations are,") as told:
+        export(StoredStudy(few), tmp_path / "rod_{:d}.stl")
+    more = int(re.search(r"store about (\d+)", str(told.value))[1])
+    enough = in_memory.run(loads(STUDY).at_stations(more)).assign_attrs(study="")
+    assert export(StoredStudy(enough), tmp_path / "rod_{:d}.stl").facts["files"] == 3
+
+
 @pytest.mark.parametrize(
     "name, options, words",
     [

@@ -186,7 +186,7 @@ def test_a_scene_of_a_long_pipe_shows_no_pull_that_a_dense_solve_denies(tmp_path
 
 
 def test_a_file_that_does_not_fix_the_colours_of_its_push_is_not_exported_with_them(tmp_path: Path) -> None:
-    ds = pipe(161)
+    ds = pipe(161).assign_attrs(study="")
     export(StoredStudy(ds), tmp_path / "pipe.stl", ExportOptions(tolerance=0.05))
     with pytest.raises(InputError, match=r"161 stations are too few for the colours of the push .* store about \d+"):
         export(StoredStudy(ds), tmp_path / "pipe.glb", ExportOptions(tolerance=0.05))

@@ -18,6 +18,7 @@ from tests.workbench.page_faults import words
 from tests.workbench.pictures import draws
 from workbench import accessor  # noqa: F401
 from workbench.commands import study_scene
+from workbench.export.base import ExportOptions
 from workbench.export.stored_rod import export
 from workbench.figures import canvas, kinds, portrait, trends, unrolled
 from workbench.geometry.refinement import push_along
@@ -31,6 +32,7 @@ from workbench.stored.stored_study import StoredStudy
 from workbench.web.live.page_model import study_of
 from workbench.web.live.presets import own_preset
 from workbench.web.turntable import turntable_page
+from workbench.words import free_rods
 
 if opengl.probe()[0]:  # without the libraries of OpenGL it cannot be imported
     from workbench.scene import composition, layout
@@ -138,6 +140,27 @@ def test_a_cable_that_leaves_its_drum_is_stored_read_and_exported(tmp_path: Path
     assert int(whole["contact_count"]) == 1
     written = export(StoredStudy(whole), tmp_path / "cable.stl")
     assert written.facts["triangles"] > 100
+
+
+@pytest.mark.parametrize("name", ["rod.stl", "rod.glb", "rod.step"])
+def test_between_the_stations_of_a_rod_an_export_asks_for_no_more_than_the_error_of_the_rod(
+    stored: xr.Dataset, name: str, tmp_path: Path
+) -> None:
+    if name == "rod.step":
+        pytest.importorskip("OCP", reason="Open Cascade is not installed", exc_type=ImportError)
+    alone = StoredStudy(stored.assign_attrs(study=""))
+    line, own_error = alone.centreline, float(stored["error"]) * 20.0
+    facts = export(alone, tmp_path / name, ExportOptions(overlap=True)).facts
+    assert line.error < own_error == facts["solution_error"]
+    assert line.error < facts["tolerance"] < own_error
+    if name != "rod.step":
+        assert export(alone, tmp_path / f"small_{name}", ExportOptions(triangles=20_000)).facts["triangles"] <= 20_000
+
+
+def test_a_small_fall_of_the_energy_is_told_in_as_many_digits_as_show_it() -> None:
+    for after, told in (191.3717, "from 191.401 to 191.372 N mm"), (180.0, "from 191.4 to 180 N mm"):
+        said = free_rods.release_sentence({"before": 191.4012, "after": after}, {"length": "mm", "force": "N"})
+        assert said.endswith(told)
 
 
 PUSHED = STUDY.replace("let_go = true", "").replace("R = 0.75", 'R = 0.75, contact = "unilateral"')

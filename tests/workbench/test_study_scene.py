@@ -7,6 +7,7 @@ import pytest
 
 from solver.problem.errors import InputError
 from studies.language.loader import loads
+from studies.language.study import MAX_STATIONS
 from tests.slow import slow
 from tests.workbench import small
 from tests.workbench.command import exit_status
@@ -16,6 +17,7 @@ from workbench.export.stored_rod import export
 from workbench.run import in_memory, writing
 from workbench.scene import opengl, scene_kinds
 from workbench.stored import stored_case
+from workbench.stored.enough_stations import at_needed_stations
 from workbench.stored.stored_study import StoredStudy
 from workbench.web.turntable import turntable_page
 
@@ -60,7 +62,7 @@ def test_only_the_cases_that_are_shown_and_what_their_kind_reads_are_solved(file
 
 def test_the_stations_are_as_many_as_the_picture_asks_for(file, solved) -> None:
     pytest.importorskip("vtkmodules")
-    from workbench.scene.composition import TooFewStations
+    from workbench.geometry.centreline import TooFewStations
 
     study, _ = study_scene.two_stations(file)
 
@@ -75,7 +77,7 @@ def test_the_stations_are_as_many_as_the_picture_asks_for(file, solved) -> None:
             raise TooFewStations("too few", 3 * n)
         return SimpleNamespace(error=0.5)
 
-    _, stations = study_scene.at_needed_stations(solve(study_scene.FIRST), solve, draw)
+    _, stations = at_needed_stations(solve(study_scene.FIRST), solve, draw)
     assert [s.stations for s in solved] == [study_scene.FIRST, 3 * study_scene.FIRST, 9 * study_scene.FIRST]
     assert stations == 9 * study_scene.FIRST
 
@@ -125,11 +127,11 @@ def test_a_rod_that_the_most_stations_do_not_fix_is_drawn_once_and_refused() -> 
 
     def draw(ds: object, strict: bool) -> None:
         drawn.append(strict)
-        raise composition.TooFewStations("too few", 10 * study_scene.MAX_STATIONS)
+        raise composition.TooFewStations("too few", 10 * MAX_STATIONS)
 
-    solved = SimpleNamespace(sizes={"u": study_scene.MAX_STATIONS})
+    solved = SimpleNamespace(sizes={"u": MAX_STATIONS})
     with pytest.raises(InputError, match="too few"):
-        study_scene.at_needed_stations(SimpleNamespace(sizes={"u": 2}), lambda stations: solved, draw)
+        at_needed_stations(SimpleNamespace(sizes={"u": 2}), lambda stations: solved, draw)
     assert drawn == [True, False]
 
 

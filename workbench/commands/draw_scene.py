@@ -108,6 +108,7 @@ def _pictures(
     from ..scene import opengl, scene_kinds
     from ..scene.settings import check_name
     from ..stored import selection
+    from ..stored.enough_stations import at_needed_stations
     from . import study_scene
 
     axes, along, out = wanted.axes, wanted.along, wanted.out
@@ -155,7 +156,7 @@ def _pictures(
         rods, where, axes = solve(study_scene.FIRST), {}, [scene_kinds.RELEASED]
     elif solve is not None and (study is not None or rods.leaves):  # no file holds point forces
         rods = solve(study_scene.FIRST if study is not None else rods.sizes["u"])
-    picture, stations = study_scene.at_needed_stations(rods, solve, draw)
+    picture, stations = at_needed_stations(rods, solve, draw)
     solved = f", solved at {stations} stations" if study or stations != rods.sizes["u"] else ""
     said = [" at ".join([str(path), *([", ".join(case)] if case else [])]) + solved, *canvas.caption(picture.fig)]
     if picture.error <= wanted.pixel_error * (1 + 1e-9):
@@ -202,8 +203,9 @@ def _page(
 
     look: of `Settings`; default: as the browser prefers.
     """
+    from ..geometry.centreline import TooFewStations
     from ..scene.scene_kinds import kind_of
-    from ..scene.settings import TooFewStations
+    from ..stored.enough_stations import at_needed_stations
     from ..web.turntable import turntable_page
     from . import study_scene
 
@@ -218,7 +220,7 @@ def _page(
             raise TooFewStations("too few for a smooth rod", needed)
         return turntable_page.html(stored, where, look), needed
 
-    (text, needed), stations = study_scene.at_needed_stations(stored, solve, draw)
+    (text, needed), stations = at_needed_stations(stored, solve, draw)
     atomic.write_text(path, text)
     said = [f"{path}: {len(text) / 1e6:.2g} MB, opens in a browser without a network"]
     if needed <= stations:

@@ -11,7 +11,8 @@ from . import console
 from .options import AT, File, ForceOutput, axis_values, flag, number_option, option
 from .present import Result, presents
 
-APART = ("volume", "spans", "within", "tolerance", "solution_error", "unit", "R", "values")  # with words of their own
+# with words of their own
+APART = ("volume", "spans", "within", "tolerance", "solution_error", "unit", "R", "values", "solved_at")
 
 
 @presents()
@@ -97,6 +98,8 @@ def _in_words(facts: Mapping[str, Any], unit: str) -> str:
     said += ["centreline"] if "spans" in facts and "volume" not in facts else []
     counted = {name: value for name, value in facts.items() if name not in APART}
     said += [f"{name} {n}" if isinstance(n, str) else f"{n} {name}" for name, n in counted.items()]
+    if "solved_at" in facts:
+        said.append(f"solved at {facts['solved_at']} stations")
     if "tolerance" in facts:
         said.append(f"within {plain(facts['tolerance'], 2)} {unit} of the rod")
     if facts.get("solution_error", 0.0) > facts.get("tolerance", math.inf):

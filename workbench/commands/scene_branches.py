@@ -65,6 +65,7 @@ def _picture(file: Path, stored: "StoredStudy", wanted: SceneOptions, look: "Set
     from ..figures import bifurcation, canvas
     from ..scene import branch_rods, film, opengl
     from ..scene.settings import check
+    from ..stored.enough_stations import at_needed_stations
     from ..stored.stored_study import StoredStudy
     from . import study_scene
 
@@ -91,7 +92,7 @@ def _picture(file: Path, stored: "StoredStudy", wanted: SceneOptions, look: "Set
     def draw(rods: StoredStudy, strict: bool) -> "tuple[Figure, Page]":
         return branch_rods.figure(stored, shapes(), rods, replace(settings, strict=strict))
 
-    (fig, _), stations = study_scene.at_needed_stations(solve(study_scene.FIRST), solve, draw)
+    (fig, _), stations = at_needed_stations(solve(study_scene.FIRST), solve, draw)
     canvas.save(fig, path, settings.dpi)
     count = f", {MOST} of {len(stable)} stable rods" if len(stable) > MOST else ""
     name, names = str(stored.attrs["axis"]), bifurcation.names_of_shapes(stored)

@@ -20,6 +20,10 @@ DPI = 160  # gives frames of 1280 x 720 pixels
 MOST = 480  # frames that are solved for a film
 STAYS = 1 / 3  # seconds for which a stored case stays where no others can be solved
 MOTION = 72  # frames of a rod that is let go
+ONE_BY_ONE = (
+    "rods off the wall are solved one by one for a film, seconds each; --stored films the stored ones alone; an "
+    "interrupted film keeps nothing"
+)
 MOTION_STATIONS = 401  # of its shapes
 
 Cases = tuple["StoredStudy", "Film", str, int]  # the rods of the frames, the film, what they are, frames of each
@@ -97,7 +101,12 @@ def _along_axis(file: Path, rods: "StoredStudy", shown: "Film", wanted: SceneOpt
 
     def cases(fps: float) -> Cases:
         solving = rods, axis, shown.at, scene_kinds.kind_of(shown.kind), name, MOST, wanted.frames
-        more = None if wanted.stored else study_scene.film_cases(*solving)
+        more = None
+        if not wanted.stored:
+            if rods.leaves:
+                console.warn(ONE_BY_ONE)
+            with console.progress(wanted.frames or MOST, lines=True) as step:
+                more = study_scene.film_cases(*solving, step)
         if more is not None:
             return more, replace(shown, at={}), "cases, solved for this film", 1
         each = 1 if wanted.frames else max(round(STAYS * fps), 1)

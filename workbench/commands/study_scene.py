@@ -5,9 +5,8 @@ are solved again at as many. The result is a dataset like any other, and is draw
 """
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from functools import partial
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -17,29 +16,25 @@ from solver.free.sinking import ELSEWHERE
 from solver.problem.errors import DEFAULT_TOLERANCE, InputError
 from studies import Study, load
 from studies.grammar.axes import Axis
-from studies.language.study import MAX_STATIONS, OUTPUTS
+from studies.language.study import OUTPUTS
 
 from ..figures.scales import is_logarithmic, is_wide
 from ..run import in_memory
 from ..scene.scene_kinds import CASE, NOTE, RELEASED, SceneKind, case_values
-from ..scene.settings import TooFewStations
-from ..stored import file_kinds, quantity_variables, reading, schema
+from ..stored import enough_stations, file_kinds, quantity_variables, reading, schema
+from ..stored.enough_stations import Solve, is_whole
 from ..stored.solved_again import point_forces_of
 from ..stored.stored_case import is_study
 from ..stored.stored_study import StoredStudy
 
 FIRST = 21  # stations that are tried first
-ROUNDS = 12  # each finds some six times as many stations where the round before missed the bends
 MOST_CASES = 10_000
 TRIED, STEP, JUMP, LEAST = 49, 0.12, 1.0, 72  # of a film: first values, motion a frame in rho, at most; frames
-Solve = Callable[[int], StoredStudy]  # the cases of a scene at a number of stations
-Drawn = TypeVar("Drawn")
 RELEASED_ARRAYS = ("beta", "dbeta", "alpha", "z", "contact")  # of both rods of a release
 WAY = {"long_name": "way to rest", "symbol": "way to rest", "units": "%"}
 ENERGY = "energy_above_rest", {"long_name": "energy above that at rest", "symbol": "energy"}
 MOTION = "a descent of the energy, as in a viscous medium"
 OTHER_REST = "it comes to rest in another minimum of the energy than workbench solve --let-go"
-SHAPE = ("beta", "dbeta", "alpha", "z", "radius", "gamma", "contact")
 
 
 def open_rods(file: Path) -> tuple[Study | None, StoredStudy]:
@@ -60,18 +55,9 @@ def solver_of(stored: StoredStudy, kind: SceneKind, at: dict[str, float], shown:
 
     shown: the axes of which all cases are shown.
     """
-    if not _is_whole(stored):
-        return None
     where, kept = stored.place(at), {stored.axis(name) for name in shown}
-    part = stored.select({name: [where[name]] for name in stored.axes if name not in kept})
-    off_wall = ["contact"] * (stored.loads_vary or stored.leaves) + ["radius"] * stored.leaves
-    needed = {*kind.reads, "dbeta", *off_wall}
-    return partial(part.solve, names=[name for name in SHAPE if name in stored or name in needed])
-
-
-def _is_whole(stored: StoredStudy) -> bool:
-    """Whether a study gives the cases of a dataset, on all axes that it has."""
-    return bool(stored.attrs.get("study")) and stored.axes == schema.axes_left(stored.ds, stored.study)
+    held = {name: where[name] for name in stored.axes if name not in kept}
+    return enough_stations.solver_of(stored, held, kind.reads)
 
 
 def release_of(stored: StoredStudy, at: Mapping[str, float], count: int | None = None) -> Solve:
@@ -81,7 +67,7 @@ def release_of(stored: StoredStudy, at: Mapping[str, float], count: int | None =
     between stand there instead, from the rod that is held on to the rod at rest, with the energy above that at rest.
     Raises `InputError` for a case that may leave the cylinder by itself, and one that no study gives.
     """
-    if not _is_whole(stored) or (stored.leaves and not stored.study.let_go):
+    if not is_whole(stored) or (stored.leaves and not stored.study.let_go):
         raise InputError("the kind let-go takes the study of a rod that the cylinder holds on, which is then let go")
     lean = _study_at(stored.study, stored, stored.place(at), []).model_copy(update={"laws": [], "observables": []})
     case = case_values(stored, stored.place(at))
@@ -140,6 +126,10 @@ def _study_at(study: Study, stored: StoredStudy, where: Mapping[str, int], free:
     return study.model_copy(update={"axes": axes})
 
 
+def _say_nothing(text: str, done: int, of: int) -> None:
+    """What takes the progress of a film, where nobody reads it."""
+
+
 def film_cases(
     stored: StoredStudy,
     axis: str,
@@ -148,13 +138,15 @@ def film_cases(
     observable: str,
     most: int,
     count: int | None = None,
+    step: Callable[[str, int, int], None] = _say_nothing,
 ) -> StoredStudy | None:
     """The cases of a film along an axis, at most so many: as many as let no rod move far from one to the next.
 
-    count: so many cases, at an even pace of the rod.
+    count: so many cases, at an even pace of the rod. Rods off the wall take seconds each, so between two stored ones
+    their pace is taken as even, and they are solved one by one: step(text, done, of) is called before each.
     None for a dataset whose cases a study does not give at any value of the axis. Raises `InputError` of the solver.
     """
-    if not _is_whole(stored):
+    if not is_whole(stored):
         return None
     study = stored.study
     field = quantity_variables.field_of(study, axis)
@@ -167,12 +159,26 @@ def film_cases(
         axes = {**lean.axes, field: Axis.model_validate({"values": list(values)})}
         return in_memory.run(lean.model_copy(update={"axes": axes}))
 
+    def solve_each(values: Any) -> xr.Dataset:
+        if not lean.leaves:
+            return solve(values)
+        rods = []
+        for i, value in enumerate(values):
+            step(f"solving {axis} = {value:.4g}", i, len(values))
+            rods.append(solve([value]))
+        return xr.concat(rods, axis, coords="minimal", compat="override", data_vars="minimal")
+
     low, high = float(stored[axis].values[0]), float(stored[axis].values[-1])
     values = (np.geomspace if is_wide(low, high) else np.linspace)(low, high, TRIED)
-    first = solve(values)
+    first = None
+    if lean.leaves:
+        line = stored.select({name: i for name, i in stored.place(at).items() if name != axis}).ds
+        if {"alpha", "z", "radius"} <= {*line.variables} and bool(line["solved"].all()):
+            first, values = line.sortby(axis), np.sort(line[axis].values)
+    first = solve(values) if first is None else first
     way = np.concatenate([[0.0], np.cumsum(_motion(first, axis))])
     count = count or int(np.clip(np.ceil(way[-1] / STEP), LEAST, most))
-    cases = solve(np.interp(np.linspace(0, way[-1], count), way + 1e-9 * np.arange(TRIED), values))
+    cases = solve_each(np.interp(np.linspace(0, way[-1], count), way + 1e-9 * np.arange(values.size), values))
     spacing = (
         "geometric" if is_logarithmic(stored[axis]) else "linear"
     )  # the scale is that of the axis, not of the motion
@@ -187,25 +193,6 @@ def _motion(ds: xr.Dataset, axis: str) -> Any:
     place = np.moveaxis(place, line["alpha"].dims.index(axis), 0)
     far = np.linalg.norm(np.diff(place, axis=0), axis=-1).max(axis=-1) / float(line["rho"].max())
     return np.clip(np.nan_to_num(far), 0.02 * STEP, JUMP)
-
-
-def at_needed_stations(
-    stored: StoredStudy, solve: Solve | None, draw: Callable[[StoredStudy, bool], Drawn]
-) -> tuple[Drawn, int]:
-    """What is drawn of a dataset, or of its cases solved at the stations that it needs, and the number of stations.
-
-    solve: solves the cases at a number of stations; None where they cannot be solved again. draw: takes the dataset,
-    and whether it raises `TooFewStations` rather than draw less well than asked. Raises `InputError` as they do.
-    """
-    for _ in range(ROUNDS):
-        stations = stored.sizes["u"]
-        try:
-            return draw(stored, solve is not None and stations < MAX_STATIONS), stations
-        except TooFewStations as error:
-            if solve is None or stations >= MAX_STATIONS:
-                raise
-            stored = solve(min(max(error.stations, stations + 1), MAX_STATIONS))
-    return draw(stored, False), stored.sizes["u"]
 
 
 def _with_outputs(study: Study, outputs: Any) -> Study:

@@ -1,4 +1,7 @@
-"""One stored rod as a file for other programs, or those along an axis as one file each. Nothing is solved."""
+"""One stored rod as a file for other programs, or those along an axis as one file each.
+
+A rod is solved only where its stations are too few for the file and a study gives its case.
+"""
 
 import re
 from collections.abc import Callable, Sequence
@@ -12,9 +15,10 @@ import numpy as np
 from solver.problem.errors import InputError, choices
 
 from ..geometry import self_contact
-from ..geometry.centreline import Centreline, advice_to_store
+from ..geometry.centreline import Centreline, TooFewStations, advice_to_store
 from ..geometry.refinement import push_along
 from ..run import atomic, writing
+from ..stored.enough_stations import at_needed_stations, solver_of
 from ..stored.stored_study import StoredStudy
 from . import FORMATS, pvd, surface_files
 from .base import ExportedRod, ExportOptions, Format, metres
@@ -178,26 +182,55 @@ def _tell_size(path: Path, rods: Sequence[ExportedRod], format: Format, tell: Ca
 def _write(path: Path, rod: ExportedRod, format: Format, force: bool) -> tuple[dict[str, Any], list[str]]:
     """Write one rod; returns numbers about the file by name, and what a real rod could not do. Raises `InputError`."""
     options = rod.options
+    facts: dict[str, Any] = {}
+    if format.tolerance is not None:
+        stations, own_error = rod.line.s.size, _own_error(rod)
+        rod = _at_needed_stations(rod, format, own_error)
+        unit = format.unit or rod.unit
+        facts = {"tolerance": rod.tolerance, "unit": unit}
+        if rod.line.s.size > stations:
+            facts["solved_at"] = rod.line.s.size
+        if own_error:
+            facts["solution_error"] = own_error
+        facts["R"] = rod.line.R if unit == rod.unit else rod.line.R * metres(rod.unit) / metres(unit)
     faults = [] if format.body == "curve" or options.centreline else self_contact.findings(rod.line, rod.unit)
     for finding in faults if format.body == "solid" else []:
         if finding.tight or not options.overlap:
             also = "" if finding.tight else ", --overlap the solid all the same"
             raise InputError(f"no solid: {finding.sentence}; --centreline writes the curve alone{also}")
-    facts: dict[str, Any] = {}
-    if format.tolerance is not None:
-        tolerance = _tolerance(rod.line, format, options)
-        rod.line.check(tolerance, format.curve_share, format.cubic)
-        if format.coloured and (more := push_along(rod.line).stations()) > (n := rod.line.s.size):
-            raise InputError(
-                f"{n} stations are too few for the colours of the push between them: {advice_to_store(more)}"
-            )
-        unit = format.unit or rod.unit
-        rod, facts = replace(rod, tolerance=tolerance), {"tolerance": tolerance, "unit": unit}
-        if "error" in rod.stored:  # of beta, and of alpha and z/rho divided by max(1, L/rho)
-            error = float(rod.stored["error"].isel(rod.where))
-            facts["solution_error"] = error * max(rod.line.L, rod.line.rho)
-        facts["R"] = rod.line.R if unit == rod.unit else rod.line.R * metres(rod.unit) / metres(unit)
     return {**_write_file(path, rod, format, force), **facts}, [finding.sentence for finding in faults]
+
+
+def _own_error(rod: ExportedRod) -> float:
+    """The estimated error of the stored rod at its stations [length]; 0 where none is stored."""
+    if "error" not in rod.stored:
+        return 0.0
+    error = float(rod.stored["error"].isel(rod.where))  # of beta, and of alpha and z/rho divided by max(1, L/rho)
+    return error * max(rod.line.L, rod.line.rho)
+
+
+def _at_needed_stations(rod: ExportedRod, format: Format, own_error: float) -> ExportedRod:
+    """The rod with the tolerance that its file keeps, solved again where its stations are too few for that.
+
+    own_error: of the rod [length]. Where no tolerance is given, the file keeps the one that the stations allow, as long as
+    they fix the rod between them to that error; and within a number of triangles also where no study gives the rod. Any
+    other lack of stations raises `TooFewStations`.
+    """
+
+    def draw(stored: StoredStudy, strict: bool) -> ExportedRod:
+        line = rod.line if stored is rod.stored else stored.select(dict.fromkeys(rod.where, 0)).centreline
+        tolerance = _tolerance(line, format, rod.options)
+        least = (line.cubic_error if format.cubic else line.error) / format.curve_share
+        is_own = rod.options.tolerance is None and format.curve_share * least <= own_error
+        if is_own or (rod.options.triangles is not None and not strict):
+            tolerance = max(tolerance, least)
+        line.check(tolerance, format.curve_share, format.cubic)
+        if format.coloured and (more := push_along(line).stations()) > (n := line.s.size):
+            few = f"{n} stations are too few for the colours of the push between them: {advice_to_store(more)}"
+            raise TooFewStations(few, more)
+        return replace(rod, line=line, tolerance=tolerance)
+
+    return at_needed_stations(rod.stored, solver_of(rod.stored, rod.where, ()), draw)[0]
 
 
 def _frames(
@@ -211,16 +244,23 @@ def _frames(
         writing.check_new(file, force)
     _tell_size(path, series.rods, format, tell)
     facts: dict[str, Any] = {}
-    warnings, values = [], []
+    warnings, values, few = list[str](), [], list[tuple[str, TooFewStations]]()
     for file, rod, value in zip(files, series.rods, series.values, strict=True):
         case = f"{series.axis}={value:.6g}"
         try:
             facts, more = _write(file, rod, format, force)
+        except TooFewStations as error:
+            few.append((case, error))
+            continue
         except InputError as error:
             warnings.append(f"{case} is left out: {error}")
             continue
         values.append(value)
         warnings += [f"{case}: {sentence}" for sentence in more]
+    if few:
+        case, worst = max(few, key=lambda each: each[1].stations)
+        also = f", as {len(few) - 1} others with too few stations are," if len(few) > 1 else ""
+        warnings.append(f"{case} is left out{also}: {worst}")
     if not values:
         raise InputError(f"no rod along {series.axis} could be written; {warnings[0]}")
     unit = {name: facts[name] for name in ("unit",) if name in facts}

@@ -35,6 +35,14 @@ APART = 3.0  # radians of a swing of beta between stations; from pi on a swing m
 SHARES = np.linspace(0, 1, 17)[1:-1]  # of an interval: where the cubic is compared with the curve
 
 
+class TooFewStations(InputError):
+    """The stations are too few for what is drawn; `stations`: about how many are needed."""
+
+    def __init__(self, sentence: str, stations: int) -> None:
+        super().__init__(sentence)
+        self.stations = stations
+
+
 @dataclass(frozen=True, eq=False)
 class Centreline:
     """A rod's centreline r(s), 0 <= s <= L, in the dataset's own units.
@@ -226,17 +234,18 @@ class Centreline:
         return int(np.ceil(1.1 * more)) + 1
 
     def check(self, tolerance: float, share: float = 1.0, cubic: bool = False) -> None:
-        """Raise `InputError`, with the stations that are needed, where the error is above that share of the tolerance.
+        """Raise `TooFewStations` where the error is above that share of the tolerance.
 
         The error is `error`, or `cubic_error` for a file of cubics.
         """
         error, needed = self.cubic_error if cubic else self.error, share * tolerance
-        if error > needed:
-            more = self.stations_for(needed, cubic)
-            raise InputError(
+        if error > needed * (1 + 1e-9):
+            more = max(self.stations_for(needed, cubic), self.s.size + 1)
+            raise TooFewStations(
                 f"{self.s.size} stations fix the rod between them to {error:.1e} {self.unit} only, and "
                 f"{needed:.1e} {self.unit} is needed for a tolerance of {tolerance:g} {self.unit}: "
-                f"{advice_to_store(more)}, or give a larger --tolerance"
+                f"{advice_to_store(more)}, or give a larger --tolerance",
+                more,
             )
 
 

@@ -121,7 +121,9 @@ class FreeLine(Centreline):
 
     def frame(self, s: Array) -> tuple[Array, Array, Array, Array]:
         """Position, tangent, the normal nearest to the outward one, and the normal across both at s, (k, 3) each."""
-        tangent, out = _unit(self._path(s, 1)), frames.outward(self.at(s)[0])
+        x, y, _ = self._path(s).T
+        around = np.arctan2(y, x) if self.radius.min() > np.diff(self.s).max() else self.at(s)[0]  # it passes the axis
+        tangent, out = _unit(self._path(s, 1)), frames.outward(around)
         out = _unit(out - np.sum(out * tangent, axis=-1, keepdims=True) * tangent)
         return self._path(s), tangent, out, np.cross(out, tangent)
 

@@ -11,14 +11,14 @@ from studies.language.study import MAX_STATIONS
 
 from ..figures import canvas, fonts
 from ..figures.arrangement import Arrangement
-from ..geometry.centreline import APART, Array
+from ..geometry.centreline import APART, Array, TooFewStations
 from ..words import cautions, labels
 from . import long_rod, page, scene_kinds, signs, strands
 from .body import ARROW, Body
 from .page import Mark, Page, Scene
 from .rendering import Placed, render
 from .scene_kinds import Cell, set_range
-from .settings import DEFAULT, Settings, TooFewStations
+from .settings import DEFAULT, Settings
 from .views import Camera, View, arrange
 
 LINE = 1.5  # width of lines in pixels at `fonts.DPI`

@@ -17,14 +17,6 @@ SIDES = (200, 12_000)  # pixels of a page's width and height
 MOST_PIXELS = 40_000_000
 
 
-class TooFewStations(InputError):
-    """The stations are too few for what is drawn; `stations`: about how many are needed."""
-
-    def __init__(self, sentence: str, stations: int) -> None:
-        super().__init__(sentence)
-        self.stations = stations
-
-
 @dataclass(frozen=True)
 class Settings:
     """How a scene is drawn.

@@ -1,5 +1,6 @@
 """A rod that may leave the cylinder, in words: where it lies on the wall, and what letting it go did."""
 
+import math
 from typing import TYPE_CHECKING, Any
 
 from solver.observe.observables import observe
@@ -55,7 +56,8 @@ def release_sentence(energies: dict[str, float], units: dict[str, str]) -> str:
     """By how much the elastic energy falls, in a sentence. energies: of `release`."""
     unit = f"{units['force']} {units['length']}"
     lost = 1 - energies["after"] / energies["before"] if energies["before"] else 0.0
+    digits = min(max(2 - math.floor(math.log10(abs(lost))), 4), 12) if lost else 4  # which show that they differ
     return (
         f"let go, with both ends as they were: its elastic energy falls by {100 * lost:.3g} %, "
-        f"from {plain(energies['before'])} to {plain(energies['after'])} {unit}"
+        f"from {plain(energies['before'], digits)} to {plain(energies['after'], digits)} {unit}"
     )
