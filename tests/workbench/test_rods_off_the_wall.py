@@ -157,6 +157,25 @@ def test_between_the_stations_of_a_rod_an_export_asks_for_no_more_than_the_error
         assert export(alone, tmp_path / f"small_{name}", ExportOptions(triangles=20_000)).facts["triangles"] <= 20_000
 
 
+def test_the_frames_of_a_film_are_solved_one_by_one_at_the_pace_of_the_stored_rods(monkeypatch) -> None:
+    axis = small.axis("FZ", [-8.66, -8.0, -5.0])
+    ds = in_memory.run(loads(STUDY.replace("FZ = -8.66, ", "").replace("201", "21\ntol = 1e-2") + axis))
+    solved, told = [], []
+    run = in_memory.run
+    monkeypatch.setattr(in_memory, "run", lambda study: solved.append(study.variation.size) or run(study))
+    cases = study_scene.film_cases(
+        StoredStudy(ds), "FZ", {}, kind_of("contact"), "gap_max", 480, 5, lambda *said: told.append(said)
+    )
+    assert solved == [1] * 5
+    assert [said[1:] for said in told] == [(i, 5) for i in range(5)]
+    assert cases is not None
+    assert (cases["solved"].shape, cases["beta"].shape) == ((5,), (5, 21))
+    np.testing.assert_allclose(cases["FZ"].values[[0, -1]], [-8.66, -5.0])
+    assert (np.diff(cases["FZ"].values) > 0).all()
+    again = StoredStudy(cases.ds.isel(FZ=3)).solution
+    np.testing.assert_allclose(again.z, cases["z"].values[3], atol=0.02)
+
+
 def test_a_small_fall_of_the_energy_is_told_in_as_many_digits_as_show_it() -> None:
     for after, told in (191.3717, "from 191.401 to 191.372 N mm"), (180.0, "from 191.4 to 180 N mm"):
         said = free_rods.release_sentence({"before": 191.4012, "after": after}, {"length": "mm", "force": "N"})

@@ -212,9 +212,9 @@ def _own_error(rod: ExportedRod) -> float:
 def _at_needed_stations(rod: ExportedRod, format: Format, own_error: float) -> ExportedRod:
     """The rod with the tolerance that its file keeps, solved again where its stations are too few for that.
 
-    own_error: of the rod [length]. Where no tolerance is given, the file keeps the one that the stations allow, as long as
-    they fix the rod between them to that error; and within a number of triangles also where no study gives the rod. Any
-    other lack of stations raises `TooFewStations`.
+    own_error: of the rod [length]. Where no tolerance is given, the file keeps the one that the stations allow, as long
+    as they fix the rod between them to that error; and within a number of triangles also where no study gives the rod.
+    Any other lack of stations raises `TooFewStations`.
     """
 
     def draw(stored: StoredStudy, strict: bool) -> ExportedRod:
