@@ -232,6 +232,19 @@ def test_past_a_fold_the_cases_are_of_another_branch_and_say_so() -> None:
     assert "crosses to another branch of equilibria" in law["reason"]
 
 
+def test_beyond_a_jump_cases_that_continue_from_one_another_are_on_one_branch() -> None:
+    """At beta0 = 0 one of two mirror images is chosen, so on one side a step along beta0 comes upon another branch. It
+    came upon one for each E, and a law along E was undecided there."""
+    wire = {"nu": 0.3, "a": 0.25, "L": 120.0, "R": 1.0, "side": "inside", "betaL": 0.0, "FZ": -50.0}
+    axes = small.axis("E", (1e5, 2.1e5, 3)) + small.axis("beta0", ("-10deg", "10deg", 3))
+    ds = in_memory.run(loads(small.text(wire, axes, "mm N", observables=["amplitude"], stations=51), "text", "wire"))
+    jumps = law_verdicts.crossings(ds, "beta0")
+    assert not law_verdicts.crossings(ds, "E").any()
+    assert (jumps.sum(axis=1) == 1).all()
+    assert (jumps == jumps[0]).all()
+    np.testing.assert_allclose(ds["amplitude"][:, 0], ds["amplitude"][:, 2], rtol=1e-9)
+
+
 @pytest.mark.slow
 def test_a_wire_pushed_into_a_tube_is_not_turned_back_because_the_axis_goes_far() -> None:
     base = {"E": 6e4, "nu": 0.3, "a": 0.25, "L": 120.0, "R": 2.0, "side": "inside", "beta0": 0.0, "betaL": 0.0}

@@ -1,9 +1,9 @@
 """Sweeps: studies whose cases continue from one another, to tell their branches or because an axis is followed.
 
 In a sweep over ends problems the equilibrium of a case depends on its own numbers only. It is on the branch of its
-neighbour if the equilibrium of the neighbour continues to its own; else it begins a branch of another number. Only
-along a followed axis the equilibrium itself continues from the case before; where the branch does not reach a case, it
-has none.
+neighbour if the equilibrium of the neighbour continues to its own; else it is on another branch: on that of a neighbour
+along another axis that continues to it and is on another branch too, or on one of a new number. Only along a followed
+axis the equilibrium itself continues from the case before; where the branch does not reach a case, it has none.
 
 The first case of a sweep is the middle of the grid, along a followed axis the first value. From it the cases continue
 along the first axis, from each of these along the second, and so on: a tree in which each case is one step from the one
@@ -45,7 +45,7 @@ _DENSE = 2001  # stations of the seed of a method that knows the rod at stations
 class SweepState:
     """The equilibrium of one case, with stations at its two ends only.
 
-    branch: 0 for that of the first case, else 1 + the flat index of the case where it begins; `NONE` where the case is
+    branch: 0 for that of the first case, else 1 + the flat index of a case where it begins; `NONE` where the case is
     not solved. stable: whether the branch is stable where it begins. remark: an addition to the outcome: where the
     branch begins, or that it is not stable here.
     """
@@ -254,6 +254,15 @@ class SweepGrid:
                 return self.place(tuple(cell)), k
         return None
 
+    def across(self, place: int, axis: int) -> list[int]:
+        """The neighbours of a place along the other axes that are nearer to the first case."""
+        cell, nearer = self.cell(place), list[int]()
+        for k, middle in enumerate(self.first):
+            if k != axis and cell[k] != middle:
+                step = 1 if cell[k] < middle else -1
+                nearer.append(self.place((*cell[:k], cell[k] + step, *cell[k + 1 :])))
+        return nearer
+
     def entries(self, start: int, stop: int) -> list[int]:
         """Of the cases `start` to `stop`, on each line of the last axis, the one that the others continue from."""
         n, middle = self.shape[-1], self.first[-1]
@@ -283,6 +292,9 @@ class Sweep:
     block: int
     known: dict[int, SweepState] = field(default_factory=dict)
     keeps_all: bool = False
+    _begins: dict[int, int] = field(default_factory=dict, repr=False)  # of places, as `_origin` finds them
+    _choices: dict[int, Solution] = field(default_factory=dict, repr=False)
+    _led: dict[tuple[int, int], bool] = field(default_factory=dict, repr=False)  # from one place to another
 
     @cached_property
     def grid(self) -> SweepGrid:
@@ -334,7 +346,46 @@ class Sweep:
             return state_of(select(self.study, case), 0)
         neighbour, axis = self._values(parent[0]), parent[1]
         name = list(neighbour)[axis]
-        return step(self.study, case, before, place, name, neighbour[name])
+        state = step(self.study, case, before, place, name, neighbour[name])
+        self._led[parent[0], place] = state.solved and state.branch == before.branch
+        return replace(state, branch=1 + self._origin(place, axis)) if state.branch == 1 + place else state
+
+    def _origin(self, place: int, axis: int) -> int:
+        """Where the branch begins upon which a step along an axis comes at a place.
+
+        It is that of a neighbour across the axis, nearer to the first case, where such a step comes upon another branch
+        too, and from which it leads to the place; so on from there.
+        """
+        way = [place]
+        while way[-1] not in self._begins:
+            beside = (at for at in self.grid.across(way[-1], axis) if self._is_on_its_branch(way[-1], at))
+            nearer = next(beside, None)
+            if nearer is None:
+                self._begins[way[-1]] = way[-1]
+            else:
+                way.append(nearer)
+        self._begins.update(dict.fromkeys(way, self._begins[way[-1]]))
+        return self._begins[place]
+
+    def _is_on_its_branch(self, place: int, beside: int) -> bool:
+        """Whether a case is on the branch of one beside it, upon which a step comes there."""
+        parent = self.grid.parent(beside)
+        return parent is not None and not self._leads(parent[0], beside) and self._leads(beside, place)
+
+    def _leads(self, before: int, place: int) -> bool:
+        """Whether both cases are solved, and the branch of one leads to the other."""
+        if (before, place) not in self._led:
+            one, other = (self._choice(at) for at in (before, place))
+            self._led[before, place] = bool(one.solved and other.solved and continues(one, other))
+        return self._led[before, place]
+
+    def _choice(self, place: int) -> Solution:
+        """The equilibrium of a case by the study's rule."""
+        if place in self.known:
+            return self.known[place].solution
+        if place not in self._choices:
+            self._choices[place] = select(self.study, self.study.case_of(self._values(place)))
+        return self._choices[place]
 
     def _values(self, place: int) -> dict[str, float]:
         cell = self.grid.cell(place)
