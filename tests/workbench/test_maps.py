@@ -10,7 +10,7 @@ from solver.observe.observables import observe
 from studies import load
 from studies.language.loader import loads
 from tests.workbench import small
-from workbench.figures import map_cells, map_figure, regions
+from workbench.figures import canvas, map_cells, map_figure, regions
 from workbench.run import in_memory
 from workbench.stored.stored_study import StoredStudy
 
@@ -137,3 +137,35 @@ def test_a_map_of_bends_shows_no_cases_that_were_added_where_a_number_changes_th
     assert pale
     assert max(pale) == 0
     assert max(level[tuple(place)] for place in shown) > 3
+
+
+def test_a_rod_that_turns_back_sets_no_scale_and_a_size_of_rounding_neither() -> None:
+    axes = small.axis("E", [1e4, 2e4, 3e4]) + small.axis("R", [1.0, 1.2])
+    ds = in_memory.run(small.study(axes, 'observables = ["push_max"]'))
+    push = np.array([[1.0, 2.0], [3.0, 1e-13], [5.0, -4e8]])
+    ds = ds.assign(push_max=(("E", "R"), push), caution=(("E", "R"), [["", ""], ["", ""], ["", "turned back"]]))
+    stored = StoredStudy(ds)
+    fig = map_figure.figure(stored, show=["push_max"])
+    (mesh,) = [one for one in maps(fig)[0].collections if one.get_array() is not None]
+    assert (mesh.norm.vmin, mesh.norm.vmax) == (1.0, 5.0)
+    said = canvas.caption(fig)
+    assert "1 of 6 rods turns back against both its ends and has no colour." in said
+    assert "turns back against both its ends" in [text.get_text() for key in fig.legends for text in key.get_texts()]
+    every = map_figure.figure(StoredStudy(ds.assign(caution=(("E", "R"), np.full((3, 2), "turned back")))))
+    assert not any("no colour" in text for text in canvas.caption(every))  # all of them do
+
+
+def test_maps_of_a_study_are_four_those_of_laws_first_and_the_others_are_named() -> None:
+    names = ["bends", "height", "turns_around", "push_max", "attached", "kappa_max"]
+    axes = small.axis("E", [1e4, 2e4]) + small.axis("R", [1.0, 1.2])
+    law = small.law("kappa_max", "E", "falls")
+    ds = in_memory.run(small.study(axes + law, f"observables = {names}"))
+    stored = StoredStudy(ds)
+    choice = map_cells.choose(stored)
+    assert choice.shown[0] == "kappa_max"
+    assert len(choice.shown) == 4
+    varying = [name for name in stored.observables if not stored.is_level(name)]
+    assert sorted([*choice.shown, *choice.left_out]) == sorted(varying)
+    said = canvas.caption(map_figure.figure(stored))
+    assert f"Not drawn: {', '.join(choice.left_out)}; choose with --show." in said
+    assert map_cells.choose(stored, show=names).shown == tuple(names)

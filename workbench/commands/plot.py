@@ -63,7 +63,7 @@ class PlotOptions:
         option(
             "NAMES",
             "Observables of a map, of lines or of bars, separated by commas, at most twelve; default: those of the "
-            "laws, or the first stored. Of a ridge arrays along the rod, at most six. Of a list of equilibria or of "
+            "laws, then the first stored. Of a ridge arrays along the rod, at most six. Of a list of equilibria or of "
             "branches one, in their diagram; of a map of folds count, count_stable, or a number along its curves, "
             "such as dbeta0.",
         ),

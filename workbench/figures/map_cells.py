@@ -15,7 +15,7 @@ from studies.grammar.axes import SAMPLE, WORDS
 from studies.language.refine import LEVEL
 
 from ..stored.quantity_variables import dimension
-from ..stored.shown_observables import MOST_ASKED, choose_observables
+from ..stored.shown_observables import choose_observables
 from ..stored.stored_study import StoredStudy
 from ..words import cautions, labels
 from . import regions
@@ -24,6 +24,7 @@ from .scales import Scale, scale_of
 SWING = "swing"  # the logarithm of what `swings` gives of the cases of a refined study, as a variable of its raster
 LEAST = 1e-12  # rad: beta of a straight rod varies by rounding. x10: no change, as all of them are nearly straight
 MOST_COLUMNS = 5  # values of a third axis
+MOST_MAPS = 4  # observables where none is asked for
 BENDS, STRAIGHT = "bends", np.radians(10)  # bends of a rod whose beta varies by less than that are not coloured
 
 
@@ -53,8 +54,8 @@ class Cells:
     """The cells of one column of maps, (rows, columns) of the values of y and x, both rising.
 
     stored: the cases there. solved: of each cell. straight: whether beta varies by less than `STRAIGHT` along its rod.
-    unchecked: of how many cells the rod was not checked for a caution. source: the study with the arrays along the rod,
-    at `place`.
+    turned: whether its rod turns back against both its ends, and has no colour as laws leave it out. unchecked: of how
+    many cells the rod was not checked for a caution. source: the study with the arrays along the rod, at `place`.
     """
 
     stored: StoredStudy
@@ -62,6 +63,7 @@ class Cells:
     y: Scale
     solved: NDArray[np.bool_]
     straight: NDArray[np.bool_]
+    turned: NDArray[np.bool_]
     unchecked: int
     source: StoredStudy
 
@@ -95,10 +97,10 @@ class Cells:
         return np.asarray((self.source[LEVEL].values > 0) & (swings(self.source) < STRAIGHT))
 
     def values(self, name: str) -> NDArray[np.float64]:
-        """An observable in the unit of its label, NaN where a cell is not solved or its number is not known, and the
-        number of bends of a rod that is nearly straight."""
+        """An observable in the unit of its label, NaN where a cell is not solved, turns back or has no known number,
+        and the number of bends of a rod that is nearly straight."""
         values = labels.in_label_unit(self.stored[name], self.stored[name].values.astype(float))
-        return np.where(self.solved & np.isfinite(values) & ~self.unbent(name), values, np.nan)
+        return np.where(self.solved & ~self.turned & np.isfinite(values) & ~self.unbent(name), values, np.nan)
 
     def colour(self, ax: Axes, values: NDArray[np.float64], **colours: Any) -> QuadMesh:
         """Colour the cells by values; colours: options of `pcolormesh`."""
@@ -129,7 +131,7 @@ def choose(
     show: Sequence[str] = (),
     at: Mapping[str, float] | None = None,
     columns: int = MOST_COLUMNS,
-    most: int = MOST_ASKED,
+    most: int = MOST_MAPS,
 ) -> Choice:
     """What a figure of maps shows.
 
@@ -139,7 +141,7 @@ def choose(
     x, y : str, optional
         The axes to the right and up; default: the first axes of the study.
     show : sequence of str
-        Observables; default: all that vary, as many as have room.
+        Observables; default: of those that vary, first those of laws, as many as have room.
     at : mapping of float, optional
         Values of further axes.
     columns : int
@@ -157,13 +159,17 @@ def choose(
         For fewer than two axes, an unknown axis or observable, `x` equal to `y`, too many observables.
     """
     x, y = _two_axes(stored, x, y, dict(at or {}))
-    shown, left_out = choose_observables(stored, show, most, most_level=1)
-    if not show:  # a map of a property of two values has nothing to read off, unless there is no other
+    shown, left_out = choose_observables(stored, show, len(stored.observables), most_level=1)
+    if not show:
+        judged = {law.observable for law in stored.laws}
+        shown.sort(key=lambda name: name not in judged)
+        # a map of a property of two values has nothing to read off, unless there is no other
         known = {name: stored[name].values[np.isfinite(stored[name].values)] for name in shown}
         flags = [name for name, values in known.items() if values.size and np.isin(values, (0, 1)).all()]
         if properties := [name for name in flags if name in stored.counts and len(flags) < len(shown)]:
             shown = [name for name in shown if name not in properties]
-            left_out = [*properties, *left_out]
+            left_out = properties
+        shown, left_out = shown[:most], [*shown[most:], *left_out]
     if not shown:
         raise InputError("the study stores no observable; a map shows one")
     held = {name: i for name, i in stored.place(at).items() if name not in (x, y)}
@@ -182,10 +188,21 @@ def cells(stored: StoredStudy, choice: Choice, where: Mapping[str, int], source:
     unchecked = np.zeros(solved.shape, dtype=bool)
     for key in cautions.UNCHECKED if "caution" in plane else ():
         unchecked |= cautions.has_key(plane["caution"].values, key)
+    turned = np.zeros(solved.shape, dtype=bool)
+    if leaves_out_turned(stored):
+        turned = solved & cautions.has_key(plane["caution"].values, cautions.TURNED)
     scales = scale_of(plane[choice.x]), scale_of(plane[choice.y])
     swing = np.exp(plane[SWING].values) if SWING in plane else swings(plane)
     straight = solved & (swing < STRAIGHT)
-    return Cells(plane, *scales, solved, straight, int(unchecked.sum()), plane if source is None else source)
+    return Cells(plane, *scales, solved, straight, turned, int(unchecked.sum()), plane if source is None else source)
+
+
+def leaves_out_turned(stored: StoredStudy) -> bool:
+    """Whether maps leave out rods that turn back against both their ends: not where all do, or where a law has them."""
+    if "caution" not in stored or any(law.turned_back for law in stored.laws):
+        return False
+    solved = stored["solved"].values.astype(bool)
+    return not cautions.has_key(stored["caution"].values, cautions.TURNED)[solved].all()
 
 
 def raster_of(stored: StoredStudy) -> StoredStudy:

@@ -23,11 +23,11 @@ from studies.laws import law_words
 from studies.laws.line_verdicts import HOLDS, VERDICTS
 
 from ..stored import law_verdicts
-from ..stored.shown_observables import MOST_ASKED, level_notes
+from ..stored.shown_observables import level_notes
 from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import canvas, colours, fonts, map_panel, print_heights
-from .map_cells import Cells, Choice, cells, choose, raster_of
+from .map_cells import MOST_MAPS, Cells, Choice, cells, choose, raster_of
 from .sheet import SCREEN, Sheet
 
 COLUMN = 2.0  # inches, the height of maps in columns
@@ -83,7 +83,7 @@ def figure(
     InputError
         As of `map_cells.choose`; where shapes are not stored or more than the values of an axis; for invalid laws.
     """
-    most = MOST_NARROW if sheet.narrow and not show else MOST_ASKED
+    most = MOST_NARROW if sheet.narrow and not show else MOST_MAPS
     draw = partial(_figure_of, stored, x, y, show, at, shapes, sheet)
     if show or sheet.style != "paper":
         return draw(most)

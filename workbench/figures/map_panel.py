@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from solver.problem.errors import InputError
 from studies.grammar.axes import SAMPLE
+from studies.laws.line_verdicts import NOISE
 
 from ..stored import selection
 from ..stored.stored_study import StoredStudy
@@ -35,6 +36,7 @@ BARRED = (
     "a case whose shape no real rod could keep",
     "No real rod could keep a shape that would lift off away from its ends, or pass through itself.",
 )
+TURNED: Any = {"facecolor": colours.UNKNOWN, "edgecolor": colours.SOFT, "hatch": "....", "linewidth": 0}
 DENSE = ", dense where a number changes"  # of the cases of a refined study
 SAMPLES: Any = {"color": colours.INK, "linestyle": "none", "markeredgewidth": 0.4, "alpha": 0.6}
 MOST_SHAPES, FILL = 12, 0.86  # shapes along an axis; of the room of a shape that it fills
@@ -63,8 +65,8 @@ class Colours:
             self.cmap, self.norm = colours.map_colours(levels.size - 1), BoundaryNorm(levels, levels.size - 1)
         elif self.count:
             self.norm = Normalize(low - 0.5, high + 0.5)
-        elif low > 0 and high > DECADES * low:
-            self.norm = LogNorm(low, high)
+        elif low > 0 and high > DECADES * low:  # of sizes above rounding
+            self.norm = LogNorm(float(known[known > NOISE * high].min()), high)
 
     def bar(self, mesh: Any, axes: list[Axes]) -> None:
         """The bar of colours beside the panels; none of a constant."""
@@ -83,7 +85,8 @@ def draw(ax: Axes, cells: Cells, name: str, scale: Colours, inches: tuple[float,
     x, y = cells.x.edges, cells.y.edges
     mesh = cells.colour(ax, values, cmap=scale.cmap, norm=scale.norm, alpha=pale)
     nearly_straight = {"facecolor": colours.BAND, "linewidth": 0}
-    for mask, look in ((cells.unbent(name), nearly_straight), (~cells.solved, colours.UNSOLVED)):
+    states = (cells.unbent(name), nearly_straight), (cells.turned, TURNED), (~cells.solved, colours.UNSOLVED)
+    for mask, look in states:
         if mask.any():
             ax.add_patch(PathPatch(regions.path(mask, x, y), **look))
     if scale.count and not scale.constant and pale == 1:
@@ -107,7 +110,11 @@ def entries(panels: list[Cells], shown: tuple[str, ...]) -> list[str | Artist]:
         for mark, label in ((".", f"a case{few}{dense}"), ("x", BARRED[0]))
         if is_mixed
     ]
-    numbers = [(np.isnan(panel.values(name)) & panel.solved, panel.unbent(name)) for panel in panels for name in shown]
+    numbers = [
+        (np.isnan(panel.values(name)) & panel.solved & ~panel.turned, panel.unbent(name))
+        for panel in panels
+        for name in shown
+    ]
     framed: Any = {"edgecolor": colours.SOFT, "linewidth": 0.6}
     for occurs, label, look in (
         (
@@ -115,6 +122,7 @@ def entries(panels: list[Cells], shown: tuple[str, ...]) -> list[str | Artist]:
             f"β varies by less than {np.degrees(STRAIGHT):.0f}°",
             {"facecolor": colours.BAND, **framed},
         ),
+        (any(panel.turned.any() for panel in panels), "turns back against both its ends", TURNED),
         (not all(panel.solved.all() for panel in panels), "not solved", colours.UNSOLVED),
         (
             any((unknown & ~unbent).any() for unknown, unbent in numbers),
@@ -124,10 +132,13 @@ def entries(panels: list[Cells], shown: tuple[str, ...]) -> list[str | Artist]:
     ):
         legend += [Patch(label=label, **look)] * bool(occurs)
     unchecked, cases = sum(panel.unchecked for panel in panels), sum(panel.solved.size for panel in panels)
+    turned = sum(int(panel.turned.sum()) for panel in panels)
+    turn = ("turn back against both their ends and have", "turns back against both its ends and has")[turned == 1]
     is_thinned = any(panel.hidden_changes(name).any() for panel in panels for name in shown)
     return [
         *legend,
         *BARRED[1:] * is_mixed,
+        *[f"{turned} of {cases} rods {turn} no colour."] * bool(turned),
         *["Of nearly straight rods the cases of the coarse grid alone are shown."] * is_thinned,
         *[f"{unchecked} of {cases} rods were not checked for all cautions."] * bool(unchecked),
     ]
