@@ -5,6 +5,7 @@ Why a line is not decided, what a kind of law claims and what was measured of it
 Commands, figures and the report take their words here. How a number or a formula is written is theirs: a `Show`.
 """
 
+import re
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
@@ -33,6 +34,8 @@ NOT_CONTRADICTED, ON_PART, ON_OBSERVABLE = QUALIFICATIONS = (
 )
 
 BETWEEN = "cases that refinement added between the lines of the coarse grid go against it"
+PLURAL = {"steps crosses": "steps cross", "cases has": "cases have"}
+COUNTED = re.compile(rf"(\d+) of (\d+) ({'|'.join([*PLURAL, *PLURAL.values()])}) (.+)")  # the reason of a line
 MOST = 3  # reasons of different lines of a grid that are listed
 FORMER = {"holds": HOLDS, "holds as a trend": TREND, "qualified": QUALIFIED, "fails": FAILS}  # in files of 0.2.0
 MEANING = {  # verdict -> what it means
@@ -85,12 +88,13 @@ def together(
     deciding: Sequence[Verdict],
     every: Sequence[str],
     at: Mapping[str, float],
+    across: Sequence[str],
     first: list[float] | None,
 ) -> dict[str, Any]:
     """Verdict, qualifications and reason of an observable, from the lines that decide and the verdicts of all lines.
 
-    meant: the direction in the sentence. at: the values of the other axes where the law is decided. first: the range of
-    the observable at the start of the axis.
+    meant: the direction in the sentence. at: the values of other axes where the law is decided. across: all other
+    axes. first: the range of the observable at the start of the axis.
     """
     verdict = worst([line.verdict for line in deciding])
     kinds: list[str] = []
@@ -98,14 +102,37 @@ def together(
         kinds.append(NOT_CONTRADICTED)
         reasons = [_level(name, meant, deciding, first)]
     else:
-        reasons = list(dict.fromkeys(line.reason for line in deciding if line.reason))
-        reasons = [*reasons[:MOST], *(["and so on"] if len(reasons) > MOST else [])]
+        reasons = _of_all(deciding)
     if as_good(verdict, QUALIFIED) and not as_good(worst(every), verdict):
         kinds.append(ON_PART)
         place = ", ".join(f"{axis} = {value:.4g}" for axis, value in at.items())
-        reasons.append(f"{_of_lines(Counter(every), [*at])} (judged at {place})")
+        reasons.append(f"{_of_lines(Counter(every), across)} (judged at {place})")
         verdict = QUALIFIED
     return {"verdict": verdict, "qualifications": kinds, "reason": join(reasons)}
+
+
+def _of_all(lines: Sequence[Verdict]) -> list[str]:
+    """The reasons of lines: that of one line or of equal ones as it is; counts of steps and of cases are added over
+    those lines that have them: ``on 9 of 15 lines 14 of 18 steps cross ... and 9 of 27 cases have no value``."""
+    reasons = [line.reason for line in lines if line.reason]
+    if len(set(reasons)) < 2:
+        return reasons[:1]
+    sums, texts, counted = dict[tuple[str, str], list[int]](), dict[str, None](), 0
+    for reason in reasons:
+        found = {part: COUNTED.fullmatch(part) for part in reason.split("; ")}
+        counted += any(found.values())
+        for part, match in found.items():
+            if match is None:
+                texts[part] = None
+            else:
+                each = sums.setdefault((PLURAL.get(match[3], match[3]), match[4]), [0, 0])
+                each[:] = each[0] + int(match[1]), each[1] + int(match[2])
+    single = {many: one for one, many in PLURAL.items()}
+    facts = [
+        f"{some} of {of} {single[does] if some == 1 else does} {what}" for (does, what), (some, of) in sums.items()
+    ]
+    told = [f"on {counted} of {len(lines)} lines {' and '.join(facts)}"] if facts else []
+    return [*told, *[*texts][:MOST], *(["and so on"] if len(texts) > MOST else [])]
 
 
 def of_others(row: Mapping[str, Any], meant: str, others: Sequence[Mapping[str, Any]]) -> str:
@@ -243,7 +270,7 @@ def _rows(row: Mapping[str, Any]) -> str:
 
 
 def _of_lines(verdicts: Mapping[str, int], across: Sequence[str]) -> str:
-    """For how many values of the other axis, or rows of several, a law is true: ``true for 1 of 9 values of R``.
+    """For how many values of the other axis, or pairs of values of two, a law is true: ``true for 1 of 9 values of R``.
 
     Where it is neither true nor false for some, each verdict is counted: ``..., 3 true as a trend, 1 false``.
     """
@@ -254,7 +281,10 @@ def _of_lines(verdicts: Mapping[str, int], across: Sequence[str]) -> str:
 
 def _lines(across: Sequence[str]) -> str:
     """What the lines of a grid are, along which a law is judged. across: its other axes."""
-    return "samples" if [*across] == [SAMPLE] else f"values of {across[0]}" if len(across) == 1 else "rows"
+    if [*across] == [SAMPLE]:
+        return "samples"
+    each = {1: "values", 2: "pairs"}.get(len(across))
+    return f"{each} of {' and '.join(across)}" if each else "rows"
 
 
 def _span(ends: list[float] | None) -> str:

@@ -379,9 +379,10 @@ def _over_lines(law: Law, name: str, values: NDArray[Any], grid: Grid) -> dict[s
             {"from": float(row.along[i]), "to": float(row.along[j]), "values": line[[i, j]].tolist(), "at": row.at}
             for i, j in verdict.exceptions
         ]
-    return _tell(law, name, every, deciding, at, ends) | {
+    across = [dim for dim in grid.axes if dim != law.axis]
+    return _tell(law, name, every, deciding, at, across, ends) | {
         "counted": law.exception_words,
-        "across": [dim for dim in grid.axes if dim != law.axis],
+        "across": across,
         "steps": steps,
         "exceptions": exceptions,
     }
@@ -421,6 +422,7 @@ def _tell(
     every: list[str],
     deciding: list[Verdict],
     at: Mapping[str, float],
+    across: list[str],
     ends: list[NDArray[Any]],
 ) -> dict[str, Any]:
     """The verdict of the lines that decide, the numbers of lines, and what was measured on the worst of them."""
@@ -428,7 +430,7 @@ def _tell(
     shown = max(deciding, key=lambda verdict: (VERDICTS.index(verdict.verdict), verdict.far))
     first, last = np.array(ends).T
     return {
-        **law_words.together(name, law.meant, deciding, every, at, _range(first)),
+        **law_words.together(name, law.meant, deciding, every, at, across, _range(first)),
         "tau": min(taus) if taus else None,
         "at": dict(at),
         "lines": len(every),

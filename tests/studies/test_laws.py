@@ -6,6 +6,7 @@ from scipy.stats import kendalltau
 
 from solver import InputError
 from studies import load
+from studies.laws.law_words import sentence
 from studies.laws.line_verdicts import (
     DIRECTIONS,
     FAILS,
@@ -142,3 +143,24 @@ def test_where_a_law_is_false_is_said() -> None:
     assert (row.verdict, row.where) == ("false", "at R = 1; true for 1 of 2 values of R; false from E = 1 to 2")
     whole = decide(law.model_copy(update={"at": {}}), {"bends": wrong}, {"E": [1.0, 2.0, 3.0], "R": [1.0, 2.0]})
     assert whole.where == "true for 1 of 2 values of R; false from E = 1 to 2, R = 1"
+
+
+def test_the_reasons_of_several_lines_are_one_sentence_and_name_the_other_axes() -> None:
+    law = Law(claim="(1)", observable="height", axis="E", direction="falls", source="s")
+    axes = {"E": [1.0, 2.0, 3.0], "R": [1.0, 2.0, 3.0]}
+    values = np.array([[3.0, np.nan, 3.0], [2.0, 2.0, np.nan], [1.0, 1.0, np.nan]])
+    crossing = np.array([[False, True, True], [False, True, True]])
+    row = decide(law, {"height": values}, axes, crossing)
+    said = "on 2 of 3 lines 3 of 6 cases have no value and 4 of 4 steps cross to another branch of equilibria"
+    assert (row.verdict, row.reason) == (UNDECIDED, said)
+    assert sentence(row).startswith(f"not decided: {said}; true for 1 of 3 values of R, 2 not decided")
+    single = decide(law, {"height": values[:, 1]}, {"E": axes["E"]}, crossing[:, 1])
+    assert single.reason == "1 of 3 cases has no value; 2 of 2 steps cross to another branch of equilibria"
+
+
+def test_a_law_that_is_decided_at_one_axis_counts_its_lines_over_all_others() -> None:
+    law = Law(claim="(1)", observable="height", axis="E", direction="falls", source="s", at={"R": 1.0})
+    values = np.ones((3, 2, 2)) * np.array([3.0, 2.0, 1.0])[:, None, None]
+    values[:, 1, 1] = 1.0, 2.0, 3.0
+    row = decide(law, {"height": values}, {"E": [1.0, 2.0, 3.0], "R": [1.0, 2.0], "F1": [1.0, 2.0]})
+    assert row.reason == "true for 3 of 4 pairs of R and F1 (judged at R = 1)"
