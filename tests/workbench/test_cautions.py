@@ -148,3 +148,15 @@ def test_a_but_stands_in_a_sentence_of_its_own_of_one_rod_as_of_several() -> Non
         "length."
     )
     assert cautions.said(", ".join(parts)) == said
+
+
+def test_no_real_rod_could_keep_an_unstable_shape_where_the_picture_counts_those_it_could() -> None:
+    texts = [cautions.MEETS, "", "", ""]
+    assert cautions.restable(texts, [True] * 4) == "real rods could keep three of the four shapes"
+    stable = [True, True, False, False]
+    assert cautions.restable(texts, [True] * 4, stable) == "real rods could keep one of the four shapes"
+    assert cautions.restable(texts, [True, True, True, False], stable) == (
+        "real rods could keep one of the three solved shapes"
+    )
+    assert cautions.restable(texts, [True] * 4, [True, False, False, False]) == "no real rod could keep these shapes"
+    assert cautions.restable([""] * 4, [True] * 4, stable) == ""  # the index of each says it

@@ -158,7 +158,10 @@ class StoredCases:
         if "caution" not in self.ds:
             return ""
         texts = self.ds["caution"].values
-        return cautions.restable(texts, self.ds["solved"].values if "solved" in self.ds else np.ones(texts.shape))
+        solved = self.ds["solved"].values if "solved" in self.ds else np.ones(texts.shape)
+        return cautions.restable(
+            texts, solved, self.ds["index"].values == 0 if self.kind.figure == "equilibria" else True
+        )
 
     @cached_property
     def left_out(self) -> str:

@@ -186,24 +186,27 @@ def _list(facts: list[str]) -> str:
     return facts[0] if len(facts) == 1 else f"{', '.join(facts[:-1])} and {facts[-1]}"
 
 
-def restable(texts: Any, solved: Any) -> str:
+def restable(texts: Any, solved: Any, stable: Any = True) -> str:
     """How many of the shapes of solved rods a real rod could keep; empty where it could keep all.
 
-    texts: the caution of each case. solved: whether each is solved.
+    texts: the caution of each case. solved, stable: whether each is. That shapes are unstable is said elsewhere: where
+    no caution bars one there is nothing to say.
 
     Of a rod that was not checked for all that bars it nobody knows: then the number is the largest that it may be.
     """
     cases = np.size(texts)
-    texts = np.asarray(texts)[np.asarray(solved, dtype=bool)].astype(str).ravel().tolist()
-    barred = sum(map(is_barred, texts))
-    unknown = any(UNKNOWN in text and not is_barred(text) for text in texts)
-    if not barred:
+    known = np.asarray(solved, dtype=bool)
+    stands = np.broadcast_to(stable, known.shape)[known].tolist()
+    texts = np.asarray(texts)[known].astype(str).ravel().tolist()
+    if not any(map(is_barred, texts)):
         return ""
+    kept = [text for text, stands in zip(texts, stands, strict=True) if stands and not is_barred(text)]
+    unknown = any(UNKNOWN in text for text in kept)
     if cases == 1:
         return "no real rod could keep this shape"
-    if barred == len(texts):
+    if not kept:
         return "no real rod could keep these shapes"
-    count = f"{'at most ' * unknown}{_number_in_words(len(texts) - barred)} of the {_number_in_words(len(texts))}"
+    count = f"{'at most ' * unknown}{_number_in_words(len(kept))} of the {_number_in_words(len(texts))}"
     return f"real rods could keep {count}{' solved' * (len(texts) < cases)} shapes"
 
 
