@@ -119,20 +119,18 @@ def _of_all(lines: Sequence[Verdict]) -> list[str]:
         return reasons[:1]
     sums, texts, counted = dict[tuple[str, str], list[int]](), dict[str, None](), 0
     for reason in reasons:
-        found = {part: COUNTED.fullmatch(part) for part in reason.split("; ")}
-        counted += any(found.values())
-        for part, match in found.items():
+        matches = {part: COUNTED.fullmatch(part) for part in reason.split("; ")}
+        counted += any(matches.values())
+        for part, match in matches.items():
             if match is None:
                 texts[part] = None
             else:
                 each = sums.setdefault((PLURAL.get(match[3], match[3]), match[4]), [0, 0])
                 each[:] = each[0] + int(match[1]), each[1] + int(match[2])
-    single = {many: one for one, many in PLURAL.items()}
-    facts = [
-        f"{some} of {of} {single[does] if some == 1 else does} {what}" for (does, what), (some, of) in sums.items()
-    ]
-    told = [f"on {counted} of {len(lines)} lines {' and '.join(facts)}"] if facts else []
-    return [*told, *[*texts][:MOST], *(["and so on"] if len(texts) > MOST else [])]
+    single = {plural: text for text, plural in PLURAL.items()}
+    facts = [f"{n} of {of} {single[does] if n == 1 else does} {what}" for (does, what), (n, of) in sums.items()]
+    counts = [f"on {counted} of {len(lines)} lines {' and '.join(facts)}"] if facts else []
+    return [*counts, *[*texts][:MOST], *(["and so on"] if len(texts) > MOST else [])]
 
 
 def of_others(row: Mapping[str, Any], meant: str, others: Sequence[Mapping[str, Any]]) -> str:
