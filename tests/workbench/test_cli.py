@@ -211,3 +211,14 @@ def test_any_text_is_printed_on_any_stdout(encoding: str, tmp_path, monkeypatch)
     }.get(encoding, TITLE)  # fmt: skip
     assert all(printed in text for text in said[:3])
     assert json.loads(said[3])["title"] == TITLE
+
+
+def test_a_folder_in_place_of_a_file_names_one_of_its_files_and_the_command_that_takes_it(tmp_path, capsys) -> None:
+    results = tmp_path / "results"
+    results.mkdir()
+    assert exit_status("check", results) == 2
+    said = "results is a folder, not a dataset; plot alone takes the folder that reproduce wrote"
+    assert said in " ".join(capsys.readouterr().err.split())
+    (results / "fig6.h5").touch()
+    assert exit_status("check", results) == 2
+    assert "fig6.h5; plot alone takes" in " ".join(capsys.readouterr().err.split())

@@ -105,7 +105,9 @@ def check_file(path: Path) -> None:
         said = getattr(error, "strerror", None) or error
         raise InputError(f"cannot read {str(path)!r}: {said}") from None
     if stat.S_ISDIR(mode):
-        raise InputError(f"{path} is a folder, not a dataset")
+        files = sorted(path.glob("*.h5"))
+        choice = f": give one of its files, such as {files[0]}" if files else ""
+        raise InputError(f"{path} is a folder, not a dataset{choice}; plot alone takes the folder that reproduce wrote")
     if path.suffix.lower() == ".toml":
         raise InputError(f"{path} is a study, not a dataset; make the dataset with: workbench run {path}")
     if not stat.S_ISREG(mode):
