@@ -245,10 +245,11 @@ def test_a_study_that_a_reading_does_not_admit_is_named_with_its_reason(results,
 
 
 def test_below_a_diagram_stands_its_caption(results, tmp_path) -> None:
-    pictures, caption = reproduce._draw(results[1], tmp_path, able=False)
-    assert any("seen from outside" in sentence for sentence in caption)
-    text = Page(report_document.html([replace(results[1], pictures=pictures, caption=caption)])).text
-    assert " ".join(caption) in text
+    for result in results[:2]:  # one rod, and rods along an axis
+        pictures, caption = reproduce._draw(result, tmp_path, able=False)
+        assert any("seen from outside" in sentence for sentence in caption)
+        text = Page(report_document.html([replace(result, pictures=pictures, caption=caption)])).text
+        assert " ".join(caption) in text
 
 
 def test_what_a_study_says_is_text_and_not_markup(results) -> None:

@@ -132,7 +132,8 @@ def _draw(result: "StudyResult", out: Path, able: bool) -> tuple[dict[str, Path]
     name = result.ds.attrs["study_name"]
     stored = result.stored.with_title("")  # the report gives the title, once
     pictures = {"figure": out / f"{name}.png"}
-    fig = kinds.figure(stored, "lines", verdicts=result.verdicts)
+    kind = kinds.kind_without_map(stored)
+    fig = kinds.figure(stored, kind, **({"verdicts": result.verdicts} if kind == "lines" else {}))
     canvas.save(fig, pictures["figure"])
     if able:
         from ..scene import layout
