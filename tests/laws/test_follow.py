@@ -457,3 +457,53 @@ def test_a_branch_ends_before_a_point_that_is_no_equilibrium(monkeypatch: pytest
     assert branch.values.tolist() == kept.tolist()
     assert end.value in (kept[0], kept[-1])
     assert branch.points[branch.start].value == 1e5
+
+
+def random_resting_case(rng: np.random.Generator) -> Case:
+    """A rod of 8 to 200 rho on either side of the wall, with loads and end angles of both signs."""
+    a, R = 0.25, float(rng.uniform(0.6, 2.0))
+    side: Any = str(rng.choice(["inside", "outside"]))
+    rho = R - a if side == "inside" else R + a
+    rod = Rod(E=10 ** float(rng.uniform(4, 5.3)), nu=0.3, a=a, L=rho * 10 ** float(rng.uniform(0.9, 2.3)))
+    A = float(rod.bending_stiffness)
+    euler = max(np.pi**2 * A / rod.L**2, 0.03 * A / rho**2)
+    FZ, MZ, M3 = rng.uniform(-3, 3) * euler, *(rng.uniform(-1, 1, 2) * [0.05, 0.2] * A / rho * rng.integers(0, 2, 2))
+    beta0, betaL = rng.normal(0, 0.25, 2)
+    return Case(rod, Cylinder(R=R, side=side), Ends(beta0, betaL, FZ=FZ, MZ=MZ, M3=M3))
+
+
+def mirror_image(case: Case) -> Case:
+    """The case whose rods have -beta."""
+    turned = {name: -getattr(case.given, name) for name in ("beta0", "betaL", "MZ", "M3")}
+    return replace(case, given=replace(case.given, **turned))
+
+
+@pytest.mark.parametrize("count, seed", [(4, 7), pytest.param(60, 8, marks=pytest.mark.slow)])
+def test_random_branches_have_equilibria_alone_and_those_of_mirror_images_are_mirror_images(
+    count: int, seed: int
+) -> None:
+    rng = np.random.default_rng(seed)
+    for _ in range(count):
+        case = random_resting_case(rng)
+        loads, rod = float(case.rod.bending_stiffness) / float(case.rho) ** 2, case.rod
+        ends: Any = case.given
+        ranges = {"E": (0.5 * rod.E, 2.1 * rod.E), "R": (0.8 * case.cylinder.R, 1.4 * case.cylinder.R)}
+        ranges |= {
+            "FZ": (ends.FZ - 0.1 * loads, ends.FZ + 0.1 * loads),
+            "beta0": (-0.5, 0.5),
+            "betaL": (-0.5, 0.5),
+        }
+        for name, (low, high) in ranges.items():
+            wanted, sign = np.linspace(low, high, 4), -1.0 if name in ("beta0", "betaL") else 1.0
+            branch = follow(solve(case), **{name: wanted})  # type: ignore[arg-type]
+            image = follow(solve(mirror_image(case)), **{name: sign * wanted})  # type: ignore[arg-type]
+            folds = {point.position for point in branch.special}
+            assert all(point.solution.solved for i, point in enumerate(branch.points) if i not in folds)
+            for value in wanted:
+                points, images = branch.at(value), image.at(sign * value)
+                assert len(points) == len(images)
+                shapes = -np.array([point.solution.beta for point in images])
+                every = np.array([one.solution.beta for one in equilibria(points[0].case)])
+                for point in points:
+                    assert np.abs(shapes - point.solution.beta).max(axis=1).min() < 1e-6
+                    assert np.abs(every - point.solution.beta).max(axis=1).min() < 1e-6

@@ -375,8 +375,8 @@ class Sweep:
     def _leads(self, before: int, place: int) -> bool:
         """Whether both cases are solved, and the branch of one leads to the other."""
         if (before, place) not in self._led:
-            one, other = (self._choice(at) for at in (before, place))
-            self._led[before, place] = bool(one.solved and other.solved and continues(one, other))
+            seed, sol = (self._choice(at) for at in (before, place))
+            self._led[before, place] = bool(seed.solved and sol.solved and continues(seed, sol))
         return self._led[before, place]
 
     def _choice(self, place: int) -> Solution:
