@@ -91,6 +91,30 @@ def test_no_word_of_a_drawing_stands_on_a_word_or_on_an_extension_line(lay: floa
         ] == []
 
 
+def test_the_lay_of_a_cable_of_few_turns_stands_beside_its_drum() -> None:
+    ds = in_memory.run(loads(small.text(WIRE | {"lay": "89.5deg"}, "", "mm N", **SEEN)))
+    (ax,) = drawing.figure(StoredStudy(ds), sheet=sheet("paper", 183.0)).axes
+    (lay,) = [text for text in ax.texts if text.get_text() == "89.5°"]
+    box = Text.get_window_extent(lay)  # without its leader
+    lines = [line for line in ax.lines if line.get_gid() in ("end of the drawn cylinder", "cylinder", "axis")]
+    assert lines
+    for line in lines:
+        path = line.get_transform().transform_path(line.get_path())
+        assert not path.intersects_bbox(box, filled=False), line.get_gid()
+
+
+def test_the_line_below_a_drawing_stays_on_the_page_where_letters_have_few_pixels(cables) -> None:
+    text = (
+        "length 5110 mm, wrap 3.005 turns = 1082°, azimuth of the end 1171°, on the wall at s = 0 to 3890 mm, up to 1 m"
+    )
+    fig = drawing.figure(StoredStudy(cables), at={"lay": np.radians(80)})
+    fig.set_dpi(80)
+    (line,) = [words for words in fig.axes[0].texts if words.get_text().startswith(("lay", "length"))]
+    for end in range(60, len(text)):
+        line.set_text(drawing.below(text[:end], fig.get_figwidth()))
+        assert line.get_window_extent().x1 < fig.bbox.x1 - 1, text[:end]
+
+
 @pytest.mark.parametrize("picture", [drawing.figure, section.figure], ids=["drawing", "section"])
 def test_every_number_below_0_of_a_picture_and_its_caption_has_a_minus_sign(picture, cables) -> None:
     fig = picture(StoredStudy(cables), at={"lay": np.radians(-75)})

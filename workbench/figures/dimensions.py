@@ -11,7 +11,7 @@ from matplotlib.patches import Arc
 
 from . import canvas, colours, fonts
 from .sheet import MILLIMETRES
-from .views_on_paper import PAST, Views
+from .views_on_paper import PAST, SPARE, Views
 
 FINE = 0.5  # points: of a dimension line
 AWAY, ARC = 7.0, 9.0  # millimetres of a dimension line from what it measures; radius of the arc of an angle
@@ -57,9 +57,13 @@ def dimension_rod(ax: Axes, view: Views, a: float, unit: Length) -> None:
     away = 1.0 if view.y[k] >= 0 else -1.0
     place = float(view.x[k]), float(view.y[k]) + away * a
     words = place[0] - LEADER[0] / view.mm, place[1] + away * LEADER[1] / view.mm
+    _lead(ax, place, words, f"Ø {unit('a', 2 * a)}", "right")
+
+
+def _lead(ax: Axes, place: Any, words: Any, text: str, across: str) -> None:
+    """Words with a leader from them to a place."""
     look = {"arrowstyle": "-|>", "shrinkA": 0, "shrinkB": 0, "linewidth": FINE, "color": colours.INK}
-    ax.annotate(f"Ø {unit('a', 2 * a)}", place, words, size=fonts.small(), ha="right", va="center", zorder=6,
-                arrowprops=look)  # fmt: skip
+    ax.annotate(text, place, words, size=fonts.small(), ha=across, va="center", zorder=6, arrowprops=look)
 
 
 def dimension_lay(ax: Axes, view: Views, text: str) -> None:
@@ -75,8 +79,14 @@ def dimension_lay(ax: Axes, view: Views, text: str) -> None:
     )
     half = math.radians(turned / 2)
     ax.plot([x, x + 1.3 * ARC / view.mm], [0, 0], color=colours.INK, linewidth=FINE, zorder=5, label="_samples")
-    place = np.array([math.cos(half), math.sin(half)]) * (ARC + 1.0) / view.mm
-    _write(ax, [x + place[0], place[1]], text, "left", bbox=PLATE)
+    toward, edge = np.array([math.cos(half), math.sin(half)]), float(view.x.max()) + SPARE / view.mm
+    place = toward * (ARC + 1.0) / view.mm
+    wide = fonts.width_of(text, fonts.small()) * MILLIMETRES + BEYOND
+    if x + place[0] + wide / view.mm < edge:
+        _write(ax, [x + place[0], place[1]], text, "left", bbox=PLATE)
+    else:  # they would stand across the end of the cylinder
+        mark = np.array([x, 0.0]) + toward * ARC / view.mm
+        _lead(ax, mark, (edge + PAST / view.mm, mark[1]), text, "left")
 
 
 def has_room(view: Views, k: int, R: float, text: str, spare: float = BEYOND) -> bool:

@@ -45,6 +45,7 @@ AXIS: dict[str, Any] = {"color": colours.SOFT, "linewidth": FINE, "linestyle": (
 EVEN = math.radians(0.05)  # by which a lay varies that is one angle
 TICK = 1.5  # millimetres: half of one across the wall
 WIDER = 5.0  # millimetres from one width to the next at which is asked whether all has room
+HINTED = 1.1  # by which a line of letters of few pixels is wider than it is measured
 OFF = 0.5  # radii of the rod: an end so far off the wall has its distance from the axis
 
 
@@ -119,7 +120,7 @@ def figure(stored: StoredStudy, at: Mapping[str, float] | None = None, sheet: Sh
         ax.text(
             4 / MILLIMETRES / wide,
             3 / MILLIMETRES / (high - title),
-            fonts.break_lines(line, wide - 8 / MILLIMETRES),
+            below(line, wide),
             transform=ax.transAxes,
             va="bottom",
             color=colours.INK,
@@ -128,6 +129,11 @@ def figure(stored: StoredStudy, at: Mapping[str, float] | None = None, sheet: Sh
 
     size = sheet.width, (np.ptp(view.box[:, 1]) + ABOVE + BELOW) / MILLIMETRES + canvas.TITLE * sheet.titled
     return canvas.figure(size, draw, layout=None, sheet=sheet)
+
+
+def below(line: str, wide: float) -> str:
+    """The line below the views in lines that stay on a page so many inches wide, also where letters have few pixels."""
+    return fonts.break_lines(line, (wide - 8 / MILLIMETRES) / HINTED)
 
 
 def _words(
