@@ -104,9 +104,8 @@ def test_the_lay_of_a_cable_of_few_turns_stands_beside_its_drum() -> None:
 
 
 def test_the_line_below_a_drawing_stays_on_the_page_where_letters_have_few_pixels(cables) -> None:
-    text = (
-        "length 5110 mm, wrap 3.005 turns = 1082°, azimuth of the end 1171°, on the wall at s = 0 to 3890 mm, up to 1 m"
-    )
+    text = "length 5110 mm, wrap 3.005 turns = 1082°, azimuth of the end 1171°, on the wall at s = 0 to 3890 mm, up to "
+    text += "1000 mm off it, scale 1:10"
     fig = drawing.figure(StoredStudy(cables), at={"lay": np.radians(80)})
     fig.set_dpi(80)
     (line,) = [words for words in fig.axes[0].texts if words.get_text().startswith(("lay", "length"))]
