@@ -28,6 +28,8 @@ from .study import Study
 ENDS_ONLY = {*PARTS["ends"]} - {*PARTS["start"]}
 OF_MODULUS = (*ELASTIC, "inner_radius")  # the fields of a section of one material
 
+OPTIONS = "the options"  # the source of a case of fields alone
+
 
 @dataclass(frozen=True)
 class CaseInput:
@@ -38,7 +40,8 @@ class CaseInput:
     source
         The file, Table 1 or the options, in words.
     title
-        Of a study of this case alone: that of the study of the file, with what differs; else what `source` says.
+        Of a study of this case alone: that of the study of the file, with what differs; of fields alone their sizes;
+        else what `source` says.
     assumed
         Field -> default value, of the fields that the input did not give.
     study
@@ -67,7 +70,8 @@ class CaseInput:
 
     def __post_init__(self) -> None:
         if not self.title:
-            object.__setattr__(self, "title", f"One rod, from {self.source}")
+            title = _in_words(self.case, self.units) if self.source == OPTIONS else f"One rod, from {self.source}"
+            object.__setattr__(self, "title", title)
 
 
 def read_case(
@@ -132,7 +136,15 @@ def read_case(
     if wound and not (case.varies or case.leaves):
         which = helix_of(case)
     stand_ins = _stand_ins(values, units)
-    return CaseInput(case, units, "the options", assumed, which=which, wound=wound, stand_ins=stand_ins)
+    return CaseInput(case, units, OPTIONS, assumed, which=which, wound=wound, stand_ins=stand_ins)
+
+
+def _in_words(case: Case, units: Mapping[str, str]) -> str:
+    """``A rod 1500 mm long, of diameter 2 mm, on a cylinder of diameter 120 mm``."""
+    rod, wall, unit = case.rod, case.cylinder, units["length"]
+    where = "inside" if wall.side == "inside" else "on"
+    long, across, wide = (f"{float(value):.4g} {unit}" for value in (rod.L, 2 * rod.a, 2 * wall.R))
+    return f"A rod {long} long, of diameter {across}, {where} a cylinder of diameter {wide}"
 
 
 def _stand_ins(values: Mapping[str, Any], units: Mapping[str, str]) -> dict[str, float]:
