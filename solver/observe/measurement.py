@@ -296,7 +296,9 @@ def _later_lift_offs(sol: ShapeArrays, cases: Integers, first: Array, error: Arr
     """Where some cases (k,) lift off first, given where the push first is negative: a slight pull before is none."""
     first, shapes, span = first.copy(), sol.trajectory.shapes, sol.problem.span[cases]
     for k in np.flatnonzero(first < span).tolist():
-        stretches = shapes.of(int(cases[k])).lift_offs(1.0)
+        if (shape := shapes.of(int(cases[k]))) is None:  # of a rod that is not solved
+            continue
+        stretches = shape.lift_offs(1.0)
         begin = stretches[0][0] if stretches else span[k]
         if begin - first[k] > NEGLIGIBLE * span[k]:
             first[k] = begin

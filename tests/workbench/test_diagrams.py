@@ -264,7 +264,7 @@ def test_a_file_that_no_longer_fits_its_study_is_drawn_as_stored_and_says_so(ds)
     unknown = ds.drop_vars("contact").drop_vars("beta")
     unknown.attrs.pop("study")
     with pytest.raises(
-        InputError, match="does not store push, and its cases cannot be solved again: the dataset has no"
+        InputError, match="does not store push, and its cases cannot be solved again: the dataset holds no"
     ):
         drawn_rods.choose(StoredStudy(unknown), ("alpha", "z", "push"))
 

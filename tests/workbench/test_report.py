@@ -168,7 +168,7 @@ def test_the_card_of_a_claim_and_the_table_of_readings_have_one_verdict(readings
     cells = {row["name"]: row["cells"] for row in law_cards.of_readings(readings)["rows"]}
     assert cells["twist-first/tension/solid"][4]["verdict"] == "not decided"
     assert re.search(r"Not decided: .*\(not decided\).*Fig. 7 \(5\)", told.partition("In the pictures")[0], re.DOTALL)
-    assert "1 claim: 1 not decided" in told
+    assert "1 claim about an elastic rod on a cylinder: 1 not decided" in told
     assert "not tested along F₁: F₁ has no effect under this reading" in told
     assert "F1 has no effect" not in told
     assert set(law_verdicts.verdicts_of_lines(result.stored, study.laws[0]).values.ravel()) == {"not decided"}

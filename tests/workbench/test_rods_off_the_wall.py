@@ -202,7 +202,7 @@ def said_by(stored: xr.Dataset, kind: str) -> str:
 def test_an_unrolled_view_says_that_a_rod_off_the_wall_is_seen_along_the_radius(stored: xr.Dataset) -> None:
     radial = f"Where a rod is off the wall, it is seen along the radius, at its azimuth times ρ; {unrolled.GAP_LINE}."
     held = in_memory.run(loads(STUDY.replace("let_go = true", "").replace('"gap_max", "contact_share"', '"bends"')))
-    for kind in ("curves", "lines"):
+    for kind in ("curves", "rod"):
         assert radial in said_by(stored, kind)
         assert radial not in said_by(held, kind)
 
@@ -453,7 +453,7 @@ def test_a_scene_of_letting_go_shows_one_case_and_takes_no_axis(
 def test_no_line_joins_rods_that_were_let_go_each_by_itself() -> None:
     ds = in_memory.run(loads(STUDY.replace("E = 1.07e4, ", "") + "[axes.E]\nvalues = [1e4, 1.2e4, 1.4e4]\n"))
     drawn = kinds.figure(StoredStudy(ds), "lines", show=["gap_max"])
-    (ax,) = [ax for ax in drawn.axes if "gap" in ax.get_ylabel()]
+    (ax,) = [ax for ax in drawn.axes if "wall" in ax.get_ylabel()]
     lines = [np.isfinite(np.asarray(line.get_ydata(), dtype=float)) for line in ax.lines if line.get_xdata().size > 1]
     assert lines
     assert not any((known[1:] & known[:-1]).any() for known in lines)
