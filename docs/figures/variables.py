@@ -113,8 +113,8 @@ def section(ax: Axes) -> None:
     middle = at + 0.98 * (np.cos(0.3 * PITCH) * eZ + np.sin(0.3 * PITCH) * eY)
     ax.annotate("β", project(middle), color=ANGLE, ha="center", va="center", zorder=9)
     arrow(ax, at, 1.5 * T, "F₃, M₃  along T", FORCE, (52, 4))
-    arrow(ax, at, 1.15 * B, "F₂, M₂  along B", FORCE, (-10, 11))
-    arrow(ax, at, 0.75 * N, "F₁, M₁  along N", FORCE, (-52, 2))
+    arrow(ax, at, 1.15 * B, "F₂, M₂  along B", FORCE, (-51, 9))
+    arrow(ax, at, 0.75 * N, "F₁, M₁  along N", FORCE, (-58, 4))
     ax.plot(*project(at), "o", color="white", markeredgecolor=INK, markersize=6, zorder=10)
 
 
