@@ -83,6 +83,7 @@ STAND_OUT = {
     "push and pull": ([colours.PUSHED, colours.PULLED], [WHITE], LINE),
     # soft is also the casing around the pale blue of no push
     "marks": ([colours.CROSSED, colours.SOFT, colours.INK], [WHITE], LINE),
+    "rings on a twisted rod": ([colours.CROSSED], [colours.UNPAINTED, colours.STRIPE], 2.0),
     "curves along an axis": (colours.ramp_colours(9), [WHITE], LINE),
     "indices": ([bars.FIRST, bars.TOTAL], [WHITE], LINE),
     # the white halo of a number lets a quarter of the map through

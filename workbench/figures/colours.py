@@ -42,7 +42,7 @@ SOLVED = ("#7fc6a6", "#cfe8dc", "#f8f7d8")
 
 # A rod on its cylinder
 NEUTRAL = "#8d96a1"  # a rod in one colour
-UNPAINTED, STRIPE = "#d9c9a3", "#5d4a72"  # the rod beside its stripe, and the stripe; no colours of the push
+UNPAINTED, STRIPE = "#d9c9a3", "#5a9667"  # the rod beside its stripe, and the stripe; no colours of the push or rings
 STRANDS = ("#5d4a72", "#2f9a82", "#cbb893")  # of DNA, and its base pairs; no colours of the push
 LETTERED = (0.60, 0.63, 0.68)  # the rod that shows the letters of its geometry: grey, as blue would be a push
 CUT = "#f4f1eb"  # the end of a drawn cylinder
