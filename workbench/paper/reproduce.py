@@ -133,7 +133,8 @@ def _draw(result: "StudyResult", out: Path, able: bool) -> tuple[dict[str, Path]
     stored = result.stored.with_title("")  # the report gives the title, once
     pictures = {"figure": out / f"{name}.png"}
     kind = kinds.kind_without_map(stored)
-    fig = kinds.figure(stored, kind, **({"verdicts": result.verdicts} if kind == "lines" else {}))
+    known: dict[str, Any] = {"verdicts": result.verdicts} if kind == "lines" else {}
+    fig = kinds.figure(stored, kind, **known)
     canvas.save(fig, pictures["figure"])
     if able:
         from ..scene import layout
