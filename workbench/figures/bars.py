@@ -113,13 +113,14 @@ def indices(stored: StoredStudy, sheet: Sheet = SCREEN) -> Figure:
             [(row["first"].values[order], FIRST), (row["total"].values[order], TOTAL)],
             names=ORDERS,
             errors=[row[f"{key}_conf"].values[order] for key in ("first", "total")],
+            interval=f"{100 * stored.attrs['confidence']:g} % interval",
         )
         ax.set_xlim(*limits)
         ax.set_xlabel("share of the variance")
         if row["lost"] > 0:
             _remark(ax, f"{100 * float(row['lost']):.2g} % of the blocks left out")
 
-    notes = [f"Lines: {100 * stored.attrs['confidence']:g} % intervals."]
+    notes = []
     surprises = {
         "an index can be below 0": bool((stored["first"] < 0).any() or (stored["total"] < 0).any()),
         "a total index can be below that of first order": bool((stored["total"] < stored["first"]).any()),
@@ -180,6 +181,7 @@ def draw(
     errors: Sequence[Any] = (),
     integer: bool = False,
     names: Sequence[Any] = (),
+    interval: str = "",
 ) -> None:
     """Draw bars in rows, the first on top.
 
@@ -197,6 +199,8 @@ def draw(
         Whether the sizes are counts.
     names
         Of the series in the legend, or of the bars of a series.
+    interval
+        What the errors are, in the legend.
     """
     count, at = len(series), np.arange(len(rows))
     thick, step = (0.66, 0.0) if count == 1 else (0.72 / count, 0.76 / count)
@@ -207,7 +211,8 @@ def draw(
             ax.bar_label(bars, texts, padding=3, color=colours.INK, size=fonts.small())
         for look in EDGE, LINE:
             if errors:
-                ax.errorbar(sizes, place, xerr=errors[k], linestyle="none", zorder=4, **look)
+                label = interval if look is LINE and k == count - 1 else ""
+                ax.errorbar(sizes, place, xerr=errors[k], linestyle="none", zorder=4, label=label, **look)
     if texts:
         sizes = series[0][0]
         low, high = min(sizes.min(), 0.0), max(sizes.max(), 0.0)
