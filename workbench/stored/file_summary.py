@@ -15,6 +15,7 @@ from solver.problem.errors import InputError
 from studies.grammar.axes import SAMPLE
 from studies.laws import law_words
 
+from ..geometry.centreline import cut, spline
 from ..words import cautions, labels
 from . import file_kinds, quantity_variables, reading, refined
 from .derived_arrays import states_of
@@ -25,6 +26,8 @@ from .stored_study import StoredStudy
 
 MOST_PLACES = 12  # of a boundary along one axis that are listed
 MOST_STATES, DENSE = 50, 3  # rods whose states are listed; stations from one change of sign of beta to the next
+# places between two stations at which the states are judged. x10: as good, and slower
+PARTS = 16
 FINE = 1601  # stations at which a rod that is alone in its file is solved again where the stored ones are too few
 TOO_FEW = "too few stations along the rod are stored; a study with more, such as stations = 1601, says it"
 NO_PUSH = "helical, or drawn by tension: the push along the rod is not stored"
@@ -93,7 +96,7 @@ def _state(case: StoredStudy, alone: bool) -> str:
             return TOO_FEW
         if not _is_dense(case):
             return TOO_FEW
-    s, beta, alpha = (case[name].values for name in ("s", "beta", "alpha"))
+    s, beta, alpha = _between_stations(case, "beta", "alpha")
     parts, unit = states(s, beta, alpha), case.units["length"]
     if all(part.word != HELICAL for part in parts):
         return in_words(parts, unit)
@@ -102,8 +105,14 @@ def _state(case: StoredStudy, alone: bool) -> str:
             case = case.solve(s.size, ["beta", "alpha", "contact"])
         except InputError:
             return NO_PUSH
-        s, beta, alpha = (case[name].values for name in ("s", "beta", "alpha"))
-    return in_words(states_of(case, s, beta, alpha, case.arrays.derive("push").values), unit)
+    return in_words(states_of(case, *_between_stations(case, "beta", "alpha", "push")), unit)
+
+
+def _between_stations(case: StoredStudy, *names: str) -> list[Any]:
+    """s, and arrays along one rod from splines through the stations, at `PARTS` times as many places."""
+    s = case["s"].values
+    places = cut(s, PARTS)
+    return [places, *(spline(s, case.arrays.derive(name).values)(places) for name in names)]
 
 
 def _observables(ds: xr.Dataset) -> list[str]:
