@@ -49,6 +49,8 @@ SLENDER, UPRIGHT = 0.25, 3.0  # of rods that fill so little of the width, inches
 RING = 3.5  # points across at least
 REACH = 2.0  # radii of the rod between a ring and its line at most: two stretches overlap within one radius of it
 NEAR = 3.0  # radii of the rod on the unrolled cylinder: two places that are nearer have one ring between them
+# so small that a ring around it is seen
+BEGINNING: dict[str, Any] = {"color": colours.INK, "markersize": 2.8, "markeredgewidth": 0, "zorder": 6}
 ARROW, FOOT = 0.4, 0.6  # inches of the arrows of the key at most, and of all of it downwards
 BAR, BAR_GAP = 0.3, 0.3  # inches of the bar of colours per point of its words, and between the key and the bar
 VIEWS = "unrolled views"  # the label of their axes
@@ -56,6 +58,7 @@ AROUND = (
     "A rod that winds more than once around the unrolled cylinder leaves it at one edge, and comes back at the other."
 )
 THROUGH = "the rod passes through itself at its true thickness"
+TURNED = ", also after a turn around the cylinder"  # where a place has two rings
 TOO_LONG = "is too long to search for the places where it passes through itself"
 # of a rod in lines
 THINNEST = 0.07  # inches of a line; below, nothing of its curve is seen
@@ -372,9 +375,7 @@ class UnrolledPanel:
             name = view.name or view.text.partition("\n")[0]
             said += _draw_line(ax, view.x, view.y, view.look, name, where, form.scale)
             if view.begins:
-                ax.plot(
-                    view.x[0], view.y[0], "o", color=colours.INK, markersize=2.8, zorder=4, transform=where, gid="s = 0"
-                )
+                ax.plot(view.x[0], view.y[0], "o", transform=where, gid="s = 0", **BEGINNING)
             for x, y, look, name in view.over:
                 said += _draw_line(ax, x, y, look, name, where, form.scale)
             _draw_edges(ax, view.edges, to_page)
@@ -390,7 +391,7 @@ class UnrolledPanel:
             beside = self.key + BAR_GAP
             push_scale.bar(ax, self.bar, wide - beside, (left + beside, top))
         return [
-            *[crossing_rings.entry(THROUGH)] * bool(rings),
+            *[crossing_rings.entry(THROUGH + TURNED * any(not np.any(apart) for _, apart in rings))] * bool(rings),
             sentence(self.form, len(self.views) > 1 and not self.in_lines, self.in_lines + more),
             *self.notes,
             *said[:1],
