@@ -157,9 +157,11 @@ def _entries(stored: StoredStudy, cases: Sequence[str]) -> list[Artist]:
             "color": look.colour,
             "linewidth": 1.4,
             "label": look.name,
-            "marker": look.marker,
-            "markersize": _size(look) + 0.4,
-            "linestyle": look.line,
+            **(
+                {"marker": look.marker, "markersize": _size(look) + 0.4, "linestyle": look.line}
+                if any(_is_correct(row).any() for row in climbs[look.name])
+                else {"marker": "x", "markersize": 4, "linestyle": ""}
+            ),
         }
         for look in map(look_of, tried)
     ]
