@@ -572,7 +572,8 @@ def test_the_cylinder_of_all_equilibria_has_one_size() -> None:
 
     study = load("fig7_4_end_angle")
     case = ends_problem(study)
-    few = as_dataset(study, case, equilibria(case)).isel(equilibrium=[1, 8, 12])
+    whole = as_dataset(study, case, equilibria(case))
+    few = whole.isel(equilibrium=[1, 8, 12])
     taken = layout.compose(StoredStudy(few), kind="equilibria", settings=composition.Settings(2.0, dpi=100))
     assert [view.cell.number for view in taken.scene.views][:3] == [2, 9, 13], "their ranks among all"
     assert faults(taken.fig, least=6.0) == []
@@ -582,6 +583,9 @@ def test_the_cylinder_of_all_equilibria_has_one_size() -> None:
         end = np.flatnonzero((view.min(axis=-1) < 250).any(axis=0))[0] + 6  # only the cylinder reaches there
         wide.append(int((view[:, end].min(axis=-1) < 250).sum()))
     assert max(wide) - min(wide) <= 2
+    many = StoredStudy(whole.isel(equilibrium=np.resize(np.arange(whole.sizes["equilibrium"]), 40)))
+    shown = layout.compose(many, kind="equilibria", settings=layout.Settings(2.0, 50))
+    assert "18 of 40 equilibria." in canvas.caption(shown.fig)
 
 
 @draws

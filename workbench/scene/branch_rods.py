@@ -52,7 +52,7 @@ def _cells(stored: StoredStudy, shapes: Sequence[int]) -> list[Cell]:
     """The number of each rod and the value at which it is shown."""
     name, names = str(stored.attrs["axis"]), bifurcation.names_of_shapes(stored)
     values = stored[f"shape_{name}"].values
-    return [Cell(f"{names[k]}\n{labels.value(float(values[k]), stored[name], 3)}") for k in shapes]
+    return [Cell(f"{names[k]}\n{labels.value(float(values[k]), stored[name])}") for k in shapes]
 
 
 def _compose(stored: StoredStudy, cells: Sequence[Cell], settings: Settings) -> Page:

@@ -161,9 +161,13 @@ def _single(
 
 
 def _counts(names: Sequence[str], shown: Sequence[int], stored: Sequence[int]) -> list[str]:
-    """How many of the values of each axis are shown, where not all are."""
+    """How many of the values of each axis, or of the equilibria, are shown, where not all are."""
     each = zip(names, shown, stored, strict=False)
-    return [f"{count} of {of} values of {labels.axis_symbol(name)}." for name, count, of in each if count < of]
+    return [
+        f"{count} of {of} {'equilibria' if name in scene_kinds.UNNAMED else f'values of {labels.axis_symbol(name)}'}."
+        for name, count, of in each
+        if count < of
+    ]
 
 
 def _nearest_solved(stored: StoredStudy, where: Where, among: Sequence[Where] | None = None) -> Where:
