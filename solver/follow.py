@@ -237,11 +237,12 @@ def _solutions_over(points: Sequence[BranchPoint], name: str, tol: float, statio
 def _without_failures(
     case: Case, name: str, tol: float, places: "list[Place]", start: int, begin: "Stop", end: "Stop"
 ) -> "tuple[list[Place], int, Stop, Stop]":
-    """The places of a branch from the first one, number `start`, to the last on either side before one that is not
-    solved to the tolerance, and why there are no more.
+    """The places of a branch that are solved to the tolerance, the number of the first one among them, and why there
+    are no more; `start`: its number before.
 
     Where the branch is steep its field has too few digits for the tolerance: a place that is not solved is first
-    corrected at its own value. A special point stays: there no case determines its shape.
+    corrected at its own value. One that still is not is left out where the branch is solved again behind it: floats
+    do not resolve it. Else the branch ends before it. A special point stays: there no case determines its shape.
     """
     from .branches.branch_events import Stop
 
@@ -264,11 +265,14 @@ def _without_failures(
             places[i] = _correction(places[i])
         again = verdict(rows)
         failed = {i: str(why) for i, good, why in zip(rows, again.solved, again.outcome, strict=True) if not good}
-    if before := [i for i in failed if i < start]:
+    failed.pop(start, None)
+    solved = [start, *(i for i in np.flatnonzero(plain).tolist() if i not in failed)]
+    if before := [i for i in failed if i < min(solved)]:
         first, begin = before[-1] + 1, stop(before[-1], begin)
-    if after := [i for i in failed if i > start]:
+    if after := [i for i in failed if i > max(solved)]:
         last, end = after[0], stop(after[0], end)
-    return places[first:last], start - first, begin, end
+    kept = [i for i in range(first, last) if i not in failed]
+    return [places[i] for i in kept], kept.index(start), begin, end
 
 
 def _correction(place: "Place") -> "Place":
