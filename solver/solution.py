@@ -10,7 +10,7 @@ import numpy as np
 from .free.beginnings import curves_of, let_go
 from .free.free_rods import FREE_TOLERANCE, answers_beside, trajectory_of
 from .free.sinking import descent_of
-from .nodes.stretch_states import is_drawn, states
+from .nodes.stretch_states import ends_turn, is_drawn, states
 from .numerics.arrays import Array
 from .observe.cautions import of_cases
 from .observe.solution_derivatives import Sensitivity, sensitivity
@@ -18,7 +18,7 @@ from .orbits import frames
 from .orbits.shape_arrays import ShapeArrays
 from .problem.case_fields import cases_at, place_along, with_field
 from .problem.errors import InputError, check_tolerance, show, whole_number
-from .problem.reduced import flat, loads_of
+from .problem.reduced import fields_held, flat, loads_of
 from .problem.shown import NOTEBOOK, Picture, make, table_of
 
 if TYPE_CHECKING:
@@ -499,11 +499,16 @@ class FreeSolution(Solution):
     @cached_property
     def states(self) -> Any:
         each, rho = np.full(self.case.size, None, dtype=object), flat(self.case.rho, self.case.shape)
+        weight, theta = (
+            0.0 if field is None else field for field in (self.case.rod.weight, self.case.cylinder.inclination)
+        )
+        lies = flat((np.asarray(weight) != 0) & (np.asarray(theta) > 0) & (np.asarray(theta) < np.pi), self.case.shape)
         for i in np.flatnonzero(self.trajectory.solved & self.case.varies).tolist():
             shape = self.trajectory.free.answers[i].shapes[-1]
             along = shape.at_stations(shape.nodes)
             drawn = is_drawn(along.force[:, 2], along.push)
-            each[i] = states(shape.nodes * rho[i], along.turned[1], along.turned[0], drawn)
+            turns = ends_turn(bool(lies[i]), "azimuth" in fields_held(self.case))
+            each[i] = states(shape.nodes * rho[i], along.turned[1], along.turned[0], drawn, turns)
         return self._each(each)
 
     @cached_property

@@ -55,6 +55,13 @@ def axial_force_along(wall: Cylinder, weight: float, FZ: float, s: Array, beta: 
     return np.asarray(FZ + added - added[-1])
 
 
+def ends_turn(lies: bool, is_azimuth_held: bool) -> tuple[bool, bool]:
+    """Whether a bend from the start, and one from the far end, may be the turn from the azimuth there to where the rod
+    lies. lies: whether weight acts across the axis; else no place is lower. A far end whose azimuth is free lies too.
+    """
+    return lies, lies and is_azimuth_held
+
+
 def states(
     s: Array, beta: Array, alpha: Array, drawn: Booleans | None = None, turns: tuple[bool, bool] = (True, True)
 ) -> tuple[StretchState, ...]:

@@ -17,7 +17,7 @@ from ..orbits.potential import Loads, slope
 from ..orbits.statics import circumferential_force, contact_force, curvature, surface_forces
 from ..problem.case import IN_PLACE
 from .loaded_rod import ALPHA, BETA, MU, PHI, SPEED, LoadedRod, Q
-from .stretch_states import STRAIGHT, StretchState, is_drawn, least_pull, states
+from .stretch_states import STRAIGHT, StretchState, ends_turn, is_drawn, least_pull, states
 
 # places on a stretch, at which the states along a rod are judged: a stretch has a few radians. x10: only time
 DENSE = 17
@@ -111,8 +111,7 @@ class Shape:
     def states(self, rho: float) -> tuple[StretchState, ...]:
         """The states along the rod, with s in the unit of rho."""
         t, y = self.dense
-        lies = bool(self.rod.across)
-        turns = lies, lies and "azimuth" in self.rod.held
+        turns = ends_turn(bool(self.rod.across), "azimuth" in self.rod.held)
         return states(t * rho, y[:, BETA], y[:, ALPHA], is_drawn(y[:, PHI], self.pushes(y)), turns)
 
     @property

@@ -209,17 +209,23 @@ RULES: dict[str, tuple[tuple[str, ...], Callable[..., Any]]] = {
 }
 
 
-def states_of(one: "StoredCases", s: Any, beta: Any, alpha: Any, push: Any) -> "tuple[StretchState, ...]":
-    """The states along a stored rod with weight or friction, from arrays along it, (n,) each; `one`: its case."""
-    from solver.nodes.stretch_states import axial_force_along, is_drawn, states  # it loads the methods
+def states_of(one: "StoredCases", s: Any, beta: Any, alpha: Any, push: Any = None) -> "tuple[StretchState, ...]":
+    """The states along a stored rod with weight or friction, from arrays along it, (n,) each; `one`: its case.
+
+    Without the push no helix is told from what tension draws.
+    """
+    from solver.nodes.stretch_states import axial_force_along, ends_turn, is_drawn, states  # it loads the methods
 
     given: dict[str, Any] = {
         name: float(one[name]) for name in PARTS["cylinder"] if name not in CHOICES and name in one
     }
     wall = Cylinder(**given, **{name: one.attrs[name] for name in ("side", "sliding") if name in one.attrs})
-    weight = float(one["weight"]) if "weight" in one else 0.0
+    weight, inclination = (float(one[name]) if name in one else 0.0 for name in ("weight", "inclination"))
+    turns = ends_turn(bool(weight) and 0 < inclination < np.pi, "azimuth" in one)
+    if push is None:
+        return states(s, beta, alpha, turns=turns)
     axial = axial_force_along(wall, weight, float(one["FZ"]), s, beta, push)
-    return states(s, beta, alpha, is_drawn(axial, push))
+    return states(s, beta, alpha, is_drawn(axial, push), turns)
 
 
 MOST = 500_000_000  # numbers of a table: 4 GB

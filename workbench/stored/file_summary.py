@@ -87,7 +87,7 @@ def _is_dense(case: StoredStudy) -> bool:
 
 def _state(case: StoredStudy, alone: bool) -> str:
     """The states along one rod; `TOO_FEW` where the stations are too few, also after it is solved again if `alone`."""
-    from solver.nodes.stretch_states import HELICAL, in_words, states  # it loads the methods
+    from solver.nodes.stretch_states import HELICAL, in_words  # it loads the methods
 
     if not _is_dense(case):
         try:
@@ -96,13 +96,12 @@ def _state(case: StoredStudy, alone: bool) -> str:
             return TOO_FEW
         if not _is_dense(case):
             return TOO_FEW
-    s, beta, alpha = _between_stations(case, "beta", "alpha")
-    parts, unit = states(s, beta, alpha), case.units["length"]
+    parts, unit = states_of(case, *_between_stations(case, "beta", "alpha")), case.units["length"]
     if all(part.word != HELICAL for part in parts):
         return in_words(parts, unit)
     if "contact" not in case:  # whether the wall pushes decides
         try:
-            case = case.solve(s.size, ["beta", "alpha", "contact"])
+            case = case.solve(case["s"].size, ["beta", "alpha", "contact"])
         except InputError:
             return NO_PUSH
     return in_words(states_of(case, *_between_stations(case, "beta", "alpha", "push")), unit)
