@@ -3,6 +3,7 @@
 import re
 import time
 from collections.abc import Callable, Iterator
+from functools import partial
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -133,8 +134,9 @@ def test_the_page_draws_a_rod_and_says_what_it_is(page, tmp_path) -> None:
     page.until(lambda: page("return document.getElementById('o-overlaps')"), "the observables of the server")
     assert page("return document.getElementById('h-bends').innerText") == "6"
     assert "turns around the cylinder" in page("return document.getElementById('headline').innerText")
-    chip = page("return document.getElementById('chip').innerText")
-    assert chip == (
+    read_chip = partial(page, "return document.getElementById('chip').innerText")
+    page.until(lambda: "%" in read_chip(), "the caution of the server, which measures the share of the length")
+    assert read_chip() == (
         "Not physically possible. The rod passes through itself. The rod would lift off the cylinder, no push on 77 % "
         "of the length. Lift-off from s = 0 cm."
     )
