@@ -15,6 +15,9 @@ BENT = 0.1
 # of the azimuth of the bend before: so bends die away in a straight rod below 0.97 of its buckling load. x10: every
 # sinusoid counts as a turn at an end
 DYING = 0.7
+# of a bend: a straight piece beside it that is shorter is a part of it. x10: the tail of a bend is none
+SHORT = 0.25
+OUTWARD = [-1, 1]  # places by which the inner part of a sinusoid is wider, as few may show it. x10: longer bends
 # of the largest push along the rod: a smaller one is none, a hundred times the default tolerance. x10: as good
 SLIGHT = 1e-6
 ROUNDING = 1e-13  # of A/rho^3: a smaller pull is none. x10: as good
@@ -69,10 +72,11 @@ def states(
 
     Between two changes of sign the azimuth goes one way. There the rod is helical if it goes once round or more, or if
     beta at both ends is more than half of its largest, as on a part of a hoop; straight if it goes less than `BENT`,
-    else sinusoidal. Where a helix dies away into a straight piece or an end of
-    the rod, where beta is less than half of its largest, what goes less than `BENT` is straight. Two helices that meet
-    turn in different senses. Bends from an end to a straight stretch are straight too where each is at most `DYING` of
-    the one before: there the rod turns from the azimuth of its end to where it lies.
+    else sinusoidal. The tail of a bend, where beta is less than half of its largest, is straight as far as it goes less
+    than `BENT`, or, of a bend of less than once round, that share of its azimuth: beside a helix next to a straight
+    piece or an end of the rod, beside a sinusoid where it is longer than `SHORT` of it. Two helices that meet turn in
+    different senses. Bends from an end to a straight stretch are straight too where each is at most `DYING` of the one
+    before: there the rod turns from the azimuth of its end to where it lies.
 
     drawn: of `is_drawn`, (n,). What would be helical is straight there: tension draws the rod from one azimuth to
     another, and no load buckles it. turns: whether the rod may so turn at its start, and at its far end: where the
@@ -82,26 +86,35 @@ def states(
     sign = np.sign(beta[aside])
     crossings = aside[1:][sign[1:] != sign[:-1]]  # beta is 0 there, whatever it is at the next station
     cuts = [0, *crossings, s.size - 1]
-    pieces = [piece for part in pairwise(cuts) for piece in _without_drawn(*part, alpha, drawn)]
-    parts: list[StretchState] = []
+    pieces = [piece for a, b in pairwise(cuts) if b > a for piece in _without_drawn(a, b, alpha, drawn)]
+    parts, inner = list[StretchState](), list[tuple[float, float]]()
     bent = [False, *(turned >= BENT for *_, turned in pieces), False]
     for (first, last, turned), *around in zip(pieces, bent, bent[2:], strict=False):
         way, size = np.abs(alpha[first : last + 1] - alpha[first]), np.abs(beta[first : last + 1])
         wound = (size[[0, -1]] > size.max() / 2) & ~np.isin([first, last], crossings)
-        if turned < BENT or (turned < TAU and not wound.all()):
-            parts.append(StretchState(STRAIGHT if turned < BENT else SINUSOIDAL, s[first], s[last], turned))
-            continue
-        leaves = s[first if around[0] or wound[0] else first + int(np.searchsorted(way, BENT))]
-        arrives = s[last if around[1] or wound[1] else first + int(np.searchsorted(way, turned - BENT))]
-        parts += [
-            StretchState(STRAIGHT, s[first], leaves),
-            StretchState(HELICAL, leaves, arrives),
-            StretchState(STRAIGHT, arrives, s[last]),
-        ]
-    parts = [part for part in parts if part.end > part.begin]
+        helical, tail = turned >= TAU or wound.all(), BENT * min(1.0, turned / TAU)
+        place = first + np.searchsorted(way, [tail, turned - tail])
+        leaves, arrives = s[np.clip(place + (0 if helical else OUTWARD), first, last)]
+        short = SHORT * (arrives - leaves)
+        whole = around if helical else [leaves - s[first] < short, s[last] - arrives < short]
+        word = STRAIGHT if turned < BENT else HELICAL if helical else SINUSOIDAL
+        parts.append(StretchState(word, s[first], s[last], turned))
+        inner.append((s[first] if wound[0] or whole[0] else leaves, s[last] if wound[1] or whole[1] else arrives))
     for turn in turns:
         parts = (_without_end_turns(parts) if turn else parts)[::-1]
-    return tuple(_join(parts))
+    return tuple(_join(_without_tails(parts, inner)))
+
+
+def _without_tails(stretches: list[StretchState], inner: list[tuple[float, float]]) -> list[StretchState]:
+    """The stretches, each that is not straight cut to its inner part; the rest of it is straight."""
+    parts = list[StretchState]()
+    for part, (leaves, arrives) in zip(stretches, inner, strict=True):
+        if part.word == STRAIGHT:
+            parts.append(part)
+            continue
+        before, after = StretchState(STRAIGHT, part.begin, leaves), StretchState(STRAIGHT, arrives, part.end)
+        parts += [before, part._replace(begin=leaves, end=arrives), after]
+    return [part for part in parts if part.end > part.begin]
 
 
 def _without_drawn(first: int, last: int, alpha: Array, drawn: Booleans | None) -> list[tuple[int, int, float]]:
@@ -139,7 +152,7 @@ def _join(stretches: list[StretchState]) -> list[StretchState]:
     for i, part in enumerate(stretches):
         word, around = part.word, [other.word for other in stretches[max(0, i - 1) : i + 2] if other is not part]
         if word == STRAIGHT and STRAIGHT not in around:
-            room = longest if len(around) == 2 else longest / 4 * (around == [SINUSOIDAL])
+            room = longest if len(around) == 2 else SHORT * longest * (around == [SINUSOIDAL])
             word = around[0] if part.end - part.begin < room else word
         if kept and kept[-1].word == word != HELICAL:
             kept[-1] = StretchState(word, kept[-1].begin, float(part.end))

@@ -91,6 +91,20 @@ def test_a_hanging_pipe_is_straight_where_it_is_in_tension_and_the_wall_does_not
         assert (sol.push[inside] > 0).all()
 
 
+@pytest.mark.parametrize(("load", "tilt"), [(10.5, 0.0), (13.0, 0.0), (22.0, 0.0), (45.0, 0.5), (130.0, 5.0)])
+def test_a_pipe_is_straight_where_the_waves_at_its_foot_have_died_away(load: float, tilt: float) -> None:
+    """Above the neutral point nothing decides how often rounding changes the sign of an angle of 1e-30."""
+    hole = Cylinder(0.10795, "inside", np.radians(180 - tilt))
+    sol = solve(Case(Rod(L=1000.0, **PIPE), hole, Ends(beta0=0.0, betaL=0.0, FZ=-load)), stations=8001)
+    top, *lower = sol.states
+    assert (top.word, top.begin) == (STRAIGHT, 0.0)
+    assert HELICAL in {state.word for state in lower} if load > 100 else [state.word for state in lower] == [SINUSOIDAL]
+    quiet, bent = (np.abs(sol.beta[where]).max() for where in (sol.s < top.end, sol.s >= top.end))
+    assert quiet < 0.1 * bent
+    beside = (sol.s >= top.end) & (sol.s < top.end + 30.0)  # half a wave here is longer
+    assert np.abs(sol.beta[beside]).max() > 0.02 * bent
+
+
 @pytest.mark.parametrize("inclination", ("90deg", "100deg"))
 @pytest.mark.parametrize("sliding", ("backward", "rotating", "axial-forward", "axial-backward"))
 def test_the_axial_force_follows_from_that_at_the_far_end_the_push_the_weight_and_the_friction(
