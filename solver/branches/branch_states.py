@@ -139,7 +139,8 @@ def _change(state: BranchState, chart: Chart) -> BranchState | None:
     for nudge in (_NUDGE, -_NUDGE):
         beyond = state.node.w + nudge * state.node.tangent
         at = state.curve.at(beyond)
-        if at is None:
+        # past beta_t = 0 at an end the rod has another path, and the log of beta_t rises again
+        if at is None or (at[1].leaving, at[1].turns) != (chart.at.leaving, chart.at.turns):
             continue
         for candidate in charts(at[0].problem, at[1]):
             if not alike(candidate, chart):

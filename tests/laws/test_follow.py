@@ -11,13 +11,16 @@ from scipy.optimize import minimize_scalar
 from solver import Branch, Case, Cylinder, Ends, Rod, Solution, equilibria, follow, solve
 from solver.branches.branch_events import Bounds, Place, events_between
 from solver.branches.branch_following import branch_through
+from solver.branches.branch_states import begin_at, in_other_charts
+from solver.branches.family import family_of
 from solver.equilibria import Equilibrium
-from solver.follow import solutions_of
+from solver.follow import _path, solutions_of
 from solver.numerics.arclength import BRANCH_POINT, FOLD, PITCHFORK
 from solver.orbits.path_orbits import orbit_of
 from solver.orbits.periodic_orbit import jacobi_zeros
 from solver.problem.case_fields import with_field
 from solver.problem.reduced import reduce
+from solver.solve import between_ends
 from tests.cases import TABLE_1, ends_in_units_of_rho, rod_of_unit_stiffness
 from tests.equation import far_angle
 
@@ -286,6 +289,24 @@ def test_a_branch_arrives_at_the_pitchfork_at_which_its_range_ends() -> None:
     assert len(branch.points) < 200  # were 1001
     assert branch.end.reason == END
     assert branch.values[-1] == first
+
+
+def test_another_coordinate_keeps_the_direction_in_which_a_branch_nears_a_pitchfork() -> None:
+    """beta'(0) falls towards 0 and so does its log; behind the pitchfork the log rises again, with the mirror image."""
+    first, excess = -((np.pi / 10) ** 2), 1e-8
+    pipe = Case(rod_of_unit_stiffness(10.0, 0.01), Cylinder(1 - 0.01), Ends(0.0, 0.0, FZ=(1 + excess) * first))
+    buckled = next(one for one in equilibria(pipe) if one.index == 0).solution
+    family = family_of(pipe, "FZ", between_ends(buckled), Bounds(2 * first, first, (), 100))
+    count = 0
+    for share in np.geomspace(1e-5, 1e-3, 100):  # where the rate of FZ along the branch is rounding
+        path = replace(_path(buckled), y=_path(buckled).y + float(np.log(share)))
+        state = begin_at(family, path, (1 + share * excess) * first, rises=True)
+        assert not isinstance(state, str)
+        others = [other for other in in_other_charts(state) if other.curve.chart.logarithmic]
+        assert state.x * state.node.tangent[0] < 0
+        assert all(other.node.tangent[0] < 0 for other in others)
+        count += len(others)
+    assert count > 50
 
 
 def wire_between_saddles() -> list[Equilibrium]:
