@@ -10,13 +10,14 @@ from typing import Any, TypeVar
 
 T = TypeVar("T")
 
-# word -> the symbols of the fields that it may mean, in the order in which a message names them
+# word -> the symbols of the fields, or the names, that it may mean, in the order in which a message names them
 SYMBOLS = {
     "modulus": ("E",), "young": ("E",), "poisson": ("nu",), "inner": ("inner_radius",), "radius": ("R", "a"),
     "diameter": ("R", "a"), "length": ("L",), "bending_stiffness": ("EI",), "torsional_stiffness": ("GJ",),
     "tension": ("FZ", "F3"), "axial": ("FZ",), "force": ("FZ", "F3"), "torque": ("M3", "MZ"),
     "moment": ("M3", "MZ"), "twist": ("M3", "dgamma"), "theta": ("beta", "beta0", "betaL"),
     "angle": ("beta", "beta0", "betaL"),
+    "rising": ("rises",), "increasing": ("rises",), "falling": ("falls",), "decreasing": ("falls",),
 }  # fmt: skip
 
 

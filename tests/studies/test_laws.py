@@ -164,3 +164,9 @@ def test_a_law_that_is_decided_at_one_axis_counts_its_lines_over_all_others() ->
     values[:, 1, 1] = 1.0, 2.0, 3.0
     row = decide(law, {"height": values}, {"E": [1.0, 2.0, 3.0], "R": [1.0, 2.0], "F1": [1.0, 2.0]})
     assert row.reason == "true for 3 of 4 pairs of R and F1 (judged at R = 1)"
+
+
+@pytest.mark.parametrize(("said", "meant"), [("rising", "rises"), ("increasing", "rises"), ("falling", "falls")])
+def test_a_direction_in_another_form_of_the_verb_is_understood(said: str, meant: str) -> None:
+    with pytest.raises(ValueError, match=f"no direction '{said}', did you mean '{meant}'"):
+        Law(claim="(1)", observable="bends", axis="E", direction=said, source="s")

@@ -106,6 +106,17 @@ def test_the_colours_of_a_line_are_those_of_the_one_definition() -> None:
     assert norm(-50.0) + norm(50.0) == pytest.approx(1.0)
 
 
+def test_the_push_next_to_a_clamp_does_not_decide_the_colours_of_a_pipe() -> None:
+    s = np.linspace(0, 20, 801)
+    push = 2.0 + np.sin(s) ** 2 + 30 * np.exp(-8 * s) + 60 * np.exp(-8 * (20 - s))
+    assert push_scale.away_from_ends(push).max() == pytest.approx(3.0, abs=1e-3)
+    assert push_scale.away_from_ends(push[:200]).size < 200
+    for other in (np.exp(-s), np.exp(s), np.ones(9)):
+        assert push_scale.away_from_ends(other) == pytest.approx(other)
+    klbf = {"length": "ft", "force": "klbf"}
+    assert (push_scale.unit(klbf), push_scale.size(klbf)) == ("lbf/ft", pytest.approx(1000.0))
+
+
 def test_rings_stand_on_the_rods_whose_caution_says_that_they_pass_through_themselves(ds) -> None:
     views = unrolled.panel_of(drawn_rods.choose(StoredStudy(ds), unrolled.NAMES), (8.0, 5.0), 8.0).views
     ringed = [bool(view.rings) for view in views]

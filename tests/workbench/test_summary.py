@@ -68,6 +68,15 @@ def test_the_states_of_pipes_are_a_table_unless_their_stations_are_too_few(stati
     assert ["-200", *buckled.split()] in lines
 
 
+def test_of_many_pipes_the_states_are_counted(tmp_path) -> None:
+    axes = small.axis("FZ", [-200.0, -100.0, -50.0]) + small.axis("L", (300.0, 316.0, 17))
+    path = writing.write(in_memory.run(loads(small.text(PIPE, axes, "m kN", stations=401))), tmp_path / "p.h5")
+    assert file_summary.summary(path)["states"] == [
+        {"state": "straight all along", "cases": 34},
+        {"state": "sinusoidal in a part or all along", "cases": 17},
+    ]
+
+
 def test_a_pipe_alone_in_its_file_is_solved_again_where_its_stations_are_too_few(tmp_path) -> None:
     text = small.text(PIPE | {"FZ": -200.0}, "", "m kN", outputs=["beta", "alpha", "z"], stations=21)
     path = writing.write(in_memory.run(loads(text)), tmp_path / "pipe.h5")

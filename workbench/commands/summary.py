@@ -103,7 +103,8 @@ def _print(found: dict[str, Any]) -> None:
         console.say("")
     if found["states"]:
         units = {axis["name"]: "deg" if axis["units"] == "rad" else axis["units"] for axis in found["axes"]}
-        tables.print_rows(found["states"], {**dict.fromkeys(units, ""), "state": "state along the rod"}, units)
+        heads = {**dict.fromkeys(found["states"][0], ""), "state": "state along the rod"}
+        tables.print_rows(found["states"], heads, units)
         console.say("")
     console.say(f"{count_of(found['cases'], 'case')}, {found['unsolved']} unsolved")
     _print_outcomes(found["outcomes"])

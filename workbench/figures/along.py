@@ -185,7 +185,7 @@ def _clear_step(rods: DrawnRods, values: Sequence[Any], foot: float, filled: boo
 def _words(stored: StoredStudy, name: str) -> tuple[str, str, Callable[[Any], Any]]:
     """The name of an array along the rod, its unit, and what brings its numbers into it."""
     if name == "push":
-        return "push", f" {labels.unit(push_scale.unit(stored))}", np.asarray
+        return "push", f" {push_scale.unit(stored.units)}", partial(np.multiply, push_scale.size(stored.units))
     unit = labels.unit(unit_of(name, stored.units))
     if unit == "rad":
         return labels.symbol_of(name), "°", np.degrees
@@ -206,7 +206,7 @@ def _panel(
     ax.set_ylim(curves.foot + (ends[0] - margin) * curves.step, curves.foot + (ends[1] + margin) * curves.step)
     _over_s(ax, rods)
     if curves.name == PIPE:
-        push_scale.bar(ax, push_scale.unit(rods.source), fonts.inches(ax)[0])
+        push_scale.bar(ax, rods.source.units, fonts.inches(ax)[0])
     if len(rods.rods) == 1 and curves.name == PIPE:
         ax.set_ylabel("azimuth α [°]")
         ax.set_title(fonts.wrap(curves.title, ax), loc="left")
@@ -260,7 +260,9 @@ def _draw_curves(ax: Axes, rods: DrawnRods, curves: Curves) -> list[str]:
     """Draw the curves of all rods, each at its offset; returns what is to be said of them."""
     count, step, foot = len(curves.values), curves.step, curves.foot
     shades = colours.ramp_colours(count)
-    norm = push_scale.scale([rod["push"] for rod in rods.solved] if curves.name in ("push", PIPE) else [])
+    shown = [values for values in curves.values if values is not None] if curves.name == "push" else []
+    shown = [push_scale.away_from_ends(rod["push"]) for rod in rods.solved] if curves.name == PIPE else shown
+    norm = push_scale.scale(shown)
     width, inches, said = float(np.clip(16 / count, 0.7, 1.4)), curves.inches, list[str]()
     for k, (rod, values) in enumerate(zip(rods.rods, curves.values, strict=True)):
         ax.axhline(k * step + foot, color=colours.FAINT, linewidth=0.6, zorder=1)
@@ -280,7 +282,7 @@ def _draw_curves(ax: Axes, rods: DrawnRods, curves: Curves) -> list[str]:
                 bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.0},
             )
             continue
-        s, push = rod["s"], rod["push"] if curves.name in ("push", *ARRAYS) else values
+        s, push = rod["s"], rod["push"] if curves.name in ARRAYS else values
         if curves.name == "push":
             for side, colour, words in (
                 (np.maximum(values, 0), colours.PUSHED, push_scale.PUSHES),

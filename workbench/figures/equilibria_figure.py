@@ -112,8 +112,8 @@ def loops(stored: StoredStudy, sheet: Sheet = SCREEN) -> Figure:
         energy = f"energy {labels.value(float(loop['energy']), loop['energy'])}"
         text = f"{k + 1}: {waves} wave{'s' * (waves > 1)}\n{stable}\n{energy}"
         shapes.append(_shape(stored, k, text, {"push": pushes[k], "norm": norm}))
-    unit, push = labels.unit(stored.units["length"]), push_scale.unit(stored)
-    panel = unrolled.UnrolledPanel(shapes, _room(sheet), sheet.small, unit, bar=push)
+    unit = labels.unit(stored.units["length"])
+    panel = unrolled.UnrolledPanel(shapes, _room(sheet), sheet.small, unit, bar=stored.units)
     said = [
         f"The rod lies {stored.attrs['side']}.",
         "The ways are those of a closed rod whose section is free to turn.",

@@ -76,7 +76,7 @@ def _draw_states(rods: DrawnRods, ax: Axes) -> None:
 
 
 def _draw_push(rods: DrawnRods, ax: Axes) -> None:
-    norm = push_scale.scale([rod["push"] for rod in rods.solved])
+    norm = push_scale.scale([push_scale.away_from_ends(rod["push"]) for rod in rods.solved])
     for rod, low, high in _rows(rods):
         if rod.arrays is None:
             continue
@@ -86,7 +86,7 @@ def _draw_push(rods: DrawnRods, ax: Axes) -> None:
             edges, [low, high], rod["push"][None], cmap=colours.push_ramp(), norm=norm, rasterized=True, gid=rod.name
         )
     _finish(ax, rods, "push of the cylinder per length")
-    push_scale.bar(ax, push_scale.unit(rods.source), fonts.inches(ax)[0])
+    push_scale.bar(ax, rods.source.units, fonts.inches(ax)[0])
 
 
 def _finish(ax: Axes, rods: DrawnRods, title: str) -> None:

@@ -1,17 +1,17 @@
 """Lines in the colours of the push along a rod, and the bar of these colours; see `colours`."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection, QuadMesh
 from matplotlib.colorbar import Colorbar
 from matplotlib.colors import Normalize
 from numpy.typing import NDArray
 
-from ..stored.stored_study import StoredStudy
-from ..words import labels
+from ..words import habits, labels
 from ..words.cautions import SLIGHT
 from . import canvas, colours, fonts, waves
 from .drawn_numbers import CASING
@@ -26,6 +26,16 @@ def scale(pushes: Sequence[Any]) -> Normalize:
     ends = [(float(np.min(push)), float(np.max(push))) for push in pushes] or [(0.0, 0.0)]
     end = colours.push_scale(min(low for low, _ in ends), max(high for _, high in ends))[1] or 1.0
     return Normalize(-end, end)
+
+
+def away_from_ends(push: Any) -> Any:
+    """The pushes (n,) of a pipe from the first least one at each end on: before it the push of a clamp dies away.
+
+    All where that is not the larger part of the pipe.
+    """
+    first, last = (int(np.argmin(np.append(np.diff(way) < 0, False))) for way in (push, push[::-1]))
+    inner = push[first : push.size - last]
+    return inner if 2 * inner.size > push.size else push
 
 
 def line(
@@ -64,10 +74,10 @@ def line(
     return waves.draw(ax, x, y, inches, paint, shade if y is push else colours.NEUTRAL, name, where, order)
 
 
-def bar(ax: Axes, unit: str, inches: float, place: tuple[float, float] | None = None) -> None:
+def bar(ax: Axes, units: Mapping[str, str], inches: float, place: tuple[float, float] | None = None) -> None:
     """The bar of the colours of lines or rows on axes, at most so many inches wide; none without any.
 
-    place: left and top of the bar, on axes whose units are inches; default: below the axes.
+    units: of the pushes. place: left and top of the bar, on axes whose units are inches; default: below the axes.
     """
     lines = [collection for collection in ax.collections if isinstance(collection, (LineCollection, QuadMesh))]
     if not lines:
@@ -78,17 +88,19 @@ def bar(ax: Axes, unit: str, inches: float, place: tuple[float, float] | None = 
     if place is not None:
         box = (*place, wide, HIGH)
         where = {"orientation": "horizontal", "cax": ax.inset_axes(box, transform=ax.transData)}
-    drawn = canvas.colour_bar([ax], lines[-1], **where)
-    words = trim(drawn, unit, [line.get_array() for line in lines])
+    drawn = canvas.colour_bar([ax], in_habitual_unit(lines[-1].get_clim()[1] or 1.0, units), **where)
+    words = trim(drawn, units, [line.get_array() for line in lines])
     drawn.set_label(fonts.break_lines(words, inches, fonts.small()), size=fonts.small(), loc="left")
 
 
-def trim(drawn: Colorbar, unit: str, pushes: Sequence[Any]) -> str:
+def trim(drawn: Colorbar, units: Mapping[str, str], pushes: Sequence[Any]) -> str:
     """Cut the half of a bar where none of these pushes is; returns what its colours are called."""
     end = float(drawn.norm.vmax or 0.0)
     low = -end if any(pulls(push) for push in pushes) else 0.0
     drawn.ax.set_xlim(low, end)
-    return colours.push_words(labels.unit(unit), low)
+    strongest = max((size(units) * float(abs(push).max()) for push in pushes), default=0.0)
+    beyond = f"; next to an end up to {habits.plain(strongest, 2)}" if strongest > end * (1 + colours.ROUNDING) else ""
+    return colours.push_words(unit(units), low) + beyond
 
 
 def pulls(push: Any) -> bool:
@@ -97,6 +109,18 @@ def pulls(push: Any) -> bool:
     return bool((push < -SLIGHT * np.abs(push).max()).any())
 
 
-def unit(stored: StoredStudy) -> str:
-    """The unit of the push."""
-    return f"{stored.units['force']}/{stored.units['length']}"
+def unit(units: Mapping[str, str]) -> str:
+    """The unit in which a push is written: ``lbf/ft`` where lengths are in ft and forces in klbf."""
+    return labels.unit(habits.habitual_unit(habits.LINE_LOAD, units))
+
+
+def size(units: Mapping[str, str]) -> float:
+    """How many of the unit in which a push is written are one of the unit of a case."""
+    habitual, own = habits.habitual_unit(habits.LINE_LOAD, units), f"{units['force']}/{units['length']}"
+    return 1.0 if habitual == own else habits.size(habitual, habits.LINE_LOAD, units)  # units may have no size
+
+
+def in_habitual_unit(end: float, units: Mapping[str, str]) -> ScalarMappable:
+    """The colours of pushes up to an end of their scale, whose numbers are in the unit in which a push is written."""
+    end = size(units) * end
+    return ScalarMappable(Normalize(-end, end), colours.push_ramp())

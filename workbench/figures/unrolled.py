@@ -299,7 +299,7 @@ def figure(
     sheet.choose(["curves"])
     rods = drawn_rods.choose(stored, NAMES, x, at, MOST)
     room = sheet.width - BESIDE, TALLEST * sheet.width
-    panel = panel_of(rods, room, sheet.small, bar=push_scale.unit(rods.source))
+    panel = panel_of(rods, room, sheet.small, bar=rods.source.units)
     said = [*rods.said(), *rods.notes]
     return canvas.page(rods.source, sheet, [(panel.height, [panel.draw])], said, panel.below)
 
@@ -308,7 +308,7 @@ class UnrolledPanel:
     """Unrolled views in a room of inches, in rows, or the lines of one rod.
 
     height: inches of all; unit: of lengths; notes: said of them; in_lines: what is said of lines, else nothing; bar:
-    the unit of the push, whose bar of colours stands beside the key, else nothing.
+    the units of the push, whose bar of colours stands beside the key, else None.
     """
 
     def __init__(
@@ -320,11 +320,11 @@ class UnrolledPanel:
         even: bool = False,
         notes: Sequence[str] = (),
         in_lines: str = "",
-        bar: str = "",
+        bar: Mapping[str, str] | None = None,
     ) -> None:
         self.views, self.unit, self.notes, self.in_lines = views, unit, list(dict.fromkeys(notes)), in_lines
         self.pushes = [np.asarray(view.look["push"]) for view in views if "push" in view.look]
-        self.bar = bar if self.pushes else ""
+        self.bar = bar if self.pushes else None
         self.before = max(words_size(view.text, letters)[0] for view in views) + ABOVE if in_lines else 0.0
         room = room[0] - self.before, room[1]
         self.key = words_size("around: 0.05 mm", letters)[0]
@@ -399,7 +399,12 @@ class UnrolledPanel:
 
 
 def lines_of(
-    rod: DrawnRod, room: tuple[float, float], letters: float, unit: str = "", coloured: bool = True, bar: str = ""
+    rod: DrawnRod,
+    room: tuple[float, float],
+    letters: float,
+    unit: str = "",
+    coloured: bool = True,
+    bar: Mapping[str, str] | None = None,
 ) -> UnrolledPanel | None:
     """A rod in the lines in which it is largest; None where it needs none: in one piece it is no hair.
 
@@ -467,7 +472,11 @@ def on_one_turn(
 
 
 def panel_of(
-    rods: DrawnRods, room: tuple[float, float], letters: float, coloured: bool = True, bar: str = ""
+    rods: DrawnRods,
+    room: tuple[float, float],
+    letters: float,
+    coloured: bool = True,
+    bar: Mapping[str, str] | None = None,
 ) -> UnrolledPanel:
     """The unrolled views of rods of a study in a room of inches: in rows, or one long rod in lines.
 

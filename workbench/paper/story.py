@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.cm import ScalarMappable
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -173,8 +172,10 @@ def row(stored: StoredStudy, ax: Axes, below: Axes) -> None:
             _write(ax, foot, rod.value if rod.arrays is not None else rod.why, (0, -5))
     _frame(ax)
     ax.set_title(chosen.axis_label(), loc="center", size=fonts.small(), pad=2)
-    bar = canvas.colour_bar([ax], ScalarMappable(norm, colours.push_ramp()), cax=below, orientation="horizontal")
-    said = push_scale.trim(bar, push_scale.unit(stored), [rod["push"] for rod in chosen.solved])
+    bar = canvas.colour_bar(
+        [ax], push_scale.in_habitual_unit(float(norm.vmax or 1.0), stored.units), cax=below, orientation="horizontal"
+    )
+    said = push_scale.trim(bar, stored.units, [rod["push"] for rod in chosen.solved])
     _write(below, (0, 0.5), said.replace("; ", "\n"), (-14, -4), xycoords="axes fraction", ha="right")
 
 

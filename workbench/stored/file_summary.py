@@ -3,7 +3,7 @@
 import os
 from collections import Counter
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
@@ -24,8 +24,12 @@ from .solved_again import study_of
 from .stored_cases import HELD_INDEX, StoredCases
 from .stored_study import StoredStudy
 
+if TYPE_CHECKING:
+    from solver.nodes.stretch_states import StretchState
+
 MOST_PLACES = 12  # of a boundary along one axis that are listed
-MOST_STATES, DENSE = 50, 3  # rods whose states are listed; stations from one change of sign of beta to the next
+MOST_STATES, MOST_COUNTED = 50, 2000  # rods whose states are listed; rods whose states are counted
+DENSE = 3  # stations from one change of sign of beta to the next
 # places between two stations at which the states are judged. x10: as good, and slower
 PARTS = 16
 FINE = 1601  # stations at which a rod that is alone in its file is solved again where the stored ones are too few
@@ -63,16 +67,32 @@ def summary(path: Path) -> dict[str, Any]:
 
 
 def _states(stored: StoredStudy) -> list[dict[str, Any]]:
-    """The states along each rod with weight or friction, in words; none of more than `MOST_STATES` rods."""
+    """The states along each rod with weight or friction, in words; of more than `MOST_STATES` rods, how many have which
+    at their most buckled place; none of more than `MOST_COUNTED`.
+    """
+    from solver.nodes.stretch_states import in_words  # it loads the methods
+
     loaded = {*VARY_LOADS} & set(stored.ds.variables) and {"beta", "alpha"} <= set(stored.variables)
-    if not loaded or stored.cases > MOST_STATES:
+    if not loaded or stored.cases > MOST_COUNTED:
         return []
-    rows = []
+    rows, counts = list[dict[str, Any]](), Counter[str]()
     for place in np.ndindex(stored["outcome"].shape):
         case = stored.select(dict(zip(stored.axes, place, strict=True)))
         axes = {name: float(case[name]) for name in stored.axes}
-        rows.append({**axes, "state": _state(case, stored.cases == 1) if case["solved"] else "not solved"})
-    return rows
+        parts = _state(case, stored.cases == 1) if case["solved"] else "not solved"
+        state = parts if isinstance(parts, str) else in_words(parts, case.units["length"])
+        rows.append({**axes, "state": state})
+        counts[parts if isinstance(parts, str) else _worst_state(parts)] += 1
+    return rows if len(rows) <= MOST_STATES else [{"state": state, "cases": n} for state, n in counts.most_common()]
+
+
+def _worst_state(parts: "tuple[StretchState, ...]") -> str:
+    """The state of a rod at its most buckled place."""
+    from solver.nodes.stretch_states import HELICAL, SINUSOIDAL, STRAIGHT
+
+    words = {part.word for part in parts}
+    return next((f"{word} in a part or all along" for word in (HELICAL, SINUSOIDAL) if word in words),
+                f"{STRAIGHT} all along")  # fmt: skip
 
 
 def _is_dense(case: StoredStudy) -> bool:
@@ -85,9 +105,9 @@ def _is_dense(case: StoredStudy) -> bool:
     return bool((np.diff(ends)[waves] >= DENSE).all())
 
 
-def _state(case: StoredStudy, alone: bool) -> str:
+def _state(case: StoredStudy, alone: bool) -> "tuple[StretchState, ...] | str":
     """The states along one rod; `TOO_FEW` where the stations are too few, also after it is solved again if `alone`."""
-    from solver.nodes.stretch_states import HELICAL, in_words  # it loads the methods
+    from solver.nodes.stretch_states import HELICAL
 
     if not _is_dense(case):
         try:
@@ -96,15 +116,15 @@ def _state(case: StoredStudy, alone: bool) -> str:
             return TOO_FEW
         if not _is_dense(case):
             return TOO_FEW
-    parts, unit = states_of(case, *_between_stations(case, "beta", "alpha")), case.units["length"]
+    parts = states_of(case, *_between_stations(case, "beta", "alpha"))
     if all(part.word != HELICAL for part in parts):
-        return in_words(parts, unit)
+        return parts
     if "contact" not in case:  # whether the wall pushes decides
         try:
             case = case.solve(case["s"].size, ["beta", "alpha", "contact"])
         except InputError:
             return NO_PUSH
-    return in_words(states_of(case, *_between_stations(case, "beta", "alpha", "push")), unit)
+    return states_of(case, *_between_stations(case, "beta", "alpha", "push"))
 
 
 def _between_stations(case: StoredStudy, *names: str) -> list[Any]:

@@ -53,11 +53,16 @@ def release(before: "Solution", after: "Solution") -> dict[str, Any]:
 
 
 def release_sentence(energies: dict[str, float], units: dict[str, str]) -> str:
-    """By how much the elastic energy falls, in a sentence. energies: of `release`."""
+    """By how much the elastic energy changes, in a sentence. energies: of `release`.
+
+    It may rise: what falls is its sum with the energy of the weight and of loads that are kept.
+    """
     unit = f"{units['force']} {units['length']}"
     lost = 1 - energies["after"] / energies["before"] if energies["before"] else 0.0
     digits = min(max(2 - math.floor(math.log10(abs(lost))), 4), 12) if lost else 4  # which show that they differ
+    change = f"{'falls' if lost >= 0 else 'rises'} by {100 * abs(lost):.3g} %"
     return (
-        f"let go, with both ends as they were: its elastic energy falls by {100 * lost:.3g} %, "
+        f"let go, with both ends as they were: its elastic energy {change}, "
         f"from {plain(energies['before'], digits)} to {plain(energies['after'], digits)} {unit}"
+        f"{'; with that of its weight and of kept loads it falls' * (lost < 0)}"
     )

@@ -7,6 +7,7 @@ import numpy as np
 
 from solver.nodes.loaded_rod import rods_of
 from solver.nodes.stretch_states import LEAVES, RUBS, STRAIGHT, in_words
+from solver.problem.declared_fields import OFF_WALL
 
 from . import cautions, habits, outcomes
 from .habits import plain
@@ -86,12 +87,11 @@ def sentences(sol: "Solution", units: dict[str, str]) -> list[str]:
     if not sol.case.varies:
         return []
     length, force = units["length"], units["force"]
-    if sol.case.leaves:  # its outcome says that it is stable
-        return [f"state: {in_words(sol.states, length)}", lower_end(sol.case)] if sol.solved else []
     if not sol.solved:
         return _buckling_load(sol, force)
-    said = [f"state: {in_words(sol.states, length)}{_doubt(sol)}; {_stability(sol)}"]
-    said += _ripples(sol)
+    said = [f"state: {in_words(sol.states, length)}"]
+    if not sol.case.leaves:  # else its outcome says that it is stable, and other sentences where it is off the wall
+        said = [f"{said[0]}{_doubt(sol)}; {_stability(sol)}", *_ripples(sol)]
     said += [way] if (way := way_of(str(sol.begun or ""))) else []
     if sol.case.cylinder.side == "inside" and min(axial_force(sol)) > 0:
         said.append(TENSION)
@@ -243,22 +243,31 @@ def _buckling_load(sol: "Solution", force: str) -> list[str]:
     """The load at which the straight rod buckles under its whole weight, or, of one that turns in place and so leans,
     the leaning rod; none where neither is an equilibrium.
     """
+    from solver.free.beginnings import bilateral_cases
     from solver.nodes.buckling import rod_without_lean, tension_of_buckling
 
-    if sol.case.kind != "ends" or sol.case.cylinder.side == "outside":
+    case = sol.case
+    if case.kind != "ends" or case.cylinder.side == "outside" or (case.leaves and not _rests(case)):
         return []
-    rod = rods_of(sol.case)[0]
+    rod = rods_of(bilateral_cases(case)[0] if case.leaves else case)[0]
     who = f"the straight rod{' without friction' * rod.has_friction}"
     if rod.rotates and not rod.straight:
         rod, who = rod_without_lean(rod), "the rod that leans by its friction"
     if not rod.straight:
         return []
-    phi, unit = tension_of_buckling(rod), float(sol.case.rod.bending_stiffness) / float(sol.case.rho) ** 2
+    phi, unit = tension_of_buckling(rod), float(case.rod.bending_stiffness) / float(case.rho) ** 2
     if phi is None:
         return [f"{who} is unstable even in tension, by its torque"]
     near, far = ((phi - part) * unit for part in (rod.along * rod.span, 0.0))
     start = f" ({_load(near, force)} at s = 0)" if abs(far - near) > 1e-9 * abs(far) else ""
     return [f"{who} buckles with {_load(far, force)} at s = L{start}"]
+
+
+def _rests(case: "Case") -> bool:
+    """Whether the straight rod of one that may leave the wall rests on it, so that it buckles along it."""
+    if any(getattr(case.given, name) for name in OFF_WALL[2:]) or not np.all(np.equal(case.end_radii, case.rho)):
+        return False
+    return weight_across(case) * math.cos(float(case.given.alpha)) > 0
 
 
 def limits(case: "Case") -> list[Limit]:
