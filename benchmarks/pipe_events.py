@@ -146,19 +146,20 @@ def draw(found: dict[str, float], path: Path = PICTURE) -> None:
 
     def diagram(figure: Figure) -> None:
         axes = figure.add_subplot()
-        axes.plot([1.8, loads[0]], [0, 0], color=colours.SOFT, lw=2.5)
-        axes.plot([loads[0], 3.9], [0, 0], color=colours.SOFT, lw=0.8)
-        for rows, colour in ((rising, colours.PAIR[1]), (wound, colours.PAIR[0])):
+        straight, sinusoidal, helical = colours.STATES.values()
+        axes.plot([1.8, loads[0]], [0, 0], color=straight, lw=2.5)
+        axes.plot([loads[0], 3.9], [0, 0], color=straight, lw=0.8)
+        for rows, colour in ((rising, sinusoidal), (wound, helical)):
             force, height, push = np.array(rows).T
             axes.plot(force, height, color=colour, lw=0.8)
             axes.plot(np.where(push >= -1e-5, force, np.nan), height, color=colour, lw=2.5)
         for number, (force, height) in enumerate(zip(loads, heights, strict=False), 1):
             axes.plot(force, height, "o", color=colours.INK, ms=4)
-            axes.annotate(f"{number}, F = {force:.4g}", (force, height), (6, 6), textcoords="offset points",
+            axes.annotate(f"{number}, F = {force:.3f}", (force, height), (6, 6), textcoords="offset points",
                           size=fonts.small())  # fmt: skip
-        for text, place, colour in (("straight", (1.83, 0.015), colours.SOFT),
-                                    ("sinusoid", (3.12, -0.09), colours.PAIR[1]),
-                                    ("helix", (3.44, -0.46), colours.PAIR[0]),
+        for text, place, colour in (("straight", (1.83, 0.015), straight),
+                                    ("sinusoid", (3.12, -0.09), sinusoidal),
+                                    ("helix", (3.44, -0.46), helical),
                                     ("thick: stable and pressed on the wall", (1.83, -0.56),
                                      colours.SOFT)):  # fmt: skip
             axes.text(*place, text, color=colour)

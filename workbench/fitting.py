@@ -21,7 +21,7 @@ from studies.language.case_input import CaseInput, field_values
 from .branches.ends_study import study_text, text_of_solution
 from .run import atomic
 from .stored import quantity_variables
-from .words import escaping, labels
+from .words import cautions, escaping, labels
 
 STATIONS = 801
 UNDETERMINED = "undetermined"  # in place of an unbounded interval
@@ -56,7 +56,8 @@ def as_dataset(found: Fit, units: dict[str, str], points: dict[str, Any] | None,
     )
     curve = solve(found.case, stations=STATIONS, **_branch(found))
     ds["alpha"], ds["z"], ds["s"] = (("u", np.asarray(getattr(curve, name))) for name in ("alpha", "z", "s"))
-    ds["rho"] = float(found.case.rho)
+    ds["rho"], ds["a"] = float(found.case.rho), float(found.case.rod.a)
+    ds["caution"] = str(cautions.of_cases(curve, units=units))
     if points is not None and {"alpha", "z"} <= set(points):
         ds = ds.assign(_of_points(found, points, wrapped))
     return ds

@@ -112,7 +112,7 @@ class Euler(EqualSteps):
     name = "euler"
     summary = "explicit Euler, for comparison only"
     order = rule_order = 1
-    ladders = (Ladder("euler", "steps", twos(9), "#8a8f98", "v"),)
+    ladders = (Ladder("euler", "steps", twos(9), "#e0559f", "v"),)
     calls, most = 1, 2**16
 
     def step(self, problem: StartProblem, state: State, h: Array) -> State:

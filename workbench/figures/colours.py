@@ -25,7 +25,7 @@ UNKNOWN = "#ffffff"  # a cell of a map without a number
 # a cell without a solution: grey, and hatched, because some colours of a map are as light
 UNSOLVED: dict[str, Any] = {"facecolor": FAINT, "edgecolor": SOFT, "hatch": "////", "linewidth": 0}
 # each 4.5 : 1 on white, and distinct under each kind of colour blindness
-VERDICTS = {HOLDS: "#01834e", TREND: "#1b4cc8", QUALIFIED: "#946b00", UNDECIDED: "#6d727c", FAILS: "#8a050f"}
+VERDICTS = {HOLDS: "#01834e", TREND: "#1b4cc8", QUALIFIED: "#707500", UNDECIDED: "#6d727c", FAILS: "#8a050f"}
 # behind words and lines, words, words that stand back, lines that stand back, curves of numbers, rings
 THEMES = {
     "light": ("#ffffff", INK, SOFT, FAINT, DATA, CROSSED),
@@ -35,7 +35,7 @@ LEAST = (4.5, 4.5, 1.3, 3.0, 3.0)  # contrast of each of these to what is behind
 BLACK, LIGHTEST = "#000000", "#fefefe"  # the latter is not the white that stands for a background
 STABLE: dict[str, Any] = {"color": INK, "linewidth": 1.7, "linestyle": "-"}
 UNSTABLE: dict[str, Any] = {"color": SOFT, "linewidth": 0.8, "linestyle": (0, (4, 1.6))}
-STATES = {"straight": "#8f949c", "sinusoidal": PAIR[1], "helical": PAIR[0]}  # of `solver.nodes.stretch_states`
+STATES = {"straight": "#968f62", "sinusoidal": PAIR[1], "helical": PAIR[0]}  # of `solver.nodes.stretch_states`
 # cells of the map of extremes; solved ones by how near their error is to what the method promises
 EXTREMES = {"refused": "#e3e6ea", "inaccurate": "#e98f88", "non-finite": "#e0cdea", "vague": "#c9d8f2"}
 SOLVED = ("#7fc6a6", "#cfe8dc", "#f8f7d8")

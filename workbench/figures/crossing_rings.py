@@ -8,20 +8,31 @@ from matplotlib.collections import PathCollection
 from matplotlib.lines import Line2D
 
 from .colours import CROSSED
+from .halo import Halo
 
-RING, CROWDED = 1.2, 1.35  # points, the line of a ring; between the middles of two rings, in the size of one
+RING, EDGED = 1.2, 2.2  # points, the line of a ring, without and with its pale edges
+CROWDED = 1.35  # between the middles of two rings, in the size of one
+RADII, IN_RODS = (0.03, 0.065), 0.75  # inches of a ring on a rod in space at least and at most; else radii of its rod
 
 
 def entry(label: str) -> Line2D:
     """The entry of a legend for the rings of `draw`."""
-    return Line2D([], [], marker="o", markersize=7, fillstyle="none", color=CROSSED, linestyle="none", label=label)
+    return Line2D([], [], marker="o", markersize=7, fillstyle="none", color=CROSSED, linestyle="none", label=label,
+                  markeredgewidth=RING)  # fmt: skip
 
 
-def draw(ax: Axes, places: Any, sizes: Any, name: str) -> PathCollection:
-    """Ring the places (n, 2) where rods pass through themselves: open circles, which do not cover what they mark.
+def radius(a: float) -> float:
+    """The radius of a ring on a rod in space whose radius is drawn so many inches large [inches]."""
+    return float(np.clip(IN_RODS * a, *RADII))
+
+
+def draw(ax: Axes, places: Any, sizes: Any, name: str, **look: Any) -> PathCollection:
+    """Ring the places (n, 2) where rods pass through themselves: open circles, which do not cover what they mark, with
+    a pale edge, as rods are dark in places.
 
     Of rings whose middles are nearer than `CROWDED` the smallest one is drawn. The units of the axes are inches. sizes:
-    (n,), points across. name: theirs in a table. Returns what is drawn.
+    (n,), points across. name: theirs in a table. look: of `Axes.scatter`, as a transform from inches. Returns what is
+    drawn.
     """
     places, sizes = np.asarray(places, dtype=float), np.asarray(sizes, dtype=float)
     kept: list[int] = []
@@ -30,4 +41,4 @@ def draw(ax: Axes, places: Any, sizes: Any, name: str) -> PathCollection:
             kept.append(k)
     x, y = places[kept].T
     return ax.scatter(x, y, s=np.square(sizes[kept]), facecolors="none", edgecolors=CROSSED, linewidths=RING, gid=name,
-                      zorder=5, clip_on=False)  # fmt: skip
+                      zorder=5, clip_on=False, path_effects=[Halo(EDGED)], **look)  # fmt: skip

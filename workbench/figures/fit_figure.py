@@ -12,7 +12,7 @@ from scipy import special
 from studies.grammar.axes import quantity_of
 
 from ..stored.stored_study import StoredStudy
-from ..words import labels
+from ..words import cautions, labels
 from . import bars, canvas, colours, fonts, unrolled
 from .sheet import SCREEN, Sheet
 
@@ -48,7 +48,8 @@ def figure(stored: StoredStudy, sheet: Sheet = SCREEN) -> Figure:
 
 
 def curve(stored: StoredStudy, room: tuple[float, float], letters: float) -> unrolled.UnrolledPanel:
-    """The fitted unrolled view with the measured points, which lines join to their places on the rod."""
+    """The fitted unrolled view with the measured points, which lines join to their places on the rod, and rings where it
+    passes through itself."""
     factors = {"z": 1.0, "alpha": float(stored["rho"])}
     line, feet, points = (
         [stored[part + name].values * factor for name, factor in factors.items() if part + name in stored]
@@ -56,7 +57,12 @@ def curve(stored: StoredStudy, room: tuple[float, float], letters: float) -> unr
     )
     over: list[Any] = [((a, c), (b, d), JOINED, "") for a, b, c, d in zip(*points, *feet, strict=True)]
     over += [(*points, MEASURED, "measured points")] if points else []
-    view = unrolled.UnrolledView(line[0], line[1], "", FITTED, name="fitted rod", over=over)
+    rings = None
+    if "overlaps" in cautions.keys(str(stored["caution"].values)):
+        rho = factors["alpha"]
+        rings = unrolled.crossings(stored["s"].values, rho, stored["alpha"].values, line[0], float(stored["a"]), rho)
+    rings = [((x, y + line[1][0]), apart) for (x, y), apart in rings or []]  # around from alpha = 0, as the points
+    view = unrolled.UnrolledView(line[0], line[1], "", FITTED, rings, name="fitted rod", over=over)
     return unrolled.UnrolledPanel([view], room, letters, labels.unit(stored.units["length"]))
 
 

@@ -31,14 +31,16 @@ Values = NDArray[np.float64]
 DECADES = 1e3  # ratio of the values from which their colours are logarithmic
 MOST_COLOURS = 256  # counts, each with a colour of its own
 MOST_CLASSES = 24  # of a count, with a border between each two
-MOST_SAMPLES = 2500  # points that a map shows
+MOST_SAMPLES = 1200  # points that a map shows: each is seen, and between them the map
 BARRED = (
     "a case whose shape no real rod could keep",
     "No real rod could keep a shape that would lift off away from its ends, or pass through itself.",
 )
 TURNED: Any = {"facecolor": colours.UNKNOWN, "edgecolor": colours.SOFT, "hatch": "....", "linewidth": 0}
 DENSE = ", dense where a number changes"  # of the cases of a refined study
-SAMPLES: Any = {"color": colours.INK, "linestyle": "none", "markeredgewidth": 0.4, "alpha": 0.6}
+SAMPLES: Any = {"color": colours.INK, "linestyle": "none", "markeredgewidth": 0.5, "alpha": 0.8}
+SIZES = {".": 2.8, "x": 2.4}  # points of a mark where there are many; with few cases up to `LARGER` times as many
+LARGER = 1.6
 MOST_SHAPES, FILL = 12, 0.86  # shapes along an axis; of the room of a shape that it fills
 HALO = Halo(2.2, 0.75)
 
@@ -106,7 +108,7 @@ def entries(panels: list[Cells], shown: tuple[str, ...]) -> list[str | Artist]:
     dense = DENSE if SAMPLE in panels[0].source.sizes else ""
     is_mixed = bool(barred.any() and not barred.all())
     legend: list[Artist] = [
-        Line2D([], [], label=label, marker=mark, **SAMPLES)
+        Line2D([], [], label=label, marker=mark, markersize=LARGER * SIZES[mark], **SAMPLES)
         for mark, label in ((".", f"a case{few}{dense}"), ("x", BARRED[0]))
         if is_mixed
     ]
@@ -171,14 +173,14 @@ def _show_samples(ax: Axes, cells: Cells, name: str) -> None:
     x, y, barred = cells.samples()
     shown = np.arange(0, x.size, -(-x.size // MOST_SAMPLES))
     shown = shown[~cells.hidden_changes(name)[shown]]
-    size = float(np.clip(40 / shown.size**0.5, 0.7, 2.0))
+    size = float(np.clip(40 / shown.size**0.5, 1.0, LARGER))
     for marker, rows in ((".", shown[~barred[shown]]), ("x", shown[barred[shown]])):
         if rows.size:
             ax.plot(
                 x[rows],
                 y[rows],
                 marker=marker,
-                markersize=1.6 * size,
+                markersize=SIZES[marker] * size,
                 clip_on=False,
                 zorder=4,
                 label="_samples",

@@ -46,7 +46,7 @@ HAIRLINE, TINY = 1.1 / 72, 1e-12  # inches of the width of a line; no length
 LEAST = 0.12  # inches of a view, below which one direction is drawn larger
 STRAIGHT = 1e-9  # of the other extent: less is rounding, which no scale shows
 SLENDER, UPRIGHT = 0.25, 3.0  # of rods that fill so little of the width, inches of all upwards at most
-RING = 3.5  # points across at least
+RING = 4.0  # points across, beyond the distance of the two stretches: it stands around their lines
 REACH = 2.0  # radii of the rod between a ring and its line at most: two stretches overlap within one radius of it
 NEAR = 3.0  # radii of the rod on the unrolled cylinder: two places that are nearer have one ring between them
 # so small that a ring around it is seen
@@ -381,7 +381,7 @@ class UnrolledPanel:
             _draw_edges(ax, view.edges, to_page)
             rings += [(to_page.transform(place), form.scale * apart * [1, form.factor]) for place, apart in view.rings]
         if rings:
-            sizes = [max(72 * float(np.linalg.norm(apart)) + RING / 2, RING) for _, apart in rings]
+            sizes = [72 * float(np.linalg.norm(apart)) + RING for _, apart in rings]
             crossing_rings.draw(ax, [place for place, _ in rings], sizes, THROUGH)
         for artist in (*ax.lines, *ax.collections):
             artist.set_clip_on(False)
@@ -494,7 +494,7 @@ def panel_of(
         if rod.arrays is None:
             views.append(UnrolledView(np.zeros(0), np.zeros(0), text, {}, name=rod.why))
             continue
-        passes = coloured and "overlaps" in cautions.keys(rod.caution)
+        passes = "overlaps" in cautions.keys(rod.caution)
         view, is_too_long = view_of(
             rod["s"], rod.rho, rod["alpha"], rod["z"], rod.a, text, _look(rod, norm), rod.name, passes, rod.radius
         )

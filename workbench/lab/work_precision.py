@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 COSTS = {"seconds": "seconds of the whole call", "evaluations": "evaluations of the equation"}
 LOST = 1.0  # an error of this size and more has no correct digit
 FLOOR, TOP = 1e-16, 1e4  # the range of errors that is shown; an error of 0 is drawn at its lower end
+FAILED, NO_DIGIT = (LOST * TOP) ** 0.5, "failed, or no\ncorrect digit"  # what stands beside the crosses, and where
 PANEL, LEGEND = (3.2, 2.1), 1.6  # inches
 MOST = 6  # panels
 ERRORS = "Errors: of the angle in radians, or of the position over max(ρ, L), whichever is larger."
@@ -121,9 +122,9 @@ def panel(stored: StoredStudy, ax: Axes, case: str, cost: str = "seconds") -> Ax
         ax.plot(spent, np.full(spent.size, height), "x", color=colour, markersize=4, markeredgewidth=1.1, zorder=3)
     ax.axhline(LOST, color=colours.FAINT, linewidth=1, zorder=1)
     ax.set(xscale="log", yscale="log", ylim=(FLOOR / 2, TOP))
-    ax.set_yticks([10.0**k for k in range(-15, 1, 3)])
+    ax.set_yticks([*(10.0**k for k in range(-15, 1, 3)), *[FAILED] * bool(failed)])
     for axis in (ax.xaxis, ax.yaxis):
-        axis.set_major_formatter(labels.power_of_ten)
+        axis.set_major_formatter(lambda value, _: NO_DIGIT if value == FAILED else labels.power_of_ten(value))
         axis.set_minor_formatter(NullFormatter())
     words = SHOWN.get(case) or (f"{case}: {rows['about'].item()}" if "about" in rows else case)  # none in older files
     ax.set_title(fonts.wrap(labels.powers_of_ten(words), ax, fonts.small()), loc="left", size=fonts.small(), pad=3)
@@ -166,7 +167,6 @@ def _entries(stored: StoredStudy, cases: Sequence[str]) -> list[Artist]:
         for look in map(look_of, tried)
     ]
     looks += [
-        {"marker": "x", "markersize": 4, "linestyle": "", "label": "failed, or no correct digit"},
         {
             "marker": ">",
             "markersize": 7,

@@ -13,42 +13,43 @@ from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 
 from solver.orbits import frames
 from studies.laws.line_verdicts import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED
 
-from ..figures import canvas, colours, drawn_rods, fonts, law_panel, push_scale
+from ..figures import canvas, colours, crossing_rings, drawn_rods, fonts, law_panel, push_scale, unrolled
 from ..figures.sheet import Sheet
 from ..figures.trends import trend
-from ..geometry import tube
+from ..geometry import self_contact, tube
 from ..stored.stored_study import StoredStudy
 from ..stored.trend_lines import law_of
-from ..words import labels
+from ..words import cautions, labels
 
 ROD, ALONG, CLAIMS = "fig6", "fig7_1_modulus", "readings"  # the datasets by the name of their study
 NEEDED = (ROD, ALONG, CLAIMS)
 TURNED = np.radians(38.0)  # from facing the middle of a rod: three quarters
 PART = 0.45  # of the rod with its letters: more would be small
 SHOWN = 0.42  # of its length, where the angle is drawn
-HEADS = 56, 72  # points from the table to the heads of its columns
+HEADS = 58, 76  # points from the table to the heads of its columns
 # the height of the figure, and left, low, width and height of the panels a to d and of the bar of colours, in inches
 ONE, TWO = 3.5, 7.2
 WIDE = (
-    5.35,
+    5.5,
     (
-        (0.05, 2.5, 1.75, 2.75),
-        (1.9, 2.97, 5.25, 2.1),
+        (0.05, 2.65, 1.75, 2.75),
+        (1.9, 3.12, 5.25, 2.1),
         (0.5, 0.42, 1.95, 1.4),
         (4.3, 0.3, 2.85, 0.92),
-        (4.6, 2.7, 1.9, 0.08),
+        (4.6, 2.87, 1.9, 0.08),
     ),
 )
-NARROW = 4.72, ((0.0, 3.12, 1.3, 1.45), (0.02, 2.07, 3.46, 0.9), (1.85, 3.5, 1.6, 0.8), (1.5, 0.2, 1.95, 0.58),
-                (1.95, 1.88, 1.2, 0.05))  # fmt: skip
+NARROW = 4.98, ((0.0, 3.38, 1.3, 1.45), (0.02, 2.33, 3.46, 0.9), (1.85, 3.76, 1.6, 0.8), (1.5, 0.2, 1.95, 0.58),
+                (1.95, 2.14, 1.2, 0.05))  # fmt: skip
 # the letters of the panels in one column or two, as one reads them, and their left and upper edges
 LETTERS = {
-    False: ("abcd", ((0.05, 5.3), (1.9, 5.3), (0.05, 2.2), (2.5, 2.2))),
-    True: ("acbd", ((0.03, 4.7), (0.03, 3.12), (1.35, 4.7), (0.03, 1.6))),
+    False: ("abcd", ((0.05, 5.45), (1.9, 5.45), (0.05, 2.2), (2.5, 2.2))),
+    True: ("acbd", ((0.03, 4.96), (0.03, 3.38), (1.35, 4.96), (0.03, 1.6))),
 }
 MARKS: dict[str, dict[str, Any]] = {
     HOLDS: {"marker": "o"},
@@ -58,6 +59,8 @@ MARKS: dict[str, dict[str, Any]] = {
     FAILS: {"marker": "X"},
 }
 SHORT = {"tension": "tens.", "compression": "compr."}  # on one column
+# of readings: where the twist is from, and which stiffness
+READINGS = {"force-first": "F₁₀", "twist-first": "γ₀′", "shear": "γ₀′, F₁₀ shear", "paper": "eq. 20"}
 WIDE_TABLE = 2.2  # inches of a table of claims from which its heads are written in full
 WORDS = {"mean |f|": "contact force"}
 ARROWS = {"rises": "↑", "falls": "↓", "not-falling": "not ↓", "not-rising": "not ↑"}
@@ -121,7 +124,7 @@ def letters(stored: StoredStudy, ax: Axes) -> None:
     eye = _Eye(float(rod["alpha"].mean()) - TURNED)
     shown = rod.between(0.0, PART)
     low = float(shown["z"].min() - R)  # where the azimuth is drawn
-    ends = low - 0.9 * R, float(shown["z"].max() + 1.2 * R)
+    ends = low - 1.5 * R, float(shown["z"].max() + 1.2 * R)
     _rod(ax, eye, shown, np.tile(colours.LETTERED, (shown["s"].size, 1)), ends, R)
     k = int(np.argmin(np.abs(rod["s"] - SHOWN * rod["s"][-1])))
     places = frames.position(rod.rho, rod["alpha"], rod["z"])
@@ -149,6 +152,7 @@ def letters(stored: StoredStudy, ax: Axes) -> None:
     _write(ax, eye.to_page(at + 1.3 * (arc[20] - at)), "β", (-1, 4))
     _write(ax, eye.to_page(around[20]), "α", (0, -6))
     _frame(ax)
+    _ring(ax, rod, eye, R, PART)
 
 
 def row(stored: StoredStudy, ax: Axes, below: Axes) -> None:
@@ -161,9 +165,12 @@ def row(stored: StoredStudy, ax: Axes, below: Axes) -> None:
     heights = np.concatenate([rod["z"] for rod in chosen.solved])
     ends = float(heights.min()) - R, float(heights.max()) + R
     step = 2.9 * (R + 2 * chosen.solved[0].a)
+    eyes = [
+        _Eye(float(np.mean(rod["alpha"])) - TURNED if rod.arrays is not None else 0.0, k * step)
+        for k, rod in enumerate(chosen.rods)
+    ]
     every = 2 if fonts.inches(ax)[0] < 0.45 * len(chosen.rods) else 1
-    for k, rod in enumerate(chosen.rods):
-        eye = _Eye(float(np.mean(rod["alpha"])) - TURNED if rod.arrays is not None else 0.0, k * step)
+    for k, (rod, eye) in enumerate(zip(chosen.rods, eyes, strict=True)):
         foot = eye.to_page([0, 0, ends[0]]) - [0, 0.5 * R]
         if rod.arrays is not None:
             shown = rod.between(0.0, 1.0, 260)
@@ -171,12 +178,17 @@ def row(stored: StoredStudy, ax: Axes, below: Axes) -> None:
         if k % every == 0:
             _write(ax, foot, rod.value if rod.arrays is not None else rod.why, (0, -5))
     _frame(ax)
+    ringed = [_ring(ax, rod, eye, R) for rod, eye in zip(chosen.rods, eyes, strict=True) if rod.arrays is not None]
     ax.set_title(chosen.axis_label(), loc="center", size=fonts.small(), pad=2)
     bar = canvas.colour_bar(
         [ax], push_scale.in_habitual_unit(float(norm.vmax or 1.0), stored.units), cax=below, orientation="horizontal"
     )
     said = push_scale.trim(bar, stored.units, [rod["push"] for rod in chosen.solved])
     _write(below, (0, 0.5), said.replace("; ", "\n"), (-14, -4), xycoords="axes fraction", ha="right")
+    if any(ringed):
+        entry = crossing_rings.entry(unrolled.THROUGH)
+        below.legend(handles=[entry], loc="upper right", bbox_to_anchor=(1, -2.2 / fonts.inches(below)[1] * fonts.small() / 72),
+                     borderpad=0)  # fmt: skip
 
 
 def law(stored: StoredStudy, ax: Axes) -> None:
@@ -194,7 +206,7 @@ def claims(stored: StoredStudy, ax: Axes) -> None:
     """The verdict on each claim, (reading, claim), as a table of marks: a row a claim, a column a reading."""
     names, readings = (
         [str(value) for value in stored["claim"].values],
-        [str(value).split("/") for value in stored["reading"].values],
+        [[READINGS.get(word, word) for word in str(value).split("/")] for value in stored["reading"].values],
     )
     verdicts, wide = stored["claim_verdict"].values.astype(str), bool(fonts.inches(ax)[0] > WIDE_TABLE)
     for (j, i), verdict in np.ndenumerate(verdicts):
@@ -210,11 +222,9 @@ def claims(stored: StoredStudy, ax: Axes) -> None:
         _write(ax, (np.mean(on), 1), first, (0, HEADS[wide]), xycoords=("data", "axes fraction"), va="bottom")
         if on[0]:
             ax.axvline(on[0] - 0.5, color=colours.FAINT, linewidth=0.8)
-    for text, above in (("claim", 4), ("sign of the force, stiffness", 30), ("twist from", HEADS[wide])):
-        if wide:  # what the readings of Table 1 differ in
-            _write(
-                ax, (0, 1), text, (-14, above), xycoords="axes fraction", ha="right", va="bottom", color=colours.SOFT
-            )
+    force = "sign of the force, stiffness" if wide else "force, stiffness"
+    for text, above in (("claim", 4), (force, 30), ("twist from", HEADS[wide])):  # what the readings differ in
+        _write(ax, (0, 1), text, (-8, above), xycoords="axes fraction", ha="right", va="bottom", color=colours.SOFT)
     ax.tick_params(length=0, colors=colours.INK, pad=2)
     ax.spines[:].set_visible(False)
     handles = [Line2D([], [], label=mark, **_mark(mark)) for mark in MARKS if mark in verdicts]
@@ -266,6 +276,30 @@ def _frame(ax: Axes) -> None:
     ax.autoscale_view()
     ax.margins(0.02)
     ax.set_axis_off()
+
+
+def _ring(ax: Axes, rod: Any, eye: _Eye, R: float, share: float = 1.0) -> bool:
+    """Ring the places in sight where a rod passes through itself; whether there are any. Its axes have their limits.
+
+    rod: a `drawn_rods.DrawnRod`. share: of its length that is drawn.
+    """
+    if "overlaps" not in cautions.keys(rod.caution):
+        return False
+    points = frames.position(rod.rho, rod["alpha"], rod["z"])
+    pairs = [pair for pair in self_contact.places(rod["s"], points, rod.a) or [] if pair[1] <= share * rod["s"][-1]]
+    middles = CubicSpline(rod["s"], points)(np.reshape(pairs, (-1, 2))).mean(axis=1)
+    aside, _, near = np.moveaxis(_Eye(eye.azimuth).project(middles), -1, 0)
+    seen = middles[(near > np.sin(ELEVATION) * middles[:, 2]) | (np.abs(aside) > R)]
+    if not len(seen):
+        return False
+    ax.apply_aspect()
+    fig = ax.get_figure(root=True)
+    assert fig is not None
+    places = ax.transData.transform(eye.to_page(seen)) / fig.dpi
+    a = np.ptp(ax.transData.transform([[0, 0], [rod.a, 0]])[:, 0]) / fig.dpi
+    sizes = np.full(len(seen), 2 * 72 * crossing_rings.radius(a))
+    crossing_rings.draw(ax, places, sizes, unrolled.THROUGH, transform=fig.dpi_scale_trans)
+    return True
 
 
 def _rod(ax: Axes, eye: _Eye, rod: Any, shades: Any, ends: tuple[float, float], R: float) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from solver.problem.errors import InputError
 from studies.language.study import MAX_STATIONS
 
-from ..figures import canvas, fonts
+from ..figures import canvas, crossing_rings, fonts
 from ..figures.arrangement import Arrangement
 from ..geometry.centreline import APART, Array, TooFewStations
 from ..words import cautions, labels
@@ -23,8 +23,6 @@ from .views import Camera, View, arrange
 
 LINE = 1.5  # width of lines in pixels at `fonts.DPI`
 COARSEST = 10.0  # pixels that a surface may be off; beyond, it is no picture of that rod
-RING = (0.03, 0.065)  # inches: the least and the largest radius of a ring, else `IN_RODS` radii of its rod
-IN_RODS = 0.75
 # of a tick where a contact begins or ends: its least half length in inches, else in radii of its rod
 TICK = 0.05, 1.3
 ITSELF = "the rod passes through itself"
@@ -227,7 +225,7 @@ def rings_in(scene: Scene, arranged: Arrangement) -> list[tuple[float, float, fl
     """Where rods pass through themselves in sight: x, y and radius of each ring in inches of the picture."""
     circles = []
     for view, middle in _middles(scene, arranged) if scene.ringed else ():
-        radius = float(np.clip(IN_RODS * min(body.a for body in view.bodies) * arranged.scale, *RING))
+        radius = crossing_rings.radius(min(body.a for body in view.bodies) * arranged.scale)
         for place in view.crossings(scene.camera)[0]:
             x, y = _in_picture(scene, arranged, view, middle, place)
             circles.append((float(x), float(y), radius))
