@@ -140,7 +140,7 @@ def test_where_a_law_decides_is_where_a_picture_is_taken() -> None:
             assert float(forces[name][StoredStudy(forces).place()[name]]) == pytest.approx(value)
 
 
-def test_a_ring_covers_no_more_than_its_line() -> None:
+def test_a_ring_has_pale_edges_and_covers_nothing_inside_or_beyond() -> None:
     def draw(fig) -> None:
         ax = fig.add_axes((0, 0, 1, 1))
         ax.set_facecolor("black")
@@ -150,6 +150,9 @@ def test_a_ring_covers_no_more_than_its_line() -> None:
     page = BytesIO()
     canvas.save(fig, page, 200)
     page.seek(0)
-    middle = image.imread(page)[50:150, 50:150, :3]
-    assert middle.max() > 0.1
-    assert middle.min(axis=-1).max() < 0.5  # nothing white, beside the line or inside the ring
+    white = image.imread(page)[..., :3].min(axis=-1) > 0.5
+    points = np.hypot(*np.indices(white.shape) - 99.5) * 72 / 200
+    half = crossing_rings.EDGED / 2 + 0.4
+    assert white[points < 6].any()  # the ring is seen on what is dark
+    assert white[points > 6].any()
+    assert not white[np.abs(points - 6) > half].any()

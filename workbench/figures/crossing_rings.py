@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 from .colours import CROSSED
 from .halo import Halo
 
-RING, EDGED = 1.2, 2.2  # points, the line of a ring, without and with its pale edges
+RING, EDGED = 1.2, 1.9  # points, the line of a ring, without and with its pale edges
 CROWDED = 1.35  # between the middles of two rings, in the size of one
 RADII, IN_RODS = (0.03, 0.065), 0.75  # inches of a ring on a rod in space at least and at most; else radii of its rod
 
