@@ -246,7 +246,7 @@ def failure(way: GrowthWay, size: float, friction: float) -> str:
     """Why a rod has no shape, and with which load or friction it has one. size: of forces."""
     said = f"failed: {way.why}"
     if way.share:
-        said += f". There is an answer with friction from 0 to {way.share * friction:.3g}"
+        said += f". There is an answer at least with friction from 0 to {way.share * friction:.3g}"
     if way.limit is None:
         return said
     load = way.limit * size

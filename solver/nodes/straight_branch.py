@@ -193,17 +193,19 @@ def branch_with_friction(rod: LoadedRod) -> GrowthWay:
     alone = rod.straight and not straight_index(plain)
     if (bent := sinusoid(rod)) is not None:
         return GrowthWay(bent, rubbed=alone)
+    turned = 0.0
     if rod.rotates and (bent := sinusoid(rod.with_torque(0.0))) is not None:
         way = grow(rod.with_torque, bent)
         if way.shape is not None:
             return way
+        turned = way.ended
     way = GrowthWay(None) if alone else grow_friction(rod, find_shape(plain))
     if way.shape is not None and not (rod.straight and is_same(way.shape, straight_shape(rod, way.shape.t))):
         return way
     if not (rod.straight or leans_and_buckles(rod)):
         return way
     hints = []
-    if {"beta0", "betaL"} & rod.held and not rod.rotates:
+    if {"beta0", "betaL"} & rod.held and (turned or not rod.rotates):
         hints.append("hinged ends (M10 and M1L in place of beta0 and betaL)")
     if rod.numbers[4] == ALONG_ITSELF:
         hints.append("a rod that moves as a whole (sliding 'axial-forward' or 'axial-backward')")
@@ -211,6 +213,7 @@ def branch_with_friction(rod: LoadedRod) -> GrowthWay:
         f"the {'straight' if rod.straight else 'leaning'} rod buckles under its compression with friction, and no "
         "sinusoid or helix at rest was found: friction may drive waves along the rod or wind up its helix"
     )
+    why += f"; with {turned:.2g} of the torque that its rotation adds, as on a shorter rod, one was" if turned else ""
     why = f"{why}; {' or '.join(hints)} may have an answer" if hints else why
     is_at_fault = straight_index if rod.straight else partial(leans_and_buckles, beyond=QUIET)
     return GrowthWay(None, why=why, barred=True, limit=least_tension(rod, is_at_fault), share=way.share or 0.0)

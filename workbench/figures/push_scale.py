@@ -116,8 +116,9 @@ def unit(units: Mapping[str, str]) -> str:
 
 def size(units: Mapping[str, str]) -> float:
     """How many of the unit in which a push is written are one of the unit of a case."""
-    habitual, own = habits.habitual_unit(habits.LINE_LOAD, units), f"{units['force']}/{units['length']}"
-    return 1.0 if habitual == own else habits.size(habitual, habits.LINE_LOAD, units)  # units may have no size
+    habitual = habits.habitual_unit(habits.LINE_LOAD, units)
+    is_habitual = habitual == f"{units['force']}/{units['length']}"  # these may have no size
+    return 1.0 if is_habitual else habits.size(habitual, habits.LINE_LOAD, units)
 
 
 def in_habitual_unit(end: float, units: Mapping[str, str]) -> ScalarMappable:
