@@ -52,9 +52,9 @@ def same_rod() -> tuple[DiscreteRod, np.ndarray, Sizes]:
 def trust_constr(rod: DiscreteRod, guess: np.ndarray, sizes: Sizes) -> Any:
     """The result of trust-constr, which is given all exact derivatives as sparse matrices."""
     program = Program(rod, sizes, rod.with_known(guess))
-    (_, rows, columns, _), (_, above, beside, _) = program.slopes, program.bends
+    (rows, columns, _), (above, beside, _) = program.slopes, program.bends
     low, high = (bound / program.unit_of for bound in rod.bounds)
-    n = program.free.size
+    n = rod.size
 
     def hessian(z: np.ndarray, share: float, multipliers: np.ndarray) -> Any:
         lower = coo_array((program.hessian(z, share, multipliers), (above, beside)), shape=(n, n)).tocsr()

@@ -57,20 +57,16 @@ def free_motion(shape: FreeShape, sizes: Sizes) -> Array | None:
 
     Of such motions the energy has no second derivative: it is below `FIRM`, by rounding; that of others is far above.
     """
-    newton = Newton(shape.rod, sizes, shape.y)
-    free, multipliers = newton.free, shape.multipliers * newton.scale
-    loose = np.zeros(multipliers.size)
+    newton, still = Newton(shape.rod, sizes, shape.y), np.zeros(shape.rod.size)
+    multipliers, loose = shape.multipliers * newton.scale, np.zeros(shape.multipliers.size)
     loose[newton.wall] = (multipliers[newton.wall] == 0) / TINY
-    if not newton.unstable_ways(np.zeros(free.size), multipliers, loose, -FIRM):
+    if not newton.unstable_ways(still, multipliers, loose, -FIRM):
         return None
-    bands = newton.matrix(np.zeros(free.size), multipliers, loose)
-    moved = np.random.default_rng(0).normal(size=free.size)
+    bands = newton.matrix(still, multipliers, loose)
+    moved = np.random.default_rng(0).normal(size=still.size)
     for _ in range(6):  # inverse iteration, of which each takes a hundredth of the rest
-        right = np.append(moved / np.linalg.norm(moved), np.zeros(multipliers.size))
-        moved = newton.solve(bands, right)[: free.size]
-    motion = np.zeros(shape.rod.size)
-    motion[free] = moved * newton.unit[free]
-    return motion
+        moved = newton.solve(bands, np.append(moved / np.linalg.norm(moved), 0 * multipliers))[: still.size]
+    return moved * newton.unit
 
 
 def complementarity(a: Array, b: Array) -> tuple[Array, Array, Array]:
@@ -114,14 +110,14 @@ class Newton(Program):
     def order(self) -> Integers:
         """Where unknowns and conditions stand in the order of the edges, in which the matrix is a narrow band."""
         edge, last = np.arange(self.rod.edges), self.rod.edges - 1
-        of_unknowns = np.concatenate([np.repeat(edge, EDGE), np.zeros(4, int), np.full(4, last)])[self.free]
+        of_unknowns = np.concatenate([np.repeat(edge, EDGE), np.zeros(4, int), np.full(4, last)])
         of_conditions = [np.repeat(edge, CONDITIONS), edge[:-1], np.full(2, last)]
         return np.argsort(np.argsort(np.concatenate([of_unknowns, *of_conditions]), kind="stable"))
 
     @cached_property
     def _places(self) -> tuple[int, Integers]:
         """How many bands the matrix has beside its diagonal on each side, and where its entries are among all."""
-        n, (_, rows, columns, _), (_, above, beside, _) = self.free.size, self.slopes, self.bends
+        n, (rows, columns, _), (above, beside, _) = self.rod.size, self.slopes, self.bends
         lower, diagonal = above != beside, np.arange(self.order.size)
         i = self.order[np.concatenate([above, beside[lower], columns, n + rows, diagonal])]
         j = self.order[np.concatenate([beside, above[lower], n + rows, columns, diagonal])]
@@ -134,9 +130,9 @@ class Newton(Program):
 
         firm: what is added to the second derivatives of the energy by each unknown.
         """
-        _, above, beside, _ = self.bends
+        above, beside, _ = self.bends
         slopes, bends = -self.jacobian(z), self.hessian(z, 1.0, multipliers)
-        values = [bends, bends[above != beside], slopes, slopes, np.full(self.free.size, firm), -loose]
+        values = [bends, bends[above != beside], slopes, slopes, np.full(self.rod.size, firm), -loose]
         (width, places), n = self._places, self.order.size
         bands = np.bincount(places, np.concatenate(values), minlength=(2 * width + 1) * n)
         return bands.reshape(-1, n)
@@ -156,10 +152,10 @@ class Newton(Program):
 
         z: as Uno found it; None: the guess of the program, a shape of another mesh or time.
         """
-        n, last, side = self.free.size, np.inf, self.rod.side
+        n, last, side = self.rod.size, np.inf, self.rod.side
         most = MOST_FOLLOWED if z is None else ROUNDS
         z, loose = np.zeros(n) if z is None else z, np.zeros(multipliers.size)
-        _, rows, columns, _ = self.slopes
+        rows, columns, _ = self.slopes
         for _ in range(most):
             missed = self.conditions(z)
             push, gap = side * multipliers[self.wall], self.stiff * side * missed[self.wall]

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ..numerics.arrays import Array, Booleans, Integers
+from ..numerics.arrays import Array, Integers
 from ..problem.errors import InputError
 from .discrete_rod import CONDITIONS, DiscreteRod
 
@@ -61,45 +61,23 @@ class Sizes(NamedTuple):
     energy: float
 
 
-class _Entries(NamedTuple):
-    """The entries of a sparse matrix of the rod that belong to free unknowns.
-
-    kept: which ones. rows, columns: where they are in the matrix of the program. factors: of those of the rod.
-    """
-
-    kept: Booleans
-    rows: Integers
-    columns: Integers
-    factors: Array
-
-    def of(self, values: Array) -> Array:
-        """The entries of the program, of those of the rod."""
-        return np.asarray(values[self.kept] * self.factors)
-
-
 @dataclass(frozen=True, eq=False)
 class Program:
-    """A discrete rod as a program in numbers of order 1: in its free unknowns z, which are 0 at a guess."""
+    """A discrete rod as a program in numbers of order 1: its unknowns over their sizes, z (size,), 0 at a guess.
+
+    Those that are given have no size, and so no effect; a second derivative of 1 keeps them at 0.
+    """
 
     rod: DiscreteRod
     sizes: Sizes
     base: Array
 
     @cached_property
-    def free(self) -> Any:
-        return np.flatnonzero(~self.rod.known)
-
-    @cached_property
-    def _place(self) -> Integers:
-        """Where the unknowns (size,) are among the free ones, -1 for those that are given."""
-        return np.where(self.rod.known, -1, np.cumsum(~self.rod.known) - 1)
-
-    @cached_property
     def unit(self) -> Array:
         """The sizes of the unknowns, (size,)."""
         unit = np.full(self.rod.size, self.sizes.turned)
         self.rod.parts(unit)[1][:] = self.sizes.across, self.sizes.across, self.sizes.along
-        return unit
+        return np.where(self.rod.known, 0.0, unit)
 
     @cached_property
     def unit_of(self) -> Array:
@@ -108,48 +86,41 @@ class Program:
         unit[: CONDITIONS * self.rod.edges].reshape(-1, CONDITIONS)[:, 2:] = self.sizes.along, self.sizes.turned
         return unit
 
-    def _entries(self, places: tuple[Integers, Integers], at_row: Integers, unit: Array) -> _Entries:
-        """The entries at places of the rod. at_row: the rows of the program, -1 for none; unit: of rows, the factor."""
-        rows, columns = places
-        kept = (at_row[rows] >= 0) & (self._place[columns] >= 0)
-        rows, columns = rows[kept], columns[kept]
-        return _Entries(kept, at_row[rows], self._place[columns], unit[rows] * self.unit[columns])
+    @cached_property
+    def slopes(self) -> tuple[Integers, Integers, Array]:
+        """Rows and columns of the derivatives of the conditions, and their factors of those of the rod."""
+        rows, columns = self.rod.jacobian_places
+        return rows, columns, self.unit[columns] / self.unit_of[rows]
 
     @cached_property
-    def slopes(self) -> _Entries:
-        """Where the derivatives of the conditions are."""
-        return self._entries(self.rod.jacobian_places, np.arange(self.unit_of.size), 1 / self.unit_of)
-
-    @cached_property
-    def bends(self) -> _Entries:
-        """Where the second derivatives are, of the lower triangle."""
-        return self._entries(self.rod.hessian_places, self._place, self.unit)
+    def bends(self) -> tuple[Integers, Integers, Array]:
+        """Rows and columns of the second derivatives, of the lower triangle, some in several parts; their factors."""
+        (rows, columns), given = self.rod.hessian_places, np.flatnonzero(self.rod.known)
+        return np.append(rows, given), np.append(columns, given), self.unit[rows] * self.unit[columns]
 
     def whole(self, z: Array) -> Array:
         """The unknowns (size,) of the rod."""
-        y = self.base.copy()
-        y[self.free] += self.unit[self.free] * z
-        return y
+        return self.base + self.unit * z
 
     def energy(self, z: Array) -> float:
         return self.rod.energy(self.whole(z)) / self.sizes.energy
 
     def gradient(self, z: Array) -> Array:
-        return self.rod.gradient(self.whole(z))[self.free] * (self.unit[self.free] / self.sizes.energy)
+        return self.rod.gradient(self.whole(z)) * self.unit / self.sizes.energy
 
     def conditions(self, z: Array) -> Array:
         return self.rod.conditions(self.whole(z)) / self.unit_of
 
     def jacobian(self, z: Array) -> Array:
-        return self.slopes.of(self.rod.jacobian_values(self.whole(z)))
+        return self.rod.jacobian_values(self.whole(z)) * self.slopes[2]
 
     def hessian(self, z: Array, share: float, multipliers: Array) -> Array:
-        whole, multipliers = self.whole(z), multipliers / self.unit_of
-        return self.bends.of(self.rod.hessian_values(whole, share / self.sizes.energy, multipliers))
+        values = self.rod.hessian_values(self.whole(z), share / self.sizes.energy, multipliers / self.unit_of)
+        return np.append(values * self.bends[2], np.ones(self.rod.known.sum()))
 
     def endless_turn(self, z: Array) -> str:
         """The angle of an end that has turned farther than the rod is long, which the wall cannot make it; else ""."""
-        turned = np.abs(self.rod.parts(self.whole(z) - self.base)[2])
+        turned = np.abs(self.rod.parts(self.unit * z)[2])
         return ANGLES[turned.argmax()] if turned.max() > self.rod.span + 2 * np.pi else ""
 
     def minimise(self, search: _Search, effort: Effort) -> tuple[Array, Array, int] | None:
@@ -169,13 +140,12 @@ class Program:
             return lambda *arguments: np.copyto(arguments[-1], compute(*arguments[:-1]))
 
         low, high = (bound / self.unit_of for bound in self.rod.bounds)
-        _, rows, columns, _ = self.slopes
-        _, above, beside, _ = self.bends
-        model = unopy.Model(unopy.PROBLEM_NONLINEAR, self.free.size, unopy.ZERO_BASED_INDEXING)
+        (rows, columns, _), (above, beside, _) = self.slopes, self.bends
+        model = unopy.Model(unopy.PROBLEM_NONLINEAR, self.rod.size, unopy.ZERO_BASED_INDEXING)
         model.set_objective(unopy.MINIMIZE, self.energy, into(self.gradient))
         model.set_constraints(low.size, into(self.conditions), low, high, rows.size, rows, columns, into(self.jacobian))
         model.set_lagrangian_hessian(above.size, unopy.LOWER_TRIANGLE, above, beside, into(self.hessian))
-        model.set_initial_primal_iterate(np.zeros(self.free.size))
+        model.set_initial_primal_iterate(np.zeros(self.rod.size))
         # to accept steps; where the first strategy jams, the other often does not
         for strategy in ("waechter_filter_method", "funnel_method"):
             cost = self.rod.edges + EACH_STEP
@@ -184,7 +154,7 @@ class Program:
                 effort.why = effort.why or CUT
                 return None
             solver = unopy.UnoSolver()
-            solver.set_termination_callback(lambda z, *_: bool(self.endless_turn(z[: self.free.size])))
+            solver.set_termination_callback(lambda z, *_: bool(self.endless_turn(z[: self.rod.size])))
             solver.set_preset("ipopt")
             begins = {"barrier_initial_parameter": search.barrier, "max_iterations": most}
             for name, value in {**OPTIONS, **begins, "globalization_strategy": strategy}.items():
