@@ -248,12 +248,6 @@ class DiscreteRod:
         ones = np.ones(3 * self.edges)
         return np.concatenate([by_q.ravel(), ones, -ones[3:], 2 * x[:-1, :2].ravel(), far])
 
-    def finer_multipliers(self, multipliers: Array) -> Array:
-        """Multipliers of the conditions of this rod as a guess of those of the rod on twice as many edges."""
-        of_edges, wall, far = np.split(multipliers, [CONDITIONS * self.edges, -2])
-        nodes = np.interp(np.arange(1, 2 * self.edges) / 2, np.arange(self.edges + 1), np.pad(wall, 1)) / 2
-        return np.concatenate([np.repeat(of_edges.reshape(-1, CONDITIONS), 2, axis=0).ravel(), nodes, far])
-
     # the second derivatives of the Lagrangian  size E - multipliers . conditions
 
     @cached_property

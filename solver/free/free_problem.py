@@ -10,10 +10,10 @@ from ..numerics.arrays import Array
 from ..problem.case import Case
 from ..problem.declared_fields import TILTS
 from ..problem.reduced import flat
-from .discrete_rod import INSIDE, OUTSIDE, DiscreteRod
+from .discrete_rod import CONDITIONS, INSIDE, OUTSIDE, DiscreteRod
 from .free_shape import FreeShape, between
 from .minimum import minimise
-from .program import Effort, Sizes
+from .program import FAR, Effort, Search, Sizes
 from .quaternions import directors, end_frame
 
 # a step of the ends: rad, of the length. x10: ends go the whole way at once, to minima farther off
@@ -26,7 +26,8 @@ class BeginningCurve:
 
     name: what it is, in words. x: (n, 3). q: frames without the uniform twist, at shares u_q. twist: that twist.
     angles: azimuth, beta, tilt and rotation of both ends, (8,), that of the far end without the twist. grows: whether
-    it has no loads yet. lead: of the frames of both ends, over h^2, (2, 3), where it is known.
+    it has no loads yet. lead: of the frames of both ends, over h^2, (2, 3), where it is known. forces: the multipliers
+    of the conditions of a rod whose nodes are at u, (M,), where they are known.
     """
 
     name: str
@@ -39,6 +40,17 @@ class BeginningCurve:
     angles: Array
     grows: bool = False
     lead: Array | float = 0.0
+    forces: Array | None = None
+
+    def multipliers(self, edges: int) -> Array | None:
+        """The multipliers of the conditions of a rod on so many edges, (M,), as a guess; None where none is known."""
+        if self.forces is None:
+            return None
+        known, new = ((np.arange(n) + 0.5) / n for n in (self.u.size - 1, edges))
+        of_edges, wall, far = np.split(self.forces, [CONDITIONS * known.size, -2])
+        of_edges = between(new, known, of_edges.reshape(-1, CONDITIONS)) * [1, 1, 1, known.size / edges]
+        pushed = np.interp(new, known, np.append(0.0, np.cumsum(wall)))  # up to the middle of each edge
+        return np.concatenate([of_edges.ravel(), np.diff(pushed), far])
 
     def chords(self, edges: int) -> Array:
         """The chords of so many equal parts of this curve, over the lengths of these, (N,)."""
@@ -118,14 +130,12 @@ class Beside(NamedTuple):
         )
 
     def minimum(
-        self, curve: BeginningCurve, share: float, edges: int, guess: Array | None = None, known: Array | None = None
+        self, curve: BeginningCurve, share: float, edges: int, near: FreeShape | None = None, search: Search = FAR
     ) -> FreeShape | None:
-        """The minimum near a guess (size,), or near a curve, of the rod whose ends are this share of the way from it.
-
-        known: the multipliers of a minimum on a coarser mesh, (M,).
-        """
+        """The minimum near a shape, or near a curve, of the rod whose ends are this share of the way from the curve."""
         rod = self.rod_on(curve, share, edges)
-        return minimise(rod, curve.on(rod) if guess is None else guess, self.sizes(curve), known, self.effort)
+        begin = (curve.on(rod), curve.multipliers(edges)) if near is None else (near.y, near.multipliers)
+        return minimise(rod, begin[0], self.sizes(curve), begin[1], self.effort, search)
 
     def way(self, curve: BeginningCurve) -> float:
         """How far the ends of a curve are from where those of the rod are held: 1 is a step of moderate size."""

@@ -11,7 +11,7 @@ from ..numerics.arrays import Array, Integers
 from ..numerics.roots import ROUNDS
 from .discrete_rod import CONDITIONS, EDGE, HELD_ON, DiscreteRod
 from .free_shape import FreeShape
-from .program import FAR, NEAR, Effort, Program, Sizes
+from .program import FAR, Effort, Program, Search, Sizes
 
 SHARP = 1e-10  # of the last change of the unknowns: as far as rounding of long meshes allows. x10: a digit less
 # steps of Newton's method from another shape before Uno takes over: usual are 3 to 16, and beyond that contacts mostly
@@ -30,14 +30,19 @@ STIFF, TINY = 1e-4, 1e-14
 
 
 def minimise(
-    rod: DiscreteRod, guess: Array, sizes: Sizes, multipliers: Array | None = None, effort: Effort | None = None
+    rod: DiscreteRod,
+    guess: Array,
+    sizes: Sizes,
+    multipliers: Array | None = None,
+    effort: Effort | None = None,
+    search: Search = FAR,
 ) -> FreeShape | None:
     """The minimum near a guess (size,), or beside an equilibrium near it that is no minimum; None where none is found.
 
     multipliers: those of a minimum on a coarser mesh, (M,), with which Newton's method alone is tried first; Uno then
     searches near the guess. effort: of Uno; any if None. Raises `InputError` where Uno is not installed.
     """
-    search, effort = FAR if multipliers is None else NEAR, effort or Effort()
+    effort = effort or Effort()
     for seed in range(NUDGES + 1):
         newton, minimum = Newton(rod, sizes, rod.with_known(guess)), None
         if multipliers is not None:

@@ -28,16 +28,16 @@ CUT = " in as many steps as a search may take"
 ANGLES = "alpha", "beta0", "tilt0", "gamma", "azimuth", "betaL", "tiltL", "azimuth"  # which the rotation follows
 
 
-class _Search(NamedTuple):
+class Search(NamedTuple):
     """How Uno begins, by the parameter of its first barrier, and when it gives up, in steps of each strategy."""
 
     barrier: float
     most: int
 
 
-FAR = _Search(1e-2, 300)  # from a shape of another problem: usual are 10 to 200 steps. x10: only failures take longer
+FAR = Search(1e-2, 300)  # from a shape of another problem: usual are 10 to 200 steps. x10: only failures take longer
 # from a minimum on a coarser mesh, which a wider barrier would lose: usual are 10 to 40. x10: it is lost more often
-NEAR = _Search(1e-4, 100)
+NEAR = Search(1e-4, 100)
 
 
 @dataclass
@@ -123,7 +123,7 @@ class Program:
         turned = np.abs(self.rod.parts(self.unit * z)[2])
         return ANGLES[turned.argmax()] if turned.max() > self.rod.span + 2 * np.pi else ""
 
-    def minimise(self, search: _Search, effort: Effort) -> tuple[Array, Array, int] | None:
+    def minimise(self, search: Search, effort: Effort) -> tuple[Array, Array, int] | None:
         """The minimum near the guess, its multipliers, and the steps; None where Uno finds none with this effort.
 
         Raises `InputError` where Uno is not installed.
