@@ -13,7 +13,7 @@ from ..problem.reduced import flat
 from .discrete_rod import CONDITIONS, INSIDE, OUTSIDE, DiscreteRod
 from .free_shape import FreeShape, between
 from .minimum import minimise
-from .program import FAR, Effort, Search, Sizes
+from .program import Effort, Sizes
 from .quaternions import directors, end_frame
 
 # a step of the ends: rad, of the length. x10: ends go the whole way at once, to minima farther off
@@ -130,12 +130,12 @@ class Beside(NamedTuple):
         )
 
     def minimum(
-        self, curve: BeginningCurve, share: float, edges: int, near: FreeShape | None = None, search: Search = FAR
+        self, curve: BeginningCurve, share: float, edges: int, near: FreeShape | None = None
     ) -> FreeShape | None:
         """The minimum near a shape, or near a curve, of the rod whose ends are this share of the way from the curve."""
         rod = self.rod_on(curve, share, edges)
         begin = (curve.on(rod), curve.multipliers(edges)) if near is None else (near.y, near.multipliers)
-        return minimise(rod, begin[0], self.sizes(curve), begin[1], self.effort, search)
+        return minimise(rod, begin[0], self.sizes(curve), begin[1], self.effort)
 
     def way(self, curve: BeginningCurve) -> float:
         """How far the ends of a curve are from where those of the rod are held: 1 is a step of moderate size."""

@@ -17,7 +17,7 @@ from .beginnings import curve_of, curve_of_string, is_taut
 from .free_problem import BeginningCurve, Beside, problems_of
 from .free_shape import Along, FreeShape
 from .minimum import free_motion, minimise
-from .program import NEAR, Effort
+from .program import Effort
 
 # of the place of a rod, over its length: finer than a drawing shows. x10: places off by a thousandth of the length
 FREE_TOLERANCE = 1e-4
@@ -203,13 +203,13 @@ def refine(beside: Beside, shape: FreeShape, tol: float) -> FreeAnswer:
     others remain.
     """
     # on the coarsest mesh the lead of the ends is not known before
-    shape = beside.minimum(curve_of(shape), 1.0, shape.rod.edges, search=NEAR) or shape
+    shape = beside.minimum(curve_of(shape), 1.0, shape.rod.edges) or shape
     shapes: tuple[FreeShape, ...] = (shape,)
     error, steps, line, why = np.inf, 0, "", f"the tolerance needs a mesh of more than {FINEST} edges"
     aims = np.array([tol, max(tol, FREE_TOLERANCE)])
     while len(shapes) < MESHES or ((aims < error) & (error <= aims * (FINEST // shapes[-1].rod.edges) ** 2)).any():
         curve, edges = curve_of(shapes[-1]), 2 * shapes[-1].rod.edges
-        finer = beside.minimum(curve, 1.0, edges, search=NEAR)
+        finer = beside.minimum(curve, 1.0, edges)
         anew = edges <= FINEST >> MESHES  # so that finer meshes can tell the error of another minimum
         if finer is None:
             why = f"no minimum of the energy was found on {edges} edges{beside.effort.why}"

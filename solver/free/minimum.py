@@ -11,7 +11,7 @@ from ..numerics.arrays import Array, Integers
 from ..numerics.roots import ROUNDS
 from .discrete_rod import CONDITIONS, EDGE, HELD_ON, DiscreteRod
 from .free_shape import FreeShape
-from .program import FAR, Effort, Program, Search, Sizes
+from .program import Effort, Program, Sizes
 
 SHARP = 1e-10  # of the last change of the unknowns: as far as rounding of long meshes allows. x10: a digit less
 # steps of Newton's method from another shape before Uno takes over: usual are 3 to 16, and beyond that contacts mostly
@@ -30,12 +30,7 @@ STIFF, TINY = 1e-4, 1e-14
 
 
 def minimise(
-    rod: DiscreteRod,
-    guess: Array,
-    sizes: Sizes,
-    multipliers: Array | None = None,
-    effort: Effort | None = None,
-    search: Search = FAR,
+    rod: DiscreteRod, guess: Array, sizes: Sizes, multipliers: Array | None = None, effort: Effort | None = None
 ) -> FreeShape | None:
     """The minimum near a guess (size,), or beside an equilibrium near it that is no minimum; None where none is found.
 
@@ -48,7 +43,7 @@ def minimise(
         if multipliers is not None:
             minimum, multipliers = newton.equilibrium(multipliers * newton.scale), None
         if minimum is None or minimum.unstable != 0:
-            rough = newton.minimise(search, effort)
+            rough = newton.minimise(effort)
             minimum = None if rough is None else newton.equilibrium(rough[1], rough[0], rough[2])
         if minimum is None or not minimum.unstable:
             return minimum

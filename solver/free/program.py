@@ -19,25 +19,16 @@ OPTIONS = {
     "use_function_scaling": False,  # the sizes do that
     "primal_tolerance": 1e-8,
     "dual_tolerance": 1e-8,
+    # of the first barrier problem. x10: minima on coarser meshes are lost
+    "barrier_initial_parameter": 1e-2,
     "barrier_k_epsilon": 100.0,  # how closely each barrier problem is solved: with 10, the default, some steps more
 }
+MOST = 300  # steps of a search: usual are 10 to 200. x10: only failures take longer
 ENOUGH = 1e-6  # of what Uno may leave of the equations: Newton's method ends them. x10: from there it may fail
 # edges whose equations take as long as what a step of Uno takes besides. x10: fewer steps on coarse meshes
 EACH_STEP = 50
 CUT = " in as many steps as a search may take"
 ANGLES = "alpha", "beta0", "tilt0", "gamma", "azimuth", "betaL", "tiltL", "azimuth"  # which the rotation follows
-
-
-class Search(NamedTuple):
-    """How Uno begins, by the parameter of its first barrier, and when it gives up, in steps of each strategy."""
-
-    barrier: float
-    most: int
-
-
-FAR = Search(1e-2, 300)  # from a shape of another problem: usual are 10 to 200 steps. x10: only failures take longer
-# from a minimum on a coarser mesh, which a wider barrier would lose: usual are 10 to 40. x10: it is lost more often
-NEAR = Search(1e-4, 100)
 
 
 @dataclass
@@ -123,7 +114,7 @@ class Program:
         turned = np.abs(self.rod.parts(self.unit * z)[2])
         return ANGLES[turned.argmax()] if turned.max() > self.rod.span + 2 * np.pi else ""
 
-    def minimise(self, search: Search, effort: Effort) -> tuple[Array, Array, int] | None:
+    def minimise(self, effort: Effort) -> tuple[Array, Array, int] | None:
         """The minimum near the guess, its multipliers, and the steps; None where Uno finds none with this effort.
 
         Raises `InputError` where Uno is not installed.
@@ -149,22 +140,21 @@ class Program:
         # to accept steps; where the first strategy jams, the other often does not
         for strategy in ("waechter_filter_method", "funnel_method"):
             cost = self.rod.edges + EACH_STEP
-            most = int(min(search.most, effort.left // cost))
+            most = int(min(MOST, effort.left // cost))
             if most < 1:
                 effort.why = effort.why or CUT
                 return None
             solver = unopy.UnoSolver()
             solver.set_termination_callback(lambda z, *_: bool(self.endless_turn(z[: self.rod.size])))
             solver.set_preset("ipopt")
-            begins = {"barrier_initial_parameter": search.barrier, "max_iterations": most}
-            for name, value in {**OPTIONS, **begins, "globalization_strategy": strategy}.items():
+            for name, value in {**OPTIONS, "max_iterations": most, "globalization_strategy": strategy}.items():
                 solver.set_option(name, value)
             result = solver.optimize(model)
             effort.left -= cost * result.number_iterations
             if angle := self.endless_turn(np.array(result.primal_solution)):
                 effort.why = f", as {angle} turns without end: hold it, or lower the load that turns it"
                 return None
-            if search.most > most <= result.number_iterations:
+            if MOST > most <= result.number_iterations:
                 effort.why = effort.why or CUT
             left = result.solution_primal_feasibility, result.solution_stationarity, result.solution_complementarity
             if max(left) < ENOUGH:

@@ -18,7 +18,7 @@ from solver.free.discrete_rod import HELD_ON, INSIDE, OUTSIDE, DiscreteRod
 from solver.free.free_problem import problems_of
 from solver.free.free_rods import FREE_TOLERANCE, LEAST, SHAKES, distance, estimate, limit, refine
 from solver.free.minimum import minimise
-from solver.free.program import EACH_STEP, FAR, Effort, Program
+from solver.free.program import EACH_STEP, Effort, Program
 from solver.free.quaternions import product
 from solver.free.sinking import Sinking
 from solver.observe.free_numbers import _limit
@@ -344,7 +344,7 @@ def test_a_search_is_cut_only_where_it_took_all_the_steps_that_were_left() -> No
     program = Program(rod, beside.sizes(curve_of(shape)), moved)
     for steps, cut in ((0.5, True), (2.5, True), (60.5, False)):  # it takes six
         effort = Effort(steps * step)
-        assert (program.minimise(FAR, effort) is None) == bool(effort.why) == cut
+        assert (program.minimise(effort) is None) == bool(effort.why) == cut
         assert effort.left >= 0
 
 
