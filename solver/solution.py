@@ -223,10 +223,10 @@ class Solution(ShapeArrays):
         (curve,) = curves_of(self, "the shape that was let go")
         answer = free.trajectory.free.answers[0]
         assert curve is not None
-        way = descent_of(free.case, curve, answer, count)
+        answers, energy = descent_of(free.case, curve, answer, count)
         case = with_field(free.case, "R", np.full(count, self.case.cylinder.R))
-        problem, known = trajectory_of(case, way.answers, np.repeat(self.t, count, axis=0), free.tol)
-        energy = (way.energies - way.energies[-1]) * (self.case.rod.bending_stiffness / self.case.rho)
+        problem, known = trajectory_of(case, answers, np.repeat(self.t, count, axis=0), free.tol)
+        energy = (energy - energy[-1]) * (self.case.rod.bending_stiffness / self.case.rho)
         return FreeSolution(case, problem, known, np.repeat(self.t, count, axis=0), free.method, free.tol), energy
 
     def sensitivity(self, fields: Iterable[str], observables: Iterable[str] = ()) -> Sensitivity:

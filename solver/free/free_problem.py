@@ -54,16 +54,14 @@ class BeginningCurve:
 
     def chords(self, edges: int) -> Array:
         """The chords of so many equal parts of this curve, over the lengths of these, (N,)."""
-        D3 = directors(self.q / np.linalg.norm(self.q, axis=1, keepdims=True))[:, 2]
-        turned = np.linalg.norm(np.diff(D3, axis=0), axis=1) / (edges * np.diff(self.u_q))
+        turned = np.linalg.norm(np.diff(directors(self.q)[:, 2], axis=0), axis=1) / (edges * np.diff(self.u_q))
         places = (self.u_q[1:] + self.u_q[:-1]) / 2
         return np.sinc(np.interp((np.arange(edges) + 0.5) / edges, places, turned) / (2 * np.pi))
 
     @property
     def total_turn(self) -> float:
         """By how much the frames turn along the rod, in all [rad]."""
-        q = self.q / np.linalg.norm(self.q, axis=1, keepdims=True)
-        return float(2 * np.arccos(np.clip(np.abs((q[1:] * q[:-1]).sum(axis=1)), 0, 1)).sum())
+        return float(2 * np.arccos(np.clip(np.abs((self.q[1:] * self.q[:-1]).sum(axis=1)), 0, 1)).sum())
 
     def on(self, rod: DiscreteRod) -> Array:
         """The unknowns of a rod with this shape."""
@@ -150,39 +148,37 @@ class Beside(NamedTuple):
 
 def problems_of(case: Case) -> list[Beside]:
     """The rods of a case, one by one."""
-    A, rho = case.rod.bending_stiffness, case.rho
-    given = {name: getattr(case.given, name) for name in (*TILTS[0], *TILTS[1])}
+    given = case.given
 
-    def column(value: Any, missing: float) -> Array:
-        return flat(missing if value is None else value, case.shape)
+    def column(value: Any) -> Array:
+        return flat(0.0 if value is None else value, case.shape)
 
-    moments = [column(None if (m := given[name]) is None else m / A * rho, 0.0) for _, name in TILTS]
-    tilts, tilting = [column(given[name], 0.0) for name, _ in TILTS], [given[name] is not None for _, name in TILTS]
-    radii = [column(radius / rho, 1.0) for radius in case.end_radii]
-    gamma0, ratio = column(case.given.gamma, 0.0), column(1 / case.rod.stiffness_ratio, 1.0)
+    tilts = [(getattr(given, M2) is None, column(getattr(given, tilt)), column(getattr(given, M2))) for tilt, M2 in TILTS]
+    radii = np.stack([column(radius / case.rho) for radius in case.end_radii], axis=1)
+    gamma0, ratio, unit = map(column, (given.gamma, 1 / case.rod.stiffness_ratio, case.rod.bending_stiffness / case.rho))
     problems = []
     for i, loaded in enumerate(rods_of(case)):
-        held, (near, alpha0), far = loaded.held, loaded.near, loaded.far
-        angles, loads, free = np.zeros(8), np.zeros(8), np.zeros(8, dtype=bool)
-        angles[[0, 3]] = alpha0, gamma0[i]
-        for place, name, value, sign in ((1, "beta0", near, -1.0), (5, "betaL", far[0], 1.0)):
-            free[place] = name not in held
-            (loads if free[place] else angles)[place] = value * (sign if free[place] else 1.0)
-        for place, k, sign in ((2, 0, 1.0), (6, 1, -1.0)):
-            free[place] = tilting[k]
-            angles[place], loads[place] = tilts[k][i], sign * moments[k][i]
-        free[4] = "azimuth" not in held and radii[1][i] > 0
-        angles[4] = alpha0 + (far[1] if "azimuth" in held else 0.0)
-        loads[4] = 0.0 if "azimuth" in held else far[1]
-        free[7] = "rotation" not in held
-        loads[7] = far[3] if free[7] else 0.0
+        held, (near, alpha0), (far, turned, axial, twisted) = loaded.held, loaded.near, loaded.far
+        around, rotated, upright = (name in held for name in ("azimuth", "rotation", "height"))
+        ends = [  # whether it is held, its value then, and the load that does work with it otherwise
+            (True, alpha0, 0.0),
+            ("beta0" in held, near, -near),
+            (tilts[0][0], tilts[0][1][i], tilts[0][2][i] / unit[i]),
+            (True, gamma0[i], 0.0),
+            (around or radii[i, 1] == 0, alpha0 + around * turned, turned),
+            ("betaL" in held, far, far),
+            (tilts[1][0], tilts[1][1][i], -tilts[1][2][i] / unit[i]),
+            (rotated, 0.0, twisted),
+        ]
+        known, angles, loads = np.array(ends).T
+        free = known == 0
         rod = DiscreteRod(
-            1, loaded.span, float(ratio[i]), float(far[3] / ratio[i]) if free[7] else 0.0,
-            OUTSIDE if case.outward > 0 else INSIDE, np.array([loaded.across, 0.0, -loaded.along]), angles, free, 1.0,
-            np.array([radii[0][i], radii[1][i]]), float(far[2]) if "height" in held else None, loads,
-            0.0 if "height" in held else float(far[2]), np.zeros((2, 3)),
+            1, loaded.span, float(ratio[i]), 0.0 if rotated else float(twisted / ratio[i]),
+            OUTSIDE if case.outward > 0 else INSIDE, np.array([loaded.across, 0.0, -loaded.along]),
+            np.where(free, 0.0, angles), free, 1.0, radii[i], float(axial) if upright else None,
+            np.where(free, loads, 0.0), 0.0 if upright else float(axial), np.zeros((2, 3)),
         )  # fmt: skip
         changes = float(loaded.changes()[1][-1])
-        turns = "azimuth" not in held and not free[4]
-        problems.append(Beside(rod, None if free[7] else float(far[3]), turns, loaded.time, changes, Effort()))
+        turns = not around and not free[4]
+        problems.append(Beside(rod, float(twisted) if rotated else None, turns, loaded.time, changes, Effort()))
     return problems

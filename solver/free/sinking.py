@@ -5,11 +5,9 @@ does not resist the rotation of the sections about the rod.
 """
 
 from dataclasses import replace
-from typing import NamedTuple
-
 import numpy as np
 
-from ..numerics.arrays import ALIKE, NEGLIGIBLE, Array
+from ..numerics.arrays import ALIKE, Array
 from ..problem.case import Case
 from ..problem.errors import InputError
 from .discrete_rod import DiscreteRod
@@ -31,17 +29,6 @@ FIRST = 1e-6  # the time of the first step that is tried. x10: as good, but for 
 # of a step: a rod that moves less rests; places that are so near are the same. x10: it rests before it does
 AT_REST, THERE = 0.02, 0.5
 ELSEWHERE = "the motion of a rod that is let go, which ends elsewhere than let_go"
-
-
-class _Descent(NamedTuple):
-    """The way down of a rod.
-
-    answers: its shapes one after another, the last at rest. energies: of these in units of A and rho, and before them
-    that of the beginning, on one mesh.
-    """
-
-    answers: list[FreeAnswer]
-    energies: Array
 
 
 class Sinking:
@@ -81,28 +68,19 @@ class Sinking:
         while True:
             ahead = self.step(shape, time)
             gone = np.inf if ahead is None else far(shape, ahead)
-            if ahead is None or gone > PACE * aim:
-                time *= max(SLOWER, 0.8 * aim / gone)
-                continue
-            times.append(times[-1] + time)
-            ways.append(ways[-1] + gone)
-            shape = ahead
-            rest = goal if gone > AT_REST * aim else self.step(shape, np.inf)
-            if rest is not None and far(shape, rest) < THERE * aim:
-                rest = goal if far(rest, goal) < THERE * aim else rest
-                return np.array(times), np.append(ways, ways[-1] + far(shape, rest)), rest
-            time *= min(FASTER, aim / max(gone, aim / FASTER))
+            if ahead is not None and gone < PACE * aim:
+                times.append(times[-1] + time)
+                ways.append(ways[-1] + gone)
+                shape = ahead
+                rest = goal if gone > AT_REST * aim else self.step(shape, np.inf)
+                if rest is not None and far(shape, rest) < THERE * aim:
+                    rest = goal if far(rest, goal) < THERE * aim else rest
+                    return np.array(times), np.append(ways, ways[-1] + far(shape, rest)), rest
+            time *= np.clip(aim / max(gone, aim / FASTER), SLOWER, FASTER)
 
     def after(self, shape: FreeShape, time: float) -> FreeShape:
-        """The shape after a time, in one step, or in more where that finds none."""
-        left, step = time, time
-        while left > NEGLIGIBLE * time:
-            ahead = self.step(shape, min(step, left))
-            if ahead is None:
-                step /= 2
-                continue
-            shape, left = ahead, left - min(step, left)
-        return shape
+        """The shape after a time, in one step, or in two halves where that finds none."""
+        return self.step(shape, time) or self.after(self.after(shape, time / 2), time / 2)
 
 
 def far(shape: FreeShape, other: FreeShape) -> float:
@@ -110,8 +88,9 @@ def far(shape: FreeShape, other: FreeShape) -> float:
     return float(np.linalg.norm(shape.x - other.x, axis=1).max())
 
 
-def descent_of(case: Case, curve: BeginningCurve, answer: FreeAnswer, count: int) -> _Descent:
-    """So many shapes of the rod of one case that sinks from a curve, each about as far from the one before.
+def descent_of(case: Case, curve: BeginningCurve, answer: FreeAnswer, count: int) -> tuple[list[FreeAnswer], Array]:
+    """So many shapes of the rod of one case that sinks from a curve, each about as far from the one before, the last at
+    rest; and their energies in units of A and rho, before them that of the beginning, on one mesh.
 
     Raises `InputError` where it does not move, or not come to rest.
     """
@@ -127,4 +106,4 @@ def descent_of(case: Case, curve: BeginningCurve, answer: FreeAnswer, count: int
         shapes.append(sinking.after(shapes[-1], float(time)))
     answers = [FreeAnswer((shape,), np.nan, begun="the motion of a rod that is let go") for shape in shapes[1:]]
     answers.append(answer if rest is goal else FreeAnswer((rest,), np.nan, begun=ELSEWHERE))
-    return _Descent(answers, np.array([shape.rod.energy(shape.y) for shape in [*shapes, rest]]))
+    return answers, np.array([shape.rod.energy(shape.y) for shape in [*shapes, rest]])
