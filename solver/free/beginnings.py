@@ -1,6 +1,6 @@
 """Where shapes beside a wall that only pushes are continued from: known rods, or a straight one."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import fields, replace
 from functools import partial
 from typing import Any, NamedTuple
@@ -170,35 +170,25 @@ def curves_of(sol: ShapeArrays, name: str) -> list[BeginningCurve | None]:
     if sol.trajectory.free is not None:
         answers = zip(sol.trajectory.free.answers, solved, strict=True)
         return [curve_of(answer.shapes[-1], name) if known else None for answer, known in answers]
-    twist = flat(sol.loads[2] / sol.case.rod.torsional_stiffness * sol.case.rho, sol.case.shape)
-    alpha0, gamma0 = (flat(value, sol.case.shape) for value in (sol.case.given.alpha, sol.case.given.gamma))
-    curves: list[BeginningCurve | None] = []
-    for i, (known, (beta, alpha, z, swirl, u)) in enumerate(zip(solved, _along(sol), strict=True)):
-        turned = np.stack([alpha0[i] + alpha, beta, np.zeros(u.size), gamma0[i] - swirl])
-        x = np.column_stack([np.cos(turned[0]), np.sin(turned[0]), z])
-        angles = turned[:, [0, -1]].T.ravel()
-        curves.append(BeginningCurve(name, u, x, u, end_frame(turned)[0], float(twist[i]), angles) if known else None)
-    return curves
-
-
-def _along(sol: ShapeArrays) -> Iterable[tuple[Array, ...]]:
-    """beta, alpha and z/rho from the start, the swirl, and s/L, along each rod of a solution on the wall.
-
-    At stations that are dense enough for its loads, where the shape is known there; else at those of the solution.
-    """
-    trajectory, problem, numbers = sol.trajectory, sol.problem, numbers_of(sol.case)
-    if trajectory.orbit is None and trajectory.shapes is None:
-        read = trajectory.beta, trajectory.alpha, trajectory.z, trajectory.swirl()
-        return zip(*read, sol.t / problem.span[:, None], strict=True)
+    problem, trajectory, shape = sol.problem, sol.trajectory, sol.case.shape
+    twist = flat(sol.loads[2] / sol.case.rod.torsional_stiffness * sol.case.rho, shape)
+    alpha0, gamma0 = (flat(value, shape) for value in (sol.case.given.alpha, sol.case.given.gamma))
     with np.errstate(all="ignore"):
-        phi = np.abs(problem.phi) + np.abs(numbers[:, 1]) * problem.span
-        rate = rate_of_change(phi, numbers[:, 1], numbers[:, 2], problem.mu, problem.lam - problem.mu, problem.span)
-        changes = np.nanmax(np.where(trajectory.solved, rate * problem.span, 0.0))
-    u = np.linspace(0, 1, int(np.clip(EACH * changes, FEWEST, MOST)))
-    t = problem.span[:, None] * u
-    if trajectory.orbit is None:
-        read = trajectory.shapes.read(t, flat(sol.case.given.alpha, sol.case.shape))
+        numbers, span = numbers_of(sol.case).T, problem.span
+        phi, lam = np.abs(problem.phi) + np.abs(numbers[1]) * span, problem.lam - problem.mu
+        changes = np.where(solved, rate_of_change(phi, *numbers[1:3], problem.mu, lam, span) * span, 0.0)
+    t = span[:, None] * np.linspace(0, 1, int(np.clip(EACH * np.nanmax(changes), FEWEST, MOST)))
+    if trajectory.orbit is not None:
+        (beta, _, alpha, z), swirl = trajectory.orbit.at(t), trajectory.orbit.swirl(t)
+    elif trajectory.shapes is not None:
+        read = trajectory.shapes.read(t, alpha0)
         beta, alpha, z, swirl = read["beta"], read["alpha"], read["z"], read["swirl"]()
     else:
-        (beta, _, alpha, z), swirl = trajectory.orbit.at(t), trajectory.orbit.swirl(t)
-    return zip(beta, alpha, z, swirl, [u] * t.shape[0], strict=True)
+        t, beta, alpha, z, swirl = sol.t, trajectory.beta, trajectory.alpha, trajectory.z, trajectory.swirl()
+    curves: list[BeginningCurve | None] = [None] * len(solved)
+    for i in np.flatnonzero(solved):
+        turned = np.stack([alpha0[i] + alpha[i], beta[i], 0 * beta[i], gamma0[i] - swirl[i]])
+        x, u = np.column_stack([np.cos(turned[0]), np.sin(turned[0]), z[i]]), t[i] / span[i]
+        angles = turned[:, [0, -1]].T.ravel()
+        curves[i] = BeginningCurve(name, u, x, u, end_frame(turned)[0], float(twist[i]), angles)
+    return curves

@@ -34,20 +34,19 @@ def minimise(
 ) -> FreeShape | None:
     """The minimum near a guess (size,), or beside an equilibrium near it that is no minimum; None where none is found.
 
-    multipliers: those of a minimum on a coarser mesh, (M,), with which Newton's method alone is tried first; Uno then
-    searches near the guess. effort: of Uno; any if None. Raises `InputError` where Uno is not installed.
+    multipliers: of a shape near by, (M,), with which Newton's method alone is tried first. effort: of Uno; any if None.
+    Raises `InputError` where Uno is not installed.
     """
     effort = effort or Effort()
     for seed in range(NUDGES + 1):
-        newton, minimum = Newton(rod, sizes, rod.with_known(guess)), None
-        if multipliers is not None:
-            minimum, multipliers = newton.equilibrium(multipliers * newton.scale), None
+        newton = Newton(rod, sizes, rod.with_known(guess))
+        minimum = None if multipliers is None else newton.equilibrium(multipliers * newton.scale)
         if minimum is None or minimum.unstable != 0:
             rough = newton.minimise(effort)
-            minimum = None if rough is None else newton.equilibrium(rough[1], rough[0], rough[2])
+            minimum = None if rough is None else newton.equilibrium(*rough)
         if minimum is None or not minimum.unstable:
             return minimum
-        guess = minimum.y.copy()
+        guess, multipliers = minimum.y.copy(), None
         rod.parts(guess)[0][:] += NUDGE * sizes.turned * np.random.default_rng(seed).normal(size=(rod.edges, 4))
     return None
 

@@ -115,7 +115,7 @@ class Program:
         return ANGLES[turned.argmax()] if turned.max() > self.rod.span + 2 * np.pi else ""
 
     def minimise(self, effort: Effort) -> tuple[Array, Array, int] | None:
-        """The minimum near the guess, its multipliers, and the steps; None where Uno finds none with this effort.
+        """The multipliers of the minimum near the guess, the minimum, and the steps; None where Uno finds none with this effort.
 
         Raises `InputError` where Uno is not installed.
         """
@@ -137,27 +137,24 @@ class Program:
         model.set_constraints(low.size, into(self.conditions), low, high, rows.size, rows, columns, into(self.jacobian))
         model.set_lagrangian_hessian(above.size, unopy.LOWER_TRIANGLE, above, beside, into(self.hessian))
         model.set_initial_primal_iterate(np.zeros(self.rod.size))
-        # to accept steps; where the first strategy jams, the other often does not
-        for strategy in ("waechter_filter_method", "funnel_method"):
-            cost = self.rod.edges + EACH_STEP
-            most = int(min(MOST, effort.left // cost))
-            if most < 1:
-                effort.why = effort.why or CUT
-                return None
-            solver = unopy.UnoSolver()
-            solver.set_termination_callback(lambda z, *_: bool(self.endless_turn(z[: self.rod.size])))
-            solver.set_preset("ipopt")
-            for name, value in {**OPTIONS, "max_iterations": most, "globalization_strategy": strategy}.items():
-                solver.set_option(name, value)
-            result = solver.optimize(model)
-            effort.left -= cost * result.number_iterations
-            if angle := self.endless_turn(np.array(result.primal_solution)):
-                effort.why = f", as {angle} turns without end: hold it, or lower the load that turns it"
-                return None
-            if MOST > most <= result.number_iterations:
-                effort.why = effort.why or CUT
-            left = result.solution_primal_feasibility, result.solution_stationarity, result.solution_complementarity
-            if max(left) < ENOUGH:
-                z, multipliers = np.array(result.primal_solution), np.array(result.constraint_dual_solution)
-                return z, multipliers, int(result.number_iterations)
+        cost = self.rod.edges + EACH_STEP
+        most = int(min(MOST, effort.left // cost))
+        if most < 1:
+            effort.why = effort.why or CUT
+            return None
+        solver = unopy.UnoSolver()
+        solver.set_termination_callback(lambda z, *_: bool(self.endless_turn(z[: self.rod.size])))
+        solver.set_preset("ipopt")
+        for name, value in {**OPTIONS, "max_iterations": most}.items():
+            solver.set_option(name, value)
+        result = solver.optimize(model)
+        effort.left -= cost * result.number_iterations
+        z = np.array(result.primal_solution)
+        left = result.solution_primal_feasibility, result.solution_stationarity, result.solution_complementarity
+        if angle := self.endless_turn(z):
+            effort.why = f", as {angle} turns without end: hold it, or lower the load that turns it"
+        elif max(left) < ENOUGH:
+            return np.array(result.constraint_dual_solution), z, int(result.number_iterations)
+        elif MOST > most <= result.number_iterations:
+            effort.why = effort.why or CUT
         return None
