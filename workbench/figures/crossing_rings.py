@@ -11,7 +11,7 @@ from .colours import CROSSED
 from .halo import Halo
 
 RING, EDGED = 1.2, 1.9  # points, the line of a ring, without and with its pale edges
-CROWDED = 1.35  # between the middles of two rings, in the size of one
+CROWDED = 1.15  # between the middles of two rings, in the size of one
 RADII, IN_RODS = (0.03, 0.065), 0.75  # inches of a ring on a rod in space at least and at most; else radii of its rod
 
 

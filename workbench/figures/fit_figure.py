@@ -29,7 +29,7 @@ MEASURED: dict[str, Any] = {
     "markeredgecolor": colours.INK,
     "markeredgewidth": 0.9,
     "linestyle": "none",
-    "zorder": 5,
+    "zorder": 6,  # upon rings
     "label": "measured points",
 }
 MARKS = ("o", "s", "^", "D", "v", "P")
@@ -48,8 +48,7 @@ def figure(stored: StoredStudy, sheet: Sheet = SCREEN) -> Figure:
 
 
 def curve(stored: StoredStudy, room: tuple[float, float], letters: float) -> unrolled.UnrolledPanel:
-    """The fitted unrolled view with the measured points, which lines join to their places on the rod, and rings where it
-    passes through itself."""
+    """The fitted unrolled view with the measured points, which lines join to their places on the rod, and its rings."""
     factors = {"z": 1.0, "alpha": float(stored["rho"])}
     line, feet, points = (
         [stored[part + name].values * factor for name, factor in factors.items() if part + name in stored]

@@ -46,7 +46,7 @@ HAIRLINE, TINY = 1.1 / 72, 1e-12  # inches of the width of a line; no length
 LEAST = 0.12  # inches of a view, below which one direction is drawn larger
 STRAIGHT = 1e-9  # of the other extent: less is rounding, which no scale shows
 SLENDER, UPRIGHT = 0.25, 3.0  # of rods that fill so little of the width, inches of all upwards at most
-RING = 4.0  # points across, beyond the distance of the two stretches: it stands around their lines
+RING = 3.5  # points across, beyond the distance of the two stretches: it stands around their lines
 REACH = 2.0  # radii of the rod between a ring and its line at most: two stretches overlap within one radius of it
 NEAR = 3.0  # radii of the rod on the unrolled cylinder: two places that are nearer have one ring between them
 # so small that a ring around it is seen

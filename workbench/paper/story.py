@@ -186,9 +186,8 @@ def row(stored: StoredStudy, ax: Axes, below: Axes) -> None:
     said = push_scale.trim(bar, stored.units, [rod["push"] for rod in chosen.solved])
     _write(below, (0, 0.5), said.replace("; ", "\n"), (-14, -4), xycoords="axes fraction", ha="right")
     if any(ringed):
-        entry = crossing_rings.entry(unrolled.THROUGH)
-        below.legend(handles=[entry], loc="upper right", bbox_to_anchor=(1, -2.2 / fonts.inches(below)[1] * fonts.small() / 72),
-                     borderpad=0)  # fmt: skip
+        entry, down = crossing_rings.entry(unrolled.THROUGH), 2.2 * fonts.small() / 72 / fonts.inches(below)[1]
+        below.legend(handles=[entry], loc="upper right", bbox_to_anchor=(1, -down), borderpad=0)
 
 
 def law(stored: StoredStudy, ax: Axes) -> None:

@@ -20,7 +20,7 @@ from ..words import labels
 from .scene_kinds import Cell, Paint
 from .views import BELOW, DOT
 
-GLYPH, SCALE = 0.62, 1.0  # widths: the cylinder from above, the longest scale bar
+GLYPH, SCALE = 0.72, 1.0  # widths: the cylinder from above, the longest scale bar
 EYE = 0.078  # from a cylinder that is seen from above to the middle of the eye
 RING, OUTLINE = "ring", "outline"  # in place of a colour: an open circle, the outline of a hidden stretch
 # in place of a colour: a line between two marks, an arrow, a tick, a line to words
@@ -89,7 +89,7 @@ def draw_glyph(ax: Axes, x: float, y: float, toward: NDArray[np.float64]) -> Non
     way = np.asarray(toward[:2]) * [1, -1] / max(float(np.hypot(*toward[:2])), 1e-9)
     draw_eye(ax, middle + (radius + EYE) * way, way)
     if way[0] < 0.8:
-        ax.text(middle[0] + radius + 0.03, y, "α = 0", size=0.75 * fonts.SMALL, color=colours.SOFT, va="center")
+        ax.text(middle[0] + radius + 0.03, y, "α = 0", size=fonts.SMALL, color=colours.SOFT, va="center")
 
 
 def draw_eye(ax: Axes, eye: NDArray[np.float64], way: NDArray[np.float64]) -> None:
@@ -107,7 +107,7 @@ def draw_weight(ax: Axes, x: float, y: float, down: NDArray[np.float64]) -> None
     way = 0.17 * np.asarray(down) * [1, -1] / max(float(np.hypot(*down)), 1e-9)
     middle = np.array([x + 0.14, y])
     canvas.draw_arrow(ax, middle - way, middle + way)
-    ax.text(x + 0.3, y, "weight", size=0.75 * fonts.SMALL, color=colours.SOFT, va="center")
+    ax.text(x + 0.3, y, "weight", size=fonts.SMALL, color=colours.SOFT, va="center")
 
 
 def draw_bar(ax: Axes, paint: Paint, corner: tuple[float, float], size: tuple[float, float]) -> None:
