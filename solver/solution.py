@@ -65,7 +65,8 @@ class Solution(ShapeArrays):
     def caution(self) -> Any:
         """What a real rod could not do, (*cases) of str, such as "overlaps"; "" where nothing was found.
 
-        `solver.observe.cautions` says which texts there are.
+        The unit of E is not known here: the strain is judged as that of steel. `solver.observe.cautions` says which
+        texts there are.
         """
         return of_cases(self)[()]
 

@@ -57,12 +57,12 @@ def solve(
     stations : int or array, (n,) or (*cases, n)
         The number of stations, at equal steps of s; or their values of s [length], rising within [0, L].
     seed : float, array, Solution or "straight", optional
-        For an ends problem, which of its equilibria: the one with beta'(0) near this value [rad/length], or the one
-        that continues from this solution. For held ends a solution. Of a rod with weight or friction: a solution of
-        such a rod, or "straight" for the straight rod where it is an equilibrium; default: the branch that continues
-        from the straight rod as the loads grow, stable where one is. Of a rod that may leave the cylinder: a solution;
-        default: that of the cylinder which holds the rod on, and where there is none, or an end is off the wall
-        outside, the straight rod as its loads grow.
+        For an ends problem, which of its equilibria: the one whose beta'(0) is nearest to this value [rad/length], or
+        the one that continues from this solution. For held ends a solution. Of a rod with weight or friction: a
+        solution of such a rod, or "straight" for the straight rod where it is an equilibrium; default: the branch that
+        continues from the straight rod as the loads grow, stable where one is. Of a rod that may leave the cylinder: a
+        solution; default: that of the cylinder which holds the rod on, and where there is none, or an end is off the
+        wall outside, the straight rod as its loads grow.
     choose : {"nearest", "lowest"} or int
         For an ends problem without a seed, which of its equilibria. "nearest": of the stable ones (of all, if none is
         stable) the one whose beta goes least beyond its end angles. "lowest": the one of

@@ -1,8 +1,8 @@
 """`shooting`: ends problems by the quadrature of `orbit`, exact to rounding for a rod of any length.
 
-If the seed is a solution, its equilibrium is continued; if it is a number, Newton's rule on the slope at the start
-finds the equilibrium near it, for all problems at once. Without a seed, and near a saddle, where the slope at the start
-does not resolve the equilibria, the search over levels and paths of `equilibria` is used.
+If the seed is a solution, its equilibrium is continued. If it is a number, it means the equilibrium whose slope at the
+start is nearest: Newton's rule on the slope finds one that has this slope itself, for all problems at once; else, and
+without a seed, the search over levels and paths of `equilibria` is used.
 """
 
 from dataclasses import dataclass
@@ -19,6 +19,10 @@ from ..orbits.periodic_orbit import TIGHT, solve_orbit
 from ..problem.reduced import EndsProblem
 from ..problem.trajectory import Seed, Trajectory
 from .base import EndsMethod, Ladder, tens
+
+# of 1 + |slope|: a slope at the start, times rho, that far from that of an equilibrium is its own, as a file keeps it.
+# x10: as good, and of slopes 1e-5 apart one may be taken for the other
+SAME_SLOPE = 1e-6
 
 
 @dataclass(frozen=True)
@@ -70,21 +74,21 @@ def _carry(problem: EndsProblem, t: Array, tol: float, seed: Seed) -> Trajectory
 
 
 def _next_to(problem: EndsProblem, dbeta0: Array) -> Array:
-    """beta_t(0) of the solution near a guess, (B,); NaN if Newton's rule does not converge."""
-    B = problem.size
+    """beta_t(0) of the solution that a number means, as it is next to it, (B,); NaN where none is found so near."""
+    B, known = problem.size, np.isfinite(dbeta0)
     twice = problem.take(np.tile(np.arange(B), 2))
-    at = np.where(np.isfinite(dbeta0), dbeta0, 0.0)
-    off = np.full(B, np.inf)
+    at, reach = np.where(known, dbeta0, 0.0), SAME_SLOPE * (1 + np.abs(dbeta0))
     for _ in range(40):
         nudge = 1e-7 * np.maximum(1, np.abs(at))
         orbit = solve_orbit(twice.with_start(np.concatenate([at, at + nudge])), TIGHT)
         end = orbit.at(twice.span[:, None])[0][:, 0]
         off = end[:B] - problem.betaL
+        met = np.abs(off) <= 2e-13 * np.maximum(1, np.abs(problem.betaL))
+        near = known & (np.abs(at - dbeta0) <= reach)
+        if (met | ~near).all():
+            break
         with np.errstate(divide="ignore", invalid="ignore"):
             step = -off / ((end[B:] - end[:B]) / nudge)
-        step = np.clip(np.where(np.isfinite(step), step, 0.01), -0.05, 0.05)
-        if (np.abs(off) <= 2e-13 * np.maximum(1, np.abs(problem.betaL))).all():
-            break
-        at = np.where(np.abs(off) <= 2e-13 * np.maximum(1, np.abs(problem.betaL)), at, at + step)
-    met = (np.abs(off) <= 1e-10) & np.isfinite(dbeta0) & (np.abs(at - dbeta0) <= 0.1 * (1 + np.abs(dbeta0)))
-    return np.where(met, at, np.nan)
+        step = np.clip(np.where(np.isfinite(step), step, np.inf), -2 * reach, 2 * reach)
+        at = np.where(met | ~near, at, at + step)
+    return np.where(near & (np.abs(off) <= 1e-10), at, np.nan)

@@ -105,13 +105,15 @@ UNCHECKED = (f"{UNKNOWN}curvature", f"{UNKNOWN}self-contact", f"{UNKNOWN}lift-of
 # rad: beyond a quarter turn a rod turns back. x10: no rod does, and the caution is not given
 _QUARTER = np.pi / 2 + NEGLIGIBLE
 NEARLY_ALL = 0.95  # of the length with a pull. x10: the caution never says so
-# strain up to which most materials are linear, where the unit of Young's modulus is not known. x10: no caution up to a
-# strain of 10 %
-LINEAR = 0.01
+# least modulus in MPa -> strain up to which its materials are surely linear. Metals, glass and composites: steel of
+# grade E-75 yields at 0.25 %, strong wire at 1 %. Plastics are linear to about 1 %, rubber to about 10 %. x10: no
+# caution on rods that yield
+LINEAR = {1e4: 0.0025, 1e3: 0.01, 0.0: 0.1}
+SURELY = min(LINEAR.values())  # where the unit of the modulus is not known
 JUDGED = ("kappa_max", MEETS, "push_min", "push_max", "attached", "height")  # the observables that a caution is made of
 
 
-def of_cases(sol: ShapeArrays, observed: Mapping[str, Any] | None = None, unit: str = "", linear: Any = LINEAR) -> Any:
+def of_cases(sol: ShapeArrays, observed: Mapping[str, Any] | None = None, unit: str = "", linear: Any = SURELY) -> Any:
     """The caution of each case, (*cases) of str.
 
     "" means that the rod was checked and is free of all of them, or that the case is not solved. "not checked" means

@@ -145,6 +145,19 @@ def test_a_rod_at_rest_as_a_helix_is_a_seed_and_a_goal() -> None:
     assert np.abs(back.beta).max() < 1e-12
 
 
+def test_a_slope_means_the_equilibrium_whose_own_is_nearest() -> None:
+    """Among 17 and among many of a slender wire; Newton's rule from the slope went elsewhere."""
+    wire = Case(Rod(E=1e5, nu=0.3, a=0.25, L=60.0), Cylinder(1.0, "inside"), Ends(-0.17, -0.17, FZ=-9.0))
+    cable = Case(Rod(E=1.07e4, nu=0.25, a=0.25, L=20.0), Cylinder(0.75), Ends(0.5, 0.8, FZ=-8.66, MZ=1.3, M3=6.1))
+    for case in (cable, wire):
+        slopes = np.array([one.dbeta0 for one in equilibria(case)])
+        seeds = np.linspace(1.1 * slopes.min(), 1.1 * slopes.max(), 12)
+        far = np.abs(slopes[:, None] - seeds)
+        decided = np.diff(np.sort(far, axis=0)[:2], axis=0)[0] > 1e-9 * np.ptp(slopes)
+        taken = np.array([solve(case, seed=seed, stations=2).dbeta[0] for seed in seeds])
+        np.testing.assert_allclose(taken[decided], slopes[far.argmin(axis=0)][decided], atol=1e-9 * np.ptp(slopes))
+
+
 def test_a_grid_takes_a_seed_for_each_case_or_one_for_all() -> None:
     case = PROBLEMS["section 5"]()
     one = found("section 5")[2]

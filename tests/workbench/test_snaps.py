@@ -24,8 +24,8 @@ from workbench.stored.stored_study import StoredStudy
 ROD, CYLINDER = Rod(E=325.95, nu=0.25, a=0.25, L=5.0), Cylinder(R=0.75)
 
 
-def swept(low: float, high: float, count: int, name: str = "FZ") -> StoredStudy:
-    case = Case(ROD, CYLINDER, Ends(beta0=0.5, betaL=0.5, FZ=-0.5))
+def swept(low: float, high: float, count: int, name: str = "FZ", case: Case | None = None) -> StoredStudy:
+    case = case or Case(ROD, CYLINDER, Ends(beta0=0.5, betaL=0.5, FZ=-0.5))
     return StoredStudy(branch_dataset.sweep(load("fig6"), case, name, np.linspace(low, high, count), lambda *_: None))
 
 
@@ -107,6 +107,16 @@ def test_each_stable_shape_of_the_file_is_found_again(stored) -> None:
         np.testing.assert_allclose(rod.alpha, stored["shape_alpha"].values[k], atol=1e-7)
 
 
+def test_a_stable_shape_of_a_slender_wire_is_found_again() -> None:
+    """A spline through its stored places gives a poor slope at the start, which named another equilibrium."""
+    wire = Case(Rod(E=1e5, nu=0.3, a=0.25, L=120.0), Cylinder(1.0, "inside"), Ends("-10deg", "-10deg"))
+    stored = swept(-9.0, -8.9, 2, case=wire)
+    for k in bifurcation.stable_shapes(stored):
+        for stations in (stored.sizes["u"], 2 * stored.sizes["u"] - 1):
+            rod = snap.rod_of_shape(stored, k, stations)
+            np.testing.assert_allclose(rod.z[:: stations // 160], stored["shape_z"].values[k], atol=1e-6)
+
+
 @draws
 def test_a_dot_moves_in_the_diagram_of_the_branches_and_the_rod_beside_it(stored, way) -> None:
     ds = snap.evenly(snap.as_dataset(stored, way), 3).assign_attrs({scene_kinds.NOTE: study_scene.MOTION})
@@ -129,6 +139,9 @@ def test_every_stable_rod_stands_below_the_diagram_with_the_number_of_its_point(
     diagram, words = fig.axes
     assert sorted(text.get_text() for text in diagram.texts) == sorted(names)
     assert [text.get_text() for text in words.texts if text.get_text() in names] == names
+    far = {name: -1e3 * stored[name] for name in ("curve_height", "fold_height")}  # numbers of many digits on its left
+    fig, _ = branch_rods.figure(StoredStudy(stored.ds.assign(far)), stable, rods, Settings(dpi=200, pixel_error=2.0))
+    assert fig.axes[0].get_tightbbox().x0 > 0
 
 
 @draws

@@ -15,11 +15,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 from scipy.integrate import cumulative_simpson
-from scipy.interpolate import CubicSpline
 from scipy.linalg import solve_banded
 
 from solver import Case, Solution, equilibria, follow, solve
 from solver.equilibria import nearest
+from solver.equilibrium_list import Equilibrium
 from solver.follow import solutions_of
 from solver.numerics.roots import Ending, newton
 from solver.orbits.potential import dimensional_slope
@@ -70,13 +70,16 @@ def rod_of_shape(stored: StoredStudy, k: int, stations: int) -> Solution:
     name, number = str(stored.attrs["axis"]), float(stored[f"shape_{stored.attrs['axis']}"].values[k])
     case, rho = case_at(stored, number), float(stored["shape_rho"].values[k])
     alpha, z = (stored[f"shape_{key}"].values[k] for key in ("alpha", "z"))
-    s = np.linspace(0, float(np.asarray(case.rod.L)), alpha.size)
-    beta = np.unwrap(np.arctan2(rho * CubicSpline(s, alpha)(s, 1), CubicSpline(s, z)(s, 1)))
-    slope, energy = float(CubicSpline(s, beta)(0.0, 1)), float(stored["shape_energy"].values[k])
-    rod = nearest(equilibria(case, stations=stations), slope, energy).solution
-    if abs(rod.z[-1] - rod.z[0] - (z[-1] - z[0])) > AGREES * rho:
+
+    def away(one: Equilibrium) -> float:
+        rod = one.solution
+        around, along = rod.alpha - rod.alpha[0] - alpha + alpha[0], rod.z - rod.z[0] - z + z[0]
+        return float(np.hypot(rho * around, along).max())
+
+    found = min(equilibria(case, stations=alpha.size), key=away, default=None)
+    if found is None or away(found) > AGREES * rho:
         raise InputError(f"the rod at {in_words(name, number)} is not found again")
-    return rod
+    return found.solution if stations == alpha.size else solve(case, seed=found.solution, stations=stations)
 
 
 def rods_of_shapes(stored: StoredStudy, shapes: Sequence[int], stations: int) -> tuple[xr.Dataset, dict[int, str]]:

@@ -21,7 +21,8 @@ from .settings import Settings
 from .views import View, azimuth_of, front_camera, in_rows
 
 DIAGRAM = 2.6  # the height of the diagram
-LEFT, RIGHT, BELOW, FOOT = 0.75, 0.2, 0.55, 0.65  # around the diagram, and below the rods for scale and colours
+# around the diagram, of which wide labels leave more on the left, and below the rods for scale and colours
+LEFT, RIGHT, BELOW, FOOT = 0.75, 0.2, 0.55, 0.65
 ROW, ROWS = 0.19, 3  # the height of a row of the legend, and as many as it has at most
 # the largest height of the rods with their words
 RODS = TALLEST - canvas.TITLE - DIAGRAM - BELOW - ROWS * ROW - FOOT
@@ -81,10 +82,11 @@ def _draw(fig: Figure, stored: StoredStudy, shown: Sequence[int], picture: Page)
     ax = fig.add_axes((LEFT / wide, 0.0, 1 - (LEFT + RIGHT) / wide, DIAGRAM / high))
     bifurcation.panel(stored, ax, str(stored.attrs["shown"]), DIAGRAM, Sheet(page.WIDE - LEFT), shown)
     names = {str(entry.get_label()) for entry in canvas.legend_entries(ax)}
-    columns = canvas.legend_columns(names, wide - LEFT - RIGHT)
+    inset = LEFT + max(canvas.MARGIN - ax.get_tightbbox().x0 / fig.dpi, 0.0)
+    columns = canvas.legend_columns(names, wide - inset - RIGHT)
     high += ROW * -(-len(names) // columns)
     fig.set_figheight(high)
-    ax.set_position((LEFT / wide, 1 - (canvas.TITLE + DIAGRAM) / high, 1 - (LEFT + RIGHT) / wide, DIAGRAM / high))
+    ax.set_position((inset / wide, 1 - (canvas.TITLE + DIAGRAM) / high, 1 - (inset + RIGHT) / wide, DIAGRAM / high))
     canvas.add_legend(ax, loc="upper left", bbox_to_anchor=(0, -0.5 / DIAGRAM), ncols=columns, borderpad=0)
     canvas.write_title(fig, str(stored.attrs["title"]), stored.reading)
     words = fig.add_axes((0.0, 0.0, 1.0, 1.0))

@@ -17,11 +17,13 @@ from solver.observe.cautions import (
     AT_ENDS,
     IN_PART,
     JUDGED,
+    LINEAR,
     MEETS,
     NO_PUSH,
     PULL,
     PULLED,
     STRAINED,
+    SURELY,
     TIGHT,
     TURNED,
     UNCHECKED,
@@ -56,9 +58,6 @@ WORDS = {
     STRAINED: ("is strained", "are strained"),
     PULLED: ("would lift off the cylinder", "would lift off the cylinder"),
 }
-# least modulus in MPa -> strain up to which its materials are surely linear. Metals, glass and composites: steel of
-# grade E-75 yields at 0.25 %, strong wire at 1 %. Plastics are linear to about 1 %, rubber to about 10 %.
-LINEAR = {1e4: 0.0025, 1e3: 0.01, 0.0: 0.1}
 NUMBERS = dict(enumerate(("none", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")))
 _POSSIBLE = (TURNED, STRAINED, AT_ENDS)  # what a real rod can do
 _STRAIN = re.compile(r"\((.+?) %; linear to (.+?) %\)")
@@ -77,7 +76,7 @@ def of_cases(
 def linear_strain(rod: "Rod", units: Mapping[str, str]) -> Any:
     """The strain up to which materials of a rod's modulus are surely linear, as its E; see `LINEAR`."""
     modulus = np.asarray(0.0 if rod.E is None else rod.E) / size_of("MPa", units)[0]
-    return np.select([modulus >= least for least in LINEAR], list(LINEAR.values()), min(LINEAR.values()))
+    return np.select([modulus >= least for least in LINEAR], list(LINEAR.values()), SURELY)
 
 
 def parts(text: str) -> list[str]:
@@ -187,10 +186,11 @@ def _list(facts: list[str]) -> str:
 
 
 def restable(texts: Any, solved: Any, stable: Any = True) -> str:
-    """How many of the shapes of solved rods a real rod could keep; empty where it could keep all.
+    """How many of the shapes of solved rods a real rod could keep, and how many of these except next to their ends;
+    empty where it could keep all of each.
 
     texts: the caution of each case. solved, stable: whether each is. That shapes are unstable is said elsewhere: where
-    no caution bars one there is nothing to say.
+    no caution is against one there is nothing to say.
 
     Of a rod that was not checked for all that bars it nobody knows: then the number is the largest that it may be.
     """
@@ -198,16 +198,19 @@ def restable(texts: Any, solved: Any, stable: Any = True) -> str:
     known = np.asarray(solved, dtype=bool)
     stands = np.broadcast_to(stable, known.shape)[known].tolist()
     texts = np.asarray(texts)[known].astype(str).ravel().tolist()
-    if not any(map(is_barred, texts)):
-        return ""
     kept = [text for text, stands in zip(texts, stands, strict=True) if stands and not is_barred(text)]
-    unknown = any(UNKNOWN in text for text in kept)
-    if cases == 1:
-        return "no real rod could keep this shape"
+    off = sum(AT_ENDS in text for text in kept)
+    if not off and not any(map(is_barred, texts)):
+        return ""
     if not kept:
-        return "no real rod could keep these shapes"
+        return f"no real rod could keep {'this shape' if cases == 1 else 'these shapes'}"
+    if cases == 1:
+        return "a real rod could keep this shape except next to its ends"
+    unknown = any(UNKNOWN in text for text in kept)
     count = f"{'at most ' * unknown}{_number_in_words(len(kept))} of the {_number_in_words(len(texts))}"
-    return f"real rods could keep {count}{' solved' * (len(texts) < cases)} shapes"
+    ends = f"{f', {_number_in_words(off)} of them' * (off < len(kept))} except next to their ends" * (off > 0)
+    shapes = f"{'these' if len(kept) == len(texts) else count}{' solved' * (len(texts) < cases)} shapes"
+    return f"real rods could keep {shapes}{ends}"
 
 
 def _number_in_words(number: int) -> str:
