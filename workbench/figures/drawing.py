@@ -14,7 +14,7 @@ import numpy as np
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import Circle, Rectangle
+from matplotlib.patches import Circle, Ellipse, Rectangle
 
 from solver import Solution
 
@@ -265,6 +265,24 @@ def _draw_body(ax: Axes, view: Views, R: float, a: float, side: str) -> None:
             ax.plot(seen, up, color=colours.SOFT, linewidth=FINE, linestyle=HIDDEN, zorder=2.3, gid="hidden edge")
     for of in _parts(view, front=True):
         strand(of, 4, "rod, before the plane of the axis")
+    for k in ((0, 1), (-1, -2))[: 1 + view.whole] if 2 * a * view.mm >= HAIR else ():
+        _draw_section(ax, view, k, a, 4 if view.near[k[0]] >= 0 else behind, side == "outside")
+
+
+def _draw_section(ax: Axes, view: Views, k: tuple[int, int], a: float, order: float, hides: bool) -> None:
+    """The section at an end of the rod, k: the last point and that before it: upon the rod where it faces the viewer,
+    else below, so that it closes the outline. order: of drawing the rod there. hides: whether the cylinder may."""
+    out = np.array([column[k[0]] - column[k[1]] for column in (view.x, view.y, view.near)])
+    low, line = 2 * a * abs(out[2]) / max(float(np.linalg.norm(out)), 1e-300), EDGE / 72 * MILLIMETRES / view.mm
+
+    def section(inset: float, zorder: float, **look: Any) -> None:
+        size, angle = (max(low - inset, 0.0), max(2 * a - inset, 0.0)), math.degrees(math.atan2(out[1], out[0]))
+        ax.add_patch(Ellipse((view.x[k[0]], view.y[k[0]]), *size, angle=angle, linewidth=EDGE, zorder=zorder, **look))
+
+    section(line, order + math.copysign(0.05, out[2]), facecolor="white", edgecolor=colours.INK, gid="end of the rod")
+    section(2 * line, order + 0.06, facecolor="white", edgecolor="none")  # no seam shows inside
+    if hides and view.near[k[0]] < 0 and 2 * a * view.mm > 1:
+        section(line, 2.3, fill=False, edgecolor=colours.SOFT, linestyle=HIDDEN, gid="hidden edge")
 
 
 def _beside(x: Values, y: Values, distance: float) -> tuple[Values, Values]:
