@@ -1,6 +1,7 @@
 """Rods that may leave the cylinder in stored files, pictures and exports: drawn where they are, or refused in words."""
 
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +23,7 @@ from workbench.export.base import ExportOptions
 from workbench.export.stored_rod import export
 from workbench.figures import canvas, kinds, portrait, trends, unrolled
 from workbench.geometry.refinement import push_along
-from workbench.run import in_memory, writing
+from workbench.run import in_memory, in_order, writing
 from workbench.scene import opengl, signs
 from workbench.scene.body import read
 from workbench.scene.scene_kinds import LET_GO, NOTE, RELEASED, SIDES_OF_RELEASE, kind_of
@@ -47,6 +48,7 @@ observables = ["gap_max", "contact_share"]
 units = { length = "cm", force = "N" }
 base = { E = 1.07e4, nu = 0.25, a = 0.25, L = 20.0, R = 0.75, beta0 = 0.5, betaL = 0.8, FZ = -8.66, MZ = 1.3, M3 = 6.1 }
 """
+PUSHED = STUDY.replace("let_go = true", "").replace("R = 0.75", 'R = 0.75, contact = "unilateral"')
 
 
 @pytest.fixture(scope="module")
@@ -157,18 +159,33 @@ def test_between_the_stations_of_a_rod_an_export_asks_for_no_more_than_the_error
         assert export(alone, tmp_path / f"small_{name}", ExportOptions(triangles=20_000)).facts["triangles"] <= 20_000
 
 
-def test_the_frames_of_a_film_are_solved_one_by_one_at_the_pace_of_the_stored_rods(monkeypatch) -> None:
+@pytest.mark.parametrize("let_go", [True, False])
+def test_the_frames_of_a_film_are_at_the_pace_of_the_stored_rods_and_kept_when_it_is_interrupted(
+    let_go: bool, tmp_path: Path, monkeypatch
+) -> None:
+    """Rods that are not let go continue from the frame before."""
     axis = small.axis("FZ", [-8.66, -8.0, -5.0])
-    ds = in_memory.run(loads(STUDY.replace("FZ = -8.66, ", "").replace("201", "21\ntol = 1e-2") + axis))
-    solved, told = [], []
-    run = in_memory.run
-    monkeypatch.setattr(in_memory, "run", lambda study: solved.append(study.variation.size) or run(study))
-    cases = study_scene.film_cases(
-        StoredStudy(ds), "FZ", {}, kind_of("contact"), "gap_max", 480, 5, lambda *said: told.append(said)
-    )
-    assert solved == [1] * 5
-    assert [said[1:] for said in told] == [(i, 5) for i in range(5)]
-    assert cases is not None
+    text = STUDY if let_go else PUSHED
+    ds = in_memory.run(loads(text.replace("FZ = -8.66, ", "").replace("201", "21\ntol = 1e-2") + axis))
+    told, searched, search = [], [], in_order.solve_one
+    monkeypatch.setattr(in_order, "solve_one", lambda *given: searched.append(given) or search(*given))
+
+    def film(stop: int) -> StoredStudy:
+        def step(*said) -> None:
+            told.append(said)
+            if said[1] == stop:
+                raise KeyboardInterrupt
+
+        run = partial(in_order.run_in_order, folder=tmp_path / "film.parts", step=step)
+        cases = study_scene.film_cases(StoredStudy(ds), "FZ", {}, kind_of("contact"), "gap_max", 480, 5, run)
+        assert cases is not None
+        return cases
+
+    with pytest.raises(KeyboardInterrupt, match=r"3 of 5 rods are kept in .*run the same command again to continue"):
+        film(3)
+    cases = film(5)
+    assert [said[1:] for said in told] == [(i, 5) for i in (0, 1, 2, 3, 3, 4)]
+    assert len(searched) == (5 if let_go else 2)
     assert (cases["solved"].shape, cases["beta"].shape) == ((5,), (5, 21))
     np.testing.assert_allclose(cases["FZ"].values[[0, -1]], [-8.66, -5.0])
     assert (np.diff(cases["FZ"].values) > 0).all()
@@ -185,9 +202,6 @@ def test_a_change_of_the_energy_is_told_in_as_many_digits_as_show_it() -> None:
     for after, told in each.items():
         said = free_rods.release_sentence({"before": 191.4012, "after": after}, {"length": "mm", "force": "N"})
         assert said.endswith(told)
-
-
-PUSHED = STUDY.replace("let_go = true", "").replace("R = 0.75", 'R = 0.75, contact = "unilateral"')
 
 
 @pytest.mark.parametrize("text", [STUDY, PUSHED])

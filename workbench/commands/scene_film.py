@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -21,8 +22,8 @@ MOST = 480  # frames that are solved for a film
 STAYS = 1 / 3  # seconds for which a stored case stays where no others can be solved
 MOTION = 72  # frames of a rod that is let go
 ONE_BY_ONE = (
-    "rods off the wall are solved one by one for a film, seconds each; --stored films the stored ones alone; an "
-    "interrupted film keeps nothing"
+    "rods off the wall are solved one by one for a film, each from the one before, up to seconds each; an interrupted "
+    "film keeps them; --stored films the stored ones alone"
 )
 MOTION_STATIONS = 401  # of its shapes
 
@@ -35,17 +36,14 @@ def film_of(file: Path, out: Path, wanted: SceneOptions) -> Result:
     Each frame shows the rod and the curve of a number up to that case. The result has status 1 if OpenGL does not work
     on this machine. Raises `InputError`.
     """
-    from ..run import in_memory
+    from ..run import shards
     from ..scene import film, opengl
     from ..scene.scene_kinds import LET_GO
     from ..scene.settings import check, look_of
-    from ..stored.stored_study import StoredStudy
     from . import study_scene
 
     fps, kind = film.FPS if wanted.fps is None else wanted.fps, wanted.kind or "contact"
-    study, rods = study_scene.open_rods(file)
-    if study is not None and kind != LET_GO:
-        rods = StoredStudy(in_memory.run(study))
+    rods = study_scene.open_rods(file, whole=kind != LET_GO)[1]
     rods.check_any_solved()
     where = axis_values(rods, wanted.at)
     look = look_of(wanted.theme, wanted.background, wanted.color)
@@ -54,7 +52,7 @@ def film_of(file: Path, out: Path, wanted: SceneOptions) -> Result:
     if kind == LET_GO:
         cases = _of_motion(rods, shown, wanted)
     else:
-        cases = _along_axis(file, rods, shown, wanted)
+        cases = _along_axis(file, out, rods, shown, wanted)
     path = check_file(out, film.SUFFIXES, wanted.force)
     film.check_counts(wanted.frames, fps)
     film.check_writers([path])
@@ -65,6 +63,7 @@ def film_of(file: Path, out: Path, wanted: SceneOptions) -> Result:
     count = len(film.cases_of(rods, shown))
     with console.progress(count, lines=True) as step:
         film.write([path], film.frames(rods, shown, step), fps, each, stay=0.0 if wanted.frames else film.HOLD)
+    shards.clear(shards.folder_of(path))
     return result_of_files([path], [f"{path}: {count} {said}, {fps:g} frames per second"])
 
 
@@ -86,9 +85,16 @@ def _of_motion(rods: "StoredStudy", shown: "Film", wanted: SceneOptions) -> Call
     return cases
 
 
-def _along_axis(file: Path, rods: "StoredStudy", shown: "Film", wanted: SceneOptions) -> Callable[[float], Cases]:
+def _along_axis(
+    file: Path, out: Path, rods: "StoredStudy", shown: "Film", wanted: SceneOptions
+) -> Callable[[float], Cases]:
     """The cases along an axis as frames: between those of a study others are solved, as many as let the rod move
-    smoothly. Raises `InputError` where the axis is not known, and for a kind that makes no film."""
+    smoothly, and those off the wall are kept beside the film until it is written.
+
+    Raises `InputError` where the axis is not known, and for a kind that makes no film.
+    """
+    from ..run import shards
+    from ..run.in_order import run_in_order
     from ..scene import film, scene_kinds
     from . import study_scene
 
@@ -106,7 +112,8 @@ def _along_axis(file: Path, rods: "StoredStudy", shown: "Film", wanted: SceneOpt
             if rods.leaves:
                 console.warn(ONE_BY_ONE)
             with console.progress(wanted.frames or MOST, lines=True) as step:
-                more = study_scene.film_cases(*solving, step)
+                run_free = partial(run_in_order, folder=shards.folder_of(out), step=step)
+                more = study_scene.film_cases(*solving, run_free)
         if more is not None:
             return more, replace(shown, at={}), "cases, solved for this film", 1
         each = 1 if wanted.frames else max(round(STAYS * fps), 1)

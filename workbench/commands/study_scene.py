@@ -37,13 +37,14 @@ MOTION = "a descent of the energy, as in a viscous medium"
 OTHER_REST = "it comes to rest in another minimum of the energy than workbench solve --let-go"
 
 
-def open_rods(file: Path) -> tuple[Study | None, StoredStudy]:
+def open_rods(file: Path, whole: bool = False) -> tuple[Study | None, StoredStudy]:
     """The study of a name or a TOML file, and its rods as of `two_stations`; or None, and a stored dataset.
 
-    Raises `InputError` for a file that is no study and holds no equilibria.
+    whole: the rods of a study are solved at its own stations. Raises `InputError` for a file that is no study and
+    holds no equilibria.
     """
     if is_study(file):
-        return two_stations(file)
+        return two_stations(file, whole)
     kind = reading.kind_of_file(file)
     if kind is not file_kinds.STUDY and not kind.scene:
         raise file_kinds.other_kind(file, kind, "scene draws studies, equilibria and branches")
@@ -102,8 +103,8 @@ def release_of(stored: StoredStudy, at: Mapping[str, float], count: int | None =
     return solve
 
 
-def two_stations(file: Path) -> tuple[Study, StoredStudy]:
-    """The study, and its dataset at two stations a case, from which the cases that are drawn are chosen.
+def two_stations(file: Path, whole: bool = False) -> tuple[Study, StoredStudy]:
+    """The study, and its dataset at two stations a case, from which the cases that are drawn are chosen; or the whole.
 
     Raises `InputError`, also for more cases than are solved for one picture.
     """
@@ -113,7 +114,7 @@ def two_stations(file: Path) -> tuple[Study, StoredStudy]:
             f"{study.name} has {study.variation.size} cases, and at most {MOST_CASES} are solved for a picture: store "
             "it with workbench run, and draw the file"
         )
-    stored = in_memory.run(_with_outputs(study, ()).at_stations(2))
+    stored = in_memory.run(study if whole else _with_outputs(study, ()).at_stations(2))
     return study, StoredStudy(stored.assign_attrs(laws=schema.laws_text(study)))  # they fix where an axis is held
 
 
@@ -126,10 +127,6 @@ def _study_at(study: Study, stored: StoredStudy, where: Mapping[str, int], free:
     return study.model_copy(update={"axes": axes})
 
 
-def _say_nothing(text: str, done: int, of: int) -> None:
-    """What takes the progress of a film, where nobody reads it."""
-
-
 def film_cases(
     stored: StoredStudy,
     axis: str,
@@ -138,12 +135,12 @@ def film_cases(
     observable: str,
     most: int,
     count: int | None = None,
-    step: Callable[[str, int, int], None] = _say_nothing,
+    run_free: Callable[[Study], xr.Dataset] = in_memory.run,
 ) -> StoredStudy | None:
     """The cases of a film along an axis, at most so many: as many as let no rod move far from one to the next.
 
-    count: so many cases, at an even pace of the rod. Rods off the wall take seconds each, so between two stored ones
-    their pace is taken as even, and they are solved one by one: step(text, done, of) is called before each.
+    count: so many cases, at an even pace of the rod. Rods off the wall may take seconds each, so between two stored
+    ones their pace is taken as even, and run_free solves them.
     None for a dataset whose cases a study does not give at any value of the axis. Raises `InputError` of the solver.
     """
     if not is_whole(stored):
@@ -155,18 +152,9 @@ def film_cases(
     lean = _with_outputs(study, kind.reads | {"dbeta"}).model_copy(update={"observables": [observable]})
     lean = _study_at(lean, stored, stored.place(at), [field])
 
-    def solve(values: Any) -> xr.Dataset:
+    def through(values: Any) -> Study:
         axes = {**lean.axes, field: Axis.model_validate({"values": list(values)})}
-        return in_memory.run(lean.model_copy(update={"axes": axes}))
-
-    def solve_each(values: Any) -> xr.Dataset:
-        if not lean.leaves:
-            return solve(values)
-        rods = []
-        for i, value in enumerate(values):
-            step(f"solving {axis} = {value:.4g}", i, len(values))
-            rods.append(solve([value]))
-        return xr.concat(rods, axis, coords="minimal", compat="override", data_vars="minimal")
+        return lean.model_copy(update={"axes": axes})
 
     low, high = float(stored[axis].values[0]), float(stored[axis].values[-1])
     values = (np.geomspace if is_wide(low, high) else np.linspace)(low, high, TRIED)
@@ -175,10 +163,11 @@ def film_cases(
         line = stored.select({name: i for name, i in stored.place(at).items() if name != axis}).ds
         if {"alpha", "z", "radius"} <= {*line.variables} and bool(line["solved"].all()):
             first, values = line.sortby(axis), np.sort(line[axis].values)
-    first = solve(values) if first is None else first
+    first = in_memory.run(through(values)) if first is None else first
     way = np.concatenate([[0.0], np.cumsum(_motion(first, axis))])
     count = count or int(np.clip(np.ceil(way[-1] / STEP), LEAST, most))
-    cases = solve_each(np.interp(np.linspace(0, way[-1], count), way + 1e-9 * np.arange(values.size), values))
+    moved = through(np.interp(np.linspace(0, way[-1], count), way + 1e-9 * np.arange(values.size), values))
+    cases = (run_free if lean.leaves else in_memory.run)(moved)
     spacing = (
         "geometric" if is_logarithmic(stored[axis]) else "linear"
     )  # the scale is that of the axis, not of the motion

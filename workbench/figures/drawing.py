@@ -265,7 +265,7 @@ def _draw_body(ax: Axes, view: Views, R: float, a: float, side: str) -> None:
             ax.plot(seen, up, color=colours.SOFT, linewidth=FINE, linestyle=HIDDEN, zorder=2.3, gid="hidden edge")
     for of in _parts(view, front=True):
         strand(of, 4, "rod, before the plane of the axis")
-    for k in ((0, 1), (-1, -2))[: 1 + view.whole] if 2 * a * view.mm >= HAIR else ():
+    for k in ((0, 1), (-1, -2))[: 1 + view.whole] if 2 * a * view.mm >= HAIR and view.x.size > 1 else ():
         _draw_section(ax, view, k, a, 4 if view.near[k[0]] >= 0 else behind, side == "outside")
 
 
