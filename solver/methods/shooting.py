@@ -78,6 +78,7 @@ def _next_to(problem: EndsProblem, dbeta0: Array) -> Array:
     B, known = problem.size, np.isfinite(dbeta0)
     twice = problem.take(np.tile(np.arange(B), 2))
     at, reach = np.where(known, dbeta0, 0.0), SAME_SLOPE * (1 + np.abs(dbeta0))
+    off, near = np.full(B, np.inf), known
     for _ in range(40):
         nudge = 1e-7 * np.maximum(1, np.abs(at))
         orbit = solve_orbit(twice.with_start(np.concatenate([at, at + nudge])), TIGHT)

@@ -16,7 +16,7 @@ SYMBOLS = {
     "diameter": ("R", "a"), "length": ("L",), "bending_stiffness": ("EI",), "torsional_stiffness": ("GJ",),
     "tension": ("FZ", "F3"), "axial": ("FZ",), "force": ("FZ", "F3"), "torque": ("M3", "MZ"),
     "moment": ("M3", "MZ"), "twist": ("M3", "dgamma"), "theta": ("beta", "beta0", "betaL"),
-    "angle": ("beta", "beta0", "betaL"),
+    "pitch": ("lay",), "lay-angle": ("lay",), "angle": ("beta", "beta0", "betaL"),
     "rising": ("rises",), "increasing": ("rises",), "falling": ("falls",), "decreasing": ("falls",),
 }  # fmt: skip
 
@@ -74,7 +74,8 @@ def near(name: object, known: Iterable[object]) -> str:
     likely = [other for other in names if other.lower() == text.lower()]
     likely = likely or (_symbols(text, names) if text.lower() in SYMBOLS else []) or _closest(text, names, 0.9)
     likely = likely or _symbols(text, names) or _begin(text, names)
-    likely = likely or _closest(text, names) or _one_letter_off(text, names)
+    if text.lower() not in SYMBOLS:  # what this word means is known, and not that of similar letters
+        likely = likely or _closest(text, names) or _one_letter_off(text, names)
     return f", did you mean {' or '.join(map(repr, likely))}" if likely else ""
 
 

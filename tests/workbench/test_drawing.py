@@ -69,6 +69,19 @@ def test_a_drawing_dashes_what_the_drum_hides_and_nothing_else(cables) -> None:
     assert len(hidden) > 100
 
 
+@pytest.mark.parametrize("lay", [-75.0, 80.0])
+def test_the_outline_of_the_rod_is_closed_at_its_start(cables, lay: float) -> None:
+    fig = drawing.figure(StoredStudy(cables), at={"lay": np.radians(lay)}, sheet=sheet("paper"))
+    fig.set_dpi(400)
+    fig.canvas.draw()
+    (ax,), across = fig.axes, np.sin(np.radians(abs(lay)))
+    before = np.linspace(-1.0, 0.0, 50) * across  # radii of the section: its ellipse reaches so far
+    x, y = ax.transData.transform(np.stack([before, np.full(50, 61.0)], axis=1)).round().astype(int).T
+    pixels = np.asarray(fig.canvas.buffer_rgba())[::-1][y, x, :3].max(axis=1)
+    assert pixels[:15].min() < 100  # the outline
+    assert pixels[-15:].min() > 200  # nothing inside
+
+
 def test_a_pipe_lies_on_the_low_side_of_the_hole_that_is_drawn() -> None:
     ds = study_kinds.well()
     fig = drawing.figure(StoredStudy(ds), at={"wob": 60.0})  # straight, on the low side

@@ -82,7 +82,9 @@ def _draw(fig: Figure, stored: StoredStudy, shown: Sequence[int], picture: Page)
     ax = fig.add_axes((LEFT / wide, 0.0, 1 - (LEFT + RIGHT) / wide, DIAGRAM / high))
     bifurcation.panel(stored, ax, str(stored.attrs["shown"]), DIAGRAM, Sheet(page.WIDE - LEFT), shown)
     names = {str(entry.get_label()) for entry in canvas.legend_entries(ax)}
-    inset = LEFT + max(canvas.MARGIN - ax.get_tightbbox().x0 / fig.dpi, 0.0)
+    drawn = ax.get_tightbbox()
+    assert drawn is not None
+    inset = LEFT + max(canvas.MARGIN - drawn.x0 / fig.dpi, 0.0)
     columns = canvas.legend_columns(names, wide - inset - RIGHT)
     high += ROW * -(-len(names) // columns)
     fig.set_figheight(high)
