@@ -32,7 +32,7 @@ MOST_STATES, MOST_COUNTED = 50, 2000  # rods whose states are listed; rods whose
 DENSE = 3  # stations from one change of sign of beta to the next
 # places between two stations at which the states are judged. x10: as good, and slower
 PARTS = 16
-FINE = 1601  # stations at which a rod that is alone in its file is solved again where the stored ones are too few
+AGAIN, FINE = 12, 1601  # rods of a file that are solved again at so many stations where the stored ones are too few
 TOO_FEW = "too few stations along the rod are stored; a study with more, such as stations = 1601, says it"
 NO_PUSH = "helical, or drawn by tension: the push along the rod is not stored"
 
@@ -79,7 +79,7 @@ def _states(stored: StoredStudy) -> list[dict[str, Any]]:
     for place in np.ndindex(stored["outcome"].shape):
         case = stored.select(dict(zip(stored.axes, place, strict=True)))
         axes = {name: float(case[name]) for name in stored.axes}
-        parts = _state(case, stored.cases == 1) if case["solved"] else "not solved"
+        parts = _state(case, stored.cases <= AGAIN) if case["solved"] else "not solved"
         state = parts if isinstance(parts, str) else in_words(parts, case.units["length"])
         rows.append({**axes, "state": state})
         counts[parts if isinstance(parts, str) else _worst_state(parts)] += 1
@@ -105,13 +105,13 @@ def _is_dense(case: StoredStudy) -> bool:
     return bool((np.diff(ends)[waves] >= DENSE).all())
 
 
-def _state(case: StoredStudy, alone: bool) -> "tuple[StretchState, ...] | str":
-    """The states along one rod; `TOO_FEW` where the stations are too few, also after it is solved again if `alone`."""
+def _state(case: StoredStudy, again: bool) -> "tuple[StretchState, ...] | str":
+    """The states along one rod; `TOO_FEW` where the stations are too few, also after it is solved again if `again`."""
     from solver.nodes.stretch_states import HELICAL
 
     if not _is_dense(case):
         try:
-            case = case.solve(max(FINE, case["s"].size), ["beta", "alpha", "contact"]) if alone else case
+            case = case.solve(max(FINE, case["s"].size), ["beta", "alpha", "contact"]) if again else case
         except InputError:
             return TOO_FEW
         if not _is_dense(case):
