@@ -161,7 +161,9 @@ def curve_of(shape: FreeShape, name: str = "the seed") -> BeginningCurve:
     back[:, 0], back[:, 3] = np.cos(turned * middles / 2), -np.sin(turned * middles / 2)
     angles[7] -= turned
     q, twist = product(rod.chain(shape.y), back), rod.twist + turned / rod.span
-    return BeginningCurve(name, np.arange(N + 1) / N, shape.x, middles, q, twist, angles, lead=shape.lead, forces=shape.multipliers)
+    return BeginningCurve(
+        name, np.arange(N + 1) / N, shape.x, middles, q, twist, angles, lead=shape.lead, forces=shape.multipliers
+    )
 
 
 def curves_of(sol: ShapeArrays, name: str) -> list[BeginningCurve | None]:

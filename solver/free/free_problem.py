@@ -153,9 +153,13 @@ def problems_of(case: Case) -> list[Beside]:
     def column(value: Any) -> Array:
         return flat(0.0 if value is None else value, case.shape)
 
-    tilts = [(getattr(given, M2) is None, column(getattr(given, tilt)), column(getattr(given, M2))) for tilt, M2 in TILTS]
+    tilts = [
+        (getattr(given, M2) is None, column(getattr(given, tilt)), column(getattr(given, M2))) for tilt, M2 in TILTS
+    ]
     radii = np.stack([column(radius / case.rho) for radius in case.end_radii], axis=1)
-    gamma0, ratio, unit = map(column, (given.gamma, 1 / case.rod.stiffness_ratio, case.rod.bending_stiffness / case.rho))
+    gamma0, ratio, unit = map(
+        column, (given.gamma, 1 / case.rod.stiffness_ratio, case.rod.bending_stiffness / case.rho)
+    )
     problems = []
     for i, loaded in enumerate(rods_of(case)):
         held, (near, alpha0), (far, turned, axial, twisted) = loaded.held, loaded.near, loaded.far

@@ -92,13 +92,14 @@ class FreeShape:
         It changes by the push as it is read: next to an end on the wall the force of a node is partly that of the end.
         """
         edges = -self.multipliers[: CONDITIONS * self.rod.edges].reshape(-1, CONDITIONS)[:, :3]
-        forces = np.concatenate([edges[:1], edges, edges[-1:]])
+        forces, weight = np.concatenate([edges[:1], edges, edges[-1:]]), self.rod.h * self.rod.weight
         out, push = self.rod.side * self.x * [1, 1, 0], self.rod.h * self.push_at(self.nodes[[0, 1, -1, -2]])
         for way in (1, -1):
             force, away, (at, by) = forces[::way], out[::way], push.reshape(2, 2)[::way][0]
             if at > 0:
-                force[1] = force[2] + way * by * away[1]
+                force[1] = force[2] + way * (by * away[1] + weight)
                 force[0] = force[1] + way * (3 * at + by) / 8 * away[0]
+            force[0] += way * weight / 2
         return forces
 
     @cached_property

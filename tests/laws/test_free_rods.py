@@ -407,6 +407,16 @@ def test_a_minimum_of_a_line_of_equal_ones_says_how_the_rod_may_turn(cylinder: A
     assert line in str(sol.outcome)
 
 
+@pytest.mark.parametrize("inclination", ("180deg", "120deg"))
+def test_the_axial_force_at_the_ends_of_a_straight_pipe_holds_its_whole_weight(inclination: str) -> None:
+    hole = Cylinder(1.1, "inside", inclination, contact="unilateral")
+    sol = solve(Case(Rod(EI=1.0, GJ=0.8, a=0.1, L=10.0, weight=0.2), hole, Ends(0.0, 0.0, FZ=0.5)))
+    assert sol.solved
+    along = -0.2 * np.cos(hole.inclination)
+    assert sol.F3[[0, -1]] == pytest.approx([0.5 + 10.0 * along, 0.5], abs=1e-9)
+    assert float(sol.FZ) == pytest.approx(0.5, abs=1e-9)
+
+
 def test_a_rod_sinks_in_a_viscous_medium_by_even_steps_without_a_rise_of_its_energy(freed: tuple[Any, Any]) -> None:
     held, free = freed
     motion, energy = held.descent(12)
