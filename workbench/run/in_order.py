@@ -43,7 +43,7 @@ def run_in_order(study: Study, folder: Path, step: Callable[[str, int, int], Non
                     values = work.dimensions.at(np.array([place]))
                     step(f"solving {name} = {values[name][0]:.4g}", place, work.size)
                     case, why = work.study.case_to_solve(values)
-                    sol = _continued(work.study, case, before)
+                    sol = _solution_after(work.study, case, before)
                     parts.store(place, place + 1, encode(columns(work.study, sol, values, why)))
                     before = sol if sol.solved.all() else None
         except KeyboardInterrupt:
@@ -52,7 +52,7 @@ def run_in_order(study: Study, folder: Path, step: Callable[[str, int, int], Non
         return assembly.make(work.study, work.dimensions, parts.read_cases(0, work.size), remarks(work))
 
 
-def _continued(study: Study, case: Case, before: Solution | None) -> Solution:
+def _solution_after(study: Study, case: Case, before: Solution | None) -> Solution:
     """The rod of a case, from that of the case before where there is one that leads to it; a rod that is let go begins
     on the cylinder."""
     if before is not None and not study.let_go:
