@@ -43,6 +43,9 @@ def film_of(file: Path, out: Path, wanted: SceneOptions) -> Result:
     from . import study_scene
 
     fps, kind = film.FPS if wanted.fps is None else wanted.fps, wanted.kind or "contact"
+    path = check_file(out, film.SUFFIXES, wanted.force)
+    film.check_counts(wanted.frames, fps)
+    film.check_writers([path])
     rods = study_scene.open_rods(file, whole=kind != LET_GO)[1]
     rods.check_any_solved()
     where = axis_values(rods, wanted.at)
@@ -53,9 +56,6 @@ def film_of(file: Path, out: Path, wanted: SceneOptions) -> Result:
         cases = _of_motion(rods, shown, wanted)
     else:
         cases = _along_axis(file, out, rods, shown, wanted)
-    path = check_file(out, film.SUFFIXES, wanted.force)
-    film.check_counts(wanted.frames, fps)
-    film.check_writers([path])
     able, advice = opengl.probe()
     if not able:
         return result_of_files([], warnings=[advice], status=1)
