@@ -40,7 +40,6 @@ from workbench.figures import (
 from workbench.figures.sheet import Sheet
 from workbench.run import in_memory, writing
 from workbench.stored.stored_study import StoredStudy
-from workbench.stored.trend_lines import trend_of
 from workbench.words import labels
 
 OUTPUTS = 'outputs = ["beta", "dbeta", "alpha", "z", "kappa", "contact"]\n'
@@ -347,7 +346,7 @@ def test_a_whole_number_is_drawn_where_a_case_has_it_and_brackets_hold_its_chang
     jumps = [(E[k], E[k + 1]) for k in np.flatnonzero(np.diff(turns))]
     assert len(jumps) == 3
     for ds, wide in ((coarse, True), (fine, False)):
-        ax = trends.trend(trend_of(StoredStudy(ds), "bends", "E"), Figure(figsize=(5, 3)).subplots())
+        ax = trends.trend(StoredStudy(ds).trend("bends", "E"), Figure(figsize=(5, 3)).subplots())
         brackets = [line for line in ax.lines if line.get_label() == trends.BRACKET]
         assert len(brackets) == 3 * wide
         for (low, high), line in zip(jumps, brackets, strict=wide):

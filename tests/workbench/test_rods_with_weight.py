@@ -21,7 +21,6 @@ from workbench.scene import body as body_of
 from workbench.scene import layout, long_rod, scene_kinds, views
 from workbench.scene.settings import Settings
 from workbench.stored.stored_study import StoredStudy
-from workbench.stored.trend_lines import trend_of
 from workbench.words import cautions, pipe_state
 
 PIPE = {"EI": 1228.0, "GJ": 945.0, "a": 0.0635, "L": 60.0, "weight": 0.242, "R": 0.10795}
@@ -44,7 +43,7 @@ def test_a_picture_has_no_branch_of_a_case_that_is_not_solved(ds) -> None:
     assert "branch" not in StoredStudy(lost).observables
     assert "branch" in StoredStudy(lost.assign(solved=solved | True)).observables
     ax = Figure().add_subplot()
-    trend(trend_of(StoredStudy(lost), "branch", "inclination"), ax)
+    trend(StoredStudy(lost).trend("branch", "inclination"), ax)
     assert np.isnan(ax.lines[0].get_ydata()).sum() == 2  # the case, and the gap between two branches
 
 

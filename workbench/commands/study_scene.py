@@ -18,13 +18,13 @@ from studies import Study, load
 from studies.grammar.axes import Axis
 from studies.language.study import OUTPUTS
 
-from ..figures.scales import is_logarithmic, is_wide
 from ..run import in_memory
 from ..scene.scene_kinds import CASE, NOTE, RELEASED, SceneKind, case_values
 from ..stored import enough_stations, file_kinds, quantity_variables, reading, schema
 from ..stored.enough_stations import Solve, is_whole
 from ..stored.solved_again import point_forces_of
 from ..stored.stored_case import is_study
+from ..stored.stored_cases import is_wide
 from ..stored.stored_study import StoredStudy
 
 FIRST = 21  # stations that are tried first
@@ -168,9 +168,7 @@ def film_cases(
     count = count or int(np.clip(np.ceil(way[-1] / STEP), LEAST, most))
     moved = through(np.interp(np.linspace(0, way[-1], count), way + 1e-9 * np.arange(values.size), values))
     cases = (run_free if lean.leaves else in_memory.run)(moved)
-    spacing = (
-        "geometric" if is_logarithmic(stored[axis]) else "linear"
-    )  # the scale is that of the axis, not of the motion
+    spacing = "geometric" if stored.is_logarithmic(axis) else "linear"  # the scale of the axis, not of the motion
     return StoredStudy(cases.assign_coords({axis: cases[axis].assign_attrs(spacing=spacing)}))
 
 

@@ -13,7 +13,6 @@ from solver.problem.errors import InputError
 from solver.problem.quantities import QUANTITIES, quantity
 from studies.grammar.axes import SAMPLE
 
-from ..stored.shown_observables import choose_observables
 from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import canvas, colours, fonts, print_heights
@@ -63,7 +62,8 @@ def of_cases(
     if (count := stored.sizes[axis]) > MOST:
         raise InputError(f"bars show at most {MOST} values of an axis, and {axis} has {count}: choose --kind lines")
     show, most = [sheet.panel] if sheet.panel else show, _most_panels(sheet, count) or MOST_PANELS
-    names, left_out = choose_observables(stored, show, most, most_asked=None)
+    names = stored.names_of(show) if show else stored.varying or stored.observables
+    names, left_out = (names, []) if show else (names[:most], names[most:])
     if not names:
         raise InputError("no bars: the dataset has no observables")
     cases = stored.places(axis, at)

@@ -15,7 +15,6 @@ from studies.grammar.axes import SAMPLE, WORDS
 from studies.language.refine import LEVEL
 
 from ..stored.quantity_variables import dimension
-from ..stored.shown_observables import choose_observables
 from ..stored.stored_study import StoredStudy
 from ..words import cautions, labels
 from . import regions
@@ -159,7 +158,8 @@ def choose(
         For fewer than two axes, an unknown axis or observable, `x` equal to `y`, too many observables.
     """
     x, y = _two_axes(stored, x, y, dict(at or {}))
-    shown, left_out = choose_observables(stored, show, len(stored.observables), most_level=1)
+    shown = stored.names_of_figure(show) if show else list(stored.varying or stored.observables[:1])
+    left_out: Sequence[str] = ()
     if not show:
         judged = {law.observable for law in stored.laws}
         shown.sort(key=lambda name: name not in judged)
@@ -191,7 +191,7 @@ def cells(stored: StoredStudy, choice: Choice, where: Mapping[str, int], source:
     turned = np.zeros(solved.shape, dtype=bool)
     if leaves_out_turned(stored):
         turned = solved & cautions.has_key(plane["caution"].values, cautions.TURNED)
-    scales = scale_of(plane[choice.x]), scale_of(plane[choice.y])
+    scales = scale_of(plane, choice.x), scale_of(plane, choice.y)
     swing = np.exp(plane[SWING].values) if SWING in plane else swings(plane)
     straight = solved & (swing < STRAIGHT)
     return Cells(plane, *scales, solved, straight, turned, int(unchecked.sum()), plane if source is None else source)

@@ -23,7 +23,6 @@ from studies.laws import law_words
 from studies.laws.line_verdicts import HOLDS, VERDICTS
 
 from ..stored import law_verdicts
-from ..stored.shown_observables import level_notes
 from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import canvas, colours, fonts, map_panel, print_heights
@@ -125,7 +124,7 @@ def _figure_of(
     if choice.along and len(choice.columns) < stored.sizes[choice.along]:
         of = f"the {stored.sizes[choice.along]} values of {labels.axis_symbol(choice.along)}"
         said.append(f"The columns show {len(choice.columns)} of {of}.")
-    said += level_notes(stored, stored.observables) if not show else []
+    said += stored.level_notes(stored.observables) if not show else []
     left_out = [
         *choice.left_out,
         *(name for name in stored.observables if watched and not show and name not in watched),

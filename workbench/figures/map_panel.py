@@ -19,7 +19,6 @@ from solver.problem.errors import InputError
 from studies.grammar.axes import SAMPLE
 from studies.laws.line_verdicts import NOISE
 
-from ..stored import selection
 from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import canvas, colours, drawn_rods, fonts, regions, unrolled
@@ -56,8 +55,7 @@ class Colours:
         known = values[np.isfinite(values)]
         low, high = self.low, self.high = (float(known.min()), float(known.max())) if known.size else (0.0, 1.0)
         self.constant = stored.is_level(name)  # what rounding and errors allow is no news
-        level = labels.level(stored[name], *stored.level(name)) if self.constant else ""
-        self.said = f", {level} in {selection.known_cases(stored[name])}" if self.constant else ""
+        self.said = f", {stored.level_in_words(name)}" if self.constant else ""
         self.cmap: Colormap = colours.map_colours()
         self.norm = Normalize(low, high)
         if self.constant:

@@ -17,7 +17,6 @@ from ..stored import derived_arrays
 from ..words import labels
 from . import canvas, colours, fonts, push_scale
 from .drawn_rods import DrawnRod, DrawnRods
-from .scales import is_logarithmic
 from .sheet import Sheet
 
 LEAST = 13  # rods: fewer have a curve each
@@ -45,7 +44,7 @@ def figure(rods: DrawnRods, sheet: Sheet, said: Sequence[str]) -> Figure:
 def _rows(rods: DrawnRods) -> Iterator[tuple[DrawnRod, float, float]]:
     """Each rod, and the lower and the upper edge of its row."""
     assert rods.axis is not None
-    to, back = (np.log, np.exp) if is_logarithmic(rods.source[rods.axis]) else (np.asarray, np.asarray)
+    to, back = (np.log, np.exp) if rods.source.is_logarithmic(rods.axis) else (np.asarray, np.asarray)
     values = to(_values(rods))
     order = np.argsort(values)
     middles = (values[order][1:] + values[order][:-1]) / 2
@@ -92,7 +91,7 @@ def _draw_push(rods: DrawnRods, ax: Axes) -> None:
 def _finish(ax: Axes, rods: DrawnRods, title: str) -> None:
     assert rods.axis is not None
     axis = rods.source[rods.axis]
-    if is_logarithmic(axis):
+    if rods.source.is_logarithmic(rods.axis):
         ax.set_yscale("log")
     rows = [*_rows(rods)]
     longest = max(float(rod["s"][-1]) for rod in rods.solved)

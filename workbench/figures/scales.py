@@ -7,18 +7,17 @@ from math import floor, log10
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.axis import XAxis, YAxis
 from matplotlib.ticker import Formatter, Locator, LogLocator, MaxNLocator, MultipleLocator, NullLocator
 from numpy.typing import NDArray
 
+from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import fonts
 
 Values = NDArray[np.float64]
 
-WIDE = 3.0  # times the smallest value: a narrower range has a linear scale
 MOST, GAP = 8, 0.08  # ticks of an axis; inches between two numbers
 ROUNDING = 1e-9  # share of the range by which a tick may lie outside it
 SPARE = 0.04  # share of a span that stays free at either end
@@ -86,24 +85,6 @@ class RoomLocator(Locator):
             yield MaxNLocator(count, steps=[1, 2, 5, 10], integer=counts, min_n_ticks=1)
         for count in (3, 2):  # at 3, 4, 6 and 8 too, where so few at 1, 2 and 5 do not lie on it
             yield MaxNLocator(count, steps=[1, 2, 3, 4, 5, 6, 8, 10], integer=counts, min_n_ticks=1)
-
-
-def is_wide(low: float, high: float) -> bool:
-    """Whether the larger of two positive values is so many times the smaller that ratios tell more than differences."""
-    return bool(low > 0 and high > WIDE * low)
-
-
-def is_logarithmic(axis: xr.DataArray) -> bool:
-    """Whether an axis is logarithmic: its values have a wide range, and their logarithms are spread more evenly.
-
-    An axis that was refined says itself how it is spread: its values crowd where something changes.
-    """
-    low, middle, high = (float(value) for value in np.quantile(axis.values, (0.0, 0.5, 1.0)))
-    if not is_wide(low, high):
-        return False
-    if "spacing" in axis.attrs:
-        return bool(axis.attrs["spacing"] == "geometric")
-    return abs(middle - np.sqrt(low * high)) < abs(middle - (low + high) / 2)
 
 
 EDGE = 1e-9  # of an axis: a place so near to an edge of a cell lies on it
@@ -175,10 +156,10 @@ def round_below(value: float) -> float:
     return max(digit * power for digit in (1, 2, 5) if digit * power <= value * (1 + 1e-9))
 
 
-def scale_of(axis: xr.DataArray) -> Scale:
+def scale_of(stored: StoredStudy, name: str) -> Scale:
     """The scale of the values of an axis, in any order: from the first to the last, or between its `ends`."""
+    axis, logarithmic = stored[name], stored.is_logarithmic(name)
     values = np.sort(labels.in_label_unit(axis, axis.values))
-    logarithmic = is_logarithmic(axis)
     points = np.log(values) if logarithmic else values
     if points.size == 1:
         edges = points + np.array([-0.5, 0.5]) * (abs(points[0]) or 1.0)

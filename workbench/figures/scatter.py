@@ -12,11 +12,10 @@ from matplotlib.figure import Figure
 from solver.problem.errors import InputError
 from studies.grammar.axes import SAMPLE
 
-from ..stored.shown_observables import choose_observables
 from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import canvas, colours, fonts, print_heights
-from .scales import SPARE, RoomLocator, is_logarithmic, set_scale
+from .scales import SPARE, RoomLocator, set_scale
 from .sheet import SCREEN, Sheet
 from .trends import Values, mark_missing
 
@@ -52,7 +51,7 @@ def figure(stored: StoredStudy, show: Sequence[str] = (), sheet: Sheet = SCREEN)
     known = stored.observables
     if SAMPLE not in stored.varied or not known:
         raise InputError("the kind samples draws the observables of samples, and the file has none")
-    every = choose_observables(stored, show, 0)[0] if show else sheet.choose(known)
+    every = stored.names_of_figure(show) if show else sheet.choose(known)
 
     def draw(count: int) -> Figure:
         is_wide = sheet.style == SCREEN.style and not sheet.narrow
@@ -103,7 +102,7 @@ def _draw_samples(stored: StoredStudy, ax: Axes, name: str, field: str, room: fl
     """One observable against one field, on a panel of so many inches."""
     x, y = (labels.in_label_unit(stored[key], stored[key].values) for key in (field, name))
     known, solved = np.isfinite(y), stored["solved"].values
-    logarithmic = is_logarithmic(stored[field])
+    logarithmic = stored.is_logarithmic(field)
     set_scale(ax.xaxis, (float(x.min()), float(x.max())), logarithmic, SPARE)
     if known.sum() > MANY:
         _density(ax, x[known], y[known], logarithmic)

@@ -13,9 +13,8 @@ from matplotlib.figure import Figure
 from solver.problem.errors import InputError
 from studies.grammar.axes import SAMPLE
 
-from ..stored.shown_observables import choose_observables, level_notes
 from ..stored.stored_study import StoredStudy
-from ..stored.trend_lines import LawLine, TrendLine, law_of, trend_of
+from ..stored.trend_lines import LawLine, TrendLine
 from ..words import labels
 from . import canvas, drawn_rods, law_panel, print_heights, trends, unrolled
 from .sheet import SCREEN, Sheet, set_range
@@ -69,7 +68,7 @@ def figure(
     if not axes:
         raise InputError("samples are drawn by the kind samples")
     along = stored.axis(x) if x else axes[0]
-    laws = [law_of(stored, row) for row in rows]
+    laws = [stored.law_line(row) for row in rows]
     chosen = _choice(stored, laws, along, axes if unrolled.has_curve(whole) else [], show, sheet)
     most = len(chosen.panels)
     is_whole = sheet.panel is not None or bool(show) or sheet.style != "paper"
@@ -161,22 +160,21 @@ def _choice(
     than have room.
     """
     known = stored.observables
-    free = 0 if laws else MOST_PLAIN
-    names, without_room = choose_observables(stored, show, free, most_level=free)
+    names = stored.names_of_figure(show) if show else [] if laws else (stored.varying or known)[:MOST_PLAIN]
     on: dict[str, list[TrendLine]] = {name: [] for name in names}
     for law in laws:
         on.setdefault(str(law.observable.name), []).append(law)
     if show:
-        return _Choice([line for name in names for line in on[name] or [trend_of(stored, name, along)]])
+        return _Choice([line for name in names for line in on[name] or [stored.trend(name, along)]])
     if sheet.panel is None:
-        level = level_notes(stored, [name for name in known if name not in on])
-        left_out = [name for name in without_room if name not in on]
+        level = stored.level_notes(name for name in known if name not in on)
+        left_out = [name for name in stored.varying if name not in on]
         trivial = [law for law in laws if law.is_trivial]
         panels: Sequence[TrendLine] = [law for law in laws if law not in trivial]
         if not (panels or strips):
             trivial, panels = [], trivial
         if not laws:
-            panels = [trend_of(stored, name, along) for name in names]
+            panels = [stored.trend(name, along) for name in names]
         return _Choice(panels, strips, trivial, level, left_out)
     named = _name(laws)
     every = [*strips, *(law.row["claim"] for law in laws), *named, *known]
@@ -184,7 +182,7 @@ def _choice(
     if panel in strips:
         return _Choice([], [panel])
     if panel in known:
-        return _Choice([trend_of(stored, panel, along)])
+        return _Choice([stored.trend(panel, along)])
     return _Choice([named[panel]] if panel in named else [law for law in laws if law.row["claim"] == panel])
 
 

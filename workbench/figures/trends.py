@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..stored.trend_lines import TrendLine
 from ..words import labels
 from . import colours, fonts
-from .scales import SPARE, RoomLocator, is_logarithmic, set_scale
+from .scales import SPARE, RoomLocator, set_scale
 from .sheet import ONE_COLUMN
 
 MOST_DOTS = 50  # values of a line, beyond which it has no dots
@@ -29,21 +29,19 @@ def trend(line: TrendLine, ax: Axes, joined: bool = True) -> Axes:
     """
     along = labels.in_label_unit(line.axis, line.along)
     lines, values = (labels.in_label_unit(line.observable, numbers) for numbers in (line.lines, line.values))
-    logarithmic = is_logarithmic(line.axis)
+    set_scale(ax.xaxis, (float(along.min()), float(along.max())), line.is_logarithmic, SPARE)
     for other in lines:
-        draw_line(ax, along, other, line.is_count, logarithmic, color=colours.FAINT, linewidth=1, zorder=1)
+        draw_line(ax, along, other, line.is_count, color=colours.FAINT, linewidth=1, zorder=1)
     changes = np.empty(0, dtype=int)
     if joined or along.size > MOST_DOTS:
         look: dict[str, Any] = {"color": colours.DATA, "linewidth": 1.2, "zorder": 2}
-        changes = draw_line(ax, along, values, line.is_count, logarithmic, line.broken, **look)
+        changes = draw_line(ax, along, values, line.is_count, line.broken, **look)
     for k in changes.tolist():
         ax.plot(along[[k - 1, k]], [values[[k - 1, k]].mean()] * 2, color=colours.SOFT, linewidth=0.8, marker="|",
                 markersize=5, zorder=1.9, label=BRACKET, gid=CHANGE)  # fmt: skip
     if along.size <= MOST_DOTS:
         ax.scatter(along, values, color=colours.DATA, s=15, zorder=4, edgecolors="white", linewidths=0.7)
     mark_missing(ax, along, np.isfinite(values), line.solved, named=True)
-    low, high = float(along.min()), float(along.max())
-    set_scale(ax.xaxis, (low, high), logarithmic, SPARE)
     if line.fold is not None:
         ax.axvline(float(np.degrees(line.fold)), color=colours.INK, linewidth=1, linestyle=(0, (4, 3)), label="fold")
     wide, high = fonts.inches(ax)
@@ -71,7 +69,6 @@ def draw_line(
     along: Values,
     values: Values,
     is_count: bool,
-    logarithmic: bool,
     broken: NDArray[np.int64] | tuple[()] = (),
     **look: Any,
 ) -> NDArray[np.int64]:
@@ -83,7 +80,7 @@ def draw_line(
     `Axes.plot`.
     """
     changes = np.setdiff1d(np.flatnonzero(np.abs(np.diff(values)) > 0) + 1 if is_count else (), broken).astype(int)
-    share = np.log(np.abs(along)) if logarithmic else along
+    share = np.log(np.abs(along)) if ax.get_xscale() == "log" else along
     inches = np.abs(np.diff(share)) / (np.ptp(share) or 1.0) * fonts.inches(ax)[0]
     is_near = inches[changes - 1] < NEAR
     gaps = np.union1d(broken, changes).astype(int)

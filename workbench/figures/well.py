@@ -288,7 +288,7 @@ def _draw_slack_off(stored: StoredStudy, load: str, place: Mapping[str, int], ax
     weight = np.asarray(case.rod.weight or 0.0) * case.rod.L * np.abs(np.cos(case.cylinder.inclination or 0.0))
     slack, bit = np.broadcast_to(weight - near, FZ0.shape), -far
     broken = np.flatnonzero(np.diff(line["branch"].values[order])) + 1 if "branch" in line else ()
-    trends.draw_line(ax, slack[order], bit[order], False, False, broken, color=colours.DATA, linewidth=1.3)
+    trends.draw_line(ax, slack[order], bit[order], False, broken, color=colours.DATA, linewidth=1.3)
     solved = np.isfinite(slack[order]) & np.isfinite(bit[order])
     jumps = [k for k in map(int, broken) if solved[k - 1 : k + 1].all()]
     for k in jumps:

@@ -23,7 +23,6 @@ from ..figures.sheet import Sheet
 from ..figures.trends import trend
 from ..geometry import self_contact, tube
 from ..stored.stored_study import StoredStudy
-from ..stored.trend_lines import law_of
 from ..words import cautions, labels
 
 ROD, ALONG, CLAIMS = "fig6", "fig7_1_modulus", "readings"  # the datasets by the name of their study
@@ -193,7 +192,7 @@ def row(stored: StoredStudy, ax: Axes, below: Axes) -> None:
 def law(stored: StoredStudy, ax: Axes) -> None:
     """The first law of a dataset: its observable along the axis, and its verdict."""
     (verdict, *_) = stored.verdicts
-    line = law_of(stored, verdict)
+    line = stored.law_line(verdict)
     trend(line, ax)
     title = law_panel.title_of(line, fonts.inches(ax)[0], fonts.small())
     colour = colours.VERDICTS[verdict["verdict"]]

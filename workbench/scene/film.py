@@ -25,12 +25,10 @@ from solver.problem.quantities import current
 from studies.grammar.axes import SAMPLE
 
 from ..figures import bifurcation, canvas, colours, fonts
-from ..figures.scales import is_logarithmic
 from ..figures.trends import BRACKET, trend
 from ..run import atomic
 from ..stored.stored_cases import no_such_observable
 from ..stored.stored_study import StoredStudy
-from ..stored.trend_lines import trend_of
 from ..words import labels
 from . import body as rods
 from . import long_rod, page, scene_kinds, signs
@@ -244,7 +242,7 @@ def _draw_case(fig: Figure, film: Film, stored: StoredStudy, i: int) -> Iterator
     ends = array.values[[0, i, -1]]
     if film.branches is not None:  # as in the diagram
         ends[[0, -1]] = array.values.min(), array.values.max()
-    first, at, last = np.log(ends) if is_logarithmic(array) else ends
+    first, at, last = np.log(ends) if stored.is_logarithmic(film.axis) else ends
     place = left + (at - first) / (last - first) * (right - left)
     yield from ax.plot([left, place], [left + 0.34] * 2, color=colours.SOFT, linewidth=2.0, solid_capstyle="round")
     yield from ax.plot(place, left + 0.34, "o", color=colours.INK, markersize=6)
@@ -311,7 +309,7 @@ def _draw_diagram(ax: Axes, stored: StoredStudy, film: Film) -> None:
     """The whole curve of the observable, with its name above it."""
     assert film.observable is not None
     if film.branches is None:
-        trend(trend_of(stored, film.observable, film.axis, film.at), ax)
+        trend(stored.trend(film.observable, film.axis, film.at), ax)
     else:
         bifurcation.panel(film.branches, ax, film.observable, fonts.inches(ax)[1])
     ax.set_label(DIAGRAM_LABEL)

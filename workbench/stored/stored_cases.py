@@ -1,6 +1,7 @@
 """What a dataset holds of its cases: axes, units, numbers, and which case a user means. `StoredStudy` adds the rest."""
 
 import json
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -20,7 +21,7 @@ from studies.laws.line_verdicts import NOISE
 from ..words import cautions, labels, outcomes
 from . import file_kinds, quantity_variables, schema
 from .quantity_variables import COMPONENTS, is_count
-from .selection import Value, index, spread
+from .selection import Value, index, known_cases, spread
 
 NOT_OBSERVED = ("rho", "condition", "dbeta0", "level")  # numbers of each case, not observables
 FOUND = ("FZ", "MZ", "M3", "beta0", "betaL")  # observables where they are found of held ends
@@ -28,12 +29,20 @@ _ROUNDING = 1e-9  # of the largest: a load that is 0 by symmetry differs by less
 PARTS = ("curve", "fold", "special", "shape")  # of a dataset of branches; each may have `<part>_<BACK>`
 BACK = "turned_back"
 HELD_INDEX = "held_index"  # stored of held ends alone
+MOST_ASKED = 12  # observables of one figure
+WIDE = 3.0  # times the smallest value: a narrower range has a linear scale
+IS_TRUE_OR_FALSE = re.compile(r"[<>]|==|!=|\b(and|or|not)\b")  # an expression
 
 
 def no_such_observable(name: str, known: Sequence[str]) -> InputError:
     """The error that a file has no such observable; of one that a study could have had it says how."""
     why = f"{name} is not stored: a study stores what its `observables` name" if name in OBSERVABLES else ""
     return InputError(f"{why or f'no observable {name!r}{near(name, known)}'}; the file has {choices(known) or 'none'}")
+
+
+def is_wide(low: float, high: float) -> bool:
+    """Whether the larger of two positive values is so many times the smaller that ratios tell more than differences."""
+    return bool(low > 0 and high > WIDE * low)
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,6 +203,19 @@ class StoredCases:
             raise InputError(f"no axis {name!r}: the dataset has none")
         raise no_such("axis", name, axes)
 
+    def is_logarithmic(self, axis: str) -> bool:
+        """Whether the scale of an axis is logarithmic: its values have a wide range, and their logarithms are spread
+        more evenly.
+
+        An axis that was refined says itself how it is spread: its values crowd where something changes.
+        """
+        low, middle, high = (float(value) for value in np.quantile(self.ds[axis].values, (0.0, 0.5, 1.0)))
+        if not is_wide(low, high):
+            return False
+        if "spacing" in self.ds[axis].attrs:
+            return bool(self.ds[axis].attrs["spacing"] == "geometric")
+        return abs(middle - np.sqrt(low * high)) < abs(middle - (low + high) / 2)
+
     def place(self, at: Mapping[str, Value] | None = None) -> dict[str, int]:
         """The indices of the case at these values; an axis that is not named stays where the laws or Table 1 put it.
 
@@ -318,6 +340,18 @@ class StoredCases:
         whole = [name for name in self.variables if self.ds[name].dtype.kind in "iu" or is_count(self.ds[name])]
         return frozenset({*whole, HELD_INDEX})
 
+    @cached_property
+    def varying(self) -> list[str]:
+        """The observables that are not the same in all cases."""
+        return [name for name in self.observables if not self.is_level(name)]
+
+    def names_of_figure(self, show: Sequence[str]) -> list[str]:
+        """The observables that are asked for, for one figure. Raises `InputError` as `names_of` does, for too many."""
+        names = self.names_of(show)
+        if len(names) > MOST_ASKED:
+            raise InputError(f"a figure shows at most {MOST_ASKED} observables, got {len(names)}: {choices(names)}")
+        return names
+
     def names_of(self, names: Sequence[str]) -> list[str]:
         """The names, each once. Raises `InputError` for one that is no number of each case, with the observables."""
         names = [current(name) for name in names]
@@ -346,6 +380,28 @@ class StoredCases:
         errors = self.ds[f"{name}_error"].values if f"{name}_error" in self.ds else np.zeros(values.shape)
         errors = np.maximum(np.nan_to_num(errors), NOISE / 2 * np.abs(values[known]).max())[known]
         return float((values[known] - errors).max()), float((values[known] + errors).min())
+
+    def level_in_words(self, name: str) -> str:
+        """A number that is the same in all cases, or in all that have one, without its name: ``3 in all cases``."""
+        return f"{labels.level(self.ds[name], *self.level(name))} in {known_cases(self.ds[name])}"
+
+    def level_notes(self, names: Iterable[str]) -> list[str]:
+        """A sentence about each of the observables that is the same in all cases, or in all that have a number."""
+        texts = []
+        for name in names:
+            if not self.is_level(name):
+                continue
+            noun, where = labels.long_name(self.ds[name]), known_cases(self.ds[name])
+            holds = bool(round(sum(self.level(name)) / 2))
+            if flag := re.fullmatch("1 where (.*), else 0", noun):
+                none = "no case" if where.startswith("all") else f"none of {where}"
+                said = f"{flag[1]} in {where if holds else none}."
+            elif IS_TRUE_OR_FALSE.search(str(self.ds[name].attrs.get("expression", ""))):
+                said = f"{noun}: {'true' if holds else 'false'} in {where}."
+            else:
+                said = f"{noun}: {self.level_in_words(name)}."
+            texts.append(said[0].upper() + said[1:])
+        return texts
 
     def equations(self, where: Mapping[str, int], digits: int = 4) -> str:
         """The values at indices along axes: ``R = 0.75 cm, F₃ = 10 N``; nothing where there are none."""

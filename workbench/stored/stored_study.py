@@ -8,7 +8,7 @@
 Figures, scenes, pages and exports take one.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from importlib import import_module
@@ -21,12 +21,14 @@ from numpy.typing import NDArray
 from solver.problem.errors import InputError, near, no_such
 from solver.problem.quantities import current
 from solver.problem.shown import Picture
+from studies.laws.line_verdicts import MONOTONE
 
 from . import derived_arrays, law_verdicts, refined
 from .derived_arrays import ARRAYS, StoredArrays
 from .refined import Refined
-from .selection import indices
+from .selection import Value, indices
 from .stored_cases import StoredCases
+from .trend_lines import LawLine, TrendLine
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -38,6 +40,7 @@ if TYPE_CHECKING:
 
     from ..geometry.centreline import Centreline
 
+WHICH = ("claim", "kind", "observable", "axis", "rule")  # by these a law is found: the numbers of two such are equal
 NOTEBOOK = "workbench.notebook"  # loaded by name: it draws what this module reads
 
 
@@ -236,6 +239,51 @@ class StoredStudy(StoredCases):
         if law := next((law for law in self.laws if law.claim == name), None):
             return law_verdicts.boundary_of_law(self, self.refinement, law)
         return refined.boundary(self.ds, self.refinement, current(name), step, self.observables)
+
+    def trend(self, observable: str, axis: str, at: Mapping[str, Value] | None = None) -> TrendLine:
+        """An observable along an axis, on the line at these values of the others. Raises `InputError`, as `places`."""
+        return TrendLine(**self._trend(observable, axis, self.places(axis, at)))
+
+    def law_line(self, row: Mapping[str, Any]) -> LawLine:
+        """A law, given as a row of its verdicts, on the line that decides it. Raises `InputError`."""
+        places = self.places(row["axis"], row["at"])
+        compared: Mapping[str, NDArray[np.float64]] = {}
+        if row["kind"] != MONOTONE:
+            laws = zip(self.laws, self.numbers_of_laws, strict=True)
+            compared = next(numbers for law, numbers in laws if all(getattr(law, key) == row[key] for key in WHICH))
+        on_line = tuple(np.array([place[name] for place in places]) for name in self.axes)
+        return LawLine(
+            **self._trend(row["observable"], row["axis"], places),
+            row=row,
+            compared={key: values[on_line] for key, values in compared.items()},
+            formulas=self.expressions,
+            others={also["observable"]: self.ds[also["observable"]] for also in row["also"]},
+        )
+
+    def _trend(self, observable: str, axis: str, places: list[dict[str, int]]) -> dict[str, Any]:
+        """The fields of a `TrendLine` on the line of these places."""
+        on = {axis: [place[axis] for place in places]}
+        others = {name: i for name, i in places[0].items() if name != axis}
+        lines = self.of_solved(observable).transpose(..., axis).isel(on)
+        broken = np.empty(0, dtype=int)
+        if "branch" in self and set(self.ds["branch"].dims) == set(places[0]):
+            broken = np.flatnonzero(np.diff(self.ds["branch"].isel(others | on).values)) + 1
+        is_followed = "fold" in self and axis == self.attrs.get("followed") and np.isfinite(self.ds["fold"])
+        return {
+            "axis": self.ds[axis],
+            "observable": self.ds[observable],
+            "along": self.ds[axis].values[on[axis]],
+            "values": lines.isel(others).values.astype(float),
+            "solved": self.ds["solved"].transpose(..., axis).isel(on).isel(others).values,
+            "lines": lines.values.reshape(-1, len(places))[: 0 if lines.ndim == 1 or self.stand_alone else None],
+            "held": self.equations(others),
+            "broken": np.arange(1, len(places)) if self.stand_alone else broken,
+            "fold": float(self.ds["fold"]) if is_followed else None,
+            "alone": self.stand_alone,
+            "is_count": observable in self.counts,
+            "is_level": self.is_level(observable),
+            "is_logarithmic": self.is_logarithmic(axis),
+        }
 
     def to_pandas(self, *along: str) -> "pd.DataFrame":
         """A table: one row a case, or with names of arrays along the rod one row a station.
