@@ -292,7 +292,7 @@ def _fault(words: list[str], error: Exception) -> str:
     if not paths or sys.flags.dev_mode:
         raise error
     place = traceback.extract_tb(error.__traceback__)[-1]
-    said = f"{type(error).__name__}: {error} ({Path(place.filename).name}, line {place.lineno})"
+    said = f"{type(error).__name__}: {str(error)[:LONGEST]} ({Path(place.filename).name}, line {place.lineno})"
     if altered := [path for path in paths if not file_checks.is_as_stored(path)]:
         return f"{altered[0]} cannot be used, as it is altered or not of the workbench: {said}"
     return f"a fault of the workbench, please report it, as {paths[0]} is as it was stored: {said}"

@@ -110,7 +110,7 @@ OF_STUDY: tuple[Change, ...] = (
     ("beta", np.full((2, 3, 21), b"x")), ("E@units", "Pa"), ("@laws", "__import__('os').abort()"), ("@laws", BOMB),
     ("@laws", json.dumps([LAW])), ("@length_unit", ["cm", "N"]), ("@tolerance", np.nan), ("@format", 99),
     ("@format", "new"), ("E[0]", np.nan), ("E[0]", 2e4), ("z[10]", np.nan), ("z[10]", 1000.0), ("beta[3]", 1e200),
-    ("bends[0]", -1), ("attached[0]", 7), ("rho[0]", 0.0), ("rho[0]", 17.0), ("FZ[0]", np.nan), ("M3[0]", 1e300),
+    ("bends[0]", -1), ("attached[0]", 7), ("rho[0]", 0.0), ("FZ[0]", np.nan), ("M3[0]", 1e300),
     ("s[0]", -1.0), ("u[0]", 0.5), ("error[0]", np.nan), ("kappa_max[0]", 1e300), ("kappa_max[0]", np.inf),
     ("@format", 1),
 )  # fmt: skip

@@ -147,7 +147,7 @@ def test_stations_that_are_all_infinite_are_refused_without_a_warning(value: flo
 def test_curves_in_a_lower_precision_are_judged_without_a_warning(precision: str) -> None:
     ds = reading.read(sound("grid"))
     ds = ds.assign({name: (0 * ds[name]).astype(precision) for name in ("beta", "alpha", "z")})
-    assert list(checks.curves(ds)) == []
+    assert list(checks.numbers(ds, along=True)) == []
 
 
 RADIUS = [("shape_rho", value, "must be") for value in (1e300, 0.0, -1.0, np.nan)]  # of each shape of branches

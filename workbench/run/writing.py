@@ -79,7 +79,7 @@ def write(ds: xr.Dataset, path: str | Path, force: bool = False) -> Path:
     ds = ds.assign_attrs(Conventions=schema.CONVENTIONS)
     if not force:
         check_free(path, str(ds.attrs["study_name"]))
-    checks.check_all(ds.drop_encoding(), f"cannot write {path}")  # whatever is written is read
+    checks.check(ds.drop_encoding(), f"cannot write {path}")  # whatever is written is read
     image = BytesIO()  # HDF5 does not survive a full disk, so it writes to memory
     write_new(ds, image)
     with h5py.File(image, "a") as file:

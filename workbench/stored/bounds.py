@@ -5,7 +5,7 @@ The writer asks before it solves (`check_study`) and before it stores (`unfit`, 
 """
 
 import re
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -26,39 +26,24 @@ Mask = NDArray[np.bool_]
 SMALLEST, LARGEST, MOST = 1e-50, 1e50, 1e30
 MOST_ANGLE = 1e12  # rad: beyond, a float cannot hold the direction to 1e-4
 MOST_DRAWN = 1e200  # of a number of a case: beyond, the ticks of a logarithmic axis overflow
-SAME = 1e-9  # relative, between a stored number and what it follows from
+SAME = 1e-9  # share by which a number may be beyond its range, or a station beside its place
 STRAIGHT = 1e-6  # share of its length by which a rod may reach farther: rounding and the error of the method
 COUNTED = ("held_index", "branch")  # whole numbers of each case that are no observables
 FIELDS = (*POSITIVE, "rho", "shape_rho", *RANGES)  # that have a range; shape_rho: of each shape of branches
 CONTROL = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\ud800-\udfff]")  # of a text of many lines; no UTF-8
 LINE, LABEL = LONGEST_LINE, 1000  # characters of an attribute of a file, and of a variable or a text of a case
 CUT = "; ..."  # ends a text that is longer than a file holds
-# What fields and stations must be together: the names, what is wrong with the first otherwise, and the rule.
-TOGETHER: Sequence[tuple[tuple[str, ...], str, Callable[..., Any]]] = (
-    (("inner_radius", "a"), "is not less than a", lambda inner, a: inner < a),
-    (
-        ("rho", "R", "a", "side"),
-        "is not R + a, or inside a hole R - a",
-        lambda rho, R, a, side: abs(rho - R - side * a) <= SAME * (R + a),
-    ),
-    (("L", "rho"), f"must be at most {MOST:g} times rho", lambda L, rho: L / rho < MOST),
-    (("u",), "must rise from 0 to 1", lambda u: (u >= 0) & (u <= 1) & bool((np.diff(np.ravel(u)) > 0).all())),
-    (("s", "u", "L"), "must be u L", lambda s, u, L: abs(s - u * L) <= SAME * L),
-)
 
 
 def wrong_axis(values: Any) -> str:
     """What is wrong with the values of an axis; "" where nothing is."""
-    if not (np.abs(values) <= LARGEST).all():
+    if np.asarray(values).dtype.kind not in "iuf" or not (np.abs(values) <= LARGEST).all():
         return f"holds values that are not finite, or beyond {LARGEST:g}"
     return "holds a value twice" if np.unique(values).size < np.size(values) else ""
 
 
 def unfit_fields(number: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    """What is wrong with fields and stations: a name, and why, in words.
-
-    number: their values by their names, and `side`, 1 on the cylinder and -1 in a hole; which of them there are.
-    """
+    """What is wrong with fields and the stations u and s: a name, and why, in words. number: values by their names."""
     for name in (name for name in FIELDS if name in number):
         values = np.asarray(number[name], dtype=float)
         allowed = RANGES.get(name, RANGES["R"])  # rho is positive, as R is
@@ -67,10 +52,13 @@ def unfit_fields(number: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
         if not good.all():
             got = values[~good].flat[0]
             yield name, f"must be {f'from {low:g} to {high:g}' if np.isfinite(got) else 'finite'}, got {got:g}"
-    for needed, why, holds in TOGETHER:
-        with np.errstate(all="ignore"):  # of infinite numbers a rule has no value, and does not hold
-            if {*needed} <= {*number} and not np.all(holds(*(number[name] for name in needed))):
-                yield needed[0], why
+    if {"L", "rho"} <= {*number} and np.max(number["L"] / number["rho"]) >= MOST:
+        yield "L", f"must be at most {MOST:g} times rho"
+    u = number.get("u", 0.0)
+    if not (np.all((u >= 0) & (u <= 1)) and np.all(np.diff(np.ravel(u)) > 0)):
+        yield "u", "must rise from 0 to 1"
+    elif {"u", "s", "L"} <= {*number} and not np.all(abs(number["s"] - u * number["L"]) <= SAME * number["L"]):
+        yield "s", "must be u L"
 
 
 def check_study(study: Study, dimensions: Dimensions) -> None:

@@ -1,58 +1,47 @@
 """Validate a dataset before it is used or stored: the layout and the numbers that the tables of the writer allow.
 
-A check yields what is wrong with a dataset, each a sentence without its beginning, the name of the file. Checks change
-nothing. Those of `STUDY` are asked for every study; they read no array along the rod. `curves` does, block by block: of
-a dataset that is read whole, for its summary and for its check. Texts are not judged: the reader makes them printable.
+A file of the workbench that has changed since is refused by its checksums (`file_checks`). These checks are for the
+others, which another program stored: they refuse what would be another number than it says, or none that can be. What
+else a foreign file makes a command raise is a sentence of `cli`. Texts are not judged: the reader makes them printable.
+
+A check yields what is wrong with a dataset, each a sentence without its beginning, the name of the file.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
-from solver.problem.case import DIRECT, ELASTIC, GIVEN, SIDES
-from solver.problem.declared_fields import CHOICES, FIELDS
-from solver.problem.errors import InputError, choices
+from solver.problem.declared_fields import FIELDS
+from solver.problem.errors import InputError
 from solver.problem.quantities import QUANTITIES, unit_of
-from solver.problem.units import FORCES, LENGTHS
 from studies import names
 from studies.grammar.axes import SAMPLE
 
 from ..words.escaping import show
 from . import bounds, file_kinds, quantity_variables, refined, schema
 from .boxes import AT_ONCE, pieces
-from .quantity_variables import CURVES, INNER, JUDGED, LOADS, SECTION
-from .schema import FORMAT, TEXTS
-
-Check = Callable[[xr.Dataset], Iterator[str]]
+from .quantity_variables import CURVES, INNER, JUDGED, LOADS
 
 MARKS = ("title", "study_name", "laws")  # texts that every study has, and no other file
-WORDS: Mapping[str, Any] = {
-    **CHOICES,
-    "stiffness": quantity_variables.SECTIONS,
-    "length_unit": LENGTHS,
-    "force_unit": FORCES,
-}
-# What the values of a variable are, and their kinds in NumPy; of all others numbers.
-KINDS = {
-    **dict.fromkeys((*TEXTS, "xyz"), ("text", "OUST")),
-    **dict.fromkeys((*bounds.FIELDS, "u", "s"), ("floating-point numbers", "f")),
-    "solved": ("booleans", "b"),
-    SAMPLE: ("numbers", "iu"),
-}
+OF_CASES = ("outcome", "solved", "caution", *JUDGED)  # variables that every study has
 BLOCK_ALONG = 2**20  # stations of curves that are read at a time
 
 
-def check(ds: xr.Dataset, path: str | Path, checks: Sequence[Check]) -> None:
+def check(ds: xr.Dataset, path: str | Path, along: bool = True) -> None:
     """Raise `InputError`, a sentence that begins with the path, for the first thing that is wrong with a dataset.
 
-    Where a check cannot be made, because something is missing or of another kind, that is what is wrong.
+    Where a check cannot be made, because something is missing or of another kind, that is what is wrong. along: whether
+    arrays along the rod are read and judged too, block by block.
     """
+    is_study = file_kinds.kind_of(ds) is file_kinds.STUDY
+    if is_study:
+        check_kind(ds, path)
     try:
-        wrong = next((wrong for look in checks for wrong in look(ds)), "")
+        looks = (layout(ds), fields(ds)) if is_study else (fields(ds), drawable(ds))
+        wrong = next((wrong for look in (*looks, numbers(ds, along)) for wrong in look), "")
     except InputError as error:
         wrong = f": {str(error).removeprefix(': ')}"
     except Exception as error:
@@ -61,85 +50,44 @@ def check(ds: xr.Dataset, path: str | Path, checks: Sequence[Check]) -> None:
         raise InputError(f"{path}{wrong}")
 
 
-def check_all(ds: xr.Dataset, path: str | Path) -> None:
-    """Raise `InputError` where anything is wrong with a dataset, of whichever kind."""
-    is_study = file_kinds.kind_of(ds) is file_kinds.STUDY
-    if is_study:
-        check_kind(ds, path)
-    of_kind = STUDY if is_study else (words, fields, drawable, *([cases] if "solved" in ds else []))
-    check(ds, path, [*of_kind, *([curves] if "solved" in ds else [])])
-
-
 def check_kind(ds: xr.Dataset, path: str | Path) -> None:
     """Raise `InputError` unless it is a study's dataset of this version's format; a study is cheap to solve again."""
     kind = file_kinds.kind_of(ds)
     if kind is not file_kinds.STUDY:
         raise file_kinds.other_kind(path, kind, f"this command reads {file_kinds.STUDY.what}")
     missing = [name for name in MARKS if name not in ds.attrs]
-    if missing or "outcome" not in ds:
-        raise InputError(f"{path} is not a study's dataset: it has no {', '.join(missing) or 'outcome'}")
+    if missing := missing or [name for name in OF_CASES if name not in ds.variables]:
+        raise InputError(f"{path} is not a study's dataset: it has no {', '.join(missing)}")
     version = schema.number_of(ds, "format", path) if "format" in ds.attrs else 1
-    if version != FORMAT:
+    if version != schema.FORMAT:
         study = str(ds.attrs["study_name"])
         again = f"; make it again with: workbench run {study if study in names() else 'STUDY'} --out {path}"
-        other = f"{path} is of format {version:g}, but this version reads format {FORMAT}"
-        raise InputError(other + (again if version < FORMAT else ""))
-
-
-def words(ds: xr.Dataset) -> Iterator[str]:
-    """Whether the words of rod, cylinder and units are known."""
-    for key in (key for key in WORDS if key in ds.attrs):
-        if not isinstance(value := ds.attrs[key], str) or value not in WORDS[key]:
-            yield f": the attribute {key} is {show(value)}; it can be {choices(WORDS[key])}"
+        other = f"{path} is of format {version:g}, but this version reads format {schema.FORMAT}"
+        raise InputError(other + (again if version < schema.FORMAT else ""))
 
 
 def layout(ds: xr.Dataset) -> Iterator[str]:
-    """Whether each variable has the kind of values, the dimensions and the unit that it is known for."""
-    axes, units = schema.axes_of(ds), {kind: ds.attrs[f"{kind}_unit"] for kind in ("length", "force")}
-    of_cases = ("solved", "caution", *JUDGED)
-    yield from (f" has no {name} for each of its cases" for name in of_cases if name not in ds.variables)
-    fixed = dict.fromkeys(of_cases, axes) | {key: [*axes, "u", *INNER.get(CURVES[key], ())] for key in CURVES}
-    free = [*axes, "u", *sum(INNER.values(), ())]  # the order of the dimensions of any other variable
+    """Whether axes and samples have their numbers, and each variable dimensions of cases and stations and its unit."""
+    axes, units = schema.axes_of(ds), {kind: schema.text_of(ds, f"{kind}_unit") for kind in ("length", "force")}
+    for name in axes:
+        if why := bounds.wrong_axis(ds.coords[name].values) if name in ds.coords else "has no values":
+            yield f": the axis {show(name)} {why}"
+    for field in schema.fields_of_samples(ds):
+        name = quantity_variables.dimension(field) if field in FIELDS else field
+        if name not in ds.coords or ds[name].dims != (SAMPLE,) or not np.isfinite(ds[name].values).all():
+            yield f": the sampled field {show(field)} has no values, or some that are not finite"
+    if refined.REFINED in ds.attrs:
+        refined.describe(ds)
+    order = [*axes, "u", *sum(INNER.values(), ())]
     for name, variable in {str(name): variable for name, variable in ds.variables.items()}.items():
-        kind, allowed = KINDS.get(name, ("numbers", "f" if name in axes else "iuf"))
-        if variable.dtype.kind not in allowed:
-            yield f": {show(name)} must hold {kind}, got {variable.dtype}"
         dims = [*map(str, variable.dims)]
-        if dims != fixed.get(name, [dim for dim in free if dim in dims]):
+        if dims != [dim for dim in order if dim in dims]:
             yield f": {show(name)} has the dimensions {show(dims)}, which do not fit the axes"
         row, unit = QUANTITIES.get(CURVES.get(name, name)), variable.attrs.get("units")
         if row is None or row.dimension == "text" or "expression" in variable.attrs:
             continue
         if unit not in (None, unit_of(row.name, units)):
             yield f": {name} is in {show(unit)}, but in the units of the file it is in {unit_of(row.name, units)}"
-
-
-def axes(ds: xr.Dataset) -> Iterator[str]:
-    """Whether each axis has different numbers that are not too large, as each sampled field has finite ones."""
-    names, fields = schema.axes_of(ds), schema.fields_of_samples(ds)
-    if bool(fields) != (SAMPLE in names):
-        yield f": the attribute sampled and the dimension {SAMPLE} belong together: one is missing"
-    for name in names:
-        if why := bounds.wrong_axis(ds.coords[name].values) if name in ds.coords else "has no values":
-            yield f": the axis {show(name)} {why}"
-    for field in fields:
-        name = quantity_variables.dimension(field) if field in FIELDS else field
-        if name not in ds.coords or ds[name].dims != (SAMPLE,) or not np.isfinite(ds[name].values).all():
-            yield f": the sampled field {show(field)} has no values, or some that are not finite"
-    if refined.REFINED in ds.attrs:
-        refined.describe(ds)
-
-
-def fields(ds: xr.Dataset) -> Iterator[str]:
-    """Whether rod, cylinder and stations are finite, positive, in order and consistent."""
-    number = {name: ds.variables[name] for name in (*bounds.FIELDS, "u", "s") if name in ds.variables}
-    word = ds.attrs.get("stiffness")
-    allowed = DIRECT if word == GIVEN else (*ELASTIC, *(["inner_radius"] if word == "solid" else []))
-    for name in (name for name in SECTION if name in number and name not in allowed):
-        yield f": the attribute stiffness is {show(word)}, which excludes {name}"
-    if ds.attrs.get("side") in SIDES:
-        number["side"] = xr.Variable((), SIDES[ds.attrs["side"]])
-    yield from (f": {name} {why}" for name, why in bounds.unfit_fields(number))
 
 
 def drawable(ds: xr.Dataset) -> Iterator[str]:
@@ -151,21 +99,26 @@ def drawable(ds: xr.Dataset) -> Iterator[str]:
                 yield f": {show(name)} holds numbers beyond {bounds.MOST_DRAWN:g}"
 
 
-def cases(ds: xr.Dataset) -> Iterator[str]:
-    """Whether the errors, loads and observables of each solved case can be, block by block."""
-    variables, dims = ds.variables, ds.variables["solved"].dims
-    each = [str(name) for name in ds.data_vars if variables[name].dims == dims and variables[name].dtype.kind in "iuf"]
-    yield from _numbers(ds, [*dict.fromkeys([*each, *(name for name in LOADS if name in variables)])], AT_ONCE)
+def fields(ds: xr.Dataset) -> Iterator[str]:
+    """Whether the fields of rod and cylinder are in their ranges, and the stations rise from one end to the other."""
+    number = {name: ds.variables[name] for name in (*bounds.FIELDS, "u", "s") if name in ds.variables}
+    yield from (f": {name} {why}" for name, why in bounds.unfit_fields(number))
 
 
-def curves(ds: xr.Dataset) -> Iterator[str]:
-    """Whether the curves of solved cases are finite, and z no longer than the rod."""
-    keys = [key for key in CURVES if key in ds.data_vars and "u" in ds.variables[key].dims]
-    yield from _numbers(ds, keys, max(1, BLOCK_ALONG // ds.sizes.get("u", 1)))
+def numbers(ds: xr.Dataset, along: bool) -> Iterator[str]:
+    """Whether the numbers of each solved case can be (`bounds.unfit`), block by block; along: the curves too."""
+    if "solved" not in ds:
+        return
+    solved = ds.variables["solved"].dims
+    of_cases = [name for name, each in ds.data_vars.items() if each.dims == solved and each.dtype.kind in "iuf"]
+    yield from _unfit(ds, [*dict.fromkeys([*of_cases, *(name for name in LOADS if name in ds.variables)])], AT_ONCE)
+    if along:
+        curves = [key for key in CURVES if key in ds.data_vars and "u" in ds.variables[key].dims]
+        yield from _unfit(ds, curves, max(1, BLOCK_ALONG // ds.sizes.get("u", 1)))
 
 
-def _numbers(ds: xr.Dataset, names: Sequence[str], most: int) -> Iterator[str]:
-    """Whether these numbers of solved cases can be (`bounds.unfit`); most: cases that are read at a time."""
+def _unfit(ds: xr.Dataset, names: Sequence[Any], most: int) -> Iterator[str]:
+    """What is wrong with these numbers of solved cases; most: cases that are read at a time."""
     counted = [name for name in names if name in bounds.COUNTED or quantity_variables.is_count(ds[name])]
     section = schema.stiffness_fields(ds)
     for block in pieces(ds.variables, [*names, *section, "rho", "L"], most):
@@ -182,11 +135,8 @@ def _numbers(ds: xr.Dataset, names: Sequence[str], most: int) -> Iterator[str]:
                 yield f": {name} of a solved case {why}{got}"
 
 
-def _of_solved(variable: xr.Variable, solved: xr.Variable) -> NDArray[Any]:
+def _of_solved(variable: xr.Variable, solved: xr.Variable) -> Any:
     """The numbers of the solved cases, (cases, ...)."""
     inner = {dim: size for dim, size in variable.sizes.items() if dim not in solved.dims}
     over_cases = variable.set_dims({**solved.sizes, **inner}).transpose(*solved.dims, ...)
-    return np.asarray(over_cases.values[solved.values])
-
-
-STUDY = (words, layout, axes, fields, cases)
+    return over_cases.values[solved.values]

@@ -40,7 +40,7 @@ SUMS = "checksums"
 HIDDEN = {"DIMENSION_LIST", "REFERENCE_LIST", "CLASS", "NAME", "_Netcdf4Dimid", "_Netcdf4Coordinates",
           "_NCProperties", "_nc3_strict"}  # fmt: skip
 UNSUMMED = {SUMS, "coordinates"}
-SCALED = {"scale_factor", "add_offset", "missing_value", "_Unsigned", "_Encoding"}
+SCALED = {"scale_factor", "add_offset", "missing_value", "_Unsigned", "_Encoding", "_FillValue"}
 NO_VALUES = b"This is a netCDF dimension but not a netCDF variable"
 _SIZE = 4  # bytes of a digest
 _READ = 2**16  # texts at a time
@@ -139,6 +139,9 @@ def contents(file: h5py.File, path: object) -> Contents:
 
 def _attributes(held: h5py.File | h5py.Dataset, what: str) -> dict[str, Any]:
     attrs = {key: held.attrs[key] for key in held.attrs if key not in HIDDEN}
+    fill = np.asarray(attrs.get("_FillValue", 0.0))
+    if (fill != fill).all():  # NaN, which stands for no other number
+        del attrs["_FillValue"]
     for key, value in attrs.items():
         is_text = all(isinstance(part, str | bytes) for part in np.ravel(np.asarray(value, dtype=object)))
         is_number = np.asarray(value).dtype.kind in "iufb"  # a reference, say, cannot be copied
@@ -149,9 +152,6 @@ def _attributes(held: h5py.File | h5py.Dataset, what: str) -> dict[str, Any]:
             raise InputError(f"{what} the attribute {show(key)} must be one line of text, got {show(value)}")
         if key in SCALED and isinstance(held, h5py.Dataset):
             raise InputError(f"{what} has the attribute {key}, by which other programs mean other numbers")
-    fill = np.asarray(attrs.pop("_FillValue", np.nan))
-    if fill.dtype.kind != "f" or not np.isnan(fill).all():
-        raise InputError(f"{what} has an attribute _FillValue that is not NaN: numbers that are there would be lost")
     return attrs
 
 
@@ -162,8 +162,6 @@ def _wrong_array(array: h5py.Dataset) -> str:
         return "is stored in another file; links are not followed"
     if h5py.check_string_dtype(dtype) is None and dtype.kind not in "iufS":
         return f"must hold numbers or text, got {dtype}"
-    if shape is None or 0 in shape:
-        return f"is empty: its shape is {shape}"
     if unknown := {plist.get_filter(i)[0] for i in range(plist.get_nfilters())} - FILTERS:
         return f"is compressed with filter {min(unknown)}; only gzip, shuffle and fletcher32 are read"
     stored, claimed = array.id.get_storage_size(), prod(shape) * dtype.itemsize

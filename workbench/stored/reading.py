@@ -94,7 +94,7 @@ def open_study(path: str | Path, whole: bool = False) -> xr.Dataset:
 
     Raises `InputError` where the file is missing, damaged, of another format, or not a study's dataset.
     """
-    return _open(path, True, [*checks.STUDY, *([checks.curves] if whole else [])])
+    return _open(path, True, whole)
 
 
 def read(path: str | Path, study: bool = True) -> xr.Dataset:
@@ -109,7 +109,7 @@ def read(path: str | Path, study: bool = True) -> xr.Dataset:
             raise InputError(f"{held}; open it with xarray.open_dataset and select from it")
         with refusing(path):
             ds.load()
-        checks.check_all(ds, path)
+        checks.check(ds, path)
         return ds
 
 
@@ -128,10 +128,11 @@ def raw(path: str | Path, without: Sequence[str] = ()) -> xr.Dataset:
     return _as_dataset(path, without)[0]
 
 
-def _open(path: str | Path, is_study: bool, asked: Sequence[checks.Check] = ()) -> xr.Dataset:
-    """A dataset, opened lazily, that has not changed since it was stored and passes these checks.
+def _open(path: str | Path, is_study: bool, along: bool | None = None) -> xr.Dataset:
+    """A dataset, opened lazily, that has not changed since it was stored.
 
-    is_study: whether it must be that of a study. Raises `InputError`.
+    is_study: whether it must be that of a study. along: as of `checks.check`; default: it is not asked. Raises
+    `InputError`.
     """
     ds, held = _as_dataset(path)
     try:
@@ -139,7 +140,8 @@ def _open(path: str | Path, is_study: bool, asked: Sequence[checks.Check] = ()) 
             checks.check_kind(ds, path)
         with refusing(path):
             file_checks.check_sums(held, path)
-        checks.check(ds, path, asked)
+        if along is not None:
+            checks.check(ds, path, along)
     except BaseException:
         ds.close()
         raise
