@@ -16,9 +16,9 @@ from studies.language.case_input import check_alone, check_units, field_values, 
 from studies.language.loader import loads
 
 from ..run import writing
+from ..words.free_rods import ELASTIC
 
 DEFAULT = "fig7_4_end_angle"  # the study whose rod is that of Table 1
-ELASTIC = ("bending_energy", "twist_energy")
 
 
 def study_and_case(

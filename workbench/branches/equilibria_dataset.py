@@ -25,7 +25,8 @@ from studies.language.loader import loads
 from ..stored import provenance, quantity_variables
 from ..stored.stored_cases import BACK
 from ..words import cautions
-from .ends_study import ELASTIC, study_text
+from ..words.free_rods import ELASTIC
+from .ends_study import study_text
 
 EQUILIBRIUM = ("equilibrium",)  # the dimension of a list
 ALONG = ("beta", "alpha", "z", "contact")

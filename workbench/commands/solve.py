@@ -11,7 +11,7 @@ from solver.problem.errors import DEFAULT_TOLERANCE, InputError
 from solver.problem.quantities import quantity
 
 from ..run import atomic
-from ..words.habits import margin_words, plain, size_shown, unit_shown
+from ..words.habits import margin_words, plain, size_shown, stated, unit_shown
 from . import console, tables
 from .case_options import GivenOptions
 from .options import (
@@ -409,7 +409,5 @@ def _in_words(name: str, value: float, units: dict[str, str]) -> str:
     """``R = 4.25 in``, ``inclination = 60 deg``."""
     from studies.grammar.axes import in_words, is_angle
 
-    unit = unit_shown(name, units)
-    if is_angle(name) or unit == "1":
-        return in_words(name, value)
-    return f"{name} = {plain(value * size_shown(name, units), 6)} {unit}"
+    is_number = is_angle(name) or unit_shown(name, units) == "1"
+    return in_words(name, value) if is_number else f"{name} = {stated(name, value, units, 6)}"

@@ -19,8 +19,8 @@ from matplotlib.patches import Circle, Ellipse, Rectangle
 from solver import Solution
 
 from ..stored.stored_study import StoredStudy
-from ..words import free_rods, labels
-from ..words.habits import plain, size_shown, unit_shown
+from ..words import free_rods
+from ..words.habits import plain, stated
 from . import canvas, colours, drawn_rods, fonts
 from .dimensions import (
     AWAY,
@@ -71,7 +71,7 @@ def figure(stored: StoredStudy, at: Mapping[str, float] | None = None, sheet: Sh
     rods = drawn_rods.choose(chosen, ("alpha", "beta", "z"))
     rod, R, side = rods.solved[0], float(chosen["R"]), str(chosen.attrs["side"])
     height, pitch = (float(value) for value in drawn_rods.numbers(chosen, "height", "pitch"))
-    unit = partial(_with_unit, units=chosen.units)
+    unit = partial(stated, units=chosen.units)
     free = chosen.at() if chosen.leaves else None
     radii = {k: float(free.radius[k]) for k in (0, -1)} if free else {}
     distances = {k: unit("L", radius) for k, radius in radii.items() if abs(radius - rod.rho) > OFF * rod.a}
@@ -188,11 +188,6 @@ def _forces(free: Solution, units: Mapping[str, str]) -> list[tuple[float, float
         (s, force, f"{plain(force)} {units['force']}\ns = {plain(s)} {units['length']}")
         for s, force in free.point_forces[: free_rods.MOST]
     ]
-
-
-def _with_unit(name: str, value: float, units: Mapping[str, str]) -> str:
-    """A length as its users state it: a radius in feet is in inches."""
-    return f"{plain(value * size_shown(name, units))} {labels.unit(unit_shown(name, units))}"
 
 
 def _scale_words(scale: float) -> str:

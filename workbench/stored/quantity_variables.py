@@ -29,7 +29,6 @@ COMPONENTS = {"xyz": ("x", "y", "z"), "director": ("d1", "d2", "d3")}
 INNER = {"position": ("xyz",)}  # dimensions after u, of an output that is not one number at each station
 # The name in the file -> the output. Forces along the rod never take the name of an axis: F1 is the force at the start.
 CURVES = {f"{name}_along" if name in ("F1", "F2", "F3") else name: name for name in OUTPUTS}
-SECTIONS = (*STIFFNESS, GIVEN)  # the words of the attribute stiffness
 
 
 def curve_name(output: str) -> str:
