@@ -242,7 +242,8 @@ def _draw_limits(ax: Axes, limits: list[pipe_state.Limit]) -> None:
 
 def _draw_states(ax: Axes, rod: DrawnRod, case: "Case") -> None:
     """A strip of the states beside the track."""
-    length = float(rod["s"][-1])
+    length, (low, high) = float(rod["s"][-1]), ax.get_xlim()
+    ax.set_xlim(low, high + (high - low) * STRIP / (1 - STRIP))
     for part in _states(rod):
         ends = (length - part.end, length - part.begin) if pipe_state.rise(case) > 0 else (part.begin, part.end)
         ax.fill_betweenx(

@@ -90,8 +90,10 @@ def sentences(sol: "Solution", units: dict[str, str]) -> list[str]:
     if not sol.solved:
         return _buckling_load(sol, force)
     said = [f"state: {in_words(sol.states, length)}"]
-    if not sol.case.leaves:  # else its outcome says that it is stable, and other sentences where it is off the wall
+    if not sol.case.leaves:
         said = [f"{said[0]}{_doubt(sol)}; {_stability(sol)}", *_ripples(sol)]
+    elif all(low == high for low, high in sol.contacts):  # its outcome says that it is stable
+        said = []  # the azimuth of a bow between points of the wall is no wave
     said += [way] if (way := way_of(str(sol.begun or ""))) else []
     if sol.case.cylinder.side == "inside" and min(axial_force(sol)) > 0:
         said.append(TENSION)
