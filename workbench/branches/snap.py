@@ -76,10 +76,11 @@ def rod_of_shape(stored: StoredStudy, k: int, stations: int) -> Solution:
         around, along = rod.alpha - rod.alpha[0] - alpha + alpha[0], rod.z - rod.z[0] - z + z[0]
         return float(np.hypot(rho * around, along).max())
 
-    found = min(equilibria(case, stations=alpha.size), key=away, default=None)
-    if found is None or away(found) > AGREES * rho:
+    equilibrium = min(equilibria(case, stations=alpha.size), key=away, default=None)
+    if equilibrium is None or away(equilibrium) > AGREES * rho:
         raise InputError(f"the rod at {in_words(name, number)} is not found again")
-    return found.solution if stations == alpha.size else solve(case, seed=found.solution, stations=stations)
+    rod = equilibrium.solution
+    return rod if stations == alpha.size else solve(case, seed=rod, stations=stations)
 
 
 def rods_of_shapes(stored: StoredStudy, shapes: Sequence[int], stations: int) -> tuple[xr.Dataset, dict[int, str]]:
