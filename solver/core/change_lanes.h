@@ -24,6 +24,7 @@ static inline ALWAYS TARGET void NAME(unit)(const varied_place *start, const NAM
     const vec one = ZERO + 1.0, D = there->v * there->v + there->c * there->H * there->H;
     const vec flow = PICK(MASK(D > 0), D, one), along = there->v / flow, across = there->c * there->H / flow;
     const double along0 = start->v / across_flow(start->v, start->H, start->c);
+    UNROLLED
     for (int part = 0; part < PARTS; part++) {
         const int k = part - 1; /* of e; the part before is a, along the flow */
         const vec a = part ? there->M[place[0][k]] - start->M[place[0][k]] : one;
@@ -33,6 +34,7 @@ static inline ALWAYS TARGET void NAME(unit)(const varied_place *start, const NAM
         const double lift0 = g0 * along0;
         out->by[BETA][part] = shift + a * there->v + g * across;
         out->by[RATE][part] = -a * there->H + lift;
+        UNROLLED
         for (int q = 1; q < 4; q++) {
             const vec rise = part ? there->M[place[q][k]] - start->M[place[q][k]] : ZERO;
             const vec far = there->shift[q] * lift - a * (there->gamma[q] + there->shift[q] * there->H);
@@ -42,29 +44,27 @@ static inline ALWAYS TARGET void NAME(unit)(const varied_place *start, const NAM
     }
 }
 
-/* Series of a panel, (size, VARIED), at x, five at a time: those of |beta_t|, H and gamma, then M. */
-static inline ALWAYS TARGET void NAME(series_at)(int size, const double *rows, vec x, vec *value)
+/* Series of a panel, (VARIED, size), at x, five at a time. */
+static inline ALWAYS TARGET void NAME(series_at)(int size, const double *series, vec x, vec *value)
 {
-    static const int columns[3][5] = {{0, 1, 6, 7, 8}, {9, 10, 11, 12, 13}, {14, 15, 16, 17, 18}};
     vec polynomial[NODES + 1];
     polynomial[0] = ZERO + 1.0, polynomial[1] = x;
     for (int m = 2; m < size; m++)
         polynomial[m] = 2 * x * polynomial[m - 1] - polynomial[m - 2];
     UNROLLED
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < VARIED; k += 5) {
         vec sum[5];
         UNROLLED
         for (int j = 0; j < 5; j++)
-            sum[j] = rows[columns[k][j]] + x * rows[VARIED + columns[k][j]];
+            sum[j] = series[size * (k + j)] + x * series[size * (k + j) + 1];
         for (int m = 2; m < size; m++) {
-            const double *row = rows + VARIED * m;
             UNROLLED
             for (int j = 0; j < 5; j++)
-                sum[j] += polynomial[m] * row[columns[k][j]];
+                sum[j] += polynomial[m] * series[size * (k + j) + m];
         }
         UNROLLED
         for (int j = 0; j < 5; j++)
-            value[5 * k + j] = sum[j];
+            value[k + j] = sum[j];
     }
 }
 
@@ -72,15 +72,15 @@ static inline ALWAYS TARGET void NAME(series_at)(int size, const double *rows, v
    along the rod. */
 static TARGET void NAME(values)(const changed_orbit *of, const visits *p, int at, int many, double (*out)[VISITS + PAD])
 {
-    const double *rows = of->series + VARIED * of->size * p->panel[at];
+    const double *series = of->series + varied_size(of->size) * p->panel[at], *constant = series + VARIED * of->size;
     const int first = p->place[at], neighbours = many == W && p->place[at + W - 1] == first + W - 1;
-    vec series[15], value[VARIED];
-    NAME(series_at)(of->size, rows, *(const NAME(loose) *)(p->x + at), series);
+    vec value[VARIED + CONSTANTS];
+    NAME(series_at)(of->size, series, *(const NAME(loose) *)(p->x + at), value);
     UNROLLED
-    for (int k = 0; k < VARIED; k++)
-        value[k] = k < 2 ? series[k] : k < 6 ? ZERO + rows[k] : series[k - 4];
+    for (int k = 0; k < CONSTANTS; k++)
+        value[VARIED + k] = ZERO + constant[k];
     UNROLLED
-    for (int k = 0; k < VARIED; k++) {
+    for (int k = 0; k < VARIED + CONSTANTS; k++) {
         const vec own = value[k];
         if (neighbours)
             *(NAME(loose) *)(out[k] + first) = own;
@@ -98,44 +98,37 @@ static inline ALWAYS TARGET void NAME(units_at)(const changed_orbit *of, const v
     const vec sign = *(const NAME(loose) *)(p->sign + at), periods = *(const NAME(loose) *)(p->periods + at);
     const NAME(mask) second = MASK(*(const NAME(loose) *)(p->second + at) > 0);
     const NAME(mask) mirrored = MASK(*(const NAME(loose) *)(p->mirrored + at) > 0);
-    vec value[VARIED];
+    vec value[VARIED + CONSTANTS];
     NAME(varied_places) here;
     UNROLLED
-    for (int k = 0; k < VARIED; k++)
+    for (int k = 0; k < VARIED + CONSTANTS; k++)
         value[k] = *(const NAME(loose) *)(values[k] + at);
-    here.v = value[0] * sign, here.H = value[1], here.c = value[2];
+    here.v = value[0] * sign, here.H = value[1], here.c = value[VARIED];
     here.shift[0] = ZERO, here.gamma[0] = ZERO + 1.0;
     for (int k = 0; k < 3; k++)
-        here.shift[k + 1] = value[3 + k], here.gamma[k + 1] = value[6 + k];
+        here.shift[k + 1] = value[VARIED + 1 + k], here.gamma[k + 1] = value[2 + k];
     UNROLLED
     for (int m = 0; m < PAIRS; m++) { /* as `rod_unfolded` */
         const double gained = of->gain[m], later = of->gain[PAIRS + m], whole = of->librates ? 2 * (gained + later) : gained;
         const vec there = ZERO + gained, after = ZERO + later, limit = PICK(second, after, there);
-        const vec folded = PICK(mirrored, 2 * limit - value[9 + m], value[9 + m]);
+        const vec folded = PICK(mirrored, 2 * limit - value[BY_LEVEL + m], value[BY_LEVEL + m]);
         here.M[m] = folded + PICK(second, 2 * there, zero) + periods * whole;
     }
     NAME(unit)(of->start, &here, out);
 }
 
-/* The derivatives of shape `row` by field f at W neighbouring places, from the changes, in place. */
-static inline ALWAYS TARGET void NAME(derive)(const shapes *of, int64_t row, int64_t f, const known_places *p, int at,
-                                              NAME(loose) *change)
+/* The derivatives of a shape by one field at W neighbouring places, from the changes, in place. */
+static inline ALWAYS TARGET void NAME(derive)(const known_field *by, const known_places *p, int at, NAME(loose) *change)
 {
-    const int64_t table = of->size * of->F, own = row * of->F + f;
-    const double *by = of->by ? of->by + own : NULL, mu = of->loads[3 * row + 1], longer = of->later[own] / of->span[row];
-    const double rho = by ? of->rho[row] : 1, ratio = by ? of->ratio[row] : 0, over = 1 / rho;
-    const double d_rho = by ? by[table * BY_RHO] : 0, d_mu = by ? by[table * BY_MU] : 0, d_ratio = by ? by[table * BY_RATIO] : 0;
-    const double alpha = by ? by[table * BY_AZIMUTH] : 0, gamma = by ? by[table * BY_TWIST] : 0;
-    const double twist = d_mu * ratio + mu * d_ratio;
     const vec t = *(const NAME(loose) *)(p->t + at), v = *(const NAME(loose) *)(p->rate + at);
     const vec s = *(const NAME(loose) *)(p->s + at), c = *(const NAME(loose) *)(p->c + at);
     const vec z = *(const NAME(loose) *)(p->z + at), H = *(const NAME(loose) *)(p->H + at);
-    const vec later = longer * t, turned = change[2], swirled = change[3], risen = change[4];
+    const vec later = by->longer * t, turned = change[2], swirled = change[3], risen = change[4];
     change[0] = change[0] + v * later;
-    change[1] = (change[1] - H * later - v * d_rho * over) * over;
-    change[2] = alpha + turned + s * later;
-    change[3] = rho * (risen + c * later) + z * d_rho;
-    change[4] = gamma + twist * t + mu * ratio * later + swirled - s * c * later;
+    change[1] = (change[1] - H * later - v * by->d_rho * by->over) * by->over;
+    change[2] = by->alpha + turned + s * later;
+    change[3] = by->rho * (risen + c * later) + z * by->d_rho;
+    change[4] = by->gamma + by->twist * t + by->swirl * later + swirled - s * c * later;
 }
 
 /* Five rows of W numbers, of which `size` bytes each count. */
@@ -157,26 +150,32 @@ static TARGET void NAME(changes)(const changed_orbit *of, const visits *p, int m
                                  const known_places *known)
 {
     const int64_t n = along->stations, F = along->F;
-    for (int at = 0; at < many; at += W) {
-        NAME(varied_units) unit;
-        NAME(units_at)(of, p, at, values, &unit);
+    NAME(varied_units) unit[TOGETHER];
+    for (int first = 0; first < many; first += TOGETHER * W) {
+        const int end = many < first + TOGETHER * W ? many : first + TOGETHER * W;
+        for (int at = first; at < end; at += W)
+            NAME(units_at)(of, p, at, values, &unit[(at - first) / W]);
         for (int64_t f = 0; f < F; f++) {
             const double *own = parts + PARTS * f;
-            NAME(loose) sum[5];
-            UNROLLED
-            for (int k = 0; k < 5; k++)
-                sum[k] = ZERO;
-            UNROLLED
-            for (int part = 0; part < PARTS; part++)
-                if (own[part] != 0) {
-                    UNROLLED
-                    for (int k = 0; k < 5; k++)
-                        sum[k] += unit.by[k][part] * own[part];
-                }
-            if (along->beta)
-                NAME(derive)(along, row, f, known, at, sum);
-            NAME(put)(sum, sizeof(double) * (many - at < W ? many - at : W), along->size * F * n,
-                      along->out + n * (row * F + f) + begin + at);
+            const known_field by = along->beta ? know_field(along, row, f) : (known_field){0};
+            for (int at = first; at < end; at += W) {
+                const NAME(varied_units) *here = &unit[(at - first) / W];
+                NAME(loose) sum[5];
+                UNROLLED
+                for (int k = 0; k < 5; k++)
+                    sum[k] = ZERO;
+                UNROLLED
+                for (int part = 0; part < PARTS; part++)
+                    if (own[part] != 0) {
+                        UNROLLED
+                        for (int k = 0; k < 5; k++)
+                            sum[k] += here->by[k][part] * own[part];
+                    }
+                if (along->beta)
+                    NAME(derive)(&by, known, at, sum);
+                NAME(put)(sum, sizeof(double) * (many - at < W ? many - at : W), along->size * F * n,
+                          along->out + n * (row * F + f) + begin + at);
+            }
         }
     }
 }
@@ -185,16 +184,18 @@ static TARGET void NAME(changes)(const changed_orbit *of, const visits *p, int m
 static TARGET void NAME(derivatives)(const shapes *of, int64_t row, int64_t begin, int many, const known_places *known)
 {
     const int64_t n = of->stations, F = of->F, each = of->size * F * n;
-    for (int at = 0; at < many; at += W)
-        for (int64_t f = 0; f < F; f++) {
+    for (int64_t f = 0; f < F; f++) {
+        const known_field by = know_field(of, row, f);
+        for (int at = 0; at < many; at += W) {
             const size_t size = sizeof(double) * (many - at < W ? many - at : W);
             double *to = of->out + n * (row * F + f) + begin + at;
             NAME(loose) change[5];
             for (int k = 0; k < 5; k++)
                 change[k] = ZERO, memcpy(&change[k], to + each * k, size);
-            NAME(derive)(of, row, f, known, at, change);
+            NAME(derive)(&by, known, at, change);
             NAME(put)(change, size, each, to);
         }
+    }
 }
 
 #undef W

@@ -164,19 +164,19 @@ INLINE void states_on(int width, const rod *o, const stretch *p, states *out, do
     const read_orbits *of = o->of;
     const int backward = p->row - of->first[2 * o->b] >= of->count[2 * o->b], n = (int)o->at->n;
     const double way = backward ? -of->direction[o->b] : of->direction[o->b];
-    const double *series = o->varied->series + VARIED * (n + 1) * p->row;
+    const double *series = o->varied->series + varied_size(n + 1) * p->row, *constant = series + VARIED * (n + 1);
     double x[AT], polynomials[NODES * AT], one[NODES];
-    double *rows[9] = {out->v, out->H, out->c, out->shift[1], out->shift[2], out->shift[3],
-                       out->gamma[1], out->gamma[2], out->gamma[3]};
-    for (int i = 0; i < AT; i++)
-        x[i] = p->low + (p->high - p->low) * (1 + o->w->by.nodes[i]) / 2, out->shift[0][i] = 0, out->gamma[0][i] = 1;
+    double *rows[BY_LEVEL] = {out->v, out->H, out->gamma[1], out->gamma[2], out->gamma[3]};
+    for (int i = 0; i < AT; i++) {
+        x[i] = p->low + (p->high - p->low) * (1 + o->w->by.nodes[i]) / 2;
+        out->c[i] = constant[0], out->shift[0][i] = 0, out->gamma[0][i] = 1;
+        for (int k = 1; k < CONSTANTS; k++)
+            out->shift[k][i] = constant[k];
+    }
     polynomials_at(n, x, polynomials);
     product(width, n, AT, of->series + FUNCTIONS * (n + 1) * p->row, polynomials, out->x);
-    for (int k = 0; k < 9; k++) {
-        for (int m = 0; m < n; m++)
-            one[m] = series[VARIED * m + k];
-        product(width, n, AT, one, polynomials, rows[k]);
-    }
+    for (int k = 0; k < BY_LEVEL; k++)
+        product(width, n, AT, series + (n + 1) * k, polynomials, rows[k]);
     for (int k = 0; k < 4; k++) {
         product(width, n, n, o->varied->M + (PAIRS * p->row + k) * n, o->at->analyse, one);
         product(width, n, AT, one, polynomials, M[k]);

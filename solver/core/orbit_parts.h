@@ -219,23 +219,28 @@ static inline double wrapped(double angle)
     return angle >= PI ? angle - TAU : angle;
 }
 
-/* The largest and the smallest of the sizes of n numbers, NaN where one of them is; eight at a time, which changes no bit. */
-#define OF_SIZES(name, better, worst)                                                                                  \
-    INLINE double name(int n, const double *values)                                                                    \
-    {                                                                                                                  \
-        double best[8] = {worst, worst, worst, worst, worst, worst, worst, worst};                                     \
-        int i = 0;                                                                                                     \
-        for (; i + 8 <= n; i += 8)                                                                                     \
-            for (int k = 0; k < 8; k++)                                                                                \
-                best[k] = better(best[k], fabs(values[i + k]));                                                        \
-        for (; i < n; i++)                                                                                             \
-            best[0] = better(best[0], fabs(values[i]));                                                                \
-        for (int k = 1; k < 8; k++)                                                                                    \
-            best[0] = better(best[0], best[k]);                                                                        \
-        return best[0];                                                                                                \
+/* The largest and the smallest of the sizes of n numbers, NaN where one of them is: sizes have the order of their bits, and NaN
+   comes last. */
+INLINE double largest_size(int n, const double *values)
+{
+    int64_t most = 0;
+    for (int i = 0; i < n; i++) {
+        const int64_t size = bits_of(values[i]) & INT64_MAX;
+        most = size > most ? size : most;
     }
-OF_SIZES(largest_size, larger, 0)
-OF_SIZES(smallest_size, smaller, INFINITY)
+    return number_of(most);
+}
+
+INLINE double smallest_size(int n, const double *values)
+{
+    const double most = largest_size(n, values);
+    int64_t least = bits_of(INFINITY);
+    for (int i = 0; i < n; i++) {
+        const int64_t size = bits_of(values[i]) & INT64_MAX;
+        least = size < least ? size : least;
+    }
+    return most != most ? most : number_of(least);
+}
 
 /* sin and cos to about one unit in the last place, |x| < FAR */
 INLINE void near_sin_cos(int n, const double *restrict x, double *restrict sine, double *restrict cosine)
@@ -273,9 +278,11 @@ INLINE void plain_product(int n, int m, const double *restrict values, const dou
 #include "registers.h"
 #define PRODUCTS(width) ((width) == 8 ? products_8 : (width) == 4 ? products_4 : products_2)
 #define TWO_SERIES(width) ((width) == 8 ? two_series_8 : (width) == 4 ? two_series_4 : two_series_2)
+#define SERIES_OF(width) ((width) == 8 ? series_8 : (width) == 4 ? series_4 : series_2)
 #else
 #define PRODUCTS(width) products_2
 #define TWO_SERIES(width) two_series_2
+#define SERIES_OF(width) series_2
 #endif
 
 /* Registers of a row of sums: with those of a second row as many as a processor has, and some for what is summed. */
@@ -342,6 +349,21 @@ static inline double at_place(const double *series, int n, double x)
         older = now, now = next, total += next * series[k];
     }
     return total;
+}
+
+/* `rows` series of n coefficients at x. */
+static inline void values_at(int rows, const double *series, int n, double x, double *out)
+{
+    double polynomial[NODES + 1];
+    polynomial[0] = 1, polynomial[1] = x;
+    for (int k = 2; k < n; k++)
+        polynomial[k] = 2 * x * polynomial[k - 1] - polynomial[k - 2];
+    for (int row = 0; row < rows; row++) {
+        double total = 0;
+        for (int k = 0; k < n; k++)
+            total += polynomial[k] * series[row * n + k];
+        out[row] = total;
+    }
 }
 
 /* Along a flow (v, -H) with the transversal (c H, v)/D, D = v^2 + c H^2: the rate at which a change across the flow

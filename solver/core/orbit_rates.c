@@ -121,7 +121,7 @@ int rod_start_rates(const start_problem *of, const double *pinned, const grid *b
                     orbit_numbers *out)
 {
     const ends_problem p = {of->lam, of->mu, of->phi, of->span, of->beta0, of->beta0};
-    lone_orbit on;
+    lone_orbit on = {0};
     const int failed = rod_lone_orbit(of, pinned, NULL, by, at, how, &on);
     if (!failed)
         numbers_of(&on, &p, at, NULL, NULL, of->span, out);

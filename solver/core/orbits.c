@@ -156,21 +156,6 @@ double rod_unfolded(double value, const phase *where, double there, double after
     return value + where->periods * (librates ? 2 * (there + after) : there);
 }
 
-/* The five series of a panel at x in [-1, 1]. */
-static void values_at(const double *series, int n, double x, double *out)
-{
-    double polynomial[NODES + 1];
-    polynomial[0] = 1, polynomial[1] = x;
-    for (int k = 2; k < n; k++)
-        polynomial[k] = 2 * x * polynomial[k - 1] - polynomial[k - 2];
-    for (int f = 0; f < FUNCTIONS; f++) {
-        double total = 0;
-        for (int k = 0; k < n; k++)
-            total += polynomial[k] * series[f * n + k];
-        out[f] = total;
-    }
-}
-
 /* The panel of orbit b in which the rod is at time t, and where in it, in [-1, 1]; the orbit has panels. near: the panel that
    is tried first, or -1. */
 static inline int64_t place_from(const read_orbits *o, int64_t b, double t, int64_t near, phase *where, double *x)
@@ -222,7 +207,7 @@ void rod_orbit_at(const read_orbits *o, int64_t b, double t, double *out)
     phase where;
     double x;
     const int64_t panel = rod_place(o, b, t, &where, &x);
-    values_at(o->series + FUNCTIONS * n * panel, n, x, out);
+    values_at(FUNCTIONS, o->series + FUNCTIONS * n * panel, n, x, out);
     out[0] += o->base[panel] + (kind == LIBRATION ? 0 : 2 * PI * o->direction[b] * where.periods);
     out[1] *= (where.second ? -o->direction[b] : o->direction[b]) * (where.mirrored ? -1.0 : 1.0);
     for (int k = 0; k < 3; k++)

@@ -37,6 +37,40 @@ INLINE void JOIN(products_, MANY)(int rows, int registers, int n, int m, const d
     }
 }
 
+/* The series of `rows` functions from their values at n nodes, an even number of at least MANY, that lie evenly about 0, where
+   polynomials of even and of odd order are even and odd: half of the nodes give each coefficient. analyse: (n, n). */
+INLINE void JOIN(series_, MANY)(int rows, int registers, int n, const double *const *values, const double *analyse,
+                                double *const *out)
+{
+    const int last = n - MANY;
+    ABREAST parity;
+    for (int k = 0; k < MANY; k++)
+        parity[k] = k % 2 ? -1 : 1;
+    for (int j = 0; j < n; j += registers * MANY) {
+        ABREAST sum[4][8] = {{{0}}};
+        int at[8];
+        UNROLLED
+        for (int k = 0; k < registers; k++)
+            at[k] = j + k * MANY < last ? j + k * MANY : last;
+        for (int i = 0; i < n / 2; i++) {
+            double *row = (double *)analyse + i * n;
+            UNROLLED
+            for (int r = 0; r < rows; r++) {
+                const ABREAST x = values[r][i] + values[r][n - 1 - i] * parity;
+                UNROLLED
+                for (int k = 0; k < registers; k++)
+                    sum[r][k] += x * ABREAST_AT(row + at[k]);
+            }
+        }
+        UNROLLED
+        for (int r = 0; r < rows; r++) {
+            UNROLLED
+            for (int k = 0; k < registers; k++)
+                ABREAST_AT(out[r] + at[k]) = sum[r][k];
+        }
+    }
+}
+
 /* The values of two series of n + 1 coefficients at n places, `registers` at once; the arrays hold whole ones. */
 INLINE void JOIN(two_series_, MANY)(int registers, int n, const double *first, const double *second, const double *x,
                                     double *to_first, double *to_second)

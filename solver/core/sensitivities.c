@@ -131,6 +131,8 @@ static int vary_rod(worker *o, int64_t b)
     o->all->kind[b] = failed && o->orbit.kind != HELIX ? LOST : o->orbit.kind;
     if (failed)
         return failed == NO_MEMORY ? failed : DONE;
+    if (!o->all->marks)
+        o->orbit.varied.M = NULL; /* it is not read */
     rod_vary(&p->lam, &o->orbit.of, 0, o->at, o->weights, NULL, o->orbit.nodes, &o->orbit.varied);
     o->of = &o->orbit.of, o->varied = &o->orbit.varied;
     return DONE;
@@ -207,12 +209,10 @@ int rod_sensitivities(const sensitivities *all, const grid *by, const points *at
         o->room = o->parts + PARTS * F, o->thirds = o->room + 3 * CANDIDATES * F;
         failed = o->parts && o->w ? DONE : NO_MEMORY;
     }
-    for (int64_t b = begin; b < end && !failed; b++) {
+    for (int64_t b = begin; b < end && !failed; b++)
         failed = derive_rod(o, b);
-        rod_lone_orbit_free(&o->orbit);
-    }
     if (o)
-        rod_workspace_free(o->w), free(o->parts), free(o->pieces);
+        rod_lone_orbit_free(&o->orbit), rod_workspace_free(o->w), free(o->parts), free(o->pieces);
     free(o);
     return failed;
 }

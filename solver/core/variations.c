@@ -200,76 +200,46 @@ void rod_panel_weights(const points *at, double *out)
     }
 }
 
-/* The series of a panel but for the constants of its sums, one coefficient of all after the other, (n + 1, VARIED). The nodes
-   lie evenly about 0, where polynomials of even and of odd order are even and odd, so half of them give each coefficient. */
+/* The series of a panel but for the constants of its sums, and its constants: `varied_size`. */
 INLINE void keep_series(int width, const varied_nodes *one, const points *at, double half, double *restrict series)
 {
-    enum { KEPT = PAIRS + 5, PADDED = 16 }; /* whole registers */
-    const int n = (int)at->n, some = (n + 1) / 2;
-    const double *values[KEPT] = {[PAIRS] = one->v, one->H, one->gamma[0], one->gamma[1], one->gamma[2]};
-    double parts[2][(NODES + 1) / 2][PADDED] = {{{0}}}, rates[NODES + 2][PADDED];
+    const int n = (int)at->n, size = n + 1;
+    const double *values[VARIED] = {one->v, one->H, one->gamma[0], one->gamma[1], one->gamma[2]};
+    double rates[VARIED][NODES + 2], share[NODES + 1], *out[VARIED];
     for (int m = 0; m < PAIRS; m++)
-        values[m] = one->M[m];
-    for (int m = 0; m < KEPT; m++)
-        for (int i = 0; i < some; i++) {
-            const double near = values[m][i], far = i == n - 1 - i ? 0 : values[m][n - 1 - i];
-            parts[0][i][m] = near + far, parts[1][i][m] = near - far;
-        }
-    for (int odd = 0; odd < 2; odd++)
-        for (int k = odd; k < n; k += width) {
-            const double *columns[4];
-            double *out[4];
-            for (int r = 0; r < width / 2; r++) {
-                const int own = k + 2 * r < n ? k + 2 * r : k; /* again, where no row is left */
-                columns[r] = at->analyse + own, out[r] = rates[own];
-            }
-            PRODUCTS(width)(width / 2, PADDED / width, some, PADDED, columns, n, parts[odd][0], out);
-        }
-    memset(rates[n], 0, 2 * sizeof rates[n]);
-    memset(series, 0, sizeof(double) * (size_t)((n + 1) * VARIED));
-    for (int k = 0; k < n; k++) {
-        memcpy(series + VARIED * k, rates[k] + PAIRS, sizeof(double) * 2);
-        memcpy(series + VARIED * k + 6, rates[k] + PAIRS + 2, sizeof(double) * 3);
+        values[BY_LEVEL + m] = one->M[m];
+    for (int m = 0; m < VARIED; m++)
+        out[m] = rates[m], rates[m][n] = rates[m][n + 1] = 0;
+    for (int m = 0; m < VARIED; m += 3)
+        SERIES_OF(width)(3, 3, n, values + m, at->analyse, out + m);
+    for (int m = 0; m < BY_LEVEL; m++)
+        memcpy(series + size * m, rates[m], sizeof(double) * (size_t)size);
+    for (int k = 1; k <= n; k++)
+        share[k] = half / (2 * k);
+    for (int m = BY_LEVEL; m < VARIED; m++) { /* `integral` of all sums at once */
+        double *own = series + size * m;
+        rates[m][0] *= 2;
+        for (int k = 1; k <= n; k++)
+            own[k] = (rates[m][k - 1] - rates[m][k + 1]) * share[k];
     }
-    series[2] = one->c;
-    memcpy(series + 3, one->shift, sizeof(double) * 3);
-    double first[PADDED] = {0}, terms[PADDED];
-    for (int m = 0; m < PADDED; m++)
-        rates[0][m] *= 2;
-    for (int k = 1; k <= n; k++) { /* `integral` of all sums at once */
-        const double share = half / (2 * k), sign = k % 2 ? 1 : -1;
-        for (int m = 0; m < PADDED; m++) {
-            terms[m] = (rates[k - 1][m] - rates[k + 1][m]) * share;
-            first[m] += sign * terms[m];
-        }
-        memcpy(series + VARIED * k + 9, terms, sizeof(double) * PAIRS);
-    }
-    memcpy(series + 9, first, sizeof(double) * PAIRS);
-}
-
-/* The values of the series of a panel at x. */
-INLINE void series_at(int size, const double *restrict rows, double x, double *restrict value)
-{
-    double older = 1, now = x;
-    for (int k = 0; k < VARIED; k++)
-        value[k] = rows[k] + x * rows[VARIED + k];
-    for (int m = 2; m < size; m++) {
-        const double next = 2 * x * now - older;
-        older = now, now = next;
-        for (int k = 0; k < VARIED; k++)
-            value[k] += next * rows[VARIED * m + k];
-    }
+    double first[PAIRS] = {0};
+    for (int k = 1; k <= n; k++)
+        for (int m = 0; m < PAIRS; m++)
+            first[m] += (k % 2 ? 1 : -1) * series[size * (BY_LEVEL + m) + k];
+    for (int m = 0; m < PAIRS; m++)
+        series[size * (BY_LEVEL + m)] = first[m];
+    series[size * VARIED] = one->c;
+    memcpy(series + size * VARIED + 1, one->shift, sizeof one->shift);
 }
 
 IN_WIDTHS(keep_series, (const varied_nodes *one, const points *at, double half, double *series), (WIDTH, one, at, half, series))
-IN_WIDTHS(series_at, (int size, const double *rows, double x, double *value), (size, rows, x, value))
 
 int64_t rod_vary(const double *loads, const read_orbits *of, int64_t b, const points *at, const double *weights,
                  const int64_t *only, varied_nodes *nodes, const varied_orbits *out)
 {
     const int n = (int)at->n;
     const int64_t first = of->first[2 * b], P = of->count[2 * b] + of->count[2 * b + 1];
-    const int64_t width = n + 1, *count = of->count + 2 * b;
+    const int64_t *count = of->count + 2 * b;
     int64_t nearest = 0;
     double total[2][PAIRS] = {{0}};
     for (int64_t i = 0; i < P; i++) {
@@ -281,7 +251,7 @@ int64_t rod_vary(const double *loads, const read_orbits *of, int64_t b, const po
     for (int64_t i = 0; i < P; i++) {
         const int backward = i >= count[0], wanted = !only || i == only[0] || i == only[1];
         const double half = of->width[first + i] / 2;
-        double *jump = out->jump + PAIRS * (first + i), *series = out->series + VARIED * (first + i) * width;
+        double *jump = out->jump + PAIRS * (first + i), *series = out->series + varied_size(n + 1) * (first + i);
         FOR_LANES(out->lanes, vary_rates)(of->origin[first + nearest], n, &nodes[i]);
         vary_entry(nodes, count, i, of->direction[b], jump);
         if (wanted)
@@ -293,7 +263,7 @@ int64_t rod_vary(const double *loads, const read_orbits *of, int64_t b, const po
         for (int m = 0; m < PAIRS; m++) {
             total[backward][m] += jump[m];
             if (wanted)
-                series[9 + m] += total[backward][m];
+                series[(BY_LEVEL + m) * (n + 1)] += total[backward][m];
             if (out->M)
                 memcpy(out->M + (PAIRS * (first + i) + m) * n, nodes[i].M[m], sizeof(double) * (size_t)n);
             total[backward][m] += gained[m] * half;
@@ -320,10 +290,11 @@ int64_t rod_most_panels(const read_orbits *of, int64_t n)
 
 /* The variations of n orbits, none of them a helix.
 
-   loads: (n, 3). The arrays of `out` are filled. Returns DONE, NO_MEMORY or NOT_POSSIBLE. */
+   loads: (n, 3). The arrays of `out` are filled. Returns DONE, NO_MEMORY or, of points that `rod_vary` does not take,
+   NOT_POSSIBLE. */
 int rod_variations(int64_t n, const double *loads, const read_orbits *of, const points *at, const varied_orbits *out)
 {
-    if (at->n > NODES || at->n < 4 || of->coefficients != at->n + 1)
+    if (at->n > NODES || at->n < 8 || at->n % 2 || of->coefficients != at->n + 1)
         return NOT_POSSIBLE;
     varied_nodes *nodes = malloc(sizeof(varied_nodes) * (size_t)rod_most_panels(of, n));
     double weights[NODES];
@@ -367,6 +338,24 @@ INLINE void know_places(const shapes *of, int64_t row, int64_t begin, int many, 
 IN_WIDTHS(know_places, (const shapes *of, int64_t row, int64_t begin, int many, known_places *out),
           (of, row, begin, many, out))
 
+/* What the derivatives of a shape by one field are made of beside its changes. over: 1/rho. twist: d (mu ratio). */
+typedef struct {
+    double longer, rho, over, d_rho, alpha, gamma, twist, swirl;
+} known_field;
+
+static known_field know_field(const shapes *of, int64_t row, int64_t f)
+{
+    const int64_t table = of->size * of->F, own = row * of->F + f;
+    const double mu = of->loads[3 * row + 1], longer = of->later[own] / of->span[row];
+    if (!of->by)
+        return (known_field){.longer = longer, .rho = 1, .over = 1};
+    const double *by = of->by + own, rho = of->rho[row], ratio = of->ratio[row];
+    const double twist = by[table * BY_MU] * ratio + mu * by[table * BY_RATIO];
+    return (known_field){longer, rho, 1 / rho, by[table * BY_RHO], by[table * BY_AZIMUTH], by[table * BY_TWIST], twist, mu * ratio};
+}
+
+enum { TOGETHER = 8 }; /* lanes of places whose units are at hand at once */
+
 /* The orbit whose changes are read; size: of the series. */
 typedef struct {
     const double *series, *gain;
@@ -392,11 +381,12 @@ void rod_varied_directions(const varied_place *start, double out[PARTS][PARTS])
 
 void rod_varied_place_on(const varied_orbits *varied, int size, int64_t panel, double x, varied_place *out)
 {
+    const double *series = varied->series + varied_size(size) * panel, *constant = series + VARIED * size;
     double value[VARIED];
-    FOR_LANES(varied->lanes, series_at)(size, varied->series + VARIED * size * panel, x, value);
-    out->v = value[0], out->H = value[1], out->c = value[2], out->shift[0] = 0, out->gamma[0] = 1;
-    memcpy(out->shift + 1, value + 3, sizeof(double) * 3), memcpy(out->gamma + 1, value + 6, sizeof(double) * 3);
-    memcpy(out->M, value + 9, sizeof out->M);
+    values_at(VARIED, series, size, x, value);
+    out->v = value[0], out->H = value[1], out->c = constant[0], out->shift[0] = 0, out->gamma[0] = 1;
+    memcpy(out->shift + 1, constant + 1, sizeof(double) * 3), memcpy(out->gamma + 1, value + 2, sizeof(double) * 3);
+    memcpy(out->M, value + BY_LEVEL, sizeof out->M);
 }
 
 /* The state of orbit b at t. */
@@ -442,7 +432,7 @@ void rod_change_orbit(const read_orbits *of, const varied_orbits *varied, int64_
     varied_place start;
     visits sorted;
     known_places known;
-    double values[VARIED][VISITS + PAD];
+    double values[VARIED + CONSTANTS][VISITS + PAD];
     rod_varied_place_at(of, varied, b, 0, &start);
     const changed_orbit one = {varied->series, varied->gain + 2 * PAIRS * b, &start, (int)of->coefficients,
                                of->kind[b] == LIBRATION};
@@ -451,7 +441,7 @@ void rod_change_orbit(const read_orbits *of, const varied_orbits *varied, int64_
         visit(of, b, along->t + row * along->stations + begin, many, &sorted);
         if (along->beta)
             FOR_LANES(lanes, know_places)(along, row, begin, many, &known);
-        for (int k = 0; k < VARIED; k++)
+        for (int k = 0; k < VARIED + CONSTANTS; k++)
             memset(values[k] + many, 0, sizeof(double) * PAD);
         for (int at = 0, next; at < many; at = next) {
             for (next = at + 1; next < many && next < at + lanes && sorted.panel[next] == sorted.panel[at]; next++)
@@ -489,15 +479,17 @@ void rod_lone_orbit_free(lone_orbit *o)
     free(o->nodes);
     free(o->rows);
     free(o->room);
+    rod_panels_free(&o->made);
 }
 
-static int fill(lone_orbit *o, const panels *cut, const points *at, const cutting *how)
+static int fill(lone_orbit *o, const points *at, const cutting *how)
 {
-    const int64_t P = cut->count, size = at->n + 1, each = FUNCTIONS * size, varied = VARIED * size;
-    o->nodes = malloc(sizeof(varied_nodes) * (size_t)P);
-    o->rows = malloc(sizeof(int64_t) * (size_t)P);
-    o->room = malloc(sizeof(double) * (size_t)(P * (PANEL_COLUMNS + 2 + PAIRS * size + each + varied)));
-    if (!o->nodes || !o->rows || !o->room)
+    const panels *cut = &o->made;
+    const int64_t P = cut->count, size = at->n + 1, each = FUNCTIONS * size, varied = varied_size(size);
+    const int64_t numbers = P * (PANEL_COLUMNS + 2 + PAIRS * size + each + varied);
+    if (rod_roomy((void **)&o->nodes, &o->node_room, P, sizeof(varied_nodes)) ||
+        rod_roomy((void **)&o->rows, &o->row_room, P, sizeof(int64_t)) ||
+        rod_roomy((void **)&o->room, &o->number_room, numbers, sizeof(double)))
         return NO_MEMORY;
     double *width = o->room, *since = width + P * PANEL_COLUMNS, *series = since + P;
     double *least = series + P * each, *jump = least + P, *kept = jump + P * PAIRS, *M = kept + P * varied;
@@ -514,13 +506,10 @@ int rod_lone_orbit(const start_problem *start, const double *pinned, const criti
                    const points *at, const cutting *how, lone_orbit *out)
 {
     arcs from;
-    panels made = {0};
-    *out = (lone_orbit){.kind = LOST};
-    int failed = rod_cut_orbit(start, pinned, known, by, at, how, &from, &made);
-    if (!failed) {
-        out->kind = from.kind, out->direction = from.direction;
-        failed = made.count ? fill(out, &made, at, how) : NOT_POSSIBLE;
-    }
-    rod_panels_free(&made);
-    return failed;
+    out->kind = LOST, out->made.count = 0;
+    const int failed = rod_cut_orbit(start, pinned, known, by, at, how, &from, &out->made);
+    if (failed)
+        return failed;
+    out->kind = from.kind, out->direction = from.direction;
+    return out->made.count ? fill(out, at, how) : NOT_POSSIBLE;
 }

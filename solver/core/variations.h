@@ -20,7 +20,11 @@ typedef struct {
     double v, H, c, shift[4], gamma[4], M[PAIRS];
 } varied_place;
 
-enum { VARIED = 9 + PAIRS }; /* series of a panel: |beta_t|, H, c, shifts, gammas and M */
+/* Series of a panel: |beta_t|, H, gammas and M; then what is constant on it: c and the shifts. */
+enum { BY_LEVEL = 5, VARIED = BY_LEVEL + PAIRS, CONSTANTS = 4 };
+
+/* The numbers that are kept of a panel with series of `size` coefficients: (VARIED, size), and the constants. */
+static inline int64_t varied_size(int64_t size) { return VARIED * size + CONSTANTS; }
 
 /* What the variations of orbits are kept in, P panels and n nodes: `variations.Variations`. */
 typedef struct {
@@ -35,8 +39,8 @@ void rod_vary_state(const double *loads, const read_orbits *, int64_t i, const p
 /* The weights of the integral over a panel, (n,). */
 void rod_panel_weights(const points *, double *out);
 
-/* The variations of orbit b, none of a helix, on its panels, with nodes (P,) as room. loads: (3,). weights: of
-   `rod_panel_weights`. only: two of the panels,
+/* The variations of orbit b, none of a helix, on its panels, with nodes (P,) as room. points: an even number of them, at least
+   8. loads: (3,). weights: of `rod_panel_weights`. only: two of the panels,
    numbered within the orbit, whose series alone are wanted, or NULL for all; M of `out` may be NULL. Returns the number within
    the orbit of the panel whose critical point the orbit comes closest to. */
 int64_t rod_vary(const double *loads, const read_orbits *of, int64_t b, const points *at, const double *weights,
@@ -89,12 +93,15 @@ typedef struct {
     double direction, duration[2], integrals[6], closing[2 * PAIRS], gain[2 * PAIRS];
     double *room;
     varied_nodes *nodes;
+    int64_t row_room, number_room, node_room;
+    panels made;
     read_orbits of;
     varied_orbits varied;
 } lone_orbit;
 
-/* The orbit of a problem, from what `rod_cut_orbit` takes; to be freed in any case. Returns DONE, NO_MEMORY or NOT_POSSIBLE,
-   as for a helix; `kind` is that of the orbit, LOST where there is none. */
+/* The orbit of a problem, from what `rod_cut_orbit` takes, in place of the one before, in its room; at first all is 0. To be
+   freed in any case. Returns DONE, NO_MEMORY or NOT_POSSIBLE, as for a helix; `kind` is that of the orbit, LOST where there is
+   none. */
 int rod_lone_orbit(const start_problem *, const double *pinned, const critical *known, const grid *, const points *,
                    const cutting *, lone_orbit *out);
 void rod_lone_orbit_free(lone_orbit *);

@@ -64,8 +64,8 @@ class Variations:
 
     kept: arrays by name (`KEPT`). least: (P,), the least beta_t^2 + c H^2 of each panel. M: (P, 10, n), the
     rates of its elements at the nodes. jump: (P, 10), closing: (2 B, 10), what M gains on entering each panel, and
-    where the rotation of an arc closes. series: (P, n + 1, 19), of |beta_t|, H, c, the shifts (3), gamma_q (3) and the
-    ten elements of M. gain: (B, 2, 10), what M gains over the forward and the backward arc.
+    where the rotation of an arc closes. series: (P, 15 n + 19), those of |beta_t|, H, gamma_q (3)
+    and the ten elements of M, of n + 1 coefficients, then c and the shifts (3). gain: (B, 2, 10), what M gains over the forward and the backward arc.
     """
 
     orbit: Orbit
@@ -99,7 +99,7 @@ def variations_on(orbit: Orbit) -> Variations:
     problem, n = orbit.problem, orbit.panels.series.shape[2] - 1
     P, B = orbit.panels.arc.size, problem.size
     loads = np.stack([problem.lam, problem.mu, problem.phi], axis=1)
-    shapes = (P,), (P, PAIRS, n), (P, PAIRS), (2 * B, PAIRS), (P, n + 1, 9 + PAIRS), (B, 2, PAIRS)
+    shapes = (P,), (P, PAIRS, n), (P, PAIRS), (2 * B, PAIRS), (P, 15 * n + 19), (B, 2, PAIRS)
     varied = Variations(orbit, dict(zip(KEPT, map(np.empty, shapes), strict=True)))
     fine(run("rod_variations", B, loads, varied.arguments[0], points(n), varied.arguments[1]))
     return varied
