@@ -39,7 +39,8 @@ def _share_of_pulls(sol: ShapeArrays, cases: Integers, until: float = 1.0) -> Ar
     """The share of the length of some cases, (k,), on which the cylinder would have to pull before `until` of it."""
     read, shapes = MeasuredNumbers(sol), sol.trajectory.shapes
     if shapes is None:
-        return np.asarray(read.over("lifted", until, cases) / read.length[cases])
+        pulled = read.value("lifted")[cases] if until == 1 else read.over("lifted", until, cases)
+        return np.asarray(pulled / read.length[cases])
     ends = until * read.length
     stretches = [[(a, min(b, ends[i])) for a, b in shapes.of(i).lift_offs(1.0) if a < ends[i]] for i in cases.tolist()]
     return np.array([sum(b - a for a, b in each) for each in stretches]) / read.length[cases]

@@ -37,11 +37,11 @@ _MIDDLE = "middle "  # before the names of what is measured there
 
 
 class MeasuredNumbers:
-    """A solution and the numbers measured on it; each density is computed once for all observables."""
+    """A solution and the numbers measured on it; each density is computed once for all observables and cautions."""
 
     def __init__(self, sol: ShapeArrays) -> None:
         self.sol = sol
-        self._known: dict[str, Pair] = {}
+        self._known: dict[str, Pair] = vars(sol).setdefault("_measured", {})  # of the whole length, kept with it
         self._middle: dict[str, Pair] = {}
         self._in_middle: set[str] = set()  # what will be measured there, together
 
@@ -100,7 +100,7 @@ class MeasuredNumbers:
 
     def know(self, numbers: Mapping[str, Pair], middle: Mapping[str, Pair] = MappingProxyType({})) -> None:
         """Take numbers that are known already, and over the middle third, in place of what would be measured."""
-        self._known.update(numbers)
+        self._known = {**self._known, **numbers}  # the solution keeps what was measured
         self._middle.update(middle)
 
     @cached_property

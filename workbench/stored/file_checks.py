@@ -235,7 +235,7 @@ def _sum(value: Any) -> str:
         part = value[where] if where else value[()] if isinstance(value, h5py.Dataset) else value
         if np.ndim(part) and part.dtype.kind in "OS":
             texts = part.ravel().tolist()
-            parts = texts if all(isinstance(text, bytes) for text in texts) else map(_bytes, texts)
+            parts = texts if {*map(type, texts)} == {bytes} else map(_bytes, texts)
             part = b"\0".join([*parts, b""])
         summed.update(_bytes(part))
     return f"{'x'.join(map(str, np.shape(value)))}:{summed.hexdigest()}"
