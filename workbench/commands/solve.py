@@ -11,7 +11,7 @@ from solver.problem.errors import DEFAULT_TOLERANCE, InputError
 from solver.problem.quantities import quantity
 
 from ..run import atomic
-from ..words.habits import margin_words, plain, size_shown, stated, unit_shown
+from ..words.habits import margin_words, plain, size_shown, unit_shown, value_with_unit
 from . import console, tables
 from .case_options import GivenOptions
 from .options import (
@@ -410,4 +410,4 @@ def _in_words(name: str, value: float, units: dict[str, str]) -> str:
     from studies.grammar.axes import in_words, is_angle
 
     is_number = is_angle(name) or unit_shown(name, units) == "1"
-    return in_words(name, value) if is_number else f"{name} = {stated(name, value, units, 6)}"
+    return in_words(name, value) if is_number else f"{name} = {value_with_unit(name, value, units, 6)}"

@@ -20,7 +20,7 @@ from solver import Solution
 
 from ..stored.stored_study import StoredStudy
 from ..words import free_rods
-from ..words.habits import plain, stated
+from ..words.habits import plain, value_with_unit
 from . import canvas, colours, drawn_rods, fonts
 from .dimensions import (
     AWAY,
@@ -71,7 +71,7 @@ def figure(stored: StoredStudy, at: Mapping[str, float] | None = None, sheet: Sh
     rods = drawn_rods.choose(chosen, ("alpha", "beta", "z"))
     rod, R, side = rods.solved[0], float(chosen["R"]), str(chosen.attrs["side"])
     height, pitch = (float(value) for value in drawn_rods.numbers(chosen, "height", "pitch"))
-    unit = partial(stated, units=chosen.units)
+    unit = partial(value_with_unit, units=chosen.units)
     free = chosen.at() if chosen.leaves else None
     radii = {k: float(free.radius[k]) for k in (0, -1)} if free else {}
     distances = {k: unit("L", radius) for k, radius in radii.items() if abs(radius - rod.rho) > OFF * rod.a}

@@ -37,7 +37,8 @@ CUT = "; ..."  # ends a text that is longer than a file holds
 
 def wrong_axis(values: Any) -> str:
     """What is wrong with the values of an axis; "" where nothing is."""
-    if np.asarray(values).dtype.kind not in "iuf" or not (np.abs(values) <= LARGEST).all():
+    values = np.asarray(values)
+    if values.dtype.kind not in "iuf" or not (np.abs(values.astype(float)) <= LARGEST).all():
         return f"holds values that are not finite, or beyond {LARGEST:g}"
     return "holds a value twice" if np.unique(values).size < np.size(values) else ""
 

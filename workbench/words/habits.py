@@ -58,7 +58,7 @@ def size(unit: str, dimension: tuple[int, ...], units: Mapping[str, str]) -> flo
     return size_in(dimension, units) / unit_size(unit)[0]
 
 
-def stated(name: str, value: float, units: Mapping[str, str], digits: int = 4) -> str:
+def value_with_unit(name: str, value: float, units: Mapping[str, str], digits: int = 4) -> str:
     """A value of a quantity or field in the unit in which it is stated, with it: ``4.25 in``."""
     return f"{plain(value * size_shown(name, units), digits)} {unit_shown(name, units)}"
 
@@ -75,7 +75,7 @@ def margin_words(bend: Mapping[str, float], name: str, units: Mapping[str, str])
     """
     if not bend["least"]:
         return ""
-    least = stated(name, bend["least"], units)
+    least = value_with_unit(name, bend["least"], units)
     return f"{plain(100 * abs(bend['margin']), 3)} % {'less' if bend['margin'] < 0 else 'more'} than the least, {least}"
 
 
