@@ -202,8 +202,8 @@ def refine(beside: Beside, shape: FreeShape, tol: float) -> FreeAnswer:
     A tolerance that is out of reach leads to the default one. Where a finer mesh has no minimum, or another one, the
     others remain.
     """
-    # on the coarsest mesh the lead of the ends is not known before
-    shape = beside.minimum(curve_of(shape), 1.0, shape.rod.edges) or shape
+    if not shape.rod.lead.any():  # as it was not known before
+        shape = beside.minimum(curve_of(shape), 1.0, shape.rod.edges) or shape
     shapes: tuple[FreeShape, ...] = (shape,)
     error, steps, line, why = np.inf, 0, "", f"the tolerance needs a mesh of more than {FINEST} edges"
     aims = np.array([tol, max(tol, FREE_TOLERANCE)])
