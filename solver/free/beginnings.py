@@ -90,8 +90,9 @@ class _StartSheet(NamedTuple):
         return self.off * outward(alpha) + ahead[:, None] * tangent(alpha, np.full(p.size, np.pi / 2)), alpha
 
 
-def sheet_between(rod: DiscreteRod, alpha: Array) -> _StartSheet:
-    """The sheet between the ends of a rod, at azimuths (2,)."""
+def sheet_between(rod: DiscreteRod) -> _StartSheet:
+    """The sheet between the ends of a rod; one whose azimuth is free is at that of the start."""
+    alpha = rod.angles[[0, 4]]
     first, last = (rod.place(end, alpha[end]) for end in (0, 1))
     if rod.side == OUTSIDE:
         leaving = np.arccos(np.minimum(1 / rod.radius, 1))
@@ -107,7 +108,7 @@ def sheet_between(rod: DiscreteRod, alpha: Array) -> _StartSheet:
 
 def taut_string(rod: DiscreteRod) -> tuple[_StartSheet, float, float]:
     """A string that is drawn from end to end: its sheet, its height, and its length over that of the rod."""
-    sheet = sheet_between(rod, np.where(rod.free[[0, 4]], rod.angles[0], rod.angles[[0, 4]]))
+    sheet = sheet_between(rod)
     up = np.sqrt(max(rod.span**2 - sheet.length**2, 0.0)) if rod.height is None else rod.height
     return sheet, up, float(np.hypot(sheet.length, up) / rod.span)
 
@@ -127,7 +128,6 @@ def curve_of_string(rod: DiscreteRod) -> BeginningCurve | str:
     from scipy.optimize import brentq
     from scipy.special import j0
 
-    azimuths = np.where(rod.free[[0, 4]], rod.angles[0], rod.angles[[0, 4]])
     sheet, up, taut = taut_string(rod)
     if taut > 1 + NEGLIGIBLE:
         return f"a string from end to end is {taut:.6g} times as long as the rod"
@@ -139,7 +139,7 @@ def curve_of_string(rod: DiscreteRod) -> BeginningCurve | str:
     turned = np.stack([alpha, sheet.sense * lean, np.zeros(u.size), np.zeros(u.size)])
     turned[3, 1:] = -np.cumsum(np.diff(alpha) * np.cos((lean[1:] + lean[:-1]) / 2))  # no twist
     q, near, held = end_frame(turned)[0], turned[3, [0, -1]], ~rod.free[[1, 5]]
-    ends = angles_at(azimuths, directors(q[[0, -1]]))
+    ends = angles_at(rod.angles[[0, 4]], directors(q[[0, -1]]))
     ends[1, held] += whole_turns(rod.angles[[1, 5]] - ends[1])[held]
     ends[3] -= whole_turns(ends[3] - near)
     turned[3] += rod.angles[3] - ends[3, 0]
@@ -161,9 +161,8 @@ def curve_of(shape: FreeShape, name: str = "the seed") -> BeginningCurve:
     back[:, 0], back[:, 3] = np.cos(turned * middles / 2), -np.sin(turned * middles / 2)
     angles[7] -= turned
     q, twist = product(rod.chain(shape.y), back), rod.twist + turned / rod.span
-    return BeginningCurve(
-        name, np.arange(N + 1) / N, shape.x, middles, q, twist, angles, lead=shape.lead, forces=shape.multipliers
-    )
+    u, known = np.arange(N + 1) / N, shape.multipliers
+    return BeginningCurve(name, u, shape.x, middles, q, twist, angles, lead=shape.lead, forces=known)
 
 
 def curves_of(sol: ShapeArrays, name: str) -> list[BeginningCurve | None]:
@@ -178,7 +177,7 @@ def curves_of(sol: ShapeArrays, name: str) -> list[BeginningCurve | None]:
     with np.errstate(all="ignore"):
         numbers, span = numbers_of(sol.case).T, problem.span
         phi, lam = np.abs(problem.phi) + np.abs(numbers[1]) * span, problem.lam - problem.mu
-        changes = np.where(solved, rate_of_change(phi, *numbers[1:3], problem.mu, lam, span) * span, 0.0)
+        changes = np.where(solved, rate_of_change(phi, numbers[1], numbers[2], problem.mu, lam, span) * span, 0.0)
     t = span[:, None] * np.linspace(0, 1, int(np.clip(EACH * np.nanmax(changes), FEWEST, MOST)))
     if trajectory.orbit is not None:
         (beta, _, alpha, z), swirl = trajectory.orbit.at(t), trajectory.orbit.swirl(t)

@@ -23,7 +23,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..numerics.arrays import Array, Booleans
-from .quaternions import BILINEAR, BY_FIRST, BY_FRAME, BY_SECOND, QUADRATIC, contract, recall_end_frame
+from .quaternions import BILINEAR, BY_FIRST, BY_FRAME, BY_SECOND, QUADRATIC, contract, end_frame, product
 
 EDGE = 7  # unknowns of an edge: its quaternion, and the node behind it
 ENDS = 8  # the angles of both ends: azimuth, beta, tilt, rotation
@@ -51,12 +51,12 @@ class DiscreteRod:
     """A rod between its ends, on N edges.
 
     edges: N. span: L/rho. ratio: C/A. twist: tau. side: `OUTSIDE`, `INSIDE` or `HELD_ON`. weight: (3,), force per
-    length. angles: (8,), azimuth, beta, tilt and rotation of both ends, anything where `free` (8,) says that they are
-    unknown; never the azimuth and the rotation of the start. flip: sign of the quaternion of the far end. radius: (2,),
-    distance of both ends from the axis. height: z of node N; None if unknown. loads: (8,), what does work with the
-    angles. tension: what does work with the height. lead: (2, 3), of the frames of both ends, in these [rad].
-    chords: (N,), of the edges, over h. drag: of a medium in which nodes 1 to N have moved from places (N, 3), per
-    length, over the time of that motion.
+    length. angles: (8,), azimuth, beta, tilt and rotation of both ends, anything where `free` (8,) says that they
+    are unknown, an azimuth that of the start; never the azimuth and the rotation of the start. flip: sign of the
+    quaternion of the far end. radius: (2,), distance of both ends from the axis. height: z of node N; None if
+    unknown. loads: (8,), what does work with the angles. tension: what does work with the height. lead: (2, 3), of
+    the frames of both ends, in these [rad]. chords: (N,), of the edges, over h. drag: of a medium in which nodes 1
+    to N have moved from places (N, 3), per length, over the time of that motion.
     """
 
     edges: int
@@ -136,34 +136,27 @@ class DiscreteRod:
     @cached_property
     def _node_weights(self) -> Array:
         """The weight at nodes 1 to N, (N, 3)."""
-        weight = np.tile(self.h * self.weight, (self.edges, 1))
-        weight[-1] /= 2
-        return weight
+        return np.outer(np.append(np.full(self.edges - 1, self.h), self.h / 2), self.weight)
 
-    def _end_frames(self, y: Array, lead: Array) -> tuple[tuple[Array, ...], tuple[Array, ...]]:
-        """The frames of both ends with their first and second derivatives by the angles there."""
-        ends = zip(y[-ENDS:].reshape(2, 4).tolist(), lead.tolist(), strict=True)
-        near, far = (recall_end_frame(tuple(angles), tuple(ahead)) for angles, ahead in ends)
-        return near, tuple(self.flip * part for part in far)
-
-    def chain(self, y: Array, lead: Array | float = 0.0) -> Array:
-        """The frames of the start, of the edges and of the far end, (N + 2, 4), at the ends with a lead."""
-        (first, *_), (last, *_) = self._end_frames(y, np.broadcast_to(lead, (2, 3)))
-        return np.concatenate([first[None], self.parts(y)[0], last[None]])
+    def chain(self, y: Array, led: bool = False) -> Array:
+        """The frames of the start, of the edges and of the far end, (N + 2, 4). led: the ends with the lead."""
+        ends = _recall_ends(self, y[-ENDS:].tobytes(), led)[0]
+        return np.concatenate([ends[:1], self.parts(y)[0], ends[1:]])
 
     def joints(self, y: Array) -> _Joints:
         """The strains between neighbouring frames."""
         return _recall_joints(self, y.tobytes())
 
     def _joints(self, y: Array) -> _Joints:
-        chain = self.chain(y, self.lead)
+        chain = self.chain(y, led=True)
         before, after = contract(chain[1:], BY_SECOND), contract(chain[:-1], BY_FIRST)
         v = (before @ chain[:-1, :, None])[..., 0]
         pull = self._stiffness * v
         pull[:, 2] += 2 * self.ratio * self.twist
         slopes, mixed = np.concatenate([before, after], axis=2), contract(pull, BILINEAR)
         bends = np.zeros((self.edges + 1, 8, 8))
-        (_, near, near2), (_, far, far2) = self._end_frames(y, self.lead)
+        _, by_angle, by_angles = _recall_ends(self, y[-ENDS:].tobytes(), True)
+        (near, far), (near2, far2) = np.moveaxis(by_angle, 1, 0), np.moveaxis(by_angles, 2, 0)
         bends[0, :4, :4], bends[-1, 4:, 4:] = near2 @ (pull[0] @ before[0]), far2 @ (pull[-1] @ after[-1])
         slopes[0, :, :4], slopes[-1, :, 4:] = before[0] @ near.T, after[-1] @ far.T
         mixed[0], mixed[-1] = near @ mixed[0], mixed[-1] @ far.T
@@ -207,12 +200,15 @@ class DiscreteRod:
     @cached_property
     def bounds(self) -> tuple[Array, Array]:
         """The least and the largest values of the conditions, (M,) each."""
-        low = np.zeros(CONDITIONS * self.edges + self.edges + 1)
-        high = low.copy()
-        wall = slice(CONDITIONS * self.edges, CONDITIONS * self.edges + self.edges - 1)
+        low, high = np.zeros((2, CONDITIONS * self.edges + self.edges + 1))
         if self.side != HELD_ON:
-            (low if self.side == INSIDE else high)[wall] = self.side * np.inf
+            self.split(low if self.side == INSIDE else high)[1][:] = self.side * np.inf
         return low, high
+
+    def split(self, values: Array) -> tuple[Array, Array, Array]:
+        """Numbers of the conditions (M,): of edges (N, 4), of the wall (N - 1,), and of the far end (2,), as views."""
+        n = CONDITIONS * self.edges
+        return values[:n].reshape(-1, CONDITIONS), values[n:-2], values[-2:]
 
     def conditions(self, y: Array) -> Array:
         """How far an edge leads beside its node, and |q|^2 - 1, of each edge; x^2 + y^2 - 1 at nodes 1 to N - 1; how
@@ -260,14 +256,12 @@ class DiscreteRod:
 
     def hessian_values(self, y: Array, size: float, multipliers: Array) -> Array:
         """The second derivatives, at the places of `hessian_places`."""
-        of_edges = multipliers[: CONDITIONS * self.edges].reshape(-1, CONDITIONS)
-        wall = multipliers[CONDITIONS * self.edges :][: self.edges - 1]
-        joints = self.joints(y)
+        (of_edges, wall, far), joints = self.split(multipliers), self.joints(y)
         stiff = self._stiffness[..., None] * joints.slopes
         blocks = size * (np.swapaxes(joints.slopes, 1, 2) @ stiff + joints.bends)
         blocks[:-1, 4:, 4:] += 2 * contract(self.chord_lengths * of_edges[:, :3], QUADRATIC)
         blocks[:-1, 4:, 4:] -= 2 * of_edges[:, 3, None, None] * np.eye(4)
-        blocks[-1, 4, 4] -= multipliers[-2:] @ self.place(1, self.parts(y)[2][4])
+        blocks[-1, 4, 4] -= far @ self.place(1, self.parts(y)[2][4])
         nodes = np.full((self.edges, 3), size * self.drag * self.h)
         nodes[:-1, :2] -= 2 * wall[:, None]
         return np.append(blocks[:, *LOWER], nodes)
@@ -277,3 +271,11 @@ class DiscreteRod:
 def _recall_joints(rod: DiscreteRod, y: bytes) -> _Joints:
     """The joints of a rod with these unknowns; the last two are kept, which energy and derivatives share."""
     return rod._joints(np.frombuffer(y))
+
+
+@lru_cache(maxsize=4)
+def _recall_ends(rod: DiscreteRod, angles: bytes, led: bool) -> tuple[Array, ...]:
+    """The frames of both ends of a rod with these angles, (2, 4), and their first and second derivatives by the angles,
+    (4, 2, 4) and (4, 4, 2, 4); the last ones are kept, as most ends stand still. led: turned on by the lead."""
+    ahead = np.insert(led * rod.lead / 2, 0, 1.0, axis=1) * [[1.0], [rod.flip]]
+    return tuple(product(part, ahead) for part in end_frame(np.frombuffer(angles).reshape(2, 4).T))

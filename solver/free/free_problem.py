@@ -153,13 +153,11 @@ def problems_of(case: Case) -> list[Beside]:
     def column(value: Any) -> Array:
         return flat(0.0 if value is None else value, case.shape)
 
-    tilts = [
-        (getattr(given, M2) is None, column(getattr(given, tilt)), column(getattr(given, M2))) for tilt, M2 in TILTS
-    ]
     radii = np.stack([column(radius / case.rho) for radius in case.end_radii], axis=1)
-    gamma0, ratio, unit = map(
-        column, (given.gamma, 1 / case.rod.stiffness_ratio, case.rod.bending_stiffness / case.rho)
-    )
+    stiff = case.rod.bending_stiffness
+    gamma0, ratio, unit = (column(value) for value in (given.gamma, 1 / case.rod.stiffness_ratio, stiff / case.rho))
+    pairs = ((getattr(given, tilt), getattr(given, M2)) for tilt, M2 in TILTS)
+    leans = [(M2 is None, column(tilt), column(M2) / unit) for tilt, M2 in pairs]
     problems = []
     for i, loaded in enumerate(rods_of(case)):
         held, (near, alpha0), (far, turned, axial, twisted) = loaded.held, loaded.near, loaded.far
@@ -167,11 +165,11 @@ def problems_of(case: Case) -> list[Beside]:
         ends = [  # whether it is held, its value then, and the load that does work with it otherwise
             (True, alpha0, 0.0),
             ("beta0" in held, near, -near),
-            (tilts[0][0], tilts[0][1][i], tilts[0][2][i] / unit[i]),
+            (leans[0][0], leans[0][1][i], leans[0][2][i]),
             (True, gamma0[i], 0.0),
             (around or radii[i, 1] == 0, alpha0 + around * turned, turned),
             ("betaL" in held, far, far),
-            (tilts[1][0], tilts[1][1][i], -tilts[1][2][i] / unit[i]),
+            (leans[1][0], leans[1][1][i], -leans[1][2][i]),
             (rotated, 0.0, twisted),
         ]
         known, angles, loads = np.array(ends).T
@@ -179,7 +177,7 @@ def problems_of(case: Case) -> list[Beside]:
         rod = DiscreteRod(
             1, loaded.span, float(ratio[i]), 0.0 if rotated else float(twisted / ratio[i]),
             OUTSIDE if case.outward > 0 else INSIDE, np.array([loaded.across, 0.0, -loaded.along]),
-            np.where(free, 0.0, angles), free, 1.0, radii[i], float(axial) if upright else None,
+            angles, free, 1.0, radii[i], float(axial) if upright else None,
             np.where(free, loads, 0.0), 0.0 if upright else float(axial), np.zeros((2, 3)),
         )  # fmt: skip
         changes = float(loaded.changes()[1][-1])

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
 
@@ -71,6 +70,11 @@ class FreeAnswer:
     line: str = ""
     minima: int = 0
 
+    @property
+    def energy(self) -> float:
+        """The energy of the last shape; infinite where there is none."""
+        return self.shapes[-1].rod.energy(self.shapes[-1].y) if self.shapes else np.inf
+
     def within(self, tol: float) -> bool:
         """Whether there is a shape, with an error within the tolerance, or at least so small that it leaves a shape."""
         return bool(self.shapes) and not self.error > max(tol, APART)
@@ -106,23 +110,6 @@ class FreeRods:
         return cls([FreeAnswer()] * size, Along(*(np.stack([part] * size) for part in Along.blank(n))))
 
 
-class _Way(NamedTuple):
-    """The way from a curve to a shape on the coarsest mesh; no shape where a part of the way has no minimum.
-
-    begun: from where. share: how much of the way was gone, 1 to the end. steps: to there.
-    """
-
-    begun: str
-    shape: FreeShape | None
-    share: float
-    steps: int
-
-    @property
-    def energy(self) -> float:
-        """The energy of the shape; infinite where the way has no end."""
-        return np.inf if self.shape is None else self.shape.rod.energy(self.shape.y)
-
-
 def continue_from(beside: Beside, curves: Sequence[BeginningCurve], tol: float, lowest: bool = False) -> FreeAnswer:
     """The shape that continues from a curve, of several the one of least energy; without a curve from the straight rod.
 
@@ -147,20 +134,19 @@ def continue_from(beside: Beside, curves: Sequence[BeginningCurve], tol: float, 
     beside = beside._replace(effort=Effort((len(curves) + lowest * len(SHAKES)) * STEPS * max(edges, LEAST)))
     ways = [reach(beside, curve, edges) for curve in curves]
     best = min(ways, key=lambda way: way.energy)
-    for seed, far in enumerate(SHAKES if lowest else ()):
+    for seed, far in enumerate(SHAKES if lowest and best.shapes else ()):
         ways += [way_beside(beside, best, far, seed)]
         if best.energy - ways[-1].energy > ALIKE * abs(best.energy):
             best = ways[-1]
-    begun, steps = best.begun, sum(way.steps for way in ways)
-    if best.shape is None:
-        why = f"no minimum of the energy was found beyond {best.share:.3g} of the way from {begun}"
-        return FreeAnswer(steps=steps, begun=begun, why=why + beside.effort.why)
-    answer = refine(beside, best.shape, tol)
-    return replace(answer, steps=steps + answer.steps, begun=begun, minima=count_of(ways) if lowest else 0)
+    steps = sum(way.steps for way in ways)
+    if not best.shapes:
+        return replace(best, steps=steps)
+    answer = refine(beside, best.shapes[0], tol)
+    return replace(answer, steps=steps + answer.steps, begun=best.begun, minima=count_of(ways) if lowest else 0)
 
 
-def reach(beside: Beside, curve: BeginningCurve, edges: int) -> _Way:
-    """The way from a curve to the shape of a rod."""
+def reach(beside: Beside, curve: BeginningCurve, edges: int) -> FreeAnswer:
+    """The shape on a coarse mesh to which the way from a curve leads."""
     way = beside.way(curve)
     moves = ", whose ends move to where they are held" * (curve.grows or way >= ALIKE)
     begun = f"{curve.name}{moves}{' while its loads grow' * curve.grows}"
@@ -168,30 +154,31 @@ def reach(beside: Beside, curve: BeginningCurve, edges: int) -> _Way:
     while share < 1:
         ahead = min(1.0, share + step)
         further = beside.minimum(curve, ahead, edges, shape)
-        if further is None:
-            step /= 2
-            if step < LEAST_STEP:
-                return _Way(begun, None, share, steps)
+        if further is not None:
+            share, steps, shape = ahead, steps + further.steps, further
             continue
-        share, steps, shape = ahead, steps + further.steps, further
-    return _Way(begun, shape, share, steps)
+        step /= 2
+        if step < LEAST_STEP:
+            why = f"no minimum of the energy was found beyond {share:.3g} of the way from {begun}{beside.effort.why}"
+            return FreeAnswer(steps=steps, begun=begun, why=why)
+    assert shape is not None
+    return FreeAnswer((shape,), steps=steps, begun=begun)
 
 
-def way_beside(beside: Beside, way: _Way, far: float, seed: int) -> _Way:
-    """The way to a minimum of the same rod from the end of another way, which is moved by a few half waves."""
-    if way.shape is None:
-        return way
-    rod, sizes, y = way.shape.rod, beside.sizes(curve_of(way.shape)), way.shape.y.copy()
+def way_beside(beside: Beside, way: FreeAnswer, far: float, seed: int) -> FreeAnswer:
+    """A minimum of the same rod beside one, which is moved by a few half waves; without a shape where none is found."""
+    (shape,), begun = way.shapes, way.begun.removesuffix(MOVED) + MOVED
+    rod, sizes, y = shape.rod, beside.sizes(curve_of(shape)), shape.y.copy()
     middles, waves = (np.arange(rod.edges)[:, None] + 0.5) / rod.edges, np.arange(1, WAVES + 1)
     parts = np.random.default_rng(seed).normal(size=(WAVES, 4)) / waves[:, None]
     rod.parts(y)[0][:] += far * sizes.turned * np.sin(np.pi * middles * waves) @ parts
-    shape, begun = minimise(rod, y, sizes, effort=beside.effort), way.begun.removesuffix(MOVED) + MOVED
-    return _Way(begun, shape, 0.0, 0) if shape is None else _Way(begun, shape, 1.0, shape.steps)
+    beyond = minimise(rod, y, sizes, effort=beside.effort)
+    return FreeAnswer(begun=begun) if beyond is None else FreeAnswer((beyond,), steps=beyond.steps, begun=begun)
 
 
-def count_of(ways: Sequence[_Way]) -> int:
+def count_of(ways: Sequence[FreeAnswer]) -> int:
     """The number of minima to which ways have led; those of different energy are different."""
-    energies = np.sort([way.energy for way in ways if way.shape is not None])
+    energies = np.sort([way.energy for way in ways if way.shapes])
     # minima whose energies differ by less count as one, as mirror images do
     return 1 + int((np.diff(energies) > ALIKE * np.abs(energies).max()).sum())
 
@@ -227,8 +214,9 @@ def refine(beside: Beside, shape: FreeShape, tol: float) -> FreeAnswer:
 
 
 def distance(coarse: FreeShape, fine: FreeShape) -> float:
-    """The largest distance of common nodes, over the length."""
-    return float(np.linalg.norm(fine.x[::2] - coarse.x, axis=1).max()) / fine.rod.span
+    """The largest distance of common nodes of shapes on as many edges, or on multiples, over the length."""
+    common = fine.x[:: fine.rod.edges // coarse.rod.edges]
+    return float(np.linalg.norm(common - coarse.x, axis=1).max()) / fine.rod.span
 
 
 def estimate(changes: Sequence[float]) -> tuple[float, float]:

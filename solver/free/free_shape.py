@@ -9,7 +9,7 @@ import numpy as np
 from ..numerics.arrays import NEGLIGIBLE, ROUGHLY, Array, Booleans, whole_turns
 from ..orbits.frames import binormal, outward
 from .contacts import Contact, contacts_of
-from .discrete_rod import CONDITIONS, DiscreteRod
+from .discrete_rod import DiscreteRod
 from .quaternions import directors
 
 
@@ -91,7 +91,7 @@ class FreeShape:
 
         It changes by the push as it is read: next to an end on the wall the force of a node is partly that of the end.
         """
-        edges = -self.multipliers[: CONDITIONS * self.rod.edges].reshape(-1, CONDITIONS)[:, :3]
+        edges = -self.rod.split(self.multipliers)[0][:, :3]
         forces, weight = np.concatenate([edges[:1], edges, edges[-1:]]), self.rod.h * self.rod.weight
         out, push = self.rod.side * self.x * [1, 1, 0], self.rod.h * self.push_at(self.nodes[[0, 1, -1, -2]])
         for way in (1, -1):
@@ -148,8 +148,7 @@ class FreeShape:
     @cached_property
     def wall_force(self) -> Array:
         """The force with which the wall pushes the nodes, (N + 1,); 0 at the ends, which are held."""
-        multipliers = self.multipliers[CONDITIONS * self.rod.edges :][: self.rod.edges - 1]
-        return np.concatenate([[0.0], 2 * self.rod.side * multipliers, [0.0]])
+        return np.pad(2 * self.rod.side * self.rod.split(self.multipliers)[1], 1)
 
     @cached_property
     def contacts(self) -> list[Contact]:

@@ -97,8 +97,7 @@ class Newton(Program):
     @cached_property
     def wall(self) -> slice:
         """Where the conditions of the wall are, if it only pushes."""
-        first = CONDITIONS * self.rod.edges
-        return slice(first, first + (self.rod.edges - 1) * (self.rod.side != HELD_ON))
+        return slice(CONDITIONS * self.rod.edges, -2 if self.rod.side != HELD_ON else CONDITIONS * self.rod.edges)
 
     @cached_property
     def stiff(self) -> float:

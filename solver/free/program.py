@@ -12,7 +12,7 @@ import numpy as np
 
 from ..numerics.arrays import Array, Integers
 from ..problem.errors import InputError
-from .discrete_rod import CONDITIONS, DiscreteRod
+from .discrete_rod import DiscreteRod
 
 OPTIONS = {
     "logger": "SILENT",
@@ -74,7 +74,7 @@ class Program:
     def unit_of(self) -> Array:
         """The sizes of the conditions, (M,)."""
         unit = np.full(self.rod.bounds[0].size, self.sizes.across)
-        unit[: CONDITIONS * self.rod.edges].reshape(-1, CONDITIONS)[:, 2:] = self.sizes.along, self.sizes.turned
+        self.rod.split(unit)[0][:, 2:] = self.sizes.along, self.sizes.turned
         return unit
 
     @cached_property
@@ -115,7 +115,7 @@ class Program:
         return ANGLES[turned.argmax()] if turned.max() > self.rod.span + 2 * np.pi else ""
 
     def minimise(self, effort: Effort) -> tuple[Array, Array, int] | None:
-        """The multipliers of the minimum near the guess, the minimum, and the steps; None where Uno finds none with this effort.
+        """The multipliers of the minimum near the guess, the minimum, and the steps; None where Uno finds none.
 
         Raises `InputError` where Uno is not installed.
         """
@@ -138,23 +138,26 @@ class Program:
         model.set_lagrangian_hessian(above.size, unopy.LOWER_TRIANGLE, above, beside, into(self.hessian))
         model.set_initial_primal_iterate(np.zeros(self.rod.size))
         cost = self.rod.edges + EACH_STEP
-        most = int(min(MOST, effort.left // cost))
-        if most < 1:
-            effort.why = effort.why or CUT
-            return None
-        solver = unopy.UnoSolver()
-        solver.set_termination_callback(lambda z, *_: bool(self.endless_turn(z[: self.rod.size])))
-        solver.set_preset("ipopt")
-        for name, value in {**OPTIONS, "max_iterations": most}.items():
-            solver.set_option(name, value)
-        result = solver.optimize(model)
-        effort.left -= cost * result.number_iterations
-        z = np.array(result.primal_solution)
-        left = result.solution_primal_feasibility, result.solution_stationarity, result.solution_complementarity
-        if angle := self.endless_turn(z):
-            effort.why = f", as {angle} turns without end: hold it, or lower the load that turns it"
-        elif max(left) < ENOUGH:
-            return np.array(result.constraint_dual_solution), z, int(result.number_iterations)
-        elif MOST > most <= result.number_iterations:
-            effort.why = effort.why or CUT
+        # where the first way to accept steps jams, as between clamps near a straight rod, the other often does not
+        for strategy in ("waechter_filter_method", "funnel_method"):
+            most = int(min(MOST, effort.left // cost))
+            if most < 1:
+                effort.why = effort.why or CUT
+                break
+            solver = unopy.UnoSolver()
+            solver.set_termination_callback(lambda z, *_: bool(self.endless_turn(z[: self.rod.size])))
+            solver.set_preset("ipopt")
+            for name, value in {**OPTIONS, "max_iterations": most, "globalization_strategy": strategy}.items():
+                solver.set_option(name, value)
+            result = solver.optimize(model)
+            effort.left -= cost * result.number_iterations
+            z = np.array(result.primal_solution)
+            left = result.solution_primal_feasibility, result.solution_stationarity, result.solution_complementarity
+            if angle := self.endless_turn(z):
+                effort.why = f", as {angle} turns without end: hold it, or lower the load that turns it"
+                break
+            if max(left) < ENOUGH:
+                return np.array(result.constraint_dual_solution), z, int(result.number_iterations)
+            if MOST > most <= result.number_iterations:
+                effort.why = effort.why or CUT
         return None

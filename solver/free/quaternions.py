@@ -4,8 +4,6 @@ A frame is D1, D2, D3; D3 is the tangent, and D1 = -d1, D2 = -d2 of `orbits.fram
 rod along the axis, at azimuth 0 and not rotated, is the identity.
 """
 
-from functools import lru_cache
-
 import numpy as np
 
 from ..numerics.arrays import Array
@@ -45,18 +43,6 @@ def product(a: Array, b: Array) -> Array:
 def directors(q: Array) -> Array:
     """The directors D1, D2, D3 of frames as rows, (..., 3, 3)."""
     return np.asarray((_pairs(q, q) @ _PAIRS[1]).reshape(*q.shape[:-1], 3, 3))
-
-
-@lru_cache(maxsize=16)
-def recall_end_frame(angles: tuple[float, ...], lead: tuple[float, ...]) -> tuple[Array, ...]:
-    """The frame of `end_frame`, turned on by a small rotation [rad], and its derivatives; the last 16 are kept.
-
-    The ends of a rod are asked for the frames of a few angles thousands of times. The arrays are read-only.
-    """
-    parts = tuple(product(part, np.array([1.0, *np.divide(lead, 2)])) for part in end_frame(np.array(angles)))
-    for part in parts:
-        part.flags.writeable = False
-    return parts
 
 
 def end_frame(angles: Array) -> tuple[Array, Array, Array]:

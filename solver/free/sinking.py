@@ -5,6 +5,7 @@ does not resist the rotation of the sections about the rod.
 """
 
 from dataclasses import replace
+
 import numpy as np
 
 from ..numerics.arrays import ALIKE, Array
@@ -12,7 +13,7 @@ from ..problem.case import Case
 from ..problem.errors import InputError
 from .discrete_rod import DiscreteRod
 from .free_problem import BeginningCurve, Beside, problems_of
-from .free_rods import FreeAnswer
+from .free_rods import FreeAnswer, distance
 from .free_shape import FreeShape
 from .minimum import Newton, minimise
 from .program import EACH_STEP, Effort
@@ -63,29 +64,24 @@ class Sinking:
     def survey(self, goal: FreeShape) -> tuple[Array, Array, FreeShape]:
         """Times, (k,), and the ways gone until then and to the rest, (k + 1,), in even shares of the way to a goal;
         and the shape at rest, which is the goal where it is near."""
-        aim, time, shape = far(self.begun, goal) / SURVEY, FIRST, self.begun
+        aim, time, shape = distance(self.begun, goal) / SURVEY, FIRST, self.begun
         times, ways = [0.0], [0.0]
         while True:
             ahead = self.step(shape, time)
-            gone = np.inf if ahead is None else far(shape, ahead)
+            gone = np.inf if ahead is None else distance(shape, ahead)
             if ahead is not None and gone < PACE * aim:
                 times.append(times[-1] + time)
                 ways.append(ways[-1] + gone)
                 shape = ahead
                 rest = goal if gone > AT_REST * aim else self.step(shape, np.inf)
-                if rest is not None and far(shape, rest) < THERE * aim:
-                    rest = goal if far(rest, goal) < THERE * aim else rest
-                    return np.array(times), np.append(ways, ways[-1] + far(shape, rest)), rest
+                if rest is not None and distance(shape, rest) < THERE * aim:
+                    rest = goal if distance(rest, goal) < THERE * aim else rest
+                    return np.array(times), np.append(ways, ways[-1] + distance(shape, rest)), rest
             time *= np.clip(aim / max(gone, aim / FASTER), SLOWER, FASTER)
 
     def after(self, shape: FreeShape, time: float) -> FreeShape:
         """The shape after a time, in one step, or in two halves where that finds none."""
         return self.step(shape, time) or self.after(self.after(shape, time / 2), time / 2)
-
-
-def far(shape: FreeShape, other: FreeShape) -> float:
-    """The largest distance of common nodes of shapes on as many edges."""
-    return float(np.linalg.norm(shape.x - other.x, axis=1).max())
 
 
 def descent_of(case: Case, curve: BeginningCurve, answer: FreeAnswer, count: int) -> tuple[list[FreeAnswer], Array]:
@@ -96,7 +92,7 @@ def descent_of(case: Case, curve: BeginningCurve, answer: FreeAnswer, count: int
     """
     goal = next((shape for shape in answer.shapes[::-1] if shape.rod.edges <= MOST_EDGES), answer.shapes[0])
     sinking = Sinking(problems_of(case)[0], curve, goal.rod, count)
-    if far(sinking.begun, goal) < ALIKE * goal.rod.span:
+    if distance(sinking.begun, goal) < ALIKE:
         raise InputError("let go, this rod stays as it is: there is no motion to show")
     times, ways, rest = sinking.survey(goal)
     ends = np.linspace(0, ways[-1], count + 1)[1:-1]
