@@ -348,6 +348,35 @@ def test_a_search_is_cut_only_where_it_took_all_the_steps_that_were_left() -> No
         assert effort.left >= 0
 
 
+def test_a_rod_continues_from_a_neighbour_by_newtons_method_alone(
+    freed: tuple[Any, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """From its multipliers: a search by Uno takes ten times the steps, and forgets where the rod touches the wall."""
+    before, near = freed[0], freed[1]
+    ends = replace(near.case.given, height=near.case.given.height - 1e-3 * ROD.L)
+    case = replace(near.case, given=ends)
+    searched = solve(case, seed=before.let_go())
+    monkeypatch.setattr("solver.free.program.Program.minimise", lambda *_: pytest.fail("Uno searches"))
+    followed = solve(case, seed=near)
+    assert followed.solved
+    far = np.linalg.norm(followed.position - searched.position, axis=1).max() / ROD.L
+    assert far <= followed.error + searched.error
+
+
+def test_the_multipliers_of_a_curve_push_as_hard_on_any_mesh(freed: tuple[Any, Any]) -> None:
+    """Half of each force goes to the node at its place on a mesh of half the edges, a quarter to each neighbour."""
+    shape = freed[1].trajectory.free.answers[0].shapes[-1]
+    curve, edges = curve_of(shape), shape.rod.edges
+    known, push, end = shape.rod.split(shape.multipliers)
+    for count in (2 * edges, edges, edges // 2, edges // 2 + 7):
+        of_edges, wall, far = replace(shape.rod, edges=count).split(curve.multipliers(count))
+        assert wall.sum() == pytest.approx(push.sum(), rel=1e-12)
+        np.testing.assert_allclose(of_edges[:, :3].mean(axis=0), known[:, :3].mean(axis=0), atol=1e-3 * np.ptp(known))
+        np.testing.assert_array_equal(far, end)
+        if count == 2 * edges:
+            np.testing.assert_allclose(wall[1::2], push / 2, rtol=1e-9, atol=1e-9 * push.max())
+
+
 def test_a_finer_mesh_that_leads_to_another_minimum_late_is_left_out(
     freed: tuple[Any, Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
