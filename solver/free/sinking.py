@@ -15,12 +15,12 @@ from .discrete_rod import DiscreteRod
 from .free_problem import BeginningCurve, Beside, problems_of
 from .free_rods import FreeAnswer, distance
 from .free_shape import FreeShape
-from .minimum import Newton, minimise
+from .minimum import minimise
 from .program import EACH_STEP, Effort
 
 MOST_EDGES = 200  # of the rod while it moves: finer ones look alike. x10: ten times the time
 SURVEY = 24  # steps to the goal, by which the whole way is measured. x10: 3.3 times the time, and the same way
-# steps of a motion, those of Uno included, beside two for each of its shapes: usual are 50 to 150. x10: ten times the
+# steps of a motion, those of Uno included, beside two for each of its shapes: usual are 60 to 200. x10: ten times the
 # time before a rod is refused that does not come to rest
 MOST_STEPS = 400
 PACE = 1.6  # how far a step may go of what it should. x10: a few steps jump over what the eye should follow
@@ -52,13 +52,9 @@ class Sinking:
         if self.effort.left < 0:
             raise InputError(f"let go, this rod does not come to rest within {self.most} steps")
         dragged = replace(self.rod, places=shape.x[1:], drag=1 / time)
-        if shape is self.begun:
-            ahead = minimise(dragged, shape.y, self.sizes, effort=self.effort)
-        else:
-            newton = Newton(dragged, self.sizes, dragged.with_known(shape.y))
-            ahead = newton.equilibrium(shape.multipliers * newton.scale)
-            if ahead is not None and (ahead.unstable or self.rod.energy(ahead.y) > self.rod.energy(shape.y)):
-                return None
+        ahead = minimise(dragged, shape.y, self.sizes, shape.multipliers, self.effort)
+        if ahead is not None and self.rod.energy(ahead.y) > self.rod.energy(shape.y) and shape is not self.begun:
+            return None
         return ahead and replace(ahead, rod=self.rod)
 
     def survey(self, goal: FreeShape) -> tuple[Array, Array, FreeShape]:
@@ -80,8 +76,14 @@ class Sinking:
             time *= np.clip(aim / max(gone, aim / FASTER), SLOWER, FASTER)
 
     def after(self, shape: FreeShape, time: float) -> FreeShape:
-        """The shape after a time, in one step, or in two halves where that finds none."""
-        return self.step(shape, time) or self.after(self.after(shape, time / 2), time / 2)
+        """The shape after a time, in one step, or in halves of it where that finds none."""
+        left, step = time, time
+        while left > 0:
+            if ahead := self.step(shape, step):
+                shape, left = ahead, left - step
+            else:
+                step /= 2
+        return shape
 
 
 def descent_of(case: Case, curve: BeginningCurve, answer: FreeAnswer, count: int) -> tuple[list[FreeAnswer], Array]:
