@@ -5,20 +5,17 @@ as the question is invalid; so does what is a matter of the machine (`problem.er
 """
 
 from collections.abc import Callable
-from dataclasses import fields, replace
-from functools import partial
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from .free.free_rods import FreeRods
-from .nodes.varying_shapes import VaryingShapes
 from .numerics.arrays import Array
 from .problem.case import Case
 from .problem.case_fields import values_of, with_fields_unchecked
 from .problem.errors import attempt
 from .problem.reduced import EndsProblem, StartProblem, flat, span_of
-from .problem.trajectory import PLAIN, Seed, Trajectory, blank
+from .problem.trajectory import Seed, Trajectory, blank
 
 Answer = tuple[StartProblem | EndsProblem, Trajectory]
 
@@ -36,11 +33,12 @@ class Question(NamedTuple):
     name: str
 
 
-def answer_each(question: Question, case: Case) -> Answer:
+def answer_each(question: Question, case: Case, blank_answer: Callable[[Case, Array, Array], Answer]) -> Answer:
     """The answers of a column to a case of B rods.
 
     Where the column raises, each rod is answered alone: those that raise have outcomes that say so, and all others are
-    answered again, with one of them in the place of each that fails.
+    answered again, with one of them in the place of each that fails. blank_answer: of cases, stations and outcomes, for
+    where none is answered.
     """
 
     column, t, seed, _ = question
@@ -61,39 +59,10 @@ def answer_each(question: Question, case: Case) -> Answer:
         if not isinstance(whole, str):
             return replace(whole[0], span=span_of(case)), blank(whole[1], fit, why)
         why[fit] = whole
-    return _blank_answer(case, t, why)
+    return blank_answer(case, t, why)
 
 
 def _rows_of(case: Case, rows: Any) -> Case:
     """The cases at flat places of a grid, in a row; rows: (k,) of whole numbers."""
     names = [name for _, name, value in case._numeric if np.ndim(value)]
     return with_fields_unchecked(case, {name: flat(values_of(case, name), case.shape)[rows] for name in names})
-
-
-def _blank_answer(case: Case, t: Array, why: Array) -> Answer:
-    """Plain problems, and answers of NaN at stations t (B, n), with the outcomes `why` (B,)."""
-    B, kind = case.size, StartProblem if case.kind == "start" else EndsProblem
-    numbers = {field.name: np.full(B, PLAIN[field.name]) for field in fields(kind)}
-    problem = kind(**numbers | {"span": span_of(case)})
-    nothing, each = np.full(t.shape, np.nan), np.full(B, np.nan)
-    answer = Trajectory(
-        nothing,
-        nothing,
-        nothing,
-        nothing,
-        partial(np.asarray, nothing),
-        np.zeros(B, dtype=bool),
-        why,
-        each + np.inf,
-        each + np.inf,
-        np.zeros(B, dtype=np.int64),
-    )
-    if case.kind == "ends":
-        answer = replace(answer, begun=np.full(B, "", dtype=object))
-    if case.leaves:
-        return problem, replace(answer, free=FreeRods.blank(*t.shape))
-    if case.on_nodes:
-        answer = replace(answer, shapes=VaryingShapes([None] * B, each, each))
-    if case.varies:
-        answer = replace(answer, loads=np.full((3, *t.shape), np.nan))
-    return problem, answer

@@ -1,14 +1,16 @@
 """From a case to its solution: reduce, run a method, restore the units."""
 
-from functools import lru_cache
+from dataclasses import fields, replace
+from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from .each_case import Answer, Question, answer_each
 from .free.beginnings import BILATERAL, bilateral_cases, curves_of
-from .free.free_rods import FREE_TOLERANCE, answers_beside
+from .free.free_rods import FREE_TOLERANCE, FreeRods, answers_beside
 from .held.selection import LOWEST, NEAREST, RULES, Choose, check
+from .nodes.varying_shapes import VaryingShapes
 from .numerics.arrays import NEGLIGIBLE, Array
 from .problem.case import Case, Ends, Start, check_case
 from .problem.errors import DEFAULT_TOLERANCE, InputError, check_tolerance, choices, show, whole_number
@@ -24,7 +26,7 @@ from .problem.reduced import (
     reduce_held,
     span_of,
 )
-from .problem.trajectory import Seed, Trajectory, blank, stood_in
+from .problem.trajectory import PLAIN, Seed, Trajectory, blank, stood_in
 from .solution import FreeSolution, Solution
 
 if TYPE_CHECKING:
@@ -99,14 +101,14 @@ def solve(
     tol = check_tolerance((FREE_TOLERANCE if case.leaves else DEFAULT_TOLERANCE) if tol is None else tol)
     if case.leaves:
         question = _beside(case, tol, method, knobs, stations, seed, choose)
-        return FreeSolution(case, *answer_each(question, case), question.t, question.name, tol)
+        return FreeSolution(case, *answer_each(question, case, _blank_answer), question.t, question.name, tol)
     if case.varies:
         question = _question_on_nodes(case, tol, method, knobs, stations, seed, choose)
     elif fields_held(case):
         question = _question_of_held_ends(case, tol, method, knobs, stations, seed, choose)
     else:
         question = _constant(case, tol, method, knobs, stations, seed, choose)
-    return Solution(case, *answer_each(question, case), question.t, question.name, tol)
+    return Solution(case, *answer_each(question, case, _blank_answer), question.t, question.name, tol)
 
 
 def _constant(
@@ -246,6 +248,35 @@ def _refuse(answer: Trajectory, case: Case, why: Array) -> Trajectory:
     """The answer without the cases that a limit refuses; why: (B,), "" where none does."""
     fit = why == ""
     return answer if fit.all() else blank(answer, fit, beyond(why, case))
+
+
+def _blank_answer(case: Case, t: Array, why: Array) -> Answer:
+    """Plain problems, and answers of NaN at stations t (B, n), with the outcomes `why` (B,)."""
+    B, kind = case.size, StartProblem if case.kind == "start" else EndsProblem
+    numbers = {field.name: np.full(B, PLAIN[field.name]) for field in fields(kind)}
+    problem = kind(**numbers | {"span": span_of(case)})
+    nothing, each = np.full(t.shape, np.nan), np.full(B, np.nan)
+    answer = Trajectory(
+        nothing,
+        nothing,
+        nothing,
+        nothing,
+        partial(np.asarray, nothing),
+        np.zeros(B, dtype=bool),
+        why,
+        each + np.inf,
+        each + np.inf,
+        np.zeros(B, dtype=np.int64),
+    )
+    if case.kind == "ends":
+        answer = replace(answer, begun=np.full(B, "", dtype=object))
+    if case.leaves:
+        return problem, replace(answer, free=FreeRods.blank(*t.shape))
+    if case.on_nodes:
+        answer = replace(answer, shapes=VaryingShapes([None] * B, each, each))
+    if case.varies:
+        answer = replace(answer, loads=np.full((3, *t.shape), np.nan))
+    return problem, answer
 
 
 def _stations(case: Case, span: Array, stations: Any) -> Array:

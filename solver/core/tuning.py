@@ -10,8 +10,8 @@ from ..numerics.arclength import COSINE as COSINE
 from ..numerics.arclength import ENDING
 from ..numerics.arclength import OFF as OFF
 from ..numerics.arrays import EPS
+from ..numerics.arrays import SHAPELESS as SHAPELESS
 from ..numerics.roots import CLOSE as CLOSE
-from ..problem.trajectory import SHAPELESS as SHAPELESS
 
 # steps along a branch
 LONGEST = 0.25  # in scales. x10: a step passes two folds, or lands on another branch

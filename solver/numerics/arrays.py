@@ -29,6 +29,8 @@ SQUARE_LOST = 1e-8
 # fold are one
 ALIKE = 1e-6
 ROUGHLY = 1e-3  # guesses and minima that are no more exact differ by less where they are one. x10: neighbours are lost
+# rad: with a larger error the shape is another one, whatever the condition number allows. x10: it would be answered
+SHAPELESS = 0.1
 ASIDE = 1e-3  # how far beside a point its surroundings are read. x10: where a curve bends, those of another part
 
 

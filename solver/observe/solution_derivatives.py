@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ..numerics.arrays import EPS, Array
+from ..numerics.arrays import EPS, SHAPELESS, Array
 from ..orbits.periodic_orbit import HELIX
 from ..orbits.shape_arrays import ShapeArrays
 from ..orbits.variations import HelixVariations
@@ -18,7 +18,7 @@ from ..problem.case import refuse_leaving
 from ..problem.case_fields import check_fields
 from ..problem.quantities import ByName
 from ..problem.reduced import EndsProblem, FieldRates, end_number_names, field_rates, flat
-from ..problem.trajectory import SHAPELESS, SOLVED, decade
+from ..problem.trajectory import SOLVED, decade
 from .motions import Motion, of_equilibria, of_helices, shape_rates, start_sensitivities
 from .observable_rates import Moving, check_observables, derivatives_of, measure_of, why_missing
 from .varying_rates import STEP, rates_on_nodes

@@ -65,7 +65,8 @@ class Variations:
     kept: arrays by name (`KEPT`). least: (P,), the least beta_t^2 + c H^2 of each panel. M: (P, 10, n), the
     rates of its elements at the nodes. jump: (P, 10), closing: (2 B, 10), what M gains on entering each panel, and
     where the rotation of an arc closes. series: (P, 15 n + 19), those of |beta_t|, H, gamma_q (3)
-    and the ten elements of M, of n + 1 coefficients, then c and the shifts (3). gain: (B, 2, 10), what M gains over the forward and the backward arc.
+    and the ten elements of M, of n + 1 coefficients, then c and the shifts (3). gain: (B, 2, 10), what M gains over the
+    forward and the backward arc.
     """
 
     orbit: Orbit

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..numerics.arrays import Array, Columns
+from ..numerics.arrays import SHAPELESS, Array, Columns
 from .reduced import EndsProblem, Reduced
 
 SOLVED = "solved"
@@ -17,8 +17,6 @@ BECAUSE = ", as "
 NOT_FINITE = "failed: the computation left the finite numbers"
 # a rod that every method solves
 PLAIN = {"lam": 0.0, "mu": 0.0, "phi": 0.0, "span": 1.0, "beta0": 0.5, "dbeta0": 0.0, "betaL": 0.5}
-# rad: with a larger error the shape is another one, whatever the condition number allows. x10: it would be answered
-SHAPELESS = 0.1
 
 
 P = TypeVar("P", bound=Reduced)
