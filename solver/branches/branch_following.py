@@ -14,7 +14,6 @@ import numpy as np
 
 from ..core.branch_calls import AT_END, IS_CLOSED
 from ..core.tuning import (
-    BACK,
     BESIDE_HELD_HELIX,
     BESIDE_HELIX,
     BESIDE_SADDLE,
@@ -250,7 +249,9 @@ def _is_same(first: Place, place: Place) -> bool:
     """Whether the branch is back where it began."""
     path, other = place.path, first.path
     same = (path.leaving, path.turns, path.sign) == (other.leaving, other.turns, other.sign)
-    return same and abs(place.p - first.p) < BACK and abs(path.pin - other.pin) < BACK and abs(path.y - other.y) < BACK
+    return (
+        same and abs(place.p - first.p) < ALIKE and abs(path.pin - other.pin) < ALIKE and abs(path.y - other.y) < ALIKE
+    )
 
 
 def creeps(before: BranchState, after: BranchState, bounds: Bounds, leap: bool) -> bool:

@@ -26,7 +26,7 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from ..numerics.arclength import PITCHFORK, Lengths, Node, node_at
-from ..numerics.arrays import ALIKE, ASIDE, NEGLIGIBLE, ROUGHLY, Array
+from ..numerics.arrays import ALIKE, ASIDE, NEGLIGIBLE, ROUGHLY, SQUARE_LOST, Array
 from ..numerics.roots import REACH
 from ..orbits.boundary import boundary_of
 from ..orbits.periodic_orbit import TIGHT, Pin, helix_half_waves, solve_orbit
@@ -57,8 +57,6 @@ _LEAST = 1e-100
 # x10: an error of order 2, 4e-6
 _BEND = 2e-4
 _SIDES = 2.0**-25  # of a step: how closely a change of side is enclosed. x10: its place has a digit less
-# rad: the largest miss of beta(L) at a pitchfork, of which no square is read. x10: an imperfect one counts as one
-_UNFOLDED = 1e-8
 # of beta_t(0), in its size: where a fold curve may meet pitchforks. x10: only time, as what is tried is solved for
 _CROSSING = 0.02
 _SAME = 0.02  # largest distance between a point and itself in another form. x10: the step may go on along another curve
@@ -274,7 +272,7 @@ class OrbitPitchfork(OrbitPoint):
         in a cusp there."""
         if self.saddle is not None:
             return True
-        return all(abs(float(self.equations(z)[0])) < _UNFOLDED for z in (self.w, self.w + ASIDE * self.way))
+        return all(abs(float(self.equations(z)[0])) < SQUARE_LOST for z in (self.w, self.w + ASIDE * self.way))
 
     @cached_property
     def lower(self) -> int:

@@ -237,7 +237,7 @@ static int stepped(family *f, const point *from, double step, const place *o, po
 /* Whether the branch is back where it began. */
 static int is_same(const record *one, const record *first)
 {
-    const double back = rod_tuning.back;
+    const double back = rod_tuning.alike;
     return one->leaving == first->leaving && one->turns == first->turns && one->sign == first->sign &&
            fabs(one->p - first->p) < back && fabs(one->pin - first->pin) < back && fabs(one->y - first->y) < back;
 }

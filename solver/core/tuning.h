@@ -7,7 +7,7 @@
 #include <stdint.h>
 
 typedef struct {
-    double off, cosine, longest, narrow, easy_bend, slower, faster, steep, share, least, ahead, nudge, same_saddle, back;
+    double off, cosine, longest, narrow, easy_bend, slower, faster, steep, share, least, ahead, nudge, same_saddle, alike;
     double beside_helix, beside_held_helix, beside_saddle, unresolved, settled, small, contraction, close;
     double lowest, on, moved, at_rest, as_high;
     double shapeless, safety, barely;

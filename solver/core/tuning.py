@@ -9,6 +9,7 @@ from pathlib import Path
 from ..numerics.arclength import COSINE as COSINE
 from ..numerics.arclength import ENDING
 from ..numerics.arclength import OFF as OFF
+from ..numerics.arrays import ALIKE as ALIKE
 from ..numerics.arrays import EPS
 from ..numerics.arrays import SHAPELESS as SHAPELESS
 from ..numerics.roots import CLOSE as CLOSE
@@ -35,9 +36,6 @@ NUDGE = 1e-5  # of the unknown's scale, for differences: the cube root of roundi
 # half of the largest angle by which a saddle moves in a step. x10: another saddle is taken for it, and the path for
 # another
 SAME_SADDLE = 0.1
-# in scales: an equilibrium as near to the first is the first, far above the errors of both. x10: a branch that passes
-# so near its begin counts as closed
-BACK = 1e-6
 # of the size of G: H at the ends of a rod that is nearly a helix. x10: branches leap where they could step
 BESIDE_HELIX = 1e-6
 # of the size of G: H at the ends of a held rod that is nearly a helix, which the solver leaves earlier. x10: rods that
