@@ -3,10 +3,11 @@
 #include "branches.h"
 
 #define MOST_TURNS 1e15 /* between two ends: above, an angle has no digit left of a turn */
-/* of a gap: a shelf that is less high counts as so high. x10: beside a lower one derivatives have fewer digits; a tenth: by
-   rounding */
+/* Of 97 branches of 39 random rods, half of them with a shelf and half of them held: */
+/* of a gap: a shelf that is less high counts as so high. x10: one branch stops before its fold; a tenth: none differs */
 #define LOWEST_SHELF 1e-7
-/* heights of a shelf, over which a step changes the level. x10: folds beside a shelf are lost; a tenth: ten times the steps */
+/* heights of a shelf, over which a step changes the level. x10: a step beside a shelf lands on another part, so that one branch
+   counts as closed; a tenth: beside shelves up to 1.7 times the steps, the same folds */
 #define SHELVES 100
 
 static int is_critical(const place *o, double angle)
