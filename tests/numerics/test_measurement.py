@@ -8,6 +8,7 @@ import pytest
 
 from solver import Case, Cylinder, Rod, Start, solve
 from solver.methods import available
+from solver.observe import cautions
 from solver.observe.measurement import MeasuredNumbers
 from solver.observe.observables import OBSERVABLES, error_name, observe
 from solver.orbits.periodic_orbit import LIBRATION
@@ -193,3 +194,22 @@ def test_stations_that_show_no_shape_are_not_measured() -> None:
     seen = observe(solve(case, method="rk4", steps=4), ["kappa_max", "attached", "push_mean", "bending_energy"])
     for value in seen.values():
         assert np.isfinite(value).tolist() == [False, True]
+
+
+def test_cautions_measure_nothing_again_and_derivatives_leave_what_is_measured(monkeypatch) -> None:
+    rods = Case(Rod(np.linspace(5e3, 4e4, 20), 0.25, 0.25, 20.0), Cylinder(0.75), Start(0.5, 0.5, F1=5.0, F3=10.0))
+    sol, measured, whole = solve(rods), [], MeasuredNumbers._measure
+    seen = observe(sol, cautions.JUDGED, errors=True)
+
+    def noted(self: MeasuredNumbers, wanted: set[str], until: float = 1.0, cases: Any = None) -> Any:
+        measured.append(until)
+        return whole(self, wanted, until, cases)
+
+    monkeypatch.setattr(MeasuredNumbers, "_measure", noted)
+    told = cautions.of_cases(sol, seen)
+    assert "pulled" in "".join(told)
+    assert 1.0 not in measured
+    sol.sensitivity(["E"], ["attached", "push_max"])
+    again = observe(sol, cautions.JUDGED, errors=True)
+    for name, value in seen.items():
+        np.testing.assert_array_equal(again[name], value)
