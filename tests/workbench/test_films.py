@@ -252,7 +252,7 @@ def test_a_film_has_as_many_frames_as_its_change_needs(tmp_path, capsys) -> None
     assert more is not None
     assert 72 <= more.sizes["E"] <= 200
     assert more["E"].attrs["spacing"] == "linear"  # as the axis, wherever its rods move
-    moves = study_scene._motion(more.ds, "E")
+    moves = more.moves("E")
     assert moves.max() < 4 * np.median(moves)  # at an even pace
     near = ds.assign_coords(E=[1e4, 1.001e4])
     few = study_scene.film_cases(StoredStudy(near), "E", {}, scene_kinds.kind_of("plain"), "height", 200)

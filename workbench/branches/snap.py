@@ -240,12 +240,11 @@ def as_dataset(stored: StoredStudy, way: list[Moment]) -> xr.Dataset:
 
 def evenly(ds: xr.Dataset, count: int) -> xr.Dataset:
     """So many of the shapes, the first and the last among them, between which the rod moves about as far."""
-    place = np.stack([ds["rho"] * np.cos(ds["alpha"]), ds["rho"] * np.sin(ds["alpha"]), ds["z"]], axis=-1)
-    far = np.linalg.norm(np.diff(place, axis=0), axis=-1).max(axis=-1) / float(ds["rho"].max())
-    load = ds[ds["z"].dims[0]].values
+    axis = str(ds["z"].dims[0])
+    load = ds[axis].values
     share = np.abs(np.diff(load)) / max(float(np.ptp(load)), 1e-300)
-    way = np.append(0.0, np.cumsum(far + SLOWEST * share))
-    return ds.isel({ds["z"].dims[0]: np.searchsorted(way, np.linspace(0, way[-1], count) - 1e-9 * way[-1])})
+    way = np.append(0.0, np.cumsum(StoredStudy(ds).moves(axis) + SLOWEST * share))
+    return ds.isel({axis: np.searchsorted(way, np.linspace(0, way[-1], count) - 1e-9 * way[-1])})
 
 
 def numbers_of(case: Case) -> dict[str, float]:

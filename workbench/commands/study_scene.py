@@ -164,22 +164,13 @@ def film_cases(
         if {"alpha", "z", "radius"} <= {*line.variables} and bool(line["solved"].all()):
             first, values = line.sortby(axis), np.sort(line[axis].values)
     first = in_memory.run(through(values)) if first is None else first
-    way = np.concatenate([[0.0], np.cumsum(_motion(first, axis))])
+    steps = np.clip(np.nan_to_num(StoredStudy(first).moves(axis)), 0.02 * STEP, JUMP)
+    way = np.append(0.0, np.cumsum(steps))
     count = count or int(np.clip(np.ceil(way[-1] / STEP), LEAST, most))
     moved = through(np.interp(np.linspace(0, way[-1], count), way + 1e-9 * np.arange(values.size), values))
     cases = (run_free if lean.leaves else in_memory.run)(moved)
     spacing = "geometric" if stored.is_logarithmic(axis) else "linear"  # the scale of the axis, not of the motion
     return StoredStudy(cases.assign_coords({axis: cases[axis].assign_attrs(spacing=spacing)}))
-
-
-def _motion(ds: xr.Dataset, axis: str) -> Any:
-    """How far rods move from one case of an axis to the next, in distances from the axis of the cylinder."""
-    line = ds.squeeze([name for name in schema.axes_of(ds) if name != axis])
-    r = line["radius"] if schema.leaves(ds) else line["rho"]
-    place = np.stack([r * np.cos(line["alpha"]), r * np.sin(line["alpha"]), line["z"]], axis=-1)
-    place = np.moveaxis(place, line["alpha"].dims.index(axis), 0)
-    far = np.linalg.norm(np.diff(place, axis=0), axis=-1).max(axis=-1) / float(line["rho"].max())
-    return np.clip(np.nan_to_num(far), 0.02 * STEP, JUMP)
 
 
 def _with_outputs(study: Study, outputs: Any) -> Study:

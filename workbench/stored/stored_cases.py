@@ -11,6 +11,7 @@ import numpy as np
 import xarray as xr
 
 from solver.observe.observables import OBSERVABLES
+from solver.orbits import frames
 from solver.problem.declared_fields import FIELDS, VARY_LOADS
 from solver.problem.errors import InputError, choices, near, no_such
 from solver.problem.quantities import current
@@ -402,6 +403,13 @@ class StoredCases:
                 said = f"{noun}: {self.level_in_words(name)}."
             texts.append(said[0].upper() + said[1:])
         return texts
+
+    def moves(self, axis: str) -> Any:
+        """By how many radii of the cylinder rods move at most from one case along an axis to the next, (cases - 1,)."""
+        names = "alpha", "z", "radius" if self.leaves else "rho"
+        alpha, z, r = (each.transpose(axis, ...) for each in xr.broadcast(*(self.ds[name] for name in names)))
+        way = np.linalg.norm(np.diff(frames.position(r.values, alpha.values, z.values), axis=0), axis=-1)
+        return way.max(axis=tuple(range(1, way.ndim))) / float(self.ds["rho"].max())
 
     def equations(self, where: Mapping[str, int], digits: int = 4) -> str:
         """The values at indices along axes: ``R = 0.75 cm, F₃ = 10 N``; nothing where there are none."""
