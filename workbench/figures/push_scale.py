@@ -111,14 +111,12 @@ def pulls(push: Any) -> bool:
 
 def unit(units: Mapping[str, str]) -> str:
     """The unit in which a push is written: ``lbf/ft`` where lengths are in ft and forces in klbf."""
-    return labels.unit(habits.habitual_unit(habits.LINE_LOAD, units))
+    return labels.unit(habits.unit_shown("push_max", units))
 
 
 def size(units: Mapping[str, str]) -> float:
     """How many of the unit in which a push is written are one of the unit of a case."""
-    habitual = habits.habitual_unit(habits.LINE_LOAD, units)
-    is_habitual = habitual == f"{units['force']}/{units['length']}"  # these may have no size
-    return 1.0 if is_habitual else habits.size(habitual, habits.LINE_LOAD, units)
+    return habits.size_shown("push_max", units)
 
 
 def in_habitual_unit(end: float, units: Mapping[str, str]) -> ScalarMappable:
