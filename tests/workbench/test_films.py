@@ -12,7 +12,7 @@ from matplotlib.text import Text
 from PIL import Image
 
 from solver.problem.errors import InputError
-from studies.language.loader import loads
+from studies.language.loader import dumps, loads
 from tests.workbench import small
 from tests.workbench.command import exit_status
 from tests.workbench.pictures import draws
@@ -21,6 +21,7 @@ from workbench.commands.draw_scene import scene
 from workbench.commands.present import result_of_files
 from workbench.commands.scene_options import SceneOptions
 from workbench.figures import canvas, colours
+from workbench.geometry.centreline import TooFewStations
 from workbench.run import in_memory, writing
 from workbench.scene import film, opengl, page, scene_kinds, signs
 from workbench.scene.settings import look_of
@@ -180,7 +181,7 @@ def test_a_film_runs_along_the_one_axis_that_has_no_value(tmp_path, monkeypatch)
     writing.write(small.six(), "grid.h5")
     asked = []
     monkeypatch.setattr(film, "write", lambda *given, **how: None)
-    monkeypatch.setattr(film, "frames", lambda stored, shown, step: asked.append(shown))
+    monkeypatch.setattr(film, "frames", lambda stored, shown, *how: asked.append(shown))
     at = f"R={float(small.six()['R'][0])}"
     assert exit_status("scene", "grid.h5", "-o", "E.gif", "--at", at, "--stored") == 0
     assert asked[0].axis == "E"
@@ -323,3 +324,14 @@ def test_a_frame_of_a_rod_that_passes_through_itself_has_the_rings_and_the_words
         assert bool(count) == bool(ringed)
     assert frames[0][0] > 0
     assert frames[0][1][0].startswith("the rod passes through itself")
+
+
+@draws
+def test_a_film_takes_the_stations_that_its_rods_need_and_a_dataset_with_too_few_makes_no_frame(tmp_path) -> None:
+    study = small.study(AXIS, 'observables = ["height"]').at_stations(6)
+    (tmp_path / "few.toml").write_text(dumps(study))
+    asked = ["scene", tmp_path / "few.toml", "-o", tmp_path / "film.gif", "--dpi", "30", "--frames", "3"]
+    assert exit_status(*asked) == 0
+    alone = in_memory.run(study).assign_attrs(study="")
+    with pytest.raises(TooFewStations, match="6 stations are too few"):
+        film.frames(StoredStudy(alone), film.Film("E", {}, "height", dpi=DPI))

@@ -1,6 +1,6 @@
 """A film of the cases along an axis, or of a rod that is let go, by the command scene."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -15,6 +15,7 @@ from .scene_options import SceneOptions
 
 if TYPE_CHECKING:
     from ..scene.film import Film
+    from ..scene.page import Pixels
     from ..stored.stored_study import StoredStudy
 
 DPI = 160  # gives frames of 1280 x 720 pixels
@@ -38,8 +39,9 @@ def film_of(file: Path, out: Path, wanted: SceneOptions) -> Result:
     """
     from ..run import shards
     from ..scene import film, opengl
-    from ..scene.scene_kinds import LET_GO
+    from ..scene.scene_kinds import LET_GO, kind_of
     from ..scene.settings import check, look_of
+    from ..stored.enough_stations import at_needed_stations
     from . import study_scene
 
     fps, kind = film.FPS if wanted.fps is None else wanted.fps, wanted.kind or "contact"
@@ -61,8 +63,14 @@ def film_of(file: Path, out: Path, wanted: SceneOptions) -> Result:
         return result_of_files([], warnings=[advice], status=1)
     rods, shown, said, each = cases(fps)
     count = len(film.cases_of(rods, shown))
+    solve = None if rods.leaves else study_scene.solver_of(rods, kind_of(shown.kind), shown.at, [shown.axis])
     with console.progress(count, lines=True) as step:
-        film.write([path], film.frames(rods, shown, step), fps, each, stay=0.0 if wanted.frames else film.HOLD)
+
+        def frames(rods: "StoredStudy", strict: bool) -> "Iterator[Pixels]":
+            return film.frames(rods, shown, step, strict)
+
+        pictures = at_needed_stations(rods, solve, frames)[0]
+        film.write([path], pictures, fps, each, stay=0.0 if wanted.frames else film.HOLD)
     shards.clear(shards.folder_of(path))
     return result_of_files([path], [f"{path}: {count} {said}, {fps:g} frames per second"])
 

@@ -36,24 +36,9 @@ __all__ = ["DEFAULT", "Scene", "Settings", "TooFewStations", "compose"]
 def compose(scene: Scene) -> Page:
     """Colour the rods, render them, and set the page. Raises `InputError`, `TooFewStations`."""
     settings, dpi = scene.settings, scene.settings.dpi
-    scene, beyond = colour_rods(_bare(scene) if settings.bare else scene)
-    legend, notes = words_of(scene)
-    room = _room_on(Page(scene, legend, notes))
-    arranged = arrange(scene.rows, scene.camera, room, scene.pitch, scene.columns, scene.edge)
-    if scene.heads and fonts.width_of(scene.heads[0], fonts.NORMAL) > arranged.size[1]:  # no room beside the rows
-        case = ", ".join(text for text in (scene.case, f"rows: {scene.heads[0]}") if text)
-        return compose(replace(scene, heads=["", *scene.heads[1:]], case=case))
+    scene, (legend, notes), beyond, arranged = _arranged(scene)
     camera = replace(scene.camera, per_unit=arranged.scale * dpi)
-    _check_width(scene, camera)
-    n, stations = _stations(scene.bodies, settings.pixel_error / camera.per_unit)
-    if settings.strict and stations > n:
-        raise TooFewStations(f"{n} stations are too few, about {stations} are needed", stations)
-    missed = max((body.line.error for body in scene.bodies), default=0.0) * camera.per_unit
-    error = max(settings.pixel_error, missed + settings.pixel_error / 2)
-    blind = any(body.line.phase_step > APART for body in scene.bodies)
-    coarse = error > (settings.pixel_error * (1 + 1e-9) if blind else COARSEST)
-    if coarse or not all(body.has_true_colours for body in scene.bodies):
-        raise TooFewStations(_too_few(n, stations, error, settings), stations)
+    error, stations = _error_and_stations(scene, camera)
     size = int(np.ceil(arranged.size[0] * dpi)), int(np.ceil(arranged.size[1] * dpi))
     placed = [
         Placed(view, (float(x * dpi), float(size[1] - down * dpi))) for view, (x, down) in _middles(scene, arranged)
@@ -82,6 +67,43 @@ def compose(scene: Scene) -> Page:
     final.paste(pixels, arranged, rings_in(scene, arranged), _marks_of_contact(scene, arranged))
     final.error, final.stations = error, stations
     return final
+
+
+def check_stations(scene: Scene) -> None:
+    """Raise what `compose` would of the scene before it renders: `InputError`, `TooFewStations`."""
+    scene, _, _, arranged = _arranged(scene)
+    _error_and_stations(scene, replace(scene.camera, per_unit=arranged.scale * scene.settings.dpi))
+
+
+def _arranged(scene: Scene) -> tuple[Scene, tuple[list[tuple[str, str]], list[str]], list[str], Arrangement]:
+    """The scene coloured, its words, what lies beyond its scale, and where the views are. Raises `InputError`."""
+    scene, beyond = colour_rods(_bare(scene) if scene.settings.bare else scene)
+    words = words_of(scene)
+    room = _room_on(Page(scene, *words))
+    arranged = arrange(scene.rows, scene.camera, room, scene.pitch, scene.columns, scene.edge)
+    if scene.heads and fonts.width_of(scene.heads[0], fonts.NORMAL) > arranged.size[1]:  # no room beside the rows
+        case = ", ".join(text for text in (scene.case, f"rows: {scene.heads[0]}") if text)
+        return _arranged(replace(scene, heads=["", *scene.heads[1:]], case=case))
+    return scene, words, beyond, arranged
+
+
+def _error_and_stations(scene: Scene, camera: Camera) -> tuple[float, int]:
+    """By how many pixels the rods may be off, and about how many stations they need for as many as are asked for.
+
+    Raises `InputError`, `TooFewStations`.
+    """
+    settings = scene.settings
+    _check_width(scene, camera)
+    n, stations = _stations(scene.bodies, settings.pixel_error / camera.per_unit)
+    if settings.strict and stations > n:
+        raise TooFewStations(f"{n} stations are too few, about {stations} are needed", stations)
+    missed = max((body.line.error for body in scene.bodies), default=0.0) * camera.per_unit
+    error = max(settings.pixel_error, missed + settings.pixel_error / 2)
+    blind = any(body.line.phase_step > APART for body in scene.bodies)
+    coarse = error > (settings.pixel_error * (1 + 1e-9) if blind else COARSEST)
+    if coarse or not all(body.has_true_colours for body in scene.bodies):
+        raise TooFewStations(_too_few(n, stations, error, settings), stations)
+    return error, stations
 
 
 def words_of(scene: Scene) -> tuple[list[tuple[str, str]], list[str]]:

@@ -148,11 +148,13 @@ def check_writers(paths: Sequence[Path]) -> None:
         raise InputError(f"an MP4 needs imageio-ffmpeg, which is not installed: {INSTALL}; .gif and .webp do not")
 
 
-def frames(stored: StoredStudy, film: Film, step: Callable[[str], None] = lambda text: None) -> Iterator[Pixels]:
+def frames(
+    stored: StoredStudy, film: Film, step: Callable[[str], None] = lambda text: None, strict: bool = False
+) -> Iterator[Pixels]:
     """The frames in rising order of the axis, (height, width, 3) each, all of one even size.
 
-    A case without a shape shows its outcome in place of the rod. step: called with a text as each frame begins. Raises
-    `InputError` where no case has a shape.
+    A case without a shape shows its outcome in place of the rod. step: called with a text as each frame begins. Before
+    the first it raises `InputError` where no case has a shape, and `TooFewStations` as of `Settings`; strict: its own.
     """
     from . import composition  # VTK, which ends the process where OpenGL does not work
 
@@ -171,11 +173,29 @@ def frames(stored: StoredStudy, film: Film, step: Callable[[str], None] = lambda
         pixel_error=film.pixel_error,
         dpi=film.dpi,
         bare=True,
+        strict=strict,
         samples=SAMPLES,
         size=(round(wide * film.dpi), round(high * film.dpi)),
     )
     first = View(context[:1], Cell(), turned, ends, context)
     scene = Scene(stored, kind, [[first]], context, "", camera, settings)
+    composition.check_stations(replace(scene, rows=[[replace(first, bodies=context)]]))
+    return _frames(scene, film, cases, bodies, (wide, high), lying, step)
+
+
+def _frames(
+    scene: Scene,
+    film: Film,
+    cases: Sequence[dict[str, int]],
+    bodies: Sequence[rods.Body | None],
+    room: tuple[float, float],
+    lying: bool,
+    step: Callable[[str], None],
+) -> Iterator[Pixels]:
+    """The frames of a scene that shows the first rod: of each case with its body."""
+    from . import composition
+
+    stored, settings, ((first,),) = scene.stored, scene.settings, scene.rows
     fig = canvas.figure(film.size, lambda fig: _begin(fig, film, scene, lying), dpi=film.dpi, layout=None)
     fig.set_facecolor(settings.look[page.WHITE])
     for where, body in zip(cases, bodies, strict=True):
@@ -185,7 +205,7 @@ def frames(stored: StoredStudy, film: Film, step: Callable[[str], None] = lambda
         picture = composition.compose(shown) if body else None
         with rc_context(fonts.RC):
             drawn = [*_draw_case(fig, film, stored, where[film.axis])]
-            drawn += _draw_rod(fig, film, shown, picture, (wide, high), where)
+            drawn += _draw_rod(fig, film, shown, picture, room, where)
         page.recolour(fig, settings.look)
         yield _even(page.pixels_of(fig))
         for artist in drawn:
