@@ -143,7 +143,8 @@ def _in_words(case: Case, units: Mapping[str, str]) -> str:
     """``A rod 1500 mm long, of diameter 2 mm, on a cylinder of diameter 120 mm``."""
     rod, wall, unit = case.rod, case.cylinder, units["length"]
     where = "inside" if wall.side == "inside" else "on"
-    long, across, wide = (f"{float(value):.4g} {unit}" for value in (rod.L, 2 * rod.a, 2 * wall.R))
+    sizes = map(float, (rod.L, 2 * rod.a, 2 * wall.R))
+    long, across, wide = (f"{f'{size:.0f}' if 1e4 <= size < 1e10 else f'{size:.4g}'} {unit}" for size in sizes)
     return f"A rod {long} long, of diameter {across}, {where} a cylinder of diameter {wide}"
 
 

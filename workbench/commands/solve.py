@@ -11,7 +11,7 @@ from solver.problem.errors import DEFAULT_TOLERANCE, InputError
 from solver.problem.quantities import quantity
 
 from ..run import atomic
-from ..words.habits import margin_words, plain, size_shown, unit_shown, value_with_unit
+from ..words.habits import IN_TABLES, margin_words, plain, size_shown, unit_shown, value_with_unit, within
 from . import console, tables
 from .case_options import GivenOptions
 from .options import (
@@ -223,7 +223,9 @@ def _find(sol: "Solution", units: dict[str, str], level: "Level", whole: bool) -
     turning = ["M30", "surface_torque"] if wall.turns_in_place else []  # with M3, the torque at both ends
     pushed = ["reach", "arriving_max"] if wall.friction and wall.side == "inside" and not turning else []
     leaves = sol.case.leaves
-    seen = observe(sol, [*level.observables(sol.case.rod, leaves), *turning, *pushed])
+    names = [*level.observables(sol.case.rod, leaves), *turning, *pushed]
+    seen = observe(sol, names, errors=leaves)
+    errors = {name: np.asarray(seen.pop(f"{name}_error")).item() for name in names if f"{name}_error" in seen}
     reasons = [reason for name in seen for reason in why_unknown(name, seen[name], leaves)]
     remarks = [words for words, affected in reasons if affected and sol.solved and whole and not leaves]
     listed = "energy" in seen and sol.held and sol.solved and not (sol.case.varies or leaves)  # of held ends
@@ -244,6 +246,7 @@ def _find(sol: "Solution", units: dict[str, str], level: "Level", whole: bool) -
         "begun": sol.begun or "",
         "indices": _indices(sol),
         "observables": {name: np.asarray(value).item() for name, value in seen.items()} | as_held,
+        "errors": errors,
         "along": {name: getattr(sol, name).tolist() for name in level.along(leaves)},
     }
 
@@ -373,7 +376,7 @@ def _print_tables(found: dict[str, Any], every: bool) -> None:
         rows = [
             [
                 name,
-                value if isinstance(value, int) else value * size_shown(name, found["units"]),
+                value if isinstance(value, int) else _number(name, value, found),
                 _unit(name, found),
                 quantity(name).long_name,
             ]
@@ -388,6 +391,12 @@ def _print_tables(found: dict[str, Any], every: bool) -> None:
         tables.print_table(["found", "value", "unit", ""], rows)
         if more := len(results) - len(shown):
             console.say(f"{more} more numbers with --all")
+
+
+def _number(name: str, value: float, found: dict[str, Any]) -> str:
+    """A number of a table in its unit, in the digits that its error allows, where that is known."""
+    unit = size_shown(name, found["units"])
+    return within(value * unit, found["errors"].get(name, 0.0) * unit, IN_TABLES)
 
 
 def _results(found: dict[str, Any]) -> dict[str, float]:

@@ -77,13 +77,13 @@ def triangles_of(line: Centreline, tolerance: float, budget: int | None = None) 
 def within(line: Centreline, budget: int) -> float:
     """The tolerance [length] of a mesh of at most so many triangles: the default one, or the least larger one.
 
-    Raises `InputError` where even a mesh that is off by the rod's radius takes more.
+    Raises `InputError` where a mesh that is sure to be within the rod's radius takes more.
     """
     fine, coarse = near(line), line.a
     if (least := triangles_of(line, coarse, budget)) > budget:
         raise InputError(
-            f"a mesh of {budget} triangles would miss this rod by more than its radius {line.a:g}: give --triangles "
-            f"{least} or more"
+            f"a mesh of {budget} triangles is not sure to be within the radius {line.a:g} of this rod: give "
+            f"--triangles {least} or more"
         )
     if triangles_of(line, fine, budget) <= budget:
         return fine

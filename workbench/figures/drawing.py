@@ -184,10 +184,9 @@ def _lay(view: Views) -> str:
 
 def _forces(free: Solution, units: Mapping[str, str]) -> list[tuple[float, float, str]]:
     """The point forces of the wall: s, size, and words."""
-    return [
-        (s, force, f"{plain(force)} {units['force']}\ns = {plain(s)} {units['length']}")
-        for s, force in free.point_forces[: free_rods.MOST]
-    ]
+    each = zip(free.point_forces, free_rods.point_forces(free), strict=True)
+    said = [(s, force, f"{size} {units['force']}\ns = {place} {units['length']}") for (s, force), (place, size) in each]
+    return said[: free_rods.MOST]
 
 
 def _scale_words(scale: float) -> str:

@@ -36,7 +36,7 @@ __all__ = ["DEFAULT", "Scene", "Settings", "TooFewStations", "compose"]
 def compose(scene: Scene) -> Page:
     """Colour the rods, render them, and set the page. Raises `InputError`, `TooFewStations`."""
     settings, dpi = scene.settings, scene.settings.dpi
-    scene, (legend, notes), beyond, arranged = _arranged(scene)
+    scene, (legend, notes), beyond, arranged = _arrangement_of(scene)
     camera = replace(scene.camera, per_unit=arranged.scale * dpi)
     error, stations = _error_and_stations(scene, camera)
     size = int(np.ceil(arranged.size[0] * dpi)), int(np.ceil(arranged.size[1] * dpi))
@@ -71,11 +71,11 @@ def compose(scene: Scene) -> Page:
 
 def check_stations(scene: Scene) -> None:
     """Raise what `compose` would of the scene before it renders: `InputError`, `TooFewStations`."""
-    scene, _, _, arranged = _arranged(scene)
+    scene, _, _, arranged = _arrangement_of(scene)
     _error_and_stations(scene, replace(scene.camera, per_unit=arranged.scale * scene.settings.dpi))
 
 
-def _arranged(scene: Scene) -> tuple[Scene, tuple[list[tuple[str, str]], list[str]], list[str], Arrangement]:
+def _arrangement_of(scene: Scene) -> tuple[Scene, tuple[list[tuple[str, str]], list[str]], list[str], Arrangement]:
     """The scene coloured, its words, what lies beyond its scale, and where the views are. Raises `InputError`."""
     scene, beyond = colour_rods(_bare(scene) if scene.settings.bare else scene)
     words = words_of(scene)
@@ -83,7 +83,7 @@ def _arranged(scene: Scene) -> tuple[Scene, tuple[list[tuple[str, str]], list[st
     arranged = arrange(scene.rows, scene.camera, room, scene.pitch, scene.columns, scene.edge)
     if scene.heads and fonts.width_of(scene.heads[0], fonts.NORMAL) > arranged.size[1]:  # no room beside the rows
         case = ", ".join(text for text in (scene.case, f"rows: {scene.heads[0]}") if text)
-        return _arranged(replace(scene, heads=["", *scene.heads[1:]], case=case))
+        return _arrangement_of(replace(scene, heads=["", *scene.heads[1:]], case=case))
     return scene, words, beyond, arranged
 
 

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 from solver.observe.observables import observe
 
-from .habits import plain
+from .habits import plain, within
 
 if TYPE_CHECKING:
     from solver import Solution
@@ -19,29 +19,39 @@ def sentences(sol: "Solution", units: dict[str, str]) -> list[str]:
     if not (sol.case.leaves and sol.solved):
         return []
     length, force = units["length"], units["force"]
-    numbers = {name: float(value) for name, value in observe(sol, ["gap_max", "contact_share"]).items()}
-    gap = f"up to {plain(numbers['gap_max'])} {length} off the wall"
+    numbers = {name: float(value) for name, value in observe(sol, ["gap_max", "contact_share"], errors=True).items()}
+    gap = f"up to {within(numbers['gap_max'], numbers['gap_max_error'])} {length} off the wall"
     if not sol.contacts:
         return [f"the rod touches the cylinder nowhere between its ends: {gap}"]
     share, where = numbers["contact_share"], places_of_contact(sol, length)
-    touches = f"lies on {100 * share:.3g} % of its length on the wall," if share else "touches the wall"
+    percent = within(100 * share, 100 * numbers["contact_share_error"], 3)
+    touches = f"lies on {percent} % of its length on the wall," if share else "touches the wall"
     said = [f"the rod {touches} {where}; it is {gap}"]
     if sol.point_forces and len(sol.contacts) <= MOST:
-        each = ", ".join(f"{plain(value)} {force} at {plain(s)}" for s, value in sol.point_forces)
+        each = ", ".join(f"{value} {force} at {s}" for s, value in point_forces(sol))
         said.append(f"point forces of the wall: {each} {length}")
     return said
 
 
 def places_of_contact(sol: "Solution", length: str) -> str:
     """Where a rod lies on the wall, if it does: ``at s = 0 to 317.1 mm``."""
-    if len(sol.contacts) > MOST:
-        first, last = sol.contacts[0][0], sol.contacts[-1][1]
-        return f"in {len(sol.contacts)} intervals or points from s = {plain(first)} to {plain(last)} {length}"
-    return "at s = " + ", ".join(_interval(low, high) for low, high in sol.contacts) + f" {length}"
+    each = [(_place(sol, low), _place(sol, high)) for low, high in sol.contacts]
+    if len(each) > MOST:
+        return f"in {len(each)} intervals or points from s = {each[0][0]} to {each[-1][1]} {length}"
+    return "at s = " + ", ".join(low if low == high else f"{low} to {high}" for low, high in each) + f" {length}"
 
 
-def _interval(low: float, high: float) -> str:
-    return plain(low) if low == high else f"{plain(low)} to {plain(high)}"
+def point_forces(sol: "Solution") -> list[tuple[str, str]]:
+    """Where each point force of the wall acts, and its size, in the digits that their errors allow."""
+    error = float(observe(sol, ["point_force_max"], errors=True)["point_force_max_error"])
+    return [(_place(sol, s), within(force, error)) for s, force in sol.point_forces]
+
+
+def _place(sol: "Solution", s: float) -> str:
+    """Where a contact begins or ends: an end of the rod, or as exact as the whole length on the wall."""
+    L = float(sol.case.rod.L)
+    error = float(observe(sol, ["contact_share"], errors=True)["contact_share_error"])
+    return within(s, error * L * (0 < s < L))
 
 
 def release(before: "Solution", after: "Solution") -> dict[str, Any]:

@@ -93,3 +93,15 @@ def plain(value: float, digits: int = 4) -> str:
     places = max(kept - 1 - math.floor(math.log10(size_)), 0)
     text = f"{rounded:.{places}f}"
     return text.rstrip("0").rstrip(".") if "." in text else text
+
+
+def within(value: float, error: float, digits: int = 4) -> str:
+    """A number as `plain`, without the digits in which its error is more than one; one digit stays.
+
+    >>> within(78.567, 0.27), within(-110930.0, 541.0), within(2.4, 30.0), within(2.4, 0.0)
+    ('79', '-111000', '2', '2.4')
+    """
+    if not (0 < error < math.inf and math.isfinite(value)):
+        return plain(value, digits)
+    rounded = round(value, -math.ceil(math.log10(error)))
+    return plain(rounded, digits) if rounded else plain(value, 1)
