@@ -180,6 +180,12 @@ def test_the_picture_of_a_well_shows_the_stored_numbers_with_the_depth_down() ->
     assert "locks up" in " ".join(canvas.caption(well.figure(StoredStudy(ds))))
 
 
+def test_a_well_of_a_pipe_that_turns_in_place_is_drawn_without_a_lock_up() -> None:
+    fig = well.figure(StoredStudy(study_kinds.well(sliding="rotating")))
+    assert fig.axes[0].get_title(loc="left") == "axial force"
+    assert "at most" not in " ".join(canvas.caption(fig))
+
+
 def test_the_bands_of_a_well_lie_between_the_limits_of_a_long_pipe() -> None:
     track = well.figure(StoredStudy(study_kinds.well()), at={"wob": 210.0}).axes[0]
     bands = {str(band.get_label()): band.get_bbox() for band in track.patches}

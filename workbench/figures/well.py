@@ -27,7 +27,7 @@ from .sheet import SCREEN, Sheet
 if TYPE_CHECKING:
     from solver import Case
 
-ARRAYS = ("alpha", "beta", "push", "kappa", "F2", "F3")
+ARRAYS = ("alpha", "beta", "push", "kappa", "F2", "F3", "M3_along")
 FORCE, PUSH, DOGLEG, STRESS, SLACK_OFF = "force", "push", "dogleg", "stress", "slack-off"  # panels
 ROWS = {
     pipe_profile.FORCE: FORCE,
