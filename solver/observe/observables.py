@@ -212,7 +212,8 @@ def surface_torque(read: MeasuredNumbers) -> Pair:
 
 
 def _lock_up(read: MeasuredNumbers, number: Callable[[float, float, float, float, float], float]) -> Array:
-    """A number of each rod that friction holds back as it is pushed, (B,); NaN of other rods, and where it is infinite.
+    """A number of each rod that friction holds back as it is pushed, (B,); NaN of other rods, of those that a tension
+    pulls at the end towards which they slide, and where it is infinite.
 
     number: of along, across, friction, the compression that arrives and the length, as in `nodes.lock_up`, from
     the end where the push arrives: s = L of a rod that slides towards larger s.
@@ -225,7 +226,7 @@ def _lock_up(read: MeasuredNumbers, number: Callable[[float, float, float, float
     start, _ = _at_start(read, PHI, np.ones(sol.problem.size), sol.problem.phi)
     for i, (_, along, across, rubbed, _, _, outward) in enumerate(numbers):
         phi = sol.problem.phi[i] if rubbed > 0 else start[i]
-        if rubbed and outward < 0 and np.isfinite(phi):
+        if rubbed and outward < 0 and phi <= 0:
             length = sol.problem.span[i]
             values[i] = number(np.sign(rubbed) * along, across, abs(rubbed), -phi, length)
     return np.where(np.isinf(values), np.nan, values)
@@ -343,7 +344,7 @@ class Observable:
 SEVERAL = "several places of the rod reach the extreme, and a change moves them apart"
 STRAIGHT = "the rod is straight, or has no such period, where the value is not smooth"
 NO_TURN = "the rod does not turn about the axis in its middle third"
-NEVER_LOCKS = "only a rod inside that slides along its cylinder locks up, and none that its weight carries"
+NEVER_LOCKS = "only a rod inside that is pushed along its cylinder locks up, and none that its weight carries"
 
 
 def _in_unit(name: str, unit: Callable[[MeasuredNumbers], Any], **rest: Any) -> Observable:

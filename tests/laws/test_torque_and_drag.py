@@ -81,8 +81,8 @@ def test_the_largest_push_that_arrives_over_the_reach_of_a_load_is_that_load() -
     assert "locked up" in str(solve(pipe("axial-forward", 80.0, reach * 1.01, -load)).outcome)
 
 
-def test_a_pipe_that_its_weight_carries_or_that_turns_never_locks_up() -> None:
-    for case in (pipe("axial-forward", 30.0), pipe("rotating", 90.0)):
+def test_a_pipe_that_its_weight_carries_or_that_turns_or_is_pulled_does_not_lock_up() -> None:
+    for case in (pipe("axial-forward", 30.0), pipe("rotating", 90.0), pipe("axial-backward", 60.0)):
         assert np.isnan(seen(case, "reach")[0])
 
 

@@ -30,7 +30,7 @@ def pipe_study(axes: str) -> Study:
 def well(
     inclination: float = 120.0, load: str = "wob", friction: float | None = 0.25, sliding: str = "axial-forward"
 ) -> xr.Dataset:
-    """A pipe that is pushed down a hole, or turns in it, under three loads at its lower end: wob, or FZ0 where s climbs."""
+    """A pipe that is pushed in a hole, under three loads at its lower end: wob, or FZ0 where s climbs."""
     sign = -1 if load == "FZ0" else 1
     loads_of = small.axis(load, [sign * size for size in (60.0, 150.0, 210.0)])
     hole = {"weight": 0.241, "inclination": f"{inclination}deg", "beta0": 0.0, "betaL": 0.0, "L": 200.0}

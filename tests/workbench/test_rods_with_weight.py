@@ -177,7 +177,7 @@ def test_the_picture_of_a_well_shows_the_stored_numbers_with_the_depth_down() ->
     assert axial[:, 0].max() == pytest.approx(210 / area / 1e3, rel=1e-2)  # F3 is FZ cos(beta), in MPa
     slack = marks_of(ds, {"wob": 210.0}, "1")[:3]
     np.testing.assert_allclose(slack, np.stack([0.241 * 200 / 2 - ds["FZ0"], ds["wob"]], axis=1), rtol=1e-9)
-    assert "locks up" in " ".join(canvas.caption(well.figure(StoredStudy(ds))))
+    assert "over 200 m at most" in " ".join(canvas.caption(well.figure(StoredStudy(ds))))
 
 
 def test_a_well_of_a_pipe_that_turns_in_place_is_drawn_without_a_lock_up() -> None:

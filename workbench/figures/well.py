@@ -312,7 +312,8 @@ def _draw_slack_off(stored: StoredStudy, load: str, place: Mapping[str, int], ax
     if jumps:
         said.append("Where the curve jumps, the pipe leaves its shape for another one, as a sinusoid for a helix.")
     if np.isfinite(most):
-        said.append(f"However hard it is pushed, the pipe locks up: at most {plain(most)} {force} arrives.")
+        arrives = pipe_state.most_that_arrives(stored.select(place).case, most, stored.units)
+        said.append(f"However hard the pipe is pushed, {arrives}.")
         if most <= 2 * ends[1]:
             ax.axhline(
                 most, color=colours.INK, linewidth=1, linestyle=(0, (1, 1.5)), label=f"locks up at {plain(most)}"

@@ -161,11 +161,16 @@ def _reach(sol: "Solution", units: dict[str, str]) -> list[str]:
     reach, most = (number(sol, name) for name in ("reach", "arriving_max"))
     if math.isnan(reach) and math.isnan(most):
         return []
-    carried = "it never locks up, as its weight carries it"
+    carried = "it does not lock up, as its weight carries it"
     locks = carried if math.isnan(reach) else f"it locks up at {plain(reach)} {length}"
     name = "s = L" if sol.case.cylinder.sense[0] > 0 else "s = 0"
-    at_most = f"; over {plain(float(sol.case.rod.L))} {length} at most {plain(most)} {force} arrives" * (most > 0)
+    at_most = f"; {most_that_arrives(sol.case, most, units)}" * (most > 0)
     return [f"reach: with this load at {name} {locks}{at_most}"]
+
+
+def most_that_arrives(case: "Case", most: float, units: dict[str, str]) -> str:
+    """How large a push may be at the end towards which a rod slides, in a sentence; most: of `arriving_max`."""
+    return f"over {plain(float(case.rod.L))} {units['length']} at most {plain(most)} {units['force']} arrives"
 
 
 def _ripples(sol: "Solution") -> list[str]:
