@@ -27,9 +27,9 @@ WAVE = 1e-3
 NEAREST = np.pi
 COUNTS = ("bends", "loops", "overlaps", "index", "contact_count")
 # those of the contacts of the solution, on the finest mesh: edges pass from node to node, so the changes
-# from mesh to mesh do not say what is left
-OF_EDGES = ("attached", "contact_share", "contact_at", "contact_alpha", "point_force_max")
-OF_CONTACTS = ("contact_size_mean", "push_mean", "push_max", "push_max_at", "contact_M2", *OF_EDGES)
+# from mesh to mesh do not say what is left; the largest push may be at one
+OF_EDGES = ("attached", "contact_share", "contact_at", "contact_alpha", "point_force_max", "push_max")
+OF_CONTACTS = ("contact_size_mean", "push_mean", "push_max_at", "contact_M2", *OF_EDGES)
 # of which rounding is left where there is none
 CANCELLING = ("turns_around", "amplitude", "FZ0", "MZ0")
 # which load of the far end it is, and its sign: as given, or found

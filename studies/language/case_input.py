@@ -315,7 +315,7 @@ def _fields_of(case: Case) -> dict[str, Any]:
 def with_unit(sentence: str, case: Case, units: Mapping[str, str]) -> str:
     """A sentence of the solver on one case, with the unit behind an extreme value or a load at s = L."""
     force = units["force"]
-    bound = r"((?:at most|at least|less than|more than) [-+.\de]+)"
+    bound = r"((?:above|up to|less than|more than) [-+.\de]+)"
     sentence = re.sub(rf"{bound}( at s = L \(FZ = [-+.\de]+)", rf"\1 {force}\2 {force}", sentence)
     name, value = (part[0] for part in farthest(case))
     unit, said = unit_of(quantity_of(name).name, units), f"{name} = {value:g}"

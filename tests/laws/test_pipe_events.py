@@ -229,6 +229,14 @@ def test_the_rows_of_a_pipe_are_its_observables(L: float, inclination: str, load
         assert rows["friction"].middle == pytest.approx(0.25 * push.middle, rel=1e-12)
 
 
+def test_the_largest_push_of_a_pipe_that_may_leave_the_wall_is_one_number() -> None:
+    """It is at a clamp, where the meshes come close as their edges do."""
+    hole = Cylinder(0.10795, "inside", "90deg", contact="unilateral")
+    sol = solve(Case(Rod(**{**PIPE, "L": 60.0}), hole, Ends(beta0=0.0, betaL=0.0, FZ=-200.0)))
+    push = next(row for row in profile(sol, {"length": "m", "force": "kN"}) if row.name == "push of the wall")
+    assert push.largest == pytest.approx(float(observe(sol, ["push_max"])["push_max"]), rel=1e-3)
+
+
 @pytest.mark.parametrize("stations", [6, 9, 40])
 def test_a_sinusoid_is_one_however_few_stations_a_wave_has(stations: int) -> None:
     """Next to a change of sign beta may be large at the next station already; that is no part of a hoop."""
