@@ -254,8 +254,8 @@ def failure(way: GrowthWay, size: float, friction: float) -> str:
         beyond = f"a tension of more than {load:.4g}" if load > 0 else f"less than {-load:.4g}"
         return f"{said}. It still does with {beyond} at s = L (FZ = {load:.4g})"
     load = round_up(load)
-    size = f"tension above {load:.4g}" if load > 0 else f"compression up to {-load:.4g}"
-    return f"{said}. The rod can be straight at least with a {size} at s = L (FZ = {load:.4g})"
+    bound = f"tension above {load:.4g}" if load > 0 else f"compression up to {-load:.4g}"
+    return f"{said}. The rod can be straight at least with a {bound} at s = L (FZ = {load:.4g})"
 
 
 def round_up(load: float) -> float:

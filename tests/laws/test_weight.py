@@ -403,7 +403,7 @@ def test_the_torque_of_a_rod_that_turns_in_place_grows_by_its_friction(rod: Rod,
 
 def test_a_turning_pipe_without_an_answer_names_a_load_with_which_it_leans_and_is_straight() -> None:
     case = turning_pipe(300.0, 300e3, 0.25)
-    found = re.search(r"failed: the leaning rod buckles .+ straight at least with .+ = ([^)]+)\)", str(solve(case).outcome))
+    found = re.search(r"failed: the leaning rod buckles .+ straight at .+ = ([^)]+)\)", str(solve(case).outcome))
     assert found
     assert float(found[1]) == pytest.approx(-0.97 * BUCKLES * (1 + 0.25**2) ** 0.25, rel=0.01)
     assert "straight all" in in_words(solve(with_field(case, "FZ", float(found[1]))).states)
