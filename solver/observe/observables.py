@@ -14,6 +14,7 @@ import numpy as np
 from ..core.tuning import BARELY
 from ..nodes.loaded_rod import MU, PHI, Q, numbers_of
 from ..nodes.lock_up import largest_arriving, lock_up_length
+from ..nodes.stretch_states import least_pull
 from ..numerics.arrays import EPS, ROUNDED, Array
 from ..numerics.complex_step import size_of
 from ..orbits.marched_orbit import MarchedOrbit
@@ -33,6 +34,9 @@ from .solution_pieces import is_resolved
 # over the root of the size of H: half a period that is longer is next to a separatrix. x10: orbits there are not looked
 # at, whose counts may be unsure
 _LONG = 12.0
+# of the pushes: a wall that would pull more than so much of them has no friction, and a torque against it no meaning.
+# x10: a torque is stated that pulls have cancelled
+_PULLS = 0.25
 
 
 def bends(read: MeasuredNumbers) -> Any:
@@ -201,14 +205,19 @@ def neutral_at(read: MeasuredNumbers) -> Pair:
 def surface_torque(read: MeasuredNumbers) -> Pair:
     """The torque at the upper end that turns the rod about its own axis towards larger gamma [force length].
 
-    The upper end is s = L of a rod with weight that climbs with s, else s = 0.
+    The upper end is s = L of a rod with weight that climbs with s, else s = 0. NaN of a rod that turns in place where
+    the wall pulls more than a quarter of what it pushes.
     """
     case = read.sol.case
     theta = 0.0 if case.cylinder.inclination is None else case.cylinder.inclination
     weight = 0.0 if case.rod.weight is None else case.rod.weight
     climbs = flat(weight * np.sin(np.pi / 2 - np.asarray(theta)) > 0, case.shape)
     start, error = twist_at_start(read)
-    return np.where(climbs, read.loads[2], 0.0 - start), np.where(climbs, 0.0, error)
+    torque = np.where(climbs, read.loads[2], 0.0 - start)
+    if case.cylinder.turns_in_place:
+        pushed, pulled = (np.real(read.value(name)) for name in ("pushed", "pulled"))
+        torque = np.where(pulled > _PULLS * pushed + least_pull(0.0) * read.length, np.nan, torque)
+    return torque, np.where(climbs, 0.0, error)
 
 
 def _lock_up(read: MeasuredNumbers, number: Callable[[float, float, float, float, float], float]) -> Array:
@@ -344,6 +353,7 @@ class Observable:
 SEVERAL = "several places of the rod reach the extreme, and a change moves them apart"
 STRAIGHT = "the rod is straight, or has no such period, where the value is not smooth"
 NO_TURN = "the rod does not turn about the axis in its middle third"
+NO_TORQUE = "the wall would pull more than a quarter of what it pushes, and a wall that pulls has no friction"
 NEVER_LOCKS = "only a rod inside that is pushed along its cylinder locks up, and none that its weight carries"
 
 
@@ -414,7 +424,7 @@ OBSERVABLES: dict[str, Observable] = {
     "MZ0": Observable(lambda read: _at_start(read, Q, read.unit_moment, read.loads[1]), holds=True),
     "M30": Observable(twist_at_start, holds=True),
     "neutral_at": Observable(neutral_at, undefined="the axial force is nowhere 0", holds=True),
-    "surface_torque": Observable(surface_torque, holds=True),
+    "surface_torque": Observable(surface_torque, undefined=NO_TORQUE, holds=True),
     "reach": Observable(reach, undefined=NEVER_LOCKS, holds=True, least=0),
     "arriving_max": Observable(arriving_max, undefined=NEVER_LOCKS, holds=True),
     "M10": Observable(lambda read: _end_moment(read, 0), holds=True),

@@ -35,6 +35,16 @@ def test_a_straight_pipe_that_turns_in_place_needs_the_torque_of_a_soft_string(h
     assert torque == -at_start
 
 
+def test_the_torque_of_a_pipe_that_the_wall_pulls_along_most_of_its_length_is_unknown() -> None:
+    """A vertical helix that hangs in tension: its pulls would cancel its pushes."""
+    case = pipe("rotating", 0.0, 914.4, -44.5)
+    pushed, pulled, torque, at_start = seen(case, "push_mean", "pull_mean", "surface_torque", "M30")
+    assert pulled > 0.5 * pushed
+    assert -at_start == pytest.approx(FRICTION * 0.0635 * (pushed - pulled) * 914.4, rel=1e-6)
+    assert np.isnan(torque)
+    assert seen(pipe("rotating", 0.0, 914.4), "surface_torque") == [0.0]  # straight
+
+
 def test_the_torque_is_that_of_the_upper_end() -> None:
     down, up = pipe("rotating", 60.0), pipe("rotating", 120.0)  # s runs down, and up
     assert seen(down, "surface_torque")[0] > 0.9

@@ -7,6 +7,7 @@ import numpy as np
 
 from solver.nodes.loaded_rod import rods_of
 from solver.nodes.stretch_states import LEAVES, RUBS, STRAIGHT, in_words
+from solver.observe.observables import NO_TORQUE
 from solver.problem.declared_fields import OFF_WALL
 
 from . import cautions, habits, outcomes
@@ -157,7 +158,10 @@ def _reach(sol: "Solution", units: dict[str, str]) -> list[str]:
     """The torque of a rod that turns in place, or over which length a push arrives, in a sentence."""
     length, force = units["length"], units["force"]
     if sol.case.cylinder.turns_in_place:
-        return [f"torque {plain(number(sol, 'surface_torque'))} {force} {length} at its upper end turns it"]
+        torque = number(sol, "surface_torque")
+        if math.isnan(torque):
+            return [f"which torque turns it is unknown: {NO_TORQUE}"]
+        return [f"torque {plain(torque)} {force} {length} at its upper end turns it"]
     reach, most = (number(sol, name) for name in ("reach", "arriving_max"))
     if math.isnan(reach) and math.isnan(most):
         return []
