@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 from matplotlib.figure import Figure
 
-from solver import Case, Cylinder, Ends, InputError, Rod, Start, solve
+from solver import Case, Cylinder, Ends, InputError, Rod, Start, observe, solve
 from studies import loads
 from tests.workbench import small, stored_figures, study_kinds
 from tests.workbench.command import exit_status
@@ -178,6 +178,18 @@ def test_the_picture_of_a_well_shows_the_stored_numbers_with_the_depth_down() ->
     slack = marks_of(ds, {"wob": 210.0}, "1")[:3]
     np.testing.assert_allclose(slack, np.stack([0.241 * 200 / 2 - ds["FZ0"], ds["wob"]], axis=1), rtol=1e-9)
     assert "over 200 m at most" in " ".join(canvas.caption(well.figure(StoredStudy(ds))))
+
+
+def test_a_pipe_that_turns_in_place_without_an_answer_says_what_torque_a_straight_one_takes() -> None:
+    def pipe(load: float) -> Case:
+        rod, hole = Rod(EI=1224.0, GJ=941.6, a=0.0635, L=300.0, weight=0.241), {"friction": 0.25, "sliding": "rotating"}
+        return Case(rod, Cylinder(0.10795, "inside", "179deg", **hole), Ends(beta0=0.0, betaL=0.0, FZ=-load))
+
+    light, failed = solve(pipe(5.0)), solve(pipe(90.0))
+    assert not failed.solved
+    said = pipe_state.sentences(failed, {"length": "m", "force": "kN"})[0]
+    torque = float(said.split()[-3])
+    assert torque == pytest.approx(float(observe(light, ["surface_torque"])["surface_torque"]), rel=5e-3)
 
 
 def test_a_well_of_a_pipe_that_turns_in_place_is_drawn_without_a_lock_up() -> None:

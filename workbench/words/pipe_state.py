@@ -89,7 +89,7 @@ def sentences(sol: "Solution", units: dict[str, str]) -> list[str]:
         return []
     length, force = units["length"], units["force"]
     if not sol.solved:
-        return _buckling_load(sol, force)
+        return [*_torque_if_straight(sol.case, units), *_buckling_load(sol, force)]
     said = [f"state: {in_words(sol.states, length)}"]
     if not sol.case.leaves:
         said = [f"{said[0]}{_doubt(sol)}; {_stability(sol)}", *_ripples(sol)]
@@ -170,6 +170,15 @@ def _reach(sol: "Solution", units: dict[str, str]) -> list[str]:
     name = "s = L" if sol.case.cylinder.sense[0] > 0 else "s = 0"
     at_most = f"; {most_that_arrives(sol.case, most, units)}" * (most > 0)
     return [f"reach: with this load at {name} {locks}{at_most}"]
+
+
+def _torque_if_straight(case: "Case", units: dict[str, str]) -> list[str]:
+    """The torque that friction takes of a straight rod that turns in place and leans, in a sentence; none of others."""
+    if not case.cylinder.turns_in_place or not (across := weight_across(case)):
+        return []
+    f = float(case.cylinder.friction or 0)
+    torque = f * float(case.rod.a) * across * float(case.rod.L) / math.hypot(1, f)
+    return [f"of a straight rod friction would take a torque of {plain(torque)} {units['force']} {units['length']}"]
 
 
 def most_that_arrives(case: "Case", most: float, units: dict[str, str]) -> str:
