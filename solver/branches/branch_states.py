@@ -26,6 +26,9 @@ _PARALLEL = 0.7
 # in scales, between the two points that give the direction of travel in another chart: far above the rounding of a
 # solved point. x10: where the branch bends the direction is off
 _NUDGE = 1e-4
+# two changes of p, one this share of the other, give one derivative if these differ by less than a share. x10: beside
+# folds that are no farther than the longer change branches stop
+_SHORTER, _LIKE = 0.01, 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,9 +78,24 @@ def begin_at(family: Family, path: Path, p: float, rises: bool) -> BranchState |
         along[1] = 1.0 if rises else -1.0
         state = correct_state(curve, w, along)
         if not isinstance(state, str):
-            return state
+            return _with_rate(state, along) if family.is_dead else state
         reason = reason or state
     return reason or LEFT
+
+
+def _with_rate(state: BranchState, along: Array) -> BranchState:
+    """The state with a change of p so short that one far shorter has the same derivative: where orbits rest next to a
+    saddle that meets a centre, a longer one leads past a fold, and the tangent to the other side."""
+    while state.curve.ahead > LEAST:
+        curve = replace(state.curve, ahead=max(_SHORTER * state.curve.ahead, LEAST))
+        node = node_at(curve, state.node.w, along)
+        if isinstance(node, str):
+            break
+        rate, rate_nearer = state.node.jacobian[0, 1], node.jacobian[0, 1]
+        if abs(rate_nearer - rate) < _LIKE * abs(rate_nearer):
+            break
+        state = BranchState(curve, node)
+    return state
 
 
 def correct_state(curve: EquilibriumCurve, w: Array, along: Array) -> BranchState | str:

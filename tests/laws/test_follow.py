@@ -315,6 +315,16 @@ def wire_between_saddles() -> list[Equilibrium]:
     return list(equilibria(Case(wire, tube, Ends(0.0, 0.0, FZ=-160.0))))
 
 
+@pytest.mark.parametrize("index", [0, 1])
+def test_the_branch_of_a_wire_passes_its_fold_whatever_other_loads_it_is_asked_for(index) -> None:
+    """Leaps led 4e-8 N from the fold, where the derivative over a longer change of FZ has the other sign."""
+    wire = next(one for one in wire_between_saddles() if one.index == index and abs(one.dbeta0 + 0.25496) < 1e-4)
+    for loads in ((-170.0, -150.0), np.linspace(-170.0, -150.0, 61), np.linspace(-163.0, -150.0, 14)):
+        branch = follow(wire.solution, FZ=loads)
+        assert (branch.begin.reason, branch.end.reason) == (END, END)
+        assert [(point.kind, round(point.value, 6)) for point in branch.special] == [(FOLD, -161.962031)]
+
+
 @pytest.mark.parametrize("index", [2, 3])
 def test_the_branch_of_a_wire_passes_the_load_at_which_its_helices_cease_to_exist(index) -> None:
     """With ends along the axis -beta is an equilibrium too, and the branch of a rod that meets it is its own image.
