@@ -125,9 +125,8 @@ def words_of(scene: Scene) -> tuple[list[tuple[str, str]], list[str]]:
         legend.append((signs.EDGE, "a contact begins or ends"))
     if any(body.pushes for body in bodies):
         legend.append((signs.FORCE, "a point force of the wall" + CUT * _hides(scene, signs.FORCE)))
-    is_said = bool(ringed) or not scene.ringed  # without rings the caption says it
-    warnings = impossible(scene.bodies, is_said) if scene.kind.cells != "together" else []
-    if len(scene.context) > len(scene.bodies) and any(impossible([body], is_said) for body in scene.context):
+    warnings = impossible(scene.bodies, bool(ringed)) if scene.kind.cells != "together" else []
+    if len(scene.context) > len(scene.bodies) and any(impossible([body], bool(ringed)) for body in scene.context):
         warnings = warnings or ["\N{ZERO WIDTH SPACE}"]  # the views of the pictures along an axis stand at one place
     along = [f"seen along the axis from s = 0, α = 0 {'down' if scene.down is not None else 'up'}"]
     return legend, [*along * scene.camera.is_end_view, *scene.notes, *warnings]

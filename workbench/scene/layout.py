@@ -229,7 +229,6 @@ def _in_lines(
         camera,
         settings,
         notes,
-        [f"T{text[1:]}." for text in composition.impossible([body]) if text == composition.ITSELF],
         heads=HEADS,
         ringed=False,
     )
