@@ -159,7 +159,8 @@ def solve(
 
     def study(name: str = "rod") -> "Study":
         taken = which is not None or not (base.case.varies or base.case.leaves)  # else there is no list of equilibria
-        plain = loads(text_of_solution(base.title, base.units, before, taken))
+        title = f"{base.title}, let go" if let_go and not (base.study and base.study.let_go) else base.title
+        plain = loads(text_of_solution(title, base.units, before, taken))
         settings: dict[str, Any] = {"tol": tol, "stations": sol.t.shape[-1]}
         settings |= (
             {"name": name} | ({} if method is None else {"method": method}) | ({"let_go": True} if let_go else {})
