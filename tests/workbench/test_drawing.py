@@ -104,13 +104,14 @@ def test_no_word_of_a_drawing_stands_on_a_word_or_on_an_extension_line(lay: floa
         ] == []
 
 
-def test_the_lay_of_a_cable_of_few_turns_stands_beside_its_drum() -> None:
-    ds = in_memory.run(loads(small.text(WIRE | {"lay": "89.5deg"}, "", "mm N", **SEEN)))
+@pytest.mark.parametrize("degrees", [89.5, 89, 85, 60])
+def test_the_words_of_the_lay_cover_no_line_of_rope_and_drum(degrees: float) -> None:
+    ds = in_memory.run(loads(small.text(WIRE | {"lay": f"{degrees}deg"}, "", "mm N", **SEEN)))
     (ax,) = drawing.figure(StoredStudy(ds), sheet=sheet("paper", 183.0)).axes
-    (lay,) = [text for text in ax.texts if text.get_text() == "89.5°"]
+    (lay,) = [text for text in ax.texts if text.get_text() == f"{degrees}°"]
     box = Text.get_window_extent(lay)  # without its leader
-    lines = [line for line in ax.lines if line.get_gid() in ("end of the drawn cylinder", "cylinder", "axis")]
-    assert lines
+    lines = [line for line in ax.lines if line.get_gid()]
+    assert {"end of the drawn cylinder", "cylinder", "axis", "hidden edge"} < {line.get_gid() for line in lines}
     for line in lines:
         path = line.get_transform().transform_path(line.get_path())
         assert not path.intersects_bbox(box, filled=False), line.get_gid()

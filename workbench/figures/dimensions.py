@@ -66,27 +66,39 @@ def _lead(ax: Axes, place: Any, words: Any, text: str, across: str) -> None:
     ax.annotate(text, place, words, size=fonts.small(), ha=across, va="center", zorder=6, arrowprops=look)
 
 
-def dimension_lay(ax: Axes, view: Views, text: str) -> None:
-    """The lay, between the axis and the rod where it crosses the axis before it; nothing where it crosses nowhere."""
+def dimension_lay(ax: Axes, view: Views, a: float, text: str) -> None:
+    """The lay, between the axis and the rod where it crosses the axis before it; nothing where it crosses nowhere.
+
+    Its words stand where they cover no edge of the rod, else beside the cylinder.
+    """
     crossings = np.flatnonzero((np.diff(np.sign(view.y)) != 0) & (view.near[1:] > 0))
     if not crossings.size:
         return
-    k = int(crossings[crossings.size // 2])
-    x, across, turned = float(view.x[k]), 2 * ARC / view.mm, -math.degrees(float(view.beta[k]))
-    ends = sorted((0.0, turned))
+    turned = -math.degrees(float(view.beta[crossings[0]]))
+    toward = np.array([math.cos(math.radians(turned / 2)), math.sin(math.radians(turned / 2))])
+    place, edge = toward * (ARC + BEYOND) / view.mm, float(view.x.max()) + SPARE / view.mm
+    wide, high = (size(text, fonts.small()) * MILLIMETRES / view.mm for size in (fonts.width_of, fonts.height_of))
+    near = a + BEYOND / view.mm
+
+    def has_place(k: int) -> bool:
+        first = view.x[k] + place[0]
+        above = np.abs(view.y - place[1]) < high / 2 + near
+        return bool(first + wide + near < edge) and not np.any(
+            above & (view.x > first - near) & (view.x < first + wide + near)
+        )
+
+    inside = next(filter(has_place, crossings[crossings.size // 2 :]), None)
+    x = float(view.x[crossings[-1] if inside is None else inside])
+    across, ends = 2 * ARC / view.mm, sorted((0.0, turned))
     ax.add_patch(
         Arc((x, 0), across, across, theta1=ends[0], theta2=ends[1], color=colours.INK, linewidth=FINE, zorder=5)
     )
-    half = math.radians(turned / 2)
     ax.plot([x, x + 1.3 * ARC / view.mm], [0, 0], color=colours.INK, linewidth=FINE, zorder=5, label="_samples")
-    toward, edge = np.array([math.cos(half), math.sin(half)]), float(view.x.max()) + SPARE / view.mm
-    place = toward * (ARC + 1.0) / view.mm
-    wide = fonts.width_of(text, fonts.small()) * MILLIMETRES + BEYOND
-    if x + place[0] + wide / view.mm < edge:
+    if inside is not None:
         _write(ax, [x + place[0], place[1]], text, "left", bbox=PLATE)
-    else:  # they would stand across the end of the cylinder
+    else:
         mark = np.array([x, 0.0]) + toward * ARC / view.mm
-        _lead(ax, mark, (edge + PAST / view.mm, mark[1]), text, "left")
+        _lead(ax, mark, (max(edge, mark[0]) + PAST / view.mm, mark[1]), text, "left")
 
 
 def has_room(view: Views, k: int, R: float, text: str, spare: float = BEYOND) -> bool:

@@ -111,7 +111,7 @@ def figure(stored: StoredStudy, at: Mapping[str, float] | None = None, sheet: Sh
             dimension(ax, view, (view.x[0], low), (view.x[-1], low), unit("L", abs(height)), -AWAY)
         dimension_rod(ax, view, rod.a, unit)
         if lay := _lay(view):
-            dimension_lay(ax, view, lay)
+            dimension_lay(ax, view, rod.a, lay)
         if free:
             _draw_end(ax, view, R, rod.a, free.contacts)
             for k, text in distances.items():
