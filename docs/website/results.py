@@ -60,7 +60,7 @@ RESULTS = (
     _plot("unrolled", "Nine rods unrolled", "fig7_1_modulus", "--kind curves"),
     _plot("ridge", "Angle, curvature and push along nine rods", "fig7_1_modulus", "--kind ridge"),
     _plot("portrait", "Phase portrait and potential", "fig6", "--kind portrait"),
-    _plot("capstan", "The pull of a cable over friction and weight", "capstan", "--show pulled"),
+    _plot("capstan", "The pull of a cable over friction and weight", "capstan", "--show pull"),
     _plot("borders", "Borders of the number of bends, refined", "regimes_refined", "--show bends"),
     _plot("samples", "What matters among 256 samples", "samples_pipe"),
     _plot("pole", "A pole that buckles under its own weight", "pole_greenhill", "--panel kappa_max"),

@@ -45,6 +45,15 @@ MEANING = {
     ("tension", "F3"): "printed F30, taken as tension",
     ("compression", "F3"): "printed F30, taken as compression",
 }
+WORDS = {
+    "force-first": "twist from F₁₀",
+    "twist-first": "twist from γ₀′",
+    "shear": "twist from γ₀′, F₁₀ as shear",
+    "tension": "F₃₀ as tension",
+    "compression": "F₃₀ as compression",
+    "paper": "stiffness of eq.\N{NO-BREAK SPACE}20",
+    "solid": "stiffness of a solid rod",
+}
 
 
 @dataclass(frozen=True)
@@ -77,6 +86,11 @@ class Reading:
     def name(self) -> str:
         """``force-first/tension/paper``."""
         return f"{self.twist}/{self.load}/{self.stiffness}"
+
+    @property
+    def words(self) -> str:
+        """``twist from F₁₀, F₃₀ as tension, stiffness of eq. 20``."""
+        return ", ".join(WORDS[word] for word in (self.twist, self.load, self.stiffness))
 
     @property
     def table(self) -> dict[str, float]:

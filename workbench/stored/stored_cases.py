@@ -16,7 +16,7 @@ from solver.problem.declared_fields import FIELDS, VARY_LOADS
 from solver.problem.errors import InputError, choices, near, no_such
 from solver.problem.quantities import current
 from studies.grammar.axes import SAMPLE
-from studies.language.printed import table_of
+from studies.language.printed import as_reading, table_of
 from studies.laws.line_verdicts import NOISE
 
 from ..words import cautions, labels, outcomes
@@ -155,7 +155,7 @@ class StoredCases:
     def reading(self) -> str:
         """The reading of Table 1 in words, or nothing."""
         text = str(self.ds.attrs.get("reading", ""))
-        return f"Table 1 read {text.replace('/', ', ')}" if text else ""
+        return f"Table 1: {as_reading(text).words}" if text else ""
 
     @cached_property
     def caution(self) -> str:
