@@ -29,7 +29,7 @@ from .branches.equilibria_dataset import loops_as_dataset as loops_as_dataset  #
 from .run import atomic
 from .stored import provenance, quantity_variables
 from .stored.stored_study import StoredStudy
-from .words import cautions, labels
+from .words import cautions, habits, labels
 from .words.python_words import in_python, python_words
 
 if TYPE_CHECKING:
@@ -344,8 +344,9 @@ def table_of_equilibria(found: Equilibria) -> str:
     held = "held " if found and found[0].solution.held else ""
     heads = [f"{held}{name}" if name.startswith("energy") else name for name in HEADINGS]
     rows = []
-    for i, member in enumerate(found, 1):
-        numbers = f"{member.energy:.6g}", str(member.bends), f"{member.dbeta0:.6g}", f"{member.attached:.0%}"
+    slopes = habits.distinct_texts((member.dbeta0 for member in found), lambda slope, digits: f"{slope:.{digits}g}", 6)
+    for i, (member, slope) in enumerate(zip(found, slopes, strict=True), 1):
+        numbers = f"{member.energy:.6g}", str(member.bends), slope, f"{member.attached:.0%}"
         rows.append((str(i), *map(labels.minus_signs, (stability(member.index), *numbers))))
     remark = found.remark or "the list passes the test of completeness"
     return _table(f"{len(found)} {'equilibrium' if len(found) == 1 else 'equilibria'}: {remark}", rows, heads)

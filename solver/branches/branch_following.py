@@ -172,8 +172,10 @@ class _Walk:
         beyond = leap_on(state, self.bounds, self.reach) if step >= NARROW > half or half < self.lengths.least else None
         if beyond is not None:
             return self._arrive(places, state, beyond, [beyond.record()], self.lengths.first, True)
-        stuck = f"the step became too small: {ahead}" if half < self.lengths.least else ""
-        return arclength.Stride(places, state, half, stuck)
+        if half >= self.lengths.least:
+            return arclength.Stride(places, state, half)
+        meets = self.natural and ahead == arclength.REVERSED  # within so short a step it is no neighbour
+        return arclength.Stride(places, state, half, BRANCH_POINT if meets else f"the step became too small: {ahead}")
 
     def _arrive(
         self, places: list[Place], before: BranchState, after: BranchState, passed: list[Place], step: float, leap: bool

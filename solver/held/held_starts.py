@@ -16,7 +16,7 @@ from ..branches.deflation import end_vector, is_known
 from ..branches.given_numbers import FREE, Given, OrbitState, problem_of
 from ..branches.held_index import index_of
 from ..branches.leaps import angles_on
-from ..numerics.arclength import FEW_POINTS, FOLD
+from ..numerics.arclength import BRANCH_POINT, FEW_POINTS, FOLD
 from ..numerics.arrays import ASIDE, ROUGHLY
 from ..orbits.boundary import critical_points
 from ..orbits.path_orbits import orbit_of
@@ -42,7 +42,7 @@ _BESIDE = 0.05
 
 def outcome_of(stop: Stop) -> str:
     """The outcome of a continuation that stopped."""
-    why = f"a {FOLD} of the problem with held ends" if stop.reason == FOLD else stop.reason
+    why = f"a {stop.reason} of the problem with held ends" if stop.reason in (FOLD, BRANCH_POINT) else stop.reason
     return (
         f"failed: the branch of the start could not be followed to the held ends: {why} "
         f"after {abs(stop.p):.2%} of the way"

@@ -12,7 +12,7 @@ import numpy as np
 from ..branches.branch_events import Stop
 from ..branches.continuation import resume
 from ..held.selection import NEAREST, Choose, path_of_seed, selection_of
-from ..numerics.arclength import FOLD
+from ..numerics.arclength import BRANCH_POINT, FOLD
 from ..numerics.arrays import Array
 from ..orbits.path_orbits import equilibrium_trajectory, orbit_of, together
 from ..orbits.periodic_orbit import TIGHT, solve_orbit
@@ -67,7 +67,7 @@ def _carry(problem: EndsProblem, t: Array, tol: float, seed: Seed) -> Trajectory
     resumed = resume(seed.problem, path, problem)
     if isinstance(resumed, Stop):
         way = f"{resumed.p:.2%} of the way from the seed to this case"
-        if resumed.reason == FOLD:
+        if resumed.reason in (FOLD, BRANCH_POINT):
             return f"failed: the branch of the seed ends, at a fold or where it meets another branch, after {way}"
         return f"failed: the branch of the seed could not be followed beyond {way}: {resumed.reason}"
     return equilibrium_trajectory(problem, orbit_of(problem, resumed), t, tol)

@@ -25,6 +25,7 @@ POINTS, FEW_POINTS = 1000, 150
 OFF, COSINE = 0.25, 0.92
 
 LEFT = "the curve ends"
+REVERSED = "the determinant changes its sign"  # and the curve does not turn: it goes on, or is a neighbour
 FOLD, PITCHFORK, BRANCH_POINT = "fold", "pitchfork", "branch point"  # what is met on the way
 END, CLOSED = "the end of the range", "the branch is closed"  # why there is no more of a branch
 Place = TypeVar("Place")
@@ -151,8 +152,9 @@ def advance(curve: Curve, node: Node, step: float, across: Array | None = None, 
         return LEFT
     tangent = _null(jacobian)
     tangent = tangent if _sign(jacobian, tangent) == node.sign else -tangent
-    if tangent @ node.tangent < COSINE:
-        return "the tangent turns"
+    turn = tangent @ node.tangent
+    if turn < COSINE:
+        return REVERSED if turn < -COSINE else "the tangent turns"
     return Node(point, jacobian, tangent, node.sign, bend)
 
 

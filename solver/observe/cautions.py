@@ -250,8 +250,8 @@ def _lift_off(sol: ShapeArrays, known: Mapping[str, Any], pulled: Any, unit: str
         kind = ALL_ALONG if share[i] >= NEARLY_ALL else AT_ENDS if i in ends else IN_PART
         near = ""
         if i in ends:
-            off = f"{_round(ends[i] * length[i])} {unit}" if unit else f"{_round(100 * ends[i])} % of it"
-            near = f" within {off} of an end"
+            off = f"{_round(ends[i] * length[i])} {unit} of"
+            near = f" within {off if unit else f'{_round(100 * ends[i])} % of the length from'} an end"
         what = NO_PUSH if free[i] - share[i] <= SLIGHT else PULL  # elsewhere it may neither push nor pull
         words[i] = f"{kind} ({what} on {_round(100 * share[i])} % of the length{near})"
     return words.reshape(sol.case.shape)

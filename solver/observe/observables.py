@@ -523,7 +523,7 @@ def observe(sol: ShapeArrays, names: Iterable[str], errors: bool = False) -> dic
         values, error = computed
         if off:
             values = _within_range(OBSERVABLES[name], values, sol.case)
-        observed[name] = read.each(np.where(shapeless, np.nan, values))
+        observed[name] = read.each(np.where(shapeless, np.nan, values) + 0.0)  # no -0
         if errors and quantity(name).estimated:
             observed[f"{name}_error"] = read.each(np.where(shapeless, np.nan, error))
     return observed

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from .declared_fields import ANGLES, CHOICES, FIELDS, RANGES, REPLACED
 from .errors import InputError, T, choices, known_name, near, no_such, show
 from .notices import is_called_by_a_program, warn
-from .units import NUMBER, size_in
+from .units import NUMBER, is_angle_unit, size_in, unit_size
 
 
 def refuse_outside(part: Any) -> None:
@@ -204,15 +204,15 @@ def angle(text: str) -> float:
     True
     """
     said = text.strip()
-    if match := re.fullmatch(rf"([+-]?{NUMBER})\s*(?:deg|°)", said):
-        return math.radians(float(match[1]))
+    if (match := re.fullmatch(rf"([+-]?{NUMBER})\s*([a-z°]+)", said)) and is_angle_unit(match[2]):
+        return float(match[1]) * unit_size(match[2])[0]
     if match := re.fullmatch(rf"([+-]?)\s*({NUMBER})?\s*\*?\s*(?:pi|π)(?:\s*/\s*({NUMBER}))?", said):
         below = float(match[3] or 1)
         if below:
             size = float(match[2] or 1) * math.pi / below
             return -size if match[1] == "-" else size
     try:
-        return float(said.removesuffix("rad"))
+        return float(said)
     except ValueError:
         raise ValueError(f"{text!r} is not an angle: give {FORMS}") from None
 

@@ -47,7 +47,7 @@ UNITS: dict[str, tuple[float, Dimension]] = {
 }
 SYNONYMS = {
     "lb": "lbf", "lbs": "lbf", "klb": "klbf", "klbs": "klbf", "kips": "kip", "inch": "in", "inches": "in", "foot": "ft",
-    "feet": "ft", "\N{DEGREE SIGN}": "deg", "degrees": "deg", "\N{MICRO SIGN}m": "um", "\N{MICRO SIGN}N": "uN",
+    "feet": "ft", "\N{DEGREE SIGN}": "deg", "degrees": "deg", "turns": "turn", "\N{MICRO SIGN}m": "um", "\N{MICRO SIGN}N": "uN",
 }  # fmt: skip
 _KINDS: dict[Dimension, tuple[str, Iterable[str]]] = {  # what has such a dimension, and units of it
     (1, 0, 0): ("a length", LENGTHS),
@@ -101,6 +101,11 @@ def unit_size(text: str) -> tuple[float, Dimension]:
     if parts.tokens or not 0 < size < math.inf:
         raise _no_product(text)
     return size, dimension
+
+
+def is_angle_unit(name: str) -> bool:
+    """Whether a name is that of a unit of angles."""
+    return SYNONYMS.get(name, name) in _KINDS[0, 0, 1][1]
 
 
 def _no_product(text: str) -> UnknownUnit:

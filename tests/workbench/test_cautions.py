@@ -29,7 +29,7 @@ def test_a_pipe_pushed_down_its_hole_lifts_off_only_next_to_its_ends() -> None:
         f"The rod would lift off next to its ends alone: no push on {share:g} % of the length, all within {near:g} m "
         "of the ends."
     )
-    assert sol.caution == text.replace(f"{near:g} m", "14 % of it")
+    assert sol.caution == text.replace(f"{near:g} m of", "14 % of the length from")
 
 
 def test_the_strain_is_that_of_the_outermost_fibre_along_the_whole_rod() -> None:

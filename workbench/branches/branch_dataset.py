@@ -31,6 +31,7 @@ STATIONS = 101
 SHAPE_STATIONS = 161
 FEW_SHAPES = 8  # in a row: one or two branches have so many together
 OWN = ("dbeta0", "beta0", "betaL", *quantity_variables.LOADS)  # what a diagram may show beside observables
+FROM_ZERO = "number of the branch, from 0: one less than is printed"
 NAMES = tuple(dict.fromkeys((*OWN, *OBSERVABLES)))
 IS_BACK = {"long_name": "whether the rod turns back against both its ends"}
 INDICES = {
@@ -83,7 +84,7 @@ def sweep(study: Study, case: Case, name: str, values: Any, step: Step, show: st
     data: dict[str, Any] = {key: column(key, float, quantity_variables.labels(key, units)) for key in (*EACH, *judged)}
     if not held:
         data["count"] = xr.Variable((name,), np.array(list(map(len, rows))), COUNT)
-    data["branch"] = column("branch", np.int64, {"long_name": "number of the branch, -1 for none"})
+    data["branch"] = column("branch", np.int64, {"long_name": f"{FROM_ZERO}; -1 for none"})
     data |= {"solved": column("solved", bool, {}), "outcome": column("outcome", str, {})}
     chosen = default_observable(name) if show is None else show
     shown = (chosen,) if held else (chosen, "energy")
@@ -106,10 +107,14 @@ def sweep(study: Study, case: Case, name: str, values: Any, step: Step, show: st
     return ds.drop_dims([dim for dim, size in ds.sizes.items() if not size])  # a file holds no empty array
 
 
-def folds(stored: StoredStudy) -> list[dict[str, float]]:
-    """Axis value, beta'(0) and energy of each fold."""
+def folds(stored: StoredStudy) -> list[dict[str, Any]]:
+    """Axis value, beta'(0) and energy of each fold, and the two branches that meet there, numbered as printed."""
     names = ("fold", "fold_dbeta0", "fold_energy")
-    return [{name: float(stored[name][i]) for name in names} for i in range(stored.sizes.get("fold", 0))]
+    return [
+        {name: float(stored[name][i]) for name in names}
+        | {"numbers": sorted((stored["fold_branches"].values[i] + 1).tolist())}
+        for i in range(stored.sizes.get("fold", 0))
+    ]
 
 
 def _numbers(member: Equilibrium, judged: Sequence[str]) -> dict[str, Any]:
@@ -131,7 +136,7 @@ def _bends(solved: Solution, piece: Piece) -> NDArray[np.int64]:
 
 
 def _rows(ds: xr.Dataset, name: str, laws: list[Law], seen: Traced, solved: Sequence[Solution]) -> list[dict[str, Any]]:
-    """A row for each branch: its first and last value of the axis, index, number of bends, and each law's verdict.
+    """A row for each branch: the values of the axis at its ends, index, number of bends, and each law's verdict.
 
     solved: the points of each curve.
     """
@@ -141,11 +146,11 @@ def _rows(ds: xr.Dataset, name: str, laws: list[Law], seen: Traced, solved: Sequ
         k, i = np.nonzero(ds["branch"].values == piece.number)
         points = seen.curves[piece.curve].points[piece.first : piece.last + 1]
         bends = ds["bends"].values[k, i].astype(int)
-        ends = ds[name].values[k] if k.size else np.array(sorted(point.value for point in (points[0], points[-1])))
+        ends = sorted(point.value for point in (points[0], points[-1]))
         row: dict[str, Any] = {
             "branch": piece.number,
             "from": float(ends[0] * scale),
-            "to": float(ends[-1] * scale),
+            "to": float(ends[1] * scale),
             "values": len(points) if name in PARTNER else int(k.size),
             "index": points[len(points) // 2].index,
             "bends": _range(bends if k.size else _bends(solved[piece.curve], piece)),
@@ -202,7 +207,7 @@ def special_points(seen: Traced, name: str, units: Mapping[str, str], shown: Seq
             data[dim if key == name else f"{dim}_{key}"] = xr.Variable((dim,), values, label)
         data[f"{dim}_{BACK}"] = xr.Variable((dim,), np.array([bool(row[BACK]) for row in rows], dtype=bool), IS_BACK)
         pairs = np.array([two for _, _, two in group], dtype=np.int64).reshape(-1, 2)
-        data[f"{dim}_branches"] = xr.Variable((dim, "two"), pairs, {"long_name": "the two branches that meet"})
+        data[f"{dim}_branches"] = xr.Variable((dim, "two"), pairs, {"long_name": f"each {FROM_ZERO}"})
     kinds = [point.kind for _, point, _ in seen.special if point.kind != "fold"]
     data["special_kind"] = xr.Variable(("special",), np.array(kinds, dtype=str), {"long_name": "kind of special point"})
     return data
@@ -259,7 +264,7 @@ def follow_curves(
     values = np.concatenate([np.empty(0, bool), *(numbers[piece.curve][BACK][at] for piece, at in parts)])
     data[f"curve_{BACK}"] = xr.Variable(("curve_point",), values, IS_BACK)
     which = np.concatenate([np.empty(0), *(np.full(at.size, piece.number) for piece, at in parts)])
-    owner = {"long_name": "number of the branch"}
+    owner = {"long_name": FROM_ZERO}
     data["curve_branch"] = xr.Variable(("curve_point",), which.astype(np.int64), owner)
     known = [_known(sol, curve) for sol, curve in zip(solved, seen.curves, strict=True)]
     middles = [(piece, at) for piece in seen.pieces for at in _places(seen, piece, ends, known[piece.curve])]

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from solver.problem.errors import InputError, choices
 
+from ..words import habits
 from . import console, tables
 from .case_options import ENDS_FIELDS, HELD, GivenOptions, parse_axis
 from .options import Choose, OneCase, option, parse_choose, ranges
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 
 HEADS = {"stray": "overshoot"}  # of columns that are not named as in files
 OWN = ("stray", "dead_index")  # columns that are no quantities
+MOST_FOLDS = 10  # that are printed
 
 
 @presents(
@@ -197,9 +199,10 @@ def _print_table(study: "Study", rows: Sequence[dict[str, Any]], reactions: Sequ
     least = _base_energy([row[energy] for row in rows])
     heads = {name: HEADS.get(name, name).replace("_", " ") for name in names}
     table = []
-    for i, row in enumerate(rows, 1):
-        above = {energy: row[energy] - least} if least else {}
-        table.append({"": f"{i} *" if row["taken"] else f"{i}", **row, **row.get("reactions", {}), **above})
+    slopes = habits.distinct_texts((row["dbeta0"] for row in rows), habits.plain, habits.IN_TABLES)  # a seed names one
+    for i, (row, slope) in enumerate(zip(rows, slopes, strict=True), 1):
+        numbers = {"dbeta0": slope} | ({energy: row[energy] - least} if least else {})
+        table.append({"": f"{i} *" if row["taken"] else f"{i}", **row, **row.get("reactions", {}), **numbers})
     tables.print_rows(table, {"": "", **heads}, units)
     if least:
         console.say(f"energies are listed above the least, {least:.10g} {units[energy]}")
@@ -253,9 +256,19 @@ def _over_axis(study: "Study", case: "Case", name: str, values: "np.ndarray", sh
         tables.print_rows([{**row, "branch": row["branch"] + 1} for row in rows], heads)
         counts = f"{len(rows)} branch{'es' * (len(rows) != 1)}, {len(folds)} fold{'s' * (len(folds) != 1)}"
         console.say(f"{counts} over {values.size} values of {name}")
+        _print_folds(folds, name, unit)
         console.say_units(study.unit_system)
         for remark, count in outcomes.group(Counter(remarks)).items():
             console.say(f"{'a branch stops' if count == 1 else f'branches stop {count} times,'} at {remark}")
         _say_unsolved(stored["outcome"].values.ravel().tolist() if "outcome" in stored else [])
 
     return Result(data, tell, 0 if rows else 1, lambda: stored.ds)
+
+
+def _print_folds(folds: Sequence[dict[str, Any]], name: str, unit: str) -> None:
+    """Where folds lie on the axis and which branches meet there, so many as `MOST_FOLDS`."""
+    rows = [{"fold": fold["fold"], "branches": "{} and {}".format(*fold["numbers"])} for fold in folds[:MOST_FOLDS]]
+    if rows:
+        tables.print_rows(rows, {"fold": f"{name} at the fold", "branches": "branches that meet"}, {"fold": unit})
+    if len(folds) > MOST_FOLDS:
+        console.say(f"and {len(folds) - MOST_FOLDS} more; --json lists all")

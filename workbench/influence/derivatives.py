@@ -9,6 +9,7 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from solver import InputError, Rod, Solution, observe
 from solver.observe.observables import OBSERVABLES, is_count, observables_of
@@ -52,7 +53,8 @@ def local(
         observable in effect_unit (O) for the amount (F) of the field; the elasticity where the two are "%" and "1 %".
         1 % more of a negative number is 1 % more of its size. value, error, unit: (O,), of the observables.
         at, field_unit: (F,), of the fields.
-        remark: (O,), why a derivative does not exist and is NaN; else "".
+        remark: (O,), why a derivative does not exist and is NaN, or an effect: for the amount, up or down, the straight
+        line would leave the values that the observable can have; else "".
 
     Raises
     ------
@@ -96,15 +98,41 @@ def _with_effects(ds: xr.Dataset, solution: Solution, units: Mapping[str, str]) 
         relative, angle = _has_share(name, value, error), unit == "rad"
         parts.append(value / 100 if relative else np.deg2rad(1.0) if angle else 1.0)
         shown.append(PERCENT if relative else "deg" if angle else unit)
-    effect = ds["derivative"].values * np.array(steps) / np.array(parts)[:, None]
+    change = ds["derivative"].values * np.array(steps)
+    effect = change / np.array(parts)[:, None]
     size = np.abs(np.nan_to_num(effect))
     is_rounding = size < ds.attrs["relative_error"] * size.max(axis=1, keepdims=True)
     effect[is_rounding] = 0.0
+    rooms = np.array([_room(solution, *row) for row in zip(ds["observable"].values, ds["value"].values, strict=True)])
+    leaves = (np.abs(change) > rooms[:, None]) & ~is_rounding
+    effect[leaves] = np.nan
+    remarks = [
+        "; ".join(filter(None, (remark, _no_forecast(ds["field"].values[row]))))
+        for remark, row in zip(ds["remark"].values.tolist(), leaves, strict=True)
+    ]
     return ds.assign(
         derivative=ds["derivative"].where(~is_rounding, 0.0),
         effect=(("observable", "field"), effect),
         effect_unit=("observable", shown),
         amount=("field", list(amounts)),
+        remark=("observable", remarks),
+    )
+
+
+def _room(solution: Solution, name: str, value: float) -> float:
+    """How far an observable can change in both senses within the values that it can have; inf at an end of them."""
+    row = OBSERVABLES[name]
+    most = float(solution.case.rod.L) if row.most == "L" else float(row.most)
+    room = min(value - row.least, most - value)
+    return room if room > 0 else np.inf
+
+
+def _no_forecast(fields: NDArray[np.str_]) -> str:
+    """The sentence on the fields whose effect is none; empty if there is none."""
+    if not fields.size:
+        return ""
+    return (
+        f"no forecast for {', '.join(fields)}: the straight line of the derivative leaves the values that it can have"
     )
 
 

@@ -61,7 +61,7 @@ WORDS = {
 NUMBERS = dict(enumerate(("none", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten")))
 _POSSIBLE = (TURNED, STRAINED, AT_ENDS)  # what a real rod can do
 _STRAIN = re.compile(r"\((.+?) %; linear to (.+?) %\)")
-_EXTENT = re.compile(rf"\(((?:{NO_PUSH}|{PULL}) on .+? % of the length)(?: within (?:\S+ to )?(.+) of an end)?\)")
+_EXTENT = re.compile(rf"\(((?:{NO_PUSH}|{PULL}) on .+? % of the length)(?: within (?:\S+ to )?(.+) an end)?\)")
 
 
 def of_cases(
@@ -178,7 +178,7 @@ def _extent(part: str) -> str:
     if match is None:
         return ""
     share, near = match.groups()
-    return share + (f", all within {near} of the ends".replace("% of it", "% of the length") if near else "")
+    return share + (f", all within {near} the ends" if near else "")
 
 
 def _list(facts: list[str]) -> str:

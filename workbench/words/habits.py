@@ -4,7 +4,7 @@ In feet, radii are in inches, stresses in psi or ksi, weights and pushes in lbf/
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 
 from solver.problem.quantities import AT_START, QUANTITIES, unit_of, unit_text
 from solver.problem.units import FORCES, LENGTHS, dimension_of, size_in, unit_size
@@ -15,7 +15,7 @@ REACHES = {"m": "30 m", "km": "30 m", "ft": "100 ft", "in": "100 ft", "mm": "m",
 STRESS, LINE_LOAD, CURVATURE = (-2, 1), (-1, 1), (-1, 0)
 LARGEST = 1e10  # that is printed without an exponent
 SMALLEST = 1e-4
-IN_TABLES = 5  # digits
+IN_TABLES, FINEST = 5, 10  # digits
 
 
 def dogleg_unit(units: Mapping[str, str]) -> str:
@@ -77,6 +77,20 @@ def margin_words(bend: Mapping[str, float], name: str, units: Mapping[str, str])
         return ""
     least = value_with_unit(name, bend["least"], units)
     return f"{plain(100 * abs(bend['margin']), 3)} % {'less' if bend['margin'] < 0 else 'more'} than the least, {least}"
+
+
+def distinct_texts(values: Iterable[float], text: Callable[[float, int], str], least: int) -> list[str]:
+    """The text of each value, with as many digits as tell apart those that differ in their first `FINEST` ones.
+
+    text: of a value with so many digits. least: digits.
+    """
+    numbers = [float(value) for value in values]
+    finest = [text(number, FINEST) for number in numbers]
+    for digits in range(least, FINEST):
+        texts = [text(number, digits) for number in numbers]
+        if len(set(texts)) == len(set(finest)):
+            return texts
+    return finest
 
 
 def plain(value: float, digits: int = 4) -> str:

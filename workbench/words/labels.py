@@ -11,6 +11,8 @@ import xarray as xr
 from solver.problem.quantities import QUANTITIES
 from studies.grammar.axes import SAMPLE, quantity_of
 
+from .habits import distinct_texts
+
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 MANY_TURNS = 3600.0  # degrees, from which an angle is said in turns
 LETTERS = 5  # of a symbol; more are a name
@@ -67,12 +69,7 @@ def level(array: xr.DataArray, low: float, high: float) -> str:
 
 def distinct(array: xr.DataArray, values: Any) -> list[str]:
     """Values of a variable with their unit, as `value`, with as many digits as it takes to tell them apart."""
-    values = [float(entry) for entry in values]
-    for digits in (4, 5, 6, 8):
-        texts = [value(entry, array, digits) for entry in values]
-        if len(set(texts)) == len(set(values)):
-            return texts
-    return [value(entry, array, 12) for entry in values]
+    return distinct_texts(values, lambda number_, digits: value(number_, array, digits), 4)
 
 
 def axis_symbol(axis: str) -> str:
