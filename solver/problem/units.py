@@ -47,7 +47,8 @@ UNITS: dict[str, tuple[float, Dimension]] = {
 }
 SYNONYMS = {
     "lb": "lbf", "lbs": "lbf", "klb": "klbf", "klbs": "klbf", "kips": "kip", "inch": "in", "inches": "in", "foot": "ft",
-    "feet": "ft", "\N{DEGREE SIGN}": "deg", "degrees": "deg", "turns": "turn", "\N{MICRO SIGN}m": "um", "\N{MICRO SIGN}N": "uN",
+    "feet": "ft", "\N{DEGREE SIGN}": "deg", "degrees": "deg", "turns": "turn", "\N{MICRO SIGN}m": "um",
+    "\N{MICRO SIGN}N": "uN",
 }  # fmt: skip
 _KINDS: dict[Dimension, tuple[str, Iterable[str]]] = {  # what has such a dimension, and units of it
     (1, 0, 0): ("a length", LENGTHS),

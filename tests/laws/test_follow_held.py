@@ -110,3 +110,11 @@ def test_the_index_of_a_held_helix_changes_where_its_second_variation_does(
             sol = point.solution
             mesh = discrete_index(sol.problem, sol.trajectory.orbit, names, float(helix.case.rod.stiffness_ratio), 400)
             assert point.index == mesh
+
+
+def test_a_rod_carried_to_a_pitchfork_under_held_ends_names_a_branch_point() -> None:
+    """Two equilibria that are images of each other split off the symmetric wire at a height of about 77.64."""
+    rod, cylinder = Rod(E=2.1e5, nu=0.3, a=0.25, L=120.0), Cylinder(2.0, "inside")
+    first, last = (Case(rod, cylinder, Ends(0.0, 0.0, height=height, azimuth=0.0)) for height in (110.0, 76.0))
+    said = str(solve(last, seed=solve(first)).outcome)
+    assert "a branch point of the problem with held ends after 9" in said

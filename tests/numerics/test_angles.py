@@ -14,6 +14,7 @@ from studies.grammar.axes import Base as StudyBase
 WRITTEN = {
     "30deg": np.deg2rad(30),
     "-120 deg": np.deg2rad(-120),
+    "0.25 turn": np.pi / 2,
     "30°": np.deg2rad(30),
     "pi/6": np.pi / 6,
     "2pi/3": 2 * np.pi / 3,

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from solver import Case, Cylinder, InputError, Rod, Start, observe, solve
+from solver import Case, Cylinder, Ends, InputError, Rod, Start, observe, solve
 from solver.observe.observables import OBSERVABLES
 from studies import load
 from studies.language.loader import loads
@@ -86,6 +86,17 @@ def test_elasticities_of_stiffness_and_loads_add_up_to_the_power_of_a_force() ->
     power = {"height": 0, "kappa_max": 0, "attached": 0, "push_max": 1, "energy": 1, "F3_size_max": 1, "pitch": 0}
     for name, wanted in power.items():
         assert float(table["effect"].sel(observable=name).sum()) == pytest.approx(wanted, abs=1e-8), name
+
+
+def test_a_forecast_that_leaves_the_values_of_an_observable_is_none() -> None:
+    """A wire in a tube whose ends are next to saddles: its half period answers MZ by ten million times itself."""
+    ends = Ends(0.0, 0.0, FZ=-20.0)
+    sol = solve(Case(Rod(E=2.1e5, nu=0.3, a=0.25, L=120.0), Cylinder(2.0, "inside"), ends))
+    row = local(sol, ["MZ", "R"], ["bend_number"]).isel(observable=0)
+    assert abs(float(row["derivative"].sel(field="MZ"))) > 1e6
+    assert np.isnan(row["effect"].sel(field="MZ"))
+    assert float(row["effect"].sel(field="R")) == 0
+    assert str(row["remark"].values).startswith("no forecast for MZ: ")
 
 
 def test_an_effect_that_is_rounding_is_none() -> None:

@@ -207,7 +207,9 @@ def special_points(seen: Traced, name: str, units: Mapping[str, str], shown: Seq
             data[dim if key == name else f"{dim}_{key}"] = xr.Variable((dim,), values, label)
         data[f"{dim}_{BACK}"] = xr.Variable((dim,), np.array([bool(row[BACK]) for row in rows], dtype=bool), IS_BACK)
         pairs = np.array([two for _, _, two in group], dtype=np.int64).reshape(-1, 2)
-        data[f"{dim}_branches"] = xr.Variable((dim, "two"), pairs, {"long_name": f"each {FROM_ZERO}"})
+        data[f"{dim}_branches"] = xr.Variable(
+            (dim, "two"), pairs, {"long_name": f"the two branches that meet; {FROM_ZERO}"}
+        )
     kinds = [point.kind for _, point, _ in seen.special if point.kind != "fold"]
     data["special_kind"] = xr.Variable(("special",), np.array(kinds, dtype=str), {"long_name": "kind of special point"})
     return data

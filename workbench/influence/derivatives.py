@@ -131,9 +131,7 @@ def _no_forecast(fields: NDArray[np.str_]) -> str:
     """The sentence on the fields whose effect is none; empty if there is none."""
     if not fields.size:
         return ""
-    return (
-        f"no forecast for {', '.join(fields)}: the straight line of the derivative leaves the values that it can have"
-    )
+    return f"no forecast for {', '.join(fields)}: the line of the derivative leaves the values that it can have"
 
 
 def sentences(table: xr.Dataset) -> list[str]:
