@@ -5,7 +5,7 @@ import pytest
 
 from studies.language.loader import dumps, loads
 from studies.language.refine import refinement
-from studies.language.refinement import BUDGET, TOLERANCE, Lattice, RefinedLines, Refinement, refinement_of
+from studies.language.refinement import BUDGET, TOLERANCE, Lattice, Refine, RefinedLines, Refinement, refinement_of
 
 HEAD = 'title = "r"\nreading = "force-first/tension/paper"\n'
 UNITS = '[units]\nlength = "cm"\nforce = "N"\n'
@@ -29,6 +29,10 @@ def test_a_refined_study_begins_as_its_coarse_grid_and_watches_what_it_stores() 
 
 
 # the lattice
+
+
+def test_the_most_points_that_a_refusal_names_are_taken() -> None:
+    assert Refine(watch=["bends"], points=1_000_000_000).share == pytest.approx(1e-9)
 
 
 def test_halvings_make_equal_ratios_or_equal_differences_as_the_axis_does() -> None:

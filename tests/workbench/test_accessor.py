@@ -196,6 +196,12 @@ def test_unsolved_cases_stay_nan_when_they_are_solved_again(monkeypatch) -> None
     assert np.isfinite(ds.rod.z[0]).all()
 
 
+def test_the_curve_of_several_cases_is_refused_in_a_sentence(full) -> None:
+    with pytest.raises(InputError, match="the dataset has 6: choose one"):
+        _ = full[0].rod.centreline
+    assert full[0].rod.sel(E=2e4, R=0.75).rod.centreline.rho == full[0].rod.sel(R=0.75)["rho"]
+
+
 def test_what_would_take_too_long_is_refused(full, monkeypatch) -> None:
 
     monkeypatch.setattr(solved_again, "MOST_SOLVED", 5)

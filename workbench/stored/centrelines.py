@@ -25,6 +25,10 @@ ANGLES = 361  # between the least and the largest one, at which rates are compar
 
 def centreline_of(case: "StoredCases") -> Centreline:
     """The centreline of one case, as `StoredStudy.centreline` gives it."""
+    if case["outcome"].ndim:
+        raise InputError(
+            f"a curve is that of one case, and the dataset has {case['outcome'].size}: choose one, as by sel"
+        )
     leaves = case.leaves
     varies = leaves or case.loads_vary
     needed = (*NEEDED, *case.stiffness_fields, *["contact"] * varies, *["radius"] * leaves)
