@@ -112,7 +112,7 @@ OF_STUDY: tuple[Change, ...] = (
     ("@format", "new"), ("E[0]", np.nan), ("E[0]", 2e4), ("z[10]", np.nan), ("z[10]", 1000.0), ("beta[3]", 1e200),
     ("bends[0]", -1), ("attached[0]", 7), ("rho[0]", 0.0), ("FZ[0]", np.nan), ("M3[0]", 1e300),
     ("s[0]", -1.0), ("u[0]", 0.5), ("error[0]", np.nan), ("kappa_max[0]", 1e300), ("kappa_max[0]", np.inf),
-    ("@format", 1),
+    ("R[0]", 0.6), ("a[0]", 0.1), ("alpha[10]", 1000.0), ("@side", "nonsense"), ("@format", 1),
 )  # fmt: skip
 
 

@@ -92,6 +92,8 @@ def unfit(
             yield name, f"is not finite, or beyond {most:g}", ~np.asarray(far < most)
             if CURVES[name] == "z" and L is not None:
                 yield name, "is longer than the rod", np.asarray(far > L * (1 + STRAIGHT))
+            if CURVES[name] == "alpha" and L is not None and rho is not None and "radius" not in columns:
+                yield name, "goes round more than the rod is long", np.ptp(values, axis=-1) * rho > L * (1 + STRAIGHT)
         elif values.dtype.kind in "iuf":
             yield name, "is out of its range", _outside(name, values, name in counted, np.inf if L is None else L)
 

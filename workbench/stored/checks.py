@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from solver.problem.case import SIDES
 from solver.problem.declared_fields import FIELDS
 from solver.problem.errors import InputError
 from solver.problem.quantities import QUANTITIES, unit_of
@@ -100,9 +101,17 @@ def drawable(ds: xr.Dataset) -> Iterator[str]:
 
 
 def fields(ds: xr.Dataset) -> Iterator[str]:
-    """Whether the fields of rod and cylinder are in their ranges, and the stations rise from one end to the other."""
+    """Whether the fields of rod and cylinder are in their ranges and fit, and the stations rise from end to end."""
     number = {name: ds.variables[name] for name in (*bounds.FIELDS, "u", "s") if name in ds.variables}
     yield from (f": {name} {why}" for name, why in bounds.unfit_fields(number))
+    side = ds.attrs.get("side")  # a file that is no study's may have none
+    if side is not None and side not in SIDES:
+        yield f": the side must be outside or inside, got {show(side)}"
+        return
+    if side is None or not {"R", "a", "rho"} <= {*number}:
+        return
+    if np.any(abs(number["rho"] - number["R"] - SIDES[side] * number["a"]) > bounds.SAME * number["R"]):
+        yield ": rho must be R + a outside, and R - a inside"
 
 
 def numbers(ds: xr.Dataset, along: bool) -> Iterator[str]:
