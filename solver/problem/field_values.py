@@ -238,30 +238,36 @@ def doubt(name: str, value: object) -> str:
     )
 
 
-_INCHES = {"lbf": "psi", "klbf": "ksi", "kip": "ksi"}  # force -> the unit of a stress of these on square inches
-
-
 def doubt_modulus(value: object, units: Mapping[str, str]) -> str:
-    """The notice about Young's modulus of rods in feet if it is a metal's in psi or ksi, else an empty text.
+    """The notice about Young's modulus of rods in feet if it is a metal's in psi, ksi or GPa, else an empty text.
 
     value: as a user gives it, as in `doubt`. units: of "length" and "force".
 
-    >>> doubt_modulus(30e6, {"length": "ft", "force": "lbf"})
-    'E = 30000000 is read as 30000000 lbf/ft^2 = 1.44 GPa; write "30000000 psi" if psi is meant, or "30000000 lbf/ft^2"'
+    >>> doubt_modulus(30e6, {"length": "ft", "force": "lbf"}).partition("; ")[2]
+    'write "30000000 psi" if psi is meant, or "30000000 lbf/ft^2"'
+    >>> doubt_modulus(30e6, {"length": "ft", "force": "klbf"}).partition("; ")[0]
+    'E = 30000000 is read as 30000000 klbf/ft^2 = 1436 GPa'
     >>> doubt_modulus(4.32e9, {"length": "ft", "force": "lbf"})
     ''
     """
-    if units["length"] != "ft" or units["force"] not in _INCHES:
+    if units["length"] != "ft":
         return ""
-    size, (low, high) = size_in((-2, 1), units), (40e9, 450e9)  # N/m2: of metals, from magnesium to tungsten
-    doubtful = [number for number in _plain_numbers(value) if low <= 144 * number * size <= high]
-    if not doubtful:
-        return ""
-    said, unit, other = f"{max(doubtful):.10g}", f"{units['force']}/ft^2", _INCHES[units["force"]]
-    return (
-        f"E = {said} is read as {said} {unit} = {max(doubtful) * size / 1e9:.3g} GPa; "
-        f'write "{said} {other}" if {other} is meant, or "{said} {unit}"'
-    )
+    size, numbers = size_in((-2, 1), units), [*_plain_numbers(value)]
+    for other in "psi", "ksi", "GPa":
+        meant = unit_size(other)[0]
+        doubtful = [number for number in numbers if _is_metal(number * meant) and not _is_metal(number * size)]
+        if doubtful:
+            worst, unit = max(doubtful), f"{units['force']}/ft^2"
+            return (
+                f"E = {worst:.10g} is read as {worst:.10g} {unit} = {worst * size / 1e9:.4g} GPa; "
+                f'write "{worst:.10g} {other}" if {other} is meant, or "{worst:.10g} {unit}"'
+            )
+    return ""
+
+
+def _is_metal(modulus: float) -> bool:
+    """Whether a Young's modulus [N/m2] is one of a metal, from magnesium to tungsten."""
+    return 40e9 <= modulus <= 450e9
 
 
 def _plain_numbers(value: object) -> Iterator[float]:
