@@ -16,6 +16,7 @@ FEW = 4  # waves one after the other that are less than a band
 EDGE, PALE = 0.6, 0.5  # points of the edges of a band; opacity of what is between them
 BEHIND = 0.02  # of the order of drawing: what stands on a curve stands on its band
 SHADES = 512  # of a band whose colour says its height
+BIN = 2  # waves of a piece of a band: neighbouring crests may differ, and each piece needs the higher one
 SAID = "Band: waves narrower than 4 pixels each, from their least to their largest value."
 
 Values = NDArray[np.float64]
@@ -55,7 +56,9 @@ def stretches(x: Values, y: Values, inches: float) -> Iterator[Stretch]:
         if not narrow[first]:
             yield Stretch(of)
             continue
-        yield Stretch(of, _band(x[of], y[of], LEAST / inches))
+        widest = float((x[turns[2:]] - x[turns[:-2]])[first : last - 1].max())
+        inner = turns[[first + 2, last - 2]] - turns[first]
+        yield Stretch(of, _band(x[of], y[of], inner, BIN * max(LEAST / inches, widest)))
 
 
 def _cuts(flags: NDArray[np.bool_]) -> list[int]:
@@ -63,15 +66,19 @@ def _cuts(flags: NDArray[np.bool_]) -> list[int]:
     return [0, *(np.flatnonzero(np.diff(flags)) + 1).tolist(), flags.size]
 
 
-def _band(x: Values, y: Values, wide: float) -> tuple[Values, Values, Values]:
-    """The band of waves that are narrower than so much: the least and the largest of each piece of that width."""
-    starts = np.flatnonzero(np.diff(np.floor((x - x[0]) / wide), prepend=-1.0))
-    ends = [0, x.size - 1]
-    edges = []
-    for extreme in (np.argmin, np.argmax):
-        k = [start + int(extreme(piece)) for start, piece in zip(starts, np.split(y, starts[1:]), strict=True)]
-        edges.append(np.union1d(k, ends))
-    at = x[np.union1d(*edges)]
+def _band(x: Values, y: Values, inner: NDArray[np.int64], wide: float) -> tuple[Values, Values, Values]:
+    """The band of waves: the least and the largest of its first and its last wave, and of equal pieces between them.
+
+    inner: the points between these waves, the first and the last. wide: pieces are at least so wide.
+    """
+    begin, end = x[inner]
+    places = np.linspace(begin, end, max(int((end - begin) / wide), 1) + 1)
+    starts = np.unique(np.append(np.searchsorted(x, places), 0))
+    edges = [
+        np.array([start + int(extreme(piece)) for start, piece in zip(starts, np.split(y, starts[1:]), strict=True)])
+        for extreme in (np.argmin, np.argmax)
+    ]
+    at = x[np.unique([*edges[0], *edges[1], 0, x.size - 1])]
     low, high = (np.interp(at, x[k], y[k]) for k in edges)
     return at, low, high
 

@@ -191,8 +191,7 @@ def _curve(ax: Axes, rod: DrawnRod, case: "Case", values: Any, most: float = np.
             ax.plot(high, at, **look | {"linewidth": waves.EDGE})
             ax.fill_betweenx(at, low, high, color=look["color"], linewidth=0, alpha=waves.PALE)
         if (high > most).any():
-            least = np.maximum(low, most) if part.band else most
-            ax.fill_betweenx(at, least, high, where=high > most, color=FAILING, linewidth=0, zorder=3,
+            ax.fill_betweenx(at, most, high, where=high > most, color=FAILING, linewidth=0, zorder=3,
                              interpolate=True, label="above yield")  # fmt: skip
     return said
 
@@ -219,11 +218,11 @@ def _draw_force(rod: DrawnRod, case: "Case", unit: str, values: Any, ax: Axes) -
     ax.axvline(0, color=colours.SOFT, linewidth=0.8, zorder=1)
     _down(ax, rod, unit, WORDS[FORCE], [values, np.array([-max(most, upper if upper <= NEXT * most else 0.0)])])
     _draw_states(ax, rod, case)
-    _draw_limits(ax, limits)
+    _draw_limits(ax, limits, labels.unit(unit))
     return said
 
 
-def _draw_limits(ax: Axes, limits: list[pipe_state.Limit]) -> None:
+def _draw_limits(ax: Axes, limits: list[pipe_state.Limit], unit: str) -> None:
     """Bands of the compressions at which a long pipe changes its state."""
     end = -ax.get_xlim()[0]
     for k, (limit, (name, colour, alpha)) in enumerate(zip(limits, BANDS, strict=False)):
@@ -236,7 +235,7 @@ def _draw_limits(ax: Axes, limits: list[pipe_state.Limit]) -> None:
                 alpha=alpha,
                 linewidth=0,
                 zorder=0,
-                label=f"{name} > {plain(limit.value)}",
+                label=f"{name} > {plain(limit.value)} {unit}",
             )
 
 
@@ -267,7 +266,13 @@ def _draw_stress(rod: DrawnRod, case: "Case", unit: str, stresses: Any, most: fl
         words = f"{plain(share, 2 if share < 100 else 3)} % of yield"
         title = fonts.fit_label(lambda full: f"stress: {words}" if full else words, fonts.inches(ax)[0])
         shown = [whole, np.array([most])]
-        ax.axvline(most, color=colours.INK, linewidth=1, linestyle=(0, (4, 3)), label=f"yields at {plain(most)}")
+        ax.axvline(
+            most,
+            color=colours.INK,
+            linewidth=1,
+            linestyle=(0, (4, 3)),
+            label=f"yields at {plain(most)} {labels.unit(unit)}",
+        )
     said = _curve(
         ax, rod, case, np.abs(axial), color=colours.SOFT, linewidth=0.9, gid="axial stress, size", label="axial stress"
     )
@@ -316,7 +321,11 @@ def _draw_slack_off(stored: StoredStudy, load: str, place: Mapping[str, int], ax
         said.append(f"However hard the pipe is pushed, {arrives}.")
         if most <= 2 * ends[1]:
             ax.axhline(
-                most, color=colours.INK, linewidth=1, linestyle=(0, (1, 1.5)), label=f"locks up at {plain(most)}"
+                most,
+                color=colours.INK,
+                linewidth=1,
+                linestyle=(0, (1, 1.5)),
+                label=f"locks up at {plain(most)} {force}",
             )
     if not known.all():
         said.append(f"{int((~known).sum())} of {known.size} weights on bit are not solved.")
