@@ -201,7 +201,7 @@ def test_a_well_of_a_pipe_that_turns_in_place_is_drawn_without_a_lock_up() -> No
 def test_the_bands_of_a_well_lie_between_the_limits_of_a_long_pipe() -> None:
     track = well.figure(StoredStudy(study_kinds.well()), at={"wob": 210.0}).axes[0]
     bands = {str(band.get_label()): band.get_bbox() for band in track.patches}
-    limits = [float(label.split("> ")[1]) for label in bands]
+    limits = [float(label.split("> ")[1].removesuffix(" kN")) for label in bands]
     assert [label.split(" >")[0] for label in bands] == ["sinusoid", "or helix", "only helix"]
     ends = np.array([(-box.x1, -box.x0) for box in bands.values()])
     np.testing.assert_allclose(ends[:, 0], limits, rtol=5e-4)  # labels have four digits
@@ -241,6 +241,19 @@ def test_a_yield_stress_without_its_unit_is_refused(tmp_path, capsys) -> None:
     path = writing.write(study_kinds.well(), tmp_path / "well.h5")
     assert exit_status("plot", path, "--kind", "well", "--yield-stress", "75", "--out", tmp_path / "well.png") == 2
     assert "--yield-stress needs its unit" in capsys.readouterr().err
+
+
+def test_pipes_that_yield_are_red_against_slack_off() -> None:
+    ds = study_kinds.well()
+    stresses = [marks_of(ds, {"wob": wob}, "stress, axial and bending together")[:, 0].max() for wob in (150.0, 210.0)]
+    fig = well.figure(StoredStudy(ds), at={"wob": 210.0}, yield_stress=1e3 * float(np.mean(stresses)))  # kPa
+    (red,) = [points for points in fig.axes[-1].collections if points.get_label() == "above yield"]
+    np.testing.assert_allclose(np.asarray(red.get_offsets())[:, 1], [210.0])
+    said = " ".join(canvas.caption(fig))
+    assert "The pipe yields from a weight on bit of 210 kN on." in said
+    assert float(said.split("the stress is at most ")[1].split()[0]) == pytest.approx(stresses[1], rel=0.02)
+    assert "The drawn pipe yields" in [text.get_text() for text in fig.texts]
+    assert "a wave away from the ends" in said
 
 
 def test_what_is_above_the_yield_stress_alone_is_red() -> None:

@@ -93,6 +93,7 @@ def page(
     more: float = 0.5,
     width: float | None = None,
     high: bool = True,
+    rest: str | None = None,
     **options: Any,
 ) -> Figure:
     """A figure of panels in rows, with one legend below.
@@ -119,9 +120,11 @@ def page(
         Inches; default: of the sheet.
     high
         Whether the axes have scales upward, for which that height is needed.
+    rest
+        What is said in place of how many of the shapes a real rod could keep.
     """
 
-    rest = stored.restable if stored is not None else ""
+    rest = stored.restable if rest is None and stored is not None else rest or ""
     rest = rest[:1].upper() + rest[1:]
 
     def draw(fig: Figure) -> None:

@@ -47,6 +47,7 @@ BANDS = (
     ("only helix", colours.STATES["helical"], 0.28),
 )
 JUMP = "jumps to another shape"
+YIELDS, ABOVE = "the drawn pipe yields", "above yield"
 FAILING = colours.VERDICTS[FAILS]
 
 
@@ -97,16 +98,17 @@ def figure(
     tracks = {ROWS[name]: (unit, values) for name, unit, values in rows if name in ROWS}
     panels: dict[str, Any] = {name: partial(_draw_track, rod, case, name, *track) for name, track in tracks.items()}
     panels[FORCE] = partial(_draw_force, rod, case, *tracks[FORCE])
-    stress = [values for name, _, values in rows if name in pipe_profile.STRESSES]
+    stress, rest = [values for name, _, values in rows if name in pipe_profile.STRESSES], None
     if stress:
         unit = tracks[STRESS][0]
         most = None if yield_stress is None else yield_stress * habits.size(unit, habits.STRESS, units)
+        rest = YIELDS if most is not None and stress[2].max() > most else None
         panels[STRESS] = partial(_draw_stress, rod, case, unit, stress, most)
     elif yield_stress is not None:
         raise InputError("a stress needs E, and the pipes of this file have EI and GJ")
     said = _sentences(rod, case, tracks, units["length"])
     if load:
-        panels[SLACK_OFF] = partial(_draw_slack_off, stored, load, place)
+        panels[SLACK_OFF] = partial(_draw_slack_off, stored, load, place, yield_stress)
     names, at_case = sheet.choose(panels), stored.equations(place)
     titled = stored.with_title(f"{stored.attrs['title']}, {at_case}") if place else stored
 
@@ -118,7 +120,7 @@ def figure(
         lines = [(NARROW / len(lines), row) for _, row in lines] if sheet.narrow else lines
         left = canvas.say_left_out(names[count:], "--panel")
         held = [f"The pipe at {at_case}."] if place else []
-        return canvas.page(titled, sheet, lines, [*held, *said, *rods.notes, *left], 0.75)
+        return canvas.page(titled, sheet, lines, [*held, *said, *rods.notes, *left], 0.75, rest=rest)
 
     return print_heights.with_room(draw, len(names))
 
@@ -143,7 +145,8 @@ def _sentences(rod: DrawnRod, case: "Case", tracks: Mapping[str, tuple[str, Any]
             if between >= abs(value):
                 s = float(rod.case["push_max_at"])
                 value, at = between, float(rod["s"][-1]) - s if pipe_state.rise(case) > 0 else s
-        said.append(f"Largest {WORDS[name]}: {plain(value)} {unit} at {plain(at)} {length}.")
+        inner = f"; a wave away from the ends it is at most {plain(_away(rod, case, values))} {unit}" * (name == PUSH)
+        said.append(f"Largest {WORDS[name]}: {plain(value)} {unit} at {plain(at)} {length}{inner}.")
     limits = [f"{limit.load} {plain(limit.value)} ({limit.name})" for limit in pipe_state.limits(case)]
     if limits:
         said.append(f"Compression of a long pipe without friction, {tracks[FORCE][0]}: {', '.join(limits)}.")
@@ -151,6 +154,13 @@ def _sentences(rod: DrawnRod, case: "Case", tracks: Mapping[str, tuple[str, Any]
 
 
 WORDS = {FORCE: "axial force", PUSH: "push of the wall", DOGLEG: "dogleg", STRESS: "stress, axial and bending together"}
+
+
+def _away(rod: DrawnRod, case: "Case", values: Any) -> float:
+    """The largest size of a quantity a wave away from both ends, as in `pipe_profile.profile`."""
+    s, ends = rod["s"], pipe_profile.axial_force(SimpleNamespace(**{name: rod[name] for name in ARRAYS}))[[0, -1]]
+    wave = pipe_profile.wave_length(case, float(np.abs(ends).max()))
+    return float(np.abs(values[(s >= wave) & (s <= s[-1] - wave)]).max())
 
 
 def _states(rod: DrawnRod) -> tuple[Any, ...]:
@@ -192,7 +202,7 @@ def _curve(ax: Axes, rod: DrawnRod, case: "Case", values: Any, most: float = np.
             ax.fill_betweenx(at, low, high, color=look["color"], linewidth=0, alpha=waves.PALE)
         if (high > most).any():
             ax.fill_betweenx(at, most, high, where=high > most, color=FAILING, linewidth=0, zorder=3,
-                             interpolate=True, label="above yield")  # fmt: skip
+                             interpolate=True, label=ABOVE)  # fmt: skip
     return said
 
 
@@ -282,12 +292,25 @@ def _draw_stress(rod: DrawnRod, case: "Case", unit: str, stresses: Any, most: fl
     return said
 
 
-def _draw_slack_off(stored: StoredStudy, load: str, place: Mapping[str, int], ax: Axes) -> list[str]:
-    """Weight on bit against slack-off, along the axis of the load; the drawn pipe has a ring."""
+def _largest_stresses(case: "Case", ends: Any, bending: Any) -> Any:
+    """The largest stress of each pipe, (n,): at most that of its largest bend under its largest compression.
+
+    case: what all have in common. ends: their axial forces at both ends, (2, n). bending: their largest stresses of
+    bending, (n,).
+    """
+    area = np.pi * (case.rod.a**2 - (case.rod.inner_radius or 0.0) ** 2)
+    return np.maximum(ends.max(axis=0) / area, np.maximum(-ends.min(axis=0), 0.0) / area + bending)
+
+
+def _draw_slack_off(
+    stored: StoredStudy, load: str, place: Mapping[str, int], yield_stress: float | None, ax: Axes
+) -> list[str]:
+    """Weight on bit against slack-off, along the axis of the load; the drawn pipe has a ring; pipes that yield are red."""
     line = stored.select({name: i for name, i in place.items() if name != load})
     case = line.case
     order = np.argsort(line[load].values, kind="stable")
-    FZ0, arriving = drawn_rods.numbers(line, "FZ0", "arriving_max")
+    names = ["FZ0", "arriving_max", *["bending_stress_max"] * (case.rod.E is not None)]
+    FZ0, arriving, *bending = drawn_rods.numbers(line, *names)
     FZ = np.broadcast_to(line["FZ"].values, FZ0.shape)
     climbs = pipe_state.rise(stored.select(place).case) > 0
     near, far = (FZ, FZ0) if climbs else (FZ0, FZ)
@@ -316,9 +339,17 @@ def _draw_slack_off(stored: StoredStudy, load: str, place: Mapping[str, int], ax
     ]
     if jumps:
         said.append("Where the curve jumps, the pipe leaves its shape for another one, as a sinusoid for a helix.")
+    with_stress = ""
+    if bending:
+        stresses = _largest_stresses(case, np.stack([FZ0, FZ]), bending[0])
+        shown = habits.value_with_unit(names[-1], float(stresses[known][bit[known].argmax()]), stored.units)
+        with_stress = f"; with {plain(float(bit[known].max()))} {force} the stress is at most {shown}"
+        if yield_stress is not None and (above := known & (stresses > yield_stress)).any():
+            ax.scatter(slack[above], bit[above], color=FAILING, s=15, zorder=5, label=ABOVE)
+            said.append(f"The pipe yields from a weight on bit of {plain(float(bit[above].min()))} {force} on.")
     if np.isfinite(most):
         arrives = pipe_state.most_that_arrives(stored.select(place).case, most, stored.units)
-        said.append(f"However hard the pipe is pushed, {arrives}.")
+        said.append(f"However hard the pipe is pushed, {arrives}{with_stress}.")
         if most <= 2 * ends[1]:
             ax.axhline(
                 most,

@@ -56,7 +56,7 @@ def profile(sol: "Solution", units: dict[str, str]) -> list[ProfileRow]:
     def sizes(t: Any) -> Any:
         return np.abs(read(t))
 
-    wave = _wave(sol) / rho
+    wave = wave_length(sol.case, max(abs(number(sol, name)) for name in ("FZ0", "FZ"))) / rho
     largest, at = largest_between(sizes, t)
     away = np.concatenate([[wave], t[(t > wave) & (t < t[-1] - wave)], [t[-1] - wave]])
     inside, _ = largest_between(sizes, away)
@@ -107,12 +107,11 @@ def quantities(case: "Case", along: Any, units: dict[str, str]) -> list[tuple[st
     return columns
 
 
-def _wave(sol: "Solution") -> float:
+def wave_length(case: "Case", most: float) -> float:
     """The length of a wave of a buckled pipe under its largest axial force, at most a third of the rod [length]."""
-    stiffness, across = float(sol.case.rod.bending_stiffness), weight_across(sol.case)
-    most = max(abs(number(sol, name)) for name in ("FZ0", "FZ"))
-    waves = most / (2 * stiffness), math.sqrt(across / (stiffness * float(sol.case.rho)))
-    return min(2 * math.pi / math.sqrt(max(*waves, 1e-300)), float(sol.case.rod.L) / 3)
+    stiffness, across = float(case.rod.bending_stiffness), weight_across(case)
+    waves = most / (2 * stiffness), math.sqrt(across / (stiffness * float(case.rho)))
+    return min(2 * math.pi / math.sqrt(max(*waves, 1e-300)), float(case.rod.L) / 3)
 
 
 def number(sol: "Solution", name: str) -> float:
