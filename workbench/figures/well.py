@@ -305,7 +305,7 @@ def _largest_stresses(case: "Case", ends: Any, bending: Any) -> Any:
 def _draw_slack_off(
     stored: StoredStudy, load: str, place: Mapping[str, int], yield_stress: float | None, ax: Axes
 ) -> list[str]:
-    """Weight on bit against slack-off, along the axis of the load; the drawn pipe has a ring; pipes that yield are red."""
+    """Weight on bit against slack-off, along the axis of the load: a ring is the drawn pipe, red those that yield."""
     line = stored.select({name: i for name, i in place.items() if name != load})
     case = line.case
     order = np.argsort(line[load].values, kind="stable")
