@@ -40,6 +40,7 @@ TALL, WIDE = 3.4, 1.9  # inches of the tracks, and of the last panel
 NARROW = 3.2  # of all rows on a narrow sheet
 NEXT = 1.3  # of the largest compression: up to there a limit that is not reached is shown
 MARGIN = 0.06  # of the range of a track
+CLOSE = 0.7  # points of a curve beside a band
 STRIP = 0.07  # of the width of a track, for the states
 BANDS = (
     ("sinusoid", colours.STATES["sinusoidal"], 0.22),
@@ -193,7 +194,10 @@ def _curve(ax: Axes, rod: DrawnRod, case: "Case", values: Any, most: float = np.
     depth, said = _depth(rod, case), list[str]()
     order = slice(None, None, -1 if depth[0] > depth[-1] else 1)
     depth, values = depth[order], values[order]
-    for part in waves.stretches(depth, values, fonts.inches(ax)[1] / float(depth[-1])):
+    parts = list(waves.stretches(depth, values, fonts.inches(ax)[1] / float(depth[-1])))
+    if any(part.band for part in parts):  # waves that are hardly wider than those of a band are no block of ink
+        look["linewidth"] = CLOSE
+    for part in parts:
         at, low, high = part.band or (depth[part.of], values[part.of], values[part.of])
         ax.plot(low, at, **look | ({"linewidth": waves.EDGE} if part.band else {}))
         if part.band:
