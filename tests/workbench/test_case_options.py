@@ -319,3 +319,9 @@ def test_a_rod_of_a_study_is_stored_under_the_title_of_the_study_with_what_diffe
     Path("short.toml").write_text(small.text(base, axis and small.axis(axis, [1.0, 2.0]), title="A short rod"))
     run(f"workbench solve short.toml {options} -o one.h5")
     assert reading.read("one.h5").attrs["title"] == title
+
+
+def test_the_title_of_a_long_rod_has_no_exponent() -> None:
+    given = {"E": 2e5, "nu": 0.3, "a": 6.0, "L": 10355.46, "R": 200.0, "beta0": 1.5, "betaL": 1.5, "FZ": 1.0}
+    title = read_case(None, {**given, "MZ": 0.0, "M3": 0.0}, {"length": "mm", "force": "N"}).title
+    assert title == "A rod 10355 mm long, of diameter 12 mm, on a cylinder of diameter 400 mm"
