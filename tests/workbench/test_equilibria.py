@@ -137,6 +137,7 @@ def test_a_fold_is_where_the_branch_of_table_1_is_known_to_end(swept) -> None:
     assert swept["fold_dbeta0"].values[off.argmin()] == pytest.approx(known.fold_dbeta0, abs=2e-2)
     first, second = swept["fold_branches"].values[off.argmin()]
     rows = StoredStudy(swept).data("branches")
+    assert branch_dataset.folds(StoredStudy(swept))[off.argmin()]["numbers"] == sorted((first + 1, second + 1))
     assert abs(rows[first]["index"] - rows[second]["index"]) == 1
     fold = np.degrees(swept["fold"].values[off.argmin()])
     assert rows[first]["to"] == rows[second]["to"] == pytest.approx(fold)  # and not the last value, 35

@@ -83,6 +83,9 @@ def distinct_texts(values: Iterable[float], text: Callable[[float, int], str], l
     """The text of each value, with as many digits as tell apart those that differ in their first `FINEST` ones.
 
     text: of a value with so many digits. least: digits.
+
+    >>> distinct_texts([0.027499515, 0.02750022, -1.0], plain, 4)
+    ['0.0274995', '0.0275002', '-1']
     """
     numbers = [float(value) for value in values]
     finest = [text(number, FINEST) for number in numbers]
