@@ -20,7 +20,7 @@ from solver import Solution
 
 from ..stored.stored_study import StoredStudy
 from ..words import free_rods
-from ..words.habits import plain, value_with_unit
+from ..words.habits import plain, value_with_unit, within
 from . import canvas, colours, drawn_rods, fonts
 from .dimensions import (
     AWAY,
@@ -144,7 +144,8 @@ def _words(
     parts = [*[case] * bool(case), f"length {unit('L', float(chosen['L']))}"]
     parts += [] if view.whole else [f"along the axis {unit('L', abs(height))}"]
     if wrap := _wrap(rod, free):
-        parts += [f"wrap {plain(wrap / 360)} turns = {plain(wrap)}°"]
+        error = math.degrees(free_rods.place_error(free) / rod.rho) if free else 0.0
+        parts += [f"wrap {within(wrap / 360, error / 360)} turns = {within(wrap, error)}°"]
     if free:
         (turns,) = (float(value) for value in drawn_rods.numbers(chosen, "turns_around"))
         parts += [f"azimuth of the end {plain(360 * turns)}°"]

@@ -49,9 +49,12 @@ def point_forces(sol: "Solution") -> list[tuple[str, str]]:
 
 def _place(sol: "Solution", s: float) -> str:
     """Where a contact begins or ends: an end of the rod, or as exact as the whole length on the wall."""
-    L = float(sol.case.rod.L)
-    error = float(observe(sol, ["contact_share"], errors=True)["contact_share_error"])
-    return within(s, error * L * (0 < s < L))
+    return within(s, place_error(sol) * (0 < s < float(sol.case.rod.L)))
+
+
+def place_error(sol: "Solution") -> float:
+    """The estimated error of the length on the wall [length]."""
+    return float(observe(sol, ["contact_share"], errors=True)["contact_share_error"]) * float(sol.case.rod.L)
 
 
 def release(before: "Solution", after: "Solution") -> dict[str, Any]:
