@@ -201,11 +201,11 @@ def test_cautions_measure_nothing_again_and_derivatives_leave_what_is_measured(m
     sol, measured, whole = solve(rods), [], MeasuredNumbers._measure
     seen = observe(sol, cautions.JUDGED, errors=True)
 
-    def noted(self: MeasuredNumbers, wanted: set[str], until: float = 1.0, cases: Any = None) -> Any:
+    def note_and_measure(self: MeasuredNumbers, wanted: set[str], until: float = 1.0, cases: Any = None) -> Any:
         measured.append(until)
         return whole(self, wanted, until, cases)
 
-    monkeypatch.setattr(MeasuredNumbers, "_measure", noted)
+    monkeypatch.setattr(MeasuredNumbers, "_measure", note_and_measure)
     told = cautions.of_cases(sol, seen)
     assert "pulled" in "".join(told)
     assert 1.0 not in measured

@@ -320,7 +320,7 @@ def test_a_band_of_waves_as_wide_as_its_pieces_has_no_notches() -> None:
     crests = np.cos(2 * np.pi * 130 * x + 40 * x**2)  # 3.1 pixels a wave at first, 1.9 at last
     swings = 2 + crests + 0.5 * np.cos(np.pi * 130 * x + 20 * x**2)  # every other crest is lower
     (band,) = waves.stretches(x, swings, 4.0)
-    at, low, high = band.band
+    _, low, high = band.band
     np.testing.assert_allclose(high, 3.5, atol=0.02)  # at its ends too
     assert np.ptp(low) < 0.02
 

@@ -62,7 +62,7 @@ def of_cases(
     if (count := stored.sizes[axis]) > MOST:
         raise InputError(f"bars show at most {MOST} values of an axis, and {axis} has {count}: choose --kind lines")
     show, most = [sheet.panel] if sheet.panel else show, _most_panels(sheet, count) or MOST_PANELS
-    names = stored.names_of(show) if show else stored.varying or stored.observables
+    names = stored.names_of(show) if show else stored.names_that_vary or stored.observables
     names, left_out = (names, []) if show else (names[:most], names[most:])
     if not names:
         raise InputError("no bars: the dataset has no observables")

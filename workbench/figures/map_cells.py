@@ -158,7 +158,7 @@ def choose(
         For fewer than two axes, an unknown axis or observable, `x` equal to `y`, too many observables.
     """
     x, y = _two_axes(stored, x, y, dict(at or {}))
-    shown = stored.names_of_figure(show) if show else list(stored.varying or stored.observables[:1])
+    shown = stored.names_of_figure(show) if show else list(stored.names_that_vary or stored.observables[:1])
     left_out: Sequence[str] = ()
     if not show:
         judged = {law.observable for law in stored.laws}

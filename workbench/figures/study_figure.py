@@ -160,7 +160,7 @@ def _choice(
     than have room.
     """
     known = stored.observables
-    names = stored.names_of_figure(show) if show else [] if laws else (stored.varying or known)[:MOST_PLAIN]
+    names = stored.names_of_figure(show) if show else [] if laws else (stored.names_that_vary or known)[:MOST_PLAIN]
     on: dict[str, list[TrendLine]] = {name: [] for name in names}
     for law in laws:
         on.setdefault(str(law.observable.name), []).append(law)
@@ -168,7 +168,7 @@ def _choice(
         return _Choice([line for name in names for line in on[name] or [stored.trend(name, along)]])
     if sheet.panel is None:
         level = stored.level_notes(name for name in known if name not in on)
-        left_out = [name for name in stored.varying if name not in on]
+        left_out = [name for name in stored.names_that_vary if name not in on]
         trivial = [law for law in laws if law.is_trivial]
         panels: Sequence[TrendLine] = [law for law in laws if law not in trivial]
         if not (panels or strips):

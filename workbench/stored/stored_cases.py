@@ -342,7 +342,7 @@ class StoredCases:
         return frozenset({*whole, HELD_INDEX})
 
     @cached_property
-    def varying(self) -> list[str]:
+    def names_that_vary(self) -> list[str]:
         """The observables that are not the same in all cases."""
         return [name for name in self.observables if not self.is_level(name)]
 
