@@ -172,7 +172,8 @@ class Refine(BaseModel):
         if self.tolerance is not None and not FINEST <= self.tolerance < 1:
             why = f"tolerance is a share of the axis from {FINEST:g} to below 1, got {self.tolerance:g}"
             raise Misplaced(why, "tolerance")
-        if self.points is not None and not 2 <= self.points <= (most := round(1 / FINEST)):
+        most = round(1 / FINEST)
+        if self.points is not None and not 2 <= self.points <= most:
             raise Misplaced(f"points must be from 2 to {most}, got {self.points}", "points")
         return self
 

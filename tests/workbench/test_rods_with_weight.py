@@ -195,7 +195,7 @@ def test_a_pipe_that_turns_in_place_without_an_answer_says_what_torque_a_straigh
 def test_a_well_of_a_pipe_that_turns_in_place_is_drawn_without_a_lock_up() -> None:
     fig = well.figure(StoredStudy(study_kinds.well(sliding="rotating")))
     assert fig.axes[0].get_title(loc="left") == "axial force"
-    assert "at most" not in " ".join(canvas.caption(fig))
+    assert "arrives" not in " ".join(canvas.caption(fig))
 
 
 def test_the_bands_of_a_well_lie_between_the_limits_of_a_long_pipe() -> None:

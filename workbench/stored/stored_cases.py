@@ -1,5 +1,6 @@
 """What a dataset holds of its cases: axes, units, numbers, and which case a user means. `StoredStudy` adds the rest."""
 
+import contextlib
 import json
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -153,9 +154,11 @@ class StoredCases:
 
     @cached_property
     def reading(self) -> str:
-        """The reading of Table 1 in words, or nothing."""
+        """The reading of Table 1 in words, its name where it is not known here, or nothing."""
         text = str(self.ds.attrs.get("reading", ""))
-        return f"Table 1: {as_reading(text).words}" if text else ""
+        with contextlib.suppress(InputError):
+            text = as_reading(text).words if text else ""
+        return f"Table 1: {text}" if text else ""
 
     @cached_property
     def caution(self) -> str:
