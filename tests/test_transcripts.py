@@ -1,5 +1,7 @@
 """Each stored session prints what it printed; `transcripts.py` says how one is stored anew."""
 
+import difflib
+
 import pytest
 
 from tests import transcripts
@@ -14,8 +16,10 @@ MARKS = {"kinds_slow": pytest.mark.slow, "page": needs_node}
 )
 def test_a_session_prints_what_it_printed(path, tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
-    session = path.read_text(encoding="utf-8")
-    assert transcripts.replayed(session).splitlines() == session.splitlines()
+    stored = path.read_text(encoding="utf-8").splitlines()
+    printed = transcripts.replayed("\n".join(stored) + "\n").splitlines()
+    difference = "\n".join(difflib.unified_diff(stored, printed, "stored", "printed", lineterm="", n=0))
+    assert not difference, f"{difference}\nif that is meant: python -m tests.transcripts {path.stem}"
 
 
 @pytest.mark.parametrize(
