@@ -17,8 +17,17 @@ RADII, IN_RODS = (0.03, 0.065), 0.75  # inches of a ring on a rod in space at le
 
 def entry(label: str) -> Line2D:
     """The entry of a legend for the rings of `draw`."""
-    return Line2D([], [], marker="o", markersize=7, fillstyle="none", color=CROSSED, linestyle="none", label=label,
-                  markeredgewidth=RING)  # fmt: skip
+    return Line2D(
+        [],
+        [],
+        marker="o",
+        markersize=7,
+        fillstyle="none",
+        color=CROSSED,
+        linestyle="none",
+        label=label,
+        markeredgewidth=RING,
+    )
 
 
 def radius(a: float) -> float:

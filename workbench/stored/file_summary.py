@@ -91,8 +91,9 @@ def _worst_state(parts: "tuple[StretchState, ...]") -> str:
     from solver.nodes.stretch_states import HELICAL, SINUSOIDAL, STRAIGHT
 
     words = {part.word for part in parts}
-    return next((f"{word} in a part or all along" for word in (HELICAL, SINUSOIDAL) if word in words),
-                f"{STRAIGHT} all along")  # fmt: skip
+    return next(
+        (f"{word} in a part or all along" for word in (HELICAL, SINUSOIDAL) if word in words), f"{STRAIGHT} all along"
+    )
 
 
 def _is_dense(case: StoredStudy) -> bool:
