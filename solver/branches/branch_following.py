@@ -251,9 +251,8 @@ def _is_same(first: Place, place: Place) -> bool:
     """Whether the branch is back where it began."""
     path, other = place.path, first.path
     same = (path.leaving, path.turns, path.sign) == (other.leaving, other.turns, other.sign)
-    return (
-        same and abs(place.p - first.p) < ALIKE and abs(path.pin - other.pin) < ALIKE and abs(path.y - other.y) < ALIKE
-    )
+    apart = place.p - first.p, path.pin - other.pin, path.y - other.y
+    return same and all(abs(number) < ALIKE for number in apart)
 
 
 def creeps(before: BranchState, after: BranchState, bounds: Bounds, leap: bool) -> bool:

@@ -26,8 +26,8 @@ _PARALLEL = 0.7
 # in scales, between the two points that give the direction of travel in another chart: far above the rounding of a
 # solved point. x10: where the branch bends the direction is off
 _NUDGE = 1e-4
-# two changes of p, one this share of the other, give one derivative if these differ by less than a share. x10: beside
-# folds that are no farther than the longer change branches stop
+# of a change of p, the shorter one that is tried. x10: one more is tried, and no answer changes; of the derivative, by
+# how much the two may differ. x10: every change counts as short, and the branches of a wire stop beside its fold
 _SHORTER, _LIKE = 0.01, 0.5
 
 
@@ -84,8 +84,11 @@ def begin_at(family: Family, path: Path, p: float, rises: bool) -> BranchState |
 
 
 def _with_rate(state: BranchState, along: Array) -> BranchState:
-    """The state with a change of p so short that one far shorter has the same derivative: where orbits rest next to a
-    saddle that meets a centre, a longer one leads past a fold, and the tangent to the other side."""
+    """The state, whose derivative by p is taken over so short a change of p that a far shorter one gives the same.
+
+    Where an orbit rests next to a saddle that is about to meet a centre, a longer change leads past a fold: the
+    derivative there has the other sign, and the tangent would lead back.
+    """
     while state.curve.ahead > LEAST:
         curve = replace(state.curve, ahead=max(_SHORTER * state.curve.ahead, LEAST))
         node = node_at(curve, state.node.w, along)

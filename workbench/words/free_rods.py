@@ -68,7 +68,7 @@ def release(before: "Solution", after: "Solution") -> dict[str, Any]:
 def release_sentence(energies: dict[str, float], units: dict[str, str]) -> str:
     """By how much the elastic energy changes, in a sentence. energies: of `release`.
 
-    It may rise: what falls is its sum with the energy of the weight and of loads that are kept.
+    It may rise: at a minimum, its sum with the energy of the weight and of kept loads is least.
     """
     unit = f"{units['force']} {units['length']}"
     lost = 1 - energies["after"] / energies["before"] if energies["before"] else 0.0
@@ -77,5 +77,5 @@ def release_sentence(energies: dict[str, float], units: dict[str, str]) -> str:
     return (
         f"let go, with both ends as they were: its elastic energy {change}, "
         f"from {plain(energies['before'], digits)} to {plain(energies['after'], digits)} {unit}"
-        f"{'; with that of its weight and of kept loads it falls' * (lost < 0)}"
+        f"{'; what is least is its sum with that of its weight and of kept loads' * (lost < 0)}"
     )
