@@ -18,9 +18,10 @@ from solver.orbits.potential import Loads, potential
 from solver.problem.case import DIRECT, ELASTIC, GIVEN, SIDES, SLIDING, STIFFNESS, TWISTS, Case
 from solver.problem.declared_fields import ANGLES, PAIRS, RANGES
 from solver.problem.reduced import dimensionless_problem
-from solver.problem.units import FORCES, LENGTHS
+from solver.problem.units import FORCES, LENGTHS, unit_size
 from workbench.web.live.live_document import PAGE
 from workbench.words.cautions import LINEAR
+from workbench.words.habits import HABITS
 
 FILE = PAGE / "formulas.mjs"
 HEAD = """// Tables and formulas of the solver, written by benchmarks/make_page_formulas.py: change them there.
@@ -164,6 +165,7 @@ def plain_tables() -> dict[str, Any]:
     sides = {side: int(sign) for side, sign in SIDES.items()}
     words = {"TWISTS": TWISTS, "DIRECT": DIRECT, "ELASTIC": ELASTIC, "ANGLES": ANGLES, "SLIDING": [*SLIDING]}
     units = {"LENGTHS": LENGTHS, "FORCES": FORCES, "LINEAR": [*LINEAR.items()]}
+    units |= {"HABITS": [[*habit, unit_size(habit[-1])[0]] for habit in HABITS]}
     return words | {"SIDES": sides, "HELD": dict(PAIRS), "RANGES": ranges} | units
 
 

@@ -21,7 +21,7 @@ from studies.language.case_input import CaseInput, field_values
 from .branches.ends_study import study_text, text_of_solution
 from .run import atomic
 from .stored import quantity_variables
-from .words import cautions, escaping, labels
+from .words import cautions, escaping, habits, labels
 
 STATIONS = 801
 UNDETERMINED = "undetermined"  # in place of an unbounded interval
@@ -71,8 +71,8 @@ def _said(found: Fit, units: dict[str, str]) -> str:
             parts.append(f"{labels.symbol_of(name)} {UNDETERMINED}")
             continue
         unit = quantity_variables.labels(name, units)["units"]
-        factor = np.degrees(1.0) if unit == "rad" else 1.0
-        shown = "°" if unit == "rad" else f" {labels.unit(unit)}".rstrip()
+        unit, factor = ("°", np.degrees(1.0)) if unit == "rad" else habits.unit_and_size(unit, name)
+        shown = unit if unit == "°" else f" {labels.unit(unit)}".rstrip()
         low, high = (f"{factor * end:.5g}" for end in found.intervals[name])
         known = "" if np.isnan(found.intervals[name][0]) else f" ({low} to {high})"
         parts.append(f"{labels.symbol_of(name)} = {factor * value:.5g}{shown}{known}")

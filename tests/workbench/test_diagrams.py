@@ -83,6 +83,14 @@ def test_no_curve_of_a_ridge_reaches_the_next_one(ds) -> None:
         assert all((low < high + steps[0]).all() for low, high in pairwise(curves))
 
 
+def test_no_curve_of_a_ridge_reaches_the_line_of_a_rod_that_is_not_solved(ds) -> None:
+    first = ds["E"] == ds["E"].min()
+    alone = StoredStudy(ds.assign(solved=ds["solved"] & first, outcome=ds["outcome"].where(first, "failed: of no rod")))
+    for name in ("kappa", "push"):
+        (ax,) = along.figure(alone, show=[name]).axes
+        assert drawn_rods.choose(alone, (name,)).rods[0][name].max() < np.diff(ax.get_yticks())[0]
+
+
 @pytest.mark.slow
 def test_a_ridge_of_sixty_values_names_as_many_as_have_room() -> None:
     many = in_memory.run(study("[axes.E]\nfrom = 5e3\nto = 4e4\ncount = 61\n"))

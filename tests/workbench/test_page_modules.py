@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+import xarray as xr
 from matplotlib.figure import Figure
 
 from benchmarks import make_page_formulas
@@ -20,9 +21,10 @@ from tests.workbench.node import needs_node, run
 from workbench.figures import along, colours, drawn_rods, push_scale
 from workbench.geometry import self_contact
 from workbench.scene import scene_kinds, surfaces
+from workbench.stored import quantity_variables
 from workbench.stored.stored_study import StoredStudy
 from workbench.web.live import page_model
-from workbench.words import cautions, labels
+from workbench.words import cautions, habits, labels
 from workbench.words.escaping import finite
 
 pytestmark = needs_node
@@ -449,6 +451,21 @@ def test_numbers_and_units_are_written_as_in_the_figures() -> None:
     )
     for name, unit in zip(rows, told, strict=True):
         assert unit == labels.unit(unit_of(name, units)).replace("rad", "°" if rows[name] == "rad" else "rad"), name
+
+
+@pytest.mark.parametrize("units", [("ft", "klbf"), ("ft", "lbf"), ("in", "kip"), ("m", "kN"), ("mm", "N"), ("cm", "N")])
+def test_pages_labels_and_tables_state_every_quantity_in_one_unit(units: tuple[str, str]) -> None:
+    system = dict(zip(("length", "force"), units, strict=True))
+    rows = {name: row.dimension for name, row in QUANTITIES.items() if row.dimension != "text"}
+    given = {"rows": [*rows.items()], "units": system}
+    told = run("answer(given.rows.map(([name, d]) => text.stated(d, given.units, name)));", given, ("text",))
+    for name, (unit, size) in zip(rows, told, strict=True):
+        array = xr.DataArray(1.0, name=name, attrs=quantity_variables.labels(name, system))
+        assert size == pytest.approx(float(labels.in_label_unit(array, 1.0)), rel=1e-12), name
+        assert labels.label(array).endswith(f" [{unit}]" if unit else labels.symbol(array)), name
+        if unit != "°":
+            assert labels.unit(habits.unit_shown(name, system)) == unit, name
+            assert size == pytest.approx(habits.size_shown(name, system), rel=1e-12), name
 
 
 @pytest.mark.parametrize("name", STATES)

@@ -153,7 +153,7 @@ def test_a_solution_is_shown_inline_as_a_picture_and_as_a_rod_that_turns(one: So
     assert picture[..., :3].std() > 0.05  # something is drawn
     shown = one.scene(length="cm", force="N")
     assert shown._repr_html_().startswith('<iframe sandbox="allow-scripts"')
-    assert data_of(shown.html)["push"] == "N/cm"
+    assert data_of(shown.html)["units"] == {"length": "cm", "force": "N"}
     assert shown.save(tmp_path / "rod.html").read_text(encoding="utf-8") == shown.html
 
 

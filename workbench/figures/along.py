@@ -17,12 +17,11 @@ from matplotlib.figure import Figure
 from matplotlib.transforms import Affine2D
 
 from solver.problem.errors import InputError, no_such
-from solver.problem.quantities import unit_of
 from studies.laws.line_verdicts import NOISE
 
 from ..stored import quantity_variables
 from ..stored.stored_study import StoredStudy
-from ..words import labels
+from ..words import habits, labels
 from ..words.cautions import SLIGHT
 from . import canvas, colours, drawn_rods, fonts, pipe_map, push_scale, regions, waves
 from .drawn_rods import DrawnRods
@@ -168,12 +167,12 @@ def _curves(rods: DrawnRods, name: str, inches: float) -> Curves:
 def _clear_step(rods: DrawnRods, values: Sequence[Any], foot: float, filled: bool, inches: float) -> float:
     """From the line of one curve to the next, so that no curve reaches the next one; filled: nor its line.
 
-    inches: of a unit of s.
+    A rod that is not solved has its line, on which that is written. inches: of a unit of s.
     """
+    bare = np.array([0.0, max(float(rod["s"][-1]) for rod in rods.solved)]), np.zeros(2), np.zeros(2)
     rows = [
-        waves.outline(rod["s"], heights - foot, inches)
+        bare if heights is None else waves.outline(rod["s"], heights - foot, inches)
         for rod, heights in zip(rods.rods, values, strict=True)
-        if heights is not None
     ]
     most = 0.0
     for (s, _, low), (s_next, high, _) in pairwise(rows):
@@ -184,12 +183,11 @@ def _clear_step(rods: DrawnRods, values: Sequence[Any], foot: float, filled: boo
 
 def _words(stored: StoredStudy, name: str) -> tuple[str, str, Callable[[Any], Any]]:
     """The name of an array along the rod, its unit, and what brings its numbers into it."""
-    if name == "push":
-        return "push", f" {push_scale.unit(stored.units)}", partial(np.multiply, push_scale.size(stored.units))
-    unit = labels.unit(unit_of(name, stored.units))
+    known = "push_max" if name == "push" else name
+    unit, size = labels.unit(habits.unit_shown(known, stored.units)), habits.size_shown(known, stored.units)
     if unit == "rad":
         return labels.symbol_of(name), "°", np.degrees
-    return labels.symbol_of(name), f" {unit}" if unit else "", np.asarray
+    return labels.symbol_of(name), f" {unit}" if unit else "", partial(np.multiply, size)
 
 
 def _panel(

@@ -143,8 +143,11 @@ def tornado(stored: StoredStudy, sheet: Sheet = SCREEN) -> Figure:
     if not names:
         raise InputError("no diagram: no observable depends on these fields, or none has a derivative")
     varied = [name for name in str(stored.attrs.get("varied", "")).split() if name in stored["field"].values]
-    at = [(quantity(name).symbol, stored.part(field=name)) for name in varied]
-    values = [f"{symbol} = {_in_unit(float(row['at']), str(row['field_unit'].values))}" for symbol, row in at]
+    at = [(name, stored.part(field=name)) for name in varied]
+    values = [
+        f"{quantity(name).symbol} = {_in_unit(float(row['at']), str(row['field_unit'].values), name)}"
+        for name, row in at
+    ]
     titled = stored.with_title(", ".join([str(stored.attrs["title"]), *values]))
 
     def panel(name: str, ax: Axes) -> None:
@@ -159,7 +162,7 @@ def tornado(stored: StoredStudy, sheet: Sheet = SCREEN) -> Figure:
             texts,
             names=[[SIGNS[k] for k in rises]],
         )
-        value, unit = _in_unit(float(row["value"]), str(row["unit"].values)), str(row["effect_unit"].values)
+        value, unit = _in_unit(float(row["value"]), str(row["unit"].values), name), str(row["effect_unit"].values)
         words = labels.quantity_name(quantity(name).long_name)
         ax.set_title(fonts.wrap(f"{words} = {value}", ax), loc="left", pad=4)
         ax.set_xlabel(f"change [{'°' if unit == 'deg' else labels.unit(unit)}]" if unit != "1" else "change")
@@ -288,6 +291,6 @@ def _in_words(symbols: Mapping[str, str]) -> str:
     return f"{'; '.join(f'{symbol}: {labels.quantity_name(words)}' for symbol, words in known.items())}."
 
 
-def _in_unit(number: float, unit: str) -> str:
-    """A number with its unit, an angle in degrees."""
-    return labels.value(number, xr.DataArray(number, attrs={"units": unit}))
+def _in_unit(number: float, unit: str, name: str) -> str:
+    """A number of a quantity with its unit, an angle in degrees."""
+    return labels.value(number, xr.DataArray(number, name=name, attrs={"units": unit}))

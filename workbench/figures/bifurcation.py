@@ -361,7 +361,7 @@ def _number_points(
     if not chosen or f"shape_{key}" not in stored:
         return []
     name, names = str(stored.attrs["axis"]), names_of_shapes(stored)
-    x, y = (_values(stored, f"shape_{quantity}") for quantity in (name, key))
+    x, y = labels.in_label_unit(stored[name], stored[f"shape_{name}"].values), _values(stored, f"shape_{key}")
     (left, right), (low, high) = sorted(ax.get_xlim()), sorted(ax.get_ylim())
     inside = [k for k in chosen if left <= x[k] <= right and low <= y[k] <= high]
     points = [point_numbers.NumberedPoint(x[k], y[k], names[k], _is_stable(stored, k)) for k in inside]

@@ -67,9 +67,7 @@ def curve(stored: StoredStudy, room: tuple[float, float], letters: float) -> unr
 
 def region(stored: StoredStudy, ax: Axes) -> None:
     """The ellipse of the first two fields that holds both with 95 %, and the interval of each."""
-    factors = np.array(
-        [np.degrees(1.0) if unit == "rad" else 1.0 for unit in stored["unit"].values[:2]]
-    )  # of the labels
+    factors = np.array([float(labels.in_label_unit(_field(stored, k), 1.0)) for k in range(2)])
     values, low, high = (stored[name].values[:2].astype(float) * factors for name in ("value", "low", "high"))
     names = [labels.symbol_of(str(name)) for name in stored["field"].values[:2]]
     ax.set_xlabel(_label(stored, 0))
@@ -144,7 +142,12 @@ def shares(stored: StoredStudy, ax: Axes) -> None:
 
 
 def _label(stored: StoredStudy, k: int, long: bool = True) -> str:
+    return labels.axis_label(_field(stored, k), long)
+
+
+def _field(stored: StoredStudy, k: int) -> xr.DataArray:
+    """The k-th field that is fitted, as a variable with its labels."""
     name, unit = str(stored["field"].values[k]), str(stored["unit"].values[k])
     row = quantity_of(name)
     attrs = {"units": unit, "long_name": row.long_name, "symbol": row.symbol}
-    return labels.axis_label(xr.DataArray(0.0, attrs=attrs), long)
+    return xr.DataArray(0.0, name=name, attrs=attrs)

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from solver import Case
 
 ARRAYS = ("alpha", "beta", "push", "kappa", "F2", "F3", "M3_along")
-FORCE, PUSH, DOGLEG, STRESS, SLACK_OFF = "force", "push", "dogleg", "stress", "slack-off"  # panels
+FORCE, PUSH, GAP, DOGLEG, STRESS, SLACK_OFF = "force", "push", "gap", "dogleg", "stress", "slack-off"  # panels
 ROWS = {
     pipe_profile.FORCE: FORCE,
     pipe_profile.PUSH: PUSH,
@@ -80,11 +80,6 @@ def figure(
         `drawn_rods.choose`.
     """
     stored = stored.coarse()
-    if stored.leaves:
-        raise InputError(
-            "--kind well needs the forces along the pipe, and a file of pipes that may leave the wall does not hold "
-            "them; workbench solve prints them, and --kind ridge or curves draws the shape"
-        )
     if not stored.loads_vary or stored.attrs.get("side") != "inside":
         raise InputError(
             "--kind well draws a pipe with weight or friction inside a hole, and the rods of this file are none: "
@@ -92,17 +87,18 @@ def figure(
         )
     place = stored.place(at)
     load = _load_axis(stored, x)
-    rods = drawn_rods.choose(stored.select(place), ARRAYS)
+    rods = drawn_rods.choose(stored.select(place), (*ARRAYS, *[GAP] * stored.leaves))
     rod = rods.solved[0]
     case, units = rod.case.case, stored.units
     rows = pipe_profile.quantities(case, SimpleNamespace(**{name: rod[name] for name in ARRAYS}), units)
     tracks = {ROWS[name]: (unit, values) for name, unit, values in rows if name in ROWS}
+    tracks |= {GAP: (units["length"], rod[GAP])} if stored.leaves else {}
     panels: dict[str, Any] = {name: partial(_draw_track, rod, case, name, *track) for name, track in tracks.items()}
     panels[FORCE] = partial(_draw_force, rod, case, *tracks[FORCE])
     stress, rest = [values for name, _, values in rows if name in pipe_profile.STRESSES], None
     if stress:
         unit = tracks[STRESS][0]
-        most = None if yield_stress is None else yield_stress * habits.size(unit, habits.STRESS, units)
+        most = None if yield_stress is None else yield_stress * habits.size_shown("bending_stress_max", units)
         rest = YIELDS if most is not None and stress[2].max() > most else None
         panels[STRESS] = partial(_draw_stress, rod, case, unit, stress, most)
     elif yield_stress is not None:
@@ -116,7 +112,7 @@ def figure(
     def draw(count: int) -> Figure:
         drawn = names[:count]
         beside = [panels[name] for name in drawn if name != SLACK_OFF]
-        lines = canvas.in_rows(beside, min(2 if sheet.narrow else 4, len(beside)), TALL)
+        lines = canvas.in_rows(beside, min(2 if sheet.narrow else 5, len(beside)), TALL)
         lines += [(WIDE, [panels[SLACK_OFF]])] if SLACK_OFF in drawn else []
         lines = [(NARROW / len(lines), row) for _, row in lines] if sheet.narrow else lines
         left = canvas.say_left_out(names[count:], "--panel")
@@ -142,26 +138,38 @@ def _sentences(rod: DrawnRod, case: "Case", tracks: Mapping[str, tuple[str, Any]
         k = int(np.abs(values).argmax())
         value, at = float(values[k]), float(depth[k])
         if name == PUSH and {"push_max", "push_max_at"} <= {*rod.case.variables}:  # between two stations too
-            between = float(rod.case["push_max"]) * habits.size(unit, habits.LINE_LOAD, rod.case.units)
+            between = float(rod.case["push_max"]) * habits.size_shown("push_max", rod.case.units)
             if between >= abs(value):
                 s = float(rod.case["push_max_at"])
                 value, at = between, float(rod["s"][-1]) - s if pipe_state.rise(case) > 0 else s
-        inner = f"; a wave away from the ends it is at most {plain(_away(rod, case, values))} {unit}" * (name == PUSH)
+        most = plain(float(np.abs(_away(rod, case, values)).max()))
+        inner = f"; a wave away from the ends it is at most {most} {unit}" * (name == PUSH)
         said.append(f"Largest {WORDS[name]}: {plain(value)} {unit} at {plain(at)} {length}{inner}.")
+    if GAP in tracks:
+        far = float(rod["s"][-1]) if pipe_state.rise(case) > 0 else 0.0  # from where the depth is counted
+        pairs = rod.case.at().point_forces
+        each = [f"{plain(force)} {tracks[FORCE][0]} at {plain(abs(far - s))} {length}" for s, force in pairs]
+        said += [f"Point forces of the wall: {', '.join(each)}."] * bool(each)
     limits = [f"{limit.load} {plain(limit.value)} ({limit.name})" for limit in pipe_state.limits(case)]
     if limits:
         said.append(f"Compression of a long pipe without friction, {tracks[FORCE][0]}: {', '.join(limits)}.")
     return said
 
 
-WORDS = {FORCE: "axial force", PUSH: "push of the wall", DOGLEG: "dogleg", STRESS: "stress, axial and bending together"}
+WORDS = {
+    FORCE: "axial force",
+    PUSH: "push of the wall",
+    GAP: "gap to the wall",
+    DOGLEG: "dogleg",
+    STRESS: "stress, axial and bending together",
+}
 
 
-def _away(rod: DrawnRod, case: "Case", values: Any) -> float:
-    """The largest size of a quantity a wave away from both ends, as in `pipe_profile.profile`."""
+def _away(rod: DrawnRod, case: "Case", values: Any) -> Any:
+    """The values of a quantity (n,) that are a wave away from both ends, as in `pipe_profile.profile`."""
     s, ends = rod["s"], pipe_profile.axial_force(SimpleNamespace(**{name: rod[name] for name in ARRAYS}))[[0, -1]]
     wave = pipe_profile.wave_length(case, float(np.abs(ends).max()))
-    return float(np.abs(values[(s >= wave) & (s <= s[-1] - wave)]).max())
+    return values[(s >= wave) & (s <= s[-1] - wave)]
 
 
 def _states(rod: DrawnRod) -> tuple[Any, ...]:
@@ -211,7 +219,7 @@ def _curve(ax: Axes, rod: DrawnRod, case: "Case", values: Any, most: float = np.
 
 
 def _draw_track(rod: DrawnRod, case: "Case", name: str, unit: str, values: Any, ax: Axes) -> list[str]:
-    """The push of the wall, or the dogleg."""
+    """The push of the wall, the gap to it, or the dogleg."""
     colour = colours.PUSHED if name == PUSH else colours.DATA
     said = _curve(ax, rod, case, values, color=colour, linewidth=1.3, gid=WORDS[name])
     ax.axvline(0, color=colours.SOFT, linewidth=0.8, zorder=1)  # below the curve, which may be 0
@@ -219,7 +227,8 @@ def _draw_track(rod: DrawnRod, case: "Case", name: str, unit: str, values: Any, 
         ax.fill_betweenx(
             _depth(rod, case), 0, np.minimum(values, 0), color=colours.PULLED, linewidth=0, label="would lift off"
         )
-    _down(ax, rod, unit, WORDS[name], [values])
+    # the push of a clamp would flatten all else
+    _down(ax, rod, unit, WORDS[name], [_away(rod, case, values) if name == PUSH else values])
     return said
 
 
@@ -306,6 +315,28 @@ def _largest_stresses(case: "Case", ends: Any, bending: Any) -> Any:
     return np.maximum(ends.max(axis=0) / area, np.maximum(-ends.min(axis=0), 0.0) / area + bending)
 
 
+def _yield_words(bit: Any, excess: Any, broken: Any, force: str) -> str:
+    """From which weight on bit a pipe yields, in words: between two solved ones that neighbour each other.
+
+    bit, excess: the weight on bit, and by how much the stress is above yield, along the axis of the load, (n,) each;
+    NaN where a pipe is not solved. broken: the places from which another shape begins.
+    """
+    known = np.flatnonzero(np.isfinite(bit) & np.isfinite(excess))
+    rising = known[np.argsort(bit[known], kind="stable")]
+    first = int(np.flatnonzero(excess[rising] > 0)[0])
+    last = rising[first]
+    if not first:
+        return f"with each weight on bit that is solved, from {plain(float(bit[last]))} {force} on"
+    before = rising[first - 1]
+    ends = f"{plain(float(bit[before]))} and {plain(float(bit[last]))} {force}"
+    low, high = sorted((before, last))
+    if any(low < place <= high for place in broken) or high - low > 1:
+        return f"from a weight on bit on between {ends}"
+    share = excess[before] / (excess[before] - excess[last])
+    at = float(bit[before] + share * (bit[last] - bit[before]))
+    return f"from a weight on bit of about {plain(at, 3)} {force} on, interpolated between {ends}"
+
+
 def _draw_slack_off(
     stored: StoredStudy, load: str, place: Mapping[str, int], yield_stress: float | None, ax: Axes
 ) -> list[str]:
@@ -350,7 +381,7 @@ def _draw_slack_off(
         with_stress = f"; with {plain(float(bit[known].max()))} {force} the stress is at most {shown}"
         if yield_stress is not None and (above := known & (stresses > yield_stress)).any():
             ax.scatter(slack[above], bit[above], color=FAILING, s=15, zorder=5, label=ABOVE)
-            said.append(f"The pipe yields from a weight on bit of {plain(float(bit[above].min()))} {force} on.")
+            said.append(f"The pipe yields {_yield_words(bit[order], stresses[order] - yield_stress, broken, force)}.")
     if np.isfinite(most):
         arrives = pipe_state.most_that_arrives(stored.select(place).case, most, stored.units)
         said.append(f"However hard the pipe is pushed, {arrives}{with_stress}.")

@@ -157,7 +157,7 @@ def _solve(stored: StoredStudy) -> dict[str, Any] | None:
         "spans": asdict(preset)["spans"],
         "quantities": {name: [row.symbol, _short(row.long_name), row.dimension] for name, row in QUANTITIES.items()},
         "letters": {name: row.symbol for name, row in QUANTITIES.items()} | {"beta": "β₀", "dbeta": "β₀′"},
-        "push": labels.unit(f"{stored.units['force']}/{stored.units['length']}"),
+        "units": stored.units,
     }
 
 

@@ -36,7 +36,7 @@ class Body:
     span
         The arc lengths between which it is drawn [length].
     value_of
-        What its colour shows at s (`SceneKind.value`), None for one colour.
+        What its colour shows at s (`SceneKind.value_in`), None for one colour.
     gamma
         The section's rotation at the stations, (n,) [rad], where a stripe shows it.
     caution
@@ -231,7 +231,7 @@ def read(
     if isinstance(line, varying_lines.FreeLine):
         line = replace(line, edges=np.array([s for s, _ in forces]))
     drawn = span or (float(line.s[0]), float(line.s[-1]))
-    return Body(line, drawn, kind.value, gamma, caution, point_forces=forces)
+    return Body(line, drawn, kind.value_in(stored.units), gamma, caution, point_forces=forces)
 
 
 def of_case(

@@ -16,7 +16,7 @@ from studies.grammar.axes import SAMPLE
 from ..figures import colours
 from ..geometry.centreline import NEEDED, Array, Centreline
 from ..stored.stored_study import StoredStudy
-from ..words import labels
+from ..words import habits, labels
 
 PUSH_RAMP = colours.push_ramp()
 # a rod without push, whose colour is between that of the least push and that of the least pull
@@ -64,7 +64,7 @@ def by_push(units: dict[str, str], extremes: Extremes) -> Paint:
     low, end = colours.push_scale(*extremes) if extremes else (0.0, 0.0)
     if end == 0:
         return Paint()
-    unit = labels.unit(f"{units['force']}/{units['length']}")
+    unit = labels.unit(habits.unit_shown("push_max", units))
     return Paint(ramp=PUSH_RAMP, low=-end, high=end, label=colours.push_words(unit, low), foot=low)
 
 
@@ -73,7 +73,8 @@ def by_curvature(units: dict[str, str], extremes: Extremes) -> Paint:
     low, high = extremes or (0.0, 0.0)
     if high - low <= 1e-9 * high:
         return Paint()
-    return Paint(ramp=colours.ramp(), low=low, high=high, label=f"curvature κ [1/{units['length']}]")
+    unit = labels.unit(habits.unit_shown("kappa_max", units))
+    return Paint(ramp=colours.ramp(), low=low, high=high, label=f"curvature κ [{unit}]")
 
 
 def set_range(paint: Paint, chosen: tuple[float, float]) -> Paint:
@@ -181,8 +182,9 @@ class SceneKind:
         What stands on the page: one rod, each case of an axis in a cell of its own, or all cases of an axis in one.
     reads
         Variables of the dataset that it opens, beside the case's outcome, caution and arc length. Nothing else is read.
-    value
-        What the colour shows along a rod at s, (k,); nothing else is computed there. Default: one colour a rod.
+    value, quantity
+        What the colour shows along a rod at s, (k,); nothing else is computed there. Default: one colour a rod. The
+        quantity that has its unit.
     paint
         The colours of all rods, from the units and the extremes of the value; for "together" each rod has
         the colour of its value on the axis instead.
@@ -205,6 +207,7 @@ class SceneKind:
     cells: Literal["one", "each", "together"]
     reads: frozenset[str] = CURVE
     value: Callable[[Centreline, Array], Array] | None = None
+    quantity: str = ""
     paint: Callable[[dict[str, str], Extremes], Paint] = one_colour
     legend: tuple[tuple[str, str], ...] = ()
     cell: Callable[[StoredStudy, list[str], dict[str, int]], Cell] = value_cell
@@ -213,6 +216,13 @@ class SceneKind:
     notes: tuple[str, ...] = ()
     numbers: Callable[[Centreline, dict[str, str]], list[str]] = lambda line, units: []
 
+    def value_in(self, units: dict[str, str]) -> Callable[[Centreline, Array], Array] | None:
+        """The value in the unit in which it is stated, None for one colour."""
+        if (value := self.value) is None:
+            return None
+        size = habits.size_shown(self.quantity, units)
+        return lambda line, s: size * value(line, s)
+
 
 PAIRS, RISE = 10.5, 0.34  # base pairs of DNA in a turn of its strands; nm from one to the next
 
@@ -220,7 +230,8 @@ PAIRS, RISE = 10.5, 0.34  # base pairs of DNA in a turn of its strands; nm from 
 def push_in_numbers(line: Centreline, units: dict[str, str]) -> list[str]:
     """The least and the largest push of the cylinder, or the one that it has all along."""
     push = line.push(np.linspace(line.s[0], line.s[-1], 4 * line.s.size))
-    unit = labels.unit(f"{units['force']}/{units['length']}")
+    unit = labels.unit(habits.unit_shown("push_max", units))
+    push *= habits.size_shown("push_max", units)
     low, high = (labels.minus_signs(labels.number(float(end), 3)) for end in (push.min(), push.max()))
     return [f"the push of the cylinder: {f'{low} {unit} everywhere' if low == high else f'{low} to {high} {unit}'}"]
 
@@ -231,12 +242,12 @@ DRAWN = (
     "which turn with the material"
 )
 TURNS = (colours.STRIPE, "a stripe of the material")
-PUSH: dict[str, Any] = {"value": lambda line, s: line.push(s), "paint": by_push}
+PUSH: dict[str, Any] = {"value": lambda line, s: line.push(s), "quantity": "push_max", "paint": by_push}
 TABLE = (
     SceneKind("plain", "the rod on its cylinder", "one"),
     SceneKind("contact", "how hard the cylinder pushes, and where the rod would lift off", "one", **PUSH),
     SceneKind("curvature", "how tightly the rod is bent", "one", value=lambda line, s: line.kappa(s),
-         paint=by_curvature),
+         quantity="kappa_max", paint=by_curvature),
     SceneKind("twist", "a stripe on the rod that turns with its material", "one", CURVE | {"gamma"},
          paint=with_stripe, legend=(TURNS,)),
     SceneKind("double-helix", "the rod as DNA: two strands and base pairs about its centreline", "one",

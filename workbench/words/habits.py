@@ -4,15 +4,28 @@ In feet, radii are in inches, stresses in psi or ksi, weights and pushes in lbf/
 """
 
 import math
+import re
 from collections.abc import Callable, Iterable, Mapping
+from functools import cache
 
-from solver.problem.quantities import AT_START, QUANTITIES, unit_of, unit_text
-from solver.problem.units import FORCES, LENGTHS, dimension_of, size_in, unit_size
+from solver.problem.quantities import AT_START, unit_of
+from solver.problem.units import FORCES, LENGTHS, UnknownUnit, size_in, unit_size
 
-RADII = ("a", "inner_radius", "R", "rho")
-POUNDS, KILOPOUNDS, NEWTONS = ("lbf",), ("klbf", "kip"), ("N", "daN", "kN", "MN", "kgf")
+# exponents of length, force and angle
+LENGTH, STRESS, LINE_LOAD, CURVATURES = (1, 0, 0), (-2, 1, 0), (-1, 1, 0), ((-1, 0, 0), (-1, 0, 1))
+KILOPOUNDS, NEWTONS = ("klbf", "kip"), ("N", "daN", "kN", "MN", "kgf")
+# what is stated in which unit: a dimension, where lengths and forces are in one of these units, for these names
+HABITS = (
+    (LENGTH, ("ft",), (), ("a", "inner_radius", "R", "rho"), "in"),
+    (STRESS, ("ft", "in"), ("lbf",), (), "psi"),
+    (STRESS, ("ft", "in"), KILOPOUNDS, (), "ksi"),
+    (STRESS, ("m", "km"), NEWTONS, (), "MPa"),
+    (STRESS, ("mm",), ("N",), (), "MPa"),
+    (LINE_LOAD, ("ft",), KILOPOUNDS, (), "lbf/ft"),
+    (LINE_LOAD, ("in",), KILOPOUNDS, (), "lbf/in"),
+    *((curvature, ("ft",), (), (), "deg/100 ft") for curvature in CURVATURES),
+)
 REACHES = {"m": "30 m", "km": "30 m", "ft": "100 ft", "in": "100 ft", "mm": "m", "cm": "m", "dm": "m"}  # of a dogleg
-STRESS, LINE_LOAD, CURVATURE = (-2, 1), (-1, 1), (-1, 0)
 LARGEST = 1e10  # that is printed without an exponent
 SMALLEST = 1e-4
 IN_TABLES, FINEST = 5, 10  # digits
@@ -23,34 +36,39 @@ def dogleg_unit(units: Mapping[str, str]) -> str:
     return f"deg/{REACHES.get(units['length'], units['length'])}"
 
 
-def habitual_unit(dimension: tuple[int, int], units: Mapping[str, str]) -> str:
-    """The unit of these exponents of length and force: ``psi`` where lengths are in feet and forces in lbf."""
-    length, force = units["length"], units["force"]
-    if dimension == STRESS and length in ("ft", "in"):
-        for forces, unit in (POUNDS, "psi"), (KILOPOUNDS, "ksi"):
-            if force in forces:
-                return unit
-    if dimension == STRESS and (length in ("m", "km") or (length == "mm" and force == "N")) and force in NEWTONS:
-        return "MPa"
-    if dimension == LINE_LOAD and length in ("ft", "in") and force in KILOPOUNDS:
-        return f"lbf/{length}"
-    return unit_text(dimension, units)
+@cache
+def unit_and_size(text: str, name: str = "") -> tuple[str, float]:
+    """The unit in which what is counted in the unit `text` is stated, and how many of it are one of that unit.
+
+    Every place that prints a quantity asks here; pages read the same table. name: of the quantity or field.
+
+    >>> unit_and_size("klbf/ft^2")[0], unit_and_size("ft", "R"), unit_and_size("N/cm^2")
+    ('ksi', ('in', 12.0), ('N/cm^2', 1.0))
+    """
+    try:
+        size, dimension = unit_size(text)
+    except UnknownUnit:  # an expression may have a fraction as an exponent
+        return text, 1.0
+    counted = {*re.findall(r"[A-Za-z]+", text)}
+    for of, lengths, forces, names, unit in HABITS:
+        known = counted & {*lengths} and (not forces or counted & {*forces}) and (not names or name in names)
+        if of == dimension and known:
+            return unit, size / unit_size(unit)[0]
+    return text, 1.0
 
 
 def unit_shown(name: str, units: Mapping[str, str]) -> str:
     """The unit in which a quantity or field is stated; "1" for a plain number, "rad" for an angle."""
-    row = QUANTITIES[AT_START.get(name, name)]
-    if units["length"] == "ft" and name in RADII:
-        return "in"
-    if units["length"] == "ft" and row.dimension in ("rad/length", CURVATURE):
-        return dogleg_unit(units)
-    return unit_of(row.name, units) if isinstance(row.dimension, str) else habitual_unit(row.dimension, units)
+    return _unit_and_size(name, units)[0]
 
 
 def size_shown(name: str, units: Mapping[str, str]) -> float:
     """How many of the unit in which a quantity is stated are one of its unit in the case."""
-    unit = unit_shown(name, units)
-    return 1.0 if unit in ("1", "", unit_of(AT_START.get(name, name), units)) else size(unit, dimension_of(name), units)
+    return _unit_and_size(name, units)[1]
+
+
+def _unit_and_size(name: str, units: Mapping[str, str]) -> tuple[str, float]:
+    return unit_and_size(unit_of(AT_START.get(name, name), units), name)
 
 
 def size(unit: str, dimension: tuple[int, ...], units: Mapping[str, str]) -> float:

@@ -11,7 +11,7 @@ import xarray as xr
 from solver.problem.quantities import QUANTITIES
 from studies.grammar.axes import SAMPLE, quantity_of
 
-from .habits import distinct_texts
+from .habits import distinct_texts, unit_and_size
 
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 MANY_TURNS = 3600.0  # degrees, from which an angle is said in turns
@@ -44,8 +44,8 @@ def is_angle(array: xr.DataArray) -> bool:
 
 
 def in_label_unit(array: xr.DataArray, values: Any) -> Any:
-    """Values of a variable in the unit of its label: degrees for an angle, else the stored unit."""
-    return np.degrees(values) if is_angle(array) else np.asarray(values, dtype=float)
+    """Values of a variable in the unit of its label: degrees for an angle, else the one in which it is stated."""
+    return np.degrees(values) if is_angle(array) else np.asarray(values, dtype=float) * _unit_and_size(array)[1]
 
 
 def value(number_: float, array: xr.DataArray, digits: int = 4) -> str:
@@ -223,8 +223,12 @@ def power_of_ten(value: float, _: object = None) -> str:
     return f"10{exponent.translate(SUPERSCRIPTS)}" if exponent.lstrip("-").isdigit() else ""
 
 
+def _unit_and_size(array: xr.DataArray) -> tuple[str, float]:
+    return unit_and_size(str(array.attrs.get("units", "1")), str(array.name))
+
+
 def _unit_of(array: xr.DataArray) -> str:
-    return unit(str(array.attrs.get("units", "1")))
+    return unit(_unit_and_size(array)[0])
 
 
 def _bracket(array: xr.DataArray) -> str:

@@ -87,8 +87,8 @@ def quantities(case: "Case", along: Any, units: dict[str, str]) -> list[tuple[st
     """
     rod, wall, (length, force) = case.rod, case.cylinder, (units["length"], units["force"])
     kappa = np.where(along.kappa * case.rho < ROUNDING, 0.0, along.kappa)
-    per_length, dogleg = habits.habitual_unit(habits.LINE_LOAD, units), habits.dogleg_unit(units)
-    push = along.push * habits.size(per_length, habits.LINE_LOAD, units)
+    per_length, dogleg = habits.unit_shown("push_max", units), habits.dogleg_unit(units)
+    push = along.push * habits.size_shown("push_max", units)
     columns = [(FORCE, force, axial_force(along)), (PUSH, per_length, push)]
     if wall.side == "outside":
         columns.insert(1, ("tension F3", force, along.F3))
@@ -96,10 +96,9 @@ def quantities(case: "Case", along: Any, units: dict[str, str]) -> list[tuple[st
         columns.append(("friction", per_length, wall.friction * push))
     if wall.turns_in_place:
         columns.append(("torque M3", f"{force} {length}", along.M3_along))
-    columns.append((DOGLEG, dogleg, kappa * habits.size(dogleg, habits.CURVATURE, units)))
+    columns.append((DOGLEG, dogleg, kappa * habits.size(dogleg, habits.CURVATURES[0], units)))
     if rod.E is not None:
-        unit = habits.habitual_unit(habits.STRESS, units)
-        size = habits.size(unit, habits.STRESS, units)
+        unit, size = habits.unit_shown("bending_stress_max", units), habits.size_shown("bending_stress_max", units)
         axial = along.F3 / (math.pi * (rod.a**2 - (rod.inner_radius or 0) ** 2)) * size
         bending = rod.E * rod.a * kappa * size
         stresses = axial, bending, np.abs(axial) + bending

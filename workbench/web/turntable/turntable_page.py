@@ -188,7 +188,7 @@ def turntable_of_dataset(
         ],
         "arrays": _pack(lines, step, n),
         "extremes": [min(pushes[0] for pushes in along), max(pushes[1] for pushes in along)],
-        "push": labels.unit(f"{stored.units['force']}/{stored.units['length']}"),
+        "units": stored.units,
     }
     return StoredTurntable(
         data,

@@ -3,8 +3,8 @@
 
 import { set } from "./details.mjs";
 import { frameOf, paintDiagram, paper, spot } from "./diagram.mjs";
-import { DEGREE, kindOf, quantityOf } from "./rod_case.mjs";
-import { minus, unitText } from "./text.mjs";
+import { quantityOf } from "./rod_case.mjs";
+import { minus, stated } from "./text.mjs";
 
 const HIGH = 230,
   NEAR = 14, // pixels from the pointer
@@ -49,10 +49,10 @@ export function makeBranches(figure, names, quantities, theme, ask, pick) {
   });
   new ResizeObserver(() => paint()).observe(canvas.parentElement);
 
-  const scaled = (name, value) => (kindOf(name) === "angle" ? value / DEGREE : value);
+  const unitOf = (name) => stated(quantities[quantityOf(name)][2], now.state.units, name),
+    scaled = (name, value) => value * unitOf(name)[1];
   const labelOf = (name) => {
-    const [symbol, , dimension] = quantities[quantityOf(name)],
-      unit = unitText(dimension, now.state.units);
+    const [[symbol], [unit]] = [quantities[quantityOf(name)], unitOf(name)];
     return unit ? `${symbol} [${unit}]` : symbol;
   };
 

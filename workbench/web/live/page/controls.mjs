@@ -1,9 +1,9 @@
 // The fields of a rod: a slider and a number each, and what is wrong beside its field.
 
-import { DEGREE, fieldNames, isDegrees, isUnused, kindOf, meaning, quantityOf } from "./rod_case.mjs";
+import { fieldNames, isUnused, kindOf, meaning, quantityOf } from "./rod_case.mjs";
 import { make, set } from "./details.mjs";
 import { RANGES } from "./formulas.mjs";
-import { minus, number, unitText, withUnit } from "./text.mjs";
+import { CURVATURE, PUSH, inUnit, minus, number, stated, withUnit } from "./text.mjs";
 
 const RATIO = [-0.95, 0.5]; // of nu
 const BORE = 1.5; // the end of the slider of an inner radius, as a factor of the value of the preset
@@ -73,21 +73,18 @@ export function makeControls(box, first, quantities, changed) {
     rows = {};
     for (const name of fieldNames(state)) {
       const [symbol, words, dimension] = quantities[quantityOf(name)],
-        unit = unitText(dimension, state.units),
+        [unit, size] = stated(dimension, state.units, name),
         label = make("label", { htmlFor: `n-${name}` }, make("b", {}, symbol), make("span", {}, ` ${words}`)),
         slider = makeSlider({ max: STEPS, id: `s-${name}`, tabIndex: -1, "aria-label": `${words}, slider` }),
         field = make("input", { type: "text", id: `n-${name}`, autocomplete: "off", spellcheck: false, role: "spinbutton" }),
         note = make("p", { id: `why-${name}` }),
-        ends = context.span(name).map((end) => make("span", {}, number(isDegrees(name) ? end / DEGREE : end, 3))),
+        ends = context.span(name).map((end) => make("span", {}, number(end * size, 3))),
         range = make("div", { className: "range" }, ends[0], slider, ends[1]),
         row = make("div", { className: "field" }, label, field, make("span", { className: "unit" }, unit), range, note);
       (name === context.handle() ? first : box).append(row);
-      rows[name] = { row, slider, field, note, unit };
+      rows[name] = { row, slider, field, note, unit, size };
       slider.addEventListener("input", () => changed(name, valueAt(name, Number(slider.value), context.span(name))));
-      field.addEventListener("change", () => {
-        const v = typed(field.value);
-        changed(name, isDegrees(name) ? v * DEGREE : v, true);
-      });
+      field.addEventListener("change", () => changed(name, typed(field.value) / size, true));
       field.addEventListener("keydown", (event) => {
         const by = { ArrowUp: KEY, ArrowDown: -KEY, PageUp: PAGE, PageDown: -PAGE }[event.key];
         if (!by || !Number.isFinite(context.value(name))) return;
@@ -101,9 +98,9 @@ export function makeControls(box, first, quantities, changed) {
   function show(state, wrong, context) {
     const key = JSON.stringify([context.handle(), fieldNames(state), state.units, fieldNames(state).map(context.span)]);
     if (key !== made) (build(state, context), (made = key));
-    for (const [name, { row, slider, field, note, unit }] of Object.entries(rows)) {
+    for (const [name, { row, slider, field, note, unit, size }] of Object.entries(rows)) {
       const value = state.base[name] ?? 0,
-        spoken = isDegrees(name) ? value / DEGREE : value,
+        spoken = value * size,
         bad = wrong.field === name;
       const text = Number.isFinite(spoken) ? inBox(spoken) : field.value;
       const place = placeOf(name, value, context.span(name));
@@ -128,16 +125,15 @@ export function makeControls(box, first, quantities, changed) {
 
 /* A line of the values at one place of the rod. */
 export function hereText(at, units) {
-  const { length, force } = units,
-    unit = (v, text) => `${v} ${text}`;
+  const unit = (value, dimension) => inUnit(value, stated(dimension, units));
   return minus(
     [
-      `s = ${unit(number(at.s), length)}`,
-      `β = ${number(at.beta / DEGREE)}°`,
-      `${at.push < 0 ? "pull" : "push"} ${unit(number(Math.abs(at.push)), `${force}/${length}`)}`,
-      ...(at.gap === undefined ? [] : [`gap ${unit(number(at.gap), length)}`]),
-      `κ = ${unit(number(at.kappa), `1/${length}`)}`,
-      `F₃ = ${unit(number(at.tension), force)}`,
+      `s = ${unit(at.s, [1, 0])}`,
+      `β = ${unit(at.beta, "rad")}`,
+      `${at.push < 0 ? "pull" : "push"} ${unit(Math.abs(at.push), PUSH)}`,
+      ...(at.gap === undefined ? [] : [`gap ${unit(at.gap, [1, 0])}`]),
+      `κ = ${unit(at.kappa, CURVATURE)}`,
+      `F₃ = ${unit(at.tension, [0, 1])}`,
     ]
       .map((part) => part.replaceAll(" ", "\u00a0")) // no line ends inside one
       .join("\u00a0· "),

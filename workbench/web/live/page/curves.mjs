@@ -4,6 +4,7 @@
 import { potential } from "./formulas.mjs";
 import { onLines } from "./rod_shape.mjs";
 import { range } from "./range.mjs";
+import { PUSH, stated } from "./text.mjs";
 
 const DEGREE = 180 / Math.PI;
 const ANGLES = 721; // points of the potential
@@ -11,7 +12,8 @@ const FLAT = 6; // how many times longer than wide a developed curve is drawn wi
 
 export function diagrams(shape, units) {
   const { one, beta, push, axial, gap } = shape,
-    { length, force } = units;
+    { length, force } = units,
+    [pushUnit, size] = stated(PUSH, units);
   const over = (key, title, y, ylabel, of, look) => ({
     ...{ key, title, x: shape.s, y, xlabel: `s [${length}]`, ylabel, rising: true },
     ...{ alongRod: true, cursor: (at) => [at.s, of(at)] },
@@ -25,7 +27,7 @@ export function diagrams(shape, units) {
   return [
     unrolled(shape, length),
     one.leaves ? over("beta", "Gap between rod and wall", gap, `gap [${length}]`, (at) => at.gap, off) : angle("beta"),
-    over("push", "Push of the cylinder per length", push, `push [${force}/${length}]`, (at) => at.push, pushed),
+    over("push", "Push of the cylinder per length", push.map((v) => v * size), `push [${pushUnit}]`, (at) => at.push * size, pushed),
     one.leaves
       ? angle("well")
       : one.varies

@@ -1,8 +1,8 @@
 // The observables and warnings below the rod, and the small parts that other modules of the page share.
 
-import { DEGREE, quantityOf } from "./rod_case.mjs";
+import { quantityOf } from "./rod_case.mjs";
 import { AT_ENDS } from "./numbers.mjs";
-import { number, powers, stability, unitText, withUnit } from "./text.mjs";
+import { inUnit, number, powers, stability, stated } from "./text.mjs";
 
 export const element = (id) => document.getElementById(id);
 
@@ -41,7 +41,7 @@ export function showRows(rows, sentences, quantities, units) {
         ? value ? "yes" : "no"
         : isStability
           ? stability(value)
-          : withUnit(number(dimension === "rad" ? value / DEGREE : value), unitText(dimension, units));
+          : inUnit(value, stated(dimension, units, name));
     return make("div", {}, make("dt", {}, letter, isSaid ? words.slice(symbol.length) : ` ${words}`),
                 make("dd", { id: `${id}-${name}` }, amount));
   };

@@ -3,7 +3,7 @@
 import { makeBranches } from "./branch_diagram.mjs";
 import { element, make, set } from "./details.mjs";
 import { range } from "./range.mjs";
-import { number, stability } from "./text.mjs";
+import { number, stability, stated } from "./text.mjs";
 
 /* me: the page's state, list and place in it. context: the span of a field. send: asks the server. update(how): draws the
    state. */
@@ -90,7 +90,8 @@ function showList(box, list, here, units, choose) {
   const focused = box.contains(document.activeElement);
   box.replaceChildren();
   if (!list.length) return;
-  const table = make("table", { "aria-label": "Equilibria, lowest energy first" }),
+  const [slopeUnit, size] = stated("rad/length", units),
+    table = make("table", { "aria-label": "Equilibria, lowest energy first" }),
     head = table.createTHead().insertRow(),
     body = table.createTBody();
   for (const text of [
@@ -99,7 +100,7 @@ function showList(box, list, here, units, choose) {
     "stability",
     "bends",
     `energy [${units.force} ${units.length}]`,
-    `β₀′ [rad/${units.length}]`,
+    `β₀′ [${slopeUnit}]`,
     "attached",
   ])
     head.append(make("th", { scope: "col" }, text));
@@ -114,7 +115,7 @@ function showList(box, list, here, units, choose) {
       stability(one.index),
       one.bends,
       number(one.energy, 5),
-      number(one.dbeta0, 5),
+      number(one.dbeta0 * size, 5),
       `${Math.round(100 * one.attached)} %`,
     ])
       row.insertCell().append(text);

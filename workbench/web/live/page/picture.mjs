@@ -3,7 +3,7 @@
 import { css, pushColour, wordsOf } from "./colours.mjs";
 import { make, putPixels } from "./details.mjs";
 import { quantityOf } from "./rod_case.mjs";
-import { minus, number, unitText, withUnit } from "./text.mjs";
+import { PUSH, minus, number, stated, withUnit } from "./text.mjs";
 
 export const WIDE = 2400;
 const HIGH = 1800,
@@ -65,14 +65,15 @@ function column(ctx, { code, rows, quantities, state, title, squeeze, scale, sha
     const [symbol, , dimension] = quantities[quantityOf(name)];
     text(symbol, INK, true);
     ctx.font = `${LETTER}px ${FONT}`;
-    ctx.fillText(withUnit(minus(value), unitText(dimension, state.units)), x + 130, y);
+    ctx.fillText(withUnit(minus(value), stated(dimension, state.units, name)[0]), x + 130, y);
     y += LINE;
   }
   legend(ctx, code, x, right, Math.max(y + 40, HIGH - EDGE - 130), scale, state.units, squeeze);
 }
 
-function legend(ctx, code, x, right, y, scale, { length, force }, squeeze) {
+function legend(ctx, code, x, right, y, scale, units, squeeze) {
   const wide = right - x,
+    [unit, size] = stated(PUSH, units),
     { low, end } = scale;
   for (let k = 0; k < wide; k++) {
     ctx.fillStyle = css(pushColour(code, low + ((end - low) * k) / (wide - 1), end));
@@ -81,11 +82,11 @@ function legend(ctx, code, x, right, y, scale, { length, force }, squeeze) {
   ctx.fillStyle = INK;
   ctx.font = `${LETTER - 4}px ${FONT}`;
   ctx.textAlign = "left";
-  ctx.fillText(number(low, 3), x, y + 78);
+  ctx.fillText(number(low * size, 3), x, y + 78);
   ctx.textAlign = "right";
-  ctx.fillText(number(end, 3), right, y + 78);
+  ctx.fillText(number(end * size, 3), right, y + 78);
   ctx.textAlign = "left";
-  ctx.fillText(minus(wordsOf(code, scale, `${force}/${length}`)), x, y + 122);
+  ctx.fillText(minus(wordsOf(code, scale, unit)), x, y + 122);
   if (squeeze < 1) ctx.fillText(`axis compressed 1 : ${(1 / squeeze).toPrecision(3)}`, x, y - 24);
 }
 

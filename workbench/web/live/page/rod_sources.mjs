@@ -2,10 +2,10 @@
 
 import { placeOf, spanOf, valueAt } from "./controls.mjs";
 import { bytesOf } from "./packed_core.mjs";
-import { DEGREE, Refused, caseOf, kindOf, quantityOf } from "./rod_case.mjs";
+import { Refused, caseOf, quantityOf } from "./rod_case.mjs";
 import { interpolated, marched } from "./rod_shape.mjs";
 import { observables, warnings } from "./numbers.mjs";
-import { minus, number, unitText, withUnit } from "./text.mjs";
+import { PUSH, inUnit, minus, stated } from "./text.mjs";
 
 const ROWS = ["beta", "dbeta", "alpha", "z"]; // of the stored arrays of a case
 
@@ -55,14 +55,14 @@ export function solvedSource(data, core) {
     sliders: data.fields.map((name) => {
       const [symbol, words, dimension] = data.quantities[quantityOf(name)],
         span = spanOf(name, JSON.parse(begun)[name], data.spans[name]),
-        unit = unitText(dimension, data.state.units);
+        unit = stated(dimension, data.state.units, name);
       return {
         words,
         symbol,
         most: 1000,
         step: "any",
         place: () => placeOf(name, base[name], span),
-        text: () => withUnit(number(kindOf(name) === "angle" ? base[name] / DEGREE : base[name]), unit),
+        text: () => inUnit(base[name], unit),
         move: (place) => (base[name] = valueAt(name, place, span)),
       };
     }),
@@ -78,7 +78,7 @@ export function solvedSource(data, core) {
     /* What takes longer than a move of a slider may. */
     facts(shape, crossed) {
       const found = observables(shape),
-        told = [`${found.bends} bends, largest push ${number(Math.max(found.push_max, 0))} ${data.push}.`];
+        told = [`${found.bends} bends, largest push ${inUnit(Math.max(found.push_max, 0), stated(PUSH, data.state.units))}.`];
       return minus([...told, ...warnings(shape, found, data.state.units, crossed)].join(" "));
     },
     reset: () => Object.assign(base, JSON.parse(begun)),

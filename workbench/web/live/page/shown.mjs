@@ -36,7 +36,7 @@ export function makeShown(me, data, { stage, diagrams, controls, context, equili
     element("by-ends").hidden = isEnds(state) || varies(state);
     element("equilibria").hidden = !isEnds(state) || varies(state);
     if (!shape) return;
-    stage.showLegend(`${units.force}/${units.length}`);
+    stage.showLegend(units);
     const words = wordsOfMarks(shape);
     set(element("contacts"), words);
     element("contacts").hidden = !words;

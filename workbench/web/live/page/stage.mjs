@@ -5,7 +5,7 @@ import { ramp, wordsOf } from "./colours.mjs";
 import { make, putPixels, set } from "./details.mjs";
 import { makeView } from "./rod_view.mjs";
 import { crossings } from "./self_contact.mjs";
-import { minus, number, tickText, ticks } from "./text.mjs";
+import { PUSH, minus, number, stated, tickText, ticks } from "./text.mjs";
 
 /* The stage in a canvas. part: the element of a name. unit: that of length. The others: as of `makeView`. */
 export function makeStage(canvas, mark, part, code, calm, unit) {
@@ -16,12 +16,12 @@ export function makeStage(canvas, mark, part, code, calm, unit) {
   };
   for (const name of ["fit", "front"]) part(name).addEventListener("click", () => view[name]());
 
-  /* The colours of what is drawn, and whether its axis is compressed. push: the unit of the push. */
-  function showLegend(push) {
+  /* The colours of what is drawn, and whether its axis is compressed. units: of the case. */
+  function showLegend(units) {
     const { squeeze, scale } = view.drawn;
     part("squeeze").hidden = squeeze >= 1;
     set(part("squeeze"), `Axis compressed 1 : ${(1 / squeeze).toPrecision(3)}`);
-    showBar(part("bar"), code, scale, push);
+    showBar(part("bar"), code, scale, stated(PUSH, units));
   }
 
   /* Ring the places where a shape passes through itself, which takes longer than a move of a slider may; these places. */
@@ -52,8 +52,8 @@ const TICKS = 4,
   TONES = 256;
 
 /* Show the colours of the push in a box of their name, a canvas and ticks. */
-function showBar(box, code, scale, unit) {
-  const { low, end } = scale,
+function showBar(box, code, scale, [unit, size]) {
+  const [low, end] = [scale.low * size, scale.end * size],
     key = `${low} ${end} ${unit}`,
     [name, pushes, canvas, marks] = [".name", ".pushes", "canvas", ".ticks"].map((part) => box.querySelector(part));
   if (box.dataset.shown === key) return;

@@ -1,5 +1,7 @@
 // Numbers, units and the ticks of an axis as text.
 
+import { FORCES, HABITS, LENGTHS } from "./formulas.mjs";
+
 const RAISED = Object.fromEntries([..."−0123456789"].map((one, k) => [one, "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"[k]]));
 const HIGH = { 2: "²", 3: "³", 4: "⁴" };
 
@@ -39,6 +41,24 @@ export function unitText(dimension, units) {
   return above || below ? (above || "1") + below : "";
 }
 
+/* The unit in which a quantity of a dimension is stated, and how many of it are one of its unit in the case. */
+export function stated(dimension, units, name) {
+  if (dimension === "rad") return ["°", 180 / Math.PI];
+  const exponents = { "rad/length": [-1, 0, 1] }[dimension] || [...dimension, 0],
+    isMet = (known, one) => !known.length || known.includes(one);
+  const habit = HABITS.find(
+    ([of, lengths, forces, names]) =>
+      isMet(lengths, units.length) && isMet(forces, units.force) && isMet(names, name) && of.every((n, k) => n === exponents[k]),
+  );
+  if (!habit) return [unitText(dimension, units), 1];
+  const [length, force] = exponents,
+    [unit, size] = habit.slice(-2);
+  return [unit, (LENGTHS[units.length] ** length * FORCES[units.force] ** force) / size];
+}
+
+export const PUSH = [-1, 1]; // a dimension
+export const CURVATURE = [-1, 0];
+
 /* Round values between two ends, about so many. */
 export function ticks(low, high, count) {
   const raw = (high - low) / count,
@@ -56,3 +76,6 @@ export const stability = (index) => (index === 0 ? "stable" : `unstable in ${ind
 
 /* A number with its unit: "5 N", "30°", "0.25". */
 export const withUnit = (text, unit) => (unit === "°" ? `${text}°` : `${text} ${unit}`.trim());
+
+/* A value in its unit of `stated`. */
+export const inUnit = (value, [unit, size]) => withUnit(number(value * size), unit);

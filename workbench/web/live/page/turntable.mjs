@@ -17,7 +17,7 @@ export function turntable(figure, data, code, core, calm) {
   const source = data.arrays ? storedSource(data, core) : solvedSource(data, core),
     scale = data.extremes ? scaleOf(code, data.extremes) : null; // one for all its rods
   figure.classList.add("live"); // now the canvas has its size
-  const stage = makeStage(canvas, part("spot"), part, code, calm, () => data.push.split("/").pop()),
+  const stage = makeStage(canvas, part("spot"), part, code, calm, () => data.units.length),
     { view } = stage;
   if (!view.scene) {
     figure.classList.remove("live");
@@ -45,7 +45,7 @@ export function turntable(figure, data, code, core, calm) {
       const crossed = stage.showCrossings(shape);
       if (source.facts && !note) set(part("told"), source.facts(shape, crossed));
     }, REST);
-    stage.showLegend(data.push);
+    stage.showLegend(data.units);
   }
 
   /* One drawing a frame, of the newest place. */
