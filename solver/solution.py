@@ -393,7 +393,8 @@ class FreeSolution(Solution):
     whose rods may be off the wall: `radius`, `gap` and `tilt` say where, `contacts` and `point_forces` where and how
     the cylinder pushes, and `push` is 0 off the wall. Moments and forces have the directions that they have on the
     wall: inward along the normal of the cylinder through each point, in its tangent plane across the rod, and along the
-    tangent. There is no first integral: `h` is NaN.
+    tangent. A hinge on the wall that its M2 presses into it lies along it: there `M2` is the moment in the rod, and the
+    wall takes the rest. There is no first integral: `h` is NaN.
 
     Examples
     --------

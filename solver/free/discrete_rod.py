@@ -22,7 +22,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..numerics.arrays import Array, Booleans
+from ..numerics.arrays import NEGLIGIBLE, Array, Booleans
 from .quaternions import BILINEAR, BY_FIRST, BY_FRAME, BY_SECOND, QUADRATIC, contract, end_frame, product
 
 EDGE = 7  # unknowns of an edge: its quaternion, and the node behind it
@@ -91,6 +91,16 @@ class DiscreteRod:
     def size(self) -> int:
         """The number of unknowns, those included that are given."""
         return EDGE * self.edges + ENDS
+
+    @property
+    def grounded(self) -> Booleans:
+        """Which ends are on the wall, (2,)."""
+        return np.abs(self.radius - 1) < NEGLIGIBLE
+
+    @property
+    def leaning(self) -> Booleans:
+        """Which angles of both ends (8,) are the tilts of hinges on the wall."""
+        return self.free & np.outer(self.grounded, [False, False, True, False]).ravel()
 
     def parts(self, y: Array) -> tuple[Array, Array, Array]:
         """Quaternions (N, 4), nodes 1 to N (N, 3), and the angles of both ends (8,), as views of the unknowns."""

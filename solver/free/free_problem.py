@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ..nodes.loaded_rod import rods_of
-from ..numerics.arrays import Array
+from ..numerics.arrays import NEGLIGIBLE, Array
 from ..problem.case import Case
 from ..problem.declared_fields import TILTS
 from ..problem.reduced import flat
@@ -18,6 +18,7 @@ from .quaternions import directors, end_frame
 
 # a step of the ends: rad, of the length. x10: ends go the whole way at once, to minima farther off
 TURN, SHORTENED = 0.5, 0.1
+SETTLED = 3  # searches at most until hinges on the wall lie along it or do not. x10: as good
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,10 +131,23 @@ class Beside(NamedTuple):
     def minimum(
         self, curve: BeginningCurve, share: float, edges: int, near: FreeShape | None = None
     ) -> FreeShape | None:
-        """The minimum near a shape, or near a curve, of the rod whose ends are this share of the way from the curve."""
+        """The minimum near a shape, or near a curve, of the rod whose ends are this share of the way from the curve.
+
+        A hinge on the wall that its moment presses into the wall lies along it: the wall takes the rest of that.
+        """
         rod = self.rod_on(curve, share, edges)
-        begin = (curve.on(rod), curve.multipliers(edges)) if near is None else (near.y, near.multipliers)
-        return minimise(rod, begin[0], self.sizes(curve), begin[1], self.effort)
+        y, multipliers = (curve.on(rod), curve.multipliers(edges)) if near is None else (near.y, near.multipliers)
+        along = rod.leaning & (np.abs(np.sin(rod.parts(y)[2])) < NEGLIGIBLE)
+        shape = None
+        for _ in range(SETTLED):
+            angles = np.where(along, np.pi * np.round(rod.parts(y)[2] / np.pi), rod.angles)
+            held = replace(rod, free=rod.free & ~along, angles=angles)
+            shape = minimise(held, y, self.sizes(curve), multipliers, self.effort)
+            pressed = along & False if shape is None else shape.pressed(rod.leaning)
+            if (pressed == along).all():
+                break
+            along, y, multipliers = (pressed, *((y, multipliers) if shape is None else (shape.y, shape.multipliers)))
+        return shape
 
     def way(self, curve: BeginningCurve) -> float:
         """How far the ends of a curve are from where those of the rod are held: 1 is a step of moderate size."""

@@ -111,12 +111,13 @@ class FreeShape:
         """
         moment, D = self.moments[[0, -1]], self._directors(self.nodes[[0, -1]])
         shear = np.einsum("nij,nj->ni", D, np.cross(self.forces[[0, -1]], D[:, 2]))
-        return self.grounded[:, None] * (shear / 6 + moment[:, 2:] * np.cross([0, 0, 1.0], moment) / 24)
+        return self.rod.grounded[:, None] * (shear / 6 + moment[:, 2:] * np.cross([0, 0, 1.0], moment) / 24)
 
-    @property
-    def grounded(self) -> Booleans:
-        """Which ends are on the wall, (2,)."""
-        return np.abs(self.rod.radius - 1) < NEGLIGIBLE
+    def pressed(self, leaning: Booleans) -> Booleans:
+        """Which of these angles of ends (8,) lead into the wall, or would if they were not held along it."""
+        outward = self.rod.side * np.array([0, 0, 1, 0, 0, 0, -1, 0])
+        slopes = np.cos(self.angles) * self.rod.parts(self.rod.gradient(self.y))[2]
+        return leaning & np.where(self.rod.free, outward * np.sin(self.angles) < 0, outward * slopes > 0)
 
     @property
     def far_loads(self) -> Array:
@@ -153,7 +154,7 @@ class FreeShape:
     @cached_property
     def contacts(self) -> list[Contact]:
         """The intervals of contact, in order."""
-        return contacts_of(self.wall_force, self.rod.h, self.grounded)
+        return contacts_of(self.wall_force, self.rod.h, self.rod.grounded)
 
     def push_at(self, t: Array) -> Array:
         """The push of the wall per length at stations (n,), point forces not included."""
