@@ -23,6 +23,7 @@ from ..orbits.periodic_orbit import LIBRATION, ROTATION, TIGHT, jacobi_zeros, so
 from ..orbits.potential import load_size
 from ..orbits.shape_arrays import ShapeArrays
 from ..problem.case import Case, Rod
+from ..problem.declared_fields import DEAD_LOADS
 from ..problem.errors import check_type, known_name, names_of, no_such, yes_or_no
 from ..problem.quantities import ByName, current, quantity
 from ..problem.reduced import flat
@@ -446,9 +447,12 @@ def is_count(name: str) -> bool:
     return name in OBSERVABLES and not OBSERVABLES[name].holds and not quantity(name).estimated
 
 
-def error_name(name: str) -> str | None:
-    """The name of the error of an observable, or None for a whole number and for a load."""
-    return f"{name}_error" if quantity(name).estimated else None
+def error_name(name: str, leaves: bool = False) -> str | None:
+    """The name of the error of an observable, or None for a whole number, and for a load of a rod on the cylinder.
+
+    leaves: whether the rod may leave the cylinder.
+    """
+    return f"{name}_error" if quantity(name).estimated and (leaves or name not in DEAD_LOADS) else None
 
 
 def why_unknown(name: str, values: Any, leaves: bool = False) -> list[tuple[str, Any]]:
@@ -483,8 +487,8 @@ def observe(sol: ShapeArrays, names: Iterable[str], errors: bool = False) -> dic
         `solver.problem.quantities`.
     errors : bool
         Whether to add the estimated error of each, as ``<name>_error`` in the same unit, except for the whole numbers
-        `bends`, `loops`, `overlaps` and `index`, for the loads `FZ`, `MZ` and `M3`, and for `reach` and
-        `arriving_max`.
+        `bends`, `loops`, `overlaps` and `index`, for the loads `FZ`, `MZ` and `M3` of rods that are on the
+        cylinder, and for `reach` and `arriving_max`.
 
     Returns
     -------
@@ -524,8 +528,8 @@ def observe(sol: ShapeArrays, names: Iterable[str], errors: bool = False) -> dic
         if off:
             values = _within_range(OBSERVABLES[name], values, sol.case)
         observed[name] = read.each(np.where(shapeless, np.nan, values) + 0.0)  # no -0
-        if errors and quantity(name).estimated:
-            observed[f"{name}_error"] = read.each(np.where(shapeless, np.nan, error))
+        if errors and (column := error_name(name, off)):
+            observed[column] = read.each(np.where(shapeless, np.nan, error))
     return observed
 
 

@@ -115,7 +115,9 @@ _FREE = "unilateral contact"
 _BETA = _row("β₀", "rad", "angle from the axis at the start", quantity="beta0")
 _ALPHA = _row("α₀", "rad", "azimuth of the start", default=0.0, quantity="alpha0")
 _GAMMA = _row("γ₀", "rad", "rotation of the section at the start", default=0.0, quantity="gamma0")
-_M3 = CaseField("M₃", MOMENT, "twisting moment", note="a start needs one of F1, dgamma, M3; default for ends: 0")
+_M3 = CaseField(
+    "M₃", MOMENT, "twisting moment", note="a start needs one of F1, dgamma, M3; default for ends: 0", estimated=True
+)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -229,8 +231,11 @@ class EndsFields:
     betaL: Any = field(
         default=None, metadata=_row("β(L)", "rad", "angle from the axis at the far end", more=", full turns included")
     )
-    FZ: Any = field(default=None, metadata=_row("FZ", FORCE, "axial force", more=", tension positive", default=0.0))
-    MZ: Any = field(default=None, metadata=_row("MZ", MOMENT, "axial moment", default=0.0))
+    FZ: Any = field(
+        default=None,
+        metadata=_row("FZ", FORCE, "axial force", more=", tension positive", default=0.0, estimated=True),
+    )
+    MZ: Any = field(default=None, metadata=_row("MZ", MOMENT, "axial moment", default=0.0, estimated=True))
     M3: Any = field(default=None, metadata={"row": replace(_M3, default=0.0, note="")})
     alpha: Any = field(default=0.0, metadata=_ALPHA)
     gamma: Any = field(default=0.0, metadata=_GAMMA)
@@ -416,6 +421,7 @@ OFF_WALL = tuple(name for name, row in FIELDS.items() if row.needs == _FREE)  # 
 _PARTNERS = {row.in_place_of: name for name, row in FIELDS.items() if row.in_place_of}
 # fields of Ends: one of each pair is given, the other one is then unknown
 PAIRS = tuple((name, _PARTNERS[name]) for name in PARTS["ends"] if name in _PARTNERS and name not in OFF_WALL)
+DEAD_LOADS = tuple(name for name, _ in PAIRS[2:])
 TILTS = tuple((name, _PARTNERS[name]) for name in OFF_WALL if name in _PARTNERS)  # of a rod that may leave the cylinder
 AT_START = {name: row.quantity for name, row in FIELDS.items() if row.quantity != name}  # values of others at s = 0
 

@@ -305,7 +305,7 @@ class Study(BaseModel):
     def _error_of(self, name: str) -> str | None:
         """The name of the error of an observable or expression, or None for a whole number."""
         if name not in self.expressions:
-            return error_name(name)
+            return error_name(name, self.leaves)
         return None if formulas.parse(self.expressions[name]).whole else f"{name}_error"
 
     @property

@@ -225,8 +225,10 @@ def _find(sol: "Solution", units: dict[str, str], level: "Level", whole: bool) -
     pushed = ["reach", "arriving_max"] if wall.friction and wall.side == "inside" and not turning else []
     leaves = sol.case.leaves
     names = [*level.observables(sol.case.rod, leaves), *turning, *pushed]
-    seen = observe(sol, names, errors=leaves)
-    errors = {name: np.asarray(seen.pop(f"{name}_error")).item() for name in names if f"{name}_error" in seen}
+    held = [*LOADS, *sol.reactions] if leaves else []  # in the table beside the observables
+    seen = observe(sol, dict.fromkeys([*names, *held]), errors=leaves)
+    errors = {name: np.asarray(seen.pop(f"{name}_error")).item() for name in [*seen] if f"{name}_error" in seen}
+    seen = {name: seen[name] for name in names}
     reasons = [reason for name in seen for reason in why_unknown(name, seen[name], leaves)]
     remarks = [words for words, affected in reasons if affected and sol.solved and whole and not leaves]
     listed = "energy" in seen and sol.held and sol.solved and not (sol.case.varies or leaves)  # of held ends
