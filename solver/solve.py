@@ -154,8 +154,9 @@ def _beside(
 
     def column(rods: Case, t: Array, seed: Any) -> Answer:
         if seed is None:
-            twins = [curves_of(solve(twin, stations=2), BILATERAL) for twin in bilateral_cases(rods)]
             off = flat(np.maximum(*rods.end_radii) > (1 + NEGLIGIBLE) * rods.rho, rods.shape)
+            begun = [] if off.all() else bilateral_cases(rods)
+            twins = [curves_of(solve(twin, stations=2), BILATERAL) for twin in begun]
             seed = [[] if away else [*filter(None, each)] for *each, away in zip(*twins, off, strict=True)]
         return answers_beside(rods, seed, t, tol, lowest=choose == LOWEST)
 
