@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from itertools import pairwise
 
 import numpy as np
 
@@ -24,8 +23,8 @@ FREE_TOLERANCE = 1e-4
 # within the error
 FEWEST, EACH = 24, (2.0, 4.0)
 MOST_EDGES = 16_384  # of the finest mesh of a rod. x10: ten times the time before it is refused
-# at least, of which each has twice the edges of that before: they say which order the errors have. x10: edges by the
-# thousand
+# at least, of which each has twice the edges of that before: they say how far limits of order 2 are off; one less for
+# a tolerance above the default one. x10: edges by the thousand
 MESHES = 3
 # edges, up to which a mesh is refined for the tolerance, if errors of order 2 would then be within it. x10: ten times
 # the time of rods whose tolerance is too small
@@ -36,12 +35,6 @@ APART = 0.05
 GROWTH = 8.0  # steps in which the loads of a rod without loads grow. x10: only time
 # of the way of the ends from those of a curve to where they are held. x10: ends that are moved far are given up
 LEAST_STEP = 1 / 64
-# of a change to the next one, on edges of half the length: the orders from 1 to 2 are seen. x10: no order is, and
-# errors are stated larger
-ORDER = (2.0, 4.5)
-# of an error of the order that is seen: of a hundred rods let go, one in twenty is off by more. x10: stated errors ten
-# times too large
-SAFETY = 1.25
 # steps of the search for a rod, for each of its curves, on the coarsest mesh; edges that this counts for at least. x10:
 # ten times the time before a search ends without its digits
 STEPS, LEAST = 600, 500
@@ -193,8 +186,8 @@ def refine(beside: Beside, shape: FreeShape, tol: float) -> FreeAnswer:
         shape = beside.minimum(curve_of(shape), 1.0, shape.rod.edges) or shape
     shapes: tuple[FreeShape, ...] = (shape,)
     error, steps, line, why = np.inf, 0, "", f"the tolerance needs a mesh of more than {FINEST} edges"
-    aims = np.array([tol, max(tol, FREE_TOLERANCE)])
-    while len(shapes) < MESHES or ((aims < error) & (error <= aims * (FINEST // shapes[-1].rod.edges) ** 2)).any():
+    aims, least = np.array([tol, max(tol, FREE_TOLERANCE)]), MESHES - (tol > FREE_TOLERANCE)
+    while len(shapes) < least or ((aims < error) & (error <= aims * (FINEST // shapes[-1].rod.edges) ** 2)).any():
         curve, edges = curve_of(shapes[-1]), 2 * shapes[-1].rod.edges
         finer = beside.minimum(curve, 1.0, edges)
         anew = edges <= FINEST >> MESHES  # so that finer meshes can tell the error of another minimum
@@ -207,8 +200,8 @@ def refine(beside: Beside, shape: FreeShape, tol: float) -> FreeAnswer:
             why = f"{edges} edges lead to another minimum"
             break
         shapes = (finer,) if another and anew else (*shapes, finer)
-        error = estimate([distance(*pair) for pair in pairwise(shapes[-MESHES:])])[1] if shapes[1:] else np.inf
-        if len(shapes) == MESHES and (motion := free_motion(finer, beside.sizes(curve))) is not None:
+        error = error_of(shapes)
+        if len(shapes) == least and (motion := free_motion(finer, beside.sizes(curve))) is not None:
             line = shapes[-1].name_of(motion)
     return FreeAnswer(shapes if np.isfinite(error) else (), error, steps, why=why, line=line)
 
@@ -219,26 +212,32 @@ def distance(coarse: FreeShape, fine: FreeShape) -> float:
     return float(np.linalg.norm(common - coarse.x, axis=1).max()) / fine.rod.span
 
 
-def estimate(changes: Sequence[float]) -> tuple[float, float]:
-    """What is left to the limit, and its error, from the changes of a number on meshes of twice as many edges each.
+def estimate(numbers: Sequence[Array] | Sequence[float]) -> tuple[Array, Array]:
+    """What is left to the limit, and its error, of numbers (...) on meshes of twice as many edges each.
 
-    The error is that of the order that is seen, at most 2, with the factor of safety of three meshes: P. J. Roache,
-    Annual Review of Fluid Mechanics 29 (1997), 123. Where none is seen, as an edge of contact passes from node to node,
-    it is the last change, or half of the one before. One mesh tells nothing.
+    Errors of order 2 leave a third of the last change, and the limit stays where it is. So by how much it moved from
+    mesh to mesh says what else may be left: a fourth of that for each mesh since. The sum is at least what errors of
+    any order from 1 to 2 leave, and holds where they change as an edge of contact passes from node to node. Of two
+    meshes it is their whole difference; one mesh tells nothing.
     """
-    if not changes:
-        return 0.0, np.inf
-    last = changes[-1]
-    ratio = changes[-2] / last if len(changes) > 1 and last != 0 else 0.0
-    if ORDER[0] < ratio < ORDER[1]:
-        return last / 3, SAFETY * abs(last) / (min(ratio, 4.0) - 1)
-    return 0.0, max(abs(last), max(map(abs, changes[:-1]), default=0.0) / 2)
+    changes = np.diff(numbers, axis=0)
+    if not len(changes):
+        return np.zeros_like(numbers[0]), np.full_like(numbers[0], np.inf)
+    limits, unsure = np.asarray(numbers)[1:] + changes / 3, np.zeros_like(changes[0])
+    for moved in np.diff(limits, axis=0) if len(limits) > 1 else 2 / 3 * changes:
+        unsure = np.maximum(unsure / 4, np.abs(moved))
+    return changes[-1] / 3, np.abs(changes[-1]) / 3 + unsure
+
+
+def error_of(shapes: Sequence[FreeShape]) -> float:
+    """The error of the places of the last of several shapes, over the length, from the nodes that all of them have."""
+    common = [shape.x[:: shape.rod.edges // shapes[0].rod.edges] for shape in shapes]
+    return float(np.linalg.norm(estimate(common)[1], axis=1).max()) / shapes[0].rod.span
 
 
 def limit(numbers: Sequence[Array]) -> Array:
     """Numbers (k,) on several meshes, with what is left to the limit."""
-    rest = [estimate([after - before for before, after in pairwise(column)])[0] for column in np.array(numbers).T]
-    return np.asarray(numbers[-1] + np.array(rest))
+    return np.asarray(numbers[-1] + estimate(numbers)[0])
 
 
 def answers_beside(
@@ -261,7 +260,7 @@ def trajectory_of(case: Case, answers: Sequence[FreeAnswer], t: Array, tol: floa
     alongs, loads = [], []
     for answer, times in zip(answers, t, strict=True):
         alongs.append(answer.shapes[-1].at_stations(times) if answer.shapes else Along.blank(times.size))
-        loads.append(limit([shape.far_loads for shape in answer.shapes[-MESHES:]]) if answer.shapes else [np.nan] * 6)
+        loads.append(limit([shape.far_loads for shape in answer.shapes]) if answer.shapes else [np.nan] * 6)
     along = Along(*(np.stack(parts) for parts in zip(*alongs, strict=True)))
     numbers = np.array(loads)
     lam, mu, phi, span, beta0, betaL = np.where(np.abs(numbers) < FAINT, 0.0, numbers).T  # rounding is no load

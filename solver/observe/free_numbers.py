@@ -1,15 +1,15 @@
 """The observables of rods that may leave the cylinder: of each mesh, and what is left to the limit of fine meshes."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
-from itertools import pairwise
+from itertools import takewhile
 from typing import Any
 
 import numpy as np
 from numpy.polynomial import polynomial
 
 from ..free.contacts import Contact
-from ..free.free_rods import MESHES, estimate
+from ..free.free_rods import estimate
 from ..free.free_shape import Along, FreeShape
 from ..numerics.arrays import FAINT, NEGLIGIBLE, Array
 from ..orbits.frames import binormal, outward
@@ -26,8 +26,8 @@ WAVE = 1e-3
 # 31 radii around that touch are not seen
 NEAREST = np.pi
 COUNTS = ("bends", "loops", "overlaps", "index", "contact_count")
-# those of the contacts of the solution, on the finest mesh: edges pass from node to node, so the changes
-# from mesh to mesh do not say what is left; the largest push may be at one
+# those of the contacts of the solution, on the finest mesh: edges pass from node to node, and the largest push may be
+# at one
 OF_EDGES = ("attached", "contact_share", "contact_at", "contact_alpha", "point_force_max", "push_max")
 OF_CONTACTS = ("contact_size_mean", "push_mean", "push_max_at", "contact_M2", *OF_EDGES)
 # of which rounding is left where there is none
@@ -216,7 +216,10 @@ NUMBERS: dict[str, Callable[[FreeReading], Any]] = {
     "contact_alpha": lambda read: read.at(read.first / read.rod.span).turned[0, 0] if read.contacts else np.nan,
     "contact_M2": FreeReading.first_bending,
     "point_force_max": lambda read: max((force for on in read.contacts for _, force in on.points), default=0.0),
-    **dict.fromkeys(LOADS, lambda read: read.shape.twist_moment),  # for its error: the loads are the solution's
+    # for their errors: the loads are the solution's
+    **dict.fromkeys(LOADS, lambda read: read.shape.twist_moment),
+    "FZ": lambda read: read.shape.far_loads[2],
+    "MZ": lambda read: read.shape.far_loads[0],
     "FZ0": lambda read: read.at(0.0).force[0, 2],
     "MZ0": lambda read: np.cross(read.at(0.0).x[0], read.at(0.0).force[0])[2] + read.at(0.0).moment[0, 2],
     "neutral_at": FreeReading.neutral_at,
@@ -225,6 +228,18 @@ NUMBERS: dict[str, Callable[[FreeReading], Any]] = {
     "M10": lambda read: read.end_moment(0.0),
     "M1L": lambda read: read.end_moment(1.0),
 }
+
+
+def error_of_contacts(shapes: Sequence[FreeShape]) -> float:
+    """The error of where each contact of the last of several shapes begins and ends, in units of rho.
+
+    It is that of the meshes that have as many contacts; where only the last one has, one edge of the mesh before.
+    """
+    places = [np.array([(on.begin, on.end) for on in shape.contacts]) for shape in shapes]
+    alike = [*takewhile(lambda each: each.shape == places[-1].shape, places[::-1])][::-1]
+    others = [np.abs(other.places[[0, -1]] - on.places[[0, -1]]) for on in shapes[-1].contacts for other in on.readings]
+    error = np.max(estimate(alike)[1]) if alike[1:] else 2 * shapes[-1].rod.h
+    return float(np.max([error, *np.ravel(others)]))
 
 
 def free_numbers(sol: ShapeArrays, names: Iterable[str]) -> dict[str, tuple[Array, Array]]:
@@ -237,7 +252,7 @@ def free_numbers(sol: ShapeArrays, names: Iterable[str]) -> dict[str, tuple[Arra
     A, rho, a = (flat(value, case.shape) for value in (case.rod.bending_stiffness, case.rho, case.rod.a))
     E = np.nan if case.rod.E is None else flat(case.rod.E, case.shape)
     readings = [
-        [FreeReading(shape, a[i] / rho[i]) for shape in answer.shapes[-MESHES:]]
+        [FreeReading(shape, a[i] / rho[i]) for shape in answer.shapes]
         for i, answer in enumerate(sol.trajectory.free.answers)
     ]
     numbers = {}
@@ -249,7 +264,8 @@ def free_numbers(sol: ShapeArrays, names: Iterable[str]) -> dict[str, tuple[Arra
         numbers[name] = pairs[:, 0] * unit, pairs[:, 1] * unit
         if name in LOADS:
             load, sign = LOADS[name]
-            unknown = getattr(case.given, load) is None
+            # what holds the frame of an end on the axis is found, whether the azimuth is given or not
+            unknown = getattr(case.given, load) is None or (name == "MZ" and flat(case.end_radii[1] == 0, case.shape))
             numbers[name] = flat(0.0 + sign * getattr(sol, load), case.shape), unknown * numbers[name][1]
     return numbers
 
@@ -261,9 +277,9 @@ def _limit(name: str, reads: list[FreeReading]) -> tuple[float, float]:
     values = [float(NUMBERS[name](read)) for read in reads]
     if name in COUNTS:
         return values[-1], 0.0
-    rest, error = estimate([after - before for before, after in pairwise(values)])
-    if name in OF_EDGES:
-        rest, error = 0.0, error + abs(rest)
+    first = int(np.flatnonzero(np.isnan([np.nan, *values]))[-1])  # mesh from which on it is known
+    rest, error = (float(part) for part in estimate(values[first:])) if values[first + 1 :] else (0.0, np.nan)
+    rest *= name not in OF_EDGES
     if name in OF_CONTACTS:
         others = [FreeReading(reads[-1].shape, reads[-1].a, k) for k in (0, 1)]
         error = max(error, *(abs(float(NUMBERS[name](other)) - values[-1]) for other in others))

@@ -2,6 +2,7 @@
 
 import sys
 from dataclasses import replace
+from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
 
@@ -21,7 +22,7 @@ from solver.free.minimum import minimise
 from solver.free.program import EACH_STEP, Effort, Program
 from solver.free.quaternions import product
 from solver.free.sinking import Sinking
-from solver.observe.free_numbers import _limit
+from solver.observe.free_numbers import _limit, error_of_contacts
 from solver.problem.case_fields import with_field
 from tests.cases import table_1
 from tests.slow import slow_but
@@ -202,7 +203,7 @@ def test_wall_and_ends_are_in_balance_where_contact_begins_at_an_end_or_is_short
     assert M[1] - M[0] == pytest.approx(-pushes(sol, arms=True)[0], abs=2e-3 * total * float(sol.case.rod.L))
 
 
-@pytest.mark.parametrize("seed", slow_but((10, 14, 26, 27, 31, 35, 46, 49, 73), 26, 73))
+@pytest.mark.parametrize("seed", slow_but((10, 14, 26, 27, 31, 35, 46, 49, 73), 26, 49, 73))
 def test_numbers_of_contacts_are_off_by_no_more_than_the_stated_errors(seed: int) -> None:
     """Contact goes on to an end, or is short. Both errors count, of a mesh and of one of some eight times its edges."""
     names = ("contact_share", "contact_at", "push_mean", "push_max", "point_force_max", "gap_max", "energy")
@@ -394,22 +395,29 @@ def test_a_finer_mesh_that_leads_to_another_minimum_late_is_left_out(
     assert less.trajectory.free.answers[0].shapes[-1].rod.edges == most
 
 
-@pytest.mark.parametrize("order", (1.1, 1.5, 2.0, 2.1))
-def test_the_error_of_an_order_that_is_seen_covers_what_is_left_by_a_quarter(order: float) -> None:
-    changes = 2.0 ** (-order * np.arange(2))
-    left, error = changes[-1] / (2 ** min(order, 2.0) - 1), estimate(changes.tolist())[1]
-    assert error == pytest.approx(1.25 * left)  # of an order above 2 that of order 2
+@pytest.mark.parametrize("order", (1.0, 1.1, 1.5, 1.9, 2.0))
+@pytest.mark.parametrize("meshes", (3, 5))
+def test_the_stated_error_covers_what_errors_of_any_order_from_one_to_two_leave(order: float, meshes: int) -> None:
+    left = 2.0 ** (-order * np.arange(meshes))
+    assert estimate(list(left))[1] >= left[-1] * (1 - 1e-12)
+    assert estimate(list(left))[1] <= 2 * left[-1]
 
 
-def test_of_numbers_with_errors_of_order_two_the_limit_is_exact() -> None:
+def test_of_numbers_with_errors_of_order_two_the_limit_is_exact_and_the_error_is_that_of_the_finest_mesh() -> None:
     numbers = [np.array([3.0 + 0.1 * h**2, -1.0 - 7.0 * h**2]) for h in (1.0, 0.5, 0.25)]
     np.testing.assert_allclose(limit(numbers), [3.0, -1.0], rtol=1e-13)
+    np.testing.assert_allclose(estimate(numbers)[1], np.array([0.1, 7.0]) / 16, rtol=1e-12)
 
 
-@pytest.mark.parametrize("before", (-4.0, 0.5, 1.5, 8.0, 20.0))
-def test_changes_without_an_order_are_themselves_the_error(before: float) -> None:
-    assert estimate([before, 1.0]) == (0.0, max(1.0, abs(before) / 2))
-    assert estimate([]) == (0.0, np.inf)
+def test_changes_that_happen_to_agree_are_not_trusted_where_those_of_coarser_meshes_do_not() -> None:
+    """Of errors h^2 c, as where an edge of contact passes from node to node: c is 3, 1, 2 and 5."""
+    numbers = [c * 4.0**-k for k, c in enumerate((3, 1, 2, 5))]
+    assert estimate(numbers)[1] > numbers[-1]
+
+
+def test_two_meshes_are_as_far_from_the_limit_as_from_each_other_and_one_tells_nothing() -> None:
+    assert estimate([3.0, 1.0])[1] == pytest.approx(2.0)
+    assert estimate([3.0])[1] == np.inf
 
 
 CLAMPS = {"height": 9.0, "azimuth": 0.0, "M3": 0.0}
@@ -574,11 +582,11 @@ def test_a_pipe_is_off_the_wall_next_to_a_centred_end_as_long_as_a_rod_in_space(
 @pytest.mark.parametrize(("end", "turns"), [(-2e-19, 0.0), (2e-6, 1e-6 / np.pi)])
 def test_what_rounding_leaves_of_the_turns_of_a_rod_is_none(end: float, turns: float) -> None:
     on_wall = SimpleNamespace(radius=np.ones(2))
-    azimuths = (SimpleNamespace(turned=np.linspace(0.0, k * end, 5)[None]) for k in (3, 2, 1))
+    azimuths = (SimpleNamespace(turned=np.linspace(0.0, k * end, 5)[None]) for k in (5, 2, 1.25))  # of order 2
     meshes: Any = [SimpleNamespace(along=along, rod=on_wall) for along in azimuths]
     value, error = _limit("turns_around", meshes)
     assert value == pytest.approx(turns, rel=1e-12, abs=0)
-    assert abs(end) / (2 * np.pi) <= error
+    assert 0.24 * abs(end) / (2 * np.pi) <= error
 
 
 def test_turns_between_ends_on_the_axis_do_not_depend_on_the_azimuth_that_is_given_there() -> None:
@@ -605,9 +613,34 @@ def test_a_load_that_is_given_is_observed_as_it_is_given() -> None:
         "M3": 1.3,
         "M30": 1.3,
         "surface_torque": -1.3,
+        "FZ_error": 0.0,
+        "MZ_error": 0.0,
+        "M3_error": 0.0,
         "M30_error": 0.0,
         "surface_torque_error": 0.0,
     }
+
+
+def test_loads_that_hold_the_ends_of_a_rod_off_the_wall_are_off_by_no_more_than_their_stated_errors(
+    freed: tuple[Any, Any],
+) -> None:
+    before, fine = freed
+    names = ("FZ", "MZ", "M3")
+    rough, better = (observe(sol, names, errors=True) for sol in (before.let_go(), fine))
+    for name in names:
+        assert 0 < rough[f"{name}_error"] < abs(rough[name]), name
+        assert abs(rough[name] - better[name]) <= rough[f"{name}_error"] + better[f"{name}_error"], name
+    assert set(observe(before, names, errors=True)) == set(names)  # on the wall they have none
+
+
+@pytest.mark.parametrize("slack", (1.001, 1.02))
+def test_contacts_begin_and_end_where_finer_meshes_have_them_but_for_the_stated_error(slack: float) -> None:
+    """The second belt touches the drum at a point only, whose share of the length has no error."""
+    shapes = belt(slack).trajectory.free.answers[0].shapes
+    *some, (begin, end) = [(on.begin, on.end) for shape in shapes for on in shape.contacts]
+    for meshes in range(3, len(shapes)):
+        error = error_of_contacts(shapes[:meshes])
+        assert np.abs(np.subtract(some[meshes - 1], (begin, end))).max() <= error < 0.5
 
 
 def test_the_moment_about_the_axis_that_holds_the_frame_of_an_end_there_is_observed() -> None:
@@ -647,19 +680,33 @@ def test_between_two_hinges_that_turn_over_a_rod_has_the_same_angles_on_each_mes
 def test_numbers_that_are_given_at_a_hinge_that_turns_over_are_observed_as_given(reverse: bool) -> None:
     """From either end: a rod that is turned round about a radius keeps its angles, and its moment M2."""
     angles, hinge, off = (0.3, 0.4), ("M20", "M2L")[reverse], ("radiusL", "radius0")[reverse]
-    ends = Ends(*angles[:: 1 - 2 * reverse], FZ=0.1, gamma=0.2, rotation=0.5, **{hinge: 2.0, off: 1.5})
+    ends = Ends(*angles[:: 1 - 2 * reverse], FZ=0.1, gamma=0.2, rotation=0.5, **{hinge: 1.2, off: 1.5})
     sol = solve(Case(Rod(EI=1.0, GJ=0.8, a=0.1, L=4.0), Cylinder(0.9, contact="unilateral"), ends), stations=9)
     assert sol.solved, sol.outcome
     over = -reverse
     assert abs(sol.tilt[over]) > np.pi / 2
     assert (sol.beta[0], sol.beta[-1]) == pytest.approx((ends.beta0, ends.betaL), abs=1e-6)
-    assert sol.M2[over] == pytest.approx(2.0, rel=1e-3)  # the moment of a joint, to second order in the edges
+    assert sol.M2[over] == pytest.approx(1.2, rel=1e-3)  # the moment of a joint, to second order in the edges
     assert sol.gamma[-1] - sol.gamma[0] == pytest.approx(0.5, abs=1e-6)
     across = np.cos(sol.tilt) * np.sin(sol.beta)
     x = np.sin(sol.tilt) * np.cos(sol.alpha) - across * np.sin(sol.alpha)
     y = np.sin(sol.tilt) * np.sin(sol.alpha) + across * np.cos(sol.alpha)
     tangent = np.column_stack([x, y, np.cos(sol.tilt) * np.cos(sol.beta)])
     assert tangent == pytest.approx(sol.tangent, abs=1e-6)
+
+
+@pytest.mark.parametrize(("side", "M2L"), [("inside", 0.3), ("outside", -0.4)])
+def test_a_hinge_that_its_moment_presses_into_the_wall_lies_along_it_with_order_two(side: str, M2L: float) -> None:
+    """The wall takes the rest of the moment, as a couple at the very end, which is no point force."""
+    wall = Cylinder(1.1 if side == "inside" else 0.9, side, contact="unilateral")
+    ends = Ends(0.5, FZ=-0.3, azimuth=2.0 if side == "inside" else 0.3, M3=0.0, M1L=0.0, M2L=M2L)
+    sol = solve(Case(Rod(EI=1.0, GJ=0.8, a=0.1, L=8.0), wall, ends), tol=1e-5)
+    assert sol.error <= 1e-5, sol.outcome
+    moved = [distance(*pair) for pair in pairwise(sol.trajectory.free.answers[0].shapes)]
+    assert moved[-2] / moved[-1] == pytest.approx(4, rel=0.05)
+    assert sol.tilt[-1] == pytest.approx(0, abs=1e-12)
+    assert sol.point_forces == ()
+    assert sol.M2[-1] == pytest.approx(sol.M2[-2], abs=1e-2)
 
 
 def test_a_rod_off_the_wall_without_an_axial_force_has_none_at_either_end() -> None:
@@ -729,6 +776,22 @@ def test_a_finer_tolerance_moves_a_rod_by_no_more_than_the_stated_error(freed: t
     coarse = before.let_go()
     far = np.linalg.norm(fine.position - coarse.position, axis=1).max() / ROD.L
     assert far <= coarse.error + fine.error
+
+
+def test_a_tolerance_above_the_default_one_needs_two_meshes_whose_difference_is_the_error(
+    freed: tuple[Any, Any],
+) -> None:
+    before, fine = freed
+    draft = before.let_go(tol=1e-3)
+    assert len(draft.trajectory.free.answers[0].shapes) == 2
+    far = np.linalg.norm(fine.position - draft.position, axis=1).max() / ROD.L
+    assert far <= draft.error + fine.error < 1e-3
+
+
+def test_no_rod_on_the_cylinder_is_solved_for_one_whose_end_is_far_off(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its shape continues from a straight rod."""
+    monkeypatch.setattr("solver.solve.bilateral_cases", lambda _: pytest.fail("a bilateral shape is looked for"))
+    assert belt(1.005).solved
 
 
 @pytest.mark.parametrize(

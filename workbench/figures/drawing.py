@@ -144,7 +144,7 @@ def _words(
     parts = [*[case] * bool(case), f"length {unit('L', float(chosen['L']))}"]
     parts += [] if view.whole else [f"along the axis {unit('L', abs(height))}"]
     if wrap := _wrap(rod, free):
-        error = math.degrees(free_rods.place_error(free) / rod.rho) if free else 0.0
+        error = math.degrees(free_rods.length_error(free) / rod.rho) if free else 0.0
         parts += [f"wrap {within(wrap / 360, error / 360)} turns = {within(wrap, error)}°"]
     if free:
         (turns,) = (float(value) for value in drawn_rods.numbers(chosen, "turns_around"))

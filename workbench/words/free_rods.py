@@ -3,6 +3,7 @@
 import math
 from typing import TYPE_CHECKING, Any
 
+from solver.observe.free_numbers import error_of_contacts
 from solver.observe.observables import observe
 
 from .habits import plain, within
@@ -48,11 +49,16 @@ def point_forces(sol: "Solution") -> list[tuple[str, str]]:
 
 
 def _place(sol: "Solution", s: float) -> str:
-    """Where a contact begins or ends: an end of the rod, or as exact as the whole length on the wall."""
+    """Where a contact begins or ends: an end of the rod, or in the digits that the error allows."""
     return within(s, place_error(sol) * (0 < s < float(sol.case.rod.L)))
 
 
 def place_error(sol: "Solution") -> float:
+    """The estimated error of where contacts begin and end [length]."""
+    return error_of_contacts(sol.trajectory.free.answers[0].shapes) * float(sol.case.rho)
+
+
+def length_error(sol: "Solution") -> float:
     """The estimated error of the length on the wall [length]."""
     return float(observe(sol, ["contact_share"], errors=True)["contact_share_error"]) * float(sol.case.rod.L)
 
