@@ -143,7 +143,7 @@ class Beside(NamedTuple):
             angles = np.where(along, np.pi * np.round(rod.parts(y)[2] / np.pi), rod.angles)
             held = replace(rod, free=rod.free & ~along, angles=angles)
             shape = minimise(held, y, self.sizes(curve), multipliers, self.effort)
-            pressed = along & False if shape is None else shape.pressed(rod.leaning)
+            pressed = along & False if shape is None else shape.tilts_into_wall(rod.leaning)
             if (pressed == along).all():
                 break
             along, y, multipliers = (pressed, *((y, multipliers) if shape is None else (shape.y, shape.multipliers)))

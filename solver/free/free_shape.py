@@ -113,7 +113,7 @@ class FreeShape:
         shear = np.einsum("nij,nj->ni", D, np.cross(self.forces[[0, -1]], D[:, 2]))
         return self.rod.grounded[:, None] * (shear / 6 + moment[:, 2:] * np.cross([0, 0, 1.0], moment) / 24)
 
-    def pressed(self, leaning: Booleans) -> Booleans:
+    def tilts_into_wall(self, leaning: Booleans) -> Booleans:
         """Which of these angles of ends (8,) lead into the wall, or would if they were not held along it."""
         outward = self.rod.side * np.array([0, 0, 1, 0, 0, 0, -1, 0])
         slopes = np.cos(self.angles) * self.rod.parts(self.rod.gradient(self.y))[2]
