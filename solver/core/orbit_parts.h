@@ -278,11 +278,9 @@ INLINE void plain_product(int n, int m, const double *restrict values, const dou
 #include "registers.h"
 #define PRODUCTS(width) ((width) == 8 ? products_8 : (width) == 4 ? products_4 : products_2)
 #define TWO_SERIES(width) ((width) == 8 ? two_series_8 : (width) == 4 ? two_series_4 : two_series_2)
-#define SERIES_OF(width) ((width) == 8 ? series_8 : (width) == 4 ? series_4 : series_2)
 #else
 #define PRODUCTS(width) products_2
 #define TWO_SERIES(width) two_series_2
-#define SERIES_OF(width) series_2
 #endif
 
 /* Registers of a row of sums: with those of a second row as many as a processor has, and some for what is summed. */
@@ -294,7 +292,7 @@ INLINE void product(int width, int n, int m, const double *values, const double 
     if (m < width)
         plain_product(n, m, values, linear, out);
     else
-        PRODUCTS(width)(1, REGISTERS(width), n, m, &values, 1, linear, &out);
+        PRODUCTS(width)(1, REGISTERS(width), 0, n, m, &values, linear, &out);
 }
 
 /* Of two rows at once, in little more time than of one. */
@@ -306,7 +304,7 @@ INLINE void product_of_two(int width, int n, int m, const double *first, const d
     for (int r = 0; m < width && r < 2; r++)
         plain_product(n, m, values[r], linear, out[r]);
     if (m >= width)
-        PRODUCTS(width)(2, REGISTERS(width), n, m, values, 1, linear, out);
+        PRODUCTS(width)(2, REGISTERS(width), 0, n, m, values, linear, out);
 }
 
 /* Coefficients (n,) to those of the integral from -1, (n + 1,). */

@@ -6,12 +6,17 @@
 
 typedef double ABREAST __attribute__((vector_size(8 * MANY), aligned(8), may_alias));
 
-/* out (rows, m) = values (rows, n) @ linear (n, m), values of a row `stride` apart. rows, registers: constants, of sums at
-   once. m is at least MANY; the last registers of a row overlap, so that no number is left over. */
-INLINE void JOIN(products_, MANY)(int rows, int registers, int n, int m, const double *const *values, int stride,
+/* out (rows, m) = values (rows, n) @ linear (n, m). rows, registers: constants, of sums at once. m is at least MANY; the last
+   registers of a row overlap, so that no number is left over. paired, a constant: a column of even number takes values[i] +
+   values[m - 1 - i] in place of values[i], one of odd number their difference: so the series of a function from its values at m
+   nodes that lie evenly about 0, where polynomials of even and of odd order are even and odd, is a sum over n = m/2. */
+INLINE void JOIN(products_, MANY)(int rows, int registers, int paired, int n, int m, const double *const *values,
                                   const double *linear, double *const *out)
 {
     const int last = m - MANY;
+    ABREAST parity;
+    for (int k = 0; k < MANY; k++)
+        parity[k] = k % 2 ? -1 : 1;
     for (int j = 0; j < m; j += registers * MANY) {
         ABREAST sum[4][8] = {{{0}}};
         int at[8];
@@ -22,41 +27,10 @@ INLINE void JOIN(products_, MANY)(int rows, int registers, int n, int m, const d
             double *row = (double *)linear + i * m;
             UNROLLED
             for (int r = 0; r < rows; r++) {
-                const double x = values[r][stride * i];
-                UNROLLED
-                for (int k = 0; k < registers; k++)
-                    sum[r][k] += x * ABREAST_AT(row + at[k]);
-            }
-        }
-        UNROLLED
-        for (int r = 0; r < rows; r++) {
-            UNROLLED
-            for (int k = 0; k < registers; k++)
-                ABREAST_AT(out[r] + at[k]) = sum[r][k];
-        }
-    }
-}
-
-/* The series of `rows` functions from their values at n nodes, an even number of at least MANY, that lie evenly about 0, where
-   polynomials of even and of odd order are even and odd: half of the nodes give each coefficient. analyse: (n, n). */
-INLINE void JOIN(series_, MANY)(int rows, int registers, int n, const double *const *values, const double *analyse,
-                                double *const *out)
-{
-    const int last = n - MANY;
-    ABREAST parity;
-    for (int k = 0; k < MANY; k++)
-        parity[k] = k % 2 ? -1 : 1;
-    for (int j = 0; j < n; j += registers * MANY) {
-        ABREAST sum[4][8] = {{{0}}};
-        int at[8];
-        UNROLLED
-        for (int k = 0; k < registers; k++)
-            at[k] = j + k * MANY < last ? j + k * MANY : last;
-        for (int i = 0; i < n / 2; i++) {
-            double *row = (double *)analyse + i * n;
-            UNROLLED
-            for (int r = 0; r < rows; r++) {
-                const ABREAST x = values[r][i] + values[r][n - 1 - i] * parity;
+                const ABREAST none = {0};
+                ABREAST x = values[r][i] - none;
+                if (paired)
+                    x += values[r][m - 1 - i] * parity;
                 UNROLLED
                 for (int k = 0; k < registers; k++)
                     sum[r][k] += x * ABREAST_AT(row + at[k]);

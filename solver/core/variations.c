@@ -211,7 +211,7 @@ INLINE void keep_series(int width, const varied_nodes *one, const points *at, do
     for (int m = 0; m < VARIED; m++)
         out[m] = rates[m], rates[m][n] = rates[m][n + 1] = 0;
     for (int m = 0; m < VARIED; m += 3)
-        SERIES_OF(width)(3, 3, n, values + m, at->analyse, out + m);
+        PRODUCTS(width)(3, 3, 1, n / 2, n, values + m, at->analyse, out + m);
     for (int m = 0; m < BY_LEVEL; m++)
         memcpy(series + size * m, rates[m], sizeof(double) * (size_t)size);
     for (int k = 1; k <= n; k++)
