@@ -3,11 +3,12 @@
 #include "branches.h"
 
 #define MOST_TURNS 1e15 /* between two ends: above, an angle has no digit left of a turn */
-/* Of 97 branches of 39 random rods, half of them with a shelf and half of them held: */
-/* of a gap: a shelf that is less high counts as so high. x10: one branch stops before its fold; a tenth: none differs */
+/* Of a gap: a shelf that is less high counts as so high. Of 26 branches of random rods with a shelf, x10: one branch stops before
+   its fold; a tenth: none differs */
 #define LOWEST_SHELF 1e-7
-/* heights of a shelf, over which a step changes the level. x10: a step beside a shelf lands on another part, so that one branch
-   counts as closed; a tenth: beside shelves up to 1.7 times the steps, the same folds */
+/* Heights of a shelf, over which a step changes the level. Of 97 branches of 39 random rods, half of them with a shelf and half of
+   them held, x10: a step beside a shelf lands on another part, so that one branch counts as closed; a tenth: beside shelves up to
+   1.7 times the steps, the same folds */
 #define SHELVES 100
 
 static int is_critical(const place *o, double angle)
