@@ -202,15 +202,15 @@ static TARGET void NAME(advance)(NAME(lanes) *p, int end[W], double late[W], dou
     p->t = ends;
 }
 
-/* beta, beta_t, alpha, z at W stations of one step, which share its coefficients. */
-static inline TARGET void NAME(stations)(const double *series, const double *x, NAME(loose) out[4])
+/* alpha and z, and where wanted beta and beta_t, at W stations of one step, which share its coefficients. */
+static inline ALWAYS TARGET void NAME(stations)(const double *series, const double *x, int angles, NAME(loose) out[4])
 {
     const NAME(loose) at = *(const NAME(loose) *)x, zero = {0};
     const double *c0 = series, *c1 = series + ORDER + 1, *c2 = series + 2 * (ORDER + 1);
     NAME(loose) b = zero + c0[ORDER], v = zero, a = zero + c1[ORDER], h = zero + c2[ORDER];
     for (int k = ORDER - 1; k >= 0; k--) {
-        v = v * at + b;
-        b = b * at + c0[k];
+        if (angles)
+            v = v * at + b, b = b * at + c0[k];
         a = a * at + c1[k];
         h = h * at + c2[k];
     }
@@ -299,19 +299,20 @@ static TARGET void NAME(read)(const orbit *o, const double *since, const double 
         for (int i = 0, j = 0; i < steps; j = from[i++])
             for (; j < from[i]; j += W) {
                 const double *own = series + SERIES * (int64_t)i;
-                if (out->beta) {
-                    NAME(loose) group[4];
-                    NAME(stations)(own, x + j, group);
-                    for (int q = 0; q < 4; q++)
-                        *(NAME(loose) *)(read[q] + j) = group[q];
-                }
+                NAME(loose) group[4];
+                if (out->beta)
+                    NAME(stations)(own, x + j, 1, group);
+                else if (out->alpha)
+                    NAME(stations)(own, x + j, 0, group);
+                for (int q = out->beta ? 0 : 2; out->alpha && q < 4; q++)
+                    *(NAME(loose) *)(read[q] + j) = group[q];
                 if (out->swirl)
                     *(NAME(loose) *)(read[4] + j) = NAME(swirl)(own, x + j);
             }
-        for (int j = 0; out->beta && j < m; j++) {
+        for (int j = 0; out->alpha && j < m; j++) {
             const int64_t i = place[j], k = offset + done + j;
-            out->beta[k] = read[0][i] + p.more[0][j];
-            out->rate[k] = p.sign[j] * read[1][i];
+            if (out->beta)
+                out->beta[k] = read[0][i] + p.more[0][j], out->rate[k] = p.sign[j] * read[1][i];
             out->alpha[k] = p.sign[j] * read[2][i] + p.more[1][j];
             out->z[k] = p.sign[j] * read[3][i] + p.more[2][j];
         }

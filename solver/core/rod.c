@@ -188,7 +188,7 @@ static double goal_of(const start_problem *p, double tol)
     return larger(0.002 * tol / larger(1, p->span * steepness_of(p->lam, p->mu, p->phi) / 6), 1e-17);
 }
 
-/* Where the values at stations go, each (rods, stations): either the first four, or swirl, or all five. */
+/* Where the values at stations go, each (rods, stations): the first four, or alpha and z alone, and swirl; others are NULL. */
 typedef struct {
     double *beta, *rate, *alpha, *z, *swirl;
 } values;
@@ -309,16 +309,16 @@ int rod_march(int64_t begin, int64_t end, int64_t n, const start_problem *rods, 
     return FOR_WIDTH(w, run)(&work, orbits);
 }
 
-/* Read one of the orbits whose steps were kept, as `rod_march` does, into out (4, stations); NaN where it is lost. most: as
-   above. */
+/* Read alpha and z of one of the orbits whose steps were kept, as `rod_march` does, (stations,); NaN where it is
+   lost. most: as above. */
 void rod_read(int64_t rod, const orbit *orbits, const int64_t *first, const double *since, const double *width,
-              const double *series, int64_t stations, const double *t, double *out, int64_t most)
+              const double *series, int64_t stations, const double *t, double *alpha, double *z, int64_t most)
 {
-    const values to = values_in(out, stations, NULL);
+    const values to = {.alpha = alpha, .z = z};
     const int64_t at = first[rod];
     if (orbits[rod].status[0] != LOST)
         reader_for(most)(&orbits[rod], since + at, width + at, series + SERIES * at, t, stations, &to, 0);
     else
-        for (int64_t i = 0; i < 4 * stations; i++)
-            out[i] = NAN;
+        for (int64_t i = 0; i < stations; i++)
+            alpha[i] = z[i] = NAN;
 }

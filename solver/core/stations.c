@@ -54,8 +54,12 @@ void rod_step_series(int64_t steps, int64_t n, const double *width, const double
 {
     double series_of_powers[LONGEST * LONGEST];
     powers_as_series((int)n, series_of_powers);
-    for (int64_t i = 0; i < steps; i++)
+    for (int64_t i = 0; i < steps; i++) {
+        const double *later = taylor + 4 * n * (i + 8 < steps ? i + 8 : i);
+        for (int64_t k = 0; k < n; k += 8) /* read in time: the powers of beta lie apart, those of a step in a row */
+            __builtin_prefetch(later + k);
         FOR_LANES(lanes, step_series)((int)n, width[i], taylor + 4 * n * i, series_of_powers, out + 2 * n * i);
+    }
 }
 
 /* The series of beta and beta_t between neighbouring stations, (rods, n - 1, 2, QUINTIC), through their values and rates

@@ -11,7 +11,7 @@ enum { PARTS = 16, GRID = 4 * PARTS, WINDOW = 65536, DEEPEST = 48 }; /* DEEPEST:
 
 /* rod.c; orbits: of the march */
 void rod_read(int64_t rod, const void *orbits, const int64_t *first, const double *since, const double *width,
-              const double *series, int64_t stations, const double *t, double *out, int64_t most);
+              const double *series, int64_t stations, const double *t, double *alpha, double *z, int64_t most);
 
 /* Rods and their marched orbits, or where these are NULL their panels; period, length, a, apart, periods: (n,), lengths in units of rho. */
 typedef struct {
@@ -36,9 +36,9 @@ typedef struct {
 typedef struct {
     const rods *all;
     int64_t rod;
-    double period, length, a, apart, turn, rise, rows[4][GRID + 1], *alpha, *z; /* beta, beta_t, alpha and z on the grid */
+    double period, length, a, apart, turn, rise, alpha[GRID + 1], z[GRID + 1]; /* alpha and z on the grid */
     pairs now, next;
-    double *points; /* times, beta, beta_t, alpha and z */
+    double *points; /* times, alpha and z */
     int64_t point_room;
 } search_of_rod;
 
@@ -50,17 +50,17 @@ static int add_pair(pairs *to, int64_t k, int64_t i, int64_t j)
     return DONE;
 }
 
-/* beta, beta_t, alpha and z of the rod at t, (4, n); of panels alpha and z alone. */
-static void read_at(const search_of_rod *s, int64_t n, const double *t, double *out)
+/* alpha and z of the rod at t, (n,). */
+static void read_at(const search_of_rod *s, int64_t n, const double *t, double *alpha, double *z)
 {
     const rods *all = s->all;
     for (int64_t i = 0; i < n && !all->orbits; i++) {
         double values[5];
         rod_orbit_at(all->panels, s->rod, t[i], values);
-        out[2 * n + i] = values[2], out[3 * n + i] = values[3];
+        alpha[i] = values[2], z[i] = values[3];
     }
     if (all->orbits)
-        rod_read(s->rod, all->orbits, all->first, all->since, all->width, all->series, n, t, out, all->lanes);
+        rod_read(s->rod, all->orbits, all->first, all->since, all->width, all->series, n, t, alpha, z, all->lanes);
 }
 
 /* Whether period k comes near the first, of which it is the screw. */
@@ -98,9 +98,9 @@ static int whole_pairs(search_of_rod *s, int64_t k, int64_t *used)
 static int middles(search_of_rod *s, int level, double size, const double **alpha, const double **z)
 {
     const int64_t n = 2 * s->now.count;
-    if (rod_roomy((void **)&s->points, &s->point_room, 5 * n, sizeof(double)))
+    if (rod_roomy((void **)&s->points, &s->point_room, 3 * n, sizeof(double)))
         return NO_MEMORY;
-    double *t = s->points, *angle = t + 3 * n, *height = t + 4 * n;
+    double *t = s->points, *angle = t + n, *height = t + 2 * n;
     *alpha = angle, *z = height;
     for (int64_t m = 0; m < n; m++) {
         const pair *p = &s->now.rows[m / 2];
@@ -112,28 +112,33 @@ static int middles(search_of_rod *s, int level, double size, const double **alph
             t[m] = ((double)v + 0.5) * size;
     }
     if (level >= 2)
-        read_at(s, n, t, t + n);
+        read_at(s, n, t, angle, height);
     return DONE;
 }
 
 /* Halves the pairs that might meet; met: whether middles do. */
 static int finer(search_of_rod *s, int level, int64_t *used, int *met)
 {
-    const double size = s->period / PARTS * ldexp(1, -level), thick = 2 * s->a;
+    const double size = s->period / PARTS * ldexp(1, -level), thick = 2 * s->a, near = thick + size;
     const double *alpha, *z;
     s->next.count = 0;
     if (middles(s, level, size, &alpha, &z))
         return NO_MEMORY;
     for (int64_t m = 0; m < s->now.count; m++) {
         const pair p = s->now.rows[m];
+        const double rise = z[2 * m + 1] + (double)p.k * s->rise - z[2 * m];
+        if (fabs(rise) > near)
+            continue;
         const double chord = 2 * sin((alpha[2 * m + 1] + (double)p.k * s->turn - alpha[2 * m]) / 2);
-        const double distance = hypot(chord, z[2 * m + 1] + (double)p.k * s->rise - z[2 * m]);
+        if (fabs(chord) > near)
+            continue;
+        const double distance = hypot(chord, rise);
         const double first = ((double)p.i + 0.5) * size, later = (double)p.k * s->period + ((double)p.j + 0.5) * size;
         if (distance < thick && later <= s->length && later - first > PI * s->a) {
             *met = 1;
             return DONE;
         }
-        if (!(distance <= thick + size && size > FINEST * s->a && level < DEEPEST))
+        if (!(distance <= near && size > FINEST * s->a && level < DEEPEST))
             continue;
         for (int child = 0; child < 4; child++) {
             const int64_t i = 2 * p.i + child / 2, j = 2 * p.j + child % 2;
@@ -178,8 +183,7 @@ static int one_rod(search_of_rod *s, int64_t *near, double *found)
     s->period = all->period[b], s->length = all->length[b], s->a = all->a[b], s->apart = all->apart[b];
     for (int i = 0; i <= GRID; i++)
         t[i] = s->period / GRID * i;
-    read_at(s, GRID + 1, t, s->rows[0]);
-    s->alpha = s->rows[2], s->z = s->rows[3];
+    read_at(s, GRID + 1, t, s->alpha, s->z);
     s->turn = s->alpha[GRID], s->rise = s->z[GRID];
     range_of(s->z, &high);
     range_of(s->alpha, &wide);
