@@ -24,6 +24,8 @@ from .observables import error_name, observe
 QUARTER = 0.25  # of the length at each end: a rod pulled only there lifts off at its ends. x10: more than the rod
 PLACES, FINER = 256, 64  # at which the push is computed in a quarter, and between two of these places. x10: only time
 
+_INSIDE = np.linspace(QUARTER, 1 - QUARTER, 34)[1:-1]  # shares of the length in its middle half. x10: only time
+
 
 def only_at_ends(sol: ShapeArrays, cases: Integers) -> Integers:
     """The computed cases, (k,), rising, on which the cylinder does not pull in their whole middle half.
@@ -31,6 +33,10 @@ def only_at_ends(sol: ShapeArrays, cases: Integers) -> Integers:
     The error of the shares is left out: it is as large as the tolerance of the solution lets it be, and would excuse
     stretches with a pull.
     """
+    if sol.trajectory.orbit is not None:  # a pull at one of these places is found sooner than by measuring
+        cases = cases[_last_pull(sol, cases, np.broadcast_to(_INSIDE, (cases.size, _INSIDE.size)), far=False) < 0]
+    if not cases.size:
+        return cases
     first, last = (_share_of_pulls(sol, cases, until) for until in (QUARTER, 1 - QUARTER))
     return np.asarray(cases[last - first <= NEGLIGIBLE])  # a stretch that is shorter, of the length, is rounding
 
@@ -145,8 +151,9 @@ def of_cases(sol: ShapeArrays, observed: Mapping[str, Any] | None = None, unit: 
     strained = _strain_words(strains, linear), strains > linear
     sure = (TIGHT, tight), (MEETS, meets == 1), (TURNED, turns_back(sol, known["height"])), strained
     for words, where in (*sure, (_lift_off(sol, known, pulled, unit), pulled), *unknown):
-        joint = np.where(text == "", "", ", ")
-        text = np.where(np.asarray(where) & sol.solved, text + joint + words, text)
+        where = np.asarray(where) & sol.solved
+        if where.any():
+            text = np.where(where, text + np.where(text == "", "", ", ") + words, text)
     return text.astype(str)
 
 
@@ -205,11 +212,11 @@ def _bend_and_tension(sol: ShapeArrays) -> tuple[Array, Array]:
 
 def _strain_words(strains: Any, linear: Any) -> Any:
     """The strain of each rod that is strained too far, in words; "" of the others. (*cases) of str objects."""
-    limits, each = np.unique(linear, return_inverse=True)
-    ends = [f" %; linear to {_round(100 * limit)} %)" for limit in limits.tolist()]
-    rows = zip(np.ravel(strains).tolist(), np.ravel(strains > linear).tolist(), each.ravel().tolist(), strict=True)
-    words = [f"{STRAINED} ({_round(100 * strain)}{ends[k]}" if far else "" for strain, far, k in rows]
-    return np.array(words, dtype=object).reshape(np.shape(strains))
+    words, far = np.full(np.shape(strains), "", dtype=object), strains > linear
+    ends = {limit: f" %; linear to {_round(100 * limit)} %)" for limit in np.unique(linear).tolist()}
+    rows = zip(strains[far].tolist(), linear[far].tolist(), strict=True)
+    words[far] = [f"{STRAINED} ({_round(100 * strain)}{ends[limit]}" for strain, limit in rows]
+    return words
 
 
 def _tight(sol: ShapeArrays, known: Mapping[str, Any]) -> tuple[Any, Any]:
