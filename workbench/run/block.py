@@ -23,7 +23,7 @@ from studies.language import expressions
 
 from ..stored import bounds
 from ..stored.boxes import Columns
-from ..stored.one_case import solve_one
+from ..stored.one_case import knows_orbit, solve_one
 from ..stored.quantity_variables import JUDGED, LOADS, curve_name, inner_shape
 from ..stored.schema import TEXTS, shapes
 from ..words import cautions, pipe_state
@@ -87,7 +87,9 @@ def block_of(study: Study, part: Chunk) -> Columns:
     if part.in_order is not None:
         return join([_columns_of(study, *part.in_order(place)) for place in range(part.start, part.stop)])
     case, why = study.case_to_solve(part.values)
-    sol = solve_one(case, study.equilibrium, study.tol, study.method, study.stations, study.let_go)
+    known = knows_orbit(study.method, batched=True) and not study.let_go
+    stations = study.stations if study.outputs or not known else 2  # numbers are measured on the orbit, not at them
+    sol = solve_one(case, study.equilibrium, study.tol, study.method, stations, study.let_go)
     return columns(study, sol, part.values, why)
 
 

@@ -31,6 +31,13 @@ def method_of(study: "Study", over: "Dimensions") -> str:
     return name
 
 
+def knows_orbit(method: str, batched: bool = False) -> bool:
+    """Whether a method knows the orbits of its rods, where numbers are measured; batched: and solves many together."""
+    from solver.methods import METHODS
+
+    return method in METHODS and METHODS[method].knows_orbit and (METHODS[method].batched or not batched)
+
+
 def rule_of(which: Which | None) -> Choose:
     """The rule by which a study takes the equilibrium of a case."""
     return NEAREST if which is None or which.rule is None else which.rule
