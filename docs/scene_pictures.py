@@ -33,7 +33,7 @@ from workbench.web.live import live_document, presets
 
 DPI = 200  # of print
 SWEEP, PAGE = "hero_sweep", "hero_page"
-HERO_SIZE, HERO_DPI = (5.375, 3.75), 160  # inches of the animated picture: as wide to its height as the other
+HERO = composition.Settings(dpi=160, size=(860, 600))  # of the animated picture: as wide to its height as the other
 # there and back: 120 frames; slow near both ends, so that nothing jumps where the loop begins again
 FORCES = [-10.0 - 25.0 * (1 - cos(pi * k / 60)) for k in range(61)]
 OWN = ("inside", "long")  # drawn as `contact`
@@ -81,7 +81,7 @@ def main(folder: str = "pictures", *only: str) -> None:
 def _draw_scene(rods: StoredStudy, path: Path) -> None:
     """Draw one scene, or the rod along the axis of the film and back."""
     if path.stem == SWEEP:
-        film.write([path], film.frames(rods, film.Film("F3", {}, dpi=HERO_DPI, size=HERO_SIZE)), back=True)
+        film.write([path], film.frames(rods, film.Film("F3", {}, settings=HERO)), back=True)
         return
     kind, axes = "contact" if path.stem in OWN else path.stem, ["F1", "F3"] if path.stem == "grid" else []
     layout.render(rods, path, None, kind, axes, settings=composition.Settings(dpi=DPI), level=9)

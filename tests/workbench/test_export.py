@@ -239,12 +239,14 @@ def test_the_mesh_is_as_near_to_the_rod_as_asked(ds, tmp_path) -> None:
     centre = rod(2e4, s).position
     for tolerance in (5e-3, 5e-4):
         path = tmp_path / f"{tolerance}.stl"
-        export(StoredStudy(ds), path, ExportOptions(SOUND, tolerance))
+        told = export(StoredStudy(ds), path, ExportOptions(SOUND, tolerance)).facts["tolerance"]
         mesh = trimesh.load(path)
-        away = cKDTree(centre).query(np.concatenate([mesh.vertices, mesh.triangles.mean(axis=1)]))[0]
+        edges = (mesh.triangles + np.roll(mesh.triangles, 1, axis=1)) / 2
+        away = cKDTree(centre).query(np.concatenate([mesh.vertices, *edges]))[0]
         inner = away > 0.2  # not the two flat ends
         off = np.abs(away[inner] - 0.25).max()
-        assert off <= tolerance
+        assert off <= 1.001 * told  # the centreline as points
+        assert told <= min(tolerance, 1.2 * off)  # what is said is a bound, and near to the truth
         assert off > tolerance / 10  # no finer than it must be
         assert len(mesh.faces) * tolerance < 40  # measured 31 at every tolerance: sides and rings each go as its root
 
@@ -255,7 +257,7 @@ def test_a_mesh_has_as_many_triangles_as_are_allowed_and_is_as_near_as_it_says(d
     facts = export(StoredStudy(ds), tmp_path / f"rod{kind}", ExportOptions(SOUND, triangles=most)).facts
     mesh = read_mesh(tmp_path / f"rod{kind}")
     assert len(mesh.faces) == facts["triangles"] <= most
-    assert facts["triangles"] > 0.9 * most or facts["tolerance"] == pytest.approx(1e-3 * 0.25)  # the default
+    assert facts["triangles"] > 0.9 * most or facts["tolerance"] <= 1e-3 * 0.25  # the default
     assert mesh.is_watertight
     if kind == ".stl":
         centre = rod(2e4, np.linspace(0, 20, 20001)).position
@@ -275,7 +277,7 @@ def test_a_rod_of_too_few_stations_is_solved_again_and_without_a_study_a_budget_
     few = ds.isel(u=slice(None, None, 8))
     done = export(StoredStudy(few), tmp_path / f"rod{kind}", ExportOptions(SOUND))
     assert done.facts["solved_at"] > few.sizes["u"]
-    assert done.facts["tolerance"] == pytest.approx(1e-3 * 0.25)
+    assert done.facts["tolerance"] <= 1e-3 * 0.25
     if kind == ".stl":
         centre = rod(2e4, np.linspace(0, 20, 20001)).position
         away = cKDTree(centre).query(read_mesh(tmp_path / "rod.stl").vertices)[0]

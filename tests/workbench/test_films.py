@@ -24,7 +24,7 @@ from workbench.figures import canvas, colours
 from workbench.geometry.centreline import TooFewStations
 from workbench.run import in_memory, writing
 from workbench.scene import film, opengl, page, scene_kinds, signs
-from workbench.scene.settings import look_of
+from workbench.scene.settings import Settings
 from workbench.stored.stored_study import StoredStudy
 
 DPI, SIZE = 50, (320, 212)  # of a scene in a frame
@@ -37,7 +37,7 @@ def ds() -> xr.Dataset:
 
 
 def plain_film() -> film.Film:
-    return film.Film("E", {}, "height", "plain", 1.0, DPI)
+    return film.Film("E", {}, "height", "plain", Settings(1.0, DPI))
 
 
 @pytest.fixture(scope="module")
@@ -105,7 +105,7 @@ def test_no_word_of_a_diagram_beside_the_rod_passes_the_edge_of_its_frame() -> N
 
 def test_the_curve_of_a_film_stands_out_from_a_dark_background() -> None:
     fig = diagram_beside_the_rod()[0]
-    page.recolour(fig, look_of("dark", "#102030", None).look)
+    page.recolour(fig, Settings(background="#102030").look)
     weights = [0.2126, 0.7152, 0.0722]
     behind, curve = (
         float(colours.linear(to_hex(shade)) @ weights) for shade in ("#102030", fig.axes[0].lines[0].get_color())
@@ -161,8 +161,7 @@ def test_scene_makes_a_film(monkeypatch) -> None:
         film_of |= {"theme": "dark", "background": "navy", "color": "gold"}
         assert asked.pop() == (Path("a.h5"), out := Path("E.mp4"), SceneOptions(**axes, **film_of, out=out))
         assert exit_status("scene", "a.h5", way, "E", "--out", "E.png", *film_options) == 2, "it would be ignored"
-    for other in (["--camera", "front"], ["--bare"], ["--axis", "E", "--along", "R"]):
-        assert exit_status("scene", "a.h5", "--out", "E.mp4", *other) == 2, "it would be ignored"
+    assert exit_status("scene", "a.h5", "--out", "E.mp4", "--axis", "E", "--along", "R") == 2, "it would be ignored"
 
 
 @draws
@@ -171,7 +170,7 @@ def test_a_film_of_a_study_needs_no_file(tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(scene_film, "MOST", 6)  # frames
     base = small.SHORT | {"beta": 0.5, "dbeta": 0.5, "M3": 0.0}
     Path("two.toml").write_text(small.text(base, small.axis("F3", [1.0, 2.0]), observables=["bends"]))
-    assert exit_status("scene", "two.toml", "-o", "two.gif", "--dpi", "30", "--pixel-error", "5") == 0
+    assert exit_status("scene", "two.toml", "-o", "two.gif", "--dpi", "50", "--pixel-error", "5") == 0
     assert Path("two.gif").stat().st_size > 0
 
 
@@ -289,7 +288,7 @@ def test_a_frame_of_samples_names_the_fields_that_change() -> None:
 def test_a_film_has_exactly_as_many_frames_as_asked_for(ds, tmp_path, stored, capsys) -> None:
     path, count = tmp_path / "film.gif", 2 if stored else 5
     writing.write(ds, tmp_path / "one.h5")
-    asked = ["scene", tmp_path / "one.h5", "-o", path, "--dpi", "30", "--kind", "plain", *stored, "--frames"]
+    asked = ["scene", tmp_path / "one.h5", "-o", path, "--dpi", "50", "--kind", "plain", *stored, "--frames"]
     assert exit_status(*asked, count) == 0
     with Image.open(path) as gif:
         lasts = [gif.seek(k) or gif.info["duration"] for k in range(gif.n_frames)]
@@ -299,6 +298,35 @@ def test_a_film_has_exactly_as_many_frames_as_asked_for(ds, tmp_path, stored, ca
     if stored:
         assert exit_status(*asked, 60, "--force") == 2
         assert "E has 3 stored values, and no cases are solved between them" in capsys.readouterr().err
+
+
+@draws
+def test_a_film_takes_the_options_of_a_still_but_two_views_and_a_transparent_background(ds, tmp_path, capsys) -> None:
+    writing.write(ds, tmp_path / "one.h5")
+
+    def last(*options: str) -> np.ndarray:
+        path = tmp_path / "film.webp"
+        asked = ["scene", tmp_path / "one.h5", "-o", path, "--stored", "--kind", "plain", "--pixel-error", "5"]
+        assert exit_status(*asked, "--force", "--size", "500x400", "--dpi", "60", *options) == 0
+        with Image.open(path) as film:
+            film.seek(film.n_frames - 1)
+            return np.asarray(film.convert("RGB"), dtype=float)
+
+    usual, end, part, bare = (
+        last(*each) for each in ([], ["--camera", "end"], ["--from", "1", "--to", "2"], ["--bare"])
+    )
+    assert usual.shape == end.shape == (400, 500, 3)
+    for other in (end, part, bare):
+        assert np.abs(usual - other).max() > 100
+    assert (bare[:20] > 250).all()  # no title
+    for refused, words in (
+        (["--camera", "sides"], "a film is seen from one side"),
+        (["--transparent"], "only a .png can have a transparent background"),
+        (["--size", "200x200"], "--size 200x200 leaves no room for the views"),
+    ):
+        asked = ["scene", tmp_path / "one.h5", "-o", tmp_path / "no.webp", "--stored", *refused]
+        assert exit_status(*asked) == 2
+        assert words in capsys.readouterr().err
 
 
 @draws
@@ -314,7 +342,7 @@ def test_a_frame_of_a_rod_that_passes_through_itself_has_the_rings_and_the_words
         return np.zeros((2, 2, 3), dtype=np.uint8)
 
     monkeypatch.setattr(page, "pixels_of", recorded)
-    list(film.frames(StoredStudy(ds), film.Film("E", {}, None, "plain", 2.0, DPI)))
+    list(film.frames(StoredStudy(ds), film.Film("E", {}, None, "plain", Settings(2.0, DPI))))
     from workbench.scene import composition, layout
 
     for (count, words), E in zip(frames, ds["E"].values, strict=True):
@@ -330,8 +358,8 @@ def test_a_frame_of_a_rod_that_passes_through_itself_has_the_rings_and_the_words
 def test_a_film_takes_the_stations_that_its_rods_need_and_a_dataset_with_too_few_makes_no_frame(tmp_path) -> None:
     study = small.study(AXIS, 'observables = ["height"]').at_stations(6)
     (tmp_path / "few.toml").write_text(dumps(study))
-    asked = ["scene", tmp_path / "few.toml", "-o", tmp_path / "film.gif", "--dpi", "30", "--frames", "3"]
+    asked = ["scene", tmp_path / "few.toml", "-o", tmp_path / "film.gif", "--dpi", "50", "--frames", "3"]
     assert exit_status(*asked) == 0
     alone = in_memory.run(study).assign_attrs(study="")
     with pytest.raises(TooFewStations, match="6 stations are too few"):
-        film.frames(StoredStudy(alone), film.Film("E", {}, "height", dpi=DPI))
+        film.frames(StoredStudy(alone), film.Film("E", {}, "height", settings=Settings(dpi=DPI)))

@@ -14,6 +14,7 @@ from tests.workbench import small
 from tests.workbench.small import axis, law
 from workbench.run import file_merge, in_memory, study_store, writing
 from workbench.stored import law_verdicts, reading
+from workbench.stored.stored_study import StoredStudy
 
 RADII = axis("R", [0.5, 0.75, 1.0])
 LAW = law("bends", "E", "falls")
@@ -79,6 +80,20 @@ def test_what_is_joined_is_what_one_run_of_all_values_stores(split: str, tmp_pat
     assert (done["axis"], done["values"], done["cases"]) == ("E", len(union), 3 * len(union))
     with xr.open_dataset(tmp_path / "all.h5") as merged:
         assert_same(merged.load(), one_by_one(axis("E", union) + RADII + LAW))
+
+
+def test_a_file_that_is_merged_is_not_replaced_unless_that_is_asked_for(tmp_path) -> None:
+    files = stored(tmp_path, *(by_the_orbit(axis("E", row)) for row in ([1e4, 2e4], [3e4, 4e4])))
+    before = files[0].read_bytes()
+    with pytest.raises(InputError, match="is one of the files that are merged: give another name, or --force"):
+        file_merge.merge(files, files[0])
+    assert files[0].read_bytes() == before
+    assert file_merge.merge(files, files[0], force=True)["values"] == 4
+
+
+def test_a_file_of_another_kind_says_that_it_has_no_cases() -> None:
+    with pytest.raises(InputError, match="the dataset is a fold map, which has no cases"):
+        _ = StoredStudy(xr.Dataset({"region_at": ("x", [0])})).cases
 
 
 @pytest.mark.parametrize("name", slow_but(AXES, "R"))

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
 from PIL import Image
 
 from solver import Case, Cylinder, Ends, InputError, Rod, solve
@@ -26,7 +27,7 @@ from workbench.geometry.refinement import push_along
 from workbench.run import in_memory, in_order, writing
 from workbench.scene import opengl, signs
 from workbench.scene.body import read
-from workbench.scene.scene_kinds import LET_GO, NOTE, RELEASED, SIDES_OF_RELEASE, kind_of
+from workbench.scene.scene_kinds import LET_GO, NOTE, OFF_WALL, RELEASED, SIDES_OF_RELEASE, kind_of
 from workbench.scene.settings import Settings
 from workbench.stored import reading, solved_again
 from workbench.stored.stored_study import StoredStudy
@@ -191,6 +192,25 @@ def test_the_frames_of_a_film_are_at_the_pace_of_the_stored_rods_and_kept_when_i
     assert (np.diff(cases["FZ"].values) > 0).all()
     again = StoredStudy(cases.ds.isel(FZ=3)).solution
     np.testing.assert_allclose(again.z, cases["z"].values[3], atol=0.02)
+
+
+def test_rods_on_the_wall_are_kept_for_a_film_as_they_are_solved(tmp_path: Path) -> None:
+    study = small.study(small.axis("E", np.linspace(1e4, 2e4, 20).tolist()))
+    told = []
+
+    def run(stop: int) -> xr.Dataset:
+        def step(*said) -> None:
+            told.append(said[1:])
+            if said[1] == stop:
+                raise KeyboardInterrupt
+
+        return in_order.run_in_order(study, tmp_path / "film.parts", step)
+
+    with pytest.raises(KeyboardInterrupt, match=r"8 of 20 rods are kept in .*run the same command again to continue"):
+        run(8)
+    ds, whole = run(20), in_memory.run(study)
+    assert told == [(0, 20), (8, 20), (8, 20), (16, 20)]
+    np.testing.assert_allclose(ds["beta"], whole["beta"], atol=1e-9)
 
 
 def test_a_change_of_the_energy_is_told_in_as_many_digits_as_show_it() -> None:
@@ -411,6 +431,19 @@ def test_the_signs_of_the_legend_are_drawn_as_the_marks_of_the_picture() -> None
     assert force[force[:, 0].argmax()].tolist() == [1, 0]  # the head is at the end
 
 
+def test_the_sign_of_a_hidden_stretch_is_no_swatch_and_the_size_of_a_long_gap_stands_within_it() -> None:
+    hidden, off = (signs.legend_sign(sign, "") for sign in (signs.OUTLINE, OFF_WALL))
+    assert type(hidden) is not type(off)  # they are told apart in grey, too
+    fig = Figure(figsize=(4, 4))
+    ax = fig.add_axes((0, 0, 1, 1))
+    ax.set(xlim=(0, 4), ylim=(4, 0))
+    for places, within in (([[2.0, 1.0], [1.5, 3.0]], True), ([[2.0, 1.0], [2.0, 1.2]], False)):
+        signs.draw_mark(ax, np.array(places), signs.GAP, "994 mm")
+        x, y = ax.texts[-1].get_position()
+        assert ((x, y) == (1.75, 2.0)) == within
+        assert within or y < 1.0  # behind the wall
+
+
 def places_of_arrow(page: Any, words: str) -> tuple[Any, Any]:
     """Start and tip of the mark with these words, in inches of the panel."""
     texts = page.ax.texts
@@ -454,7 +487,7 @@ def test_a_film_of_letting_go_begins_on_the_cylinder_ends_at_rest_and_says_how_i
 def test_a_film_of_letting_go_is_made_by_one_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     Path("rod.toml").write_text(STUDY, encoding="utf-8")
-    look = ["--kind", "let-go", "--frames", "3", "--dpi", "30", "--pixel-error", "5"]
+    look = ["--kind", "let-go", "--frames", "3", "--dpi", "50", "--pixel-error", "5"]
     assert exit_status("scene", "rod.toml", "-o", "rod.gif", *look) == 0
     with Image.open("rod.gif") as gif:
         assert gif.n_frames == 3

@@ -70,11 +70,11 @@ def test_the_rod_of_the_readme_is_one_that_can_be_and_slows_down_where_its_loop_
 
 @draws
 def test_the_frames_have_one_camera_one_scale_and_a_value_that_changes() -> None:
-    shown = film.Film("F3", {}, dpi=100, size=scene_pictures.HERO_SIZE)
+    shown = film.Film("F3", {}, settings=scene_pictures.HERO)
     first, last = (frame.astype(float) / 255 for frame in film.frames(hero().select({"F3": [0, -1]}), shown))
-    top, foot = round(100 * film.TOP), round(100 * film.FOOT)
+    top, foot = round(160 * film.TOP), round(160 * film.FOOT)
     np.testing.assert_array_equal(first[-foot:], last[-foot:])  # the scale of colours
-    assert np.abs(first[:30] - last[:30]).max() > 0.5  # the value
+    assert np.abs(first[:48] - last[:48]).max() > 0.5  # the value
     views = [frame[top:-foot] for frame in (first, last)]
     walls = [(view.min(axis=-1) < 0.9).any(axis=0).nonzero()[0][[0, -1]] for view in views]
     np.testing.assert_array_equal(*walls)  # the ends of the cylinder stay

@@ -120,7 +120,8 @@ def test_a_stable_shape_of_a_slender_wire_is_found_again() -> None:
 @draws
 def test_a_dot_moves_in_the_diagram_of_the_branches_and_the_rod_beside_it(stored, way) -> None:
     ds = snap.evenly(snap.as_dataset(stored, way), 3).assign_attrs({scene_kinds.NOTE: study_scene.MOTION})
-    frames = list(film.frames(StoredStudy(ds), film.Film("FZ", {}, "height", "plain", 1.0, 50, branches=stored)))
+    shown = film.Film("FZ", {}, "height", "plain", Settings(1.0, 50), branches=stored)
+    frames = list(film.frames(StoredStudy(ds), shown))
     assert len({frame.shape for frame in frames}) == 1
     blue = [np.argwhere((frame[..., 2] > 100) & (frame[..., 0] < 80) & (frame[..., 1] < 120)) for frame in frames]
     middles = np.array([places.mean(axis=0) for places in blue])

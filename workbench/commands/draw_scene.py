@@ -43,7 +43,6 @@ def scene(
     file without a study has too few stations for --pixel-error.
     """
     from ..scene import film
-    from ..scene.settings import check, color_range_of, look_of, size_of
     from ..stored import reading
     from ..stored.stored_case import is_study
     from ..stored.stored_study import StoredStudy
@@ -58,12 +57,8 @@ def scene(
     if is_stored and reading.kind_of_file(file).figure == scene_branches.RODS:
         return scene_branches.scene_of(file, StoredStudy(reading.read(file, study=False)), wanted)
     if out is not None and suffix in film.SUFFIXES:
-        several = len({*wanted.axes, wanted.along} - {None}) > 1
-        if alien := [*wanted.of_picture, *(["several axes"] if several else [])]:
-            raise InputError(
-                "a film takes one --axis, --at, --kind, --show, --fps, --frames, --stored, --pixel-error, "
-                f"--dpi, --theme, --background and --color alone, got {choices(alien)}"
-            )
+        if len({*wanted.axes, wanted.along} - {None}) > 1:
+            raise InputError(f"a film runs along one axis, got {choices([*wanted.axes, wanted.along])}")
         return scene_film.film_of(file, out, wanted)
     not_on_page = {
         f"--kind {wanted.kind}": wanted.kind not in (None, PAGE_KIND, "equilibria"),
@@ -77,17 +72,7 @@ def scene(
             f"an {PAGE} file shows the kind {PAGE_KIND} of all cases that --at leaves, without {choices(alien)}, "
             "for pictures alone, .png and .jpg"
         )
-    settings = replace(
-        look_of(wanted.theme, wanted.background, wanted.color),
-        pixel_error=wanted.pixel_error,
-        dpi=wanted.dpi or DPI,
-        camera=wanted.camera,
-        color_range=color_range_of(wanted.color_range),
-        bare=wanted.bare,
-        transparent=wanted.transparent,
-        size=size_of(wanted.size),
-    )
-    check(settings)
+    settings = wanted.settings(DPI)
     study, rods = study_scene.open_rods(file)
     where = axis_values(rods, wanted.at)
     if out is not None and suffix == PAGE:
@@ -130,10 +115,6 @@ def _pictures(
         return result_of_files([], warnings=[advice], status=1)
     from ..figures import canvas
     from ..scene import layout
-
-    if wanted.low is not None or wanted.high is not None:
-        high = float(rods["s"].max()) if wanted.high is None else wanted.high
-        settings = replace(settings, span=(wanted.low or 0.0, high))
 
     def draw(rods: "StoredStudy", strict: bool) -> "Page":
         if frames_of:

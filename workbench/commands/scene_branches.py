@@ -15,20 +15,18 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from ..scene.page import Page
-    from ..scene.settings import Settings
     from ..stored.stored_study import StoredStudy
 
 RODS, SNAP = "branches", "snap"  # kinds of scene of such a file
 FRAMES = 144  # of a film of a snap
 MOST = 9  # rods of a picture
-DPI, FILM_DPI = 200, 160
+DPI = 200
 SUFFIXES = (".png",)
 
 
 def scene_of(file: Path, stored: "StoredStudy", wanted: SceneOptions) -> Result:
     """Draw a file of branches, or film the snap of one of its rods. Raises `InputError`."""
     from ..scene import film
-    from ..scene.settings import look_of
 
     out = wanted.out
     is_film = out is not None and out.suffix.lower() in film.SUFFIXES
@@ -45,32 +43,29 @@ def scene_of(file: Path, stored: "StoredStudy", wanted: SceneOptions) -> Result:
         "--stored": wanted.stored,
         "{} in --out": out is not None and "{" in out.name,
     }
-    if alien := [*(name for name, value in given.items() if value), *wanted.of_picture]:
+    if alien := [*(name for name, value in given.items() if value), *([] if is_film else wanted.of_picture)]:
         axis = stored.attrs["axis"]
         raise InputError(
             f"a scene of branches takes no {choices(alien)}: store the rods at one value of {axis}, or another "
             f"diagram, with workbench equilibria, --{axis} VALUE or --show OBSERVABLE, and --out FILE"
         )
-    look = look_of(wanted.theme, wanted.background, wanted.color)
     if out is not None and is_film:
-        return _film(file, stored, out, wanted, look)
-    return _picture(file, stored, wanted, look)
+        return _film(stored, out, wanted)
+    return _picture(file, stored, wanted)
 
 
-def _picture(file: Path, stored: "StoredStudy", wanted: SceneOptions, look: "Settings") -> Result:
+def _picture(file: Path, stored: "StoredStudy", wanted: SceneOptions) -> Result:
     """Draw the stable rods of branches below their diagram."""
     from studies.grammar.axes import in_words
 
     from ..branches import snap
     from ..figures import bifurcation, canvas
     from ..scene import branch_rods, film, opengl
-    from ..scene.settings import check
     from ..stored.enough_stations import at_needed_stations
     from ..stored.stored_study import StoredStudy
     from . import study_scene
 
-    settings = replace(look, pixel_error=wanted.pixel_error, dpi=wanted.dpi or DPI)
-    check(settings)
+    settings = wanted.settings(DPI)
     suffixes = (*SUFFIXES, *film.SUFFIXES)
     path = check_file(wanted.out or file.with_name(f"{file.stem}_scene.png"), suffixes, wanted.force)
     able, advice = opengl.probe()
@@ -103,15 +98,17 @@ def _picture(file: Path, stored: "StoredStudy", wanted: SceneOptions, look: "Set
     return result_of_files([path], [f"{path}, solved at {stations} stations{count}"], warnings)
 
 
-def _film(file: Path, stored: "StoredStudy", out: Path, wanted: SceneOptions, look: "Settings") -> Result:
+def _film(stored: "StoredStudy", out: Path, wanted: SceneOptions) -> Result:
     """Film a rod whose load is changed until it snaps, beside the diagram of its branches."""
     from ..branches import snap
     from ..scene import film, opengl, scene_kinds
+    from ..scene.settings import check_name
     from ..stored.stored_study import StoredStudy
-    from . import study_scene
+    from . import scene_film, study_scene
 
     fps = film.FPS if wanted.fps is None else wanted.fps
-    path = check_file(out, film.SUFFIXES, wanted.force)
+    path, settings = check_file(out, film.SUFFIXES, wanted.force), wanted.settings(scene_film.DPI)
+    check_name(path, settings)
     film.check_counts(wanted.frames, fps)
     film.check_writers([path])
     able, advice = opengl.probe()
@@ -121,7 +118,7 @@ def _film(file: Path, stored: "StoredStudy", out: Path, wanted: SceneOptions, lo
     said = f"where the rod snaps: {study_scene.MOTION}"
     rods = StoredStudy(shapes.assign_attrs({scene_kinds.NOTE: said}))
     axis, shown = str(stored.attrs["axis"]), str(stored.attrs["shown"])
-    of = film.Film(axis, {}, shown, "plain", wanted.pixel_error, wanted.dpi or FILM_DPI, settings=look, branches=stored)
+    of = film.Film(axis, {}, shown, "plain", settings, branches=stored)
     with console.progress(rods.sizes[axis], lines=True) as step:
         film.write([path], film.frames(rods, of, step), fps, stay=0.0 if wanted.frames else film.HOLD)
     return result_of_files([path], [f"{path}: {rods.sizes[axis]} shapes, {said}, {fps:g} frames per second"])

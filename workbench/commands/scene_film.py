@@ -40,20 +40,19 @@ def film_of(file: Path, out: Path, wanted: SceneOptions) -> Result:
     from ..run import shards
     from ..scene import film, opengl
     from ..scene.scene_kinds import LET_GO, kind_of
-    from ..scene.settings import check, look_of
+    from ..scene.settings import check_name
     from ..stored.enough_stations import at_needed_stations
     from . import study_scene
 
     fps, kind = film.FPS if wanted.fps is None else wanted.fps, wanted.kind or "contact"
-    path = check_file(out, film.SUFFIXES, wanted.force)
+    path, settings = check_file(out, film.SUFFIXES, wanted.force), wanted.settings(DPI)
+    check_name(path, settings)
     film.check_counts(wanted.frames, fps)
     film.check_writers([path])
     rods = study_scene.open_rods(file, whole=kind != LET_GO)[1]
     rods.check_any_solved()
     where = axis_values(rods, wanted.at)
-    look = look_of(wanted.theme, wanted.background, wanted.color)
-    check(look)
-    shown = film.Film("", where, None, kind, wanted.pixel_error, wanted.dpi or DPI, settings=look)
+    shown = film.Film("", where, None, kind, settings)
     if kind == LET_GO:
         cases = _of_motion(rods, shown, wanted)
     else:
@@ -71,7 +70,8 @@ def film_of(file: Path, out: Path, wanted: SceneOptions) -> Result:
 
         pictures = at_needed_stations(rods, solve, frames)[0]
         film.write([path], pictures, fps, each, stay=0.0 if wanted.frames else film.HOLD)
-    shards.clear(shards.folder_of(path))
+    for folder in _folders(path):
+        shards.clear(folder)
     return result_of_files([path], [f"{path}: {count} {said}, {fps:g} frames per second"])
 
 
@@ -97,11 +97,10 @@ def _along_axis(
     file: Path, out: Path, rods: "StoredStudy", shown: "Film", wanted: SceneOptions
 ) -> Callable[[float], Cases]:
     """The cases along an axis as frames: between those of a study others are solved, as many as let the rod move
-    smoothly, and those off the wall are kept beside the film until it is written.
+    smoothly, and they are kept beside the film until it is written.
 
     Raises `InputError` where the axis is not known, and for a kind that makes no film.
     """
-    from ..run import shards
     from ..run.in_order import run_in_order
     from ..scene import film, scene_kinds
     from . import study_scene
@@ -120,14 +119,21 @@ def _along_axis(
             if rods.leaves:
                 console.warn(ONE_BY_ONE)
             with console.progress(wanted.frames or MOST, lines=True) as step:
-                run_free = partial(run_in_order, folder=shards.folder_of(out), step=step)
-                more = study_scene.film_cases(*solving, run_free)
+                run_first, run = (partial(run_in_order, folder=folder, step=step) for folder in _folders(out))
+                more = study_scene.film_cases(*solving, run, run_first)
         if more is not None:
             return more, replace(shown, at={}), "cases, solved for this film", 1
         each = 1 if wanted.frames else max(round(STAYS * fps), 1)
         return rods, replace(shown, count=wanted.frames), "stored cases", each
 
     return cases
+
+
+def _folders(out: Path) -> list[Path]:
+    """Where the cases that tell the pace of a film are kept, and its own."""
+    from ..run import shards
+
+    return [shards.folder_of(path) for path in (out.with_stem(f"{out.stem}_pace"), out)]
 
 
 def _axis_left(file: Path, rods: "StoredStudy", at: Mapping[str, float]) -> str:

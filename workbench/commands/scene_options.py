@@ -1,10 +1,14 @@
 """The options of the command scene: one record, of which pictures, pages and films each take their part."""
 
 from dataclasses import dataclass
+from math import inf
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from .options import At, ForceOutput, PixelError, flag, number_option, option
+
+if TYPE_CHECKING:
+    from ..scene.settings import Settings
 
 
 @dataclass(frozen=True)
@@ -33,7 +37,7 @@ class SceneOptions:
     pixel_error: PixelError = 0.5
     dpi: Annotated[
         int | None,
-        option("DPI", "Resolution [pixels/inch]; default: 200, 1600 pixels of width for one case; of a film 160."),
+        option("DPI", "Resolution [pixels/inch]; default: 200, of a film 160."),
     ] = None
     camera: Annotated[
         str | None,
@@ -47,7 +51,8 @@ class SceneOptions:
         str | None, option("LOW,HIGH", "Values at the ends of the colour bar; default: the extremes of the rods.")
     ] = None
     size: Annotated[
-        str | None, option("WIDTHxHEIGHT", "Size of the picture in pixels; default: as high as what it shows.")
+        str | None,
+        option("WIDTHxHEIGHT", "Size in pixels; default: as high as what a picture shows, of a film 1280x720."),
     ] = None
     bare: Annotated[bool, flag("Draw the views alone: no words, no bars.", "--bare")] = False
     transparent: Annotated[bool, flag("Leave the background transparent (.png).", "--transparent")] = False
@@ -91,7 +96,7 @@ class SceneOptions:
 
     @property
     def of_picture(self) -> list[str]:
-        """The options for pictures alone that were given."""
+        """The options that were given and that neither a page nor a picture of branches takes."""
         given = {
             "--from": self.low is not None,
             "--to": self.high is not None,
@@ -102,6 +107,26 @@ class SceneOptions:
             "--size": self.size is not None,
         }
         return [name for name, is_given in given.items() if is_given]
+
+    def settings(self, dpi: int) -> "Settings":
+        """How it is drawn; dpi: where none was given. Raises `InputError` for an invalid option."""
+        from ..scene.settings import Settings, check, color_of, color_range_of, size_of
+
+        settings = Settings(
+            pixel_error=self.pixel_error,
+            dpi=self.dpi or dpi,
+            span=None if self.low is self.high is None else (self.low or 0.0, inf if self.high is None else self.high),
+            camera=self.camera,
+            color_range=color_range_of(self.color_range),
+            bare=self.bare,
+            transparent=self.transparent,
+            size=size_of(self.size),
+            theme=self.theme,
+            background=color_of("--background", self.background),
+            color=color_of("--color", self.color),
+        )
+        check(settings)
+        return settings
 
     @property
     def of_film(self) -> tuple[bool, ...]:

@@ -135,12 +135,13 @@ def film_cases(
     observable: str,
     most: int,
     count: int | None = None,
-    run_free: Callable[[Study], xr.Dataset] = in_memory.run,
+    run: Callable[[Study], xr.Dataset] = in_memory.run,
+    run_first: Callable[[Study], xr.Dataset] = in_memory.run,
 ) -> StoredStudy | None:
     """The cases of a film along an axis, at most so many: as many as let no rod move far from one to the next.
 
     count: so many cases, at an even pace of the rod. Rods off the wall may take seconds each, so between two stored
-    ones their pace is taken as even, and run_free solves them.
+    ones their pace is taken as even. run: solves the cases, and run_first those from which the pace of others is found.
     None for a dataset whose cases a study does not give at any value of the axis. Raises `InputError` of the solver.
     """
     if not is_whole(stored):
@@ -163,12 +164,12 @@ def film_cases(
         line = stored.select({name: i for name, i in stored.place(at).items() if name != axis}).ds
         if {"alpha", "z", "radius"} <= {*line.variables} and bool(line["solved"].all()):
             first, values = line.sortby(axis), np.sort(line[axis].values)
-    first = in_memory.run(through(values)) if first is None else first
+    first = run_first(through(values)) if first is None else first
     steps = np.clip(np.nan_to_num(StoredStudy(first).moves(axis)), 0.02 * STEP, JUMP)
     way = np.append(0.0, np.cumsum(steps))
     count = count or int(np.clip(np.ceil(way[-1] / STEP), LEAST, most))
     moved = through(np.interp(np.linspace(0, way[-1], count), way + 1e-9 * np.arange(values.size), values))
-    cases = (run_free if lean.leaves else in_memory.run)(moved)
+    cases = run(moved)
     spacing = "geometric" if stored.is_logarithmic(axis) else "linear"  # the scale of the axis, not of the motion
     return StoredStudy(cases.assign_coords({axis: cases[axis].assign_attrs(spacing=spacing)}))
 

@@ -18,7 +18,7 @@ def write(path: Path, rod: ExportedRod) -> dict[str, Any]:
     """
     import trimesh
 
-    mesh, s = tube(rod)
+    mesh, s, off = tube(rod)
     rgba = np.round(255 * np.append(rod.shades(rod.line.push(s)), np.ones((s.size, 1)), axis=1)).astype(np.uint8)
     surface = trimesh.Trimesh(
         mesh.points[:, [1, 2, 0]],
@@ -36,7 +36,7 @@ def write(path: Path, rod: ExportedRod) -> dict[str, Any]:
     else:
         files = trimesh.exchange.gltf.export_gltf(scene, embed_buffers=True, **options)
         path.write_bytes(files["model.gltf"])
-    return {"triangles": len(mesh.triangles)}
+    return {"triangles": len(mesh.triangles), "tolerance": off}
 
 
 def _with_material(tree: dict[str, Any]) -> None:

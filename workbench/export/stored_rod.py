@@ -198,7 +198,7 @@ def _write(path: Path, rod: ExportedRod, format: Format, force: bool) -> tuple[d
         if finding.tight or not options.overlap:
             also = "" if finding.tight else ", --overlap the solid all the same"
             raise InputError(f"no solid: {finding.sentence}; --centreline writes the curve alone{also}")
-    return {**_write_file(path, rod, format, force), **facts}, [finding.sentence for finding in faults]
+    return {**facts, **_write_file(path, rod, format, force)}, [finding.sentence for finding in faults]
 
 
 def _own_error(rod: ExportedRod) -> float:

@@ -19,6 +19,11 @@ LONGEST = 2.0  # radii between rings, so that the colours change where the push 
 STL_HEADER = b"rod workbench"  # not the word solid, with which an STL file of text begins
 STL_PART = 100_000  # triangles that are written at a time
 NEAR = 1e-3  # of the rod's radius: the default tolerance
+ROUNDS, CLOSER = (
+    9,
+    0.85,
+)  # how often rings are set closer, where diagonals cut off more than is allowed, and by how much
+BETWEEN = 9  # places from ring to ring at which it is read how much the rod bends
 
 
 def near(line: Centreline) -> float:
@@ -26,21 +31,44 @@ def near(line: Centreline) -> float:
     return NEAR * line.a
 
 
-def tube(rod: ExportedRod) -> tuple[Mesh, Array]:
+def tube(rod: ExportedRod) -> tuple[Mesh, Array, float]:
     """The tube about the whole rod, nowhere farther than its tolerance [length] from the true surface.
 
     A rod with an inner radius has its bore. Its sections are polygons with the area of the circle, so that the volume
-    is the rod's. Returns with it the arc length of each point, (m,). Raises `InputError` for a rod that would need more
-    than `MOST_TRIANGLES`.
+    is the rod's. Returns with it the arc length of each point, (m,), and what `off_by` says of it. Raises `InputError`
+    for a rod that would need more than `MOST_TRIANGLES`.
     """
     line, (s, sides) = rod.line, _rings(rod.line, rod.tolerance, rod.options.triangles)
-    x = 2 * np.pi / sides
-    larger = np.sqrt(x / np.sin(x))
+    larger, off = _larger(sides), off_by(line, s, sides)
     if line.bore:
         mesh = tubes.hollow(line.frame(s), line.a * larger, line.bore * larger, sides)
-        return mesh, np.tile(np.repeat(s, sides), 2)
+        return mesh, np.tile(np.repeat(s, sides), 2), off
     mesh = tubes.mesh(line.frame(s), line.a * larger, sides, sharp=False)
-    return mesh, tubes.at_points(s, sides, sharp=False)
+    return mesh, tubes.at_points(s, sides, sharp=False), off
+
+
+def _larger(sides: int) -> float:
+    """The radius of the corners of a polygon with the area of a circle, in its radii."""
+    x = 2 * np.pi / sides
+    return float(np.sqrt(x / np.sin(x)))
+
+
+def off_by(line: Centreline, s: Array, sides: int) -> float:
+    """A bound on the distance of a mesh from the true surface [length], from its rings s (n,) and its sides.
+
+    A chord of h on a surface line of curvature c is off by c h^2/8 at most: inward on the outer side of a bend, where
+    the diagonals cut off most, and outward on its inner side, beside the corners.
+    """
+    h, x, beyond = np.diff(s), 2 * np.pi / sides, line.a * (_larger(sides) - 1)
+    share = np.linspace(0, 1, BETWEEN)[:, None]
+    kappa = line.kappa((s[:-1] + h * share).ravel()).reshape(BETWEEN, -1)
+    green = np.minimum(share, share.T) * (1 - np.maximum(share, share.T)) / (BETWEEN - 1)  # of a chord, 1/8 in all
+    chord, outer = ((green @ bent).max(axis=0) * h**2 for bent in (kappa, kappa * (1 + kappa * line.a)))
+    _, _, out, across = line.frame(s)
+    turned = np.arcsin(np.clip(np.einsum("ij,ij->i", out[1:], across[:-1]), -1, 1))
+    around = np.maximum(np.maximum(np.abs(x + turned), np.abs(turned)), x)  # a diagonal, an edge along, one across
+    inward = outer + (line.a + beyond) * around**2 / 8 - beyond
+    return float(max(inward.max(), chord.max() + beyond)) + line.error
 
 
 def _rings(line: Centreline, tolerance: float, budget: int | None) -> tuple[Array, int]:
@@ -60,7 +88,13 @@ def _rings(line: Centreline, tolerance: float, budget: int | None) -> tuple[Arra
 
     longest = LONGEST * line.a * (1.0 if budget is None else max(np.sqrt(tolerance / near(line)), 1.0))
     ends = float(line.s[0]), float(line.s[-1])
-    return place_rings(line, ends, tolerance / 2, check, longest=longest), sides
+    asked = tolerance
+    for _ in range(ROUNDS):
+        s = place_rings(line, ends, asked / 2, check, longest=longest)
+        asked *= CLOSER
+        if off_by(line, s, sides) <= tolerance:
+            break
+    return s, sides
 
 
 def _triangles(line: Centreline, rings: int, sides: int) -> int:
@@ -95,9 +129,9 @@ def within(line: Centreline, budget: int) -> float:
 
 def write(path: Path, rod: ExportedRod) -> dict[str, Any]:
     """Write binary STL (single precision) or OBJ (full precision, with normals), by the suffix; neither has units."""
-    mesh, _ = tube(rod)
+    mesh, _, off = tube(rod)
     (_write_stl if path.suffix.lower() == ".stl" else _write_obj)(path, mesh)
-    return {"triangles": len(mesh.triangles)}
+    return {"triangles": len(mesh.triangles), "tolerance": off}
 
 
 def _write_stl(path: Path, mesh: Mesh) -> None:

@@ -45,6 +45,10 @@ def merge(files: Sequence[Path], out: Path, force: bool = False) -> dict[str, An
     """Merge the files into `out`; what it holds as plain data. Raises `InputError`, and then stores nothing."""
     if len(files) < 2:
         raise InputError(f"merge takes two files or more, got {len(files)}")
+    if not force and any(out.exists() and out.samefile(path) for path in files if path.exists()):
+        raise InputError(
+            f"--out {out} is one of the files that are merged: give another name, or --force to replace it"
+        )
     with contextlib.ExitStack() as stack:
         opened = [_with_results_as_data(stack.enter_context(reading.open_study(path, whole=True))) for path in files]
         studies = [solved_again.study_of(ds) for ds in opened]

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -230,7 +231,8 @@ def read(
         forces = [(float(s), float(force)) for s, force in zip(*pairs, strict=True) if np.isfinite(s)]
     if isinstance(line, varying_lines.FreeLine):
         line = replace(line, edges=np.array([s for s, _ in forces]))
-    drawn = span or (float(line.s[0]), float(line.s[-1]))
+    low, high = span or (float(line.s[0]), inf)
+    drawn = low, (high if high < inf else float(line.s[-1]))
     return Body(line, drawn, kind.value_in(stored.units), gamma, caution, point_forces=forces)
 
 
@@ -241,10 +243,10 @@ def of_case(
     if not stored["solved"].isel(dict(where)):
         return None, str(stored["outcome"].isel(dict(where)).values)
     body = read(stored, where, kind, span)
-    if span and not 0 <= span[0] < span[1] <= body.line.L * (1 + 1e-9):
+    if span and not 0 <= span[0] < body.span[1] <= body.line.L * (1 + 1e-9):
         raise InputError(
-            f"no part from {span[0]:g} to {span[1]:g} on a rod of length {body.line.L:g}: give --from and --to with "
-            "0 <= from < to <= L"
+            f"no part from {span[0]:g} to {body.span[1]:g} on a rod of length {body.line.L:g}: give --from and "
+            "--to with 0 <= from < to <= L"
         )
     return body, ""
 

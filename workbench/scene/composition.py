@@ -128,8 +128,7 @@ def words_of(scene: Scene) -> tuple[list[tuple[str, str]], list[str]]:
     warnings = impossible(scene.bodies, bool(ringed)) if scene.kind.cells != "together" else []
     if len(scene.context) > len(scene.bodies) and any(impossible([body], bool(ringed)) for body in scene.context):
         warnings = warnings or ["\N{ZERO WIDTH SPACE}"]  # the views of the pictures along an axis stand at one place
-    along = [f"seen along the axis from s = 0, α = 0 {'down' if scene.down is not None else 'up'}"]
-    return legend, [*along * scene.camera.is_end_view, *scene.notes, *warnings]
+    return legend, [*scene.seen_along, *scene.notes, *warnings]
 
 
 def rings_in_words(views: Sequence[View], camera: Camera) -> str:
@@ -166,14 +165,19 @@ def room_of(scene: Scene) -> tuple[float, float]:
 
 
 def _room_on(draft: Page) -> tuple[float, float]:
-    room, dpi = draft.room(), draft.scene.settings.dpi
+    room = draft.room()
+    check_room(room, draft.scene.page_size, draft.scene.settings.dpi)
+    return room
+
+
+def check_room(room: tuple[float, float], size: tuple[float, float], dpi: int) -> None:
+    """Raise `InputError` where views have no room on a page or a frame of this size; both in inches."""
     if min(room) < page.LEAST:
-        pixels = "x".join(f"{side * dpi:.0f}" for side in draft.scene.page_size)
+        pixels = "x".join(f"{side * dpi:.0f}" for side in size)
         raise InputError(
             f"--size {pixels} leaves no room for the views beside the words at {dpi} dots per inch: give "
             "a larger size, fewer --dpi, or --bare"
         )
-    return room
 
 
 def _bare(scene: Scene) -> Scene:

@@ -35,7 +35,7 @@ from . import long_rod, page, scene_kinds, signs
 from .page import Page, Pixels, Scene
 from .scene_kinds import Cell
 from .settings import DEFAULT, Settings
-from .views import View, camera_before, ends_of, gravity
+from .views import View, camera_before, ends_of, gravity, one_view_of
 
 SUFFIXES = (".mp4", ".webp", ".gif")
 SIZE = (8.0, 4.5)  # of a frame
@@ -65,12 +65,8 @@ class Film:
         The observable whose curve grows; None: no diagram.
     kind
         A kind of scene that shows one case.
-    pixel_error, dpi
-        As of a scene.
-    size
-        Width and height of a frame.
     settings
-        What else the pictures have, as of a scene: its look.
+        As of a scene, seen from one side.
     branches
         A file of branches, in whose diagram a dot moves; default: the curve of the observable grows.
     count
@@ -81,12 +77,15 @@ class Film:
     at: dict[str, float]
     observable: str | None = None
     kind: str = "contact"
-    pixel_error: float = 0.5
-    dpi: int = 160
-    size: tuple[float, float] = SIZE
-    count: int | None = None
     settings: Settings = DEFAULT
+    count: int | None = None
     branches: StoredStudy | None = None
+
+    @property
+    def size(self) -> tuple[float, float]:
+        """Width and height of a frame [inch]."""
+        wide, high = self.settings.size or np.array(SIZE) * self.settings.dpi
+        return float(wide / self.settings.dpi), float(high / self.settings.dpi)
 
 
 def observable_of(
@@ -113,10 +112,11 @@ def observable_of(
 
 
 def cases_of(stored: StoredStudy, film: Film) -> list[dict[str, int]]:
-    """The indices of each frame's case. Raises `InputError` for a kind or an axis that makes no film."""
+    """The indices of each frame's case. Raises `InputError` for a kind, a camera or an axis that makes no film."""
     single = [*(kind.name for kind in scene_kinds.TABLE if kind.cells == "one"), scene_kinds.LET_GO]
     if scene_kinds.kind_of(film.kind).cells != "one":
         raise InputError(f"a frame shows one case, so --kind is one of {choices(single)}, not {film.kind!r}")
+    one_view_of(film.settings.camera, "a film")
     cases = stored.places(film.axis, film.at)
     if film.branches is not None:  # the load falls and rises as the rod goes its way
         cases.sort(key=lambda where: where[film.axis])
@@ -156,27 +156,21 @@ def frames(
     A case without a shape shows its outcome in place of the rod. step: called with a text as each frame begins. Before
     the first it raises `InputError` where no case has a shape, and `TooFewStations` as of `Settings`; strict: its own.
     """
-    from . import composition  # VTK, which ends the process where OpenGL does not work
+    from . import composition, layout  # VTK, which ends the process where OpenGL does not work
 
-    kind, cases = scene_kinds.kind_of(film.kind), cases_of(stored, film)
-    each = [rods.of_case(stored, where, kind)[0] for where in cases]
+    kind, cases, chosen = scene_kinds.kind_of(film.kind), cases_of(stored, film), film.settings
+    each = [rods.of_case(stored, where, kind, chosen.span)[0] for where in cases]
     down = gravity(stored, {name: i for name, i in cases[0].items() if name != film.axis})
-    context = long_rod.in_view([body for body in each if body], down, FILMED)
+    context = layout.in_view([body for body in each if body], down, chosen, FILMED)
     if not context:
         raise InputError(f"no case along {film.axis} has a shape: there is nothing to show")
     fitted = iter(context)
     bodies = [next(fitted) if body else None for body in each]
-    camera, sides, lying = camera_before(context, None, down)
+    camera, sides, lying = camera_before(context, chosen.camera, down)
     turned, ends, (wide, high) = -np.radians(sides[0][0]), ends_of(context), _room(film, lying)
-    settings = replace(
-        film.settings,
-        pixel_error=film.pixel_error,
-        dpi=film.dpi,
-        bare=True,
-        strict=strict,
-        samples=SAMPLES,
-        size=(round(wide * film.dpi), round(high * film.dpi)),
-    )
+    composition.check_room((wide, high), film.size, chosen.dpi)
+    size = round(wide * chosen.dpi), round(high * chosen.dpi)
+    settings = replace(chosen, bare=True, strict=strict, samples=SAMPLES, size=size)
     first = View(context[:1], Cell(), turned, ends, context)
     scene = Scene(stored, kind, [[first]], context, "", camera, settings)
     composition.check_stations(replace(scene, rows=[[replace(first, bodies=context)]]))
@@ -196,7 +190,7 @@ def _frames(
     from . import composition
 
     stored, settings, ((first,),) = scene.stored, scene.settings, scene.rows
-    fig = canvas.figure(film.size, lambda fig: _begin(fig, film, scene, lying), dpi=film.dpi, layout=None)
+    fig = canvas.figure(film.size, lambda fig: _begin(fig, film, scene, lying), dpi=settings.dpi, layout=None)
     fig.set_facecolor(settings.look[page.WHITE])
     for where, body in zip(cases, bodies, strict=True):
         step(_value(stored, film.axis, where[film.axis]))
@@ -204,7 +198,7 @@ def _frames(
         shown = replace(scene, rows=[[view]])
         picture = composition.compose(shown) if body else None
         with rc_context(fonts.RC):
-            drawn = [*_draw_case(fig, film, stored, where[film.axis])]
+            drawn = [] if film.settings.bare else [*_draw_case(fig, film, stored, where[film.axis])]
             drawn += _draw_rod(fig, film, shown, picture, room, where)
         page.recolour(fig, settings.look)
         yield _even(page.pixels_of(fig))
@@ -214,6 +208,8 @@ def _frames(
 
 def _room(film: Film, lying: bool) -> tuple[float, float]:
     """Width and height of the rod on a frame; lying: whether the diagram stands below it, else beside it."""
+    if film.settings.bare:
+        return film.size
     beside, below = DIAGRAM if film.observable else (0.0, 0.0)
     wide, high = film.size[0] - 2 * canvas.MARGIN, film.size[1] - TOP - FOOT
     return (wide, high - below) if lying else (wide - beside, high)
@@ -227,18 +223,24 @@ def _begin(fig: Figure, film: Film, scene: Scene, lying: bool) -> None:
     ax = fig.add_axes((0.0, 0.0, 1.0, 1.0))
     ax.set(xlim=(0, across), ylim=(tall, 0))
     ax.axis("off")
+    if film.settings.bare:
+        return
     left, right = canvas.MARGIN, across - canvas.MARGIN
     ax.plot([left, right], [left + 0.34] * 2, color=colours.FAINT, linewidth=2.0, solid_capstyle="round")
-    weight, paint = scene.down, composition.colour_rods(scene)[0].paint
+    weight, (painted, beyond) = scene.down, composition.colour_rods(scene)
+    paint = painted.paint
     if weight is not None:
         signs.draw_weight(ax, right - 0.85, tall - 0.27, weight)
     if paint.label:
         signs.draw_bar(ax, paint, (2 * left, tall - 0.32), (1.6, 0.1))
     inside, note = str(stored.attrs["side"]) == "inside", str(stored.attrs.get(scene_kinds.NOTE, ""))
-    squeezed = ", ".join(long_rod.notes_on(scene.context, stored.units["length"])) if inside else ""
-    room = across - (2.4 if weight is None else 3.5)
+    notes = [*scene.seen_along, *beyond, *(long_rod.notes_on(scene.context, stored.units["length"]) * inside)]
+    start = max(2.3, 2 * left + fonts.width_of(paint.label, fonts.SMALL) + 0.1)  # beside the bar
+    room = across - start - (0.1 if weight is None else 1.2)
     said = [fonts.break_lines(text, room, fonts.SMALL) for text in (note[:1].upper() + note[1:], stored.left_out)]
-    ax.text(2.3, tall - 0.24, "\n".join(filter(None, [squeezed, *said])), size=fonts.SMALL, color=colours.SOFT)
+    ax.text(
+        start, tall - 0.24, "\n".join(filter(None, [", ".join(notes), *said])), size=fonts.SMALL, color=colours.SOFT
+    )
     if film.observable:
         box = (
             (0.62, FOOT + 0.3, across - 0.9, DIAGRAM[1] - 0.5)
@@ -304,16 +306,19 @@ def _draw_rod(
     """The picture of a rod in the middle of its room, with the rings and warnings of a still; or why there is none."""
     from . import composition
 
-    ax, low = fig.axes[0], film.size[1] - TOP - room[1]
+    bare, dpi = film.settings.bare, film.settings.dpi
+    ax, left, low = fig.axes[0], canvas.MARGIN * (not bare), film.size[1] - TOP * (not bare) - room[1]
     if picture is None:
         outcome = str(scene.stored["outcome"].isel(where).values)
         yield ax.text(canvas.MARGIN, TOP + room[1] / 2, outcome, color=colours.SOFT)
         return
-    size = np.array(picture.pixels.shape[1::-1]) / film.dpi
-    corner = np.array([canvas.MARGIN, low]) + (np.array(room) - size) / 2
-    x, y = np.round(corner * film.dpi).astype(int)
+    size = np.array(picture.pixels.shape[1::-1]) / dpi
+    corner = np.array([left, low]) + (np.array(room) - size) / 2
+    x, y = np.round(corner * dpi).astype(int)
     yield fig.figimage(picture.pixels, x, y, origin="upper", zorder=-1)
-    start = x / film.dpi, film.size[1] - y / film.dpi - size[1]
+    if bare:
+        return
+    start = x / dpi, film.size[1] - y / dpi - size[1]
     yield from page.draw_rings(ax, start, composition.rings_in(scene, picture.arrangement))
     ringed = composition.rings_in_words(scene.views, scene.camera)
     said = [signs.legend_sign(signs.RING, ringed)] if ringed else []

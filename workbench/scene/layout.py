@@ -257,7 +257,7 @@ def _together(
     words = [scene_kinds.values(stored, {axis: cases[k][axis]})[0] for k in whole]
     held = {k: i for k, i in cases[0].items() if k != axis}
     down = gravity(stored, held)
-    bodies = _in_view(thin, down, settings)
+    bodies = in_view(thin, down, settings)
     case = ", ".join([labels.axis_label(stored[axis]), *scene_kinds.values(stored, held)])
     notes = [f"drawn at {GHOST:.2g} of the thickness, one upon the other"]
     notes += long_rod.notes_on(bodies, stored.units["length"])
@@ -336,7 +336,7 @@ def _cells(
     held = {name: i for name, i in cases[0][0].items() if all(each[name] == i for row in cases for each in row)}
     down = None if settings.camera else gravity(stored, held)
     each = [[rods.of_case(stored, where, kind, settings.span) for where in row] for row in cases]
-    drawn = _in_view([body for row in each for body, _ in row if body], down, settings)
+    drawn = in_view([body for row in each for body, _ in row if body], down, settings)
     flat = [front_camera([], elevation, lying) for lying in (False, True)]
     cameras = [camera_of(drawn, front_camera([], 0.0, True, down))] if down is not None else flat
     profile = _profile(drawn) if kind.name == scene_kinds.LET_GO and not (settings.camera or down is not None) else None
@@ -377,10 +377,12 @@ def _several(
     return Scene(stored, kind, rows, bodies, case, camera, settings, notes)
 
 
-def _in_view(bodies: Sequence[Body], down: Array | None, settings: Settings) -> list[Body]:
-    """Rods as one view shows them; the part that is asked for whole."""
+def in_view(
+    bodies: Sequence[Body], down: Array | None, settings: Settings, diameters: float = long_rod.SQUEEZED
+) -> list[Body]:
+    """Rods as one view shows them, of so many diameters of the cylinder; the part that is asked for whole."""
     if settings.is_end_view:
         return list(bodies)
     if settings.span:
-        return long_rod.compress(bodies)
-    return long_rod.in_view(bodies, down)
+        return long_rod.compress(bodies, diameters)
+    return long_rod.in_view(bodies, down, diameters)

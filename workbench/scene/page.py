@@ -117,6 +117,12 @@ class Scene:
         return [view for row in self.rows for view in row]
 
     @property
+    def seen_along(self) -> list[str]:
+        """What a view along the axis says of its side."""
+        up = "down" if self.down is not None else "up"
+        return [f"seen along the axis from s = 0, α = 0 {up}"] * self.camera.is_end_view
+
+    @property
     def page_size(self) -> tuple[float, float]:
         """Width and height of the page, or its largest height where its content fixes it."""
         chosen, dpi = self.settings.size, self.settings.dpi

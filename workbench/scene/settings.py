@@ -28,7 +28,7 @@ class Settings:
     dpi
         Pixels per inch of the picture.
     span
-        The arc lengths between which the rod is drawn [length]; default: all of it.
+        The arc lengths between which the rod is drawn [length], the second infinite for its end; default: all of it.
     strict
         Raise `TooFewStations` where the stations do not allow the pixel error; default: draw as well as they allow.
     camera
@@ -115,11 +115,6 @@ def color_of(option: str, text: str | None) -> str | None:
     if not is_color_like(text) or to_rgba(text)[3] < 1:
         raise InputError(f"{option} takes an opaque colour, such as '#14181e' or navy, got {text!r}")
     return to_hex(text)
-
-
-def look_of(theme: str | None, background: str | None, color: str | None) -> Settings:
-    """The settings of --theme, --background and --color. Raises `InputError`."""
-    return Settings(theme=theme, background=color_of("--background", background), color=color_of("--color", color))
 
 
 def check_name(path: Path, settings: Settings) -> None:

@@ -25,20 +25,24 @@ EYE = 0.078  # from a cylinder that is seen from above to the middle of the eye
 RING, OUTLINE = "ring", "outline"  # in place of a colour: an open circle, the outline of a hidden stretch
 # in place of a colour: a line between two marks, an arrow, a tick, a line to words
 GAP, FORCE, EDGE, LEADER = "gap", "force", "edge", "leader"
-# the gap upright between its two ends, and the force, as they are in the picture
+# the gap upright between its two ends, the force, and the hidden end of a rod, as they are in the picture
 SHAPES = {
+    OUTLINE: Path([(-1, 0.35), (1, 0.35), (1, -0.35), (-1, -0.35)]),
     GAP: Path([(-0.3, 1), (0.3, 1), (0, 1), (0, -1), (-0.3, -1), (0.3, -1)], [1, 2] * 3),
     FORCE: Path([(-1, 0), (0.3, 0), (0.3, 0.3), (1, 0), (0.3, -0.3), (0.3, 0.3)], [1, 2, 1, 2, 2, 79]),
 }
 PAST = 0.06  # from the end of a mark to its words
 HALO = [Halo(2.2)]  # a mark stands on the background, on the rod and on the cylinder
+PLATE = [Halo(7.0)]  # of words on their own line, which it interrupts
+LONG = 2.0  # lengths of its words: a gap longer than that has them within it
 STYLES = {GAP: "|-|, widthA=0.25, widthB=0.25", FORCE: "-|>", LEADER: "-"}
 
 
 def draw_mark(ax: Axes, places: NDArray[np.float64], sign: str, words: str) -> None:
-    """A gap as a line with its size behind the wall, a force as an arrow with its size at the tip, or a tick.
+    """A gap as a line with its size within it, a force as an arrow with its size at the tip, or a tick.
 
-    Words that would leave the panel beyond the end of the line stand beside it.
+    The size of a short gap, within which it would cover the rod, stands behind the wall. Words that would leave the
+    panel beyond the end of the line stand beside it.
 
     places: (2, 2) in inches of the panel, of a gap first that on the wall. sign: a gap, a force, an edge, or a leader.
     """
@@ -46,14 +50,16 @@ def draw_mark(ax: Axes, places: NDArray[np.float64], sign: str, words: str) -> N
         ax.plot(*places.T, color=colours.INK, linewidth=1.4, zorder=6, clip_on=False, gid=EDGE, path_effects=HALO)
         return
     canvas.draw_arrow(ax, places[0], places[1], STYLES[sign], width=1.1, order=6, path_effects=HALO)
-    first, end = places[::-1] if sign == GAP else places  # in the gap itself words would cover the rod
-    way = end - first
-    upright = sign != LEADER and abs(way[1]) >= abs(way[0])
+    first, end = places[::-1] if sign == GAP else places
+    way, halo = end - first, HALO
     half = np.array([fonts.width_of(words, fonts.SMALL), fonts.height_of(words, fonts.SMALL)]) / 2
+    upright = sign != LEADER and abs(way[1]) >= abs(way[0])
     panel = np.array([ax.get_xlim()[1], ax.get_ylim()[0]])
     beyond, beside = (end + np.copysign(PAST + half, way) * axis for axis in np.eye(2)[[int(upright), 1 - upright]])
     x, y = beyond if (half <= beyond).all() and (beyond <= panel - half).all() else np.clip(beside, half, panel - half)
-    ax.text(x, y, words, ha="center", va="center", size=fonts.SMALL, zorder=7, path_effects=HALO)
+    if sign == GAP and (np.abs(way) > 2 * LONG * (half + PAST)).any():
+        (x, y), halo = places.mean(axis=0), PLATE
+    ax.text(x, y, words, ha="center", va="center", size=fonts.SMALL, zorder=7, path_effects=halo)
 
 
 def legend_sign(colour: str, text: str) -> Artist:
@@ -63,12 +69,12 @@ def legend_sign(colour: str, text: str) -> Artist:
             [], [], color=colours.INK, linestyle="none", marker="|", markersize=7, markeredgewidth=1.4, label=text
         )
     if colour in SHAPES:
-        return Line2D([], [], color=colours.INK, linestyle="none", marker=SHAPES[colour], label=text,
+        ink, inner = (colours.SOFT, colours.SURFACE) if colour == OUTLINE else (colours.INK, colours.INK)
+        return Line2D([], [], color=ink, linestyle="none", marker=SHAPES[colour], markerfacecolor=inner, label=text,
                       markersize=8 if colour == GAP else 12, markeredgewidth=1.1)  # fmt: skip
     if colour == RING:
         return crossing_rings.entry(text)
-    face, edge = (colours.SURFACE, colours.SOFT) if colour == OUTLINE else (colour, "none")
-    return Patch(facecolor=face, edgecolor=edge, label=text)
+    return Patch(facecolor=colour, label=text)
 
 
 def draw_scale(ax: Axes, x: float, y: float, per_unit: float, unit: str, along: float) -> None:

@@ -118,7 +118,9 @@ class StoredCases:
 
     @cached_property
     def cases(self) -> int:
-        """How many cases it has."""
+        """How many cases it has. Raises `InputError` for a file of another kind than a study."""
+        if "outcome" not in self.ds:
+            raise InputError(f"the dataset is {self.kind.what}, which has no cases: list(ds) names what it holds")
         return int(self.ds["outcome"].size)
 
     @cached_property
