@@ -88,10 +88,10 @@ def _rings(line: Centreline, tolerance: float, budget: int | None) -> tuple[Arra
 
     longest = LONGEST * line.a * (1.0 if budget is None else max(np.sqrt(tolerance / near(line)), 1.0))
     ends = float(line.s[0]), float(line.s[-1])
-    asked = tolerance
+    aim = tolerance
     for _ in range(ROUNDS):
-        s = place_rings(line, ends, asked / 2, check, longest=longest)
-        asked *= CLOSER
+        s = place_rings(line, ends, aim / 2, check, longest=longest)
+        aim *= CLOSER
         if off_by(line, s, sides) <= tolerance:
             break
     return s, sides
