@@ -19,7 +19,6 @@ from matplotlib.transforms import Affine2D, Bbox
 from numpy.typing import NDArray
 
 from workbench.figures.colours import SOFT
-from workbench.scene import signs
 
 SLACK = 1.5  # pixels
 MOST_MARKERS = 50  # values of a line, beyond which it has none
@@ -103,7 +102,7 @@ def _unknown_marks(fig: Figure) -> list[str]:
         for handle, text in zip(legend.legend_handles, legend.get_texts(), strict=True):
             if not isinstance(handle, Line2D) or handle.get_marker() in ("None", "", "o"):  # circles are also scattered
                 continue
-            if handle.get_marker() is signs.SHAPES[signs.OUTLINE]:  # in the pixels of a scene
+            if isinstance(handle.get_marker(), Path):  # a sign of what stands in the pixels of a scene
                 continue
             mark = handle.get_marker(), to_hex(handle.get_color())
             if mark not in drawn and not (mark[1] == to_hex(SOFT) and mark[0] in shapes):
