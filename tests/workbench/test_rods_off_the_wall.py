@@ -1,5 +1,6 @@
 """Rods that may leave the cylinder in stored files, pictures and exports: drawn where they are, or refused in words."""
 
+import json
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -68,6 +69,18 @@ def test_a_cable_of_tension_and_lay_may_leave_its_drum(capsys) -> None:
     cable = "--length-unit mm --E 2e5 --nu 0.3 --a 6 --L 1300 --R 200 --tension 5000 --lay 80deg --contact unilateral"
     assert exit_status("solve", *cable.split()) == 0
     assert "found from the bilateral shape" in capsys.readouterr().out
+
+
+def test_loads_that_hold_a_rod_off_the_wall_have_an_error_in_json_and_in_files(capsys) -> None:
+    rod = "--E 1.07e4 --nu 0.25 --a 0.25 --L 20 --R 0.75 --beta0 0.5 --betaL 0.8 --FZ=-8.66 --MZ 1.3 --M3 6.1"
+    assert exit_status("solve", *rod.split(), "--let-go", "--json") == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["errors"].keys() >= {"FZ", "MZ", "M3"}
+    assert found["observables"].keys().isdisjoint(found["loads"])
+    in_file = in_memory.run(loads(STUDY.replace('"gap_max",', '"gap_max", "FZ", "MZ",')))
+    for name in ("FZ", "MZ"):
+        assert float(in_file[name]) == pytest.approx(found["loads"][name], rel=1e-9)
+        assert float(in_file[f"{name}_error"]) == pytest.approx(found["errors"][name], rel=1e-6)
 
 
 def test_a_study_lets_its_rods_go_and_stores_where_they_are(stored: xr.Dataset, finer: Any) -> None:
