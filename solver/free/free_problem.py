@@ -143,10 +143,11 @@ class Beside(NamedTuple):
             angles = np.where(along, np.pi * np.round(rod.parts(y)[2] / np.pi), rod.angles)
             held = replace(rod, free=rod.free & ~along, angles=angles)
             shape = minimise(held, y, self.sizes(curve), multipliers, self.effort)
-            pressed = along & False if shape is None else shape.tilts_into_wall(rod.leaning)
-            if (pressed == along).all():
+            held_along, along = along, along & False
+            if shape is not None:
+                y, multipliers, along = shape.y, shape.multipliers, shape.tilts_into_wall(rod.leaning)
+            if (along == held_along).all():
                 break
-            along, y, multipliers = (pressed, *((y, multipliers) if shape is None else (shape.y, shape.multipliers)))
         return shape
 
     def way(self, curve: BeginningCurve) -> float:

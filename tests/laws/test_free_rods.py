@@ -790,7 +790,9 @@ def test_a_tolerance_above_the_default_one_needs_two_meshes_whose_difference_is_
 
 def test_no_rod_on_the_cylinder_is_solved_for_one_whose_end_is_far_off(monkeypatch: pytest.MonkeyPatch) -> None:
     """Its shape continues from a straight rod."""
-    monkeypatch.setattr(sys.modules["solver.solve"], "bilateral_cases", lambda _: pytest.fail("a bilateral shape is looked for"))
+    monkeypatch.setattr(
+        sys.modules["solver.solve"], "bilateral_cases", lambda _: pytest.fail("a bilateral shape is looked for")
+    )
     assert belt(1.005).solved
 
 
