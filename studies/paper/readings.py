@@ -54,6 +54,8 @@ WORDS = {
     "paper": "stiffness of eq.\N{NO-BREAK SPACE}20",
     "solid": "stiffness of a solid rod",
 }
+# in tables: where the twist is from, and which stiffness
+SYMBOLS = {"force-first": "F₁₀", "twist-first": "γ₀′", "shear": "γ₀′, F₁₀ shear", "paper": "eq. 20"}
 
 
 @dataclass(frozen=True)
@@ -91,6 +93,11 @@ class Reading:
     def words(self) -> str:
         """``twist from F₁₀, F₃₀ as tension, stiffness of eq. 20``."""
         return ", ".join(WORDS[word] for word in (self.twist, self.load, self.stiffness))
+
+    @property
+    def symbols(self) -> list[str]:
+        """``["F₁₀", "tension", "eq. 20"]``: where the twist is from, what F₃₀ is, which stiffness."""
+        return [SYMBOLS.get(word, word) for word in (self.twist, self.load, self.stiffness)]
 
     @property
     def table(self) -> dict[str, float]:

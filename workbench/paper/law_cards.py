@@ -10,7 +10,7 @@ import xarray as xr
 
 from studies.laws import law_words
 from studies.laws.line_verdicts import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED, worst
-from studies.paper.readings import DEFAULT
+from studies.paper.readings import DEFAULT, parse
 
 from ..stored.stored_study import StoredStudy
 from ..words import labels
@@ -109,7 +109,7 @@ def of_readings(readings: StoredStudy | None) -> dict[str, Any] | None:
                 }
             )
         counts = law_words.count(Counter(str(cell["verdict"]) for cell in cells))
-        table.append({"name": reading, "words": reading.split("/"), "cells": cells, "counts": counts})
+        table.append({"name": reading, "words": parse(reading).words, "cells": cells, "counts": counts})
     return {"claims": claims, "rows": table}
 
 

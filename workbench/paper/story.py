@@ -17,6 +17,7 @@ from scipy.interpolate import CubicSpline
 
 from solver.orbits import frames
 from studies.laws.line_verdicts import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED
+from studies.paper.readings import parse
 
 from ..figures import canvas, colours, crossing_rings, drawn_rods, fonts, law_panel, push_scale, unrolled
 from ..figures.sheet import Sheet
@@ -58,8 +59,6 @@ MARKS: dict[str, dict[str, Any]] = {
     FAILS: {"marker": "X"},
 }
 SHORT = {"tension": "tens.", "compression": "compr."}  # on one column
-# of readings: where the twist is from, and which stiffness
-READINGS = {"force-first": "F₁₀", "twist-first": "γ₀′", "shear": "γ₀′, F₁₀ shear", "paper": "eq. 20"}
 WIDE_TABLE = 2.2  # inches of a table of claims from which its heads are written in full
 WORDS = {"mean |f|": "contact force"}
 ARROWS = {"rises": "↑", "falls": "↓", "not-falling": "not ↓", "not-rising": "not ↑"}
@@ -204,7 +203,7 @@ def claims(stored: StoredStudy, ax: Axes) -> None:
     """The verdict on each claim, (reading, claim), as a table of marks: a row a claim, a column a reading."""
     names, readings = (
         [str(value) for value in stored["claim"].values],
-        [[READINGS.get(word, word) for word in str(value).split("/")] for value in stored["reading"].values],
+        [parse(str(value)).symbols for value in stored["reading"].values],
     )
     verdicts, wide = stored["claim_verdict"].values.astype(str), bool(fonts.inches(ax)[0] > WIDE_TABLE)
     for (j, i), verdict in np.ndenumerate(verdicts):

@@ -81,13 +81,13 @@ def _module(name: str, source: str) -> str:
 
 
 def _data(presets: Sequence[Preset], served: bool) -> dict[str, Any]:
-    readings = ()
+    readings = {}
     if tenants.is_there("studies.paper"):
         readings = tenants.module_of("studies.paper.readings").READINGS
     return {
         "served": served,
         "presets": [asdict(preset) | ({} if served else _begin(preset)) for preset in presets],
-        "readings": list(readings),
+        "readings": {name: reading.words for name, reading in readings.items()},
         "quantities": {
             name: [row.symbol, labels.quantity_name(row.long_name), row.dimension] for name, row in QUANTITIES.items()
         },

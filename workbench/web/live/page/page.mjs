@@ -206,7 +206,7 @@ const link = () => address.show({ preset: me.preset, state: me.state });
 function prepare() {
   element("preset").append(...data.presets.map((one) => new Option(one.title, one.name)));
   element("sliding").append(...SLIDING.map((one) => new Option(one, one)));
-  element("reading").append(...data.readings.map((one) => new Option(one.split("/").join(", "), one)));
+  element("reading").append(...Object.entries(data.readings).map(([name, words]) => new Option(words, name)));
   element("no-webgl").hidden = Boolean(view.scene);
   for (const button of document.querySelectorAll(".served")) button.hidden = !served;
   const acts = {

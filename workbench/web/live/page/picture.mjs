@@ -16,8 +16,8 @@ const INK = "#1c2430",
   PAPER = "#ffffff",
   FONT = 'system-ui, "DejaVu Sans", sans-serif';
 
-/* The picture as a PNG file. rows: name and text of each value. */
-export async function drawPicture({ view, shape, code, rows, quantities, state, title }) {
+/* The picture as a PNG file. rows: name and text of each value; read: the reading of Table 1 in words. */
+export async function drawPicture({ view, shape, code, rows, quantities, state, title, read }) {
   const canvas = make("canvas", { width: WIDE, height: HIGH }),
     ctx = canvas.getContext("2d");
   ctx.fillStyle = PAPER;
@@ -29,13 +29,13 @@ export async function drawPicture({ view, shape, code, rows, quantities, state, 
     ctx.drawImage(part, EDGE, EDGE);
     view.rest();
   }
-  column(ctx, { shape, code, rows, quantities, state, title, squeeze: view.drawn.squeeze, scale: view.drawn.scale });
+  column(ctx, { shape, code, rows, quantities, state, title, read, squeeze: view.drawn.squeeze, scale: view.drawn.scale });
   return new Promise((done) => {
     canvas.toBlob(done, "image/png");
   });
 }
 
-function column(ctx, { code, rows, quantities, state, title, squeeze, scale, shape }) {
+function column(ctx, { code, rows, quantities, state, title, read, squeeze, scale, shape }) {
   const x = WIDE - SIDE,
     right = WIDE - EDGE;
   let y = EDGE + 20;
@@ -49,10 +49,10 @@ function column(ctx, { code, rows, quantities, state, title, squeeze, scale, sha
     text(words, INK, true, LETTER + 8);
     y += LINE;
   }
-  if (state.reading)
+  if (read)
     for (const words of broken(
       ctx,
-      `Table 1 read ${state.reading.split("/").join(", ")}`,
+      `Table 1: ${read}`,
       right - x,
       `${LETTER - 6}px ${FONT}`,
     )) {

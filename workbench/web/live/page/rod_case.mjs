@@ -46,7 +46,7 @@ export function setContact(state, pushes) {
 export function isState({ base, units, reading, equilibrium, title = "" }, readings) {
   const isText = (one) => typeof one === "string";
   if (!base || !units || !isText(units.length) || !isText(units.force) || !isText(title)) return false;
-  if (reading !== undefined && !readings.includes(reading)) return false;
+  if (reading !== undefined && !Object.hasOwn(readings, reading)) return false;
   if (equilibrium && !Object.values(equilibrium).every(Number.isFinite)) return false;
   return (base.side || "outside") in SIDES && (base.stiffness || "solid") in BENDING;
 }
