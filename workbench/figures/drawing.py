@@ -15,6 +15,7 @@ from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Ellipse, Rectangle
+from scipy.spatial import KDTree
 
 from solver import Solution
 
@@ -43,6 +44,7 @@ HIDDEN = (0, (4, 2.5))
 AXIS: dict[str, Any] = {"color": colours.SOFT, "linewidth": FINE, "linestyle": (0, (12, 2.5, 2, 2.5)), "zorder": 2.2,
                         "gid": "axis"}  # fmt: skip
 EVEN = math.radians(0.05)  # by which a lay varies that is one angle
+SLIVER = 0.5  # millimetres beside a turn in which no hidden edge is drawn: between close turns it would be specks
 TICK = 1.5  # millimetres: half of one across the wall
 WIDER = 5.0  # millimetres from one width to the next at which is asked whether all has room
 HINTED = 1.1  # by which a line of letters of few pixels is wider than it is measured
@@ -253,10 +255,13 @@ def _draw_body(ax: Axes, view: Views, R: float, a: float, side: str) -> None:
     for end in (low, high):
         ax.plot([end, end], [-R, R], color=colours.INK, linewidth=FINE, zorder=2.1, gid="end of the drawn cylinder")
     ax.plot([low - spare / 2, high + spare / 2], [0, 0], **AXIS)
+    before = [np.stack([view.x[of], view.y[of]], axis=1) for of in _parts(view, front=True)]
+    turns = KDTree(np.concatenate([*before, np.full((1, 2), 1e300)]))  # which the viewer sees, and none far away
     for of in _parts(view, front=False) if side == "outside" else ():
         for edge in (-a, a) if 2 * a * view.mm > 1 else (0.0,):
             right, up = _beside(view.x[of], view.y[of], edge)
-            seen = np.where(np.abs(up) < R, right, np.nan)
+            free = turns.query(np.stack([right, up], axis=1))[0] > a + SLIVER / view.mm
+            seen = np.where(free & (np.abs(up) < R), right, np.nan)
             ax.plot(seen, up, color=colours.SOFT, linewidth=FINE, linestyle=HIDDEN, zorder=2.3, gid="hidden edge")
     for of in _parts(view, front=True):
         strand(of, 4, "rod, before the plane of the axis")
