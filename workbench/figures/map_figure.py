@@ -118,7 +118,7 @@ def _figure_of(
     rows += canvas.in_rows([partial(maps.draw_law, law) for law in mixed], len(rows[0][1]), maps.small[1] + 1.2)
     if shapes is not None:
         rows.append((maps.of_shapes[1] + 0.8, [partial(maps.draw_shapes, shapes)]))
-    said: list[str | Artist] = [*map_panel.entries(columns, choice.shown)]
+    said: list[str | Artist] = [*map_panel.entries(columns, choice.shown, maps.inches)]
     said += [] if whole is None else _refinement(whole, verdicts)
     said += [f"Law {law.sentence(stored)}." for law in maps.laws if choice.along]
     if choice.along and len(choice.columns) < stored.sizes[choice.along]:

@@ -30,7 +30,8 @@ Values = NDArray[np.float64]
 DECADES = 1e3  # ratio of the values from which their colours are logarithmic
 MOST_COLOURS = 256  # counts, each with a colour of its own
 MOST_CLASSES = 24  # of a count, with a border between each two
-MOST_SAMPLES = 1200  # points that a map shows: each is seen, and between them the map
+# points that a map shows, and on a square inch of it: each is seen, and between them the map
+MOST_SAMPLES, DENSEST = 1200, 120
 BARRED = (
     "a case whose shape no real rod could keep",
     "No real rod could keep a shape that would lift off away from its ends, or pass through itself.",
@@ -92,17 +93,25 @@ def draw(ax: Axes, cells: Cells, name: str, scale: Colours, inches: tuple[float,
     if scale.count and not scale.constant and pale == 1:
         _number_regions(ax, cells, np.where(cells.unbent(name), -1.0, values), scale, inches)
     if pale == 1:
-        _show_samples(ax, cells, name)
+        _show_samples(ax, cells, name, inches)
     for side in ("top", "right"):
         ax.spines[side].set_visible(True)
     return mesh
 
 
-def entries(panels: list[Cells], shown: tuple[str, ...]) -> list[str | Artist]:
-    """What is said of the cases and of cells without a number: entries of the legend, and sentences of the caption."""
+def _one_of(count: int, inches: tuple[float, float]) -> int:
+    """One of how many cases a map of that width and height in inches shows."""
+    return -(-count // min(MOST_SAMPLES, int(DENSEST * inches[0] * inches[1]) + 1))
+
+
+def entries(panels: list[Cells], shown: tuple[str, ...], inches: tuple[float, float]) -> list[str | Artist]:
+    """What is said of the cases and of cells without a number: entries of the legend, and sentences of the caption.
+
+    inches: width and height of a panel.
+    """
     barred = np.concatenate([panel.samples()[2] for panel in panels])
-    most = max(panel.samples()[2].size for panel in panels)
-    few = f" (one of {-(-most // MOST_SAMPLES)} is shown)" if most > MOST_SAMPLES else ""
+    most = _one_of(max(panel.samples()[2].size for panel in panels), inches)
+    few = f" (one of {most} is shown)" if most > 1 else ""
     dense = DENSE if SAMPLE in panels[0].source.sizes else ""
     is_mixed = bool(barred.any() and not barred.all())
     legend: list[Artist] = [
@@ -165,13 +174,13 @@ def _number_regions(ax: Axes, cells: Cells, values: Values, scale: Colours, inch
                 words.set_bbox({"facecolor": colours.BAND, "edgecolor": "none", "pad": 1})
 
 
-def _show_samples(ax: Axes, cells: Cells, name: str) -> None:
+def _show_samples(ax: Axes, cells: Cells, name: str, inches: tuple[float, float]) -> None:
     """A point at each case, a cross where no real rod could keep its shape; of very many cases so many, evenly chosen,
-    and none that was added where a number changes that the map does not show."""
+    and none that was added where a number changes that the map does not show. inches: width and height."""
     x, y, barred = cells.samples()
-    shown = np.arange(0, x.size, -(-x.size // MOST_SAMPLES))
+    shown = np.arange(0, x.size, _one_of(x.size, inches))
     shown = shown[~cells.hidden_changes(name)[shown]]
-    size = float(np.clip(40 / shown.size**0.5, 1.0, LARGER))
+    size = float(np.clip(10 * (inches[0] * inches[1] / shown.size) ** 0.5, 1.0, LARGER))
     for marker, rows in ((".", shown[~barred[shown]]), ("x", shown[barred[shown]])):
         if rows.size:
             ax.plot(
