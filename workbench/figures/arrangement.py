@@ -153,9 +153,10 @@ def flow(sizes: Values, words: Values, room: tuple[float, float], rows: int, eve
         left, above = 0.0, min(gap, most, above if is_last else np.inf)
         for column in line.columns:
             down, left = top, max(min(left, room[0] - line.width(column)), 0.0)
+            apart = BETWEEN + (line.high - line.height(column)) / max(len(column) - 1, 1)  # down to the foot of its row
             for k in column:
                 drawn[k] = left, down, *line.boxes[k]
-                down += line.boxes[k, 1] + BETWEEN
+                down += line.boxes[k, 1] + apart
             left += line.width(column) + above
         top += line.high + BETWEEN
     return Arrangement(drawn[None], (float((drawn[:, 0] + drawn[:, 2]).max()), float(top - BETWEEN)), scale)

@@ -5,7 +5,7 @@ drawn is its `gid`. The sentences that belong to a figure are its caption, which
 picture has its data, its legend, and at most one line of words below its title.
 """
 
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from io import BytesIO
 from itertools import groupby
 from pathlib import Path
@@ -43,6 +43,7 @@ ROW = 1.55  # inches of a row of axes in print at least, with labels and title
 # inches that a panel with axes gives up for views: at 0.35 the push of a rod keeps one number, at 0.15 views overlap
 LABELS = 0.25
 MARGIN, AFTER, TITLE = 0.15, 0.1, 0.62  # inches around a title, below it, and of all of it where its lines are short
+BROKEN = 0.75  # lines by which a legend is to be lower for each name that it breaks
 MOST_LETTERS = 12  # panels; more are a table of panels, which its rows and columns name
 # The best place covers no middle of a point; a wide pad in place of the distance to the axes keeps it off whole points
 PADDED = {"borderpad": 1.0, "borderaxespad": 0.0}
@@ -315,15 +316,13 @@ def write_below(fig: Figure, said: Said) -> None:
     said = list(said)
     entries = {str(entry.get_label()): entry for entry in said if not isinstance(entry, str)}
     add_to_caption(fig, [sentence for sentence in said if isinstance(sentence, str)])
-    width = fig.get_figwidth() - 0.3
-    room = width - HANDLE
-    once = {fonts.break_lines(label, room, fonts.small()): entry for label, entry in entries.items()}
-    if not once:
+    if not entries:
         return
+    columns, names = legend_columns(list(entries), fig.get_figwidth() - 0.3)
     fig.legend(
-        list(once.values()),
-        list(once),
-        ncols=legend_columns(once, width),
+        list(entries.values()),
+        names,
+        ncols=columns,
         loc="outside lower left",
         alignment="left",
         handlelength=1.8,
@@ -331,10 +330,25 @@ def write_below(fig: Figure, said: Said) -> None:
     )
 
 
-def legend_columns(names: Collection[str], width: float) -> int:
-    """In how many columns a legend of one entry or more fits so many inches."""
-    widest = HANDLE + max(fonts.width_of(name, fonts.small()) for name in names)
-    return max(1, min(len(names), int((width + 0.1) / widest)))
+def legend_columns(names: Sequence[str], width: float, most: int = 2) -> tuple[int, list[str]]:
+    """The columns of a legend of one entry or more, and its names in lines, where it is lowest in so many inches.
+
+    most: lines of a name in one of several columns; alone it takes as many as it needs.
+    """
+    size, tried = fonts.small(), []
+    for columns in range(1, len(names) + 1):
+        room = max((width + legend_room.GAP) / columns - HANDLE, 0.0)
+        broken = [fonts.break_lines(name, room, size) for name in names]
+        for written in (list(names), broken):
+            lines = [name.count("\n") + 1 for name in written]
+            across = sum(
+                HANDLE + max(fonts.width_of(name, size) for name in part)
+                for part in np.array_split(np.array(written, dtype=object), columns)
+            )
+            if (max(lines) <= most and across <= width + legend_room.GAP) or (columns == 1 and written is broken):
+                high = max(map(sum, np.array_split(lines, columns))) + BROKEN * (sum(lines) - len(lines))
+                tried.append((high, columns, written))
+    return min(tried)[1:]
 
 
 def draw_arrow(
