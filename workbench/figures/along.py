@@ -236,7 +236,7 @@ def alone(ax: Axes, rods: DrawnRods, name: str) -> list[str]:
         said = _draw_line(ax, s, values, inches, look)
     ax.axhline(0, color=colours.SOFT, linewidth=0.8)
     ax.set_ylabel(f"{title} [{unit.strip()}]" if unit.strip() else title)
-    words = {"beta": "angle from the axis to the tangent", "push": "push of the cylinder per length"}
+    words = TITLES | {"beta": "angle from the axis to the tangent", "push": "push of the cylinder per length"}
     ax.set_title(fonts.wrap(words.get(name, title), ax), loc="left")
     if unit == "°":
         ax.yaxis.set_major_locator(RoomLocator("angles"))

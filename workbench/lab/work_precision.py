@@ -27,15 +27,15 @@ COSTS = {"seconds": "seconds of the whole call", "evaluations": "evaluations of 
 LOST = 1.0  # an error of this size and more has no correct digit
 FLOOR, TOP = 1e-16, 1e4  # the range of errors that is shown; an error of 0 is drawn at its lower end
 FAILED, NO_DIGIT = (LOST * TOP) ** 0.5, "failed, or no\ncorrect digit"  # what stands beside the crosses, and where
-PANEL, LEGEND = (3.2, 2.1), 1.6  # inches
+PANEL, LEGEND = 2.1, 1.6  # inches that a panel and the legend are high
 MOST = 6  # panels
 ERRORS = "Errors: of the angle in radians, or of the position over max(ρ, L), whichever is larger."
 # shown where more cases are measured, in words
 SHOWN = {
-    "force-first/tension": "start: Table 1, pulled by 8.7 N",
-    "gap 1e-02": "start: 10⁻² rad from a saddle",
-    "gap 1e-08": "start: 10⁻⁸ rad from a saddle",
-    "long": "start: Table 1, 400 cm long",
+    "force-first/tension": "start: Table 1, pulled by 8.7\N{NO-BREAK SPACE}N",
+    "gap 1e-02": "start: 10⁻²\N{NO-BREAK SPACE}rad from a saddle",
+    "gap 1e-08": "start: 10⁻⁸\N{NO-BREAK SPACE}rad from a saddle",
+    "long": "start: Table 1, 400\N{NO-BREAK SPACE}cm long",
     "ends table 1": "ends: Table 1, pressed",
     "ends stable 1": "ends: stable, near a saddle",
 }
@@ -52,7 +52,7 @@ def figure(stored: StoredStudy, cost: str = "seconds", sheet: Sheet = SCREEN) ->
     if cost not in (measured := [name for name in COSTS if name in stored]):
         raise no_such("cost", cost, measured)
     cases = cases_to_show(stored)
-    columns = min(1 if sheet.narrow else 3, len(cases))
+    columns = min(2 if sheet.narrow else 3, len(cases))
     which = f", {len(cases)} of {stored.sizes['case']} cases" if len(cases) < stored.sizes["case"] else ""
     title = str(stored.attrs["title"])
     titled = stored.with_title(title and f"{title}: {COSTS[cost]}{which}")
@@ -63,15 +63,14 @@ def figure(stored: StoredStudy, cost: str = "seconds", sheet: Sheet = SCREEN) ->
     def draw(i: int, ax: Axes) -> None:
         panel(stored, ax, cases[i], cost).set_xlim(*ends)
         ax.tick_params(labelleft=i % columns == 0)
-        ax.set_xlabel(COSTS[cost] if i + columns >= len(cases) else "")
+        ax.set_xlabel(fonts.wrap(COSTS[cost], ax) if i + columns >= len(cases) else "")
         if i == 0:
             fig = ax.get_figure(root=True)
             assert fig is not None
             fig.supylabel("error of angle or position", size=fonts.normal())
 
-    rows = canvas.in_rows([partial(draw, i) for i in range(len(cases))], columns, PANEL[1])
-    said, width = [*_entries(stored, cases), ERRORS], max(sheet.width, 2 * PANEL[0])
-    return canvas.page(titled, sheet, rows, said, LEGEND, width=width)
+    rows = canvas.in_rows([partial(draw, i) for i in range(len(cases))], columns, PANEL)
+    return canvas.page(titled, sheet, rows, [*_entries(stored, cases), ERRORS], LEGEND)
 
 
 def panel(stored: StoredStudy, ax: Axes, case: str, cost: str = "seconds") -> Axes:
@@ -122,7 +121,7 @@ def panel(stored: StoredStudy, ax: Axes, case: str, cost: str = "seconds") -> Ax
         ax.plot(spent, np.full(spent.size, height), "x", color=colour, markersize=4, markeredgewidth=1.1, zorder=3)
     ax.axhline(LOST, color=colours.FAINT, linewidth=1, zorder=1)
     ax.set(xscale="log", yscale="log", ylim=(FLOOR / 2, TOP))
-    ax.set_yticks([*(10.0**k for k in range(-15, 1, 3)), *[FAILED] * bool(failed)])
+    ax.set_yticks([*(10.0**k for k in range(-15, 1 - bool(failed), 3)), *[FAILED] * bool(failed)])
     for axis in (ax.xaxis, ax.yaxis):
         axis.set_major_formatter(lambda value, _: NO_DIGIT if value == FAILED else labels.power_of_ten(value))
         axis.set_minor_formatter(NullFormatter())
