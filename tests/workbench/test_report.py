@@ -64,7 +64,7 @@ class Page(HTMLParser):
             self.section = found["id"]
         if tag == "tr":
             self.rows[self.section] = self.rows.get(self.section, 0) + 1
-        if tag not in {"img", "meta", "br"}:
+        if tag not in {"img", "meta", "br", "source"}:
             self.open.append(tag)
 
     def handle_endtag(self, tag) -> None:

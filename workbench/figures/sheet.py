@@ -63,6 +63,7 @@ class Sheet:
 
 
 SCREEN = Sheet()
+COLUMN = Sheet(89 / MILLIMETRES, "paper", titled=False)  # of a page, and a telephone
 
 
 def set_range(sheet: Sheet, ax: Any, name: str) -> None:

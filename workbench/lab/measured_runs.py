@@ -11,6 +11,7 @@ from solver.methods import METHODS
 from solver.problem.errors import InputError
 
 from ..figures import canvas, kinds
+from ..figures.sheet import COLUMN, SCREEN, Sheet
 from ..stored import reading
 from ..stored.stored_study import StoredStudy
 from ..words import labels
@@ -21,10 +22,14 @@ SHIPPED = Path(__file__).parent / "measured"  # made with benchmarks/make_measur
 
 @dataclass(frozen=True)
 class MeasuredRun:
-    """A diagram (PNG), a sentence on what it shows, and the run and machine that it is from."""
+    """A diagram (PNG), a sentence on what it shows, and the run and machine that it is from.
+
+    column: the diagram as wide as one column, where it fits.
+    """
 
     name: str
     picture: bytes
+    column: bytes | None
     shows: str
     source: str
 
@@ -47,10 +52,14 @@ def comparison(folder: Path, name: str, shows: Callable[[StoredStudy], str]) -> 
 
 
 def _make(stored: StoredStudy, name: str, shows: Callable[[StoredStudy], str], source: str) -> MeasuredRun:
-    picture = BytesIO()
-    drawn = kinds.figure(stored.with_title(""), name)  # the report gives the title, once
-    canvas.save(drawn, picture, drawn.dpi)
-    return MeasuredRun(name, picture.getvalue(), shows(stored), f"{_run(stored)}; {source}")
+    def picture(of: Sheet) -> bytes | None:
+        packed, drawn = BytesIO(), kinds.figure(stored.with_title(""), name, of)  # the report gives the title, once
+        canvas.save(drawn, packed, drawn.dpi)
+        return packed.getvalue() if drawn.get_figwidth() <= of.width + 0.01 else None
+
+    wide, narrow = picture(SCREEN), picture(COLUMN)
+    assert wide
+    return MeasuredRun(name, wide, narrow, shows(stored), f"{_run(stored)}; {source}")
 
 
 def _run(stored: StoredStudy) -> str:

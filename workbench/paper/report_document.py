@@ -108,6 +108,7 @@ def html(
         restable=cautions.restable(texts, solved),
         barred=all(map(cautions.is_barred, texts[solved])),
         reading=str(results[0].stored.attrs["reading"]),
+        read_as=results[0].stored.reading,
         claims=claims,
         title=_title_of(claims),
         meanings=[(key, labels.typeset(text)) for key, text in law_words.MEANING.items()],
@@ -182,19 +183,24 @@ def _row(case: StoredStudy, name: str) -> tuple[str, str]:
     return words, labels.value(value, case[name])
 
 
-def _column(story: Path) -> dict[str, Any]:
-    """The story as wide as one column, for a narrow screen, where it was drawn."""
-    narrow = column_of(story)
-    return {"narrow": _picture(narrow, STORY, DRAWING)["src"]} if narrow.exists() else {}
+def _column(picture: Path) -> dict[str, Any]:
+    """A diagram as wide as one column, for a narrow screen, where it was drawn."""
+    narrow = column_of(picture)
+    return _narrow(narrow) if narrow.exists() else {}
 
 
-def column_of(story: Path) -> Path:
-    """The file of the story that is as wide as one column."""
-    return story.with_stem(f"{story.stem}_column")
+def _narrow(file: Path | BytesIO) -> dict[str, Any]:
+    return {"narrow": _picture(file, "", DRAWING)["src"]}
+
+
+def column_of(picture: Path) -> Path:
+    """The file of a diagram that is as wide as one column."""
+    return picture.with_stem(f"{picture.stem}_column")
 
 
 def _measure(run: "MeasuredRun") -> dict[str, Any]:
     picture = _picture(BytesIO(run.picture), f"{TITLES[run.name]}: {run.shows}", DRAWING)
+    picture |= _narrow(BytesIO(run.column)) if run.column else {}
     return {"name": run.name, "title": TITLES[run.name], "shows": run.shows, "source": run.source, "picture": picture}
 
 
@@ -214,7 +220,7 @@ def _section(result: StudyResult, figures: Mapping[str, Any]) -> dict[str, Any]:
     pictures = [
         _picture(path, f"{title}: {_of(stored, part)}", SCENE) | _rods(path, part, turntable) for part, path in scenes
     ]
-    diagrams = [_picture(path, f"{title}: curves and laws", DRAWING) for _, path in others]
+    diagrams = [_picture(path, f"{title}: curves and laws", DRAWING) | _column(path) for _, path in others]
     return {
         "id": name,
         "title": title,

@@ -1,6 +1,7 @@
 """The command reproduce: Fig. 6 and all of Fig. 7, from Table 1 to one report."""
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -128,6 +129,8 @@ def _release(study: "Study", out: Path) -> dict[str, Any] | str:
 def _draw(result: "StudyResult", out: Path, able: bool) -> tuple[dict[str, Path], list[str]]:
     """Draw one dataset: name -> file, scenes only if OpenGL works; and the sentences of the caption of the diagram."""
     from ..figures import canvas, kinds
+    from ..figures.sheet import COLUMN
+    from . import report_document
 
     name = result.ds.attrs["study_name"]
     stored = result.stored.with_title("")  # the report gives the title, once
@@ -136,6 +139,8 @@ def _draw(result: "StudyResult", out: Path, able: bool) -> tuple[dict[str, Path]
     known: dict[str, Any] = {"verdicts": result.verdicts} if kind == "lines" else {}
     fig = kinds.figure(stored, kind, **known)
     canvas.save(fig, pictures["figure"])
+    with suppress(InputError):  # where it is too low in print
+        canvas.save(kinds.figure(stored, kind, COLUMN, **known), report_document.column_of(pictures["figure"]))
     if able:
         from ..scene import layout
 
@@ -146,25 +151,26 @@ def _draw(result: "StudyResult", out: Path, able: bool) -> tuple[dict[str, Path]
 def _draw_story(results: "list[StudyResult]", readings: "StoredStudy", path: Path) -> Path | None:
     """Draw the figure of the whole story and return its file; None where the reading leaves a study out."""
     from ..figures import canvas
-    from ..figures.sheet import sheet
+    from ..figures.sheet import COLUMN, sheet
     from . import report_document, story
 
     files = [*(result.stored for result in results), readings]
     datasets = {str(stored.attrs["study_name"]): stored for stored in files}
     if not set(story.NEEDED) <= set(datasets):
         return None
-    for file, wide in ((path, 183), (report_document.column_of(path), 89)):
-        canvas.save(story.figure(datasets, sheet("paper", wide, titled=False)), file, dpi=300)
+    for file, of in ((path, sheet("paper", titled=False)), (report_document.column_of(path), COLUMN)):
+        canvas.save(story.figure(datasets, of), file, dpi=300)
     return path
 
 
 def _print(results: "list[StudyResult]", readings: "StoredStudy", out: Path, advice: str) -> None:
 
     verdicts = [row for result in results for row in result.verdicts]
-    print_verdicts(verdicts, title=f"Table 1 read {results[0].ds.attrs['reading']}")
+    print_verdicts(verdicts, title=results[0].stored.reading)
     console.say("")
     claims = [str(claim) for claim in readings["claim"].values]
-    tables.print_table(["reading", *claims], _verdict_rows(readings), title="The claims in each reading")
+    heads = ["twist from", "F₃₀", "stiffness", *claims]
+    tables.print_table(heads, _verdict_rows(readings), title="The claims in each reading of Table 1")
     unsolved = sum(result.stored.unsolved for result in results)
     cases = sum(result.ds["outcome"].size for result in results)
     console.say("")
@@ -177,8 +183,10 @@ def _print(results: "list[StudyResult]", readings: "StoredStudy", out: Path, adv
 def _verdict_rows(readings: "StoredStudy") -> list[list[str]]:
     """One row for each reading: the verdict of each claim."""
     from studies.laws.line_verdicts import TREND
+    from studies.paper.readings import parse
 
     table = zip(readings["reading"].values, readings["claim_verdict"].values, strict=True)
     return [
-        [str(reading), *("trend" if verdict == TREND else str(verdict) for verdict in line)] for reading, line in table
+        [*parse(str(reading)).symbols, *("trend" if verdict == TREND else str(verdict) for verdict in line)]
+        for reading, line in table
     ]
