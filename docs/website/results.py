@@ -1,12 +1,14 @@
 """Results, one picture each, with the commands that draw it: a page of the site, made when the site is built.
 
-A picture is drawn anew only if its commands or the files of examples have changed.
+A picture is drawn anew only if its commands, the files of examples or the code have changed.
 """
 
 import shlex
 import subprocess
 import sys
 from dataclasses import dataclass
+from functools import cache
+from hashlib import sha256
 from pathlib import Path
 
 from PIL import Image, ImageChops
@@ -70,10 +72,23 @@ RESULTS = (
 )
 
 
+# examples of the gallery that write no picture of their own, and one that is made already
+THUMBNAILS = {"cable_on_a_drum": "cable", "dna_on_a_histone": "dna", "export_a_rod": ROOT / "docs/scenes/inside.png"}
+
+
+@cache
+def _code() -> str:
+    """The digest of the code that draws."""
+    files = sorted(path for name in ("solver", "studies", "workbench") for path in (ROOT / name).rglob("*.py"))
+    return sha256(b"".join(path.read_bytes() for path in files)).hexdigest()
+
+
 def draw(result: Result, folder: Path) -> Path:
     """Return the picture of a result, drawn in a folder by its commands. Raises `CalledProcessError`."""
     picture, log = folder / f"{result.name}.png", folder / f"{result.name}.txt"
-    wanted = "\n".join([*result.commands, *(path.read_text() for path in sorted((ROOT / "examples").glob("*.toml")))])
+    wanted = "\n".join(
+        [*result.commands, _code(), *(path.read_text() for path in sorted((ROOT / "examples").glob("*.toml")))]
+    )
     if not (picture.exists() and log.exists() and log.read_text() == wanted):
         for command in result.commands:
             words = [sys.executable, "-m", "workbench", *shlex.split(command), "--force"]
@@ -96,7 +111,7 @@ def shrink(picture: Path, path: Path) -> None:
     part = part.resize((round(scale * part.width), round(scale * part.height)), Image.Resampling.LANCZOS)
     sheet = Image.new("RGB", SIZE, "white")
     sheet.paste(part, ((SIZE[0] - part.width) // 2, (SIZE[1] - part.height) // 2))
-    sheet.save(path, quality=85, method=4)
+    sheet.save(path, quality=85, method=4)  # of a .webp
 
 
 def write(folder: Path, work: Path) -> None:
@@ -111,6 +126,10 @@ def write(folder: Path, work: Path) -> None:
         shrink(picture, target / f"{result.name}.webp")
         with Image.open(picture) as image:
             image.convert("RGB").save(target / f"{result.name}_large.webp", quality=82, method=4)
+    thumbnails = folder / "_static" / "thumbnails"
+    thumbnails.mkdir()
+    for example, of in THUMBNAILS.items():
+        shrink(of if isinstance(of, Path) else work / f"{of}.png", thumbnails / f"{example}.png")
     (folder / f"{PAGE}.md").write_text(text(), encoding="utf-8")
 
 

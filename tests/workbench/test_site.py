@@ -96,11 +96,12 @@ def test_on_a_phone_letters_of_a_picture_have_nine_pixels_and_the_page_is_no_wid
         assert driver.execute_script("return document.documentElement.scrollWidth") == 390
 
 
-def test_the_pictures_of_the_examples_are_as_large_as_the_gallery_has_them() -> None:
+def test_the_gallery_and_its_examples_name_the_thumbnails_that_are_made() -> None:
     size = re.search(r'"thumbnail_size": \((\d+), (\d+)\)', (ROOT / "docs/website/conf.py").read_text(encoding="utf-8"))
-    for path in (ROOT / "docs/website/static/thumbnails").glob("*.png"):
-        with Image.open(path) as picture:
-            assert picture.size == (int(size[1]), int(size[2])) >= (600, 400)
+    assert (int(size[1]), int(size[2])) == results.SIZE
+    texts = {path.stem: path.read_text(encoding="utf-8") for path in (ROOT / "examples").glob("*.py")}
+    named = {name for name, text in texts.items() if f'"_static/thumbnails/{name}.png"' in text}
+    assert named == set(results.THUMBNAILS)
 
 
 def test_each_command_has_a_page_with_every_option(tmp_path: Path) -> None:
