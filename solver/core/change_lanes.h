@@ -131,16 +131,18 @@ static inline ALWAYS TARGET void NAME(derive)(const known_field *by, const known
     change[4] = by->gamma + by->twist * t + by->swirl * later + swirled - s * c * later;
 }
 
-/* Five rows of W numbers, of which `size` bytes each count. */
-static inline ALWAYS TARGET void NAME(put)(const NAME(loose) *rows, size_t size, int64_t each, double *to)
+/* Five rows of W numbers, of which `many` each count. */
+static inline ALWAYS TARGET void NAME(put)(const NAME(loose) *rows, int many, int64_t each, double *to)
 {
     UNROLLED
     for (int k = 0; k < 5; k++) {
         const NAME(loose) row = rows[k];
-        if (size == sizeof row)
+        if (many >= W)
             *(NAME(loose) *)(to + each * k) = row;
         else
-            memcpy(to + each * k, &row, size);
+            for (int i = 0; i < W; i++)
+                if (i < many)
+                    to[each * k + i] = LANE(row, i);
     }
 }
 
@@ -173,7 +175,7 @@ static TARGET void NAME(changes)(const changed_orbit *of, const visits *p, int m
                     }
                 if (along->beta)
                     NAME(derive)(&by, known, at, sum);
-                NAME(put)(sum, sizeof(double) * (many - at < W ? many - at : W), along->size * F * n,
+                NAME(put)(sum, many - at, along->size * F * n,
                           along->out + n * (row * F + f) + begin + at);
             }
         }
@@ -193,7 +195,7 @@ static TARGET void NAME(derivatives)(const shapes *of, int64_t row, int64_t begi
             for (int k = 0; k < 5; k++)
                 change[k] = ZERO, memcpy(&change[k], to + each * k, size);
             NAME(derive)(&by, known, at, change);
-            NAME(put)(change, size, each, to);
+            NAME(put)(change, many - at, each, to);
         }
     }
 }

@@ -443,9 +443,9 @@ int rod_rest(const piece *, int count, double gap, double deeper, const points *
 int rod_cut_orbit(const start_problem *, const double *pinned, const critical *known, const grid *, const points *,
                   const cutting *, arcs *, panels *);
 
-/* Copies the panels of one orbit, from number `first`, in their order into rows from `row` on; arc: 0 or 1. Returns the
-   row after them. */
-int64_t rod_copy_panels(const panels *, int64_t first, int64_t size, int64_t row, const panel_arrays *to);
+/* Copies the panels of one orbit, from number `first`, in their order into rows from `row` on, the first `kept` series of
+   each; arc: 0 or 1. Returns the row after them. */
+int64_t rod_copy_panels(const panels *, int64_t first, int64_t size, int kept, int64_t row, const panel_arrays *to);
 
 /* Sums along arcs, of P panels in the order of travel: since, (P,), the time from the start of the arc; first, count and
    duration, (arcs,); gain: (arcs, 3), of alpha, z and the swirl, whose series then count from the start too; 0 without

@@ -47,7 +47,7 @@ int rod_cut_orbit(const start_problem *p, const double *pinned, const critical *
     return failed;
 }
 
-int64_t rod_copy_panels(const panels *from, int64_t first, int64_t size, int64_t row, const panel_arrays *to)
+int64_t rod_copy_panels(const panels *from, int64_t first, int64_t size, int kept, int64_t row, const panel_arrays *to)
 {
     for (int64_t i = first; i >= 0 && row < to->panels; i = from->rows[i].next, row++) {
         const panel *one = &from->rows[i];
@@ -57,7 +57,7 @@ int64_t rod_copy_panels(const panels *from, int64_t first, int64_t size, int64_t
         for (int k = 0; k < PANEL_COLUMNS; k++)
             to->columns[k * to->panels + row] = values[k];
         memcpy(to->series + FUNCTIONS * size * row, from->series + FUNCTIONS * size * i,
-               sizeof(double) * (size_t)(FUNCTIONS * size));
+               sizeof(double) * (size_t)(kept * size));
     }
     return row;
 }
@@ -123,7 +123,7 @@ void rod_orbits_fetch(orbits *made, const panel_arrays *to, double *since, int64
     const int64_t size = made->at.n + 1;
     int64_t row = 0;
     for (int64_t b = 0, begin = 0; b < made->problems; b++, begin = row) {
-        row = rod_copy_panels(&made->all, made->first[b], size, row, to);
+        row = rod_copy_panels(&made->all, made->first[b], size, FUNCTIONS, row, to);
         for (int64_t i = begin; i < row; i++)
             to->arc[i] += 2 * b;
     }

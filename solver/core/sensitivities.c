@@ -11,7 +11,7 @@ enum { MARKS = 4 };
    its first and second third. lifts, peak: (B,), what is observed; NULL for what is measured. Filled: kind (B,), of the
    orbits, LOST where there is none; half_period (B, F); found (3, B), numbers along the rod, over its first third, and over
    two; rates (B, F, RATES). Of helices and where there is no orbit the kind alone is filled,
-   and the derivatives of the shape are NaN. Where nothing is measured marks, half_period, found and rates
+   and the derivatives of the shape are NaN; LOST is also an orbit of which one of these is not finite. Where nothing is measured marks, half_period, found and rates
    are NULL. */
 typedef struct {
     shapes along;
@@ -163,6 +163,16 @@ static void leave_out(const shapes *of, int64_t b)
             of->out[(of->size * k + b) * own + i] = NAN;
 }
 
+INLINE void check_shape(int width, const shapes *of, int64_t b, int *finite)
+{
+    (void)width;
+    const int64_t own = of->F * of->stations;
+    *finite = 1;
+    for (int64_t k = 0; k < 5; k++)
+        *finite &= largest_size((int)own, of->out + (of->size * k + b) * own) < INFINITY;
+}
+IN_WIDTHS(check_shape, (const shapes *of, int64_t b, int *finite), (WIDTH, of, b, finite))
+
 static int derive_rod(worker *o, int64_t b)
 {
     const sensitivities *all = o->all;
@@ -180,7 +190,11 @@ static int derive_rod(worker *o, int64_t b)
     else
         part_start(o, b);
     rod_change_orbit(o->of, o->varied, 0, &all->along, b, o->parts);
-    if (!all->marks)
+    int finite; /* asked here, where the numbers are still at hand */
+    FOR_LANES(o->how->lanes, check_shape)(&all->along, b, &finite);
+    if (!finite)
+        all->kind[b] = LOST;
+    if (!finite || !all->marks)
         return DONE;
     for (int64_t f = 0; f < F; f++) {
         double *later = &all->half_period[b * F + f];

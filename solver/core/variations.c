@@ -209,18 +209,16 @@ INLINE void keep_series(int width, const varied_nodes *one, const points *at, do
     for (int m = 0; m < PAIRS; m++)
         values[BY_LEVEL + m] = one->M[m];
     for (int m = 0; m < VARIED; m++)
-        out[m] = rates[m], rates[m][n] = rates[m][n + 1] = 0;
+        out[m] = m < BY_LEVEL ? series + size * m : rates[m], out[m][n] = rates[m][n] = rates[m][n + 1] = 0;
     for (int m = 0; m < VARIED; m += 3)
         PRODUCTS(width)(3, 3, 1, n / 2, n, values + m, at->analyse, out + m);
-    for (int m = 0; m < BY_LEVEL; m++)
-        memcpy(series + size * m, rates[m], sizeof(double) * (size_t)size);
     for (int k = 1; k <= n; k++)
         share[k] = half / (2 * k);
     for (int m = BY_LEVEL; m < VARIED; m++) { /* `integral` of all sums at once */
         double *own = series + size * m;
-        rates[m][0] *= 2;
         for (int k = 1; k <= n; k++)
             own[k] = (rates[m][k - 1] - rates[m][k + 1]) * share[k];
+        own[1] = (2 * rates[m][0] - rates[m][2]) * share[1]; /* a number changed before would be waited for */
     }
     double first[PAIRS] = {0};
     for (int k = 1; k <= n; k++)
@@ -494,7 +492,7 @@ static int fill(lone_orbit *o, const points *at, const cutting *how)
     double *width = o->room, *since = width + P * PANEL_COLUMNS, *series = since + P;
     double *least = series + P * each, *jump = least + P, *kept = jump + P * PAIRS, *M = kept + P * varied;
     const panel_arrays to = {P, o->rows, width, series};
-    rod_copy_panels(cut, cut->first, size, 0, &to);
+    rod_copy_panels(cut, cut->first, size, how->series, 0, &to);
     rod_orbits_sum(2, P, size, to.arc, width, how->series == FUNCTIONS ? series : NULL, since, o->first, o->count, o->duration, o->integrals);
     o->of = (read_orbits){size, P, &o->kind, o->first, o->count, NULL, &o->direction, o->duration, o->integrals, since, width,
                           width + P, width + 2 * P, series};

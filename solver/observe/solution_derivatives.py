@@ -19,7 +19,7 @@ from ..problem.case_fields import check_fields
 from ..problem.quantities import ByName
 from ..problem.reduced import EndsProblem, FieldRates, end_number_names, field_rates, flat
 from ..problem.trajectory import SOLVED, decade
-from .motions import Motion, of_equilibria, of_helices, shape_rates, start_sensitivities
+from .motions import LOST, Motion, of_equilibria, of_helices, shape_rates, start_sensitivities
 from .observable_rates import Moving, check_observables, derivatives_of, measure_of, why_missing
 from .varying_rates import STEP, rates_on_nodes
 
@@ -65,7 +65,8 @@ def _blank_rates(sol: ShapeArrays, rates: FieldRates) -> Array:
 
 
 def _of_starts(sol: ShapeArrays, rates: FieldRates, read: Moving | None) -> tuple[Array, Array]:
-    """Derive the solved start problems that are no helices; all of them, (5, B, F, n), and which are helices."""
+    """Derive the solved start problems that are no helices; all of them, (5, B, F, n), and the kinds of their orbits,
+    (B,), `LOST` where a case has no derivatives."""
     solved = np.flatnonzero(sol.trajectory.solved)
     every = solved.size == sol.problem.size
     rows = slice(None) if every else solved
@@ -77,7 +78,9 @@ def _of_starts(sol: ShapeArrays, rates: FieldRates, read: Moving | None) -> tupl
     out = answer.along if every else _blank_rates(sol, rates)
     if not every:
         out[:, solved] = answer.along
-    return out, solved[answer.kind == HELIX]
+    kind = np.full(sol.problem.size, LOST)
+    kind[solved] = answer.kind
+    return out, kind
 
 
 _ROUNDING = 32 * EPS  # of a derivative, times the condition number. x10: stated errors ten times as large
@@ -143,16 +146,20 @@ def sensitivity(sol: ShapeArrays, fields: Iterable[str], observables: Iterable[s
         with np.errstate(all="ignore"):
             curves, numbers = rates_on_nodes(sol, names, _ALONG, observed)
             table = np.array([*numbers.values()]).reshape(len(observed), known.size, len(names))
-            return _judge(sol, names, np.stack([*curves.values()]), observed, table, known, error / STEP)
+            out = np.stack([*curves.values()])
+            finite = np.isfinite(out).all(axis=(0, 2, 3))
+            return _judge(sol, names, out, observed, table, known, np.where(finite, error / STEP, np.inf))
     rates = ends_field_rates(sol, names) if ends else field_rates(sol.case, names)
     outcome = np.where(sol.trajectory.solved, SOLVED, sol.trajectory.outcome).astype(object)
     read = Moving(sol, rates, (key for name in observed for key in measure_of(name))) if observed else None
+    finite, unseen = np.ones(sol.problem.size, dtype=bool), np.ones(sol.problem.size, dtype=bool)
     with np.errstate(all="ignore"):  # what leaves the finite numbers is told by the outcome
         if ends:
             out, moving = _blank_rates(sol, rates), of_equilibria(sol, outcome)
         else:
-            out, still = _of_starts(sol, rates, read)
-            moving = of_helices(sol, still)
+            out, kind = _of_starts(sol, rates, read)
+            finite, unseen = kind != LOST, kind == HELIX
+            moving = of_helices(sol, np.flatnonzero(unseen))
         for motion in moving:
             unit = amounts(motion, rates.take(motion.rows))
             for name, moved in zip(("lam", "mu", "phi"), unit[:, 2:].swapaxes(0, 1), strict=True):
@@ -170,7 +177,8 @@ def sensitivity(sol: ShapeArrays, fields: Iterable[str], observables: Iterable[s
             if read is not None:
                 read.take(motion.rows, answer)
         derivatives = np.empty((0, sol.problem.size, len(names))) if read is None else derivatives_of(observed, read)
-    return _judge(sol, names, out, observed, derivatives, outcome, error)
+    finite[unseen] = np.isfinite(out[:, unseen]).all(axis=(0, 2, 3))
+    return _judge(sol, names, out, observed, derivatives, outcome, np.where(finite, error, np.inf))
 
 
 def _judge(
@@ -184,14 +192,13 @@ def _judge(
 ) -> Sensitivity:
     """The result; a case in which no digit is left gets an outcome that says so.
 
-    out: (5, B, F, n), along the rods. table: (K, B, F), of the observables. error: (B,), by rounding.
+    out: (5, B, F, n), along the rods. table: (K, B, F), of the observables. error: (B,), by rounding; infinite
+    where a derivative along the rod is.
     """
     growth, held = np.asarray(sol.trajectory.condition), isinstance(sol.problem, EndsProblem)
-    finite = np.isfinite(np.einsum("kbfn->b", out))  # half the time of looking at each number
-    finite[~finite] = np.isfinite(out[:, ~finite]).all(axis=(0, 2, 3))  # the sum of large ones may overflow
     begun = outcome == SOLVED
     where = "at a fold, or next to one" if held else "next to a separatrix"
-    for i in np.flatnonzero(begun & ~((error < SHAPELESS) & finite)):
+    for i in np.flatnonzero(begun & ~(error < SHAPELESS)):
         outcome[i] = f"failed: {where}, condition above {decade(growth[i])} leaves no digit of the derivatives"
     solved, shape = outcome == SOLVED, sol.case.shape
     missing = solved & ~np.isfinite(table).all(axis=2)
