@@ -227,10 +227,10 @@ def _energy_in_words(rows: Sequence[dict[str, Any]], held: bool, heavy: bool, un
 
 def _say_unsolved(texts: Sequence[str]) -> None:
     """Say of how many listed equilibria no shape is known, and why; texts: the outcome of each, "" for none."""
-    from ..words import outcomes
+    from ..words import outcome_counts
 
     failed = Counter(text for text in texts if text not in ("", "solved"))
-    for text, count in outcomes.group(failed).items():
+    for text, count in outcome_counts.group(failed).items():
         console.say(f"{count} equilibri{'um is' if count == 1 else 'a are'} listed, but {text}")
 
 
@@ -239,7 +239,7 @@ def _over_axis(study: "Study", case: "Case", name: str, values: "np.ndarray", sh
 
     from ..branches import branch_dataset
     from ..stored.stored_study import StoredStudy
-    from ..words import outcomes
+    from ..words import outcome_counts
 
     with console.progress(values.size, lines=True) as step:
         stored = StoredStudy(branch_dataset.sweep(study, case, name, values, step, show))
@@ -258,7 +258,7 @@ def _over_axis(study: "Study", case: "Case", name: str, values: "np.ndarray", sh
         console.say(f"{counts} over {values.size} values of {name}")
         _print_folds(folds, name, unit)
         console.say_units(study.unit_system)
-        for remark, count in outcomes.group(Counter(remarks)).items():
+        for remark, count in outcome_counts.group(Counter(remarks)).items():
             console.say(f"{'a branch stops' if count == 1 else f'branches stop {count} times,'} at {remark}")
         _say_unsolved(stored["outcome"].values.ravel().tolist() if "outcome" in stored else [])
 

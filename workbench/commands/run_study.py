@@ -171,7 +171,7 @@ def _print_outcomes(outcomes: Mapping[str, int], file: Path) -> None:
     from solver.held.selection import INCOMPLETE
     from solver.problem.trajectory import FEWER
 
-    from ..words.outcomes import group
+    from ..words.outcome_counts import group
 
     fewer = 0
     for text, count in sorted(group(outcomes).items()):

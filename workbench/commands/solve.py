@@ -193,7 +193,7 @@ def _which(sol: "Solution", listed: "Equilibria | None", base: "CaseInput") -> s
     from solver import observe
 
     from ..words import pipe_state
-    from ..words.outcomes import stability
+    from ..words.outcome_counts import stability
 
     study = base.study
     if base.wound and sol.case.varies and sol.solved:

@@ -18,7 +18,7 @@ from ..branches.ends_study import ends_problem
 from ..run import in_memory
 from ..stored import provenance
 from ..stored.stored_study import StoredStudy
-from ..words import free_rods, labels, outcomes
+from ..words import free_rods, labels, outcome_counts
 
 NAMES = READINGS_TABLE, EQUILIBRIA, LET_GO = "readings", "equilibria", "let_go"
 OWN, STABLE = "rank_of_study", "rank_of_stable"  # attributes: places by energy, from 1; 0: there is none
@@ -148,7 +148,7 @@ def rows(stored: StoredStudy, pictures: Sequence[Mapping[str, Any]]) -> dict[str
     return {
         "count": stored.sizes["equilibrium"],
         "rank": stored.attrs[OWN],
-        "stability": outcomes.stability(int(case["index"])),
+        "stability": outcome_counts.stability(int(case["index"])),
         "sister": stable if stable != stored.attrs[OWN] else 0,
         "attached": f"{float(stored['attached'][stable - 1]):.0%}" if stable else "",
         "ends": labels.typeset(str(stored.attrs["stability"])),

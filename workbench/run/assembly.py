@@ -26,7 +26,7 @@ from ..stored.boxes import Columns, Where, blocks, extent, span
 from ..stored.frame import frame_of
 from ..stored.law_verdicts import Tally, laws_of
 from ..stored.law_verdicts import statistics as statistics_of
-from ..words import cautions, outcomes
+from ..words import cautions, outcome_counts
 from . import atomic, writing
 from .plan import TEXT_BYTES, Plan, bytes_of_file, remarks
 from .recipe import Places
@@ -130,7 +130,7 @@ class ShardSource:
         """
         columns = self.parts.read_cases(start, stop)
         if self.plan.study.sweeps:
-            columns["branch"] = outcomes.number_branches(columns["branch"], self.tally["branch"])
+            columns["branch"] = outcome_counts.number_branches(columns["branch"], self.tally["branch"])
         if self.tally["solved"][False]:
             columns |= {k: v.astype(float) for k, v in columns.items() if v.dtype.kind == "i" and k != "branch"}
         return columns

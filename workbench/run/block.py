@@ -27,7 +27,7 @@ from ..stored.one_case import knows_orbit, solve_one
 from ..stored.quantity_variables import JUDGED, LOADS, curve_name, inner_shape
 from ..stored.schema import TEXTS, shapes
 from ..words import cautions, pipe_state
-from ..words.outcomes import NO_BRANCH
+from ..words.outcome_counts import NO_BRANCH
 from .shards import encode, join
 
 SECONDS = 3.0  # of work, after which a worker gives what it has: what an interruption costs

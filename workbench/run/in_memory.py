@@ -18,7 +18,7 @@ from ..stored import quantity_variables
 from ..stored.boxes import Columns
 from ..stored.frame import without_results
 from ..stored.stored_study import StoredStudy
-from ..words import outcomes
+from ..words import outcome_counts
 from . import assembly
 from .block import block_of, columns
 from .plan import bytes_a_case, plan, remarks, rounds
@@ -96,7 +96,7 @@ def run(study: Study, tol: float | None = None, method: str | None = None) -> xr
             parts.append(join([block_of(so_far.study, part) for part in blocks]))
     columns = join(parts)
     if study.sweeps:
-        columns["branch"] = outcomes.number_branches(columns["branch"], columns["branch"])
+        columns["branch"] = outcome_counts.number_branches(columns["branch"], columns["branch"])
     return assembly.make(so_far.study, so_far.dimensions, columns, remarks(so_far))
 
 

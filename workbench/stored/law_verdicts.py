@@ -15,7 +15,7 @@ from studies.laws.law_verdict import LawVerdict, LawVerdicts
 from studies.laws.line_verdicts import FAILS, HOLDS, TREND, UNDECIDED, branch_changes
 from studies.laws.verdicts import Law, by_line, decide, refusal, targets
 
-from ..words import cautions, escaping, outcomes
+from ..words import cautions, escaping, outcome_counts
 from . import quantity_variables, refined, schema
 from .bounds import LINE
 from .boxes import Columns, pieces
@@ -220,11 +220,11 @@ def tally_of(statistics: Mapping[str, Any] | None = None) -> Tally:
 def count(columns: Columns, tally: Tally) -> int:
     """Add the columns to the tally, and return how many of their cases are not solved."""
     if "branch" in columns:
-        tally["branch"].update(outcomes.count_branches(columns["branch"]))
+        tally["branch"].update(outcome_counts.count_branches(columns["branch"]))
     for name in TEXTS:
         texts, counts = np.unique(columns[name].astype(str), return_counts=True)
         tally[name].update(dict(zip(texts.tolist(), counts.tolist(), strict=True)))
-        tally[name] = outcomes.group(tally[name])
+        tally[name] = outcome_counts.group(tally[name])
     unsolved = int(np.count_nonzero(~columns["solved"]))
     tally["solved"][False] += unsolved
     return unsolved
@@ -256,4 +256,4 @@ def _branches(ds: "xr.Dataset", counts: Mapping[int, int]) -> str:
     if not counts:
         return ""
     several = sum(size > 1 for size in ds["branch"].shape) > 1
-    return outcomes.branch_sentence(counts, ds["branch"].attrs.get("long_name") == outcomes.LEFT, several)
+    return outcome_counts.branch_sentence(counts, ds["branch"].attrs.get("long_name") == outcome_counts.LEFT, several)

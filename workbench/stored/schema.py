@@ -12,7 +12,7 @@ from solver.problem.errors import InputError
 from studies.language import expressions
 
 from ..words import escaping
-from ..words.outcomes import LEFT
+from ..words.outcome_counts import LEFT
 from .bounds import LABEL
 from .quantity_variables import INNER, JUDGED, LOADS, curve_name, dimension, inner_shape, labels, own_dimension
 

@@ -20,7 +20,7 @@ from studies.grammar.axes import SAMPLE
 from studies.language.printed import as_reading, table_of
 from studies.laws.line_verdicts import NOISE
 
-from ..words import cautions, labels, outcomes
+from ..words import cautions, labels, outcome_counts
 from . import file_kinds, quantity_variables, schema
 from .quantity_variables import COMPONENTS, is_count
 from .selection import Value, index, known_cases, spread
@@ -189,7 +189,7 @@ class StoredCases:
 
     def check_any_solved(self) -> None:
         """Raise `InputError`, which says why, where no case is solved and there is nothing to draw."""
-        outcomes.check_any_solved(self.ds["solved"].values, self.ds["outcome"].values)
+        outcome_counts.check_any_solved(self.ds["solved"].values, self.ds["outcome"].values)
 
     # which cases
 

@@ -30,7 +30,7 @@ from solver.problem.errors import attempt
 from studies import Study
 from studies.grammar.axes import in_words, quantity_of
 
-from ..words.outcomes import NO_BRANCH
+from ..words.outcome_counts import NO_BRANCH
 from .one_case import solve_one
 
 LOST = "unstable here, stable where its branch begins"

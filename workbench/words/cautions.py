@@ -32,7 +32,7 @@ from solver.observe.cautions import (
 from solver.observe.cautions import of_cases as _of_cases
 from studies.grammar.formulas import size_of
 
-from . import outcomes
+from . import outcome_counts
 
 if TYPE_CHECKING:
     from solver import Case, Rod
@@ -143,7 +143,7 @@ def _parts(texts: Mapping[str, int]) -> dict[str, int]:
     for text, count in texts.items():
         for part in parts(text):
             counts[part] += count
-    each = outcomes.group(counts)
+    each = outcome_counts.group(counts)
     places = {key: place for place, key in enumerate([*WORDS, *UNCHECKED])}  # what is none of them stands last
     return dict(sorted(each.items(), key=lambda item: (places.get(keys(item[0])[0], len(places)), item[0])))
 

@@ -10,7 +10,7 @@ from solver.nodes.stretch_states import LEAVES, RUBS, STRAIGHT, in_words
 from solver.observe.observables import NO_TORQUE
 from solver.problem.declared_fields import OFF_WALL
 
-from . import cautions, habits, outcomes
+from . import cautions, habits, outcome_counts
 from .habits import plain
 from .pipe_profile import PUSH, ROUNDING, ProfileRow, axial_force, number, profile, weight_across
 
@@ -138,7 +138,7 @@ def _stability(sol: "Solution") -> str:
     index = float(sol.held_index)
     if not math.isfinite(index):
         return "of a start problem with weight no Morse index is computed"
-    return f"{outcomes.stability(int(index))}{' (index 0)' * (index == 0)}"
+    return f"{outcome_counts.stability(int(index))}{' (index 0)' * (index == 0)}"
 
 
 def _friction(sol: "Solution", units: dict[str, str]) -> list[str]:

@@ -3,17 +3,13 @@
 import re
 from collections import Counter
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from solver.problem.errors import InputError
 from studies.laws.law_words import count_of
-
-if TYPE_CHECKING:
-    pass
-
 
 _ONE = r"(?<![A-Za-z\d.])[-+]?\d+(?:\.\d+)?(?:e[+-]?\d+)?"  # not the digit of a name such as F3
 _NUMBERS = re.compile(rf"{_ONE} to {_ONE}|{_ONE}|\.\.\.")  # a number, a range, or one that an older file left out
