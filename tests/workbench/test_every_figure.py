@@ -133,6 +133,12 @@ def test_other_pictures_can_be_read_and_show_what_is_stored() -> None:
     stored_figures.check("pictures_others", OTHERS)
 
 
+def test_accuracy_against_cost_fits_one_column() -> None:
+    fig = work_precision.figure(StoredStudy(shipped_measurements("trade")), sheet=SHEETS["column"])
+    assert fig.get_figwidth() == pytest.approx(SHEETS["column"].width)
+    assert faults(fig, axes=IN_PRINT) == []
+
+
 @pytest.mark.slow
 def test_the_shipped_map_of_extremes_can_be_read_and_shows_what_is_stored() -> None:
     """Numbers of a cell are smaller than other letters."""
