@@ -12,7 +12,7 @@ from solver import Case, Solution, solve
 from studies import Study
 
 from ..stored.one_case import rule_of, solve_one
-from ..words import outcomes
+from ..words import outcome_counts
 from . import assembly, shards
 from .block import block_of, columns
 from .plan import plan, remarks
@@ -57,7 +57,7 @@ def run_in_order(study: Study, folder: Path, step: Callable[[str, int, int], Non
             raise KeyboardInterrupt(f"interrupted; {kept_in}; run the same command again to continue") from None
         solved = parts.read_cases(0, work.size)
         if study.sweeps:
-            solved["branch"] = outcomes.number_branches(solved["branch"], solved["branch"])
+            solved["branch"] = outcome_counts.number_branches(solved["branch"], solved["branch"])
         return assembly.make(work.study, work.dimensions, solved, remarks(work))
 
 
