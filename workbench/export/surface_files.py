@@ -88,12 +88,11 @@ def _rings(line: Centreline, tolerance: float, budget: int | None) -> tuple[Arra
 
     longest = LONGEST * line.a * (1.0 if budget is None else max(np.sqrt(tolerance / near(line)), 1.0))
     ends = float(line.s[0]), float(line.s[-1])
-    aim = tolerance
-    for _ in range(ROUNDS):
-        s = place_rings(line, ends, aim / 2, check, longest=longest)
-        aim *= CLOSER
+    s = place_rings(line, ends, tolerance / 2, check, longest=longest)
+    for repeated in range(1, ROUNDS):
         if off_by(line, s, sides) <= tolerance:
             break
+        s = place_rings(line, ends, tolerance * CLOSER**repeated / 2, check, longest=longest)
     return s, sides
 
 
