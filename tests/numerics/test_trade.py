@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from solver import Case, InputError, Solution, solve
+from solver import Case, Cylinder, Ends, InputError, Rod, Solution, solve
 from solver.methods import METHODS, available
 from solver.methods.base import Ladder, tens
 from solver.problem.reduced import reduce
@@ -108,6 +108,16 @@ def test_collocation_follows_its_tolerance_and_says_when_nothing_is_there_to_sol
         errors.append(errors_against(sol, known)["error_beta"])
         assert errors[-1] <= tol * sol.condition
     assert errors[2] < 1e-2 * errors[0]
+
+
+@pytest.mark.parametrize("tol", [1e-3, 1e-5, 1e-7])
+def test_collocation_states_its_error_also_where_its_first_mesh_meets_the_tolerance(tol: float) -> None:
+    """There two runs on that mesh agree to rounding, and say nothing of the error that they share."""
+    ends = Ends(beta0=0.5, betaL=0.8, FZ=-8.66, M3=6.1, MZ=1.3)
+    case = Case(Rod(E=1.07e4, nu=0.25, a=0.25, L=10.0), Cylinder(R=0.75), ends)
+    sol, exact = solve(case, tol=tol, method="collocation"), solve(case, tol=1e-12)
+    off = max(np.abs(sol.beta - exact.beta).max(), np.abs(sol.alpha - exact.alpha).max() / 10)
+    assert 1e-13 < off <= sol.error <= tol
 
 
 def test_heyoka_where_it_is_not_installed_is_refused_with_how_to_get_it(monkeypatch) -> None:
