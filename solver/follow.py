@@ -12,7 +12,7 @@ from .equilibrium_branch import BORDER, HELIX, Branch, BranchEnd, BranchPoint, S
 from .numerics.arclength import CLOSED, END, FOLD, POINTS
 from .numerics.arrays import Array, whole_turns
 from .problem.case import Case, Ends, refuse_leaving
-from .problem.case_fields import fields_of, value_of, with_field
+from .problem.case_fields import fields_of, of_quantity, value_of, with_field
 from .problem.declared_fields import ANGLES, PAIRS
 from .problem.errors import InputError, check_type, choices, no_such, show, whole_number
 from .problem.field_values import doubt, in_rad
@@ -173,7 +173,8 @@ def _field_and_values(case: Case, field: dict[str, ArrayLike]) -> tuple[str, Arr
     if len(field) != 1:
         got = choices(field) or "none"
         raise InputError(f"follow takes one field with its values, got {got}; choose from {choices(known)}")
-    ((name, values),) = field.items()
+    ((given, values),) = field.items()
+    name = of_quantity(case, given)
     if name not in known:
         raise no_such("field", name, known)
     try:

@@ -99,7 +99,7 @@ def parameter_plane(case: Case, ranges: dict[str, Any]) -> ParameterPlane:
     if len(ranges) != 2:
         raise InputError(f"fold curves need two fields with their ranges, got {choices(ranges) or 'none'}")
     first, second = check_fields(case, ranges)
-    ends = np.array([read_range(name, ranges[name]) for name in (first, second)])
+    ends = np.array([read_range(*each) for each in zip((first, second), ranges.values(), strict=True)])
     plane = ParameterPlane(case, (first, second), ends[:, 0], ends[:, 1])
     # equilibria may be computed as far beyond a range as the share ASIDE of it
     corners = np.array([[u, w] for u in (-ASIDE, 0.5, 1 + ASIDE) for w in (-ASIDE, 0.5, 1 + ASIDE)])

@@ -1,7 +1,7 @@
 """The parameters of a fit: fields of a case, their bounds, and the numbers x by which a search moves them."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -10,9 +10,9 @@ from ..numerics.arrays import Array
 from ..problem.case import Case
 from ..problem.case_fields import check_fields, value_of
 from ..problem.declared_fields import POSITIVE, RANGES
-from ..problem.errors import InputError, choices, known_name, names_of, show
+from ..problem.errors import InputError, choices, names_of, show
 from ..problem.field_values import angle
-from ..problem.quantities import AT_START, quantity
+from ..problem.quantities import quantity
 
 # starts of a positive field without bounds: from its value over this to its value times this. x10: starts that have no
 # shape
@@ -80,21 +80,9 @@ def check_parameters(case: Case, vary: Any) -> list[Parameter]:
     """The parameters. Raises `InputError` for an unknown or repeated field and for invalid bounds."""
     if case.shape:
         raise InputError(f"fit takes a single case, got a grid of shape {case.shape}")
-    given = _by_name(case, vary)
-    names = check_fields(case, list(given))
-    return [_parameter(case, name, given[name]) for name in names]
-
-
-def _by_name(case: Case, vary: Any) -> dict[str, Any]:
-    """Name -> bounds or None; `beta` of a start problem is beta0, as in a study."""
     pairs = list(vary.items()) if isinstance(vary, Mapping) else [(name, None) for name in names_of(vary)]
-    at_start = {field.name for field in fields(case.given)}
-    names: list[Any] = [AT_START.get(name, name) if known_name(name, at_start) else name for name, _ in pairs]
-    if strange := [name for name in names if not isinstance(name, str)]:
-        raise InputError(f"vary must be names of fields, or a mapping of names to bounds, got {show(strange[0])}")
-    if twice := [name for name in names if names.count(name) > 1]:
-        raise InputError(f"the field {twice[0]!r} is varied twice")
-    return {name: bounds for name, (_, bounds) in zip(names, pairs, strict=True)}
+    names = check_fields(case, [name for name, _ in pairs])
+    return [_parameter(case, name, bounds) for name, (_, bounds) in zip(names, pairs, strict=True)]
 
 
 def _parameter(case: Case, name: str, bounds: Any) -> Parameter:

@@ -21,15 +21,24 @@ def fields_of(case: Case) -> tuple[str, ...]:
 
 
 def check_fields(case: Case, names: Any) -> tuple[str, ...]:
-    """The names as a tuple. Raises `InputError` for a name that is no numeric field of the case or is repeated."""
-    fields = names_of(names)
-    known = fields_of(case)
+    """The names of the quantities of fields as a tuple.
+
+    Raises `InputError` for a name that is no numeric field of the case or is repeated.
+    """
+    known, fields = fields_of(case), tuple(of_quantity(case, name) for name in names_of(names))
     for name in fields:
         if not known_name(name, known):
             raise InputError(f"no field {name!r} in this case{near(name, known)}; choose from {choices(known)}")
     if not fields or len(set(fields)) < len(fields):
         raise InputError(f"fields must be one or several different names, got {choices(fields) or 'none'}")
     return fields
+
+
+def of_quantity(case: Case, name: Any) -> Any:
+    """The name of the quantity of a field: beta0 for the beta of a start; what names no field as it is."""
+    given: Any = type(case.given)
+    places = _places(given)
+    return AT_START.get(places[name][1], name) if known_name(name, places) else name
 
 
 def _place_of(case: Case, name: str) -> tuple[str, str]:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from solver import Case, Cylinder, Ends, Rod, Start, equilibria, observe, solve
+from solver import Case, Cylinder, Ends, InputError, Rod, Start, equilibria, observe, solve
 from solver.observe.motions import of_equilibria, of_helices, start_sensitivities
 from solver.observe.observables import OBSERVABLES, is_count
 from solver.orbits.periodic_orbit import HELIX
@@ -150,6 +150,15 @@ def test_derivatives_of_observables_agree_with_differences(given: Start) -> None
         exact = differences(case, field, read, 1e-4, stations=3, method="orbit")
         seen = np.array([found.observables[name][k] for name in names])
         assert seen == pytest.approx(exact, rel=2e-6, abs=1e-8), field
+
+
+def test_the_angle_of_a_start_is_a_field_by_its_name_there_and_by_that_of_its_quantity() -> None:
+    sol = solve(Case(Rod(1.07e4, 0.25, 0.25, 6.0), Cylinder(0.75), Start(0.5, 0.5, M3=5.0)), stations=5)
+    by_quantity, by_field = (sol.sensitivity([name], ["height"]) for name in ("beta0", "beta"))
+    assert by_field.fields == by_quantity.fields == ("beta0",)
+    assert by_field.observables["height"] == by_quantity.observables["height"]
+    with pytest.raises(InputError, match="must be one or several different names, got beta0, beta0"):
+        sol.sensitivity(["beta", "beta0"])
 
 
 def test_the_mean_curvature_of_a_rod_that_is_nearly_straight_at_places_has_all_digits() -> None:

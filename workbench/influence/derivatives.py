@@ -13,13 +13,10 @@ from numpy.typing import NDArray
 
 from solver import InputError, Rod, Solution, observe
 from solver.observe.observables import OBSERVABLES, is_count, observables_of
-from solver.problem.case_fields import fields_of, value_of
-from solver.problem.declared_fields import FIELDS
+from solver.problem.case_fields import check_fields, fields_of, value_of
 from solver.problem.errors import no_such
 from solver.problem.quantities import current, quantity, unit_of
-from studies.grammar.axes import DEFAULT_UNITS, WORDS
-
-from ..stored import quantity_variables
+from studies.grammar.axes import DEFAULT_UNITS
 
 REAL = tuple(name for name, row in OBSERVABLES.items() if not (row.free or is_count(name)))
 PERCENT = "%"
@@ -185,14 +182,7 @@ def counts_left_out(names: Iterable[str]) -> str:
 
 
 def _fields(solution: Solution, names: Iterable[str] | None) -> list[str]:
-    known = fields_of(solution.case)
-    if names is None:
-        return list(known)
-    fields = [quantity_variables.dimension(name) if name in FIELDS and name not in WORDS else name for name in names]
-    for name in fields:
-        if name not in known:
-            raise no_such("field", name, known)
-    return fields
+    return [*check_fields(solution.case, fields_of(solution.case) if names is None else names)]
 
 
 def _observables(rod: Rod, names: Iterable[str] | None) -> list[str]:
