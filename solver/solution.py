@@ -391,10 +391,11 @@ class FreeSolution(Solution):
 
     `solve` makes it of a case with `contact="unilateral"`, and `Solution.let_go` of any solution. It is a `Solution`
     whose rods may be off the wall: `radius`, `gap` and `tilt` say where, `contacts` and `point_forces` where and how
-    the cylinder pushes, and `push` is 0 off the wall. Moments and forces have the directions that they have on the
-    wall: inward along the normal of the cylinder through each point, in its tangent plane across the rod, and along the
-    tangent. A hinge on the wall that its M2 presses into it lies along it: there `M2` is the moment in the rod, and the
-    wall takes the rest. There is no first integral: `h` is NaN.
+    the cylinder pushes, and `push` is 0 off the wall. Moments and forces have components along N, B and T, an
+    orthonormal frame: the tangent T leans out of the tangent plane of the cylinder by the tilt, the binormal B is in
+    that plane, and the normal N = B x T is towards the axis where there is no tilt. A hinge on the wall that its M2
+    presses into it lies along it: there `M2` is the moment in the rod, and the wall takes the rest. There is no first
+    integral: `h` is NaN.
 
     Examples
     --------
@@ -454,6 +455,10 @@ class FreeSolution(Solution):
     @property
     def tangent(self) -> Array:
         return self._along_free("tangent")
+
+    @property
+    def normal(self) -> Array:
+        return np.cross(frames.binormal(self.alpha, self.beta), self.tangent)
 
     @property
     def material_frame(self) -> Array:

@@ -37,7 +37,6 @@ LOADS = {"FZ": ("FZ", 1), "MZ": ("MZ", 1), "M3": ("M3", 1), "M30": ("M3", 1), "s
 UNDEFINED = {
     **dict.fromkeys(("contact_at", "contact_alpha", "contact_M2"), "the rod touches the wall nowhere"),
     "bend_number": "a rod that may leave the wall has no period",
-    "lift_off_at": "a cylinder that only pushes never pulls; contacts says where it does not push",
 }
 
 
@@ -200,7 +199,7 @@ NUMBERS: dict[str, Callable[[FreeReading], Any]] = {
     "push_max_at": lambda read: _largest(read)[0],
     "push_middle": FreeReading.middle_push,
     "attached": lambda read: read.share,
-    "lift_off_at": lambda read: np.nan,
+    "lift_off_at": lambda read: read.rod.span,  # a cylinder that only pushes pulls nowhere
     "F3_size_max": lambda read: np.abs((read.along.force * read.along.tangent).sum(axis=1)).max(),
     "bending_moment_max": lambda read: read.bend.max(),
     "bending_stress_max": lambda read: read.bend.max(),

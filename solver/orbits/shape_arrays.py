@@ -177,7 +177,7 @@ class ShapeArrays:
 
     @_property
     def normal(self) -> Array:
-        """Unit inward normal of the cylinder, (*cases, n, 3); the paper's N."""
+        """Unit normal N = B x T, (*cases, n, 3): towards the axis; off the wall it leans by the tilt, as T does."""
         return -frames.outward(self.alpha)
 
     @_property
@@ -198,7 +198,7 @@ class ShapeArrays:
 
     @_property
     def F1(self) -> Array:
-        """Internal force along the inward normal, (*cases, n) [force]; eq. (33), corrected."""
+        """Internal force along the normal, (*cases, n) [force]; eq. (33), corrected."""
         A, _, m, _ = self._loads
         return statics.normal_force(A, m, self._rho, self.beta, self.dbeta)
 
@@ -239,7 +239,7 @@ class ShapeArrays:
     @property
     @_quiet
     def M1(self) -> Array:
-        """Bending moment about the inward normal, A beta', (*cases, n) [force length]; eq. (19)."""
+        """Bending moment about the normal, A beta', (*cases, n) [force length]; eq. (19)."""
         return self._loads[0] * self.dbeta
 
     @property

@@ -23,6 +23,7 @@ from solver.free.program import EACH_STEP, Effort, Program
 from solver.free.quaternions import product
 from solver.free.sinking import Sinking
 from solver.observe.free_numbers import _limit, error_of_contacts
+from solver.orbits import frames
 from solver.problem.case_fields import with_field
 from tests.cases import table_1
 from tests.slow import slow_but
@@ -43,7 +44,7 @@ def pushes(sol: Any, arms: bool = False) -> tuple[np.ndarray, float]:
 
     arms: the moment about the origin instead of the force.
     """
-    outward, s = -sol.normal, sol.s
+    outward, s = frames.outward(sol.alpha), sol.s
     size = np.concatenate([0.5 * (sol.push[1:] + sol.push[:-1]) * np.diff(s), [f for _, f in sol.point_forces]])
     at = np.concatenate([(s[1:] + s[:-1]) / 2, [place for place, _ in sol.point_forces]])
     ways = np.stack([np.interp(at, s, outward[:, k]) for k in range(3)], axis=1)
@@ -53,10 +54,14 @@ def pushes(sol: Any, arms: bool = False) -> tuple[np.ndarray, float]:
 
 
 def force_in_space(sol: Any) -> np.ndarray:
-    """The internal force, (n, 3): the part across the cylinder, around it, and along its axis."""
-    around = np.cross([0.0, 0.0, 1.0], -sol.normal)
-    FZ = observe(sol, ["FZ"])["FZ"]
-    return sol.F1[:, None] * sol.normal + sol.FY[:, None] * around + FZ * np.array([0.0, 0.0, 1.0])
+    """The internal force, (n, 3)."""
+    return in_space(sol, sol.F1, sol.F2, sol.F3)
+
+
+def in_space(sol: Any, *parts: np.ndarray) -> np.ndarray:
+    """A vector, (n, 3), of its components along N, B and T, (n,) each."""
+    frame = sol.normal, np.cross(sol.tangent, sol.normal), sol.tangent
+    return sum(part[:, None] * along for part, along in zip(parts, frame, strict=True))
 
 
 def belt(slack: float, stations: int = 2001) -> Any:
@@ -76,8 +81,9 @@ def belt(slack: float, stations: int = 2001) -> Any:
 def test_a_belt_leaves_the_drum_where_bending_lets_it_and_is_pressed_on_at_a_point_there(slack: float) -> None:
     """sin(theta_c/2) = sqrt(A/F)/(2 rho); push F cos(theta_c)/rho in between, point forces F sin(theta_c)."""
     sol = belt(slack)
-    F = float(np.hypot(sol.F1, sol.FY)[0])
-    first, last = force_in_space(sol)[[0, -1]] / F
+    forces = force_in_space(sol)[[0, -1]]
+    F = float(np.linalg.norm(forces[0]))
+    first, last = forces / F
     leaves = 2 * np.arcsin(1 / (2 * np.sqrt(F)))
     ((begin, end),) = sol.contacts
     middle = np.abs(sol.s - (begin + end) / 2).argmin()
@@ -179,6 +185,25 @@ def test_the_forces_of_the_wall_and_of_both_ends_are_in_balance_in_space(freed: 
     assert forces[-1] - forces[0] == pytest.approx(-pushes(sol)[0], abs=2e-2)  # of 23.4 N, by trapezoids and edges
 
 
+def test_components_are_along_an_orthonormal_frame_in_which_an_arc_off_the_wall_carries_what_is_constant(
+    freed: tuple[Any, Any],
+) -> None:
+    _, sol = freed
+    force, frame = force_in_space(sol), sol.material_frame
+    assert np.linalg.norm(sol.normal, axis=1) == pytest.approx(1.0)
+    assert (sol.normal * sol.tangent).sum(axis=1) == pytest.approx(0.0, abs=1e-12)
+    # the frame from which the rotation of the section is counted
+    turned = np.cos(sol.gamma)[:, None] * frame[:, 0] - np.sin(sol.gamma)[:, None] * frame[:, 1]
+    assert turned == pytest.approx(sol.normal, abs=1e-3)
+    assert np.ptp(force[:, 2]) < 1e-9
+    assert (force * np.cross([0, 0, 1.0], frames.outward(sol.alpha))).sum(axis=1) == pytest.approx(sol.FY, abs=1e-9)
+    moment = in_space(sol, sol.M1, sol.M2, sol.M3_along) + np.cross(sol.position, force)
+    ((begin, end),) = sol.contacts
+    for off in ((sol.s > 0.1) & (sol.s < begin - 0.1), (sol.s > end + 0.1) & (sol.s < sol.case.rod.L - 0.1)):
+        assert np.ptp(force[off], axis=0).max() < 1e-3 * np.linalg.norm(force, axis=1).max()
+        assert np.ptp(moment[off], axis=0).max() < 1e-3 * np.linalg.norm(moment, axis=1).max()
+
+
 def random_rod(seed: int) -> Case:
     """A rod between held ends on a cylinder, on each side by turns of fate; every third one has weight."""
     rng = np.random.default_rng(1000 + seed)
@@ -196,8 +221,7 @@ def test_wall_and_ends_are_in_balance_where_contact_begins_at_an_end_or_is_short
     """Forces and moments in space. Rod 3 has contact from its end on, 12 and 13 on a hundredth of their length."""
     sol = solve(random_rod(seed), stations=4001).let_go()
     (force, total), x, F = pushes(sol), sol.position[[0, -1]], force_in_space(sol)[[0, -1]]
-    M = sol.M1[:, None] * sol.normal + sol.M2[:, None] * np.cross(sol.tangent, sol.normal)
-    M = M[[0, -1]] + float(sol.M3) * sol.tangent[[0, -1]] + np.cross(x, F)
+    M = in_space(sol, sol.M1, sol.M2, sol.M3_along)[[0, -1]] + np.cross(x, F)
     # by trapezoids, and edges of contact between two stations
     assert F[1] - F[0] == pytest.approx(-force, abs=3e-3 * total)
     assert M[1] - M[0] == pytest.approx(-pushes(sol, arms=True)[0], abs=2e-3 * total * float(sol.case.rod.L))
@@ -751,6 +775,11 @@ def test_a_rod_between_clamps_of_any_direction_off_the_wall_is_in_balance_in_spa
     assert sol.solved, sol.outcome
     forces = force_in_space(sol)
     np.testing.assert_allclose(forces, forces[[0]].repeat(sol.s.size, axis=0), rtol=1e-6)
+
+
+def test_a_cylinder_that_only_pushes_pulls_nowhere(freed: tuple[Any, Any]) -> None:
+    seen = observe(freed[1], ["lift_off_at"], errors=True)
+    assert (seen["lift_off_at"], seen["lift_off_at_error"]) == (ROD.L, 0)
 
 
 def test_a_mirror_image_is_let_go_to_the_mirror_image(freed: tuple[Any, Any]) -> None:

@@ -40,7 +40,7 @@ ARRAYS = (*OUTPUTS, "push", "tangent", "normal", "material_frame")
 _LONG_NAMES = {
     "push": "push of the cylinder per length, positive where it pushes",
     "tangent": "unit tangent",
-    "normal": "unit inward normal of the cylinder",
+    "normal": "unit normal, towards the axis",
     "material_frame": "directors of the section as rows",
 }
 
@@ -180,7 +180,7 @@ def _vectors(function: Callable[..., Any], name: str, *arrays: Any) -> Any:
     )
 
 
-ANYWHERE = ("push", "gap", "position", "normal")  # rules that hold off the wall too
+ANYWHERE = ("push", "gap", "position")  # rules that hold off the wall too
 BY_LOADS = ("FY", "F1", "F2", "F3", "contact", "M3_along", "h")  # rules that take constant loads
 # name -> the arrays it needs, and the formula, which is the solver's own
 RULES: dict[str, tuple[tuple[str, ...], Callable[..., Any]]] = {
