@@ -102,7 +102,7 @@ def together(
         kinds.append(NOT_CONTRADICTED)
         reasons = [_level(name, meant, deciding, first)]
     else:
-        reasons = _of_all(deciding)
+        reasons = _of_all(deciding, meant)
     if as_good(verdict, QUALIFIED) and not as_good(worst(every), verdict):
         kinds.append(ON_PART)
         place = ", ".join(f"{axis} = {value:.4g}" for axis, value in at.items())
@@ -111,26 +111,35 @@ def together(
     return {"verdict": verdict, "qualifications": kinds, "reason": join(reasons)}
 
 
-def _of_all(lines: Sequence[Verdict]) -> list[str]:
-    """The reasons of lines: that of one line or of equal ones as it is; counts of steps and of cases are added over
-    those lines that have them: ``on 9 of 15 lines 14 of 18 steps cross ... and 9 of 27 cases have no value``."""
-    reasons = [line.reason for line in lines if line.reason]
+def _of_all(lines: Sequence[Verdict], meant: str) -> list[str]:
+    """The reasons of lines: one that all have as it is, others with the number of their lines, those that go the other
+    way among them; counts of steps and of cases are added over those lines that have them: ``on 9 of 15 lines 14 of 18
+    steps cross ... and 9 of 27 cases have no value``. meant: the direction in the sentence."""
+    given = any(line.reason for line in lines)
+    reasons = [line.reason or _instead(line.tau, meant) for line in lines if given]
     if len(set(reasons)) < 2:
         return reasons[:1]
-    sums, texts, counted = dict[tuple[str, str], list[int]](), dict[str, None](), 0
+    sums, texts, counted = dict[tuple[str, str], list[int]](), Counter[str](), 0
     for reason in reasons:
         matches = {part: COUNTED.fullmatch(part) for part in reason.split("; ")}
         counted += any(matches.values())
         for part, match in matches.items():
             if match is None:
-                texts[part] = None
+                texts[part] += bool(part)
             else:
                 each = sums.setdefault((PLURAL.get(match[3], match[3]), match[4]), [0, 0])
                 each[:] = each[0] + int(match[1]), each[1] + int(match[2])
     single = {plural: text for text, plural in PLURAL.items()}
     facts = [f"{n} of {of} {single[does] if n == 1 else does} {what}" for (does, what), (n, of) in sums.items()]
     counts = [f"on {counted} of {len(lines)} lines {' and '.join(facts)}"] if facts else []
-    return [*counts, *[*texts][:MOST], *(["and so on"] if len(texts) > MOST else [])]
+    others = [f"{text} on {n} of {len(lines)} lines" for text, n in texts.items() if n]
+    return [*counts, *others[:MOST], *(["and so on"] if len(others) > MOST else [])]
+
+
+def _instead(tau: float | None, meant: str) -> str:
+    """What an observable does that has a trend in the opposite direction; else nothing."""
+    reverse = meant and tau is not None and tau <= -TREND_TAU
+    return f"it {DIRECTIONS[meant].instead}" if reverse else ""
 
 
 def of_others(row: Mapping[str, Any], meant: str, others: Sequence[Mapping[str, Any]]) -> str:

@@ -158,6 +158,13 @@ def test_the_reasons_of_several_lines_are_one_sentence_and_name_the_other_axes()
     assert single.reason == "1 of 3 cases has no value; 2 of 2 steps cross to another branch of equilibria"
 
 
+def test_a_reason_that_some_lines_have_says_on_how_many_and_what_the_others_do() -> None:
+    law = Law(claim="(1)", observable="bends", axis="E", direction="falls", source="s")
+    values = np.array([[0, 2, 0], [1, 2, 1], [2, 2, 1]])
+    row = decide(law, {"bends": values}, {"E": [1.0, 2.0, 3.0], "R": [1.0, 2.0, 3.0]})
+    assert row.reason == "it rises instead on 2 of 3 lines; it does not change on 1 of 3 lines"
+
+
 def test_a_law_that_is_decided_at_one_axis_counts_its_lines_over_all_others() -> None:
     law = Law(claim="(1)", observable="height", axis="E", direction="falls", source="s", at={"R": 1.0})
     values = np.ones((3, 2, 2)) * np.array([3.0, 2.0, 1.0])[:, None, None]
