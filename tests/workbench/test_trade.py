@@ -157,6 +157,16 @@ def test_each_panel_of_a_trade_has_the_numbers_of_its_cost_and_many_cases_are_si
 # fidelities
 
 
+def test_a_file_that_no_trade_wrote_is_replaced_by_force_alone(tmp_path: Path) -> None:
+    file, args = tmp_path / "trade.h5", ("trade", "--cases", "elliptic", "--methods", "orbit", "--out", tmp_path)
+    file.write_text("mine")
+    refused = workbench(*args)
+    assert (refused.returncode, file.read_text()) == (2, "mine")
+    assert "give --force to replace it" in refused.stderr
+    assert workbench(*args, "--force").returncode == 0
+    assert reading.read(file, study=False).sizes["case"] == 1
+
+
 def test_a_study_at_a_fidelity_has_its_tolerance_its_stations_and_what_it_computes() -> None:
     study = small.grid()
     found = {name: in_memory.run(level.of(study)) for name, level in FIDELITIES.items()}

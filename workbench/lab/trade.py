@@ -29,6 +29,7 @@ def trade(
         Path | None,
         option("FOLDER", "Folder for the data and the pictures; default: trade or extremes.", "--out", "-o"),
     ] = None,
+    force: Annotated[bool, flag("Replace a file in the folder even if no trade wrote it.", "--force")] = False,
 ) -> Result:
     """Measure the accuracy and the cost of every method, or its robustness.
 
@@ -47,10 +48,10 @@ def trade(
 
     folder = out or Path("extremes" if extremes else "trade")
     with writing.folder_of_results(folder):
-        return _extremes(folder) if extremes else _trade(cases or [], methods or [], folder)
+        return _extremes(folder, force) if extremes else _trade(cases or [], methods or [], folder, force)
 
 
-def _trade(cases: list[str], methods: list[str], out: Path) -> Result:
+def _trade(cases: list[str], methods: list[str], out: Path, force: bool) -> Result:
     from . import trade_runs as comparison
     from .work_precision import COSTS
 
@@ -62,7 +63,7 @@ def _trade(cases: list[str], methods: list[str], out: Path) -> Result:
 
     pictures = {f"_{cost}": {"kind": "trade", "cost": cost} for cost in COSTS}
     measure = partial(comparison.rows_of, named, ladders)
-    ds, files = _measure(measure, len(named), "cases", to_dataset, out / "trade.h5", pictures)
+    ds, files = _measure(measure, len(named), "cases", to_dataset, out / "trade.h5", pictures, force)
     summary = comparison.summary_of(ds)
     stored = {"file": str(files[0]), "pictures": [str(picture) for picture in files[1:]]}
     return Result(lambda: summary | stored, lambda: _print(summary, files))
@@ -96,7 +97,7 @@ def _advice(row: Mapping[str, Any]) -> str:
     return f"{goal} {row['method']} ({row['reached']} of {row['cases']} cases, median {1e3 * row['seconds']:.2g} ms)."
 
 
-def _extremes(out: Path) -> Result:
+def _extremes(out: Path, force: bool) -> Result:
     from . import extreme_runs
     from .extreme_runs import INACCURATE, VERDICTS, as_dataset, rows_of
 
@@ -105,7 +106,8 @@ def _extremes(out: Path) -> Result:
     def to_dataset(pieces: "Sequence[Any]") -> "xr.Dataset":
         return as_dataset(dict(pieces))
 
-    ds, files = _measure(partial(rows_of, named), len(named), "extremes", to_dataset, out / "extremes.h5", {"": {}})
+    measure = partial(rows_of, named)
+    ds, files = _measure(measure, len(named), "extremes", to_dataset, out / "extremes.h5", {"": {}}, force)
     counts = {
         str(method): {verdict: int((ds["verdict"].sel({"method": method}) == verdict).sum()) for verdict in VERDICTS}
         for method in ds["method"].values
@@ -127,6 +129,7 @@ def _measure(
     dataset: "Callable[[list[Any]], xr.Dataset]",
     path: Path,
     pictures: Mapping[str, Mapping[str, Any]],
+    force: bool,
 ) -> "tuple[xr.Dataset, list[Path]]":
     """Work piece by piece, with a bar, and store the pieces, interrupted the finished ones: the dataset and the files.
 
@@ -139,20 +142,23 @@ def _measure(
     dataset
         That of pieces.
     path
-        Of the dataset; interrupted: NAME_interrupted. A file of another kind is not replaced.
+        Of the dataset; interrupted: NAME_interrupted.
     pictures
         What is added to the name of the file for each picture -> the options of its figure.
+    force
+        Whether a file of another kind is replaced.
     """
     from ..figures import canvas, kinds
     from ..run import writing
     from ..stored.stored_study import StoredStudy
 
-    writing.check_free(path, path.stem)
+    if not force:
+        writing.check_free(path, path.stem)
     pieces: list[Any] = []
 
     def store(path: Path) -> "tuple[xr.Dataset, list[Path]]":
         ds, files = dataset(pieces), [path]
-        writing.write(ds, path)
+        writing.write(ds, path, force)
         for more, options in pictures.items():
             files.append(path.with_name(f"{path.stem}{more}.png"))
             drawn = kinds.figure(StoredStudy(ds), **options)
