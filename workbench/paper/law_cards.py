@@ -159,9 +159,14 @@ def mechanism(claim: str, stored: StoredStudy) -> str:
 def _of_modulus(stored: StoredStudy) -> str:
     sweep = _ends(stored["amplitude"] * (180 / np.pi), "{:.0f}°")
     room = _ends(stored["L"] / stored["bend_number"], "{:.2g}") + f" {stored.units['length']}"
+    tension = stored.along("F3")
+    drop = _ends(tension.isel(u=0) - tension.min("u"), "{:.3g}") + f" {stored.units['force']}"
+    power = labels.minus_signs(f"{np.polyfit(np.log(stored['E']), np.log(stored['kappa_max']), 1)[0]:.2f}")
     return (
-        "F₃ + Aκ²/2 is constant along the rod (eq. 27), so the same change of tension bends a stiffer rod less: κ goes "
-        f"with 1/√A. A bend sweeps about the same angle at every E ({sweep}), so it needs more length: {room}."
+        "F₃ + Aκ²/2 is constant along the rod (eq. 27), so κ² grows from the start by 2/A times the drop of tension. "
+        f"Down to the sharpest bend it drops by more with E ({drop}), but by less than A grows, so the bend opens: the "
+        f"largest κ goes about with E to the power {power}. A bend sweeps about the same angle at every E ({sweep}), "
+        f"so it needs more length: {room}."
     )
 
 
