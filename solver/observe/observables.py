@@ -204,21 +204,16 @@ def neutral_at(read: MeasuredNumbers) -> Pair:
 
 
 def surface_torque(read: MeasuredNumbers) -> Pair:
-    """The torque at the upper end that turns the rod about its own axis towards larger gamma [force length].
+    """The torque at s = 0, the surface end, that turns the rod about its axis towards larger gamma [force length].
 
-    The upper end is s = L of a rod with weight that climbs with s, else s = 0. NaN of a rod that turns in place where
-    the wall pulls more than a quarter of what it pushes.
+    NaN of a rod that turns in place where the wall pulls more than a quarter of what it pushes.
     """
-    case = read.sol.case
-    theta = 0.0 if case.cylinder.inclination is None else case.cylinder.inclination
-    weight = 0.0 if case.rod.weight is None else case.rod.weight
-    climbs = flat(weight * np.sin(np.pi / 2 - np.asarray(theta)) > 0, case.shape)
     start, error = twist_at_start(read)
-    torque = np.where(climbs, read.loads[2], 0.0 - start)
-    if case.cylinder.turns_in_place:
+    torque = 0.0 - start
+    if read.sol.case.cylinder.turns_in_place:
         pushed, pulled = (np.real(read.value(name)) for name in ("pushed", "pulled"))
         torque = np.where(pulled > _PULLS * pushed + least_pull(0.0) * read.length, np.nan, torque)
-    return torque, np.where(climbs, 0.0, error)
+    return torque, error
 
 
 def _lock_up(read: MeasuredNumbers, number: Callable[[float, float, float, float, float], float]) -> Array:

@@ -383,14 +383,14 @@ WELL = _in_place(
         _INCLINED,
         in_place_of="inclination",
     ),
-    wob=CaseField("WOB", FORCE, "weight on bit, the push at the lower end", in_place_of="FZ"),
+    wob=CaseField("WOB", FORCE, "weight on bit, the push at s = L", in_place_of="FZ"),
     FZ0=CaseField(
         "FZ(0)",
         FORCE,
         "axial force at the start",
         in_place_of="FZ",
         estimated=True,
-        more=", tension positive; down a hole its upper end",
+        more=", tension positive; in a hole the hook",
     ),
 )
 WOUND = _in_place(

@@ -66,7 +66,7 @@ _ROWS = (
     _with_error("MZ0", "MZ(0)", MOMENT, "axial moment at the start"),
     _with_error("M30", "M₃(0)", MOMENT, "twisting moment at the start"),
     _with_error("neutral_at", "FZ = 0 at s", LENGTH, "first s where the axial force is 0"),
-    _with_error("surface_torque", "T", MOMENT, "torque at the upper end that turns the rod"),
+    _with_error("surface_torque", "T", MOMENT, "torque at s = 0 that turns the rod"),
     Quantity("reach", "L lock-up", LENGTH, "length at which friction locks up this rod under its load"),
     Quantity("arriving_max", "max arriving F", FORCE, "largest compression that arrives over this length"),
     Quantity("h", "h", (-2, 0), "first integral of the angle"),

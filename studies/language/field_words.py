@@ -17,7 +17,6 @@ from solver.problem.field_values import numbers_in_place
 from ..grammar.axes import case_from
 
 START_ONLY = {*PARTS["start"]} - {*PARTS["ends"]}
-LEVEL = 1e-12  # a cosine of the inclination that is none
 MOST_STEPS = 12  # of a search for bounds of the force at s = L; each is twice as long as the one before
 CLOSE, MET = 1e-10, 1e-7  # of the loads: the last step of this search; how well the force at s = 0 is met
 
@@ -25,9 +24,9 @@ CLOSE, MET = 1e-10, 1e-7  # of the loads: the last step of this search; how well
 def of_a_well(values: Mapping[str, Any], known: Mapping[str, Any]) -> dict[str, Any]:
     """The values with those of `WELL` replaced by the inclination and FZ.
 
-    s runs down a hole, so that its inclination is 180 degrees less that of the hole, and s = L is the bit. The weight
-    on bit is the push at the lower end. The forces at both ends differ by the weight along the axis, here also with
-    friction: what friction adds is known with the shape alone (`under_start_force`).
+    s runs from the hook to the bit at every inclination, that of s being 180 degrees less that of the hole. The weight
+    on bit is the push at s = L. The forces at both ends differ by the weight along the axis, here also with friction:
+    what friction adds is known with the shape alone (`under_start_force`).
 
     Parameters
     ----------
@@ -39,7 +38,8 @@ def of_a_well(values: Mapping[str, Any], known: Mapping[str, Any]) -> dict[str, 
     Raises
     ------
     InputError
-        For a field of `WELL` beside one that it determines, and without the length.
+        For a field of `WELL` beside one that it determines, FZ0 without the length, and wob of a rod with weight
+        without an inclination, which by default would put the bit at its top.
     """
     for name in (name for name in WELL if name in values):
         if beside := [other for other in rivals(name) if other in values]:
@@ -50,23 +50,17 @@ def of_a_well(values: Mapping[str, Any], known: Mapping[str, Any]) -> dict[str, 
         if {**known, **rest}.get("weight") is None:
             raise InputError("hole matters only for a rod with weight, in fluid: give weight")
         rest["inclination"] = math.pi - values["hole"]
-    if not {"wob", "FZ0"} & {*values}:
+    case = {name: value for name, value in {**known, **rest}.items() if value is not None}
+    if "wob" in values:
+        if np.any(case.get("weight", 0.0)) and "inclination" not in case:
+            raise InputError("wob is the push at the bit, s = L, in a hole: give hole, its inclination (0: vertical)")
+        return rest | {"FZ": -np.asarray(values["wob"])[()]}
+    if "FZ0" not in values:
         return rest
-    case = {**known, **rest}
-    if case.get("L") is None:
-        raise InputError(f"{'wob' if 'wob' in values else 'FZ0'} needs the length of the rod: give L")
-    weight, length, theta = (
-        np.asarray(0.0 if case.get(name) is None else case[name]) for name in ("weight", "L", "inclination")
-    )
-    force, at_start = _end_forces(values, theta)
-    return rest | {"FZ": np.where(at_start, force + weight * length * np.cos(theta), force)[()]}
-
-
-def _end_forces(values: Mapping[str, Any], inclination: Any) -> tuple[NDArray[Any], NDArray[Any]]:
-    """The forces that wob or FZ0 gives, and whether each acts at s = 0; the others act at s = L."""
-    if "FZ0" in values:
-        return np.asarray(values["FZ0"]), np.asarray(True)
-    return -np.asarray(values["wob"]), np.cos(inclination) > LEVEL  # else s = L is the lower end, or no end is
+    if "L" not in case:
+        raise InputError("FZ0 needs the length of the rod: give L")
+    weight, length, theta = (np.asarray(case.get(name, 0.0)) for name in ("weight", "L", "inclination"))
+    return rest | {"FZ": (values["FZ0"] + weight * length * np.cos(theta))[()]}
 
 
 def under_start_force(case: Case, values: Mapping[str, Any], unit: str) -> tuple[Case, NDArray[Any]]:
@@ -77,14 +71,13 @@ def under_start_force(case: Case, values: Mapping[str, Any], unit: str) -> tuple
     where one was.
     """
     wall, why = case.cylinder, np.full(case.shape, "", dtype=object)
-    if not {"wob", "FZ0"} & {*values} or wall.friction is None or not np.any(wall.friction):
+    if "FZ0" not in values or wall.friction is None or not np.any(wall.friction):
         return case, why
-    theta = 0.0 if wall.inclination is None else wall.inclination
-    near, at_start, rubbed, FZ = np.broadcast_arrays(
-        *_end_forces(values, theta), wall.friction, np.broadcast_to(values_of(case, "FZ"), case.shape)
+    near, rubbed, FZ = np.broadcast_arrays(
+        values["FZ0"], wall.friction, np.broadcast_to(values_of(case, "FZ"), case.shape)
     )
     forces = FZ.astype(float)
-    for place in zip(*np.nonzero(np.atleast_1d(at_start & (rubbed != 0))), strict=True):
+    for place in zip(*np.nonzero(np.atleast_1d(rubbed != 0)), strict=True):
         at = place if case.shape else ()
         forces[at], why[at] = _far_force(cases_at(case, at) if case.shape else case, float(near[at]), unit)
     return with_field(case, "FZ", forces[()]), why

@@ -30,14 +30,12 @@ def pipe_study(axes: str) -> Study:
 @cache
 def well(
     inclination: float = 120.0,
-    load: str = "wob",
     friction: float | None = 0.25,
     sliding: str = "axial-forward",
     sizes: Sequence[float] = (60.0, 150.0, 210.0),
 ) -> xr.Dataset:
-    """A pipe that is pushed in a hole, under these loads at its lower end: wob, or FZ0 where s climbs."""
-    sign = -1 if load == "FZ0" else 1
-    loads_of = small.axis(load, [sign * size for size in sizes])
+    """A pipe that is pushed in a hole, under these weights on bit."""
+    loads_of = small.axis("wob", [*sizes])
     hole = {"weight": 0.241, "inclination": f"{inclination}deg", "beta0": 0.0, "betaL": 0.0, "L": 200.0}
     rubbed = {"friction": friction, "sliding": sliding} if friction else {}
     seen = {"observables": ["FZ0", "push_max", "kappa_max", "bending_stress_max", "arriving_max"]}

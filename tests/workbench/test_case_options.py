@@ -109,8 +109,10 @@ def test_a_hole_and_the_force_at_either_end_are_the_inclination_and_the_force_at
     assert repr(down.case) == repr(plain.case)
     along = 0.241 * 300 * cos(pi / 3)
     assert force_of({"hole": pi / 3, "FZ0": -200 + along}) == pytest.approx(-200, rel=1e-12)
-    assert force_of({"inclination": pi / 3, "wob": 200.0}) == pytest.approx(-200 + along, rel=1e-12)  # s climbs
-    assert force_of({"hole": pi / 2, "wob": 200.0}) == -200
+    for hole in (0.0, pi / 2, 1.7, pi):  # the bit is at s = L also where s climbs
+        assert force_of({"hole": hole, "wob": 200.0}) == force_of({"inclination": pi - hole, "wob": 200.0}) == -200
+    with pytest.raises(InputError, match="wob is the push at the bit, s = L, in a hole: give hole"):
+        force_of({"wob": 200.0})
 
 
 def test_with_friction_the_force_at_the_start_is_that_of_the_answer() -> None:
@@ -143,7 +145,7 @@ STUDY_OF_A_PIPE = """
 title = "A pipe in holes"
 observables = ["FZ0", "push_mean"]
 units = {{ length = "m", force = "kN" }}
-axes.hole.values = ["30deg", "90deg"]
+axes.hole.values = ["30deg", "90deg", "120deg"]
 axes.{name}.values = {values}
 [base]
 E = 2.06e8
@@ -166,19 +168,16 @@ axes.lay.values = ["60deg", "80deg"]
 
 
 def test_a_study_takes_the_words_of_drillers_in_fields_and_axes() -> None:
-    """The far end's force is the weight on bit; at s = 0 less the weight along the hole."""
-    cosine = np.cos(np.deg2rad([[30], [90]]))
+    """The far end's force is the weight on bit, at s = 0 less the weight along the hole, also where that climbs."""
+    cosine = np.cos(np.deg2rad([[30], [90], [120]]))
     along = 0.241 * 50 * cosine
     by_bit = loads(STUDY_OF_A_PIPE.format(name="wob", values='[20.0, "40 kN"]'))
     ds = in_memory.run(by_bit).squeeze()
-    assert np.asarray(ds["FZ"]) == pytest.approx(np.array([[-20.0, -40.0]] * 2))
+    assert np.asarray(ds["FZ"]) == pytest.approx(np.array([[-20.0, -40.0]] * 3))
     assert np.asarray(ds["FZ0"]) == pytest.approx(along - [[20.0, 40.0]], rel=1e-9)
-    assert np.asarray(ds["inclination"]).reshape(-1) == pytest.approx(np.deg2rad([150, 90]))
+    assert np.asarray(ds["inclination"]).reshape(-1) == pytest.approx(np.deg2rad([150, 90, 60]))
     by_start = loads(STUDY_OF_A_PIPE.format(name="FZ0", values="[-20.0, 10.0]")).case()
     assert np.asarray(by_start.given.FZ) == pytest.approx([-20.0, 10.0] - along)
-    rising = STUDY_OF_A_PIPE.format(name="wob", values="[20.0]").replace('"30deg", "90deg"', '"120deg", "150deg"')
-    lifted = 0.241 * 50 * np.cos(np.deg2rad([[60], [30]]))  # s = 0 is the lower end
-    assert np.asarray(loads(rising).case().given.FZ) == pytest.approx(lifted - 20.0)
 
 
 def test_a_hole_of_a_rod_without_weight_is_refused() -> None:
@@ -191,7 +190,7 @@ def test_the_force_at_s_0_of_a_study_with_friction_gives_that_at_s_L(sliding: st
     """Of a straight pipe by hand: friction adds f w L sin(hole) as it slides off, and takes it as it is picked up."""
     text = STUDY_OF_A_PIPE.format(name="FZ0", values="[-20.0, 10.0]")
     ds = in_memory.run(loads(f'{text}friction = 0.25\nsliding = "{sliding}"\n')).squeeze()
-    hole = np.deg2rad([[30], [90]])
+    hole = np.deg2rad([[30], [90], [120]])
     by_hand = np.array([-20.0, 10.0]) + 0.241 * 50 * (sign * 0.25 * np.sin(hole) - np.cos(hole))
     assert np.asarray(ds["FZ"]) == pytest.approx(by_hand, rel=1e-9)
     assert np.asarray(StoredStudy(ds).case.given.FZ) == pytest.approx(by_hand, rel=1e-9)
@@ -200,7 +199,7 @@ def test_the_force_at_s_0_of_a_study_with_friction_gives_that_at_s_L(sliding: st
 def test_a_force_at_s_0_that_locks_up_says_so_and_leaves_its_neighbours_alone() -> None:
     """A helix that is pulled: 1/F falls by f rho/(4 EI) in a unit of length, whatever push it begins with."""
     text = STUDY_OF_A_PIPE.format(name="FZ0", values="[-400.0, -4000.0]").replace("L = 50.0", "L = 300.0")
-    text = text.replace('"30deg", "90deg"', '"90deg"') + 'friction = 0.25\nsliding = "axial-backward"\n'
+    text = text.replace('"30deg", "90deg", "120deg"', '"90deg"') + 'friction = 0.25\nsliding = "axial-backward"\n'
     ds = in_memory.run(loads(text)).squeeze()
     works, locked = np.asarray(ds["outcome"])
     assert str(works).startswith("solved")
@@ -215,7 +214,7 @@ def test_a_force_at_s_0_that_locks_up_says_so_and_leaves_its_neighbours_alone() 
 def pipe_file(tmp_path: Path) -> Path:
     """The file of a pipe with friction that slides off under a force at s = 0."""
     text = STUDY_OF_A_PIPE.format(name="FZ0", values="[-20.0]")
-    base = text.replace('axes.hole.values = ["30deg", "90deg"]\naxes.FZ0.values = [-20.0]\n', "")
+    base = text.replace('axes.hole.values = ["30deg", "90deg", "120deg"]\naxes.FZ0.values = [-20.0]\n', "")
     file = tmp_path / "pipe.toml"
     file.write_text(f'{base}hole = "60deg"\nFZ0 = -200.0\nfriction = 0.25\nsliding = "axial-forward"\n')
     return file

@@ -208,12 +208,15 @@ def test_the_bands_of_a_well_lie_between_the_limits_of_a_long_pipe() -> None:
     np.testing.assert_allclose(ends[:-1, 1], ends[1:, 0])
 
 
-def test_a_well_looks_alike_whether_s_runs_down_its_hole_or_up() -> None:
-    down = marks_of(study_kinds.well(friction=None), {"wob": 150.0}, "axial force")
-    up = marks_of(study_kinds.well(60.0, "FZ0", None), {"FZ0": -150.0}, "axial force")
-    depths = np.linspace(0, 200, 41)
-    each = [np.interp(depths, *points[points[:, 1].argsort()][:, ::-1].T) for points in (down, up)]
-    np.testing.assert_allclose(*each, rtol=1e-3)  # drawn at other stations
+@pytest.mark.parametrize("inclination", (120.0, 60.0))  # s runs down, and up
+def test_the_hook_of_a_well_is_at_depth_0_also_where_its_hole_climbs(inclination: float) -> None:
+    """Without friction the slack-off is the weight on bit; FZ at the hook is that less the weight along the hole."""
+    ds = study_kinds.well(inclination, None)
+    along = -0.241 * 200 * np.cos(np.deg2rad(inclination))
+    force, slack = (marks_of(ds, {"wob": 150.0}, name) for name in ("axial force", "1"))
+    ends = force[[force[:, 1].argmin(), force[:, 1].argmax()]]
+    np.testing.assert_allclose(ends, [[along - 150, 0], [-150, 200]], rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(slack[:3], np.stack([ds["wob"], ds["wob"]], axis=1), rtol=1e-9)
 
 
 def test_a_quantity_of_a_well_that_is_0_all_along_is_seen_beside_the_scale_of_the_depth() -> None:

@@ -89,9 +89,9 @@ def solve(
     The command equilibria lists all, or searches for them.
 
     With --weight, --inclination or --friction the loads vary along the rod. The answer then continues from the straight
-    rod, and the command says where the rod is straight, sinusoidal or helical. In a hole --hole is its inclination, and
-    --wob or --FZ0 gives the force at the lower end, or at s = 0, in place of FZ. The model leaves out joints, and
-    clearance at the ends.
+    rod, and the command says where the rod is straight, sinusoidal or helical. In a hole s runs from the hook to the
+    bit: --hole is its inclination, and --wob or --FZ0 gives the force at the bit, s = L, or at the hook, s = 0, in
+    place of FZ. The model leaves out joints, and clearance at the ends.
 
     With --contact unilateral the cylinder only pushes, and a rod between two ends may leave it; these may be off the
     wall too (--radius0, --radiusL, --tilt0, --tiltL). With --let-go any rod is let go. Both need the extra contact.

@@ -100,7 +100,7 @@ def figure(
         unit = tracks[STRESS][0]
         most = None if yield_stress is None else yield_stress * habits.size_shown("bending_stress_max", units)
         rest = YIELDS if most is not None and stress[2].max() > most else None
-        panels[STRESS] = partial(_draw_stress, rod, case, unit, stress, most)
+        panels[STRESS] = partial(_draw_stress, rod, unit, stress, most)
     elif yield_stress is not None:
         raise InputError("a stress needs E, and the pipes of this file have EI and GJ")
     said = _sentences(rod, case, tracks, units["length"])
@@ -132,7 +132,7 @@ def _load_axis(stored: StoredStudy, x: str | None) -> str | None:
 
 def _sentences(rod: DrawnRod, case: "Case", tracks: Mapping[str, tuple[str, Any]], length: str) -> list[str]:
     """The state of the pipe, its largest numbers and the limits of a long pipe."""
-    depth = _depth(rod, case)
+    depth = rod["s"]
     said = [f"State: {in_words(_states(rod), length)}, along s."]
     for name, (unit, values) in tracks.items():
         k = int(np.abs(values).argmax())
@@ -140,15 +140,13 @@ def _sentences(rod: DrawnRod, case: "Case", tracks: Mapping[str, tuple[str, Any]
         if name == PUSH and {"push_max", "push_max_at"} <= {*rod.case.variables}:  # between two stations too
             between = float(rod.case["push_max"]) * habits.size_shown("push_max", rod.case.units)
             if between >= abs(value):
-                s = float(rod.case["push_max_at"])
-                value, at = between, float(rod["s"][-1]) - s if pipe_state.rise(case) > 0 else s
+                value, at = between, float(rod.case["push_max_at"])
         most = plain(float(np.abs(_away(rod, case, values)).max()))
         inner = f"; a wave away from the ends it is at most {most} {unit}" * (name == PUSH)
         said.append(f"Largest {WORDS[name]}: {plain(value)} {unit} at {plain(at)} {length}{inner}.")
     if GAP in tracks:
-        far = float(rod["s"][-1]) if pipe_state.rise(case) > 0 else 0.0  # from where the depth is counted
         pairs = rod.case.at().point_forces
-        each = [f"{plain(force)} {tracks[FORCE][0]} at {plain(abs(far - s))} {length}" for s, force in pairs]
+        each = [f"{plain(force)} {tracks[FORCE][0]} at {plain(s)} {length}" for s, force in pairs]
         said += [f"Point forces of the wall: {', '.join(each)}."] * bool(each)
     limits = [f"{limit.load} {plain(limit.value)} ({limit.name})" for limit in pipe_state.limits(case)]
     if limits:
@@ -176,12 +174,6 @@ def _states(rod: DrawnRod) -> tuple[Any, ...]:
     return tuple(derived_arrays.states_of(rod.case, *(rod[name] for name in ("s", "beta", "alpha", "push"))))
 
 
-def _depth(rod: DrawnRod, case: "Case") -> Any:
-    """The measured depth of the stations: s, or where s climbs what is left of the length, (n,) [length]."""
-    s = rod["s"]
-    return s[-1] - s if pipe_state.rise(case) > 0 else s
-
-
 def _down(ax: Axes, rod: DrawnRod, unit: str, title: str, values: Any) -> None:
     """The scales of a track."""
     low, high = min(0.0, *(float(np.min(v)) for v in values)), max(0.0, *(float(np.max(v)) for v in values))
@@ -197,11 +189,9 @@ def _down(ax: Axes, rod: DrawnRod, unit: str, title: str, values: Any) -> None:
         ax.tick_params(labelleft=False)
 
 
-def _curve(ax: Axes, rod: DrawnRod, case: "Case", values: Any, most: float = np.inf, **look: Any) -> list[str]:
+def _curve(ax: Axes, rod: DrawnRod, values: Any, most: float = np.inf, **look: Any) -> list[str]:
     """Draw a quantity along the depth, red beyond `most`; returns what is to be said of it."""
-    depth, said = _depth(rod, case), list[str]()
-    order = slice(None, None, -1 if depth[0] > depth[-1] else 1)
-    depth, values = depth[order], values[order]
+    depth, said = rod["s"], list[str]()
     parts = list(waves.stretches(depth, values, fonts.inches(ax)[1] / float(depth[-1])))
     if any(part.band for part in parts):  # waves that are hardly wider than those of a band are no block of ink
         look["linewidth"] = CLOSE
@@ -221,12 +211,10 @@ def _curve(ax: Axes, rod: DrawnRod, case: "Case", values: Any, most: float = np.
 def _draw_track(rod: DrawnRod, case: "Case", name: str, unit: str, values: Any, ax: Axes) -> list[str]:
     """The push of the wall, the gap to it, or the dogleg."""
     colour = colours.PUSHED if name == PUSH else colours.DATA
-    said = _curve(ax, rod, case, values, color=colour, linewidth=1.3, gid=WORDS[name])
+    said = _curve(ax, rod, values, color=colour, linewidth=1.3, gid=WORDS[name])
     ax.axvline(0, color=colours.SOFT, linewidth=0.8, zorder=1)  # below the curve, which may be 0
     if name == PUSH and push_scale.pulls(rod["push"]):
-        ax.fill_betweenx(
-            _depth(rod, case), 0, np.minimum(values, 0), color=colours.PULLED, linewidth=0, label="would lift off"
-        )
+        ax.fill_betweenx(rod["s"], 0, np.minimum(values, 0), color=colours.PULLED, linewidth=0, label="would lift off")
     # the push of a clamp would flatten all else
     _down(ax, rod, unit, WORDS[name], [_away(rod, case, values) if name == PUSH else values])
     return said
@@ -237,10 +225,10 @@ def _draw_force(rod: DrawnRod, case: "Case", unit: str, values: Any, ax: Axes) -
     limits = [limit for limit in pipe_state.limits(case) if limit.name != pipe_state.LIKELY]
     most = -float(values.min())
     upper = next((limit.value for limit in limits if limit.value > most), most)
-    said = _curve(ax, rod, case, values, color=colours.DATA, linewidth=1.3, gid=WORDS[FORCE])
+    said = _curve(ax, rod, values, color=colours.DATA, linewidth=1.3, gid=WORDS[FORCE])
     ax.axvline(0, color=colours.SOFT, linewidth=0.8, zorder=1)
     _down(ax, rod, unit, WORDS[FORCE], [values, np.array([-max(most, upper if upper <= NEXT * most else 0.0)])])
-    _draw_states(ax, rod, case)
+    _draw_states(ax, rod)
     _draw_limits(ax, limits, labels.unit(unit))
     return said
 
@@ -262,14 +250,13 @@ def _draw_limits(ax: Axes, limits: list[pipe_state.Limit], unit: str) -> None:
             )
 
 
-def _draw_states(ax: Axes, rod: DrawnRod, case: "Case") -> None:
+def _draw_states(ax: Axes, rod: DrawnRod) -> None:
     """A strip of the states beside the track."""
-    length, (low, high) = float(rod["s"][-1]), ax.get_xlim()
+    low, high = ax.get_xlim()
     ax.set_xlim(low, high + (high - low) * STRIP / (1 - STRIP))
     for part in _states(rod):
-        ends = (length - part.end, length - part.begin) if pipe_state.rise(case) > 0 else (part.begin, part.end)
         ax.fill_betweenx(
-            ends,
+            (part.begin, part.end),
             1 - STRIP,
             1,
             color=colours.STATES[part.word],
@@ -280,7 +267,7 @@ def _draw_states(ax: Axes, rod: DrawnRod, case: "Case") -> None:
         )
 
 
-def _draw_stress(rod: DrawnRod, case: "Case", unit: str, stresses: Any, most: float | None, ax: Axes) -> list[str]:
+def _draw_stress(rod: DrawnRod, unit: str, stresses: Any, most: float | None, ax: Axes) -> list[str]:
     """The axial stress, and that of the outermost fibre with the bending; what is above the yield stress is red."""
     axial, _, whole = stresses
     title, shown = "stress", [whole]
@@ -297,9 +284,9 @@ def _draw_stress(rod: DrawnRod, case: "Case", unit: str, stresses: Any, most: fl
             label=f"yields at {plain(most)} {labels.unit(unit)}",
         )
     said = _curve(
-        ax, rod, case, np.abs(axial), color=colours.SOFT, linewidth=0.9, gid="axial stress, size", label="axial stress"
+        ax, rod, np.abs(axial), color=colours.SOFT, linewidth=0.9, gid="axial stress, size", label="axial stress"
     )
-    said += _curve(ax, rod, case, whole, most or np.inf, color=colours.DATA, linewidth=1.3, gid=WORDS[STRESS],
+    said += _curve(ax, rod, whole, most or np.inf, color=colours.DATA, linewidth=1.3, gid=WORDS[STRESS],
                    label="axial and bending")  # fmt: skip
     _down(ax, rod, unit, title, shown)
     return said
@@ -347,10 +334,8 @@ def _draw_slack_off(
     names = ["FZ0", "arriving_max", *["bending_stress_max"] * (case.rod.E is not None)]
     FZ0, arriving, *bending = drawn_rods.numbers(line, *names)
     FZ = np.broadcast_to(line["FZ"].values, FZ0.shape)
-    climbs = pipe_state.rise(stored.select(place).case) > 0
-    near, far = (FZ, FZ0) if climbs else (FZ0, FZ)
-    weight = np.asarray(case.rod.weight or 0.0) * case.rod.L * np.abs(np.cos(case.cylinder.inclination or 0.0))
-    slack, bit = np.broadcast_to(weight - near, FZ0.shape), -far
+    weight = np.asarray(case.rod.weight or 0.0) * case.rod.L * -np.cos(case.cylinder.inclination or 0.0)
+    slack, bit = np.broadcast_to(weight - FZ0, FZ0.shape), -FZ
     broken = np.flatnonzero(np.diff(line["branch"].values[order])) + 1 if "branch" in line else ()
     trends.draw_line(ax, slack[order], bit[order], False, broken, color=colours.DATA, linewidth=1.3)
     solved = np.isfinite(slack[order]) & np.isfinite(bit[order])
@@ -369,8 +354,8 @@ def _draw_slack_off(
     force = labels.unit(stored.units["force"])
     most = float(np.nanmin(arriving)) if np.isfinite(arriving).any() else np.inf
     said = [
-        "Slack-off: the weight of the pipe along the hole less the force at its upper end; weight on bit: the push at "
-        "its lower end."
+        "Slack-off: the weight of the pipe along the hole less the force at the hook, s = 0; weight on bit: the push "
+        "at s = L."
     ]
     if jumps:
         said.append("Where the curve jumps, the pipe leaves its shape for another one, as a sinusoid for a helix.")
@@ -395,7 +380,7 @@ def _draw_slack_off(
             )
     if not known.all():
         said.append(f"{int((~known).sum())} of {known.size} weights on bit are not solved.")
-    ax.set_xlabel(f"slack-off at the upper end [{force}]")
+    ax.set_xlabel(f"slack-off at the hook [{force}]")
     ax.set_ylabel(f"weight on bit [{force}]")
     ax.set_title("weight on bit against slack-off", loc="left")
     return said

@@ -161,7 +161,7 @@ def _reach(sol: "Solution", units: dict[str, str]) -> list[str]:
         torque = number(sol, "surface_torque")
         if math.isnan(torque):
             return [f"which torque turns it is unknown: {NO_TORQUE}"]
-        return [f"torque {plain(torque)} {force} {length} at its upper end turns it"]
+        return [f"torque {plain(torque)} {force} {length} at the surface end, s = 0, turns it"]
     reach, most = (number(sol, name) for name in ("reach", "arriving_max"))
     if math.isnan(reach) and math.isnan(most):
         return []
