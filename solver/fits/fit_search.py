@@ -10,9 +10,9 @@ from scipy.optimize import brentq
 from ..held.selection import NEAREST, Choose, check
 from ..numerics.arrays import ALIKE, ROUGHLY, Array
 from ..problem.case import Case, check_case
-from ..problem.errors import LARGEST_SEED, check_tolerance, whole_number, yes_or_no
+from ..problem.errors import LARGEST_SEED, InputError, check_tolerance, whole_number, yes_or_no
 from .assembly import ZERO, result
-from .data import check_data
+from .data import check_data, target_parts
 from .fit_result import Fit
 from .local_search import STEP, search
 from .model import FitMinimum, Model, NoValueError
@@ -31,6 +31,7 @@ def fit(
     seed: int = 0,
     choose: Choose = NEAREST,
     tol: float = 1e-10,
+    FZ0: float | None = None,
 ) -> Fit:
     """Values of fields of a case that fit observables and measured points, with their 95 % intervals.
 
@@ -67,6 +68,8 @@ def fit(
         Of an ends problem, which equilibrium a search starts from, as of `solve`; it then stays on its branch.
     tol : float
         Tolerance of the solutions.
+    FZ0 : float, optional
+        Of an ends problem, the axial force at s = 0 [force], tension positive, that is given in place of FZ.
 
     Returns
     -------
@@ -93,7 +96,12 @@ def fit(
     parameters = check_parameters(check_case("fit", case), vary)
     data = check_data(case, targets, points, sigma, yes_or_no("wrapped", wrapped))
     starts, seed = whole_number("starts", starts, 0, 100_000), whole_number("seed", seed, 0, LARGEST_SEED)
-    model = Model(case, parameters, data, check(choose), check_tolerance(tol))
+    if FZ0 is not None:
+        if "FZ" in [parameter.name for parameter in parameters]:
+            raise InputError("FZ0 is given, and FZ follows from it: vary another field, or give FZ")
+        if given := [name for name in data.targets if target_parts(name)[0] == "FZ0"]:
+            raise InputError(f"FZ0 is given, so that it is no target: omit {given[0]}, or give FZ")
+    model = Model(case, parameters, data, check(choose), check_tolerance(tol), FZ0)
     model.starts = starts
     origin = np.array([parameter.start for parameter in parameters])
     first = search(model, origin, lambda x: False)

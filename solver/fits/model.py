@@ -4,7 +4,7 @@ Those of points without arc length are the distances from their feet: the places
 """
 
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,6 +20,7 @@ from ..solution import Solution
 from ..solve import solve
 from .data import Data, MeasuredPoints, target_parts
 from .parameters import Parameter, rates_at, values_at, values_in_words
+from .start_force import with_start_force
 
 _COARSE, _FINEST = 201, 6401  # stations of the first search, and at most. x10: only time
 _TURN = 0.2  # rad between neighbouring stations of it, at most. x10: the nearest chord is not the nearest place
@@ -92,8 +93,16 @@ class FitMinimum:
 class Model:
     """What a search calls. It counts the solutions, the derivatives, and where there was no value."""
 
-    def __init__(self, case: Case, parameters: Sequence[Parameter], data: Data, choose: Any, tol: float) -> None:
-        self.case, self.parameters, self.data = case, list(parameters), data
+    def __init__(
+        self,
+        case: Case,
+        parameters: Sequence[Parameter],
+        data: Data,
+        choose: Any,
+        tol: float,
+        FZ0: float | None = None,
+    ) -> None:
+        self.case, self.parameters, self.data, self.FZ0 = case, list(parameters), data, FZ0
         self.solves = self.derivatives = 0
         self.starts = 0  # Sobol' points of the search
         self.refused: Counter[str] = Counter()
@@ -133,20 +142,22 @@ class Model:
         rows = [known[way].observables[name] for name, way in map(target_parts, self.data.targets)]
         if self.data.points is not None:
             rows += list(self._of_points(evaluation, known[""]))
-        rates = np.vstack(rows) / self.data.scales[:, None] * rates_at(self.parameters, x)
+        rates = np.vstack(rows)[:, : x.size] / self.data.scales[:, None] * rates_at(self.parameters, x)
         self.accepted.append((evaluation, rates))
         return rates
 
     def _rates(self, sol: Solution, sliding: str, x: Array) -> Any:
         """The derivatives of a solution and of its targets at x. Raises `NoValueError` where one does not exist."""
-        known = sol.sensitivity([parameter.name for parameter in self.parameters], self._target_names(sliding))
+        names, targets = [parameter.name for parameter in self.parameters], self._target_names(sliding)
+        held = self.FZ0 is not None
+        known = sol.sensitivity([*names, *["FZ"] * held], [*targets, *["FZ0"] * held])
         place = f"at {values_in_words(self.parameters, x)}"
         if not known.solved:
             raise NoValueError(f"{place}: {known.outcome}")
         for name, remark in known.remarks.items():
             if remark:
                 raise NoValueError(f"{place}: {name} has {remark}")
-        return known
+        return known.with_given("FZ0", "FZ") if held else known
 
     def _target_names(self, sliding: str) -> list[str]:
         """The observables that are targets where the rod slides in a way."""
@@ -173,10 +184,8 @@ class Model:
 
     @np.errstate(over="ignore", invalid="ignore")  # such values are refused at the end
     def _evaluate(self, x: Array) -> _Evaluation:
-        try:
-            case = with_fields(self.case, values_at(self.parameters, x))
-        except InputError as error:
-            raise NoValueError(str(error)) from None
+        values = values_at(self.parameters, x)
+        case = self._case(values)
         points, nearest = self.data.points, None
         if points is not None and points.s is None:
             nearest = feet(lambda stations: self._solve(case, stations), points)
@@ -187,15 +196,23 @@ class Model:
                 raise NoValueError("the rod is shorter than the s of a point")
             sol = self._solve(case, 2 if s is None else s)
         ways = dict.fromkeys(way for _, way in map(target_parts, self.data.targets) if way)
-        moved = {way: self._solve(with_fields(case, {"sliding": way}), 2) for way in ways}
+        moved = {way: self._solve(self._case({**values, "sliding": way}), 2) for way in ways}
         computed, residuals = self._compare(sol, nearest, moved)
         if not np.isfinite(residuals @ residuals):
             raise NoValueError("the squares of the residuals are beyond the range of floats")
         return _Evaluation(x.copy(), sol, computed, residuals, nearest, moved)
 
+    def _case(self, values: Mapping[str, Any]) -> Case:
+        """The case with other values of some fields. Raises `NoValueError`."""
+        try:
+            case = with_fields(self.case, values)
+            return case if self.FZ0 is None else with_start_force(case, self.FZ0)
+        except InputError as error:
+            raise NoValueError(str(error)) from None
+
     def _solve(self, case: Case, stations: Any) -> Solution:
         self.solves += 1
-        if self._branch is not None and case.cylinder.sliding == self.case.cylinder.sliding:
+        if self.FZ0 is None and self._branch is not None and case.cylinder.sliding == self.case.cylinder.sliding:
             sol = solve(case, self._tol, stations=stations, seed=self._branch)
         elif isinstance(case.given, Ends):
             sol = solve(case, self._tol, stations=stations, choose=self._choose)

@@ -133,6 +133,25 @@ class Sensitivity:
     observables: dict[str, Any] = field(default_factory=dict)
     remarks: dict[str, Any] = field(default_factory=dict)
 
+    def with_given(self, observable: str, name: str) -> "Sensitivity":
+        """The derivatives where an observable is given in place of a field, as FZ0 of FZ, which it then determines.
+
+        observable: one of `observables`. name: one of `fields`, whose place it takes there.
+        """
+        k, by_field = self.fields.index(name), self.observables[observable]
+        is_it = np.arange(len(self.fields)) == k
+        with np.errstate(divide="ignore", invalid="ignore"):
+            answer = np.where(is_it, 1.0, -by_field) / by_field[..., k : k + 1]  # of the field to each of the others
+
+        def exchange(rates: Array) -> Array:  # (..., F)
+            return np.where(is_it, 0.0, rates) + rates[..., k : k + 1] * answer
+
+        arrays = {each: np.moveaxis(getattr(self, each), -1, 0) for each in _ALONG}  # (n, ..., F)
+        along: dict[str, Any] = {each: np.moveaxis(exchange(rates), 0, -1) for each, rates in arrays.items()}
+        fields = tuple(observable if each == name else each for each in self.fields)
+        seen = ByName((each, exchange(rates)) for each, rates in self.observables.items())
+        return replace(self, fields=fields, observables=seen, **along)
+
 
 def sensitivity(sol: ShapeArrays, fields: Iterable[str], observables: Iterable[str] = ()) -> Sensitivity:
     """The derivatives of a solution; see `Solution.sensitivity`."""

@@ -1,6 +1,6 @@
 """The numeric fields of a case by the names of their quantities, and a case with another value of one of them."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import fields, replace
 from functools import cache
 from typing import Any
@@ -20,12 +20,15 @@ def fields_of(case: Case) -> tuple[str, ...]:
     return tuple(AT_START.get(name, name) if part is case.given else name for part, name, _ in case._numeric)
 
 
-def check_fields(case: Case, names: Any) -> tuple[str, ...]:
+def check_fields(case: Case, names: Any, known: Iterable[str] | None = None) -> tuple[str, ...]:
     """The names of the quantities of fields as a tuple.
+
+    known: those that may be named. Default: the fields of the case.
 
     Raises `InputError` for a name that is no numeric field of the case or is repeated.
     """
-    known, fields = fields_of(case), tuple(of_quantity(case, name) for name in names_of(names))
+    known = fields_of(case) if known is None else tuple(known)
+    fields = tuple(of_quantity(case, name) for name in names_of(names))
     for name in fields:
         if not known_name(name, known):
             raise InputError(f"no field {name!r} in this case{near(name, known)}; choose from {choices(known)}")

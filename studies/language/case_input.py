@@ -112,7 +112,7 @@ def read_case(
             f"{file.name}{changed}",
             study=study,
             which=study.equilibrium,
-            stand_ins=_stand_ins(changes if values else study.base.given, study.unit_system),
+            stand_ins=stand_ins_of(changes if values else study.base.given, study.unit_system),
             title=f"{study.title}{changed}",
         )
     if table1 or reading is not None or not (values or units):
@@ -135,7 +135,7 @@ def read_case(
     which = None  # with weight or friction `solve` begins with the taut rod, off the wall with the bilateral shape
     if wound and not (case.varies or case.leaves):
         which = helix_of(case)
-    stand_ins = _stand_ins(values, units)
+    stand_ins = stand_ins_of(values, units)
     return CaseInput(case, units, OPTIONS, assumed, which=which, wound=wound, stand_ins=stand_ins)
 
 
@@ -148,7 +148,7 @@ def _in_words(case: Case, units: Mapping[str, str]) -> str:
     return f"A rod {long} long, of diameter {across}, {where} a cylinder of diameter {wide}"
 
 
-def _stand_ins(values: Mapping[str, Any], units: Mapping[str, str]) -> dict[str, float]:
+def stand_ins_of(values: Mapping[str, Any], units: Mapping[str, str]) -> dict[str, float]:
     """The fields among values that stand in place of others, as numbers."""
     return in_units({name: values[name] for name in REPLACED if name in values}, units)
 

@@ -2,23 +2,20 @@
 
 import math
 from collections.abc import Mapping
-from functools import cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from solver import Case, Ends, InputError, observe, solve
-from solver.nodes.lock_up import PASSED
-from solver.problem.case_fields import cases_at, value_of, values_of, with_field
+from solver import Case, Ends, InputError
+from solver.fits.start_force import far_force, without_friction
+from solver.problem.case_fields import cases_at, values_of, with_field
 from solver.problem.declared_fields import PAIRS, PARTS, WELL, WOUND, rivals
 from solver.problem.field_values import numbers_in_place
 
 from ..grammar.axes import case_from
 
 START_ONLY = {*PARTS["start"]} - {*PARTS["ends"]}
-MOST_STEPS = 12  # of a search for bounds of the force at s = L; each is twice as long as the one before
-CLOSE, MET = 1e-10, 1e-7  # of the loads: the last step of this search; how well the force at s = 0 is met
 
 
 def of_a_well(values: Mapping[str, Any], known: Mapping[str, Any]) -> dict[str, Any]:
@@ -59,8 +56,7 @@ def of_a_well(values: Mapping[str, Any], known: Mapping[str, Any]) -> dict[str, 
         return rest
     if "L" not in case:
         raise InputError("FZ0 needs the length of the rod: give L")
-    weight, length, theta = (np.asarray(case.get(name, 0.0)) for name in ("weight", "L", "inclination"))
-    return rest | {"FZ": (values["FZ0"] + weight * length * np.cos(theta))[()]}
+    return rest | {"FZ": without_friction(values["FZ0"], *(case.get(name) for name in ("weight", "L", "inclination")))}
 
 
 def under_start_force(case: Case, values: Mapping[str, Any], unit: str) -> tuple[Case, NDArray[Any]]:
@@ -79,64 +75,8 @@ def under_start_force(case: Case, values: Mapping[str, Any], unit: str) -> tuple
     forces = FZ.astype(float)
     for place in zip(*np.nonzero(np.atleast_1d(rubbed != 0)), strict=True):
         at = place if case.shape else ()
-        forces[at], why[at] = _far_force(cases_at(case, at) if case.shape else case, float(near[at]), unit)
+        forces[at], why[at] = far_force(cases_at(case, at) if case.shape else case, float(near[at]), unit)
     return with_field(case, "FZ", forces[()]), why
-
-
-def _far_force(case: Case, near: float, unit: str) -> tuple[float, str]:
-    """The FZ with which the force at s = 0 is `near`, of one rod; or the given one, and why none was found.
-
-    FZ0 grows with FZ. A rod without an answer counts as one whose push at s = 0 has no bound, as that of a rod next to
-    lock-up: it needs more tension.
-    """
-    from scipy.optimize import brentq  # only rods with friction load SciPy's search
-
-    @cache
-    def answer(force: float) -> tuple[float, float, str]:
-        sol = solve(with_field(case, "FZ", force), stations=2)
-        if not sol.solved:
-            return -math.inf, math.nan, str(sol.outcome).removeprefix("failed: ")
-        seen = observe(sol, ["FZ0", "arriving_max"])
-        return float(seen["FZ0"]), float(seen["arriving_max"]), ""
-
-    first = value_of(case, "FZ")
-    begun, most, _ = answer(first)
-    off, known = abs(begun - near), f"FZ0 = {near:.5g} {unit}"
-    if off == 0:
-        return first, ""
-    if case.cylinder.sense[0] < 0 and near < -most:
-        share = f"less than {100 * PASSED:g} % of a change of it arrives at s = 0"
-        why = f"locked up. No push at s = L gives {known}: beyond FZ0 = {-most:.5g} {unit} {share}"
-        return first, f"failed: {why}"
-    loads = abs(near) + abs(first) + abs(case.rod.weight or 0.0) * value_of(case, "L")
-    size = loads or (off if off < math.inf else 1.0)
-
-    def excess(force: float) -> float:
-        off = answer(force)[0] - near
-        return -1.0 if off == -math.inf else off / (abs(off) + size)
-
-    low = high = first
-    step = off if off < math.inf else size
-    none = f"failed: no FZ was found that gives {known}"
-    for _ in range(MOST_STEPS):
-        if excess(low) <= 0 <= excess(high):
-            break
-        low, high = (low - step, low) if excess(low) > 0 else (high, high + step)
-        step *= 2
-    if not excess(low) <= 0 <= excess(high):
-        last = low if excess(low) > 0 else high
-        push, _, reason = answer(last)
-        said = f"there is no answer: {reason}" if reason else f"it is {push:.5g} {unit}"
-        return first, f"{none}: with FZ = {last:.5g} {unit} {said}"
-    force = float(brentq(excess, low, high, xtol=CLOSE * size))
-    if abs(answer(force)[0] - near) <= MET * size:
-        return force, ""
-    below, above = (float(force + side * 2 * CLOSE * size) for side in (-1, 1))
-    (push, _, reason), other = answer(below), answer(above)[0]
-    at = f"FZ = {force:.5g} {unit}"
-    if reason:
-        return first, f"{none}: it is {other:.5g} {unit} with {at}, next to which there is no answer: {reason}"
-    return first, f"{none}: at {at} the shape changes, and FZ0 jumps from {other:.5g} to {push:.5g} {unit}"
 
 
 def unwound(values: Mapping[str, Any]) -> dict[str, Any]:

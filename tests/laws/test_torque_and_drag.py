@@ -5,7 +5,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from solver import Case, Cylinder, Ends, Rod, fit, observe, solve
+from solver import Case, Cylinder, Ends, InputError, Rod, fit, observe, solve
+from solver.fits.start_force import with_start_force
 
 PIPE: dict[str, Any] = {"EI": 1224.0, "GJ": 941.6, "a": 0.0635, "weight": 0.241}  # 5 inch, in kN and m
 RHO, FRICTION = 0.04445, 0.25
@@ -87,6 +88,46 @@ def test_the_largest_push_that_arrives_over_the_reach_of_a_load_is_that_load() -
 def test_a_pipe_that_its_weight_carries_or_that_turns_or_is_pulled_does_not_lock_up() -> None:
     for case in (pipe("axial-forward", 30.0), pipe("rotating", 90.0), pipe("axial-backward", 60.0)):
         assert np.isnan(seen(case, "reach")[0])
+
+
+@pytest.mark.parametrize("name", ("friction", "weight", "L"))
+def test_a_force_at_the_hook_that_is_given_holds_in_a_fit_whatever_field_varies(name: str) -> None:
+    """By hand FZ = FZ0 - w L (cos(hole) - f sin(hole)), which is -5 for one value of each."""
+    wanted = {"friction": (72.3 * 0.5 - 15) / (72.3 * np.sqrt(3) / 2)}
+    scale = 15 / (72.3 * (0.5 - FRICTION * np.sqrt(3) / 2))
+    wanted |= {"weight": 0.241 * scale, "L": 300 * scale}
+    bounds = (wanted[name] / 2, wanted[name] * 2)
+    found = fit(pipe("axial-forward", 60.0), {name: bounds}, {"FZ": -5.0}, FZ0=10.0, starts=2)
+    assert found.solved, found.outcome
+    assert found.values[name] == pytest.approx(wanted[name], rel=1e-6)
+    assert seen(found.case, "FZ0", "FZ") == pytest.approx([10, -5], rel=1e-6)
+
+
+def test_a_fit_refuses_a_field_or_a_target_that_a_given_force_at_the_hook_decides() -> None:
+    case = pipe("axial-forward", 60.0)
+    with pytest.raises(InputError, match="FZ follows from it: vary another field"):
+        fit(case, "FZ", {"push_max": 1.0}, FZ0=10.0)
+    with pytest.raises(InputError, match="it is no target: omit FZ0@axial-backward"):
+        fit(case, "friction", {"FZ0@axial-backward": 1.0}, FZ0=10.0)
+
+
+def test_derivatives_under_a_given_force_at_the_hook_are_those_of_differences() -> None:
+    def buckled(friction: float, FZ0: float) -> Any:
+        case = with_start_force(pipe("axial-forward", 80.0, 60.0, friction=friction), FZ0)
+        return solve(case, stations=31)
+
+    names = ["FZ", "FZ0", "kappa_max"]
+    at, h = buckled(0.2, -260.0), 1e-4
+    known = at.sensitivity(["friction", "FZ"], names).with_given("FZ0", "FZ")
+    assert known.fields == ("friction", "FZ0")
+    pairs = (buckled(0.2 + h, -260.0), buckled(0.2 - h, -260.0)), (buckled(0.2, -260 + h), buckled(0.2, -260 - h))
+    for k, (more, less) in enumerate(pairs):
+        assert np.abs(at.beta).max() > 5e-3
+        for name in names:
+            by_difference = (float(observe(more, [name])[name]) - float(observe(less, [name])[name])) / (2 * h)
+            assert known.observables[name][k] == pytest.approx(by_difference, rel=1e-4, abs=1e-5), (name, k)
+        by_difference = (more.beta - less.beta) / (2 * h)
+        assert known.beta[k] == pytest.approx(by_difference, rel=1e-3, abs=1e-3 * np.abs(by_difference).max())
 
 
 def test_one_coefficient_is_fitted_to_slack_off_and_pick_up_together() -> None:

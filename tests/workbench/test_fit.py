@@ -121,3 +121,10 @@ def test_what_the_data_cannot_tell_is_status_1_and_a_sentence(points, tmp_path, 
     row = next(line.split() for line in said.splitlines() if line.startswith("E "))
     assert row[2:4] == ["undetermined", "N/cm^2"]
     assert " inf" not in said
+
+
+def test_a_field_that_changes_the_loads_of_a_wound_rod_is_not_fitted(call) -> None:
+    wire = "--length-unit mm --E 2e5 --nu 0.3 --a 1 --L 1500 --R 60 --tension 500 --lay 80deg"
+    status, _, error = call("fit", *wire.split(), "--vary", "L,E", "--target", "push_max=5")
+    assert status == 2
+    assert "tension and lay are the loads of the rod as it is, and E would change them" in error

@@ -1,5 +1,6 @@
 """`workbench sensitivity` and `workbench.influence`: elasticities of one case, Sobol' indices of a sampled study."""
 
+import json
 import sys
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,7 @@ from studies.language.loader import loads
 from studies.language.samples import METHODS
 from tests.workbench import small, stored_figures
 from tests.workbench.command import run
+from tests.workbench.study_kinds import PIPE
 from workbench.branches.ends_study import ends_problem
 from workbench.figures import bars
 from workbench.figures.sheet import sheet
@@ -122,6 +124,22 @@ def test_a_followed_study_and_a_sweep_have_elasticities_of_one_case() -> None:
         stored_case.solve_case(StoredStudy(in_memory.outline(sweep)), {"FZ": -5.0}, sweep), observables=["height"]
     )
     assert float(swept["at"].sel(field="FZ")) == -5
+
+
+def test_a_force_at_s_0_that_a_study_gives_holds_in_derivatives_and_fits(tmp_path, call) -> None:
+    """FZ of a straight pipe is FZ0 - w L cos(hole) + f w L sin(hole)."""
+    pipe = PIPE | {"L": 50.0, "weight": 0.241, "hole": "60deg", "beta0": 0.0, "betaL": 0.0, "FZ0": -20.0}
+    text = small.text(pipe | {"friction": 0.25, "sliding": "axial-forward"}, "", "m kN", observables=["FZ0"])
+    (tmp_path / "pipe.toml").write_text(text)
+    rows = json.loads(call("sensitivity", tmp_path / "pipe.toml", "--show", "FZ", "--json")[1])["rows"]
+    found = {row["field"]: row["derivative"] for row in rows}
+    assert "FZ" not in found
+    weight = 0.241 * 50
+    by_hand = {"FZ0": 1.0, "friction": weight * np.sqrt(3) / 2, "weight": 50 * (np.sqrt(3) / 8 - 0.5)}
+    assert {name: found[name] for name in by_hand} == pytest.approx(by_hand, rel=1e-6)
+    goal = f"FZ={-20 + weight * (0.4 * np.sqrt(3) / 2 - 0.5)}"
+    fitted = json.loads(call("fit", tmp_path / "pipe.toml", "--vary", "friction", "--target", goal, "--json")[1])
+    assert fitted["values"] == pytest.approx({"friction": 0.4}, rel=1e-6)
 
 
 # Saltelli's design

@@ -12,7 +12,16 @@ from solver.problem.reduced import fields_held
 from solver.solve import ends_case
 from studies import Study, load
 from studies.grammar.axes import DEFAULT_UNITS
-from studies.language.case_input import check_alone, check_units, field_values, from_values, in_units, with_fields
+from studies.language.case_input import (
+    case_to_solve,
+    check_alone,
+    check_units,
+    field_values,
+    force_kept,
+    from_values,
+    in_units,
+    with_values,
+)
 from studies.language.loader import loads
 
 from ..run import writing
@@ -32,7 +41,8 @@ def study_and_case(
         check_alone(file, units)
     if not units:
         study = load(DEFAULT if file is None else str(file))
-        case = with_fields(ends_problem(study, held=True), in_units(values, study.unit_system))
+        changes = in_units(force_kept(study.base.given, values) | dict(values), study.unit_system)
+        case = with_values(ends_problem(study, held=True), changes, study.unit_system)
     else:
         check_units(units)
         values = in_units(values, {**DEFAULT_UNITS, **units})
@@ -56,7 +66,7 @@ def ends_problem(study: Study, held: bool = False) -> Case:
     """
     if study.variation.dimensions.each:
         raise InputError(f"{study.name} has {study.variation.words}: equilibria takes one case")
-    case = study.case()
+    case = case_to_solve(study, {})
     if not held:
         refuse_held(case)
     if isinstance(case.given, Ends):

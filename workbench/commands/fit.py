@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from studies.language.case_input import CaseInput
 
 OUT = (".toml", ".csv")
+OF_HELIX = ("E", "nu", "EI", "GJ", "inner_radius", "a", "R")  # what the loads of a wound helix depend on
 
 
 Study = Annotated[
@@ -102,10 +103,15 @@ def fit(
 
     read, sigmas = fitting.read_points(points) if points is not None else (None, {})
     base = _case(file, at, given, table1, reading)
-    targets = numbers("--target", target, base.units)
+    targets, fields = numbers("--target", target, base.units), _vary(vary, ranges("--bounds", bounds, base.units))
+    if base.wound and (moving := [name for name in fields if name in OF_HELIX]):
+        raise InputError(
+            f"tension and lay are the loads of the rod as it is, and {moving[0]} would change them: give beta0, betaL, "
+            "FZ, MZ and M3 in their place"
+        )
     result = fitted(
         base.case,
-        _vary(vary, ranges("--bounds", bounds, base.units)),
+        fields,
         targets,
         read,
         sigma={**sigmas, **numbers("--sigma", sigma, base.units)},
@@ -113,6 +119,7 @@ def fit(
         starts=starts,
         seed=seed,
         choose=_rule(base, choose),
+        FZ0=base.stand_ins.get("FZ0"),
     )
     if not result.reached:
         raise InputError(result.outcome.removeprefix("failed: "))

@@ -96,7 +96,9 @@ def _local(
         stored = StoredStudy(reading.read(file))
         study = stored.study
     solution = stored_case.solve_case(stored, axis_values(stored, at), study)
-    table = derivatives.local(solution, fields, real, study.unit_system)
+    table = derivatives.local(
+        solution, fields, real, study.unit_system, "FZ0" in {*study.base.given, *study.variation.fields}
+    )
     varied = " ".join(quantity_variables.dimension(name) for name in study.variation.fields)
     table = table.assign_attrs(title=study.title, reading=study.reading or "", varied=varied)
     return table, [*derivatives.sentences(table), *([left_out] if left_out else [])], study.unit_system

@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from solver import InputError, Rod, Solution, observe
+from solver import Case, InputError, Rod, Solution, observe
 from solver.observe.observables import OBSERVABLES, is_count, observables_of
 from solver.problem.case_fields import check_fields, fields_of, value_of
 from solver.problem.errors import no_such
@@ -27,6 +27,7 @@ def local(
     fields: Iterable[str] | None = None,
     observables: Iterable[str] | None = None,
     units: Mapping[str, str] | None = None,
+    gives_FZ0: bool = False,
 ) -> xr.Dataset:
     """How the observables of one case answer its fields.
 
@@ -40,6 +41,8 @@ def local(
         Observables that are no whole numbers. Default: all of them.
     units : mapping, optional
         "length" and "force". Default: cm and N.
+    gives_FZ0 : bool
+        Whether the force at s = 0 is given in place of FZ, and so stays as other fields change.
 
     Returns
     -------
@@ -64,16 +67,25 @@ def local(
         raise InputError(f"the influence is that of one case, got {solution.case.size} cases; select one")
     if not solution.solved:
         raise InputError(f"the case has no derivatives, as it is not solved: {solution.outcome}")
-    names, outputs = _fields(solution, fields), _observables(solution.case.rod, observables)
-    sensitivity = solution.sensitivity(names, outputs)
+    known = {name: value_of(solution.case, name) for name in fields_of(solution.case)}
+    if gives_FZ0:
+        known = {"FZ0" if name == "FZ" else name: value for name, value in known.items()}
+        known["FZ0"] = float(observe(solution, ["FZ0"])["FZ0"])
+    names, outputs = _fields(solution.case, known, fields), _observables(solution.case.rod, observables)
+    if gives_FZ0:
+        by = dict.fromkeys(["FZ" if name == "FZ0" else name for name in [*names, "FZ0"]])
+        sensitivity = solution.sensitivity(by, dict.fromkeys([*outputs, "FZ0"])).with_given("FZ0", "FZ")
+    else:
+        sensitivity = solution.sensitivity(names, outputs)
     if not sensitivity.solved:
         raise InputError(f"the case has no derivatives: {sensitivity.outcome}")
     seen = observe(solution, outputs, errors=True)
     value, error = (np.array([float(seen.get(f"{name}{end}", 0.0)) for name in outputs]) for end in ("", "_error"))
     ds = xr.Dataset(coords={"observable": outputs, "field": names}, attrs={"relative_error": float(sensitivity.error)})
-    ds["derivative"] = ("observable", "field"), np.stack([sensitivity.observables[name] for name in outputs])
+    slopes = [sensitivity.observables[name][: len(names)] for name in outputs]
+    ds["derivative"] = ("observable", "field"), np.stack(slopes)
     ds["value"], ds["error"] = ("observable", value), ("observable", error)
-    ds["at"] = "field", [value_of(solution.case, name) for name in names]
+    ds["at"] = "field", [known[name] for name in names]
     ds["unit"], ds["field_unit"] = (
         (dim, [unit_of(name, units) for name in listed]) for dim, listed in (("observable", outputs), ("field", names))
     )
@@ -82,12 +94,17 @@ def local(
         [[_quotient(o, f) for f in ds["field_unit"].values.tolist()] for o in ds["unit"].values.tolist()],
     )
     ds["remark"] = "observable", [str(sensitivity.remarks[name]) for name in outputs]
-    return _with_effects(ds, solution, units)
+    return _with_effects(ds, solution, known, units)
 
 
-def _with_effects(ds: xr.Dataset, solution: Solution, units: Mapping[str, str]) -> xr.Dataset:
-    """The table with effect, effect_unit and amount; an effect below the error of the largest one is 0."""
-    steps, amounts = zip(*(_amount(solution, name, units) for name in ds["field"].values.tolist()), strict=True)
+def _with_effects(
+    ds: xr.Dataset, solution: Solution, known: Mapping[str, float], units: Mapping[str, str]
+) -> xr.Dataset:
+    """The table with effect, effect_unit and amount; an effect below the error of the largest one is 0.
+
+    known: the fields of the case and their values.
+    """
+    steps, amounts = zip(*(_amount(known, name, units) for name in ds["field"].values.tolist()), strict=True)
     parts, shown = [], []
     for name, value, error, unit in zip(
         *(ds[k].values.tolist() for k in ("observable", "value", "error", "unit")), strict=True
@@ -181,8 +198,8 @@ def counts_left_out(names: Iterable[str]) -> str:
     return f"Left out: {', '.join(counts)}, {what}."
 
 
-def _fields(solution: Solution, names: Iterable[str] | None) -> list[str]:
-    return [*check_fields(solution.case, fields_of(solution.case) if names is None else names)]
+def _fields(case: Case, known: Iterable[str], names: Iterable[str] | None) -> list[str]:
+    return [*check_fields(case, known if names is None else names, known)]
 
 
 def _observables(rod: Rod, names: Iterable[str] | None) -> list[str]:
@@ -199,16 +216,14 @@ def _observables(rod: Rod, names: Iterable[str] | None) -> list[str]:
     return observables
 
 
-def _amount(solution: Solution, name: str, units: Mapping[str, str]) -> tuple[float, str]:
+def _amount(known: Mapping[str, float], name: str, units: Mapping[str, str]) -> tuple[float, str]:
     """The change of a field by which its effects are told, in its unit and in words."""
-    kind, value = quantity(name).dimension, value_of(solution.case, name)
+    kind, value = quantity(name).dimension, known[name]
     if kind == "rad":
         return float(np.deg2rad(1.0)), "1 deg"
     if value:
         return 0.01 * value, "1 %"
-    alike = [
-        abs(value_of(solution.case, other)) for other in fields_of(solution.case) if quantity(other).dimension == kind
-    ]
+    alike = [abs(number) for other, number in known.items() if quantity(other).dimension == kind]
     step, unit = 0.01 * (max(alike) or 1.0), unit_of(name, units)
     return step, f"{step:.3g} {unit}" if unit != "1" else f"{step:.3g}"
 

@@ -12,7 +12,7 @@ from solver.problem.declared_fields import FIELDS
 from solver.problem.errors import choices
 from studies import Study, load
 from studies.grammar.axes import WORDS, Which, in_words
-from studies.language.case_input import CaseInput, force_kept, from_values, in_units, with_values
+from studies.language.case_input import CaseInput, force_kept, from_values, in_units, stand_ins_of, with_values
 
 from . import file_kinds, quantity_variables, reading
 from .frame import without_results
@@ -65,12 +65,15 @@ def case_at(study: Study, at: Mapping[str, Any], values: Mapping[str, Any], name
     changed = f", except {choices(values)}" if values else ""
     followed = study.variation.from_base
     case = study.case() if followed else study.case_of(place)
-    changes = values if followed else force_kept({**study.base.given, **place}, values) | dict(values)
+    given = {**study.base.given, **place}
+    changes = values if followed else force_kept(given, values) | dict(values)
     source = f"{named or study.title}{changed}"
     which = study.equilibrium
     taken = with_values(case, in_units(changes, study.unit_system), study.unit_system)
     where = ", ".join([study.title, *(in_words(field, value) for field, value in place.items())])
-    return CaseInput(taken, study.unit_system, source, study=study, which=which, place=place, title=where + changed)
+    given = stand_ins_of(changes if values else given, study.unit_system)
+    title = where + changed
+    return CaseInput(taken, study.unit_system, source, {}, study, which, False, place, given, title)
 
 
 def open_case(file: Path, values: Mapping[str, Any]) -> CaseInput:
