@@ -266,6 +266,29 @@ def test_a_film_has_as_many_frames_as_its_change_needs(tmp_path, capsys) -> None
     )
 
 
+@draws
+def test_the_frames_of_a_film_may_be_pictures_and_its_curve_an_observable_that_the_file_does_not_store(
+    ds, tmp_path, capsys
+) -> None:
+    writing.write(ds, tmp_path / "one.h5")
+    asked = ["scene", tmp_path / "one.h5", "--dpi", "50", "--kind", "plain", "--show", "bends"]
+    assert exit_status(*asked, "--frames", "4", "-o", tmp_path / "g_{:03d}.png") == 0
+    names = [f"g_{i:03d}.png" for i in range(4)]
+    assert sorted(path.name for path in tmp_path.iterdir()) == [*names, "one.h5"]
+    first, *_, last = (np.asarray(Image.open(tmp_path / name), dtype=float) for name in names)
+    assert first.shape == last.shape == (226, 400, 3)
+    assert np.abs(first - last).max() > 100
+    capsys.readouterr()
+    for refused, words in (
+        (["--frames", "4", "-o", tmp_path / "g_{:03d}.png"], "g_000.png exists"),
+        (["--frames", "4", "-o", tmp_path / "h_{:03d}.png", "--fps", "9"], "leave out --transparent and --fps"),
+        (["-o", tmp_path / "h_{:03d}.png"], "--frames with a picture for each"),
+        (["--stored", "-o", tmp_path / "no.gif"], "bends is not stored"),
+    ):
+        assert exit_status(*asked, *refused) == 2
+        assert words in " ".join(capsys.readouterr().err.split())
+
+
 def test_the_curve_is_one_that_changes_along_the_axis(ds) -> None:
     stored = StoredStudy(ds.assign(turns_around=("E", [1.0, 1.0, 1.0])))
     assert film.observable_of(stored, "E") == "height"

@@ -49,14 +49,16 @@ def scene(
     from . import scene_branches, scene_film, study_scene
 
     out, suffix = wanted.out, "" if wanted.out is None else wanted.out.suffix.lower()
-    if any(wanted.of_film) and suffix not in film.SUFFIXES:
+    is_film = suffix in film.SUFFIXES or wanted.has_film_pictures
+    if any(wanted.of_film) and not is_film:
         raise InputError(
-            f"--show, --fps, --frames and --stored are for films: give --out NAME, with {choices(film.SUFFIXES)}"
+            f"--show, --fps, --frames and --stored are for films: give --out NAME, with {choices(film.SUFFIXES)}, or "
+            "--frames with a picture for each, frame_{:03d}.png"
         )
     is_stored = file.is_file() and not is_study(file)
     if is_stored and reading.kind_of_file(file).figure == scene_branches.RODS:
         return scene_branches.scene_of(file, StoredStudy(reading.read(file, study=False)), wanted)
-    if out is not None and suffix in film.SUFFIXES:
+    if out is not None and is_film:
         if len({*wanted.axes, wanted.along} - {None}) > 1:
             raise InputError(f"a film runs along one axis, got {choices([*wanted.axes, wanted.along])}")
         return scene_film.film_of(file, out, wanted)

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from ..scene.page import Pixels
     from ..stored.stored_study import StoredStudy
 
+PICTURES = (".png", ".jpg")  # of a film whose frames are files
 DPI = 160  # gives frames of 1280 x 720 pixels
 MOST = 480  # frames that are solved for a film
 STAYS = 1 / 3  # seconds for which a stored case stays where no others can be solved
@@ -37,6 +38,7 @@ def film_of(file: Path, out: Path, wanted: SceneOptions) -> Result:
     Each frame shows the rod and the curve of a number up to that case. The result has status 1 if OpenGL does not work
     on this machine. Raises `InputError`.
     """
+    from ..export.stored_rod import name_of_file
     from ..run import shards
     from ..scene import film, opengl
     from ..scene.scene_kinds import LET_GO, kind_of
@@ -45,10 +47,15 @@ def film_of(file: Path, out: Path, wanted: SceneOptions) -> Result:
     from . import study_scene
 
     fps, kind = film.FPS if wanted.fps is None else wanted.fps, wanted.kind or "contact"
-    path, settings = check_file(out, film.SUFFIXES, wanted.force), wanted.settings(DPI)
-    check_name(path, settings)
+    settings, paths, suffixes = wanted.settings(DPI), [out], film.SUFFIXES
     film.check_counts(wanted.frames, fps)
-    film.check_writers([path])
+    if wanted.has_film_pictures:
+        paths, suffixes = [out.with_name(name_of_file(out.name, i)) for i in range(wanted.frames or 0)], PICTURES
+        if settings.transparent or wanted.fps is not None:
+            raise InputError("pictures of a film have a background and no speed: leave out --transparent and --fps")
+    for path in paths:
+        check_name(check_file(path, suffixes, wanted.force), settings)
+    film.check_writers(paths)
     rods = study_scene.open_rods(file, whole=kind != LET_GO)[1]
     rods.check_any_solved()
     where = axis_values(rods, wanted.at)
@@ -69,10 +76,14 @@ def film_of(file: Path, out: Path, wanted: SceneOptions) -> Result:
             return film.frames(rods, shown, step, strict)
 
         pictures = at_needed_stations(rods, solve, frames)[0]
-        film.write([path], pictures, fps, each, stay=0.0 if wanted.frames else film.HOLD)
-    for folder in _folders(path):
+        if wanted.has_film_pictures:
+            film.write_pictures(paths, pictures)
+        else:
+            film.write(paths, pictures, fps, each, stay=0.0 if wanted.frames else film.HOLD)
+    for folder in _folders(out):
         shards.clear(folder)
-    return result_of_files([path], [f"{path}: {count} {said}, {fps:g} frames per second"])
+    speed = "" if wanted.has_film_pictures else f", {fps:g} frames per second"
+    return result_of_files(paths, [f"{out}: {count} {said}{speed}"])
 
 
 def _of_motion(rods: "StoredStudy", shown: "Film", wanted: SceneOptions) -> Callable[[float], Cases]:
@@ -108,7 +119,9 @@ def _along_axis(
     axis = wanted.along or next(iter(wanted.axes), None) or _axis_left(file, rods, shown.at)
     if axis in shown.at:
         raise InputError(f"--at {axis}: the film runs along {axis}, so that axis takes no value")
-    name = film.observable_of(rods, axis, wanted.show, shown.at)
+    is_solved = not wanted.stored and study_scene.field_between(rods, axis) is not None
+    measured = rods.study.known_observables if is_solved else ()
+    name = film.observable_of(rods, axis, wanted.show, shown.at, measured)
     shown = replace(shown, axis=axis, observable=name)
     film.cases_of(rods, shown)
 

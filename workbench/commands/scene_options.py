@@ -70,8 +70,8 @@ class SceneOptions:
         int | None,
         option(
             "NUMBER",
-            "Frames of a film, no more and no fewer; default: as many as let the rod move smoothly, with "
-            "the first and the last for half a second more.",
+            "Frames of a film, no more and no fewer, as pictures too, frame_{:03d}.png; default: as many as let the "
+            "rod move smoothly, with the first and the last for half a second more.",
         ),
     ] = None
     stored: Annotated[bool, flag("Film the stored cases alone, each for a third of a second.", "--stored")] = False
@@ -127,6 +127,11 @@ class SceneOptions:
         )
         check(settings)
         return settings
+
+    @property
+    def has_film_pictures(self) -> bool:
+        """Whether the frames of a film are asked for as pictures, each a file."""
+        return self.frames is not None and self.out is not None and "{" in self.out.name
 
     @property
     def of_film(self) -> tuple[bool, ...]:

@@ -127,6 +127,15 @@ def _study_at(study: Study, stored: StoredStudy, where: Mapping[str, int], free:
     return study.model_copy(update={"axes": axes})
 
 
+def field_between(stored: StoredStudy, axis: str) -> str | None:
+    """The field of an axis where a study gives the cases at any value of it, also between the stored ones."""
+    if not is_whole(stored):
+        return None
+    study = stored.study
+    field = quantity_variables.field_of(study, axis)
+    return field if field in study.axes and not (study.variation.from_base or study.variation.sampled) else None
+
+
 def film_cases(
     stored: StoredStudy,
     axis: str,
@@ -142,14 +151,12 @@ def film_cases(
 
     count: so many cases, at an even pace of the rod. Rods off the wall may take seconds each, so between two stored
     ones their pace is taken as even. run: solves the cases, and run_first those from which the pace of others is found.
-    None for a dataset whose cases a study does not give at any value of the axis. Raises `InputError` of the solver.
+    None for a dataset without a `field_between`. Raises `InputError` of the solver.
     """
-    if not is_whole(stored):
+    field = field_between(stored, axis)
+    if field is None:
         return None
     study = stored.study
-    field = quantity_variables.field_of(study, axis)
-    if field not in study.axes or study.variation.from_base or study.variation.sampled:
-        return None
     lean = _with_outputs(study, kind.reads | {"dbeta"}).model_copy(update={"observables": [observable]})
     lean = _study_at(lean, stored, stored.place(at), [field])
 

@@ -89,21 +89,26 @@ class Film:
 
 
 def observable_of(
-    stored: StoredStudy, axis: str, name: str | None = None, at: Mapping[str, float] | None = None
+    stored: StoredStudy,
+    axis: str,
+    name: str | None = None,
+    at: Mapping[str, float] | None = None,
+    measured: Sequence[str] = (),
 ) -> str:
     """The observable whose curve is drawn; default: that of the axis's first law, else the first that is stored, of
     those that change along the axis, with the other axes at `at`.
 
-    Raises `InputError` where the dataset stores no such observable.
+    measured: others that may be asked for, as the cases are solved anew. Raises `InputError` where there is no such
+    observable.
     """
     known = stored.all_observables
-    if not known:
-        raise InputError("the dataset stores no observable whose curve could be drawn: add some to the study")
     if name is not None:
         name = current(name)
-        if name not in known:
+        if name not in (*known, *measured):
             raise no_such_observable(name, known)
         return name
+    if not known:
+        raise InputError("the dataset stores no observable whose curve could be drawn: add some to the study")
     judged = [law.observable for law in stored.laws if law.axis == axis]
     candidates = [candidate for candidate in (*judged, *known) if candidate in known]
     held = {other: i for other, i in stored.place(at or {}).items() if other != axis}
@@ -146,6 +151,14 @@ def check_writers(paths: Sequence[Path]) -> None:
     _imageio()
     if not find_spec("imageio_ffmpeg"):
         raise InputError(f"an MP4 needs imageio-ffmpeg, which is not installed: {INSTALL}; .gif and .webp do not")
+
+
+def write_pictures(paths: Sequence[Path], made: Iterator[Pixels]) -> None:
+    """Write each frame as a picture, .png or .jpg. Raises `InputError` where that fails."""
+    from PIL import Image
+
+    for path, frame in zip(paths, made, strict=True):
+        atomic.write(path, partial(Image.fromarray(frame).save, quality=page.QUALITY))
 
 
 def frames(
