@@ -1,6 +1,7 @@
 """Rods that may leave the cylinder in stored files, pictures and exports: drawn where they are, or refused in words."""
 
 import json
+import re
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -235,6 +236,42 @@ def test_a_change_of_the_energy_is_told_in_as_many_digits_as_show_it() -> None:
     for after, told in each.items():
         said = free_rods.release_sentence({"before": 191.4012, "after": after}, {"length": "mm", "force": "N"})
         assert said.endswith(told)
+
+
+@pytest.mark.parametrize("alone", [False, True])
+def test_errors_that_are_seen_beside_their_values_are_drawn_and_told(stored: xr.Dataset, alone: bool) -> None:
+    ds = in_memory.run(loads(PUSHED.replace("FZ = -8.66, ", "") + small.axis("FZ", [-8.66, -7.0, -6.0])))
+    ds = ds.assign_attrs(study=stored.attrs["study"]) if alone else ds
+    ds["contact_share"].values[:] = [0.05, 0.3, 0.4]
+    for error, said in ((1e-4, ""), (0.1, "Pale: the estimated error of share of the length on the wall, up to 0.1.")):
+        ds["contact_share_error"].values[:] = [error, error / 2, 0.0]
+        line = StoredStudy(ds).trend("contact_share", "FZ")
+        assert line.alone == alone
+        ax = trends.trend(line, Figure(figsize=(5, 3)).subplots())
+        assert trends.say_errors(line) == [said] * bool(said)
+        drawn = [part for part in ax.collections if part.get_label() == trends.WITHIN]
+        assert len(drawn) == bool(said)
+        for part in drawn:
+            places = np.concatenate([path.vertices for path in part.get_paths()])
+            first = places[places[:, 0] == ds["FZ"].values[0], 1]
+            assert (first.min(), first.max()) == pytest.approx((0.0, 0.15))
+
+
+def test_a_place_that_its_error_hides_is_told_with_the_error() -> None:
+    """The cable of a drum whose far end is far off: its short contact is known to its own length."""
+    cylinder = Cylinder(200.0, contact="unilateral")
+    held = Ends("90deg", "90deg", height=0.0, azimuth="200deg", radiusL=1168.2, M2L=0.0)
+    sol = solve(Case(Rod(EI=2e6, GJ=1.6e6, a=6.0, L=1616.0), cylinder, held))
+    contact, forces = free_rods.sentences(sol, {"length": "mm", "force": "N"})
+    ((low, high),), error = sol.contacts, free_rods.place_error(sol)
+    assert high - low < error
+    number = r"([\d.]+) ± ([\d.]+)"
+    told = re.search(f"lies on {number} % of its length on the wall, at s = {number} to {number} mm", contact)
+    assert told is not None
+    share, _, *places = map(float, told.groups())
+    assert places == pytest.approx([low, error, high, error], abs=error / 4)
+    assert share == pytest.approx(100 * (high - low) / 1616.0, abs=1.0)
+    assert re.search(f"{number} N at {number}, {number} N at {number} mm", forces)
 
 
 @pytest.mark.parametrize("text", [STUDY, PUSHED])

@@ -39,6 +39,7 @@ def film_of(file: Path, out: Path, wanted: SceneOptions) -> Result:
     on this machine. Raises `InputError`.
     """
     from ..export.stored_rod import name_of_file
+    from ..figures import trends
     from ..run import shards
     from ..scene import film, opengl
     from ..scene.scene_kinds import LET_GO, kind_of
@@ -47,10 +48,10 @@ def film_of(file: Path, out: Path, wanted: SceneOptions) -> Result:
     from . import study_scene
 
     fps, kind = film.FPS if wanted.fps is None else wanted.fps, wanted.kind or "contact"
-    settings, paths, suffixes = wanted.settings(DPI), [out], film.SUFFIXES
+    settings, paths, suffixes = wanted.settings(DPI), [out], PICTURES if wanted.has_film_pictures else film.SUFFIXES
     film.check_counts(wanted.frames, fps)
     if wanted.has_film_pictures:
-        paths, suffixes = [out.with_name(name_of_file(out.name, i)) for i in range(wanted.frames or 0)], PICTURES
+        paths = [out.with_name(name_of_file(out.name, i)) for i in range(wanted.frames or 0)]
         if settings.transparent or wanted.fps is not None:
             raise InputError("pictures of a film have a background and no speed: leave out --transparent and --fps")
     for path in paths:
@@ -82,8 +83,10 @@ def film_of(file: Path, out: Path, wanted: SceneOptions) -> Result:
             film.write(paths, pictures, fps, each, stay=0.0 if wanted.frames else film.HOLD)
     for folder in _folders(out):
         shards.clear(folder)
+    line = rods.trend(shown.observable, shown.axis, shown.at) if shown.observable else None
+    errors = [] if line is None or settings.bare else trends.say_errors(line)
     speed = "" if wanted.has_film_pictures else f", {fps:g} frames per second"
-    return result_of_files(paths, [f"{out}: {count} {said}{speed}"])
+    return result_of_files(paths, [f"{out}: {count} {said}{speed}", *errors])
 
 
 def _of_motion(rods: "StoredStudy", shown: "Film", wanted: SceneOptions) -> Callable[[float], Cases]:

@@ -80,7 +80,8 @@ class SceneOptions:
         option(
             "FILE",
             "Picture, .png or .jpg; frame_{:03d}.png: a picture for each value of --along or of the axis that --at "
-            "does not name; .html, an offline page with all cases that --at leaves, in which the rod turns; "
+            "does not name; .html, an offline page with all cases that --at leaves, in which the rod turns, of rods "
+            "that lie on the cylinder without weight and friction; "
             ".mp4, .webp or .gif, a film of the cases along the axis, or along --along, or of a rod let go; "
             "default: FILE_scene.png or FILE_scene_E=10905.png.",
             "--out",

@@ -111,6 +111,7 @@ def _figure_of(
             said = []
             trends.trend(line, ax).set_label(labels.long_name(line.observable))
             canvas.add_legend(ax)
+        said += trends.say_errors(line)
         set_range(sheet, ax, str(line.observable.name))
         return said
 

@@ -15,6 +15,7 @@ from .sheet import ONE_COLUMN
 
 MOST_DOTS = 50  # values of a line, beyond which it has no dots
 ALONE = "Each rod was let go by itself: neighbours may be at different minima of the energy, and no line joins them."
+WITHIN = "estimated error"  # in a legend
 WITHOUT = "solved, without a number"  # in a legend
 BRACKET, CHANGE = "changes in between", "change"  # of a whole number: in a legend, and the gid of what shows it
 NEAR = 0.08  # inches between two values of an axis whose dots touch: a step in their middle is right within a dot
@@ -61,7 +62,22 @@ def trend(line: TrendLine, ax: Axes, joined: bool = True) -> Axes:
         middle = float(drawn.mean())
         half = max(0.1 * abs(middle), 10 * np.ptp(drawn))
         ax.set_ylim(middle - half, middle + half)
+    if line.is_uncertain:
+        ends = [labels.in_label_unit(line.observable, end) for end in line.within]
+        look = {"color": colours.DATA, "alpha": 0.25, "zorder": 1.5, "label": WITHIN}
+        if line.alone:
+            ax.vlines(along, *ends, linewidth=3, **look)
+        else:
+            ax.fill_between(along, *ends, linewidth=0, **look)
     return ax
+
+
+def say_errors(line: TrendLine) -> list[str]:
+    """A sentence on the errors of a number where a picture shows them."""
+    if not line.is_uncertain:
+        return []
+    most = labels.value(float(line.errors.max()), line.observable, 2)
+    return [f"Pale: the estimated error of {labels.long_name(line.observable)}, up to {most}."]
 
 
 def draw_line(

@@ -370,6 +370,11 @@ class StoredCases:
         """A number of each case, NaN where it is not solved: the number of a branch is stored as -1 there."""
         return self.ds[name].where(self.ds["solved"]) if name == "branch" else self.ds[name]
 
+    def errors_of(self, name: str) -> xr.DataArray:
+        """The estimated errors of a number of each case; 0 where none is known."""
+        error = f"{name}_error"
+        return (self.ds[error] if error in self.ds else xr.zeros_like(self.ds[name], dtype=float)).fillna(0.0)
+
     def is_level(self, name: str) -> bool:
         """Whether a number is the same in all cases, but for rounding and its estimated errors: one value lies within
         the error of each."""
@@ -383,8 +388,7 @@ class StoredCases:
         known = np.isfinite(values)
         if not known.any():
             return np.inf, -np.inf
-        errors = self.ds[f"{name}_error"].values if f"{name}_error" in self.ds else np.zeros(values.shape)
-        errors = np.maximum(np.nan_to_num(errors), NOISE / 2 * np.abs(values[known]).max())[known]
+        errors = np.maximum(self.errors_of(name).values, NOISE / 2 * np.abs(values[known]).max())[known]
         return float((values[known] - errors).max()), float((values[known] + errors).min())
 
     def level_in_words(self, name: str) -> str:

@@ -274,6 +274,7 @@ class StoredStudy(StoredCases):
             "observable": self.ds[observable],
             "along": self.ds[axis].values[on[axis]],
             "values": lines.isel(others).values.astype(float),
+            "errors": self.errors_of(observable).transpose(..., axis).isel(on).isel(others).values,
             "solved": self.ds["solved"].transpose(..., axis).isel(on).isel(others).values,
             "lines": lines.values.reshape(-1, len(places))[: 0 if lines.ndim == 1 or self.stand_alone else None],
             "held": self.equations(others),

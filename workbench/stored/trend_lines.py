@@ -8,9 +8,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from solver.observe.observables import OBSERVABLES
 from studies.laws.line_verdicts import HOLDS
 
 Values = NDArray[np.float64]
+SEEN = 0.02  # of the range of the values with their errors, beyond which the errors are drawn
 IDENTITY = 1e-8  # a formula that agrees so well is an identity: its picture is a line on a line
 
 
@@ -19,17 +21,18 @@ class TrendLine:
     """An observable on a line of cases along an axis, in its rising order; in the units of the file.
 
     axis, observable: the stored variables, with their units and names. along, values, solved: of the line, (n,); NaN
-    where there is no number. lines: of a grid all its lines, (lines, n); none of rods that stand alone. held: the
-    values of the other axes, in words. broken: the places before which a line has a gap, as the branch changes.
-    fold: on a followed axis, where it is known. alone: whether each rod was let go by itself. is_count, is_level:
-    whether the observable is a whole number, and the same in all cases. is_logarithmic: whether the scale of the axis
-    is.
+    where there is no number. errors: of the values, estimated, (n,); 0 where none is known. lines: of a grid all its
+    lines, (lines, n); none of rods that stand alone. held: the values of the other axes, in words. broken: the places
+    before which a line has a gap, as the branch changes. fold: on a followed axis, where it is known. alone: whether
+    each rod was let go by itself. is_count, is_level: whether the observable is a whole number, and the same in all
+    cases. is_logarithmic: whether the scale of the axis is.
     """
 
     axis: xr.DataArray
     observable: xr.DataArray
     along: Values
     values: Values
+    errors: Values
     solved: NDArray[np.bool_]
     lines: Values
     held: str
@@ -39,6 +42,19 @@ class TrendLine:
     is_count: bool
     is_level: bool
     is_logarithmic: bool
+
+    @property
+    def within(self) -> tuple[Values, Values]:
+        """Between what each value is, by its estimated error and the bounds of the observable."""
+        row = OBSERVABLES.get(str(self.observable.name))
+        least = -np.inf if row is None else row.least
+        return np.maximum(self.values - self.errors, np.minimum(least, self.values)), self.values + self.errors
+
+    @property
+    def is_uncertain(self) -> bool:
+        """Whether the errors are as large as is seen beside the values."""
+        low, high = (ends[np.isfinite(self.values)] for ends in self.within)
+        return bool(low.size and not self.is_level and (high - low).max() > SEEN * (high.max() - low.min()))
 
 
 @dataclass(frozen=True, eq=False)

@@ -31,6 +31,7 @@ STRIDES = (16, 8, 4, 2)  # stations that one of them may stand for
 NEAR, ANGLE = 0.005, 1e-3  # radii of the rod, and rad, by which stations may be off where others stand for them
 LEAST = 51  # stations
 SHARE = 1e-3  # of the height of a rod, by which its curve between stations may be off: a pixel of a large screen
+INSTEAD = "make a picture, .png, or a film, .mp4; workbench explore turns one of them"
 FIRST = "turntables"  # the module of the page with which the program begins
 
 PREFERS_DARK = "@media screen and (prefers-color-scheme: dark)"  # in `scheme.css`
@@ -163,9 +164,9 @@ def turntable_of_dataset(
     fixed = {stored.axis(name) for name in at}
     free = [name for name in stored.axes if name not in fixed]
     if stored.leaves:
-        raise InputError("a page of turning rods needs rods that lie on the cylinder: make a picture, a .png")
+        raise InputError(f"a page of turning rods needs rods that lie on the cylinder: {INSTEAD}")
     if stored.loads_vary:
-        raise InputError("a page of turning rods needs rods without weight and friction: make a picture, a .png")
+        raise InputError(f"a page of turning rods needs rods without weight and friction: {INSTEAD}")
     n = stored.sizes["u"]
     chosen = _choose({name: stored.sizes[name] for name in free}, base, most_bytes // (ROWS * BYTES * n))
     wheres = [base | dict(zip(free, place, strict=True)) for place in product(*chosen.values())]
