@@ -18,7 +18,8 @@ from numpy.typing import ArrayLike, NDArray
 from .declared_fields import ANGLES, CHOICES, FIELDS, RANGES, REPLACED
 from .errors import InputError, T, choices, known_name, near, no_such, show
 from .notices import is_called_by_a_program, warn
-from .units import NUMBER, is_angle_unit, size_in, unit_size
+from .quantities import unit_of
+from .units import NUMBER, is_angle_unit, unit_size
 
 
 def refuse_outside(part: Any) -> None:
@@ -238,36 +239,46 @@ def doubt(name: str, value: object) -> str:
     )
 
 
-def doubt_modulus(value: object, units: Mapping[str, str]) -> str:
-    """The notice about Young's modulus of rods in feet if it is a metal's in psi, ksi or GPa, else an empty text.
+# field -> its least and largest usual value in metres and newtons, units of other tables of pipes, and one to state it
+# in. E: of metals, from magnesium to tungsten; radii: to 30 cm; weight: less than solid steel of this radius has.
+# x10: no number that is meant in inches, psi or lbf/ft is doubted
+_USUAL = {
+    "E": (40e9, 450e9, ("psi", "ksi", "GPa"), "GPa"),
+    "a": (0.0, 0.3, ("in",), "mm"),
+    "inner_radius": (0.0, 0.3, ("in",), "mm"),
+    "weight": (0.0, 2e4, ("lbf/ft",), "kN/m"),
+}
+
+
+def doubt_size(name: str, value: object, units: Mapping[str, str]) -> str:
+    """The notice about a field of rods in feet that would be usual in psi, in or lbf/ft alone, else an empty text.
 
     value: as a user gives it, as in `doubt`. units: of "length" and "force".
 
-    >>> doubt_modulus(30e6, {"length": "ft", "force": "lbf"}).partition("; ")[2]
+    >>> doubt_size("E", 30e6, {"length": "ft", "force": "lbf"}).partition("; ")[2]
     'write "30000000 psi" if psi is meant, or "30000000 lbf/ft^2"'
-    >>> doubt_modulus(30e6, {"length": "ft", "force": "klbf"}).partition("; ")[0]
+    >>> doubt_size("E", 30e6, {"length": "ft", "force": "klbf"}).partition("; ")[0]
     'E = 30000000 is read as 30000000 klbf/ft^2 = 1436 GPa'
-    >>> doubt_modulus(4.32e9, {"length": "ft", "force": "lbf"})
+    >>> doubt_size("E", 4.32e9, {"length": "ft", "force": "lbf"})
     ''
+    >>> doubt_size("weight", 19.5, {"length": "ft", "force": "klbf"})
+    'weight = 19.5 is read as 19.5 klbf/ft = 284.6 kN/m; write "19.5 lbf/ft" if lbf/ft is meant, or "19.5 klbf/ft"'
     """
-    if units["length"] != "ft":
+    if name not in _USUAL or units["length"] != "ft":
         return ""
-    size, numbers = size_in((-2, 1), units), [*_plain_numbers(value)]
-    for other in "psi", "ksi", "GPa":
+    low, high, others, stated = _USUAL[name]
+    unit = unit_of(name, units)
+    size, numbers = unit_size(unit)[0], [*_plain_numbers(value)]
+    for other in others:
         meant = unit_size(other)[0]
-        doubtful = [number for number in numbers if _is_metal(number * meant) and not _is_metal(number * size)]
+        doubtful = [x for x in numbers if low <= x * meant <= high and not low <= x * size <= high]
         if doubtful:
-            worst, unit = max(doubtful), f"{units['force']}/ft^2"
+            worst = max(doubtful)
             return (
-                f"E = {worst:.10g} is read as {worst:.10g} {unit} = {worst * size / 1e9:.4g} GPa; "
-                f'write "{worst:.10g} {other}" if {other} is meant, or "{worst:.10g} {unit}"'
+                f"{name} = {worst:.10g} is read as {worst:.10g} {unit} = {worst * size / unit_size(stated)[0]:.4g} "
+                f'{stated}; write "{worst:.10g} {other}" if {other} is meant, or "{worst:.10g} {unit}"'
             )
     return ""
-
-
-def _is_metal(modulus: float) -> bool:
-    """Whether a Young's modulus [N/m2] is one of a metal, from magnesium to tungsten."""
-    return 40e9 <= modulus <= 450e9
 
 
 def _plain_numbers(value: object) -> Iterator[float]:

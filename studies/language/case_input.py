@@ -13,7 +13,7 @@ from solver import Case, Ends, InputError, Rod, Start
 from solver.problem.case import DIRECT, ELASTIC, TWISTS, fields_to_add
 from solver.problem.declared_fields import PAIRS, PARTS, REPLACED, TILTS, WOUND, CaseField, rivals
 from solver.problem.errors import choices, no_such
-from solver.problem.field_values import doubt_modulus, is_met, is_said
+from solver.problem.field_values import doubt_size, is_met, is_said
 from solver.problem.limits import farthest
 from solver.problem.notices import UnitWarning, warn
 from solver.problem.quantities import unit_of
@@ -156,14 +156,15 @@ def stand_ins_of(values: Mapping[str, Any], units: Mapping[str, str]) -> dict[st
 def in_units(values: Mapping[str, Any], units: Mapping[str, str]) -> dict[str, Any]:
     """The values of fields with each text such as ``2.5in`` as a number in these units.
 
-    A `UnitWarning` says of a plain modulus that it may be meant in another unit. Raises `InputError`.
+    A `UnitWarning` says of a plain number that it may be meant in another unit. Raises `InputError`.
     """
     try:
         numbers = {name: number_with_unit(name, value, units) for name, value in values.items()}
     except ValueError as error:
         raise InputError(str(error)) from None
-    if sentence := doubt_modulus(values.get("E"), units):
-        warn(sentence, UnitWarning)
+    for name, value in values.items():
+        if sentence := doubt_size(name, value, units):
+            warn(sentence, UnitWarning)
     return numbers
 
 

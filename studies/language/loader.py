@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ValidationError
 
 from solver.problem.errors import InputError, choices, near
-from solver.problem.field_values import doubt, doubt_modulus
+from solver.problem.field_values import doubt, doubt_size
 from solver.problem.notices import kind_of, warn
 
 from ..grammar.axes import NUMBERS, Axis, Base, Misplaced, Units, Values, Which, is_angle
@@ -198,7 +198,7 @@ def loads(
 def notices(text: str, label: str = "study") -> list[str]:
     """The notices about the numbers of a study that look as if another unit is meant, with file and line.
 
-    `loads` and `load` issue each as an `AngleWarning` or, of a modulus, as a `UnitWarning`.
+    `loads` and `load` issue each as an `AngleWarning` or, of a size, as a `UnitWarning`.
     """
     try:
         return _notices(tables_of(text), text, label)
@@ -279,7 +279,7 @@ def _field(message: str) -> str:
 
 def _doubt(name: str, value: Any, units: Mapping[str, str]) -> str:
     """The notice about values of a field that may be meant in another unit; empty where none is."""
-    return doubt(name, value) if is_angle(name) else doubt_modulus(value, units) if name == "E" else ""
+    return doubt(name, value) if is_angle(name) else doubt_size(name, value, units)
 
 
 def _plain_values(data: Mapping[str, Any]) -> Iterator[tuple[Where, Any]]:

@@ -2,6 +2,7 @@
 
 import json
 import re
+import warnings
 from dataclasses import fields
 from math import cos, pi
 from pathlib import Path
@@ -14,7 +15,7 @@ from solver import Cylinder, Ends, InputError, Rod, Start, observe, solve
 from solver.problem.case import SIDES, SLIDING, STIFFNESS
 from solver.problem.declared_fields import FIELDS, PAIRS, PARTS
 from studies import loads
-from studies.language.case_input import read_case
+from studies.language.case_input import in_units, read_case
 from tests.workbench import small
 from tests.workbench.command import exit_status, run
 from workbench import cli
@@ -139,6 +140,20 @@ def test_the_units_in_which_every_number_is_typed_are_those_of_the_answer() -> N
     assert case.rod.L == 1000
     assert pytest.approx(12000) == other.rod.L
     assert pytest.approx(case.rod.E) == other.rod.E * 12**2 / 1000
+
+
+@pytest.mark.parametrize(
+    ("typed", "noticed"),
+    [({"weight": 19.5}, "weight"), ({"a": 2.5}, "a"), ({"inner_radius": 2.1}, "inner_radius"), ({"E": 30e6}, "E"),
+     ({"weight": 0.0195, "a": 0.208, "E": 4.32e6}, ""), ({"weight": "19.5 klbf/ft", "a": "2.5 ft"}, "")],
+)  # fmt: skip
+def test_a_plain_number_beside_feet_that_is_usual_in_smaller_units_alone_has_a_notice(
+    typed: dict[str, object], noticed: str
+) -> None:
+    with warnings.catch_warnings(record=True) as found:
+        warnings.simplefilter("always")
+        in_units(typed, {"length": "ft", "force": "klbf"})
+    assert [str(each.message).split(" = ")[0] for each in found] == [noticed] * bool(noticed)
 
 
 STUDY_OF_A_PIPE = """
