@@ -20,7 +20,7 @@ from .varying_shapes import Shape
 LEAST_RUBBED = 1e-2
 # of the rest of the way: where a sinusoid is tried when a branch ends. x10: beyond the loads that are asked for
 SHARES_AHEAD = 1.0, 0.9, 0.7, 0.4
-LOADS, FRICTION = "these loads", "this friction"
+LOADS, FRICTION, ENDS_AT = "these loads", "this friction", "the branch ends at"
 STRAIGHT = "the straight rod"
 
 
@@ -68,7 +68,7 @@ def grow(rod_at: Callable[[float], LoadedRod], shape: Shape, share: float = 0.0,
             break
         below = stable_shape_ahead(rod_at, shape, share)
         if below is None:
-            why = f"the branch ends at {share:.3g} of the way to {target}"
+            why = f"{ENDS_AT} {share:.3g} of the way to {target}"
             known = share if target == FRICTION else None
             return GrowthWay(None, jumped=tuple(jumped), why=why, ended=share, share=known)
         jumped.append(share)

@@ -9,13 +9,19 @@ import numpy as np
 from ..numerics.arrays import ROUGHLY
 from ..numerics.roots import halve
 from ..problem.case import ALONG_ITSELF
-from .buckling import buckle, rod_without_friction, shares_of_buckling, straight_index, straight_shape
-from .growth import FRICTION, GrowthWay, grow
+from .buckling import (
+    buckle,
+    index_of_straight,
+    rod_without_friction,
+    shares_of_buckling,
+    straight_index,
+    straight_shape,
+)
+from .growth import ENDS_AT, FRICTION, LOADS, GrowthWay, grow
 from .loaded_rod import ALPHA, SHORT, LoadedRod
 from .local_waves import QUIET, leans_and_buckles, sinusoid, wants_helix, wound_shape
 from .lock_up import PASSED, lock_up_share, lock_up_tension
 from .newton import correct, is_same
-from .shape_index import index_at
 from .taut import taut_shape
 from .varying_shapes import Shape
 
@@ -152,7 +158,7 @@ def branch_from_straight(rod: LoadedRod) -> GrowthWay:
     if not rod.straight:
         return grow(rod.share, straight_shape(rod.share(0.0), t))
     shape = straight_shape(rod, t)
-    if index_at(shape) == 0:
+    if index_of_straight(rod, t) == 0:
         return GrowthWay(shape)
     critical = next(shares_of_buckling(rod, t))[0]
     buckled = buckle(rod, t, critical)
@@ -166,7 +172,9 @@ def branch_from_straight(rod: LoadedRod) -> GrowthWay:
 
     begin = np.sqrt((share - critical) / (1 - critical)) if share < 1 else 1.0
     way = grow(lambda x: rod.share(share_at(x)), first, begin)
-    return replace(way, buckled=critical, jumped=tuple(map(share_at, way.jumped)))
+    ends = way.why.startswith(ENDS_AT)
+    why = f"{ENDS_AT} {share_at(way.ended):.3g} of the way to {LOADS}" if ends else way.why
+    return replace(way, buckled=critical, jumped=tuple(map(share_at, way.jumped)), why=why)
 
 
 def branch_with_friction(rod: LoadedRod) -> GrowthWay:

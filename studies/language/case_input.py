@@ -10,6 +10,7 @@ from typing import Any
 from numpy.typing import NDArray
 
 from solver import Case, Ends, InputError, Rod, Start
+from solver.nodes.growth import ENDS_AT, LOADS
 from solver.problem.case import DIRECT, ELASTIC, TWISTS, fields_to_add
 from solver.problem.declared_fields import PAIRS, PARTS, REPLACED, TILTS, WOUND, CaseField, rivals
 from solver.problem.errors import choices, no_such
@@ -143,8 +144,9 @@ def _in_words(case: Case, units: Mapping[str, str]) -> str:
     """``A rod 1500 mm long, of diameter 2 mm, on a cylinder of diameter 120 mm``."""
     rod, wall, unit = case.rod, case.cylinder, units["length"]
     where = "inside" if wall.side == "inside" else "on"
-    sizes = map(float, (rod.L, 2 * rod.a, 2 * wall.R))
-    long, across, wide = (f"{f'{size:.0f}' if 1e4 <= size < 1e10 else f'{size:.4g}'} {unit}" for size in sizes)
+    thin, inches = ("in", LENGTHS["ft"] / LENGTHS["in"]) if unit == "ft" else (unit, 1.0)  # of radii, as tables
+    sizes = (rod.L, unit), (2 * rod.a * inches, thin), (2 * wall.R * inches, thin)
+    long, across, wide = (f"{f'{size:.0f}' if 1e4 <= size < 1e10 else f'{size:.4g}'} {each}" for size, each in sizes)
     return f"A rod {long} long, of diameter {across}, {where} a cylinder of diameter {wide}"
 
 
@@ -318,6 +320,10 @@ def with_unit(sentence: str, case: Case, units: Mapping[str, str]) -> str:
     force = units["force"]
     bound = r"((?:above|up to|less than|more than) [-+.\de]+)"
     sentence = re.sub(rf"{bound}( at s = L \(FZ = [-+.\de]+)", rf"\1 {force}\2 {force}", sentence)
+    FZ = getattr(case.given, "FZ", None)
+    if FZ and (ended := re.search(rf"{ENDS_AT} ([-+.\de]+) of the way to {LOADS}", sentence)):
+        reached = f" (FZ = {float(ended[1]) * FZ:.4g} {force}; give a smaller load)"
+        sentence = f"{sentence[: ended.end()]}{reached}{sentence[ended.end() :]}"
     name, value = (part[0] for part in farthest(case))
     unit, said = unit_of(quantity_of(name).name, units), f"{name} = {value:g}"
     return sentence if unit == "1" else sentence.replace(said, f"{said} {unit}")

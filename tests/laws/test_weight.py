@@ -921,6 +921,13 @@ def test_the_buckling_load_of_an_inclined_pipe_counts_its_whole_weight() -> None
     assert lying == pytest.approx(-(modes + 0.01 / modes).min(), rel=1e-5)
 
 
+def test_no_pipe_however_long_buckles_below_the_load_of_dawson_and_paslay() -> None:
+    across = 2e-8
+    for held in ("azimuth", "beta0 betaL"):
+        found = tension_of_buckling(straight(across, 7e5, 0.0, 0.0, held=held))
+        assert found == pytest.approx(-2 * np.sqrt(across), rel=1e-6)
+
+
 def test_derivatives_of_a_march_agree_with_differences() -> None:
     rng = np.random.default_rng(1)
     for turning in (0.0, 1.0):

@@ -15,7 +15,7 @@ from solver import Cylinder, Ends, InputError, Rod, Start, observe, solve
 from solver.problem.case import SIDES, SLIDING, STIFFNESS
 from solver.problem.declared_fields import FIELDS, PAIRS, PARTS
 from studies import loads
-from studies.language.case_input import in_units, read_case
+from studies.language.case_input import in_units, read_case, with_unit
 from tests.workbench import small
 from tests.workbench.command import exit_status, run
 from workbench import cli
@@ -154,6 +154,19 @@ def test_a_plain_number_beside_feet_that_is_usual_in_smaller_units_alone_has_a_n
         warnings.simplefilter("always")
         in_units(typed, {"length": "ft", "force": "klbf"})
     assert [str(each.message).split(" = ")[0] for each in found] == [noticed] * bool(noticed)
+
+
+def test_a_branch_that_ends_before_the_loads_says_at_which_load_in_units() -> None:
+    case = read_case(None, {**PIPE, "hole": pi / 2, "wob": 2e5}, UNITS).case
+    said = with_unit(str(solve(case, stations=2).outcome), case, UNITS)
+    share, FZ = re.findall(r"ends at ([\d.]+) of the way to these loads \(FZ = -(\d+\.?\d*) kN", said)[0]
+    assert float(FZ) == pytest.approx(2e5 * float(share), rel=1e-3)
+    assert float(FZ) < 5e3  # of a pipe that is a helix from 300 kN on
+
+
+def test_the_title_of_a_rod_in_feet_has_its_radii_in_inches() -> None:
+    title = read_case(None, {**PIPE, "hole": pi / 2, "L": "1000 ft"}, {"length": "ft", "force": "klbf"}).title
+    assert title == "A rod 1000 ft long, of diameter 5 in, inside a cylinder of diameter 8.5 in"
 
 
 STUDY_OF_A_PIPE = """
