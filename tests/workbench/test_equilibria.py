@@ -155,6 +155,15 @@ def test_branches_that_stop_for_one_reason_are_counted_in_one_line(call, monkeyp
     assert re.match(r"branches stop \d\d times, at betaL = 5.72958 to 17.1887 deg: no step from L = 20$", said[0])
 
 
+def test_a_branch_that_has_no_more_points_says_where_and_what_goes_on(call) -> None:
+    asked = ["equilibria", "--axis", "height=10:19:3"]
+    status, text, said = call(*asked, "--points", "9")
+    assert status == 0
+    assert re.search(r"at height = -?[\d.]+ .*: the limit of 9 points\n--points COUNT follows branches over more", text)
+    assert re.match(r"0 of (\d+): at most \1 branches, of the equilibria under dead loads\n", said)
+    assert call("equilibria", "--points", "9")[0] == call(*asked, "--points", "0")[0] == 2
+
+
 def test_the_papers_claim_is_not_contradicted_on_its_own_branch_and_fails_on_others(swept) -> None:
     """Panel (4): turns do not fall (nor rise, as the sentence says) and kappa_mean rises with beta(L)."""
     rows = [row for row in StoredStudy(swept).data("branches") if row["values"] > 2]

@@ -40,7 +40,15 @@ INDICES = {
 }
 
 
-def sweep(study: Study, case: Case, name: str, values: Any, step: Step, show: str | None = None) -> xr.Dataset:
+def sweep(
+    study: Study,
+    case: Case,
+    name: str,
+    values: Any,
+    step: Step,
+    show: str | None = None,
+    points: int | None = None,
+) -> xr.Dataset:
     """All equilibria of an ends problem at each value of one field, joined into branches.
 
     Parameters
@@ -55,6 +63,8 @@ def sweep(study: Study, case: Case, name: str, values: Any, step: Step, show: st
         Called with words, how much is done, and of how much.
     show
         The observable, or dbeta0, that a diagram shows over the axis; default: `default_observable`.
+    points
+        As of `tracing.trace_branches`.
 
     Returns
     -------
@@ -68,7 +78,7 @@ def sweep(study: Study, case: Case, name: str, values: Any, step: Step, show: st
     units = study.unit_system
     held = name in PARTNER
     trace = trace_held if held else trace_branches
-    seen = trace(case, name, [float(x) for x in values], STATIONS, step)
+    seen = trace(case, name, [float(x) for x in values], STATIONS, step, points)
     judged = [*dict.fromkeys(key for law in laws for key in law.observables if key not in EACH), *PUSH]
     rows = [
         [_numbers(member, judged) | {"branch": number} for member, number in zip(members, numbers, strict=True)]

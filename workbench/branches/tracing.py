@@ -66,12 +66,19 @@ Step = Callable[[str, int, int], None]  # words, how much is done, of how much: 
 
 
 def trace_branches(
-    case: Case, name: str, values: list[float], stations: int, step: Step, until: float = np.inf
+    case: Case,
+    name: str,
+    values: list[float],
+    stations: int,
+    step: Step,
+    points: int | None = None,
+    until: float = np.inf,
 ) -> Traced:
     """The equilibria at each value of one field, and the branches on which they lie.
 
-    step: called as the work goes on, first with how many equilibria both ends have. until: by `time.monotonic`; no
-    further branch is followed then.
+    step: called as the work goes on, first with how many equilibria both ends have. points: of each branch in either
+    direction, at most; default: `POINTS`, and `PASSES` of each value. until: by `time.monotonic`; no further branch is
+    followed then.
     """
 
     def list_at(value: float) -> list[Equilibrium]:
@@ -90,20 +97,23 @@ def trace_branches(
     # backwards at each value: those of few bends take longest
     starts = [(value, member) for value, members in zip(values, listed, strict=True) for member in reversed(members)]
     passed = _values_passed(values, min(values), max(values))
-    places, curves, remarks = _follow_each(name, starts, passed, lambda _, start: start.solution, step, until)
+    places, curves, remarks = _follow_each(name, starts, passed, lambda _, start: start.solution, step, points, until)
     _share_solves(curves, zip(places, starts, strict=True))
     flat = iter(places)
     owner = [[next(flat) for _ in members][::-1] for members in listed]
     return number_pieces(listed, owner, curves, remarks)
 
 
-def trace_held(case: Case, name: str, values: list[float], stations: int, step: Step) -> Traced:
+def trace_held(
+    case: Case, name: str, values: list[float], stations: int, step: Step, points: int | None = None
+) -> Traced:
     """The branches over a held field on which the equilibria of a case under dead loads lie.
 
     Each of these is also one with its own height held, so it is a start. Other branches, which no start lies on, are
     not found.
 
-    step: called before each branch is followed. Raises `InputError` for a value that no rod of that length reaches.
+    step: called before each branch is followed, first with how many there may be. points: as of `trace_branches`.
+    Raises `InputError` for a value that no rod of that length reaches.
     """
     for value in (values[0], values[-1]):
         with_fields(case, {name: value})
@@ -114,7 +124,8 @@ def trace_held(case: Case, name: str, values: list[float], stations: int, step: 
     starts = [(own_value(start.solution, name), start) for start in equilibria(case, stations=stations)]
     begins = [value for value, _ in starts]
     passed = _values_passed([*values, *begins], values[0], values[-1])
-    _, curves, remarks = _follow_each(name, starts, passed, begin, step)
+    step(f"at most {len(starts)} branches, of the equilibria under dead loads", 0, len(starts))
+    _, curves, remarks = _follow_each(name, starts, passed, begin, step, points)
     return number_pieces([[] for _ in values], [[] for _ in values], curves, remarks)
 
 
@@ -132,20 +143,22 @@ def _follow_each(
     passed: NDArray[np.float64],
     begin: Callable[[float, Equilibrium], Solution],
     step: Step,
+    points: int | None = None,
     until: float = np.inf,
 ) -> tuple[list[Place | None], list[Branch], list[str]]:
     """Follow each start that lies on no branch yet: where each lies, the branches, the remarks.
 
     starts: the value of the field and the equilibrium. passed: the values over which branches are followed, rising.
-    begin: what is followed from a start. step: called before each branch.
+    begin: what is followed from a start. step: called before each branch. points: as of `trace_branches`.
     """
+    most = points or POINTS + PASSES * passed.size
     places, curves, remarks = list[Place | None]([None] * len(starts)), list[Branch](), list[str]()
     for k, (value, start) in enumerate(starts):
         if places[k] is not None or time.monotonic() >= until:
             continue
         step(f"{in_words(name, value, 4)}: branch {len(curves) + 1}", sum(at is not None for at in places), len(starts))
         try:
-            branch = follow(begin(value, start), points=POINTS + PASSES * passed.size, **{name: passed})
+            branch = follow(begin(value, start), points=most, **{name: passed})
         except InputError as error:
             remarks.append(f"{in_words(name, value)}: {error}")
             continue

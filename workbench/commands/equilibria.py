@@ -67,6 +67,13 @@ def equilibria(
         int | None,
         option("COUNT", "Deflations without a new equilibrium after which a search of held ends stops; default: 10."),
     ] = None,
+    points: Annotated[
+        int | None,
+        option(
+            "COUNT",
+            "Points of each branch of --axis in either direction, at most; default: 1000, and ten for each value.",
+        ),
+    ] = None,
     export: Annotated[
         Path | None, option("FOLDER", "Folder for one TOML file per equilibrium, which the command solve reads.")
     ] = None,
@@ -109,6 +116,8 @@ def equilibria(
         from ..branches.branch_dataset import check_shown
 
         show = check_shown(show)
+    if points is not None and (axis is None or points < 1):
+        raise InputError(f"--points {points}: the branches of --axis have at least one point; give --axis too")
     if axis is not None and export is not None:
         raise InputError("--export writes the equilibria of one case, so it excludes --axis")
     if export is not None and held:
@@ -116,7 +125,7 @@ def equilibria(
     if export is not None:
         writing.check_folder(export)
     if axis is not None:
-        return _over_axis(study, case, *parse_axis(axis, study.unit_system), show)
+        return _over_axis(study, case, *parse_axis(axis, study.unit_system), show, points)
     listed = all_equilibria(case, **search)
     if export is not None:
         write_cases(study, case, listed, export)
@@ -234,7 +243,9 @@ def _say_unsolved(texts: Sequence[str]) -> None:
         console.say(f"{count} equilibri{'um is' if count == 1 else 'a are'} listed, but {text}")
 
 
-def _over_axis(study: "Study", case: "Case", name: str, values: "np.ndarray", show: str | None) -> Result:
+def _over_axis(
+    study: "Study", case: "Case", name: str, values: "np.ndarray", show: str | None, points: int | None
+) -> Result:
     """The branches of equilibria over an axis; status 1 if there is none."""
 
     from ..branches import branch_dataset
@@ -242,7 +253,7 @@ def _over_axis(study: "Study", case: "Case", name: str, values: "np.ndarray", sh
     from ..words import outcome_counts
 
     with console.progress(values.size, lines=True) as step:
-        stored = StoredStudy(branch_dataset.sweep(study, case, name, values, step, show))
+        stored = StoredStudy(branch_dataset.sweep(study, case, name, values, step, show, points))
     rows, folds, remarks = stored.data("branches"), branch_dataset.folds(stored), stored.data("remarks")
 
     def data() -> dict[str, Any]:
@@ -260,6 +271,8 @@ def _over_axis(study: "Study", case: "Case", name: str, values: "np.ndarray", sh
         console.say_units(study.unit_system)
         for remark, count in outcome_counts.group(Counter(remarks)).items():
             console.say(f"{'a branch stops' if count == 1 else f'branches stop {count} times,'} at {remark}")
+        if any("the limit of" in remark for remark in remarks):
+            console.say("--points COUNT follows branches over more points")
         _say_unsolved(stored["outcome"].values.ravel().tolist() if "outcome" in stored else [])
 
     return Result(data, tell, 0 if rows else 1, lambda: stored.ds)

@@ -411,7 +411,7 @@ def follow_branches(study: Study, field: str, low: float, high: float) -> dict[s
     for value in values:
         refuse_many(with_field(case, field, value))
     begun = time.monotonic()
-    seen = trace_branches(case, field, values, FEW, lambda *_: None, begun + PATIENCE)
+    seen = trace_branches(case, field, values, FEW, lambda *_: None, until=begun + PATIENCE)
     rows = [_row(seen, piece) for piece in seen.pieces]
     missing = sum(branch < 0 for row in seen.branch for branch in row)
     return {"field": field, "low": min(values), "high": max(values), "pieces": rows, "missing": missing}
