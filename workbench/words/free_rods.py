@@ -25,7 +25,7 @@ def sentences(sol: "Solution", units: dict[str, str]) -> list[str]:
     if not sol.contacts:
         return [f"the rod touches the cylinder nowhere between its ends: {gap}"]
     share, where = numbers["contact_share"], places_of_contact(sol, length)
-    percent = _told(100 * share, 100 * numbers["contact_share_error"], 100 * share)
+    percent = _with_error(100 * share, 100 * numbers["contact_share_error"], 100 * share)
     touches = f"lies on {percent} % of its length on the wall," if share else "touches the wall"
     said = [f"the rod {touches} {where}; it is {gap}"]
     if sol.point_forces and len(sol.contacts) <= MOST:
@@ -45,16 +45,16 @@ def places_of_contact(sol: "Solution", length: str) -> str:
 def point_forces(sol: "Solution") -> list[tuple[str, str]]:
     """Where each point force of the wall acts, and its size, in the digits that their errors allow."""
     error = float(observe(sol, ["point_force_max"], errors=True)["point_force_max_error"])
-    return [(_place(sol, s), _told(force, error, force)) for s, force in sol.point_forces]
+    return [(_place(sol, s), _with_error(force, error, force)) for s, force in sol.point_forces]
 
 
 def _place(sol: "Solution", s: float) -> str:
     """Where a contact begins or ends: an end of the rod, or in the digits that the error allows."""
     lengths = [high - low for low, high in sol.contacts if high > low]
-    return _told(s, place_error(sol) * (0 < s < float(sol.case.rod.L)), min(lengths, default=math.inf))
+    return _with_error(s, place_error(sol) * (0 < s < float(sol.case.rod.L)), min(lengths, default=math.inf))
 
 
-def _told(value: float, error: float, size: float) -> str:
+def _with_error(value: float, error: float, size: float) -> str:
     """A number as `within`; with its error, ``60 ± 97``, where that rounding might change a size by its own amount.
 
     size: of the number itself, or of a stretch that begins or ends there.
