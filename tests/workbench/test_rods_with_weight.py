@@ -192,6 +192,11 @@ def test_a_pipe_that_turns_in_place_without_an_answer_says_what_torque_a_straigh
     assert torque == pytest.approx(float(observe(light, ["surface_torque"])["surface_torque"]), rel=5e-3)
 
 
+def test_a_pipe_that_stands_on_its_foot_is_not_drawn_with_its_hook_there() -> None:
+    with pytest.raises(InputError, match="climbs from its foot: give hole"):
+        well.figure(StoredStudy(study_kinds.well(0.0, None)))
+
+
 def test_a_well_of_a_pipe_that_turns_in_place_is_drawn_without_a_lock_up() -> None:
     fig = well.figure(StoredStudy(study_kinds.well(sliding="rotating")))
     assert fig.axes[0].get_title(loc="left") == "axial force"

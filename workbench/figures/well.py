@@ -41,6 +41,7 @@ NARROW = 3.2  # of all rows on a narrow sheet
 NEXT = 1.3  # of the largest compression: up to there a limit that is not reached is shown
 MARGIN = 0.06  # of the range of a track
 CLOSE = 0.7  # points of a curve beside a band
+STEEP = 0.5**0.5  # of s, 45 degrees up: holes that are drilled climb less
 STRIP = 0.07  # of the width of a track, for the states
 BANDS = (
     ("sinusoid", colours.STATES["sinusoidal"], 0.22),
@@ -76,8 +77,8 @@ def figure(
     Raises
     ------
     InputError
-        For a pipe without weight and friction or outside a cylinder, an axis that is no load, and as of
-        `drawn_rods.choose`.
+        For a pipe without weight and friction or outside a cylinder, one that climbs more steeply
+        than a hole, an axis that is no load, and as of `drawn_rods.choose`.
     """
     stored = stored.coarse()
     if not stored.loads_vary or stored.attrs.get("side") != "inside":
@@ -90,6 +91,11 @@ def figure(
     rods = drawn_rods.choose(stored.select(place), (*ARRAYS, *[GAP] * stored.leaves))
     rod = rods.solved[0]
     case, units = rod.case.case, stored.units
+    if pipe_state.rise(case) > STEEP:
+        raise InputError(
+            "--kind well draws a pipe from its hook, s = 0, down to its bit, and s of this one climbs from its foot: "
+            "give hole = 180deg - inclination, and the loads from the other end"
+        )
     rows = pipe_profile.quantities(case, SimpleNamespace(**{name: rod[name] for name in ARRAYS}), units)
     tracks = {ROWS[name]: (unit, values) for name, unit, values in rows if name in ROWS}
     tracks |= {GAP: (units["length"], rod[GAP])} if stored.leaves else {}
