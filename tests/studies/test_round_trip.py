@@ -19,6 +19,8 @@ from tests.studies import strategies
 HEAD = "title = 't'\nreading = 'force-first/tension/paper'\nunits = { length = 'cm', force = 'N' }\n"
 FEW = 60
 COUNTS = slow_but((FEW, 5000), FEW)
+# made-up numbers may look as if they are meant in other units
+pytestmark = pytest.mark.filterwarnings("ignore::solver.problem.notices.UnitWarning")
 ALWAYS = settings().suppress_health_check  # the profile's, which a test's own would replace
 
 
