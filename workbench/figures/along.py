@@ -1,8 +1,8 @@
 """Quantities along the rods of an axis: a panel a quantity, in it a curve a rod, one above the other over s.
 
 One rod alone has an axis of numbers in each panel. The states of a rod with weight (straight, sinusoidal, helical) are
-colours of its angle beta; in the picture of a pipe they are those of the line at its azimuth 0, and the azimuth has the
-colours of the push.
+colours of its angle beta; in the picture of a pipe they are shades behind its azimuth, which is drawn within one turn
+and has the colours of the push.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -44,9 +44,9 @@ PULLS: dict[str, Any] = {
 }
 MOST, MOST_PANELS = 60, 6
 CLEAR = 1.25  # the step from one curve to the next over the least at which no curve reaches the next
-# inches: of one curve; of a panel, least and most; of all panels on a narrow sheet
-EACH, TALL, NARROW = 0.55, (1.9, 7.2), (1.0, 3.4)
-BAND = 3.0  # widths of the azimuth, that of the states of a pipe: of a straight one both lie at 0
+# inches: of one curve, alone or beside other panels; of a panel, least and most; of all panels on a narrow sheet
+EACH, TALL, NARROW = (0.55, 0.45), (1.9, 7.2), (1.0, 6.0)
+SHADE, PIPE_STEP = 0.25, 1.15  # opacity of the states of a pipe; from one pipe to the next over the height of each
 TEXT = 1.45  # heights of a letter from one line of text to the next
 
 
@@ -101,7 +101,7 @@ def figure(
     inches = max(sheet.width / (1 if sheet.narrow else len(names)) - fonts.BESIDE, 0.5) / longest
     curves = [_curves(rods, name, inches) for name in names]
     ends = min(curve.ends[0] for curve in curves), max(curve.ends[1] for curve in curves)
-    tall = float(np.clip(EACH * (ends[1] - ends[0]), *TALL))
+    tall = float(np.clip(EACH[len(names) > 1] * (ends[1] - ends[0]), *TALL))
     if sheet.narrow:
         tall = float(np.clip(tall, NARROW[0], NARROW[1] / len(names)))
 
@@ -148,15 +148,21 @@ def _curves(rods: DrawnRods, name: str, inches: float) -> Curves:
     _, unit, change = _words(rods.source, shown)
     title = TITLES.get(shown, labels.symbol_of(shown))
     if name == PIPE:
-        title = "azimuth α" + "; the line at 0: the state" * rods.source.loads_vary
+        title = "azimuth α" + "; shade: the state" * rods.source.loads_vary
     values = [change(rod[shown]) if rod.arrays is not None else None for rod in rods.rods]
+    if name == PIPE:
+        values = [value if value is None else (value + 180) % 360 - 180 for value in values]
     drawn = [(k, float(value.min()), float(value.max())) for k, value in enumerate(values) if value is not None]
     low, high = min(least for _, least, _ in drawn), max(most for _, _, most in drawn)
     far = low > 2 * (high - low) or high < -2 * (high - low)  # 0 lies far from all curves
     foot = low if far and name != "push" and high - low > NOISE * max(abs(low), abs(high)) else 0.0
     size = max(max(most, foot) - min(least, foot) for _, least, most in drawn) or 1.0
-    apart = name in ("push", PIPE) or (not foot and low >= 0)  # no curve crosses the line of another
-    step = max(_clear_step(rods, values, foot, apart, inches), 0.25 * size)
+    if name == PIPE:
+        size = max(2 * max(high, -low), 1.0)  # less than a degree is that of a straight pipe
+        step, drawn = PIPE_STEP * size, [(k, -size / 2, size / 2) for k in range(len(values))]
+    else:
+        apart = name == "push" or (not foot and low >= 0)  # no curve crosses the line of another
+        step = max(_clear_step(rods, values, foot, apart, inches), 0.25 * size)
     ends = (
         min(0.0, *(k + (least - foot) / step for k, least, _ in drawn)),
         max(len(values) - 1.0, *(k + (most - foot) / step for k, _, most in drawn)),
@@ -290,24 +296,27 @@ def _draw_curves(ax: Axes, rods: DrawnRods, curves: Curves) -> list[str]:
                     s, 0, side, color=colour, alpha=0.25, linewidth=0, transform=where, zorder=order, label=words
                 )
         if curves.name in ("push", PIPE):
-            said += push_scale.line(ax, s, values, push, norm, width, rod.name, where, order, inches)
+            for of in _unbroken(s, values, inches) if curves.name == PIPE else [slice(0, s.size)]:
+                said += push_scale.line(ax, s[of], values[of], push[of], norm, width, rod.name, where, order, inches)
         elif curves.name != STATES:
             look = {"color": shades[k], "linewidth": 1.1, "gid": rod.name}
             said += _draw_line(ax, s, values, inches, look, where, order)
         if curves.name not in ARRAYS:
             continue
-        heights, wide, below = (
-            (values, 1.0, 0.0) if curves.name == STATES else (np.full(s.shape, foot), BAND * width, 0.01)
-        )
         for state in pipe_map.states_of(rods, rod):
-            part = (s >= state.begin) & (s <= state.end)
             look = {
                 "color": colours.STATES[state.word],
-                "linewidth": wide,
                 "label": pipe_map.WORDS.get(state.word, state.word),
                 "gid": f"{rod.name}, {state.word}",
             }
-            said += _draw_line(ax, s[part], heights[part], inches, look, where, order - below)
+            if curves.name == STATES:
+                part = (s >= state.begin) & (s <= state.end)
+                said += _draw_line(ax, s[part], values[part], inches, look, where, order)
+                continue
+            ends, half = [state.begin, state.end], curves.size / 2
+            ax.fill_between(ends, -half, half, alpha=SHADE, linewidth=0, transform=where, zorder=0.5, **look)
+        if curves.name == PIPE:
+            continue
         _, first, after = regions.runs((push < -SLIGHT * np.abs(push).max())[None])
         middle = (s[first] + s[after - 1]) / 2  # of each stretch where the cylinder would have to pull
         ax.plot(
@@ -320,6 +329,14 @@ def _draw_curves(ax: Axes, rods: DrawnRods, curves: Curves) -> list[str]:
             gid=f"{rod.name}, would lift off",
         )
     return said
+
+
+def _unbroken(s: Any, values: Any, inches: float) -> list[slice]:
+    """The parts of an azimuth within one turn between which it goes on at the other edge, but in bands of waves."""
+    breaks = np.flatnonzero(np.abs(np.diff(values)) > 180) + 1
+    bands = [stretch.of for stretch in waves.stretches(s, values, inches) if stretch.band]
+    cuts = [k for k in breaks.tolist() if not any(of.start < k < of.stop for of in bands)]
+    return [slice(*ends) for ends in pairwise([0, *cuts, s.size])]
 
 
 def _draw_line(
