@@ -155,9 +155,9 @@ def powers_of_ten(text: str) -> str:
 def formula(expressions: Mapping[str, str], text: str | float, array: xr.DataArray) -> str:
     """A formula in symbols, or a number with the unit of a variable; an expression by its own formula, or by its name.
 
-    ``FZ**2*rho/(4*bending_stiffness)`` is ``FZ²·ρ/(4·EI)``. A formula of more than `LONGEST` letters leaves no room for
-    the curves: then an expression is named, and any other formula is cut off with "…". expressions: name -> formula, as
-    stored.
+    ``2*pi*sqrt(2*bending_stiffness/abs(FZ))`` is ``2·π·√(2·EI/|FZ|)``. A formula of more than `LONGEST` letters leaves
+    no room for the curves: then an expression is named, and any other formula is cut off with "…". expressions: name ->
+    formula, as stored.
     """
     if not isinstance(text, str):
         return one_word(text, array)
@@ -169,6 +169,7 @@ def formula(expressions: Mapping[str, str], text: str | float, array: xr.DataArr
 
 def _in_symbols(expressions: Mapping[str, str], formula: str) -> str:
     text = re.sub(r"[A-Za-z_]\w*", lambda found: _symbol(expressions, found[0]), formula)
+    text = re.sub(r"\babs\(((?:[^()]|\([^()]*\))*)\)", r"|\1|", text).replace("sqrt(", "√(")
     text = re.sub(r"\*\*\s*(?:\((-?[\d.]+)\)|(-?[\d.]+))", lambda found: _exponent(found[1] or found[2]), text)
     return re.sub(r"\s*\*\s*", "·", text.replace("**", "^").replace(" - ", " − "))
 
