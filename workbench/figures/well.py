@@ -49,6 +49,7 @@ BANDS = (
     ("only helix", colours.STATES["helical"], 0.28),
 )
 JUMP = "jumps to another shape"
+AXIAL = "axial, tension positive"
 YIELDS, ABOVE = "the drawn pipe yields", "above yield"
 FAILING = colours.VERDICTS[FAILS]
 
@@ -280,7 +281,7 @@ def _draw_stress(rod: DrawnRod, unit: str, stresses: Any, most: float | None, ax
     if most is not None:
         share = 100 * float(whole.max()) / most
         words = f"{plain(share, 2 if share < 100 else 3)} % of yield"
-        title = fonts.fit_label(lambda full: f"stress: {words}" if full else words, fonts.inches(ax)[0])
+        title = fonts.fit_label(lambda full: f"stress: {words}" if full else words, fonts.inches(ax)[0], 1)
         shown = [whole, np.array([most])]
         ax.axvline(
             most,
@@ -289,12 +290,11 @@ def _draw_stress(rod: DrawnRod, unit: str, stresses: Any, most: float | None, ax
             linestyle=(0, (4, 3)),
             label=f"yields at {plain(most)} {labels.unit(unit)}",
         )
-    said = _curve(
-        ax, rod, np.abs(axial), color=colours.SOFT, linewidth=0.9, gid="axial stress, size", label="axial stress"
-    )
+    said = _curve(ax, rod, axial, color=colours.DATA, linewidth=1.3, linestyle=(0, (1, 1)), gid=AXIAL, label=AXIAL)
     said += _curve(ax, rod, whole, most or np.inf, color=colours.DATA, linewidth=1.3, gid=WORDS[STRESS],
-                   label="axial and bending")  # fmt: skip
-    _down(ax, rod, unit, title, shown)
+                   label="axial and bending, its size")  # fmt: skip
+    ax.axvline(0, color=colours.SOFT, linewidth=0.8, zorder=1)
+    _down(ax, rod, unit, title, [axial, *shown])
     return said
 
 
@@ -369,7 +369,8 @@ def _draw_slack_off(
     if bending:
         stresses = _largest_stresses(case, np.stack([FZ0, FZ]), bending[0])
         shown = habits.value_with_unit(names[-1], float(stresses[known][bit[known].argmax()]), stored.units)
-        with_stress = f"; with {plain(float(bit[known].max()))} {force} the stress is at most {shown}"
+        if bit[k] < bit[known].max():  # of the drawn pipe the stress itself is said
+            with_stress = f"; with {plain(float(bit[known].max()))} {force} the stress is at most {shown}"
         if yield_stress is not None and (above := known & (stresses > yield_stress)).any():
             ax.scatter(slack[above], bit[above], color=FAILING, s=15, zorder=5, label=ABOVE)
             said.append(f"The pipe yields {_yield_words(bit[order], stresses[order] - yield_stress, broken, force)}.")
