@@ -35,25 +35,30 @@ DPI = 300  # its letters are small
 
 
 def figure(stored: StoredStudy, sheet: Sheet = SCREEN) -> Figure:
-    """Draw the map of a dataset of `compare.extremes`, as wide as its table is; sheet: whether it has a title."""
+    """Draw the map of a dataset of `compare.extremes`, as wide as its table is; on a narrow sheet without numbers.
+
+    sheet: whether it has a title, and its width where that is narrow.
+    """
     rows, columns = stored.sizes["extreme"], stored.sizes["method"]
 
     def draw(ax: Axes) -> None:
         scale = ScalarMappable(Normalize(LEAST, MOST), SOLVED)
-        said = "solved: log₁₀ of the error over tol max(1, condition); the number in a cell is the error in radians"
+        said = "solved: log₁₀ of the error over tol max(1, condition)"
+        said += "" if sheet.narrow else "; the number in a cell is the error in radians"
         canvas.colour_bar(
-            [panel(stored, ax)],
+            [panel(stored, ax, not sheet.narrow)],
             scale,
-            said,
+            fonts.break_lines(said, page.width * (0.5 if sheet.narrow else 1.0), fonts.small()),
             orientation="horizontal",
-            shrink=0.5,
+            shrink=1.0 if sheet.narrow else 0.5,
             aspect=40,
             pad=0.035,
-            ticks=range(-8, 2),
+            ticks=range(-8, 2, 3 if sheet.narrow else 1),
         )
 
     titled = stored.with_title(labels.powers_of_ten(str(stored.attrs["title"])))
-    page = Sheet(max(_NAMES + _COLUMN * (columns + 2), LEAST_WIDTH), "paper", sheet.titled)
+    width = sheet.width if sheet.narrow else max(_NAMES + _COLUMN * (columns + 2), LEAST_WIDTH)
+    page = Sheet(width, "paper", sheet.titled)
     return canvas.page(titled, page, [(_ROW * rows, [draw])], more=1.9, high=False, dpi=DPI)
 
 
@@ -72,8 +77,8 @@ def _promise(stored: StoredStudy) -> Any:
     return float(stored.attrs["tolerance"]) * np.fmax(1.0, stored["condition"].values)
 
 
-def panel(stored: StoredStudy, ax: Axes) -> Axes:
-    """The map on given axes."""
+def panel(stored: StoredStudy, ax: Axes, numbers: bool = True) -> Axes:
+    """The map on given axes; numbers: whether they stand in the cells, and beside them condition and length."""
     names, methods = [str(v) for v in stored["extreme"].values], [str(v) for v in stored["method"].values]
     verdict, error, kept = stored["verdict"].values, stored["error"].values, promise_kept(stored)
     kind = np.where(vague(stored), "vague", verdict.astype("<U10"))
@@ -82,24 +87,24 @@ def panel(stored: StoredStudy, ax: Axes) -> Axes:
             share = (kept[i, j] - LEAST) / (MOST - LEAST)
             colour = SOLVED(share) if kind[i, j] == "solved" else colours.EXTREMES[str(kind[i, j])]
             ax.add_patch(Rectangle((j, i), 1, 1, facecolor=colour, edgecolor="white", linewidth=1))
-            _write(ax, j + 0.5, i + 0.5, _number(error[i, j]) if verdict[i, j] in ("solved", "inaccurate") else "")
-        _write(ax, len(methods) + 0.5, i + 0.5, _number(_condition(stored, i)))
-        _write(ax, len(methods) + 1.5, i + 0.5, _number(float(stored["span"].values[i])))
-    _groups(ax, [str(v) for v in stored["group"].values], len(methods) + 2)
-    ax.set(xlim=(0, len(methods) + 2), ylim=(len(names), 0))
+            _write(
+                ax,
+                j + 0.5,
+                i + 0.5,
+                _number(error[i, j]) if numbers and verdict[i, j] in ("solved", "inaccurate") else "",
+            )
+        for k, beside in enumerate((_condition(stored, i), float(stored["span"].values[i])) if numbers else ()):
+            _write(ax, len(methods) + k + 0.5, i + 0.5, _number(beside))
+    heads = [*methods, *["condition", "L/ρ"] * numbers]
+    _groups(ax, [str(v) for v in stored["group"].values], len(heads))
+    ax.set(xlim=(0, len(heads)), ylim=(len(names), 0))
     ax.set_yticks(np.arange(len(names)) + 0.5, [labels.minus_signs(labels.powers_of_ten(name)) for name in names])
-    ax.set_xticks(
-        np.arange(len(methods) + 2) + 0.5,
-        [*methods, "condition", "L/ρ"],
-        rotation=35,
-        ha="left",
-        rotation_mode="anchor",
-    )
+    ax.set_xticks(np.arange(len(heads)) + 0.5, heads, rotation=35 if numbers else 60, ha="left", rotation_mode="anchor")
     ax.tick_params(length=0, pad=2, labelsize=fonts.small() - 0.5, colors=colours.INK)
     ax.tick_params(top=True, labeltop=True, bottom=False, labelbottom=False)
     ax.spines[:].set_visible(False)
     handles = [Patch(facecolor=colour, label=WORDS[name]) for name, colour in colours.EXTREMES.items()]
-    ax.legend(handles=handles, loc="upper right", bbox_to_anchor=(1, -0.005), ncols=2)
+    ax.legend(handles=handles, loc="upper right", bbox_to_anchor=(1, -0.005), ncols=1 + numbers)
     return ax
 
 
