@@ -24,11 +24,11 @@ for one in found:
     across = one.solution.alpha * one.solution.case.rho  # on the unrolled cylinder
     across += left - across.min()
     stable = one.index == 0
-    axes.plot(across, one.solution.z, color="C3" if stable else "0.5", lw=2.5 if stable else 1.2)
+    axes.plot(across, one.solution.z, color="0.1" if stable else "0.5", lw=2.5 if stable else 1.2)
     axes.text((across.min() + across.max()) / 2, -11.5, one.index, ha="center")
     left = across.max() + 1.2
 axes.set(xlabel="unrolled circumference [cm]", ylabel="z [cm]", aspect="equal", ylim=(-12.5, 12.5))
-axes.set_title("Stable equilibria are red", loc="left", fontsize="medium")
+axes.set_title("Stable equilibria are thick", loc="left", fontsize="medium")
 figure.savefig("every_equilibrium.png", dpi=150)
 assert found.complete
 assert sum((-1) ** one.index for one in found) == 1

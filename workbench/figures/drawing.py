@@ -193,7 +193,7 @@ def _forces(free: Solution, units: Mapping[str, str]) -> list[tuple[float, float
 
 
 def _scale_words(scale: float) -> str:
-    return f"1:{1 / scale:g}" if scale < 1 else f"{scale:g}:1"
+    return labels.powers_of_ten(f"1:{1 / scale:g}" if scale < 1 else f"{scale:g}:1")
 
 
 def _strokes(view: Views, a: float) -> list[tuple[str, float]]:

@@ -90,7 +90,9 @@ def bar(ax: Axes, units: Mapping[str, str], inches: float, place: tuple[float, f
         where = {"orientation": "horizontal", "cax": ax.inset_axes(box, transform=ax.transData)}
     drawn = canvas.colour_bar([ax], in_habitual_unit(lines[-1].get_clim()[1] or 1.0, units), **where)
     words = trim(drawn, units, [line.get_array() for line in lines])
-    drawn.set_label(fonts.break_lines(words, inches, fonts.small()), size=fonts.small(), loc="left")
+    if fonts.width_of(words, fonts.small()) > inches:
+        words = "\n".join(fonts.break_lines(part, inches, fonts.small()) for part in words.split("; "))
+    drawn.set_label(words, size=fonts.small(), loc="left")
 
 
 def trim(drawn: Colorbar, units: Mapping[str, str], pushes: Sequence[Any]) -> str:

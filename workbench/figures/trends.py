@@ -48,7 +48,7 @@ def trend(line: TrendLine, ax: Axes, joined: bool = True) -> Axes:
     wide, high = fonts.inches(ax)
     page = ax.get_figure(root=True)
     lines_of_label = 2 if page and page.get_figwidth() >= ONE_COLUMN else 1  # views have what labels leave
-    ax.set_xlabel(fonts.wrap(fonts.fit_label(partial(labels.axis_label, line.axis, held=line.held), wide), ax))
+    ax.set_xlabel(fonts.wrap(fonts.fit_label(partial(labels.axis_label, line.axis, held=line.held), wide, 1), ax))
     ax.set_ylabel(fonts.fit_label(partial(labels.label, line.observable), high, lines_of_label))
     ax.margins(y=0.1)
     drawn = np.vstack([lines, values])

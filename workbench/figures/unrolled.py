@@ -51,7 +51,7 @@ REACH = 2.0  # radii of the rod between a ring and its line at most: two stretch
 NEAR = 3.0  # radii of the rod on the unrolled cylinder: two places that are nearer have one ring between them
 # so small that a ring around it is seen
 BEGINNING: dict[str, Any] = {"color": colours.INK, "markersize": 2.8, "markeredgewidth": 0, "zorder": 6}
-ARROW, FOOT = 0.4, 0.6  # inches of the arrows of the key at most, and of all of it downwards
+ARROW, FOOT = 0.6, 0.75  # inches of the arrows of the key at most, and of all of it downwards
 BAR, BAR_GAP = 0.3, 0.3  # inches of the bar of colours per point of its words, and between the key and the bar
 VIEWS = "unrolled views"  # the label of their axes
 AROUND = (
