@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Start, observe, solve
@@ -154,6 +155,15 @@ def test_pipes_and_their_states_show_what_is_stored(ds: xr.Dataset) -> None:
         "rods without weight": lambda: along.pipe(StoredStudy(small.six())),
     }
     stored_figures.check("pictures_pipes", pictures)
+
+
+def test_the_azimuth_of_a_helix_is_drawn_within_one_turn() -> None:
+    fig = along.pipe(StoredStudy(small.study_dataset("pipe_lubinski")), at={"FZ": -300.0})
+    lines = [drawn for drawn in fig.axes[0].collections if isinstance(drawn, LineCollection)]
+    assert len(lines) > 10  # one for each turn
+    heights = [points[:, 1] for line in lines for points in line.get_segments()]
+    assert max(np.abs(of).max() for of in heights) <= 180
+    assert max(np.ptp(of) for of in heights) < 90  # no line goes back over the hole
 
 
 def marks_of(ds: xr.Dataset, at: Mapping[str, float], name: str) -> np.ndarray:

@@ -20,7 +20,7 @@ from scipy.spatial import KDTree
 from solver import Solution
 
 from ..stored.stored_study import StoredStudy
-from ..words import free_rods
+from ..words import free_rods, labels
 from ..words.habits import plain, value_with_unit, within
 from . import canvas, colours, drawn_rods, fonts
 from .dimensions import (
