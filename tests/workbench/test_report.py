@@ -133,6 +133,12 @@ def words(text: str) -> list[str]:
     return [re.sub(r"workbench [\d.]+|20\d\d-\d\d-\d\d", "…", line) for line in seen]
 
 
+def test_the_drop_of_tension_to_the_sharpest_bend_is_that_between_stations() -> None:
+    stored = StoredStudy(small.study_dataset("fig7_1_modulus"))
+    tension = stored.select({"E": 8}).solve(20_001, ["beta"]).along("F3").values
+    assert f"to {tension[0] - tension.min():.3g} N)" in law_cards.mechanism("(1)", stored)
+
+
 def test_the_report_says_what_is_stored(text) -> None:
     assert transcripts.differences("report.words", words(text)) == []
 

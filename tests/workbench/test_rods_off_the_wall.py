@@ -455,6 +455,15 @@ def cable() -> StoredStudy:
     return study_scene.solver_of(stored, kind_of("contact"), {}, [])(201)
 
 
+def test_off_the_wall_has_in_the_legend_the_colour_of_the_rod_also_where_no_rod_touches_the_wall(
+    cable: StoredStudy,
+) -> None:
+    away = StoredStudy(cable.ds.assign(contact=0 * cable["contact"]))
+    scene = layout.compose(away, kind="contact", settings=Settings(2.0, 50)).scene
+    legend = {words: colour for colour, words in composition.words_of(scene)[0]}
+    assert [legend["off the wall"]] == [body.paint.colour for body in scene.bodies]
+
+
 @draws
 @pytest.mark.parametrize("look", (None, "120,20", "200,20"))
 def test_the_arrow_of_a_force_is_drawn_whole_where_it_acts_and_its_words_are_on_the_page(

@@ -517,6 +517,19 @@ def test_the_places_of_self_intersection_are_where_two_stretches_are_less_than_t
     assert not self_contact.middles(rod.line, (0.0, 2.0))
 
 
+def test_a_rod_that_overlaps_in_a_tight_bend_alone_is_ringed_where_it_is_bent_most() -> None:
+    ds = StoredStudy(small.study_dataset("fig7_2_radius"))
+    stored = ds.select({"R": 0})
+    line = stored.centreline
+    assert 1 < float(stored["kappa_max"]) * line.a < 1.05
+    pairs = np.array(self_contact.places(line.s, line.frame(line.s)[0], line.a))
+    assert len(pairs) and (np.ptp(pairs, axis=1) == 0).all()
+    assert line.kappa(pairs[:, 0]) == pytest.approx(float(stored["kappa_max"]), rel=0.02)
+    for k, passes in enumerate(ds["overlaps"].values):  # a ring for each rod that is counted
+        line = ds.select({"R": k}).centreline
+        assert bool(self_contact.middles(line, (0.0, line.L))) == bool(passes)
+
+
 def test_each_place_where_a_centreline_crosses_itself_is_one_also_where_one_overlap_joins_several() -> None:
     rod = body(small.study_dataset("fig7_4_end_angle"), betaL=8)
     s = np.linspace(0, rod.line.L, 2001)

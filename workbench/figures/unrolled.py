@@ -381,7 +381,7 @@ class UnrolledPanel:
             _draw_edges(ax, view.edges, to_page)
             rings += [(to_page.transform(place), form.scale * apart * [1, form.factor]) for place, apart in view.rings]
         if rings:
-            sizes = [72 * float(np.linalg.norm(apart)) + RING for _, apart in rings]
+            sizes = [72 * float(np.linalg.norm(np.nan_to_num(apart))) + RING for _, apart in rings]
             crossing_rings.draw(ax, [place for place, _ in rings], sizes, THROUGH)
         for artist in (*ax.lines, *ax.collections):
             artist.set_clip_on(False)
@@ -391,7 +391,7 @@ class UnrolledPanel:
             beside = self.key + BAR_GAP
             push_scale.bar(ax, self.bar, wide - beside, (left + beside, top))
         return [
-            *[crossing_rings.entry(THROUGH + TURNED * any(not np.any(apart) for _, apart in rings))] * bool(rings),
+            *[crossing_rings.entry(THROUGH + TURNED * any(np.isnan(apart).any() for _, apart in rings))] * bool(rings),
             sentence(self.form, len(self.views) > 1 and not self.in_lines, self.in_lines + more),
             *self.notes,
             *said[:1],
@@ -534,7 +534,7 @@ def edges_of(rod: DrawnRod) -> list[tuple[Values, Values]]:
 
 def crossings(s: Any, rho: float, alpha: Any, z: Any, a: float, radius: Any) -> list[tuple[Any, Any]] | None:
     """Where a rod passes through itself on the unrolled cylinder: z and distance around, and how far its two stretches
-    are apart there, (2,) each; two places where it comes back after a turn. None for a rod that is too long.
+    are apart there, (2,) each; two places where it comes back after a turn, NaN apart. None for a rod that is too long.
 
     radius: the distance from the axis, so that stretches that cross one over the other off the wall are none.
     """
@@ -545,7 +545,11 @@ def crossings(s: Any, rho: float, alpha: Any, z: Any, a: float, radius: Any) -> 
     for pair in pairs:
         places = np.array([np.interp(pair, s, values) for values in (z, rho * (alpha - alpha[0]))]).T
         near = np.linalg.norm(places[1] - places[0]) < NEAR * a
-        rings += [(places.mean(axis=0), places[1] - places[0])] if near else [(place, np.zeros(2)) for place in places]
+        rings += (
+            [(places.mean(axis=0), places[1] - places[0])]
+            if near
+            else [(place, np.full(2, np.nan)) for place in places]
+        )
     return rings
 
 

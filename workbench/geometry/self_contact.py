@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import CubicSpline, make_interp_spline
 from scipy.spatial.distance import cdist
 
 from solver.core.measures import crossings
@@ -58,7 +58,8 @@ def findings(line: Centreline, unit: str) -> list[Finding]:
 def places(s: Array, points: Array, a: float) -> list[tuple[float, float]] | None:
     """The places where two stretches of a rod overlap: of each the two arc lengths whose points are nearest.
 
-    Where the centreline crosses itself is a place, also where one overlap joins it to another one.
+    Where the centreline crosses itself is a place, also where one overlap joins it to another one. A bend tighter than
+    the rod is thick (kappa a >= 1) overlaps in itself: its tightest point, twice.
 
     Parameters
     ----------
@@ -80,6 +81,11 @@ def places(s: Array, points: Array, a: float) -> list[tuple[float, float]] | Non
     at = np.linspace(s[0], s[-1], count)
     curve = CubicSpline(s, points)(at)
     pairs = {(int(i), int(j)) for near in (2 * a, CROSSED * a) for j, i in _pairs(at, curve, a, near)}
+    kappa = np.linalg.norm(make_interp_spline(s, points, k=5)(at, 2), axis=-1)
+    is_tight = np.concatenate([[False], kappa * a >= 1, [False]])
+    for begin, end in np.flatnonzero(np.diff(is_tight)).reshape(-1, 2):
+        k = begin + int(np.argmax(kappa[begin:end]))
+        pairs.add((k, k))
     return sorted((float(at[i]), float(at[j])) for i, j in pairs)
 
 

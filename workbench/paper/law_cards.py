@@ -159,8 +159,8 @@ def mechanism(claim: str, stored: StoredStudy) -> str:
 def _of_modulus(stored: StoredStudy) -> str:
     sweep = _ends(stored["amplitude"] * (180 / np.pi), "{:.0f}°")
     room = _ends(stored["L"] / stored["bend_number"], "{:.2g}") + f" {stored.units['length']}"
-    tension = stored.along("F3")
-    drop = _ends(tension.isel(u=0) - tension.min("u"), "{:.3g}") + f" {stored.units['force']}"
+    squares = stored["kappa_max"] ** 2 - stored.along("kappa").isel(u=0) ** 2
+    drop = _ends(stored.case.rod.bending_stiffness * squares / 2, "{:.3g}") + f" {stored.units['force']}"
     power = labels.minus_signs(f"{np.polyfit(np.log(stored['E']), np.log(stored['kappa_max']), 1)[0]:.2f}")
     return (
         "F₃ + Aκ²/2 is constant along the rod (eq. 27), so κ² grows from the start by 2/A times the drop of tension. "

@@ -120,7 +120,8 @@ def words_of(scene: Scene) -> tuple[list[tuple[str, str]], list[str]]:
     bodies = scene.bodies
     if any(body.widest_gap is not None for body in bodies):
         legend.append((signs.GAP, "the widest gap to the wall" + CUT * _hides(scene, signs.GAP)))
-        legend += [(scene_kinds.OFF_WALL, "off the wall")] * (scene.kind.paint is scene_kinds.by_push)
+        off = scene_kinds.OFF_WALL if bodies[0].paint.ramp else bodies[0].paint.colour  # no push, no scale of pushes
+        legend += [(off, "off the wall")] * (scene.kind.paint is scene_kinds.by_push)
     if any(body.contact_edges for body in bodies):
         legend.append((signs.EDGE, "a contact begins or ends"))
     if any(body.pushes for body in bodies):
