@@ -523,7 +523,8 @@ def test_a_rod_that_overlaps_in_a_tight_bend_alone_is_ringed_where_it_is_bent_mo
     line = stored.centreline
     assert 1 < float(stored["kappa_max"]) * line.a < 1.05
     pairs = np.array(self_contact.places(line.s, line.frame(line.s)[0], line.a))
-    assert len(pairs) and (np.ptp(pairs, axis=1) == 0).all()
+    assert len(pairs)
+    assert (np.ptp(pairs, axis=1) == 0).all()
     assert line.kappa(pairs[:, 0]) == pytest.approx(float(stored["kappa_max"]), rel=0.02)
     for k, passes in enumerate(ds["overlaps"].values):  # a ring for each rod that is counted
         line = ds.select({"R": k}).centreline
