@@ -82,6 +82,23 @@ def test_the_outline_of_the_rod_is_closed_at_its_start(cables, lay: float) -> No
     assert pixels[-15:].min() > 200  # nothing inside
 
 
+def test_a_rod_that_passes_before_itself_has_its_outline_where_it_does(monkeypatch) -> None:
+    def ink_between_the_ends() -> float:
+        """The dark share of the box of the first part of the rod before the plane of the axis."""
+        fig = drawing.figure(StoredStudy(small.study_dataset("fig6")))
+        fig.canvas.draw()
+        (ax,) = fig.axes
+        ink = np.asarray(fig.canvas.buffer_rgba())[::-1, :, :3].sum(axis=-1) < 300
+        start = next(line for line in ax.lines if line.get_gid() == "rod, before the plane of the axis")
+        places = ax.transData.transform(start.get_xydata()).astype(int)
+        (left, low), (right, high) = places.min(axis=0), places.max(axis=0)
+        return float(ink[low:high, left:right].mean())
+
+    own = ink_between_the_ends()
+    monkeypatch.setattr(drawing, "_pieces", lambda *_: ([], []))
+    assert own > 1.3 * ink_between_the_ends()
+
+
 def test_a_pipe_lies_on_the_low_side_of_the_hole_that_is_drawn() -> None:
     ds = study_kinds.well()
     fig = drawing.figure(StoredStudy(ds), at={"wob": 60.0})  # straight, on the low side

@@ -19,6 +19,7 @@ from scipy.spatial import KDTree
 
 from solver import Solution
 
+from ..geometry import self_contact
 from ..stored.stored_study import StoredStudy
 from ..words import free_rods, labels
 from ..words.habits import plain, value_with_unit, within
@@ -45,6 +46,7 @@ AXIS: dict[str, Any] = {"color": colours.SOFT, "linewidth": FINE, "linestyle": (
                         "gid": "axis"}  # fmt: skip
 EVEN = math.radians(0.05)  # by which a lay varies that is one angle
 SLIVER = 0.5  # millimetres beside a turn in which no hidden edge is drawn: between close turns it would be specks
+PIECE = 0.5  # radii of the rod in a piece of one that passes before itself
 TICK = 1.5  # millimetres: half of one across the wall
 WIDER = 5.0  # millimetres from one width to the next at which is asked whether all has room
 HINTED = 1.1  # by which a line of letters of few pixels is wider than it is measured
@@ -229,6 +231,26 @@ def _parts(view: Views, front: bool) -> Iterator[slice]:
             yield slice(max(begin - 1, 0), min(end + 1, view.x.size))
 
 
+def _pieces(view: Views, of: slice, a: float) -> tuple[list[slice], list[slice]]:
+    """A part of the rod in short pieces, in the order of drawing, where it passes before itself, and the longer inside
+    of each; else none. The round end of a piece stays within the part.
+
+    Each is drawn upon those before it, so that each stretch has its outline there. On the wall all are as near, and the
+    later one is upon the others; off the wall the nearer one.
+    """
+    points = np.stack([view.x[of], view.y[of], np.zeros(of.stop - of.start)], axis=1)
+    spare = math.ceil(a / float(view.s[1] - view.s[0]))
+    low, high = of.start + spare, of.stop - spare
+    first, last = low + spare * (of.start == 0), high - spare * (of.stop == view.x.size)  # its ends have their section
+    if last - first < 2 or not self_contact.places(view.s[of], points, a):
+        return [], []
+    step = math.ceil(spare * PIECE)
+    pieces = [slice(k, min(k + step + 1, last)) for k in range(first, last - 1, step)]
+    if view.forces is not None:
+        pieces.sort(key=lambda piece: float(view.near[piece].mean()))
+    return pieces, [slice(max(on.start - 2 * spare, low), min(on.stop + 2 * spare, high)) for on in pieces]
+
+
 def _draw_body(ax: Axes, view: Views, R: float, a: float, side: str) -> None:
     """The cylinder with its axis, and the rod: solid where it is seen, dashed where the cylinder hides it."""
     spare = SPARE / view.mm
@@ -246,6 +268,10 @@ def _draw_body(ax: Axes, view: Views, R: float, a: float, side: str) -> None:
             look: dict[str, Any] = {"color": colour, "linewidth": width, "solid_joinstyle": "round", "snap": False}
             ax.plot(view.x[of], view.y[of], solid_capstyle="butt", zorder=order, gid=name, **look)
             ax.plot(view.x[inner], view.y[inner], solid_capstyle="round", zorder=below, label=CASING, **look)
+        for each in zip(*_pieces(view, of, a), strict=True):
+            for on, (colour, width) in zip(each, _strokes(view, a), strict=False):
+                ax.plot(view.x[on], view.y[on], color=colour, linewidth=width, solid_joinstyle="round", snap=False,
+                        solid_capstyle="round", zorder=order + 0.01, label=CASING)  # fmt: skip
 
     for of in _parts(view, front=False):
         strand(of, behind, "rod, behind the plane of the axis")
@@ -266,10 +292,10 @@ def _draw_body(ax: Axes, view: Views, R: float, a: float, side: str) -> None:
     for of in _parts(view, front=True):
         strand(of, 4, "rod, before the plane of the axis")
     for k in ((0, 1), (-1, -2))[: 1 + view.whole] if 2 * a * view.mm >= HAIR and view.x.size > 1 else ():
-        _draw_section(ax, view, k, a, 4 if view.near[k[0]] >= 0 else behind, side == "outside")
+        _draw_section(ax, view, k, a, R, 4 if view.near[k[0]] >= 0 else behind, side == "outside")
 
 
-def _draw_section(ax: Axes, view: Views, k: tuple[int, int], a: float, order: float, hides: bool) -> None:
+def _draw_section(ax: Axes, view: Views, k: tuple[int, int], a: float, R: float, order: float, hides: bool) -> None:
     """The section at an end of the rod, k: the last point and that before it: upon the rod where it faces the viewer,
     else below, so that it closes the outline. order: of drawing the rod there. hides: whether the cylinder may."""
     out = np.array([column[k[0]] - column[k[1]] for column in (view.x, view.y, view.near)])
@@ -283,6 +309,8 @@ def _draw_section(ax: Axes, view: Views, k: tuple[int, int], a: float, order: fl
     section(2 * line, order + 0.06, facecolor="white", edgecolor="none")  # no seam shows inside
     if hides and view.near[k[0]] < 0 and 2 * a * view.mm > 1:
         section(line, 2.3, fill=False, edgecolor=colours.SOFT, linestyle=HIDDEN, gid="hidden edge")
+        x, high = view.x[k[0]], 2 * a
+        ax.patches[-1].set_clip_path(Rectangle((x - high, -R), 2 * high, 2 * R, transform=ax.transData))
 
 
 def _beside(x: Values, y: Values, distance: float) -> tuple[Values, Values]:
