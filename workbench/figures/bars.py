@@ -77,9 +77,10 @@ def of_cases(
         values = stored.of_solved(name)
         sizes = np.array([float(labels.in_label_unit(values, values.isel(case).values)) for case in cases])
         none = ["no number" if bool(stored["solved"].isel(case)) else "unsolved" for case in cases]
+        numbers = map(labels.number, sizes) if name in stored.counts else labels.alike(sizes)
         texts = [
-            labels.minus_signs(labels.number(size)) if np.isfinite(size) else why
-            for size, why in zip(sizes, none, strict=True)
+            labels.minus_signs(text) if np.isfinite(size) else why
+            for text, size, why in zip(numbers, sizes, none, strict=True)
         ]
         draw(ax, rows, [(np.nan_to_num(sizes), colours.DATA)], texts, integer=name in stored.counts)
         ax.set_title(fonts.wrap(labels.label(stored[name], long=True), ax), loc="left", pad=4)

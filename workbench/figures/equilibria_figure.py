@@ -39,9 +39,14 @@ def figure(stored: StoredStudy, sheet: Sheet = SCREEN, show: Sequence[str] = ())
     reaction = next((name for name in REACTIONS if name in stored and stored[name].dims == ("equilibrium",)), None)
     texts = [f"{k + 1}" for k in range(count)]
     if reaction is not None:
-        values = [labels.value(float(value), stored[reaction]) for value in stored[reaction].values[:count]]
-        values[0] = labels.equation(stored[reaction], float(stored[reaction].values[0]))
-        texts = [f"{text}: {value}" for text, value in zip(texts, values, strict=True)]
+        array = stored[reaction]
+        unit = labels.value(0.0, array).partition(" ")[2]
+        numbers = labels.alike(labels.in_label_unit(array, array.values[:count]))
+        heads = [f"{labels.symbol(array)} = ", *[""] * (count - 1)]
+        texts = [
+            f"{text}: {head}{labels.minus_signs(labels.powers_of_ten(number))} {unit}"
+            for text, head, number in zip(texts, heads, numbers, strict=True)
+        ]
     shapes = [_shape(stored, k, texts[k], look(int(stored["index"][k]))) for k in range(count)]
     panel = unrolled.UnrolledPanel(
         shapes, _room(sheet), sheet.small, labels.unit(str(stored["z"].attrs.get("units", "1")))

@@ -94,8 +94,10 @@ def draw_glyph(ax: Axes, x: float, y: float, toward: NDArray[np.float64]) -> Non
     ax.plot([middle[0], middle[0] + radius], [y, y], color=colours.SOFT, linewidth=0.8)
     way = np.asarray(toward[:2]) * [1, -1] / max(float(np.hypot(*toward[:2])), 1e-9)
     draw_eye(ax, middle + (radius + EYE) * way, way)
-    if way[0] < 0.8:
-        ax.text(middle[0] + radius + 0.03, y, "α = 0", size=fonts.SMALL, color=colours.SOFT, va="center")
+    place, across, upright = (middle[0] + radius + 0.03, y), "left", "center"
+    if way[0] >= 0.8:  # the eye is there
+        place, across, upright = (middle[0], y - radius - 0.03), "center", "bottom"
+    ax.text(*place, "α = 0", size=fonts.SMALL, color=colours.SOFT, ha=across, va=upright)
 
 
 def draw_eye(ax: Axes, eye: NDArray[np.float64], way: NDArray[np.float64]) -> None:

@@ -1,7 +1,7 @@
 """Numbers, units, symbols and axis labels as text, for diagrams, scenes, the report and the live page."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from math import floor, log10
 from typing import Any
 
@@ -31,6 +31,23 @@ def number(value: float, digits: int = 4) -> str:
         return f"{value:.{digits}g}"
     text = f"{round(value, digits - 1 - power):.{max(digits - 1 - power, 0)}f}"
     return text.rstrip("0").rstrip(".") if "." in text else text
+
+
+def alike(values: Iterable[float]) -> list[str]:
+    """Numbers side by side, all with as many digits as the one with most of them.
+
+    >>> alike([6.58, 7.197, 0.0])
+    ['6.580', '7.197', '0']
+    """
+    texts = [number(value) for value in values]
+    most = max((len(re.sub(r"\D", "", text).lstrip("0")) for text in texts if "." in text), default=0)
+
+    def filled(text: str) -> str:
+        missing = most - len(re.sub(r"\D", "", text).lstrip("0"))
+        plain = missing <= 0 or "e" in text or not any(digit in text for digit in "123456789")
+        return text if plain else f"{text}{'' if '.' in text else '.'}{'0' * missing}"
+
+    return [filled(text) for text in texts]
 
 
 def unit(text: str) -> str:
