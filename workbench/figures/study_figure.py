@@ -123,6 +123,7 @@ def _figure_of(
     lines += canvas.in_rows([partial(draw, line) for line in chosen.panels], across, law_height, filled=True)
     said = [f"Unrolled, the rods along {labels.axis_symbol(name)} are straight lines." for name in straight]
     said += [trends.ALONE] * any(line.alone for line in chosen.panels)
+    said += [trends.OTHERS] * any(len(line.lines) for line in chosen.panels)
     said += [*map(law_panel.caption_of, chosen.in_words), *chosen.level]
     said += canvas.say_left_out(chosen.left_out, "--show or --panel")
     if not lines:

@@ -17,6 +17,7 @@ MOST_DOTS = 50  # values of a line, beyond which it has no dots
 ALONE = "Each rod was let go by itself: neighbours may be at different minima of the energy, and no line joins them."
 WITHIN = "estimated error"  # in a legend
 WITHOUT = "solved, without a number"  # in a legend
+OTHERS = "Pale lines: at other values of the other axes."
 BRACKET, CHANGE = "changes in between", "change"  # of a whole number: in a legend, and the gid of what shows it
 NEAR = 0.08  # inches between two values of an axis whose dots touch: a step in their middle is right within a dot
 

@@ -42,12 +42,12 @@ def alike(values: Iterable[float]) -> list[str]:
     texts = [number(value) for value in values]
     most = max((len(re.sub(r"\D", "", text).lstrip("0")) for text in texts if "." in text), default=0)
 
-    def filled(text: str) -> str:
+    def in_full(text: str) -> str:
         missing = most - len(re.sub(r"\D", "", text).lstrip("0"))
         plain = missing <= 0 or "e" in text or not any(digit in text for digit in "123456789")
         return text if plain else f"{text}{'' if '.' in text else '.'}{'0' * missing}"
 
-    return [filled(text) for text in texts]
+    return [in_full(text) for text in texts]
 
 
 def unit(text: str) -> str:
