@@ -512,6 +512,12 @@ def test_the_saved_page_solves_every_rod_without_a_server(page, driver, saved) -
         assert not np.array_equal(page.points(), before)
         assert page(CUT) == []
     page.until(lambda: page("return document.getElementById('o-bends')"), "its observables")
+    length = page("return page.state.base.L")
+    page("page.state.base.L = 3000; page.update()")
+    page.until(lambda: not page("return document.getElementById('o-bends')"), "the loads alone of a part of a rod")
+    assert "Numbers of the whole rod are left out" in page("return document.getElementById('headline').innerText")
+    page("page.state.base.L = arguments[0]; page.update()", length)
+    page.until(lambda: page("return document.getElementById('o-bends')"), "its observables")
     page.click("by-ends")
     assert page("return page.shape.one.kind") == "ends"
     page.slide("L", 501)

@@ -284,13 +284,19 @@ def test_a_shape_too_far_from_the_one_before_is_not_followed_silently() -> None:
 
 def test_a_rod_of_many_bends_gets_more_stations_and_a_very_long_one_is_shown_in_part() -> None:
     script = """
-    const part = ({ s, beta, shown }) => [s, beta, shown];
-    answer(given.map((state) => part(rod_shape.marched(core, rod_case.caseOf(state, {})))));"""
-    many, part = run(script, [state(L=200.0), state(L=2e4)], MODULES)
+    const part = (shape, found) => [shape.s, shape.beta, shape.shown, numbers.rowsOf(shape, found).map(([name]) => name),
+      numbers.warnings(shape, found, { length: "cm", force: "N" })];
+    const shapes = given.map((state) => rod_shape.marched(core, rod_case.caseOf(state, {})));
+    answer(shapes.map((shape) => part(shape, numbers.observables(shape))));"""
+    many, part = run(script, [state(L=200.0), state(L=2e4)], (*MODULES, "numbers"))
     assert np.abs(np.diff(many[1])).max() < 0.26
     assert many[2] == 1
     assert 0.05 < part[2] < 0.2
     assert part[0][-1] == pytest.approx(2e4 * part[2])
+    assert {"bends", "height", "push_max"} < {*many[3]}
+    assert part[3] == ["FZ", "MZ", "M3", "bend_number", "lift_off_at"]  # the others of a part are not those of the rod
+    examined = ["self-contact" not in " ".join(one[4]) for one in (many, part)]
+    assert examined == [True, False]
 
 
 @pytest.mark.parametrize(

@@ -28,8 +28,9 @@ const BARRED = /pass(es)? through itself|lift off|tighter than/, // sentences on
 export const putPixels = (canvas, pixels) =>
   canvas.getContext("2d").putImageData(new ImageData(pixels, canvas.width, canvas.height), 0, 0);
 
-/* Observables, name and value each, and sentences. quantities: symbol, words and dimension of each name. */
-export function showRows(rows, sentences, quantities, units) {
+/* Observables, name and value each, and sentences. quantities: symbol, words and dimension of each name. left: why the
+   large numbers are left out. */
+export function showRows(rows, sentences, quantities, units, left = "") {
   const row = ([name, value], id) => {
     const [symbol, long, dimension] = quantities[quantityOf(name)],
       isAnswer = name === "overlaps",
@@ -46,7 +47,8 @@ export function showRows(rows, sentences, quantities, units) {
                 make("dd", { id: `${id}-${name}` }, amount));
   };
   const headline = HEADLINE.map((name) => rows.find(([other]) => other === name)).filter(Boolean);
-  element("headline").replaceChildren(...headline.map((one) => row(one, "h")));
+  const none = left ? [make("div", { className: "left-out" }, make("dt", {}, left), make("dd", {}, "—"))] : [];
+  element("headline").replaceChildren(...none, ...headline.map((one) => row(one, "h")));
   element("numbers").replaceChildren(...rows.map((one) => row(one, "o")));
   const [limits, more] = [true, false].map((isLimit) => sentences.filter((text) => text.includes(AT_ENDS) === isLimit)),
     barred = more.filter((text) => BARRED.test(text)),

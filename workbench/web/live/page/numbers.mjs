@@ -2,7 +2,7 @@
 
 import { FORCES, LENGTHS, LINEAR, OBSERVED } from "./formulas.mjs";
 import { every } from "./rod_shape.mjs";
-import { crossings } from "./self_contact.mjs";
+import { crossings, isTooLong } from "./self_contact.mjs";
 import { number } from "./text.mjs";
 
 const STEP = 2; // every second station is enough for polynomials of order five
@@ -23,6 +23,12 @@ export function observables(shape) {
   return { FZ, MZ, M3, bends: bends(beta, noise), bend_number, ...others };
 }
 
+const OF_ANY_PART = ["FZ", "MZ", "M3", "bend_number", "lift_off_at"]; // a part of a rod has those of the whole
+
+/* Name and value of each observable that is known: of a rod that is shown in part those that the part decides. */
+export const rowsOf = ({ shown }, found) =>
+  Object.entries(found).filter(([name, value]) => Number.isFinite(value) && (shown === 1 || OF_ANY_PART.includes(name)));
+
 /* What a real rod could not do, as sentences; found: the observables; units: of its numbers; crossed: where it passes
    through itself. */
 export function warnings(shape, found, units, crossed = crossings(shape)) {
@@ -30,14 +36,15 @@ export function warnings(shape, found, units, crossed = crossings(shape)) {
     size = Math.max(Math.abs(found.push_min), Math.abs(found.push_max));
   if (found.kappa_max * shape.one.a > 1) told.push("The rod is bent tighter than its own radius.");
   if (crossed.length) told.push("The rod passes through itself.");
+  else if (isTooLong(shape)) told.push("The rod is too long for self-contact to be examined here.");
   told.push(...strained(shape, found, units));
   const where = isPressed(shape) ? AT_ENDS : "the cylinder";
   if (found.push_min < -1e-6 * size) told.push(`The rod would lift off ${where}.`);
   return told;
 }
 
-/* Whether the cylinder pushes all along the middle half of a rod. */
-const isPressed = ({ s, push, one: { L } }) => push.every((v, i) => v > 0 || Math.abs(s[i] / L - 0.5) >= 0.25);
+/* Whether the cylinder surely pushes all along the middle half of a rod. */
+const isPressed = ({ s, push, shown, one: { L } }) => shown === 1 && push.every((v, i) => v > 0 || Math.abs(s[i] / L - 0.5) >= 0.25);
 
 /* A sentence on a strain beyond that up to which the material is surely linear. Of a rod whose loads vary the server has
    it among its notes. */

@@ -7,13 +7,16 @@ const MOST = 40_000; // points; a longer rod is not examined
 const MOST_PLACES = 200;
 const NEAR = [2, 0.2]; // radii between two stretches: they overlap; their centrelines cross
 
+const pointsOf = ({ one, shown }) => Math.ceil((SPACING * one.L * shown) / one.a) + 1;
+export const isTooLong = (shape) => pointsOf(shape) > MOST;
+
 /* The middles of the nearest pairs (x, y, z), one of each overlap and of each crossing of the centreline; none where the
    rod is too long to be examined. Pairs within 0.4 % of 2 a may be missed. */
-export function crossings({ core, one, at, shown }) {
-  const length = one.L * shown,
-    n = Math.ceil((SPACING * length) / one.a) + 1;
-  if (n > MOST) return [];
-  const s = evenly(length, n),
+export function crossings(shape) {
+  if (isTooLong(shape)) return [];
+  const { core, one, at } = shape,
+    n = pointsOf(shape),
+    s = evenly(one.L * shape.shown, n),
     line = at(s),
     points = new Float64Array(3 * n);
   for (let i = 0; i < n; i++) points.set(pointAt(line, i), 3 * i);

@@ -3,7 +3,7 @@
 import { hereText } from "./controls.mjs";
 import { valuesAt } from "./curves.mjs";
 import { element, set, showRows, solvedText } from "./details.mjs";
-import { observables, warnings } from "./numbers.mjs";
+import { observables, rowsOf, warnings } from "./numbers.mjs";
 import { isEnds, leaves, varies } from "./rod_case.mjs";
 import { wordsOfMarks } from "./push_marks.mjs";
 import { number } from "./text.mjs";
@@ -11,6 +11,9 @@ import { number } from "./text.mjs";
 const OFFLINE =
   "This file works without a server, so it does not list all equilibria and follows only the one it began with. " +
   "The command workbench explore starts the page with a server.";
+
+const FOLLOW = "The numbers and cautions of the whole rod follow.",
+  LEFT_OUT = "Numbers of the whole rod are left out, and of the rest no caution is known: workbench solve has them.";
 
 const LET_GO = "Both ends stay as they are where the cylinder holds the rod on.",
   LOADS = "The loads on its ends stay.";
@@ -51,17 +54,17 @@ export function makeShown(me, data, { stage, diagrams, controls, context, equili
       crossed = stage.showCrossings(shape);
     if (shape.one.kind === "ends" && !shape.one.varies)
       state.equilibrium = { dbeta0: shape.dbeta[0], energy: found.energy };
-    const known = Object.entries(found).filter(([, value]) => Number.isFinite(value));
+    const left = shape.shown < 1 ? `${partNote()} ${data.served ? FOLLOW : LEFT_OUT}` : "",
+      told = [...warnings(shape, found, state.units, crossed), ...(me.head.notes || [])];
     equilibria.branches.mark(state, found);
-    showRows(known, [...warnings(shape, found, state.units, crossed), ...partNote()], data.quantities, state.units);
+    showRows(rowsOf(shape, found), told, data.quantities, state.units, left);
     set(element("fine"), solvedText(me.head, shape));
   }
 
   function partNote() {
     const { s, one, shown } = me.shape,
       part = `${number(s[s.length - 1])} ${me.state.units.length} of ${number(one.L)}`;
-    const note = `Only the first ${part} are shown: the rod bends too often for more.`;
-    return [...(me.head.notes || []), ...(shown < 1 ? [note] : [])];
+    return shown < 1 ? `Only the first ${part} are shown: the rod bends too often for more.` : "";
   }
 
   function setCursor(s) {
@@ -80,7 +83,7 @@ export function makeShown(me, data, { stage, diagrams, controls, context, equili
   function askNumbers() {
     const took = ({ rows, warnings: told }) => {
       const found = rows.map(({ name, value }) => [name, value ?? NaN]);
-      showRows(found, [...told, ...partNote()], data.quantities, me.state.units);
+      showRows(found, [...told, ...(me.head.notes || []), partNote()].filter(Boolean), data.quantities, me.state.units);
     };
     ask("/numbers", { state: me.state }, took, (why) => set(element("message"), why));
   }
