@@ -109,6 +109,19 @@ def test_panels_of_laws_with_numbers_show_what_is_stored(ds: xr.Dataset) -> None
     stored_figures.check("pictures_laws", pictures)
 
 
+@pytest.mark.parametrize("exponent, leaves", [(2.0, False), (3.0, True)])
+def test_points_leave_the_band_of_an_exponent_where_the_law_is_false(ds: xr.Dataset, exponent, leaves) -> None:
+    (law,) = [law for law in json.loads(ds.attrs["laws"]) if law["kind"] == "scales"]
+    stored = StoredStudy(ds.assign_attrs(laws=json.dumps([law | {"exponent": exponent, "within": 0.05}])))
+    (ax,) = [ax for ax in study_figure.figure(stored, sheet=sheet(panel="scales")).axes if ax.collections]
+    band = min(ax.collections, key=lambda part: part.get_zorder()).get_paths()[0].vertices
+    points = [(x, y) for line in ax.lines if line.get_label() != "fit" for x, y in line.get_xydata()]
+    assert {x for x, _ in points} == {*ds["R"].values}
+    ends = {x: (band[band[:, 0] == x, 1].min(), band[band[:, 0] == x, 1].max()) for x, _ in points}
+    assert leaves == any(not ends[x][0] * (1 - 1e-6) <= y <= ends[x][1] * (1 + 1e-6) for x, y in points)
+    assert ("allowed" in [text.get_text() for text in ax.get_legend().get_texts()]) == leaves
+
+
 def test_a_law_on_an_expression_without_a_value_is_not_decided(tmp_path: Path) -> None:
     ds = in_memory.run(study(small.law("room", "R", claim="a", kind="bounded", most=100)))
     (row,) = law_verdicts.verdicts(ds)

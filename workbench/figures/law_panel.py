@@ -171,12 +171,12 @@ def _equals(ax: Axes, law: LawLine, along: Any) -> None:
         ax.plot(along, values, "_", color=colours.INK, markersize=9, zorder=1.5, label=words)
         return
     _line(ax, along, values, words)
-    _allow(ax, along, values - half, values + half)
+    _allow(ax, along, values, values - half, values + half)
 
 
-def _allow(ax: Axes, along: Any, low: Any, high: Any) -> None:
+def _allow(ax: Axes, along: Any, line: Any, low: Any, high: Any) -> None:
     """Shade what a law allows, and name it where the line does not hide it."""
-    seen = np.median(high - low) * fonts.inches(ax)[1] * 72 >= SEEN * np.ptp(ax.get_ylim())
+    seen = 2 * np.median(np.maximum(high - line, line - low)) * fonts.inches(ax)[1] * 72 >= SEEN * np.ptp(ax.get_ylim())
     ax.fill_between(
         along, low, high, color=colours.INK, alpha=0.12, linewidth=0, zorder=0, label="allowed" if seen else ""
     )
@@ -193,12 +193,15 @@ def _scales(ax: Axes, law: LawLine, along: Any) -> None:
     measured = law.row["numbers"]
     if not measured:
         return
-    at = np.abs(law.along)
-    fitted = labels.in_label_unit(law.observable, measured["factor"] * at ** measured["exponent"])
+    at, rule = np.abs(law.along), law.row["rule"]
+    centre = np.exp(np.mean(np.log(at[np.isfinite(law.values)])))  # where the fit is the geometric mean of the values
+    middle, share = measured["factor"] * centre ** measured["exponent"], at / centre
+    fitted, *ends = (
+        labels.in_label_unit(law.observable, middle * share**exponent)
+        for exponent in (measured["exponent"], rule["exponent"] - rule["within"], rule["exponent"] + rule["within"])
+    )
     _line(ax, along, fitted, "fit")
-    wide = np.exp(law.row["rule"]["within"] * np.abs(np.log(at / np.exp(np.mean(np.log(at))))))
-    low, high = np.sort([fitted / wide, fitted * wide], axis=0)
-    _allow(ax, along, low, high)
+    _allow(ax, along, fitted, *np.sort(ends, axis=0))
 
 
 def _boundary(ax: Axes, law: LawLine, along: Any) -> None:
