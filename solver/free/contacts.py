@@ -112,3 +112,37 @@ def edge_of(force: Array, last: int, few: int, known: int, at_end: bool) -> _Edg
         d = float(np.clip(d - (d * total - polynomial.polyval(d, twice) - moment) / point, 0, nodes.size))
     point = 0.0 if at_end else max(total - float(polynomial.polyval(d, once)), 0.0)
     return _Edge(begin + d, point, max(float(polynomial.polyval(d, push)), 0.0), begin - 1)
+
+
+def contacts_across(contacts: list[Contact], stretches: list[tuple[float, float]]) -> list[Contact]:
+    """The contacts, those at both sides of each stretch joined, or one and the end of the rod: the point forces at its
+    edges are then spread over it."""
+    joined = list(contacts)
+    for low, high in stretches:
+        beside = [on for on in joined if low in (on.begin, on.end) or high in (on.begin, on.end)]
+        inner = [point for on in beside for point in on.points if low <= point[0] <= high]
+        spread = np.full(2, sum(force for _, force in inner) / (high - low))
+        parts = [
+            *((on.places, on.push) for on in beside if on.end <= low and on.end > on.begin),
+            (np.array([low, high]), spread),
+            *((on.places, on.push) for on in beside if on.begin >= high and on.end > on.begin),
+        ]
+        points = tuple(point for on in beside for point in on.points if point not in inner)
+        places, push = (np.concatenate(part) for part in zip(*parts, strict=True))
+        rest = [on for on in joined if not (low in (on.begin, on.end) or high in (on.begin, on.end))]
+        joined = sorted([*rest, Contact(places, push, points)], key=lambda on: on.begin)
+    return joined
+
+
+def sure_parts(on: Contact, error: Array) -> list[Contact]:
+    """The parts of an interval that are surely pressed, and the point forces beside them. error: of the push, (n,)."""
+    sure = np.flatnonzero(on.push > error)
+    runs = np.split(sure, np.flatnonzero(np.diff(sure) > 1) + 1) if sure.size else []
+    ends = [on.places[run[[0, -1]]] for run in runs]
+    alone = [point for point in on.points if not any(point[0] in end for end in ends)]
+    parts = [
+        Contact(on.places[run], on.push[run], tuple(point for point in on.points if point[0] in end))
+        for run, end in zip(runs, ends, strict=True)
+    ]
+    parts += [Contact(np.array([place]), np.zeros(1), ((place, force),)) for place, force in alone]
+    return sorted(parts, key=lambda part: part.begin)

@@ -2,14 +2,14 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
-from itertools import takewhile
+from itertools import pairwise, takewhile
 from typing import Any
 
 import numpy as np
 from numpy.polynomial import polynomial
 
-from ..free.contacts import Contact
-from ..free.free_rods import estimate
+from ..free.contacts import Contact, contacts_across, sure_parts
+from ..free.free_rods import error_of, estimate
 from ..free.free_shape import Along, FreeShape
 from ..numerics.arrays import FAINT, NEGLIGIBLE, Array
 from ..orbits.frames import binormal, outward
@@ -43,18 +43,12 @@ UNDEFINED = {
 class FreeReading:
     """One mesh of a rod, in units of A and rho.
 
-    a: the radius of the rod. reading: which of its other readings a contact of a few nodes has; None for the contacts
-    as they are.
+    a: the radius of the rod. contacts: in another reading; None for the contacts as they are.
     """
 
-    def __init__(self, shape: FreeShape, a: float, reading: int | None = None) -> None:
-        self.shape, self.rod, self.a, self.reading = shape, shape.rod, a, reading
-
-    @cached_property
-    def contacts(self) -> list[Contact]:
-        """The contacts in this reading; those without it as they are."""
-        k = self.reading
-        return [on if k is None or k >= len(on.readings) else on.readings[k] for on in self.shape.contacts]
+    def __init__(self, shape: FreeShape, a: float, contacts: list[Contact] | None = None) -> None:
+        self.shape, self.rod, self.a = shape, shape.rod, a
+        self.contacts = shape.contacts if contacts is None else contacts
 
     @cached_property
     def along(self) -> Along:
@@ -229,16 +223,59 @@ NUMBERS: dict[str, Callable[[FreeReading], Any]] = {
 }
 
 
-def error_of_contacts(shapes: Sequence[FreeShape]) -> float:
-    """The error of where each contact of the last of several shapes begins and ends, in units of rho.
+def narrow_gaps(shapes: Sequence[FreeShape]) -> list[tuple[float, float]]:
+    """Where the last of several shapes is off its wall, between contacts or one and an end on the wall, by no more than
+    the error of its places all along: such a stretch cannot be told from contact."""
+    shape, rod = shapes[-1], shapes[-1].rod
+    edges = [(on.begin, on.end) for on in shape.contacts]
+    edges = [(0.0, 0.0)] * bool(rod.grounded[0]) + edges + [(rod.span, rod.span)] * bool(rod.grounded[1])
+    off, error = np.abs(np.hypot(*shape.x[:, :2].T) - 1), error_of(shapes) * rod.span
+    stretches = [(low, high) for (_, low), (high, _) in pairwise(edges) if low < high] if shape.contacts else []
+    return [each for each in stretches if (off[(shape.nodes > each[0]) & (shape.nodes < each[1])] <= error).all()]
 
-    It is that of the meshes that have as many contacts; where only the last one has, one edge of the mesh before.
+
+def readings_of(shapes: Sequence[FreeShape]) -> list[list[Contact]]:
+    """What else the contacts of the last of several shapes may be, as far as their meshes tell.
+
+    Contacts of a few nodes have other readings; stretches off the wall may be closed within the error of the shape, and
+    stretches on it open, where the push is within its own.
+    """
+    contacts = shapes[-1].contacts
+    each = [[on if k >= len(on.readings) else on.readings[k] for on in contacts] for k in (0, 1)]
+    return [
+        *each,
+        contacts_across(contacts, narrow_gaps(shapes)),
+        [part for on in contacts for part in _sure_parts(shapes, on)],
+    ]
+
+
+def _sure_parts(shapes: Sequence[FreeShape], on: Contact) -> list[Contact]:
+    """The parts of a contact of the last of several shapes that are surely pressed; points are as they are."""
+    known = [shape for shape in shapes if shape.contacts]
+    if on.begin == on.end or not known[1:]:
+        return [on]
+    pushes = [np.concatenate([other[:2] for other in shape.contacts], axis=1) for shape in known]
+    return sure_parts(on, estimate([np.interp(on.places, *push) for push in pushes])[1])
+
+
+def error_of_contacts(shapes: Sequence[FreeShape]) -> Array:
+    """The error of where each contact of the last of several shapes begins and ends, (n, 2), in units of rho.
+
+    It is that of the meshes that have as many contacts; where only the last one has, one edge of the mesh before. To
+    that come stretches next to an edge that may be closed, or open.
     """
     places = [np.array([(on.begin, on.end) for on in shape.contacts]) for shape in shapes]
     alike = [*takewhile(lambda each: each.shape == places[-1].shape, places[::-1])][::-1]
     others = [np.abs(other.places[[0, -1]] - on.places[[0, -1]]) for on in shapes[-1].contacts for other in on.readings]
     error = np.max(estimate(alike)[1]) if alike[1:] else 2 * shapes[-1].rod.h
-    return float(np.max([error, *np.ravel(others)]))
+    errors, contacts = np.full_like(places[-1], np.max([error, *np.ravel(others)])), shapes[-1].contacts
+    for low, high in narrow_gaps(shapes):
+        errors[(places[-1] == low) | (places[-1] == high)] += high - low
+    for edges, on in zip(errors, contacts, strict=True):
+        sure = [part for part in _sure_parts(shapes, on) if part.end > part.begin]
+        if on.end > on.begin:
+            edges += (sure[0].begin - on.begin, on.end - sure[-1].end) if sure else on.end - on.begin
+    return errors
 
 
 def free_numbers(sol: ShapeArrays, names: Iterable[str]) -> dict[str, tuple[Array, Array]]:
@@ -280,7 +317,8 @@ def _limit(name: str, reads: list[FreeReading]) -> tuple[float, float]:
     rest, error = (float(part) for part in estimate(values[first:])) if values[first + 1 :] else (0.0, np.nan)
     rest *= name not in OF_EDGES
     if name in OF_CONTACTS:
-        others = [FreeReading(reads[-1].shape, reads[-1].a, k) for k in (0, 1)]
+        last, shapes = reads[-1], [read.shape for read in reads]
+        others = [FreeReading(last.shape, last.a, contacts) for contacts in readings_of(shapes)]
         error = max(error, *(abs(float(NUMBERS[name](other)) - values[-1]) for other in others))
     if name == "push_max_at":  # one of the nodes, or an edge
         error = max(error, reads[-1].rod.h)

@@ -319,7 +319,7 @@ class EndsFields:
         metadata=_row(
             "M₂(0)",
             MOMENT,
-            "bending moment in the surface at the start",
+            "bending moment across the wall at the start",
             needs=_FREE,
             in_place_of="tilt0",
             more=", 0 for a hinge",
@@ -330,7 +330,7 @@ class EndsFields:
         metadata=_row(
             "M₂(L)",
             MOMENT,
-            "bending moment in the surface at the far end",
+            "bending moment across the wall at the far end",
             needs=_FREE,
             in_place_of="tiltL",
             more=", 0 for a hinge",

@@ -3,6 +3,8 @@
 import math
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from solver.observe.free_numbers import error_of_contacts
 from solver.observe.observables import observe
 
@@ -51,7 +53,7 @@ def point_forces(sol: "Solution") -> list[tuple[str, str]]:
 def _place(sol: "Solution", s: float) -> str:
     """Where a contact begins or ends: an end of the rod, or in the digits that the error allows."""
     lengths = [high - low for low, high in sol.contacts if high > low]
-    return _with_error(s, place_error(sol) * (0 < s < float(sol.case.rod.L)), min(lengths, default=math.inf))
+    return _with_error(s, place_error(sol, s) * (0 < s < float(sol.case.rod.L)), min(lengths, default=math.inf))
 
 
 def _with_error(value: float, error: float, size: float) -> str:
@@ -64,9 +66,10 @@ def _with_error(value: float, error: float, size: float) -> str:
     return f"{within(value, error / 20)} ± {plain(error, 2)}"
 
 
-def place_error(sol: "Solution") -> float:
-    """The estimated error of where contacts begin and end [length]."""
-    return error_of_contacts(sol.trajectory.free.answers[0].shapes) * float(sol.case.rho)
+def place_error(sol: "Solution", s: float) -> float:
+    """The estimated error of where the contact whose edge is nearest to s begins or ends there [length]."""
+    errors = error_of_contacts(sol.trajectory.free.answers[0].shapes) * float(sol.case.rho)
+    return float(errors.ravel()[np.abs(np.ravel(sol.contacts) - s).argmin()])
 
 
 def length_error(sol: "Solution") -> float:
