@@ -511,11 +511,15 @@ class FreeSolution(Solution):
         )
         lies = flat((np.asarray(weight) != 0) & (np.asarray(theta) > 0) & (np.asarray(theta) < np.pi), self.case.shape)
         for i in np.flatnonzero(self.trajectory.solved & self.case.varies).tolist():
-            shape = self.trajectory.free.answers[i].shapes[-1]
+            answer = self.trajectory.free.answers[i]
+            shape = answer.shapes[-1]
             along = shape.at_stations(shape.nodes)
+            # nearer to the axis than the error of the shape a place has no azimuth: that of the next one
+            off = np.hypot(*shape.x[:, :2].T) > answer.error * shape.rod.span
+            azimuths = np.interp(shape.nodes, shape.nodes[off], along.turned[0, off]) if off.any() else 0 * shape.nodes
             drawn = is_drawn(along.force[:, 2], along.push)
             turns = ends_turn(bool(lies[i]), "azimuth" in fields_held(self.case))
-            each[i] = states(shape.nodes * rho[i], along.turned[1], along.turned[0], drawn, turns)
+            each[i] = states(shape.nodes * rho[i], along.turned[1], azimuths, drawn, turns)
         return self._each(each)
 
     @cached_property

@@ -683,6 +683,15 @@ def test_contact_that_nothing_tells_from_a_gap_is_in_the_errors() -> None:
         assert abs(seen["contact_share"] - share) <= seen["contact_share_error"] < most
 
 
+@pytest.mark.parametrize(("FZ", "word"), [(-166.0, "straight"), (-170.0, "sinusoidal")])
+def test_an_end_on_the_axis_has_no_azimuth_that_would_be_a_wave(FZ: float, word: str) -> None:
+    hole = Cylinder(R=0.10795, side="inside", inclination="90deg", contact="unilateral")
+    pipe = Rod(EI=1228.0, GJ=945.0, a=0.0635, L=100.0, weight=0.242)
+    sol = solve(Case(pipe, hole, Ends(beta0=0.0, betaL=0.0, FZ=FZ, radius0=0.0, radiusL=0.0)))
+    assert {state.word for state in sol.states} == {"straight", word}
+    assert sol.states[-1].word == "straight"
+
+
 def test_the_moment_about_the_axis_that_holds_the_frame_of_an_end_there_is_observed() -> None:
     """A wall pushes at right angles to the axis, and so has no moment about it: both ends have the same."""
     hole = Cylinder(1.1, side="inside", contact="unilateral")
