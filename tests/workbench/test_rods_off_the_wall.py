@@ -257,6 +257,17 @@ def test_errors_that_are_seen_beside_their_values_are_drawn_and_told(stored: xr.
             assert (first.min(), first.max()) == pytest.approx((0.0, 0.15))
 
 
+def test_a_hinge_that_the_wall_holds_is_told_with_the_moment_of_the_rod() -> None:
+    """Drawn, the rod is pressed on at both ends; compressed, it tilts out of the wall at its hinges."""
+    told = []
+    for FZ, MZ, M3 in ((20.0, 8.0, 0.0), (-8.66, 1.3, 6.1)):
+        ends = Ends(0.5, 0.8, FZ=FZ, MZ=MZ, M3=M3, M20=0.0, M2L=0.0)
+        sol = solve(Case(Rod(E=1.07e4, nu=0.25, a=0.25, L=20.0), Cylinder(R=0.75, contact="unilateral"), ends))
+        told.append([text for text in free_rods.sentences(sol, {"length": "cm", "force": "N"}) if "hinge" in text])
+    assert ["at the start along it: M2 of the rod is 6.71 N cm" in text for text in told[0]] == [True, False]
+    assert told[1] == []
+
+
 def test_a_place_that_its_error_hides_is_told_with_the_error() -> None:
     """The cable of a drum whose far end is far off: its short contact is known to its own length."""
     cylinder = Cylinder(200.0, contact="unilateral")

@@ -23,9 +23,10 @@ def sentences(sol: "Solution", units: dict[str, str]) -> list[str]:
         return []
     length, force = units["length"], units["force"]
     numbers = {name: float(value) for name, value in observe(sol, ["gap_max", "contact_share"], errors=True).items()}
+    held = hinges_on_wall(sol, f"{force} {length}")
     gap = f"up to {within(numbers['gap_max'], numbers['gap_max_error'])} {length} off the wall"
     if not sol.contacts:
-        return [f"the rod touches the cylinder nowhere between its ends: {gap}"]
+        return [f"the rod touches the cylinder nowhere between its ends: {gap}", *held]
     share, where = numbers["contact_share"], places_of_contact(sol, length)
     percent = _with_error(100 * share, 100 * numbers["contact_share_error"], 100 * share)
     touches = f"lies on {percent} % of its length on the wall," if share else "touches the wall"
@@ -33,6 +34,17 @@ def sentences(sol: "Solution", units: dict[str, str]) -> list[str]:
     if sol.point_forces and len(sol.contacts) <= MOST:
         each = ", ".join(f"{value} {force} at {s}" for s, value in point_forces(sol))
         said.append(f"point forces of the wall: {each} {length}")
+    return said + held
+
+
+def hinges_on_wall(sol: "Solution", unit: str) -> list[str]:
+    """Of each hinge that its given M2 presses into the wall, the moment of the rod there: the wall takes the rest."""
+    rod, said = sol.trajectory.free.answers[0].shapes[-1].rod, list[str]()
+    for k, (where, field) in enumerate((("start", "M20"), ("far end", "M2L"))):
+        given = getattr(sol.case.given, field)
+        if given is not None and not rod.free[4 * k + 2]:
+            moment = f"M2 of the rod is {plain(float(sol.M2[-k]), 3)} {unit} there, not {plain(float(given), 3)}"
+            said.append(f"the wall holds the hinge at the {where} along it: {moment}, as the wall takes the rest")
     return said
 
 
