@@ -1,11 +1,12 @@
 """The verdict on a law as a user reads it: by attribute or by key, and of several laws selected by words."""
 
 from collections.abc import Iterable, Mapping
-from typing import Any, SupportsIndex, overload
+from typing import TYPE_CHECKING, Any, SupportsIndex, overload
 
 from solver.problem.errors import InputError, choices, near
 
 from . import law_words
+from .line_verdicts import FAILS
 
 
 class LawVerdict(dict[str, Any]):
@@ -24,7 +25,7 @@ class LawVerdict(dict[str, Any]):
     where : str
         Where the law was judged, and where it is false: "at R = 0.75; false from E = 10000 to 15000"; "everywhere".
     reason : str
-        Why it is true in part, not decided or false; empty where the rest says that.
+        Why it is true in part, not decided or false; of a false law without another reason, what was measured.
 
     Examples
     --------
@@ -34,16 +35,52 @@ class LawVerdict(dict[str, Any]):
     ('bends falls along E', 'true', '8 → 5', 'everywhere')
     """
 
+    claim: str
+    law: str
+    verdict: str
+    measured: str
+    where: str
+    reason: str
+    kind: str
+    axis: str
+    direction: str | None
+    says: str
+    does: str
+    rule: dict[str, Any]
+    source: str
+    fixed: str
+    fixed_note: str
+    observable: str
+    qualifications: list[str]
+    tau: float | None
+    at: dict[str, float]
+    lines: int
+    line_verdicts: dict[str, int]
+    lines_hold: int
+    lines_trend: int
+    steps: int
+    exceptions: list[dict[str, Any]]
+    first: list[float] | None
+    last: list[float] | None
+    found: str
+    numbers: dict[str, float | None]
+    counted: str
+    across: list[str]
+    also: list[dict[str, Any]]
+
     def __init__(self, row: Mapping[str, Any]) -> None:
         measured, where = law_words.measure(row), law_words.where(row)
         first = {"claim": row["claim"], "law": law_words.law_in_words(row), "verdict": row["verdict"]}
-        super().__init__({**row, **first, "measured": measured, "where": where})
+        reason = row["reason"] or (law_words.detail(row) or measured) * (row["verdict"] == FAILS)
+        super().__init__({**row, **first, "measured": measured, "where": where, "reason": reason})
 
-    def __getattr__(self, name: str) -> Any:
-        try:
-            return self[name]
-        except KeyError:
-            raise AttributeError(f"a verdict has no {name!r}{near(name, self)}; it has {choices(self)}") from None
+    if not TYPE_CHECKING:  # which knows the attributes above, and no others
+
+        def __getattr__(self, name: str) -> Any:
+            try:
+                return self[name]
+            except KeyError:
+                raise AttributeError(f"a verdict has no {name!r}{near(name, self)}; it has {choices(self)}") from None
 
     def __dir__(self) -> list[str]:
         return [*self, *dict.__dir__(self)]

@@ -19,6 +19,7 @@ from .line_verdicts import (
     QUALIFIED,
     TREND,
     TREND_TAU,
+    UNCHANGED,
     UNDECIDED,
     VERDICTS,
     Show,
@@ -238,7 +239,7 @@ def where(row: Mapping[str, Any]) -> str:
     wrong = [_step(row["axis"], step, shown=not row["at"]) for step in row["exceptions"]]
     more = f" and {len(wrong) - MOST} more" if len(wrong) > MOST else ""
     notes += [f"false {', '.join(wrong[:MOST])}{more}"] if wrong else []
-    return "; ".join(notes) or "everywhere"
+    return "; ".join(notes) or ("false everywhere" if row["verdict"] == FAILS else "everywhere")
 
 
 def _step(axis: str, step: Mapping[str, Any], shown: bool) -> str:
@@ -257,19 +258,19 @@ def in_words_of_today(text: str) -> str:
 
 def detail(row: Mapping[str, Any]) -> str:
     """What qualifies a verdict: the reason, the line that decides, lines of a grid, exceptions; or nothing."""
-    notes = [row["reason"]] if row["reason"] else []
+    reason, notes = row["reason"], list[str]()
+    if reason == UNCHANGED:
+        return str(reason)
     if ON_PART not in row["qualifications"]:  # whose reason says the next two
         if row["at"]:
             notes.append(f"at {', '.join(f'{name} = {value:.4g}' for name, value in row['at'].items())}")
         if row["lines"] > 1:
             notes.append(_rows(row))
-    if row["verdict"] == QUALIFIED:
-        return "; ".join(notes)
-    if row["exceptions"]:
+    if row["exceptions"] and row["verdict"] != QUALIFIED:
         notes.append(f"{len(row['exceptions'])} of {row['steps']} {row['counted']}")
-    if row["tau"] is not None and row["verdict"] != HOLDS:
+    if row["tau"] is not None and row["verdict"] not in (HOLDS, QUALIFIED):
         notes.append(f"tau {row['tau']:.2f}")
-    return "; ".join(notes)
+    return join([reason if reason != row["found"] else "", *(note for note in notes if note not in reason)])
 
 
 def _rows(row: Mapping[str, Any]) -> str:

@@ -26,6 +26,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from solver.problem.errors import InputError, no_such
 
+UNCHANGED = "it does not change"  # why a law with a direction is not true of a constant
 HOLDS, TREND, QUALIFIED, UNDECIDED, FAILS = "true", "true as a trend", "true in part", "not decided", "false"
 VERDICTS = (HOLDS, TREND, QUALIFIED, UNDECIDED, FAILS)  # best first
 
@@ -214,7 +215,7 @@ def monotone(line: Line, sign: int, may_stand: bool) -> Verdict:
     if row.size == 1 or np.isnan(steps).any():
         return _with_gaps(line, pausing, pairs, exceptions)
     changed = may_stand or sign * (row[-1] - row[0]) > noise
-    level = "" if np.ptp(row) > noise else "it does not change"
+    level = "" if np.ptp(row) > noise else UNCHANGED
     if not exceptions and changed:
         return Verdict(HOLDS, pairs.tau, reason=level)
     if pairs.tau is not None and pairs.tau >= TREND_TAU:

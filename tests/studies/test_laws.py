@@ -6,6 +6,7 @@ from scipy.stats import kendalltau
 
 from solver import InputError
 from studies import load
+from studies.laws.law_verdict import LawVerdict
 from studies.laws.law_words import sentence
 from studies.laws.line_verdicts import (
     DIRECTIONS,
@@ -119,6 +120,36 @@ def test_the_verdicts_of_the_lines_are_those_that_the_law_counts() -> None:
     counts = decide(law, {"bends": grid}, axes)["line_verdicts"]
     assert {verdict: int((found == verdict).sum()) for verdict in counts} == counts
     assert len(counts) > 1
+
+
+WRONG = {
+    "equals": ({"formula": 3.0, "relative": 0.05}, "3 of 3 cases miss the 5 %"),
+    "bounded": ({"most": 2.0}, "2 of 3 cases outside"),
+    "scales": ({"exponent": 1.0, "within": 0.1}, "exponent 2 ± "),
+    "boundary": ({"passes": 2.0, "x": 3.5, "within": 0.1}, "passes between 1 and 2"),
+    "monotone": ({"direction": "falls"}, "2 of 2 steps the wrong way; tau -1.00"),
+}
+
+
+@pytest.mark.parametrize("kind", WRONG)
+def test_a_false_law_of_every_kind_says_why_and_where(kind: str) -> None:
+    rule, why = WRONG[kind]
+    law = Law(claim="c", kind=kind, observable="kappa_max", axis="E", source="s", **rule)
+    row = decide(law, {"kappa_max": np.array([1.0, 4.0, 9.0])}, {"E": [1.0, 2.0, 3.0]})
+    assert row.verdict == FAILS
+    assert why in row.reason
+    assert row.where.startswith("false")
+    assert sentence(row).count(why) == (why not in row.measured)  # which is said once, behind the sentence
+
+
+def test_of_a_constant_a_law_says_only_that_it_does_not_change() -> None:
+    row = decide(LAW, {"bends": np.full(9, 3.0)}, {"E": np.arange(9.0)})
+    assert sentence(row) == "false: it does not change"
+
+
+def test_a_verdict_knows_the_types_of_all_its_attributes() -> None:
+    row = decide(LAW, {"bends": np.arange(3.0)}, {"E": np.arange(3.0)})
+    assert {*row} == {*LawVerdict.__annotations__}
 
 
 def test_a_verdict_has_names_and_is_selected_by_words() -> None:

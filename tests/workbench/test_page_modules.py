@@ -284,7 +284,8 @@ def test_a_shape_too_far_from_the_one_before_is_not_followed_silently() -> None:
 
 def test_a_rod_of_many_bends_gets_more_stations_and_a_very_long_one_is_shown_in_part() -> None:
     script = """
-    const part = (shape, found) => [shape.s, shape.beta, shape.shown, numbers.rowsOf(shape, found).map(([name]) => name),
+    const part = (shape, found) => [shape.s, shape.beta, shape.shown,
+      numbers.rowsOf(shape, found).map(([name]) => name),
       numbers.warnings(shape, found, { length: "cm", force: "N" })];
     const shapes = given.map((state) => rod_shape.marched(core, rod_case.caseOf(state, {})));
     answer(shapes.map((shape) => part(shape, numbers.observables(shape))));"""
