@@ -259,16 +259,15 @@ def in_words_of_today(text: str) -> str:
 def detail(row: Mapping[str, Any]) -> str:
     """What qualifies a verdict: the reason, the line that decides, lines of a grid, exceptions; or nothing."""
     reason, notes = row["reason"], list[str]()
-    if reason == UNCHANGED:
-        return str(reason)
     if ON_PART not in row["qualifications"]:  # whose reason says the next two
         if row["at"]:
             notes.append(f"at {', '.join(f'{name} = {value:.4g}' for name, value in row['at'].items())}")
         if row["lines"] > 1:
             notes.append(_rows(row))
-    if row["exceptions"] and row["verdict"] != QUALIFIED:
+    is_told = row["verdict"] == QUALIFIED or reason == UNCHANGED
+    if row["exceptions"] and not is_told:
         notes.append(f"{len(row['exceptions'])} of {row['steps']} {row['counted']}")
-    if row["tau"] is not None and row["verdict"] not in (HOLDS, QUALIFIED):
+    if row["tau"] is not None and row["verdict"] != HOLDS and not is_told:
         notes.append(f"tau {row['tau']:.2f}")
     return join([reason if reason != row["found"] else "", *(note for note in notes if note not in reason)])
 

@@ -143,7 +143,8 @@ def test_a_false_law_of_every_kind_says_why_and_where(kind: str) -> None:
 
 
 def test_of_a_constant_a_law_says_only_that_it_does_not_change() -> None:
-    row = decide(LAW, {"bends": np.full(9, 3.0)}, {"E": np.arange(9.0)})
+    law = Law(claim="c", observable="kappa_max", axis="E", direction="falls", source="s")
+    row = decide(law, {"kappa_max": np.full(9, 3.0)}, {"E": np.arange(9.0)})
     assert sentence(row) == "false: it does not change"
 
 
