@@ -105,9 +105,13 @@ class Solution(ShapeArrays):
         parts = self.problem.take(order), self.trajectory.take(order), self.t[order]
         return type(self)(cases_at(self.case, index), *parts, self.method, self.tol)
 
+    def __len__(self) -> int:
+        """The number of solutions along the first axis of the cases; 1 for a single case."""
+        return self.case.shape[0] if self.case.shape else 1
+
     def __iter__(self) -> Iterator[Self]:
         """The solutions along the first axis of the cases. Raises `InputError` for a single case."""
-        return (self[i] for i in range(self.case.shape[0] if self.case.shape else 1))
+        return (self[i] for i in range(len(self)))
 
     def sel(self, **values: Any) -> Self:
         """The solutions of the cases at these values of fields that vary; nothing is solved again.

@@ -65,6 +65,7 @@ def test_values_of_fields_select_and_a_loop_goes_over_the_first_axis() -> None:
     assert one.z[-1] == rods.z[1, 1, -1]
     assert rods.sel(E=[1e4, 4e4]).case.shape == (3, 2)
     assert [part.case.cylinder.R[0] for part in rods] == [0.5, 0.75, 1.0]
+    assert len(rods) == 3
     turned = solve(
         Case(Rod(E=1e4, nu=0.25, a=0.25, L=5.0), Cylinder(R=0.75), Start(beta=np.radians([20, 40]), dbeta=0.5, M3=0.0))
     )

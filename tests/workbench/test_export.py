@@ -20,7 +20,7 @@ from solver import Case, Cylinder, Rod, Solution, Start, solve
 from solver.problem.errors import InputError
 from studies.language.loader import loads
 from tests.slow import slow, slow_but
-from tests.workbench import runs, small
+from tests.workbench import command, runs, small
 from workbench.commands.options import axis_values
 from workbench.export import step, stored_rod
 from workbench.export.base import ExportOptions
@@ -438,6 +438,13 @@ def folder(ds, tmp_path_factory) -> Path:
     writing.write(small.with_outcomes(ds, ["solved", "the march went astray", "solved"]), folder / "gap.h5")
     (folder / "there.csv").write_text("mine")
     return folder
+
+
+def test_a_solid_that_cannot_be_ends_with_the_status_of_a_mesh_of_it(folder, kernel, tmp_path, capsys) -> None:
+    export_of = ("export", folder / "moduli.h5", "--at", "E=5000", "-o")
+    assert [command.exit_status(*export_of, tmp_path / f"rod{kind}") for kind in (".step", ".stl")] == [1, 1]
+    assert "workbench: no solid: the rod bends with a radius" in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == ["rod.stl"]
 
 
 @pytest.mark.skipif(os.name == "nt", reason="no limit of the size of files there")
