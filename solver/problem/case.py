@@ -465,7 +465,8 @@ class Case:
             raise InputError(f"the fields of a Case must broadcast, got shapes {shapes}") from None
         if self.cylinder.side == "inside":
             tight = np.less_equal(self.cylinder.R, self.rod.a)
-            rule = f"larger than Rod.a = {self.rod.a!s} for a rod inside"
+            radius = self.rod.a if np.ndim(self.rod.a) else f"{self.rod.a:.10g}"
+            rule = f"larger than Rod.a = {radius} for a rod inside"
             refuse("Cylinder", "R", np.broadcast_to(self.cylinder.R, np.shape(tight)), tight, rule)
         refuse_unmet({name: value for part in self._parts for name, value in vars(part).items() if name in FIELDS})
         if self.leaves:

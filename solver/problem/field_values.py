@@ -149,7 +149,9 @@ def refuse(owner: str, field: str, value: ArrayLike, bad: ArrayLike, rule: str) 
         index = ", ".join(map(str, np.argwhere(bad)[0]))
         more = f"; the first of {bad.sum()} such values" if bad.sum() > 1 else ""
         where = f" (at index {index} of {bad.size} values{more})" if bad.size > 1 else ""
-        raise InputError(f"{_name_in(owner, field)} must be {rule}, got {worst!s}{where}")
+        said = f"{worst:.10g}" if isinstance(worst, float) else f"{worst!s}"
+        said += f" rad ({math.degrees(worst):.6g} deg)" if " rad (" in rule else ""
+        raise InputError(f"{_name_in(owner, field)} must be {rule}, got {said}{where}")
 
 
 def _name_in(owner: str, field: str) -> str:

@@ -42,7 +42,7 @@ WAYS = {
     "axial-forward": "moves as a whole along the hole, towards s = L",
     "axial-backward": "moves as a whole along the hole, towards s = 0",
 }
-TENSION = "in tension all along: a compression, as by a weight on the bit, is a negative FZ"
+TENSION = "in tension all along: a compression, as by a weight on the bit, is a positive wob, or a negative FZ"
 STIFFEST, DENSEST = 1.3e6, 23e3  # MPa, kg/m3: above diamond and osmium
 GRAVITY = 9.81  # m/s2
 STEADY = 1e-6  # deg: a lay that varies by less is one, and a bend that turns less is none
