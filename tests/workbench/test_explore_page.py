@@ -261,7 +261,11 @@ def test_of_many_moves_the_last_is_drawn(page) -> None:
 
 
 @pytest.mark.parametrize(
-    "name, text, sentence", [("E", "-1", "E must be greater than 0."), ("R", "", "R needs a number.")]
+    "name, text, sentence",
+    [
+        ("E", "-1", "E must be greater than 0."),
+        ("E", "3 GPa", "E needs a number, in the unit beside it and without a unit of its own."),
+    ],
 )
 def test_bad_input_is_explained_once_in_place_and_the_last_good_shape_stays(page, name, text, sentence) -> None:
     before, points = page.drawn(), page.points()

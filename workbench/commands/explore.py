@@ -41,7 +41,8 @@ def explore(
 
     The page shows the shape, forces and equilibria of a rod while its sliders move. It begins with a drill pipe in a
     borehole, with the rod of options, as for the command solve, or with any study or stored file: of several cases it
-    shows one, and says which. Only this machine can open the page unless --host says otherwise. Ctrl-C ends the command.
+    shows one, and says which. Only this machine can open the page unless --host says otherwise. Ctrl-C ends the
+    command.
     """
     from ..web.live import live_document
     from ..web.live.presets import PRESETS, own_preset

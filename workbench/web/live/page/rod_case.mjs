@@ -115,7 +115,8 @@ export function caseOf(state, symbols) {
 
 function checked(name, value, symbols) {
   const letter = symbols[name] || name;
-  if (typeof value !== "number" || !Number.isFinite(value)) throw new Refused(`${letter} needs a number.`, name);
+  const unit = ["ratio", "share"].includes(kindOf(name)) ? "" : ", in the unit beside it and without a unit of its own";
+  if (typeof value !== "number" || !Number.isFinite(value)) throw new Refused(`${letter} needs a number${unit}.`, name);
   const { low = -Infinity, closed, high = Infinity } = POSITIVE.includes(name) ? { low: 0 } : RANGES[name] || {};
   if ((closed ? value >= low : value > low) && value <= high) return value;
   const written = (bound) => `${isDegrees(name) ? `${Math.round(bound / DEGREE)}°` : bound}`.replace("-", "−");
