@@ -98,7 +98,7 @@ class DiscreteRod:
         return np.abs(self.radius - 1) < NEGLIGIBLE
 
     @property
-    def leaning(self) -> Booleans:
+    def may_tilt(self) -> Booleans:
         """Which angles of both ends (8,) are the tilts of hinges on the wall."""
         return self.free & np.outer(self.grounded, [False, False, True, False]).ravel()
 

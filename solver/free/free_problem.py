@@ -137,7 +137,7 @@ class Beside(NamedTuple):
         """
         rod = self.rod_on(curve, share, edges)
         y, multipliers = (curve.on(rod), curve.multipliers(edges)) if near is None else (near.y, near.multipliers)
-        along = rod.leaning & (np.abs(np.sin(rod.parts(y)[2])) < NEGLIGIBLE)
+        along = rod.may_tilt & (np.abs(np.sin(rod.parts(y)[2])) < NEGLIGIBLE)
         shape = None
         for _ in range(SETTLED):
             angles = np.where(along, np.pi * np.round(rod.parts(y)[2] / np.pi), rod.angles)
@@ -145,7 +145,7 @@ class Beside(NamedTuple):
             shape = minimise(held, y, self.sizes(curve), multipliers, self.effort)
             held_along, along = along, along & False
             if shape is not None:
-                y, multipliers, along = shape.y, shape.multipliers, shape.tilts_into_wall(rod.leaning)
+                y, multipliers, along = shape.y, shape.multipliers, shape.tilts_into_wall(rod.may_tilt)
             if (along == held_along).all():
                 break
         return shape
