@@ -151,7 +151,7 @@ def test_beside_a_cylinder_that_only_pushes_the_loads_of_the_ends_stay(port) -> 
 def test_what_cannot_be_is_answered_with_a_sentence_and_the_field(port) -> None:
     answer = asked(port, "POST", "/shape", {"state": state(E=-1)})
     assert answer.status == 200  # a browser writes any other status in its console
-    assert json.loads(answer.data) == {"refused": "Rod.E must be positive and finite, got -1.0", "field": "E"}
+    assert json.loads(answer.data) == {"refused": "Rod.E must be positive and finite, got -1", "field": "E"}
 
 
 @pytest.mark.filterwarnings("error::RuntimeWarning")

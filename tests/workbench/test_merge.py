@@ -145,7 +145,7 @@ def test_stations_at_other_places_are_refused(tmp_path) -> None:
 
 def test_a_file_may_be_joined_into_itself(tmp_path) -> None:
     files = stored(tmp_path, one_by_one(E1), one_by_one(E2))
-    file_merge.merge(files, files[0])
+    file_merge.merge(files, files[0], force=True)
     assert reading.read(files[0])["E"].values.tolist() == [1e4, 2e4, 3e4]
 
 
