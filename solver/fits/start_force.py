@@ -19,7 +19,10 @@ CLOSE, MET = 1e-10, 1e-7  # of the loads: the last step of this search; how well
 
 
 def without_friction(FZ0: Any, weight: Any, L: Any, inclination: Any) -> Any:
-    """The FZ of a rod without friction whose force at s = 0 is FZ0 [force]; None: no weight, or one that s climbs."""
+    """The FZ of a rod without friction whose force at s = 0 is FZ0 [force].
+
+    weight, inclination: None is 0, no weight or a rod that climbs straight up.
+    """
     weight, inclination = (np.asarray(0.0 if value is None else value) for value in (weight, inclination))
     return (FZ0 + weight * L * np.cos(inclination))[()]
 

@@ -93,14 +93,14 @@ class DiscreteRod:
         return EDGE * self.edges + ENDS
 
     @property
-    def grounded(self) -> Booleans:
+    def on_wall(self) -> Booleans:
         """Which ends are on the wall, (2,)."""
         return np.abs(self.radius - 1) < NEGLIGIBLE
 
     @property
     def may_tilt(self) -> Booleans:
         """Which angles of both ends (8,) are the tilts of hinges on the wall."""
-        return self.free & np.outer(self.grounded, [False, False, True, False]).ravel()
+        return self.free & np.outer(self.on_wall, [False, False, True, False]).ravel()
 
     def parts(self, y: Array) -> tuple[Array, Array, Array]:
         """Quaternions (N, 4), nodes 1 to N (N, 3), and the angles of both ends (8,), as views of the unknowns."""

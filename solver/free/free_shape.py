@@ -111,7 +111,7 @@ class FreeShape:
         """
         moment, D = self.moments[[0, -1]], self._directors(self.nodes[[0, -1]])
         shear = np.einsum("nij,nj->ni", D, np.cross(self.forces[[0, -1]], D[:, 2]))
-        return self.rod.grounded[:, None] * (shear / 6 + moment[:, 2:] * np.cross([0, 0, 1.0], moment) / 24)
+        return self.rod.on_wall[:, None] * (shear / 6 + moment[:, 2:] * np.cross([0, 0, 1.0], moment) / 24)
 
     def tilts_into_wall(self, leaning: Booleans) -> Booleans:
         """Which of these angles of ends (8,) lead into the wall, or would if they were not held along it."""
@@ -154,7 +154,7 @@ class FreeShape:
     @cached_property
     def contacts(self) -> list[Contact]:
         """The intervals of contact, in order."""
-        return contacts_of(self.wall_force, self.rod.h, self.rod.grounded)
+        return contacts_of(self.wall_force, self.rod.h, self.rod.on_wall)
 
     def push_at(self, t: Array) -> Array:
         """The push of the wall per length at stations (n,), point forces not included."""

@@ -228,7 +228,7 @@ def narrow_gaps(shapes: Sequence[FreeShape]) -> list[tuple[float, float]]:
     the error of its places all along: such a stretch cannot be told from contact."""
     shape, rod = shapes[-1], shapes[-1].rod
     edges = [(on.begin, on.end) for on in shape.contacts]
-    edges = [(0.0, 0.0)] * bool(rod.grounded[0]) + edges + [(rod.span, rod.span)] * bool(rod.grounded[1])
+    edges = [(0.0, 0.0)] * bool(rod.on_wall[0]) + edges + [(rod.span, rod.span)] * bool(rod.on_wall[1])
     off, error = np.abs(np.hypot(*shape.x[:, :2].T) - 1), error_of(shapes) * rod.span
     stretches = [(low, high) for (_, low), (high, _) in pairwise(edges) if low < high] if shape.contacts else []
     return [each for each in stretches if (off[(shape.nodes > each[0]) & (shape.nodes < each[1])] <= error).all()]

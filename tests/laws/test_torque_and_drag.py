@@ -112,15 +112,18 @@ def test_a_fit_refuses_a_field_or_a_target_that_a_given_force_at_the_hook_decide
 
 
 def test_derivatives_under_a_given_force_at_the_hook_are_those_of_differences() -> None:
-    def buckled(friction: float, FZ0: float) -> Any:
+    def pipe_under(friction: float, FZ0: float) -> Any:
         case = with_start_force(pipe("axial-forward", 80.0, 60.0, friction=friction), FZ0)
         return solve(case, stations=31)
 
     names = ["FZ", "FZ0", "kappa_max"]
-    at, h = buckled(0.2, -260.0), 1e-4
+    at, h = pipe_under(0.2, -260.0), 1e-4
     known = at.sensitivity(["friction", "FZ"], names).with_given("FZ0", "FZ")
     assert known.fields == ("friction", "FZ0")
-    pairs = (buckled(0.2 + h, -260.0), buckled(0.2 - h, -260.0)), (buckled(0.2, -260 + h), buckled(0.2, -260 - h))
+    pairs = (
+        (pipe_under(0.2 + h, -260.0), pipe_under(0.2 - h, -260.0)),
+        (pipe_under(0.2, -260 + h), pipe_under(0.2, -260 - h)),
+    )
     for k, (more, less) in enumerate(pairs):
         assert np.abs(at.beta).max() > 5e-3
         for name in names:

@@ -19,10 +19,8 @@ LONGEST = 2.0  # radii between rings, so that the colours change where the push 
 STL_HEADER = b"rod workbench"  # not the word solid, with which an STL file of text begins
 STL_PART = 100_000  # triangles that are written at a time
 NEAR = 1e-3  # of the rod's radius: the default tolerance
-ROUNDS, CLOSER = (
-    9,
-    0.85,
-)  # how often rings are set closer, where diagonals cut off more than is allowed, and by how much
+# how often rings are set closer, where diagonals cut off more than is allowed, and by how much
+ROUNDS, CLOSER = 9, 0.85
 BETWEEN = 9  # places from ring to ring at which it is read how much the rod bends
 
 

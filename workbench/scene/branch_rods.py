@@ -81,7 +81,7 @@ def _draw(fig: Figure, stored: StoredStudy, shown: Sequence[int], picture: Page)
     wide, high = map(float, fig.get_size_inches())
     ax = fig.add_axes((LEFT / wide, 0.0, 1 - (LEFT + RIGHT) / wide, DIAGRAM / high))
     bifurcation.panel(stored, ax, str(stored.attrs["shown"]), DIAGRAM, Sheet(page.WIDE - LEFT), shown)
-    names = list({str(entry.get_label()) for entry in canvas.legend_entries(ax)})
+    names = [*dict.fromkeys(str(entry.get_label()) for entry in canvas.legend_entries(ax))]
     drawn = ax.get_tightbbox()
     assert drawn is not None
     inset = LEFT + max(canvas.MARGIN - drawn.x0 / fig.dpi, 0.0)
