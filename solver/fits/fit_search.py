@@ -9,8 +9,9 @@ from scipy.optimize import brentq
 
 from ..held.selection import NEAREST, Choose, check
 from ..numerics.arrays import ALIKE, ROUGHLY, Array
-from ..problem.case import Case, check_case
-from ..problem.errors import LARGEST_SEED, InputError, check_tolerance, whole_number, yes_or_no
+from ..problem.case import Case, Ends, check_case
+from ..problem.errors import LARGEST_SEED, InputError, check_tolerance, show, whole_number, yes_or_no
+from ..problem.field_values import numbers_of
 from .assembly import ZERO, result
 from .data import check_data, target_parts
 from .fit_result import Fit
@@ -96,12 +97,8 @@ def fit(
     parameters = check_parameters(check_case("fit", case), vary)
     data = check_data(case, targets, points, sigma, yes_or_no("wrapped", wrapped))
     starts, seed = whole_number("starts", starts, 0, 100_000), whole_number("seed", seed, 0, LARGEST_SEED)
-    if FZ0 is not None:
-        if "FZ" in [parameter.name for parameter in parameters]:
-            raise InputError("FZ0 is given, and FZ follows from it: vary another field, or give FZ")
-        if given := [name for name in data.targets if target_parts(name)[0] == "FZ0"]:
-            raise InputError(f"FZ0 is given, so that it is no target: omit {given[0]}, or give FZ")
-    model = Model(case, parameters, data, check(choose), check_tolerance(tol), FZ0)
+    near = None if FZ0 is None else _start_force(case, [parameter.name for parameter in parameters], data.targets, FZ0)
+    model = Model(case, parameters, data, check(choose), check_tolerance(tol), near)
     model.starts = starts
     origin = np.array([parameter.start for parameter in parameters])
     first = search(model, origin, lambda x: False)
@@ -116,6 +113,20 @@ def fit(
             minima.append(minimum)
     moved = [minimum for minimum in minima if minimum.jacobian.any()]  # the others may be maxima
     return result(model, _distinct(moved or minima, first, origin, data.size))
+
+
+def _start_force(case: Case, varied: list[str], targets: Iterable[str], FZ0: Any) -> float:
+    """The force at s = 0 that is given in place of FZ. Raises `InputError`."""
+    if not isinstance(case.given, Ends):
+        raise InputError("FZ0 stands in place of FZ, which a start problem does not have")
+    force = numbers_of("fit", "FZ0", FZ0)
+    if not isinstance(force, float):
+        raise InputError(f"fit takes a single FZ0, got {show(FZ0)}")
+    if "FZ" in varied:
+        raise InputError("FZ0 is given, and FZ follows from it: vary another field, or give FZ")
+    if given := [name for name in targets if target_parts(name)[0] == "FZ0"]:
+        raise InputError(f"FZ0 is given, so that it is no target: omit {given[0]}, or give FZ")
+    return force
 
 
 def _idle(model: Model, first: FitMinimum | None, starts: list[Array]) -> Array:

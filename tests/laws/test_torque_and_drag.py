@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from solver import Case, Cylinder, Ends, InputError, Rod, fit, observe, solve
+from solver import Case, Cylinder, Ends, InputError, Rod, Start, fit, observe, solve
 from solver.fits.start_force import with_start_force
 
 PIPE: dict[str, Any] = {"EI": 1224.0, "GJ": 941.6, "a": 0.0635, "weight": 0.241}  # 5 inch, in kN and m
@@ -109,6 +109,12 @@ def test_a_fit_refuses_a_field_or_a_target_that_a_given_force_at_the_hook_decide
         fit(case, "FZ", {"push_max": 1.0}, FZ0=10.0)
     with pytest.raises(InputError, match="it is no target: omit FZ0@axial-backward"):
         fit(case, "friction", {"FZ0@axial-backward": 1.0}, FZ0=10.0)
+    for bad, said in ((np.nan, "fit.FZ0 must be finite"), ([1.0, 2.0], "a single FZ0"), ("x", "must be a number")):
+        with pytest.raises(InputError, match=said):
+            fit(case, "friction", {"push_max": 1.0}, FZ0=bad)  # type: ignore[arg-type]
+    start = Case(Rod(EI=1.0, GJ=0.8, a=0.1, L=5.0), Cylinder(1.0), Start(beta=0.5, dbeta=0.1, F1=1.0, F3=1.0))
+    with pytest.raises(InputError, match="a start problem does not have"):
+        fit(start, "EI", {"kappa_max": 1.0}, FZ0=1.0)
 
 
 def test_derivatives_under_a_given_force_at_the_hook_are_those_of_differences() -> None:

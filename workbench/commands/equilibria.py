@@ -116,8 +116,10 @@ def equilibria(
         from ..branches.branch_dataset import check_shown
 
         show = check_shown(show)
-    if points is not None and (axis is None or points < 1):
-        raise InputError(f"--points {points}: the branches of --axis have at least one point; give --axis too")
+    if points is not None and axis is None:
+        raise InputError("--points is for the branches of --axis: give --axis too")
+    if points is not None and points < 1:
+        raise InputError(f"--points must be at least 1, got {points}")
     if axis is not None and export is not None:
         raise InputError("--export writes the equilibria of one case, so it excludes --axis")
     if export is not None and held:
