@@ -111,7 +111,8 @@ OBSERVED = ("bends", "bend_number", "amplitude", "turns_around", "height", "kapp
 
 def test_the_observables_are_those_of_the_solver() -> None:
     script = "answer(given.map((state) => numbers.observables(rod_shape.marched(core, rod_case.caseOf(state, {})))));"
-    for made, found in zip(STARTS, run(script, STARTS, (*MODULES, "numbers")), strict=True):
+    states = [*STARTS, state(L=1900.0)]  # the last one has fewer stations than its numbers need
+    for made, found in zip(states, run(script, states, (*MODULES, "numbers")), strict=True):
         known = [name for name in OBSERVED if name != "bending_stress_max" or "EI" not in made["base"]]
         wanted = observe(solve(case_of(made), 1e-10), known)
         assert set(known) == {*OBSERVED} & {*found}

@@ -1,19 +1,21 @@
 // Observables of a shape, in its units, of what the core measures along the rod.
 
 import { FORCES, LENGTHS, LINEAR, OBSERVED } from "./formulas.mjs";
-import { every } from "./rod_shape.mjs";
+import { evenly, every } from "./rod_shape.mjs";
 import { crossings, isTooLong } from "./self_contact.mjs";
 import { number } from "./text.mjs";
 
-const STEP = 2; // every second station is enough for polynomials of order five
 export const AT_ENDS = "next to its ends alone"; // as the solver says it
+const STEP = 2; // every second station is enough for polynomials of order five
 const ROUNDING = 1e-9; // rad: beta of a helix changes by no more
 
 /* Observables by name, in the units of the state. Those of a rod whose loads vary are the server's. */
 export function observables(shape) {
-  const { one, beta, even, problem, halfPeriod } = shape;
+  const { one, beta, problem, halfPeriod, shown, wanted } = shape;
   if (one.varies) return shape.numbers;
-  const read = shape.core.measure(problem, one.sign, shape.error || 0, every(even, STEP, one)),
+  const fine = wanted > shape.even.s.length && shape.at(evenly(one.L * shown, wanted)), // of a long rod: errors add up
+    stations = fine ? every(fine, 1, one) : every(shape.even, STEP, one),
+    read = shape.core.measure(problem, one.sign, shape.error || 0, stations),
     known = { ...one, ...problem, ...read };
   const rows = Object.entries(OBSERVED).map(([name, formula]) => [name, formula(known)]),
     { FZ, MZ, M3, ...others } = Object.fromEntries(rows.filter(([, value]) => !Number.isNaN(value)));

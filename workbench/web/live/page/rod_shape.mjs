@@ -23,7 +23,7 @@ export function marched(core, one, dbeta0 = one.dbeta) {
     orbit = (times) => core.solve(problem, TOL, times),
     tried = orbit(evenly(problem.span, LEAST));
   if (tried.end === "lost") throw new Refused(LOST);
-  const { shown, n } = stationsFor(problem.span, tried);
+  const { shown, n, wanted } = stationsFor(problem.span, tried);
   const at = along(core, one, problem, orbit);
   const s = evenly(one.L * shown, n),
     halfPeriod = tried.end === "turns" ? tried.halfPeriod * one.rho : tried.end === "marched" ? undefined : 0;
@@ -33,6 +33,7 @@ export function marched(core, one, dbeta0 = one.dbeta) {
     sound: tried.sound,
     halfPeriod,
     shown,
+    wanted,
     problem,
   });
 }
@@ -124,13 +125,16 @@ export function evenly(end, n) {
   return found;
 }
 
-/* How many stations the shape needs, and which share of the rod it can show; tried: the shape at fewer stations. */
+/* How many stations the shape has, which share of the rod it can show, and how many stations the numbers of that share
+   need; tried: the shape at fewer stations. */
 function stationsFor(span, { beta, alpha, halfPeriod = 0 }) {
   let most = 0;
   for (let i = 1; i < beta.length; i++)
     most = Math.max(most, Math.abs(beta[i] - beta[i - 1]), Math.abs(alpha[i] - alpha[i - 1]));
   const needed = Math.max(LEAST, halfPeriod ? (A_HALF_PERIOD * span) / halfPeriod : 0, (beta.length * most) / TURN);
-  return { shown: Math.min(1, (ROUGHER * MOST) / needed), n: Math.min(MOST, 2 * Math.ceil(needed / 2) + 1) };
+  const shown = Math.min(1, (ROUGHER * MOST) / needed),
+    wanted = 2 * Math.ceil((shown * needed) / 2) + 1;
+  return { shown, wanted, n: Math.min(MOST, wanted) };
 }
 
 /* The arrays of a rod as a function of s, from those of its orbit as a function of time. */
