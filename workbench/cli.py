@@ -101,7 +101,7 @@ GROUPS: dict[str, dict[str, tuple[Any, ...]]] = {
         "folds": (folds.folds, "folds --axis betaL=-60deg:90deg --axis FZ=4:12 --plot map.png"),
         "loops": (
             loops.loops,
-            "loops --a 0.05 --R 0.95 --L 12 --folds 1,2,3 -o loops.png",
+            "loops --table1 --a 0.05 --R 0.95 --L 12 --folds 1,2,3 -o loops.png",
             "loops --length-unit nm --force-unit pN --EI 207 --GJ 310 --a 1 --L 40 --R 3 --out loops.h5",
         ),
     },

@@ -68,7 +68,7 @@ RESULTS = (
     _plot("pole", "A pole that buckles under its own weight", "pole_greenhill", "--panel kappa_max"),
     _of("equilibria", "All equilibria between two ends", "equilibria --plot equilibria.png"),
     _of("atlas", "Where equilibria appear", "folds --axis betaL=-60deg:90deg --axis FZ=4:12 --plot atlas.png"),
-    _of("loops", "Closed rods of one turn", "loops --a 0.05 --R 0.95 --L 12 --folds 1,2,3 -o loops.png"),
+    _of("loops", "Closed rods of one turn", "loops --table1 --a 0.05 --R 0.95 --L 12 --folds 1,2,3 -o loops.png"),
 )
 
 

@@ -81,6 +81,7 @@ def read_case(
     units: Mapping[str, str],
     table1: bool = False,
     reading: str | None = None,
+    problem: type | None = None,
 ) -> CaseInput:
     """A case from a file, from Table 1, or from fields alone.
 
@@ -93,9 +94,11 @@ def read_case(
     units
         "length" and "force" of the values, for a case of fields alone; default: `units_said`, else cm and N.
     table1
-        Start from the rod of Table 1; also the default when nothing else is given.
+        Start from the rod of Table 1, as of `is_table1`.
     reading
         How Table 1 is read.
+    problem
+        Of fields alone, as of `from_values`.
 
     Raises
     ------
@@ -116,21 +119,16 @@ def read_case(
             stand_ins=stand_ins_of(changes if values else study.base.given, study.unit_system),
             title=f"{study.title}{changed}",
         )
-    if table1 or reading is not None or not (values or units):
-        if units:
-            raise InputError("Table 1 is in cm and N: omit the units")
+    if is_table1(values, units, table1 or reading is not None):
         read = as_reading(reading)
         return CaseInput(
             with_values(read.case(), in_units(values, DEFAULT_UNITS), DEFAULT_UNITS),
             dict(DEFAULT_UNITS),
             f"Table 1, read {read.name}{changed}",
         )
-    check_units(units)
-    units = units_said(values, units) | dict(units)
-    numbers = in_units(values, {**DEFAULT_UNITS, **units})
-    case, assumed = from_values(unwound(of_a_well(numbers, {})))
-    assumed |= {f"unit of {kind}": unit for kind, unit in DEFAULT_UNITS.items() if kind not in units}
-    units = {**DEFAULT_UNITS, **units}
+    numbers, units, assumed_units = numbers_alone(values, units)
+    case, assumed = from_values(unwound(of_a_well(numbers, {})), problem)
+    assumed |= assumed_units
     case = _case_of(*under_start_force(case, numbers, units["force"]), units)
     wound = bool(set(WOUND) & set(values))
     which = None  # with weight or friction `solve` begins with the taut rod, off the wall with the bilateral shape
@@ -138,6 +136,30 @@ def read_case(
         which = helix_of(case)
     stand_ins = stand_ins_of(values, units)
     return CaseInput(case, units, OPTIONS, assumed, which=which, wound=wound, stand_ins=stand_ins)
+
+
+def is_table1(values: Mapping[str, Any], units: Mapping[str, str], asked: bool) -> bool:
+    """Whether fields change the rod of Table 1: where it is asked for, and where nothing else is given.
+
+    Else they describe the whole rod, and loads that are omitted are 0. Raises `InputError` for units of Table 1.
+    """
+    if asked and units:
+        raise InputError("Table 1 is in cm and N: omit the units")
+    return asked or not (values or units)
+
+
+def numbers_alone(
+    values: Mapping[str, Any], units: Mapping[str, str]
+) -> tuple[dict[str, Any], dict[str, str], dict[str, str]]:
+    """Fields that describe a whole rod as numbers, their units, and which of these are assumed. Raises `InputError`.
+
+    units: "length" and "force", where they are stated; default: `units_said`, else cm and N.
+    """
+    check_units(units)
+    units = units_said(values, units) | dict(units)
+    assumed = {f"unit of {kind}": unit for kind, unit in DEFAULT_UNITS.items() if kind not in units}
+    units = {**DEFAULT_UNITS, **units}
+    return in_units(values, units), units, assumed
 
 
 def _in_words(case: Case, units: Mapping[str, str]) -> str:
@@ -234,10 +256,9 @@ def from_values(values: Mapping[str, Any], problem: type | None = None) -> tuple
     InputError
         For missing fields, which it lists, and for fields of both a start and the ends.
     """
-    advice = "; --table1 takes the rod of Table 1" if problem is None else ""
     problem = _problem(values) if problem is None else problem
     known = PARTS["rod"] | PARTS["cylinder"] | PARTS[problem.__name__.lower()]
-    _check_complete(problem, known, values, advice)
+    _check_complete(problem, known, values)
     case = case_from(problem, {name: values[name] for name in known if name in values})
     taken = {row.in_place_of for name, row in known.items() if name in values}
     assumed = {
@@ -348,7 +369,7 @@ def _problem(values: Mapping[str, Any]) -> type:
     return Ends if ends else Start
 
 
-def _check_complete(problem: type, known: Mapping[str, CaseField], values: Mapping[str, Any], advice: str) -> None:
+def _check_complete(problem: type, known: Mapping[str, CaseField], values: Mapping[str, Any]) -> None:
     section = {name: values[name] for name in PARTS["rod"] if name in values}
     if set(OF_MODULUS) & set(section) and set(DIRECT) & set(section):
         Rod(**section)  # which refuses two sections
@@ -362,7 +383,7 @@ def _check_complete(problem: type, known: Mapping[str, CaseField], values: Mappi
         undecided = problem is Start and not START_ONLY & set(values)
         other = "; an ends problem needs beta0 and betaL instead" if undecided else ""
         said = f"{choices(missing[:-1])} and {missing[-1]}" if len(missing) > 1 else missing[0]
-        raise InputError(f"{_name(problem)} also needs {said}{other}{advice}")
+        raise InputError(f"{_name(problem)} also needs {said}{other}; --table1 takes the rod of Table 1")
 
 
 def _name(problem: type) -> str:

@@ -20,7 +20,8 @@ from workbench.run import writing
 from workbench.stored import reading
 from workbench.stored.stored_study import StoredStudy
 
-SHORT = ["--beta0", "0.5", "--betaL", "0.8", "--MZ", "0", "--M3", "0", "--axis", "FZ=-15:-5", "--axis", "L=1.5:3"]
+RANGES = ["--axis", "FZ=-15:-5", "--axis", "L=1.5:3"]
+SHORT = ["--table1", "--beta0", "0.5", "--betaL", "0.8", "--MZ", "0", "--M3", "0", *RANGES]
 
 
 @cache

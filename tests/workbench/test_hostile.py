@@ -46,7 +46,7 @@ STUDIES = {
 OTHERS = {
     "equilibria": "equilibria",
     "branches": "equilibria --axis betaL=-90deg:-30deg:7",
-    "loops": "loops --a 0.05 --R 0.95 --L 12 --folds 1,2",
+    "loops": "loops --table1 --a 0.05 --R 0.95 --L 12 --folds 1,2",
     "folds": "folds --axis betaL=-10deg:30deg --axis FZ=4:6 --lattice 2",
 }
 KINDS = (*STUDIES, *OTHERS, "trade")

@@ -11,15 +11,14 @@ from solver.problem.errors import choices
 from solver.problem.reduced import fields_held
 from solver.solve import ends_case
 from studies import Study, load
-from studies.grammar.axes import DEFAULT_UNITS
 from studies.language.case_input import (
     case_to_solve,
     check_alone,
-    check_units,
     field_values,
     force_kept,
-    from_values,
     in_units,
+    is_table1,
+    read_case,
     with_values,
 )
 from studies.language.loader import loads
@@ -31,24 +30,22 @@ DEFAULT = "fig7_4_end_angle"  # the study whose rod is that of Table 1
 
 
 def study_and_case(
-    file: Path | None, values: Mapping[str, Any], units: Mapping[str, str], held: bool = False
+    file: Path | None, values: Mapping[str, Any], units: Mapping[str, str], table1: bool = False, held: bool = False
 ) -> tuple[Study, Case]:
-    """The ends problem of a file or of Table 1 with some fields replaced, or with units that of the fields alone.
+    """The ends problem of a file or of Table 1 with some fields replaced, or of the fields alone, as of `read_case`.
 
     Raises `InputError` for held ends unless `held`, and as of `ends_problem`.
     """
     if file is not None:
-        check_alone(file, units)
-    if not units:
+        check_alone(file, units, table1)
+    if file is not None or is_table1(values, units, table1):
         study = load(DEFAULT if file is None else str(file))
         changes = in_units(force_kept(study.base.given, values) | dict(values), study.unit_system)
         case = with_values(ends_problem(study, held=True), changes, study.unit_system)
     else:
-        check_units(units)
-        values = in_units(values, {**DEFAULT_UNITS, **units})
-        case, defaults = from_values(values, Ends)
-        given = {name: value for name, value in (defaults | dict(values)).items() if value is not None}
-        study = loads(study_text("a rod of the options", {**DEFAULT_UNITS, **units}, given), "equilibria")
+        read = read_case(None, values, units, problem=Ends)
+        case = read.case
+        study = loads(study_text("a rod of the options", read.units, field_values(case)), "equilibria")
     if not held:
         refuse_held(case)
     return study, case

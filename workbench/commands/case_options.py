@@ -40,11 +40,10 @@ ROD_FIELDS = tuple(name for part in ("rod", "cylinder") for name in PARTS[part] 
 def of_case(names: Sequence[str]) -> dict[str, Any]:
     """The types of the options of these fields and of the two units."""
     whole = set(names) > set(FIELDS)  # of both problems, so that the help names the problem
-    also = "" if whole else "; if a unit is given, no value comes from Table 1"
     types: dict[str, Any] = {
         f"{kind}_unit": Annotated[
             str | None,
-            option("UNIT", f"Unit of {kind} of the options below; default: {unit}{also}.", rich_help_panel="Units"),
+            option("UNIT", f"Unit of {kind} of the options below; default: {unit}.", rich_help_panel="Units"),
         ]
         for kind, unit in (("length", "cm"), ("force", "N"))
     }

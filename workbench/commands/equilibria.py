@@ -11,7 +11,7 @@ from solver.problem.errors import InputError, choices
 from ..words import habits
 from . import console, tables
 from .case_options import ENDS_FIELDS, HELD, GivenOptions, parse_axis
-from .options import Choose, OneCase, option, parse_choose, ranges
+from .options import Choose, OneCase, Table1, option, parse_choose, ranges
 from .present import Result, presents
 from .tables import unit_shown
 
@@ -37,6 +37,7 @@ MOST_FOLDS = 10  # that are printed
 )
 def equilibria(
     file: OneCase = None,
+    table1: Table1 = False,
     *,
     given: GivenOptions,
     axis: Annotated[
@@ -90,9 +91,9 @@ def equilibria(
     With --axis the equilibria are followed while one field varies. If this field is height, azimuth, rotation, M10 or
     M1L, it is held, and the list is not proved complete.
 
-    Without --length-unit and --force-unit, omitted fields come from Table 1 (cm, N; read force-first/tension/paper):
-    its beta(0), its loads, and for beta(L) the angle at which its rod ends. If one of the two is given, the options
-    describe the whole rod: E, nu, a, L, R, beta0 and betaL are required, and omitted loads are 0.
+    With --table1, or without any option of the case, omitted fields come from Table 1 (cm, N; read
+    force-first/tension/paper): its beta(0), its loads, and for beta(L) the angle at which its rod ends. Else the
+    options describe the whole rod: E, nu, a, L, R, beta0 and betaL are required, and omitted loads are 0.
 
     Angles: a number in rad, or a form like 30deg or pi/6.
     """
@@ -102,7 +103,7 @@ def equilibria(
     from ..branches.ends_study import study_and_case, write_cases
     from ..run import writing
 
-    study, case = study_and_case(file, given.values, given.units, held=axis is None)
+    study, case = study_and_case(file, given.values, given.units, table1, held=axis is None)
     held = fields_held(case)
     loads = ranges("--within", within, study.unit_system, "FZ=-50:10")
     every = {"within": loads or None, "values": values, "tries": tries}
@@ -131,12 +132,14 @@ def equilibria(
     listed = all_equilibria(case, **search)
     if export is not None:
         write_cases(study, case, listed, export)
-    return _list(study, case, listed, choose, _source(study, file, given), export)
+    return _list(study, case, listed, choose, _source(study, file, given, table1), export)
 
 
-def _source(study: "Study", file: Path | None, given: GivenOptions) -> str:
-    if given.units:
-        return "the options"
+def _source(study: "Study", file: Path | None, given: GivenOptions, table1: bool) -> str:
+    from studies.language.case_input import OPTIONS, is_table1
+
+    if file is None and not is_table1(given.values, given.units, table1):
+        return OPTIONS
     end_angle = "" if {"betaL", "M1L"} & {*given.values} else " (betaL: the angle at which its own rod ends)"
     changed = f", with {', '.join(given.values)} as given" if given.values else ""
     return f"{study.title if file else f'Table 1{end_angle}'}{changed}"

@@ -6,7 +6,7 @@ from solver.problem.errors import InputError
 
 from . import console, tables
 from .case_options import AXES, ENDS_FIELDS, HELD, GivenOptions
-from .options import OneCase, option, read_range
+from .options import OneCase, Table1, option, read_range
 from .present import Result, presents
 
 if TYPE_CHECKING:
@@ -26,6 +26,7 @@ MOST_LINES = 101  # of the lattice, as of `solver.region_map.MOST`
 )
 def folds(
     file: OneCase = None,
+    table1: Table1 = False,
     *,
     given: GivenOptions,
     axis: Annotated[
@@ -60,7 +61,7 @@ def folds(
     from ..branches.ends_study import study_and_case
     from ..branches.region_dataset import as_dataset
 
-    study, case = study_and_case(file, given.values, given.units, held=True)
+    study, case = study_and_case(file, given.values, given.units, table1, held=True)
     read = [read_range("--axis", text, study.unit_system, AXES) for text in axis or []]
     ranges: dict[str, Any] = {name: (low, high) for name, low, high, _ in read}
     if len(axis or []) != 2 or len(ranges) != 2:

@@ -8,7 +8,7 @@ from solver.problem.quantities import current
 
 from . import console, tables
 from .case_options import ROD_FIELDS, GivenOptions
-from .options import argument, flag, option
+from .options import Table1, argument, flag, option
 from .present import Result, presents
 from .tables import unit_shown
 
@@ -30,6 +30,7 @@ COLUMNS = ("turns_around", "folds", "about", "lam", "energy", "index", "push_min
 )
 def loops(
     file: Annotated[Path | None, argument("FILE", "TOML study of one rod; default: the rod of Table 1.")] = None,
+    table1: Table1 = False,
     *,
     given: GivenOptions,
     turns_around: Annotated[int, option("COUNT", "Turns of the closed rod around the axis.")] = 1,
@@ -52,8 +53,8 @@ def loops(
     MZ rho/A), its bending energy, the Morse index of the closed rod on the surface (0: stable), and the push: where it
     is negative, a rod that is free to unbind lifts off.
 
-    Without --length-unit and --force-unit, omitted fields come from Table 1 (cm, N). Exit status 1 if a loop of the
-    numbers given was not found.
+    With --table1, or without any option of the rod, omitted fields come from Table 1 (cm, N). Exit status 1 if a loop
+    of the numbers given was not found.
     """
     from solver import loops as closed_rods
 
@@ -62,7 +63,7 @@ def loops(
     if wraps is not None:
         turns_around = wraps
         current("wraps")
-    rod, cylinder, units = _rod(file, given)
+    rod, cylinder, units = _rod(file, given, table1)
     counts = parse_folds(folds)
     listed, remarks = [], []
     for count in counts:
@@ -91,24 +92,21 @@ def parse_folds(text: str) -> list[int]:
     return list(dict.fromkeys(int(part) for part in parts))
 
 
-def _rod(file: Path | None, given: GivenOptions) -> "tuple[Rod, Cylinder, dict[str, str]]":
+def _rod(file: Path | None, given: GivenOptions, table1: bool) -> "tuple[Rod, Cylinder, dict[str, str]]":
     """The rod and the cylinder of a file, of Table 1 or of the options alone, and their units."""
     from dataclasses import fields
 
     from solver import Cylinder, Rod
-    from studies.grammar.axes import DEFAULT_UNITS
-    from studies.language.case_input import check_units, in_units, read_case
+    from studies.language.case_input import is_table1, numbers_alone, read_case
 
-    if file is None and given.units:
-        check_units(given.units)
-        units = {**DEFAULT_UNITS, **given.units}
-        values = in_units(given.values, units)
+    if file is None and not is_table1(given.values, given.units, table1):
+        values, units, _ = numbers_alone(given.values, given.units)
         rod, cylinder = (
             {field.name: values[field.name] for field in fields(kind) if field.name in values}
             for kind in (Rod, Cylinder)
         )
         return Rod(**rod), Cylinder(**cylinder), units
-    base = read_case(file, given.values, given.units, table1=file is None)
+    base = read_case(file, given.values, given.units, table1)
     return base.case.rod, base.case.cylinder, base.units
 
 
