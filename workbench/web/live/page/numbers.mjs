@@ -1,7 +1,7 @@
 // Observables of a shape, in its units, of what the core measures along the rod.
 
 import { FORCES, LENGTHS, LINEAR, OBSERVED } from "./formulas.mjs";
-import { evenly, every } from "./rod_shape.mjs";
+import { evenly, every, merged, timed } from "./rod_shape.mjs";
 import { crossings, isTooLong } from "./self_contact.mjs";
 import { number } from "./text.mjs";
 
@@ -14,8 +14,8 @@ export function observables(shape) {
   const { one, beta, problem, halfPeriod, shown, wanted } = shape;
   if (one.varies) return shape.numbers;
   const fine = wanted > shape.even.s.length && shape.at(evenly(one.L * shown, wanted)), // of a long rod: errors add up
-    stations = fine ? every(fine, 1, one) : every(shape.even, STEP, one),
-    read = shape.core.measure(problem, one.sign, shape.error || 0, stations),
+    stations = merged(fine || every(shape.even, STEP), shape.marks), // extremes that are equal are so at the marks alone
+    read = shape.core.measure(problem, one.sign, shape.error || 0, timed(one, stations)),
     known = { ...one, ...problem, ...read };
   const rows = Object.entries(OBSERVED).map(([name, formula]) => [name, formula(known)]),
     { FZ, MZ, M3, ...others } = Object.fromEntries(rows.filter(([, value]) => !Number.isNaN(value)));

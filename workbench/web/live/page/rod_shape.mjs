@@ -60,7 +60,7 @@ export function interpolated(core, one, stations, facts) {
 }
 
 /* Dimensionless rows of a shape. */
-const timed = ({ rho, alpha = 0 }, rows) => ({
+export const timed = ({ rho, alpha = 0 }, rows) => ({
   t: rows.s.map((v) => v / rho),
   beta: rows.beta,
   rate: rows.dbeta.map((v) => v * rho),
@@ -166,30 +166,32 @@ const placed = ({ rho }, rows) => ({
   ...rows,
 });
 
-/* The arrays over s, with the extremes of beta, push and curvature and the zeros of the push as further stations. */
+/* The arrays over s, with the extremes of beta, push and curvature and the zeros of the push as further stations, which are
+   `marks` alone. */
 function made(core, one, at, s, facts) {
-  const even = at(s),
-    all = one.varies ? even : merged(even, at(landmarksOf(core, one, even, facts.problem)));
-  return { core, one, at, even, ...all, ...facts };
+  const even = at(s);
+  if (one.varies) return { core, one, at, even, ...even, ...facts };
+  const marks = at(landmarksOf(core, one, even, facts.problem));
+  return { core, one, at, even, marks, ...merged(even, marks), ...facts };
 }
 
 /* Where they are; those of a rod whose loads vary are not known between its stations. */
 function landmarksOf(core, one, even, problem) {
-  const few = every(even, THINNED, one);
+  const few = timed(one, every(even, THINNED));
   return core.landmarks(problem, one.sign, few, 2 * even.s.length).map((t) => t * one.rho).sort();
 }
 
 /* The point of a centreline at a station; squeeze: the factor by which a scene is compressed. */
 export const pointAt = ({ x, y, z }, i, squeeze = 1) => [x[i], y[i], squeeze * z[i]];
 
-/* Every so many of the stations and the last, dimensionless. */
-export function every(even, step, { rho }) {
-  const thin = (row, scale) => row.filter((_, i) => i % step === 0 || i === row.length - 1).map((v) => v * scale);
-  return { t: thin(even.s, 1 / rho), beta: thin(even.beta, 1), rate: thin(even.dbeta, rho) };
-}
+/* Every so many of the stations and the last. */
+export const every = (rows, step) =>
+  Object.fromEntries(
+    Object.entries(rows).map(([name, row]) => [name, row.filter((_, i) => i % step === 0 || i === row.length - 1)]),
+  );
 
 /* Two sets of arrays over s as one, in order of s. */
-function merged(first, second) {
+export function merged(first, second) {
   const n = first.s.length,
     m = second.s.length,
     order = new Int32Array(n + m),

@@ -1,4 +1,5 @@
-// Where the rod passes through itself: two of its points, farther apart along it than pi a, closer than 2 a.
+// Where the rod passes through itself: two of its points, farther apart along it than pi a, closer than 2 a; and bends that
+// are tighter than the rod is thick (kappa a >= 1), in which it overlaps too.
 
 import { evenly, pointAt } from "./rod_shape.mjs";
 
@@ -23,4 +24,18 @@ export function crossings(shape) {
   const pairs = NEAR.flatMap((near) => core.crossings(s, points, near * one.a, Math.PI * one.a, MOST_PLACES));
   const places = new Map(pairs.map((pair) => [String(pair), pair]));
   return [...places.values()].map(([i, j]) => [0, 1, 2].map((k) => (points[3 * i + k] + points[3 * j + k]) / 2));
+}
+
+/* The tightest points (x, y, z) of its bends that are tighter than the rod, one of each. */
+export function tightBends(shape) {
+  const { kappa, one } = shape,
+    tightest = [];
+  for (let i = 0, within = false; i < kappa.length; i++) {
+    const last = tightest.length - 1,
+      tight = kappa[i] * one.a >= 1;
+    if (tight && !within) tightest.push(i);
+    else if (tight && kappa[i] > kappa[tightest[last]]) tightest[last] = i;
+    within = tight;
+  }
+  return tightest.map((i) => pointAt(shape, i));
 }

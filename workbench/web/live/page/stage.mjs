@@ -4,7 +4,7 @@ import { axesOf, dot } from "./camera.mjs";
 import { ramp, wordsOf } from "./colours.mjs";
 import { make, putPixels, set } from "./details.mjs";
 import { makeView } from "./rod_view.mjs";
-import { crossings } from "./self_contact.mjs";
+import { crossings, tightBends } from "./self_contact.mjs";
 import { PUSH, minus, number, stated, tickText, ticks } from "./text.mjs";
 
 /* The stage in a canvas. part: the element of a name. unit: that of length. The others: as of `makeView`. */
@@ -24,11 +24,13 @@ export function makeStage(canvas, mark, part, code, calm, unit) {
     showBar(part("bar"), code, scale, stated(PUSH, units));
   }
 
-  /* Ring the places where a shape passes through itself, which takes longer than a move of a slider may; these places. */
+  /* Ring the places where a shape passes through itself, which takes longer than a move of a slider may, and its tight bends;
+     the first of these. */
   function showCrossings(shape) {
-    const crossed = crossings(shape);
-    view.setRings(crossed);
-    part("crossed").hidden = !crossed.length;
+    const crossed = crossings(shape),
+      rung = [...crossed, ...tightBends(shape)];
+    view.setRings(rung);
+    part("crossed").hidden = !rung.length;
     return crossed;
   }
 
