@@ -54,7 +54,8 @@ def as_dataset(found: Fit, units: dict[str, str], points: dict[str, Any] | None,
             "exact": found.exact,
         },
     )
-    curve = solve(found.case, stations=STATIONS, **_branch(found))
+    seed = None if found.case.kind == "start" else found.solution
+    curve = solve(found.case, stations=STATIONS, seed=seed)
     ds["alpha"], ds["z"], ds["s"] = (("u", np.asarray(getattr(curve, name))) for name in ("alpha", "z", "s"))
     ds["rho"], ds["a"] = float(found.case.rho), float(found.case.rod.a)
     ds["caution"] = str(cautions.of_cases(curve, units=units))
@@ -77,11 +78,6 @@ def _said(found: Fit, units: dict[str, str]) -> str:
         known = "" if np.isnan(found.intervals[name][0]) else f" ({low} to {high})"
         parts.append(f"{labels.symbol_of(name)} = {factor * value:.5g}{shown}{known}")
     return labels.minus_signs(", ".join(parts))
-
-
-def _branch(found: Fit) -> dict[str, Any]:
-    """Of an ends problem the equilibrium that was fitted."""
-    return {} if found.case.kind == "start" else {"seed": found.solution}
 
 
 def _others(found: Fit, names: list[str]) -> Any:

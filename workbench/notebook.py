@@ -320,7 +320,13 @@ def table_of_solution(sol: Solution) -> str:
     rows += [("condition number", f"{np.max(sol.condition):.3g}")]
     if each.any():
         values = observe(sol, list(NUMBERS))
-        rows += [(_noun(name), _span(name, np.asarray(values[name], dtype=float)[each])) for name in NUMBERS]
+        rows += [
+            (
+                quantity(name).long_name.partition(" (")[0].partition(",")[0],
+                _span(name, np.asarray(values[name], dtype=float)[each]),
+            )
+            for name in NUMBERS
+        ]
         rows += [("caution", caution)] if (caution := cautions.said(cautions.of_cases(sol))) else []
     shape = f" of {each.size} cases" if each.size > 1 else ""
     return _table(f"Solution{shape}, {sol.t.shape[-1]} stations", rows)
@@ -369,10 +375,6 @@ def _field(value: Any) -> str:
         return value
     low, high = (f"{float(end):.6g}" for end in (np.min(value), np.max(value)))
     return low if np.ndim(value) == 0 else f"{np.size(value)} values from {low} to {high}"
-
-
-def _noun(name: str) -> str:
-    return quantity(name).long_name.partition(" (")[0].partition(",")[0]
 
 
 def _span(name: str, values: Any) -> str:

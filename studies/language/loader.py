@@ -340,10 +340,6 @@ def _show(value: object) -> str:
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 
-def _keys(model: type[BaseModel]) -> list[str]:
-    return [field.alias or name for name, field in model.model_fields.items()]
-
-
 def sentence_of(error: ValidationError) -> tuple[Where, str]:
     """The key and the sentence of the first error; an unknown key precedes the missing key that it causes."""
     complaints = sorted(error.errors(), key=lambda e: e["type"] != "extra_forbidden")
@@ -357,7 +353,7 @@ def sentence_of(error: ValidationError) -> tuple[Where, str]:
         return where, str(cause)
     if kind == "extra_forbidden":
         model = _MODELS.get(str(where[0]), Study) if len(where) > 1 else Study
-        keys = _keys(model)
+        keys = [field.alias or name for name, field in model.model_fields.items()]
         inside = f" in {_key_in_words(where[:-1])}" if len(where) > 1 else ""
         return where, f"no key {_show(where[-1])}{inside}{near(where[-1], keys)}; choose from {choices(keys)}"
     if kind == "missing":

@@ -74,7 +74,8 @@ def sweep(
     were followed. Over (shape, u): a shape of each. The attribute `branches` holds a row for each branch, with the
     verdict of each law, as JSON.
     """
-    laws = [law for law in study.laws if law.axis == name and _is_of_observables(law)]
+    on_axis = [law for law in study.laws if law.axis == name and law.direction is not None]
+    laws = [law for law in on_axis if set(law.observables) <= set(OBSERVABLES)]  # formulas are those of a stored study
     units = study.unit_system
     held = name in PARTNER
     trace = trace_held if held else trace_branches
@@ -132,11 +133,6 @@ def _numbers(member: Equilibrium, judged: Sequence[str]) -> dict[str, Any]:
     sol = member.solution
     numbers = {key: getattr(member, key) for key in EACH} | observe(sol, judged)
     return numbers | {"solved": bool(sol.solved), "outcome": str(sol.outcome)}
-
-
-def _is_of_observables(law: Law) -> bool:
-    """Whether a law is about the direction of observables; expressions and formulas are those of a stored study."""
-    return law.direction is not None and set(law.observables) <= set(OBSERVABLES)
 
 
 def _bends(solved: Solution, piece: Piece) -> NDArray[np.int64]:

@@ -160,7 +160,8 @@ def _words(
         parts += [f"on the wall {where}", f"up to {unit('L', gap)} off it"]
     elif lay := _lay(view):
         parts += [f"lay {lay}"]
-    line = ", ".join([*parts, f"scale {_scale_words(view.scale)}"])
+    scale = f"1:{1 / view.scale:g}" if view.scale < 1 else f"{view.scale:g}:1"
+    line = ", ".join([*parts, f"scale {labels.powers_of_ten(scale)}"])
     said = [f"The rod: {line}.", f"Its least bend radius, of the centreline: {unit('L', 1 / kappa)}."] if kappa else []
     hides = str(chosen.attrs["side"]) == "outside"
     eye = "−90°, with the low side down" if view.low_side else "90°"
@@ -192,10 +193,6 @@ def _forces(free: Solution, units: Mapping[str, str]) -> list[tuple[float, float
     each = zip(free.point_forces, free_rods.point_forces(free), strict=True)
     said = [(s, force, f"{size} {units['force']}\ns = {place} {units['length']}") for (s, force), (place, size) in each]
     return said[: free_rods.MOST]
-
-
-def _scale_words(scale: float) -> str:
-    return labels.powers_of_ten(f"1:{1 / scale:g}" if scale < 1 else f"{scale:g}:1")
 
 
 def _strokes(view: Views, a: float) -> list[tuple[str, float]]:

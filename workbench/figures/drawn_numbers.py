@@ -35,7 +35,8 @@ def table(fig: Figure) -> str:
     text = StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(COLUMNS)
-    for number, ax in enumerate(_panels(fig), 1):
+    shown = [ax for ax in fig.axes if ax.get_label() != "<colorbar>"]
+    for number, ax in enumerate(shown, 1):
         title = ax.get_title(loc="left") or ax.get_label() or ax.get_title()
         head = f"{number} {_one_line(str(title))}".strip()
         named = head, _one_line(ax.get_xlabel()), _one_line(ax.get_ylabel())
@@ -81,11 +82,6 @@ def rows(ax: Axes) -> Iterator[tuple[str, str, Any, Any, Any]]:
         middles = (corners[1:, 1:] + corners[:-1, :-1]) / 2
         for (x, y), value in zip(middles.reshape(-1, 2).tolist(), values.ravel().filled(np.nan).tolist(), strict=True):
             yield "cell", _label(mesh, k), x, y, "" if np.isnan(value) else value
-
-
-def _panels(fig: Figure) -> list[Axes]:
-    """The axes of a figure that show data; the bar of a scale of colours does not."""
-    return [ax for ax in fig.axes if ax.get_label() != "<colorbar>"]
 
 
 def _name_at(axis: Axis, place: float) -> str:

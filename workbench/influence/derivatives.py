@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from solver import Case, InputError, Rod, Solution, observe
+from solver import InputError, Rod, Solution, observe
 from solver.observe.observables import OBSERVABLES, is_count, observables_of
 from solver.problem.case_fields import check_fields, fields_of, value_of
 from solver.problem.errors import no_such
@@ -71,7 +71,8 @@ def local(
     if gives_FZ0:
         known = {"FZ0" if name == "FZ" else name: value for name, value in known.items()}
         known["FZ0"] = float(observe(solution, ["FZ0"])["FZ0"])
-    names, outputs = _fields(solution.case, known, fields), _observables(solution.case.rod, observables)
+    names = list(check_fields(solution.case, known if fields is None else fields, known))
+    outputs = _observables(solution.case.rod, observables)
     if gives_FZ0:
         by = dict.fromkeys(["FZ" if name == "FZ0" else name for name in [*names, "FZ0"]])
         sensitivity = solution.sensitivity(by, dict.fromkeys([*outputs, "FZ0"])).with_given("FZ0", "FZ")
@@ -91,7 +92,10 @@ def local(
     )
     ds["derivative_unit"] = (
         ("observable", "field"),
-        [[_quotient(o, f) for f in ds["field_unit"].values.tolist()] for o in ds["unit"].values.tolist()],
+        [
+            [o if f == "1" else f"{o} per {f}" for f in ds["field_unit"].values.tolist()]
+            for o in ds["unit"].values.tolist()
+        ],
     )
     ds["remark"] = "observable", [str(sensitivity.remarks[name]) for name in outputs]
     return _with_effects(ds, solution, known, units)
@@ -160,7 +164,8 @@ def sentences(table: xr.Dataset) -> list[str]:
         said.append(f"1 % more of a negative value is 1 % more of its size: {', '.join(less)}.")
     angles = [name for name, amount in fields.items() if amount == "1 deg"]
     if angles:
-        said.append(f"The zero of an angle is a choice: {', '.join(angles)} {_are(angles)} changed by 1 deg.")
+        are = "is" if len(angles) == 1 else "are"
+        said.append(f"The zero of an angle is a choice: {', '.join(angles)} {are} changed by 1 deg.")
     zero = {name: amount for name, amount in fields.items() if amount not in ("1 %", "1 deg")}
     if zero:
         changes = ", ".join(f"{name} by {amount}" for name, amount in zero.items())
@@ -185,10 +190,6 @@ def without_effect(table: xr.Dataset) -> list[str]:
     return [str(name) for name, row in zip(table["field"].values, slopes, strict=True) if not row.any()]
 
 
-def _are(names: list[str]) -> str:
-    return "is" if len(names) == 1 else "are"
-
-
 def counts_left_out(names: Iterable[str]) -> str:
     """The sentence on the whole numbers among the names; empty if there is none."""
     counts = [name for name in names if is_count(name)]
@@ -196,10 +197,6 @@ def counts_left_out(names: Iterable[str]) -> str:
         return ""
     what = "a whole number, whose derivative is 0" if len(counts) == 1 else "whole numbers, whose derivatives are 0"
     return f"Left out: {', '.join(counts)}, {what}."
-
-
-def _fields(case: Case, known: Iterable[str], names: Iterable[str] | None) -> list[str]:
-    return [*check_fields(case, known if names is None else names, known)]
 
 
 def _observables(rod: Rod, names: Iterable[str] | None) -> list[str]:
@@ -231,8 +228,3 @@ def _amount(known: Mapping[str, float], name: str, units: Mapping[str, str]) -> 
 def _has_share(name: str, value: float, error: float) -> bool:
     """Whether a percent of an observable means something: not of an angle, nor of a value within its error of 0."""
     return quantity(name).dimension != "rad" and bool(np.isfinite(value)) and abs(value) > (error if error >= 0 else 0)
-
-
-def _quotient(above: str, below: str) -> str:
-    """The unit of a derivative: ``N/cm per cm``."""
-    return above if below == "1" else f"{above} per {below}"

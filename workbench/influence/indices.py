@@ -51,14 +51,10 @@ def design_of(samples: Values) -> Design | None:
     n, d = samples.shape
     for second in (False, True):
         size = block_of(d, second)
-        if n % size == 0 and _is_design(samples.reshape(n // size, size, d), second):
+        blocks = samples.reshape(-1, size, d) if n % size == 0 else np.full((1, size, d), np.nan)
+        if np.allclose(blocks, blocks_of(blocks[:, 0], blocks[:, -1], second), rtol=_SAME, atol=0):
             return Design(d, n // size, second)
     return None
-
-
-def _is_design(blocks: Values, second: bool) -> bool:
-    """Whether every block (blocks, size, d) is one."""
-    return bool(np.allclose(blocks, blocks_of(blocks[:, 0], blocks[:, -1], second), rtol=_SAME, atol=0))
 
 
 def sobol(
@@ -111,7 +107,7 @@ def sobol(
     solved = section["solved"].values.astype(bool)
     values = np.stack([np.where(solved, section[name].values.astype(float), np.nan) for name in names], axis=1)
     result = analyse(design, values, fields, names, confidence, seed)
-    labels = {str(name): _labels(stored[name]) for name in [*fields, *names]}
+    labels = {name: {"symbol": name, "units": "1", **stored[name].attrs} for name in map(str, [*fields, *names])}
     attributes = {
         "title": stored.attrs["title"],
         "reading": stored.attrs.get("reading", ""),
@@ -119,16 +115,12 @@ def sobol(
     }
     attributes |= {f"at {axis}": float(stored[axis][i]) for axis, i in held.items()}
     words = {"unsolved": int((~solved).sum()), "samples": samples.shape[0]}
-    texts = {key: ("observable", [labels[name][key] for name in names]) for key in ("symbol", "units")}
+    texts = {key: ("observable", [str(labels[name][key]) for name in names]) for key in ("symbol", "units")}
     return (
         result.assign(texts)
-        .assign_coords(field_symbol=("field", [labels[n]["symbol"] for n in fields]))
+        .assign_coords(field_symbol=("field", [str(labels[n]["symbol"]) for n in fields]))
         .assign_attrs({**attributes, **words})
     )
-
-
-def _labels(array: xr.DataArray) -> dict[str, str]:
-    return {"symbol": str(array.attrs.get("symbol", array.name)), "units": str(array.attrs.get("units", "1"))}
 
 
 def _axes(stored: StoredStudy) -> str:

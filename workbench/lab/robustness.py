@@ -81,6 +81,7 @@ def panel(stored: StoredStudy, ax: Axes, numbers: bool = True) -> Axes:
     """The map on given axes; numbers: whether they stand in the cells, and beside them condition and length."""
     names, methods = [str(v) for v in stored["extreme"].values], [str(v) for v in stored["method"].values]
     verdict, error, kept = stored["verdict"].values, stored["error"].values, promise_kept(stored)
+    condition = stored["condition"].sel({"method": "orbit"}).values
     kind = np.where(vague(stored), "vague", verdict.astype("<U10"))
     for i in range(len(names)):
         for j in range(len(methods)):
@@ -93,8 +94,8 @@ def panel(stored: StoredStudy, ax: Axes, numbers: bool = True) -> Axes:
                 i + 0.5,
                 _number(error[i, j]) if numbers and verdict[i, j] in ("solved", "inaccurate") else "",
             )
-        for k, beside in enumerate((_condition(stored, i), float(stored["span"].values[i])) if numbers else ()):
-            _write(ax, len(methods) + k + 0.5, i + 0.5, _number(beside))
+        for k, beside in enumerate((condition[i], stored["span"].values[i]) if numbers else ()):
+            _write(ax, len(methods) + k + 0.5, i + 0.5, _number(float(beside)))
     heads = [*methods, *["condition", "L/ρ"] * numbers]
     _groups(ax, [str(v) for v in stored["group"].values], len(heads))
     ax.set(xlim=(0, len(heads)), ylim=(len(names), 0))
@@ -106,11 +107,6 @@ def panel(stored: StoredStudy, ax: Axes, numbers: bool = True) -> Axes:
     handles = [Patch(facecolor=colour, label=WORDS[name]) for name, colour in colours.EXTREMES.items()]
     ax.legend(handles=handles, loc="upper right", bbox_to_anchor=(1, -0.005), ncols=1 + numbers)
     return ax
-
-
-def _condition(stored: StoredStudy, i: int) -> float:
-    """The condition number that the method `orbit` reports."""
-    return float(stored["condition"].sel({"method": "orbit"}).values[i])
 
 
 def _write(ax: Axes, x: float, y: float, text: str) -> None:

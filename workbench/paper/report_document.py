@@ -24,7 +24,7 @@ from ..run import atomic
 from ..run.in_memory import StudyResult
 from ..stored.stored_study import StoredStudy
 from ..web import pages
-from ..web.live.presets import PRESETS, Preset
+from ..web.live.presets import PRESETS
 from ..web.turntable import turntable_page
 from ..words import cautions, labels
 from . import report_runs, sources
@@ -151,23 +151,16 @@ def _solve(stored: StoredStudy) -> dict[str, Any] | None:
         return None
     read = Reading(*reading.split("/"))
     fields = [name for name in FIELDS if name != read.inert_field]
-    state = _state(preset, reading)
     return {
-        "state": state,
+        "state": {**preset.state, "base": dict(preset.state["base"]), "reading": reading},
         "fields": fields,
         "spans": asdict(preset)["spans"],
-        "quantities": {name: [row.symbol, _short(row.long_name), row.dimension] for name, row in QUANTITIES.items()},
+        "quantities": {
+            name: [row.symbol, row.long_name.partition(" (")[0], row.dimension] for name, row in QUANTITIES.items()
+        },
         "letters": {name: row.symbol for name, row in QUANTITIES.items()} | {"beta": "β₀", "dbeta": "β₀′"},
         "units": stored.units,
     }
-
-
-def _state(preset: Preset, reading: str) -> dict[str, Any]:
-    return {**preset.state, "base": dict(preset.state["base"]), "reading": reading}
-
-
-def _short(words: str) -> str:
-    return words.partition(" (")[0]
 
 
 def facts_of(case: StoredStudy) -> list[tuple[str, str]]:

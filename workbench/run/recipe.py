@@ -19,7 +19,7 @@ import solver
 import studies
 from solver.methods import FREE, METHODS, VARYING, available
 from solver.problem.errors import InputError
-from studies import Law, Study
+from studies import Study
 from studies.grammar.axes import SAMPLE, Dimension, Dimensions
 
 from ..stored import file_checks
@@ -39,7 +39,8 @@ def recipe_of(study: Study, dimensions: Dimensions, block: int) -> dict[str, Any
     Two runs of one recipe give the same bits on the same kind of machine.
     """
     required = [METHODS[study.method].requires] if study.method in METHODS and METHODS[study.method].requires else []
-    laws = {str(i): _law_line(law) for i, law in enumerate(study.laws, 1)}
+    given = [law.model_dump(exclude_defaults=True) for law in study.laws]
+    laws = {str(i): ", ".join(f"{key} {value}" for key, value in law.items()) for i, law in enumerate(given, 1)}
     data = {
         "units": study.unit_system,
         "reading": study.reading or "",
@@ -129,11 +130,6 @@ def _refine_lines(study: Study) -> dict[str, Any]:
         "halvings": grid.depth,
         "budget": study.refine.budget,
     }
-
-
-def _law_line(law: Law) -> str:
-    """A law in one line."""
-    return ", ".join(f"{name} {value}" for name, value in law.model_dump(exclude_defaults=True).items())
 
 
 def _tell(value: object) -> str:

@@ -162,10 +162,6 @@ def _FY(at: StoredArrays, beta: Any) -> Any:
     return statics.circumferential_force(at.A, l, m, at.rho, beta)
 
 
-def _push(at: StoredArrays, contact: Any) -> Any:
-    return push_from(contact, schema.text_of(at.ds, "side"))
-
-
 def _vectors(function: Callable[..., Any], name: str, *arrays: Any) -> Any:
     """A function of arrays to vectors in the last axes, block by block where they are lazy."""
     inner = INNER[name]
@@ -191,7 +187,7 @@ RULES: dict[str, tuple[tuple[str, ...], Callable[..., Any]]] = {
     "F2": (("FY", "beta"), lambda at, FY, b: statics.surface_forces(FY, at.constant("FZ"), b)[0]),
     "F3": (("FY", "beta"), lambda at, FY, b: statics.surface_forces(FY, at.constant("FZ"), b)[1]),
     "contact": (("FY", "beta", "dbeta"), _contact),
-    "push": (("contact",), _push),
+    "push": (("contact",), lambda at, contact: push_from(contact, schema.text_of(at.ds, "side"))),
     "M1": (("dbeta",), lambda at, db: at.A * db),
     "M2": (("beta",), lambda at, b: at.A * np.sin(b) ** 2 / at.rho),
     "M3_along": (("beta",), lambda at, b: at.constant("M3") + 0 * b),

@@ -268,7 +268,8 @@ def _handler_of(work: Work, context: Context, report: Report) -> Handler:
         try:
             if not isinstance(data, dict):
                 raise InputError("the request must be a table")
-            answer = await work(data, replace(context, client=_client(request)))
+            client = f"{request.remote} {request.headers.get('X-Page', '')[:40]}"  # the page: the number that it took
+            answer = await work(data, replace(context, client=client))
             return answer if isinstance(answer, web.StreamResponse) else web.json_response(finite(answer))
         except ArithmeticError:  # a radius of 5e-324, say
             return _refusal(NO_FLOAT)
@@ -279,11 +280,6 @@ def _handler_of(work: Work, context: Context, report: Report) -> Handler:
             return _refusal(FAULT, status=500)
 
     return handler
-
-
-def _client(request: web.Request) -> str:
-    """Who asks: an address, and the page there, by the number that it gave itself."""
-    return f"{request.remote} {request.headers.get('X-Page', '')[:40]}"
 
 
 def _refusal(sentence: str, field: str = "", status: int = 200) -> web.Response:

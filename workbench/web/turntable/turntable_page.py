@@ -170,7 +170,8 @@ def turntable_of_dataset(
     n = stored.sizes["u"]
     chosen = _choose({name: stored.sizes[name] for name in free}, base, most_bytes // (ROWS * BYTES * n))
     wheres = [base | dict(zip(free, place, strict=True)) for place in product(*chosen.values())]
-    lines = [_line(stored, where) for where in wheres]
+    shown = [stored.select(where) for where in wheres]
+    lines = [case.centreline if case["solved"] else None for case in shown]
     solved = [line for line in lines if line is not None]
     if not solved:
         raise InputError(f"no case has a shape: {stored['outcome'].isel(wheres[0]).values}")
@@ -184,8 +185,8 @@ def turntable_of_dataset(
         "stations": stored["u"].values[::step].tolist(),
         "shared": {"sign": -1 if str(stored.attrs["side"]) == "inside" else 1},
         "cases": [
-            _case(stored, where, line) | _facts(stored, where, line, facts)
-            for where, line in zip(wheres, lines, strict=True)
+            _case(stored, where, line) | ({"facts": facts(case)} if facts is not None and line is not None else {})
+            for where, case, line in zip(wheres, shown, lines, strict=True)
         ],
         "arrays": _pack(lines, step, n),
         "extremes": [min(pushes[0] for pushes in along), max(pushes[1] for pushes in along)],
@@ -232,11 +233,6 @@ def _choose(sizes: dict[str, int], base: Mapping[str, int], most: int) -> dict[s
     return indices
 
 
-def _line(stored: StoredStudy, where: Mapping[str, int]) -> Centreline | None:
-    """The centreline of a case; None where it is not solved."""
-    return stored.select(where).centreline if bool(stored["solved"].isel(dict(where))) else None
-
-
 def _stride(lines: Sequence[Centreline]) -> int:
     """How many stations one stands for: the others lie on the curve through these as precisely as a picture shows."""
     n = lines[0].s.size
@@ -276,12 +272,6 @@ def _case(stored: StoredStudy, where: Mapping[str, int], line: Centreline | None
     caution = cautions.said(stored["caution"].isel(dict(where)).values) if "caution" in stored else ""
     notes = (_sample(stored, where), caution, stored.left_out)
     return {"numbers": numbers | loads, "note": labels.typeset(" ".join(note for note in notes if note))}
-
-
-def _facts(
-    stored: StoredStudy, where: Mapping[str, int], line: Centreline | None, facts: Facts | None
-) -> dict[str, Any]:
-    return {} if facts is None or line is None else {"facts": facts(stored.select(dict(where)))}
 
 
 def _sample(stored: StoredStudy, where: Mapping[str, int]) -> str:
