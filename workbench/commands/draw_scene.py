@@ -9,7 +9,7 @@ from solver.problem.errors import InputError, choices
 from ..run import atomic
 from .options import argument, axis_values, check_file
 from .present import Result, presents, result_of_files
-from .scene_options import SceneOptions
+from .scene_options import OF_FILM, OF_PICTURE, SceneOptions
 
 if TYPE_CHECKING:
     from studies import Study
@@ -46,29 +46,28 @@ def scene(
     from ..stored import reading
     from ..stored.stored_case import is_study
     from ..stored.stored_study import StoredStudy
-    from . import scene_branches, scene_film, study_scene
+    from . import study_scene
 
     out, suffix = wanted.out, "" if wanted.out is None else wanted.out.suffix.lower()
     is_film = suffix in film.SUFFIXES or wanted.has_film_pictures
-    if any(wanted.of_film) and not is_film:
+    if wanted.given(*OF_FILM) and not is_film:
         raise InputError(
             f"--show, --fps, --frames and --stored are for films: give --out NAME, with {choices(film.SUFFIXES)}, or "
             "--frames with a picture for each, frame_{:03d}.png"
         )
     is_stored = file.is_file() and not is_study(file)
-    if is_stored and reading.kind_of_file(file).figure == scene_branches.RODS:
+    if is_stored and reading.kind_of_file(file).figure == "branches":
+        from . import scene_branches
+
         return scene_branches.scene_of(file, StoredStudy(reading.read(file, study=False)), wanted)
     if out is not None and is_film:
         if len({*wanted.axes, wanted.along} - {None}) > 1:
             raise InputError(f"a film runs along one axis, got {choices([*wanted.axes, wanted.along])}")
+        from . import scene_film
+
         return scene_film.film_of(file, out, wanted)
-    not_on_page = {
-        f"--kind {wanted.kind}": wanted.kind not in (None, PAGE_KIND, "equilibria"),
-        "--axis": wanted.axes,
-        "--along": wanted.along,
-        "--color": wanted.color,
-    }
-    alien = [*(name for name, given in not_on_page.items() if given), *wanted.of_picture]
+    alien = [f"--kind {wanted.kind}"] * (wanted.kind not in (None, PAGE_KIND, "equilibria"))
+    alien += wanted.given("axis", "along", "color", *OF_PICTURE)
     if suffix == PAGE and alien:
         raise InputError(
             f"an {PAGE} file shows the kind {PAGE_KIND} of all cases that --at leaves, without {choices(alien)}, "
@@ -112,9 +111,7 @@ def _pictures(
         frames_of = _frames(rods, where, out, along, chosen, wanted.force)
     path = out if frames_of and out is not None else check_file(out or default, SUFFIXES, wanted.force)
     check_name(path, settings)
-    able, advice = opengl.probe()
-    if not able:
-        return result_of_files([], warnings=[advice], status=1)
+    opengl.check()
     from ..figures import canvas
     from ..scene import layout
 

@@ -9,7 +9,7 @@ from ..export import FORMATS
 from ..words.habits import plain
 from . import console
 from .options import AT, File, ForceOutput, axis_values, flag, number_option, option
-from .present import Result, presents, result_of_files
+from .present import Result, presents
 
 # with words of their own
 APART = ("volume", "spans", "within", "tolerance", "solution_error", "unit", "R", "values", "solved_at")
@@ -79,10 +79,7 @@ def export(
     stored = StoredStudy(reading.read(file))
     shade = color_of("--color", color)
     options = ExportOptions(axis_values(stored, at), tolerance, centreline, overlap, triangles, shade)
-    try:
-        done = stored_rod.export(stored, out, options, force, console.warn)
-    except stored_rod.NoSolid as error:
-        return result_of_files([], warnings=[str(error)], status=1)
+    done = stored_rod.export(stored, out, options, force, console.warn)
     status = 1 if done.warnings else 0
 
     def show() -> None:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 
 from solver.problem.errors import InputError
 
+from ..run.atomic import Undone
 from . import case_options, console
 from .options import Dpi, ForceOutput, Json, NoTitle, Style, Width, check_file, flag, option
 
@@ -97,7 +98,10 @@ def presents(
             for name, record in records.items():
                 named = [field.name for field in fields(record) if field.name in options]
                 options[name] = record(**{field: options.pop(field) for field in named})
-            result = command(*args, **options)
+            try:
+                result = command(*args, **options)
+            except Undone as error:
+                result = result_of_files([], warnings=[str(error)], status=1)
             kept = {name: files[name] for name in ("plot", "out", "force", "dpi")} if written else {}
             present(result, as_json, **kept, sheet=sheet)
             if result.afterwards is not None:

@@ -2,20 +2,23 @@
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+
+from matplotlib.figure import Figure
 
 from solver.problem.errors import InputError, choices, no_such
+from studies.grammar.axes import in_words
 
-from . import console
+from ..branches import snap
+from ..figures import bifurcation, canvas
+from ..scene import film, opengl, scene_kinds
+from ..scene.page import Page
+from ..scene.settings import check_name
+from ..stored.enough_stations import at_needed_stations
+from ..stored.stored_study import StoredStudy
+from . import console, scene_film, study_scene
 from .options import check_file
 from .present import Result, result_of_files
-from .scene_options import SceneOptions
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from ..scene.page import Page
-    from ..stored.stored_study import StoredStudy
+from .scene_options import OF_PICTURE, SceneOptions
 
 RODS, SNAP = "branches", "snap"  # kinds of scene of such a file
 FRAMES = 144  # of a film of a snap
@@ -24,10 +27,8 @@ DPI = 200
 SUFFIXES = (".png",)
 
 
-def scene_of(file: Path, stored: "StoredStudy", wanted: SceneOptions) -> Result:
+def scene_of(file: Path, stored: StoredStudy, wanted: SceneOptions) -> Result:
     """Draw a file of branches, or film the snap of one of its rods. Raises `InputError`."""
-    from ..scene import film
-
     out = wanted.out
     is_film = out is not None and out.suffix.lower() in film.SUFFIXES
     kind = wanted.kind or (SNAP if is_film else RODS)
@@ -35,15 +36,9 @@ def scene_of(file: Path, stored: "StoredStudy", wanted: SceneOptions) -> Result:
         raise no_such("kind of scene of branches", kind, (RODS, SNAP))
     if (kind == SNAP) != is_film:
         raise InputError(f"of branches {choices(film.SUFFIXES)} are films of the kind {SNAP}, other files of {RODS}")
-    given = {
-        "--axis": wanted.axis,
-        "--along": wanted.along,
-        "--at": wanted.at,
-        "--show": wanted.show,
-        "--stored": wanted.stored,
-        "{} in --out": out is not None and "{" in out.name,
-    }
-    if alien := [*(name for name, value in given.items() if value), *([] if is_film else wanted.of_picture)]:
+    alien = wanted.given("axis", "along", "at", "show", "stored")
+    alien += ["{} in --out"] * (out is not None and "{" in out.name)
+    if alien := alien + ([] if is_film else wanted.given(*OF_PICTURE)):
         axis = stored.attrs["axis"]
         raise InputError(
             f"a scene of branches takes no {choices(alien)}: store the rods at one value of {axis}, or another "
@@ -54,23 +49,14 @@ def scene_of(file: Path, stored: "StoredStudy", wanted: SceneOptions) -> Result:
     return _picture(file, stored, wanted)
 
 
-def _picture(file: Path, stored: "StoredStudy", wanted: SceneOptions) -> Result:
+def _picture(file: Path, stored: StoredStudy, wanted: SceneOptions) -> Result:
     """Draw the stable rods of branches below their diagram."""
-    from studies.grammar.axes import in_words
-
-    from ..branches import snap
-    from ..figures import bifurcation, canvas
-    from ..scene import branch_rods, film, opengl
-    from ..stored.enough_stations import at_needed_stations
-    from ..stored.stored_study import StoredStudy
-    from . import study_scene
-
     settings = wanted.settings(DPI)
     suffixes = (*SUFFIXES, *film.SUFFIXES)
     path = check_file(wanted.out or file.with_name(f"{file.stem}_scene.png"), suffixes, wanted.force)
-    able, advice = opengl.probe()
-    if not able:
-        return result_of_files([], warnings=[advice], status=1)
+    opengl.check()
+    from ..scene import branch_rods  # it loads PyVista
+
     stable = bifurcation.stable_shapes(stored)
     if not stable:
         raise InputError("no branch of this file is stable, so there is no rod to show")
@@ -84,7 +70,7 @@ def _picture(file: Path, stored: "StoredStudy", wanted: SceneOptions) -> Result:
         unsolved.update(others)
         return StoredStudy(rods)
 
-    def draw(rods: StoredStudy, strict: bool) -> "tuple[Figure, Page]":
+    def draw(rods: StoredStudy, strict: bool) -> tuple[Figure, Page]:
         return branch_rods.figure(stored, shapes(), rods, replace(settings, strict=strict))
 
     (fig, _), stations = at_needed_stations(solve(study_scene.FIRST), solve, draw)
@@ -98,22 +84,14 @@ def _picture(file: Path, stored: "StoredStudy", wanted: SceneOptions) -> Result:
     return result_of_files([path], [f"{path}, solved at {stations} stations{count}"], warnings)
 
 
-def _film(stored: "StoredStudy", out: Path, wanted: SceneOptions) -> Result:
+def _film(stored: StoredStudy, out: Path, wanted: SceneOptions) -> Result:
     """Film a rod whose load is changed until it snaps, beside the diagram of its branches."""
-    from ..branches import snap
-    from ..scene import film, opengl, scene_kinds
-    from ..scene.settings import check_name
-    from ..stored.stored_study import StoredStudy
-    from . import scene_film, study_scene
-
     fps = film.FPS if wanted.fps is None else wanted.fps
     path, settings = check_file(out, film.SUFFIXES, wanted.force), wanted.settings(scene_film.DPI)
     check_name(path, settings)
     film.check_counts(wanted.frames, fps)
     film.check_writers([path])
-    able, advice = opengl.probe()
-    if not able:
-        return result_of_files([], warnings=[advice], status=1)
+    opengl.check()
     shapes = snap.evenly(snap.as_dataset(stored, snap.way_of(stored)), wanted.frames or FRAMES)
     said = f"where the rod snaps: {study_scene.MOTION}"
     rods = StoredStudy(shapes.assign_attrs({scene_kinds.NOTE: said}))

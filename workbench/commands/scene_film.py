@@ -4,19 +4,23 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from solver.problem.errors import InputError, choices
 
-from . import console
+from ..export.stored_rod import name_of_file
+from ..figures import trends
+from ..run import shards
+from ..run.in_order import run_in_order
+from ..scene import film, opengl, scene_kinds
+from ..scene.film import Film
+from ..scene.page import Pixels
+from ..scene.settings import check_name
+from ..stored.enough_stations import at_needed_stations
+from ..stored.stored_study import StoredStudy
+from . import console, study_scene
 from .options import axis_values, check_file
 from .present import Result, result_of_files
 from .scene_options import SceneOptions
-
-if TYPE_CHECKING:
-    from ..scene.film import Film
-    from ..scene.page import Pixels
-    from ..stored.stored_study import StoredStudy
 
 PICTURES = (".png", ".jpg")  # of a film whose frames are files
 DPI = 160  # gives frames of 1280 x 720 pixels
@@ -29,7 +33,7 @@ ONE_BY_ONE = (
 )
 MOTION_STATIONS = 401  # of its shapes
 
-Cases = tuple["StoredStudy", "Film", str, int]  # the rods of the frames, the film, what they are, frames of each
+Cases = tuple[StoredStudy, Film, str, int]  # the rods of the frames, the film, what they are, frames of each
 
 
 def film_of(file: Path, out: Path, wanted: SceneOptions) -> Result:
@@ -38,15 +42,6 @@ def film_of(file: Path, out: Path, wanted: SceneOptions) -> Result:
     Each frame shows the rod and the curve of a number up to that case. The result has status 1 if OpenGL does not work
     on this machine. Raises `InputError`.
     """
-    from ..export.stored_rod import name_of_file
-    from ..figures import trends
-    from ..run import shards
-    from ..scene import film, opengl
-    from ..scene.scene_kinds import LET_GO, kind_of
-    from ..scene.settings import check_name
-    from ..stored.enough_stations import at_needed_stations
-    from . import study_scene
-
     fps, kind = film.FPS if wanted.fps is None else wanted.fps, wanted.kind or "contact"
     settings, paths, suffixes = wanted.settings(DPI), [out], PICTURES if wanted.has_film_pictures else film.SUFFIXES
     film.check_counts(wanted.frames, fps)
@@ -57,23 +52,23 @@ def film_of(file: Path, out: Path, wanted: SceneOptions) -> Result:
     for path in paths:
         check_name(check_file(path, suffixes, wanted.force), settings)
     film.check_writers(paths)
-    rods = study_scene.open_rods(file, whole=kind != LET_GO)[1]
+    rods = study_scene.open_rods(file, whole=kind != scene_kinds.LET_GO)[1]
     rods.check_any_solved()
     where = axis_values(rods, wanted.at)
     shown = film.Film("", where, None, kind, settings)
-    if kind == LET_GO:
+    if kind == scene_kinds.LET_GO:
         cases = _of_motion(rods, shown, wanted)
     else:
         cases = _along_axis(file, out, rods, shown, wanted)
-    able, advice = opengl.probe()
-    if not able:
-        return result_of_files([], warnings=[advice], status=1)
+    opengl.check()
     rods, shown, said, each = cases(fps)
     count = len(film.cases_of(rods, shown))
-    solve = None if rods.leaves else study_scene.solver_of(rods, kind_of(shown.kind), shown.at, [shown.axis])
+    solve = (
+        None if rods.leaves else study_scene.solver_of(rods, scene_kinds.kind_of(shown.kind), shown.at, [shown.axis])
+    )
     with console.progress(count, lines=True) as step:
 
-        def frames(rods: "StoredStudy", strict: bool) -> "Iterator[Pixels]":
+        def frames(rods: StoredStudy, strict: bool) -> Iterator[Pixels]:
             return film.frames(rods, shown, step, strict)
 
         pictures = at_needed_stations(rods, solve, frames)[0]
@@ -89,36 +84,28 @@ def film_of(file: Path, out: Path, wanted: SceneOptions) -> Result:
     return result_of_files(paths, [f"{out}: {count} {said}{speed}", *errors])
 
 
-def _of_motion(rods: "StoredStudy", shown: "Film", wanted: SceneOptions) -> Callable[[float], Cases]:
+def _of_motion(rods: StoredStudy, shown: Film, wanted: SceneOptions) -> Callable[[float], Cases]:
     """The shapes of a rod that is let go, in a viscous medium, as frames. Raises `InputError` for alien options."""
-    from ..scene import scene_kinds
-    from . import study_scene
-
-    given = {"--axis": wanted.axis, "--along": wanted.along, "--show": wanted.show, "--stored": wanted.stored}
-    if alien := [name for name, value in given.items() if value]:
+    if alien := wanted.given("axis", "along", "show", "stored"):
         raise InputError(f"a film of the kind {scene_kinds.LET_GO} shows one case, and takes no {choices(alien)}")
     solve = study_scene.release_of(rods, shown.at, wanted.frames or MOTION)
 
     def cases(fps: float) -> Cases:
         motion = solve(MOTION_STATIONS)
-        film = replace(shown, axis=scene_kinds.RELEASED, at={}, observable=study_scene.ENERGY[0], kind="contact")
-        return motion, film, f"shapes, {motion.attrs[scene_kinds.NOTE]}", 1
+        shapes = replace(shown, axis=scene_kinds.RELEASED, at={}, observable=study_scene.ENERGY[0], kind="contact")
+        return motion, shapes, f"shapes, {motion.attrs[scene_kinds.NOTE]}", 1
 
     return cases
 
 
 def _along_axis(
-    file: Path, out: Path, rods: "StoredStudy", shown: "Film", wanted: SceneOptions
+    file: Path, out: Path, rods: StoredStudy, shown: Film, wanted: SceneOptions
 ) -> Callable[[float], Cases]:
     """The cases along an axis as frames: between those of a study others are solved, as many as let the rod move
     smoothly, and they are kept beside the film until it is written.
 
     Raises `InputError` where the axis is not known, and for a kind that makes no film.
     """
-    from ..run.in_order import run_in_order
-    from ..scene import film, scene_kinds
-    from . import study_scene
-
     axis = wanted.along or next(iter(wanted.axes), None) or _axis_left(file, rods, shown.at)
     if axis in shown.at:
         raise InputError(f"--at {axis}: the film runs along {axis}, so that axis takes no value")
@@ -147,12 +134,10 @@ def _along_axis(
 
 def _folders(out: Path) -> list[Path]:
     """Where the cases that tell the pace of a film are kept, and its own."""
-    from ..run import shards
-
     return [shards.folder_of(path) for path in (out.with_stem(f"{out.stem}_pace"), out)]
 
 
-def _axis_left(file: Path, rods: "StoredStudy", at: Mapping[str, float]) -> str:
+def _axis_left(file: Path, rods: StoredStudy, at: Mapping[str, float]) -> str:
     """The one axis that has no value yet. Raises `InputError` for none and for several."""
     if not rods.axes:
         raise InputError(f"{file} has one case and no axis, so nothing changes from frame to frame")

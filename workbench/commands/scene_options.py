@@ -11,6 +11,11 @@ if TYPE_CHECKING:
     from ..scene.settings import Settings
 
 
+FLAGS = {"low": "--from", "high": "--to"}  # of options that are not written as they are named
+OF_PICTURE = ("low", "high", "camera", "color_range", "bare", "transparent", "size")  # not of pages, nor of branches
+OF_FILM = ("stored", "show", "fps", "frames")
+
+
 @dataclass(frozen=True)
 class SceneOptions:
     """What `scene` is asked to draw, and how."""
@@ -95,19 +100,11 @@ class SceneOptions:
         """The axes of ghosts or of a grid, or of a film."""
         return self.axis or []
 
-    @property
-    def of_picture(self) -> list[str]:
-        """The options that were given and that neither a page nor a picture of branches takes."""
-        given = {
-            "--from": self.low is not None,
-            "--to": self.high is not None,
-            "--camera": self.camera is not None,
-            "--color-range": self.color_range is not None,
-            "--bare": self.bare,
-            "--transparent": self.transparent,
-            "--size": self.size is not None,
-        }
-        return [name for name, is_given in given.items() if is_given]
+    def given(self, *names: str) -> list[str]:
+        """Those of these options that were given, as one writes them."""
+        values = {name: getattr(self, name) for name in names}
+        named = [name for name, value in values.items() if not (value is None or value is False or value == [])]
+        return [FLAGS.get(name, f"--{name.replace('_', '-')}") for name in named]
 
     def settings(self, dpi: int) -> "Settings":
         """How it is drawn; dpi: where none was given. Raises `InputError` for an invalid option."""
@@ -133,8 +130,3 @@ class SceneOptions:
     def has_film_pictures(self) -> bool:
         """Whether the frames of a film are asked for as pictures, each a file."""
         return self.frames is not None and self.out is not None and "{" in self.out.name
-
-    @property
-    def of_film(self) -> tuple[bool, ...]:
-        """Whether each option for films alone was given."""
-        return self.stored, self.show is not None, self.fps is not None, self.frames is not None

@@ -28,10 +28,6 @@ LARGE = 100e6  # bytes of meshes, of which is told before they are written
 NUMBERED = re.compile(r"[^{}]*\{(:0?\d*d)?\}[^{}]*")  # the name of a file for each value of an axis
 
 
-class NoSolid(InputError):
-    """A valid rod that cannot be a solid: it passes through itself or is bent tighter than its radius."""
-
-
 @dataclass(frozen=True)
 class Exported:
     """A file that was written: the case, numbers about the file by name, and what a real rod could not do."""
@@ -201,7 +197,7 @@ def _write(path: Path, rod: ExportedRod, format: Format, force: bool) -> tuple[d
     for finding in faults if format.body == "solid" else []:
         if finding.tight or not options.overlap:
             also = "" if finding.tight else ", --overlap the solid all the same"
-            raise NoSolid(f"no solid: {finding.sentence}; --centreline writes the curve alone{also}")
+            raise atomic.Undone(f"no solid: {finding.sentence}; --centreline writes the curve alone{also}")
     return {**facts, **_write_file(path, rod, format, force)}, [finding.sentence for finding in faults]
 
 

@@ -10,6 +10,12 @@ from pathlib import Path
 from solver.problem.errors import InputError, choices
 
 PARTS = ".parts"  # ends the name of the folder in which a run keeps finished cases
+
+
+class Undone(InputError):
+    """What is asked for validly, and cannot be made of this rod or on this machine: a command has exit status 1."""
+
+
 _COMPLETED: ContextVar[list[Path] | None] = ContextVar("completed", default=None)
 
 

@@ -10,6 +10,8 @@ from importlib.metadata import PackageNotFoundError, files
 from importlib.util import find_spec
 from pathlib import Path
 
+from ..run.atomic import Undone
+
 MISSING = "scenes and files of surfaces need PyVista and trimesh: pip install 'rod-workbench[scene]'"
 PACKAGES = "libegl1 libgl1-mesa-dri (or libosmesa6 libx11-6)"
 WINDOW = "VTK_DEFAULT_OPENGL_WINDOW"  # the environment variable by which VTK chooses its off-screen window
@@ -44,6 +46,13 @@ window.GetPixelData(0, 0, 31, 31, 0, pixels, 0)
 print("drawn" if pixels.GetRange(0)[1] > pixels.GetRange(0)[0] else "empty")
 """
 COMMAND = (sys.executable, "-c", CHILD)
+
+
+def check() -> None:
+    """Raise `Undone`, with what to install, where scenes cannot be drawn."""
+    able, advice = probe()
+    if not able:
+        raise Undone(advice)
 
 
 @functools.cache
