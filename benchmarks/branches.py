@@ -18,7 +18,7 @@ from scipy.integrate import solve_bvp
 
 from solver import Case, Ends, Solution, equilibria, follow, solve
 from solver.problem.case_fields import with_field
-from solver.problem.reduced import numbers_over
+from solver.problem.dimensionless import numbers_over
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from tests.cases import TABLE_1

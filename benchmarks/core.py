@@ -14,7 +14,7 @@ import numpy as np
 
 from benchmarks.timing import compare_times, table1
 from solver import Case, Cylinder, Rod, Start, solve
-from solver.problem.reduced import reduce
+from solver.problem.dimensionless import reduce
 
 CASES, STATIONS, BLOCK = 100_000, 101, 512
 

@@ -21,7 +21,7 @@ import xarray as xr
 
 from studies.language.loader import loads
 from workbench.geometry.centreline import Array, Centreline
-from workbench.geometry.refinement import Rings, rings
+from workbench.geometry.tube_tolerance import Rings, rings
 from workbench.run import in_memory, writing
 from workbench.scene import opengl, surfaces
 from workbench.scene.body import Body, read

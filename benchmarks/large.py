@@ -22,8 +22,8 @@ from solver import solve
 from solver.observe.observables import observe
 from studies import Study
 from studies.language.loader import loads
-from workbench.run.study_store import RunOptions, run_to_file
-from workbench.words import cautions
+from workbench.run.into_file import RunOptions, run_to_file
+from workbench.words import caution_words
 
 STUDY = """
 title = "Benchmark"
@@ -107,11 +107,11 @@ def overhead(folder: Path, rounds: int) -> dict[str, float]:
 def processor(folder: Path, rounds: int) -> dict[str, float]:
     """20,000 such cases, processor time: run and stored by one worker, the bare solver, and this with the cautions."""
     work = study(100, 200)
-    case, wanted = work.case(), dict.fromkeys((*work.wanted, *cautions.JUDGED))
+    case, wanted = work.case(), dict.fromkeys((*work.wanted, *caution_words.JUDGED))
 
     def tell_cautions() -> None:
         sol = solve(case, work.tol, work.method, work.stations)
-        cautions.of_cases(sol, observe(sol, wanted, errors=True))
+        caution_words.of_cases(sol, observe(sol, wanted, errors=True))
 
     parts = {
         "stored [s]": work_of_run(work, folder, workers=1),

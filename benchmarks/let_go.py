@@ -19,11 +19,11 @@ from scipy.optimize import NonlinearConstraint, minimize
 from scipy.sparse import coo_array
 
 from solver import Case, Cylinder, Ends, Rod, solve
-from solver.free.beginnings import curves_of, let_go
 from solver.free.discrete_rod import DiscreteRod
 from solver.free.free_problem import problems_of
 from solver.free.minimum import minimise
 from solver.free.program import Program, Sizes
+from solver.free.starting_curves import curves_of, let_go
 
 ROD = Rod(E=1.07e4, nu=0.25, a=0.25, L=20.0)
 ENDS = Ends(beta0=0.5, betaL=0.8, FZ=-8.66, MZ=1.3, M3=6.1)

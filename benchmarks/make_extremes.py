@@ -8,7 +8,7 @@ import json
 import numpy as np
 
 from benchmarks.march_25_digits import march
-from solver.problem.reduced import reduce
+from solver.problem.dimensionless import reduce
 from workbench.lab.extreme_runs import FILE, SHARES, extremes
 
 _STEPS = 1500  # some minutes for all of them together

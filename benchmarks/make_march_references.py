@@ -18,7 +18,7 @@ from scipy.optimize import minimize_scalar
 from benchmarks.march_25_digits import march
 from benchmarks.observed_march import numbers_along, push_and_curvature, steps
 from solver import Case, solve
-from solver.problem.reduced import StartProblem, reduce
+from solver.problem.dimensionless import StartProblem, reduce
 from tests.cases import random_rods
 from tests.extreme_cases import KINDS, draw
 

@@ -17,11 +17,11 @@ from solver.observe.observables import OBSERVABLES
 from solver.orbits.potential import Loads, potential
 from solver.problem.case import DIRECT, ELASTIC, GIVEN, SIDES, SLIDING, STIFFNESS, TWISTS, Case
 from solver.problem.declared_fields import ANGLES, PAIRS, RANGES
-from solver.problem.reduced import dimensionless_problem
+from solver.problem.dimensionless import dimensionless_problem
 from solver.problem.units import FORCES, LENGTHS, unit_size
 from workbench.web.live.live_document import PAGE
-from workbench.words.cautions import LINEAR
-from workbench.words.habits import HABITS
+from workbench.words.caution_words import LINEAR
+from workbench.words.unit_habits import HABITS
 
 FILE = PAGE / "formulas.mjs"
 HEAD = """// Tables and formulas of the solver, written by benchmarks/make_page_formulas.py: change them there.

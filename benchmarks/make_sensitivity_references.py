@@ -13,7 +13,7 @@ import mpmath as mp
 import numpy as np
 
 from solver import equilibria
-from solver.problem.reduced import reduce
+from solver.problem.dimensionless import reduce
 from tests.cases import START, ends_in_units_of_rho
 
 NAMES = (

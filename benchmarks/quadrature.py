@@ -18,7 +18,7 @@ from solver import Case, Cylinder, Ends, Rod, equilibria, solve
 from solver.branches.continuation import resume
 from solver.methods.half_period import OrbitQuadrature
 from solver.orbits.boundary import critical_points, path_of
-from solver.problem.reduced import StartProblem, reduce
+from solver.problem.dimensionless import StartProblem, reduce
 from workbench.lab.trade_runs import ends_in_units_of_rho
 
 STATIONS = 201

@@ -1,6 +1,6 @@
 """What breaks where a tuned constant of the solver is ten times larger. Run from the checkout (some minutes a room):
 
-    python -m benchmarks.scaled branches held   # rooms, or modules such as nodes/newton
+    python -m benchmarks.scaled branches held   # rooms, or modules such as nodes/banded_newton
     python -m benchmarks.scaled --by 0.1 nodes
 
 Each number in the head of a module is changed in a process of its own, and some problems that run a function with it

@@ -24,7 +24,7 @@ from scipy.integrate import solve_ivp
 from benchmarks import taylor
 from benchmarks.timing import compare_times, table1
 from solver import methods, solve
-from solver.problem.reduced import reduce
+from solver.problem.dimensionless import reduce
 
 STATIONS = 201
 

@@ -13,7 +13,7 @@ import numpy as np
 from benchmarks.core import threads
 from benchmarks.timing import compare_times, peak_gigabytes, table1
 from solver import solve
-from solver.problem.reduced import reduce
+from solver.problem.dimensionless import reduce
 
 
 def one_rod(L: float, wanted: float = 1e-12) -> dict[str, float]:

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .equilibria import Equilibrium, equilibria
-    from .equilibrium_branch import Branch
     from .fits.fit_search import fit
     from .follow import follow
+    from .follow_result import Branch
     from .loops import Loop, loops
     from .observe.observables import observe
     from .problem.case import Case, Cylinder, Ends, Rod, Start, weight_in_fluid
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from .solution import Solution
     from .solve import solve
     from .switch import switch
-    from .traced_folds import trace_fold
+    from .trace_fold import trace_fold
 
 __version__ = "0.3.0"
 __all__ = [
@@ -50,10 +50,10 @@ __all__ = [
 
 # the module of each name that does not stand in one of its own name
 _HOMES = {
-    "Branch": "equilibrium_branch", "Case": "problem.case", "Cylinder": "problem.case", "Ends": "problem.case",
+    "Branch": "follow_result", "Case": "problem.case", "Cylinder": "problem.case", "Ends": "problem.case",
     "Equilibrium": "equilibria", "InputError": "problem.errors", "Loop": "loops", "Rod": "problem.case",
     "Solution": "solution", "Start": "problem.case", "fit": "fits.fit_search", "fold_curves": "region_map",
-    "observe": "observe.observables", "trace_fold": "traced_folds", "weight_in_fluid": "problem.case",
+    "observe": "observe.observables", "weight_in_fluid": "problem.case",
 }  # fmt: skip
 
 

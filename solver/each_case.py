@@ -13,8 +13,8 @@ import numpy as np
 from .numerics.arrays import Array
 from .problem.case import Case
 from .problem.case_fields import values_of, with_fields_unchecked
+from .problem.dimensionless import EndsProblem, StartProblem, flat, span_of
 from .problem.errors import attempt
-from .problem.reduced import EndsProblem, StartProblem, flat, span_of
 from .problem.trajectory import Seed, Trajectory, blank
 
 Answer = tuple[StartProblem | EndsProblem, Trajectory]

@@ -10,27 +10,27 @@ from numpy.typing import NDArray
 
 from .branches.given_numbers import Given
 from .branches.parameter_plane import read_range
-from .equilibrium_list import Equilibria, Equilibrium, HeldEquilibria, HeldSearch, equilibrium_of, in_order
+from .equilibria_result import Equilibria, Equilibrium, HeldEquilibria, HeldSearch, equilibrium_of, in_order
 from .held.energy_minima import is_turned_round
 from .held.held_equilibrium import trajectory_between, way_between_hinges
 from .held.held_search import MOST_PERIODS, TRIES, FoundStates, search_equilibria
 from .held.held_selection import Reached
 from .held.held_sweep import ranges_of
 from .held.selection import LOWEST, NEAREST, Choose, HeldSelection, Selection, select
-from .nodes.answers import answer_ends
 from .nodes.loaded_rod import rods_of
+from .nodes.loaded_solutions import answer_ends
 from .numerics.arrays import Array
 from .problem.case import Case, Ends, check_case
 from .problem.case_fields import value_of, with_field
 from .problem.declared_fields import PAIRS
+from .problem.dimensionless import NUMBER_OF, EndsProblem, fields_held, reduce, reduce_held, span_of, value_of_number
 from .problem.errors import DEFAULT_TOLERANCE, InputError, check_tolerance, choices, no_such, whole_number
 from .problem.limits import OUT_OF_RANGE, beyond_limits, ends_and_span, reason_beyond, refusals, too_far, units_held
-from .problem.reduced import NUMBER_OF, EndsProblem, fields_held, reduce, reduce_held, span_of, value_of_number
 from .problem.trajectory import Trajectory
 from .solution import Solution
 
 if TYPE_CHECKING:
-    from .nodes.search import FoundShapes
+    from .nodes.shape_search import FoundShapes
 
 __all__ = ["Equilibria", "Equilibrium", "equilibria", "meant", "nearest"]
 
@@ -310,9 +310,9 @@ def without_weight(case: Case) -> Case:
 
 def equilibria_on_nodes(case: Case, tol: float, stations: int) -> Equilibria:
     """The equilibria of a rod with weight that a search finds. Raises `InputError` for what it does not search."""
-    from .nodes.answers import why_unsolved
     from .nodes.loaded_rod import rods_of
-    from .nodes.search import GRID, HEAVIEST, MOST_NODES, scan_one_unknown, search_shapes
+    from .nodes.loaded_solutions import why_unsolved
+    from .nodes.shape_search import GRID, HEAVIEST, MOST_NODES, scan_one_unknown, search_shapes
     from .nodes.vertical_scan import has_one_unknown
 
     (rod,) = rods_of(case)
@@ -357,7 +357,7 @@ def equilibria_on_nodes(case: Case, tol: float, stations: int) -> Equilibria:
 
 def _list_of_shapes(case: Case, result: "FoundShapes", tol: float, stations: int) -> list[Equilibrium]:
     """The equilibria of the shapes that a search found, lowest energy first."""
-    from .nodes.answers import answer_ends, way_of
+    from .nodes.loaded_solutions import answer_ends, way_of
 
     t = span_of(case)[:, None] * np.linspace(0, 1, stations)
     listed = []

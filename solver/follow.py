@@ -8,16 +8,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .equilibrium_branch import BORDER, HELIX, Branch, BranchEnd, BranchPoint, SpecialPoint
+from .follow_result import BORDER, HELIX, Branch, BranchEnd, BranchPoint, SpecialPoint
 from .numerics.arclength import CLOSED, END, FOLD, POINTS
 from .numerics.arrays import Array, whole_turns
 from .problem.case import Case, Ends, refuse_leaving
 from .problem.case_fields import fields_of, of_quantity, value_of, with_field
 from .problem.declared_fields import ANGLES, PAIRS
+from .problem.dimensionless import EndsProblem, fields_held, size_of_field, span_of
 from .problem.errors import InputError, check_type, choices, no_such, show, whole_number
 from .problem.field_values import doubt, in_rad
 from .problem.notices import is_called_by_a_program, warn
-from .problem.reduced import EndsProblem, fields_held, size_of_field, span_of
 from .problem.trajectory import Trajectory
 from .solution import Solution
 from .solve import as_seed, between_ends, ends_case, start_solution
@@ -114,10 +114,10 @@ def _follow_shape(
     solution: Solution, case: Case, name: str, bounds: "Bounds"
 ) -> "tuple[list[Place], int, Stop, Stop] | str":
     """The branch of a rod with weight, friction or a hinge, or why it cannot be followed."""
-    from .nodes.answers import curve_over
     from .nodes.constant_loads import shape_of_solution
-    from .nodes.curve import shapes_through
     from .nodes.loaded_rod import rods_of
+    from .nodes.loaded_solutions import curve_over
+    from .nodes.node_branch import shapes_through
 
     known = shape_of_solution(rods_of(case)[0], solution.trajectory, between_ends(solution), solution.t[0])
     curve, shape = curve_over(case, known, name, bounds.low, bounds.high)
@@ -159,7 +159,7 @@ def _path(solution: Solution) -> "Path":
 
 
 def _numbers(solution: Solution) -> dict[str, float]:
-    """The numbers of a solution by the names of `problem.reduced.NUMBER_OF`."""
+    """The numbers of a solution by the names of `problem.dimensionless.NUMBER_OF`."""
     from .branches.family import end_numbers
     from .nodes.constant_loads import end_numbers as end_numbers_of_shape
 
@@ -199,7 +199,7 @@ def _solutions_at(points: Sequence[BranchPoint], case: Case, tol: float, u: Arra
     from .nodes.varying_shapes import Shape
 
     if isinstance(points[0].path, Shape):
-        from .nodes.answers import answer_ends, way_of
+        from .nodes.loaded_solutions import answer_ends, way_of
 
         t = span_of(case)[:, None] * u
         ways = [way_of(point.path, point.index) for point in points]

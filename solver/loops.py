@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .problem.case import Case, Cylinder, Rod, Start, refuse_leaving
+from .problem.dimensionless import reduce
 from .problem.errors import InputError, check_type, whole_number
 from .problem.limits import OUT_OF_RANGE, reason_beyond, units_held
 from .problem.quantities import current, former
-from .problem.reduced import reduce
 from .problem.shown import NOTEBOOK, make
 from .solution import Solution
 from .solve import solve

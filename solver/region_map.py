@@ -7,15 +7,15 @@ from typing import Any
 import numpy as np
 
 from .branches.fold_curves import FoldCurves, curves_of
-from .branches.fold_search import search_curves
+from .branches.fold_lattice import search_curves
 from .branches.parameter_plane import parameter_plane
 from .branches.whole_curve import CurvePieces
 from .equilibria import MOST_LISTED, Equilibria, equilibria
 from .numerics.arrays import Array, Booleans, Integers
 from .problem.case import Case, check_case
+from .problem.dimensionless import fields_held
 from .problem.errors import LARGEST_SEED, whole_number
-from .problem.reduced import fields_held
-from .traced_folds import search_from_middle
+from .trace_fold import search_from_middle
 
 PIXELS = 240  # of the raster along each field. x10: a hundred times the memory
 

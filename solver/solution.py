@@ -7,18 +7,18 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from .free.beginnings import curves_of, let_go
 from .free.free_rods import FREE_TOLERANCE, answers_beside, trajectory_of
-from .free.sinking import descent_of
-from .nodes.stretch_states import ends_turn, is_drawn, states
+from .free.let_go_descent import descent_of
+from .free.starting_curves import curves_of, let_go
+from .nodes.pipe_states import ends_turn, is_drawn, states
 from .numerics.arrays import Array
 from .observe.cautions import of_cases
 from .observe.solution_derivatives import Sensitivity, sensitivity
 from .orbits import frames
 from .orbits.shape_arrays import ShapeArrays
 from .problem.case_fields import cases_at, place_along, with_field
+from .problem.dimensionless import fields_held, flat, loads_of
 from .problem.errors import InputError, check_tolerance, show, whole_number
-from .problem.reduced import fields_held, flat, loads_of
 from .problem.shown import NOTEBOOK, Picture, make, table_of
 
 if TYPE_CHECKING:

@@ -7,15 +7,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .each_case import Answer, Question, answer_each
-from .free.beginnings import BILATERAL, bilateral_cases, curves_of
 from .free.free_rods import FREE_TOLERANCE, FreeRods, answers_beside
+from .free.starting_curves import BILATERAL, bilateral_cases, curves_of
 from .held.selection import LOWEST, NEAREST, RULES, Choose, check
 from .nodes.varying_shapes import VaryingShapes
 from .numerics.arrays import NEGLIGIBLE, Array
 from .problem.case import Case, Ends, Start, check_case
-from .problem.errors import DEFAULT_TOLERANCE, InputError, check_tolerance, choices, show, whole_number
-from .problem.limits import LARGEST_HELD, LONGEST, OUT_OF_RANGE, beyond, ordinary, refusals, representable
-from .problem.reduced import (
+from .problem.dimensionless import (
     EndsProblem,
     HeldProblem,
     Reduced,
@@ -26,6 +24,8 @@ from .problem.reduced import (
     reduce_held,
     span_of,
 )
+from .problem.errors import DEFAULT_TOLERANCE, InputError, check_tolerance, choices, show, whole_number
+from .problem.limits import LARGEST_HELD, LONGEST, OUT_OF_RANGE, beyond, ordinary, refusals, representable
 from .problem.trajectory import PLAIN, Seed, Trajectory, blank, stood_in
 from .solution import FreeSolution, Solution
 
@@ -168,7 +168,7 @@ def _question_on_nodes(
 ) -> Question:
     """What is asked where loads vary along the rod: by Taylor series; between ends by multiple shooting."""
     from .methods import method_on_nodes
-    from .nodes.answers import answer_ends, answer_starts
+    from .nodes.loaded_solutions import answer_ends, answer_starts
 
     name = method_on_nodes(case.kind, method, knobs)
     if check(choose) != NEAREST:

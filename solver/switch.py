@@ -5,13 +5,13 @@ from typing import Any
 import numpy as np
 
 from .equilibria import equilibria
-from .equilibrium_branch import Branch, SpecialPoint
 from .follow import follow
+from .follow_result import Branch, SpecialPoint
 from .numerics.arclength import FEW_POINTS, FOLD
 from .numerics.arrays import ALIKE, Array
 from .problem.case_fields import with_field
+from .problem.dimensionless import fields_held
 from .problem.errors import InputError, check_type, choices
-from .problem.reduced import fields_held
 from .solution import Solution
 
 # of the range of the branch: distances from the special point, tried in this order. x10: beyond where another branch

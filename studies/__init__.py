@@ -5,8 +5,8 @@ from typing import Any
 from . import tenants
 from .language.loader import load, loads, names
 from .language.study import Study
+from .laws.judgement import Law
 from .laws.line_verdicts import Verdict, judge
-from .laws.verdicts import Law
 
 __version__ = "0.3.0"
 __all__ = ["READINGS", "TABLE_1", "Law", "Reading", "Study", "Verdict", "judge", "load", "loads", "names"]

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from solver import Case, Cylinder, Rod, Start
 from solver.orbits.boundary import critical_points
 from solver.orbits.potential import potential
-from solver.problem.reduced import Reduced
+from solver.problem.dimensionless import Reduced
 from tests.cases import start_of
 
 KINDS = ("loads", "forces", "helix", "separatrix", "gap", "tension")

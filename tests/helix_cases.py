@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from solver.orbits.boundary import critical_points
-from solver.problem.reduced import Reduced, StartProblem, reduce
+from solver.problem.dimensionless import Reduced, StartProblem, reduce
 from tests.extreme_cases import KINDS, draw
 from tests.variation import work
 

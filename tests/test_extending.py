@@ -12,7 +12,7 @@ import pytest
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Start, observe, solve
 from solver.methods import AUTOMATIC, METHODS, StartMethod, Verlet, available
-from solver.methods.base import Ladder, knob
+from solver.methods.method import Ladder, knob
 from solver.numerics.complex_step import size_of
 from solver.observe.observables import OBSERVABLES, Observable
 from solver.problem.quantities import QUANTITIES, Quantity
@@ -25,7 +25,7 @@ from workbench.lab import work_precision
 from workbench.lab.benchmark import available_ladders
 from workbench.lab.trade_runs import ladders_of
 from workbench.run import in_memory
-from workbench.stored import law_verdicts
+from workbench.stored import stored_verdicts
 from workbench.stored.stored_study import StoredStudy
 
 ROOT = Path(__file__).parents[1]
@@ -114,7 +114,7 @@ def test_an_observable_is_two_rows_and_is_then_observed_studied_stored_and_label
     ds = in_memory.run(small.study(axis + law, 'observables = ["stations"]\n'))
     assert ds["stations"].values.tolist() == [21, 21, 21]
     assert (ds["stations"].attrs["units"], ds["stations"].attrs["long_name"]) == ("1", "number of stations")
-    assert law_verdicts.verdicts(ds)[0]["verdict"] == HOLDS
+    assert stored_verdicts.verdicts(ds)[0]["verdict"] == HOLDS
 
 
 def test_an_observable_that_is_two_rows_has_its_derivatives_too(monkeypatch) -> None:
@@ -149,7 +149,7 @@ def test_a_kind_of_law_is_one_row_and_is_then_read_judged_worded_and_drawn(monke
         loads(small.HEAD + axis + law)
     monkeypatch.setitem(DIRECTIONS, "stays-level", Direction(level, "stays level", "changes"))
     ds = in_memory.run(small.study(axis + law))
-    (row,) = law_verdicts.verdicts(ds)
+    (row,) = stored_verdicts.verdicts(ds)
     assert (row["verdict"], len(row["exceptions"])) == (FAILS, 2)
     assert law_words.law_in_words(row) == "height stays level along E"
     fig = study_figure.figure(StoredStudy(ds))

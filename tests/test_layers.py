@@ -32,8 +32,8 @@ FLOORS = {"solver": SOLVER, "studies": STUDIES, "workbench": WORKBENCH}
 LISTS = {
     "solver": [
         "numerics", "problem", "core", "orbits", "branches", "nodes", "held", "free", "methods", "observe",
-        "solution", "each_case", "solve", "equilibrium_list", "equilibria", "equilibrium_branch", "follow", "switch",
-        "traced_folds", "region_map", "loops", "fits",
+        "solution", "each_case", "solve", "equilibria_result", "equilibria", "follow_result", "follow", "switch",
+        "trace_fold", "region_map", "loops", "fits",
     ],
     "studies": ["tenants", "grammar", "laws", "language", "paper"],
     "workbench": [
@@ -113,7 +113,7 @@ def test_a_floor_imports_only_what_lies_below_it(floor: str) -> None:
 
 def test_the_solver_names_the_workbench_only_where_a_solution_is_shown() -> None:
     named = {module_of(file) for file in files_of("solver/**/*.py") if '"workbench' in file.read_text(encoding="utf-8")}
-    shows = {"solver.problem.shown", "solver.equilibrium_branch"}  # load it by name
+    shows = {"solver.problem.shown", "solver.follow_result"}  # load it by name
     assert named == shows | {"solver.problem.notices"}  # tells the workbench's own calls from those of a user
     code = "import sys; from solver import *; print([n for n in sys.modules if n.partition('.')[0] == 'workbench'])"
     run = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)

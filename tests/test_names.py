@@ -125,7 +125,7 @@ NOT_TUNED = {
     "orbits/variations": "PAIRS",
     "nodes/local_waves": "EQUAL LIFTED LAST",
     "free/discrete_rod": "EDGE ENDS CONDITIONS",
-    "methods/base": "TOLERANCES",
+    "methods/method": "TOLERANCES",
     "observe/measurement": "MIDDLE",
     "observe/motions": "LOST",
 }

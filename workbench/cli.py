@@ -31,17 +31,17 @@ from .commands import (
     docs,
     doctor,
     draw_scene,
-    equilibria,
     explore,
     export_rod,
     fit,
     folds,
-    loops,
+    list_equilibria,
+    list_loops,
     plot,
+    print_schema,
     run_study,
     sensitivity,
-    solve,
-    study_schema,
+    solve_case,
     summary,
 )
 from .run import atomic
@@ -57,7 +57,7 @@ INTERRUPTED = 130  # 128 and the number of the signal that Ctrl-C sends
 GROUPS: dict[str, dict[str, tuple[Any, ...]]] = {
     "One rod": {
         "solve": (
-            solve.solve,
+            solve_case.solve,
             "solve",
             "solve --table1 --E 2e4 --beta 45deg",
             "solve --length-unit m --force-unit kN --E 2.06e8 --nu 0.3 --a 0.06 --L 20 --R 0.11 --side inside "
@@ -97,17 +97,21 @@ GROUPS: dict[str, dict[str, tuple[Any, ...]]] = {
         ),
     },
     "Equilibria": {
-        "equilibria": (equilibria.equilibria, "equilibria --plot all.png", "equilibria --axis betaL=-90deg:60deg:41"),
+        "equilibria": (
+            list_equilibria.equilibria,
+            "equilibria --plot all.png",
+            "equilibria --axis betaL=-90deg:60deg:41",
+        ),
         "folds": (folds.folds, "folds --axis betaL=-60deg:90deg --axis FZ=4:12 --plot map.png"),
         "loops": (
-            loops.loops,
+            list_loops.loops,
             "loops --table1 --a 0.05 --R 0.95 --L 12 --folds 1,2,3 -o loops.png",
             "loops --length-unit nm --force-unit pN --EI 207 --GJ 310 --a 1 --L 40 --R 3 --out loops.h5",
         ),
     },
     "Help and machine": {
         "docs": (docs.docs, "docs", "docs --print"),
-        "schema": (study_schema.schema, "schema"),
+        "schema": (print_schema.schema, "schema"),
         "doctor": (doctor.doctor, "doctor"),
     },
 }

@@ -21,7 +21,7 @@ from studies.language.case_input import CaseInput, field_values
 from .branches.ends_study import study_text, text_of_solution
 from .run import atomic
 from .stored import quantity_variables
-from .words import cautions, escaping, habits, labels
+from .words import caution_words, escaping, labels, unit_habits
 
 STATIONS = 801
 UNDETERMINED = "undetermined"  # in place of an unbounded interval
@@ -58,7 +58,7 @@ def as_dataset(found: Fit, units: dict[str, str], points: dict[str, Any] | None,
     curve = solve(found.case, stations=STATIONS, seed=seed)
     ds["alpha"], ds["z"], ds["s"] = (("u", np.asarray(getattr(curve, name))) for name in ("alpha", "z", "s"))
     ds["rho"], ds["a"] = float(found.case.rho), float(found.case.rod.a)
-    ds["caution"] = str(cautions.of_cases(curve, units=units))
+    ds["caution"] = str(caution_words.of_cases(curve, units=units))
     if points is not None and {"alpha", "z"} <= set(points):
         ds = ds.assign(_of_points(found, points, wrapped))
     return ds
@@ -72,7 +72,7 @@ def _said(found: Fit, units: dict[str, str]) -> str:
             parts.append(f"{labels.symbol_of(name)} {UNDETERMINED}")
             continue
         unit = quantity_variables.labels(name, units)["units"]
-        unit, factor = ("°", np.degrees(1.0)) if unit == "rad" else habits.unit_and_size(unit, name)
+        unit, factor = ("°", np.degrees(1.0)) if unit == "rad" else unit_habits.unit_and_size(unit, name)
         shown = unit if unit == "°" else f" {labels.unit(unit)}".rstrip()
         low, high = (f"{factor * end:.5g}" for end in found.intervals[name])
         known = "" if np.isnan(found.intervals[name][0]) else f" ({low} to {high})"

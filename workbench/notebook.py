@@ -18,7 +18,7 @@ import xarray as xr
 
 from solver import Case, Solution, solve
 from solver.equilibria import Equilibria
-from solver.equilibrium_list import stability
+from solver.equilibria_result import stability
 from solver.observe.observables import observe
 from solver.problem.errors import InputError, show, yes_or_no
 from solver.problem.quantities import quantity, unit_of
@@ -29,7 +29,7 @@ from .branches.equilibria_dataset import loops_as_dataset as loops_as_dataset  #
 from .run import atomic
 from .stored import provenance, quantity_variables
 from .stored.stored_study import StoredStudy
-from .words import cautions, habits, labels
+from .words import caution_words, labels, unit_habits
 from .words.python_words import in_python, python_words
 
 if TYPE_CHECKING:
@@ -157,17 +157,17 @@ class StudyRun:
 
 def plot(stored: StoredStudy, at: Mapping[str, Any] | None = None) -> Plot:
     """The figure of a stored study, or of its case at some values of its axes. Raises `InputError`."""
-    from .figures import kinds
+    from .figures import figure_kinds
 
     if not at:
         with python_words():
-            return Plot(kinds.figure(stored, kinds.kind_without_map(stored)))
+            return Plot(figure_kinds.figure(stored, figure_kinds.kind_without_map(stored)))
     where = {name: stored.place(at)[name] for name in map(stored.axis, at)}
     part = stored.select(where).with_title(f"{stored.attrs['title']}, {stored.equations(where, 6)}")
     with python_words():
-        kind = kinds.kind_without_map(part)
+        kind = figure_kinds.kind_without_map(part)
         laws: dict[str, Any] = {"verdicts": []} if kind == "lines" else {}  # which are of all cases
-        return Plot(kinds.figure(part, kind, **laws))
+        return Plot(figure_kinds.figure(part, kind, **laws))
 
 
 def scene(stored: StoredStudy, at: Mapping[str, Any] | None = None) -> NotebookScene:
@@ -197,7 +197,7 @@ def export_solution(
     """
     from studies.laws.law_words import count_of
 
-    from .export.base import ExportOptions
+    from .export.file_format import ExportOptions
     from .export.stored_rod import check_holds_all, export
 
     path = _path_of(path)
@@ -249,9 +249,9 @@ def as_dataset(sol: Solution, units: Mapping[str, str] | None = None) -> xr.Data
             pair: tuple[Any, Any] = ((), float(value.flat[0])) if same else (tuple(axes), value)
             ds[name] = *pair, quantity_variables.labels(name, used)
     known = used if used["length"] in LENGTHS and used["force"] in FORCES else None
-    ds["caution"] = tuple(axes), np.asarray(cautions.of_cases(sol, units=known)).astype(str)
+    ds["caution"] = tuple(axes), np.asarray(caution_words.of_cases(sol, units=known)).astype(str)
     ds = ds.assign_coords({name: xr.Variable((name,), values, _labels(name, used)) for name, values in axes.items()})
-    return ds.assign_attrs(_attributes(sol, used) | {"caution": cautions.said(ds["caution"].values)})
+    return ds.assign_attrs(_attributes(sol, used) | {"caution": caution_words.said(ds["caution"].values)})
 
 
 def _axes(sol: Solution) -> dict[str, Any]:
@@ -327,7 +327,7 @@ def table_of_solution(sol: Solution) -> str:
             )
             for name in NUMBERS
         ]
-        rows += [("caution", caution)] if (caution := cautions.said(cautions.of_cases(sol))) else []
+        rows += [("caution", caution)] if (caution := caution_words.said(caution_words.of_cases(sol))) else []
     shape = f" of {each.size} cases" if each.size > 1 else ""
     return _table(f"Solution{shape}, {sol.t.shape[-1]} stations", rows)
 
@@ -350,7 +350,9 @@ def table_of_equilibria(found: Equilibria) -> str:
     held = "held " if found and found[0].solution.held else ""
     heads = [f"{held}{name}" if name.startswith("energy") else name for name in HEADINGS]
     rows = []
-    slopes = habits.distinct_texts((member.dbeta0 for member in found), lambda slope, digits: f"{slope:.{digits}g}", 6)
+    slopes = unit_habits.distinct_texts(
+        (member.dbeta0 for member in found), lambda slope, digits: f"{slope:.{digits}g}", 6
+    )
     for i, (member, slope) in enumerate(zip(found, slopes, strict=True), 1):
         numbers = f"{member.energy:.6g}", str(member.bends), slope, f"{member.attached:.0%}"
         rows.append((str(i), *map(labels.minus_signs, (stability(member.index), *numbers))))

@@ -17,9 +17,9 @@ PUBLIC: dict[str, tuple[str, ...]] = {
         "workbench.notebook.Plot",
         "workbench.notebook.NotebookScene",
         "workbench.run.in_memory.run",
-        "workbench.run.study_store.run_to_file",
+        "workbench.run.into_file.run_to_file",
         "workbench.export.stored_rod.export",
-        "workbench.export.base.ExportOptions",
+        "workbench.export.file_format.ExportOptions",
     ),
 }
 SAID = {

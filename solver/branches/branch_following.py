@@ -35,7 +35,7 @@ from ..numerics.roots import locate
 from ..orbits.boundary import Boundary, Path, boundary_of, height_scale, wrap
 from ..orbits.path_orbits import orbit_of
 from ..orbits.potential import TAU, slope, slope_rate
-from ..problem.reduced import EndsProblem
+from ..problem.dimensionless import EndsProblem
 from .branch_events import Bounds, Place, Stop, arrive, both_ways, events_between
 from .branch_states import BranchState, begin_at, in_other_charts, rechart, steps_in_core
 from .family import Family

@@ -11,7 +11,7 @@ from ..core.tuning import AHEAD, LEAST, SHARE, STEEP
 from ..numerics.arclength import LEFT, Node, advance, correct_point, node_at
 from ..numerics.arrays import NEGLIGIBLE, Array
 from ..orbits.boundary import Boundary, Path
-from ..problem.reduced import EndsProblem
+from ..problem.dimensionless import EndsProblem
 from .branch_events import Bounds, Place
 from .charts import Chart, alike, charts, coordinate
 from .equilibrium_curve import EquilibriumCurve, curves_through

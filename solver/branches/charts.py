@@ -14,7 +14,7 @@ from ..core.library import numbers_of
 from ..core.tuning import AS_HIGH, NUDGE, SAME_SADDLE
 from ..numerics.arrays import ALIKE, FAINT
 from ..orbits.boundary import Path, boundary_of, height_scale
-from ..problem.reduced import EndsProblem
+from ..problem.dimensionless import EndsProblem
 
 
 @dataclass(frozen=True)

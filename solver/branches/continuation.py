@@ -15,7 +15,7 @@ from ..numerics.arrays import ALIKE, FAINT
 from ..orbits.boundary import CUTTING, NODES, Path, boundary_of
 from ..orbits.path_orbits import orbit_of
 from ..orbits.periodic_orbit import jacobi_zeros
-from ..problem.reduced import EndsProblem
+from ..problem.dimensionless import EndsProblem
 from .branch_events import Bounds, Stop
 from .branch_following import follow_branch
 from .family import Family, scale_of

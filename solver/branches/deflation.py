@@ -10,7 +10,7 @@ import numpy as np
 
 from ..numerics.arrays import ALIKE, ASIDE, Array
 from ..numerics.roots import REACH, Ending, lead_away, solve
-from ..problem.reduced import EndsProblem
+from ..problem.dimensionless import EndsProblem
 from .charts import Chart, charts, coordinate
 from .given_numbers import (
     FREE,

@@ -11,7 +11,7 @@ from ..numerics.arrays import Array
 from ..numerics.roots import solve
 from ..orbits.boundary import Boundary, Path, boundary_of
 from ..orbits.potential import load_size
-from ..problem.reduced import EndsProblem
+from ..problem.dimensionless import EndsProblem
 from .charts import Chart, charts, coordinate, path_at
 from .family import Family
 from .given_numbers import FREE, Given, move, problem_of, values_of

@@ -13,8 +13,7 @@ from ..orbits.variations import POINTS
 from ..problem.case import Case
 from ..problem.case_fields import value_of, with_field
 from ..problem.declared_fields import PAIRS
-from ..problem.errors import InputError
-from ..problem.reduced import (
+from ..problem.dimensionless import (
     NUMBER_OF,
     EndsProblem,
     end_number_names,
@@ -22,6 +21,7 @@ from ..problem.reduced import (
     numbers_over,
     value_of_number,
 )
+from ..problem.errors import InputError
 from .branch_events import Bounds
 from .given_numbers import FREE, Given, problem_of
 from .orbit_rates import HOW, NUMBERS, orbit_rates

@@ -10,7 +10,7 @@ import numpy as np
 from ..numerics.arrays import Array, Booleans
 from ..problem.case import Case
 from ..problem.errors import InputError, show
-from .fold_search import Searched
+from .fold_lattice import Searched
 from .parameter_plane import ParameterPlane
 from .whole_curve import PIECES, WholeCurve, change_along, without_zeros
 

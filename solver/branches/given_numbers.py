@@ -12,7 +12,7 @@ from ..numerics.arrays import Array
 from ..numerics.roots import solve
 from ..orbits.boundary import Path
 from ..orbits.potential import load_size
-from ..problem.reduced import EndsProblem, HeldProblem
+from ..problem.dimensionless import EndsProblem, HeldProblem
 from .charts import Chart
 from .orbit_rates import NUMBERS, OrbitRates
 

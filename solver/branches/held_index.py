@@ -26,7 +26,7 @@ _RESTS = 1e-7  # beta_t at both ends of a rod that rests at both, in units of th
 def held_index(rates: OrbitRates, ratio: Array, names: tuple[str, ...], leaving: Array, turns: Array) -> Array:
     """The index of B equilibria that are no helices under held ends, (B,) of floats; NaN where it is not decided.
 
-    names: the five given numbers (`problem.reduced.HeldProblem.numbers`). leaving, turns: (B,), of their paths.
+    names: the five given numbers (`problem.dimensionless.HeldProblem.numbers`). leaving, turns: (B,), of their paths.
     """
     ends, compliance = _compliance_of(rates, ratio, names)
     index = dead_index(rates, leaving, turns, ends) - negative(compliance)

@@ -16,7 +16,7 @@ from ..numerics.arrays import ALIKE, NEGLIGIBLE, Array
 from ..numerics.roots import REACH, halve, root
 from ..orbits.periodic_orbit import helix_half_waves, helix_index
 from ..orbits.potential import slope, slope_higher_rates, slope_rate
-from ..problem.reduced import EndsProblem
+from ..problem.dimensionless import EndsProblem
 from .branch_events import Bounds, Place
 from .family import Family
 from .given_numbers import OrbitState

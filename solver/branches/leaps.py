@@ -14,7 +14,7 @@ from ..orbits.level_grid import level_grid_of
 from ..orbits.level_search import paths_of, roots_on
 from ..orbits.path_orbits import orbit_of, solve_orbits
 from ..orbits.periodic_orbit import Orbit, jacobi_zeros
-from ..problem.reduced import EndsProblem
+from ..problem.dimensionless import EndsProblem
 from .given_numbers import Given, problem_of
 
 Guess = tuple[EndsProblem, Path, float]  # of an equilibrium: its problem and path, and a share of a way

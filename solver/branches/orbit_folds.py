@@ -31,14 +31,14 @@ from ..numerics.roots import REACH
 from ..orbits.boundary import boundary_of
 from ..orbits.periodic_orbit import TIGHT, Pin, helix_half_waves, solve_orbit
 from ..orbits.potential import TAU, load_size, slope
-from ..problem.reduced import StartProblem
+from ..problem.dimensionless import StartProblem
 from .family import as_given, numbers_with_names
+from .fold_tracing import Ahead, LinePoint, Point, change_within, point_on_line, with_no_side
 from .given_numbers import FREE, Given, values_of
 from .held_index import lower_index
 from .orbit_rates import NUMBERS, OrbitRates, rates_of_helices, start_rates
 from .parameter_plane import ParameterPlane, reflect
 from .path_correction import state_from_start
-from .special_line import Ahead, LinePoint, Point, change_within, point_on_line, with_no_side
 
 GivenAt = Callable[[Array], Given]
 Level = tuple[float, float, float]  # the angle of a saddle, and the sign and the log of the gap above its height
@@ -342,7 +342,7 @@ def meets_pitchforks(fold: OrbitFold, node: Node) -> bool:
 
 
 def in_other_form(point: OrbitPoint, node: Node, stuck: bool) -> Iterator[Ahead[OrbitPoint]]:
-    """Other forms of a point (`special_line.Others`): with log gap, or without it, or the mirror image."""
+    """Other forms of a point (`fold_tracing.Others`): with log gap, or without it, or the mirror image."""
     way, guess = node.tangent[-2:], None
     pin = point.own.pin
     if pin is not None:
@@ -361,7 +361,7 @@ def in_other_form(point: OrbitPoint, node: Node, stuck: bool) -> Iterator[Ahead[
 
 
 def sides_between(point: Point, node: Node, step: float, taken: Ahead[Point]) -> list[Point] | None:
-    """Pitchforks within a step (`special_line.Between`): where a fold curve ends on the line, and the side of two more
+    """Pitchforks within a step (`fold_tracing.Between`): where a fold curve ends on the line, and the side of two more
     equilibria changes."""
 
     def is_left(ahead: Ahead[Point]) -> bool:

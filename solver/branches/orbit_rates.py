@@ -24,7 +24,7 @@ from ..orbits.boundary import CUTTING, STRETCH, Path
 from ..orbits.periodic_orbit import Pin
 from ..orbits.variations import HOW as VARIED
 from ..orbits.variations import POINTS, Change, HelixVariations, Variations
-from ..problem.reduced import EndsProblem, Reduced, StartProblem
+from ..problem.dimensionless import EndsProblem, Reduced, StartProblem
 
 NUMBERS = ("beta0", "betaL", "dbeta0", "dbetaL", "alpha", "swirl", "z", "lam", "mu", "phi", "y")
 _REST = 1e-15  # beta_t at a start at rest, a few roundings. x10: a start that moves so slowly is one at rest

@@ -10,9 +10,9 @@ from ..numerics.arrays import ASIDE, Array
 from ..problem.case import Case, Ends, refuse_leaving
 from ..problem.case_fields import check_fields, with_fields
 from ..problem.declared_fields import ANGLES
+from ..problem.dimensionless import ACTING, EndsProblem, field_rates, fields_held, reduce
 from ..problem.errors import InputError, choices, show
 from ..problem.field_values import angle
-from ..problem.reduced import ACTING, EndsProblem, field_rates, fields_held, reduce
 
 Numbers = TypeVar("Numbers")  # a dataclass
 

@@ -14,7 +14,7 @@ from ..numerics.roots import DIVERGED, REACH, Ending, newton
 from ..orbits.boundary import DOWN, UP, Path, boundary_of
 from ..orbits.periodic_orbit import TIGHT, Pin, solve_orbit
 from ..orbits.potential import load_size, slope, steepest
-from ..problem.reduced import EndsProblem
+from ..problem.dimensionless import EndsProblem
 from .charts import Chart, charts, coordinate, path_at
 from .given_numbers import Given, OrbitState, answer, move, problem_after, size_of, values_of
 from .orbit_rates import NUMBERS, OrbitRates, orbit_rates

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..numerics.arclength import FOLD
 from ..numerics.arrays import ROUGHLY, Array, Booleans, Integers
-from .special_line import STOPPED, Point, SpecialLine
+from .fold_tracing import STOPPED, Point, SpecialLine
 
 PIECES = 8  # of the polyline between two points: with it a curve looks smooth. x10: only memory
 

@@ -63,7 +63,7 @@ void rod_varied_unit(const varied_place *start, const varied_place *there, varie
 /* The parts of a unit of beta(0), beta_t(0), lam, mu and phi at the start, each with the others held: [part][of]. */
 void rod_varied_directions(const varied_place *start, double out[PARTS][PARTS]);
 
-/* The numbers of a case that have rates, the rows of `by`: NUMBERS in problem/reduced.py */
+/* The numbers of a case that have rates, the rows of `by`: NUMBERS in problem/dimensionless.py */
 enum { BY_LAM, BY_MU, BY_PHI, BY_LENGTH, BY_BETA0, BY_END, BY_STIFFNESS, BY_RHO, BY_RATIO, BY_AZIMUTH, BY_TWIST };
 
 /* Shapes at n stations, B rods. t, beta, rate, z: (B, n), in units of rho. by: (11, B, F), rates of the numbers of the case;

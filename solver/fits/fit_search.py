@@ -12,8 +12,8 @@ from ..numerics.arrays import ALIKE, ROUGHLY, Array
 from ..problem.case import Case, Ends, check_case
 from ..problem.errors import LARGEST_SEED, InputError, check_tolerance, show, whole_number, yes_or_no
 from ..problem.field_values import numbers_of
-from .assembly import ZERO, result
 from .data import check_data, target_parts
+from .fit_conclusion import ZERO, result
 from .fit_result import Fit
 from .local_search import STEP, search
 from .model import FitMinimum, Model, NoValueError

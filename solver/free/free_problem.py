@@ -9,7 +9,7 @@ from ..nodes.loaded_rod import rods_of
 from ..numerics.arrays import NEGLIGIBLE, Array
 from ..problem.case import Case
 from ..problem.declared_fields import TILTS
-from ..problem.reduced import flat
+from ..problem.dimensionless import flat
 from .discrete_rod import CONDITIONS, INSIDE, OUTSIDE, DiscreteRod
 from .free_shape import FreeShape, between
 from .minimum import minimise

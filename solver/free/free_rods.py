@@ -8,14 +8,14 @@ import numpy as np
 
 from ..numerics.arrays import ALIKE, FAINT, Array, Integers
 from ..problem.case import Case
+from ..problem.dimensionless import EndsProblem
 from ..problem.limits import OUT_OF_RANGE, TAUT, units_held
-from ..problem.reduced import EndsProblem
 from ..problem.trajectory import SOLVED, Trajectory, fewer_digits
-from .beginnings import curve_of, curve_of_string, is_taut
 from .free_problem import BeginningCurve, Beside, problems_of
 from .free_shape import Along, FreeShape
 from .minimum import free_motion, minimise
 from .program import Effort
+from .starting_curves import curve_of, curve_of_string, is_taut
 
 # of the place of a rod, over its length: finer than a drawing shows. x10: places off by a thousandth of the length
 FREE_TOLERANCE = 1e-4

@@ -8,18 +8,18 @@ import numpy as np
 
 from ..branches.given_numbers import FREE, Given, OrbitState, parts_of, values_of
 from ..branches.held_index import dead_index_of
-from ..nodes.answers import answer_ends, way_of, why_unsolved
+from ..nodes.banded_newton import correct
 from ..nodes.growth import GrowthWay
-from ..nodes.hinged_states import shape_of
+from ..nodes.hinges import shape_of
 from ..nodes.loaded_rod import LoadedRod, rods_of
-from ..nodes.newton import correct
+from ..nodes.loaded_solutions import answer_ends, way_of, why_unsolved
 from ..nodes.shape_index import index_at
 from ..numerics.arrays import Array
 from ..orbits.path_orbits import orbit_of, together, trajectory_on, variations_of
 from ..orbits.periodic_orbit import Orbit
 from ..problem.case import Case
+from ..problem.dimensionless import EndsProblem, HeldProblem, reduce_held
 from ..problem.limits import beyond_limits, ends_and_span, unreachable
-from ..problem.reduced import EndsProblem, HeldProblem, reduce_held
 from ..problem.trajectory import PLAIN, Seed, Trajectory, stood_in
 from .held_alternatives import alternatives_of, away
 from .held_moves import state_of_seed

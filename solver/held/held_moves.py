@@ -13,28 +13,28 @@ from ..branches.deflation import end_vector
 from ..branches.given_numbers import FREE, Given, OrbitState
 from ..branches.leaps import SHARES, angles_on
 from ..branches.orbit_rates import orbit_rates
-from ..nodes import hinged_states, newton
-from ..nodes.hinged_states import HingedState
+from ..nodes import banded_newton, hinges
+from ..nodes.banded_newton import whole_turns
+from ..nodes.hinges import HingedState
 from ..nodes.loaded_rod import BETA
-from ..nodes.newton import whole_turns
 from ..nodes.varying_shapes import Shape
 from ..numerics.arclength import POINTS
 from ..numerics.arrays import Array
 from ..orbits.boundary import Path
 from ..orbits.path_orbits import orbit_of
 from ..orbits.potential import TAU
-from ..problem.reduced import EndsProblem
+from ..problem.dimensionless import EndsProblem
 
 
 def carry(state: OrbitState, wanted: Given, most: int = POINTS) -> OrbitState | Stop:
     """The equilibrium with the wanted numbers on the branch of a state; all numbers change in proportion."""
-    return (hinged_states.carry_hinged if wanted.has_hinge else continuation.carry)(state, wanted, most)
+    return (hinges.carry_hinged if wanted.has_hinge else continuation.carry)(state, wanted, most)
 
 
 def settle(guess: OrbitState, wanted: Given) -> OrbitState | str:
     """The equilibrium with the wanted numbers next to a guess, or why there is none."""
     if wanted.has_hinge:
-        return hinged_states.settle_hinged(guess, wanted)
+        return hinges.settle_hinged(guess, wanted)
     return path_correction.settle(guess.problem, guess.path, wanted)
 
 
@@ -43,18 +43,18 @@ def deflate(state: OrbitState, wanted: Given, known: Sequence[Array]) -> OrbitSt
 
     known: the `end_vector` each.
     """
-    return (hinged_states.deflate_hinged if wanted.has_hinge else deflation.deflate)(state, wanted, list(known))
+    return (hinges.deflate_hinged if wanted.has_hinge else deflation.deflate)(state, wanted, list(known))
 
 
 def across_fold(state: OrbitState, wanted: Given) -> list[OrbitState]:
     """Guesses of the equilibrium that meets this one at the nearest fold, on either side of it, the likelier first."""
-    return (hinged_states.across_fold_hinged if wanted.has_hinge else deflation.across_fold)(state, wanted)
+    return (hinges.across_fold_hinged if wanted.has_hinge else deflation.across_fold)(state, wanted)
 
 
 def is_nearer_across_fold(seed: OrbitState, state: OrbitState, wanted: Given) -> bool:
     """Whether the equilibrium that meets one at its nearest fold is nearer to it than a seed is."""
     if wanted.has_hinge:
-        return hinged_states.is_nearer_across_fold(seed, state, wanted)
+        return hinges.is_nearer_across_fold(seed, state, wanted)
     beside = deflation.fold_beside(state, wanted)
     return beside is not None and bool(abs(beside[1]) < np.linalg.norm(end_vector(state) - end_vector(seed)))
 
@@ -62,7 +62,7 @@ def is_nearer_across_fold(seed: OrbitState, state: OrbitState, wanted: Given) ->
 def meetings(seed: OrbitState, state: OrbitState, wanted: Given, bounds: Bounds) -> list[OrbitState]:
     """Where the branch of an equilibrium meets the wanted numbers again, on the line from those of a seed."""
     if wanted.has_hinge:
-        return hinged_states.meetings_of(seed, state, wanted, bounds)
+        return hinges.meetings_of(seed, state, wanted, bounds)
     if state.path.helix:
         return []
     line = line_between(state.problem, wanted.at(seed), wanted)
@@ -79,8 +79,8 @@ def state_of_seed(problem: EndsProblem, path: Path | None, shape: Shape | None, 
     if not wanted.has_hinge:
         return state
     if shape is None and state is not None:
-        shape = hinged_states.shape_of(state, hinged_states.rod_of(wanted))
-    return None if shape is None else hinged_states.with_ends_of(shape, wanted)
+        shape = hinges.shape_of(state, hinges.rod_of(wanted))
+    return None if shape is None else hinges.with_ends_of(shape, wanted)
 
 
 def angles_along(state: OrbitState) -> Array:
@@ -96,6 +96,6 @@ def within_a_turn(state: OrbitState) -> OrbitState:
     if not turns:
         return state
     if isinstance(state, HingedState):
-        return hinged_states.state_of(newton.within_a_turn(state.shape))
+        return hinges.state_of(banded_newton.within_a_turn(state.shape))
     problem = replace(state.problem, **{name: getattr(state.problem, name) - TAU * turns for name in FREE[:2]})
     return replace(state, problem=problem, rates=orbit_rates(problem, [state.path]))

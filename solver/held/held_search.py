@@ -19,12 +19,12 @@ from ..branches.deflation import end_vector, is_known
 from ..branches.given_numbers import FREE, Given, OrbitState
 from ..branches.helices import helices_of
 from ..branches.orbit_rates import orbit_rates
-from ..nodes.hinged_states import HingedState, half_period_later, mirror_image
+from ..nodes.hinges import HingedState, half_period_later, mirror_image
 from ..numerics.arclength import FEW_POINTS
 from ..numerics.arrays import ALIKE, FAINT, Array
 from ..orbits.boundary import Boundary, Path, boundary_of, wrap
 from ..orbits.potential import TAU
-from ..problem.reduced import EndsProblem
+from ..problem.dimensionless import EndsProblem
 from .held_moves import across_fold, angles_along, carry, deflate, settle, within_a_turn
 from .held_sweep import Ranges, SweepPoint, ranges_of, starts_of, swept
 from .hinge_scan import states_between_hinges

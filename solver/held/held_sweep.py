@@ -21,7 +21,7 @@ from ..numerics.arrays import Array
 from ..orbits.boundary import path_of
 from ..orbits.level_search import MOST_PERIODS, search_levels
 from ..orbits.potential import potential
-from ..problem.reduced import EndsProblem
+from ..problem.dimensionless import EndsProblem
 
 # of a straight rod: pushed as hard as it needs to buckle into so many, or pulled as hard. x10: a list of 8 is one of
 # 42, of more waves

@@ -15,7 +15,7 @@ from ..numerics.roots import BISECTIONS, bisect, roots_between
 from ..orbits.boundary import boundary_of
 from ..orbits.periodic_orbit import solve_orbit
 from ..orbits.potential import TAU, potential, slope
-from ..problem.reduced import EndsProblem, StartProblem
+from ..problem.dimensionless import EndsProblem, StartProblem
 
 _ANGLES = 1440  # of a turn, evenly. x10: only time
 # distances [rad] from the angles whose orbits reach a saddle: eight a decade, from rounding on. x10: angles within

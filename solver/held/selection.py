@@ -16,8 +16,8 @@ from ..numerics.arrays import FAINT, NEGLIGIBLE, Array, Integers
 from ..orbits.boundary import Path, path_of
 from ..orbits.level_search import FoundPaths, search_levels
 from ..orbits.path_orbits import NO_EQUILIBRIUM, equilibrium_trajectory, path_from_start
+from ..problem.dimensionless import EndsProblem
 from ..problem.errors import InputError
-from ..problem.reduced import EndsProblem
 from ..problem.trajectory import Seed, Trajectory
 
 NEAREST, LOWEST = "nearest", "lowest"

@@ -4,11 +4,11 @@ from typing import Any
 
 from ..problem.errors import InputError, choices, known_name, no_such
 from .adaptive import DOP853, LSODA, Heyoka
-from .base import EndsMethod, Method, StartMethod
 from .collocation import Collocation
 from .difference import Difference
 from .half_period import OrbitQuadrature, SwingTaylor
 from .marching import RK4, Euler, Verlet
+from .method import EndsMethod, Method, StartMethod
 from .shooting import Shooting
 
 _CLASSES: tuple[type[StartMethod] | type[EndsMethod], ...] = (

@@ -13,9 +13,10 @@ import numpy as np
 
 from ..core.tuning import MOST_STEPS
 from ..numerics.arrays import Array
-from ..problem.reduced import StartProblem
+from ..problem.dimensionless import StartProblem
 from ..problem.trajectory import NOT_FINITE, Trajectory
-from .base import (
+from .half_period import condition_numbers
+from .method import (
     MOST_CALLED,
     MOST_COMPILED,
     TIGHTEST,
@@ -27,7 +28,6 @@ from .base import (
     tens,
     tighten,
 )
-from .half_period import condition_numbers
 
 # of one integration: one or two seconds; stiffer cases are for `orbit`. x10: twenty seconds before one fails
 _MOST_CALLS = 400_000

@@ -16,9 +16,9 @@ import numpy as np
 from ..numerics.arrays import Array
 from ..orbits.mesh_index import response
 from ..orbits.potential import slope, slope_rate
-from ..problem.reduced import EndsProblem
+from ..problem.dimensionless import EndsProblem
 from ..problem.trajectory import Seed
-from .base import MOST_COMPILED, TIGHTEST, TOLERANCES, Ladder, SeededMethod, SingleAnswer, knob, tighten
+from .method import MOST_COMPILED, TIGHTEST, TOLERANCES, Ladder, SeededMethod, SingleAnswer, knob, tighten
 
 # nodes: of the first mesh, and of the next if that is too coarse for the seed; of any mesh. x10: time
 _FIRST, _MOST = (257, 2049), 10_000

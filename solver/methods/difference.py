@@ -12,9 +12,9 @@ from ..numerics.arrays import EPS, Array
 from ..numerics.roots import ROUNDS
 from ..orbits.mesh_index import response
 from ..orbits.potential import Loads, slope, slope_rate
-from ..problem.reduced import EndsProblem
+from ..problem.dimensionless import EndsProblem
 from ..problem.trajectory import Seed
-from .base import MOST_COMPILED, Ladder, SeededMethod, SingleAnswer, knob, largest, twos
+from .method import MOST_COMPILED, Ladder, SeededMethod, SingleAnswer, knob, largest, twos
 
 # nodes; coarser first meshes lose seeds. x10: 1.5 to 1.9 times the time, and the digits of other meshes
 _FIRST, _LARGEST_FIRST, _MOST = 129, 2**13 + 1, 2**17 + 1

@@ -15,11 +15,11 @@ from ..core.tuning import MOST_PANELS
 from ..numerics.arrays import Array
 from ..orbits.marched_orbit import MarchedOrbit, march_orbit
 from ..orbits.periodic_orbit import judge, solve_orbit
+from ..problem.dimensionless import StartProblem
 from ..problem.errors import DEFAULT_TOLERANCE
 from ..problem.limits import LARGEST, beyond_limits
-from ..problem.reduced import StartProblem
 from ..problem.trajectory import Trajectory, Verdicts, all_solved, blank, stood_in, verdicts
-from .base import TOLERANCES, Ladder, StartMethod
+from .method import TOLERANCES, Ladder, StartMethod
 
 # times the tolerance: an error beyond it is handed over, also where the condition number excuses it. x10: answers that
 # miss the tolerance so far are kept

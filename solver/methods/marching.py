@@ -11,10 +11,10 @@ import numpy as np
 
 from ..numerics.arrays import Array
 from ..orbits.potential import slope
-from ..problem.reduced import StartProblem
+from ..problem.dimensionless import StartProblem
 from ..problem.trajectory import Trajectory
-from .base import Ladder, StartMethod, knob, largest, trajectory_of, twos
 from .half_period import condition_numbers
+from .method import Ladder, StartMethod, knob, largest, trajectory_of, twos
 
 # beta, beta_t, alpha, z and swirl of B problems, (B,) each, and what a rule keeps from one step to the next
 State = Any

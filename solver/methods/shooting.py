@@ -16,9 +16,9 @@ from ..numerics.arclength import BRANCH_POINT, FOLD
 from ..numerics.arrays import Array
 from ..orbits.path_orbits import equilibrium_trajectory, orbit_of, together
 from ..orbits.periodic_orbit import TIGHT, solve_orbit
-from ..problem.reduced import EndsProblem
+from ..problem.dimensionless import EndsProblem
 from ..problem.trajectory import Seed, Trajectory
-from .base import EndsMethod, Ladder, tens
+from .method import EndsMethod, Ladder, tens
 
 # of 1 + |slope|: a slope at the start, times rho, that far from that of an equilibrium is its own, as a file keeps it.
 # x10: as good, and of slopes 1e-5 apart one may be taken for the other

@@ -8,9 +8,9 @@ import numpy as np
 
 from ..numerics.arrays import ALIKE, FAINT, NEGLIGIBLE, Array
 from ..numerics.roots import halve
-from .curve import SPLIT, NodeCurve
 from .descent import descend
 from .loaded_rod import LoadedRod
+from .node_branch import SPLIT, NodeCurve
 from .shape_index import index_at
 from .varying_shapes import Shape
 from .weak_modes import weakest_modes

@@ -63,7 +63,7 @@ def shape_from(rod: LoadedRod, read: Read, problem: Any) -> Shape:
 
 
 def end_numbers(shape: Shape) -> dict[str, float]:
-    """The numbers of a shape that ends can give, by the names of `problem.reduced.NUMBER_OF`; loads at the far end."""
+    """The numbers of a shape that ends can give, by the names of `dimensionless.NUMBER_OF`; loads at the far end."""
     first, last = shape.y[0].tolist(), shape.y[-1].tolist()
     turned = last[ALPHA] - first[ALPHA]
     return {

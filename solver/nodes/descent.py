@@ -6,7 +6,7 @@ import numpy as np
 
 from ..numerics.arrays import ROUGHLY, Array
 from ..numerics.roots import REACH
-from .newton import correct, largest_turn
+from .banded_newton import correct, largest_turn
 from .shape_index import index_at, indices_with_springs, springs_of
 from .varying_shapes import Shape
 from .weak_modes import weakest_modes

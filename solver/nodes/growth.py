@@ -7,12 +7,12 @@ import numpy as np
 
 from ..branches.branch_events import Bounds
 from ..numerics.arclength import END, POINTS, RISING
+from .banded_newton import correct
 from .buckling import AHEAD
-from .curve import CurvePoint, NodeCurve, trace_shapes
 from .descent import descend, is_near
 from .loaded_rod import LoadedRod
 from .local_waves import sinusoid
-from .newton import correct
+from .node_branch import CurvePoint, NodeCurve, trace_shapes
 from .shape_index import index_of_any
 from .varying_shapes import Shape
 

@@ -11,7 +11,7 @@ from ..core.varying_loads import SIZE
 from ..numerics.arrays import Array
 from ..problem.case import IN_PLACE, Case
 from ..problem.case_fields import with_fields_unchecked
-from ..problem.reduced import StartProblem, dimensionless_problem, end_fields, end_values, flat, problem_at_ends
+from ..problem.dimensionless import StartProblem, dimensionless_problem, end_fields, end_values, flat, problem_at_ends
 
 BETA, SPEED, ALPHA, Q, PHI, MU, SHORT, ROUND = range(SIZE)
 HELD = {"beta0": "beta0", "betaL": "betaL", "azimuth": "alpha", "height": "z", "rotation": "turn"}  # what ends can hold

@@ -19,9 +19,9 @@ import numpy as np
 from ..numerics.arrays import NEGLIGIBLE, Array, Booleans, whole_turns
 from ..numerics.roots import root
 from ..problem.case import ALONG_ITSELF
+from .banded_newton import correct
 from .descent import descend
 from .loaded_rod import ALPHA, BETA, PHI, SHORT, SPEED, LoadedRod, Q
-from .newton import correct
 from .shape_index import index_of_any
 from .varying_shapes import Shape
 

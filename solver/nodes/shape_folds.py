@@ -14,7 +14,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ..branches.special_line import (
+from ..branches.fold_tracing import (
     CROSSING,
     Ahead,
     LinePoint,
@@ -29,9 +29,9 @@ from ..branches.special_line import (
 from ..branches.whole_curve import WholeCurve, whole_curve
 from ..numerics.arclength import PITCHFORK, Node, node_at
 from ..numerics.arrays import ASIDE, Array
-from .curve import LENGTHS, SPLIT, CurvePoint, NodeCurve, unit
+from .banded_newton import marks_of
 from .loaded_rod import ALPHA, SPEED, LoadedRod
-from .newton import marks_of
+from .node_branch import LENGTHS, SPLIT, CurvePoint, NodeCurve, unit
 from .shape_index import index_at
 from .varying_shapes import Shape
 from .weak_modes import Held, hold, weakest_modes

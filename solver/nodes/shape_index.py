@@ -6,8 +6,8 @@ import numpy as np
 
 from ..core.varying_loads import HALF, count_negatives
 from ..numerics.arrays import Array
+from .banded_newton import march_of
 from .loaded_rod import ALPHA, BETA, MU, PHI, ROUND, SHORT, SPEED, LoadedRod, Q
-from .newton import march_of
 from .varying_shapes import Shape
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from ..numerics.arrays import ROUGHLY
 from ..numerics.roots import halve
 from ..problem.case import ALONG_ITSELF
+from .banded_newton import correct, is_same
 from .buckling import (
     buckle,
     index_of_straight,
@@ -21,7 +22,6 @@ from .growth import ENDS_AT, FRICTION, LOADS, GrowthWay, grow
 from .loaded_rod import ALPHA, SHORT, LoadedRod
 from .local_waves import QUIET, leans_and_buckles, sinusoid, wants_helix, wound_shape
 from .lock_up import PASSED, lock_up_share, lock_up_tension
-from .newton import correct, is_same
 from .taut import taut_shape
 from .varying_shapes import Shape
 

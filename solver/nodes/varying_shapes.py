@@ -13,11 +13,11 @@ from ..core.varying_loads import READ, SIZE, march
 from ..numerics.arrays import FAINT, Array, Booleans, Integers
 from ..numerics.chebyshev import GAUSS
 from ..numerics.roots import BISECTIONS, bisect, largest_between
+from ..orbits.forces import circumferential_force, contact_force, curvature, surface_forces
 from ..orbits.potential import Loads, slope
-from ..orbits.statics import circumferential_force, contact_force, curvature, surface_forces
 from ..problem.case import IN_PLACE
 from .loaded_rod import ALPHA, BETA, MU, PHI, SPEED, LoadedRod, Q
-from .stretch_states import STRAIGHT, StretchState, ends_turn, is_drawn, least_pull, states
+from .pipe_states import STRAIGHT, StretchState, ends_turn, is_drawn, least_pull, states
 
 # places on a stretch, at which the states along a rod are judged: a stretch has a few radians. x10: only time
 DENSE = 17

@@ -8,8 +8,8 @@ import numpy as np
 from ..core.varying_loads import HALF, SIZE
 from ..numerics.arrays import ROUNDED, Array
 from ..numerics.roots import DIVERGED, newton, solve
+from .banded_newton import ENDING, Linear, linear_at, share_within, size_of
 from .loaded_rod import ALPHA, BETA, SPEED, Q
-from .newton import ENDING, Linear, linear_at, share_within, size_of
 from .varying_shapes import Shape
 
 ANGLES = [BETA, ALPHA]

@@ -13,11 +13,11 @@ import numpy as np
 
 from ..core.measures import densities
 from ..nodes.loaded_rod import MU
-from ..nodes.stretch_states import SLIGHT, least_pull
+from ..nodes.pipe_states import SLIGHT, least_pull
 from ..numerics.arrays import NEGLIGIBLE, Array, Booleans, Integers
+from ..orbits.forces import circumferential_force, curvature, surface_forces
 from ..orbits.shape_arrays import ShapeArrays
-from ..orbits.statics import circumferential_force, curvature, surface_forces
-from ..problem.reduced import EndsProblem, flat
+from ..problem.dimensionless import EndsProblem, flat
 from .measurement import MeasuredNumbers
 from .observables import error_name, observe
 

@@ -15,8 +15,8 @@ from ..numerics.arrays import FAINT, NEGLIGIBLE, Array
 from ..orbits.frames import binormal, outward
 from ..orbits.loop_orbits import MOST_PLACES
 from ..orbits.shape_arrays import ShapeArrays
+from ..problem.dimensionless import flat
 from ..problem.quantities import quantity
-from ..problem.reduced import flat
 from .measurement import MIDDLE
 
 # rad: a smaller change of beta between two bends is no bend of a rod that is solved to 1e-4 of its length. x10: small

@@ -20,8 +20,8 @@ from ..orbits.marched_orbit import MarchedOrbit
 from ..orbits.periodic_orbit import TIGHT, solve_orbit
 from ..orbits.potential import steepest
 from ..orbits.shape_arrays import ShapeArrays
+from ..problem.dimensionless import flat
 from ..problem.errors import InputError
-from ..problem.reduced import flat
 from ..problem.trajectory import stood_in
 from .solution_pieces import blocks, is_resolved, off_between, pieces_of
 

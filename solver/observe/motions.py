@@ -19,7 +19,7 @@ from ..orbits.path_orbits import path_from_start, variations_of
 from ..orbits.shape_arrays import ShapeArrays
 from ..orbits.variations import HOW as LONGER
 from ..orbits.variations import POINTS, HelixVariations, Variations
-from ..problem.reduced import EndsProblem, Reduced, StartProblem, end_number_names, flat
+from ..problem.dimensionless import EndsProblem, Reduced, StartProblem, end_number_names, flat
 from .measurement import MIDDLE
 from .solution_pieces import CASES
 

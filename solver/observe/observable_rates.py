@@ -20,8 +20,8 @@ from ..numerics.complex_step import slopes_of, with_slopes
 from ..orbits.periodic_orbit import HELIX
 from ..orbits.potential import slopes_by_loads
 from ..orbits.shape_arrays import ShapeArrays
+from ..problem.dimensionless import FieldRates, StartProblem
 from ..problem.errors import InputError, choices
-from ..problem.reduced import FieldRates, StartProblem
 from .measurement import MeasuredNumbers, Pair
 from .motions import LOST, MARKS, PARTLY, Motion, RatedNumbers, StartRates, marks_of, shape_rates
 from .observables import OBSERVABLES, SEVERAL, STRAIGHT, check_names, is_count

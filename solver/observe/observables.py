@@ -14,7 +14,7 @@ import numpy as np
 from ..core.tuning import BARELY
 from ..nodes.loaded_rod import MU, PHI, Q, numbers_of
 from ..nodes.lock_up import largest_arriving, lock_up_length
-from ..nodes.stretch_states import least_pull
+from ..nodes.pipe_states import least_pull
 from ..numerics.arrays import EPS, ROUNDED, Array
 from ..numerics.complex_step import size_of
 from ..orbits.marched_orbit import MarchedOrbit
@@ -24,9 +24,9 @@ from ..orbits.potential import load_size
 from ..orbits.shape_arrays import ShapeArrays
 from ..problem.case import Case, Rod
 from ..problem.declared_fields import DEAD_LOADS
+from ..problem.dimensionless import flat
 from ..problem.errors import check_type, known_name, names_of, no_such, yes_or_no
 from ..problem.quantities import ByName, current, quantity
-from ..problem.reduced import flat
 from .free_numbers import UNDEFINED, free_numbers
 from .measurement import SPREAD, MeasuredNumbers, Pair
 from .self_contact import overlaps

@@ -19,7 +19,7 @@ from ..orbits.loop_orbits import MOST_PLACES
 from ..orbits.marched_orbit import MarchedOrbit
 from ..orbits.periodic_orbit import as_core_orbits
 from ..orbits.shape_arrays import ShapeArrays
-from ..problem.reduced import flat
+from ..problem.dimensionless import flat
 from .solution_pieces import CASES
 
 # largest number of pairs of stretches compared for a rod; periods compared together, which changes no result. x10: ten

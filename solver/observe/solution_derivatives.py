@@ -16,8 +16,8 @@ from ..orbits.shape_arrays import ShapeArrays
 from ..orbits.variations import HelixVariations
 from ..problem.case import refuse_leaving
 from ..problem.case_fields import check_fields
+from ..problem.dimensionless import EndsProblem, FieldRates, end_number_names, field_rates, flat
 from ..problem.quantities import ByName
-from ..problem.reduced import EndsProblem, FieldRates, end_number_names, field_rates, flat
 from ..problem.trajectory import SOLVED, decade
 from .motions import LOST, Motion, of_equilibria, of_helices, shape_rates, start_sensitivities
 from .observable_rates import Moving, check_observables, derivatives_of, measure_of, why_missing

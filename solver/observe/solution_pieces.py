@@ -19,7 +19,7 @@ from ..orbits.marched_orbit import MarchedOrbit
 from ..orbits.periodic_orbit import cover
 from ..orbits.potential import Loads, slope_rate
 from ..orbits.shape_arrays import ShapeArrays
-from ..problem.reduced import Reduced
+from ..problem.dimensionless import Reduced
 
 # of a block; with 192 a case of 50 us takes 3 us more for the calls, with 48 `orbit` takes 1.5 times as long. x10: ten
 # times the memory of their steps, 9 MB here

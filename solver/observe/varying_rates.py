@@ -13,17 +13,17 @@ from typing import Any
 import numpy as np
 
 from ..core.tuning import NUDGE
-from ..nodes.answers import answer_ends, answer_starts, way_of
-from ..nodes.curve import NodeCurve
+from ..nodes.banded_newton import largest_turn, linear_at
 from ..nodes.loaded_rod import rods_of
-from ..nodes.newton import largest_turn, linear_at
+from ..nodes.loaded_solutions import answer_ends, answer_starts, way_of
+from ..nodes.node_branch import NodeCurve
 from ..nodes.varying_shapes import Shape as Nodal
 from ..numerics.arrays import NEGLIGIBLE, Array
 from ..numerics.roots import EXACT
 from ..orbits.shape_arrays import ShapeArrays
 from ..problem.case import Case, Start
 from ..problem.case_fields import values_of, with_fields_unchecked
-from ..problem.reduced import flat, size_of_field, span_of
+from ..problem.dimensionless import flat, size_of_field, span_of
 from .observables import observe
 
 # of the angles, in their scales, and of a field, in its size: the fourth root of rounding, for second differences. x10:

@@ -24,7 +24,7 @@ from ..core import branch_calls as core
 from ..core.library import FLOAT, TIMES, Cutting, cut, fine, numbers_of, on_grid, points, run, structure
 from ..core.tuning import AT_REST, LOWEST, MOVED, NUDGE, ON
 from ..numerics.arrays import Array, Booleans, Columns, Integers
-from ..problem.reduced import EndsProblem
+from ..problem.dimensionless import EndsProblem
 from .potential import TAU, HasLoads, load_size, slope
 
 UP, DOWN = 1, -1

@@ -17,7 +17,7 @@ import numpy as np
 from ..core.tuning import LOWEST
 from ..numerics.arrays import Array, Booleans
 from ..numerics.roots import bisect
-from ..problem.reduced import EndsProblem
+from ..problem.dimensionless import EndsProblem
 from .boundary import Boundary, Levels, fall, height_scale
 from .potential import slope, slope_higher_rates, slope_rate
 

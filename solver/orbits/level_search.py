@@ -14,8 +14,8 @@ import numpy as np
 from ..core.tuning import LOWEST
 from ..numerics.arrays import ALIKE, EPS, Array, Booleans, Columns, Integers
 from ..numerics.roots import EXACT
+from ..problem.dimensionless import EndsProblem
 from ..problem.limits import LARGEST
-from ..problem.reduced import EndsProblem
 from .boundary import (
     Boundary,
     Levels,

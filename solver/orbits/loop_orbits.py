@@ -22,7 +22,7 @@ import numpy as np
 from ..core.measures import crossings
 from ..numerics.arrays import FAINT, NEGLIGIBLE, Array
 from ..numerics.roots import root
-from ..problem.reduced import StartProblem
+from ..problem.dimensionless import StartProblem
 from .frames import position
 from .periodic_orbit import TIGHT, Orbit, solve_orbit
 from .variations import Variations, variations_on

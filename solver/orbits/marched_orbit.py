@@ -9,7 +9,7 @@ import numpy as np
 from ..core.library import fine, numbers_of, run, share_out, widest
 from ..core.varying_loads import ORDER
 from ..numerics.arrays import Array, Booleans, Integers
-from ..problem.reduced import StartProblem
+from ..problem.dimensionless import StartProblem
 from .periodic_orbit import LIBRATION, ROTATION, Orbit, Periodic, solve_orbit
 
 if TYPE_CHECKING:

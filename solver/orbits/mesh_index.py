@@ -13,7 +13,7 @@ known, `periodic_orbit.jacobi_zeros` counts.
 import numpy as np
 
 from ..numerics.arrays import Array
-from ..problem.reduced import Reduced
+from ..problem.dimensionless import Reduced
 from .potential import Loads, slope_rate
 
 _MOST = 40_000  # steps of a mesh; a rod that needs more has no index. x10: ten times the time for such rods

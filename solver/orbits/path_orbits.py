@@ -12,7 +12,7 @@ import numpy as np
 
 from ..core.tuning import LOWEST
 from ..numerics.arrays import ALIKE, EPS, Array, Columns
-from ..problem.reduced import EndsProblem, StartProblem
+from ..problem.dimensionless import EndsProblem, StartProblem
 from ..problem.trajectory import PLAIN, Trajectory, blank, verdicts
 from .boundary import (
     DOWN,

@@ -18,7 +18,7 @@ import numpy as np
 
 from ..core.library import AT, CURVES, INT, Cutting, cut, fine, numbers_of, on_grid, points, run, structure, widest
 from ..numerics.arrays import Array, Columns, Integers
-from ..problem.reduced import StartProblem
+from ..problem.dimensionless import StartProblem
 from ..problem.trajectory import PLAIN, stood_in
 from .potential import slope_rate
 

@@ -10,12 +10,12 @@ import numpy as np
 from ..numerics.arrays import Array
 from ..problem.case import Case
 from ..problem.declared_fields import PAIRS
+from ..problem.dimensionless import EndsProblem, StartProblem, fields_held, flat, loads_of
 from ..problem.errors import T
-from ..problem.reduced import EndsProblem, StartProblem, fields_held, flat, loads_of
 from ..problem.trajectory import Trajectory
-from . import frames, statics
+from . import forces, frames
+from .forces import contact_force, push_from, with_weight
 from .potential import Loads, dimensional_slope, potential
-from .statics import contact_force, push_from, with_weight
 
 _quiet = np.errstate(all="ignore")  # the numbers of an unsolved case may overflow
 
@@ -188,24 +188,24 @@ class ShapeArrays:
     @_property
     def kappa(self) -> Array:
         """Curvature, (*cases, n) [1/length]."""
-        return statics.curvature(self._rho, self.beta, self.dbeta)
+        return forces.curvature(self._rho, self.beta, self.dbeta)
 
     @_property
     def FY(self) -> Array:
         """Circumferential force, (*cases, n) [force]; eq. (30)."""
         A, l, m, _ = self._loads
-        return statics.circumferential_force(A, l, m, self._rho, self.beta)
+        return forces.circumferential_force(A, l, m, self._rho, self.beta)
 
     @_property
     def F1(self) -> Array:
         """Internal force along the normal, (*cases, n) [force]; eq. (33), corrected."""
         A, _, m, _ = self._loads
-        return statics.normal_force(A, m, self._rho, self.beta, self.dbeta)
+        return forces.normal_force(A, m, self._rho, self.beta, self.dbeta)
 
     @_property
     def _surface_forces(self) -> tuple[Array, Array]:
         A, _, _, p = self._loads
-        return statics.surface_forces(self.FY, self._column(self.FZ) if p.shape[-1] == 1 else A * p, self.beta)
+        return forces.surface_forces(self.FY, self._column(self.FZ) if p.shape[-1] == 1 else A * p, self.beta)
 
     @property
     @_quiet

@@ -25,7 +25,7 @@ import numpy as np
 
 from ..core.library import Cutting, fine, points, run, structure, widest
 from ..numerics.arrays import Array
-from ..problem.reduced import Reduced
+from ..problem.dimensionless import Reduced
 from .periodic_orbit import Orbit, as_core_orbits
 from .potential import slope_rate, slopes_by_loads
 

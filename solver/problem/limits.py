@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..numerics.arrays import ROUNDED, SQUARE_LOST
 from .case import Case, Start
-from .reduced import HeldProblem, Reduced, StartProblem, flat
+from .dimensionless import HeldProblem, Reduced, StartProblem, flat
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..numerics.arrays import SHAPELESS, Array, Columns
-from .reduced import EndsProblem, Reduced
+from .dimensionless import EndsProblem, Reduced
 
 SOLVED = "solved"
 FEWER = "fewer digits"  # the remark on a case whose error is above the tolerance, for a reason that follows BECAUSE

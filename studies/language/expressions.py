@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from solver import InputError, Solution
 from solver.observe.observables import OBSERVABLES
 from solver.problem.declared_fields import FIELDS
+from solver.problem.dimensionless import flat
 from solver.problem.quantities import QUANTITIES, RENAMED, unit_text
-from solver.problem.reduced import flat
 
 from ..grammar.axes import WORDS, Misplaced, quantity_of
 from ..grammar.formulas import (
@@ -31,7 +31,7 @@ from ..grammar.formulas import (
     size_of,
     unit_words,
 )
-from ..laws.verdicts import Law
+from ..laws.judgement import Law
 from .study import Study
 
 MOST_EXPRESSIONS = 100

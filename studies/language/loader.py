@@ -22,7 +22,7 @@ from solver.problem.notices import kind_of, warn
 
 from ..grammar.axes import NUMBERS, Axis, Base, Misplaced, Units, Values, Which, is_angle
 from ..grammar.formulas import tables_in_current_names
-from ..laws.verdicts import Law
+from ..laws.judgement import Law
 from . import study_checks
 from .case_tables import Table
 from .refinement import Refine

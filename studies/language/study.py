@@ -36,7 +36,7 @@ from ..grammar.axes import (
     check_names,
     read_units,
 )
-from ..laws.verdicts import Law
+from ..laws.judgement import Law
 from .case_tables import Table
 from .field_words import of_a_well, under_start_force, unwound
 from .printed import as_reading, table_of

@@ -27,10 +27,10 @@ from ..grammar.axes import (
     no_key,
     quantity_of,
 )
-from ..laws.verdicts import Law
-from . import case_tables, expressions, refine
+from ..laws.judgement import Law
+from . import case_tables, expressions, refine_table
 from .printed import table_of
-from .refine import check_equilibrium
+from .refine_table import check_equilibrium
 from .samples import Distribution
 from .study import Study
 from .variation import SOURCES
@@ -41,7 +41,7 @@ def check(study: Study) -> None:
     _check_base(study)
     _check_axes(study)
     if study.refine is not None:
-        refine.check(study)
+        refine_table.check(study)
     else:
         _check_samples(study)
         for name, distribution in study.sample.fields.items() if study.sample else ():

@@ -10,7 +10,7 @@ from .line_verdicts import FAILS
 
 
 class LawVerdict(dict[str, Any]):
-    """The verdict on a law; each of its keys (`studies.laws.verdicts.decide`) is an attribute, too.
+    """The verdict on a law; each of its keys (`studies.laws.judgement.decide`) is an attribute, too.
 
     Attributes
     ----------

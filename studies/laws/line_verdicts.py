@@ -5,7 +5,7 @@
 *not decided*: cases have no value or steps cross to another branch of equilibria, and the other steps leave it open.
 *false*: none of these.
 
-The verdict on a law, which may also be *true in part*, is made from the verdicts on its lines by `verdicts.decide`.
+The verdict on a law, which may also be *true in part*, is made from the verdicts on its lines by `judgement.decide`.
 
 Tau is tau-b: (right pairs - wrong pairs) / sqrt(all pairs x pairs whose values differ).
 

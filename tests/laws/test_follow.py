@@ -19,7 +19,7 @@ from solver.numerics.arclength import BRANCH_POINT, FOLD, PITCHFORK
 from solver.orbits.path_orbits import orbit_of
 from solver.orbits.periodic_orbit import jacobi_zeros
 from solver.problem.case_fields import with_field
-from solver.problem.reduced import reduce
+from solver.problem.dimensionless import reduce
 from solver.solve import between_ends
 from tests.cases import TABLE_1, ends_in_units_of_rho, rod_of_unit_stiffness
 from tests.equation import far_angle

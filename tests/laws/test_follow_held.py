@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from solver import Case, Cylinder, Ends, Rod, Solution, follow, solve
-from solver.problem.reduced import reduce_held
+from solver.problem.dimensionless import reduce_held
 from tests.laws.test_follow import END, table_1
 from tests.laws.test_held_ends import discrete_index, displacements
 

@@ -14,14 +14,14 @@ from scipy.sparse import coo_array
 from scipy.special import ellipe, ellipk
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Start, observe, solve
-from solver.free.beginnings import curve_of, curves_of, let_go
 from solver.free.discrete_rod import HELD_ON, INSIDE, OUTSIDE, DiscreteRod
 from solver.free.free_problem import problems_of
 from solver.free.free_rods import FREE_TOLERANCE, LEAST, SHAKES, distance, estimate, limit, refine
+from solver.free.let_go_descent import Sinking
 from solver.free.minimum import minimise
 from solver.free.program import EACH_STEP, Effort, Program
 from solver.free.quaternions import product
-from solver.free.sinking import Sinking
+from solver.free.starting_curves import curve_of, curves_of, let_go
 from solver.observe.free_numbers import _limit, error_of_contacts
 from solver.orbits import frames
 from solver.problem.case_fields import with_field
@@ -342,7 +342,7 @@ def test_a_search_takes_no_more_steps_than_it_may_and_says_so(monkeypatch: pytes
 def test_a_motion_ends_after_as_many_steps_as_it_may_take(
     freed: tuple[Any, Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("solver.free.sinking.MOST_STEPS", 40)  # those of Uno count too; 120 are needed
+    monkeypatch.setattr("solver.free.let_go_descent.MOST_STEPS", 40)  # those of Uno count too; 120 are needed
     with pytest.raises(InputError, match="this rod does not come to rest within 44 steps"):
         freed[0].descent(2)
 

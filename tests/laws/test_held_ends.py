@@ -19,7 +19,7 @@ from solver.orbits.path_orbits import orbit_of
 from solver.orbits.potential import slope_rate
 from solver.problem.case_fields import fields_of
 from solver.problem.declared_fields import PAIRS
-from solver.problem.reduced import EndsProblem, reduce
+from solver.problem.dimensionless import EndsProblem, reduce
 from tests.cases import in_units_of_rho, table_1
 from tests.numerics.test_sensitivity import moved
 from tests.slow import slow

@@ -10,13 +10,13 @@ from solver import Case, Cylinder, Ends, Rod, equilibria, solve
 from solver.branches.deflation import is_known
 from solver.branches.given_numbers import Given, OrbitState
 from solver.branches.orbit_rates import NUMBERS, orbit_rates
-from solver.equilibrium_list import HeldEquilibria
+from solver.equilibria_result import HeldEquilibria
 from solver.held.held_search import Mirror, image_of, mirrors_of, search_equilibria
 from solver.numerics.arrays import Array
 from solver.observe.observables import observe
 from solver.orbits.boundary import path_of
 from solver.orbits.level_search import FoundPaths, search_levels
-from solver.problem.reduced import EndsProblem, reduce_held
+from solver.problem.dimensionless import EndsProblem, reduce_held
 from tests.laws.test_held_ends import discrete_index
 
 SHORT, DRUM = Rod(E=1.07e4, nu=0.25, a=0.25, L=5.0), Cylinder(0.75)  # rho = 1

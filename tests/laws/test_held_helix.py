@@ -7,7 +7,7 @@ from solver import Case, Cylinder, Ends, Rod, Solution, equilibria, follow, solv
 from solver.branches.given_numbers import Given
 from solver.branches.helices import helices_of
 from solver.problem.case_fields import value_of, with_field
-from solver.problem.reduced import reduce_held
+from solver.problem.dimensionless import reduce_held
 from tests.cases import ends_in_units_of_rho, start_of
 
 HELICES = {  # lam, mu, L, beta; phi follows from them

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from solver import Case, Cylinder, Ends, InputError, Rod, equilibria, follow, observe, solve
-from solver.equilibrium_list import energy_as_held
+from solver.equilibria_result import energy_as_held
 from tests.slow import slow
 
 SHORT, DRUM = Rod(E=1.07e4, nu=0.25, a=0.25, L=5.0), Cylinder(R=0.75)  # rho = 1

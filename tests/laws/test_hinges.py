@@ -9,9 +9,9 @@ import pytest
 from solver import Branch, Case, Cylinder, Ends, Rod, Solution, equilibria, follow, region_map, solve
 from solver.branches.given_numbers import Given
 from solver.branches.helices import helices_of
-from solver.equilibrium_branch import SpecialPoint
+from solver.follow_result import SpecialPoint
 from solver.numerics.arclength import END
-from solver.problem.reduced import reduce_held
+from solver.problem.dimensionless import reduce_held
 from tests.equation import force, loads_of, march
 from tests.laws.test_held_ends import discrete_index
 

@@ -8,8 +8,8 @@ from scipy.interpolate import make_interp_spline
 
 from benchmarks.pipe_events import HELIX, SINUSOID, HalfWave, energy, events, push_min, wave_number
 from solver import Case, Cylinder, Ends, Rod, Start, observe, solve
-from solver.nodes.stretch_states import HELICAL, SINUSOIDAL, STRAIGHT, axial_force_along, states
-from workbench.words import cautions
+from solver.nodes.pipe_states import HELICAL, SINUSOIDAL, STRAIGHT, axial_force_along, states
+from workbench.words import caution_words
 from workbench.words.pipe_profile import axial_force, profile
 
 PIPE: dict[str, Any] = {"E": 2.06e8, "nu": 0.3, "a": 0.0635, "inner_radius": 0.0543, "weight": 0.241}  # kN and m
@@ -200,7 +200,7 @@ def test_a_pipe_in_tension_that_hangs_in_its_hole_without_a_push_does_not_lift_o
     assert all(end < 600 or begin > 23000 for begin, end in sol.lift_offs)  # next to a clamp
     seen = observe(sol, ["lift_off_at"])
     assert float(seen["lift_off_at"]) == pytest.approx(sol.lift_offs[0][0] if sol.lift_offs else 24000.0)
-    assert not cautions.is_barred(str(sol.caution))
+    assert not caution_words.is_barred(str(sol.caution))
 
 
 @pytest.mark.parametrize(

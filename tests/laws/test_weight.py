@@ -30,6 +30,7 @@ from solver.branches.parameter_plane import parameter_plane
 from solver.core.tuning import MOST_STEPS
 from solver.core.varying_loads import march
 from solver.nodes import straight_branch
+from solver.nodes.banded_newton import open_at
 from solver.nodes.buckling import (
     rod_without_lean,
     shares_of_buckling,
@@ -40,16 +41,15 @@ from solver.nodes.buckling import (
 from solver.nodes.growth import GrowthWay
 from solver.nodes.loaded_rod import PHI, LoadedRod, rods_of
 from solver.nodes.local_waves import OVER, compression, places, rows, sinusoid, wave_shape
-from solver.nodes.newton import open_at
-from solver.nodes.search import further_shapes, shapes_of_buckling
+from solver.nodes.pipe_states import in_words
 from solver.nodes.shape_folds import pitchforks_through
 from solver.nodes.shape_index import index_at
-from solver.nodes.stretch_states import in_words
+from solver.nodes.shape_search import further_shapes, shapes_of_buckling
 from solver.numerics.arclength import END, Lengths
 from solver.orbits.potential import Loads, slope
 from solver.problem.case_fields import values_of, with_field, with_fields
 from solver.problem.limits import TAUT, unreachable
-from solver.traced_folds import rods_over
+from solver.trace_fold import rods_over
 from tests.equation import force
 
 ROD: dict[str, Any] = {"E": 1.07e4, "nu": 0.25, "a": 0.25, "L": 8.0, "weight": 3.0}
@@ -833,7 +833,7 @@ def test_no_branch_is_changed_in_silence(seed: int, monkeypatch: pytest.MonkeyPa
     if not sol.solved:
         pytest.skip(str(sol.outcome))
     for first, longest in ((0.02, 0.1), (0.006, 0.025)):
-        monkeypatch.setattr("solver.nodes.curve.LENGTHS", Lengths(first, longest, 1e-5))
+        monkeypatch.setattr("solver.nodes.node_branch.LENGTHS", Lengths(first, longest, 1e-5))
         ways.append(follow(sol, FZ=float(ends.FZ) - 2))
     long, short = ways
     assert [one.kind for one in long.special] == [one.kind for one in short.special]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from solver import Case, Cylinder, Ends, Rod, solve
-from solver.nodes.stretch_states import HELICAL, states
+from solver.nodes.pipe_states import HELICAL, states
 from solver.orbits.potential import Loads, slope
 
 ROPE = Rod(E=2e5, nu=0.3, a=1.0, L=1500.0)  # N and mm

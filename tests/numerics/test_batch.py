@@ -10,7 +10,7 @@ import pytest
 from solver import Case, Cylinder, Ends, InputError, Rod, Start, solve
 from solver.methods import DOP853
 from solver.observe.observables import OBSERVABLES, observe
-from solver.problem.reduced import reduce
+from solver.problem.dimensionless import reduce
 from tests.cases import in_units_of_rho
 from tests.raising import LENGTHS, RAISING, make_raise
 from tests.reach import core
@@ -23,11 +23,11 @@ COLUMNS: dict[str, tuple[str, dict[str, Any], dict[str, Any], Start | Ends, str]
     "start": ("methods.half_period.march_orbit", {}, {}, Start(0.5, 0.5, F3=10.0, M3=0.0), "auto"),
     "start by steps": ("methods.marching.Verlet.run", {}, {}, Start(0.5, 0.5, F3=10.0, M3=0.0), "verlet"),
     "dead loads": ("methods.shooting.selection_of", {}, {}, Ends(0.5, 0.8, FZ=-8.66), "auto"),
-    "dead loads on a mesh": ("methods.base.select_seed", {}, {}, Ends(0.5, 0.8, FZ=-8.66), "difference"),
+    "dead loads on a mesh": ("methods.method.select_seed", {}, {}, Ends(0.5, 0.8, FZ=-8.66), "difference"),
     "held": ("held.held_equilibrium.by_rule", {}, {}, Ends(0.5, 0.8, height=4.0), "auto"),
-    "start with weight": ("nodes.answers.starts_of", WEIGHT, LIES, Start(0.5, 0.5, F3=1.0, M3=0.0), "auto"),
-    "weight": ("nodes.answers.find_shape", WEIGHT, LIES, Ends(0.0, 0.0, FZ=-1.0), "auto"),
-    "friction": ("nodes.answers.estimate", {}, {"friction": 0.2}, Ends(0.3, 0.5, FZ=-1.0), "auto"),
+    "start with weight": ("nodes.loaded_solutions.starts_of", WEIGHT, LIES, Start(0.5, 0.5, F3=1.0, M3=0.0), "auto"),
+    "weight": ("nodes.loaded_solutions.find_shape", WEIGHT, LIES, Ends(0.0, 0.0, FZ=-1.0), "auto"),
+    "friction": ("nodes.loaded_solutions.estimate", {}, {"friction": 0.2}, Ends(0.3, 0.5, FZ=-1.0), "auto"),
 }
 
 STARTS = core("start")

@@ -7,7 +7,7 @@ import pytest
 
 from solver import Case, Cylinder, Rod, Start, solve
 from solver.methods import METHODS, available
-from solver.problem.reduced import StartProblem
+from solver.problem.dimensionless import StartProblem
 from tests.cases import START, Named, helix_moment, in_units_of_rho
 from tests.extreme_cases import KINDS
 from tests.helix_cases import NEAR, problems

@@ -10,7 +10,7 @@ import pytest
 from solver.core.library import run
 from solver.methods import SwingTaylor
 from solver.orbits.marched_orbit import LOST, Steps, march, room_for
-from solver.problem.reduced import StartProblem
+from solver.problem.dimensionless import StartProblem
 
 ODD = np.array([0, -0.0, 1e300, -1e300, 1e-300, 5e-324, np.inf, -np.inf, np.nan, 1, -1, np.pi, 1e16, 1e-16, 1e6, -1e8])
 

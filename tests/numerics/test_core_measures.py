@@ -19,7 +19,7 @@ from solver.core.library import run
 from solver.observe.observables import observe
 from solver.observe.self_contact import compare_strands
 from solver.observe.solution_pieces import SolutionPieces, pieces_of
-from solver.problem.reduced import StartProblem
+from solver.problem.dimensionless import StartProblem
 from tests.cases import random_rods
 from tests.extreme_cases import KINDS, draw
 from tests.numerics.test_core_fuzz import odd

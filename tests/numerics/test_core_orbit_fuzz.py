@@ -12,7 +12,7 @@ import pytest
 from solver.core.library import Cutting, cut, fine, on_grid, points, run
 from solver.orbits.boundary import CUTTING, NODES, Levels, boundary_of, length_roots, transit_times
 from solver.orbits.periodic_orbit import action, judge, orbits_of, response
-from solver.problem.reduced import EndsProblem, StartProblem
+from solver.problem.dimensionless import EndsProblem, StartProblem
 
 ODD = np.array([0, -0.0, np.nan, np.inf, -np.inf, 1e300, -1e300, 1e-300, 5e-324, 1e100, np.pi, -np.pi, 1e16, -1e8])
 PLAIN = EndsProblem(*(np.array([v]) for v in (0.3, -0.2, 0.5, 4.0, 0.4, -0.3)))

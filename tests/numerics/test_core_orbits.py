@@ -11,7 +11,7 @@ from solver.core.library import Cutting
 from solver.orbits.boundary import critical_points
 from solver.orbits.periodic_orbit import judge, orbits_of, solve_orbit
 from solver.orbits.potential import Loads, slope
-from solver.problem.reduced import Reduced, StartProblem
+from solver.problem.dimensionless import Reduced, StartProblem
 from tests.cases import ends_in_units_of_rho
 
 KINDS = ("anywhere", "gap at a saddle", "rest at a saddle", "beside a centre", "about a saddle", "coinciding helices")

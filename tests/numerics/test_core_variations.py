@@ -10,7 +10,7 @@ from solver.observe.observables import OBSERVABLES, is_count
 from solver.orbits import variations as orbit_variations
 from solver.orbits.periodic_orbit import HELIX, TIGHT, solve_orbit
 from solver.orbits.variations import Variations, variations_on
-from solver.problem.reduced import StartProblem
+from solver.problem.dimensionless import StartProblem
 from tests.cases import in_units_of_rho
 from tests.equation import march_with_variations
 

@@ -11,7 +11,7 @@ from solver.held.bordered_bands import Bordered, times
 from solver.held.discrete_energy import DiscreteEnergy, EnergyMesh
 from solver.held.energy_minima import energy_minima, refinement
 from solver.orbits.boundary import path_of
-from solver.problem.reduced import reduce_held
+from solver.problem.dimensionless import reduce_held
 
 SHORT, DRUM = Rod(EI=1.0, GJ=0.8, a=0.1, L=5.0), Cylinder(R=0.9)  # rho = 1, A = 1
 ENDS = (

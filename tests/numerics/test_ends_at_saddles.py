@@ -15,7 +15,7 @@ from solver.orbits.boundary import Levels, boundary_of, critical_points, path_of
 from solver.orbits.level_grid import level_grid_of
 from solver.orbits.level_search import search_levels
 from solver.orbits.path_orbits import orbit_of
-from solver.problem.reduced import EndsProblem, Reduced, reduce
+from solver.problem.dimensionless import EndsProblem, Reduced, reduce
 from tests.cases import ends_in_units_of_rho, in_units_of_rho
 from tests.equation import force, march, potential
 

@@ -13,7 +13,7 @@ from solver.orbits.boundary import repeat
 from solver.orbits.level_search import search_levels
 from solver.orbits.mesh_index import morse_index
 from solver.orbits.periodic_orbit import jacobi_zeros
-from solver.problem.reduced import reduce
+from solver.problem.dimensionless import reduce
 from tests.cases import ends_in_units_of_rho, helix_moment, in_units_of_rho, table_1
 from tests.equation import force_rate
 from tests.numerics.test_ends_at_saddles import signed_count

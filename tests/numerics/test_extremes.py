@@ -15,8 +15,8 @@ import pytest
 from solver import Case, Cylinder, Ends, InputError, Rod, Solution, Start, solve
 from solver.methods import METHODS, available
 from solver.problem.case_fields import with_field
+from solver.problem.dimensionless import StartProblem
 from solver.problem.errors import FAULT
-from solver.problem.reduced import StartProblem
 from solver.problem.trajectory import Trajectory
 from tests.cases import in_units_of_rho
 from tests.extreme_cases import KINDS, draw

@@ -9,9 +9,9 @@ from scipy.optimize import brentq, fsolve
 
 from solver import Case, Cylinder, Ends, Rod, equilibria, fold_curves, region_map
 from solver.branches.fold_curves import FoldCurve, FoldCurves
+from solver.branches.fold_tracing import point_on_line
 from solver.branches.orbit_folds import UNIT, OrbitFold, OrbitPitchfork, OrbitPoint, Saddle, numbers_on
 from solver.branches.parameter_plane import ParameterPlane, parameter_plane
-from solver.branches.special_line import point_on_line
 from solver.orbits.boundary import boundary_of
 from solver.orbits.level_search import census
 from solver.region_map import RegionMap

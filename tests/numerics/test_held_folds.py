@@ -11,15 +11,15 @@ from scipy.optimize import fsolve
 from scipy.spatial.distance import pdist
 
 from solver import Branch, Case, Cylinder, Ends, Rod, equilibria, fold_curves, follow, region_map, solve, trace_fold
-from solver.branches import linked_search
+from solver.branches import linked_folds
 from solver.branches.deflation import across_fold, end_vector
 from solver.branches.fold_curves import FoldCurve
 from solver.branches.given_numbers import Given
 from solver.branches.parameter_plane import parameter_plane
 from solver.branches.path_correction import state_of
-from solver.equilibrium_list import HeldEquilibria
-from solver.problem.reduced import reduce_held
-from solver.traced_folds import system_on
+from solver.equilibria_result import HeldEquilibria
+from solver.problem.dimensionless import reduce_held
+from solver.trace_fold import system_on
 from tests.equation import march_with_variations
 
 
@@ -215,11 +215,11 @@ PIPE_IN_A_HOLE = Case(
 def test_a_closed_curve_between_the_lines_of_a_lattice_is_found_where_branches_pass_it_closely() -> None:
     """Three cusps: two branches that would cross on a symmetric rod are a little apart, and one of them turns back."""
     plane = parameter_plane(PIPE_IN_A_HOLE, {"azimuth": (0.8, 1.4), "FZ": (-260.0, -140.0)})
-    ticks = linked_search.lattice_ticks(2)
+    ticks = linked_folds.lattice_ticks(2)
     z = ticks[[1, 0]]
     known = equilibria(plane.case_at(z), stations=2, within={"MZ": (-60, 60), "beta0": (-2.5, 2.5)}, values=3, tries=0)
     system = system_on(plane, z)
-    found = linked_search.search_linked(plane, system, ticks, {(1, 0): [system.place_of(one) for one in known]})
+    found = linked_folds.search_linked(plane, system, ticks, {(1, 0): [system.place_of(one) for one in known]})
     closed = next(curve for curve in found.curves if curve.ends == ("closed", "closed"))
     low, high = closed.values.min(axis=0), closed.values.max(axis=0)
     assert (closed.lower, len(closed.cusps)) == (1, 3)
@@ -247,5 +247,5 @@ def test_a_map_of_held_ends_states_the_range_of_reactions_that_its_counts_mean()
 def test_places_where_branches_meet_without_a_curve_are_counted_in_the_remark() -> None:
     searched, branches = SimpleNamespace(curves=()), SimpleNamespace(count=3, stopped=1, whole=False)
     said = "1 of them could not be followed to the border; more were met and not followed; "
-    remark = linked_search.remark_of(searched, branches, 2, np.zeros(1))
+    remark = linked_folds.remark_of(searched, branches, 2, np.zeros(1))
     assert remark.endswith(f"{said}of 2 points where branches meet no curve was found")

@@ -11,7 +11,7 @@ from solver.orbits.boundary import Path, boundary_of
 from solver.orbits.mesh_index import index_at_stations, morse_index
 from solver.orbits.path_orbits import orbit_of, variations_of
 from solver.orbits.periodic_orbit import LIBRATION, jacobi_zeros, response, solve_orbit
-from solver.problem.reduced import EndsProblem, StartProblem, reduce
+from solver.problem.dimensionless import EndsProblem, StartProblem, reduce
 from tests.cases import TABLE_1, ends_in_units_of_rho, helix_moment, in_units_of_rho, table_1
 
 

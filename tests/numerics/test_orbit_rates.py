@@ -11,7 +11,7 @@ from solver.branches.continuation import resume
 from solver.branches.orbit_rates import NUMBERS, OrbitRates, orbit_rates
 from solver.orbits.boundary import Path, boundary_of, path_of, repeat
 from solver.orbits.level_search import search_levels
-from solver.problem.reduced import EndsProblem
+from solver.problem.dimensionless import EndsProblem
 
 DEAD = ("beta0", "betaL", "lam", "mu", "phi")
 

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from solver.orbits.boundary import critical_points
 from solver.orbits.potential import dimensional_slope, potential, slope, slope_rate
-from solver.problem.reduced import Reduced, StartProblem
+from solver.problem.dimensionless import Reduced, StartProblem
 
 loads = st.floats(-3, 3).map(lambda x: round(x, 6))
 

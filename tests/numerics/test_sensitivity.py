@@ -14,7 +14,7 @@ from solver.observe.motions import of_equilibria, of_helices, start_sensitivitie
 from solver.observe.observables import OBSERVABLES, is_count
 from solver.orbits.periodic_orbit import HELIX
 from solver.problem.case_fields import fields_of
-from solver.problem.reduced import NUMBERS, StartProblem, end_number_names
+from solver.problem.dimensionless import NUMBERS, StartProblem, end_number_names
 from tests.cases import NOWHERE, START, ends_in_units_of_rho, in_units_of_rho
 from tests.slow import slow_but
 

@@ -18,7 +18,7 @@ from solver.methods import OrbitQuadrature, SwingTaylor
 from solver.observe.observables import OBSERVABLES, observe
 from solver.orbits.marched_orbit import march
 from solver.orbits.periodic_orbit import ROTATION
-from solver.problem.reduced import StartProblem
+from solver.problem.dimensionless import StartProblem
 from tests.extreme_cases import draw
 from tests.slow import slow_but
 from workbench.lab.trade_runs import CASES

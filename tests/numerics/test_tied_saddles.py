@@ -7,7 +7,7 @@ import pytest
 from solver import Case, Cylinder, Ends, Rod, equilibria
 from solver.orbits.boundary import boundary_of
 from solver.orbits.periodic_orbit import judge, solve_orbit
-from solver.problem.reduced import EndsProblem, StartProblem
+from solver.problem.dimensionless import EndsProblem, StartProblem
 
 # lam and the lower turning point; two saddles are mirror images about pi/2, half way between the turning points
 NEAR = [

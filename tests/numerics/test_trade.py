@@ -11,8 +11,8 @@ import pytest
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Solution, solve
 from solver.methods import METHODS, available
-from solver.methods.base import Ladder, tens
-from solver.problem.reduced import reduce
+from solver.methods.method import Ladder, tens
+from solver.problem.dimensionless import reduce
 from tests.cases import EXACT, elliptic, in_units_of_rho
 from workbench.lab import benchmark
 from workbench.lab.benchmark import BenchmarkRow, cheapest, drift, errors_against, measure

@@ -11,8 +11,8 @@ from solver.problem.units import FORCES, LENGTHS, dimension_of, number_in, unit_
 from studies.language.loader import loads
 from tests.workbench import small
 from workbench.commands import tables
-from workbench.stored.selection import index
-from workbench.words import habits
+from workbench.stored.chosen_cases import index
+from workbench.words import unit_habits
 
 INCHES = {"length": "in", "force": "lbf"}
 NUMBERS = [name for name, row in QUANTITIES.items() if row.dimension not in ("text", (0, 0))]
@@ -58,9 +58,9 @@ def test_the_unit_in_which_a_quantity_is_stated_is_one_of_that_quantity(name: st
     for length in LENGTHS:
         for force in FORCES:
             units = {"length": length, "force": force}
-            unit = habits.unit_shown(name, units)
+            unit = unit_habits.unit_shown(name, units)
             assert unit_size(unit)[1][:2] == dimension_of(name)[:2]
-            stated = f"{3 * habits.size_shown(name, units)!r} {unit}"
+            stated = f"{3 * unit_habits.size_shown(name, units)!r} {unit}"
             assert number_in(name, stated, units) == pytest.approx(3, rel=1e-12)
 
 
@@ -90,9 +90,9 @@ def test_a_study_in_other_units_is_the_same_study() -> None:
 
 def test_numbers_are_stated_without_an_exponent() -> None:
     for value in (12345.678, 3e7, 0.00123456, -98765.4, 1.0, 0.5, 99999.9):
-        assert "e" not in habits.plain(value)
-        assert float(habits.plain(value)) == pytest.approx(value, rel=5e-4)
-    assert habits.plain(-12345.678) == "-12346"
+        assert "e" not in unit_habits.plain(value)
+        assert float(unit_habits.plain(value)) == pytest.approx(value, rel=5e-4)
+    assert unit_habits.plain(-12345.678) == "-12346"
 
 
 def test_a_number_in_a_table_has_five_digits_whatever_the_command() -> None:

@@ -15,11 +15,11 @@ from solver.core import build, tuning
 from solver.core.library import numbers_of
 from solver.core.measures import NUMBERS, measure
 from solver.core.varying_loads import ORDER, TRUNCATION
-from solver.nodes.answers import ROUNDING, SAFETY, SHORTER
-from solver.nodes.newton import DEEP
+from solver.nodes.banded_newton import DEEP
+from solver.nodes.loaded_solutions import ROUNDING, SAFETY, SHORTER
 from solver.observe.solution_pieces import pieces_of
 from solver.orbits.marched_orbit import LOST, march
-from solver.problem.reduced import StartProblem
+from solver.problem.dimensionless import StartProblem
 
 HERE = build.HERE
 CASES, STATIONS, TOL = 200, 41, 1e-10

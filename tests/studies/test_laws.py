@@ -6,6 +6,7 @@ from scipy.stats import kendalltau
 
 from solver import InputError
 from studies import load
+from studies.laws.judgement import Law, by_line, decide
 from studies.laws.law_verdict import LawVerdict
 from studies.laws.law_words import sentence
 from studies.laws.line_verdicts import (
@@ -22,7 +23,6 @@ from studies.laws.line_verdicts import (
     judge_direction,
     line_of,
 )
-from studies.laws.verdicts import Law, by_line, decide
 
 LAW = Law(claim="(1)", observable="bends", axis="E", direction="falls", source="a sentence")
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from studies.language.loader import dumps, loads
-from studies.language.refine import refinement
+from studies.language.refine_table import refinement
 from studies.language.refinement import BUDGET, TOLERANCE, Lattice, Refine, RefinedLines, Refinement, refinement_of
 
 HEAD = 'title = "r"\nreading = "force-first/tension/paper"\n'

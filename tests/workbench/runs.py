@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from tests.workbench import forked
-from workbench.run.study_store import Meter
+from workbench.run.into_file import Meter
 
 ROOT = Path(__file__).parents[2]
 HEAD = """

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from tests import transcripts
 from tests.workbench.page_faults import faults, words
-from workbench.figures import canvas, colours, kinds
+from workbench.figures import canvas, colours, figure_kinds
 from workbench.stored.stored_study import StoredStudy
 
 NUMBER = re.compile(r"[−\d.·⁻⁰¹²³⁴⁵⁶⁷⁸⁹]+")
@@ -33,7 +33,7 @@ MANY = 100  # points: so many may be chosen by rounding
 
 def kinds_of(stored: StoredStudy) -> list[str]:
     """The kind of picture that a study has by default, and that which a notebook shows."""
-    return list(dict.fromkeys((kinds.kind_of(stored), kinds.kind_without_map(stored))))
+    return list(dict.fromkeys((figure_kinds.kind_of(stored), figure_kinds.kind_without_map(stored))))
 
 
 def check(name: str, figures: Mapping[str, Callable[[], Figure]], **allowed: Any) -> None:

@@ -9,9 +9,9 @@ import pytest
 from solver import Case, Cylinder, Ends, Rod, Start, equilibria, observe, solve
 from solver.observe.cautions import largest_strain
 from tests.workbench import small
-from workbench.run import assembly
+from workbench.run import dataset_assembly
 from workbench.run.block import columns
-from workbench.words import cautions, pipe_profile, pipe_state
+from workbench.words import caution_words, pipe_profile, pipe_words
 
 STEEL = {"E": 2.1e8, "nu": 0.3, "L": 20.0}  # kN and m
 
@@ -19,13 +19,13 @@ STEEL = {"E": 2.1e8, "nu": 0.3, "L": 20.0}  # kN and m
 def test_a_pipe_pushed_down_its_hole_lifts_off_only_next_to_its_ends() -> None:
     pipe = Case(Rod(a=0.0635, **{**STEEL, "L": 60.0}), Cylinder(0.108, "inside"), Ends(0.0, 0.0, FZ=-200.0))
     sol = solve(pipe, stations=401)
-    text = str(cautions.of_cases(sol, units={"length": "m", "force": "kN"}))
+    text = str(caution_words.of_cases(sol, units={"length": "m", "force": "kN"}))
     off = np.minimum(sol.s, 60 - sol.s)[sol.push < 0]  # at stations 0.15 m apart
     share, near = (float(number) for number in re.findall(r"[\d.]+", text))
     assert text.startswith("pulled at the ends (no push on ")
     assert share == pytest.approx(100 * np.mean(sol.push < 0), abs=0.7)  # in whole percent
     assert near == pytest.approx(off.max(), abs=0.2)
-    assert cautions.said(text) == (
+    assert caution_words.said(text) == (
         f"The rod would lift off next to its ends alone: no push on {share:g} % of the length, all within {near:g} m "
         "of the ends."
     )
@@ -77,13 +77,13 @@ def test_a_wound_cable_is_cautioned_where_its_strain_is_beyond_what_its_material
     sol = solve(Case(rod, drum, Ends.helix(rod, drum, tension, lay)), seed=0.0)
     bent = rod.a * np.sin(np.radians(float(lay.removesuffix("deg")))) ** 2 / (drum.R + rod.a)
     assert largest_strain(sol, sol.kappa.max()) == pytest.approx(bent, rel=0.05)  # with its tension
-    assert str(cautions.of_cases(sol, units=MILLIMETRES)) == said
-    assert not cautions.is_barred(said)
+    assert str(caution_words.of_cases(sol, units=MILLIMETRES)) == said
+    assert not caution_words.is_barred(said)
     if said:
         share, linear = re.findall(r"[\d.]+(?= %)", said)
         beyond = f"materials of its modulus may be non-linear beyond {linear} %"
         sentence = f"The rod is strained by {share} %, but {beyond}."
-        assert cautions.said(said) == sentence
+        assert caution_words.said(said) == sentence
 
 
 def test_rods_of_every_kind_have_one_caution_on_strain() -> None:
@@ -96,10 +96,10 @@ def test_rods_of_every_kind_have_one_caution_on_strain() -> None:
     for sol in (solve(Case(*case)) for case in cases):
         strain = 2.6 if sol.held else 2.7
         assert sol.solved
-        for text in (str(cautions.of_cases(sol, units=MILLIMETRES)), sol.caution):  # without units as of steel
+        for text in (str(caution_words.of_cases(sol, units=MILLIMETRES)), sol.caution):  # without units as of steel
             assert f"strained ({strain} %; linear to 0.25 %)" in text
         if sol.case.varies:
-            told = pipe_state.all_sentences(sol, MILLIMETRES)
+            told = pipe_words.all_sentences(sol, MILLIMETRES)
             assert sum("strained by 2.7 %" in sentence for sentence in told) == 1
     plain = Rod(EI=WOUND.bending_stiffness, GJ=WOUND.torsional_stiffness, a=6.0, L=3000.0)  # a rope's wires slide
     assert solve(Case(plain, drum, wound)).caution == ""
@@ -111,7 +111,7 @@ def test_a_loose_tolerance_excuses_no_stretch_without_push(tol: float) -> None:
     rod = Rod(EI=2e5, GJ=1.5e5, a=5.0, L=2500.0)
     sol = solve(Case(rod, Cylinder(100.0), Start(np.radians(70), 0.0, F2=0.0, F3=50.0, M3=0.0)), tol=tol, stations=801)
     assert (sol.push[np.abs(sol.s - 710) < 20] < 0).all()
-    assert "pulled in part" in str(cautions.of_cases(sol))
+    assert "pulled in part" in str(caution_words.of_cases(sol))
 
 
 @pytest.mark.parametrize("beta0, betaL", [(0.0, 0.0), (0.3, -0.2)])
@@ -122,12 +122,12 @@ def test_a_pipe_that_runs_against_both_its_ends_turns_back(beta0, betaL) -> None
     for sol in (one.solution for one in equilibria(case) if one.index == 0):
         far = (np.abs(sol.beta - beta0) > np.pi / 2) & (np.abs(sol.beta - betaL) > np.pi / 2)
         behind = beta0 == betaL and sol.z[-1] * np.cos(beta0) < 0
-        caution = str(cautions.of_cases(sol))
-        assert ("turned back" in cautions.keys(caution)) == bool(far.any() or behind)
+        caution = str(caution_words.of_cases(sol))
+        assert ("turned back" in caution_words.keys(caution)) == bool(far.any() or behind)
         verdicts.add(bool(far.any() or behind))
-        if cautions.keys(caution) == ["turned back"]:
-            assert cautions.said(caution) == "The rod turns back against the direction of both its ends."
-            assert not cautions.is_barred(caution)
+        if caution_words.keys(caution) == ["turned back"]:
+            assert caution_words.said(caution) == "The rod turns back against the direction of both its ends."
+            assert not caution_words.is_barred(caution)
     assert True in verdicts
 
 
@@ -136,8 +136,8 @@ def test_an_unsolved_case_gives_no_caution() -> None:
     sol = solve(study.case(), stations=21)
     outcome, solved = np.array(["solved", "failed: on purpose"], dtype=object), np.array([True, False])
     sol = replace(sol, trajectory=replace(sol.trajectory, outcome=outcome, solved=solved))
-    ds = assembly.make(study, study.variation.dimensions, columns(study, sol))
-    assert [", ".join(cautions.keys(text)) for text in ds["caution"].values] == ["overlaps, strained, pulled", ""]
+    ds = dataset_assembly.make(study, study.variation.dimensions, columns(study, sol))
+    assert [", ".join(caution_words.keys(text)) for text in ds["caution"].values] == ["overlaps, strained, pulled", ""]
 
 
 def test_a_but_stands_in_a_sentence_of_its_own_of_one_rod_as_of_several() -> None:
@@ -147,16 +147,18 @@ def test_a_but_stands_in_a_sentence_of_its_own_of_one_rod_as_of_several() -> Non
         "modulus may be non-linear beyond 0.25 %. The rod would lift off next to its ends alone: no push on 3 % of the "
         "length."
     )
-    assert cautions.said(", ".join(parts)) == said
+    assert caution_words.said(", ".join(parts)) == said
 
 
 def test_no_real_rod_could_keep_an_unstable_shape_where_the_picture_counts_those_it_could() -> None:
-    texts = [cautions.MEETS, "", "", ""]
-    assert cautions.restable(texts, [True] * 4) == "real rods could keep three of the four shapes"
+    texts = [caution_words.MEETS, "", "", ""]
+    assert caution_words.restable(texts, [True] * 4) == "real rods could keep three of the four shapes"
     stable = [True, True, False, False]
-    assert cautions.restable(texts, [True] * 4, stable) == "real rods could keep one of the four shapes"
-    assert cautions.restable(texts, [True, True, True, False], stable) == (
+    assert caution_words.restable(texts, [True] * 4, stable) == "real rods could keep one of the four shapes"
+    assert caution_words.restable(texts, [True, True, True, False], stable) == (
         "real rods could keep one of the three solved shapes"
     )
-    assert cautions.restable(texts, [True] * 4, [True, False, False, False]) == "no real rod could keep these shapes"
-    assert cautions.restable([""] * 4, [True] * 4, stable) == ""  # the index of each says it
+    assert (
+        caution_words.restable(texts, [True] * 4, [True, False, False, False]) == "no real rod could keep these shapes"
+    )
+    assert caution_words.restable([""] * 4, [True] * 4, stable) == ""  # the index of each says it

@@ -21,7 +21,7 @@ from tests.workbench.command import exit_status
 from tests.workbench.page_faults import faults
 from tests.workbench.small import six, study
 from workbench.figures import (
-    along,
+    along_rods,
     arrangement,
     canvas,
     colours,
@@ -29,7 +29,7 @@ from workbench.figures import (
     drawn_rods,
     fonts,
     one_rod,
-    portrait,
+    phase_portrait,
     push_scale,
     section,
     study_figure,
@@ -65,7 +65,7 @@ def test_a_rod_that_winds_comes_back_on_the_unrolled_view_of_one_turn(way: int) 
 
 
 def test_the_values_of_the_axis_stand_at_the_same_height_in_every_panel_of_a_ridge(ds) -> None:
-    fig = along.figure(StoredStudy(ds))
+    fig = along_rods.figure(StoredStudy(ds))
     fig.draw_without_rendering()
     heights = [[ax.transAxes.inverted().transform(ax.transData.transform((0, y)))[1] for y in ax.get_yticks()]
                for ax in fig.axes]  # fmt: skip
@@ -76,7 +76,7 @@ def test_the_values_of_the_axis_stand_at_the_same_height_in_every_panel_of_a_rid
 
 def test_no_curve_of_a_ridge_reaches_the_next_one(ds) -> None:
     for name, rad in (("beta", np.radians(1)), ("kappa", 1.0), ("push", 1.0)):
-        (ax,) = along.figure(StoredStudy(ds), show=[name]).axes
+        (ax,) = along_rods.figure(StoredStudy(ds), show=[name]).axes
         steps = np.diff(ax.get_yticks())
         assert np.ptp(steps) < 1e-9 * steps.sum()
         curves = [rod[name] / rad for rod in drawn_rods.choose(StoredStudy(ds), (name,)).rods]
@@ -87,14 +87,14 @@ def test_no_curve_of_a_ridge_reaches_the_line_of_a_rod_that_is_not_solved(ds) ->
     first = ds["E"] == ds["E"].min()
     alone = StoredStudy(ds.assign(solved=ds["solved"] & first, outcome=ds["outcome"].where(first, "failed: of no rod")))
     for name in ("kappa", "push"):
-        (ax,) = along.figure(alone, show=[name]).axes
+        (ax,) = along_rods.figure(alone, show=[name]).axes
         assert drawn_rods.choose(alone, (name,)).rods[0][name].max() < np.diff(ax.get_yticks())[0]
 
 
 @pytest.mark.slow
 def test_a_ridge_of_sixty_values_names_as_many_as_have_room() -> None:
     many = in_memory.run(study("[axes.E]\nfrom = 5e3\nto = 4e4\ncount = 61\n"))
-    fig = along.figure(StoredStudy(many))
+    fig = along_rods.figure(StoredStudy(many))
     fig.draw_without_rendering()
     texts = [text for text in fig.axes[0].get_yticklabels() if text.get_text()]
     boxes = sorted((text.get_window_extent().y0, text.get_window_extent().y1) for text in texts)
@@ -247,7 +247,7 @@ def test_a_section_of_less_than_two_turns_is_refused() -> None:
 
 
 def test_a_rod_lies_on_its_level_and_a_separatrix_passes_through_the_saddles(ds) -> None:
-    fig = portrait.figure(StoredStudy(ds), at={"E": 1e4})
+    fig = phase_portrait.figure(StoredStudy(ds), at={"E": 1e4})
     phase, well = fig.axes
     one = ds.sel(E=1e4)
     A = np.pi / 16 * 1e4 * 0.25**4  # the paper's stiffness
@@ -301,7 +301,7 @@ def test_what_is_drawn_between_stored_stations_is_what_a_dense_solve_says(ds) ->
 @pytest.mark.parametrize("stations", [5, 21])
 def test_a_file_whose_stations_are_too_few_for_a_picture_is_refused_with_their_number(stations: int) -> None:
     few = in_memory.run(study(AXIS, OUTPUTS).at_stations(stations)).assign_attrs(study="")
-    for draw in (unrolled.figure, along.figure, portrait.figure, study_figure.figure):
+    for draw in (unrolled.figure, along_rods.figure, phase_portrait.figure, study_figure.figure):
         with pytest.raises(InputError, match=rf"{stations} stations are too few to draw .*: store about \d+ \(station"):
             draw(StoredStudy(few))
 

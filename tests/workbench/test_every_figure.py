@@ -15,7 +15,7 @@ from tests.workbench.page_faults import faults, largest_empty, picture
 from tests.workbench.pictures import share_of_ink
 from workbench.branches.ends_study import ends_problem
 from workbench.branches.equilibria_dataset import as_dataset
-from workbench.figures import bars, equilibria_figure, kinds
+from workbench.figures import bars, equilibria_figure, figure_kinds
 from workbench.figures.sheet import sheet
 from workbench.influence.derivatives import local
 from workbench.lab import measured_runs, robustness, work_precision
@@ -29,25 +29,25 @@ LOW = "bars", "section"  # without a scale upward, or with equal scales
 
 
 @pytest.mark.parametrize("page", SHEETS)
-@pytest.mark.parametrize("kind", kinds.OF_STUDIES)
+@pytest.mark.parametrize("kind", figure_kinds.OF_STUDIES)
 def test_every_kind_of_picture_can_be_read_at_every_width(six, kind: str, page: str) -> None:
     own = {"states": "capstan", "samples": "samples_pipe"}
     ds = study_kinds.well() if kind == "well" else small.study_dataset(own[kind]) if kind in own else six
-    fig = kinds.figure(StoredStudy(ds), kind, SHEETS[page])
+    fig = figure_kinds.figure(StoredStudy(ds), kind, SHEETS[page])
     assert fig.get_figwidth() == pytest.approx(SHEETS[page].width)
     assert faults(fig, axes=0.0 if page == "screen" or kind in LOW else IN_PRINT) == []
 
 
 @pytest.mark.parametrize("name", ["fig7_1_modulus", "fig7_2_radius"])
 def test_sentences_below_a_narrow_picture_leave_its_panels_their_room(name: str) -> None:
-    fig = kinds.figure(StoredStudy(small.study_dataset(name)), "lines", sheet("paper", 89))
+    fig = figure_kinds.figure(StoredStudy(small.study_dataset(name)), "lines", sheet("paper", 89))
     assert [fault for fault in faults(fig) if "over one another" in fault] == []
 
 
 @pytest.mark.parametrize("name", ["fig6", "let_go"])
 def test_a_picture_for_one_column_has_room_for_its_panels_and_for_views_at_their_own_size(name: str) -> None:
     stored = StoredStudy(small.study_dataset(name))
-    fig = kinds.figure(stored, kinds.kind_without_map(stored), sheet("paper", 89))
+    fig = figure_kinds.figure(stored, figure_kinds.kind_without_map(stored), sheet("paper", 89))
     assert faults(fig, axes=IN_PRINT) == []
     (views,) = (ax for ax in fig.axes if ax.get_label().startswith("unrolled views"))
     assert views.get_window_extent().height / fig.dpi > 0.9 * np.ptp(views.get_ylim())
@@ -59,13 +59,13 @@ def test_a_picture_for_one_column_has_room_for_its_panels_and_for_views_at_their
      ("pipe_vertical", "lines"), ("pole_greenhill", "curves")],
 )  # fmt: skip
 def test_no_eighth_of_a_page_with_unrolled_views_is_empty(name: str, kind: str) -> None:
-    fig = kinds.figure(StoredStudy(small.study_dataset(name)), kind, SHEETS["page"])
+    fig = figure_kinds.figure(StoredStudy(small.study_dataset(name)), kind, SHEETS["page"])
     assert largest_empty(fig) < 1 / 8
 
 
 @pytest.mark.parametrize("name", ["pipe_centred", "fig7_5_forces"])
 def test_the_title_of_a_law_is_one_line(name: str) -> None:
-    fig = kinds.figure(StoredStudy(small.study_dataset(name)), "lines", SHEETS["page"])
+    fig = figure_kinds.figure(StoredStudy(small.study_dataset(name)), "lines", SHEETS["page"])
     titles = [title for ax in fig.axes if (title := ax.get_title(loc="left"))]
     assert titles
     assert not any("\n" in title for title in titles)
@@ -74,18 +74,18 @@ def test_the_title_of_a_law_is_one_line(name: str) -> None:
 @pytest.mark.parametrize("page", SHEETS)
 def test_a_legend_without_a_free_place_stands_below_its_panel(page: str) -> None:
     """The line of the expected load passes through every corner of the panel that has room for three entries."""
-    fig = kinds.figure(StoredStudy(small.study_dataset("pipe_centred")), "lines", SHEETS[page])
+    fig = figure_kinds.figure(StoredStudy(small.study_dataset("pipe_centred")), "lines", SHEETS[page])
     assert [fault for fault in faults(fig) if "over" in fault] == []
 
 
 def test_a_legend_keeps_off_the_lines_of_axes_that_became_lower_in_print() -> None:
-    fig = kinds.figure(StoredStudy(small.study_dataset("pipe_lubinski")), "lines", sheet("paper", 183))
+    fig = figure_kinds.figure(StoredStudy(small.study_dataset("pipe_lubinski")), "lines", sheet("paper", 183))
     assert [fault for fault in faults(fig) if "over" in fault] == []
 
 
 def test_a_long_formula_below_a_narrow_panel_is_typeset_in_lines_that_fit() -> None:
     stored = StoredStudy(small.study_dataset("pipe_centred"))
-    fig = kinds.figure(stored, "lines", sheet("paper", 89), show=["all_push"])
+    fig = figure_kinds.figure(stored, "lines", sheet("paper", 89), show=["all_push"])
     assert [fault for fault in faults(fig) if "cut off" in fault] == []
     texts = [text for ax in fig.axes if (legend := ax.get_legend()) for text in legend.get_texts()]
     formulas = [text for text in texts if "$" in text.get_text()]
@@ -119,10 +119,10 @@ def shipped_measurements(name: str) -> xr.Dataset:
 OTHERS: dict[str, Callable[[], Figure]] = {
     "the story": lambda: story.figure(chosen(), SHEETS["page"]),
     "the story, in a column": lambda: story.figure(chosen(), SHEETS["column"]),
-    "bars that have room": lambda: kinds.figure(
+    "bars that have room": lambda: figure_kinds.figure(
         StoredStudy(small.study_dataset("fig7_1_modulus")), "bars", SHEETS["column"]
     ),
-    "effects that have room": lambda: kinds.figure(StoredStudy(effects()), "tornado", SHEETS["column"]),
+    "effects that have room": lambda: figure_kinds.figure(StoredStudy(effects()), "tornado", SHEETS["column"]),
     "effects": lambda: bars.tornado(StoredStudy(effects())),
     "equilibria": lambda: equilibria_figure.figure(StoredStudy(equilibria_of_fig6())),
     "trade": lambda: work_precision.figure(StoredStudy(shipped_measurements("trade"))),
@@ -158,6 +158,6 @@ def test_the_shipped_map_of_extremes_can_be_read_and_shows_what_is_stored() -> N
 def test_the_pictures_of_every_study_can_be_read_at_every_width_and_are_not_empty(name: str, page: str) -> None:
     ds = small.study_dataset(name)
     for kind in stored_figures.kinds_of(StoredStudy(ds)):
-        fig = kinds.figure(StoredStudy(ds), kind, SHEETS[page])
+        fig = figure_kinds.figure(StoredStudy(ds), kind, SHEETS[page])
         assert faults(fig, axes=0.0 if page == "screen" else IN_PRINT) == []
         assert 0.02 < share_of_ink(picture(fig)) < 0.6

@@ -23,9 +23,9 @@ from tests.slow import slow, slow_but
 from tests.workbench import command, runs, small
 from workbench.commands.options import axis_values
 from workbench.export import step, stored_rod
-from workbench.export.base import ExportOptions
+from workbench.export.file_format import ExportOptions
 from workbench.export.stored_rod import export
-from workbench.geometry import centreline, self_contact
+from workbench.geometry import centreline, solid_body
 from workbench.run import in_memory, writing
 from workbench.stored.stored_study import StoredStudy
 
@@ -72,7 +72,7 @@ def test_the_curve_between_stations_is_the_solvers_within_what_it_says_of_itself
 
 
 def test_a_bend_tighter_than_the_rod_and_turns_that_meet_are_found_where_they_are(ds) -> None:
-    tight, meets = self_contact.findings(line(ds, 0), "cm")
+    tight, meets = solid_body.findings(line(ds, 0), "cm")
     assert tight.tight
     radius, at = map(float, re.search(r"radius of (\S+) cm at s = (\S+) cm", tight.sentence).groups())
     assert radius == pytest.approx(1 / rod(5e3, np.linspace(0, 20, 20001)).kappa.max(), rel=1e-3)  # four digits
@@ -83,7 +83,7 @@ def test_a_bend_tighter_than_the_rod_and_turns_that_meet_are_found_where_they_ar
     ends = rod(5e3, np.array([one, other])).position
     assert gap == pytest.approx(np.linalg.norm(ends[0] - ends[1]), abs=1e-3)  # s is told to four digits
     assert gap < 0.5
-    assert self_contact.findings(line(ds), "cm") == []
+    assert solid_body.findings(line(ds), "cm") == []
 
 
 # CAD
@@ -569,7 +569,7 @@ def test_turns_of_a_helix_meet_where_the_next_turn_is_less_than_the_rods_thickne
     q = np.linspace(3.0, 12, 4001)
     nearest = np.linalg.norm(found.frame(q)[0] - found.frame(np.zeros(1))[0], axis=-1).min()
     assert (nearest < 2 * found.a) == meet
-    assert bool(self_contact.findings(found, "cm")) == meet
+    assert bool(solid_body.findings(found, "cm")) == meet
 
 
 def helix(b: float) -> centreline.Centreline:

@@ -14,9 +14,9 @@ from solver.follow import to_fold
 from studies import TABLE_1, load, names
 from tests.slow import slow
 from tests.workbench import small, stored_figures
-from workbench.figures import canvas, crossing_rings, kinds
+from workbench.figures import canvas, crossing_rings, figure_kinds
 from workbench.run import in_memory
-from workbench.stored import law_verdicts
+from workbench.stored import stored_verdicts
 from workbench.stored.stored_study import StoredStudy
 
 VERDICTS = {  # of the laws of each figure under the default reading
@@ -54,7 +54,9 @@ def test_the_pictures_of_a_shipped_study_can_be_read_and_show_what_is_stored(
     name: str, dataset: Callable[[str], xr.Dataset]
 ) -> None:
     ds = dataset(name)
-    pictures = {kind: partial(kinds.figure, StoredStudy(ds), kind) for kind in stored_figures.kinds_of(StoredStudy(ds))}
+    pictures = {
+        kind: partial(figure_kinds.figure, StoredStudy(ds), kind) for kind in stored_figures.kinds_of(StoredStudy(ds))
+    }
     stored_figures.check(f"figure_{name}", pictures)
 
 
@@ -64,21 +66,21 @@ def test_no_law_of_a_shipped_study_fails_under_the_default_reading_and_those_tha
 ) -> None:
     ds = dataset(name)
     assert StoredStudy(ds).unsolved == 0
-    rows = law_verdicts.verdicts(ds)
+    rows = stored_verdicts.verdicts(ds)
     assert [(row["verdict"], row["qualifications"]) for row in rows] == VERDICTS[name]
     assert all(row["reason"] for row in rows if row["verdict"] == "true in part")
-    assert (law_verdicts.status(0, law_verdicts.verdicts(ds)) == 0) == all(
+    assert (stored_verdicts.status(0, stored_verdicts.verdicts(ds)) == 0) == all(
         verdict == "true" for verdict, _ in VERDICTS[name]
     )
-    assert not law_verdicts.is_refuted(0, rows)
+    assert not stored_verdicts.is_refuted(0, rows)
 
 
 def test_the_reasons_of_figure_7_are_those_of_its_numbers() -> None:
     radius, angle = small.study_dataset("fig7_2_radius"), small.study_dataset("fig7_4_end_angle")
     assert (np.diff(radius["amplitude"]) > 0).all()
-    assert "amplitude rises instead at 8 of 8 steps" in law_verdicts.verdicts(radius)[0]["reason"]
+    assert "amplitude rises instead at 8 of 8 steps" in stored_verdicts.verdicts(radius)[0]["reason"]
     assert angle["bends"].values.tolist() == [6] * 9
-    assert "bends stays at 6, where the sentence says that it rises" in law_verdicts.verdicts(angle)[0]["reason"]
+    assert "bends stays at 6, where the sentence says that it rises" in stored_verdicts.verdicts(angle)[0]["reason"]
 
 
 def test_each_law_of_the_paper_says_whether_its_rule_was_fixed_in_advance() -> None:
@@ -135,7 +137,7 @@ def test_beyond_the_fold_the_followed_equilibrium_is_gone() -> None:
 
 def test_where_a_law_decides_is_where_a_picture_is_taken() -> None:
     forces = small.study_dataset("fig7_5_forces")
-    for row in law_verdicts.verdicts(forces):
+    for row in stored_verdicts.verdicts(forces):
         for name, value in row["at"].items():
             assert float(forces[name][StoredStudy(forces).place()[name]]) == pytest.approx(value)
 

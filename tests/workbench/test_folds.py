@@ -12,8 +12,8 @@ from solver import Case, Cylinder, Ends, Rod, region_map
 from studies import load
 from tests.workbench import stored_figures
 from workbench.branches.region_dataset import as_dataset
-from workbench.figures import kinds
-from workbench.figures import region_map as region_figure
+from workbench.figures import figure_kinds
+from workbench.figures import region_figure as region_figure
 from workbench.figures.sheet import sheet
 from workbench.lab import measured_runs
 from workbench.run import writing
@@ -70,7 +70,7 @@ def test_the_numbers_of_a_map_are_written_and_those_of_a_table_of_words_are_refu
 def test_a_map_of_folds_shows_what_is_stored() -> None:
     paper = sheet("paper", titled=False)
     pictures = {
-        show: partial(kinds.figure, StoredStudy(made()), sheet=paper, show=[show])
+        show: partial(figure_kinds.figure, StoredStudy(made()), sheet=paper, show=[show])
         for show in ("count", "count_stable", "dbeta0")
     }
     for given in ((-30.0, 2.0), (0.0, 3.0)):

@@ -10,8 +10,8 @@ from studies import Study
 from tests.slow import slow_but
 from tests.workbench import runs, small
 from tests.workbench.study_kinds import pipe_study, refinement_study, sample_study, snapping, table_1
-from workbench.run import assembly
-from workbench.run.study_store import RunOptions, run_to_file
+from workbench.run import dataset_assembly
+from workbench.run.into_file import RunOptions, run_to_file
 
 FORCES = np.linspace(1, 9, 60)
 small_blocks = runs.small_blocks(64)
@@ -73,7 +73,7 @@ def test_what_is_new_is_solved_and_what_is_stored_is_kept_unless_the_study_is_an
     name, tmp_path, monkeypatch
 ) -> None:
     row, path, alone = ROWS[name], tmp_path / "one.h5", tmp_path / "alone.h5"
-    monkeypatch.setattr(assembly, "WINDOW", 20_000)  # bytes: many boxes, which begin inside blocks
+    monkeypatch.setattr(dataset_assembly, "WINDOW", 20_000)  # bytes: many boxes, which begin inside blocks
     run_to_file(row.before, path, RunOptions(workers=1))
     with xr.open_dataset(path) as ds:
         old = cases(ds.load())

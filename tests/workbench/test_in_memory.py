@@ -13,7 +13,7 @@ from studies.language.loader import loads
 from tests.slow import slow
 from tests.workbench import small
 from workbench.run import in_memory
-from workbench.stored import frame, law_verdicts
+from workbench.stored import empty_dataset, stored_verdicts
 from workbench.stored.stored_study import StoredStudy
 
 SLOW_EULER = slow("euler")  # three seconds
@@ -44,11 +44,11 @@ def test_a_case_that_fails_keeps_its_outcome_and_leaves_its_neighbours_alone(mon
     assert np.isnan(bad["bends"])
     assert StoredStudy(ds).unsolved == 1
     assert not np.isnan(ds["beta"]).where(ds["outcome"] == "solved").sum() > 0
-    (row,) = law_verdicts.verdicts(ds)
+    (row,) = stored_verdicts.verdicts(ds)
     assert row["verdict"] == "not decided"
     assert "1 of 3 cases has no value" in row["reason"]
-    assert law_verdicts.status(1, law_verdicts.verdicts(ds)) == 1
-    assert law_verdicts.status(1, []) == 1  # an unsolved case is enough
+    assert stored_verdicts.status(1, stored_verdicts.verdicts(ds)) == 1
+    assert stored_verdicts.status(1, []) == 1  # an unsolved case is enough
 
 
 @pytest.mark.parametrize("method", [m if m != "euler" else SLOW_EULER for m in available()])
@@ -58,7 +58,7 @@ def test_it_is_told_whether_the_error_covers_the_observables(method: str) -> Non
     ends = "beta0 = 0.1\nbetaL = 0.2\n" if kind else ""
     study = loads(f'method = "{method}"\ntol = 0.1\n{text}{ends}')
     sol = solve(study.case(), method=method, tol=0.1)
-    resolved = in_memory.run(study).attrs["observed"] == frame.RESOLVED
+    resolved = in_memory.run(study).attrs["observed"] == empty_dataset.RESOLVED
     assert resolved == (sol.trajectory.orbit is not None)
 
 

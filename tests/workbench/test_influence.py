@@ -22,7 +22,7 @@ from workbench.figures import bars
 from workbench.figures.sheet import sheet
 from workbench.influence import analyse, local, sobol
 from workbench.influence.derivatives import REAL
-from workbench.influence.indices import Design, design_of
+from workbench.influence.sobol_indices import Design, design_of
 from workbench.run import in_memory, writing
 from workbench.stored import reading, stored_case
 from workbench.stored.stored_study import StoredStudy

@@ -16,7 +16,7 @@ import workbench.accessor  # noqa: F401
 from solver import Case, Cylinder, InputError, Rod, Start, solve
 from solver.problem.units import FORCES, LENGTHS
 from tests.workbench import small
-from workbench.export.base import ExportOptions
+from workbench.export.file_format import ExportOptions
 from workbench.export.stored_rod import export
 from workbench.run import in_memory, writing
 from workbench.stored.stored_study import StoredStudy

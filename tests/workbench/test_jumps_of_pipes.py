@@ -4,8 +4,8 @@ import pytest
 import xarray as xr
 
 from studies.language.loader import loads
-from workbench.figures import canvas, kinds
-from workbench.figures.well import JUMP
+from workbench.figures import canvas, figure_kinds
+from workbench.figures.well_tracks import JUMP
 from workbench.run import in_memory
 from workbench.stored.stored_study import StoredStudy
 
@@ -41,18 +41,18 @@ def pipes() -> xr.Dataset:
 
 
 def test_a_jump_of_the_slack_off_is_drawn_and_said(pipes: xr.Dataset) -> None:
-    drawn = kinds.figure(StoredStudy(pipes), "well")
+    drawn = figure_kinds.figure(StoredStudy(pipes), "well")
     (jump,) = [line for ax in drawn.axes for line in ax.get_lines() if line.get_label() == JUMP]
     assert sorted(jump.get_ydata()) == [50.0, 68.0]
 
 
 def test_the_word_of_an_unsolved_pipe_stands_before_the_curves(pipes: xr.Dataset) -> None:
-    (ax, *_) = kinds.figure(StoredStudy(pipes), "states").axes
+    (ax, *_) = figure_kinds.figure(StoredStudy(pipes), "states").axes
     (word,) = [text for text in ax.texts if text.get_bbox_patch() is not None]
     assert word.get_zorder() > max(line.get_zorder() for line in ax.get_lines())
 
 
 def test_the_largest_push_that_is_said_is_that_of_solve_and_not_of_a_station(pipes: xr.Dataset) -> None:
-    said = " ".join(canvas.caption(kinds.figure(StoredStudy(pipes), "well", at={"wob": 68.0})))
+    said = " ".join(canvas.caption(figure_kinds.figure(StoredStudy(pipes), "well", at={"wob": 68.0})))
     most = float(pipes["push_max"].sel(wob=68.0)) * 1000  # lbf/ft
     assert f"Largest push of the wall: {most:.4g} lbf/ft at {float(pipes['push_max_at'].sel(wob=68.0)):.4g} ft" in said

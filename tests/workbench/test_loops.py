@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from solver import Cylinder, InputError, Rod, loops
-from workbench.geometry import self_contact
+from workbench.geometry import solid_body
 from workbench.stored.stored_study import StoredStudy
 
 
@@ -23,7 +23,7 @@ def test_the_ends_of_a_closed_rod_are_no_place_where_it_passes_through_itself() 
     for k in range(ds.sizes["equilibrium"]):
         line = StoredStudy(ds).select({"equilibrium": k}).centreline
         end = line.frame(line.s[:1])[0]
-        assert all(np.linalg.norm(place - end) > line.a for place in self_contact.middles(line, (0.0, line.L)))
+        assert all(np.linalg.norm(place - end) > line.a for place in solid_body.middles(line, (0.0, line.L)))
 
 
 def test_a_model_leaves_out_no_clearance_at_the_ends_of_a_closed_rod() -> None:

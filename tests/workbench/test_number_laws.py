@@ -17,7 +17,7 @@ from tests.workbench import small, stored_figures
 from workbench.figures import study_figure
 from workbench.figures.sheet import sheet
 from workbench.run import in_memory
-from workbench.stored import law_verdicts
+from workbench.stored import stored_verdicts
 from workbench.stored.stored_study import StoredStudy
 
 SAID = """
@@ -75,7 +75,7 @@ def test_a_case_where_an_expression_divides_by_zero_says_so_and_its_neighbours_a
 
 
 def test_each_kind_of_law_is_judged_from_what_is_stored(ds: xr.Dataset) -> None:
-    rows = {row["claim"]: row for row in law_verdicts.verdicts(ds)}
+    rows = {row["claim"]: row for row in stored_verdicts.verdicts(ds)}
     assert {claim: row["verdict"] for claim, row in rows.items()} == dict.fromkeys(HEADS, HOLDS)
     assert law_words.law_in_words(rows["equals"]) == "kappa_max equals kappa_mean/share within 1e-07 % along R"
     assert law_words.measure(rows["scales"]).startswith("exponent 2 ± ")
@@ -87,14 +87,14 @@ def test_a_formula_may_use_a_field_of_the_base_and_a_stiffness(tmp_path: Path) -
     rule = f"kind = 'equals'\nobservable = 'bending_moment_max'\nformula = '{formula}'"
     ds = in_memory.run(study(f"[[laws]]\nclaim = 'a'\naxis = 'R'\nsource = 's'\n{rule}\nrelative = 1e-9\n"))
     assert (ds["F3"].item(), ds["F3"].attrs["units"]) == (10.0, "N")
-    (row,) = law_verdicts.verdicts(ds)
+    (row,) = stored_verdicts.verdicts(ds)
     assert row["verdict"] == HOLDS
     with pytest.raises(InputError, match="the dataset stores no number 'F3' of each case; available: "):
-        law_verdicts.verdicts(ds.drop_vars("F3"))
+        stored_verdicts.verdicts(ds.drop_vars("F3"))
 
 
 def test_panels_of_laws_with_numbers_show_what_is_stored(ds: xr.Dataset) -> None:
-    (row,) = [row for row in law_verdicts.verdicts(ds) if row["kind"] == "equals"]
+    (row,) = [row for row in stored_verdicts.verdicts(ds) if row["kind"] == "equals"]
 
     def figure_with_band(relative: float) -> Figure:
         changed = {**row, "rule": {**row["rule"], "relative": relative}}
@@ -124,13 +124,13 @@ def test_points_leave_the_band_of_an_exponent_where_the_law_is_false(ds: xr.Data
 
 def test_a_law_on_an_expression_without_a_value_is_not_decided(tmp_path: Path) -> None:
     ds = in_memory.run(study(small.law("room", "R", claim="a", kind="bounded", most=100)))
-    (row,) = law_verdicts.verdicts(ds)
+    (row,) = stored_verdicts.verdicts(ds)
     assert (row["verdict"], row["reason"]) == (UNDECIDED, "1 of 4 cases has no value")
 
 
 def test_the_buckled_pipe_is_lubinskis_and_mitchells_up_to_the_angle_of_its_helix(pipe: xr.Dataset) -> None:
     """The exact helix inside without torque has Lubinski's pitch times cos^(3/2), and Mitchell's push over cos^2."""
-    rows = {row["claim"]: row for row in law_verdicts.verdicts(pipe)}
+    rows = {row["claim"]: row for row in stored_verdicts.verdicts(pipe)}
     assert {row["verdict"] for row in rows.values()} == {HOLDS}
     assert {row["kind"] for row in rows.values()} == {"monotone", "equals", "bounded", "scales", "boundary"}
     phi = -pipe["FZ"] * pipe["rho"] ** 2 / (2.06e8 * np.pi / 4 * (0.0635**4 - 0.0543**4))
@@ -161,6 +161,6 @@ def test_expressions_of_samples_pairs_and_tables_are_stored_judged_and_drawn(var
     ds = in_memory.run(load(path))
     assert ds["area"].shape == shape
     np.testing.assert_allclose(ds["area"], np.pi * ds["R"].broadcast_like(ds["area"]) ** 2)
-    assert [row["verdict"] for row in law_verdicts.verdicts(ds)] == [HOLDS]
+    assert [row["verdict"] for row in stored_verdicts.verdicts(ds)] == [HOLDS]
     labels = [ax.get_ylabel() for ax in study_figure.figure(StoredStudy(ds)).axes]
     assert any(label.startswith("area") for label in labels)

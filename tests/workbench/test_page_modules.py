@@ -19,13 +19,13 @@ from studies.paper.readings import READINGS
 from tests.workbench import small
 from tests.workbench.live import STATES, state
 from tests.workbench.node import needs_node, run
-from workbench.figures import along, colours, drawn_rods, push_scale
-from workbench.geometry import self_contact
+from workbench.figures import along_rods, colours, drawn_rods, push_scale
+from workbench.geometry import solid_body
 from workbench.scene import scene_kinds, surfaces
 from workbench.stored import quantity_variables
 from workbench.stored.stored_study import StoredStudy
 from workbench.web.live import page_model
-from workbench.words import cautions, habits, labels
+from workbench.words import caution_words, labels, unit_habits
 from workbench.words.escaping import finite
 
 pytestmark = needs_node
@@ -133,8 +133,8 @@ def test_the_strain_that_the_page_warns_of_is_that_of_the_workbench() -> None:
       return numbers.warnings(shape, numbers.observables(shape), state.units, []); }));"""
     counts = set()
     for made, found in zip(states, run(script, states, (*MODULES, "numbers")), strict=True):
-        told = cautions.parts(str(cautions.of_cases(solve(case_of(made)), units=made["units"])))
-        wanted = [f"The rod {cautions.phrase(part)}." for part in told if part.startswith("strained")]
+        told = caution_words.parts(str(caution_words.of_cases(solve(case_of(made)), units=made["units"])))
+        wanted = [f"The rod {caution_words.phrase(part)}." for part in told if part.startswith("strained")]
         assert [words for words in found if "strained" in words] == wanted
         counts.add(len(wanted))
     assert counts == {0, 1}
@@ -150,8 +150,8 @@ def test_the_page_tells_lift_off_next_to_the_ends_alone_where_the_solver_does() 
              for made, rod in rods]  # fmt: skip
     said = run(script, finite(given), (*MODULES, "numbers"))
     alone = [any("next to its ends alone" in text for text in texts) for texts in said]
-    assert alone == [any(cautions.AT_ENDS in part for part in cautions.parts(str(cautions.of_cases(rod.sol))))
-                     for _, rod in rods] == [True, False]  # fmt: skip
+    cautions = [caution_words.parts(str(caution_words.of_cases(rod.sol))) for _, rod in rods]
+    assert alone == [any(caution_words.AT_ENDS in part for part in parts) for parts in cautions] == [True, False]
 
 
 def test_the_ribbon_is_as_tall_as_the_push_is_strong_and_arrows_point_as_the_cylinder_pushes() -> None:
@@ -193,7 +193,7 @@ def test_a_rod_is_ringed_where_the_stills_ring_it(made: dict, count: int) -> Non
     script = SHAPE + "answer([...self_contact.crossings(shape), ...self_contact.tightBends(shape)]);"
     found = np.array(run(script, made, (*MODULES, "self_contact")))
     line = StoredStudy(solve(case_of(made), stations=2001).to_dataset()).centreline
-    wanted = np.array(self_contact.middles(line, (0.0, line.L)))
+    wanted = np.array(solid_body.middles(line, (0.0, line.L)))
     away = np.linalg.norm(found[:, None] - wanted, axis=-1)
     assert len(wanted) == len(found) == count
     assert away.min(axis=0).max() < 0.2 * line.a
@@ -487,8 +487,8 @@ def test_pages_labels_and_tables_state_every_quantity_in_one_unit(units: tuple[s
         assert size == pytest.approx(float(labels.in_label_unit(array, 1.0)), rel=1e-12), name
         assert labels.label(array).endswith(f" [{unit}]" if unit else labels.symbol(array)), name
         if unit != "°":
-            assert labels.unit(habits.unit_shown(name, system)) == unit, name
-            assert size == pytest.approx(habits.size_shown(name, system), rel=1e-12), name
+            assert labels.unit(unit_habits.unit_shown(name, system)) == unit, name
+            assert size == pytest.approx(unit_habits.size_shown(name, system), rel=1e-12), name
 
 
 @pytest.mark.parametrize("name", STATES)
@@ -509,7 +509,7 @@ def test_a_link_holds_the_whole_state() -> None:
 def test_push_and_pull_are_shaded_as_in_the_figures() -> None:
     ds = solve(case_of(state()), stations=401).to_dataset()
     ax = Figure().add_subplot()
-    along.alone(ax, drawn_rods.choose(StoredStudy(ds), ["push"]), "push")
+    along_rods.alone(ax, drawn_rods.choose(StoredStudy(ds), ["push"]), "push")
     labels = push_scale.PULLS, push_scale.PUSHES
     bands, areas = [one.get_facecolor()[0] for name in labels for one in ax.collections if one.get_label() == name]
     band, area = run("answer([diagram.BAND, diagram.AREA]);", None, ("diagram",))

@@ -23,19 +23,19 @@ from tests.workbench.pictures import draws
 from workbench.branches.ends_study import ends_problem
 from workbench.branches.equilibria_dataset import as_dataset
 from workbench.figures import (
+    axis_scales,
     canvas,
     drawn_rods,
     equilibria_figure,
     fonts,
     map_figure,
     print_heights,
-    scales,
     scatter,
     study_figure,
 )
 from workbench.figures.sheet import sheet
 from workbench.run import in_memory, writing
-from workbench.stored import law_verdicts
+from workbench.stored import stored_verdicts
 from workbench.stored.stored_study import StoredStudy
 
 
@@ -112,7 +112,7 @@ def test_the_table_of_a_figure_has_the_numbers_that_are_drawn(six, tmp_path, cap
         list(csv.DictReader((tmp_path / f"{kind}.csv").read_text("utf-8").splitlines())) for kind in ("lines", "map")
     )
     law = [row for row in lines if row["y_label"].endswith("max κ [1/cm]") and row["kind"] == "dot"]
-    at = law_verdicts.verdicts(six)[0]["at"] or {"E": float(six["E"][0])}
+    at = stored_verdicts.verdicts(six)[0]["at"] or {"E": float(six["E"][0])}
     np.testing.assert_allclose([float(row["y"]) for row in law], six["kappa_max"].sel(at).values)
     curve = [row for row in lines if row["series"] == "R = 0.5 cm"]
     assert len(curve) >= six.sizes["u"]
@@ -152,7 +152,7 @@ def test_no_two_numbers_of_an_axis_meet(low: float, high: float, inches: float) 
         ax = fig.add_axes((1 / (inches + 2), 0.5, inches / (inches + 2), 0.4))
         ax.set_yticks([])
         ax.tick_params(labelsize=fonts.SMALL)
-        scales.set_scale(ax.xaxis, (low, high), logarithmic)
+        axis_scales.set_scale(ax.xaxis, (low, high), logarithmic)
         assert faults(fig) == []
 
 
@@ -198,7 +198,7 @@ def test_a_low_axis_has_the_first_and_the_last_of_its_numbers_where_two_have_roo
     fig = Figure(figsize=(3, 1))
     ax = fig.add_axes((0.3, 0.5, 0.22, 0.4))
     ax.tick_params(labelsize=fonts.SMALL)
-    scales.set_scale(ax.xaxis, (4500.0, 44000.0), True)
+    axis_scales.set_scale(ax.xaxis, (4500.0, 44000.0), True)
     fig.draw_without_rendering()
     assert len(ax.get_xticks()) == 2
     assert faults(fig) == []

@@ -12,8 +12,8 @@ from studies.language.loader import loads
 from studies.laws.line_verdicts import HOLDS
 from tests.workbench import small
 from workbench.run import in_memory
-from workbench.run.study_store import RunOptions, run_to_file
-from workbench.stored import law_verdicts
+from workbench.run.into_file import RunOptions, run_to_file
+from workbench.stored import stored_verdicts
 
 ROD, WALL = Rod(E=1.07e4, nu=0.25, a=0.25, L=5.0), Cylinder(R=0.75)
 NAMES = ("FZ", "MZ", "M3", "M10", "M1L")
@@ -84,7 +84,7 @@ def test_a_study_stores_reactions_and_judges_a_law_of_one(tmp_path: Path) -> Non
         assert ds["M10"].attrs["units"] == "N cm" or ds["M10"].attrs["units"] == "cm N"
         assert list(ds["M10_error"].dims) == ["height"]
         assert (np.diff(ds["FZ"]) != 0).all()
-        assert [row["verdict"] for row in law_verdicts.verdicts(ds)] == [HOLDS]
+        assert [row["verdict"] for row in stored_verdicts.verdicts(ds)] == [HOLDS]
 
 
 def test_a_load_that_is_an_axis_is_not_stored_twice() -> None:

@@ -12,14 +12,14 @@ import workbench.accessor  # noqa: F401  (ds.rod)
 from solver import observe, solve
 from studies import Study
 from studies.language.loader import loads
+from studies.laws.judgement import Law, decide
 from studies.laws.line_verdicts import TREND, as_good
-from studies.laws.verdicts import Law, decide
 from tests.workbench import runs, small, stored_figures
 from tests.workbench.command import run
-from workbench.figures import kinds, map_figure, study_figure
+from workbench.figures import figure_kinds, map_figure, study_figure
 from workbench.run import block, in_memory, plan, recipe, writing
-from workbench.run.study_store import RunOptions, run_to_file
-from workbench.stored import law_verdicts, reading, refined
+from workbench.run.into_file import RunOptions, run_to_file
+from workbench.stored import reading, refined, stored_verdicts
 from workbench.stored.file_summary import summary
 from workbench.stored.stored_study import StoredStudy
 
@@ -151,7 +151,7 @@ def test_a_number_that_changes_and_changes_back_between_two_values_is_located(fi
 
 def test_a_law_along_one_refined_axis_is_judged_on_every_case(five: xr.Dataset) -> None:
     """The six values of the axis alone agree with it."""
-    (row,) = law_verdicts.verdicts(five)
+    (row,) = stored_verdicts.verdicts(five)
     (coarse,) = StoredStudy(five).coarse().verdicts
     assert (row["verdict"], coarse["verdict"]) == ("false", "true")
     steps = [(step["from"], step["to"]) for step in row["exceptions"]]
@@ -220,8 +220,8 @@ def test_where_cases_begin_to_fail_is_located_and_failed_cells_are_told(monkeypa
 
 def test_in_a_plane_the_lines_of_the_coarse_grid_are_judged_with_all_their_cases(stored: Path) -> None:
     with xr.open_dataset(stored) as ds:
-        (row,), on_line = law_verdicts.verdicts(ds), int((ds["R"] == 0.5 + 1 / 3).sum())
-    (coarse,) = law_verdicts.verdicts(in_memory.run(study(PLANE + LAW).coarse()))
+        (row,), on_line = stored_verdicts.verdicts(ds), int((ds["R"] == 0.5 + 1 / 3).sum())
+    (coarse,) = stored_verdicts.verdicts(in_memory.run(study(PLANE + LAW).coarse()))
     assert row["at"] == coarse["at"] == {"R": 0.5 + 1 / 3}
     assert row["steps"] == on_line - 1 > coarse["steps"]
 
@@ -257,8 +257,8 @@ def test_a_law_changes_its_verdict_between_the_two_lines_that_its_boundary_names
     (found,) = (pair for _, pair in StoredStudy(ds).boundary("(1)").groupby("pair"))
     lines = [float((found["R"] + sign * found["R_half_width"]).item()) for sign in (-1, 1)]
     alone = in_memory.run(study(PLANE.partition("[axes.R]")[0] + f"[axes.R]\nvalues = {lines}\n" + LAW, ""))
-    (law,) = law_verdicts.laws_of(alone)
-    verdicts = list(law_verdicts.verdicts_of_lines(StoredStudy(alone), law).values)
+    (law,) = stored_verdicts.laws_of(alone)
+    verdicts = list(stored_verdicts.verdicts_of_lines(StoredStudy(alone), law).values)
     assert verdicts == [found["before"].item(), found["after"].item()] == ["true", "false"]
 
 
@@ -273,7 +273,7 @@ def test_the_coarse_grid_of_a_refined_study_is_the_study_without_refinement(stor
 
 def test_refined_studies_show_what_is_stored(stored: Path, line) -> None:
     ds = reading.read(stored)
-    assert (kinds.kind_of(StoredStudy(ds)), kinds.kind_of(StoredStudy(line))) == ("map", "lines")
+    assert (figure_kinds.kind_of(StoredStudy(ds)), figure_kinds.kind_of(StoredStudy(line))) == ("map", "lines")
     pictures = {
         "the plane": lambda: map_figure.figure(StoredStudy(ds), show=["bends", "level"]),
         "an axis": lambda: study_figure.figure(StoredStudy(line)),
@@ -318,8 +318,8 @@ def test_where_a_law_changes_its_verdict_is_the_place_on_the_uniform_lines(tmp_p
         lines = ", ".join(repr(float(R)) for R in lattice.along("R", np.arange(lattice.sizes[1])))
         fine = study(plane.partition("[axes.R]")[0] + f"[axes.R]\nvalues = [{lines}]\n" + LAW, "")
         grid = in_memory.run(fine)
-        (law,) = law_verdicts.laws_of(grid)
-        verdicts = law_verdicts.verdicts_of_lines(StoredStudy(grid), law).values
+        (law,) = stored_verdicts.laws_of(grid)
+        verdicts = stored_verdicts.verdicts_of_lines(StoredStudy(grid), law).values
         change = np.flatnonzero(verdicts[1:] != verdicts[:-1])
         assert change.size == found.sizes["pair"] == 3
         np.testing.assert_allclose(found["R"], (grid["R"].values[change] + grid["R"].values[change + 1]) / 2)

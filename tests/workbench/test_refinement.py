@@ -15,10 +15,10 @@ from tests.slow import slow
 from tests.workbench import small
 from tests.workbench.pictures import draws, pixels, shares_of_push
 from workbench.commands import draw_scene
-from workbench.export.base import ExportOptions
+from workbench.export.file_format import ExportOptions
 from workbench.export.stored_rod import export
 from workbench.geometry import centreline
-from workbench.geometry.refinement import COLOUR_STEPS, push_along, rings, stations_for
+from workbench.geometry.tube_tolerance import COLOUR_STEPS, push_along, rings, stations_for
 from workbench.run import in_memory
 from workbench.scene.body import Body, read
 from workbench.scene.scene_kinds import KINDS

@@ -29,7 +29,7 @@ from workbench.lab import measured_runs
 from workbench.paper import law_cards, report_document, report_runs, reproduce
 from workbench.run import in_memory, writing
 from workbench.run.in_memory import StudyResult
-from workbench.stored import law_verdicts, reading
+from workbench.stored import reading, stored_verdicts
 from workbench.stored.stored_study import StoredStudy
 
 PAPER = [name for name in names() if name.startswith("fig")]  # the studies of the report
@@ -181,8 +181,8 @@ def test_the_card_of_a_claim_and_the_table_of_readings_have_one_verdict(readings
     assert "1 claim about an elastic rod on a cylinder: 1 not decided" in told
     assert "not tested along F₁: F₁ has no effect under this reading" in told
     assert "F1 has no effect" not in told
-    assert set(law_verdicts.verdicts_of_lines(result.stored, study.laws[0]).values.ravel()) == {"not decided"}
-    assert law_verdicts.is_refuted(0, result.verdicts)
+    assert set(stored_verdicts.verdicts_of_lines(result.stored, study.laws[0]).values.ravel()) == {"not decided"}
+    assert stored_verdicts.is_refuted(0, result.verdicts)
 
 
 ROOT = Path(__file__).parents[2]

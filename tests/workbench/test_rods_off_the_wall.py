@@ -22,10 +22,10 @@ from tests.workbench.page_faults import words
 from tests.workbench.pictures import draws
 from workbench import accessor  # noqa: F401
 from workbench.commands import study_scene
-from workbench.export.base import ExportOptions
+from workbench.export.file_format import ExportOptions
 from workbench.export.stored_rod import export
-from workbench.figures import canvas, kinds, portrait, trends, unrolled
-from workbench.geometry.refinement import push_along
+from workbench.figures import canvas, figure_kinds, phase_portrait, trends, unrolled
+from workbench.geometry.tube_tolerance import push_along
 from workbench.run import in_memory, in_order, writing
 from workbench.scene import opengl, signs
 from workbench.scene.body import read
@@ -36,7 +36,7 @@ from workbench.stored.stored_study import StoredStudy
 from workbench.web.live.page_model import study_of
 from workbench.web.live.presets import own_preset
 from workbench.web.turntable import turntable_page
-from workbench.words import free_rods
+from workbench.words import free_rod_words
 
 if opengl.probe()[0]:  # without the libraries of OpenGL it cannot be imported
     from workbench.scene import composition, layout
@@ -125,7 +125,7 @@ def test_a_table_of_a_rod_has_its_places_in_space(stored: xr.Dataset, tmp_path: 
 
 
 def test_pictures_of_rods_on_the_wall_are_refused_for_others(stored: xr.Dataset) -> None:
-    for draw in (portrait.figure, turntable_page.html):
+    for draw in (phase_portrait.figure, turntable_page.html):
         with pytest.raises(InputError, match="needs rods that lie on the cylinder"):
             draw(StoredStudy(stored))
 
@@ -234,7 +234,7 @@ def test_a_change_of_the_energy_is_told_in_as_many_digits_as_show_it() -> None:
         200.0: "to 200 N mm; what is least is its sum with that of its weight and of kept loads",
     }
     for after, told in each.items():
-        said = free_rods.release_sentence({"before": 191.4012, "after": after}, {"length": "mm", "force": "N"})
+        said = free_rod_words.release_sentence({"before": 191.4012, "after": after}, {"length": "mm", "force": "N"})
         assert said.endswith(told)
 
 
@@ -263,7 +263,7 @@ def test_a_hinge_that_the_wall_holds_is_told_with_the_moment_of_the_rod() -> Non
     for FZ, MZ, M3 in ((20.0, 8.0, 0.0), (-8.66, 1.3, 6.1)):
         ends = Ends(0.5, 0.8, FZ=FZ, MZ=MZ, M3=M3, M20=0.0, M2L=0.0)
         sol = solve(Case(Rod(E=1.07e4, nu=0.25, a=0.25, L=20.0), Cylinder(R=0.75, contact="unilateral"), ends))
-        told.append([text for text in free_rods.sentences(sol, {"length": "cm", "force": "N"}) if "hinge" in text])
+        told.append([text for text in free_rod_words.sentences(sol, {"length": "cm", "force": "N"}) if "hinge" in text])
     assert ["at the start along it: M2 of the rod is 6.71 N cm" in text for text in told[0]] == [True, False]
     assert told[1] == []
 
@@ -273,9 +273,9 @@ def test_a_place_that_its_error_hides_is_told_with_the_error() -> None:
     cylinder = Cylinder(200.0, contact="unilateral")
     held = Ends("90deg", "90deg", height=0.0, azimuth="200deg", radiusL=1168.2, M2L=0.0)
     sol = solve(Case(Rod(EI=2e6, GJ=1.6e6, a=6.0, L=1616.0), cylinder, held))
-    contact, forces = free_rods.sentences(sol, {"length": "mm", "force": "N"})
+    contact, forces = free_rod_words.sentences(sol, {"length": "mm", "force": "N"})
     ((low, high),) = sol.contacts
-    errors = [free_rods.place_error(sol, place) for place in (low, high)]
+    errors = [free_rod_words.place_error(sol, place) for place in (low, high)]
     assert high - low < min(errors)
     number = r"([\d.]+) ± ([\d.]+)"
     told = re.search(f"lies on {number} % of its length on the wall, at s = {number} to {number} mm", contact)
@@ -296,7 +296,7 @@ def test_the_live_page_begins_with_a_rod_that_may_leave_the_cylinder(text: str, 
 
 def said_by(stored: xr.Dataset, kind: str) -> str:
     """All words of a figure of a study, and of its caption."""
-    drawn = kinds.figure(StoredStudy(stored), kind)
+    drawn = figure_kinds.figure(StoredStudy(stored), kind)
     return " ".join(" ".join([*(text.get_text() for text in words(drawn)), *canvas.caption(drawn)]).split())
 
 
@@ -309,7 +309,7 @@ def test_an_unrolled_view_says_that_a_rod_off_the_wall_is_seen_along_the_radius(
 
 
 def test_ticks_across_an_unrolled_rod_are_where_its_contact_begins_and_ends(stored: xr.Dataset, finer: Any) -> None:
-    drawn = kinds.figure(StoredStudy(stored), "curves")
+    drawn = figure_kinds.figure(StoredStudy(stored), "curves")
     (ax,) = [ax for ax in drawn.axes if ax.get_label() == unrolled.VIEWS]
     (dot,) = [line for line in ax.lines if line.get_gid() == "s = 0"]
     drawn.canvas.draw()  # only now both directions have one scale
@@ -329,7 +329,7 @@ def test_ticks_across_an_unrolled_rod_are_where_its_contact_begins_and_ends(stor
 
 
 def test_a_line_above_an_unrolled_rod_is_as_far_above_it_as_the_rod_is_off_the_wall(stored: xr.Dataset) -> None:
-    drawn = kinds.figure(StoredStudy(stored), "curves")
+    drawn = figure_kinds.figure(StoredStudy(stored), "curves")
     (ax,) = [ax for ax in drawn.axes if ax.get_label() == unrolled.VIEWS]
     lines = [line for line in ax.lines if str(line.get_gid()).endswith("gap")]
     gap = StoredStudy(stored).along("gap").values
@@ -575,7 +575,7 @@ def test_a_scene_of_letting_go_shows_one_case_and_takes_no_axis(
 
 def test_no_line_joins_rods_that_were_let_go_each_by_itself() -> None:
     ds = in_memory.run(loads(STUDY.replace("E = 1.07e4, ", "") + "[axes.E]\nvalues = [1e4, 1.2e4, 1.4e4]\n"))
-    drawn = kinds.figure(StoredStudy(ds), "lines", show=["gap_max"])
+    drawn = figure_kinds.figure(StoredStudy(ds), "lines", show=["gap_max"])
     (ax,) = [ax for ax in drawn.axes if "wall" in ax.get_ylabel()]
     lines = [np.isfinite(np.asarray(line.get_ydata(), dtype=float)) for line in ax.lines if line.get_xdata().size > 1]
     assert lines
@@ -590,7 +590,7 @@ def test_pictures_of_one_file_solve_its_rods_once_and_read_other_stations_from_t
     solve = solved_again._solve
     monkeypatch.setattr(solved_again, "_solve", lambda *given: calls.append(given) or solve(*given))
     for kind in ("curves", "ridge"):
-        kinds.figure(own, kind)
+        figure_kinds.figure(own, kind)
     finer = own.solve(401, ["radius", "contact"])
     assert len(calls) == 1
     again = StoredStudy(stored).solve(401, ["radius", "contact"])

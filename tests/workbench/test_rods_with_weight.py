@@ -15,14 +15,14 @@ from studies import loads
 from tests.workbench import small, stored_figures, study_kinds
 from tests.workbench.command import exit_status
 from workbench.export import stored_rod
-from workbench.figures import along, canvas, drawn_numbers, well
+from workbench.figures import along_rods, canvas, drawn_numbers, well_tracks
 from workbench.figures.trends import trend
 from workbench.run import in_memory, writing
 from workbench.scene import body as body_of
 from workbench.scene import layout, long_rod, scene_kinds, views
 from workbench.scene.settings import Settings
 from workbench.stored.stored_study import StoredStudy
-from workbench.words import cautions, pipe_state
+from workbench.words import caution_words, pipe_words
 
 PIPE = {"EI": 1228.0, "GJ": 945.0, "a": 0.0635, "L": 60.0, "weight": 0.242, "R": 0.10795}
 HELD = {**PIPE, "side": "inside", "beta0": 0.0, "betaL": 0.0, "FZ": -220.0}
@@ -84,7 +84,7 @@ def test_the_weight_points_down_in_a_scene_and_the_low_side_is_below(ds: xr.Data
     assert seen.page @ seen.down == pytest.approx([0.0, -np.sqrt(3) / 2], abs=1e-12)
     made = layout.compose(StoredStudy(ds), {"inclination": np.pi / 2}, settings=Settings(span=(20.0, 24.0)))
     assert made.scene.down == pytest.approx([0.0, made.scene.down[1]], abs=1e-12)
-    assert canvas.caption(made.fig)[-1] == cautions.model_leaves_out({"weight": 0.242})
+    assert canvas.caption(made.fig)[-1] == caution_words.model_leaves_out({"weight": 0.242})
 
 
 def test_a_long_rod_with_weight_is_compressed_along_the_axis_no_more_than_its_bends_allow(ds: xr.Dataset) -> None:
@@ -149,16 +149,16 @@ def test_a_table_of_a_rod_with_friction_holds_the_solution_s_own_arrays(sliding,
 def test_pipes_and_their_states_show_what_is_stored(ds: xr.Dataset) -> None:
     (axis,) = ds["outcome"].dims
     pictures = {
-        "pipes": lambda: along.pipe(StoredStudy(ds)),
-        "one pipe": lambda: along.pipe(StoredStudy(ds), at={axis: float(ds[axis][0])}),
-        "states": lambda: along.states(StoredStudy(ds)),
-        "rods without weight": lambda: along.pipe(StoredStudy(small.six())),
+        "pipes": lambda: along_rods.pipe(StoredStudy(ds)),
+        "one pipe": lambda: along_rods.pipe(StoredStudy(ds), at={axis: float(ds[axis][0])}),
+        "states": lambda: along_rods.states(StoredStudy(ds)),
+        "rods without weight": lambda: along_rods.pipe(StoredStudy(small.six())),
     }
     stored_figures.check("pictures_pipes", pictures)
 
 
 def test_the_azimuth_of_a_helix_is_drawn_within_one_turn() -> None:
-    fig = along.pipe(StoredStudy(small.study_dataset("pipe_lubinski")), at={"FZ": -300.0})
+    fig = along_rods.pipe(StoredStudy(small.study_dataset("pipe_lubinski")), at={"FZ": -300.0})
     lines = [drawn for drawn in fig.axes[0].collections if isinstance(drawn, LineCollection)]
     assert len(lines) > 10  # one for each turn
     heights = [points[:, 1] for line in lines for points in line.get_segments()]
@@ -168,7 +168,7 @@ def test_the_azimuth_of_a_helix_is_drawn_within_one_turn() -> None:
 
 def marks_of(ds: xr.Dataset, at: Mapping[str, float], name: str) -> np.ndarray:
     """The points (n, 2) of a curve of the picture of a well, by its name: a number, and the depth or another one."""
-    fig = well.figure(StoredStudy(ds), at=at, yield_stress=5e5)
+    fig = well_tracks.figure(StoredStudy(ds), at=at, yield_stress=5e5)
     rows = (row for ax in fig.axes for row in drawn_numbers.rows(ax))
     return np.array([(x, y) for _, series, x, y, _ in rows if series == name])
 
@@ -187,7 +187,7 @@ def test_the_picture_of_a_well_shows_the_stored_numbers_with_the_depth_down() ->
     assert axial[:, 0].min() == pytest.approx(-210 / area / 1e3, rel=1e-2)  # F3 is FZ cos(beta), in MPa
     slack = marks_of(ds, {"wob": 210.0}, "1")[:3]
     np.testing.assert_allclose(slack, np.stack([0.241 * 200 / 2 - ds["FZ0"], ds["wob"]], axis=1), rtol=1e-9)
-    assert "over 200 m at most" in " ".join(canvas.caption(well.figure(StoredStudy(ds))))
+    assert "over 200 m at most" in " ".join(canvas.caption(well_tracks.figure(StoredStudy(ds))))
 
 
 def test_a_pipe_that_turns_in_place_without_an_answer_says_what_torque_a_straight_one_takes() -> None:
@@ -197,24 +197,24 @@ def test_a_pipe_that_turns_in_place_without_an_answer_says_what_torque_a_straigh
 
     light, failed = solve(pipe(5.0)), solve(pipe(90.0))
     assert not failed.solved
-    said = pipe_state.sentences(failed, {"length": "m", "force": "kN"})[0]
+    said = pipe_words.sentences(failed, {"length": "m", "force": "kN"})[0]
     torque = float(said.split()[-3])
     assert torque == pytest.approx(float(observe(light, ["surface_torque"])["surface_torque"]), rel=5e-3)
 
 
 def test_a_pipe_that_stands_on_its_foot_is_not_drawn_with_its_hook_there() -> None:
     with pytest.raises(InputError, match="climbs from its foot: give hole"):
-        well.figure(StoredStudy(study_kinds.well(0.0, None)))
+        well_tracks.figure(StoredStudy(study_kinds.well(0.0, None)))
 
 
 def test_a_well_of_a_pipe_that_turns_in_place_is_drawn_without_a_lock_up() -> None:
-    fig = well.figure(StoredStudy(study_kinds.well(sliding="rotating")))
+    fig = well_tracks.figure(StoredStudy(study_kinds.well(sliding="rotating")))
     assert fig.axes[0].get_title(loc="left") == "axial force"
     assert "arrives" not in " ".join(canvas.caption(fig))
 
 
 def test_the_bands_of_a_well_lie_between_the_limits_of_a_long_pipe() -> None:
-    track = well.figure(StoredStudy(study_kinds.well()), at={"wob": 210.0}).axes[0]
+    track = well_tracks.figure(StoredStudy(study_kinds.well()), at={"wob": 210.0}).axes[0]
     bands = {str(band.get_label()): band.get_bbox() for band in track.patches}
     limits = [float(label.split("> ")[1].removesuffix(" kN")) for label in bands]
     assert [label.split(" >")[0] for label in bands] == ["sinusoid", "or helix", "only helix"]
@@ -235,7 +235,7 @@ def test_the_hook_of_a_well_is_at_depth_0_also_where_its_hole_climbs(inclination
 
 
 def test_a_quantity_of_a_well_that_is_0_all_along_is_seen_beside_the_scale_of_the_depth() -> None:
-    fig = well.figure(StoredStudy(study_kinds.well()), at={"wob": 60.0})  # straight
+    fig = well_tracks.figure(StoredStudy(study_kinds.well()), at={"wob": 60.0})  # straight
     (track,) = [ax for ax in fig.axes if ax.get_title(loc="left") == "dogleg"]
     (curve,) = [line for line in track.lines if line.get_gid() == "dogleg"]
     assert np.abs(curve.get_xdata()).max() < 1e-6
@@ -249,10 +249,10 @@ def test_a_quantity_of_a_well_that_is_0_all_along_is_seen_beside_the_scale_of_th
 def test_the_title_of_a_well_says_which_pipe_of_a_study_is_drawn() -> None:
     ds = study_kinds.well()
     for at, value in (({}, float(ds["wob"][ds.sizes["wob"] // 2])), ({"wob": 60.0}, 60.0)):
-        title = well.figure(StoredStudy(ds), at=at).texts[0].get_text()
+        title = well_tracks.figure(StoredStudy(ds), at=at).texts[0].get_text()
         assert title.endswith(f", WOB = {value:g} kN")
     one = StoredStudy(ds.isel(wob=0))
-    assert well.figure(one).texts[0].get_text() == one.attrs["title"]
+    assert well_tracks.figure(one).texts[0].get_text() == one.attrs["title"]
 
 
 def test_a_yield_stress_without_its_unit_is_refused(tmp_path, capsys) -> None:
@@ -264,14 +264,14 @@ def test_a_yield_stress_without_its_unit_is_refused(tmp_path, capsys) -> None:
 def test_pipes_that_yield_are_red_against_slack_off() -> None:
     ds = study_kinds.well()
     stresses = [marks_of(ds, {"wob": wob}, "stress, axial and bending together")[:, 0].max() for wob in (150.0, 210.0)]
-    fig = well.figure(StoredStudy(ds), at={"wob": 210.0}, yield_stress=1e3 * float(np.mean(stresses)))  # kPa
+    fig = well_tracks.figure(StoredStudy(ds), at={"wob": 210.0}, yield_stress=1e3 * float(np.mean(stresses)))  # kPa
     (red,) = [points for points in fig.axes[-1].collections if points.get_label() == "above yield"]
     np.testing.assert_allclose(np.asarray(red.get_offsets())[:, 1], [210.0])
     said = " ".join(canvas.caption(fig))
     assert "The pipe yields from a weight on bit" in said
     assert "between 150 and 210 kN" in said  # of which one pipe was solved on each side
     assert "the stress is at most" not in said  # a bound beside the stress itself, which is said of the drawn pipe
-    other = " ".join(canvas.caption(well.figure(StoredStudy(ds), at={"wob": 150.0})))
+    other = " ".join(canvas.caption(well_tracks.figure(StoredStudy(ds), at={"wob": 150.0})))
     assert float(other.split("the stress is at most ")[1].split()[0]) == pytest.approx(stresses[1], rel=0.02)
     assert "The drawn pipe yields" in [text.get_text() for text in fig.texts]
     assert "a wave away from the ends" in said
@@ -280,18 +280,18 @@ def test_pipes_that_yield_are_red_against_slack_off() -> None:
 def test_what_is_above_the_yield_stress_alone_is_red() -> None:
     stored, shown = StoredStudy(study_kinds.well()), []
     for strength in (1e4, 5e5):  # kPa
-        fig = well.figure(stored, at={"wob": 150.0}, yield_stress=strength)
+        fig = well_tracks.figure(stored, at={"wob": 150.0}, yield_stress=strength)
         shown.append("above yield" in [text.get_text() for text in fig.legends[0].get_texts()])
     assert shown == [True, False]
     with pytest.raises(InputError, match="choose --kind ridge or curves"):
-        well.figure(StoredStudy(small.six()))
+        well_tracks.figure(StoredStudy(small.six()))
 
 
 @pytest.mark.parametrize("hole", (30.0, 90.0))
 def test_how_far_a_pipe_can_be_pushed_is_said_also_where_its_weight_carries_it(hole: float) -> None:
     wall = Cylinder(R=0.10795, side="inside", inclination=f"{180 - hole} deg", friction=0.25, sliding="axial-forward")
     case = Case(Rod(EI=1224.0, GJ=941.6, a=0.0635, weight=0.241, L=300.0), wall, Ends(beta0=0.0, betaL=0.0, FZ=-100.0))
-    said = [row for row in pipe_state.sentences(solve(case), {"length": "m", "force": "kN"}) if row.startswith("reach")]
+    said = [row for row in pipe_words.sentences(solve(case), {"length": "m", "force": "kN"}) if row.startswith("reach")]
     assert len(said) == 1
     assert ("its weight carries it" in said[0]) == (hole < 75)
     assert said[0].endswith("kN arrives")
@@ -307,12 +307,12 @@ def test_how_far_a_pipe_can_be_pushed_is_said_also_where_its_weight_carries_it(h
     ],
 )
 def test_the_weight_on_bit_at_which_a_pipe_yields_lies_between_two_that_are_solved(excess, broken, said: str) -> None:
-    assert well._yield_words(np.array([10.0, 20.0, 30.0]), np.array(excess), broken, "klbf") == said
+    assert well_tracks._yield_words(np.array([10.0, 20.0, 30.0]), np.array(excess), broken, "klbf") == said
 
 
 def test_the_track_of_the_push_has_the_range_of_the_pipe_away_from_its_clamps() -> None:
     ds = study_kinds.well(sizes=(350.0, 400.0))
-    fig = well.figure(StoredStudy(ds), at={"wob": 400.0})
+    fig = well_tracks.figure(StoredStudy(ds), at={"wob": 400.0})
     push = marks_of(ds, {"wob": 400.0}, "push of the wall")[:, 0]
     away = float(" ".join(canvas.caption(fig)).split("a wave away from the ends it is at most ")[1].split()[0])
     assert away < push.max() / 1.5  # the push of a clamp

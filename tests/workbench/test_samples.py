@@ -14,7 +14,7 @@ from tests.workbench.command import run
 from workbench.commands import study_scene
 from workbench.figures import scatter, study_figure
 from workbench.run import file_merge, in_memory, writing
-from workbench.run.study_store import RunOptions, run_to_file
+from workbench.run.into_file import RunOptions, run_to_file
 from workbench.scene import scene_kinds
 from workbench.stored import reading, solved_again
 from workbench.stored.file_summary import summary
@@ -62,9 +62,9 @@ def crossed(small_blocks) -> xr.Dataset:
 
 
 def test_a_law_is_judged_on_the_line_of_every_sample(crossed: xr.Dataset) -> None:
-    from workbench.stored import law_verdicts
+    from workbench.stored import stored_verdicts
 
-    (row,) = law_verdicts.verdicts(crossed)
+    (row,) = stored_verdicts.verdicts(crossed)
     assert (row["lines"], row["at"], row["verdict"]) == (5, {"sample": 2.0}, "true")
 
 

@@ -11,7 +11,7 @@ from docs import scene_pictures
 from tests.workbench.pictures import draws, pixels, share_of_ink, shares_of_push
 from workbench.scene import film
 from workbench.stored.stored_study import StoredStudy
-from workbench.words import cautions
+from workbench.words import caution_words
 
 ROOT = Path(__file__).resolve().parents[2]
 WIDE_HIGH = (860, 600)  # pixels of the animated picture
@@ -61,7 +61,7 @@ def test_the_rod_of_the_readme_is_one_that_can_be_and_slows_down_where_its_loop_
     ds = hero()
     assert ds["solved"].all()
     # pressed on everywhere, and nothing else is wrong: rubber may be strained by 30 %
-    assert {*np.vectorize(lambda text: ", ".join(cautions.keys(text)))(ds["caution"].values)} == {"strained"}
+    assert {*np.vectorize(lambda text: ", ".join(caution_words.keys(text)))(ds["caution"].values)} == {"strained"}
     assert ds.sizes["F3"] == 61  # there and back without the two ends twice: 120 frames
     steps = np.diff(scene_pictures.FORCES)
     np.testing.assert_allclose(steps, steps[::-1], rtol=1e-9)

@@ -24,12 +24,12 @@ from tests.workbench.page_faults import faults
 from tests.workbench.pictures import draws, pixels, share_of_hue, share_of_ink
 from workbench.commands import draw_scene, options
 from workbench.figures import canvas, colours
-from workbench.geometry import refinement, self_contact
+from workbench.geometry import solid_body, tube_tolerance
 from workbench.geometry.centreline import Centreline
 from workbench.geometry.lines import Lines
 from workbench.run import in_memory, writing
 from workbench.scene import body as rods
-from workbench.scene import film, long_rod, opengl, page, scene_kinds, signs, strands, surfaces, true_scale, views
+from workbench.scene import dna_strands, film, long_rod, opengl, page, scene_kinds, signs, surfaces, true_scale, views
 from workbench.scene.scene_kinds import KINDS, Cell, kind_of
 from workbench.scene.views import View
 from workbench.stored.quantity_variables import SECTION
@@ -139,7 +139,7 @@ def test_with_far_too_few_stations_a_long_rod_is_no_taller_than_it_is_long_and_m
     rod = body(dataset(stations=21, L=2000.0))
     found, ends = long_rod.lines_for([rod], (1400, 960))
     assert np.ptp(ends) <= 2 * (2000.0 / found.count + rod.a + 0.3 * rod.R) * (1 + 1e-9)
-    assert refinement.stations_for(rod.line, 0.5 / pixels_per_length(rod, found, ends, (1400, 960))) > 21
+    assert tube_tolerance.stations_for(rod.line, 0.5 / pixels_per_length(rod, found, ends, (1400, 960))) > 21
 
 
 def test_of_a_rod_too_long_for_the_page_stretches_are_set_and_the_rest_is_told() -> None:
@@ -187,19 +187,19 @@ def test_strands_of_dna_turn_right_handed_with_the_material_and_have_a_base_pair
     ds = StoredStudy(in_memory.run(study.model_copy(update={"outputs": [*study.outputs, "gamma"]})))
     kind = KINDS["double-helix"]
     rod = replace(rods.read(ds, {}, kind), paint=kind.paint(ds.units, None))
-    assert strands.pairs_of(rod) == 147  # 49.98 nm, 0.34 nm apart
+    assert dna_strands.pairs_of(rod) == 147  # 49.98 nm, 0.34 nm apart
     s = np.linspace(*rod.span, 4001)
     place, along, out, _ = rod.line.frame(s)
     for side in (0, 1):
-        away = strands._strand(rod, s, side) - place
-        np.testing.assert_allclose(np.linalg.norm(away, axis=1), (1 - strands.STRAND) * rod.a)
+        away = dna_strands._strand(rod, s, side) - place
+        np.testing.assert_allclose(np.linalg.norm(away, axis=1), (1 - dna_strands.STRAND) * rod.a)
         turned = np.unwrap(np.arctan2(np.sum(away * np.cross(along, out), axis=1), np.sum(away * out, axis=1)))
         material = np.ptp(ds["gamma"].values)  # rises along this rod
         assert turned[-1] - turned[0] == pytest.approx(2 * np.pi * 147 / 10.5 + material, rel=1e-6)
-    assert [words for _, words in strands.marks(rod)] == ["base pair 1", "dyad", "base pair 147"]
+    assert [words for _, words in dna_strands.marks(rod)] == ["base pair 1", "dyad", "base pair 147"]
     assert kind.numbers(rod.line, ds.units) == ["the push of the cylinder: 1.19 pN/nm everywhere"]
     with pytest.raises(InputError, match="0 base pairs"):
-        strands.pairs_of(replace(rod, span=(0.0, 0.1)))
+        dna_strands.pairs_of(replace(rod, span=(0.0, 0.1)))
 
 
 def test_what_a_picture_says_of_its_case_asks_for_that_case_again() -> None:
@@ -507,14 +507,14 @@ def test_a_dark_scene_has_light_words_and_a_rod_in_one_colour_has_the_one_that_i
 
 def test_the_places_of_self_intersection_are_where_two_stretches_are_less_than_two_radii_apart(fig6) -> None:
     rod = body(fig6)
-    places = self_contact.middles(rod.line, rod.span)
+    places = solid_body.middles(rod.line, rod.span)
     s = np.linspace(0, 20, 8001)
     curve = rod.line.frame(s)[0]
     for place in places:
         near = s[np.linalg.norm(curve - place, axis=1) < rod.a]  # of two stretches at least
         assert np.ptp(near) > np.pi * rod.a
     assert len(places) >= 5
-    assert not self_contact.middles(rod.line, (0.0, 2.0))
+    assert not solid_body.middles(rod.line, (0.0, 2.0))
 
 
 def test_a_rod_that_overlaps_in_a_tight_bend_alone_is_ringed_where_it_is_bent_most() -> None:
@@ -522,13 +522,13 @@ def test_a_rod_that_overlaps_in_a_tight_bend_alone_is_ringed_where_it_is_bent_mo
     stored = ds.select({"R": 0})
     line = stored.centreline
     assert 1 < float(stored["kappa_max"]) * line.a < 1.05
-    pairs = np.array(self_contact.places(line.s, line.frame(line.s)[0], line.a))
+    pairs = np.array(solid_body.places(line.s, line.frame(line.s)[0], line.a))
     assert len(pairs)
     assert (np.ptp(pairs, axis=1) == 0).all()
     assert line.kappa(pairs[:, 0]) == pytest.approx(float(stored["kappa_max"]), rel=0.02)
     for k, passes in enumerate(ds["overlaps"].values):  # a ring for each rod that is counted
         line = ds.select({"R": k}).centreline
-        assert bool(self_contact.middles(line, (0.0, line.L))) == bool(passes)
+        assert bool(solid_body.middles(line, (0.0, line.L))) == bool(passes)
 
 
 def test_each_place_where_a_centreline_crosses_itself_is_one_also_where_one_overlap_joins_several() -> None:
@@ -547,7 +547,7 @@ def test_each_place_where_a_centreline_crosses_itself_is_one_also_where_one_over
         share, other = area(way, step.swapaxes(0, 1)) / turn, area(way, step) / turn
     meet = np.argwhere((share >= 0) & (share < 1) & (other >= 0) & (other < 1))
     crossings = s[meet[meet[:, 1] > meet[:, 0] + 1]]
-    found = np.array(self_contact.places(s, places, rod.a))
+    found = np.array(solid_body.places(s, places, rod.a))
     assert len(crossings) == 10
     assert np.abs(crossings[:, None] - found).max(axis=-1).min(axis=1).max() < 0.5 * rod.a  # points a/4 apart
 

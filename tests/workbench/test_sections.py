@@ -16,7 +16,7 @@ from solver import Case, Rod, Start, solve
 from studies.language.loader import dumps, loads
 from tests.workbench import doc_pages, small
 from workbench.run import in_memory, writing
-from workbench.stored import law_verdicts, reading
+from workbench.stored import reading, stored_verdicts
 from workbench.stored.stored_study import StoredStudy
 
 START = {"a": 0.0635, "L": 8.0, "R": 0.108, "beta": 0.3, "dbeta": 0.1, "dgamma": 0.2, "F3": 20.0}
@@ -59,7 +59,7 @@ def test_what_reads_a_file_uses_the_stiffness_of_its_section(stored: xr.Dataset)
         assert np.broadcast_to(A, case.shape)[k] == StoredStudy(stored).select({axis: k}).centreline.A
     np.testing.assert_array_equal(stored.rod.M2, A[:, None] * np.sin(stored["beta"]) ** 2 / stored["rho"])
     if axis == "EI":
-        (verdict,) = law_verdicts.verdicts(stored)
+        (verdict,) = stored_verdicts.verdicts(stored)
         assert verdict["verdict"] == "true"
 
 

@@ -9,7 +9,7 @@ from PIL import Image
 
 from docs.website import api_pages, command_pages, dataset_page, results, sources, study_page
 from studies import Study
-from studies.laws.verdicts import Law
+from studies.laws.judgement import Law
 from tests.workbench import browser
 from workbench import cli
 

@@ -19,8 +19,8 @@ from studies.language.study import OUTPUTS
 from tests.raising import LENGTHS, make_raise
 from tests.slow import slow, slow_but
 from tests.workbench import runs, small
-from workbench.run import assembly, block, in_memory, plan, recipe, shards, study_store
-from workbench.run.study_store import RunOptions, run_to_file
+from workbench.run import block, dataset_assembly, in_memory, into_file, plan, recipe, shards
+from workbench.run.into_file import RunOptions, run_to_file
 from workbench.stored import boxes, one_case, quantity_variables, schema
 
 GRID = runs.grid(3, 50)  # 150 cases: blocks of 64, the last one short
@@ -44,7 +44,7 @@ def kept(path: Path, monkeypatch) -> Path:
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setattr(assembly, "assemble", stopped)
+        patch.setattr(dataset_assembly, "assemble", stopped)
         with pytest.raises(KeyboardInterrupt, match=r"cases are kept in .*\.parts; run .* to write the file"):
             run_to_file(load(path), path.with_suffix(".h5"), RunOptions(workers=1, chunk=64))
     return shards.folder_of(path.with_suffix(".h5"))
@@ -75,7 +75,7 @@ def test_a_file_gives_each_box_of_a_grid_the_cases_that_it_holds_in_any_order(si
     values = flat[np.ix_(*held)] if shape else flat
     dims = [f"x{k}" for k in range(len(shape))]
     ds = xr.Dataset({"a": (dims, values), "b": ([*dims, "u"], np.stack([values, -values], axis=-1))})
-    source = assembly.FileSource("file.h5", ds, ["a", "b"], places)
+    source = dataset_assembly.FileSource("file.h5", ds, ["a", "b"], places)
     met, most = list[int](), data.draw(st.integers(1, 50))
     for where in boxes.blocks(shape, most):
         start, stop = boxes.span(where, shape)
@@ -249,7 +249,7 @@ def test_a_part_that_is_interrupted_when_all_cases_are_kept_says_what_writes_the
 
     path = runs.study(tmp_path, GRID)
     kept(path, monkeypatch)
-    monkeypatch.setattr(study_store, "_solve", stop)
+    monkeypatch.setattr(into_file, "_solve", stop)
     with pytest.raises(KeyboardInterrupt, match=r"cases are kept in .*; run without --part to write the file"):
         run_to_file(load(path), tmp_path / "many.h5", RunOptions(workers=1, part=(1, 2)))
 
@@ -257,7 +257,7 @@ def test_a_part_that_is_interrupted_when_all_cases_are_kept_says_what_writes_the
 def test_a_shard_damaged_after_it_was_looked_at_is_solved_again(whole, tmp_path, monkeypatch) -> None:
     path = runs.study(tmp_path, GRID)
     shard = kept(path, monkeypatch) / "000000000064-000000000128.shard"
-    solve_missing, times = study_store._solve, []
+    solve_missing, times = into_file._solve, []
 
     def damaging(*args: Any) -> None:
         solve_missing(*args)
@@ -265,7 +265,7 @@ def test_a_shard_damaged_after_it_was_looked_at_is_solved_again(whole, tmp_path,
             shard.write_bytes(_flipped(shard.read_bytes(), 1000))
         times.append(1)
 
-    monkeypatch.setattr(study_store, "_solve", damaging)
+    monkeypatch.setattr(into_file, "_solve", damaging)
     ran = run_to_file(load(path), tmp_path / "many.h5", RunOptions(workers=1))
     assert len(times) == 2
     assert sum(ran.statistics["outcomes"].values()) == 150
@@ -433,7 +433,7 @@ def test_a_study_does_not_grow_with_other_code(half, monkeypatch) -> None:
 
 
 OF_EACH = {
-    "friction": ("solver.nodes.answers.find_shape", {"friction": 0.3, "FZ": -1.0}, False, 1),
+    "friction": ("solver.nodes.loaded_solutions.find_shape", {"friction": 0.3, "FZ": -1.0}, False, 1),
     "held": ("solver.held.held_equilibrium.by_rule", {"height": 4.5}, False, 1),
     "followed": ("workbench.stored.sweep.follow", {"FZ": -1.0}, True, 2),  # it raises on the way from the second case
 }

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from solver import solve
-from solver.nodes.stretch_states import is_drawn, states
+from solver.nodes.pipe_states import is_drawn, states
 from studies.language.loader import loads
 from tests.slow import slow_but
 from tests.workbench import small

@@ -14,7 +14,7 @@ from tests.workbench import small
 from workbench.commands import study_scene
 from workbench.run import in_memory
 from workbench.scene import scene_kinds
-from workbench.stored import law_verdicts, one_case, sweep
+from workbench.stored import one_case, stored_verdicts, sweep
 
 PIPE = {"E": 2.06e8, "inner_radius": 0.0543, "nu": 0.3, "a": 0.0635, "R": 0.108}
 HELD = {**PIPE, "side": "inside", "beta0": 0.0, "betaL": 0.0}
@@ -227,7 +227,7 @@ def test_past_a_fold_the_cases_are_of_another_branch_and_say_so() -> None:
     assert set(words[:8]) | set(words[9:]) == {"solved"}
     before = ds["index"].values[:8]
     assert (before == before[0]).all()
-    (law,) = law_verdicts.verdicts(ds)
+    (law,) = stored_verdicts.verdicts(ds)
     assert law["verdict"] in (UNDECIDED, FAILS)
     assert "crosses to another branch of equilibria" in law["reason"]
 
@@ -238,8 +238,8 @@ def test_beyond_a_jump_cases_that_continue_from_one_another_are_on_one_branch() 
     wire = {"nu": 0.3, "a": 0.25, "L": 120.0, "R": 1.0, "side": "inside", "betaL": 0.0, "FZ": -50.0}
     axes = small.axis("E", (1e5, 2.1e5, 3)) + small.axis("beta0", ("-10deg", "10deg", 3))
     ds = in_memory.run(loads(small.text(wire, axes, "mm N", observables=["amplitude"], stations=51), "text", "wire"))
-    jumps = law_verdicts.crossings(ds, "beta0")
-    assert not law_verdicts.crossings(ds, "E").any()
+    jumps = stored_verdicts.crossings(ds, "beta0")
+    assert not stored_verdicts.crossings(ds, "E").any()
     assert (jumps.sum(axis=1) == 1).all()
     assert (jumps == jumps[0]).all()
     np.testing.assert_allclose(ds["amplitude"][:, 0], ds["amplitude"][:, 2], rtol=1e-9)

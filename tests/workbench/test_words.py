@@ -10,10 +10,19 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from tests.workbench import small, stored_figures
-from workbench.figures import along, kinds, map_figure, map_panel, one_rod, portrait, study_figure, unrolled
+from workbench.figures import (
+    along_rods,
+    figure_kinds,
+    map_figure,
+    map_panel,
+    one_rod,
+    phase_portrait,
+    study_figure,
+    unrolled,
+)
 from workbench.figures.sheet import sheet
 from workbench.run import in_memory
-from workbench.stored import law_verdicts
+from workbench.stored import stored_verdicts
 from workbench.stored.stored_study import StoredStudy
 
 LAW = small.law(
@@ -130,7 +139,9 @@ MAPS: dict[str, Callable[[], Figure]] = {
     "level but for the errors": lambda: drawn_map(noise(2e-12), show=["attached"]),
     "noise above the errors": lambda: drawn_map(noise(1e-14), show=["attached"]),
     "cells of every kind": lambda: drawn_map(every_kind_of_cell),
-    "a sample": lambda: kinds.figure(StoredStudy(samples_on_a_plane()), "map", show=["turns_around"], at={"sample": 3}),
+    "a sample": lambda: figure_kinds.figure(
+        StoredStudy(samples_on_a_plane()), "map", show=["turns_around"], at={"sample": 3}
+    ),
     "half not solved": lambda: drawn_map(unsolved(slice(13, None)), shapes=map_panel.ShapeCounts(2, 1)),
     "nothing solved": lambda: drawn_map(unsolved(slice(None)), show=None),
     "shapes": lambda: drawn_map(lambda ds: ds, show=None, shapes=map_panel.ShapeCounts(3, 2)),
@@ -143,7 +154,7 @@ def drawn_lines(
 ) -> Figure:  # fmt: skip
     """The lines of a study of which something is changed; stations: what a picture needs where no study is left."""
     stored = StoredStudy(change(in_memory.run(small.study(axes, head).at_stations(stations))))
-    return kinds.figure(stored, kinds.kind_without_map(stored), **more)
+    return figure_kinds.figure(stored, figure_kinds.kind_without_map(stored), **more)
 
 
 def without_study(ds: xr.Dataset) -> xr.Dataset:
@@ -161,7 +172,7 @@ def level(wraps: xr.DataArray) -> np.ndarray:
 
 def two_laws_of_one_claim(panel: str) -> Figure:
     ds = small.six()
-    (row, *_) = law_verdicts.verdicts(ds)
+    (row, *_) = stored_verdicts.verdicts(ds)
     return study_figure.figure(StoredStudy(ds), [row, {**row, "observable": "bends"}], sheet(panel=panel))
 
 
@@ -227,14 +238,14 @@ def four() -> xr.Dataset:
 
 RODS: dict[str, Callable[[], Figure]] = {
     "curves": lambda: unrolled.figure(StoredStudy(four())),
-    "ridge": lambda: along.figure(StoredStudy(four())),
-    "ridge of any array": lambda: along.figure(StoredStudy(four()), show=["F1", "alpha"]),
-    "one rod alone": lambda: along.figure(StoredStudy(four()), at={"E": 1e4}, show=["beta", "push"]),
-    "portraits": lambda: portrait.figure(StoredStudy(four()), at={"E": 1e4}),
-    "pipe": lambda: along.pipe(StoredStudy(four())),
-    "pipes as a map": lambda: along.pipe(StoredStudy(away_from_buckling())),
-    "states": lambda: along.states(StoredStudy(small.study_dataset("capstan"))),
-    "bars": lambda: kinds.figure(StoredStudy(small.six()), "bars", x="R", show=["kappa_max"], at={"E": 2e4}),
+    "ridge": lambda: along_rods.figure(StoredStudy(four())),
+    "ridge of any array": lambda: along_rods.figure(StoredStudy(four()), show=["F1", "alpha"]),
+    "one rod alone": lambda: along_rods.figure(StoredStudy(four()), at={"E": 1e4}, show=["beta", "push"]),
+    "portraits": lambda: phase_portrait.figure(StoredStudy(four()), at={"E": 1e4}),
+    "pipe": lambda: along_rods.pipe(StoredStudy(four())),
+    "pipes as a map": lambda: along_rods.pipe(StoredStudy(away_from_buckling())),
+    "states": lambda: along_rods.states(StoredStudy(small.study_dataset("capstan"))),
+    "bars": lambda: figure_kinds.figure(StoredStudy(small.six()), "bars", x="R", show=["kappa_max"], at={"E": 2e4}),
 }
 
 

@@ -18,8 +18,8 @@ from solver.problem.errors import no_such
 from solver.problem.quantities import current
 from studies import Study
 from studies.grammar.axes import quantity_of
+from studies.laws.judgement import Law, decide
 from studies.laws.line_verdicts import QUALIFIED
-from studies.laws.verdicts import Law, decide
 
 from ..stored import quantity_variables
 from ..stored.stored_cases import BACK

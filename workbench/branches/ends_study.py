@@ -7,8 +7,8 @@ from typing import Any
 from solver import Case, Ends, InputError, Solution, observe, solve
 from solver.equilibria import Equilibrium
 from solver.held.selection import NEAREST
+from solver.problem.dimensionless import fields_held
 from solver.problem.errors import choices
-from solver.problem.reduced import fields_held
 from solver.solve import ends_case
 from studies import Study, load
 from studies.language.case_input import (
@@ -24,7 +24,7 @@ from studies.language.case_input import (
 from studies.language.loader import loads
 
 from ..run import writing
-from ..words.free_rods import ELASTIC
+from ..words.free_rod_words import ELASTIC
 
 DEFAULT = "fig7_4_end_angle"  # the study whose rod is that of Table 1
 

@@ -10,13 +10,13 @@ import xarray as xr
 
 from solver import Case, Solution
 from solver.equilibria import Equilibrium
-from solver.equilibrium_list import HeldEquilibria
+from solver.equilibria_result import HeldEquilibria
 from solver.loops import Loop
 from solver.observe.cautions import turns_back
 from solver.observe.observables import observe
 from solver.problem.declared_fields import PAIRS
+from solver.problem.dimensionless import fields_held
 from solver.problem.errors import InputError, choices, no_such, show
-from solver.problem.reduced import fields_held
 from studies import Study
 from studies.grammar.axes import DEFAULT_UNITS
 from studies.language.case_input import check_units, field_values
@@ -24,8 +24,8 @@ from studies.language.loader import loads
 
 from ..stored import provenance, quantity_variables
 from ..stored.stored_cases import BACK
-from ..words import cautions
-from ..words.free_rods import ELASTIC
+from ..words import caution_words
+from ..words.free_rod_words import ELASTIC
 from .ends_study import study_text
 
 EQUILIBRIUM = ("equilibrium",)  # the dimension of a list
@@ -68,7 +68,7 @@ def as_dataset(study: Study, case: Case, found: Sequence[Equilibrium]) -> xr.Dat
         ways = np.array([equilibrium.found_by for equilibrium in found], dtype=str)
         data["found_by"] = xr.Variable(EQUILIBRIUM, ways)
     data["count"] = xr.Variable((), len(found), COUNT)
-    texts = [str(cautions.of_cases(sol, units=study.unit_system)) for sol in solutions]
+    texts = [str(caution_words.of_cases(sol, units=study.unit_system)) for sol in solutions]
     ds = of_solutions(solutions, data, texts, float(case.rod.L), units)
     ds["equilibrium"].attrs["long_name"] = "rank by energy"
     title = f"Equilibria with held ends: {choices(held)}" if held else "All equilibria with both end angles held"
@@ -216,13 +216,13 @@ def loops_as_dataset(found: Sequence[Loop], units: Mapping[str, str] | None = No
     ds["equilibrium"].attrs["long_name"] = "number of the loop"
     where = "in" if case.cylinder.side == "inside" else "on"
     more = {"title": f"Closed rods {where} a cylinder", "stability": STABILITY}
-    return ds.assign_attrs(attributes(study, case, "") | more | {"caution": cautions.said(ds["caution"].values)})
+    return ds.assign_attrs(attributes(study, case, "") | more | {"caution": caution_words.said(ds["caution"].values)})
 
 
 def caution_of_loop(one: Loop, units: Mapping[str, str] | None = None) -> str:
     """The caution of a closed rod, whose ends are neighbours and not in self-contact."""
     met = np.nan if one.overlaps is None else float(one.overlaps)
-    return str(cautions.of_cases(one.solution, {"overlaps": np.array(met)}, units))
+    return str(caution_words.of_cases(one.solution, {"overlaps": np.array(met)}, units))
 
 
 def numbers_of(sol: Solution, keys: Sequence[str]) -> dict[str, Any]:

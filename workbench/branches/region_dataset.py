@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from solver.problem.case_fields import value_of
-from solver.problem.reduced import fields_held
+from solver.problem.dimensionless import fields_held
 from solver.region_map import Region, RegionMap
 from studies import Study
 

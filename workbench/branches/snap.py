@@ -3,7 +3,7 @@
 At a fold an equilibrium ceases to exist. Between two end angles and under dead loads the energy of a rod on its
 cylinder is that of beta alone, and falls fastest by beta_t = beta'' + H(beta), whose rests are the equilibria. So the
 rod moves as in a viscous medium that drags on the turning of its sections. It stays on its cylinder; one that is let go
-sinks in space (`solver.free.sinking`). This is no dynamics: a real rod is faster, and may come to rest elsewhere.
+sinks in space (`free.let_go_descent`). This is no dynamics: a real rod is faster, and may come to rest elsewhere.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -19,7 +19,7 @@ from scipy.linalg import solve_banded
 
 from solver import Case, Solution, equilibria, follow, solve
 from solver.equilibria import nearest
-from solver.equilibrium_list import Equilibrium
+from solver.equilibria_result import Equilibrium
 from solver.follow import solutions_of
 from solver.numerics.roots import Ending, newton
 from solver.orbits.potential import dimensional_slope

@@ -17,14 +17,14 @@ from numpy.typing import NDArray
 from solver import Branch, Case, InputError, Solution, equilibria, follow, solve
 from solver.branches.charts import same_equilibrium
 from solver.equilibria import Equilibrium
-from solver.equilibrium_branch import HELIX, BranchPoint, SpecialPoint
+from solver.follow_result import HELIX, BranchPoint, SpecialPoint
 from solver.nodes.loaded_rod import BETA
 from solver.nodes.varying_shapes import Shape
 from solver.numerics.arclength import POINTS
 from solver.orbits.boundary import path_of
 from solver.problem.case_fields import with_field
 from solver.problem.declared_fields import PAIRS
-from solver.problem.reduced import EndsProblem
+from solver.problem.dimensionless import EndsProblem
 from studies.grammar.axes import in_words
 from studies.language.case_input import with_fields
 

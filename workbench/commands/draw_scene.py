@@ -93,7 +93,7 @@ def _pictures(
     """Draw one picture, or one for each case along an axis, at as many stations as it needs."""
     from ..scene import opengl, scene_kinds
     from ..scene.settings import check_name
-    from ..stored import selection
+    from ..stored import chosen_cases
     from ..stored.enough_stations import at_needed_stations
     from . import study_scene
 
@@ -103,7 +103,7 @@ def _pictures(
         raise InputError(
             f"a scene of kind {chosen.name} shows one case before and after, so it takes no --axis: use --at"
         )
-    case = [f"{name}={selection.write(name, value)}" for name, value in where.items()]
+    case = [f"{name}={chosen_cases.write(name, value)}" for name, value in where.items()]
     named = [] if chosen.name in ("contact", "equilibria") else [chosen.name, *axes]
     default = file.with_name("_".join([file.stem, "scene", *named, *case]) + ".png")
     frames_of = None
@@ -128,7 +128,7 @@ def _pictures(
         case, along = [f"{len(frames_of.files)} values of {frames_of.axis}"], frames_of.axis
     elif chosen.cells == "one" or chosen.name == scene_kinds.LET_GO:  # the case is named also where --at was not given
         indices = rods.place(where).items()
-        case = [f"{name}={selection.write(name, float(rods[name].values[i]))}" for name, i in indices]
+        case = [f"{name}={chosen_cases.write(name, float(rods[name].values[i]))}" for name, i in indices]
     shown = [*(axes or ([] if chosen.cells == "one" else rods.axes[:1])), *([along] if along else [])]
     solve = study_scene.solver_of(rods, chosen, where, shown)
     if chosen.name == scene_kinds.LET_GO:

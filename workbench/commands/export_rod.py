@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 from ..export import FORMATS
-from ..words.habits import plain
+from ..words.unit_habits import plain
 from . import console
 from .options import AT, File, ForceOutput, axis_values, flag, number_option, option
 from .present import Result, presents
@@ -70,7 +70,7 @@ def export(
     Exit status 1 if a rod intersects itself or is bent tighter than its own radius, or is left out for such a reason.
     """
     from ..export import stored_rod
-    from ..export.base import ExportOptions
+    from ..export.file_format import ExportOptions
     from ..scene.settings import color_of
     from ..stored import reading
     from ..stored.stored_study import StoredStudy

@@ -242,11 +242,11 @@ def _as_data(found: "Fit", asked: "CaseInput") -> dict[str, Any]:
 
 def _cautions(found: "Fit", asked: "CaseInput") -> list[str]:
     """The sentence of `solve` on what a real rod could not do."""
-    from ..words import cautions
+    from ..words import caution_words
 
     if found.solution is None:
         return []
-    sentence = cautions.said(cautions.of_cases(found.solution, units=asked.units))
+    sentence = caution_words.said(caution_words.of_cases(found.solution, units=asked.units))
     return [sentence] if sentence else []
 
 

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 from solver.problem.errors import InputError, no_such
 from solver.problem.quantities import current
 
-from ..figures import kinds
+from ..figures import figure_kinds
 from ..run import atomic
 from .options import (
     At,
@@ -45,7 +45,7 @@ class PlotOptions:
         str | None,
         option(
             "KIND",
-            "; ".join(f"{name}: {row.shows}" for name, row in kinds.OF_STUDIES.items())
+            "; ".join(f"{name}: {row.shows}" for name, row in figure_kinds.OF_STUDIES.items())
             + ". Default: map for a grid of two axes or more, rod for one case, samples, else lines.",
         ),
     ] = None
@@ -142,11 +142,11 @@ def plot(file: File, wanted: PlotOptions) -> Result:
     if of is file_kinds.STUDY:
         stored = StoredStudy(reading.read(file))
         stored.check_any_solved()
-        kind = kinds.kind_of(stored, kind, of_kind)
+        kind = figure_kinds.kind_of(stored, kind, of_kind)
     else:
         if not of.figure:
             raise file_kinds.other_kind(file, of, "plot has no figure of it")
-        if alien := [name for name in named if name not in kinds.KINDS[of.figure].options]:
+        if alien := [name for name in named if name not in figure_kinds.KINDS[of.figure].options]:
             raise InputError(f"{file} is {of.what}, which plot draws without --{alien[0]}")
         stored, kind = StoredStudy(reading.read(file, study=False)), of.figure
     for word in wanted.without or ():
@@ -163,7 +163,7 @@ def plot(file: File, wanted: PlotOptions) -> Result:
         given["show"] = [wanted.panel]
     path = check_file(wanted.out or file.with_suffix(".png"), canvas.DIAGRAMS, wanted.force)
     numbers = check_file(wanted.data, (".csv",), wanted.force) if wanted.data else None
-    drawn = kinds.figure(stored, kind, page, **given)
+    drawn = figure_kinds.figure(stored, kind, page, **given)
     table = drawn_numbers.table(drawn) if numbers else ""
     if numbers and table.count("\n") < 2:
         raise InputError(f"--data writes lines, dots, bars and cells of maps, and the picture of {file} has none")

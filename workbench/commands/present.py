@@ -212,11 +212,11 @@ def present(
         writing.write(dataset, out, force)
         written.append(out)
     if plot and dataset is not None:
-        from ..figures import canvas, kinds
+        from ..figures import canvas, figure_kinds
         from ..stored.stored_study import StoredStudy
 
         assert sheet is not None
-        drawn = kinds.figure(StoredStudy(dataset), result.figure, sheet)
+        drawn = figure_kinds.figure(StoredStudy(dataset), result.figure, sheet)
         canvas.save(drawn, plot, dpi)
         written.append(plot)
         caption = canvas.caption(drawn)

@@ -15,7 +15,7 @@ from .present import Result, presents
 from .stored_words import JUDGED, SAMPLING, print_sentences, print_verdicts
 
 if TYPE_CHECKING:
-    from ..run.study_store import Ran
+    from ..run.into_file import Ran
 
 READ = (".toml", ".csv", ".parquet")  # the files of studies and tables
 
@@ -61,7 +61,7 @@ def run(
     from studies import load
 
     from ..run.block import keep_memory
-    from ..run.study_store import RunOptions, run_to_file
+    from ..run.into_file import RunOptions, run_to_file
     from .fidelity import fidelity
 
     chosen = load(study, cases).under(reading)
@@ -125,7 +125,7 @@ def check(file: File) -> Result:
     from studies.language.loader import notices
 
     from ..stored import reading
-    from ..stored.law_verdicts import statistics
+    from ..stored.stored_verdicts import statistics
 
     with reading.open_study(file, whole=True) as ds:
         named = {"title": ds.attrs["title"], "study": ds.attrs["study_name"], "reading": ds.attrs["reading"]}
@@ -151,10 +151,10 @@ def merge(
     from studies.laws.law_words import count_of
 
     from ..run.file_merge import merge as join
-    from ..stored import law_verdicts
+    from ..stored import stored_verdicts
 
     done = join(files, out, force)
-    status = law_verdicts.status(done["unsolved"], done["laws"])
+    status = stored_verdicts.status(done["unsolved"], done["laws"])
 
     def show() -> None:
         if done["laws"]:
@@ -220,13 +220,13 @@ def result_of(found: dict[str, Any], ran: "Ran | None" = None) -> Result:
     """What a stored study holds, and after a run what the run did; status 1 if a case is unsolved or a law is false."""
     from studies.laws import law_words
 
-    from ..stored import law_verdicts
-    from ..words import cautions
+    from ..stored import stored_verdicts
+    from ..words import caution_words
 
     outcomes, file = found["outcomes"], Path(found["file"])
     cases, unsolved = sum(outcomes.values()), found["unsolved"]
-    status = law_verdicts.status(unsolved, found["laws"])
-    caution = cautions.tell(found["cautions"])
+    status = stored_verdicts.status(unsolved, found["laws"])
+    caution = caution_words.tell(found["cautions"])
 
     def data() -> dict[str, Any]:
         counts = {"cases": cases, "unsolved": unsolved, "outcomes": sorted(outcomes), "caution": caution}

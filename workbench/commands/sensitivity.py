@@ -108,16 +108,16 @@ def _indices(
     file: Path, at: list[str] | None, show: list[str], confidence: float | None
 ) -> "tuple[xr.Dataset, list[str]]":
     """The indices of a stored study, and the sentences on them."""
-    from ..influence import indices
+    from ..influence import sobol_indices
     from ..stored import reading, stored_case
     from ..stored.stored_study import StoredStudy
 
     if stored_case.is_study(file):
         raise InputError(f"--global needs a stored study: workbench run {file} stores one")
     stored = StoredStudy(reading.read(file))
-    share = indices.CONFIDENCE if confidence is None else confidence
-    table = indices.sobol(stored.ds, show, axis_values(stored, at), share)
-    return table, indices.sentences(table)
+    share = sobol_indices.CONFIDENCE if confidence is None else confidence
+    table = sobol_indices.sobol(stored.ds, show, axis_values(stored, at), share)
+    return table, sobol_indices.sentences(table)
 
 
 def _print(table: "xr.Dataset", said: list[str], units: Mapping[str, str]) -> None:

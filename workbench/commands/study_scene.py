@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 
 from solver.free.free_rods import FREE_TOLERANCE
-from solver.free.sinking import ELSEWHERE
+from solver.free.let_go_descent import ELSEWHERE
 from solver.problem.errors import DEFAULT_TOLERANCE, InputError
 from studies import Study, load
 from studies.grammar.axes import Axis

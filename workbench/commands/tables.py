@@ -8,7 +8,7 @@ from typing import Any
 
 from solver.problem.quantities import unit_of
 
-from ..words import escaping, habits
+from ..words import escaping, unit_habits
 from . import console
 
 COLOURS = {  # verdict -> colour
@@ -63,12 +63,12 @@ def number_stated(name: str, value: float, units: Mapping[str, str]) -> float:
     """A value of a quantity or a field in the unit of `unit_stated`."""
     from studies.grammar.axes import is_angle
 
-    return degrees(value) if is_angle(name) else value * habits.size_shown(name, units)
+    return degrees(value) if is_angle(name) else value * unit_habits.size_shown(name, units)
 
 
 def unit_stated(name: str, units: Mapping[str, str]) -> str:
     """The unit in which engineers state a quantity or a field; degrees for an angle, nothing for a plain number."""
-    unit = habits.unit_shown(name, units)
+    unit = unit_habits.unit_shown(name, units)
     return {"rad": "deg", "1": ""}.get(unit, unit)
 
 
@@ -130,8 +130,14 @@ def _is_number(text: str) -> bool:
 
 
 def text_of(value: Any) -> str:
-    """A value as a cell shows it: a float with the digits of `habits.IN_TABLES`, a dash for None."""
-    return "-" if value is None else habits.plain(value, habits.IN_TABLES) if isinstance(value, float) else str(value)
+    """A value as a cell shows it: a float with the digits of `unit_habits.IN_TABLES`, a dash for None."""
+    return (
+        "-"
+        if value is None
+        else unit_habits.plain(value, unit_habits.IN_TABLES)
+        if isinstance(value, float)
+        else str(value)
+    )
 
 
 def _cell(value: Any) -> Any:

@@ -12,7 +12,7 @@ from solver.problem.quantities import QUANTITIES, unit_of
 from ..geometry.centreline import APART, Array, advice_to_store
 from ..stored import quantity_variables
 from ..words.escaping import in_csv
-from .base import ExportedRod, Format
+from .file_format import ExportedRod, Format
 
 COMPUTED = ("kappa", "F1", "F2", "F3", "FY", "contact", "M1", "M2", "h")
 # columns before all others, whatever the study stores

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from .base import ExportedRod, Format, metres
+from .file_format import ExportedRod, Format, metres
 from .surface_files import near, tube
 
 MATERIAL = {"pbrMetallicRoughness": {"metallicFactor": 0.0, "roughnessFactor": 0.55}}

@@ -11,7 +11,7 @@ from solver.problem.errors import InputError, choices
 
 from ..stored.stored_study import StoredStudy
 from . import vtp
-from .base import ExportedRod, ExportOptions, Format
+from .file_format import ExportedRod, ExportOptions, Format
 
 HEAD = '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">\n  <Collection>\n'
 TAIL = "  </Collection>\n</VTKFile>\n"

@@ -17,7 +17,7 @@ from scipy.interpolate import BSpline, make_interp_spline
 from solver.problem.errors import InputError
 
 from ..geometry.centreline import Array, Centreline
-from .base import ExportedRod, Format, metres
+from .file_format import ExportedRod, Format, metres
 
 DEGREE = 5
 NEAR = 1e-6  # of rho: the default tolerance

@@ -14,14 +14,14 @@ import numpy as np
 
 from solver.problem.errors import InputError, choices
 
-from ..geometry import self_contact
+from ..geometry import solid_body
 from ..geometry.centreline import Centreline, TooFewStations, advice_to_store
-from ..geometry.refinement import push_along
+from ..geometry.tube_tolerance import push_along
 from ..run import atomic, writing
 from ..stored.enough_stations import at_needed_stations, solver_of
 from ..stored.stored_study import StoredStudy
 from . import FORMATS, pvd, surface_files
-from .base import ExportedRod, ExportOptions, Format, metres
+from .file_format import ExportedRod, ExportOptions, Format, metres
 
 DEFAULT = ExportOptions()
 LARGE = 100e6  # bytes of meshes, of which is told before they are written
@@ -193,7 +193,7 @@ def _write(path: Path, rod: ExportedRod, format: Format, force: bool) -> tuple[d
         if own_error:
             facts["solution_error"] = own_error
         facts["R"] = rod.line.R if unit == rod.unit else rod.line.R * metres(rod.unit) / metres(unit)
-    faults = [] if format.body == "curve" or options.centreline else self_contact.findings(rod.line, rod.unit)
+    faults = [] if format.body == "curve" or options.centreline else solid_body.findings(rod.line, rod.unit)
     for finding in faults if format.body == "solid" else []:
         if finding.tight or not options.overlap:
             also = "" if finding.tight else ", --overlap the solid all the same"

@@ -9,9 +9,9 @@ from solver.problem.errors import InputError
 
 from ..geometry import tube as tubes
 from ..geometry.centreline import Array, Centreline
-from ..geometry.refinement import place_rings
 from ..geometry.tube import Mesh
-from .base import ExportedRod, Format
+from ..geometry.tube_tolerance import place_rings
+from .file_format import ExportedRod, Format
 
 LEAST_SIDES = 12
 MOST_TRIANGLES = 20_000_000  # an STL file of 1 GB

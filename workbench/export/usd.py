@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from ..geometry.centreline import Array
-from ..geometry.refinement import push_along
-from .base import ExportedRod, Format, metres
+from ..geometry.tube_tolerance import push_along
+from .file_format import ExportedRod, Format, metres
 from .surface_files import near
 
 HEAD = """#usda 1.0

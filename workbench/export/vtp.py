@@ -7,8 +7,8 @@ import numpy as np
 
 from solver.orbits import frames
 
-from .base import ExportedRod, Format
 from .csv_table import columns
+from .file_format import ExportedRod, Format
 
 
 def write(path: Path, rod: ExportedRod) -> dict[str, Any]:

@@ -16,7 +16,7 @@ from studies.grammar.axes import SAMPLE
 from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import canvas, colours, fonts, print_heights
-from .scales import RoomLocator
+from .axis_scales import RoomLocator
 from .sheet import SCREEN, Sheet
 
 COLUMN = 3.4  # inches: the width of a column of a journal

@@ -31,11 +31,11 @@ from ..run import atomic
 from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import fonts, legend_room
+from .axis_scales import RoomLocator, Ticks
 from .colours import INK, SOFT
 from .fonts import DPI, RC
 from .legend_room import HANDLE
 from .print_heights import TALLEST, heighten_axes, resize
-from .scales import RoomLocator, Ticks
 from .sheet import SCREEN, Sheet
 
 PANEL = 2.4  # inches of a panel of curves on the screen

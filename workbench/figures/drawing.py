@@ -19,10 +19,10 @@ from scipy.spatial import KDTree
 
 from solver import Solution
 
-from ..geometry import self_contact
+from ..geometry import solid_body
 from ..stored.stored_study import StoredStudy
-from ..words import free_rods, labels
-from ..words.habits import plain, value_with_unit, within
+from ..words import free_rod_words, labels
+from ..words.unit_habits import plain, value_with_unit, within
 from . import canvas, colours, drawn_rods, fonts
 from .dimensions import (
     AWAY,
@@ -148,14 +148,16 @@ def _words(
     parts = [*[case] * bool(case), f"length {unit('L', float(chosen['L']))}"]
     parts += [] if view.whole else [f"along the axis {unit('L', abs(height))}"]
     if wrap := _wrap(rod, free):
-        error = math.degrees(free_rods.length_error(free) / rod.rho) if free else 0.0
+        error = math.degrees(free_rod_words.length_error(free) / rod.rho) if free else 0.0
         parts += [f"wrap {within(wrap / 360, error / 360)} turns = {within(wrap, error)}°"]
     if free:
         (turns,) = (float(value) for value in drawn_rods.numbers(chosen, "turns_around"))
         parts += [f"azimuth of the end {plain(360 * turns)}°"]
         (gap,) = (float(value) for value in drawn_rods.numbers(chosen, "gap_max"))
         where = (
-            free_rods.places_of_contact(free, chosen.units["length"]) if free.contacts else "nowhere between its ends"
+            free_rod_words.places_of_contact(free, chosen.units["length"])
+            if free.contacts
+            else "nowhere between its ends"
         )
         parts += [f"on the wall {where}", f"up to {unit('L', gap)} off it"]
     elif lay := _lay(view):
@@ -168,7 +170,7 @@ def _words(
     said.append(f"A side view, seen from α = {eye}{'; dashed: behind the cylinder' * hides}.")
     if free:
         said.append("Beside it the end view, along the axis from s = 0.")
-        said += [f"{text[0].upper()}{text[1:]}." for text in free_rods.sentences(free, chosen.units)]
+        said += [f"{text[0].upper()}{text[1:]}." for text in free_rod_words.sentences(free, chosen.units)]
     said += ["The rod is thinner than its line."] if 2 * rod.a * view.mm < HAIR else []
     return line, [*said, *([] if view.whole else ["A part of the rod is drawn, from s = 0."])]
 
@@ -190,9 +192,9 @@ def _lay(view: Views) -> str:
 
 def _forces(free: Solution, units: Mapping[str, str]) -> list[tuple[float, float, str]]:
     """The point forces of the wall: s, size, and words."""
-    each = zip(free.point_forces, free_rods.point_forces(free), strict=True)
+    each = zip(free.point_forces, free_rod_words.point_forces(free), strict=True)
     said = [(s, force, f"{size} {units['force']}\ns = {place} {units['length']}") for (s, force), (place, size) in each]
-    return said[: free_rods.MOST]
+    return said[: free_rod_words.MOST]
 
 
 def _strokes(view: Views, a: float) -> list[tuple[str, float]]:
@@ -213,7 +215,9 @@ def _draw_end(ax: Axes, view: Views, R: float, a: float, contacts: Sequence[tupl
         ax.plot(*(view.middle + view.end).T, color=colour, linewidth=width, solid_capstyle="round",
                 solid_joinstyle="round", zorder=4, snap=False, gid="rod, along the axis")  # fmt: skip
     arrows = {force.s for force in view.forces or ()}
-    for s in sorted({edge for pair in contacts[: free_rods.MOST] for edge in pair if 0 < edge < view.s[-1]} - arrows):
+    for s in sorted(
+        {edge for pair in contacts[: free_rod_words.MOST] for edge in pair if 0 < edge < view.s[-1]} - arrows
+    ):
         place = np.array([np.interp(s, view.s, column) for column in view.end.T])
         across = view.middle + np.outer([R - TICK / view.mm, R + TICK / view.mm], place / np.hypot(*place))
         ax.plot(*across.T, color=colours.INK, linewidth=EDGE, zorder=5, gid="contact")
@@ -239,7 +243,7 @@ def _pieces(view: Views, of: slice, a: float) -> tuple[list[slice], list[slice]]
     spare = math.ceil(a / float(view.s[1] - view.s[0]))
     low, high = of.start + spare, of.stop - spare
     first, last = low + spare * (of.start == 0), high - spare * (of.stop == view.x.size)  # its ends have their section
-    if last - first < 2 or not self_contact.places(view.s[of], points, a):
+    if last - first < 2 or not solid_body.places(view.s[of], points, a):
         return [], []
     step = math.ceil(spare * PIECE)
     pieces = [slice(k, min(k + step + 1, last)) for k in range(first, last - 1, step)]

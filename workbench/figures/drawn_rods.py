@@ -14,7 +14,7 @@ from solver.problem.errors import InputError, choices
 from studies.grammar.axes import SAMPLE
 
 from ..geometry.centreline import Centreline, advice_to_store, cut
-from ..geometry.refinement import ROUNDING, DrawnCurve
+from ..geometry.tube_tolerance import ROUNDING, DrawnCurve
 from ..stored.stored_study import StoredStudy
 from ..words import labels
 

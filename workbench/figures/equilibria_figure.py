@@ -8,13 +8,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from solver.orbits.statics import push_from
+from solver.orbits.forces import push_from
 from solver.problem.errors import InputError, choices
 
 from ..stored.stored_study import StoredStudy
-from ..words import cautions, labels
+from ..words import caution_words, labels
 from . import canvas, colours, fonts, point_numbers, push_scale, unrolled
-from .scales import RoomLocator
+from .axis_scales import RoomLocator
 from .sheet import SCREEN, Sheet
 from .unrolled import UnrolledView
 
@@ -134,7 +134,7 @@ def _room(sheet: Sheet) -> tuple[float, float]:
 def _shape(stored: StoredStudy, k: int, text: str, how: dict[str, Any]) -> UnrolledView:
     """The unrolled view of an equilibrium, with rings where its caution says that it passes through itself."""
     case = stored.select({"equilibrium": k})
-    crossed = "overlaps" in cautions.keys(str(case["caution"].values)) if "caution" in case else False
+    crossed = "overlaps" in caution_words.keys(str(case["caution"].values)) if "caution" in case else False
     return unrolled.view_of(
         case["s"].values,
         float(case["rho"]),

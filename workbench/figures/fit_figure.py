@@ -12,7 +12,7 @@ from scipy import special
 from studies.grammar.axes import quantity_of
 
 from ..stored.stored_study import StoredStudy
-from ..words import cautions, labels
+from ..words import caution_words, labels
 from . import bars, canvas, colours, fonts, unrolled
 from .sheet import SCREEN, Sheet
 
@@ -57,7 +57,7 @@ def curve(stored: StoredStudy, room: tuple[float, float], letters: float) -> unr
     over: list[Any] = [((a, c), (b, d), JOINED, "") for a, b, c, d in zip(*points, *feet, strict=True)]
     over += [(*points, MEASURED, "measured points")] if points else []
     rings = None
-    if "overlaps" in cautions.keys(str(stored["caution"].values)):
+    if "overlaps" in caution_words.keys(str(stored["caution"].values)):
         rho = factors["alpha"]
         rings = unrolled.crossings(stored["s"].values, rho, stored["alpha"].values, line[0], float(stored["a"]), rho)
     rings = [((x, y + line[1][0]), apart) for (x, y), apart in rings or []]  # around from alpha = 0, as the points

@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 from solver.problem.declared_fields import FIELDS
 from solver.problem.errors import InputError, choices
 from studies.grammar.axes import SAMPLE, WORDS
-from studies.language.refine import LEVEL
+from studies.language.refine_table import LEVEL
 
 from ..stored.quantity_variables import dimension
 from ..stored.stored_study import StoredStudy
-from ..words import cautions, labels
+from ..words import caution_words, labels
 from . import regions
-from .scales import Scale, scale_of
+from .axis_scales import Scale, scale_of
 
 SWING = "swing"  # the logarithm of what `swings` gives of the cases of a refined study, as a variable of its raster
 LEAST = 1e-12  # rad: beta of a straight rod varies by rounding. x10: no change, as all of them are nearly straight
@@ -78,7 +78,7 @@ class Cells:
         refined = SAMPLE in self.source.sizes
         stored = self.source if refined else self.stored
         texts = stored["caution"].values.ravel() if "caution" in stored else np.full(stored["outcome"].size, "")
-        barred = np.array([cautions.is_barred(str(text)) for text in texts])
+        barred = np.array([caution_words.is_barred(str(text)) for text in texts])
         if refined:
             x, y = (
                 labels.in_label_unit(stored[str(dim)], stored[str(dim)].values)
@@ -186,11 +186,11 @@ def cells(stored: StoredStudy, choice: Choice, where: Mapping[str, int], source:
     plane = stored.plane(choice.x, choice.y, where)
     solved = plane["solved"].values.astype(bool)
     unchecked = np.zeros(solved.shape, dtype=bool)
-    for key in cautions.UNCHECKED if "caution" in plane else ():
-        unchecked |= cautions.has_key(plane["caution"].values, key)
+    for key in caution_words.UNCHECKED if "caution" in plane else ():
+        unchecked |= caution_words.has_key(plane["caution"].values, key)
     turned = np.zeros(solved.shape, dtype=bool)
     if leaves_out_turned(stored):
-        turned = solved & cautions.has_key(plane["caution"].values, cautions.TURNED)
+        turned = solved & caution_words.has_key(plane["caution"].values, caution_words.TURNED)
     scales = scale_of(plane, choice.x), scale_of(plane, choice.y)
     swing = np.exp(plane[SWING].values) if SWING in plane else swings(plane)
     straight = solved & (swing < STRAIGHT)
@@ -202,7 +202,7 @@ def leaves_out_turned(stored: StoredStudy) -> bool:
     if "caution" not in stored or any(law.turned_back for law in stored.laws):
         return False
     solved = stored["solved"].values.astype(bool)
-    return not cautions.has_key(stored["caution"].values, cautions.TURNED)[solved].all()
+    return not caution_words.has_key(stored["caution"].values, caution_words.TURNED)[solved].all()
 
 
 def raster_of(stored: StoredStudy) -> StoredStudy:

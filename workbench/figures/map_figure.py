@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from studies.laws import law_words
 from studies.laws.line_verdicts import HOLDS, VERDICTS
 
-from ..stored import law_verdicts
+from ..stored import stored_verdicts
 from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import canvas, colours, fonts, map_panel, print_heights
@@ -231,7 +231,7 @@ class _Maps:
 
 @dataclass(frozen=True, eq=False)
 class _JudgedLaw:
-    """A law on a map: its row of `law_verdicts.verdicts`, and the verdict on each line of the grid."""
+    """A law on a map: its row of `stored_verdicts.verdicts`, and the verdict on each line of the grid."""
 
     row: Mapping[str, Any]
     lines: xr.DataArray
@@ -269,9 +269,9 @@ class _JudgedLaw:
 
 
 def _judge(stored: StoredStudy, choice: Choice, rows: Sequence[Mapping[str, Any]]) -> list[_JudgedLaw]:
-    """The laws on the observables shown; rows: of `law_verdicts.verdicts`, in the same order."""
+    """The laws on the observables shown; rows: of `stored_verdicts.verdicts`, in the same order."""
     return [
-        _JudgedLaw(row, law_verdicts.verdicts_of_lines(stored, law))
+        _JudgedLaw(row, stored_verdicts.verdicts_of_lines(stored, law))
         for law, row in zip(stored.laws, rows, strict=True)
         if law.observable in choice.shown
     ]

@@ -22,9 +22,9 @@ from studies.laws.line_verdicts import NOISE
 from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import canvas, colours, drawn_rods, fonts, regions, unrolled
+from .axis_scales import RoomLocator, Scale
 from .halo import Halo
 from .map_cells import STRAIGHT, Cells, Choice
-from .scales import RoomLocator, Scale
 
 Values = NDArray[np.float64]
 DECADES = 1e3  # ratio of the values from which their colours are logarithmic

@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 from solver.problem.errors import InputError, choices
 
 from ..stored.stored_study import StoredStudy
-from . import along, canvas, colours, drawn_rods, print_heights, push_scale, unrolled
+from . import along_rods, canvas, colours, drawn_rods, print_heights, push_scale, unrolled
 from .sheet import SCREEN, Sheet
 
 NEEDS = {"angle": "beta", "push": "contact", "curve": "alpha"}  # panel -> what the file must store for it
@@ -58,7 +58,7 @@ def figure(stored: StoredStudy, at: Mapping[str, float] | None = None, sheet: Sh
         return [*[Line2D([], [], color=colours.PULLED, linewidth=2.2, label=push_scale.PULLS)] * pulled, *view.draw(ax)]
 
     def over_s(name: str, ax: Axes) -> canvas.Said:
-        said = along.alone(ax, rods, arrays[name][0])
+        said = along_rods.alone(ax, rods, arrays[name][0])
         if sheet.narrow and name == "angle" and names[1:2] == ["push"]:  # the panel below has the same s
             ax.set_xlabel("")
             ax.tick_params(labelbottom=False)

@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from solver.nodes.stretch_states import BENT, STRAIGHT
+from solver.nodes.pipe_states import BENT, STRAIGHT
 
 from ..stored import derived_arrays
 from ..words import labels

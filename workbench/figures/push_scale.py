@@ -11,8 +11,8 @@ from matplotlib.colorbar import Colorbar
 from matplotlib.colors import Normalize
 from numpy.typing import NDArray
 
-from ..words import habits, labels
-from ..words.cautions import SLIGHT
+from ..words import labels, unit_habits
+from ..words.caution_words import SLIGHT
 from . import canvas, colours, fonts, waves
 from .drawn_numbers import CASING
 
@@ -101,7 +101,9 @@ def trim(drawn: Colorbar, units: Mapping[str, str], pushes: Sequence[Any]) -> st
     low = -end if any(pulls(push) for push in pushes) else 0.0
     drawn.ax.set_xlim(low, end)
     strongest = max((size(units) * float(abs(push).max()) for push in pushes), default=0.0)
-    beyond = f"; next to an end up to {habits.plain(strongest, 2)}" if strongest > end * (1 + colours.ROUNDING) else ""
+    beyond = (
+        f"; next to an end up to {unit_habits.plain(strongest, 2)}" if strongest > end * (1 + colours.ROUNDING) else ""
+    )
     return colours.push_words(unit(units), low) + beyond
 
 
@@ -113,12 +115,12 @@ def pulls(push: Any) -> bool:
 
 def unit(units: Mapping[str, str]) -> str:
     """The unit in which a push is written: ``lbf/ft`` where lengths are in ft and forces in klbf."""
-    return labels.unit(habits.unit_shown("push_max", units))
+    return labels.unit(unit_habits.unit_shown("push_max", units))
 
 
 def size(units: Mapping[str, str]) -> float:
     """How many of the unit in which a push is written are one of the unit of a case."""
-    return habits.size_shown("push_max", units)
+    return unit_habits.size_shown("push_max", units)
 
 
 def in_habitual_unit(end: float, units: Mapping[str, str]) -> ScalarMappable:

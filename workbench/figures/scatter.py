@@ -15,7 +15,7 @@ from studies.grammar.axes import SAMPLE
 from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import canvas, colours, fonts, print_heights
-from .scales import SPARE, RoomLocator, set_scale
+from .axis_scales import SPARE, RoomLocator, set_scale
 from .sheet import SCREEN, Sheet
 from .trends import Values, mark_missing
 

@@ -42,7 +42,7 @@ def figure(
     Parameters
     ----------
     verdicts
-        The rows of `law_verdicts.verdicts` where they are known already; default: they are computed.
+        The rows of `stored_verdicts.verdicts` where they are known already; default: they are computed.
     sheet
         What the figure is drawn for. Its `panel` is an axis (the unrolled views along it), the claim of a law (of
         several laws of one claim also the claim with the observable), or any stored observable.

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..stored.trend_lines import TrendLine
 from ..words import labels
 from . import colours, fonts
-from .scales import SPARE, RoomLocator, set_scale
+from .axis_scales import SPARE, RoomLocator, set_scale
 from .sheet import ONE_COLUMN
 
 MOST_DOTS = 50  # values of a line, beyond which it has no dots

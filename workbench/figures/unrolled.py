@@ -23,14 +23,14 @@ from numpy.typing import NDArray
 
 from solver.orbits import frames
 
-from ..geometry import lines, self_contact, varying_lines
+from ..geometry import lines, solid_body, varying_lines
 from ..stored.stored_study import StoredStudy
-from ..words import cautions, labels
+from ..words import caution_words, labels
 from . import arrangement, canvas, colours, crossing_rings, drawn_rods, fonts, push_scale, waves
 from .arrangement import Arrangement
+from .axis_scales import round_below
 from .drawn_rods import DrawnRod, DrawnRods
 from .halo import Halo
-from .scales import round_below
 from .sheet import SCREEN, Sheet
 
 NAMES = ("alpha", "z", "push")
@@ -431,7 +431,7 @@ def lines_of(
         views.append(UnrolledView(x, y, head, of_first, (), name, over, (low, low + wide), start == s[0]))
     notes = [AROUND] * around
     notes += off_wall([rod])
-    if "overlaps" in cautions.keys(rod.caution):
+    if "overlaps" in caution_words.keys(rod.caution):
         rings = crossings(s, rod.rho, rod["alpha"], z, rod.a, rod.radius)
         notes += [f"The rod {TOO_LONG}."] * (rings is None)
         views = _with_rings(views, rings or [], low, turn if around else np.inf, REACH * rod.a)
@@ -494,7 +494,7 @@ def panel_of(
         if rod.arrays is None:
             views.append(UnrolledView(np.zeros(0), np.zeros(0), text, {}, name=rod.why))
             continue
-        passes = "overlaps" in cautions.keys(rod.caution)
+        passes = "overlaps" in caution_words.keys(rod.caution)
         view, is_too_long = view_of(
             rod["s"], rod.rho, rod["alpha"], rod["z"], rod.a, text, _look(rod, norm), rod.name, passes, rod.radius
         )
@@ -538,7 +538,7 @@ def crossings(s: Any, rho: float, alpha: Any, z: Any, a: float, radius: Any) -> 
 
     radius: the distance from the axis, so that stretches that cross one over the other off the wall are none.
     """
-    pairs = self_contact.places(s, frames.position(radius, alpha, z), a)
+    pairs = solid_body.places(s, frames.position(radius, alpha, z), a)
     if pairs is None:
         return None
     rings: list[tuple[Any, Any]] = []

@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import BPoly, make_interp_spline
 
-from solver.orbits import frames, statics
+from solver.orbits import forces, frames
+from solver.orbits.forces import contact_force, push_from
 from solver.orbits.potential import Loads, dimensional_slope, potential
-from solver.orbits.statics import contact_force, push_from
 from solver.problem.errors import InputError
 from studies.language.study import MAX_STATIONS
 
@@ -135,8 +135,8 @@ class Centreline:
     def kappa(self, s: Array) -> Array:
         """Curvature at s, (k,) [1/length]."""
         if not self.smooth:
-            return self._even(statics.curvature(self.rho, self.beta, self.dbeta), s)
-        return statics.curvature(self.rho, self._angle(s), self._angle(s, 1))
+            return self._even(forces.curvature(self.rho, self.beta, self.dbeta), s)
+        return forces.curvature(self.rho, self._angle(s), self._angle(s, 1))
 
     def contact(self, s: Array) -> Array:
         """The cylinder's push per length at s, (k,) [force/length], positive outward; eq. (34), corrected."""
@@ -145,7 +145,7 @@ class Centreline:
         return self._contact(self._angle(s), self._angle(s, 1))
 
     def _contact(self, beta: Array, dbeta: Array) -> Array:
-        around = statics.circumferential_force(self.A, self.l, self.m, self.rho, beta)
+        around = forces.circumferential_force(self.A, self.l, self.m, self.rho, beta)
         H = dimensional_slope(self.l, self.m, self.p, self.rho, beta)
         return contact_force(self.A, self.m, self.rho, around, H, beta, dbeta)
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from solver.methods import METHODS, OrbitQuadrature
-from solver.methods.base import Ladder
+from solver.methods.method import Ladder
 from solver.numerics.arrays import Array
 from solver.problem.case import Case
 from solver.solution import Solution

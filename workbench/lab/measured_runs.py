@@ -10,7 +10,7 @@ import numpy as np
 from solver.methods import METHODS
 from solver.problem.errors import InputError
 
-from ..figures import canvas, kinds
+from ..figures import canvas, figure_kinds
 from ..figures.sheet import COLUMN, SCREEN, Sheet
 from ..stored import reading
 from ..stored.stored_study import StoredStudy
@@ -53,7 +53,10 @@ def comparison(folder: Path, name: str, shows: Callable[[StoredStudy], str]) -> 
 
 def _make(stored: StoredStudy, name: str, shows: Callable[[StoredStudy], str], source: str) -> MeasuredRun:
     def picture(of: Sheet) -> bytes | None:
-        packed, drawn = BytesIO(), kinds.figure(stored.with_title(""), name, of)  # the report gives the title, once
+        packed, drawn = (
+            BytesIO(),
+            figure_kinds.figure(stored.with_title(""), name, of),
+        )  # the report gives the title, once
         canvas.save(drawn, packed, drawn.dpi)
         return packed.getvalue() if drawn.get_figwidth() <= of.width + 0.01 else None
 

@@ -148,7 +148,7 @@ def _measure(
     force
         Whether a file of another kind is replaced.
     """
-    from ..figures import canvas, kinds
+    from ..figures import canvas, figure_kinds
     from ..run import writing
     from ..stored.stored_study import StoredStudy
 
@@ -161,7 +161,7 @@ def _measure(
         writing.write(ds, path, force)
         for more, options in pictures.items():
             files.append(path.with_name(f"{path.stem}{more}.png"))
-            drawn = kinds.figure(StoredStudy(ds), **options)
+            drawn = figure_kinds.figure(StoredStudy(ds), **options)
             canvas.save(drawn, files[-1], drawn.dpi)
         return ds, files
 

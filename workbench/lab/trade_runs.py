@@ -17,7 +17,7 @@ import xarray as xr
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Start
 from solver.methods import METHODS
-from solver.methods.base import Ladder
+from solver.methods.method import Ladder
 from solver.problem.errors import choices, no_such
 
 from ..stored import provenance

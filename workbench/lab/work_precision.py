@@ -21,7 +21,7 @@ from ..words import labels
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from solver.methods.base import Ladder
+    from solver.methods.method import Ladder
 
 COSTS = {"seconds": "seconds of the whole call", "evaluations": "evaluations of the equation"}
 LOST = 1.0  # an error of this size and more has no correct digit

@@ -26,7 +26,7 @@ from ..stored.stored_study import StoredStudy
 from ..web import pages
 from ..web.live.presets import PRESETS
 from ..web.turntable import turntable_page
-from ..words import cautions, labels
+from ..words import caution_words, labels
 from . import report_runs, sources
 from .law_cards import CLASSES, claims_of, in_degrees, law_of, mechanism, of_readings, sentence
 
@@ -105,8 +105,8 @@ def html(
         {"program": program},
         turntable_page.data(figures),
         finalize=with_hard_spaces,
-        restable=cautions.restable(texts, solved),
-        barred=all(map(cautions.is_barred, texts[solved])),
+        restable=caution_words.restable(texts, solved),
+        barred=all(map(caution_words.is_barred, texts[solved])),
         reading=str(results[0].stored.attrs["reading"]),
         read_as=results[0].stored.reading,
         claims=claims,
@@ -128,7 +128,7 @@ def html(
         captions=CAPTIONS,
         measured=[_measure(run) for run in measured],
         story=[] if story is None else [_picture(story, STORY, DRAWING) | _column(story)],
-        left_out=cautions.LEFT_OUT,
+        left_out=caution_words.LEFT_OUT,
         equilibria=_equilibria(*equilibria) if equilibria else None,
         release=release,
     )

@@ -10,15 +10,15 @@ import xarray as xr
 from solver import equilibria, observe, solve
 from solver.problem.errors import InputError
 from studies import READINGS, Study, load, names
+from studies.laws.judgement import refusal
 from studies.laws.line_verdicts import worst
-from studies.laws.verdicts import refusal
 
 from ..branches import equilibria_dataset
 from ..branches.ends_study import ends_problem
 from ..run import in_memory
 from ..stored import provenance
 from ..stored.stored_study import StoredStudy
-from ..words import free_rods, labels, outcome_counts
+from ..words import free_rod_words, labels, outcome_counts
 
 NAMES = READINGS_TABLE, EQUILIBRIA, LET_GO = "readings", "equilibria", "let_go"
 OWN, STABLE = "rank_of_study", "rank_of_stable"  # attributes: places by energy, from 1; 0: there is none
@@ -39,7 +39,7 @@ def run_readings(
     Over (reading, law): `verdict`, `reason`, `tau`, `first` and `last` (the observable at the ends of its axis, the
     mean over the lines of a grid), `lines`, `lines_hold`, `exceptions`. Over (reading, claim):
     `claim_verdict`, the worst of its laws. Over (reading, panel): `unsolved` cases. Attribute `rows`: for
-    each reading, each law's row of `law_verdicts.verdicts`, as JSON.
+    each reading, each law's row of `stored_verdicts.verdicts`, as JSON.
     """
     studies = panels() if studies is None else list(studies)
     rows: list[list[dict[str, Any]]] = []
@@ -164,8 +164,8 @@ def release(study: Study, stored: StoredStudy) -> dict[str, Any]:
     """
     (axis,) = stored.axes
     case = study.case_of({axis: stored[axis].values})
-    held = observe(solve(case, stations=2), free_rods.ELASTIC)
-    before, after = (np.sum([known[name] for name in free_rods.ELASTIC], axis=0) for known in (held, stored))
+    held = observe(solve(case, stations=2), free_rod_words.ELASTIC)
+    before, after = (np.sum([known[name] for name in free_rod_words.ELASTIC], axis=0) for known in (held, stored))
     unit = labels.unit(f"{stored.units['force']} {stored.units['length']}")
     length = labels.unit(stored.units["length"])
     columns = zip(

@@ -36,7 +36,7 @@ def reproduce(
     from studies import READINGS, load, names
 
     from ..run import writing
-    from ..stored import law_verdicts
+    from ..stored import stored_verdicts
     from ..stored.stored_study import StoredStudy
     from . import report_runs
 
@@ -65,7 +65,7 @@ def reproduce(
         _print(results, readings, out, advice)
         for refusal in refusals:
             console.say(f"Omitted: {refusal}")
-        refuted = any(law_verdicts.is_refuted(result.stored.unsolved, result.verdicts) for result in results)
+        refuted = any(stored_verdicts.is_refuted(result.stored.unsolved, result.verdicts) for result in results)
         return 1 if refusals or refuted else 0
 
 
@@ -73,14 +73,14 @@ def _results(
     studies: "Sequence[Study]", files: dict[str, Path], out: Path, able: bool, step: Any
 ) -> "tuple[list[StudyResult], list[str]]":
     """Solve, store and draw each study; the results, and a sentence for each study that its reading does not admit."""
-    from ..run import in_memory, study_store
+    from ..run import in_memory, into_file
     from ..stored import reading
 
     results, refusals = [], []
     for study in studies:
         step(f"solving {study.name}")
         try:
-            study_store.run_to_file(study, files[study.name])
+            into_file.run_to_file(study, files[study.name])
         except InputError as error:
             refusals.append(f"{study.title}: {error}")
             step("")
@@ -113,14 +113,14 @@ def _equilibria(study: "Study", out: Path, able: bool) -> "tuple[StoredStudy, di
 
 def _release(study: "Study", out: Path) -> dict[str, Any] | str:
     """Store the rods of a study that are let go; what the report says of them, or why there are none."""
-    from ..run import study_store
+    from ..run import into_file
     from ..stored import reading
     from ..stored.stored_study import StoredStudy
     from . import report_runs
 
     file = out / f"{study.name}.h5"
     try:
-        study_store.run_to_file(study, file)
+        into_file.run_to_file(study, file)
     except InputError as error:
         return str(error)
     return report_runs.release(study, StoredStudy(reading.read(file)))
@@ -128,19 +128,19 @@ def _release(study: "Study", out: Path) -> dict[str, Any] | str:
 
 def _draw(result: "StudyResult", out: Path, able: bool) -> tuple[dict[str, Path], list[str]]:
     """Draw one dataset: name -> file, scenes only if OpenGL works; and the sentences of the caption of the diagram."""
-    from ..figures import canvas, kinds
+    from ..figures import canvas, figure_kinds
     from ..figures.sheet import COLUMN
     from . import report_document
 
     name = result.ds.attrs["study_name"]
     stored = result.stored.with_title("")  # the report gives the title, once
     pictures = {"figure": out / f"{name}.png"}
-    kind = kinds.kind_without_map(stored)
+    kind = figure_kinds.kind_without_map(stored)
     known: dict[str, Any] = {"verdicts": result.verdicts} if kind == "lines" else {}
-    fig = kinds.figure(stored, kind, **known)
+    fig = figure_kinds.figure(stored, kind, **known)
     canvas.save(fig, pictures["figure"])
     with suppress(InputError):  # where it is too low in print
-        canvas.save(kinds.figure(stored, kind, COLUMN, **known), report_document.column_of(pictures["figure"]))
+        canvas.save(figure_kinds.figure(stored, kind, COLUMN, **known), report_document.column_of(pictures["figure"]))
     if able:
         from ..scene import layout
 

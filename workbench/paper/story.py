@@ -22,9 +22,9 @@ from studies.paper.readings import parse
 from ..figures import canvas, colours, crossing_rings, drawn_rods, fonts, law_panel, push_scale, unrolled
 from ..figures.sheet import Sheet
 from ..figures.trends import trend
-from ..geometry import self_contact, tube
+from ..geometry import solid_body, tube
 from ..stored.stored_study import StoredStudy
-from ..words import cautions, labels
+from ..words import caution_words, labels
 
 ROD, ALONG, CLAIMS = "fig6", "fig7_1_modulus", "readings"  # the datasets by the name of their study
 NEEDED = (ROD, ALONG, CLAIMS)
@@ -280,10 +280,10 @@ def _ring(ax: Axes, rod: Any, eye: _Eye, R: float, share: float = 1.0) -> bool:
 
     rod: a `drawn_rods.DrawnRod`. share: of its length that is drawn.
     """
-    if "overlaps" not in cautions.keys(rod.caution):
+    if "overlaps" not in caution_words.keys(rod.caution):
         return False
     points = frames.position(rod.rho, rod["alpha"], rod["z"])
-    pairs = [pair for pair in self_contact.places(rod["s"], points, rod.a) or [] if pair[1] <= share * rod["s"][-1]]
+    pairs = [pair for pair in solid_body.places(rod["s"], points, rod.a) or [] if pair[1] <= share * rod["s"][-1]]
     middles = CubicSpline(rod["s"], points)(np.reshape(pairs, (-1, 2))).mean(axis=1)
     aside, _, near = np.moveaxis(_Eye(eye.azimuth).project(middles), -1, 0)
     seen = middles[(near > np.sin(ELEVATION) * middles[:, 2]) | (np.abs(aside) > R)]

@@ -26,7 +26,7 @@ from ..stored.boxes import Columns
 from ..stored.one_case import knows_orbit, solve_one
 from ..stored.quantity_variables import JUDGED, LOADS, curve_name, inner_shape
 from ..stored.schema import TEXTS, shapes
-from ..words import cautions, pipe_state
+from ..words import caution_words, pipe_words
 from ..words.outcome_counts import NO_BRANCH
 from .shards import encode, join
 
@@ -115,9 +115,9 @@ def columns(study: Study, sol: Solution, given: Mapping[str, Any] | None = None,
         along = np.asarray(getattr(sol, name)).reshape(cases, sol.t.shape[-1], *inner_shape(name))
         row[curve_name(name)] = _where(mine, along)
     # in one call, as several observables share what they are measured from
-    seen = observe(sol, list(dict.fromkeys((*study.observed, *cautions.JUDGED))), errors=True)
+    seen = observe(sol, list(dict.fromkeys((*study.observed, *caution_words.JUDGED))), errors=True)
     observed: Columns = {name: np.reshape(values, -1) for name, values in seen.items()}
-    shown = [name for name in dict.fromkeys((*study.wanted, *cautions.JUDGED)) if name in OBSERVABLES]
+    shown = [name for name in dict.fromkeys((*study.wanted, *caution_words.JUDGED)) if name in OBSERVABLES]
     missing = [reason for name in shown for reason in why_unknown(name, observed[name], study.leaves)]
     if study.expressions:
         values, reasons = expressions.values_of(study, sol, observed, given or {})
@@ -132,11 +132,11 @@ def columns(study: Study, sol: Solution, given: Mapping[str, Any] | None = None,
     row["outcome"] = _with_remarks(outcomes, np.where(mine, _incomplete(sol), ""))
     if study.varies and sol.begun is not None:
         begun = np.asarray(sol.begun).reshape(-1)
-        ways = [pipe_state.way_of(str(text)) for text in begun]
+        ways = [pipe_words.way_of(str(text)) for text in begun]
         row["outcome"] = _with_remarks(row["outcome"], np.where(mine, ways, ""))
         if study.has_branches:
-            row["branch"] = np.where(mine, [pipe_state.count_left(str(text)) for text in begun], NO_BRANCH)
-    caution = cautions.of_cases(sol, observed, study.unit_system)
+            row["branch"] = np.where(mine, [pipe_words.count_left(str(text)) for text in begun], NO_BRANCH)
+    caution = caution_words.of_cases(sol, observed, study.unit_system)
     row["caution"] = np.asarray(caution).reshape(-1)
     for name in (*JUDGED, *(name for name in LOADS if name not in study.variation.fields)):
         row[name] = np.asarray(getattr(sol, name), dtype=float).reshape(-1)

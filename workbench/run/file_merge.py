@@ -19,9 +19,9 @@ from studies.language.printed import table_of
 from studies.language.variation import SOURCES
 
 from ..stored import quantity_variables, reading, schema, solved_again
-from ..stored.selection import SAME
-from ..words import cautions
-from . import assembly, atomic, writing
+from ..stored.chosen_cases import SAME
+from ..words import caution_words
+from . import atomic, dataset_assembly, writing
 from .recipe import Places, axis_line, unite
 
 # Attributes in which merged files may not differ, and their names in messages.
@@ -67,7 +67,7 @@ def merge(files: Sequence[Path], out: Path, force: bool = False) -> dict[str, An
         sources = []
         for ds, name, place in zip(opened, names, places, strict=True):
             rows = [place if dim == axis else np.arange(n) for dim, n in zip(axes, shape, strict=True)]
-            sources.append(assembly.FileSource(name, ds, cases, rows))
+            sources.append(dataset_assembly.FileSource(name, ds, cases, rows))
         variables = {name: (tuple(map(str, first[name].dims)), first[name].attrs) for name in cases}
         along = axes.index(axis)
 
@@ -75,10 +75,10 @@ def merge(files: Sequence[Path], out: Path, force: bool = False) -> dict[str, An
             return f"{axis} = {union.coordinate[np.unravel_index(case, shape)[along]]:.10g}"
 
         with atomic.refusing(out), atomic.replacement(out) as aside:
-            statistics = assembly.combine(
+            statistics = dataset_assembly.combine(
                 sources, frame.assign_attrs(attrs), variables, aside, _recipe(opened, union), name_of=name_of
             )
-    unsolved, laws, caution = statistics["unsolved"], statistics["laws"], cautions.tell(statistics["cautions"])
+    unsolved, laws, caution = statistics["unsolved"], statistics["laws"], caution_words.tell(statistics["cautions"])
     counts = {"cases": prod(shape), "unsolved": unsolved, "laws": laws, "caution": caution}
     return {"file": str(out), "axis": axis, "values": union.size, **counts}
 

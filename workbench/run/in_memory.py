@@ -16,10 +16,10 @@ from studies.laws.law_verdict import LawVerdicts
 
 from ..stored import quantity_variables
 from ..stored.boxes import Columns
-from ..stored.frame import without_results
+from ..stored.empty_dataset import without_results
 from ..stored.stored_study import StoredStudy
 from ..words import outcome_counts
-from . import assembly
+from . import dataset_assembly
 from .block import block_of, columns
 from .plan import bytes_a_case, plan, remarks, rounds
 from .shards import join
@@ -68,7 +68,7 @@ def run(study: Study, tol: float | None = None, method: str | None = None) -> xr
     Raises
     ------
     InputError
-        For an invalid study, and for one that needs too much memory; `study_store.run_to_file` stores such a study as
+        For an invalid study, and for one that needs too much memory; `into_file.run_to_file` stores such a study as
         it is solved.
 
     Examples
@@ -97,7 +97,7 @@ def run(study: Study, tol: float | None = None, method: str | None = None) -> xr
     columns = join(parts)
     if study.sweeps:
         columns["branch"] = outcome_counts.number_branches(columns["branch"], columns["branch"])
-    return assembly.make(so_far.study, so_far.dimensions, columns, remarks(so_far))
+    return dataset_assembly.make(so_far.study, so_far.dimensions, columns, remarks(so_far))
 
 
 def outline(study: Study) -> xr.Dataset:
@@ -126,7 +126,7 @@ def run_followed(study: Study) -> xr.Dataset:
     branch = to_fold(study.case(), axis.limit, axis.size, name)
     sol = solve(branch.ends, tol=study.tol, method=study.method, stations=study.stations, seed=branch.dbeta0)
     as_run = study.model_copy(update={"method": sol.method})
-    ds = assembly.make(as_run, Dimensions.of({field: branch.values}), columns(study, sol), case=branch.ends)
+    ds = dataset_assembly.make(as_run, Dimensions.of({field: branch.values}), columns(study, sol), case=branch.ends)
     units = study.unit_system
     data = {
         "dbeta0": xr.Variable(

@@ -13,7 +13,7 @@ from studies import Study
 
 from ..stored.one_case import rule_of, solve_one
 from ..words import outcome_counts
-from . import assembly, shards
+from . import dataset_assembly, shards
 from .block import block_of, columns
 from .plan import plan, remarks
 from .shards import encode
@@ -58,7 +58,7 @@ def run_in_order(study: Study, folder: Path, step: Callable[[str, int, int], Non
         solved = parts.read_cases(0, work.size)
         if study.sweeps:
             solved["branch"] = outcome_counts.number_branches(solved["branch"], solved["branch"])
-        return assembly.make(work.study, work.dimensions, solved, remarks(work))
+        return dataset_assembly.make(work.study, work.dimensions, solved, remarks(work))
 
 
 def _solution_after(study: Study, case: Case, before: Solution | None) -> Solution:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from solver.problem.errors import InputError, check_tolerance
 from studies import Study
 from studies.grammar.axes import SAMPLE, Axis, Dimension, Dimensions, Values, in_words
-from studies.language import refine as tables
+from studies.language import refine_table as tables
 from studies.language.refinement import OUTCOME, Refinement
 from studies.language.variation import SOURCES
 

@@ -1,6 +1,6 @@
 """Shards: the finished cases of a run, packed with a checksum, in a folder beside the output with a lock.
 
-A shard that stands under its name is whole (`store.atomic`), so the folder is the whole state of a run, and a run that
+A shard that stands under its name is whole (`run.atomic`), so the folder is the whole state of a run, and a run that
 was killed continues from it. The checksum covers the recipe of the run, whose digest stands behind it, and the range of
 cases beside the columns: a shard under the name of another one counts as damaged, and a whole one of another run, which
 may be the only copy, is refused.

@@ -13,10 +13,10 @@ from solver.orbits import frames
 from solver.problem.declared_fields import VARY_LOADS
 from solver.problem.errors import InputError
 
-from ..geometry import centreline, self_contact, varying_lines
+from ..geometry import centreline, solid_body, varying_lines
 from ..geometry.centreline import Array, Centreline
 from ..geometry.lines import TALLEST
-from ..geometry.refinement import COLOUR_STEPS, MOST_TRIANGLES, Rings, rings, stations_for
+from ..geometry.tube_tolerance import COLOUR_STEPS, MOST_TRIANGLES, Rings, rings, stations_for
 from ..stored.centrelines import VARIES
 from ..stored.quantity_variables import SECTION
 from ..stored.solved_again import POINT_FORCES
@@ -41,7 +41,7 @@ class Body:
     gamma
         The section's rotation at the stations, (n,) [rad], where a stripe shows it.
     caution
-        What a real rod could not do, as `cautions` writes it.
+        What a real rod could not do, as `caution_words` writes it.
     lift
         By how much it is drawn farther from the axis than it is [length], to set rods apart.
     squeeze
@@ -132,7 +132,7 @@ class Body:
     @cached_property
     def crossings(self) -> list[Array]:
         """Where the rod passes through itself, (3,) each [length]; heights are from where the drawing begins."""
-        return [self._place_on_page(place) for place in self_contact.middles(self.line, self.span)]
+        return [self._place_on_page(place) for place in solid_body.middles(self.line, self.span)]
 
     @cached_property
     def widest_gap(self) -> Array | None:

@@ -12,8 +12,8 @@ from studies.language.study import MAX_STATIONS
 from ..figures import canvas, crossing_rings, fonts
 from ..figures.arrangement import Arrangement
 from ..geometry.centreline import APART, Array, TooFewStations
-from ..words import cautions, labels
-from . import long_rod, page, scene_kinds, signs, strands
+from ..words import caution_words, labels
+from . import dna_strands, long_rod, page, scene_kinds, signs
 from .body import ARROW, Body
 from .page import Mark, Page, Scene
 from .rendering import Placed, render
@@ -144,10 +144,10 @@ def impossible(bodies: Sequence[Body], ringed: bool = False) -> list[str]:
     """What a real rod could not do, beyond what colours and a legend of rings show; of several rods how many."""
     each = {id(body.line): body.caution for body in bodies}.values()
     sentences = []
-    for key in (cautions.MEETS, cautions.TIGHT):
-        if count := sum(key in cautions.keys(caution) for caution in each):
+    for key in (caution_words.MEETS, caution_words.TIGHT):
+        if count := sum(key in caution_words.keys(caution) for caution in each):
             who = "the rod" if len(each) == 1 else f"{count} of {len(each)}"
-            sentences.append(f"{who} {cautions.WORDS[key][count > 1]}")
+            sentences.append(f"{who} {caution_words.WORDS[key][count > 1]}")
     return [note for note in map(labels.typeset, sentences) if not (ringed and note == ITSELF)]
 
 
@@ -272,7 +272,7 @@ def _marks_of_contact(scene: Scene, arranged: Arrangement) -> list[Mark]:
             (places @ view.turn.T, signs.LEADER, words)
             for body in view.bodies
             if body.paint.strands
-            for places, words in strands.marks(body)
+            for places, words in dna_strands.marks(body)
         ]
         for places, sign, words in lines:
             if places.size:

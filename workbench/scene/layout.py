@@ -16,7 +16,7 @@ from solver.problem.errors import InputError
 from ..figures import colours
 from ..geometry.centreline import Array
 from ..run import atomic
-from ..stored import selection
+from ..stored import chosen_cases
 from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import body as rods
@@ -248,7 +248,7 @@ def _together(
     if settings.color_range:
         raise InputError(f"a scene of kind {kind.name} has one colour for each rod, so it takes no --color-range")
     line = stored.places(axis, at)
-    cases = selection.spread(line, kind.most)
+    cases = chosen_cases.spread(line, kind.most)
     drawn = [rods.of_case(stored, where, kind, settings.span)[0] for where in cases]
     whole = {k: body for k, body in enumerate(drawn) if body}
     if not whole:
@@ -280,7 +280,7 @@ def _row(
 ) -> Page:
     """The cases of an axis in rows, as large as they fit; each rod faces the viewer."""
     line = stored.places(names[0], at)
-    spread, chosen = selection.spread(line, kind.most), list[Where]()
+    spread, chosen = chosen_cases.spread(line, kind.most), list[Where]()
     for where in spread:
         chosen.append(_nearest_solved(stored, where, [other for other in line if other not in [*spread, *chosen]]))
     chosen.sort(key=lambda where: where[names[0]])
@@ -302,7 +302,7 @@ def _table(
     lines = [stored.places(name, at) for name in names]
     scenes = []
     for k, most in enumerate([(kind.most, MOST_ROWS), (MOST_ROWS, kind.most)]):
-        across, down = (selection.spread(line, count) for line, count in zip(lines, most, strict=True))
+        across, down = (chosen_cases.spread(line, count) for line, count in zip(lines, most, strict=True))
         cases = [[{**case, names[1]: row[names[1]]} for case in across] for row in down]
         rows, cameras = _cells(stored, kind, [], cases, settings)
         camera = cameras[k % len(cameras)]

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt, find_objects, maximum_filter, maximum_filter1d
 
 from ..figures import colours
-from ..geometry.refinement import MOST_TRIANGLES
-from . import strands, surfaces
+from ..geometry.tube_tolerance import MOST_TRIANGLES
+from . import dna_strands, surfaces
 from .views import Camera, View
 
 COLOUR_PIXELS = 2  # between rings; on shorter intervals colours need not be true
@@ -148,7 +148,7 @@ def _make(view: View, per_unit: float, pixel_error: float, most: int) -> tuple[l
     tubes = []
     for body in view.bodies:
         if body.paint.strands:
-            tubes += strands.parts(body)
+            tubes += dna_strands.parts(body)
             continue
         tubes += surfaces.tube_parts(body, body.rings(pixel_error / per_unit, COLOUR_PIXELS / per_unit, most))
     return tubes, surfaces.wall(view.bodies, view.cylinder, per_unit)

@@ -16,7 +16,7 @@ from studies.grammar.axes import SAMPLE
 from ..figures import colours
 from ..geometry.centreline import NEEDED, Array, Centreline
 from ..stored.stored_study import StoredStudy
-from ..words import habits, labels
+from ..words import labels, unit_habits
 
 PUSH_RAMP = colours.push_ramp()
 # a rod without push, whose colour is between that of the least push and that of the least pull
@@ -64,7 +64,7 @@ def by_push(units: dict[str, str], extremes: Extremes) -> Paint:
     low, end = colours.push_scale(*extremes) if extremes else (0.0, 0.0)
     if end == 0:
         return Paint()
-    unit = labels.unit(habits.unit_shown("push_max", units))
+    unit = labels.unit(unit_habits.unit_shown("push_max", units))
     return Paint(ramp=PUSH_RAMP, low=-end, high=end, label=colours.push_words(unit, low), foot=low)
 
 
@@ -73,7 +73,7 @@ def by_curvature(units: dict[str, str], extremes: Extremes) -> Paint:
     low, high = extremes or (0.0, 0.0)
     if high - low <= 1e-9 * high:
         return Paint()
-    unit = labels.unit(habits.unit_shown("kappa_max", units))
+    unit = labels.unit(unit_habits.unit_shown("kappa_max", units))
     return Paint(ramp=colours.ramp(), low=low, high=high, label=f"curvature κ [{unit}]")
 
 
@@ -220,7 +220,7 @@ class SceneKind:
         """The value in the unit in which it is stated, None for one colour."""
         if (value := self.value) is None:
             return None
-        size = habits.size_shown(self.quantity, units)
+        size = unit_habits.size_shown(self.quantity, units)
         return lambda line, s: size * value(line, s)
 
 
@@ -230,8 +230,8 @@ PAIRS, RISE = 10.5, 0.34  # base pairs of DNA in a turn of its strands; nm from 
 def push_in_numbers(line: Centreline, units: dict[str, str]) -> list[str]:
     """The least and the largest push of the cylinder, or the one that it has all along."""
     push = line.push(np.linspace(line.s[0], line.s[-1], 4 * line.s.size))
-    unit = labels.unit(habits.unit_shown("push_max", units))
-    push *= habits.size_shown("push_max", units)
+    unit = labels.unit(unit_habits.unit_shown("push_max", units))
+    push *= unit_habits.size_shown("push_max", units)
     low, high = (labels.minus_signs(labels.number(float(end), 3)) for end in (push.min(), push.max()))
     return [f"the push of the cylinder: {f'{low} {unit} everywhere' if low == high else f'{low} to {high} {unit}'}"]
 

@@ -14,8 +14,8 @@ from matplotlib.path import Path
 from numpy.typing import NDArray
 
 from ..figures import canvas, colours, crossing_rings, fonts
+from ..figures.axis_scales import round_below
 from ..figures.halo import Halo
-from ..figures.scales import round_below
 from ..words import labels
 from .scene_kinds import Cell, Paint
 from .views import BELOW, DOT

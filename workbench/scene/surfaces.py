@@ -19,7 +19,7 @@ from solver.orbits import frames
 from ..figures.colours import DEPTH, REACH, SURFACE
 from ..geometry import tube
 from ..geometry.centreline import Array
-from ..geometry.refinement import Rings
+from ..geometry.tube_tolerance import Rings
 from .body import STRIPE, Body
 from .scene_kinds import Paint
 

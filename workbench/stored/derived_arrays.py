@@ -14,9 +14,9 @@ import numpy as np
 import xarray as xr
 
 from solver import Case, Cylinder, Solution
-from solver.orbits import frames, statics
+from solver.orbits import forces, frames
+from solver.orbits.forces import contact_force, push_from
 from solver.orbits.potential import Loads, dimensional_slope, potential
-from solver.orbits.statics import contact_force, push_from
 from solver.problem.declared_fields import CHOICES, PARTS
 from solver.problem.errors import InputError
 from studies import Study
@@ -29,7 +29,7 @@ from .schema import axes_left
 if TYPE_CHECKING:
     import pandas as pd
 
-    from solver.nodes.stretch_states import StretchState
+    from solver.nodes.pipe_states import StretchState
 
     from .stored_cases import StoredCases
 
@@ -159,7 +159,7 @@ def _contact(at: StoredArrays, FY: Any, beta: Any, dbeta: Any) -> Any:
 
 def _FY(at: StoredArrays, beta: Any) -> Any:
     l, m, _ = at.lmp
-    return statics.circumferential_force(at.A, l, m, at.rho, beta)
+    return forces.circumferential_force(at.A, l, m, at.rho, beta)
 
 
 def _vectors(function: Callable[..., Any], name: str, *arrays: Any) -> Any:
@@ -181,11 +181,11 @@ BY_LOADS = ("FY", "F1", "F2", "F3", "contact", "M3_along", "h")  # rules that ta
 # name -> the arrays it needs, and the formula, which is the solver's own
 RULES: dict[str, tuple[tuple[str, ...], Callable[..., Any]]] = {
     "dbeta": (("M1",), lambda at, M1: M1 / at.A),
-    "kappa": (("beta", "dbeta"), lambda at, b, db: statics.curvature(at.rho, b, db)),
+    "kappa": (("beta", "dbeta"), lambda at, b, db: forces.curvature(at.rho, b, db)),
     "FY": (("beta",), _FY),
-    "F1": (("beta", "dbeta"), lambda at, b, db: statics.normal_force(at.A, at.lmp[1], at.rho, b, db)),
-    "F2": (("FY", "beta"), lambda at, FY, b: statics.surface_forces(FY, at.constant("FZ"), b)[0]),
-    "F3": (("FY", "beta"), lambda at, FY, b: statics.surface_forces(FY, at.constant("FZ"), b)[1]),
+    "F1": (("beta", "dbeta"), lambda at, b, db: forces.normal_force(at.A, at.lmp[1], at.rho, b, db)),
+    "F2": (("FY", "beta"), lambda at, FY, b: forces.surface_forces(FY, at.constant("FZ"), b)[0]),
+    "F3": (("FY", "beta"), lambda at, FY, b: forces.surface_forces(FY, at.constant("FZ"), b)[1]),
     "contact": (("FY", "beta", "dbeta"), _contact),
     "push": (("contact",), lambda at, contact: push_from(contact, schema.text_of(at.ds, "side"))),
     "M1": (("dbeta",), lambda at, db: at.A * db),
@@ -210,7 +210,7 @@ def states_of(one: "StoredCases", s: Any, beta: Any, alpha: Any, push: Any = Non
 
     Without the push no helix is told from what tension draws.
     """
-    from solver.nodes.stretch_states import axial_force_along, ends_turn, is_drawn, states  # it loads the methods
+    from solver.nodes.pipe_states import axial_force_along, ends_turn, is_drawn, states  # it loads the methods
 
     given: dict[str, Any] = {
         name: float(one[name]) for name in PARTS["cylinder"] if name not in CHOICES and name in one

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 class FileKind:
     """A kind of file.
 
-    what: in words. figure: its kind in `workbench.figures.kinds`, "" for none. scene: whether `scene` draws
+    what: in words. figure: its kind in `workbench.figures.figure_kinds`, "" for none. scene: whether `scene` draws
     it. needs: dimensions and variables that no other kind has.
     """
 

@@ -16,16 +16,16 @@ from studies.grammar.axes import SAMPLE
 from studies.laws import law_words
 
 from ..geometry.centreline import cut, spline
-from ..words import cautions, labels
+from ..words import caution_words, labels
 from . import file_kinds, quantity_variables, reading, refined
 from .derived_arrays import states_of
-from .law_verdicts import statistics
 from .solved_again import study_of
 from .stored_cases import HELD_INDEX, StoredCases
 from .stored_study import StoredStudy
+from .stored_verdicts import statistics
 
 if TYPE_CHECKING:
-    from solver.nodes.stretch_states import StretchState
+    from solver.nodes.pipe_states import StretchState
 
 MOST_PLACES = 12  # of a boundary along one axis that are listed
 MOST_STATES, MOST_COUNTED = 50, 2000  # rods whose states are listed; rods whose states are counted
@@ -38,7 +38,7 @@ NO_PUSH = "helical, or drawn by tension: the push along the rod is not stored"
 
 
 def summary(path: Path) -> dict[str, Any]:
-    """What the file holds, as plain data; "laws" are rows as of `law_verdicts.verdicts`. Raises `InputError`.
+    """What the file holds, as plain data; "laws" are rows as of `stored_verdicts.verdicts`. Raises `InputError`.
 
     Memory: one number a case, for one observable at a time.
     """
@@ -70,7 +70,7 @@ def _states(stored: StoredStudy) -> list[dict[str, Any]]:
     """The states along each rod with weight or friction, in words; of more than `MOST_STATES` rods, how many have which
     at their most buckled place; none of more than `MOST_COUNTED`.
     """
-    from solver.nodes.stretch_states import in_words  # it loads the methods
+    from solver.nodes.pipe_states import in_words  # it loads the methods
 
     loaded = {*VARY_LOADS} & set(stored.ds.variables) and {"beta", "alpha"} <= set(stored.variables)
     if not loaded or stored.cases > MOST_COUNTED:
@@ -88,7 +88,7 @@ def _states(stored: StoredStudy) -> list[dict[str, Any]]:
 
 def _worst_state(parts: "tuple[StretchState, ...]") -> str:
     """The state of a rod at its most buckled place."""
-    from solver.nodes.stretch_states import HELICAL, SINUSOIDAL, STRAIGHT
+    from solver.nodes.pipe_states import HELICAL, SINUSOIDAL, STRAIGHT
 
     words = {part.word for part in parts}
     return next(
@@ -98,7 +98,7 @@ def _worst_state(parts: "tuple[StretchState, ...]") -> str:
 
 def _is_dense(case: StoredStudy) -> bool:
     """Whether each wave of one rod has at least `DENSE` stations between its ends."""
-    from solver.nodes.stretch_states import BENT
+    from solver.nodes.pipe_states import BENT
 
     sign = np.sign(case["beta"].values)
     ends = np.flatnonzero(sign[1:] * sign[:-1] < 0)
@@ -108,7 +108,7 @@ def _is_dense(case: StoredStudy) -> bool:
 
 def _state(case: StoredStudy, again: bool) -> "tuple[StretchState, ...] | str":
     """The states along one rod; `TOO_FEW` where the stations are too few, also after it is solved again if `again`."""
-    from solver.nodes.stretch_states import HELICAL
+    from solver.nodes.pipe_states import HELICAL
 
     if not _is_dense(case):
         try:
@@ -262,7 +262,7 @@ def contents(path: Path) -> dict[str, Any]:
         "fields": [_spread(ds[name]) for name in numbers if not ds[name].ndim],
         "outcomes": dict(Counter(named[named != ""].tolist())),
         "unsolved": int((~solved & (named != "")).sum()) if solved.shape == named.shape else 0,
-        "caution": cautions.tell(texts),
+        "caution": caution_words.tell(texts),
         "said": {key: str(ds.attrs[key]) for key in SENTENCES if ds.attrs.get(key)},
         "versions": StoredCases(ds).versions if "versions" in ds.attrs else {},
     }

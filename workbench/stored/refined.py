@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from solver.problem.errors import InputError, choices, near
 from studies.grammar.axes import SAMPLE, Values
-from studies.language import refine as tables
+from studies.language import refine_table as tables
 from studies.language.refinement import BUDGET, OUTCOME, Lattice, Places, Refinement, product_of, refinement_of
 from studies.laws.case_rows import CaseRow
 from studies.laws.line_verdicts import branch_changes

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from solver import Case, Ends, Solution, solve
 from solver.free.free_rods import trajectory_of
+from solver.orbits.forces import push_from
 from solver.orbits.joined_orbits import Rows
-from solver.orbits.statics import push_from
 from solver.problem.case_fields import values_of, with_field
 from solver.problem.declared_fields import FIELDS
 from solver.problem.errors import InputError, no_such
@@ -25,8 +25,8 @@ from studies.language.loader import loads
 from studies.language.study import MAX_STATIONS
 
 from . import quantity_variables, schema
+from .chosen_cases import SAME, real
 from .one_case import method_of, solve_one
-from .selection import SAME, real
 from .sweep import Sweep, between
 
 POINT, POINT_FORCES = "point", ("point_force_at", "point_force")  # a dimension and two variables of it

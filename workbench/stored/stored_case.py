@@ -15,8 +15,8 @@ from studies.grammar.axes import WORDS, Which, in_words
 from studies.language.case_input import CaseInput, force_kept, from_values, in_units, stand_ins_of, with_values
 
 from . import file_kinds, quantity_variables, reading
-from .frame import without_results
-from .selection import Value
+from .chosen_cases import Value
+from .empty_dataset import without_results
 from .solved_again import solve_at, study_of
 from .stored_study import StoredStudy
 

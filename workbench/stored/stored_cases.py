@@ -20,10 +20,10 @@ from studies.grammar.axes import SAMPLE
 from studies.language.printed import as_reading, table_of
 from studies.laws.line_verdicts import NOISE
 
-from ..words import cautions, labels, outcome_counts
+from ..words import caution_words, labels, outcome_counts
 from . import file_kinds, quantity_variables, schema
+from .chosen_cases import Value, index, known_cases, spread
 from .quantity_variables import COMPONENTS, is_count
-from .selection import Value, index, known_cases, spread
 
 NOT_OBSERVED = ("rho", "condition", "dbeta0", "level")  # numbers of each case, not observables
 FOUND = ("FZ", "MZ", "M3", "beta0", "betaL")  # observables where they are found of held ends
@@ -165,7 +165,7 @@ class StoredCases:
     @cached_property
     def caution(self) -> str:
         """One sentence on the cautions of its cases; empty where there are none."""
-        return cautions.said(self.ds["caution"].values) if "caution" in self.ds else ""
+        return caution_words.said(self.ds["caution"].values) if "caution" in self.ds else ""
 
     @cached_property
     def restable(self) -> str:
@@ -174,7 +174,7 @@ class StoredCases:
             return ""
         texts = self.ds["caution"].values
         solved = self.ds["solved"].values if "solved" in self.ds else np.ones(texts.shape)
-        return cautions.restable(
+        return caution_words.restable(
             texts, solved, self.ds["index"].values == 0 if self.kind.figure == "equilibria" else True
         )
 
@@ -185,7 +185,7 @@ class StoredCases:
             return ""
         given: dict[str, Any] = {name: self.ds[name].values for name in VARY_LOADS if name in self.ds}
         given |= {name: self.attrs.get(name) for name in ("sliding", "contact")}
-        return cautions.model_leaves_out(given | {"closed": self.kind is file_kinds.LOOPS})
+        return caution_words.model_leaves_out(given | {"closed": self.kind is file_kinds.LOOPS})
 
     def check_any_solved(self) -> None:
         """Raise `InputError`, which says why, where no case is solved and there is nothing to draw."""
@@ -293,15 +293,15 @@ class StoredCases:
         InputError
             For another word, and for a file that does not tell of its rods.
         """
-        if key not in cautions.WORDS:
-            raise no_such("caution", key, cautions.WORDS)
+        if key not in caution_words.WORDS:
+            raise no_such("caution", key, caution_words.WORDS)
         ds = self.ds
         if "caution" in ds and "outcome" in ds and ds["caution"].dims == ds["outcome"].dims:
             return type(self)(
-                _without_numbers(ds, ds["caution"].copy(data=cautions.has_key(ds["caution"], key)), ""), self.kept
+                _without_numbers(ds, ds["caution"].copy(data=caution_words.has_key(ds["caution"], key)), ""), self.kept
             )
         parts = [part for part in PARTS if f"{part}_{BACK}" in ds]
-        if not parts or key != cautions.TURNED:
+        if not parts or key != caution_words.TURNED:
             raise InputError(f"this file does not tell which of its rods are {key!r}")
         for part in parts:
             ds = _without_numbers(ds, ds[f"{part}_{BACK}"], f"{part}_")

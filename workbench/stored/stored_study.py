@@ -23,10 +23,10 @@ from solver.problem.quantities import current
 from solver.problem.shown import Picture
 from studies.laws.line_verdicts import MONOTONE
 
-from . import derived_arrays, law_verdicts, refined
+from . import derived_arrays, refined, stored_verdicts
+from .chosen_cases import Value, indices
 from .derived_arrays import ARRAYS, StoredArrays
 from .refined import Refined
-from .selection import Value, indices
 from .stored_cases import StoredCases
 from .trend_lines import LawLine, TrendLine
 
@@ -35,8 +35,8 @@ if TYPE_CHECKING:
 
     from solver import Case, Solution
     from studies import Study
+    from studies.laws.judgement import Law
     from studies.laws.law_verdict import LawVerdicts
-    from studies.laws.verdicts import Law
 
     from ..geometry.centreline import Centreline
 
@@ -72,7 +72,7 @@ class StoredStudy(StoredCases):
     @cached_property
     def laws(self) -> "list[Law]":
         """The laws that its study states. Raises `InputError`."""
-        return law_verdicts.laws_of(self.ds)
+        return stored_verdicts.laws_of(self.ds)
 
     @cached_property
     def verdicts(self) -> "LawVerdicts":
@@ -81,7 +81,7 @@ class StoredStudy(StoredCases):
         A study that is refined along one axis is judged on all its cases, one in a plane on its coarse grid. A law
         along an axis that the reading of Table 1 drops is not decided. Raises `InputError`.
         """
-        return law_verdicts.verdicts(self.ds)
+        return stored_verdicts.verdicts(self.ds)
 
     @cached_property
     def numbers_of_laws(self) -> "list[dict[str, NDArray[np.float64]]]":
@@ -89,7 +89,7 @@ class StoredStudy(StoredCases):
 
         None of a law on a direction. Raises `InputError`.
         """
-        return [law_verdicts.numbers_compared(self.ds, law) for law in self.laws]
+        return [stored_verdicts.numbers_compared(self.ds, law) for law in self.laws]
 
     @cached_property
     def unsolved(self) -> int:
@@ -237,7 +237,7 @@ class StoredStudy(StoredCases):
             For an unknown observable, a real one without a step, or a grid of more than two axes.
         """
         if law := next((law for law in self.laws if law.claim == name), None):
-            return law_verdicts.boundary_of_law(self, self.refinement, law)
+            return stored_verdicts.boundary_of_law(self, self.refinement, law)
         return refined.boundary(self.ds, self.refinement, current(name), step, self.observables)
 
     def trend(self, observable: str, axis: str, at: Mapping[str, Value] | None = None) -> TrendLine:

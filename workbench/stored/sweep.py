@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solver import Branch, Case, InputError, Solution, follow, solve
-from solver.equilibrium_branch import BORDER, HELIX
+from solver.follow_result import BORDER, HELIX
 from solver.numerics.arclength import FOLD
 from solver.observe.observables import observe
 from solver.problem.case_fields import value_of

@@ -61,8 +61,8 @@ class TrendLine:
 class LawLine(TrendLine):
     """A law on the line that decides it.
 
-    row: its verdict, of `law_verdicts.verdicts`. compared: with what it compares the observable, key -> (n,). formulas:
-    of the study's expressions, by name. others: the other observables that it names, as stored.
+    row: its verdict, of `stored_verdicts.verdicts`. compared: with what it compares the observable, key -> (n,).
+    formulas: of the study's expressions, by name. others: the other observables that it names, as stored.
     """
 
     row: Mapping[str, Any]

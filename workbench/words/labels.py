@@ -11,7 +11,7 @@ import xarray as xr
 from solver.problem.quantities import QUANTITIES
 from studies.grammar.axes import SAMPLE, quantity_of
 
-from .habits import distinct_texts, unit_and_size
+from .unit_habits import distinct_texts, unit_and_size
 
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 MANY_TURNS = 3600.0  # degrees, from which an angle is said in turns
@@ -208,7 +208,7 @@ def one_word(number_: float, array: xr.DataArray) -> str:
 
 
 def law_text(row: Mapping[str, Any], text: str) -> str:
-    """A text about a law (a row of `law_verdicts.verdicts`), with symbols for the names of its observables and axes."""
+    """A text about a law (a row of `stored_verdicts.verdicts`), with symbols for names of observables and axes."""
     letters = {law["observable"]: noun_of(law["observable"]) for law in (row, *row.get("also", ()))}
     letters |= {axis: axis_symbol(axis) for axis in (row.get("axis"), *row["at"]) if axis}
     return typeset(re.sub(r"\w+", lambda word: letters.get(word[0], word[0]), text))

@@ -23,21 +23,21 @@ from solver.follow import solutions_of
 from solver.nodes.loaded_rod import rods_of
 from solver.observe.observables import observables_of, observe
 from solver.problem.case_fields import value_of, with_field
+from solver.problem.dimensionless import fields_held, reduce
 from solver.problem.errors import DEFAULT_TOLERANCE, InputError, choices, no_such
-from solver.problem.reduced import fields_held, reduce
 from studies import Study
 from studies.grammar.axes import WORDS, Dimensions, Which
 from studies.language.loader import loads
 
 from ...branches.ends_study import row as equilibrium_row
 from ...branches.tracing import Piece, Traced, trace_branches
-from ...export.base import ExportOptions
+from ...export.file_format import ExportOptions
 from ...export.stored_rod import export
-from ...run import assembly
+from ...run import dataset_assembly
 from ...run.block import columns
 from ...stored.one_case import rule_of, solve_one
 from ...stored.stored_study import StoredStudy
-from ...words import cautions, free_rods, labels, pipe_profile, pipe_state
+from ...words import caution_words, free_rod_words, labels, pipe_profile, pipe_words
 
 SMALL = 240  # points of a small picture
 KEYS = ("title", "units", "reading", "base", "equilibrium", "let_go")
@@ -299,7 +299,7 @@ def facts(one: LiveRod) -> dict[str, Any]:
         )
     notes += [
         f"{said[0].upper()}{said[1:]}."
-        for said in [*free_rods.sentences(sol, units), *pipe_state.all_sentences(sol, units)]
+        for said in [*free_rod_words.sentences(sol, units), *pipe_words.all_sentences(sol, units)]
     ]
     return {
         "outcome": str(sol.outcome),
@@ -330,10 +330,10 @@ def numbers(one: LiveRod) -> dict[str, Any]:
     sol = one.sol
     observed = {name: float(getattr(sol, name)) for name in ("FZ", "MZ", "M3")}
     observed |= observe(sol, observables_of(sol.case.rod, sol.case.leaves))
-    caution = str(cautions.of_cases(sol, units=one.study.unit_system))
+    caution = str(caution_words.of_cases(sol, units=one.study.unit_system))
     return {
         "rows": [{"name": name, "value": np.asarray(value).item()} for name, value in observed.items()],
-        "warnings": [f"The rod {cautions.phrase(part)}." for part in cautions.parts(caution)],
+        "warnings": [f"The rod {caution_words.phrase(part)}." for part in caution_words.parts(caution)],
     }
 
 
@@ -375,7 +375,7 @@ def rod_as_dataset(one: LiveRod) -> Any:
         }
         | ({"tol": one.sol.tol} if one.sol.case.leaves else {})
     )
-    return assembly.make(study, Dimensions(), columns(study, one.sol))
+    return dataset_assembly.make(study, Dimensions(), columns(study, one.sol))
 
 
 def file(one: LiveRod, kind: str) -> bytes:

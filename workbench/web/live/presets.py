@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any
 
 from solver import Case, Ends, observe, solve
+from solver.problem.dimensionless import fields_held
 from solver.problem.errors import DEFAULT_TOLERANCE, InputError, choices
-from solver.problem.reduced import fields_held
 from studies import tenants
 from studies.grammar.axes import Which, quantity_of
 from studies.language.case_input import CaseInput, field_values, read_case

@@ -18,10 +18,10 @@ from solver.problem.errors import InputError
 from studies.grammar.axes import SAMPLE
 
 from ...figures import colours
-from ...geometry import refinement
+from ...geometry import tube_tolerance
 from ...geometry.centreline import APART, Array, Centreline
 from ...stored.stored_study import StoredStudy
-from ...words import cautions, labels
+from ...words import caution_words, labels
 from .. import pages
 from ..live import live_document
 
@@ -202,7 +202,7 @@ def stations_for(line: Centreline) -> int:
     """About how many stations a rod needs for a curve without corners; its own number where that is enough."""
     if _is_blind(line):
         return line.stations_for(NEAR * line.a)
-    return refinement.stations_for(line, SHARE * max(float(np.ptp(line.z)), 2 * line.rho))
+    return tube_tolerance.stations_for(line, SHARE * max(float(np.ptp(line.z)), 2 * line.rho))
 
 
 def _is_blind(line: Centreline) -> bool:
@@ -269,7 +269,7 @@ def _case(stored: StoredStudy, where: Mapping[str, int], line: Centreline | None
         return {"numbers": None, "note": labels.typeset(f"Not solved: {stored['outcome'].isel(dict(where)).values}.")}
     numbers = {"R": line.R, "a": line.a, "rho": line.rho, "L": line.L, "A": line.A}
     loads = {"FZ": line.p * line.A, "MZ": line.l * line.A, "M3": line.m * line.A}
-    caution = cautions.said(stored["caution"].isel(dict(where)).values) if "caution" in stored else ""
+    caution = caution_words.said(stored["caution"].isel(dict(where)).values) if "caution" in stored else ""
     notes = (_sample(stored, where), caution, stored.left_out)
     return {"numbers": numbers | loads, "note": labels.typeset(" ".join(note for note in notes if note))}
 

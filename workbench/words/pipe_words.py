@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from solver.nodes.loaded_rod import rods_of
-from solver.nodes.stretch_states import LEAVES, RUBS, STRAIGHT, in_words
+from solver.nodes.pipe_states import LEAVES, RUBS, STRAIGHT, in_words
 from solver.observe.observables import NO_TORQUE
 from solver.problem.declared_fields import OFF_WALL
 
-from . import cautions, habits, outcome_counts
-from .habits import plain
+from . import caution_words, outcome_counts, unit_habits
 from .pipe_profile import PUSH, ROUNDING, ProfileRow, axial_force, number, profile, weight_across
+from .unit_habits import plain
 
 if TYPE_CHECKING:
     from solver import Case, Solution
@@ -124,10 +124,10 @@ def count_left(begun: str) -> int:
 
 def _doubt(sol: "Solution") -> str:
     """That a real rod does not have the shape, or has another one in places; "" where nothing or the ends alone do."""
-    text = str(cautions.of_cases(sol))
-    if not cautions.is_barred(text):
+    text = str(caution_words.of_cases(sol))
+    if not caution_words.is_barred(text):
         return ""
-    in_part = all(part.startswith((cautions.IN_PART, cautions.UNKNOWN)) for part in cautions.parts(text))
+    in_part = all(part.startswith((caution_words.IN_PART, caution_words.UNKNOWN)) for part in caution_words.parts(text))
     return f", which {'in places ' * in_part}no real rod could hold: see the caution"
 
 
@@ -207,17 +207,19 @@ def warnings(sol: "Solution", units: dict[str, str], rows: list[ProfileRow]) -> 
         return _wrong_units(sol, units) if sol.case.varies else []
     push = next(row for row in rows if row.name == PUSH)
     said = [*_wrong_units(sol, units), *_lift_offs(sol, units["length"]), *_clamps(sol, push)]
-    text = str(cautions.of_cases(sol, units=units))
-    others = cautions.said(", ".join(part for part in cautions.parts(text) if not part.startswith(cautions.PULLED)))
+    text = str(caution_words.of_cases(sol, units=units))
+    others = caution_words.said(
+        ", ".join(part for part in caution_words.parts(text) if not part.startswith(caution_words.PULLED))
+    )
     return said + [f"caution: {others.removesuffix('.')}"] * bool(others)
 
 
 def _wrong_units(sol: "Solution", units: dict[str, str]) -> list[str]:
     """That no material is so stiff or so heavy: a number was meant in another unit."""
-    rod, megapascals = sol.case.rod, habits.megapascals(units)
+    rod, megapascals = sol.case.rod, unit_habits.megapascals(units)
     stiffness = float(rod.E or 0) * megapascals
     section = math.pi * float(rod.a) ** 2  # it may leave the range of floats
-    in_newtons = habits.size("N/m^3", (-3, 1), units)
+    in_newtons = unit_habits.size("N/m^3", (-3, 1), units)
     density = float(rod.weight or 0) * in_newtons / (GRAVITY * section) if section else 0.0
     said = []
     if stiffness > STIFFEST:
@@ -232,14 +234,14 @@ def _wrong_units(sol: "Solution", units: dict[str, str]) -> list[str]:
 
 def _lift_offs(sol: "Solution", length: str) -> list[str]:
     """Where a rod would lift off the wall, in a sentence; none where it does nowhere."""
-    stretches, text = sol.lift_offs, str(cautions.of_cases(sol))
-    if not stretches or cautions.PULLED not in text:
+    stretches, text = sol.lift_offs, str(caution_words.of_cases(sol))
+    if not stretches or caution_words.PULLED not in text:
         return []
     share = 100 * sum(end - begin for begin, end in stretches) / float(sol.case.rod.L)
     each = [f"{plain(begin)} to {plain(end)} {length}" for begin, end in stretches[:MOST]]
     more = f", and on {len(stretches) - MOST} more stretches" if len(stretches) > MOST else ""
-    so = "a real rod takes another shape there" if cautions.IN_PART in text else "a real rod leaves the wall there"
-    so = "no real rod has this shape" if cautions.ALL_ALONG in text else so
+    so = "a real rod takes another shape there" if caution_words.IN_PART in text else "a real rod leaves the wall there"
+    so = "no real rod has this shape" if caution_words.ALL_ALONG in text else so
     return [f"caution: the push is below 0 on {share:.2g} % of the length, {', '.join(each)}{more}: {so}"]
 
 
@@ -263,7 +265,7 @@ def _buckling_load(sol: "Solution", force: str) -> list[str]:
     """The load at which the straight rod buckles under its whole weight, or, of one that turns in place and so leans,
     the leaning rod; none where neither is an equilibrium.
     """
-    from solver.free.beginnings import bilateral_cases
+    from solver.free.starting_curves import bilateral_cases
     from solver.nodes.buckling import rod_without_lean, tension_of_buckling
 
     case = sol.case

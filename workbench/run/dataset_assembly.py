@@ -23,10 +23,10 @@ from studies.grammar.axes import Dimensions
 
 from ..stored import file_checks, reading, schema
 from ..stored.boxes import Columns, Where, blocks, extent, span
-from ..stored.frame import frame_of
-from ..stored.law_verdicts import Tally, laws_of
-from ..stored.law_verdicts import statistics as statistics_of
-from ..words import cautions, outcome_counts
+from ..stored.empty_dataset import frame_of
+from ..stored.stored_verdicts import Tally, laws_of
+from ..stored.stored_verdicts import statistics as statistics_of
+from ..words import caution_words, outcome_counts
 from . import atomic, writing
 from .plan import TEXT_BYTES, Plan, bytes_of_file, remarks
 from .recipe import Places
@@ -44,7 +44,7 @@ def make(
     remarks: Mapping[str, str] | None = None,
     case: Case | None = None,
 ) -> xr.Dataset:
-    """The dataset of a study as it was run, from its columns (`store.block.columns`) in the order of the grid.
+    """The dataset of a study as it was run, from its columns (`run.block.columns`) in the order of the grid.
 
     over: its samples and axes. remarks: attributes on how it was run (`plan.remarks`). case: the grid as one case,
     where the study does not know it.
@@ -54,7 +54,7 @@ def make(
         values = columns[name]
         data[name] = xr.Variable(dims, values.reshape((*over.shape, *values.shape[1:])), attrs)
     ds = frame_of(study, over, remarks, case).assign(data)  # all at once: xarray aligns at each assignment
-    return ds.assign_attrs(caution=cautions.said(ds["caution"].values))
+    return ds.assign_attrs(caution=caution_words.said(ds["caution"].values))
 
 
 @dataclass(frozen=True, eq=False)
@@ -259,7 +259,7 @@ def combine(
     with reading.raw(path, unread) as ds:
         statistics = statistics_of(ds, tally)
     with h5py.File(path, "a") as file:
-        file.attrs["caution"] = cautions.tell(statistics["cautions"])
+        file.attrs["caution"] = caution_words.tell(statistics["cautions"])
         if recipe is not None:
             file.attrs["recipe"], file.attrs["statistics"] = json.dumps(recipe), json.dumps(statistics)
         file_checks.store_sums(file)

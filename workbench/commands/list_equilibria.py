@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from solver.problem.errors import InputError, choices
 
-from ..words import habits
+from ..words import unit_habits
 from . import console, tables
 from .case_options import ENDS_FIELDS, HELD, GivenOptions, parse_axis
 from .options import Choose, OneCase, Table1, option, parse_choose, ranges
@@ -98,7 +98,7 @@ def equilibria(
     Angles: a number in rad, or a form like 30deg or pi/6.
     """
     from solver import equilibria as all_equilibria
-    from solver.problem.reduced import fields_held
+    from solver.problem.dimensionless import fields_held
 
     from ..branches.ends_study import study_and_case, write_cases
     from ..run import writing
@@ -150,14 +150,14 @@ def _list(
 ) -> Result:
     """The equilibria and which of them the rule selects, as they are handed over."""
     from solver.equilibria import choice
-    from solver.equilibrium_list import HeldEquilibria
-    from solver.problem.reduced import fields_held
+    from solver.equilibria_result import HeldEquilibria
+    from solver.problem.dimensionless import fields_held
     from studies.language.case_input import field_values, with_unit
 
     from ..branches.ends_study import row
     from ..branches.equilibria_dataset import as_dataset
     from ..stored.one_case import rule_of
-    from ..words import cautions
+    from ..words import caution_words
 
     rule = rule_of(study.equilibrium) if choose is None else parse_choose(choose).rule
     assert rule is not None
@@ -184,7 +184,7 @@ def _list(
             console.say(f"* {how.rule}" if taken else f"none has index {rule}")
         console.say(f"rod: {source}")
         console.say_units(study.unit_system)
-        if left_out := cautions.sentence_inside(case):
+        if left_out := caution_words.sentence_inside(case):
             console.say(left_out)
         if export:
             console.say(f"{len(found)} cases in {export}")
@@ -213,7 +213,9 @@ def _print_table(study: "Study", rows: Sequence[dict[str, Any]], reactions: Sequ
     least = _base_energy([row[energy] for row in rows])
     heads = {name: HEADS.get(name, name).replace("_", " ") for name in names}
     table = []
-    slopes = habits.distinct_texts((row["dbeta0"] for row in rows), habits.plain, habits.IN_TABLES)  # a seed names one
+    slopes = unit_habits.distinct_texts(
+        (row["dbeta0"] for row in rows), unit_habits.plain, unit_habits.IN_TABLES
+    )  # a seed names one
     for i, (row, slope) in enumerate(zip(rows, slopes, strict=True), 1):
         numbers = {"dbeta0": slope} | ({energy: row[energy] - least} if least else {})
         table.append({"": f"{i} *" if row["taken"] else f"{i}", **row, **row.get("reactions", {}), **numbers})

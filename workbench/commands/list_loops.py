@@ -132,9 +132,9 @@ def _print(found: "list[Loop]", remarks: list[str], units: dict[str, str]) -> No
 def row(one: "Loop") -> dict[str, Any]:
     """The numbers of a loop as plain data."""
     from ..branches import equilibria_dataset
-    from ..words import cautions
+    from ..words import caution_words
 
-    keys = cautions.keys(equilibria_dataset.caution_of_loop(one))
+    keys = caution_words.keys(equilibria_dataset.caution_of_loop(one))
     decided = one.overlaps is not None
     return {name: getattr(one, name) for name in COLUMNS} | {
         "MZ": float(one.solution.MZ),

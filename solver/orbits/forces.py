@@ -46,7 +46,7 @@ def contact_force(A: Any, m: Any, rho: Any, FY: Array, H: Array, beta: Array, db
     rho : array
         Distance of the centreline from the axis [length].
     FY : array
-        Circumferential force [force], see `statics.circumferential_force`.
+        Circumferential force [force], see `forces.circumferential_force`.
     H : array
         G'/2 [1/length^2], see `potential.dimensional_slope`.
     beta, dbeta : array

@@ -10,7 +10,7 @@ from solver.problem.errors import choices, near
 
 from ..grammar.axes import Misplaced, Values, no_key
 from ..grammar.formulas import parse
-from ..laws.verdicts import Law, by_line
+from ..laws.judgement import Law, by_line
 from .refinement import OUTCOME, RefinedLines, Refinement
 from .study import Study
 

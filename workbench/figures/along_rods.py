@@ -21,11 +21,11 @@ from studies.laws.line_verdicts import NOISE
 
 from ..stored import quantity_variables
 from ..stored.stored_study import StoredStudy
-from ..words import habits, labels
-from ..words.cautions import SLIGHT
+from ..words import labels, unit_habits
+from ..words.caution_words import SLIGHT
 from . import canvas, colours, drawn_rods, fonts, pipe_map, push_scale, regions, waves
+from .axis_scales import RoomLocator, round_below
 from .drawn_rods import DrawnRods
-from .scales import RoomLocator, round_below
 from .sheet import SCREEN, Sheet
 
 PANELS = ("beta", "kappa", "push")
@@ -190,7 +190,7 @@ def _clear_step(rods: DrawnRods, values: Sequence[Any], foot: float, filled: boo
 def _words(stored: StoredStudy, name: str) -> tuple[str, str, Callable[[Any], Any]]:
     """The name of an array along the rod, its unit, and what brings its numbers into it."""
     known = "push_max" if name == "push" else name
-    unit, size = labels.unit(habits.unit_shown(known, stored.units)), habits.size_shown(known, stored.units)
+    unit, size = labels.unit(unit_habits.unit_shown(known, stored.units)), unit_habits.size_shown(known, stored.units)
     if unit == "rad":
         return labels.symbol_of(name), "°", np.degrees
     return labels.symbol_of(name), f" {unit}" if unit else "", partial(np.multiply, size)

@@ -10,15 +10,15 @@ from ..branches.parameter_plane import reflect
 from ..core.tuning import MOST_STEPS, SAFETY
 from ..core.varying_loads import BY_ANGLE, HALF, SIZE, TRUNCATION, March, march
 from ..numerics.arrays import FAINT, SQUARE_LOST, Array
-from ..orbits.statics import circumferential_force, surface_forces
+from ..orbits.forces import circumferential_force, surface_forces
 from ..problem.case import ALONG_AXIS, IN_PLACE, Case
+from ..problem.dimensionless import EndsProblem, StartProblem, flat
 from ..problem.errors import InputError
 from ..problem.limits import unreachable
-from ..problem.reduced import EndsProblem, StartProblem, flat
 from ..problem.trajectory import Trajectory, blank, verdicts
+from .banded_newton import correct, linear_at
 from .buckling import straight_shape
 from .constant_loads import dead_indices
-from .curve import NodeCurve
 from .growth import STRAIGHT, GrowthWay
 from .loaded_rod import (
     ALPHA,
@@ -35,10 +35,10 @@ from .loaded_rod import (
     rods_of,
     starts_of,
 )
-from .newton import correct, linear_at
+from .node_branch import NodeCurve
+from .pipe_states import LEAVES, RUBS
 from .shape_index import index_of_any, shape_like
 from .straight_branch import find_shape
-from .stretch_states import LEAVES, RUBS
 from .varying_shapes import Marched, Shape, VaryingShapes, read_starts
 from .weak_modes import largest_move
 

@@ -14,7 +14,7 @@ from studies import Study
 from studies.laws.law_words import count_of
 
 from ..stored import bounds
-from ..stored.law_verdicts import Tally, count, statistics, tally_of
+from ..stored.stored_verdicts import Tally, count, statistics, tally_of
 from . import atomic, cluster, shards, worker_processes
 from .block import Chunk, blank_columns, solve_chunk
 from .plan import Plan, compare, plan, room, rounds
@@ -114,8 +114,8 @@ KEPT = "finished cases are kept; run the same command again to continue"
 class Ran:
     """What a run did.
 
-    statistics: of the file (`law_verdicts.statistics`); of a part none. solved: cases that it solved itself. kept: of a
-    part, which cases are kept, where, and how to go on.
+    statistics: of the file (`stored_verdicts.statistics`); of a part none. solved: cases that it solved itself. kept:
+    of a part, which cases are kept, where, and how to go on.
     """
 
     statistics: dict[str, Any]
@@ -164,7 +164,7 @@ def run_to_file(
     >>> from pathlib import Path
     >>> from tempfile import TemporaryDirectory
     >>> from studies import load
-    >>> from workbench.run.study_store import run_to_file
+    >>> from workbench.run.into_file import run_to_file
     >>> with TemporaryDirectory() as folder:
     ...     ran = run_to_file(load("fig7_1_modulus"), Path(folder) / "modulus.h5")
     >>> ran.solved
@@ -248,7 +248,7 @@ def _tidy(work: Plan, output: Path) -> None:
 def _run(
     work: Plan, parts: Shards, output: Path, options: RunOptions, say: Callable[[str], None], progress: Progress
 ) -> Ran:
-    from .assembly import assemble
+    from .dataset_assembly import assemble
 
     before = None if work.stored is None else work.stored.statistics
     tally = tally_of(before)

@@ -18,7 +18,7 @@ from ..numerics.arrays import ALIKE, Array
 from ..orbits.level_search import Census
 from .branch_events import Place, Stop
 from .fold_curves import FoldCurves, curves_of, said_of_stopped
-from .fold_search import Searched, lattice_edges
+from .fold_lattice import Searched, lattice_edges
 from .parameter_plane import ParameterPlane
 from .whole_curve import WholeCurve, lies_on
 

@@ -12,10 +12,7 @@ from ..core.varying_loads import march
 from ..numerics.arclength import FEW_POINTS
 from ..numerics.arrays import Array, Booleans, whole_turns
 from ..numerics.roots import lead_away
-from .buckling import shares_of_buckling, straight_shape
-from .curve import SPLIT, NodeCurve, trace_shapes
-from .loaded_rod import ALPHA, BETA, SHORT, SPEED, LoadedRod, Q
-from .newton import (
+from .banded_newton import (
     DEEP,
     DEFLATED,
     change_of_marks,
@@ -27,6 +24,9 @@ from .newton import (
     size_of,
     within_a_turn,
 )
+from .buckling import shares_of_buckling, straight_shape
+from .loaded_rod import ALPHA, BETA, SHORT, SPEED, LoadedRod, Q
+from .node_branch import SPLIT, NodeCurve, trace_shapes
 from .shape_index import index_at, on_nodes
 from .straight_branch import branch_from_straight
 from .varying_shapes import Shape

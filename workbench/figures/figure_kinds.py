@@ -47,14 +47,14 @@ KINDS = {
     "rod": FigureKind("figures.one_rod.figure", ("at",), "one rod: its angle and its push along s, and its unrolled "
         "view"),
     "curves": FigureKind("figures.unrolled.figure", ("x", "at"), "unrolled views in the colours of the push"),
-    "ridge": FigureKind("figures.along.figure", ("x", "at", "show"), "β, κ, the push or other arrays along s"),
-    "portrait": FigureKind("figures.portrait.figure", ("x", "at"), "(β, β′) beside the potential G"),
-    "states": FigureKind("figures.along.states", ("x", "at"),
+    "ridge": FigureKind("figures.along_rods.figure", ("x", "at", "show"), "β, κ, the push or other arrays along s"),
+    "portrait": FigureKind("figures.phase_portrait.figure", ("x", "at"), "(β, β′) beside the potential G"),
+    "states": FigureKind("figures.along_rods.states", ("x", "at"),
         "where rods with weight are straight, sinusoidal or helical"),
-    "pipe": FigureKind("figures.along.pipe", ("x", "at"), "the azimuth along s in the colours of the push, with "
+    "pipe": FigureKind("figures.along_rods.pipe", ("x", "at"), "the azimuth along s in the colours of the push, with "
         "these states"),
-    "well": FigureKind("figures.well.figure", ("x", "at", "yield_stress"), "force, push, dogleg and stress of one pipe "
-        "with the depth down, and weight on bit against slack-off"),
+    "well": FigureKind("figures.well_tracks.figure", ("x", "at", "yield_stress"), "force, push, dogleg and stress of "
+        "one pipe with the depth down, and weight on bit against slack-off"),
     "drawing": FigureKind("figures.drawing.figure", ("at",), "one rod on its cylinder from the side, at true scale, "
         "with its dimensions"),
     "section": FigureKind("figures.section.figure", ("at",), "the turns of a wound rod in a section through the axis, "
@@ -64,7 +64,7 @@ KINDS = {
     "equilibria": FigureKind("figures.equilibria_figure.figure", ("show",), of="equilibria"),
     "loops": FigureKind("figures.equilibria_figure.loops", of="loops"),
     "branches": FigureKind("figures.bifurcation.figure", ("show", "range"), of="branches"),
-    "folds": FigureKind("figures.region_map.figure", ("show",), of="folds"),
+    "folds": FigureKind("figures.region_figure.figure", ("show",), of="folds"),
     "trade": FigureKind("lab.work_precision.figure", ("cost",), of="trade"),
     "extremes": FigureKind("lab.robustness.figure", of="extremes"),
     "fit": FigureKind("figures.fit_figure.figure", of="fit"),

@@ -15,9 +15,7 @@ from ..core.tuning import NUDGE
 from ..numerics.arclength import BRANCH_POINT, CLOSED, COSINE, FOLD, OFF, PITCHFORK, Lengths, Stride, trace
 from ..numerics.arrays import ALIKE, NEGLIGIBLE, ROUGHLY, Array
 from ..numerics.roots import DIVERGED, enclose, locate, newton
-from .descent import is_near
-from .loaded_rod import ALPHA, BETA, LoadedRod
-from .newton import (
+from .banded_newton import (
     ENDING,
     correct,
     gaps_after,
@@ -28,6 +26,8 @@ from .newton import (
     size_of,
     with_known_loads,
 )
+from .descent import is_near
+from .loaded_rod import ALPHA, BETA, LoadedRod
 from .shape_index import index_of_any
 from .varying_shapes import Shape
 from .weak_modes import Held, hold, weakest_modes

@@ -11,11 +11,11 @@ from solver.problem.errors import InputError, choices
 from studies.language.expressions import unit_names
 from studies.language.printed import as_reading
 from studies.laws import law_words
+from studies.laws.judgement import Law, by_line, decide, refusal, targets
 from studies.laws.law_verdict import LawVerdict, LawVerdicts
 from studies.laws.line_verdicts import FAILS, HOLDS, TREND, UNDECIDED, branch_changes
-from studies.laws.verdicts import Law, by_line, decide, refusal, targets
 
-from ..words import cautions, escaping, outcome_counts
+from ..words import caution_words, escaping, outcome_counts
 from . import quantity_variables, refined, schema
 from .bounds import LINE
 from .boxes import Columns, pieces
@@ -64,7 +64,7 @@ def verdicts(ds: "xr.Dataset", crossing: "Mapping[str, NDArray[np.bool_]] | None
     Returns
     -------
     LawVerdicts
-        One row a law, in the study's order; see `studies.laws.verdicts.decide`.
+        One row a law, in the study's order; see `studies.laws.judgement.decide`.
     """
     rows, laws = [], laws_of(ds)
     study = refined.describe(ds) if laws and refined.has_all_cases(ds) else None
@@ -88,7 +88,7 @@ def _outside_the_law(ds: "xr.Dataset", law: Law) -> "NDArray[np.bool_]":
     """The cases whose values do not enter a law, (*cases) of bool: rods that turn back against both their ends."""
     if law.turned_back or "caution" not in ds:
         return np.zeros(ds["outcome"].shape, dtype=bool)
-    return cautions.has_key(schema.over_cases(ds, ds["caution"]), cautions.TURNED)
+    return caution_words.has_key(schema.over_cases(ds, ds["caution"]), caution_words.TURNED)
 
 
 def _without(values: Any, left_out: "NDArray[np.bool_]") -> Any:
@@ -126,7 +126,7 @@ def _row_of_untested(law: Law, row: Mapping[str, Any]) -> LawVerdict:
 
 
 def verdicts_of_lines(stored: "StoredCases", law: Law) -> "xr.DataArray":
-    """The verdict on a law on each line of the grid along its axis, over the other axes; see `verdicts.by_line`."""
+    """The verdict on a law on each line of the grid along its axis, over the other axes; see `judgement.by_line`."""
     import xarray as xr
 
     ds, axes = stored.ds, stored.axes

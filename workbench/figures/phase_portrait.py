@@ -19,8 +19,8 @@ from solver.problem.errors import InputError
 from ..stored.stored_study import StoredStudy
 from ..words import labels
 from . import canvas, colours, drawn_rods, fonts
+from .axis_scales import RoomLocator
 from .drawn_rods import DrawnRod
-from .scales import RoomLocator
 from .sheet import SCREEN, Sheet
 
 PANELS = {"portrait": "phase portrait", "potential": "potential"}

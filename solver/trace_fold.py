@@ -11,21 +11,21 @@ from .branches.branch_events import Bounds, Place, Stop
 from .branches.branch_following import branch_through
 from .branches.family import Family, scale_of
 from .branches.fold_curves import FoldCurve, FoldCurves, fold_curve
-from .branches.fold_search import curve_through
-from .branches.linked_search import IsKnown, Meeting, lattice_ticks, place_on, search_linked
+from .branches.fold_lattice import curve_through
+from .branches.fold_tracing import point_on_line
+from .branches.linked_folds import IsKnown, Meeting, lattice_ticks, place_on, search_linked
 from .branches.orbit_folds import GivenAt, guess_at, mark_of, numbers_on
 from .branches.orbit_rates import NUMBERS
 from .branches.parameter_plane import ParameterPlane, read_range, reflect
 from .branches.path_correction import state_of
-from .branches.special_line import point_on_line
 from .branches.whole_curve import WholeCurve, point_alone
 from .equilibria import default_ranges, equilibria
-from .equilibrium_branch import Branch
-from .equilibrium_list import Equilibrium, ranges_in_words
+from .equilibria_result import Equilibrium, ranges_in_words
+from .follow_result import Branch
+from .nodes.banded_newton import marks_of
 from .nodes.constant_loads import shape_of_solution
-from .nodes.curve import SPLIT, NodeCurve, shapes_through
 from .nodes.loaded_rod import VARYING, densest_nodes, rod_over
-from .nodes.newton import marks_of
+from .nodes.node_branch import SPLIT, NodeCurve, shapes_through
 from .nodes.shape_folds import RodAt, fold_through, pitchforks_through
 from .nodes.shape_index import index_at, on_nodes
 from .nodes.varying_shapes import Shape
@@ -134,7 +134,7 @@ def ranges_over(plane: ParameterPlane) -> dict[str, tuple[float, float]]:
 
 @dataclass(frozen=True, eq=False)
 class ShapesOnPlane:
-    """Shapes of a rod on nodes, with weight, friction or a hinge, a `branches.linked_search.PlaneSystem`.
+    """Shapes of a rod on nodes, with weight, friction or a hinge, a `branches.linked_folds.PlaneSystem`.
 
     rod_at: the rod at z. middle: the z that the scales of all states are of.
     """
@@ -185,7 +185,7 @@ class ShapesOnPlane:
 
 @dataclass(frozen=True, eq=False)
 class OrbitsOnPlane:
-    """Equilibria of a rod without weight, a `branches.linked_search.PlaneSystem`."""
+    """Equilibria of a rod without weight, a `branches.linked_folds.PlaneSystem`."""
 
     plane: ParameterPlane
 

@@ -17,6 +17,7 @@ from ..numerics.arclength import FOLD, PITCHFORK
 from ..numerics.arrays import Array
 from ..numerics.roots import CLOSE
 from ..orbits.level_search import MOST_PERIODS, Census, census, near_misses
+from .fold_tracing import Tracing, cusps_between, point_on_line, special_line
 from .orbit_folds import (
     DEEP,
     LENGTHS,
@@ -30,7 +31,6 @@ from .orbit_folds import (
     sides_between,
 )
 from .parameter_plane import ParameterPlane
-from .special_line import Tracing, cusps_between, point_on_line, special_line
 from .whole_curve import CurvePieces, WholeCurve, change_along, pieces_of, whole_curve, without_zeros
 
 # shares of the ranges: nearer to their border, where curves end, and in a narrower strip none is sought. x10: folds

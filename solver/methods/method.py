@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from ..held.selection import NEAREST, Choose, select_seed
 from ..numerics.arrays import Array
 from ..orbits.joined_orbits import join_answers
+from ..problem.dimensionless import EndsProblem, StartProblem
 from ..problem.errors import InputError, choices
-from ..problem.reduced import EndsProblem, StartProblem
 from ..problem.trajectory import Seed, Trajectory, verdicts
 
 # Evaluations after which a ladder ends: about 0.4 s on the machine of docs/reference/methods.md. Evaluations, not

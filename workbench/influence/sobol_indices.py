@@ -19,7 +19,7 @@ from solver.problem.errors import InputError, choices
 from studies.grammar.axes import SAMPLE
 from studies.language.samples import block_of, blocks_of
 
-from ..stored import selection
+from ..stored import chosen_cases
 from ..stored.stored_study import StoredStudy
 
 CONFIDENCE, SEED = 0.95, 1  # of the intervals; of the bootstrap, whose 0 would mean another each time
@@ -60,7 +60,7 @@ def design_of(samples: Values) -> Design | None:
 def sobol(
     ds: xr.Dataset,
     observables: Sequence[str] | None = None,
-    at: Mapping[str, selection.Value] | None = None,
+    at: Mapping[str, chosen_cases.Value] | None = None,
     confidence: float = CONFIDENCE,
     seed: int = SEED,
 ) -> xr.Dataset:
@@ -73,7 +73,7 @@ def sobol(
     observables : sequence of str, optional
         Stored observables. Default: all.
     at : mapping, optional
-        Where axes are held, as of `selection.case`.
+        Where axes are held, as of `chosen_cases.case`.
     confidence, seed
         Of the intervals by bootstrap; the seed is positive.
 

@@ -15,7 +15,7 @@ from solver.problem.errors import choices
 from studies import Study
 from studies.grammar.axes import SAMPLE, Dimensions, quantity_of
 from studies.language.loader import dumps
-from studies.language.refine import LEVEL
+from studies.language.refine_table import LEVEL
 
 from . import bounds, one_case, provenance, quantity_variables, schema
 

@@ -13,7 +13,7 @@ from ..orbits.frames import outward, tangent
 from ..orbits.shape_arrays import ShapeArrays
 from ..problem.case import Case, Ends
 from ..problem.declared_fields import OFF_WALL
-from ..problem.reduced import flat
+from ..problem.dimensionless import flat
 from .discrete_rod import OUTSIDE, DiscreteRod
 from .free_problem import BeginningCurve, problems_of
 from .free_shape import FreeShape, angles_at

@@ -12,14 +12,14 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from solver.nodes.stretch_states import in_words
+from solver.nodes.pipe_states import in_words
 from solver.problem.errors import InputError
 from studies.laws.line_verdicts import FAILS
 
 from ..stored import derived_arrays
 from ..stored.stored_study import StoredStudy
-from ..words import habits, labels, pipe_profile, pipe_state
-from ..words.habits import plain
+from ..words import labels, pipe_profile, pipe_words, unit_habits
+from ..words.unit_habits import plain
 from . import canvas, colours, drawn_rods, fonts, print_heights, push_scale, trends, waves
 from .drawn_rods import DrawnRod
 from .sheet import SCREEN, Sheet
@@ -92,7 +92,7 @@ def figure(
     rods = drawn_rods.choose(stored.select(place), (*ARRAYS, *[GAP] * stored.leaves))
     rod = rods.solved[0]
     case, units = rod.case.case, stored.units
-    if pipe_state.rise(case) > STEEP:
+    if pipe_words.rise(case) > STEEP:
         raise InputError(
             "--kind well draws a pipe from its hook, s = 0, down to its bit, and s of this one climbs from its foot: "
             "give hole = 180deg - inclination, and the loads from the other end"
@@ -105,7 +105,7 @@ def figure(
     stress, rest = [values for name, _, values in rows if name in pipe_profile.STRESSES], None
     if stress:
         unit = tracks[STRESS][0]
-        most = None if yield_stress is None else yield_stress * habits.size_shown("bending_stress_max", units)
+        most = None if yield_stress is None else yield_stress * unit_habits.size_shown("bending_stress_max", units)
         rest = YIELDS if most is not None and stress[2].max() > most else None
         panels[STRESS] = partial(_draw_stress, rod, unit, stress, most)
     elif yield_stress is not None:
@@ -145,7 +145,7 @@ def _sentences(rod: DrawnRod, case: "Case", tracks: Mapping[str, tuple[str, Any]
         k = int(np.abs(values).argmax())
         value, at = float(values[k]), float(depth[k])
         if name == PUSH and {"push_max", "push_max_at"} <= {*rod.case.variables}:  # between two stations too
-            between = float(rod.case["push_max"]) * habits.size_shown("push_max", rod.case.units)
+            between = float(rod.case["push_max"]) * unit_habits.size_shown("push_max", rod.case.units)
             if between >= abs(value):
                 value, at = between, float(rod.case["push_max_at"])
         most = plain(float(np.abs(_away(rod, case, values)).max()))
@@ -155,7 +155,7 @@ def _sentences(rod: DrawnRod, case: "Case", tracks: Mapping[str, tuple[str, Any]
         pairs = rod.case.at().point_forces
         each = [f"{plain(force)} {tracks[FORCE][0]} at {plain(s)} {length}" for s, force in pairs]
         said += [f"Point forces of the wall: {', '.join(each)}."] * bool(each)
-    limits = [f"{limit.load} {plain(limit.value)} ({limit.name})" for limit in pipe_state.limits(case)]
+    limits = [f"{limit.load} {plain(limit.value)} ({limit.name})" for limit in pipe_words.limits(case)]
     if limits:
         said.append(f"Compression of a long pipe without friction, {tracks[FORCE][0]}: {', '.join(limits)}.")
     return said
@@ -229,7 +229,7 @@ def _draw_track(rod: DrawnRod, case: "Case", name: str, unit: str, values: Any, 
 
 def _draw_force(rod: DrawnRod, case: "Case", unit: str, values: Any, ax: Axes) -> list[str]:
     """The axial force, the states of the pipe, and the limits at which a long one changes its state."""
-    limits = [limit for limit in pipe_state.limits(case) if limit.name != pipe_state.LIKELY]
+    limits = [limit for limit in pipe_words.limits(case) if limit.name != pipe_words.LIKELY]
     most = -float(values.min())
     upper = next((limit.value for limit in limits if limit.value > most), most)
     said = _curve(ax, rod, values, color=colours.DATA, linewidth=1.3, gid=WORDS[FORCE])
@@ -240,7 +240,7 @@ def _draw_force(rod: DrawnRod, case: "Case", unit: str, values: Any, ax: Axes) -
     return said
 
 
-def _draw_limits(ax: Axes, limits: list[pipe_state.Limit], unit: str) -> None:
+def _draw_limits(ax: Axes, limits: list[pipe_words.Limit], unit: str) -> None:
     """Bands of the compressions at which a long pipe changes its state."""
     end = -ax.get_xlim()[0]
     for k, (limit, (name, colour, alpha)) in enumerate(zip(limits, BANDS, strict=False)):
@@ -368,14 +368,14 @@ def _draw_slack_off(
     with_stress = ""
     if bending:
         stresses = _largest_stresses(case, np.stack([FZ0, FZ]), bending[0])
-        shown = habits.value_with_unit(names[-1], float(stresses[known][bit[known].argmax()]), stored.units)
+        shown = unit_habits.value_with_unit(names[-1], float(stresses[known][bit[known].argmax()]), stored.units)
         if bit[k] < bit[known].max():  # of the drawn pipe the stress itself is said
             with_stress = f"; with {plain(float(bit[known].max()))} {force} the stress is at most {shown}"
         if yield_stress is not None and (above := known & (stresses > yield_stress)).any():
             ax.scatter(slack[above], bit[above], color=FAILING, s=15, zorder=5, label=ABOVE)
             said.append(f"The pipe yields {_yield_words(bit[order], stresses[order] - yield_stress, broken, force)}.")
     if np.isfinite(most):
-        arrives = pipe_state.most_that_arrives(stored.select(place).case, most, stored.units)
+        arrives = pipe_words.most_that_arrives(stored.select(place).case, most, stored.units)
         said.append(f"However hard the pipe is pushed, {arrives}{with_stress}.")
         if most <= 2 * ends[1]:
             ax.axhline(

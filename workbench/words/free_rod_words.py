@@ -8,7 +8,7 @@ import numpy as np
 from solver.observe.free_numbers import error_of_contacts
 from solver.observe.observables import observe
 
-from .habits import plain, within
+from .unit_habits import plain, within
 
 if TYPE_CHECKING:
     from solver import Solution

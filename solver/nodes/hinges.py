@@ -21,11 +21,11 @@ from ..numerics.roots import DIVERGED, REACH, lead_away
 from ..orbits.boundary import Path, wrap
 from ..orbits.path_orbits import orbit_of
 from ..orbits.potential import TAU, Loads, potential
-from ..problem.reduced import EndsProblem
+from ..problem.dimensionless import EndsProblem
+from .banded_newton import DEEP, DEFLATED, correct, largest_turn, linear_at, open_at, size_of
 from .constant_loads import end_numbers, shape_of_orbit
-from .curve import UNSOLVED, NodeCurve, inner, trace_shapes
 from .loaded_rod import ALPHA, BETA, HELD, MU, PHI, ROUND, SHORT, SPEED, LoadedRod, Q
-from .newton import DEEP, DEFLATED, correct, largest_turn, linear_at, open_at, size_of
+from .node_branch import UNSOLVED, NodeCurve, inner, trace_shapes
 from .shape_index import index_at, shape_like
 from .varying_shapes import Shape
 from .weak_modes import weakest_modes

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from solver.nodes.stretch_states import SLIGHT
+from solver.nodes.pipe_states import SLIGHT
 from solver.observe.cautions import (
     ALL_ALONG,
     AT_ENDS,

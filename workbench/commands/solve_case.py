@@ -11,7 +11,7 @@ from solver.problem.errors import DEFAULT_TOLERANCE, InputError
 from solver.problem.quantities import quantity
 
 from ..run import atomic
-from ..words.habits import IN_TABLES, margin_words, plain, size_shown, unit_shown, value_with_unit, within
+from ..words.unit_habits import IN_TABLES, margin_words, plain, size_shown, unit_shown, value_with_unit, within
 from . import console, tables
 from .case_options import GivenOptions
 from .options import (
@@ -106,7 +106,7 @@ def solve(
     from ..run import in_memory, writing
     from ..stored import stored_case
     from ..stored.one_case import solve_one
-    from ..words import cautions, free_rods, pipe_profile, pipe_state
+    from ..words import caution_words, free_rod_words, pipe_profile, pipe_words
     from .fidelity import fidelity
 
     chosen = fidelity(level or "standard")
@@ -133,7 +133,7 @@ def solve(
     before = solve_one(base.case, which, held_to, method_of_case, stations, listed=listed)
     sol: Solution = before.let_go(tol) if let_go else before
     whole = every or json or leaves or not base.case.varies
-    energies = free_rods.release(before, sol) if let_go else {}
+    energies = free_rod_words.release(before, sol) if let_go else {}
     rows = pipe_profile.profile(sol, base.units)
     data = _find(sol, base.units, chosen, whole) | {
         "source": base.source,
@@ -142,17 +142,17 @@ def solve(
         "stand_ins": base.stand_ins,
         "which": _which(before, listed, base),
         "selection": None if sol.selection is None else {**asdict(sol.selection), "rule": sol.selection.rule},
-        "caution": cautions.said(cautions.of_cases(sol, units=base.units)),
-        "left_out": cautions.sentence_inside(sol.case),
-        "free": free_rods.sentences(sol, base.units)
-        + ([free_rods.release_sentence(energies, base.units)] if energies else []),
+        "caution": caution_words.said(caution_words.of_cases(sol, units=base.units)),
+        "left_out": caution_words.sentence_inside(sol.case),
+        "free": free_rod_words.sentences(sol, base.units)
+        + ([free_rod_words.release_sentence(energies, base.units)] if energies else []),
         "contacts": sol.contacts,
         "point_forces": sol.point_forces,
         "released": energies,
-        "pipe": pipe_state.sentences(sol, base.units),
-        "limits": [limit._asdict() for limit in pipe_state.limits(sol.case)],
+        "pipe": pipe_words.sentences(sol, base.units),
+        "limits": [limit._asdict() for limit in pipe_words.limits(sol.case)],
         "profile": [row._asdict() for row in rows],
-        "warnings": pipe_state.warnings(sol, base.units, rows),
+        "warnings": pipe_words.warnings(sol, base.units, rows),
         "lift_offs": sol.lift_offs,
     }
     data["bend"] = _bend(float(observe(sol, ["kappa_max"])["kappa_max"]), least)
@@ -192,12 +192,12 @@ def _which(sol: "Solution", listed: "Equilibria | None", base: "CaseInput") -> s
     """Which equilibrium was taken. listed: all, where it was named by numbers: by a study, or as a wound helix."""
     from solver import observe
 
-    from ..words import pipe_state
+    from ..words import pipe_words
     from ..words.outcome_counts import stability
 
     study = base.study
     if base.wound and sol.case.varies and sol.solved:
-        return pipe_state.lay_sentence(sol, base.units["force"])
+        return pipe_words.lay_sentence(sol, base.units["force"])
     if listed is None or not sol.solved:
         lists = "search for all" if sol.held else "list all"
         return f"{sol.selection} (use workbench equilibria to {lists})" if sol.selection is not None else ""
@@ -216,7 +216,7 @@ def _find(sol: "Solution", units: dict[str, str], level: "Level", whole: bool) -
     """
     import numpy as np
 
-    from solver.equilibrium_list import energy_as_held
+    from solver.equilibria_result import energy_as_held
     from solver.observe.observables import observe, why_unknown
     from studies.language.case_input import field_values, with_unit
 

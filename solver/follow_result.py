@@ -9,8 +9,8 @@ import numpy as np
 
 from .numerics.arrays import Array, Integers
 from .problem.case import Case
+from .problem.dimensionless import EndsProblem, reduce
 from .problem.errors import InputError, show
-from .problem.reduced import EndsProblem, reduce
 from .problem.shown import make
 from .solution import Solution
 
