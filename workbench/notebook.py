@@ -29,8 +29,9 @@ from .branches.equilibria_dataset import loops_as_dataset as loops_as_dataset  #
 from .run import atomic
 from .stored import provenance, quantity_variables
 from .stored.stored_study import StoredStudy
-from .words import caution_words, labels, unit_habits
+from .words import caution_words, labels
 from .words.python_words import in_python, python_words
+from .words.unit_habits import distinct_texts
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -350,9 +351,7 @@ def table_of_equilibria(found: Equilibria) -> str:
     held = "held " if found and found[0].solution.held else ""
     heads = [f"{held}{name}" if name.startswith("energy") else name for name in HEADINGS]
     rows = []
-    slopes = unit_habits.distinct_texts(
-        (member.dbeta0 for member in found), lambda slope, digits: f"{slope:.{digits}g}", 6
-    )
+    slopes = distinct_texts((member.dbeta0 for member in found), lambda slope, digits: f"{slope:.{digits}g}", 6)
     for i, (member, slope) in enumerate(zip(found, slopes, strict=True), 1):
         numbers = f"{member.energy:.6g}", str(member.bends), slope, f"{member.attached:.0%}"
         rows.append((str(i), *map(labels.minus_signs, (stability(member.index), *numbers))))

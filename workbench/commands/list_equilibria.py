@@ -213,9 +213,7 @@ def _print_table(study: "Study", rows: Sequence[dict[str, Any]], reactions: Sequ
     least = _base_energy([row[energy] for row in rows])
     heads = {name: HEADS.get(name, name).replace("_", " ") for name in names}
     table = []
-    slopes = unit_habits.distinct_texts(
-        (row["dbeta0"] for row in rows), unit_habits.plain, unit_habits.IN_TABLES
-    )  # a seed names one
+    slopes = unit_habits.distinct_texts([row["dbeta0"] for row in rows], unit_habits.plain, unit_habits.IN_TABLES)
     for i, (row, slope) in enumerate(zip(rows, slopes, strict=True), 1):
         numbers = {"dbeta0": slope} | ({energy: row[energy] - least} if least else {})
         table.append({"": f"{i} *" if row["taken"] else f"{i}", **row, **row.get("reactions", {}), **numbers})

@@ -9,6 +9,7 @@ from typing import Any
 from solver.problem.quantities import unit_of
 
 from ..words import escaping, unit_habits
+from ..words.unit_habits import IN_TABLES, plain
 from . import console
 
 COLOURS = {  # verdict -> colour
@@ -131,13 +132,7 @@ def _is_number(text: str) -> bool:
 
 def text_of(value: Any) -> str:
     """A value as a cell shows it: a float with the digits of `unit_habits.IN_TABLES`, a dash for None."""
-    return (
-        "-"
-        if value is None
-        else unit_habits.plain(value, unit_habits.IN_TABLES)
-        if isinstance(value, float)
-        else str(value)
-    )
+    return "-" if value is None else plain(value, IN_TABLES) if isinstance(value, float) else str(value)
 
 
 def _cell(value: Any) -> Any:

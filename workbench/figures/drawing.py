@@ -22,6 +22,7 @@ from solver import Solution
 from ..geometry import solid_body
 from ..stored.stored_study import StoredStudy
 from ..words import free_rod_words, labels
+from ..words.free_rod_words import MOST, places_of_contact
 from ..words.unit_habits import plain, value_with_unit, within
 from . import canvas, colours, drawn_rods, fonts
 from .dimensions import (
@@ -154,11 +155,8 @@ def _words(
         (turns,) = (float(value) for value in drawn_rods.numbers(chosen, "turns_around"))
         parts += [f"azimuth of the end {plain(360 * turns)}°"]
         (gap,) = (float(value) for value in drawn_rods.numbers(chosen, "gap_max"))
-        where = (
-            free_rod_words.places_of_contact(free, chosen.units["length"])
-            if free.contacts
-            else "nowhere between its ends"
-        )
+        unit_of_length = chosen.units["length"]
+        where = places_of_contact(free, unit_of_length) if free.contacts else "nowhere between its ends"
         parts += [f"on the wall {where}", f"up to {unit('L', gap)} off it"]
     elif lay := _lay(view):
         parts += [f"lay {lay}"]
@@ -194,7 +192,7 @@ def _forces(free: Solution, units: Mapping[str, str]) -> list[tuple[float, float
     """The point forces of the wall: s, size, and words."""
     each = zip(free.point_forces, free_rod_words.point_forces(free), strict=True)
     said = [(s, force, f"{size} {units['force']}\ns = {place} {units['length']}") for (s, force), (place, size) in each]
-    return said[: free_rod_words.MOST]
+    return said[:MOST]
 
 
 def _strokes(view: Views, a: float) -> list[tuple[str, float]]:
@@ -215,9 +213,7 @@ def _draw_end(ax: Axes, view: Views, R: float, a: float, contacts: Sequence[tupl
         ax.plot(*(view.middle + view.end).T, color=colour, linewidth=width, solid_capstyle="round",
                 solid_joinstyle="round", zorder=4, snap=False, gid="rod, along the axis")  # fmt: skip
     arrows = {force.s for force in view.forces or ()}
-    for s in sorted(
-        {edge for pair in contacts[: free_rod_words.MOST] for edge in pair if 0 < edge < view.s[-1]} - arrows
-    ):
+    for s in sorted({edge for pair in contacts[:MOST] for edge in pair if 0 < edge < view.s[-1]} - arrows):
         place = np.array([np.interp(s, view.s, column) for column in view.end.T])
         across = view.middle + np.outer([R - TICK / view.mm, R + TICK / view.mm], place / np.hypot(*place))
         ax.plot(*across.T, color=colours.INK, linewidth=EDGE, zorder=5, gid="contact")

@@ -11,8 +11,9 @@ from matplotlib.colorbar import Colorbar
 from matplotlib.colors import Normalize
 from numpy.typing import NDArray
 
-from ..words import labels, unit_habits
+from ..words import labels
 from ..words.caution_words import SLIGHT
+from ..words.unit_habits import plain, size_shown, unit_shown
 from . import canvas, colours, fonts, waves
 from .drawn_numbers import CASING
 
@@ -101,9 +102,7 @@ def trim(drawn: Colorbar, units: Mapping[str, str], pushes: Sequence[Any]) -> st
     low = -end if any(pulls(push) for push in pushes) else 0.0
     drawn.ax.set_xlim(low, end)
     strongest = max((size(units) * float(abs(push).max()) for push in pushes), default=0.0)
-    beyond = (
-        f"; next to an end up to {unit_habits.plain(strongest, 2)}" if strongest > end * (1 + colours.ROUNDING) else ""
-    )
+    beyond = f"; next to an end up to {plain(strongest, 2)}" if strongest > end * (1 + colours.ROUNDING) else ""
     return colours.push_words(unit(units), low) + beyond
 
 
@@ -115,12 +114,12 @@ def pulls(push: Any) -> bool:
 
 def unit(units: Mapping[str, str]) -> str:
     """The unit in which a push is written: ``lbf/ft`` where lengths are in ft and forces in klbf."""
-    return labels.unit(unit_habits.unit_shown("push_max", units))
+    return labels.unit(unit_shown("push_max", units))
 
 
 def size(units: Mapping[str, str]) -> float:
     """How many of the unit in which a push is written are one of the unit of a case."""
-    return unit_habits.size_shown("push_max", units)
+    return size_shown("push_max", units)
 
 
 def in_habitual_unit(end: float, units: Mapping[str, str]) -> ScalarMappable:

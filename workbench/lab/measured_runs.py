@@ -53,10 +53,8 @@ def comparison(folder: Path, name: str, shows: Callable[[StoredStudy], str]) -> 
 
 def _make(stored: StoredStudy, name: str, shows: Callable[[StoredStudy], str], source: str) -> MeasuredRun:
     def picture(of: Sheet) -> bytes | None:
-        packed, drawn = (
-            BytesIO(),
-            figure_kinds.figure(stored.with_title(""), name, of),
-        )  # the report gives the title, once
+        # the report gives the title, once
+        packed, drawn = BytesIO(), figure_kinds.figure(stored.with_title(""), name, of)
         canvas.save(drawn, packed, drawn.dpi)
         return packed.getvalue() if drawn.get_figwidth() <= of.width + 0.01 else None
 

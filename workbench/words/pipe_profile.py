@@ -9,7 +9,8 @@ import numpy as np
 from solver.numerics.roots import largest_between
 from solver.problem.dimensionless import flat
 
-from . import unit_habits
+from .unit_habits import CURVATURES, dogleg_unit, size_shown, unit_shown
+from .unit_habits import size as size_of
 
 if TYPE_CHECKING:
     from solver import Case, Solution
@@ -87,8 +88,8 @@ def quantities(case: "Case", along: Any, units: dict[str, str]) -> list[tuple[st
     """
     rod, wall, (length, force) = case.rod, case.cylinder, (units["length"], units["force"])
     kappa = np.where(along.kappa * case.rho < ROUNDING, 0.0, along.kappa)
-    per_length, dogleg = unit_habits.unit_shown("push_max", units), unit_habits.dogleg_unit(units)
-    push = along.push * unit_habits.size_shown("push_max", units)
+    per_length, dogleg = unit_shown("push_max", units), dogleg_unit(units)
+    push = along.push * size_shown("push_max", units)
     columns = [(FORCE, force, axial_force(along)), (PUSH, per_length, push)]
     if wall.side == "outside":
         columns.insert(1, ("tension F3", force, along.F3))
@@ -96,12 +97,9 @@ def quantities(case: "Case", along: Any, units: dict[str, str]) -> list[tuple[st
         columns.append(("friction", per_length, wall.friction * push))
     if wall.turns_in_place:
         columns.append(("torque M3", f"{force} {length}", along.M3_along))
-    columns.append((DOGLEG, dogleg, kappa * unit_habits.size(dogleg, unit_habits.CURVATURES[0], units)))
+    columns.append((DOGLEG, dogleg, kappa * size_of(dogleg, CURVATURES[0], units)))
     if rod.E is not None:
-        unit, size = (
-            unit_habits.unit_shown("bending_stress_max", units),
-            unit_habits.size_shown("bending_stress_max", units),
-        )
+        unit, size = unit_shown("bending_stress_max", units), size_shown("bending_stress_max", units)
         axial = along.F3 / (math.pi * (rod.a**2 - (rod.inner_radius or 0) ** 2)) * size
         bending = rod.E * rod.a * kappa * size
         stresses = axial, bending, np.abs(axial) + bending

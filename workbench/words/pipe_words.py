@@ -208,9 +208,8 @@ def warnings(sol: "Solution", units: dict[str, str], rows: list[ProfileRow]) -> 
     push = next(row for row in rows if row.name == PUSH)
     said = [*_wrong_units(sol, units), *_lift_offs(sol, units["length"]), *_clamps(sol, push)]
     text = str(caution_words.of_cases(sol, units=units))
-    others = caution_words.said(
-        ", ".join(part for part in caution_words.parts(text) if not part.startswith(caution_words.PULLED))
-    )
+    parts = caution_words.parts(text)
+    others = caution_words.said(", ".join(part for part in parts if not part.startswith(caution_words.PULLED)))
     return said + [f"caution: {others.removesuffix('.')}"] * bool(others)
 
 
