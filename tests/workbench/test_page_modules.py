@@ -458,6 +458,19 @@ def test_the_light_on_the_rod_beside_its_other_stretches_is_that_of_the_pictures
     assert np.abs(found - wanted).max() < 0.05
 
 
+@pytest.mark.parametrize(
+    ("ends", "count", "values"),
+    [((-4.9, 4.9), 4, [-4, -2, 0, 2, 4]), ((-0.05, 0.83), 4, [0, 0.2, 0.4, 0.6, 0.8]), ((-4.4, 4.4), 3, [-4, -2, 0, 2, 4])],
+)
+def test_an_axis_of_the_page_has_two_numbers_at_least_and_as_many_as_have_room(ends, count, values) -> None:
+    found = run("answer(text.ticks(...given))", [*ends, count], modules=("text",))
+    np.testing.assert_allclose(found, values, atol=1e-12)
+    for span in np.geomspace(1, 10, 40):
+        for low in np.linspace(-span, 0.0, 12):
+            found = run("answer(text.ticks(...given))", [low, low + span, count], modules=("text",))
+            assert 2 <= len(found) <= max(count + 1, 5)
+
+
 def test_numbers_and_units_are_written_as_in_the_figures() -> None:
     values = [0.0, 10910.0, 0.625, -0.00031416, 123456.0, 3.0000004]
     found = run("answer(given.map((v) => text.number(v)));", values, ("text",))

@@ -19,7 +19,7 @@ export function diagrams(shape, units) {
     ...{ alongRod: true, cursor: (at) => [at.s, of(at)] },
     ...look,
   });
-  const title = "Angle β from the axis to the tangent",
+  const title = "Angle β to the axis",
     degrees = beta.map((v) => v * DEGREE),
     pushed = { zero: true, shaded: true, push },
     off = { zero: true, least: 1e-6 * one.L };

@@ -50,7 +50,7 @@ function showScale(box, { camera, drawn }, canvas, unit) {
   set(box, `${number(length)} ${unit} along the axis`);
 }
 
-const TICKS = 4,
+const TICKS = 3,
   TONES = 256;
 
 /* Show the colours of the push in a box of their name, a canvas and ticks. */

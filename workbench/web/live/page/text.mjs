@@ -59,13 +59,17 @@ export function stated(dimension, units, name) {
 export const PUSH = [-1, 1]; // a dimension
 export const CURVATURE = [-1, 0];
 
-/* Round values between two ends, about so many. */
+/* Round values between two ends: two at least, and by the steps 1, 2 and 5 no more than one above so many. */
 export function ticks(low, high, count) {
-  const raw = (high - low) / count,
-    power = 10 ** Math.floor(Math.log10(raw));
-  const step = power * [1, 2, 5, 10].find((m) => m * power >= raw * 0.999),
-    found = [];
-  for (let k = Math.ceil(low / step - 1e-9); k <= high / step + 1e-9; k++) found.push(k * step);
+  const power = 10 ** Math.floor(Math.log10((high - low) / count));
+  let found = [];
+  if (!(high > low)) return found;
+  for (const step of [10, 5, 2, 1].map((m) => m * power)) {
+    const next = [];
+    for (let k = Math.ceil(low / step - 1e-9); k <= high / step + 1e-9; k++) next.push(k * step);
+    if (found.length > 1 && next.length > count + 1) return found;
+    found = next;
+  }
   return found;
 }
 
