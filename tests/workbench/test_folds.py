@@ -67,6 +67,17 @@ def test_the_numbers_of_a_map_are_written_and_those_of_a_table_of_words_are_refu
     assert not Path("e.png").exists()
 
 
+def test_a_region_shows_all_its_stable_shapes_or_none_and_no_letters_cover_a_cusp() -> None:
+    shapes = {name: made()[name].copy(data=made()[name].values[[1, 1]]) for name in ("stable_alpha", "stable_z")}
+    for stable in (2, 3):  # in the region with much room, of which two are stored
+        stored = StoredStudy(made().assign(count_stable=("region", [stable, 1]), **shapes))
+        ax = region_figure.figure(stored, sheet("paper", width=89, titled=False)).axes[0]
+        assert len(ax.child_axes) == {2: 2, 3: 0}[stable]
+        ax.figure.draw_without_rendering()
+        (cusp,) = [line.get_xydata()[0] for line in ax.lines if line.get_label() == "cusp"]
+        assert not any(text.get_window_extent().contains(*ax.transData.transform(cusp)) for text in ax.texts)
+
+
 def test_a_map_of_folds_shows_what_is_stored() -> None:
     paper = sheet("paper", titled=False)
     pictures = {

@@ -10,7 +10,9 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.path import Path
 
 from solver.problem.errors import no_such
 
@@ -22,9 +24,10 @@ from .map_panel import HALO
 from .sheet import SCREEN, Sheet
 
 HIGH = 0.62  # height of the map over its width
-SHAPE, SMALL_SHAPE = 0.6, 0.4  # inches, the side of a shape, and that on a narrow map
+SHAPE, SMALL_SHAPE = 0.5, 0.3  # inches, the longer side of the largest shape, and that on a narrow map
 NARROW = 4.0  # inches of a map
-MOST, PAD = 4, 0.05  # shapes in a region; inches around a text
+MOST, APART, PAD = 4, 0.15, 0.09  # shapes in a region; inches between two of them, and more than a text has
+CLEAR = 0.06  # inches about a mark without letters
 GIVEN = ("the given rod", "the rod of Table 1")  # what the map was made of
 CURVES = {  # as of `_curves`
     ("fold", True): "fold of a stable and an unstable equilibrium",
@@ -49,6 +52,11 @@ MARK: dict[str, Any] = {
     "linestyle": "none",
     "zorder": 7,
 }
+VIEW = np.linspace(-1, 1, 30)
+SHAPES = Line2D(
+    [], [], color=colours.INK, linestyle="none", marker=Path(np.stack([VIEW, -0.5 * np.sin(4 * VIEW)], axis=1)),
+    markersize=13, fillstyle="none", markeredgewidth=1.1, label="stable shape, unrolled",
+)  # fmt: skip
 COUNT, STABLE = "count", "count_stable"  # of the equilibria of a region
 
 
@@ -128,8 +136,11 @@ def _panel(stored: StoredStudy, ax: Axes, inches: tuple[float, float], shown: st
     curves = sorted(enumerate(_curves(stored)), key=lambda curve: [*CURVES].index(curve[1]))  # as in the legend
     for k, curve in curves:
         ax.plot(*lines[k].T, zorder=3, solid_capstyle="round", gid=str(k + 1), label=CURVES[curve], **_look(*curve))
+    marks = list[Any]()
     if "cusp" in stored.sizes:
-        ax.plot(*(labels.in_label_unit(stored[name], stored[f"cusp_{name}"].values) for name in names), **CUSP)
+        cusps = [labels.in_label_unit(stored[name], stored[f"cusp_{name}"].values) for name in names]
+        ax.plot(*cusps, **CUSP)
+        marks += np.transpose(cusps).tolist()
     ax.set(
         xlim=edges[0],
         ylim=edges[1],
@@ -139,7 +150,11 @@ def _panel(stored: StoredStudy, ax: Axes, inches: tuple[float, float], shown: st
     point = np.array([float(labels.in_label_unit(stored[name], value)) for name, value in given])
     if ((edges[:, 0] <= point) & (point <= edges[:, 1])).all():
         ax.plot(*point, **MARK, label=GIVEN[bool(stored.attrs.get("reading"))])
-    notes, left_out = _name_regions(stored, ax, inches)
+        marks.append(point)
+    free = _free(
+        stored["region_at"].values, [(np.array(mark) - edges[:, 0]) / np.ptp(edges, axis=1) for mark in marks], inches
+    )
+    notes, left_out = _name_regions(stored, ax, free, inches)
     if shown is None:
         return [*notes]
     raster = regions.fine(stored["region_at"].values, [(line - edges[:, 0]) / np.ptp(edges, axis=1) for line in lines])
@@ -150,17 +165,17 @@ def _panel(stored: StoredStudy, ax: Axes, inches: tuple[float, float], shown: st
     ax.imshow(np.searchsorted(known, np.where(np.isnan(counts), known[:1], counts)), cmap=ramp, origin="lower",
               extent=(*edges[0], *edges[1]), aspect="auto", interpolation="nearest", alpha=0.8,
               vmin=-0.5, vmax=max(known.size, 2) - 0.5, zorder=0)  # fmt: skip
-    said = {int(count) for k, count in enumerate(stored[shown].values) if k not in left_out}
-    unsaid = sorted({int(stored[shown].values[k]) for k in left_out} - said)
-    noun = "stable equilibri" if shown == STABLE else "equilibri"
+    pairs = list(zip(stored[COUNT].values.tolist(), stored[STABLE].values.tolist(), strict=True))
+    unsaid = {pairs[k] for k in left_out} - {pair for k, pair in enumerate(pairs) if k not in left_out}
+    entries = dict[Any, dict[int, list[int]]]()  # of one colour
+    for pair in sorted(unsaid):
+        tone = (*ramp(int(np.searchsorted(known, pair[shown == STABLE])))[:3], 0.8)
+        entries.setdefault(tone, {}).setdefault(pair[0], []).append(pair[1])
     return [
         *notes,
         *(
-            Patch(
-                color=(*ramp(int(np.searchsorted(known, count)))[:3], 0.8),
-                label=f"{count} {noun}{'um' if count == 1 else 'a'}",
-            )
-            for count in unsaid
+            Patch(color=tone, label=", ".join(_words(count, *stable) for count, stable in of.items()))
+            for tone, of in entries.items()
         ),
     ]
 
@@ -179,62 +194,71 @@ def _look(kind: str, stable: bool) -> dict[str, Any]:
     }
 
 
-def _name_regions(stored: StoredStudy, ax: Axes, inches: tuple[float, float]) -> tuple[list[str], list[int]]:
-    """Write ``13 (2 stable)`` into each region with room, and its stable shapes below it where they fit too; where all
-    regions have as many stable ones, ``13`` alone in all but the largest.
+def _free(numbers: Any, marks: Sequence[Any], inches: tuple[float, float]) -> Any:
+    """The region of each cell, -1 for none and under the marks, which are given in shares of the map."""
+    rows, columns = np.indices(numbers.shape) + 0.5
+    places = np.stack([columns / numbers.shape[1], rows / numbers.shape[0]], axis=-1)
+    away = [np.hypot(*np.moveaxis((places - mark) * inches, -1, 0)) for mark in marks if np.isfinite(mark).all()]
+    return np.where(np.min(away, axis=0) < CLEAR, -1, numbers) if away else numbers
 
-    Returns notes, and the regions without room.
+
+def _name_regions(
+    stored: StoredStudy, ax: Axes, numbers: Any, inches: tuple[float, float]
+) -> tuple[list[str | Artist], list[int]]:
+    """Write ``13 (2 stable)`` into each region with room, and all its stable shapes below it where they fit too; where
+    all regions have as many stable ones, ``13`` alone in all but the largest.
+
+    numbers: the region of each cell, -1 where no letters may stand. Returns what is said of the shapes, and the regions
+    without room.
     """
-    numbers = stored["region_at"].values
     cell = inches[1] / numbers.shape[0], inches[0] / numbers.shape[1]
-    line, side = 1.3 * fonts.small() / 72, SHAPE if inches[0] > NARROW else SMALL_SHAPE
-    left_out, fewer, drawn = list[int](), False, False
+    line, longest = 1.3 * fonts.small() / 72, SHAPE if inches[0] > NARROW else SMALL_SHAPE
+    left_out, drawn = list[int](), False
     largest = np.bincount(numbers[numbers >= 0]).argmax()
     same = np.unique(stored["count_stable"].values).size == 1
+    views = _views(stored)
+    extent = max((float(np.ptp(view, axis=1).max()) for of in views for view in of), default=1.0)
     for k, (count, stable) in enumerate(zip(stored["count"].values, stored["count_stable"].values, strict=True)):
         text = f"{count}" if same else f"{count} ({stable} stable)"
-        full = f"{count} equilibri{'um' if count == 1 else 'a'} ({stable} stable)"
-        for said, shapes in (
-            *((full if k == largest else text, n) for n in range(0 if same else min(int(stable), MOST), -1, -1)),
-            *((part.replace(" ", "\n", 1), 0) for part in (full, text) if part is text or k == largest),
+        full = _words(count, stable)
+        sizes = [np.ptp(view, axis=1) / extent * longest + APART for view in views[k]]
+        shapes = float(sum(size[0] for size in sizes)), float(max((size[1] for size in sizes), default=0.0))
+        all_fit = bool(0 < len(sizes) == stable <= MOST and not same)
+        for said, (across_shapes, high_shapes) in (
+            *((full if k == largest else text, size) for size in [shapes] * all_fit + [(0.0, 0.0)]),
+            *((part.replace(" ", "\n", 1), (0.0, 0.0)) for part in (full, text) if part is text or k == largest),
         ):
             wide = fonts.width_of(said, fonts.small())
             high = line * (1 + said.count("\n"))
-            middle = regions.place(
-                numbers == k, cell, (high + (side + 2 * PAD) * bool(shapes) + PAD, max(wide, shapes * side) + PAD)
-            )
-            if middle is not None:
-                up, across = (place / size for place, size in zip(middle, numbers.shape, strict=True))
-                fewer, drawn = fewer or 0 < shapes < stable, drawn or shapes > 0
-                lift = (side / 2 + PAD) / inches[1] * bool(shapes)
-                ax.text(across, up + lift, said, transform=ax.transAxes, ha="center", va="center", size=fonts.small(),
-                        color=colours.INK, linespacing=1.1, path_effects=[HALO], zorder=6)  # fmt: skip
-                _draw_shapes(
-                    stored,
-                    ax,
-                    k,
-                    shapes,
-                    (across, up - (line / 2 + PAD) / inches[1]),
-                    (side / inches[0], side / inches[1]),
-                )
-                break
+            middle = regions.place(numbers == k, cell, (high + high_shapes + PAD, max(wide, across_shapes) + PAD))
+            if middle is None:
+                continue
+            up, across = (place / size for place, size in zip(middle, numbers.shape, strict=True))
+            ax.text(across, up + high_shapes / 2 / inches[1], said, transform=ax.transAxes, ha="center", va="center",
+                    size=fonts.small(), color=colours.INK, linespacing=1.1, path_effects=[HALO], zorder=6)  # fmt: skip
+            if high_shapes:
+                drawn = True
+                left, low = across - across_shapes / 2 / inches[0], up - (high + high_shapes) / 2 / inches[1]
+                for view, size in zip(views[k], sizes, strict=True):
+                    box = left, low, size[0] / inches[0], high_shapes / inches[1]
+                    unrolled.draw_inset(ax, box, view[0], view[1], tuple(size * extent / longest))
+                    left += box[2]
+            break
         else:
             left_out.append(k)
-    which = "; where there is not room for all, those of lowest energy" if fewer else ""
-    note = f"Shapes: unrolled views of the stable equilibria, {fonts.WAYS}, all at one scale{which}."
-    return [note] * drawn, left_out
+    note = f"Shapes: unrolled views of the stable equilibria, {fonts.WAYS}, all at one scale; dot: s = 0."
+    return [note, SHAPES] * drawn, left_out
 
 
-def _draw_shapes(
-    stored: StoredStudy, ax: Axes, k: int, count: int, middle: tuple[float, float], side: tuple[float, float]
-) -> None:
-    """So many stable shapes of a region side by side about a place; places and sizes in shares of the map."""
-    rho, alpha, z = _rho(stored), stored["stable_alpha"].values, stored["stable_z"].values
-    extents = [rho[:, None] * np.ptp(alpha, axis=2), np.ptp(z, axis=2)]
-    size = 1.08 * max((float(np.nanmax(extent)) for extent in extents if np.isfinite(extent).any()), default=1.0)
-    for i in range(count):
-        box = middle[0] + (i - count / 2) * side[0], middle[1] - side[1] / 2, *side
-        unrolled.draw_inset(ax, box, z[k, i], rho[k] * (alpha[k, i] - alpha[k, i, 0]), (size, size))
+def _words(count: int, *stable: int) -> str:
+    return f"{count} equilibri{'um' if count == 1 else 'a'} ({' or '.join(map(str, stable))} stable)"
+
+
+def _views(stored: StoredStudy) -> list[list[Any]]:
+    """The stable shapes of each region, unrolled: z and the distance around the cylinder, (2, stations) each."""
+    alpha, z = stored["stable_alpha"].values, stored["stable_z"].values
+    around = _rho(stored)[:, None, None] * (alpha - alpha[..., :1])
+    return [[view for view in of if np.isfinite(view).all()] for of in np.stack([z, around], axis=2)]
 
 
 def _rho(stored: StoredStudy) -> Any:
