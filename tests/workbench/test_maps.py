@@ -155,6 +155,28 @@ def test_a_rod_that_turns_back_sets_no_scale_and_a_size_of_rounding_neither() ->
     assert not any("no colour" in text for text in canvas.caption(every))  # all of them do
 
 
+def test_one_case_far_from_all_others_does_not_take_the_scale_of_colours_and_is_told() -> None:
+    axes = small.axis("E", [1e4, 2e4, 3e4, 4e4, 5e4, 6e4, 7e4]) + small.axis("R", [1.0, 1.1, 1.2, 1.3, 1.4, 1.5])
+    ds = in_memory.run(small.study(axes, 'observables = ["push_max"]'))
+    push = np.linspace(10.0, 20.0, 42).reshape(7, 6)
+    for farthest, ends, extend in ((20.0, (10.0, 20.0), "neither"), (700.0, (10.0, push[-1, -2]), "max")):
+        push[-1, -1] = farthest
+        fig = map_figure.figure(StoredStudy(ds.assign(push_max=(("E", "R"), push))), show=["push_max"])
+        (mesh,) = [one for one in maps(fig)[0].collections if one.get_array() is not None]
+        assert (mesh.norm.vmin, mesh.norm.vmax) == pytest.approx(ends)
+        assert mesh.colorbar.extend == extend
+        told = [text for text in canvas.caption(fig) if "Beyond the colours" in text]
+        assert [text.endswith("up to 700.") for text in told] == [True] * (extend == "max")
+
+
+def test_each_mark_of_a_case_on_a_map_stands_in_its_legend(regimes) -> None:
+    for cautions, marks in ((["", "lifts off"], 2), (["", ""], 1), (["lifts off"] * 2, 1)):
+        ds = regimes.assign(caution=regimes["caution"].copy(data=np.resize(cautions, regimes["caution"].shape)))
+        fig = map_figure.figure(StoredStudy(ds))
+        words = [text.get_text() for key in fig.legends for text in key.get_texts()]
+        assert sum(text.startswith("a case") for text in words) == marks
+
+
 def test_maps_of_a_study_are_four_those_of_laws_first_and_the_others_are_named() -> None:
     names = ["bends", "height", "turns_around", "push_max", "attached", "kappa_max"]
     axes = small.axis("E", [1e4, 2e4]) + small.axis("R", [1.0, 1.2])

@@ -189,6 +189,7 @@ class _Maps:
         self.drawn[name].append(ax)
         if k == len(self.columns) - 1:
             self.colours[name].bar(mesh, self.drawn[name])
+            said += self.colours[name].notes
         return [*entries, *said]
 
     def draw_law(self, law: "_JudgedLaw", ax: Axes) -> canvas.Said:

@@ -27,6 +27,10 @@ from .halo import Halo
 from .map_cells import STRAIGHT, Cells, Choice
 
 Values = NDArray[np.float64]
+# the scale of colours ends at the last value that is so many times the range of the others away from their middle;
+# the others: all but this share at either end
+REACH, OUTLIERS = 1.5, 0.025
+MOST_TAKEN = 0.5  # but it ends at outliers where the rest takes more of it
 DECADES = 1e3  # ratio of the values from which their colours are logarithmic
 MOST_COLOURS = 256  # counts, each with a colour of its own
 MOST_CLASSES = 24  # of a count, with a border between each two
@@ -48,7 +52,8 @@ HALO = Halo(2.2, 0.75)
 class Colours:
     """The one scale of colours of an observable, over all its panels.
 
-    said: ``, 3 in all cases`` of a constant, which is white and has no bar; else nothing.
+    said: ``, 3 in all cases`` of a constant, which is white and has no bar; else nothing. extend: at which ends of its bar
+    an arrow stands for outliers; notes: how far these are.
     """
 
     def __init__(self, stored: StoredStudy, name: str, values: Values) -> None:
@@ -58,6 +63,7 @@ class Colours:
         self.constant = stored.is_level(name)  # what rounding and errors allow is no news
         self.said = f", {stored.level_in_words(name)}" if self.constant else ""
         self.cmap: Colormap = colours.map_colours()
+        self.extend, self.notes = "neither", list[str]()
         self.norm = Normalize(low, high)
         if self.constant:
             self.cmap, self.norm = ListedColormap(["white"]), Normalize(low - 1, high + 1)
@@ -68,13 +74,30 @@ class Colours:
             self.norm = Normalize(low - 0.5, high + 0.5)
         elif low > 0 and high > DECADES * low:  # of sizes above rounding
             self.norm = LogNorm(float(known[known > NOISE * high].min()), high)
+        elif known.size:
+            inner = _without_outliers(known)
+            self.norm = Normalize(float(inner.min()), float(inner.max()))
+            far = {"min": f"down to {labels.number(low)}"} if inner.min() > low else {}
+            far |= {"max": f"up to {labels.number(high)}"} if inner.max() < high else {}
+            if far:
+                self.extend = "both" if len(far) == 2 else next(iter(far))
+                self.notes.append(
+                    f"Beyond the colours: {labels.label(stored[name], long=True)} {', '.join(far.values())}."
+                )
 
     def bar(self, mesh: Any, axes: list[Axes]) -> None:
         """The bar of colours beside the panels; none of a constant."""
         if self.constant:
             return
-        bar = canvas.colour_bar(axes, mesh, pad=0.015, aspect=30, fraction=0.05)
+        bar = canvas.colour_bar(axes, mesh, pad=0.015, aspect=30, fraction=0.05, extend=self.extend)
         bar.locator = RoomLocator("counts" if self.count else "numbers")
+
+
+def _without_outliers(known: Values) -> Values:
+    """Values without those that would take most of their scale."""
+    bulk = np.quantile(known, [OUTLIERS, 1 - OUTLIERS])
+    inner = known[np.abs(known - bulk.mean()) <= REACH * np.ptp(bulk)]
+    return inner if inner.size and 0 < np.ptp(inner) < MOST_TAKEN * np.ptp(known) else known
 
 
 def draw(ax: Axes, cells: Cells, name: str, scale: Colours, inches: tuple[float, float], pale: float = 1.0) -> Any:
@@ -113,12 +136,14 @@ def entries(panels: list[Cells], shown: tuple[str, ...], inches: tuple[float, fl
     most = _one_of(max(panel.samples()[2].size for panel in panels), inches)
     few = f" (one of {most} is shown)" if most > 1 else ""
     dense = DENSE if SAMPLE in panels[0].source.sizes else ""
-    is_mixed = bool(barred.any() and not barred.all())
+    marks = {"." * bool(~barred.all()): "a case", "x" * bool(barred.any()): BARRED[0]}
     legend: list[Artist] = [
         Line2D([], [], label=label, marker=mark, markersize=LARGER * SIZES[mark], **SAMPLES)
-        for mark, label in ((".", f"a case{few}{dense}"), ("x", BARRED[0]))
-        if is_mixed
+        for mark, label in marks.items()
+        if mark
     ]
+    is_mixed = len(legend) > 1
+    legend[0].set_label(f"{legend[0].get_label()}{few}{dense}")
     numbers = [
         (np.isnan(panel.values(name)) & panel.solved & ~panel.turned, panel.unbent(name))
         for panel in panels
