@@ -44,12 +44,12 @@ WIDE = (
         (4.6, 2.87, 1.9, 0.08),
     ),
 )
-NARROW = 4.98, ((0.0, 3.38, 1.3, 1.45), (0.02, 2.33, 3.46, 0.9), (1.85, 3.76, 1.6, 0.8), (1.5, 0.2, 1.95, 0.58),
+NARROW = 5.63, ((0.0, 4.03, 1.3, 1.45), (0.02, 2.33, 3.46, 1.55), (1.85, 4.41, 1.6, 0.8), (1.5, 0.2, 1.95, 0.58),
                 (1.95, 2.14, 1.2, 0.05))  # fmt: skip
 # the letters of the panels in one column or two, as one reads them, and their left and upper edges
 LETTERS = {
     False: ("abcd", ((0.05, 5.45), (1.9, 5.45), (0.05, 2.2), (2.5, 2.2))),
-    True: ("acbd", ((0.03, 4.96), (0.03, 3.38), (1.35, 4.96), (0.03, 1.6))),
+    True: ("acbd", ((0.03, 5.61), (0.03, 4.03), (1.35, 5.61), (0.03, 1.6))),
 }
 MARKS: dict[str, dict[str, Any]] = {
     HOLDS: {"marker": "o"},
@@ -58,6 +58,7 @@ MARKS: dict[str, dict[str, Any]] = {
     UNDECIDED: {"marker": "o", "fillstyle": "none"},
     FAILS: {"marker": "X"},
 }
+MOST, ROOM = 9, 0.45  # rods side by side; inches for each, or every second one is left out
 SHORT = {"tension": "tens.", "compression": "compr."}  # on one column
 WIDE_TABLE = 2.2  # inches of a table of claims from which its heads are written in full
 WORDS = {"mean |f|": "contact force"}
@@ -158,7 +159,8 @@ def row(stored: StoredStudy, ax: Axes, below: Axes) -> None:
 
     below: the axes of the bar of the colours.
     """
-    chosen = drawn_rods.choose(stored, ("alpha", "beta", "z", "push"), most=9)
+    most = MOST if fonts.inches(ax)[0] > ROOM * MOST else MOST // 2 + 1  # every second one
+    chosen = drawn_rods.choose(stored, ("alpha", "beta", "z", "push"), most=most)
     R, norm = float(stored["R"]), push_scale.scale([rod["push"] for rod in chosen.solved])
     heights = np.concatenate([rod["z"] for rod in chosen.solved])
     ends = float(heights.min()) - R, float(heights.max()) + R
@@ -167,14 +169,12 @@ def row(stored: StoredStudy, ax: Axes, below: Axes) -> None:
         _Eye(float(np.mean(rod["alpha"])) - TURNED if rod.arrays is not None else 0.0, k * step)
         for k, rod in enumerate(chosen.rods)
     ]
-    every = 2 if fonts.inches(ax)[0] < 0.45 * len(chosen.rods) else 1
-    for k, (rod, eye) in enumerate(zip(chosen.rods, eyes, strict=True)):
+    for rod, eye in zip(chosen.rods, eyes, strict=True):
         foot = eye.to_page([0, 0, ends[0]]) - [0, 0.5 * R]
         if rod.arrays is not None:
             shown = rod.between(0.0, 1.0, 260)
             _rod(ax, eye, shown, colours.push_ramp()(norm(shown["push"]))[:, :3], ends, R)
-        if k % every == 0:
-            _write(ax, foot, rod.value if rod.arrays is not None else rod.why, (0, -5))
+        _write(ax, foot, rod.value if rod.arrays is not None else rod.why, (0, -5))
     _frame(ax)
     ringed = [_ring(ax, rod, eye, R) for rod, eye in zip(chosen.rods, eyes, strict=True) if rod.arrays is not None]
     ax.set_title(chosen.axis_label(), loc="center", size=fonts.small(), pad=2)
