@@ -460,7 +460,11 @@ def test_the_light_on_the_rod_beside_its_other_stretches_is_that_of_the_pictures
 
 @pytest.mark.parametrize(
     ("ends", "count", "values"),
-    [((-4.9, 4.9), 4, [-4, -2, 0, 2, 4]), ((-0.05, 0.83), 4, [0, 0.2, 0.4, 0.6, 0.8]), ((-4.4, 4.4), 3, [-4, -2, 0, 2, 4])],
+    [
+        ((-4.9, 4.9), 4, [-4, -2, 0, 2, 4]),
+        ((-0.05, 0.83), 4, [0, 0.2, 0.4, 0.6, 0.8]),
+        ((-4.4, 4.4), 3, [-4, -2, 0, 2, 4]),
+    ],
 )
 def test_an_axis_of_the_page_has_two_numbers_at_least_and_as_many_as_have_room(ends, count, values) -> None:
     found = run("answer(text.ticks(...given))", [*ends, count], modules=("text",))

@@ -52,8 +52,8 @@ HALO = Halo(2.2, 0.75)
 class Colours:
     """The one scale of colours of an observable, over all its panels.
 
-    said: ``, 3 in all cases`` of a constant, which is white and has no bar; else nothing. extend: at which ends of its bar
-    an arrow stands for outliers; notes: how far these are.
+    said: ``, 3 in all cases`` of a constant, which is white and has no bar; else nothing. extend: at which ends of its
+    bar an arrow stands for outliers; notes: how far these are.
     """
 
     def __init__(self, stored: StoredStudy, name: str, values: Values) -> None:
