@@ -402,6 +402,31 @@ def test_the_outline_of_a_slanted_hidden_stretch_has_no_gaps() -> None:
     assert (line[:, 5:-5].sum(axis=0) >= 2).all()  # the upper and the lower edge
 
 
+@draws
+def test_the_outline_between_two_hidden_turns_that_touch_has_no_gaps() -> None:
+    a, slant = 44.0, 0.02  # samples
+    i, j = np.indices((260, 400))
+
+    def turn(middle: float, deep: float) -> np.ndarray:
+        return (
+            deep
+            - np.sqrt(np.maximum(a**2 - (i - middle - slant * j) ** 2, 0))
+            + 1e3 * (abs(i - middle - slant * j) >= a)
+        )
+
+    first, depth = 60.0, 1000.0
+    for angle in np.radians([24, 32, 40]):
+        rods = (
+            np.minimum(turn(first, 100.0), turn(first + 2 * a * np.cos(angle), 100.0 + 2 * a * np.sin(angle))) / depth
+        )
+        drawn = rendering.Drawn(rendering.edge_between(a, 1.0) / depth, 0.42 * a, 1.0)
+        line, _ = rendering.hidden_lines(
+            np.minimum(rods, 1).astype(np.float32), np.zeros((260, 400), np.float32), drawn
+        )
+        between = np.abs(i - first - a - slant * j) < 4
+        assert (line & between)[:, 5:-5].any(axis=0).all()
+
+
 def test_the_hole_of_a_long_pipe_is_an_eighth_as_high_as_long_in_a_film() -> None:
     ds = in_memory.run(loads(small.text(PIPE | {"FZ": -1.0}, units="m kN", stations=201)))
     (rod,) = long_rod.compress([body(ds, "plain")], film.FILMED)

@@ -22,6 +22,9 @@ from .views import Camera, View
 COLOUR_PIXELS = 2  # between rings; on shorter intervals colours need not be true
 ALL_TRIANGLES = 8_000_000  # of a picture, in equal shares for its rods or lines: they take some 3 GB
 THIN = 6.0  # pixels of thickness, below which hidden stretches have no outline
+# an edge between two stretches is a step of depth so many times that between two samples at the limb of one.
+# x10: turns that touch have no edge, or dashes where their step is about as large
+LIMB = 1.1
 # Lights fixed to the camera: azimuth and elevation in degrees, intensity. The first is at the camera: nothing that is
 # seen is black.
 LIGHTS = ((0, 0, 0.3), (-28, 25, 0.32))
@@ -125,8 +128,13 @@ def _draw(placed: Sequence[Placed], camera: Camera, depth: float, block: int, li
     stranded = any(body.paint.strands for _, body in bodies)  # an outline of strands is a tangle
     if thick < THIN or stranded or not any(view.hides(body, camera) for view, body in bodies):
         return None
-    edge = 0.6 * min(body.a for _, body in bodies)
-    return Drawn(edge / depth, 0.7 * edge * camera.per_unit * block, max(line * block, 1.0))
+    a, samples = min(body.a for _, body in bodies), camera.per_unit * block
+    return Drawn(edge_between(a, samples) / depth, 0.42 * a * samples, max(line * block, 1.0))
+
+
+def edge_between(a: float, samples: float) -> float:
+    """The step of depth that is an edge between two stretches of rods of a radius [length]; samples: in a length."""
+    return float(min(0.6 * a, LIMB * (2 * a / samples) ** 0.5))
 
 
 def _set_camera(plotter: Any, placed: Sequence[Placed], camera: Camera, size: tuple[int, int]) -> float:
