@@ -45,7 +45,6 @@ def scene(
     from ..scene import film
     from ..stored import reading
     from ..stored.stored_case import is_study
-    from ..stored.stored_study import StoredStudy
     from . import study_scene
 
     out, suffix = wanted.out, "" if wanted.out is None else wanted.out.suffix.lower()
@@ -59,7 +58,7 @@ def scene(
     if is_stored and reading.kind_of_file(file).figure == "branches":
         from . import scene_branches
 
-        return scene_branches.scene_of(file, StoredStudy(reading.read(file, study=False)), wanted)
+        return scene_branches.scene_of(file, reading.stored_study(file, study=False), wanted)
     if out is not None and is_film:
         if len({*wanted.axes, wanted.along} - {None}) > 1:
             raise InputError(f"a film runs along one axis, got {choices([*wanted.axes, wanted.along])}")

@@ -73,10 +73,9 @@ def export(
     from ..export.file_format import ExportOptions
     from ..scene.settings import color_of
     from ..stored import reading
-    from ..stored.stored_study import StoredStudy
 
     stored_rod.format_of(out)  # before a large file is read
-    stored = StoredStudy(reading.read(file))
+    stored = reading.stored_study(file)
     shade = color_of("--color", color)
     options = ExportOptions(axis_values(stored, at), tolerance, centreline, overlap, triangles, shade)
     done = stored_rod.export(stored, out, options, force, console.warn)

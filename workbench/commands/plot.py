@@ -129,7 +129,6 @@ def plot(file: File, wanted: PlotOptions) -> Result:
     from ..figures import canvas, drawn_numbers, map_panel
     from ..figures.sheet import sheet
     from ..stored import file_kinds, reading
-    from ..stored.stored_study import StoredStudy
 
     given, kind = wanted.of_figure, wanted.kind
     of_kind = [*given, *(["range"] if wanted.range_ else [])]
@@ -140,7 +139,7 @@ def plot(file: File, wanted: PlotOptions) -> Result:
         return _story(file, wanted)
     page, of = sheet(wanted.style, wanted.width, not wanted.no_title, wanted.panel), reading.kind_of_file(file)
     if of is file_kinds.STUDY:
-        stored = StoredStudy(reading.read(file))
+        stored = reading.stored_study(file)
         stored.check_any_solved()
         kind = figure_kinds.kind_of(stored, kind, of_kind)
     else:
@@ -148,7 +147,7 @@ def plot(file: File, wanted: PlotOptions) -> Result:
             raise file_kinds.other_kind(file, of, "plot has no figure of it")
         if alien := [name for name in named if name not in figure_kinds.KINDS[of.figure].options]:
             raise InputError(f"{file} is {of.what}, which plot draws without --{alien[0]}")
-        stored, kind = StoredStudy(reading.read(file, study=False)), of.figure
+        stored, kind = reading.stored_study(file, study=False), of.figure
     for word in wanted.without or ():
         stored = stored.without(word.replace("-", " "))
     page = replace(page, ranges=_ranges(stored, wanted.range_))
@@ -218,11 +217,9 @@ def _story(folder: Path, wanted: PlotOptions) -> Result:
     from ..figures import canvas
     from ..figures.sheet import sheet
     from ..stored import reading
-    from ..stored.stored_study import StoredStudy
 
     story = tenants.module_of("workbench.paper.story")
     path = check_file(wanted.out or folder / "story.png", canvas.DIAGRAMS, wanted.force)
-    files = {name: reading.read(folder / f"{name}.h5", study=name != story.CLAIMS) for name in story.NEEDED}
-    datasets = {name: StoredStudy(ds) for name, ds in files.items()}
+    datasets = {name: reading.stored_study(folder / f"{name}.h5", study=name != story.CLAIMS) for name in story.NEEDED}
     canvas.save(story.figure(datasets, sheet("paper", wanted.width or 183, titled=False)), path, wanted.dpi)
     return result_of_files([path])

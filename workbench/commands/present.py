@@ -42,6 +42,19 @@ class Result:
     afterwards: Callable[[], None] | None = None
 
 
+@dataclass(frozen=True)
+class _Files:
+    """What a command is asked to write, and how a picture is drawn."""
+
+    plot: Path | None = None
+    out: Path | None = None
+    style: Style = "screen"
+    width: Width = None
+    no_title: NoTitle = False
+    dpi: Dpi = 200
+    force: bool = False
+
+
 def result_of_files(
     paths: Sequence[Path], sentences: Sequence[str] = (), warnings: Sequence[str] = (), status: int = 0
 ) -> Result:
@@ -90,9 +103,9 @@ def presents(
 
         @wraps(command)
         def run(*args: Any, **options: Any) -> int:
-            files = {name: options.pop(name, default) for name, (_, default) in written.items()}
+            files = _Files(**{name: options.pop(name) for name in written if name in options})
             as_json = options.get("json", False) if takes_json else options.pop("json", False)
-            sheet = _check_files(**files, kind=kind, suffixes=suffixes) if written else None
+            sheet = _sheet_of(files, kind, suffixes) if written else None
             if case:
                 options["given"] = case_options.case_given_by(options, case)
             for name, record in records.items():
@@ -102,8 +115,7 @@ def presents(
                 result = command(*args, **options)
             except Undone as error:
                 result = result_of_files([], warnings=[str(error)], status=1)
-            kept = {name: files[name] for name in ("plot", "out", "force", "dpi")} if written else {}
-            present(result, as_json, **kept, sheet=sheet)
+            present(result, as_json, files, sheet)
             if result.afterwards is not None:
                 result.afterwards()
             return result.status
@@ -145,62 +157,39 @@ def _options(plot: str, out: str, force: str, short: str) -> dict[str, tuple[Any
     return {
         "plot": (Annotated[Path | None, option("FILE", plot, *o["plot"])], None),
         "out": (Annotated[Path | None, option("FILE", out, *o["out"])], None),
-        "style": (Style, "screen"),
-        "width": (Width, None),
-        "no_title": (NoTitle, False),
-        "dpi": (Dpi, 200),
+        **{name: kind for name, kind in _options_of(_Files).items() if name not in ("plot", "out", "force")},
         "force": (Annotated[bool, flag(force, "--force")] if force else ForceOutput, False),
     }
 
 
-def _check_files(
-    plot: Path | None,
-    out: Path | None,
-    style: str,
-    width: float | None,
-    no_title: bool,
-    dpi: int,
-    force: bool,
-    kind: str,
-    suffixes: tuple[str, ...],
-) -> "Sheet | None":
+def _sheet_of(files: _Files, kind: str, suffixes: tuple[str, ...]) -> "Sheet | None":
     """The sheet of the picture, before anything is computed; None without a picture.
 
     Raises `InputError` for a file that cannot be written, and for an option of a picture without a picture.
     """
     from ..run import writing
 
-    if out is not None and suffixes:
-        check_file(out, suffixes, force)
-    elif out is not None:
-        writing.check_parent(out)
-        if not force:
-            writing.check_free(out, kind)
-    if plot is None:
-        given = {"--style": style != "screen", "--width": width is not None, "--no-title": no_title}
-        if named := [name for name, is_given in given.items() if is_given]:
-            raise InputError(f"{named[0]} is an option of the picture: give also --plot FILE")
+    if files.out is not None and suffixes:
+        check_file(files.out, suffixes, files.force)
+    elif files.out is not None:
+        writing.check_parent(files.out)
+        if not files.force:
+            writing.check_free(files.out, kind)
+    if files.plot is None:
+        for name in ("style", "width", "no_title"):
+            if getattr(files, name) != getattr(_Files(), name):
+                raise InputError(f"--{name.replace('_', '-')} is an option of the picture: give also --plot FILE")
         return None
     from ..figures import canvas
     from ..figures.sheet import sheet
 
-    check_file(plot, canvas.DIAGRAMS, force)
-    return sheet(style, width, not no_title)
+    check_file(files.plot, canvas.DIAGRAMS, files.force)
+    return sheet(files.style, files.width, not files.no_title)
 
 
-def present(
-    result: Result,
-    as_json: bool,
-    plot: Path | None = None,
-    out: Path | None = None,
-    force: bool = False,
-    dpi: int = 0,
-    sheet: "Sheet | None" = None,
-) -> None:
+def present(result: Result, as_json: bool, files: _Files, sheet: "Sheet | None") -> None:
     """Store and draw what is asked for, then print it, the caption of a picture, and the files that are written."""
-    caption: Sequence[str] = ()
-    written: list[Path] = []
-    dataset = None
+    plot, out, caption, written, dataset = files.plot, files.out, list[str](), list[Path](), None
     if result.dataset is not None and (plot or (out and result.write is None)):
         dataset = result.dataset()
     if out and result.write is not None:
@@ -209,7 +198,7 @@ def present(
     elif out and dataset is not None:
         from ..run import writing
 
-        writing.write(dataset, out, force)
+        writing.write(dataset, out, files.force)
         written.append(out)
     if plot and dataset is not None:
         from ..figures import canvas, figure_kinds
@@ -217,7 +206,7 @@ def present(
 
         assert sheet is not None
         drawn = figure_kinds.figure(StoredStudy(dataset), result.figure, sheet)
-        canvas.save(drawn, plot, dpi)
+        canvas.save(drawn, plot, files.dpi)
         written.append(plot)
         caption = canvas.caption(drawn)
     if as_json:

@@ -108,17 +108,17 @@ class SceneOptions:
 
     def settings(self, dpi: int) -> "Settings":
         """How it is drawn; dpi: where none was given. Raises `InputError` for an invalid option."""
-        from ..scene.settings import Settings, check, color_of, color_range_of, size_of
+        from ..scene.settings import Settings, check, color_of, pair_of
 
         settings = Settings(
             pixel_error=self.pixel_error,
             dpi=self.dpi or dpi,
             span=None if self.low is self.high is None else (self.low or 0.0, inf if self.high is None else self.high),
             camera=self.camera,
-            color_range=color_range_of(self.color_range),
+            color_range=pair_of(self.color_range, ",", float, "--color-range takes two numbers LOW,HIGH"),
             bare=self.bare,
             transparent=self.transparent,
-            size=size_of(self.size),
+            size=pair_of(self.size, "x", int, "--size takes WIDTHxHEIGHT in pixels, for example 1600x1200"),
             theme=self.theme,
             background=color_of("--background", self.background),
             color=color_of("--color", self.color),

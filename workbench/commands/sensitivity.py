@@ -93,7 +93,7 @@ def _local(
         study = load(file)
         stored = StoredStudy(in_memory.outline(study))
     else:
-        stored = StoredStudy(reading.read(file))
+        stored = reading.stored_study(file)
         study = stored.study
     solution = stored_case.solve_case(stored, axis_values(stored, at), study)
     table = derivatives.local(
@@ -110,11 +110,10 @@ def _indices(
     """The indices of a stored study, and the sentences on them."""
     from ..influence import sobol_indices
     from ..stored import reading, stored_case
-    from ..stored.stored_study import StoredStudy
 
     if stored_case.is_study(file):
         raise InputError(f"--global needs a stored study: workbench run {file} stores one")
-    stored = StoredStudy(reading.read(file))
+    stored = reading.stored_study(file)
     share = sobol_indices.CONFIDENCE if confidence is None else confidence
     table = sobol_indices.sobol(stored.ds, show, axis_values(stored, at), share)
     return table, sobol_indices.sentences(table)

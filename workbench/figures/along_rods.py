@@ -239,7 +239,7 @@ def alone(ax: Axes, rods: DrawnRods, name: str) -> list[str]:
         _shade_pulls(ax, s, values)
     else:
         look = {"color": colours.DATA, "linewidth": 1.8, "gid": rod.name}
-        said = _draw_line(ax, s, values, inches, look)
+        said = waves.draw(ax, s, values, inches, look)
     ax.axhline(0, color=colours.SOFT, linewidth=0.8)
     ax.set_ylabel(f"{title} [{unit.strip()}]" if unit.strip() else title)
     words = TITLES | {"beta": "angle from the axis to the tangent", "push": "push of the cylinder per length"}
@@ -300,7 +300,7 @@ def _draw_curves(ax: Axes, rods: DrawnRods, curves: Curves) -> list[str]:
                 said += push_scale.line(ax, s[of], values[of], push[of], norm, width, rod.name, where, order, inches)
         elif curves.name != STATES:
             look = {"color": shades[k], "linewidth": 1.1, "gid": rod.name}
-            said += _draw_line(ax, s, values, inches, look, where, order)
+            said += waves.draw(ax, s, values, inches, look, where, order)
         if curves.name not in ARRAYS:
             continue
         for state in pipe_map.states_of(rods, rod):
@@ -311,7 +311,7 @@ def _draw_curves(ax: Axes, rods: DrawnRods, curves: Curves) -> list[str]:
             }
             if curves.name == STATES:
                 part = (s >= state.begin) & (s <= state.end)
-                said += _draw_line(ax, s[part], values[part], inches, look, where, order)
+                said += waves.draw(ax, s[part], values[part], inches, look, where, order, label=look["label"])
                 continue
             ends, half = [state.begin, state.end], curves.size / 2
             ax.fill_between(ends, -half, half, alpha=SHADE, linewidth=0, transform=where, zorder=0.5, **look)
@@ -337,19 +337,6 @@ def _unbroken(s: Any, values: Any, inches: float) -> list[slice]:
     bands = [stretch.of for stretch in waves.stretches(s, values, inches) if stretch.band]
     cuts = [k for k in breaks.tolist() if not any(of.start < k < of.stop for of in bands)]
     return [slice(*ends) for ends in pairwise([0, *cuts, s.size])]
-
-
-def _draw_line(
-    ax: Axes, s: Any, values: Any, inches: float, look: Mapping[str, Any], where: Any = None, order: float = 2.0
-) -> list[str]:
-    """Draw a curve over s in one colour; returns what is to be said of it. inches: of a unit of s."""
-    where = where or ax.transData
-
-    def line(of: slice) -> None:
-        ax.plot(s[of], values[of], transform=where, zorder=order, **look)
-
-    label = str(look.get("label", ""))
-    return waves.draw(ax, s, values, inches, line, look["color"], look["gid"], where, order, label)
 
 
 def _name_curves(ax: Axes, rods: DrawnRods, curves: Curves, tall: float, labelled: bool) -> None:

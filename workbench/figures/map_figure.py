@@ -82,58 +82,43 @@ def figure(
     InputError
         As of `map_cells.choose`; where shapes are not stored or more than the values of an axis; for invalid laws.
     """
+    verdicts = stored.verdicts if "laws" in stored.attrs else []
+    whole = stored if stored.is_refined else None
+    grid = stored if whole is None else raster_of(stored)
+    watched = [] if whole is None else list(whole.refinement.watch)  # what else it stores is as coarse as ever
+
+    def draw(most: int) -> Figure:
+        """The maps of so many observables at most."""
+        choice = choose(grid, x, y, show or watched, at, max(int((sheet.width - 1.5) / LEAST_COLUMN), 1), most)
+        if shapes is not None:
+            map_panel.check_shapes(stored, grid, choice, shapes)
+        columns = [cells(grid, choice, where, whole) for where in choice.places()]
+        laws = _judge(grid, choice, verdicts) if whole is None else []
+        maps = _Maps(grid, choice, columns, [law for law in laws if law.row["axis"] in (choice.x, choice.y)], sheet)
+        elsewhere = [law for law in laws if law not in maps.laws]
+        mixed = [law for law in elsewhere if law.is_mixed()]
+        rows = maps.rows_of_panels()
+        rows += canvas.in_rows([partial(maps.draw_law, law) for law in mixed], len(rows[0][1]), maps.small[1] + 1.2)
+        if shapes is not None:
+            rows.append((maps.of_shapes[1] + 0.8, [partial(maps.draw_shapes, shapes)]))
+        said: list[str | Artist] = [*map_panel.entries(columns, choice.shown, maps.inches)]
+        said += [] if whole is None else _refinement(whole, verdicts)
+        said += [f"Law {law.sentence(grid)}." for law in maps.laws if choice.along]
+        if choice.along and len(choice.columns) < grid.sizes[choice.along]:
+            of = f"the {grid.sizes[choice.along]} values of {labels.axis_symbol(choice.along)}"
+            said.append(f"The columns show {len(choice.columns)} of {of}.")
+        said += grid.level_notes(grid.observables) if not show else []
+        coarse = [name for name in grid.observables if watched and not show and name not in watched]
+        said += canvas.say_left_out([*choice.left_out, *coarse], "--show")
+        if choice.along and choice.held:
+            said.append(f"All maps: {grid.equations(choice.held)}.")
+        said += [f"Law {law.sentence(grid)}." for law in elsewhere if law not in mixed]
+        return canvas.page(stored, sheet, rows, said, 0.4)
+
     most = MOST_NARROW if sheet.narrow and not show else MOST_MAPS
-    draw = partial(_figure_of, stored, x, y, show, at, shapes, sheet)
     if show or sheet.style != "paper":
         return draw(most)
     return print_heights.with_room(draw, min(most, max(len(stored.observables), 1)))
-
-
-def _figure_of(
-    stored: StoredStudy,
-    x: str | None,
-    y: str | None,
-    show: Sequence[str],
-    at: Mapping[str, float] | None,
-    shapes: map_panel.ShapeCounts | None,
-    sheet: Sheet,
-    most: int,
-) -> Figure:
-    """The maps of so many observables at most."""
-    verdicts = stored.verdicts if "laws" in stored.attrs else []
-    whole = stored if stored.is_refined else None
-    stored = raster_of(stored) if stored.is_refined else stored
-    watched = (
-        [] if whole is None else list(whole.refinement.watch)
-    )  # what else a refinement stores is as coarse as ever
-    choice = choose(stored, x, y, show or watched, at, max(int((sheet.width - 1.5) / LEAST_COLUMN), 1), most)
-    if shapes is not None:
-        map_panel.check_shapes(stored if whole is None else whole, stored, choice, shapes)
-    columns = [cells(stored, choice, where, whole) for where in choice.places()]
-    laws = _judge(stored, choice, verdicts) if whole is None else []
-    maps = _Maps(stored, choice, columns, [law for law in laws if law.row["axis"] in (choice.x, choice.y)], sheet)
-    elsewhere = [law for law in laws if law not in maps.laws]
-    mixed = [law for law in elsewhere if law.is_mixed()]
-    rows = maps.rows_of_panels()
-    rows += canvas.in_rows([partial(maps.draw_law, law) for law in mixed], len(rows[0][1]), maps.small[1] + 1.2)
-    if shapes is not None:
-        rows.append((maps.of_shapes[1] + 0.8, [partial(maps.draw_shapes, shapes)]))
-    said: list[str | Artist] = [*map_panel.entries(columns, choice.shown, maps.inches)]
-    said += [] if whole is None else _refinement(whole, verdicts)
-    said += [f"Law {law.sentence(stored)}." for law in maps.laws if choice.along]
-    if choice.along and len(choice.columns) < stored.sizes[choice.along]:
-        of = f"the {stored.sizes[choice.along]} values of {labels.axis_symbol(choice.along)}"
-        said.append(f"The columns show {len(choice.columns)} of {of}.")
-    said += stored.level_notes(stored.observables) if not show else []
-    left_out = [
-        *choice.left_out,
-        *(name for name in stored.observables if watched and not show and name not in watched),
-    ]
-    said += canvas.say_left_out(left_out, "--show")
-    if choice.along and choice.held:
-        said.append(f"All maps: {stored.equations(choice.held)}.")
-    said += [f"Law {law.sentence(stored)}." for law in elsewhere if law not in mixed]
-    return canvas.page(stored if whole is None else whole, sheet, rows, said, 0.4)
 
 
 class _Maps:

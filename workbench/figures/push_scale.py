@@ -72,7 +72,8 @@ def line(
     def shade(height: float) -> Any:
         return ramp(norm(height))
 
-    return waves.draw(ax, x, y, inches, paint, shade if y is push else colours.NEUTRAL, name, where, order)
+    look = {"color": shade if y is push else colours.NEUTRAL, "gid": name}
+    return waves.draw(ax, x, y, inches, look, where, order, line=paint)
 
 
 def bar(ax: Axes, units: Mapping[str, str], inches: float, place: tuple[float, float] | None = None) -> None:

@@ -195,14 +195,11 @@ def _draw_line(
     """
     if "push" in look:
         return push_scale.line(ax, x, y, **look, name=name, where=where, inches=inches)
-
-    def line(of: slice) -> None:
-        ax.plot(x[of], y[of], **{"solid_capstyle": "round", "zorder": 3, **look}, transform=where, gid=name)
-
+    look = {"solid_capstyle": "round", "zorder": 3, **look, "gid": name}
     if "marker" in look:  # of points, which are no curve
-        line(slice(None))
+        ax.plot(x, y, transform=where, **look)
         return []
-    return waves.draw(ax, x, y, inches, line, look["color"], name, where, 3.0)
+    return waves.draw(ax, x, y, inches, look, where, 3.0)
 
 
 def _draw_edges(ax: Axes, edges: Sequence[tuple[Values, Values]], to_page: Affine2D) -> None:

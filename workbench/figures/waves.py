@@ -1,6 +1,6 @@
 """Waves that a picture has no room for: below four pixels each, a curve is the band from its least to its largest."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -95,22 +95,26 @@ def draw(
     x: Values,
     y: Values,
     inches: float,
-    line: Callable[[slice], Any],
-    colour: Any,
-    name: str = "",
+    look: Mapping[str, Any],
     where: Transform | None = None,
     order: float = 2.0,
     label: str = "",
+    line: Callable[[slice], Any] | None = None,
 ) -> list[str]:
-    """Draw a curve: its lines by `line`, which takes their points, and the bands; returns what is to be said of these.
+    """Draw a curve, its lines and its bands of waves; returns what is to be said of the bands.
 
-    colour: of bands, or the colour of a height. name: of their edges in a table; label: in a legend. where: the
-    transform; order: of drawing.
+    look: options of the lines; its colour, or the colour of a height, and its name in a table are also those of bands.
+    label: of bands in a legend. where: the transform; order: of drawing. line: draws the points of a slice in place of
+    a line of this look.
     """
     where, bands, x, y = where or ax.transData, 0, np.asarray(x, dtype=float), np.asarray(y, dtype=float)
+    colour = look["color"]
     for stretch in stretches(x, y, inches):
         if stretch.band is None:
-            line(stretch.of)
+            if line is not None:
+                line(stretch.of)
+            else:
+                ax.plot(x[stretch.of], y[stretch.of], transform=where, **{"zorder": order, **look})
             continue
         bands += 1
         at, low, high = stretch.band
@@ -121,7 +125,7 @@ def draw(
                             zorder=order - BEHIND)  # fmt: skip
         for edge in (low, high):
             shade = colour(edge.mean()) if callable(colour) else colour
-            ax.plot(at, edge, color=shade, linewidth=EDGE, transform=where, zorder=order, gid=name)
+            ax.plot(at, edge, color=shade, linewidth=EDGE, transform=where, zorder=order, gid=look["gid"])
     return [SAID] * bool(bands)
 
 

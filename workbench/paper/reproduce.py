@@ -115,7 +115,6 @@ def _release(study: "Study", out: Path) -> dict[str, Any] | str:
     """Store the rods of a study that are let go; what the report says of them, or why there are none."""
     from ..run import into_file
     from ..stored import reading
-    from ..stored.stored_study import StoredStudy
     from . import report_runs
 
     file = out / f"{study.name}.h5"
@@ -123,7 +122,7 @@ def _release(study: "Study", out: Path) -> dict[str, Any] | str:
         into_file.run_to_file(study, file)
     except InputError as error:
         return str(error)
-    return report_runs.release(study, StoredStudy(reading.read(file)))
+    return report_runs.release(study, reading.stored_study(file))
 
 
 def _draw(result: "StudyResult", out: Path, able: bool) -> tuple[dict[str, Path], list[str]]:

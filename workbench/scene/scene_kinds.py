@@ -44,21 +44,6 @@ class Paint:
     strands: tuple[str, ...] = ()
 
 
-def one_colour(units: dict[str, str], extremes: Extremes) -> Paint:
-    """All rods in a neutral colour, which says nothing of the push."""
-    return Paint()
-
-
-def with_stripe(units: dict[str, str], extremes: Extremes) -> Paint:
-    """A stripe on an unpainted rod."""
-    return Paint(colours.UNPAINTED, stripe=colours.STRIPE)
-
-
-def as_strands(units: dict[str, str], extremes: Extremes) -> Paint:
-    """Two strands and base pairs in place of a tube."""
-    return Paint(strands=colours.STRANDS)
-
-
 def by_push(units: dict[str, str], extremes: Extremes) -> Paint:
     """By the cylinder's push, one scale for all rods, as far below 0 as above it and pale there."""
     low, end = colours.push_scale(*extremes) if extremes else (0.0, 0.0)
@@ -186,7 +171,7 @@ class SceneKind:
         What the colour shows along a rod at s, (k,); nothing else is computed there. Default: one colour a rod. The
         quantity that has its unit.
     paint
-        The colours of all rods, from the units and the extremes of the value; for "together" each rod has
+        The colours of all rods, also from the units and the extremes of the value; for "together" each rod has
         the colour of its value on the axis instead.
     legend
         Colours that the bar does not explain, each with its meaning.
@@ -203,12 +188,11 @@ class SceneKind:
     """
 
     name: str
-    description: str
     cells: Literal["one", "each", "together"]
     reads: frozenset[str] = CURVE
     value: Callable[[Centreline, Array], Array] | None = None
     quantity: str = ""
-    paint: Callable[[dict[str, str], Extremes], Paint] = one_colour
+    paint: Callable[[dict[str, str], Extremes], Paint] | Paint = Paint()
     legend: tuple[tuple[str, str], ...] = ()
     cell: Callable[[StoredStudy, list[str], dict[str, int]], Cell] = value_cell
     of_equilibria: bool = False
@@ -241,22 +225,20 @@ DRAWN = (
     f"computed: the centreline, its twist and the push; drawn: strands of {PAIRS} base pairs of {RISE} nm a turn, "
     "which turn with the material"
 )
-TURNS = (colours.STRIPE, "a stripe of the material")
 PUSH: dict[str, Any] = {"value": lambda line, s: line.push(s), "quantity": "push_max", "paint": by_push}
 TABLE = (
-    SceneKind("plain", "the rod on its cylinder", "one"),
-    SceneKind("contact", "how hard the cylinder pushes, and where the rod would lift off", "one", **PUSH),
-    SceneKind("curvature", "how tightly the rod is bent", "one", value=lambda line, s: line.kappa(s),
-         quantity="kappa_max", paint=by_curvature),
-    SceneKind("twist", "a stripe on the rod that turns with its material", "one", CURVE | {"gamma"},
-         paint=with_stripe, legend=(TURNS,)),
-    SceneKind("double-helix", "the rod as DNA: two strands and base pairs about its centreline", "one",
-         CURVE | {"gamma"}, paint=as_strands, legend=STRANDS, notes=(DRAWN,), numbers=push_in_numbers),
-    SceneKind("ghosts", "every case of an axis in one scene", "together", most=3),
-    SceneKind("grid", "every case of one axis or two, side by side at one scale", "each", **PUSH),
-    SceneKind("equilibria", "every equilibrium between two ends", "each", CURVE | {"energy", "index"}, **PUSH,
+    SceneKind("plain", "one"),
+    SceneKind("contact", "one", **PUSH),
+    SceneKind("curvature", "one", value=lambda line, s: line.kappa(s), quantity="kappa_max", paint=by_curvature),
+    SceneKind("twist", "one", CURVE | {"gamma"}, legend=((colours.STRIPE, "a stripe of the material"),),
+         paint=Paint(colours.UNPAINTED, stripe=colours.STRIPE)),
+    SceneKind("double-helix", "one", CURVE | {"gamma"}, paint=Paint(strands=colours.STRANDS), legend=STRANDS,
+         notes=(DRAWN,), numbers=push_in_numbers),
+    SceneKind("ghosts", "together", most=3),
+    SceneKind("grid", "each", **PUSH),
+    SceneKind("equilibria", "each", CURVE | {"energy", "index"}, **PUSH,
          cell=equilibrium, of_equilibria=True, most=18, notes=("below each rod its energy",)),
-    SceneKind(LET_GO, "a rod that the cylinder holds on, and the same rod let go", "each", **PUSH, cell=release),
+    SceneKind(LET_GO, "each", **PUSH, cell=release),
 )  # fmt: skip
 KINDS = {kind.name: kind for kind in TABLE}
 

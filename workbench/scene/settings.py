@@ -123,17 +123,10 @@ def check_name(path: Path, settings: Settings) -> None:
         raise InputError(f"only a .png can have a transparent background (--transparent), not {path.name}")
 
 
-def color_range_of(text: str | None) -> tuple[float, float] | None:
-    """The two values of --color-range. Raises `InputError`."""
-    return _pair(text, ",", float, "--color-range takes two numbers LOW,HIGH")
-
-
-def size_of(text: str | None) -> tuple[int, int] | None:
-    """Width and height of --size. Raises `InputError`."""
-    return _pair(text, "x", int, "--size takes WIDTHxHEIGHT in pixels, for example 1600x1200")
-
-
-def _pair(text: str | None, between: str, number: Callable[[str], Number], takes: str) -> tuple[Number, Number] | None:
+def pair_of(
+    text: str | None, between: str, number: Callable[[str], Number], takes: str
+) -> tuple[Number, Number] | None:
+    """The two numbers of an option. Raises `InputError`; takes: the option and what it takes."""
     if text is None:
         return None
     try:

@@ -18,6 +18,7 @@ from solver.problem.errors import InputError
 from . import bounds, checks, file_checks, file_kinds
 from .file_checks import Contents, FileArray, refusing
 from .former_names import dataset_in_current_names
+from .stored_study import StoredStudy
 
 # Attributes of many lines, or JSON.
 LONG = ("study", "laws", "versions", "recipe", "statistics", "merged", "refined", "sampled", "rows", "branches",
@@ -111,6 +112,11 @@ def read(path: str | Path, study: bool = True) -> xr.Dataset:
             ds.load()
         checks.check(ds, path)
         return ds
+
+
+def stored_study(path: str | Path, study: bool = True) -> StoredStudy:
+    """What `read` gives, as an object that is asked."""
+    return StoredStudy(read(path, study))
 
 
 def kind_of_file(path: str | Path) -> file_kinds.FileKind:
