@@ -18,7 +18,7 @@ from .branches.orbit_folds import GivenAt, guess_at, mark_of, numbers_on
 from .branches.orbit_rates import NUMBERS
 from .branches.parameter_plane import ParameterPlane, read_range, reflect
 from .branches.path_correction import state_of
-from .branches.whole_curve import WholeCurve, point_alone
+from .branches.whole_curve import WholeCurve, fold_alone
 from .equilibria import default_ranges, equilibria
 from .equilibria_result import Equilibrium, ranges_in_words
 from .follow_result import Branch
@@ -229,5 +229,5 @@ class OrbitsOnPlane:
         numbers = dict(zip(NUMBERS, self.numbers(place).tolist(), strict=False))
         fold = point_on_line(guess_at(FOLD, self.numbers_at, z, numbers), axis)
         if fold is None:
-            return point_alone(FOLD, z, numbers["dbeta0"], self.signature(place))
+            return fold_alone(z, numbers["dbeta0"], self.signature(place))
         return curve_through(fold)

@@ -74,10 +74,10 @@ def whole_curve(line: SpecialLine[Point]) -> WholeCurve:
     return WholeCurve(kind, z, ways, more, dbeta0, np.array([point.mark for point in points]), line.ends, lower)
 
 
-def point_alone(kind: str, z: Array, dbeta0: float, mark: Array) -> WholeCurve:
-    """A curve of which nothing but one point is known."""
+def fold_alone(z: Array, dbeta0: float, mark: Array) -> WholeCurve:
+    """A fold curve of which nothing but one point is known."""
     none = np.zeros((1, 2))
-    return WholeCurve(kind, z[None], none, none, np.array([dbeta0]), mark[None], (STOPPED, STOPPED), 0)
+    return WholeCurve(FOLD, z[None], none, none, np.array([dbeta0]), mark[None], (STOPPED, STOPPED), 0)
 
 
 def lies_on(points: Array, x: Array) -> bool:

@@ -47,7 +47,7 @@ def states_between_hinges(given: Given) -> list[OrbitState]:
         return np.sin((beta - given.number(far, 0.0)) / 2)  # 0 at each whole turn from the given angle
 
     problem = EndsProblem(beta0=np.zeros(1), betaL=np.zeros(1), span=np.array([given.span]), **loads)
-    roots = roots_between(off, _angles(problem, rate), BISECTIONS)[0]  # straight rods and helices are known
+    roots = roots_between(off, _angles(problem, rate))[0]  # straight rods and helices are known
     states = []
     for angle, beta, speed in zip(roots, *ends(roots), strict=True):
         # where beta_tt is 0 as well, the rod is a helix, and helices are found as such

@@ -80,7 +80,34 @@ class ScipyAdaptive(Adaptive):
     integrator: ClassVar[str]
 
     def integrate(self, problem: StartProblem, t: Array, rtol: float) -> tuple[Array, int, str]:
-        return _integrate(self.integrator, problem, t, rtol)
+        """States at t (5, n); calls; why there are none, or an empty text."""
+        lam, mu, phi = float(problem.lam[0]), float(problem.mu[0]), float(problem.phi[0])
+        calls = 0
+
+        def rates(_: float, y: Array) -> list[float]:
+            nonlocal calls
+            calls += 1
+            if calls > _MOST_CALLS:
+                raise _TooLong
+            s, c = math.sin(y[0]), math.cos(y[0])
+            pull = lam * c - mu * (c - s) * (c + s) - (phi + 2 * c * s * s) * s
+            return [y[1], -pull, s, c, s * c]
+
+        start = [problem.beta0[0], problem.dbeta0[0], 0.0, 0.0, 0.0]
+        import scipy
+
+        nothing = np.full((5, t.size), np.nan)
+        try:
+            answer = scipy.integrate.solve_ivp(
+                rates, (0.0, t[-1]), start, self.integrator, t_eval=t, rtol=rtol, atol=rtol
+            )
+        except (_TooLong, ValueError) as stopped:  # math.sin refuses an infinite angle by a ValueError
+            spent = f"failed: the integration needs more than {_MOST_CALLS} evaluations"
+            return nothing, calls, spent if isinstance(stopped, _TooLong) else NOT_FINITE
+        if answer.status != 0:
+            said = answer.message.rstrip(".").lower()
+            return nothing, answer.nfev, f"failed: {self.integrator} of scipy gave up: {said}"
+        return answer.y, answer.nfev, ""
 
 
 @dataclass(frozen=True)
@@ -107,37 +134,6 @@ class LSODA(ScipyAdaptive):
     order = 12
     integrator = "LSODA"
     ladders = (Ladder("lsoda", "rtol", (*tens(2, 12, 2), 1e-13), "#a04890", "^", most=2 * MOST_CALLED),)
-
-
-def _integrate(integrator: str, problem: StartProblem, t: Array, rtol: float) -> tuple[Array, int, str]:
-    """States at t (5, n); calls; why there are none, or an empty text."""
-    lam, mu, phi = float(problem.lam[0]), float(problem.mu[0]), float(problem.phi[0])
-
-    calls = 0
-
-    def rates(_: float, y: Array) -> list[float]:
-
-        nonlocal calls
-        calls += 1
-        if calls > _MOST_CALLS:
-            raise _TooLong
-        s, c = math.sin(y[0]), math.cos(y[0])
-        pull = lam * c - mu * (c - s) * (c + s) - (phi + 2 * c * s * s) * s
-        return [y[1], -pull, s, c, s * c]
-
-    start = [problem.beta0[0], problem.dbeta0[0], 0.0, 0.0, 0.0]
-    import scipy
-
-    nothing = np.full((5, t.size), np.nan)
-    try:
-        answer = scipy.integrate.solve_ivp(rates, (0.0, t[-1]), start, integrator, t_eval=t, rtol=rtol, atol=rtol)
-    except (_TooLong, ValueError) as stopped:  # math.sin refuses an infinite angle by a ValueError
-        spent = f"failed: the integration needs more than {_MOST_CALLS} evaluations"
-        return nothing, calls, spent if isinstance(stopped, _TooLong) else NOT_FINITE
-    if answer.status != 0:
-        said = answer.message.rstrip(".").lower()
-        return nothing, answer.nfev, f"failed: {integrator} of scipy gave up: {said}"
-    return answer.y, answer.nfev, ""
 
 
 @dataclass(frozen=True)

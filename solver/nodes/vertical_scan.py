@@ -11,7 +11,7 @@ import numpy as np
 
 from ..core.varying_loads import march
 from ..numerics.arrays import Array
-from ..numerics.roots import BISECTIONS, roots_between
+from ..numerics.roots import roots_between
 from ..orbits.potential import TAU, Loads, load_size
 from .loaded_rod import ALPHA, BETA, MU, PHI, SPEED, LoadedRod, Q
 
@@ -69,7 +69,7 @@ def every_start(rod: LoadedRod) -> tuple[Array, bool]:
         return 2 * np.sin(value / 2) if turning else value
 
     x, resolved = _resolve(off, size, *start_range(rod))
-    roots = np.concatenate(roots_between(lambda first: size(off(first)), x, BISECTIONS))
+    roots = np.concatenate(roots_between(lambda first: size(off(first)), x))
     if "beta0" not in rod.held:
         roots = roots[roots < np.pi * (1 - 1e-12)]
     if turning:

@@ -294,8 +294,8 @@ def _peaks(values: Array, most: int = 64) -> tuple[Integers, Integers]:
 SECTION, DIP_STEPS = 0.382, 40
 
 
-def roots_between(f: Callable[[Array], Array], x: Array, steps: int) -> tuple[Array, Array]:
-    """The roots of f between neighbours of rising places x (n,), by so many bisections, and the places where it is 0.
+def roots_between(f: Callable[[Array], Array], x: Array) -> tuple[Array, Array]:
+    """The roots of f between neighbours of rising places x (n,), by bisection, and the places where it is 0.
 
     Between three places where the size of f has a minimum two roots may lie: it is looked for by golden section.
     """
@@ -310,4 +310,4 @@ def roots_between(f: Callable[[Array], Array], x: Array, steps: int) -> tuple[Ar
     every = np.unique(np.concatenate([x, (lo + hi) / 2]))
     value = f(every)
     change = np.flatnonzero(value[1:] * value[:-1] < 0)
-    return bisect(f, every[change], every[change + 1], steps), every[value == 0]
+    return bisect(f, every[change], every[change + 1], BISECTIONS), every[value == 0]
