@@ -58,7 +58,7 @@ def scene(
     if is_stored and reading.kind_of_file(file).figure == "branches":
         from . import scene_branches
 
-        return scene_branches.scene_of(file, reading.stored_study(file, study=False), wanted)
+        return scene_branches.scene_of(file, reading.read_stored(file, study=False), wanted)
     if out is not None and is_film:
         if len({*wanted.axes, wanted.along} - {None}) > 1:
             raise InputError(f"a film runs along one axis, got {choices([*wanted.axes, wanted.along])}")

@@ -75,7 +75,7 @@ def export(
     from ..stored import reading
 
     stored_rod.format_of(out)  # before a large file is read
-    stored = reading.stored_study(file)
+    stored = reading.read_stored(file)
     shade = color_of("--color", color)
     options = ExportOptions(axis_values(stored, at), tolerance, centreline, overlap, triangles, shade)
     done = stored_rod.export(stored, out, options, force, console.warn)

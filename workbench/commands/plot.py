@@ -139,7 +139,7 @@ def plot(file: File, wanted: PlotOptions) -> Result:
         return _story(file, wanted)
     page, of = sheet(wanted.style, wanted.width, not wanted.no_title, wanted.panel), reading.kind_of_file(file)
     if of is file_kinds.STUDY:
-        stored = reading.stored_study(file)
+        stored = reading.read_stored(file)
         stored.check_any_solved()
         kind = figure_kinds.kind_of(stored, kind, of_kind)
     else:
@@ -147,7 +147,7 @@ def plot(file: File, wanted: PlotOptions) -> Result:
             raise file_kinds.other_kind(file, of, "plot has no figure of it")
         if alien := [name for name in named if name not in figure_kinds.KINDS[of.figure].options]:
             raise InputError(f"{file} is {of.what}, which plot draws without --{alien[0]}")
-        stored, kind = reading.stored_study(file, study=False), of.figure
+        stored, kind = reading.read_stored(file, study=False), of.figure
     for word in wanted.without or ():
         stored = stored.without(word.replace("-", " "))
     page = replace(page, ranges=_ranges(stored, wanted.range_))
@@ -220,6 +220,6 @@ def _story(folder: Path, wanted: PlotOptions) -> Result:
 
     story = tenants.module_of("workbench.paper.story")
     path = check_file(wanted.out or folder / "story.png", canvas.DIAGRAMS, wanted.force)
-    datasets = {name: reading.stored_study(folder / f"{name}.h5", study=name != story.CLAIMS) for name in story.NEEDED}
+    datasets = {name: reading.read_stored(folder / f"{name}.h5", study=name != story.CLAIMS) for name in story.NEEDED}
     canvas.save(story.figure(datasets, sheet("paper", wanted.width or 183, titled=False)), path, wanted.dpi)
     return result_of_files([path])

@@ -93,7 +93,7 @@ def _local(
         study = load(file)
         stored = StoredStudy(in_memory.outline(study))
     else:
-        stored = reading.stored_study(file)
+        stored = reading.read_stored(file)
         study = stored.study
     solution = stored_case.solve_case(stored, axis_values(stored, at), study)
     table = derivatives.local(
@@ -113,7 +113,7 @@ def _indices(
 
     if stored_case.is_study(file):
         raise InputError(f"--global needs a stored study: workbench run {file} stores one")
-    stored = reading.stored_study(file)
+    stored = reading.read_stored(file)
     share = sobol_indices.CONFIDENCE if confidence is None else confidence
     table = sobol_indices.sobol(stored.ds, show, axis_values(stored, at), share)
     return table, sobol_indices.sentences(table)

@@ -48,7 +48,7 @@ def open_rods(file: Path, whole: bool = False) -> tuple[Study | None, StoredStud
     kind = reading.kind_of_file(file)
     if kind is not file_kinds.STUDY and not kind.scene:
         raise file_kinds.other_kind(file, kind, "scene draws studies, equilibria and branches")
-    return None, reading.stored_study(file, study=kind is file_kinds.STUDY)
+    return None, reading.read_stored(file, study=kind is file_kinds.STUDY)
 
 
 def solver_of(stored: StoredStudy, kind: SceneKind, at: dict[str, float], shown: Sequence[str]) -> Solve | None:

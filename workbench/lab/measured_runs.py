@@ -44,10 +44,10 @@ def comparison(folder: Path, name: str, shows: Callable[[StoredStudy], str]) -> 
     beside, why = Path(folder) / f"{name}.h5", ""
     try:
         if beside.is_file():
-            return _make(reading.stored_study(beside, study=False), name, shows, f"{name}.h5 beside this report")
+            return _make(reading.read_stored(beside, study=False), name, shows, f"{name}.h5 beside this report")
     except (InputError, KeyError, ValueError) as error:  # a readable file may still lack variables
         why = f" ({beside.name} beside this report cannot be drawn: {error})"
-    shipped = reading.stored_study(SHIPPED / f"{name}.h5", study=False)
+    shipped = reading.read_stored(SHIPPED / f"{name}.h5", study=False)
     return _make(shipped, name, shows, f"a run that comes with the workbench{why}")
 
 

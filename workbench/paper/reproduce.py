@@ -122,7 +122,7 @@ def _release(study: "Study", out: Path) -> dict[str, Any] | str:
         into_file.run_to_file(study, file)
     except InputError as error:
         return str(error)
-    return report_runs.release(study, reading.stored_study(file))
+    return report_runs.release(study, reading.read_stored(file))
 
 
 def _draw(result: "StudyResult", out: Path, able: bool) -> tuple[dict[str, Path], list[str]]:

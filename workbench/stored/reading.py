@@ -114,7 +114,7 @@ def read(path: str | Path, study: bool = True) -> xr.Dataset:
         return ds
 
 
-def stored_study(path: str | Path, study: bool = True) -> StoredStudy:
+def read_stored(path: str | Path, study: bool = True) -> StoredStudy:
     """What `read` gives, as an object that is asked."""
     return StoredStudy(read(path, study))
 
