@@ -215,7 +215,7 @@ def test_a_row_in_the_table_is_all_that_a_new_kind_needs(fig6, tmp_path, monkeyp
     def red(units: dict[str, str], extremes: scene_kinds.Extremes) -> scene_kinds.Paint:
         return scene_kinds.Paint("#ff0000")
 
-    toy = scene_kinds.SceneKind("toy", "the rod in red", "one", paint=red, legend=(("#ff0000", "a toy"),))
+    toy = scene_kinds.SceneKind("toy", "one", paint=red, legend=(("#ff0000", "a toy"),))
     monkeypatch.setitem(KINDS, "toy", toy)
     file = writing.write(fig6, tmp_path / "fig6.h5")
     assert draw_scene.scene(file, kind="toy", dpi=60) == 0

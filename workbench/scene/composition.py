@@ -17,7 +17,7 @@ from . import dna_strands, long_rod, page, scene_kinds, signs
 from .body import ARROW, Body
 from .page import Mark, Page, Scene
 from .rendering import Placed, render
-from .scene_kinds import Cell, Paint, set_range
+from .scene_kinds import Cell, set_range
 from .settings import DEFAULT, Settings
 from .views import Camera, View, arrange
 
@@ -199,8 +199,7 @@ def colour_rods(scene: Scene) -> tuple[Scene, list[str]]:
     each = [body.extremes() for body in scene.context] if scene.kind.value else []
     extremes = (min(low for low, _ in each), max(high for _, high in each)) if each else None
     units = scene.stored.units
-    paint, notes = scene.kind.paint, list[str]()
-    paint = paint if isinstance(paint, Paint) else paint(units, extremes)
+    paint, notes = scene.kind.paint(units, extremes), list[str]()
     if color := scene.settings.color:
         if paint.ramp is not None or paint.stripe:
             raise InputError(

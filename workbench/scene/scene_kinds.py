@@ -171,7 +171,7 @@ class SceneKind:
         What the colour shows along a rod at s, (k,); nothing else is computed there. Default: one colour a rod. The
         quantity that has its unit.
     paint
-        The colours of all rods, also from the units and the extremes of the value; for "together" each rod has
+        The colours of all rods, from the units and the extremes of the value; for "together" each rod has
         the colour of its value on the axis instead.
     legend
         Colours that the bar does not explain, each with its meaning.
@@ -192,7 +192,7 @@ class SceneKind:
     reads: frozenset[str] = CURVE
     value: Callable[[Centreline, Array], Array] | None = None
     quantity: str = ""
-    paint: Callable[[dict[str, str], Extremes], Paint] | Paint = Paint()
+    paint: Callable[[dict[str, str], Extremes], Paint] = lambda units, extremes: Paint()
     legend: tuple[tuple[str, str], ...] = ()
     cell: Callable[[StoredStudy, list[str], dict[str, int]], Cell] = value_cell
     of_equilibria: bool = False
@@ -231,8 +231,8 @@ TABLE = (
     SceneKind("contact", "one", **PUSH),
     SceneKind("curvature", "one", value=lambda line, s: line.kappa(s), quantity="kappa_max", paint=by_curvature),
     SceneKind("twist", "one", CURVE | {"gamma"}, legend=((colours.STRIPE, "a stripe of the material"),),
-         paint=Paint(colours.UNPAINTED, stripe=colours.STRIPE)),
-    SceneKind("double-helix", "one", CURVE | {"gamma"}, paint=Paint(strands=colours.STRANDS), legend=STRANDS,
+         paint=lambda *_: Paint(colours.UNPAINTED, stripe=colours.STRIPE)),
+    SceneKind("double-helix", "one", CURVE | {"gamma"}, paint=lambda *_: Paint(strands=colours.STRANDS), legend=STRANDS,
          notes=(DRAWN,), numbers=push_in_numbers),
     SceneKind("ghosts", "together", most=3),
     SceneKind("grid", "each", **PUSH),
