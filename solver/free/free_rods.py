@@ -23,8 +23,8 @@ FREE_TOLERANCE = 1e-4
 # within the error
 FEWEST, EACH = 24, (2.0, 4.0)
 MOST_EDGES = 16_384  # of the finest mesh of a rod. x10: ten times the time before it is refused
-# at least, of which each has twice the edges of that before: they say how far limits of order 2 are off; one less for
-# a tolerance above the default one. x10: edges by the thousand
+# at least, of which each has twice the edges of that before: they say how far limits of order 2 are off. x10: edges by
+# the thousand
 MESHES = 3
 # edges, up to which a mesh is refined for the tolerance, if errors of order 2 would then be within it. x10: ten times
 # the time of rods whose tolerance is too small
@@ -186,8 +186,8 @@ def refine(beside: Beside, shape: FreeShape, tol: float) -> FreeAnswer:
         shape = beside.minimum(curve_of(shape), 1.0, shape.rod.edges) or shape
     shapes: tuple[FreeShape, ...] = (shape,)
     error, steps, line, why = np.inf, 0, "", f"the tolerance needs a mesh of more than {FINEST} edges"
-    aims, least = np.array([tol, max(tol, FREE_TOLERANCE)]), MESHES - (tol > FREE_TOLERANCE)
-    while len(shapes) < least or ((aims < error) & (error <= aims * (FINEST // shapes[-1].rod.edges) ** 2)).any():
+    aims = np.array([tol, max(tol, FREE_TOLERANCE)])
+    while are_few(shapes) or ((aims < error) & (error <= aims * (FINEST // shapes[-1].rod.edges) ** 2)).any():
         curve, edges = curve_of(shapes[-1]), 2 * shapes[-1].rod.edges
         finer = beside.minimum(curve, 1.0, edges)
         anew = edges <= FINEST >> MESHES  # so that finer meshes can tell the error of another minimum
@@ -201,9 +201,15 @@ def refine(beside: Beside, shape: FreeShape, tol: float) -> FreeAnswer:
             break
         shapes = (finer,) if another and anew else (*shapes, finer)
         error = error_of(shapes)
-        if len(shapes) == least and (motion := free_motion(finer, beside.sizes(curve))) is not None:
+        if len(shapes) == MESHES and (motion := free_motion(finer, beside.sizes(curve))) is not None:
             line = shapes[-1].name_of(motion)
     return FreeAnswer(shapes if np.isfinite(error) else (), error, steps, why=why, line=line)
+
+
+def are_few(shapes: Sequence[FreeShape]) -> bool:
+    """Whether shapes tell no error yet: fewer than `MESHES`, or as many, of which the last two differ in contacts."""
+    differ = len({len(shape.contacts) for shape in shapes[-2:]}) > 1 and shapes[-1].rod.edges < FINEST
+    return len(shapes) < MESHES + differ
 
 
 def distance(coarse: FreeShape, fine: FreeShape) -> float:
@@ -223,10 +229,14 @@ def estimate(numbers: Sequence[Array] | Sequence[float]) -> tuple[Array, Array]:
     changes = np.diff(numbers, axis=0)
     if not len(changes):
         return np.zeros_like(numbers[0]), np.full_like(numbers[0], np.inf)
-    limits, unsure = np.asarray(numbers)[1:] + changes / 3, np.zeros_like(changes[0])
-    for moved in np.diff(limits, axis=0) if len(limits) > 1 else 2 / 3 * changes:
-        unsure = np.maximum(unsure / 4, np.abs(moved))
-    return changes[-1] / 3, np.abs(changes[-1]) / 3 + unsure
+    limits = np.asarray(numbers)[1:] + changes / 3
+    moves = np.diff(limits, axis=0) if len(limits) > 1 else 2 / 3 * changes
+    return changes[-1] / 3, np.abs(changes[-1]) / 3 + largest_left(moves, 4.0)
+
+
+def largest_left(changes: Array, factor: float) -> Array:
+    """The largest size of changes (k, ...) from mesh to mesh, each of them less by a factor for each mesh since."""
+    return np.asarray((np.abs(changes).T * factor ** np.arange(1.0 - len(changes), 1.0)).T.max(axis=0))
 
 
 def error_of(shapes: Sequence[FreeShape]) -> float:

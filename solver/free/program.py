@@ -28,7 +28,7 @@ ENOUGH = 1e-6  # of what Uno may leave of the equations: Newton's method ends th
 # edges whose equations take as long as what a step of Uno takes besides. x10: fewer steps on coarse meshes
 EACH_STEP = 50
 CUT = " in as many steps as a search may take"
-ANGLES = "alpha", "beta0", "tilt0", "gamma", "azimuth", "betaL", "tiltL", "azimuth"  # which the rotation follows
+ANGLES = "alpha", "beta0", "tilt0", "gamma", "azimuth", "betaL", "tiltL", "rotation"
 
 
 @dataclass
@@ -112,6 +112,7 @@ class Program:
     def endless_turn(self, z: Array) -> str:
         """The angle of an end that has turned farther than the rod is long, which the wall cannot make it; else ""."""
         turned = np.abs(self.rod.parts(self.unit * z)[2])
+        turned[7] *= not self.rod.free[4]  # a rotation follows a free azimuth
         return ANGLES[turned.argmax()] if turned.max() > self.rod.span + 2 * np.pi else ""
 
     def minimise(self, effort: Effort) -> tuple[Array, Array, int] | None:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.polynomial import polynomial
 
 from ..free.contacts import Contact, contacts_across, sure_parts
-from ..free.free_rods import error_of, estimate
+from ..free.free_rods import error_of, estimate, largest_left
 from ..free.free_shape import Along, FreeShape
 from ..numerics.arrays import FAINT, NEGLIGIBLE, Array
 from ..orbits.frames import binormal, outward
@@ -26,8 +26,7 @@ WAVE = 1e-3
 # 31 radii around that touch are not seen
 NEAREST = np.pi
 COUNTS = ("bends", "loops", "overlaps", "index", "contact_count")
-# those of the contacts of the solution, on the finest mesh: edges pass from node to node, and the largest push may be
-# at one
+# those of the contacts of the solution, on the finest mesh; the largest push may be at an edge
 OF_EDGES = ("attached", "contact_share", "contact_at", "contact_alpha", "point_force_max", "push_max")
 OF_CONTACTS = ("contact_size_mean", "push_mean", "push_max_at", "contact_M2", *OF_EDGES)
 # of which rounding is left where there is none
@@ -204,7 +203,7 @@ NUMBERS: dict[str, Callable[[FreeReading], Any]] = {
     "index": lambda read: 0,
     "gap_max": lambda read: np.abs(read.along.radius - 1).max(),
     "contact_share": lambda read: read.share,
-    "contact_count": lambda read: len(read.shape.contacts),
+    "contact_count": lambda read: len(read.contacts),
     "contact_at": lambda read: read.first,
     "contact_alpha": lambda read: read.at(read.first / read.rod.span).turned[0, 0] if read.contacts else np.nan,
     "contact_M2": FreeReading.first_bending,
@@ -258,31 +257,56 @@ def _sure_parts(shapes: Sequence[FreeShape], on: Contact) -> list[Contact]:
     return sure_parts(on, estimate([np.interp(on.places, *push) for push in pushes])[1])
 
 
-def error_of_contacts(shapes: Sequence[FreeShape]) -> Array:
-    """The error of where each contact of the last of several shapes begins and ends, (n, 2), in units of rho.
+def error_of_edges(numbers: Sequence[Array] | Sequence[float]) -> Array:
+    """The error of numbers (...) of edges of contacts on two meshes or more, each of twice as many edges.
 
-    It is that of the meshes that have as many contacts; where only the last one has, one edge of the mesh before. To
-    that come stretches next to an edge that may be closed, or open.
+    As an edge of contact passes from node to node, the changes have no order of their own: the error is the last one,
+    or half of one before for each mesh since, where that is more. Of two meshes it is twice their difference.
     """
-    places = [np.array([(on.begin, on.end) for on in shape.contacts]) for shape in shapes]
-    alike = [*takewhile(lambda each: each.shape == places[-1].shape, places[::-1])][::-1]
-    others = [np.abs(other.places[[0, -1]] - on.places[[0, -1]]) for on in shapes[-1].contacts for other in on.readings]
-    error = np.max(estimate(alike)[1]) if alike[1:] else 2 * shapes[-1].rod.h
-    errors, contacts = np.full_like(places[-1], np.max([error, *np.ravel(others)])), shapes[-1].contacts
+    return largest_left(np.diff(numbers, axis=0), 2.0) * (1 + (len(numbers) == 2))
+
+
+def alike(shapes: Sequence[FreeShape]) -> int:
+    """How many of the last shapes have as many contacts as the last one."""
+    return len([*takewhile(lambda shape: len(shape.contacts) == len(shapes[-1].contacts), shapes[::-1])])
+
+
+def errors_of_contacts(shapes: Sequence[FreeShape]) -> tuple[Array, Array]:
+    """The errors of where each contact of the last of several shapes begins and ends, in units of rho, and of the point
+    forces there, (n, 2) each.
+
+    They are those of the meshes that have as many contacts; where only the last one has, an edge of the mesh before,
+    and twice the force. To that come stretches next to an edge that may be closed, or open.
+    """
+    last, tables = shapes[-1], [_edges_of(shape.contacts) for shape in shapes[-alike(shapes) :]]
+    if len(tables) == 1:
+        tables.insert(0, tables[0] * [1, 0] - [last.rod.h, 0])
+    (edges, points), (places, forces) = (np.moveaxis(each, 2, 0) for each in (tables[-1], error_of_edges(tables)))
+    others = [np.abs(other.places[[0, -1]] - on.places[[0, -1]]) for on in last.contacts for other in on.readings]
+    places[:] = np.max([places.max(), *np.ravel(others)])
     for low, high in narrow_gaps(shapes):
-        errors[(places[-1] == low) | (places[-1] == high)] += high - low
-    for edges, on in zip(errors, contacts, strict=True):
+        beside = (edges == low) | (edges == high)
+        places[beside] += high - low
+        forces[beside] = np.maximum(forces, points)[beside]
+    for row, force, on in zip(places, forces, last.contacts, strict=True):
+        totals = [sum(size for _, size in other.points) for other in (on, *on.readings)]
+        force[:] = np.maximum(force, np.ptp(totals))
         sure = [part for part in _sure_parts(shapes, on) if part.end > part.begin]
         if on.end > on.begin:
-            edges += (sure[0].begin - on.begin, on.end - sure[-1].end) if sure else on.end - on.begin
-    return errors
+            row += (sure[0].begin - on.begin, on.end - sure[-1].end) if sure else on.end - on.begin
+    return places, forces
+
+
+def _edges_of(contacts: list[Contact]) -> Array:
+    """Where contacts begin and end, and the point forces there, (n, 2, 2)."""
+    rows = [[(place, dict(on.points).get(place, 0.0)) for place in (on.begin, on.end)] for on in contacts]
+    return np.array(rows).reshape(-1, 2, 2)
 
 
 def free_numbers(sol: ShapeArrays, names: Iterable[str]) -> dict[str, tuple[Array, Array]]:
     """Observables of rods that may leave the cylinder, and their errors, (B,) each; NaN where a rod has no shape.
 
-    The value is that of the finest mesh, and what the order 2 leaves, where the changes from mesh to mesh show it; of
-    edges of contacts that of the finest mesh.
+    The value is that of the finest mesh, and what the order 2 leaves; of edges of contacts that of the finest mesh.
     """
     case = sol.case
     A, rho, a = (flat(value, case.shape) for value in (case.rod.bending_stiffness, case.rho, case.rod.a))
@@ -315,12 +339,15 @@ def _limit(name: str, reads: list[FreeReading]) -> tuple[float, float]:
         return values[-1], 0.0
     first = int(np.flatnonzero(np.isnan([np.nan, *values]))[-1])  # mesh from which on it is known
     rest, error = (float(part) for part in estimate(values[first:])) if values[first + 1 :] else (0.0, np.nan)
-    rest *= name not in OF_EDGES
+    error = max(error, 3 * abs(rest))  # of one number changes may agree by chance: at least the last one
+    if name in OF_EDGES:
+        meshes = max(2, alike([read.shape for read in reads]))
+        rest, error = 0.0, float(error_of_edges(values[-meshes:]))
     if name in OF_CONTACTS:
         last, shapes = reads[-1], [read.shape for read in reads]
         others = [FreeReading(last.shape, last.a, contacts) for contacts in readings_of(shapes)]
         error = max(error, *(abs(float(NUMBERS[name](other)) - values[-1]) for other in others))
-    if name == "push_max_at":  # one of the nodes, or an edge
-        error = max(error, reads[-1].rod.h)
+    if name == "push_max_at":  # a node of one of the last two meshes, or an edge
+        error = max(error, 2 * reads[-1].rod.h)
     value = values[-1] + rest
     return (0.0, max(error, abs(value))) if name in CANCELLING and abs(value) < FAINT else (value, error)

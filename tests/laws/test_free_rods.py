@@ -16,13 +16,13 @@ from scipy.special import ellipe, ellipk
 from solver import Case, Cylinder, Ends, InputError, Rod, Start, observe, solve
 from solver.free.discrete_rod import HELD_ON, INSIDE, OUTSIDE, DiscreteRod
 from solver.free.free_problem import problems_of
-from solver.free.free_rods import FREE_TOLERANCE, LEAST, SHAKES, distance, estimate, limit, refine
+from solver.free.free_rods import FREE_TOLERANCE, LEAST, MESHES, SHAKES, distance, estimate, limit, refine
 from solver.free.let_go_descent import Sinking
 from solver.free.minimum import minimise
 from solver.free.program import EACH_STEP, Effort, Program
 from solver.free.quaternions import product
 from solver.free.starting_curves import curve_of, curves_of, let_go
-from solver.observe.free_numbers import _limit, error_of_contacts
+from solver.observe.free_numbers import _limit, errors_of_contacts
 from solver.orbits import frames
 from solver.problem.case_fields import with_field
 from tests.cases import table_1
@@ -360,6 +360,14 @@ def test_a_load_that_turns_the_far_end_round_the_axis_without_end_is_named() -> 
     assert "as azimuth turns without end: hold it" in pipe(MZ=0.1).outcome
 
 
+def test_a_twisting_moment_that_turns_an_end_on_the_axis_without_end_is_named_by_the_rotation() -> None:
+    """A buckled rod may pass itself, and its far end has then turned twice: its energy falls without end."""
+    rod, hole = Rod(EI=1.0, GJ=0.97, a=0.1, L=11.735), Cylinder(1.1, side="inside", contact="unilateral")
+    ends = Ends(0.0, 0.0, FZ=-1.67, M3=-0.243, radius0=0.0, radiusL=0.0)
+    assert "as rotation turns without end: hold it" in solve(Case(rod, hole, ends)).outcome
+    assert solve(Case(rod, hole, replace(ends, M3=None, rotation=0.0))).solved
+
+
 def test_a_search_is_cut_only_where_it_took_all_the_steps_that_were_left() -> None:
     """A rod in a plane across the axis, pushed off its shape, to which Uno finds back in a few steps."""
     sol = belt(1.005)
@@ -663,7 +671,7 @@ def test_contacts_begin_and_end_where_finer_meshes_have_them_but_for_the_stated_
     shapes = belt(slack).trajectory.free.answers[0].shapes
     *some, (begin, end) = [(on.begin, on.end) for shape in shapes for on in shape.contacts]
     for meshes in range(3, len(shapes)):
-        ((first, last),) = errors = error_of_contacts(shapes[:meshes])
+        ((first, last),) = errors = errors_of_contacts(shapes[:meshes])[0]
         assert (np.abs(np.subtract(some[meshes - 1], (begin, end))) <= errors).all()
         assert max(first, last) < 0.5
 
@@ -677,10 +685,29 @@ def test_contact_that_nothing_tells_from_a_gap_is_in_the_errors() -> None:
     assert cable["contact_at"] <= cable["contact_at_error"]
     assert abs(cable["contact_share"] - 197.05 / 1640) <= cable["contact_share_error"] < 0.05
     ends, cylinder = Ends(0.5, 0.8, FZ=-8.66, MZ=1.3, M3=6.1), Cylinder(R=0.75, inclination="70deg")
-    for weight, share, most in ((0.3, (14.309 - 3.652) / 20, 0.02), (0.0, 0.5754, 0.001)):
+    for weight, share, most in ((0.3, (14.309 - 3.652) / 20, 0.02), (0.0, 0.5754, 0.005)):
         rod = Rod(E=1.07e4, nu=0.25, a=0.25, L=20.0, weight=weight)
         seen = observe(solve(Case(rod, cylinder, ends)).let_go(), names, errors=True)
         assert abs(seen["contact_share"] - share) <= seen["contact_share_error"] < most
+
+
+def test_the_edge_of_a_contact_that_passes_a_node_by_chance_alike_on_three_meshes_has_its_error() -> None:
+    """The changes from 24 to 48 and 96 edges are as of order 2, the next are not. These numbers are of 6144 edges."""
+    drum, rod = Cylinder(200.0, contact="unilateral"), Rod(EI=2e6, GJ=1.6e6, a=6.0, L=1616.0)
+    held = Ends("90deg", "90deg", height=0.0, azimuth="200deg", radiusL=1200.0, M2L=0.0)
+    true = {"push_max": 0.58298, "point_force_max": 78.8273, "contact_share": 0.196321}
+    seen = observe(solve(Case(rod, drum, held)), [*true], errors=True)
+    for name, value in true.items():
+        assert abs(seen[name] - value) <= seen[f"{name}_error"] < 0.02 * value, name
+
+
+def test_a_contact_that_only_the_finest_mesh_has_is_looked_at_on_one_more() -> None:
+    """The point force next to the clamp is 0.673 on 3072 edges; on 96 it was said to be 0.06 within 0.19."""
+    taut = 1.2 - np.arccos(1 / 3) + np.sqrt(8)
+    held = Ends("85deg", "80deg", height=0.0, azimuth=1.2, M3=0.0, radiusL=3.0, M2L=0.0)
+    sol = solve(Case(Rod(EI=0.1, GJ=0.1, a=0.1, L=taut * 1.01), Cylinder(0.9, contact="unilateral"), held))
+    last, before = (len(shape.contacts) for shape in sol.trajectory.free.answers[0].shapes[:-3:-1])
+    assert last == before
 
 
 @pytest.mark.parametrize(("FZ", "word"), [(-166.0, "straight"), (-170.0, "sinusoidal")])
@@ -832,12 +859,10 @@ def test_a_finer_tolerance_moves_a_rod_by_no_more_than_the_stated_error(freed: t
     assert far <= coarse.error + fine.error
 
 
-def test_a_tolerance_above_the_default_one_needs_two_meshes_whose_difference_is_the_error(
-    freed: tuple[Any, Any],
-) -> None:
+def test_a_tolerance_above_the_default_one_needs_three_meshes_too(freed: tuple[Any, Any]) -> None:
     before, fine = freed
     draft = before.let_go(tol=1e-3)
-    assert len(draft.trajectory.free.answers[0].shapes) == 2
+    assert len(draft.trajectory.free.answers[0].shapes) == MESHES
     far = np.linalg.norm(fine.position - draft.position, axis=1).max() / ROD.L
     assert far <= draft.error + fine.error < 1e-3
 

@@ -275,7 +275,7 @@ def test_a_place_that_its_error_hides_is_told_with_the_error() -> None:
     sol = solve(Case(Rod(EI=2e6, GJ=1.6e6, a=6.0, L=1616.0), cylinder, held))
     contact, forces = free_rod_words.sentences(sol, {"length": "mm", "force": "N"})
     ((low, high),) = sol.contacts
-    errors = [free_rod_words.place_error(sol, place) for place in (low, high)]
+    errors = [free_rod_words.error_beside(sol, place, 0) * 206.0 for place in (low, high)]
     assert high - low < min(errors)
     number = r"([\d.]+) ± ([\d.]+)"
     told = re.search(f"lies on {number} % of its length on the wall, at s = {number} to {number} mm", contact)

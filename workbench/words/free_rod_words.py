@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from solver.observe.free_numbers import error_of_contacts
+from solver.observe.free_numbers import errors_of_contacts
 from solver.observe.observables import observe
 
 from .unit_habits import plain, within
@@ -58,14 +58,20 @@ def places_of_contact(sol: "Solution", length: str) -> str:
 
 def point_forces(sol: "Solution") -> list[tuple[str, str]]:
     """Where each point force of the wall acts, and its size, in the digits that their errors allow."""
-    error = float(observe(sol, ["point_force_max"], errors=True)["point_force_max_error"])
-    return [(_place(sol, s), _with_error(force, error, force)) for s, force in sol.point_forces]
+    unit = float(sol.case.rod.bending_stiffness) / float(sol.case.rho) ** 2
+    return [
+        (_place(sol, s), _with_error(force, error_beside(sol, s, 1) * unit, force)) for s, force in sol.point_forces
+    ]
 
 
 def _place(sol: "Solution", s: float) -> str:
     """Where a contact begins or ends: an end of the rod, or in the digits that the error allows."""
     lengths = [high - low for low, high in sol.contacts if high > low]
-    return _with_error(s, place_error(sol, s) * (0 < s < float(sol.case.rod.L)), min(lengths, default=math.inf))
+    return _with_error(
+        s,
+        error_beside(sol, s, 0) * float(sol.case.rho) * (0 < s < float(sol.case.rod.L)),
+        min(lengths, default=math.inf),
+    )
 
 
 def _with_error(value: float, error: float, size: float) -> str:
@@ -78,9 +84,12 @@ def _with_error(value: float, error: float, size: float) -> str:
     return f"{within(value, error / 20)} ± {plain(error, 2)}"
 
 
-def place_error(sol: "Solution", s: float) -> float:
-    """The estimated error of where the contact whose edge is nearest to s begins or ends there [length]."""
-    errors = error_of_contacts(sol.trajectory.free.answers[0].shapes) * float(sol.case.rho)
+def error_beside(sol: "Solution", s: float, kind: int) -> float:
+    """The estimated error of where a contact begins or ends that does so nearest to s, in units of rho.
+
+    kind: 1 instead of 0 for that of the point force there, in units of A and rho.
+    """
+    errors = errors_of_contacts(sol.trajectory.free.answers[0].shapes)[kind]
     return float(errors.ravel()[np.abs(np.ravel(sol.contacts) - s).argmin()])
 
 
