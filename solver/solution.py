@@ -106,11 +106,17 @@ class Solution(ShapeArrays):
         return type(self)(cases_at(self.case, index), *parts, self.method, self.tol)
 
     def __len__(self) -> int:
-        """The number of solutions along the first axis of the cases; 1 for a single case."""
-        return self.case.shape[0] if self.case.shape else 1
+        """The number of solutions along the first axis of the cases. Raises `TypeError` for a single case."""
+        if not self.case.shape:
+            raise TypeError("a solution of one case has no length; its arrays are attributes, as solution.z")
+        return self.case.shape[0]
+
+    def __bool__(self) -> bool:
+        """True, also of a single case and of unsolved ones: see `solved`."""
+        return True
 
     def __iter__(self) -> Iterator[Self]:
-        """The solutions along the first axis of the cases. Raises `InputError` for a single case."""
+        """The solutions along the first axis of the cases. Raises `TypeError` for a single case."""
         return (self[i] for i in range(len(self)))
 
     def sel(self, **values: Any) -> Self:

@@ -171,9 +171,10 @@ def _change(state: BranchState, chart: Chart) -> BranchState | None:
                 for c, point in ((chart, state.node.w), (candidate, beyond))
             )
             along = (w_nearby - w) / nudge
-            if not along.any():
+            size = np.linalg.norm(along)
+            if not 0 < size < np.inf:
                 continue
-            along /= np.linalg.norm(along)
+            along /= size
             changed = correct_state(curve, w, along)
             if isinstance(changed, str) or changed.node.tangent @ along < _PARALLEL:
                 continue

@@ -171,8 +171,8 @@ def correct_point(curve: Curve, guess: Array, across: Array, jacobian: Array, go
         if value is None:
             return LEFT
         now = np.append(value, across @ (w - guess))
-        if move.any():
-            system = system + np.outer(now - off - system @ move, move) / (move @ move)
+        if square := move @ move:
+            system = system + np.outer(now - off - system @ move, move) / square
         off = now
         try:
             move = -np.linalg.solve(system, off)

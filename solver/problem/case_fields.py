@@ -1,6 +1,6 @@
 """The numeric fields of a case by the names of their quantities, and a case with another value of one of them."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields, replace
 from functools import cache
 from typing import Any
@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from .case import Case, Cylinder, Rod
+from .declared_fields import ALL_FIELDS
 from .errors import InputError, choices, known_name, names_of, near
 from .field_values import numbers_of
 from .quantities import AT_START
@@ -31,10 +32,18 @@ def check_fields(case: Case, names: Any, known: Iterable[str] | None = None) -> 
     fields = tuple(of_quantity(case, name) for name in names_of(names))
     for name in fields:
         if not known_name(name, known):
-            raise InputError(f"no field {name!r} in this case{near(name, known)}; choose from {choices(known)}")
+            raise _no_field(name, known)
     if not fields or len(set(fields)) < len(fields):
         raise InputError(f"fields must be one or several different names, got {choices(fields) or 'none'}")
     return fields
+
+
+def _no_field(name: Any, known: Sequence[str]) -> InputError:
+    """The refusal of a name; of one that stands in place of a known field, such as wob, it names that."""
+    row = ALL_FIELDS.get(name) if isinstance(name, str) else None
+    given = row is not None and row.in_place_of in known
+    hint = f": {name} stands in place of {row.in_place_of}, so name that" if row and given else near(name, known)
+    return InputError(f"no field {name!r} in this case{hint}; choose from {choices(known)}")
 
 
 def of_quantity(case: Case, name: Any) -> Any:
@@ -50,7 +59,7 @@ def _place_of(case: Case, name: str) -> tuple[str, str]:
     place = _places(given).get(name)
     if place is None:
         known = fields_of(case)
-        raise InputError(f"no field {name!r} in this case{near(name, known)}; choose from {choices(known)}")
+        raise _no_field(name, known)
     return place
 
 

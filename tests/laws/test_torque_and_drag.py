@@ -7,6 +7,8 @@ import pytest
 
 from solver import Case, Cylinder, Ends, InputError, Rod, Start, fit, observe, solve
 from solver.fits.start_force import with_start_force
+from solver.nodes.local_waves import EQUAL, mean_push
+from solver.nodes.lock_up import PASSED, lock_up_length
 
 PIPE: dict[str, Any] = {"EI": 1224.0, "GJ": 941.6, "a": 0.0635, "weight": 0.241}  # 5 inch, in kN and m
 RHO, FRICTION = 0.04445, 0.25
@@ -70,6 +72,17 @@ def test_a_lying_helix_locks_up_at_nine_tenths_of_the_length_on_which_its_compre
     changed = seen(pipe("axial-forward", 90.0, L, -force - 0.5), "FZ0")[0]
     passed = -0.5 / (changed - at_start)
     assert passed == pytest.approx((force / at_start) ** 2, rel=0.1)  # two clamped ends
+
+
+def test_the_length_on_which_a_pipe_locks_up_jumps_at_the_helix_only_by_what_its_push_does() -> None:
+    """Of 1/F a tenth is left where the push at both ends is that of a helix; at the far end of a sinusoid, more."""
+    across, just = 1e-3, 1e-9
+    front = np.sqrt(across) * (2 + EQUAL)
+    lengths = [lock_up_length(0.0, across, FRICTION, front * (1 + part)) for part in (-just, just)]
+    before, after = (float(mean_push(np.array(EQUAL + part), EQUAL)) for part in (-just, just))
+    bounds = [FRICTION * front / 4 * length for length in lengths]  # of the length without bound of the compression
+    assert bounds == pytest.approx([1 - np.sqrt(PASSED * after / before), 1 - np.sqrt(PASSED)], rel=1e-6)
+    assert 1.02 < bounds[1] / bounds[0] < 1.03
 
 
 def test_a_straight_pipe_reaches_further_by_the_soft_string() -> None:

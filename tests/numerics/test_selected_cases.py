@@ -87,3 +87,7 @@ def test_a_selection_that_is_none_is_refused() -> None:
             rods.sel(E=value)
     with pytest.raises(InputError, match="one case"):
         rods[0][0]
+    for of_many in (len, iter):
+        with pytest.raises(TypeError, match="one case"):
+            of_many(rods[0])
+    assert rods[0]

@@ -2,10 +2,13 @@
 
 import re
 import shlex
+import sys
+import threading
 import time
 
 import pytest
 
+from solver import InputError
 from tests.workbench.command import exit_status
 from workbench import cli
 from workbench.commands import console
@@ -56,6 +59,21 @@ def test_the_shell_completes_commands_and_options(capsys, monkeypatch) -> None:
         monkeypatch.setenv("COMP_CWORD", str(place))
         exit_status(*line.split()[1:])
         assert capsys.readouterr().out.split() == expected
+
+
+def test_a_command_that_computes_for_long_says_so_on_a_terminal(monkeypatch) -> None:
+    said = threading.Event()
+
+    def read(*_: object, **__: object) -> None:
+        raise InputError("it was said" if said.wait(60) else "silence")
+
+    monkeypatch.setattr(console, "PATIENCE", 0.0)
+    monkeypatch.setattr(console, "SLOW", "still computing")
+    monkeypatch.setattr(console, "warn", lambda sentence: sentence == "still computing" and said.set())
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    monkeypatch.setattr("studies.language.case_input.read_case", read)
+    assert exit_status("solve") == 2
+    assert said.is_set()
 
 
 def test_progress_without_a_terminal_is_a_line_now_and_then_with_the_time_left(monkeypatch, capsys) -> None:

@@ -202,6 +202,14 @@ def test_a_pipe_that_turns_in_place_without_an_answer_says_what_torque_a_straigh
     assert torque == pytest.approx(float(observe(light, ["surface_torque"])["surface_torque"]), rel=5e-3)
 
 
+def test_no_buckling_load_is_searched_of_a_pipe_too_long_to_compute(monkeypatch) -> None:
+    rod, hole = Rod(EI=1224.0, GJ=941.6, a=0.0635, L=1.5e6, weight=0.241), Cylinder(0.10795, "inside", "120deg")
+    refused = solve(Case(rod, hole, Ends(beta0=0.0, betaL=0.0, FZ=-90.0)))
+    assert "changes are computed" in str(refused.outcome)
+    monkeypatch.setattr("solver.nodes.buckling.tension_of_buckling", lambda rod: pytest.fail(f"of {rod.span} radii"))
+    assert not pipe_words.sentences(refused, {"length": "m", "force": "kN"})
+
+
 def test_a_pipe_that_stands_on_its_foot_is_not_drawn_with_its_hook_there() -> None:
     with pytest.raises(InputError, match="climbs from its foot: give hole"):
         well_tracks.figure(StoredStudy(study_kinds.well(0.0, None)))

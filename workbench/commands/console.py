@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from functools import cache, partial
 from textwrap import wrap
+from threading import Timer
 from time import monotonic
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +21,11 @@ if TYPE_CHECKING:  # --help does not import rich
 HELD = "\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}"
 EVERY = 5.0  # seconds between two lines of progress
 LINE_EVERY = 5.0  # seconds between two lines of a run where stderr is no terminal
+PATIENCE = 15.0  # seconds before a command that is silent says that it runs
+SLOW = (
+    "still computing; the time grows with the length over the radius and with the loads, so check their units; Ctrl+C "
+    "ends it"
+)
 WHOLE: dict[str, Any] = {"break_long_words": False, "break_on_hyphens": False}
 
 
@@ -78,6 +84,19 @@ def print_json(data: Any) -> None:
     """Print the data as JSON; NaN and infinity become null. Where stdout lacks letters, all but ASCII is escaped."""
     ascii_alone = not (sys.stdout.encoding or "utf-8").lower().startswith("utf")
     print(escaping.in_json(json.dumps(escaping.finite(data), indent=2, ensure_ascii=ascii_alone)))
+
+
+@contextmanager
+def remark_on_time() -> Iterator[None]:
+    """Say on a terminal's stderr that the body still runs, and what may take so long, if it takes `PATIENCE`."""
+    timer = Timer(PATIENCE, warn, [SLOW])
+    timer.daemon = True
+    if sys.stderr.isatty():
+        timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
 
 
 @contextmanager

@@ -5,6 +5,7 @@ A command returns a `Result`; `presents` gives it the options of its case and of
 
 import inspect
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass, fields, is_dataclass
 from functools import wraps
 from pathlib import Path
@@ -112,7 +113,8 @@ def presents(
                 named = [field.name for field in fields(record) if field.name in options]
                 options[name] = record(**{field: options.pop(field) for field in named})
             try:
-                result = command(*args, **options)
+                with console.remark_on_time() if case else nullcontext():
+                    result = command(*args, **options)
             except Undone as error:
                 result = result_of_files([], warnings=[str(error)], status=1)
             present(result, as_json, files, sheet)

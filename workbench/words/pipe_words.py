@@ -266,6 +266,7 @@ def _buckling_load(sol: "Solution", force: str) -> list[str]:
     """
     from solver.free.starting_curves import bilateral_cases
     from solver.nodes.buckling import rod_without_lean, tension_of_buckling
+    from solver.nodes.loaded_solutions import why_unsolved
 
     case = sol.case
     if case.kind != "ends" or case.cylinder.side == "outside" or (case.leaves and not _rests(case)):
@@ -274,7 +275,7 @@ def _buckling_load(sol: "Solution", force: str) -> list[str]:
     who = f"the straight rod{' without friction' * rod.has_friction}"
     if rod.rotates and not rod.straight:
         rod, who = rod_without_lean(rod), "the rod that leans by its friction"
-    if not rod.straight:
+    if not rod.straight or why_unsolved(rod):
         return []
     phi, unit = tension_of_buckling(rod), float(case.rod.bending_stiffness) / float(case.rho) ** 2
     if phi is None:
