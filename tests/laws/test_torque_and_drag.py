@@ -76,7 +76,7 @@ def test_a_lying_helix_locks_up_at_nine_tenths_of_the_length_on_which_its_compre
 
 def test_the_length_on_which_a_pipe_locks_up_jumps_at_the_helix_only_by_what_its_push_does() -> None:
     """Of 1/F a tenth is left where the push at both ends is that of a helix; at the far end of a sinusoid, more."""
-    across, just = 1e-3, 1e-9
+    across, just = 1e-6, 1e-9
     front = np.sqrt(across) * (2 + EQUAL)
     lengths = [lock_up_length(0.0, across, FRICTION, front * (1 + part)) for part in (-just, just)]
     before, after = (float(mean_push(np.array(EQUAL + part), EQUAL)) for part in (-just, just))
