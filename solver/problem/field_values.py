@@ -7,7 +7,7 @@ three.
 
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import MISSING, fields
 from functools import wraps
 from typing import Any
@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .declared_fields import ANGLES, CHOICES, FIELDS, RANGES, REPLACED
+from .declared_fields import ANGLES, CHOICES, FIELDS, RANGES, REPLACED, WELL
 from .errors import InputError, T, choices, known_name, near, no_such, show
 from .notices import is_called_by_a_program, warn
 from .quantities import unit_of
@@ -242,20 +242,23 @@ def doubt(name: str, value: object) -> str:
 
 
 # field -> its least and largest usual value in metres and newtons, units of other tables of pipes, and one to state it
-# in. E: of metals, from magnesium to tungsten; radii: to 30 cm; weight: less than solid steel of this radius has.
+# in. E: of metals, from magnesium to tungsten; radii: to 30 cm, of a hole to 55 cm; weight: less than solid steel of
+# this radius has.
 # x10: no number that is meant in inches, psi or lbf/ft is doubted
 _USUAL = {
     "E": (40e9, 450e9, ("psi", "ksi", "GPa"), "GPa"),
     "a": (0.0, 0.3, ("in",), "mm"),
     "inner_radius": (0.0, 0.3, ("in",), "mm"),
+    "R": (0.0, 0.55, ("in",), "mm"),
     "weight": (0.0, 2e4, ("lbf/ft",), "kN/m"),
 }
 
 
-def doubt_size(name: str, value: object, units: Mapping[str, str]) -> str:
+def doubt_size(name: str, value: object, units: Mapping[str, str], beside: Collection[str] = ()) -> str:
     """The notice about a field of rods in feet that would be usual in psi, in or lbf/ft alone, else an empty text.
 
-    value: as a user gives it, as in `doubt`. units: of "length" and "force".
+    value: as a user gives it, as in `doubt`. units: of "length" and "force". beside: the fields that are given: only
+    words of a well say that R is that of a hole, and not of a drum, which may have any.
 
     >>> doubt_size("E", 30e6, {"length": "ft", "force": "lbf"}).partition("; ")[2]
     'write "30000000 psi" if psi is meant, or "30000000 lbf/ft^2"'
@@ -265,8 +268,12 @@ def doubt_size(name: str, value: object, units: Mapping[str, str]) -> str:
     ''
     >>> doubt_size("weight", 19.5, {"length": "ft", "force": "klbf"})
     'weight = 19.5 is read as 19.5 klbf/ft = 284.6 kN/m; write "19.5 lbf/ft" if lbf/ft is meant, or "19.5 klbf/ft"'
+    >>> doubt_size("R", 4.25, {"length": "ft", "force": "klbf"}, ["L", "hole"])
+    'R = 4.25 is read as 4.25 ft = 1295 mm; write "4.25 in" if in is meant, or "4.25 ft"'
+    >>> doubt_size("R", 4.25, {"length": "ft", "force": "klbf"}, ["L", "lay"])
+    ''
     """
-    if name not in _USUAL or units["length"] != "ft":
+    if name not in _USUAL or units["length"] != "ft" or (name == "R" and WELL.keys().isdisjoint(beside)):
         return ""
     low, high, others, stated = _USUAL[name]
     unit = unit_of(name, units)

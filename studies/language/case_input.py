@@ -187,7 +187,7 @@ def in_units(values: Mapping[str, Any], units: Mapping[str, str]) -> dict[str, A
     except ValueError as error:
         raise InputError(str(error)) from None
     for name, value in values.items():
-        if sentence := doubt_size(name, value, units):
+        if sentence := doubt_size(name, value, units, values):
             warn(sentence, UnitWarning)
     return numbers
 

@@ -6,8 +6,7 @@ TOML is read within limits. Written are the keys that were given, without the de
 import re
 import reprlib
 import tomllib
-from collections.abc import Iterator, Mapping
-from itertools import chain
+from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -212,8 +211,10 @@ def _notices(data: Mapping[str, Any], text: str, label: str, cases: Mapping[str,
     data: the tables of a valid study, as the file has them. cases: the columns of its table of cases.
     """
     columns = [(("table", name), values[np.abs(values) > np.pi]) for name, values in (cases or {}).items()]
-    every = chain(_plain_values(data), columns)
-    said = [(where, sentence) for where, value in every if (sentence := _doubt(str(where[1]), value, data["units"]))]
+    every = [*_plain_values(data), *columns]
+    fields = {str(where[1]) for where, _ in every}
+    doubts = [(where, _doubt(str(where[1]), value, data["units"], fields)) for where, value in every]
+    said = [(where, sentence) for where, sentence in doubts if sentence]
     lines = lines_of(text) if said else {}
     return [one_line(f"{label}{line_of(lines, where)}: {sentence}") for where, sentence in said]
 
@@ -277,9 +278,9 @@ def _field(message: str) -> str:
     return match.group(1) if match else ""
 
 
-def _doubt(name: str, value: Any, units: Mapping[str, str]) -> str:
-    """The notice about values of a field that may be meant in another unit; empty where none is."""
-    return doubt(name, value) if is_angle(name) else doubt_size(name, value, units)
+def _doubt(name: str, value: Any, units: Mapping[str, str], fields: Collection[str]) -> str:
+    """The notice about values of one of the fields that may be meant in another unit; empty where none is."""
+    return doubt(name, value) if is_angle(name) else doubt_size(name, value, units, fields)
 
 
 def _plain_values(data: Mapping[str, Any]) -> Iterator[tuple[Where, Any]]:
