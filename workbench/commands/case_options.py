@@ -94,10 +94,16 @@ def parse_axis(text: str, units: Mapping[str, str]) -> "tuple[str, np.ndarray]":
 
     units: of "length" and "force", of the study.
     """
+    from pydantic import ValidationError
+
     from studies.grammar.axes import Axis
+    from studies.language.loader import sentence_of
 
     name, first, last, count = read_range("--axis", text, units, AXES, "FROM:TO:COUNT")
     if not 2 <= count <= MAX_COUNT or first == last or not (isfinite(first) and isfinite(last)):
         raise InputError(f"--axis needs two different finite ends and a count from 2 to {MAX_COUNT}, got {text!r}")
-    axis = Axis.model_validate({"from": min(first, last), "to": max(first, last), "count": count})
+    try:
+        axis = Axis.model_validate({"from": min(first, last), "to": max(first, last), "count": count})
+    except ValidationError as error:
+        raise InputError(f"--axis {text}: {sentence_of(error)[1]}") from None
     return name, axis.numbers()
