@@ -119,30 +119,20 @@ def contacts_across(contacts: list[Contact], stretches: list[tuple[float, float]
     edges are then spread over it."""
     joined = list(contacts)
     for low, high in stretches:
-        beside = [on for on in joined if low in (on.begin, on.end) or high in (on.begin, on.end)]
-        inner = [point for on in beside for point in on.points if low <= point[0] <= high]
-        spread = np.full(2, sum(force for _, force in inner) / (high - low))
-        parts = [
-            *((on.places, on.push) for on in beside if on.end <= low and on.end > on.begin),
-            (np.array([low, high]), spread),
-            *((on.places, on.push) for on in beside if on.begin >= high and on.end > on.begin),
-        ]
-        points = tuple(point for on in beside for point in on.points if point not in inner)
+        before, after = ([on for on in joined if on.end == low], [on for on in joined if on.begin == high])
+        points = [point for on in before + after for point in on.points]
+        spread = sum(force for place, force in points if low <= place <= high) / (high - low)
+        parts = [*(on[:2] for on in before), ([low, high], [spread] * 2), *(on[:2] for on in after)]
         places, push = (np.concatenate(part) for part in zip(*parts, strict=True))
-        rest = [on for on in joined if not (low in (on.begin, on.end) or high in (on.begin, on.end))]
-        joined = sorted([*rest, Contact(places, push, points)], key=lambda on: on.begin)
+        rest = [on for on in joined if on.end != low and on.begin != high]
+        outer = tuple(point for point in points if not low <= point[0] <= high)
+        joined = sorted([*rest, Contact(places, push, outer)], key=lambda on: on.begin)
     return joined
 
 
 def sure_parts(on: Contact, error: Array) -> list[Contact]:
-    """The parts of an interval that are surely pressed, and the point forces beside them. error: of the push, (n,)."""
+    """The parts of an interval that are surely pressed, and its point forces alone. error: of the push, (n,)."""
     sure = np.flatnonzero(on.push > error)
     runs = np.split(sure, np.flatnonzero(np.diff(sure) > 1) + 1) if sure.size else []
-    ends = [on.places[run[[0, -1]]] for run in runs]
-    alone = [point for point in on.points if not any(point[0] in end for end in ends)]
-    parts = [
-        Contact(on.places[run], on.push[run], tuple(point for point in on.points if point[0] in end))
-        for run, end in zip(runs, ends, strict=True)
-    ]
-    parts += [Contact(np.array([place]), np.zeros(1), ((place, force),)) for place, force in alone]
-    return sorted(parts, key=lambda part: part.begin)
+    alone = [Contact(np.array([place]), np.zeros(1), ((place, force),)) for place, force in on.points]
+    return sorted([*(Contact(on.places[run], on.push[run], ()) for run in runs), *alone], key=lambda part: part.begin)
