@@ -8,8 +8,8 @@ from scipy import special
 from ..numerics.arrays import ALIKE, NEGLIGIBLE, Array, whole_turns
 from ..problem.declared_fields import POSITIVE
 from ..problem.errors import choices
+from ..problem.outcomes import SOLVED
 from ..problem.quantities import quantity
-from ..problem.trajectory import SOLVED
 from .data import scale_of
 from .fit_result import NO_INTERVALS, Fit, OtherMinimum
 from .model import FitMinimum, Model

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..numerics.arrays import Array
 from ..problem.case import Case
-from ..problem.trajectory import SOLVED
+from ..problem.outcomes import SOLVED
 from ..solution import Solution
 
 NO_INTERVALS = "no intervals: no sigma is given, and there are no more data than fitted values"

@@ -10,7 +10,8 @@ from ..numerics.arrays import ALIKE, FAINT, Array, Integers
 from ..problem.case import Case
 from ..problem.dimensionless import EndsProblem
 from ..problem.limits import OUT_OF_RANGE, TAUT, units_held
-from ..problem.trajectory import SOLVED, Trajectory, fewer_digits
+from ..problem.outcomes import SOLVED, fewer_digits
+from ..problem.trajectory import Trajectory
 from .free_problem import BeginningCurve, Beside, problems_of
 from .free_shape import Along, FreeShape
 from .minimum import free_motion, minimise

@@ -14,7 +14,8 @@ import numpy as np
 from ..core.tuning import MOST_STEPS
 from ..numerics.arrays import Array
 from ..problem.dimensionless import StartProblem
-from ..problem.trajectory import NOT_FINITE, Trajectory
+from ..problem.outcomes import NOT_FINITE
+from ..problem.trajectory import Trajectory
 from .half_period import condition_numbers
 from .method import (
     MOST_CALLED,

@@ -18,7 +18,8 @@ from ..orbits.periodic_orbit import judge, solve_orbit
 from ..problem.dimensionless import StartProblem
 from ..problem.errors import DEFAULT_TOLERANCE
 from ..problem.limits import LARGEST, beyond_limits
-from ..problem.trajectory import Trajectory, Verdicts, all_solved, blank, stood_in, verdicts
+from ..problem.outcomes import Verdicts, all_solved, verdicts
+from ..problem.trajectory import Trajectory, blank, stood_in
 from .method import TOLERANCES, Ladder, StartMethod
 
 # times the tolerance: an error beyond it is handed over, also where the condition number excuses it. x10: answers that

@@ -16,7 +16,8 @@ from ..numerics.arrays import Array
 from ..orbits.joined_orbits import join_answers
 from ..problem.dimensionless import EndsProblem, StartProblem
 from ..problem.errors import InputError, choices
-from ..problem.trajectory import Seed, Trajectory, verdicts
+from ..problem.outcomes import verdicts
+from ..problem.trajectory import Seed, Trajectory
 
 # Evaluations after which a ladder ends: about 0.4 s on the machine of docs/reference/methods.md. Evaluations, not
 # seconds, so that a busy machine runs the same rungs. The first limit is for methods that call Python at each one. x10:

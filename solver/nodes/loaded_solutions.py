@@ -8,15 +8,16 @@ import numpy as np
 
 from ..branches.parameter_plane import reflect
 from ..core.tuning import MOST_STEPS, SAFETY
-from ..core.varying_loads import BY_ANGLE, HALF, SIZE, TRUNCATION, March, march
+from ..core.varying_loads import BY_ANGLE, SIZE, TRUNCATION, March, march
 from ..numerics.arrays import FAINT, SQUARE_LOST, Array
 from ..orbits.forces import circumferential_force, surface_forces
 from ..problem.case import ALONG_AXIS, IN_PLACE, Case
 from ..problem.dimensionless import EndsProblem, StartProblem, flat
 from ..problem.errors import InputError
 from ..problem.limits import unreachable
-from ..problem.trajectory import Trajectory, blank, verdicts
-from .banded_newton import correct, linear_at
+from ..problem.outcomes import verdicts
+from ..problem.trajectory import Trajectory, blank
+from .banded_newton import correct
 from .buckling import straight_shape
 from .constant_loads import dead_indices
 from .growth import STRAIGHT, GrowthWay
@@ -25,7 +26,6 @@ from .loaded_rod import (
     BETA,
     MU,
     PHI,
-    SHORT,
     SPEED,
     VARYING,
     LoadedRod,
@@ -37,18 +37,14 @@ from .loaded_rod import (
 )
 from .node_branch import NodeCurve
 from .pipe_states import LEAVES, RUBS
+from .shape_error import ROUNDING, estimate
 from .shape_index import index_of_any, shape_like
 from .straight_branch import find_shape
 from .varying_shapes import Marched, Shape, VaryingShapes, read_starts
-from .weak_modes import largest_move
 
-# steps of the second march, whose difference from the first estimates the error of an ends problem. x10: longer steps,
-# whose error is not that of the answer: good ones are said to fail
-SHORTER = 0.7
 # of start problems: what all steps leave out of beta, as a share of the tolerance; the most that one does, of the
 # scales. x10: a tenth of the tolerance; the most x10: 1.9 times the time, and errors nearer to what is allowed
 SHARE, COARSEST = 0.01, 1e-12
-ROUNDING = 2e-16  # of a number and its condition: one rounding. x10: ends problems are said to have fewer digits
 # of a number of a rod in units of A and rho; of L/rho between two ends. x10: as good; sums of fourth powers overflow
 # from 1e77 on
 LARGEST, SHORTEST = 1e30, 1e-15
@@ -314,26 +310,3 @@ def words_of(way: GrowthWay) -> str:
     if way.rubbed:
         said.append(f"{RUBS} raises its compression")
     return ", ".join([*said, *([way.why] * bool(way.why))])
-
-
-def estimate(shape: Shape) -> tuple[float, float]:
-    """The error of a shape and its condition number, in radians.
-
-    The error is what shorter steps of the series leave open, carried through the equations; where these are nearly
-    singular, as at a fold, with the curvature that ends its growth.
-    """
-    scale, span = shape.rod.scale, max(1.0, shape.rod.span)
-    linear = linear_at(shape, shorter=SHORTER)
-    size = linear.open.size
-    right = np.zeros((size, 3))
-    right[:, 0] = linear.open
-    right[0, 1] = right[size - HALF, 2] = 1
-    change = linear.solve(right, soft=True)
-    if change is None:
-        return np.inf, np.inf
-    moved = np.abs(change.reshape(-1, SIZE, 3)) * scale[:, None]
-    off = moved[:, :, 0].max(axis=0)
-    condition = max(1.0, float(moved[:, BETA, 1:].max() / scale[BETA]))
-    error = float(SAFETY * max(off[BETA], off[ALPHA] / span, off[SHORT] / span) + ROUNDING * condition)
-    # a larger error may be less than the equations say, which are linear
-    return largest_move(shape, error) if SQUARE_LOST < error < np.inf else error, condition

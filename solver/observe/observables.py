@@ -18,8 +18,7 @@ from ..nodes.pipe_states import least_pull
 from ..numerics.arrays import EPS, ROUNDED, Array
 from ..numerics.complex_step import size_of
 from ..orbits.marched_orbit import MarchedOrbit
-from ..orbits.mesh_index import index_at_stations
-from ..orbits.periodic_orbit import LIBRATION, ROTATION, TIGHT, jacobi_zeros, solve_orbit
+from ..orbits.periodic_orbit import LIBRATION, ROTATION, TIGHT, solve_orbit
 from ..orbits.potential import load_size
 from ..orbits.shape_arrays import ShapeArrays
 from ..problem.case import Case, Rod
@@ -29,6 +28,7 @@ from ..problem.errors import check_type, known_name, names_of, no_such, yes_or_n
 from ..problem.quantities import ByName, current, quantity
 from .free_numbers import UNDEFINED, free_numbers
 from .measurement import SPREAD, MeasuredNumbers, Pair
+from .morse_index import index
 from .self_contact import overlaps
 from .solution_pieces import is_resolved
 
@@ -89,27 +89,6 @@ def self_intersection(read: MeasuredNumbers, **limits: int) -> Any:
     """
     bounds = (read.each(v) for v in (read.scale("tightest", 1 / read.rho)[0], read.value("low"), read.value("high")))
     return np.reshape(overlaps(read.sol, *bounds, **limits), -1)
-
-
-def index(read: MeasuredNumbers) -> Any:
-    """Morse index under the ends as they are given, (B,); 0 is stable.
-
-    Of a start problem, and where angles and loads are given: between the shape's own two end angles, under dead loads.
-
-    NaN where the case is not solved, and where the method knows no orbit and the stations do not resolve the shape or
-    its condition number leaves too few digits.
-    """
-    sol, problem, shape = read.sol, read.sol.problem, read.sol.trajectory
-    if shape.shapes is not None:
-        count = shape.shapes.index
-    elif shape.held_index is not None:
-        count = shape.held_index
-    elif shape.orbit is not None:
-        count = jacobi_zeros(shape.orbit.exact)
-    else:
-        count = index_at_stations(problem, sol.t, shape.beta, shape.dbeta)
-        count = np.where((shape.error <= 1e-3) & (shape.condition <= 1e8), count, np.nan)
-    return np.where(np.reshape(sol.solved, -1), count, np.nan)
 
 
 def bend_number(read: MeasuredNumbers) -> Pair:

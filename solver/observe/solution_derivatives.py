@@ -17,8 +17,8 @@ from ..orbits.variations import HelixVariations
 from ..problem.case import refuse_leaving
 from ..problem.case_fields import check_fields
 from ..problem.dimensionless import EndsProblem, FieldRates, end_number_names, field_rates, flat
+from ..problem.outcomes import SOLVED, decade
 from ..problem.quantities import ByName
-from ..problem.trajectory import SOLVED, decade
 from .motions import LOST, Motion, of_equilibria, of_helices, shape_rates, start_sensitivities
 from .observable_rates import Moving, check_observables, derivatives_of, measure_of, why_missing
 from .varying_rates import STEP, rates_on_nodes

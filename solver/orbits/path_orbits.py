@@ -13,7 +13,8 @@ import numpy as np
 from ..core.tuning import LOWEST
 from ..numerics.arrays import ALIKE, EPS, Array, Columns
 from ..problem.dimensionless import EndsProblem, StartProblem
-from ..problem.trajectory import PLAIN, Trajectory, blank, verdicts
+from ..problem.outcomes import verdicts
+from ..problem.trajectory import PLAIN, Trajectory, blank
 from .boundary import (
     DOWN,
     STRETCH,

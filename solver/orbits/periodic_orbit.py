@@ -33,7 +33,7 @@ FUNCTIONS = 5  # series of a panel
 _ReadOrbits = structure("read_orbits", "orbit_parts.h")
 _PanelArrays = structure("panel_arrays", "orbit_parts.h")
 _Covered = structure("covered", "orbit_parts.h")
-_PanelErrors = structure("panel_errors", "conditioning.c")
+_PanelErrors = structure("panel_errors", "orbit_errors.c")
 
 
 @dataclass(frozen=True, eq=False)
@@ -324,7 +324,7 @@ def _judge(orbit: Orbit, held: bool) -> tuple[Array, Array]:
 
 
 def _problems(orbit: Orbit) -> tuple[Any, ...]:
-    """The problems and their orbits as the first arguments of functions of conditioning.c."""
+    """The problems and their orbits as the first arguments of functions of orbit_errors.c."""
     numbers = numbers_of(orbit.problem)
     return len(numbers), numbers, as_core_orbits(orbit), points(orbit.panels.series.shape[2] - 1)
 

@@ -14,9 +14,10 @@ from solver import Case, Cylinder, Rod, Start, solve
 from solver.core import build, tuning
 from solver.core.library import numbers_of
 from solver.core.measures import NUMBERS, measure
+from solver.core.tuning import SAFETY
 from solver.core.varying_loads import ORDER, TRUNCATION
 from solver.nodes.banded_newton import DEEP
-from solver.nodes.loaded_solutions import ROUNDING, SAFETY, SHORTER
+from solver.nodes.shape_error import ROUNDING, SHORTER
 from solver.observe.solution_pieces import pieces_of
 from solver.orbits.marched_orbit import LOST, march
 from solver.problem.dimensionless import StartProblem

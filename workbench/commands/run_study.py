@@ -169,7 +169,7 @@ def merge(
 def _print_outcomes(outcomes: Mapping[str, int], file: Path) -> None:
     """Print how often each outcome occurs but the plain one; of cases with fewer digits also which is the worst."""
     from solver.held.selection import INCOMPLETE
-    from solver.problem.trajectory import FEWER
+    from solver.problem.outcomes import FEWER
 
     from ..words.outcome_counts import group
 
@@ -199,7 +199,7 @@ def _warnings(outcomes: Mapping[str, int], file: Path) -> list[str]:
 
 def _fewer_digits(count: int, file: Path) -> str:
     """What cases have lost whose error is above the tolerance, how many digits remain, and which case is the worst."""
-    from solver.problem.trajectory import BECAUSE
+    from solver.problem.outcomes import BECAUSE
     from studies.laws import law_words
 
     from ..stored.file_summary import least_accurate
