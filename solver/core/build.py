@@ -17,9 +17,9 @@ OTHER = "ROD_WORKBENCH_CORE"  # an environment variable: the path of another lib
 SANITIZED = ("-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=undefined", "-DROLLED")
 WASM = "rod.wasm"  # in the repository: not every installation can make it
 WASM_SOURCES = (
-    "rod.c", "varying_loads.c", "measures.c", "stations.c", "stretches.c", "peaks.c", "critical_points.c",
-    "crossings.c", "tuning.c", "lanes.h", "varying_lanes.h", "vectors.h", "widths.h", "measured.h", "densities.h",
-    "stretches.h", "orbit_parts.h", "registers.h", "tuning.h",
+    "rod.c", "weight_friction.c", "measures.c", "stations.c", "stretches.c", "peaks.c", "critical_points.c",
+    "crossings.c", "tuning.c", "lanes.h", "weight_friction_lanes.h", "vectors.h", "widths.h", "measured.h",
+    "densities.h", "stretches.h", "orbit_parts.h", "registers.h", "tuning.h",
 )  # fmt: skip
 WASM_CALLS = (
     "rod_march", "rod_loaded", "rod_densities", "rod_measure_stations", "rod_landmarks_of_stations", "rod_crossings",

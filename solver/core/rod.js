@@ -21,7 +21,7 @@
 const RodCore = (() => {
   const ENDS = ["lost", "turns", "goes round"];
   const ORBIT = 34, LEG = 13, AHEAD = 2, BACK = AHEAD + LEG, STATUS = BACK + LEG; // `orbit` in rod.c
-  const STATES = 8, PARAMETERS = 7; // of varying_loads.c, with the states beta, rate, alpha, lam - mu, phi, mu, t - z
+  const STATES = 8, PARAMETERS = 7; // of weight_friction.c, with the states beta, rate, alpha, lam - mu, phi, mu, t - z
   const ROWS = 8; // of a density: `rod_densities`
   const SERIES = 1e-11, FINE = 1e-7; // error that a series of a density may have, relative: measured, and of landmarks
   const BY_ANGLE = 2, ORDER = 20; // columns of derivatives; order of their series

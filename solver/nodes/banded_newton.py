@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..core.varying_loads import BY_STATE, ORDER, SIZE, march, solve_chain
+from ..core.weight_friction import BY_STATE, ORDER, SIZE, march, solve_chain
 from ..numerics.arrays import ALIKE, FAINT, NEGLIGIBLE, Array
 from ..numerics.roots import DIVERGED, REACH, Ending, newton
 from ..orbits.potential import TAU

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..core.varying_loads import SIZE
+from ..core.weight_friction import SIZE
 from ..numerics.arrays import Array
 from ..problem.case import IN_PLACE, Case
 from ..problem.case_fields import with_fields_unchecked
@@ -22,7 +22,7 @@ VARYING = "numbers", "near", "far"  # the numbers of a rod that vary over fields
 class LoadedRod:
     """A rod between its ends.
 
-    numbers: (7,), as of `core.varying_loads.march`. span: L/rho. held: those of `HELD` that are given;
+    numbers: (7,), as of `core.weight_friction.march`. span: L/rho. held: those of `HELD` that are given;
     for any other one its partner is: beta_t, lam, phi or mu. near: (2,), beta0
     or beta_t(0), and alpha(0). far: (4,), beta or beta_t, lam or azimuth, phi or z/rho, mu or rotation, at the far end.
     """
@@ -225,12 +225,12 @@ def scales(rate: Any, size: Any) -> list[Any]:
 
 
 def numbers_of(case: Case) -> Array:
-    """The numbers of each rod as `core.varying_loads.march` takes them, (B, 7)."""
+    """The numbers of each rod as `core.weight_friction.march` takes them, (B, 7)."""
     return np.stack([flat(column, case.shape) for column in _number_columns(case)], axis=1)
 
 
 def _number_columns(case: Case) -> tuple[Any, ...]:
-    """The seven numbers of `core.varying_loads.march`, in the shapes of the fields that they come from."""
+    """The seven numbers of `core.weight_friction.march`, in the shapes of the fields that they come from."""
     A, rho, wall = np.asarray(case.rod.bending_stiffness), np.asarray(case.rho), case.cylinder
     theta = 0.0 if wall.inclination is None else wall.inclination
     sign, way = wall.sense

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..branches.parameter_plane import reflect
 from ..core.tuning import MOST_STEPS, SAFETY
-from ..core.varying_loads import BY_ANGLE, SIZE, TRUNCATION, March, march
+from ..core.weight_friction import BY_ANGLE, SIZE, TRUNCATION, March, march
 from ..numerics.arrays import FAINT, SQUARE_LOST, Array
 from ..orbits.forces import circumferential_force, surface_forces
 from ..problem.case import ALONG_AXIS, IN_PLACE, Case

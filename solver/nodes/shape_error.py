@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..core.tuning import SAFETY
-from ..core.varying_loads import HALF, SIZE
+from ..core.weight_friction import HALF, SIZE
 from ..numerics.arrays import SQUARE_LOST
 from .banded_newton import linear_at
 from .loaded_rod import ALPHA, BETA, SHORT

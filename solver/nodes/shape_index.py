@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..core.varying_loads import HALF, count_negatives
+from ..core.weight_friction import HALF, count_negatives
 from ..numerics.arrays import Array
 from .banded_newton import march_of
 from .loaded_rod import ALPHA, BETA, MU, PHI, ROUND, SHORT, SPEED, LoadedRod, Q

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..branches.branch_events import Bounds
-from ..core.varying_loads import march
+from ..core.weight_friction import march
 from ..numerics.arclength import FEW_POINTS
 from ..numerics.arrays import Array, Booleans, whole_turns
 from ..numerics.roots import lead_away

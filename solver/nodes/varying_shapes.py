@@ -9,7 +9,7 @@ import numpy as np
 
 from ..core.measures import densities
 from ..core.tuning import BARELY
-from ..core.varying_loads import READ, SIZE, march
+from ..core.weight_friction import READ, SIZE, march
 from ..numerics.arrays import FAINT, Array, Booleans, Integers
 from ..numerics.chebyshev import GAUSS
 from ..numerics.roots import BISECTIONS, bisect, largest_between
@@ -46,7 +46,7 @@ class Shape:
         return self._read(m * np.arange(self.t.size), stations).reshape(width.size, m, SIZE)
 
     def _read(self, first: Integers, stations: Array) -> Array:
-        """States at stations of the stretches, as of `core.varying_loads.march`."""
+        """States at stations of the stretches, as of `core.weight_friction.march`."""
         rod = self.rod
         return march(rod.numbers, rod.scale, self.y[:-1], np.diff(self.t), first=first, stations=stations).out
 

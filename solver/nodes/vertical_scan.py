@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..core.varying_loads import march
+from ..core.weight_friction import march
 from ..numerics.arrays import Array
 from ..numerics.roots import roots_between
 from ..orbits.potential import TAU, Loads, load_size

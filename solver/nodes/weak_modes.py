@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..core.varying_loads import HALF, SIZE
+from ..core.weight_friction import HALF, SIZE
 from ..numerics.arrays import ROUNDED, Array
 from ..numerics.roots import DIVERGED, newton, solve
 from .banded_newton import ENDING, Linear, linear_at, share_within, size_of

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..core.library import fine, numbers_of, run, share_out, widest
-from ..core.varying_loads import ORDER
+from ..core.weight_friction import ORDER
 from ..numerics.arrays import Array, Booleans, Integers
 from ..problem.dimensionless import StartProblem
 from .periodic_orbit import LIBRATION, ROTATION, Orbit, Periodic, solve_orbit

@@ -28,7 +28,7 @@ from solver import (
 from solver.branches.fold_curves import fold_curve
 from solver.branches.parameter_plane import parameter_plane
 from solver.core.tuning import MOST_STEPS
-from solver.core.varying_loads import march
+from solver.core.weight_friction import march
 from solver.nodes import straight_branch
 from solver.nodes.banded_newton import open_at
 from solver.nodes.buckling import (

@@ -15,7 +15,7 @@ from solver.core import build, tuning
 from solver.core.library import numbers_of
 from solver.core.measures import NUMBERS, measure
 from solver.core.tuning import SAFETY
-from solver.core.varying_loads import ORDER, TRUNCATION
+from solver.core.weight_friction import ORDER, TRUNCATION
 from solver.nodes.banded_newton import DEEP
 from solver.nodes.shape_error import ROUNDING, SHORTER
 from solver.observe.solution_pieces import pieces_of

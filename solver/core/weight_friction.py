@@ -1,5 +1,5 @@
 """The compiled march of rods whose loads vary along them, and the linear algebra of a chain of stretches: the calls of
-`varying_loads.c` and `banded.c` on NumPy arrays."""
+`weight_friction.c` and `banded.c` on NumPy arrays."""
 
 from dataclasses import dataclass
 

@@ -40,7 +40,7 @@ typedef struct {
     int64_t stride, *steps;
 } marches;
 
-#define LANES "varying_lanes.h"
+#define LANES "weight_friction_lanes.h"
 #include "widths.h"
 
 /* March the stretches from number `from` to `to` of `count`.
