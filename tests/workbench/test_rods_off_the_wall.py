@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from solver import Case, Cylinder, Ends, InputError, Rod, solve
+from studies import load
 from studies.language.loader import loads
 from tests.workbench import small
 from tests.workbench.command import exit_status
@@ -379,6 +380,14 @@ def test_a_rod_is_drawn_held_on_and_let_go_with_its_gap_and_the_forces_at_the_ed
         assert force == pytest.approx(same, rel=1e-6)
         assert force > 0
         assert at[:2] @ away[:2] == pytest.approx(rods[1].R + 2 * rods[1].a, rel=1e-3)
+
+
+@draws
+def test_a_rod_let_go_is_seen_from_the_side_where_most_of_it_and_of_the_held_rod_is() -> None:
+    pair = study_scene.release_of(StoredStudy(in_memory.run(load("fig6"))), {})(401)
+    scene = layout.compose(pair, None, LET_GO, [RELEASED], settings=Settings(2.0, 60)).scene
+    for view in (view for row in scene.rows for view in row):
+        assert np.mean(view.places(view.bodies[0])[:, :2] @ scene.camera.toward[:2] > 0) > 0.8
 
 
 @draws

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from solver.orbits import frames
 from solver.problem.errors import InputError
 
 from ..figures import colours
@@ -46,6 +47,7 @@ HEADS = ("", "s = 0 cm")  # the room before the lines of a long rod
 GHOST = 0.25  # of its thickness is a rod drawn among others
 BESIDE = 0.5  # of the drawn thickness is each of these farther from the wall than the one before, so that all are seen
 MOST_ROWS = 5  # of upright rods, or columns of lying ones
+BEFORE = 0.5  # of a rod is before the axis at least, where it is so from one of two sides
 LEVEL = 12.0  # degrees from which a row of rods is seen
 
 Where = dict[str, int]
@@ -355,13 +357,20 @@ def _cells(
 
 
 def _profile(bodies: Sequence[Body]) -> float | None:
-    """The azimuth [rad] from which the widest gap of rods is seen at its full length, upward of a lying cylinder; None
-    where they are all on the wall."""
+    """The azimuth [rad] from which the widest gap of rods is seen at its full length; None where they are all on the
+    wall. It is upward of a lying cylinder, unless most of a rod is behind the cylinder then."""
     gaps = [body.widest_gap for body in bodies if body.widest_gap is not None]
     if not gaps:
         return None
     _, place = max(gaps, key=lambda ends: float(np.linalg.norm(np.subtract(*ends))))
-    return float(np.arctan2(place[1], place[0])) + np.pi / 2
+    away = float(np.arctan2(place[1], place[0]))
+
+    def in_front(azimuth: float) -> float:
+        """The share of a rod before the axis, of that of which least is."""
+        return min(float(np.mean(body.dense @ frames.outward(np.array(azimuth)) > 0)) for body in bodies)
+
+    upward, downward = away + np.pi / 2, away - np.pi / 2
+    return upward if in_front(upward) >= min(in_front(downward), BEFORE) else downward
 
 
 def _several(
