@@ -387,7 +387,7 @@ def test_a_rod_let_go_is_seen_from_the_side_where_most_of_it_and_of_the_held_rod
     pair = study_scene.release_of(StoredStudy(in_memory.run(load("fig6"))), {})(401)
     scene = layout.compose(pair, None, LET_GO, [RELEASED], settings=Settings(2.0, 60)).scene
     for view in (view for row in scene.rows for view in row):
-        assert np.mean(view.places(view.bodies[0])[:, :2] @ scene.camera.toward[:2] > 0) > 0.8
+        assert np.mean(view.places(view.bodies[0])[:, :2] @ scene.camera.toward[:2] > 0) > 0.5
 
 
 @draws
