@@ -611,8 +611,11 @@ def test_the_cylinder_of_all_equilibria_has_one_size() -> None:
     case = ends_problem(study)
     whole = as_dataset(study, case, equilibria(case))
     few = whole.isel(equilibrium=[1, 8, 12])
+    few["energy"].values[:] = -699.8, -616.0, -9.5
     taken = layout.compose(StoredStudy(few), kind="equilibria", settings=composition.Settings(2.0, dpi=100))
     assert [view.cell.number for view in taken.scene.views][:3] == [2, 9, 13], "their ranks among all"
+    energies = [view.cell.caption.split("\n")[-1] for view in taken.scene.views][:3]
+    assert energies == ["−699.8 N cm", "−616.0 N cm", "−9.500 N cm"]
     assert faults(taken.fig, least=6.0) == []
     wide = []
     for left, top, across, high in 100 * taken.arrangement.places[:3]:

@@ -39,14 +39,9 @@ def figure(stored: StoredStudy, sheet: Sheet = SCREEN, show: Sequence[str] = ())
     reaction = next((name for name in REACTIONS if name in stored and stored[name].dims == ("equilibrium",)), None)
     texts = [f"{k + 1}" for k in range(count)]
     if reaction is not None:
-        array = stored[reaction]
-        unit = labels.value(0.0, array).partition(" ")[2]
-        numbers = labels.alike(labels.in_label_unit(array, array.values[:count]))
-        heads = [f"{labels.symbol(array)} = ", *[""] * (count - 1)]
-        texts = [
-            f"{text}: {head}{labels.minus_signs(labels.powers_of_ten(number))} {unit}"
-            for text, head, number in zip(texts, heads, numbers, strict=True)
-        ]
+        values = labels.values_alike(stored[reaction], stored[reaction].values[:count])
+        heads = [f"{labels.symbol(stored[reaction])} = ", *[""] * (count - 1)]
+        texts = [f"{text}: {head}{value}" for text, head, value in zip(texts, heads, values, strict=True)]
     shapes = [_shape(stored, k, texts[k], look(int(stored["index"][k]))) for k in range(count)]
     panel = unrolled.UnrolledPanel(
         shapes, _room(sheet), sheet.small, labels.unit(str(stored["z"].attrs.get("units", "1")))
@@ -110,12 +105,12 @@ def loops(stored: StoredStudy, sheet: Sheet = SCREEN) -> Figure:
     count = min(stored.sizes["equilibrium"], MOST_LOOPS)
     pushes = [push_from(stored["contact"].values[k], str(stored.attrs["side"])) for k in range(count)]
     norm, shapes = push_scale.scale(pushes), []
+    energies = labels.values_alike(stored["energy"], stored["energy"].values[:count])
     for k in range(count):
         loop = stored.select({"equilibrium": k})
         index, waves = int(loop["index"]), int(loop["folds"])
         stable = f"unstable in {index} way{'s' * (index > 1)}" if index else "stable"
-        energy = f"energy {labels.value(float(loop['energy']), loop['energy'])}"
-        text = f"{k + 1}: {waves} wave{'s' * (waves > 1)}\n{stable}\n{energy}"
+        text = f"{k + 1}: {waves} wave{'s' * (waves > 1)}\n{stable}\nenergy {energies[k]}"
         shapes.append(_shape(stored, k, text, {"push": pushes[k], "norm": norm}))
     unit = labels.unit(stored.units["length"])
     panel = unrolled.UnrolledPanel(shapes, _room(sheet), sheet.small, unit, bar=stored.units)

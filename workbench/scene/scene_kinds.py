@@ -112,8 +112,8 @@ def equilibrium(stored: StoredStudy, names: list[str], where: dict[str, int]) ->
     case = stored.select(where)
     index = int(case["index"])
     words = "stable\n" if index == 0 else f"unstable\nin {index} way{'s' * (index > 1)}"
-    energy = labels.value(float(case["energy"]), case["energy"])
-    return Cell(f"{words}\n{energy}", number=int(case["equilibrium"]), stable=index == 0)
+    energies = labels.values_alike(stored["energy"], stored["energy"].values)
+    return Cell(f"{words}\n{energies[where['equilibrium']]}", number=int(case["equilibrium"]), stable=index == 0)
 
 
 RELEASED = "let_go"  # the dimension of a rod that the cylinder holds on, and of the same rod let go

@@ -76,6 +76,13 @@ def value(number_: float, array: xr.DataArray, digits: int = 4) -> str:
     return f"{powers_of_ten(number(shown, digits))}{unit_}".rstrip().replace("-", "−")
 
 
+def values_alike(array: xr.DataArray, values: Any) -> list[str]:
+    """Values of a variable side by side, as `alike`, each with its unit: ``−616.0 N cm``, ``−699.8 N cm``."""
+    unit_ = "°" if is_angle(array) else f" {_unit_of(array)}"
+    numbers = alike(in_label_unit(array, values))
+    return [f"{powers_of_ten(text)}{unit_}".rstrip().replace("-", "−") for text in numbers]
+
+
 def level(array: xr.DataArray, low: float, high: float) -> str:
     """A value between two ends that all cases have in common: ``3``; 0 where it lies there: ``0 within 10⁻⁹``."""
     middle, half = (low + high) / 2, (high - low) / 2
