@@ -24,7 +24,7 @@ from ..stored.stored_study import StoredStudy
 from ..words import free_rod_words, labels
 from ..words.free_rod_words import MOST, places_of_contact
 from ..words.unit_habits import plain, value_with_unit, within
-from . import canvas, colours, drawn_rods, fonts
+from . import canvas, colours, drawn_rods, fonts, waves
 from .dimensions import (
     AWAY,
     FINE,
@@ -110,7 +110,8 @@ def figure(stored: StoredStudy, at: Mapping[str, float] | None = None, sheet: Sh
         _draw_body(ax, view, R, rod.a, side)
         edge = first - SPARE / view.mm
         dimension(ax, view, (edge, -R), (edge, R), f"Ø {unit('R', 2 * R)}", AWAY)
-        dimension_pitch(ax, view, view.ends[1], pitch, unit)
+        if view.squeeze == 1:
+            dimension_pitch(ax, view, view.ends[1], pitch, unit)
         if view.whole and abs(height) * view.mm > THICK:
             low = view.ends[0]
             dimension(ax, view, (view.x[0], low), (view.x[-1], low), unit("L", abs(height)), -AWAY)
@@ -160,8 +161,8 @@ def _words(
         parts += [f"on the wall {where}", f"up to {unit('L', gap)} off it"]
     elif lay := _lay(view):
         parts += [f"lay {lay}"]
-    scale = f"1:{1 / view.scale:g}" if view.scale < 1 else f"{view.scale:g}:1"
-    line = ", ".join([*parts, f"scale {labels.powers_of_ten(scale)}"])
+    along = f" across, {_scale_words(view.scale * view.squeeze)} along the axis" if view.squeeze < 1 else ""
+    line = ", ".join([*parts, f"scale {_scale_words(view.scale)}{along}"])
     said = [f"The rod: {line}.", f"Its least bend radius, of the centreline: {unit('L', 1 / kappa)}."] if kappa else []
     hides = str(chosen.attrs["side"]) == "outside"
     eye = "−90°, with the low side down" if view.low_side else "90°"
@@ -193,6 +194,10 @@ def _forces(free: Solution, units: Mapping[str, str]) -> list[tuple[float, float
     each = zip(free.point_forces, free_rod_words.point_forces(free), strict=True)
     said = [(s, force, f"{size} {units['force']}\ns = {place} {units['length']}") for (s, force), (place, size) in each]
     return said[:MOST]
+
+
+def _scale_words(scale: float) -> str:
+    return labels.powers_of_ten(f"1:{plain(1 / scale)}" if scale < 1 else f"{scale:g}:1")
 
 
 def _strokes(view: Views, a: float) -> list[tuple[str, float]]:
@@ -259,6 +264,9 @@ def _draw_body(ax: Axes, view: Views, R: float, a: float, side: str) -> None:
 
         The outline there lies below all parts, so that none shows inside the rod.
         """
+        if view.squeeze < 1:
+            _draw_squeezed(ax, view, of, a, order, name)
+            return
         middle = (of.start + of.stop) // 2
         inner = slice(middle if of.start == 0 else of.start, middle if of.stop == view.x.size else of.stop)
         for below, (colour, width) in zip((behind - 0.1, order), _strokes(view, a), strict=False):
@@ -288,8 +296,24 @@ def _draw_body(ax: Axes, view: Views, R: float, a: float, side: str) -> None:
             ax.plot(seen, up, color=colours.SOFT, linewidth=FINE, linestyle=HIDDEN, zorder=2.3, gid="hidden edge")
     for of in _parts(view, front=True):
         strand(of, 4, "rod, before the plane of the axis")
-    for k in ((0, 1), (-1, -2))[: 1 + view.whole] if 2 * a * view.mm >= HAIR and view.x.size > 1 else ():
+    sections = 2 * a * view.mm >= HAIR and view.x.size > 1 and view.squeeze == 1
+    for k in ((0, 1), (-1, -2))[: 1 + view.whole] if sections else ():
         _draw_section(ax, view, k, a, R, 4 if view.near[k[0]] >= 0 else behind, side == "outside")
+
+
+def _draw_squeezed(ax: Axes, view: Views, of: slice, a: float, order: float, name: str) -> None:
+    """A part of the rod where lengths along the axis are compressed: its edges are as far apart as it is thick. Waves
+    that are too narrow are the band that they cover."""
+    x, y = view.x[of], view.y[of]
+    for part in waves.stretches(x, y, view.mm / MILLIMETRES):
+        at, low, high = part.band or (x[part.of], y[part.of], y[part.of])
+        ax.fill_between(at, low - a, high + a, facecolor="white", edgecolor="none", zorder=order, gid=name)
+        for edge in (low - a, high + a):
+            ax.plot(at, edge, color=colours.INK, linewidth=EDGE, zorder=order, gid=name)
+    for k in {0, view.x.size - 1} & {of.start, of.stop - 1}:
+        ax.plot(
+            view.x[[k, k]], view.y[k] + [-a, a], color=colours.INK, linewidth=EDGE, zorder=order, gid="end of the rod"
+        )
 
 
 def _draw_section(ax: Axes, view: Views, k: tuple[int, int], a: float, R: float, order: float, hides: bool) -> None:

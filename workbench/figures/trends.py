@@ -64,12 +64,12 @@ def trend(line: TrendLine, ax: Axes, joined: bool = True) -> Axes:
         half = max(0.1 * abs(middle), 10 * np.ptp(drawn))
         ax.set_ylim(middle - half, middle + half)
     if line.is_uncertain:
-        ends = [labels.in_label_unit(line.observable, end) for end in line.within]
+        low, high = (labels.in_label_unit(line.observable, end) for end in line.within)
         look = {"color": colours.DATA, "alpha": 0.25, "zorder": 1.5, "label": WITHIN}
-        if line.alone:
-            ax.vlines(along, *ends, linewidth=3, **look)
+        if along.size <= MOST_DOTS:  # an error is that of a case, and may jump to the next one
+            ax.vlines(along, low, high, linewidth=3, **look)
         else:
-            ax.fill_between(along, *ends, linewidth=0, **look)
+            ax.fill_between(along, low, high, linewidth=0, step="mid", **look)
     return ax
 
 

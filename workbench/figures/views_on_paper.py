@@ -32,6 +32,7 @@ SPARE = 4.0  # of cylinder beyond both ends of the rod
 ARROWS, PAST = ((6.0, 14.0), (4.0, 8.0)), 1.5
 SHARES = {"left": 0.0, "bottom": 0.0, "center": 0.5, "right": 1.0, "top": 1.0}  # of words before their place
 LEAST = 4.0  # millimetres that the side view has of both
+LOW = 40.0  # of the cylinder at most, where its length is compressed
 LEVEL = 1e-9  # sine of the inclination of a hole that stands, and has no low side
 PER_TURN = 240  # points of a turn
 
@@ -82,7 +83,7 @@ class Views:
     from the side. low_side: whether alpha = 0 is the low side of the cylinder, and down. ends: the lowest and the
     highest place of rod and cylinder [length]. box: the lower left and the upper right of all that is drawn of the end
     view, from the axis, (2, 2) [mm]; without one upwards alone counts. forces: without words, or none, where the end
-    view has no room for them; None where there is no end view.
+    view has no room for them; None where there is no end view. squeeze: of lengths along the axis, before the scale.
     """
 
     x: Values
@@ -98,6 +99,7 @@ class Views:
     ends: tuple[float, float]
     box: Values
     forces: Sequence[Force] | None
+    squeeze: float = 1.0
 
     @property
     def wide(self) -> float:
@@ -169,9 +171,15 @@ def views_of(
     arrows = arrows and _without_overlap(arrows, mm * scale)
     outside = np.abs(x - x[0]) * mm * scale > room - beside(scale, arrows)
     k = s.size if whole else int(np.argmax(np.append(outside, True)))
-    end = np.stack([near, y], axis=1)
-    x, y, near, beta = (values[:k] for values in (x, y, near, beta))
-    return Views(x, y, near, beta, s, end, scale, mm * scale, k == s.size, low_side, ends, box(scale, arrows), arrows)
+    end, squeeze = np.stack([near, y], axis=1), 1.0
+    if arrows is None and np.ptp(end[:k], axis=0).max() < rod.a:  # the part of a rod that is whole would be a bar
+        scale = next((low for low in fits if np.ptp(box(low, None)[:, 1]) <= LOW), SCALES[-1])
+        squeeze, k = min(room / (float(np.ptp(x)) * mm * scale), 1.0), s.size
+    x, y, near, beta = (values[:k] for values in (squeeze * x, y, near, beta))
+    whole = k == s.size
+    return Views(
+        x, y, near, beta, s, end, scale, mm * scale, whole, low_side, ends, box(scale, arrows), arrows, squeeze
+    )
 
 
 def _dense(rod: DrawnRod) -> tuple[Values, Values, Values]:
