@@ -24,7 +24,7 @@ from .problem.case import Case, Ends, check_case
 from .problem.case_fields import value_of, with_field
 from .problem.declared_fields import PAIRS
 from .problem.dimensionless import NUMBER_OF, EndsProblem, fields_held, reduce, reduce_held, span_of, value_of_number
-from .problem.errors import DEFAULT_TOLERANCE, InputError, check_tolerance, choices, no_such, whole_number
+from .problem.errors import DEFAULT_TOLERANCE, InputError, check_known, check_tolerance, choices, whole_number
 from .problem.limits import OUT_OF_RANGE, beyond_limits, ends_and_span, reason_beyond, refusals, too_far, units_held
 from .problem.trajectory import Trajectory
 from .solution import Solution
@@ -170,8 +170,7 @@ def _with_held_ends(
     """The equilibria of a case with held ends that a search over stated ranges finds."""
     number_of = _reactions_of(case)
     for name in within:
-        if name not in number_of:
-            raise no_such("reaction of this case", name, [*number_of])
+        check_known("reaction of this case", name, number_of)
     ranges = {name: read_range(name, ends) for name, ends in within.items()}
     problem = reduce_held(case)
     why = beyond_limits(problem)[0] if units_held(case).all() else OUT_OF_RANGE

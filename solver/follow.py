@@ -15,7 +15,7 @@ from .problem.case import Case, Ends, refuse_leaving
 from .problem.case_fields import fields_of, of_quantity, value_of, with_field
 from .problem.declared_fields import ANGLES, PAIRS
 from .problem.dimensionless import EndsProblem, fields_held, size_of_field, span_of
-from .problem.errors import InputError, check_type, choices, no_such, show, whole_number
+from .problem.errors import InputError, check_known, check_type, choices, show, whole_number
 from .problem.field_values import doubt, in_rad
 from .problem.notices import is_called_by_a_program, warn
 from .problem.trajectory import Trajectory
@@ -175,8 +175,7 @@ def _field_and_values(case: Case, field: dict[str, ArrayLike]) -> tuple[str, Arr
         raise InputError(f"follow takes one field with its values, got {got}; choose from {choices(known)}")
     ((given, values),) = field.items()
     name = of_quantity(case, given)
-    if name not in known:
-        raise no_such("field", name, known)
+    check_known("field", name, known)
     try:
         read = in_rad(np.array(values, dtype=object)) if name in ANGLES else values
         numbers = np.atleast_1d(np.asarray(read, dtype=float)).ravel()

@@ -11,7 +11,7 @@ from ..numerics.arrays import Array
 from ..observe.observable_rates import check_observables
 from ..observe.observables import OBSERVABLES, is_count
 from ..problem.case import SLIDING, Case
-from ..problem.errors import InputError, choices, known_name, no_such, show
+from ..problem.errors import InputError, check_known, choices, known_name, no_such, show
 from ..problem.quantities import current, quantity
 from .parameters import natural_unit
 
@@ -146,8 +146,7 @@ def _columns(points: Any) -> tuple[dict[str, Array], Array | None]:
         raise InputError(f"points must be a mapping of columns to values, got {type(points).__name__}")
     known = ("s", *COLUMNS)
     for name in points.keys():  # noqa: SIM118  (a table of pandas iterates over its columns only by keys)
-        if name not in known:
-            raise no_such("column of points", name, known)
+        check_known("column of points", name, known)
     table = {name: _array(name, points[name]) for name in known if name in points.keys()}  # noqa: SIM118
     sizes = {name: values.size for name, values in table.items()}
     if len(set(sizes.values())) > 1:
@@ -187,8 +186,7 @@ def _sigmas(
     """The standard deviations of all data, or none. Raises `InputError`."""
     names = [*targets, *columns]
     for name in sigma:
-        if name not in names:
-            raise no_such("datum", name, names)
+        check_known("datum", name, names)
     sigmas: dict[str, Any] = {}
     for name, value in sigma.items():
         count = 1 if name in targets else columns[name].size

@@ -3,7 +3,7 @@
 
 import operator
 import traceback
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 from difflib import SequenceMatcher, get_close_matches
 from pathlib import Path
 from typing import Any, TypeVar
@@ -66,6 +66,12 @@ def no_such(kind: str, name: object, names: Iterable[object]) -> InputError:
     """The error ``no method 'rk5', did you mean 'rk4'; choose from orbit, rk4``."""
     known = list(names)
     return InputError(f"no {kind} {show(name)}{near(name, known)}; choose from {choices(known)}")
+
+
+def check_known(kind: str, name: object, names: Collection[object]) -> None:
+    """Raise the error of `no_such` where a name is none of the known ones."""
+    if name not in names:
+        raise no_such(kind, name, names)
 
 
 def near(name: object, known: Iterable[object]) -> str:

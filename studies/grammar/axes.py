@@ -17,7 +17,7 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Fie
 
 from solver import Case, Cylinder, InputError, Rod
 from solver.problem.declared_fields import ALL_FIELDS, AT_START, CHOICES, PARTS, REPLACED
-from solver.problem.errors import no_such
+from solver.problem.errors import check_known, no_such
 from solver.problem.field_values import angle
 from solver.problem.quantities import QUANTITIES, Quantity, quantity
 from solver.problem.units import FORCES, LENGTHS, number_in
@@ -185,8 +185,7 @@ def one_of(kind: str, known: Collection[str]) -> AfterValidator:
     """That a text is one of the known names; the error names the kind, the text and the choices."""
 
     def check(value: str) -> str:
-        if value not in known:
-            raise no_such(kind, value, known)
+        check_known(kind, value, known)
         return value
 
     return _OneOf(check, tuple(known))
@@ -195,8 +194,7 @@ def one_of(kind: str, known: Collection[str]) -> AfterValidator:
 def check_names(kind: str, names: list[str], known: Collection[str]) -> list[str]:
     """The names, if all are known and none is repeated. Raises `ValueError`."""
     for name in names:
-        if name not in known:
-            raise no_such(kind, name, known)
+        check_known(kind, name, known)
     if twice := [name for name in names if names.count(name) > 1]:
         raise ValueError(f"the {kind} {twice[0]!r} is given twice")
     return names

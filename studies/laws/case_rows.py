@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from solver.problem.errors import no_such
+from solver.problem.errors import check_known
 
 from .line_verdicts import cuts
 
@@ -59,8 +59,7 @@ class Grid:
 
     def rows_along(self, axis: str) -> Sequence[CaseRow]:
         """The lines of cases along an axis."""
-        if axis not in self.axes:
-            raise no_such("axis", axis, self.axes)
+        check_known("axis", axis, self.axes)
         if self.rows is not None:
             return self.rows
         k = list(self.axes).index(axis)

@@ -24,7 +24,7 @@ import numpy as np
 import scipy  # its parts are imported when used
 from numpy.typing import ArrayLike, NDArray
 
-from solver.problem.errors import InputError, no_such
+from solver.problem.errors import InputError, check_known
 
 UNCHANGED = "it does not change"  # why a law with a direction is not true of a constant
 HOLDS, TREND, QUALIFIED, UNDECIDED, FAILS = "true", "true as a trend", "true in part", "not decided", "false"
@@ -182,8 +182,7 @@ def judge(values: ArrayLike, direction: str, count: bool | None = None, crossing
     >>> judge([8, 7, 6, 6, 5], "falls").verdict
     'true'
     """
-    if direction not in DIRECTIONS:
-        raise no_such("direction", direction, DIRECTIONS)
+    check_known("direction", direction, DIRECTIONS)
     return judge_direction(line_of(values, count, crossing), direction)
 
 

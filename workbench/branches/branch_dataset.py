@@ -14,7 +14,7 @@ from solver.equilibria import Equilibrium
 from solver.follow import solutions_of
 from solver.observe.observables import OBSERVABLES, observe
 from solver.orbits.periodic_orbit import jacobi_zeros
-from solver.problem.errors import no_such
+from solver.problem.errors import check_known
 from solver.problem.quantities import current
 from studies import Study
 from studies.grammar.axes import quantity_of
@@ -191,8 +191,7 @@ def default_observable(name: str) -> str:
 def check_shown(name: str) -> str:
     """The name of what a diagram can show, a former one as that of today. Raises `InputError` for any other."""
     name = current(name)
-    if name not in NAMES:
-        raise no_such("quantity to show", name, NAMES)
+    check_known("quantity to show", name, NAMES)
     return name
 
 

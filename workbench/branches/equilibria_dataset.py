@@ -16,7 +16,7 @@ from solver.observe.cautions import turns_back
 from solver.observe.observables import observe
 from solver.problem.declared_fields import PAIRS
 from solver.problem.dimensionless import fields_held
-from solver.problem.errors import InputError, choices, no_such, show
+from solver.problem.errors import InputError, check_known, choices, show
 from studies import Study
 from studies.grammar.axes import DEFAULT_UNITS
 from studies.language.case_input import check_units, field_values
@@ -90,8 +90,7 @@ def all_units(units: Mapping[str, str] | None) -> dict[str, str]:
     """
     words = {"length": "length", "force": "force"}
     for name, unit in (units or {}).items():
-        if name not in words:
-            raise no_such("unit", name, words)
+        check_known("unit", name, words)
         if not isinstance(unit, str):
             raise InputError(f"the unit of {name} must be text, got {show(unit)}")
     check_units({name: unit for name, unit in (units or {}).items() if unit != words[name]})

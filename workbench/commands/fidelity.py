@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from solver import Rod
 from solver.free.free_rods import FREE_TOLERANCE
 from solver.observe.observables import OBSERVABLES, observables_of
-from solver.problem.errors import DEFAULT_TOLERANCE, no_such
+from solver.problem.errors import DEFAULT_TOLERANCE, check_known
 from studies import Study
 from studies.language.study import OFF_WALL
 
@@ -67,6 +67,5 @@ FIDELITIES: dict[str, Fidelity] = {
 
 def fidelity(name: str) -> Fidelity:
     """The fidelity of that name; `InputError` with the choices for another."""
-    if name not in FIDELITIES:
-        raise no_such("fidelity", name, FIDELITIES)
+    check_known("fidelity", name, FIDELITIES)
     return FIDELITIES[name]

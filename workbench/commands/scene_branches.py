@@ -5,7 +5,7 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from solver.problem.errors import InputError, choices, no_such
+from solver.problem.errors import InputError, check_known, choices
 from studies.grammar.axes import in_words
 
 from ..branches import snap
@@ -32,8 +32,7 @@ def scene_of(file: Path, stored: StoredStudy, wanted: SceneOptions) -> Result:
     out = wanted.out
     is_film = out is not None and out.suffix.lower() in film.SUFFIXES
     kind = wanted.kind or (SNAP if is_film else RODS)
-    if kind not in (RODS, SNAP):
-        raise no_such("kind of scene of branches", kind, (RODS, SNAP))
+    check_known("kind of scene of branches", kind, (RODS, SNAP))
     if (kind == SNAP) != is_film:
         raise InputError(f"of branches {choices(film.SUFFIXES)} are films of the kind {SNAP}, other files of {RODS}")
     alien = wanted.given("axis", "along", "at", "show", "stored")

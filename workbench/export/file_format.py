@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from solver.problem.errors import InputError, choices, no_such
+from solver.problem.errors import InputError, check_known, choices
 from solver.problem.units import LENGTHS
 
 from ..figures.colours import PULLED, PUSHED, linear
@@ -19,8 +19,7 @@ def metres(unit: str) -> float:
     """A unit of length in metres. Raises `InputError` for one that is not known."""
     if unit == "length":  # of a solution whose units Python was not told
         raise InputError(f"a file of this format states its unit of length: give length=, one of {choices(LENGTHS)}")
-    if unit not in LENGTHS:
-        raise no_such("unit of length", unit, LENGTHS)
+    check_known("unit of length", unit, LENGTHS)
     return LENGTHS[unit]
 
 

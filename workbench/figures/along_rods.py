@@ -16,7 +16,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.transforms import Affine2D
 
-from solver.problem.errors import InputError, no_such
+from solver.problem.errors import InputError, check_known
 from studies.laws.line_verdicts import NOISE
 
 from ..stored import quantity_variables
@@ -86,8 +86,7 @@ def figure(
         ]
     )
     for name in names:
-        if name not in known:
-            raise no_such("panel", name, known)
+        check_known("panel", name, known)
     names = names[:MOST_PANELS]
     if STATES in names and not stored.loads_vary:
         raise InputError(f"{NO_STATES}, and the rods of this file have none; choose --kind ridge or pipe")

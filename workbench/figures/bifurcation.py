@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from solver.observe import observables
-from solver.problem.errors import no_such
+from solver.problem.errors import check_known
 from solver.problem.quantities import current
 from studies.laws.law_words import in_words_of_today
 from studies.laws.line_verdicts import DIRECTIONS, FAILS, HOLDS, QUALIFIED
@@ -66,8 +66,7 @@ def figure(stored: StoredStudy, sheet: Sheet = SCREEN, show: Sequence[str] = ())
     known = [name for name in known if name not in none]
     show = [current(name) for name in show]
     for name in show:
-        if name not in known:
-            raise no_such("observable along the branches", name, known)
+        check_known("observable along the branches", name, known)
     (shown,) = one_shown(show) or (str(stored.attrs["shown"]),)
     inches = HIGH[sheet.narrow] * sheet.width
     fig = _page_with_numbers(stored, shown, sheet, inches)

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from solver.problem.errors import InputError, no_such
+from solver.problem.errors import InputError, check_known, no_such
 
 from .fonts import LARGE, NORMAL, SMALL
 
@@ -77,8 +77,7 @@ def sheet(style: str = "screen", width: float | None = None, titled: bool = True
 
     Raises `InputError` for an unknown style and for a width that no figure fits.
     """
-    if style not in STYLES:
-        raise no_such("style", style, STYLES)
+    check_known("style", style, STYLES)
     if width is None:
         width = 183 if style == "paper" else SCREEN.width * MILLIMETRES
     if not NARROWEST <= width <= WIDEST:

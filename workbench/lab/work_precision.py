@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import NullFormatter
 
-from solver.problem.errors import no_such
+from solver.problem.errors import check_known, no_such
 
 from ..figures import canvas, colours, fonts
 from ..figures.sheet import SCREEN, Sheet
@@ -197,6 +197,5 @@ def look_of(ladder: str) -> "Ladder":
     from .benchmark import ladders  # loads the methods: only where their diagram is drawn
 
     known = ladders()
-    if ladder not in known:
-        raise no_such("ladder", ladder, known)
+    check_known("ladder", ladder, known)
     return known[ladder]

@@ -10,7 +10,7 @@ from typing import Any, Literal
 import numpy as np
 from matplotlib.colors import Colormap, to_hex
 
-from solver.problem.errors import InputError, no_such
+from solver.problem.errors import InputError, check_known
 from studies.grammar.axes import SAMPLE
 
 from ..figures import colours
@@ -245,8 +245,7 @@ KINDS = {kind.name: kind for kind in TABLE}
 
 def kind_of(name: str) -> SceneKind:
     """The kind of that name. Raises `InputError` with the choices."""
-    if name not in KINDS:
-        raise no_such("kind of scene", name, KINDS)
+    check_known("kind of scene", name, KINDS)
     return KINDS[name]
 
 

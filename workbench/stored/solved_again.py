@@ -15,7 +15,7 @@ from solver.orbits.forces import push_from
 from solver.orbits.joined_orbits import Rows
 from solver.problem.case_fields import values_of, with_field
 from solver.problem.declared_fields import FIELDS
-from solver.problem.errors import InputError, no_such
+from solver.problem.errors import InputError, check_known
 from solver.solution import FreeSolution
 from solver.solve import own_ends
 from studies import Study
@@ -78,8 +78,7 @@ def solve_at(ds: xr.Dataset, study: Study, values: Mapping[str, Any]) -> Solutio
     fields = [*varies.fields] if varies.from_base else [name for name in study.fields if name not in WORDS]
     values = {quantity_variables.field_of(study, name): value for name, value in values.items()}
     for name in values:
-        if name not in fields:
-            raise no_such("field", name, fields)
+        check_known("field", name, fields)
     values = {name: real(name, value) for name, value in values.items()}
     return _solve(ds, study, case_of(ds, study, values), values)
 

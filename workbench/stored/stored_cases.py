@@ -14,7 +14,7 @@ import xarray as xr
 from solver.observe.observables import OBSERVABLES
 from solver.orbits import frames
 from solver.problem.declared_fields import FIELDS, VARY_LOADS
-from solver.problem.errors import InputError, choices, near, no_such
+from solver.problem.errors import InputError, check_known, choices, near, no_such
 from solver.problem.quantities import current
 from studies.grammar.axes import SAMPLE
 from studies.language.printed import as_reading, table_of
@@ -293,8 +293,7 @@ class StoredCases:
         InputError
             For another word, and for a file that does not tell of its rods.
         """
-        if key not in caution_words.WORDS:
-            raise no_such("caution", key, caution_words.WORDS)
+        check_known("caution", key, caution_words.WORDS)
         ds = self.ds
         if "caution" in ds and "outcome" in ds and ds["caution"].dims == ds["outcome"].dims:
             return type(self)(

@@ -18,7 +18,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from solver.problem.errors import InputError, near, no_such
+from solver.problem.errors import InputError, check_known, near
 from solver.problem.quantities import current
 from solver.problem.shown import Picture
 from studies.laws.line_verdicts import MONOTONE
@@ -322,8 +322,7 @@ class StoredStudy(StoredCases):
 
     def along(self, name: str) -> xr.DataArray:
         """The array along the rod of that name; the same as the attribute, ``ds.rod.contact``. Raises `InputError`."""
-        if name not in ARRAYS:
-            raise no_such("array along the rod", name, ARRAYS)
+        check_known("array along the rod", name, ARRAYS)
         return derived_arrays.StoredRod(self.ds, self.study, lambda: self.case, lambda: self.solution).array(name)
 
     if not TYPE_CHECKING:  # a misspelt name is an error of types

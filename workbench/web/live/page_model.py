@@ -24,7 +24,7 @@ from solver.nodes.loaded_rod import rods_of
 from solver.observe.observables import observables_of, observe
 from solver.problem.case_fields import value_of, with_field
 from solver.problem.dimensionless import fields_held, reduce
-from solver.problem.errors import DEFAULT_TOLERANCE, InputError, choices, no_such
+from solver.problem.errors import DEFAULT_TOLERANCE, InputError, check_known, choices
 from studies import Study
 from studies.grammar.axes import WORDS, Dimensions, Which
 from studies.language.loader import loads
@@ -405,8 +405,7 @@ def follow_branches(study: Study, field: str, low: float, high: float) -> dict[s
     case = study.case()
     if not isinstance(case.given, Ends):
         raise InputError("a start problem has one solution only; hold both ends to follow its branches")
-    if field not in FIELDS:
-        raise no_such("field of a branch diagram", field, FIELDS)
+    check_known("field of a branch diagram", field, FIELDS)
     values = list(dict.fromkeys((float(value_of(case, field)), float(low), float(high))))  # those of the list first
     for value in values:
         refuse_many(with_field(case, field, value))
