@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.path import Path
 
-from solver.problem.errors import no_such
+from solver.problem.errors import check_known
 
 from ..stored.stored_study import StoredStudy
 from ..words import labels
@@ -70,8 +70,7 @@ def figure(stored: StoredStudy, sheet: Sheet = SCREEN, show: Sequence[str] = ())
     """
     shown = next(iter(one_shown(show)), COUNT)
     along = _along_curves(stored)
-    if shown not in (known := [COUNT, STABLE, *along]):
-        raise no_such("quantity of this map", shown, known)
+    check_known("quantity of this map", shown, [COUNT, STABLE, *along])
     high = sheet.width * (HIGH if not sheet.narrow else 1.0)
 
     def draw(ax: Axes) -> canvas.Said:

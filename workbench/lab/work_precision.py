@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import NullFormatter
 
-from solver.problem.errors import check_known, no_such
+from solver.problem.errors import check_known
 
 from ..figures import canvas, colours, fonts
 from ..figures.sheet import SCREEN, Sheet
@@ -49,8 +49,7 @@ def cases_to_show(stored: StoredStudy) -> list[str]:
 
 def figure(stored: StoredStudy, cost: str = "seconds", sheet: Sheet = SCREEN) -> Figure:
     """The shown cases of a trade against one cost of `COSTS`. Raises `InputError` for one that was not measured."""
-    if cost not in (measured := [name for name in COSTS if name in stored]):
-        raise no_such("cost", cost, measured)
+    check_known("cost", cost, [name for name in COSTS if name in stored])
     cases = cases_to_show(stored)
     columns = min(2 if sheet.narrow else 3, len(cases))
     which = f", {len(cases)} of {stored.sizes['case']} cases" if len(cases) < stored.sizes["case"] else ""
@@ -78,8 +77,7 @@ def panel(stored: StoredStudy, ax: Axes, case: str, cost: str = "seconds") -> Ax
 
     The crosses of each method have a height of their own. Rungs that it handed over to another are a line of their own.
     """
-    if case not in stored["case"].values:
-        raise no_such("case", case, [str(name) for name in stored["case"].values])
+    check_known("case", case, [str(name) for name in stored["case"].values])
     rows = stored.part(case=case)
     failed: list[tuple[NDArray[np.float64], str]] = []
     for method in stored["ladder"].values:
