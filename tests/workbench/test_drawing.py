@@ -201,9 +201,10 @@ def test_a_cable_whose_end_is_held_off_its_drum_has_a_side_view_and_an_end_view_
     (line,) = [text for text in texts if "scale" in text]
     assert "on the wall at s = 0 to 317 mm, up to 994 mm off it" in line
     hoop = float(stored["rho"])  # this rod lies on its drum across the axis: a circle
-    assert float(line.split(" turns = ")[1].split("°")[0]) == pytest.approx(np.degrees(at / hoop), rel=1e-3)
+    turned = float(line.split(" turns = ")[1].split("°")[0])  # in the digits that its error allows
+    assert turned == pytest.approx(np.degrees(at / hoop), abs=0.5)
     assert "azimuth of the end 200°" in line
-    scale = 1 / float(line.split("scale 1:")[1])
+    scale = 1 / float(line.split()[-1].removeprefix("1:"))
     assert np.log10(scale) % 1 == pytest.approx(0, abs=1e-9) or f"{scale:e}"[0] in "25"
     (drum,) = [patch for patch in ax.patches if isinstance(patch, Circle)]
     rods = [line for line in ax.lines if line.get_gid() == "rod, along the axis"]
