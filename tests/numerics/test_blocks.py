@@ -51,7 +51,7 @@ def bytes_of(value: Any, seen: set[int]) -> int:
 
 
 def in_blocks(monkeypatch: pytest.MonkeyPatch, size: int, case: Case, method: str, **more: Any) -> Solution:
-    monkeypatch.setattr(method, "BLOCK", size)
+    monkeypatch.setattr(method_module, "BLOCK", size)
     return solve(case, method=method, stations=17, **more)
 
 
@@ -104,7 +104,7 @@ def test_blocks_change_no_bit_of_a_method_that_keeps_its_cases_apart(
 def test_solving_takes_little_more_room_than_the_answer(
     method: str, knobs: dict[str, Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(method, "BLOCK", 21)  # of 1024 cases, as 2048 of 100,000
+    monkeypatch.setattr(method_module, "BLOCK", 21)  # of 1024 cases, as 2048 of 100,000
     case = many(1024)
     solve(many(2), method=method, stations=201, tol=1e-4, **knobs)
     tracemalloc.start()
