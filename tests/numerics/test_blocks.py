@@ -12,6 +12,7 @@ import pytest
 
 from solver import Case, Cylinder, Ends, Rod, Solution, Start, observe, solve
 from solver.methods import available
+from solver.methods import method as method_module
 
 MOST = 1.5  # of what is returned, while it is made: arrays have room to grow
 MOST_RESIDENT = 1.25  # room that nothing fills takes no memory; a table that is copied to grow is held twice: 1.45
