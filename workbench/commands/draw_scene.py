@@ -49,7 +49,7 @@ def scene(
 
     out, suffix = wanted.out, "" if wanted.out is None else wanted.out.suffix.lower()
     is_film = suffix in film.SUFFIXES or wanted.has_film_pictures
-    if wanted.given(*OF_FILM) and not is_film:
+    if wanted.flags_of(*OF_FILM) and not is_film:
         raise InputError(
             f"--show, --fps, --frames and --stored are for films: give --out NAME, with {choices(film.SUFFIXES)}, or "
             "--frames with a picture for each, frame_{:03d}.png"
@@ -66,7 +66,7 @@ def scene(
 
         return scene_film.film_of(file, out, wanted)
     alien = [f"--kind {wanted.kind}"] * (wanted.kind not in (None, PAGE_KIND, "equilibria"))
-    alien += wanted.given("axis", "along", "color", *OF_PICTURE)
+    alien += wanted.flags_of("axis", "along", "color", *OF_PICTURE)
     if suffix == PAGE and alien:
         raise InputError(
             f"an {PAGE} file shows the kind {PAGE_KIND} of all cases that --at leaves, without {choices(alien)}, "

@@ -35,9 +35,9 @@ def scene_of(file: Path, stored: StoredStudy, wanted: SceneOptions) -> Result:
     check_known("kind of scene of branches", kind, (RODS, SNAP))
     if (kind == SNAP) != is_film:
         raise InputError(f"of branches {choices(film.SUFFIXES)} are films of the kind {SNAP}, other files of {RODS}")
-    alien = wanted.given("axis", "along", "at", "show", "stored")
+    alien = wanted.flags_of("axis", "along", "at", "show", "stored")
     alien += ["{} in --out"] * (out is not None and "{" in out.name)
-    if alien := alien + ([] if is_film else wanted.given(*OF_PICTURE)):
+    if alien := alien + ([] if is_film else wanted.flags_of(*OF_PICTURE)):
         axis = stored.attrs["axis"]
         raise InputError(
             f"a scene of branches takes no {choices(alien)}: store the rods at one value of {axis}, or another "

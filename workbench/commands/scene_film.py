@@ -86,7 +86,7 @@ def film_of(file: Path, out: Path, wanted: SceneOptions) -> Result:
 
 def _of_motion(rods: StoredStudy, shown: Film, wanted: SceneOptions) -> Callable[[float], Cases]:
     """The shapes of a rod that is let go, in a viscous medium, as frames. Raises `InputError` for alien options."""
-    if alien := wanted.given("axis", "along", "show", "stored"):
+    if alien := wanted.flags_of("axis", "along", "show", "stored"):
         raise InputError(f"a film of the kind {scene_kinds.LET_GO} shows one case, and takes no {choices(alien)}")
     solve = study_scene.release_of(rods, shown.at, wanted.frames or MOTION)
 

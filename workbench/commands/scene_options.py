@@ -100,8 +100,8 @@ class SceneOptions:
         """The axes of ghosts or of a grid, or of a film."""
         return self.axis or []
 
-    def given(self, *names: str) -> list[str]:
-        """Those of these options that were given, as one writes them."""
+    def flags_of(self, *names: str) -> list[str]:
+        """The flags of those of these options that the user gave, as on the command line."""
         values = {name: getattr(self, name) for name in names}
         named = [name for name, value in values.items() if not (value is None or value is False or value == [])]
         return [FLAGS.get(name, f"--{name.replace('_', '-')}") for name in named]

@@ -54,9 +54,16 @@ MARK: dict[str, Any] = {
 }
 VIEW = np.linspace(-1, 1, 30)
 SHAPES = Line2D(
-    [], [], color=colours.INK, linestyle="none", marker=Path(np.stack([VIEW, -0.5 * np.sin(4 * VIEW)], axis=1)),
-    markersize=13, fillstyle="none", markeredgewidth=1.1, label="stable shape, unrolled",
-)  # fmt: skip
+    [],
+    [],
+    color=colours.INK,
+    linestyle="none",
+    marker=Path(np.stack([VIEW, -0.5 * np.sin(4 * VIEW)], axis=1)),
+    markersize=13,
+    fillstyle="none",
+    markeredgewidth=1.1,
+    label="stable shape, unrolled",
+)
 COUNT, STABLE = "count", "count_stable"  # of the equilibria of a region
 
 
