@@ -115,7 +115,7 @@ def read(path: str | Path, study: bool = True) -> xr.Dataset:
 
 
 def read_stored(path: str | Path, study: bool = True) -> StoredStudy:
-    """What `read` gives, as an object that is asked."""
+    """A file that the workbench wrote, as `read` checks and loads it, as an object that is asked."""
     return StoredStudy(read(path, study))
 
 
