@@ -94,25 +94,29 @@ static int whole_pairs(search_of_rod *s, int64_t k, int64_t *used)
     return DONE;
 }
 
-/* alpha and z in the middles of stretches i and j of each pair, in turn: from the grid, or read. */
-static int middles(search_of_rod *s, int level, double size, const double **alpha, const double **z)
+/* alpha and z in the middles of stretches: of stretch v at v times `each`; where that is 0, of i and j of each pair in turn. */
+typedef struct {
+    const double *alpha, *z;
+    int64_t each;
+} middles;
+
+/* Those of a level are on the grid, or all are read, unless there are fewer pairs. */
+static int read_middles(search_of_rod *s, int level, double size, middles *out)
 {
-    const int64_t n = 2 * s->now.count;
+    const int64_t all = (int64_t)PARTS << level, of_pairs = 2 * s->now.count, n = all < of_pairs ? all : of_pairs;
+    if (level < 2) {
+        *out = (middles){s->alpha + (2 >> level), s->z + (2 >> level), 4 >> level};
+        return DONE;
+    }
     if (rod_roomy((void **)&s->points, &s->point_room, 3 * n, sizeof(double)))
         return NO_MEMORY;
-    double *t = s->points, *angle = t + n, *height = t + 2 * n;
-    *alpha = angle, *z = height;
+    double *t = s->points, *alpha = t + n, *z = t + 2 * n;
     for (int64_t m = 0; m < n; m++) {
         const pair *p = &s->now.rows[m / 2];
-        const int64_t v = m % 2 ? p->j : p->i;
-        if (level < 2) {
-            const int64_t place = (2 >> level) * (2 * v + 1);
-            angle[m] = s->alpha[place], height[m] = s->z[place];
-        } else
-            t[m] = ((double)v + 0.5) * size;
+        t[m] = ((double)(n == all ? m : m % 2 ? p->j : p->i) + 0.5) * size;
     }
-    if (level >= 2)
-        read_at(s, n, t, angle, height);
+    read_at(s, n, t, alpha, z);
+    *out = (middles){alpha, z, n == all};
     return DONE;
 }
 
@@ -120,19 +124,20 @@ static int middles(search_of_rod *s, int level, double size, const double **alph
 static int finer(search_of_rod *s, int level, int64_t *used, int *met)
 {
     const double size = s->period / PARTS * ldexp(1, -level), thick = 2 * s->a, near = thick + size;
-    const double *alpha, *z;
+    middles at;
     s->next.count = 0;
-    if (middles(s, level, size, &alpha, &z))
+    if (read_middles(s, level, size, &at))
         return NO_MEMORY;
     for (int64_t m = 0; m < s->now.count; m++) {
         const pair p = s->now.rows[m];
-        const double rise = z[2 * m + 1] + (double)p.k * s->rise - z[2 * m];
+        const int64_t i = at.each ? at.each * p.i : 2 * m, j = at.each ? at.each * p.j : 2 * m + 1;
+        const double rise = at.z[j] + (double)p.k * s->rise - at.z[i];
         if (fabs(rise) > near)
             continue;
-        const double chord = 2 * sin((alpha[2 * m + 1] + (double)p.k * s->turn - alpha[2 * m]) / 2);
+        const double chord = 2 * sin((at.alpha[j] + (double)p.k * s->turn - at.alpha[i]) / 2);
         if (fabs(chord) > near)
             continue;
-        const double distance = hypot(chord, rise);
+        const double distance = sqrt(chord * chord + rise * rise);
         const double first = ((double)p.i + 0.5) * size, later = (double)p.k * s->period + ((double)p.j + 0.5) * size;
         if (distance < thick && later <= s->length && later - first > PI * s->a) {
             *met = 1;
@@ -141,11 +146,11 @@ static int finer(search_of_rod *s, int level, int64_t *used, int *met)
         if (!(distance <= near && size > FINEST * s->a && level < DEEPEST))
             continue;
         for (int child = 0; child < 4; child++) {
-            const int64_t i = 2 * p.i + child / 2, j = 2 * p.j + child % 2;
-            if (!possible(s, p.k, i, j, size / 2))
+            const int64_t before = 2 * p.i + child / 2, after = 2 * p.j + child % 2;
+            if (!possible(s, p.k, before, after, size / 2))
                 continue;
             ++*used;
-            if (add_pair(&s->next, p.k, i, j))
+            if (add_pair(&s->next, p.k, before, after))
                 return NO_MEMORY;
         }
     }
