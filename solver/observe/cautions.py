@@ -253,14 +253,15 @@ def _lift_off(sol: ShapeArrays, known: Mapping[str, Any], pulled: Any, unit: str
     share[measured] = _share_of_pulls(sol, np.flatnonzero(measured))
     ends = _lift_off_ends(sol, measured & (share <= 0.5))
     length = np.broadcast_to(sol.case.rod.L, sol.case.shape).reshape(-1)
-    for i in np.flatnonzero(measured).tolist():
-        kind = ALL_ALONG if share[i] >= NEARLY_ALL else AT_ENDS if i in ends else IN_PART
+    rows = zip(np.flatnonzero(measured).tolist(), share[measured].tolist(), free[measured].tolist(), strict=True)
+    for i, pull, no_push in rows:
+        kind = ALL_ALONG if pull >= NEARLY_ALL else AT_ENDS if i in ends else IN_PART
         near = ""
         if i in ends:
             off = f"{_round(ends[i] * length[i])} {unit} of"
             near = f" within {off if unit else f'{_round(100 * ends[i])} % of the length from'} an end"
-        what = NO_PUSH if free[i] - share[i] <= SLIGHT else PULL  # elsewhere it may neither push nor pull
-        words[i] = f"{kind} ({what} on {_round(100 * share[i])} % of the length{near})"
+        what = NO_PUSH if no_push - pull <= SLIGHT else PULL  # elsewhere it may neither push nor pull
+        words[i] = f"{kind} ({what} on {_round(100 * pull)} % of the length{near})"
     return words.reshape(sol.case.shape)
 
 
@@ -273,5 +274,5 @@ def _lift_off_ends(sol: ShapeArrays, candidates: Booleans) -> dict[int, float]:
 
 
 def _round(value: float) -> str:
-    """A number with two digits, or without a fraction."""
-    return f"{value:.0f}" if 9.95 <= abs(value) < 1e5 else f"{value:.2g}"
+    """A positive number with two digits, or without a fraction."""
+    return f"{value:.0f}" if 9.95 <= value < 1e5 else f"{value:.2g}"

@@ -238,7 +238,8 @@ class Study(BaseModel):
     @property
     def varies(self) -> bool:
         """Whether loads vary along the rods: weight or friction is given or varied."""
-        return any(self.base.given.get(name) or name in self.variation.fields for name in VARY_LOADS)
+        given, varied = self.base.given, self.variation.fields
+        return any(given.get(name) or name in varied for name in VARY_LOADS)
 
     @property
     def turns_in_place(self) -> bool:

@@ -47,7 +47,9 @@ def encode(columns: Columns) -> bytes:
     packed: Columns = {}
     for name, values in columns.items():
         if values.dtype.kind == "U":
-            packed[f"{name}:texts"], packed[f"{name}:which"] = np.unique(values, return_inverse=True)
+            each = values.tolist()
+            places = {text: place for place, text in enumerate(dict.fromkeys(each))}
+            packed[f"{name}:texts"], packed[f"{name}:which"] = np.array([*places]), np.array([places[t] for t in each])
         else:
             packed[name] = values
     body = BytesIO()

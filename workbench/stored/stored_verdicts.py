@@ -222,8 +222,7 @@ def count(columns: Columns, tally: Tally) -> int:
     if "branch" in columns:
         tally["branch"].update(outcome_counts.count_branches(columns["branch"]))
     for name in TEXTS:
-        texts, counts = np.unique(columns[name].astype(str), return_counts=True)
-        tally[name].update(dict(zip(texts.tolist(), counts.tolist(), strict=True)))
+        tally[name].update(columns[name].astype(str).ravel().tolist())
         tally[name] = outcome_counts.group(tally[name])
     unsolved = int(np.count_nonzero(~columns["solved"]))
     tally["solved"][False] += unsolved
