@@ -21,12 +21,20 @@ typedef struct {
 } leg;
 
 /* What is known of an orbit. sound: the error is within the tolerance and far below a radian, and the condition number
-   is finite. evaluations: derivatives of the equation that were computed. */
+   is finite. evaluations: derivatives of the equation that were computed. first: the number of its first step, where they
+   are kept. */
 typedef struct {
     double error, condition;
     leg legs[2];
-    int64_t status[2], count[2], sound, evaluations;
+    int64_t status[2], count[2], sound, evaluations, first;
 } orbit;
+
+/* Room for steps, those of one orbit after the other, in any order: since (room,), width (room,) and series (room, 4,
+   ORDER + 1). used: how many there are, beyond the room those for which there is none. */
+typedef struct {
+    int64_t room, used;
+    double *since, *width, *series;
+} step_room;
 
 static double crossing(const double *row, int n, double level, double h)
 {
@@ -211,7 +219,7 @@ typedef void reader(const orbit *, const double *, const double *, const double 
                     const values *, int64_t);
 
 /* The problems from `begin` to `end`, the allowed error of beta, and what is done with each orbit: it is read at `stations`
-   times t (rods, stations), and its steps kept, from number first[rod] on, where there is room for them. */
+   times t (rods, stations), and its steps are kept where there is room for them. */
 typedef struct {
     int64_t begin, end, stations;
     const start_problem *rods;
@@ -219,8 +227,7 @@ typedef struct {
     reader *read;
     const double *t;
     values out;
-    const int64_t *first;
-    double *since, *width, *series;
+    step_room *kept;
 } task;
 
 static void settle(const task *work, int64_t rod, orbit *o, const room *own)
@@ -236,12 +243,16 @@ static void settle(const task *work, int64_t rod, orbit *o, const room *own)
     if (work->stations > 0)
         work->read(o, own->since, own->width, own->series, work->t + rod * work->stations, work->stations, &work->out,
                    rod * work->stations);
-    if (work->first) {
-        const int64_t at = work->first[rod], steps = o->count[0] + o->count[1];
-        memcpy(work->since + at, own->since, sizeof(double) * steps);
-        memcpy(work->width + at, own->width, sizeof(double) * steps);
-        memcpy(work->series + SERIES * at, own->series, sizeof(double) * SERIES * steps);
-    }
+    step_room *kept = work->kept;
+    const int64_t steps = o->count[0] + o->count[1];
+    if (!kept)
+        return;
+    o->first = __atomic_fetch_add(&kept->used, steps, __ATOMIC_RELAXED); /* several threads share the room */
+    if (o->first + steps > kept->room)
+        return;
+    memcpy(kept->since + o->first, own->since, sizeof(double) * steps);
+    memcpy(kept->width + o->first, own->width, sizeof(double) * steps);
+    memcpy(kept->series + SERIES * o->first, own->series, sizeof(double) * SERIES * steps);
 }
 
 #define LANES "lanes.h"
@@ -293,31 +304,28 @@ static reader *reader_for(int64_t most) { return FOR_WIDTH(most > 2 ? most : 2, 
 /* March the problems from `begin` to `end` of n, (n, 6), read each at its times t (n, stations), and keep its steps.
 
    tol: the allowed error of beta. orbits: (n,), filled. out: (4, n, stations), beta, beta_t, alpha and z, and swirl: (n,
-   stations), filled but for rods that are lost; each may be NULL. first: (n,), the number of each rod's first step in since
-   (P,), width (P,) and series (P, 4, ORDER + 1); or NULL, and none is kept. lanes: their width, 0 for the widest that the
-   problems fill; most: what rod_lanes says. Returns 0, or 1 if there is no memory. */
+   stations), filled but for rods that are lost; each may be NULL. kept: room for the steps, or NULL, and none is kept. lanes:
+   their width, 0 for the widest that the problems fill; most: what rod_lanes says. Returns 0, or 1 if there is no memory. */
 int rod_march(int64_t begin, int64_t end, int64_t n, const start_problem *rods, double tol, orbit *orbits, int64_t stations,
-              const double *t, double *out, double *swirl, const int64_t *first, double *since, double *width,
-              double *series, int64_t lanes, int64_t most)
+              const double *t, double *out, double *swirl, step_room *kept, int64_t lanes, int64_t most)
 {
     const int64_t w = lanes > 0 && lanes <= most ? lanes : end - begin < most ? 1 : most;
     const task work = {
         .begin = begin, .end = end, .stations = out || swirl ? stations : 0, .rods = rods, .tol = tol,
-        .read = reader_for(most), .t = t, .out = values_in(out, n * stations, swirl), .first = first, .since = since,
-        .width = width, .series = series,
+        .read = reader_for(most), .t = t, .out = values_in(out, n * stations, swirl), .kept = kept,
     };
     return FOR_WIDTH(w, run)(&work, orbits);
 }
 
 /* Read alpha and z of one of the orbits whose steps were kept, as `rod_march` does, (stations,); NaN where it is
    lost. most: as above. */
-void rod_read(int64_t rod, const orbit *orbits, const int64_t *first, const double *since, const double *width,
-              const double *series, int64_t stations, const double *t, double *alpha, double *z, int64_t most)
+void rod_read(int64_t rod, const orbit *orbits, const step_room *kept, int64_t stations, const double *t, double *alpha,
+              double *z, int64_t most)
 {
     const values to = {.alpha = alpha, .z = z};
-    const int64_t at = first[rod];
+    const int64_t at = orbits[rod].first;
     if (orbits[rod].status[0] != LOST)
-        reader_for(most)(&orbits[rod], since + at, width + at, series + SERIES * at, t, stations, &to, 0);
+        reader_for(most)(&orbits[rod], kept->since + at, kept->width + at, kept->series + SERIES * at, t, stations, &to, 0);
     else
         for (int64_t i = 0; i < stations; i++)
             alpha[i] = z[i] = NAN;

@@ -20,7 +20,7 @@
 "use strict";
 const RodCore = (() => {
   const ENDS = ["lost", "turns", "goes round"];
-  const ORBIT = 34, LEG = 13, AHEAD = 2, BACK = AHEAD + LEG, STATUS = BACK + LEG; // `orbit` in rod.c
+  const ORBIT = 35, LEG = 13, AHEAD = 2, BACK = AHEAD + LEG, STATUS = BACK + LEG; // `orbit` in rod.c
   const STATES = 8, PARAMETERS = 7; // of weight_friction.c, with the states beta, rate, alpha, lam - mu, phi, mu, t - z
   const ROWS = 8; // of a density: `rod_densities`
   const SERIES = 1e-11, FINE = 1e-7; // error that a series of a density may have, relative: measured, and of landmarks
@@ -82,7 +82,7 @@ const RodCore = (() => {
     function solve(problem, tol, times) {
       const n = times.length, orbit = room(ORBIT), rows = room(4 * n), swirled = room(n);
       const numbers = ["lam", "mu", "phi", "span", "beta0", "dbeta0"].map(name => problem[name]);
-      if (call("rod_march", 0n, 1n, 1n, numbers, tol, orbit, BigInt(n), times, rows, swirled, 0, 0, 0, 0, 1n, 2n)) throw new Error("no memory");
+      if (call("rod_march", 0n, 1n, 1n, numbers, tol, orbit, BigInt(n), times, rows, swirled, 0, 1n, 2n)) throw new Error("no memory");
       const known = orbit.numbers(STATUS), [status, , , , sound] = orbit.integers(5, STATUS), end = ENDS[status];
       const facts = {end, sound: sound === 1, error: known[0], condition: known[1]};
       if (end === "lost") return whole(problem, tol, times) || facts;

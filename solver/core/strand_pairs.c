@@ -10,15 +10,15 @@ enum { PARTS = 16, GRID = 4 * PARTS, WINDOW = 65536, DEEPEST = 48 }; /* DEEPEST:
 #define FINEST 0.00390625 /* of the radius: shorter stretches count as points */
 
 /* rod.c; orbits: of the march */
-void rod_read(int64_t rod, const void *orbits, const int64_t *first, const double *since, const double *width,
-              const double *series, int64_t stations, const double *t, double *alpha, double *z, int64_t most);
+void rod_read(int64_t rod, const void *orbits, const void *kept, int64_t stations, const double *t, double *alpha, double *z,
+              int64_t most);
 
-/* Rods and their marched orbits, or where these are NULL their panels; period, length, a, apart, periods: (n,), lengths in units of rho. */
+/* Rods and their marched orbits with their steps, or where they are NULL their panels; period, length, a, apart,
+   periods: (n,), lengths in units of rho. */
 typedef struct {
-    const void *orbits;
+    const void *orbits, *steps;
     const read_orbits *panels;
-    const int64_t *first;
-    const double *since, *width, *series, *period, *length, *a, *apart;
+    const double *period, *length, *a, *apart;
     const int64_t *periods;
     int64_t rounds, most_pairs, together, lanes;
 } rods;
@@ -60,7 +60,7 @@ static void read_at(const search_of_rod *s, int64_t n, const double *t, double *
         alpha[i] = values[2], z[i] = values[3];
     }
     if (all->orbits)
-        rod_read(s->rod, all->orbits, all->first, all->since, all->width, all->series, n, t, alpha, z, all->lanes);
+        rod_read(s->rod, all->orbits, all->steps, n, t, alpha, z, all->lanes);
 }
 
 /* Whether period k comes near the first, of which it is the screw. */

@@ -104,8 +104,7 @@ def compare_strands(
     numbers = {"period": period, "length": length, "a": a, "apart": _apart(a, tightest)}
     arrays: dict[str, Any] = {name: np.ascontiguousarray(values, dtype=float) for name, values in numbers.items()}
     if isinstance(orbit, MarchedOrbit):
-        steps = ("first", "since", "width", "series")
-        arrays |= {name: np.ascontiguousarray(getattr(orbit.steps, name)) for name in steps} | {"orbits": orbit.found}
+        arrays |= {"steps": orbit.steps.as_room(), "orbits": orbit.found}
     else:
         arrays["panels"] = as_core_orbits(orbit)
     periods = np.minimum(length // period, _PERIODS).astype(np.int64)

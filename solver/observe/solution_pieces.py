@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.polynomial import chebyshev as C
 
-from ..core.measures import NODES, station_series, step_series
+from ..core.measures import NODES, station_series
 from ..numerics.arrays import Array, Booleans, Integers
 from ..numerics.chebyshev import basis, through
 from ..orbits.marched_orbit import MarchedOrbit
@@ -144,13 +144,12 @@ def _of_panels(
 
 
 def _of_steps(orbit: MarchedOrbit, cases: Integers, case: Integers, until: float) -> SolutionPieces:
-    """The pieces of the problems `case` of a block of a marched orbit: its steps, marched again."""
-    rows = cases[case]
-    problem = orbit.problem.take(rows)
-    steps, count = orbit.take(rows).steps, orbit.found["count"][rows].reshape(-1)
-    arcs = np.cumsum(count) - count, count, np.stack([orbit.ahead[rows], orbit.back[rows]], axis=1)
-    covered = cover(problem.span * until, orbit.kind[rows], *arcs, steps.since, steps.width)
-    pieces = _cover(problem, step_series(steps.width, steps.series), covered, until)
+    """The pieces of the problems `case` of a block of a marched orbit: its steps."""
+    mine = orbit.take(cases[case])
+    steps, first, count = mine.steps, mine.found["first"], mine.found["count"]
+    arcs = np.stack([first, first + count[:, 0]], axis=1), count, np.stack([mine.ahead, mine.back], axis=1)
+    covered = cover(mine.problem.span * until, mine.kind, *arcs, steps.since, steps.width)
+    pieces = _cover(mine.problem, steps.angles, covered, until)
     return replace(pieces, problem=orbit.problem.take(cases), case=case[pieces.case])
 
 

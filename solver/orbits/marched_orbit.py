@@ -1,12 +1,13 @@
 """Periodic orbits by Taylor's method, compiled (`rod.c`): half a period is marched, the rest follows by symmetry."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..core.library import fine, numbers_of, run, share_out, widest
+from ..core.library import fine, numbers_of, run, share_out, structure, widest
+from ..core.measures import step_series
 from ..core.weight_friction import ORDER
 from ..numerics.arrays import Array, Booleans, Integers
 from ..problem.dimensionless import StartProblem
@@ -17,12 +18,13 @@ if TYPE_CHECKING:
 
 
 LOST, TURNS, GOES_ROUND = 0, 1, 2  # how a leg ends
-# orbits whose steps are marched once for all who read some of them: 8 MB; others march their own again. x10: 80 MB
+# orbits whose steps are kept for all who read some of them: 8 MB; others are marched again. x10: 80 MB
 _KEPT = 1024
+_STEPS = 32  # of an orbit, for which there is room at once; for more they are marched again. x10: only memory
 
 # What the core knows of an orbit: `orbit` in rod.c. A leg goes from the start to the turning point ahead, or behind, or
 # once round; status: how it ends. count: its steps. sound: whether the error is within the tolerance and far below a
-# radian, and the condition number finite.
+# radian, and the condition number finite. first: the number of its first step, where they are kept.
 _LEG = "time alpha z swirl error late fastest steps amplitude e11 e12 e21 e22"
 ORBIT = np.dtype(
     [
@@ -33,38 +35,32 @@ ORBIT = np.dtype(
         ("count", "i8", 2),
         ("sound", "i8"),
         ("evaluations", "i8"),
+        ("first", "i8"),
     ]
 )
+_StepRoom = structure("step_room", "rod.c")
 
 
 @dataclass(frozen=True, eq=False)
 class Steps:
-    """The Taylor series of the steps of B orbits, those of the second leg of an orbit behind those of its first.
+    """The Taylor series of the steps of orbits, those of the second leg of an orbit behind those of its first.
 
-    first: (B,), the number of the first step of each orbit. since, width: (P,), begin and length of each step in the
-    time of its leg. series: (P, 4, ORDER + 1), powers of beta, alpha, z and the swirl.
+    since, width: (P,), begin and length of each step in the time of its leg. series: (P, 4, ORDER + 1), powers of beta,
+    alpha, z and the swirl.
     """
 
-    first: Integers
     since: Array
     width: Array
     series: Array
 
-    def take(self, rows: Integers, count: Integers) -> "Steps":
-        """The steps of the orbits `rows`, (b,). count: (B,), steps of each orbit."""
-        many = count[rows]
-        first = np.cumsum(many) - many
-        index: Any = np.arange(many.sum()) + np.repeat(self.first[rows] - first, many)
-        if rows.size and rows[-1] - rows[0] < rows.size:  # neighbours need no copy
-            index = slice(int(index[0]), int(index[-1]) + 1) if index.size else slice(0)
-        return Steps(first, self.since[index], self.width[index], self.series[index])
+    @cached_property
+    def angles(self) -> Array:
+        """Chebyshev series of beta and |beta_t| on the steps, (P, 2, ORDER + 1)."""
+        return step_series(self.width, self.series)
 
-
-def room_for(orbits: Array) -> Steps:
-    """Arrays, not filled, for the steps of orbits (B,) whose counts are known."""
-    count = orbits["count"].sum(axis=1)
-    total = int(count.sum())
-    return Steps(np.cumsum(count) - count, np.empty(total), np.empty(total), np.empty((total, 4, ORDER + 1)))
+    def as_room(self, used: int = 0) -> Any:
+        """The steps as the core reads or fills them."""
+        return _StepRoom(self.width.size, used, self.since, self.width, self.series)
 
 
 def march(
@@ -73,7 +69,7 @@ def march(
     t: Array,
     out: Array | None = None,
     swirl: Array | None = None,
-    steps: Steps | None = None,
+    room: Any = None,
     lanes: int = 0,
 ) -> Array:
     """March problems, read each at its stations, and keep its steps.
@@ -92,8 +88,8 @@ def march(
         Filled with beta, beta_t, alpha and z.
     swirl : array, (B, n), optional
         Filled with the integral of sin(beta) cos(beta).
-    steps : Steps, optional
-        Filled with the series of an earlier march of the same problems.
+    room : step_room, optional
+        Filled with the steps; its `used` says how many there are, also where it has no room for all.
     lanes : int
         Problems marched together: 1, 2, 4 or 8; 0: as many as the processor allows.
 
@@ -104,10 +100,23 @@ def march(
     """
     size, n = t.shape
     orbits = np.zeros(size, ORBIT)
-    kept = (steps.first, steps.since, steps.width, steps.series) if steps else (None, None, None, None)
-    task = size, problems, tol, orbits, n, t, out, swirl, *kept, lanes, widest()
+    task = size, problems, tol, orbits, n, t, out, swirl, room, lanes, widest()
     share_out(lambda a, b: fine(run("rod_march", a, b, *task)), size)
     return orbits
+
+
+def march_with_steps(
+    problems: Array, tol: float, t: Array, out: Array | None = None, lanes: int = 0
+) -> tuple[Array, Steps]:
+    """March problems as `march` does, and keep all their steps."""
+    size = _STEPS * (len(problems) + 4)
+    while True:
+        steps = Steps(np.empty(size), np.empty(size), np.empty((size, 4, ORDER + 1)))
+        room = steps.as_room()
+        orbits = march(problems, tol, t, out, room=room, lanes=lanes)
+        if room.used <= size:
+            return orbits, Steps(*(array[: room.used] for array in vars(steps).values()))
+        size = room.used
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,7 +125,7 @@ class MarchedOrbit(Periodic):
 
     found: (B,), records of the compiled core (`ORBIT`); those of `lost` orbits have what `rest` knows.
     lost: (B,), where the march fails or is too inaccurate; these orbits are in `rest`, in order, by quadrature.
-    part: the orbits of which these are some, and which of them, where their steps are kept for all.
+    kept: their steps, and those of others.
     """
 
     problem: StartProblem
@@ -124,7 +133,7 @@ class MarchedOrbit(Periodic):
     found: Array
     lost: Booleans
     rest: Orbit | None = None
-    part: "tuple[MarchedOrbit, Integers] | None" = field(default=None, repr=False)
+    kept: Steps | None = None
 
     @cached_property
     def in_rest(self) -> Integers:
@@ -182,19 +191,15 @@ class MarchedOrbit(Periodic):
         lost, rest = self.lost[rows], None
         if self.rest is not None and lost.any():
             rest = self.rest.take(self.in_rest[rows[lost]])
-        part = (self, rows) if self.problem.size <= _KEPT else None
-        return MarchedOrbit(self.problem.take(rows), self.tol, self.found[rows], lost, rest, part)
+        return MarchedOrbit(self.problem.take(rows), self.tol, self.found[rows], lost, rest, self.kept)
 
     @cached_property
     def steps(self) -> Steps:
-        """The series of all steps, marched again: an answer that is only read at its stations does not store them."""
-        if self.part is not None:
-            whole, rows = self.part
-            return whole.steps.take(rows, whole.found["count"].sum(axis=1))
-        steps, mine = room_for(self.found), np.flatnonzero(~self.lost)
-        # a lost orbit has no room: the march of one that was too inaccurate would write beyond the arrays
-        selected = replace(steps, first=steps.first[mine])
-        march(numbers_of(self.problem.take(mine)), self.tol, np.empty((mine.size, 0)), steps=selected)
+        """The series of all steps, and of those of others; of many orbits they are not kept, and marched again."""
+        if self.kept is not None:
+            return self.kept
+        again, steps = march_with_steps(numbers_of(self.problem), self.tol, np.empty((self.problem.size, 0)))
+        self.found["first"] = again["first"]
         return steps
 
     def complete(self, lost: Booleans, answer: "Trajectory") -> "MarchedOrbit":
@@ -227,5 +232,9 @@ def march_orbit(problem: StartProblem, tol: float, t: Array, out: Array) -> Marc
     MarchedOrbit
         `lost` where the march fails.
     """
-    rows = march(numbers_of(problem), tol, np.ascontiguousarray(t), out)
-    return MarchedOrbit(problem, tol, rows, rows["status"][:, 0] == LOST)
+    question, kept = (numbers_of(problem), tol, np.ascontiguousarray(t), out), None
+    if problem.size <= _KEPT:
+        rows, kept = march_with_steps(*question)
+    else:
+        rows = march(*question)
+    return MarchedOrbit(problem, tol, rows, rows["status"][:, 0] == LOST, kept=kept)

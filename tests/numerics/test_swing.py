@@ -16,7 +16,7 @@ from solver.core.build import digest
 from solver.core.library import OTHER, library_path, numbers_of, threads
 from solver.methods import OrbitQuadrature, SwingTaylor
 from solver.observe.observables import OBSERVABLES, observe
-from solver.orbits.marched_orbit import march
+from solver.orbits.marched_orbit import MarchedOrbit, march
 from solver.orbits.periodic_orbit import ROTATION
 from solver.problem.dimensionless import StartProblem
 from tests.extreme_cases import draw
@@ -123,24 +123,33 @@ def test_digits_that_only_a_march_would_lose_are_not_lost() -> None:
 
 
 def test_steps_of_rods_that_go_to_the_quadrature_overwrite_no_others() -> None:
-    """Some of these marches end, but too inaccurately: they are not kept and have no room among the steps."""
+    """Some of these marches end, but too inaccurately: nobody reads their steps."""
     case = draw(150, 0)
     orbit = solve(case, tol=1e-6, stations=3).trajectory.orbit
     ended = march(numbers_of(orbit.problem), orbit.tol, np.empty((case.size, 0)))["count"][:, 0] > 0
     assert (orbit.lost & ended).any()
     assert not orbit.lost.all()
-    first = orbit.steps.first[~orbit.lost]
+    first = orbit.found["first"][~orbit.lost]
     np.testing.assert_array_equal(orbit.steps.series[first, 0, 0], orbit.problem.beta0[~orbit.lost])
     np.testing.assert_array_equal(orbit.steps.since[first], 0)
 
 
 def test_steps_of_some_orbits_are_those_of_a_march_of_these_alone() -> None:
-    """Also of neighbours, which are not copied, and of orbits that went to the quadrature, which have none."""
+    """Also of orbits that went to the quadrature, which have none."""
+
+    def steps_of(part: MarchedOrbit) -> list[np.ndarray]:
+        steps, found = part.steps, part.found
+        places = [np.arange(n) + first for first, n in zip(found["first"], found["count"].sum(axis=1), strict=True)]
+        index = np.concatenate([np.arange(0), *places])
+        return [array[index] for array in (steps.since, steps.width, steps.series)]
+
     orbit = solve(draw(150, 0), tol=1e-6, stations=3).trajectory.orbit
+    assert orbit.kept is not None
     for rows in (np.arange(40, 90), np.arange(3, 150, 7), np.flatnonzero(orbit.lost), np.array([5]), np.arange(0)):
-        steps, alone = orbit.take(rows).steps, replace(orbit.take(rows), part=None).steps
-        for name, array in vars(alone).items():
-            np.testing.assert_array_equal(getattr(steps, name), array)
+        part = orbit.take(rows)
+        alone = replace(part, kept=None, found=part.found.copy())
+        for one, other in zip(steps_of(part), steps_of(alone), strict=True):
+            np.testing.assert_array_equal(one, other)
 
 
 @pytest.mark.parametrize("name", ["force-first/tension", "catenary", "long"])
