@@ -31,7 +31,7 @@ from .recipe import Places, StoredRun, differences, extend, look, recipe_of, ver
 # interruption costs the block under way.
 BLOCK, BLOCK_ALONE = 512, 8
 BLOCK_VALUES = 2**18  # stations of all cases of a block, at most: some MB for each array
-MOST_BLOCKS, MOST_BYTES = 8, 32 * 2**20  # of a chunk, at most: what a process holds
+MOST_BLOCKS, MOST_BYTES = 16, 32 * 2**20  # of a chunk, at most: what a process holds
 TEXT_BYTES = 200  # of outcome and caution in the file: references, and texts with a remark
 SPARE = 4 * 2**20  # bytes for coordinates, attributes, half-filled packets and the lists of an HDF5 file
 
