@@ -23,7 +23,7 @@ from ..problem.limits import beyond_limits, ends_and_span, unreachable
 from ..problem.trajectory import PLAIN, Seed, Trajectory, stood_in
 from .held_alternatives import alternatives_of, away
 from .held_moves import state_of_seed
-from .held_selection import Reached, by_rule, by_seed
+from .held_reach import Reached, by_rule, by_seed
 from .selection import Choose, path_of_seed
 
 ALTERNATIVE = "another equilibrium with the same ends"
