@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 LOST, TURNS, GOES_ROUND = 0, 1, 2  # how a leg ends
-# orbits whose steps are kept for all who read some of them: 8 MB; others are marched again. x10: 80 MB
+# orbits whose steps are kept for all who read some of them: 12 MB; others are marched again. x10: 120 MB
 _KEPT = 1024
 _STEPS = 32  # of an orbit, for which there is room at once; for more they are marched again. x10: only memory
 
@@ -58,9 +58,9 @@ class Steps:
         """Chebyshev series of beta and |beta_t| on the steps, (P, 2, ORDER + 1)."""
         return step_series(self.width, self.series)
 
-    def as_room(self, used: int = 0) -> Any:
+    def as_room(self) -> Any:
         """The steps as the core reads or fills them."""
-        return _StepRoom(self.width.size, used, self.since, self.width, self.series)
+        return _StepRoom(self.width.size, 0, self.since, self.width, self.series)
 
 
 def march(
@@ -232,9 +232,6 @@ def march_orbit(problem: StartProblem, tol: float, t: Array, out: Array) -> Marc
     MarchedOrbit
         `lost` where the march fails.
     """
-    question, kept = (numbers_of(problem), tol, np.ascontiguousarray(t), out), None
-    if problem.size <= _KEPT:
-        rows, kept = march_with_steps(*question)
-    else:
-        rows = march(*question)
+    asked = numbers_of(problem), tol, np.ascontiguousarray(t), out
+    rows, kept = march_with_steps(*asked) if problem.size <= _KEPT else (march(*asked), None)
     return MarchedOrbit(problem, tol, rows, rows["status"][:, 0] == LOST, kept=kept)
