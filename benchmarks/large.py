@@ -22,7 +22,7 @@ from solver import solve
 from solver.observe.observables import observe
 from studies import Study
 from studies.language.loader import loads
-from workbench.run.into_file import RunOptions, run_to_file
+from workbench.run.run_and_resume import RunOptions, run_to_file
 from workbench.words import caution_words
 
 STUDY = """

@@ -21,7 +21,7 @@ from solver.observe.observables import observe
 from studies import Study
 from studies.language.loader import load, loads
 from workbench.figures import canvas, map_figure
-from workbench.run.into_file import RunOptions, run_to_file
+from workbench.run.run_and_resume import RunOptions, run_to_file
 from workbench.stored import reading
 from workbench.stored.stored_study import StoredStudy
 

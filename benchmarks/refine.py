@@ -21,7 +21,7 @@ from studies import Study
 from studies.language.loader import load, loads
 from studies.language.refinement import Lattice, refinement_of
 from workbench.run import in_memory
-from workbench.run.into_file import RunOptions, run_to_file
+from workbench.run.run_and_resume import RunOptions, run_to_file
 from workbench.stored import refined
 
 BLOCK = 512  # cases, as of a run

@@ -21,7 +21,7 @@ from studies.laws import law_words
 from studies.laws.line_verdicts import DIRECTIONS, FAILS, HOLDS, Direction, Line, Verdict
 from tests.workbench import small
 from workbench.figures import canvas, study_figure
-from workbench.lab import work_precision
+from workbench.lab import trade_figure
 from workbench.lab.benchmark import available_ladders
 from workbench.lab.trade_runs import ladders_of
 from workbench.run import in_memory
@@ -60,7 +60,7 @@ def test_a_method_is_one_row_and_is_then_solved_with_listed_compared_and_drawn(m
     assert available_ladders()["toy"].values == ladders_of(["toy"])["toy"].values == (1, 2)
     ds = in_memory.run(small.study("[base]\nL = 3.0\n"), 0.1, "toy")
     assert ds.attrs["method"] == "toy"
-    assert work_precision.look_of("toy").colour == "#123456"
+    assert trade_figure.look_of("toy").colour == "#123456"
 
 
 def test_every_method_describes_itself() -> None:

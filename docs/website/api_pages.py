@@ -17,7 +17,7 @@ PUBLIC: dict[str, tuple[str, ...]] = {
         "workbench.notebook.Plot",
         "workbench.notebook.NotebookScene",
         "workbench.run.in_memory.run",
-        "workbench.run.into_file.run_to_file",
+        "workbench.run.run_and_resume.run_to_file",
         "workbench.export.stored_rod.export",
         "workbench.export.file_format.ExportOptions",
     ),

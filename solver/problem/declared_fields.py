@@ -409,7 +409,7 @@ WOUND = _in_place(
         note="default: that with which F2 is 0",
     ),
 )
-REPLACED = {**WOUND, **WELL}  # in place of fields of a case, which `studies.language.field_words` makes of them
+REPLACED = {**WOUND, **WELL}  # in place of fields of a case, which `studies.language.wells_and_cables` makes of them
 ALL_FIELDS = {**FIELDS, **REPLACED}
 
 CHOICES = {name: row.choices for name, row in FIELDS.items() if row.choices}  # of the fields that are text

@@ -21,10 +21,10 @@ from solver.problem.quantities import unit_of
 from solver.problem.units import FORCES, LENGTHS, base_unit, dimension_of, split
 
 from ..grammar.axes import DEFAULT_UNITS, WORDS, Which, case_from, number_with_unit, quantity_of
-from .field_words import START_ONLY, of_a_well, under_start_force, unwound
 from .loader import load
 from .printed import as_reading
 from .study import Study
+from .wells_and_cables import START_ONLY, of_a_well, under_start_force, unwound
 
 ENDS_ONLY = {*PARTS["ends"]} - {*PARTS["start"]}
 OF_MODULUS = (*ELASTIC, "inner_radius")  # the fields of a section of one material

@@ -38,11 +38,11 @@ from ..grammar.axes import (
 )
 from ..laws.judgement import Law
 from .case_tables import Table
-from .field_words import of_a_well, under_start_force, unwound
 from .printed import as_reading, table_of
 from .refinement import OUTCOME, Refine
 from .samples import Sample
 from .variation import Variation
+from .wells_and_cables import of_a_well, under_start_force, unwound
 
 if TYPE_CHECKING:
     from ..laws.law_verdict import LawVerdicts

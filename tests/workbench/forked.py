@@ -24,7 +24,7 @@ from typing import Any
 ROOT = Path(__file__).parents[2]
 IMPORTED = (
     "workbench.cli", "workbench.stored.stored_verdicts", "workbench.run.writing",
-    "workbench.run.into_file", "workbench.run.file_merge", "workbench.commands.run_study",
+    "workbench.run.run_and_resume", "workbench.run.file_merge", "workbench.commands.run_study",
     "solver.methods.half_period", "rich.table", "rich.console",
     "pydantic.type_adapter", "scipy.integrate", "scipy.interpolate", "scipy.optimize", "h5netcdf.legacyapi",
     "dask.array", "distributed",

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from tests.workbench import forked
-from workbench.run.into_file import Meter
+from workbench.run.run_and_resume import Meter
 
 ROOT = Path(__file__).parents[2]
 HEAD = """

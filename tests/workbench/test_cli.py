@@ -17,7 +17,7 @@ from tests.workbench import forked, small
 from tests.workbench.command import exit_status
 from workbench import cli
 from workbench.commands import draw_scene
-from workbench.run import into_file, writing
+from workbench.run import run_and_resume, writing
 from workbench.scene import opengl
 
 ROOT = Path(__file__).parents[2]
@@ -80,7 +80,7 @@ def test_a_picture_of_one_case_is_named_for_it_and_stands_beside_the_others(stor
 @pytest.mark.parametrize("out", ["small.h5", "small.toml/x.h5", "not/here.h5"])
 def test_what_cannot_be_stored_is_refused_before_any_work(out, stored, monkeypatch) -> None:
     monkeypatch.chdir(stored.parent)
-    monkeypatch.setattr(into_file, "_solve", lambda *_: pytest.fail("worked in vain"))
+    monkeypatch.setattr(run_and_resume, "_solve", lambda *_: pytest.fail("worked in vain"))
     assert exit_status("run", "fig6", "--out", out) == 2
 
 

@@ -17,7 +17,7 @@ from tests.workbench import runs, small
 from tests.workbench.test_faults import DEADLY, GRID, SMALL, TELLING, whole  # noqa: F401  (a fixture)
 from tests.workbench.waiting import until
 from workbench.run import cluster, plan, recipe, worker_processes
-from workbench.run.into_file import RunOptions, run_to_file
+from workbench.run.run_and_resume import RunOptions, run_to_file
 
 distributed = pytest.importorskip("distributed")
 

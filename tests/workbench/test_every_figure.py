@@ -18,7 +18,7 @@ from workbench.branches.equilibria_dataset import as_dataset
 from workbench.figures import bars, equilibria_figure, figure_kinds
 from workbench.figures.sheet import sheet
 from workbench.influence.derivatives import local
-from workbench.lab import measured_runs, robustness, work_precision
+from workbench.lab import measured_runs, robustness, trade_figure
 from workbench.paper import report_runs, story
 from workbench.stored import reading
 from workbench.stored.stored_study import StoredStudy
@@ -125,7 +125,7 @@ OTHERS: dict[str, Callable[[], Figure]] = {
     "effects that have room": lambda: figure_kinds.figure(StoredStudy(effects()), "tornado", SHEETS["column"]),
     "effects": lambda: bars.tornado(StoredStudy(effects())),
     "equilibria": lambda: equilibria_figure.figure(StoredStudy(equilibria_of_fig6())),
-    "trade": lambda: work_precision.figure(StoredStudy(shipped_measurements("trade"))),
+    "trade": lambda: trade_figure.figure(StoredStudy(shipped_measurements("trade"))),
 }
 
 
@@ -134,7 +134,7 @@ def test_other_pictures_can_be_read_and_show_what_is_stored() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "figure", "least"), [("trade", work_precision.figure, 7.0), ("extremes", robustness.figure, 6.0)]
+    ("name", "figure", "least"), [("trade", trade_figure.figure, 7.0), ("extremes", robustness.figure, 6.0)]
 )
 def test_a_picture_of_measurements_fits_one_column(name: str, figure: Callable[..., Figure], least: float) -> None:
     fig = figure(StoredStudy(shipped_measurements(name)), sheet=SHEETS["column"])

@@ -18,7 +18,7 @@ from tests.slow import slow
 from tests.workbench import runs, small
 from tests.workbench.waiting import alive, until
 from workbench.commands import console
-from workbench.run import into_file, recipe, shards, worker_processes
+from workbench.run import recipe, run_and_resume, shards, worker_processes
 
 pytestmark = pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no SIGKILL on this system")
 
@@ -263,7 +263,7 @@ def test_what_stands_where_a_run_keeps_its_cases_is_named_and_stays(make, tmp_pa
     make(parts)
     words = "study.h5.parts is no folder, and a run keeps its finished cases in one of that name: rename or remove it"
     with pytest.raises(InputError, match=words):
-        into_file.run_to_file(small.study(), tmp_path / "study.h5")
+        run_and_resume.run_to_file(small.study(), tmp_path / "study.h5")
     assert [*tmp_path.iterdir()] == [parts]
 
 
@@ -271,9 +271,9 @@ def test_a_run_that_cannot_begin_promises_no_cases(tmp_path, monkeypatch) -> Non
     def refuse(*_: object) -> None:
         raise PermissionError(13, "Permission denied")
 
-    monkeypatch.setattr(into_file, "_run", refuse)
+    monkeypatch.setattr(run_and_resume, "_run", refuse)
     with pytest.raises(InputError, match=r"cannot write \S+study.h5: Permission denied$"):
-        into_file.run_to_file(small.study(), tmp_path / "study.h5")
+        run_and_resume.run_to_file(small.study(), tmp_path / "study.h5")
 
 
 def test_a_merge_on_a_full_disk_says_so_and_leaves_nothing(tmp_path) -> None:

@@ -11,7 +11,7 @@ from tests.slow import slow_but
 from tests.workbench import runs, small
 from tests.workbench.study_kinds import pipe_study, refinement_study, sample_study, snapping, table_1
 from workbench.run import dataset_assembly
-from workbench.run.into_file import RunOptions, run_to_file
+from workbench.run.run_and_resume import RunOptions, run_to_file
 
 FORCES = np.linspace(1, 9, 60)
 small_blocks = runs.small_blocks(64)

@@ -27,7 +27,7 @@ from workbench import cli
 from workbench.figures import canvas, study_figure
 from workbench.lab import measured_runs
 from workbench.run import in_memory, recipe, writing
-from workbench.run.into_file import run_to_file
+from workbench.run.run_and_resume import run_to_file
 from workbench.stored import checks, file_checks, reading, schema
 from workbench.stored.stored_study import StoredStudy
 

@@ -12,7 +12,7 @@ from solver import InputError
 from tests.slow import slow, slow_but
 from tests.workbench import small
 from tests.workbench.small import axis, law
-from workbench.run import file_merge, in_memory, into_file, writing
+from workbench.run import file_merge, in_memory, run_and_resume, writing
 from workbench.stored import reading, stored_verdicts
 from workbench.stored.stored_study import StoredStudy
 
@@ -172,13 +172,13 @@ def test_a_law_is_judged_again_on_all_values(tmp_path) -> None:
 def test_a_run_goes_on_from_what_was_joined(tmp_path) -> None:
     files = [tmp_path / "a.h5", tmp_path / "b.h5"]
     for path, values in zip(files, ([1e4, 2e4], [3e4]), strict=True):
-        into_file.run_to_file(small.study(axis("E", values) + RADII, HEAD), path)
+        run_and_resume.run_to_file(small.study(axis("E", values) + RADII, HEAD), path)
     joined = tmp_path / "small.h5"
     file_merge.merge(files, joined)
-    again = into_file.run_to_file(small.study(axis("E", [1e4, 2e4, 3e4]) + RADII, HEAD), joined)
+    again = run_and_resume.run_to_file(small.study(axis("E", [1e4, 2e4, 3e4]) + RADII, HEAD), joined)
     assert again.finished_before
     assert again.statistics["outcomes"] == {"solved": 9}
-    whole = into_file.run_to_file(small.study(axis("E", [1e4, 2e4, 3e4]) + RADII, HEAD), tmp_path / "whole.h5")
+    whole = run_and_resume.run_to_file(small.study(axis("E", [1e4, 2e4, 3e4]) + RADII, HEAD), tmp_path / "whole.h5")
     assert again.statistics == whole.statistics
-    grown = into_file.run_to_file(small.study(axis("E", [1e4, 2e4, 3e4, 4e4]) + RADII, HEAD), joined)
+    grown = run_and_resume.run_to_file(small.study(axis("E", [1e4, 2e4, 3e4, 4e4]) + RADII, HEAD), joined)
     assert grown.solved == 3

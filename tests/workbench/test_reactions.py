@@ -12,7 +12,7 @@ from studies.language.loader import loads
 from studies.laws.line_verdicts import HOLDS
 from tests.workbench import small
 from workbench.run import in_memory
-from workbench.run.into_file import RunOptions, run_to_file
+from workbench.run.run_and_resume import RunOptions, run_to_file
 from workbench.stored import stored_verdicts
 
 ROD, WALL = Rod(E=1.07e4, nu=0.25, a=0.25, L=5.0), Cylinder(R=0.75)

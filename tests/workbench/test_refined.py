@@ -18,7 +18,7 @@ from tests.workbench import runs, small, stored_figures
 from tests.workbench.command import run
 from workbench.figures import figure_kinds, map_figure, study_figure
 from workbench.run import block, in_memory, plan, recipe, writing
-from workbench.run.into_file import RunOptions, run_to_file
+from workbench.run.run_and_resume import RunOptions, run_to_file
 from workbench.stored import reading, refined, stored_verdicts
 from workbench.stored.file_summary import summary
 from workbench.stored.stored_study import StoredStudy

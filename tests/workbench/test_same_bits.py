@@ -16,7 +16,7 @@ from tests.slow import slow_but
 from tests.workbench import runs, small
 from tests.workbench.study_kinds import QUICK, STUDIES, pipe_study
 from workbench.run import block, in_memory, plan, shards, worker_processes
-from workbench.run.into_file import Meter, RunOptions, run_to_file
+from workbench.run.run_and_resume import Meter, RunOptions, run_to_file
 from workbench.stored import one_case, quantity_variables, stored_case
 from workbench.stored.stored_study import StoredStudy
 

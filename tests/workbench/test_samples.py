@@ -14,7 +14,7 @@ from tests.workbench.command import run
 from workbench.commands import study_scene
 from workbench.figures import scatter, study_figure
 from workbench.run import file_merge, in_memory, writing
-from workbench.run.into_file import RunOptions, run_to_file
+from workbench.run.run_and_resume import RunOptions, run_to_file
 from workbench.scene import scene_kinds
 from workbench.stored import reading, solved_again
 from workbench.stored.file_summary import summary

@@ -19,8 +19,8 @@ from studies.language.study import OUTPUTS
 from tests.raising import LENGTHS, make_raise
 from tests.slow import slow, slow_but
 from tests.workbench import runs, small
-from workbench.run import block, dataset_assembly, in_memory, into_file, plan, recipe, shards
-from workbench.run.into_file import RunOptions, run_to_file
+from workbench.run import block, dataset_assembly, in_memory, plan, recipe, run_and_resume, shards
+from workbench.run.run_and_resume import RunOptions, run_to_file
 from workbench.stored import boxes, one_case, quantity_variables, schema
 
 GRID = runs.grid(3, 50)  # 150 cases: blocks of 64, the last one short
@@ -249,7 +249,7 @@ def test_a_part_that_is_interrupted_when_all_cases_are_kept_says_what_writes_the
 
     path = runs.study(tmp_path, GRID)
     kept(path, monkeypatch)
-    monkeypatch.setattr(into_file, "_solve", stop)
+    monkeypatch.setattr(run_and_resume, "_solve", stop)
     with pytest.raises(KeyboardInterrupt, match=r"cases are kept in .*; run without --part to write the file"):
         run_to_file(load(path), tmp_path / "many.h5", RunOptions(workers=1, part=(1, 2)))
 
@@ -257,7 +257,7 @@ def test_a_part_that_is_interrupted_when_all_cases_are_kept_says_what_writes_the
 def test_a_shard_damaged_after_it_was_looked_at_is_solved_again(whole, tmp_path, monkeypatch) -> None:
     path = runs.study(tmp_path, GRID)
     shard = kept(path, monkeypatch) / "000000000064-000000000128.shard"
-    solve_missing, times = into_file._solve, []
+    solve_missing, times = run_and_resume._solve, []
 
     def damaging(*args: Any) -> None:
         solve_missing(*args)
@@ -265,7 +265,7 @@ def test_a_shard_damaged_after_it_was_looked_at_is_solved_again(whole, tmp_path,
             shard.write_bytes(_flipped(shard.read_bytes(), 1000))
         times.append(1)
 
-    monkeypatch.setattr(into_file, "_solve", damaging)
+    monkeypatch.setattr(run_and_resume, "_solve", damaging)
     ran = run_to_file(load(path), tmp_path / "many.h5", RunOptions(workers=1))
     assert len(times) == 2
     assert sum(ran.statistics["outcomes"].values()) == 150

@@ -14,7 +14,7 @@ from studies.language.loader import loads
 from studies.language.study import OFF_WALL
 from tests.workbench import forked, small
 from workbench.commands.fidelity import FIDELITIES
-from workbench.lab import measured_runs, trade, work_precision
+from workbench.lab import measured_runs, trade, trade_figure
 from workbench.lab.benchmark import available_ladders, measure
 from workbench.lab.trade_runs import CASES, advice, reference
 from workbench.run import in_memory
@@ -93,7 +93,7 @@ def test_a_diagram_draws_every_rung_that_was_tried_failures_as_crosses(ds) -> No
     failed["outcome"] = ds["outcome"].astype(object)
     failed["outcome"].loc[{"case": "elliptic", "ladder": "orbit"}] = "failed: made up"
     for data, crosses in ((ds, 0), (failed, 8)):
-        ax = work_precision.panel(StoredStudy(data), Figure().add_subplot(), "elliptic")
+        ax = trade_figure.panel(StoredStudy(data), Figure().add_subplot(), "elliptic")
         drawn = {line.get_marker(): line for line in ax.lines if len(line.get_xdata()) and line.get_marker() in "ox"}
         assert len(drawn["x"].get_xdata() if "x" in drawn else ()) == crosses
         assert len(drawn["o"].get_xdata() if "o" in drawn else ()) == 8 - crosses
@@ -103,12 +103,12 @@ def test_the_crosses_of_each_method_have_a_height_of_their_own() -> None:
     from matplotlib.figure import Figure
 
     stored = StoredStudy(reading.read(measured_runs.SHIPPED / "trade.h5", study=False))
-    for case in work_precision.cases_to_show(stored):
-        ax = work_precision.panel(stored, Figure().add_subplot(), case)
+    for case in trade_figure.cases_to_show(stored):
+        ax = trade_figure.panel(stored, Figure().add_subplot(), case)
         crosses = [line for line in ax.lines if line.get_marker() == "x"]
         heights = {float(height) for line in crosses for height in line.get_ydata()}
         assert len(heights) == len(crosses) == len({line.get_color() for line in crosses})
-        assert all(work_precision.LOST < height < work_precision.TOP for height in heights)
+        assert all(trade_figure.LOST < height < trade_figure.TOP for height in heights)
 
 
 def test_a_method_that_hands_over_has_two_lines_and_no_line_between_them(ds) -> None:
@@ -117,7 +117,7 @@ def test_a_method_that_hands_over_has_two_lines_and_no_line_between_them(ds) -> 
     handed = ds.copy(deep=True)
     handed["answered"] = ds["answered"].astype(object)
     handed["answered"].loc[{"case": "elliptic", "ladder": "orbit"}] = ["swing"] * 3 + ["orbit"] * 7
-    ax = work_precision.panel(StoredStudy(handed), Figure().add_subplot(), "elliptic")
+    ax = trade_figure.panel(StoredStudy(handed), Figure().add_subplot(), "elliptic")
     assert sorted(len(line.get_xdata()) for line in ax.lines if line.get_marker() == "o") == [3, 5]
     swing = {"swing": available_ladders()["swing"]}
     rows = measure({"x": (CASES["gap 1e-08"].case, reference("gap 1e-08"), None)}, swing)
@@ -145,8 +145,8 @@ def test_the_advice_names_the_method_that_reaches_a_level_in_the_most_cases(ran,
 
 def test_each_panel_of_a_trade_has_the_numbers_of_its_cost_and_many_cases_are_six(ds) -> None:
     many = ds.isel(case=[0] * 8).assign_coords(case=[f"case {k}" for k in range(8)])
-    assert work_precision.cases_to_show(StoredStudy(many.isel(case=slice(5)))) == [f"case {k}" for k in range(5)]
-    fig = work_precision.figure(StoredStudy(many), "seconds")
+    assert trade_figure.cases_to_show(StoredStudy(many.isel(case=slice(5)))) == [f"case {k}" for k in range(5)]
+    fig = trade_figure.figure(StoredStudy(many), "seconds")
     fig.draw_without_rendering()
     assert len(fig.axes) == 6
     assert any("6 of 8 cases" in text.get_text() for text in fig.texts)

@@ -20,7 +20,7 @@ from solver import InputError
 from studies.language.loader import loads
 from tests.slow import slow
 from tests.workbench import forked, runs, small
-from workbench.run import in_memory, into_file, writing
+from workbench.run import in_memory, run_and_resume, writing
 from workbench.stored import bounds, boxes, reading
 
 
@@ -198,7 +198,7 @@ LOGS = "[expressions]\n" + "".join(f'a_quantity_of_some_length_{k} = "log(bends 
 def stored_study(base, tables, tmp_path, head="") -> xr.Dataset:
     """The file of a study that is run into one, read; the same study that is run in memory and then stored too."""
     study = loads(head + small.text(ROD | base, tables))
-    into_file.run_to_file(study, tmp_path / "run.h5")
+    run_and_resume.run_to_file(study, tmp_path / "run.h5")
     writing.write(in_memory.run(study), tmp_path / "memory.h5")
     ran, kept = (reading.read(tmp_path / f"{name}.h5") for name in ("run", "memory"))
     assert {*ran["outcome"].values} == {*kept["outcome"].values}
@@ -236,9 +236,9 @@ def test_a_study_that_no_file_can_hold_is_refused_before_it_is_solved(
     base, tables, words, tmp_path, monkeypatch
 ) -> None:
     study = loads(small.text(ROD | base, tables))
-    monkeypatch.setattr(into_file, "_run", lambda *_: pytest.fail("it was solved"))
+    monkeypatch.setattr(run_and_resume, "_run", lambda *_: pytest.fail("it was solved"))
     with pytest.raises(InputError, match=words):
-        into_file.run_to_file(study, tmp_path / "study.h5")
+        run_and_resume.run_to_file(study, tmp_path / "study.h5")
     with pytest.raises(InputError, match="cannot write"):
         writing.write(in_memory.run(study), tmp_path / "study.h5")
     assert list(tmp_path.iterdir()) == []

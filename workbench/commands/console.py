@@ -16,7 +16,7 @@ from ..words.assumptions import assumption, units_sentence
 if TYPE_CHECKING:  # --help does not import rich
     from rich.console import Console
 
-    from ..run.into_file import Meter
+    from ..run.run_and_resume import Meter
 
 HELD = "\N{NO-BREAK SPACE}=\N{NO-BREAK SPACE}"
 EVERY = 5.0  # seconds between two lines of progress
@@ -118,7 +118,7 @@ def progress(total: int, lines: bool = False) -> Iterator[Any]:
     Without a terminal nothing is shown, or with `lines` a line for a step: ``3 of 9, 0:00:12 left: elliptic``; of steps
     that follow each other quickly, one every `EVERY` seconds.
     """
-    from ..run.into_file import Meter
+    from ..run.run_and_resume import Meter
 
     meter, begun, said = Meter(total, 0), 0, -EVERY
     with _bar("{task.completed} of {task.total}{task.description}", total) as update:
@@ -141,7 +141,7 @@ def progress(total: int, lines: bool = False) -> Iterator[Any]:
 @contextmanager
 def progress_bar(total: int, done: int, as_json: bool = False) -> "Iterator[Meter]":
     """A meter, shown while the body runs; where stderr is no terminal, or as JSON, by a line every 5 s."""
-    from ..run.into_file import Meter
+    from ..run.run_and_resume import Meter
 
     if as_json or not err().is_terminal:
         yield Meter(total, done, _make_lines(as_json))

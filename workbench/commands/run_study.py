@@ -15,7 +15,7 @@ from .present import Result, presents
 from .stored_words import JUDGED, SAMPLING, print_sentences, print_verdicts
 
 if TYPE_CHECKING:
-    from ..run.into_file import Ran
+    from ..run.run_and_resume import Ran
 
 READ = (".toml", ".csv", ".parquet")  # the files of studies and tables
 
@@ -61,7 +61,7 @@ def run(
     from studies import load
 
     from ..run.block import keep_memory
-    from ..run.into_file import RunOptions, run_to_file
+    from ..run.run_and_resume import RunOptions, run_to_file
     from .fidelity import fidelity
 
     chosen = load(study, cases).under(reading)

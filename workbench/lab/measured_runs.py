@@ -15,7 +15,7 @@ from ..figures.sheet import COLUMN, SCREEN, Sheet
 from ..stored import reading
 from ..stored.stored_study import StoredStudy
 from ..words import labels
-from . import robustness, work_precision
+from . import robustness, trade_figure
 
 SHIPPED = Path(__file__).parent / "measured"  # made with benchmarks/make_measured.py
 
@@ -71,7 +71,7 @@ def _run(stored: StoredStudy) -> str:
 
 
 def _trade(stored: StoredStudy) -> str:
-    shown = len(work_precision.cases_to_show(stored))
+    shown = len(trade_figure.cases_to_show(stored))
     return (
         f"{stored.sizes['ladder']} methods and variants on {stored.sizes['case']} rods, {shown} of them shown: the "
         "error that is achieved against the seconds of the whole call, from the coarsest to the finest setting of each"

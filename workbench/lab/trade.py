@@ -53,7 +53,7 @@ def trade(
 
 def _trade(cases: list[str], methods: list[str], out: Path, force: bool) -> Result:
     from . import trade_runs as comparison
-    from .work_precision import COSTS
+    from .trade_figure import COSTS
 
     named, ladders = comparison.choose(names(cases)), comparison.ladders_of(names(methods))
     comparison.check_kinds(named, ladders)

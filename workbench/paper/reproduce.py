@@ -73,14 +73,14 @@ def _results(
     studies: "Sequence[Study]", files: dict[str, Path], out: Path, able: bool, step: Any
 ) -> "tuple[list[StudyResult], list[str]]":
     """Solve, store and draw each study; the results, and a sentence for each study that its reading does not admit."""
-    from ..run import in_memory, into_file
+    from ..run import in_memory, run_and_resume
     from ..stored import reading
 
     results, refusals = [], []
     for study in studies:
         step(f"solving {study.name}")
         try:
-            into_file.run_to_file(study, files[study.name])
+            run_and_resume.run_to_file(study, files[study.name])
         except InputError as error:
             refusals.append(f"{study.title}: {error}")
             step("")
@@ -113,13 +113,13 @@ def _equilibria(study: "Study", out: Path, able: bool) -> "tuple[StoredStudy, di
 
 def _release(study: "Study", out: Path) -> dict[str, Any] | str:
     """Store the rods of a study that are let go; what the report says of them, or why there are none."""
-    from ..run import into_file
+    from ..run import run_and_resume
     from ..stored import reading
     from . import report_runs
 
     file = out / f"{study.name}.h5"
     try:
-        into_file.run_to_file(study, file)
+        run_and_resume.run_to_file(study, file)
     except InputError as error:
         return str(error)
     return report_runs.release(study, reading.read_stored(file))

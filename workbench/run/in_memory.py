@@ -68,7 +68,7 @@ def run(study: Study, tol: float | None = None, method: str | None = None) -> xr
     Raises
     ------
     InputError
-        For an invalid study, and for one that needs too much memory; `into_file.run_to_file` stores such a study as
+        For an invalid study, and for one that needs too much memory; `run_to_file` stores such a study as
         it is solved.
 
     Examples

@@ -164,7 +164,7 @@ def run_to_file(
     >>> from pathlib import Path
     >>> from tempfile import TemporaryDirectory
     >>> from studies import load
-    >>> from workbench.run.into_file import run_to_file
+    >>> from workbench.run.run_and_resume import run_to_file
     >>> with TemporaryDirectory() as folder:
     ...     ran = run_to_file(load("fig7_1_modulus"), Path(folder) / "modulus.h5")
     >>> ran.solved
