@@ -232,6 +232,6 @@ def march_orbit(problem: StartProblem, tol: float, t: Array, out: Array) -> Marc
     MarchedOrbit
         `lost` where the march fails.
     """
-    asked = numbers_of(problem), tol, np.ascontiguousarray(t), out
-    rows, kept = march_with_steps(*asked) if problem.size <= _KEPT else (march(*asked), None)
+    question = numbers_of(problem), tol, np.ascontiguousarray(t), out
+    rows, kept = march_with_steps(*question) if problem.size <= _KEPT else (march(*question), None)
     return MarchedOrbit(problem, tol, rows, rows["status"][:, 0] == LOST, kept=kept)
