@@ -69,7 +69,7 @@ def cylinder(ax: Axes) -> None:
 
 def rod(ax: Axes) -> None:
     """The rod; what lies behind the cylinder is faint."""
-    s = np.linspace(0, 6.9, 900)
+    s = np.linspace(0, 6.2, 900)
     points = centreline(s)
     front = points[:, 0] * np.cos(AZIMUTH) + points[:, 1] * np.sin(AZIMUTH) > -0.25
     drawn = project(points)

@@ -38,6 +38,7 @@ from workbench.web.live.page_model import study_of
 from workbench.web.live.presets import own_preset
 from workbench.web.turntable import turntable_page
 from workbench.words import free_rod_words
+from workbench.words.free_rod_words import with_error
 
 if opengl.probe()[0]:  # without the libraries of OpenGL it cannot be imported
     from workbench.scene import composition, layout
@@ -376,7 +377,7 @@ def test_a_rod_is_drawn_held_on_and_let_go_with_its_gap_and_the_forces_at_the_ed
     assert not [line for line in page.ax.lines if line.get_gid() == signs.EDGE]  # the arrows mark both edges
     assert len(replace(rods[1], point_forces=()).contact_edges) == 2
     again = read(StoredStudy(stored).solve(201, ["alpha", "beta", "z", "radius", "contact"]), {}, kind_of("contact"))
-    for (at, away, force), (_, _, same) in zip(rods[1].pushes, again.pushes, strict=True):
+    for (at, away, force, _), (_, _, same, _) in zip(rods[1].pushes, again.pushes, strict=True):
         assert force == pytest.approx(same, rel=1e-6)
         assert force > 0
         assert at[:2] @ away[:2] == pytest.approx(rods[1].R + 2 * rods[1].a, rel=1e-3)
@@ -405,7 +406,7 @@ def test_the_colour_of_a_push_begins_at_the_arrow_of_the_point_force(stored: xr.
     pair = study_scene.release_of(StoredStudy(stored), {})(101)
     rod = read(pair, {RELEASED: 1}, kind_of(LET_GO))
     assert len(rod.point_forces) == 2
-    for (at, _), sense in zip(rod.point_forces, (1, -1), strict=True):
+    for (at, *_), sense in zip(rod.point_forces, (1, -1), strict=True):
         off, on = rod.line.contact(at + sense * 1e-9 * rod.line.L * np.array([-1, 1]))
         assert off == 0 < on
         assert on == pytest.approx(rod.line.contact(np.array([at + sense * np.diff(rod.line.s)[0]]))[0], rel=0.1)
@@ -455,15 +456,15 @@ def test_the_arrow_of_a_point_force_is_as_long_on_the_page_as_it_is_large_and_sa
     (rod,) = view.bodies
     lines = [*composition._lines_of_contact(page.scene, view)]
     arrows = [(places @ across.T, words) for places, sign, words in lines if sign == signs.FORCE]
-    forces = [force for *_, force in rod.pushes]
+    forces = [force for *_, force, _ in rod.pushes]
     assert np.ptp(forces) > 0.1 * max(forces)
     lengths = np.array([np.linalg.norm(places[-1] - places[0]) for places, _ in arrows])
-    for (places, _), (at, away, _) in zip(arrows, rod.pushes, strict=True):
+    for (places, _), (at, away, *_) in zip(arrows, rod.pushes, strict=True):
         axis, push = (across @ view.turn @ vector for vector in (at - rod.a * away, away))
         assert np.linalg.norm(places[0] - axis) == pytest.approx(rod.a)
         assert (places[-1] - axis) @ push == pytest.approx(np.linalg.norm(places[-1] - axis) * np.linalg.norm(push))
     np.testing.assert_allclose(lengths / lengths.max(), np.divide(forces, max(forces)), rtol=1e-9)
-    assert [words for _, words in arrows] == [f"{force:.3g} N" for force in forces]
+    assert [words for _, words in arrows] == [f"{with_error(force, error, force)} N" for *_, force, error in rod.pushes]
     assert {words for _, words in arrows} & {text.get_text() for text in page.ax.texts}
 
 

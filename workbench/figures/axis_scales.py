@@ -29,8 +29,8 @@ NARROW, WHOLE = 5.0, 135.0  # degrees: a narrower axis has ticks as of numbers; 
 class RoomLocator(Locator):
     """Round numbers of Matplotlib's locators, as many as have room on the axis when it is drawn.
 
-    At 1, 2 and 5 times powers of ten on a logarithmic axis, or at the powers alone; evenly spaced where `FEW` such
-    numbers do not lie on it; two at least, where two have room. of: ``counts`` are whole; ``angles`` over more than
+    At 1, 2 and 5 times powers of ten on a logarithmic axis, within a decade at 4 times too, or at the powers alone;
+    evenly spaced where `FEW` such numbers do not lie on it; two at least, where two have room. of: ``counts`` are whole; ``angles`` over more than
     `NARROW` degrees are parts and multiples of a right angle.
     """
 
@@ -62,7 +62,7 @@ class RoomLocator(Locator):
 
         fallback: list[float] = []
         crowded: list[list[float]] = []  # of which the first and the last may have room
-        for locator in self._candidates(vmax - vmin, logarithmic):
+        for locator in self._candidates(vmax - vmin, logarithmic, within=vmax < 10 * vmin):
             inside = [float(value) for value in locator.tick_values(low, high) if low <= value <= high]
             if not fits(inside):
                 crowded.append([inside[0], inside[-1]])
@@ -72,9 +72,11 @@ class RoomLocator(Locator):
             fallback = max(fallback, inside, key=len)
         return fallback if len(fallback) > 1 else next(filter(fits, crowded), fallback)
 
-    def _candidates(self, span: float, logarithmic: bool) -> Iterator[Locator]:
-        """Matplotlib's locators, from that of most ticks to that of one."""
+    def _candidates(self, span: float, logarithmic: bool, within: bool) -> Iterator[Locator]:
+        """Matplotlib's locators, from that of most ticks to that of one; within: a decade."""
         if logarithmic:
+            if within:
+                yield LogLocator(subs=(1, 2, 4, 5), numticks=MOST)
             yield LogLocator(subs=(1, 2, 5), numticks=MOST)
             yield from (LogLocator(numticks=count) for count in range(MOST, 2, -1))
         if self.of == "angles" and span > NARROW:

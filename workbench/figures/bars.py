@@ -154,8 +154,8 @@ def tornado(stored: StoredStudy, sheet: Sheet = SCREEN) -> Figure:
     def panel(name: str, ax: Axes) -> None:
         row, shown, rest = stored.part(observable=name), effects[name][:MOST], effects[name][MOST:]
         sizes = np.array([effect for _, effect in shown])
-        texts = [f"{'+' if size > 0 else '−'}{labels.number(abs(size), 2)}" for size in sizes]
         rises = [int(size > 0) for size in sizes]
+        texts = [f"{'−+'[k]}{text}" for k, text in zip(rises, labels.alike(abs(sizes), 2), strict=True)]
         draw(
             ax,
             [_tick(stored, field) for field, _ in shown],

@@ -223,7 +223,7 @@ def _letter_panels(fig: Figure) -> None:
     panels = list(grids)
     for grid in grids.values():
         fig.align_ylabels([ax for ax in panels if grids[ax] is grid])
-    if not 1 < len(panels) <= MOST_LETTERS or any(" against " in str(ax.get_label()) for ax in panels):
+    if not 1 < len(panels) <= MOST_LETTERS:
         return
     for letter, ax in zip(ascii_lowercase, panels, strict=False):
         down = 4 if str(ax.get_label()).startswith("unrolled views along") else 0  # beside the names of its strips

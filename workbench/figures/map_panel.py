@@ -36,6 +36,7 @@ MOST_COLOURS = 256  # counts, each with a colour of its own
 MOST_CLASSES = 24  # of a count, with a border between each two
 # points that a map shows, and on a square inch of it: each is seen, and between them the map
 MOST_SAMPLES, DENSEST = 1200, 120
+REFINED = 4  # times fewer of a refined study: its cases lie along borders, which they would cover
 BARRED = (
     "a case whose shape no real rod could keep",
     "No real rod could keep a shape that would lift off away from its ends, or pass through itself.",
@@ -47,6 +48,8 @@ SIZES = {".": 2.8, "x": 2.4}  # points of a mark where there are many; with few 
 LARGER = 1.6
 MOST_SHAPES, FILL = 12, 0.86  # shapes along an axis; of the room of a shape that it fills
 HALO = Halo(2.2, 0.75)
+LED = 14  # points from a region without room to the middle of its number
+LEADER: Any = {"arrowstyle": "-", "color": colours.INK, "linewidth": 0.6, "shrinkA": 1, "shrinkB": 0}
 
 
 class Colours:
@@ -122,9 +125,10 @@ def draw(ax: Axes, cells: Cells, name: str, scale: Colours, inches: tuple[float,
     return mesh
 
 
-def _one_of(count: int, inches: tuple[float, float]) -> int:
+def _one_of(cells: Cells, inches: tuple[float, float]) -> int:
     """One of how many cases a map of that width and height in inches shows."""
-    return -(-count // min(MOST_SAMPLES, int(DENSEST * inches[0] * inches[1]) + 1))
+    most = min(MOST_SAMPLES, int(DENSEST * inches[0] * inches[1]) + 1)
+    return -(-cells.samples()[2].size * (REFINED if SAMPLE in cells.source.sizes else 1) // most)
 
 
 def entries(panels: list[Cells], shown: tuple[str, ...], inches: tuple[float, float]) -> list[str | Artist]:
@@ -133,7 +137,7 @@ def entries(panels: list[Cells], shown: tuple[str, ...], inches: tuple[float, fl
     inches: width and height of a panel.
     """
     barred = np.concatenate([panel.samples()[2] for panel in panels])
-    most = _one_of(max(panel.samples()[2].size for panel in panels), inches)
+    most = max(_one_of(panel, inches) for panel in panels)
     few = f" (one of {most} is shown)" if most > 1 else ""
     dense = DENSE if SAMPLE in panels[0].source.sizes else ""
     marks = {"." * bool(~barred.all()): "a case", "x" * bool(barred.any()): BARRED[0]}
@@ -179,7 +183,8 @@ def entries(panels: list[Cells], shown: tuple[str, ...], inches: tuple[float, fl
 
 
 def _number_regions(ax: Axes, cells: Cells, values: Values, scale: Colours, inches: tuple[float, float]) -> None:
-    """The borders of the regions of a count, and its number in each that has room for it.
+    """The borders of the regions of a count, and its number in each that has room for it; of a number without room
+    beside the largest region, with a line to it.
 
     Many counts are taken in classes of 2, 5, 10, ..., which have their first and their last.
     """
@@ -187,23 +192,34 @@ def _number_regions(ax: Axes, cells: Cells, values: Values, scale: Colours, inch
     step = next(step for step in steps if scale.high - scale.low <= MOST_CLASSES * step)
     classes = np.floor(values / step) * step
     cells.draw_borders(ax, classes, colors=colours.INK, linewidths=0.5, capstyle="projecting")
+    per, named = (inches[1] / cells.y.values.size, inches[0] / cells.x.values.size), set[float]()
+    narrow = dict[float, tuple[int, str, tuple[float, float]]]()
     for number, area in regions.areas(classes):
         last = f"–{labels.tick(number + step - 1)}" if step > 1 else ""
         text = "nearly straight" if number < 0 else f"{labels.tick(number)}{last}"
         size = 1.25 * fonts.small() / 72, fonts.width_of(text, fonts.small()) + 0.06
-        middle = regions.place(area, (inches[1] / cells.y.values.size, inches[0] / cells.x.values.size), size)
+        middle = regions.place(area, per, size)
         if middle is not None:
             words = ax.text(cells.x.between(middle[1]), cells.y.between(middle[0]), text, ha="center", va="center",
                             size=fonts.small(), color=colours.INK, path_effects=[HALO], zorder=5)  # fmt: skip
+            named.add(number)
             if number < 0:  # it is wider than the distance of the cases
                 words.set_bbox({"facecolor": colours.BAND, "edgecolor": "none", "pad": 1})
+        elif number >= 0 and (within := regions.place(area, per, (0.0, 0.0))):
+            narrow[number] = max(narrow.get(number, (0, "", (0.0, 0.0))), (int(area.sum()), text, within))
+    for number in narrow.keys() - named:
+        _, text, middle = narrow[number]
+        place = cells.x.between(middle[1]), cells.y.between(middle[0])
+        away = (0, LED * (1 if middle[0] < cells.y.values.size / 2 else -1))
+        ax.annotate(text, place, away, textcoords="offset points", ha="center", va="center", size=fonts.small(),
+                    color=colours.INK, path_effects=[HALO], zorder=5, arrowprops=LEADER)  # fmt: skip
 
 
 def _show_samples(ax: Axes, cells: Cells, name: str, inches: tuple[float, float]) -> None:
     """A point at each case, a cross where no real rod could keep its shape; of very many cases so many, evenly chosen,
     and none that was added where a number changes that the map does not show. inches: width and height."""
     x, y, barred = cells.samples()
-    shown = np.arange(0, x.size, _one_of(x.size, inches))
+    shown = np.arange(0, x.size, _one_of(cells, inches))
     shown = shown[~cells.hidden_changes(name)[shown]]
     size = float(np.clip(10 * (inches[0] * inches[1] / shown.size) ** 0.5, 1.0, LARGER))
     for marker, rows in ((".", shown[~barred[shown]]), ("x", shown[barred[shown]])):

@@ -531,7 +531,8 @@ def edges_of(rod: DrawnRod) -> list[tuple[Values, Values]]:
 
 def crossings(s: Any, rho: float, alpha: Any, z: Any, a: float, radius: Any) -> list[tuple[Any, Any]] | None:
     """Where a rod passes through itself on the unrolled cylinder: z and distance around, and how far its two stretches
-    are apart there, (2,) each; two places where it comes back after a turn, NaN apart. None for a rod that is too long.
+    are apart there, (2,) each; two places where it comes back after a turn, NaN apart. A tight bend has no ring within a
+    radius of the rod of another one. None for a rod that is too long.
 
     radius: the distance from the axis, so that stretches that cross one over the other off the wall are none.
     """
@@ -539,8 +540,10 @@ def crossings(s: Any, rho: float, alpha: Any, z: Any, a: float, radius: Any) -> 
     if pairs is None:
         return None
     rings: list[tuple[Any, Any]] = []
-    for pair in pairs:
+    for pair in sorted(pairs, key=lambda pair: pair[0] == pair[1]):  # bends that are tighter than the rod come last
         places = np.array([np.interp(pair, s, values) for values in (z, rho * (alpha - alpha[0]))]).T
+        if pair[0] == pair[1] and any(np.linalg.norm(places[0] - place) < a for place, _ in rings):
+            continue
         near = np.linalg.norm(places[1] - places[0]) < NEAR * a
         rings += (
             [(places.mean(axis=0), places[1] - places[0])]

@@ -18,7 +18,7 @@ from studies.laws.line_verdicts import FAILS
 
 from ..stored import derived_arrays
 from ..stored.stored_study import StoredStudy
-from ..words import labels, pipe_profile, pipe_words, unit_habits
+from ..words import free_rod_words, labels, pipe_profile, pipe_words, unit_habits
 from ..words.unit_habits import plain
 from . import canvas, colours, drawn_rods, fonts, print_heights, push_scale, trends, waves
 from .drawn_rods import DrawnRod
@@ -152,8 +152,8 @@ def _sentences(rod: DrawnRod, case: "Case", tracks: Mapping[str, tuple[str, Any]
         inner = f"; a wave away from the ends it is at most {most} {unit}" * (name == PUSH)
         said.append(f"Largest {WORDS[name]}: {plain(value)} {unit} at {plain(at)} {length}{inner}.")
     if GAP in tracks:
-        pairs = rod.case.at().point_forces
-        each = [f"{plain(force)} {tracks[FORCE][0]} at {plain(s)} {length}" for s, force in pairs]
+        pairs = free_rod_words.point_forces(rod.case.at())
+        each = [f"{force} {tracks[FORCE][0]} at {s} {length}" for s, force in pairs]
         said += [f"Point forces of the wall: {', '.join(each)}."] * bool(each)
     limits = [f"{limit.load} {plain(limit.value)} ({limit.name})" for limit in pipe_words.limits(case)]
     if limits:

@@ -47,7 +47,7 @@ class Body:
     squeeze
         The factor of its heights in the drawing, less than 1 for a rod that is compressed along the axis.
     point_forces
-        The arc length and the size of each point force of the wall.
+        The arc length of each point force of the wall, its size and the error of that.
     """
 
     line: Centreline
@@ -57,7 +57,7 @@ class Body:
     caution: str = ""
     lift: float = 0.0
     squeeze: float = 1.0
-    point_forces: Sequence[tuple[float, float]] = ()
+    point_forces: Sequence[tuple[float, float, float]] = ()
     paint: Paint = field(default_factory=Paint)
 
     @property
@@ -154,14 +154,15 @@ class Body:
         return self._place_on_page(ends + np.array([0.0, 0.0, place[k, 2]]))
 
     @cached_property
-    def pushes(self) -> list[tuple[Array, Array, float]]:
-        """Point forces of the wall on the rod: where each acts on its surface, (3,), its direction, and its size."""
+    def pushes(self) -> list[tuple[Array, Array, float, float]]:
+        """Point forces of the wall on the rod: where each acts on its surface, (3,), its direction, its size, and the
+        error of that."""
         each = []
-        for s, force in self.point_forces:
+        for s, force, error in self.point_forces:
             if self.span[0] <= s <= self.span[1]:
                 place, radial = self.line.frame(np.array([s]))[0][0], frames.outward(self.line.at(np.array([s]))[0])[0]
                 away = radial if self.side == "outside" else -radial
-                each.append((self._place_on_page(place + self.a * away), away, force))
+                each.append((self._place_on_page(place + self.a * away), away, force, error))
         return each
 
     @cached_property
@@ -171,7 +172,7 @@ class Body:
         if not isinstance(self.line, varying_lines.FreeLine):
             return []
         s = varying_lines.contact_edges(self.line.s, self.line.push(self.line.s))
-        for at, _ in self.point_forces:
+        for at, *_ in self.point_forces:
             s = s[np.abs(s - at) > self.line.L / (self.line.s.size - 1)]
         s = s[(s > self.span[0]) & (s < self.span[1])]
         return [*zip(self.places(s), self.line.frame(s)[1] * [1, 1, self.squeeze], strict=True)]
@@ -225,12 +226,12 @@ def read(
     line = this.centreline
     gamma = np.asarray(this["gamma"], dtype=float) if "gamma" in kind.reads else None
     caution = str(this["caution"].values) if "caution" in this else ""
-    forces = list[tuple[float, float]]()
+    forces = list[tuple[float, float, float]]()
     if POINT_FORCES[0] in stored:
-        pairs = [stored[name].isel(dict(where)).values for name in POINT_FORCES]
-        forces = [(float(s), float(force)) for s, force in zip(*pairs, strict=True) if np.isfinite(s)]
+        each = [stored[name].isel(dict(where)).values.tolist() for name in POINT_FORCES]
+        forces = [row for row in zip(*each, strict=True) if np.isfinite(row[0])]
     if isinstance(line, varying_lines.FreeLine):
-        line = replace(line, edges=np.array([s for s, _ in forces]))
+        line = replace(line, edges=np.array([s for s, *_ in forces]))
     low, high = span or (float(line.s[0]), inf)
     drawn = low, (high if high < inf else float(line.s[-1]))
     return Body(line, drawn, kind.value_in(stored.units), gamma, caution, point_forces=forces)

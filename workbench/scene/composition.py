@@ -13,6 +13,7 @@ from ..figures import canvas, crossing_rings, fonts
 from ..figures.arrangement import Arrangement
 from ..geometry.centreline import APART, Array, TooFewStations
 from ..words import caution_words, labels
+from ..words.free_rod_words import with_error
 from . import dna_strands, long_rod, page, scene_kinds, signs
 from .body import ARROW, Body
 from .page import Mark, Page, Scene
@@ -292,16 +293,16 @@ def _lines_of_contact(scene: Scene, view: View) -> Iterator[tuple[Array, str, st
     """The widest gap of each rod of a view and its point forces, on the page as long as they are large: places along
     each line, (n, 3) as they are turned, its sign, and its size in words."""
     units = scene.stored.units
-    largest = max((force for body in scene.bodies for *_, force in body.pushes), default=1.0)
+    largest = max((force for body in scene.bodies for *_, force, _ in body.pushes), default=1.0)
     share = np.linspace(0, 1, ALONG)[:, None]
     for body in view.bodies:
         if body.widest_gap is not None:
             wall, rod = body.widest_gap
             size = labels.number(float(np.linalg.norm(rod - wall)), 3)
             yield (wall + share * (rod - wall)) @ view.turn.T, signs.GAP, f"{size} {units['length']}"
-        for at, away, force in body.pushes:
+        for at, away, force, error in body.pushes:
             start, tip = view.arrow(body, at, away, ARROW * body.R * force / largest, scene.camera)
-            yield start + share * (tip - start), signs.FORCE, f"{labels.number(force, 3)} {units['force']}"
+            yield start + share * (tip - start), signs.FORCE, f"{with_error(force, error, force)} {units['force']}"
 
 
 def _hides(scene: Scene, kind: str) -> bool:

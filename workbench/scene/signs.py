@@ -69,7 +69,7 @@ def legend_sign(colour: str, text: str) -> Artist:
             [], [], color=colours.INK, linestyle="none", marker="|", markersize=7, markeredgewidth=1.4, label=text
         )
     if colour in SHAPES:
-        ink, inner = (colours.SOFT, colours.SURFACE) if colour == OUTLINE else (colours.INK, colours.INK)
+        ink, inner = (colours.SOFT, "none") if colour == OUTLINE else (colours.INK, colours.INK)
         return Line2D([], [], color=ink, linestyle="none", marker=SHAPES[colour], markerfacecolor=inner, label=text,
                       markersize=8 if colour == GAP else 12, markeredgewidth=1.1)  # fmt: skip
     if colour == RING:

@@ -184,7 +184,7 @@ class View:
         for body in self.frame or self.bodies:
             seen = self.places(body) @ camera.page.T
             low, high = np.minimum(low, seen.min(axis=0) - body.a), np.maximum(high, seen.max(axis=0) + body.a)
-            for at, away, _ in body.pushes:
+            for at, away, *_ in body.pushes:
                 tip = camera.page @ self.arrow(body, at, away, ARROW * body.R, camera)[1]
                 low, high = np.minimum(low, tip), np.maximum(high, tip)
         if abs(camera.page[0, 2]) < 1e-9 and not camera.is_end_view:

@@ -24,12 +24,14 @@ from studies.language.case_input import case_to_solve
 from studies.language.loader import loads
 from studies.language.study import MAX_STATIONS
 
+from ..words.free_rod_words import error_beside
 from . import quantity_variables, schema
 from .chosen_cases import SAME, real
 from .one_case import method_of, solve_one
 from .sweep import Sweep, between
 
-POINT, POINT_FORCES = "point", ("point_force_at", "point_force")  # a dimension and two variables of it
+POINT = "point"  # a dimension and its variables
+POINT_FORCES = ("point_force_at", "point_force", "point_force_error")
 AGREES = 1e-4  # rad, or a share of the length or of the largest value: by which a rod may differ that is solved again
 MOST_SOLVED = 10_000  # cases that are solved again: seconds
 
@@ -120,14 +122,18 @@ def solve_once(ds: xr.Dataset, study: Study, case: Case, kept: dict[Any, Solutio
 
 def point_forces_of(sol: Solution, dims: Sequence[str]) -> dict[str, xr.Variable]:
     """The point forces of the wall on each case, over its dimensions and `POINT`: `POINT_FORCES`, where each acts
-    [length] and its size [force]; NaN beyond their number."""
+    [length], its size and the error of that [force]; NaN beyond their number."""
     assert isinstance(sol, FreeSolution)
     each = np.empty(sol.case.size, dtype=object)
     each[:] = [*sol.point_forces.ravel()] if sol.case.shape else [sol.point_forces]
-    rows = [[*pairs] if pairs is not None else [] for pairs in each]
+    units = np.broadcast_to(sol.case.rod.bending_stiffness / sol.case.rho**2, sol.case.shape).ravel()
+    rows = [
+        [(s, force, error_beside(sol, s, 1, k) * unit) for s, force in pairs or ()]
+        for k, (pairs, unit) in enumerate(zip(each, units, strict=True))
+    ]
     most = max(map(len, rows), default=0)
-    padded = np.array([row + [(np.nan, np.nan)] * (most - len(row)) for row in rows], dtype=float)
-    padded = padded.reshape(*sol.case.shape, most, 2)
+    padded = np.array([row + [(np.nan, np.nan, np.nan)] * (most - len(row)) for row in rows], dtype=float)
+    padded = padded.reshape(*sol.case.shape, most, 3)
     return {name: xr.Variable((*dims, POINT), padded[..., k]) for k, name in enumerate(POINT_FORCES)}
 
 

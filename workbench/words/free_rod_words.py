@@ -28,7 +28,7 @@ def sentences(sol: "Solution", units: dict[str, str]) -> list[str]:
     if not sol.contacts:
         return [f"the rod touches the cylinder nowhere between its ends: {gap}", *held]
     share, where = numbers["contact_share"], places_of_contact(sol, length)
-    percent = _with_error(100 * share, 100 * numbers["contact_share_error"], 100 * share)
+    percent = with_error(100 * share, 100 * numbers["contact_share_error"], 100 * share)
     touches = f"lies on {percent} % of its length on the wall," if share else "touches the wall"
     said = [f"the rod {touches} {where}; it is {gap}"]
     if sol.point_forces and len(sol.contacts) <= MOST:
@@ -59,22 +59,20 @@ def places_of_contact(sol: "Solution", length: str) -> str:
 def point_forces(sol: "Solution") -> list[tuple[str, str]]:
     """Where each point force of the wall acts, and its size, in the digits that their errors allow."""
     unit = float(sol.case.rod.bending_stiffness) / float(sol.case.rho) ** 2
-    return [
-        (_place(sol, s), _with_error(force, error_beside(sol, s, 1) * unit, force)) for s, force in sol.point_forces
-    ]
+    return [(_place(sol, s), with_error(force, error_beside(sol, s, 1) * unit, force)) for s, force in sol.point_forces]
 
 
 def _place(sol: "Solution", s: float) -> str:
     """Where a contact begins or ends: an end of the rod, or in the digits that the error allows."""
     lengths = [high - low for low, high in sol.contacts if high > low]
-    return _with_error(
+    return with_error(
         s,
         error_beside(sol, s, 0) * float(sol.case.rho) * (0 < s < float(sol.case.rod.L)),
         min(lengths, default=math.inf),
     )
 
 
-def _with_error(value: float, error: float, size: float) -> str:
+def with_error(value: float, error: float, size: float) -> str:
     """A number as `within`; with its error, ``60 ± 97``, where that rounding might change a size by its own amount.
 
     size: of the number itself, or of a stretch that begins or ends there.
@@ -84,13 +82,14 @@ def _with_error(value: float, error: float, size: float) -> str:
     return f"{within(value, error / 20)} ± {plain(error, 2)}"
 
 
-def error_beside(sol: "Solution", s: float, kind: int) -> float:
+def error_beside(sol: "Solution", s: float, kind: int, k: int = 0) -> float:
     """The estimated error of where a contact begins or ends that does so nearest to s, in units of rho.
 
-    kind: 1 instead of 0 for that of the point force there, in units of A and rho.
+    kind: 1 instead of 0 for that of the point force there, in units of A and rho. k: the place of the case in a grid.
     """
-    errors = errors_of_contacts(sol.trajectory.free.answers[0].shapes)[kind]
-    return float(errors.ravel()[np.abs(np.ravel(sol.contacts) - s).argmin()])
+    errors = errors_of_contacts(sol.trajectory.free.answers[k].shapes)[kind]
+    contacts = sol.contacts.ravel()[k] if sol.case.shape else sol.contacts
+    return float(errors.ravel()[np.abs(np.ravel(contacts) - s).argmin()])
 
 
 def length_error(sol: "Solution") -> float:

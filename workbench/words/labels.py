@@ -33,13 +33,13 @@ def number(value: float, digits: int = 4) -> str:
     return text.rstrip("0").rstrip(".") if "." in text else text
 
 
-def alike(values: Iterable[float]) -> list[str]:
-    """Numbers side by side, all with as many digits as the one with most of them.
+def alike(values: Iterable[float], digits: int = 4) -> list[str]:
+    """Numbers side by side, all with as many digits as the one with most of them, at most so many.
 
     >>> alike([6.58, 7.197, 0.0])
     ['6.580', '7.197', '0']
     """
-    texts = [number(value) for value in values]
+    texts = [number(value, digits) for value in values]
     most = max((len(re.sub(r"\D", "", text).lstrip("0")) for text in texts if "." in text), default=0)
 
     def in_full(text: str) -> str:

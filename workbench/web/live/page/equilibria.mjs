@@ -3,7 +3,7 @@
 import { makeBranches } from "./branch_diagram.mjs";
 import { element, make, set } from "./details.mjs";
 import { range } from "./range.mjs";
-import { number, stability, stated } from "./text.mjs";
+import { alike, stability, stated } from "./text.mjs";
 
 /* me: the page's state, list and place in it. context: the span of a field. send: asks the server. update(how): draws the
    state. */
@@ -104,6 +104,8 @@ function showList(box, list, here, units, choose) {
     "attached",
   ])
     head.append(make("th", { scope: "col" }, text));
+  const energies = alike(list.map(({ energy }) => energy), 5),
+    slopes = alike(list.map(({ dbeta0 }) => dbeta0 * size), 5);
   list.forEach((one, i) => {
     const row = body.insertRow(),
       pick = make("input", { type: "radio", name: "equilibrium", id: `e-${i}`, checked: i === here }),
@@ -114,8 +116,8 @@ function showList(box, list, here, units, choose) {
     for (const text of [
       stability(one.index),
       one.bends,
-      number(one.energy, 5),
-      number(one.dbeta0 * size, 5),
+      energies[i],
+      slopes[i],
       `${Math.round(100 * one.attached)} %`,
     ])
       row.insertCell().append(text);

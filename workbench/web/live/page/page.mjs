@@ -152,6 +152,7 @@ function took(shape, head, how, since) {
   const drawn = performance.now();
   diagrams.show(shape, me.state.units, view.drawn.scale);
   shown.showState();
+  showSubject(shape.one.side);
   me.drawn += 1;
   document.dispatchEvent(
     new CustomEvent("drawn", {
@@ -166,6 +167,13 @@ function took(shape, head, how, since) {
   }
   if (shape.one.varies) return;
   if (served && (!how.chosen || !me.list.length)) later("list", PATIENCE.list, equilibria.ask);
+}
+
+function showSubject(side) {
+  const subject = `A rod ${side === "inside" ? "in" : "on"} a cylinder`;
+  set(element("subject"), subject);
+  document.title = subject;
+  element("page").dataset.subject = subject; // of a print
 }
 
 function afterwards() {

@@ -15,6 +15,18 @@ export function number(value, digits = 4) {
   return minus(text);
 }
 
+/* Numbers side by side, all with as many digits as the one with most of them. */
+export function alike(values, digits = 4) {
+  const texts = values.map((value) => number(value, digits)),
+    count = (text) => text.replace(/\D/g, "").replace(/^0+/, "").length,
+    most = Math.max(0, ...texts.filter((text) => text.includes(".")).map(count));
+  return texts.map((text) => {
+    const missing = most - count(text);
+    if (missing <= 0 || text.includes("e") || !/[1-9]/.test(text)) return text;
+    return text + (text.includes(".") ? "" : ".") + "0".repeat(missing);
+  });
+}
+
 /* Powers of ten as in print: "2.5e−10" as "2.5·10⁻¹⁰", "1e6" as "10⁶". */
 export const powers = (text) =>
   text.replace(
