@@ -56,6 +56,9 @@ WORDS = {
 }
 # in tables: where the twist is from, and which stiffness
 SYMBOLS = {"force-first": "F₁₀", "twist-first": "γ₀′", "shear": "γ₀′, F₁₀ shear", "paper": "eq. 20"}
+STIFFNESSES_SAID = (
+    "Stiffness: eq.\N{NO-BREAK SPACE}20, as the paper's equation (20) gives it; solid, of a solid section."
+)
 
 
 @dataclass(frozen=True)

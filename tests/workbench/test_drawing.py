@@ -12,6 +12,7 @@ from studies.language.loader import loads
 from tests.workbench import small, study_kinds
 from tests.workbench.page_faults import faults
 from workbench.figures import canvas, drawing, section
+from workbench.figures.drawn_numbers import CASING
 from workbench.figures.sheet import MILLIMETRES, sheet
 from workbench.figures.views_on_paper import HAIR
 from workbench.run import in_memory
@@ -39,7 +40,7 @@ def test_a_drawing_of_a_cable_is_true_to_scale_and_has_the_stored_numbers(cables
     assert height in texts or f"along the axis {height}" in line
     assert f"wrap {float(one['turns_around']):.4g} turns".replace("-", "−") in line
     assert f"bend radius, of the centreline: {1 / float(one['kappa_max']):.4g} mm" in " ".join(canvas.caption(fig))
-    scale = 1 / float(line.split("scale 1:")[1])
+    scale = 1 / float(line.split("scale\N{NO-BREAK SPACE}1:")[1])
     (x, y), (x1, y1) = ax.transData.transform([(0, -60), (float(one["height"]), 60)]) * MILLIMETRES / fig.dpi
     np.testing.assert_allclose([x1 - x, y1 - y], [float(one["height"]) * scale, 120 * scale], rtol=1e-9)
 
@@ -97,6 +98,16 @@ def test_a_rod_that_passes_before_itself_has_its_outline_where_it_does(monkeypat
     own = ink_between_the_ends()
     monkeypatch.setattr(drawing, "_pieces", lambda *_: ([], []))
     assert own > 1.3 * ink_between_the_ends()
+
+
+@pytest.mark.parametrize("thick", [1.0, 20.0])
+def test_a_winding_that_nowhere_passes_before_itself_has_one_outline(thick: float) -> None:
+    """The end of each turn is short towards the eye, and no second rod. Its hidden edge ends at the drum's outline."""
+    base = {"EI": 1.0, "GJ": 1.0, "a": thick, "L": 1500.0, "R": 60.0, "tension": 1.0, "lay": "82deg"}
+    stored = StoredStudy(in_memory.run(loads(small.text(base, "", "mm N", **SEEN))))
+    (ax,) = drawing.figure(stored, sheet=sheet("paper", 89)).axes
+    parts = [line for line in ax.lines if str(line.get_gid()).startswith("rod, ")]
+    assert len([line for line in ax.lines if line.get_label() == CASING]) == len(parts)
 
 
 def test_a_pipe_lies_on_the_low_side_of_the_hole_that_is_drawn() -> None:

@@ -107,3 +107,9 @@ def test_a_long_rod_in_lines_shows_what_is_stored(pipe) -> None:
         "on a page": lambda: unrolled.figure(StoredStudy(pipe), sheet=sheet("paper", 183, titled=False)),
     }
     stored_figures.check("pictures_long_rods", pictures)
+
+
+def test_the_rounding_of_a_level_curve_is_no_band_of_waves() -> None:
+    x = np.linspace(0, 1, 2001)
+    assert any(part.band for part in waves.stretches(x, 160 + np.sin(3000 * x), 5.0))
+    assert not any(part.band for part in waves.stretches(x, 160 * (1 + 1e-13 * np.sin(3000 * x)), 5.0))

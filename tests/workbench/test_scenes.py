@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure
 from PIL import Image
@@ -241,7 +242,7 @@ def test_beside_a_compressed_axis_stand_the_hole_and_a_part_at_true_scale() -> N
     middle = 2 * signs.EYE + true_scale.HOLE
     np.testing.assert_allclose(np.hypot(x - middle, y - true_scale.HOLE), 0.5 * true_scale.HOLE, rtol=1e-6)
     (wall,) = [one for one in ax.patches if one.get_gid() == "at true scale"]
-    (band,) = ax.collections
+    (band,) = (one for one in ax.collections if isinstance(one, PolyCollection))
     left = middle + true_scale.HOLE + true_scale.APART
     assert wall.get_width() == pytest.approx(wide - left)
     ends = band.get_paths()[0].vertices[:, 0]
@@ -250,7 +251,10 @@ def test_beside_a_compressed_axis_stand_the_hole_and_a_part_at_true_scale() -> N
     assert band.clipbox is not None
     shown = (wide - left) * 0.2 / true_scale.STRIP  # length of the part; the strip is as high as the hole is wide
     words = f"a part of it at true scale: z = {number(30 - shown / 2)} to {number(30 + shown / 2)} m"
-    assert [text.get_text()[:23] for text in ax.texts] == ["the whole rod, seen\nalong the hole"[:23], words[:23]]
+    assert [text.get_text()[:22] for text in ax.texts[:2]] == ["its end and its middle", words[:22]]
+    length, _ = ax.texts[2].get_text().split()
+    (bar,) = (np.ptp(one.get_segments()[0][:, 0]) for one in ax.collections if isinstance(one, LineCollection))
+    assert bar == pytest.approx(float(length) * true_scale.STRIP / 0.2)
 
 
 def test_the_eye_beside_the_cylinder_from_above_stands_on_the_page_whole() -> None:

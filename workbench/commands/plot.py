@@ -221,5 +221,6 @@ def _story(folder: Path, wanted: PlotOptions) -> Result:
     story = tenants.module_of("workbench.paper.story")
     path = check_file(wanted.out or folder / "story.png", canvas.DIAGRAMS, wanted.force)
     datasets = {name: reading.read_stored(folder / f"{name}.h5", study=name != story.CLAIMS) for name in story.NEEDED}
-    canvas.save(story.figure(datasets, sheet("paper", wanted.width or 183, titled=False)), path, wanted.dpi)
-    return result_of_files([path])
+    drawn = story.figure(datasets, sheet("paper", wanted.width or 183, titled=False))
+    canvas.save(drawn, path, wanted.dpi)
+    return result_of_files([path], [*canvas.caption(drawn), str(path)])

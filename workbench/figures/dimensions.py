@@ -7,7 +7,9 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.patches import Arc
+from matplotlib.patches import FancyArrowPatch
+from matplotlib.path import Path
+from matplotlib.transforms import Affine2D
 
 from . import canvas, colours, fonts
 from .sheet import MILLIMETRES
@@ -89,11 +91,14 @@ def dimension_lay(ax: Axes, view: Views, a: float, text: str) -> None:
 
     inside = next(filter(has_place, crossings[crossings.size // 2 :]), None)
     x = float(view.x[crossings[-1] if inside is None else inside])
-    across, ends = 2 * ARC / view.mm, sorted((0.0, turned))
-    ax.add_patch(
-        Arc((x, 0), across, across, theta1=ends[0], theta2=ends[1], color=colours.INK, linewidth=FINE, zorder=5)
-    )
-    ax.plot([x, x + 1.3 * ARC / view.mm], [0, 0], color=colours.INK, linewidth=FINE, zorder=5, label="_samples")
+    ends = sorted((0.0, turned))
+    arc = Path.arc(ends[0], ends[1]).transformed(Affine2D().scale(ARC / view.mm).translate(x, 0))
+    ax.add_patch(FancyArrowPatch(path=arc, arrowstyle=BETWEEN, mutation_scale=fonts.small(), color=colours.INK,
+                                 linewidth=FINE, zorder=5))  # fmt: skip
+    for angle in map(math.radians, ends):  # along the axis, and in the middle of the rod
+        long = 1.3 * ARC / view.mm
+        ax.plot([x, x + long * math.cos(angle)], [0, long * math.sin(angle)], color=colours.INK, linewidth=FINE,
+                zorder=5, label="_samples")  # fmt: skip
     if inside is not None:
         _write(ax, [x + place[0], place[1]], text, "left", bbox=PLATE)
     else:

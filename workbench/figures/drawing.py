@@ -41,12 +41,13 @@ from .drawn_numbers import CASING
 from .sheet import MILLIMETRES, SCREEN, WIDEST, Sheet
 from .views_on_paper import ABOVE, BELOW, HAIR, LEFT, RIGHT, SPARE, THICK, Values, Views, views_of
 
-EDGE = 0.9  # points of an outline
+EDGE, THIN = 0.9, 0.35  # points of an outline, and of that of turns side by side at least
 HIDDEN = (0, (4, 2.5))
 AXIS: dict[str, Any] = {"color": colours.SOFT, "linewidth": FINE, "linestyle": (0, (12, 2.5, 2, 2.5)), "zorder": 2.2,
                         "gid": "axis"}  # fmt: skip
 EVEN = math.radians(0.05)  # by which a lay varies that is one angle
-SLIVER = 0.5  # millimetres beside a turn in which no hidden edge is drawn: between close turns it would be specks
+SLIVER = 0.5  # millimetres beside a turn, within which a hidden edge is not drawn: it would be specks
+LEAST_STEP = 1e-6  # of a step along the rod: that of its line on paper
 PIECE = 0.5  # radii of the rod in a piece of one that passes before itself
 TICK = 1.5  # millimetres: half of one across the wall
 WIDER = 5.0  # millimetres from one width to the next at which is asked whether all has room
@@ -160,9 +161,9 @@ def _words(
         where = places_of_contact(free, unit_of_length) if free.contacts else "nowhere between its ends"
         parts += [f"on the wall {where}", f"up to {unit('L', gap)} off it"]
     elif lay := _lay(view):
-        parts += [f"lay {lay}"]
+        parts += [f"lay{labels.NO_BREAK}{lay}"]
     along = f" across, {_scale_words(view.scale * view.squeeze)} along the axis" if view.squeeze < 1 else ""
-    line = ", ".join([*parts, f"scale {_scale_words(view.scale)}{along}"])
+    line = ", ".join([*parts, f"scale{labels.NO_BREAK}{_scale_words(view.scale)}{along}"])
     said = [f"The rod: {line}.", f"Its least bend radius, of the centreline: {unit('L', 1 / kappa)}."] if kappa else []
     hides = str(chosen.attrs["side"]) == "outside"
     eye = "−90°, with the low side down" if view.low_side else "90°"
@@ -204,7 +205,15 @@ def _strokes(view: Views, a: float) -> list[tuple[str, float]]:
     """The strokes of the rod, one upon the other: colour and points; of one thinner than a line its line alone."""
     thick = max(2 * a * view.mm, HAIR) / MILLIMETRES * 72
     outline = (colours.INK, thick)
-    return [outline] if 2 * a * view.mm < HAIR else [outline, ("white", max(thick - 2 * EDGE, 0.3 * thick))]
+    return [outline] if 2 * a * view.mm < HAIR else [outline, ("white", max(thick - 2 * _edge(view, a), 0.3 * thick))]
+
+
+def _edge(view: Views, a: float) -> float:
+    """Points of the outline of the rod: no more than the gap between its turns has, which is black else."""
+    tops = np.flatnonzero((np.diff(view.near >= 0) != 0) & (view.y[1:] > 0))
+    gaps = np.abs(np.diff(view.x[tops]) * np.sin(view.beta[tops[1:]])) - 2 * a
+    gap = float(gaps.min(initial=np.inf)) * view.mm / MILLIMETRES * 72
+    return float(np.clip(gap, THIN, EDGE)) if gap > 0 else EDGE
 
 
 def _draw_end(ax: Axes, view: Views, R: float, a: float, contacts: Sequence[tuple[float, float]]) -> None:
@@ -241,10 +250,12 @@ def _pieces(view: Views, of: slice, a: float) -> tuple[list[slice], list[slice]]
     later one is upon the others; off the wall the nearer one.
     """
     points = np.stack([view.x[of], view.y[of], np.zeros(of.stop - of.start)], axis=1)
+    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)  # along the line on paper, which is short towards the eye
+    along = np.append(0.0, np.cumsum(np.maximum(steps, LEAST_STEP * np.diff(view.s[of]))))
     spare = math.ceil(a / float(view.s[1] - view.s[0]))
     low, high = of.start + spare, of.stop - spare
     first, last = low + spare * (of.start == 0), high - spare * (of.stop == view.x.size)  # its ends have their section
-    if last - first < 2 or not solid_body.places(view.s[of], points, a):
+    if last - first < 2 or not any(i < j for i, j in solid_body.places(along, points, a) or ()):  # no bend alone
         return [], []
     step = math.ceil(spare * PIECE)
     pieces = [slice(k, min(k + step + 1, last)) for k in range(first, last - 1, step)]
@@ -291,8 +302,11 @@ def _draw_body(ax: Axes, view: Views, R: float, a: float, side: str) -> None:
     for of in _parts(view, front=False) if side == "outside" else ():
         for edge in (-a, a) if 2 * a * view.mm > 1 else (0.0,):
             right, up = _beside(view.x[of], view.y[of], edge)
-            free = turns.query(np.stack([right, up], axis=1))[0] > a + SLIVER / view.mm
-            seen = np.where(free & (np.abs(up) < R), right, np.nan)
+            beside = turns.query(np.stack([right, up], axis=1))[0] - a
+            beside[np.abs(up) >= R] = 0.0
+            runs = np.cumsum(np.append(0, np.diff(beside > 0) != 0))  # each is drawn whole, or not at all
+            wide = np.array([beside[runs == run].max() > SLIVER / view.mm for run in range(runs[-1] + 1)])
+            seen = np.where((beside > 0) & wide[runs], right, np.nan)
             ax.plot(seen, up, color=colours.SOFT, linewidth=FINE, linestyle=HIDDEN, zorder=2.3, gid="hidden edge")
     for of in _parts(view, front=True):
         strand(of, 4, "rod, before the plane of the axis")
@@ -320,11 +334,12 @@ def _draw_section(ax: Axes, view: Views, k: tuple[int, int], a: float, R: float,
     """The section at an end of the rod, k: the last point and that before it: upon the rod where it faces the viewer,
     else below, so that it closes the outline. order: of drawing the rod there. hides: whether the cylinder may."""
     out = np.array([column[k[0]] - column[k[1]] for column in (view.x, view.y, view.near)])
-    low, line = 2 * a * abs(out[2]) / max(float(np.linalg.norm(out)), 1e-300), EDGE / 72 * MILLIMETRES / view.mm
+    low, edge = 2 * a * abs(out[2]) / max(float(np.linalg.norm(out)), 1e-300), _edge(view, a)
+    line = edge / 72 * MILLIMETRES / view.mm
 
     def section(inset: float, zorder: float, **look: Any) -> None:
         size, angle = (max(low - inset, 0.0), max(2 * a - inset, 0.0)), math.degrees(math.atan2(out[1], out[0]))
-        ax.add_patch(Ellipse((view.x[k[0]], view.y[k[0]]), *size, angle=angle, linewidth=EDGE, zorder=zorder, **look))
+        ax.add_patch(Ellipse((view.x[k[0]], view.y[k[0]]), *size, angle=angle, linewidth=edge, zorder=zorder, **look))
 
     section(line, order + math.copysign(0.05, out[2]), facecolor="white", edgecolor=colours.INK, gid="end of the rod")
     section(2 * line, order + 0.06, facecolor="white", edgecolor="none")  # no seam shows inside

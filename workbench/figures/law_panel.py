@@ -236,7 +236,8 @@ def _boundary(ax: Axes, law: LawLine, along: Any) -> None:
 
 
 def _line(ax: Axes, along: Any, values: Any, label: str, look: Any = DASHED) -> None:
-    ax.plot(along, values, color=colours.INK, linewidth=1.0, linestyle=look, zorder=3, label=labels.minus_signs(label))
+    words = labels.minus_signs(labels.typeset(label))
+    ax.plot(along, values, color=colours.INK, linewidth=1.0, linestyle=look, zorder=3, label=words)
 
 
 def sentence(law: LawLine) -> str:

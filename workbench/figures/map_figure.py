@@ -108,6 +108,7 @@ def figure(
             of = f"the {grid.sizes[choice.along]} values of {labels.axis_symbol(choice.along)}"
             said.append(f"The columns show {len(choice.columns)} of {of}.")
         said += grid.level_notes(grid.observables) if not show else []
+        said += labels.definitions(grid.expressions, choice.shown)
         coarse = [name for name in grid.observables if watched and not show and name not in watched]
         said += canvas.say_left_out([*choice.left_out, *coarse], "--show")
         if choice.along and choice.held:

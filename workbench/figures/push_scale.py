@@ -57,7 +57,7 @@ def line(
     has the colours of its heights, another one has none.
     """
     casing, ramp = max(width * EDGE, width + LEAST), colours.push_ramp()
-    place: dict[str, Any] = {"zorder": order, "transform": where or ax.transData}
+    place: dict[str, Any] = {"zorder": order, "transform": where or ax.transData, "snap": False}  # both at one height
     points: NDArray[np.float64] = np.column_stack([x, y])
     middles = (points[1:] + points[:-1]) / 2
     before, after = np.vstack([points[:1], middles]), np.vstack([middles, points[-1:]])

@@ -125,6 +125,7 @@ def _figure_of(
     said += [trends.ALONE] * any(line.alone for line in chosen.panels)
     said += [trends.OTHERS] * any(len(line.lines) for line in chosen.panels)
     said += [*map(law_panel.caption_of, chosen.in_words), *chosen.level]
+    said += labels.definitions(stored.expressions, _formulas(chosen))
     said += canvas.say_left_out(chosen.left_out, "--show or --panel")
     if not lines:
         why = " ".join(said) or "the dataset has neither observables nor the arrays alpha and z."
@@ -171,10 +172,11 @@ def _choice(
     if sheet.panel is None:
         level = stored.level_notes(name for name in known if name not in on)
         left_out = [name for name in stored.names_that_vary if name not in on]
-        trivial = [law for law in laws if law.is_trivial]
+        trivial = [law for law in laws if law.is_trivial or any(law.repeats(other) for other in laws)]
         panels: Sequence[TrendLine] = [law for law in laws if law not in trivial]
-        if not (panels or strips):
-            trivial, panels = [], trivial
+        if not panels:
+            panels = [law for law in trivial if not (strips and law.is_level)]
+            trivial = [law for law in trivial if law not in panels]
         if not laws:
             panels = [stored.trend(name, along) for name in names]
         return _Choice(panels, strips, trivial, level, left_out)
@@ -186,6 +188,17 @@ def _choice(
     if panel in known:
         return _Choice([stored.trend(panel, along)])
     return _Choice([named[panel]] if panel in named else [law for law in laws if law.row["claim"] == panel])
+
+
+def _formulas(chosen: _Choice) -> list[str]:
+    """The names and formulas that panels and the laws of the caption show."""
+    lines = [*chosen.panels, *chosen.in_words]
+    formulas = [
+        line.formulas.get(formula, formula)
+        for line in lines
+        if isinstance(line, LawLine) and isinstance(formula := line.row["rule"].get("formula"), str)
+    ]
+    return [*(str(line.observable.name) for line in lines), *formulas]
 
 
 def _first_of(chosen: _Choice, most: int, narrow: bool) -> _Choice:

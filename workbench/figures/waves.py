@@ -11,6 +11,8 @@ from matplotlib.path import Path
 from matplotlib.transforms import Transform
 from numpy.typing import NDArray
 
+from studies.laws.line_verdicts import NOISE
+
 LEAST = 0.04  # inches of a wave: four pixels of a screen
 FEW = 4  # waves one after the other that are less than a band
 EDGE, PALE = 0.6, 0.5  # points of the edges of a band; opacity of what is between them
@@ -44,7 +46,8 @@ def stretches(x: Values, y: Values, inches: float) -> Iterator[Stretch]:
     moves = np.flatnonzero(sign)
     turns = np.concatenate([[0], moves[1:][np.diff(sign[moves]) != 0], [y.size - 1]])
     wide = (x[turns[2:]] - x[turns[:-2]]) * inches >= LEAST
-    if wide.all() or (np.diff(x) <= 0).any():
+    is_level = np.ptp(y) <= NOISE * np.abs(y).max()  # but for rounding, whose waves nobody sees
+    if wide.all() or is_level or (np.diff(x) <= 0).any():
         yield Stretch(slice(0, x.size))
         return
     narrow = np.append(~wide, False) | np.append(False, ~wide)  # from each turn to the next

@@ -42,7 +42,7 @@ NEXT = 1.3  # of the largest compression: up to there a limit that is not reache
 MARGIN = 0.06  # of the range of a track
 CLOSE = 0.7  # points of a curve beside a band
 STEEP = 0.5**0.5  # of s, 45 degrees up: holes that are drilled climb less
-STRIP = 0.07  # of the width of a track, for the states
+STRIP = 1.06, 1.14  # where the states stand beside a track, in its width
 BANDS = (
     ("sinusoid", colours.STATES["sinusoidal"], 0.22),
     ("or helix", "#7f9fa6", 0.3),
@@ -258,20 +258,13 @@ def _draw_limits(ax: Axes, limits: list[pipe_words.Limit], unit: str) -> None:
 
 
 def _draw_states(ax: Axes, rod: DrawnRod) -> None:
-    """A strip of the states beside the track."""
-    low, high = ax.get_xlim()
-    ax.set_xlim(low, high + (high - low) * STRIP / (1 - STRIP))
+    """A strip of the states beside the track, outside its axes: it has the depth, and no force."""
+    where = ax.get_yaxis_transform()
     for part in _states(rod):
-        ax.fill_betweenx(
-            (part.begin, part.end),
-            1 - STRIP,
-            1,
-            color=colours.STATES[part.word],
-            linewidth=0,
-            zorder=4,
-            transform=ax.get_yaxis_transform(),
-            label=part.word,
-        )
+        ax.fill_betweenx((part.begin, part.end), *STRIP, color=colours.STATES[part.word], linewidth=0, transform=where,
+                         clip_on=False, label=part.word)  # fmt: skip
+    ax.annotate("state", (sum(STRIP) / 2, 0), (0, -4), xycoords="axes fraction", textcoords="offset points",
+                ha="center", va="top", size=fonts.small(), color=colours.SOFT)  # fmt: skip
 
 
 def _draw_stress(rod: DrawnRod, unit: str, stresses: Any, most: float | None, ax: Axes) -> list[str]:

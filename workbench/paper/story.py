@@ -17,7 +17,7 @@ from scipy.interpolate import CubicSpline
 
 from solver.orbits import frames
 from studies.laws.line_verdicts import FAILS, HOLDS, QUALIFIED, TREND, UNDECIDED
-from studies.paper.readings import parse
+from studies.paper.readings import STIFFNESSES_SAID, parse
 
 from ..figures import canvas, colours, crossing_rings, drawn_rods, fonts, law_panel, push_scale, unrolled
 from ..figures.sheet import Sheet
@@ -108,10 +108,18 @@ def figure(datasets: Mapping[str, StoredStudy], page: Sheet) -> Figure:
         ]
         letters(datasets[ROD], axes[0])
         row(datasets[ALONG], axes[1], axes[4])
-        law(datasets[ALONG], axes[2])
+        verdict = law(datasets[ALONG], axes[2])
         claims(datasets[CLAIMS], axes[3])
+        said = [
+            "(a) The first part of the rod of Table 1, with its letters.",
+            f"(b) The rods along {labels.axis_symbol(datasets[ALONG].axes[0])} in the colours of the push.",
+            f"(c) {verdict}",
+            "(d) The claims of the paper under each reading of Table 1: these differ in the twist, the sign of F₃₀ and "
+            f"the stiffness. {STIFFNESSES_SAID}",
+        ]
         for text, (x, y) in zip(*LETTERS[page.narrow], strict=True):
             fig.text(x * share / page.width, y / height, text, weight="bold", size=fonts.large(), va="top")
+        canvas.add_to_caption(fig, said)
 
     return canvas.figure((page.width, height), draw, layout=None, sheet=page)
 
@@ -188,8 +196,8 @@ def row(stored: StoredStudy, ax: Axes, below: Axes) -> None:
         below.legend(handles=[entry], loc="upper right", bbox_to_anchor=(1, -down), borderpad=0)
 
 
-def law(stored: StoredStudy, ax: Axes) -> None:
-    """The first law of a dataset: its observable along the axis, and its verdict."""
+def law(stored: StoredStudy, ax: Axes) -> str:
+    """The first law of a dataset: its observable along the axis, and its verdict. Returns its sentence in captions."""
     (verdict, *_) = stored.verdicts
     line = stored.law_line(verdict)
     trend(line, ax)
@@ -197,6 +205,7 @@ def law(stored: StoredStudy, ax: Axes) -> None:
     colour = colours.VERDICTS[verdict["verdict"]]
     ax.set_title(fonts.wrap(title, ax, fonts.small()), loc="left", size=fonts.small(), color=colour, pad=3)
     canvas.add_legend(ax, loc="upper right", borderpad=0.0, handlelength=1.3)
+    return law_panel.caption_of(line)
 
 
 def claims(stored: StoredStudy, ax: Axes) -> None:

@@ -260,7 +260,7 @@ def _together(
     held = {k: i for k, i in cases[0].items() if k != axis}
     down = gravity(stored, held)
     bodies = in_view(thin, down, settings)
-    case = ", ".join([labels.axis_label(stored[axis]), *scene_kinds.values(stored, held)])
+    case = ", ".join(scene_kinds.values(stored, held))  # the legend names the axis
     notes = [f"drawn at {GHOST:.2g} of the thickness, one upon the other"]
     notes += long_rod.notes_on(bodies, stored.units["length"])
     rows, camera = _from_sides(bodies, bodies, settings, down)
@@ -291,7 +291,7 @@ def _row(
     shown = [labels.axis_label(stored[name]) for name in names if name not in scene_kinds.UNNAMED]
     notes = [f"in place of {moved} unsolved case{'s' * (moved > 1)} the nearest solved"] if moved else []
     scene = _several(stored, kind, names, rows, cameras[0], settings, chosen[0], shown, notes)
-    scene = replace(scene, caption=_counts(names, [len(chosen)], [len(line)]))
+    scene = replace(scene, caption=[*kind.caption, *_counts(names, [len(chosen)], [len(line)])])
     room = room_of(scene)
     scenes = [replace(scene, rows=in_rows(rows[0], camera, room), camera=camera) for camera in cameras]
     return compose_larger(scenes, room)

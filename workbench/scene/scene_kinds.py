@@ -119,6 +119,7 @@ def equilibrium(stored: StoredStudy, names: list[str], where: dict[str, int]) ->
 RELEASED = "let_go"  # the dimension of a rod that the cylinder holds on, and of the same rod let go
 CASE, NOTE = "case_in_words", "note"  # attributes of the two; of their motion
 LET_GO = "let-go"  # the kind of scene of the two
+ENDS_HELD = "Let go, both ends keep the places, directions and rotations that they have on the cylinder."
 SIDES_OF_RELEASE = ("held on the cylinder", "let go: the cylinder only pushes")
 
 
@@ -183,6 +184,8 @@ class SceneKind:
         Cells of one axis that are shown.
     notes
         Sentences beside the legend.
+    caption
+        Sentences of the caption.
     numbers
         What is said in numbers of the rod of a scene of one, from its curve and the units.
     """
@@ -198,6 +201,7 @@ class SceneKind:
     of_equilibria: bool = False
     most: int = 9
     notes: tuple[str, ...] = ()
+    caption: tuple[str, ...] = ()
     numbers: Callable[[Centreline, dict[str, str]], list[str]] = lambda line, units: []
 
     def value_in(self, units: dict[str, str]) -> Callable[[Centreline, Array], Array] | None:
@@ -238,7 +242,7 @@ TABLE = (
     SceneKind("grid", "each", **PUSH),
     SceneKind("equilibria", "each", CURVE | {"energy", "index"}, **PUSH,
          cell=equilibrium, of_equilibria=True, most=18, notes=("below each rod its energy",)),
-    SceneKind(LET_GO, "each", **PUSH, cell=release),
+    SceneKind(LET_GO, "each", **PUSH, cell=release, caption=(ENDS_HELD,)),
 )  # fmt: skip
 KINDS = {kind.name: kind for kind in TABLE}
 

@@ -15,14 +15,14 @@ from ..figures.views_on_paper import end_view
 from ..words import labels
 from .body import Body
 from .long_rod import UPRIGHT
-from .signs import EYE, draw_eye
+from .signs import EYE, draw_eye, draw_scale
 from .views import Camera, View
 
 HIGH = 1.1  # inches of all of it
 STRIP = 0.24  # inches of the cylinder in the part at true scale
 HOLE = 0.3  # inches, the radius of the cylinder seen along its axis
 APART = 0.3  # inches between the two
-WORDS = 0.1  # inches from one of them to the words below it
+WORDS, BAR = 0.1, 0.2  # inches from one of them to the words below it, and from there to the bar of the scale
 
 Values = NDArray[np.float64]
 
@@ -45,23 +45,30 @@ def draw(ax: Axes, view: View, camera: Camera, corner: tuple[float, float], wide
     hole_up = -low_side / size if size > UPRIGHT else up
     _draw_hole(ax, body, places, hole_up, (x, middle))
     words: dict[str, Any] = {"size": fonts.SMALL, "va": "top"}
-    ax.text(corner[0], middle + HOLE + WORDS, "the whole rod, seen\nalong the hole", **words)
+    ax.text(corner[0], middle + HOLE + WORDS, "its end and its middle\nline, along the hole", **words)
     if camera.seen_from is not None:
         to_viewer = np.ravel(end_view(camera.toward[None], hole_up)) * [1, -1]
         to_viewer /= np.linalg.norm(to_viewer)
         draw_eye(ax, np.array([x, middle]) + (HOLE + EYE) * to_viewer, to_viewer)
     x += HOLE + APART
     low, high = map(labels.number, _draw_part(ax, body, places, up, (x, middle), corner[0] + wide - x))
-    ax.text(x, middle + STRIP / 2 + WORDS, f"a part of it at true scale: z = {low} to {high} {unit}", **words)
+    text, below = f"a part of it at true scale: z = {low} to {high} {unit}", middle + STRIP / 2 + WORDS
+    ax.text(x, below, text, **words)
+    beside = x + fonts.width_of(text, fonts.SMALL) + APART
+    draw_scale(ax, beside, below + BAR, STRIP / (2 * body.R), unit, 1.0)
 
 
 def _draw_hole(ax: Axes, body: Body, places: Values, up: Values, middle: tuple[float, float]) -> None:
-    """Draw the rod as one sees it who looks along z; up: a direction across the axis, (2,)."""
+    """Draw the end of the rod and the line of its middle, as one sees them who looks along z: all of the rod would fill
+    the hole. up: a direction across the axis, (2,)."""
     scale = HOLE / body.R
     right, above = end_view(places, up)
     x, y = middle[0] + scale * right, middle[1] - scale * above
     ax.add_patch(Circle(middle, HOLE, facecolor=colours.SURFACE, edgecolor=colours.SOFT, linewidth=0.8))
-    ax.plot(x, y, color=colours.NEUTRAL, linewidth=2 * body.a * scale * 72, solid_capstyle="round", gid="end view")
+    ax.add_patch(
+        Circle((x[0], y[0]), body.a * scale, facecolor=colours.NEUTRAL, edgecolor="none", gid="end of the rod")
+    )
+    ax.plot(x, y, color=colours.INK, linewidth=0.8, gid="end view")
 
 
 def _draw_part(

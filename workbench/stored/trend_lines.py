@@ -9,10 +9,11 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from solver.observe.observables import OBSERVABLES
-from studies.laws.line_verdicts import HOLDS
+from studies.laws.line_verdicts import HOLDS, MONOTONE
 
 Values = NDArray[np.float64]
 SEEN = 0.02  # of the range of the values with their errors, beyond which the errors are drawn
+PLAIN = (MONOTONE, "scales")  # kinds of laws that are seen on the curve of the observable alone
 IDENTITY = 1e-8  # a formula that agrees so well is an identity: its picture is a line on a line
 
 
@@ -75,3 +76,16 @@ class LawLine(TrendLine):
         """Whether a picture shows nothing: it is true of a number that is the same in all cases, or an identity."""
         exact = self.row["kind"] == "equals" and (self.row["rule"].get("relative") or 1.0) <= IDENTITY
         return self.row["verdict"] == HOLDS and (exact or self.is_level)
+
+    def repeats(self, other: "LawLine") -> bool:
+        """Whether its picture is that of another law, with no line of its own: it is true of a direction or a power,
+        and the other law has numbers of its own."""
+        return (
+            self.row["verdict"] == HOLDS
+            and self.row["kind"] in PLAIN
+            and other.row["kind"] not in PLAIN
+            and not other.is_trivial
+            and self.observable.name == other.observable.name
+            and self.axis.name == other.axis.name
+            and np.array_equal(self.values, other.values, equal_nan=True)
+        )

@@ -191,6 +191,20 @@ def formula(expressions: Mapping[str, str], text: str | float, array: xr.DataArr
     return _symbol(expressions, text) if text in expressions else f"{whole[: LONGEST - 1].rstrip()}…"
 
 
+def definitions(expressions: Mapping[str, str], formulas: Iterable[str]) -> list[str]:
+    """A sentence on what the expressions are that formulas name, and those that these name; none without any.
+
+    ``pull`` gives ``Here pull = MZ/ρ − EI/ρ².``
+    """
+    named, left = dict[str, str](), list(formulas)
+    while left:
+        for name in re.findall(r"[A-Za-z_]\w*", left.pop(0)):
+            if name in expressions and name not in named:
+                named[name] = f"{_symbol(expressions, name)} = {_in_symbols(expressions, expressions[name])}"
+                left.append(expressions[name])
+    return [f"Here {minus_signs(typeset('; '.join(named.values())))}."] if named else []
+
+
 def _in_symbols(expressions: Mapping[str, str], formula: str) -> str:
     text = re.sub(r"[A-Za-z_]\w*", lambda found: _symbol(expressions, found[0]), formula)
     text = re.sub(r"\babs\(((?:[^()]|\([^()]*\))*)\)", r"|\1|", text).replace("sqrt(", "√(")
